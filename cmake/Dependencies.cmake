@@ -1,0 +1,26 @@
+# Everything raysheaf stands on, found once. Debian packages are named where one is missing.
+find_package(TBB REQUIRED CONFIG)     # libtbb-dev
+find_package(hwy REQUIRED CONFIG)     # libhwy-dev
+find_package(PkgConfig REQUIRED)      # pkg-config
+pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)  # libepoxy-dev
+
+find_package(TinyGLTF REQUIRED CONFIG)       # libtinygltf-dev
+find_package(tinyobjloader REQUIRED CONFIG)  # libtinyobjloader-dev
+find_package(tinyexr REQUIRED CONFIG)        # libtinyexr-dev
+find_package(nlohmann_json REQUIRED CONFIG)  # nlohmann-json3-dev
+find_path(STB_INCLUDE_DIR stb/stb_image.h REQUIRED)  # libstb-dev
+
+if(RAYSHEAF_APP)
+  find_package(CLI11 REQUIRED CONFIG)  # libcli11-dev
+  find_package(fmt REQUIRED CONFIG)    # libfmt-dev
+endif()
+if(RAYSHEAF_TESTS)
+  find_package(GTest REQUIRED CONFIG)  # libgtest-dev
+endif()
+if(RAYSHEAF_BENCH)
+  find_package(benchmark CONFIG)  # libbenchmark-dev
+  if(NOT benchmark_FOUND)
+    message(STATUS "Google Benchmark not found: bench/ is left out")
+    set(RAYSHEAF_BENCH OFF)
+  endif()
+endif()

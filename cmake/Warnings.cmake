@@ -1,0 +1,9 @@
+# One interface target that every target of ours links: the language, the warnings, the floating-point
+# contract. Contraction is off everywhere, so that an expression has the same bits in every translation
+# unit, at every SIMD width and on the device.
+add_library(raysheaf_options INTERFACE)
+target_compile_features(raysheaf_options INTERFACE cxx_std_20)
+target_compile_options(raysheaf_options INTERFACE
+  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+    -Wnon-virtual-dtor -Woverloaded-virtual -ffp-contract=off -fno-math-errno -fno-trapping-math>
+  $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${RAYSHEAF_WERROR}>>:-Werror>)

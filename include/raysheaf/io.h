@@ -1,0 +1,40 @@
+// Files in and out. Every function throws `Error` whose place is the file, and the field where there
+// is one. Files are written beside their name and then renamed: either the old file stands or the
+// whole new one.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "raysheaf/scene_description.h"
+
+namespace raysheaf {
+
+/// Reads glTF 2.0 (.gltf, .glb), OBJ with MTL, PLY (ASCII, binary of either byte order) or STL
+/// (ASCII, binary); the ending of the name says which, in any case. The result has passed `validate`.
+[[nodiscard]] SceneDescription load_scene(const std::string& path);
+
+/// Writes the scene as one binary glTF file that `load_scene` reads back to the same geometry, bit
+/// for bit. Images are stored as PNG.
+void save_glb(const SceneDescription& scene, const std::string& path);
+
+/// Writes an eight-bit image as PNG; alpha is left out where it is 255 everywhere.
+void write_png(const Image& image, const std::string& path);
+
+/// One named channel of an OpenEXR picture: `width * height` floats, rows from the top. Layers are
+/// spelt as OpenEXR does: "normal.X", "normal.Y"; the beauty picture is "R", "G", "B".
+struct ExrChannel {
+  std::string name;
+  std::vector<float> values;
+};
+
+/// Writes 32-bit float channels as one ZIP-compressed OpenEXR file.
+void write_exr(std::uint32_t width, std::uint32_t height, std::vector<ExrChannel> channels,
+               const std::string& path);
+
+/// Writes text (JSON statistics) the same careful way.
+void write_text(const std::string& text, const std::string& path);
+
+}  // namespace raysheaf

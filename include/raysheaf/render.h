@@ -1,0 +1,81 @@
+// The renderer: a scene description in, a picture and its statistics out.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "raysheaf/scene_description.h"
+#include "raysheaf/statistics.h"
+#include "raysheaf/types.h"
+
+namespace raysheaf {
+
+/// How ray batches are answered. Every method gives the same hits, bit for bit.
+enum class Method : std::uint8_t {
+  kBrute,  ///< every ray with every triangle: ground truth
+  kRah,    ///< ray hierarchy over trimmed raster order (Roger, Assarsson, Holzschuch 2007)
+  kCrsh,   ///< hashed, compressed, sorted rays, and mesh culling (Reis, Costa, Pereira 2017)
+};
+
+[[nodiscard]] const char* to_string(Method method);
+/// Throws `Error` (kInvalidArgument) naming the methods there are.
+[[nodiscard]] Method method_from_string(std::string_view name);
+
+enum class Primary : std::uint8_t {
+  kRaster,  ///< OpenGL 4.5 through EGL
+  kTrace,   ///< rays, by the same method as all others
+};
+
+/// How far a frame is. `done` and `total` count the stage's own work items.
+struct Progress {
+  std::string_view stage;
+  std::uint64_t done = 0, total = 0;
+};
+
+struct RenderOptions {
+  std::uint32_t width = 512, height = 512;  ///< 1 to 16384 each
+  std::string camera;                       ///< a name or an index; empty: the first
+  Method method = Method::kCrsh;
+  Primary primary = Primary::kRaster;
+  std::uint32_t bounces = 2;     ///< reflections and refractions in a row, 0 to 32
+  std::uint32_t levels = 2;      ///< of the ray hierarchy, 1 to 8
+  std::uint32_t branching = 8;   ///< children a node, 2 to 64
+  std::uint32_t threads = 0;     ///< 0: all cores
+  bool shadows = true, reflections = true, refractions = true;
+  bool early_out = false;        ///< shadow rays stop at their first hit; the paper counts without
+  bool count_pixel_tests = false;  ///< fill `RenderResult::tests`
+  std::optional<float> exposure;   ///< factor on radiance before tone mapping; none: automatic
+  std::optional<Vec3> ambient;     ///< radiance of a uniform sky; none: a little, from the lights
+  /// Called now and then, from one thread at a time; false asks to stop (`Error` kCancelled).
+  std::function<bool(const Progress&)> progress;
+};
+
+/// Rows from the top, `width * height` entries each.
+struct RenderResult {
+  std::uint32_t width = 0, height = 0;
+  std::vector<Vec3> beauty;    ///< linear radiance
+  std::vector<Vec3> position;  ///< world; 0 where nothing is seen
+  std::vector<Vec3> normal;    ///< shading normal, world
+  std::vector<Vec3> albedo;    ///< diffuse plus specular reflectance at the first hit
+  std::vector<float> shadow;   ///< the part of the lights facing the first hit that reaches it
+  std::vector<float> tests;    ///< tests a pixel, over all its rays; empty unless asked for
+  float exposure = 1;          ///< the factor that `tone_mapped` uses
+  FrameStatistics statistics;
+};
+
+/// Renders one frame. The result does not depend on the number of threads, nor on the method.
+/// Throws `Error`: kInvalidArgument for options, kInvalidData for the scene, kNotFound for the camera,
+/// kNoGraphics where primary visibility needs OpenGL and none can be had.
+[[nodiscard]] RenderResult render(const SceneDescription& scene, const RenderOptions& options = {});
+
+/// The picture for people: exposure, the Khronos PBR Neutral tone curve (2024), sRGB.
+[[nodiscard]] Image tone_mapped(const RenderResult& result);
+
+/// Tests a pixel in false colours with a legend under them; `result.tests` must be there.
+[[nodiscard]] Image heatmap(const RenderResult& result);
+
+}  // namespace raysheaf

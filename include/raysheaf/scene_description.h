@@ -1,0 +1,129 @@
+// A scene as plain data: what the loaders fill, the built-in scenes generate and the renderer takes.
+// Lengths are in scene units, angles in radians, colours linear with Rec. 709 primaries unless said
+// otherwise. Everything may be edited between frames; nothing here is derived from anything else.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "raysheaf/types.h"
+
+namespace raysheaf {
+
+/// Eight-bit RGBA, rows from the top, four bytes a pixel, not premultiplied.
+struct Image {
+  std::string name;
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::uint8_t> rgba;
+};
+
+enum class Wrap : std::uint8_t { kRepeat, kMirroredRepeat, kClampToEdge };
+enum class Filter : std::uint8_t { kLinear, kNearest };
+
+struct Texture {
+  std::uint32_t image = kInvalidId;  ///< index into `SceneDescription::images`
+  Wrap wrap_u = Wrap::kRepeat, wrap_v = Wrap::kRepeat;
+  Filter filter = Filter::kLinear;
+};
+
+/// Where a material reads a texture. The mesh's `uvs` are first scaled, then rotated counter-clockwise
+/// by `rotation`, then moved by `offset` (KHR_texture_transform); `v` points down from the top row.
+struct TextureSlot {
+  std::uint32_t texture = kInvalidId;  ///< index into `SceneDescription::textures`, or none
+  Vec2 offset{0, 0}, scale{1, 1};
+  float rotation = 0;
+};
+
+/// glTF 2.0 metallic-roughness, with the transmission, ior, specular, emissive strength and unlit
+/// extensions. Textures multiply the factors beside them.
+struct Material {
+  std::string name;
+  Vec4 base_color{1, 1, 1, 1};     ///< alpha is kept but not used: every surface is opaque
+  TextureSlot base_color_texture;  ///< sRGB
+  float metallic = 0, roughness = 1;
+  TextureSlot metallic_roughness_texture;  ///< linear; roughness in green, metallic in blue
+  Vec3 emission{0, 0, 0};                  ///< radiance, strength included
+  TextureSlot emission_texture;            ///< sRGB
+  float specular = 1;
+  Vec3 specular_color{1, 1, 1};
+  float transmission = 0;
+  float ior = 1.5f;
+  bool unlit = false;
+  bool double_sided = false;  ///< false: back faces are not drawn by primary visibility
+};
+
+/// Triangles that move together. Front faces are counter-clockwise.
+struct Mesh {
+  std::string name;
+  std::vector<Vec3> positions;
+  std::vector<Vec3> normals;  ///< a unit vector a vertex, or empty: face normals are used
+  std::vector<Vec2> uvs;      ///< one a vertex, or empty
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices into the vertices
+  std::vector<std::uint32_t> materials;  ///< one a triangle, or a single one for all of them
+};
+
+struct Instance {
+  std::string name;
+  std::uint32_t mesh = 0;  ///< index into `SceneDescription::meshes`
+  Affine to_world;         ///< one that mirrors turns the winding, as glTF says
+};
+
+/// KHR_lights_punctual. `intensity` is colour times candela (point, spot) or lux (directional).
+struct Light {
+  enum class Type : std::uint8_t { kPoint, kSpot, kDirectional };
+  std::string name;
+  Type type = Type::kPoint;
+  Vec3 position{0, 0, 0};    ///< world; not used by directional lights
+  Vec3 direction{0, 0, -1};  ///< the unit vector along which light leaves; spot and directional
+  Vec3 intensity{1, 1, 1};
+  float range = std::numeric_limits<float>::infinity();
+  float inner_angle = 0, outer_angle = 0.785398163f;  ///< spot: half angles from the axis
+};
+
+/// A camera looks along its own -z with +y up. The picture's shape sets the horizontal extent.
+struct Camera {
+  std::string name;
+  Affine to_world;
+  bool orthographic = false;
+  float y_fov = 1.04719755f;  ///< perspective: full vertical angle
+  float y_mag = 1;            ///< orthographic: half the height of what is seen
+  float z_near = 0.01f;       ///< nothing nearer is drawn
+  float z_far = std::numeric_limits<float>::infinity();
+};
+
+struct SceneDescription {
+  std::string name;
+  std::vector<Mesh> meshes;
+  std::vector<Instance> instances;
+  std::vector<Material> materials;  ///< may be empty: triangles without one use `Material{}`
+  std::vector<Texture> textures;
+  std::vector<Image> images;
+  std::vector<Light> lights;
+  std::vector<Camera> cameras;
+  std::vector<std::string> warnings;  ///< a sentence for each thing a loader left out
+
+  /// Triangles counted once an instance.
+  [[nodiscard]] std::uint64_t triangle_count() const;
+};
+
+/// The box of every instance's vertices, in world space.
+[[nodiscard]] Box world_bounds(const SceneDescription& scene);
+
+/// Throws `Error` that names the first field which cannot be rendered: indices out of range,
+/// non-finite vertices, transforms or lights, arrays of unequal length, no triangle at all.
+void validate(const SceneDescription& scene);
+
+/// A camera that looks at the whole scene from the front, above and to the right.
+[[nodiscard]] Camera framing_camera(const SceneDescription& scene);
+
+/// A point light that shows the scene from where `camera` stands: above it and to its left.
+[[nodiscard]] Light showing_light(const SceneDescription& scene, const Camera& camera);
+
+/// Adds `framing_camera` where there is no camera, and `showing_light` where there is no light,
+/// no emission and no unlit material.
+void add_missing_camera_and_light(SceneDescription& scene);
+
+}  // namespace raysheaf

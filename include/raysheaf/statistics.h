@@ -1,0 +1,62 @@
+// What a frame did, counted as the paper counts (Reis, Costa, Pereira 2017, tables 1-4).
+//
+// For N rays and M triangles, branching b, and levels numbered from the leaves (level 1 = nodes of b
+// rays): tests at the top are those of its nodes with the candidate triangles, tests at level l are
+// b times the hits of level l + 1, final ray-triangle tests b times the hits of level 1. The last node
+// of a level counts as if it were full. Mesh-sphere tests stand apart and are in no total.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace raysheaf {
+
+enum class RayKind : std::uint8_t { kPrimary, kShadow, kReflection, kRefraction };
+
+[[nodiscard]] const char* to_string(RayKind kind);
+
+struct LevelStatistics {
+  std::uint32_t level = 0;
+  std::uint64_t tests = 0, hits = 0;
+  [[nodiscard]] std::uint64_t misses() const { return tests - hits; }
+};
+
+struct StageTimes {
+  double raygen = 0, order = 0, hierarchy = 0, traverse = 0, intersect = 0;  ///< milliseconds
+};
+
+/// All rays of one kind at one bounce. Bounces count from 1: the shadow rays of the primary hits and
+/// the reflections that leave them are both at bounce 1. Traced primary rays are at bounce 0.
+struct BatchStatistics {
+  RayKind kind = RayKind::kShadow;
+  std::uint32_t bounce = 0;
+  std::uint64_t rays = 0;
+  std::uint64_t triangles = 0;
+  std::uint64_t chunks = 0;  ///< runs of equal keys that were sorted; 0 where nothing was
+  std::uint64_t mesh_sphere_tests = 0;
+  std::vector<LevelStatistics> levels;  ///< from the top down
+  std::uint64_t final_tests = 0;
+  std::uint64_t hits = 0;  ///< rays that met something
+  StageTimes times_ms;
+
+  [[nodiscard]] std::uint64_t total_tests() const;
+  [[nodiscard]] std::uint64_t brute_force_tests() const { return rays * triangles; }
+  /// total / brute force, a fraction; 0 where there was nothing to test.
+  [[nodiscard]] double relative() const;
+};
+
+struct FrameStatistics {
+  std::string scene;
+  std::uint64_t triangles = 0, meshes = 0;  ///< meshes: instances, each culled on its own
+  std::uint32_t width = 0, height = 0;
+  std::string method, device, primary;
+  std::uint32_t threads = 0;
+  std::vector<BatchStatistics> batches;
+  double raster_ms = 0, shade_ms = 0, total_ms = 0;  ///< `total_ms` leaves loading out
+};
+
+/// The JSON that docs/statistics.md describes, indented; `load_ms` is the caller's own measurement.
+[[nodiscard]] std::string to_json(const FrameStatistics& statistics, double load_ms = 0);
+
+}  // namespace raysheaf

@@ -1,0 +1,58 @@
+// Plain numbers that cross the front door: vectors, affine maps, rays and hits.
+// No operators here; the mathematics is behind the door, in src/base/vec.h.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+
+namespace raysheaf {
+
+struct Vec2 {
+  float x = 0, y = 0;
+};
+
+struct Vec3 {
+  float x = 0, y = 0, z = 0;
+};
+
+struct Vec4 {
+  float x = 0, y = 0, z = 0, w = 0;
+};
+
+/// An affine map, as three rows of four: `p' = m[r][0] x + m[r][1] y + m[r][2] z + m[r][3]`.
+struct Affine {
+  std::array<std::array<float, 4>, 3> m = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+};
+
+/// An axis-aligned box; empty where `min > max` on any axis, as it is by default.
+struct Box {
+  Vec3 min{std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
+           std::numeric_limits<float>::infinity()};
+  Vec3 max{-std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
+           -std::numeric_limits<float>::infinity()};
+};
+
+inline constexpr std::uint32_t kInvalidId = 0xffffffffu;
+
+/// A ray. `t` counts in lengths of `direction`, which need not be a unit vector; a hit lies in
+/// `[t_min, t_max]`, and `t_max` may be infinite.
+struct Ray {
+  Vec3 origin;
+  float t_min = 0;
+  Vec3 direction;
+  float t_max = std::numeric_limits<float>::infinity();
+};
+static_assert(sizeof(Ray) == 32);
+
+/// What a ray met. A miss has `prim_id == kInvalidId` and `t == +inf`; `u` and `v` are the
+/// barycentric weights of the triangle's second and third vertex.
+struct Hit {
+  float t = std::numeric_limits<float>::infinity();
+  float u = 0, v = 0;
+  std::uint32_t prim_id = kInvalidId;
+  std::uint32_t geom_id = kInvalidId;
+  std::uint32_t inst_id = kInvalidId;
+};
+
+}  // namespace raysheaf

@@ -1,0 +1,36 @@
+// A span that devices understand too: a pointer and a length, nothing owned.
+#pragma once
+
+#include <cassert>
+#include <cstddef>
+#include <type_traits>
+
+#include "base/host_device.h"
+
+namespace raysheaf {
+
+template <class T>
+struct View {
+  T* data = nullptr;
+  std::size_t size = 0;
+
+  View() = default;
+  RAYSHEAF_HD View(T* first, std::size_t count) : data(first), size(count) {}
+  template <class Container,
+            class = std::enable_if_t<std::is_convertible_v<decltype(std::declval<Container&>().data()), T*>>>
+  View(Container& container) : data(container.data()), size(container.size()) {}  // NOLINT: a view
+
+  RAYSHEAF_HD T& operator[](std::size_t i) const {
+    assert(i < size);
+    return data[i];
+  }
+  [[nodiscard]] RAYSHEAF_HD bool empty() const { return size == 0; }
+  [[nodiscard]] RAYSHEAF_HD T* begin() const { return data; }
+  [[nodiscard]] RAYSHEAF_HD T* end() const { return data + size; }
+  [[nodiscard]] RAYSHEAF_HD View slice(std::size_t first, std::size_t count) const {
+    assert(first + count <= size);
+    return {data + first, count};
+  }
+};
+
+}  // namespace raysheaf

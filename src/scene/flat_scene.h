@@ -1,0 +1,68 @@
+// A scene as the stages want it: every instance's triangles in world space, in flat arrays.
+//
+// Triangles are numbered by (geom_id, inst_id, prim_id), so that comparing two numbers compares the
+// three ids in the order that breaks ties between hits. Arrays are padded to a whole number of SIMD
+// blocks with triangles that nothing hits.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/aligned.h"
+#include "base/view.h"
+#include "geom/sphere.h"
+#include "raysheaf/scene_description.h"
+
+namespace raysheaf {
+
+class Executor;
+
+inline constexpr std::uint32_t kTriangleBlock = 16;
+
+/// The triangles of one instance of one mesh, contiguous.
+struct FlatMesh {
+  std::uint32_t first_triangle = 0, triangle_count = 0;
+  std::uint32_t geom_id = 0, inst_id = 0;
+  bool mirrored = false;  ///< the transform turns the winding
+  Sphere bound;           ///< holds every vertex
+};
+
+enum TriangleFlag : std::uint8_t {
+  kSingleSided = 1,  ///< its material does not show back faces
+  kMirrored = 2,     ///< its instance mirrors: the front is clockwise
+};
+
+/// Read-only pointers to the arrays that traversal and intersection stream through.
+struct TriangleView {
+  std::uint32_t count = 0;       ///< without padding
+  const float* vertex[3][3]{};   ///< [corner][axis]
+  const float* sphere[4]{};      ///< centre x, y, z and radius
+  const std::uint8_t* flags{};
+};
+
+struct FlatScene {
+  const SceneDescription* description = nullptr;
+  std::uint32_t triangle_count = 0;
+  AlignedVector<float> vertex[3][3];  ///< [corner][axis]; zero-area triangles are collapsed to a point
+  AlignedVector<float> sphere[4];     ///< centre and radius of each triangle's bounding sphere
+  std::vector<std::uint8_t> flags;    ///< TriangleFlag
+  std::vector<std::uint32_t> mesh_of_triangle;  ///< index into `meshes`
+  std::vector<FlatMesh> meshes;
+  Box bounds;
+
+  [[nodiscard]] TriangleView triangles() const;
+  [[nodiscard]] Vec3 corner(std::uint32_t triangle, int k) const {
+    return {vertex[k][0][triangle], vertex[k][1][triangle], vertex[k][2][triangle]};
+  }
+};
+
+/// The minimum enclosing ball of each mesh of the description, in its own space. Once a mesh: moving
+/// an instance needs `transformed` alone.
+[[nodiscard]] std::vector<Sphere> mesh_bounds(const Executor& executor, const SceneDescription& scene);
+
+/// O(triangles). `description` must outlive the result and have passed `validate`; `object_bounds` is
+/// what `mesh_bounds` gave for it. Throws `Error` (kUnsupported) above 2^32 - 64 triangles.
+[[nodiscard]] FlatScene flatten(const Executor& executor, const SceneDescription& description,
+                                const std::vector<Sphere>& object_bounds);
+
+}  // namespace raysheaf
