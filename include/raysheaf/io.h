@@ -1,6 +1,6 @@
-// Files in and out. Every function throws `Error` whose place is the file, and the field where there
-// is one. Files are written beside their name and then renamed: either the old file stands or the
-// whole new one.
+// Files in and out. Every function throws `Error` whose place is the file, and the field where
+// there is one. Files are written beside their name and then renamed: either the old file stands or
+// the whole new one.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,8 @@
 namespace raysheaf {
 
 /// Reads glTF 2.0 (.gltf, .glb), OBJ with MTL, PLY (ASCII, binary of either byte order) or STL
-/// (ASCII, binary); the ending of the name says which, in any case. The result has passed `validate`.
+/// (ASCII, binary); the ending of the name says which, in any case. The result has passed
+/// `validate`.
 [[nodiscard]] SceneDescription load_scene(const std::string& path);
 
 /// Writes the scene as one binary glTF file that `load_scene` reads back to the same geometry, bit

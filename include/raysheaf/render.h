@@ -41,12 +41,12 @@ struct RenderOptions {
   std::string camera;                       ///< a name or an index; empty: the first
   Method method = Method::kCrsh;
   Primary primary = Primary::kRaster;
-  std::uint32_t bounces = 2;     ///< reflections and refractions in a row, 0 to 32
-  std::uint32_t levels = 2;      ///< of the ray hierarchy, 1 to 8
-  std::uint32_t branching = 8;   ///< children a node, 2 to 64
-  std::uint32_t threads = 0;     ///< 0: all cores
+  std::uint32_t bounces = 2;    ///< reflections and refractions in a row, 0 to 32
+  std::uint32_t levels = 2;     ///< of the ray hierarchy, 1 to 8
+  std::uint32_t branching = 8;  ///< children a node, 2 to 64
+  std::uint32_t threads = 0;    ///< 0: all cores
   bool shadows = true, reflections = true, refractions = true;
-  bool early_out = false;        ///< shadow rays stop at their first hit; the paper counts without
+  bool early_out = false;  ///< shadow rays stop at their first hit; the paper counts without
   bool count_pixel_tests = false;  ///< fill `RenderResult::tests`
   std::optional<float> exposure;   ///< factor on radiance before tone mapping; none: automatic
   std::optional<Vec3> ambient;     ///< radiance of a uniform sky; none: a little, from the lights
@@ -68,8 +68,8 @@ struct RenderResult {
 };
 
 /// Renders one frame. The result does not depend on the number of threads, nor on the method.
-/// Throws `Error`: kInvalidArgument for options, kInvalidData for the scene, kNotFound for the camera,
-/// kNoGraphics where primary visibility needs OpenGL and none can be had.
+/// Throws `Error`: kInvalidArgument for options, kInvalidData for the scene, kNotFound for the
+/// camera, kNoGraphics where primary visibility needs OpenGL and none can be had.
 [[nodiscard]] RenderResult render(const SceneDescription& scene, const RenderOptions& options = {});
 
 /// The picture for people: exposure, the Khronos PBR Neutral tone curve (2024), sRGB.

@@ -1,6 +1,7 @@
-// A scene as plain data: what the loaders fill, the built-in scenes generate and the renderer takes.
-// Lengths are in scene units, angles in radians, colours linear with Rec. 709 primaries unless said
-// otherwise. Everything may be edited between frames; nothing here is derived from anything else.
+// A scene as plain data: what the loaders fill, the built-in scenes generate and the renderer
+// takes. Lengths are in scene units, angles in radians, colours linear with Rec. 709 primaries
+// unless said otherwise. Everything may be edited between frames; nothing here is derived from
+// anything else.
 #pragma once
 
 #include <array>
@@ -29,8 +30,9 @@ struct Texture {
   Filter filter = Filter::kLinear;
 };
 
-/// Where a material reads a texture. The mesh's `uvs` are first scaled, then rotated counter-clockwise
-/// by `rotation`, then moved by `offset` (KHR_texture_transform); `v` points down from the top row.
+/// Where a material reads a texture. The mesh's `uvs` are first scaled, then rotated
+/// counter-clockwise by `rotation`, then moved by `offset` (KHR_texture_transform); `v` points down
+/// from the top row.
 struct TextureSlot {
   std::uint32_t texture = kInvalidId;  ///< index into `SceneDescription::textures`, or none
   Vec2 offset{0, 0}, scale{1, 1};

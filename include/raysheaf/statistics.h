@@ -1,9 +1,10 @@
 // What a frame did, counted as the paper counts (Reis, Costa, Pereira 2017, tables 1-4).
 //
-// For N rays and M triangles, branching b, and levels numbered from the leaves (level 1 = nodes of b
-// rays): tests at the top are those of its nodes with the candidate triangles, tests at level l are
-// b times the hits of level l + 1, final ray-triangle tests b times the hits of level 1. The last node
-// of a level counts as if it were full. Mesh-sphere tests stand apart and are in no total.
+// For N rays and M triangles, branching b, and levels numbered from the leaves (level 1 = nodes of
+// b rays): tests at the top are those of its nodes with the candidate triangles, tests at level l
+// are b times the hits of level l + 1, final ray-triangle tests b times the hits of level 1. The
+// last node of a level counts as if it were full. Mesh-sphere tests stand apart and are in no
+// total.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +27,8 @@ struct StageTimes {
   double raygen = 0, order = 0, hierarchy = 0, traverse = 0, intersect = 0;  ///< milliseconds
 };
 
-/// All rays of one kind at one bounce. Bounces count from 1: the shadow rays of the primary hits and
-/// the reflections that leave them are both at bounce 1. Traced primary rays are at bounce 0.
+/// All rays of one kind at one bounce. Bounces count from 1: the shadow rays of the primary hits
+/// and the reflections that leave them are both at bounce 1. Traced primary rays are at bounce 0.
 struct BatchStatistics {
   RayKind kind = RayKind::kShadow;
   std::uint32_t bounce = 0;

@@ -1,7 +1,7 @@
 // Mathematics on the vectors and affine maps of the front door.
 //
-// Nothing here is contracted into fused multiply-adds: the project is compiled with contraction off,
-// so that every expression has the same bits on every device (docs/decisions/0001).
+// Nothing here is contracted into fused multiply-adds: the project is compiled with contraction
+// off, so that every expression has the same bits on every device (docs/decisions/0001).
 #pragma once
 
 #include <cmath>
@@ -11,32 +11,64 @@
 
 namespace raysheaf {
 
-RAYSHEAF_HD inline Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-RAYSHEAF_HD inline Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-RAYSHEAF_HD inline Vec3 operator*(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
-RAYSHEAF_HD inline Vec3 operator*(Vec3 a, float s) { return {a.x * s, a.y * s, a.z * s}; }
-RAYSHEAF_HD inline Vec3 operator*(float s, Vec3 a) { return a * s; }
-RAYSHEAF_HD inline Vec3 operator/(Vec3 a, float s) { return {a.x / s, a.y / s, a.z / s}; }
-RAYSHEAF_HD inline Vec3 operator-(Vec3 a) { return {-a.x, -a.y, -a.z}; }
-RAYSHEAF_HD inline Vec3& operator+=(Vec3& a, Vec3 b) { return a = a + b; }
-RAYSHEAF_HD inline Vec3& operator*=(Vec3& a, float s) { return a = a * s; }
-RAYSHEAF_HD inline bool operator==(Vec3 a, Vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+RAYSHEAF_HD inline Vec3 operator+(Vec3 a, Vec3 b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+RAYSHEAF_HD inline Vec3 operator-(Vec3 a, Vec3 b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+RAYSHEAF_HD inline Vec3 operator*(Vec3 a, Vec3 b) {
+  return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
+RAYSHEAF_HD inline Vec3 operator*(Vec3 a, float s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
+RAYSHEAF_HD inline Vec3 operator*(float s, Vec3 a) {
+  return a * s;
+}
+RAYSHEAF_HD inline Vec3 operator/(Vec3 a, float s) {
+  return {a.x / s, a.y / s, a.z / s};
+}
+RAYSHEAF_HD inline Vec3 operator-(Vec3 a) {
+  return {-a.x, -a.y, -a.z};
+}
+RAYSHEAF_HD inline Vec3& operator+=(Vec3& a, Vec3 b) {
+  return a = a + b;
+}
+RAYSHEAF_HD inline Vec3& operator*=(Vec3& a, float s) {
+  return a = a * s;
+}
+RAYSHEAF_HD inline bool operator==(Vec3 a, Vec3 b) {
+  return a.x == b.x && a.y == b.y && a.z == b.z;
+}
 
-RAYSHEAF_HD inline Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
-RAYSHEAF_HD inline Vec2 operator*(Vec2 a, float s) { return {a.x * s, a.y * s}; }
+RAYSHEAF_HD inline Vec2 operator+(Vec2 a, Vec2 b) {
+  return {a.x + b.x, a.y + b.y};
+}
+RAYSHEAF_HD inline Vec2 operator*(Vec2 a, float s) {
+  return {a.x * s, a.y * s};
+}
 
-RAYSHEAF_HD inline float dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+RAYSHEAF_HD inline float dot(Vec3 a, Vec3 b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 RAYSHEAF_HD inline Vec3 cross(Vec3 a, Vec3 b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-RAYSHEAF_HD inline float length(Vec3 a) { return std::sqrt(dot(a, a)); }
+RAYSHEAF_HD inline float length(Vec3 a) {
+  return std::sqrt(dot(a, a));
+}
 /// A unit vector along `a`, or `fallback` where `a` has no direction.
 RAYSHEAF_HD inline Vec3 normalized(Vec3 a, Vec3 fallback = {0, 0, 1}) {
   const float n = length(a);
   return n > 0 && n < std::numeric_limits<float>::infinity() ? a / n : fallback;
 }
-RAYSHEAF_HD inline Vec3 lerp(Vec3 a, Vec3 b, float t) { return a * (1 - t) + b * t; }
-RAYSHEAF_HD inline Vec3 abs(Vec3 a) { return {std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)}; }
+RAYSHEAF_HD inline Vec3 lerp(Vec3 a, Vec3 b, float t) {
+  return a * (1 - t) + b * t;
+}
+RAYSHEAF_HD inline Vec3 abs(Vec3 a) {
+  return {std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)};
+}
 RAYSHEAF_HD inline Vec3 min(Vec3 a, Vec3 b) {
   return {a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z};
 }
@@ -51,14 +83,21 @@ RAYSHEAF_HD inline float max_component(Vec3 a) {
   const float m = a.x > a.y ? a.x : a.y;
   return m > a.z ? m : a.z;
 }
-RAYSHEAF_HD inline float component(Vec3 a, int axis) { return axis == 0 ? a.x : axis == 1 ? a.y : a.z; }
-RAYSHEAF_HD inline float clamp(float x, float lo, float hi) { return x < lo ? lo : (x > hi ? hi : x); }
-RAYSHEAF_HD inline float luminance(Vec3 c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
+RAYSHEAF_HD inline float component(Vec3 a, int axis) {
+  return axis == 0 ? a.x : axis == 1 ? a.y : a.z;
+}
+RAYSHEAF_HD inline float clamp(float x, float lo, float hi) {
+  return x < lo ? lo : (x > hi ? hi : x);
+}
+RAYSHEAF_HD inline float luminance(Vec3 c) {
+  return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
+}
 RAYSHEAF_HD inline bool is_finite(Vec3 a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 
-/// The image of a point; of a direction (no translation); of a normal (inverse transpose, to scale).
+/// The image of a point; of a direction (no translation); of a normal (inverse transpose, to
+/// scale).
 RAYSHEAF_HD inline Vec3 transform_vector(const Affine& a, Vec3 v) {
   return {a.m[0][0] * v.x + a.m[0][1] * v.y + a.m[0][2] * v.z,
           a.m[1][0] * v.x + a.m[1][1] * v.y + a.m[1][2] * v.z,
@@ -69,7 +108,9 @@ RAYSHEAF_HD inline Vec3 transform_point(const Affine& a, Vec3 p) {
           a.m[1][0] * p.x + a.m[1][1] * p.y + a.m[1][2] * p.z + a.m[1][3],
           a.m[2][0] * p.x + a.m[2][1] * p.y + a.m[2][2] * p.z + a.m[2][3]};
 }
-RAYSHEAF_HD inline Vec3 column(const Affine& a, int c) { return {a.m[0][c], a.m[1][c], a.m[2][c]}; }
+RAYSHEAF_HD inline Vec3 column(const Affine& a, int c) {
+  return {a.m[0][c], a.m[1][c], a.m[2][c]};
+}
 RAYSHEAF_HD inline float determinant(const Affine& a) {
   return dot(column(a, 0), cross(column(a, 1), column(a, 2)));
 }
@@ -104,9 +145,12 @@ inline Affine scaling(Vec3 s) {
 inline Affine rotation(Vec3 axis, float radians) {
   const float c = std::cos(radians), s = std::sin(radians), k = 1 - c;
   Affine a;
-  a.m[0] = {c + axis.x * axis.x * k, axis.x * axis.y * k - axis.z * s, axis.x * axis.z * k + axis.y * s, 0};
-  a.m[1] = {axis.y * axis.x * k + axis.z * s, c + axis.y * axis.y * k, axis.y * axis.z * k - axis.x * s, 0};
-  a.m[2] = {axis.z * axis.x * k - axis.y * s, axis.z * axis.y * k + axis.x * s, c + axis.z * axis.z * k, 0};
+  a.m[0] = {c + axis.x * axis.x * k, axis.x * axis.y * k - axis.z * s,
+            axis.x * axis.z * k + axis.y * s, 0};
+  a.m[1] = {axis.y * axis.x * k + axis.z * s, c + axis.y * axis.y * k,
+            axis.y * axis.z * k - axis.x * s, 0};
+  a.m[2] = {axis.z * axis.x * k - axis.y * s, axis.z * axis.y * k + axis.x * s,
+            c + axis.z * axis.z * k, 0};
   return a;
 }
 /// A camera frame: its -z axis looks from `eye` to `target`, +y is as near to `up` as can be.

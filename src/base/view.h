@@ -16,8 +16,8 @@ struct View {
 
   View() = default;
   RAYSHEAF_HD View(T* first, std::size_t count) : data(first), size(count) {}
-  template <class Container,
-            class = std::enable_if_t<std::is_convertible_v<decltype(std::declval<Container&>().data()), T*>>>
+  template <class Container, class = std::enable_if_t<std::is_convertible_v<
+                                 decltype(std::declval<Container&>().data()), T*>>>
   View(Container& container) : data(container.data()), size(container.size()) {}  // NOLINT: a view
 
   RAYSHEAF_HD T& operator[](std::size_t i) const {

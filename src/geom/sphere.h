@@ -14,11 +14,13 @@ struct Sphere {
 
 /// What a radius grows by so that rounding in the distances it was measured by cannot leave a point
 /// outside: sqrt of a sum of three squares of differences errs by at most gamma(4) of the distance.
-RAYSHEAF_HD inline float radius_grown(float distance) { return distance * (1 + 2 * gamma(4)); }
+RAYSHEAF_HD inline float radius_grown(float distance) {
+  return distance * (1 + 2 * gamma(4));
+}
 
 /// The minimum ball of a triangle: its circumscribed one, or the diametral one of its longest edge
-/// where it is obtuse (Ericson, Real-Time Collision Detection, 2005, section 4.3, with the factor of `s`
-/// as algebra gives it). Whatever the centre, the radius reaches all three vertices.
+/// where it is obtuse (Ericson, Real-Time Collision Detection, 2005, section 4.3, with the factor
+/// of `s` as algebra gives it). Whatever the centre, the radius reaches all three vertices.
 RAYSHEAF_HD inline Sphere triangle_sphere(Vec3 a, Vec3 b, Vec3 c) {
   const Vec3 ab = b - a, ac = c - a;
   const float ab_ab = dot(ab, ab), ab_ac = dot(ab, ac), ac_ac = dot(ac, ac);
@@ -35,8 +37,8 @@ RAYSHEAF_HD inline Sphere triangle_sphere(Vec3 a, Vec3 b, Vec3 c) {
   } else {
     center = a + ab * (s / d) + ac * (t / d);
   }
-  const float r2 = max_component({dot(a - center, a - center), dot(b - center, b - center),
-                                  dot(c - center, c - center)});
+  const float r2 = max_component(
+      {dot(a - center, a - center), dot(b - center, b - center), dot(c - center, c - center)});
   return {center, radius_grown(std::sqrt(r2))};
 }
 

@@ -34,18 +34,19 @@ enum TriangleFlag : std::uint8_t {
 
 /// Read-only pointers to the arrays that traversal and intersection stream through.
 struct TriangleView {
-  std::uint32_t count = 0;       ///< without padding
-  const float* vertex[3][3]{};   ///< [corner][axis]
-  const float* sphere[4]{};      ///< centre x, y, z and radius
+  std::uint32_t count = 0;      ///< without padding
+  const float* vertex[3][3]{};  ///< [corner][axis]
+  const float* sphere[4]{};     ///< centre x, y, z and radius
   const std::uint8_t* flags{};
 };
 
 struct FlatScene {
   const SceneDescription* description = nullptr;
   std::uint32_t triangle_count = 0;
-  AlignedVector<float> vertex[3][3];  ///< [corner][axis]; zero-area triangles are collapsed to a point
-  AlignedVector<float> sphere[4];     ///< centre and radius of each triangle's bounding sphere
-  std::vector<std::uint8_t> flags;    ///< TriangleFlag
+  AlignedVector<float> vertex[3]
+                             [3];  ///< [corner][axis]; zero-area triangles are collapsed to a point
+  AlignedVector<float> sphere[4];  ///< centre and radius of each triangle's bounding sphere
+  std::vector<std::uint8_t> flags;              ///< TriangleFlag
   std::vector<std::uint32_t> mesh_of_triangle;  ///< index into `meshes`
   std::vector<FlatMesh> meshes;
   Box bounds;
@@ -56,12 +57,13 @@ struct FlatScene {
   }
 };
 
-/// The minimum enclosing ball of each mesh of the description, in its own space. Once a mesh: moving
-/// an instance needs `transformed` alone.
-[[nodiscard]] std::vector<Sphere> mesh_bounds(const Executor& executor, const SceneDescription& scene);
+/// The minimum enclosing ball of each mesh of the description, in its own space. Once a mesh:
+/// moving an instance needs `transformed` alone.
+[[nodiscard]] std::vector<Sphere> mesh_bounds(const Executor& executor,
+                                              const SceneDescription& scene);
 
-/// O(triangles). `description` must outlive the result and have passed `validate`; `object_bounds` is
-/// what `mesh_bounds` gave for it. Throws `Error` (kUnsupported) above 2^32 - 64 triangles.
+/// O(triangles). `description` must outlive the result and have passed `validate`; `object_bounds`
+/// is what `mesh_bounds` gave for it. Throws `Error` (kUnsupported) above 2^32 - 64 triangles.
 [[nodiscard]] FlatScene flatten(const Executor& executor, const SceneDescription& description,
                                 const std::vector<Sphere>& object_bounds);
 

@@ -7,9 +7,9 @@
 namespace raysheaf {
 
 Executor::Executor(std::uint32_t threads)
-    : threads_(threads != 0
-                   ? threads
-                   : static_cast<std::uint32_t>(std::max(1, oneapi::tbb::info::default_concurrency()))),
+    : threads_(threads != 0 ? threads
+                            : static_cast<std::uint32_t>(
+                                  std::max(1, oneapi::tbb::info::default_concurrency()))),
       arena_(static_cast<int>(threads_)) {}
 
 }  // namespace raysheaf
