@@ -14,12 +14,17 @@ std::uint64_t SceneDescription::triangle_count() const {
 
 Box world_bounds(const SceneDescription& scene) {
   Box box;
+  // Loaders ask before the scene is validated: what is out of range is left out.
   for (const Instance& instance : scene.instances) {
     if (instance.mesh >= scene.meshes.size()) continue;
-    for (const Vec3 position : scene.meshes[instance.mesh].positions) {
-      const Vec3 p = transform_point(instance.to_world, position);
-      box.min = min(box.min, p);
-      box.max = max(box.max, p);
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    for (const auto& triangle : mesh.triangles) {
+      for (const std::uint32_t vertex : triangle) {
+        if (vertex >= mesh.positions.size()) continue;
+        const Vec3 p = transform_point(instance.to_world, mesh.positions[vertex]);
+        box.min = min(box.min, p);
+        box.max = max(box.max, p);
+      }
     }
   }
   return box;
