@@ -2,20 +2,12 @@
 #pragma once
 
 #include <cmath>
-#include <limits>
 
 #include "base/float.h"
+#include "geom/rounding.h"
 #include "geom/sphere.h"
 
 namespace raysheaf {
-
-/// The least float that is not below `x`.
-RAYSHEAF_HD inline float rounded_up(double x) {
-  const float nearest = static_cast<float>(x);
-  return static_cast<double>(nearest) >= x
-             ? nearest
-             : std::nextafter(nearest, std::numeric_limits<float>::infinity());
-}
 
 /// The largest singular value of the linear part, from above: what the map stretches lengths by at
 /// most. Jacobi rotations all but diagonalise the Gram matrix; the discs of Gershgorin then hold
@@ -74,7 +66,7 @@ RAYSHEAF_HD inline Sphere transformed(const Sphere& sphere, const Affine& map) {
       exact += static_cast<double>(map.m[r][j]) * c[j];
       reach += std::fabs(static_cast<double>(map.m[r][j])) * (std::fabs(c[j]) + radius);
     }
-    center[r] = static_cast<float>(exact);
+    center[r] = rounded(exact);
     const double error = std::fabs(center[r] - exact) + gamma(5) * reach + kUnderflow;
     error_squared += error * error;
   }
