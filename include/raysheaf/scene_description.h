@@ -111,7 +111,7 @@ struct SceneDescription {
   [[nodiscard]] std::uint64_t triangle_count() const;
 };
 
-/// The box of every instance's vertices, in world space.
+/// The box of every instance's triangles, in world space; empty where there are none.
 [[nodiscard]] Box world_bounds(const SceneDescription& scene);
 
 /// Throws `Error` that names the first field which cannot be rendered: indices out of range,
