@@ -5,28 +5,23 @@
 #include <bit>
 #include <limits>
 #include <memory>
+#include <utility>
 
-#include "base/bits.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf {
 namespace {
 
-#ifndef DIGIT_BITS
-#define DIGIT_BITS 8
-#endif
-#ifndef BLOCKS_A_THREAD
-#define BLOCKS_A_THREAD 4
-#endif
-#ifndef MIN_BLOCK
-#define MIN_BLOCK 8192
-#endif
-/// More buckets need fewer passes, until their write positions leave the first cache
-/// (docs/order.md).
-constexpr std::uint32_t kDigitBits = DIGIT_BITS;
-/// Blocks are for balance: a few a thread, each long enough to outweigh its table of counts.
-constexpr std::size_t kBlocksAThread = BLOCKS_A_THREAD;
-constexpr std::size_t kMinBlock = MIN_BLOCK;
+/// More buckets need fewer passes, but each costs a counter in every block (docs/order.md).
+constexpr std::uint32_t kDigitBits = 11;
+constexpr std::uint32_t kSmallDigitBits = 8;
+constexpr std::size_t kSmall = 4096;
+
+/// Blocks are for balance: a few a thread, each long enough to outweigh its row of counters.
+constexpr std::size_t kBlocksAThread = 4;
+constexpr std::size_t kMinBlock = 8192;
+/// Buckets a task when counters are summed over the blocks.
+constexpr std::size_t kBucketGrain = 512;
 
 /// `bits` bits of a key from `shift` up, of those that `compared` keeps.
 template <class Key>
@@ -99,43 +94,60 @@ Key unsorted_bits(const Executor& executor, Columns<Key> in, Blocks blocks, Key 
 
 /// The fewest digits that cover the set bits, lowest first.
 template <class Key>
-std::vector<Digit<Key>> digits_over(Key bits, Key compared) {
+std::vector<Digit<Key>> digits_over(Key bits, Key compared, std::uint32_t most_bits) {
   std::vector<Digit<Key>> digits;
   while (bits != 0) {
     const auto shift = static_cast<std::uint32_t>(std::countr_zero(bits));
     const auto width = static_cast<std::uint32_t>(std::bit_width(static_cast<Key>(bits >> shift)));
-    digits.push_back({compared, shift, std::min(width, kDigitBits)});
-    bits = width <= kDigitBits ? 0 : bits >> (shift + kDigitBits) << (shift + kDigitBits);
+    digits.push_back({compared, shift, std::min(width, most_bits)});
+    bits = width <= most_bits ? 0 : bits >> (shift + most_bits) << (shift + most_bits);
   }
   return digits;
 }
 
-/// Where each block puts the first of its keys of each bucket: a row of buckets a block.
-template <class Key, class Source>
-void find_places(const Executor& executor, Source in, Blocks blocks, Digit<Key> digit,
-                 std::vector<std::uint32_t>& places) {
-  const std::size_t buckets = digit.buckets();
-  places.assign(blocks.blocks * buckets, 0);
+/// Counters of one pass: a row of buckets for each block.
+struct Counters {
+  std::vector<std::uint32_t> rows, starts;
+  std::size_t buckets = 0;
+
+  void clear(std::size_t blocks, std::size_t bucket_count) {
+    buckets = bucket_count;
+    rows.assign(blocks * buckets, 0);
+    starts.assign(buckets, 0);
+  }
+  [[nodiscard]] std::uint32_t* row(std::size_t block) { return rows.data() + block * buckets; }
+};
+
+/// Turns counts into places: `rows` into the number of such keys in blocks before, `starts` into
+/// the first place of a bucket.
+void count_to_place(const Executor& executor, Counters& counters) {
+  executor.for_each_block(counters.buckets, kBucketGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t first = 0; first < counters.rows.size(); first += counters.buckets) {
+      for (std::size_t bucket = begin; bucket < end; ++bucket) {
+        const std::uint32_t count = counters.rows[first + bucket];
+        counters.rows[first + bucket] = counters.starts[bucket];
+        counters.starts[bucket] += count;
+      }
+    }
+  });
+  std::uint32_t start = 0;
+  for (std::uint32_t& count : counters.starts) start += std::exchange(count, start);
+}
+
+/// One stable pass: count the digits of each block, find the places, put the pairs there.
+template <class Key, class Source, class Sink>
+void sort_digit(const Executor& executor, Source in, Sink out, Blocks blocks, Digit<Key> digit,
+                Counters& counters) {
+  counters.clear(blocks.blocks, digit.buckets());
   executor.for_each(blocks.blocks, 1, [&](std::size_t block) {
-    std::uint32_t* counts = &places[block * buckets];
+    std::uint32_t* counts = counters.row(block);
     for (std::size_t i = blocks.begin(block); i < blocks.end(block); ++i)
       ++counts[digit(in.key(i))];
   });
-  std::uint32_t place = 0;
-  for (std::size_t bucket = 0; bucket < buckets; ++bucket) {
-    for (std::size_t at = bucket; at < places.size(); at += buckets) {
-      place += std::exchange(places[at], place);
-    }
-  }
-}
-
-/// One stable pass over a digit.
-template <class Key, class Source, class Sink>
-void sort_digit(const Executor& executor, Source in, Sink out, Blocks blocks, Digit<Key> digit,
-                std::vector<std::uint32_t>& places) {
-  find_places(executor, in, blocks, digit, places);
+  count_to_place(executor, counters);
   executor.for_each(blocks.blocks, 1, [&](std::size_t block) {
-    std::uint32_t* place = &places[block * digit.buckets()];
+    std::uint32_t* place = counters.row(block);
+    for (std::size_t b = 0; b < counters.buckets; ++b) place[b] += counters.starts[b];
     for (std::size_t i = blocks.begin(block); i < blocks.end(block); ++i) {
       const Pair<Key> pair = in.get(i);
       out.put(place[digit(pair.key)]++, pair);
@@ -151,13 +163,14 @@ void sort_digits(const Executor& executor, Columns<Key> columns, Blocks blocks,
   const auto far =
       std::make_unique_for_overwrite<Pair<Key>[]>(digits.size() > 2 ? blocks.count : 0);
   Rows<Key> rows{near.get()}, next{far.get()};
-  std::vector<std::uint32_t> places;
-  sort_digit(executor, columns, rows, blocks, digits.front(), places);
+  Counters counters;
+  sort_digit(executor, columns, rows, blocks, digits.front(), counters);
   for (std::size_t pass = 1; pass + 1 < digits.size(); ++pass) {
-    sort_digit(executor, rows, next, blocks, digits[pass], places);
+    sort_digit(executor, rows, next, blocks, digits[pass], counters);
     std::swap(rows, next);
   }
-  if (digits.size() > 1) return sort_digit(executor, rows, columns, blocks, digits.back(), places);
+  if (digits.size() > 1)
+    return sort_digit(executor, rows, columns, blocks, digits.back(), counters);
   executor.for_each(blocks.count, kMinBlock, [&](std::size_t i) { columns.put(i, rows.get(i)); });
 }
 
@@ -174,7 +187,8 @@ void sort_pairs(const Executor& executor, std::vector<Key>& keys,
   const Columns<Key> columns{keys.data(), values.data()};
   const Blocks blocks(keys.size(), executor.threads());
   const Key bits = unsorted_bits(executor, columns, blocks, compared);
-  if (bits != 0) sort_digits(executor, columns, blocks, digits_over(bits, compared));
+  const std::uint32_t most_bits = keys.size() < kSmall ? kSmallDigitBits : kDigitBits;
+  if (bits != 0) sort_digits(executor, columns, blocks, digits_over(bits, compared, most_bits));
 }
 
 }  // namespace
