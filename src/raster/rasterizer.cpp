@@ -1,0 +1,120 @@
+#include "raster/rasterizer.h"
+
+#include <algorithm>
+#include <mutex>
+
+#include "exec/executor.h"
+#include "raster/egl_context.h"
+#include "raster/pack.h"
+#include "raster/visibility_pass.h"
+#include "raysheaf/error.h"
+#include "scene/flat_scene.h"
+
+namespace raysheaf {
+namespace {
+
+/// Triangles a draw call: what bounds the memory that corners stream through to 36 MiB.
+constexpr std::uint32_t kBatch = 1u << 20;
+constexpr std::size_t kPixelGrain = 1u << 14;
+
+std::string words(GLenum name) {
+  const GLubyte* const text = glGetString(name);
+  return text != nullptr ? reinterpret_cast<const char*>(text) : "unknown";
+}
+
+/// Unmaps the corners where an exception leaves them mapped.
+struct MappingGuard {
+  VisibilityPass& pass;
+  ~MappingGuard() { pass.discard(); }
+};
+
+}  // namespace
+
+class Rasterizer::Impl {
+ public:
+  Impl() {
+    const EglContext::Current current(context_);
+    description_ = words(GL_RENDERER) + ", OpenGL " + words(GL_VERSION);
+    pass_ = std::make_unique<VisibilityPass>();
+  }
+  ~Impl() {
+    try {
+      const EglContext::Current current(context_);
+      pass_.reset();
+    } catch (const Error&) {
+      // The objects go with their context; their owners must not call OpenGL without one.
+      static_cast<void>(pass_.release());
+    }
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  [[nodiscard]] const std::string& description() const { return description_; }
+
+  std::vector<std::uint32_t> visible_triangles(const Executor& executor, const FlatScene& scene,
+                                               const PackView& view) {
+    const std::lock_guard lock(mutex_);
+    const EglContext::Current current(context_);
+    const CameraFrame& frame = view.frame;
+    pass_->begin(frame.width, frame.height, view.clip);
+    std::uint32_t slots = 0;
+    for (std::uint32_t first = 0; first < scene.triangle_count;) {
+      const std::uint32_t count = std::min(kBatch, scene.triangle_count - first);
+      slots += draw(executor, scene, view, first, count, slots);
+      first += count;
+    }
+    std::vector<std::uint32_t> picture(std::size_t{frame.width} * frame.height);
+    pass_->read(picture);
+    executor.for_each(picture.size(), kPixelGrain, [&](std::size_t i) {
+      if (picture[i] != kInvalidId) picture[i] = triangle_of_slot_[picture[i]];
+    });
+    return picture;
+  }
+
+ private:
+  /// Draws what may show of `count` triangles from `first` on; returns how many that is.
+  std::uint32_t draw(const Executor& executor, const FlatScene& scene, const PackView& view,
+                     std::uint32_t first, std::uint32_t count, std::uint32_t first_slot) {
+    const std::uint32_t shown = packer_.choose(executor, scene, view, first, count);
+    if (shown == 0) return 0;
+    triangle_of_slot_.resize(std::max(triangle_of_slot_.size(), std::size_t{first_slot} + shown));
+    const MappingGuard guard{*pass_};
+    packer_.pack(executor, scene, view, pass_->map(shown), triangle_of_slot_.data() + first_slot);
+    pass_->draw(first_slot);
+    return shown;
+  }
+
+  std::mutex mutex_;
+  EglContext context_;
+  std::unique_ptr<VisibilityPass> pass_;
+  std::string description_;
+  TrianglePacker packer_;
+  std::vector<std::uint32_t> triangle_of_slot_;
+};
+
+Rasterizer::Rasterizer() : impl_(std::make_unique<Impl>()) {}
+Rasterizer::~Rasterizer() = default;
+Rasterizer::Rasterizer(Rasterizer&&) noexcept = default;
+Rasterizer& Rasterizer::operator=(Rasterizer&&) noexcept = default;
+
+std::string Rasterizer::description() const {
+  return impl_->description();
+}
+
+std::vector<std::uint32_t> Rasterizer::visible_triangles(const Executor& executor,
+                                                         const FlatScene& scene,
+                                                         const Camera& camera, std::uint32_t width,
+                                                         std::uint32_t height) {
+  if (width == 0 || height == 0) {
+    throw Error(ErrorCode::kInvalidArgument, "a picture of " + std::to_string(width) + " x " +
+                                                 std::to_string(height) + " has no pixels");
+  }
+  const CameraFrame frame = make_camera_frame(camera, width, height);
+  if (!(frame.z_far > frame.z_near)) {
+    return std::vector<std::uint32_t>(std::size_t{width} * height, kInvalidId);
+  }
+  return impl_->visible_triangles(executor, scene,
+                                  {frame, clip_matrix(frame, farthest_depth(frame, scene.bounds))});
+}
+
+}  // namespace raysheaf

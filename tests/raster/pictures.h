@@ -1,0 +1,135 @@
+// Scenes by hand, random triangles, and the naive answer that rasterised pictures are compared
+// with.
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <set>
+#include <vector>
+
+#include "intersect/triangle_body.h"
+#include "raster/rasterizer.h"
+#include "raygen/camera_body.h"
+#include "raysheaf/error.h"
+#include "scene/flat_scene.h"
+
+namespace raysheaf::test {
+
+/// Adds a triangle to a scene.
+inline void add(FlatScene& scene, Vec3 a, Vec3 b, Vec3 c, std::uint8_t flags = 0) {
+  const Vec3 corners[3] = {a, b, c};
+  for (int k = 0; k < 3; ++k) {
+    for (int axis = 0; axis < 3; ++axis) {
+      scene.vertex[k][axis].push_back(component(corners[k], axis));
+    }
+    scene.bounds.min = min(scene.bounds.min, corners[k]);
+    scene.bounds.max = max(scene.bounds.max, corners[k]);
+  }
+  scene.flags.push_back(flags);
+  ++scene.triangle_count;
+}
+
+class Random {
+ public:
+  explicit Random(std::uint32_t seed) : engine_(seed) {}
+  float between(float lo, float hi) {
+    return lo + (hi - lo) * static_cast<float>(engine_() >> 8) * 0x1p-24f;
+  }
+  std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(engine_()) % n; }
+  Vec3 in_cube(float half) {
+    return {between(-half, half), between(-half, half), between(-half, half)};
+  }
+
+ private:
+  std::mt19937 engine_;
+};
+
+/// Triangles of about `size` in the cube [-1, 1]^3 moved to `center`, with any flags.
+inline FlatScene soup(std::uint32_t count, float size, std::uint32_t seed, Vec3 center = {}) {
+  FlatScene scene;
+  Random random(seed);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Vec3 a = center + random.in_cube(1);
+    const Vec3 b = a + random.in_cube(size), c = a + random.in_cube(size);
+    add(scene, a, b, c, static_cast<std::uint8_t>(random.below(4)));
+  }
+  return scene;
+}
+
+/// What each pixel's ray sees of all triangles: the least (t, number).
+inline std::vector<std::uint32_t> cast(const FlatScene& scene, const Camera& camera,
+                                       std::uint32_t width, std::uint32_t height) {
+  const CameraFrame frame = make_camera_frame(camera, width, height);
+  std::vector<std::uint32_t> picture;
+  for (std::uint32_t y = 0; y < height; ++y) {
+    for (std::uint32_t x = 0; x < width; ++x) {
+      const RaySetup setup = make_ray_setup(camera_ray(frame, x, y));
+      float t = std::numeric_limits<float>::infinity();
+      std::uint32_t nearest = kInvalidId;
+      for (std::uint32_t i = 0; i < scene.triangle_count; ++i) {
+        TriangleHit hit;
+        if (!intersect_triangle(setup, scene.corner(i, 0), scene.corner(i, 1), scene.corner(i, 2),
+                                &hit)) {
+          continue;
+        }
+        const bool front = hit.front != ((scene.flags[i] & kMirrored) != 0);
+        if (!front && (scene.flags[i] & kSingleSided) != 0) continue;
+        if (hit.t < t) t = hit.t, nearest = i;
+      }
+      picture.push_back(nearest);
+    }
+  }
+  return picture;
+}
+
+/// Whether all pixels around (x, y) hold one id.
+inline bool is_interior(const std::vector<std::uint32_t>& picture, std::uint32_t width,
+                        std::uint32_t height, std::uint32_t x, std::uint32_t y) {
+  std::set<std::uint32_t> ids;
+  for (std::uint32_t j = y > 0 ? y - 1 : 0; j <= y + 1 && j < height; ++j) {
+    for (std::uint32_t i = x > 0 ? x - 1 : 0; i <= x + 1 && i < width; ++i) {
+      ids.insert(picture[j * width + i]);
+    }
+  }
+  return ids.size() == 1;
+}
+
+struct Difference {
+  std::uint32_t pixels = 0;    ///< that differ
+  std::uint32_t interior = 0;  ///< of them, those away from every border of `expected`
+};
+
+inline Difference compare(const std::vector<std::uint32_t>& expected,
+                          const std::vector<std::uint32_t>& found, std::uint32_t width,
+                          std::uint32_t height) {
+  Difference difference;
+  for (std::uint32_t y = 0; y < height; ++y) {
+    for (std::uint32_t x = 0; x < width; ++x) {
+      if (expected[y * width + x] == found[y * width + x]) continue;
+      ++difference.pixels;
+      if (is_interior(expected, width, height, x, y)) ++difference.interior;
+    }
+  }
+  return difference;
+}
+
+inline Camera camera_at(Vec3 eye, Vec3 target) {
+  Camera camera;
+  camera.to_world = look_at(eye, target, {0, 1, 0});
+  return camera;
+}
+
+/// Whether there is OpenGL here.
+inline bool has_graphics() {
+  try {
+    const Rasterizer rasterizer;
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+}  // namespace raysheaf::test
+
+#define RAYSHEAF_GRAPHICS_OR_SKIP() \
+  if (!raysheaf::test::has_graphics()) GTEST_SKIP() << "no OpenGL 4.5 context here"
