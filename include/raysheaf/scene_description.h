@@ -124,8 +124,10 @@ void validate(const SceneDescription& scene);
 /// A point light that shows the scene from where `camera` stands: above it and to its left.
 [[nodiscard]] Light showing_light(const SceneDescription& scene, const Camera& camera);
 
-/// Adds `framing_camera` where there is no camera, and `showing_light` where there is no light,
-/// no emission and no unlit material.
+/// Whether there is no light and something that would show by one: not every material is unlit.
+[[nodiscard]] bool needs_light(const SceneDescription& scene);
+
+/// Adds `framing_camera` where there is no camera, and `showing_light` where `needs_light` says so.
 void add_missing_camera_and_light(SceneDescription& scene);
 
 }  // namespace raysheaf

@@ -84,8 +84,8 @@ Camera find_camera(const SceneDescription& scene, const std::string& wanted) {
 }
 
 std::vector<Light> find_lights(const SceneDescription& scene, const Camera& camera) {
-  if (!scene.lights.empty() || shines_itself(scene)) return scene.lights;
-  return {showing_light(scene, camera)};
+  if (needs_light(scene)) return {showing_light(scene, camera)};
+  return scene.lights;
 }
 
 RenderResult render_checked(const SceneDescription& scene, const RenderOptions& options) {

@@ -36,10 +36,6 @@ Subject subject_of(const SceneDescription& scene) {
   return subject;
 }
 
-bool shines(const Material& material) {
-  return material.unlit || max_component(material.emission) > 0;
-}
-
 }  // namespace
 
 Camera framing_camera(const SceneDescription& scene) {
@@ -76,11 +72,16 @@ Light showing_light(const SceneDescription& scene, const Camera& camera) {
   return light;
 }
 
+bool needs_light(const SceneDescription& scene) {
+  if (!scene.lights.empty()) return false;
+  const auto unlit = [](const Material& material) { return material.unlit; };
+  return scene.materials.empty() ||
+         !std::all_of(scene.materials.begin(), scene.materials.end(), unlit);
+}
+
 void add_missing_camera_and_light(SceneDescription& scene) {
   if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(scene));
-  const bool lit =
-      !scene.lights.empty() || std::any_of(scene.materials.begin(), scene.materials.end(), shines);
-  if (!lit) scene.lights.push_back(showing_light(scene, scene.cameras.front()));
+  if (needs_light(scene)) scene.lights.push_back(showing_light(scene, scene.cameras.front()));
 }
 
 }  // namespace raysheaf
