@@ -13,6 +13,9 @@ using Random = std::mt19937;
 inline float uniform(Random& random, float low, float high) {
   return std::uniform_real_distribution<float>(low, high)(random);
 }
+inline std::uint32_t below(Random& random, std::uint32_t count) {
+  return static_cast<std::uint32_t>(random() % count);
+}
 inline Vec3 random_point(Random& random, float scale) {
   return {uniform(random, -scale, scale), uniform(random, -scale, scale),
           uniform(random, -scale, scale)};
@@ -52,8 +55,8 @@ inline Mesh random_mesh(Random& random, std::uint32_t vertices, std::uint32_t tr
                                         : random_point(random, scale));
   }
   for (std::uint32_t i = 0; i < triangles; ++i) {
-    const auto vertex = [&] { return static_cast<std::uint32_t>(random() % vertices); };
-    mesh.triangles.push_back({vertex(), vertex(), vertex()});
+    mesh.triangles.push_back(
+        {below(random, vertices), below(random, vertices), below(random, vertices)});
   }
   return mesh;
 }
