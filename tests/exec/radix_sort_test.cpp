@@ -80,7 +80,7 @@ TYPED_TEST(RadixSort, HighBitsAreCarriedNotCompared) {
 }
 
 TYPED_TEST(RadixSort, SortedEqualAndReversed) {
-  constexpr std::size_t kCount = 40000;
+  constexpr std::size_t kCount = 65536;  // blocks of 8192 and multiples of it
   std::vector<TypeParam> keys = this->random_keys(kCount);
   std::sort(keys.begin(), keys.end());
   expect_stable_order(keys, this->kWidth, "sorted");

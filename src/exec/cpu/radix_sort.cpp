@@ -23,16 +23,15 @@ constexpr std::size_t kMinBlock = 8192;
 /// Buckets a task when counters are summed over the blocks.
 constexpr std::size_t kBucketGrain = 512;
 
-/// `bits` bits of a key from `shift` up, of those that `compared` keeps.
-template <class Key>
+/// `bits` bits of a key from `shift` up.
 struct Digit {
-  Key compared;
   std::uint32_t shift;
   std::uint32_t bits;
 
   [[nodiscard]] std::uint32_t buckets() const { return 1u << bits; }
+  template <class Key>
   [[nodiscard]] std::uint32_t operator()(Key key) const {
-    return static_cast<std::uint32_t>((key & compared) >> shift) & (buckets() - 1);
+    return static_cast<std::uint32_t>(key >> shift) & (buckets() - 1);
   }
 };
 
@@ -92,14 +91,14 @@ Key unsorted_bits(const Executor& executor, Columns<Key> in, Blocks blocks, Key 
   return sorted.load() ? 0 : differing.load();
 }
 
-/// The fewest digits that cover the set bits, lowest first.
+/// The fewest digits that cover the set bits, lowest first. None reaches above the highest.
 template <class Key>
-std::vector<Digit<Key>> digits_over(Key bits, Key compared, std::uint32_t most_bits) {
-  std::vector<Digit<Key>> digits;
+std::vector<Digit> digits_over(Key bits, std::uint32_t most_bits) {
+  std::vector<Digit> digits;
   while (bits != 0) {
     const auto shift = static_cast<std::uint32_t>(std::countr_zero(bits));
     const auto width = static_cast<std::uint32_t>(std::bit_width(static_cast<Key>(bits >> shift)));
-    digits.push_back({compared, shift, std::min(width, most_bits)});
+    digits.push_back({shift, std::min(width, most_bits)});
     bits = width <= most_bits ? 0 : bits >> (shift + most_bits) << (shift + most_bits);
   }
   return digits;
@@ -135,8 +134,8 @@ void count_to_place(const Executor& executor, Counters& counters) {
 }
 
 /// One stable pass: count the digits of each block, find the places, put the pairs there.
-template <class Key, class Source, class Sink>
-void sort_digit(const Executor& executor, Source in, Sink out, Blocks blocks, Digit<Key> digit,
+template <class Source, class Sink>
+void sort_digit(const Executor& executor, Source in, Sink out, Blocks blocks, Digit digit,
                 Counters& counters) {
   counters.clear(blocks.blocks, digit.buckets());
   executor.for_each(blocks.blocks, 1, [&](std::size_t block) {
@@ -149,7 +148,7 @@ void sort_digit(const Executor& executor, Source in, Sink out, Blocks blocks, Di
     std::uint32_t* place = counters.row(block);
     for (std::size_t b = 0; b < counters.buckets; ++b) place[b] += counters.starts[b];
     for (std::size_t i = blocks.begin(block); i < blocks.end(block); ++i) {
-      const Pair<Key> pair = in.get(i);
+      const auto pair = in.get(i);
       out.put(place[digit(pair.key)]++, pair);
     }
   });
@@ -158,7 +157,7 @@ void sort_digit(const Executor& executor, Source in, Sink out, Blocks blocks, Di
 /// Columns to rows, rows to rows, rows to columns; with one digit, the last is a plain copy.
 template <class Key>
 void sort_digits(const Executor& executor, Columns<Key> columns, Blocks blocks,
-                 const std::vector<Digit<Key>>& digits) {
+                 const std::vector<Digit>& digits) {
   const auto near = std::make_unique_for_overwrite<Pair<Key>[]>(blocks.count);
   const auto far =
       std::make_unique_for_overwrite<Pair<Key>[]>(digits.size() > 2 ? blocks.count : 0);
@@ -188,7 +187,7 @@ void sort_pairs(const Executor& executor, std::vector<Key>& keys,
   const Blocks blocks(keys.size(), executor.threads());
   const Key bits = unsorted_bits(executor, columns, blocks, compared);
   const std::uint32_t most_bits = keys.size() < kSmall ? kSmallDigitBits : kDigitBits;
-  if (bits != 0) sort_digits(executor, columns, blocks, digits_over(bits, compared, most_bits));
+  if (bits != 0) sort_digits(executor, columns, blocks, digits_over(bits, most_bits));
 }
 
 }  // namespace
