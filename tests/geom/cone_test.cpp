@@ -80,7 +80,9 @@ TEST(RayBound, ParentsHoldTheRaysOfTheirChildren) {
       for (const Ray& a : rays)
         for (const Ray& b : rays)
           widest = std::max(widest, angle_between(a.direction, b.direction));
-      if (widest < 1) EXPECT_LE(half_angle(parent.directions), 0.5 * widest * 2.5 + 1e-5);
+      if (widest < 1) {
+        EXPECT_LE(half_angle(parent.directions), 0.5 * widest * 2.5 + 1e-5);
+      }
     }
   }
 }

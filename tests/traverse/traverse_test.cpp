@@ -19,15 +19,15 @@ std::vector<RayHit> brute(const Executor& executor, const FlatScene& scene,
   return hits;
 }
 
-struct Run {
+struct Outcome {
   std::vector<RayHit> hits;
   std::vector<float> ray_tests;
   TraverseCounts counts;
 };
 
-Run run(const Executor& executor, const FlatScene& scene, const std::vector<Ray>& rays,
-        std::uint32_t branching, std::uint32_t levels, TraverseOptions options) {
-  Run result;
+Outcome run(const Executor& executor, const FlatScene& scene, const std::vector<Ray>& rays,
+            std::uint32_t branching, std::uint32_t levels, TraverseOptions options) {
+  Outcome result;
   result.hits.resize(rays.size());
   result.ray_tests.resize(rays.size());
   ProgressMeter meter;
@@ -92,7 +92,7 @@ TEST(Traverse, RayTestsAddUpToTheTestsThatWereDone) {
   const SceneDescription scene = test::soup(SoupKind::kSmall, 500, 41);
   const FlatScene triangles = flatten(executor, scene, mesh_bounds(executor, scene));
   const std::vector<Ray> rays = test::rays_at(scene, 512, 42);  // full nodes: nothing is padded
-  const Run r = run(executor, triangles, rays, 8, 2, {});
+  const Outcome r = run(executor, triangles, rays, 8, 2, {});
   double sum = 0;
   for (const float tests : r.ray_tests) sum += double{tests};
   const double expected =
@@ -114,7 +114,7 @@ TEST(Traverse, FullListsDescendAndNothingIsDropped) {
   std::vector<Ray> rays;
   for (int i = 0; i < 100; ++i)
     rays.push_back({random.in_box(1) + Vec3{0, 0, 5}, 0, {0, 0, -1}, 100});
-  const Run r = run(executor, triangles, rays, 8, 2, {});
+  const Outcome r = run(executor, triangles, rays, 8, 2, {});
   expect_same(r.hits, brute(executor, triangles, rays));
   EXPECT_EQ(r.counts.tests[0], 8 * r.counts.hits[1]);
   EXPECT_EQ(r.counts.final_tests, 8 * r.counts.hits[0]);
@@ -126,9 +126,9 @@ TEST(Traverse, EarlyOutFindsTheSameRaysOccludedWithFewerTests) {
   const FlatScene triangles = flatten(executor, scene, mesh_bounds(executor, scene));
   const std::vector<Ray> rays = test::rays_at(scene, 2000, 52);
   TraverseOptions options;
-  const Run all = run(executor, triangles, rays, 8, 2, options);
+  const Outcome all = run(executor, triangles, rays, 8, 2, options);
   options.early_out = true;
-  const Run early = run(executor, triangles, rays, 8, 2, options);
+  const Outcome early = run(executor, triangles, rays, 8, 2, options);
   for (std::size_t i = 0; i < rays.size(); ++i)
     EXPECT_EQ(all.hits[i].found(), early.hits[i].found());
   EXPECT_LT(early.counts.final_tests, all.counts.final_tests);
@@ -138,9 +138,9 @@ TEST(Traverse, DoesNotDependOnTheNumberOfThreads) {
   const SceneDescription scene = test::soup(SoupKind::kSmall, 900, 61);
   const FlatScene triangles = flatten(Executor(1), scene, mesh_bounds(Executor(1), scene));
   const std::vector<Ray> rays = test::rays_at(scene, 3000, 62);
-  const Run one = run(Executor(1), triangles, rays, 8, 2, {});
+  const Outcome one = run(Executor(1), triangles, rays, 8, 2, {});
   for (const std::uint32_t threads : {2u, 5u}) {
-    const Run many = run(Executor(threads), triangles, rays, 8, 2, {});
+    const Outcome many = run(Executor(threads), triangles, rays, 8, 2, {});
     expect_same(one.hits, many.hits);
     EXPECT_EQ(one.counts.tests, many.counts.tests);
     EXPECT_EQ(one.counts.hits, many.counts.hits);
@@ -152,7 +152,7 @@ TEST(Traverse, NoRaysNeedNoTests) {
   const Executor executor(2);
   const SceneDescription scene = test::soup(SoupKind::kSmall, 10, 1);
   const FlatScene triangles = flatten(executor, scene, mesh_bounds(executor, scene));
-  const Run r = run(executor, triangles, {}, 8, 2, {});
+  const Outcome r = run(executor, triangles, {}, 8, 2, {});
   EXPECT_EQ(r.counts.final_tests, 0u);
 }
 
