@@ -182,6 +182,20 @@ CLI::App* add_scene(CLI::App& app, SceneCommand& command) {
   return sub;
 }
 
+// Whether the first word is a command or an option; tells what there is where it is neither.
+bool starts_well(int argc, const char* const* argv, const CLI::App& app) {
+  const std::string first = argc > 1 ? argv[1] : "";
+  if (first.starts_with("-")) return true;
+  std::string names;
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (sub->get_name() == first) return true;
+    names += (names.empty() ? "" : ", ") + sub->get_name();
+  }
+  const std::string what = first.empty() ? "no command" : "'" + first + "' is no command";
+  tell_error(what + "; there are " + names + " (see raysheaf --help)");
+  return false;
+}
+
 // CLI11's sentence on one line of ours. Its text has no full stop and may have line breaks.
 int tell_usage_error(const CLI::ParseError& error, const CLI::App& app) {
   std::string sentence = error.what();
@@ -211,6 +225,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   const CLI::App* render_app = add_render(app, render);
   const CLI::App* info_app = add_info(app, info);
   add_scene(app, scene);
+  if (!starts_well(argc, argv, app)) return kUsage;
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& done) {

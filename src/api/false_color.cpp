@@ -31,10 +31,18 @@ bool in_gamut(const LinearColor& c) {
   return low >= 0 && high <= 1;
 }
 
-// Lightness is what carries the value, so a colour outside sRGB gives up chroma alone.
+// Lightness is what carries the value, so a colour outside sRGB gives up chroma alone, and only as
+// much as it must: bisection, because steps would show as bands.
 LinearColor most_colorful(float lightness, float chroma, float hue_degrees) {
-  while (chroma > 0.002f && !in_gamut(from_oklab(lightness, chroma, hue_degrees))) chroma *= 0.95f;
-  return from_oklab(lightness, chroma, hue_degrees);
+  if (in_gamut(from_oklab(lightness, chroma, hue_degrees))) {
+    return from_oklab(lightness, chroma, hue_degrees);
+  }
+  float inside = 0, outside = chroma;
+  for (int step = 0; step < 12; ++step) {
+    const float middle = (inside + outside) / 2;
+    (in_gamut(from_oklab(lightness, middle, hue_degrees)) ? inside : outside) = middle;
+  }
+  return from_oklab(lightness, inside, hue_degrees);
 }
 
 std::uint8_t srgb_byte(float linear) {
