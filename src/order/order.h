@@ -38,8 +38,8 @@ void sort_chunks(const Executor& executor, Chunks& chunks, std::uint32_t key_bit
 void decompress(const Executor& executor, const Chunks& chunks, View<std::uint32_t> permutation);
 
 /// Compresses, sorts and decompresses: `permutation` becomes the stable order of the rays by the
-/// low `key_bits` bits of their keys. Returns the number of chunks; throws Error if the sizes
-/// differ.
+/// low `key_bits` bits of their keys. Where runs are shorter than two rays on average, the rays are
+/// sorted instead, with the same result. Returns the number of runs; throws Error if sizes differ.
 std::uint32_t order_by_key(const Executor& executor, View<const std::uint32_t> keys,
                            View<std::uint32_t> permutation, std::uint32_t key_bits = 32);
 

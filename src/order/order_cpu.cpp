@@ -12,6 +12,8 @@ namespace {
 
 /// Items a task in loops that read or write each item once.
 constexpr std::size_t kGrain = 8192;
+/// Runs shorter than this on average are not worth compressing (docs/order.md).
+constexpr std::size_t kLeastRun = 2;
 
 void expect(bool holds, const char* sentence, const char* place) {
   if (!holds) throw Error(ErrorCode::kInvalidArgument, sentence, place);
@@ -19,6 +21,23 @@ void expect(bool holds, const char* sentence, const char* place) {
 
 void expect_countable(std::size_t size, const char* place) {
   expect(size <= std::numeric_limits<std::uint32_t>::max(), "more than 2^32 - 1 items", place);
+}
+
+auto head_flags(View<const std::uint32_t> keys) {
+  return [first = keys.data](std::size_t ray) { return begins_chunk(first, ray); };
+}
+
+FlagCounts count_heads(const Executor& executor, View<const std::uint32_t> keys) {
+  expect_countable(keys.size, "compress");
+  return count_flags(executor, keys.size, head_flags(keys));
+}
+
+std::vector<std::uint32_t> numbers(const Executor& executor, std::size_t count) {
+  std::vector<std::uint32_t> numbered(count);
+  executor.for_each(count, kGrain, [out = numbered.data()](std::size_t i) {
+    out[i] = static_cast<std::uint32_t>(i);
+  });
+  return numbered;
 }
 
 /// The lengths of runs that follow one another in the stream.
@@ -31,6 +50,33 @@ void measure_runs(const Executor& executor, Chunks& chunks) {
       chunks.sizes[i] = bases[i + 1] - bases[i];
     if (end > last) chunks.sizes[last] = chunks.ray_count - bases[last];
   });
+}
+
+/// Writes the chunks whose heads were counted.
+Chunks compress_at(const Executor& executor, View<const std::uint32_t> keys,
+                   const FlagCounts& heads) {
+  Chunks chunks;
+  chunks.ray_count = static_cast<std::uint32_t>(keys.size);
+  chunks.keys.resize(heads.total);
+  chunks.bases.resize(heads.total);
+  for_each_scanned(executor, heads, keys.size, head_flags(keys),
+                   [in = keys.data, out_keys = chunks.keys.data(), bases = chunks.bases.data()](
+                       std::size_t ray, bool is_head, std::uint32_t heads_up_to) {
+                     if (!is_head) return;
+                     out_keys[chunk_of_head(heads_up_to)] = in[ray];
+                     bases[chunk_of_head(heads_up_to)] = static_cast<std::uint32_t>(ray);
+                   });
+  measure_runs(executor, chunks);
+  return chunks;
+}
+
+/// The same order without chunks, which cost more than they save where few neighbours agree.
+void order_rays(const Executor& executor, View<const std::uint32_t> keys,
+                View<std::uint32_t> permutation, std::uint32_t key_bits) {
+  std::vector<std::uint32_t> sorted(keys.begin(), keys.end());
+  std::vector<std::uint32_t> rays = numbers(executor, keys.size);
+  radix_sort_pairs(executor, sorted, rays, key_bits);
+  std::copy(rays.begin(), rays.end(), permutation.begin());
 }
 
 }  // namespace
@@ -49,28 +95,12 @@ std::vector<std::uint32_t> trim(const Executor& executor, View<const std::uint8_
 }
 
 Chunks compress(const Executor& executor, View<const std::uint32_t> keys) {
-  expect_countable(keys.size, "compress");
-  Chunks chunks;
-  chunks.ray_count = static_cast<std::uint32_t>(keys.size);
-  const auto head = [first = keys.data](std::size_t ray) { return begins_chunk(first, ray); };
-  const FlagCounts heads = count_flags(executor, keys.size, head);
-  chunks.keys.resize(heads.total);
-  chunks.bases.resize(heads.total);
-  for_each_scanned(executor, heads, keys.size, head,
-                   [&, in = keys.data, out_keys = chunks.keys.data(), bases = chunks.bases.data()](
-                       std::size_t ray, bool is_head, std::uint32_t heads_up_to) {
-                     if (!is_head) return;
-                     out_keys[chunk_of_head(heads_up_to)] = in[ray];
-                     bases[chunk_of_head(heads_up_to)] = static_cast<std::uint32_t>(ray);
-                   });
-  measure_runs(executor, chunks);
-  return chunks;
+  return compress_at(executor, keys, count_heads(executor, keys));
 }
 
 void sort_chunks(const Executor& executor, Chunks& chunks, std::uint32_t key_bits) {
   const std::size_t count = chunks.keys.size();
-  std::vector<std::uint32_t> from(count);
-  executor.for_each(count, kGrain, [&](std::size_t i) { from[i] = static_cast<std::uint32_t>(i); });
+  std::vector<std::uint32_t> from = numbers(executor, count);
   radix_sort_pairs(executor, chunks.keys, from, key_bits);
   std::vector<std::uint32_t> bases(count), sizes(count);
   executor.for_each(count, kGrain, [&](std::size_t i) {
@@ -102,10 +132,16 @@ void decompress(const Executor& executor, const Chunks& chunks, View<std::uint32
 
 std::uint32_t order_by_key(const Executor& executor, View<const std::uint32_t> keys,
                            View<std::uint32_t> permutation, std::uint32_t key_bits) {
-  Chunks chunks = compress(executor, keys);
+  expect(permutation.size == keys.size, "permutation and keys differ in number", "order");
+  const FlagCounts heads = count_heads(executor, keys);
+  if (heads.total > keys.size / kLeastRun) {
+    order_rays(executor, keys, permutation, key_bits);
+    return heads.total;
+  }
+  Chunks chunks = compress_at(executor, keys, heads);
   sort_chunks(executor, chunks, key_bits);
   decompress(executor, chunks, permutation);
-  return static_cast<std::uint32_t>(chunks.keys.size());
+  return heads.total;
 }
 
 }  // namespace raysheaf
