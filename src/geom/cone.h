@@ -37,25 +37,29 @@ RAYSHEAF_HD inline float sine_grown(float s) {
   return s + gamma(16);
 }
 
-/// The axis of the smallest cone around a cone and a unit direction outside it (L. Szecsi, "The
-/// Hierarchical Ray Engine", WSCG 2006; Reis et al. 2017, equations 1-4 with the norm that equation
-/// 1 lacks). `cos_angle` is the cone's and becomes the new one's.
+/// A cone while it grows: both functions of its angle, which may pass 90 degrees.
+struct GrowingCone {
+  Vec3 axis;
+  float cos_angle = 1, sin_angle = 0;
+};
+
+/// The smallest cone around a cone and a unit direction (L. Szecsi, "The Hierarchical Ray Engine",
+/// WSCG 2006; Reis et al. 2017, equations 1-4 with the norm that equation 1 lacks).
 ///
 ///     e   x   x'  r       e = x cos + q sin: the generator opposite to r,
 ///      \  |  /  .         q perpendicular to x, away from r;
 ///       \ | / .           x' bisects e and r.
 ///        \|/.
-RAYSHEAF_HD inline Vec3 extended_axis(Vec3 x, Vec3 r, float* cos_angle) {
-  const float c = dot(x, r);
-  if (c >= *cos_angle) return x;
-  const Vec3 away = x * c - r;
+RAYSHEAF_HD inline GrowingCone extended(const GrowingCone& cone, Vec3 r) {
+  const float c = dot(cone.axis, r);
+  const Vec3 away = cone.axis * c - r;
   const float norm = length(away);
-  if (!(norm > 0)) return x;
-  const float sin_angle = std::sqrt((1 - *cos_angle) * (1 + *cos_angle));
-  const Vec3 e = x * *cos_angle + away * (sin_angle / norm);
-  const Vec3 axis = normalized(e + r, x);
-  *cos_angle = clamp(dot(axis, r), -1, 1);
-  return axis;
+  // The sine tells narrow angles apart, the cosine wide ones.
+  const bool inside = cone.cos_angle > 0.5f ? c > 0 && norm <= cone.sin_angle : c >= cone.cos_angle;
+  if (inside || !(norm > 0)) return cone;
+  const Vec3 e = cone.axis * cone.cos_angle + away * (cone.sin_angle / norm);
+  const Vec3 axis = normalized(e + r, cone.axis);
+  return {axis, dot(axis, r), length(cross(axis, r))};
 }
 
 /// The sine of the angle between a unit axis and the farthest direction of a cone, or 2 beyond 90

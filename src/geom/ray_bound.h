@@ -23,12 +23,12 @@ static_assert(sizeof(RayBound) == 32);
 /// the growth of the axis cannot leave a direction outside. O(rays).
 RAYSHEAF_HD inline RayBound bound_rays(View<const Ray> rays) {
   RayBound bound;
-  Vec3 axis = normalized(rays[0].direction);
-  float cos_angle = 1;
+  GrowingCone cone{normalized(rays[0].direction)};
   for (const Ray& ray : rays) {
     bound.origins = sphere_union(bound.origins, {ray.origin, 0});
-    axis = extended_axis(axis, normalized(ray.direction), &cos_angle);
+    cone = extended(cone, normalized(ray.direction));
   }
+  const Vec3 axis = cone.axis;
   float sine = 0, reach = 0;
   for (const Ray& ray : rays) {
     const Vec3 direction = normalized(ray.direction);

@@ -64,7 +64,8 @@ class Walk {
         options_(options),
         best_(best),
         ray_tests_(ray_tests),
-        scratch_(*scratch) {}
+        scratch_(*scratch),
+        capacity_(options.early_out ? 2 * kRun : kListCapacity) {}
 
   void top_node(std::uint32_t node) {
     const Clock::time_point start = Clock::now();
@@ -96,7 +97,7 @@ class Walk {
     for (std::uint32_t end = first + count; first < end; first += kRun) {
       if (is_done(node, tree_.top())) return;
       const std::uint32_t run = std::min(kRun, end - first);
-      if (list.size() + run > kListCapacity) descend_and_clear(node);
+      if (list.size() + run > capacity_) descend_and_clear(node);
       const SphereArrays spheres{triangles_.sphere[0] + first, triangles_.sphere[1] + first,
                                  triangles_.sphere[2] + first, triangles_.sphere[3] + first};
       const std::uint32_t met = filter_spheres(test, spheres, run, scratch_.survivors.data());
@@ -210,6 +211,7 @@ class Walk {
   const View<RayHit> best_;
   const View<float> ray_tests_;
   Scratch& scratch_;
+  const std::uint32_t capacity_;  // less where rays may drop out between two descents
 };
 
 void add(const TraverseCounts& part, TraverseCounts* sum) {

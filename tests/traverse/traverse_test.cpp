@@ -122,7 +122,7 @@ TEST(Traverse, FullListsDescendAndNothingIsDropped) {
 
 TEST(Traverse, EarlyOutFindsTheSameRaysOccludedWithFewerTests) {
   const Executor executor(2);
-  const SceneDescription scene = test::soup(SoupKind::kLarge, 3000, 51);
+  const SceneDescription scene = test::soup(SoupKind::kLarge, 12000, 51);
   const FlatScene triangles = flatten(executor, scene, mesh_bounds(executor, scene));
   const std::vector<Ray> rays = test::rays_at(scene, 2000, 52);
   TraverseOptions options;
