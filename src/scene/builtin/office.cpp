@@ -84,7 +84,7 @@ void furnish_walls(Stage& stage, const OfficeMaterials& m, const Furniture& f) {
   Place room(stage, {});
   room.put(bookshelf(stage, m, volumes, 5), {-kRoomHalfWidth, 0, -3.1f}, 90);
   room.put(bookshelf(stage, m, volumes, 8), {kRoomHalfWidth, 0, -3.1f}, -90);
-  room.put(f.tall_plant, {-2.55f, 0, 0.55f}, 30);
+  room.put(f.tall_plant, {1.56f, 0, -3.35f}, 30);
   room.put(f.plant, {-0.35f, 0.97f, kRoomBack + 0.06f});
   room.put(f.plant, {1.2f, 0.97f, kRoomBack + 0.06f}, 140);
   room.put(f.bin, {-1.95f, 0, -1.1f});

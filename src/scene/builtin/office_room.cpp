@@ -179,8 +179,8 @@ void build_room(Stage& stage, const OfficeMaterials& m) {
 
 void hang_on_walls(Stage& stage, const OfficeMaterials& m) {
   const Vec3 left{-kRoomHalfWidth, 0, 0}, right{kRoomHalfWidth, 0, 0}, back{0, 0, kRoomBack};
-  stage.place(framed(stage, "wall mirror", m.mirror, m.brass, 2.1f, 1.5f, 0.09f),
-              placed(left + Vec3{0, 1.5f, -0.95f}, 90));
+  stage.place(framed(stage, "wall mirror", m.mirror, m.brass, 1.9f, 1.4f, 0.09f),
+              placed(left + Vec3{0, 1.45f, -1.3f}, 90));
   stage.place(framed(stage, "landscape", m.landscape, m.walnut, 0.96f, 0.72f, 0.06f),
               placed(back + Vec3{-1.85f, 1.5f, 0}));
   stage.place(framed(stage, "abstract", m.art, m.black, 0.66f, 0.88f, 0.04f),

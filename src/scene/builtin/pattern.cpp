@@ -137,7 +137,7 @@ Image floor_planks() {
     const float own = chance(cell.column + 11, cell.row + 23);
     const float fibres = grain(u + own, v * 2 + own);
     const Vec3 wood = lerp(colour(0x8a6240), colour(0xc4976a), 0.45f * own + 0.55f * fibres);
-    return wood * (0.5f + 0.5f * inside(cell, 0.01f, 0.07f));
+    return wood * (0.65f + 0.35f * inside(cell, 0.01f, 0.07f));
   });
 }
 
