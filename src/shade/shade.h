@@ -35,13 +35,14 @@ void shade_lights(const Executor& executor, View<const Fragment> fragments,
 void accumulate(const Executor& executor, View<const Fragment> fragments, View<const Vec3> radiance,
                 View<Vec3> pixels);
 
-/// A little light from everywhere: a twelfth of the mean radiance that the lights would give to
+/// A little light from everywhere: a seventh of the mean radiance that the lights would give to
 /// white surfaces at the fragments, so that shadows are dark but not black whatever the lights'
 /// units.
 [[nodiscard]] Vec3 automatic_sky(View<const Fragment> fragments, View<const Light> lights);
 
 /// The factor that brings the mean logarithm of the covered pixels' luminance to middle grey (E.
-/// Reinhard et al., "Photographic Tone Reproduction", 2002, equation 1).
+/// Reinhard et al., "Photographic Tone Reproduction", 2002, equation 1), or less where that would
+/// burn out more than a twentieth of them.
 [[nodiscard]] float automatic_exposure(View<const Vec3> pixels, View<const PixelIds> ids);
 
 }  // namespace raysheaf

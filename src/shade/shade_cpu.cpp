@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "shade/shade.h"
@@ -8,7 +9,9 @@ namespace {
 
 constexpr std::size_t kGrain = 1024;
 constexpr float kMiddleGrey = 0.18f;
-constexpr float kSkyPart = 1.0f / 12;
+constexpr double kBrightPart = 0.95;  // this part of the pixels stays below kBrightest
+constexpr float kBrightest = 1.3f;
+constexpr float kSkyPart = 1.0f / 7;
 
 }  // namespace
 
@@ -70,16 +73,20 @@ Vec3 automatic_sky(View<const Fragment> fragments, View<const Light> lights) {
 }
 
 float automatic_exposure(View<const Vec3> pixels, View<const PixelIds> ids) {
+  std::vector<float> values;
   double sum = 0;
-  std::size_t covered = 0;
   for (std::size_t i = 0; i < pixels.size; ++i) {
     const float value = luminance(pixels[i]);
     if (ids[i].geom_id == kInvalidId || !(value > 0) || !std::isfinite(value)) continue;
     sum += std::log(static_cast<double>(value));
-    ++covered;
+    values.push_back(value);
   }
-  if (covered == 0) return 1;
-  return kMiddleGrey / static_cast<float>(std::exp(sum / static_cast<double>(covered)));
+  if (values.empty()) return 1;
+  const auto mean = static_cast<float>(std::exp(sum / static_cast<double>(values.size())));
+  const auto bright = values.begin() + static_cast<std::ptrdiff_t>(
+                                           static_cast<double>(values.size() - 1) * kBrightPart);
+  std::nth_element(values.begin(), bright, values.end());
+  return std::min(kMiddleGrey / mean, kBrightest / *bright);
 }
 
 }  // namespace raysheaf
