@@ -1,0 +1,275 @@
+// The whole loop: a white furnace, methods, threads, primary visibility, bounces.
+#include <gtest/gtest.h>
+
+#include "raysheaf/builtin_scenes.h"
+#include "raysheaf/error.h"
+#include "raysheaf/io.h"
+#include "raysheaf/render.h"
+#include "support/pictures.h"
+#include "support/scenes.h"
+
+namespace raysheaf {
+namespace {
+
+const BatchStatistics* find_batch(const RenderResult& result, RayKind kind, std::uint32_t bounce) {
+  for (const BatchStatistics& batch : result.statistics.batches)
+    if (batch.kind == kind && batch.bounce == bounce) return &batch;
+  return nullptr;
+}
+
+Material material(float metallic, float roughness, float transmission) {
+  Material m;
+  m.metallic = metallic;
+  m.roughness = roughness;
+  m.transmission = transmission;
+  return m;
+}
+
+TEST(Frame, AWhiteFurnaceStaysWhite) {
+  for (const Material& m : {material(0, 1, 0), material(0, 0, 0), material(1, 0, 0),
+                            material(1, 0.5f, 0), material(0, 0, 1), material(0, 0.3f, 0.5f)}) {
+    for (const std::uint32_t bounces : {0u, 1u, 3u}) {
+      SceneDescription scene = test::ball_on_floor(m);
+      scene.lights[0].intensity = {0, 0, 0};
+      RenderOptions options = test::small_options();
+      options.ambient = Vec3{1, 1, 1};
+      options.bounces = bounces;
+      const RenderResult result = render(scene, options);
+      for (const Vec3& pixel : result.beauty) {
+        ASSERT_NEAR(pixel.x, 1, 2e-3f)
+            << "metallic " << m.metallic << " roughness " << m.roughness << " transmission "
+            << m.transmission << " bounces " << bounces;
+      }
+    }
+  }
+}
+
+class Methods : public testing::TestWithParam<std::string> {};
+
+TEST_P(Methods, GiveTheSameBitsOnBuiltinScenes) {
+  const SceneDescription scene = builtin_scene(GetParam());
+  RenderOptions options = test::small_options(40);
+  options.method = Method::kBrute;
+  const RenderResult brute = render(scene, options);
+  for (const Method method : {Method::kRah, Method::kCrsh}) {
+    options.method = method;
+    const RenderResult result = render(scene, options);
+    EXPECT_TRUE(test::same_bits(result.beauty, brute.beauty)) << to_string(method);
+    EXPECT_EQ(result.exposure, brute.exposure);
+    ASSERT_EQ(result.statistics.batches.size(), brute.statistics.batches.size());
+    for (std::size_t i = 0; i < brute.statistics.batches.size(); ++i) {
+      EXPECT_EQ(result.statistics.batches[i].rays, brute.statistics.batches[i].rays);
+      EXPECT_EQ(result.statistics.batches[i].hits, brute.statistics.batches[i].hits);
+      EXPECT_EQ(brute.statistics.batches[i].total_tests(),
+                brute.statistics.batches[i].brute_force_tests());
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Builtin, Methods, testing::Values("office", "cornell", "atrium"));
+
+TEST(Frame, MethodsGiveTheSameBitsOnSoups) {
+  for (const test::SoupKind kind : test::soup_kinds()) {
+    const SceneDescription scene = test::soup(kind, 400, 17);
+    RenderOptions options = test::small_options(32);
+    options.method = Method::kBrute;
+    const RenderResult brute = render(scene, options);
+    for (const Method method : {Method::kRah, Method::kCrsh}) {
+      options.method = method;
+      EXPECT_TRUE(test::same_bits(render(scene, options).beauty, brute.beauty))
+          << to_string(method) << " kind " << static_cast<int>(kind);
+    }
+  }
+}
+
+TEST(Frame, DoesNotDependOnTheNumberOfThreadsNorOnLevelsAndBranching) {
+  const SceneDescription scene = builtin_scene("office");
+  RenderOptions options = test::small_options(64);
+  options.threads = 1;
+  const RenderResult one = render(scene, options);
+  options.threads = 3;
+  const RenderResult three = render(scene, options);
+  EXPECT_TRUE(test::same_bits(one.beauty, three.beauty));
+  for (std::size_t i = 0; i < one.statistics.batches.size(); ++i)
+    EXPECT_EQ(one.statistics.batches[i].total_tests(), three.statistics.batches[i].total_tests());
+  options.levels = 4;
+  options.branching = 4;
+  EXPECT_TRUE(test::same_bits(one.beauty, render(scene, options).beauty));
+  options.early_out = true;
+  EXPECT_TRUE(test::same_bits(one.beauty, render(scene, options).beauty));
+}
+
+TEST(Frame, ManyLightsGoInGroupsAndGiveTheSamePicture) {
+  SceneDescription scene = test::ball_on_floor();
+  for (int i = 0; i < 9; ++i) {
+    Light light = scene.lights[0];
+    light.position = light.position + Vec3{static_cast<float>(i) * 0.3f, 0, 0};
+    scene.lights.push_back(light);
+  }
+  RenderOptions options = test::small_options();
+  options.method = Method::kBrute;
+  const RenderResult brute = render(scene, options);
+  options.method = Method::kCrsh;
+  EXPECT_TRUE(test::same_bits(brute.beauty, render(scene, options).beauty));
+}
+
+TEST(Frame, BouncesCountFromOne) {
+  RenderOptions options = test::small_options();
+  options.bounces = 2;
+  const RenderResult result = render(builtin_scene("cornell"), options);
+  for (const std::uint32_t bounce : {1u, 2u, 3u})
+    EXPECT_NE(find_batch(result, RayKind::kShadow, bounce), nullptr) << bounce;
+  EXPECT_NE(find_batch(result, RayKind::kReflection, 1), nullptr);
+  EXPECT_NE(find_batch(result, RayKind::kReflection, 2), nullptr);
+  EXPECT_EQ(find_batch(result, RayKind::kReflection, 3), nullptr);
+  options.bounces = 0;
+  EXPECT_EQ(render(builtin_scene("cornell"), options).statistics.batches.size(),
+            2u);  // primary, shadow
+}
+
+TEST(Frame, SwitchesLeaveKindsOfRaysOut) {
+  const SceneDescription scene = builtin_scene("office");
+  RenderOptions options = test::small_options();
+  options.shadows = options.reflections = options.refractions = false;
+  const RenderResult result = render(scene, options);
+  ASSERT_EQ(result.statistics.batches.size(), 1u);
+  EXPECT_EQ(result.statistics.batches[0].kind, RayKind::kPrimary);
+}
+
+TEST(Frame, PixelTestsAddUpToTheTotal) {
+  RenderOptions options = test::small_options(64);
+  options.count_pixel_tests = true;
+  options.method = Method::kBrute;
+  const RenderResult result = render(builtin_scene("cornell"), options);
+  double sum = 0, expected = 0;
+  for (const float tests : result.tests) sum += double{tests};
+  for (const BatchStatistics& batch : result.statistics.batches)
+    expected += static_cast<double>(batch.total_tests());
+  EXPECT_NEAR(sum, expected, 1e-5 * expected);
+}
+
+TEST(Frame, RasterAndTraceSeeTheSame) {
+  for (const std::string name : {"office", "cornell", "atrium"}) {
+    const SceneDescription scene = builtin_scene(name);
+    RenderOptions options = test::small_options(128);
+    options.bounces = 0;
+    options.shadows = false;
+    const RenderResult traced = render(scene, options);
+    options.primary = Primary::kRaster;
+    RenderResult raster;
+    try {
+      raster = render(scene, options);
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::kNoGraphics) GTEST_SKIP() << error.what();
+      throw;
+    }
+    int different = 0;
+    for (std::size_t i = 0; i < traced.ids.size(); ++i) {
+      if (traced.ids[i].prim_id != raster.ids[i].prim_id ||
+          traced.ids[i].inst_id != raster.ids[i].inst_id)
+        ++different;
+    }
+    EXPECT_LE(different, 128 * 128 / 1000) << name;  // a tenth of a percent, at silhouettes
+  }
+}
+
+TEST(Frame, CancelsWhereAsked) {
+  RenderOptions options = test::small_options(64);
+  int calls = 0;
+  options.progress = [&](const Progress&) { return ++calls < 5; };
+  try {
+    (void)render(builtin_scene("office"), options);
+    FAIL() << "was not cancelled";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kCancelled);
+  }
+}
+
+TEST(Frame, RefusesWhatCannotBeRendered) {
+  const SceneDescription scene = test::ball_on_floor();
+  const auto code_of = [&](const SceneDescription& s, const RenderOptions& o) {
+    try {
+      (void)render(s, o);
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return ErrorCode::kInternal;
+  };
+  RenderOptions options = test::small_options();
+  options.width = 0;
+  EXPECT_EQ(code_of(scene, options), ErrorCode::kInvalidArgument);
+  options = test::small_options();
+  options.branching = 1;
+  EXPECT_EQ(code_of(scene, options), ErrorCode::kInvalidArgument);
+  options = test::small_options();
+  options.camera = "nobody";
+  EXPECT_EQ(code_of(scene, options), ErrorCode::kNotFound);
+  EXPECT_EQ(code_of({}, test::small_options()), ErrorCode::kInvalidData);
+}
+
+TEST(Frame, AScaledSceneGivesTheSamePicture) {
+  const auto picture = [](float scale) {
+    Material mirror = material(1, 0, 0);
+    SceneDescription scene = test::ball_on_floor(mirror);
+    for (Mesh& mesh : scene.meshes)
+      for (Vec3& p : mesh.positions) p *= scale;
+    scene.lights[0].position *= scale;
+    scene.lights[0].intensity *= scale * scale;
+    for (auto& row : scene.cameras[0].to_world.m) row[3] *= scale;
+    scene.cameras[0].z_near *= scale;
+    RenderOptions options = test::small_options();
+    options.exposure = 1.0f;
+    return tone_mapped(render(scene, options)).rgba;
+  };
+  const auto plain = picture(1);
+  for (const float scale : {1e-3f, 1e3f}) {
+    const auto other = picture(scale);
+    int different = 0;
+    for (std::size_t i = 0; i < plain.size(); ++i)
+      different += std::abs(plain[i] - other[i]) > 2 ? 1 : 0;
+    EXPECT_LE(different, 12) << scale;  // three pixels at most, at edges
+  }
+}
+
+struct PaperScene {
+  const char* file;
+  std::uint64_t shadow_rays, tolerance, triangles;
+  double relative;
+};
+
+class Paper : public testing::TestWithParam<PaperScene> {};
+
+TEST_P(Paper, CountsAreThePapers) {
+  const PaperScene expected = GetParam();
+  RAYSHEAF_SCENE_OR_SKIP(path, std::string("paper/") + expected.file);
+  const SceneDescription scene = load_scene(path);
+  RenderOptions options;
+  options.bounces = 2;
+  const RenderResult crsh = render(scene, options);
+  options.method = Method::kRah;
+  const RenderResult rah = render(scene, options);
+  EXPECT_TRUE(test::same_bits(crsh.beauty, rah.beauty));
+  const BatchStatistics& shadow = *find_batch(crsh, RayKind::kShadow, 1);
+  EXPECT_NEAR(static_cast<double>(shadow.rays), static_cast<double>(expected.shadow_rays),
+              static_cast<double>(expected.tolerance));
+  for (const BatchStatistics& batch : crsh.statistics.batches)
+    EXPECT_LE(batch.relative(), expected.relative);
+  for (const BatchStatistics& batch : rah.statistics.batches) {
+    const std::uint64_t leaves = (batch.rays + 7) / 8;
+    EXPECT_EQ(batch.levels[0].tests, (leaves + 7) / 8 * expected.triangles);
+  }
+  if (std::string(expected.file) == "cornell.glb") {
+    EXPECT_EQ(find_batch(crsh, RayKind::kReflection, 1)->rays, 262144u);
+    EXPECT_EQ(find_batch(crsh, RayKind::kReflection, 2)->rays, 262144u);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, Paper,
+    testing::Values(PaperScene{"office.glb", 251548, 20, 36308, 0.0186},
+                    PaperScene{"cornell.glb", 242015, 20, 792, 0.0883},
+                    PaperScene{"sponza.glb", 255788, 60, 66450, 0.0238}),
+    [](const auto& test) {
+      return std::string(test.param.file).substr(0, std::string(test.param.file).find('.'));
+    });
+
+}  // namespace
+}  // namespace raysheaf

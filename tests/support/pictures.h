@@ -1,0 +1,83 @@
+// Small scenes with light and camera, and what comes of rendering them.
+#pragma once
+
+#include <cstring>
+
+#include "base/vec.h"
+#include "raysheaf/render.h"
+#include "raysheaf/scene_description.h"
+#include "support/soups.h"
+
+namespace raysheaf::test {
+
+/// A ball of `rings` rings around the origin, smooth, front faces outwards.
+inline Mesh ball(std::uint32_t rings, float radius, Vec3 center = {0, 0, 0}) {
+  constexpr float kTurn = 6.28318530718f;
+  Mesh mesh;
+  const std::uint32_t segments = 2 * rings;
+  for (std::uint32_t r = 0; r <= rings; ++r) {
+    for (std::uint32_t s = 0; s <= segments; ++s) {
+      const float polar = 0.5f * kTurn * static_cast<float>(r) / static_cast<float>(rings);
+      const float around = kTurn * static_cast<float>(s % segments) / static_cast<float>(segments);
+      const Vec3 n{std::sin(polar) * std::sin(around), std::cos(polar),
+                   std::sin(polar) * std::cos(around)};
+      mesh.positions.push_back(center + n * radius);
+      mesh.normals.push_back(n);
+    }
+  }
+  for (std::uint32_t r = 0; r < rings; ++r) {
+    for (std::uint32_t s = 0; s < segments; ++s) {
+      const std::uint32_t a = r * (segments + 1) + s, b = a + segments + 1;
+      if (r > 0) mesh.triangles.push_back({a, b, a + 1});
+      if (r + 1 < rings) mesh.triangles.push_back({a + 1, b, b + 1});
+    }
+  }
+  return mesh;
+}
+
+inline Mesh floor_square(float half, float y) {
+  Mesh mesh;
+  mesh.positions = {{-half, y, -half}, {half, y, -half}, {half, y, half}, {-half, y, half}};
+  mesh.triangles = {{0, 2, 1}, {0, 3, 2}};
+  return mesh;
+}
+
+inline Light point_light(Vec3 position, float intensity) {
+  Light light;
+  light.position = position;
+  light.intensity = {intensity, intensity, intensity};
+  return light;
+}
+
+inline Camera camera_at(Vec3 eye, Vec3 target) {
+  Camera camera;
+  camera.to_world = look_at(eye, target, {0, 1, 0});
+  camera.z_near = 1e-3f * length(target - eye);
+  return camera;
+}
+
+/// A ball over a floor, a point light above.
+inline SceneDescription ball_on_floor(Material material = {}) {
+  SceneDescription scene;
+  scene.materials.push_back(std::move(material));
+  Mesh sphere = ball(24, 1, {0, 1, 0});
+  sphere.materials = {0};
+  add_mesh(&scene, std::move(sphere));
+  add_mesh(&scene, floor_square(6, 0));
+  scene.lights.push_back(point_light({2, 6, 3}, 100));
+  scene.cameras.push_back(camera_at({0, 2.5f, 6}, {0, 0.8f, 0}));
+  return scene;
+}
+
+inline RenderOptions small_options(std::uint32_t size = 48) {
+  RenderOptions options;
+  options.width = options.height = size;
+  options.primary = Primary::kTrace;
+  return options;
+}
+
+inline bool same_bits(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0;
+}
+
+}  // namespace raysheaf::test
