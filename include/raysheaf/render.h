@@ -54,6 +54,11 @@ struct RenderOptions {
   std::function<bool(const Progress&)> progress;
 };
 
+/// What a pixel sees: an instance, its mesh, and a triangle of that mesh; all kInvalidId for nothing.
+struct PixelIds {
+  std::uint32_t inst_id = kInvalidId, geom_id = kInvalidId, prim_id = kInvalidId;
+};
+
 /// Rows from the top, `width * height` entries each.
 struct RenderResult {
   std::uint32_t width = 0, height = 0;
@@ -61,6 +66,7 @@ struct RenderResult {
   std::vector<Vec3> position;  ///< world; 0 where nothing is seen
   std::vector<Vec3> normal;    ///< shading normal, world
   std::vector<Vec3> albedo;    ///< diffuse plus specular reflectance at the first hit
+  std::vector<PixelIds> ids;
   std::vector<float> shadow;   ///< the part of the lights facing the first hit that reaches it
   std::vector<float> tests;    ///< tests a pixel, over all its rays; empty unless asked for
   float exposure = 1;          ///< the factor that `tone_mapped` uses

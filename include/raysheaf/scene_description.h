@@ -111,7 +111,7 @@ struct SceneDescription {
   [[nodiscard]] std::uint64_t triangle_count() const;
 };
 
-/// The box of every instance's vertices, in world space.
+/// The box of every instance's triangles, in world space; empty where there are none.
 [[nodiscard]] Box world_bounds(const SceneDescription& scene);
 
 /// Throws `Error` that names the first field which cannot be rendered: indices out of range,
@@ -124,8 +124,10 @@ void validate(const SceneDescription& scene);
 /// A point light that shows the scene from where `camera` stands: above it and to its left.
 [[nodiscard]] Light showing_light(const SceneDescription& scene, const Camera& camera);
 
-/// Adds `framing_camera` where there is no camera, and `showing_light` where there is no light,
-/// no emission and no unlit material.
+/// Whether there is no light and something that would show by one: not every material is unlit.
+[[nodiscard]] bool needs_light(const SceneDescription& scene);
+
+/// Adds `framing_camera` where there is no camera, and `showing_light` where `needs_light` says so.
 void add_missing_camera_and_light(SceneDescription& scene);
 
 }  // namespace raysheaf

@@ -58,10 +58,15 @@ RAYSHEAF_HD inline Vec3 cross(Vec3 a, Vec3 b) {
 RAYSHEAF_HD inline float length(Vec3 a) {
   return std::sqrt(dot(a, a));
 }
-/// A unit vector along `a`, or `fallback` where `a` has no direction.
+/// A unit vector along `a`, or `fallback` where `a` has no direction. Any length will do: squares
+/// that would leave the range of a float are avoided.
 RAYSHEAF_HD inline Vec3 normalized(Vec3 a, Vec3 fallback = {0, 0, 1}) {
   const float n = length(a);
-  return n > 0 && n < std::numeric_limits<float>::infinity() ? a / n : fallback;
+  if (n > 1e-15f && n < 1e15f) return a / n;
+  const float largest = std::fmax(std::fabs(a.x), std::fmax(std::fabs(a.y), std::fabs(a.z)));
+  if (!(largest > 0 && largest < std::numeric_limits<float>::infinity())) return fallback;
+  const Vec3 scaled = a / largest;
+  return scaled / length(scaled);
 }
 RAYSHEAF_HD inline Vec3 lerp(Vec3 a, Vec3 b, float t) {
   return a * (1 - t) + b * t;

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cstddef>
 #include <type_traits>
+#include <utility>
 
 #include "base/host_device.h"
 
@@ -16,9 +17,11 @@ struct View {
 
   View() = default;
   RAYSHEAF_HD View(T* first, std::size_t count) : data(first), size(count) {}
+  /// Any contiguous container. A temporary one lives until the end of the full expression.
   template <class Container, class = std::enable_if_t<std::is_convertible_v<
                                  decltype(std::declval<Container&>().data()), T*>>>
-  View(Container& container) : data(container.data()), size(container.size()) {}  // NOLINT: a view
+  View(Container&& container)  // NOLINT: a view
+      : data(container.data()), size(container.size()) {}
 
   RAYSHEAF_HD T& operator[](std::size_t i) const {
     assert(i < size);

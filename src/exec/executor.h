@@ -5,6 +5,7 @@
 #pragma once
 
 #include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
@@ -43,6 +44,7 @@ class Executor {
 
  private:
   std::uint32_t threads_;
+  oneapi::tbb::global_control workers_;  // lets there be more threads than cores, where asked for
   mutable oneapi::tbb::task_arena arena_;
 };
 

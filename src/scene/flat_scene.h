@@ -2,7 +2,7 @@
 //
 // Triangles are numbered by (geom_id, inst_id, prim_id), so that comparing two numbers compares the
 // three ids in the order that breaks ties between hits. Arrays are padded to a whole number of SIMD
-// blocks with triangles that nothing hits.
+// blocks with triangles that nothing hits: a point each, in a sphere of radius `kPaddingRadius`.
 #pragma once
 
 #include <cstdint>
@@ -19,12 +19,18 @@ class Executor;
 
 inline constexpr std::uint32_t kTriangleBlock = 16;
 
-/// The triangles of one instance of one mesh, contiguous.
+/// No sum of this and another radius is positive.
+inline constexpr float kPaddingRadius = -1e30f;
+
+/// No world coordinate is larger, so that no squared distance overflows.
+inline constexpr float kLargestCoordinate = 1e18f;
+
+/// The triangles of one instance of one mesh, contiguous. Instances without triangles have none.
 struct FlatMesh {
   std::uint32_t first_triangle = 0, triangle_count = 0;
   std::uint32_t geom_id = 0, inst_id = 0;
   bool mirrored = false;  ///< the transform turns the winding
-  Sphere bound;           ///< holds every vertex
+  Sphere bound;           ///< holds every vertex that a triangle uses, in world space
 };
 
 enum TriangleFlag : std::uint8_t {
@@ -57,13 +63,15 @@ struct FlatScene {
   }
 };
 
-/// The minimum enclosing ball of each mesh of the description, in its own space. Once a mesh:
-/// moving an instance needs `transformed` alone.
+/// The minimum enclosing ball of the vertices that each mesh's triangles use, in the mesh's own
+/// space; empty where there are none. Once a mesh: moving an instance needs `transformed` alone
+/// (scene/mesh_bound_body.h).
 [[nodiscard]] std::vector<Sphere> mesh_bounds(const Executor& executor,
                                               const SceneDescription& scene);
 
 /// O(triangles). `description` must outlive the result and have passed `validate`; `object_bounds`
-/// is what `mesh_bounds` gave for it. Throws `Error` (kUnsupported) above 2^32 - 64 triangles.
+/// is what `mesh_bounds` gave for it. Throws `Error`: kUnsupported above 2^32 - 64 triangles,
+/// kInvalidData where an instance puts a vertex farther out than `kLargestCoordinate`.
 [[nodiscard]] FlatScene flatten(const Executor& executor, const SceneDescription& description,
                                 const std::vector<Sphere>& object_bounds);
 

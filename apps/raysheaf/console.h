@@ -1,0 +1,28 @@
+// What reaches the terminal: standard output and standard error, and their closed ends.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace raysheaf::app {
+
+/// Writes to standard output. A reader that went away is no error; other failures throw `Error`.
+void print(std::string_view text);
+
+/// "raysheaf: SENTENCE" on standard error.
+void tell_error(std::string_view sentence);
+
+/// A line on standard error.
+void tell(std::string_view line);
+
+/// Names come from files: control characters become '?', so that none of them reaches a terminal.
+[[nodiscard]] std::string printable(std::string_view text);
+
+/// Ctrl-C from here on sets a flag instead of ending the program; a second one ends it.
+void catch_interrupts();
+[[nodiscard]] bool interrupted();
+
+/// A write to a closed pipe fails instead of ending the program.
+void ignore_closed_pipes();
+
+}  // namespace raysheaf::app

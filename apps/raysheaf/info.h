@@ -1,0 +1,30 @@
+// What a scene holds, gathered once and told in two ways.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "raysheaf/scene_description.h"
+
+namespace raysheaf::app {
+
+struct SceneInfo {
+  const SceneDescription* scene = nullptr;
+  std::uint64_t triangles = 0;  ///< once an instance
+  Box bounds;
+  std::vector<std::uint64_t> instances_of_mesh;
+};
+
+/// `scene` must outlive the result.
+[[nodiscard]] SceneInfo gather_info(const SceneDescription& scene);
+
+[[nodiscard]] const char* type_name(Light::Type type);
+[[nodiscard]] Vec3 position_of(const Camera& camera);
+
+/// Aligned text for people, with a line feed at the end.
+[[nodiscard]] std::string info_text(const SceneInfo& info);
+/// The JSON that docs/command-line.md describes.
+[[nodiscard]] std::string info_json(const SceneInfo& info);
+
+}  // namespace raysheaf::app

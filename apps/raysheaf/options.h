@@ -1,0 +1,46 @@
+// What the command line asked for, after parsing. No parser in here.
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "raysheaf/render.h"
+
+namespace raysheaf::app {
+
+/// Exit codes, as docs/command-line.md promises them.
+enum ExitCode : int {
+  kSuccess = 0,
+  kFailed = 1,
+  kUsage = 2,
+  kInterrupted = 130,
+};
+
+struct RenderCommand {
+  std::string scene;
+  std::vector<std::string> pictures;  ///< PNG and OpenEXR, by their ending
+  std::string stats_path, heatmap_path;
+  std::string device = "cpu";
+  bool quiet = false;
+  RenderOptions options;
+};
+
+struct InfoCommand {
+  std::string scene;
+  bool json = false;
+};
+
+struct SceneCommand {
+  bool list = false;
+  std::string name, output;
+};
+
+using Command = std::variant<RenderCommand, InfoCommand, SceneCommand>;
+
+/// Each gives an exit code, or throws `Error`.
+int run(const RenderCommand& command);
+int run(const InfoCommand& command);
+int run(const SceneCommand& command);
+
+}  // namespace raysheaf::app

@@ -1,0 +1,244 @@
+// The only file that sees CLI11.
+#include "parse.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <set>
+
+#include "console.h"
+#include "raysheaf/error.h"
+#include "raysheaf/version.h"
+#include "values.h"
+
+namespace raysheaf::app {
+namespace {
+
+// Turns an Error of values.h into CLI11's, which adds the option's name.
+template <typename Parse>
+std::function<void(const std::string&)> into(Parse parse, std::string option) {
+  return [parse, option = std::move(option)](const std::string& text) {
+    try {
+      parse(text);
+    } catch (const Error& error) {
+      throw CLI::ValidationError(option, error.sentence());
+    }
+  };
+}
+
+void add_value(CLI::App& app, const std::string& option, const std::string& type,
+               const std::string& text, std::function<void(const std::string&)> parse) {
+  app.add_option_function<std::string>(option, into(std::move(parse), option), text)
+      ->type_name(type);
+}
+
+void add_count(CLI::App& app, const std::string& option, std::uint32_t& value, std::uint32_t low,
+               std::uint32_t high, const std::string& text) {
+  add_value(app, option, "N", text, [&value, low, high](const std::string& given) {
+    value = parse_count(given, low, high);
+  });
+}
+
+void add_off_switch(CLI::App& app, const std::string& option, bool& value,
+                    const std::string& text) {
+  app.add_flag_callback(
+      option, [&value] { value = false; }, text);
+}
+
+void add_outputs(CLI::App& app, RenderCommand& command) {
+  app.add_option("-o,--output", command.pictures,
+                 "Picture: .png (tone-mapped sRGB) or .exr (linear, with layers); may be given "
+                 "more than once")
+      ->type_name("FILE")
+      ->take_all()
+      ->allow_extra_args(false);
+  app.add_option("--stats", command.stats_path, "Statistics as JSON")->type_name("FILE.json");
+  app.add_option("--heatmap", command.heatmap_path, "Tests per pixel as a picture with a legend")
+      ->type_name("FILE.png");
+  app.add_flag("-q,--quiet", command.quiet, "No progress bar, warnings or summary");
+}
+
+void add_view(CLI::App& app, RenderOptions& options) {
+  add_value(app, "--size", "WxH", "Size of the picture [512x512]", [&options](const auto& text) {
+    std::tie(options.width, options.height) = parse_size(text);
+  });
+  app.add_option("--camera", options.camera, "Camera by name or by index from 0 [the first]")
+      ->type_name("NAME|INDEX");
+  add_value(app, "--exposure", "X", "Factor on radiance before tone mapping [automatic]",
+            [&options](const auto& text) { options.exposure = parse_positive(text); });
+  add_value(app, "--ambient", "R,G,B|X", "Radiance of a uniform sky [a little, from the lights]",
+            [&options](const auto& text) { options.ambient = parse_color(text); });
+}
+
+void add_rays(CLI::App& app, RenderCommand& command) {
+  RenderOptions& options = command.options;
+  add_count(app, "--bounces", options.bounces, 0, 32,
+            "Reflections and refractions in a row, 0 to 32 [2]");
+  add_off_switch(app, "--no-shadows", options.shadows, "No shadow rays");
+  add_off_switch(app, "--no-reflections", options.reflections, "No mirror reflections");
+  add_off_switch(app, "--no-refractions", options.refractions, "No refractions");
+  app.add_flag("--early-out", options.early_out,
+               "Shadow rays stop at their first hit (the paper counts without)");
+  add_value(
+      app, "--primary", "raster|trace", "First hits by OpenGL (raster) or by rays (trace) [raster]",
+      [&options](const std::string& text) {
+        if (text != "raster" && text != "trace") {
+          throw Error(ErrorCode::kInvalidArgument, "'" + text + "' is neither raster nor trace");
+        }
+        options.primary = text == "trace" ? Primary::kTrace : Primary::kRaster;
+      });
+}
+
+void add_method(CLI::App& app, RenderCommand& command) {
+  RenderOptions& options = command.options;
+  add_value(app, "--method", "brute|rah|crsh", "How rays meet triangles [crsh]",
+            [&options](const auto& text) { options.method = method_from_string(text); });
+  add_count(app, "--levels", options.levels, 1, 8, "Levels of the ray hierarchy, 1 to 8 [2]");
+  add_count(app, "--branching", options.branching, 2, 64, "Children of a node, 2 to 64 [8]");
+  add_count(app, "--threads", options.threads, 0, 1024, "Threads, up to 1024; 0 is all cores [0]");
+  add_value(app, "--device", "cpu|cuda", "Where the rays are traced [cpu]",
+            [&command](const std::string& text) {
+              if (text != "cpu" && text != "cuda") {
+                throw Error(ErrorCode::kInvalidArgument, "'" + text + "' is neither cpu nor cuda");
+              }
+              command.device = text;
+            });
+}
+
+bool has_picture_ending(const std::string& path) {
+  return has_ending(path, ".png") || has_ending(path, ".exr");
+}
+
+void check_outputs(const RenderCommand& command) {
+  std::set<std::string> seen;
+  const auto once = [&seen](const std::string& option, const std::string& path) {
+    if (!path.empty() && !seen.insert(path).second) {
+      throw CLI::ValidationError(option, "'" + path + "' is written twice");
+    }
+  };
+  for (const std::string& path : command.pictures) {
+    if (!has_picture_ending(path)) {
+      throw CLI::ValidationError("-o", "'" + path + "' ends neither in .png nor in .exr");
+    }
+    once("-o", path);
+  }
+  once("--stats", command.stats_path);
+  once("--heatmap", command.heatmap_path);
+  if (!command.heatmap_path.empty() && !has_ending(command.heatmap_path, ".png")) {
+    throw CLI::ValidationError("--heatmap", "'" + command.heatmap_path + "' does not end in .png");
+  }
+  if (seen.empty()) {
+    throw CLI::ValidationError("render", "nothing to write: give -o, --stats or --heatmap");
+  }
+}
+
+CLI::App* add_render(CLI::App& app, RenderCommand& command) {
+  CLI::App* sub = app.add_subcommand("render", "Render a scene to pictures and statistics");
+  sub->add_option("SCENE", command.scene, "A file (.gltf, .glb, .obj, .ply, .stl) or builtin:NAME")
+      ->required();
+  add_outputs(*sub, command);
+  add_view(*sub, command.options);
+  add_rays(*sub, command);
+  add_method(*sub, command);
+  sub->footer(
+      "Examples:\n"
+      "  raysheaf render builtin:office -o office.png\n"
+      "  raysheaf render builtin:cornell -o cornell.png -o cornell.exr --bounces 4\n"
+      "  raysheaf render model.glb -o model.png --size 1280x720 --camera 1 --stats model.json\n"
+      "  raysheaf render builtin:atrium --heatmap tests.png --method rah");
+  sub->callback([&command] { check_outputs(command); });
+  return sub;
+}
+
+CLI::App* add_info(CLI::App& app, InfoCommand& command) {
+  CLI::App* sub = app.add_subcommand("info", "List what a scene holds");
+  sub->add_option("SCENE", command.scene, "A file (.gltf, .glb, .obj, .ply, .stl) or builtin:NAME")
+      ->required();
+  sub->add_flag("--json", command.json, "As JSON");
+  sub->footer(
+      "Examples:\n"
+      "  raysheaf info model.obj\n"
+      "  raysheaf info builtin:cornell --json");
+  return sub;
+}
+
+CLI::App* add_scene(CLI::App& app, SceneCommand& command) {
+  CLI::App* sub = app.add_subcommand("scene", "Write a built-in scene as binary glTF");
+  sub->add_option("NAME", command.name, "A name that --list gives");
+  sub->add_option("-o,--output", command.output, "Where to write it")->type_name("FILE.glb");
+  sub->add_flag("--list", command.list, "Print the names of the built-in scenes");
+  sub->footer(
+      "Examples:\n"
+      "  raysheaf scene --list\n"
+      "  raysheaf scene office -o office.glb");
+  sub->callback([&command] {
+    if (command.list) return;
+    if (command.name.empty()) throw CLI::ValidationError("scene", "give a NAME or --list");
+    if (command.output.empty()) throw CLI::ValidationError("scene", "give -o FILE.glb");
+    if (!has_ending(command.output, ".glb")) {
+      throw CLI::ValidationError("-o", "'" + command.output + "' does not end in .glb");
+    }
+  });
+  return sub;
+}
+
+// Whether the first word is a command or an option; tells what there is where it is neither.
+bool starts_well(int argc, const char* const* argv, const CLI::App& app) {
+  const std::string first = argc > 1 ? argv[1] : "";
+  if (first.starts_with("-")) return true;
+  std::string names;
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (sub->get_name() == first) return true;
+    names += (names.empty() ? "" : ", ") + sub->get_name();
+  }
+  const std::string what = first.empty() ? "no command" : "'" + first + "' is no command";
+  tell_error(what + "; there are " + names + " (see raysheaf --help)");
+  return false;
+}
+
+// CLI11's sentence on one line of ours. Its text has no full stop and may have line breaks.
+int tell_usage_error(const CLI::ParseError& error, const CLI::App& app) {
+  std::string sentence = error.what();
+  std::replace(sentence.begin(), sentence.end(), '\n', ' ');
+  std::string help = "raysheaf";
+  for (const CLI::App* sub : app.get_subcommands()) help += " " + sub->get_name();
+  tell_error(sentence + " (see " + help + " --help)");
+  return kUsage;
+}
+
+}  // namespace
+
+std::variant<Command, int> parse(int argc, const char* const* argv) {
+  CLI::App app("Ray tracing through moving geometry with a hierarchy over the rays.", "raysheaf");
+  app.set_version_flag("--version", std::string("raysheaf ") + RAYSHEAF_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "Examples:\n"
+      "  raysheaf render builtin:office -o office.png\n"
+      "  raysheaf info model.glb\n"
+      "  raysheaf scene cornell -o cornell.glb\n"
+      "\n"
+      "raysheaf COMMAND --help lists the options of a command.");
+  RenderCommand render;
+  InfoCommand info;
+  SceneCommand scene;
+  const CLI::App* render_app = add_render(app, render);
+  const CLI::App* info_app = add_info(app, info);
+  add_scene(app, scene);
+  if (!starts_well(argc, argv, app)) return kUsage;
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& done) {
+    std::ostringstream text;
+    app.exit(done, text, text);
+    print(text.str());
+    return kSuccess;
+  } catch (const CLI::ParseError& error) {
+    return tell_usage_error(error, app);
+  }
+  if (render_app->parsed()) return Command(std::move(render));
+  if (info_app->parsed()) return Command(std::move(info));
+  return Command(std::move(scene));
+}
+
+}  // namespace raysheaf::app

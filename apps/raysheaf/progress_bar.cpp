@@ -1,0 +1,81 @@
+#include "progress_bar.h"
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+namespace raysheaf::app {
+namespace {
+
+constexpr std::chrono::milliseconds kRedrawEvery{100};
+constexpr std::size_t kBarCells = 24, kUsualColumns = 80;
+
+std::string short_number(double value) {
+  if (value < 1e4) return fmt::format("{:.0f}", value);
+  if (value < 1e6) return fmt::format("{:.0f} k", value / 1e3);
+  if (value < 1e9) return fmt::format("{:.1f} M", value / 1e6);
+  return fmt::format("{:.1f} G", value / 1e9);
+}
+
+std::string short_time(double seconds) {
+  if (seconds < 60) return fmt::format("{:.0f} s", seconds);
+  const auto whole = static_cast<std::uint64_t>(std::min(seconds, 3.6e8));
+  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
+  return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
+}
+
+std::size_t terminal_columns(std::FILE* stream) {
+  winsize size{};
+  if (ioctl(fileno(stream), TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return kUsualColumns;
+  return size.ws_col;
+}
+
+}  // namespace
+
+std::string progress_line(std::string_view stage, std::uint64_t done, std::uint64_t total,
+                          double elapsed_s, std::size_t columns) {
+  done = std::min(done, total);
+  const double part = total == 0 ? 0 : static_cast<double>(done) / static_cast<double>(total);
+  const auto filled = static_cast<std::size_t>(part * kBarCells);
+  std::string line = fmt::format("{:<10} [{}{}] {:>3.0f} %  {} of {}", stage,
+                                 std::string(filled, '#'), std::string(kBarCells - filled, '.'),
+                                 part * 100, short_number(static_cast<double>(done)),
+                                 short_number(static_cast<double>(total)));
+  if (done > 0 && elapsed_s > 0.2) {
+    const double rate = static_cast<double>(done) / elapsed_s;
+    line += fmt::format("  {}/s  {} left", short_number(rate),
+                        short_time(static_cast<double>(total - done) / rate));
+  }
+  return line.substr(0, columns);
+}
+
+ProgressBar::ProgressBar(std::FILE* stream, bool wanted)
+    : stream_(stream), active_(wanted && isatty(fileno(stream)) == 1) {}
+
+ProgressBar::~ProgressBar() {
+  if (!drawn_) return;
+  std::fputs("\r\033[K", stream_);
+  std::fflush(stream_);
+}
+
+void ProgressBar::update(std::string_view stage, std::uint64_t done, std::uint64_t total) {
+  if (!active_) return;
+  const Clock::time_point now = Clock::now();
+  const bool new_stage = stage != stage_;
+  if (new_stage) {
+    stage_ = stage;
+    stage_start_ = now;
+  }
+  if (drawn_ && now - last_draw_ < kRedrawEvery) return;
+  const double elapsed = std::chrono::duration<double>(now - stage_start_).count();
+  // One column stays free: a full line would make some terminals wrap.
+  const std::size_t columns = std::max<std::size_t>(terminal_columns(stream_), 2) - 1;
+  fmt::print(stream_, "\r\033[K{}", progress_line(stage, done, total, elapsed, columns));
+  std::fflush(stream_);
+  drawn_ = true;
+  last_draw_ = now;
+}
+
+}  // namespace raysheaf::app

@@ -1,0 +1,40 @@
+// One line on a terminal that tells how far a frame is:
+//
+//   traverse  [##########..........]  50 %  1.2 M of 2.4 M  310 k/s  4 s left
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+namespace raysheaf::app {
+
+/// The line, at most `columns` wide; `elapsed_s` counts from the stage's start. Rate and time left
+/// appear once there is something to judge them by.
+[[nodiscard]] std::string progress_line(std::string_view stage, std::uint64_t done,
+                                        std::uint64_t total, double elapsed_s, std::size_t columns);
+
+class ProgressBar {
+ public:
+  /// Draws on `stream` where that is a terminal and `wanted`; nowhere else.
+  ProgressBar(std::FILE* stream, bool wanted);
+  /// Wipes the line.
+  ~ProgressBar();
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+
+  void update(std::string_view stage, std::uint64_t done, std::uint64_t total);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  std::FILE* stream_;
+  bool active_;
+  bool drawn_ = false;
+  std::string stage_;
+  Clock::time_point stage_start_, last_draw_;
+};
+
+}  // namespace raysheaf::app

@@ -1,0 +1,119 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+
+#include "console.h"
+#include "options.h"
+#include "outputs.h"
+#include "progress_bar.h"
+#include "raysheaf/error.h"
+#include "raysheaf/io.h"
+#include "scene_argument.h"
+#include "values.h"
+
+namespace raysheaf::app {
+namespace {
+
+/// What is written where; an empty path is not asked for.
+struct Targets {
+  std::vector<std::string> pictures;
+  std::string stats, heatmap;
+};
+
+void refuse_scene_as_output(const std::string& scene, const std::string& output) {
+  std::error_code ignored;
+  if (std::filesystem::equivalent(scene, output, ignored)) {
+    throw Error(ErrorCode::kInvalidArgument, "this output is the scene itself", output);
+  }
+}
+
+Targets open_targets(const RenderCommand& command) {
+  const auto target = [&command](const std::string& path) {
+    if (path.empty()) return path;
+    refuse_scene_as_output(command.scene, path);
+    return writable_path(path);
+  };
+  Targets targets;
+  for (const std::string& path : command.pictures) targets.pictures.push_back(target(path));
+  targets.stats = target(command.stats_path);
+  targets.heatmap = target(command.heatmap_path);
+  return targets;
+}
+
+bool wants_pixel_tests(const RenderCommand& command) {
+  if (!command.heatmap_path.empty()) return true;
+  for (const std::string& path : command.pictures) {
+    if (has_ending(path, ".exr")) return true;
+  }
+  return false;
+}
+
+void stop_if_interrupted() {
+  if (interrupted()) throw Error(ErrorCode::kCancelled, "interrupted");
+}
+
+RenderResult render_with_progress(const SceneDescription& scene, const RenderCommand& command) {
+  ProgressBar bar(stderr, !command.quiet);
+  RenderOptions options = command.options;
+  options.count_pixel_tests = wants_pixel_tests(command);
+  options.progress = [&bar](const Progress& progress) {
+    bar.update(progress.stage, progress.done, progress.total);
+    return !interrupted();
+  };
+  return render(scene, options);
+}
+
+void write_outputs(const RenderCommand& command, const Targets& targets, const RenderResult& result,
+                   double load_ms) {
+  for (std::size_t i = 0; i < targets.pictures.size(); ++i) {
+    stop_if_interrupted();
+    write_picture(result, command.pictures[i], targets.pictures[i]);
+  }
+  stop_if_interrupted();
+  if (!targets.heatmap.empty()) write_png(heatmap(result), targets.heatmap);
+  if (!targets.stats.empty()) write_text(to_json(result.statistics, load_ms), targets.stats);
+}
+
+void tell_summary(const RenderCommand& command, const FrameStatistics& statistics, double load_ms) {
+  tell(fmt::format("{}: {} triangles in {} meshes, {}x{}, {} on {} threads",
+                   printable(statistics.scene), statistics.triangles, statistics.meshes,
+                   statistics.width, statistics.height, statistics.method, statistics.threads));
+  for (const BatchStatistics& batch : statistics.batches) {
+    tell(fmt::format("  {:<10} bounce {}: {:>9} rays, {:>7.3f} % of brute-force tests, {} hits",
+                     to_string(batch.kind), batch.bounce, batch.rays, batch.relative() * 100,
+                     batch.hits));
+  }
+  tell(fmt::format("  loaded in {:.0f} ms, rendered in {:.0f} ms", load_ms, statistics.total_ms));
+  const auto wrote = [](const std::string& path) {
+    if (!path.empty()) tell("wrote " + printable(path));
+  };
+  for (const std::string& path : command.pictures) wrote(path);
+  wrote(command.heatmap_path);
+  wrote(command.stats_path);
+}
+
+}  // namespace
+
+int run(const RenderCommand& command) {
+  if (command.device != "cpu") {
+    throw Error(ErrorCode::kUnsupported, "this build traces rays on the CPU alone",
+                "--device cuda");
+  }
+  catch_interrupts();
+  const Targets targets = open_targets(command);
+  const auto start = std::chrono::steady_clock::now();
+  SceneDescription scene = scene_from_argument(command.scene);
+  add_missing_camera_and_light(scene);
+  const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - start;
+  stop_if_interrupted();
+  if (!command.quiet) {
+    for (const std::string& warning : scene.warnings) tell("warning: " + printable(warning));
+  }
+  const RenderResult result = render_with_progress(scene, command);
+  write_outputs(command, targets, result, load.count());
+  if (!command.quiet) tell_summary(command, result.statistics, load.count());
+  return kSuccess;
+}
+
+}  // namespace raysheaf::app

@@ -1,0 +1,44 @@
+#include "table.h"
+
+#include <algorithm>
+
+namespace raysheaf::app {
+namespace {
+
+// Letters on the screen: the bytes that do not continue a UTF-8 sequence.
+std::size_t width(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
+  }));
+}
+
+bool is_number(const std::string& text) {
+  return !text.empty() && text.find_first_not_of("0123456789.+-e") == std::string::npos;
+}
+
+}  // namespace
+
+std::string Table::text() const {
+  const std::size_t columns = rows_.front().size();
+  std::vector<std::size_t> widths(columns, 0);
+  std::vector<bool> numbers(columns, true);
+  for (const auto& row : rows_) {
+    for (std::size_t c = 0; c < columns; ++c) {
+      widths[c] = std::max(widths[c], width(row[c]));
+      if (&row != &rows_.front()) numbers[c] = numbers[c] && is_number(row[c]);
+    }
+  }
+  std::string all;
+  for (const auto& row : rows_) {
+    std::string line;
+    for (std::size_t c = 0; c < columns; ++c) {
+      const std::string blanks(widths[c] - width(row[c]), ' ');
+      line += "  " + (numbers[c] ? blanks + row[c] : row[c] + blanks);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    all += line + "\n";
+  }
+  return all;
+}
+
+}  // namespace raysheaf::app

@@ -1,0 +1,89 @@
+#include "values.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "raysheaf/error.h"
+
+namespace raysheaf::app {
+namespace {
+
+constexpr std::uint32_t kLargestSide = 16384;
+
+[[noreturn]] void refuse(const std::string& text, const std::string& why) {
+  throw Error(ErrorCode::kInvalidArgument, "'" + text + "' " + why);
+}
+
+// The whole text as a number, without blanks, signs of plus, or the user's locale.
+template <typename Number>
+std::optional<Number> whole(std::string_view text) {
+  Number number{};
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc{} || stop != end) return std::nullopt;
+  return number;
+}
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  while (true) {
+    const std::size_t at = text.find(separator);
+    parts.push_back(text.substr(0, at));
+    if (at == std::string_view::npos) return parts;
+    text.remove_prefix(at + 1);
+  }
+}
+
+}  // namespace
+
+std::pair<std::uint32_t, std::uint32_t> parse_size(const std::string& text) {
+  const auto parts = split(text, 'x');
+  if (parts.size() == 2) {
+    const auto width = whole<std::uint32_t>(parts[0]), height = whole<std::uint32_t>(parts[1]);
+    const auto fits = [](std::optional<std::uint32_t> side) {
+      return side && *side >= 1 && *side <= kLargestSide;
+    };
+    if (fits(width) && fits(height)) return {*width, *height};
+  }
+  refuse(text, "is not WIDTHxHEIGHT with each from 1 to " + std::to_string(kLargestSide) +
+                   ", such as 512x512");
+}
+
+std::uint32_t parse_count(const std::string& text, std::uint32_t low, std::uint32_t high) {
+  const auto number = whole<std::uint32_t>(text);
+  if (number && *number >= low && *number <= high) return *number;
+  refuse(text, "is not a whole number from " + std::to_string(low) + " to " + std::to_string(high));
+}
+
+float parse_positive(const std::string& text) {
+  const auto number = whole<float>(text);
+  if (number && std::isfinite(*number) && *number > 0) return *number;
+  refuse(text, "is not a number above 0");
+}
+
+Vec3 parse_color(const std::string& text) {
+  const auto parts = split(text, ',');
+  std::vector<float> numbers;
+  for (const std::string_view part : parts) {
+    const auto number = whole<float>(part);
+    if (number && std::isfinite(*number) && *number >= 0) numbers.push_back(*number);
+  }
+  if (numbers.size() == parts.size()) {
+    if (numbers.size() == 1) return {numbers[0], numbers[0], numbers[0]};
+    if (numbers.size() == 3) return {numbers[0], numbers[1], numbers[2]};
+  }
+  refuse(text, "is neither one number nor R,G,B, each of them 0 or more");
+}
+
+bool has_ending(const std::string& path, const std::string& ending) {
+  if (path.size() < ending.size()) return false;
+  return std::equal(ending.rbegin(), ending.rend(), path.rbegin(), [](char a, char b) {
+    return a == std::tolower(static_cast<unsigned char>(b));
+  });
+}
+
+}  // namespace raysheaf::app

@@ -1,0 +1,29 @@
+// Values of options: text in, numbers out. Each throws `Error` (kInvalidArgument) with one
+// sentence.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "raysheaf/types.h"
+
+namespace raysheaf::app {
+
+/// "640x480": each side from 1 to 16384.
+[[nodiscard]] std::pair<std::uint32_t, std::uint32_t> parse_size(const std::string& text);
+
+/// A whole number from `low` to `high`.
+[[nodiscard]] std::uint32_t parse_count(const std::string& text, std::uint32_t low,
+                                        std::uint32_t high);
+
+/// A finite number above zero.
+[[nodiscard]] float parse_positive(const std::string& text);
+
+/// "R,G,B", or one number for all three; finite and not negative.
+[[nodiscard]] Vec3 parse_color(const std::string& text);
+
+/// Whether `path` ends in `ending` (lower case, with its dot), in any case.
+[[nodiscard]] bool has_ending(const std::string& path, const std::string& ending);
+
+}  // namespace raysheaf::app

@@ -1,0 +1,19 @@
+# Every header compiles alone: a source file each that includes it twice and nothing else. Highway's
+# `-inl.h` files, which are compiled once a target by design, are left out.
+file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
+  ${PROJECT_SOURCE_DIR}/include/*.h ${PROJECT_SOURCE_DIR}/src/*.h ${PROJECT_SOURCE_DIR}/io/*.h
+  ${PROJECT_SOURCE_DIR}/apps/raysheaf/*.h)
+list(FILTER headers EXCLUDE REGEX "-inl\\.h$")
+set(header_sources "")
+foreach(header ${headers})
+  string(REPLACE "/" "__" name ${header})
+  set(source ${PROJECT_BINARY_DIR}/headers/${name}.cpp)
+  file(CONFIGURE OUTPUT ${source} CONTENT "#include \"${header}\"\n#include \"${header}\"\n")
+  list(APPEND header_sources ${source})
+endforeach()
+add_library(raysheaf_headers OBJECT ${header_sources})
+target_include_directories(raysheaf_headers PRIVATE
+  ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/apps/raysheaf ${STB_INCLUDE_DIR})
+target_compile_options(raysheaf_headers PRIVATE -O0 -g0 -Wno-unused-function)
+target_link_libraries(raysheaf_headers PRIVATE
+  raysheaf raysheaf_options TBB::tbb hwy::hwy PkgConfig::EPOXY nlohmann_json::nlohmann_json)

@@ -1,0 +1,24 @@
+# `cmake --install`: headers, library, command line, and what CMake and pkg-config need to find them.
+# The library may be static: then its private libraries are linked by whoever links it, so the package
+# file looks all of them up.
+include(CMakePackageConfigHelpers)
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/raysheaf)
+install(TARGETS raysheaf EXPORT raysheafTargets)
+install(DIRECTORY include/raysheaf DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+install(FILES ${PROJECT_BINARY_DIR}/include/raysheaf/version.h
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/raysheaf)
+install(EXPORT raysheafTargets NAMESPACE raysheaf:: DESTINATION ${package_dir})
+if(TARGET raysheaf_app)
+  install(TARGETS raysheaf_app)
+endif()
+
+configure_package_config_file(cmake/raysheafConfig.cmake.in ${PROJECT_BINARY_DIR}/raysheafConfig.cmake
+  INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/raysheafConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/raysheafConfig.cmake ${PROJECT_BINARY_DIR}/raysheafConfigVersion.cmake
+  DESTINATION ${package_dir})
+
+configure_file(cmake/raysheaf.pc.in ${PROJECT_BINARY_DIR}/raysheaf.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/raysheaf.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

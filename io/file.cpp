@@ -1,0 +1,169 @@
+#include "io/file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cctype>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include "raysheaf/error.h"
+#include "raysheaf/io.h"
+
+namespace raysheaf {
+namespace io {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file descriptor that closes itself.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  [[nodiscard]] int get() const { return fd_; }
+  [[nodiscard]] bool close() { return ::close(std::exchange(fd_, -1)) == 0; }
+
+ private:
+  int fd_;
+};
+
+[[noreturn]] void fail(const std::string& verb, const std::string& path, int error) {
+  throw Error(ErrorCode::kIo, "cannot be " + verb + ": " + std::strerror(error), path);
+}
+
+/// A name in the same folder, so that the rename stays within one file system.
+std::string temporary_name(const std::string& path) {
+  static std::atomic<unsigned> counter{0};
+  const fs::path target(path);
+  const std::string name = "." + target.filename().string() + "." + std::to_string(::getpid()) +
+                           "." + std::to_string(counter++) + ".part";
+  return (target.parent_path() / name).string();
+}
+
+/// 0, or the errno of the step that failed.
+int write_and_close(const std::string& path, std::span<const std::uint8_t> bytes) {
+  Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  if (file.get() < 0) return errno;
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file.get(), bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return errno;
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+  return file.close() ? 0 : errno;
+}
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  const int lower = std::tolower(static_cast<unsigned char>(c));
+  return lower >= 'a' && lower <= 'f' ? lower - 'a' + 10 : -1;
+}
+
+std::string decode_percent(const std::string& text) {
+  std::string result;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool escaped = text[i] == '%' && i + 2 < text.size() && hex_digit(text[i + 1]) >= 0 &&
+                         hex_digit(text[i + 2]) >= 0;
+    if (escaped) {
+      result += static_cast<char>(hex_digit(text[i + 1]) * 16 + hex_digit(text[i + 2]));
+      i += 2;
+    } else {
+      result += text[i];
+    }
+  }
+  return result;
+}
+
+bool leaves_folder(const std::string& name) {
+  if (name.empty() || name.find('\0') != std::string::npos) return true;
+  const fs::path path(name);
+  if (path.is_absolute() || name.find(':') != std::string::npos) return true;
+  return std::any_of(path.begin(), path.end(), [](const fs::path& part) { return part == ".."; });
+}
+
+}  // namespace
+
+Bytes read_file(const std::string& path) {
+  Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (file.get() < 0) {
+    if (errno == ENOENT || errno == ENOTDIR) {
+      throw Error(ErrorCode::kNotFound, "no such file", path);
+    }
+    fail("read", path, errno);
+  }
+  struct stat status = {};
+  if (::fstat(file.get(), &status) != 0) fail("read", path, errno);
+  if (S_ISDIR(status.st_mode)) throw Error(ErrorCode::kIo, "is a folder, not a file", path);
+  if (!S_ISREG(status.st_mode)) throw Error(ErrorCode::kIo, "is not a regular file", path);
+  const auto size = static_cast<std::uint64_t>(status.st_size);
+  if (size > kMaxFileBytes) {
+    throw Error(ErrorCode::kOutOfMemory, "is larger than 4 GiB, the most that is read", path);
+  }
+  Bytes bytes(size);
+  for (std::size_t done = 0; done < size;) {
+    const ssize_t got = ::read(file.get(), bytes.data() + done, size - done);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) fail("read", path, errno);
+    if (got == 0) throw Error(ErrorCode::kIo, "became shorter while it was read", path);
+    done += static_cast<std::size_t>(got);
+  }
+  return bytes;
+}
+
+bool file_exists(const std::string& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
+}
+
+void write_file(const std::string& path, std::span<const std::uint8_t> bytes) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) fail("written", path, EISDIR);
+  const std::string temporary = temporary_name(path);
+  int failure = write_and_close(temporary, bytes);
+  if (failure == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) failure = errno;
+  if (failure == 0) return;
+  if (failure != EEXIST) ::unlink(temporary.c_str());
+  fail("written", path, failure);
+}
+
+std::string ending_of(const std::string& path) {
+  std::string ending = fs::path(path).extension().string();
+  if (!ending.empty()) ending.erase(0, 1);
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return ending;
+}
+
+std::string folder_of(const std::string& path) {
+  const std::string folder = fs::path(path).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
+std::string resolve_inside(const std::string& folder, const std::string& uri, bool percent,
+                           const std::string& place) {
+  const std::string name = percent ? decode_percent(uri) : uri;
+  if (leaves_folder(name)) {
+    throw Error(ErrorCode::kUnsupported,
+                "\"" + uri.substr(0, 200) + "\" does not stay inside the file's folder", place);
+  }
+  return (fs::path(folder) / name).string();
+}
+
+}  // namespace io
+
+void write_text(const std::string& text, const std::string& path) {
+  io::write_file(path, io::as_bytes(text));
+}
+
+}  // namespace raysheaf

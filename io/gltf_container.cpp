@@ -1,0 +1,76 @@
+#include <cstring>
+
+#include "io/gltf_json.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf::io {
+namespace {
+
+constexpr std::uint32_t kMagic = 0x46546c67;   // "glTF"
+constexpr std::uint32_t kJson = 0x4e4f534a;    // "JSON"
+constexpr std::uint32_t kBinary = 0x004e4942;  // "BIN"
+constexpr std::size_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
+
+std::uint32_t read_u32(std::span<const std::uint8_t> bytes, std::size_t at) {
+  return static_cast<std::uint32_t>(bytes[at]) | static_cast<std::uint32_t>(bytes[at + 1]) << 8 |
+         static_cast<std::uint32_t>(bytes[at + 2]) << 16 |
+         static_cast<std::uint32_t>(bytes[at + 3]) << 24;
+}
+
+[[noreturn]] void refuse(const std::string& sentence, const std::string& place) {
+  throw Error(ErrorCode::kInvalidData, sentence, place);
+}
+
+struct Chunk {
+  std::uint32_t type = 0;
+  std::span<const std::uint8_t> bytes;
+};
+
+Chunk chunk_at(std::span<const std::uint8_t> glb, std::size_t at, int number) {
+  const std::string place = "GLB chunk " + std::to_string(number);
+  if (glb.size() - at < kChunkHeaderBytes) refuse("the chunk's header is cut off", place);
+  const std::size_t length = read_u32(glb, at);
+  const std::size_t left = glb.size() - at - kChunkHeaderBytes;
+  if (length > left) {
+    refuse("the chunk says that it has " + std::to_string(length) + " bytes, but only " +
+               std::to_string(left) + " follow",
+           place);
+  }
+  return {read_u32(glb, at + 4), glb.subspan(at + kChunkHeaderBytes, length)};
+}
+
+std::size_t padded(std::size_t length) { return (length + 3) / 4 * 4; }
+
+GltfParts split_glb(std::span<const std::uint8_t> file) {
+  if (file.size() < kHeaderBytes) refuse("the file is cut off inside its header", "GLB header");
+  const std::uint32_t version = read_u32(file, 4);
+  if (version != 2) {
+    throw Error(ErrorCode::kUnsupported,
+                "GLB version " + std::to_string(version) + " is not read, only 2", "GLB header");
+  }
+  const std::size_t length = read_u32(file, 8);
+  if (length > file.size()) {
+    refuse("the file is truncated: it says that it has " + std::to_string(length) +
+               " bytes, but has " + std::to_string(file.size()),
+           "GLB header");
+  }
+  const auto glb = file.first(length);
+  if (length < kHeaderBytes) refuse("the declared length is too small", "GLB header");
+  const Chunk json = chunk_at(glb, kHeaderBytes, 0);
+  if (json.type != kJson) refuse("the first chunk is not JSON", "GLB chunk 0");
+  GltfParts parts{json.bytes, {}, true};
+  const std::size_t next = kHeaderBytes + kChunkHeaderBytes + padded(json.bytes.size());
+  if (next >= glb.size()) return parts;
+  const Chunk binary = chunk_at(glb, next, 1);
+  if (binary.type == kBinary) parts.binary = binary.bytes;
+  return parts;
+}
+
+}  // namespace
+
+GltfParts split_gltf(std::span<const std::uint8_t> file) {
+  if (file.size() >= 4 && read_u32(file, 0) == kMagic) return split_glb(file);
+  return {file, {}, false};
+}
+
+}  // namespace raysheaf::io

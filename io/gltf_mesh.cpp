@@ -1,0 +1,262 @@
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "io/gltf.h"
+#include "io/gltf_accessor.h"
+#include "io/linear.h"
+#include "io/normals.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf::io {
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// Elements that may be read for each byte of the file, and besides.
+constexpr std::size_t kElementsPerByte = 16, kFreeElements = std::size_t{1} << 24;
+
+std::vector<Vec3> as_vec3(const std::vector<float>& values) {
+  std::vector<Vec3> result(values.size() / 3);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+  }
+  return result;
+}
+
+void check_finite(const std::vector<float>& values, std::size_t width, const std::string& place) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (std::isfinite(values[i])) continue;
+    throw Error(ErrorCode::kInvalidData, "is not finite",
+                place + "[" + std::to_string(i / width) + "]");
+  }
+}
+
+/// The corners of a list, strip or fan of `count` vertices, as glTF 2.0, section 3.7.2.1 has them.
+std::vector<Triangle> corners_of(int mode, std::size_t vertex_count) {
+  const auto count = static_cast<std::uint32_t>(vertex_count);
+  std::vector<Triangle> result;
+  if (mode == TINYGLTF_MODE_TRIANGLES) {
+    result.reserve(count / 3);
+    for (std::uint32_t i = 0; i + 2 < count; i += 3) result.push_back({i, i + 1, i + 2});
+  } else if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
+    for (std::uint32_t i = 0; i + 2 < count; ++i) {
+      result.push_back({i, i + 1 + i % 2, i + 2 - i % 2});
+    }
+  } else {
+    for (std::uint32_t i = 1; i + 1 < count; ++i) result.push_back({i, i + 1, 0});
+  }
+  return result;
+}
+
+/// Concatenates the primitives of one mesh.
+class MeshReader {
+ public:
+  MeshReader(const tinygltf::Model& model, AccessorReader& accessors,
+             const std::vector<int>& uv_sets, Warnings& warnings)
+      : model_(model), accessors_(accessors), uv_sets_(uv_sets), warnings_(warnings) {}
+
+  Mesh read(std::size_t index) {
+    const tinygltf::Mesh& source = model_.meshes[index];
+    mesh_.name = source.name;
+    any_normals_ = std::any_of(source.primitives.begin(), source.primitives.end(), [](auto& p) {
+      return p.mode >= TINYGLTF_MODE_TRIANGLES && p.attributes.count("NORMAL") > 0;
+    });
+    for (std::size_t p = 0; p < source.primitives.size(); ++p) {
+      place_ = "meshes[" + std::to_string(index) + "].primitives[" + std::to_string(p) + "]";
+      read_primitive(source.primitives[p]);
+    }
+    finish();
+    return std::move(mesh_);
+  }
+
+ private:
+  /// The accessors of position, normal and uv: primitives with the same share their vertices.
+  using Attributes = std::array<int, 3>;
+
+  static int find(const tinygltf::Primitive& primitive, const std::string& name) {
+    const auto it = primitive.attributes.find(name);
+    return it == primitive.attributes.end() ? -1 : it->second;
+  }
+
+  void read_primitive(const tinygltf::Primitive& primitive) {
+    if (!is_drawn(primitive)) return;
+    const int set = primitive.material < 0
+                        ? 0
+                        : uv_sets_[static_cast<std::size_t>(primitive.material)];
+    const std::string uv_name = "TEXCOORD_" + std::to_string(set);
+    const Attributes attributes{find(primitive, "POSITION"), find(primitive, "NORMAL"),
+                                find(primitive, uv_name)};
+    const std::size_t count = accessors_.count(attributes[0]);
+    std::vector<Triangle> triangles = read_triangles(primitive, count);
+    const std::uint32_t base = vertices(attributes, count, uv_name);
+    for (Triangle& t : triangles) {
+      for (std::uint32_t& v : t) v += base;
+    }
+    if (any_normals_ && attributes[1] < 0) unshare(triangles);
+    mesh_.triangles.insert(mesh_.triangles.end(), triangles.begin(), triangles.end());
+    mesh_.materials.insert(mesh_.materials.end(), triangles.size(),
+                           static_cast<std::uint32_t>(primitive.material));
+  }
+
+  bool is_drawn(const tinygltf::Primitive& primitive) {
+    if (primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN) {
+      throw Error(ErrorCode::kInvalidData,
+                  "is " + std::to_string(primitive.mode) + ", which is no mode", place_ + ".mode");
+    }
+    if (primitive.mode < TINYGLTF_MODE_TRIANGLES) {
+      warnings_.once("Points and lines are left out.");
+      return false;
+    }
+    if (!primitive.targets.empty()) warnings_.once("Morph targets are left out.");
+    if (primitive.attributes.count("COLOR_0") > 0) warnings_.once("Vertex colours are left out.");
+    if (find(primitive, "POSITION") >= 0) return true;
+    warnings_.once("Primitives without positions are left out.");
+    return false;
+  }
+
+  std::vector<Triangle> read_triangles(const tinygltf::Primitive& primitive,
+                                       std::size_t vertex_count) {
+    if (primitive.indices < 0) return checked_corners(primitive.mode, vertex_count);
+    const std::string place = place_ + ".indices";
+    const std::vector<std::uint32_t> indices = accessors_.indices(primitive.indices, place);
+    for (std::size_t i = 0; i < indices.size(); ++i) {
+      if (indices[i] < vertex_count) continue;
+      throw Error(ErrorCode::kInvalidData,
+                  "index " + std::to_string(indices[i]) + " is out of range: the primitive has " +
+                      std::to_string(vertex_count) + " vertices",
+                  place + "[" + std::to_string(i) + "]");
+    }
+    std::vector<Triangle> triangles = checked_corners(primitive.mode, indices.size());
+    for (Triangle& t : triangles) t = {indices[t[0]], indices[t[1]], indices[t[2]]};
+    return triangles;
+  }
+
+  std::vector<Triangle> checked_corners(int mode, std::size_t count) {
+    if (count >= kInvalidId) throw Error(ErrorCode::kUnsupported, "has too many vertices", place_);
+    if (mode == TINYGLTF_MODE_TRIANGLES && count % 3 != 0) {
+      warnings_.once("Vertices that are left over after the last whole triangle are left out.");
+    }
+    return corners_of(mode, count);
+  }
+
+  /// The first vertex of these attributes, which are read unless an earlier primitive did.
+  std::uint32_t vertices(const Attributes& attributes, std::size_t count,
+                         const std::string& uv_name) {
+    const auto known = first_vertex_.find(attributes);
+    if (known != first_vertex_.end()) return known->second;
+    const std::size_t base = mesh_.positions.size();
+    if (base + count >= kInvalidId) {
+      throw Error(ErrorCode::kUnsupported, "the mesh has 2^32 vertices or more", place_);
+    }
+    const std::string place = place_ + ".attributes.";
+    const std::vector<float> positions = read(attributes[0], 3, count, place + "POSITION");
+    const std::vector<Vec3> points = as_vec3(positions);
+    mesh_.positions.insert(mesh_.positions.end(), points.begin(), points.end());
+    read_normals(attributes[1], count, place + "NORMAL");
+    read_uvs(attributes[2], count, place + uv_name);
+    first_vertex_[attributes] = static_cast<std::uint32_t>(base);
+    return static_cast<std::uint32_t>(base);
+  }
+
+  std::vector<float> read(int accessor, int width, std::size_t count, const std::string& place) {
+    if (accessors_.count(accessor) != count) {
+      throw Error(ErrorCode::kInvalidData,
+                  "has " + std::to_string(accessors_.count(accessor)) + " elements, but POSITION " +
+                      std::to_string(count),
+                  place);
+    }
+    std::vector<float> values = accessors_.floats(accessor, width, place);
+    check_finite(values, static_cast<std::size_t>(width), place);
+    return values;
+  }
+
+  void read_normals(int accessor, std::size_t count, const std::string& place) {
+    if (!any_normals_) return;
+    if (accessor < 0) {
+      mesh_.normals.resize(mesh_.positions.size(), Vec3{0, 0, 1});
+      has_normal_.resize(mesh_.positions.size(), true);
+      return;
+    }
+    for (Vec3 normal : as_vec3(read(accessor, 3, count, place))) {
+      has_normal_.push_back(make_unit(normal));
+      mesh_.normals.push_back(normal);
+    }
+  }
+
+  void read_uvs(int accessor, std::size_t count, const std::string& place) {
+    if (accessor >= 0) {
+      mesh_.uvs.resize(mesh_.positions.size() - count);
+      const std::vector<float> values = read(accessor, 2, count, place);
+      for (std::size_t i = 0; i < count; ++i) {
+        mesh_.uvs.push_back({values[2 * i], values[2 * i + 1]});
+      }
+    } else if (!mesh_.uvs.empty()) {
+      mesh_.uvs.resize(mesh_.positions.size());
+    }
+  }
+
+  /// Vertices of their own for triangles whose primitive has no normals, so that they stay flat
+  /// beside primitives that have some.
+  void unshare(std::vector<Triangle>& triangles) {
+    if (mesh_.positions.size() + 3 * triangles.size() >= kInvalidId) {
+      throw Error(ErrorCode::kUnsupported, "the mesh has 2^32 vertices or more", place_);
+    }
+    for (Triangle& t : triangles) {
+      const Double3 a = widen(mesh_.positions[t[0]]), b = widen(mesh_.positions[t[1]]),
+                    c = widen(mesh_.positions[t[2]]);
+      const Vec3 normal = narrow(normalized(cross(b - a, c - a), {0, 0, 1}));
+      for (std::uint32_t& v : t) {
+        const Vec3 position = mesh_.positions[v];
+        const Vec2 uv = mesh_.uvs.empty() ? Vec2{} : mesh_.uvs[v];
+        v = static_cast<std::uint32_t>(mesh_.positions.size());
+        mesh_.positions.push_back(position);
+        mesh_.normals.push_back(normal);
+        has_normal_.push_back(true);
+        if (!mesh_.uvs.empty()) mesh_.uvs.push_back(uv);
+      }
+    }
+  }
+
+  void finish() {
+    if (!mesh_.uvs.empty()) mesh_.uvs.resize(mesh_.positions.size());
+    auto& materials = mesh_.materials;
+    const bool uniform = std::adjacent_find(materials.begin(), materials.end(),
+                                            std::not_equal_to<>()) == materials.end();
+    if (uniform && !materials.empty()) materials.resize(materials[0] == kInvalidId ? 0 : 1);
+    if (std::find(has_normal_.begin(), has_normal_.end(), false) == has_normal_.end()) return;
+    warnings_.once("Vertex normals of length zero are replaced by computed ones.");
+    add_missing_normals(mesh_, has_normal_);
+  }
+
+  const tinygltf::Model& model_;
+  AccessorReader& accessors_;
+  const std::vector<int>& uv_sets_;
+  Warnings& warnings_;
+  Mesh mesh_;
+  std::string place_;
+  bool any_normals_ = false;
+  std::vector<bool> has_normal_;
+  std::map<Attributes, std::uint32_t> first_vertex_;
+};
+
+}  // namespace
+
+void read_meshes(const GltfModel& gltf, const std::vector<int>& uv_sets, SceneDescription& scene,
+                 Warnings& warnings) {
+  std::vector<bool> used(gltf.model.meshes.size(), false);
+  for (const Instance& instance : scene.instances) used[instance.mesh] = true;
+  AccessorReader accessors(gltf.model, kFreeElements + kElementsPerByte * gltf.file_bytes);
+  std::vector<std::uint32_t> index_of(used.size(), kInvalidId);
+  for (std::size_t m = 0; m < used.size(); ++m) {
+    if (!used[m]) continue;
+    Mesh mesh = MeshReader(gltf.model, accessors, uv_sets, warnings).read(m);
+    if (mesh.triangles.empty()) continue;
+    index_of[m] = static_cast<std::uint32_t>(scene.meshes.size());
+    scene.meshes.push_back(std::move(mesh));
+  }
+  std::erase_if(scene.instances, [&](Instance& i) { return index_of[i.mesh] == kInvalidId; });
+  for (Instance& instance : scene.instances) instance.mesh = index_of[instance.mesh];
+}
+
+}  // namespace raysheaf::io

@@ -1,0 +1,292 @@
+#include "io/gltf_rules.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "raysheaf/error.h"
+
+namespace raysheaf::io {
+namespace {
+
+using nlohmann::json;
+using enum JsonKind;
+
+constexpr double kMaxSize = 0x1p53, kMaxFloat = 3.4028234663852886e38;
+
+constexpr JsonRule kRules[] = {
+    {"asset", kObject, true},
+    {"asset.version", kString, true},
+    {"extensionsUsed", kStrings},
+    {"extensionsRequired", kStrings},
+    {"scene", kIndex, false, 0, "scenes"},
+    {"scenes", kArray},
+    {"scenes[].name", kString},
+    {"scenes[].nodes", kIndices, false, 0, "nodes"},
+    {"nodes", kArray},
+    {"nodes[].name", kString},
+    {"nodes[].children", kIndices, false, 0, "nodes"},
+    {"nodes[].mesh", kIndex, false, 0, "meshes"},
+    {"nodes[].camera", kIndex, false, 0, "cameras"},
+    {"nodes[].skin", kIndex, false, 0, "skins"},
+    {"nodes[].matrix", kNumbers, false, 16},
+    {"nodes[].translation", kNumbers, false, 3},
+    {"nodes[].rotation", kNumbers, false, 4},
+    {"nodes[].scale", kNumbers, false, 3},
+    {"nodes[].weights", kNumbers},
+    {"nodes[].extensions", kObject},
+    {"nodes[].extensions.KHR_lights_punctual", kObject},
+    {"nodes[].extensions.KHR_lights_punctual.light", kIndex, true, 0,
+     "extensions.KHR_lights_punctual.lights"},
+    {"meshes", kArray},
+    {"meshes[].name", kString},
+    {"meshes[].weights", kNumbers},
+    {"meshes[].primitives", kArray, true},
+    {"meshes[].primitives[].attributes", kIndexMap, true, 0, "accessors"},
+    {"meshes[].primitives[].indices", kIndex, false, 0, "accessors"},
+    {"meshes[].primitives[].material", kIndex, false, 0, "materials"},
+    {"meshes[].primitives[].mode", kInt},
+    {"meshes[].primitives[].targets", kArray},
+    {"meshes[].primitives[].extensions", kObject},
+    {"accessors", kArray},
+    {"accessors[].name", kString},
+    {"accessors[].bufferView", kIndex, false, 0, "bufferViews"},
+    {"accessors[].byteOffset", kSize},
+    {"accessors[].componentType", kInt, true},
+    {"accessors[].normalized", kBool},
+    {"accessors[].count", kPositive, true},
+    {"accessors[].type", kString, true},
+    {"accessors[].sparse", kObject},
+    {"accessors[].sparse.count", kPositive, true},
+    {"accessors[].sparse.indices", kObject, true},
+    {"accessors[].sparse.indices.bufferView", kIndex, true, 0, "bufferViews"},
+    {"accessors[].sparse.indices.byteOffset", kInt},
+    {"accessors[].sparse.indices.componentType", kInt, true},
+    {"accessors[].sparse.values", kObject, true},
+    {"accessors[].sparse.values.bufferView", kIndex, true, 0, "bufferViews"},
+    {"accessors[].sparse.values.byteOffset", kInt},
+    {"bufferViews", kArray},
+    {"bufferViews[].name", kString},
+    {"bufferViews[].buffer", kIndex, true, 0, "buffers"},
+    {"bufferViews[].byteOffset", kSize},
+    {"bufferViews[].byteLength", kPositive, true},
+    {"bufferViews[].byteStride", kSize},
+    {"buffers", kArray},
+    {"buffers[].name", kString},
+    {"buffers[].uri", kString},
+    {"buffers[].byteLength", kPositive, true},
+    {"materials", kArray},
+    {"materials[].name", kString},
+    {"materials[].alphaMode", kString},
+    {"materials[].alphaCutoff", kNumber},
+    {"materials[].doubleSided", kBool},
+    {"materials[].emissiveFactor", kNumbers, false, 3},
+    {"materials[].pbrMetallicRoughness", kObject},
+    {"materials[].pbrMetallicRoughness.baseColorFactor", kNumbers, false, 4},
+    {"materials[].pbrMetallicRoughness.metallicFactor", kNumber},
+    {"materials[].pbrMetallicRoughness.roughnessFactor", kNumber},
+    {"materials[].extensions", kObject},
+    {"materials[].extensions.KHR_materials_transmission", kObject},
+    {"materials[].extensions.KHR_materials_transmission.transmissionFactor", kNumber},
+    {"materials[].extensions.KHR_materials_ior", kObject},
+    {"materials[].extensions.KHR_materials_ior.ior", kNumber},
+    {"materials[].extensions.KHR_materials_specular", kObject},
+    {"materials[].extensions.KHR_materials_specular.specularFactor", kNumber},
+    {"materials[].extensions.KHR_materials_specular.specularColorFactor", kNumbers, false, 3},
+    {"materials[].extensions.KHR_materials_emissive_strength", kObject},
+    {"materials[].extensions.KHR_materials_emissive_strength.emissiveStrength", kNumber},
+    {"materials[].extensions.KHR_materials_unlit", kObject},
+    {"textures", kArray},
+    {"textures[].name", kString},
+    {"textures[].sampler", kIndex, false, 0, "samplers"},
+    {"textures[].source", kIndex, false, 0, "images"},
+    {"samplers", kArray},
+    {"samplers[].magFilter", kInt},
+    {"samplers[].minFilter", kInt},
+    {"samplers[].wrapS", kInt},
+    {"samplers[].wrapT", kInt},
+    {"images", kArray},
+    {"images[].name", kString},
+    {"images[].uri", kString},
+    {"images[].mimeType", kString},
+    {"images[].bufferView", kIndex, false, 0, "bufferViews"},
+    {"cameras", kArray},
+    {"cameras[].name", kString},
+    {"cameras[].type", kString, true},
+    {"cameras[].perspective", kObject},
+    {"cameras[].perspective.yfov", kNumber, true},
+    {"cameras[].perspective.znear", kNumber, true},
+    {"cameras[].perspective.zfar", kNumber},
+    {"cameras[].perspective.aspectRatio", kNumber},
+    {"cameras[].orthographic", kObject},
+    {"cameras[].orthographic.xmag", kNumber, true},
+    {"cameras[].orthographic.ymag", kNumber, true},
+    {"cameras[].orthographic.znear", kNumber, true},
+    {"cameras[].orthographic.zfar", kNumber, true},
+    {"animations", kArray},
+    {"skins", kArray},
+    {"extensions", kObject},
+    {"extensions.KHR_lights_punctual", kObject},
+    {"extensions.KHR_lights_punctual.lights", kArray, true},
+    {"extensions.KHR_lights_punctual.lights[].name", kString},
+    {"extensions.KHR_lights_punctual.lights[].type", kString, true},
+    {"extensions.KHR_lights_punctual.lights[].color", kNumbers, false, 3},
+    {"extensions.KHR_lights_punctual.lights[].intensity", kNumber},
+    {"extensions.KHR_lights_punctual.lights[].range", kNumber},
+    {"extensions.KHR_lights_punctual.lights[].spot", kObject},
+    {"extensions.KHR_lights_punctual.lights[].spot.innerConeAngle", kNumber},
+    {"extensions.KHR_lights_punctual.lights[].spot.outerConeAngle", kNumber},
+};
+
+/// Where a texture is named: the object, its index, its set and its transform.
+constexpr const char* kTextureSlots[] = {
+    "materials[].pbrMetallicRoughness.baseColorTexture",
+    "materials[].pbrMetallicRoughness.metallicRoughnessTexture",
+    "materials[].emissiveTexture",
+    "materials[].normalTexture",
+    "materials[].occlusionTexture",
+};
+constexpr JsonRule kSlotRules[] = {
+    {"", kObject},
+    {".index", kIndex, true, 0, "textures"},
+    {".texCoord", kInt},
+    {".extensions", kObject},
+    {".extensions.KHR_texture_transform", kObject},
+    {".extensions.KHR_texture_transform.offset", kNumbers, false, 2},
+    {".extensions.KHR_texture_transform.scale", kNumbers, false, 2},
+    {".extensions.KHR_texture_transform.rotation", kNumber},
+    {".extensions.KHR_texture_transform.texCoord", kInt},
+};
+
+class Checker {
+ public:
+  explicit Checker(const json& root) : root_(root) {}
+
+  void check(const JsonRule& rule) const {
+    if (!root_.is_object()) refuse("is not an object", "JSON root");
+    descend(root_, rule.path, "", rule);
+  }
+
+ private:
+  [[noreturn]] static void refuse(const std::string& sentence, const std::string& place) {
+    throw Error(ErrorCode::kInvalidData, sentence, place);
+  }
+
+  void descend(const json& value, std::string_view path, const std::string& place,
+               const JsonRule& rule) const {
+    const std::size_t dot = path.find('.');
+    std::string_view name = path.substr(0, dot);
+    const bool last = dot == std::string_view::npos;
+    const bool each = name.ends_with("[]");
+    if (each) name.remove_suffix(2);
+    const std::string here = place.empty() ? std::string(name) : place + "." + std::string(name);
+    const auto member = value.find(name);
+    if (member == value.end()) {
+      if (last && rule.required) refuse("is missing", here);
+      return;
+    }
+    if (last) return check_value(*member, here, rule);
+    const std::string_view rest = path.substr(dot + 1);
+    if (!each) return check_inside(*member, rest, here, rule);
+    if (!member->is_array()) refuse("is not an array", here);
+    for (std::size_t i = 0; i < member->size(); ++i) {
+      check_inside((*member)[i], rest, here + "[" + std::to_string(i) + "]", rule);
+    }
+  }
+  void check_inside(const json& value, std::string_view rest, const std::string& place,
+                    const JsonRule& rule) const {
+    if (!value.is_object()) refuse("is not an object", place);
+    descend(value, rest, place, rule);
+  }
+
+  void check_value(const json& value, const std::string& place, const JsonRule& rule) const {
+    switch (rule.kind) {
+      case kArray: return require(value.is_array(), "an array", place);
+      case kObject: return require(value.is_object(), "an object", place);
+      case kString: return require(value.is_string(), "a string", place);
+      case kBool: return require(value.is_boolean(), "true or false", place);
+      case kNumber: return check_number(value, place);
+      case kSize: return check_integer(value, 0, kMaxSize, place);
+      case kPositive: return check_integer(value, 1, kMaxSize, place);
+      case kInt: return check_integer(value, 0, 0x7fffffff, place);
+      case kIndex: return check_index(value, place, rule.target);
+      default: return check_many(value, place, rule);
+    }
+  }
+  void check_many(const json& value, const std::string& place, const JsonRule& rule) const {
+    const bool map = rule.kind == kIndexMap;
+    require(map ? value.is_object() : value.is_array(), map ? "an object" : "an array", place);
+    if (rule.count > 0 && value.size() != static_cast<std::size_t>(rule.count)) {
+      refuse("has " + std::to_string(value.size()) + " numbers instead of " +
+                 std::to_string(rule.count),
+             place);
+    }
+    std::size_t i = 0;
+    for (const auto& item : value.items()) {
+      const std::string here =
+          map ? place + "." + printable(item.key()) : place + "[" + std::to_string(i++) + "]";
+      if (rule.kind == kNumbers) check_number(item.value(), here);
+      if (rule.kind == kStrings) require(item.value().is_string(), "a string", here);
+      if (rule.kind == kIndices || map) check_index(item.value(), here, rule.target);
+    }
+  }
+
+  static void require(bool holds, const char* what, const std::string& place) {
+    if (!holds) refuse(std::string("is not ") + what, place);
+  }
+  static void check_number(const json& value, const std::string& place) {
+    require(value.is_number(), "a number", place);
+    require(std::fabs(value.get<double>()) <= kMaxFloat, "a number that a float can hold", place);
+  }
+  static void check_integer(const json& value, double least, double most,
+                            const std::string& place) {
+    require(value.is_number_integer(), "an integer", place);
+    const double number = value.get<double>();
+    if (number < least) refuse("is " + value.dump() + ", but must not be below " +
+                                   std::to_string(static_cast<int>(least)), place);
+    if (number > most) refuse("is " + value.dump() + ", which is too large", place);
+  }
+  void check_index(const json& value, const std::string& place, const char* target) const {
+    check_integer(value, 0, 0x7fffffff, place);
+    const std::size_t count = length_of(target);
+    if (value.get<std::size_t>() < count) return;
+    refuse("is " + value.dump() + ", but the file has " + std::to_string(count) + " " + target,
+           place);
+  }
+  [[nodiscard]] std::size_t length_of(std::string_view path) const {
+    const json* value = &root_;
+    while (!path.empty()) {
+      const std::string_view name = path.substr(0, path.find('.'));
+      if (!value->is_object() || !value->contains(name)) return 0;
+      value = &(*value)[std::string(name)];
+      path.remove_prefix(std::min(path.size(), name.size() + 1));
+    }
+    return value->is_array() ? value->size() : 0;
+  }
+
+  const json& root_;
+};
+
+}  // namespace
+
+std::string printable(const std::string& text) {
+  std::string result = text.substr(0, 64);
+  for (char& c : result) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  }
+  return result + (text.size() > result.size() ? "..." : "");
+}
+
+void check_rules(const json& root) {
+  const Checker checker(root);
+  for (const JsonRule& rule : kRules) checker.check(rule);
+  for (const char* slot : kTextureSlots) {
+    for (JsonRule rule : kSlotRules) {
+      const std::string path = std::string(slot) + rule.path;
+      rule.path = path.c_str();
+      checker.check(rule);
+    }
+  }
+}
+
+}  // namespace raysheaf::io

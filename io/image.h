@@ -1,0 +1,51 @@
+// Eight-bit pictures, in memory: decoded from any format that stb reads, encoded as PNG.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "io/file.h"
+#include "raysheaf/scene_description.h"
+
+namespace raysheaf::io {
+
+/// A picture may have this many pixels, and all pictures of a scene together four times as many.
+inline constexpr std::uint64_t kMaxImagePixels = std::uint64_t{1} << 26;
+inline constexpr std::uint64_t kMaxScenePixels = 4 * kMaxImagePixels;
+
+/// What the head of a picture says, without decoding it.
+struct ImageSize {
+  std::uint32_t width = 0, height = 0;
+};
+[[nodiscard]] std::optional<ImageSize> image_size(std::span<const std::uint8_t> encoded);
+
+/// RGBA, or nothing where the bytes are no picture or one of more than `kMaxImagePixels`.
+[[nodiscard]] std::optional<Image> decode_image(std::span<const std::uint8_t> encoded);
+
+/// PNG: RGB where alpha is 255 everywhere, RGBA otherwise. Throws kInvalidArgument where the size
+/// and the bytes disagree.
+[[nodiscard]] Bytes encode_png(const Image& image);
+
+/// A picture that is still as it was in the file.
+struct EncodedImage {
+  std::string name;   ///< the name that the scene shall see
+  std::string place;  ///< for the warning: "images[3]"
+  Bytes bytes;
+};
+
+/// The pictures that could be decoded, and where each of the encoded ones went: `kInvalidId` where it
+/// is missing or no picture.
+struct DecodedImages {
+  std::vector<Image> images;
+  std::vector<std::uint32_t> index_of;
+};
+
+/// Decodes on all cores; the order is kept. An image that cannot be decoded adds a warning. Throws
+/// kOutOfMemory beyond `kMaxScenePixels`.
+[[nodiscard]] DecodedImages decode_images(const std::vector<EncodedImage>& encoded,
+                                          std::vector<std::string>& warnings);
+
+}  // namespace raysheaf::io

@@ -1,0 +1,80 @@
+// The translation unit of stb_image_write.
+#define STB_IMAGE_WRITE_STATIC
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STBI_WRITE_NO_STDIO
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb/stb_image_write.h>
+#pragma GCC diagnostic pop
+
+#include "io/image.h"
+#include "raysheaf/error.h"
+#include "raysheaf/io.h"
+
+namespace raysheaf {
+namespace io {
+namespace {
+
+bool is_opaque(const Image& image) {
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4) {
+    if (image.rgba[i] != 255) return false;
+  }
+  return true;
+}
+
+Bytes without_alpha(const Image& image) {
+  Bytes rgb(image.rgba.size() / 4 * 3);
+  for (std::size_t i = 0, o = 0; o < rgb.size(); i += 4) {
+    rgb[o++] = image.rgba[i];
+    rgb[o++] = image.rgba[i + 1];
+    rgb[o++] = image.rgba[i + 2];
+  }
+  return rgb;
+}
+
+void append(void* context, void* data, int size) {
+  auto& bytes = *static_cast<Bytes*>(context);
+  const auto* first = static_cast<const std::uint8_t*>(data);
+  bytes.insert(bytes.end(), first, first + size);
+}
+
+}  // namespace
+
+Bytes encode_png(const Image& image) {
+  const std::uint64_t pixels = std::uint64_t{image.width} * image.height;
+  if (pixels == 0 || image.rgba.size() != 4 * pixels) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "an image of " + std::to_string(image.width) + "x" + std::to_string(image.height) +
+                    " pixels cannot have " + std::to_string(image.rgba.size()) + " bytes",
+                "image \"" + image.name + "\"");
+  }
+  // stb counts bytes in an int.
+  if (pixels * 4 + image.height > 0x7fffffff) {
+    throw Error(ErrorCode::kUnsupported, "a PNG of more than 2^29 pixels is not written",
+                "image \"" + image.name + "\"");
+  }
+  const int width = static_cast<int>(image.width), height = static_cast<int>(image.height);
+  const bool opaque = is_opaque(image);
+  const int channels = opaque ? 3 : 4;
+  const Bytes rgb = opaque ? without_alpha(image) : Bytes{};
+  const std::uint8_t* data = opaque ? rgb.data() : image.rgba.data();
+  Bytes png;
+  if (stbi_write_png_to_func(append, &png, width, height, channels, data, width * channels) == 0) {
+    throw Error(ErrorCode::kOutOfMemory, "there is no memory to compress the picture");
+  }
+  return png;
+}
+
+}  // namespace io
+
+void write_png(const Image& image, const std::string& path) {
+  io::Bytes png;
+  try {
+    png = io::encode_png(image);
+  } catch (const Error& error) {
+    throw Error(error.code(), error.sentence(), path);
+  }
+  io::write_file(path, png);
+}
+
+}  // namespace raysheaf

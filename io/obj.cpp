@@ -1,0 +1,265 @@
+// The translation unit of tinyobjloader's OBJ parser.
+#include "io/obj.h"
+
+#include <tiny_obj_loader.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <istream>
+#include <optional>
+#include <unordered_map>
+
+#include "io/linear.h"
+#include "io/normals.h"
+#include "io/obj_lines.h"
+#include "io/polygon.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf::io {
+namespace {
+
+/// What a corner refers to; uv and normal are `kInvalidId` where it names none.
+struct Corner {
+  std::uint32_t position = 0, uv = kInvalidId, normal = kInvalidId;
+  bool operator==(const Corner&) const = default;
+};
+
+/// The faces of one object or group, cut into triangles.
+struct Group {
+  std::string name;
+  std::vector<Corner> corners;           ///< three a triangle
+  std::vector<std::uint32_t> materials;  ///< one a triangle
+};
+
+/// Collects what the parser calls out.
+class ObjReader {
+ public:
+  ObjReader(ObjLines& lines, MtlLibrary& materials) : lines_(lines), materials_(materials) {}
+
+  void run() {
+    std::istream stream(&lines_);
+    // Without this the stream would swallow the errors of its buffer.
+    stream.exceptions(std::ios::badbit);
+    tinyobj::callback_t callbacks;
+    callbacks.vertex_cb = [](void* self, float x, float y, float z, float) {
+      static_cast<ObjReader*>(self)->add_position({x, y, z});
+    };
+    callbacks.normal_cb = [](void* self, float x, float y, float z) {
+      static_cast<ObjReader*>(self)->normals_.push_back({x, y, z});
+    };
+    // OBJ counts v from the bottom row up.
+    callbacks.texcoord_cb = [](void* self, float x, float y, float) {
+      static_cast<ObjReader*>(self)->add_uv({x, 1 - y});
+    };
+    callbacks.index_cb = [](void* self, tinyobj::index_t* corners, int count) {
+      static_cast<ObjReader*>(self)->add_face(corners, static_cast<std::size_t>(count));
+    };
+    callbacks.usemtl_cb = [](void* self, const char* name, int) {
+      static_cast<ObjReader*>(self)->use_material(name);
+    };
+    callbacks.group_cb = [](void* self, const char** names, int count) {
+      static_cast<ObjReader*>(self)->begin_group(names, count);
+    };
+    callbacks.object_cb = [](void* self, const char* name) {
+      static_cast<ObjReader*>(self)->begin_object(name);
+    };
+    tinyobj::LoadObjWithCallback(stream, callbacks, this, nullptr, nullptr, nullptr);
+    read_libraries();
+  }
+
+  std::vector<Mesh> build_meshes() {
+    std::vector<Mesh> meshes;
+    for (Group& group : groups_) {
+      if (!group.corners.empty()) meshes.push_back(build(group));
+      group = {};
+    }
+    return meshes;
+  }
+
+ private:
+  void add_position(Vec3 p) {
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
+      throw Error(ErrorCode::kInvalidData, "the vertex is not finite", lines_.place());
+    }
+    positions_.push_back(p);
+  }
+  void add_uv(Vec2 uv) {
+    if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) {
+      throw Error(ErrorCode::kInvalidData, "the texture coordinate is not finite", lines_.place());
+    }
+    uvs_.push_back(uv);
+  }
+
+  /// `raw` counts from 1, or back from the newest by negative numbers; 0 stands for none.
+  std::uint32_t resolve(int raw, std::size_t count, const char* what) const {
+    if (raw == 0) return kInvalidId;
+    const auto size = static_cast<std::int64_t>(count);
+    const std::int64_t index = raw > 0 ? raw - std::int64_t{1} : size + raw;
+    if (index >= 0 && index < size) return static_cast<std::uint32_t>(index);
+    throw Error(ErrorCode::kInvalidData,
+                std::string(what) + " " + std::to_string(raw) + " is out of range: there are " +
+                    std::to_string(count) + " so far",
+                lines_.place());
+  }
+
+  void add_face(const tinyobj::index_t* raw, std::size_t count) {
+    face_.clear();
+    points_.clear();
+    for (std::size_t i = 0; i < count; ++i) {
+      face_.push_back({resolve(raw[i].vertex_index, positions_.size(), "vertex"),
+                       resolve(raw[i].texcoord_index, uvs_.size(), "texture coordinate"),
+                       resolve(raw[i].normal_index, normals_.size(), "normal")});
+      points_.push_back(positions_[face_.back().position]);
+    }
+    Group& group = current_group();
+    const std::uint32_t material = current_material();
+    if (count == 3) {
+      group.corners.insert(group.corners.end(), face_.begin(), face_.end());
+      group.materials.push_back(material);
+      return;
+    }
+    for (const auto& t : triangulate(points_)) {
+      for (const std::uint32_t corner : t) group.corners.push_back(face_[corner]);
+      group.materials.push_back(material);
+    }
+  }
+
+  Group& current_group() {
+    if (group_ != kInvalidId) return groups_[group_];
+    std::string name = object_name_;
+    if (!group_name_.empty()) name += (name.empty() ? "" : "/") + group_name_;
+    const auto [it, fresh] = group_of_.try_emplace(name, groups_.size());
+    if (fresh) groups_.push_back({name, {}, {}});
+    group_ = static_cast<std::uint32_t>(it->second);
+    return groups_[group_];
+  }
+  void begin_object(const std::string& name) {
+    object_name_ = trim(name);
+    group_name_.clear();
+    group_ = kInvalidId;
+  }
+  void begin_group(const char** names, int count) {
+    group_name_.clear();
+    for (int i = 0; i < count; ++i) group_name_ += (i > 0 ? " " : "") + std::string(names[i]);
+    group_ = kInvalidId;
+  }
+
+  void use_material(const std::string& name) {
+    material_name_ = trim(name);
+    material_ = kInvalidId;
+  }
+  std::uint32_t current_material() {
+    read_libraries();
+    if (material_ == kInvalidId) {
+      material_ = material_name_.empty() ? materials_.fallback() : materials_.find(material_name_);
+    }
+    return material_;
+  }
+  void read_libraries() {
+    for (const std::string& names : lines_.take_libraries()) {
+      materials_.add(names);
+      material_ = kInvalidId;
+    }
+  }
+
+  /// Corners that refer to the same are one vertex. Only the newest few vertices of a position are
+  /// searched, so that the time stays linear.
+  class VertexMerger {
+   public:
+    explicit VertexMerger(std::size_t positions) : newest_(positions, kInvalidId) {}
+
+    void begin() {
+      for (const Corner& corner : vertices_) newest_[corner.position] = kInvalidId;
+      vertices_.clear();
+      previous_.clear();
+    }
+    std::uint32_t vertex_of(const Corner& corner) {
+      std::uint32_t v = newest_[corner.position];
+      for (int step = 0; step < 16 && v != kInvalidId; ++step, v = previous_[v]) {
+        if (vertices_[v] == corner) return v;
+      }
+      const auto fresh = static_cast<std::uint32_t>(vertices_.size());
+      previous_.push_back(newest_[corner.position]);
+      newest_[corner.position] = fresh;
+      vertices_.push_back(corner);
+      return fresh;
+    }
+    [[nodiscard]] const std::vector<Corner>& vertices() const { return vertices_; }
+
+   private:
+    std::vector<std::uint32_t> newest_, previous_;
+    std::vector<Corner> vertices_;
+  };
+
+  Mesh build(Group& group) {
+    if (!merger_) merger_.emplace(positions_.size());
+    VertexMerger& merger = *merger_;
+    merger.begin();
+    Mesh mesh;
+    mesh.name = group.name;
+    mesh.triangles.resize(group.corners.size() / 3);
+    for (std::size_t c = 0; c < group.corners.size(); ++c) {
+      mesh.triangles[c / 3][c % 3] = merger.vertex_of(group.corners[c]);
+    }
+    fill_vertices(merger.vertices(), mesh);
+    mesh.materials = std::move(group.materials);
+    const std::uint32_t first = mesh.materials.front();
+    const bool uniform = std::all_of(mesh.materials.begin(), mesh.materials.end(),
+                                     [&](std::uint32_t m) { return m == first; });
+    if (uniform) mesh.materials.resize(1);
+    return mesh;
+  }
+
+  void fill_vertices(const std::vector<Corner>& vertices, Mesh& mesh) const {
+    const bool has_uvs = std::any_of(vertices.begin(), vertices.end(),
+                                     [](const Corner& c) { return c.uv != kInvalidId; });
+    std::vector<bool> has_normal;
+    bool all_normals = true;
+    for (const Corner& corner : vertices) {
+      mesh.positions.push_back(positions_[corner.position]);
+      if (has_uvs) mesh.uvs.push_back(corner.uv == kInvalidId ? Vec2{} : uvs_[corner.uv]);
+      Vec3 normal = corner.normal == kInvalidId ? Vec3{} : normals_[corner.normal];
+      has_normal.push_back(make_unit(normal));
+      all_normals = all_normals && has_normal.back();
+      mesh.normals.push_back(has_normal.back() ? normal : Vec3{0, 0, 1});
+    }
+    if (!all_normals) add_missing_normals(mesh, has_normal);
+  }
+
+  ObjLines& lines_;
+  MtlLibrary& materials_;
+  std::vector<Vec3> positions_, normals_;
+  std::vector<Vec2> uvs_;
+  std::vector<Group> groups_;
+  std::unordered_map<std::string, std::size_t> group_of_;
+  std::string object_name_, group_name_, material_name_;
+  std::uint32_t group_ = kInvalidId, material_ = kInvalidId;
+  std::vector<Corner> face_;
+  std::vector<Vec3> points_;
+  std::optional<VertexMerger> merger_;
+};
+
+}  // namespace
+
+SceneDescription load_obj(const Bytes& file, const std::string& path) {
+  SceneDescription scene;
+  scene.name = std::filesystem::path(path).stem().string();
+  ObjLines lines(file);
+  MtlLibrary materials(folder_of(path), scene);
+  ObjReader reader(lines, materials);
+  reader.run();
+  scene.meshes = reader.build_meshes();
+  for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
+    scene.instances.push_back({scene.meshes[m].name, m, {}});
+  }
+  materials.finish();
+  if (lines.had_lines_or_points()) scene.warnings.push_back("Points and lines are left out.");
+  if (lines.had_curves()) scene.warnings.push_back("Curves and surfaces are left out.");
+  if (lines.had_short_faces()) {
+    scene.warnings.push_back("Faces with fewer than three vertices are left out.");
+  }
+  return scene;
+}
+
+}  // namespace raysheaf::io

@@ -1,0 +1,44 @@
+// Wavefront OBJ with MTL.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "io/file.h"
+#include "raysheaf/scene_description.h"
+
+namespace raysheaf::io {
+
+[[nodiscard]] SceneDescription load_obj(const Bytes& file, const std::string& path);
+
+/// The material libraries of an OBJ file: materials by name, and what they show.
+class MtlLibrary {
+ public:
+  MtlLibrary(std::string folder, SceneDescription& scene)
+      : folder_(std::move(folder)), scene_(scene) {}
+
+  /// Reads the files that an mtllib line names: one whose name may hold spaces, or several.
+  void add(const std::string& names);
+  /// Index of the material, or of a grey one where there is none of this name (a warning).
+  [[nodiscard]] std::uint32_t find(const std::string& name);
+  /// Index of the material of faces that name none.
+  [[nodiscard]] std::uint32_t fallback();
+  /// Decodes the images. Call once, after the last `add`.
+  void finish();
+
+ private:
+  void read(const std::string& name);
+  std::uint32_t texture(const std::string& name, bool clamped, const std::string& place);
+  void warn_once(const std::string& sentence);
+  friend class MtlConverter;
+
+  std::string folder_;
+  SceneDescription& scene_;
+  std::map<std::string, std::uint32_t> by_name_;
+  std::map<std::string, std::uint32_t> texture_of_;
+  std::vector<std::string> image_paths_;  ///< one a texture, until `finish`
+  std::uint32_t fallback_ = kInvalidId;
+};
+
+}  // namespace raysheaf::io

@@ -1,0 +1,178 @@
+#include "io/obj_lines.h"
+
+#include <algorithm>
+
+#include "io/gltf_rules.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf::io {
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+std::size_t skip_digits(std::string_view text, std::size_t i) {
+  while (i < text.size() && is_digit(text[i])) ++i;
+  return i;
+}
+std::size_t skip_sign(std::string_view text, std::size_t i) {
+  return i < text.size() && (text[i] == '+' || text[i] == '-') ? i + 1 : i;
+}
+
+/// Takes the first word off `text`.
+std::string_view take_word(std::string_view& text) {
+  std::size_t begin = 0;
+  while (begin < text.size() && is_blank(text[begin])) ++begin;
+  std::size_t end = begin;
+  while (end < text.size() && !is_blank(text[end])) ++end;
+  const std::string_view word = text.substr(begin, end - begin);
+  text.remove_prefix(end);
+  return word;
+}
+
+enum class Reference { kRight, kMalformed, kZero, kTooLarge };
+
+/// "7", "-1/2", "3//4" or "1/2/3".
+Reference check_reference(std::string_view word) {
+  std::size_t i = 0;
+  for (int part = 0; part < 3; ++part) {
+    const std::size_t first = skip_sign(word, i), last = skip_digits(word, first);
+    const bool may_be_empty = part == 1 && first == i && last < word.size() && word[last] == '/';
+    if (last == first && !may_be_empty) return Reference::kMalformed;
+    if (last - first > 9) return Reference::kTooLarge;
+    const std::string_view digits = word.substr(first, last - first);
+    if (!digits.empty() && digits.find_first_not_of('0') == digits.npos) return Reference::kZero;
+    if (last == word.size()) return Reference::kRight;
+    if (word[last] != '/' || part == 2) return Reference::kMalformed;
+    i = last + 1;
+    // "7/" and "7/2/" name nothing more.
+    if (i == word.size()) return Reference::kRight;
+  }
+  return Reference::kMalformed;
+}
+
+[[noreturn]] void refuse(const std::string& sentence, const std::string& place) {
+  throw Error(ErrorCode::kInvalidData, sentence, place);
+}
+std::string quoted(std::string_view word) { return "\"" + printable(std::string(word)) + "\""; }
+
+}  // namespace
+
+std::vector<std::string_view> words_of(std::string_view text) {
+  std::vector<std::string_view> words;
+  for (std::string_view word = take_word(text); !word.empty(); word = take_word(text)) {
+    words.push_back(word);
+  }
+  return words;
+}
+
+std::string_view trim(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+bool is_number(std::string_view text) {
+  const std::size_t first = skip_sign(text, 0);
+  std::size_t i = skip_digits(text, first);
+  std::size_t digits = i - first;
+  if (i < text.size() && text[i] == '.') {
+    const std::size_t fraction = i + 1;
+    i = skip_digits(text, fraction);
+    digits += i - fraction;
+  }
+  if (digits == 0) return false;
+  if (i < text.size() && (text[i] == 'e' || text[i] == 'E')) {
+    const std::size_t exponent = skip_sign(text, i + 1);
+    i = skip_digits(text, exponent);
+    if (i == exponent || i - exponent > 6) return false;
+  }
+  return i == text.size();
+}
+
+ObjLines::int_type ObjLines::underflow() {
+  if (!next_line()) return traits_type::eof();
+  check_line();
+  current_ += '\n';
+  setg(current_.data(), current_.data(), current_.data() + current_.size());
+  return traits_type::to_int_type(current_[0]);
+}
+
+bool ObjLines::next_line() {
+  if (text_.empty()) return false;
+  current_.clear();
+  line_ = next_line_;
+  for (bool more = true; more && !text_.empty();) {
+    const std::size_t end = std::min(text_.find_first_of("\r\n"), text_.size());
+    std::string_view part = text_.substr(0, end);
+    const bool pair = text_.substr(end, 2) == "\r\n";
+    text_.remove_prefix(std::min(end + (pair ? 2 : 1), text_.size()));
+    ++next_line_;
+    more = part.ends_with('\\');
+    if (more) part.remove_suffix(1);
+    current_ += part;
+    if (more) current_ += ' ';
+  }
+  // The parser takes its lines for C strings.
+  std::replace(current_.begin(), current_.end(), '\0', ' ');
+  return true;
+}
+
+void ObjLines::check_line() {
+  std::string_view rest = current_;
+  const std::string_view keyword = take_word(rest);
+  const bool geometry = keyword == "v" || keyword == "vn" || keyword == "vt" || keyword == "f";
+  if (geometry) {
+    const bool face = keyword == "f";
+    const std::size_t least = keyword == "vt" ? 1 : 3;
+    // In names a '#' is a letter; after numbers it begins a comment.
+    const std::size_t comment = current_.find('#');
+    if (comment != current_.npos) {
+      current_.resize(comment);
+      rest = current_;
+      take_word(rest);
+    }
+    return face ? check_face(rest) : check_numbers(rest, least);
+  }
+  if (keyword == "mtllib") {
+    libraries_.emplace_back(trim(rest));
+    current_.clear();
+  } else if (keyword == "l" || keyword == "p") {
+    lines_or_points_ = true;
+  } else if (keyword == "curv" || keyword == "curv2" || keyword == "surf") {
+    curves_ = true;
+  } else if (keyword == "g" && trim(rest).empty()) {
+    current_ = "g default";
+  }
+}
+
+void ObjLines::check_numbers(std::string_view rest, std::size_t least) {
+  std::size_t count = 0;
+  for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest)) {
+    if (!is_number(word)) refuse(quoted(word) + " is not a finite number", place());
+    ++count;
+  }
+  if (count < least) {
+    refuse("has " + std::to_string(count) + " numbers where " + std::to_string(least) +
+               " are needed",
+           place());
+  }
+}
+
+void ObjLines::check_face(std::string_view rest) {
+  std::size_t count = 0;
+  for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest)) {
+    switch (check_reference(word)) {
+      case Reference::kRight: break;
+      case Reference::kMalformed: refuse(quoted(word) + " is not a vertex reference", place());
+      case Reference::kZero: refuse(quoted(word) + " has the index 0; they begin at 1", place());
+      case Reference::kTooLarge: refuse(quoted(word) + " is out of range", place());
+    }
+    ++count;
+  }
+  if (count >= 3) return;
+  short_faces_ = true;
+  current_.clear();
+}
+
+}  // namespace raysheaf::io

@@ -1,0 +1,52 @@
+// OBJ text, line by line, checked on the way: what the parser gets holds no malformed number or
+// reference, which it would read as zero without a word.
+#pragma once
+
+#include <span>
+#include <streambuf>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/file.h"
+
+namespace raysheaf::io {
+
+/// Hands out one logical line at a time (a backslash at the end joins two), so that in the parser's
+/// callbacks `line()` is the number of the line at hand. Throws `Error` with place "line 17".
+class ObjLines : public std::streambuf {
+ public:
+  explicit ObjLines(std::span<const std::uint8_t> text)
+      : text_(reinterpret_cast<const char*>(text.data()), text.size()) {}
+
+  [[nodiscard]] std::size_t line() const { return line_; }
+  [[nodiscard]] std::string place() const { return "line " + std::to_string(line_); }
+  /// The rest of each mtllib line since the last call; the parser does not see these lines.
+  [[nodiscard]] std::vector<std::string> take_libraries() { return std::move(libraries_); }
+  [[nodiscard]] bool had_lines_or_points() const { return lines_or_points_; }
+  [[nodiscard]] bool had_curves() const { return curves_; }
+  [[nodiscard]] bool had_short_faces() const { return short_faces_; }
+
+ protected:
+  int_type underflow() override;
+
+ private:
+  bool next_line();
+  void check_line();
+  void check_numbers(std::string_view rest, std::size_t least);
+  void check_face(std::string_view rest);
+
+  std::string_view text_;
+  std::size_t line_ = 0, next_line_ = 1;
+  std::string current_;
+  std::vector<std::string> libraries_;
+  bool lines_or_points_ = false, curves_ = false, short_faces_ = false;
+};
+
+/// The words of a line.
+[[nodiscard]] std::vector<std::string_view> words_of(std::string_view text);
+[[nodiscard]] std::string_view trim(std::string_view text);
+/// Whether the text is one decimal number ("-1.5e3", ".5", "2.").
+[[nodiscard]] bool is_number(std::string_view text);
+
+}  // namespace raysheaf::io

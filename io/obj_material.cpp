@@ -1,0 +1,235 @@
+// The translation unit of tinyobjloader's MTL parser: Phong's numbers into metallic-roughness.
+#include <tiny_obj_loader.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "io/gltf_rules.h"
+#include "io/image.h"
+#include "io/obj.h"
+#include "io/obj_lines.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf::io {
+namespace {
+
+float fraction(float x) { return x > 0 ? std::min(x, 1.0f) : 0; }
+float positive(float x) { return x > 0 && std::isfinite(x) ? x : 0; }
+Vec3 color(const float* c) { return {positive(c[0]), positive(c[1]), positive(c[2])}; }
+float largest(Vec3 c) { return std::max({c.x, c.y, c.z}); }
+
+/// A mirror: said by the illumination model, or by a highlight too sharp for anything else.
+bool is_mirror(const tinyobj::material_t& m) {
+  const float kd = largest(color(m.diffuse)), ks = largest(color(m.specular));
+  if (!m.diffuse_texname.empty() || ks < 0.5f) return false;
+  return ((m.illum == 3 || m.illum == 5) && ks > kd) || (m.shininess >= 500 && ks > 2 * kd);
+}
+
+bool is_glass(const tinyobj::material_t& m) {
+  const bool said = m.illum == 4 || m.illum == 6 || m.illum == 7 || m.illum == 9;
+  return said || (m.dissolve < 1 && m.ior > 1);
+}
+
+void make_glass(const tinyobj::material_t& m, Material& material) {
+  const Vec3 filter = color(m.transmittance);
+  const Vec3 tint = largest(filter) > 0 ? filter : Vec3{1, 1, 1};
+  const bool said = m.illum == 4 || m.illum == 6 || m.illum == 7 || m.illum == 9;
+  material.base_color = {fraction(tint.x), fraction(tint.y), fraction(tint.z), 1};
+  material.transmission = said ? 1 : 1 - fraction(m.dissolve);
+  material.ior = m.ior > 1 && std::isfinite(m.ior) ? m.ior : 1.5f;
+  material.roughness = 0;
+}
+
+void make_mirror(const tinyobj::material_t& m, Material& material) {
+  const Vec3 ks = color(m.specular);
+  material.base_color = {ks.x, ks.y, ks.z, 1};
+  material.metallic = 1;
+  material.roughness = 0;
+}
+
+void make_glossy(const tinyobj::material_t& m, Material& material) {
+  const Vec3 kd = color(m.diffuse), ks = color(m.specular);
+  const bool black_map = largest(kd) == 0 && !m.diffuse_texname.empty();
+  material.base_color = black_map ? Vec4{1, 1, 1, 1} : Vec4{kd.x, kd.y, kd.z, 1};
+  material.base_color.w = fraction(m.dissolve);
+  // Walter et al., Microfacet Models for Refraction (2007): Blinn's exponent as Beckmann's width.
+  material.roughness = std::sqrt(2 / (positive(m.shininess) + 2));
+  const float strength = largest(ks);
+  material.specular = fraction(strength);
+  if (strength > 0) {
+    material.specular_color = {ks.x / strength, ks.y / strength, ks.z / strength};
+  }
+  if (m.metallic > 0) material.metallic = fraction(m.metallic);
+  if (m.roughness > 0) material.roughness = fraction(m.roughness);
+}
+
+/// OBJ scales and moves v upwards from the bottom row; here it points down from the top.
+TextureSlot slot_of(std::uint32_t texture, const tinyobj::texture_option_t& option) {
+  TextureSlot slot;
+  slot.texture = texture;
+  slot.scale = {option.scale[0], option.scale[1]};
+  slot.offset = {option.origin_offset[0], 1 - option.scale[1] - option.origin_offset[1]};
+  return slot;
+}
+
+}  // namespace
+
+/// One material of an MTL file.
+class MtlConverter {
+ public:
+  explicit MtlConverter(MtlLibrary& library) : library_(library) {}
+
+  Material convert(const tinyobj::material_t& m, const std::string& place) {
+    Material material;
+    material.name = m.name;
+    material.double_sided = true;
+    if (is_glass(m)) make_glass(m, material);
+    else if (is_mirror(m)) make_mirror(m, material);
+    else make_glossy(m, material);
+    material.emission = color(m.emission);
+    if (!m.diffuse_texname.empty() && material.transmission == 0) {
+      material.base_color_texture = slot(m.diffuse_texname, m.diffuse_texopt, place);
+    }
+    if (!m.emissive_texname.empty()) {
+      material.emission_texture = slot(m.emissive_texname, m.emissive_texopt, place);
+      if (largest(material.emission) == 0 && material.emission_texture.texture != kInvalidId) {
+        material.emission = {1, 1, 1};
+      }
+    }
+    warn_of_other_maps(m);
+    return material;
+  }
+
+ private:
+  TextureSlot slot(const std::string& name, const tinyobj::texture_option_t& option,
+                   const std::string& place) {
+    return slot_of(library_.texture(name, option.clamp, place), option);
+  }
+  void warn_of_other_maps(const tinyobj::material_t& m) {
+    const std::pair<const std::string*, const char*> kMaps[] = {
+        {&m.bump_texname, "Bump"},          {&m.normal_texname, "Normal"},
+        {&m.displacement_texname, "Displacement"}, {&m.alpha_texname, "Opacity"},
+        {&m.specular_texname, "Specular"},  {&m.specular_highlight_texname, "Highlight"},
+        {&m.reflection_texname, "Reflection"}, {&m.roughness_texname, "Roughness"},
+        {&m.metallic_texname, "Metallic"}};
+    for (const auto& [name, kind] : kMaps) {
+      if (!name->empty()) library_.warn_once(std::string(kind) + " maps are left out.");
+    }
+  }
+
+  MtlLibrary& library_;
+};
+
+void MtlLibrary::warn_once(const std::string& sentence) {
+  auto& warnings = scene_.warnings;
+  if (std::find(warnings.begin(), warnings.end(), sentence) == warnings.end()) {
+    warnings.push_back(sentence);
+  }
+}
+
+void MtlLibrary::add(const std::string& names) {
+  if (names.empty()) return warn_once("An mtllib line names no file.");
+  try {
+    if (file_exists(resolve_inside(folder_, names, false, "mtllib"))) return read(names);
+  } catch (const Error&) {
+    // Several names may look like one that leaves the folder.
+  }
+  for (const std::string_view name : words_of(names)) read(std::string(name));
+}
+
+void MtlLibrary::read(const std::string& name) {
+  std::string text_name = name;
+  std::replace(text_name.begin(), text_name.end(), '\\', '/');
+  Bytes bytes;
+  try {
+    bytes = read_file(resolve_inside(folder_, text_name, false, "mtllib"));
+  } catch (const Error& error) {
+    return warn_once("The material library \"" + printable(name) +
+                     "\" is left out: " + error.sentence() + ".");
+  }
+  std::replace(bytes.begin(), bytes.end(), std::uint8_t{0}, std::uint8_t{' '});
+  std::istringstream stream(std::string(bytes.begin(), bytes.end()));
+  std::map<std::string, int> by_name;
+  std::vector<tinyobj::material_t> materials;
+  std::string warning, error;
+  tinyobj::LoadMtl(&by_name, &materials, &stream, &warning, &error);
+  MtlConverter converter(*this);
+  for (const tinyobj::material_t& material : materials) {
+    const std::string key(trim(material.name));
+    if (by_name_.count(key) > 0 || key.empty()) continue;
+    by_name_[key] = static_cast<std::uint32_t>(scene_.materials.size());
+    scene_.materials.push_back(converter.convert(material, printable(name)));
+    scene_.materials.back().name = key;
+  }
+}
+
+std::uint32_t MtlLibrary::texture(const std::string& name, bool clamped,
+                                  const std::string& place) {
+  std::string path = name;
+  std::replace(path.begin(), path.end(), '\\', '/');
+  try {
+    path = resolve_inside(folder_, path, false, place);
+  } catch (const Error& error) {
+    warn_once("The texture " + error.sentence() + "; it is left out.");
+    return kInvalidId;
+  }
+  const auto [it, fresh] =
+      texture_of_.try_emplace((clamped ? "c" : "r") + path, scene_.textures.size());
+  if (fresh) {
+    const Wrap wrap = clamped ? Wrap::kClampToEdge : Wrap::kRepeat;
+    scene_.textures.push_back({kInvalidId, wrap, wrap, Filter::kLinear});
+    image_paths_.push_back(path);
+  }
+  return it->second;
+}
+
+std::uint32_t MtlLibrary::find(const std::string& name) {
+  const auto known = by_name_.find(name);
+  if (known != by_name_.end()) return known->second;
+  warn_once("There is no material \"" + printable(name) + "\"; a grey one stands in.");
+  return by_name_[name] = fallback();
+}
+
+std::uint32_t MtlLibrary::fallback() {
+  if (fallback_ == kInvalidId) {
+    Material grey;
+    grey.name = "default";
+    grey.base_color = {0.8f, 0.8f, 0.8f, 1};
+    grey.double_sided = true;
+    fallback_ = static_cast<std::uint32_t>(scene_.materials.size());
+    scene_.materials.push_back(grey);
+  }
+  return fallback_;
+}
+
+void MtlLibrary::finish() {
+  std::map<std::string, std::uint32_t> image_of;
+  std::vector<EncodedImage> encoded;
+  for (const std::string& path : image_paths_) {
+    const auto [it, fresh] = image_of.try_emplace(path, encoded.size());
+    if (!fresh) continue;
+    const std::string name = path.substr(path.rfind('/') + 1);
+    encoded.push_back({name, "The image \"" + printable(name) + "\"", {}});
+    if (file_exists(path)) encoded.back().bytes = read_file(path);
+  }
+  DecodedImages decoded = decode_images(encoded, scene_.warnings);
+  scene_.images = std::move(decoded.images);
+  std::vector<std::uint32_t> index_of;
+  std::vector<Texture> kept;
+  for (std::size_t t = 0; t < image_paths_.size(); ++t) {
+    const std::uint32_t image = decoded.index_of[image_of[image_paths_[t]]];
+    index_of.push_back(image == kInvalidId ? kInvalidId : static_cast<std::uint32_t>(kept.size()));
+    if (image == kInvalidId) continue;
+    kept.push_back(scene_.textures[t]);
+    kept.back().image = image;
+  }
+  scene_.textures = std::move(kept);
+  for (Material& material : scene_.materials) {
+    for (TextureSlot* slot : {&material.base_color_texture, &material.emission_texture}) {
+      if (slot->texture != kInvalidId) slot->texture = index_of[slot->texture];
+    }
+  }
+}
+
+}  // namespace raysheaf::io

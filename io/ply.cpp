@@ -1,0 +1,225 @@
+#include "io/ply.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+
+#include "io/linear.h"
+#include "io/normals.h"
+#include "io/ply_body.h"
+#include "io/polygon.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf::io {
+namespace {
+
+double linear_of_srgb(double x) {
+  return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+}
+
+class PlyReader {
+ public:
+  PlyReader(const Bytes& file, const PlyHeader& header)
+      : header_(header), numbers_(file, header) {}
+
+  SceneDescription read() {
+    for (const PlyElement& element : header_.elements) {
+      if (element.name == "vertex" && mesh_.positions.empty()) read_vertices(element);
+      else if (element.name == "face") read_lists(element, false);
+      else if (element.name == "tristrips") read_lists(element, true);
+      else skip(element);
+    }
+    finish_normals();
+    if (short_faces_) {
+      scene_.warnings.push_back("Faces with fewer than three vertices are left out.");
+    }
+    scene_.materials.push_back(material());
+    mesh_.materials = {0};
+    scene_.meshes.push_back(std::move(mesh_));
+    scene_.instances.push_back({"", 0, {}});
+    return std::move(scene_);
+  }
+
+ private:
+  enum Role { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kRed, kGreen, kBlue, kRoles };
+
+  static int role_of(const PlyProperty& property) {
+    constexpr std::pair<std::string_view, Role> kNames[] = {
+        {"x", kX},          {"y", kY},          {"z", kZ},
+        {"nx", kNormalX},   {"ny", kNormalY},   {"nz", kNormalZ},
+        {"red", kRed},      {"green", kGreen},  {"blue", kBlue},
+        {"diffuse_red", kRed}, {"diffuse_green", kGreen}, {"diffuse_blue", kBlue}};
+    if (property.is_list) return -1;
+    for (const auto& [name, role] : kNames) {
+      if (property.name == name) return role;
+    }
+    return -1;
+  }
+
+  void read_vertices(const PlyElement& element) {
+    std::vector<int> roles;
+    std::array<bool, kRoles> has{};
+    for (const PlyProperty& property : element.properties) {
+      roles.push_back(role_of(property));
+      if (roles.back() >= 0) has[static_cast<std::size_t>(roles.back())] = true;
+      if (roles.back() == kRed) integer_colors_ = property.type < PlyType::kFloat32;
+    }
+    if (!has[kX] || !has[kY] || !has[kZ]) {
+      throw Error(ErrorCode::kInvalidData, "has no x, y and z", "element vertex");
+    }
+    if (element.count >= kInvalidId) {
+      throw Error(ErrorCode::kUnsupported, "has 2^32 vertices or more", "element vertex");
+    }
+    has_normals_ = has[kNormalX] && has[kNormalY] && has[kNormalZ];
+    has_colors_ = has[kRed] && has[kGreen] && has[kBlue];
+    mesh_.positions.reserve(element.count);
+    std::array<double, kRoles> values{};
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      for (std::size_t p = 0; p < roles.size(); ++p) {
+        const PlyProperty& property = element.properties[p];
+        if (roles[p] < 0) numbers_.skip(property, element.name, i);
+        else values[static_cast<std::size_t>(roles[p])] = numbers_.next(property.type, "vertex", i);
+      }
+      add_vertex(values, i);
+    }
+  }
+
+  void add_vertex(const std::array<double, kRoles>& values, std::uint64_t index) {
+    const Vec3 position = narrow(Double3{values[kX], values[kY], values[kZ]});
+    if (!std::isfinite(position.x) || !std::isfinite(position.y) || !std::isfinite(position.z)) {
+      throw Error(ErrorCode::kInvalidData, "the position is not finite",
+                  "vertex[" + std::to_string(index) + "]");
+    }
+    mesh_.positions.push_back(position);
+    if (has_normals_) {
+      mesh_.normals.push_back(
+          narrow(Double3{values[kNormalX], values[kNormalY], values[kNormalZ]}));
+    }
+    const Double3 color{values[kRed], values[kGreen], values[kBlue]};
+    if (index == 0) color_ = color;
+    uniform_color_ = uniform_color_ && color.x == color_.x && color.y == color_.y &&
+                     color.z == color_.z;
+  }
+
+  void skip(const PlyElement& element) {
+    if (element.count > 0) {
+      scene_.warnings.push_back("The PLY element \"" + element.name.substr(0, 64) +
+                                "\" is left out.");
+    }
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      for (const PlyProperty& property : element.properties) {
+        numbers_.skip(property, element.name, i);
+      }
+    }
+  }
+
+  void read_lists(const PlyElement& element, bool strips) {
+    const int plural = element.find("vertex_indices"), singular = element.find("vertex_index");
+    const int corners = plural >= 0 ? plural : singular;
+    if (corners < 0 || !element.properties[static_cast<std::size_t>(corners)].is_list) {
+      throw Error(ErrorCode::kInvalidData, "has no list vertex_indices", "element " + element.name);
+    }
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      for (std::size_t p = 0; p < element.properties.size(); ++p) {
+        const PlyProperty& property = element.properties[p];
+        if (p == static_cast<std::size_t>(corners)) read_list(property, element.name, i, strips);
+        else numbers_.skip(property, element.name, i);
+      }
+    }
+  }
+
+  void read_list(const PlyProperty& list, const std::string& element, std::uint64_t index,
+                 bool strip) {
+    const std::uint64_t count = numbers_.next_count(list, element, index);
+    corners_.clear();
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const double vertex = numbers_.next(list.type, element, index);
+      if (strip && vertex == -1) {
+        add_strip();
+        continue;
+      }
+      if (!(vertex >= 0) || vertex >= static_cast<double>(mesh_.positions.size()) ||
+          vertex != std::floor(vertex)) {
+        throw Error(ErrorCode::kInvalidData,
+                    "the vertex index is out of range: there are " +
+                        std::to_string(mesh_.positions.size()) + " vertices",
+                    element + "[" + std::to_string(index) + "]." + list.name + "[" +
+                        std::to_string(i) + "]");
+      }
+      corners_.push_back(static_cast<std::uint32_t>(vertex));
+    }
+    if (strip) add_strip();
+    else add_face();
+  }
+
+  void add_strip() {
+    for (std::size_t i = 0; i + 2 < corners_.size(); ++i) {
+      mesh_.triangles.push_back({corners_[i], corners_[i + 1 + i % 2], corners_[i + 2 - i % 2]});
+    }
+    corners_.clear();
+  }
+  void add_face() {
+    short_faces_ = short_faces_ || corners_.size() < 3;
+    if (corners_.size() == 3) {
+      mesh_.triangles.push_back({corners_[0], corners_[1], corners_[2]});
+      return;
+    }
+    points_.clear();
+    for (const std::uint32_t v : corners_) points_.push_back(mesh_.positions[v]);
+    for (const auto& t : triangulate(points_)) {
+      mesh_.triangles.push_back({corners_[t[0]], corners_[t[1]], corners_[t[2]]});
+    }
+  }
+
+  void finish_normals() {
+    std::vector<bool> has_normal(mesh_.positions.size(), false);
+    bool all = has_normals_;
+    for (std::size_t v = 0; v < mesh_.normals.size(); ++v) {
+      has_normal[v] = make_unit(mesh_.normals[v]);
+      if (!has_normal[v]) mesh_.normals[v] = {0, 0, 1};
+      all = all && has_normal[v];
+    }
+    if (!all) add_missing_normals(mesh_, has_normal);
+  }
+
+  Material material() {
+    Material material;
+    material.name = "default";
+    material.double_sided = true;
+    material.base_color = {0.8f, 0.8f, 0.8f, 1};
+    if (!has_colors_ || mesh_.positions.empty()) return material;
+    if (!uniform_color_) {
+      scene_.warnings.push_back("Vertex colours that differ are left out.");
+      return material;
+    }
+    const auto channel = [&](double x) {
+      const double linear = integer_colors_ ? linear_of_srgb(x / 255) : x;
+      return static_cast<float>(std::clamp(std::isfinite(linear) ? linear : 0.0, 0.0, 1.0));
+    };
+    material.base_color = {channel(color_.x), channel(color_.y), channel(color_.z), 1};
+    return material;
+  }
+
+  const PlyHeader& header_;
+  PlyNumbers numbers_;
+  SceneDescription scene_;
+  Mesh mesh_;
+  bool has_normals_ = false, has_colors_ = false, integer_colors_ = false;
+  bool uniform_color_ = true, short_faces_ = false;
+  Double3 color_;
+  std::vector<std::uint32_t> corners_;
+  std::vector<Vec3> points_;
+};
+
+}  // namespace
+
+SceneDescription load_ply(const Bytes& file, const std::string& path) {
+  const PlyHeader header = read_ply_header(file);
+  SceneDescription scene = PlyReader(file, header).read();
+  scene.name = std::filesystem::path(path).stem().string();
+  scene.meshes[0].name = scene.instances[0].name = scene.name;
+  return scene;
+}
+
+}  // namespace raysheaf::io

@@ -1,0 +1,13 @@
+// Stanford PLY: ASCII, binary of either byte order.
+#pragma once
+
+#include <string>
+
+#include "io/file.h"
+#include "raysheaf/scene_description.h"
+
+namespace raysheaf::io {
+
+[[nodiscard]] SceneDescription load_ply(const Bytes& file, const std::string& path);
+
+}  // namespace raysheaf::io

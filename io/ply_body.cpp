@@ -1,0 +1,94 @@
+#include "io/ply_body.h"
+
+#include <algorithm>
+#include <bit>
+#include <cctype>
+#include <charconv>
+#include <cstring>
+
+#include "io/gltf_rules.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf::io {
+namespace {
+
+template <class T>
+double load(const std::uint8_t* bytes, bool swapped) {
+  std::uint8_t raw[sizeof(T)];
+  std::memcpy(raw, bytes, sizeof raw);
+  if (swapped) std::reverse(raw, raw + sizeof raw);
+  T value;
+  std::memcpy(&value, raw, sizeof value);
+  return static_cast<double>(value);
+}
+
+double load(PlyType type, const std::uint8_t* bytes, bool swapped) {
+  switch (type) {
+    case PlyType::kInt8: return load<std::int8_t>(bytes, swapped);
+    case PlyType::kUint8: return load<std::uint8_t>(bytes, swapped);
+    case PlyType::kInt16: return load<std::int16_t>(bytes, swapped);
+    case PlyType::kUint16: return load<std::uint16_t>(bytes, swapped);
+    case PlyType::kInt32: return load<std::int32_t>(bytes, swapped);
+    case PlyType::kUint32: return load<std::uint32_t>(bytes, swapped);
+    case PlyType::kFloat32: return load<float>(bytes, swapped);
+    default: return load<double>(bytes, swapped);
+  }
+}
+
+}  // namespace
+
+void PlyNumbers::refuse(const std::string& sentence, const std::string& element,
+                        std::uint64_t index) const {
+  throw Error(ErrorCode::kInvalidData, sentence,
+              printable(element) + "[" + std::to_string(index) + "]");
+}
+
+double PlyNumbers::next(PlyType type, const std::string& element, std::uint64_t index) {
+  if (format_ == PlyFormat::kAscii) return next_word(element, index);
+  const std::size_t size = size_of(type);
+  if (bytes_.size() - at_ < size) refuse("the file is truncated: it ends here", element, index);
+  const bool native = (format_ == PlyFormat::kLittleEndian) ==
+                      (std::endian::native == std::endian::little);
+  const double value = load(type, bytes_.data() + at_, !native);
+  at_ += size;
+  return value;
+}
+
+double PlyNumbers::next_word(const std::string& element, std::uint64_t index) {
+  while (at_ < bytes_.size() && std::isspace(bytes_[at_]) != 0) ++at_;
+  std::size_t end = at_;
+  while (end < bytes_.size() && std::isspace(bytes_[end]) == 0) ++end;
+  if (end == at_) refuse("the file is truncated: it ends here", element, index);
+  const char* first = reinterpret_cast<const char*>(bytes_.data()) + at_;
+  const char* last = reinterpret_cast<const char*>(bytes_.data()) + end;
+  double value = 0;
+  const auto [stop, error] = std::from_chars(*first == '+' ? first + 1 : first, last, value);
+  if (error == std::errc::invalid_argument || stop != last) {
+    refuse("\"" + printable(std::string(first, last)) + "\" is not a number", element, index);
+  }
+  if (error == std::errc::result_out_of_range) {
+    refuse("\"" + printable(std::string(first, last)) + "\" is out of range", element, index);
+  }
+  at_ = end;
+  return value;
+}
+
+std::uint64_t PlyNumbers::next_count(const PlyProperty& list, const std::string& element,
+                                     std::uint64_t index) {
+  const double count = next(list.count_type, element, index);
+  const std::size_t least = format_ == PlyFormat::kAscii ? 1 : size_of(list.type);
+  if (!(count >= 0) || count != static_cast<double>(static_cast<std::uint64_t>(count)) ||
+      count * static_cast<double>(least) > static_cast<double>(bytes_.size() - at_)) {
+    refuse("the list \"" + printable(list.name) + "\" has a count that the file cannot hold",
+           element, index);
+  }
+  return static_cast<std::uint64_t>(count);
+}
+
+void PlyNumbers::skip(const PlyProperty& property, const std::string& element,
+                      std::uint64_t index) {
+  const std::uint64_t count = property.is_list ? next_count(property, element, index) : 1;
+  for (std::uint64_t i = 0; i < count; ++i) static_cast<void>(next(property.type, element, index));
+}
+
+}  // namespace raysheaf::io

@@ -1,0 +1,155 @@
+#include "io/ply_header.h"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include "io/gltf_rules.h"
+#include "io/obj_lines.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf::io {
+namespace {
+
+constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20;
+
+PlyType type_named(std::string_view name, const std::string& place) {
+  constexpr std::pair<std::string_view, PlyType> kNames[] = {
+      {"char", PlyType::kInt8},     {"int8", PlyType::kInt8},      {"uchar", PlyType::kUint8},
+      {"uint8", PlyType::kUint8},   {"short", PlyType::kInt16},    {"int16", PlyType::kInt16},
+      {"ushort", PlyType::kUint16}, {"uint16", PlyType::kUint16},  {"int", PlyType::kInt32},
+      {"int32", PlyType::kInt32},   {"uint", PlyType::kUint32},    {"uint32", PlyType::kUint32},
+      {"float", PlyType::kFloat32}, {"float32", PlyType::kFloat32}, {"double", PlyType::kFloat64},
+      {"float64", PlyType::kFloat64}};
+  for (const auto& [text, type] : kNames) {
+    if (text == name) return type;
+  }
+  throw Error(ErrorCode::kInvalidData,
+              "\"" + printable(std::string(name)) + "\" is not a type of PLY", place);
+}
+
+class HeaderReader {
+ public:
+  explicit HeaderReader(std::span<const std::uint8_t> file)
+      : text_(reinterpret_cast<const char*>(file.data()), file.size()) {}
+
+  PlyHeader read() {
+    if (next_line() != "ply") refuse("the file does not begin with \"ply\"");
+    bool has_format = false;
+    for (;;) {
+      const std::string_view line = next_line();
+      const std::vector<std::string_view> words = words_of(line);
+      if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
+      if (words[0] == "end_header") break;
+      if (words[0] == "format") {
+        read_format(words);
+        has_format = true;
+      } else if (words[0] == "element") {
+        read_element(words);
+      } else if (words[0] == "property") {
+        read_property(words);
+      } else {
+        refuse("\"" + printable(std::string(words[0])) + "\" is not a word of a PLY header");
+      }
+    }
+    if (!has_format) refuse("the header has no format line");
+    header_.bytes = at_;
+    check_counts();
+    return std::move(header_);
+  }
+
+ private:
+  [[nodiscard]] std::string place() const { return "line " + std::to_string(line_); }
+  [[noreturn]] void refuse(const std::string& sentence) const {
+    throw Error(ErrorCode::kInvalidData, sentence, place());
+  }
+
+  std::string_view next_line() {
+    ++line_;
+    const std::size_t end = text_.find('\n', at_);
+    if (end == text_.npos || end > kMaxHeaderBytes) refuse("the header has no end_header line");
+    std::string_view line = text_.substr(at_, end - at_);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    at_ = end + 1;
+    return trim(line);
+  }
+
+  void read_format(const std::vector<std::string_view>& words) {
+    const std::string_view name = words.size() > 1 ? words[1] : "";
+    if (name == "ascii") header_.format = PlyFormat::kAscii;
+    else if (name == "binary_little_endian") header_.format = PlyFormat::kLittleEndian;
+    else if (name == "binary_big_endian") header_.format = PlyFormat::kBigEndian;
+    else refuse("\"" + printable(std::string(name)) + "\" is not a format of PLY");
+  }
+
+  void read_element(const std::vector<std::string_view>& words) {
+    PlyElement element;
+    const std::string_view number = words.size() > 2 ? words[2] : "";
+    const char* end = number.data() + number.size();
+    const auto [stop, error] = std::from_chars(number.data(), end, element.count);
+    if (words.size() != 3 || error != std::errc{} || stop != end) {
+      refuse("an element line has a name and a count");
+    }
+    element.name = words[1];
+    header_.elements.push_back(std::move(element));
+  }
+
+  void read_property(const std::vector<std::string_view>& words) {
+    if (header_.elements.empty()) refuse("a property comes before the first element");
+    PlyProperty property;
+    property.is_list = words.size() > 1 && words[1] == "list";
+    if (words.size() != (property.is_list ? 5u : 3u)) refuse("the property line has a wrong length");
+    property.type = type_named(words[words.size() - 2], place());
+    if (property.is_list) {
+      property.count_type = type_named(words[2], place());
+      if (property.count_type >= PlyType::kFloat32) refuse("a list's count must be an integer");
+    }
+    property.name = words.back();
+    header_.elements.back().properties.push_back(std::move(property));
+  }
+
+  /// The fewest bytes that an element takes: in ASCII a digit and a blank for each number.
+  [[nodiscard]] std::uint64_t least_bytes(const PlyElement& element) const {
+    std::uint64_t bytes = 0;
+    for (const PlyProperty& property : element.properties) {
+      const PlyType type = property.is_list ? property.count_type : property.type;
+      bytes += header_.format == PlyFormat::kAscii ? 2 : size_of(type);
+    }
+    return bytes;
+  }
+  void check_counts() const {
+    const std::uint64_t left = text_.size() - at_ + 1;
+    for (const PlyElement& element : header_.elements) {
+      const std::uint64_t least = least_bytes(element);
+      if (element.count == 0) continue;
+      if (least == 0 || element.count > left / least) {
+        throw Error(ErrorCode::kInvalidData,
+                    "says " + std::to_string(element.count) + ", more than the " +
+                        std::to_string(left - 1) + " bytes after the header can hold",
+                    "element " + printable(element.name));
+      }
+    }
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0, line_ = 0;
+  PlyHeader header_;
+};
+
+}  // namespace
+
+int PlyElement::find(std::string_view property) const {
+  for (std::size_t i = 0; i < properties.size(); ++i) {
+    if (properties[i].name == property) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+std::size_t size_of(PlyType type) {
+  constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+  return kSizes[static_cast<std::size_t>(type)];
+}
+
+PlyHeader read_ply_header(std::span<const std::uint8_t> file) { return HeaderReader(file).read(); }
+
+}  // namespace raysheaf::io

@@ -1,0 +1,43 @@
+// The head of a PLY file: what elements there are and what each is made of.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace raysheaf::io {
+
+enum class PlyFormat { kAscii, kLittleEndian, kBigEndian };
+enum class PlyType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+
+struct PlyProperty {
+  std::string name;
+  PlyType type = PlyType::kFloat32;
+  bool is_list = false;
+  PlyType count_type = PlyType::kUint8;
+};
+
+struct PlyElement {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<PlyProperty> properties;
+
+  /// Position among the properties, or -1.
+  [[nodiscard]] int find(std::string_view property) const;
+};
+
+struct PlyHeader {
+  PlyFormat format = PlyFormat::kAscii;
+  std::vector<PlyElement> elements;
+  std::size_t bytes = 0;  ///< where the body begins
+};
+
+[[nodiscard]] std::size_t size_of(PlyType type);
+
+/// Throws `Error` that names the line. A count that the rest of the file cannot hold is refused
+/// here, before anything is made from it.
+[[nodiscard]] PlyHeader read_ply_header(std::span<const std::uint8_t> file);
+
+}  // namespace raysheaf::io

@@ -1,0 +1,206 @@
+#include "io/stl.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <string_view>
+
+#include "io/gltf_rules.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf::io {
+namespace {
+
+constexpr std::size_t kHeadBytes = 84, kTriangleBytes = 50;
+
+[[noreturn]] void refuse(const std::string& sentence, const std::string& place) {
+  throw Error(ErrorCode::kInvalidData, sentence, place);
+}
+
+std::uint32_t read_u32(const std::uint8_t* p) {
+  return static_cast<std::uint32_t>(p[0]) | static_cast<std::uint32_t>(p[1]) << 8 |
+         static_cast<std::uint32_t>(p[2]) << 16 | static_cast<std::uint32_t>(p[3]) << 24;
+}
+float read_float(const std::uint8_t* p) {
+  const std::uint32_t bits = read_u32(p);
+  float value;
+  std::memcpy(&value, &bits, sizeof value);
+  return value;
+}
+
+void add_vertex(Mesh& mesh, Vec3 p, const std::string& place) {
+  if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
+    refuse("the vertex is not finite", place);
+  }
+  mesh.positions.push_back(p);
+}
+void add_triangle(Mesh& mesh) {
+  const auto end = static_cast<std::uint32_t>(mesh.positions.size());
+  mesh.triangles.push_back({end - 3, end - 2, end - 1});
+}
+
+bool begins_with_solid(const Bytes& file) {
+  std::size_t i = 0;
+  while (i < file.size() && std::isspace(file[i]) != 0) ++i;
+  constexpr std::string_view kWord = "solid";
+  for (std::size_t k = 0; k < kWord.size(); ++k) {
+    if (i + k >= file.size() || std::tolower(file[i + k]) != kWord[k]) return false;
+  }
+  return true;
+}
+
+/// Binary files may begin with "solid" too. Their length follows from their count; where it does
+/// not, text is what has no zero byte.
+bool is_ascii(const Bytes& file) {
+  if (!begins_with_solid(file)) return false;
+  if (file.size() < kHeadBytes) return true;
+  const std::uint64_t count = read_u32(file.data() + 80);
+  if (file.size() == kHeadBytes + kTriangleBytes * count) return false;
+  return std::find(file.begin(), file.end(), std::uint8_t{0}) == file.end();
+}
+
+Mesh read_binary(const Bytes& file) {
+  if (file.size() < kHeadBytes) refuse("the file is truncated inside its header", "STL header");
+  const std::uint64_t count = read_u32(file.data() + 80);
+  if (count > (file.size() - kHeadBytes) / kTriangleBytes) {
+    refuse("the file is truncated: it says that it has " + std::to_string(count) +
+               " triangles, but has bytes for " +
+               std::to_string((file.size() - kHeadBytes) / kTriangleBytes),
+           "STL header");
+  }
+  Mesh mesh;
+  mesh.positions.reserve(3 * count);
+  mesh.triangles.reserve(count);
+  for (std::uint64_t t = 0; t < count; ++t) {
+    const std::uint8_t* p = file.data() + kHeadBytes + kTriangleBytes * t + 12;
+    for (int k = 0; k < 3; ++k, p += 12) {
+      add_vertex(mesh, {read_float(p), read_float(p + 4), read_float(p + 8)},
+                 "triangle[" + std::to_string(t) + "]");
+    }
+    add_triangle(mesh);
+  }
+  return mesh;
+}
+
+/// Words of an ASCII STL; a solid's name is the rest of its line.
+class AsciiReader {
+ public:
+  explicit AsciiReader(const Bytes& file)
+      : text_(reinterpret_cast<const char*>(file.data()), file.size()) {}
+
+  std::vector<Mesh> read() {
+    std::vector<Mesh> meshes;
+    for (std::string word = next_word(); !word.empty(); word = next_word()) {
+      if (word != "solid") refuse("\"" + printable(word) + "\" where a solid begins", place());
+      meshes.push_back(read_solid());
+    }
+    return meshes;
+  }
+
+ private:
+  [[nodiscard]] std::string place() const { return "line " + std::to_string(line_); }
+
+  Mesh read_solid() {
+    Mesh mesh;
+    mesh.name = rest_of_line();
+    for (;;) {
+      const std::string word = next_word();
+      if (word == "endsolid") break;
+      if (word != "facet") {
+        refuse(word.empty() ? "the file is truncated: the solid has no end"
+                            : "\"" + printable(word) + "\" where a facet begins",
+               place());
+      }
+      read_facet(mesh);
+    }
+    rest_of_line();
+    return mesh;
+  }
+
+  void read_facet(Mesh& mesh) {
+    expect("normal");
+    // Three words that nobody needs; some programs write "nan" here.
+    for (int i = 0; i < 3; ++i) next_word();
+    expect("outer"), expect("loop");
+    for (int i = 0; i < 3; ++i) {
+      expect("vertex");
+      const float x = next_number(), y = next_number(), z = next_number();
+      add_vertex(mesh, {x, y, z}, place());
+    }
+    expect("endloop"), expect("endfacet");
+    add_triangle(mesh);
+  }
+
+  void expect(const char* wanted) {
+    const std::string word = next_word();
+    if (word == wanted) return;
+    refuse(word.empty() ? "the file is truncated: it ends before \"" + std::string(wanted) + "\""
+                        : "\"" + printable(word) + "\" where \"" + wanted + "\" is needed",
+           place());
+  }
+
+  float next_number() {
+    const std::string word = next_word();
+    const char* first = word.data() + (word.starts_with('+') ? 1 : 0);
+    const char* last = word.data() + word.size();
+    float value = 0;
+    const auto [stop, error] = std::from_chars(first, last, value);
+    // Too small a number is zero; too large a one is refused as not finite.
+    if (error == std::errc::result_out_of_range) {
+      value = static_cast<float>(std::strtod(word.c_str(), nullptr));
+    } else if (error != std::errc{} || stop != last) {
+      refuse("\"" + printable(word) + "\" is not a number", place());
+    }
+    return value;
+  }
+
+  std::string next_word() {
+    while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_])) != 0) {
+      if (text_[at_++] == '\n') ++line_;
+    }
+    std::string word;
+    while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_])) == 0) {
+      word += static_cast<char>(std::tolower(static_cast<unsigned char>(text_[at_++])));
+    }
+    return word;
+  }
+  std::string rest_of_line() {
+    const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+    std::string rest(text_.substr(at_, end - at_));
+    at_ = end;
+    const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+    while (!rest.empty() && blank(rest.back())) rest.pop_back();
+    rest.erase(0, std::min(rest.find_first_not_of(" \t"), rest.size()));
+    return rest;
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0, line_ = 1;
+};
+
+}  // namespace
+
+SceneDescription load_stl(const Bytes& file, const std::string& path) {
+  SceneDescription scene;
+  scene.name = std::filesystem::path(path).stem().string();
+  if (is_ascii(file)) scene.meshes = AsciiReader(file).read();
+  else scene.meshes.push_back(read_binary(file));
+  std::erase_if(scene.meshes, [](const Mesh& mesh) { return mesh.triangles.empty(); });
+  Material material;
+  material.name = "default";
+  material.double_sided = true;
+  material.base_color = {0.8f, 0.8f, 0.8f, 1};
+  scene.materials.push_back(material);
+  for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
+    Mesh& mesh = scene.meshes[m];
+    if (mesh.name.empty()) mesh.name = scene.name;
+    mesh.materials = {0};
+    scene.instances.push_back({mesh.name, m, {}});
+  }
+  return scene;
+}
+
+}  // namespace raysheaf::io

@@ -1,0 +1,94 @@
+// Totals of the counters and their JSON. docs/statistics.md describes every field.
+#include "raysheaf/statistics.h"
+
+#include <nlohmann/json.hpp>
+
+namespace raysheaf {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json level_json(const LevelStatistics& level) {
+  return {{"level", level.level},
+          {"tests", level.tests},
+          {"hits", level.hits},
+          {"misses", level.misses()}};
+}
+
+Json times_json(const StageTimes& times) {
+  return {{"raygen", times.raygen},
+          {"order", times.order},
+          {"hierarchy", times.hierarchy},
+          {"traverse", times.traverse},
+          {"intersect", times.intersect}};
+}
+
+Json batch_json(const BatchStatistics& batch) {
+  Json levels = Json::array();
+  for (const LevelStatistics& level : batch.levels) levels.push_back(level_json(level));
+  return {{"kind", to_string(batch.kind)},
+          {"bounce", batch.bounce},
+          {"rays", batch.rays},
+          {"triangles", batch.triangles},
+          {"chunks", batch.chunks},
+          {"mesh_sphere_tests", batch.mesh_sphere_tests},
+          {"levels", std::move(levels)},
+          {"final_tests", batch.final_tests},
+          {"total_tests", batch.total_tests()},
+          {"brute_force_tests", batch.brute_force_tests()},
+          {"relative", batch.relative()},
+          {"hits", batch.hits},
+          {"times_ms", times_json(batch.times_ms)}};
+}
+
+}  // namespace
+
+const char* to_string(RayKind kind) {
+  switch (kind) {
+    case RayKind::kPrimary:
+      return "primary";
+    case RayKind::kShadow:
+      return "shadow";
+    case RayKind::kReflection:
+      return "reflection";
+    case RayKind::kRefraction:
+      return "refraction";
+  }
+  return "unknown";
+}
+
+std::uint64_t BatchStatistics::total_tests() const {
+  std::uint64_t total = final_tests;
+  for (const LevelStatistics& level : levels) total += level.tests;
+  return total;
+}
+
+double BatchStatistics::relative() const {
+  const double all = static_cast<double>(rays) * static_cast<double>(triangles);
+  return all > 0 ? static_cast<double>(total_tests()) / all : 0;
+}
+
+std::string to_json(const FrameStatistics& statistics, double load_ms) {
+  Json batches = Json::array();
+  for (const BatchStatistics& batch : statistics.batches) batches.push_back(batch_json(batch));
+  const Json frame = {{"scene", statistics.scene},
+                      {"triangles", statistics.triangles},
+                      {"meshes", statistics.meshes},
+                      {"width", statistics.width},
+                      {"height", statistics.height},
+                      {"method", statistics.method},
+                      {"device", statistics.device},
+                      {"primary", statistics.primary},
+                      {"threads", statistics.threads},
+                      {"batches", std::move(batches)},
+                      {"times_ms",
+                       {{"load", load_ms},
+                        {"raster", statistics.raster_ms},
+                        {"shade", statistics.shade_ms},
+                        {"total", statistics.total_ms}}}};
+  // A scene's name comes from a file: bytes that are not UTF-8 become U+FFFD instead of an
+  // exception.
+  return frame.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,89 @@
+#include "frame/primary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "intersect/triangle_body.h"
+#include "raster/rasterizer.h"
+#include "raster/resolve.h"
+#include "raygen/camera_body.h"
+#include "raygen/hash_body.h"
+
+namespace raysheaf {
+namespace {
+
+constexpr std::size_t kGrain = 1024;
+
+/// The weights of the second and third corner where the ray meets the triangle's plane, kept inside
+/// the triangle: at silhouettes OpenGL's pixel may lie a hair outside.
+Vec2 clamped_barycentrics(const Ray& ray, Vec3 a, Vec3 b, Vec3 c) {
+  TriangleHit hit;
+  if (intersect_triangle(make_ray_setup(ray), a, b, c, &hit)) return {hit.u, hit.v};
+  const Vec3 ab = b - a, ac = c - a, from = ray.origin - a;
+  const Vec3 p = cross(ray.direction, ac), q = cross(from, ab);
+  const float det = dot(ab, p);
+  if (!(det != 0)) return {1.0f / 3, 1.0f / 3};
+  const float u = clamp(dot(from, p) / det, 0, 1), v = clamp(dot(ray.direction, q) / det, 0, 1);
+  const float sum = u + v;
+  return sum > 1 ? Vec2{u / sum, v / sum} : Vec2{u, v};
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> rasterize_primary(const Executor& executor, Rasterizer& rasterizer,
+                                             const FlatScene& scene, const Camera& camera,
+                                             PictureSize size) {
+  std::vector<std::uint32_t> triangles =
+      rasterizer.visible_triangles(executor, scene, camera, size.width, size.height);
+  resolve_silhouettes(executor, scene, camera, size.width, size.height, triangles);
+  return triangles;
+}
+
+std::vector<std::uint32_t> trace_primary(const Executor& executor, const FlatScene& scene,
+                                         const Camera& camera, PictureSize size,
+                                         const MethodSettings& method, BatchStatistics* statistics,
+                                         View<float> pixel_tests, ProgressMeter* meter) {
+  const CameraFrame frame = make_camera_frame(camera, size.width, size.height);
+  RayBatch batch;
+  batch.kind = RayKind::kPrimary;
+  batch.bounce = 0;
+  batch.key_bits = kBounceKeyBits;
+  batch.rays.resize(std::size_t{size.width} * size.height);
+  batch.keys.resize(batch.rays.size());
+  executor.for_each(batch.rays.size(), kGrain, [&](std::size_t i) {
+    batch.rays[i] = camera_ray(frame, static_cast<std::uint32_t>(i % size.width),
+                               static_cast<std::uint32_t>(i / size.width));
+    batch.keys[i] = bounce_key(scene.bounds, batch.rays[i].origin, batch.rays[i].direction);
+  });
+  TraceOptions options;
+  options.method = method;
+  options.facing = Facing::kSkipBackOfSingleSided;
+  const std::vector<RayHit> hits =
+      trace(executor, scene, batch, options, statistics, pixel_tests, meter);
+  std::vector<std::uint32_t> triangles(hits.size());
+  std::transform(hits.begin(), hits.end(), triangles.begin(),
+                 [](const RayHit& hit) { return hit.triangle; });
+  return triangles;
+}
+
+std::vector<Fragment> fetch_fragments(const Executor& executor, const FlatScene& scene,
+                                      const TextureSet& textures, const Camera& camera,
+                                      PictureSize size, View<const std::uint32_t> triangles) {
+  const CameraFrame frame = make_camera_frame(camera, size.width, size.height);
+  std::vector<Fragment> fragments(triangles.size);
+  executor.for_each(triangles.size, kGrain, [&](std::size_t i) {
+    Fragment& f = fragments[i];
+    f.pixel = static_cast<std::uint32_t>(i);
+    f.triangle = triangles[i];
+    const Ray ray = camera_ray(frame, f.pixel % size.width, f.pixel / size.width);
+    f.incoming = normalized(ray.direction);
+    if (f.triangle == kInvalidId) return;
+    const Vec2 uv = clamped_barycentrics(ray, scene.corner(f.triangle, 0),
+                                         scene.corner(f.triangle, 1), scene.corner(f.triangle, 2));
+    f.surface = surface_at(scene, textures, f.triangle, uv.x, uv.y, f.incoming);
+  });
+  return fragments;
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,42 @@
+// What each pixel sees, by rasterisation or by tracing, as fragments.
+#pragma once
+
+#include <vector>
+
+#include "exec/executor.h"
+#include "exec/progress_meter.h"
+#include "frame/trace.h"
+#include "raygen/fragment.h"
+#include "raysheaf/statistics.h"
+#include "scene/flat_scene.h"
+#include "scene/texture.h"
+
+namespace raysheaf {
+
+class Rasterizer;
+
+struct PictureSize {
+  std::uint32_t width = 0, height = 0;
+};
+
+/// The number of the triangle that each pixel sees, rows from the top.
+[[nodiscard]] std::vector<std::uint32_t> rasterize_primary(const Executor& executor,
+                                                           Rasterizer& rasterizer,
+                                                           const FlatScene& scene,
+                                                           const Camera& camera, PictureSize size);
+
+/// The same by rays, which pass the backs of single-sided triangles. `pixel_tests`: as `trace` has
+/// it.
+[[nodiscard]] std::vector<std::uint32_t> trace_primary(
+    const Executor& executor, const FlatScene& scene, const Camera& camera, PictureSize size,
+    const MethodSettings& method, BatchStatistics* statistics, View<float> pixel_tests,
+    ProgressMeter* meter);
+
+/// One fragment a pixel, with the attributes of the triangle there.
+[[nodiscard]] std::vector<Fragment> fetch_fragments(const Executor& executor,
+                                                    const FlatScene& scene,
+                                                    const TextureSet& textures,
+                                                    const Camera& camera, PictureSize size,
+                                                    View<const std::uint32_t> triangles);
+
+}  // namespace raysheaf

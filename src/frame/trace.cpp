@@ -1,0 +1,118 @@
+#include "frame/trace.h"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+
+#include "frame/stopwatch.h"
+#include "hierarchy/hierarchy.h"
+#include "intersect/brute_force.h"
+#include "order/order.h"
+#include "traverse/traverse.h"
+
+namespace raysheaf {
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+
+std::string stage_name(const RayBatch& batch) {
+  return std::string(to_string(batch.kind)) + " rays, bounce " + std::to_string(batch.bounce);
+}
+
+void add_counts(const TraverseCounts& counts, double wall_ms, BatchStatistics* statistics) {
+  const auto levels = static_cast<std::uint32_t>(counts.tests.size());
+  statistics->levels.resize(levels);
+  for (std::uint32_t l = levels; l >= 1; --l) {
+    LevelStatistics& level = statistics->levels[levels - l];
+    level.level = l;
+    level.tests += counts.tests[l - 1];
+    level.hits += counts.hits[l - 1];
+  }
+  statistics->mesh_sphere_tests += counts.mesh_sphere_tests;
+  statistics->final_tests += counts.final_tests;
+  // Both stages run in one sweep: the wall time is shared out as the threads' times were.
+  const double sum = counts.node_seconds + counts.final_seconds;
+  const double part = sum > 0 ? counts.final_seconds / sum : 0;
+  statistics->times_ms.traverse += wall_ms * (1 - part);
+  statistics->times_ms.intersect += wall_ms * part;
+}
+
+/// Every ray with every triangle.
+std::vector<RayHit> trace_brute_force(const Executor& executor, const FlatScene& scene,
+                                      const RayBatch& batch, const TraceOptions& options,
+                                      BatchStatistics* statistics, View<float> ray_tests,
+                                      ProgressMeter* meter) {
+  Stopwatch watch;
+  meter->begin(stage_name(batch), batch.rays.size());
+  std::vector<RayHit> hits(batch.rays.size());
+  intersect_brute_force(executor, scene.triangles(), batch.rays, options.facing, hits, meter);
+  for (float& tests : ray_tests) tests += static_cast<float>(scene.triangle_count);
+  statistics->final_tests += std::uint64_t{scene.triangle_count} * batch.rays.size();
+  statistics->times_ms.intersect += watch.lap_ms();
+  return hits;
+}
+
+std::vector<std::uint32_t> ray_order(const Executor& executor, const RayBatch& batch, bool sort,
+                                     BatchStatistics* statistics) {
+  std::vector<std::uint32_t> order(batch.rays.size());
+  if (sort) {
+    statistics->chunks += order_by_key(executor, batch.keys, order, batch.key_bits);
+  } else {
+    std::iota(order.begin(), order.end(), 0u);
+  }
+  return order;
+}
+
+std::vector<RayHit> trace_hierarchy(const Executor& executor, const FlatScene& scene,
+                                    const RayBatch& batch, const TraceOptions& options,
+                                    BatchStatistics* statistics, View<float> ray_tests,
+                                    ProgressMeter* meter) {
+  const MethodSettings& method = options.method;
+  StageTimes& times = statistics->times_ms;
+  Stopwatch watch;
+  const std::vector<std::uint32_t> order = ray_order(executor, batch, method.sort, statistics);
+  std::vector<Ray> rays(order.size());
+  executor.for_each(order.size(), kGrain, [&](std::size_t i) { rays[i] = batch.rays[order[i]]; });
+  times.order += watch.lap_ms();
+
+  const RayHierarchy tree = build_hierarchy(executor, rays, method.branching, method.levels);
+  times.hierarchy += watch.lap_ms();
+
+  meter->begin(stage_name(batch), tree.level(tree.top()).size());
+  TraverseOptions traversal;
+  traversal.mesh_culling = method.mesh_culling;
+  traversal.early_out = options.early_out;
+  traversal.facing = options.facing;
+  std::vector<RayHit> best(order.size());
+  std::vector<float> tests(ray_tests.empty() ? 0 : order.size());
+  const TraverseCounts counts =
+      traverse(executor, scene, tree, rays, traversal, best, tests, meter);
+  add_counts(counts, watch.lap_ms(), statistics);
+
+  std::vector<RayHit> hits(order.size());
+  executor.for_each(order.size(), kGrain, [&](std::size_t i) {
+    hits[order[i]] = best[i];
+    if (!tests.empty()) ray_tests[order[i]] += tests[i];
+  });
+  times.order += watch.lap_ms();
+  return hits;
+}
+
+}  // namespace
+
+std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
+                          const TraceOptions& options, BatchStatistics* statistics,
+                          View<float> ray_tests, ProgressMeter* meter) {
+  statistics->kind = batch.kind;
+  statistics->bounce = batch.bounce;
+  statistics->triangles = scene.triangle_count;
+  statistics->rays += batch.rays.size();
+  if (batch.rays.empty()) return {};
+  const auto method = options.method.hierarchy ? trace_hierarchy : trace_brute_force;
+  std::vector<RayHit> hits = method(executor, scene, batch, options, statistics, ray_tests, meter);
+  statistics->hits += static_cast<std::uint64_t>(
+      std::count_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.found(); }));
+  return hits;
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,66 @@
+// The bound of a bundle of rays that the paper uses: a ball around the origins and a cone around
+// the directions, eight floats.
+//
+//          \        /
+//           \  .   /      { o + t d : |o - center| <= radius,
+//     ( c )--->axis                   angle(d, axis) <= angle, t >= 0 }
+//           /      \      .
+#pragma once
+
+#include "base/view.h"
+#include "geom/cone.h"
+#include "geom/sphere.h"
+
+namespace raysheaf {
+
+struct RayBound {
+  Sphere origins;
+  Cone directions;
+};
+static_assert(sizeof(RayBound) == 32);
+
+/// Around rays: Szecsi's cone for the axis, then the angle as measured from it, so that rounding in
+/// the growth of the axis cannot leave a direction outside. O(rays).
+RAYSHEAF_HD inline RayBound bound_rays(View<const Ray> rays) {
+  RayBound bound;
+  GrowingCone cone{normalized(rays[0].direction)};
+  for (const Ray& ray : rays) {
+    bound.origins = sphere_union(bound.origins, {ray.origin, 0});
+    cone = extended(cone, normalized(ray.direction));
+  }
+  const Vec3 axis = cone.axis;
+  float sine = 0, reach = 0;
+  for (const Ray& ray : rays) {
+    const Vec3 direction = normalized(ray.direction);
+    if (!(dot(axis, direction) > gamma(16))) sine = 2;
+    sine = std::fmax(sine, length(cross(axis, direction)));
+    reach = std::fmax(reach, length(ray.origin - bound.origins.center));
+  }
+  bound.origins.radius = radius_grown(reach);
+  bound.directions = {axis, sine_grown(sine)};
+  return bound;
+}
+
+/// Around the bounds of children: unions for the centre and the axis, then both extents as
+/// measured.
+RAYSHEAF_HD inline RayBound bound_children(View<const RayBound> children) {
+  RayBound bound = children[0];
+  float sine = 0, reach = 0;
+  for (const RayBound& child : children) {
+    bound.origins = sphere_union(bound.origins, child.origins);
+    const Vec3 axis = union_axis(bound.directions, child.directions);
+    const float grown =
+        std::fmax(farthest_sine(axis, bound.directions), farthest_sine(axis, child.directions));
+    bound.directions = {axis, grown};
+  }
+  for (const RayBound& child : children) {
+    sine = std::fmax(sine, farthest_sine(bound.directions.axis, child.directions));
+    reach = std::fmax(reach,
+                      length(child.origins.center - bound.origins.center) + child.origins.radius);
+  }
+  bound.origins.radius = radius_grown(reach);
+  bound.directions.sin_angle = sine_grown(sine);
+  return bound;
+}
+
+}  // namespace raysheaf

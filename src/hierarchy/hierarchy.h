@@ -1,0 +1,36 @@
+// Stage 4: levels of ray bounds over ordered rays, an implicit n-ary tree.
+//
+//   level 2   [----------------------64----------------------] ...
+//   level 1   [--8--][--8--][--8--][--8--][--8--][--8--] ...        node i of level l has the
+//   children rays       ........................................ ...         i*b .. i*b + b - 1 of
+//   level l - 1
+//
+// Built bottom-up: leaves from their rays, upper levels from the bounds below (Roger, Assarsson,
+// Holzschuch 2007; Reis, Costa, Pereira 2017, section 3.4). O(rays) work, `levels` steps.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/view.h"
+#include "exec/executor.h"
+#include "geom/ray_bound.h"
+
+namespace raysheaf {
+
+struct RayHierarchy {
+  std::uint32_t branching = 8;
+  std::uint32_t ray_count = 0;
+  std::vector<std::vector<RayBound>>
+      levels;  ///< [0] is level 1, the leaves; the last one is the top
+
+  [[nodiscard]] std::uint32_t top() const { return static_cast<std::uint32_t>(levels.size()); }
+  /// The nodes of a level, which counts from 1.
+  [[nodiscard]] const std::vector<RayBound>& level(std::uint32_t l) const { return levels[l - 1]; }
+};
+
+/// `levels` from 1, `branching` from 2; no rays make a tree of empty levels.
+[[nodiscard]] RayHierarchy build_hierarchy(const Executor& executor, View<const Ray> rays,
+                                           std::uint32_t branching, std::uint32_t levels);
+
+}  // namespace raysheaf

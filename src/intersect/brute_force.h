@@ -1,0 +1,21 @@
+// Every ray with every triangle: the ground truth, and `--method brute`.
+#pragma once
+
+#include "base/view.h"
+#include "exec/executor.h"
+#include "exec/progress_meter.h"
+#include "intersect/intersect_list.h"
+#include "scene/flat_scene.h"
+
+namespace raysheaf {
+
+/// best[i] takes the hits of rays[i]. N * M tests. `meter` advances by rays.
+void intersect_brute_force(const Executor& executor, const TriangleView& triangles,
+                           View<const Ray> rays, Facing facing, View<RayHit> best,
+                           ProgressMeter* meter);
+
+/// A run of a scene's triangles as the kernels take them.
+[[nodiscard]] TriangleArrays triangle_run(const TriangleView& triangles, std::uint32_t first,
+                                          std::uint32_t count);
+
+}  // namespace raysheaf

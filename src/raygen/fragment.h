@@ -1,0 +1,18 @@
+// A place where light is gathered: what a primary or a secondary ray met.
+#pragma once
+
+#include <vector>
+
+#include "scene/surface.h"
+
+namespace raysheaf {
+
+struct Fragment {
+  Surface surface;
+  Vec3 incoming;         ///< unit direction of the ray that arrived
+  Vec3 weight{1, 1, 1};  ///< what the pixel receives of the radiance that leaves here
+  std::uint32_t pixel = 0;
+  std::uint32_t triangle = kInvalidId;
+};
+
+}  // namespace raysheaf

@@ -1,0 +1,40 @@
+// Stage 2: the rays that leave fragments, each with its sort key.
+//
+// A slot is a place where a ray may stand: a fragment, or a (light, fragment) pair with the light
+// first, so that the slots of one light are in raster order. Slots without a ray are trimmed away
+// by a scan (order/order.h); they make no key. O(slots).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/view.h"
+#include "exec/executor.h"
+#include "raygen/fragment.h"
+#include "raysheaf/scene_description.h"
+#include "raysheaf/statistics.h"
+
+namespace raysheaf {
+
+struct RayBatch {
+  RayKind kind = RayKind::kShadow;
+  std::uint32_t bounce = 1;
+  std::uint32_t key_bits = 32;
+  std::vector<std::uint32_t> slots;  ///< of each ray, ascending
+  std::vector<Ray> rays;
+  std::vector<std::uint32_t> keys;
+};
+
+/// Rays from lights to fragments, `t` from 0 at the light (or beyond the scene, for parallel light)
+/// to 1 just before the fragment; only where the shading normal faces the light and the light
+/// reaches. Slot: light * fragments + fragment, over the lights [first_light, first_light +
+/// light_count).
+[[nodiscard]] RayBatch make_shadow_rays(const Executor& executor, View<const Fragment> fragments,
+                                        View<const Light> lights, std::uint32_t first_light,
+                                        std::uint32_t light_count, const Box& scene_bounds);
+
+/// `kind`: kReflection or kRefraction. Slot: the fragment.
+[[nodiscard]] RayBatch make_bounce_rays(const Executor& executor, View<const Fragment> fragments,
+                                        RayKind kind, const Box& scene_bounds);
+
+}  // namespace raysheaf

@@ -1,0 +1,100 @@
+// Where light goes at a surface that reflects or refracts like a mirror or glass, and how much of
+// it.
+#pragma once
+
+#include <cmath>
+
+#include "raygen/fragment.h"
+
+namespace raysheaf {
+
+/// Surfaces smoother than this reflect like mirrors; the others show highlights of the lights
+/// alone.
+inline constexpr float kMirrorRoughness = 0.1f;
+/// Rays that would add less than this part of their radiance to a pixel are not traced.
+inline constexpr float kLeastWeight = 1.0f / 1024;
+
+/// Fresnel's equations for unpolarised light (Fresnel 1823). `cos_in` in [0, 1]; `eta`: index of
+/// the side the light goes to over that of the side it comes from. 1 at total internal reflection.
+RAYSHEAF_HD inline float fresnel_dielectric(float cos_in, float eta) {
+  const float sin2_out = (1 - cos_in * cos_in) / (eta * eta);
+  if (sin2_out >= 1) return 1;
+  const float cos_out = std::sqrt(1 - sin2_out);
+  const float parallel = (eta * cos_in - cos_out) / (eta * cos_in + cos_out);
+  const float across = (cos_in - eta * cos_out) / (cos_in + eta * cos_out);
+  return (parallel * parallel + across * across) * 0.5f;
+}
+
+/// C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", 1994.
+RAYSHEAF_HD inline Vec3 fresnel_schlick(Vec3 at_normal, float cos_in) {
+  const float m = clamp(1 - cos_in, 0, 1), m2 = m * m;
+  return at_normal + (Vec3{1, 1, 1} - at_normal) * (m2 * m2 * m);
+}
+
+RAYSHEAF_HD inline Vec3 reflected(Vec3 incoming, Vec3 normal) {
+  return incoming - normal * (2 * dot(incoming, normal));
+}
+
+struct Scattering {
+  Vec3 reflection, refraction;                            ///< unit directions
+  Vec3 reflected_part{0, 0, 0}, refracted_part{0, 0, 0};  ///< of the radiance along them
+  Vec3 diffuse_part{1, 1, 1};  ///< what the specular layer leaves to the body below
+  bool mirror = false;         ///< smooth enough to trace its reflection
+};
+
+/// The cosine under which a ray arrives at the shading normal; at least a little above 0.
+RAYSHEAF_HD inline float cos_arrival(const Fragment& f) {
+  return clamp(-dot(f.incoming, f.surface.normal), 1e-4f, 1);
+}
+
+/// A mirror direction that leaves to the side the ray came from: by the shading normal, or by the
+/// geometric one where the shading normal would send it into the surface.
+RAYSHEAF_HD inline Vec3 mirror_direction(const Fragment& f) {
+  const Vec3 smooth = reflected(f.incoming, f.surface.normal);
+  if (dot(smooth, f.surface.geometric_normal) > 0) return normalized(smooth);
+  return normalized(reflected(f.incoming, f.surface.geometric_normal));
+}
+
+/// Glass: Fresnel's split; the colour is taken where light enters.
+RAYSHEAF_HD inline void scatter_glass(const Fragment& f, float cos_in, Scattering* s) {
+  const Surface& surface = f.surface;
+  const float eta = surface.front ? surface.ior : 1 / surface.ior;
+  const float share = fresnel_dielectric(cos_in, eta);
+  const Vec3 tint = surface.front ? surface.transmission_color : Vec3{1, 1, 1};
+  s->refracted_part = tint * ((1 - share) * surface.transmission);
+  s->reflected_part = Vec3{1, 1, 1} * share;
+  s->diffuse_part = Vec3{1, 1, 1} * (1 - share);
+  s->mirror = true;
+  const float sin2_out = (1 - cos_in * cos_in) / (eta * eta);
+  if (sin2_out >= 1) return;
+  const float cos_out = std::sqrt(1 - sin2_out);
+  s->refraction = normalized(f.incoming * (1 / eta) + surface.normal * (cos_in / eta - cos_out));
+  if (dot(s->refraction, surface.geometric_normal) >= 0) s->refraction = f.incoming;
+}
+
+/// Snell's law, Fresnel's split, and who gets what (T. Whitted, "An Improved Illumination Model for
+/// Shaded Display", 1980). The parts add up to at most 1.
+RAYSHEAF_HD inline Scattering scatter(const Fragment& f) {
+  const Surface& surface = f.surface;
+  Scattering s;
+  const float cos_in = cos_arrival(f);
+  s.reflection = mirror_direction(f);
+  if (surface.transmission > 0) {
+    scatter_glass(f, cos_in, &s);
+  } else {
+    s.reflected_part = fresnel_schlick(surface.specular, cos_in);
+    // A surface without any specular reflectance (KHR_materials_specular 0) has none at grazing
+    // angles.
+    if (max_component(surface.specular) <= 0) s.reflected_part = {0, 0, 0};
+    s.diffuse_part = Vec3{1, 1, 1} - s.reflected_part;
+    s.mirror = surface.roughness < kMirrorRoughness;
+  }
+  if (surface.unlit) s.reflected_part = s.refracted_part = s.diffuse_part = {0, 0, 0};
+  return s;
+}
+
+RAYSHEAF_HD inline bool worth_tracing(Vec3 weight) {
+  return max_component(weight) >= kLeastWeight;
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,49 @@
+// One shadow ray.
+#pragma once
+
+#include "raygen/hash_body.h"
+#include "raygen/light_body.h"
+#include "raygen/offset_body.h"
+
+namespace raysheaf {
+
+/// The ball around the scene: parallel light comes from beyond it.
+struct LightReach {
+  Vec3 center;
+  float radius;
+};
+
+RAYSHEAF_HD inline LightReach light_reach(const Box& bounds) {
+  return {(bounds.min + bounds.max) * 0.5f, length(bounds.max - bounds.min) * 0.5f};
+}
+
+/// n.l > 0 with the shading normal, as the paper decides it, and light that is not black.
+RAYSHEAF_HD inline bool faces_light(const Fragment& f, const LightSample& sample) {
+  return f.triangle != kInvalidId && !f.surface.unlit &&
+         dot(f.surface.normal, sample.to_light) > 0 && max_component(sample.irradiance) > 0;
+}
+
+/// From the light to just before the fragment.
+RAYSHEAF_HD inline Ray shadow_ray(const Fragment& f, const Light& light, const LightSample& sample,
+                                  const LightReach& reach) {
+  const bool parallel = light.type == Light::Type::kDirectional;
+  const float distance =
+      parallel ? length(f.surface.position - reach.center) + reach.radius : sample.distance;
+  const Vec3 target = offset_point(f.surface, sample.to_light, distance);
+  const Vec3 origin = parallel ? target + sample.to_light * distance : light.position;
+  return {origin, 0, target - origin, 1};
+}
+
+/// Where the ray stands on the unit square that its key walks: the direction it leaves its light
+/// by, or, for parallel light, the place on the disc that the light shines through.
+RAYSHEAF_HD inline Vec2 shadow_place(const Light& light, const Ray& ray, const LightReach& reach) {
+  if (light.type != Light::Type::kDirectional) return octahedral(ray.direction);
+  const Vec3 n = light.direction;
+  const Vec3 side = std::fabs(n.x) < 0.5f ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 u = normalized(cross(n, side)), v = cross(n, u);
+  const Vec3 from_center = ray.origin - reach.center;
+  const float scale = reach.radius > 0 ? 0.5f / reach.radius : 0;
+  return {dot(from_center, u) * scale + 0.5f, dot(from_center, v) * scale + 0.5f};
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,37 @@
+// One triangle on its way into the flat arrays.
+#pragma once
+
+#include <cmath>
+
+#include "scene/mesh_bound_body.h"
+
+namespace raysheaf {
+
+/// Whether the area is zero, judged in double: differences and products of floats hardly round
+/// there.
+RAYSHEAF_HD inline bool has_no_area(Vec3 a, Vec3 b, Vec3 c) {
+  const double ux = static_cast<double>(b.x) - a.x, vx = static_cast<double>(c.x) - a.x;
+  const double uy = static_cast<double>(b.y) - a.y, vy = static_cast<double>(c.y) - a.y;
+  const double uz = static_cast<double>(b.z) - a.z, vz = static_cast<double>(c.z) - a.z;
+  return uy * vz == uz * vy && uz * vx == ux * vz && ux * vy == uy * vx;
+}
+
+RAYSHEAF_HD inline double distance_in_double(Vec3 a, Vec3 b) {
+  const double x = static_cast<double>(a.x) - b.x, y = static_cast<double>(a.y) - b.y;
+  const double z = static_cast<double>(a.z) - b.z;
+  return std::sqrt(x * x + y * y + z * z);
+}
+
+/// The triangle's sphere at any scale: `triangle_sphere` loses squares of lengths below 1e-19 and
+/// fourth powers above 1e9. The centre is its, or the first corner where it has none; the radius
+/// reaches every corner, measured in double, whose error of 2^-50 at most is added.
+RAYSHEAF_HD inline Sphere conservative_triangle_sphere(Vec3 a, Vec3 b, Vec3 c) {
+  Vec3 center = triangle_sphere(a, b, c).center;
+  if (!is_finite(center)) center = a;
+  double radius = distance_in_double(a, center);
+  radius = std::fmax(radius, distance_in_double(b, center));
+  radius = std::fmax(radius, distance_in_double(c, center));
+  return {center, rounded_up(radius * (1 + 0x1p-50))};
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,37 @@
+// What stands where a ray hits: place, normals, reflectances.
+#pragma once
+
+#include "scene/flat_scene.h"
+#include "scene/texture.h"
+
+namespace raysheaf {
+
+/// A point of a surface, as the one who came along a ray meets it.
+struct Surface {
+  Vec3 position;          ///< world; the triangle's corners, mixed
+  Vec3 geometric_normal;  ///< unit, on the side that the ray came from
+  Vec3 normal;    ///< unit shading normal, turned with the geometric one; may lean behind the ray
+  Vec3 diffuse;   ///< reflectance
+  Vec3 specular;  ///< reflectance along the normal
+  Vec3 transmission_color;
+  Vec3 emission;             ///< radiance
+  float roughness = 1;       ///< glTF's, before it is squared
+  float transmission = 0;    ///< the part of what is not reflected that goes through
+  float ior = 1.5f;          ///< at least 1, inside against outside
+  float position_error = 0;  ///< how far rounding moved any coordinate of `position`, at most
+  bool unlit = false;        ///< `emission` is all there is to see
+  bool front = true;         ///< the ray meets the front face
+  std::uint32_t material = kInvalidId;
+};
+
+/// The surface at barycentric weights `u`, `v` of corners 1 and 2 of a triangle of the flat scene,
+/// for a ray along `direction`. `textures` are those of the scene's description. O(1), no
+/// allocation.
+///
+/// Reflectances follow glTF 2.0 (appendix B) with KHR_materials_ior, _specular and _transmission.
+/// An ior of 0, which says "reflect all", is 1 here, with the reflectance that it means in
+/// `specular`.
+[[nodiscard]] Surface surface_at(const FlatScene& scene, const TextureSet& textures,
+                                 std::uint32_t triangle, float u, float v, Vec3 direction);
+
+}  // namespace raysheaf

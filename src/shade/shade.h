@@ -1,0 +1,47 @@
+// Stage 7: radiance into pixels.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/view.h"
+#include "exec/executor.h"
+#include "raygen/fragment.h"
+#include "raysheaf/render.h"
+#include "raysheaf/scene_description.h"
+
+namespace raysheaf {
+
+/// What a shadow ray's slot found.
+enum class Visibility : std::uint8_t { kNoRay = 0, kVisible, kOccluded };
+
+/// Which parts of a fragment's light arrive by rays that will be traced; the sky stands in for the
+/// others.
+struct TracedParts {
+  bool reflection = true, refraction = true;
+};
+
+/// Emission and the sky's light, as it leaves each fragment towards where it was seen from. Where
+/// nothing was met, the sky itself.
+[[nodiscard]] std::vector<Vec3> shade_glow(const Executor& executor, View<const Fragment> fragments,
+                                           Vec3 sky, TracedParts traced);
+
+/// Adds what the lights give. `visibility`: one entry a (light, fragment) slot, light first.
+void shade_lights(const Executor& executor, View<const Fragment> fragments,
+                  View<const Light> lights, View<const Visibility> visibility, View<Vec3> radiance);
+
+/// Adds weight * radiance to the fragments' pixels. `fragments` are sorted by pixel; one pixel's
+/// are added in their order, whatever the number of threads.
+void accumulate(const Executor& executor, View<const Fragment> fragments, View<const Vec3> radiance,
+                View<Vec3> pixels);
+
+/// A little light from everywhere: a twelfth of the mean radiance that the lights would give to
+/// white surfaces at the fragments, so that shadows are dark but not black whatever the lights'
+/// units.
+[[nodiscard]] Vec3 automatic_sky(View<const Fragment> fragments, View<const Light> lights);
+
+/// The factor that brings the mean logarithm of the covered pixels' luminance to middle grey (E.
+/// Reinhard et al., "Photographic Tone Reproduction", 2002, equation 1).
+[[nodiscard]] float automatic_exposure(View<const Vec3> pixels, View<const PixelIds> ids);
+
+}  // namespace raysheaf

@@ -1,0 +1,286 @@
+// The program as a user runs it: pictures, statistics, lists.
+#include <gtest/gtest.h>
+#include <pty.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "tests/support/process.h"
+
+namespace raysheaf::test {
+namespace {
+
+using Json = nlohmann::json;
+
+const char* const kBuiltinScenes[] = {"office", "cornell", "atrium"};
+
+Finished render(const TemporaryFolder& folder, std::vector<std::string> arguments,
+                const std::string& size = "48x48") {
+  arguments.insert(arguments.begin(), {"render", "--size", size});
+  return raysheaf_app(arguments, folder);
+}
+
+std::uint32_t big_endian(const std::string& bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
+  return value;
+}
+
+// Width and height of a PNG, from its first chunk.
+std::pair<std::uint32_t, std::uint32_t> png_size(const std::string& bytes) {
+  if (bytes.size() < 24 || bytes.compare(1, 3, "PNG") != 0) return {0, 0};
+  return {big_endian(bytes, 16), big_endian(bytes, 20)};
+}
+
+std::set<std::string> keys(const Json& object) {
+  std::set<std::string> all;
+  for (const auto& [key, value] : object.items()) all.insert(key);
+  return all;
+}
+
+TEST(Render, WritesAllThatIsAskedFor) {
+  const TemporaryFolder folder;
+  const Finished finished = render(
+      folder,
+      {"builtin:cornell", "-o", "a.png", "-o", "a.exr", "--heatmap", "h.png", "--stats", "s.json"},
+      "60x40");
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  EXPECT_EQ(finished.out, "");
+  EXPECT_EQ(folder.names().size(), 4u);
+  EXPECT_EQ(png_size(read_file(folder.file("a.png"))),
+            (std::pair<std::uint32_t, std::uint32_t>(60, 40)));
+  EXPECT_GT(png_size(read_file(folder.file("h.png"))).second, 40u);
+  const std::string exr = read_file(folder.file("a.exr"));
+  EXPECT_TRUE(exr.starts_with("\x76\x2f\x31\x01"));
+  for (const char* channel :
+       {"R", "G", "B", "position.X", "position.Y", "position.Z", "normal.X", "normal.Y", "normal.Z",
+        "albedo.R", "albedo.G", "albedo.B", "shadow.V", "tests.V"}) {
+    EXPECT_NE(exr.find(std::string(channel) + '\0'), std::string::npos) << channel;
+  }
+}
+
+TEST(Render, SummaryNamesWhatWasDone) {
+  const TemporaryFolder folder;
+  const Finished finished = render(folder, {"builtin:cornell", "-o", "a.png"});
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  for (const char* word : {"792 triangles", "shadow", "reflection", "%", " ms", "wrote a.png"}) {
+    EXPECT_NE(finished.err.find(word), std::string::npos) << word << " in " << finished.err;
+  }
+  EXPECT_EQ(finished.err.find('\r'), std::string::npos) << "a progress bar in a pipe";
+  EXPECT_EQ(finished.err.find('\x1b'), std::string::npos) << "a progress bar in a pipe";
+}
+
+TEST(Render, QuietIsSilent) {
+  const TemporaryFolder folder;
+  const Finished finished = render(folder, {"builtin:cornell", "-o", "a.png", "--quiet"});
+  EXPECT_EQ(finished.code, 0);
+  EXPECT_EQ(finished.out + finished.err, "");
+}
+
+TEST(Render, ProgressBarOnATerminal) {
+  const TemporaryFolder folder;
+  const std::string output = folder.file("a.png");
+  int terminal = -1;
+  const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    execl(RAYSHEAF_APP, RAYSHEAF_APP, "render", "builtin:office", "-o", output.c_str(), "--size",
+          "128x128", static_cast<char*>(nullptr));
+    _exit(127);
+  }
+  std::string shown;
+  char buffer[4096];
+  for (ssize_t got; (got = read(terminal, buffer, sizeof buffer)) > 0;) {
+    shown.append(buffer, static_cast<std::size_t>(got));
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  close(terminal);
+  EXPECT_EQ(status, 0) << shown;
+  EXPECT_NE(shown.find("\r\033[K"), std::string::npos) << shown;
+  EXPECT_NE(shown.find(" %"), std::string::npos) << shown;
+}
+
+TEST(Render, EveryMethodGivesTheSameFile) {
+  for (const std::string name : kBuiltinScenes) {
+    const TemporaryFolder folder;
+    for (const char* method : {"brute", "rah", "crsh"}) {
+      const Finished finished = render(
+          folder, {"builtin:" + name, "--method", method, "-o", std::string(method) + ".png"});
+      ASSERT_EQ(finished.code, 0) << finished.err;
+    }
+    const std::string truth = read_file(folder.file("brute.png"));
+    EXPECT_GT(truth.size(), 200u);
+    EXPECT_TRUE(read_file(folder.file("rah.png")) == truth) << name;
+    EXPECT_TRUE(read_file(folder.file("crsh.png")) == truth) << name;
+  }
+}
+
+TEST(Render, ThreadsDoNotShowInThePicture) {
+  const TemporaryFolder folder;
+  for (const char* threads : {"1", "2", "5"}) {
+    const Finished finished = render(
+        folder, {"builtin:cornell", "--threads", threads, "-o", std::string(threads) + ".png"});
+    ASSERT_EQ(finished.code, 0) << finished.err;
+  }
+  const std::string one = read_file(folder.file("1.png"));
+  EXPECT_TRUE(read_file(folder.file("2.png")) == one);
+  EXPECT_TRUE(read_file(folder.file("5.png")) == one);
+}
+
+Json statistics_of(const TemporaryFolder& folder, std::vector<std::string> arguments) {
+  arguments.insert(arguments.end(), {"--stats", "s.json"});
+  const Finished finished = render(folder, arguments);
+  EXPECT_EQ(finished.code, 0) << finished.err;
+  return Json::parse(read_file(folder.file("s.json")));
+}
+
+TEST(Render, StatisticsHaveTheDocumentedFields) {
+  const TemporaryFolder folder;
+  const Json frame = statistics_of(folder, {"builtin:cornell", "--method", "crsh"});
+  EXPECT_EQ(keys(frame),
+            (std::set<std::string>{"scene", "triangles", "meshes", "width", "height", "method",
+                                   "device", "primary", "threads", "batches", "times_ms"}));
+  EXPECT_EQ(keys(frame.at("times_ms")),
+            (std::set<std::string>{"load", "raster", "shade", "total"}));
+  EXPECT_EQ(frame.at("triangles"), 792);
+  EXPECT_EQ(frame.at("meshes"), 7);
+  EXPECT_EQ(frame.at("width"), 48);
+  EXPECT_EQ(frame.at("method"), "crsh");
+  EXPECT_EQ(frame.at("device"), "cpu");
+  ASSERT_FALSE(frame.at("batches").empty());
+  for (const Json& batch : frame.at("batches")) {
+    EXPECT_EQ(keys(batch),
+              (std::set<std::string>{"kind", "bounce", "rays", "triangles", "chunks",
+                                     "mesh_sphere_tests", "levels", "final_tests", "total_tests",
+                                     "brute_force_tests", "relative", "hits", "times_ms"}));
+    EXPECT_EQ(keys(batch.at("times_ms")),
+              (std::set<std::string>{"raygen", "order", "hierarchy", "traverse", "intersect"}));
+    for (const Json& level : batch.at("levels")) {
+      EXPECT_EQ(keys(level), (std::set<std::string>{"level", "tests", "hits", "misses"}));
+    }
+  }
+}
+
+// The counting rule of docs/statistics.md, on what the program wrote.
+TEST(Render, CountsFollowTheRule) {
+  for (const char* method : {"brute", "rah", "crsh"}) {
+    const TemporaryFolder folder;
+    const Json frame = statistics_of(folder, {"builtin:cornell", "--method", method});
+    for (const Json& batch : frame.at("batches")) {
+      const auto rays = batch.at("rays").get<std::uint64_t>();
+      std::uint64_t total = batch.at("final_tests").get<std::uint64_t>(), hits_above = 0;
+      for (std::size_t i = 0; i < batch.at("levels").size(); ++i) {
+        const Json& level = batch.at("levels")[i];
+        const auto tests = level.at("tests").get<std::uint64_t>();
+        EXPECT_EQ(level.at("level"), batch.at("levels").size() - i);
+        EXPECT_EQ(level.at("hits").get<std::uint64_t>() + level.at("misses").get<std::uint64_t>(),
+                  tests);
+        if (i > 0) {
+          EXPECT_EQ(tests, 8 * hits_above);
+        }
+        hits_above = level.at("hits").get<std::uint64_t>();
+        total += tests;
+      }
+      if (!batch.at("levels").empty()) {
+        EXPECT_EQ(batch.at("final_tests"), 8 * hits_above);
+      }
+      EXPECT_EQ(batch.at("total_tests"), total);
+      EXPECT_EQ(batch.at("brute_force_tests"), rays * batch.at("triangles").get<std::uint64_t>());
+      if (rays == 0) continue;
+      if (method == std::string("brute")) {
+        EXPECT_EQ(batch.at("relative"), 1.0);
+      }
+      if (method == std::string("rah")) {
+        ASSERT_EQ(batch.at("levels").size(), 2u);
+        const std::uint64_t nodes = ((rays + 7) / 8 + 7) / 8;
+        EXPECT_EQ(batch.at("levels")[0].at("tests"), nodes * 792);
+      }
+    }
+  }
+}
+
+TEST(Render, SwitchesTakeTheirRaysAway) {
+  const TemporaryFolder folder;
+  const auto kinds = [&](const std::vector<std::string>& arguments) {
+    std::set<std::string> all;
+    const Json frame = statistics_of(folder, arguments);
+    for (const Json& batch : frame.at("batches")) {
+      if (batch.at("rays") > 0) all.insert(batch.at("kind").get<std::string>());
+    }
+    return all;
+  };
+  EXPECT_EQ(kinds({"builtin:office"}),
+            (std::set<std::string>{"shadow", "reflection", "refraction"}));
+  EXPECT_EQ(kinds({"builtin:office", "--no-shadows"}),
+            (std::set<std::string>{"reflection", "refraction"}));
+  EXPECT_EQ(kinds({"builtin:office", "--no-reflections", "--no-refractions"}),
+            (std::set<std::string>{"shadow"}));
+  EXPECT_EQ(kinds({"builtin:office", "--bounces", "0"}), (std::set<std::string>{"shadow"}));
+}
+
+TEST(Render, TracedPrimaryRaysNeedNoGraphics) {
+  const TemporaryFolder folder;
+  const Json frame = statistics_of(folder, {"builtin:cornell", "--primary", "trace"});
+  EXPECT_EQ(frame.at("primary"), "trace");
+  const Json& first = frame.at("batches").at(0);
+  EXPECT_EQ(first.at("kind"), "primary");
+  EXPECT_EQ(first.at("bounce"), 0);
+  EXPECT_EQ(first.at("rays"), 48 * 48);
+}
+
+TEST(Scene, ListedScenesCanBeWrittenAndReadBack) {
+  const TemporaryFolder folder;
+  const Finished list = raysheaf_app({"scene", "--list"}, folder);
+  ASSERT_EQ(list.code, 0) << list.err;
+  for (const std::string name : kBuiltinScenes) {
+    EXPECT_NE(list.out.find(name + "\n"), std::string::npos);
+    const std::string file = name + ".glb";
+    ASSERT_EQ(raysheaf_app({"scene", name, "-o", file}, folder).code, 0);
+    const Finished ours = raysheaf_app({"info", "builtin:" + name, "--json"}, folder);
+    const Finished read = raysheaf_app({"info", file, "--json"}, folder);
+    ASSERT_EQ(ours.code, 0) << ours.err;
+    ASSERT_EQ(read.code, 0) << read.err;
+    const Json a = Json::parse(ours.out), b = Json::parse(read.out);
+    for (const char* field : {"triangles", "instances", "bounds"}) {
+      EXPECT_EQ(a.at(field), b.at(field)) << name << " " << field;
+    }
+    for (const char* field : {"meshes", "materials", "lights", "cameras"}) {
+      EXPECT_EQ(a.at(field).size(), b.at(field).size()) << name << " " << field;
+    }
+  }
+}
+
+TEST(Info, TextAndJsonAgree) {
+  const TemporaryFolder folder;
+  const Finished text = raysheaf_app({"info", "builtin:cornell"}, folder);
+  const Finished json = raysheaf_app({"info", "builtin:cornell", "--json"}, folder);
+  ASSERT_EQ(text.code, 0) << text.err;
+  const Json info = Json::parse(json.out);
+  EXPECT_EQ(info.at("triangles"), 792);
+  EXPECT_EQ(info.at("meshes").size(), 7u);
+  EXPECT_NE(text.out.find("triangles  792\n"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("meshes     7\n"), std::string::npos) << text.out;
+  for (const char* word : {"materials", "lights", "cameras", "bounds"}) {
+    EXPECT_NE(text.out.find(word), std::string::npos) << word;
+  }
+}
+
+TEST(Help, EverywhereAndWithExamples) {
+  const TemporaryFolder folder;
+  const std::vector<std::vector<std::string>> calls = {
+      {"--help"}, {"render", "--help"}, {"info", "--help"}, {"scene", "--help"}};
+  for (const auto& call : calls) {
+    const Finished help = raysheaf_app(call, folder);
+    EXPECT_EQ(help.code, 0);
+    EXPECT_EQ(help.err, "");
+    EXPECT_NE(help.out.find("Examples:\n  raysheaf "), std::string::npos) << help.out;
+  }
+  const Finished version = raysheaf_app({"--version"}, folder);
+  EXPECT_EQ(version.code, 0);
+  EXPECT_TRUE(version.out.starts_with("raysheaf ")) << version.out;
+}
+
+}  // namespace
+}  // namespace raysheaf::test

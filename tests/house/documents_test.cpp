@@ -1,0 +1,127 @@
+// The documents tell the truth: their commands run, their options exist, their links lead
+// somewhere.
+#include <gtest/gtest.h>
+
+#include "tests/support/markdown.h"
+#include "tests/support/process.h"
+
+namespace raysheaf::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = RAYSHEAF_SOURCE_DIR;
+
+std::string help_of_everything() {
+  const TemporaryFolder folder;
+  std::string text;
+  const std::vector<std::vector<std::string>> calls = {
+      {"--help"}, {"render", "--help"}, {"info", "--help"}, {"scene", "--help"}};
+  for (const auto& call : calls) text += raysheaf_app(call, folder).out;
+  return text;
+}
+
+std::set<std::string> options_of_the_program() {
+  std::set<std::string> all;
+  for (const std::string& option : found_in({help_of_everything()}, "(--[a-z][a-z-]*)")) {
+    all.insert(option);
+  }
+  return all;
+}
+
+// "raysheaf ..." or "./build/.../raysheaf ..." as the arguments alone; empty for other lines.
+std::string arguments_of(const std::string& line) {
+  std::smatch match;
+  static const std::regex kCommand(R"(^(?:\./build/\S*/)?raysheaf( .*)$)");
+  return std::regex_match(line, match, kCommand) ? match[1].str() : "";
+}
+
+// The same command at a size that takes no time.
+std::string made_small(std::string arguments) {
+  if (!arguments.starts_with(" render ")) return arguments;
+  static const std::regex kSize(R"( --size \S+)");
+  arguments = std::regex_replace(arguments, kSize, "");
+  return arguments.insert(std::string(" render").size(), " --size 48x48");
+}
+
+// Lines that end in a backslash go on in the next one.
+std::vector<std::string> joined(const std::vector<std::string>& lines) {
+  std::vector<std::string> all;
+  bool open = false;
+  for (const std::string& line : lines) {
+    if (!open) all.emplace_back();
+    open = line.ends_with('\\');
+    all.back() += open ? line.substr(0, line.size() - 1) : line;
+  }
+  return all;
+}
+
+TEST(Documents, CommandsRun) {
+  int commands = 0;
+  for (const Document& document : all_documents(kRoot)) {
+    const TemporaryFolder folder;  // one a document: later commands read what earlier ones wrote
+    for (const auto& block : document.sh_blocks) {
+      for (const std::string& line : joined(block)) {
+        const std::string arguments = arguments_of(line);
+        if (arguments.empty()) continue;
+        const std::string script = "'" RAYSHEAF_APP "'" + made_small(arguments);
+        const Finished finished = run_program({"sh", "-c", script}, folder.path());
+        EXPECT_EQ(finished.code, 0) << document.path << ": " << line << "\n" << finished.err;
+        ++commands;
+      }
+    }
+  }
+  EXPECT_GE(commands, 10);
+}
+
+// A code span that begins with `--` is an option of raysheaf; options of other programs are written
+// behind their program's name.
+TEST(Documents, OptionsExist) {
+  const std::set<std::string> known = options_of_the_program();
+  ASSERT_TRUE(known.contains("--method"));
+  for (const Document& document : all_documents(kRoot)) {
+    for (const std::string& option : found_in(document.prose, "`(--[a-z][a-z-]*)")) {
+      EXPECT_TRUE(known.contains(option)) << document.path << ": " << option;
+    }
+  }
+}
+
+TEST(Documents, EveryOptionIsDescribed) {
+  const std::string page = read_file(kRoot / "docs/command-line.md");
+  for (const std::string& option : options_of_the_program()) {
+    EXPECT_NE(page.find("`" + option), std::string::npos) << option;
+  }
+}
+
+TEST(Documents, EveryStatisticIsDescribed) {
+  const TemporaryFolder folder;
+  const Finished finished =
+      raysheaf_app({"render", "builtin:cornell", "--size", "16x16", "--stats", "s.json"}, folder);
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  const std::string page = read_file(kRoot / "docs/statistics.md");
+  for (const std::string& field : found_in({read_file(folder.file("s.json"))}, "\"([a-z_]+)\":")) {
+    EXPECT_NE(page.find("`" + field + "`"), std::string::npos) << field;
+  }
+}
+
+TEST(Documents, LinksLeadSomewhere) {
+  int links = 0;
+  for (const Document& document : all_documents(kRoot)) {
+    for (const std::string& link : found_in(document.prose, R"(\]\(([^)\s]+)\))")) {
+      if (link.find("://") != std::string::npos || link.starts_with("mailto:")) continue;
+      const std::size_t hash = link.find('#');
+      const std::string file = link.substr(0, hash);
+      const fs::path target = file.empty() ? document.path : document.path.parent_path() / file;
+      EXPECT_TRUE(fs::exists(target)) << document.path << ": " << link;
+      if (hash != std::string::npos && target.extension() == ".md") {
+        EXPECT_TRUE(anchors(read_document(target)).contains(link.substr(hash + 1)))
+            << document.path << ": " << link;
+      }
+      ++links;
+    }
+  }
+  EXPECT_GE(links, 5);
+}
+
+}  // namespace
+}  // namespace raysheaf::test

@@ -1,0 +1,107 @@
+// Runs programs as a user would, in folders of their own.
+#pragma once
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+namespace raysheaf::test {
+
+inline std::string read_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream all;
+  all << file.rdbuf();
+  return all.str();
+}
+
+inline void write_file(const std::filesystem::path& path, std::string_view content) {
+  std::ofstream(path, std::ios::binary).write(content.data(), std::ssize(content));
+}
+
+/// A new folder, gone at the end of the scope.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "raysheaf-test-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
+  /// Names of what lies in it.
+  [[nodiscard]] std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const auto& entry : std::filesystem::directory_iterator(path_)) {
+      all.push_back(entry.path().filename().string());
+    }
+    return all;
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// How a program ended: `code` is its exit code, or 128 plus the signal that killed it.
+struct Finished {
+  int code = 0;
+  std::string out, err;
+};
+
+/// Starts `arguments[0]` in `folder` and waits. Where `interrupt_after` is positive, Ctrl-C comes
+/// then.
+inline Finished run_program(const std::vector<std::string>& arguments,
+                            const std::filesystem::path& folder,
+                            std::chrono::milliseconds interrupt_after = {}) {
+  const TemporaryFolder streams;
+  const std::string out = streams.file("out"), err = streams.file("err");
+  std::vector<char*> argv;
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error("fork failed");
+  if (child == 0) {
+    const int out_file = open(out.c_str(), O_WRONLY | O_CREAT, 0600);
+    const int err_file = open(err.c_str(), O_WRONLY | O_CREAT, 0600);
+    if (dup2(out_file, 1) < 0 || dup2(err_file, 2) < 0 || chdir(folder.c_str()) != 0) _exit(126);
+    execvp(argv[0], argv.data());
+    _exit(127);
+  }
+  if (interrupt_after.count() > 0) {
+    std::this_thread::sleep_for(interrupt_after);
+    kill(child, SIGINT);
+  }
+  int status = 0;
+  if (waitpid(child, &status, 0) != child) throw std::runtime_error("waitpid failed");
+  const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return {code, read_file(out), read_file(err)};
+}
+
+#ifdef RAYSHEAF_APP
+/// `raysheaf ARGUMENTS...` in `folder`.
+inline Finished raysheaf_app(std::vector<std::string> arguments, const TemporaryFolder& folder,
+                             std::chrono::milliseconds interrupt_after = {}) {
+  arguments.insert(arguments.begin(), RAYSHEAF_APP);
+  return run_program(arguments, folder.path(), interrupt_after);
+}
+#endif
+
+}  // namespace raysheaf::test
