@@ -112,7 +112,7 @@ void pack(benchmark::State& state) {
   const FlatScene scene = scene_of(state);
   const Executor executor;
   const CameraFrame frame = make_camera_frame(camera(), kSize, kSize);
-  const PackView view{frame, clip_matrix(frame, farthest_depth(frame, scene.bounds))};
+  const PictureView view = make_picture_view(frame, scene.bounds);
   TrianglePacker packer;
   std::vector<float> corners(std::size_t{scene.triangle_count} * kFloatsPerTriangle);
   std::vector<std::uint32_t> numbers(scene.triangle_count);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/view.h"
-#include "raster/projection.h"
+#include "raster/pack_body.h"
 #include "scene/flat_scene.h"
 
 namespace raysheaf {
@@ -14,12 +14,6 @@ class Executor;
 
 inline constexpr std::uint32_t kFloatsPerTriangle = 9;
 
-/// What decides whether a triangle is packed.
-struct PackView {
-  CameraFrame frame;
-  ClipMatrix clip;
-};
-
 /// Culling here rather than by OpenGL costs a software rasteriser half as much, sends half as many
 /// bytes to any, and leaves one draw call in the order of the triangles' numbers, whatever sides
 /// they show. Kept between frames for its memory.
@@ -27,13 +21,13 @@ class TrianglePacker {
  public:
   /// Of the `count` triangles from `first` on, chooses those that face the eye as their flags want,
   /// have an area, and do not lie outside one of the frustum's sides. Returns how many.
-  std::uint32_t choose(const Executor& executor, const FlatScene& scene, const PackView& view,
+  std::uint32_t choose(const Executor& executor, const FlatScene& scene, const PictureView& view,
                        std::uint32_t first, std::uint32_t count);
 
   /// Writes the corners of the chosen ones relative to the eye, nine floats a triangle, in the
   /// order of their numbers, and these to `numbers`; both have room for what `choose` returned.
-  void pack(const Executor& executor, const FlatScene& scene, const PackView& view, float* corners,
-            std::uint32_t* numbers) const;
+  void pack(const Executor& executor, const FlatScene& scene, const PictureView& view,
+            float* corners, std::uint32_t* numbers) const;
 
  private:
   std::vector<std::uint32_t> chosen_;  ///< a block's triangles, from the block's start on

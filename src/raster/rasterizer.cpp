@@ -52,7 +52,7 @@ class Rasterizer::Impl {
   [[nodiscard]] const std::string& description() const { return description_; }
 
   std::vector<std::uint32_t> visible_triangles(const Executor& executor, const FlatScene& scene,
-                                               const PackView& view) {
+                                               const PictureView& view) {
     const std::lock_guard lock(mutex_);
     const EglContext::Current current(context_);
     const CameraFrame& frame = view.frame;
@@ -73,7 +73,7 @@ class Rasterizer::Impl {
 
  private:
   /// Draws what may show of `count` triangles from `first` on; returns how many that is.
-  std::uint32_t draw(const Executor& executor, const FlatScene& scene, const PackView& view,
+  std::uint32_t draw(const Executor& executor, const FlatScene& scene, const PictureView& view,
                      std::uint32_t first, std::uint32_t count, std::uint32_t first_slot) {
     const std::uint32_t shown = packer_.choose(executor, scene, view, first, count);
     if (shown == 0) return 0;

@@ -11,12 +11,16 @@ namespace raysheaf {
 class Executor;
 struct FlatScene;
 
-/// Where the 3 x 3 pixels around a pixel do not all hold the same triangle, its centre's ray is
-/// tested with each triangle among them, by the one ray-triangle test, and the least (t, number)
-/// that faces the camera as its flags want is what the pixel sees. Where none is hit, the pixel
-/// keeps its triangle, unless the background is among its neighbours: then it sees that.
-/// What remains is what no neighbour tells of: triangles that are nowhere a pixel wide. Pixels away
-/// from such borders are left alone. `triangles` is what `Rasterizer::visible_triangles` gave.
+/// OpenGL moves vertices to a grid of 1/256 pixel, and so errs where an edge passes that close to a
+/// pixel's centre. Afterwards each pixel holds a triangle that its ray hits by the one ray-triangle
+/// test, from a side that shows, or kInvalidId. The pixel sees the least (t, number) among
+///  - what it held;
+///  - at a border between triangles, what the 3 x 3 pixels around it held;
+///  - triangles that span few pixels, which their neighbours may not tell of;
+///  - where its ray does not hit what it held, all triangles.
+/// What may still be missed is an edge of a long sliver that no neighbour saw. `triangles` is what
+/// `Rasterizer::visible_triangles` gave for the same scene and camera. O(triangles + pixels) where
+/// the last case is rare. Does not depend on the number of threads.
 void resolve_silhouettes(const Executor& executor, const FlatScene& scene, const Camera& camera,
                          std::uint32_t width, std::uint32_t height, View<std::uint32_t> triangles);
 

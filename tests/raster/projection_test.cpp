@@ -8,6 +8,7 @@
 #include "exec/executor.h"
 #include "pictures.h"
 #include "raster/pack.h"
+#include "raster/pixel_range.h"
 
 namespace raysheaf::test {
 namespace {
@@ -101,7 +102,7 @@ TEST(TrianglePacker, KeepsWhatIsSeen) {
     Camera camera = camera_at(random.in_cube(1.5f), random.in_cube(1));
     camera.orthographic = seed % 2 == 0;
     const CameraFrame frame = make_camera_frame(camera, 40, 30);
-    const PackView view{frame, clip_matrix(frame, farthest_depth(frame, scene.bounds))};
+    const PictureView view = make_picture_view(frame, scene.bounds);
     TrianglePacker packer;
     const std::uint32_t first = 100, count = scene.triangle_count - first;
     const std::uint32_t kept = packer.choose(Executor(2), scene, view, first, count);
@@ -119,6 +120,34 @@ TEST(TrianglePacker, KeepsWhatIsSeen) {
       EXPECT_EQ(corners[9 * i + 5], scene.corner(numbers[i], 1).z - frame.eye.z);
     }
   }
+}
+
+TEST(PixelRange, HoldsEveryPixelWhoseRayMeetsTheTriangle) {
+  Random random(5);
+  std::uint64_t pixels = 0, hits = 0;
+  for (int i = 0; i < 300; ++i) {
+    Camera camera = random_camera(random);
+    camera.z_near = 0, camera.z_far = std::numeric_limits<float>::infinity();
+    const CameraFrame frame = make_camera_frame(camera, 1 + random.below(60), 1 + random.below(60));
+    const float size = i % 2 == 0 ? 0.5f : 15;
+    const Ray middle = camera_ray(frame, frame.width / 2, frame.height / 2);
+    const Vec3 a = middle.origin + middle.direction * random.between(0, 20) + random.in_cube(1);
+    const Vec3 b = a + random.in_cube(size), c = a + random.in_cube(size);
+    const PixelRange range =
+        pixel_range(frame, clip_matrix(frame, 100), a - frame.eye, b - frame.eye, c - frame.eye);
+    pixels += static_cast<std::uint64_t>(range.area());
+    for (std::int32_t y = 0; y < static_cast<std::int32_t>(frame.height); ++y) {
+      for (std::int32_t x = 0; x < static_cast<std::int32_t>(frame.width); ++x) {
+        TriangleHit hit;
+        if (!intersect_triangle(make_ray_setup(camera_ray(frame, x, y)), a, b, c, &hit)) continue;
+        ++hits;
+        ASSERT_GE(hit.t, range.nearest);
+        ASSERT_TRUE(x >= range.x0 && x <= range.x1 && y >= range.y0 && y <= range.y1);
+      }
+    }
+  }
+  EXPECT_GT(hits, 1000u);
+  EXPECT_LT(pixels, 8 * hits);  // and not absurdly many
 }
 
 }  // namespace
