@@ -14,9 +14,9 @@ constexpr std::size_t kMostCells = 24, kFewestCells = 6, kStageColumns = 22, kUs
 
 std::string short_number(double value) {
   if (value < 1e4) return fmt::format("{:.0f}", value);
-  if (value < 1e6) return fmt::format("{:.0f} k", value / 1e3);
-  if (value < 1e9) return fmt::format("{:.1f} M", value / 1e6);
-  return fmt::format("{:.1f} G", value / 1e9);
+  if (value < 999.5e3) return fmt::format("{:.3g} k", value / 1e3);
+  if (value < 999.5e6) return fmt::format("{:.3g} M", value / 1e6);
+  return fmt::format("{:.3g} G", value / 1e9);
 }
 
 std::string short_time(double seconds) {
@@ -49,8 +49,8 @@ std::string progress_line(std::string_view stage, std::uint64_t done, std::uint6
   }
   // The bar gives way first: the numbers say more.
   const std::size_t others = name.size() + numbers.size() + std::string_view(" [] ").size();
-  const std::size_t cells =
-      std::clamp(columns > others ? columns - others : 0, kFewestCells, kMostCells);
+  const std::size_t cells = std::min(columns > others ? columns - others : 0, kMostCells);
+  if (cells < kFewestCells) return (name + " " + numbers).substr(0, columns);
   const auto filled = static_cast<std::size_t>(part * static_cast<double>(cells));
   const std::string line = fmt::format("{} [{}{}] {}", name, std::string(filled, '#'),
                                        std::string(cells - filled, '.'), numbers);
