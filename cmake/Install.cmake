@@ -20,5 +20,7 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/raysheafConfigVersion.cma
 install(FILES ${PROJECT_BINARY_DIR}/raysheafConfig.cmake ${PROJECT_BINARY_DIR}/raysheafConfigVersion.cmake
   DESTINATION ${package_dir})
 
+# From the .pc file up to the prefix, so that an installed tree may be moved.
+file(RELATIVE_PATH up_to_prefix /p/${CMAKE_INSTALL_LIBDIR}/pkgconfig /p)
 configure_file(cmake/raysheaf.pc.in ${PROJECT_BINARY_DIR}/raysheaf.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/raysheaf.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

@@ -10,13 +10,13 @@ namespace raysheaf::app {
 namespace {
 
 constexpr std::chrono::milliseconds kRedrawEvery{100};
-constexpr std::size_t kBarCells = 24, kUsualColumns = 80;
+constexpr std::size_t kMostCells = 24, kFewestCells = 6, kStageColumns = 22, kUsualColumns = 80;
 
 std::string short_number(double value) {
   if (value < 1e4) return fmt::format("{:.0f}", value);
-  if (value < 1e6) return fmt::format("{:.0f} k", value / 1e3);
-  if (value < 1e9) return fmt::format("{:.1f} M", value / 1e6);
-  return fmt::format("{:.1f} G", value / 1e9);
+  if (value < 999.5e3) return fmt::format("{:.3g} k", value / 1e3);
+  if (value < 999.5e6) return fmt::format("{:.3g} M", value / 1e6);
+  return fmt::format("{:.3g} G", value / 1e9);
 }
 
 std::string short_time(double seconds) {
@@ -38,16 +38,22 @@ std::string progress_line(std::string_view stage, std::uint64_t done, std::uint6
                           double elapsed_s, std::size_t columns) {
   done = std::min(done, total);
   const double part = total == 0 ? 0 : static_cast<double>(done) / static_cast<double>(total);
-  const auto filled = static_cast<std::size_t>(part * kBarCells);
-  std::string line = fmt::format("{:<10} [{}{}] {:>3.0f} %  {} of {}", stage,
-                                 std::string(filled, '#'), std::string(kBarCells - filled, '.'),
-                                 part * 100, short_number(static_cast<double>(done)),
-                                 short_number(static_cast<double>(total)));
+  const std::string name = fmt::format("{:<{}}", stage, kStageColumns);
+  std::string numbers =
+      fmt::format("{:>3.0f} %  {} of {}", part * 100, short_number(static_cast<double>(done)),
+                  short_number(static_cast<double>(total)));
   if (done > 0 && elapsed_s > 0.2) {
     const double rate = static_cast<double>(done) / elapsed_s;
-    line += fmt::format("  {}/s  {} left", short_number(rate),
-                        short_time(static_cast<double>(total - done) / rate));
+    numbers += fmt::format("  {}/s  {} left", short_number(rate),
+                           short_time(static_cast<double>(total - done) / rate));
   }
+  // The bar gives way first: the numbers say more.
+  const std::size_t others = name.size() + numbers.size() + std::string_view(" [] ").size();
+  const std::size_t cells = std::min(columns > others ? columns - others : 0, kMostCells);
+  if (cells < kFewestCells) return (name + " " + numbers).substr(0, columns);
+  const auto filled = static_cast<std::size_t>(part * static_cast<double>(cells));
+  const std::string line = fmt::format("{} [{}{}] {}", name, std::string(filled, '#'),
+                                       std::string(cells - filled, '.'), numbers);
   return line.substr(0, columns);
 }
 

@@ -70,6 +70,12 @@ TEST(ProgressLine, FitsAndTellsAllFive) {
   }
 }
 
+TEST(ProgressLine, AUsualTerminalShowsTheNumbersOfALongStage) {
+  const std::string line =
+      progress_line("refraction rays, bounce 12", 1'200'000, 240'000'000, 2.0, 79);
+  EXPECT_NE(line.find("600 k/s  6 min 38 s left"), std::string::npos) << line;
+}
+
 TEST(ProgressLine, OddNumbersDoNotBreakIt) {
   const std::uint64_t huge = std::numeric_limits<std::uint64_t>::max();
   EXPECT_NE(progress_line("a", 0, 0, 0, 80).find("0 %"), std::string::npos);
