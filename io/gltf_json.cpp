@@ -171,8 +171,10 @@ void check_view(const json& root, const json& view, std::size_t i) {
                element("buffers", buffer) + " has " + std::to_string(bytes) + " bytes",
            place);
   }
-  if (get<std::size_t>(view, "byteStride", 0) > kMaxStride) {
-    refuse("is more than 252", place + ".byteStride");
+  const std::size_t stride = get<std::size_t>(view, "byteStride", 4);
+  if (stride % 4 != 0 || stride > kMaxStride) {
+    refuse("is " + std::to_string(stride) + ", but must be a multiple of 4 from 4 to 252",
+           place + ".byteStride");
   }
 }
 

@@ -125,6 +125,7 @@ constexpr JsonRule kRules[] = {
     {"cameras[].orthographic.zfar", kNumber, true},
     {"animations", kArray},
     {"skins", kArray},
+    {"skins[].joints", kIndices, true, 0, "nodes"},
     {"extensions", kObject},
     {"extensions.KHR_lights_punctual", kObject},
     {"extensions.KHR_lights_punctual.lights", kArray, true},

@@ -21,7 +21,7 @@ Loader loader_for(const std::string& path) {
   if (ending == "ply") return io::load_ply;
   if (ending == "stl") return io::load_stl;
   throw Error(ErrorCode::kUnsupported,
-              "the ending says nothing; .gltf, .glb, .obj, .ply and .stl are read", path);
+              "the ending is none of .gltf, .glb, .obj, .ply and .stl", path);
 }
 
 SceneDescription load_checked(const std::string& path) {

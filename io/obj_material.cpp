@@ -122,10 +122,15 @@ class MtlConverter {
 };
 
 void MtlLibrary::warn_once(const std::string& sentence) {
-  auto& warnings = scene_.warnings;
-  if (std::find(warnings.begin(), warnings.end(), sentence) == warnings.end()) {
-    warnings.push_back(sentence);
-  }
+  if (warned_.insert(sentence).second) scene_.warnings.push_back(sentence);
+}
+
+void MtlLibrary::warn_of_missing_materials() {
+  if (missing_.empty()) return;
+  const std::size_t others = missing_.size() - 1;
+  warn_once("There is no material \"" + printable(missing_.front()) + "\"" +
+            (others == 0 ? "" : " and " + std::to_string(others) + " more") +
+            "; a grey one stands in.");
 }
 
 void MtlLibrary::add(const std::string& names) {
@@ -139,6 +144,7 @@ void MtlLibrary::add(const std::string& names) {
 }
 
 void MtlLibrary::read(const std::string& name) {
+  if (!read_.insert(name).second) return;
   std::string text_name = name;
   std::replace(text_name.begin(), text_name.end(), '\\', '/');
   Bytes bytes;
@@ -187,7 +193,7 @@ std::uint32_t MtlLibrary::texture(const std::string& name, bool clamped,
 std::uint32_t MtlLibrary::find(const std::string& name) {
   const auto known = by_name_.find(name);
   if (known != by_name_.end()) return known->second;
-  warn_once("There is no material \"" + printable(name) + "\"; a grey one stands in.");
+  missing_.push_back(name);
   return by_name_[name] = fallback();
 }
 
@@ -204,6 +210,7 @@ std::uint32_t MtlLibrary::fallback() {
 }
 
 void MtlLibrary::finish() {
+  warn_of_missing_materials();
   std::map<std::string, std::uint32_t> image_of;
   std::vector<EncodedImage> encoded;
   for (const std::string& path : image_paths_) {
