@@ -20,10 +20,9 @@ template <class T>
 std::size_t add_vertices(GlbParts& parts, const std::vector<T>& values, const char* type) {
   const std::size_t view = parts.add_view(raw(values.data(), values.size()));
   parts.json["bufferViews"][view]["target"] = kVertices;
-  return parts.add("accessors", {{"bufferView", view},
-                                 {"componentType", kFloat},
-                                 {"count", values.size()},
-                                 {"type", type}});
+  return parts.add(
+      "accessors",
+      {{"bufferView", view}, {"componentType", kFloat}, {"count", values.size()}, {"type", type}});
 }
 
 json attributes_of(const Mesh& mesh, GlbParts& parts) {
@@ -87,8 +86,8 @@ Affine light_frame(const Light& light) {
   const Double3 x = normalized(cross(spare, z), {1, 0, 0});
   DoubleAffine frame;
   frame.columns = {x, cross(z, x), z, widen(light.position)};
-  if (light.type == Light::Type::kPoint) frame.columns = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1},
-                                                           widen(light.position)}};
+  if (light.type == Light::Type::kPoint)
+    frame.columns = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, widen(light.position)}};
   if (light.type == Light::Type::kDirectional) frame.columns[3] = {};
   return narrow(frame);
 }
@@ -104,8 +103,7 @@ json light_of(const Light& light) {
                                                       : "directional";
   if (std::isfinite(light.range)) result["range"] = light.range;
   if (light.type == Light::Type::kSpot) {
-    result["spot"] = {{"innerConeAngle", light.inner_angle},
-                      {"outerConeAngle", light.outer_angle}};
+    result["spot"] = {{"innerConeAngle", light.inner_angle}, {"outerConeAngle", light.outer_angle}};
   }
   return result;
 }

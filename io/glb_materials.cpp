@@ -9,10 +9,18 @@ namespace {
 
 using nlohmann::json;
 
-json numbers(Vec2 v) { return {v.x, v.y}; }
-json numbers(Vec3 v) { return {v.x, v.y, v.z}; }
-bool equal(Vec2 a, Vec2 b) { return a.x == b.x && a.y == b.y; }
-bool equal(Vec3 a, Vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+json numbers(Vec2 v) {
+  return {v.x, v.y};
+}
+json numbers(Vec3 v) {
+  return {v.x, v.y, v.z};
+}
+bool equal(Vec2 a, Vec2 b) {
+  return a.x == b.x && a.y == b.y;
+}
+bool equal(Vec3 a, Vec3 b) {
+  return a.x == b.x && a.y == b.y && a.z == b.z;
+}
 
 int gl_wrap(Wrap wrap) {
   return wrap == Wrap::kRepeat ? 10497 : wrap == Wrap::kMirroredRepeat ? 33648 : 33071;
@@ -72,8 +80,8 @@ json material_of(const Material& m, GlbParts& parts) {
   write_slot(m.emission_texture, "emissiveTexture", result, parts);
   json extensions = extensions_of(m);
   const float strength = power_of_two_above(m.emission);
-  result["emissiveFactor"] = numbers(
-      Vec3{m.emission.x / strength, m.emission.y / strength, m.emission.z / strength});
+  result["emissiveFactor"] =
+      numbers(Vec3{m.emission.x / strength, m.emission.y / strength, m.emission.z / strength});
   if (strength != 1) {
     extensions["KHR_materials_emissive_strength"] = {{"emissiveStrength", strength}};
   }

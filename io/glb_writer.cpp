@@ -21,8 +21,7 @@ std::size_t GlbParts::add_view(std::span<const std::uint8_t> bytes) {
   binary.resize((binary.size() + 3) / 4 * 4);
   const std::size_t offset = binary.size();
   binary.insert(binary.end(), bytes.begin(), bytes.end());
-  return add("bufferViews",
-             {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes.size()}});
+  return add("bufferViews", {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes.size()}});
 }
 
 namespace {

@@ -14,10 +14,18 @@
 namespace raysheaf::io {
 namespace {
 
-float fraction(float x) { return x > 0 ? std::min(x, 1.0f) : 0; }
-float positive(float x) { return x > 0 && std::isfinite(x) ? x : 0; }
-Vec3 color(const float* c) { return {positive(c[0]), positive(c[1]), positive(c[2])}; }
-float largest(Vec3 c) { return std::max({c.x, c.y, c.z}); }
+float fraction(float x) {
+  return x > 0 ? std::min(x, 1.0f) : 0;
+}
+float positive(float x) {
+  return x > 0 && std::isfinite(x) ? x : 0;
+}
+Vec3 color(const float* c) {
+  return {positive(c[0]), positive(c[1]), positive(c[2])};
+}
+float largest(Vec3 c) {
+  return std::max({c.x, c.y, c.z});
+}
 
 /// A mirror: said by the illumination model, or by a highlight too sharp for anything else.
 bool is_mirror(const tinyobj::material_t& m) {
@@ -84,9 +92,12 @@ class MtlConverter {
     Material material;
     material.name = m.name;
     material.double_sided = true;
-    if (is_glass(m)) make_glass(m, material);
-    else if (is_mirror(m)) make_mirror(m, material);
-    else make_glossy(m, material);
+    if (is_glass(m))
+      make_glass(m, material);
+    else if (is_mirror(m))
+      make_mirror(m, material);
+    else
+      make_glossy(m, material);
     material.emission = color(m.emission);
     if (!m.diffuse_texname.empty() && material.transmission == 0) {
       material.base_color_texture = slot(m.diffuse_texname, m.diffuse_texopt, place);
@@ -108,10 +119,14 @@ class MtlConverter {
   }
   void warn_of_other_maps(const tinyobj::material_t& m) {
     const std::pair<const std::string*, const char*> kMaps[] = {
-        {&m.bump_texname, "Bump"},          {&m.normal_texname, "Normal"},
-        {&m.displacement_texname, "Displacement"}, {&m.alpha_texname, "Opacity"},
-        {&m.specular_texname, "Specular"},  {&m.specular_highlight_texname, "Highlight"},
-        {&m.reflection_texname, "Reflection"}, {&m.roughness_texname, "Roughness"},
+        {&m.bump_texname, "Bump"},
+        {&m.normal_texname, "Normal"},
+        {&m.displacement_texname, "Displacement"},
+        {&m.alpha_texname, "Opacity"},
+        {&m.specular_texname, "Specular"},
+        {&m.specular_highlight_texname, "Highlight"},
+        {&m.reflection_texname, "Reflection"},
+        {&m.roughness_texname, "Roughness"},
         {&m.metallic_texname, "Metallic"}};
     for (const auto& [name, kind] : kMaps) {
       if (!name->empty()) library_.warn_once(std::string(kind) + " maps are left out.");
@@ -170,8 +185,7 @@ void MtlLibrary::read(const std::string& name) {
   }
 }
 
-std::uint32_t MtlLibrary::texture(const std::string& name, bool clamped,
-                                  const std::string& place) {
+std::uint32_t MtlLibrary::texture(const std::string& name, bool clamped, const std::string& place) {
   std::string path = name;
   std::replace(path.begin(), path.end(), '\\', '/');
   try {

@@ -128,8 +128,10 @@ TEST_F(GltfGeometry, ReadsInterleavedAttributes) {
 TEST_F(GltfGeometry, AppliesSparseValuesWithAndWithoutABase) {
   for (const bool base : {true, false}) {
     GltfFile file;
-    if (base) file.positions(kTriangle);
-    else file.add("accessors", {{"componentType", 5126}, {"count", 3}, {"type", "VEC3"}});
+    if (base)
+      file.positions(kTriangle);
+    else
+      file.add("accessors", {{"componentType", 5126}, {"count", 3}, {"type", "VEC3"}});
     file.json["accessors"][0]["sparse"] = {
         {"count", 2},
         {"indices", {{"bufferView", file.view<std::uint8_t>({1, 2})}, {"componentType", kUbyte}}},
@@ -206,11 +208,10 @@ TEST_F(GltfGeometry, ReadsTheCoordinatesThatTheBaseColourNames) {
   file.add("materials",
            {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}, {"texCoord", 1}}}}},
             {"emissiveTexture", {{"index", 0}}}});
-  file.show({{"material", 0},
-             {"attributes",
-              {{"POSITION", file.positions(kTriangle)},
-               {"TEXCOORD_0", wrong},
-               {"TEXCOORD_1", right}}}});
+  file.show(
+      {{"material", 0},
+       {"attributes",
+        {{"POSITION", file.positions(kTriangle)}, {"TEXCOORD_0", wrong}, {"TEXCOORD_1", right}}}});
   const SceneDescription scene = load_scene(write("a.gltf", file.text()));
   EXPECT_EQ(scene.meshes[0].uvs[1].x, 1);
   EXPECT_TRUE(warns(scene, "another set"));

@@ -58,13 +58,18 @@ TEST_F(GltfBroken, NegativeIndex) {
   expect(kInvalidData, {"nodes[0].mesh", "-1"});
 }
 TEST_F(GltfBroken, WrongTypes) {
-  const std::vector<std::pair<std::string, json>> kCases = {
-      {"/nodes/0/mesh", "zero"},         {"/nodes/0/matrix", {1, 2, 3}},
-      {"/nodes/0/children", 3},          {"/nodes/0/translation", {1, "2", 3}},
-      {"/meshes/0/primitives", 1},       {"/accessors/0/type", 3},
-      {"/accessors/0/componentType", 9}, {"/bufferViews/0/buffer", 2.5},
-      {"/asset", 2},                     {"/meshes", json::object()},
-      {"/nodes/0", 7},                   {"/accessors/0/sparse", {1}}};
+  const std::vector<std::pair<std::string, json>> kCases = {{"/nodes/0/mesh", "zero"},
+                                                            {"/nodes/0/matrix", {1, 2, 3}},
+                                                            {"/nodes/0/children", 3},
+                                                            {"/nodes/0/translation", {1, "2", 3}},
+                                                            {"/meshes/0/primitives", 1},
+                                                            {"/accessors/0/type", 3},
+                                                            {"/accessors/0/componentType", 9},
+                                                            {"/bufferViews/0/buffer", 2.5},
+                                                            {"/asset", 2},
+                                                            {"/meshes", json::object()},
+                                                            {"/nodes/0", 7},
+                                                            {"/accessors/0/sparse", {1}}};
   for (const auto& [pointer, value] : kCases) {
     const json before = file_.json;
     file_.json[json::json_pointer(pointer)] = value;

@@ -87,10 +87,9 @@ TEST_F(GltfScene, ReadsCamerasWithoutTheScaleOfTheirNodes) {
   GltfFile file;
   file.show_triangle();
   file.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.1}}}});
-  file.add("cameras",
-           {{"type", "orthographic"},
-            {"name", "flat"},
-            {"orthographic", {{"xmag", 3}, {"ymag", 2}, {"znear", 0}, {"zfar", 9}}}});
+  file.add("cameras", {{"type", "orthographic"},
+                       {"name", "flat"},
+                       {"orthographic", {{"xmag", 3}, {"ymag", 2}, {"znear", 0}, {"zfar", 9}}}});
   file.node({{"camera", 0},
              {"name", "eye"},
              {"translation", {4, 5, 6}},
@@ -120,20 +119,19 @@ TEST_F(GltfScene, ReadsCamerasWithoutTheScaleOfTheirNodes) {
 TEST_F(GltfScene, ReadsMaterialsAndTheirDefaults) {
   GltfFile file;
   file.add("materials", {{"name", "plain"}});
-  file.add("materials",
-           {{"doubleSided", true},
-            {"emissiveFactor", {0.5, 0.25, 1}},
-            {"pbrMetallicRoughness",
-             {{"baseColorFactor", {0.1, 0.2, 0.3, 0.4}},
-              {"metallicFactor", 0.25},
-              {"roughnessFactor", 0.75}}},
-            {"extensions",
-             {{"KHR_materials_transmission", {{"transmissionFactor", 0.5}}},
-              {"KHR_materials_ior", {{"ior", 1.25}}},
-              {"KHR_materials_specular",
-               {{"specularFactor", 0.5}, {"specularColorFactor", {1, 0, 0.5}}}},
-              {"KHR_materials_emissive_strength", {{"emissiveStrength", 8}}},
-              {"KHR_materials_unlit", json::object()}}}});
+  file.add("materials", {{"doubleSided", true},
+                         {"emissiveFactor", {0.5, 0.25, 1}},
+                         {"pbrMetallicRoughness",
+                          {{"baseColorFactor", {0.1, 0.2, 0.3, 0.4}},
+                           {"metallicFactor", 0.25},
+                           {"roughnessFactor", 0.75}}},
+                         {"extensions",
+                          {{"KHR_materials_transmission", {{"transmissionFactor", 0.5}}},
+                           {"KHR_materials_ior", {{"ior", 1.25}}},
+                           {"KHR_materials_specular",
+                            {{"specularFactor", 0.5}, {"specularColorFactor", {1, 0, 0.5}}}},
+                           {"KHR_materials_emissive_strength", {{"emissiveStrength", 8}}},
+                           {"KHR_materials_unlit", json::object()}}}});
   file.show_triangle();
   const SceneDescription scene = load_scene(write("a.gltf", file.text()));
   ASSERT_EQ(scene.materials.size(), 2u);
@@ -169,12 +167,11 @@ TEST_F(GltfScene, ReadsImagesFromEverywhere) {
   file.add("textures", {{"source", 0}, {"sampler", 0}});
   for (int image : {1, 2, 3}) file.add("textures", {{"source", image}});
   const json transform = {{"offset", {0.5, 0.25}}, {"scale", {2, 3}}, {"rotation", 0.125}};
-  file.add("materials",
-           {{"pbrMetallicRoughness",
-             {{"baseColorTexture",
-               {{"index", 0}, {"extensions", {{"KHR_texture_transform", transform}}}}},
-              {"metallicRoughnessTexture", {{"index", 2}}}}},
-            {"emissiveTexture", {{"index", 3}}}});
+  file.add("materials", {{"pbrMetallicRoughness",
+                          {{"baseColorTexture",
+                            {{"index", 0}, {"extensions", {{"KHR_texture_transform", transform}}}}},
+                           {"metallicRoughnessTexture", {{"index", 2}}}}},
+                         {"emissiveTexture", {{"index", 3}}}});
   const SceneDescription scene = load_scene(write("a.gltf", file.text()));
   ASSERT_EQ(scene.images.size(), 3u);
   for (const Image& image : scene.images) {
