@@ -38,7 +38,8 @@ float component(const unsigned char* p, int type, bool normalized) {
       const auto x = static_cast<double>(load<std::uint32_t>(p));
       return static_cast<float>(normalized ? x / 4294967295.0 : x);
     }
-    default: return load<float>(p);
+    default:
+      return load<float>(p);
   }
 }
 

@@ -39,7 +39,9 @@ Chunk chunk_at(std::span<const std::uint8_t> glb, std::size_t at, int number) {
   return {read_u32(glb, at + 4), glb.subspan(at + kChunkHeaderBytes, length)};
 }
 
-std::size_t padded(std::size_t length) { return (length + 3) / 4 * 4; }
+std::size_t padded(std::size_t length) {
+  return (length + 3) / 4 * 4;
+}
 
 GltfParts split_glb(std::span<const std::uint8_t> file) {
   if (file.size() < kHeaderBytes) refuse("the file is cut off inside its header", "GLB header");

@@ -13,10 +13,14 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array kSupported = {
-    "KHR_lights_punctual", "KHR_materials_transmission", "KHR_materials_ior",
-    "KHR_materials_specular", "KHR_materials_emissive_strength", "KHR_materials_unlit",
-    "KHR_texture_transform", "KHR_mesh_quantization"};
+constexpr std::array kSupported = {"KHR_lights_punctual",
+                                   "KHR_materials_transmission",
+                                   "KHR_materials_ior",
+                                   "KHR_materials_specular",
+                                   "KHR_materials_emissive_strength",
+                                   "KHR_materials_unlit",
+                                   "KHR_texture_transform",
+                                   "KHR_mesh_quantization"};
 constexpr std::size_t kMaxStride = 252;
 
 [[noreturn]] void refuse(const std::string& sentence, const std::string& place,
@@ -101,8 +105,13 @@ void check_extensions(const json& root, GltfFacts& facts) {
 
 /// The bytes that a data URI stands for; refuses kinds that the parser does not know.
 std::size_t data_uri_bytes(const std::string& uri, const std::string& place) {
-  constexpr std::array kKinds = {"application/octet-stream", "application/gltf-buffer",
-                                 "image/jpeg", "image/png", "image/bmp", "image/gif", "text/plain"};
+  constexpr std::array kKinds = {"application/octet-stream",
+                                 "application/gltf-buffer",
+                                 "image/jpeg",
+                                 "image/png",
+                                 "image/bmp",
+                                 "image/gif",
+                                 "text/plain"};
   const std::size_t comma = uri.find(',');
   const std::string head = uri.substr(5, std::min<std::size_t>(comma, 64) - 5);
   const bool known = std::any_of(kKinds.begin(), kKinds.end(), [&](const char* kind) {
@@ -171,20 +180,26 @@ void check_view(const json& root, const json& view, std::size_t i) {
                element("buffers", buffer) + " has " + std::to_string(bytes) + " bytes",
            place);
   }
-  if (get<std::size_t>(view, "byteStride", 0) > kMaxStride) {
-    refuse("is more than 252", place + ".byteStride");
+  const std::size_t stride = get<std::size_t>(view, "byteStride", 4);
+  if (stride % 4 != 0 || stride > kMaxStride) {
+    refuse("is " + std::to_string(stride) + ", but must be a multiple of 4 from 4 to 252",
+           place + ".byteStride");
   }
 }
 
 std::size_t component_bytes(int type, const std::string& place) {
   switch (type) {
     case 5120:
-    case 5121: return 1;
+    case 5121:
+      return 1;
     case 5122:
-    case 5123: return 2;
+    case 5123:
+      return 2;
     case 5125:
-    case 5126: return 4;
-    default: refuse("is " + std::to_string(type) + ", which is no component type", place);
+    case 5126:
+      return 4;
+    default:
+      refuse("is " + std::to_string(type) + ", which is no component type", place);
   }
 }
 

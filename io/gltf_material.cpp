@@ -45,7 +45,8 @@ std::vector<std::uint32_t> read_textures(const GltfModel& gltf, SceneDescription
   scene.images = std::move(images.images);
   std::vector<std::uint32_t> index_of;
   for (const tinygltf::Texture& source : gltf.model.textures) {
-    if (source.source < 0) warnings.once("Textures without an image that can be read are left out.");
+    if (source.source < 0)
+      warnings.once("Textures without an image that can be read are left out.");
     const std::uint32_t image =
         source.source < 0 ? kInvalidId : images.index_of[static_cast<std::size_t>(source.source)];
     if (image == kInvalidId) {
@@ -137,8 +138,7 @@ class MaterialReader {
     material.metallic = static_cast<float>(pbr.metallicFactor);
     material.roughness = static_cast<float>(pbr.roughnessFactor);
     material.base_color_texture = slot(pbr.baseColorTexture, "base colour");
-    material.metallic_roughness_texture =
-        slot(pbr.metallicRoughnessTexture, "metallic-roughness");
+    material.metallic_roughness_texture = slot(pbr.metallicRoughnessTexture, "metallic-roughness");
     material.emission_texture = slot(source.emissiveTexture, "emission");
   }
 

@@ -81,9 +81,8 @@ class MeshReader {
 
   void read_primitive(const tinygltf::Primitive& primitive) {
     if (!is_drawn(primitive)) return;
-    const int set = primitive.material < 0
-                        ? 0
-                        : uv_sets_[static_cast<std::size_t>(primitive.material)];
+    const int set =
+        primitive.material < 0 ? 0 : uv_sets_[static_cast<std::size_t>(primitive.material)];
     const std::string uv_name = "TEXCOORD_" + std::to_string(set);
     const Attributes attributes{find(primitive, "POSITION"), find(primitive, "NORMAL"),
                                 find(primitive, uv_name)};

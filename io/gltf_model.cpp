@@ -22,7 +22,9 @@ struct Session {
 bool exists(const std::string& path, void* user) {
   return path.starts_with(static_cast<Session*>(user)->folder) && file_exists(path);
 }
-std::string expand_nothing(const std::string& path, void*) { return path; }
+std::string expand_nothing(const std::string& path, void*) {
+  return path;
+}
 
 /// The parser wants a buffer's file to have exactly `byteLength` bytes; glTF allows more.
 bool read_whole(std::vector<unsigned char>* out, std::string* message, const std::string& path,
@@ -57,8 +59,8 @@ bool keep_image(tinygltf::Image*, const int index, std::string*, std::string*, i
 /// The GLB as the parser takes it: an empty BIN chunk and chunks of unknown kinds, which glTF
 /// allows, are cut off.
 Bytes without_odd_chunks(const Bytes& file, const GltfParts& parts) {
-  const std::size_t end = static_cast<std::size_t>(parts.json.data() - file.data()) +
-                          parts.json.size();
+  const std::size_t end =
+      static_cast<std::size_t>(parts.json.data() - file.data()) + parts.json.size();
   Bytes glb(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(end));
   for (std::size_t i = 0; i < 4; ++i) glb[8 + i] = static_cast<std::uint8_t>(end >> (8 * i));
   return glb;

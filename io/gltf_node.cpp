@@ -10,7 +10,9 @@
 namespace raysheaf::io {
 namespace {
 
-std::string node_place(int node) { return "nodes[" + std::to_string(node) + "]"; }
+std::string node_place(int node) {
+  return "nodes[" + std::to_string(node) + "]";
+}
 
 [[noreturn]] void refuse(const std::string& sentence, const std::string& place) {
   throw Error(ErrorCode::kInvalidData, sentence, place);

@@ -125,6 +125,7 @@ constexpr JsonRule kRules[] = {
     {"cameras[].orthographic.zfar", kNumber, true},
     {"animations", kArray},
     {"skins", kArray},
+    {"skins[].joints", kIndices, true, 0, "nodes"},
     {"extensions", kObject},
     {"extensions.KHR_lights_punctual", kObject},
     {"extensions.KHR_lights_punctual.lights", kArray, true},
@@ -201,16 +202,26 @@ class Checker {
 
   void check_value(const json& value, const std::string& place, const JsonRule& rule) const {
     switch (rule.kind) {
-      case kArray: return require(value.is_array(), "an array", place);
-      case kObject: return require(value.is_object(), "an object", place);
-      case kString: return require(value.is_string(), "a string", place);
-      case kBool: return require(value.is_boolean(), "true or false", place);
-      case kNumber: return check_number(value, place);
-      case kSize: return check_integer(value, 0, kMaxSize, place);
-      case kPositive: return check_integer(value, 1, kMaxSize, place);
-      case kInt: return check_integer(value, 0, 0x7fffffff, place);
-      case kIndex: return check_index(value, place, rule.target);
-      default: return check_many(value, place, rule);
+      case kArray:
+        return require(value.is_array(), "an array", place);
+      case kObject:
+        return require(value.is_object(), "an object", place);
+      case kString:
+        return require(value.is_string(), "a string", place);
+      case kBool:
+        return require(value.is_boolean(), "true or false", place);
+      case kNumber:
+        return check_number(value, place);
+      case kSize:
+        return check_integer(value, 0, kMaxSize, place);
+      case kPositive:
+        return check_integer(value, 1, kMaxSize, place);
+      case kInt:
+        return check_integer(value, 0, 0x7fffffff, place);
+      case kIndex:
+        return check_index(value, place, rule.target);
+      default:
+        return check_many(value, place, rule);
     }
   }
   void check_many(const json& value, const std::string& place, const JsonRule& rule) const {
@@ -242,8 +253,10 @@ class Checker {
                             const std::string& place) {
     require(value.is_number_integer(), "an integer", place);
     const double number = value.get<double>();
-    if (number < least) refuse("is " + value.dump() + ", but must not be below " +
-                                   std::to_string(static_cast<int>(least)), place);
+    if (number < least)
+      refuse("is " + value.dump() + ", but must not be below " +
+                 std::to_string(static_cast<int>(least)),
+             place);
     if (number > most) refuse("is " + value.dump() + ", which is too large", place);
   }
   void check_index(const json& value, const std::string& place, const char* target) const {

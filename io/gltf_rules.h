@@ -1,5 +1,5 @@
-// What a field of glTF must look like, as a table: the fields that raysheaf, or the parser below it,
-// reads. A path's "[]" stands for each element of an array of objects.
+// What a field of glTF must look like, as a table: the fields that raysheaf, or the parser below
+// it, reads. A path's "[]" stands for each element of an array of objects.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -36,8 +36,8 @@ struct EncodedImage {
   Bytes bytes;
 };
 
-/// The pictures that could be decoded, and where each of the encoded ones went: `kInvalidId` where it
-/// is missing or no picture.
+/// The pictures that could be decoded, and where each of the encoded ones went: `kInvalidId` where
+/// it is missing or no picture.
 struct DecodedImages {
   std::vector<Image> images;
   std::vector<std::uint32_t> index_of;

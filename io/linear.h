@@ -12,26 +12,38 @@ struct Double3 {
   double x = 0, y = 0, z = 0;
 };
 
-inline Double3 widen(Vec3 a) { return {a.x, a.y, a.z}; }
+inline Double3 widen(Vec3 a) {
+  return {a.x, a.y, a.z};
+}
 inline Vec3 narrow(Double3 a) {
   return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
 }
-inline Double3 operator+(Double3 a, Double3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline Double3 operator-(Double3 a, Double3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Double3 operator*(Double3 a, double s) { return {a.x * s, a.y * s, a.z * s}; }
-inline double dot(Double3 a, Double3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Double3 operator+(Double3 a, Double3 b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline Double3 operator-(Double3 a, Double3 b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline Double3 operator*(Double3 a, double s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
+inline double dot(Double3 a, Double3 b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 inline Double3 cross(Double3 a, Double3 b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-inline double length(Double3 a) { return std::sqrt(dot(a, a)); }
+inline double length(Double3 a) {
+  return std::sqrt(dot(a, a));
+}
 /// A unit vector along `a`, or `fallback` where `a` has no direction.
 inline Double3 normalized(Double3 a, Double3 fallback) {
   const double n = length(a);
   return n > 0 && std::isfinite(n) ? a * (1 / n) : fallback;
 }
 
-/// A direction as a file gives it, as a unit vector; unchanged where it is one already, so that what
-/// was written is read back. Nothing where it has no direction.
+/// A direction as a file gives it, as a unit vector; unchanged where it is one already, so that
+/// what was written is read back. Nothing where it has no direction.
 inline bool make_unit(Vec3& a) {
   const double squared = dot(widen(a), widen(a));
   if (!(squared > 0) || !std::isfinite(squared)) return false;
@@ -49,8 +61,7 @@ inline Double3 transform_vector(const DoubleAffine& a, Double3 v) {
 }
 inline DoubleAffine compose(const DoubleAffine& outer, const DoubleAffine& inner) {
   DoubleAffine result;
-  for (std::size_t c = 0; c < 3; ++c)
-    result.columns[c] = transform_vector(outer, inner.columns[c]);
+  for (std::size_t c = 0; c < 3; ++c) result.columns[c] = transform_vector(outer, inner.columns[c]);
   result.columns[3] = transform_vector(outer, inner.columns[3]) + outer.columns[3];
   return result;
 }

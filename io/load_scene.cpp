@@ -1,4 +1,5 @@
-// The one door for scene files: looks at the ending, and puts the file's name before what went wrong.
+// The one door for scene files: looks at the ending, and puts the file's name before what went
+// wrong.
 #include <new>
 
 #include "io/file.h"
@@ -20,8 +21,8 @@ Loader loader_for(const std::string& path) {
   if (ending == "obj") return io::load_obj;
   if (ending == "ply") return io::load_ply;
   if (ending == "stl") return io::load_stl;
-  throw Error(ErrorCode::kUnsupported,
-              "the ending says nothing; .gltf, .glb, .obj, .ply and .stl are read", path);
+  throw Error(ErrorCode::kUnsupported, "the ending is none of .gltf, .glb, .obj, .ply and .stl",
+              path);
 }
 
 SceneDescription load_checked(const std::string& path) {

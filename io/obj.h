@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,7 @@ class MtlLibrary {
   void read(const std::string& name);
   std::uint32_t texture(const std::string& name, bool clamped, const std::string& place);
   void warn_once(const std::string& sentence);
+  void warn_of_missing_materials();
   friend class MtlConverter;
 
   std::string folder_;
@@ -38,6 +40,8 @@ class MtlLibrary {
   std::map<std::string, std::uint32_t> by_name_;
   std::map<std::string, std::uint32_t> texture_of_;
   std::vector<std::string> image_paths_;  ///< one a texture, until `finish`
+  std::set<std::string> read_, warned_;
+  std::vector<std::string> missing_;
   std::uint32_t fallback_ = kInvalidId;
 };
 

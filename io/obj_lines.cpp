@@ -8,8 +8,12 @@
 namespace raysheaf::io {
 namespace {
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\v' || c == '\f';
+}
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
 
 std::size_t skip_digits(std::string_view text, std::size_t i) {
   while (i < text.size() && is_digit(text[i])) ++i;
@@ -54,7 +58,9 @@ Reference check_reference(std::string_view word) {
 [[noreturn]] void refuse(const std::string& sentence, const std::string& place) {
   throw Error(ErrorCode::kInvalidData, sentence, place);
 }
-std::string quoted(std::string_view word) { return "\"" + printable(std::string(word)) + "\""; }
+std::string quoted(std::string_view word) {
+  return "\"" + printable(std::string(word)) + "\"";
+}
 
 }  // namespace
 
@@ -153,9 +159,9 @@ void ObjLines::check_numbers(std::string_view rest, std::size_t least) {
     ++count;
   }
   if (count < least) {
-    refuse("has " + std::to_string(count) + " numbers where " + std::to_string(least) +
-               " are needed",
-           place());
+    refuse(
+        "has " + std::to_string(count) + " numbers where " + std::to_string(least) + " are needed",
+        place());
   }
 }
 
@@ -163,10 +169,14 @@ void ObjLines::check_face(std::string_view rest) {
   std::size_t count = 0;
   for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest)) {
     switch (check_reference(word)) {
-      case Reference::kRight: break;
-      case Reference::kMalformed: refuse(quoted(word) + " is not a vertex reference", place());
-      case Reference::kZero: refuse(quoted(word) + " has the index 0; they begin at 1", place());
-      case Reference::kTooLarge: refuse(quoted(word) + " is out of range", place());
+      case Reference::kRight:
+        break;
+      case Reference::kMalformed:
+        refuse(quoted(word) + " is not a vertex reference", place());
+      case Reference::kZero:
+        refuse(quoted(word) + " has the index 0; they begin at 1", place());
+      case Reference::kTooLarge:
+        refuse(quoted(word) + " is out of range", place());
     }
     ++count;
   }

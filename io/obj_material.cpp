@@ -14,10 +14,18 @@
 namespace raysheaf::io {
 namespace {
 
-float fraction(float x) { return x > 0 ? std::min(x, 1.0f) : 0; }
-float positive(float x) { return x > 0 && std::isfinite(x) ? x : 0; }
-Vec3 color(const float* c) { return {positive(c[0]), positive(c[1]), positive(c[2])}; }
-float largest(Vec3 c) { return std::max({c.x, c.y, c.z}); }
+float fraction(float x) {
+  return x > 0 ? std::min(x, 1.0f) : 0;
+}
+float positive(float x) {
+  return x > 0 && std::isfinite(x) ? x : 0;
+}
+Vec3 color(const float* c) {
+  return {positive(c[0]), positive(c[1]), positive(c[2])};
+}
+float largest(Vec3 c) {
+  return std::max({c.x, c.y, c.z});
+}
 
 /// A mirror: said by the illumination model, or by a highlight too sharp for anything else.
 bool is_mirror(const tinyobj::material_t& m) {
@@ -84,9 +92,12 @@ class MtlConverter {
     Material material;
     material.name = m.name;
     material.double_sided = true;
-    if (is_glass(m)) make_glass(m, material);
-    else if (is_mirror(m)) make_mirror(m, material);
-    else make_glossy(m, material);
+    if (is_glass(m))
+      make_glass(m, material);
+    else if (is_mirror(m))
+      make_mirror(m, material);
+    else
+      make_glossy(m, material);
     material.emission = color(m.emission);
     if (!m.diffuse_texname.empty() && material.transmission == 0) {
       material.base_color_texture = slot(m.diffuse_texname, m.diffuse_texopt, place);
@@ -108,10 +119,14 @@ class MtlConverter {
   }
   void warn_of_other_maps(const tinyobj::material_t& m) {
     const std::pair<const std::string*, const char*> kMaps[] = {
-        {&m.bump_texname, "Bump"},          {&m.normal_texname, "Normal"},
-        {&m.displacement_texname, "Displacement"}, {&m.alpha_texname, "Opacity"},
-        {&m.specular_texname, "Specular"},  {&m.specular_highlight_texname, "Highlight"},
-        {&m.reflection_texname, "Reflection"}, {&m.roughness_texname, "Roughness"},
+        {&m.bump_texname, "Bump"},
+        {&m.normal_texname, "Normal"},
+        {&m.displacement_texname, "Displacement"},
+        {&m.alpha_texname, "Opacity"},
+        {&m.specular_texname, "Specular"},
+        {&m.specular_highlight_texname, "Highlight"},
+        {&m.reflection_texname, "Reflection"},
+        {&m.roughness_texname, "Roughness"},
         {&m.metallic_texname, "Metallic"}};
     for (const auto& [name, kind] : kMaps) {
       if (!name->empty()) library_.warn_once(std::string(kind) + " maps are left out.");
@@ -122,10 +137,15 @@ class MtlConverter {
 };
 
 void MtlLibrary::warn_once(const std::string& sentence) {
-  auto& warnings = scene_.warnings;
-  if (std::find(warnings.begin(), warnings.end(), sentence) == warnings.end()) {
-    warnings.push_back(sentence);
-  }
+  if (warned_.insert(sentence).second) scene_.warnings.push_back(sentence);
+}
+
+void MtlLibrary::warn_of_missing_materials() {
+  if (missing_.empty()) return;
+  const std::size_t others = missing_.size() - 1;
+  warn_once("There is no material \"" + printable(missing_.front()) + "\"" +
+            (others == 0 ? "" : " and " + std::to_string(others) + " more") +
+            "; a grey one stands in.");
 }
 
 void MtlLibrary::add(const std::string& names) {
@@ -139,6 +159,7 @@ void MtlLibrary::add(const std::string& names) {
 }
 
 void MtlLibrary::read(const std::string& name) {
+  if (!read_.insert(name).second) return;
   std::string text_name = name;
   std::replace(text_name.begin(), text_name.end(), '\\', '/');
   Bytes bytes;
@@ -164,8 +185,7 @@ void MtlLibrary::read(const std::string& name) {
   }
 }
 
-std::uint32_t MtlLibrary::texture(const std::string& name, bool clamped,
-                                  const std::string& place) {
+std::uint32_t MtlLibrary::texture(const std::string& name, bool clamped, const std::string& place) {
   std::string path = name;
   std::replace(path.begin(), path.end(), '\\', '/');
   try {
@@ -187,7 +207,7 @@ std::uint32_t MtlLibrary::texture(const std::string& name, bool clamped,
 std::uint32_t MtlLibrary::find(const std::string& name) {
   const auto known = by_name_.find(name);
   if (known != by_name_.end()) return known->second;
-  warn_once("There is no material \"" + printable(name) + "\"; a grey one stands in.");
+  missing_.push_back(name);
   return by_name_[name] = fallback();
 }
 
@@ -204,6 +224,7 @@ std::uint32_t MtlLibrary::fallback() {
 }
 
 void MtlLibrary::finish() {
+  warn_of_missing_materials();
   std::map<std::string, std::uint32_t> image_of;
   std::vector<EncodedImage> encoded;
   for (const std::string& path : image_paths_) {

@@ -20,15 +20,18 @@ double linear_of_srgb(double x) {
 
 class PlyReader {
  public:
-  PlyReader(const Bytes& file, const PlyHeader& header)
-      : header_(header), numbers_(file, header) {}
+  PlyReader(const Bytes& file, const PlyHeader& header) : header_(header), numbers_(file, header) {}
 
   SceneDescription read() {
     for (const PlyElement& element : header_.elements) {
-      if (element.name == "vertex" && mesh_.positions.empty()) read_vertices(element);
-      else if (element.name == "face") read_lists(element, false);
-      else if (element.name == "tristrips") read_lists(element, true);
-      else skip(element);
+      if (element.name == "vertex" && mesh_.positions.empty())
+        read_vertices(element);
+      else if (element.name == "face")
+        read_lists(element, false);
+      else if (element.name == "tristrips")
+        read_lists(element, true);
+      else
+        skip(element);
     }
     finish_normals();
     if (short_faces_) {
@@ -45,11 +48,18 @@ class PlyReader {
   enum Role { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kRed, kGreen, kBlue, kRoles };
 
   static int role_of(const PlyProperty& property) {
-    constexpr std::pair<std::string_view, Role> kNames[] = {
-        {"x", kX},          {"y", kY},          {"z", kZ},
-        {"nx", kNormalX},   {"ny", kNormalY},   {"nz", kNormalZ},
-        {"red", kRed},      {"green", kGreen},  {"blue", kBlue},
-        {"diffuse_red", kRed}, {"diffuse_green", kGreen}, {"diffuse_blue", kBlue}};
+    constexpr std::pair<std::string_view, Role> kNames[] = {{"x", kX},
+                                                            {"y", kY},
+                                                            {"z", kZ},
+                                                            {"nx", kNormalX},
+                                                            {"ny", kNormalY},
+                                                            {"nz", kNormalZ},
+                                                            {"red", kRed},
+                                                            {"green", kGreen},
+                                                            {"blue", kBlue},
+                                                            {"diffuse_red", kRed},
+                                                            {"diffuse_green", kGreen},
+                                                            {"diffuse_blue", kBlue}};
     if (property.is_list) return -1;
     for (const auto& [name, role] : kNames) {
       if (property.name == name) return role;
@@ -78,8 +88,10 @@ class PlyReader {
     for (std::uint64_t i = 0; i < element.count; ++i) {
       for (std::size_t p = 0; p < roles.size(); ++p) {
         const PlyProperty& property = element.properties[p];
-        if (roles[p] < 0) numbers_.skip(property, element.name, i);
-        else values[static_cast<std::size_t>(roles[p])] = numbers_.next(property.type, "vertex", i);
+        if (roles[p] < 0)
+          numbers_.skip(property, element.name, i);
+        else
+          values[static_cast<std::size_t>(roles[p])] = numbers_.next(property.type, "vertex", i);
       }
       add_vertex(values, i);
     }
@@ -98,8 +110,8 @@ class PlyReader {
     }
     const Double3 color{values[kRed], values[kGreen], values[kBlue]};
     if (index == 0) color_ = color;
-    uniform_color_ = uniform_color_ && color.x == color_.x && color.y == color_.y &&
-                     color.z == color_.z;
+    uniform_color_ =
+        uniform_color_ && color.x == color_.x && color.y == color_.y && color.z == color_.z;
   }
 
   void skip(const PlyElement& element) {
@@ -123,8 +135,10 @@ class PlyReader {
     for (std::uint64_t i = 0; i < element.count; ++i) {
       for (std::size_t p = 0; p < element.properties.size(); ++p) {
         const PlyProperty& property = element.properties[p];
-        if (p == static_cast<std::size_t>(corners)) read_list(property, element.name, i, strips);
-        else numbers_.skip(property, element.name, i);
+        if (p == static_cast<std::size_t>(corners))
+          read_list(property, element.name, i, strips);
+        else
+          numbers_.skip(property, element.name, i);
       }
     }
   }
@@ -149,8 +163,10 @@ class PlyReader {
       }
       corners_.push_back(static_cast<std::uint32_t>(vertex));
     }
-    if (strip) add_strip();
-    else add_face();
+    if (strip)
+      add_strip();
+    else
+      add_face();
   }
 
   void add_strip() {

@@ -24,14 +24,22 @@ double load(const std::uint8_t* bytes, bool swapped) {
 
 double load(PlyType type, const std::uint8_t* bytes, bool swapped) {
   switch (type) {
-    case PlyType::kInt8: return load<std::int8_t>(bytes, swapped);
-    case PlyType::kUint8: return load<std::uint8_t>(bytes, swapped);
-    case PlyType::kInt16: return load<std::int16_t>(bytes, swapped);
-    case PlyType::kUint16: return load<std::uint16_t>(bytes, swapped);
-    case PlyType::kInt32: return load<std::int32_t>(bytes, swapped);
-    case PlyType::kUint32: return load<std::uint32_t>(bytes, swapped);
-    case PlyType::kFloat32: return load<float>(bytes, swapped);
-    default: return load<double>(bytes, swapped);
+    case PlyType::kInt8:
+      return load<std::int8_t>(bytes, swapped);
+    case PlyType::kUint8:
+      return load<std::uint8_t>(bytes, swapped);
+    case PlyType::kInt16:
+      return load<std::int16_t>(bytes, swapped);
+    case PlyType::kUint16:
+      return load<std::uint16_t>(bytes, swapped);
+    case PlyType::kInt32:
+      return load<std::int32_t>(bytes, swapped);
+    case PlyType::kUint32:
+      return load<std::uint32_t>(bytes, swapped);
+    case PlyType::kFloat32:
+      return load<float>(bytes, swapped);
+    default:
+      return load<double>(bytes, swapped);
   }
 }
 
@@ -47,8 +55,8 @@ double PlyNumbers::next(PlyType type, const std::string& element, std::uint64_t 
   if (format_ == PlyFormat::kAscii) return next_word(element, index);
   const std::size_t size = size_of(type);
   if (bytes_.size() - at_ < size) refuse("the file is truncated: it ends here", element, index);
-  const bool native = (format_ == PlyFormat::kLittleEndian) ==
-                      (std::endian::native == std::endian::little);
+  const bool native =
+      (format_ == PlyFormat::kLittleEndian) == (std::endian::native == std::endian::little);
   const double value = load(type, bytes_.data() + at_, !native);
   at_ += size;
   return value;

@@ -15,11 +15,11 @@ constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20;
 
 PlyType type_named(std::string_view name, const std::string& place) {
   constexpr std::pair<std::string_view, PlyType> kNames[] = {
-      {"char", PlyType::kInt8},     {"int8", PlyType::kInt8},      {"uchar", PlyType::kUint8},
-      {"uint8", PlyType::kUint8},   {"short", PlyType::kInt16},    {"int16", PlyType::kInt16},
-      {"ushort", PlyType::kUint16}, {"uint16", PlyType::kUint16},  {"int", PlyType::kInt32},
-      {"int32", PlyType::kInt32},   {"uint", PlyType::kUint32},    {"uint32", PlyType::kUint32},
-      {"float", PlyType::kFloat32}, {"float32", PlyType::kFloat32}, {"double", PlyType::kFloat64},
+      {"char", PlyType::kInt8},      {"int8", PlyType::kInt8},       {"uchar", PlyType::kUint8},
+      {"uint8", PlyType::kUint8},    {"short", PlyType::kInt16},     {"int16", PlyType::kInt16},
+      {"ushort", PlyType::kUint16},  {"uint16", PlyType::kUint16},   {"int", PlyType::kInt32},
+      {"int32", PlyType::kInt32},    {"uint", PlyType::kUint32},     {"uint32", PlyType::kUint32},
+      {"float", PlyType::kFloat32},  {"float32", PlyType::kFloat32}, {"double", PlyType::kFloat64},
       {"float64", PlyType::kFloat64}};
   for (const auto& [text, type] : kNames) {
     if (text == name) return type;
@@ -76,10 +76,14 @@ class HeaderReader {
 
   void read_format(const std::vector<std::string_view>& words) {
     const std::string_view name = words.size() > 1 ? words[1] : "";
-    if (name == "ascii") header_.format = PlyFormat::kAscii;
-    else if (name == "binary_little_endian") header_.format = PlyFormat::kLittleEndian;
-    else if (name == "binary_big_endian") header_.format = PlyFormat::kBigEndian;
-    else refuse("\"" + printable(std::string(name)) + "\" is not a format of PLY");
+    if (name == "ascii")
+      header_.format = PlyFormat::kAscii;
+    else if (name == "binary_little_endian")
+      header_.format = PlyFormat::kLittleEndian;
+    else if (name == "binary_big_endian")
+      header_.format = PlyFormat::kBigEndian;
+    else
+      refuse("\"" + printable(std::string(name)) + "\" is not a format of PLY");
   }
 
   void read_element(const std::vector<std::string_view>& words) {
@@ -98,7 +102,8 @@ class HeaderReader {
     if (header_.elements.empty()) refuse("a property comes before the first element");
     PlyProperty property;
     property.is_list = words.size() > 1 && words[1] == "list";
-    if (words.size() != (property.is_list ? 5u : 3u)) refuse("the property line has a wrong length");
+    if (words.size() != (property.is_list ? 5u : 3u))
+      refuse("the property line has a wrong length");
     property.type = type_named(words[words.size() - 2], place());
     if (property.is_list) {
       property.count_type = type_named(words[2], place());
@@ -150,6 +155,8 @@ std::size_t size_of(PlyType type) {
   return kSizes[static_cast<std::size_t>(type)];
 }
 
-PlyHeader read_ply_header(std::span<const std::uint8_t> file) { return HeaderReader(file).read(); }
+PlyHeader read_ply_header(std::span<const std::uint8_t> file) {
+  return HeaderReader(file).read();
+}
 
 }  // namespace raysheaf::io

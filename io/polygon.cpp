@@ -31,9 +31,12 @@ std::vector<Point> flatten(const std::vector<Vec3>& points) {
   std::vector<Point> flat;
   for (const Vec3& p : points) {
     const Double3 d = widen(p) - origin;
-    if (x >= y && x >= z) flat.push_back(normal.x > 0 ? Point{d.y, d.z} : Point{d.z, d.y});
-    else if (y >= z) flat.push_back(normal.y > 0 ? Point{d.z, d.x} : Point{d.x, d.z});
-    else flat.push_back(normal.z > 0 ? Point{d.x, d.y} : Point{d.y, d.x});
+    if (x >= y && x >= z)
+      flat.push_back(normal.x > 0 ? Point{d.y, d.z} : Point{d.z, d.y});
+    else if (y >= z)
+      flat.push_back(normal.y > 0 ? Point{d.z, d.x} : Point{d.x, d.z});
+    else
+      flat.push_back(normal.z > 0 ? Point{d.x, d.y} : Point{d.y, d.x});
   }
   return flat;
 }

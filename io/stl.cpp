@@ -186,8 +186,10 @@ class AsciiReader {
 SceneDescription load_stl(const Bytes& file, const std::string& path) {
   SceneDescription scene;
   scene.name = std::filesystem::path(path).stem().string();
-  if (is_ascii(file)) scene.meshes = AsciiReader(file).read();
-  else scene.meshes.push_back(read_binary(file));
+  if (is_ascii(file))
+    scene.meshes = AsciiReader(file).read();
+  else
+    scene.meshes.push_back(read_binary(file));
   std::erase_if(scene.meshes, [](const Mesh& mesh) { return mesh.triangles.empty(); });
   Material material;
   material.name = "default";

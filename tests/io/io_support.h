@@ -52,7 +52,8 @@ class IoTest : public ::testing::Test {
     return {std::istreambuf_iterator<char>(file), {}};
   }
   [[nodiscard]] std::size_t file_count() const {
-    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder_), {}));
+    return static_cast<std::size_t>(
+        std::distance(std::filesystem::directory_iterator(folder_), {}));
   }
 
   std::filesystem::path folder_;
@@ -110,9 +111,8 @@ class GltfFile {
     while (buffer.size() % 4 != 0) buffer.push_back(0);
     const std::size_t offset = buffer.size();
     for (const T& value : values) append(buffer, value);
-    return add("bufferViews", {{"buffer", 0},
-                               {"byteOffset", offset},
-                               {"byteLength", buffer.size() - offset}});
+    return add("bufferViews",
+               {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", buffer.size() - offset}});
   }
   template <class T>
   std::size_t accessor(const std::vector<T>& values, const char* type, int component,

@@ -83,7 +83,8 @@ TEST(Sweep, DamagedFilesLoadOrSayWhy) {
     random = random * 1664525u + 1013904223u;
     if (round % 2 == 0) damaged.resize(random % damaged.size());
     // Most of the head is JSON, where a changed byte means most.
-    else damaged[random % 2048] = static_cast<char>(random >> 24);
+    else
+      damaged[random % 2048] = static_cast<char>(random >> 24);
     file = std::fopen(path.c_str(), "wb");
     std::fwrite(damaged.data(), 1, damaged.size(), file);
     std::fclose(file);
@@ -139,19 +140,18 @@ TEST_P(KnownScenes, HaveTheirTriangles) {
   expect_usable(scene, path);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, KnownScenes,
-                         ::testing::Values(Known{"paper/office.glb", 36308, 0, 299},
-                                           Known{"paper/cornell.glb", 792, 0, 7},
-                                           Known{"paper/sponza.glb", 66450, 1, 1},
-                                           Known{"sibenik/sibenik.obj", 73564, 1, 1},
-                                           Known{"bart_kitchen/static.obj", 103343, 307, 307},
-                                           Known{"bart_kitchen/dynamic_000.obj", 7218, 86, 86},
-                                           Known{"bart_museum/static.obj", 10668, 0, 0},
-                                           Known{"bart_museum/dynamic_000.obj", 1024, 0, 0},
-                                           Known{"cloth_ball/cloth_ball92.ply", 92230, 1, 1},
-                                           Known{"bitterli_coffee/coffee.glb", 235271, 0, 23},
-                                           Known{"bitterli_teapot_full/teapot-full.glb", 126744, 0,
-                                                 5}));
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, KnownScenes,
+    ::testing::Values(Known{"paper/office.glb", 36308, 0, 299},
+                      Known{"paper/cornell.glb", 792, 0, 7}, Known{"paper/sponza.glb", 66450, 1, 1},
+                      Known{"sibenik/sibenik.obj", 73564, 1, 1},
+                      Known{"bart_kitchen/static.obj", 103343, 307, 307},
+                      Known{"bart_kitchen/dynamic_000.obj", 7218, 86, 86},
+                      Known{"bart_museum/static.obj", 10668, 0, 0},
+                      Known{"bart_museum/dynamic_000.obj", 1024, 0, 0},
+                      Known{"cloth_ball/cloth_ball92.ply", 92230, 1, 1},
+                      Known{"bitterli_coffee/coffee.glb", 235271, 0, 23},
+                      Known{"bitterli_teapot_full/teapot-full.glb", 126744, 0, 5}));
 
 TEST(Sweep, PaperScenesHaveTheirLightAndCamera) {
   for (const char* name : {"paper/office.glb", "paper/cornell.glb", "paper/sponza.glb"}) {

@@ -1,0 +1,164 @@
+#include <algorithm>
+#include <cmath>
+
+#include "io/glb_writer.h"
+#include "io/linear.h"
+
+namespace raysheaf::io {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kFloat = 5126, kUint32 = 5125, kVertices = 34962, kIndices = 34963;
+
+template <class T>
+std::span<const std::uint8_t> raw(const T* first, std::size_t count) {
+  return {reinterpret_cast<const std::uint8_t*>(first), count * sizeof(T)};
+}
+
+template <class T>
+std::size_t add_vertices(GlbParts& parts, const std::vector<T>& values, const char* type) {
+  const std::size_t view = parts.add_view(raw(values.data(), values.size()));
+  parts.json["bufferViews"][view]["target"] = kVertices;
+  return parts.add(
+      "accessors",
+      {{"bufferView", view}, {"componentType", kFloat}, {"count", values.size()}, {"type", type}});
+}
+
+json attributes_of(const Mesh& mesh, GlbParts& parts) {
+  const std::size_t positions = add_vertices(parts, mesh.positions, "VEC3");
+  Vec3 low = mesh.positions[0], high = low;
+  for (const Vec3& p : mesh.positions) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  json& accessor = parts.json["accessors"][positions];
+  accessor["min"] = {low.x, low.y, low.z};
+  accessor["max"] = {high.x, high.y, high.z};
+  json result = {{"POSITION", positions}};
+  if (!mesh.normals.empty()) result["NORMAL"] = add_vertices(parts, mesh.normals, "VEC3");
+  if (!mesh.uvs.empty()) result["TEXCOORD_0"] = add_vertices(parts, mesh.uvs, "VEC2");
+  return result;
+}
+
+std::uint32_t material_at(const Mesh& mesh, std::size_t triangle) {
+  if (mesh.materials.empty()) return kInvalidId;
+  return mesh.materials.size() == 1 ? mesh.materials[0] : mesh.materials[triangle];
+}
+
+/// One primitive for each run of triangles with the same material, so that the order stays. They
+/// share the vertices and one buffer view of indices.
+json mesh_of(const Mesh& mesh, GlbParts& parts) {
+  const json attributes = attributes_of(mesh, parts);
+  const std::size_t view = parts.add_view(raw(mesh.triangles.data(), mesh.triangles.size()));
+  parts.json["bufferViews"][view]["target"] = kIndices;
+  json primitives = json::array();
+  for (std::size_t first = 0, last = 0; first < mesh.triangles.size(); first = last) {
+    const std::uint32_t material = material_at(mesh, first);
+    while (last < mesh.triangles.size() && material_at(mesh, last) == material) ++last;
+    const std::size_t indices = parts.add("accessors", {{"bufferView", view},
+                                                        {"byteOffset", 12 * first},
+                                                        {"componentType", kUint32},
+                                                        {"count", 3 * (last - first)},
+                                                        {"type", "SCALAR"}});
+    json primitive = {{"attributes", attributes}, {"indices", indices}};
+    if (material != kInvalidId) primitive["material"] = material;
+    primitives.push_back(std::move(primitive));
+  }
+  return {{"name", mesh.name}, {"primitives", primitives}};
+}
+
+void write_transform(const Affine& a, json& node) {
+  const Affine identity;
+  if (a.m == identity.m) return;
+  json matrix = json::array();
+  for (std::size_t c = 0; c < 4; ++c) {
+    for (std::size_t r = 0; r < 3; ++r) matrix.push_back(a.m[r][c]);
+    matrix.push_back(c == 3 ? 1 : 0);
+  }
+  node["matrix"] = matrix;
+}
+
+/// A frame whose -z axis is the light's direction.
+Affine light_frame(const Light& light) {
+  const Double3 z = widen(light.direction) * -1;
+  const Double3 spare = std::fabs(z.y) < 0.9 ? Double3{0, 1, 0} : Double3{1, 0, 0};
+  const Double3 x = normalized(cross(spare, z), {1, 0, 0});
+  DoubleAffine frame;
+  frame.columns = {x, cross(z, x), z, widen(light.position)};
+  if (light.type == Light::Type::kPoint)
+    frame.columns = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, widen(light.position)}};
+  if (light.type == Light::Type::kDirectional) frame.columns[3] = {};
+  return narrow(frame);
+}
+
+json light_of(const Light& light) {
+  const float strength = power_of_two_above(light.intensity);
+  const Vec3 i = light.intensity;
+  json result = {{"name", light.name},
+                 {"color", {i.x / strength, i.y / strength, i.z / strength}},
+                 {"intensity", strength}};
+  result["type"] = light.type == Light::Type::kPoint  ? "point"
+                   : light.type == Light::Type::kSpot ? "spot"
+                                                      : "directional";
+  if (std::isfinite(light.range)) result["range"] = light.range;
+  if (light.type == Light::Type::kSpot) {
+    result["spot"] = {{"innerConeAngle", light.inner_angle}, {"outerConeAngle", light.outer_angle}};
+  }
+  return result;
+}
+
+json camera_of(const Camera& camera) {
+  const bool bounded = std::isfinite(camera.z_far);
+  json lens = {{"znear", camera.z_near}};
+  if (camera.orthographic) {
+    lens["xmag"] = lens["ymag"] = camera.y_mag;
+    // glTF demands a number here.
+    lens["zfar"] = bounded ? camera.z_far : std::numeric_limits<float>::max();
+  } else {
+    lens["yfov"] = camera.y_fov;
+    if (bounded) lens["zfar"] = camera.z_far;
+  }
+  const char* type = camera.orthographic ? "orthographic" : "perspective";
+  return {{"name", camera.name}, {"type", type}, {type, lens}};
+}
+
+}  // namespace
+
+void write_meshes(const SceneDescription& scene, GlbParts& parts) {
+  for (const Mesh& mesh : scene.meshes) {
+    if (!mesh.triangles.empty()) parts.add("meshes", mesh_of(mesh, parts));
+  }
+}
+
+void write_nodes(const SceneDescription& scene, GlbParts& parts) {
+  std::vector<std::size_t> index_of;
+  std::size_t written = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    index_of.push_back(mesh.triangles.empty() ? kInvalidId : written++);
+  }
+  for (const Instance& instance : scene.instances) {
+    if (index_of[instance.mesh] == kInvalidId) continue;
+    json node = {{"name", instance.name}, {"mesh", index_of[instance.mesh]}};
+    write_transform(instance.to_world, node);
+    parts.add("nodes", node);
+  }
+  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+    parts.extensions.insert("KHR_lights_punctual");
+    parts.json["extensions"]["KHR_lights_punctual"]["lights"].push_back(light_of(scene.lights[i]));
+    json node = {{"extensions", {{"KHR_lights_punctual", {{"light", i}}}}}};
+    write_transform(light_frame(scene.lights[i]), node);
+    parts.add("nodes", node);
+  }
+  for (const Camera& camera : scene.cameras) {
+    json node = {{"camera", parts.add("cameras", camera_of(camera))}};
+    write_transform(camera.to_world, node);
+    parts.add("nodes", node);
+  }
+  json roots = json::array();
+  for (std::size_t n = 0; n < parts.json["nodes"].size(); ++n) roots.push_back(n);
+  parts.add("scenes", {{"name", scene.name}, {"nodes", roots}});
+  parts.json["scene"] = 0;
+}
+
+}  // namespace raysheaf::io

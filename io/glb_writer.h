@@ -1,0 +1,35 @@
+// A scene as the JSON and the bytes of a GLB.
+#pragma once
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <span>
+#include <string>
+
+#include "io/file.h"
+#include "raysheaf/scene_description.h"
+
+namespace raysheaf::io {
+
+/// What a GLB is made of, while it grows.
+struct GlbParts {
+  nlohmann::json json;
+  Bytes binary;
+  std::set<std::string> extensions;
+
+  /// Appends bytes on a boundary of four and gives the index of their buffer view.
+  std::size_t add_view(std::span<const std::uint8_t> bytes);
+  /// Appends an item to one of the root's arrays and gives its index.
+  std::size_t add(const char* list, nlohmann::json item);
+};
+
+void write_materials(const SceneDescription& scene, GlbParts& parts);  ///< and textures, images
+void write_meshes(const SceneDescription& scene, GlbParts& parts);
+void write_nodes(const SceneDescription& scene, GlbParts& parts);  ///< and lights, cameras
+
+/// `value` as a power of two and a rest of at most 1 whose product it is exactly: for fields whose
+/// factors may not exceed 1.
+[[nodiscard]] float power_of_two_above(Vec3 value);
+
+}  // namespace raysheaf::io

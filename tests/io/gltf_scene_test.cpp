@@ -1,0 +1,219 @@
+// Nodes, lights, cameras, materials and textures of glTF.
+#include <cmath>
+#include <numbers>
+
+#include "tests/io/io_support.h"
+
+namespace raysheaf::test {
+namespace {
+
+using nlohmann::json;
+using GltfScene = IoTest;
+
+constexpr double kHalf = std::numbers::sqrt2 / 2;
+
+/// A PNG of 2 x 1 pixels, red and green.
+Bytes small_png(const std::string& path) {
+  write_png({"small", 2, 1, {255, 0, 0, 255, 0, 255, 0, 255}}, path);
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST_F(GltfScene, ComposesTheTransformsOfItsNodes) {
+  GltfFile file;
+  file.show_triangle();
+  file.roots.clear();
+  // Turn by 90 degrees about z, after scaling x; the parent moves and doubles.
+  file.json["nodes"][0].update(json{{"rotation", {0, 0, kHalf, kHalf}}, {"scale", {3, 1, 1}}});
+  file.node({{"children", {0}}, {"matrix", {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 10, 20, 30, 1}}});
+  const SceneDescription scene = load_scene(write("a.gltf", file.text()));
+  ASSERT_EQ(scene.instances.size(), 1u);
+  const Affine& m = scene.instances[0].to_world;
+  const float expected[3][4] = {{0, -2, 0, 10}, {6, 0, 0, 20}, {0, 0, 2, 30}};
+  for (std::size_t r = 0; r < 3; ++r) {
+    for (std::size_t c = 0; c < 4; ++c) EXPECT_NEAR(m.m[r][c], expected[r][c], 1e-5);
+  }
+}
+
+TEST_F(GltfScene, ShowsTheDefaultSceneAlone) {
+  GltfFile file;
+  file.show_triangle();
+  file.node({{"mesh", 0}, {"name", "second"}});
+  file.json["scenes"] = {{{"nodes", {0}}}, {{"nodes", {1}}}};
+  file.json["scene"] = 1;
+  const SceneDescription scene = load_scene(write("a.gltf", file.text()));
+  ASSERT_EQ(scene.instances.size(), 1u);
+  EXPECT_EQ(scene.instances[0].name, "second");
+  // Without a list of scenes every root is shown.
+  file.json.erase("scenes");
+  file.json.erase("scene");
+  file.roots.clear();
+  EXPECT_EQ(load_scene(write("b.gltf", file.text())).instances.size(), 2u);
+}
+
+TEST_F(GltfScene, ReadsLights) {
+  GltfFile file;
+  file.show_triangle();
+  file.json["extensions"]["KHR_lights_punctual"]["lights"] = {
+      {{"type", "point"}, {"color", {1, 0.5, 0}}, {"intensity", 4}, {"range", 7}},
+      {{"type", "spot"}, {"spot", {{"innerConeAngle", 0.1}, {"outerConeAngle", 0.2}}}},
+      {{"type", "directional"}, {"name", "sun"}}};
+  for (int light = 0; light < 3; ++light) {
+    file.node({{"translation", {1, 2, 3}},
+               {"scale", {2, 2, 2}},
+               {"rotation", {-kHalf, 0, 0, kHalf}},
+               {"extensions", {{"KHR_lights_punctual", {{"light", light}}}}}});
+  }
+  const SceneDescription scene = load_scene(write("a.gltf", file.text()));
+  ASSERT_EQ(scene.lights.size(), 3u);
+  const Light &point = scene.lights[0], &spot = scene.lights[1], &sun = scene.lights[2];
+  EXPECT_EQ(point.type, Light::Type::kPoint);
+  EXPECT_EQ(point.position.y, 2);
+  EXPECT_EQ(point.intensity.x, 4);
+  EXPECT_EQ(point.intensity.y, 2);
+  EXPECT_EQ(point.range, 7);
+  EXPECT_EQ(spot.type, Light::Type::kSpot);
+  EXPECT_FLOAT_EQ(spot.outer_angle, 0.2f);
+  EXPECT_FLOAT_EQ(spot.inner_angle, 0.1f);
+  EXPECT_TRUE(std::isinf(spot.range));
+  EXPECT_EQ(sun.type, Light::Type::kDirectional);
+  EXPECT_EQ(sun.name, "sun");
+  // -z, turned by -90 degrees about x, points down.
+  EXPECT_NEAR(sun.direction.y, -1, 1e-6);
+  EXPECT_NEAR(sun.direction.z, 0, 1e-6);
+}
+
+TEST_F(GltfScene, ReadsCamerasWithoutTheScaleOfTheirNodes) {
+  GltfFile file;
+  file.show_triangle();
+  file.add("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.1}}}});
+  file.add("cameras", {{"type", "orthographic"},
+                       {"name", "flat"},
+                       {"orthographic", {{"xmag", 3}, {"ymag", 2}, {"znear", 0}, {"zfar", 9}}}});
+  file.node({{"camera", 0},
+             {"name", "eye"},
+             {"translation", {4, 5, 6}},
+             {"rotation", {0.1, 0.2, 0.3, 0.9}},
+             {"scale", {2, 3, -4}}});
+  file.node({{"camera", 1}});
+  const SceneDescription scene = load_scene(write("a.gltf", file.text()));
+  ASSERT_EQ(scene.cameras.size(), 2u);
+  const Camera& eye = scene.cameras[0];
+  EXPECT_EQ(eye.name, "eye");
+  EXPECT_FLOAT_EQ(eye.y_fov, 0.5f);
+  EXPECT_FLOAT_EQ(eye.z_near, 0.1f);
+  EXPECT_TRUE(std::isinf(eye.z_far));
+  EXPECT_EQ(eye.to_world.m[1][3], 5);
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      double sum = 0;
+      for (std::size_t r = 0; r < 3; ++r) sum += eye.to_world.m[r][a] * eye.to_world.m[r][b];
+      EXPECT_NEAR(sum, a == b ? 1 : 0, 1e-6);
+    }
+  }
+  EXPECT_TRUE(scene.cameras[1].orthographic);
+  EXPECT_EQ(scene.cameras[1].y_mag, 2);
+  EXPECT_EQ(scene.cameras[1].z_far, 9);
+}
+
+TEST_F(GltfScene, ReadsMaterialsAndTheirDefaults) {
+  GltfFile file;
+  file.add("materials", {{"name", "plain"}});
+  file.add("materials", {{"doubleSided", true},
+                         {"emissiveFactor", {0.5, 0.25, 1}},
+                         {"pbrMetallicRoughness",
+                          {{"baseColorFactor", {0.1, 0.2, 0.3, 0.4}},
+                           {"metallicFactor", 0.25},
+                           {"roughnessFactor", 0.75}}},
+                         {"extensions",
+                          {{"KHR_materials_transmission", {{"transmissionFactor", 0.5}}},
+                           {"KHR_materials_ior", {{"ior", 1.25}}},
+                           {"KHR_materials_specular",
+                            {{"specularFactor", 0.5}, {"specularColorFactor", {1, 0, 0.5}}}},
+                           {"KHR_materials_emissive_strength", {{"emissiveStrength", 8}}},
+                           {"KHR_materials_unlit", json::object()}}}});
+  file.show_triangle();
+  const SceneDescription scene = load_scene(write("a.gltf", file.text()));
+  ASSERT_EQ(scene.materials.size(), 2u);
+  const Material &plain = scene.materials[0], &rich = scene.materials[1];
+  EXPECT_EQ(plain.metallic, 1) << "glTF's default";
+  EXPECT_EQ(plain.roughness, 1);
+  EXPECT_EQ(plain.ior, 1.5f);
+  EXPECT_FALSE(plain.double_sided);
+  EXPECT_TRUE(rich.double_sided);
+  EXPECT_TRUE(rich.unlit);
+  EXPECT_EQ(rich.base_color.w, 0.4f);
+  EXPECT_EQ(rich.metallic, 0.25f);
+  EXPECT_EQ(rich.roughness, 0.75f);
+  EXPECT_EQ(rich.emission.y, 2);
+  EXPECT_EQ(rich.transmission, 0.5f);
+  EXPECT_EQ(rich.ior, 1.25f);
+  EXPECT_EQ(rich.specular, 0.5f);
+  EXPECT_EQ(rich.specular_color.z, 0.5f);
+  EXPECT_TRUE(scene.meshes[0].materials.empty()) << "no material: Material{}";
+}
+
+TEST_F(GltfScene, ReadsImagesFromEverywhere) {
+  const Bytes png = small_png(path("ex ternal.png"));
+  GltfFile file;
+  file.show_triangle();
+  const std::size_t view = file.view(png);
+  file.add("images", {{"bufferView", view}, {"mimeType", "image/png"}, {"name", "packed"}});
+  file.add("images", {{"uri", "data:image/png;base64," + base64(png)}});
+  file.add("images", {{"uri", "ex%20ternal.png"}});
+  file.add("images", {{"uri", "data:image/png;base64,bm8gcGljdHVyZQ=="}});
+  file.add("samplers",
+           {{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}, {"minFilter", 9987}});
+  file.add("textures", {{"source", 0}, {"sampler", 0}});
+  for (int image : {1, 2, 3}) file.add("textures", {{"source", image}});
+  const json transform = {{"offset", {0.5, 0.25}}, {"scale", {2, 3}}, {"rotation", 0.125}};
+  file.add("materials", {{"pbrMetallicRoughness",
+                          {{"baseColorTexture",
+                            {{"index", 0}, {"extensions", {{"KHR_texture_transform", transform}}}}},
+                           {"metallicRoughnessTexture", {{"index", 2}}}}},
+                         {"emissiveTexture", {{"index", 3}}}});
+  const SceneDescription scene = load_scene(write("a.gltf", file.text()));
+  ASSERT_EQ(scene.images.size(), 3u);
+  for (const Image& image : scene.images) {
+    EXPECT_EQ(image.rgba, (std::vector<std::uint8_t>{255, 0, 0, 255, 0, 255, 0, 255}));
+  }
+  EXPECT_EQ(scene.images[0].name, "packed");
+  ASSERT_EQ(scene.textures.size(), 3u);
+  EXPECT_EQ(scene.textures[0].wrap_u, Wrap::kClampToEdge);
+  EXPECT_EQ(scene.textures[0].wrap_v, Wrap::kMirroredRepeat);
+  EXPECT_EQ(scene.textures[0].filter, Filter::kNearest);
+  EXPECT_EQ(scene.textures[1].filter, Filter::kLinear);
+  const Material& material = scene.materials[0];
+  EXPECT_EQ(material.base_color_texture.texture, 0u);
+  EXPECT_EQ(material.base_color_texture.offset.y, 0.25f);
+  EXPECT_EQ(material.base_color_texture.scale.y, 3);
+  EXPECT_EQ(material.base_color_texture.rotation, 0.125f);
+  EXPECT_EQ(material.metallic_roughness_texture.texture, 2u);
+  EXPECT_EQ(material.emission_texture.texture, kInvalidId);
+  EXPECT_TRUE(warns(scene, "images[3] is too large or no picture"));
+}
+
+TEST_F(GltfScene, WarnsOncePerKindOfWhatIsLeftOut) {
+  GltfFile file;
+  file.show_triangle();
+  for (int i = 0; i < 3; ++i) file.add("materials", {{"alphaMode", "BLEND"}});
+  file.json["extensionsUsed"] = {"KHR_materials_clearcoat", "KHR_lights_punctual",
+                                 "KHR_materials_clearcoat"};
+  const SceneDescription scene = load_scene(write("a.gltf", file.text()));
+  EXPECT_EQ(scene.warnings.size(), 2u);
+  EXPECT_TRUE(warns(scene, "KHR_materials_clearcoat"));
+  EXPECT_TRUE(warns(scene, "BLEND"));
+}
+
+TEST_F(GltfScene, SurvivesADeepChainOfNodes) {
+  GltfFile file;
+  file.show_triangle();
+  file.roots.clear();
+  constexpr int kDepth = 20000;
+  for (int i = 0; i < kDepth; ++i) file.add("nodes", {{"children", {i}}});
+  file.roots = {kDepth};
+  EXPECT_EQ(load_scene(write("a.gltf", file.text())).instances.size(), 1u);
+}
+
+}  // namespace
+}  // namespace raysheaf::test

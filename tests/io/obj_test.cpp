@@ -1,0 +1,202 @@
+// Wavefront OBJ and MTL.
+#include <cmath>
+
+#include "tests/io/io_support.h"
+
+namespace raysheaf::test {
+namespace {
+
+using enum ErrorCode;
+
+class Obj : public IoTest {
+ protected:
+  SceneDescription load(const std::string& text) { return load_scene(write("a.obj", text)); }
+  void expect(ErrorCode code, const std::string& text, const std::vector<std::string>& words) {
+    expect_refused(write("a.obj", text), code, words);
+  }
+};
+
+const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+float area(const Mesh& mesh) {
+  double sum = 0;
+  for (const auto& t : mesh.triangles) {
+    const Vec3 a = mesh.positions[t[0]], b = mesh.positions[t[1]], c = mesh.positions[t[2]];
+    sum += ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)) / 2;
+  }
+  return static_cast<float>(sum);
+}
+
+TEST_F(Obj, CutsPolygonsIntoFans) {
+  const SceneDescription scene = load(kSquare + "f 1 2 3 4\n");
+  const std::vector<std::array<std::uint32_t, 3>> fan = {{0, 1, 2}, {0, 2, 3}};
+  ASSERT_EQ(scene.meshes.size(), 1u);
+  EXPECT_EQ(scene.meshes[0].positions.size(), 4u);
+  ASSERT_EQ(scene.meshes[0].triangles.size(), 2u);
+  EXPECT_FLOAT_EQ(area(scene.meshes[0]), 1);
+  EXPECT_EQ(scene.instances.size(), 1u);
+  EXPECT_TRUE(scene.materials[0].double_sided);
+}
+TEST_F(Obj, CutsConcavePolygonsWithoutOverlap) {
+  // An L, and a comb whose fan would fold over.
+  const std::string shape = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 1 2 0\nv 1 1 0\nv 0 1 0\nf 5 6 1 2 3 4\n";
+  const SceneDescription scene = load(shape);
+  const Mesh& mesh = scene.meshes[0];
+  EXPECT_EQ(mesh.triangles.size(), 4u);
+  EXPECT_FLOAT_EQ(area(mesh), 3);
+  for (const auto& t : mesh.triangles) {
+    Mesh one = mesh;
+    one.triangles = {t};
+    EXPECT_GE(area(one), 0);
+  }
+}
+TEST_F(Obj, CountsNegativeIndicesFromTheNewest) {
+  const SceneDescription scene = load("v 9 9 9\n" + kSquare + "f -4 -3 -2\nv 5 5 5\nf -5 -4 -1\n");
+  const Mesh& mesh = scene.meshes[0];
+  EXPECT_EQ(mesh.positions[mesh.triangles[0][0]].x, 0);
+  EXPECT_EQ(mesh.positions[mesh.triangles[1][2]].x, 5);
+}
+TEST_F(Obj, MakesAMeshOfEachGroup) {
+  const SceneDescription scene = load(kSquare +
+                                      "o Cylinder#1 \nf 1 2 3\ng left side\nf 1 2 3\nf 1 3 4\n"
+                                      "o other\nf 1 2 4\no Cylinder#1\nf 2 3 4\n");
+  ASSERT_EQ(scene.meshes.size(), 3u);
+  EXPECT_EQ(scene.meshes[0].name, "Cylinder#1");
+  EXPECT_EQ(scene.meshes[0].triangles.size(), 2u) << "a group may be continued";
+  EXPECT_EQ(scene.meshes[1].name, "Cylinder#1/left side");
+  EXPECT_EQ(scene.meshes[2].name, "other");
+  ASSERT_EQ(scene.instances.size(), 3u);
+  EXPECT_EQ(scene.instances[2].mesh, 2u);
+}
+TEST_F(Obj, ReadsNormalsAndCoordinates) {
+  const SceneDescription scene =
+      load(kSquare + "vt 0.25 0.75\nvt 1\nvn 0 0 -2\nf 1/1/1 2/2/1 3//1 # a comment\n");
+  const Mesh& mesh = scene.meshes[0];
+  EXPECT_EQ(mesh.normals[0].z, -1);
+  EXPECT_EQ(mesh.uvs[0].x, 0.25f);
+  EXPECT_EQ(mesh.uvs[0].y, 0.25f) << "v counts from the top row";
+  EXPECT_EQ(mesh.uvs[1].y, 1);
+}
+TEST_F(Obj, UnderstandsOddLines) {
+  const SceneDescription scene = load(
+      "\r\n# head\r\n  v 0 0 0 1 1 1\r\nv\t1. +0 -.0e-1\r\nv 0 \\\r\n1 0\r\n\r\ns off\r\nf 1 "
+      "2 3");
+  EXPECT_EQ(scene.triangle_count(), 1u);
+  EXPECT_EQ(scene.meshes[0].positions[2].y, 1);
+  EXPECT_EQ(load("v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r").triangle_count(), 1u) << "old line ends";
+}
+TEST_F(Obj, WarnsOfWhatIsLeftOut) {
+  const SceneDescription scene = load(kSquare + "l 1 2\np 1\nf 1 2\nf 1 2 3\n");
+  EXPECT_TRUE(warns(scene, "Points and lines"));
+  EXPECT_TRUE(warns(scene, "fewer than three"));
+}
+
+TEST_F(Obj, NamesTheLineOfWhatIsWrong) {
+  expect(kInvalidData, kSquare + "f 1 2 5\n", {"line 5", "vertex 5", "there are 4"});
+  expect(kInvalidData, kSquare + "f 1 2 -5\n", {"line 5", "vertex -5"});
+  expect(kInvalidData, kSquare + "f 1 2 0\n", {"line 5", "index 0"});
+  expect(kInvalidData, kSquare + "f 1 2 99999999999\n", {"line 5", "out of range"});
+  expect(kInvalidData, kSquare + "\nf 1/1 2 3\n", {"line 6", "texture coordinate 1"});
+  expect(kInvalidData, kSquare + "f 1//7 2 3\n", {"line 5", "normal 7"});
+  expect(kInvalidData, kSquare + "f 1 2 x\n", {"line 5", "\"x\""});
+  expect(kInvalidData, kSquare + "f 1 2 3/4/5/6\n", {"line 5", "\"3/4/5/6\""});
+  expect(kInvalidData, "v 0 0 nan\n", {"line 1", "\"nan\"", "finite"});
+  expect(kInvalidData, "v 0 0 inf\n", {"line 1", "finite"});
+  expect(kInvalidData, "v 0 0 1e99\n", {"line 1", "finite"});
+  expect(kInvalidData, "v 0 0 1e99999999999\n", {"line 1"});
+  expect(kInvalidData, "v 0 0\n", {"line 1", "2 numbers"});
+  expect(kInvalidData, "v 0 0 1..2\n", {"line 1"});
+  expect(kInvalidData, kSquare, {"triangle"});
+  expect(kInvalidData, std::string("\0\1\2\3", 4), {"triangle"});
+}
+
+TEST_F(Obj, TurnsPhongIntoMetallicRoughness) {
+  write("m.mtl",
+        "newmtl matte\nKd 0.5 0.25 0.125\nKs 0 0 0\nNs 0\nillum 2\n"
+        "newmtl glossy\nKd 0.5 0.5 0.5\nKs 0.4 0.2 0\nNs 98\n"
+        "newmtl mirror\nKd 0 0 0\nKs 0.9 0.8 0.7\nNs 50\nillum 5\n"
+        "newmtl sharp\nKd 0.1 0.1 0.1\nKs 0.9 0.9 0.9\nNs 1000\n"
+        "newmtl glass\nTf 0.9 0.95 1\nNi 1.33\nillum 7\n"
+        "newmtl thin\nKd 1 1 1\nd 0.25\nNi 1.2\n"
+        "newmtl lamp\nKd 1 1 1\nKe 10 20 30\n"
+        "newmtl metal\nKd 1 1 0\nPm 0.5\nPr 0.25\n");
+  std::string text = "mtllib m.mtl\n" + kSquare;
+  for (const char* name :
+       {"matte", "glossy", "mirror", "sharp", "glass", "thin", "lamp", "metal"}) {
+    text += std::string("usemtl ") + name + " \nf 1 2 3\n";
+  }
+  const SceneDescription scene = load(text);
+  ASSERT_EQ(scene.materials.size(), 8u);
+  ASSERT_EQ(scene.meshes[0].materials, (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5, 6, 7}));
+  const auto& m = scene.materials;
+  EXPECT_EQ(m[0].name, "matte");
+  EXPECT_EQ(m[0].base_color.y, 0.25f);
+  EXPECT_EQ(m[0].roughness, 1);
+  EXPECT_EQ(m[0].specular, 0);
+  EXPECT_NEAR(m[1].roughness, std::sqrt(0.02), 1e-6);
+  EXPECT_EQ(m[1].specular, 0.4f);
+  EXPECT_EQ(m[1].specular_color.y, 0.5f);
+  for (std::size_t i : {2u, 3u}) {
+    EXPECT_EQ(m[i].metallic, 1);
+    EXPECT_EQ(m[i].roughness, 0);
+    EXPECT_EQ(m[i].base_color.x, 0.9f);
+  }
+  EXPECT_EQ(m[4].transmission, 1);
+  EXPECT_EQ(m[4].ior, 1.33f);
+  EXPECT_EQ(m[4].base_color.x, 0.9f);
+  EXPECT_EQ(m[5].transmission, 0.75f);
+  EXPECT_EQ(m[6].emission.z, 30);
+  EXPECT_EQ(m[7].metallic, 0.5f);
+  EXPECT_EQ(m[7].roughness, 0.25f);
+  for (const Material& material : m) EXPECT_TRUE(material.double_sided);
+}
+
+TEST_F(Obj, ReadsTexturesOfMaterials) {
+  write_png({"", 1, 1, {10, 20, 30, 255}}, path("a texture.png"));
+  write("with space.mtl",
+        "newmtl a\nKd 0 0 0\nmap_Kd -s 2 4 1 -o 0.5 0.25 0 a texture.png\n"
+        "newmtl b\nKd 1 1 1\nmap_Kd a texture.png\nmap_Bump bump.png\n"
+        "newmtl c\nKd 1 1 1\nmap_Kd gone.png\n"
+        "newmtl d\nKd 1 1 1\nmap_Kd ../outside.png\n");
+  const SceneDescription scene = load("mtllib with space.mtl\n" + kSquare +
+                                      "vt 0 0\nusemtl a\nf 1/1 2/1 3/1\nusemtl d\nf 1 2 3\n");
+  ASSERT_EQ(scene.materials.size(), 4u);
+  ASSERT_EQ(scene.images.size(), 1u);
+  ASSERT_EQ(scene.textures.size(), 1u);
+  EXPECT_EQ(scene.images[0].rgba[1], 20);
+  const TextureSlot& slot = scene.materials[0].base_color_texture;
+  EXPECT_EQ(slot.texture, 0u);
+  EXPECT_EQ(scene.materials[0].base_color.x, 1) << "a black factor would hide the texture";
+  // u' = 2 u + 0.5, v' = 4 v + 0.25, with v from the bottom.
+  EXPECT_EQ(slot.scale.y, 4);
+  EXPECT_FLOAT_EQ(slot.offset.x, 0.5f);
+  EXPECT_FLOAT_EQ(1 - (slot.scale.y * (1 - 0.5f) + slot.offset.y), 4 * 0.5f + 0.25f);
+  EXPECT_EQ(scene.materials[1].base_color_texture.texture, 0u);
+  EXPECT_EQ(scene.materials[2].base_color_texture.texture, kInvalidId);
+  EXPECT_EQ(scene.materials[3].base_color_texture.texture, kInvalidId);
+  EXPECT_TRUE(warns(scene, "gone.png"));
+  EXPECT_TRUE(warns(scene, "outside.png"));
+  EXPECT_TRUE(warns(scene, "Bump"));
+}
+TEST_F(Obj, StandsInForWhatIsMissing) {
+  const SceneDescription scene = load("mtllib gone.mtl\n" + kSquare +
+                                      "f 1 2 3\nusemtl nobody\nf 1 2 3\nusemtl none\nf 1 2 3\n");
+  EXPECT_TRUE(warns(scene, "gone.mtl"));
+  EXPECT_TRUE(warns(scene, "\"nobody\" and 1 more"));
+  ASSERT_EQ(scene.materials.size(), 1u);
+  EXPECT_TRUE(scene.materials[0].double_sided);
+  write("empty.mtl", std::string());
+  EXPECT_EQ(load("mtllib empty.mtl\n" + kSquare + "f 1 2 3\n").triangle_count(), 1u);
+}
+
+TEST_F(Obj, ReadsManyNamesAndFacesInLinearTime) {
+  std::string text = kSquare;
+  for (int i = 0; i < 50000; ++i) {
+    text += "vn 0 0 " + std::to_string(i + 1) + "\nusemtl m" + std::to_string(i) + "\ng g" +
+            std::to_string(i) + "\nf 1//-1 2//-1 3//-1\n";
+  }
+  EXPECT_EQ(load(text).meshes.size(), 50000u);
+}
+
+}  // namespace
+}  // namespace raysheaf::test
