@@ -66,13 +66,13 @@ void add_building(MeshBuilder& builder, const AtriumMaterials& m) {
 
 void decorate(MeshBuilder& builder, const AtriumMaterials& m) {
   const std::array<std::uint32_t, 3> cloths = {m.red_cloth, m.gold_cloth, m.blue_cloth};
-  const auto both_sides = sides();
+  const auto court_sides = sides();
   for (std::size_t i = 0; i < 5; ++i) {
     const float x = 4 * static_cast<float>(i) - 8;
     for (const std::size_t side : {2u, 3u}) {
       const float along = side == 2 ? -x : x;
       const Affine hung =
-          compose(both_sides[side].frame, translation({along, kFloorHeight + 0.75f, 0.3f}));
+          compose(court_sides[side].frame, translation({along, kFloorHeight + 0.75f, 0.3f}));
       add_banner(builder, cloths[(i + side) % 3], m.bronze, hung);
       const Vec3 foot{(side == 2 ? -1.0f : 1.0f) * (kHalfWidth - 0.75f), 0, x + 1};
       add_potted_plant(builder, m, translation(foot), 10 * i + side);

@@ -48,6 +48,62 @@ void add_door(MeshBuilder& builder, const AtriumMaterials& m, const Affine& foot
   add_moulding(builder, kWide, kHigh + 0.2f, outline);
 }
 
+constexpr float kOverhang = 0.55f, kSlope = 0.3f, kRun = kGalleryDepth + kOverhang;
+
+/// Half the length of the eaves, which shut off the corners that the other sides cover.
+float half_eaves(const Side& side) {
+  return side.length() / 2 - kOverhang;
+}
+
+/// A point of the roof's underside: `back` from the eaves, `lift` above it.
+Vec3 on_roof(float x, float back, float lift = 0) {
+  return {x, kEaves + 0.02f + kSlope * back + lift, kOverhang - back};
+}
+
+/// The frame whose -z runs up the roof.
+Affine up_the_roof(const Side& side, Vec3 foot) {
+  const Affine slope = rotation({1, 0, 0}, std::atan(kSlope));
+  return compose(side.frame, compose(translation(foot), slope));
+}
+
+/// Seen from above or from below; the hips widen it towards the back.
+void add_roof_plane(MeshBuilder& builder, const Side& side, float lift, bool from_above) {
+  const float half = half_eaves(side);
+  const std::array<Vec3, 4> corners = {on_roof(-half, 0, lift), on_roof(half, 0, lift),
+                                       on_roof(half + kRun, kRun, lift),
+                                       on_roof(-half - kRun, kRun, lift)};
+  const Vec3 n = normalized(Vec3{0, 1, kSlope} * (from_above ? 1.0f : -1.0f));
+  std::array<std::uint32_t, 4> ids{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec3 p = corners[from_above ? i : 3 - i];
+    ids[i] = builder.add_vertex(p, n, {p.x, p.z});
+  }
+  builder.add_quad(ids[0], ids[1], ids[2], ids[3]);
+}
+
+void add_rafters(MeshBuilder& builder, const Side& side) {
+  constexpr float kPitch = 0.5f;
+  const int count = static_cast<int>(2 * half_eaves(side) / kPitch);
+  for (int i = 0; i < count; ++i) {
+    const float x = kPitch * (static_cast<float>(i) - 0.5f * static_cast<float>(count - 1));
+    builder.at(up_the_roof(side, on_roof(x, 0.03f)));
+    add_box(builder, {-0.05f, -0.12f, -1.03f * kRun}, {0.05f, 0, 0});
+  }
+}
+
+/// Half tubes, of which the court sees the ends.
+void add_barrel_tiles(MeshBuilder& builder, const Side& side) {
+  constexpr float kPitch = 0.26f;
+  std::vector<Vec2> barrel;
+  for (const Vec3 p : arc({0, 0, 0}, 0.12f, 0, 180, 5)) barrel.push_back({p.x, p.y});
+  const int count = static_cast<int>(2 * half_eaves(side) / kPitch);
+  for (int i = 0; i < count; ++i) {
+    const float x = kPitch * (static_cast<float>(i) - 0.5f * static_cast<float>(count - 1));
+    builder.at(up_the_roof(side, on_roof(x, 0, 0.05f)));
+    add_sweep(builder, barrel, {translation({0, 0, -1.1f}), translation({0, 0, 0.04f})});
+  }
+}
+
 }  // namespace
 
 void add_floors_and_walls(MeshBuilder& builder, const AtriumMaterials& m) {
@@ -93,48 +149,16 @@ void add_gallery(MeshBuilder& builder, const AtriumMaterials& m, const Side& sid
 }
 
 void add_roof(MeshBuilder& builder, const AtriumMaterials& m, const Side& side) {
-  constexpr float kOverhang = 0.55f, kSlope = 0.3f;
-  const float half = side.length() / 2 - kOverhang, run = kGalleryDepth + kOverhang;
-  // The plane of the roof, from the eaves backwards; the sides are hips.
-  const auto on_roof = [&](float x, float back, float lift) {
-    return Vec3{x, kEaves + 0.02f + kSlope * back + lift, kOverhang - back};
-  };
-  const auto add_plane = [&](float lift, bool up) {
-    const std::array<Vec3, 4> corners = {on_roof(-half, 0, lift), on_roof(half, 0, lift),
-                                         on_roof(half + run, run, lift),
-                                         on_roof(-half - run, run, lift)};
-    const Vec3 n = normalized(Vec3{0, 1, kSlope} * (up ? 1.0f : -1.0f));
-    std::array<std::uint32_t, 4> ids{};
-    for (std::size_t i = 0; i < 4; ++i)
-      ids[i] = builder.add_vertex(corners[i], n, {corners[i].x, corners[i].z});
-    if (up) {
-      builder.add_quad(ids[0], ids[1], ids[2], ids[3]);
-    } else {
-      builder.add_quad(ids[3], ids[2], ids[1], ids[0]);
-    }
-  };
+  constexpr float kThickness = 0.05f;
+  const float half = half_eaves(side);
   builder.at(side.frame).use(m.roof);
-  add_plane(0.05f, true);
+  add_roof_plane(builder, side, kThickness, true);
   builder.use(m.wood);
-  add_plane(0, false);
-  add_quad(builder, on_roof(-half, 0, 0), {2 * half, 0, 0}, {0, 0.05f, 0});
-  const Affine slope = rotation({1, 0, 0}, std::atan(kSlope));
-  const int rafters = static_cast<int>(2 * half / 0.5f);
-  for (int i = 0; i < rafters; ++i) {
-    const float x = 0.5f * (static_cast<float>(i) - 0.5f * static_cast<float>(rafters - 1));
-    builder.at(compose(side.frame, compose(translation(on_roof(x, 0.03f, 0)), slope)));
-    add_box(builder, {-0.05f, -0.12f, -run * 1.03f}, {0.05f, 0, 0});
-  }
-  // Barrel tiles: half tubes, of which the court sees the ends.
+  add_roof_plane(builder, side, 0, false);
+  add_quad(builder, on_roof(-half, 0), {2 * half, 0, 0}, {0, kThickness, 0});
+  add_rafters(builder, side);
   builder.use(m.roof);
-  std::vector<Vec2> barrel;
-  for (const Vec3 p : arc({0, 0, 0}, 0.12f, 0, 180, 5)) barrel.push_back({p.x, p.y});
-  const int tiles = static_cast<int>(2 * half / 0.26f);
-  for (int i = 0; i < tiles; ++i) {
-    const float x = 0.26f * (static_cast<float>(i) - 0.5f * static_cast<float>(tiles - 1));
-    builder.at(compose(side.frame, compose(translation(on_roof(x, 0, 0.05f)), slope)));
-    add_sweep(builder, barrel, {translation({0, 0, -1.1f}), translation({0, 0, 0.04f})});
-  }
+  add_barrel_tiles(builder, side);
 }
 
 }  // namespace raysheaf::builtin

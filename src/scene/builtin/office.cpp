@@ -103,7 +103,7 @@ void lay_rug(Stage& stage, const OfficeMaterials& m) {
 void light_up(Stage& stage) {
   Light lamp;
   lamp.name = "ceiling lamp";
-  lamp.position = {0.3f, 2.46f, -0.3f};
+  lamp.position = {0.35f, 2.46f, -0.75f};
   lamp.intensity = {11.5f, 10.8f, 9.6f};
   Light sun;
   sun.name = "sun";
@@ -114,7 +114,7 @@ void light_up(Stage& stage) {
 
   Camera camera;
   camera.name = "desk";
-  camera.to_world = look_at({2.0f, 1.5f, 2.5f}, {-0.55f, 0.88f, -1.4f}, {0, 1, 0});
+  camera.to_world = look_at({2.0f, 1.5f, 2.5f}, {-0.55f, 0.78f, -1.4f}, {0, 1, 0});
   stage.scene.cameras.push_back(camera);
 }
 
@@ -130,7 +130,7 @@ SceneDescription office() {
   furnish_middle(stage, furniture);
   furnish_foreground(stage, furniture);
   furnish_walls(stage, m, furniture);
-  stage.place(ceiling_lamp(stage, m), translation({0.3f, kRoomHeight, -0.3f}));
+  stage.place(ceiling_lamp(stage, m), translation({0.35f, kRoomHeight, -0.75f}));
   light_up(stage);
   return std::move(stage.scene);
 }

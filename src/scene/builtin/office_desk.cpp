@@ -15,7 +15,7 @@ std::uint32_t desk_top(Stage& stage, const OfficeMaterials& m) {
   return stage.add(top.take());
 }
 
-/// A steel trestle: two feet, two posts and a beam, in one tube bent to a frame.
+/// A steel trestle: two posts on feet, and a beam under the top.
 std::uint32_t desk_leg(Stage& stage, const OfficeMaterials& m) {
   MeshBuilder leg("desk leg");
   leg.use(m.black);

@@ -47,7 +47,7 @@ std::vector<std::uint32_t> add_pole(MeshBuilder& builder, Vec2 p, Vec2 n, float 
   return ring;
 }
 
-/// An eighth of a rounded box: which way it lies from the middle.
+/// A vertical line of a rounded box: the middle of its corner, and which way it lies from there.
 struct Column {
   float cx, cz;
   Turn direction;
@@ -75,6 +75,26 @@ Vec2 box_uv(Vec3 p, Vec3 n) {
   return std::fabs(n.x) > 0.7f ? Vec2{p.z, p.y} : Vec2{p.x, p.y};
 }
 
+/// A level line of a rounded box: the middle of its corners, and how steep it lies above there.
+struct Row {
+  float cy;
+  Turn slope;
+};
+
+/// From the lowest to the highest; each quarter turn has its own first and last row.
+std::vector<Row> rounded_rows(float half, float radius, int steps) {
+  std::vector<Row> result;
+  for (int j = 0; j <= steps; ++j) {
+    const float angle = radians(90) * static_cast<float>(steps - j) / static_cast<float>(steps);
+    result.push_back({radius - half, {j == 0 ? 0 : std::cos(angle), -std::sin(angle)}});
+  }
+  for (int j = steps; j >= 0; --j) {
+    const Turn slope = result[static_cast<std::size_t>(j)].slope;
+    result.push_back({half - radius, {slope.c, -slope.s}});
+  }
+  return result;
+}
+
 }  // namespace
 
 void add_quad(MeshBuilder& builder, Vec3 corner, Vec3 u, Vec3 v, Vec2 uv_scale) {
@@ -99,42 +119,29 @@ void add_box(MeshBuilder& builder, Vec3 min, Vec3 max) {
 void add_rounded_box(MeshBuilder& builder, Vec3 min, Vec3 max, float radius, int steps) {
   const Vec3 center = (min + max) * 0.5f, half = (max - min) * 0.5f;
   const auto columns = rounded_columns(half, radius, steps);
-  const auto count = static_cast<std::uint32_t>(columns.size());
-  const int rows = 2 * (steps + 1);
+  const auto rows = rounded_rows(half.y, radius, steps);
+  const std::size_t n = columns.size(), top = rows.size() - 1, corner = n / 4;
   std::vector<std::uint32_t> ids;
-  for (int i = 0; i < rows; ++i) {
-    const bool upper = i > steps;
-    const float step = static_cast<float>(upper ? i - steps - 1 : i - steps);
-    const float angle = radians(90) * step / static_cast<float>(steps);
-    const bool pole = i == 0 || i == rows - 1;
-    const float c = pole ? 0 : std::cos(angle), s = pole ? (upper ? 1.0f : -1.0f) : std::sin(angle);
+  for (const Row& row : rows) {
     for (const Column& column : columns) {
-      const Vec3 n{c * column.direction.c, s, -c * column.direction.s};
-      const Vec3 p =
-          Vec3{column.cx, (upper ? 1.0f : -1.0f) * (half.y - radius), column.cz} + n * radius;
-      ids.push_back(builder.add_vertex(center + p, n, box_uv(p, n)));
+      const float c = row.slope.c;
+      const Vec3 normal{c * column.direction.c, row.slope.s, -c * column.direction.s};
+      const Vec3 p = Vec3{column.cx, row.cy, column.cz} + normal * radius;
+      ids.push_back(builder.add_vertex(center + p, normal, box_uv(p, normal)));
     }
   }
-  const auto id = [&](int row, std::uint32_t column) {
-    return ids[static_cast<std::size_t>(row) * count + column % count];
-  };
-  const auto per_corner = static_cast<std::uint32_t>(steps + 1);
-  for (int i = 0; i + 1 < rows; ++i) {
-    for (std::uint32_t j = 0; j < count; ++j) {
-      const bool same_corner = j / per_corner == (j + 1) % count / per_corner;
+  const auto id = [&](std::size_t row, std::size_t column) { return ids[row * n + column % n]; };
+  for (std::size_t i = 0; i < top; ++i) {
+    for (std::size_t j = 0; j < n; ++j) {
       const auto a = id(i, j), b = id(i, j + 1), c = id(i + 1, j + 1), d = id(i + 1, j);
-      if (same_corner && i == 0) {
-        builder.add_triangle(a, c, d);
-      } else if (same_corner && i + 2 == rows) {
-        builder.add_triangle(a, b, d);
-      } else {
-        builder.add_quad(a, b, c, d);
-      }
+      // The columns of a corner meet in one point below and above.
+      const bool same_corner = (j + 1) % corner != 0;
+      if (!same_corner || i != 0) builder.add_triangle(a, b, same_corner && i + 1 == top ? d : c);
+      if (!same_corner || i + 1 != top) builder.add_triangle(a, c, d);
     }
   }
-  const auto k = per_corner;
-  builder.add_quad(id(rows - 1, 0), id(rows - 1, k), id(rows - 1, 2 * k), id(rows - 1, 3 * k));
-  builder.add_quad(id(0, 3 * k), id(0, 2 * k), id(0, k), id(0, 0));
+  builder.add_quad(id(top, 0), id(top, corner), id(top, 2 * corner), id(top, 3 * corner));
+  builder.add_quad(id(0, 3 * corner), id(0, 2 * corner), id(0, corner), id(0, 0));
 }
 
 void add_lathe(MeshBuilder& builder, std::span<const Vec2> profile, int segments) {

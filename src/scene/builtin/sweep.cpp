@@ -56,6 +56,15 @@ Affine frame_of(Vec3 x, Vec3 y, Vec3 z, Vec3 origin) {
   return a;
 }
 
+/// About +z, exactly, so that mitred ends meet in the same points.
+Affine quarter_turns(int count) {
+  const float c = count == 0 ? 1.0f : count == 2 ? -1.0f : 0.0f;
+  const float s = count == 1 ? 1.0f : count == 3 ? -1.0f : 0.0f;
+  Affine a;
+  a.m = {{{c, -s, 0, 0}, {s, c, 0, 0}, {0, 0, 1, 0}}};
+  return a;
+}
+
 }  // namespace
 
 void add_sweep(MeshBuilder& builder, std::span<const Vec2> outline, const Path& path, Ends ends) {
@@ -101,7 +110,7 @@ void add_moulding(MeshBuilder& builder, float width, float height, std::span<con
   const Affine frame = builder.frame();
   for (int side = 0; side < 4; ++side) {
     const float length = side % 2 == 0 ? width : height, across = side % 2 == 0 ? height : width;
-    builder.at(compose(frame, rotation({0, 0, 1}, radians(90) * static_cast<float>(side))));
+    builder.at(compose(frame, quarter_turns(side)));
     for (std::size_t i = 0; i < outline.size(); ++i) {
       const Vec2 p = outline[i], q = outline[(i + 1) % outline.size()];
       const auto corner = [&](Vec2 at, float end) {
