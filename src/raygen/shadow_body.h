@@ -1,6 +1,7 @@
 // One shadow ray.
 #pragma once
 
+#include "raygen/fragment.h"
 #include "raygen/hash_body.h"
 #include "raygen/light_body.h"
 #include "raygen/offset_body.h"
