@@ -10,6 +10,7 @@
 #include "scene/flat_scene.h"
 #include "scene/flatten_body.h"
 #include "scene/material_of.h"
+#include "scene/shown_name.h"
 
 namespace raysheaf {
 namespace {
@@ -156,9 +157,8 @@ void pad(FlatScene& flat) {
 [[noreturn]] void throw_refused(const SceneDescription& scene, std::uint32_t inst_id) {
   const Instance& instance = scene.instances[inst_id];
   throw Error(ErrorCode::kInvalidData,
-              "the transform" + (instance.name.empty() ? "" : " of \"" + instance.name + "\"") +
-                  " puts a vertex of meshes[" + std::to_string(instance.mesh) +
-                  "] farther out than 1e18",
+              "the transform" + of_name(instance.name) + " puts a vertex of meshes[" +
+                  std::to_string(instance.mesh) + "] farther out than 1e18",
               "instances[" + std::to_string(inst_id) + "].to_world");
 }
 

@@ -16,10 +16,10 @@ RAYSHEAF_HD inline bool has_no_area(Vec3 a, Vec3 b, Vec3 c) {
   return uy * vz == uz * vy && uz * vx == ux * vz && ux * vy == uy * vx;
 }
 
-RAYSHEAF_HD inline double distance_in_double(Vec3 a, Vec3 b) {
+RAYSHEAF_HD inline double squared_distance_in_double(Vec3 a, Vec3 b) {
   const double x = static_cast<double>(a.x) - b.x, y = static_cast<double>(a.y) - b.y;
   const double z = static_cast<double>(a.z) - b.z;
-  return std::sqrt(x * x + y * y + z * z);
+  return x * x + y * y + z * z;
 }
 
 /// The triangle's sphere at any scale: `triangle_sphere` loses squares of lengths below 1e-19 and
@@ -28,10 +28,11 @@ RAYSHEAF_HD inline double distance_in_double(Vec3 a, Vec3 b) {
 RAYSHEAF_HD inline Sphere conservative_triangle_sphere(Vec3 a, Vec3 b, Vec3 c) {
   Vec3 center = triangle_sphere(a, b, c).center;
   if (!is_finite(center)) center = a;
-  double radius = distance_in_double(a, center);
-  radius = std::fmax(radius, distance_in_double(b, center));
-  radius = std::fmax(radius, distance_in_double(c, center));
-  return {center, rounded_up(radius * (1 + 0x1p-50))};
+  const double to_a = squared_distance_in_double(a, center);
+  const double to_b = squared_distance_in_double(b, center);
+  const double to_c = squared_distance_in_double(c, center);
+  const double to_ab = to_a > to_b ? to_a : to_b;
+  return {center, rounded_up(std::sqrt(to_ab > to_c ? to_ab : to_c) * (1 + 0x1p-50))};
 }
 
 }  // namespace raysheaf

@@ -9,8 +9,7 @@
 
 namespace raysheaf {
 
-/// A texture as the look-up wants it. `decode` maps a byte of red, green or blue to its linear
-/// value.
+/// A texture as the look-up wants it.
 struct TextureView {
   const std::uint8_t* rgba{};
   std::uint32_t width = 0, height = 0;
@@ -57,8 +56,8 @@ RAYSHEAF_HD inline Vec4 mix(Vec4 a, Vec4 b, float t) {
 }
 
 /// The texture at `uv`, which is already transformed, at full resolution. Texel (i, j) has its
-/// centre at
-/// ((i + 1/2) / width, (j + 1/2) / height); values are decoded before they are mixed.
+/// centre at ((i + 1/2) / width, (j + 1/2) / height). `decode` has 256 entries, the linear values
+/// of the bytes of red, green and blue: they are looked up before texels are mixed.
 RAYSHEAF_HD inline Vec4 sample(const TextureView& texture, const float* decode, Vec2 uv) {
   const float x = wrapped(texture.wrap_u, uv.x) * static_cast<float>(texture.width);
   const float y = wrapped(texture.wrap_v, uv.y) * static_cast<float>(texture.height);

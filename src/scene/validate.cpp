@@ -6,6 +6,7 @@
 #include "base/vec.h"
 #include "raysheaf/error.h"
 #include "raysheaf/scene_description.h"
+#include "scene/shown_name.h"
 
 namespace raysheaf {
 namespace {
@@ -20,15 +21,8 @@ struct Item {
     return std::string(list) + "[" + std::to_string(index) + "]" +
            (field.empty() ? "" : "." + field);
   }
-  /// ` of "Chair"`, or nothing where there is no name; names of files may hold anything.
   [[nodiscard]] std::string of_name() const {
-    constexpr std::size_t kLongest = 64;
-    if (name == nullptr || name->empty()) return {};
-    std::string shown = name->substr(0, kLongest);
-    for (char& c : shown) {
-      if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-    }
-    return " of \"" + shown + (name->size() > kLongest ? "...\"" : "\"");
+    return name == nullptr ? std::string() : raysheaf::of_name(*name);
   }
   [[noreturn]] void fail(const std::string& field, const std::string& sentence) const {
     throw Error(ErrorCode::kInvalidData, sentence, path(field));

@@ -1,0 +1,20 @@
+// Names from files, in sentences for people.
+#pragma once
+
+#include <string>
+
+namespace raysheaf {
+
+/// ` of "Chair"`, or nothing where there is no name. A file's name may hold anything: it is cut
+/// short, and control characters are not shown.
+inline std::string of_name(const std::string& name) {
+  constexpr std::size_t kLongest = 64;
+  if (name.empty()) return {};
+  std::string shown = name.substr(0, kLongest);
+  for (char& c : shown) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  }
+  return " of \"" + shown + (name.size() > kLongest ? "...\"" : "\"");
+}
+
+}  // namespace raysheaf
