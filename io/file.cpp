@@ -45,15 +45,14 @@ class Descriptor {
 /// A name in the same folder, so that the rename stays within one file system.
 std::string temporary_name(const std::string& path) {
   static std::atomic<unsigned> counter{0};
-  const fs::path target(path);
-  const std::string name = "." + target.filename().string() + "." + std::to_string(::getpid()) +
-                           "." + std::to_string(counter++) + ".part";
-  return (target.parent_path() / name).string();
+  const std::string name =
+      ".raysheaf." + std::to_string(::getpid()) + "." + std::to_string(counter++) + ".part";
+  return (fs::path(path).parent_path() / name).string();
 }
 
 /// 0, or the errno of the step that failed.
-int write_and_close(const std::string& path, std::span<const std::uint8_t> bytes) {
-  Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+int write_and_close(const std::string& path, int flags, std::span<const std::uint8_t> bytes) {
+  Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC | flags, 0666));
   if (file.get() < 0) return errno;
   while (!bytes.empty()) {
     const ssize_t written = ::write(file.get(), bytes.data(), bytes.size());
@@ -128,10 +127,18 @@ bool file_exists(const std::string& path) {
 
 void write_file(const std::string& path, std::span<const std::uint8_t> bytes) {
   std::error_code error;
-  if (fs::is_directory(path, error)) fail("written", path, EISDIR);
-  const std::string temporary = temporary_name(path);
-  int failure = write_and_close(temporary, bytes);
-  if (failure == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) failure = errno;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::is_directory(status)) fail("written", path, EISDIR);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    // A device or a pipe: a rename would replace it by a file.
+    if (const int failure = write_and_close(path, 0, bytes)) fail("written", path, failure);
+    return;
+  }
+  const bool link = fs::is_symlink(fs::symlink_status(path, error)) && fs::exists(status);
+  const std::string target = link ? fs::canonical(path, error).string() : path;
+  const std::string temporary = temporary_name(target);
+  int failure = write_and_close(temporary, O_CREAT | O_EXCL, bytes);
+  if (failure == 0 && std::rename(temporary.c_str(), target.c_str()) != 0) failure = errno;
   if (failure == 0) return;
   if (failure != EEXIST) ::unlink(temporary.c_str());
   fail("written", path, failure);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string_view>
 
 #include "io/gltf_rules.h"
@@ -94,11 +95,10 @@ void check_extensions(const json& root, GltfFacts& facts) {
     refuse("the file requires the extension \"" + printable(name) + "\", which is not supported",
            "extensionsRequired", ErrorCode::kUnsupported);
   }
-  std::vector<std::string> seen;
+  std::set<std::string> seen;
   for (const json& name : list(root, "extensionsUsed")) {
     const std::string text = name;
-    if (supported(text) || std::find(seen.begin(), seen.end(), text) != seen.end()) continue;
-    seen.push_back(text);
+    if (supported(text) || !seen.insert(text).second) continue;
     facts.warnings.push_back("The extension \"" + printable(text) + "\" is left out.");
   }
 }

@@ -19,7 +19,8 @@ std::string node_place(int node) {
 }
 
 DoubleAffine from_matrix(const std::vector<double>& m, const std::string& place) {
-  if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1) {
+  const double row = std::fabs(m[3]) + std::fabs(m[7]) + std::fabs(m[11]) + std::fabs(m[15] - 1);
+  if (!(row <= 1e-6)) {
     refuse("is not affine: its last row is not 0 0 0 1", place + ".matrix");
   }
   DoubleAffine result;

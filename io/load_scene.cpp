@@ -26,10 +26,11 @@ Loader loader_for(const std::string& path) {
 }
 
 SceneDescription load_checked(const std::string& path) {
+  // Before the whole file is read, but not before it is known to be there.
+  if (io::file_exists(path)) static_cast<void>(loader_for(path));
   const io::Bytes file = io::read_file(path);
-  const Loader load = loader_for(path);
   if (file.empty()) throw Error(ErrorCode::kInvalidData, "the file is empty", path);
-  SceneDescription scene = load(file, path);
+  SceneDescription scene = loader_for(path)(file, path);
   validate(scene);
   return scene;
 }

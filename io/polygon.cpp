@@ -66,16 +66,22 @@ bool is_ear(const std::vector<Point>& p, const std::vector<std::uint32_t>& ring,
   return true;
 }
 
+/// Corners that are looked at for each that is cut, on average; polygons of files need two or
+/// three.
+constexpr std::size_t kTestsPerCorner = 8;
+
 /// Cuts ears (Meisters 1975). Where there is none, the polygon crosses itself: then any corner.
 Triangles clip_ears(const std::vector<Point>& p) {
   std::vector<std::uint32_t> ring(p.size());
   std::iota(ring.begin(), ring.end(), 0u);
   Triangles result;
-  std::size_t start = 0;
+  std::size_t start = 0, tests = kTestsPerCorner * p.size();
   while (ring.size() > 3) {
     const std::size_t n = ring.size();
     std::size_t i = start % n;
-    for (std::size_t tried = 0; tried < n && !is_ear(p, ring, i); ++tried) i = (i + 1) % n;
+    for (std::size_t tried = 0; tried < n && tests > 0 && !is_ear(p, ring, i); ++tried, --tests) {
+      i = (i + 1) % n;
+    }
     result.push_back({ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]});
     ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(i));
     start = i;

@@ -10,7 +10,7 @@
 namespace raysheaf::io {
 
 /// Concave polygons of more corners than this are cut as fans: clipping ears takes quadratic time.
-inline constexpr std::size_t kMaxEarCorners = 1024;
+inline constexpr std::size_t kMaxEarCorners = 256;
 
 /// Cuts the polygon whose corners stand at `points` into `points.size() - 2` triangles of corner
 /// numbers, in the winding of the polygon: a fan from the first corner where the polygon is convex

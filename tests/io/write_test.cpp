@@ -282,6 +282,16 @@ TEST_F(Write, ReplacesTheOldFileWholly) {
   EXPECT_EQ(file_count(), 1u) << "no temporary file is left";
 }
 
+TEST_F(Write, KeepsDevicesAndLinks) {
+  write_text("text", "/dev/null");
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+  write("a.json", std::string("old"));
+  std::filesystem::create_symlink("a.json", path("link.json"));
+  write_text("new", path("link.json"));
+  EXPECT_TRUE(std::filesystem::is_symlink(path("link.json")));
+  EXPECT_EQ(read("a.json"), "new");
+}
+
 void expect_io_error(const std::string& path) {
   try {
     write_text("text", path);
