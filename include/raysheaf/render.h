@@ -8,22 +8,12 @@
 #include <string_view>
 #include <vector>
 
+#include "raysheaf/method.h"
 #include "raysheaf/scene_description.h"
 #include "raysheaf/statistics.h"
 #include "raysheaf/types.h"
 
 namespace raysheaf {
-
-/// How ray batches are answered. Every method gives the same hits, bit for bit.
-enum class Method : std::uint8_t {
-  kBrute,  ///< every ray with every triangle: ground truth
-  kRah,    ///< ray hierarchy over trimmed raster order (Roger, Assarsson, Holzschuch 2007)
-  kCrsh,   ///< hashed, compressed, sorted rays, and mesh culling (Reis, Costa, Pereira 2017)
-};
-
-[[nodiscard]] const char* to_string(Method method);
-/// Throws `Error` (kInvalidArgument) naming the methods there are.
-[[nodiscard]] Method method_from_string(std::string_view name);
 
 enum class Primary : std::uint8_t {
   kRaster,  ///< OpenGL 4.5 through EGL
@@ -54,7 +44,8 @@ struct RenderOptions {
   std::function<bool(const Progress&)> progress;
 };
 
-/// What a pixel sees: an instance, its mesh, and a triangle of that mesh; all kInvalidId for nothing.
+/// What a pixel sees: an instance, its mesh, and a triangle of that mesh; all kInvalidId for
+/// nothing.
 struct PixelIds {
   std::uint32_t inst_id = kInvalidId, geom_id = kInvalidId, prim_id = kInvalidId;
 };
@@ -67,9 +58,9 @@ struct RenderResult {
   std::vector<Vec3> normal;    ///< shading normal, world
   std::vector<Vec3> albedo;    ///< diffuse plus specular reflectance at the first hit
   std::vector<PixelIds> ids;
-  std::vector<float> shadow;   ///< the part of the lights facing the first hit that reaches it
-  std::vector<float> tests;    ///< tests a pixel, over all its rays; empty unless asked for
-  float exposure = 1;          ///< the factor that `tone_mapped` uses
+  std::vector<float> shadow;  ///< the part of the lights facing the first hit that reaches it
+  std::vector<float> tests;   ///< tests a pixel, over all its rays; empty unless asked for
+  float exposure = 1;         ///< the factor that `tone_mapped` uses
   FrameStatistics statistics;
 };
 

@@ -120,26 +120,6 @@ RenderResult render_checked(const SceneDescription& scene, const RenderOptions& 
 
 }  // namespace
 
-const char* to_string(Method method) {
-  switch (method) {
-    case Method::kBrute:
-      return "brute";
-    case Method::kRah:
-      return "rah";
-    case Method::kCrsh:
-      return "crsh";
-  }
-  return "unknown";
-}
-
-Method method_from_string(std::string_view name) {
-  for (const Method method : {Method::kBrute, Method::kRah, Method::kCrsh})
-    if (name == to_string(method)) return method;
-  throw Error(ErrorCode::kInvalidArgument,
-              "there is no method \"" + std::string(name) + "\"; there are brute, rah, crsh",
-              "method");
-}
-
 RenderResult render(const SceneDescription& scene, const RenderOptions& options) {
   try {
     check(options);

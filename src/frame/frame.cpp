@@ -31,7 +31,9 @@ class Frame {
         input_(input),
         options_(input.options),
         meter_(*meter) {
-    trace_.method = method_settings(options_.method, options_.levels, options_.branching);
+    trace_.method = method_settings(options_.method);
+    trace_.method.levels = options_.levels;
+    trace_.method.branching = options_.branching;
     result_.width = options_.width;
     result_.height = options_.height;
     result_.beauty.resize(pixel_count());

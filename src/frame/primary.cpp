@@ -51,6 +51,8 @@ std::vector<std::uint32_t> trace_primary(const Executor& executor, const FlatSce
   batch.key_bits = kBounceKeyBits;
   batch.rays.resize(std::size_t{size.width} * size.height);
   batch.keys.resize(batch.rays.size());
+  batch.pixels.resize(batch.rays.size());
+  std::iota(batch.pixels.begin(), batch.pixels.end(), 0u);
   executor.for_each(batch.rays.size(), kGrain, [&](std::size_t i) {
     batch.rays[i] = camera_ray(frame, static_cast<std::uint32_t>(i % size.width),
                                static_cast<std::uint32_t>(i / size.width));

@@ -52,10 +52,10 @@ std::vector<RayHit> trace_brute_force(const Executor& executor, const FlatScene&
   return hits;
 }
 
-std::vector<std::uint32_t> ray_order(const Executor& executor, const RayBatch& batch, bool sort,
-                                     BatchStatistics* statistics) {
+std::vector<std::uint32_t> ray_order(const Executor& executor, const RayBatch& batch,
+                                     const MethodSettings& method, BatchStatistics* statistics) {
   std::vector<std::uint32_t> order(batch.rays.size());
-  if (sort) {
+  if (method.key != RayKey::kRaster) {
     statistics->chunks += order_by_key(executor, batch.keys, order, batch.key_bits);
   } else {
     std::iota(order.begin(), order.end(), 0u);
@@ -70,7 +70,7 @@ std::vector<RayHit> trace_hierarchy(const Executor& executor, const FlatScene& s
   const MethodSettings& method = options.method;
   StageTimes& times = statistics->times_ms;
   Stopwatch watch;
-  const std::vector<std::uint32_t> order = ray_order(executor, batch, method.sort, statistics);
+  const std::vector<std::uint32_t> order = ray_order(executor, batch, method, statistics);
   std::vector<Ray> rays(order.size());
   executor.for_each(order.size(), kGrain, [&](std::size_t i) { rays[i] = batch.rays[order[i]]; });
   times.order += watch.lap_ms();

@@ -5,9 +5,9 @@
 
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
-#include "frame/method.h"
 #include "intersect/intersect_list.h"
 #include "raygen/raygen.h"
+#include "raysheaf/method.h"
 #include "raysheaf/statistics.h"
 #include "scene/flat_scene.h"
 

@@ -23,6 +23,8 @@ struct RayBatch {
   std::vector<std::uint32_t> slots;  ///< of each ray, ascending
   std::vector<Ray> rays;
   std::vector<std::uint32_t> keys;
+  std::vector<std::uint32_t> pixels;
+  std::vector<std::uint32_t> lights;  ///< shadow rays alone
 };
 
 /// Rays from lights to fragments, `t` from 0 at the light (or beyond the scene, for parallel light)

@@ -12,16 +12,18 @@ constexpr std::size_t kGrain = 1024;
 /// Trims the slots for which `has_ray(slot)` is false, then fills rays and keys: `make(slot, &ray,
 /// &key)`.
 template <class HasRay, class Make>
-void fill(const Executor& executor, std::size_t slot_count, const HasRay& has_ray, const Make& make,
-          RayBatch* batch) {
+void fill(const Executor& executor, View<const Fragment> fragments, std::size_t slot_count,
+          const HasRay& has_ray, const Make& make, RayBatch* batch) {
   std::vector<std::uint8_t> empty(slot_count);
   executor.for_each(slot_count, kGrain,
                     [&](std::size_t slot) { empty[slot] = has_ray(slot) ? 0 : 1; });
   batch->slots = trim(executor, empty);
   batch->rays.resize(batch->slots.size());
   batch->keys.resize(batch->slots.size());
+  batch->pixels.resize(batch->slots.size());
   executor.for_each(batch->slots.size(), kGrain, [&](std::size_t i) {
     make(batch->slots[i], &batch->rays[i], &batch->keys[i]);
+    batch->pixels[i] = fragments[batch->slots[i] % fragments.size].pixel;
   });
 }
 
@@ -47,7 +49,11 @@ RayBatch make_shadow_rays(const Executor& executor, View<const Fragment> fragmen
     *ray = shadow_ray(f, light, sample_light(light, f.surface.position), reach);
     *key = shadow_key(layout, index, shadow_place(light, *ray, reach));
   };
-  fill(executor, fragments.size * light_count, has_ray, make, &batch);
+  fill(executor, fragments, fragments.size * light_count, has_ray, make, &batch);
+  batch.lights.resize(batch.slots.size());
+  executor.for_each(batch.slots.size(), kGrain, [&](std::size_t i) {
+    batch.lights[i] = static_cast<std::uint32_t>(first_light + batch.slots[i] / fragments.size);
+  });
   return batch;
 }
 
@@ -72,7 +78,7 @@ RayBatch make_bounce_rays(const Executor& executor, View<const Fragment> fragmen
             std::numeric_limits<float>::infinity()};
     *key = bounce_key(scene_bounds, ray->origin, direction);
   };
-  fill(executor, fragments.size, has_ray, make, &batch);
+  fill(executor, fragments, fragments.size, has_ray, make, &batch);
   return batch;
 }
 

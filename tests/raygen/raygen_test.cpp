@@ -17,7 +17,7 @@ struct Seen {
     flat = flatten(executor, scene, mesh_bounds(executor, scene));
     BatchStatistics statistics;
     ProgressMeter meter;
-    const MethodSettings method = method_settings(Method::kCrsh, 2, 8);
+    const MethodSettings method = method_settings(Method::kCrsh);
     const PictureSize size{64, 64};
     const auto triangles =
         trace_primary(executor, flat, scene.cameras[0], size, method, &statistics, {}, &meter);

@@ -1,0 +1,61 @@
+// The laboratory: the ray batches of one scene, answered under any settings, and counted.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "raysheaf/method.h"
+#include "raysheaf/scene_description.h"
+#include "raysheaf/statistics.h"
+
+namespace raysheaf {
+
+/// The batches that a laboratory holds. Every surface reflects like a mirror there.
+enum class LabRays : std::uint8_t {
+  kShadow,            ///< from the scene's lights to the primary hits
+  kReflection1,       ///< mirror rays of the primary hits
+  kReflection2,       ///< mirror rays of what those met
+  kAmbientOcclusion,  ///< four a primary hit, cosine-distributed, a quarter of the scene's diagonal
+                      ///< long
+};
+
+/// What the published program did and a right one does not (docs/reproduction.md). None is the
+/// default.
+struct Quirks {
+  enum class ConeTest : std::uint8_t {
+    kExact,     ///< distance to the cone
+    kSigned,    ///< equation 9: distance to the generator's line, ahead or behind
+    kUnsigned,  ///< equation 9 as printed, |C - H|: a double cone
+  };
+  bool hash_as_coded = true;     ///< the published layout and ranges; false: `RayKey::kCrsh`
+  bool azimuth_as_coded = true;  ///< atan2(x, x), with `hash_as_coded`
+  ConeTest cone_test = ConeTest::kSigned;
+  bool undersized_triangle_spheres = false;  ///< diametral spheres that miss a vertex
+  bool unrotated_mesh_spheres = false;       ///< centres moved by the translation alone
+  bool padded_counting = true;               ///< missing nodes and rays count
+};
+
+class Laboratory {
+ public:
+  /// Finds the primary hits of the scene's first camera, by OpenGL or, where there is none, by
+  /// rays.
+  Laboratory(const SceneDescription& scene, std::uint32_t width, std::uint32_t height,
+             std::uint32_t threads = 0);
+  ~Laboratory();
+
+  [[nodiscard]] std::uint64_t ray_count(LabRays rays);
+  /// Counts and times. Throws `Error` (kInternal) where a hit differs from brute force's, which is
+  /// measured once a batch; `check` = false leaves that out.
+  [[nodiscard]] BatchStatistics measure(LabRays rays, const MethodSettings& settings,
+                                        bool check = true);
+  /// Counts of the published program's algorithm: `rah`, or `crsh` where so. Two levels,
+  /// branching 8.
+  [[nodiscard]] BatchStatistics measure_as_published(LabRays rays, Method method,
+                                                     const Quirks& quirks);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace raysheaf

@@ -1,0 +1,87 @@
+#include "raysheaf/method.h"
+
+#include <string>
+
+#include "raysheaf/error.h"
+
+namespace raysheaf {
+namespace {
+
+template <class Value>
+struct Named {
+  Value value;
+  const char* name;
+};
+
+constexpr Named<Method> kMethods[]{
+    {Method::kBrute, "brute"}, {Method::kRah, "rah"}, {Method::kCrsh, "crsh"}};
+constexpr Named<RayKey> kKeys[]{{RayKey::kRaster, "raster"},
+                                {RayKey::kPixelMorton, "pixel-morton"},
+                                {RayKey::kCrsh, "crsh"},
+                                {RayKey::kPublished, "published"},
+                                {RayKey::kCorrected, "corrected"},
+                                {RayKey::kSphericalMorton, "spherical-morton"},
+                                {RayKey::kOctahedralMorton, "octahedral-morton"},
+                                {RayKey::kOctahedralHilbert, "octahedral-hilbert"},
+                                {RayKey::kEndPointHilbert, "end-point-hilbert"},
+                                {RayKey::kFiveMorton, "five-morton"},
+                                {RayKey::kFiveHilbert, "five-hilbert"},
+                                {RayKey::kTwoPointMorton, "two-point-morton"},
+                                {RayKey::kTwoPointHilbert, "two-point-hilbert"}};
+constexpr Named<BundleBound> kBounds[]{{BundleBound::kSphereCone, "sphere-cone"},
+                                       {BundleBound::kFiniteCone, "finite-cone"},
+                                       {BundleBound::kShaft, "shaft"},
+                                       {BundleBound::kFrustum, "frustum"},
+                                       {BundleBound::kShaftAndCone, "shaft-cone"}};
+
+template <class List, class Value>
+const char* name_in(const List& list, Value value) {
+  for (const auto& entry : list)
+    if (entry.value == value) return entry.name;
+  return "unknown";
+}
+
+template <class List>
+auto value_in(const List& list, const char* what, std::string_view name) {
+  std::string names;
+  for (const auto& entry : list) {
+    if (name == entry.name) return entry.value;
+    names += (names.empty() ? "" : ", ") + std::string(entry.name);
+  }
+  throw Error(
+      ErrorCode::kInvalidArgument,
+      "there is no " + std::string(what) + " \"" + std::string(name) + "\"; there are " + names,
+      what);
+}
+
+}  // namespace
+
+const char* to_string(Method method) {
+  return name_in(kMethods, method);
+}
+const char* to_string(RayKey key) {
+  return name_in(kKeys, key);
+}
+const char* to_string(BundleBound bound) {
+  return name_in(kBounds, bound);
+}
+
+Method method_from_string(std::string_view name) {
+  return value_in(kMethods, "method", name);
+}
+RayKey key_from_string(std::string_view name) {
+  return value_in(kKeys, "key", name);
+}
+BundleBound bound_from_string(std::string_view name) {
+  return value_in(kBounds, "bound", name);
+}
+
+MethodSettings method_settings(Method method) {
+  MethodSettings settings;
+  settings.hierarchy = method != Method::kBrute;
+  settings.mesh_culling = method == Method::kCrsh;
+  settings.key = method == Method::kCrsh ? RayKey::kCrsh : RayKey::kRaster;
+  return settings;
+}
+
+}  // namespace raysheaf
