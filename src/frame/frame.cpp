@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "frame/stopwatch.h"
@@ -73,6 +74,7 @@ class Frame {
       triangles = trace_primary(executor_, scene_, input_.camera, size, trace_.method, &batch,
                                 result_.tests, &meter_);
     }
+    meter_.begin("surfaces", 1);
     std::vector<Fragment> fragments =
         fetch_fragments(executor_, scene_, input_.textures, input_.camera, size, triangles);
     keep_gbuffer(fetch_gbuffer(executor_, scene_, fragments));
@@ -95,6 +97,7 @@ class Frame {
   /// Shadow rays, then the light that leaves the fragments, into the pixels.
   void gather_light(const std::vector<Fragment>& fragments, std::uint32_t bounce, bool last) {
     const TracedParts traced{options_.reflections && !last, options_.refractions && !last};
+    meter_.begin("shading, bounce " + std::to_string(bounce), 1);
     watch_.lap_ms();
     std::vector<Vec3> radiance = shade_glow(executor_, fragments, sky_, traced);
     result_.statistics.shade_ms += watch_.lap_ms();
@@ -155,6 +158,7 @@ class Frame {
 
   void follow(const std::vector<Fragment>& fragments, RayKind kind, std::uint32_t bounce,
               std::vector<Fragment>* next) {
+    meter_.begin(std::string(to_string(kind)) + " rays, bounce " + std::to_string(bounce), 1);
     watch_.lap_ms();
     RayBatch batch = make_bounce_rays(executor_, fragments, kind, scene_.bounds);
     if (batch.rays.empty()) return;

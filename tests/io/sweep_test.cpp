@@ -1,6 +1,8 @@
 // Every scene that is there: good ones load with the known numbers, bad ones end in one `Error`.
 #include <gtest/gtest.h>
 
+#include <cctype>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -173,7 +175,13 @@ INSTANTIATE_TEST_SUITE_P(
                       Known{"bart_museum/dynamic_000.obj", 1024, 0, 0},
                       Known{"cloth_ball/cloth_ball92.ply", 92230, 1, 1},
                       Known{"bitterli_coffee/coffee.glb", 235271, 0, 23},
-                      Known{"bitterli_teapot_full/teapot-full.glb", 126744, 0, 5}));
+                      Known{"bitterli_teapot_full/teapot-full.glb", 126744, 0, 5}),
+    [](const auto& test) {
+      std::string name = test.param.path;
+      for (char& c : name)
+        if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+      return name;
+    });
 
 TEST(Sweep, PaperScenesHaveTheirLightAndCamera) {
   for (const char* name : {"paper/office.glb", "paper/cornell.glb", "paper/sponza.glb"}) {

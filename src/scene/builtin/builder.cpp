@@ -70,10 +70,9 @@ void MeshBuilder::add_quad(std::uint32_t a, std::uint32_t b, std::uint32_t c, st
 
 Mesh MeshBuilder::take() {
   auto& materials = mesh_.materials;
-  if (std::adjacent_find(materials.begin(), materials.end(), std::not_equal_to<>{}) ==
-      materials.end()) {
-    materials.resize(std::min<std::size_t>(materials.size(), 1));
-  }
+  const bool uniform = std::adjacent_find(materials.begin(), materials.end(),
+                                          std::not_equal_to<>{}) == materials.end();
+  if (uniform && materials.size() > 1) materials.erase(materials.begin() + 1, materials.end());
   return std::exchange(mesh_, Mesh{});
 }
 
