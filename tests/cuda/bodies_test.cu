@@ -1,9 +1,18 @@
 // A body gives the same bits on the device as on the host.
 #include <gtest/gtest.h>
 
+#include <ostream>
+#include <string>
+
 #include "cuda/compiled_cases.h"
 
 namespace raysheaf::test {
+
+/// For GoogleTest, which would print addresses into the tests' names.
+inline void PrintTo(const CompiledCase& compiled, std::ostream* out) {
+  *out << compiled.name;
+}
+
 namespace {
 
 constexpr std::uint32_t kItems = 100000, kThreads = 128;
