@@ -1,0 +1,216 @@
+// Every body of a stage that devices may call, on random input; a few are in bodies.cu instead.
+#pragma once
+
+#include "cuda/geometry_cases.h"
+#include "intersect/facing_body.h"
+#include "intersect/intersect_list.h"
+#include "intersect/triangle_body.h"
+#include "order/order_body.h"
+#include "raster/resolve_body.h"
+#include "raygen/camera_body.h"
+#include "raygen/hash_body.h"
+#include "raygen/scatter_body.h"
+#include "raygen/shadow_body.h"
+#include "scene/flatten_body.h"
+#include "scene/mesh_bound_body.h"
+#include "scene/surface_body.h"
+#include "scene/texture_body.h"
+#include "shade/shade_body.h"
+#include "traverse/cone_sphere_body.h"
+
+namespace raysheaf::test {
+
+struct FlattenCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    const float scale = draws.scale();
+    const Vec3 a = draws.in_box(2) * scale, b = draws.in_box(2) * scale;
+    const Vec3 c = draws.below(4) == 0 ? b : draws.in_box(2) * scale;
+    const Sphere sphere = conservative_triangle_sphere(a, b, c);
+    out.put(has_no_area(a, b, c), distance_in_double(a, b), sphere.center, sphere.radius);
+    const Affine map = draws.map();
+    const Sphere moved = transformed(sphere, map);
+    out.put(largest_stretch(map), moved.center, moved.radius);
+  }
+};
+
+struct SurfaceCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    const Vec3 a = draws.in_box(9), b = draws.in_box(9), c = draws.in_box(9);
+    const float u = draws.unit(), v = draws.between(0, 1 - u);
+    const MixedPoint point = mixed_point(a, b, c, u, v);
+    const Wide normal = cross(difference(b, a), difference(c, a));
+    out.put(point.position, point.error, unit(normal, {0, 0, 1}), dot(normal, widened(a)));
+    out.put(unit_normal(draws.map(), a, {0, 0, 1}));
+  }
+};
+
+/// Without a rotation, which takes a sine.
+struct TextureCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    std::uint8_t rgba[3 * 2 * 4];
+    for (std::uint8_t& x : rgba) x = static_cast<std::uint8_t>(draws.below(16));
+    float decode[16];
+    for (int i = 0; i < 16; ++i) decode[i] = static_cast<float>(i * i) / 225;
+    TextureView texture{rgba, 3, 2};
+    texture.wrap_u = static_cast<Wrap>(draws.below(3));
+    texture.wrap_v = static_cast<Wrap>(draws.below(3));
+    texture.filter = static_cast<Filter>(draws.below(2));
+    TextureSlot slot;
+    slot.scale = {draws.between(-3, 3), 2};
+    const Vec2 uv = transform_uv(slot, {draws.between(-2, 2), draws.between(-2, 2)});
+    out.put(uv, sample(texture, decode, uv), texel(texture, decode, 2, 1));
+    out.put(mix({1, 2, 3, 4}, {4, 3, 2, 1}, uv.x), wrapped(texture.wrap_u, uv.y));
+    out.put(wrapped_texel(texture.wrap_v, static_cast<std::int64_t>(draws.below(5)) - 1, 3));
+  }
+};
+
+RAYSHEAF_HD inline CameraFrame random_frame(Draws& draws) {
+  CameraFrame frame;
+  frame.eye = draws.in_box(4);
+  frame.right = draws.direction();
+  frame.up = draws.direction();
+  frame.forward = draws.direction();
+  frame.half_width = draws.unit();
+  frame.width = 640;
+  frame.height = 480;
+  frame.orthographic = draws.below(2) == 0;
+  return frame;
+}
+
+struct CameraCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    const CameraFrame frame = random_frame(draws);
+    const std::uint32_t x = draws.below(frame.width), y = draws.below(frame.height);
+    out.put(pixel_center(x, frame.width), camera_ray(frame, x, y));
+  }
+};
+
+struct KeyCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    const Vec3 direction = draws.direction(), corner = draws.in_box(5);
+    const Box box{corner, corner + abs(draws.in_box(9))};
+    const std::uint32_t lights = 1 + draws.below(20);
+    const ShadowKeyLayout layout = shadow_key_layout(lights);
+    out.put(octahedral(direction), layout.key_bits(), quantized(draws.between(-0.1f, 1.1f), 6));
+    out.put(shadow_key(layout, draws.below(lights), octahedral(direction)), spread_by_5(lights));
+    out.put(hilbert_2(draws.below(256), 77, 8));
+    out.put(bounce_key(box, draws.in_box(9), direction));
+  }
+};
+
+RAYSHEAF_HD inline Fragment random_fragment(Draws& draws) {
+  Fragment f;
+  f.triangle = draws.below(8) == 0 ? kInvalidId : 1;
+  f.incoming = draws.direction();
+  f.surface.position = draws.in_box(10);
+  const Vec3 side = draws.direction();
+  f.surface.geometric_normal = dot(side, f.incoming) > 0 ? -side : side;
+  f.surface.normal = normalized(f.surface.geometric_normal + draws.in_box(0.3f));
+  f.surface.diffuse = abs(draws.in_box(1));
+  f.surface.specular = draws.below(4) == 0 ? Vec3{0, 0, 0} : abs(draws.in_box(1));
+  f.surface.transmission_color = abs(draws.in_box(1));
+  f.surface.roughness = draws.unit();
+  f.surface.transmission = draws.below(2) == 0 ? 0 : draws.unit();
+  f.surface.position_error = 1e-6f;
+  f.surface.front = draws.below(2) == 0;
+  f.surface.unlit = draws.below(16) == 0;
+  return f;
+}
+
+struct ScatterCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    const Fragment f = random_fragment(draws);
+    Scattering s = scatter(f);
+    out.put(s.reflection, s.refraction, s.reflected_part, s.refracted_part, s.diffuse_part);
+    out.put(s.mirror, worth_tracing(f.surface.diffuse * 0.002f), mirror_direction(f));
+    out.put(reflected(f.incoming, f.surface.normal), fresnel_dielectric(cos_arrival(f), 1.3f));
+    scatter_glass(f, 0.5f, &s);
+    out.put(s.refraction, fresnel_schlick(f.surface.specular, 0.5f));
+  }
+};
+
+struct OffsetCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    const Fragment f = random_fragment(draws);
+    const float distance = draws.unit();
+    out.put(offset_point(f.surface, draws.direction(), distance));
+    const Vec3 corner = draws.in_box(3);
+    const LightReach reach = light_reach({corner, corner + abs(draws.in_box(3))});
+    out.put(reach.center, reach.radius);
+    out.put(faces_light(f, {draws.direction(), 1, {1, 1, 1}}));
+  }
+};
+
+struct ShadeCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    const Fragment f = random_fragment(draws);
+    const bool traced = draws.below(2) == 0;
+    out.put(reflectance(f, draws.direction()), glow(f, scatter(f), {1, 2, 3}, traced, !traced));
+  }
+};
+
+struct OrderCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    std::uint32_t keys[8], starts[8];
+    for (int i = 0; i < 8; ++i) {
+      keys[i] = draws.below(3);
+      starts[i] = i == 0 ? 0 : starts[i - 1] + 1 + draws.below(5);
+    }
+    out.put(begins_chunk(keys, 0), begins_chunk(keys, 5), chunk_at(starts, 8, draws.below(40)));
+    const std::uint32_t slot = draws.below(9);
+    out.put(trimmed_place(9, slot), chunk_of_head(1 + slot));
+  }
+};
+
+struct ConeSphereCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    const ConeSphereTest node = make_cone_sphere_test(random_ray_bound(draws));
+    for (int i = 0; i < 8; ++i) {
+      const Vec3 center = draws.in_box(12);
+      out.put(meets(node, center, draws.unit()));
+    }
+  }
+};
+
+/// Aimed at the triangle, a third of them at an edge, so that the exact branch is taken too.
+struct TriangleCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    const float scale = draws.scale();
+    const Vec3 a = draws.in_box(2) * scale, b = draws.in_box(2) * scale;
+    const Vec3 c = draws.in_box(2) * scale;
+    const float u = draws.below(3) == 0 ? 0 : draws.unit();
+    const Vec3 target = lerp(a, b, draws.unit()) * (1 - u) + c * u;
+    const Vec3 origin = draws.in_box(3) * scale;
+    const RaySetup ray = make_ray_setup({origin, 0, target - origin});
+    TriangleHit hit{}, exact{};
+    const ShearedTriangle sheared = shear(ray, a, b, c);
+    out.put(intersect_triangle(ray, a, b, c, &hit), intersect_exactly(ray, sheared, &exact));
+    out.put(hit.t, hit.u, hit.v, hit.front, exact.t, exact.u, exact.v, exact.front, sheared.ax);
+    out.put(shows(Facing::kSkipBackOfSingleSided, kSingleSided, hit.front));
+    RayHit best;
+    best.take(hit.t, 3);
+    best.take(exact.t, 2);
+    out.put(best.found(), best.t, best.triangle);
+  }
+};
+
+struct ResolveCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    std::uint32_t ids[9];
+    for (std::uint32_t& id : ids) id = draws.below(3) == 0 ? kInvalidId : draws.below(2);
+    const std::uint32_t x = draws.below(3), y = draws.below(3);
+    Neighbourhood near = neighbourhood(View<const std::uint32_t>(ids, 9), 3, 3, x, y);
+    near.add(1);
+    Vec3 corners[6];
+    for (Vec3& corner : corners) corner = draws.in_box(2);
+    const std::uint8_t flags[2] = {0, kSingleSided};
+    const Ray ray{draws.in_box(3), 0, draws.direction()};
+    const auto corner = [&corners](std::uint32_t id, int k) {
+      return corners[id * 3 + static_cast<std::uint32_t>(k)];
+    };
+    out.put(near.count, shows_side(flags[1], draws.below(2) == 0));
+    out.put(nearest_of(near, ray, corner, flags, 7u));
+  }
+};
+
+}  // namespace raysheaf::test
