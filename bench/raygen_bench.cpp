@@ -7,9 +7,10 @@ namespace {
 
 void shadow_rays(benchmark::State& state) {
   const Executor executor = executor_of(state, 0);
+  const Input& in = input();
   std::size_t rays = 0;
   for (auto _ : state) {
-    const RayBatch batch = input().shadow_rays(executor, input().fragments);
+    const RayBatch batch = in.shadow_rays(executor, in.fragments);
     rays = batch.rays.size();
     benchmark::DoNotOptimize(batch.keys.data());
   }

@@ -16,7 +16,8 @@ void finish(benchmark::State& state) {
 
 void glow(benchmark::State& state) {
   const Executor executor = executor_of(state, 0);
-  for (auto _ : state) benchmark::DoNotOptimize(shade_glow(executor, input().fragments, kSky, {}));
+  const Input& in = input();
+  for (auto _ : state) benchmark::DoNotOptimize(shade_glow(executor, in.fragments, kSky, {}));
   finish(state);
 }
 
@@ -47,8 +48,8 @@ void into_pixels(benchmark::State& state) {
 }
 
 void sky(benchmark::State& state) {
-  for (auto _ : state)
-    benchmark::DoNotOptimize(automatic_sky(input().fragments, input().scene.lights));
+  const Input& in = input();
+  for (auto _ : state) benchmark::DoNotOptimize(automatic_sky(in.fragments, in.scene.lights));
   finish(state);
 }
 

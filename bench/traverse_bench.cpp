@@ -118,19 +118,20 @@ std::uint32_t side_by_side(Vec2 place, std::uint32_t bits) {
 
 enum class Key { kNone, kAngles5, kAngles8, kMorton8, kOwn };
 
-/// For rays that leave one point: nothing, the angles with 5 or 8 bits each, the octahedral map
-/// with 8 bits each, interleaved, and what raygen makes.
+/// Below the light, which the upper sixteen bits of raygen's key tell: nothing, the angles with 5
+/// or 8 bits each, the octahedral map with 8 bits each, interleaved; or raygen's key.
 std::uint32_t shadow_key_of(Key key, const Ray& ray, std::uint32_t own) {
+  const std::uint32_t light = own & 0xffff0000u;
   const Vec2 square = octahedral(ray.direction);
   switch (key) {
     case Key::kNone:
-      return 0;
+      return light;
     case Key::kAngles5:
-      return side_by_side(azimuth_polar(ray.direction), 5);
+      return light | side_by_side(azimuth_polar(ray.direction), 5);
     case Key::kAngles8:
-      return side_by_side(azimuth_polar(ray.direction), 8);
+      return light | side_by_side(azimuth_polar(ray.direction), 8);
     case Key::kMorton8:
-      return morton_2(quantized(square.x, 8), quantized(square.y, 8));
+      return light | morton_2(quantized(square.x, 8), quantized(square.y, 8));
     default:
       return own;
   }
