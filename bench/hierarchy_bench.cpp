@@ -23,7 +23,7 @@ void build(benchmark::State& state) {
   state.counters["nodes"] = static_cast<double>(nodes);
   state.counters["node_bytes_per_ray"] =
       static_cast<double>(nodes * sizeof(RayBound)) / static_cast<double>(rays.size());
-  state.counters["ns_per_ray"] = ns_each(static_cast<double>(rays.size()));
+  state.counters["per_ray"] = time_each(static_cast<double>(rays.size()));
 }
 
 BENCHMARK(build)

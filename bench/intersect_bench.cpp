@@ -29,7 +29,7 @@ void time_lists(benchmark::State& state, const Intersect& intersect) {
   }
   const std::size_t tests = rays.size() * count;
   count_items(state, tests);
-  state.counters["ns_per_test"] = ns_each(static_cast<double>(tests));
+  state.counters["per_test"] = time_each(static_cast<double>(tests));
 }
 
 void list_simd(benchmark::State& state) {

@@ -16,7 +16,7 @@ void shadow_rays(benchmark::State& state) {
   }
   count_items(state, rays);
   state.counters["rays"] = static_cast<double>(rays);
-  state.counters["ns_per_ray"] = ns_each(static_cast<double>(rays));
+  state.counters["per_ray"] = time_each(static_cast<double>(rays));
 }
 
 /// Every surface made a mirror or glass, whatever the scene has.
@@ -43,7 +43,7 @@ void bounce_rays(benchmark::State& state) {
   }
   count_items(state, rays);
   state.counters["rays"] = static_cast<double>(rays);
-  state.counters["ns_per_ray"] = ns_each(static_cast<double>(rays));
+  state.counters["per_ray"] = time_each(static_cast<double>(rays));
 }
 
 /// The key alone, on one thread.
@@ -57,7 +57,7 @@ void time_keys(benchmark::State& state, const Key& key) {
     benchmark::DoNotOptimize(sum);
   }
   count_items(state, rays.size());
-  state.counters["ns_per_key"] = ns_each(static_cast<double>(rays.size()));
+  state.counters["per_key"] = time_each(static_cast<double>(rays.size()));
 }
 
 void shadow_keys(benchmark::State& state) {

@@ -11,7 +11,7 @@ constexpr Vec3 kSky{0.1f, 0.1f, 0.1f};
 
 void finish(benchmark::State& state) {
   count_items(state, input().fragments.size());
-  state.counters["ns_per_fragment"] = ns_each(static_cast<double>(input().fragments.size()));
+  state.counters["per_fragment"] = time_each(static_cast<double>(input().fragments.size()));
 }
 
 void glow(benchmark::State& state) {

@@ -104,10 +104,9 @@ inline void count_items(benchmark::State& state, std::size_t items_an_iteration)
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(items_an_iteration));
 }
 
-/// Nanoseconds of wall time for each of `count` things that every iteration does.
-inline benchmark::Counter ns_each(double count) {
-  return {count * 1e-9,
-          benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert};
+/// Seconds of wall time for each of `count` things that every iteration does.
+inline benchmark::Counter time_each(double count) {
+  return {count, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert};
 }
 
 }  // namespace raysheaf::bench

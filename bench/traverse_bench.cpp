@@ -47,7 +47,7 @@ void time_filter(benchmark::State& state, const Filter& filter) {
   }
   const std::size_t tests = nodes.size() * count;
   count_items(state, tests);
-  state.counters["ns_per_test"] = ns_each(static_cast<double>(tests));
+  state.counters["per_test"] = time_each(static_cast<double>(tests));
   state.counters["part_met"] = static_cast<double>(met) / static_cast<double>(tests);
 }
 
