@@ -1,0 +1,112 @@
+// What the stage benchmarks work on: a scene, its first hits, its shadow rays.
+//
+// The scene is the built-in atrium, or the file or built-in scene that RAYSHEAF_BENCH_SCENE names.
+// It is made ready once a program, outside every timed loop.
+#pragma once
+
+#include <benchmark/benchmark.h>
+
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "exec/executor.h"
+#include "frame/primary.h"
+#include "order/order.h"
+#include "raster/rasterizer.h"
+#include "raygen/raygen.h"
+#include "raysheaf/builtin_scenes.h"
+#include "raysheaf/error.h"
+#include "raysheaf/io.h"
+#include "scene/flat_scene.h"
+#include "scene/texture.h"
+
+namespace raysheaf::bench {
+
+inline constexpr PictureSize kSize{512, 512};
+
+inline SceneDescription bench_scene() {
+  const char* asked = std::getenv("RAYSHEAF_BENCH_SCENE");
+  const std::string name = asked != nullptr && *asked != '\0' ? asked : "builtin:atrium";
+  const std::string builtin = "builtin:";
+  SceneDescription scene = name.compare(0, builtin.size(), builtin) == 0
+                               ? builtin_scene(name.substr(builtin.size()))
+                               : load_scene(name);
+  add_missing_camera_and_light(scene);
+  return scene;
+}
+
+/// Rasterised, or traced where there is no OpenGL.
+inline std::vector<std::uint32_t> first_hits(const Executor& executor, const FlatScene& flat,
+                                             const Camera& camera, PictureSize size) {
+  try {
+    Rasterizer rasterizer;
+    return rasterize_primary(executor, rasterizer, flat, camera, size);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kNoGraphics) throw;
+  }
+  BatchStatistics statistics;
+  ProgressMeter meter;
+  return trace_primary(executor, flat, camera, size, method_settings(Method::kCrsh, 2, 8),
+                       &statistics, {}, &meter);
+}
+
+struct Input {
+  Input() {
+    const Executor executor;
+    flat = flatten(executor, scene, mesh_bounds(executor, scene));
+    fragments = fragments_at(executor, kSize);
+  }
+  Input(const Input&) = delete;
+  Input& operator=(const Input&) = delete;
+
+  [[nodiscard]] std::vector<Fragment> fragments_at(const Executor& executor,
+                                                   PictureSize size) const {
+    const Camera& camera = scene.cameras.front();
+    return fetch_fragments(executor, flat, textures, camera, size,
+                           first_hits(executor, flat, camera, size));
+  }
+  [[nodiscard]] RayBatch shadow_rays(const Executor& executor,
+                                     View<const Fragment> of_fragments) const {
+    return make_shadow_rays(executor, of_fragments, scene.lights, 0,
+                            static_cast<std::uint32_t>(scene.lights.size()), flat.bounds);
+  }
+
+  SceneDescription scene = bench_scene();
+  TextureSet textures{scene};
+  FlatScene flat;
+  std::vector<Fragment> fragments;  ///< one a pixel of kSize
+};
+
+inline const Input& input() {
+  static const Input the_input;
+  return the_input;
+}
+
+/// The shadow rays in the order of their keys (`crsh`), or as they were made (`rah`).
+inline std::vector<Ray> ordered_shadow_rays(bool sorted) {
+  const Executor executor;
+  const RayBatch batch = input().shadow_rays(executor, input().fragments);
+  if (!sorted) return batch.rays;
+  std::vector<std::uint32_t> order(batch.rays.size());
+  order_by_key(executor, batch.keys, order, batch.key_bits);
+  std::vector<Ray> rays;
+  for (const std::uint32_t ray : order) rays.push_back(batch.rays[ray]);
+  return rays;
+}
+
+/// `state.range(place)`: 0 takes all cores.
+inline Executor executor_of(const benchmark::State& state, int place) {
+  return Executor(static_cast<std::uint32_t>(state.range(static_cast<std::size_t>(place))));
+}
+
+inline void count_items(benchmark::State& state, std::size_t items_an_iteration) {
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(items_an_iteration));
+}
+
+/// Seconds of wall time for each of `count` things that every iteration does.
+inline benchmark::Counter time_each(double count) {
+  return {count, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert};
+}
+
+}  // namespace raysheaf::bench
