@@ -49,7 +49,8 @@ void into_pixels(benchmark::State& state) {
 
 void sky(benchmark::State& state) {
   const Input& in = input();
-  for (auto _ : state) benchmark::DoNotOptimize(automatic_sky(in.fragments, in.scene.lights));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(automatic_sky(in.executor, in.fragments, in.scene.lights));
   finish(state);
 }
 

@@ -1,7 +1,6 @@
 #include "frame/frame.h"
 
 #include <algorithm>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -18,6 +17,8 @@ constexpr std::size_t kGrain = 1024;
 
 /// Shadow slots that are worked on at once; more lights go in groups, so that memory stays bounded.
 constexpr std::size_t kMostShadowSlots = std::size_t{1} << 24;
+/// Secondary fragments that are worked on at once.
+constexpr std::size_t kMostFragments = std::size_t{1} << 22;
 
 Vec3 xyz(Vec4 v) {
   return {v.x, v.y, v.z};
@@ -45,13 +46,8 @@ class Frame {
 
   RenderResult run() {
     std::vector<Fragment> fragments = see();
-    sky_ = options_.ambient ? *options_.ambient : automatic_sky(fragments, lights_);
-    for (std::uint32_t bounce = 1; !fragments.empty(); ++bounce) {
-      const bool last = bounce > options_.bounces;
-      gather_light(fragments, bounce, last);
-      if (last) break;
-      fragments = next_fragments(fragments, bounce);
-    }
+    sky_ = options_.ambient ? *options_.ambient : automatic_sky(executor_, fragments, lights_);
+    follow_light(std::move(fragments), 1);
     finish();
     return std::move(result_);
   }
@@ -94,6 +90,23 @@ class Frame {
     result_.ids = std::move(g.ids);
   }
 
+  /// The light of the fragments, then that of what their rays meet. Where paths split so often that
+  /// the next fragments are too many, they go on in groups, one after the other.
+  void follow_light(std::vector<Fragment> fragments, std::uint32_t bounce) {
+    const bool last = bounce > options_.bounces;
+    gather_light(fragments, bounce, last);
+    if (last) return;
+    std::vector<Fragment> next = next_fragments(fragments, bounce);
+    fragments = {};
+    while (next.size() > kMostFragments) {
+      const auto rest = next.end() - static_cast<std::ptrdiff_t>(kMostFragments);
+      std::vector<Fragment> group(rest, next.end());
+      next.erase(rest, next.end());
+      follow_light(std::move(group), bounce + 1);
+    }
+    if (!next.empty()) follow_light(std::move(next), bounce + 1);
+  }
+
   /// Shadow rays, then the light that leaves the fragments, into the pixels.
   void gather_light(const std::vector<Fragment>& fragments, std::uint32_t bounce, bool last) {
     const TracedParts traced{options_.reflections && !last, options_.refractions && !last};
@@ -112,7 +125,7 @@ class Frame {
       result_.statistics.shade_ms += watch_.lap_ms();
     }
     watch_.lap_ms();
-    accumulate_halves(fragments, radiance);
+    accumulate(executor_, fragments, radiance, result_.beauty);
     result_.statistics.shade_ms += watch_.lap_ms();
   }
 
@@ -132,47 +145,56 @@ class Frame {
     executor_.for_each(batch.slots.size(), kGrain, [&](std::size_t i) {
       visibility[batch.slots[i]] = hits[i].found() ? Visibility::kOccluded : Visibility::kVisible;
     });
-    if (bounce == 1) tally_shadows(batch, visibility);
+    if (bounce == 1) tally_shadows(light_count, visibility);
     return visibility;
   }
 
-  /// How many of the lights a pixel faces reach it. Slots of one pixel may be in several groups of
-  /// lights, but never twice in one light.
-  void tally_shadows(const RayBatch& batch, const std::vector<Visibility>& visibility) {
-    for (const std::uint32_t slot : batch.slots) {
-      const std::size_t pixel = slot % pixel_count();
-      ++rays_faced_[pixel];
-      if (visibility[slot] == Visibility::kVisible) ++rays_arrived_[pixel];
-    }
+  /// How many of the lights each pixel faces, and how many of those reach it.
+  void tally_shadows(std::uint32_t light_count, const std::vector<Visibility>& visibility) {
+    executor_.for_each(pixel_count(), kGrain, [&](std::size_t pixel) {
+      for (std::uint32_t l = 0; l < light_count; ++l) {
+        const Visibility v = visibility[l * pixel_count() + pixel];
+        rays_faced_[pixel] += v != Visibility::kNoRay ? 1 : 0;
+        rays_arrived_[pixel] += v == Visibility::kVisible ? 1 : 0;
+      }
+    });
   }
 
-  /// Reflections and refractions: what they meet are the next fragments. What they miss is sky.
+  /// Reflections and refractions: what they meet are the next fragments, sorted by pixel. What they
+  /// miss is sky.
   std::vector<Fragment> next_fragments(const std::vector<Fragment>& fragments,
                                        std::uint32_t bounce) {
-    std::vector<Fragment> next;
-    if (options_.reflections) follow(fragments, RayKind::kReflection, bounce, &next);
-    second_half_ = next.size();
-    if (options_.refractions) follow(fragments, RayKind::kRefraction, bounce, &next);
-    return next;
+    std::vector<Fragment> reflected, refracted;
+    if (options_.reflections) reflected = follow(fragments, RayKind::kReflection, bounce);
+    if (options_.refractions) refracted = follow(fragments, RayKind::kRefraction, bounce);
+    if (refracted.empty()) return reflected;
+    if (reflected.empty()) return refracted;
+    watch_.lap_ms();
+    std::vector<Fragment> merged(reflected.size() + refracted.size());
+    std::merge(reflected.begin(), reflected.end(), refracted.begin(), refracted.end(),
+               merged.begin(),
+               [](const Fragment& a, const Fragment& b) { return a.pixel < b.pixel; });
+    result_.statistics.shade_ms += watch_.lap_ms();
+    return merged;
   }
 
-  void follow(const std::vector<Fragment>& fragments, RayKind kind, std::uint32_t bounce,
-              std::vector<Fragment>* next) {
+  std::vector<Fragment> follow(const std::vector<Fragment>& fragments, RayKind kind,
+                               std::uint32_t bounce) {
     meter_.begin(std::string(to_string(kind)) + " rays, bounce " + std::to_string(bounce), 1);
     watch_.lap_ms();
     RayBatch batch = make_bounce_rays(executor_, fragments, kind, scene_.bounds);
-    if (batch.rays.empty()) return;
+    if (batch.rays.empty()) return {};
     batch.bounce = bounce;
     BatchStatistics& statistics = statistics_for(kind, bounce);
     statistics.times_ms.raygen += watch_.lap_ms();
     const std::vector<RayHit> hits = trace_batch(batch, fragments, false, &statistics);
     watch_.lap_ms();
-    const std::size_t first = next->size();
-    next->resize(first + hits.size());
+    std::vector<Fragment> arrived(hits.size());
     executor_.for_each(hits.size(), kGrain, [&](std::size_t i) {
-      (*next)[first + i] = arrive(fragments[batch.slots[i]], kind, batch.rays[i], hits[i]);
+      arrived[i] = arrive(fragments[batch.slots[i]], kind, batch.rays[i], hits[i]);
     });
     result_.statistics.shade_ms += watch_.lap_ms();
+    return arrived;
   }
 
   [[nodiscard]] Fragment arrive(const Fragment& from, RayKind kind, const Ray& ray,
@@ -189,17 +211,6 @@ class Frame {
                        scene_.corner(hit.triangle, 1), scene_.corner(hit.triangle, 2), &where);
     f.surface = surface_at(scene_, input_.textures, hit.triangle, where.u, where.v, ray.direction);
     return f;
-  }
-
-  /// Each half of the fragments, reflected and refracted, is sorted by pixel.
-  void accumulate_halves(const std::vector<Fragment>& fragments,
-                         const std::vector<Vec3>& radiance) {
-    const std::size_t half = std::min(second_half_, fragments.size());
-    const View<const Fragment> all(fragments);
-    const View<const Vec3> light(radiance);
-    accumulate(executor_, all.slice(0, half), light.slice(0, half), result_.beauty);
-    accumulate(executor_, all.slice(half, all.size - half), light.slice(half, all.size - half),
-               result_.beauty);
   }
 
   std::vector<RayHit> trace_batch(const RayBatch& batch, const std::vector<Fragment>& fragments,
@@ -246,8 +257,7 @@ class Frame {
   RenderResult result_;
   Vec3 sky_;
   Stopwatch watch_;
-  std::size_t second_half_ = std::numeric_limits<std::size_t>::max();  ///< first refracted fragment
-  std::vector<std::uint32_t> rays_faced_, rays_arrived_;               ///< a pixel, of primary hits
+  std::vector<std::uint32_t> rays_faced_, rays_arrived_;  ///< a pixel, of primary hits
 };
 
 }  // namespace

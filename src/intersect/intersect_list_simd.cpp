@@ -81,9 +81,12 @@ HWY_INLINE M candidates(const RayLanes& r, const TriangleArrays& a, const RaySet
   const M nonzero = And(And(hn::Ne(u, zero), hn::Ne(v, zero)), hn::Ne(w, zero));
   const M normal =
       And(Ge(size, hn::Set(d, kSmallDeterminant)), Le(size, hn::Set(d, kLargeDeterminant)));
-  const M settled = And(nonzero, normal);
   const V distance =
       Add(Add(Mul(u, Mul(r.sz, pa.z)), Mul(v, Mul(r.sz, pb.z))), Mul(w, Mul(r.sz, pc.z)));
+  const V reach = hn::Abs(distance);
+  const M in_range =
+      And(Ge(reach, hn::Set(d, kSmallDistance)), Le(reach, hn::Set(d, kLargeDeterminant)));
+  const M settled = And(And(nonzero, normal), in_range);
   const V t = Div(distance, det);
   const M inside = And(Ge(t, r.t_min), Le(t, r.t_max));
   return And(agree, Or(inside, hn::Not(settled)));

@@ -44,6 +44,7 @@ struct TriangleHit {
 /// Determinants beyond these are computed again in binary64: products lost bits to underflow or
 /// became infinite. 2^-60 leaves three products of magnitudes down to 2^-126 their full precision.
 inline constexpr float kSmallDeterminant = 0x1p-60f;
+inline constexpr float kSmallDistance = 0x1p-100f;
 inline constexpr float kLargeDeterminant = 0x1p120f;
 
 RAYSHEAF_HD inline RaySetup make_ray_setup(const Ray& ray) {
@@ -118,11 +119,12 @@ RAYSHEAF_HD inline bool intersect_triangle(const RaySetup& ray, Vec3 a, Vec3 b, 
   if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
   const float det = u + v + w;
   const float size = std::fabs(det);
-  const bool settled =
-      u != 0 && v != 0 && w != 0 && size >= kSmallDeterminant && size <= kLargeDeterminant;
-  if (!settled) return intersect_exactly(ray, s, hit);
   const float distance =
       u * (ray.shear_z * s.az) + v * (ray.shear_z * s.bz) + w * (ray.shear_z * s.cz);
+  const bool settled = u != 0 && v != 0 && w != 0 && size >= kSmallDeterminant &&
+                       size <= kLargeDeterminant && std::fabs(distance) >= kSmallDistance &&
+                       std::fabs(distance) <= kLargeDeterminant;
+  if (!settled) return intersect_exactly(ray, s, hit);
   const float t = distance / det;
   if (!(t >= ray.t_min && t <= ray.t_max)) return false;
   *hit = {t, v / det, w / det, det > 0};

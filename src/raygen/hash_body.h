@@ -27,10 +27,10 @@ namespace raysheaf {
 inline constexpr std::uint32_t kDirectionBits = 8;
 inline constexpr std::uint32_t kBounceKeyBits = 30;
 
-/// [0, 1] to a cell of 2^bits.
+/// [0, 1] to a cell of 2^bits; what is below, or no number, to the first.
 RAYSHEAF_HD inline std::uint32_t quantized(float x, std::uint32_t bits) {
   const float cells = static_cast<float>(1u << bits);
-  return static_cast<std::uint32_t>(clamp(x * cells, 0, cells - 1));
+  return x > 0 ? static_cast<std::uint32_t>(clamp(x * cells, 0, cells - 1)) : 0;
 }
 
 /// The sphere of directions on the unit square (octahedral map: Q. Meyer et al., "On Floating-Point

@@ -24,7 +24,7 @@ RAYSHEAF_HD inline float light_window(const Light& light, Vec3 from_light, float
   }
   if (light.type == Light::Type::kSpot) {
     const float cos_outer = std::cos(light.outer_angle), cos_inner = std::cos(light.inner_angle);
-    const float span = std::fmax(cos_inner - cos_outer, 1e-4f);
+    const float span = std::fmax(cos_inner - cos_outer, 1e-3f);
     const float inside = clamp((dot(light.direction, from_light) - cos_outer) / span, 0, 1);
     window *= inside * inside;
   }

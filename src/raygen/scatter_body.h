@@ -25,8 +25,11 @@ RAYSHEAF_HD inline float fresnel_dielectric(float cos_in, float eta) {
   return (parallel * parallel + across * across) * 0.5f;
 }
 
-/// C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", 1994.
+/// C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", 1994. Where nothing is
+/// reflected along the normal, nothing is at grazing angles (KHR_materials_specular with a factor
+/// of 0).
 RAYSHEAF_HD inline Vec3 fresnel_schlick(Vec3 at_normal, float cos_in) {
+  if (max_component(at_normal) <= 0) return {0, 0, 0};
   const float m = clamp(1 - cos_in, 0, 1), m2 = m * m;
   return at_normal + (Vec3{1, 1, 1} - at_normal) * (m2 * m2 * m);
 }
@@ -55,15 +58,21 @@ RAYSHEAF_HD inline Vec3 mirror_direction(const Fragment& f) {
   return normalized(reflected(f.incoming, f.surface.geometric_normal));
 }
 
-/// Glass: Fresnel's split; the colour is taken where light enters.
+/// Glass: Fresnel's split; the colour is taken where light enters. How far the exact reflectance
+/// has risen from its value along the normal to 1 stands in for Schlick's power, so that tinted,
+/// weakened and partly metallic surfaces rise the same way.
 RAYSHEAF_HD inline void scatter_glass(const Fragment& f, float cos_in, Scattering* s) {
   const Surface& surface = f.surface;
   const float eta = surface.front ? surface.ior : 1 / surface.ior;
-  const float share = fresnel_dielectric(cos_in, eta);
-  const Vec3 tint = surface.front ? surface.transmission_color : Vec3{1, 1, 1};
-  s->refracted_part = tint * ((1 - share) * surface.transmission);
-  s->reflected_part = Vec3{1, 1, 1} * share;
-  s->diffuse_part = Vec3{1, 1, 1} * (1 - share);
+  const float along_normal = fresnel_dielectric(1, eta);
+  const float exact = fresnel_dielectric(cos_in, eta);
+  const float rise =
+      along_normal < 1 ? clamp((exact - along_normal) / (1 - along_normal), 0, 1) : 1;
+  const Vec3 white{1, 1, 1};
+  const Vec3 tint = surface.front ? surface.transmission_color : white;
+  s->reflected_part = lerp(surface.specular, white, rise);
+  s->diffuse_part = white - lerp(surface.coat, white, rise);
+  s->refracted_part = tint * s->diffuse_part * surface.transmission;
   s->mirror = true;
   const float sin2_out = (1 - cos_in * cos_in) / (eta * eta);
   if (sin2_out >= 1) return;
@@ -83,10 +92,7 @@ RAYSHEAF_HD inline Scattering scatter(const Fragment& f) {
     scatter_glass(f, cos_in, &s);
   } else {
     s.reflected_part = fresnel_schlick(surface.specular, cos_in);
-    // A surface without any specular reflectance (KHR_materials_specular 0) has none at grazing
-    // angles.
-    if (max_component(surface.specular) <= 0) s.reflected_part = {0, 0, 0};
-    s.diffuse_part = Vec3{1, 1, 1} - s.reflected_part;
+    s.diffuse_part = Vec3{1, 1, 1} - fresnel_schlick(surface.coat, cos_in);
     s.mirror = surface.roughness < kMirrorRoughness;
   }
   if (surface.unlit) s.reflected_part = s.refracted_part = s.diffuse_part = {0, 0, 0};

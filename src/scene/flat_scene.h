@@ -70,7 +70,7 @@ struct FlatScene {
                                               const SceneDescription& scene);
 
 /// O(triangles). `description` must outlive the result and have passed `validate`; `object_bounds`
-/// is what `mesh_bounds` gave for it. Throws `Error`: kUnsupported above 2^32 - 64 triangles,
+/// is what `mesh_bounds` gave for it. Throws `Error`: kUnsupported above 2^31 - 64 triangles,
 /// kInvalidData where an instance puts a vertex farther out than `kLargestCoordinate`.
 [[nodiscard]] FlatScene flatten(const Executor& executor, const SceneDescription& description,
                                 const std::vector<Sphere>& object_bounds);

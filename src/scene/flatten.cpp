@@ -177,11 +177,11 @@ TriangleView FlatScene::triangles() const {
 
 FlatScene flatten(const Executor& executor, const SceneDescription& description,
                   const std::vector<Sphere>& object_bounds) {
-  constexpr std::uint64_t kMostTriangles = (std::uint64_t{1} << 32) - 64;
+  constexpr std::uint64_t kMostTriangles = (std::uint64_t{1} << 31) - 64;
   const std::uint64_t count = description.triangle_count();
   if (count > kMostTriangles) {
     throw Error(ErrorCode::kUnsupported,
-                "the scene has " + std::to_string(count) + " triangles, more than 2^32 - 64");
+                "the scene has " + std::to_string(count) + " triangles, more than 2^31 - 64");
   }
   FlatScene flat;
   flat.description = &description;

@@ -89,6 +89,7 @@ void set_material(Surface& surface, const Material& material, const Look& look) 
   surface.ior = material.ior >= 1 ? material.ior : 1;
   surface.diffuse = base * ((1 - metallic) * (1 - material.transmission));
   surface.specular = lerp(dielectric, base, metallic);
+  surface.coat = dielectric;
   surface.emission = material.emission * look.color(material.emission_texture);
 }
 

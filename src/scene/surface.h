@@ -13,6 +13,7 @@ struct Surface {
   Vec3 normal;    ///< unit shading normal, turned with the geometric one; may lean behind the ray
   Vec3 diffuse;   ///< reflectance
   Vec3 specular;  ///< reflectance along the normal
+  Vec3 coat;      ///< the part of it that shades what lies below: without the metal's
   Vec3 transmission_color;
   Vec3 emission;             ///< radiance
   float roughness = 1;       ///< glTF's, before it is squared

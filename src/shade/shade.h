@@ -38,7 +38,8 @@ void accumulate(const Executor& executor, View<const Fragment> fragments, View<c
 /// A little light from everywhere: a seventh of the mean radiance that the lights would give to
 /// white surfaces at the fragments, so that shadows are dark but not black whatever the lights'
 /// units.
-[[nodiscard]] Vec3 automatic_sky(View<const Fragment> fragments, View<const Light> lights);
+[[nodiscard]] Vec3 automatic_sky(const Executor& executor, View<const Fragment> fragments,
+                                 View<const Light> lights);
 
 /// The factor that brings the mean logarithm of the covered pixels' luminance to middle grey (E.
 /// Reinhard et al., "Photographic Tone Reproduction", 2002, equation 1), or less where that would

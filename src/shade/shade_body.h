@@ -19,11 +19,9 @@ RAYSHEAF_HD inline Vec3 reflectance(const Fragment& f, Vec3 to_light) {
   const float n_l = dot(s.normal, to_light), n_v = cos_arrival(f);
   const Vec3 half = normalized(to_light - f.incoming, s.normal);
   const float n_h = clamp(dot(s.normal, half), 0, 1), v_h = clamp(-dot(f.incoming, half), 0, 1);
-  Vec3 fresnel{0, 0, 0}, at_view{0, 0, 0};
-  if (max_component(s.specular) > 0) {
-    fresnel = fresnel_schlick(s.specular, v_h);
-    at_view = fresnel_schlick(s.specular, n_v);
-  }
+  const Vec3 fresnel = fresnel_schlick(s.specular, v_h);
+  // At grazing views the highlight takes more than its own Fresnel term says.
+  const Vec3 coat = max(fresnel_schlick(s.coat, v_h), fresnel_schlick(s.coat, n_v));
   const float smoothest = s.roughness > kMirrorRoughness ? s.roughness : kMirrorRoughness;
   const float alpha = smoothest * smoothest, a2 = alpha * alpha;
   const float lobe = n_h * n_h * (a2 - 1) + 1;
@@ -31,8 +29,7 @@ RAYSHEAF_HD inline Vec3 reflectance(const Fragment& f, Vec3 to_light) {
   const float masking =
       n_l * std::sqrt(n_v * n_v * (1 - a2) + a2) + n_v * std::sqrt(n_l * n_l * (1 - a2) + a2);
   const float highlight = masking > 0 ? 0.5f * distribution / masking : 0;
-  // At grazing views the highlight takes more than its own Fresnel term says.
-  const Vec3 below = s.diffuse * (Vec3{1, 1, 1} - max(fresnel, at_view)) * (1 / kPi);
+  const Vec3 below = s.diffuse * (Vec3{1, 1, 1} - coat) * (1 / kPi);
   return (below + fresnel * highlight) * n_l;
 }
 

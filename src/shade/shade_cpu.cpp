@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/bits.h"
 #include "shade/shade.h"
 #include "shade/shade_body.h"
 
@@ -8,6 +9,13 @@ namespace raysheaf {
 namespace {
 
 constexpr std::size_t kGrain = 1024;
+/// The luminance that white would have where nothing stood before the light.
+float unoccluded(const Fragment& f, const Light& light) {
+  const LightSample sample = sample_light(light, f.surface.position);
+  const float cosine = dot(f.surface.normal, sample.to_light);
+  return cosine > 0 ? luminance(sample.irradiance) * cosine / kPi : 0;
+}
+
 constexpr float kMiddleGrey = 0.18f;
 constexpr double kBrightPart = 0.95;  // this part of the pixels stays below kBrightest
 constexpr float kBrightest = 1.3f;
@@ -54,21 +62,29 @@ void accumulate(const Executor& executor, View<const Fragment> fragments, View<c
   });
 }
 
-Vec3 automatic_sky(View<const Fragment> fragments, View<const Light> lights) {
-  double sum = 0;
-  std::size_t covered = 0;
-  for (const Fragment& f : fragments) {
-    if (f.triangle == kInvalidId) continue;
-    ++covered;
-    for (const Light& light : lights) {
-      const LightSample sample = sample_light(light, f.surface.position);
-      const float cosine = dot(f.surface.normal, sample.to_light);
-      if (cosine > 0) sum += static_cast<double>(luminance(sample.irradiance) * cosine / kPi);
+Vec3 automatic_sky(const Executor& executor, View<const Fragment> fragments,
+                   View<const Light> lights) {
+  if (lights.empty()) return {1, 1, 1};  // a white sky shows what is there
+  struct Part {
+    double sum = 0;
+    std::size_t covered = 0;
+  };
+  std::vector<Part> parts(div_ceil(fragments.size, kGrain));
+  executor.for_each(parts.size(), 1, [&](std::size_t p) {
+    const std::size_t end = std::min((p + 1) * kGrain, fragments.size);
+    for (std::size_t i = p * kGrain; i < end; ++i) {
+      if (fragments[i].triangle == kInvalidId) continue;
+      ++parts[p].covered;
+      for (const Light& light : lights) parts[p].sum += double{unoccluded(fragments[i], light)};
     }
+  });
+  Part whole;
+  for (const Part& part : parts) {
+    whole.sum += part.sum;
+    whole.covered += part.covered;
   }
-  const float mean = covered > 0 ? static_cast<float>(sum / static_cast<double>(covered)) : 0;
-  // Without any light at all a white sky shows what is there.
-  const float radiance = lights.empty() ? 1.0f : kSkyPart * mean;
+  const double mean = whole.covered > 0 ? whole.sum / static_cast<double>(whole.covered) : 0;
+  const float radiance = kSkyPart * static_cast<float>(mean);
   return {radiance, radiance, radiance};
 }
 

@@ -143,12 +143,14 @@ class Walk {
     const TriangleArrays candidates = gather_corners(list);
     const std::size_t first = std::size_t{leaf} * tree_.branching;
     const std::size_t end = std::min<std::size_t>(first + tree_.branching, rays_.size);
+    std::size_t tested = options_.early_out ? 0 : tree_.branching;
     for (std::size_t i = first; i < end; ++i) {
       if (stops(i)) continue;
+      tested += options_.early_out ? 1 : 0;
       intersect_list(make_ray_setup(rays_[i]), candidates, options_.facing, &best_[i]);
       if (!ray_tests_.empty()) ray_tests_[i] += static_cast<float>(list.size());
     }
-    count_final(first, end, list.size());
+    scratch_.counts.final_tests += std::uint64_t{tested} * list.size();
     scratch_.counts.final_seconds += seconds_since(start);
   }
 
@@ -195,12 +197,6 @@ class Walk {
     const auto [first, end] = rays_under(node, level);
     const float share = static_cast<float>(tests) / static_cast<float>(end - first);
     for (std::size_t i = first; i < end; ++i) ray_tests_[i] += share;
-  }
-
-  void count_final(std::size_t first, std::size_t end, std::uint64_t triangles) {
-    std::uint64_t rays = tree_.branching;
-    if (options_.early_out) rays = end - first;
-    scratch_.counts.final_tests += rays * triangles;
   }
 
   const FlatScene& scene_;

@@ -26,8 +26,10 @@ Material material(float metallic, float roughness, float transmission) {
 }
 
 TEST(Frame, AWhiteFurnaceStaysWhite) {
-  for (const Material& m : {material(0, 1, 0), material(0, 0, 0), material(1, 0, 0),
-                            material(1, 0.5f, 0), material(0, 0, 1), material(0, 0.3f, 0.5f)}) {
+  for (const Material& m :
+       {material(0, 1, 0), material(0, 0, 0), material(1, 0, 0), material(1, 0.5f, 0),
+        material(0, 0, 1), material(0, 0.3f, 0.5f), material(0.5f, 0.4f, 0),
+        material(0.5f, 0, 0.5f), material(0.9f, 0, 1)}) {
     for (const std::uint32_t bounces : {0u, 1u, 3u}) {
       SceneDescription scene = test::ball_on_floor(m);
       scene.lights[0].intensity = {0, 0, 0};
@@ -110,6 +112,37 @@ TEST(Frame, ManyLightsGoInGroupsAndGiveTheSamePicture) {
   const RenderResult brute = render(scene, options);
   options.method = Method::kCrsh;
   EXPECT_TRUE(test::same_bits(brute.beauty, render(scene, options).beauty));
+}
+
+/// Panes of glass before a wall: paths split at each, and meet in the same pixels again.
+SceneDescription stacked_glass(int panes) {
+  SceneDescription scene;
+  scene.materials = {material(0, 0, 1), material(0, 1, 0)};
+  scene.materials[0].double_sided = true;
+  for (int i = 0; i <= panes; ++i) {
+    const float z = -static_cast<float>(i);
+    Mesh pane;
+    pane.positions = {{-9, -9, z}, {9, -9, z}, {9, 9, z}, {-9, 9, z}};
+    pane.triangles = {{0, 1, 2}, {0, 2, 3}};
+    pane.materials = {i < panes ? 0u : 1u};
+    test::add_mesh(&scene, std::move(pane));
+  }
+  scene.lights.push_back(test::point_light({1, 2, 4}, 100));
+  scene.cameras.push_back(test::camera_at({0, 0, 5}, {0.3f, 0.2f, 0}));
+  return scene;
+}
+
+TEST(Frame, SplittingPathsAddUpTheSameOnEveryNumberOfThreads) {
+  const SceneDescription scene = stacked_glass(4);
+  RenderOptions options = test::small_options(96);
+  options.bounces = 5;
+  options.threads = 1;
+  const RenderResult one = render(scene, options);
+  EXPECT_GT(find_batch(one, RayKind::kRefraction, 3)->rays, 96u * 96);  // more than one a pixel
+  for (const std::uint32_t threads : {2u, 4u, 7u}) {
+    options.threads = threads;
+    EXPECT_TRUE(test::same_bits(one.beauty, render(scene, options).beauty)) << threads;
+  }
 }
 
 TEST(Frame, BouncesCountFromOne) {

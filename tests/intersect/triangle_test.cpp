@@ -115,6 +115,23 @@ TEST(Triangle, AgreesWithBinary64AwayFromEdges) {
   EXPECT_GT(hits, 1000);
 }
 
+TEST(Triangle, TheNearerOfTwoIsNearerAtEveryScale) {
+  for (const float scale : {1e-20f, 1e-12f, 1e-3f, 1.0f, 1e6f, 1e13f, 1e18f}) {
+    const auto corner = [&](float x, float y, float z) { return Vec3{x, y, z} * scale; };
+    const RaySetup ray = make_ray_setup({corner(0.1f, 0.2f, 3), 0, {0, 0, -1}, kInfinity});
+    TriangleHit near{}, far{};
+    ASSERT_TRUE(
+        intersect_triangle(ray, corner(-1, -1, 1), corner(1, -1, 1), corner(0, 1, 1), &near));
+    ASSERT_TRUE(
+        intersect_triangle(ray, corner(-1, -1, 0), corner(1, -1, 0), corner(0, 1, 0), &far));
+    EXPECT_NEAR(near.t / scale, 2, 1e-5f) << scale;
+    EXPECT_NEAR(far.t / scale, 3, 1e-5f) << scale;
+    // Corners on both sides of the origin.
+    EXPECT_TRUE(
+        intersect_triangle(ray, corner(-4, -4, 5), corner(4, -4, 5), corner(0, 4, -3), &far));
+  }
+}
+
 TEST(Triangle, BothTrianglesOwnTheirSharedEdge) {
   const Vec3 a{0, 0, 0}, b{1, 0, 0}, c{1, 1, 0}, d{0, 1, 0};
   const RaySetup ray = make_ray_setup({{0.5f, 0.5f, 1}, 0, {0, 0, -1}, kInfinity});

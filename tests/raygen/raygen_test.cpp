@@ -185,6 +185,7 @@ Fragment glass_fragment(Vec3 incoming, bool front) {
   f.surface.transmission = 1;
   f.surface.transmission_color = {1, 1, 1};
   f.surface.ior = 1.5f;
+  f.surface.specular = f.surface.coat = {0.04f, 0.04f, 0.04f};
   f.surface.front = front;
   return f;
 }
@@ -223,7 +224,7 @@ TEST(Scatter, PartsNeverExceedTheWhole) {
     f.surface.transmission = random.below(2) == 0 ? 0 : random.unit();
     f.surface.diffuse = Vec3{1, 1, 1} * (1 - f.surface.transmission);
     const float f0 = random.unit();
-    f.surface.specular = {f0, f0, f0};
+    f.surface.specular = f.surface.coat = {f0, f0, f0};
     const Scattering s = scatter(f);
     const float whole =
         s.reflected_part.x + s.refracted_part.x + s.diffuse_part.x * f.surface.diffuse.x;

@@ -39,7 +39,7 @@ TEST(Shade, NoSurfaceReflectsMoreThanArrives) {
       for (const float cos_view : {1.0f, 0.5f, 0.1f}) {
         Fragment f = matte({0, 1, 0}, {std::sqrt(1 - cos_view * cos_view), -cos_view, 0});
         f.surface.roughness = roughness;
-        f.surface.specular = {f0, f0, f0};
+        f.surface.specular = f.surface.coat = {f0, f0, f0};
         f.surface.diffuse = Vec3{1, 1, 1} * (f0 > 0.5f ? 0.0f : 1.0f);
         double sum = 0;
         constexpr int kSamples = 40000;

@@ -132,6 +132,12 @@ TEST(Traverse, EarlyOutFindsTheSameRaysOccludedWithFewerTests) {
   for (std::size_t i = 0; i < rays.size(); ++i)
     EXPECT_EQ(all.hits[i].found(), early.hits[i].found());
   EXPECT_LT(early.counts.final_tests, all.counts.final_tests);
+  // What is counted is what was done, but for the padding of nodes.
+  double sum = 0;
+  for (const float tests : early.ray_tests) sum += double{tests};
+  const auto& c = early.counts;
+  EXPECT_LE(sum, static_cast<double>(c.tests[0] + c.tests[1] + c.final_tests) * 1.0001);
+  EXPECT_GE(sum, static_cast<double>(c.tests[1] + c.final_tests));
 }
 
 TEST(Traverse, DoesNotDependOnTheNumberOfThreads) {
