@@ -55,22 +55,31 @@ RAYSHEAF_HD inline std::uint64_t morton_place(const Cell<kDimensions>& cell) {
   return place;
 }
 
+/// One bit of one axis: where it is set, what is below it is mirrored in the first axis; where it
+/// is not, that is swapped with the first.
+RAYSHEAF_HD inline void turn_back(std::uint32_t bit, std::uint32_t& first, std::uint32_t& other) {
+  const std::uint32_t below = (1u << bit) - 1;
+  const std::uint32_t set = 0u - ((other >> bit) & 1u);
+  const std::uint32_t swapped = (first ^ other) & below & ~set;
+  first ^= swapped | (below & set);
+  other ^= swapped;
+}
+
 /// J. Skilling, "Programming the Hilbert curve", AIP Conference Proceedings 707 (2004), 381-387.
 ///
-/// From the coarsest bit down, each axis whose bit is set mirrors what is below in the first axis,
-/// and each whose bit is not set swaps it with the first: that takes the turns of the sub-cubes
-/// out. What remains is a Gray code over all bits, undone across the axes and then down the bits.
+/// From the coarsest bit down, the turns of the sub-cubes are taken out of what is below. What
+/// remains is a Gray code over all bits, undone across the axes and then down the bits.
 template <int kDimensions>
 RAYSHEAF_HD inline std::uint64_t hilbert_place(Cell<kDimensions> cell, std::uint32_t bits) {
+  static_assert(kDimensions >= 2 && kDimensions <= 6);
   std::uint32_t* x = cell.axis;
   for (std::uint32_t bit = bits; bit-- > 1;) {
-    const std::uint32_t below = (1u << bit) - 1;
-    for (int i = 0; i < kDimensions; ++i) {
-      const std::uint32_t set = 0u - ((x[i] >> bit) & 1u);
-      const std::uint32_t swapped = (x[0] ^ x[i]) & below & ~set;
-      x[0] ^= swapped | (below & set);
-      x[i] ^= swapped;
-    }
+    x[0] ^= ((1u << bit) - 1) & (0u - ((x[0] >> bit) & 1u));
+    turn_back(bit, x[0], x[1]);  // written out, so that the axes stay in registers
+    if constexpr (kDimensions > 2) turn_back(bit, x[0], x[2]);
+    if constexpr (kDimensions > 3) turn_back(bit, x[0], x[3]);
+    if constexpr (kDimensions > 4) turn_back(bit, x[0], x[4]);
+    if constexpr (kDimensions > 5) turn_back(bit, x[0], x[5]);
   }
   for (int i = 1; i < kDimensions; ++i) x[i] ^= x[i - 1];
   std::uint32_t parity = x[kDimensions - 1] >> 1;  // of the last axis' bits above each bit

@@ -8,6 +8,9 @@
 
 #include "raygen/key_body.h"
 #include "raygen/published_body.h"
+#include "raysheaf/builtin_scenes.h"
+#include "raysheaf/error.h"
+#include "support/pictures.h"
 #include "support/random.h"
 
 namespace raysheaf {
@@ -285,6 +288,58 @@ TEST(Keys, ThePublishedBounceKeyHasItsFieldsInPlace) {
   EXPECT_EQ(key, (31u << 19) + (0u << 12) + (11u << 5) + 7u + 1);
   const std::uint32_t refracted = published_bounce_key(RayKind::kRefraction, o, d, true);
   EXPECT_EQ(refracted, key + (2u << 26));
+}
+
+class RenderedKeys : public testing::TestWithParam<std::string> {};
+
+TEST_P(RenderedKeys, GiveTheSameBitsAsBruteForce) {
+  const SceneDescription scene = builtin_scene(GetParam());
+  RenderOptions options = test::small_options(40);
+  options.method = Method::kBrute;
+  const RenderResult brute = render(scene, options);
+  options.method = Method::kCrsh;
+  for (const RayKey key : kAllKeys) {
+    for (const std::uint32_t bits : {32u, 64u}) {
+      options.key = key;
+      options.key_bits = bits;
+      options.mesh_culling = bits == 32;
+      EXPECT_TRUE(test::same_bits(render(scene, options).beauty, brute.beauty))
+          << to_string(key) << " " << bits;
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Builtin, RenderedKeys, testing::Values("office", "cornell", "atrium"));
+
+/// Tests of the shadow rays of the first hits, as a part of brute force.
+double shadow_tests(const SceneDescription& scene, RayKey key, std::uint32_t bits) {
+  RenderOptions options = test::small_options(192);
+  options.bounces = 0;
+  options.key = key;
+  options.key_bits = bits;
+  for (const BatchStatistics& batch : render(scene, options).statistics.batches)
+    if (batch.kind == RayKind::kShadow) return batch.relative();
+  return 0;
+}
+
+TEST(RenderedKeys, CompactKeysSaveMostTestsOfTheOffice) {
+  const SceneDescription scene = builtin_scene("office");
+  const double raster = shadow_tests(scene, RayKey::kRaster, 32);
+  const double pixels = shadow_tests(scene, RayKey::kPixelMorton, 32);
+  ASSERT_GT(raster, 0);
+  EXPECT_LT(pixels, raster / 2);
+  for (const std::uint32_t bits : {32u, 64u}) {
+    EXPECT_LT(shadow_tests(scene, RayKey::kOctahedralHilbert, bits), raster / 3) << bits;
+    EXPECT_LT(shadow_tests(scene, RayKey::kEndPointHilbert, bits), raster / 5) << bits;
+    EXPECT_LT(shadow_tests(scene, RayKey::kTwoPointHilbert, bits),
+              shadow_tests(scene, RayKey::kTwoPointMorton, bits))
+        << bits;
+  }
+}
+
+TEST(RenderedKeys, AskForBitsThatThereAre) {
+  RenderOptions options = test::small_options();
+  options.key_bits = 48;
+  EXPECT_THROW((void)render(builtin_scene("cornell"), options), Error);
 }
 
 }  // namespace
