@@ -95,6 +95,15 @@ void add_method(CLI::App& app, RenderCommand& command) {
             [&options](const auto& text) { options.method = method_from_string(text); });
   add_count(app, "--levels", options.levels, 1, 8, "Levels of the ray hierarchy, 1 to 8 [2]");
   add_count(app, "--branching", options.branching, 2, 64, "Children of a node, 2 to 64 [8]");
+  add_value(app, "--key", "NAME", "What rays are sorted by [the method's own]",
+            [&options](const auto& text) { options.key = key_from_string(text); });
+  add_value(app, "--key-bits", "32|64", "Bits of the key, where it comes in both [32]",
+            [&options](const auto& text) { options.key_bits = parse_key_bits(text); });
+  add_value(app, "--bound", "NAME", "What bounds a bundle of rays [the method's own]",
+            [&options](const auto& text) { options.bound = bound_from_string(text); });
+  add_value(app, "--mesh-culling", "on|off",
+            "Test the spheres of meshes before their triangles [the method's own]",
+            [&options](const auto& text) { options.mesh_culling = parse_switch(text); });
   add_count(app, "--threads", options.threads, 0, 1024, "Threads, up to 1024; 0 is all cores [0]");
   add_value(app, "--device", "cpu|cuda", "Where the rays are traced [cpu]",
             [&command](const std::string& text) {

@@ -79,6 +79,17 @@ Vec3 parse_color(const std::string& text) {
   refuse(text, "is neither one number nor R,G,B, each of them 0 or more");
 }
 
+std::uint32_t parse_key_bits(const std::string& text) {
+  if (text == "32") return 32;
+  if (text == "64") return 64;
+  refuse(text, "is neither 32 nor 64");
+}
+
+bool parse_switch(const std::string& text) {
+  if (text != "on" && text != "off") refuse(text, "is neither on nor off");
+  return text == "on";
+}
+
 bool has_ending(const std::string& path, const std::string& ending) {
   if (path.size() < ending.size()) return false;
   return std::equal(ending.rbegin(), ending.rend(), path.rbegin(), [](char a, char b) {

@@ -23,6 +23,12 @@ namespace raysheaf::app {
 /// "R,G,B", or one number for all three; finite and not negative.
 [[nodiscard]] Vec3 parse_color(const std::string& text);
 
+/// "32" or "64".
+[[nodiscard]] std::uint32_t parse_key_bits(const std::string& text);
+
+/// "on" or "off".
+[[nodiscard]] bool parse_switch(const std::string& text);
+
 /// Whether `path` ends in `ending` (lower case, with its dot), in any case.
 [[nodiscard]] bool has_ending(const std::string& path, const std::string& ending);
 

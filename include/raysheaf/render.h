@@ -34,7 +34,12 @@ struct RenderOptions {
   std::uint32_t bounces = 2;    ///< reflections and refractions in a row, 0 to 32
   std::uint32_t levels = 2;     ///< of the ray hierarchy, 1 to 8
   std::uint32_t branching = 8;  ///< children a node, 2 to 64
-  std::uint32_t threads = 0;    ///< 0: all cores
+  // Unset: the method's own. None of them changes the picture, only the counts and the time.
+  std::optional<RayKey> key;
+  std::optional<std::uint32_t> key_bits;  ///< 32 or 64
+  std::optional<BundleBound> bound;
+  std::optional<bool> mesh_culling;
+  std::uint32_t threads = 0;  ///< 0: all cores
   bool shadows = true, reflections = true, refractions = true;
   bool early_out = false;  ///< shadow rays stop at their first hit; the paper counts without
   bool count_pixel_tests = false;  ///< fill `RenderResult::tests`

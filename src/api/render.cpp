@@ -51,6 +51,8 @@ void check(const RenderOptions& options) {
   check_range("bounces", options.bounces, 0, kMostBounces);
   check_range("levels", options.levels, 1, kMostLevels);
   check_range("branching", options.branching, 2, kMostBranching);
+  if (options.key_bits && *options.key_bits != 32 && *options.key_bits != 64)
+    throw Error(ErrorCode::kInvalidArgument, "must be 32 or 64", "key_bits");
   check_range("threads", options.threads, 0, kMostThreads);
   if (options.exposure && !(*options.exposure > 0 && std::isfinite(*options.exposure)))
     throw Error(ErrorCode::kInvalidArgument, "must be a positive number", "exposure");

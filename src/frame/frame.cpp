@@ -24,6 +24,18 @@ Vec3 xyz(Vec4 v) {
   return {v.x, v.y, v.z};
 }
 
+/// The method's settings with what was asked for in their place.
+MethodSettings settings_for(const RenderOptions& options) {
+  MethodSettings settings = method_settings(options.method);
+  settings.key = options.key.value_or(settings.key);
+  settings.key_bits = options.key_bits.value_or(settings.key_bits);
+  settings.bound = options.bound.value_or(settings.bound);
+  settings.mesh_culling = options.mesh_culling.value_or(settings.mesh_culling);
+  settings.levels = options.levels;
+  settings.branching = options.branching;
+  return settings;
+}
+
 class Frame {
  public:
   Frame(const Executor& executor, const FrameInput& input, ProgressMeter* meter)
@@ -33,9 +45,7 @@ class Frame {
         input_(input),
         options_(input.options),
         meter_(*meter) {
-    trace_.method = method_settings(options_.method);
-    trace_.method.levels = options_.levels;
-    trace_.method.branching = options_.branching;
+    trace_.method = settings_for(options_);
     result_.width = options_.width;
     result_.height = options_.height;
     result_.beauty.resize(pixel_count());
@@ -135,6 +145,7 @@ class Frame {
     RayBatch batch =
         make_shadow_rays(executor_, fragments, lights_, first_light, light_count, scene_.bounds);
     batch.bounce = bounce;
+    batch.width = options_.width;
     std::vector<Visibility> visibility(fragments.size() * light_count, Visibility::kNoRay);
     std::vector<RayHit> hits(options_.shadows ? 0 : batch.rays.size());
     if (options_.shadows) {
@@ -185,6 +196,7 @@ class Frame {
     RayBatch batch = make_bounce_rays(executor_, fragments, kind, scene_.bounds);
     if (batch.rays.empty()) return {};
     batch.bounce = bounce;
+    batch.width = options_.width;
     BatchStatistics& statistics = statistics_for(kind, bounce);
     statistics.times_ms.raygen += watch_.lap_ms();
     const std::vector<RayHit> hits = trace_batch(batch, fragments, false, &statistics);

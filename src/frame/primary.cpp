@@ -48,6 +48,7 @@ std::vector<std::uint32_t> trace_primary(const Executor& executor, const FlatSce
   RayBatch batch;
   batch.kind = RayKind::kPrimary;
   batch.bounce = 0;
+  batch.width = size.width;
   batch.key_bits = kBounceKeyBits;
   batch.rays.resize(std::size_t{size.width} * size.height);
   batch.keys.resize(batch.rays.size());

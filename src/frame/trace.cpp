@@ -4,10 +4,12 @@
 #include <numeric>
 #include <string>
 
+#include "exec/radix_sort.h"
 #include "frame/stopwatch.h"
 #include "hierarchy/hierarchy.h"
 #include "intersect/brute_force.h"
 #include "order/order.h"
+#include "raygen/keys.h"
 #include "traverse/traverse.h"
 
 namespace raysheaf {
@@ -52,14 +54,36 @@ std::vector<RayHit> trace_brute_force(const Executor& executor, const FlatScene&
   return hits;
 }
 
+/// How many runs of equal keys there are.
+std::uint64_t run_count(const std::vector<std::uint64_t>& keys) {
+  std::uint64_t runs = keys.empty() ? 0 : 1;
+  for (std::size_t i = 1; i < keys.size(); ++i) runs += keys[i] != keys[i - 1] ? 1 : 0;
+  return runs;
+}
+
+/// The stable order of the rays by their keys, and how many runs of equal keys there were.
 std::vector<std::uint32_t> ray_order(const Executor& executor, const RayBatch& batch,
-                                     const MethodSettings& method, BatchStatistics* statistics) {
+                                     const Box& scene_bounds, const MethodSettings& method,
+                                     BatchStatistics* statistics) {
   std::vector<std::uint32_t> order(batch.rays.size());
-  if (method.key != RayKey::kRaster) {
+  if (method.key == RayKey::kCrsh) {
     statistics->chunks += order_by_key(executor, batch.keys, order, batch.key_bits);
-  } else {
-    std::iota(order.begin(), order.end(), 0u);
+    return order;
   }
+  std::iota(order.begin(), order.end(), 0u);
+  if (method.key == RayKey::kRaster) return order;
+  std::uint32_t used_bits = 0;
+  std::vector<std::uint64_t> keys =
+      make_keys(executor, batch, method.key, method.key_bits, scene_bounds, &used_bits);
+  if (used_bits > 32) {
+    statistics->chunks += run_count(keys);
+    radix_sort_pairs(executor, keys, order, used_bits);
+    return order;
+  }
+  std::vector<std::uint32_t> low(keys.size());
+  executor.for_each(keys.size(), kGrain,
+                    [&](std::size_t i) { low[i] = static_cast<std::uint32_t>(keys[i]); });
+  statistics->chunks += order_by_key(executor, low, order, used_bits);
   return order;
 }
 
@@ -70,7 +94,8 @@ std::vector<RayHit> trace_hierarchy(const Executor& executor, const FlatScene& s
   const MethodSettings& method = options.method;
   StageTimes& times = statistics->times_ms;
   Stopwatch watch;
-  const std::vector<std::uint32_t> order = ray_order(executor, batch, method, statistics);
+  const std::vector<std::uint32_t> order =
+      ray_order(executor, batch, scene.bounds, method, statistics);
   std::vector<Ray> rays(order.size());
   executor.for_each(order.size(), kGrain, [&](std::size_t i) { rays[i] = batch.rays[order[i]]; });
   times.order += watch.lap_ms();

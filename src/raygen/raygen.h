@@ -20,11 +20,14 @@ struct RayBatch {
   RayKind kind = RayKind::kShadow;
   std::uint32_t bounce = 1;
   std::uint32_t key_bits = 32;
+  std::uint32_t width = 1;           ///< of the picture that `pixels` counts in; the caller sets it
   std::vector<std::uint32_t> slots;  ///< of each ray, ascending
   std::vector<Ray> rays;
   std::vector<std::uint32_t> keys;
   std::vector<std::uint32_t> pixels;
   std::vector<std::uint32_t> lights;  ///< shadow rays alone
+  /// Shadow rays alone: the direction on the unit square, or the place on a parallel light's disc.
+  std::vector<Vec2> places;
 };
 
 /// Rays from lights to fragments, `t` from 0 at the light (or beyond the scene, for parallel light)

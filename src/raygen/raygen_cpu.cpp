@@ -9,8 +9,8 @@ namespace {
 
 constexpr std::size_t kGrain = 1024;
 
-/// Trims the slots for which `has_ray(slot)` is false, then fills rays and keys: `make(slot, &ray,
-/// &key)`.
+/// Trims the slots for which `has_ray(slot)` is false, then fills rays and keys: `make(i, slot,
+/// &ray, &key)` for ray i.
 template <class HasRay, class Make>
 void fill(const Executor& executor, View<const Fragment> fragments, std::size_t slot_count,
           const HasRay& has_ray, const Make& make, RayBatch* batch) {
@@ -21,8 +21,12 @@ void fill(const Executor& executor, View<const Fragment> fragments, std::size_t 
   batch->rays.resize(batch->slots.size());
   batch->keys.resize(batch->slots.size());
   batch->pixels.resize(batch->slots.size());
+  if (batch->kind == RayKind::kShadow) {
+    batch->lights.resize(batch->slots.size());
+    batch->places.resize(batch->slots.size());
+  }
   executor.for_each(batch->slots.size(), kGrain, [&](std::size_t i) {
-    make(batch->slots[i], &batch->rays[i], &batch->keys[i]);
+    make(i, batch->slots[i], &batch->rays[i], &batch->keys[i]);
     batch->pixels[i] = fragments[batch->slots[i] % fragments.size].pixel;
   });
 }
@@ -42,18 +46,16 @@ RayBatch make_shadow_rays(const Executor& executor, View<const Fragment> fragmen
     const Light& light = lights[first_light + slot / fragments.size];
     return f.triangle != kInvalidId && faces_light(f, sample_light(light, f.surface.position));
   };
-  const auto make = [&](std::size_t slot, Ray* ray, std::uint32_t* key) {
+  const auto make = [&](std::size_t i, std::size_t slot, Ray* ray, std::uint32_t* key) {
     const Fragment& f = fragments[slot % fragments.size];
     const auto index = static_cast<std::uint32_t>(first_light + slot / fragments.size);
     const Light& light = lights[index];
     *ray = shadow_ray(f, light, sample_light(light, f.surface.position), reach);
-    *key = shadow_key(layout, index, shadow_place(light, *ray, reach));
+    batch.lights[i] = index;
+    batch.places[i] = shadow_place(light, *ray, reach);
+    *key = shadow_key(layout, index, batch.places[i]);
   };
   fill(executor, fragments, fragments.size * light_count, has_ray, make, &batch);
-  batch.lights.resize(batch.slots.size());
-  executor.for_each(batch.slots.size(), kGrain, [&](std::size_t i) {
-    batch.lights[i] = static_cast<std::uint32_t>(first_light + batch.slots[i] / fragments.size);
-  });
   return batch;
 }
 
@@ -70,7 +72,7 @@ RayBatch make_bounce_rays(const Executor& executor, View<const Fragment> fragmen
     return worth_tracing(f.weight * (mirrors ? s.reflected_part : s.refracted_part)) &&
            (s.mirror || !mirrors);
   };
-  const auto make = [&](std::size_t slot, Ray* ray, std::uint32_t* key) {
+  const auto make = [&](std::size_t /*i*/, std::size_t slot, Ray* ray, std::uint32_t* key) {
     const Fragment& f = fragments[slot];
     const Scattering s = scatter(f);
     const Vec3 direction = mirrors ? s.reflection : s.refraction;

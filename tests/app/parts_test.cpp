@@ -52,6 +52,17 @@ TEST(Values, ColorsAreOneNumberOrThree) {
   }
 }
 
+TEST(Values, KeyBitsAndSwitchesTakeTheirWordsAlone) {
+  EXPECT_EQ(parse_key_bits("32"), 32u);
+  EXPECT_EQ(parse_key_bits("64"), 64u);
+  EXPECT_TRUE(parse_switch("on"));
+  EXPECT_FALSE(parse_switch("off"));
+  for (const char* bad : {"", "16", "032", "64 ", "on", "yes"})
+    EXPECT_THROW((void)parse_key_bits(bad), Error) << bad;
+  for (const char* bad : {"", "On", "true", "1", "off "})
+    EXPECT_THROW((void)parse_switch(bad), Error) << bad;
+}
+
 TEST(Values, EndingsInAnyCase) {
   EXPECT_TRUE(has_ending("a.PNG", ".png"));
   EXPECT_TRUE(has_ending(".png", ".png"));

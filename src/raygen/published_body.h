@@ -1,0 +1,56 @@
+// The published program's ray hash (Reis, Costa, Pereira 2017), quirks included; nothing else uses
+// it.
+//
+//   shadow       31 30 29 ...... 20 19 .. 15 14 ....... 5 4 .... 0
+//                |light|     0     | azimuth|      0     | polar |      + 1
+//
+//   reflection   azimuth and polar angle of the origin, then of the direction: fields of 7, 7, 7
+//                and 5 bits from bit 19 down to bit 0; + 1
+//   refraction   the same under the origin's distance from (0, 0, 0), at bit 26
+//
+// The light counts from 1 in two bits, so that the fourth light wraps to 0. `as_coded` takes the
+// azimuth as the program does, atan2(x, x), which knows the sign of x alone; otherwise it is
+// atan2(y, x). Azimuths below -90 degrees become 0 either way. Origins count from the world's, not
+// from the scene's box.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "base/vec.h"
+#include "raysheaf/statistics.h"
+
+namespace raysheaf {
+
+/// A float made an unsigned number that is `most` at most, negative ones and NaN 0: CUDA's
+/// conversion, which the program relies on.
+RAYSHEAF_HD inline std::uint32_t saturated(float x, std::uint32_t most) {
+  if (!(x > 0)) return 0;
+  return x < static_cast<float>(most) ? static_cast<std::uint32_t>(x) : most;
+}
+
+RAYSHEAF_HD inline float published_azimuth(Vec3 v, bool as_coded) {
+  constexpr float kHalfPi = 1.57079632679f;
+  return std::atan2(as_coded ? v.x : v.y, v.x) + kHalfPi;
+}
+
+RAYSHEAF_HD inline std::uint32_t published_shadow_key(std::uint32_t light, Vec3 direction,
+                                                      bool as_coded) {
+  const Vec3 d = normalized(direction);
+  return ((light + 1) << 30) + (saturated(published_azimuth(d, as_coded) * 5, 31) << 15) +
+         saturated(std::acos(clamp(d.z, -1, 1)) * 5, 31) + 1;
+}
+
+RAYSHEAF_HD inline std::uint32_t published_bounce_key(RayKind kind, Vec3 origin, Vec3 direction,
+                                                      bool as_coded) {
+  const Vec3 d = normalized(direction);
+  const float distance = length(origin);
+  const float height = distance > 0 ? clamp(origin.z / distance, -1, 1) : 1;
+  std::uint32_t key = kind == RayKind::kRefraction ? saturated(distance, 128) : 0;
+  key = key << 7 | saturated(published_azimuth(origin, as_coded) * 20, 128);
+  key = key << 7 | saturated(std::acos(height) * 20, 128);
+  key = key << 7 | saturated(published_azimuth(d, as_coded) * 5, 30);
+  return (key << 5 | saturated(std::acos(clamp(d.z, -1, 1)) * 5, 30)) + 1;
+}
+
+}  // namespace raysheaf
