@@ -13,7 +13,13 @@
 
 namespace raysheaf {
 
-enum class RayKind : std::uint8_t { kPrimary, kShadow, kReflection, kRefraction };
+enum class RayKind : std::uint8_t {
+  kPrimary,
+  kShadow,
+  kReflection,
+  kRefraction,
+  kAmbientOcclusion,  ///< in the laboratory alone
+};
 
 [[nodiscard]] const char* to_string(RayKind kind);
 

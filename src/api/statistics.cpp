@@ -53,6 +53,8 @@ const char* to_string(RayKind kind) {
       return "reflection";
     case RayKind::kRefraction:
       return "refraction";
+    case RayKind::kAmbientOcclusion:
+      return "ambient occlusion";
   }
   return "unknown";
 }

@@ -1,0 +1,191 @@
+// Batches of one scene, made once; measurements on them.
+#include <array>
+#include <optional>
+#include <string>
+
+#include "frame/primary.h"
+#include "frame/stopwatch.h"
+#include "frame/trace.h"
+#include "intersect/brute_force.h"
+#include "lab/as_published.h"
+#include "lab/lab_rays.h"
+#include "raster/rasterizer.h"
+#include "raysheaf/error.h"
+#include "raysheaf/lab.h"
+
+namespace raysheaf {
+namespace {
+
+constexpr std::size_t kGrain = 1024;
+constexpr std::size_t kBatches = 4;
+constexpr float kOcclusionReach = 0.25f;  ///< of the scene's diagonal
+
+SceneDescription prepared(SceneDescription scene) {
+  validate(scene);
+  add_missing_camera_and_light(scene);
+  return scene;
+}
+
+/// By OpenGL, or by rays where there is none.
+std::vector<std::uint32_t> visible_triangles(const Executor& executor, const FlatScene& scene,
+                                             const Camera& camera, PictureSize size) {
+  try {
+    Rasterizer rasterizer;
+    return rasterize_primary(executor, rasterizer, scene, camera, size);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kNoGraphics) throw;
+  }
+  BatchStatistics not_kept;
+  ProgressMeter meter;
+  return trace_primary(executor, scene, camera, size, method_settings(Method::kCrsh), &not_kept, {},
+                       &meter);
+}
+
+}  // namespace
+
+class Laboratory::Impl {
+ public:
+  Impl(const SceneDescription& scene, PictureSize size, std::uint32_t threads)
+      : width_(size.width),
+        executor_(threads),
+        description_(prepared(scene)),
+        flat_(flatten(executor_, description_, mesh_bounds(executor_, description_))),
+        textures_(description_) {
+    const Camera& camera = description_.cameras.front();
+    const std::vector<std::uint32_t> seen = visible_triangles(executor_, flat_, camera, size);
+    fragments_ = fetch_fragments(executor_, flat_, textures_, camera, size, seen);
+  }
+
+  const RayBatch& batch(LabRays rays) { return made(rays).batch; }
+
+  BatchStatistics measure(LabRays rays, const MethodSettings& settings, bool check) {
+    Made& m = made(rays);
+    BatchStatistics statistics;
+    statistics.times_ms.raygen = m.raygen_ms;
+    const std::vector<RayHit> hits = traced(m.batch, settings, &statistics);
+    if (check) compare(hits, reference(m), m.batch);
+    return statistics;
+  }
+
+  BatchStatistics as_published(LabRays rays, Method method, const Quirks& quirks) {
+    if (method != Method::kRah && method != Method::kCrsh)
+      throw Error(ErrorCode::kInvalidArgument, "rah and crsh alone were published", "method");
+    return count_as_published(executor_, flat_, batch(rays), method, quirks, width_);
+  }
+
+ private:
+  struct Made {
+    RayBatch batch;
+    double raygen_ms = 0;
+    std::vector<RayHit> reference;  ///< brute force's hits, once they were asked for
+  };
+
+  std::vector<RayHit> traced(const RayBatch& batch, const MethodSettings& settings,
+                             BatchStatistics* statistics) {
+    TraceOptions options;
+    options.method = settings;
+    ProgressMeter meter;
+    return trace(executor_, flat_, batch, options, statistics, {}, &meter);
+  }
+
+  Made& made(LabRays rays) {
+    std::optional<Made>& m = made_[static_cast<std::size_t>(rays)];
+    if (m) return *m;
+    const std::vector<Fragment> met =
+        rays == LabRays::kReflection2 ? mirrored_fragments() : std::vector<Fragment>{};
+    Stopwatch watch;
+    Made result;
+    result.batch = make(rays, met);
+    result.raygen_ms = watch.lap_ms();
+    m = std::move(result);
+    return *m;
+  }
+
+  RayBatch make(LabRays rays, const std::vector<Fragment>& met) {
+    const auto lights = static_cast<std::uint32_t>(description_.lights.size());
+    switch (rays) {
+      case LabRays::kShadow:
+        return make_shadow_rays(executor_, fragments_, description_.lights, 0, lights,
+                                flat_.bounds);
+      case LabRays::kReflection1:
+        return make_mirror_rays(executor_, fragments_, flat_.bounds, 1);
+      case LabRays::kReflection2:
+        return make_mirror_rays(executor_, met, flat_.bounds, 2);
+      case LabRays::kAmbientOcclusion:
+        break;
+    }
+    const float reach = kOcclusionReach * length(flat_.bounds.max - flat_.bounds.min);
+    return make_occlusion_rays(executor_, fragments_, flat_.bounds, reach);
+  }
+
+  /// What the mirror rays of the primary hits meet.
+  std::vector<Fragment> mirrored_fragments() {
+    const RayBatch& first = batch(LabRays::kReflection1);
+    BatchStatistics not_kept;
+    const std::vector<RayHit> hits = traced(first, method_settings(Method::kCrsh), &not_kept);
+    std::vector<Fragment> met(hits.size());
+    executor_.for_each(met.size(), kGrain, [&](std::size_t i) {
+      Fragment& f = met[i];
+      f.pixel = first.pixels[i];
+      f.incoming = first.rays[i].direction;
+      f.triangle = hits[i].triangle;
+      if (!hits[i].found()) return;
+      TriangleHit where{};
+      intersect_triangle(make_ray_setup(first.rays[i]), flat_.corner(f.triangle, 0),
+                         flat_.corner(f.triangle, 1), flat_.corner(f.triangle, 2), &where);
+      f.surface = surface_at(flat_, textures_, f.triangle, where.u, where.v, f.incoming);
+    });
+    return met;
+  }
+
+  const std::vector<RayHit>& reference(Made& m) {
+    if (m.reference.size() != m.batch.rays.size()) {
+      m.reference.assign(m.batch.rays.size(), {});
+      ProgressMeter meter;
+      intersect_brute_force(executor_, flat_.triangles(), m.batch.rays, Facing::kBoth, m.reference,
+                            &meter);
+    }
+    return m.reference;
+  }
+
+  static void compare(const std::vector<RayHit>& hits, const std::vector<RayHit>& expected,
+                      const RayBatch& batch) {
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      if (hits[i].t == expected[i].t && hits[i].triangle == expected[i].triangle) continue;
+      throw Error(ErrorCode::kInternal, "a hit differs from brute force's",
+                  std::string(to_string(batch.kind)) + " ray " + std::to_string(i) + ", bounce " +
+                      std::to_string(batch.bounce));
+    }
+  }
+
+  const std::uint32_t width_;
+  const Executor executor_;
+  const SceneDescription description_;
+  const FlatScene flat_;
+  const TextureSet textures_;
+  std::vector<Fragment> fragments_;
+  std::array<std::optional<Made>, kBatches> made_;
+};
+
+Laboratory::Laboratory(const SceneDescription& scene, std::uint32_t width, std::uint32_t height,
+                       std::uint32_t threads)
+    : impl_(std::make_unique<Impl>(scene, PictureSize{width, height}, threads)) {}
+
+Laboratory::~Laboratory() = default;
+Laboratory::Laboratory(Laboratory&&) noexcept = default;
+Laboratory& Laboratory::operator=(Laboratory&&) noexcept = default;
+
+std::uint64_t Laboratory::ray_count(LabRays rays) {
+  return impl_->batch(rays).rays.size();
+}
+
+BatchStatistics Laboratory::measure(LabRays rays, const MethodSettings& settings, bool check) {
+  return impl_->measure(rays, settings, check);
+}
+
+BatchStatistics Laboratory::measure_as_published(LabRays rays, Method method,
+                                                 const Quirks& quirks) {
+  return impl_->as_published(rays, method, quirks);
+}
+
+}  // namespace raysheaf
