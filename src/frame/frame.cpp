@@ -32,6 +32,7 @@ class Frame {
         options_(input.options),
         meter_(*meter) {
     trace_.method = method_settings(options_.method);
+    trace_.cache = &trace_cache_;
     trace_.method.levels = options_.levels;
     trace_.method.branching = options_.branching;
     result_.width = options_.width;
@@ -238,6 +239,7 @@ class Frame {
   const FrameInput& input_;
   const RenderOptions& options_;
   ProgressMeter& meter_;
+  TraceCache trace_cache_;
   TraceOptions trace_;
   RenderResult result_;
   Vec3 sky_;
