@@ -91,7 +91,7 @@ void add_rays(CLI::App& app, RenderCommand& command) {
 
 void add_method(CLI::App& app, RenderCommand& command) {
   RenderOptions& options = command.options;
-  add_value(app, "--method", "brute|rah|crsh", "How rays meet triangles [crsh]",
+  add_value(app, "--method", "brute|rah|crsh|gl10", "How rays meet triangles [crsh]",
             [&options](const auto& text) { options.method = method_from_string(text); });
   add_count(app, "--levels", options.levels, 1, 8, "Levels of the ray hierarchy, 1 to 8 [2]");
   add_count(app, "--branching", options.branching, 2, 64, "Children of a node, 2 to 64 [8]");

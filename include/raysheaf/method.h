@@ -11,6 +11,7 @@ enum class Method : std::uint8_t {
   kBrute,  ///< every ray with every triangle: ground truth
   kRah,    ///< ray hierarchy over trimmed raster order (Roger, Assarsson, Holzschuch 2007)
   kCrsh,   ///< hashed, compressed, sorted rays, and mesh culling (Reis, Costa, Pereira 2017)
+  kGl10,   ///< sorted rays in packets, breadth-first through a BVH (Garanzha & Loop 2010)
 };
 
 [[nodiscard]] const char* to_string(Method method);
@@ -49,8 +50,15 @@ enum class BundleBound : std::uint8_t {
 [[nodiscard]] RayKey key_from_string(std::string_view name);
 [[nodiscard]] BundleBound bound_from_string(std::string_view name);
 
+/// How rays and triangles are brought together.
+enum class Traversal : std::uint8_t {
+  kBruteForce,    ///< every ray with every triangle
+  kRayHierarchy,  ///< a hierarchy over the rays: `bound` to `branching` say which
+  kPackets,  ///< packets of at most 256 rays, by their frusta, through a BVH over the triangles
+};
+
 struct MethodSettings {
-  bool hierarchy = true;  ///< false: every ray with every triangle
+  Traversal traversal = Traversal::kRayHierarchy;
   RayKey key = RayKey::kCrsh;
   std::uint32_t key_bits = 32;  ///< 32 or 64, where the key comes in both
   BundleBound bound = BundleBound::kSphereCone;

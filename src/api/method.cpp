@@ -13,8 +13,10 @@ struct Named {
   const char* name;
 };
 
-constexpr Named<Method> kMethods[]{
-    {Method::kBrute, "brute"}, {Method::kRah, "rah"}, {Method::kCrsh, "crsh"}};
+constexpr Named<Method> kMethods[]{{Method::kBrute, "brute"},
+                                   {Method::kRah, "rah"},
+                                   {Method::kCrsh, "crsh"},
+                                   {Method::kGl10, "gl10"}};
 constexpr Named<RayKey> kKeys[]{{RayKey::kRaster, "raster"},
                                 {RayKey::kPixelMorton, "pixel-morton"},
                                 {RayKey::kCrsh, "crsh"},
@@ -78,9 +80,11 @@ BundleBound bound_from_string(std::string_view name) {
 
 MethodSettings method_settings(Method method) {
   MethodSettings settings;
-  settings.hierarchy = method != Method::kBrute;
+  if (method == Method::kBrute) settings.traversal = Traversal::kBruteForce;
+  if (method == Method::kGl10) settings.traversal = Traversal::kPackets;
   settings.mesh_culling = method == Method::kCrsh;
-  settings.key = method == Method::kCrsh ? RayKey::kCrsh : RayKey::kRaster;
+  const bool sorted = method == Method::kCrsh || method == Method::kGl10;
+  settings.key = sorted ? RayKey::kCrsh : RayKey::kRaster;
   return settings;
 }
 

@@ -46,6 +46,7 @@ class Frame {
         options_(input.options),
         meter_(*meter) {
     trace_.method = settings_for(options_);
+    trace_.cache = &trace_cache_;
     result_.width = options_.width;
     result_.height = options_.height;
     result_.beauty.resize(pixel_count());
@@ -265,6 +266,7 @@ class Frame {
   const FrameInput& input_;
   const RenderOptions& options_;
   ProgressMeter& meter_;
+  TraceCache trace_cache_;
   TraceOptions trace_;
   RenderResult result_;
   Vec3 sky_;

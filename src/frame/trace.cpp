@@ -9,6 +9,7 @@
 #include "hierarchy/hierarchy.h"
 #include "intersect/brute_force.h"
 #include "order/order.h"
+#include "packet/packet_traverse.h"
 #include "raygen/keys.h"
 #include "traverse/traverse.h"
 
@@ -123,6 +124,82 @@ std::vector<RayHit> trace_hierarchy(const Executor& executor, const FlatScene& s
   return hits;
 }
 
+void add_counts(const PacketCounts& counts, BatchStatistics* statistics) {
+  const auto levels = static_cast<std::uint32_t>(counts.tests.size());
+  statistics->levels.resize(std::max<std::size_t>(levels, statistics->levels.size()));
+  for (std::uint32_t l = 1; l <= levels; ++l) {
+    LevelStatistics& level = statistics->levels[levels - l];
+    level.level = l;
+    level.tests += counts.tests[l - 1];
+    level.hits += counts.hits[l - 1];
+  }
+  statistics->final_tests += counts.final_tests;
+  statistics->times_ms.hierarchy += 1e3 * counts.packet_seconds;
+  statistics->times_ms.traverse += 1e3 * counts.traverse_seconds;
+  statistics->times_ms.intersect += 1e3 * counts.final_seconds;
+}
+
+/// Packets have `levels` and `branching` of their own.
+std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& scene,
+                                  const RayBatch& batch, const TraceOptions& options,
+                                  BatchStatistics* statistics, View<float> ray_tests,
+                                  ProgressMeter* meter) {
+  StageTimes& times = statistics->times_ms;
+  Stopwatch watch;
+  std::vector<std::uint32_t> order =
+      ray_order(executor, batch, scene.bounds, options.method, statistics);
+  std::vector<std::uint32_t> keys;
+  if (options.method.key == RayKey::kCrsh) {
+    keys.resize(order.size());
+    executor.for_each(order.size(), kGrain, [&](std::size_t i) { keys[i] = batch.keys[order[i]]; });
+  }
+  times.order += watch.lap_ms();
+
+  TraceCache own;
+  TraceCache& cache = options.cache != nullptr ? *options.cache : own;
+  if (!cache.bvh) cache.bvh = build_bvh(executor, scene.triangles());
+  const std::vector<Packet> packets =
+      make_packets(executor, batch.rays, keys, batch.key_bits, kPacketRays, order);
+  times.hierarchy += watch.lap_ms();
+
+  std::vector<Ray> rays(order.size());
+  executor.for_each(order.size(), kGrain, [&](std::size_t i) { rays[i] = batch.rays[order[i]]; });
+  times.order += watch.lap_ms();
+
+  meter->begin(stage_name(batch), packets.size());
+  PacketOptions traversal;
+  traversal.early_out = options.early_out;
+  traversal.facing = options.facing;
+  std::vector<RayHit> best(order.size());
+  std::vector<float> tests(ray_tests.empty() ? 0 : order.size());
+  add_counts(
+      traverse_packets(executor, scene, *cache.bvh, packets, rays, traversal, best, tests, meter),
+      statistics);
+
+  watch.lap_ms();
+  std::vector<RayHit> hits(order.size());
+  executor.for_each(order.size(), kGrain, [&](std::size_t i) {
+    hits[order[i]] = best[i];
+    if (!tests.empty()) ray_tests[order[i]] += tests[i];
+  });
+  times.order += watch.lap_ms();
+  return hits;
+}
+
+using TraceFunction = decltype(&trace_packets);
+
+TraceFunction function_of(Traversal traversal) {
+  switch (traversal) {
+    case Traversal::kBruteForce:
+      return trace_brute_force;
+    case Traversal::kRayHierarchy:
+      return trace_hierarchy;
+    case Traversal::kPackets:
+      break;
+  }
+  return trace_packets;
+}
+
 }  // namespace
 
 std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
@@ -133,7 +210,7 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
   statistics->triangles = scene.triangle_count;
   statistics->rays += batch.rays.size();
   if (batch.rays.empty()) return {};
-  const auto method = options.method.hierarchy ? trace_hierarchy : trace_brute_force;
+  const TraceFunction method = function_of(options.method.traversal);
   std::vector<RayHit> hits = method(executor, scene, batch, options, statistics, ray_tests, meter);
   statistics->hits += static_cast<std::uint64_t>(
       std::count_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.found(); }));
