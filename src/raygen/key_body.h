@@ -6,10 +6,10 @@
 // Shadow rays alone have a light. The axes, d of them:
 //
 //   pixel        2   column and row of the pixel
-//   spherical    2   azimuth and polar angle of the direction
-//   octahedral   2   the octahedral map of the direction
+//   spherical    2   azimuth and polar angle of the direction; of parallel light that is noise
+//   octahedral   2   the octahedral map of the direction, or the place on a parallel light's disc
 //   end point    3   where the ray ends
-//   five         5   the octahedral map of the direction; where the ray starts
+//   five         5   the octahedral map of the direction, as above; where it starts
 //   two points   6   where the ray starts; where it ends
 //
 // A ray starts where it enters the scene's box and ends where it leaves it, or at its own ends

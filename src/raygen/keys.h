@@ -15,8 +15,8 @@ namespace raysheaf {
 /// A key for each ray, in the batch's order; all are below 2^*used_bits.
 ///
 /// `key_bits` is 32 or 64. Keys of `published`, `corrected` and `crsh` have 32 bits at most however
-/// many are allowed, and `raster` gives zeros of no bits. For all others but these, keys of shadow
-/// rays hold the light above everything else. O(rays).
+/// many are allowed, and `raster` gives zeros of no bits. All others hold a shadow ray's light
+/// above everything else. O(rays).
 [[nodiscard]] std::vector<std::uint64_t> make_keys(const Executor& executor, const RayBatch& batch,
                                                    RayKey key, std::uint32_t key_bits,
                                                    const Box& scene_bounds,
