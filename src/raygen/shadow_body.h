@@ -28,8 +28,11 @@ RAYSHEAF_HD inline bool faces_light(const Fragment& f, const LightSample& sample
 RAYSHEAF_HD inline Ray shadow_ray(const Fragment& f, const Light& light, const LightSample& sample,
                                   const LightReach& reach) {
   const bool parallel = light.type == Light::Type::kDirectional;
+  // Parallel rays start on one plane beyond the scene, so that neighbours have neighbouring
+  // origins.
   const float distance =
-      parallel ? length(f.surface.position - reach.center) + reach.radius : sample.distance;
+      parallel ? reach.radius + dot(reach.center - f.surface.position, sample.to_light)
+               : sample.distance;
   const Vec3 target = offset_point(f.surface, sample.to_light, distance);
   const Vec3 origin = parallel ? target + sample.to_light * distance : light.position;
   return {origin, 0, target - origin, 1};
