@@ -29,7 +29,7 @@ Bundle random_bundle(Random& random, const Box& scene, Vec3 place, float size) {
   const Vec3 origin = place + random.in_box(size * 1.5f);
   const float spread = random.below(3) == 0 ? 0.5f : random.between(0, 0.05f);
   const float patch = random.below(2) == 0 ? 0 : size * random.between(0, 0.3f);
-  const std::uint32_t count = 1 + random.below(12);
+  const std::uint32_t count = random.below(3) == 0 ? 1 : 1 + random.below(12);
   while (bundle.rays.size() < count) {
     const Vec3 direction = random.direction_near(axis, spread) * random.between(0.1f, 10) * size;
     if (!bundle.rays.empty() &&
@@ -38,7 +38,8 @@ Bundle random_bundle(Random& random, const Box& scene, Vec3 place, float size) {
       continue;
     }
     const float t_min = random.below(2) == 0 ? 0 : random.between(0, 0.5f);
-    const float t_max = random.below(2) == 0 ? kInfinity : t_min + random.between(0, 2);
+    float t_max = random.below(2) == 0 ? kInfinity : t_min + random.between(0, 2);
+    if (random.below(3) == 0) t_max = t_min + 1e-4f * random.unit();
     bundle.rays.push_back({origin + random.in_box(patch), t_min, direction, t_max});
   }
   std::vector<RayEnd> ends(2 * bundle.rays.size());
@@ -50,12 +51,30 @@ struct Corners {
   Vec3 a, b, c;
 };
 
+/// A large one whose box begins within rounding errors of a point: an edge passes there, on a plane
+/// of one coordinate.
+Corners grazing_triangle(Random& random, Vec3 p, float size) {
+  Corners t{p + random.in_box(size), p, p};
+  t.b = p + (p - t.a) * random.unit();
+  t.c = p + random.in_box(size);
+  const auto pull = [&](float at, float* a, float* b, float* c) {
+    *a = *b = at + random.between(-1, 1) * random.unit() * 2e-7f * size;
+    *c = at + std::fabs(*c - at) * (random.below(2) == 0 ? 1.0f : -1.0f);
+  };
+  const std::uint32_t axis = random.below(3);
+  if (axis == 0) pull(p.x, &t.a.x, &t.b.x, &t.c.x);
+  if (axis == 1) pull(p.y, &t.a.y, &t.b.y, &t.c.y);
+  if (axis == 2) pull(p.z, &t.a.z, &t.b.z, &t.c.z);
+  return t;
+}
+
 /// Where a ray passes, or near that, or anywhere; of any size and shape.
 Corners random_triangle(Random& random, const Ray& ray, Vec3 place, float size) {
   if (random.below(4) == 0)
     return {place + random.in_box(size), place + random.in_box(size), place + random.in_box(size)};
   const float t = ray.t_min + random.unit() * (random.below(2) == 0 ? 0.1f : 2.0f);
   const Vec3 p = ray.origin + ray.direction * std::fmin(t, ray.t_max);
+  if (random.below(2) == 0) return grazing_triangle(random, p, size);
   const float extent = size * std::exp2(random.between(-12, 0));
   const Vec3 a = random.below(3) == 0 ? p : p + random.in_box(extent);
   const Vec3 b = p + random.in_box(extent);
@@ -106,7 +125,7 @@ TEST(Frustum, NeverRefusesWhatARayHits) {
   expect_conservative(2, {1e5f, -2e5f, 3e5f}, 10, 20000, &hits);
   expect_conservative(3, {0, 0, 0}, 1e-12f, 20000, &hits);
   expect_conservative(4, {0, 0, 0}, 1e10f, 20000, &hits);
-  EXPECT_GT(hits, 50000);
+  EXPECT_GT(hits, 30000);
 }
 
 TEST(Frustum, IsTightAroundAFan) {
