@@ -70,8 +70,10 @@ RAYSHEAF_HD inline RayPart part_in_scene(const Ray& ray, const Box& scene) {
   for (int k = 0; k < 3; ++k) {
     const float d = component(ray.direction, k);
     if (d == 0) continue;
-    const float near = (d > 0 ? component(to_min, k) - slack : component(to_max, k) + slack) / d;
-    const float far = (d > 0 ? component(to_max, k) + slack : component(to_min, k) - slack) / d;
+    const float inverse = 1 / d;  // where it overflows, NaN and infinities cut nothing off
+    const float low = (component(to_min, k) - slack) * inverse;
+    const float high = (component(to_max, k) + slack) * inverse;
+    const float near = d > 0 ? low : high, far = d > 0 ? high : low;
     if (near > begin) begin = near;
     if (far < end) end = far;
   }
