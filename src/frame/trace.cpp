@@ -101,10 +101,6 @@ std::vector<RayHit> trace_hierarchy(const Executor& executor, const FlatScene& s
   executor.for_each(order.size(), kGrain, [&](std::size_t i) { rays[i] = batch.rays[order[i]]; });
   times.order += watch.lap_ms();
 
-  const RayHierarchy tree = build_hierarchy(executor, rays, method.branching, method.levels);
-  times.hierarchy += watch.lap_ms();
-
-  meter->begin(stage_name(batch), tree.level(tree.top()).size());
   TraverseOptions traversal;
   traversal.mesh_culling = method.mesh_culling;
   traversal.early_out = options.early_out;
@@ -112,7 +108,13 @@ std::vector<RayHit> trace_hierarchy(const Executor& executor, const FlatScene& s
   std::vector<RayHit> best(order.size());
   std::vector<float> tests(ray_tests.empty() ? 0 : order.size());
   const TraverseCounts counts =
-      traverse(executor, scene, tree, rays, traversal, best, tests, meter);
+      with_bound(method.bound, [&]<class Bound>(std::type_identity<Bound> /*type*/) {
+        const RayHierarchy<Bound> tree =
+            build_hierarchy<Bound>(executor, rays, scene.bounds, method.branching, method.levels);
+        times.hierarchy += watch.lap_ms();
+        meter->begin(stage_name(batch), tree.level(tree.top()).size());
+        return traverse(executor, scene, tree, rays, traversal, best, tests, meter);
+      });
   add_counts(counts, watch.lap_ms(), statistics);
 
   std::vector<RayHit> hits(order.size());

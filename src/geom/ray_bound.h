@@ -41,19 +41,22 @@ RAYSHEAF_HD inline RayBound bound_rays(View<const Ray> rays) {
   return bound;
 }
 
-/// Around the bounds of children: unions for the centre and the axis, then both extents as
+/// Around bounds, `of(item)` each: unions for the centre and the axis, then both extents as
 /// measured.
-RAYSHEAF_HD inline RayBound bound_children(View<const RayBound> children) {
-  RayBound bound = children[0];
+template <class Item, class Of>
+RAYSHEAF_HD RayBound bound_some(View<const Item> items, const Of& of) {
+  RayBound bound = of(items[0]);
   float sine = 0, reach = 0;
-  for (const RayBound& child : children) {
+  for (const Item& item : items) {
+    const RayBound child = of(item);
     bound.origins = sphere_union(bound.origins, child.origins);
     const Vec3 axis = union_axis(bound.directions, child.directions);
     const float grown =
         std::fmax(farthest_sine(axis, bound.directions), farthest_sine(axis, child.directions));
     bound.directions = {axis, grown};
   }
-  for (const RayBound& child : children) {
+  for (const Item& item : items) {
+    const RayBound child = of(item);
     sine = std::fmax(sine, farthest_sine(bound.directions.axis, child.directions));
     reach = std::fmax(reach,
                       length(child.origins.center - bound.origins.center) + child.origins.radius);
@@ -61,6 +64,10 @@ RAYSHEAF_HD inline RayBound bound_children(View<const RayBound> children) {
   bound.origins.radius = radius_grown(reach);
   bound.directions.sin_angle = sine_grown(sine);
   return bound;
+}
+
+RAYSHEAF_HD inline RayBound bound_children(View<const RayBound> children) {
+  return bound_some(children, [](const RayBound& child) { return child; });
 }
 
 }  // namespace raysheaf

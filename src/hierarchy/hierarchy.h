@@ -14,23 +14,27 @@
 
 #include "base/view.h"
 #include "exec/executor.h"
-#include "geom/ray_bound.h"
+#include "geom/bounds.h"
 
 namespace raysheaf {
 
+/// `Bound`: one of the family in geom/bounds.h.
+template <class Bound>
 struct RayHierarchy {
   std::uint32_t branching = 8;
   std::uint32_t ray_count = 0;
-  std::vector<std::vector<RayBound>>
-      levels;  ///< [0] is level 1, the leaves; the last one is the top
+  std::vector<std::vector<Bound>> levels;  ///< [0] is level 1, the leaves; the last one is the top
 
   [[nodiscard]] std::uint32_t top() const { return static_cast<std::uint32_t>(levels.size()); }
   /// The nodes of a level, which counts from 1.
-  [[nodiscard]] const std::vector<RayBound>& level(std::uint32_t l) const { return levels[l - 1]; }
+  [[nodiscard]] const std::vector<Bound>& level(std::uint32_t l) const { return levels[l - 1]; }
 };
 
-/// `levels` from 1, `branching` from 2; no rays make a tree of empty levels.
-[[nodiscard]] RayHierarchy build_hierarchy(const Executor& executor, View<const Ray> rays,
-                                           std::uint32_t branching, std::uint32_t levels);
+/// `levels` from 1, `branching` from 2; no rays make a tree of empty levels. `scene` holds all that
+/// the rays may meet. Defined for the bounds of the family.
+template <class Bound>
+[[nodiscard]] RayHierarchy<Bound> build_hierarchy(const Executor& executor, View<const Ray> rays,
+                                                  const Box& scene, std::uint32_t branching,
+                                                  std::uint32_t levels);
 
 }  // namespace raysheaf

@@ -8,33 +8,46 @@ namespace {
 
 constexpr std::size_t kNodeGrain = 256;
 
-/// One node of a level from what lies below it.
-template <class Item, class Bound>
-std::vector<RayBound> build_level(const Executor& executor, View<const Item> below,
-                                  std::uint32_t branching, const Bound& bound) {
-  std::vector<RayBound> nodes(div_ceil(below.size, branching));
+/// The nodes of a level, each from what lies below it.
+template <class Bound, class Item, class Make>
+std::vector<Bound> build_level(const Executor& executor, View<const Item> below,
+                               std::uint32_t branching, const Make& make) {
+  std::vector<Bound> nodes(div_ceil(below.size, branching));
   executor.for_each(nodes.size(), kNodeGrain, [&](std::size_t i) {
     const std::size_t first = i * branching;
-    nodes[i] = bound(below.slice(first, std::min<std::size_t>(branching, below.size - first)));
+    make(below.slice(first, std::min<std::size_t>(branching, below.size - first)), &nodes[i]);
   });
   return nodes;
 }
 
 }  // namespace
 
-RayHierarchy build_hierarchy(const Executor& executor, View<const Ray> rays,
-                             std::uint32_t branching, std::uint32_t levels) {
-  RayHierarchy tree;
+template <class Bound>
+RayHierarchy<Bound> build_hierarchy(const Executor& executor, View<const Ray> rays,
+                                    const Box& scene, std::uint32_t branching,
+                                    std::uint32_t levels) {
+  RayHierarchy<Bound> tree;
   tree.branching = branching;
   tree.ray_count = static_cast<std::uint32_t>(rays.size);
-  tree.levels.push_back(build_level(executor, rays, branching,
-                                    [](View<const Ray> below) { return bound_rays(below); }));
+  tree.levels.push_back(build_level<Bound>(
+      executor, rays, branching,
+      [&](View<const Ray> below, Bound* bound) { bound_rays(below, scene, bound); }));
   while (tree.top() < levels) {
-    tree.levels.push_back(
-        build_level(executor, View<const RayBound>(tree.levels.back()), branching,
-                    [](View<const RayBound> below) { return bound_children(below); }));
+    tree.levels.push_back(build_level<Bound>(
+        executor, View<const Bound>(tree.levels.back()), branching,
+        [](View<const Bound> below, Bound* bound) { bound_children(below, bound); }));
   }
   return tree;
 }
+
+#define RAYSHEAF_BUILD(Bound)                                                           \
+  template RayHierarchy<Bound> build_hierarchy<Bound>(const Executor&, View<const Ray>, \
+                                                      const Box&, std::uint32_t, std::uint32_t)
+RAYSHEAF_BUILD(RayBound);
+RAYSHEAF_BUILD(FiniteCone);
+RAYSHEAF_BUILD(Shaft);
+RAYSHEAF_BUILD(Frustum);
+RAYSHEAF_BUILD(ShaftCone);
+#undef RAYSHEAF_BUILD
 
 }  // namespace raysheaf

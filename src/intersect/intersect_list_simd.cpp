@@ -61,6 +61,10 @@ HWY_INLINE V edge(const CornerLanes& p, const CornerLanes& q) {
   return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x));
 }
 
+HWY_INLINE V spread(const CornerLanes& p, const CornerLanes& q) {
+  return hn::Add(hn::Abs(hn::Mul(p.x, q.y)), hn::Abs(hn::Mul(p.y, q.x)));
+}
+
 /// Lanes that may be hits: settled ones that are, and those that only the scalar test can settle.
 HWY_INLINE M candidates(const RayLanes& r, const TriangleArrays& a, const RaySetup& ray,
                         std::uint32_t i) {
@@ -81,12 +85,14 @@ HWY_INLINE M candidates(const RayLanes& r, const TriangleArrays& a, const RaySet
   const M nonzero = And(And(hn::Ne(u, zero), hn::Ne(v, zero)), hn::Ne(w, zero));
   const M normal =
       And(Ge(size, hn::Set(d, kSmallDeterminant)), Le(size, hn::Set(d, kLargeDeterminant)));
+  const V products = Add(Add(spread(pc, pb), spread(pa, pc)), spread(pb, pa));
+  const M well_seen = Le(products, Mul(hn::Set(d, kLargestSpread), size));
   const V distance =
       Add(Add(Mul(u, Mul(r.sz, pa.z)), Mul(v, Mul(r.sz, pb.z))), Mul(w, Mul(r.sz, pc.z)));
   const V reach = hn::Abs(distance);
   const M in_range =
       And(Ge(reach, hn::Set(d, kSmallDistance)), Le(reach, hn::Set(d, kLargeDeterminant)));
-  const M settled = And(And(nonzero, normal), in_range);
+  const M settled = And(And(nonzero, normal), And(well_seen, in_range));
   const V t = Div(distance, det);
   const M inside = And(Ge(t, r.t_min), Le(t, r.t_max));
   return And(agree, Or(inside, hn::Not(settled)));

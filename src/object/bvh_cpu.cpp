@@ -41,6 +41,11 @@ struct Run {
   Box box, centers;
 };
 
+bool is_wider(const Run& a, const Run& b) {
+  const double area_a = half_area(a.box), area_b = half_area(b.box);
+  return area_a != area_b ? area_a > area_b : a.count > b.count;
+}
+
 struct Bins {
   std::array<Box, kBins> box;
   std::array<std::uint32_t, kBins> count{};
@@ -175,8 +180,7 @@ class Builder {
       Run* widest = nullptr;
       for (std::uint32_t c = 0; c < count; ++c) {
         Run& run = (*children)[c];
-        if (run.count > kLeafTriangles &&
-            (widest == nullptr || half_area(run.box) > half_area(widest->box)))
+        if (run.count > kLeafTriangles && (widest == nullptr || is_wider(run, *widest)))
           widest = &run;
       }
       if (widest == nullptr) break;

@@ -70,8 +70,10 @@ RAYSHEAF_HD inline RayPart part_in_scene(const Ray& ray, const Box& scene) {
   for (int k = 0; k < 3; ++k) {
     const float d = component(ray.direction, k);
     if (d == 0) continue;
-    const float near = (d > 0 ? component(to_min, k) - slack : component(to_max, k) + slack) / d;
-    const float far = (d > 0 ? component(to_max, k) + slack : component(to_min, k) - slack) / d;
+    const float inverse = 1 / d;  // where it overflows, NaN and infinities cut nothing off
+    const float low = (component(to_min, k) - slack) * inverse;
+    const float high = (component(to_max, k) + slack) * inverse;
+    const float near = d > 0 ? low : high, far = d > 0 ? high : low;
     if (near > begin) begin = near;
     if (far < end) end = far;
   }
@@ -112,29 +114,24 @@ RAYSHEAF_HD inline void choose_slopes(View<const Ray> rays, int side, int plane,
   f->lower_slope[plane] = finite_or_zero((low[1] - low[0]) / (last - first));
 }
 
-/// Calls `body` with both ends of every ray.
-template <class Body>
-RAYSHEAF_HD void for_each_end(View<const Ray> rays, Vec3 origin, const Box& scene,
-                              const Body& body) {
-  for (const Ray& ray : rays) {
-    const RayPart part = part_in_scene(ray, scene);
-    body(ray_end(ray, origin, part.begin));
-    body(ray_end(ray, origin, part.end));
-  }
-}
-
-/// The box; false where it would not be finite.
-RAYSHEAF_HD inline bool measure_box(View<const Ray> rays, const Box& scene, Frustum* f) {
+/// ends[2 i] and ends[2 i + 1] become those of ray i; the box goes around all. False where it would
+/// not be finite.
+RAYSHEAF_HD inline bool measure_box(View<const Ray> rays, const Box& scene, View<RayEnd> ends,
+                                    Frustum* f) {
   Box box;
   float worst = 0;
-  for (const Ray& ray : rays)
-    f->spread = std::fmax(f->spread, sum_of_sizes(ray.origin - f->origin));
-  for_each_end(rays, f->origin, scene, [&](const RayEnd& end) {
+  for (std::size_t i = 0; i < rays.size; ++i) {
+    const RayPart part = part_in_scene(rays[i], scene);
+    ends[2 * i] = ray_end(rays[i], f->origin, part.begin);
+    ends[2 * i + 1] = ray_end(rays[i], f->origin, part.end);
+    f->spread = std::fmax(f->spread, sum_of_sizes(rays[i].origin - f->origin));
+  }
+  for (const RayEnd& end : ends) {
     const Vec3 slack{end.slack, end.slack, end.slack};
     box.min = min(box.min, end.at - slack);
     box.max = max(box.max, end.at + slack);
     worst = end.slack < worst ? worst : end.slack;
-  });
+  }
   for (int k = 0; k < 3; ++k) {
     f->low[k] = component(box.min, k);
     f->high[k] = component(box.max, k);
@@ -143,28 +140,29 @@ RAYSHEAF_HD inline bool measure_box(View<const Ray> rays, const Box& scene, Frus
 }
 
 /// The offsets of one axis's planes, whose slopes are known.
-RAYSHEAF_HD inline void measure_planes(View<const Ray> rays, const Box& scene, int side, int plane,
-                                       Frustum* f) {
+RAYSHEAF_HD inline void measure_planes(View<const RayEnd> ends, int side, int plane, Frustum* f) {
   const float m = f->upper_slope[plane], n = f->lower_slope[plane];
   float upper = f->upper_offset[plane], lower = f->lower_offset[plane];
-  for_each_end(rays, f->origin, scene, [&](const RayEnd& end) {
+  for (const RayEnd& end : ends) {
     const float u = component(end.at, side), a = component(end.at, f->axis);
     upper = std::fmax(upper, (u - m * a) + end.slack * (1 + std::fabs(m)));
     lower = std::fmin(lower, (u - n * a) - end.slack * (1 + std::fabs(n)));
-  });
+  }
   f->upper_offset[plane] = upper;
   f->lower_offset[plane] = lower;
   f->lean = std::fmax(f->lean, 1 + std::fmax(std::fabs(m), std::fabs(n)));
 }
 
-/// Around at least one ray; `axis` should be the dominant one of all. O(rays).
-RAYSHEAF_HD inline Frustum bound_packet(View<const Ray> rays, int axis, const Box& scene) {
+/// Around at least one ray; `axis` should be the dominant one of all. `ends` is room for two a ray.
+/// O(rays).
+RAYSHEAF_HD inline Frustum bound_packet(View<const Ray> rays, int axis, const Box& scene,
+                                        View<RayEnd> ends) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Frustum f{};
   f.origin = rays[0].origin;
   f.axis = axis;
   f.lean = 1;
-  if (!measure_box(rays, scene, &f)) {
+  if (!measure_box(rays, scene, ends, &f)) {
     for (int k = 0; k < 3; ++k) f.low[k] = -kInfinity, f.high[k] = kInfinity;
     for (int plane = 0; plane < 2; ++plane)
       f.lower_offset[plane] = -kInfinity, f.upper_offset[plane] = kInfinity;
@@ -175,7 +173,7 @@ RAYSHEAF_HD inline Frustum bound_packet(View<const Ray> rays, int axis, const Bo
     f.lower_offset[plane] = kInfinity;
     f.upper_offset[plane] = -kInfinity;
     choose_slopes(rays, side, plane, &f);
-    measure_planes(rays, scene, side, plane, &f);
+    measure_planes({ends.data, ends.size}, side, plane, &f);
   }
   return f;
 }

@@ -106,10 +106,14 @@ class Sweep {
  private:
   void bound_packets() {
     frusta_.resize(packets_.size);
-    executor_.for_each(packets_.size, kPacketGrain, [&](std::size_t p) {
-      const View<const Ray> rays = rays_.slice(packets_[p].first, packets_[p].count);
-      const auto axis = static_cast<int>(dominant_sense(rays[0].direction) / 2);
-      frusta_[p] = bound_packet(rays, axis, scene_.bounds);
+    executor_.for_each_block(packets_.size, kPacketGrain, [&](std::size_t begin, std::size_t end) {
+      std::vector<RayEnd> ends;
+      for (std::size_t p = begin; p < end; ++p) {
+        const View<const Ray> rays = rays_.slice(packets_[p].first, packets_[p].count);
+        const auto axis = static_cast<int>(dominant_sense(rays[0].direction) / 2);
+        ends.resize(2 * rays.size);
+        frusta_[p] = bound_packet(rays, axis, scene_.bounds, ends);
+      }
     });
   }
 

@@ -31,6 +31,7 @@ struct FlatMesh {
   std::uint32_t geom_id = 0, inst_id = 0;
   bool mirrored = false;  ///< the transform turns the winding
   Sphere bound;           ///< holds every vertex that a triangle uses, in world space
+  Box box;                ///< of those vertices
 };
 
 enum TriangleFlag : std::uint8_t {

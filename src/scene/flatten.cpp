@@ -87,18 +87,18 @@ class Filler {
     const auto after = std::upper_bound(
         flat_.meshes.begin(), flat_.meshes.end(), begin,
         [](std::size_t triangle, const FlatMesh& mesh) { return triangle < mesh.first_triangle; });
-    Box box;
     for (auto index = static_cast<std::uint32_t>(after - flat_.meshes.begin() - 1); begin < end;
          ++index) {
       const FlatMesh& mesh = flat_.meshes[index];
       const std::size_t stop =
           std::min(end, std::size_t{mesh.first_triangle} + mesh.triangle_count);
+      Box box;
       if (!fill_mesh(index, begin, stop, box)) refuse(index);
       begin = stop;
+      const std::lock_guard lock(mutex_);
+      grow(&flat_.meshes[index].box, box);
+      grow(&flat_.bounds, box);
     }
-    const std::lock_guard lock(mutex_);
-    flat_.bounds.min = min(flat_.bounds.min, box.min);
-    flat_.bounds.max = max(flat_.bounds.max, box.max);
   }
 
   /// The least index of a mesh that cannot be placed, or `kInvalidId`.
@@ -131,6 +131,11 @@ class Filler {
     const Material& material = material_or_default(*flat_.description, material_of(mesh, prim_id));
     return static_cast<std::uint8_t>((material.double_sided ? 0 : kSingleSided) |
                                      (mirrored ? kMirrored : 0));
+  }
+
+  static void grow(Box* box, const Box& by) {
+    box->min = min(box->min, by.min);
+    box->max = max(box->max, by.max);
   }
 
   void refuse(std::uint32_t index) {

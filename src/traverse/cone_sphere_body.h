@@ -17,11 +17,11 @@
 // Rounding. v has a relative error of u a component, a and b absolute errors below gamma(8)|v|, the
 // sine was measured with an error below gamma(16). The ray-triangle test itself accepts rays that
 // pass a triangle at a distance of up to sqrt(2) gamma(6) |A|, |A| <= |v| + R the farthest corner
-// from an origin (shear() in intersect/triangle_body.h: one rounding in the difference, three in
-// the shear). Both sides of each comparison are therefore right to within gamma(40)(|v| + R), which
-// R grows by; |v| is bounded by the sum of its components. R also grows by 2^-60, so that its
-// square is not lost to underflow; where |v|^2 is not small against the largest float the ball is
-// accepted.
+// from an origin, or that begin up to gamma(28) sqrt(3) |A| beyond it (geom/ray_end.h); the latter
+// meet the ball of origins, which |v| <= R, right to within gamma(4), finds. Both sides of each
+// comparison are therefore right to within gamma(40)(|v| + R), which R grows by; |v| is bounded by
+// the sum of its components. R also grows by 2^-60, so that its square is not lost to underflow;
+// where |v|^2 is not small against the largest float the ball is accepted.
 #pragma once
 
 #include <cmath>

@@ -1,9 +1,9 @@
 // Stage 5: the ray hierarchy against the geometry, level by level, and the final tests.
 //
-// A top node meets mesh spheres first (`crsh`) or all triangles (`rah`); the spheres of the
-// triangles that are left are tested with the node, those it meets with each of its children, and
-// so on; a leaf's rays are tested with the triangles that the leaf met (Roger, Assarsson,
-// Holzschuch 2007; Reis, Costa, Pereira 2017, sections 3.5-3.6).
+// A top node meets the bounds of meshes first (`crsh`) or all triangles (`rah`); the triangles that
+// are left are tested with the node, those it meets with each of its children, and so on; a leaf's
+// rays are tested with the triangles that the leaf met (Roger, Assarsson, Holzschuch 2007; Reis,
+// Costa, Pereira 2017, sections 3.5-3.6).
 //
 // The hit list of a node is compacted: survivors stand side by side in their old order, as a scan
 // of the survivors' flags would place them. Lists hold at most kListCapacity triangles. A top node
@@ -42,8 +42,11 @@ struct TraverseCounts {
 /// `rays` are those that `tree` was built over, in its order; `best[i]` takes the hits of rays[i].
 /// Where `ray_tests` is not empty, ray_tests[i] grows by the tests of ray i: its own, and its share
 /// of those of the nodes above it. `meter` advances by top nodes.
-TraverseCounts traverse(const Executor& executor, const FlatScene& scene, const RayHierarchy& tree,
-                        View<const Ray> rays, const TraverseOptions& options, View<RayHit> best,
-                        View<float> ray_tests, ProgressMeter* meter);
+/// Defined for the bounds of the family (geom/bounds.h).
+template <class Bound>
+TraverseCounts traverse(const Executor& executor, const FlatScene& scene,
+                        const RayHierarchy<Bound>& tree, View<const Ray> rays,
+                        const TraverseOptions& options, View<RayHit> best, View<float> ray_tests,
+                        ProgressMeter* meter);
 
 }  // namespace raysheaf

@@ -9,20 +9,10 @@
 
 #include "base/bits.h"
 #include "intersect/brute_force.h"
+#include "traverse/node_test.h"
 #include "traverse/work_list.h"
 
 namespace raysheaf {
-
-void WorkList::append(const SphereArrays& from, const std::uint32_t* ids, std::uint32_t first,
-                      const std::uint32_t* index, std::uint32_t count) {
-  for (std::uint32_t i = 0; i < count; ++i)
-    ids_[size_ + i] = ids != nullptr ? ids[index[i]] : first + index[i];
-  gather_floats(from.x, index, count, sphere_[0].data() + size_);
-  gather_floats(from.y, index, count, sphere_[1].data() + size_);
-  gather_floats(from.z, index, count, sphere_[2].data() + size_);
-  gather_floats(from.radius, index, count, sphere_[3].data() + size_);
-  size_ += count;
-}
 
 namespace {
 
@@ -37,28 +27,36 @@ double seconds_since(Clock::time_point start) {
 
 /// What one thread needs: a list a level, room for survivors and for the corners of the final
 /// tests.
+template <std::size_t kFields>
 struct Scratch {
   explicit Scratch(std::uint32_t levels) : survivors(kListCapacity + kTriangleBlock) {
-    for (std::uint32_t l = 0; l < levels; ++l) lists.emplace_back(kListCapacity);
+    for (std::uint32_t l = 0; l < levels; ++l) lists.emplace_back(kListCapacity, l > 0);
     for (auto& corner : corners)
       for (auto& axis : corner) axis.resize(kListCapacity + kTriangleBlock);
     counts.tests.resize(levels);
     counts.hits.resize(levels);
   }
 
-  std::vector<WorkList> lists;  ///< [l - 1]: what a node of level l met
+  std::vector<WorkList<kFields>> lists;  ///< [l - 1]: what a node of level l met
   AlignedVector<std::uint32_t> survivors;
   AlignedVector<float> corners[3][3];
   TraverseCounts counts;
 };
 
 /// The walk of one thread, top node by top node.
+template <class Bound>
 class Walk {
  public:
-  Walk(const FlatScene& scene, const RayHierarchy& tree, View<const Ray> rays,
-       const TraverseOptions& options, View<RayHit> best, View<float> ray_tests, Scratch* scratch)
+  using Test = NodeTest<Bound>;
+  using Fields = decltype(fields_of<Test>(TriangleView()));
+  static constexpr std::size_t kFields = std::tuple_size_v<Fields>;
+
+  Walk(const FlatScene& scene, const RayHierarchy<Bound>& tree, View<const Ray> rays,
+       const TraverseOptions& options, View<RayHit> best, View<float> ray_tests,
+       Scratch<kFields>* scratch)
       : scene_(scene),
         triangles_(scene.triangles()),
+        fields_(fields_of<Test>(triangles_)),
         tree_(tree),
         rays_(rays),
         options_(options),
@@ -70,7 +68,7 @@ class Walk {
   void top_node(std::uint32_t node) {
     const Clock::time_point start = Clock::now();
     const double final_before = scratch_.counts.final_seconds;
-    const ConeSphereTest test = make_cone_sphere_test(tree_.level(tree_.top())[node]);
+    const Test test = make_node_test(tree_.level(tree_.top())[node]);
     if (options_.mesh_culling) {
       meet_meshes(node, test);
     } else {
@@ -82,27 +80,26 @@ class Walk {
   }
 
  private:
-  void meet_meshes(std::uint32_t node, const ConeSphereTest& test) {
+  using List = WorkList<kFields>;
+
+  void meet_meshes(std::uint32_t node, const Test& test) {
     scratch_.counts.mesh_sphere_tests += scene_.meshes.size();
     for (const FlatMesh& mesh : scene_.meshes) {
-      if (meets(test, mesh.bound.center, mesh.bound.radius))
-        meet_run(node, test, mesh.first_triangle, mesh.triangle_count);
+      if (meets_mesh(test, mesh)) meet_run(node, test, mesh.first_triangle, mesh.triangle_count);
     }
   }
 
   /// A top node with triangles that stand side by side.
-  void meet_run(std::uint32_t node, const ConeSphereTest& test, std::uint32_t first,
-                std::uint32_t count) {
-    WorkList& list = scratch_.lists[tree_.top() - 1];
+  void meet_run(std::uint32_t node, const Test& test, std::uint32_t first, std::uint32_t count) {
+    List& list = scratch_.lists[tree_.top() - 1];
     for (std::uint32_t end = first + count; first < end; first += kRun) {
       if (is_done(node, tree_.top())) return;
       const std::uint32_t run = std::min(kRun, end - first);
       if (list.size() + run > capacity_) descend_and_clear(node);
-      const SphereArrays spheres{triangles_.sphere[0] + first, triangles_.sphere[1] + first,
-                                 triangles_.sphere[2] + first, triangles_.sphere[3] + first};
-      const std::uint32_t met = filter_spheres(test, spheres, run, scratch_.survivors.data());
+      const Fields fields = from(fields_, first);
+      const std::uint32_t met = filter(test, fields, run, scratch_.survivors.data());
       count_node(node, tree_.top(), run, run, met);
-      list.append(spheres, nullptr, first, scratch_.survivors.data(), met);
+      list.append(fields, nullptr, first, scratch_.survivors.data(), met);
     }
   }
 
@@ -113,7 +110,7 @@ class Walk {
 
   /// The node's list goes to its children, or to its rays.
   void descend(std::uint32_t node, std::uint32_t level) {
-    const WorkList& list = scratch_.lists[level - 1];
+    const List& list = scratch_.lists[level - 1];
     if (list.size() == 0) return;
     if (level == 1) return final_tests(node, list);
     const std::uint32_t first = node * tree_.branching;
@@ -127,18 +124,17 @@ class Walk {
   }
 
   /// `times`: how often the tests count, for the missing children after the last one.
-  void meet_list(std::uint32_t node, std::uint32_t level, const WorkList& from,
-                 std::uint32_t times) {
-    WorkList& list = scratch_.lists[level - 1];
-    const ConeSphereTest test = make_cone_sphere_test(tree_.level(level)[node]);
-    const std::uint32_t met =
-        filter_spheres(test, from.spheres(), from.size(), scratch_.survivors.data());
-    count_node(node, level, from.size(), std::uint64_t{from.size()} * times, met);
+  void meet_list(std::uint32_t node, std::uint32_t level, const List& parent, std::uint32_t times) {
+    List& list = scratch_.lists[level - 1];
+    const Test test = make_node_test(tree_.level(level)[node]);
+    const Fields fields = parent.fields();
+    const std::uint32_t met = filter(test, fields, parent.size(), scratch_.survivors.data());
+    count_node(node, level, parent.size(), std::uint64_t{parent.size()} * times, met);
     list.clear();
-    list.append(from.spheres(), from.ids(), 0, scratch_.survivors.data(), met);
+    list.append(fields, parent.ids(), 0, scratch_.survivors.data(), met);
   }
 
-  void final_tests(std::uint32_t leaf, const WorkList& list) {
+  void final_tests(std::uint32_t leaf, const List& list) {
     const Clock::time_point start = Clock::now();
     const TriangleArrays candidates = gather_corners(list);
     const std::size_t first = std::size_t{leaf} * tree_.branching;
@@ -154,7 +150,7 @@ class Walk {
     scratch_.counts.final_seconds += seconds_since(start);
   }
 
-  TriangleArrays gather_corners(const WorkList& list) {
+  TriangleArrays gather_corners(const List& list) {
     TriangleArrays arrays;
     for (int k = 0; k < 3; ++k) {
       for (int axis = 0; axis < 3; ++axis) {
@@ -201,12 +197,13 @@ class Walk {
 
   const FlatScene& scene_;
   const TriangleView triangles_;
-  const RayHierarchy& tree_;
+  const Fields fields_;
+  const RayHierarchy<Bound>& tree_;
   const View<const Ray> rays_;
   const TraverseOptions& options_;
   const View<RayHit> best_;
   const View<float> ray_tests_;
-  Scratch& scratch_;
+  Scratch<kFields>& scratch_;
   const std::uint32_t capacity_;  // less where rays may drop out between two descents
 };
 
@@ -223,25 +220,39 @@ void add(const TraverseCounts& part, TraverseCounts* sum) {
 
 }  // namespace
 
-TraverseCounts traverse(const Executor& executor, const FlatScene& scene, const RayHierarchy& tree,
-                        View<const Ray> rays, const TraverseOptions& options, View<RayHit> best,
-                        View<float> ray_tests, ProgressMeter* meter) {
-  oneapi::tbb::enumerable_thread_specific<std::unique_ptr<Scratch>> scratches;
-  executor.for_each_block(tree.level(tree.top()).size(), 1,
-                          [&](std::size_t begin, std::size_t end) {
-                            std::unique_ptr<Scratch>& scratch = scratches.local();
-                            if (!scratch) scratch = std::make_unique<Scratch>(tree.top());
-                            Walk walk(scene, tree, rays, options, best, ray_tests, scratch.get());
-                            for (std::size_t node = begin; node < end; ++node) {
-                              walk.top_node(static_cast<std::uint32_t>(node));
-                              meter->advance(1);
-                            }
-                          });
+template <class Bound>
+TraverseCounts traverse(const Executor& executor, const FlatScene& scene,
+                        const RayHierarchy<Bound>& tree, View<const Ray> rays,
+                        const TraverseOptions& options, View<RayHit> best, View<float> ray_tests,
+                        ProgressMeter* meter) {
+  using ThreadScratch = Scratch<Walk<Bound>::kFields>;
+  oneapi::tbb::enumerable_thread_specific<std::unique_ptr<ThreadScratch>> scratches;
+  executor.for_each_block(
+      tree.level(tree.top()).size(), 1, [&](std::size_t begin, std::size_t end) {
+        std::unique_ptr<ThreadScratch>& scratch = scratches.local();
+        if (!scratch) scratch = std::make_unique<ThreadScratch>(tree.top());
+        Walk<Bound> walk(scene, tree, rays, options, best, ray_tests, scratch.get());
+        for (std::size_t node = begin; node < end; ++node) {
+          walk.top_node(static_cast<std::uint32_t>(node));
+          meter->advance(1);
+        }
+      });
   TraverseCounts sum;
   sum.tests.resize(tree.top());
   sum.hits.resize(tree.top());
   for (const auto& scratch : scratches) add(scratch->counts, &sum);
   return sum;
 }
+
+#define RAYSHEAF_TRAVERSE(Bound)                                                                  \
+  template TraverseCounts traverse(const Executor&, const FlatScene&, const RayHierarchy<Bound>&, \
+                                   View<const Ray>, const TraverseOptions&, View<RayHit>,         \
+                                   View<float>, ProgressMeter*)
+RAYSHEAF_TRAVERSE(RayBound);
+RAYSHEAF_TRAVERSE(FiniteCone);
+RAYSHEAF_TRAVERSE(Shaft);
+RAYSHEAF_TRAVERSE(Frustum);
+RAYSHEAF_TRAVERSE(ShaftCone);
+#undef RAYSHEAF_TRAVERSE
 
 }  // namespace raysheaf

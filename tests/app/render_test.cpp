@@ -105,7 +105,7 @@ TEST(Render, ProgressBarOnATerminal) {
 TEST(Render, EveryMethodGivesTheSameFile) {
   for (const std::string name : kBuiltinScenes) {
     const TemporaryFolder folder;
-    for (const char* method : {"brute", "rah", "crsh"}) {
+    for (const char* method : {"brute", "rah", "crsh", "gl10"}) {
       const Finished finished = render(
           folder, {"builtin:" + name, "--method", method, "-o", std::string(method) + ".png"});
       ASSERT_EQ(finished.code, 0) << finished.err;
@@ -114,6 +114,7 @@ TEST(Render, EveryMethodGivesTheSameFile) {
     EXPECT_GT(truth.size(), 200u);
     EXPECT_TRUE(read_file(folder.file("rah.png")) == truth) << name;
     EXPECT_TRUE(read_file(folder.file("crsh.png")) == truth) << name;
+    EXPECT_TRUE(read_file(folder.file("gl10.png")) == truth) << name;
   }
 }
 

@@ -7,17 +7,12 @@
 
 #include "support/random.h"
 #include "support/simd_targets.h"
-#include "traverse/sphere_filter.h"
+#include "traverse/node_filter.h"
 
 namespace raysheaf {
 namespace {
 
 using test::Random;
-
-struct Pair {
-  RayBound bound;
-  Sphere sphere;
-};
 
 std::vector<Ray> random_bundle(Random& random, float scale) {
   const Vec3 axis = random.direction(), center = random.in_box(10) * scale;
@@ -106,7 +101,7 @@ TEST(ConeSphere, BallsBehindTheOriginsAreRejected) {
   EXPECT_TRUE(meets(node, {0, 0, -0.5f}, 1));
 }
 
-TEST(SphereFilter, EveryTargetAcceptsWhatTheScalarTestAccepts) {
+TEST(NodeFilter, EveryTargetAcceptsWhatTheScalarTestAccepts) {
   Random random(12);
   for (const std::uint32_t count : {0u, 1u, 15u, 16u, 17u, 1000u}) {
     const RayBound bound = bound_rays(random_bundle(random, 1));
@@ -120,7 +115,7 @@ TEST(SphereFilter, EveryTargetAcceptsWhatTheScalarTestAccepts) {
     }
     test::for_each_simd_target([&](const char* target) {
       std::vector<std::uint32_t> out(count + 16);
-      out.resize(filter_spheres(node, {x.data(), y.data(), z.data(), r.data()}, count, out.data()));
+      out.resize(filter(node, {x.data(), y.data(), z.data(), r.data()}, count, out.data()));
       EXPECT_EQ(out, expected) << target << " " << count;
       std::vector<float> gathered(out.size());
       gather_floats(x.data(), out.data(), static_cast<std::uint32_t>(out.size()), gathered.data());
@@ -129,13 +124,12 @@ TEST(SphereFilter, EveryTargetAcceptsWhatTheScalarTestAccepts) {
   }
 }
 
-TEST(SphereFilter, ANodeOfAllDirectionsMeetsEverything) {
+TEST(NodeFilter, ANodeOfAllDirectionsMeetsEverything) {
   const ConeSphereTest node = make_cone_sphere_test({{{0, 0, 0}, 1}, whole_sphere()});
   const std::vector<float> zeros(20), far(20, 1e30f);
   std::vector<std::uint32_t> out(36);
-  EXPECT_EQ(
-      filter_spheres(node, {far.data(), zeros.data(), zeros.data(), zeros.data()}, 20, out.data()),
-      20u);
+  EXPECT_EQ(filter(node, {far.data(), zeros.data(), zeros.data(), zeros.data()}, 20, out.data()),
+            20u);
 }
 
 }  // namespace

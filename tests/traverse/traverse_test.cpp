@@ -26,15 +26,25 @@ struct Outcome {
 };
 
 Outcome run(const Executor& executor, const FlatScene& scene, const std::vector<Ray>& rays,
-            std::uint32_t branching, std::uint32_t levels, TraverseOptions options) {
+            std::uint32_t branching, std::uint32_t levels, TraverseOptions options,
+            BundleBound bound = BundleBound::kSphereCone) {
   Outcome result;
   result.hits.resize(rays.size());
   result.ray_tests.resize(rays.size());
   ProgressMeter meter;
-  const RayHierarchy tree = build_hierarchy(executor, rays, branching, levels);
-  result.counts =
-      traverse(executor, scene, tree, rays, options, result.hits, result.ray_tests, &meter);
+  with_bound(bound, [&]<class Bound>(std::type_identity<Bound> /*type*/) {
+    const auto tree = build_hierarchy<Bound>(executor, rays, scene.bounds, branching, levels);
+    result.counts =
+        traverse(executor, scene, tree, rays, options, result.hits, result.ray_tests, &meter);
+  });
   return result;
+}
+
+const std::vector<BundleBound>& all_bounds() {
+  static const std::vector<BundleBound> all{BundleBound::kSphereCone, BundleBound::kFiniteCone,
+                                            BundleBound::kShaft, BundleBound::kFrustum,
+                                            BundleBound::kShaftAndCone};
+  return all;
 }
 
 void expect_same(const std::vector<RayHit>& a, const std::vector<RayHit>& b) {
@@ -47,9 +57,9 @@ void expect_same(const std::vector<RayHit>& a, const std::vector<RayHit>& b) {
 TEST(Traverse, FindsWhatBruteForceFinds) {
   const Executor executor(2);
   for (const SoupKind kind : test::soup_kinds()) {
-    const SceneDescription scene = test::soup(kind, 700, 21);
+    const SceneDescription scene = test::soup(kind, 500, 21);
     const FlatScene triangles = flatten(executor, scene, mesh_bounds(executor, scene));
-    const std::vector<Ray> rays = test::rays_at(scene, 1000, 22);
+    const std::vector<Ray> rays = test::rays_at(scene, 700, 22);
     const std::vector<RayHit> expected = brute(executor, triangles, rays);
     for (const bool mesh_culling : {false, true}) {
       for (const auto& [branching, levels] :
@@ -58,10 +68,32 @@ TEST(Traverse, FindsWhatBruteForceFinds) {
                      std::to_string(branching));
         TraverseOptions options;
         options.mesh_culling = mesh_culling;
-        expect_same(run(executor, triangles, rays, branching, levels, options).hits, expected);
+        for (const BundleBound bound : all_bounds()) {
+          SCOPED_TRACE(to_string(bound));
+          expect_same(run(executor, triangles, rays, branching, levels, options, bound).hits,
+                      expected);
+        }
       }
     }
   }
+}
+
+void expect_paper_counts(const FlatScene& scene, const std::vector<Ray>& rays, BundleBound bound) {
+  const std::uint64_t triangles = scene.triangle_count;
+  const std::uint64_t nodes = div_ceil(div_ceil(div_ceil(rays.size(), 8), 8), 8);
+  TraverseOptions rah;
+  rah.mesh_culling = false;
+  const TraverseCounts c = run(Executor(2), scene, rays, 8, 3, rah, bound).counts;
+  EXPECT_EQ(c.tests[2], nodes * triangles);
+  EXPECT_EQ(c.tests[1], 8 * c.hits[2]);
+  EXPECT_EQ(c.tests[0], 8 * c.hits[1]);
+  EXPECT_EQ(c.final_tests, 8 * c.hits[0]);
+  EXPECT_EQ(c.mesh_sphere_tests, 0u);
+  const TraverseCounts crsh = run(Executor(2), scene, rays, 8, 3, {}, bound).counts;
+  EXPECT_EQ(crsh.mesh_sphere_tests, nodes * scene.meshes.size());
+  EXPECT_LE(crsh.tests[2], c.tests[2]);
+  EXPECT_EQ(crsh.tests[1], 8 * crsh.hits[2]);
+  EXPECT_EQ(crsh.final_tests, 8 * crsh.hits[0]);
 }
 
 TEST(Traverse, CountsAsThePaperDoes) {
@@ -69,22 +101,28 @@ TEST(Traverse, CountsAsThePaperDoes) {
   const SceneDescription scene = test::soup(SoupKind::kSmall, 900, 31);
   const FlatScene triangles = flatten(executor, scene, mesh_bounds(executor, scene));
   for (const std::uint32_t count : {1u, 8u, 63u, 64u, 65u, 777u}) {
-    const std::vector<Ray> rays = test::rays_at(scene, count, count);
-    TraverseOptions rah;
-    rah.mesh_culling = false;
-    const TraverseCounts c = run(executor, triangles, rays, 8, 3, rah).counts;
-    EXPECT_EQ(c.tests[2], std::uint64_t{div_ceil(div_ceil(div_ceil(count, 8), 8), 8)} * 900);
-    EXPECT_EQ(c.tests[1], 8 * c.hits[2]);
-    EXPECT_EQ(c.tests[0], 8 * c.hits[1]);
-    EXPECT_EQ(c.final_tests, 8 * c.hits[0]);
-    EXPECT_EQ(c.mesh_sphere_tests, 0u);
-    const TraverseCounts crsh = run(executor, triangles, rays, 8, 3, {}).counts;
-    EXPECT_EQ(crsh.mesh_sphere_tests, std::uint64_t{div_ceil(div_ceil(div_ceil(count, 8), 8), 8)} *
-                                          triangles.meshes.size());
-    EXPECT_LE(crsh.tests[2], c.tests[2]);
-    EXPECT_EQ(crsh.tests[1], 8 * crsh.hits[2]);
-    EXPECT_EQ(crsh.final_tests, 8 * crsh.hits[0]);
+    for (const BundleBound bound : all_bounds()) {
+      SCOPED_TRACE(to_string(bound));
+      expect_paper_counts(triangles, test::rays_at(scene, count, count), bound);
+    }
   }
+}
+
+TEST(Traverse, TwoBoundsMeetNoMoreThanEither) {
+  const Executor executor(2);
+  const SceneDescription scene = test::soup(SoupKind::kSmall, 900, 33);
+  const FlatScene triangles = flatten(executor, scene, mesh_bounds(executor, scene));
+  const std::vector<Ray> rays = test::rays_at(scene, 900, 34);
+  TraverseOptions options;
+  options.mesh_culling = false;
+  const auto leaf_hits = [&](BundleBound bound) {
+    return run(executor, triangles, rays, 8, 1, options, bound).counts.hits[0];
+  };
+  const std::uint64_t both = leaf_hits(BundleBound::kShaftAndCone);
+  const std::uint64_t finite = leaf_hits(BundleBound::kFiniteCone);
+  EXPECT_LE(both, leaf_hits(BundleBound::kShaft));
+  EXPECT_LE(both, finite);
+  EXPECT_LT(finite, leaf_hits(BundleBound::kSphereCone));
 }
 
 TEST(Traverse, RayTestsAddUpToTheTestsThatWereDone) {
@@ -114,10 +152,12 @@ TEST(Traverse, FullListsDescendAndNothingIsDropped) {
   std::vector<Ray> rays;
   for (int i = 0; i < 100; ++i)
     rays.push_back({random.in_box(1) + Vec3{0, 0, 5}, 0, {0, 0, -1}, 100});
-  const Outcome r = run(executor, triangles, rays, 8, 2, {});
-  expect_same(r.hits, brute(executor, triangles, rays));
-  EXPECT_EQ(r.counts.tests[0], 8 * r.counts.hits[1]);
-  EXPECT_EQ(r.counts.final_tests, 8 * r.counts.hits[0]);
+  for (const BundleBound bound : all_bounds()) {
+    const Outcome r = run(executor, triangles, rays, 8, 2, {}, bound);
+    expect_same(r.hits, brute(executor, triangles, rays));
+    EXPECT_EQ(r.counts.tests[0], 8 * r.counts.hits[1]);
+    EXPECT_EQ(r.counts.final_tests, 8 * r.counts.hits[0]);
+  }
 }
 
 TEST(Traverse, EarlyOutFindsTheSameRaysOccludedWithFewerTests) {
