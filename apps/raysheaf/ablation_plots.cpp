@@ -8,6 +8,7 @@
 #include "ablation_pivot.h"
 #include "console.h"
 #include "plot_svg.h"
+#include "svg.h"
 
 namespace raysheaf::app {
 namespace {
@@ -50,7 +51,7 @@ std::string capital(std::string text) {
 HeatMap heat_map(const Pivot& pivot, const std::string& title) {
   HeatMap map;
   map.title = title;
-  map.note = fmt::format("Least: {:.4g} %, {}, {}", pivot.least->percent(),
+  map.note = fmt::format("Least: {} %, {}, {}", three_digits(pivot.least->percent()),
                          key_text(pivot.least->settings), to_string(pivot.least->settings.bound));
   map.columns = pivot.columns;
   for (const Pivot::Line& line : pivot.lines) {

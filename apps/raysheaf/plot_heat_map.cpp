@@ -10,7 +10,7 @@
 namespace raysheaf::app {
 namespace {
 
-constexpr double kMargin = 36, kHead = 84, kLabels = 168, kCellWidth = 74, kCellHeight = 22;
+constexpr double kMargin = 36, kHead = 84, kLabels = 184, kCellWidth = 78, kCellHeight = 22;
 constexpr double kPlotHead = 62, kPlotFoot = 58, kBetween = 44, kGroupGap = 4;
 constexpr const char* kQuiet = "#7a828a";
 

@@ -15,8 +15,11 @@ const fs::path kRoot = RAYSHEAF_SOURCE_DIR;
 std::string help_of_everything() {
   const TemporaryFolder folder;
   std::string text;
-  const std::vector<std::vector<std::string>> calls = {
-      {"--help"}, {"render", "--help"}, {"info", "--help"}, {"scene", "--help"}};
+  const std::vector<std::vector<std::string>> calls = {{"--help"},
+                                                       {"render", "--help"},
+                                                       {"info", "--help"},
+                                                       {"scene", "--help"},
+                                                       {"bench", "ablation", "--help"}};
   for (const auto& call : calls) text += raysheaf_app(call, folder).out;
   return text;
 }
