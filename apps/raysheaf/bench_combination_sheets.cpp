@@ -10,6 +10,11 @@
 namespace raysheaf::app {
 namespace {
 
+constexpr const char* kDefaults =
+    "*signed* by itself is the defaults: equation 9 with a signed distance along the axis, the key "
+    "as coded with its azimuth of x and x, rows from below, the least spheres of triangles, mesh "
+    "spheres that turn with their meshes, the last node counted as if it were full.";
+
 constexpr std::array kMethods{Method::kRah, Method::kCrsh};
 
 const Combination* defaults_of(const std::vector<Combination>& list, Method method) {
@@ -34,9 +39,10 @@ Sheet ratios_sheet(const PaperReport& report, Method method) {
   Sheet sheet;
   sheet.title = std::string("Switches of the published ") + to_string(method);
   sheet.note = report.builtin
-                   ? "Total tests over those of the first row: nothing was published here."
+                   ? "Total tests over those of the first row: nothing was published here. "
                    : "Total tests over the published ones; the last column is the mean of |ln| of "
-                     "this and of the ratios of each level's hits, over all tables.";
+                     "this and of the ratios of each level's hits, over all tables. ";
+  sheet.note += kDefaults;
   sheet.heading = {"combination"};
   for (const Measured& m : defaults.tables)
     sheet.heading.push_back(shown_scene(m.scene) + " " + shown_rays(m.counts));

@@ -27,19 +27,23 @@ Quirks exact_counting() {
   return quirks;
 }
 
+Quirks undersized_triangles() {
+  Quirks quirks;
+  quirks.undersized_triangle_spheres = true;
+  return quirks;
+}
+
 std::vector<Quirks> of_rah() {
   std::vector<Quirks> all;
   for (const ConeTest test : kConeTests) {
-    for (const bool undersized : {false, true}) {
-      for (const bool from_below : {true, false}) {
-        Quirks quirks;
-        quirks.cone_test = test;
-        quirks.undersized_triangle_spheres = undersized;
-        quirks.rows_from_below = from_below;
-        all.push_back(quirks);
-      }
+    for (const bool from_below : {true, false}) {
+      Quirks quirks;
+      quirks.cone_test = test;
+      quirks.rows_from_below = from_below;
+      all.push_back(quirks);
     }
   }
+  all.push_back(undersized_triangles());
   all.push_back(exact_counting());
   return all;
 }
@@ -47,21 +51,15 @@ std::vector<Quirks> of_rah() {
 std::vector<Quirks> of_crsh() {
   std::vector<Quirks> all;
   for (const ConeTest test : kConeTests) {
-    for (const bool undersized : {false, true}) {
-      Quirks quirks;
-      quirks.cone_test = test;
-      quirks.undersized_triangle_spheres = undersized;
-      for (const Quirks& q : with_each_key(quirks)) all.push_back(q);
-    }
     Quirks quirks;
     quirks.cone_test = test;
-    quirks.unrotated_mesh_spheres = true;
-    all.push_back(quirks);
+    for (const Quirks& q : with_each_key(quirks)) all.push_back(q);
   }
-  Quirks from_above;
+  Quirks from_above, unrotated;
   from_above.rows_from_below = false;
-  all.push_back(from_above);
-  all.push_back(exact_counting());
+  unrotated.unrotated_mesh_spheres = true;
+  for (const Quirks& q : {from_above, unrotated, undersized_triangles(), exact_counting()})
+    all.push_back(q);
   return all;
 }
 

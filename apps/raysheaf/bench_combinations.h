@@ -8,8 +8,8 @@
 
 namespace raysheaf::app {
 
-/// Each switch with every cone test, and those that belong to one method alone with it; the
-/// defaults come first.
+/// The defaults first. Cone tests with rows from below and above (`rah`) or with each key (`crsh`);
+/// every other switch by itself.
 [[nodiscard]] std::vector<Quirks> combinations_of(Method method);
 
 /// The defaults with the first rays left out: 0, 1, 2, 4 ... 32.

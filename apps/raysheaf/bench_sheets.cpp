@@ -43,8 +43,9 @@ void add_levels(const Measured& m, Sheet* sheet) {
          shown_ratio(ratio(level.hits, hits))});
   }
   const PublishedCount finals = published_final(m);
-  add({"final", whole(m.counts.final_tests), "-", "-", published(finals),
-       shown_ratio(ratio(m.counts.final_tests, finals)), "-", "-"});
+  if (!m.counts.levels.empty())
+    add({"final", whole(m.counts.final_tests), "-", "-", published(finals),
+         shown_ratio(ratio(m.counts.final_tests, finals)), "-", "-"});
   const std::uint64_t total = m.published != nullptr ? m.published->total : 0;
   add({"total", whole(m.counts.total_tests()), "-", "-", total != 0 ? whole(total) : "-",
        shown_ratio(total_ratio(m)), "-", "-"});
@@ -154,6 +155,10 @@ std::string shown_rays(const BatchStatistics& counts) {
   const std::string kind = to_string(counts.kind);
   if (counts.kind == RayKind::kShadow) return kind;
   return kind + (counts.bounce == 0 ? " 1 + 2" : " " + std::to_string(counts.bounce));
+}
+
+std::string shown_count(std::uint64_t count) {
+  return grouped(whole(count));
 }
 
 std::string shown_ratio(double ratio) {

@@ -27,6 +27,8 @@ struct Sheet {
 [[nodiscard]] std::string shown_scene(const std::string& scene);
 [[nodiscard]] std::string shown_rays(const BatchStatistics& counts);
 
+/// "142 726 748".
+[[nodiscard]] std::string shown_count(std::uint64_t count);
 /// Three decimals, or "-" for 0, which stands for what is not known.
 [[nodiscard]] std::string shown_ratio(double ratio);
 /// "1.86": a fraction as per cent.
