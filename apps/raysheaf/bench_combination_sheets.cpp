@@ -165,6 +165,28 @@ Sheet phase_sheet(const PaperReport& report) {
   return sheet;
 }
 
+Sheet sweep_sheet(const PaperReport& report) {
+  Sheet sheet{"Depth and branching",
+              "CORNELL's shadow rays with the defaults, beside the authors' log: total, and ours / "
+              "paper of the hits of each level.",
+              {"method", "levels", "branching", "tests", "paper: tests", "ours / paper",
+               "hits, from the top down"},
+              {}};
+  for (const Measured& m : report.sweep) {
+    if (m.published == nullptr) continue;
+    std::string hits;
+    for (const LevelStatistics& level : m.counts.levels) {
+      const PublishedLevel* p = published_level(m, level.level);
+      hits += (hits.empty() ? "" : ", ") + shown_ratio(ratio(level.hits, p->hits));
+    }
+    sheet.rows.push_back({to_string(m.method), std::to_string(m.published->depth),
+                          std::to_string(m.published->branching),
+                          std::to_string(m.counts.total_tests()),
+                          std::to_string(m.published->total), shown_ratio(total_ratio(m)), hits});
+  }
+  return sheet;
+}
+
 }  // namespace
 
 std::vector<Sheet> combination_sheets(const PaperReport& report) {
@@ -175,6 +197,7 @@ std::vector<Sheet> combination_sheets(const PaperReport& report) {
   if (best->deviation > 0) {
     all.push_back(nearest_sheet(report));
     all.push_back(nearest_levels_sheet(report));
+    all.push_back(sweep_sheet(report));
   }
   all.push_back(phase_sheet(report));
   return all;

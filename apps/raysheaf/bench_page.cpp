@@ -63,6 +63,9 @@ std::string command_of(const PaperReport& report, bool times) {
   if (!report.builtin) command += " --scenes DIR";
   if (report.width != 512 || report.height != 512)
     command += fmt::format(" --size {}x{}", report.width, report.height);
+  if (report.methods != paper_methods())
+    for (const Method method : report.methods)
+      command += fmt::format(" --method {}", to_string(method));
   if (!report.combinations.empty()) command += " --as-published";
   if (!times) command += " --no-times";
   return "<!-- not run -->\n```sh\n" + command + " --markdown FILE.md\n```\n\n";

@@ -127,6 +127,7 @@ class PaperBench {
     for (const LabRays rays : rays_in(source.name)) {
       for (const Method method : report_.methods)
         keep(measured(laboratory, rays, method, scene.triangle_count()), source.name, method);
+      if (source.name == "cornell" && rays == LabRays::kShadow) sweep(laboratory);
       for (auto* list : {&report_.combinations, &report_.phases}) {
         for (Combination& c : *list) {
           Measured m;
@@ -136,6 +137,20 @@ class PaperBench {
           step(1);
         }
       }
+    }
+  }
+
+  void sweep(Laboratory& laboratory) {
+    if (!command_.as_published) return;
+    for (const PublishedTable& table : published_sweep()) {
+      Measured m;
+      m.scene = "cornell";
+      m.method = table.method;
+      m.counts = laboratory.measure_as_published(LabRays::kShadow, table.method, {}, table.depth,
+                                                 table.branching);
+      if (compares(m.counts.triangles, table)) m.published = &table;
+      report_.sweep.push_back(std::move(m));
+      step(0);
     }
   }
 
@@ -159,13 +174,17 @@ class PaperBench {
     step(1);
   }
 
-  /// Figures compare at the paper's size and with the paper's scenes alone.
   void name(const std::string& scene, Method method, Measured* m) const {
     m->scene = scene;
     m->method = method;
-    if (report_.builtin || report_.width != kPaperSide || report_.height != kPaperSide) return;
     const PublishedTable* table = published_table(scene, method, m->counts.kind);
-    if (table != nullptr && table->triangles == m->counts.triangles) m->published = table;
+    if (table != nullptr && compares(m->counts.triangles, *table)) m->published = table;
+  }
+
+  /// Figures compare at the paper's size and with the paper's scenes alone.
+  [[nodiscard]] bool compares(std::uint64_t triangles, const PublishedTable& table) const {
+    return !report_.builtin && report_.width == kPaperSide && report_.height == kPaperSide &&
+           table.triangles == triangles;
   }
 
   static double mean_deviation(const Combination& combination) {

@@ -37,6 +37,7 @@ struct PaperReport {
   std::vector<Measured> batches;          ///< a bounce each
   std::vector<Measured> tables;           ///< a kind each, all bounces
   std::vector<Combination> combinations;  ///< `--as-published`; the defaults first of each method
+  std::vector<Measured> sweep;  ///< the defaults with the depths and branchings of the log
   std::vector<Combination>
       phases;  ///< the defaults with other numbers of rays left out at the start
 };

@@ -67,10 +67,13 @@ class Laboratory::Impl {
     return statistics;
   }
 
-  BatchStatistics as_published(LabRays rays, Method method, const Quirks& quirks) {
+  BatchStatistics as_published(LabRays rays, Method method, const Quirks& quirks,
+                               PublishedShape shape) {
     if (method != Method::kRah && method != Method::kCrsh)
       throw Error(ErrorCode::kInvalidArgument, "rah and crsh alone were published", "method");
-    return count_as_published(executor_, flat_, batch(rays), method, quirks, width_);
+    if (shape.levels < 1 || shape.branching < 2)
+      throw Error(ErrorCode::kInvalidArgument, "must be 1 and 2 at least", "levels, branching");
+    return count_as_published(executor_, flat_, batch(rays), method, quirks, width_, shape);
   }
 
  private:
@@ -183,9 +186,9 @@ BatchStatistics Laboratory::measure(LabRays rays, const MethodSettings& settings
   return impl_->measure(rays, settings, check);
 }
 
-BatchStatistics Laboratory::measure_as_published(LabRays rays, Method method,
-                                                 const Quirks& quirks) {
-  return impl_->as_published(rays, method, quirks);
+BatchStatistics Laboratory::measure_as_published(LabRays rays, Method method, const Quirks& quirks,
+                                                 std::uint32_t levels, std::uint32_t branching) {
+  return impl_->as_published(rays, method, quirks, {levels, branching});
 }
 
 }  // namespace raysheaf

@@ -15,7 +15,7 @@
 namespace raysheaf {
 namespace {
 
-using Test = Quirks::ConeTest;
+using ConeTest = Quirks::ConeTest;
 
 // ----- Equations 1 to 9 in double, one node and one triangle at a time.
 
@@ -148,7 +148,7 @@ TEST_F(AsPublished, RahIsTheNaiveReadingOfTheEquations) {
   const RayBatch batch = fan(2003);
   for (const bool has_sign : {true, false}) {
     Quirks quirks;
-    quirks.cone_test = has_sign ? Test::kSigned : Test::kUnsigned;
+    quirks.cone_test = has_sign ? ConeTest::kSigned : ConeTest::kUnsigned;
     const BatchStatistics s = count(batch, Method::kRah, quirks);
     const NaiveCounts naive = naive_rah(scene_, batch.rays, has_sign);
     EXPECT_EQ(s.levels[0].tests, naive.top_tests);
@@ -161,15 +161,15 @@ TEST_F(AsPublished, RahIsTheNaiveReadingOfTheEquations) {
 
 TEST_F(AsPublished, WiderTestsAndLargerSpheresMeetMore) {
   const RayBatch batch = fan(1500);
-  const auto top_hits = [&](Test test, bool undersized) {
+  const auto top_hits = [&](ConeTest test, bool undersized) {
     Quirks quirks;
     quirks.cone_test = test;
     quirks.undersized_triangle_spheres = undersized;
     return count(batch, Method::kRah, quirks).levels[0].hits;
   };
-  EXPECT_LE(top_hits(Test::kExact, false), top_hits(Test::kSigned, false));
-  EXPECT_LT(top_hits(Test::kSigned, false), top_hits(Test::kUnsigned, false));
-  EXPECT_LT(top_hits(Test::kSigned, true), top_hits(Test::kSigned, false));
+  EXPECT_LE(top_hits(ConeTest::kExact, false), top_hits(ConeTest::kSigned, false));
+  EXPECT_LT(top_hits(ConeTest::kSigned, false), top_hits(ConeTest::kUnsigned, false));
+  EXPECT_LT(top_hits(ConeTest::kSigned, true), top_hits(ConeTest::kSigned, false));
 }
 
 TEST_F(AsPublished, PaddingIsWhatTheLastNodeLacks) {
@@ -225,6 +225,17 @@ TEST(Published, TablesAreConsistent) {
         static_cast<double>(*top.tests.value + *leaf.tests.value + 8 * *leaf.hits.value);
     const double slack = leaf.hits.rounded ? 5e-3 : 0;
     EXPECT_NEAR(total, static_cast<double>(t.total), slack * static_cast<double>(t.total));
+  }
+}
+
+TEST(Published, TheSweepIsConsistentAndHoldsTheTables) {
+  for (const PublishedTable& t : published_sweep()) {
+    ASSERT_EQ(t.levels.size(), t.depth);
+    for (std::size_t l = 1; l < t.levels.size(); ++l)
+      EXPECT_EQ(*t.levels[l].tests.value, t.branching * *t.levels[l - 1].hits.value);
+    if (t.depth == 2 && t.branching == 8) {
+      EXPECT_EQ(t.total, published_table("cornell", t.method, RayKind::kShadow)->total);
+    }
   }
 }
 
