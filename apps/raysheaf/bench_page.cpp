@@ -54,6 +54,10 @@ std::string summary(const PaperReport& report) {
     text += fmt::format("* **`{}`** makes {} of brute force's tests.\n", to_string(method),
                         relatives(report, method));
   }
+  if (report.checked)
+    text +=
+        "* **Hits**: those of every method and batch were compared with brute force's; they are "
+        "the same, bit for bit.\n";
   if (has_published(report)) text += findings_in_short(report);
   return text + "\n";
 }
@@ -67,6 +71,7 @@ std::string command_of(const PaperReport& report, bool times) {
     for (const Method method : report.methods)
       command += fmt::format(" --method {}", to_string(method));
   if (!report.combinations.empty()) command += " --as-published";
+  if (report.checked) command += " --check";
   if (!times) command += " --no-times";
   return "<!-- not run -->\n```sh\n" + command + " --markdown FILE.md\n```\n\n";
 }

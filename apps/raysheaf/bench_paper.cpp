@@ -95,6 +95,7 @@ class PaperBench {
  public:
   PaperBench(const BenchPaperCommand& command, const Tell& tell) : command_(command), tell_(tell) {
     report_.builtin = command.scenes.empty();
+    report_.checked = command.check;
     report_.width = command.width;
     report_.height = command.height;
     report_.threads = command.threads;

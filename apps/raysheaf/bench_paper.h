@@ -30,7 +30,7 @@ struct Combination {
 };
 
 struct PaperReport {
-  bool builtin = true;
+  bool builtin = true, checked = false;
   std::uint32_t width = 0, height = 0, threads = 0;
   std::vector<std::string> scenes;
   std::vector<Method> methods;

@@ -20,6 +20,14 @@ constexpr std::size_t kGrain = 1024;
 constexpr std::size_t kBatches = 4;
 constexpr float kOcclusionReach = 0.25f;  ///< of the scene's diagonal
 
+constexpr std::uint32_t kLargestSide = 16384;
+
+PictureSize checked(PictureSize size) {
+  if (size.width < 1 || size.height < 1 || size.width > kLargestSide || size.height > kLargestSide)
+    throw Error(ErrorCode::kInvalidArgument, "each side must be from 1 to 16384", "size");
+  return size;
+}
+
 SceneDescription prepared(SceneDescription scene) {
   validate(scene);
   add_missing_camera_and_light(scene);
@@ -172,7 +180,7 @@ class Laboratory::Impl {
 
 Laboratory::Laboratory(const SceneDescription& scene, std::uint32_t width, std::uint32_t height,
                        std::uint32_t threads)
-    : impl_(std::make_unique<Impl>(scene, PictureSize{width, height}, threads)) {}
+    : impl_(std::make_unique<Impl>(scene, checked({width, height}), threads)) {}
 
 Laboratory::~Laboratory() = default;
 Laboratory::Laboratory(Laboratory&&) noexcept = default;

@@ -47,7 +47,7 @@ TEST(Laboratory, EverySettingMeetsBruteForceOnEveryBatch) {
 }
 
 TEST(Laboratory, CountsDoNotDependOnThreadsNorOnRepetition) {
-  Laboratory one(builtin_scene("office"), 32, 32, 1), three(builtin_scene("office"), 32, 32, 3);
+  Laboratory three(builtin_scene("office"), 32, 32, 3), one(builtin_scene("office"), 32, 32, 1);
   for (const LabRays rays : kAllRays) {
     const auto a = one.measure(rays, method_settings(Method::kCrsh), false);
     const auto again = one.measure(rays, method_settings(Method::kCrsh), false);
@@ -70,8 +70,11 @@ TEST(Laboratory, EverySurfaceOfAClosedBoxMirrors) {
 
 TEST(Laboratory, RefusesWhatCannotBeMeasured) {
   EXPECT_THROW(Laboratory({}, 8, 8), Error);
+  EXPECT_THROW(Laboratory(builtin_scene("cornell"), 0, 8), Error);
   Laboratory laboratory(builtin_scene("cornell"), 8, 8);
   EXPECT_THROW((void)laboratory.measure_as_published(LabRays::kShadow, Method::kBrute, {}), Error);
+  EXPECT_THROW((void)laboratory.measure_as_published(LabRays::kShadow, Method::kRah, {}, 0, 8),
+               Error);
 }
 
 TEST(Laboratory, ASceneWithoutCameraAndLightGetsThem) {
