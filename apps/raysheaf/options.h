@@ -36,11 +36,21 @@ struct SceneCommand {
   std::string name, output;
 };
 
-using Command = std::variant<RenderCommand, InfoCommand, SceneCommand>;
+struct BenchPaperCommand {
+  std::string scenes;  ///< a folder; empty: the built-in scenes
+  std::string json_path, markdown_path;
+  std::vector<Method> methods;  ///< empty: all there are
+  bool as_published = false, check = false, quiet = false;
+  bool times = true;  ///< in text and Markdown
+  std::uint32_t width = 512, height = 512, threads = 0;
+};
+
+using Command = std::variant<RenderCommand, InfoCommand, SceneCommand, BenchPaperCommand>;
 
 /// Each gives an exit code, or throws `Error`.
 int run(const RenderCommand& command);
 int run(const InfoCommand& command);
 int run(const SceneCommand& command);
+int run(const BenchPaperCommand& command);
 
 }  // namespace raysheaf::app
