@@ -1,4 +1,4 @@
-// The only file that sees CLI11.
+// CLI11 is seen by the parse files alone.
 #include "parse.h"
 
 #include <CLI/CLI.hpp>
@@ -7,43 +7,14 @@
 #include <set>
 
 #include "console.h"
+#include "parse_ablation.h"
+#include "parse_parts.h"
 #include "raysheaf/error.h"
 #include "raysheaf/version.h"
 #include "values.h"
 
 namespace raysheaf::app {
 namespace {
-
-// Turns an Error of values.h into CLI11's, which adds the option's name.
-template <typename Parse>
-std::function<void(const std::string&)> into(Parse parse, std::string option) {
-  return [parse, option = std::move(option)](const std::string& text) {
-    try {
-      parse(text);
-    } catch (const Error& error) {
-      throw CLI::ValidationError(option, error.sentence());
-    }
-  };
-}
-
-void add_value(CLI::App& app, const std::string& option, const std::string& type,
-               const std::string& text, std::function<void(const std::string&)> parse) {
-  app.add_option_function<std::string>(option, into(std::move(parse), option), text)
-      ->type_name(type);
-}
-
-void add_count(CLI::App& app, const std::string& option, std::uint32_t& value, std::uint32_t low,
-               std::uint32_t high, const std::string& text) {
-  add_value(app, option, "N", text, [&value, low, high](const std::string& given) {
-    value = parse_count(given, low, high);
-  });
-}
-
-void add_off_switch(CLI::App& app, const std::string& option, bool& value,
-                    const std::string& text) {
-  app.add_flag_callback(
-      option, [&value] { value = false; }, text);
-}
 
 void add_outputs(CLI::App& app, RenderCommand& command) {
   app.add_option("-o,--output", command.pictures,
@@ -282,10 +253,13 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   InfoCommand info;
   SceneCommand scene;
   BenchPaperCommand paper;
+  BenchAblationCommand ablation;
   const CLI::App* render_app = add_render(app, render);
   const CLI::App* info_app = add_info(app, info);
   const CLI::App* scene_app = add_scene(app, scene);
-  add_bench_paper(*add_bench(app), paper);
+  CLI::App* bench_app = add_bench(app);
+  const CLI::App* paper_app = add_bench_paper(*bench_app, paper);
+  add_bench_ablation(*bench_app, ablation);
   if (!starts_well(argc, argv, app)) return kUsage;
   try {
     app.parse(argc, argv);
@@ -300,7 +274,8 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   if (render_app->parsed()) return Command(std::move(render));
   if (info_app->parsed()) return Command(std::move(info));
   if (scene_app->parsed()) return Command(std::move(scene));
-  return Command(std::move(paper));
+  if (paper_app->parsed()) return Command(std::move(paper));
+  return Command(std::move(ablation));
 }
 
 }  // namespace raysheaf::app

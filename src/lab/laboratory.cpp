@@ -107,6 +107,7 @@ class Laboratory::Impl {
     Stopwatch watch;
     Made result;
     result.batch = make(rays, met);
+    result.batch.width = width_;
     result.raygen_ms = watch.lap_ms();
     m = std::move(result);
     return *m;

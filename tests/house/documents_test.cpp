@@ -15,9 +15,13 @@ const fs::path kRoot = RAYSHEAF_SOURCE_DIR;
 std::string help_of_everything() {
   const TemporaryFolder folder;
   std::string text;
-  const std::vector<std::vector<std::string>> calls = {
-      {"--help"},          {"render", "--help"}, {"info", "--help"},
-      {"scene", "--help"}, {"bench", "--help"},  {"bench", "paper", "--help"}};
+  const std::vector<std::vector<std::string>> calls = {{"--help"},
+                                                       {"render", "--help"},
+                                                       {"info", "--help"},
+                                                       {"scene", "--help"},
+                                                       {"bench", "--help"},
+                                                       {"bench", "paper", "--help"},
+                                                       {"bench", "ablation", "--help"}};
   for (const auto& call : calls) text += raysheaf_app(call, folder).out;
   return text;
 }
