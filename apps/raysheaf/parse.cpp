@@ -1,4 +1,4 @@
-// The only file that sees CLI11.
+// CLI11 is seen by the parse files alone.
 #include "parse.h"
 
 #include <CLI/CLI.hpp>
@@ -7,43 +7,14 @@
 #include <set>
 
 #include "console.h"
+#include "parse_ablation.h"
+#include "parse_parts.h"
 #include "raysheaf/error.h"
 #include "raysheaf/version.h"
 #include "values.h"
 
 namespace raysheaf::app {
 namespace {
-
-// Turns an Error of values.h into CLI11's, which adds the option's name.
-template <typename Parse>
-std::function<void(const std::string&)> into(Parse parse, std::string option) {
-  return [parse, option = std::move(option)](const std::string& text) {
-    try {
-      parse(text);
-    } catch (const Error& error) {
-      throw CLI::ValidationError(option, error.sentence());
-    }
-  };
-}
-
-void add_value(CLI::App& app, const std::string& option, const std::string& type,
-               const std::string& text, std::function<void(const std::string&)> parse) {
-  app.add_option_function<std::string>(option, into(std::move(parse), option), text)
-      ->type_name(type);
-}
-
-void add_count(CLI::App& app, const std::string& option, std::uint32_t& value, std::uint32_t low,
-               std::uint32_t high, const std::string& text) {
-  add_value(app, option, "N", text, [&value, low, high](const std::string& given) {
-    value = parse_count(given, low, high);
-  });
-}
-
-void add_off_switch(CLI::App& app, const std::string& option, bool& value,
-                    const std::string& text) {
-  app.add_flag_callback(
-      option, [&value] { value = false; }, text);
-}
 
 void add_outputs(CLI::App& app, RenderCommand& command) {
   app.add_option("-o,--output", command.pictures,
@@ -191,6 +162,53 @@ CLI::App* add_scene(CLI::App& app, SceneCommand& command) {
   return sub;
 }
 
+void check_bench_outputs(const BenchPaperCommand& command) {
+  if (!command.json_path.empty() && command.json_path == command.markdown_path)
+    throw CLI::ValidationError("--json", "'" + command.json_path + "' is written twice");
+}
+
+CLI::App* add_bench_paper(CLI::App& bench, BenchPaperCommand& command) {
+  CLI::App* sub = bench.add_subcommand("paper", "Count tests as the paper's tables do");
+  sub->add_option("--scenes", command.scenes,
+                  "Folder with office.glb, cornell.glb and sponza.glb [the built-in scenes]")
+      ->type_name("DIR");
+  sub->add_option("--json", command.json_path, "All figures as JSON")->type_name("FILE.json");
+  sub->add_option("--markdown", command.markdown_path, "A page with tables and findings")
+      ->type_name("FILE.md");
+  add_value(
+      *sub, "--size", "WxH", "Size of the picture; the paper's is [512x512]",
+      [&command](const auto& text) { std::tie(command.width, command.height) = parse_size(text); });
+  const std::string method = "--method";
+  sub->add_option_function<std::vector<std::string>>(
+         method,
+         [&command, method](const std::vector<std::string>& names) {
+           for (const std::string& name : names)
+             into([&](const auto& text) { command.methods.push_back(method_from_string(text)); },
+                  method)(name);
+         },
+         "A method; may be given more than once [all]")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  sub->add_flag("--as-published", command.as_published,
+                "Count what the published program tested, with and without each of its quirks");
+  sub->add_flag("--check", command.check, "Run brute force too and compare every hit with it");
+  add_off_switch(*sub, "--no-times", command.times, "Leave times out of text and Markdown");
+  add_count(*sub, "--threads", command.threads, 0, 1024, "Threads, up to 1024; 0 is all cores [0]");
+  sub->add_flag("-q,--quiet", command.quiet, "No progress bar");
+  sub->footer(
+      "Examples:\n"
+      "  raysheaf bench paper --size 64x64\n"
+      "  raysheaf bench paper --scenes scenes/paper --as-published --markdown reproduction.md");
+  sub->callback([&command] { check_bench_outputs(command); });
+  return sub;
+}
+
+CLI::App* add_bench(CLI::App& app) {
+  CLI::App* sub = app.add_subcommand("bench", "Measure: the laboratory's experiments");
+  sub->require_subcommand(1);
+  return sub;
+}
+
 // Whether the first word is a command or an option; tells what there is where it is neither.
 bool starts_well(int argc, const char* const* argv, const CLI::App& app) {
   const std::string first = argc > 1 ? argv[1] : "";
@@ -210,7 +228,10 @@ int tell_usage_error(const CLI::ParseError& error, const CLI::App& app) {
   std::string sentence = error.what();
   std::replace(sentence.begin(), sentence.end(), '\n', ' ');
   std::string help = "raysheaf";
-  for (const CLI::App* sub : app.get_subcommands()) help += " " + sub->get_name();
+  for (const CLI::App* sub = &app; !sub->get_subcommands().empty();) {
+    sub = sub->get_subcommands().front();
+    help += " " + sub->get_name();
+  }
   tell_error(sentence + " (see " + help + " --help)");
   return kUsage;
 }
@@ -231,9 +252,14 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   RenderCommand render;
   InfoCommand info;
   SceneCommand scene;
+  BenchPaperCommand paper;
+  BenchAblationCommand ablation;
   const CLI::App* render_app = add_render(app, render);
   const CLI::App* info_app = add_info(app, info);
-  add_scene(app, scene);
+  const CLI::App* scene_app = add_scene(app, scene);
+  CLI::App* bench_app = add_bench(app);
+  const CLI::App* paper_app = add_bench_paper(*bench_app, paper);
+  add_bench_ablation(*bench_app, ablation);
   if (!starts_well(argc, argv, app)) return kUsage;
   try {
     app.parse(argc, argv);
@@ -247,7 +273,9 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   }
   if (render_app->parsed()) return Command(std::move(render));
   if (info_app->parsed()) return Command(std::move(info));
-  return Command(std::move(scene));
+  if (scene_app->parsed()) return Command(std::move(scene));
+  if (paper_app->parsed()) return Command(std::move(paper));
+  return Command(std::move(ablation));
 }
 
 }  // namespace raysheaf::app

@@ -1,0 +1,64 @@
+// The ablation: every chosen combination of key, bound, levels, branching and mesh culling, counted
+// and timed on every chosen batch of rays.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "options.h"
+#include "raysheaf/lab.h"
+
+namespace raysheaf::app {
+
+[[nodiscard]] std::vector<LabRays> all_lab_rays();
+[[nodiscard]] std::vector<RayKey> all_keys();
+[[nodiscard]] std::vector<BundleBound> all_bounds();
+
+/// "shadow", "reflection1", "reflection2", "ao".
+[[nodiscard]] const char* to_string(LabRays rays);
+/// Throws `Error` (kInvalidArgument) naming the ones there are.
+[[nodiscard]] LabRays lab_rays_from_string(const std::string& name);
+
+/// Whether `MethodSettings::key_bits` changes this key.
+[[nodiscard]] bool comes_in_both_widths(RayKey key);
+
+/// One combination on one batch. The times are medians over the repetitions.
+struct AblationRow {
+  std::string scene;
+  LabRays rays = LabRays::kShadow;
+  MethodSettings settings;
+  BatchStatistics counts;
+
+  /// Total tests as a percentage of brute force.
+  [[nodiscard]] double percent() const { return 100 * counts.relative(); }
+  /// Nodes and triangles: both stages run in one sweep.
+  [[nodiscard]] double trace_ms() const;
+  /// Order, hierarchy and trace.
+  [[nodiscard]] double total_ms() const;
+};
+
+struct AblationReport {
+  BenchAblationCommand command;
+  std::vector<std::string> scenes;
+  std::vector<AblationRow> rows;  ///< batches without rays are left out
+};
+
+/// Told before each measurement: what, how many there were, how many there will be. May throw.
+using TellAblation =
+    std::function<void(const std::string& what, std::uint64_t done, std::uint64_t total)>;
+
+[[nodiscard]] AblationReport measure_ablation(const BenchAblationCommand& command,
+                                              const TellAblation& tell);
+
+using RowTest = std::function<bool(const AblationRow&)>;
+
+/// The row with the fewest tests (the first of equals), or null where none passes.
+[[nodiscard]] const AblationRow* fewest_tests(const AblationReport& report, const RowTest& passes);
+/// The row with the least time from keys to hits, or null.
+[[nodiscard]] const AblationRow* least_time(const AblationReport& report, const RowTest& passes);
+
+/// The rows of one batch.
+[[nodiscard]] RowTest of(const std::string& scene, LabRays rays);
+
+}  // namespace raysheaf::app
