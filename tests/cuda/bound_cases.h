@@ -67,18 +67,21 @@ RAYSHEAF_HD inline void put_of(Words& out, const ShaftCone& bound) {
   put_of(out, bound.cone);
 }
 
-/// Round two bundles, then round both.
+/// Round two bundles, then round both; the triangles are near the rays of the first.
 template <class Bound>
 struct BoundCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
     const Box scene = random_box(draws);
     Bound children[2], both;
-    for (Bound& child : children) bound_rays(RandomBundle(draws).view(), scene, &child);
+    const RandomBundle first(draws), second(draws);
+    bound_rays(first.view(), scene, &children[0]);
+    bound_rays(second.view(), scene, &children[1]);
     bound_children(View<const Bound>(children, 2), &both);
     put_of(out, both);
     const auto test = make_node_test(both), child_test = make_node_test(children[0]);
     for (int i = 0; i < 6; ++i) {
-      const Vec3 a = draws.in_box(9), b = a + draws.in_box(1), c = a + draws.in_box(1);
+      const Vec3 on_ray = first.rays[0].origin + first.rays[0].direction * draws.between(-1, 6);
+      const Vec3 a = on_ray + draws.in_box(2), b = a + draws.in_box(1), c = a + draws.in_box(1);
       out.put(meets_triangle(test, a, b, c), meets_triangle(child_test, a, b, c));
     }
   }

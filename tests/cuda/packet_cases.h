@@ -15,10 +15,11 @@ struct PacketRays {
   Box scene;
   int axis = 0;
 
-  /// One in eight reaches too far to be bounded; in one in four a ray runs across the axis.
+  /// In one in eight the scene is too large to bound rays in it; in one in four a ray runs across
+  /// the axis.
   RAYSHEAF_HD explicit PacketRays(Draws& draws) {
     const Vec3 center = draws.in_box(5), along = draws.direction(), corner = draws.in_box(5);
-    const float spread = draws.unit(), stretch = draws.below(8) == 0 ? 1e30f : 1;
+    const float spread = draws.unit(), stretch = draws.below(8) == 0 ? 1e37f : 1;
     scene = {corner * stretch, (corner + abs(draws.in_box(9))) * stretch};
     axis = static_cast<int>(dominant_sense(along) / 2);
     for (Ray& ray : rays) {
