@@ -26,7 +26,7 @@ void shadow_batch(benchmark::State& state) {
       input().fragments_at(executor, brute ? PictureSize{64, 64} : kSize);
   const RayBatch batch = input().shadow_rays(executor, fragments);
   TraceOptions options;
-  options.method = method_settings(kMethod, 2, 8);
+  options.method = method_settings(kMethod);
   ProgressMeter meter;
   BatchStatistics statistics;
   for (auto _ : state) {

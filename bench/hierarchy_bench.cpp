@@ -14,7 +14,8 @@ void build(benchmark::State& state) {
   const auto levels = static_cast<std::uint32_t>(state.range(1));
   std::size_t nodes = 0;
   for (auto _ : state) {
-    const RayHierarchy tree = build_hierarchy(executor, rays, branching, levels);
+    const RayHierarchy<RayBound> tree =
+        build_hierarchy<RayBound>(executor, rays, input().flat.bounds, branching, levels);
     nodes = 0;
     for (const auto& level : tree.levels) nodes += level.size();
     benchmark::DoNotOptimize(tree.levels.back().data());

@@ -121,7 +121,8 @@ void ray_hierarchy(benchmark::State& state) {
   ProgressMeter meter;
   TraverseCounts counts;
   for (auto _ : state) {
-    const RayHierarchy hierarchy = build_hierarchy(executor, work.ordered, 8, 2);
+    const auto hierarchy =
+        build_hierarchy<RayBound>(executor, work.ordered, work.scene.bounds, 8, 2);
     std::vector<RayHit> best(kRays);
     counts = traverse(executor, work.scene, hierarchy, work.ordered, {}, best, {}, &meter);
   }

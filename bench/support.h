@@ -47,8 +47,8 @@ inline std::vector<std::uint32_t> first_hits(const Executor& executor, const Fla
   }
   BatchStatistics statistics;
   ProgressMeter meter;
-  return trace_primary(executor, flat, camera, size, method_settings(Method::kCrsh, 2, 8),
-                       &statistics, {}, &meter);
+  return trace_primary(executor, flat, camera, size, method_settings(Method::kCrsh), &statistics,
+                       {}, &meter);
 }
 
 struct Input {

@@ -9,13 +9,14 @@
 #include "base/bits.h"
 #include "raygen/hash_body.h"
 #include "support.h"
-#include "traverse/sphere_filter.h"
+#include "traverse/node_filter.h"
 
 namespace raysheaf::bench {
 namespace {
 
-const RayHierarchy& sorted_tree() {
-  static const RayHierarchy tree = build_hierarchy(Executor(), ordered_shadow_rays(true), 8, 2);
+const RayHierarchy<RayBound>& sorted_tree() {
+  static const auto tree =
+      build_hierarchy<RayBound>(Executor(), ordered_shadow_rays(true), input().flat.bounds, 8, 2);
   return tree;
 }
 
@@ -28,13 +29,13 @@ std::vector<ConeSphereTest> some_nodes(std::uint32_t level) {
   return tests;
 }
 
-SphereArrays spheres_of(const TriangleView& triangles) {
+FieldPointers<kBallFields> spheres_of(const TriangleView& triangles) {
   return {triangles.sphere[0], triangles.sphere[1], triangles.sphere[2], triangles.sphere[3]};
 }
 
 /// All lists have `state.range(1)` spheres at most, which the first triangles of the scene give.
 template <class Filter>
-void time_filter(benchmark::State& state, const Filter& filter) {
+void time_filter(benchmark::State& state, const Filter& run) {
   const auto nodes = some_nodes(static_cast<std::uint32_t>(state.range(0)));
   const std::uint32_t count =
       std::min(static_cast<std::uint32_t>(state.range(1)), input().flat.triangle_count);
@@ -42,7 +43,7 @@ void time_filter(benchmark::State& state, const Filter& filter) {
   std::uint64_t met = 0;
   for (auto _ : state) {
     met = 0;
-    for (const ConeSphereTest& node : nodes) met += filter(node, count, out.data());
+    for (const ConeSphereTest& node : nodes) met += run(node, count, out.data());
     benchmark::DoNotOptimize(out.data());
   }
   const std::size_t tests = nodes.size() * count;
@@ -52,19 +53,19 @@ void time_filter(benchmark::State& state, const Filter& filter) {
 }
 
 void filter_simd(benchmark::State& state) {
-  const SphereArrays spheres = spheres_of(input().flat.triangles());
+  const auto spheres = spheres_of(input().flat.triangles());
   time_filter(state, [&](const ConeSphereTest& node, std::uint32_t count, std::uint32_t* out) {
-    return filter_spheres(node, spheres, count, out);
+    return filter(node, spheres, count, out);
   });
 }
 
 void filter_scalar(benchmark::State& state) {
-  const SphereArrays s = spheres_of(input().flat.triangles());
+  const auto s = spheres_of(input().flat.triangles());
   time_filter(state, [&](const ConeSphereTest& node, std::uint32_t count, std::uint32_t* out) {
     std::uint32_t met = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
       out[met] = i;
-      met += meets(node, {s.x[i], s.y[i], s.z[i]}, s.radius[i]) ? 1 : 0;
+      met += meets(node, {s[0][i], s[1][i], s[2][i]}, s[3][i]) ? 1 : 0;
     }
     return met;
   });
@@ -84,7 +85,7 @@ void report(benchmark::State& state, const TraverseCounts& counts, double rays) 
 void walk(benchmark::State& state, bool crsh) {
   const Executor executor = executor_of(state, 0);
   const std::vector<Ray> rays = ordered_shadow_rays(crsh);
-  const RayHierarchy tree = build_hierarchy(executor, rays, 8, 2);
+  const auto tree = build_hierarchy<RayBound>(executor, rays, input().flat.bounds, 8, 2);
   TraverseOptions options;
   options.mesh_culling = crsh;
   ProgressMeter meter;
@@ -165,7 +166,7 @@ void count_tests(benchmark::State& state, const RayBatch& batch,
     order_by_key(executor, keys, order);
     std::vector<Ray> rays;
     for (const std::uint32_t ray : order) rays.push_back(batch.rays[ray]);
-    const RayHierarchy tree = build_hierarchy(executor, rays, 8, 2);
+    const auto tree = build_hierarchy<RayBound>(executor, rays, input().flat.bounds, 8, 2);
     std::vector<RayHit> best(rays.size());
     ProgressMeter meter;
     const TraverseCounts counts =

@@ -1,4 +1,4 @@
-// The only file of the command line that sees nlohmann-json.
+// Of the command line, the files named *_json.cpp alone see nlohmann-json.
 #include <nlohmann/json.hpp>
 
 #include <cmath>

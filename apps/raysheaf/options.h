@@ -37,6 +37,15 @@ struct SceneCommand {
   std::string name, output;
 };
 
+struct BenchPaperCommand {
+  std::string scenes;  ///< a folder; empty: the built-in scenes
+  std::string json_path, markdown_path;
+  std::vector<Method> methods;  ///< empty: all there are
+  bool as_published = false, check = false, quiet = false;
+  bool times = true;  ///< in text and Markdown
+  std::uint32_t width = 512, height = 512, threads = 0;
+};
+
 struct BenchAblationCommand {
   std::string scene, scenes;  ///< a scene, or a folder of scenes; neither: the built-in ones
   std::vector<LabRays> rays;
@@ -49,12 +58,14 @@ struct BenchAblationCommand {
   std::string json_path, csv_path, svg_path, markdown_path;
 };
 
-using Command = std::variant<RenderCommand, InfoCommand, SceneCommand, BenchAblationCommand>;
+using Command =
+    std::variant<RenderCommand, InfoCommand, SceneCommand, BenchPaperCommand, BenchAblationCommand>;
 
 /// Each gives an exit code, or throws `Error`.
 int run(const RenderCommand& command);
 int run(const InfoCommand& command);
 int run(const SceneCommand& command);
+int run(const BenchPaperCommand& command);
 int run(const BenchAblationCommand& command);
 
 }  // namespace raysheaf::app

@@ -162,6 +162,47 @@ CLI::App* add_scene(CLI::App& app, SceneCommand& command) {
   return sub;
 }
 
+void check_bench_outputs(const BenchPaperCommand& command) {
+  if (!command.json_path.empty() && command.json_path == command.markdown_path)
+    throw CLI::ValidationError("--json", "'" + command.json_path + "' is written twice");
+}
+
+CLI::App* add_bench_paper(CLI::App& bench, BenchPaperCommand& command) {
+  CLI::App* sub = bench.add_subcommand("paper", "Count tests as the paper's tables do");
+  sub->add_option("--scenes", command.scenes,
+                  "Folder with office.glb, cornell.glb and sponza.glb [the built-in scenes]")
+      ->type_name("DIR");
+  sub->add_option("--json", command.json_path, "All figures as JSON")->type_name("FILE.json");
+  sub->add_option("--markdown", command.markdown_path, "A page with tables and findings")
+      ->type_name("FILE.md");
+  add_value(
+      *sub, "--size", "WxH", "Size of the picture; the paper's is [512x512]",
+      [&command](const auto& text) { std::tie(command.width, command.height) = parse_size(text); });
+  const std::string method = "--method";
+  sub->add_option_function<std::vector<std::string>>(
+         method,
+         [&command, method](const std::vector<std::string>& names) {
+           for (const std::string& name : names)
+             into([&](const auto& text) { command.methods.push_back(method_from_string(text)); },
+                  method)(name);
+         },
+         "A method; may be given more than once [all]")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  sub->add_flag("--as-published", command.as_published,
+                "Count what the published program tested, with and without each of its quirks");
+  sub->add_flag("--check", command.check, "Run brute force too and compare every hit with it");
+  add_off_switch(*sub, "--no-times", command.times, "Leave times out of text and Markdown");
+  add_count(*sub, "--threads", command.threads, 0, 1024, "Threads, up to 1024; 0 is all cores [0]");
+  sub->add_flag("-q,--quiet", command.quiet, "No progress bar");
+  sub->footer(
+      "Examples:\n"
+      "  raysheaf bench paper --size 64x64\n"
+      "  raysheaf bench paper --scenes scenes/paper --as-published --markdown reproduction.md");
+  sub->callback([&command] { check_bench_outputs(command); });
+  return sub;
+}
+
 CLI::App* add_bench(CLI::App& app) {
   CLI::App* sub = app.add_subcommand("bench", "Measure: the laboratory's experiments");
   sub->require_subcommand(1);
@@ -211,11 +252,14 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   RenderCommand render;
   InfoCommand info;
   SceneCommand scene;
+  BenchPaperCommand paper;
   BenchAblationCommand ablation;
   const CLI::App* render_app = add_render(app, render);
   const CLI::App* info_app = add_info(app, info);
   const CLI::App* scene_app = add_scene(app, scene);
-  add_bench_ablation(*add_bench(app), ablation);
+  CLI::App* bench_app = add_bench(app);
+  const CLI::App* paper_app = add_bench_paper(*bench_app, paper);
+  add_bench_ablation(*bench_app, ablation);
   if (!starts_well(argc, argv, app)) return kUsage;
   try {
     app.parse(argc, argv);
@@ -230,6 +274,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   if (render_app->parsed()) return Command(std::move(render));
   if (info_app->parsed()) return Command(std::move(info));
   if (scene_app->parsed()) return Command(std::move(scene));
+  if (paper_app->parsed()) return Command(std::move(paper));
   return Command(std::move(ablation));
 }
 

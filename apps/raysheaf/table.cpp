@@ -13,7 +13,7 @@ std::size_t width(const std::string& text) {
 }
 
 bool is_number(const std::string& text) {
-  return !text.empty() && text.find_first_not_of("0123456789.+-e") == std::string::npos;
+  return !text.empty() && text.find_first_not_of("0123456789.+-e~") == std::string::npos;
 }
 
 }  // namespace

@@ -54,11 +54,12 @@ class Laboratory {
   /// measured once a batch; `check` = false leaves that out.
   [[nodiscard]] BatchStatistics measure(LabRays rays, const MethodSettings& settings,
                                         bool check = true);
-  /// Counts of the published program's algorithm, two levels, branching 8. Final tests are counted,
-  /// not executed; `hits` stays 0. Throws `Error` (kInvalidArgument) for other methods than `rah`
-  /// and `crsh`.
+  /// Counts of the published program's algorithm. Final tests are counted, not executed; `hits`
+  /// stays 0. `levels` from 1, `branching` from 2. Throws `Error` (kInvalidArgument) for less, and
+  /// for other methods than `rah` and `crsh`.
   [[nodiscard]] BatchStatistics measure_as_published(LabRays rays, Method method,
-                                                     const Quirks& quirks);
+                                                     const Quirks& quirks, std::uint32_t levels = 2,
+                                                     std::uint32_t branching = 8);
 
  private:
   class Impl;

@@ -39,6 +39,7 @@ struct PublishedTable {
   std::uint64_t rays = 0, triangles = 0, total = 0;
   std::vector<PublishedLevel> levels;  ///< from the top down; may be empty
   PublishedTimes times_ms;
+  std::uint32_t depth = 2, branching = 8;  ///< of the ray hierarchy
 
   [[nodiscard]] std::uint64_t brute_force_tests() const { return rays * triangles; }
   [[nodiscard]] double relative() const {
@@ -47,6 +48,9 @@ struct PublishedTable {
 };
 
 [[nodiscard]] const std::vector<PublishedTable>& published_tables();
+
+/// The authors' log: CORNELL's shadow rays with other depths and branchings, tables of their own.
+[[nodiscard]] const std::vector<PublishedTable>& published_sweep();
 
 /// Null where nothing was published.
 [[nodiscard]] const PublishedTable* published_table(std::string_view scene, Method method,

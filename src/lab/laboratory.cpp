@@ -20,6 +20,14 @@ constexpr std::size_t kGrain = 1024;
 constexpr std::size_t kBatches = 4;
 constexpr float kOcclusionReach = 0.25f;  ///< of the scene's diagonal
 
+constexpr std::uint32_t kLargestSide = 16384;
+
+PictureSize checked(PictureSize size) {
+  if (size.width < 1 || size.height < 1 || size.width > kLargestSide || size.height > kLargestSide)
+    throw Error(ErrorCode::kInvalidArgument, "each side must be from 1 to 16384", "size");
+  return size;
+}
+
 SceneDescription prepared(SceneDescription scene) {
   validate(scene);
   add_missing_camera_and_light(scene);
@@ -67,10 +75,13 @@ class Laboratory::Impl {
     return statistics;
   }
 
-  BatchStatistics as_published(LabRays rays, Method method, const Quirks& quirks) {
+  BatchStatistics as_published(LabRays rays, Method method, const Quirks& quirks,
+                               PublishedShape shape) {
     if (method != Method::kRah && method != Method::kCrsh)
       throw Error(ErrorCode::kInvalidArgument, "rah and crsh alone were published", "method");
-    return count_as_published(executor_, flat_, batch(rays), method, quirks, width_);
+    if (shape.levels < 1 || shape.branching < 2)
+      throw Error(ErrorCode::kInvalidArgument, "must be 1 and 2 at least", "levels, branching");
+    return count_as_published(executor_, flat_, batch(rays), method, quirks, width_, shape);
   }
 
  private:
@@ -170,7 +181,7 @@ class Laboratory::Impl {
 
 Laboratory::Laboratory(const SceneDescription& scene, std::uint32_t width, std::uint32_t height,
                        std::uint32_t threads)
-    : impl_(std::make_unique<Impl>(scene, PictureSize{width, height}, threads)) {}
+    : impl_(std::make_unique<Impl>(scene, checked({width, height}), threads)) {}
 
 Laboratory::~Laboratory() = default;
 Laboratory::Laboratory(Laboratory&&) noexcept = default;
@@ -184,9 +195,9 @@ BatchStatistics Laboratory::measure(LabRays rays, const MethodSettings& settings
   return impl_->measure(rays, settings, check);
 }
 
-BatchStatistics Laboratory::measure_as_published(LabRays rays, Method method,
-                                                 const Quirks& quirks) {
-  return impl_->as_published(rays, method, quirks);
+BatchStatistics Laboratory::measure_as_published(LabRays rays, Method method, const Quirks& quirks,
+                                                 std::uint32_t levels, std::uint32_t branching) {
+  return impl_->as_published(rays, method, quirks, {levels, branching});
 }
 
 }  // namespace raysheaf

@@ -5,6 +5,8 @@
 // tests, and 92.5 % of the tests at the top hit, each to half a percent. Times: the log.
 #include "raysheaf/published.h"
 
+#include <utility>
+
 namespace raysheaf {
 namespace {
 
@@ -90,6 +92,43 @@ std::vector<PublishedTable> cornell_reflection() {
           reflection(Method::kCrsh, 39'293'896)};
 }
 
+/// Tests and hits from the top down.
+PublishedTable logged(Method method, std::uint32_t depth, std::uint32_t branching,
+                      const std::vector<std::pair<std::uint64_t, std::uint64_t>>& counts) {
+  PublishedTable t = table("cornell", method, RayKind::kShadow, 242'015, 792, 0);
+  t.depth = depth;
+  t.branching = branching;
+  auto level = static_cast<std::uint32_t>(counts.size());
+  for (const auto& [tests, hits] : counts) {
+    t.levels.push_back({level--, exact(tests), exact(hits)});
+    t.total += tests;
+  }
+  t.total += counts.back().second * branching;
+  return t;
+}
+
+std::vector<PublishedTable> sweep() {
+  return {
+      logged(Method::kRah, 2, 8, {{2'995'344, 645'954}, {5'167'632, 1'561'555}}),
+      logged(Method::kRah, 3, 8,
+             {{374'616, 327'247}, {2'617'976, 644'610}, {5'156'880, 1'550'803}}),
+      logged(Method::kRah, 4, 8,
+             {{47'520, 41'913}, {335'304, 327'243}, {2'617'944, 643'849}, {5'150'792, 1'549'973}}),
+      logged(Method::kRah, 2, 16, {{749'232, 483'250}, {7'732'000, 923'654}}),
+      logged(Method::kRah, 3, 16, {{47'520, 47'508}, {760'128, 483'250}, {7'732'000, 923'654}}),
+      logged(Method::kRah, 4, 16,
+             {{3'168, 3'168}, {50'688, 47'508}, {760'128, 483'250}, {7'732'000, 923'654}}),
+      logged(Method::kCrsh, 2, 8, {{750'384, 296'987}, {2'375'896, 1'394'752}}),
+      logged(Method::kCrsh, 3, 8, {{181'656, 100'901}, {807'208, 295'785}, {2'366'280, 1'374'325}}),
+      logged(Method::kCrsh, 4, 8,
+             {{35'280, 29'406}, {235'248, 100'990}, {807'920, 294'761}, {2'358'088, 1'366'133}}),
+      logged(Method::kCrsh, 2, 16, {{343'872, 160'747}, {2'571'952, 725'589}}),
+      logged(Method::kCrsh, 3, 16, {{36'720, 31'147}, {498'352, 161'105}, {2'577'680, 721'493}}),
+      logged(Method::kCrsh, 4, 16,
+             {{3'168, 3'168}, {50'688, 31'147}, {498'352, 161'105}, {2'577'680, 721'493}}),
+  };
+}
+
 std::vector<PublishedTable> all_tables() {
   std::vector<PublishedTable> all;
   for (const auto& part : {office(), cornell_shadow(), cornell_reflection(), sponza()})
@@ -101,6 +140,11 @@ std::vector<PublishedTable> all_tables() {
 
 const std::vector<PublishedTable>& published_tables() {
   static const std::vector<PublishedTable> all = all_tables();
+  return all;
+}
+
+const std::vector<PublishedTable>& published_sweep() {
+  static const std::vector<PublishedTable> all = sweep();
   return all;
 }
 

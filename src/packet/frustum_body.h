@@ -42,7 +42,7 @@ inline constexpr float kFrustumSlack = 0x1p-14f;
 inline constexpr float kFrustumTiny = 0x1p-120f;  ///< more than underflow can take away
 inline constexpr float kFrustumHuge = 0x1p100f;   ///< rays that reach this far have no bound
 
-struct Frustum {
+struct PacketFrustum {
   Vec3 origin;                            ///< coordinates below count from here
   int axis;                               ///< the dominant one
   float low[3], high[3];                  ///< the box, [axis of the world]
@@ -95,7 +95,7 @@ RAYSHEAF_HD inline RayEnd ray_end(const Ray& ray, Vec3 origin, float t) {
 
 /// The slopes of the hull of the rays' lines over the box's extent on the axis; any finite value is
 /// as right as another.
-RAYSHEAF_HD inline void choose_slopes(View<const Ray> rays, int side, int plane, Frustum* f) {
+RAYSHEAF_HD inline void choose_slopes(View<const Ray> rays, int side, int plane, PacketFrustum* f) {
   const float first = f->low[f->axis], last = f->high[f->axis];
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   float low[2] = {kInfinity, kInfinity}, high[2] = {-kInfinity, -kInfinity};
@@ -117,7 +117,7 @@ RAYSHEAF_HD inline void choose_slopes(View<const Ray> rays, int side, int plane,
 /// ends[2 i] and ends[2 i + 1] become those of ray i; the box goes around all. False where it would
 /// not be finite.
 RAYSHEAF_HD inline bool measure_box(View<const Ray> rays, const Box& scene, View<RayEnd> ends,
-                                    Frustum* f) {
+                                    PacketFrustum* f) {
   Box box;
   float worst = 0;
   for (std::size_t i = 0; i < rays.size; ++i) {
@@ -140,7 +140,7 @@ RAYSHEAF_HD inline bool measure_box(View<const Ray> rays, const Box& scene, View
 }
 
 /// The offsets of one axis's planes, whose slopes are known.
-RAYSHEAF_HD inline void measure_planes(View<const RayEnd> ends, int side, int plane, Frustum* f) {
+RAYSHEAF_HD inline void measure_planes(View<const RayEnd> ends, int side, int plane, PacketFrustum* f) {
   const float m = f->upper_slope[plane], n = f->lower_slope[plane];
   float upper = f->upper_offset[plane], lower = f->lower_offset[plane];
   for (const RayEnd& end : ends) {
@@ -155,10 +155,10 @@ RAYSHEAF_HD inline void measure_planes(View<const RayEnd> ends, int side, int pl
 
 /// Around at least one ray; `axis` should be the dominant one of all. `ends` is room for two a ray.
 /// O(rays).
-RAYSHEAF_HD inline Frustum bound_packet(View<const Ray> rays, int axis, const Box& scene,
+RAYSHEAF_HD inline PacketFrustum bound_packet(View<const Ray> rays, int axis, const Box& scene,
                                         View<RayEnd> ends) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  Frustum f{};
+  PacketFrustum f{};
   f.origin = rays[0].origin;
   f.axis = axis;
   f.lean = 1;
@@ -179,7 +179,7 @@ RAYSHEAF_HD inline Frustum bound_packet(View<const Ray> rays, int axis, const Bo
 }
 
 /// Whether the packet may meet a triangle in the box. Comparisons with NaN accept.
-RAYSHEAF_HD inline bool meets(const Frustum& f, Vec3 box_min, Vec3 box_max) {
+RAYSHEAF_HD inline bool meets(const PacketFrustum& f, Vec3 box_min, Vec3 box_max) {
   const Vec3 low = box_min - f.origin, high = box_max - f.origin;
   const float size = sum_of_sizes(max(abs(low), abs(high))) + f.spread;
   const float slack = kFrustumSlack * size + kFrustumTiny;
@@ -200,7 +200,7 @@ RAYSHEAF_HD inline bool meets(const Frustum& f, Vec3 box_min, Vec3 box_max) {
 }
 
 /// The same for a triangle, by its own corners.
-RAYSHEAF_HD inline bool meets(const Frustum& f, Vec3 a, Vec3 b, Vec3 c) {
+RAYSHEAF_HD inline bool meets(const PacketFrustum& f, Vec3 a, Vec3 b, Vec3 c) {
   const Vec3 low = min(min(a, b), c) - f.origin, high = max(max(a, b), c) - f.origin;
   const float size = sum_of_sizes(max(abs(low), abs(high))) + f.spread;
   const float slack = kFrustumSlack * size + kFrustumTiny;

@@ -20,7 +20,7 @@ RAYSHEAF_HD inline std::uint32_t leaf_ref(std::uint32_t node, std::uint32_t chil
 
 /// A packet, its bound, and its leaves.
 struct PacketWork {
-  const Frustum& frustum;
+  const PacketFrustum& frustum;
   View<const Ray> rays;
   View<const std::uint32_t> leaves;
   View<RayHit> best;

@@ -39,7 +39,7 @@ void PacketLeaves::meet(const PacketWork& work) {
 
 void PacketLeaves::find_candidates(const PacketWork& work) {
   candidates_.clear();
-  const Frustum& f = work.frustum;
+  const PacketFrustum& f = work.frustum;
   for (const std::uint32_t leaf : work.leaves) {
     const BvhNode& node = bvh_.nodes[leaf / kBvhWidth];
     const std::uint32_t child = leaf % kBvhWidth;

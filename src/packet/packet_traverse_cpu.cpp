@@ -48,7 +48,7 @@ std::uint32_t ones(std::uint8_t bits) {
   return static_cast<std::uint32_t>(__builtin_popcount(bits));
 }
 
-Met meet_children(const Frustum& frustum, const BvhNode& node) {
+Met meet_children(const PacketFrustum& frustum, const BvhNode& node) {
   Met met;
   for (std::uint32_t c = 0; c < node.children; ++c) {
     const Vec3 low{node.bound[0][c], node.bound[1][c], node.bound[2][c]};
@@ -247,7 +247,7 @@ class Sweep {
   ProgressMeter& meter_;
   const std::size_t capacity_;
   std::vector<std::uint32_t> packet_tests_;  ///< of frusta, a packet; empty unless asked for
-  std::vector<Frustum> frusta_;
+  std::vector<PacketFrustum> frusta_;
   Pairs queue_, next_, leaves_;
   std::vector<Met> met_;
   std::vector<std::uint32_t> node_places_, leaf_places_;

@@ -3,6 +3,7 @@
 // sphere, tests that read corners the box of its vertices.
 #pragma once
 
+#include "geom/shaft_cone.h"
 #include "scene/flat_scene.h"
 #include "traverse/node_filter.h"
 

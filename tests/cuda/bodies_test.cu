@@ -64,8 +64,13 @@ TEST_P(Bodies, GiveTheSameBitsOnTheDevice) {
   EXPECT_EQ(different, 0u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Cuda, Bodies, testing::ValuesIn(compiled_cases()),
-                         [](const auto& tested) { return std::string(tested.param.name); });
+std::string name_of(const testing::TestParamInfo<CompiledCase>& tested) {
+  return tested.param.name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Stages, Bodies, testing::ValuesIn(compiled_stage_cases()), name_of);
+INSTANTIATE_TEST_SUITE_P(Bounds, Bodies, testing::ValuesIn(compiled_bound_cases()), name_of);
+INSTANTIATE_TEST_SUITE_P(Packets, Bodies, testing::ValuesIn(compiled_packet_cases()), name_of);
 
 }  // namespace
 }  // namespace raysheaf::test

@@ -1,4 +1,4 @@
-// The cases as bodies.cu compiled them, for both machines.
+// The cases as *_bodies.cu compiled them, for both machines.
 #pragma once
 
 #include <vector>
@@ -15,6 +15,8 @@ struct CompiledCase {
   void (*on_device)(std::uint32_t count, Words* out);
 };
 
-[[nodiscard]] std::vector<CompiledCase> compiled_cases();
+[[nodiscard]] std::vector<CompiledCase> compiled_stage_cases();
+[[nodiscard]] std::vector<CompiledCase> compiled_bound_cases();
+[[nodiscard]] std::vector<CompiledCase> compiled_packet_cases();
 
 }  // namespace raysheaf::test

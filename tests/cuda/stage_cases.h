@@ -1,4 +1,5 @@
-// Every body of a stage that devices may call, on random input; a few are in bodies.cu instead.
+// Every body of a stage that devices may call, on random input; a few are in stage_bodies.cu
+// instead.
 #pragma once
 
 #include "cuda/geometry_cases.h"
@@ -8,7 +9,6 @@
 #include "order/order_body.h"
 #include "raster/resolve_body.h"
 #include "raygen/camera_body.h"
-#include "raygen/hash_body.h"
 #include "raygen/scatter_body.h"
 #include "raygen/shadow_body.h"
 #include "scene/flatten_body.h"
@@ -26,7 +26,7 @@ struct FlattenCase {
     const Vec3 a = draws.in_box(2) * scale, b = draws.in_box(2) * scale;
     const Vec3 c = draws.below(4) == 0 ? b : draws.in_box(2) * scale;
     const Sphere sphere = conservative_triangle_sphere(a, b, c);
-    out.put(has_no_area(a, b, c), distance_in_double(a, b), sphere.center, sphere.radius);
+    out.put(has_no_area(a, b, c), squared_distance_in_double(a, b), sphere.center, sphere.radius);
     const Affine map = draws.map();
     const Sphere moved = transformed(sphere, map);
     out.put(largest_stretch(map), moved.center, moved.radius);
@@ -82,19 +82,6 @@ struct CameraCase {
     const CameraFrame frame = random_frame(draws);
     const std::uint32_t x = draws.below(frame.width), y = draws.below(frame.height);
     out.put(pixel_center(x, frame.width), camera_ray(frame, x, y));
-  }
-};
-
-struct KeyCase {
-  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
-    const Vec3 direction = draws.direction(), corner = draws.in_box(5);
-    const Box box{corner, corner + abs(draws.in_box(9))};
-    const std::uint32_t lights = 1 + draws.below(20);
-    const ShadowKeyLayout layout = shadow_key_layout(lights);
-    out.put(octahedral(direction), layout.key_bits(), quantized(draws.between(-0.1f, 1.1f), 6));
-    out.put(shadow_key(layout, draws.below(lights), octahedral(direction)), spread_by_5(lights));
-    out.put(hilbert_2(draws.below(256), 77, 8));
-    out.put(bounce_key(box, draws.in_box(9), direction));
   }
 };
 
@@ -201,15 +188,10 @@ struct ResolveCase {
     const std::uint32_t x = draws.below(3), y = draws.below(3);
     Neighbourhood near = neighbourhood(View<const std::uint32_t>(ids, 9), 3, 3, x, y);
     near.add(1);
-    Vec3 corners[6];
-    for (Vec3& corner : corners) corner = draws.in_box(2);
-    const std::uint8_t flags[2] = {0, kSingleSided};
-    const Ray ray{draws.in_box(3), 0, draws.direction()};
-    const auto corner = [&corners](std::uint32_t id, int k) {
-      return corners[id * 3 + static_cast<std::uint32_t>(k)];
-    };
-    out.put(near.count, shows_side(flags[1], draws.below(2) == 0));
-    out.put(nearest_of(near, ray, corner, flags, 7u));
+    const std::uint8_t flags = draws.below(2) == 0 ? 0 : kSingleSided;
+    out.put(near.count, shows_side(flags, draws.below(2) == 0));
+    const SightKey sight = sight_key(draws.between(0, 9), y);
+    out.put(sight, triangle_of(sight), distance_of(sight), is_uniform(ids + 4, 3));
   }
 };
 

@@ -19,6 +19,8 @@ std::string help_of_everything() {
                                                        {"render", "--help"},
                                                        {"info", "--help"},
                                                        {"scene", "--help"},
+                                                       {"bench", "--help"},
+                                                       {"bench", "paper", "--help"},
                                                        {"bench", "ablation", "--help"}};
   for (const auto& call : calls) text += raysheaf_app(call, folder).out;
   return text;
@@ -41,10 +43,13 @@ std::string arguments_of(const std::string& line) {
 
 // The same command at a size that takes no time.
 std::string made_small(std::string arguments) {
-  if (!arguments.starts_with(" render ")) return arguments;
   static const std::regex kSize(R"( --size \S+)");
-  arguments = std::regex_replace(arguments, kSize, "");
-  return arguments.insert(std::string(" render").size(), " --size 48x48");
+  for (const std::string command : {" render", " bench paper"}) {
+    if (arguments != command && !arguments.starts_with(command + " ")) continue;
+    arguments = std::regex_replace(arguments, kSize, "");
+    return arguments.insert(command.size(), " --size 48x48");
+  }
+  return arguments;
 }
 
 // Lines that end in a backslash go on in the next one.

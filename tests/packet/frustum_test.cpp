@@ -15,7 +15,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 struct Bundle {
   std::vector<Ray> rays;
-  Frustum frustum;
+  PacketFrustum frustum;
 };
 
 int axis_of(const Ray& ray) {
@@ -119,7 +119,7 @@ void expect_conservative(std::uint64_t seed, Vec3 place, float size, int triples
   }
 }
 
-TEST(Frustum, NeverRefusesWhatARayHits) {
+TEST(PacketFrustum, NeverRefusesWhatARayHits) {
   int hits = 0;
   expect_conservative(1, {0, 0, 0}, 10, 100000, &hits);
   expect_conservative(2, {1e5f, -2e5f, 3e5f}, 10, 20000, &hits);
@@ -128,7 +128,7 @@ TEST(Frustum, NeverRefusesWhatARayHits) {
   EXPECT_GT(hits, 30000);
 }
 
-TEST(Frustum, IsTightAroundAFan) {
+TEST(PacketFrustum, IsTightAroundAFan) {
   // From a point, slopes up to 0.1: things at slope 0.11, behind, and beyond are refused.
   std::vector<Ray> rays;
   for (int i = -10; i <= 10; ++i)
@@ -137,7 +137,7 @@ TEST(Frustum, IsTightAroundAFan) {
           {{0, 0, 0}, 0, {static_cast<float>(i) * 0.01f, static_cast<float>(k) * 0.01f, 1}, 50});
   const Box scene{{-100, -100, -100}, {100, 100, 100}};
   std::vector<RayEnd> ends(2 * rays.size());
-  const Frustum f = bound_packet(rays, 2, scene, ends);
+  const PacketFrustum f = bound_packet(rays, 2, scene, ends);
   const auto meets_at = [&f](Vec3 p) {
     const Vec3 e{0.01f, 0.01f, 0.01f};
     return meets(f, p - e, p + e);
@@ -154,22 +154,22 @@ TEST(Frustum, IsTightAroundAFan) {
   EXPECT_FALSE(meets_at({0, 0, 50.1f}));
 }
 
-TEST(Frustum, TakesTheShapeOfAConvergingBundle) {
+TEST(PacketFrustum, TakesTheShapeOfAConvergingBundle) {
   std::vector<Ray> rays;
   for (const float x : {-1.0f, 1.0f})
     for (const float y : {-1.0f, 1.0f}) rays.push_back({{x, y, 0}, 0, {-x, -y, 10}, 1});
   const Box scene{{-20, -20, -20}, {20, 20, 20}};
   std::vector<RayEnd> ends(2 * rays.size());
-  const Frustum f = bound_packet(rays, 2, scene, ends);
+  const PacketFrustum f = bound_packet(rays, 2, scene, ends);
   EXPECT_TRUE(meets(f, {0.9f, -0.1f, 0.5f}, {1, 0.1f, 0.6f}));
   EXPECT_FALSE(meets(f, {0.3f, -0.1f, 9}, {1, 0.1f, 9.5f}));
 }
 
-TEST(Frustum, ABoundlessRayIsMetByAll) {
+TEST(PacketFrustum, ABoundlessRayIsMetByAll) {
   const Box scene{{-1, -1, -1}, {1, 1, 1}};
   const std::vector<Ray> rays{{{0, 0, 0}, 0, {1e-44f, 0, 0}, kInfinity}};
   std::vector<RayEnd> ends(2);
-  const Frustum f = bound_packet(rays, 0, scene, ends);
+  const PacketFrustum f = bound_packet(rays, 0, scene, ends);
   EXPECT_TRUE(meets(f, {0.5f, -0.1f, -0.1f}, {0.6f, 0.1f, 0.1f}));
 }
 

@@ -30,7 +30,7 @@ const std::vector<BundleBound>& all_bounds() {
 
 /// How many (ray, node, triangle) that must meet are looked at, over all kinds of soup and bounds.
 std::uint64_t triples_wanted() {
-  return std::getenv("RAYSHEAF_LONG") != nullptr ? 10000000 : 100000;
+  return std::getenv("RAYSHEAF_LONG") != nullptr ? 10000000 : 200000;
 }
 
 struct Situation {
@@ -45,8 +45,7 @@ struct Situation {
 };
 
 /// A point of a triangle: a corner, on an edge, inside.
-Vec3 point_of(const Situation& s, Random& random) {
-  const std::uint32_t i = random.below(kTriangles);
+Vec3 point_of(const Situation& s, std::uint32_t i, Random& random) {
   const Vec3 a = s.scene.corner(i, 0), b = s.scene.corner(i, 1), c = s.scene.corner(i, 2);
   switch (random.below(4)) {
     case 0:
@@ -56,6 +55,10 @@ Vec3 point_of(const Situation& s, Random& random) {
     default:
       return lerp(lerp(a, b, random.unit()), c, random.unit());
   }
+}
+
+Vec3 point_of(const Situation& s, Random& random) {
+  return point_of(s, random.below(kTriangles), random);
 }
 
 /// Rays at points of triangles, many from points of triangles: those are seen edge-on, and hit
@@ -80,10 +83,29 @@ std::vector<Ray> aimed_rays(const Situation& s, Random& random) {
   return rays;
 }
 
-/// Some rays end where they hit something, to the bit.
+/// Leaves of one ray, many times: bounds as thin as can be. Half of them see a triangle edge-on.
+std::vector<Ray> repeated_rays(const Situation& s, Random& random) {
+  const Vec3 half = (s.scene.bounds.max - s.scene.bounds.min) * 0.5f;
+  std::vector<Ray> rays;
+  while (rays.size() < kRays) {
+    const std::uint32_t i = random.below(kTriangles);
+    const Vec3 p = point_of(s, i, random), q = point_of(s, i, random);
+    const Vec3 origin = random.below(2) == 0
+                            ? p + (p - q) * random.between(0, 3)
+                            : p + random.in_box(std::pow(10.0f, random.between(-4, 1))) * half;
+    Vec3 direction = q - origin;
+    if (!(max_component(abs(direction)) > 0)) direction = random.direction();
+    const Ray ray{origin, 0, direction, kInfinity};
+    rays.insert(rays.end(), kBranching, ray);
+  }
+  return rays;
+}
+
+/// Some leaves' rays end where they hit something, to the bit.
 void end_some_rays(Situation* s, Random& random) {
+  const bool whole_leaves = random.below(2) == 0;
   for (std::size_t i = 0; i < s->rays.size(); ++i) {
-    if (random.below(2) == 0) continue;
+    if (whole_leaves ? (i / kBranching) % 2 == 0 : random.below(2) == 0) continue;
     TriangleHit hit;
     for (std::uint32_t k = random.below(kTriangles); k < kTriangles; ++k) {
       if (!s->meets(i, k, &hit)) continue;
@@ -101,7 +123,7 @@ Situation situation(SoupKind kind, float scale, Random& random) {
   test::add_mesh(&s.description, std::move(mesh));
   const Executor executor(1);
   s.scene = flatten(executor, s.description, mesh_bounds(executor, s.description));
-  s.rays = aimed_rays(s, random);
+  s.rays = random.below(2) == 0 ? aimed_rays(s, random) : repeated_rays(s, random);
   end_some_rays(&s, random);
   return s;
 }

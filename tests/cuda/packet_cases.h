@@ -1,0 +1,84 @@
+// Every body of packets and of the hierarchy over triangles that devices may call, on random input.
+#pragma once
+
+#include "cuda/words.h"
+#include "object/bvh.h"
+#include "packet/frustum_body.h"
+#include "packet/packet_leaves.h"
+#include "packet/packets.h"
+
+namespace raysheaf::test {
+
+struct PacketRays {
+  static constexpr std::size_t kCount = 4;
+  Ray rays[kCount];
+  Box scene;
+  int axis = 0;
+
+  /// In one in eight the scene is too large to bound rays in it; in one in four a ray runs across
+  /// the axis.
+  RAYSHEAF_HD explicit PacketRays(Draws& draws) {
+    const Vec3 center = draws.in_box(5), along = draws.direction(), corner = draws.in_box(5);
+    const float spread = draws.unit(), stretch = draws.below(8) == 0 ? 1e37f : 1;
+    scene = {corner * stretch, (corner + abs(draws.in_box(9))) * stretch};
+    axis = static_cast<int>(dominant_sense(along) / 2);
+    for (Ray& ray : rays) {
+      ray.origin = center + draws.in_box(1);
+      ray.direction = along + draws.in_box(spread * spread);
+      if (draws.below(2) == 0) ray.t_max = draws.between(0, 9);
+    }
+    if (draws.below(4) == 0) rays[1].direction = Vec3{0.5f, 0, 0};
+  }
+  [[nodiscard]] RAYSHEAF_HD View<const Ray> view() const { return {rays, kCount}; }
+};
+
+RAYSHEAF_HD inline void put_frustum(Words& out, const PacketFrustum& f) {
+  for (int k = 0; k < 3; ++k) out.put(f.low[k], f.high[k]);
+  for (int k = 0; k < 2; ++k) {
+    out.put(f.upper_slope[k], f.upper_offset[k], f.lower_slope[k], f.lower_offset[k]);
+  }
+  out.put(f.lean, f.spread);
+}
+
+struct PacketBoundCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    const PacketRays packet(draws);
+    RayEnd ends[2 * PacketRays::kCount];
+    const View<RayEnd> room(ends, 2 * PacketRays::kCount);
+    const PacketFrustum f = bound_packet(packet.view(), packet.axis, packet.scene, room);
+    put_frustum(out, f);
+    for (int i = 0; i < 8; ++i) {
+      const Vec3 a = draws.in_box(9), b = a + draws.in_box(2), c = a + draws.in_box(2);
+      out.put(meets(f, a, b, c), meets(f, min(min(a, b), c), max(max(a, b), c)));
+    }
+  }
+};
+
+struct PacketPartsCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    const PacketRays packet(draws);
+    const RayPart part = part_in_scene(packet.rays[0], packet.scene);
+    const RayEnd end = ray_end(packet.rays[0], packet.rays[1].origin, part.end);
+    out.put(part.begin, part.end, end.at, end.slack, sum_of_sizes(end.at));
+    RayEnd ends[2 * PacketRays::kCount];
+    const View<RayEnd> room(ends, 2 * PacketRays::kCount);
+    PacketFrustum f{};
+    f.axis = packet.axis;
+    out.put(measure_box(packet.view(), packet.scene, room, &f));
+    choose_slopes(packet.view(), (packet.axis + 1) % 3, 0, &f);
+    measure_planes({room.data, room.size}, (packet.axis + 1) % 3, 0, &f);
+    put_frustum(out, f);
+  }
+};
+
+struct BvhCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    BvhNode node;
+    for (std::uint8_t& count : node.count) count = static_cast<std::uint8_t>(draws.below(3));
+    for (std::uint32_t child = 0; child < kBvhWidth; ++child) out.put(node.is_leaf(child));
+    out.put(leaf_ref(draws.below(1000), 3));
+    out.put(dominant_sense(draws.in_box(1)));
+  }
+};
+
+}  // namespace raysheaf::test

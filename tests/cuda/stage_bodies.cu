@@ -1,0 +1,47 @@
+// Compiles the bodies of base/, geom/ and the stages for the device.
+#include "cuda/compile_case.h"
+#include "cuda/key_cases.h"
+#include "cuda/stage_cases.h"
+#include "raygen/published_body.h"
+
+namespace raysheaf::test {
+std::vector<CompiledCase> compiled_stage_cases() {
+  return {compiled<VectorCase>("Vector"),     compiled<AffineCase>("Affine"),
+          compiled<BitsCase>("Bits"),         compiled<RoundingCase>("Rounding"),
+          compiled<SphereCase>("Sphere"),     compiled<ConeCase>("Cone"),
+          compiled<RayBoundCase>("RayBound"), compiled<FlattenCase>("Flatten"),
+          compiled<SurfaceCase>("Surface"),   compiled<TextureCase>("Texture"),
+          compiled<CameraCase>("Camera"),     compiled<KeyCase>("Key"),
+          compiled<CurveCase>("Curve"),       compiled<RayKeyCase>("RayKey"),
+          compiled<KeyCellCase>("KeyCell"),   compiled<ScatterCase>("Scatter"),
+          compiled<OffsetCase>("Offset"),     compiled<ShadeCase>("Shade"),
+          compiled<OrderCase>("Order"),       compiled<ConeSphereCase>("ConeSphere"),
+          compiled<TriangleCase>("Triangle"), compiled<ResolveCase>("Resolve")};
+}
+
+/// What two machines need not agree on, or a device cannot make input for: compiled, never run.
+/// Sines, cosines and their inverses are a library's own. A Light has a name, a std::string; a
+/// device can only read one where it lies.
+__global__ void run_others(const Light* lights, const Fragment* fragments, LightReach reach,
+                           const TextureSlot* slots, Words* out) {
+  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+  const Light& light = lights[i];
+  const Fragment& f = fragments[i];
+  const LightSample sample = sample_light(light, f.surface.position);
+  const Ray ray = shadow_ray(f, light, sample, reach);
+  out[i].put(light_window(light, sample.to_light, sample.distance), faces_light(f, sample));
+  out[i].put(ray, shadow_place(light, ray, reach), lit_by(f, light));
+  out[i].put(transform_uv(slots[i], {sample.distance, ray.t_max}));
+}
+
+__global__ void run_angle_keys(const KeyContext context, const Ray* rays, Words* out) {
+  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+  const Ray& ray = rays[i];
+  const bool as_coded = i % 2 == 0;
+  out[i].put(spherical(ray.direction), curve_key(context, {ray, {}, i, 0}));
+  out[i].put(saturated(published_azimuth(ray.direction, as_coded), 31));
+  out[i].put(published_shadow_key(i % 4, ray.direction, as_coded));
+  out[i].put(published_bounce_key(RayKind::kRefraction, ray.origin, ray.direction, as_coded));
+}
+
+}  // namespace raysheaf::test
