@@ -54,11 +54,24 @@ std::string winners_table(const std::vector<std::vector<Pairing>>& kinds) {
   return text;
 }
 
-/// What wins on which rays, and by what it wins.
-std::string tests_sentence(const std::vector<Pairing>& all) {
-  const Pairing* best = least(all, &Pairing::percent, kAny);
-  return fmt::format("* **{}**: {}: {}; {}.\n", rays_text(best->rays), pair_text(best->settings),
-                     reason(best->settings.key), reason(best->settings.bound));
+/// What wins on which rays, and why; kinds of rays with the same winner share a line.
+std::string tests_list(const std::vector<std::vector<Pairing>>& kinds) {
+  std::vector<std::pair<MethodSettings, std::vector<std::string>>> winners;
+  for (const std::vector<Pairing>& all : kinds) {
+    const Pairing* best = least(all, &Pairing::percent, kAny);
+    const auto known = std::find_if(winners.begin(), winners.end(), [best](const auto& winner) {
+      return pair_text(winner.first) == pair_text(best->settings);
+    });
+    if (known == winners.end())
+      winners.push_back({best->settings, {rays_text(best->rays)}});
+    else
+      known->second.push_back(rays_text(best->rays));
+  }
+  std::string text;
+  for (const auto& [settings, rays] : winners)
+    text += fmt::format("* **{}** for {}: {}; {}.\n", pair_text(settings), fmt::join(rays, "; "),
+                        reason(settings.key), reason(settings.bound));
+  return text;
 }
 
 /// Where a dearer test loses.
@@ -167,20 +180,22 @@ std::string introduction(const AblationReport& report) {
   return fmt::format(
       "Every key that rays can be sorted by ([keys](keys.md)) with every bound of a bundle of "
       "rays, on {}, at {}x{} pixels; {}. Tests are counted as the paper counts, as a percentage of "
-      "brute force; times are milliseconds for order, hierarchy and trace on {}, each the median "
-      "of {}. Over several scenes, figures are geometric means. Shadow rays come from the scene's "
+      "brute force, tests of meshes apart; times are milliseconds for order, hierarchy and trace "
+      "on "
+      "{}, {}. Fewer rays lie farther apart: percentages fall as pictures grow. Over several "
+      "scenes, figures are geometric means. Shadow rays come from the scene's "
       "lights; every surface is a mirror; ambient occlusion sends four rays from each first hit, a "
       "quarter of the scene's diagonal long. This page and its plots are written by:\n\n{}\n",
       enumerated(scenes), c.width, c.height, trees_text(report),
-      c.threads == 0 ? "all cores" : fmt::format("{} threads", c.threads), c.repeat,
-      command_text(c));
+      c.threads == 0 ? "all cores" : fmt::format("{} threads", c.threads),
+      c.repeat == 1 ? "measured once" : fmt::format("the median of {}", c.repeat), command_text(c));
 }
 
 std::string findings(const std::vector<std::vector<Pairing>>& kinds) {
   std::string text =
       winners_table(kinds) + "\n`crsh` is its key with its bound, `sphere-cone`.\n\n";
   text += "What needs the fewest tests, and why:\n\n";
-  for (const std::vector<Pairing>& all : kinds) text += tests_sentence(all);
+  text += tests_list(kinds);
   text += "\nA dearer test can lose by time what it wins by count." + time_sentence(kinds) + "\n\n";
   return text;
 }

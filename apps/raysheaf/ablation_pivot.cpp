@@ -78,7 +78,8 @@ Pivot tree_pivot(const AblationReport& report, const std::string& scene, LabRays
       report, scene, rays, figure,
       [both](const AblationRow& r) {
         const char* culling = r.settings.mesh_culling ? "meshes culled" : "no culling";
-        return Name(plural(r.settings.levels, "level", "levels"), both ? culling : "");
+        const std::string levels = plural(r.settings.levels, "level", "levels");
+        return both ? Name(culling, levels) : Name(levels, "");
       },
       [](const AblationRow& r) { return "branching " + std::to_string(r.settings.branching); });
 }

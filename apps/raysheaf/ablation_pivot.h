@@ -44,7 +44,7 @@ using RowFigure = std::function<double(const AblationRow&)>;
 [[nodiscard]] std::string key_text(const MethodSettings& settings);
 /// "shadow rays", "reflections, bounce 1", ...
 [[nodiscard]] std::string rays_text(LabRays rays);
-/// "two levels..." : what the report's trees are, or that they vary.
+/// "2 levels, branching 8, with mesh culling", or that they vary.
 [[nodiscard]] std::string trees_text(const AblationReport& report);
 
 [[nodiscard]] std::string pivot_text(const Pivot& pivot, const RowFigure& figure);

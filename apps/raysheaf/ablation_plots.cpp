@@ -97,8 +97,7 @@ Scatter scatter(const AblationReport& report, const std::string& scene, LabRays 
 }
 
 std::string size_text(const AblationReport& report) {
-  return fmt::format("{}x{} pixels, {}", report.command.width, report.command.height,
-                     trees_text(report));
+  return fmt::format("{}x{} pixels", report.command.width, report.command.height);
 }
 
 }  // namespace
@@ -116,7 +115,7 @@ std::string ablation_tests_svg(const AblationReport& report, const std::string& 
                                 capital(rays_text(rays)) + ": the hierarchy"));
   }
   return heat_maps_svg(capital(printable(scene)) + ": tests by key and bound",
-                       "Per cent of brute force, " + size_text(report) +
+                       "Per cent of brute force, " + size_text(report) + ", " + trees_text(report) +
                            ". Darker is less; each plot has a scale of its own.",
                        maps);
 }
@@ -125,6 +124,9 @@ std::string ablation_time_svg(const AblationReport& report, const std::string& s
   ScatterKey key{"tests, per cent of brute force", "order, hierarchy and trace, ms", {}, {}};
   for (const BundleBound bound : report.command.bounds) key.colors.emplace_back(to_string(bound));
   for (const char* family : kFamilies) key.shapes.emplace_back(family);
+  const std::string trees = has_several_trees(report)
+                                ? "all levels, branchings and kinds of mesh culling"
+                                : trees_text(report);
   std::vector<Scatter> plots;
   for (const auto& [name, rays] : batches_of(report))
     if (name == scene) plots.push_back(scatter(report, scene, rays));

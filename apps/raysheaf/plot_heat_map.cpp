@@ -128,7 +128,8 @@ std::string heat_maps_svg(const std::string& title, const std::string& note,
   const std::size_t columns = std::min<std::size_t>(maps.size(), 2);
   const std::size_t rows = (maps.size() + 1) / 2;
   SvgSheet sheet(
-      std::max(2 * kMargin + static_cast<double>(columns) * (width + kBetween) - kBetween, 640.0),
+      std::max(2 * kMargin + static_cast<double>(columns) * (width + kBetween) - kBetween,
+               6.9 * static_cast<double>(note.size()) + 2 * kMargin),
       kHead + static_cast<double>(rows) * height + kMargin / 2);
   sheet.text(kMargin, 44, title, {24, "#1c2125", "start", true});
   sheet.text(kMargin, 66, note, {13, kQuiet});

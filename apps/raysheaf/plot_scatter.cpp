@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kMargin = 36, kHead = 150, kPlotWidth = 480, kPlotHeight = 340;
 constexpr double kAxisLeft = 62, kAxisBelow = 46, kPlotHead = 34, kBetween = 34;
+constexpr double kNoteLetter = 6.9;
 constexpr const char* kQuiet = "#7a828a";
 constexpr const char* kColors[] = {"#adb5bd", "#3b82c4", "#e8890c", "#8e5bb5",
                                    "#12886f", "#c2334d", "#5c4a3d"};
@@ -41,24 +42,35 @@ Axis axis_over(const std::vector<Scatter::Point>& points, double Scatter::Point:
   return axis;
 }
 
-/// 1, 2 and 5 of each decade; over many decades 1 alone.
-std::vector<double> ticks(const Axis& axis) {
-  const bool wide = axis.high / axis.low > 2e3;
+std::vector<double> ticks_at(const Axis& axis, const std::vector<double>& digits) {
   std::vector<double> all;
   for (double decade = std::pow(10, std::floor(std::log10(axis.low))); decade <= axis.high;
-       decade *= 10) {
-    for (const double digit : {1, 2, 5}) {
-      if (wide && digit > 1) continue;
-      const double tick = decade * digit;
-      if (tick >= axis.low && tick <= axis.high) all.push_back(tick);
-    }
-  }
+       decade *= 10)
+    for (const double digit : digits)
+      if (decade * digit >= axis.low && decade * digit <= axis.high) all.push_back(decade * digit);
   return all;
 }
 
+/// The coarsest digits of each decade that give three ticks.
+std::vector<double> ticks(const Axis& axis) {
+  for (const std::vector<double>& digits :
+       {std::vector<double>{1}, {1, 2, 5}, {1, 1.5, 2, 3, 4, 5, 7}}) {
+    std::vector<double> all = ticks_at(axis, digits);
+    if (all.size() >= 3) return all;
+  }
+  std::vector<double> tenths;
+  for (int i = 10; i < 100; ++i) tenths.push_back(i / 10.0);
+  return ticks_at(axis, tenths);
+}
+
+/// Two digits where the second is not 0, without an exponent.
 std::string tick_text(double value) {
-  return fmt::format("{:.{}f}", value,
-                     std::max(0, static_cast<int>(-std::floor(std::log10(value) + 1e-9))));
+  std::string text = fmt::format(
+      "{:.{}f}", value, std::max(0, static_cast<int>(1 - std::floor(std::log10(value) + 1e-9))));
+  if (text.find('.') == std::string::npos) return text;
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
 }
 
 /// A mark of the seven shapes about (x, y).
@@ -192,8 +204,10 @@ std::string scatters_svg(const std::string& title, const std::string& note, cons
   const std::size_t columns = std::min<std::size_t>(plots.size(), 2);
   const double width = kAxisLeft + kPlotWidth + kBetween;
   const double height = kPlotHead + kPlotHeight + kAxisBelow + 24;
-  double legend = 0;
-  for (const std::string& name : key.shapes) legend += legend_width(name);
+  double legend = kNoteLetter * shown(note.size());
+  double shapes = 0;
+  for (const std::string& name : key.shapes) shapes += legend_width(name);
+  legend = std::max(legend, shapes);
   SvgSheet sheet(std::max(kMargin * 2 + shown(columns) * width - kBetween, legend + 2 * kMargin),
                  kHead + shown((plots.size() + 1) / 2) * height + kMargin / 2);
   sheet.text(kMargin, 44, title, {24, "#1c2125", "start", true});
