@@ -32,7 +32,7 @@ struct PacketRays {
   [[nodiscard]] RAYSHEAF_HD View<const Ray> view() const { return {rays, kCount}; }
 };
 
-RAYSHEAF_HD inline void put_frustum(Words& out, const Frustum& f) {
+RAYSHEAF_HD inline void put_frustum(Words& out, const PacketFrustum& f) {
   for (int k = 0; k < 3; ++k) out.put(f.low[k], f.high[k]);
   for (int k = 0; k < 2; ++k) {
     out.put(f.upper_slope[k], f.upper_offset[k], f.lower_slope[k], f.lower_offset[k]);
@@ -45,7 +45,7 @@ struct PacketBoundCase {
     const PacketRays packet(draws);
     RayEnd ends[2 * PacketRays::kCount];
     const View<RayEnd> room(ends, 2 * PacketRays::kCount);
-    const Frustum f = bound_packet(packet.view(), packet.axis, packet.scene, room);
+    const PacketFrustum f = bound_packet(packet.view(), packet.axis, packet.scene, room);
     put_frustum(out, f);
     for (int i = 0; i < 8; ++i) {
       const Vec3 a = draws.in_box(9), b = a + draws.in_box(2), c = a + draws.in_box(2);
@@ -62,7 +62,7 @@ struct PacketPartsCase {
     out.put(part.begin, part.end, end.at, end.slack, sum_of_sizes(end.at));
     RayEnd ends[2 * PacketRays::kCount];
     const View<RayEnd> room(ends, 2 * PacketRays::kCount);
-    Frustum f{};
+    PacketFrustum f{};
     f.axis = packet.axis;
     out.put(measure_box(packet.view(), packet.scene, room, &f));
     choose_slopes(packet.view(), (packet.axis + 1) % 3, 0, &f);
