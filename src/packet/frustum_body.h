@@ -140,7 +140,8 @@ RAYSHEAF_HD inline bool measure_box(View<const Ray> rays, const Box& scene, View
 }
 
 /// The offsets of one axis's planes, whose slopes are known.
-RAYSHEAF_HD inline void measure_planes(View<const RayEnd> ends, int side, int plane, PacketFrustum* f) {
+RAYSHEAF_HD inline void measure_planes(View<const RayEnd> ends, int side, int plane,
+                                       PacketFrustum* f) {
   const float m = f->upper_slope[plane], n = f->lower_slope[plane];
   float upper = f->upper_offset[plane], lower = f->lower_offset[plane];
   for (const RayEnd& end : ends) {
@@ -156,7 +157,7 @@ RAYSHEAF_HD inline void measure_planes(View<const RayEnd> ends, int side, int pl
 /// Around at least one ray; `axis` should be the dominant one of all. `ends` is room for two a ray.
 /// O(rays).
 RAYSHEAF_HD inline PacketFrustum bound_packet(View<const Ray> rays, int axis, const Box& scene,
-                                        View<RayEnd> ends) {
+                                              View<RayEnd> ends) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   PacketFrustum f{};
   f.origin = rays[0].origin;

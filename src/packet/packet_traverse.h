@@ -37,7 +37,7 @@ struct PacketOptions {
   std::uint32_t pair_capacity = kPairCapacity;
 };
 
-/// PacketFrustum tests by level: 1 is triangles of leaves, 2 the boxes in the deepest nodes, and so on to
+/// Frustum tests by level: 1 is triangles of leaves, 2 the boxes in the deepest nodes, and so on to
 /// the boxes in the root.
 struct PacketCounts {
   std::vector<std::uint64_t> tests, hits;  ///< [0] is level 1

@@ -7,7 +7,9 @@
 #include "intersect/brute_force.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
+#include "raysheaf/io.h"
 #include "support/pictures.h"
+#include "support/scenes.h"
 
 namespace raysheaf {
 namespace {
@@ -206,6 +208,20 @@ TEST(Gl10, RendersBuiltinScenesAsBruteForceDoes) {
     }
   }
 }
+
+class PaperScenes : public testing::TestWithParam<const char*> {};
+
+TEST_P(PaperScenes, RenderAsBruteForceDoes) {
+  RAYSHEAF_SCENE_OR_SKIP(path, std::string("paper/") + GetParam() + ".glb");
+  const SceneDescription scene = load_scene(path);
+  RenderOptions brute = options_of(Method::kBrute), gl10 = options_of(Method::kGl10);
+  brute.width = brute.height = gl10.width = gl10.height = 128;
+  const RenderResult result = render(scene, gl10);
+  EXPECT_TRUE(test::same_bits(result.beauty, render(scene, brute).beauty));
+  for (const BatchStatistics& batch : result.statistics.batches)
+    EXPECT_LT(batch.relative(), 0.1) << to_string(batch.kind) << " " << batch.bounce;
+}
+INSTANTIATE_TEST_SUITE_P(Gl10, PaperScenes, testing::Values("office", "cornell", "sponza"));
 
 TEST(Gl10, RendersSoupsAsBruteForceDoes) {
   for (const SoupKind kind : test::soup_kinds()) {
