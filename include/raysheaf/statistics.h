@@ -57,7 +57,7 @@ struct FrameStatistics {
   std::string scene;
   std::uint64_t triangles = 0, meshes = 0;  ///< meshes: instances, each culled on its own
   std::uint32_t width = 0, height = 0;
-  std::string method, device, primary;
+  std::string method, key, bound, device, primary;
   std::uint32_t threads = 0;
   std::vector<BatchStatistics> batches;
   double raster_ms = 0, shade_ms = 0, total_ms = 0;  ///< `total_ms` leaves loading out

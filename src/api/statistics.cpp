@@ -79,6 +79,8 @@ std::string to_json(const FrameStatistics& statistics, double load_ms) {
                       {"width", statistics.width},
                       {"height", statistics.height},
                       {"method", statistics.method},
+                      {"key", statistics.key},
+                      {"bound", statistics.bound},
                       {"device", statistics.device},
                       {"primary", statistics.primary},
                       {"threads", statistics.threads},

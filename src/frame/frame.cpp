@@ -36,6 +36,19 @@ MethodSettings settings_for(const RenderOptions& options) {
   return settings;
 }
 
+/// What bounds bundles of rays, in a word for the statistics.
+const char* bound_name(const MethodSettings& settings) {
+  switch (settings.traversal) {
+    case Traversal::kBruteForce:
+      return "none";
+    case Traversal::kPackets:
+      return to_string(BundleBound::kFrustum);
+    case Traversal::kRayHierarchy:
+      break;
+  }
+  return to_string(settings.bound);
+}
+
 class Frame {
  public:
   Frame(const Executor& executor, const FrameInput& input, ProgressMeter* meter)
@@ -47,6 +60,8 @@ class Frame {
         meter_(*meter) {
     trace_.method = settings_for(options_);
     trace_.cache = &trace_cache_;
+    result_.statistics.key = to_string(trace_.method.key);
+    result_.statistics.bound = bound_name(trace_.method);
     result_.width = options_.width;
     result_.height = options_.height;
     result_.beauty.resize(pixel_count());

@@ -65,6 +65,8 @@ TEST(Statistics, JsonHoldsEveryNumber) {
   frame.height = 30;
   frame.method = "crsh";
   frame.device = "cpu";
+  frame.key = "five-hilbert";
+  frame.bound = "shaft";
   frame.primary = "raster";
   frame.threads = 2;
   frame.batches = {two_level_batch()};
@@ -74,7 +76,7 @@ TEST(Statistics, JsonHoldsEveryNumber) {
   const auto json = nlohmann::json::parse(to_json(frame, 9));
   const auto expected = nlohmann::json::parse(R"({
     "scene": "hall", "triangles": 100, "meshes": 3, "width": 40, "height": 30,
-    "method": "crsh", "device": "cpu", "primary": "raster", "threads": 2,
+    "method": "crsh", "key": "five-hilbert", "bound": "shaft", "device": "cpu", "primary": "raster", "threads": 2,
     "batches": [{"kind": "reflection", "bounce": 2, "rays": 1000, "triangles": 100, "chunks": 40,
       "mesh_sphere_tests": 77,
       "levels": [{"level": 2, "tests": 1600, "hits": 500, "misses": 1100},
