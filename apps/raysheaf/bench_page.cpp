@@ -76,6 +76,14 @@ std::string command_of(const PaperReport& report, bool times) {
   return "<!-- not run -->\n```sh\n" + command + " --markdown FILE.md\n```\n\n";
 }
 
+/// Prose alone: the figures are on the pages that it names.
+constexpr const char* kKeysAndBounds = R"(
+## Which keys and bounds win
+
+[Keys and bounds, measured](ablation.md) takes the cross product, and [bounds](bounds.md) shows what each bound leaves of the shadow rays of these three scenes. In short: the bound must fit the key. From one light every bundle starts in one point, so a key of directions walked along a Hilbert curve with four planes round each bundle is as tight as the bundle itself. Mirror and occlusion rays are best sorted by both their ends and bounded by the boxes of both. The paper's own configuration, a hash of directions with spheres and cones, makes the fewest tests nowhere: its cones have no end, and take the wider of two spreads. By time it holds its own where no mesh can be culled: nearly all tests of SPONZA are then those of the top level with every triangle, and its test is the cheapest.
+
+)";
+
 }  // namespace
 
 std::string paper_page(const PaperReport& report, bool times) {
@@ -85,7 +93,7 @@ std::string paper_page(const PaperReport& report, bool times) {
   for (const Sheet& sheet : paper_sheets(report, times)) page += sheet_markdown(sheet) + "\n";
   if (has_published(report)) page += findings(report);
   for (const Sheet& sheet : combination_sheets(report)) page += sheet_markdown(sheet) + "\n";
-  if (!report.builtin) page += inconsistencies();
+  if (!report.builtin) page += inconsistencies() + kKeysAndBounds;
   page.pop_back();
   return page;
 }
