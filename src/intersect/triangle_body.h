@@ -49,10 +49,11 @@ struct TriangleHit {
   bool front;  ///< met from the side where the corners run counter-clockwise
 };
 
-/// Determinants beyond these are computed again in binary64: products lost bits to underflow or
-/// became infinite. 2^-60 leaves three products of magnitudes down to 2^-126 their full precision.
+/// Determinants beyond these, and distances times determinants, are computed again in binary64:
+/// products lost bits to underflow or became infinite. 2^-60 leaves three products of magnitudes
+/// down to 2^-126 their full precision.
 inline constexpr float kSmallDeterminant = 0x1p-60f;
-inline constexpr float kSmallDistance = 0x1p-100f;
+inline constexpr float kSmallDistance = 0x1p-100f;  ///< times the determinant
 inline constexpr float kLargeDeterminant = 0x1p120f;
 /// Triangles seen at up to 80 degrees or so are below.
 inline constexpr float kLargestSpread = 8;

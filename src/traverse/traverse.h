@@ -26,7 +26,7 @@ namespace raysheaf {
 inline constexpr std::uint32_t kListCapacity = 8192;
 
 struct TraverseOptions {
-  bool mesh_culling = true;  ///< test mesh spheres before their triangles
+  bool mesh_culling = true;  ///< test bounds of meshes before their triangles
   bool early_out = false;    ///< rays that met something are tested no more
   Facing facing = Facing::kBoth;
 };
