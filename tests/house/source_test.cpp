@@ -43,9 +43,10 @@ TEST(Source, FilesStaySmall) {
 
 // base <- geom <- exec <- the stages <- frame <- api. A stage may use the stages before it.
 TEST(Source, ArrowsPointOneWay) {
-  const std::vector<std::string> rooms = {
-      "base",   "geom",     "exec",      "scene",  "raster", "raygen", "order", "hierarchy",
-      "object", "traverse", "intersect", "packet", "shade",  "frame",  "lab",   "api"};
+  const std::vector<std::string> rooms = {"base",      "geom",   "exec",      "scene",  "raster",
+                                          "raygen",    "order",  "hierarchy", "object", "traverse",
+                                          "intersect", "packet", "fan",       "dual",   "shade",
+                                          "engine",    "frame",  "lab",       "api"};
   const auto rank = [&rooms](const std::string& room) {
     return std::find(rooms.begin(), rooms.end(), room) - rooms.begin();
   };

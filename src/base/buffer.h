@@ -1,0 +1,43 @@
+// Memory for plain data that is written before it is read, and used again frame after frame.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <type_traits>
+
+#include "base/aligned.h"
+
+namespace raysheaf {
+
+/// On a cache line; grows and never shrinks; elements are not initialised.
+template <class T>
+class Buffer {
+  static_assert(std::is_trivially_copyable_v<T>);
+
+ public:
+  /// `count` elements of unknown content.
+  void resize_uninitialized(std::size_t count) {
+    if (count > capacity_) {
+      memory_.reset();
+      capacity_ = 0;
+      memory_.reset(AlignedAllocator<T>().allocate(count));
+      capacity_ = count;
+    }
+    size_ = count;
+  }
+  [[nodiscard]] T* data() const { return memory_.get(); }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] std::size_t capacity_bytes() const { return capacity_ * sizeof(T); }
+  T& operator[](std::size_t i) const { return memory_.get()[i]; }
+  [[nodiscard]] T* begin() const { return data(); }
+  [[nodiscard]] T* end() const { return data() + size_; }
+
+ private:
+  struct Free {
+    void operator()(T* p) const { AlignedAllocator<T>().deallocate(p, 0); }
+  };
+  std::unique_ptr<T[], Free> memory_;
+  std::size_t size_ = 0, capacity_ = 0;
+};
+
+}  // namespace raysheaf

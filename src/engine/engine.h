@@ -1,0 +1,83 @@
+// Method `dual` from end to end: batches of ray queries against triangles that may move between any
+// two of them.
+//
+//   update ─► [plan] ─► order the rays ─► object tree ─► bundles of rays through the tree ─► hits
+//                 └───► rays of one origin, any hit: triangles through the tree of cells (fan/)
+//
+// The plan (engine/plan.h) chooses from the batch and the scene, and says why.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/view.h"
+#include "exec/executor.h"
+#include "fan/fan.h"
+#include "object/object_tree.h"
+#include "object/triangle_source.h"
+
+namespace raysheaf {
+
+/// A hit by the triangle's number; `u` and `v` are the weights of the second and third corner.
+struct EngineHit {
+  float t = std::numeric_limits<float>::infinity();
+  float u = 0, v = 0;
+  std::uint32_t triangle = kInvalidId;
+};
+
+struct EngineOptions {
+  Facing facing = Facing::kBoth;
+  bool count = false;  ///< fill the counts of `EngineReport`
+};
+
+/// What a query did, and why. Counts are the same with any number of threads.
+struct EngineReport {
+  std::uint64_t bound_tests = 0;      ///< bound with bound: bundles and cells with boxes, triangles
+  std::uint64_t ray_bound_tests = 0;  ///< ray with box
+  std::uint64_t triangle_tests = 0;   ///< ray with triangle
+  double order_ms = 0, hierarchy_ms = 0, trace_ms = 0, total_ms = 0;
+  std::vector<std::string> plan;  ///< a sentence a choice, with the figures that decided it
+
+  [[nodiscard]] std::uint64_t tests() const {
+    return bound_tests + ray_bound_tests + triangle_tests;
+  }
+};
+
+/// Compressed rows: the hits of ray i are hits[offsets[i]] to before hits[offsets[i + 1]], sorted
+/// by (t, triangle).
+struct EngineHitRows {
+  std::vector<std::uint64_t> offsets;
+  std::vector<EngineHit> hits;
+};
+
+/// One scene's engine: the object tree and its age. Not for use by two threads at once; several
+/// threads may each have their own on the same triangles.
+class Engine {
+ public:
+  /// The triangles changed. `same_triangles`: as many, with the same indices, only moved, so that
+  /// the tree may be refitted. `source` and what it points to must live until the next call.
+  /// Nothing is built before a query needs it.
+  void set_triangles(const TriangleSource& source, bool same_triangles);
+
+  /// hits[i] takes the least (t, triangle) of rays[i].
+  void closest_hit(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
+                   View<EngineHit> hits, View<float> ray_tests, EngineReport* report);
+
+  /// occluded[i] = 1 where rays[i] meets anything.
+  void any_hit(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
+               View<std::uint8_t> occluded, View<float> ray_tests, EngineReport* report);
+
+  /// Every hit of every ray.
+  [[nodiscard]] EngineHitRows all_hits(const Executor& executor, View<const Ray> rays,
+                                       const EngineOptions& options, EngineReport* report);
+
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+ private:
+  TriangleSource source_;
+  ObjectTree tree_;
+  enum class State { kStale, kMoved, kCurrent } state_ = State::kStale;
+};
+
+}  // namespace raysheaf

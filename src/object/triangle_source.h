@@ -1,0 +1,57 @@
+// Triangles in world space where they lie, by number: what the object tree and the fan of cells
+// read. Nothing is copied.
+//
+// Numbers run through the meshes' instances in the order (geom_id, inst_id, prim_id), as in
+// scene/flat_scene.h, so that comparing two numbers compares the ids that break ties between hits.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "base/vec.h"
+#include "base/view.h"
+
+namespace raysheaf {
+
+/// The triangles of one instance of one mesh.
+struct TriangleRun {
+  const Vec3* positions = nullptr;  ///< world space
+  /// Corners, as indices into `positions`; null: 3i, 3i + 1, 3i + 2.
+  const std::array<std::uint32_t, 3>* triangles = nullptr;
+  std::uint32_t first = 0, count = 0;  ///< the numbers it has: [first, first + count)
+
+  [[nodiscard]] std::array<Vec3, 3> corners(std::uint32_t i) const {
+    if (triangles == nullptr) return {positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]};
+    const std::array<std::uint32_t, 3>& t = triangles[i];
+    return {positions[t[0]], positions[t[1]], positions[t[2]]};
+  }
+};
+
+struct TriangleSource {
+  View<const TriangleRun> runs;         ///< ascending and without gaps; none of them empty
+  std::uint32_t count = 0;              ///< below 2^31
+  const std::uint8_t* flags = nullptr;  ///< TriangleFlag, by number; null: none is set
+
+  /// The place in `runs` of a triangle's run. O(log runs).
+  [[nodiscard]] std::size_t run_of(std::uint32_t triangle) const {
+    const TriangleRun* after =
+        std::upper_bound(runs.begin(), runs.end(), triangle,
+                         [](std::uint32_t t, const TriangleRun& run) { return t < run.first; });
+    return static_cast<std::size_t>(after - runs.begin()) - 1;
+  }
+
+  /// Calls `body(run, begin, end)`, numbers counted within the run, for the parts of the runs that
+  /// make up the numbers [begin, end).
+  template <class Body>
+  void for_each_part(std::uint32_t begin, std::uint32_t end, const Body& body) const {
+    for (std::size_t r = begin < end ? run_of(begin) : 0; begin < end; ++r) {
+      const TriangleRun& run = runs[r];
+      const std::uint32_t stop = std::min(end, run.first + run.count);
+      body(run, begin - run.first, stop - run.first);
+      begin = stop;
+    }
+  }
+};
+
+}  // namespace raysheaf
