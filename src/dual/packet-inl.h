@@ -19,13 +19,20 @@ HWY_INLINE RV set(float x) {
   return hn::Set(Rays(), x);
 }
 
+/// Reads no more bytes than were written, so that the load is forwarded from the store.
 template <class D, class M>
 HWY_INLINE std::uint32_t bits_of(D d, M mask) {
-  alignas(8) std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(d, mask, bytes);
-  std::uint32_t bits;
-  hwy::CopyBytes<4>(bytes, &bits);
-  return bits;
+  if constexpr (hn::MaxLanes(D()) <= 8) {
+    std::uint8_t bits;
+    hn::StoreMaskBits(d, mask, &bits);
+    return bits;
+  } else {
+    std::uint8_t bytes[2];
+    hn::StoreMaskBits(d, mask, bytes);
+    std::uint16_t bits;
+    hwy::CopyBytes<2>(bytes, &bits);
+    return bits;
+  }
 }
 
 /// Clamps away from zero, keeping the sign, so that the inverse is finite.
@@ -93,15 +100,6 @@ HWY_INLINE std::uint32_t children_in_beam(const RayPacket& p, const Beam& b, con
     bits |= bits_of(d, hn::Le(lo, hi)) << g;
   }
   return bits;
-}
-
-HWY_INLINE float reduce_min(const float* values, std::uint32_t lanes) {
-  float m = std::numeric_limits<float>::infinity();
-  for (; lanes != 0; lanes &= lanes - 1) {
-    const float x = values[__builtin_ctz(lanes)];
-    m = x < m ? x : m;
-  }
-  return m;
 }
 
 /// The farthest zeta at which any ray still looks for something.
@@ -220,48 +218,73 @@ HWY_INLINE void clip_to_scene(const Box& scene, std::uint32_t lanes, RayPacket* 
     if ((lanes >> i & 1) == 0) p->s_far[i] = -std::numeric_limits<float>::infinity();
 }
 
+HWY_INLINE RM lanes_of(std::uint32_t bits, std::size_t g) {
+  const Rays d;
+  const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits >> g),
+                                 static_cast<std::uint8_t>(bits >> (g + 8 < 32 ? g + 8 : 31))};
+  return hn::LoadMaskBits(d, bytes);
+}
+
+HWY_INLINE float least(RV v) {
+  return hn::GetLane(hn::MinOfLanes(Rays(), v));
+}
+HWY_INLINE float greatest(RV v) {
+  return hn::GetLane(hn::MaxOfLanes(Rays(), v));
+}
+
+/// The two planes that bound x between zeta = 0 and `length` for the lanes that are set.
+HWY_INLINE void make_planes(std::uint32_t lanes, const RayPacket& p, const float* o,
+                            const float* shear, float length, BeamPlane* low, BeamPlane* high) {
+  const Rays d;
+  const RV infinity = set(std::numeric_limits<float>::infinity());
+  RV a0 = infinity, a1 = hn::Neg(infinity), b0 = a0, b1 = a1;
+  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    const RM on = lanes_of(lanes, g);
+    const RV across = load(shear + g), slope = p.mirrored ? hn::Neg(across) : across;
+    const RV zeta = load(p.zeta + g);
+    const RV a = hn::Sub(load(o + g), hn::Mul(slope, zeta));
+    const RV b = hn::Add(load(o + g), hn::Mul(slope, hn::Sub(set(length), zeta)));
+    a0 = hn::Min(a0, hn::IfThenElse(on, a, infinity));
+    b0 = hn::Min(b0, hn::IfThenElse(on, b, infinity));
+    a1 = hn::Max(a1, hn::IfThenElse(on, a, hn::Neg(infinity)));
+    b1 = hn::Max(b1, hn::IfThenElse(on, b, hn::Neg(infinity)));
+  }
+  (void)d;
+  const float per_length = length > 0 ? 1 / length : 0;
+  const float low_a = least(a0), high_a = greatest(a1);
+  *low = {low_a - p.pad, inverse_slope((least(b0) - low_a) * per_length)};
+  *high = {high_a + p.pad, inverse_slope((greatest(b1) - high_a) * per_length)};
+}
+
 /// The beam of the lanes that are set: at least one.
 HWY_INLINE Beam make_beam(std::uint32_t lanes, RayPacket* p) {
+  const Rays d;
   const float sign = p->mirrored ? -1.0f : 1.0f;
-  const std::uint32_t first = static_cast<std::uint32_t>(__builtin_ctz(lanes));
-  float nearest = std::numeric_limits<float>::infinity();
-  for (std::uint32_t m = lanes; m != 0; m &= m - 1) {
-    const int i = __builtin_ctz(m);
-    const float start = sign * (p->oz[i] - p->oz[first]) + p->s_near[i];
-    nearest = start < nearest ? start : nearest;
+  const float first = p->oz[__builtin_ctz(lanes)];
+  const RV infinity = set(std::numeric_limits<float>::infinity());
+  RV nearest = infinity;
+  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    const RV start = hn::Add(hn::Mul(set(sign), hn::Sub(load(p->oz + g), set(first))),
+                             load(p->s_near + g));
+    nearest = hn::Min(nearest, hn::IfThenElse(lanes_of(lanes, g), start, infinity));
   }
-  const float plane = p->oz[first] + sign * nearest;
+  const float plane = first + sign * least(nearest);
+  RV start = infinity, end = hn::Neg(infinity);
+  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    const RM on = lanes_of(lanes, g);
+    const RV zeta = hn::Mul(set(sign), hn::Sub(load(p->oz + g), set(plane)));
+    hn::Store(zeta, d, p->zeta + g);
+    const RV from = hn::Add(zeta, load(p->s_near + g)), to = hn::Add(zeta, load(p->s_far + g));
+    start = hn::Min(start, hn::IfThenElse(on, from, infinity));
+    end = hn::Max(end, hn::IfThenElse(on, to, hn::Neg(infinity)));
+  }
   Beam beam;
   beam.z_low = plane - p->pad;
   beam.z_high = plane + p->pad;
-  beam.start = std::numeric_limits<float>::infinity();
-  beam.end = -beam.start;
-  for (std::uint32_t i = 0; i < kPacketWidth; ++i) p->zeta[i] = sign * (p->oz[i] - plane);
-  for (std::uint32_t m = lanes; m != 0; m &= m - 1) {
-    const int i = __builtin_ctz(m);
-    const float start = p->zeta[i] + p->s_near[i], end = p->zeta[i] + p->s_far[i];
-    beam.start = start < beam.start ? start : beam.start;
-    beam.end = end > beam.end ? end : beam.end;
-  }
-  beam.start -= p->pad;
-  beam.end += p->pad;
+  beam.start = least(start) - p->pad;
+  beam.end = greatest(end) + p->pad;
   const float length = beam.end > 0 ? beam.end : 0;
-  const auto planes = [&](const float* o, const float* shear, BeamPlane* low, BeamPlane* high) {
-    float a0 = std::numeric_limits<float>::infinity(), a1 = -a0, b0 = a0, b1 = a1;
-    for (std::uint32_t m = lanes; m != 0; m &= m - 1) {
-      const int i = __builtin_ctz(m);
-      const float slope = sign * shear[i];
-      const float a = o[i] - slope * p->zeta[i], b = o[i] + slope * (length - p->zeta[i]);
-      a0 = a < a0 ? a : a0;
-      a1 = a > a1 ? a : a1;
-      b0 = b < b0 ? b : b0;
-      b1 = b > b1 ? b : b1;
-    }
-    const float per_length = length > 0 ? 1 / length : 0;
-    *low = {a0 - p->pad, inverse_slope((b0 - a0) * per_length)};
-    *high = {a1 + p->pad, inverse_slope((b1 - a1) * per_length)};
-  };
-  planes(p->ox, p->shear_x, &beam.x_low, &beam.x_high);
-  planes(p->oy, p->shear_y, &beam.y_low, &beam.y_high);
+  make_planes(lanes, *p, p->ox, p->shear_x, length, &beam.x_low, &beam.x_high);
+  make_planes(lanes, *p, p->oy, p->shear_y, length, &beam.y_low, &beam.y_high);
   return beam;
 }

@@ -1,67 +1,99 @@
   // One ray through a subtree, eight boxes at a time. Part of the class Walk (dual/walk-inl.h).
 
-  void walk_single(std::uint32_t lane, std::uint32_t root) {
-    const RayPacket& p = packet_;
-    std::size_t top = open_single(lane, root, 0);
-    while (top != 0) {
-      const WaitingNode next = waiting_nodes_[--top];
-      if (next.near > p.s_far[lane]) continue;
-      if (next.count == 0) {
-        top = open_single(lane, next.first, top);
-      } else {
-        leaf_single(lane, next.first, next.count);
-        if (Mode::kAny && (done_ >> lane & 1) != 0) return;
-      }
-    }
-  }
-
-  std::size_t open_single(std::uint32_t lane, std::uint32_t number, std::size_t top) {
+  HWY_NOINLINE void walk_single(std::uint32_t lane, std::uint32_t number) {
     using hn::Max, hn::Min, hn::Mul, hn::Sub;
     const RayPacket& p = packet_;
-    if (top + kBvhWidth > waiting_nodes_.size()) waiting_nodes_.resize(2 * waiting_nodes_.size());
-    const BvhNode& node = tree_.nodes[number];
-    counts_.ray_box_tests += node.children;
     const Boxes d;
-    alignas(64) float nears[kBvhWidth];
-    std::uint32_t met = 0;
-    const bool right = p.per_x[lane] > 0, up = p.per_y[lane] > 0;
-    const float* x0 = node.bound[right ? p.row_x : p.row_x + 3];
-    const float* x1 = node.bound[right ? p.row_x + 3 : p.row_x];
-    const float* y0 = node.bound[up ? p.row_y : p.row_y + 3];
-    const float* y1 = node.bound[up ? p.row_y + 3 : p.row_y];
-    for (std::size_t g = 0; g < kBvhWidth; g += hn::Lanes(d)) {
-      const auto at = [&](const float* row, float from) {
-        return Sub(hn::Load(d, row + g), hn::Set(d, from));
-      };
-      const BV per_x = hn::Set(d, p.per_x[lane]), per_y = hn::Set(d, p.per_y[lane]);
-      const BV xn = Mul(at(x0, right ? p.x_high[lane] : p.x_low[lane]), per_x);
-      const BV xf = Mul(at(x1, right ? p.x_low[lane] : p.x_high[lane]), per_x);
-      const BV yn = Mul(at(y0, up ? p.y_high[lane] : p.y_low[lane]), per_y);
-      const BV yf = Mul(at(y1, up ? p.y_low[lane] : p.y_high[lane]), per_y);
-      const BV zl = hn::Load(d, node.bound[p.row_z] + g), zh = hn::Load(d, node.bound[p.row_z + 3] + g);
-      const BV zn = p.mirrored ? Sub(hn::Set(d, p.z_low[lane]), zh) : Sub(zl, hn::Set(d, p.z_high[lane]));
-      const BV zf = p.mirrored ? Sub(hn::Set(d, p.z_high[lane]), zl) : Sub(zh, hn::Set(d, p.z_low[lane]));
-      const BV near = Max(Max(xn, yn), Max(zn, hn::Set(d, p.s_near[lane])));
-      const BV far = Min(Min(xf, yf), Min(zf, hn::Set(d, p.s_far[lane])));
-      hn::StoreU(near, d, nears + g);
-      met |= bits_of(d, hn::Le(near, far)) << g;
+    const bool right = p.per_x[lane] > 0, up = p.per_y[lane] > 0, ahead = !p.mirrored;
+    const int near_x = right ? p.row_x : p.row_x + 3, far_x = right ? p.row_x + 3 : p.row_x;
+    const int near_y = up ? p.row_y : p.row_y + 3, far_y = up ? p.row_y + 3 : p.row_y;
+    const int near_z = ahead ? p.row_z : p.row_z + 3, far_z = ahead ? p.row_z + 3 : p.row_z;
+    const BV per_x = hn::Set(d, p.per_x[lane]), per_y = hn::Set(d, p.per_y[lane]);
+    const BV per_z = hn::Set(d, ahead ? 1.0f : -1.0f);
+    const BV x0 = hn::Set(d, right ? p.x_high[lane] : p.x_low[lane]);
+    const BV x1 = hn::Set(d, right ? p.x_low[lane] : p.x_high[lane]);
+    const BV y0 = hn::Set(d, up ? p.y_high[lane] : p.y_low[lane]);
+    const BV y1 = hn::Set(d, up ? p.y_low[lane] : p.y_high[lane]);
+    const BV z0 = hn::Set(d, ahead ? p.z_high[lane] : p.z_low[lane]);
+    const BV z1 = hn::Set(d, ahead ? p.z_low[lane] : p.z_high[lane]);
+    const BV s_near = hn::Set(d, p.s_near[lane]);
+    std::size_t top = 0, visited = 0;
+    WaitingNode* waiting = waiting_nodes_.data();
+    float s_far = p.s_far[lane];
+    for (;;) {
+      const BvhNode& node = tree_.nodes[number];
+      visited += node.children;
+      alignas(64) float nears[kBvhWidth];
+      std::uint32_t met = 0;
+      for (std::size_t g = 0; g < kBvhWidth; g += hn::Lanes(d)) {
+        const auto at = [&](int row, BV from, BV per) {
+          return Mul(Sub(hn::Load(d, node.bound[row] + g), from), per);
+        };
+        const BV near = Max(Max(at(near_x, x0, per_x), at(near_y, y0, per_y)),
+                            Max(at(near_z, z0, per_z), s_near));
+        const BV far = Min(Min(at(far_x, x1, per_x), at(far_y, y1, per_y)),
+                           Min(at(far_z, z1, per_z), hn::Set(d, s_far)));
+        hn::Store(near, d, nears + g);
+        met |= bits_of(d, hn::Le(near, far)) << g;
+      }
+      WaitingNode next{0, 0, 0};
+      if (met != 0) {
+        int c = __builtin_ctz(met);
+        met &= met - 1;
+        next = {nears[c], node.first[c], node.count[c]};
+        if (met != 0) {
+          if (top + kBvhWidth > waiting_nodes_.size()) {
+            waiting_nodes_.resize(2 * waiting_nodes_.size());
+            waiting = waiting_nodes_.data();
+          }
+          const std::size_t bottom = top;
+          do {
+            c = __builtin_ctz(met);
+            met &= met - 1;
+            WaitingNode other{nears[c], node.first[c], node.count[c]};
+            if (other.near < next.near) std::swap(other, next);
+            std::size_t place = top++;
+            for (; place > bottom && waiting[place - 1].near < other.near; --place)
+              waiting[place] = waiting[place - 1];
+            waiting[place] = other;
+          } while (met != 0);
+        }
+      } else {
+        do {
+          if (top == 0) {
+            counts_.ray_box_tests += visited;
+            return;
+          }
+          next = waiting[--top];
+        } while (next.near > s_far);
+      }
+      while (next.count != 0) {
+        if (leaf_single(lane, next.first, next.count)) {
+          if (Mode::kAny) {
+            counts_.ray_box_tests += visited;
+            return;
+          }
+          s_far = p.s_far[lane];
+        }
+        do {
+          if (top == 0) {
+            counts_.ray_box_tests += visited;
+            return;
+          }
+          next = waiting[--top];
+        } while (next.near > s_far);
+      }
+      number = next.first;
     }
-    const std::size_t bottom = top;
-    for (; met != 0; met &= met - 1) {
-      const int c = __builtin_ctz(met);
-      std::size_t place = top++;
-      for (; place > bottom && waiting_nodes_[place - 1].near < nears[c]; --place)
-        waiting_nodes_[place] = waiting_nodes_[place - 1];
-      waiting_nodes_[place] = {nears[c], node.first[c], node.count[c]};
-    }
-    return top;
   }
 
-  void leaf_single(std::uint32_t lane, std::uint32_t quad, std::uint32_t count) {
+  /// Whether the ray now ends earlier.
+  HWY_INLINE bool leaf_single(std::uint32_t lane, std::uint32_t quad, std::uint32_t count) {
     using Quad = hn::CappedTag<float, 4>;
     const Quad d;
     const RayPacket& p = packet_;
     counts_.triangle_tests += count;
+    bool shortened = false;
     for (std::uint32_t done = 0; done < count; done += 4, ++quad) {
       const TriangleQuad& q = tree_.quads[quad];
       const std::uint32_t used = std::min(4u, count - done);
@@ -79,7 +111,8 @@
           continue;
         std::uint32_t lanes = (bits_of(d, tested.hit) | bits_of(d, tested.unsettled)) << g;
         for (lanes &= (1u << used) - 1; lanes != 0; lanes &= lanes - 1)
-          take_exactly(lane, q, static_cast<std::uint32_t>(__builtin_ctz(lanes)));
+          shortened |= take_exactly(lane, q, static_cast<std::uint32_t>(__builtin_ctz(lanes)));
       }
     }
+    return shortened;
   }

@@ -85,6 +85,32 @@ HWY_INLINE bool test_lanes(D d, const Corner<D>& a, const Corner<D>& b, const Co
   return true;
 }
 
+/// 1 where the edge functions of any ray agree in sign, else 0: without a branch, so that a leaf's
+/// triangles are tested side by side.
+HWY_INLINE std::uint32_t agrees_in_packet(const RayPacket& p, const TriangleQuad& q,
+                                          std::uint32_t k) {
+  using hn::Max, hn::Min;
+  const Rays d;
+  std::uint32_t some = 0;
+  const float* ax = &q.vertex[0][p.axis_x][k];
+  const float* ay = &q.vertex[0][p.axis_y][k];
+  const float* az = &q.vertex[0][p.axis_z][k];
+  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    const RV ox = load(p.ox + g), oy = load(p.oy + g), oz = load(p.oz + g);
+    const RV sx = load(p.shear_x + g), sy = load(p.shear_y + g);
+    const auto moved = [&](int i) {
+      return sheared(d, hn::Sub(set(ax[12 * i]), ox), hn::Sub(set(ay[12 * i]), oy),
+                     hn::Sub(set(az[12 * i]), oz), sx, sy);
+    };
+    const Corner<Rays> a = moved(0), b = moved(1), c = moved(2);
+    const RV u = edge_of(c.x, c.y, b.x, b.y), v = edge_of(a.x, a.y, c.x, c.y);
+    const RV w = edge_of(b.x, b.y, a.x, a.y), zero = hn::Zero(d);
+    const RM apart = hn::And(hn::Lt(Min(Min(u, v), w), zero), hn::Gt(Max(Max(u, v), w), zero));
+    some |= hn::AllTrue(d, apart) ? 0u : 1u;
+  }
+  return some;
+}
+
 /// Calls `take(first lane, tested)` for the groups of lanes in which there may be a hit.
 template <class Take>
 HWY_INLINE void triangle_in_packet(const RayPacket& p, const TriangleQuad& q, std::uint32_t k,

@@ -1,19 +1,19 @@
 // One packet's way through the tree. Included by dual/trace_simd.cpp, inside its namespace.
 
-/// A child that waits for its turn; `near` is where the beam enters its box.
+/// A subtree that waits for the lanes that met its box; `near` is where the beam enters it.
 struct Waiting {
   float near;
-  std::uint32_t node, child;
+  std::uint32_t lanes, first, count;  ///< the last two as in BvhNode
 };
 
 /// A subtree that waits for a single ray.
 struct WaitingNode {
   float near;
-  std::uint32_t first, count;  ///< as in BvhNode
+  std::uint32_t first, count;
 };
 
 /// Lanes at or below go on one by one.
-inline constexpr int kSingleRays = 2;
+inline constexpr int kSingleRays = 8;
 
 /// What a query keeps of the hits it meets. `kShrinks`: hits end the search beyond them.
 struct ClosestMode {
@@ -68,51 +68,61 @@ class Walk {
     while (top != 0) {
       const Waiting next = waiting_[--top];
       if (next.near > beam_.end) continue;
-      const BvhNode& node = tree_.nodes[next.node];
-      counts_.ray_box_tests += packet_.count;
-      const std::uint32_t lanes = rays_in_child(packet_, node, next.child);
-      if (lanes == 0) continue;
-      const std::uint32_t count = node.count[next.child], first = node.first[next.child];
-      if (count != 0) {
-        if (meet_leaf(first, count)) beam_.end = farthest_zeta(packet_) + packet_.pad;
-      } else if (__builtin_popcount(lanes) <= kSingleRays) {
-        for (std::uint32_t m = lanes; m != 0; m &= m - 1)
-          walk_single(static_cast<std::uint32_t>(__builtin_ctz(m)), first);
+      if (next.count != 0) {
+        if (meet_leaf(next.first, next.count))
+          beam_.end = farthest_zeta(packet_) + packet_.pad;
+      } else if (__builtin_popcount(next.lanes) <= kSingleRays) {
+        for (std::uint32_t m = next.lanes; m != 0; m &= m - 1)
+          walk_single(static_cast<std::uint32_t>(__builtin_ctz(m)), next.first);
         beam_.end = farthest_zeta(packet_) + packet_.pad;
       } else {
-        top = open(first, top);
+        top = open(next.first, top);
       }
     }
   }
 
-  /// Puts the children that the beam meets on the stack, the nearest on top.
+  /// Puts the children that rays meet on the stack, the nearest on top. Which of the beam's
+  /// children they are is found without a branch: no one can foretell it.
   std::size_t open(std::uint32_t number, std::size_t top) {
-    if (top + kBvhWidth > waiting_.size()) waiting_.resize(2 * waiting_.size());
+    if (top + kBvhWidth + 1 > waiting_.size()) waiting_.resize(2 * waiting_.size());
     const BvhNode& node = tree_.nodes[number];
     alignas(64) float near[kBvhWidth];
     counts_.beam_box_tests += node.children;
     std::uint32_t met = children_in_beam(packet_, beam_, node, near);
-    const std::size_t bottom = top;
+    counts_.ray_box_tests +=
+        static_cast<std::uint32_t>(__builtin_popcount(met)) * packet_.count;
+    Waiting* const bottom = waiting_.data() + top;
+    Waiting* end = bottom;
     for (; met != 0; met &= met - 1) {
       const auto c = static_cast<std::uint32_t>(__builtin_ctz(met));
-      std::size_t place = top++;
-      for (; place > bottom && waiting_[place - 1].near < near[c]; --place)
-        waiting_[place] = waiting_[place - 1];
-      waiting_[place] = {near[c], number, c};
+      const std::uint32_t lanes = rays_in_child(packet_, node, c);
+      *end = {near[c], lanes, node.first[c], node.count[c]};
+      end += lanes != 0 ? 1 : 0;
     }
-    return top;
+    for (Waiting* next = bottom + 1; next < end; ++next) {
+      const Waiting moved = *next;
+      Waiting* place = next;
+      for (; place > bottom && place[-1].near < moved.near; --place) *place = place[-1];
+      *place = moved;
+    }
+    return static_cast<std::size_t>(end - waiting_.data());
   }
 
   /// Whether any ray now ends earlier.
   bool meet_leaf(std::uint32_t quad, std::uint32_t count) {
     bool shortened = false;
     counts_.triangle_tests += std::uint64_t{count} * packet_.count;
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const TriangleQuad& q = tree_.quads[quad + i / 4];
-      const std::uint32_t k = i % 4;
-      triangle_in_packet(packet_, q, k, [&](std::size_t g, const Tested<Rays>& tested) {
-        shortened |= take_lanes(q, k, g, tested);
-      });
+    for (std::uint32_t done = 0; done < count; done += 4, ++quad) {
+      const TriangleQuad& q = tree_.quads[quad];
+      const std::uint32_t used = std::min(4u, count - done);
+      std::uint32_t some = 0;
+      for (std::uint32_t k = 0; k < used; ++k) some |= agrees_in_packet(packet_, q, k) << k;
+      for (; some != 0; some &= some - 1) {
+        const auto k = static_cast<std::uint32_t>(__builtin_ctz(some));
+        triangle_in_packet(packet_, q, k, [&](std::size_t g, const Tested<Rays>& tested) {
+          shortened |= take_lanes(q, k, g, tested);
+        });
+      }
     }
     return shortened;
   }
