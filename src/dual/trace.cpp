@@ -7,7 +7,7 @@ namespace raysheaf {
 namespace {
 
 /// Packets a task: neighbours share the boxes and triangles that they meet.
-constexpr std::size_t kPacketsATask = 64;
+constexpr std::size_t kPacketsATask = 512;
 
 template <class Trace>
 void trace_all_tasks(const Executor& executor, const DualScene& scene, View<const Ray> rays,

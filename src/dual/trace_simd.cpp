@@ -3,7 +3,10 @@
 #include <atomic>
 #include <mutex>
 
+#include <hwy/cache_control.h>
+
 #include "base/float.h"
+#include "dual/stream.h"
 #include "dual/trace_job.h"
 #include "geom/ray_end.h"
 #include "intersect/facing_body.h"
@@ -21,11 +24,35 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "dual/packet-inl.h"
 #include "dual/triangle-inl.h"
 #include "dual/walk-inl.h"
+#include "dual/stream-inl.h"
+
+inline void prefetch_rays(const TraceJob& job, const PacketRange& range) {
+  for (std::uint32_t i = 0; i < range.count; ++i)
+    hwy::Prefetch(job.rays + job.order[range.first + i]);
+}
 
 template <class Mode>
 void trace_packets(const TraceJob& job, std::size_t begin, std::size_t end) {
+  static const bool streams = getenv("STREAM") != nullptr;
+  if (streams) {
+    StreamWalk<Mode> walk(job);
+    while (begin < end) {
+      const PacketRange first = job.packet(begin);
+      std::size_t n = begin + 1;
+      std::uint32_t count = first.count;
+      while (n < end && n - begin < kStreamRays / kPacketWidth && job.packet(n).face == first.face)
+        count += job.packet(n++).count;
+      walk.run(first.first, count, first.face);
+      begin = n;
+    }
+    walk.finish();
+    return;
+  }
   Walk<Mode> walk(job);
-  for (std::size_t n = begin; n < end; ++n) walk.run(job.packet(n));
+  for (std::size_t n = begin; n < end; ++n) {
+    if (n + 1 < end) prefetch_rays(job, job.packet(n + 1));
+    walk.run(job.packet(n));
+  }
   walk.finish();
 }
 

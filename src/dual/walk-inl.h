@@ -1,19 +1,19 @@
 // One packet's way through the tree. Included by dual/trace_simd.cpp, inside its namespace.
 
 /// A subtree that waits for the lanes that met its box; `near` is where the beam enters it.
-struct Waiting {
+struct alignas(16) Waiting {
   float near;
   std::uint32_t lanes, first, count;  ///< the last two as in BvhNode
 };
 
 /// A subtree that waits for a single ray.
-struct WaitingNode {
+struct alignas(16) WaitingNode {
   float near;
   std::uint32_t first, count;
 };
 
 /// Lanes at or below go on one by one.
-inline constexpr int kSingleRays = 8;
+inline constexpr int kSingleRays = 4;
 
 /// What a query keeps of the hits it meets. `kShrinks`: hits end the search beyond them.
 struct ClosestMode {
@@ -44,8 +44,14 @@ class Walk {
     done_ = 0;
     if (lanes != 0) {
       clip_to_scene(tree_.bounds, lanes, &p);
+      static const bool pure = getenv("PURE") != nullptr;
+      if (pure) {
+        for (std::uint32_t m = lanes; m != 0; m &= m - 1)
+          walk_single(static_cast<std::uint32_t>(__builtin_ctz(m)), 0);
+      } else {
       beam_ = make_beam(lanes, &p);
       walk_beam();
+      }
     }
     write_back();
     if (job_.ray_tests != nullptr) {
@@ -127,8 +133,8 @@ class Walk {
     return shortened;
   }
 
-  HWY_NOINLINE bool take_lanes(const TriangleQuad& q, std::uint32_t k, std::size_t g,
-                               const Tested<Rays>& tested) {
+  HWY_INLINE bool take_lanes(const TriangleQuad& q, std::uint32_t k, std::size_t g,
+                             const Tested<Rays>& tested) {
     const Rays d;
     alignas(64) float t[kPacketWidth], v[kPacketWidth], w[kPacketWidth], det[kPacketWidth];
     std::uint32_t hit = bits_of(d, tested.hit);
@@ -152,7 +158,7 @@ class Walk {
     return shortened;
   }
 
-  bool take_exactly(std::uint32_t lane, const TriangleQuad& q, std::uint32_t k) {
+  HWY_NOINLINE bool take_exactly(std::uint32_t lane, const TriangleQuad& q, std::uint32_t k) {
     const auto corner = [&](int i) {
       return Vec3{q.vertex[i][0][k], q.vertex[i][1][k], q.vertex[i][2][k]};
     };
