@@ -4,18 +4,11 @@
     using hn::Max, hn::Min, hn::Mul, hn::Sub;
     const RayPacket& p = packet_;
     const Boxes d;
-    const bool right = p.per_x[lane] > 0, up = p.per_y[lane] > 0, ahead = !p.mirrored;
-    const int near_x = right ? p.row_x : p.row_x + 3, far_x = right ? p.row_x + 3 : p.row_x;
-    const int near_y = up ? p.row_y : p.row_y + 3, far_y = up ? p.row_y + 3 : p.row_y;
-    const int near_z = ahead ? p.row_z : p.row_z + 3, far_z = ahead ? p.row_z + 3 : p.row_z;
     const BV per_x = hn::Set(d, p.per_x[lane]), per_y = hn::Set(d, p.per_y[lane]);
-    const BV per_z = hn::Set(d, ahead ? 1.0f : -1.0f);
-    const BV x0 = hn::Set(d, right ? p.x_high[lane] : p.x_low[lane]);
-    const BV x1 = hn::Set(d, right ? p.x_low[lane] : p.x_high[lane]);
-    const BV y0 = hn::Set(d, up ? p.y_high[lane] : p.y_low[lane]);
-    const BV y1 = hn::Set(d, up ? p.y_low[lane] : p.y_high[lane]);
-    const BV z0 = hn::Set(d, ahead ? p.z_high[lane] : p.z_low[lane]);
-    const BV z1 = hn::Set(d, ahead ? p.z_low[lane] : p.z_high[lane]);
+    const BV per_z = hn::Set(d, p.mirrored ? -1.0f : 1.0f);
+    const BV x0 = hn::Set(d, p.x_near[lane]), x1 = hn::Set(d, p.x_far[lane]);
+    const BV y0 = hn::Set(d, p.y_near[lane]), y1 = hn::Set(d, p.y_far[lane]);
+    const BV z0 = hn::Set(d, p.z_near[lane]), z1 = hn::Set(d, p.z_far[lane]);
     const BV s_near = hn::Set(d, p.s_near[lane]);
     std::size_t top = 0, visited = 0;
     WaitingNode* waiting = waiting_nodes_.data();
@@ -30,10 +23,10 @@
         const auto at = [&](int row, BV from, BV per) {
           return Mul(Sub(hn::Load(d, node.bound[row] + g), from), per);
         };
-        const BV near = Max(Max(at(near_x, x0, per_x), at(near_y, y0, per_y)),
-                            Max(at(near_z, z0, per_z), s_near));
-        const BV far = Min(Min(at(far_x, x1, per_x), at(far_y, y1, per_y)),
-                           Min(at(far_z, z1, per_z), hn::Set(d, s_far)));
+        const BV near = Max(Max(at(p.near_x, x0, per_x), at(p.near_y, y0, per_y)),
+                            Max(at(p.near_z, z0, per_z), s_near));
+        const BV far = Min(Min(at(p.far_x, x1, per_x), at(p.far_y, y1, per_y)),
+                           Min(at(p.far_z, z1, per_z), hn::Set(d, s_far)));
         hn::Store(near, d, nears + g);
         met |= bits_of(d, hn::Le(near, far)) << g;
       }

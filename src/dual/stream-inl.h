@@ -34,18 +34,19 @@ HWY_INLINE void gather_records(const Record* records, const std::uint32_t* list,
   }
 }
 
-/// Appends the numbers whose bits are set; room for kPacketWidth is needed. How many there were.
-HWY_INLINE std::uint32_t append_set(const std::uint32_t* numbers, std::uint32_t bits,
-                                    std::uint32_t* out) {
+/// Appends the numbers of a group's lanes that are set; room for kPacketWidth is needed. Returns the
+/// new end.
+HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
+                                     std::uint32_t* out) {
 #if HWY_TARGET <= HWY_AVX3
   const RayInts d;
-  hn::StoreU(hn::Compress(hn::Load(d, numbers), hn::MaskFromVec(hn::VecFromMask(
-                 d, hn::RebindMask(d, lanes_of(bits, 0))))), d, out);
-  return static_cast<std::uint32_t>(__builtin_popcount(bits));
+  const auto lanes = hn::RebindMask(d, set_lanes);
+  hn::StoreU(hn::Compress(hn::Load(d, numbers), lanes), d, out);
+  return out + hn::CountTrue(d, lanes);
 #else
-  std::uint32_t* next = out;
-  for (; bits != 0; bits &= bits - 1) *next++ = numbers[__builtin_ctz(bits)];
-  return static_cast<std::uint32_t>(next - out);
+  std::uint32_t bits = bits_of(Rays(), set_lanes);
+  for (; bits != 0; bits &= bits - 1) *out++ = numbers[__builtin_ctz(bits)];
+  return out;
 #endif
 }
 
@@ -60,10 +61,10 @@ class StreamWalk {
     stream_.lists.resize(64 * kStreamRays);
   }
 
-  /// Rays [first, first + count) of the order, of one face, at most kStreamRays.
-  void run(std::uint32_t first, std::uint32_t count, std::uint32_t face) {
+  /// Rays [first, first + count) of the order, of one quarter, at most kStreamRays.
+  void run(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
     const DualCounts before = counts_;
-    const std::uint32_t alive = fill(first, count, face);
+    const std::uint32_t alive = fill(first, count, quarter);
     if (alive != 0) {
       stream_.waiting.clear();
       stream_.waiting.push_back({0, 0, 0, alive});
@@ -93,7 +94,7 @@ class StreamWalk {
 
  private:
   /// The stream's records, and the list of those that meet the scene's box: how many they are.
-  std::uint32_t fill(std::uint32_t first, std::uint32_t count, std::uint32_t face) {
+  std::uint32_t fill(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
     Stream& s = stream_;
     RayPacket& p = packet_;
     alignas(64) float dx[kPacketWidth], dy[kPacketWidth], dz[kPacketWidth];
@@ -108,9 +109,9 @@ class StreamWalk {
         const std::uint32_t ahead = base + kPacketWidth + i;
         if (ahead < count) hwy::Prefetch(job_.rays + order[ahead]);
       }
-      gather_rays(job_.rays, order + base, n, face, &p, dx, dy, dz);
-      std::uint32_t lanes = prepare_packet(tree_.bounds, dx, dy, dz, &p);
-      if (lanes != 0) clip_to_scene(tree_.bounds, lanes, &p);
+      gather_rays(job_.rays, order + base, n, quarter, &p, dx, dy, dz);
+      prepare_packet(tree_.bounds, dx, dy, dz, &p);
+      std::uint32_t lanes = clip_to_scene(tree_.bounds, &p);
       s.pad = p.pad > s.pad ? p.pad : s.pad;
       for (std::uint32_t i = 0; i < n; ++i) {
         s.rays[base + i] = {p.ox[i],    p.oy[i],     p.oz[i],    p.per_x[i],
@@ -125,6 +126,12 @@ class StreamWalk {
     s.axis_x = p.axis_x;
     s.axis_y = p.axis_y;
     s.axis_z = p.axis_z;
+    s.near_x = p.near_x;
+    s.near_y = p.near_y;
+    s.near_z = p.near_z;
+    s.far_x = p.far_x;
+    s.far_y = p.far_y;
+    s.far_z = p.far_z;
     s.mirrored = p.mirrored;
     return alive;
   }
@@ -147,6 +154,7 @@ class StreamWalk {
   }
 
   void open(const WaitingList& list) {
+    { static thread_local long opens=0,blocks=0,rays=0,small=0; ++opens; blocks+=(list.size+15)/16; rays+=list.size; small+= list.size<=3; if(opens%1000000==0&&getenv("ST")) fprintf(stderr,"opens %ld blocks %ld rays %ld small %ld\n",opens,blocks,rays,small);}
     using hn::Max, hn::Min, hn::Mul, hn::Sub;
     Stream& s = stream_;
     const BvhNode& node = tree_.nodes[list.first];
@@ -157,17 +165,17 @@ class StreamWalk {
     const std::uint32_t bottom = (list.offset + list.size + 15) / 16 * 16;
     const std::size_t needed = bottom + std::size_t{room} * child_count + 2 * kPacketWidth;
     if (needed > s.lists.size()) s.lists.resize(2 * needed);
-    // Bounds as the rays see them: near and far along z, grown by the pad.
+    // Bounds as the rays see them, grown by the pad: near and far on x, y, z.
     float box[kBvhWidth][6];
     std::uint32_t* out[kBvhWidth];
+    const int rows[6] = {s.near_x, s.far_x, s.near_y, s.far_y, s.near_z, s.far_z};
     for (std::uint32_t k = 0; k < child_count; ++k) {
-      const std::uint32_t c = children[k];
-      box[k][0] = node.bound[s.axis_x][c] - s.pad;
-      box[k][1] = node.bound[s.axis_x + 3][c] + s.pad;
-      box[k][2] = node.bound[s.axis_y][c] - s.pad;
-      box[k][3] = node.bound[s.axis_y + 3][c] + s.pad;
-      box[k][4] = s.mirrored ? -(node.bound[s.axis_z + 3][c] + s.pad) : node.bound[s.axis_z][c] - s.pad;
-      box[k][5] = s.mirrored ? -(node.bound[s.axis_z][c] - s.pad) : node.bound[s.axis_z + 3][c] + s.pad;
+      for (int r = 0; r < 6; ++r)
+        box[k][r] = node.bound[rows[r]][children[k]] + (rows[r] < 3 ? -s.pad : s.pad);
+      if (s.mirrored) {
+        box[k][4] = -box[k][4];
+        box[k][5] = -box[k][5];
+      }
       out[k] = s.lists.data() + bottom + room * k;
     }
     const Rays d;
@@ -179,21 +187,20 @@ class StreamWalk {
       const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
       RecordLanes lanes;
       gather_records(s.rays.data(), block, &lanes);
-      for (std::uint32_t k = 0; k < child_count; ++k) {
-        std::uint32_t met = 0;
-        for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-          const RV ox = load(lanes.field[0] + g), oy = load(lanes.field[1] + g);
-          const RV z = load(lanes.field[2] + g), oz = s.mirrored ? hn::Neg(z) : z;
-          const RV per_x = load(lanes.field[3] + g), per_y = load(lanes.field[4] + g);
-          const RV x0 = Mul(Sub(set(box[k][0]), ox), per_x), x1 = Mul(Sub(set(box[k][1]), ox), per_x);
-          const RV y0 = Mul(Sub(set(box[k][2]), oy), per_y), y1 = Mul(Sub(set(box[k][3]), oy), per_y);
-          const RV near = Max(Max(Min(x0, x1), Min(y0, y1)),
-                              Max(Sub(set(box[k][4]), oz), load(lanes.field[5] + g)));
-          const RV far = Min(Min(Max(x0, x1), Max(y0, y1)),
-                             Min(Sub(set(box[k][5]), oz), load(lanes.field[6] + g)));
-          met |= bits_of(d, hn::Le(near, far)) << g;
+      for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+        const RV ox = load(lanes.field[0] + g), oy = load(lanes.field[1] + g);
+        const RV z = load(lanes.field[2] + g), oz = s.mirrored ? hn::Neg(z) : z;
+        const RV per_x = load(lanes.field[3] + g), per_y = load(lanes.field[4] + g);
+        const RV s_near = load(lanes.field[5] + g), s_far = load(lanes.field[6] + g);
+        const RM some = lanes_of(used, g);
+        for (std::uint32_t k = 0; k < child_count; ++k) {
+          const float* b = box[k];
+          const RV x0 = Mul(Sub(set(b[0]), ox), per_x), x1 = Mul(Sub(set(b[1]), ox), per_x);
+          const RV y0 = Mul(Sub(set(b[2]), oy), per_y), y1 = Mul(Sub(set(b[3]), oy), per_y);
+          const RV near = Max(Max(x0, y0), Max(Sub(set(b[4]), oz), s_near));
+          const RV far = Min(Min(x1, y1), Min(Sub(set(b[5]), oz), s_far));
+          out[k] = append_set(block + g, hn::And(hn::Le(near, far), some), out[k]);
         }
-        out[k] += append_set(block, met & used, out[k]);
       }
     }
     for (std::uint32_t k = 0; k < child_count; ++k) {

@@ -1,4 +1,4 @@
-// A stream: thousands of rays towards one face that go down the tree together.
+// A stream: thousands of rays towards one quarter of a face that go down the tree together.
 //
 //   node  [ a . b . . c . . ]        list of rays at the node: 5 9 12 40 41 77 ...
 //            |                       sixteen at a time they are tested with every child's box;
@@ -6,7 +6,7 @@
 //   list of a: 9 40 77 ...
 //
 // Every node is fetched once a stream, no branch depends on a single ray, and rays need not be
-// alike: what they share is the face, which tells the order of the children from near to far.
+// alike: what they share is the quarter, which tells the order of the children from near to far.
 // (I. Wald, C. Gribble, S. Boulos, A. Kensler, "SIMD Ray Stream Tracing", 2007; J. Tsakok,
 // "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG 2009.)
 #pragma once
@@ -19,7 +19,7 @@
 
 namespace raysheaf {
 
-inline constexpr std::uint32_t kStreamRays = 4096;
+inline constexpr std::uint32_t kStreamRays = 8192;
 
 /// What boxes are tested with; `s` as in dual/packet.h.
 struct alignas(32) StreamRay {
@@ -47,6 +47,8 @@ struct Stream {
   AlignedVector<std::uint32_t> lists;
   std::vector<WaitingList> waiting;
   int axis_x = 0, axis_y = 0, axis_z = 0;
+  int near_x = 0, near_y = 0, near_z = 0;  ///< as in RayPacket
+  int far_x = 0, far_y = 0, far_z = 0;
   bool mirrored = false;
   std::uint32_t count = 0;
   float pad = 0;  ///< the largest of the packets'

@@ -17,15 +17,15 @@ void trace_all_tasks(const Executor& executor, const DualScene& scene, View<cons
   job.scene = scene;
   job.rays = rays.data;
   job.order = order.rays.data();
-  job.ray_starts = order.face_starts;
-  for (std::uint32_t f = 0; f < kFaces; ++f) {
-    const std::uint32_t in_face = order.face_starts[f + 1] - order.face_starts[f];
-    job.packet_starts[f + 1] = job.packet_starts[f] + div_ceil(in_face, kPacketWidth);
+  job.ray_starts = order.starts;
+  for (std::uint32_t q = 0; q < kQuarters; ++q) {
+    const std::uint32_t rays_in = order.starts[q + 1] - order.starts[q];
+    job.packet_starts[q + 1] = job.packet_starts[q] + div_ceil(rays_in, kPacketWidth);
   }
   job.ray_tests = ray_tests.empty() ? nullptr : ray_tests.data;
   job.counts = counts;
   job.mutex = &mutex;
-  const std::size_t packets = job.packet_starts[kFaces];
+  const std::size_t packets = job.packet_starts[kQuarters];
   executor.for_each(div_ceil(packets, kPacketsATask), 1, [&](std::size_t task) {
     const std::size_t begin = task * kPacketsATask;
     trace(job, begin, std::min(packets, begin + kPacketsATask));

@@ -40,9 +40,9 @@ void trace_packets(const TraceJob& job, std::size_t begin, std::size_t end) {
       const PacketRange first = job.packet(begin);
       std::size_t n = begin + 1;
       std::uint32_t count = first.count;
-      while (n < end && n - begin < kStreamRays / kPacketWidth && job.packet(n).face == first.face)
+      while (n < end && n - begin < kStreamRays / kPacketWidth && job.packet(n).quarter == first.quarter)
         count += job.packet(n++).count;
-      walk.run(first.first, count, first.face);
+      walk.run(first.first, count, first.quarter);
       begin = n;
     }
     walk.finish();

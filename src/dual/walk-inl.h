@@ -37,13 +37,13 @@ class Walk {
   void run(const PacketRange& range) {
     RayPacket& p = packet_;
     alignas(64) float dx[kPacketWidth], dy[kPacketWidth], dz[kPacketWidth];
-    gather_rays(job_.rays, job_.order + range.first, range.count, range.face, &p, dx, dy, dz);
+    gather_rays(job_.rays, job_.order + range.first, range.count, range.quarter, &p, dx, dy, dz);
     const DualCounts before = counts_;
-    const std::uint32_t lanes = prepare_packet(tree_.bounds, dx, dy, dz, &p);
+    prepare_packet(tree_.bounds, dx, dy, dz, &p);
+    const std::uint32_t lanes = clip_to_scene(tree_.bounds, &p);
     counts_.ray_box_tests += p.count;
     done_ = 0;
     if (lanes != 0) {
-      clip_to_scene(tree_.bounds, lanes, &p);
       static const bool pure = getenv("PURE") != nullptr;
       if (pure) {
         for (std::uint32_t m = lanes; m != 0; m &= m - 1)
