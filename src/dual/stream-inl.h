@@ -185,6 +185,8 @@ class StreamWalk {
       alignas(64) std::uint32_t block[kPacketWidth];
       for (std::uint32_t i = 0; i < kPacketWidth; ++i) block[i] = numbers[base + (i < n ? i : 0)];
       const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
+      for (std::uint32_t i = n; i < std::min(2 * kPacketWidth, list.size - base); ++i)
+        hwy::Prefetch(s.rays.data() + numbers[base + i]);
       RecordLanes lanes;
       gather_records(s.rays.data(), block, &lanes);
       for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
@@ -209,7 +211,15 @@ class StreamWalk {
       if (size == 0) continue;
       const std::uint32_t c = children[k];
       s.waiting.push_back({node.first[c], node.count[c], offset, size});
+      prefetch_child(node, c);
     }
+  }
+
+  void prefetch_child(const BvhNode& node, std::uint32_t c) const {
+    const char* at = node.is_leaf(c)
+                         ? reinterpret_cast<const char*>(tree_.quads.data() + node.first[c])
+                         : reinterpret_cast<const char*>(tree_.nodes.data() + node.first[c]);
+    for (int line = 0; line < 4; ++line) hwy::Prefetch(at + 64 * line);
   }
 
   void meet_leaf(const WaitingList& list) {
@@ -222,6 +232,10 @@ class StreamWalk {
       alignas(64) std::uint32_t block[kPacketWidth];
       for (std::uint32_t i = 0; i < kPacketWidth; ++i) block[i] = numbers[base + (i < n ? i : 0)];
       const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
+      for (std::uint32_t i = n; i < std::min(2 * kPacketWidth, list.size - base); ++i) {
+        hwy::Prefetch(s.rays.data() + numbers[base + i]);
+        hwy::Prefetch(s.shears.data() + numbers[base + i]);
+      }
       RecordLanes ray, shear;
       gather_records(s.rays.data(), block, &ray);
       gather_records(s.shears.data(), block, &shear);

@@ -19,7 +19,7 @@
 
 namespace raysheaf {
 
-inline constexpr std::uint32_t kStreamRays = 8192;
+inline constexpr std::uint32_t kStreamRays = 4096;
 
 /// What boxes are tested with; `s` as in dual/packet.h.
 struct alignas(32) StreamRay {
