@@ -38,13 +38,12 @@ Float4 item_max(const AreaItem& item) {
   return load4(&item.max.x);
 }
 
-/// Half the surface; in binary64, where the largest coordinates cannot overflow it.
-double half_area(const Box4& box4) {
-  const Box box = box4.box();
-  if (!(box.min.x <= box.max.x)) return 0;
-  const double x = double{box.max.x} - box.min.x, y = double{box.max.y} - box.min.y,
-               z = double{box.max.z} - box.min.z;
-  return x * y + y * z + z * x;
+/// Half the surface, 0 of an empty box; in binary64, where the largest coordinates cannot overflow.
+double half_area(const Box4& box) {
+  alignas(16) float size[4];
+  store4(raysheaf::max(box.max - box.min, all4(0)), size);
+  const double x = size[0], y = size[1], z = size[2];
+  return x * (y + z) + y * z;
 }
 
 /// Items that become one child.
@@ -135,6 +134,7 @@ class Splitter {
 
   /// Splits a run into up to kBvhWidth, in the order of their items; returns how many.
   std::uint32_t open(const Run& whole, std::array<Run, kBvhWidth>* children) const {
+    if (whole.count <= kBvhWidth && options_.leaf_items == 1) return open_all(whole, children);
     std::uint32_t count = 1;
     (*children)[0] = whole;
     while (count < kBvhWidth) {
@@ -155,6 +155,15 @@ class Splitter {
   }
 
  private:
+  /// Where there is room for every item, cuts would only find their order.
+  std::uint32_t open_all(const Run& whole, std::array<Run, kBvhWidth>* children) const {
+    for (std::uint32_t c = 0; c < whole.count; ++c) {
+      const AreaItem& item = items_[whole.first + c];
+      (*children)[c] = {whole.first + c, 1, {item_min(item), item_max(item)}, {}, 0};
+    }
+    return whole.count;
+  }
+
   void split(const Run run, Run* left, Run* right) const {
     const Box centers = run.centers.box();
     const std::uint32_t bins = run.count < 12 ? 8 : kBins;

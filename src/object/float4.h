@@ -33,6 +33,9 @@ inline Float4 all4(float x) {
 inline Float4 operator+(Float4 a, Float4 b) {
   return {_mm_add_ps(a.v, b.v)};
 }
+inline Float4 operator-(Float4 a, Float4 b) {
+  return {_mm_sub_ps(a.v, b.v)};
+}
 inline Float4 min(Float4 a, Float4 b) {
   return {_mm_min_ps(a.v, b.v)};
 }
@@ -77,6 +80,10 @@ inline Float4 all4(float x) {
 }
 inline Float4 operator+(Float4 a, Float4 b) {
   for (int i = 0; i < 4; ++i) a.v[i] += b.v[i];
+  return a;
+}
+inline Float4 operator-(Float4 a, Float4 b) {
+  for (int i = 0; i < 4; ++i) a.v[i] -= b.v[i];
   return a;
 }
 inline Float4 min(Float4 a, Float4 b) {
