@@ -20,8 +20,17 @@ constexpr std::uint32_t kFewItems = 64;
 /// More take digits of 11 bits, fewer of 8, whose counters are sooner cleared.
 constexpr std::uint32_t kManyItems = 16384;
 
+/// Where more than this part of the triangles begins another bucket than the triangle before, they
+/// are carried along instead of looked for afterwards.
+constexpr double kMostJumps = 0.3;
+/// Fewer are in a cache wherever they are.
+constexpr double kManyTriangles = 200000;
+
+/// Moves an item of a sort by insertion, above which digits are faster.
+constexpr std::uint32_t kMostMoves = 4;
+
 struct Block {
-  std::uint32_t begin, end, kept = 0;
+  std::uint32_t begin, end, kept = 0, jumps = 0;
   Box centers;
   std::vector<std::uint32_t> left_out;
 };
@@ -65,6 +74,19 @@ std::vector<std::uint32_t> count_to_place(std::size_t blocks, std::size_t bucket
   return starts;
 }
 
+/// How often the bucket changes, estimated from every eighth key.
+std::uint32_t jumps_between(View<const std::uint64_t> keys, std::uint32_t shift) {
+  std::uint32_t jumps = 0;
+  for (std::size_t i = 8; i < keys.size; i += 8) jumps += (keys[i] ^ keys[i - 1]) >> shift != 0;
+  return 8 * jumps;
+}
+
+bool in_no_order(const std::vector<Block>& blocks) {
+  double jumps = 0, kept = 0;
+  for (const Block& block : blocks) jumps += block.jumps, kept += block.kept;
+  return kept >= kManyTriangles && jumps > kMostJumps * kept;
+}
+
 /// Halves [begin, end) of the buckets, along the curve's own cells, until a task is small.
 void make_tasks(const std::vector<std::uint32_t>& starts, std::size_t begin, std::size_t end,
                 std::vector<CurveTask>* tasks) {
@@ -96,6 +118,21 @@ void sort_by_digits(std::uint64_t* items, std::uint64_t* spare, std::uint32_t co
     differing = shift + kBits < 64 ? differing >> (shift + kBits) << (shift + kBits) : 0;
   }
   if (from != items) std::memcpy(items, from, count * sizeof *items);
+}
+
+/// Sorts by insertion what is all but sorted. Gives up, with the items in another order, where that
+/// takes more than a few moves an item.
+bool finish_sorting(std::uint64_t* items, std::uint32_t count, std::uint32_t id_bits) {
+  std::uint64_t moves = 0;
+  for (std::uint32_t i = 1; i < count; ++i) {
+    const std::uint64_t item = items[i];
+    std::uint32_t to = i;
+    for (; to > 0 && item >> id_bits < items[to - 1] >> id_bits; --to) items[to] = items[to - 1];
+    items[to] = item;
+    moves += i - to;
+    if (moves > kMostMoves * std::uint64_t{count}) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -135,14 +172,17 @@ std::uint32_t bucket_along_curve(const Executor& executor, const TriangleSource&
     std::fill_n(counts, buckets, 0u);
     blocks[b].kept = write_keys(centers, curve, blocks[b].begin, blocks[b].end, bucket_shift,
                                 scratch->keys.data() + blocks[b].begin, counts);
+    blocks[b].jumps = jumps_between({scratch->keys.data() + blocks[b].begin, blocks[b].kept},
+                                    curve.id_bits + bucket_shift);
   });
   const std::vector<std::uint32_t> starts =
       count_to_place(blocks.size(), buckets, scratch->counters.data());
+  scratch->records.resize_uninitialized(in_no_order(blocks) ? count : 0);
+  TriangleRecord* records = in_no_order(blocks) ? scratch->records.data() : nullptr;
   executor.for_each(blocks.size(), 1, [&](std::size_t b) {
-    std::uint32_t* place = scratch->counters.data() + b * buckets;
-    const std::uint64_t* keys = scratch->keys.data() + blocks[b].begin;
-    for (std::uint32_t i = 0; i < blocks[b].kept; ++i)
-      scratch->sorted[place[keys[i] >> (curve.id_bits + bucket_shift)]++] = keys[i];
+    scatter_keys(source, {scratch->keys.data() + blocks[b].begin, blocks[b].kept}, curve,
+                 bucket_shift, scratch->counters.data() + b * buckets, scratch->sorted.data(),
+                 records);
   });
   make_tasks(starts, 0, buckets, &scratch->tasks);
   return curve.id_bits;
@@ -154,8 +194,13 @@ void sort_run(std::uint64_t* items, std::uint64_t* spare, std::uint32_t count,
   std::uint64_t differing = 0;
   for (std::uint32_t i = 1; i < count; ++i) differing |= items[i] ^ items[0];
   differing = differing >> id_bits << id_bits;
+  if (differing == 0) return;
   if (count > kManyItems) return sort_by_digits<11>(items, spare, count, differing);
-  sort_by_digits<8>(items, spare, count, differing);
+  const auto width = static_cast<std::uint32_t>(std::bit_width(differing));
+  const std::uint32_t low = width > 16 ? width - 16 : 0;
+  sort_by_digits<8>(items, spare, count, differing >> low << low);
+  if (low > id_bits && !finish_sorting(items, count, id_bits))
+    sort_by_digits<8>(items, spare, count, differing);
 }
 
 }  // namespace raysheaf

@@ -86,10 +86,11 @@ void sort_and_cut(const Executor& executor, std::uint32_t id_bits, TreeScratch* 
 /// The leaves' quads and boxes, and the clusters' boxes.
 void write_quads(const Executor& executor, const TriangleSource& source, std::uint32_t id_bits,
                  TreeScratch* scratch, ObjectTree* tree) {
+  const TriangleRecord* records = scratch->records.size() != 0 ? scratch->records.data() : nullptr;
   executor.for_each(scratch->tasks.size(), 1, [&](std::size_t t) {
     const CurveTask& task = scratch->tasks[t];
     AreaItem* leaf = scratch->leaves.data() + task.first_leaf;
-    write_leaves(source, scratch->sorted.data() + task.first, id_bits,
+    write_leaves(source, records, scratch->sorted.data() + task.first, id_bits,
                  scratch->leaf_sizes.data() + task.first, task.leaf_count,
                  tree->quads.data() + task.first_leaf, leaf);
     for (std::uint32_t c = 0; c < task.cluster_count; ++c) {

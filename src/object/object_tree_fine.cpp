@@ -65,7 +65,7 @@ void build_fine_object_tree(const Executor& executor, const TriangleSource& sour
   for (AreaPart& part : area.parts) leaves.take(items, &part.nodes);
   tree->quads.resize_uninitialized(leaves.sizes.size());
   std::vector<AreaItem> boxes(leaves.sizes.size());
-  write_leaves(source, leaves.ids.data(), 32, leaves.sizes.data(),
+  write_leaves(source, nullptr, leaves.ids.data(), 32, leaves.sizes.data(),
                static_cast<std::uint32_t>(leaves.sizes.size()), tree->quads.data(), boxes.data());
   emit_nodes(executor, area, leaves.clusters, boxes, tree);
 }

@@ -34,12 +34,19 @@ std::uint32_t write_keys(CenterColumns centers, const Curve& curve, std::uint32_
                          std::uint32_t end, std::uint32_t bucket_shift, std::uint64_t* keys,
                          std::uint32_t* bucket_counts);
 
-/// Consecutive leaves of at most four triangles, one quad each. `sizes[i]` of the numbers, which
-/// are the low `id_bits` bits of `sorted`, go to `quads[i]`, and the box of their corners to
-/// `boxes[i]`, whose weight is the number of triangles.
-void write_leaves(const TriangleSource& source, const std::uint64_t* sorted, std::uint32_t id_bits,
-                  const std::uint8_t* sizes, std::uint32_t leaf_count, TriangleQuad* quads,
-                  AreaItem* boxes);
+/// Puts keys into the buckets of their highest bits, `key >> (id_bits + bucket_shift)`:
+/// `place[bucket]` is where the next one goes. With `records`, the triangles go to the same places
+/// there, and the low `id_bits` bits of what is `sorted` become that place.
+void scatter_keys(const TriangleSource& source, View<const std::uint64_t> keys, const Curve& curve,
+                  std::uint32_t bucket_shift, std::uint32_t* place, std::uint64_t* sorted,
+                  TriangleRecord* records);
+
+/// Consecutive leaves of at most four triangles, one quad each. `sizes[i]` of the triangles go to
+/// `quads[i]`, and the box of their corners to `boxes[i]`, whose weight is their number. Triangles
+/// are the low `id_bits` bits of `sorted`: numbers, or places in `records`, if not null.
+void write_leaves(const TriangleSource& source, const TriangleRecord* records,
+                  const std::uint64_t* sorted, std::uint32_t id_bits, const std::uint8_t* sizes,
+                  std::uint32_t leaf_count, TriangleQuad* quads, AreaItem* boxes);
 
 /// New corners for quads, which have their numbers already.
 /// Triangles without area become points.

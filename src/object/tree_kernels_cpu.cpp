@@ -1,5 +1,3 @@
-#include <limits>
-
 #include "base/vec.h"
 #include "object/float4.h"
 #include "object/tree_kernels.h"
@@ -60,6 +58,35 @@ void store(const Loaded (&t)[4], TriangleQuad* quad) {
     store_columns(t[0].corner[k], t[1].corner[k], t[2].corner[k], t[3].corner[k], quad->vertex[k]);
 }
 
+/// Quads and boxes of leaves whose i-th triangle is `fetch(i, &id)`.
+template <class Fetch>
+void write_all(const std::uint8_t* sizes, std::uint32_t leaf_count, TriangleQuad* quads,
+               AreaItem* boxes, const Fetch& fetch) {
+  std::uint32_t place = 0;
+  for (std::uint32_t leaf = 0; leaf < leaf_count; ++leaf) {
+    const std::uint32_t size = sizes[leaf];
+    TriangleQuad* quad = quads + leaf;
+    Loaded t[4];
+    t[0] = fetch(place, &quad->id[0]);
+    for (std::uint32_t i = 1; i < 4; ++i) {
+      if (i < size) {
+        t[i] = fetch(place + i, &quad->id[i]);
+      } else {
+        t[i] = t[0];
+        quad->id[i] = quad->id[0];
+      }
+    }
+    place += size;
+    Float4 low = t[0].corner[0], high = low;
+    for (const Loaded& triangle : t)
+      for (const Float4 p : triangle.corner) low = min(low, p), high = max(high, p);
+    store(t, quad);
+    store4(low, &boxes[leaf].min.x);
+    store4(high, &boxes[leaf].max.x);
+    boxes[leaf].weight = size;
+  }
+}
+
 /// Makes points of triangles that have no area.
 void flatten(TriangleQuad* quad) {
   for (int lane = 0; lane < 4; ++lane) {
@@ -75,38 +102,47 @@ void flatten(TriangleQuad* quad) {
 
 }  // namespace
 
-void write_leaves(const TriangleSource& source, const std::uint64_t* sorted, std::uint32_t id_bits,
-                  const std::uint8_t* sizes, std::uint32_t leaf_count, TriangleQuad* quads,
-                  AreaItem* boxes) {
+void scatter_keys(const TriangleSource& source, View<const std::uint64_t> keys, const Curve& curve,
+                  std::uint32_t bucket_shift, std::uint32_t* place, std::uint64_t* sorted,
+                  TriangleRecord* records) {
+  const std::uint32_t shift = curve.id_bits + bucket_shift;
+  if (records == nullptr) {
+    for (const std::uint64_t key : keys) sorted[place[key >> shift]++] = key;
+    return;
+  }
+  const std::uint64_t id_mask = (std::uint64_t{1} << curve.id_bits) - 1;
+  Reader reader(source);
+  for (const std::uint64_t key : keys) {
+    const auto id = static_cast<std::uint32_t>(key & id_mask);
+    const std::uint32_t to = place[key >> shift]++;
+    const Corners c = reader.corners(id);
+    sorted[to] = (key & ~id_mask) | to;
+    records[to] = {{*c.p[0], *c.p[1], *c.p[2]}, id};
+  }
+}
+
+void write_leaves(const TriangleSource& source, const TriangleRecord* records,
+                  const std::uint64_t* sorted, std::uint32_t id_bits, const std::uint8_t* sizes,
+                  std::uint32_t leaf_count, TriangleQuad* quads, AreaItem* boxes) {
   const std::uint64_t id_mask = (std::uint64_t{1} << id_bits) - 1;
-  const auto id = [&](std::uint32_t i) { return static_cast<std::uint32_t>(sorted[i] & id_mask); };
+  const auto low_bits = [&](std::uint32_t i) {
+    return static_cast<std::uint32_t>(sorted[i] & id_mask);
+  };
+  if (records != nullptr)
+    return write_all(sizes, leaf_count, quads, boxes, [&](std::uint32_t i, std::uint32_t* id) {
+      const TriangleRecord& record = records[low_bits(i)];
+      *id = record.id;
+      return load({{&record.corner[0], &record.corner[1], &record.corner[2]}});
+    });
   std::uint32_t total = 0;
   for (std::uint32_t leaf = 0; leaf < leaf_count; ++leaf) total += sizes[leaf];
   Reader reader(source);
-  std::uint32_t place = 0;
-  for (std::uint32_t leaf = 0; leaf < leaf_count; ++leaf) {
-    const std::uint32_t size = sizes[leaf];
-    TriangleQuad* quad = quads + leaf;
-    Loaded t[4];
-    Float4 low = all4(std::numeric_limits<float>::infinity());
-    Float4 high = all4(-std::numeric_limits<float>::infinity());
-    for (std::uint32_t i = 0; i < 4; ++i) {
-      if (i >= size) {
-        t[i] = t[0];
-        quad->id[i] = quad->id[0];
-        continue;
-      }
-      if (place + kIndexAhead < total) reader.prefetch_index(id(place + kIndexAhead));
-      if (place + kCornerAhead < total) reader.prefetch_corners(id(place + kCornerAhead));
-      quad->id[i] = id(place++);
-      t[i] = load(reader.corners(quad->id[i]));
-      for (const Float4 p : t[i].corner) low = min(low, p), high = max(high, p);
-    }
-    store(t, quad);
-    store4(low, &boxes[leaf].min.x);
-    store4(high, &boxes[leaf].max.x);
-    boxes[leaf].weight = size;
-  }
+  write_all(sizes, leaf_count, quads, boxes, [&](std::uint32_t i, std::uint32_t* id) {
+    if (i + kIndexAhead < total) reader.prefetch_index(low_bits(i + kIndexAhead));
+    if (i + kCornerAhead < total) reader.prefetch_corners(low_bits(i + kCornerAhead));
+    *id = low_bits(i);
+    return load(reader.corners(*id));
+  });
 }
 
 void refill_quads(const TriangleSource& source, std::uint32_t count, TriangleQuad* quads) {
