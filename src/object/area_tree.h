@@ -38,6 +38,7 @@ struct AreaNode {
   Box box[kBvhWidth];
   AreaChild child[kBvhWidth];
   std::uint32_t children = 0;
+  std::uint32_t mark = 0;  ///< the caller's
 };
 
 /// Items [first, first + count), which more than one leaf must hold, and the nodes over them: [0]

@@ -132,9 +132,21 @@ class Splitter {
     return run;
   }
 
+  /// Whether a node has room for every item: cuts would only find their order.
+  [[nodiscard]] bool fits_node(const Run& run) const {
+    return options_.leaf_items == 1 && run.count <= kBvhWidth;
+  }
+  void write_all(const Run& run, AreaNode* node) const {
+    node->children = run.count;
+    for (std::uint32_t c = 0; c < run.count; ++c) {
+      const AreaItem& item = items_[run.first + c];
+      node->box[c] = {item.min, item.max};
+      node->child[c] = {AreaChild::kItems, run.first + c, 1};
+    }
+  }
+
   /// Splits a run into up to kBvhWidth, in the order of their items; returns how many.
   std::uint32_t open(const Run& whole, std::array<Run, kBvhWidth>* children) const {
-    if (whole.count <= kBvhWidth && options_.leaf_items == 1) return open_all(whole, children);
     std::uint32_t count = 1;
     (*children)[0] = whole;
     while (count < kBvhWidth) {
@@ -155,18 +167,9 @@ class Splitter {
   }
 
  private:
-  /// Where there is room for every item, cuts would only find their order.
-  std::uint32_t open_all(const Run& whole, std::array<Run, kBvhWidth>* children) const {
-    for (std::uint32_t c = 0; c < whole.count; ++c) {
-      const AreaItem& item = items_[whole.first + c];
-      (*children)[c] = {whole.first + c, 1, {item_min(item), item_max(item)}, {}, 0};
-    }
-    return whole.count;
-  }
-
   void split(const Run run, Run* left, Run* right) const {
     const Box centers = run.centers.box();
-    const std::uint32_t bins = run.count < 12 ? 8 : kBins;
+    const std::uint32_t bins = run.count < 32 ? 8 : kBins;
     Cut cut;
     const int widest = widest_axis(centers);
     for (int axis = 0; axis < 3; ++axis) {
@@ -175,12 +178,10 @@ class Splitter {
       if (binning.scale == 0) continue;
       look_for_cut(fill(run, binning), bins, axis, &cut);
     }
-    if (cut.bin == 0) {
-      *left = measured(run.first, run.count / 2);
-      *right = measured(run.first + left->count, run.count - left->count);
-      return;
-    }
-    partition(run, Binning(centers, cut.axis, bins), cut.bin, left, right);
+    const std::uint32_t count =
+        cut.bin == 0 ? run.count / 2 : partition(run, Binning(centers, cut.axis, bins), cut.bin);
+    *left = measured(run.first, count);
+    *right = measured(run.first + count, run.count - count);
   }
 
   [[nodiscard]] Bins fill(const Run& run, const Binning& binning) const {
@@ -195,29 +196,19 @@ class Splitter {
     return bins;
   }
 
-  /// Moves the items of the bins before `cut` to the front, and measures both sides.
-  void partition(const Run& run, const Binning& binning, std::uint32_t cut, Run* left,
-                 Run* right) const {
-    Run l{run.first, 0, {}, {}, 0}, r = l;
-    std::uint32_t begin = run.first, end = run.first + run.count;
-    const auto take = [&](Run* side, const AreaItem& item) {
-      const Float4 lo = item_min(item), hi = item_max(item), center = lo + hi;
-      side->box.grow(lo, hi);
-      side->centers.grow(center, center);
-    };
-    for (;;) {
-      while (begin < end && binning(items_[begin]) < cut) take(&l, items_[begin++]);
-      while (begin < end && binning(items_[end - 1]) >= cut) take(&r, items_[--end]);
-      if (begin == end) break;
-      std::swap(items_[begin], items_[end - 1]);
+  /// Moves the items of the bins before `cut` to the front; returns how many. Without a branch that
+  /// depends on the items, which no processor could predict.
+  [[nodiscard]] std::uint32_t partition(const Run& run, const Binning& binning,
+                                        std::uint32_t cut) const {
+    AreaItem* const items = items_.data + run.first;
+    std::uint32_t left = 0;
+    for (std::uint32_t i = 0; i < run.count; ++i) {
+      const AreaItem item = items[i];
+      items[i] = items[left];
+      items[left] = item;
+      left += binning(item) < cut ? 1 : 0;
     }
-    l.count = begin - run.first;
-    r.first = begin;
-    r.count = run.count - l.count;
-    l.area = half_area(l.box);
-    r.area = half_area(r.box);
-    *left = l;
-    *right = r;
+    return left;
   }
 
   View<AreaItem> items_;
@@ -233,6 +224,10 @@ class PartBuilder {
   std::uint32_t build(const Run& run) {
     const auto number = static_cast<std::uint32_t>(nodes_->size());
     nodes_->emplace_back();
+    if (splitter_.fits_node(run)) {
+      splitter_.write_all(run, &nodes_->back());
+      return number;
+    }
     std::array<Run, kBvhWidth> children;
     const std::uint32_t count = splitter_.open(run, &children);
     (*nodes_)[number].children = count;

@@ -36,6 +36,16 @@ inline Float4 operator+(Float4 a, Float4 b) {
 inline Float4 operator-(Float4 a, Float4 b) {
   return {_mm_sub_ps(a.v, b.v)};
 }
+inline Float4 operator*(Float4 a, Float4 b) {
+  return {_mm_mul_ps(a.v, b.v)};
+}
+inline Float4 abs(Float4 a) {
+  return {_mm_andnot_ps(_mm_set1_ps(-0.0f), a.v)};
+}
+/// Bit i: whether a[i] > b[i].
+inline unsigned greater_lanes(Float4 a, Float4 b) {
+  return static_cast<unsigned>(_mm_movemask_ps(_mm_cmpgt_ps(a.v, b.v)));
+}
 inline Float4 min(Float4 a, Float4 b) {
   return {_mm_min_ps(a.v, b.v)};
 }
@@ -85,6 +95,19 @@ inline Float4 operator+(Float4 a, Float4 b) {
 inline Float4 operator-(Float4 a, Float4 b) {
   for (int i = 0; i < 4; ++i) a.v[i] -= b.v[i];
   return a;
+}
+inline Float4 operator*(Float4 a, Float4 b) {
+  for (int i = 0; i < 4; ++i) a.v[i] *= b.v[i];
+  return a;
+}
+inline Float4 abs(Float4 a) {
+  for (int i = 0; i < 4; ++i) a.v[i] = a.v[i] < 0 ? -a.v[i] : a.v[i];
+  return a;
+}
+inline unsigned greater_lanes(Float4 a, Float4 b) {
+  unsigned lanes = 0;
+  for (int i = 0; i < 4; ++i) lanes |= a.v[i] > b.v[i] ? 1u << i : 0u;
+  return lanes;
 }
 inline Float4 min(Float4 a, Float4 b) {
   for (int i = 0; i < 4; ++i) a.v[i] = a.v[i] < b.v[i] ? a.v[i] : b.v[i];

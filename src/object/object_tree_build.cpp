@@ -13,6 +13,10 @@ namespace {
 /// Of a run of the curve: more leaves than a node has children.
 constexpr std::uint32_t kClosed = kBvhWidth + 1;
 
+/// So few triangles become two leaves, wherever their cells meet: fuller quads, at a price in
+/// surface that rises with their number (docs/object.md).
+constexpr std::uint32_t kTwoLeaves = 6;
+
 /// Cuts a sorted run into leaves, and its leaves into clusters, at the highest bit in which keys
 /// differ: the cells of an octree, cut along one axis after the other.
 class CurveCutter {
@@ -35,7 +39,9 @@ class CurveCutter {
       *leaf_++ = static_cast<std::uint8_t>(end - begin);
       return 1;
     }
-    const std::uint32_t middle = place_of_cut(begin, end);
+    std::uint32_t middle = place_of_cut(begin, end);
+    if (end - begin <= kTwoLeaves)
+      middle = std::clamp(middle, end - kQuadTriangles, begin + kQuadTriangles);
     const std::uint32_t left = cut(begin, middle);
     // What is on the left closes before anything on the right does, so that clusters stay in order.
     std::uint8_t* const after_left = cluster_;

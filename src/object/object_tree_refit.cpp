@@ -1,11 +1,11 @@
 #include <array>
 #include <atomic>
 
-#include "base/bits.h"
 #include "base/vec.h"
 #include "object/object_tree.h"
 #include "object/tree_emission.h"
 #include "object/tree_kernels.h"
+#include "object/triangle_reader.h"
 #include "scene/flatten_body.h"
 
 namespace raysheaf {
@@ -24,6 +24,82 @@ bool gained_area(const Executor& executor, const TriangleSource& source,
   return gained;
 }
 
+/// Lanes whose triangle certainly has an area, as in tree_kernels_simd.cpp.
+unsigned surely_differ(Float4 p, Float4 q) {
+  return greater_lanes(abs(p - q), all4(0x1p-20f) * (abs(p) + abs(q)) + all4(0x1p-100f));
+}
+bool surely_have_area(const TriangleQuad& quad) {
+  Float4 u[3], v[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const Float4 a = load4(quad.vertex[0][axis]);
+    u[axis] = load4(quad.vertex[1][axis]) - a;
+    v[axis] = load4(quad.vertex[2][axis]) - a;
+  }
+  return (surely_differ(u[1] * v[2], u[2] * v[1]) | surely_differ(u[2] * v[0], u[0] * v[2]) |
+          surely_differ(u[0] * v[1], u[1] * v[0])) == 0xf;
+}
+
+/// Makes points of triangles that have no area.
+void flatten(TriangleQuad* quad) {
+  for (int lane = 0; lane < 4; ++lane) {
+    Vec3 p[3];
+    for (int k = 0; k < 3; ++k)
+      p[k] = {quad->vertex[k][0][lane], quad->vertex[k][1][lane], quad->vertex[k][2][lane]};
+    if (!has_no_area(p[0], p[1], p[2])) continue;
+    for (int k = 1; k < 3; ++k)
+      for (int axis = 0; axis < 3; ++axis)
+        quad->vertex[k][axis][lane] = quad->vertex[0][axis][lane];
+  }
+}
+
+Box box_of(const TriangleQuad& quad) {
+  Box box;
+  for (const auto& corner : quad.vertex)
+    for (int lane = 0; lane < 4; ++lane) {
+      const Vec3 p{corner[0][lane], corner[1][lane], corner[2][lane]};
+      box = {min(box.min, p), max(box.max, p)};
+    }
+  return box;
+}
+
+/// New corners and the box of a quad that has its numbers.
+void refill(TriangleReader* reader, TriangleQuad* quad, AreaItem* leaf) {
+  LoadedTriangle t[4];
+  for (std::uint32_t i = 0; i < 4; ++i) t[i] = load_corners(reader->corners(quad->id[i]));
+  Float4 low = t[0].corner[0], high = low;
+  for (const LoadedTriangle& triangle : t)
+    for (const Float4 p : triangle.corner) low = min(low, p), high = max(high, p);
+  store_quad(t, quad);
+  store4(low, &leaf->min.x);
+  store4(high, &leaf->max.x);
+  if (surely_have_area(*quad)) return;
+  flatten(quad);
+  const Box box = box_of(*quad);
+  leaf->min = box.min;
+  leaf->max = box.max;
+}
+
+/// The quads [begin, end), and memory asked for ahead.
+void refill_quads(const TriangleSource& source, std::size_t begin, std::size_t end,
+                  const ObjectTree& tree) {
+  constexpr std::size_t kIndicesAhead = 10, kCornersAhead = 4;
+  TriangleReader reader(source);
+  for (std::size_t q = begin; q < end; ++q) {
+    if (q + kIndicesAhead < end)
+      for (const std::uint32_t id : tree.quads[q + kIndicesAhead].id) reader.prefetch_index(id);
+    if (q + kCornersAhead < end)
+      for (const std::uint32_t id : tree.quads[q + kCornersAhead].id) reader.prefetch_corners(id);
+    refill(&reader, &tree.quads[q], &tree.scratch.leaves[q]);
+  }
+}
+
+void set_child_box(BvhNode* node, std::uint32_t c, const Box& box) {
+  for (int axis = 0; axis < 3; ++axis) {
+    node->bound[axis][c] = component(box.min, axis);
+    node->bound[3 + axis][c] = component(box.max, axis);
+  }
+}
+
 /// New boxes for the children of the nodes [begin, end), from the last up; returns the sum of
 /// `cost_below`.
 double refit_nodes(std::uint32_t begin, std::uint32_t end, const ObjectTree& tree) {
@@ -33,14 +109,12 @@ double refit_nodes(std::uint32_t begin, std::uint32_t end, const ObjectTree& tre
     for (std::uint32_t c = 0; c < node.children; ++c) {
       Box box;
       if (node.is_leaf(c)) {
-        quad_box(tree.quads[node.first[c]], &box);
+        const AreaItem& leaf = tree.scratch.leaves[node.first[c]];
+        box = {leaf.min, leaf.max};
       } else {
         node_box(tree.nodes[node.first[c]], &box);
       }
-      for (int axis = 0; axis < 3; ++axis) {
-        node.bound[axis][c] = component(box.min, axis);
-        node.bound[3 + axis][c] = component(box.max, axis);
-      }
+      set_child_box(&node, c, box);
     }
     cost += cost_below(node);
   }
@@ -52,8 +126,9 @@ double refit_nodes(std::uint32_t begin, std::uint32_t end, const ObjectTree& tre
 bool refit_object_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree) {
   if (gained_area(executor, source, tree->left_out)) return false;
   if (tree->empty()) return true;
+  tree->scratch.leaves.resize_uninitialized(tree->quads.size());
   executor.for_each_block(tree->quads.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    refill_quads(source, static_cast<std::uint32_t>(end - begin), tree->quads.data() + begin);
+    refill_quads(source, begin, end, *tree);
   });
   const std::vector<std::uint32_t>& starts = tree->region_starts;
   std::vector<double> costs(starts.size() - 1);

@@ -8,8 +8,9 @@ namespace raysheaf {
 
 /// Fills `tree->nodes`, its regions, bounds and cost. A cluster has the leaves [ref, ref + weight),
 /// 1 to 8, one quad each, numbered alike; a leaf's weight is its triangles. Leaves of a cluster
-/// stand in the node above, where that has room, else in a node of their own. O(clusters + leaves).
-void emit_nodes(const Executor& executor, const AreaTree& upper, View<const AreaItem> clusters,
+/// stand in the node above, where that has room, else in a node of their own;
+/// `upper` is marked with which. O(clusters + leaves).
+void emit_nodes(const Executor& executor, AreaTree& upper, View<const AreaItem> clusters,
                 View<const AreaItem> leaves, ObjectTree* tree);
 
 /// What the children of a node add to the cost: half the surface of each times 1, or its quads.

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <bit>
 
 #include "base/bits.h"
 #include "base/vec.h"
@@ -29,46 +31,52 @@ void clear_unused(BvhNode* node) {
   }
 }
 
-/// How the clusters below one node are stored: bit c of `inside`, that the leaves of child c are
-/// the node's own children.
-struct Plan {
-  std::uint32_t inside = 0, children = 0, extra_nodes = 0;
-};
-
-Plan plan_of(const AreaNode& node, View<const AreaItem> clusters) {
-  Plan plan{0, node.children, 0};
-  const auto weight = [&](std::uint32_t c) { return clusters[node.child[c].first].weight; };
-  std::uint32_t open = 0;
-  for (std::uint32_t c = 0; c < node.children; ++c)
-    if (node.child[c].kind == AreaChild::kItems) open |= 1u << c;
-  for (;;) {
-    std::uint32_t widest = kBvhWidth;
-    double area = -1;
-    for (std::uint32_t c = 0; c < node.children; ++c) {
-      if ((open >> c & 1) == 0 || plan.children + weight(c) - 1 > kBvhWidth) continue;
-      const double its =
-          weight(c) == 1 ? std::numeric_limits<double>::infinity() : half_area(node.box[c]);
-      if (its > area) area = its, widest = c;
-    }
-    if (widest == kBvhWidth) break;
-    open &= ~(1u << widest);
-    plan.inside |= 1u << widest;
-    plan.children += weight(widest) - 1;
+/// Chooses, from the widest on, the clusters whose leaves have room in the node itself: bit c of
+/// `mark` for child c. Returns how many clusters have none.
+std::uint32_t place_clusters(View<const AreaItem> clusters, AreaNode* node) {
+  std::uint32_t open = 0, children = 0, all = 0;
+  const auto weight = [&](std::uint32_t c) { return clusters[node->child[c].first].weight; };
+  for (std::uint32_t c = 0; c < node->children; ++c) {
+    const bool is_cluster = node->child[c].kind == AreaChild::kItems;
+    children += is_cluster && weight(c) != 1 ? 0 : 1;
+    all += is_cluster ? weight(c) : 1;
+    if (is_cluster) open |= 1u << c;
   }
-  for (; open != 0; open &= open - 1) ++plan.extra_nodes;
-  return plan;
+  node->mark = open;
+  if (all <= kBvhWidth) return 0;
+  std::array<double, kBvhWidth> area{};
+  for (std::uint32_t c = 0; c < node->children; ++c) {
+    if ((open >> c & 1) == 0) continue;
+    if (weight(c) == 1) open &= ~(1u << c);
+    area[c] = half_area(node->box[c]);
+  }
+  children += static_cast<std::uint32_t>(std::popcount(open));
+  std::uint32_t left = 0;
+  while (open != 0) {
+    std::uint32_t widest = static_cast<std::uint32_t>(std::countr_zero(open));
+    for (std::uint32_t c = widest + 1; c < node->children; ++c)
+      if ((open >> c & 1) != 0 && area[c] > area[widest]) widest = c;
+    open &= ~(1u << widest);
+    if (children + weight(widest) - 1 <= kBvhWidth) {
+      children += weight(widest) - 1;
+    } else {
+      node->mark &= ~(1u << widest);
+      ++left;
+    }
+  }
+  return left;
 }
 
 /// One region: the nodes of a part or of the top, and behind them those of clusters.
 class Region {
  public:
-  Region(const std::vector<AreaNode>& from, View<const AreaItem> clusters,
-         View<const AreaItem> leaves)
+  Region(std::vector<AreaNode>& from, View<const AreaItem> clusters, View<const AreaItem> leaves)
       : from_(from), clusters_(clusters), leaves_(leaves) {}
 
-  [[nodiscard]] std::uint32_t node_count() const {
+  /// Decides which clusters have nodes; returns how many nodes there are in all.
+  [[nodiscard]] std::uint32_t plan() const {
     auto count = static_cast<std::uint32_t>(from_.size());
-    for (const AreaNode& node : from_) count += plan_of(node, clusters_).extra_nodes;
+    for (AreaNode& node : from_) count += place_clusters(clusters_, &node);
     return count;
   }
 
@@ -78,12 +86,11 @@ class Region {
     double cost = 0;
     for (std::uint32_t n = 0; n < from_.size(); ++n) {
       const AreaNode& from = from_[n];
-      const Plan plan = plan_of(from, clusters_);
       BvhNode* node = &nodes[first + n];
       node->children = 0;
       for (std::uint32_t c = 0; c < from.children; ++c) {
         const AreaChild& child = from.child[c];
-        if (child.kind == AreaChild::kItems && (plan.inside >> c & 1) != 0) {
+        if (child.kind == AreaChild::kItems && (from.mark >> c & 1) != 0) {
           write_leaves_of(clusters_[child.first], node);
           continue;
         }
@@ -111,7 +118,7 @@ class Region {
       set_leaf(node, node->children++, leaves_, cluster.ref + i);
   }
 
-  const std::vector<AreaNode>& from_;
+  std::vector<AreaNode>& from_;
   View<const AreaItem> clusters_, leaves_;
 };
 
@@ -124,13 +131,17 @@ double half_area(const Box& box) {
 }
 
 double cost_below(const BvhNode& node) {
-  double cost = 0;
-  for (std::uint32_t c = 0; c < node.children; ++c) {
-    const Box box{{node.bound[0][c], node.bound[1][c], node.bound[2][c]},
-                  {node.bound[3][c], node.bound[4][c], node.bound[5][c]}};
-    cost += half_area(box) * (node.is_leaf(c) ? div_ceil(node.count[c], kQuadTriangles) : 1);
+  std::array<double, kBvhWidth> cost;
+  for (std::uint32_t c = 0; c < kBvhWidth; ++c) {
+    const double x = double{node.bound[3][c]} - node.bound[0][c];
+    const double y = double{node.bound[4][c]} - node.bound[1][c];
+    const double z = double{node.bound[5][c]} - node.bound[2][c];
+    const double tests = node.count[c] > kQuadTriangles ? 2 : 1;
+    cost[c] = c < node.children ? tests * (x * y + y * z + z * x) : 0;
   }
-  return cost;
+  double sum = 0;
+  for (const double each : cost) sum += each;
+  return sum;
 }
 
 void finish_tree(double below, ObjectTree* tree) {
@@ -142,7 +153,7 @@ void finish_tree(double below, ObjectTree* tree) {
   if (area > 0) tree->surface_area_cost = static_cast<float>(1 + below / area);
 }
 
-void emit_nodes(const Executor& executor, const AreaTree& upper, View<const AreaItem> clusters,
+void emit_nodes(const Executor& executor, AreaTree& upper, View<const AreaItem> clusters,
                 View<const AreaItem> leaves, ObjectTree* tree) {
   const std::size_t regions = upper.part_count + 1;
   const auto region = [&](std::size_t r) {
@@ -150,7 +161,7 @@ void emit_nodes(const Executor& executor, const AreaTree& upper, View<const Area
   };
   tree->region_starts.assign(regions + 1, 0);
   executor.for_each(regions, 1,
-                    [&](std::size_t r) { tree->region_starts[r + 1] = region(r).node_count(); });
+                    [&](std::size_t r) { tree->region_starts[r + 1] = region(r).plan(); });
   for (std::size_t r = 0; r < regions; ++r) tree->region_starts[r + 1] += tree->region_starts[r];
   tree->nodes.resize_uninitialized(tree->region_starts.back());
   std::vector<double> costs(regions);

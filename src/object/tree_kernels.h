@@ -48,13 +48,6 @@ void write_leaves(const TriangleSource& source, const TriangleRecord* records,
                   const std::uint64_t* sorted, std::uint32_t id_bits, const std::uint8_t* sizes,
                   std::uint32_t leaf_count, TriangleQuad* quads, AreaItem* boxes);
 
-/// New corners for quads, which have their numbers already.
-/// Triangles without area become points.
-void refill_quads(const TriangleSource& source, std::uint32_t count, TriangleQuad* quads);
-
-/// The box of a quad's corners.
-void quad_box(const TriangleQuad& quad, Box* box);
-
 /// The union of all eight boxes of a node.
 void node_box(const BvhNode& node, Box* box);
 

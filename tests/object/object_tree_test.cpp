@@ -123,7 +123,7 @@ Mesh slivers(std::uint32_t count) {
 }
 
 std::vector<Case> cases() {
-  std::vector<Case> all(17);
+  std::vector<Case> all(18);
   all[0].meshes = {soup(1, 1, 1, 1)};
   all[1].meshes = {soup(2, 1, 1, 2)};
   all[2].meshes = {soup(9, 1, 1, 3)};
@@ -143,6 +143,7 @@ std::vector<Case> cases() {
   all[15].meshes = {grid(3, 0), soup(20000, 10, 0.1f, 15)};
   all[16].meshes = {moved(soup(600, 1, 0.1f, 14), {}, 1e-3f),
                     moved(soup(600, 1, 0.1f, 14), {1e15f, 1e15f, 0}, 1)};
+  all[17].meshes = {soup(110000, 10, 0.05f, 16), half_flat(soup(120000, 10, 0.05f, 17))};
   return all;
 }
 
