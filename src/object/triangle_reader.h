@@ -13,7 +13,7 @@ class TriangleReader {
     const Vec3* p[3];
   };
 
-  explicit TriangleReader(const TriangleSource& source) : source_(source), run_(&source.runs[0]) {}
+  explicit TriangleReader(const TriangleSource& source) : source_(source), run_(source.runs.data) {}
 
   Corners corners(std::uint32_t id) {
     if (id - run_->first >= run_->count) run_ = &source_.runs[source_.run_of(id)];
