@@ -34,7 +34,8 @@ HWY_INLINE void load_batch(const TriangleRun& run, std::uint32_t first, std::uin
   for (std::uint32_t i = 0; i < kBatch; ++i) {
     const std::uint32_t t = first + (i < count ? i : count - 1);
     for (std::uint32_t k = 0; k < 3; ++k) {
-      const Vec3 p = run.positions[run.triangles == nullptr ? 3 * t + k : run.triangles[t][k]];
+      const Vec3 p =
+          run.positions[run.triangles == nullptr ? std::size_t{3} * t + k : run.triangles[t][k]];
       batch->corner[3 * k][i] = p.x;
       batch->corner[3 * k + 1][i] = p.y;
       batch->corner[3 * k + 2][i] = p.z;
