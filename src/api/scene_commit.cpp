@@ -4,8 +4,8 @@
 #include <mutex>
 
 #include "api/scene_impl.h"
+#include "api/scene_transform.h"
 #include "base/vec.h"
-#include "scene/flat_scene.h"
 
 namespace raysheaf {
 namespace {
@@ -21,17 +21,6 @@ struct Move {
   Vec3* to;
 };
 
-/// The same operations as in scene/flatten.cpp. Returns whether all vertices stay in range.
-bool transform(const Affine& to_world, const Vec3* from, std::size_t count, Vec3* to) {
-  std::uint32_t wrong = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vec3 p = transform_point(to_world, from[i]);
-    wrong |= max_component(abs(p)) <= kLargestCoordinate ? 0u : 1u;
-    to[i] = p;
-  }
-  return wrong == 0;
-}
-
 /// The least instance that leaves the range, or kInvalidId. Tasks may span several instances, and
 /// several tasks one.
 InstanceId run_moves(const Executor& executor, const std::vector<Move>& moves, std::size_t count) {
@@ -44,7 +33,8 @@ InstanceId run_moves(const Executor& executor, const std::vector<Move>& moves, s
       const std::size_t first = begin - move->first;
       const std::size_t stop = std::min(end - move->first, move->from.size);
       begin = move->first + stop;
-      if (transform(*move->to_world, move->from.data + first, stop - first, move->to + first))
+      if (transform_points(*move->to_world, move->from.data + first, stop - first,
+                           move->to + first))
         continue;
       InstanceId least = refused.load(std::memory_order_relaxed);
       while (move->instance < least && !refused.compare_exchange_weak(least, move->instance)) {
