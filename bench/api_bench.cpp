@@ -73,6 +73,36 @@ BENCHMARK(update_and_transform)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
+/// Many small bodies, all of which move in every frame.
+void move_instances(benchmark::State& state) {
+  const auto count = static_cast<std::size_t>(state.range(0));
+  Scene scene;
+  const MeshId body = scene.add_soup(positions(36), {.place = false});
+  std::vector<InstanceId> bodies(count);
+  for (InstanceId& id : bodies) id = scene.instance(body, translation({1, 2, 3}));
+  for (auto _ : state) {
+    for (const InstanceId id : bodies)
+      scene.set_transform(id, translation({static_cast<float>(id), 2, 3}));
+    scene.commit();
+  }
+  state.SetItemsProcessed(static_cast<std::int64_t>(count) * state.iterations());
+}
+BENCHMARK(move_instances)->Arg(1000)->Arg(100000)->UseRealTime()->Unit(benchmark::kMillisecond);
+
+/// The same where one of them comes and goes in every frame.
+void list_instances(benchmark::State& state) {
+  Scene scene;
+  const MeshId body = scene.add_soup(positions(36), {.place = false});
+  for (std::int64_t i = 0; i < state.range(0); ++i) scene.instance(body, translation({1, 2, 3}));
+  InstanceId passing = scene.instance(body, Affine{});
+  for (auto _ : state) {
+    scene.remove_instance(passing);
+    passing = scene.instance(body, Affine{});
+    scene.commit();
+  }
+}
+BENCHMARK(list_instances)->Arg(1000)->Arg(100000)->UseRealTime()->Unit(benchmark::kMillisecond);
+
 /// 2^18 rays looked over.
 void check(benchmark::State& state) {
   const Executor executor(static_cast<std::uint32_t>(state.range(0)));
