@@ -3,6 +3,8 @@
 # file looks all of them up.
 include(CMakePackageConfigHelpers)
 
+# Shared and static: the same objects.
+set_target_properties(raysheaf PROPERTIES DEFINE_SYMBOL "")
 # Shared: releases of one minor version may stand in for each other, and the program finds its library.
 set_target_properties(raysheaf PROPERTIES
   VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
