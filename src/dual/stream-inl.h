@@ -154,7 +154,6 @@ class StreamWalk {
   }
 
   void open(const WaitingList& list) {
-    { static thread_local long opens=0,blocks=0,rays=0,small=0; ++opens; blocks+=(list.size+15)/16; rays+=list.size; small+= list.size<=3; if(opens%1000000==0&&getenv("ST")) fprintf(stderr,"opens %ld blocks %ld rays %ld small %ld\n",opens,blocks,rays,small);}
     using hn::Max, hn::Min, hn::Mul, hn::Sub;
     Stream& s = stream_;
     const BvhNode& node = tree_.nodes[list.first];

@@ -1,13 +1,15 @@
 #include <algorithm>
 
 #include "base/bits.h"
+#include "dual/stream.h"
 #include "dual/trace_job.h"
 
 namespace raysheaf {
 namespace {
 
-/// Packets a task: neighbours share the boxes and triangles that they meet.
-constexpr std::size_t kPacketsATask = 512;
+/// Packets a task: neighbours share the boxes and triangles that they meet. Of streams: two.
+constexpr std::size_t kPacketsATask = 64;
+constexpr std::size_t kStreamPacketsATask = 2 * kStreamRays / kPacketWidth;
 
 template <class Trace>
 void trace_all_tasks(const Executor& executor, const DualScene& scene, View<const Ray> rays,
@@ -15,6 +17,7 @@ void trace_all_tasks(const Executor& executor, const DualScene& scene, View<cons
                      TraceJob job, const Trace& trace) {
   std::mutex mutex;
   job.scene = scene;
+  job.bundle = scene.bundle;
   job.rays = rays.data;
   job.order = order.rays.data();
   job.ray_starts = order.starts;
@@ -26,9 +29,11 @@ void trace_all_tasks(const Executor& executor, const DualScene& scene, View<cons
   job.counts = counts;
   job.mutex = &mutex;
   const std::size_t packets = job.packet_starts[kQuarters];
-  executor.for_each(div_ceil(packets, kPacketsATask), 1, [&](std::size_t task) {
-    const std::size_t begin = task * kPacketsATask;
-    trace(job, begin, std::min(packets, begin + kPacketsATask));
+  const std::size_t a_task =
+      scene.bundle == Bundle::kStream ? kStreamPacketsATask : kPacketsATask;
+  executor.for_each(div_ceil(packets, a_task), 1, [&](std::size_t task) {
+    const std::size_t begin = task * a_task;
+    trace(job, begin, std::min(packets, begin + a_task));
   });
 }
 

@@ -14,6 +14,7 @@ struct PacketRange {
 
 struct TraceJob {
   DualScene scene;
+  Bundle bundle = Bundle::kPacket;
   const Ray* rays = nullptr;
   const std::uint32_t* order = nullptr;
   std::array<std::uint32_t, kQuarters + 1> ray_starts{}, packet_starts{};

@@ -32,28 +32,39 @@ inline void prefetch_rays(const TraceJob& job, const PacketRange& range) {
 }
 
 template <class Mode>
-void trace_packets(const TraceJob& job, std::size_t begin, std::size_t end) {
-  static const bool streams = getenv("STREAM") != nullptr;
-  if (streams) {
-    StreamWalk<Mode> walk(job);
-    while (begin < end) {
-      const PacketRange first = job.packet(begin);
-      std::size_t n = begin + 1;
-      std::uint32_t count = first.count;
-      while (n < end && n - begin < kStreamRays / kPacketWidth && job.packet(n).quarter == first.quarter)
-        count += job.packet(n++).count;
-      walk.run(first.first, count, first.quarter);
-      begin = n;
-    }
-    walk.finish();
-    return;
-  }
+void walk_packets(const TraceJob& job, std::size_t begin, std::size_t end) {
   Walk<Mode> walk(job);
   for (std::size_t n = begin; n < end; ++n) {
     if (n + 1 < end) prefetch_rays(job, job.packet(n + 1));
     walk.run(job.packet(n));
   }
   walk.finish();
+}
+
+/// Packets that follow each other in one quarter make a stream.
+template <class Mode>
+void walk_streams(const TraceJob& job, std::size_t begin, std::size_t end) {
+  StreamWalk<Mode> walk(job);
+  while (begin < end) {
+    const PacketRange first = job.packet(begin);
+    std::uint32_t count = first.count;
+    for (++begin; begin < end && count + kPacketWidth <= kStreamRays; ++begin) {
+      const PacketRange next = job.packet(begin);
+      if (next.quarter != first.quarter) break;
+      count += next.count;
+    }
+    walk.run(first.first, count, first.quarter);
+  }
+  walk.finish();
+}
+
+template <class Mode>
+void trace_packets(const TraceJob& job, std::size_t begin, std::size_t end) {
+  if (job.bundle == Bundle::kStream) {
+    walk_streams<Mode>(job, begin, end);
+  } else {
+    walk_packets<Mode>(job, begin, end);
+  }
 }
 
 void TraceClosest(const TraceJob& job, std::size_t begin, std::size_t end) {

@@ -44,14 +44,8 @@ class Walk {
     counts_.ray_box_tests += p.count;
     done_ = 0;
     if (lanes != 0) {
-      static const bool pure = getenv("PURE") != nullptr;
-      if (pure) {
-        for (std::uint32_t m = lanes; m != 0; m &= m - 1)
-          walk_single(static_cast<std::uint32_t>(__builtin_ctz(m)), 0);
-      } else {
       beam_ = make_beam(lanes, &p);
       walk_beam();
-      }
     }
     write_back();
     if (job_.ray_tests != nullptr) {

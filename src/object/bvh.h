@@ -18,7 +18,7 @@
 namespace raysheaf {
 
 inline constexpr std::uint32_t kBvhWidth = 8;
-inline constexpr std::uint32_t kLeafTriangles = 4;
+inline constexpr std::uint32_t kLeafTriangles = 8;
 
 /// Children [0, children); boxes hold all corners of the triangles below, bit for bit.
 struct alignas(kCacheLineBytes) BvhNode {
