@@ -3,9 +3,9 @@
 //   packet: 16 rays towards one face        beam: what all of them stay in
 //
 //        x ^      . - ' |                   at two planes across the axis the smallest and the
-//          |  . '       |  . - '            largest x (and y) of the rays; in between, straight lines
-//          | |   . - ' '|
-//          | |.-'_ _ _ _|_                  a box is met where there is a z at which the beam's
+//          |  . '       |  . - '            largest x (and y) of the rays; in between, straight
+//          lines | |   . - ' '| | |.-'_ _ _ _|_                  a box is met where there is a z at
+//          which the beam's
 //          +--------------------> z         rectangle overlaps it: an interval of z, whose near end
 //           start      end                  says which box comes first
 //

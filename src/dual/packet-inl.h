@@ -51,8 +51,8 @@ struct PlanePair {
   float near, far;
 };
 
-/// Where the packet's lanes from `g` on are inside a box: from `near` to `far`, clipped to what they
-/// look for.
+/// Where the packet's lanes from `g` on are inside a box: from `near` to `far`, clipped to what
+/// they look for.
 HWY_INLINE void clip_to_box(const RayPacket& p, std::size_t g, PlanePair x, PlanePair y,
                             PlanePair z, RV* near, RV* far) {
   using hn::Max, hn::Min, hn::Mul, hn::Sub;
@@ -155,8 +155,8 @@ HWY_INLINE void gather_rays(const Ray* rays, const std::uint32_t* order, std::ui
 }
 
 /// Everything that follows from the rays and the scene's box.
-HWY_INLINE void prepare_packet(const Box& scene, const float* dx, const float* dy,
-                                        const float* dz, RayPacket* p) {
+HWY_INLINE void prepare_packet(const Box& scene, const float* dx, const float* dy, const float* dz,
+                               RayPacket* p) {
   using hn::Abs, hn::Max, hn::Mul, hn::Sub;
   const Rays d;
   const Vec3 lo{component(scene.min, p->axis_x), component(scene.min, p->axis_y),
@@ -277,8 +277,8 @@ HWY_INLINE Beam make_beam(std::uint32_t lanes, RayPacket* p) {
   const RV infinity = set(std::numeric_limits<float>::infinity());
   RV nearest = infinity;
   for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-    const RV start = hn::Add(hn::Mul(set(sign), hn::Sub(load(p->oz + g), set(first))),
-                             load(p->s_near + g));
+    const RV start =
+        hn::Add(hn::Mul(set(sign), hn::Sub(load(p->oz + g), set(first))), load(p->s_near + g));
     nearest = hn::Min(nearest, hn::IfThenElse(lanes_of(lanes, g), start, infinity));
   }
   const float plane = first + sign * least(nearest);

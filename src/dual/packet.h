@@ -29,7 +29,7 @@ struct alignas(64) RayPacket {
   float x_near[kPacketWidth], x_far[kPacketWidth];   ///< origin, for near and far planes with pad
   float y_near[kPacketWidth], y_far[kPacketWidth];
   float z_near[kPacketWidth], z_far[kPacketWidth];
-  float per_x[kPacketWidth], per_y[kPacketWidth];  ///< distance along z a unit of x, of y
+  float per_x[kPacketWidth], per_y[kPacketWidth];   ///< distance along z a unit of x, of y
   float s_near[kPacketWidth], s_far[kPacketWidth];  ///< where boxes matter; done lanes: nowhere
   float zeta[kPacketWidth];                         ///< of the origin
   float along[kPacketWidth];                        ///< |d_z|

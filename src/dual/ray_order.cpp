@@ -113,8 +113,8 @@ void order_rays(const Executor& executor, View<const Ray> rays, Sorting sorting,
   const std::uint32_t word_bits = kept + index_bits;
   const KeyMaker make_key(rays);
   executor.for_each(count, 4096, [&](std::size_t i) {
-    const std::uint64_t key = sorting == Sorting::kCurve ? make_key(rays[i])
-                                                         : quarter_of(rays[i].direction);
+    const std::uint64_t key =
+        sorting == Sorting::kCurve ? make_key(rays[i]) : quarter_of(rays[i].direction);
     order->keys[i] = key >> (bits - kept) << index_bits | i;
   });
   const std::uint32_t bucket_bits = sorting == Sorting::kCurve ? kBucketBits : kQuarterBits;

@@ -1,5 +1,5 @@
-// The order in which `dual` takes the rays of a batch: by the quarter of a cube's face that they run
-// towards, then along a Morton curve through the five dimensions of rays, origin and slopes.
+// The order in which `dual` takes the rays of a batch: by the quarter of a cube's face that they
+// run towards, then along a Morton curve through the five dimensions of rays, origin and slopes.
 //
 // Rays of one quarter share the axis along which the ray-triangle test shears them, and which of a
 // box's planes they meet first: nothing has to be chosen lane by lane.
@@ -32,17 +32,17 @@ inline constexpr std::uint32_t kQuarters = 24;
 }
 
 struct RayOrder {
-  Buffer<std::uint32_t> rays;  ///< the caller's numbers, in the new order
+  Buffer<std::uint32_t> rays;                         ///< the caller's numbers, in the new order
   std::array<std::uint32_t, kQuarters + 1> starts{};  ///< of the quarters
-  Buffer<std::uint64_t> keys, spare;  ///< scratch
+  Buffer<std::uint64_t> keys, spare;                  ///< scratch
 };
 
 enum class Sorting : std::uint8_t {
-  kQuarters,  ///< the caller's order within each quarter
+  kByQuarter,  ///< the caller's order within each quarter
   kCurve,
 };
 
-/// O(rays log rays), and O(rays) for kQuarters. Ties keep the caller's order. At most 2^31 rays.
+/// O(rays log rays), and O(rays) for kByQuarter. Ties keep the caller's order. At most 2^31 rays.
 void order_rays(const Executor& executor, View<const Ray> rays, Sorting sorting, RayOrder* order);
 
 }  // namespace raysheaf

@@ -34,8 +34,8 @@ HWY_INLINE void gather_records(const Record* records, const std::uint32_t* list,
   }
 }
 
-/// Appends the numbers of a group's lanes that are set; room for kPacketWidth is needed. Returns the
-/// new end.
+/// Appends the numbers of a group's lanes that are set; room for kPacketWidth is needed. Returns
+/// the new end.
 HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
                                      std::uint32_t* out) {
 #if HWY_TARGET <= HWY_AVX3
@@ -116,7 +116,8 @@ class StreamWalk {
       for (std::uint32_t i = 0; i < n; ++i) {
         s.rays[base + i] = {p.ox[i],    p.oy[i],     p.oz[i],    p.per_x[i],
                             p.per_y[i], p.s_near[i], p.s_far[i], p.along[i]};
-        s.shears[base + i] = {p.shear_x[i], p.shear_y[i], p.shear_z[i], p.t_min[i], p.t_limit[i], {}};
+        s.shears[base + i] = {p.shear_x[i], p.shear_y[i], p.shear_z[i],
+                              p.t_min[i],   p.t_limit[i], {}};
         s.index[base + i] = p.index[i];
         s.hits[base + i] = {};
       }
@@ -245,7 +246,8 @@ class StreamWalk {
         const float* y = &q.vertex[0][s.axis_y][k];
         const float* z = &q.vertex[0][s.axis_z][k];
         for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-          const RV ox = load(ray.field[0] + g), oy = load(ray.field[1] + g), oz = load(ray.field[2] + g);
+          const RV ox = load(ray.field[0] + g), oy = load(ray.field[1] + g),
+                   oz = load(ray.field[2] + g);
           const RV sx = load(shear.field[0] + g), sy = load(shear.field[1] + g);
           const auto moved = [&](int c) {
             return sheared(d, hn::Sub(set(x[12 * c]), ox), hn::Sub(set(y[12 * c]), oy),
@@ -273,7 +275,8 @@ class StreamWalk {
     hn::Store(tested.det, d, det);
     for (; hit != 0; hit &= hit - 1) {
       const int i = __builtin_ctz(hit);
-      take(block[g + static_cast<std::size_t>(i)], q.id[k], {t[i], v[i] / det[i], w[i] / det[i], det[i] > 0});
+      take(block[g + static_cast<std::size_t>(i)], q.id[k],
+           {t[i], v[i] / det[i], w[i] / det[i], det[i] > 0});
     }
     for (; unsettled != 0; unsettled &= unsettled - 1)
       take_exactly(block[g + static_cast<std::size_t>(__builtin_ctz(unsettled))], q, k);

@@ -13,8 +13,8 @@ constexpr std::size_t kStreamPacketsATask = 2 * kStreamRays / kPacketWidth;
 
 template <class Trace>
 void trace_all_tasks(const Executor& executor, const DualScene& scene, View<const Ray> rays,
-                     const RayOrder& order, View<float> ray_tests, DualCounts* counts,
-                     TraceJob job, const Trace& trace) {
+                     const RayOrder& order, View<float> ray_tests, DualCounts* counts, TraceJob job,
+                     const Trace& trace) {
   std::mutex mutex;
   job.scene = scene;
   job.bundle = scene.bundle;
@@ -29,8 +29,7 @@ void trace_all_tasks(const Executor& executor, const DualScene& scene, View<cons
   job.counts = counts;
   job.mutex = &mutex;
   const std::size_t packets = job.packet_starts[kQuarters];
-  const std::size_t a_task =
-      scene.bundle == Bundle::kStream ? kStreamPacketsATask : kPacketsATask;
+  const std::size_t a_task = scene.bundle == Bundle::kStream ? kStreamPacketsATask : kPacketsATask;
   executor.for_each(div_ceil(packets, a_task), 1, [&](std::size_t task) {
     const std::size_t begin = task * a_task;
     trace(job, begin, std::min(packets, begin + a_task));

@@ -21,9 +21,13 @@ HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+// Each stands on those before it.
 #include "dual/packet-inl.h"
+
 #include "dual/triangle-inl.h"
+
 #include "dual/walk-inl.h"
+
 #include "dual/stream-inl.h"
 
 inline void prefetch_rays(const TraceJob& job, const PacketRange& range) {

@@ -58,8 +58,7 @@ HWY_INLINE bool test_lanes(D d, const Corner<D>& a, const Corner<D>& b, const Co
   const V w = edge_of(b.x, b.y, a.x, a.y);
   const V zero = hn::Zero(d);
   // As the scalar test, so that what is not a number agrees and is settled there.
-  const auto agree =
-      hn::Not(And(hn::Lt(Min(Min(u, v), w), zero), hn::Gt(Max(Max(u, v), w), zero)));
+  const auto agree = hn::Not(And(hn::Lt(Min(Min(u, v), w), zero), hn::Gt(Max(Max(u, v), w), zero)));
   if (HWY_LIKELY(hn::AllFalse(d, agree))) return false;
   const V det = Add(Add(u, v), w);
   const V size = Abs(det);
@@ -69,8 +68,8 @@ HWY_INLINE bool test_lanes(D d, const Corner<D>& a, const Corner<D>& b, const Co
   const V products = Add(Add(spread_of(c.x, c.y, b.x, b.y), spread_of(a.x, a.y, c.x, c.y)),
                          spread_of(b.x, b.y, a.x, a.y));
   const auto well_seen = Le(products, Mul(hn::Set(d, kLargestSpread), size));
-  const V distance = Add(Add(Mul(u, Mul(shear_z, a.z)), Mul(v, Mul(shear_z, b.z))),
-                         Mul(w, Mul(shear_z, c.z)));
+  const V distance =
+      Add(Add(Mul(u, Mul(shear_z, a.z)), Mul(v, Mul(shear_z, b.z))), Mul(w, Mul(shear_z, c.z)));
   const V reach = Abs(distance);
   const auto in_range =
       And(Ge(reach, hn::Set(d, kSmallDistance)), Le(reach, hn::Set(d, kLargeDeterminant)));

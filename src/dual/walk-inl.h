@@ -69,8 +69,7 @@ class Walk {
       const Waiting next = waiting_[--top];
       if (next.near > beam_.end) continue;
       if (next.count != 0) {
-        if (meet_leaf(next.first, next.count))
-          beam_.end = farthest_zeta(packet_) + packet_.pad;
+        if (meet_leaf(next.first, next.count)) beam_.end = farthest_zeta(packet_) + packet_.pad;
       } else if (__builtin_popcount(next.lanes) <= kSingleRays) {
         for (std::uint32_t m = next.lanes; m != 0; m &= m - 1)
           walk_single(static_cast<std::uint32_t>(__builtin_ctz(m)), next.first);
@@ -89,8 +88,7 @@ class Walk {
     alignas(64) float near[kBvhWidth];
     counts_.beam_box_tests += node.children;
     std::uint32_t met = children_in_beam(packet_, beam_, node, near);
-    counts_.ray_box_tests +=
-        static_cast<std::uint32_t>(__builtin_popcount(met)) * packet_.count;
+    counts_.ray_box_tests += static_cast<std::uint32_t>(__builtin_popcount(met)) * packet_.count;
     Waiting* const bottom = waiting_.data() + top;
     Waiting* end = bottom;
     for (; met != 0; met &= met - 1) {
@@ -145,8 +143,8 @@ class Walk {
                         {t[i], v[i] / det[i], w[i] / det[i], det[i] > 0});
     }
     for (; unsettled != 0; unsettled &= unsettled - 1) {
-      const auto lane = static_cast<std::uint32_t>(g) +
-                        static_cast<std::uint32_t>(__builtin_ctz(unsettled));
+      const auto lane =
+          static_cast<std::uint32_t>(g) + static_cast<std::uint32_t>(__builtin_ctz(unsettled));
       shortened |= take_exactly(lane, q, k);
     }
     return shortened;

@@ -1,82 +1,167 @@
 #include "engine/engine.h"
 
 #include <algorithm>
+#include <chrono>
 
-#include "intersect/facing_body.h"
-#include "intersect/triangle_body.h"
-#include "scene/flatten_body.h"
+#include "exec/scan.h"
 
 namespace raysheaf {
 namespace {
 
-/// Calls `take(hit)` for every hit of a ray.
-template <class Take>
-void for_each_hit(const TriangleSource& source, const Ray& ray, const EngineOptions& options,
-                  const Take& take) {
-  const RaySetup setup = make_ray_setup(ray);
-  source.for_each_part(
-      0, source.count, [&](const TriangleRun& run, std::uint32_t b, std::uint32_t e) {
-        for (std::uint32_t i = b; i < e; ++i) {
-          const auto [p, q, r] = run.corners(i);
-          TriangleHit hit;
-          if (has_no_area(p, q, r) || !intersect_triangle(setup, p, q, r, &hit)) continue;
-          const std::uint32_t id = run.first + i;
-          if (source.flags != nullptr && !shows(options.facing, source.flags[id], hit.front))
-            continue;
-          take(EngineHit{hit.t, hit.u, hit.v, id});
-        }
-      });
-}
+/// A tree whose expected cost has grown by this much is not worth refitting.
+constexpr float kSpoilt = 1.5f;
 
 bool precedes(const EngineHit& a, const EngineHit& b) {
   return a.t < b.t || (a.t == b.t && a.triangle < b.triangle);
 }
 
+/// Adds to the report where there is one; times what was done since the last lap.
+class Reporter {
+ public:
+  explicit Reporter(EngineReport* report) : report_(report) {}
+
+  void lap(double EngineReport::*field) {
+    const auto now = std::chrono::steady_clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+    if (report_ == nullptr) return;
+    report_->*field += ms;
+    report_->total_ms += ms;
+  }
+  void add(const DualCounts& counts) {
+    if (report_ == nullptr) return;
+    report_->bound_tests += counts.beam_box_tests;
+    report_->ray_bound_tests += counts.ray_box_tests;
+    report_->triangle_tests += counts.triangle_tests;
+  }
+
+ private:
+  EngineReport* report_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+EngineHitRows to_rows(const Executor& executor, const std::vector<RowHit>& found,
+                      std::size_t ray_count) {
+  EngineHitRows rows;
+  rows.offsets.assign(ray_count + 1, 0);
+  for (const RowHit& hit : found) ++rows.offsets[hit.ray + 1];
+  for (std::size_t i = 0; i < ray_count; ++i) rows.offsets[i + 1] += rows.offsets[i];
+  rows.hits.resize(found.size());
+  std::vector<std::uint64_t> next(rows.offsets.begin(), rows.offsets.end() - 1);
+  for (const RowHit& hit : found) rows.hits[next[hit.ray]++] = hit.hit;
+  executor.for_each(ray_count, 1024, [&](std::size_t i) {
+    std::sort(rows.hits.begin() + static_cast<std::ptrdiff_t>(rows.offsets[i]),
+              rows.hits.begin() + static_cast<std::ptrdiff_t>(rows.offsets[i + 1]), precedes);
+  });
+  return rows;
+}
+
 }  // namespace
 
 void Engine::set_triangles(const TriangleSource& source, bool same_triangles) {
+  const bool keeps = same_triangles && source.count == source_.count;
   source_ = source;
-  state_ = same_triangles && state_ != State::kStale ? State::kMoved : State::kStale;
+  history_.triangles = source.count;
+  history_.rays_since_change = 0;
+  if (keeps) {
+    history_.moved = true;
+    ++history_.moves;
+  } else {
+    history_ = {};
+    history_.triangles = source.count;
+  }
+}
+
+void Engine::prepare(const Executor& executor, View<const Ray> rays, const Plan& plan,
+                     EngineReport* report) {
+  Reporter reporter(report);
+  const bool refitted =
+      plan.tree == TreeWork::kRefit && refit_object_tree(executor, source_, &tree_);
+  if (plan.tree == TreeWork::kRebuildFinely) {
+    build_fine_object_tree(executor, source_, &tree_);
+  } else if (plan.tree != TreeWork::kKeep && !refitted) {
+    build_object_tree(executor, source_, &tree_);
+  }
+  if (plan.tree != TreeWork::kKeep && !refitted) {
+    // A fine tree that was spoilt is tried again, but not so soon.
+    if (history_.fine && plan.tree == TreeWork::kRebuild)
+      history_.patience = history_.moves + 2 * history_.patience;
+    history_.fine = plan.tree == TreeWork::kRebuildFinely;
+    cost_when_built_ = tree_.surface_area_cost;
+  }
+  history_.built = true;
+  history_.moved = false;
+  history_.degraded = tree_.surface_area_cost > kSpoilt * cost_when_built_;
+  history_.rays_since_change += rays.size;
+  reporter.lap(&EngineReport::hierarchy_ms);
+  order_rays(executor, rays, plan.sort ? Sorting::kCurve : Sorting::kByQuarter, &order_);
+  reporter.lap(&EngineReport::order_ms);
+}
+
+DualScene Engine::dual_scene(const Plan& plan, const EngineOptions& options) const {
+  return {&tree_, source_.flags, options.facing, plan.bundle};
 }
 
 void Engine::closest_hit(const Executor& executor, View<const Ray> rays,
-                         const EngineOptions& options, View<EngineHit> hits, View<float>,
-                         EngineReport*) {
-  executor.for_each(rays.size, 64, [&](std::size_t i) {
-    EngineHit best;
-    for_each_hit(source_, rays[i], options, [&](const EngineHit& hit) {
-      if (precedes(hit, best)) best = hit;
-    });
-    hits[i] = best;
-  });
+                         const EngineOptions& options, View<EngineHit> hits, View<float> ray_tests,
+                         EngineReport* report) {
+  if (rays.empty()) return;
+  Plan plan = make_plan(executor, history_, rays, false, report != nullptr);
+  if (report != nullptr) report->plan = std::move(plan.reasons);
+  prepare(executor, rays, plan, report);
+  Reporter reporter(report);
+  DualCounts counts;
+  trace_closest(executor, dual_scene(plan, options), rays, order_, hits, ray_tests, &counts);
+  reporter.lap(&EngineReport::trace_ms);
+  reporter.add(counts);
 }
 
 void Engine::any_hit(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
-                     View<std::uint8_t> occluded, View<float>, EngineReport*) {
-  executor.for_each(rays.size, 64, [&](std::size_t i) {
-    occluded[i] = 0;
-    for_each_hit(source_, rays[i], options, [&](const EngineHit&) { occluded[i] = 1; });
-  });
+                     View<std::uint8_t> occluded, View<float> ray_tests, EngineReport* report) {
+  if (rays.empty()) return;
+  Plan plan = make_plan(executor, history_, rays, true, report != nullptr);
+  if (report != nullptr) report->plan = std::move(plan.reasons);
+  if (plan.fan) {
+    FanCounts counts;
+    const FanOptions fan{options.facing, options.count, &fan_memory_};
+    Reporter reporter(report);
+    occluded_in_fan(executor, source_, rays, fan, occluded, ray_tests, &counts);
+    if (report == nullptr) return;
+    report->bound_tests += counts.bound_tests;
+    report->triangle_tests += counts.triangle_tests;
+    report->order_ms += counts.order_ms;
+    report->hierarchy_ms += counts.hierarchy_ms;
+    report->trace_ms += counts.traverse_ms;
+    report->total_ms += counts.order_ms + counts.hierarchy_ms + counts.traverse_ms;
+    return;
+  }
+  prepare(executor, rays, plan, report);
+  Reporter reporter(report);
+  DualCounts counts;
+  trace_any(executor, dual_scene(plan, options), rays, order_, occluded, ray_tests, &counts);
+  reporter.lap(&EngineReport::trace_ms);
+  reporter.add(counts);
 }
 
 EngineHitRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
-                               const EngineOptions& options, EngineReport*) {
-  std::vector<std::vector<EngineHit>> rows(rays.size);
-  executor.for_each(rays.size, 64, [&](std::size_t i) {
-    for_each_hit(source_, rays[i], options, [&](const EngineHit& h) { rows[i].push_back(h); });
-    std::sort(rows[i].begin(), rows[i].end(), precedes);
-  });
-  EngineHitRows out;
-  out.offsets.assign(1, 0);
-  for (const std::vector<EngineHit>& row : rows) {
-    out.hits.insert(out.hits.end(), row.begin(), row.end());
-    out.offsets.push_back(out.hits.size());
-  }
-  return out;
+                               const EngineOptions& options, EngineReport* report) {
+  if (rays.empty()) return {{0}, {}};
+  Plan plan = make_plan(executor, history_, rays, false, report != nullptr);
+  if (report != nullptr) report->plan = std::move(plan.reasons);
+  prepare(executor, rays, plan, report);
+  Reporter reporter(report);
+  DualCounts counts;
+  const std::vector<RowHit> found =
+      trace_all(executor, dual_scene(plan, options), rays, order_, {}, &counts);
+  EngineHitRows rows = to_rows(executor, found, rays.size);
+  reporter.lap(&EngineReport::trace_ms);
+  reporter.add(counts);
+  return rows;
 }
 
 std::size_t Engine::memory_bytes() const {
-  return tree_.nodes.capacity_bytes() + tree_.quads.capacity_bytes();
+  return tree_.memory_bytes() + order_.rays.capacity_bytes() + order_.keys.capacity_bytes() +
+         order_.spare.capacity_bytes() + fan_memory_.bytes();
 }
 
 }  // namespace raysheaf

@@ -13,6 +13,7 @@
 
 #include "base/view.h"
 #include "dual/dual.h"
+#include "engine/plan.h"
 #include "exec/executor.h"
 #include "fan/fan.h"
 #include "object/object_tree.h"
@@ -66,12 +67,21 @@ class Engine {
   [[nodiscard]] EngineHitRows all_hits(const Executor& executor, View<const Ray> rays,
                                        const EngineOptions& options, EngineReport* report);
 
+  /// The tree, and the room that queries keep for the next one.
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
+  /// Does what the plan says of the tree and the order.
+  void prepare(const Executor& executor, View<const Ray> rays, const Plan& plan,
+               EngineReport* report);
+  [[nodiscard]] DualScene dual_scene(const Plan& plan, const EngineOptions& options) const;
+
   TriangleSource source_;
   ObjectTree tree_;
-  enum class State { kStale, kMoved, kCurrent } state_ = State::kStale;
+  SceneHistory history_;
+  float cost_when_built_ = 0;
+  RayOrder order_;
+  FanMemory fan_memory_;
 };
 
 }  // namespace raysheaf

@@ -1,0 +1,144 @@
+#include "engine/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "base/vec.h"
+#include "fan/fan.h"
+
+namespace raysheaf {
+namespace {
+
+// Nanoseconds of one core.
+constexpr double kFanRay = 25, kFanTriangle = 9;
+constexpr double kRefitTriangle = 15, kRebuildTriangle = 45, kFineTriangle = 380;
+constexpr double kTraceRayLevel = 8;  // a ray, a doubling of the triangles
+
+/// What a fine tree saves of the tracing.
+constexpr double kFineSaves = 0.1;
+
+constexpr std::size_t kGroups = 64;
+
+std::string figures(const char* format, double a, double b) {
+  char text[160];
+  std::snprintf(text, sizeof text, format, a, b);
+  return text;
+}
+
+double trace_cost(const SceneHistory& scene, double rays) {
+  return rays * kTraceRayLevel * std::log2(2.0 + scene.triangles);
+}
+
+bool tries_fine_tree(const SceneHistory& scene) {
+  const double gain = kFineSaves * trace_cost(scene, static_cast<double>(scene.rays_since_change));
+  return gain > kFineTriangle * scene.triangles;
+}
+
+void choose_tree(const SceneHistory& scene, Plan* plan) {
+  const auto choose = [&](TreeWork work, std::string reason) {
+    plan->tree = work;
+    plan->reasons.push_back(std::move(reason));
+  };
+  if (!scene.built)
+    return choose(TreeWork::kRebuild, "object tree: built, for these triangles are new");
+  if (!scene.moved && scene.fine)
+    return choose(TreeWork::kKeep, "object tree: kept, for no triangle has moved");
+  if (!scene.moved && tries_fine_tree(scene))
+    return choose(TreeWork::kRebuildFinely,
+                  "object tree: built finely, for so many rays have met triangles that stay");
+  if (!scene.moved) return choose(TreeWork::kKeep, "object tree: kept, for no triangle has moved");
+  if (scene.degraded)
+    return choose(TreeWork::kRebuild, "object tree: built again, for moves have spoilt it");
+  if (!scene.fine && scene.moves >= scene.patience)
+    return choose(TreeWork::kRebuildFinely,
+                  "object tree: built finely, to be refitted from now on, for the same triangles "
+                  "keep moving");
+  choose(TreeWork::kRefit, "object tree: refitted, for the same triangles have moved");
+}
+
+double tree_cost(const SceneHistory& scene) {
+  if (scene.built && !scene.moved) return 0;
+  return (scene.built && !scene.degraded ? kRefitTriangle : kRebuildTriangle) * scene.triangles;
+}
+
+/// Whether the rays fan out from a point and it pays to stream the triangles at them.
+bool chooses_fan(const Executor& executor, const SceneHistory& scene, View<const Ray> rays,
+                 Plan* plan) {
+  if (!share_origin(executor, rays)) return false;
+  const auto count = static_cast<double>(rays.size);
+  const double fan = kFanRay * count + kFanTriangle * scene.triangles;
+  const double tree = tree_cost(scene) + trace_cost(scene, count);
+  const bool chosen = fan < tree;
+  plan->reasons.push_back(figures(
+      chosen ? "rays of one origin: triangles stream against cells over them, about %.2g ms "
+               "of a core; an object tree about %.2g"
+             : "rays of one origin, but streaming the triangles is about %.2g ms of a core, "
+               "the object tree %.2g",
+      fan * 1e-6, tree * 1e-6));
+  return chosen;
+}
+
+void choose_bundle(View<const Ray> rays, Plan* plan) {
+  const Coherence found = sample_coherence(rays, nullptr);
+  plan->sort = !found.origins_alike();
+  plan->reasons.push_back(figures(
+      plan->sort
+          ? "rays: sorted, for sixteen in a row start %.0f %% of the batch's extent apart"
+          : "rays: not sorted, for sixteen in a row start within %.2g %% of the batch's extent",
+      100 * found.origin, 0));
+  const bool alike = found.origins_alike() && found.directions_alike();
+  plan->bundle = alike ? Bundle::kPacket : Bundle::kStream;
+  plan->reasons.push_back(figures(
+      alike ? "bundles: packets of sixteen within beams, for %.0f %% of neighbours run alike"
+            : "bundles: streams, for only %.0f %% of neighbours run alike",
+      100 * found.direction, 0));
+}
+
+}  // namespace
+
+Coherence sample_coherence(View<const Ray> rays, const std::uint32_t* order) {
+  constexpr std::size_t kGroup = 16;
+  const std::size_t groups = std::min(kGroups, rays.size / kGroup);
+  if (groups == 0) return {};
+  const std::size_t stride = rays.size / groups;
+  Vec3 low, high;
+  double extents = 0, alike = 0;
+  for (std::size_t g = 0; g < groups; ++g) {
+    Vec3 o0, o1, d0, d1;
+    std::uint32_t first = 0, same = 0;
+    for (std::size_t i = 0; i < kGroup; ++i) {
+      const std::size_t place = g * stride + i;
+      const Ray& ray = rays[order != nullptr ? order[place] : place];
+      const Vec3 d = ray.direction * (1 / max_component(abs(ray.direction)));
+      if (i == 0) first = quarter_of(d);
+      same += quarter_of(d) == first ? 1 : 0;
+      o0 = i == 0 ? ray.origin : min(o0, ray.origin);
+      o1 = i == 0 ? ray.origin : max(o1, ray.origin);
+      d0 = i == 0 ? d : min(d0, d);
+      d1 = i == 0 ? d : max(d1, d);
+    }
+    low = g == 0 ? o0 : min(low, o0);
+    high = g == 0 ? o1 : max(high, o1);
+    extents += max_component(o1 - o0);
+    // Neighbours across an edge of the scene are no sign of disorder.
+    alike += same == kGroup && max_component(d1 - d0) < 0.5f ? 1 : 0;
+  }
+  const auto count = static_cast<double>(groups);
+  const double whole = max_component(high - low);
+  return {whole > 0 ? extents / count / whole : 0, alike / count};
+}
+
+Plan make_plan(const Executor& executor, const SceneHistory& scene, View<const Ray> rays, bool any,
+               bool explain) {
+  Plan plan;
+  plan.fan = any && chooses_fan(executor, scene, rays, &plan);
+  if (!plan.fan) {
+    choose_tree(scene, &plan);
+    choose_bundle(rays, &plan);
+  }
+  if (!explain) plan.reasons.clear();
+  return plan;
+}
+
+}  // namespace raysheaf

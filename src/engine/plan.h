@@ -1,0 +1,58 @@
+// The cost model: what a query does, chosen from its rays and its scene, and why.
+//
+// Costs are nanoseconds of one core, measured on one machine (docs/performance.md); what counts is
+// their proportions, which move little from machine to machine. Everything is decided before the
+// query starts and from nothing but its arguments and the scene's history, so that the same calls
+// make the same choices with any number of threads.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/view.h"
+#include "dual/dual.h"
+#include "exec/executor.h"
+
+namespace raysheaf {
+
+/// How alike rays are that stand beside each other, from a sample.
+struct Coherence {
+  double origin = 0;     ///< extent of sixteen rays' origins, as a part of the batch's
+  double direction = 0;  ///< part of such sixteens that run towards one quarter, with slopes alike
+
+  [[nodiscard]] bool origins_alike() const { return origin < 0.2; }
+  [[nodiscard]] bool directions_alike() const { return direction > 0.5; }
+};
+
+/// `order` = null: as they stand. O(1): a sample.
+[[nodiscard]] Coherence sample_coherence(View<const Ray> rays, const std::uint32_t* order);
+
+/// What becomes of the object tree before the rays go through it.
+enum class TreeWork : std::uint8_t { kKeep, kRefit, kRebuild, kRebuildFinely };
+
+/// What the scene has been through.
+struct SceneHistory {
+  std::uint32_t triangles = 0;
+  bool built = false;     ///< there is a tree of these triangles, at these places or at former ones
+  bool moved = false;     ///< at former ones
+  bool fine = false;      ///< it was built by surface area
+  bool degraded = false;  ///< refits have made it much worse than it was built
+  std::uint32_t moves = 0;              ///< since the triangles were last replaced
+  std::uint32_t patience = 2;           ///< moves before a fine tree is tried
+  std::uint64_t rays_since_change = 0;  ///< that went through the tree
+};
+
+struct Plan {
+  bool fan = false;  ///< triangles stream against cells over the rays; there is no object tree
+  TreeWork tree = TreeWork::kKeep;
+  bool sort = false;
+  Bundle bundle = Bundle::kPacket;
+  std::vector<std::string> reasons;  ///< a sentence a choice
+};
+
+/// `any`: an any-hit query. `explain`: write the reasons.
+[[nodiscard]] Plan make_plan(const Executor& executor, const SceneHistory& scene,
+                             View<const Ray> rays, bool any, bool explain);
+
+}  // namespace raysheaf
