@@ -72,6 +72,11 @@ struct FanBounds {
 struct FanRange {
   bool forward = true;      ///< no t_min is negative
   float largest_along = 0;  ///< of |direction| along the dominant axis
+
+  void include(const FanRange& other) {
+    forward = forward && other.forward;
+    largest_along = std::max(largest_along, other.largest_along);
+  }
 };
 
 struct FanRays {
@@ -116,9 +121,7 @@ struct FanCells {
   FanRays rays;  ///< kTileSlots a tile
   FanBounds packets, tiles, groups;
   Buffer<FanCell> cells;  ///< all levels, the coarsest first
-  Buffer<std::uint32_t> keys, counters;
-  Buffer<std::uint64_t> rows;
-  Buffer<std::uint32_t> order;
+  Buffer<std::uint32_t> keys, counters, order;
 
   /// The place in `cells` of a level's cell.
   [[nodiscard]] static std::size_t cell_at(std::uint32_t level, std::uint32_t face, std::uint32_t x,

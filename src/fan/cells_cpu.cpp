@@ -9,105 +9,91 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kSortBlock = 16384;
+constexpr std::size_t kLeastBlock = 8192;   ///< rays a block of the sort
 constexpr std::uint32_t kGatherTiles = 32;  ///< a task
-/// Rays a cell of the finest grid, were they spread evenly over one face: fewer and triangles meet
-/// more cells, more and cells tell less.
-constexpr std::uint32_t kMostLevel = 8;
+/// Finer cells and a triangle meets more of them, coarser and they tell less: rays evenly over one
+/// face would be some sixty a cell.
+constexpr std::uint32_t kMostLevel = 7;
 /// The keys are finer than the grid, so that packets are small squares, too.
-constexpr std::uint32_t kBitsBelowGrid = 2;
+constexpr std::uint32_t kBitsBelowGrid = 1;
 
 std::uint32_t grid_level(std::size_t rays) {
   const auto bits = static_cast<std::uint32_t>(std::bit_width(rays));
-  return std::clamp<std::uint32_t>(bits / 2, 4, kMostLevel + 2) - 2;
+  return std::clamp<std::uint32_t>(bits / 2, 5, kMostLevel + 3) - 3;
 }
 
-/// The stable counting sort of one digit: places of each block's buckets, then rows there.
-struct DigitSort {
-  const Executor& executor;
-  std::size_t count;
-  std::uint32_t shift, bits;
-  Buffer<std::uint32_t>& counters;
+/// Keys, and their stable counting sort in one pass: there are few keys beside the rays, and rays
+/// of a picture come in rows, where a key's neighbours are the keys of the next rays.
+class KeySort {
+ public:
+  KeySort(const Executor& executor, View<const Ray> rays, FanCells* c)
+      : executor_(executor),
+        rays_(rays),
+        c_(*c),
+        buckets_(std::size_t{kFanFaces + 1} << 2 * c->axis_bits),
+        blocks_(std::clamp<std::size_t>(rays.size / kLeastBlock, 1, executor.threads())) {}
 
-  [[nodiscard]] std::size_t blocks() const { return div_ceil(count, kSortBlock); }
-  [[nodiscard]] std::uint32_t digit(std::uint32_t key) const {
-    return (key >> shift) & ((1u << bits) - 1);
+  FanRange run() {
+    c_.keys.resize_uninitialized(rays_.size);
+    c_.order.resize_uninitialized(rays_.size);
+    c_.counters.resize_uninitialized(blocks_ * buckets_);
+    const FanRange range = make_keys();
+    counts_to_places();
+    executor_.for_each(blocks_, 1, [&](std::size_t block) {
+      std::uint32_t* places = row(block);
+      const std::uint32_t* keys = c_.keys.data();
+      std::uint32_t* order = c_.order.data();
+      for (std::size_t i = begin(block); i < begin(block + 1); ++i)
+        order[places[keys[i]]++] = static_cast<std::uint32_t>(i);
+    });
+    // The last block's places are the ends of the buckets now.
+    std::uint32_t first = 0;
+    for (std::uint32_t f = 0; f < kFanFaces; ++f) {
+      const std::uint32_t end = row(blocks_ - 1)[((f + std::size_t{1}) << 2 * c_.axis_bits) - 1];
+      c_.faces[f] = FanFaceRays{first, end - first, 0, 0, {}};
+      first = end;
+    }
+    c_.live_rays = first;
+    return range;
   }
 
-  /// `key(i)` and `put(place, i)`.
-  template <class Key, class Put>
-  void run(const Key& key, const Put& put) const {
-    const std::size_t buckets = std::size_t{1} << bits;
-    counters.resize_uninitialized(blocks() * buckets);
-    const auto each_block = [&](const auto& body) {
-      executor.for_each(blocks(), 1, [&](std::size_t block) {
-        const std::size_t begin = block * kSortBlock;
-        body(counters.data() + block * buckets, begin, std::min(begin + kSortBlock, count));
-      });
-    };
-    each_block([&](std::uint32_t* row, std::size_t begin, std::size_t end) {
-      std::fill_n(row, buckets, 0u);
-      for (std::size_t i = begin; i < end; ++i) ++row[digit(key(i))];
-    });
-    counts_to_places(buckets);
-    each_block([&](std::uint32_t* row, std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) put(row[digit(key(i))]++, i);
-    });
+ private:
+  [[nodiscard]] std::size_t begin(std::size_t block) const { return rays_.size * block / blocks_; }
+  [[nodiscard]] std::uint32_t* row(std::size_t block) const {
+    return c_.counters.data() + block * buckets_;
   }
 
-  void counts_to_places(std::size_t buckets) const {
+  FanRange make_keys() {
+    constexpr std::size_t kAtOnce = 1024;  // keys are counted while they are in the cache
+    std::vector<FanRange> ranges(blocks_);
+    executor_.for_each(blocks_, 1, [&](std::size_t block) {
+      std::fill_n(row(block), buckets_, 0u);
+      std::uint32_t* counts = row(block);
+      for (std::size_t i = begin(block); i < begin(block + 1);) {
+        const std::size_t end = std::min(i + kAtOnce, begin(block + 1));
+        FanRange range;
+        fan_keys(rays_.data, i, end, c_.axis_bits, c_.keys.data(), &range);
+        ranges[block].include(range);
+        for (; i < end; ++i) ++counts[c_.keys[i]];
+      }
+    });
+    for (const FanRange& range : ranges) ranges[0].include(range);
+    return ranges[0];
+  }
+
+  void counts_to_places() {
     std::uint32_t place = 0;
-    for (std::size_t b = 0; b < buckets; ++b) {
-      for (std::size_t block = 0; block < blocks(); ++block)
-        place += std::exchange(counters[block * buckets + b], place);
+    for (std::size_t b = 0; b < buckets_; ++b) {
+      for (std::size_t block = 0; block < blocks_; ++block)
+        place += std::exchange(row(block)[b], place);
     }
   }
+
+  const Executor& executor_;
+  const View<const Ray> rays_;
+  FanCells& c_;
+  const std::size_t buckets_, blocks_;
 };
-
-FanRange make_keys(const Executor& executor, View<const Ray> rays, FanCells* c) {
-  c->keys.resize_uninitialized(rays.size);
-  const std::size_t blocks = div_ceil(rays.size, kSortBlock);
-  std::vector<FanRange> ranges(blocks);
-  executor.for_each(blocks, 1, [&](std::size_t block) {
-    const std::size_t begin = block * kSortBlock;
-    fan_keys(rays.data, begin, std::min(begin + kSortBlock, rays.size), c->axis_bits,
-             c->keys.data(), &ranges[block]);
-  });
-  FanRange all;
-  for (const FanRange& range : ranges) {
-    all.forward = all.forward && range.forward;
-    all.largest_along = std::max(all.largest_along, range.largest_along);
-  }
-  return all;
-}
-
-/// `order` and the faces' shares of it.
-void sort_rays(const Executor& executor, std::size_t count, FanCells* c) {
-  const std::uint32_t key_bits = 2 * c->axis_bits + 3, low = key_bits / 2;
-  c->rows.resize_uninitialized(count);
-  c->order.resize_uninitialized(count);
-  const std::uint32_t* keys = c->keys.data();
-  std::uint64_t* rows = c->rows.data();
-  std::uint32_t* order = c->order.data();
-  DigitSort{executor, count, 0, low, c->counters}.run(
-      [=](std::size_t i) { return keys[i]; },
-      [=](std::uint32_t place, std::size_t i) { rows[place] = std::uint64_t{keys[i]} << 32 | i; });
-  const auto key_of_row = [=](std::size_t i) { return static_cast<std::uint32_t>(rows[i] >> 32); };
-  DigitSort{executor, count, low, key_bits - low, c->counters}.run(
-      key_of_row, [=](std::uint32_t place, std::size_t i) {
-        order[place] = static_cast<std::uint32_t>(rows[i]);
-      });
-  // The last block's counters have become the ends of the buckets; the highest digit has the face.
-  const std::size_t buckets = std::size_t{1} << (key_bits - low), a_face = buckets / 8;
-  const std::uint32_t* ends = c->counters.data() + (div_ceil(count, kSortBlock) - 1) * buckets;
-  std::uint32_t begin = 0;
-  for (std::uint32_t f = 0; f < kFanFaces; ++f) {
-    const std::uint32_t end = ends[(f + 1) * a_face - 1];
-    c->faces[f] = FanFaceRays{begin, end - begin, 0, 0, {}};
-    begin = end;
-  }
-  c->live_rays = begin;
-}
 
 /// Every face starts a group, so that no group has rays of two.
 void lay_out_tiles(FanCells* c) {
@@ -191,10 +177,9 @@ void make_cells(const Executor& executor, View<const Ray> rays, FanCells* c) {
   c->origin = rays[0].origin;
   c->level = grid_level(rays.size);
   c->axis_bits = c->level + kBitsBelowGrid;
-  const FanRange range = make_keys(executor, rays, c);
+  const FanRange range = KeySort(executor, rays, c).run();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   c->behind = range.forward ? range.largest_along * 0x1p-119f + 0x1p-119f : kInfinity;
-  sort_rays(executor, rays.size, c);
   lay_out_tiles(c);
   clear_cells(executor, c);
   gather(executor, rays, c);

@@ -7,6 +7,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fan/cells_simd.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -209,6 +210,13 @@ HWY_INLINE FanBound GatherPacket(const Ray* rays, const std::uint32_t* order, st
   return bound;
 }
 
+/// How many slots ahead rays are asked for: they come from all over the batch.
+constexpr std::uint32_t kPrefetch = 64;
+
+HWY_INLINE void Prefetch(const Ray* rays, const std::uint32_t* order, std::uint32_t count) {
+  for (std::uint32_t k = 0; k < count; ++k) hwy::Prefetch(rays + order[k]);
+}
+
 void Gather(const Ray* rays, FanCells* c, std::uint32_t begin_tile, std::uint32_t end_tile,
             FanSeam* seam) {
   alignas(64) std::int32_t cell[kPacketSlots];
@@ -220,16 +228,23 @@ void Gather(const Ray* rays, FanCells* c, std::uint32_t begin_tile, std::uint32_
     const std::size_t grid = FanCells::cell_at(c->level, f, 0, 0);
     const std::uint32_t* order =
         c->order.data() + face.first_ray + (tile - face.first_tile) * kTileSlots;
+    const std::uint32_t left = face.ray_count - (tile - face.first_tile) * kTileSlots;
     FanBound tile_bound;
     for (std::uint32_t p = 0; p < kTilePackets; ++p) {
       const std::uint32_t first = p * kPacketSlots;
       const std::uint32_t n = first < count ? std::min(count - first, kPacketSlots) : 0;
       FanBound bound;
+      Prefetch(rays, order + first + kPrefetch,
+               std::min(kPacketSlots, left - std::min(left, first + kPrefetch)));
       if (n > 0) {
         bound = GatherPacket(rays, order + first, n, fan_face(f),
                              std::size_t{tile} * kTileSlots + first, c, cell, reach);
-        for (std::uint32_t k = 0; k < n; ++k)
-          runs.add(grid + static_cast<std::uint32_t>(cell[k]), reach[k], tile);
+        if (cell[0] == cell[n - 1]) {  // the curve does not come back to a cell
+          runs.add(grid + static_cast<std::uint32_t>(cell[0]), bound.reach, tile);
+        } else {
+          for (std::uint32_t k = 0; k < n; ++k)
+            runs.add(grid + static_cast<std::uint32_t>(cell[k]), reach[k], tile);
+        }
       }
       c->packets.set(std::size_t{tile} * kTilePackets + p, bound);
       tile_bound.include(bound);

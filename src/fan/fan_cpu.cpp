@@ -15,7 +15,7 @@ namespace raysheaf {
 struct FanMemory::Arrays {
   FanCells cells;
   std::vector<FanBlock> blocks;
-  Buffer<std::uint32_t> ids;              ///< triangles by tile
+  Buffer<FanTriangle> triangles;          ///< by tile
   std::vector<std::uint32_t> tile_begin;  ///< and where a tile's begin
   std::vector<FanTileCounts> tile_counts;
 };
@@ -69,11 +69,11 @@ void sort_pairs(const Executor& executor, FanMemory::Arrays* a) {
     for (FanBlock& block : a->blocks) place += std::exchange(block.tile_pairs[tile], place);
   }
   a->tile_begin[tiles] = place;
-  a->ids.resize_uninitialized(place);
+  a->triangles.resize_uninitialized(place);
   executor.for_each(a->blocks.size(), 1, [&](std::size_t i) {
     FanBlock& block = a->blocks[i];
     std::uint32_t* places = block.tile_pairs.data();
-    for (const FanPair& pair : block.pairs) a->ids[places[pair.tile]++] = pair.triangle;
+    for (const FanPair& pair : block.pairs) a->triangles[places[pair.tile]++] = pair.triangle;
   });
 }
 
@@ -84,7 +84,7 @@ void trace_tiles(const Executor& executor, const FanTileTask& task, FanMemory::A
     if (a->cells.rays_of_tile[tile] == 0) return;
     const std::uint32_t begin = a->tile_begin[tile];
     a->tile_counts[tile] =
-        fan_tile(task, tile, {a->ids.data() + begin, a->tile_begin[tile + 1] - begin});
+        fan_tile(task, tile, {a->triangles.data() + begin, a->tile_begin[tile + 1] - begin});
   });
 }
 
@@ -111,8 +111,8 @@ std::size_t FanMemory::bytes() const {
   const FanCells& c = arrays_->cells;
   std::size_t bytes = 6 * c.rays.ray.capacity_bytes() + c.packets.bytes() + c.tiles.bytes() +
                       c.groups.bytes() + c.cells.capacity_bytes() + c.keys.capacity_bytes() +
-                      c.counters.capacity_bytes() + c.rows.capacity_bytes() +
-                      c.order.capacity_bytes() + arrays_->ids.capacity_bytes();
+                      c.counters.capacity_bytes() + c.order.capacity_bytes() +
+                      arrays_->triangles.capacity_bytes();
   for (const FanBlock& block : arrays_->blocks)
     bytes += block.pairs.capacity() * sizeof(FanPair) + block.tile_pairs.capacity() * 4;
   return bytes;

@@ -1,6 +1,7 @@
 // Triangles on their way down the cells: bound with triangle.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -10,9 +11,17 @@
 
 namespace raysheaf {
 
-/// A triangle whose rectangle a tile's overlaps.
+/// Corners travel with the number: what is left of the triangles is far smaller than what streamed
+/// by, and fetching it again would miss every cache.
+struct FanTriangle {
+  std::uint32_t id;
+  std::array<Vec3, 3> corners;
+};
+
+/// A triangle that meets a tile's bound.
 struct FanPair {
-  std::uint32_t tile, triangle;
+  std::uint32_t tile;
+  FanTriangle triangle;
 };
 
 /// What a block of consecutive triangles met.
@@ -40,6 +49,7 @@ struct FanTileTask {
 };
 
 /// The triangles of one tile against its packets and rays.
-FanTileCounts fan_tile(const FanTileTask& task, std::uint32_t tile, View<const std::uint32_t> ids);
+FanTileCounts fan_tile(const FanTileTask& task, std::uint32_t tile,
+                       View<const FanTriangle> triangles);
 
 }  // namespace raysheaf

@@ -52,7 +52,7 @@ class Stream {
     for (std::uint32_t f = 0; f < kFanFaces; ++f) {
       if (c_.faces[f].ray_count == 0) continue;
       block_.bound_tests += count;
-      if (const std::uint32_t in = face(f) & lanes; in != 0) descend(f, in, run.first + first);
+      if (const std::uint32_t in = face(f) & lanes; in != 0) descend(f, in, run, first);
     }
   }
 
@@ -127,7 +127,7 @@ class Stream {
     cell(lanes_.v1, bound.v0, bound.v1, y1_);
   }
 
-  void descend(std::uint32_t f, std::uint32_t in, std::uint32_t first) {
+  void descend(std::uint32_t f, std::uint32_t in, const TriangleRun& run, std::uint32_t first) {
     bool has_edges = false;
     for (; in != 0; in &= in - 1) {
       const auto lane = static_cast<std::uint32_t>(std::countr_zero(in));
@@ -138,7 +138,8 @@ class Stream {
       if (!one_cell && !has_edges) make_edges(f);
       has_edges = has_edges || !one_cell;
       for (std::uint32_t r = 0; r < count; ++r)
-        meet_tiles(ranges[r], lane, !one_cell, first + lane);
+        meet_tiles(ranges[r], lane, !one_cell,
+                   {run.first + first + lane, run.corners(first + lane)});
     }
   }
 
@@ -187,7 +188,7 @@ class Stream {
     return kept + 1;
   }
 
-  void meet_tiles(TileRange range, std::uint32_t lane, bool edges, std::uint32_t triangle) {
+  void meet_tiles(TileRange range, std::uint32_t lane, bool edges, const FanTriangle& triangle) {
     if (range.last - range.first < kFewTiles) {
       for_each_met(tiles_, range, lane, edges,
                    [&](std::uint32_t tile) { add_pair(tile, triangle); });
@@ -219,7 +220,7 @@ class Stream {
     }
   }
 
-  void add_pair(std::uint32_t tile, std::uint32_t triangle) {
+  void add_pair(std::uint32_t tile, const FanTriangle& triangle) {
     block_.pairs.push_back({tile, triangle});
     ++block_.tile_pairs[tile];
   }

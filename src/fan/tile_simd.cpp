@@ -51,15 +51,19 @@ class Tile {
       alive_[p] = (1u << std::min(kPacketSlots, rays - p * kPacketSlots)) - 1;
       packets_ |= 1u << p;
     }
-    std::copy(alive_, alive_ + kTilePackets, rays_);
     place(c_.tiles.at(tile), std::size_t{tile} * kTilePackets);
+    if (!task_.ray_tests.empty()) {
+      std::fill_n(packet_tests_, kTilePackets, 0u);
+      std::fill_n(tests_, kTileSlots, 0u);
+    }
   }
 
-  FanTileCounts run(View<const std::uint32_t> ids) {
-    for (std::size_t i = 0; i < ids.size && packets_ != 0; i += kPacketSlots) {
+  FanTileCounts run(View<const FanTriangle> triangles) {
+    for (std::size_t i = 0; i < triangles.size && packets_ != 0; i += kPacketSlots) {
+      triangles_ = triangles.data + i;
       const auto count =
-          static_cast<std::uint32_t>(std::min<std::size_t>(ids.size - i, kPacketSlots));
-      prepare(ids.data + i, count);
+          static_cast<std::uint32_t>(std::min<std::size_t>(triangles.size - i, kPacketSlots));
+      prepare(count);
       for (std::uint32_t lane = 0; lane < count && packets_ != 0; ++lane) meet(lane);
     }
     finish();
@@ -87,18 +91,17 @@ class Tile {
                 dv1_};
   }
 
-  void prepare(const std::uint32_t* ids, std::uint32_t count) {
+  void prepare(std::uint32_t count) {
     const Floats d;
+    const float o[3] = {component(c_.origin, static_cast<int>(face_.x)),
+                        component(c_.origin, static_cast<int>(face_.y)),
+                        component(c_.origin, static_cast<int>(face_.z))};
     for (std::uint32_t k = 0; k < count; ++k) {
-      ids_[k] = ids[k];
-      if (run_ == nullptr || ids[k] - run_->first >= run_->count)
-        run_ = &task_.source.runs[task_.source.run_of(ids[k])];
-      corners_[k] = run_->corners(ids[k] - run_->first);
       for (std::size_t i = 0; i < 3; ++i) {
-        const Vec3 p = corners_[k][i] - c_.origin;
-        const float axes[3] = {p.x, p.y, p.z};
-        t_.corner[i][0][k] = axes[face_.x], t_.corner[i][1][k] = axes[face_.y];
-        t_.corner[i][2][k] = axes[face_.z];
+        const float* p = &triangles_[k].corners[i].x;
+        t_.corner[i][0][k] = p[face_.x] - o[0];
+        t_.corner[i][1][k] = p[face_.y] - o[1];
+        t_.corner[i][2][k] = p[face_.z] - o[2];
       }
     }
     for (std::size_t k = 0; k < count; k += hn::Lanes(d)) {
@@ -132,7 +135,7 @@ class Tile {
       const Verdict verdict = test(p, lane);
       const std::uint32_t any = (verdict.front | verdict.back | verdict.unsettled) & alive_[p];
       if (HWY_LIKELY(any == 0)) continue;
-      const auto [a, b, c] = corners_[lane];
+      const auto [a, b, c] = triangles_[lane].corners;
       if (has_no_area(a, b, c)) return;
       take(p, lane, verdict, single);
     }
@@ -141,7 +144,7 @@ class Tile {
   void take(std::uint32_t p, std::uint32_t lane, const Verdict& verdict, bool single) {
     std::uint32_t hits = verdict.front | verdict.back;
     if (single) {
-      const std::uint8_t flags = task_.source.flags[ids_[lane]];
+      const std::uint8_t flags = task_.source.flags[triangles_[lane].id];
       hits = (shows(task_.facing, flags, true) ? verdict.front : 0) |
              (shows(task_.facing, flags, false) ? verdict.back : 0);
     }
@@ -167,9 +170,9 @@ class Tile {
                          static_cast<int>(face_.y),
                          static_cast<int>(face_.z)};
     TriangleHit hit;
-    const auto& [a, b, c] = corners_[lane];
+    const auto& [a, b, c] = triangles_[lane].corners;
     return intersect_triangle(setup, a, b, c, &hit) &&
-           (!single || shows(task_.facing, task_.source.flags[ids_[lane]], hit.front));
+           (!single || shows(task_.facing, task_.source.flags[triangles_[lane].id], hit.front));
   }
 
   HWY_INLINE Corner corner(int i, std::uint32_t lane, V shear_x, V shear_y) const {
@@ -192,10 +195,8 @@ class Tile {
                    c = corner(2, lane, sx, sy);
       const V u = Edge(c, b), v = Edge(a, c), w = Edge(b, a);
       const V zero = hn::Zero(d);
-      const M negative = Or(Or(hn::Lt(u, zero), hn::Lt(v, zero)), hn::Lt(w, zero));
-      const M positive = Or(Or(hn::Gt(u, zero), hn::Gt(v, zero)), hn::Gt(w, zero));
-      const M agree = hn::Not(And(negative, positive));
-      if (HWY_LIKELY(hn::AllFalse(d, agree))) continue;
+      const M agree = Or(Ge(hn::Min(hn::Min(u, v), w), zero), Le(hn::Max(hn::Max(u, v), w), zero));
+      if (HWY_LIKELY((BitsOf(agree) & alive_[p] >> k) == 0)) continue;
       const V det = Add(Add(u, v), w);
       const V size = hn::Abs(det);
       const M nonzero = And(And(hn::Ne(u, zero), hn::Ne(v, zero)), hn::Ne(w, zero));
@@ -231,16 +232,19 @@ class Tile {
   }
 
   void finish() {
-    for (std::uint32_t p = 0; p < kTilePackets; ++p) {
-      for (std::uint32_t rest = rays_[p]; rest != 0; rest &= rest - 1) {
-        const auto bit = static_cast<std::uint32_t>(std::countr_zero(rest));
-        const std::uint32_t ray = c_.rays.ray[slot_ + p * kPacketSlots + bit];
-        task_.occluded[ray] = ((alive_[p] >> bit) & 1) == 0 ? 1 : 0;
-        if (!task_.ray_tests.empty())
-          task_.ray_tests[ray] +=
-              static_cast<float>(tests_[p * kPacketSlots + bit]) +
-              static_cast<float>(packet_tests_[p]) / static_cast<float>(std::popcount(rays_[p]));
-      }
+    const std::uint32_t count = c_.rays_of_tile[slot_ / kTileSlots];
+    const std::uint32_t* rays = c_.rays.ray.data() + slot_;
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const std::uint32_t alive = alive_[k / kPacketSlots] >> (k % kPacketSlots) & 1;
+      task_.occluded.data[rays[k]] = static_cast<std::uint8_t>(alive ^ 1);
+    }
+    if (task_.ray_tests.empty()) return;
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const std::uint32_t p = k / kPacketSlots;
+      const std::uint32_t sharers = std::min(kPacketSlots, count - p * kPacketSlots);
+      task_.ray_tests[rays[k]] +=
+          static_cast<float>(tests_[k]) +
+          static_cast<float>(packet_tests_[p]) / static_cast<float>(sharers);
     }
   }
 
@@ -249,20 +253,19 @@ class Tile {
   const FanFace face_;
   const std::size_t slot_;
   float s0_, r0_, radius_;
-  const TriangleRun* run_ = nullptr;
-  std::uint32_t alive_[kTilePackets] = {}, rays_[kTilePackets] = {};
+  const FanTriangle* triangles_ = nullptr;  ///< up to 16, a lane each
+  std::uint32_t alive_[kTilePackets] = {};
   std::uint32_t packets_ = 0;  ///< those with rays left
   FanTileCounts counts_;
-  std::uint32_t packet_tests_[kTilePackets] = {}, tests_[kTileSlots] = {};
+  std::uint32_t packet_tests_[kTilePackets], tests_[kTileSlots];  ///< where asked for
   BoundColumns columns_;
   alignas(64) float du0_[kTilePackets], du1_[kTilePackets], dv0_[kTilePackets], dv1_[kTilePackets];
-  std::uint32_t ids_[kPacketSlots];
-  std::array<Vec3, 3> corners_[kPacketSlots];
   TriangleLanes t_;
 };
 
-FanTileCounts RunTile(const FanTileTask& task, std::uint32_t tile, View<const std::uint32_t> ids) {
-  return Tile(task, tile).run(ids);
+FanTileCounts RunTile(const FanTileTask& task, std::uint32_t tile,
+                      View<const FanTriangle> triangles) {
+  return Tile(task, tile).run(triangles);
 }
 
 }  // namespace
@@ -274,8 +277,9 @@ namespace raysheaf {
 
 HWY_EXPORT(RunTile);
 
-FanTileCounts fan_tile(const FanTileTask& task, std::uint32_t tile, View<const std::uint32_t> ids) {
-  return HWY_DYNAMIC_DISPATCH(RunTile)(task, tile, ids);
+FanTileCounts fan_tile(const FanTileTask& task, std::uint32_t tile,
+                       View<const FanTriangle> triangles) {
+  return HWY_DYNAMIC_DISPATCH(RunTile)(task, tile, triangles);
 }
 
 }  // namespace raysheaf
