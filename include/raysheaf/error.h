@@ -14,6 +14,7 @@ enum class ErrorCode {
   kIo,               ///< reading or writing failed
   kOutOfMemory,      ///< an allocation failed, or would exceed a stated limit
   kNoGraphics,       ///< no OpenGL context can be had
+  kWrongState,       ///< right at another time: before commit(), or while a query runs
   kCancelled,        ///< the caller's progress function asked to stop
   kInternal,         ///< a defect of raysheaf
 };

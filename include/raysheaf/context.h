@@ -1,0 +1,38 @@
+// Where scenes live and queries run: a device and a number of threads.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+namespace raysheaf {
+
+enum class Device : std::uint8_t {
+  kCpu,   ///< SIMD at the width of the machine, on all threads
+  kCuda,  ///< not in this version: refused
+};
+
+[[nodiscard]] const char* to_string(Device device);
+
+struct ContextOptions {
+  Device device = Device::kCpu;
+  std::uint32_t threads = 0;  ///< 0: all cores that the process may use; 1024 at most
+};
+
+/// A handle, cheap to copy: copies share their threads. Any number of scenes may stand on one, and
+/// any number of threads may use it.
+class Context {
+ public:
+  /// Throws `Error`: kInvalidArgument for the options, kUnsupported for a device that this build
+  /// cannot use.
+  explicit Context(const ContextOptions& options = {});
+
+  [[nodiscard]] Device device() const noexcept;
+  [[nodiscard]] std::uint32_t threads() const noexcept;
+
+ private:
+  friend struct ContextAccess;
+  struct Impl;
+  std::shared_ptr<const Impl> impl_;
+};
+
+}  // namespace raysheaf
