@@ -15,7 +15,7 @@ std::vector<PeerBuild> peer_builds(CompareMode) {
   return {};
 }
 
-std::vector<PeerCall> peer_calls() {
+std::vector<PeerCall> peer_calls(bool) {
   return {};
 }
 

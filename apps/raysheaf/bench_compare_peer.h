@@ -37,7 +37,7 @@ struct PeerCall {
 
 /// What may be the fastest in a mode. Which one is has to be measured.
 [[nodiscard]] std::vector<PeerBuild> peer_builds(CompareMode mode);
-[[nodiscard]] std::vector<PeerCall> peer_calls();
+[[nodiscard]] std::vector<PeerCall> peer_calls(bool any_hit);
 
 /// A device with its threads. Throws `Error` (kUnsupported) where this build has no peer.
 class PeerDevice {
