@@ -52,8 +52,8 @@ std::vector<double> ticks(const Axis& axis) {
 }
 
 std::string short_number(double value) {
-  if (value >= 1e6) return fmt::format("{:g} M", value / 1e6);
-  if (value >= 1e4) return fmt::format("{:g} k", value / 1e3);
+  if (value >= 999'500) return fmt::format("{:.3g} M", value / 1e6);
+  if (value >= 1e4) return fmt::format("{:.3g} k", value / 1e3);
   return fmt::format("{:g}", value);
 }
 
@@ -124,13 +124,14 @@ void draw_panel(SvgSheet& sheet, const CompareReport& report, CompareMode mode, 
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const double y = first + kRowHeight * (shown(i) + 0.5);
     sheet.line(x.from, y, x.to, y, "stroke=\"#f0f0ec\" stroke-width=\"1\"");
+    double triangles = 0;
     for (const CompareCase& c : report.cases) {
       if (c.mode != mode || c.scene != scenes[i]) continue;
       draw_dot(sheet, x, y, c);
-      sheet.text(x.from - 62, y + 4, printable(c.scene), {12.5, "#2b2f33", "end"});
-      sheet.text(x.from - 12, y + 4, short_number(std::round(shown(c.triangles) / 1e3) * 1e3),
-                 {11, kQuiet, "end"});
+      triangles = shown(c.triangles);
     }
+    sheet.text(x.from - 62, y + 4, printable(scenes[i]), {12.5, "#2b2f33", "end"});
+    sheet.text(x.from - 12, y + 4, short_number(triangles), {11, kQuiet, "end"});
   }
 }
 
