@@ -12,19 +12,13 @@
 #include <vector>
 
 #include "base/view.h"
+#include "dual/dual.h"
 #include "exec/executor.h"
 #include "fan/fan.h"
 #include "object/object_tree.h"
 #include "object/triangle_source.h"
 
 namespace raysheaf {
-
-/// A hit by the triangle's number; `u` and `v` are the weights of the second and third corner.
-struct EngineHit {
-  float t = std::numeric_limits<float>::infinity();
-  float u = 0, v = 0;
-  std::uint32_t triangle = kInvalidId;
-};
 
 struct EngineOptions {
   Facing facing = Facing::kBoth;

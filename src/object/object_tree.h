@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "base/buffer.h"
 #include "exec/executor.h"
@@ -31,7 +32,12 @@ struct ObjectTree {
   Buffer<TriangleQuad> quads;
   Box bounds;                   ///< of all triangles that have an area
   std::uint32_t triangles = 0;  ///< that have an area
-  float surface_area_cost = 0;  ///< expected node and triangle tests of a long random ray
+  /// Expected tests of a long random ray: of nodes, eight boxes each, and of quads.
+  float surface_area_cost = 0;
+
+  /// Numbers of the triangles without area, ascending: `refit_object_tree` looks whether they have
+  /// still none.
+  std::vector<std::uint32_t> left_out;
 
   [[nodiscard]] bool empty() const { return nodes.size() == 0; }
 };

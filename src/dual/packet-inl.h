@@ -1,0 +1,290 @@
+// The packet kernels: filling a packet, its beam, and its tests with boxes and triangles. Included
+// once a SIMD target by dual/trace_simd.cpp, inside its namespace.
+
+using Rays = hn::CappedTag<float, kPacketWidth>;
+using RayInts = hn::RebindToUnsigned<Rays>;
+using RV = hn::Vec<Rays>;
+using RM = hn::Mask<Rays>;
+using Boxes = hn::CappedTag<float, kBvhWidth>;
+using BV = hn::Vec<Boxes>;
+
+HWY_INLINE std::size_t ray_lanes() {
+  return hn::Lanes(Rays());
+}
+
+HWY_INLINE RV load(const float* p) {
+  return hn::Load(Rays(), p);
+}
+HWY_INLINE RV set(float x) {
+  return hn::Set(Rays(), x);
+}
+
+/// Reads no more bytes than were written, so that the load is forwarded from the store.
+template <class D, class M>
+HWY_INLINE std::uint32_t bits_of(D d, M mask) {
+  if constexpr (hn::MaxLanes(D()) <= 8) {
+    std::uint8_t bits;
+    hn::StoreMaskBits(d, mask, &bits);
+    return bits;
+  } else {
+    std::uint8_t bytes[2];
+    hn::StoreMaskBits(d, mask, bytes);
+    std::uint16_t bits;
+    hwy::CopyBytes<2>(bytes, &bits);
+    return bits;
+  }
+}
+
+/// Clamps away from zero, keeping the sign, so that the inverse is finite.
+HWY_INLINE RV inverse_slope(RV slope) {
+  const RV tiny = set(1e-20f);
+  const RV safe = hn::Max(hn::Abs(slope), tiny);
+  return hn::Div(hn::CopySign(set(1), slope), safe);
+}
+inline float inverse_slope(float slope) {
+  const float size = std::fabs(slope) > 1e-20f ? std::fabs(slope) : 1e-20f;
+  return std::copysign(1.0f, slope) / size;
+}
+
+/// The rays of `packet` that meet a box within [s_near, s_far], as bits. `lo` and `hi`: the box.
+HWY_INLINE std::uint32_t rays_in_box(const RayPacket& p, Vec3 lo, Vec3 hi) {
+  using hn::Max, hn::Min, hn::Mul, hn::Sub;
+  const Rays d;
+  std::uint32_t bits = 0;
+  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    const RV per_x = load(p.per_x + g), per_y = load(p.per_y + g);
+    const RV x0 = Mul(Sub(set(lo.x), load(p.x_high + g)), per_x);
+    const RV x1 = Mul(Sub(set(hi.x), load(p.x_low + g)), per_x);
+    const RV y0 = Mul(Sub(set(lo.y), load(p.y_high + g)), per_y);
+    const RV y1 = Mul(Sub(set(hi.y), load(p.y_low + g)), per_y);
+    const RV z_low = load(p.z_low + g), z_high = load(p.z_high + g);
+    const RV z0 = p.mirrored ? Sub(z_low, set(hi.z)) : Sub(set(lo.z), z_high);
+    const RV z1 = p.mirrored ? Sub(z_high, set(lo.z)) : Sub(set(hi.z), z_low);
+    const RV near = Max(Max(Min(x0, x1), Min(y0, y1)), Max(z0, load(p.s_near + g)));
+    const RV far = Min(Min(Max(x0, x1), Max(y0, y1)), Min(z1, load(p.s_far + g)));
+    bits |= bits_of(d, hn::Le(near, far)) << g;
+  }
+  return bits;
+}
+
+HWY_INLINE std::uint32_t rays_in_child(const RayPacket& p, const BvhNode& n, std::uint32_t c) {
+  return rays_in_box(p, {n.bound[p.row_x][c], n.bound[p.row_y][c], n.bound[p.row_z][c]},
+                     {n.bound[p.row_x + 3][c], n.bound[p.row_y + 3][c], n.bound[p.row_z + 3][c]});
+}
+
+/// The children whose boxes the beam meets, as bits; `near` takes where it enters them.
+HWY_INLINE std::uint32_t children_in_beam(const RayPacket& p, const Beam& b, const BvhNode& n,
+                                          float* HWY_RESTRICT near) {
+  using hn::Max, hn::Min, hn::Mul, hn::Sub;
+  const Boxes d;
+  std::uint32_t bits = 0;
+  const auto row = [&](int r, std::size_t g) { return hn::Load(d, n.bound[r] + g); };
+  for (std::size_t g = 0; g < kBvhWidth; g += hn::Lanes(d)) {
+    const BV z_low = hn::Set(d, b.z_low), z_high = hn::Set(d, b.z_high);
+    const BV z0 = row(p.row_z, g), z1 = row(p.row_z + 3, g);
+    BV lo = Max(p.mirrored ? Sub(z_low, z1) : Sub(z0, z_high), hn::Set(d, b.start));
+    BV hi = Min(p.mirrored ? Sub(z_high, z0) : Sub(z1, z_low), hn::Set(d, b.end));
+    const auto clip = [&](const BeamPlane& plane, BV bound, bool low) {
+      const BV zeta = Mul(Sub(bound, hn::Set(d, plane.at)), hn::Set(d, plane.inverse));
+      if ((plane.inverse > 0) == low) {
+        hi = Min(hi, zeta);
+      } else {
+        lo = Max(lo, zeta);
+      }
+    };
+    clip(b.x_low, row(p.row_x + 3, g), true);
+    clip(b.x_high, row(p.row_x, g), false);
+    clip(b.y_low, row(p.row_y + 3, g), true);
+    clip(b.y_high, row(p.row_y, g), false);
+    hn::StoreU(lo, d, near + g);
+    bits |= bits_of(d, hn::Le(lo, hi)) << g;
+  }
+  return bits;
+}
+
+/// The farthest zeta at which any ray still looks for something.
+HWY_INLINE float farthest_zeta(const RayPacket& p) {
+  const Rays d;
+  RV far = hn::Set(d, -std::numeric_limits<float>::infinity());
+  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
+    far = hn::Max(far, hn::Add(load(p.zeta + g), load(p.s_far + g)));
+  return hn::GetLane(hn::MaxOfLanes(d, far));
+}
+
+/// Copies the rays [first, first + count) of the order into lanes; missing ones repeat the first.
+HWY_INLINE void gather_rays(const Ray* rays, const std::uint32_t* order, std::uint32_t count,
+                            std::uint32_t face, RayPacket* p, float* dx, float* dy, float* dz) {
+  const int z = static_cast<int>(face / 2), x = z == 2 ? 0 : z + 1, y = x == 2 ? 0 : x + 1;
+  p->mirrored = (face & 1) != 0;
+  p->row_x = p->axis_x = p->mirrored ? y : x;
+  p->row_y = p->axis_y = p->mirrored ? x : y;
+  p->row_z = p->axis_z = z;
+  p->count = count;
+  const int ax = p->axis_x, ay = p->axis_y;
+  for (std::uint32_t i = 0; i < kPacketWidth; ++i) {
+    const std::uint32_t n = order[i < count ? i : 0];
+    const float* f = &rays[n].origin.x;  // origin, t_min, direction, t_max
+    p->index[i] = n;
+    p->ox[i] = f[ax];
+    p->oy[i] = f[ay];
+    p->oz[i] = f[z];
+    p->t_min[i] = f[3];
+    dx[i] = f[4 + ax];
+    dy[i] = f[4 + ay];
+    dz[i] = f[4 + z];
+    p->t_limit[i] = i < count ? f[7] : -1;
+  }
+}
+
+/// Everything that follows from the rays and the scene's box; returns the lanes that meet it.
+HWY_INLINE std::uint32_t prepare_packet(const Box& scene, const float* dx, const float* dy,
+                                        const float* dz, RayPacket* p) {
+  using hn::Abs, hn::Max, hn::Mul, hn::Sub;
+  const Rays d;
+  const Vec3 lo{component(scene.min, p->axis_x), component(scene.min, p->axis_y),
+                component(scene.min, p->axis_z)};
+  const Vec3 hi{component(scene.max, p->axis_x), component(scene.max, p->axis_y),
+                component(scene.max, p->axis_z)};
+  RV reach = hn::Zero(d), coordinate = hn::Zero(d);
+  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    const auto grow = [&](const float* o, float low, float high) {
+      const RV at = load(o + g);
+      reach = Max(reach, Max(Abs(Sub(at, set(low))), Abs(Sub(at, set(high)))));
+      coordinate = Max(coordinate, Abs(at));
+    };
+    grow(p->ox, lo.x, hi.x);
+    grow(p->oy, lo.y, hi.y);
+    grow(p->oz, lo.z, hi.z);
+  }
+  const float size = 2 * hn::GetLane(hn::MaxOfLanes(d, reach));
+  const float largest = hn::GetLane(hn::MaxOfLanes(d, coordinate)) + size;
+  p->pad = 128 * kUnitRoundoff * size + 8 * kUnitRoundoff * largest + kTinySlack;
+  const RV pad = set(p->pad), infinity = set(std::numeric_limits<float>::infinity());
+  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    const RV z = load(dz + g), along = Abs(z);
+    const RV shear_x = hn::Div(load(dx + g), z), shear_y = hn::Div(load(dy + g), z);
+    hn::Store(shear_x, d, p->shear_x + g);
+    hn::Store(shear_y, d, p->shear_y + g);
+    hn::Store(hn::Div(set(1), z), d, p->shear_z + g);
+    hn::Store(along, d, p->along + g);
+    hn::Store(inverse_slope(p->mirrored ? hn::Neg(shear_x) : shear_x), d, p->per_x + g);
+    hn::Store(inverse_slope(p->mirrored ? hn::Neg(shear_y) : shear_y), d, p->per_y + g);
+    const auto widen = [&](const float* o, float* low, float* high) {
+      hn::Store(Sub(load(o + g), pad), d, low + g);
+      hn::Store(hn::Add(load(o + g), pad), d, high + g);
+    };
+    widen(p->ox, p->x_low, p->x_high);
+    widen(p->oy, p->y_low, p->y_high);
+    widen(p->oz, p->z_low, p->z_high);
+    const RV limit = load(p->t_limit + g);
+    const RV far = hn::Add(Mul(Mul(limit, along), set(1 + 8 * kUnitRoundoff)), pad);
+    const RV near = Sub(Mul(Mul(load(p->t_min + g), along), set(1 - 8 * kUnitRoundoff)), pad);
+    hn::Store(near, d, p->s_near + g);
+    hn::Store(hn::IfThenElse(hn::Lt(limit, hn::Zero(d)), hn::Neg(infinity), far), d, p->s_far + g);
+    hn::Store(infinity, d, p->t + g);
+    hn::Store(hn::Zero(d), d, p->u + g);
+    hn::Store(hn::Zero(d), d, p->v + g);
+    const RayInts di;
+    hn::Store(hn::Set(di, kInvalidId), di, p->id + g);
+  }
+  return rays_in_box(*p, lo, hi);
+}
+
+/// Where each ray enters and leaves the scene, for the lanes that do; the others look no further.
+HWY_INLINE void clip_to_scene(const Box& scene, std::uint32_t lanes, RayPacket* p) {
+  const float lo[3] = {component(scene.min, p->axis_x), component(scene.min, p->axis_y),
+                       component(scene.min, p->axis_z)};
+  const float hi[3] = {component(scene.max, p->axis_x), component(scene.max, p->axis_y),
+                       component(scene.max, p->axis_z)};
+  using hn::Max, hn::Min, hn::Mul, hn::Sub;
+  const Rays d;
+  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    const RV per_x = load(p->per_x + g), per_y = load(p->per_y + g);
+    const RV x0 = Mul(Sub(set(lo[0]), load(p->x_high + g)), per_x);
+    const RV x1 = Mul(Sub(set(hi[0]), load(p->x_low + g)), per_x);
+    const RV y0 = Mul(Sub(set(lo[1]), load(p->y_high + g)), per_y);
+    const RV y1 = Mul(Sub(set(hi[1]), load(p->y_low + g)), per_y);
+    const RV z_low = load(p->z_low + g), z_high = load(p->z_high + g);
+    const RV z0 = p->mirrored ? Sub(z_low, set(hi[2])) : Sub(set(lo[2]), z_high);
+    const RV z1 = p->mirrored ? Sub(z_high, set(lo[2])) : Sub(set(hi[2]), z_low);
+    const RV near = Max(Max(Min(x0, x1), Min(y0, y1)), Max(z0, load(p->s_near + g)));
+    const RV far = Min(Min(Max(x0, x1), Max(y0, y1)), Min(z1, load(p->s_far + g)));
+    // The quotients' three roundings, and those of the additions to come.
+    const RV slack = Mul(hn::Abs(far), set(8 * kUnitRoundoff));
+    hn::Store(Sub(near, Mul(hn::Abs(near), set(8 * kUnitRoundoff))), d, p->s_near + g);
+    hn::Store(hn::Add(far, slack), d, p->s_far + g);
+  }
+  for (std::uint32_t i = 0; i < kPacketWidth; ++i)
+    if ((lanes >> i & 1) == 0) p->s_far[i] = -std::numeric_limits<float>::infinity();
+}
+
+HWY_INLINE RM lanes_of(std::uint32_t bits, std::size_t g) {
+  const Rays d;
+  const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits >> g),
+                                 static_cast<std::uint8_t>(bits >> (g + 8 < 32 ? g + 8 : 31))};
+  return hn::LoadMaskBits(d, bytes);
+}
+
+HWY_INLINE float least(RV v) {
+  return hn::GetLane(hn::MinOfLanes(Rays(), v));
+}
+HWY_INLINE float greatest(RV v) {
+  return hn::GetLane(hn::MaxOfLanes(Rays(), v));
+}
+
+/// The two planes that bound x between zeta = 0 and `length` for the lanes that are set.
+HWY_INLINE void make_planes(std::uint32_t lanes, const RayPacket& p, const float* o,
+                            const float* shear, float length, BeamPlane* low, BeamPlane* high) {
+  const Rays d;
+  const RV infinity = set(std::numeric_limits<float>::infinity());
+  RV a0 = infinity, a1 = hn::Neg(infinity), b0 = a0, b1 = a1;
+  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    const RM on = lanes_of(lanes, g);
+    const RV across = load(shear + g), slope = p.mirrored ? hn::Neg(across) : across;
+    const RV zeta = load(p.zeta + g);
+    const RV a = hn::Sub(load(o + g), hn::Mul(slope, zeta));
+    const RV b = hn::Add(load(o + g), hn::Mul(slope, hn::Sub(set(length), zeta)));
+    a0 = hn::Min(a0, hn::IfThenElse(on, a, infinity));
+    b0 = hn::Min(b0, hn::IfThenElse(on, b, infinity));
+    a1 = hn::Max(a1, hn::IfThenElse(on, a, hn::Neg(infinity)));
+    b1 = hn::Max(b1, hn::IfThenElse(on, b, hn::Neg(infinity)));
+  }
+  (void)d;
+  const float per_length = length > 0 ? 1 / length : 0;
+  const float low_a = least(a0), high_a = greatest(a1);
+  *low = {low_a - p.pad, inverse_slope((least(b0) - low_a) * per_length)};
+  *high = {high_a + p.pad, inverse_slope((greatest(b1) - high_a) * per_length)};
+}
+
+/// The beam of the lanes that are set: at least one.
+HWY_INLINE Beam make_beam(std::uint32_t lanes, RayPacket* p) {
+  const Rays d;
+  const float sign = p->mirrored ? -1.0f : 1.0f;
+  const float first = p->oz[__builtin_ctz(lanes)];
+  const RV infinity = set(std::numeric_limits<float>::infinity());
+  RV nearest = infinity;
+  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    const RV start = hn::Add(hn::Mul(set(sign), hn::Sub(load(p->oz + g), set(first))),
+                             load(p->s_near + g));
+    nearest = hn::Min(nearest, hn::IfThenElse(lanes_of(lanes, g), start, infinity));
+  }
+  const float plane = first + sign * least(nearest);
+  RV start = infinity, end = hn::Neg(infinity);
+  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    const RM on = lanes_of(lanes, g);
+    const RV zeta = hn::Mul(set(sign), hn::Sub(load(p->oz + g), set(plane)));
+    hn::Store(zeta, d, p->zeta + g);
+    const RV from = hn::Add(zeta, load(p->s_near + g)), to = hn::Add(zeta, load(p->s_far + g));
+    start = hn::Min(start, hn::IfThenElse(on, from, infinity));
+    end = hn::Max(end, hn::IfThenElse(on, to, hn::Neg(infinity)));
+  }
+  Beam beam;
+  beam.z_low = plane - p->pad;
+  beam.z_high = plane + p->pad;
+  beam.start = least(start) - p->pad;
+  beam.end = greatest(end) + p->pad;
+  const float length = beam.end > 0 ? beam.end : 0;
+  make_planes(lanes, *p, p->ox, p->shear_x, length, &beam.x_low, &beam.x_high);
+  make_planes(lanes, *p, p->oy, p->shear_y, length, &beam.y_low, &beam.y_high);
+  return beam;
+}

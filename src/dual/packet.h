@@ -1,0 +1,56 @@
+// A packet of rays as the kernels keep it: plain arrays, read as vectors.
+//
+// All rays run towards one face, so they share the axes (x, y across, z along) of `make_ray_setup`.
+// `s` is the distance from a ray's origin along z, t = s |shear_z|; `zeta` the same from the
+// beam's first plane. A ray that runs against its axis is looked at from behind: z is mirrored.
+//
+// Conservative: what the ray-triangle test reports as a hit at t is, at s = t |d_z|, within
+// gamma(34) L of the triangle on every axis (geom/ray_end.h), L no larger than `size`, twice the
+// reach of the scene's box from the origins. The slab and beam tests evaluate three roundings of
+// differences that are no larger than `size`, and take coordinates themselves as rounded. Each
+// rounding moves a plane by u times `size` or u times the largest coordinate at most; slopes are at
+// most 1 because z is the dominant axis. `pad`, 128 u `size` and 8 u the largest coordinate, holds
+// all of it with room to spare; boxes grow by it on every side, in the rays' constants.
+#pragma once
+
+#include <cstdint>
+
+#include "dual/dual.h"
+
+namespace raysheaf {
+
+inline constexpr std::uint32_t kPacketWidth = 16;
+
+struct alignas(64) RayPacket {
+  float ox[kPacketWidth], oy[kPacketWidth], oz[kPacketWidth];
+  float shear_x[kPacketWidth], shear_y[kPacketWidth], shear_z[kPacketWidth];
+  float t_min[kPacketWidth], t_limit[kPacketWidth];  ///< where hits count; unused lanes: nowhere
+  float x_low[kPacketWidth], x_high[kPacketWidth];   ///< origin -+ pad
+  float y_low[kPacketWidth], y_high[kPacketWidth];
+  float z_low[kPacketWidth], z_high[kPacketWidth];
+  float per_x[kPacketWidth], per_y[kPacketWidth];  ///< distance along z a unit of x, of y
+  float s_near[kPacketWidth], s_far[kPacketWidth];  ///< where boxes matter; done lanes: nowhere
+  float zeta[kPacketWidth];                         ///< of the origin
+  float along[kPacketWidth];                        ///< |d_z|
+  float t[kPacketWidth], u[kPacketWidth], v[kPacketWidth];
+  std::uint32_t id[kPacketWidth];
+  std::uint32_t index[kPacketWidth];  ///< the caller's number
+  int axis_x = 0, axis_y = 0, axis_z = 0;
+  int row_x = 0, row_y = 0, row_z = 0;  ///< of a node's lower bounds, before the winding's swap
+  bool mirrored = false;
+  std::uint32_t count = 0;
+  float pad = 0;
+};
+
+/// One of the beam's four planes: x = at + zeta / inverse, grown outwards by the pad.
+struct BeamPlane {
+  float at, inverse;
+};
+
+struct Beam {
+  float z_low, z_high;  ///< the first plane's coordinate -+ pad
+  float start, end;     ///< in zeta
+  BeamPlane x_low, x_high, y_low, y_high;
+};
+
+}  // namespace raysheaf

@@ -1,0 +1,142 @@
+#include "dual/ray_order.h"
+
+#include <hwy/contrib/sort/vqsort.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "base/bits.h"
+#include "base/vec.h"
+
+namespace raysheaf {
+namespace {
+
+constexpr std::uint32_t kOriginBits = 9;  // a dimension, and as many for each slope
+constexpr std::uint32_t kKeyBits = 3 + 5 * kOriginBits;
+constexpr std::uint32_t kBucketBits = 11;
+constexpr std::size_t kBuckets = std::size_t{1} << kBucketBits;
+constexpr std::size_t kBlock = 16384;
+constexpr std::size_t kSamples = 512;
+
+/// Bit i of the place goes to bit 5 i.
+struct SpreadTable {
+  std::array<std::uint64_t, 1u << kOriginBits> bits{};
+  constexpr SpreadTable() {
+    for (std::uint32_t v = 0; v < bits.size(); ++v)
+      for (std::uint32_t i = 0; i < kOriginBits; ++i)
+        bits[v] |= std::uint64_t{(v >> i) & 1} << (5 * i);
+  }
+};
+constexpr SpreadTable kSpread;
+
+struct KeyMaker {
+  Vec3 low, scale;
+
+  /// The box of some of the origins: those outside are moved to its border.
+  explicit KeyMaker(View<const Ray> rays) {
+    Box box;
+    const std::size_t stride = std::max<std::size_t>(1, rays.size / kSamples);
+    for (std::size_t i = 0; i < rays.size; i += stride) {
+      box.min = min(box.min, rays[i].origin);
+      box.max = max(box.max, rays[i].origin);
+    }
+    low = box.min;
+    const Vec3 size = box.max - box.min;
+    const float largest = max_component(size);
+    const float cells = largest > 0 ? static_cast<float>(1u << kOriginBits) / largest : 0;
+    const float safe = cells < std::numeric_limits<float>::infinity() ? cells : 0;
+    scale = {safe, safe, safe};
+  }
+
+  static std::uint64_t spread(float place) {
+    constexpr float kLast = static_cast<float>((1u << kOriginBits) - 1);
+    const float inside = place > 0 ? (place < kLast ? place : kLast) : 0;
+    return kSpread.bits[static_cast<std::uint32_t>(inside)];
+  }
+
+  [[nodiscard]] std::uint64_t operator()(const Ray& ray) const {
+    const std::uint32_t face = face_of(ray.direction);
+    const int z = static_cast<int>(face / 2), x = z == 2 ? 0 : z + 1, y = x == 2 ? 0 : x + 1;
+    const Vec3 d = ray.direction, o = (ray.origin - low) * scale;
+    const float slope = static_cast<float>(1u << (kOriginBits - 1)) / std::fabs(component(d, z));
+    constexpr float kMiddle = static_cast<float>(1u << (kOriginBits - 1));
+    const std::uint64_t u = spread(component(d, x) * slope + kMiddle);
+    const std::uint64_t v = spread(component(d, y) * slope + kMiddle);
+    return std::uint64_t{face} << (5 * kOriginBits) | spread(o.x) << 4 | spread(o.y) << 3 |
+           spread(o.z) << 2 | u << 1 | v;
+  }
+};
+
+/// Moves every key to its bucket, by its highest bits, stable; returns where the buckets begin.
+std::vector<std::uint32_t> scatter_to_buckets(const Executor& executor, const std::uint64_t* from,
+                                              std::uint64_t* to, std::size_t count,
+                                              std::uint32_t shift, std::size_t buckets) {
+  const std::size_t blocks = div_ceil(count, kBlock);
+  std::vector<std::uint32_t> places(blocks * buckets);
+  executor.for_each(blocks, 1, [&](std::size_t b) {
+    std::uint32_t* counts = places.data() + b * buckets;
+    const std::size_t end = std::min(count, (b + 1) * kBlock);
+    for (std::size_t i = b * kBlock; i < end; ++i) ++counts[from[i] >> shift];
+  });
+  std::vector<std::uint32_t> starts(buckets + 1);
+  std::uint32_t sum = 0;
+  for (std::size_t k = 0; k < buckets; ++k) {
+    starts[k] = sum;
+    for (std::size_t b = 0; b < blocks; ++b) {
+      const std::uint32_t n = places[b * buckets + k];
+      places[b * buckets + k] = sum;
+      sum += n;
+    }
+  }
+  starts[buckets] = sum;
+  executor.for_each(blocks, 1, [&](std::size_t b) {
+    std::uint32_t* next = places.data() + b * buckets;
+    const std::size_t end = std::min(count, (b + 1) * kBlock);
+    for (std::size_t i = b * kBlock; i < end; ++i) to[next[from[i] >> shift]++] = from[i];
+  });
+  return starts;
+}
+
+}  // namespace
+
+void order_rays(const Executor& executor, View<const Ray> rays, Sorting sorting, RayOrder* order) {
+  const std::size_t count = rays.size;
+  order->rays.resize_uninitialized(count);
+  order->keys.resize_uninitialized(count);
+  order->spare.resize_uninitialized(count);
+  order->face_starts = {};
+  if (count == 0) return;
+  // A key and the ray's number in one word: all words differ, so that any sort is a stable one.
+  const auto index_bits = std::max(1u, static_cast<std::uint32_t>(std::bit_width(count - 1)));
+  const std::uint32_t bits = sorting == Sorting::kCurve ? kKeyBits : 3;
+  const std::uint32_t kept = std::min(bits, 64 - index_bits);
+  const std::uint32_t word_bits = kept + index_bits;
+  const KeyMaker make_key(rays);
+  executor.for_each(count, 4096, [&](std::size_t i) {
+    const std::uint64_t key = sorting == Sorting::kCurve ? make_key(rays[i])
+                                                         : face_of(rays[i].direction);
+    order->keys[i] = key >> (bits - kept) << index_bits | i;
+  });
+  const std::uint32_t bucket_bits = sorting == Sorting::kCurve ? kBucketBits : 3;
+  const std::vector<std::uint32_t> starts =
+      scatter_to_buckets(executor, order->keys.data(), order->spare.data(), count,
+                         word_bits - bucket_bits, std::size_t{1} << bucket_bits);
+  const std::uint64_t index_mask = (std::uint64_t{1} << index_bits) - 1;
+  executor.for_each(starts.size() - 1, sorting == Sorting::kCurve ? 32 : 1, [&](std::size_t k) {
+    const std::uint32_t first = starts[k], size = starts[k + 1] - first;
+    std::uint64_t* keys = order->spare.data() + first;
+    if (sorting == Sorting::kCurve && size > 1) {
+      if (size <= 16) {
+        std::sort(keys, keys + size);
+      } else {
+        hwy::Sorter()(keys, size, hwy::SortAscending());
+      }
+    }
+    for (std::uint32_t i = 0; i < size; ++i)
+      order->rays[first + i] = static_cast<std::uint32_t>(keys[i] & index_mask);
+  });
+  const std::uint32_t per_face = 1u << (bucket_bits - 3);
+  for (std::uint32_t f = 0; f <= kFaces; ++f) order->face_starts[f] = starts[f * per_face];
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,40 @@
+// What the packet kernels are given, whatever they look for.
+#pragma once
+
+#include <mutex>
+
+#include "dual/packet.h"
+
+namespace raysheaf {
+
+/// A run of at most kPacketWidth rays of one face.
+struct PacketRange {
+  std::uint32_t first = 0, count = 0, face = 0;
+};
+
+struct TraceJob {
+  DualScene scene;
+  const Ray* rays = nullptr;
+  const std::uint32_t* order = nullptr;
+  std::array<std::uint32_t, kFaces + 1> ray_starts{}, packet_starts{};
+  EngineHit* hits = nullptr;
+  std::uint8_t* occluded = nullptr;
+  std::vector<RowHit>* rows = nullptr;  ///< under `mutex`
+  float* ray_tests = nullptr;           ///< or null
+  DualCounts* counts = nullptr;         ///< under `mutex`
+  std::mutex* mutex = nullptr;
+
+  [[nodiscard]] PacketRange packet(std::size_t n) const {
+    std::uint32_t face = 0;
+    while (n >= packet_starts[face + 1]) ++face;
+    const auto first = ray_starts[face] +
+                       (static_cast<std::uint32_t>(n) - packet_starts[face]) * kPacketWidth;
+    return {first, std::min(kPacketWidth, ray_starts[face + 1] - first), face};
+  }
+};
+
+void trace_closest_packets(const TraceJob& job, std::size_t begin, std::size_t end);
+void trace_any_packets(const TraceJob& job, std::size_t begin, std::size_t end);
+void trace_all_packets(const TraceJob& job, std::size_t begin, std::size_t end);
+
+}  // namespace raysheaf

@@ -1,0 +1,213 @@
+// One packet's way through the tree. Included by dual/trace_simd.cpp, inside its namespace.
+
+/// A subtree that waits for the lanes that met its box; `near` is where the beam enters it.
+struct Waiting {
+  float near;
+  std::uint32_t lanes, first, count;  ///< the last two as in BvhNode
+};
+
+/// A subtree that waits for a single ray.
+struct WaitingNode {
+  float near;
+  std::uint32_t first, count;
+};
+
+/// Lanes at or below go on one by one.
+inline constexpr int kSingleRays = 8;
+
+/// What a query keeps of the hits it meets. `kShrinks`: hits end the search beyond them.
+struct ClosestMode {
+  static constexpr bool kAny = false, kAll = false;
+};
+struct AnyMode {
+  static constexpr bool kAny = true, kAll = false;
+};
+struct AllMode {
+  static constexpr bool kAny = false, kAll = true;
+};
+
+template <class Mode>
+class Walk {
+ public:
+  explicit Walk(const TraceJob& job) : job_(job), tree_(*job.scene.tree) {
+    waiting_.resize(256);
+    waiting_nodes_.resize(256);
+  }
+
+  void run(const PacketRange& range) {
+    RayPacket& p = packet_;
+    alignas(64) float dx[kPacketWidth], dy[kPacketWidth], dz[kPacketWidth];
+    gather_rays(job_.rays, job_.order + range.first, range.count, range.face, &p, dx, dy, dz);
+    const DualCounts before = counts_;
+    const std::uint32_t lanes = prepare_packet(tree_.bounds, dx, dy, dz, &p);
+    counts_.ray_box_tests += p.count;
+    done_ = 0;
+    if (lanes != 0) {
+      clip_to_scene(tree_.bounds, lanes, &p);
+      beam_ = make_beam(lanes, &p);
+      walk_beam();
+    }
+    write_back();
+    if (job_.ray_tests != nullptr) {
+      const float share =
+          static_cast<float>(counts_.sum() - before.sum()) / static_cast<float>(p.count);
+      for (std::uint32_t i = 0; i < p.count; ++i) job_.ray_tests[p.index[i]] += share;
+    }
+  }
+
+  /// Hands over what this walk counted and found.
+  void finish() {
+    const std::lock_guard<std::mutex> lock(*job_.mutex);
+    if (job_.counts != nullptr) job_.counts->add(counts_);
+    if constexpr (Mode::kAll) job_.rows->insert(job_.rows->end(), rows_.begin(), rows_.end());
+  }
+
+ private:
+  void walk_beam() {
+    std::size_t top = open(0, 0);
+    while (top != 0) {
+      const Waiting next = waiting_[--top];
+      if (next.near > beam_.end) continue;
+      if (next.count != 0) {
+        if (meet_leaf(next.first, next.count))
+          beam_.end = farthest_zeta(packet_) + packet_.pad;
+      } else if (__builtin_popcount(next.lanes) <= kSingleRays) {
+        for (std::uint32_t m = next.lanes; m != 0; m &= m - 1)
+          walk_single(static_cast<std::uint32_t>(__builtin_ctz(m)), next.first);
+        beam_.end = farthest_zeta(packet_) + packet_.pad;
+      } else {
+        top = open(next.first, top);
+      }
+    }
+  }
+
+  /// Puts the children that rays meet on the stack, the nearest on top. Which of the beam's
+  /// children they are is found without a branch: no one can foretell it.
+  std::size_t open(std::uint32_t number, std::size_t top) {
+    if (top + kBvhWidth + 1 > waiting_.size()) waiting_.resize(2 * waiting_.size());
+    const BvhNode& node = tree_.nodes[number];
+    alignas(64) float near[kBvhWidth];
+    counts_.beam_box_tests += node.children;
+    std::uint32_t met = children_in_beam(packet_, beam_, node, near);
+    counts_.ray_box_tests +=
+        static_cast<std::uint32_t>(__builtin_popcount(met)) * packet_.count;
+    Waiting* const bottom = waiting_.data() + top;
+    Waiting* end = bottom;
+    for (; met != 0; met &= met - 1) {
+      const auto c = static_cast<std::uint32_t>(__builtin_ctz(met));
+      const std::uint32_t lanes = rays_in_child(packet_, node, c);
+      *end = {near[c], lanes, node.first[c], node.count[c]};
+      end += lanes != 0 ? 1 : 0;
+    }
+    for (Waiting* next = bottom + 1; next < end; ++next) {
+      const Waiting moved = *next;
+      Waiting* place = next;
+      for (; place > bottom && place[-1].near < moved.near; --place) *place = place[-1];
+      *place = moved;
+    }
+    return static_cast<std::size_t>(end - waiting_.data());
+  }
+
+  /// Whether any ray now ends earlier.
+  bool meet_leaf(std::uint32_t quad, std::uint32_t count) {
+    bool shortened = false;
+    counts_.triangle_tests += std::uint64_t{count} * packet_.count;
+    for (std::uint32_t done = 0; done < count; done += 4, ++quad) {
+      const TriangleQuad& q = tree_.quads[quad];
+      const std::uint32_t used = std::min(4u, count - done);
+      std::uint32_t some = 0;
+      for (std::uint32_t k = 0; k < used; ++k) some |= agrees_in_packet(packet_, q, k) << k;
+      for (; some != 0; some &= some - 1) {
+        const auto k = static_cast<std::uint32_t>(__builtin_ctz(some));
+        triangle_in_packet(packet_, q, k, [&](std::size_t g, const Tested<Rays>& tested) {
+          shortened |= take_lanes(q, k, g, tested);
+        });
+      }
+    }
+    return shortened;
+  }
+
+  HWY_NOINLINE bool take_lanes(const TriangleQuad& q, std::uint32_t k, std::size_t g,
+                               const Tested<Rays>& tested) {
+    const Rays d;
+    alignas(64) float t[kPacketWidth], v[kPacketWidth], w[kPacketWidth], det[kPacketWidth];
+    std::uint32_t hit = bits_of(d, tested.hit);
+    std::uint32_t unsettled = bits_of(d, tested.unsettled);
+    if ((hit | unsettled) == 0) return false;
+    hn::Store(tested.t, d, t);
+    hn::Store(tested.v, d, v);
+    hn::Store(tested.w, d, w);
+    hn::Store(tested.det, d, det);
+    bool shortened = false;
+    for (; hit != 0; hit &= hit - 1) {
+      const auto i = static_cast<std::uint32_t>(__builtin_ctz(hit));
+      shortened |= take(static_cast<std::uint32_t>(g) + i, q.id[k],
+                        {t[i], v[i] / det[i], w[i] / det[i], det[i] > 0});
+    }
+    for (; unsettled != 0; unsettled &= unsettled - 1) {
+      const auto lane = static_cast<std::uint32_t>(g) +
+                        static_cast<std::uint32_t>(__builtin_ctz(unsettled));
+      shortened |= take_exactly(lane, q, k);
+    }
+    return shortened;
+  }
+
+  bool take_exactly(std::uint32_t lane, const TriangleQuad& q, std::uint32_t k) {
+    const auto corner = [&](int i) {
+      return Vec3{q.vertex[i][0][k], q.vertex[i][1][k], q.vertex[i][2][k]};
+    };
+    TriangleHit hit;
+    if (!intersect_triangle(setup_of(packet_, lane), corner(0), corner(1), corner(2), &hit))
+      return false;
+    return take(lane, q.id[k], hit);
+  }
+
+  /// A hit of a lane, in its range. Whether the ray now ends earlier.
+  bool take(std::uint32_t lane, std::uint32_t id, const TriangleHit& hit) {
+    RayPacket& p = packet_;
+    if (job_.scene.facing != Facing::kBoth && job_.scene.flags != nullptr &&
+        !shows(job_.scene.facing, job_.scene.flags[id], hit.front))
+      return false;
+    if constexpr (Mode::kAll) {
+      if (lane < p.count) rows_.push_back({p.index[lane], {hit.t, hit.u, hit.v, id}});
+      return false;
+    } else if constexpr (Mode::kAny) {
+      done_ |= 1u << lane;
+      p.t_limit[lane] = -1;
+      p.s_far[lane] = -std::numeric_limits<float>::infinity();
+      return true;
+    } else {
+      if (!(hit.t < p.t[lane] || (hit.t == p.t[lane] && id < p.id[lane]))) return false;
+      p.t[lane] = p.t_limit[lane] = hit.t;
+      p.u[lane] = hit.u;
+      p.v[lane] = hit.v;
+      p.id[lane] = id;
+      const float far = hit.t * p.along[lane] * (1 + 8 * kUnitRoundoff) + p.pad;
+      p.s_far[lane] = far < p.s_far[lane] ? far : p.s_far[lane];
+      return true;
+    }
+  }
+
+#include "dual/single-inl.h"
+
+  void write_back() {
+    const RayPacket& p = packet_;
+    for (std::uint32_t i = 0; i < p.count; ++i) {
+      if constexpr (Mode::kAny) {
+        job_.occluded[p.index[i]] = done_ >> i & 1;
+      } else if constexpr (!Mode::kAll) {
+        job_.hits[p.index[i]] = {p.t[i], p.u[i], p.v[i], p.id[i]};
+      }
+    }
+  }
+
+  const TraceJob& job_;
+  const ObjectTree& tree_;
+  RayPacket packet_;
+  Beam beam_;
+  std::uint32_t done_ = 0;
+  DualCounts counts_;
+  std::vector<Waiting> waiting_;
+  std::vector<WaitingNode> waiting_nodes_;
+  std::vector<RowHit> rows_;
+};
