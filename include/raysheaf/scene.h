@@ -48,7 +48,7 @@ enum class Storage : std::uint8_t {
 struct MeshOptions {
   Storage storage = Storage::kCopy;
   bool place = true;                ///< make a first instance, from the two fields below
-  Affine transform;                 ///< from the mesh's space to the world
+  Affine transform = {};            ///< from the mesh's space to the world
   std::uint32_t mask = 0xffffffff;  ///< a query sees it where (mask & QueryOptions::mask) != 0
 };
 

@@ -1,0 +1,47 @@
+#include "raysheaf/context.h"
+
+#include <string>
+
+#include "api/context_impl.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf {
+namespace {
+
+constexpr std::uint32_t kMostThreads = 1024;
+
+void check(const ContextOptions& options) {
+  if (options.threads > kMostThreads)
+    throw Error(ErrorCode::kInvalidArgument,
+                "must be from 0 to 1024, not " + std::to_string(options.threads), "threads");
+  if (options.device != Device::kCpu)
+    throw Error(ErrorCode::kUnsupported,
+                std::string("this version has no ray queries on ") + to_string(options.device),
+                "device");
+}
+
+}  // namespace
+
+const char* to_string(Device device) {
+  switch (device) {
+    case Device::kCpu:
+      return "cpu";
+    case Device::kCuda:
+      return "cuda";
+  }
+  return "unknown";
+}
+
+Context::Context(const ContextOptions& options) {
+  check(options);
+  impl_ = std::make_shared<const Impl>(options);
+}
+
+Device Context::device() const noexcept {
+  return impl_->device;
+}
+std::uint32_t Context::threads() const noexcept {
+  return impl_->executor.threads();
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,219 @@
+// The front door of queries: checks, the view that the mask shows, the engine, names for the hits.
+#include "raysheaf/query.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "api/query_brute.h"
+#include "api/query_check.h"
+#include "api/scene_impl.h"
+#include "frame/stopwatch.h"
+
+namespace raysheaf {
+namespace {
+
+constexpr std::size_t kMostRays = 0x7fffffff;
+
+/// One call: holds the scene as it is, and counts what is done.
+class Query {
+ public:
+  Query(const Scene& scene, std::span<const Ray> rays, const QueryOptions& options)
+      : state_(SceneAccess::state(scene)),
+        reading_(state_.gate),
+        rays_(rays.data(), rays.size()),
+        options_(options) {
+    state_.require_committed();
+    if (rays.size() > kMostRays)
+      throw Error(ErrorCode::kUnsupported,
+                  std::to_string(rays.size()) + " rays are more than 2^31 - 1", "rays");
+    Stopwatch watch;
+    if (options.check) check_rays(executor(), rays_);
+    check_ms_ = watch.lap_ms();
+    if (rays.empty()) return;
+    view_ = state_.views.view_for(state_.runs, options.mask);
+    if (view_ == nullptr) return;
+    lock_ = std::unique_lock(view_->mutex);
+    view_->refresh(state_.runs);
+    // Brute force reads the triangles alone, which stay while `reading_` is there.
+    if (is_brute()) lock_.unlock();
+  }
+
+  [[nodiscard]] const Executor& executor() const { return state_.executor(); }
+  [[nodiscard]] View<const Ray> rays() const { return rays_; }
+  /// Whether nothing can be met: no rays, or no triangles that they see.
+  [[nodiscard]] bool is_empty() const { return view_ == nullptr; }
+  [[nodiscard]] bool is_brute() const { return options_.method == QueryMethod::kBrute; }
+  [[nodiscard]] SceneView& view() { return *view_; }
+  [[nodiscard]] EngineOptions engine_options() const {
+    return {Facing::kBoth, options_.statistics != nullptr && options_.count_tests};
+  }
+  [[nodiscard]] EngineReport* report() {
+    return options_.statistics != nullptr ? &report_ : nullptr;
+  }
+
+  /// Writes the statistics.
+  void finish() {
+    if (options_.statistics == nullptr) return;
+    if (!is_empty() && is_brute()) report_of_brute_force();
+    QueryStatistics& out = *options_.statistics;
+    out = {};
+    out.rays = rays_.size;
+    out.triangles = is_empty() ? 0 : view_->source().count;
+    out.bound_tests = report_.bound_tests;
+    out.ray_bound_tests = report_.ray_bound_tests;
+    out.triangle_tests = report_.triangle_tests;
+    out.update_ms = state_.update_ms;
+    out.check_ms = check_ms_;
+    out.order_ms = report_.order_ms;
+    out.hierarchy_ms = report_.hierarchy_ms;
+    out.trace_ms = report_.trace_ms;
+    out.plan = std::move(report_.plan);
+    out.total_ms = watch_.lap_ms();
+  }
+
+  void traced_by_brute_force(Stopwatch* watch) { report_.trace_ms = watch->lap_ms(); }
+
+ private:
+  void report_of_brute_force() {
+    if (options_.count_tests)
+      report_.triangle_tests = std::uint64_t{rays_.size} * view_->source().count;
+    report_.plan = {"brute force, as asked for"};
+  }
+
+  Stopwatch watch_;
+  SceneAccess::State& state_;
+  const SceneGate::Reading reading_;
+  View<const Ray> rays_;
+  const QueryOptions& options_;
+  double check_ms_ = 0;
+  std::shared_ptr<SceneView> view_;
+  std::unique_lock<std::mutex> lock_;
+  EngineReport report_;
+};
+
+void check_length(std::span<const Ray> rays, std::size_t size, const char* name) {
+  if (size != rays.size())
+    throw Error(ErrorCode::kInvalidArgument,
+                std::to_string(size) + " results for " + std::to_string(rays.size()) + " rays",
+                name);
+}
+
+void closest_hits(Query* query, std::span<Hit> hits) {
+  SceneView& view = query->view();
+  if (query->is_brute()) {
+    Stopwatch watch;
+    Buffer<EngineHit> found;
+    found.resize_uninitialized(hits.size());
+    brute::closest_hit(query->executor(), view.source(), query->rays(), found);
+    query->traced_by_brute_force(&watch);
+    view.name_hits(query->executor(), found, hits);
+    return;
+  }
+  view.scratch.resize_uninitialized(hits.size());
+  view.engine.closest_hit(query->executor(), query->rays(), query->engine_options(), view.scratch,
+                          {}, query->report());
+  view.name_hits(query->executor(), view.scratch, hits);
+}
+
+void any_hits(Query* query, std::span<std::uint8_t> occluded) {
+  const View<std::uint8_t> out(occluded.data(), occluded.size());
+  if (query->is_brute()) {
+    Stopwatch watch;
+    brute::any_hit(query->executor(), query->view().source(), query->rays(), out);
+    query->traced_by_brute_force(&watch);
+    return;
+  }
+  query->view().engine.any_hit(query->executor(), query->rays(), query->engine_options(), out, {},
+                               query->report());
+}
+
+EngineHitRows rows_of(Query* query) {
+  if (query->is_empty()) return {std::vector<std::uint64_t>(query->rays().size + 1), {}};
+  if (!query->is_brute())
+    return query->view().engine.all_hits(query->executor(), query->rays(), query->engine_options(),
+                                         query->report());
+  Stopwatch watch;
+  EngineHitRows rows = brute::all_hits(query->executor(), query->view().source(), query->rays());
+  query->traced_by_brute_force(&watch);
+  return rows;
+}
+
+}  // namespace
+
+void closest_hit(const Scene& scene, std::span<const Ray> rays, std::span<Hit> hits,
+                 const QueryOptions& options) {
+  translated([&] {
+    check_length(rays, hits.size(), "hits");
+    Query query(scene, rays, options);
+    if (query.is_empty())
+      std::fill(hits.begin(), hits.end(), Hit{});
+    else
+      closest_hits(&query, hits);
+    query.finish();
+  });
+}
+
+std::vector<Hit> closest_hit(const Scene& scene, std::span<const Ray> rays,
+                             const QueryOptions& options) {
+  return translated([&] {
+    std::vector<Hit> hits(rays.size());
+    closest_hit(scene, rays, hits, options);
+    return hits;
+  });
+}
+
+void any_hit(const Scene& scene, std::span<const Ray> rays, std::span<std::uint8_t> occluded,
+             const QueryOptions& options) {
+  translated([&] {
+    check_length(rays, occluded.size(), "occluded");
+    Query query(scene, rays, options);
+    if (query.is_empty())
+      std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
+    else
+      any_hits(&query, occluded);
+    query.finish();
+  });
+}
+
+std::vector<std::uint8_t> any_hit(const Scene& scene, std::span<const Ray> rays,
+                                  const QueryOptions& options) {
+  return translated([&] {
+    std::vector<std::uint8_t> occluded(rays.size());
+    any_hit(scene, rays, occluded, options);
+    return occluded;
+  });
+}
+
+HitRows all_hits(const Scene& scene, std::span<const Ray> rays, const QueryOptions& options) {
+  return translated([&] {
+    Query query(scene, rays, options);
+    EngineHitRows found = rows_of(&query);
+    HitRows rows{std::move(found.offsets), std::vector<Hit>(found.hits.size())};
+    if (!found.hits.empty()) query.view().name_hits(query.executor(), found.hits, rows.hits);
+    query.finish();
+    return rows;
+  });
+}
+
+void hit_counts(const Scene& scene, std::span<const Ray> rays, std::span<std::uint32_t> counts,
+                const QueryOptions& options) {
+  translated([&] {
+    check_length(rays, counts.size(), "counts");
+    Query query(scene, rays, options);
+    const EngineHitRows found = rows_of(&query);
+    for (std::size_t i = 0; i < counts.size(); ++i)
+      counts[i] = static_cast<std::uint32_t>(found.offsets[i + 1] - found.offsets[i]);
+    query.finish();
+  });
+}
+
+std::vector<std::uint32_t> hit_counts(const Scene& scene, std::span<const Ray> rays,
+                                      const QueryOptions& options) {
+  return translated([&] {
+    std::vector<std::uint32_t> counts(rays.size());
+    hit_counts(scene, rays, counts, options);
+    return counts;
+  });
+}
+
+}  // namespace raysheaf

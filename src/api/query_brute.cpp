@@ -1,0 +1,74 @@
+#include "api/query_brute.h"
+
+#include <algorithm>
+
+#include "intersect/triangle_body.h"
+#include "scene/flatten_body.h"
+
+namespace raysheaf::brute {
+namespace {
+
+/// Rays a task.
+constexpr std::size_t kGrain = 16;
+
+/// Calls `take(hit)`, which says whether to go on, for the hits of a ray by ascending number.
+template <class Take>
+void for_each_hit(const TriangleSource& source, const Ray& ray, const Take& take) {
+  const RaySetup setup = make_ray_setup(ray);
+  for (const TriangleRun& run : source.runs) {
+    for (std::uint32_t i = 0; i < run.count; ++i) {
+      const auto [a, b, c] = run.corners(i);
+      TriangleHit hit;
+      if (!intersect_triangle(setup, a, b, c, &hit) || has_no_area(a, b, c)) continue;
+      if (!take(EngineHit{hit.t, hit.u, hit.v, run.first + i})) return;
+    }
+  }
+}
+
+}  // namespace
+
+void closest_hit(const Executor& executor, const TriangleSource& source, View<const Ray> rays,
+                 View<EngineHit> hits) {
+  executor.for_each(rays.size, kGrain, [&](std::size_t i) {
+    EngineHit best;
+    for_each_hit(source, rays[i], [&](const EngineHit& hit) {
+      if (hit.t < best.t || best.triangle == kInvalidId) best = hit;
+      return true;
+    });
+    hits[i] = best;
+  });
+}
+
+void any_hit(const Executor& executor, const TriangleSource& source, View<const Ray> rays,
+             View<std::uint8_t> occluded) {
+  executor.for_each(rays.size, kGrain, [&](std::size_t i) {
+    bool met = false;
+    for_each_hit(source, rays[i], [&](const EngineHit&) {
+      met = true;
+      return false;
+    });
+    occluded[i] = met ? 1 : 0;
+  });
+}
+
+EngineHitRows all_hits(const Executor& executor, const TriangleSource& source,
+                       View<const Ray> rays) {
+  std::vector<std::vector<EngineHit>> rows(rays.size);
+  executor.for_each(rays.size, kGrain, [&](std::size_t i) {
+    for_each_hit(source, rays[i], [&](const EngineHit& hit) {
+      rows[i].push_back(hit);
+      return true;
+    });
+    std::stable_sort(rows[i].begin(), rows[i].end(),
+                     [](const EngineHit& a, const EngineHit& b) { return a.t < b.t; });
+  });
+  EngineHitRows out;
+  out.offsets.assign(1, 0);
+  for (const std::vector<EngineHit>& row : rows) {
+    out.hits.insert(out.hits.end(), row.begin(), row.end());
+    out.offsets.push_back(out.hits.size());
+  }
+  return out;
+}
+
+}  // namespace raysheaf::brute

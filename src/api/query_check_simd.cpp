@@ -1,0 +1,105 @@
+// Compiled once a SIMD target and chosen at run time (Google Highway).
+#include <atomic>
+#include <cmath>
+#include <string>
+
+#include "api/query_check.h"
+#include "raysheaf/error.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "api/query_check_simd.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace raysheaf::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Whether the first `count` rays are right, as far as they fill vectors; `done` says how far.
+///
+/// A ray is two quads of floats, x y z t: origin and t_min, direction and t_max. They are loaded
+/// field by field, with origins in the even lanes and directions in the odd ones.
+bool CheckRays(const Ray* rays, std::size_t count, std::size_t* done) {
+  const hn::ScalableTag<float> d;
+  const std::size_t step = hn::Lanes(d) / 2;
+  *done = 0;
+  if (hn::Lanes(d) < 2) return true;
+  const auto largest = hn::Set(d, std::numeric_limits<float>::max());
+  const auto zero = hn::Zero(d);
+  const auto t_max_lanes = hn::Ne(hn::OddEven(hn::Set(d, 1.0f), zero), zero);
+  auto wrong = hn::Ne(zero, zero);
+  std::size_t i = 0;
+  for (; i + step <= count; i += step) {
+    auto x = zero, y = zero, z = zero, t = zero;
+    hn::LoadInterleaved4(d, &rays[i].origin.x, x, y, z, t);
+    x = hn::Abs(x), y = hn::Abs(y), z = hn::Abs(z);
+    const auto finite =
+        hn::And(hn::And(hn::Le(x, largest), hn::Le(y, largest)), hn::Le(z, largest));
+    const auto somewhere = hn::Ne(hn::Or(hn::Or(x, y), z), zero);
+    const auto ordered = hn::And(hn::Ge(t, zero), hn::Ge(t, hn::DupEven(t)));
+    const auto right = hn::And(hn::And(finite, ordered), hn::Or(somewhere, hn::Not(t_max_lanes)));
+    wrong = hn::Or(wrong, hn::Not(right));
+  }
+  *done = i;
+  return hn::AllFalse(d, wrong);
+}
+
+}  // namespace raysheaf::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace raysheaf {
+namespace {
+
+HWY_EXPORT(CheckRays);
+
+/// Items a task: 256 KiB.
+constexpr std::size_t kGrain = 8192;
+
+bool is_finite(Vec3 v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+struct Fault {
+  const char* field = nullptr;
+  const char* sentence = nullptr;
+};
+
+Fault fault_of(const Ray& ray) {
+  if (!is_finite(ray.origin)) return {"origin", "the origin is not finite"};
+  if (!is_finite(ray.direction)) return {"direction", "the direction is not finite"};
+  if (ray.direction.x == 0 && ray.direction.y == 0 && ray.direction.z == 0)
+    return {"direction", "the direction is zero"};
+  if (std::isnan(ray.t_min)) return {"t_min", "t_min is not a number"};
+  if (std::isnan(ray.t_max)) return {"t_max", "t_max is not a number"};
+  if (ray.t_min < 0) return {"t_min", "t_min is negative"};
+  if (ray.t_min > ray.t_max) return {"t_min", "t_min is larger than t_max"};
+  return {};
+}
+
+bool all_right(View<const Ray> rays) {
+  std::size_t i = 0;
+  if (!HWY_DYNAMIC_DISPATCH(CheckRays)(rays.data, rays.size, &i)) return false;
+  for (; i < rays.size; ++i)
+    if (fault_of(rays[i]).field != nullptr) return false;
+  return true;
+}
+
+}  // namespace
+
+void check_rays(const Executor& executor, View<const Ray> rays) {
+  std::atomic<bool> good{true};
+  executor.for_each_block(rays.size, kGrain, [&](std::size_t begin, std::size_t end) {
+    if (!all_right(rays.slice(begin, end - begin))) good.store(false, std::memory_order_relaxed);
+  });
+  if (good) return;
+  for (std::size_t i = 0; i < rays.size; ++i) {
+    const Fault fault = fault_of(rays[i]);
+    if (fault.field != nullptr)
+      throw Error(ErrorCode::kInvalidData, fault.sentence,
+                  "rays[" + std::to_string(i) + "]." + fault.field);
+  }
+}
+
+}  // namespace raysheaf
+#endif  // HWY_ONCE

@@ -1,0 +1,149 @@
+// The front door of a scene: every call passes the gate, and says in raysheaf's words what went
+// wrong.
+#include "raysheaf/scene.h"
+
+#include "api/scene_impl.h"
+#include "frame/stopwatch.h"
+
+namespace raysheaf {
+namespace {
+
+/// `body(state)`, alone; its time counts as the next commit's.
+template <class Body>
+auto change(Scene& scene, const Body& body) {
+  auto& state = SceneAccess::state(scene);
+  const SceneGate::Changing alone(state.gate);
+  struct Timer {
+    double* sum;
+    Stopwatch watch;
+    ~Timer() { *sum += watch.lap_ms(); }
+  } timer{&state.pending_ms, {}};
+  return translated([&] { return body(state); });
+}
+
+template <class Body>
+auto look(const Scene& scene, const Body& body) {
+  auto& state = SceneAccess::state(scene);
+  const SceneGate::Reading together(state.gate);
+  return translated([&] { return body(state); });
+}
+
+template <class T>
+View<const T> view(std::span<const T> span) {
+  return {span.data(), span.size()};
+}
+
+}  // namespace
+
+Scene::Scene(const Context& context) : impl_(std::make_unique<Impl>(context)) {}
+Scene::~Scene() = default;
+Scene::Scene(Scene&&) noexcept = default;
+Scene& Scene::operator=(Scene&&) noexcept = default;
+
+MeshId Scene::add(std::span<const Vec3> positions, std::span<const Triangle> triangles,
+                  const MeshOptions& options) {
+  const View<const Triangle> indices = view(triangles);
+  return change(*this, [&](Impl& s) { return s.add(view(positions), &indices, options); });
+}
+MeshId Scene::add_soup(std::span<const Vec3> positions, const MeshOptions& options) {
+  return change(*this, [&](Impl& s) { return s.add(view(positions), nullptr, options); });
+}
+void Scene::replace(MeshId mesh, std::span<const Vec3> positions,
+                    std::span<const Triangle> triangles) {
+  const View<const Triangle> indices = view(triangles);
+  change(*this, [&](Impl& s) { s.replace(mesh, view(positions), &indices); });
+}
+void Scene::replace_soup(MeshId mesh, std::span<const Vec3> positions) {
+  change(*this, [&](Impl& s) { s.replace(mesh, view(positions), nullptr); });
+}
+void Scene::update(MeshId mesh, std::span<const Vec3> positions) {
+  change(*this, [&](Impl& s) { s.update(mesh, view(positions)); });
+}
+void Scene::remove(MeshId mesh) {
+  change(*this, [&](Impl& s) { s.remove(mesh); });
+}
+
+InstanceId Scene::instance(MeshId mesh, const Affine& transform, std::uint32_t mask) {
+  return change(*this, [&](Impl& s) { return s.instance(mesh, transform, mask); });
+}
+void Scene::remove_instance(InstanceId instance) {
+  change(*this, [&](Impl& s) { s.remove_instance(instance); });
+}
+void Scene::set_transform(InstanceId instance, const Affine& transform) {
+  change(*this, [&](Impl& s) { s.set_transform(instance, transform); });
+}
+void Scene::set_mask(InstanceId instance, std::uint32_t mask) {
+  change(*this, [&](Impl& s) { s.set_mask(instance, mask); });
+}
+
+void Scene::commit() {
+  Stopwatch watch;
+  change(*this, [&](Impl& s) {
+    if (s.committed) return;
+    s.commit();
+    s.update_ms = s.pending_ms + watch.lap_ms();
+    s.pending_ms = 0;
+  });
+}
+bool Scene::is_committed() const {
+  return look(*this, [](const Impl& s) { return s.committed; });
+}
+
+const Context& Scene::context() const {
+  return SceneAccess::state(*this).context;
+}
+bool Scene::contains(MeshId mesh) const {
+  return look(*this, [&](const Impl& s) { return s.meshes.contains(mesh); });
+}
+bool Scene::contains_instance(InstanceId instance) const {
+  return look(*this, [&](const Impl& s) { return s.placements.contains(instance); });
+}
+std::vector<MeshId> Scene::meshes() const {
+  return look(*this, [](const Impl& s) {
+    std::vector<MeshId> all;
+    for (const auto& [id, mesh] : s.meshes) all.push_back(id);
+    return all;
+  });
+}
+std::vector<InstanceId> Scene::instances(MeshId mesh) const {
+  return look(*this, [&](const Impl& s) { return s.mesh(mesh).instances; });
+}
+MeshId Scene::mesh_of(InstanceId instance) const {
+  return look(*this, [&](const Impl& s) { return s.placement(instance).mesh; });
+}
+Affine Scene::transform(InstanceId instance) const {
+  return look(*this, [&](const Impl& s) { return s.placement(instance).to_world; });
+}
+std::uint32_t Scene::mask(InstanceId instance) const {
+  return look(*this, [&](const Impl& s) { return s.placement(instance).mask; });
+}
+
+std::size_t Scene::mesh_count() const {
+  return look(*this, [](const Impl& s) { return s.meshes.size(); });
+}
+std::size_t Scene::instance_count() const {
+  return look(*this, [](const Impl& s) { return s.placements.size(); });
+}
+std::size_t Scene::vertex_count(MeshId mesh) const {
+  return look(*this, [&](const Impl& s) { return s.mesh(mesh).arrays.positions().size; });
+}
+std::size_t Scene::triangle_count(MeshId mesh) const {
+  return look(*this,
+              [&](const Impl& s) { return std::size_t{s.mesh(mesh).arrays.triangle_count()}; });
+}
+std::uint64_t Scene::triangle_count() const {
+  return look(*this, [](const Impl& s) {
+    std::uint64_t count = 0;
+    for (const auto& [id, mesh] : s.meshes)
+      count += std::uint64_t{mesh.arrays.triangle_count()} * mesh.instances.size();
+    return count;
+  });
+}
+Box Scene::bounds() const {
+  return look(*this, [](Impl& s) { return s.bounds(); });
+}
+std::size_t Scene::memory_bytes() const {
+  return look(*this, [](Impl& s) { return s.memory_bytes(); });
+}
+
+}  // namespace raysheaf

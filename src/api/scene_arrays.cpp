@@ -1,0 +1,164 @@
+#include "api/scene_arrays.h"
+
+#include <atomic>
+#include <cmath>
+#include <utility>
+
+#include "raysheaf/error.h"
+#include "scene/flat_scene.h"
+
+namespace raysheaf {
+namespace {
+
+/// Items a task: what a core reads in tens of microseconds.
+constexpr std::size_t kGrain = 16384;
+constexpr std::size_t kMostItems = 0x7fffffff;
+
+// The loops below have no branches, so that the compiler makes vectors of them; what is wrong is
+// found again by a second look.
+
+/// The sum makes -0 into +0, as the identity transform does (base/vec.h).
+bool copy_coordinates(const float* in, std::size_t count, float* out) {
+  std::uint32_t wrong = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    wrong |= std::fabs(in[i]) <= kLargestCoordinate ? 0u : 1u;
+    out[i] = in[i] + 0.0f;
+  }
+  return wrong == 0;
+}
+
+bool check_coordinates(const float* in, std::size_t count) {
+  std::uint32_t wrong = 0;
+  for (std::size_t i = 0; i < count; ++i) wrong |= std::fabs(in[i]) <= kLargestCoordinate ? 0u : 1u;
+  return wrong == 0;
+}
+
+bool copy_indices(const std::uint32_t* in, std::size_t count, std::uint32_t limit,
+                  std::uint32_t* out) {
+  std::uint32_t wrong = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    wrong |= in[i] < limit ? 0u : 1u;
+    out[i] = in[i];
+  }
+  return wrong == 0;
+}
+
+bool check_indices(const std::uint32_t* in, std::size_t count, std::uint32_t limit) {
+  std::uint32_t wrong = 0;
+  for (std::size_t i = 0; i < count; ++i) wrong |= in[i] < limit ? 0u : 1u;
+  return wrong == 0;
+}
+
+/// Whether `body(begin, end)` holds for all blocks of [0, count).
+template <class Body>
+bool all_blocks(const Executor& executor, std::size_t count, const Body& body) {
+  std::atomic<bool> good{true};
+  executor.for_each_block(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    if (!body(begin, end)) good.store(false, std::memory_order_relaxed);
+  });
+  return good;
+}
+
+std::string element(const std::string& place, const char* field, std::size_t i) {
+  return place + "." + field + "[" + std::to_string(i) + "]";
+}
+
+[[noreturn]] void throw_bad_position(View<const Vec3> positions, const std::string& place) {
+  std::size_t i = 0;
+  while (check_coordinates(&positions[i].x, 3)) ++i;
+  const Vec3 p = positions[i];
+  const bool finite = std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+  throw Error(ErrorCode::kInvalidData,
+              finite ? "the vertex is farther out than 1e18" : "the vertex is not finite",
+              element(place, "positions", i));
+}
+
+[[noreturn]] void throw_bad_triangle(View<const Triangle> triangles, std::size_t vertex_count,
+                                     const std::string& place) {
+  const auto limit = static_cast<std::uint32_t>(vertex_count);
+  std::size_t i = 0, k = 0;
+  while (check_indices(triangles[i].data(), 3, limit)) ++i;
+  while (triangles[i][k] < limit) ++k;
+  throw Error(ErrorCode::kInvalidData,
+              "index " + std::to_string(k) + " is " + std::to_string(triangles[i][k]) +
+                  ", but the mesh has " + std::to_string(vertex_count) + " vertices",
+              element(place, "triangles", i));
+}
+
+void check_count(std::size_t count, const std::string& place, const char* what) {
+  if (count > kMostItems)
+    throw Error(ErrorCode::kUnsupported,
+                std::to_string(count) + " " + what + " are more than 2^31 - 1", place);
+}
+
+}  // namespace
+
+void MeshArrays::set(const Executor& executor, View<const Vec3> positions,
+                     const View<const Triangle>* triangles, const std::string& place) {
+  check_count(positions.size, place, "vertices");
+  if (triangles != nullptr) check_count(triangles->size, place, "triangles");
+  if (triangles == nullptr && positions.size % 3 != 0)
+    throw Error(ErrorCode::kInvalidArgument,
+                std::to_string(positions.size) + " vertices are not three a triangle",
+                place + ".positions");
+  take_positions(executor, positions, place);
+  if (triangles != nullptr) take_triangles(executor, *triangles, positions.size, place);
+
+  soup_ = triangles == nullptr;
+  positions_ = positions;
+  triangles_ = soup_ ? View<const Triangle>() : *triangles;
+  if (storage_ == Storage::kShare) return;
+  std::swap(own_positions_, next_positions_);
+  positions_ = own_positions_;
+  if (soup_) return;
+  std::swap(own_triangles_, next_triangles_);
+  triangles_ = own_triangles_;
+}
+
+void MeshArrays::move(const Executor& executor, View<const Vec3> positions,
+                      const std::string& place) {
+  if (positions.size != positions_.size)
+    throw Error(ErrorCode::kInvalidArgument,
+                std::to_string(positions.size) + " vertices are given, but the mesh has " +
+                    std::to_string(positions_.size),
+                place + ".positions");
+  take_positions(executor, positions, place);
+  positions_ = positions;
+  if (storage_ == Storage::kShare) return;
+  std::swap(own_positions_, next_positions_);
+  positions_ = own_positions_;
+}
+
+void MeshArrays::take_positions(const Executor& executor, View<const Vec3> positions,
+                                const std::string& place) {
+  const bool copy = storage_ == Storage::kCopy;
+  if (copy) next_positions_.resize_uninitialized(positions.size);
+  const bool good = all_blocks(executor, positions.size, [&](std::size_t begin, std::size_t end) {
+    const float* in = &positions[begin].x;
+    const std::size_t floats = 3 * (end - begin);
+    return copy ? copy_coordinates(in, floats, &next_positions_[begin].x)
+                : check_coordinates(in, floats);
+  });
+  if (!good) throw_bad_position(positions, place);
+}
+
+void MeshArrays::take_triangles(const Executor& executor, View<const Triangle> triangles,
+                                std::size_t vertex_count, const std::string& place) {
+  const bool copy = storage_ == Storage::kCopy;
+  const auto limit = static_cast<std::uint32_t>(vertex_count);
+  if (copy) next_triangles_.resize_uninitialized(triangles.size);
+  const bool good = all_blocks(executor, triangles.size, [&](std::size_t begin, std::size_t end) {
+    const std::uint32_t* in = triangles[begin].data();
+    const std::size_t indices = 3 * (end - begin);
+    return copy ? copy_indices(in, indices, limit, next_triangles_[begin].data())
+                : check_indices(in, indices, limit);
+  });
+  if (!good) throw_bad_triangle(triangles, vertex_count, place);
+}
+
+std::size_t MeshArrays::memory_bytes() const {
+  return own_positions_.capacity_bytes() + next_positions_.capacity_bytes() +
+         own_triangles_.capacity_bytes() + next_triangles_.capacity_bytes();
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,47 @@
+// The vertices and triangles of one mesh, looked over on their way in.
+#pragma once
+
+#include <string>
+
+#include "base/buffer.h"
+#include "base/view.h"
+#include "exec/executor.h"
+#include "raysheaf/scene.h"
+
+namespace raysheaf {
+
+class MeshArrays {
+ public:
+  explicit MeshArrays(Storage storage) : storage_(storage) {}
+
+  /// Takes or shares the arrays; `triangles` = null for a soup. `place` names the mesh in errors.
+  /// Changes nothing where it throws.
+  void set(const Executor& executor, View<const Vec3> positions,
+           const View<const Triangle>* triangles, const std::string& place);
+  /// Other positions, as many.
+  void move(const Executor& executor, View<const Vec3> positions, const std::string& place);
+
+  [[nodiscard]] View<const Vec3> positions() const { return positions_; }
+  /// Null for a soup.
+  [[nodiscard]] const Triangle* triangles() const { return soup_ ? nullptr : triangles_.data; }
+  [[nodiscard]] std::uint32_t triangle_count() const {
+    return static_cast<std::uint32_t>(soup_ ? positions_.size / 3 : triangles_.size);
+  }
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+ private:
+  void take_positions(const Executor& executor, View<const Vec3> positions,
+                      const std::string& place);
+  void take_triangles(const Executor& executor, View<const Triangle> triangles,
+                      std::size_t vertex_count, const std::string& place);
+
+  Storage storage_;
+  bool soup_ = false;
+  View<const Vec3> positions_;
+  View<const Triangle> triangles_;
+  // Copies are made beside the ones in use, which are whole until the new ones are.
+  Buffer<Vec3> own_positions_, next_positions_;
+  Buffer<Triangle> own_triangles_, next_triangles_;
+};
+
+}  // namespace raysheaf

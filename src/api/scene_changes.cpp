@@ -1,0 +1,167 @@
+// Changes to a scene: what is wrong is found before anything changes.
+#include <algorithm>
+#include <cmath>
+
+#include "api/scene_impl.h"
+
+namespace raysheaf {
+namespace {
+
+std::string mesh_name(MeshId id) {
+  return "meshes[" + std::to_string(id) + "]";
+}
+std::string instance_name(InstanceId id) {
+  return "instances[" + std::to_string(id) + "]";
+}
+
+void check(const Affine& transform, const std::string& place) {
+  for (const auto& row : transform.m)
+    for (const float x : row)
+      if (!std::isfinite(x))
+        throw Error(ErrorCode::kInvalidArgument, "the transform is not finite",
+                    place + ".transform");
+}
+
+/// `reserve` alone would make each of many additions a copy.
+template <class T>
+void make_room(std::vector<T>* list, std::size_t more) {
+  if (list->capacity() - list->size() < more)
+    list->reserve(std::max(2 * list->size(), list->size() + more));
+}
+
+/// Looks an id up; those that are gone are not mistaken for those that never were.
+template <class Map>
+auto& found_in(Map& map, std::uint32_t id, std::uint32_t next_id, const char* what,
+               const std::string& place) {
+  const auto found = map.find(id);
+  if (found != map.end()) return found->second;
+  throw Error(ErrorCode::kNotFound,
+              id < next_id ? std::string("this ") + what + " was removed"
+                           : std::string("there is no such ") + what,
+              place);
+}
+
+}  // namespace
+
+const MeshEntry& Scene::Impl::mesh(MeshId id) const {
+  return found_in(meshes, id, next_mesh_, "mesh", mesh_name(id));
+}
+MeshEntry& Scene::Impl::find(MeshId id) {
+  return found_in(meshes, id, next_mesh_, "mesh", mesh_name(id));
+}
+const Placement& Scene::Impl::placement(InstanceId id) const {
+  return found_in(placements, id, next_instance_, "instance", instance_name(id));
+}
+Placement& Scene::Impl::find_instance(InstanceId id) {
+  return found_in(placements, id, next_instance_, "instance", instance_name(id));
+}
+
+void Scene::Impl::check_new_ids(bool mesh, bool instance) const {
+  if ((mesh && next_mesh_ == kInvalidId) || (instance && next_instance_ == kInvalidId))
+    throw Error(ErrorCode::kUnsupported, "the scene has used up its 2^32 - 1 ids", "scene");
+}
+
+MeshId Scene::Impl::add(View<const Vec3> positions, const View<const Triangle>* triangles,
+                        const MeshOptions& options) {
+  check_new_ids(true, options.place);
+  const MeshId id = next_mesh_;
+  check(options.transform, mesh_name(id));
+  MeshEntry entry{MeshArrays(options.storage), {}};
+  entry.arrays.set(executor(), positions, triangles, mesh_name(id));
+  MeshEntry& mesh = meshes.emplace(id, std::move(entry)).first->second;
+  try {
+    if (options.place) place(id, &mesh, options.transform, options.mask);
+  } catch (...) {
+    meshes.erase(id);
+    throw;
+  }
+  ++next_mesh_;
+  committed = false;
+  return id;
+}
+
+/// Room first, then the change, which cannot fail.
+void Scene::Impl::place(MeshId id, MeshEntry* mesh, const Affine& transform, std::uint32_t mask) {
+  make_room(&mesh->instances, 1);
+  make_room(&stale_, 1);
+  Placement& placement = placements[next_instance_];
+  placement.mesh = id;
+  placement.to_world = transform;
+  placement.is_identity = transform.m == Affine().m;
+  placement.mask = mask;
+  mark_moved(next_instance_, &placement);
+  mesh->instances.push_back(next_instance_++);
+  structure_changed_ = true;
+  committed = false;
+}
+
+void Scene::Impl::mark_moved(InstanceId id, Placement* placement) {
+  if (placement->stale) return;
+  stale_.push_back(id);
+  placement->stale = true;
+}
+
+void Scene::Impl::mark_moved(const MeshEntry& mesh) {
+  for (const InstanceId id : mesh.instances) mark_moved(id, &placements.at(id));
+}
+
+void Scene::Impl::replace(MeshId id, View<const Vec3> positions,
+                          const View<const Triangle>* triangles) {
+  MeshEntry& mesh = find(id);
+  make_room(&stale_, mesh.instances.size());
+  mesh.arrays.set(executor(), positions, triangles, mesh_name(id));
+  mark_moved(mesh);
+  structure_changed_ = structure_changed_ || !mesh.instances.empty();
+  committed = false;
+}
+
+void Scene::Impl::update(MeshId id, View<const Vec3> positions) {
+  MeshEntry& mesh = find(id);
+  make_room(&stale_, mesh.instances.size());
+  mesh.arrays.move(executor(), positions, mesh_name(id));
+  mark_moved(mesh);
+  committed = false;
+}
+
+void Scene::Impl::remove(MeshId id) {
+  const MeshEntry& mesh = find(id);
+  structure_changed_ = structure_changed_ || !mesh.instances.empty();
+  for (const InstanceId instance : mesh.instances) placements.erase(instance);
+  meshes.erase(id);
+  committed = false;
+}
+
+InstanceId Scene::Impl::instance(MeshId id, const Affine& transform, std::uint32_t mask) {
+  MeshEntry& mesh = find(id);
+  check_new_ids(false, true);
+  check(transform, instance_name(next_instance_));
+  place(id, &mesh, transform, mask);
+  return next_instance_ - 1;
+}
+
+void Scene::Impl::remove_instance(InstanceId id) {
+  std::vector<InstanceId>& siblings = find(find_instance(id).mesh).instances;
+  siblings.erase(std::lower_bound(siblings.begin(), siblings.end(), id));
+  placements.erase(id);
+  structure_changed_ = true;
+  committed = false;
+}
+
+void Scene::Impl::set_transform(InstanceId id, const Affine& transform) {
+  Placement& placement = find_instance(id);
+  check(transform, instance_name(id));
+  mark_moved(id, &placement);  // first: it may throw
+  placement.to_world = transform;
+  placement.is_identity = transform.m == Affine().m;
+  committed = false;
+}
+
+void Scene::Impl::set_mask(InstanceId id, std::uint32_t mask) {
+  Placement& placement = find_instance(id);
+  if (placement.mask == mask) return;
+  placement.mask = mask;
+  masks_changed_ = true;
+  committed = false;
+}
+
+}  // namespace raysheaf

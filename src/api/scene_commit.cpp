@@ -1,0 +1,204 @@
+// From changes to what queries see.
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+
+#include "api/scene_impl.h"
+#include "base/vec.h"
+#include "scene/flat_scene.h"
+
+namespace raysheaf {
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+constexpr std::uint64_t kMostTriangles = 0x7fffffff;
+
+struct Move {
+  InstanceId instance;
+  std::size_t first;  // of its vertices, counted over all moves
+  View<const Vec3> from;
+  const Affine* to_world;
+  Vec3* to;
+};
+
+/// The same operations as in scene/flatten.cpp. Returns whether all vertices stay in range.
+bool transform(const Affine& to_world, const Vec3* from, std::size_t count, Vec3* to) {
+  std::uint32_t wrong = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 p = transform_point(to_world, from[i]);
+    wrong |= max_component(abs(p)) <= kLargestCoordinate ? 0u : 1u;
+    to[i] = p;
+  }
+  return wrong == 0;
+}
+
+/// The least instance that leaves the range, or kInvalidId. Tasks may span several instances, and
+/// several tasks one.
+InstanceId run_moves(const Executor& executor, const std::vector<Move>& moves, std::size_t count) {
+  std::atomic<InstanceId> refused{kInvalidId};
+  executor.for_each_block(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    const auto after =
+        std::upper_bound(moves.begin(), moves.end(), begin,
+                         [](std::size_t vertex, const Move& move) { return vertex < move.first; });
+    for (auto move = after - 1; begin < end; ++move) {
+      const std::size_t first = begin - move->first;
+      const std::size_t stop = std::min(end - move->first, move->from.size);
+      begin = move->first + stop;
+      if (transform(*move->to_world, move->from.data + first, stop - first, move->to + first))
+        continue;
+      InstanceId least = refused.load(std::memory_order_relaxed);
+      while (move->instance < least && !refused.compare_exchange_weak(least, move->instance)) {
+      }
+    }
+  });
+  return refused;
+}
+
+Box box_of(const Executor& executor, const std::vector<SceneRun>& runs) {
+  Box box;
+  std::mutex mutex;
+  for (const SceneRun& scene_run : runs) {
+    const TriangleRun& run = scene_run.triangles;
+    executor.for_each_block(run.count, kGrain, [&](std::size_t begin, std::size_t end) {
+      Box part;
+      for (std::size_t i = begin; i < end; ++i) {
+        for (const Vec3 corner : run.corners(static_cast<std::uint32_t>(i))) {
+          part.min = min(part.min, corner);
+          part.max = max(part.max, corner);
+        }
+      }
+      const std::lock_guard lock(mutex);
+      box.min = min(box.min, part.min);
+      box.max = max(box.max, part.max);
+    });
+  }
+  // The sum makes -0 into +0, which tasks may otherwise deliver in any order.
+  box.min += {0, 0, 0};
+  box.max += {0, 0, 0};
+  return box;
+}
+
+}  // namespace
+
+void Scene::Impl::commit() {
+  if (committed) return;
+  move_to_world();
+  if (structure_changed_) {
+    list_runs();
+    ++runs.structure_version;
+  } else {
+    move_runs();
+  }
+  if (!stale_.empty()) ++runs.position_version;
+  if (structure_changed_ || masks_changed_) {
+    list_masks();
+    ++runs.mask_version;
+    views.forget_old_masks(runs);
+  }
+  for (const InstanceId id : stale_) {
+    const auto found = placements.find(id);
+    if (found != placements.end()) found->second.stale = false;
+  }
+  stale_.clear();
+  structure_changed_ = masks_changed_ = false;
+  bounds_.reset();
+  committed = true;
+}
+
+/// World positions of the instances that have moved, where they are not their mesh's own.
+void Scene::Impl::move_to_world() {
+  std::vector<Move> moves;
+  std::size_t count = 0;
+  for (const InstanceId id : stale_) {
+    const auto found = placements.find(id);
+    if (found == placements.end() || found->second.is_identity) continue;
+    Placement& placement = found->second;
+    const View<const Vec3> from = meshes.at(placement.mesh).arrays.positions();
+    if (from.empty()) continue;
+    placement.world.resize_uninitialized(from.size);
+    moves.push_back({id, count, from, &placement.to_world, placement.world.data()});
+    count += from.size;
+  }
+  const InstanceId refused = run_moves(executor(), moves, count);
+  if (refused == kInvalidId) return;
+  throw Error(ErrorCode::kInvalidData,
+              "the transform puts a vertex of meshes[" +
+                  std::to_string(placements.at(refused).mesh) + "] farther out than 1e18",
+              "instances[" + std::to_string(refused) + "].transform");
+}
+
+/// All runs anew, by (mesh, instance). The old ones stay where there are too many.
+void Scene::Impl::list_runs() {
+  std::uint64_t count = 0;
+  for (const auto& [id, mesh] : meshes)
+    count += std::uint64_t{mesh.arrays.triangle_count()} * mesh.instances.size();
+  if (count > kMostTriangles)
+    throw Error(
+        ErrorCode::kUnsupported,
+        "its instances have " + std::to_string(count) + " triangles in all, more than 2^31 - 1",
+        "scene");
+  runs.runs.reserve(placements.size());
+  runs.runs.clear();
+  std::uint32_t first = 0;
+  for (const auto& [id, mesh] : meshes) {
+    const MeshArrays& arrays = mesh.arrays;
+    for (const InstanceId instance : mesh.instances) {
+      Placement& placement = placements.at(instance);
+      placement.run = Placement::kNoRun;
+      if (arrays.triangle_count() == 0) continue;
+      placement.run = runs.runs.size();
+      const Vec3* positions =
+          placement.is_identity ? arrays.positions().data : placement.world.data();
+      runs.runs.push_back({{positions, arrays.triangles(), first, arrays.triangle_count()},
+                           id,
+                           instance,
+                           placement.mask});
+      first += arrays.triangle_count();
+    }
+  }
+  runs.triangle_count = count;
+}
+
+/// The same runs, elsewhere.
+void Scene::Impl::move_runs() {
+  for (const InstanceId id : stale_) {
+    const Placement& placement = placements.at(id);
+    if (placement.run == Placement::kNoRun) continue;
+    runs.runs[placement.run].triangles.positions =
+        placement.is_identity ? mesh(placement.mesh).arrays.positions().data
+                              : placement.world.data();
+  }
+}
+
+void Scene::Impl::list_masks() {
+  runs.masks.clear();
+  for (SceneRun& run : runs.runs) {
+    run.mask = placements.at(run.instance).mask;
+    // Mostly there are a few masks, many times over.
+    if (runs.masks.empty() || runs.masks.back() != run.mask) runs.masks.push_back(run.mask);
+  }
+  std::sort(runs.masks.begin(), runs.masks.end());
+  runs.masks.erase(std::unique(runs.masks.begin(), runs.masks.end()), runs.masks.end());
+}
+
+void Scene::Impl::require_committed() const {
+  if (!committed)
+    throw Error(ErrorCode::kWrongState, "the scene has changes that wait for commit()", "scene");
+}
+
+Box Scene::Impl::bounds() {
+  require_committed();
+  const std::lock_guard lock(bounds_mutex_);
+  if (!bounds_) bounds_ = box_of(executor(), runs.runs);
+  return *bounds_;
+}
+
+std::size_t Scene::Impl::memory_bytes() {
+  std::size_t bytes = views.memory_bytes() + runs.runs.capacity() * sizeof(SceneRun);
+  for (const auto& [id, mesh] : meshes) bytes += sizeof(mesh) + mesh.arrays.memory_bytes();
+  for (const auto& [id, placement] : placements)
+    bytes += sizeof(placement) + placement.world.capacity_bytes();
+  return bytes;
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,110 @@
+// What is behind `Scene`: meshes and instances by id, what of them waits for a commit, and the runs
+// of triangles that queries see.
+#pragma once
+
+#include <map>
+#include <new>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "api/context_impl.h"
+#include "api/scene_arrays.h"
+#include "api/scene_gate.h"
+#include "api/scene_view.h"
+#include "raysheaf/scene.h"
+
+namespace raysheaf {
+
+/// Memory that runs out is the caller's to handle, as all else is.
+template <class Body>
+decltype(auto) translated(const Body& body) {
+  try {
+    return body();
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory", "scene");
+  } catch (const std::length_error&) {
+    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory", "scene");
+  }
+}
+
+struct MeshEntry {
+  MeshArrays arrays;
+  std::vector<InstanceId> instances;  // ascending
+};
+
+struct Placement {
+  MeshId mesh = 0;
+  Affine to_world;
+  bool is_identity = true;  // then the mesh's own positions are those in the world
+  std::uint32_t mask = 0;
+  Buffer<Vec3> world;
+  bool stale = false;        // moved since the last commit; listed in `stale_`
+  std::size_t run = kNoRun;  // its place in SceneRuns::runs
+  static constexpr std::size_t kNoRun = ~std::size_t{0};
+};
+
+class Scene::Impl {
+ public:
+  explicit Impl(const Context& where) : context(where) {}
+
+  MeshId add(View<const Vec3> positions, const View<const Triangle>* triangles,
+             const MeshOptions& options);
+  void replace(MeshId mesh, View<const Vec3> positions, const View<const Triangle>* triangles);
+  void update(MeshId mesh, View<const Vec3> positions);
+  void remove(MeshId mesh);
+  InstanceId instance(MeshId mesh, const Affine& transform, std::uint32_t mask);
+  void remove_instance(InstanceId instance);
+  void set_transform(InstanceId instance, const Affine& transform);
+  void set_mask(InstanceId instance, std::uint32_t mask);
+  void commit();
+
+  [[nodiscard]] const MeshEntry& mesh(MeshId id) const;
+  [[nodiscard]] const Placement& placement(InstanceId id) const;
+  [[nodiscard]] const Executor& executor() const { return ContextAccess::executor(context); }
+  void require_committed() const;
+  [[nodiscard]] Box bounds();
+  [[nodiscard]] std::size_t memory_bytes();
+
+  const Context context;
+  SceneGate gate;
+  std::map<MeshId, MeshEntry> meshes;
+  std::map<InstanceId, Placement> placements;
+  SceneRuns runs;  // as committed
+  SceneViews views;
+  bool committed = false;
+  double pending_ms = 0;  // spent on changes since the last commit
+  double update_ms = 0;   // and on those of the last commit, with itself
+
+ private:
+  MeshEntry& find(MeshId id);
+  Placement& find_instance(InstanceId id);
+  void place(MeshId id, MeshEntry* mesh, const Affine& transform, std::uint32_t mask);
+  void mark_moved(const MeshEntry& mesh);
+  void mark_moved(InstanceId id, Placement* placement);
+  void check_new_ids(bool mesh, bool instance) const;
+
+  void move_to_world();
+  void list_runs();
+  void move_runs();
+  void list_masks();
+
+  MeshId next_mesh_ = 0;
+  InstanceId next_instance_ = 0;
+  std::vector<InstanceId> stale_;  // may name instances that are gone
+  bool structure_changed_ = true;  // other triangles than committed
+  bool masks_changed_ = false;
+  std::mutex bounds_mutex_;
+  std::optional<Box> bounds_;  // since the last commit
+};
+
+struct SceneAccess {
+  using State = Scene::Impl;
+  static State& state(const Scene& scene) {
+    if (scene.impl_ == nullptr)
+      throw Error(ErrorCode::kWrongState, "the scene was moved from", "scene");
+    return *scene.impl_;
+  }
+};
+
+}  // namespace raysheaf

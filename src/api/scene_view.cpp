@@ -1,0 +1,99 @@
+#include "api/scene_view.h"
+
+#include <algorithm>
+
+namespace raysheaf {
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+
+}  // namespace
+
+bool SceneView::shows(std::uint32_t mask) const {
+  return everything_ || std::binary_search(masks_.begin(), masks_.end(), mask);
+}
+
+void SceneView::refresh(const SceneRuns& scene) {
+  const bool same_runs = structure_version_ == scene.structure_version &&
+                         (everything_ || mask_version_ == scene.mask_version);
+  if (same_runs && position_version_ == scene.position_version) return;
+  structure_version_ = 0;  // until all is done: memory may run out
+  runs_.clear();
+  ids_.clear();
+  count_ = 0;
+  for (const SceneRun& run : scene.runs) {
+    if (!shows(run.mask)) continue;
+    runs_.push_back(run.triangles);
+    runs_.back().first = count_;
+    ids_.push_back({run.mesh, run.instance});
+    count_ += run.triangles.count;
+  }
+  engine.set_triangles(source(), same_runs);
+  structure_version_ = scene.structure_version;
+  position_version_ = scene.position_version;
+  mask_version_ = scene.mask_version;
+}
+
+void SceneView::name_hits(const Executor& executor, View<const EngineHit> hits,
+                          std::span<Hit> out) const {
+  const TriangleSource triangles = source();
+  executor.for_each_block(hits.size, kGrain, [&](std::size_t begin, std::size_t end) {
+    std::size_t run = 0;  // of the hit before: neighbours mostly meet the same instance
+    for (std::size_t i = begin; i < end; ++i) {
+      const EngineHit& hit = hits[i];
+      if (hit.triangle == kInvalidId) {
+        out[i] = Hit{};
+        continue;
+      }
+      if (hit.triangle - runs_[run].first >= runs_[run].count) run = triangles.run_of(hit.triangle);
+      out[i] = {
+          hit.t, hit.u, hit.v, hit.triangle - runs_[run].first, ids_[run].mesh, ids_[run].instance};
+    }
+  });
+}
+
+std::size_t SceneView::memory_bytes() const {
+  return engine.memory_bytes() + scratch.capacity_bytes() + runs_.capacity() * sizeof(TriangleRun) +
+         ids_.capacity() * sizeof(Ids);
+}
+
+std::shared_ptr<SceneView> SceneViews::view_for(const SceneRuns& scene, std::uint32_t mask) {
+  std::vector<std::uint32_t> seen;
+  std::copy_if(scene.masks.begin(), scene.masks.end(), std::back_inserter(seen),
+               [mask](std::uint32_t m) { return (m & mask) != 0; });
+  if (seen.empty()) return nullptr;
+  if (seen.size() == scene.masks.size()) return everything_;
+
+  const std::lock_guard lock(mutex_);
+  auto found = std::find_if(masked_.begin(), masked_.end(),
+                            [&](const auto& view) { return view->masks() == seen; });
+  if (found == masked_.end()) {
+    auto view = std::make_shared<SceneView>(std::move(seen));
+    if (masked_.size() == kMostViews) masked_.pop_back();
+    found = masked_.insert(masked_.end(), std::move(view));
+  }
+  std::rotate(masked_.begin(), found, found + 1);
+  return masked_.front();
+}
+
+void SceneViews::forget_old_masks(const SceneRuns& scene) {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(masked_, [&](const auto& view) {
+    return !std::includes(scene.masks.begin(), scene.masks.end(), view->masks().begin(),
+                          view->masks().end());
+  });
+}
+
+std::size_t SceneViews::memory_bytes() {
+  const std::lock_guard lock(mutex_);
+  std::size_t bytes = 0;
+  const auto add = [&bytes](SceneView& view) {
+    const std::lock_guard view_lock(view.mutex);
+    bytes += view.memory_bytes();
+  };
+  add(*everything_);
+  for (const auto& view : masked_) add(*view);
+  return bytes;
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,85 @@
+// The triangles that a query sees: those of the instances whose masks it shares a bit with.
+//
+// Most scenes have one mask and one view, which shows everything. Any other set of masks has a view
+// of its own, with an engine of its own over the triangles of that set alone, so that what is not
+// seen costs nothing and hides nothing. A few of them are kept.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "engine/engine.h"
+#include "raysheaf/scene.h"
+
+namespace raysheaf {
+
+/// The triangles of one instance, all numbers counted over the whole scene.
+struct SceneRun {
+  TriangleRun triangles;
+  MeshId mesh = 0;
+  InstanceId instance = 0;
+  std::uint32_t mask = 0;
+};
+
+/// The scene as it was committed. Versions tell a view what has changed since it looked.
+struct SceneRuns {
+  std::vector<SceneRun> runs;        ///< by (mesh, instance); none empty
+  std::vector<std::uint32_t> masks;  ///< those of `runs`, each once, ascending
+  std::uint64_t triangle_count = 0;
+  std::uint64_t structure_version = 0, position_version = 0, mask_version = 0;
+};
+
+class SceneView {
+ public:
+  /// Shows the runs that have one of `masks` (ascending), or every run.
+  SceneView() = default;
+  explicit SceneView(std::vector<std::uint32_t> masks)
+      : everything_(false), masks_(std::move(masks)) {}
+
+  [[nodiscard]] const std::vector<std::uint32_t>& masks() const { return masks_; }
+  /// Takes over what has changed; next to nothing where nothing has.
+  void refresh(const SceneRuns& scene);
+  [[nodiscard]] TriangleSource source() const { return {runs_, count_, nullptr}; }
+  /// Hits by ids; spans of equal length.
+  void name_hits(const Executor& executor, View<const EngineHit> hits, std::span<Hit> out) const;
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+  std::mutex mutex;           ///< held by whoever calls any of these or uses what is below
+  Engine engine;              ///< over `source()`
+  Buffer<EngineHit> scratch;  ///< hits by number, on their way to the caller
+
+ private:
+  struct Ids {
+    MeshId mesh;
+    InstanceId instance;
+  };
+  [[nodiscard]] bool shows(std::uint32_t mask) const;
+
+  bool everything_ = true;
+  std::vector<std::uint32_t> masks_;
+  std::vector<TriangleRun> runs_;
+  std::vector<Ids> ids_;  // of `runs_`
+  std::uint32_t count_ = 0;
+  std::uint64_t structure_version_ = 0, position_version_ = 0, mask_version_ = 0;
+};
+
+/// The views of one scene. For any number of threads.
+class SceneViews {
+ public:
+  /// The view of a query; null where it sees nothing at all.
+  [[nodiscard]] std::shared_ptr<SceneView> view_for(const SceneRuns& scene, std::uint32_t mask);
+  /// Drops the views of masks that the scene has no longer.
+  void forget_old_masks(const SceneRuns& scene);
+  [[nodiscard]] std::size_t memory_bytes();
+
+ private:
+  static constexpr std::size_t kMostViews = 4;
+
+  std::mutex mutex_;
+  std::shared_ptr<SceneView> everything_ = std::make_shared<SceneView>();
+  std::vector<std::shared_ptr<SceneView>> masked_;  // latest use first, kMostViews at most
+};
+
+}  // namespace raysheaf

@@ -1,0 +1,64 @@
+// What the tests of the library share.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <functional>
+#include <string>
+
+#include "base/vec.h"
+#include "raysheaf/error.h"
+#include "raysheaf/query.h"
+#include "raysheaf/scene.h"
+#include "support/random.h"
+
+namespace raysheaf::test {
+
+inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
+inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+/// Bit for bit.
+inline bool same(const Hit& a, const Hit& b) {
+  const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x); };
+  return bits(a.t) == bits(b.t) && bits(a.u) == bits(b.u) && bits(a.v) == bits(b.v) &&
+         a.prim_id == b.prim_id && a.geom_id == b.geom_id && a.inst_id == b.inst_id;
+}
+
+inline std::string shown(const Hit& hit) {
+  return "t " + std::to_string(hit.t) + ", prim " + std::to_string(hit.prim_id) + ", geom " +
+         std::to_string(hit.geom_id) + ", inst " + std::to_string(hit.inst_id);
+}
+
+/// `body` throws an Error with this code, this place and these words in its sentence.
+inline void expect_error(ErrorCode code, const std::string& place, const std::string& words,
+                         const std::function<void()>& body) {
+  try {
+    body();
+    ADD_FAILURE() << "nothing was thrown; expected " << place << ": " << words;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), code) << error.what();
+    EXPECT_EQ(error.place(), place) << error.what();
+    EXPECT_NE(error.sentence().find(words), std::string::npos) << error.what();
+  }
+}
+
+/// A square of two triangles across the z axis, its half side being `half`.
+struct Square {
+  std::vector<Vec3> positions;
+  std::vector<Triangle> triangles{{0, 1, 2}, {0, 2, 3}};
+
+  explicit Square(float z = 0, float half = 1)
+      : positions{{-half, -half, z}, {half, -half, z}, {half, half, z}, {-half, half, z}} {}
+};
+
+/// Looks along +z at (x, y) from z = -10.
+inline Ray along_z(float x = 0.25f, float y = 0.5f) {
+  return {{x, y, -10}, 0, {0, 0, 1}, kInfinity};
+}
+
+inline Hit first_hit(const Scene& scene, const Ray& ray, const QueryOptions& options = {}) {
+  return closest_hit(scene, std::span(&ray, 1), options).front();
+}
+
+}  // namespace raysheaf::test

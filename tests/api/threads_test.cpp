@@ -1,0 +1,130 @@
+// Several threads and one scene.
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "api/api_support.h"
+
+namespace raysheaf::test {
+namespace {
+
+struct Soup {
+  std::vector<Vec3> positions;
+  std::vector<Ray> rays;
+
+  explicit Soup(std::size_t triangles, std::size_t ray_count) {
+    Random random(7);
+    for (std::size_t i = 0; i < triangles; ++i) {
+      const Vec3 p = random.in_box(4);
+      positions.insert(positions.end(), {p, p + random.in_box(1), p + random.in_box(1)});
+    }
+    for (std::size_t i = 0; i < ray_count; ++i)
+      rays.push_back({random.in_box(5), 0, random.direction(), kInfinity});
+  }
+};
+
+TEST(Threads, QueriesOfOneSceneRunTogether) {
+  const Soup soup(300, 200);
+  Scene scene(Context({.threads = 2}));
+  scene.add_soup(soup.positions, {.mask = 1});
+  scene.add_soup(soup.positions, {.transform = translation({1, 0, 0}), .mask = 2});
+  scene.commit();
+  std::vector<std::vector<Hit>> expected;
+  for (const std::uint32_t mask : {1u, 2u, 3u})
+    expected.push_back(
+        closest_hit(scene, soup.rays, {.method = QueryMethod::kBrute, .mask = mask}));
+  // Queries are the first to build what a commit has left to them.
+  scene.set_transform(scene.instances(1).front(), translation({1, 0, 0}));
+  scene.commit();
+  std::atomic<int> wrong = 0;
+  std::vector<std::thread> threads;
+  for (std::uint32_t t = 0; t < 4; ++t) {
+    threads.emplace_back([&, t] {
+      for (std::uint32_t round = 0; round < 6; ++round) {
+        const std::uint32_t mask = 1 + (t + round) % 3;
+        const auto method = round == 5 ? QueryMethod::kBrute : QueryMethod::kDual;
+        const auto hits = closest_hit(scene, soup.rays, {.method = method, .mask = mask});
+        if (!std::ranges::equal(hits, expected[mask - 1], same)) ++wrong;
+        if (scene.mesh_count() != 2 || scene.bounds().min.x > scene.bounds().max.x) ++wrong;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, 0);
+}
+
+// Changes come while queries run: each is refused as a whole or made as a whole.
+TEST(Threads, ChangesDuringAQueryAreRefused) {
+  const Soup soup(2000, 600);
+  Scene scene(Context({.threads = 2}));
+  const MeshId mesh = scene.add_soup(soup.positions);
+  scene.commit();
+  std::atomic<bool> done = false;
+  std::atomic<int> strange = 0, queries = 0;
+  std::thread other([&] {
+    while (!done) {
+      try {
+        (void)closest_hit(scene, soup.rays, {.method = QueryMethod::kBrute});
+        ++queries;
+      } catch (const Error& error) {
+        if (error.code() != ErrorCode::kWrongState) ++strange;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));  // for the changes
+    }
+  });
+  while (queries == 0) std::this_thread::yield();
+  int refused = 0;
+  for (int tries = 0; refused == 0 && tries < 100000; ++tries) {
+    try {
+      scene.update(mesh, soup.positions);
+      scene.commit();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kWrongState) << error.what();
+      EXPECT_EQ(error.sentence(), "the scene cannot change while a query runs");
+      ++refused;
+    }
+    std::this_thread::yield();
+  }
+  EXPECT_GT(refused, 0);
+  int removed = 0;
+  while (removed == 0) {
+    try {
+      scene.remove(mesh);
+      ++removed;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kWrongState) << error.what();
+    }
+  }
+  done = true;
+  other.join();
+  EXPECT_EQ(strange, 0);
+  EXPECT_EQ(scene.mesh_count(), 0u);
+  scene.commit();
+  EXPECT_EQ(first_hit(scene, along_z()).prim_id, kInvalidId);
+}
+
+TEST(Threads, ScenesOfOneContextAreIndependent) {
+  const Soup soup(200, 100);
+  const Context context({.threads = 2});
+  std::atomic<int> wrong = 0;
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 3; ++t) {
+    threads.emplace_back([&, t] {
+      Scene scene(context);
+      const auto shift = static_cast<float>(t);
+      const MeshId mesh = scene.add_soup(soup.positions);
+      for (int frame = 0; frame < 5; ++frame) {
+        scene.set_transform(scene.instances(mesh)[0], translation({shift, 0, 0}));
+        scene.commit();
+        const auto hits = closest_hit(scene, soup.rays);
+        const auto truth = closest_hit(scene, soup.rays, {.method = QueryMethod::kBrute});
+        if (!std::ranges::equal(hits, truth, same)) ++wrong;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, 0);
+}
+
+}  // namespace
+}  // namespace raysheaf::test
