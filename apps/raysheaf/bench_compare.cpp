@@ -73,7 +73,7 @@ class Session {
     return finished();
   }
 
-  /// Along the triangles at the size of the picture, and along the rays in a hall of 100 000.
+  /// Along the triangles at the size of the picture, and along the rays in one hall.
   CompareReport growth() {
     const std::vector<double> triangles = decades(), rays = decades();
     Progress progress(tell_, (triangles.size() + rays.size()) * modes_.size() * kinds_.size());
@@ -82,13 +82,13 @@ class Session {
            progress);
     for (const double count : rays) {
       const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(count)));
-      grow("rays", kTrianglesForRays, side, side, progress);
+      grow("rays", std::min(command_.most, kTrianglesForRays), side, side, progress);
     }
     return finished();
   }
 
  private:
-  static constexpr std::uint64_t kTrianglesForRays = 100'000;
+  static constexpr std::uint32_t kTrianglesForRays = 100'000;
 
   [[nodiscard]] bool moves() const {
     return std::any_of(modes_.begin(), modes_.end(),

@@ -183,8 +183,8 @@ class CompareBench::Impl {
     scene.set_meshes(views_[0]);
     double build_ms = std::numeric_limits<double>::infinity();
     for (int i = 0; i < trials(); ++i)
-      build_ms = std::min(build_ms,
-                          update(any_way, (static_cast<std::size_t>(i) + 1) % frame_count_));
+      build_ms =
+          std::min(build_ms, update(any_way, (static_cast<std::size_t>(i) + 1) % frame_count_));
     const std::size_t frame = static_cast<std::size_t>(trials()) % frame_count_;
     for (const CompareKind kind : kinds) {
       if (frames_.rays(0, kind).empty()) continue;
