@@ -3,6 +3,16 @@
 # file looks all of them up.
 include(CMakePackageConfigHelpers)
 
+# Shared and static: the same objects.
+set_target_properties(raysheaf PROPERTIES DEFINE_SYMBOL "")
+# Shared: releases of one minor version may stand in for each other, and the program finds its library.
+set_target_properties(raysheaf PROPERTIES
+  VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+if(TARGET raysheaf_app AND BUILD_SHARED_LIBS)
+  file(RELATIVE_PATH lib_from_bin /p/${CMAKE_INSTALL_BINDIR} /p/${CMAKE_INSTALL_LIBDIR})
+  set_target_properties(raysheaf_app PROPERTIES INSTALL_RPATH "$ORIGIN/${lib_from_bin}")
+endif()
+
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/raysheaf)
 install(TARGETS raysheaf EXPORT raysheafTargets)
 install(DIRECTORY include/raysheaf DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
@@ -22,5 +32,13 @@ install(FILES ${PROJECT_BINARY_DIR}/raysheafConfig.cmake ${PROJECT_BINARY_DIR}/r
 
 # From the .pc file up to the prefix, so that an installed tree may be moved.
 file(RELATIVE_PATH up_to_prefix /p/${CMAKE_INSTALL_LIBDIR}/pkgconfig /p)
+# Who links a static library names what it stands on, too.
+if(BUILD_SHARED_LIBS)
+  set(pc_requires "")
+  set(pc_libs "")
+else()
+  set(pc_requires "epoxy tbb libhwy tinygltf tinyobjloader")
+  set(pc_libs "-ltinyexr -lstdc++ -lm")
+endif()
 configure_file(cmake/raysheaf.pc.in ${PROJECT_BINARY_DIR}/raysheaf.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/raysheaf.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

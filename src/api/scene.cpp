@@ -77,13 +77,13 @@ void Scene::set_mask(InstanceId instance, std::uint32_t mask) {
 }
 
 void Scene::commit() {
+  Impl& s = SceneAccess::state(*this);
+  const SceneGate::Changing alone(s.gate);
+  if (s.committed) return;
   Stopwatch watch;
-  change(*this, [&](Impl& s) {
-    if (s.committed) return;
-    s.commit();
-    s.update_ms = s.pending_ms + watch.lap_ms();
-    s.pending_ms = 0;
-  });
+  translated([&] { s.commit(); });
+  s.update_ms = s.pending_ms + watch.lap_ms();
+  s.pending_ms = 0;
 }
 bool Scene::is_committed() const {
   return look(*this, [](const Impl& s) { return s.committed; });
@@ -106,10 +106,14 @@ std::vector<MeshId> Scene::meshes() const {
   });
 }
 std::vector<InstanceId> Scene::instances(MeshId mesh) const {
-  return look(*this, [&](const Impl& s) { return s.mesh(mesh).instances; });
+  return look(*this, [&](const Impl& s) {
+    std::vector<InstanceId> all;
+    for (const Placement* placement : s.mesh(mesh).instances) all.push_back(placement->id);
+    return all;
+  });
 }
 MeshId Scene::mesh_of(InstanceId instance) const {
-  return look(*this, [&](const Impl& s) { return s.placement(instance).mesh; });
+  return look(*this, [&](const Impl& s) { return s.placement(instance).mesh->id; });
 }
 Affine Scene::transform(InstanceId instance) const {
   return look(*this, [&](const Impl& s) { return s.placement(instance).to_world; });

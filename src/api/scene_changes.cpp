@@ -66,11 +66,11 @@ MeshId Scene::Impl::add(View<const Vec3> positions, const View<const Triangle>* 
   check_new_ids(true, options.place);
   const MeshId id = next_mesh_;
   check(options.transform, mesh_name(id));
-  MeshEntry entry{MeshArrays(options.storage), {}};
+  MeshEntry entry{id, MeshArrays(options.storage), {}};
   entry.arrays.set(executor(), positions, triangles, mesh_name(id));
   MeshEntry& mesh = meshes.emplace(id, std::move(entry)).first->second;
   try {
-    if (options.place) place(id, &mesh, options.transform, options.mask);
+    if (options.place) place(&mesh, options.transform, options.mask);
   } catch (...) {
     meshes.erase(id);
     throw;
@@ -81,28 +81,26 @@ MeshId Scene::Impl::add(View<const Vec3> positions, const View<const Triangle>* 
 }
 
 /// Room first, then the change, which cannot fail.
-void Scene::Impl::place(MeshId id, MeshEntry* mesh, const Affine& transform, std::uint32_t mask) {
+void Scene::Impl::place(MeshEntry* mesh, const Affine& transform, std::uint32_t mask) {
   make_room(&mesh->instances, 1);
   make_room(&stale_, 1);
   Placement& placement = placements[next_instance_];
-  placement.mesh = id;
+  placement.id = next_instance_;
+  placement.mesh = mesh;
   placement.to_world = transform;
   placement.is_identity = transform.m == Affine().m;
   placement.mask = mask;
-  mark_moved(next_instance_, &placement);
-  mesh->instances.push_back(next_instance_++);
+  mark_moved(&placement);
+  mesh->instances.push_back(&placement);
+  ++next_instance_;
   structure_changed_ = true;
   committed = false;
 }
 
-void Scene::Impl::mark_moved(InstanceId id, Placement* placement) {
+void Scene::Impl::mark_moved(Placement* placement) {
   if (placement->stale) return;
-  stale_.push_back(id);
+  stale_.push_back(placement->id);
   placement->stale = true;
-}
-
-void Scene::Impl::mark_moved(const MeshEntry& mesh) {
-  for (const InstanceId id : mesh.instances) mark_moved(id, &placements.at(id));
 }
 
 void Scene::Impl::replace(MeshId id, View<const Vec3> positions,
@@ -110,7 +108,7 @@ void Scene::Impl::replace(MeshId id, View<const Vec3> positions,
   MeshEntry& mesh = find(id);
   make_room(&stale_, mesh.instances.size());
   mesh.arrays.set(executor(), positions, triangles, mesh_name(id));
-  mark_moved(mesh);
+  for (Placement* placement : mesh.instances) mark_moved(placement);
   structure_changed_ = structure_changed_ || !mesh.instances.empty();
   committed = false;
 }
@@ -119,14 +117,14 @@ void Scene::Impl::update(MeshId id, View<const Vec3> positions) {
   MeshEntry& mesh = find(id);
   make_room(&stale_, mesh.instances.size());
   mesh.arrays.move(executor(), positions, mesh_name(id));
-  mark_moved(mesh);
+  for (Placement* placement : mesh.instances) mark_moved(placement);
   committed = false;
 }
 
 void Scene::Impl::remove(MeshId id) {
   const MeshEntry& mesh = find(id);
   structure_changed_ = structure_changed_ || !mesh.instances.empty();
-  for (const InstanceId instance : mesh.instances) placements.erase(instance);
+  for (const Placement* placement : mesh.instances) placements.erase(placement->id);
   meshes.erase(id);
   committed = false;
 }
@@ -135,13 +133,14 @@ InstanceId Scene::Impl::instance(MeshId id, const Affine& transform, std::uint32
   MeshEntry& mesh = find(id);
   check_new_ids(false, true);
   check(transform, instance_name(next_instance_));
-  place(id, &mesh, transform, mask);
+  place(&mesh, transform, mask);
   return next_instance_ - 1;
 }
 
 void Scene::Impl::remove_instance(InstanceId id) {
-  std::vector<InstanceId>& siblings = find(find_instance(id).mesh).instances;
-  siblings.erase(std::lower_bound(siblings.begin(), siblings.end(), id));
+  Placement& placement = find_instance(id);
+  std::vector<Placement*>& siblings = placement.mesh->instances;
+  siblings.erase(std::ranges::lower_bound(siblings, id, {}, &Placement::id));
   placements.erase(id);
   structure_changed_ = true;
   committed = false;
@@ -150,7 +149,7 @@ void Scene::Impl::remove_instance(InstanceId id) {
 void Scene::Impl::set_transform(InstanceId id, const Affine& transform) {
   Placement& placement = find_instance(id);
   check(transform, instance_name(id));
-  mark_moved(id, &placement);  // first: it may throw
+  mark_moved(&placement);  // first: it may throw
   placement.to_world = transform;
   placement.is_identity = transform.m == Affine().m;
   committed = false;

@@ -4,8 +4,8 @@
 #include <mutex>
 
 #include "api/scene_impl.h"
+#include "api/scene_transform.h"
 #include "base/vec.h"
-#include "scene/flat_scene.h"
 
 namespace raysheaf {
 namespace {
@@ -21,17 +21,6 @@ struct Move {
   Vec3* to;
 };
 
-/// The same operations as in scene/flatten.cpp. Returns whether all vertices stay in range.
-bool transform(const Affine& to_world, const Vec3* from, std::size_t count, Vec3* to) {
-  std::uint32_t wrong = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vec3 p = transform_point(to_world, from[i]);
-    wrong |= max_component(abs(p)) <= kLargestCoordinate ? 0u : 1u;
-    to[i] = p;
-  }
-  return wrong == 0;
-}
-
 /// The least instance that leaves the range, or kInvalidId. Tasks may span several instances, and
 /// several tasks one.
 InstanceId run_moves(const Executor& executor, const std::vector<Move>& moves, std::size_t count) {
@@ -44,7 +33,8 @@ InstanceId run_moves(const Executor& executor, const std::vector<Move>& moves, s
       const std::size_t first = begin - move->first;
       const std::size_t stop = std::min(end - move->first, move->from.size);
       begin = move->first + stop;
-      if (transform(*move->to_world, move->from.data + first, stop - first, move->to + first))
+      if (transform_points(*move->to_world, move->from.data + first, stop - first,
+                           move->to + first))
         continue;
       InstanceId least = refused.load(std::memory_order_relaxed);
       while (move->instance < least && !refused.compare_exchange_weak(least, move->instance)) {
@@ -82,48 +72,54 @@ Box box_of(const Executor& executor, const std::vector<SceneRun>& runs) {
 
 void Scene::Impl::commit() {
   if (committed) return;
-  move_to_world();
+  const std::vector<Placement*> moved = moved_placements();
+  move_to_world(moved);
   if (structure_changed_) {
     list_runs();
     ++runs.structure_version;
   } else {
-    move_runs();
+    move_runs(moved);
   }
-  if (!stale_.empty()) ++runs.position_version;
+  if (!moved.empty()) ++runs.position_version;
   if (structure_changed_ || masks_changed_) {
     list_masks();
     ++runs.mask_version;
     views.forget_old_masks(runs);
   }
-  for (const InstanceId id : stale_) {
-    const auto found = placements.find(id);
-    if (found != placements.end()) found->second.stale = false;
-  }
+  for (Placement* placement : moved) placement->stale = false;
   stale_.clear();
   structure_changed_ = masks_changed_ = false;
   bounds_.reset();
   committed = true;
 }
 
-/// World positions of the instances that have moved, where they are not their mesh's own.
-void Scene::Impl::move_to_world() {
-  std::vector<Move> moves;
-  std::size_t count = 0;
+/// Those of `stale_` that are still there.
+std::vector<Placement*> Scene::Impl::moved_placements() {
+  std::vector<Placement*> moved;
+  moved.reserve(stale_.size());
   for (const InstanceId id : stale_) {
     const auto found = placements.find(id);
-    if (found == placements.end() || found->second.is_identity) continue;
-    Placement& placement = found->second;
-    const View<const Vec3> from = meshes.at(placement.mesh).arrays.positions();
-    if (from.empty()) continue;
-    placement.world.resize_uninitialized(from.size);
-    moves.push_back({id, count, from, &placement.to_world, placement.world.data()});
+    if (found != placements.end()) moved.push_back(&found->second);
+  }
+  return moved;
+}
+
+/// World positions of the instances that have moved, where they are not their mesh's own.
+void Scene::Impl::move_to_world(const std::vector<Placement*>& moved) {
+  std::vector<Move> moves;
+  std::size_t count = 0;
+  for (Placement* placement : moved) {
+    const View<const Vec3> from = placement->mesh->arrays.positions();
+    if (placement->is_identity || from.empty()) continue;
+    placement->world.resize_uninitialized(from.size);
+    moves.push_back({placement->id, count, from, &placement->to_world, placement->world.data()});
     count += from.size;
   }
   const InstanceId refused = run_moves(executor(), moves, count);
   if (refused == kInvalidId) return;
   throw Error(ErrorCode::kInvalidData,
               "the transform puts a vertex of meshes[" +
-                  std::to_string(placements.at(refused).mesh) + "] farther out than 1e18",
+                  std::to_string(placement(refused).mesh->id) + "] farther out than 1e18",
               "instances[" + std::to_string(refused) + "].transform");
 }
 
@@ -142,17 +138,15 @@ void Scene::Impl::list_runs() {
   std::uint32_t first = 0;
   for (const auto& [id, mesh] : meshes) {
     const MeshArrays& arrays = mesh.arrays;
-    for (const InstanceId instance : mesh.instances) {
-      Placement& placement = placements.at(instance);
-      placement.run = Placement::kNoRun;
+    for (Placement* placement : mesh.instances) {
+      placement->run = Placement::kNoRun;
       if (arrays.triangle_count() == 0) continue;
-      placement.run = runs.runs.size();
-      const Vec3* positions =
-          placement.is_identity ? arrays.positions().data : placement.world.data();
-      runs.runs.push_back({{positions, arrays.triangles(), first, arrays.triangle_count()},
-                           id,
-                           instance,
-                           placement.mask});
+      placement->run = runs.runs.size();
+      runs.runs.push_back(
+          {{placement->positions(), arrays.triangles(), first, arrays.triangle_count()},
+           id,
+           placement->id,
+           placement->mask});
       first += arrays.triangle_count();
     }
   }
@@ -160,14 +154,10 @@ void Scene::Impl::list_runs() {
 }
 
 /// The same runs, elsewhere.
-void Scene::Impl::move_runs() {
-  for (const InstanceId id : stale_) {
-    const Placement& placement = placements.at(id);
-    if (placement.run == Placement::kNoRun) continue;
-    runs.runs[placement.run].triangles.positions =
-        placement.is_identity ? mesh(placement.mesh).arrays.positions().data
-                              : placement.world.data();
-  }
+void Scene::Impl::move_runs(const std::vector<Placement*>& moved) {
+  for (const Placement* placement : moved)
+    if (placement->run != Placement::kNoRun)
+      runs.runs[placement->run].triangles.positions = placement->positions();
 }
 
 void Scene::Impl::list_masks() {
@@ -195,7 +185,9 @@ Box Scene::Impl::bounds() {
 
 std::size_t Scene::Impl::memory_bytes() {
   std::size_t bytes = views.memory_bytes() + runs.runs.capacity() * sizeof(SceneRun);
-  for (const auto& [id, mesh] : meshes) bytes += sizeof(mesh) + mesh.arrays.memory_bytes();
+  for (const auto& [id, mesh] : meshes)
+    bytes +=
+        sizeof(mesh) + mesh.arrays.memory_bytes() + mesh.instances.capacity() * sizeof(Placement*);
   for (const auto& [id, placement] : placements)
     bytes += sizeof(placement) + placement.world.capacity_bytes();
   return bytes;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <unordered_map>
 
 #include "api/context_impl.h"
 #include "api/scene_arrays.h"
@@ -28,13 +29,17 @@ decltype(auto) translated(const Body& body) {
   }
 }
 
+struct Placement;
+
 struct MeshEntry {
+  MeshId id = 0;
   MeshArrays arrays;
-  std::vector<InstanceId> instances;  // ascending
+  std::vector<Placement*> instances;  // by ascending id
 };
 
 struct Placement {
-  MeshId mesh = 0;
+  InstanceId id = 0;
+  MeshEntry* mesh = nullptr;
   Affine to_world;
   bool is_identity = true;  // then the mesh's own positions are those in the world
   std::uint32_t mask = 0;
@@ -42,6 +47,11 @@ struct Placement {
   bool stale = false;        // moved since the last commit; listed in `stale_`
   std::size_t run = kNoRun;  // its place in SceneRuns::runs
   static constexpr std::size_t kNoRun = ~std::size_t{0};
+
+  /// In the world, as of the last commit.
+  [[nodiscard]] const Vec3* positions() const {
+    return is_identity ? mesh->arrays.positions().data : world.data();
+  }
 };
 
 class Scene::Impl {
@@ -68,8 +78,9 @@ class Scene::Impl {
 
   const Context context;
   SceneGate gate;
+  // Their elements stay where they are, and point at each other.
   std::map<MeshId, MeshEntry> meshes;
-  std::map<InstanceId, Placement> placements;
+  std::unordered_map<InstanceId, Placement> placements;
   SceneRuns runs;  // as committed
   SceneViews views;
   bool committed = false;
@@ -79,14 +90,14 @@ class Scene::Impl {
  private:
   MeshEntry& find(MeshId id);
   Placement& find_instance(InstanceId id);
-  void place(MeshId id, MeshEntry* mesh, const Affine& transform, std::uint32_t mask);
-  void mark_moved(const MeshEntry& mesh);
-  void mark_moved(InstanceId id, Placement* placement);
+  void place(MeshEntry* mesh, const Affine& transform, std::uint32_t mask);
+  void mark_moved(Placement* placement);
   void check_new_ids(bool mesh, bool instance) const;
 
-  void move_to_world();
+  [[nodiscard]] std::vector<Placement*> moved_placements();
+  void move_to_world(const std::vector<Placement*>& moved);
   void list_runs();
-  void move_runs();
+  void move_runs(const std::vector<Placement*>& moved);
   void list_masks();
 
   MeshId next_mesh_ = 0;

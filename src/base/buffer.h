@@ -3,11 +3,20 @@
 
 #include <cstddef>
 #include <memory>
+#include <new>
 #include <type_traits>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 
 #include "base/aligned.h"
 
 namespace raysheaf {
+
+/// Buffers of this size or more start on one, and ask the system for pages as large: what is
+/// scattered over many small ones spends its time looking them up.
+inline constexpr std::size_t kLargePageBytes = std::size_t{2} << 20;
 
 /// On a cache line; grows and never shrinks; elements are not initialised.
 template <class T>
@@ -20,7 +29,7 @@ class Buffer {
     if (count > capacity_) {
       memory_.reset();
       capacity_ = 0;
-      memory_.reset(AlignedAllocator<T>().allocate(count));
+      memory_ = allocate(count * sizeof(T));
       capacity_ = count;
     }
     size_ = count;
@@ -34,9 +43,23 @@ class Buffer {
 
  private:
   struct Free {
-    void operator()(T* p) const { AlignedAllocator<T>().deallocate(p, 0); }
+    std::align_val_t alignment{kCacheLineBytes};
+    void operator()(T* p) const { ::operator delete(p, alignment); }
   };
-  std::unique_ptr<T[], Free> memory_;
+  using Memory = std::unique_ptr<T[], Free>;
+
+  static Memory allocate(std::size_t bytes) {
+    const bool large = bytes >= kLargePageBytes;
+    const std::align_val_t alignment{large ? kLargePageBytes : kCacheLineBytes};
+    Memory memory(static_cast<T*>(::operator new(bytes, alignment)), Free{alignment});
+#if defined(__linux__)
+    // A wish: nothing depends on whether it is granted.
+    if (large) static_cast<void>(madvise(memory.get(), bytes, MADV_HUGEPAGE));
+#endif
+    return memory;
+  }
+
+  Memory memory_;
   std::size_t size_ = 0, capacity_ = 0;
 };
 

@@ -33,10 +33,17 @@ struct EngineHit {
   std::uint32_t triangle = kInvalidId;
 };
 
+/// How rays go down the tree together.
+enum class Bundle : std::uint8_t {
+  kPacket,  ///< sixteen, bounded by a beam: for rays that resemble their neighbours
+  kStream,  ///< thousands, in lists (dual/stream.h): for those that do not
+};
+
 struct DualScene {
   const ObjectTree* tree = nullptr;
   const std::uint8_t* flags = nullptr;  ///< TriangleFlag by number, or null
   Facing facing = Facing::kBoth;
+  Bundle bundle = Bundle::kPacket;
 };
 
 /// The same with any number of threads and on every SIMD target.

@@ -46,30 +46,40 @@ inline float inverse_slope(float slope) {
   return std::copysign(1.0f, slope) / size;
 }
 
-/// The rays of `packet` that meet a box within [s_near, s_far], as bits. `lo` and `hi`: the box.
-HWY_INLINE std::uint32_t rays_in_box(const RayPacket& p, Vec3 lo, Vec3 hi) {
+/// Two planes of a box, the one that rays of a quarter meet first and the other.
+struct PlanePair {
+  float near, far;
+};
+
+/// Where the packet's lanes from `g` on are inside a box: from `near` to `far`, clipped to what they
+/// look for.
+HWY_INLINE void clip_to_box(const RayPacket& p, std::size_t g, PlanePair x, PlanePair y,
+                            PlanePair z, RV* near, RV* far) {
   using hn::Max, hn::Min, hn::Mul, hn::Sub;
+  const RV per_x = load(p.per_x + g), per_y = load(p.per_y + g);
+  const RV x0 = Mul(Sub(set(x.near), load(p.x_near + g)), per_x);
+  const RV x1 = Mul(Sub(set(x.far), load(p.x_far + g)), per_x);
+  const RV y0 = Mul(Sub(set(y.near), load(p.y_near + g)), per_y);
+  const RV y1 = Mul(Sub(set(y.far), load(p.y_far + g)), per_y);
+  const RV from = load(p.z_near + g), to = load(p.z_far + g);
+  const RV z0 = p.mirrored ? Sub(from, set(z.near)) : Sub(set(z.near), from);
+  const RV z1 = p.mirrored ? Sub(to, set(z.far)) : Sub(set(z.far), to);
+  *near = Max(Max(x0, y0), Max(z0, load(p.s_near + g)));
+  *far = Min(Min(x1, y1), Min(z1, load(p.s_far + g)));
+}
+
+/// The rays of `packet` that meet a child's box within [s_near, s_far], as bits.
+HWY_INLINE std::uint32_t rays_in_child(const RayPacket& p, const BvhNode& n, std::uint32_t c) {
   const Rays d;
   std::uint32_t bits = 0;
   for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-    const RV per_x = load(p.per_x + g), per_y = load(p.per_y + g);
-    const RV x0 = Mul(Sub(set(lo.x), load(p.x_high + g)), per_x);
-    const RV x1 = Mul(Sub(set(hi.x), load(p.x_low + g)), per_x);
-    const RV y0 = Mul(Sub(set(lo.y), load(p.y_high + g)), per_y);
-    const RV y1 = Mul(Sub(set(hi.y), load(p.y_low + g)), per_y);
-    const RV z_low = load(p.z_low + g), z_high = load(p.z_high + g);
-    const RV z0 = p.mirrored ? Sub(z_low, set(hi.z)) : Sub(set(lo.z), z_high);
-    const RV z1 = p.mirrored ? Sub(z_high, set(lo.z)) : Sub(set(hi.z), z_low);
-    const RV near = Max(Max(Min(x0, x1), Min(y0, y1)), Max(z0, load(p.s_near + g)));
-    const RV far = Min(Min(Max(x0, x1), Max(y0, y1)), Min(z1, load(p.s_far + g)));
+    RV near, far;
+    clip_to_box(p, g, {n.bound[p.near_x][c], n.bound[p.far_x][c]},
+                {n.bound[p.near_y][c], n.bound[p.far_y][c]},
+                {n.bound[p.near_z][c], n.bound[p.far_z][c]}, &near, &far);
     bits |= bits_of(d, hn::Le(near, far)) << g;
   }
   return bits;
-}
-
-HWY_INLINE std::uint32_t rays_in_child(const RayPacket& p, const BvhNode& n, std::uint32_t c) {
-  return rays_in_box(p, {n.bound[p.row_x][c], n.bound[p.row_y][c], n.bound[p.row_z][c]},
-                     {n.bound[p.row_x + 3][c], n.bound[p.row_y + 3][c], n.bound[p.row_z + 3][c]});
 }
 
 /// The children whose boxes the beam meets, as bits; `near` takes where it enters them.
@@ -81,9 +91,9 @@ HWY_INLINE std::uint32_t children_in_beam(const RayPacket& p, const Beam& b, con
   const auto row = [&](int r, std::size_t g) { return hn::Load(d, n.bound[r] + g); };
   for (std::size_t g = 0; g < kBvhWidth; g += hn::Lanes(d)) {
     const BV z_low = hn::Set(d, b.z_low), z_high = hn::Set(d, b.z_high);
-    const BV z0 = row(p.row_z, g), z1 = row(p.row_z + 3, g);
-    BV lo = Max(p.mirrored ? Sub(z_low, z1) : Sub(z0, z_high), hn::Set(d, b.start));
-    BV hi = Min(p.mirrored ? Sub(z_high, z0) : Sub(z1, z_low), hn::Set(d, b.end));
+    const BV z0 = row(p.near_z, g), z1 = row(p.far_z, g);
+    BV lo = Max(p.mirrored ? Sub(z_low, z0) : Sub(z0, z_high), hn::Set(d, b.start));
+    BV hi = Min(p.mirrored ? Sub(z_high, z1) : Sub(z1, z_low), hn::Set(d, b.end));
     const auto clip = [&](const BeamPlane& plane, BV bound, bool low) {
       const BV zeta = Mul(Sub(bound, hn::Set(d, plane.at)), hn::Set(d, plane.inverse));
       if ((plane.inverse > 0) == low) {
@@ -92,10 +102,10 @@ HWY_INLINE std::uint32_t children_in_beam(const RayPacket& p, const Beam& b, con
         lo = Max(lo, zeta);
       }
     };
-    clip(b.x_low, row(p.row_x + 3, g), true);
-    clip(b.x_high, row(p.row_x, g), false);
-    clip(b.y_low, row(p.row_y + 3, g), true);
-    clip(b.y_high, row(p.row_y, g), false);
+    clip(b.x_low, row(p.axis_x + 3, g), true);
+    clip(b.x_high, row(p.axis_x, g), false);
+    clip(b.y_low, row(p.axis_y + 3, g), true);
+    clip(b.y_high, row(p.axis_y, g), false);
     hn::StoreU(lo, d, near + g);
     bits |= bits_of(d, hn::Le(lo, hi)) << g;
   }
@@ -113,12 +123,20 @@ HWY_INLINE float farthest_zeta(const RayPacket& p) {
 
 /// Copies the rays [first, first + count) of the order into lanes; missing ones repeat the first.
 HWY_INLINE void gather_rays(const Ray* rays, const std::uint32_t* order, std::uint32_t count,
-                            std::uint32_t face, RayPacket* p, float* dx, float* dy, float* dz) {
-  const int z = static_cast<int>(face / 2), x = z == 2 ? 0 : z + 1, y = x == 2 ? 0 : x + 1;
-  p->mirrored = (face & 1) != 0;
-  p->row_x = p->axis_x = p->mirrored ? y : x;
-  p->row_y = p->axis_y = p->mirrored ? x : y;
-  p->row_z = p->axis_z = z;
+                            std::uint32_t quarter, RayPacket* p, float* dx, float* dy, float* dz) {
+  const int z = static_cast<int>(quarter / 8), x = z == 2 ? 0 : z + 1, y = x == 2 ? 0 : x + 1;
+  p->mirrored = (quarter & 4) != 0;
+  p->axis_x = p->mirrored ? y : x;
+  p->axis_y = p->mirrored ? x : y;
+  p->axis_z = z;
+  const bool left = (quarter & (p->mirrored ? 1 : 2)) != 0;
+  const bool down = (quarter & (p->mirrored ? 2 : 1)) != 0;
+  p->near_x = p->axis_x + (left ? 3 : 0);
+  p->far_x = p->axis_x + (left ? 0 : 3);
+  p->near_y = p->axis_y + (down ? 3 : 0);
+  p->far_y = p->axis_y + (down ? 0 : 3);
+  p->near_z = z + (p->mirrored ? 3 : 0);
+  p->far_z = z + (p->mirrored ? 0 : 3);
   p->count = count;
   const int ax = p->axis_x, ay = p->axis_y;
   for (std::uint32_t i = 0; i < kPacketWidth; ++i) {
@@ -136,8 +154,8 @@ HWY_INLINE void gather_rays(const Ray* rays, const std::uint32_t* order, std::ui
   }
 }
 
-/// Everything that follows from the rays and the scene's box; returns the lanes that meet it.
-HWY_INLINE std::uint32_t prepare_packet(const Box& scene, const float* dx, const float* dy,
+/// Everything that follows from the rays and the scene's box.
+HWY_INLINE void prepare_packet(const Box& scene, const float* dx, const float* dy,
                                         const float* dz, RayPacket* p) {
   using hn::Abs, hn::Max, hn::Mul, hn::Sub;
   const Rays d;
@@ -169,13 +187,15 @@ HWY_INLINE std::uint32_t prepare_packet(const Box& scene, const float* dx, const
     hn::Store(along, d, p->along + g);
     hn::Store(inverse_slope(p->mirrored ? hn::Neg(shear_x) : shear_x), d, p->per_x + g);
     hn::Store(inverse_slope(p->mirrored ? hn::Neg(shear_y) : shear_y), d, p->per_y + g);
-    const auto widen = [&](const float* o, float* low, float* high) {
-      hn::Store(Sub(load(o + g), pad), d, low + g);
-      hn::Store(hn::Add(load(o + g), pad), d, high + g);
+    // Lower planes move down as the origin moves up; which are near, the rows say.
+    const auto widen = [&](const float* o, int near_row, float* near, float* far) {
+      const RV grown = near_row < 3 ? pad : hn::Neg(pad);
+      hn::Store(hn::Add(load(o + g), grown), d, near + g);
+      hn::Store(Sub(load(o + g), grown), d, far + g);
     };
-    widen(p->ox, p->x_low, p->x_high);
-    widen(p->oy, p->y_low, p->y_high);
-    widen(p->oz, p->z_low, p->z_high);
+    widen(p->ox, p->near_x, p->x_near, p->x_far);
+    widen(p->oy, p->near_y, p->y_near, p->y_far);
+    widen(p->oz, p->near_z, p->z_near, p->z_far);
     const RV limit = load(p->t_limit + g);
     const RV far = hn::Add(Mul(Mul(limit, along), set(1 + 8 * kUnitRoundoff)), pad);
     const RV near = Sub(Mul(Mul(load(p->t_min + g), along), set(1 - 8 * kUnitRoundoff)), pad);
@@ -187,35 +207,28 @@ HWY_INLINE std::uint32_t prepare_packet(const Box& scene, const float* dx, const
     const RayInts di;
     hn::Store(hn::Set(di, kInvalidId), di, p->id + g);
   }
-  return rays_in_box(*p, lo, hi);
 }
 
-/// Where each ray enters and leaves the scene, for the lanes that do; the others look no further.
-HWY_INLINE void clip_to_scene(const Box& scene, std::uint32_t lanes, RayPacket* p) {
-  const float lo[3] = {component(scene.min, p->axis_x), component(scene.min, p->axis_y),
-                       component(scene.min, p->axis_z)};
-  const float hi[3] = {component(scene.max, p->axis_x), component(scene.max, p->axis_y),
-                       component(scene.max, p->axis_z)};
-  using hn::Max, hn::Min, hn::Mul, hn::Sub;
+/// Clips each ray to the scene's box; returns the lanes that meet it. The others look no further.
+HWY_INLINE std::uint32_t clip_to_scene(const Box& scene, RayPacket* p) {
   const Rays d;
+  const float bound[6] = {scene.min.x, scene.min.y, scene.min.z,
+                          scene.max.x, scene.max.y, scene.max.z};
+  const RV nowhere = set(-std::numeric_limits<float>::infinity());
+  std::uint32_t lanes = 0;
   for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-    const RV per_x = load(p->per_x + g), per_y = load(p->per_y + g);
-    const RV x0 = Mul(Sub(set(lo[0]), load(p->x_high + g)), per_x);
-    const RV x1 = Mul(Sub(set(hi[0]), load(p->x_low + g)), per_x);
-    const RV y0 = Mul(Sub(set(lo[1]), load(p->y_high + g)), per_y);
-    const RV y1 = Mul(Sub(set(hi[1]), load(p->y_low + g)), per_y);
-    const RV z_low = load(p->z_low + g), z_high = load(p->z_high + g);
-    const RV z0 = p->mirrored ? Sub(z_low, set(hi[2])) : Sub(set(lo[2]), z_high);
-    const RV z1 = p->mirrored ? Sub(z_high, set(lo[2])) : Sub(set(hi[2]), z_low);
-    const RV near = Max(Max(Min(x0, x1), Min(y0, y1)), Max(z0, load(p->s_near + g)));
-    const RV far = Min(Min(Max(x0, x1), Max(y0, y1)), Min(z1, load(p->s_far + g)));
+    RV near, far;
+    clip_to_box(*p, g, {bound[p->near_x], bound[p->far_x]}, {bound[p->near_y], bound[p->far_y]},
+                {bound[p->near_z], bound[p->far_z]}, &near, &far);
+    const RM meets = hn::Le(near, far);
+    lanes |= bits_of(d, meets) << g;
     // The quotients' three roundings, and those of the additions to come.
-    const RV slack = Mul(hn::Abs(far), set(8 * kUnitRoundoff));
-    hn::Store(Sub(near, Mul(hn::Abs(near), set(8 * kUnitRoundoff))), d, p->s_near + g);
-    hn::Store(hn::Add(far, slack), d, p->s_far + g);
+    const RV slack = set(8 * kUnitRoundoff);
+    hn::Store(hn::Sub(near, hn::Mul(hn::Abs(near), slack)), d, p->s_near + g);
+    hn::Store(hn::IfThenElse(meets, hn::Add(far, hn::Mul(hn::Abs(far), slack)), nowhere), d,
+              p->s_far + g);
   }
-  for (std::uint32_t i = 0; i < kPacketWidth; ++i)
-    if ((lanes >> i & 1) == 0) p->s_far[i] = -std::numeric_limits<float>::infinity();
+  return lanes;
 }
 
 HWY_INLINE RM lanes_of(std::uint32_t bits, std::size_t g) {

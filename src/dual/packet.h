@@ -1,6 +1,7 @@
 // A packet of rays as the kernels keep it: plain arrays, read as vectors.
 //
-// All rays run towards one face, so they share the axes (x, y across, z along) of `make_ray_setup`.
+// All rays run towards one quarter of a face, so they share the axes (x, y across, z along) of
+// `make_ray_setup` and which planes of a box are near.
 // `s` is the distance from a ray's origin along z, t = s |shear_z|; `zeta` the same from the
 // beam's first plane. A ray that runs against its axis is looked at from behind: z is mirrored.
 //
@@ -25,9 +26,9 @@ struct alignas(64) RayPacket {
   float ox[kPacketWidth], oy[kPacketWidth], oz[kPacketWidth];
   float shear_x[kPacketWidth], shear_y[kPacketWidth], shear_z[kPacketWidth];
   float t_min[kPacketWidth], t_limit[kPacketWidth];  ///< where hits count; unused lanes: nowhere
-  float x_low[kPacketWidth], x_high[kPacketWidth];   ///< origin -+ pad
-  float y_low[kPacketWidth], y_high[kPacketWidth];
-  float z_low[kPacketWidth], z_high[kPacketWidth];
+  float x_near[kPacketWidth], x_far[kPacketWidth];   ///< origin, for near and far planes with pad
+  float y_near[kPacketWidth], y_far[kPacketWidth];
+  float z_near[kPacketWidth], z_far[kPacketWidth];
   float per_x[kPacketWidth], per_y[kPacketWidth];  ///< distance along z a unit of x, of y
   float s_near[kPacketWidth], s_far[kPacketWidth];  ///< where boxes matter; done lanes: nowhere
   float zeta[kPacketWidth];                         ///< of the origin
@@ -36,7 +37,8 @@ struct alignas(64) RayPacket {
   std::uint32_t id[kPacketWidth];
   std::uint32_t index[kPacketWidth];  ///< the caller's number
   int axis_x = 0, axis_y = 0, axis_z = 0;
-  int row_x = 0, row_y = 0, row_z = 0;  ///< of a node's lower bounds, before the winding's swap
+  int near_x = 0, near_y = 0, near_z = 0;  ///< a node's rows of planes that are met first
+  int far_x = 0, far_y = 0, far_z = 0;
   bool mirrored = false;
   std::uint32_t count = 0;
   float pad = 0;

@@ -12,9 +12,9 @@ namespace raysheaf {
 namespace {
 
 constexpr std::uint32_t kOriginBits = 9;  // a dimension, and as many for each slope
-constexpr std::uint32_t kKeyBits = 3 + 5 * kOriginBits;
-constexpr std::uint32_t kBucketBits = 11;
-constexpr std::size_t kBuckets = std::size_t{1} << kBucketBits;
+constexpr std::uint32_t kQuarterBits = 5;
+constexpr std::uint32_t kKeyBits = kQuarterBits + 5 * kOriginBits;
+constexpr std::uint32_t kBucketBits = 12;
 constexpr std::size_t kBlock = 16384;
 constexpr std::size_t kSamples = 512;
 
@@ -55,14 +55,14 @@ struct KeyMaker {
   }
 
   [[nodiscard]] std::uint64_t operator()(const Ray& ray) const {
-    const std::uint32_t face = face_of(ray.direction);
-    const int z = static_cast<int>(face / 2), x = z == 2 ? 0 : z + 1, y = x == 2 ? 0 : x + 1;
+    const std::uint32_t quarter = quarter_of(ray.direction);
+    const int z = static_cast<int>(quarter / 8), x = z == 2 ? 0 : z + 1, y = x == 2 ? 0 : x + 1;
     const Vec3 d = ray.direction, o = (ray.origin - low) * scale;
     const float slope = static_cast<float>(1u << (kOriginBits - 1)) / std::fabs(component(d, z));
     constexpr float kMiddle = static_cast<float>(1u << (kOriginBits - 1));
     const std::uint64_t u = spread(component(d, x) * slope + kMiddle);
     const std::uint64_t v = spread(component(d, y) * slope + kMiddle);
-    return std::uint64_t{face} << (5 * kOriginBits) | spread(o.x) << 4 | spread(o.y) << 3 |
+    return std::uint64_t{quarter} << (5 * kOriginBits) | spread(o.x) << 4 | spread(o.y) << 3 |
            spread(o.z) << 2 | u << 1 | v;
   }
 };
@@ -104,20 +104,20 @@ void order_rays(const Executor& executor, View<const Ray> rays, Sorting sorting,
   order->rays.resize_uninitialized(count);
   order->keys.resize_uninitialized(count);
   order->spare.resize_uninitialized(count);
-  order->face_starts = {};
+  order->starts = {};
   if (count == 0) return;
   // A key and the ray's number in one word: all words differ, so that any sort is a stable one.
   const auto index_bits = std::max(1u, static_cast<std::uint32_t>(std::bit_width(count - 1)));
-  const std::uint32_t bits = sorting == Sorting::kCurve ? kKeyBits : 3;
+  const std::uint32_t bits = sorting == Sorting::kCurve ? kKeyBits : kQuarterBits;
   const std::uint32_t kept = std::min(bits, 64 - index_bits);
   const std::uint32_t word_bits = kept + index_bits;
   const KeyMaker make_key(rays);
   executor.for_each(count, 4096, [&](std::size_t i) {
     const std::uint64_t key = sorting == Sorting::kCurve ? make_key(rays[i])
-                                                         : face_of(rays[i].direction);
+                                                         : quarter_of(rays[i].direction);
     order->keys[i] = key >> (bits - kept) << index_bits | i;
   });
-  const std::uint32_t bucket_bits = sorting == Sorting::kCurve ? kBucketBits : 3;
+  const std::uint32_t bucket_bits = sorting == Sorting::kCurve ? kBucketBits : kQuarterBits;
   const std::vector<std::uint32_t> starts =
       scatter_to_buckets(executor, order->keys.data(), order->spare.data(), count,
                          word_bits - bucket_bits, std::size_t{1} << bucket_bits);
@@ -135,8 +135,8 @@ void order_rays(const Executor& executor, View<const Ray> rays, Sorting sorting,
     for (std::uint32_t i = 0; i < size; ++i)
       order->rays[first + i] = static_cast<std::uint32_t>(keys[i] & index_mask);
   });
-  const std::uint32_t per_face = 1u << (bucket_bits - 3);
-  for (std::uint32_t f = 0; f <= kFaces; ++f) order->face_starts[f] = starts[f * per_face];
+  for (std::uint32_t q = 0; q <= kQuarters; ++q)
+    order->starts[q] = starts[std::size_t{q} << (bucket_bits - kQuarterBits)];
 }
 
 }  // namespace raysheaf

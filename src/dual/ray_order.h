@@ -1,11 +1,13 @@
-// The order in which `dual` takes the rays of a batch: by the face of the cube that they run
+// The order in which `dual` takes the rays of a batch: by the quarter of a cube's face that they run
 // towards, then along a Morton curve through the five dimensions of rays, origin and slopes.
 //
-// Rays of one face share the axis along which the ray-triangle test shears them, so a packet of
-// them needs no exchange of axes lane by lane.
+// Rays of one quarter share the axis along which the ray-triangle test shears them, and which of a
+// box's planes they meet first: nothing has to be chosen lane by lane.
 #pragma once
 
 #include <array>
+#include <bit>
+#include <cmath>
 #include <cstdint>
 
 #include "base/buffer.h"
@@ -15,28 +17,32 @@
 
 namespace raysheaf {
 
-inline constexpr std::uint32_t kFaces = 6;
+/// Six faces of the cube, four quarters of each.
+inline constexpr std::uint32_t kQuarters = 24;
 
-/// 2 * axis, plus one where the ray runs against it; the axis is that of `make_ray_setup`.
-[[nodiscard]] inline std::uint32_t face_of(Vec3 d) {
-  const float x = d.x < 0 ? -d.x : d.x, y = d.y < 0 ? -d.y : d.y, z = d.z < 0 ? -d.z : d.z;
-  if (x > y && x > z) return d.x < 0 ? 1 : 0;
-  if (!(x > y) && y > z) return d.y < 0 ? 3 : 2;
-  return d.z < 0 ? 5 : 4;
+/// 8 * axis, the one of `make_ray_setup`; plus 4 where the ray runs against it, 2 and 1 where it
+/// runs against the next axis and the one after that.
+[[nodiscard]] inline std::uint32_t quarter_of(Vec3 d) {
+  const float x = std::fabs(d.x), y = std::fabs(d.y), z = std::fabs(d.z);
+  const auto sign = [](float v) { return std::bit_cast<std::uint32_t>(v) >> 31; };
+  const std::uint32_t sx = sign(d.x), sy = sign(d.y), sz = sign(d.z);
+  const std::uint32_t from_x = 4 * sx + 2 * sy + sz, from_y = 8 + 4 * sy + 2 * sz + sx;
+  const std::uint32_t from_z = 16 + 4 * sz + 2 * sx + sy;
+  return x > y ? (x > z ? from_x : from_z) : (y > z ? from_y : from_z);
 }
 
 struct RayOrder {
   Buffer<std::uint32_t> rays;  ///< the caller's numbers, in the new order
-  std::array<std::uint32_t, kFaces + 1> face_starts{};
+  std::array<std::uint32_t, kQuarters + 1> starts{};  ///< of the quarters
   Buffer<std::uint64_t> keys, spare;  ///< scratch
 };
 
 enum class Sorting : std::uint8_t {
-  kByFace,  ///< the caller's order within each face
+  kQuarters,  ///< the caller's order within each quarter
   kCurve,
 };
 
-/// O(rays log rays), and O(rays) for kByFace. Ties keep the caller's order. At most 2^31 rays.
+/// O(rays log rays), and O(rays) for kQuarters. Ties keep the caller's order. At most 2^31 rays.
 void order_rays(const Executor& executor, View<const Ray> rays, Sorting sorting, RayOrder* order);
 
 }  // namespace raysheaf

@@ -4,21 +4,15 @@
     using hn::Max, hn::Min, hn::Mul, hn::Sub;
     const RayPacket& p = packet_;
     const Boxes d;
-    const bool right = p.per_x[lane] > 0, up = p.per_y[lane] > 0, ahead = !p.mirrored;
-    const int near_x = right ? p.row_x : p.row_x + 3, far_x = right ? p.row_x + 3 : p.row_x;
-    const int near_y = up ? p.row_y : p.row_y + 3, far_y = up ? p.row_y + 3 : p.row_y;
-    const int near_z = ahead ? p.row_z : p.row_z + 3, far_z = ahead ? p.row_z + 3 : p.row_z;
     const BV per_x = hn::Set(d, p.per_x[lane]), per_y = hn::Set(d, p.per_y[lane]);
-    const BV per_z = hn::Set(d, ahead ? 1.0f : -1.0f);
-    const BV x0 = hn::Set(d, right ? p.x_high[lane] : p.x_low[lane]);
-    const BV x1 = hn::Set(d, right ? p.x_low[lane] : p.x_high[lane]);
-    const BV y0 = hn::Set(d, up ? p.y_high[lane] : p.y_low[lane]);
-    const BV y1 = hn::Set(d, up ? p.y_low[lane] : p.y_high[lane]);
-    const BV z0 = hn::Set(d, ahead ? p.z_high[lane] : p.z_low[lane]);
-    const BV z1 = hn::Set(d, ahead ? p.z_low[lane] : p.z_high[lane]);
+    const BV per_z = hn::Set(d, p.mirrored ? -1.0f : 1.0f);
+    const BV x0 = hn::Set(d, p.x_near[lane]), x1 = hn::Set(d, p.x_far[lane]);
+    const BV y0 = hn::Set(d, p.y_near[lane]), y1 = hn::Set(d, p.y_far[lane]);
+    const BV z0 = hn::Set(d, p.z_near[lane]), z1 = hn::Set(d, p.z_far[lane]);
     const BV s_near = hn::Set(d, p.s_near[lane]);
     std::size_t top = 0, visited = 0;
     WaitingNode* waiting = waiting_nodes_.data();
+    std::size_t room = waiting_nodes_.size() - kBvhWidth;
     float s_far = p.s_far[lane];
     for (;;) {
       const BvhNode& node = tree_.nodes[number];
@@ -29,10 +23,10 @@
         const auto at = [&](int row, BV from, BV per) {
           return Mul(Sub(hn::Load(d, node.bound[row] + g), from), per);
         };
-        const BV near = Max(Max(at(near_x, x0, per_x), at(near_y, y0, per_y)),
-                            Max(at(near_z, z0, per_z), s_near));
-        const BV far = Min(Min(at(far_x, x1, per_x), at(far_y, y1, per_y)),
-                           Min(at(far_z, z1, per_z), hn::Set(d, s_far)));
+        const BV near = Max(Max(at(p.near_x, x0, per_x), at(p.near_y, y0, per_y)),
+                            Max(at(p.near_z, z0, per_z), s_near));
+        const BV far = Min(Min(at(p.far_x, x1, per_x), at(p.far_y, y1, per_y)),
+                           Min(at(p.far_z, z1, per_z), hn::Set(d, s_far)));
         hn::Store(near, d, nears + g);
         met |= bits_of(d, hn::Le(near, far)) << g;
       }
@@ -42,9 +36,10 @@
         met &= met - 1;
         next = {nears[c], node.first[c], node.count[c]};
         if (met != 0) {
-          if (top + kBvhWidth > waiting_nodes_.size()) {
+          if (HWY_UNLIKELY(top > room)) {
             waiting_nodes_.resize(2 * waiting_nodes_.size());
             waiting = waiting_nodes_.data();
+            room = waiting_nodes_.size() - kBvhWidth;
           }
           const std::size_t bottom = top;
           do {
@@ -88,7 +83,7 @@
   }
 
   /// Whether the ray now ends earlier.
-  HWY_INLINE bool leaf_single(std::uint32_t lane, std::uint32_t quad, std::uint32_t count) {
+  HWY_NOINLINE bool leaf_single(std::uint32_t lane, std::uint32_t quad, std::uint32_t count) {
     using Quad = hn::CappedTag<float, 4>;
     const Quad d;
     const RayPacket& p = packet_;
@@ -97,21 +92,36 @@
     for (std::uint32_t done = 0; done < count; done += 4, ++quad) {
       const TriangleQuad& q = tree_.quads[quad];
       const std::uint32_t used = std::min(4u, count - done);
+      const float* x = q.vertex[0][p.axis_x];
+      const float* y = q.vertex[0][p.axis_y];
+      const float* z = q.vertex[0][p.axis_z];
       for (std::size_t g = 0; g < 4; g += hn::Lanes(d)) {
-        const auto from = [&](float x) { return hn::Set(d, x); };
+        const auto from = [&](float o) { return hn::Set(d, o); };
         const auto moved = [&](int i) {
-          return sheared(d, hn::Sub(hn::LoadU(d, q.vertex[i][p.axis_x] + g), from(p.ox[lane])),
-                         hn::Sub(hn::LoadU(d, q.vertex[i][p.axis_y] + g), from(p.oy[lane])),
-                         hn::Sub(hn::LoadU(d, q.vertex[i][p.axis_z] + g), from(p.oz[lane])),
+          return sheared(d, hn::Sub(hn::LoadU(d, x + 12 * i + g), from(p.ox[lane])),
+                         hn::Sub(hn::LoadU(d, y + 12 * i + g), from(p.oy[lane])),
+                         hn::Sub(hn::LoadU(d, z + 12 * i + g), from(p.oz[lane])),
                          from(p.shear_x[lane]), from(p.shear_y[lane]));
         };
         Tested<Quad> tested;
         if (!test_lanes(d, moved(0), moved(1), moved(2), from(p.shear_z[lane]),
                         from(p.t_min[lane]), from(p.t_limit[lane]), &tested))
           continue;
-        std::uint32_t lanes = (bits_of(d, tested.hit) | bits_of(d, tested.unsettled)) << g;
-        for (lanes &= (1u << used) - 1; lanes != 0; lanes &= lanes - 1)
-          shortened |= take_exactly(lane, q, static_cast<std::uint32_t>(__builtin_ctz(lanes)));
+        const std::uint32_t lanes = (1u << used) - 1;
+        std::uint32_t hit = bits_of(d, tested.hit) << g & lanes;
+        std::uint32_t unsettled = bits_of(d, tested.unsettled) << g & lanes;
+        if ((hit | unsettled) == 0) continue;
+        alignas(16) float t[4], v[4], w[4], det[4];
+        hn::Store(tested.t, d, t + g);
+        hn::Store(tested.v, d, v + g);
+        hn::Store(tested.w, d, w + g);
+        hn::Store(tested.det, d, det + g);
+        for (; hit != 0; hit &= hit - 1) {
+          const int k = __builtin_ctz(hit);
+          shortened |= take(lane, q.id[k], {t[k], v[k] / det[k], w[k] / det[k], det[k] > 0});
+        }
+        for (; unsettled != 0; unsettled &= unsettled - 1)
+          shortened |= take_exactly(lane, q, static_cast<std::uint32_t>(__builtin_ctz(unsettled)));
       }
     }
     return shortened;

@@ -1,13 +1,15 @@
 #include <algorithm>
 
 #include "base/bits.h"
+#include "dual/stream.h"
 #include "dual/trace_job.h"
 
 namespace raysheaf {
 namespace {
 
-/// Packets a task: neighbours share the boxes and triangles that they meet.
+/// Packets a task: neighbours share the boxes and triangles that they meet. Of streams: two.
 constexpr std::size_t kPacketsATask = 64;
+constexpr std::size_t kStreamPacketsATask = 2 * kStreamRays / kPacketWidth;
 
 template <class Trace>
 void trace_all_tasks(const Executor& executor, const DualScene& scene, View<const Ray> rays,
@@ -15,20 +17,23 @@ void trace_all_tasks(const Executor& executor, const DualScene& scene, View<cons
                      TraceJob job, const Trace& trace) {
   std::mutex mutex;
   job.scene = scene;
+  job.bundle = scene.bundle;
   job.rays = rays.data;
   job.order = order.rays.data();
-  job.ray_starts = order.face_starts;
-  for (std::uint32_t f = 0; f < kFaces; ++f) {
-    const std::uint32_t in_face = order.face_starts[f + 1] - order.face_starts[f];
-    job.packet_starts[f + 1] = job.packet_starts[f] + div_ceil(in_face, kPacketWidth);
+  job.ray_starts = order.starts;
+  for (std::uint32_t q = 0; q < kQuarters; ++q) {
+    const std::uint32_t rays_in = order.starts[q + 1] - order.starts[q];
+    job.packet_starts[q + 1] = job.packet_starts[q] + div_ceil(rays_in, kPacketWidth);
   }
   job.ray_tests = ray_tests.empty() ? nullptr : ray_tests.data;
   job.counts = counts;
   job.mutex = &mutex;
-  const std::size_t packets = job.packet_starts[kFaces];
-  executor.for_each(div_ceil(packets, kPacketsATask), 1, [&](std::size_t task) {
-    const std::size_t begin = task * kPacketsATask;
-    trace(job, begin, std::min(packets, begin + kPacketsATask));
+  const std::size_t packets = job.packet_starts[kQuarters];
+  const std::size_t a_task =
+      scene.bundle == Bundle::kStream ? kStreamPacketsATask : kPacketsATask;
+  executor.for_each(div_ceil(packets, a_task), 1, [&](std::size_t task) {
+    const std::size_t begin = task * a_task;
+    trace(job, begin, std::min(packets, begin + a_task));
   });
 }
 

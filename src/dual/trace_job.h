@@ -7,16 +7,17 @@
 
 namespace raysheaf {
 
-/// A run of at most kPacketWidth rays of one face.
+/// A run of at most kPacketWidth rays of one quarter.
 struct PacketRange {
-  std::uint32_t first = 0, count = 0, face = 0;
+  std::uint32_t first = 0, count = 0, quarter = 0;
 };
 
 struct TraceJob {
   DualScene scene;
+  Bundle bundle = Bundle::kPacket;
   const Ray* rays = nullptr;
   const std::uint32_t* order = nullptr;
-  std::array<std::uint32_t, kFaces + 1> ray_starts{}, packet_starts{};
+  std::array<std::uint32_t, kQuarters + 1> ray_starts{}, packet_starts{};
   EngineHit* hits = nullptr;
   std::uint8_t* occluded = nullptr;
   std::vector<RowHit>* rows = nullptr;  ///< under `mutex`
@@ -25,11 +26,11 @@ struct TraceJob {
   std::mutex* mutex = nullptr;
 
   [[nodiscard]] PacketRange packet(std::size_t n) const {
-    std::uint32_t face = 0;
-    while (n >= packet_starts[face + 1]) ++face;
-    const auto first = ray_starts[face] +
-                       (static_cast<std::uint32_t>(n) - packet_starts[face]) * kPacketWidth;
-    return {first, std::min(kPacketWidth, ray_starts[face + 1] - first), face};
+    std::uint32_t quarter = 0;
+    while (n >= packet_starts[quarter + 1]) ++quarter;
+    const auto first = ray_starts[quarter] +
+                       (static_cast<std::uint32_t>(n) - packet_starts[quarter]) * kPacketWidth;
+    return {first, std::min(kPacketWidth, ray_starts[quarter + 1] - first), quarter};
   }
 };
 

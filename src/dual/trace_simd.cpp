@@ -3,7 +3,10 @@
 #include <atomic>
 #include <mutex>
 
+#include <hwy/cache_control.h>
+
 #include "base/float.h"
+#include "dual/stream.h"
 #include "dual/trace_job.h"
 #include "geom/ray_end.h"
 #include "intersect/facing_body.h"
@@ -21,12 +24,47 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "dual/packet-inl.h"
 #include "dual/triangle-inl.h"
 #include "dual/walk-inl.h"
+#include "dual/stream-inl.h"
+
+inline void prefetch_rays(const TraceJob& job, const PacketRange& range) {
+  for (std::uint32_t i = 0; i < range.count; ++i)
+    hwy::Prefetch(job.rays + job.order[range.first + i]);
+}
+
+template <class Mode>
+void walk_packets(const TraceJob& job, std::size_t begin, std::size_t end) {
+  Walk<Mode> walk(job);
+  for (std::size_t n = begin; n < end; ++n) {
+    if (n + 1 < end) prefetch_rays(job, job.packet(n + 1));
+    walk.run(job.packet(n));
+  }
+  walk.finish();
+}
+
+/// Packets that follow each other in one quarter make a stream.
+template <class Mode>
+void walk_streams(const TraceJob& job, std::size_t begin, std::size_t end) {
+  StreamWalk<Mode> walk(job);
+  while (begin < end) {
+    const PacketRange first = job.packet(begin);
+    std::uint32_t count = first.count;
+    for (++begin; begin < end && count + kPacketWidth <= kStreamRays; ++begin) {
+      const PacketRange next = job.packet(begin);
+      if (next.quarter != first.quarter) break;
+      count += next.count;
+    }
+    walk.run(first.first, count, first.quarter);
+  }
+  walk.finish();
+}
 
 template <class Mode>
 void trace_packets(const TraceJob& job, std::size_t begin, std::size_t end) {
-  Walk<Mode> walk(job);
-  for (std::size_t n = begin; n < end; ++n) walk.run(job.packet(n));
-  walk.finish();
+  if (job.bundle == Bundle::kStream) {
+    walk_streams<Mode>(job, begin, end);
+  } else {
+    walk_packets<Mode>(job, begin, end);
+  }
 }
 
 void TraceClosest(const TraceJob& job, std::size_t begin, std::size_t end) {

@@ -1,19 +1,19 @@
 // One packet's way through the tree. Included by dual/trace_simd.cpp, inside its namespace.
 
 /// A subtree that waits for the lanes that met its box; `near` is where the beam enters it.
-struct Waiting {
+struct alignas(16) Waiting {
   float near;
   std::uint32_t lanes, first, count;  ///< the last two as in BvhNode
 };
 
 /// A subtree that waits for a single ray.
-struct WaitingNode {
+struct alignas(16) WaitingNode {
   float near;
   std::uint32_t first, count;
 };
 
 /// Lanes at or below go on one by one.
-inline constexpr int kSingleRays = 8;
+inline constexpr int kSingleRays = 4;
 
 /// What a query keeps of the hits it meets. `kShrinks`: hits end the search beyond them.
 struct ClosestMode {
@@ -37,13 +37,13 @@ class Walk {
   void run(const PacketRange& range) {
     RayPacket& p = packet_;
     alignas(64) float dx[kPacketWidth], dy[kPacketWidth], dz[kPacketWidth];
-    gather_rays(job_.rays, job_.order + range.first, range.count, range.face, &p, dx, dy, dz);
+    gather_rays(job_.rays, job_.order + range.first, range.count, range.quarter, &p, dx, dy, dz);
     const DualCounts before = counts_;
-    const std::uint32_t lanes = prepare_packet(tree_.bounds, dx, dy, dz, &p);
+    prepare_packet(tree_.bounds, dx, dy, dz, &p);
+    const std::uint32_t lanes = clip_to_scene(tree_.bounds, &p);
     counts_.ray_box_tests += p.count;
     done_ = 0;
     if (lanes != 0) {
-      clip_to_scene(tree_.bounds, lanes, &p);
       beam_ = make_beam(lanes, &p);
       walk_beam();
     }
@@ -127,8 +127,8 @@ class Walk {
     return shortened;
   }
 
-  HWY_NOINLINE bool take_lanes(const TriangleQuad& q, std::uint32_t k, std::size_t g,
-                               const Tested<Rays>& tested) {
+  HWY_INLINE bool take_lanes(const TriangleQuad& q, std::uint32_t k, std::size_t g,
+                             const Tested<Rays>& tested) {
     const Rays d;
     alignas(64) float t[kPacketWidth], v[kPacketWidth], w[kPacketWidth], det[kPacketWidth];
     std::uint32_t hit = bits_of(d, tested.hit);
@@ -152,7 +152,7 @@ class Walk {
     return shortened;
   }
 
-  bool take_exactly(std::uint32_t lane, const TriangleQuad& q, std::uint32_t k) {
+  HWY_NOINLINE bool take_exactly(std::uint32_t lane, const TriangleQuad& q, std::uint32_t k) {
     const auto corner = [&](int i) {
       return Vec3{q.vertex[i][0][k], q.vertex[i][1][k], q.vertex[i][2][k]};
     };

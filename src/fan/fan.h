@@ -18,6 +18,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "base/view.h"
 #include "exec/executor.h"
@@ -36,9 +37,27 @@ struct FanCounts {
   double order_ms = 0, hierarchy_ms = 0, traverse_ms = 0;
 };
 
+/// Memory that queries work in, kept from one to the next: fresh pages cost as much as the sort.
+/// Not for use by two queries at once. About 60 bytes a ray and 12 a pair of tile and triangle.
+class FanMemory {
+ public:
+  FanMemory();
+  ~FanMemory();
+  FanMemory(FanMemory&&) noexcept;
+  FanMemory& operator=(FanMemory&&) noexcept;
+
+  struct Arrays;
+  [[nodiscard]] Arrays& arrays() { return *arrays_; }
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  std::unique_ptr<Arrays> arrays_;
+};
+
 struct FanOptions {
   Facing facing = Facing::kBoth;
-  bool count = false;  ///< fill FanCounts' counts; times are always measured
+  bool count = false;           ///< fill FanCounts' counts; times are always measured
+  FanMemory* memory = nullptr;  ///< null: memory of the query's own
 };
 
 /// occluded[i] = 1 where rays[i] meets any triangle in [t_min, t_max], else 0: what brute force

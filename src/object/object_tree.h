@@ -13,6 +13,7 @@
 #include "base/buffer.h"
 #include "exec/executor.h"
 #include "object/bvh.h"
+#include "object/tree_scratch.h"
 #include "object/triangle_source.h"
 
 namespace raysheaf {
@@ -23,6 +24,8 @@ struct alignas(32) TriangleQuad {
   std::uint32_t id[4];    ///< numbers
 };
 static_assert(sizeof(TriangleQuad) == 160);
+
+inline constexpr std::uint32_t kQuadTriangles = 4;
 
 /// `BvhNode` with, for leaves, `first` the place of their first quad and `count` their triangles,
 /// 1 to 8, which fill div_ceil(count, 4) quads. Boxes of lanes beyond `children` are empty (+inf,
@@ -38,8 +41,16 @@ struct ObjectTree {
   /// Numbers of the triangles without area, ascending: `refit_object_tree` looks whether they have
   /// still none.
   std::vector<std::uint32_t> left_out;
+  /// Where regions of `nodes` begin, and their end. Regions but the first hold whole subtrees, so
+  /// that they can be worked on at once; the first is above them.
+  std::vector<std::uint32_t> region_starts;
+  TreeScratch scratch;  ///< of the rebuild
 
   [[nodiscard]] bool empty() const { return nodes.size() == 0; }
+  [[nodiscard]] std::size_t memory_bytes() const {
+    return nodes.capacity_bytes() + quads.capacity_bytes() + scratch.memory_bytes() +
+           (left_out.capacity() + region_starts.capacity()) * sizeof(std::uint32_t);
+  }
 };
 
 /// Replaces `tree`, whose memory is used again, by one along a Morton curve (Lauterbach et al.

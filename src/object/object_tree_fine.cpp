@@ -1,28 +1,20 @@
 #include <array>
 
 #include "base/bits.h"
+#include "base/vec.h"
 #include "object/object_tree.h"
+#include "object/tree_emission.h"
+#include "object/tree_kernels.h"
 #include "scene/flatten_body.h"
 
 namespace raysheaf {
 namespace {
 
-/// The triangles that have an area, as `build_bvh` wants them.
-struct Solid {
-  std::vector<float> vertex[3][3];
-  std::vector<std::uint32_t> ids;
-
-  [[nodiscard]] TriangleView view() const {
-    TriangleView v;
-    v.count = static_cast<std::uint32_t>(ids.size());
-    for (int k = 0; k < 3; ++k)
-      for (int axis = 0; axis < 3; ++axis) v.vertex[k][axis] = vertex[k][axis].data();
-    return v;
-  }
-};
-
-Solid solid_triangles(const TriangleSource& source, std::vector<std::uint32_t>* left_out) {
-  Solid solid;
+/// The boxes of the triangles that have an area.
+std::vector<AreaItem> solid_items(const TriangleSource& source,
+                                  std::vector<std::uint32_t>* left_out) {
+  std::vector<AreaItem> items;
+  items.reserve(source.count);
   source.for_each_part(
       0, source.count, [&](const TriangleRun& run, std::uint32_t begin, std::uint32_t end) {
         for (std::uint32_t i = begin; i < end; ++i) {
@@ -31,51 +23,51 @@ Solid solid_triangles(const TriangleSource& source, std::vector<std::uint32_t>* 
             left_out->push_back(run.first + i);
             continue;
           }
-          solid.ids.push_back(run.first + i);
-          for (int k = 0; k < 3; ++k)
-            for (int axis = 0; axis < 3; ++axis)
-              solid.vertex[k][axis].push_back(component(c[static_cast<std::size_t>(k)], axis));
+          items.push_back(
+              {min(min(c[0], c[1]), c[2]), run.first + i, max(max(c[0], c[1]), c[2]), 1});
         }
       });
-  return solid;
+  return items;
 }
+
+/// The leaves of a tree over triangles, each a quad. Children that were runs of triangles become
+/// clusters of one leaf.
+struct Leaves {
+  std::vector<std::uint64_t> ids;
+  std::vector<std::uint8_t> sizes;
+  std::vector<AreaItem> clusters;
+
+  void take(const std::vector<AreaItem>& items, std::vector<AreaNode>* nodes) {
+    for (AreaNode& node : *nodes) {
+      for (std::uint32_t c = 0; c < node.children; ++c) {
+        AreaChild& child = node.child[c];
+        if (child.kind != AreaChild::kItems) continue;
+        for (std::uint32_t i = 0; i < child.count; ++i) ids.push_back(items[child.first + i].ref);
+        child.first = static_cast<std::uint32_t>(sizes.size());
+        sizes.push_back(static_cast<std::uint8_t>(child.count));
+        clusters.push_back({node.box[c].min, child.first, node.box[c].max, 1});
+      }
+    }
+  }
+};
 
 }  // namespace
 
 void build_fine_object_tree(const Executor& executor, const TriangleSource& source,
                             ObjectTree* tree) {
   tree->left_out.clear();
-  const Solid solid = solid_triangles(source, &tree->left_out);
-  const Bvh bvh = build_bvh(executor, solid.view());
-  tree->triangles = static_cast<std::uint32_t>(solid.ids.size());
-  tree->nodes.resize_uninitialized(bvh.nodes.size());
-  std::uint32_t quads = 0;
-  for (std::size_t n = 0; n < bvh.nodes.size(); ++n) {
-    BvhNode& node = tree->nodes[n] = bvh.nodes[n];
-    for (std::uint32_t c = 0; c < kBvhWidth; ++c) {
-      if (c >= node.children) node.first[c] = node.count[c] = 0;
-      if (node.count[c] != 0) quads += div_ceil(node.count[c], 4);
-    }
-  }
-  tree->quads.resize_uninitialized(quads);
-  quads = 0;
-  for (BvhNode& node : tree->nodes) {
-    for (std::uint32_t c = 0; c < node.children; ++c) {
-      if (node.count[c] == 0) continue;
-      const std::uint32_t first = node.first[c], blocks = div_ceil(node.count[c], 4);
-      for (std::uint32_t lane = 0; lane < 4 * blocks; ++lane) {
-        const std::uint32_t i = lane < node.count[c] ? lane : 0;
-        tree->quads[quads + lane / 4].id[lane % 4] = solid.ids[bvh.triangles[first + i]];
-      }
-      node.first[c] = quads;
-      quads += blocks;
-    }
-  }
-  static_cast<void>(refit_object_tree(executor, source, tree));
-}
-
-void build_object_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree) {
-  build_fine_object_tree(executor, source, tree);
+  std::vector<AreaItem> items = solid_items(source, &tree->left_out);
+  tree->triangles = static_cast<std::uint32_t>(items.size());
+  AreaTree area;
+  build_area_tree(executor, items, {kQuadTriangles, true}, &area);
+  Leaves leaves;
+  leaves.take(items, &area.top);
+  for (AreaPart& part : area.parts) leaves.take(items, &part.nodes);
+  tree->quads.resize_uninitialized(leaves.sizes.size());
+  std::vector<AreaItem> boxes(leaves.sizes.size());
+  write_leaves(source, nullptr, leaves.ids.data(), 32, leaves.sizes.data(),
+               static_cast<std::uint32_t>(leaves.sizes.size()), tree->quads.data(), boxes.data());
+  emit_nodes(executor, area, leaves.clusters, boxes, tree);
 }
 
 }  // namespace raysheaf

@@ -1,42 +1,96 @@
 #include <array>
-#include <limits>
+#include <atomic>
 
-#include "base/bits.h"
+#include "base/vec.h"
 #include "object/object_tree.h"
+#include "object/tree_emission.h"
+#include "object/tree_kernels.h"
+#include "object/triangle_reader.h"
 #include "scene/flatten_body.h"
 
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 512;
+constexpr std::size_t kGrain = 1024;
 
-std::array<Vec3, 3> corners_of(const TriangleSource& source, std::uint32_t triangle) {
-  const TriangleRun& run = source.runs[source.run_of(triangle)];
-  return run.corners(triangle - run.first);
+bool gained_area(const Executor& executor, const TriangleSource& source,
+                 const std::vector<std::uint32_t>& left_out) {
+  std::atomic<bool> gained{false};
+  executor.for_each(left_out.size(), kGrain, [&](std::size_t i) {
+    const TriangleRun& run = source.runs[source.run_of(left_out[i])];
+    const std::array<Vec3, 3> c = run.corners(left_out[i] - run.first);
+    if (!has_no_area(c[0], c[1], c[2])) gained.store(true, std::memory_order_relaxed);
+  });
+  return gained;
 }
 
-void read_quad(const TriangleSource& source, TriangleQuad* quad) {
-  for (std::uint32_t lane = 0; lane < 4; ++lane) {
-    std::array<Vec3, 3> c = corners_of(source, quad->id[lane]);
-    if (has_no_area(c[0], c[1], c[2])) c[1] = c[2] = c[0];
-    for (std::size_t k = 0; k < 3; ++k)
-      for (int axis = 0; axis < 3; ++axis) quad->vertex[k][axis][lane] = component(c[k], axis);
+/// Lanes whose triangle certainly has an area, as in tree_kernels_simd.cpp.
+unsigned surely_differ(Float4 p, Float4 q) {
+  return greater_lanes(abs(p - q), all4(0x1p-20f) * (abs(p) + abs(q)) + all4(0x1p-100f));
+}
+bool surely_have_area(const TriangleQuad& quad) {
+  Float4 u[3], v[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const Float4 a = load4(quad.vertex[0][axis]);
+    u[axis] = load4(quad.vertex[1][axis]) - a;
+    v[axis] = load4(quad.vertex[2][axis]) - a;
+  }
+  return (surely_differ(u[1] * v[2], u[2] * v[1]) | surely_differ(u[2] * v[0], u[0] * v[2]) |
+          surely_differ(u[0] * v[1], u[1] * v[0])) == 0xf;
+}
+
+/// Makes points of triangles that have no area.
+void flatten(TriangleQuad* quad) {
+  for (int lane = 0; lane < 4; ++lane) {
+    Vec3 p[3];
+    for (int k = 0; k < 3; ++k)
+      p[k] = {quad->vertex[k][0][lane], quad->vertex[k][1][lane], quad->vertex[k][2][lane]};
+    if (!has_no_area(p[0], p[1], p[2])) continue;
+    for (int k = 1; k < 3; ++k)
+      for (int axis = 0; axis < 3; ++axis)
+        quad->vertex[k][axis][lane] = quad->vertex[0][axis][lane];
   }
 }
 
-void grow(Box* box, const Box& other) {
-  box->min = min(box->min, other.min);
-  box->max = max(box->max, other.max);
-}
-
-Box quad_box(const TriangleQuad& quad) {
+Box box_of(const TriangleQuad& quad) {
   Box box;
   for (const auto& corner : quad.vertex)
     for (int lane = 0; lane < 4; ++lane) {
       const Vec3 p{corner[0][lane], corner[1][lane], corner[2][lane]};
-      grow(&box, {p, p});
+      box = {min(box.min, p), max(box.max, p)};
     }
   return box;
+}
+
+/// New corners and the box of a quad that has its numbers.
+void refill(TriangleReader* reader, TriangleQuad* quad, AreaItem* leaf) {
+  LoadedTriangle t[4];
+  for (std::uint32_t i = 0; i < 4; ++i) t[i] = load_corners(reader->corners(quad->id[i]));
+  Float4 low = t[0].corner[0], high = low;
+  for (const LoadedTriangle& triangle : t)
+    for (const Float4 p : triangle.corner) low = min(low, p), high = max(high, p);
+  store_quad(t, quad);
+  store4(low, &leaf->min.x);
+  store4(high, &leaf->max.x);
+  if (surely_have_area(*quad)) return;
+  flatten(quad);
+  const Box box = box_of(*quad);
+  leaf->min = box.min;
+  leaf->max = box.max;
+}
+
+/// The quads [begin, end), and memory asked for ahead.
+void refill_quads(const TriangleSource& source, std::size_t begin, std::size_t end,
+                  const ObjectTree& tree) {
+  constexpr std::size_t kIndicesAhead = 10, kCornersAhead = 4;
+  TriangleReader reader(source);
+  for (std::size_t q = begin; q < end; ++q) {
+    if (q + kIndicesAhead < end)
+      for (const std::uint32_t id : tree.quads[q + kIndicesAhead].id) reader.prefetch_index(id);
+    if (q + kCornersAhead < end)
+      for (const std::uint32_t id : tree.quads[q + kCornersAhead].id) reader.prefetch_corners(id);
+    refill(&reader, &tree.quads[q], &tree.scratch.leaves[q]);
+  }
 }
 
 void set_child_box(BvhNode* node, std::uint32_t c, const Box& box) {
@@ -46,50 +100,45 @@ void set_child_box(BvhNode* node, std::uint32_t c, const Box& box) {
   }
 }
 
-Box node_box(const BvhNode& node) {
-  Box box;
-  for (std::uint32_t c = 0; c < node.children; ++c)
-    grow(&box, {{node.bound[0][c], node.bound[1][c], node.bound[2][c]},
-                {node.bound[3][c], node.bound[4][c], node.bound[5][c]}});
-  return box;
-}
-
-double half_area(const Box& box) {
-  const double x = double{box.max.x} - box.min.x, y = double{box.max.y} - box.min.y,
-               z = double{box.max.z} - box.min.z;
-  return x * y + y * z + z * x;
+/// New boxes for the children of the nodes [begin, end), from the last up; returns the sum of
+/// `cost_below`.
+double refit_nodes(std::uint32_t begin, std::uint32_t end, const ObjectTree& tree) {
+  double cost = 0;
+  for (std::uint32_t n = end; n-- > begin;) {
+    BvhNode& node = tree.nodes[n];
+    for (std::uint32_t c = 0; c < node.children; ++c) {
+      Box box;
+      if (node.is_leaf(c)) {
+        const AreaItem& leaf = tree.scratch.leaves[node.first[c]];
+        box = {leaf.min, leaf.max};
+      } else {
+        node_box(tree.nodes[node.first[c]], &box);
+      }
+      set_child_box(&node, c, box);
+    }
+    cost += cost_below(node);
+  }
+  return cost;
 }
 
 }  // namespace
 
 bool refit_object_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree) {
-  for (const std::uint32_t triangle : tree->left_out) {
-    const std::array<Vec3, 3> c = corners_of(source, triangle);
-    if (!has_no_area(c[0], c[1], c[2])) return false;
-  }
-  executor.for_each(tree->quads.size(), kGrain,
-                    [&](std::size_t q) { read_quad(source, &tree->quads[q]); });
-  tree->bounds = {};
-  tree->surface_area_cost = 0;
-  double cost = 0, root_area = 0;
-  for (std::size_t n = tree->nodes.size(); n-- > 0;) {
-    BvhNode& node = tree->nodes[n];
-    for (std::uint32_t c = 0; c < kBvhWidth; ++c) {
-      Box box;
-      if (c < node.children && node.count[c] == 0) box = node_box(tree->nodes[node.first[c]]);
-      if (node.count[c] != 0) {
-        const std::uint32_t quads = div_ceil(node.count[c], 4);
-        for (std::uint32_t q = 0; q < quads; ++q)
-          grow(&box, quad_box(tree->quads[node.first[c] + q]));
-        cost += half_area(box) * quads;
-      }
-      set_child_box(&node, c, box);
-    }
-    tree->bounds = node_box(node);
-    root_area = half_area(tree->bounds);
-    cost += root_area;
-  }
-  if (root_area > 0) tree->surface_area_cost = static_cast<float>(cost / root_area);
+  if (gained_area(executor, source, tree->left_out)) return false;
+  if (tree->empty()) return true;
+  tree->scratch.leaves.resize_uninitialized(tree->quads.size());
+  executor.for_each_block(tree->quads.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    refill_quads(source, begin, end, *tree);
+  });
+  const std::vector<std::uint32_t>& starts = tree->region_starts;
+  std::vector<double> costs(starts.size() - 1);
+  executor.for_each(costs.size() - 1, 1, [&](std::size_t r) {
+    costs[r + 1] = refit_nodes(starts[r + 1], starts[r + 2], *tree);
+  });
+  costs[0] = refit_nodes(starts[0], starts[1], *tree);
+  double below = 0;
+  for (const double cost : costs) below += cost;
+  finish_tree(below, tree);
   return true;
 }
 

@@ -1,0 +1,14 @@
+// Vertices on their way to the world.
+#pragma once
+
+#include <cstddef>
+
+#include "raysheaf/types.h"
+
+namespace raysheaf {
+
+/// to[i] = `transform_point(to_world, from[i])`, bit for bit. Returns
+/// whether all coordinates are numbers and within `kLargestCoordinate`. `to` is not `from`.
+bool transform_points(const Affine& to_world, const Vec3* from, std::size_t count, Vec3* to);
+
+}  // namespace raysheaf

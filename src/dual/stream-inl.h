@@ -1,0 +1,343 @@
+// Streams of rays through the tree. Included by dual/trace_simd.cpp, inside its namespace.
+
+/// Sixteen records of eight floats, as eight vectors' worth of arrays.
+struct RecordLanes {
+  alignas(64) float field[8][kPacketWidth];
+};
+
+template <class Record>
+HWY_INLINE void gather_records(const Record* records, const std::uint32_t* list,
+                               RecordLanes* lanes) {
+  static_assert(sizeof(Record) == 32);
+  const hn::CappedTag<float, 4> d4;
+  alignas(64) float low[4 * kPacketWidth], high[4 * kPacketWidth];
+  for (std::uint32_t i = 0; i < kPacketWidth; ++i) {
+    const float* r = reinterpret_cast<const float*>(records + list[i]);
+    for (std::size_t g = 0; g < 4; g += hn::Lanes(d4)) {
+      hn::Store(hn::Load(d4, r + g), d4, low + 4 * i + g);
+      hn::Store(hn::Load(d4, r + 4 + g), d4, high + 4 * i + g);
+    }
+  }
+  const Rays d;
+  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    RV a, b, c, e;
+    hn::LoadInterleaved4(d, low + 4 * g, a, b, c, e);
+    hn::Store(a, d, lanes->field[0] + g);
+    hn::Store(b, d, lanes->field[1] + g);
+    hn::Store(c, d, lanes->field[2] + g);
+    hn::Store(e, d, lanes->field[3] + g);
+    hn::LoadInterleaved4(d, high + 4 * g, a, b, c, e);
+    hn::Store(a, d, lanes->field[4] + g);
+    hn::Store(b, d, lanes->field[5] + g);
+    hn::Store(c, d, lanes->field[6] + g);
+    hn::Store(e, d, lanes->field[7] + g);
+  }
+}
+
+/// Appends the numbers of a group's lanes that are set; room for kPacketWidth is needed. Returns the
+/// new end.
+HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
+                                     std::uint32_t* out) {
+#if HWY_TARGET <= HWY_AVX3
+  const RayInts d;
+  const auto lanes = hn::RebindMask(d, set_lanes);
+  hn::StoreU(hn::Compress(hn::Load(d, numbers), lanes), d, out);
+  return out + hn::CountTrue(d, lanes);
+#else
+  std::uint32_t bits = bits_of(Rays(), set_lanes);
+  for (; bits != 0; bits &= bits - 1) *out++ = numbers[__builtin_ctz(bits)];
+  return out;
+#endif
+}
+
+template <class Mode>
+class StreamWalk {
+ public:
+  explicit StreamWalk(const TraceJob& job) : job_(job), tree_(*job.scene.tree) {
+    stream_.rays.resize(kStreamRays);
+    stream_.shears.resize(kStreamRays);
+    stream_.hits.resize(kStreamRays);
+    stream_.index.resize(kStreamRays);
+    stream_.lists.resize(64 * kStreamRays);
+  }
+
+  /// Rays [first, first + count) of the order, of one quarter, at most kStreamRays.
+  void run(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
+    const DualCounts before = counts_;
+    const std::uint32_t alive = fill(first, count, quarter);
+    if (alive != 0) {
+      stream_.waiting.clear();
+      stream_.waiting.push_back({0, 0, 0, alive});
+      while (!stream_.waiting.empty()) {
+        const WaitingList next = stream_.waiting.back();
+        stream_.waiting.pop_back();
+        if (next.count != 0) {
+          meet_leaf(next);
+        } else {
+          open(next);
+        }
+      }
+    }
+    write_back();
+    if (job_.ray_tests != nullptr) {
+      const float share =
+          static_cast<float>(counts_.sum() - before.sum()) / static_cast<float>(count);
+      for (std::uint32_t i = 0; i < count; ++i) job_.ray_tests[stream_.index[i]] += share;
+    }
+  }
+
+  void finish() {
+    const std::lock_guard<std::mutex> lock(*job_.mutex);
+    if (job_.counts != nullptr) job_.counts->add(counts_);
+    if constexpr (Mode::kAll) job_.rows->insert(job_.rows->end(), rows_.begin(), rows_.end());
+  }
+
+ private:
+  /// The stream's records, and the list of those that meet the scene's box: how many they are.
+  std::uint32_t fill(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
+    Stream& s = stream_;
+    RayPacket& p = packet_;
+    alignas(64) float dx[kPacketWidth], dy[kPacketWidth], dz[kPacketWidth];
+    std::uint32_t alive = 0;
+    s.count = count;
+    s.pad = 0;
+    counts_.ray_box_tests += count;
+    const std::uint32_t* order = job_.order + first;
+    for (std::uint32_t base = 0; base < count; base += kPacketWidth) {
+      const std::uint32_t n = std::min(kPacketWidth, count - base);
+      for (std::uint32_t i = 0; i < kPacketWidth; ++i) {
+        const std::uint32_t ahead = base + kPacketWidth + i;
+        if (ahead < count) hwy::Prefetch(job_.rays + order[ahead]);
+      }
+      gather_rays(job_.rays, order + base, n, quarter, &p, dx, dy, dz);
+      prepare_packet(tree_.bounds, dx, dy, dz, &p);
+      std::uint32_t lanes = clip_to_scene(tree_.bounds, &p);
+      s.pad = p.pad > s.pad ? p.pad : s.pad;
+      for (std::uint32_t i = 0; i < n; ++i) {
+        s.rays[base + i] = {p.ox[i],    p.oy[i],     p.oz[i],    p.per_x[i],
+                            p.per_y[i], p.s_near[i], p.s_far[i], p.along[i]};
+        s.shears[base + i] = {p.shear_x[i], p.shear_y[i], p.shear_z[i], p.t_min[i], p.t_limit[i], {}};
+        s.index[base + i] = p.index[i];
+        s.hits[base + i] = {};
+      }
+      for (; lanes != 0; lanes &= lanes - 1)
+        s.lists[alive++] = base + static_cast<std::uint32_t>(__builtin_ctz(lanes));
+    }
+    s.axis_x = p.axis_x;
+    s.axis_y = p.axis_y;
+    s.axis_z = p.axis_z;
+    s.near_x = p.near_x;
+    s.near_y = p.near_y;
+    s.near_z = p.near_z;
+    s.far_x = p.far_x;
+    s.far_y = p.far_y;
+    s.far_z = p.far_z;
+    s.mirrored = p.mirrored;
+    return alive;
+  }
+
+  /// The children from far to near along the stream's axis.
+  std::uint32_t sorted_children(const BvhNode& node, std::uint32_t* children) const {
+    float near[kBvhWidth];
+    const int z = stream_.axis_z;
+    for (std::uint32_t c = 0; c < node.children; ++c) {
+      const float at = stream_.mirrored ? -node.bound[z + 3][c] : node.bound[z][c];
+      std::uint32_t place = c;
+      for (; place > 0 && near[place - 1] < at; --place) {
+        near[place] = near[place - 1];
+        children[place] = children[place - 1];
+      }
+      near[place] = at;
+      children[place] = c;
+    }
+    return node.children;
+  }
+
+  void open(const WaitingList& list) {
+    using hn::Max, hn::Min, hn::Mul, hn::Sub;
+    Stream& s = stream_;
+    const BvhNode& node = tree_.nodes[list.first];
+    std::uint32_t children[kBvhWidth];
+    const std::uint32_t child_count = sorted_children(node, children);
+    counts_.ray_box_tests += std::uint64_t{list.size} * child_count;
+    const std::uint32_t room = (list.size + kPacketWidth + 15) / 16 * 16;
+    const std::uint32_t bottom = (list.offset + list.size + 15) / 16 * 16;
+    const std::size_t needed = bottom + std::size_t{room} * child_count + 2 * kPacketWidth;
+    if (needed > s.lists.size()) s.lists.resize(2 * needed);
+    // Bounds as the rays see them, grown by the pad: near and far on x, y, z.
+    float box[kBvhWidth][6];
+    std::uint32_t* out[kBvhWidth];
+    const int rows[6] = {s.near_x, s.far_x, s.near_y, s.far_y, s.near_z, s.far_z};
+    for (std::uint32_t k = 0; k < child_count; ++k) {
+      for (int r = 0; r < 6; ++r)
+        box[k][r] = node.bound[rows[r]][children[k]] + (rows[r] < 3 ? -s.pad : s.pad);
+      if (s.mirrored) {
+        box[k][4] = -box[k][4];
+        box[k][5] = -box[k][5];
+      }
+      out[k] = s.lists.data() + bottom + room * k;
+    }
+    const Rays d;
+    const std::uint32_t* numbers = s.lists.data() + list.offset;
+    for (std::uint32_t base = 0; base < list.size; base += kPacketWidth) {
+      const std::uint32_t n = std::min(kPacketWidth, list.size - base);
+      alignas(64) std::uint32_t block[kPacketWidth];
+      for (std::uint32_t i = 0; i < kPacketWidth; ++i) block[i] = numbers[base + (i < n ? i : 0)];
+      const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
+      for (std::uint32_t i = n; i < std::min(2 * kPacketWidth, list.size - base); ++i)
+        hwy::Prefetch(s.rays.data() + numbers[base + i]);
+      RecordLanes lanes;
+      gather_records(s.rays.data(), block, &lanes);
+      for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+        const RV ox = load(lanes.field[0] + g), oy = load(lanes.field[1] + g);
+        const RV z = load(lanes.field[2] + g), oz = s.mirrored ? hn::Neg(z) : z;
+        const RV per_x = load(lanes.field[3] + g), per_y = load(lanes.field[4] + g);
+        const RV s_near = load(lanes.field[5] + g), s_far = load(lanes.field[6] + g);
+        const RM some = lanes_of(used, g);
+        for (std::uint32_t k = 0; k < child_count; ++k) {
+          const float* b = box[k];
+          const RV x0 = Mul(Sub(set(b[0]), ox), per_x), x1 = Mul(Sub(set(b[1]), ox), per_x);
+          const RV y0 = Mul(Sub(set(b[2]), oy), per_y), y1 = Mul(Sub(set(b[3]), oy), per_y);
+          const RV near = Max(Max(x0, y0), Max(Sub(set(b[4]), oz), s_near));
+          const RV far = Min(Min(x1, y1), Min(Sub(set(b[5]), oz), s_far));
+          out[k] = append_set(block + g, hn::And(hn::Le(near, far), some), out[k]);
+        }
+      }
+    }
+    for (std::uint32_t k = 0; k < child_count; ++k) {
+      const std::uint32_t offset = bottom + room * k;
+      const auto size = static_cast<std::uint32_t>(out[k] - (s.lists.data() + offset));
+      if (size == 0) continue;
+      const std::uint32_t c = children[k];
+      s.waiting.push_back({node.first[c], node.count[c], offset, size});
+      prefetch_child(node, c);
+    }
+  }
+
+  void prefetch_child(const BvhNode& node, std::uint32_t c) const {
+    const char* at = node.is_leaf(c)
+                         ? reinterpret_cast<const char*>(tree_.quads.data() + node.first[c])
+                         : reinterpret_cast<const char*>(tree_.nodes.data() + node.first[c]);
+    for (int line = 0; line < 4; ++line) hwy::Prefetch(at + 64 * line);
+  }
+
+  void meet_leaf(const WaitingList& list) {
+    Stream& s = stream_;
+    counts_.triangle_tests += std::uint64_t{list.size} * list.count;
+    const Rays d;
+    const std::uint32_t* numbers = s.lists.data() + list.offset;
+    for (std::uint32_t base = 0; base < list.size; base += kPacketWidth) {
+      const std::uint32_t n = std::min(kPacketWidth, list.size - base);
+      alignas(64) std::uint32_t block[kPacketWidth];
+      for (std::uint32_t i = 0; i < kPacketWidth; ++i) block[i] = numbers[base + (i < n ? i : 0)];
+      const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
+      for (std::uint32_t i = n; i < std::min(2 * kPacketWidth, list.size - base); ++i) {
+        hwy::Prefetch(s.rays.data() + numbers[base + i]);
+        hwy::Prefetch(s.shears.data() + numbers[base + i]);
+      }
+      RecordLanes ray, shear;
+      gather_records(s.rays.data(), block, &ray);
+      gather_records(s.shears.data(), block, &shear);
+      for (std::uint32_t i = 0; i < list.count; ++i) {
+        const TriangleQuad& q = tree_.quads[list.first + i / 4];
+        const std::uint32_t k = i % 4;
+        const float* x = &q.vertex[0][s.axis_x][k];
+        const float* y = &q.vertex[0][s.axis_y][k];
+        const float* z = &q.vertex[0][s.axis_z][k];
+        for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+          const RV ox = load(ray.field[0] + g), oy = load(ray.field[1] + g), oz = load(ray.field[2] + g);
+          const RV sx = load(shear.field[0] + g), sy = load(shear.field[1] + g);
+          const auto moved = [&](int c) {
+            return sheared(d, hn::Sub(set(x[12 * c]), ox), hn::Sub(set(y[12 * c]), oy),
+                           hn::Sub(set(z[12 * c]), oz), sx, sy);
+          };
+          Tested<Rays> tested;
+          if (test_lanes(d, moved(0), moved(1), moved(2), load(shear.field[2] + g),
+                         load(shear.field[3] + g), load(shear.field[4] + g), &tested))
+            take_lanes(q, k, block, used, g, tested);
+        }
+      }
+    }
+  }
+
+  HWY_NOINLINE void take_lanes(const TriangleQuad& q, std::uint32_t k, const std::uint32_t* block,
+                               std::uint32_t used, std::size_t g, const Tested<Rays>& tested) {
+    const Rays d;
+    std::uint32_t hit = bits_of(d, tested.hit) & used >> g;
+    std::uint32_t unsettled = bits_of(d, tested.unsettled) & used >> g;
+    if ((hit | unsettled) == 0) return;
+    alignas(64) float t[kPacketWidth], v[kPacketWidth], w[kPacketWidth], det[kPacketWidth];
+    hn::Store(tested.t, d, t);
+    hn::Store(tested.v, d, v);
+    hn::Store(tested.w, d, w);
+    hn::Store(tested.det, d, det);
+    for (; hit != 0; hit &= hit - 1) {
+      const int i = __builtin_ctz(hit);
+      take(block[g + static_cast<std::size_t>(i)], q.id[k], {t[i], v[i] / det[i], w[i] / det[i], det[i] > 0});
+    }
+    for (; unsettled != 0; unsettled &= unsettled - 1)
+      take_exactly(block[g + static_cast<std::size_t>(__builtin_ctz(unsettled))], q, k);
+  }
+
+  HWY_NOINLINE void take_exactly(std::uint32_t n, const TriangleQuad& q, std::uint32_t k) {
+    const Stream& s = stream_;
+    RaySetup r;
+    float o[3];
+    o[s.axis_x] = s.rays[n].ox;
+    o[s.axis_y] = s.rays[n].oy;
+    o[s.axis_z] = s.rays[n].oz;
+    r.origin = {o[0], o[1], o[2]};
+    r.shear_x = s.shears[n].shear_x;
+    r.shear_y = s.shears[n].shear_y;
+    r.shear_z = s.shears[n].shear_z;
+    r.t_min = s.shears[n].t_min;
+    r.t_max = s.shears[n].t_limit;
+    r.axis_x = s.axis_x;
+    r.axis_y = s.axis_y;
+    r.axis_z = s.axis_z;
+    const auto corner = [&](int i) {
+      return Vec3{q.vertex[i][0][k], q.vertex[i][1][k], q.vertex[i][2][k]};
+    };
+    TriangleHit hit;
+    if (intersect_triangle(r, corner(0), corner(1), corner(2), &hit)) take(n, q.id[k], hit);
+  }
+
+  void take(std::uint32_t n, std::uint32_t id, const TriangleHit& hit) {
+    Stream& s = stream_;
+    if (job_.scene.facing != Facing::kBoth && job_.scene.flags != nullptr &&
+        !shows(job_.scene.facing, job_.scene.flags[id], hit.front))
+      return;
+    if constexpr (Mode::kAll) {
+      rows_.push_back({s.index[n], {hit.t, hit.u, hit.v, id}});
+    } else if constexpr (Mode::kAny) {
+      s.hits[n].triangle = id;
+      s.shears[n].t_limit = -1;
+      s.rays[n].s_far = -std::numeric_limits<float>::infinity();
+    } else {
+      EngineHit& best = s.hits[n];
+      if (!(hit.t < best.t || (hit.t == best.t && id < best.triangle))) return;
+      best = {hit.t, hit.u, hit.v, id};
+      s.shears[n].t_limit = hit.t;
+      const float far = hit.t * s.rays[n].along * (1 + 8 * kUnitRoundoff) + s.pad;
+      s.rays[n].s_far = far < s.rays[n].s_far ? far : s.rays[n].s_far;
+    }
+  }
+
+  void write_back() {
+    const Stream& s = stream_;
+    for (std::uint32_t i = 0; i < s.count; ++i) {
+      if constexpr (Mode::kAny) {
+        job_.occluded[s.index[i]] = s.hits[i].triangle != kInvalidId ? 1 : 0;
+      } else if constexpr (!Mode::kAll) {
+        job_.hits[s.index[i]] = s.hits[i];
+      }
+    }
+  }
+
+  const TraceJob& job_;
+  const ObjectTree& tree_;
+  Stream stream_;
+  RayPacket packet_;
+  DualCounts counts_;
+  std::vector<RowHit> rows_;
+};

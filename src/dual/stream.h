@@ -1,0 +1,57 @@
+// A stream: thousands of rays towards one quarter of a face that go down the tree together.
+//
+//   node  [ a . b . . c . . ]        list of rays at the node: 5 9 12 40 41 77 ...
+//            |                       sixteen at a time they are tested with every child's box;
+//            v                       those that meet it are the child's list
+//   list of a: 9 40 77 ...
+//
+// Every node is fetched once a stream, no branch depends on a single ray, and rays need not be
+// alike: what they share is the quarter, which tells the order of the children from near to far.
+// (I. Wald, C. Gribble, S. Boulos, A. Kensler, "SIMD Ray Stream Tracing", 2007; J. Tsakok,
+// "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG 2009.)
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/aligned.h"
+#include "dual/packet.h"
+
+namespace raysheaf {
+
+inline constexpr std::uint32_t kStreamRays = 4096;
+
+/// What boxes are tested with; `s` as in dual/packet.h.
+struct alignas(32) StreamRay {
+  float ox, oy, oz, per_x;
+  float per_y, s_near, s_far, along;
+};
+
+/// What triangles are tested with beside the origin.
+struct alignas(32) StreamShear {
+  float shear_x, shear_y, shear_z, t_min;
+  float t_limit, unused[3];
+};
+
+/// A child whose rays wait for their turn.
+struct WaitingList {
+  std::uint32_t first, count;  ///< as in BvhNode
+  std::uint32_t offset, size;  ///< of its list
+};
+
+struct Stream {
+  AlignedVector<StreamRay> rays;
+  AlignedVector<StreamShear> shears;
+  AlignedVector<EngineHit> hits;
+  std::vector<std::uint32_t> index;  ///< the caller's numbers
+  AlignedVector<std::uint32_t> lists;
+  std::vector<WaitingList> waiting;
+  int axis_x = 0, axis_y = 0, axis_z = 0;
+  int near_x = 0, near_y = 0, near_z = 0;  ///< as in RayPacket
+  int far_x = 0, far_y = 0, far_z = 0;
+  bool mirrored = false;
+  std::uint32_t count = 0;
+  float pad = 0;  ///< the largest of the packets'
+};
+
+}  // namespace raysheaf

@@ -1,0 +1,282 @@
+// The triangles of one tile against its packets, and against the rays of those that they overlap.
+// Compiled once a SIMD target and chosen at run time (Google Highway).
+//
+// The ray-triangle test is `intersect_triangle`, its operations in its order, for 16 rays at once;
+// rays that it would settle in binary64 are handed to it. Rays that were hit leave, and packets
+// that have none left.
+#include <algorithm>
+#include <bit>
+
+#include "intersect/facing_body.h"
+#include "intersect/triangle_body.h"
+#include "scene/flatten_body.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "fan/tile_simd.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "fan/overlap-inl.h"
+#include "fan/stream.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raysheaf::HWY_NAMESPACE {
+namespace {
+
+struct Corner {
+  V x, y, z;
+};
+
+HWY_INLINE V Edge(const Corner& p, const Corner& q) {
+  return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x));
+}
+HWY_INLINE V Spread(const Corner& p, const Corner& q) {
+  return hn::Add(hn::Abs(hn::Mul(p.x, q.y)), hn::Abs(hn::Mul(p.y, q.x)));
+}
+
+/// Lanes that are hit, by the side that is met, and those that only the scalar test can settle.
+struct Verdict {
+  std::uint32_t front = 0, back = 0, unsettled = 0;
+};
+
+class Tile {
+ public:
+  Tile(const FanTileTask& task, std::uint32_t tile)
+      : task_(task),
+        c_(task.cells),
+        face_(fan_face(c_.face_of_tile[tile])),
+        slot_(std::size_t{tile} * kTileSlots) {
+    const std::uint32_t rays = c_.rays_of_tile[tile];
+    for (std::uint32_t p = 0; p * kPacketSlots < rays; ++p) {
+      alive_[p] = (1u << std::min(kPacketSlots, rays - p * kPacketSlots)) - 1;
+      packets_ |= 1u << p;
+    }
+    std::copy(alive_, alive_ + kTilePackets, rays_);
+    place(c_.tiles.at(tile), std::size_t{tile} * kTilePackets);
+  }
+
+  FanTileCounts run(View<const std::uint32_t> ids) {
+    for (std::size_t i = 0; i < ids.size && packets_ != 0; i += kPacketSlots) {
+      const auto count =
+          static_cast<std::uint32_t>(std::min<std::size_t>(ids.size - i, kPacketSlots));
+      prepare(ids.data + i, count);
+      for (std::uint32_t lane = 0; lane < count && packets_ != 0; ++lane) meet(lane);
+    }
+    finish();
+    return counts_;
+  }
+
+ private:
+  /// Packets' rectangles less the tile's middle, which edges are written around.
+  void place(const FanBound& bound, std::size_t packet) {
+    s0_ = (bound.u0 + bound.u1) * 0.5f, r0_ = (bound.v0 + bound.v1) * 0.5f;
+    radius_ = std::max(bound.u1 - bound.u0, bound.v1 - bound.v0);  // more than enough
+    const FanBounds& b = c_.packets;
+    for (std::uint32_t p = 0; p < kTilePackets; ++p) {
+      du0_[p] = b.u0[packet + p] - s0_, du1_[p] = b.u1[packet + p] - s0_;
+      dv0_[p] = b.v0[packet + p] - r0_, dv1_[p] = b.v1[packet + p] - r0_;
+    }
+    columns_ = {b.u0.data() + packet,
+                b.u1.data() + packet,
+                b.v0.data() + packet,
+                b.v1.data() + packet,
+                b.reach.data() + packet,
+                du0_,
+                du1_,
+                dv0_,
+                dv1_};
+  }
+
+  void prepare(const std::uint32_t* ids, std::uint32_t count) {
+    const Floats d;
+    for (std::uint32_t k = 0; k < count; ++k) {
+      ids_[k] = ids[k];
+      if (run_ == nullptr || ids[k] - run_->first >= run_->count)
+        run_ = &task_.source.runs[task_.source.run_of(ids[k])];
+      corners_[k] = run_->corners(ids[k] - run_->first);
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3 p = corners_[k][i] - c_.origin;
+        const float axes[3] = {p.x, p.y, p.z};
+        t_.corner[i][0][k] = axes[face_.x], t_.corner[i][1][k] = axes[face_.y];
+        t_.corner[i][2][k] = axes[face_.z];
+      }
+    }
+    for (std::size_t k = 0; k < count; k += hn::Lanes(d)) {
+      V x[3], y[3], z[3];
+      for (int i = 0; i < 3; ++i) {
+        x[i] = hn::Load(d, t_.corner[i][0] + k);
+        y[i] = hn::Load(d, t_.corner[i][1] + k);
+        z[i] = hn::Load(d, t_.corner[i][2] + k);
+      }
+      MakeRectangles(x, y, z, face_.sign, k, &t_);
+      MakeEdges(x, y, z, s0_, r0_, radius_, k, &t_);
+    }
+  }
+
+  /// One triangle with all packets that have rays left.
+  HWY_INLINE void meet(std::uint32_t lane) {
+    const Floats d;
+    std::uint32_t met = 0;
+    for (std::size_t p = 0; p < kTilePackets; p += hn::Lanes(d)) {
+      const M mask = RectanglesMeet(columns_, p, t_, lane);
+      if (hn::AllFalse(d, mask)) continue;
+      met |= BitsOf(hn::And(mask, EdgesMeet(columns_, p, t_, lane))) << p;
+    }
+    counts_.bound_tests += static_cast<std::uint32_t>(std::popcount(packets_));
+    if (!task_.ray_tests.empty()) count_packets();
+    const bool single = task_.facing != Facing::kBoth && task_.source.flags != nullptr;
+    for (met &= packets_; met != 0; met &= met - 1) {
+      const auto p = static_cast<std::uint32_t>(std::countr_zero(met));
+      if (!task_.ray_tests.empty()) count_rays(p);
+      counts_.triangle_tests += static_cast<std::uint32_t>(std::popcount(alive_[p]));
+      const Verdict verdict = test(p, lane);
+      const std::uint32_t any = (verdict.front | verdict.back | verdict.unsettled) & alive_[p];
+      if (HWY_LIKELY(any == 0)) continue;
+      const auto [a, b, c] = corners_[lane];
+      if (has_no_area(a, b, c)) return;
+      take(p, lane, verdict, single);
+    }
+  }
+
+  void take(std::uint32_t p, std::uint32_t lane, const Verdict& verdict, bool single) {
+    std::uint32_t hits = verdict.front | verdict.back;
+    if (single) {
+      const std::uint8_t flags = task_.source.flags[ids_[lane]];
+      hits = (shows(task_.facing, flags, true) ? verdict.front : 0) |
+             (shows(task_.facing, flags, false) ? verdict.back : 0);
+    }
+    for (std::uint32_t rest = verdict.unsettled & alive_[p]; rest != 0; rest &= rest - 1) {
+      const auto ray = static_cast<std::uint32_t>(std::countr_zero(rest));
+      hits |= settle(p * kPacketSlots + ray, lane, single) ? 1u << ray : 0;
+    }
+    alive_[p] &= ~hits;
+    if (alive_[p] == 0) packets_ &= ~(1u << p);
+  }
+
+  /// The scalar test.
+  bool settle(std::uint32_t ray, std::uint32_t lane, bool single) const {
+    const FanRays& r = c_.rays;
+    const std::size_t at = slot_ + ray;
+    const RaySetup setup{c_.origin,
+                         r.shear_x[at],
+                         r.shear_y[at],
+                         r.shear_z[at],
+                         r.t_min[at],
+                         r.t_max[at],
+                         static_cast<int>(face_.x),
+                         static_cast<int>(face_.y),
+                         static_cast<int>(face_.z)};
+    TriangleHit hit;
+    const auto& [a, b, c] = corners_[lane];
+    return intersect_triangle(setup, a, b, c, &hit) &&
+           (!single || shows(task_.facing, task_.source.flags[ids_[lane]], hit.front));
+  }
+
+  HWY_INLINE Corner corner(int i, std::uint32_t lane, V shear_x, V shear_y) const {
+    const Floats d;
+    const V z = hn::Set(d, t_.corner[i][2][lane]);
+    return {hn::Sub(hn::Set(d, t_.corner[i][0][lane]), hn::Mul(shear_x, z)),
+            hn::Sub(hn::Set(d, t_.corner[i][1][lane]), hn::Mul(shear_y, z)), z};
+  }
+
+  /// The rays of a packet, whether they are left or not.
+  HWY_INLINE Verdict test(std::uint32_t p, std::uint32_t lane) const {
+    using hn::Add, hn::And, hn::Ge, hn::Le, hn::Mul, hn::Or;
+    const Floats d;
+    const FanRays& r = c_.rays;
+    Verdict verdict;
+    for (std::size_t k = 0; k < kPacketSlots; k += hn::Lanes(d)) {
+      const std::size_t at = slot_ + p * kPacketSlots + k;
+      const V sx = hn::Load(d, r.shear_x.data() + at), sy = hn::Load(d, r.shear_y.data() + at);
+      const Corner a = corner(0, lane, sx, sy), b = corner(1, lane, sx, sy),
+                   c = corner(2, lane, sx, sy);
+      const V u = Edge(c, b), v = Edge(a, c), w = Edge(b, a);
+      const V zero = hn::Zero(d);
+      const M negative = Or(Or(hn::Lt(u, zero), hn::Lt(v, zero)), hn::Lt(w, zero));
+      const M positive = Or(Or(hn::Gt(u, zero), hn::Gt(v, zero)), hn::Gt(w, zero));
+      const M agree = hn::Not(And(negative, positive));
+      if (HWY_LIKELY(hn::AllFalse(d, agree))) continue;
+      const V det = Add(Add(u, v), w);
+      const V size = hn::Abs(det);
+      const M nonzero = And(And(hn::Ne(u, zero), hn::Ne(v, zero)), hn::Ne(w, zero));
+      const M normal =
+          And(Ge(size, hn::Set(d, kSmallDeterminant)), Le(size, hn::Set(d, kLargeDeterminant)));
+      const V products = Add(Add(Spread(c, b), Spread(a, c)), Spread(b, a));
+      const M well_seen = Le(products, Mul(hn::Set(d, kLargestSpread), size));
+      const V sz = hn::Load(d, r.shear_z.data() + at);
+      const V distance = Add(Add(Mul(u, Mul(sz, a.z)), Mul(v, Mul(sz, b.z))), Mul(w, Mul(sz, c.z)));
+      const V far = hn::Abs(distance);
+      const M in_range =
+          And(Ge(far, hn::Set(d, kSmallDistance)), Le(far, hn::Set(d, kLargeDeterminant)));
+      const M settled = And(And(nonzero, normal), And(well_seen, in_range));
+      const V t = hn::Div(distance, det);
+      const M inside =
+          And(Ge(t, hn::Load(d, r.t_min.data() + at)), Le(t, hn::Load(d, r.t_max.data() + at)));
+      const M hit = And(And(agree, settled), inside);
+      verdict.front |= BitsOf(And(hit, hn::Gt(det, zero))) << k;
+      verdict.back |= BitsOf(And(hit, hn::Lt(det, zero))) << k;
+      verdict.unsettled |= BitsOf(hn::AndNot(settled, agree)) << k;
+    }
+    return verdict;
+  }
+
+  void count_packets() {
+    for (std::uint32_t rest = packets_; rest != 0; rest &= rest - 1)
+      ++packet_tests_[std::countr_zero(rest)];
+  }
+
+  void count_rays(std::uint32_t p) {
+    for (std::uint32_t rest = alive_[p]; rest != 0; rest &= rest - 1)
+      ++tests_[p * kPacketSlots + static_cast<std::uint32_t>(std::countr_zero(rest))];
+  }
+
+  void finish() {
+    for (std::uint32_t p = 0; p < kTilePackets; ++p) {
+      for (std::uint32_t rest = rays_[p]; rest != 0; rest &= rest - 1) {
+        const auto bit = static_cast<std::uint32_t>(std::countr_zero(rest));
+        const std::uint32_t ray = c_.rays.ray[slot_ + p * kPacketSlots + bit];
+        task_.occluded[ray] = ((alive_[p] >> bit) & 1) == 0 ? 1 : 0;
+        if (!task_.ray_tests.empty())
+          task_.ray_tests[ray] +=
+              static_cast<float>(tests_[p * kPacketSlots + bit]) +
+              static_cast<float>(packet_tests_[p]) / static_cast<float>(std::popcount(rays_[p]));
+      }
+    }
+  }
+
+  const FanTileTask& task_;
+  const FanCells& c_;
+  const FanFace face_;
+  const std::size_t slot_;
+  float s0_, r0_, radius_;
+  const TriangleRun* run_ = nullptr;
+  std::uint32_t alive_[kTilePackets] = {}, rays_[kTilePackets] = {};
+  std::uint32_t packets_ = 0;  ///< those with rays left
+  FanTileCounts counts_;
+  std::uint32_t packet_tests_[kTilePackets] = {}, tests_[kTileSlots] = {};
+  BoundColumns columns_;
+  alignas(64) float du0_[kTilePackets], du1_[kTilePackets], dv0_[kTilePackets], dv1_[kTilePackets];
+  std::uint32_t ids_[kPacketSlots];
+  std::array<Vec3, 3> corners_[kPacketSlots];
+  TriangleLanes t_;
+};
+
+FanTileCounts RunTile(const FanTileTask& task, std::uint32_t tile, View<const std::uint32_t> ids) {
+  return Tile(task, tile).run(ids);
+}
+
+}  // namespace
+}  // namespace raysheaf::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace raysheaf {
+
+HWY_EXPORT(RunTile);
+
+FanTileCounts fan_tile(const FanTileTask& task, std::uint32_t tile, View<const std::uint32_t> ids) {
+  return HWY_DYNAMIC_DISPATCH(RunTile)(task, tile, ids);
+}
+
+}  // namespace raysheaf
+#endif  // HWY_ONCE

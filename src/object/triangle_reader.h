@@ -1,0 +1,62 @@
+// Corners of triangles by number, on their way into quads.
+#pragma once
+
+#include "object/float4.h"
+#include "object/object_tree.h"
+
+namespace raysheaf {
+
+/// Finds triangles' corners; remembers the run of the last.
+class TriangleReader {
+ public:
+  struct Corners {
+    const Vec3* p[3];
+  };
+
+  explicit TriangleReader(const TriangleSource& source) : source_(source), run_(source.runs.data) {}
+
+  Corners corners(std::uint32_t id) {
+    if (id - run_->first >= run_->count) run_ = &source_.runs[source_.run_of(id)];
+    return corners_in_run(id - run_->first);
+  }
+  /// Asks for the memory, where it belongs to the run of the last.
+  void prefetch_index(std::uint32_t id) const {
+    const std::uint32_t i = id - run_->first;
+    if (i < run_->count && run_->triangles != nullptr) __builtin_prefetch(&run_->triangles[i]);
+  }
+  /// The same; reads the indices.
+  void prefetch_corners(std::uint32_t id) const {
+    const std::uint32_t i = id - run_->first;
+    if (i >= run_->count) return;
+    const Corners c = corners_in_run(i);
+    for (const Vec3* p : c.p) __builtin_prefetch(p);
+  }
+
+ private:
+  [[nodiscard]] Corners corners_in_run(std::uint32_t i) const {
+    if (run_->triangles == nullptr) {
+      const Vec3* p = run_->positions + std::size_t{3} * i;
+      return {{p, p + 1, p + 2}};
+    }
+    const auto& t = run_->triangles[i];
+    return {{run_->positions + t[0], run_->positions + t[1], run_->positions + t[2]}};
+  }
+
+  const TriangleSource& source_;
+  const TriangleRun* run_;
+};
+
+struct LoadedTriangle {
+  Float4 corner[3];
+};
+
+inline LoadedTriangle load_corners(const TriangleReader::Corners& c) {
+  return {{load3(*c.p[0]), load3(*c.p[1]), load3(*c.p[2])}};
+}
+
+inline void store_quad(const LoadedTriangle (&t)[4], TriangleQuad* quad) {
+  for (int k = 0; k < 3; ++k)
+    store_columns(t[0].corner[k], t[1].corner[k], t[2].corner[k], t[3].corner[k], quad->vertex[k]);
+}
+
+}  // namespace raysheaf

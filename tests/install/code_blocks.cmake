@@ -1,0 +1,48 @@
+# write_code_blocks(document prefix): every block of C++ in a document as a program of its own,
+# prefix_0.cpp, prefix_1.cpp ... One without a `main` is the body of a function that has a scene, a
+# mesh of it, rays, hits and the mesh's arrays at hand.
+set(before "
+#include <raysheaf/error.h>
+#include <raysheaf/query.h>
+#include <cstdio>
+using namespace raysheaf;
+void block(Scene& scene, MeshId mesh, const std::vector<Ray>& rays, std::vector<Hit>& hits,
+           const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles) {
+  (void)scene, (void)mesh, (void)rays, (void)hits, (void)positions, (void)triangles;
+")
+set(after "
+}
+int main() {
+  const std::vector<Vec3> positions{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
+  const std::vector<Triangle> triangles{{0, 1, 2}};
+  Scene scene;
+  const MeshId mesh = scene.add(positions, triangles);
+  scene.commit();
+  const std::vector<Ray> rays{{{0.25f, 0.25f, 0}, 0, {0, 0, 1}}};
+  std::vector<Hit> hits(rays.size());
+  block(scene, mesh, rays, hits, positions, triangles);
+}
+")
+function(write_code_blocks document prefix)
+  file(READ ${document} text)
+  set(number 0)
+  while(TRUE)
+    string(FIND "${text}" "```cpp\n" start)
+    if(start EQUAL -1)
+      break()
+    endif()
+    math(EXPR start "${start} + 7")
+    string(SUBSTRING "${text}" ${start} -1 text)
+    string(FIND "${text}" "\n```" length)
+    string(SUBSTRING "${text}" 0 ${length} block)
+    string(SUBSTRING "${text}" ${length} -1 text)
+    if(NOT block MATCHES "int main")
+      string(CONCAT block "${before}" "${block}" "${after}")
+    endif()
+    file(WRITE ${prefix}_${number}.cpp "${block}\n")
+    math(EXPR number "${number} + 1")
+  endwhile()
+  if(number EQUAL 0)
+    message(FATAL_ERROR "${document} shows no C++")
+  endif()
+endfunction()
