@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "compare_words.h"
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
 
@@ -58,8 +59,19 @@ struct BenchAblationCommand {
   std::string json_path, csv_path, svg_path, markdown_path;
 };
 
-using Command =
-    std::variant<RenderCommand, InfoCommand, SceneCommand, BenchPaperCommand, BenchAblationCommand>;
+struct BenchCompareCommand {
+  std::string scenes;                    ///< a folder; empty: the built-in scenes
+  std::vector<std::string> scene_names;  ///< empty: all there are
+  std::vector<CompareKind> kinds;        ///< empty: all
+  std::vector<CompareMode> modes;        ///< empty: all
+  std::uint32_t width = 512, height = 512, threads = 0, runs = 9;
+  bool growth = false, quiet = false;
+  std::uint32_t most = 10'000'000;  ///< rays and triangles that growth goes to
+  std::string json_path, markdown_path, plot_path;
+};
+
+using Command = std::variant<RenderCommand, InfoCommand, SceneCommand, BenchPaperCommand,
+                             BenchAblationCommand, BenchCompareCommand>;
 
 /// Each gives an exit code, or throws `Error`.
 int run(const RenderCommand& command);
@@ -67,5 +79,6 @@ int run(const InfoCommand& command);
 int run(const SceneCommand& command);
 int run(const BenchPaperCommand& command);
 int run(const BenchAblationCommand& command);
+int run(const BenchCompareCommand& command);
 
 }  // namespace raysheaf::app

@@ -8,6 +8,7 @@
 
 #include "console.h"
 #include "parse_ablation.h"
+#include "parse_compare.h"
 #include "parse_parts.h"
 #include "raysheaf/error.h"
 #include "raysheaf/version.h"
@@ -254,12 +255,14 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   SceneCommand scene;
   BenchPaperCommand paper;
   BenchAblationCommand ablation;
+  BenchCompareCommand compare;
   const CLI::App* render_app = add_render(app, render);
   const CLI::App* info_app = add_info(app, info);
   const CLI::App* scene_app = add_scene(app, scene);
   CLI::App* bench_app = add_bench(app);
   const CLI::App* paper_app = add_bench_paper(*bench_app, paper);
-  add_bench_ablation(*bench_app, ablation);
+  const CLI::App* ablation_app = add_bench_ablation(*bench_app, ablation);
+  add_bench_compare(*bench_app, compare);
   if (!starts_well(argc, argv, app)) return kUsage;
   try {
     app.parse(argc, argv);
@@ -275,7 +278,8 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   if (info_app->parsed()) return Command(std::move(info));
   if (scene_app->parsed()) return Command(std::move(scene));
   if (paper_app->parsed()) return Command(std::move(paper));
-  return Command(std::move(ablation));
+  if (ablation_app->parsed()) return Command(std::move(ablation));
+  return Command(std::move(compare));
 }
 
 }  // namespace raysheaf::app

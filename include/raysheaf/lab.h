@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "raysheaf/method.h"
 #include "raysheaf/scene_description.h"
 #include "raysheaf/statistics.h"
+#include "raysheaf/types.h"
 
 namespace raysheaf {
 
@@ -50,6 +52,9 @@ class Laboratory {
   Laboratory& operator=(Laboratory&&) noexcept;
 
   [[nodiscard]] std::uint64_t ray_count(LabRays rays);
+  /// A batch as it is made: rows of pixels from the top, one light or occlusion sample after the
+  /// other, each ray as `docs/raygen.md` says.
+  [[nodiscard]] std::vector<Ray> rays(LabRays rays);
   /// Counts and times. Throws `Error` (kInternal) where a hit differs from brute force's, which is
   /// measured once a batch; `check` = false leaves that out.
   [[nodiscard]] BatchStatistics measure(LabRays rays, const MethodSettings& settings,

@@ -191,6 +191,11 @@ std::uint64_t Laboratory::ray_count(LabRays rays) {
   return impl_->batch(rays).rays.size();
 }
 
+std::vector<Ray> Laboratory::rays(LabRays rays) {
+  const RayBatch& batch = impl_->batch(rays);
+  return {batch.rays.begin(), batch.rays.end()};
+}
+
 BatchStatistics Laboratory::measure(LabRays rays, const MethodSettings& settings, bool check) {
   return impl_->measure(rays, settings, check);
 }

@@ -21,7 +21,8 @@ std::string help_of_everything() {
                                                        {"scene", "--help"},
                                                        {"bench", "--help"},
                                                        {"bench", "paper", "--help"},
-                                                       {"bench", "ablation", "--help"}};
+                                                       {"bench", "ablation", "--help"},
+                                                       {"bench", "compare", "--help"}};
   for (const auto& call : calls) text += raysheaf_app(call, folder).out;
   return text;
 }

@@ -1,0 +1,296 @@
+// raysheaf bench compare: its JSON, its page, its plots, what it refuses, and how it judges hits.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "bench_compare.h"
+#include "bench_compare_case.h"
+#include "bench_compare_frames.h"
+#include "bench_compare_peer.h"
+#include "bench_compare_scenes.h"
+#include "compare_files.h"
+#include "compare_page.h"
+#include "compare_plots.h"
+#include "raysheaf/builtin_scenes.h"
+#include "raysheaf/error.h"
+#include "tests/support/process.h"
+
+namespace raysheaf::test {
+namespace {
+
+using Json = nlohmann::json;
+using app::CompareCase;
+using app::CompareFrames;
+using app::CompareKind;
+using app::CompareMode;
+using app::CompareReport;
+
+bool has_peer() {
+  return !app::peer_name().empty();
+}
+
+const std::vector<std::string> kTiny = {
+    "bench", "compare", "--scene", "builtin:cornell", "--size", "16x16",  "--runs",
+    "1",     "--json",  "c.json",  "--markdown",      "c.md",   "--plot", "c.svg"};
+
+void expect_case(const Json& c) {
+  for (const char* field : {"update", "order", "hierarchy", "trace", "total"})
+    EXPECT_GE(c["ours_ms"][field].get<double>(), 0) << field;
+  for (const char* field : {"build", "trace", "total"})
+    EXPECT_GE(c["peer_ms"][field].get<double>(), 0) << field;
+  EXPECT_EQ(c["scene"], "cornell");
+  EXPECT_EQ(c["triangles"], 792);
+  EXPECT_GT(c["rays"].get<int>(), 0);
+  EXPECT_GT(c["ratio"].get<double>(), 0);
+  EXPECT_TRUE(c["hits_equal"].get<bool>()) << c;
+  EXPECT_GT(c["hits"]["compared"].get<int>(), 0);
+  EXPECT_EQ(c["hits"]["brute_force_mismatches"], 0);
+  EXPECT_TRUE(c["peer"].get<std::string>().starts_with("embree "));
+  EXPECT_GE(c["peer_trials"].size(), 5u);
+}
+
+TEST(Compare, MeasuresEveryKindAndMode) {
+  if (!has_peer()) GTEST_SKIP() << "this build has no Embree";
+  const TemporaryFolder folder;
+  const Finished finished = raysheaf_app(kTiny, folder);
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  const Json all = Json::parse(read_file(folder.file("c.json")));
+  std::set<std::pair<std::string, std::string>> seen;
+  for (const Json& c : all["cases"]) {
+    expect_case(c);
+    seen.emplace(c["mode"], c["kind"]);
+  }
+  EXPECT_EQ(seen.size(), 15u);
+  EXPECT_EQ(all["cases"].size(), 15u);
+  for (const char* mode : {"rebuild", "refit", "static"})
+    EXPECT_EQ(all["geomean"][mode].size(), 6u) << mode;
+  EXPECT_GT(all["peak_bytes"].get<double>(), 0);
+  EXPECT_NE(read_file(folder.file("c.md")).find("| cornell | 792 |"), std::string::npos);
+  EXPECT_NE(read_file(folder.file("c.svg")).find("cornell"), std::string::npos);
+  EXPECT_NE(finished.out.find("cornell"), std::string::npos);
+}
+
+TEST(Compare, GrowsInHalls) {
+  if (!has_peer()) GTEST_SKIP() << "this build has no Embree";
+  const TemporaryFolder folder;
+  const Finished finished = raysheaf_app(
+      {"bench", "compare", "--growth", "--most", "10000", "--size", "8x8", "--runs", "1", "--mode",
+       "static", "--kind", "random", "--json", "g.json", "--plot", "g.svg", "--markdown", "g.md"},
+      folder);
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  const Json all = Json::parse(read_file(folder.file("g.json")));
+  ASSERT_EQ(all["growth"].size(), 2u);
+  EXPECT_EQ(all["growth"][0]["along"], "triangles");
+  EXPECT_EQ(all["growth"][1]["rays"], 10000);
+  EXPECT_TRUE(all["cases"].empty());
+}
+
+TEST(Compare, RefusesWhatIsWrong) {
+  const TemporaryFolder folder;
+  const auto code = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"bench", "compare"});
+    const Finished finished = raysheaf_app(arguments, folder);
+    EXPECT_EQ(std::count(finished.err.begin(), finished.err.end(), '\n'), 1) << finished.err;
+    return finished.code;
+  };
+  EXPECT_EQ(code({"--kind", "refraction"}), 2);
+  EXPECT_EQ(code({"--mode", "frozen"}), 2);
+  EXPECT_EQ(code({"--runs", "0"}), 2);
+  EXPECT_EQ(code({"--plot", "a.png"}), 2);
+  EXPECT_EQ(code({"--json", "a.svg", "--plot", "a.svg"}), 2);
+  EXPECT_EQ(code({"--growth", "--scene", "builtin:cornell"}), 2);
+  if (!has_peer()) return;
+  EXPECT_EQ(code({"--scene", "sponza"}), 2);
+  EXPECT_EQ(code({"--scene", "builtin:nowhere"}), 2);
+  EXPECT_EQ(code({"--scene", "hall:many"}), 2);
+  EXPECT_EQ(code({"--scene", "hall:12"}), 2);
+  EXPECT_EQ(code({"--scenes", folder.file("nothing")}), 1);
+  EXPECT_EQ(code({"--scene", "nothing.glb"}), 1);
+  EXPECT_TRUE(folder.names().empty());
+}
+
+TEST(Compare, SaysThatThereIsNoPeer) {
+  if (has_peer()) GTEST_SKIP() << "this build has Embree";
+  const TemporaryFolder folder;
+  const Finished finished =
+      raysheaf_app({"bench", "compare", "--scene", "builtin:cornell"}, folder);
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_NE(finished.err.find("no peer"), std::string::npos);
+}
+
+TEST(CompareFrames, DifferInEveryMesh) {
+  CompareFrames frames(builtin_scene("cornell"), true);
+  const auto first = frames.meshes(0, false), second = frames.meshes(1, false);
+  const auto refitted = frames.meshes(1, true);
+  ASSERT_EQ(first.size(), 7u);
+  ASSERT_EQ(second.size(), 7u);
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    ASSERT_EQ(first[i].positions.size(), second[i].positions.size());
+    EXPECT_NE(first[i].positions[0].x, second[i].positions[0].x);
+    EXPECT_EQ(first[i].triangles.front(), second[i].triangles.back());
+    EXPECT_EQ(first[i].triangles.data(), refitted[i].triangles.data());
+    EXPECT_EQ(second[i].positions.data(), refitted[i].positions.data());
+  }
+}
+
+TEST(CompareFrames, RaysAreAsManyAsPixels) {
+  CompareFrames frames(builtin_scene("cornell"), true);
+  frames.make_rays(app::all_compare_kinds(), 16, 16, 1);
+  for (std::size_t frame = 0; frame < 2; ++frame) {
+    for (const CompareKind kind : app::all_compare_kinds()) {
+      const std::vector<Ray>& rays = frames.rays(frame, kind);
+      EXPECT_GT(rays.size(), 128u) << to_string(kind);
+      EXPECT_LE(rays.size(), 256u) << to_string(kind);
+      for (const Ray& ray : rays) {
+        EXPECT_GT(std::hypot(ray.direction.x, ray.direction.y, ray.direction.z), 0);
+        EXPECT_LE(ray.t_min, ray.t_max);
+      }
+    }
+  }
+  const Ray& shadow = frames.rays(0, CompareKind::kShadow).front();
+  EXPECT_EQ(shadow.origin.y, 52);  // the lamp
+  EXPECT_EQ(shadow.t_max, 1);
+}
+
+TEST(CompareFrames, ALonelyFrameIsTheSceneItself) {
+  CompareFrames frames(builtin_scene("office"), false);
+  EXPECT_EQ(frames.frame_count(), 1u);
+  EXPECT_EQ(frames.triangle_count(), builtin_scene("office").triangle_count());
+}
+
+TEST(CompareHits, TellsEdgesFromErrors) {
+  const std::vector<Ray> rays(5, Ray{{0, 0, 0}, 0, {0, 0, 2}, 10});
+  std::vector<Hit> ours(5), theirs(5);
+  ours[0] = theirs[0] = {1, 0.25f, 0.25f, 3, 0, 0};
+  ours[1] = {1, 0, 0, 3, 0, 0};
+  theirs[1] = {1.00001f, 0, 0, 4, 0, kInvalidId};  // the neighbour, at an edge
+  ours[2] = {1, 0, 0, 3, 0, 0};
+  theirs[2] = {1.01f, 0, 0, 3, 0, kInvalidId};
+  ours[3] = {1, 0, 0, 3, 0, 0};  // they miss
+  const app::HitCheck check = app::compare_hits(rays, ours, theirs, 0);
+  EXPECT_EQ(check.compared, 5u);
+  EXPECT_EQ(check.mismatches, 2u);
+  EXPECT_EQ(check.other_triangles, 1u);
+  EXPECT_FALSE(check.equal());
+  EXPECT_EQ(app::compare_hits(rays, ours, theirs, 0.05f).mismatches, 1u);
+  EXPECT_EQ(
+      app::compare_flags(std::vector<std::uint8_t>{0, 1, 1}, std::vector<std::uint8_t>{0, 1, 0})
+          .mismatches,
+      1u);
+}
+
+TEST(CompareHits, OneInTenThousandMayDiffer) {
+  app::HitCheck check;
+  check.compared = 20'000;
+  check.mismatches = 2;
+  EXPECT_TRUE(check.equal());
+  check.mismatches = 3;
+  EXPECT_FALSE(check.equal());
+  check.mismatches = 0;
+  check.sample_mismatches = 1;
+  EXPECT_FALSE(check.equal());
+}
+
+TEST(Compare, PeerAnswersAlikeInEveryWay) {
+  if (!has_peer()) GTEST_SKIP() << "this build has no Embree";
+  CompareFrames frames(builtin_scene("cornell"), true);
+  frames.make_rays({CompareKind::kMirror, CompareKind::kShadow}, 13, 11, 1);
+  app::PeerDevice device(2);
+  const std::vector<Ray>& mirror = frames.rays(1, CompareKind::kMirror);
+  const std::vector<Ray>& shadow = frames.rays(1, CompareKind::kShadow);
+  std::vector<Hit> expected;
+  std::vector<std::uint8_t> expected_flags;
+  for (const CompareMode mode : app::all_compare_modes()) {
+    for (const app::PeerBuild& build : app::peer_builds(mode)) {
+      app::PeerScene scene(device, build);
+      scene.set_meshes(frames.meshes(0, true));
+      scene.move_meshes(frames.meshes(1, true));
+      for (const app::PeerCall& call : app::peer_calls(false)) {
+        std::vector<Hit> hits(mirror.size());
+        scene.closest_hit(mirror, hits, call);
+        if (expected.empty()) expected = hits;
+        EXPECT_EQ(app::compare_hits(mirror, expected, hits, 1e-4f).mismatches, 0u)
+            << build.name << ", " << call.name;
+      }
+      for (const app::PeerCall& call : app::peer_calls(true)) {
+        std::vector<std::uint8_t> flags(shadow.size());
+        scene.any_hit(shadow, flags, call);
+        if (expected_flags.empty()) expected_flags = flags;
+        EXPECT_EQ(flags, expected_flags) << build.name << ", " << call.name;
+      }
+    }
+  }
+}
+
+CompareCase made_case(const std::string& scene, std::uint64_t triangles, CompareMode mode,
+                      double ratio) {
+  CompareCase c;
+  c.scene = scene;
+  c.triangles = triangles;
+  c.rays = 1000;
+  c.mode = mode;
+  c.ours_ms.total = ratio;
+  c.peer_ms.total = 1;
+  c.ratio = ratio;
+  return c;
+}
+
+TEST(Compare, LimitsAreThoseOfTheRow) {
+  EXPECT_EQ(app::limit_of(made_case("s", 66'450, CompareMode::kRebuild, 1)), 0.5);
+  EXPECT_EQ(app::limit_of(made_case("s", 999'638, CompareMode::kRebuild, 1)), 0.25);
+  EXPECT_EQ(app::limit_of(made_case("s", 792, CompareMode::kRebuild, 1)), std::nullopt);
+  EXPECT_EQ(app::limit_of(made_case("s", 792, CompareMode::kStatic, 1)), 1.0);
+  EXPECT_TRUE(app::misses_limit(made_case("s", 66'450, CompareMode::kRefit, 0.81)));
+  EXPECT_FALSE(app::misses_limit(made_case("s", 66'450, CompareMode::kRefit, 0.8)));
+}
+
+TEST(Compare, PageMarksWhatMisses) {
+  CompareReport report;
+  report.peer = "Embree";
+  report.threads = 2;
+  report.cases = {made_case("a", 66'450, CompareMode::kRebuild, 0.4),
+                  made_case("b", 66'450, CompareMode::kRebuild, 0.9)};
+  report.cases[0].hits.compared = report.cases[1].hits.compared = 1000;
+  const std::string page = app::compare_page(report, "plot.svg");
+  EXPECT_NE(page.find("| a | 66450 | 0.400 |"), std::string::npos) << page;
+  EXPECT_NE(page.find("| b | 66450 | **0.900** (0.5) |"), std::string::npos);
+  EXPECT_NE(page.find("| *geometric mean* | | *0.600* |"), std::string::npos);
+  EXPECT_NE(page.find("](plot.svg)"), std::string::npos);
+  const std::string svg = app::compare_svg(report);
+  EXPECT_TRUE(svg.starts_with("<svg"));
+  EXPECT_TRUE(svg.ends_with("</svg>\n"));
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
+}
+
+TEST(Compare, GrowthFindsTheSteepestStep) {
+  CompareReport report;
+  for (const auto& [triangles, ms] : {std::pair{1000, 1.0}, {10'000, 5.0}, {100'000, 500.0}}) {
+    CompareCase c =
+        made_case("hall", static_cast<std::uint64_t>(triangles), CompareMode::kStatic, 1);
+    c.ours_ms.total = ms;
+    c.peer_ms.total = 2;
+    report.growth.push_back({"triangles", c});
+  }
+  const auto line =
+      app::growth_line(report, "triangles", CompareMode::kStatic, CompareKind::kShadow);
+  ASSERT_EQ(line.size(), 3u);
+  EXPECT_NEAR(app::steepest(line, "triangles", false), 2, 1e-9);
+  EXPECT_NEAR(app::steepest(line, "triangles", true), 0, 1e-9);
+  EXPECT_TRUE(app::growth_svg(report).ends_with("</svg>\n"));
+}
+
+TEST(CompareScenes, KnownNamesAndHalls) {
+  EXPECT_EQ(app::compare_scene_from_string("hall:1m", "").name, "hall_1m");
+  EXPECT_EQ(app::compare_scene_from_string("hall_10m", "").source, "hall:10000000");
+  EXPECT_EQ(app::compare_scene_from_string("hall:4500", "").name, "hall_4500");
+  EXPECT_EQ(app::compare_scene_from_string("sponza", "dir").source, "dir/paper/sponza.glb");
+  EXPECT_EQ(app::compare_scene_from_string("a/model.glb", "").name, "model");
+  std::vector<std::string> notes;
+  const auto all = app::default_compare_scenes("", &notes);
+  EXPECT_EQ(all.size() + notes.size(), builtin_scene_names().size() + 2);
+}
+
+}  // namespace
+}  // namespace raysheaf::test
