@@ -178,7 +178,6 @@ class StreamWalk {
       }
       out[k] = s.lists.data() + bottom + room * k;
     }
-    const Rays d;
     const std::uint32_t* numbers = s.lists.data() + list.offset;
     for (std::uint32_t base = 0; base < list.size; base += kPacketWidth) {
       const std::uint32_t n = std::min(kPacketWidth, list.size - base);
