@@ -35,6 +35,13 @@ HWY_INLINE std::uint32_t bits_of(D d, M mask) {
   }
 }
 
+HWY_INLINE RM lanes_of(std::uint32_t bits, std::size_t g) {
+  const Rays d;
+  const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits >> g),
+                                 static_cast<std::uint8_t>(bits >> (g + 8 < 32 ? g + 8 : 31))};
+  return hn::LoadMaskBits(d, bytes);
+}
+
 /// Clamps away from zero, keeping the sign, so that the inverse is finite.
 HWY_INLINE RV inverse_slope(RV slope) {
   const RV tiny = set(1e-20f);
@@ -121,36 +128,100 @@ HWY_INLINE float farthest_zeta(const RayPacket& p) {
   return hn::GetLane(hn::MaxOfLanes(d, far));
 }
 
-/// Copies the rays [first, first + count) of the order into lanes; missing ones repeat the first.
+/// Four floats of a record each for as many records as a vector has lanes: field k of list[i] comes
+/// to lane i of fk. In registers: what was stored in parts cannot be loaded whole at once.
+template <class Record>
+HWY_INLINE void gather4(const Record* records, int half, const std::uint32_t* list, RV& f0, RV& f1,
+                        RV& f2, RV& f3) {
+  static_assert(sizeof(Record) == 32);
+  const Rays d;
+  const auto at = [&](std::size_t i) {
+    return reinterpret_cast<const float*>(records + list[i]) + 4 * half;
+  };
+#if HWY_TARGET == HWY_SCALAR
+  const float* from = at(0);
+  f0 = hn::Set(d, from[0]);
+  f1 = hn::Set(d, from[1]);
+  f2 = hn::Set(d, from[2]);
+  f3 = hn::Set(d, from[3]);
+#else
+  // Vector j has the records j, 4 + j, 8 + j, ... in its blocks of four lanes.
+  const auto blocks = [&](std::size_t j) {
+    if constexpr (hn::MaxLanes(Rays()) == 16) {
+      const hn::Half<Rays> d8;
+      const hn::Half<hn::Half<Rays> > d4;
+      return hn::Combine(d, hn::Combine(d8, hn::LoadU(d4, at(12 + j)), hn::LoadU(d4, at(8 + j))),
+                         hn::Combine(d8, hn::LoadU(d4, at(4 + j)), hn::LoadU(d4, at(j))));
+    } else if constexpr (hn::MaxLanes(Rays()) == 8) {
+      const hn::Half<Rays> d4;
+      return hn::Combine(d, hn::LoadU(d4, at(4 + j)), hn::LoadU(d4, at(j)));
+    } else {
+      return hn::LoadU(d, at(j));
+    }
+  };
+  const RV a = blocks(0), b = blocks(1), c = blocks(2), e = blocks(3);
+  const hn::Repartition<std::uint64_t, Rays> d64;
+  const auto low = [&](RV x, RV y) { return hn::BitCast(d64, hn::InterleaveLower(x, y)); };
+  const auto high = [&](RV x, RV y) { return hn::BitCast(d64, hn::InterleaveUpper(d, x, y)); };
+  f0 = hn::BitCast(d, hn::InterleaveLower(low(a, b), low(c, e)));
+  f1 = hn::BitCast(d, hn::InterleaveUpper(d64, low(a, b), low(c, e)));
+  f2 = hn::BitCast(d, hn::InterleaveLower(high(a, b), high(c, e)));
+  f3 = hn::BitCast(d, hn::InterleaveUpper(d64, high(a, b), high(c, e)));
+#endif
+}
+
+/// Copies `count` rays of the order into lanes; missing ones repeat the first. `dx` to `dz`: their
+/// directions along the packet's axes.
 HWY_INLINE void gather_rays(const Ray* rays, const std::uint32_t* order, std::uint32_t count,
                             std::uint32_t quarter, RayPacket* p, float* dx, float* dy, float* dz) {
-  const int z = static_cast<int>(quarter / 8), x = z == 2 ? 0 : z + 1, y = x == 2 ? 0 : x + 1;
+  const int along = static_cast<int>(quarter / 8), next = along == 2 ? 0 : along + 1;
+  const int last = next == 2 ? 0 : next + 1;
   p->mirrored = (quarter & 4) != 0;
-  p->axis_x = p->mirrored ? y : x;
-  p->axis_y = p->mirrored ? x : y;
-  p->axis_z = z;
+  p->axis_x = p->mirrored ? last : next;
+  p->axis_y = p->mirrored ? next : last;
+  p->axis_z = along;
   const bool left = (quarter & (p->mirrored ? 1 : 2)) != 0;
   const bool down = (quarter & (p->mirrored ? 2 : 1)) != 0;
   p->near_x = p->axis_x + (left ? 3 : 0);
   p->far_x = p->axis_x + (left ? 0 : 3);
   p->near_y = p->axis_y + (down ? 3 : 0);
   p->far_y = p->axis_y + (down ? 0 : 3);
-  p->near_z = z + (p->mirrored ? 3 : 0);
-  p->far_z = z + (p->mirrored ? 0 : 3);
+  p->near_z = along + (p->mirrored ? 3 : 0);
+  p->far_z = along + (p->mirrored ? 0 : 3);
   p->count = count;
-  const int ax = p->axis_x, ay = p->axis_y;
-  for (std::uint32_t i = 0; i < kPacketWidth; ++i) {
-    const std::uint32_t n = order[i < count ? i : 0];
-    const float* f = &rays[n].origin.x;  // origin, t_min, direction, t_max
-    p->index[i] = n;
-    p->ox[i] = f[ax];
-    p->oy[i] = f[ay];
-    p->oz[i] = f[z];
-    p->t_min[i] = f[3];
-    dx[i] = f[4 + ax];
-    dy[i] = f[4 + ay];
-    dz[i] = f[4 + z];
-    p->t_limit[i] = i < count ? f[7] : -1;
+  for (std::uint32_t i = 0; i < kPacketWidth; ++i) p->index[i] = order[i < count ? i : 0];
+  const Rays d;
+  float* const origin[3] = {p->axis_x == 0   ? p->ox
+                            : p->axis_y == 0 ? p->oy
+                                             : p->oz,
+                            p->axis_x == 1   ? p->ox
+                            : p->axis_y == 1 ? p->oy
+                                             : p->oz,
+                            p->axis_x == 2   ? p->ox
+                            : p->axis_y == 2 ? p->oy
+                                             : p->oz};
+  float* const direction[3] = {p->axis_x == 0   ? dx
+                               : p->axis_y == 0 ? dy
+                                                : dz,
+                               p->axis_x == 1   ? dx
+                               : p->axis_y == 1 ? dy
+                                                : dz,
+                               p->axis_x == 2   ? dx
+                               : p->axis_y == 2 ? dy
+                                                : dz};
+  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    RV x, y, z, t;
+    gather4(rays, 0, p->index + g, x, y, z, t);
+    hn::Store(x, d, origin[0] + g);
+    hn::Store(y, d, origin[1] + g);
+    hn::Store(z, d, origin[2] + g);
+    hn::Store(t, d, p->t_min + g);
+    gather4(rays, 1, p->index + g, x, y, z, t);
+    hn::Store(x, d, direction[0] + g);
+    hn::Store(y, d, direction[1] + g);
+    hn::Store(z, d, direction[2] + g);
+    const RM used = lanes_of(count < kPacketWidth ? (1u << count) - 1 : 0xffffu, g);
+    hn::Store(hn::IfThenElse(used, t, set(-1)), d, p->t_limit + g);
   }
 }
 
@@ -229,13 +300,6 @@ HWY_INLINE std::uint32_t clip_to_scene(const Box& scene, RayPacket* p) {
               p->s_far + g);
   }
   return lanes;
-}
-
-HWY_INLINE RM lanes_of(std::uint32_t bits, std::size_t g) {
-  const Rays d;
-  const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits >> g),
-                                 static_cast<std::uint8_t>(bits >> (g + 8 < 32 ? g + 8 : 31))};
-  return hn::LoadMaskBits(d, bytes);
 }
 
 HWY_INLINE float least(RV v) {

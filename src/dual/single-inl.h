@@ -11,7 +11,7 @@ HWY_NOINLINE void walk_single(std::uint32_t lane, std::uint32_t number) {
   const BV z0 = hn::Set(d, p.z_near[lane]), z1 = hn::Set(d, p.z_far[lane]);
   const BV s_near = hn::Set(d, p.s_near[lane]);
   std::size_t top = 0, visited = 0;
-  WaitingNode* waiting = waiting_nodes_.data();
+  Waiting* waiting = waiting_nodes_.data();
   std::size_t room = waiting_nodes_.size() - kBvhWidth;
   float s_far = p.s_far[lane];
   for (;;) {
@@ -30,11 +30,11 @@ HWY_NOINLINE void walk_single(std::uint32_t lane, std::uint32_t number) {
       hn::Store(near, d, nears + g);
       met |= bits_of(d, hn::Le(near, far)) << g;
     }
-    WaitingNode next{0, 0, 0};
+    Waiting next;
     if (met != 0) {
       int c = __builtin_ctz(met);
       met &= met - 1;
-      next = {nears[c], node.first[c], node.count[c]};
+      Waiting(nears[c], 0, node.first[c], node.count[c]).copy_to(&next);
       if (met != 0) {
         if (HWY_UNLIKELY(top > room)) {
           waiting_nodes_.resize(2 * waiting_nodes_.size());
@@ -45,12 +45,12 @@ HWY_NOINLINE void walk_single(std::uint32_t lane, std::uint32_t number) {
         do {
           c = __builtin_ctz(met);
           met &= met - 1;
-          WaitingNode other{nears[c], node.first[c], node.count[c]};
-          if (other.near < next.near) std::swap(other, next);
+          Waiting other(nears[c], 0, node.first[c], node.count[c]);
+          if (other.near() < next.near()) std::swap(other, next);
           std::size_t place = top++;
-          for (; place > bottom && waiting[place - 1].near < other.near; --place)
-            waiting[place] = waiting[place - 1];
-          waiting[place] = other;
+          for (; place > bottom && waiting[place - 1].near() < other.near(); --place)
+            waiting[place - 1].copy_to(waiting + place);
+          other.copy_to(waiting + place);
         } while (met != 0);
       }
     } else {
@@ -59,11 +59,11 @@ HWY_NOINLINE void walk_single(std::uint32_t lane, std::uint32_t number) {
           counts_.ray_box_tests += visited;
           return;
         }
-        next = waiting[--top];
-      } while (next.near > s_far);
+        waiting[--top].copy_to(&next);
+      } while (next.near() > s_far);
     }
-    while (next.count != 0) {
-      if (leaf_single(lane, next.first, next.count)) {
+    while (next.count() != 0) {
+      if (leaf_single(lane, next.first(), next.count())) {
         if (Mode::kAny) {
           counts_.ray_box_tests += visited;
           return;
@@ -75,10 +75,10 @@ HWY_NOINLINE void walk_single(std::uint32_t lane, std::uint32_t number) {
           counts_.ray_box_tests += visited;
           return;
         }
-        next = waiting[--top];
-      } while (next.near > s_far);
+        waiting[--top].copy_to(&next);
+      } while (next.near() > s_far);
     }
-    number = next.first;
+    number = next.first();
   }
 }
 

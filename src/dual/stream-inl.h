@@ -1,39 +1,5 @@
 // Streams of rays through the tree. Included by dual/trace_simd.cpp, inside its namespace.
 
-/// Sixteen records of eight floats, as eight vectors' worth of arrays.
-struct RecordLanes {
-  alignas(64) float field[8][kPacketWidth];
-};
-
-template <class Record>
-HWY_INLINE void gather_records(const Record* records, const std::uint32_t* list,
-                               RecordLanes* lanes) {
-  static_assert(sizeof(Record) == 32);
-  const hn::CappedTag<float, 4> d4;
-  alignas(64) float low[4 * kPacketWidth], high[4 * kPacketWidth];
-  for (std::uint32_t i = 0; i < kPacketWidth; ++i) {
-    const float* r = reinterpret_cast<const float*>(records + list[i]);
-    for (std::size_t g = 0; g < 4; g += hn::Lanes(d4)) {
-      hn::Store(hn::Load(d4, r + g), d4, low + 4 * i + g);
-      hn::Store(hn::Load(d4, r + 4 + g), d4, high + 4 * i + g);
-    }
-  }
-  const Rays d;
-  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-    RV a, b, c, e;
-    hn::LoadInterleaved4(d, low + 4 * g, a, b, c, e);
-    hn::Store(a, d, lanes->field[0] + g);
-    hn::Store(b, d, lanes->field[1] + g);
-    hn::Store(c, d, lanes->field[2] + g);
-    hn::Store(e, d, lanes->field[3] + g);
-    hn::LoadInterleaved4(d, high + 4 * g, a, b, c, e);
-    hn::Store(a, d, lanes->field[4] + g);
-    hn::Store(b, d, lanes->field[5] + g);
-    hn::Store(c, d, lanes->field[6] + g);
-    hn::Store(e, d, lanes->field[7] + g);
-  }
-}
-
 /// Appends the numbers of a group's lanes that are set; room for kPacketWidth is needed. Returns
 /// the new end.
 HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
@@ -186,13 +152,11 @@ class StreamWalk {
       const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
       for (std::uint32_t i = n; i < std::min(2 * kPacketWidth, list.size - base); ++i)
         hwy::Prefetch(s.rays.data() + numbers[base + i]);
-      RecordLanes lanes;
-      gather_records(s.rays.data(), block, &lanes);
       for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-        const RV ox = load(lanes.field[0] + g), oy = load(lanes.field[1] + g);
-        const RV z = load(lanes.field[2] + g), oz = s.mirrored ? hn::Neg(z) : z;
-        const RV per_x = load(lanes.field[3] + g), per_y = load(lanes.field[4] + g);
-        const RV s_near = load(lanes.field[5] + g), s_far = load(lanes.field[6] + g);
+        RV ox, oy, z, per_x, per_y, s_near, s_far, unused;
+        gather4(s.rays.data(), 0, block + g, ox, oy, z, per_x);
+        gather4(s.rays.data(), 1, block + g, per_y, s_near, s_far, unused);
+        const RV oz = s.mirrored ? hn::Neg(z) : z;
         const RM some = lanes_of(used, g);
         for (std::uint32_t k = 0; k < child_count; ++k) {
           const float* b = box[k];
@@ -235,26 +199,23 @@ class StreamWalk {
         hwy::Prefetch(s.rays.data() + numbers[base + i]);
         hwy::Prefetch(s.shears.data() + numbers[base + i]);
       }
-      RecordLanes ray, shear;
-      gather_records(s.rays.data(), block, &ray);
-      gather_records(s.shears.data(), block, &shear);
-      for (std::uint32_t i = 0; i < list.count; ++i) {
-        const TriangleQuad& q = tree_.quads[list.first + i / 4];
-        const std::uint32_t k = i % 4;
-        const float* x = &q.vertex[0][s.axis_x][k];
-        const float* y = &q.vertex[0][s.axis_y][k];
-        const float* z = &q.vertex[0][s.axis_z][k];
-        for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-          const RV ox = load(ray.field[0] + g), oy = load(ray.field[1] + g),
-                   oz = load(ray.field[2] + g);
-          const RV sx = load(shear.field[0] + g), sy = load(shear.field[1] + g);
+      for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+        RV ox, oy, oz, shear_x, shear_y, shear_z, t_min, t_limit, unused;
+        gather4(s.rays.data(), 0, block + g, ox, oy, oz, unused);
+        gather4(s.shears.data(), 0, block + g, shear_x, shear_y, shear_z, t_min);
+        gather4(s.shears.data(), 1, block + g, t_limit, unused, unused, unused);
+        for (std::uint32_t i = 0; i < list.count; ++i) {
+          const TriangleQuad& q = tree_.quads[list.first + i / 4];
+          const std::uint32_t k = i % 4;
+          const float* x = &q.vertex[0][s.axis_x][k];
+          const float* y = &q.vertex[0][s.axis_y][k];
+          const float* z = &q.vertex[0][s.axis_z][k];
           const auto moved = [&](int c) {
             return sheared(d, hn::Sub(set(x[12 * c]), ox), hn::Sub(set(y[12 * c]), oy),
-                           hn::Sub(set(z[12 * c]), oz), sx, sy);
+                           hn::Sub(set(z[12 * c]), oz), shear_x, shear_y);
           };
           Tested<Rays> tested;
-          if (test_lanes(d, moved(0), moved(1), moved(2), load(shear.field[2] + g),
-                         load(shear.field[3] + g), load(shear.field[4] + g), &tested))
+          if (test_lanes(d, moved(0), moved(1), moved(2), shear_z, t_min, t_limit, &tested))
             take_lanes(q, k, block, used, g, tested);
         }
       }

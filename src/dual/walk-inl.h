@@ -1,19 +1,38 @@
 // One packet's way through the tree. Included by dual/trace_simd.cpp, inside its namespace.
 
-/// A subtree that waits for the lanes that met its box; `near` is where the beam enters it.
-struct alignas(16) Waiting {
-  float near;
-  std::uint32_t lanes, first, count;  ///< the last two as in BvhNode
-};
+/// A subtree that waits. In two words, each written and read whole: a load of what was stored in
+/// smaller parts waits until they have reached the cache.
+struct Waiting {
+  std::uint64_t near_and_lanes, subtree;
 
-/// A subtree that waits for a single ray.
-struct alignas(16) WaitingNode {
-  float near;
-  std::uint32_t first, count;
+  Waiting() = default;
+  /// `near`: where the beam, or the ray, enters the box; `lanes`: that met it; `first` and `count`
+  /// as in BvhNode.
+  HWY_INLINE Waiting(float near, std::uint32_t lanes, std::uint32_t first, std::uint32_t count)
+      : near_and_lanes(std::bit_cast<std::uint32_t>(near) | std::uint64_t{lanes} << 32),
+        subtree(first | std::uint64_t{count} << 32) {}
+
+  [[nodiscard]] HWY_INLINE float near() const {
+    return std::bit_cast<float>(static_cast<std::uint32_t>(near_and_lanes));
+  }
+  [[nodiscard]] HWY_INLINE std::uint32_t lanes() const {
+    return static_cast<std::uint32_t>(near_and_lanes >> 32);
+  }
+  [[nodiscard]] HWY_INLINE std::uint32_t first() const {
+    return static_cast<std::uint32_t>(subtree);
+  }
+  [[nodiscard]] HWY_INLINE std::uint32_t count() const {
+    return static_cast<std::uint32_t>(subtree >> 32);
+  }
+  HWY_INLINE void copy_to(Waiting* to) const {
+    const std::uint64_t a = near_and_lanes, b = subtree;
+    to->near_and_lanes = a;
+    to->subtree = b;
+  }
 };
 
 /// Lanes at or below go on one by one.
-inline constexpr int kSingleRays = 4;
+inline constexpr int kSingleRays = 3;
 
 /// What a query keeps of the hits it meets. `kShrinks`: hits end the search beyond them.
 struct ClosestMode {
@@ -66,16 +85,17 @@ class Walk {
   void walk_beam() {
     std::size_t top = open(0, 0);
     while (top != 0) {
-      const Waiting next = waiting_[--top];
-      if (next.near > beam_.end) continue;
-      if (next.count != 0) {
-        if (meet_leaf(next.first, next.count)) beam_.end = farthest_zeta(packet_) + packet_.pad;
-      } else if (__builtin_popcount(next.lanes) <= kSingleRays) {
-        for (std::uint32_t m = next.lanes; m != 0; m &= m - 1)
-          walk_single(static_cast<std::uint32_t>(__builtin_ctz(m)), next.first);
+      Waiting next;
+      waiting_[--top].copy_to(&next);
+      if (next.near() > beam_.end) continue;
+      if (next.count() != 0) {
+        if (meet_leaf(next.first(), next.count())) beam_.end = farthest_zeta(packet_) + packet_.pad;
+      } else if (__builtin_popcount(next.lanes()) <= kSingleRays) {
+        for (std::uint32_t m = next.lanes(); m != 0; m &= m - 1)
+          walk_single(static_cast<std::uint32_t>(__builtin_ctz(m)), next.first());
         beam_.end = farthest_zeta(packet_) + packet_.pad;
       } else {
-        top = open(next.first, top);
+        top = open(next.first(), top);
       }
     }
   }
@@ -94,14 +114,15 @@ class Walk {
     for (; met != 0; met &= met - 1) {
       const auto c = static_cast<std::uint32_t>(__builtin_ctz(met));
       const std::uint32_t lanes = rays_in_child(packet_, node, c);
-      *end = {near[c], lanes, node.first[c], node.count[c]};
+      Waiting(near[c], lanes, node.first[c], node.count[c]).copy_to(end);
       end += lanes != 0 ? 1 : 0;
     }
     for (Waiting* next = bottom + 1; next < end; ++next) {
-      const Waiting moved = *next;
+      Waiting moved;
+      next->copy_to(&moved);
       Waiting* place = next;
-      for (; place > bottom && place[-1].near < moved.near; --place) *place = place[-1];
-      *place = moved;
+      for (; place > bottom && place[-1].near() < moved.near(); --place) place[-1].copy_to(place);
+      moved.copy_to(place);
     }
     return static_cast<std::size_t>(end - waiting_.data());
   }
@@ -206,6 +227,6 @@ class Walk {
   std::uint32_t done_ = 0;
   DualCounts counts_;
   std::vector<Waiting> waiting_;
-  std::vector<WaitingNode> waiting_nodes_;
+  std::vector<Waiting> waiting_nodes_;
   std::vector<RowHit> rows_;
 };
