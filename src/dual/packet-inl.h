@@ -268,8 +268,10 @@ HWY_INLINE void prepare_packet(const Box& scene, const float* dx, const float* d
     widen(p->oy, p->near_y, p->y_near, p->y_far);
     widen(p->oz, p->near_z, p->z_near, p->z_far);
     const RV limit = load(p->t_limit + g);
-    const RV far = hn::Add(Mul(Mul(limit, along), set(1 + 8 * kUnitRoundoff)), pad);
-    const RV near = Sub(Mul(Mul(load(p->t_min + g), along), set(1 - 8 * kUnitRoundoff)), pad);
+    const RV least = set(kLeastStep), start = load(p->t_min + g);
+    const RV bounding = hn::IfThenElseZero(hn::Lt(start, set(kLargeStart)), start);
+    const RV far = hn::Add(Mul(Mul(hn::Add(limit, least), along), set(1 + 8 * kUnitRoundoff)), pad);
+    const RV near = Sub(Mul(Mul(Sub(bounding, least), along), set(1 - 8 * kUnitRoundoff)), pad);
     hn::Store(near, d, p->s_near + g);
     hn::Store(hn::IfThenElse(hn::Lt(limit, hn::Zero(d)), hn::Neg(infinity), far), d, p->s_far + g);
     hn::Store(infinity, d, p->t + g);

@@ -281,7 +281,7 @@ class StreamWalk {
       if (!(hit.t < best.t || (hit.t == best.t && id < best.triangle))) return;
       best = {hit.t, hit.u, hit.v, id};
       s.shears[n].t_limit = hit.t;
-      const float far = hit.t * s.rays[n].along * (1 + 8 * kUnitRoundoff) + s.pad;
+      const float far = past(hit.t, s.rays[n].along, s.pad);
       s.rays[n].s_far = far < s.rays[n].s_far ? far : s.rays[n].s_far;
     }
   }

@@ -201,7 +201,7 @@ class Walk {
       p.u[lane] = hit.u;
       p.v[lane] = hit.v;
       p.id[lane] = id;
-      const float far = hit.t * p.along[lane] * (1 + 8 * kUnitRoundoff) + p.pad;
+      const float far = past(hit.t, p.along[lane], p.pad);
       p.s_far[lane] = far < p.s_far[lane] ? far : p.s_far[lane];
       return true;
     }
