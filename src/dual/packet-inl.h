@@ -247,6 +247,7 @@ HWY_INLINE void prepare_packet(const Box& scene, const float* dx, const float* d
   }
   const float size = 2 * hn::GetLane(hn::MaxOfLanes(d, reach));
   const float largest = hn::GetLane(hn::MaxOfLanes(d, coordinate)) + size;
+  p->bounded = largest <= kLargestBounded;
   p->pad = 128 * kUnitRoundoff * size + 8 * kUnitRoundoff * largest + kTinySlack;
   const RV pad = set(p->pad), infinity = set(std::numeric_limits<float>::infinity());
   for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {

@@ -27,6 +27,8 @@
 namespace raysheaf {
 
 inline constexpr std::uint32_t kPacketWidth = 16;
+/// Coordinates and reaches beyond are not bounded: there the sums above overflow.
+inline constexpr float kLargestBounded = 1e30f;
 inline constexpr float kLeastStep = 0x1p-148f;
 inline constexpr float kLargeStart = 0x1p63f;
 
@@ -48,6 +50,7 @@ struct alignas(64) RayPacket {
   int near_x = 0, near_y = 0, near_z = 0;  ///< a node's rows of planes that are met first
   int far_x = 0, far_y = 0, far_z = 0;
   bool mirrored = false;
+  bool bounded = true;  ///< or else every triangle is tested with every ray
   std::uint32_t count = 0;
   float pad = 0;
 };

@@ -44,6 +44,7 @@ class StreamWalk {
         }
       }
     }
+    if (HWY_UNLIKELY(!unbounded_.empty())) test_unbounded();
     write_back();
     if (job_.ray_tests != nullptr) {
       const float share =
@@ -77,8 +78,13 @@ class StreamWalk {
       }
       gather_rays(job_.rays, order + base, n, quarter, &p, dx, dy, dz);
       prepare_packet(tree_.bounds, dx, dy, dz, &p);
-      std::uint32_t lanes = clip_to_scene(tree_.bounds, &p);
-      s.pad = p.pad > s.pad ? p.pad : s.pad;
+      std::uint32_t lanes = 0;
+      if (HWY_LIKELY(p.bounded)) {
+        lanes = clip_to_scene(tree_.bounds, &p);
+        s.pad = p.pad > s.pad ? p.pad : s.pad;
+      } else {
+        for (std::uint32_t i = 0; i < n; ++i) unbounded_.push_back(base + i);
+      }
       for (std::uint32_t i = 0; i < n; ++i) {
         s.rays[base + i] = {p.ox[i],    p.oy[i],     p.oz[i],    p.per_x[i],
                             p.per_y[i], p.s_near[i], p.s_far[i], p.along[i]};
@@ -101,6 +107,16 @@ class StreamWalk {
     s.far_z = p.far_z;
     s.mirrored = p.mirrored;
     return alive;
+  }
+
+  /// With every triangle.
+  HWY_NOINLINE void test_unbounded() {
+    const auto size = static_cast<std::uint32_t>(unbounded_.size());
+    std::copy(unbounded_.begin(), unbounded_.end(), stream_.lists.begin());
+    for_each_leaf(tree_, [&](std::uint32_t quad, std::uint32_t n) {
+      meet_leaf({quad, n, 0, size});
+    });
+    unbounded_.clear();
   }
 
   /// The children from far to near along the stream's axis.
@@ -303,4 +319,5 @@ class StreamWalk {
   RayPacket packet_;
   DualCounts counts_;
   std::vector<RowHit> rows_;
+  std::vector<std::uint32_t> unbounded_;  ///< rays of packets that have no bounds
 };

@@ -74,5 +74,45 @@ TEST(DualRange, InfiniteHits) {
   EXPECT_GT(expect_right(heap, rays), 100u);
 }
 
+TEST(DualRange, OriginsFarAway) {
+  Random random(16);
+  const float far[] = {1e4f, 1e7f, 1e10f, 1e15f, 1e20f, 1e29f, 3e30f, 1e36f, 3.4e38f};
+  for (const Shape shape : {Shape::kSmall, Shape::kLarge, Shape::kLattice, Shape::kClosed}) {
+    const Heap heap = make_heap(shape, 100, random);
+    std::vector<Ray> rays = any_rays(heap, 200, random);
+    for (const float distance : far) {
+      for (int i = 0; i < 60; ++i) {
+        const auto t = heap.corners(random.below(heap.count()));
+        Vec3 o = random.direction() * distance, d = t[0] - o;
+        if (i % 3 == 0) {
+          o = {i % 2 == 0 ? distance : -distance, t[1].y, t[1].z};
+          d = {i % 2 == 0 ? -1.0f : 1.0f, 0, -0.0f};
+        }
+        if (i % 10 == 0) d = any_direction(random);
+        rays.push_back({o, 0, d, kInfinity});
+      }
+    }
+    // Beside near ones in packets and streams, and by themselves.
+    expect_right(heap, rays);
+    const std::vector<Ray> mixed = [&] {
+      std::vector<Ray> r = rays;
+      for (std::size_t i = r.size(); i > 1; --i)
+        std::swap(r[i - 1], r[random.below(static_cast<std::uint32_t>(i))]);
+      return r;
+    }();
+    EXPECT_GT(expect_right(heap, mixed), 200u);
+  }
+}
+
+TEST(DualRange, SceneOfAllThatIsFinite) {
+  Random random(17);
+  Heap heap = make_heap(Shape::kLarge, 60, random, 2e37f);
+  const Heap small = make_heap(Shape::kSmall, 60, random);
+  heap.positions.insert(heap.positions.end(), small.positions.begin(), small.positions.end());
+  std::vector<Ray> rays = any_rays(heap, 200, random, 2e37f);
+  for (const Ray& ray : any_rays(small, 200, random)) rays.push_back(ray);
+  EXPECT_GT(expect_right(heap, rays), 50u);
+}
+
 }  // namespace
 }  // namespace raysheaf::test

@@ -175,7 +175,7 @@ inline void make_tree(Heap* heap, Tree how, ObjectTree* tree) {
   if (how == Tree::kFine) return build_fine_object_tree(executor, heap->source(), tree);
   // Powers of two leave flat what is flat.
   Heap former = *heap;
-  for (Vec3& p : former.positions) p = p * Vec3{-2, 0.25f, 4};
+  for (Vec3& p : former.positions) p = p * Vec3{-0.5f, 0.25f, 0.125f};
   build_object_tree(executor, former.source(), tree);
   ASSERT_TRUE(refit_object_tree(executor, heap->source(), tree));
 }
