@@ -90,6 +90,7 @@ class StreamWalk {
       for (; lanes != 0; lanes &= lanes - 1)
         s.lists[alive++] = base + static_cast<std::uint32_t>(__builtin_ctz(lanes));
     }
+    if (alive != 0) pad_list(0, alive);
     s.axis_x = p.axis_x;
     s.axis_y = p.axis_y;
     s.axis_z = p.axis_z;
@@ -147,8 +148,7 @@ class StreamWalk {
     const std::uint32_t* numbers = s.lists.data() + list.offset;
     for (std::uint32_t base = 0; base < list.size; base += kPacketWidth) {
       const std::uint32_t n = std::min(kPacketWidth, list.size - base);
-      alignas(64) std::uint32_t block[kPacketWidth];
-      for (std::uint32_t i = 0; i < kPacketWidth; ++i) block[i] = numbers[base + (i < n ? i : 0)];
+      const std::uint32_t* block = numbers + base;
       const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
       for (std::uint32_t i = n; i < std::min(2 * kPacketWidth, list.size - base); ++i)
         hwy::Prefetch(s.rays.data() + numbers[base + i]);
@@ -172,10 +172,19 @@ class StreamWalk {
       const std::uint32_t offset = bottom + room * k;
       const auto size = static_cast<std::uint32_t>(out[k] - (s.lists.data() + offset));
       if (size == 0) continue;
+      pad_list(offset, size);
       const std::uint32_t c = children[k];
       s.waiting.push_back({node.first[c], node.count[c], offset, size});
       prefetch_child(node, c);
     }
+  }
+
+  /// Numbers beyond a list's end, so that its last block is read like the others.
+  void pad_list(std::uint32_t offset, std::uint32_t size) {
+    std::uint32_t* end = stream_.lists.data() + offset + size;
+    const RayInts d;
+    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
+      hn::StoreU(hn::Set(d, end[-1]), d, end + g);
   }
 
   void prefetch_child(const BvhNode& node, std::uint32_t c) const {
@@ -192,8 +201,7 @@ class StreamWalk {
     const std::uint32_t* numbers = s.lists.data() + list.offset;
     for (std::uint32_t base = 0; base < list.size; base += kPacketWidth) {
       const std::uint32_t n = std::min(kPacketWidth, list.size - base);
-      alignas(64) std::uint32_t block[kPacketWidth];
-      for (std::uint32_t i = 0; i < kPacketWidth; ++i) block[i] = numbers[base + (i < n ? i : 0)];
+      const std::uint32_t* block = numbers + base;
       const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
       for (std::uint32_t i = n; i < std::min(2 * kPacketWidth, list.size - base); ++i) {
         hwy::Prefetch(s.rays.data() + numbers[base + i]);
