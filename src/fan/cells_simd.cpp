@@ -176,7 +176,7 @@ HWY_INLINE V ReachOf(V along, V t_max) {
 /// One packet: `count` of its slots have rays, `order` says which; the others repeat the last.
 HWY_INLINE FanBound GatherPacket(const Ray* rays, const std::uint32_t* order, std::uint32_t count,
                                  const FanFace& face, std::size_t slot, FanCells* c,
-                                 std::int32_t* cell, float* reach_of) {
+                                 std::int32_t* cell) {
   const Floats d;
   const Ints di;
   alignas(64) float x[kPacketSlots], y[kPacketSlots], z[kPacketSlots];
@@ -199,7 +199,7 @@ HWY_INLINE FanBound GatherPacket(const Ray* rays, const std::uint32_t* order, st
     hn::Store(v, d, c->rays.shear_y.data() + slot + k);
     hn::Store(hn::Div(hn::Set(d, 1.0f), along), d, c->rays.shear_z.data() + slot + k);
     const V reach = ReachOf(along, hn::Load(d, c->rays.t_max.data() + slot + k));
-    hn::Store(reach, d, reach_of + k);
+    hn::Store(reach, d, c->rays.reach.data() + slot + k);
     bound.include({hn::GetLane(hn::MinOfLanes(d, u)), hn::GetLane(hn::MaxOfLanes(d, u)),
                    hn::GetLane(hn::MinOfLanes(d, v)), hn::GetLane(hn::MaxOfLanes(d, v)),
                    hn::GetLane(hn::MaxOfLanes(d, reach))});
@@ -220,7 +220,6 @@ HWY_INLINE void Prefetch(const Ray* rays, const std::uint32_t* order, std::uint3
 void Gather(const Ray* rays, FanCells* c, std::uint32_t begin_tile, std::uint32_t end_tile,
             FanSeam* seam) {
   alignas(64) std::int32_t cell[kPacketSlots];
-  alignas(64) float reach[kPacketSlots];
   CellRuns runs(c, seam);
   for (std::uint32_t tile = begin_tile; tile < end_tile; ++tile) {
     const std::uint32_t f = c->face_of_tile[tile], count = c->rays_of_tile[tile];
@@ -238,10 +237,11 @@ void Gather(const Ray* rays, FanCells* c, std::uint32_t begin_tile, std::uint32_
                std::min(kPacketSlots, left - std::min(left, first + kPrefetch)));
       if (n > 0) {
         bound = GatherPacket(rays, order + first, n, fan_face(f),
-                             std::size_t{tile} * kTileSlots + first, c, cell, reach);
+                             std::size_t{tile} * kTileSlots + first, c, cell);
         if (cell[0] == cell[n - 1]) {  // the curve does not come back to a cell
           runs.add(grid + static_cast<std::uint32_t>(cell[0]), bound.reach, tile);
         } else {
+          const float* reach = c->rays.reach.data() + std::size_t{tile} * kTileSlots + first;
           for (std::uint32_t k = 0; k < n; ++k)
             runs.add(grid + static_cast<std::uint32_t>(cell[k]), reach[k], tile);
         }
