@@ -213,8 +213,10 @@ HWY_INLINE FanBound GatherPacket(const Ray* rays, const std::uint32_t* order, st
 /// How many slots ahead rays are asked for: they come from all over the batch.
 constexpr std::uint32_t kPrefetch = 64;
 
-HWY_INLINE void Prefetch(const Ray* rays, const std::uint32_t* order, std::uint32_t count) {
-  for (std::uint32_t k = 0; k < count; ++k) hwy::Prefetch(rays + order[k]);
+/// Of `left` slots from `order` on, the packet that stands that far ahead.
+HWY_INLINE void Prefetch(const Ray* rays, const std::uint32_t* order, std::uint32_t left) {
+  const std::uint32_t end = std::min(left, kPrefetch + kPacketSlots);
+  for (std::uint32_t k = kPrefetch; k < end; ++k) hwy::Prefetch(rays + order[k]);
 }
 
 void Gather(const Ray* rays, FanCells* c, std::uint32_t begin_tile, std::uint32_t end_tile,
@@ -225,17 +227,17 @@ void Gather(const Ray* rays, FanCells* c, std::uint32_t begin_tile, std::uint32_
     const std::uint32_t f = c->face_of_tile[tile], count = c->rays_of_tile[tile];
     const FanFaceRays& face = c->faces[f];
     const std::size_t grid = FanCells::cell_at(c->level, f, 0, 0);
-    const std::uint32_t* order =
-        c->order.data() + face.first_ray + (tile - face.first_tile) * kTileSlots;
-    const std::uint32_t left = face.ray_count - (tile - face.first_tile) * kTileSlots;
+    // A group's last tiles may be past the face's rays.
+    const std::uint32_t left =
+        count > 0 ? face.ray_count - (tile - face.first_tile) * kTileSlots : 0;
+    const std::uint32_t* order = c->order.data() + face.first_ray + face.ray_count - left;
     FanBound tile_bound;
     for (std::uint32_t p = 0; p < kTilePackets; ++p) {
       const std::uint32_t first = p * kPacketSlots;
       const std::uint32_t n = first < count ? std::min(count - first, kPacketSlots) : 0;
       FanBound bound;
-      Prefetch(rays, order + first + kPrefetch,
-               std::min(kPacketSlots, left - std::min(left, first + kPrefetch)));
       if (n > 0) {
+        Prefetch(rays, order + first, left - first);
         bound = GatherPacket(rays, order + first, n, fan_face(f),
                              std::size_t{tile} * kTileSlots + first, c, cell);
         if (cell[0] == cell[n - 1]) {  // the curve does not come back to a cell
