@@ -134,14 +134,12 @@ class Walk {
     for (std::uint32_t done = 0; done < count; done += 4, ++quad) {
       const TriangleQuad& q = tree_.quads[quad];
       const std::uint32_t used = std::min(4u, count - done);
-      std::uint32_t some = 0;
-      for (std::uint32_t k = 0; k < used; ++k) some |= agrees_in_packet(packet_, q, k) << k;
-      for (; some != 0; some &= some - 1) {
-        const auto k = static_cast<std::uint32_t>(__builtin_ctz(some));
-        triangle_in_packet(packet_, q, k, [&](std::size_t g, const Tested<Rays>& tested) {
-          shortened |= take_lanes(q, k, g, tested);
-        });
-      }
+      for (std::uint32_t k = 0; k < used; ++k)
+        triangle_in_packet(
+            packet_, q,
+            k, [&](std::size_t g, const Tested<Rays>& tested) __attribute__((always_inline)) {
+              shortened |= take_lanes(q, k, g, tested);
+            });
     }
     return shortened;
   }
