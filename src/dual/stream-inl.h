@@ -19,13 +19,11 @@ HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
 template <class Mode>
 class StreamWalk {
  public:
-  explicit StreamWalk(const TraceJob& job) : job_(job), tree_(*job.scene.tree) {
-    stream_.rays.resize(kStreamRays);
-    stream_.shears.resize(kStreamRays);
-    stream_.hits.resize(kStreamRays);
-    stream_.index.resize(kStreamRays);
-    stream_.lists.resize(64 * kStreamRays);
-  }
+  explicit StreamWalk(const TraceJob& job)
+      : job_(job), tree_(*job.scene.tree), own_(job.streams->take()), stream_(*own_) {}
+  ~StreamWalk() { job_.streams->give(std::move(own_)); }
+  StreamWalk(const StreamWalk&) = delete;
+  StreamWalk& operator=(const StreamWalk&) = delete;
 
   /// Rays [first, first + count) of the order, of one quarter, at most kStreamRays.
   void run(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
@@ -131,7 +129,7 @@ class StreamWalk {
     const std::uint32_t room = (list.size + kPacketWidth + 15) / 16 * 16;
     const std::uint32_t bottom = (list.offset + list.size + 15) / 16 * 16;
     const std::size_t needed = bottom + std::size_t{room} * child_count + 2 * kPacketWidth;
-    if (needed > s.lists.size()) s.lists.resize(2 * needed);
+    s.grow_lists(needed);
     // Bounds as the rays see them, grown by the pad: near and far on x, y, z.
     float box[kBvhWidth][6];
     std::uint32_t* out[kBvhWidth];
@@ -307,7 +305,8 @@ class StreamWalk {
 
   const TraceJob& job_;
   const ObjectTree& tree_;
-  Stream stream_;
+  std::unique_ptr<Stream> own_;
+  Stream& stream_;
   RayPacket packet_;
   DualCounts counts_;
   std::vector<RowHit> rows_;
