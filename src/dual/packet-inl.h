@@ -146,7 +146,7 @@ HWY_INLINE void gather4(const Record* records, int half, const std::uint32_t* li
   f3 = hn::Set(d, from[3]);
 #else
   // Vector j has the records j, 4 + j, 8 + j, ... in its blocks of four lanes.
-  const auto blocks = [&](std::size_t j) {
+  const auto blocks = [&](std::size_t j) __attribute__((always_inline)) {
     if constexpr (hn::MaxLanes(Rays()) == 16) {
       const hn::Half<Rays> d8;
       const hn::Half<hn::Half<Rays> > d4;

@@ -19,13 +19,11 @@ HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
 template <class Mode>
 class StreamWalk {
  public:
-  explicit StreamWalk(const TraceJob& job) : job_(job), tree_(*job.scene.tree) {
-    stream_.rays.resize(kStreamRays);
-    stream_.shears.resize(kStreamRays);
-    stream_.hits.resize(kStreamRays);
-    stream_.index.resize(kStreamRays);
-    stream_.lists.resize(64 * kStreamRays);
-  }
+  explicit StreamWalk(const TraceJob& job)
+      : job_(job), tree_(*job.scene.tree), own_(job.streams->take()), stream_(*own_) {}
+  ~StreamWalk() { job_.streams->give(std::move(own_)); }
+  StreamWalk(const StreamWalk&) = delete;
+  StreamWalk& operator=(const StreamWalk&) = delete;
 
   /// Rays [first, first + count) of the order, of one quarter, at most kStreamRays.
   void run(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
@@ -96,6 +94,7 @@ class StreamWalk {
       for (; lanes != 0; lanes &= lanes - 1)
         s.lists[alive++] = base + static_cast<std::uint32_t>(__builtin_ctz(lanes));
     }
+    if (alive != 0) pad_list(0, alive);
     s.axis_x = p.axis_x;
     s.axis_y = p.axis_y;
     s.axis_z = p.axis_z;
@@ -146,7 +145,7 @@ class StreamWalk {
     const std::uint32_t room = (list.size + kPacketWidth + 15) / 16 * 16;
     const std::uint32_t bottom = (list.offset + list.size + 15) / 16 * 16;
     const std::size_t needed = bottom + std::size_t{room} * child_count + 2 * kPacketWidth;
-    if (needed > s.lists.size()) s.lists.resize(2 * needed);
+    s.grow_lists(needed);
     // Bounds as the rays see them, grown by the pad: near and far on x, y, z.
     float box[kBvhWidth][6];
     std::uint32_t* out[kBvhWidth];
@@ -163,8 +162,7 @@ class StreamWalk {
     const std::uint32_t* numbers = s.lists.data() + list.offset;
     for (std::uint32_t base = 0; base < list.size; base += kPacketWidth) {
       const std::uint32_t n = std::min(kPacketWidth, list.size - base);
-      alignas(64) std::uint32_t block[kPacketWidth];
-      for (std::uint32_t i = 0; i < kPacketWidth; ++i) block[i] = numbers[base + (i < n ? i : 0)];
+      const std::uint32_t* block = numbers + base;
       const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
       for (std::uint32_t i = n; i < std::min(2 * kPacketWidth, list.size - base); ++i)
         hwy::Prefetch(s.rays.data() + numbers[base + i]);
@@ -188,10 +186,19 @@ class StreamWalk {
       const std::uint32_t offset = bottom + room * k;
       const auto size = static_cast<std::uint32_t>(out[k] - (s.lists.data() + offset));
       if (size == 0) continue;
+      pad_list(offset, size);
       const std::uint32_t c = children[k];
       s.waiting.push_back({node.first[c], node.count[c], offset, size});
       prefetch_child(node, c);
     }
+  }
+
+  /// Numbers beyond a list's end, so that its last block is read like the others.
+  void pad_list(std::uint32_t offset, std::uint32_t size) {
+    std::uint32_t* end = stream_.lists.data() + offset + size;
+    const RayInts d;
+    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
+      hn::StoreU(hn::Set(d, end[-1]), d, end + g);
   }
 
   void prefetch_child(const BvhNode& node, std::uint32_t c) const {
@@ -208,8 +215,7 @@ class StreamWalk {
     const std::uint32_t* numbers = s.lists.data() + list.offset;
     for (std::uint32_t base = 0; base < list.size; base += kPacketWidth) {
       const std::uint32_t n = std::min(kPacketWidth, list.size - base);
-      alignas(64) std::uint32_t block[kPacketWidth];
-      for (std::uint32_t i = 0; i < kPacketWidth; ++i) block[i] = numbers[base + (i < n ? i : 0)];
+      const std::uint32_t* block = numbers + base;
       const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
       for (std::uint32_t i = n; i < std::min(2 * kPacketWidth, list.size - base); ++i) {
         hwy::Prefetch(s.rays.data() + numbers[base + i]);
@@ -315,7 +321,8 @@ class StreamWalk {
 
   const TraceJob& job_;
   const ObjectTree& tree_;
-  Stream stream_;
+  std::unique_ptr<Stream> own_;
+  Stream& stream_;
   RayPacket packet_;
   DualCounts counts_;
   std::vector<RowHit> rows_;

@@ -146,14 +146,12 @@ class Walk {
     for (std::uint32_t done = 0; done < count; done += 4, ++quad) {
       const TriangleQuad& q = tree_.quads[quad];
       const std::uint32_t used = std::min(4u, count - done);
-      std::uint32_t some = 0;
-      for (std::uint32_t k = 0; k < used; ++k) some |= agrees_in_packet(packet_, q, k) << k;
-      for (; some != 0; some &= some - 1) {
-        const auto k = static_cast<std::uint32_t>(__builtin_ctz(some));
-        triangle_in_packet(packet_, q, k, [&](std::size_t g, const Tested<Rays>& tested) {
-          shortened |= take_lanes(q, k, g, tested);
-        });
-      }
+      for (std::uint32_t k = 0; k < used; ++k)
+        triangle_in_packet(
+            packet_, q,
+            k, [&](std::size_t g, const Tested<Rays>& tested) __attribute__((always_inline)) {
+              shortened |= take_lanes(q, k, g, tested);
+            });
     }
     return shortened;
   }
@@ -165,6 +163,8 @@ class Walk {
     std::uint32_t hit = bits_of(d, tested.hit);
     std::uint32_t unsettled = bits_of(d, tested.unsettled);
     if ((hit | unsettled) == 0) return false;
+    if (unsettled == 0 && !Mode::kAll && job_.scene.facing == Facing::kBoth)
+      return take_at_once(q.id[k], g, tested);
     hn::Store(tested.t, d, t);
     hn::Store(tested.v, d, v);
     hn::Store(tested.w, d, w);
@@ -181,6 +181,37 @@ class Walk {
       shortened |= take_exactly(lane, q, k);
     }
     return shortened;
+  }
+
+  /// The usual case of `take_lanes`, in vectors, so that the next load of them does not wait.
+  HWY_INLINE bool take_at_once(std::uint32_t id, std::size_t g, const Tested<Rays>& tested) {
+    RayPacket& p = packet_;
+    const Rays d;
+    const auto put = [&](RM on, RV value, float* to) {
+      hn::Store(hn::IfThenElse(on, value, load(to + g)), d, to + g);
+    };
+    if constexpr (Mode::kAny) {
+      done_ |= bits_of(d, tested.hit) << g;
+      put(tested.hit, set(-1), p.t_limit);
+      put(tested.hit, set(-std::numeric_limits<float>::infinity()), p.s_far);
+      return true;
+    } else {
+      const RayInts di;
+      const auto best_id = hn::Load(di, p.id + g);
+      const RV best_t = load(p.t + g);
+      const RM earlier = hn::RebindMask(d, hn::Gt(best_id, hn::Set(di, id)));
+      const RM better = hn::And(
+          tested.hit, hn::Or(hn::Lt(tested.t, best_t), hn::And(hn::Eq(tested.t, best_t), earlier)));
+      const RV far = hn::Add(
+          hn::Mul(hn::Mul(tested.t, load(p.along + g)), set(1 + 8 * kUnitRoundoff)), set(p.pad));
+      put(better, tested.t, p.t);
+      put(better, tested.t, p.t_limit);
+      put(better, hn::Div(tested.v, tested.det), p.u);
+      put(better, hn::Div(tested.w, tested.det), p.v);
+      put(better, hn::Min(far, load(p.s_far + g)), p.s_far);
+      hn::Store(hn::IfThenElse(hn::RebindMask(di, better), hn::Set(di, id), best_id), di, p.id + g);
+      return true;
+    }
   }
 
   HWY_NOINLINE bool take_exactly(std::uint32_t lane, const TriangleQuad& q, std::uint32_t k) {

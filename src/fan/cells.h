@@ -81,10 +81,11 @@ struct FanRange {
 
 struct FanRays {
   Buffer<float> shear_x, shear_y, shear_z, t_min, t_max;
+  Buffer<float> reach;        ///< along the face's axis, from above
   Buffer<std::uint32_t> ray;  ///< its number; unknown in slots without a ray
 
   void resize(std::size_t count) {
-    for (Buffer<float>* column : {&shear_x, &shear_y, &shear_z, &t_min, &t_max})
+    for (Buffer<float>* column : {&shear_x, &shear_y, &shear_z, &t_min, &t_max, &reach})
       column->resize_uninitialized(count);
     ray.resize_uninitialized(count);
   }

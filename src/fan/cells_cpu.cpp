@@ -113,8 +113,9 @@ void lay_out_tiles(FanCells* c) {
   c->tile_count = tiles;
   c->rays.resize(std::size_t{tiles} * kTileSlots);
   c->packets.resize(std::size_t{tiles} * kTilePackets);
-  c->tiles.resize(tiles);
-  c->groups.resize(tiles / kGroupTiles + kGroupTiles);
+  // SIMD loads may start at the last one.
+  c->tiles.resize(tiles + std::size_t{kPacketSlots});
+  c->groups.resize(tiles / kGroupTiles + std::size_t{kPacketSlots});
 }
 
 void clear_cells(const Executor& executor, FanCells* c) {

@@ -176,7 +176,7 @@ HWY_INLINE V ReachOf(V along, V t_max) {
 /// One packet: `count` of its slots have rays, `order` says which; the others repeat the last.
 HWY_INLINE FanBound GatherPacket(const Ray* rays, const std::uint32_t* order, std::uint32_t count,
                                  const FanFace& face, std::size_t slot, FanCells* c,
-                                 std::int32_t* cell, float* reach_of) {
+                                 std::int32_t* cell) {
   const Floats d;
   const Ints di;
   alignas(64) float x[kPacketSlots], y[kPacketSlots], z[kPacketSlots];
@@ -199,7 +199,7 @@ HWY_INLINE FanBound GatherPacket(const Ray* rays, const std::uint32_t* order, st
     hn::Store(v, d, c->rays.shear_y.data() + slot + k);
     hn::Store(hn::Div(hn::Set(d, 1.0f), along), d, c->rays.shear_z.data() + slot + k);
     const V reach = ReachOf(along, hn::Load(d, c->rays.t_max.data() + slot + k));
-    hn::Store(reach, d, reach_of + k);
+    hn::Store(reach, d, c->rays.reach.data() + slot + k);
     bound.include({hn::GetLane(hn::MinOfLanes(d, u)), hn::GetLane(hn::MaxOfLanes(d, u)),
                    hn::GetLane(hn::MinOfLanes(d, v)), hn::GetLane(hn::MaxOfLanes(d, v)),
                    hn::GetLane(hn::MaxOfLanes(d, reach))});
@@ -213,35 +213,37 @@ HWY_INLINE FanBound GatherPacket(const Ray* rays, const std::uint32_t* order, st
 /// How many slots ahead rays are asked for: they come from all over the batch.
 constexpr std::uint32_t kPrefetch = 64;
 
-HWY_INLINE void Prefetch(const Ray* rays, const std::uint32_t* order, std::uint32_t count) {
-  for (std::uint32_t k = 0; k < count; ++k) hwy::Prefetch(rays + order[k]);
+/// Of `left` slots from `order` on, the packet that stands that far ahead.
+HWY_INLINE void Prefetch(const Ray* rays, const std::uint32_t* order, std::uint32_t left) {
+  const std::uint32_t end = std::min(left, kPrefetch + kPacketSlots);
+  for (std::uint32_t k = kPrefetch; k < end; ++k) hwy::Prefetch(rays + order[k]);
 }
 
 void Gather(const Ray* rays, FanCells* c, std::uint32_t begin_tile, std::uint32_t end_tile,
             FanSeam* seam) {
   alignas(64) std::int32_t cell[kPacketSlots];
-  alignas(64) float reach[kPacketSlots];
   CellRuns runs(c, seam);
   for (std::uint32_t tile = begin_tile; tile < end_tile; ++tile) {
     const std::uint32_t f = c->face_of_tile[tile], count = c->rays_of_tile[tile];
     const FanFaceRays& face = c->faces[f];
     const std::size_t grid = FanCells::cell_at(c->level, f, 0, 0);
-    const std::uint32_t* order =
-        c->order.data() + face.first_ray + (tile - face.first_tile) * kTileSlots;
-    const std::uint32_t left = face.ray_count - (tile - face.first_tile) * kTileSlots;
+    // A group's last tiles may be past the face's rays.
+    const std::uint32_t left =
+        count > 0 ? face.ray_count - (tile - face.first_tile) * kTileSlots : 0;
+    const std::uint32_t* order = c->order.data() + face.first_ray + face.ray_count - left;
     FanBound tile_bound;
     for (std::uint32_t p = 0; p < kTilePackets; ++p) {
       const std::uint32_t first = p * kPacketSlots;
       const std::uint32_t n = first < count ? std::min(count - first, kPacketSlots) : 0;
       FanBound bound;
-      Prefetch(rays, order + first + kPrefetch,
-               std::min(kPacketSlots, left - std::min(left, first + kPrefetch)));
       if (n > 0) {
+        Prefetch(rays, order + first, left - first);
         bound = GatherPacket(rays, order + first, n, fan_face(f),
-                             std::size_t{tile} * kTileSlots + first, c, cell, reach);
+                             std::size_t{tile} * kTileSlots + first, c, cell);
         if (cell[0] == cell[n - 1]) {  // the curve does not come back to a cell
           runs.add(grid + static_cast<std::uint32_t>(cell[0]), bound.reach, tile);
         } else {
+          const float* reach = c->rays.reach.data() + std::size_t{tile} * kTileSlots + first;
           for (std::uint32_t k = 0; k < n; ++k)
             runs.add(grid + static_cast<std::uint32_t>(cell[k]), reach[k], tile);
         }

@@ -38,7 +38,7 @@ struct FanCounts {
 };
 
 /// Memory that queries work in, kept from one to the next: fresh pages cost as much as the sort.
-/// Not for use by two queries at once. About 60 bytes a ray and 12 a pair of tile and triangle.
+/// Not for use by two queries at once. About 60 bytes a ray and 88 a pair of tile and triangle.
 class FanMemory {
  public:
   FanMemory();
@@ -62,7 +62,7 @@ struct FanOptions {
 
 /// occluded[i] = 1 where rays[i] meets any triangle in [t_min, t_max], else 0: what brute force
 /// says, bit for bit. Needs `share_origin(rays)`. `ray_tests` may be empty; else each ray's share
-/// of all tests is added to it. O(rays log rays + triangles + pairs of cells and triangles that
+/// of all tests is added to it. O(rays + triangles + pairs of cells and triangles that
 /// overlap).
 void occluded_in_fan(const Executor& executor, const TriangleSource& source, View<const Ray> rays,
                      const FanOptions& options, View<std::uint8_t> occluded, View<float> ray_tests,

@@ -196,7 +196,8 @@ class Tile {
       const V u = Edge(c, b), v = Edge(a, c), w = Edge(b, a);
       const V zero = hn::Zero(d);
       const M agree = Or(Ge(hn::Min(hn::Min(u, v), w), zero), Le(hn::Max(hn::Max(u, v), w), zero));
-      if (HWY_LIKELY((BitsOf(agree) & alive_[p] >> k) == 0)) continue;
+      const M reaches = Ge(hn::Load(d, r.reach.data() + at), hn::Set(d, t_.depth[lane]));
+      if (HWY_LIKELY((BitsOf(And(agree, reaches)) & alive_[p] >> k) == 0)) continue;
       const V det = Add(Add(u, v), w);
       const V size = hn::Abs(det);
       const M nonzero = And(And(hn::Ne(u, zero), hn::Ne(v, zero)), hn::Ne(w, zero));
@@ -216,7 +217,7 @@ class Tile {
       const M hit = And(And(agree, settled), inside);
       verdict.front |= BitsOf(And(hit, hn::Gt(det, zero))) << k;
       verdict.back |= BitsOf(And(hit, hn::Lt(det, zero))) << k;
-      verdict.unsettled |= BitsOf(hn::AndNot(settled, agree)) << k;
+      verdict.unsettled |= BitsOf(hn::AndNot(settled, And(agree, reaches))) << k;
     }
     return verdict;
   }
