@@ -112,6 +112,7 @@ class StreamWalk {
   HWY_NOINLINE void test_unbounded() {
     const auto size = static_cast<std::uint32_t>(unbounded_.size());
     std::copy(unbounded_.begin(), unbounded_.end(), stream_.lists.begin());
+    pad_list(0, size);
     for_each_leaf(tree_, [&](std::uint32_t quad, std::uint32_t n) {
       meet_leaf({quad, n, 0, size});
     });
