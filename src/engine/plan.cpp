@@ -48,14 +48,12 @@ void choose_tree(const SceneHistory& scene, Plan* plan) {
   };
   if (!scene.built)
     return choose(TreeWork::kRebuild, "object tree: built, for these triangles are new");
-  if (!scene.moved && scene.fine)
-    return choose(TreeWork::kKeep, "object tree: kept, for no triangle has moved");
-  if (!scene.moved && tries_fine_tree(scene))
+  if (!scene.moved && (!scene.fine || scene.degraded) && tries_fine_tree(scene))
     return choose(TreeWork::kRebuildFinely,
                   "object tree: built finely, for so many rays have met triangles that stay");
-  if (!scene.moved) return choose(TreeWork::kKeep, "object tree: kept, for no triangle has moved");
   if (scene.degraded)
     return choose(TreeWork::kRebuild, "object tree: built again, for moves have spoilt it");
+  if (!scene.moved) return choose(TreeWork::kKeep, "object tree: kept, for no triangle has moved");
   if (!scene.fine && scene.moves >= scene.patience)
     return choose(TreeWork::kRebuildFinely,
                   "object tree: built finely, to be refitted from now on, for the same triangles "

@@ -134,6 +134,12 @@ TEST(Plan, TreeByHistory) {
   expect(TreeWork::kRefit, "refitted");
   scene.degraded = true;
   expect(TreeWork::kRebuild, "spoilt");
+  scene.moved = false;  // spoilt, but needed again
+  expect(TreeWork::kRebuild, "spoilt");
+  scene.rays_since_change = 1000000000;
+  expect(TreeWork::kRebuildFinely, "so many rays");
+  scene.rays_since_change = 0;
+  scene.moved = true;
   scene.patience = scene.moves + 10;
   scene.fine = scene.degraded = false;
   expect(TreeWork::kRefit, "refitted");
