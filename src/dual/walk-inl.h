@@ -152,7 +152,9 @@ class Walk {
     return shortened;
   }
 
-  /// The usual case of `take_lanes`, in vectors, so that the next load of them does not wait.
+  /// The usual case of `take_lanes`, in vectors, so that the next load of them does not wait. Hits
+  /// that are settled do without the step of `past`: where their t underflows, det is above 2^26
+  /// and the pad above 2^-5.
   HWY_INLINE bool take_at_once(std::uint32_t id, std::size_t g, const Tested<Rays>& tested) {
     RayPacket& p = packet_;
     const Rays d;

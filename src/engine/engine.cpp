@@ -77,6 +77,9 @@ void Engine::prepare(const Executor& executor, View<const Ray> rays, const Plan&
   Reporter reporter(report);
   const bool refitted =
       plan.tree == TreeWork::kRefit && refit_object_tree(executor, source_, &tree_);
+  if (plan.tree == TreeWork::kRefit && !refitted && report != nullptr)
+    report->plan.emplace_back(
+        "object tree: built again after all, for triangles without area have gained an area");
   if (plan.tree == TreeWork::kRebuildFinely) {
     build_fine_object_tree(executor, source_, &tree_);
   } else if (plan.tree != TreeWork::kKeep && !refitted) {
@@ -84,7 +87,7 @@ void Engine::prepare(const Executor& executor, View<const Ray> rays, const Plan&
   }
   if (plan.tree != TreeWork::kKeep && !refitted) {
     // A fine tree that was spoilt is tried again, but not so soon.
-    if (history_.fine && plan.tree == TreeWork::kRebuild)
+    if (history_.fine && plan.tree != TreeWork::kRebuildFinely)
       history_.patience = history_.moves + 2 * history_.patience;
     history_.fine = plan.tree == TreeWork::kRebuildFinely;
     cost_when_built_ = tree_.surface_area_cost;

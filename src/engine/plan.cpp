@@ -26,6 +26,12 @@ std::string figures(const char* format, double a, double b) {
   return text;
 }
 
+/// The longest side; in binary64, where that of any box is finite.
+double extent(Vec3 low, Vec3 high) {
+  const double x = static_cast<double>(high.x) - low.x, y = static_cast<double>(high.y) - low.y;
+  return std::max({x, y, static_cast<double>(high.z) - low.z});
+}
+
 double trace_cost(const SceneHistory& scene, double rays) {
   return rays * kTraceRayLevel * std::log2(2.0 + scene.triangles);
 }
@@ -42,14 +48,12 @@ void choose_tree(const SceneHistory& scene, Plan* plan) {
   };
   if (!scene.built)
     return choose(TreeWork::kRebuild, "object tree: built, for these triangles are new");
-  if (!scene.moved && scene.fine)
-    return choose(TreeWork::kKeep, "object tree: kept, for no triangle has moved");
-  if (!scene.moved && tries_fine_tree(scene))
+  if (!scene.moved && (!scene.fine || scene.degraded) && tries_fine_tree(scene))
     return choose(TreeWork::kRebuildFinely,
                   "object tree: built finely, for so many rays have met triangles that stay");
-  if (!scene.moved) return choose(TreeWork::kKeep, "object tree: kept, for no triangle has moved");
   if (scene.degraded)
     return choose(TreeWork::kRebuild, "object tree: built again, for moves have spoilt it");
+  if (!scene.moved) return choose(TreeWork::kKeep, "object tree: kept, for no triangle has moved");
   if (!scene.fine && scene.moves >= scene.patience)
     return choose(TreeWork::kRebuildFinely,
                   "object tree: built finely, to be refitted from now on, for the same triangles "
@@ -110,7 +114,7 @@ Coherence sample_coherence(View<const Ray> rays, const std::uint32_t* order) {
     for (std::size_t i = 0; i < kGroup; ++i) {
       const std::size_t place = g * stride + i;
       const Ray& ray = rays[order != nullptr ? order[place] : place];
-      const Vec3 d = ray.direction * (1 / max_component(abs(ray.direction)));
+      const Vec3 d = ray.direction / max_component(abs(ray.direction));
       if (i == 0) first = quarter_of(d);
       same += quarter_of(d) == first ? 1 : 0;
       o0 = i == 0 ? ray.origin : min(o0, ray.origin);
@@ -120,12 +124,12 @@ Coherence sample_coherence(View<const Ray> rays, const std::uint32_t* order) {
     }
     low = g == 0 ? o0 : min(low, o0);
     high = g == 0 ? o1 : max(high, o1);
-    extents += max_component(o1 - o0);
+    extents += extent(o0, o1);
     // Neighbours across an edge of the scene are no sign of disorder.
     alike += same == kGroup && max_component(d1 - d0) < 0.5f ? 1 : 0;
   }
   const auto count = static_cast<double>(groups);
-  const double whole = max_component(high - low);
+  const double whole = extent(low, high);
   return {whole > 0 ? extents / count / whole : 0, alike / count};
 }
 

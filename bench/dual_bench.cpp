@@ -1,0 +1,134 @@
+// The order of rays, and rays through the object tree, as packets and as streams: mirror rays,
+// ambient occlusion, and rays from anywhere to anywhere. Arguments: the batch (0, 1, 2), then the
+// sorting (0: by quarter, 1: along the curve), or the bundle (0: packets, 1: streams) and whether
+// the tree is fine; threads (0: all cores) last.
+#include "dual/dual.h"
+
+#include <algorithm>
+#include <random>
+
+#include "lab/lab_rays.h"
+#include "support.h"
+
+namespace raysheaf::bench {
+namespace {
+
+enum Rays { kMirror, kOcclusion, kRandom };
+
+/// Triangles and batches of the bench scene, made ready once.
+struct Trace {
+  std::vector<Vec3> positions;
+  std::vector<TriangleRun> runs;
+  std::vector<Ray> rays[3];
+  ObjectTree trees[2];  ///< along a curve; fine
+
+  Trace() {
+    const Executor executor;
+    const FlatScene& flat = input().flat;
+    for (std::uint32_t i = 0; i < flat.triangle_count; ++i)
+      for (int k = 0; k < 3; ++k) positions.push_back(flat.corner(i, k));
+    runs.push_back({positions.data(), nullptr, 0, flat.triangle_count});
+    const TriangleSource source{View<const TriangleRun>(runs), flat.triangle_count, nullptr};
+    build_object_tree(executor, source, &trees[0]);
+    build_fine_object_tree(executor, source, &trees[1]);
+    const Vec3 size = flat.bounds.max - flat.bounds.min;
+    rays[kMirror] = make_mirror_rays(executor, input().fragments, flat.bounds, 1).rays;
+    rays[kOcclusion] =
+        make_occlusion_rays(executor, input().fragments, flat.bounds, 0.1f * length(size)).rays;
+    std::mt19937 engine(1);
+    std::uniform_real_distribution<float> unit(0, 1);
+    const auto point = [&] {
+      return flat.bounds.min + Vec3{unit(engine), unit(engine), unit(engine)} * size;
+    };
+    while (rays[kRandom].size() < rays[kMirror].size()) {
+      const Vec3 from = point(), to = point();
+      if (!(from == to)) rays[kRandom].push_back({from, 0, normalized(to - from)});
+    }
+  }
+};
+
+const Trace& trace() {
+  static const Trace the_trace;
+  return the_trace;
+}
+
+const std::vector<Ray>& rays_of(const benchmark::State& state) {
+  return trace().rays[state.range(0)];
+}
+
+void order(benchmark::State& state) {
+  const Executor executor = executor_of(state, 2);
+  const std::vector<Ray>& rays = rays_of(state);
+  const Sorting sorting = state.range(1) == 0 ? Sorting::kByQuarter : Sorting::kCurve;
+  RayOrder order;
+  for (auto _ : state) {
+    order_rays(executor, View<const Ray>(rays), sorting, &order);
+    benchmark::DoNotOptimize(order.rays.data());
+  }
+  count_items(state, rays.size());
+  state.counters["per_ray"] = time_each(static_cast<double>(rays.size()));
+}
+BENCHMARK(order)
+    ->ArgNames({"rays", "curve", "threads"})
+    ->ArgsProduct({{kMirror, kOcclusion, kRandom}, {0, 1}, {1, 2}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+/// `query(executor, scene, rays, order, &counts)` in the order that suits the bundle best.
+template <class Query>
+void time_query(benchmark::State& state, const Query& query) {
+  const Executor executor = executor_of(state, 3);
+  const View<const Ray> rays(rays_of(state));
+  DualScene scene;
+  scene.bundle = state.range(1) == 0 ? Bundle::kPacket : Bundle::kStream;
+  scene.tree = &trace().trees[state.range(2)];
+  RayOrder order;
+  order_rays(executor, rays, Sorting::kCurve, &order);
+  DualCounts counts;
+  for (auto _ : state) {
+    counts = {};
+    query(executor, scene, rays, order, &counts);
+  }
+  const auto n = static_cast<double>(rays.size);
+  count_items(state, rays.size);
+  state.counters["per_ray"] = time_each(n);
+  state.counters["beam_boxes"] = static_cast<double>(counts.beam_box_tests) / n;
+  state.counters["ray_boxes"] = static_cast<double>(counts.ray_box_tests) / n;
+  state.counters["triangles"] = static_cast<double>(counts.triangle_tests) / n;
+}
+
+void closest(benchmark::State& state) {
+  std::vector<EngineHit> hits(rays_of(state).size());
+  time_query(state, [&](const Executor& executor, const DualScene& scene, View<const Ray> rays,
+                        const RayOrder& order, DualCounts* counts) {
+    trace_closest(executor, scene, rays, order, hits, {}, counts);
+  });
+  const auto found = std::count_if(hits.begin(), hits.end(),
+                                   [](const EngineHit& hit) { return hit.triangle != kInvalidId; });
+  state.counters["found"] = static_cast<double>(found) / static_cast<double>(hits.size());
+}
+BENCHMARK(closest)
+    ->ArgNames({"rays", "streams", "fine", "threads"})
+    ->ArgsProduct({{kMirror, kOcclusion, kRandom}, {0, 1}, {0, 1}, {1}})
+    ->ArgsProduct({{kMirror, kOcclusion, kRandom}, {0, 1}, {0}, {2}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+void any(benchmark::State& state) {
+  std::vector<std::uint8_t> occluded(rays_of(state).size());
+  time_query(state, [&](const Executor& executor, const DualScene& scene, View<const Ray> rays,
+                        const RayOrder& order, DualCounts* counts) {
+    trace_any(executor, scene, rays, order, occluded, {}, counts);
+  });
+  const auto found = std::count(occluded.begin(), occluded.end(), 1);
+  state.counters["found"] = static_cast<double>(found) / static_cast<double>(occluded.size());
+}
+BENCHMARK(any)
+    ->ArgNames({"rays", "streams", "fine", "threads"})
+    ->ArgsProduct({{kMirror, kOcclusion, kRandom}, {0, 1}, {0, 1}, {1}})
+    ->ArgsProduct({{kMirror, kOcclusion, kRandom}, {0, 1}, {0}, {2}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+}  // namespace
+}  // namespace raysheaf::bench

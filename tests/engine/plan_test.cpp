@@ -1,0 +1,182 @@
+// What the plan chooses for which rays and scenes.
+#include "engine/plan.h"
+
+#include "dual/dual_scenes.h"
+
+namespace raysheaf::test {
+namespace {
+
+std::vector<Ray> from_one_point(std::size_t count, Random& random) {
+  std::vector<Ray> rays;
+  for (std::size_t i = 0; i < count; ++i) rays.push_back({{1, 2, 3}, 0, random.direction(), 9});
+  return rays;
+}
+
+/// A picture's worth, row by row, from nearly one point.
+std::vector<Ray> picture(std::uint32_t side) {
+  std::vector<Ray> rays;
+  for (std::uint32_t y = 0; y < side; ++y)
+    for (std::uint32_t x = 0; x < side; ++x) {
+      const float u = static_cast<float>(x) / static_cast<float>(side);
+      const float v = static_cast<float>(y) / static_cast<float>(side);
+      rays.push_back({{u, v, 0}, 0, {u - 0.5f, v - 0.5f, 1}, kInfinity});
+    }
+  return rays;
+}
+
+std::vector<Ray> disorder(std::size_t count, Random& random) {
+  std::vector<Ray> rays;
+  for (std::size_t i = 0; i < count; ++i)
+    rays.push_back({random.in_box(5), 0, random.direction(), kInfinity});
+  return rays;
+}
+
+/// Origins along rows, directions anywhere: ambient occlusion.
+std::vector<Ray> scattered(std::uint32_t side, Random& random) {
+  std::vector<Ray> rays = picture(side);
+  for (Ray& ray : rays) ray.direction = random.direction();
+  return rays;
+}
+
+SceneHistory history(std::uint32_t triangles) {
+  SceneHistory scene;
+  scene.triangles = triangles;
+  return scene;
+}
+
+Plan plan_of(const SceneHistory& scene, const std::vector<Ray>& rays, bool any = false) {
+  return make_plan(one_thread(), scene, View<const Ray>(rays), any, true);
+}
+
+bool says(const Plan& plan, const std::string& text) {
+  return std::any_of(plan.reasons.begin(), plan.reasons.end(), [&](const std::string& reason) {
+    return reason.find(text) != std::string::npos;
+  });
+}
+
+TEST(Plan, FanForRaysOfOneOrigin) {
+  Random random(1);
+  std::vector<Ray> rays = from_one_point(10000, random);
+  const Plan fan = plan_of(history(100000), rays, true);
+  EXPECT_TRUE(fan.fan);
+  EXPECT_TRUE(says(fan, "rays of one origin: triangles stream"));
+  EXPECT_FALSE(plan_of(history(100000), rays, false).fan);
+  // A tree that stands is cheaper for few rays.
+  SceneHistory standing = history(1000000);
+  standing.built = true;
+  const std::vector<Ray> few(rays.begin(), rays.begin() + 100);
+  const Plan tree = plan_of(standing, few, true);
+  EXPECT_FALSE(tree.fan);
+  EXPECT_TRUE(says(tree, "rays of one origin, but"));
+  rays[7777].origin.y = std::nextafter(2.0f, 3.0f);
+  const Plan other = plan_of(history(100000), rays, true);
+  EXPECT_FALSE(other.fan);
+  EXPECT_FALSE(says(other, "one origin"));
+}
+
+TEST(Plan, BundlesByCoherence) {
+  Random random(2);
+  const Plan camera = plan_of(history(1000), picture(128));
+  EXPECT_FALSE(camera.sort);
+  EXPECT_EQ(camera.bundle, Bundle::kPacket);
+  EXPECT_TRUE(says(camera, "not sorted"));
+  EXPECT_TRUE(says(camera, "packets"));
+  const Plan any = plan_of(history(1000), disorder(10000, random));
+  EXPECT_TRUE(any.sort);
+  EXPECT_EQ(any.bundle, Bundle::kStream);
+  EXPECT_TRUE(says(any, "rays: sorted"));
+  EXPECT_TRUE(says(any, "streams"));
+  const Plan occlusion = plan_of(history(1000), scattered(128, random));
+  EXPECT_FALSE(occlusion.sort);
+  EXPECT_EQ(occlusion.bundle, Bundle::kStream);
+}
+
+TEST(Plan, CoherenceOfOrders) {
+  Random random(3);
+  const std::vector<Ray> rays = disorder(50000, random);
+  RayOrder order;
+  order_rays(one_thread(), View<const Ray>(rays), Sorting::kCurve, &order);
+  const Coherence before = sample_coherence(View<const Ray>(rays), nullptr);
+  const Coherence after = sample_coherence(View<const Ray>(rays), order.rays.data());
+  EXPECT_GT(before.origin, 0.5);
+  EXPECT_EQ(before.direction, 0);
+  EXPECT_LT(after.origin, before.origin);
+  EXPECT_GT(after.direction, before.direction);
+  EXPECT_EQ(sample_coherence({}, nullptr).origin, 0);
+  for (const std::size_t few : {1, 15, 16, 17, 1023})
+    EXPECT_LE(sample_coherence({rays.data(), few}, nullptr).direction, 1);
+}
+
+TEST(Plan, TreeByHistory) {
+  Random random(4);
+  const std::vector<Ray> rays = disorder(1000, random);
+  SceneHistory scene = history(5000);
+  const auto expect = [&](TreeWork work, const char* text) {
+    const Plan plan = plan_of(scene, rays);
+    EXPECT_EQ(plan.tree, work) << text;
+    EXPECT_TRUE(says(plan, text)) << text;
+  };
+  expect(TreeWork::kRebuild, "new");
+  scene.built = true;
+  expect(TreeWork::kKeep, "no triangle has moved");
+  scene.rays_since_change = 1000000000;
+  expect(TreeWork::kRebuildFinely, "so many rays");
+  scene.fine = true;
+  expect(TreeWork::kKeep, "no triangle has moved");
+  scene.fine = false;
+  scene.rays_since_change = 0;
+  scene.moved = true;
+  scene.moves = 1;
+  expect(TreeWork::kRefit, "refitted");
+  scene.moves = scene.patience;
+  expect(TreeWork::kRebuildFinely, "keep moving");
+  scene.fine = true;
+  expect(TreeWork::kRefit, "refitted");
+  scene.degraded = true;
+  expect(TreeWork::kRebuild, "spoilt");
+  scene.moved = false;  // spoilt, but needed again
+  expect(TreeWork::kRebuild, "spoilt");
+  scene.rays_since_change = 1000000000;
+  expect(TreeWork::kRebuildFinely, "so many rays");
+  scene.rays_since_change = 0;
+  scene.moved = true;
+  scene.patience = scene.moves + 10;
+  scene.fine = scene.degraded = false;
+  expect(TreeWork::kRefit, "refitted");
+}
+
+TEST(Plan, ReasonsWhereAsked) {
+  Random random(5);
+  const std::vector<Ray> rays = disorder(1000, random);
+  const Plan told = plan_of(history(100), rays);
+  EXPECT_EQ(told.reasons.size(), 3u);
+  for (const std::string& reason : told.reasons) {
+    EXPECT_NE(reason.find(": "), std::string::npos) << reason;
+    EXPECT_EQ(reason.find("nan"), std::string::npos) << reason;
+  }
+  const Plan silent = make_plan(one_thread(), history(100), View<const Ray>(rays), false, false);
+  EXPECT_TRUE(silent.reasons.empty());
+  EXPECT_EQ(silent.tree, told.tree);
+  EXPECT_EQ(silent.sort, told.sort);
+  EXPECT_EQ(silent.bundle, told.bundle);
+}
+
+/// Directions and origins at the ends of the range leave no figure that is not a number.
+TEST(Plan, ExtremeRays) {
+  Random random(6);
+  for (const float scale : {1e-44f, 1e-20f, 1e20f, 3e38f}) {
+    std::vector<Ray> rays = disorder(500, random);
+    for (Ray& ray : rays) {
+      ray.origin = ray.origin * (0.2f * scale);
+      ray.direction = ray.direction * scale;
+      if (!(max_component(abs(ray.direction)) > 0)) ray.direction = {0, 0, 1e-45f};
+    }
+    for (const std::string& reason : plan_of(history(10), rays).reasons) {
+      EXPECT_EQ(reason.find("nan"), std::string::npos) << reason;
+      EXPECT_EQ(reason.find("inf"), std::string::npos) << reason;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace raysheaf::test
