@@ -38,7 +38,7 @@ void expect_as_brute_force(const SceneDescription& scene, std::uint32_t size = 4
   }
 }
 
-Light light_of(LightType type, Vec3 position, float intensity) {
+Light light_of(Light::Type type, Vec3 position, float intensity) {
   Light light = test::point_light(position, intensity);
   light.type = type;
   light.direction = normalized(Vec3{0, 0.5f, 0} - position);
@@ -47,10 +47,10 @@ Light light_of(LightType type, Vec3 position, float intensity) {
 
 SceneDescription with_all_lights() {
   SceneDescription scene = test::ball_on_floor();
-  scene.lights.push_back(light_of(LightType::kDirectional, {1, 3, 2}, 1));
-  scene.lights.push_back(light_of(LightType::kDirectional, {-1, 3, 1}, 1));
-  scene.lights.push_back(light_of(LightType::kSpot, {-2, 5, 3}, 50));
-  scene.lights.push_back(light_of(LightType::kPoint, {-3, 2, 2}, 30));
+  scene.lights.push_back(light_of(Light::Type::kDirectional, {1, 3, 2}, 1));
+  scene.lights.push_back(light_of(Light::Type::kDirectional, {-1, 3, 1}, 1));
+  scene.lights.push_back(light_of(Light::Type::kSpot, {-2, 5, 3}, 50));
+  scene.lights.push_back(light_of(Light::Type::kPoint, {-3, 2, 2}, 30));
   return scene;
 }
 
