@@ -33,6 +33,8 @@ struct EngineHit {
   std::uint32_t triangle = kInvalidId;
 };
 
+class StreamPool;
+
 /// How rays go down the tree together.
 enum class Bundle : std::uint8_t {
   kPacket,  ///< sixteen, bounded by a beam: for rays that resemble their neighbours
@@ -44,6 +46,7 @@ struct DualScene {
   const std::uint8_t* flags = nullptr;  ///< TriangleFlag by number, or null
   Facing facing = Facing::kBoth;
   Bundle bundle = Bundle::kPacket;
+  StreamPool* streams = nullptr;  ///< kept from query to query; null: the query's own
 };
 
 /// The same with any number of threads and on every SIMD target.

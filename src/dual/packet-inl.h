@@ -146,7 +146,7 @@ HWY_INLINE void gather4(const Record* records, int half, const std::uint32_t* li
   f3 = hn::Set(d, from[3]);
 #else
   // Vector j has the records j, 4 + j, 8 + j, ... in its blocks of four lanes.
-  const auto blocks = [&](std::size_t j) {
+  const auto blocks = [&](std::size_t j) __attribute__((always_inline)) {
     if constexpr (hn::MaxLanes(Rays()) == 16) {
       const hn::Half<Rays> d8;
       const hn::Half<hn::Half<Rays> > d4;
@@ -247,6 +247,7 @@ HWY_INLINE void prepare_packet(const Box& scene, const float* dx, const float* d
   }
   const float size = 2 * hn::GetLane(hn::MaxOfLanes(d, reach));
   const float largest = hn::GetLane(hn::MaxOfLanes(d, coordinate)) + size;
+  p->bounded = largest <= kLargestBounded;
   p->pad = 128 * kUnitRoundoff * size + 8 * kUnitRoundoff * largest + kTinySlack;
   const RV pad = set(p->pad), infinity = set(std::numeric_limits<float>::infinity());
   for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
@@ -268,8 +269,10 @@ HWY_INLINE void prepare_packet(const Box& scene, const float* dx, const float* d
     widen(p->oy, p->near_y, p->y_near, p->y_far);
     widen(p->oz, p->near_z, p->z_near, p->z_far);
     const RV limit = load(p->t_limit + g);
-    const RV far = hn::Add(Mul(Mul(limit, along), set(1 + 8 * kUnitRoundoff)), pad);
-    const RV near = Sub(Mul(Mul(load(p->t_min + g), along), set(1 - 8 * kUnitRoundoff)), pad);
+    const RV least = set(kLeastStep), start = load(p->t_min + g);
+    const RV bounding = hn::IfThenElseZero(hn::Lt(start, set(kLargeStart)), start);
+    const RV far = hn::Add(Mul(Mul(hn::Add(limit, least), along), set(1 + 8 * kUnitRoundoff)), pad);
+    const RV near = Sub(Mul(Mul(Sub(bounding, least), along), set(1 - 8 * kUnitRoundoff)), pad);
     hn::Store(near, d, p->s_near + g);
     hn::Store(hn::IfThenElse(hn::Lt(limit, hn::Zero(d)), hn::Neg(infinity), far), d, p->s_far + g);
     hn::Store(infinity, d, p->t + g);

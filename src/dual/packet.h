@@ -12,15 +12,25 @@
 // rounding moves a plane by u times `size` or u times the largest coordinate at most; slopes are at
 // most 1 because z is the dominant axis. `pad`, 128 u `size` and 8 u the largest coordinate, holds
 // all of it with room to spare; boxes grow by it on every side, in the rays' constants.
+//
+// A t that underflows is off by up to 2^-149 more, two halves of the least number, which a long
+// direction makes much of: `past` and its counterpart move t by twice that. A t that overflows is
+// infinite, and so is 1 / |d_z| below 2^-128: then s says less than t does, and from kLargeStart on
+// t_min bounds nothing; below, where 1 / |d_z| is infinite, it is no more than 2^-65 in s.
 #pragma once
 
 #include <cstdint>
 
+#include "base/float.h"
 #include "dual/dual.h"
 
 namespace raysheaf {
 
 inline constexpr std::uint32_t kPacketWidth = 16;
+/// Coordinates and reaches beyond are not bounded: there the sums above overflow.
+inline constexpr float kLargestBounded = 1e30f;
+inline constexpr float kLeastStep = 0x1p-148f;
+inline constexpr float kLargeStart = 0x1p63f;
 
 struct alignas(64) RayPacket {
   float ox[kPacketWidth], oy[kPacketWidth], oz[kPacketWidth];
@@ -40,9 +50,15 @@ struct alignas(64) RayPacket {
   int near_x = 0, near_y = 0, near_z = 0;  ///< a node's rows of planes that are met first
   int far_x = 0, far_y = 0, far_z = 0;
   bool mirrored = false;
+  bool bounded = true;  ///< or else every triangle is tested with every ray
   std::uint32_t count = 0;
   float pad = 0;
 };
+
+/// The s from which on no hit is as near as t: `along` is |d_z|.
+[[nodiscard]] inline float past(float t, float along, float pad) {
+  return (t + kLeastStep) * along * (1 + 8 * kUnitRoundoff) + pad;
+}
 
 /// One of the beam's four planes: x = at + zeta / inverse, grown outwards by the pad.
 struct BeamPlane {

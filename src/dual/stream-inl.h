@@ -19,13 +19,11 @@ HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
 template <class Mode>
 class StreamWalk {
  public:
-  explicit StreamWalk(const TraceJob& job) : job_(job), tree_(*job.scene.tree) {
-    stream_.rays.resize(kStreamRays);
-    stream_.shears.resize(kStreamRays);
-    stream_.hits.resize(kStreamRays);
-    stream_.index.resize(kStreamRays);
-    stream_.lists.resize(64 * kStreamRays);
-  }
+  explicit StreamWalk(const TraceJob& job)
+      : job_(job), tree_(*job.scene.tree), own_(job.streams->take()), stream_(*own_) {}
+  ~StreamWalk() { job_.streams->give(std::move(own_)); }
+  StreamWalk(const StreamWalk&) = delete;
+  StreamWalk& operator=(const StreamWalk&) = delete;
 
   /// Rays [first, first + count) of the order, of one quarter, at most kStreamRays.
   void run(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
@@ -44,6 +42,7 @@ class StreamWalk {
         }
       }
     }
+    if (HWY_UNLIKELY(!unbounded_.empty())) test_unbounded();
     write_back();
     if (job_.ray_tests != nullptr) {
       const float share =
@@ -77,8 +76,13 @@ class StreamWalk {
       }
       gather_rays(job_.rays, order + base, n, quarter, &p, dx, dy, dz);
       prepare_packet(tree_.bounds, dx, dy, dz, &p);
-      std::uint32_t lanes = clip_to_scene(tree_.bounds, &p);
-      s.pad = p.pad > s.pad ? p.pad : s.pad;
+      std::uint32_t lanes = 0;
+      if (HWY_LIKELY(p.bounded)) {
+        lanes = clip_to_scene(tree_.bounds, &p);
+        s.pad = p.pad > s.pad ? p.pad : s.pad;
+      } else {
+        for (std::uint32_t i = 0; i < n; ++i) unbounded_.push_back(base + i);
+      }
       for (std::uint32_t i = 0; i < n; ++i) {
         s.rays[base + i] = {p.ox[i],    p.oy[i],     p.oz[i],    p.per_x[i],
                             p.per_y[i], p.s_near[i], p.s_far[i], p.along[i]};
@@ -102,6 +106,16 @@ class StreamWalk {
     s.far_z = p.far_z;
     s.mirrored = p.mirrored;
     return alive;
+  }
+
+  /// With every triangle.
+  HWY_NOINLINE void test_unbounded() {
+    const auto size = static_cast<std::uint32_t>(unbounded_.size());
+    std::copy(unbounded_.begin(), unbounded_.end(), stream_.lists.begin());
+    for_each_leaf(tree_, [&](std::uint32_t quad, std::uint32_t n) {
+      meet_leaf({quad, n, 0, size});
+    });
+    unbounded_.clear();
   }
 
   /// The children from far to near along the stream's axis.
@@ -131,7 +145,7 @@ class StreamWalk {
     const std::uint32_t room = (list.size + kPacketWidth + 15) / 16 * 16;
     const std::uint32_t bottom = (list.offset + list.size + 15) / 16 * 16;
     const std::size_t needed = bottom + std::size_t{room} * child_count + 2 * kPacketWidth;
-    if (needed > s.lists.size()) s.lists.resize(2 * needed);
+    s.grow_lists(needed);
     // Bounds as the rays see them, grown by the pad: near and far on x, y, z.
     float box[kBvhWidth][6];
     std::uint32_t* out[kBvhWidth];
@@ -289,7 +303,7 @@ class StreamWalk {
       if (!(hit.t < best.t || (hit.t == best.t && id < best.triangle))) return;
       best = {hit.t, hit.u, hit.v, id};
       s.shears[n].t_limit = hit.t;
-      const float far = hit.t * s.rays[n].along * (1 + 8 * kUnitRoundoff) + s.pad;
+      const float far = past(hit.t, s.rays[n].along, s.pad);
       s.rays[n].s_far = far < s.rays[n].s_far ? far : s.rays[n].s_far;
     }
   }
@@ -307,8 +321,10 @@ class StreamWalk {
 
   const TraceJob& job_;
   const ObjectTree& tree_;
-  Stream stream_;
+  std::unique_ptr<Stream> own_;
+  Stream& stream_;
   RayPacket packet_;
   DualCounts counts_;
   std::vector<RowHit> rows_;
+  std::vector<std::uint32_t> unbounded_;  ///< rays of packets that have no bounds
 };

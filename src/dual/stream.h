@@ -12,9 +12,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <vector>
 
-#include "base/aligned.h"
+#include "base/buffer.h"
 #include "dual/packet.h"
 
 namespace raysheaf {
@@ -40,11 +42,11 @@ struct WaitingList {
 };
 
 struct Stream {
-  AlignedVector<StreamRay> rays;
-  AlignedVector<StreamShear> shears;
-  AlignedVector<EngineHit> hits;
-  std::vector<std::uint32_t> index;  ///< the caller's numbers
-  AlignedVector<std::uint32_t> lists;
+  Buffer<StreamRay> rays;
+  Buffer<StreamShear> shears;
+  Buffer<EngineHit> hits;
+  Buffer<std::uint32_t> index;  ///< the caller's numbers
+  Buffer<std::uint32_t> lists;
   std::vector<WaitingList> waiting;
   int axis_x = 0, axis_y = 0, axis_z = 0;
   int near_x = 0, near_y = 0, near_z = 0;  ///< as in RayPacket
@@ -52,6 +54,33 @@ struct Stream {
   bool mirrored = false;
   std::uint32_t count = 0;
   float pad = 0;  ///< the largest of the packets'
+
+  Stream() {
+    rays.resize_uninitialized(kStreamRays);
+    shears.resize_uninitialized(kStreamRays);
+    hits.resize_uninitialized(kStreamRays);
+    index.resize_uninitialized(kStreamRays);
+    lists.resize_uninitialized(16 * kStreamRays);
+  }
+  /// Room for `size` numbers in `lists`, what is there kept.
+  void grow_lists(std::size_t size);
+  [[nodiscard]] std::size_t bytes() const {
+    return rays.capacity_bytes() + shears.capacity_bytes() + hits.capacity_bytes() +
+           index.capacity_bytes() + lists.capacity_bytes() +
+           waiting.capacity() * sizeof(WaitingList);
+  }
+};
+
+/// Streams that are not in use: a thread takes one and gives it back.
+class StreamPool {
+ public:
+  [[nodiscard]] std::unique_ptr<Stream> take();
+  void give(std::unique_ptr<Stream> stream);
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::unique_ptr<Stream>> free_;
 };
 
 }  // namespace raysheaf

@@ -16,6 +16,8 @@ void trace_all_tasks(const Executor& executor, const DualScene& scene, View<cons
                      const RayOrder& order, View<float> ray_tests, DualCounts* counts, TraceJob job,
                      const Trace& trace) {
   std::mutex mutex;
+  StreamPool own;
+  job.streams = scene.streams != nullptr ? scene.streams : &own;
   job.scene = scene;
   job.bundle = scene.bundle;
   job.rays = rays.data;

@@ -4,6 +4,7 @@
 #include <mutex>
 
 #include "dual/packet.h"
+#include "dual/stream.h"
 
 namespace raysheaf {
 
@@ -24,6 +25,7 @@ struct TraceJob {
   float* ray_tests = nullptr;           ///< or null
   DualCounts* counts = nullptr;         ///< under `mutex`
   std::mutex* mutex = nullptr;
+  StreamPool* streams = nullptr;
 
   [[nodiscard]] PacketRange packet(std::size_t n) const {
     std::uint32_t quarter = 0;

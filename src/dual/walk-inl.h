@@ -45,6 +45,14 @@ struct AllMode {
   static constexpr bool kAny = false, kAll = true;
 };
 
+/// Calls `body(first quad, triangles)`.
+template <class Body>
+HWY_NOINLINE void for_each_leaf(const ObjectTree& tree, const Body& body) {
+  for (const BvhNode& node : tree.nodes)
+    for (std::uint32_t c = 0; c < node.children; ++c)
+      if (node.is_leaf(c)) body(node.first[c], node.count[c]);
+}
+
 template <class Mode>
 class Walk {
  public:
@@ -59,12 +67,16 @@ class Walk {
     gather_rays(job_.rays, job_.order + range.first, range.count, range.quarter, &p, dx, dy, dz);
     const DualCounts before = counts_;
     prepare_packet(tree_.bounds, dx, dy, dz, &p);
-    const std::uint32_t lanes = clip_to_scene(tree_.bounds, &p);
-    counts_.ray_box_tests += p.count;
     done_ = 0;
-    if (lanes != 0) {
-      beam_ = make_beam(lanes, &p);
-      walk_beam();
+    if (HWY_UNLIKELY(!p.bounded)) {
+      for_each_leaf(tree_, [&](std::uint32_t quad, std::uint32_t n) { meet_leaf(quad, n); });
+    } else {
+      const std::uint32_t lanes = clip_to_scene(tree_.bounds, &p);
+      counts_.ray_box_tests += p.count;
+      if (lanes != 0) {
+        beam_ = make_beam(lanes, &p);
+        walk_beam();
+      }
     }
     write_back();
     if (job_.ray_tests != nullptr) {
@@ -134,14 +146,12 @@ class Walk {
     for (std::uint32_t done = 0; done < count; done += 4, ++quad) {
       const TriangleQuad& q = tree_.quads[quad];
       const std::uint32_t used = std::min(4u, count - done);
-      std::uint32_t some = 0;
-      for (std::uint32_t k = 0; k < used; ++k) some |= agrees_in_packet(packet_, q, k) << k;
-      for (; some != 0; some &= some - 1) {
-        const auto k = static_cast<std::uint32_t>(__builtin_ctz(some));
-        triangle_in_packet(packet_, q, k, [&](std::size_t g, const Tested<Rays>& tested) {
-          shortened |= take_lanes(q, k, g, tested);
-        });
-      }
+      for (std::uint32_t k = 0; k < used; ++k)
+        triangle_in_packet(
+            packet_, q,
+            k, [&](std::size_t g, const Tested<Rays>& tested) __attribute__((always_inline)) {
+              shortened |= take_lanes(q, k, g, tested);
+            });
     }
     return shortened;
   }
@@ -234,7 +244,7 @@ class Walk {
       p.u[lane] = hit.u;
       p.v[lane] = hit.v;
       p.id[lane] = id;
-      const float far = hit.t * p.along[lane] * (1 + 8 * kUnitRoundoff) + p.pad;
+      const float far = past(hit.t, p.along[lane], p.pad);
       p.s_far[lane] = far < p.s_far[lane] ? far : p.s_far[lane];
       return true;
     }

@@ -99,7 +99,7 @@ void Engine::prepare(const Executor& executor, View<const Ray> rays, const Plan&
 }
 
 DualScene Engine::dual_scene(const Plan& plan, const EngineOptions& options) const {
-  return {&tree_, source_.flags, options.facing, plan.bundle};
+  return {&tree_, source_.flags, options.facing, plan.bundle, streams_.get()};
 }
 
 void Engine::closest_hit(const Executor& executor, View<const Ray> rays,
@@ -161,7 +161,7 @@ EngineHitRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
 
 std::size_t Engine::memory_bytes() const {
   return tree_.memory_bytes() + order_.rays.capacity_bytes() + order_.keys.capacity_bytes() +
-         order_.spare.capacity_bytes() + fan_memory_.bytes();
+         order_.spare.capacity_bytes() + streams_->bytes() + fan_memory_.bytes();
 }
 
 }  // namespace raysheaf

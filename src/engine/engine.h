@@ -8,11 +8,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "base/view.h"
 #include "dual/dual.h"
+#include "dual/stream.h"
 #include "engine/plan.h"
 #include "exec/executor.h"
 #include "fan/fan.h"
@@ -81,6 +83,7 @@ class Engine {
   SceneHistory history_;
   float cost_when_built_ = 0;
   RayOrder order_;
+  std::unique_ptr<StreamPool> streams_ = std::make_unique<StreamPool>();
   FanMemory fan_memory_;
 };
 

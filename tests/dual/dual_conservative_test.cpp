@@ -1,0 +1,39 @@
+// Bounds hold what they bound: of all pairs of ray and triangle that the ray-triangle test calls
+// hits, none is missing. A million pairs, and a hundred million with RAYSHEAF_LONG=1.
+#include <cstdlib>
+
+#include "dual/dual_scenes.h"
+
+namespace raysheaf::test {
+namespace {
+
+TEST(DualConservative, FindsEveryHit) {
+  const std::size_t wanted = std::getenv("RAYSHEAF_LONG") != nullptr ? 100000000 : 1000000;
+  Random random(31);
+  std::size_t pairs = 0;
+  for (std::uint32_t round = 0; pairs < wanted; ++round) {
+    const Shape shape = kShapes[random.below(std::size(kShapes))];
+    const float scale = std::ldexp(1.0f, static_cast<int>(random.below(80)) - 40);
+    const float far = random.below(3) == 0 ? scale * std::pow(10.0f, random.between(0, 7)) : 0;
+    const Vec3 offset = random.in_box(far);
+    Heap heap = make_heap(shape, random.below(4) == 0 ? 1000 : 30, random, scale, offset);
+    if (random.below(2) == 0) {
+      const Heap more = make_heap(Shape::kLarge, heap.count(), random, scale, offset);
+      heap.positions.insert(heap.positions.end(), more.positions.begin(), more.positions.end());
+    }
+    const std::vector<Ray> rays = any_rays(heap, 400, random, scale, offset);
+    const HitRows rows = brute_force(heap, rays);
+    pairs += hit_count(rows) + 1;
+    ObjectTree tree;
+    make_tree(&heap, static_cast<Tree>(round % 3), &tree);
+    for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream}) {
+      const DualScene scene{&tree, nullptr, Facing::kBoth, bundle};
+      const Sorting sorting = random.below(2) == 0 ? Sorting::kCurve : Sorting::kByQuarter;
+      ASSERT_TRUE(right(rows, ask(one_thread(), scene, rays, sorting), rays))
+          << "round " << round << " bundle " << static_cast<int>(bundle);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace raysheaf::test

@@ -1,0 +1,162 @@
+// What a query counts: within bounds, in shares that add up, and the same everywhere.
+#include "base/bits.h"
+#include "dual/dual_scenes.h"
+#include "support/simd_targets.h"
+
+namespace raysheaf::test {
+namespace {
+
+struct Setting {
+  Tree tree;
+  Bundle bundle;
+  Sorting sorting;
+};
+constexpr Setting kSettings[] = {{Tree::kCurve, Bundle::kPacket, Sorting::kCurve},
+                                 {Tree::kFine, Bundle::kPacket, Sorting::kByQuarter},
+                                 {Tree::kCurve, Bundle::kStream, Sorting::kByQuarter},
+                                 {Tree::kFine, Bundle::kStream, Sorting::kCurve}};
+
+/// 16 in a row that run alike, so that beams are narrow.
+std::vector<Ray> camera_rays(std::uint32_t side) {
+  std::vector<Ray> rays;
+  for (std::uint32_t y = 0; y < side; ++y)
+    for (std::uint32_t x = 0; x < side; ++x) {
+      const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(side) - 0.5f;
+      const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(side) - 0.5f;
+      rays.push_back({{0.3f, 0.2f, 40}, 0, {u, v, -1}, kInfinity});
+    }
+  return rays;
+}
+
+TEST(DualCounts, SameOnEverySimdTargetAndThreads) {
+  Random random(21);
+  for (const Shape shape : kShapes) {
+    Heap heap = make_heap(shape, 250, random);
+    std::vector<Ray> rays = any_rays(heap, 500, random);
+    const std::vector<Ray> alike = camera_rays(24);
+    rays.insert(rays.end(), alike.begin(), alike.end());
+    const HitRows rows = brute_force(heap, rays);
+    for (const Setting& s : kSettings) {
+      ObjectTree tree;
+      make_tree(&heap, s.tree, &tree);
+      const DualScene scene{&tree, nullptr, Facing::kBoth, s.bundle};
+      const Answers first = ask(one_thread(), scene, rays, s.sorting);
+      EXPECT_TRUE(right(rows, first, rays));
+      for_each_simd_target([&](const char* target) {
+        SCOPED_TRACE(testing::Message() << target << " shape " << static_cast<int>(shape));
+        EXPECT_TRUE(same(first, ask(one_thread(), scene, rays, s.sorting)));
+      });
+      EXPECT_TRUE(same(first, ask(two_threads(), scene, rays, s.sorting)));
+    }
+  }
+}
+
+TEST(DualCounts, SameOnEverySimdTargetAtTheEndsOfTheRange) {
+  Random random(22);
+  for (const float scale : {1e-15f, 1e15f, 1e35f}) {
+    Heap heap = make_heap(Shape::kSmall, 150, random, scale);
+    std::vector<Ray> rays = any_rays(heap, 300, random, scale);
+    for (std::size_t i = 0; i < rays.size(); i += 7) {
+      rays[i].direction = rays[i].direction * (1e-40f / max_component(abs(rays[i].direction)));
+      if (!(max_component(abs(rays[i].direction)) > 0)) rays[i].direction = {0, 1e-42f, 0};
+      rays[i].t_max = kInfinity;
+    }
+    const HitRows rows = brute_force(heap, rays);
+    for (const Setting& s : kSettings) {
+      ObjectTree tree;
+      make_tree(&heap, s.tree, &tree);
+      const DualScene scene{&tree, nullptr, Facing::kBoth, s.bundle};
+      const Answers first = ask(one_thread(), scene, rays, s.sorting);
+      EXPECT_TRUE(right(rows, first, rays));
+      for_each_simd_target([&](const char* target) {
+        EXPECT_TRUE(same(first, ask(one_thread(), scene, rays, s.sorting))) << target;
+      });
+    }
+  }
+}
+
+/// Many tasks, so that threads take them in another order.
+TEST(DualCounts, SameWithAnyThreads) {
+  Random random(23);
+  Heap heap = make_heap(Shape::kSmall, 3000, random);
+  const std::vector<Ray> rays = any_rays(heap, 30000, random);
+  for (const Setting& s : kSettings) {
+    ObjectTree tree;
+    make_tree(&heap, s.tree, &tree);
+    const DualScene scene{&tree, nullptr, Facing::kBoth, s.bundle};
+    EXPECT_TRUE(same(ask(one_thread(), scene, rays, s.sorting),
+                     ask(two_threads(), scene, rays, s.sorting)));
+  }
+}
+
+TEST(DualCounts, WithinBounds) {
+  Random random(24);
+  Heap heap = make_heap(Shape::kSmall, 2000, random);
+  const std::vector<Ray> rays = any_rays(heap, 3000, random);
+  for (const Setting& s : kSettings) {
+    ObjectTree tree;
+    make_tree(&heap, s.tree, &tree);
+    std::uint64_t children = 0;
+    for (const BvhNode& node : tree.nodes) children += node.children;
+    const DualScene scene{&tree, nullptr, Facing::kBoth, s.bundle};
+    const Answers a = ask(one_thread(), scene, rays, s.sorting);
+    const std::uint64_t packets = div_ceil(rays.size(), 16) + kQuarters;
+    for (std::size_t q = 0; q < 3; ++q) {
+      const DualCounts& c = a.counts[q];
+      EXPECT_GE(c.ray_box_tests, rays.size());
+      EXPECT_LE(c.ray_box_tests, rays.size() * (1 + children));
+      EXPECT_LE(c.triangle_tests, rays.size() * tree.triangles);
+      EXPECT_LE(c.beam_box_tests, packets * children);
+      EXPECT_EQ(c.beam_box_tests == 0, s.bundle == Bundle::kStream);
+      // A tree that is worth its name.
+      EXPECT_LT(c.sum(), rays.size() * tree.triangles / 4);
+      double shares = 0;
+      for (const float share : a.ray_tests[q]) shares += static_cast<double>(share);
+      EXPECT_NEAR(shares, static_cast<double>(c.sum()), 1e-4 * static_cast<double>(c.sum()));
+    }
+    EXPECT_GE(a.counts[0].triangle_tests,
+              static_cast<std::uint64_t>(
+                  std::count_if(a.closest.begin(), a.closest.end(),
+                                [](const EngineHit& h) { return h.triangle != kInvalidId; })));
+    EXPECT_GE(a.counts[2].triangle_tests, hit_count(a.all));
+    EXPECT_GE(a.counts[2].sum(), a.counts[0].sum());
+    EXPECT_GE(a.counts[0].triangle_tests, a.counts[1].triangle_tests);
+  }
+}
+
+TEST(DualCounts, ABeamSparesRaysTheirTests) {
+  Random random(25);
+  Heap heap = make_heap(Shape::kSmall, 3000, random);
+  const std::vector<Ray> rays = camera_rays(64);
+  ObjectTree tree;
+  make_tree(&heap, Tree::kFine, &tree);
+  const Answers packets =
+      ask(one_thread(), {&tree, nullptr, Facing::kBoth, Bundle::kPacket}, rays, Sorting::kCurve);
+  const Answers streams =
+      ask(one_thread(), {&tree, nullptr, Facing::kBoth, Bundle::kStream}, rays, Sorting::kCurve);
+  EXPECT_LT(packets.counts[0].ray_box_tests, streams.counts[0].ray_box_tests);
+}
+
+/// Shares are added to what there is; no room for them and no counts are fine too.
+TEST(DualCounts, AreOptional) {
+  Random random(26);
+  Heap heap = make_heap(Shape::kSmall, 100, random);
+  const std::vector<Ray> rays = any_rays(heap, 100, random);
+  ObjectTree tree;
+  make_tree(&heap, Tree::kCurve, &tree);
+  RayOrder order;
+  order_rays(one_thread(), View<const Ray>(rays), Sorting::kCurve, &order);
+  for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream}) {
+    const DualScene scene{&tree, nullptr, Facing::kBoth, bundle};
+    std::vector<EngineHit> with(rays.size()), without(rays.size());
+    std::vector<float> tests(rays.size(), 1000);
+    DualCounts counts;
+    trace_closest(one_thread(), scene, View<const Ray>(rays), order, with, tests, &counts);
+    trace_closest(one_thread(), scene, View<const Ray>(rays), order, without, {}, nullptr);
+    EXPECT_TRUE(std::equal(with.begin(), with.end(), without.begin(), same_bits));
+    for (const float t : tests) EXPECT_GT(t, 1000);
+  }
+}
+
+}  // namespace
+}  // namespace raysheaf::test

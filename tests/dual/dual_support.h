@@ -1,0 +1,203 @@
+// Triangles, what a look at every one of them says, and what `dual` says.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <vector>
+
+#include "dual/dual.h"
+#include "intersect/facing_body.h"
+#include "intersect/triangle_body.h"
+#include "scene/flatten_body.h"
+
+namespace raysheaf::test {
+
+inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+/// Corners in threes. Runs alternate between those with indices and those without.
+struct Heap {
+  std::vector<Vec3> positions;
+  std::vector<std::uint8_t> flags;
+  std::vector<std::array<std::uint32_t, 3>> indices;
+  std::vector<TriangleRun> runs;
+
+  void add(Vec3 a, Vec3 b, Vec3 c) { positions.insert(positions.end(), {a, b, c}); }
+  [[nodiscard]] std::uint32_t count() const {
+    return static_cast<std::uint32_t>(positions.size() / 3);
+  }
+  [[nodiscard]] std::array<Vec3, 3> corners(std::uint32_t i) const {
+    return {positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]};
+  }
+
+  TriangleSource source(std::uint32_t longest = 41) {
+    indices.clear();
+    runs.clear();
+    for (std::uint32_t i = 0; i < count(); ++i) indices.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    for (std::uint32_t first = 0; first < count(); first += longest) {
+      const std::uint32_t n = std::min(longest, count() - first);
+      if (runs.size() % 2 == 0)
+        runs.push_back({positions.data(), indices.data() + first, first, n});
+      else
+        runs.push_back({positions.data() + std::size_t{3} * first, nullptr, first, n});
+    }
+    return {View<const TriangleRun>(runs), count(), flags.empty() ? nullptr : flags.data()};
+  }
+};
+
+/// By ray, sorted by (t, triangle).
+using HitRows = std::vector<std::vector<EngineHit>>;
+
+inline bool precedes(const EngineHit& a, const EngineHit& b) {
+  return a.t < b.t || (a.t == b.t && a.triangle < b.triangle);
+}
+
+inline HitRows brute_force(const Heap& heap, const std::vector<Ray>& rays,
+                           Facing facing = Facing::kBoth) {
+  HitRows rows(rays.size());
+  std::vector<RaySetup> setups;
+  for (const Ray& ray : rays) setups.push_back(make_ray_setup(ray));
+  for (std::uint32_t i = 0; i < heap.count(); ++i) {
+    const auto [a, b, c] = heap.corners(i);
+    if (has_no_area(a, b, c)) continue;
+    for (std::size_t r = 0; r < rays.size(); ++r) {
+      TriangleHit hit;
+      if (!intersect_triangle(setups[r], a, b, c, &hit)) continue;
+      if (!heap.flags.empty() && !shows(facing, heap.flags[i], hit.front)) continue;
+      rows[r].push_back({hit.t, hit.u, hit.v, i});
+    }
+  }
+  for (std::vector<EngineHit>& row : rows) std::sort(row.begin(), row.end(), precedes);
+  return rows;
+}
+
+inline std::size_t hit_count(const HitRows& rows) {
+  std::size_t count = 0;
+  for (const auto& row : rows) count += row.size();
+  return count;
+}
+
+inline bool same_bits(const EngineHit& a, const EngineHit& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+inline bool operator==(const DualCounts& a, const DualCounts& b) {
+  return a.beam_box_tests == b.beam_box_tests && a.ray_box_tests == b.ray_box_tests &&
+         a.triangle_tests == b.triangle_tests;
+}
+
+/// What the three queries say, in the caller's order.
+struct Answers {
+  std::vector<EngineHit> closest;
+  std::vector<std::uint8_t> any;
+  HitRows all;
+  std::array<DualCounts, 3> counts;
+  std::array<std::vector<float>, 3> ray_tests;
+};
+
+inline Answers ask(const Executor& executor, const DualScene& scene, std::vector<Ray> rays,
+                   Sorting sorting) {
+  RayOrder order;
+  const View<const Ray> view(rays);
+  order_rays(executor, view, sorting, &order);
+  Answers a;
+  a.closest.assign(rays.size(), {-1, -1, -1, 7});
+  a.any.assign(rays.size(), 7);
+  for (auto& tests : a.ray_tests) tests.assign(rays.size(), 0);
+  trace_closest(executor, scene, view, order, a.closest, a.ray_tests[0], &a.counts[0]);
+  trace_any(executor, scene, view, order, a.any, a.ray_tests[1], &a.counts[1]);
+  const auto rows = trace_all(executor, scene, view, order, a.ray_tests[2], &a.counts[2]);
+  a.all.resize(rays.size());
+  for (const RowHit& row : rows) a.all[row.ray].push_back(row.hit);
+  for (std::vector<EngineHit>& row : a.all) std::sort(row.begin(), row.end(), precedes);
+  return a;
+}
+
+inline std::string words(const Ray& r) {
+  char text[240];
+  std::snprintf(text, sizeof text, "(%a %a %a) -> (%a %a %a), t %a to %a", r.origin.x, r.origin.y,
+                r.origin.z, r.direction.x, r.direction.y, r.direction.z, r.t_min, r.t_max);
+  return text;
+}
+
+/// Whether `a` is what `rows` says, bit for bit; names the first ray of which it is not.
+inline testing::AssertionResult right(const HitRows& rows, const Answers& a,
+                                      const std::vector<Ray>& rays) {
+  for (std::size_t r = 0; r < rays.size(); ++r) {
+    const auto& row = rows[r];
+    const EngineHit least = row.empty() ? EngineHit{} : row.front();
+    const auto fail = [&](const char* what) {
+      auto failure = testing::AssertionFailure();
+      failure << what << ", ray " << r << ": " << words(rays[r]) << "; " << row.size() << " hits";
+      return failure << ", first " << least.t << " of " << least.triangle;
+    };
+    if (!same_bits(a.closest[r], least))
+      return fail("closest") << ", not " << a.closest[r].t << " of " << a.closest[r].triangle;
+    if (a.any[r] != (row.empty() ? 0 : 1)) return fail("any") << ", not " << int{a.any[r]};
+    if (a.all[r].size() != row.size()) return fail("all") << ", not " << a.all[r].size();
+    for (std::size_t i = 0; i < row.size(); ++i)
+      if (!same_bits(a.all[r][i], row[i])) return fail("all") << ", at " << i;
+  }
+  return testing::AssertionSuccess();
+}
+
+inline testing::AssertionResult same(const Answers& a, const Answers& b) {
+  for (std::size_t q = 0; q < 3; ++q) {
+    if (!(a.counts[q] == b.counts[q])) return testing::AssertionFailure() << "counts of " << q;
+    if (a.ray_tests[q] != b.ray_tests[q]) return testing::AssertionFailure() << "shares of " << q;
+  }
+  if (a.any != b.any) return testing::AssertionFailure() << "any";
+  for (std::size_t r = 0; r < a.closest.size(); ++r) {
+    if (!same_bits(a.closest[r], b.closest[r])) return testing::AssertionFailure() << "closest";
+    if (a.all[r].size() != b.all[r].size() ||
+        !std::equal(a.all[r].begin(), a.all[r].end(), b.all[r].begin(), same_bits))
+      return testing::AssertionFailure() << "all";
+  }
+  return testing::AssertionSuccess();
+}
+
+enum class Tree { kCurve, kFine, kRefitted };
+
+inline const Executor& one_thread() {
+  static const Executor executor(1);
+  return executor;
+}
+inline const Executor& two_threads() {
+  static const Executor executor(2);
+  return executor;
+}
+
+inline void make_tree(Heap* heap, Tree how, ObjectTree* tree) {
+  const Executor& executor = one_thread();
+  if (how == Tree::kCurve) return build_object_tree(executor, heap->source(), tree);
+  if (how == Tree::kFine) return build_fine_object_tree(executor, heap->source(), tree);
+  // Powers of two leave flat what is flat.
+  Heap former = *heap;
+  for (Vec3& p : former.positions) p = p * Vec3{-0.5f, 0.25f, 0.125f};
+  build_object_tree(executor, former.source(), tree);
+  ASSERT_TRUE(refit_object_tree(executor, heap->source(), tree));
+}
+
+/// Every kind of tree and bundle gives what brute force gives. Returns the hits there were.
+inline std::size_t expect_right(Heap heap, const std::vector<Ray>& rays,
+                                Facing facing = Facing::kBoth) {
+  const HitRows rows = brute_force(heap, rays, facing);
+  for (const Tree how : {Tree::kCurve, Tree::kFine, Tree::kRefitted}) {
+    ObjectTree tree;
+    make_tree(&heap, how, &tree);
+    for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream}) {
+      const DualScene scene{&tree, heap.flags.empty() ? nullptr : heap.flags.data(), facing,
+                            bundle};
+      const bool sorted = (how == Tree::kFine) == (bundle == Bundle::kPacket);
+      const Answers a =
+          ask(one_thread(), scene, rays, sorted ? Sorting::kCurve : Sorting::kByQuarter);
+      EXPECT_TRUE(right(rows, a, rays))
+          << "tree " << static_cast<int>(how) << " bundle " << static_cast<int>(bundle);
+    }
+  }
+  return hit_count(rows);
+}
+
+}  // namespace raysheaf::test

@@ -1,0 +1,164 @@
+// Every query of `dual` gives what a look at every triangle gives, bit for bit, whatever the
+// triangles, the tree and the bundles.
+#include "dual/dual.h"
+
+#include "dual/dual_scenes.h"
+
+namespace raysheaf::test {
+namespace {
+
+TEST(Dual, AllShapes) {
+  Random random(1);
+  for (const Shape shape : kShapes) {
+    SCOPED_TRACE(static_cast<int>(shape));
+    const Heap heap = make_heap(shape, 300, random);
+    EXPECT_GT(expect_right(heap, any_rays(heap, 700, random)), 20u);
+  }
+}
+
+TEST(Dual, HitsAtTheirLimits) {
+  Random random(2);
+  for (const Shape shape : kShapes) {
+    SCOPED_TRACE(static_cast<int>(shape));
+    const Heap heap = make_heap(shape, 200, random);
+    std::vector<Ray> rays = any_rays(heap, 400, random);
+    keep_one_hit(heap, &rays, random);
+    expect_right(heap, rays);
+  }
+}
+
+TEST(Dual, AllQuarters) {
+  Random random(3);
+  const Heap heap = make_heap(Shape::kLarge, 100, random);
+  std::vector<Ray> rays;
+  for (std::uint32_t q = 0; q < kQuarters; ++q) {
+    for (std::uint32_t i = 0; i < 20 + q; ++i) {
+      Vec3 d{1, random.unit(), random.unit()};
+      if ((q & 4) != 0) d.x = -d.x;
+      if ((q & 2) != 0) d.y = -d.y;
+      if ((q & 1) != 0) d.z = -d.z;
+      if (q / 8 == 1) d = {d.z, d.x, d.y};
+      if (q / 8 == 2) d = {d.y, d.z, d.x};
+      EXPECT_EQ(quarter_of(d), q);
+      rays.push_back({random.in_box(12), 0, d, kInfinity});
+    }
+  }
+  EXPECT_GT(expect_right(heap, rays), rays.size());
+}
+
+TEST(Dual, Sizes) {
+  Random random(4);
+  for (const std::size_t rays : {0, 1, 15, 16, 17, 4095, 4097, 10000}) {
+    SCOPED_TRACE(rays);
+    const Heap heap = make_heap(Shape::kSmall, rays < 1000 ? 100 : 20, random);
+    expect_right(heap, any_rays(heap, rays, random));
+    // All of one quarter: whole streams.
+    std::vector<Ray> alike = any_rays(heap, rays, random);
+    for (Ray& ray : alike) ray.direction = Vec3{2, 1, 1} + random.in_box(0.5f);
+    expect_right(heap, alike);
+  }
+}
+
+TEST(Dual, Facing) {
+  Random random(5);
+  for (const Shape shape : {Shape::kSmall, Shape::kLarge, Shape::kLattice, Shape::kClosed}) {
+    Heap heap = make_heap(shape, 200, random);
+    for (std::uint32_t i = 0; i < heap.count(); ++i)
+      heap.flags.push_back(static_cast<std::uint8_t>(random.below(4)));
+    const std::vector<Ray> rays = any_rays(heap, 500, random);
+    const std::size_t some = expect_right(heap, rays, Facing::kSkipBackOfSingleSided);
+    EXPECT_LT(some, expect_right(heap, rays, Facing::kBoth));
+  }
+}
+
+TEST(Dual, NoTriangles) {
+  Random random(6);
+  Heap none, flat;
+  flat.add({1, 2, 3}, {2, 4, 6}, {3, 6, 9});
+  const std::vector<Ray> rays = any_rays(flat, 100, random);
+  EXPECT_EQ(expect_right(none, rays), 0u);
+  EXPECT_EQ(expect_right(flat, rays), 0u);
+}
+
+/// From inside a closed surface every ray gets out, through edges and vertices too.
+TEST(Dual, Watertight) {
+  Random random(7);
+  Heap heap;
+  add_closed(12, &heap);
+  std::vector<Ray> rays;
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    const auto t = heap.corners(random.below(heap.count()));
+    const Vec3 o = random.in_box(2), at = i % 2 == 0 ? t[i % 3] : (t[0] + t[1]) * 0.5f;
+    rays.push_back({o, 0, at - o, kInfinity});
+  }
+  for (const auto& row : brute_force(heap, rays)) EXPECT_FALSE(row.empty());
+  expect_right(heap, rays);
+}
+
+/// Nodes of seven leaves and a deeper node that comes first: what waits outgrows any fixed stack.
+TEST(Dual, DeepTree) {
+  constexpr std::uint32_t kDepth = 150;
+  Heap heap;
+  ObjectTree tree;
+  tree.nodes.resize_uninitialized(kDepth);
+  tree.quads.resize_uninitialized(7 * kDepth);
+  tree.bounds = {{-9, -9, 0}, {9, 9, kDepth}};
+  tree.triangles = 7 * kDepth;
+  for (std::uint32_t n = 0; n < kDepth; ++n) {
+    BvhNode& node = tree.nodes[n];
+    node.children = n + 1 < kDepth ? 8 : 7;
+    const auto z = static_cast<float>(kDepth - n);
+    for (std::uint32_t c = 0; c < kBvhWidth; ++c) {
+      const bool leaf = c < 7, none = c >= node.children;
+      const float low[] = {-9, -9, leaf ? z : 0}, high[] = {9, 9, leaf ? z : z - 1};
+      for (int axis = 0; axis < 3; ++axis) {
+        node.bound[axis][c] = none ? kInfinity : low[axis];
+        node.bound[3 + axis][c] = none ? -kInfinity : high[axis];
+      }
+      node.first[c] = none ? 0 : leaf ? 7 * n + c : n + 1;
+      node.count[c] = leaf ? 1 : 0;
+      if (!leaf) continue;
+      TriangleQuad& quad = tree.quads[7 * n + c];
+      const Vec3 corner[] = {{-9, -9, z}, {9, -9, z}, {static_cast<float>(c), 9, z}};
+      for (int k = 0; k < 3; ++k)
+        for (int lane = 0; lane < 4; ++lane)
+          for (int axis = 0; axis < 3; ++axis)
+            quad.vertex[k][axis][lane] = component(corner[k], axis);
+      for (std::uint32_t& id : quad.id) id = heap.count();
+      heap.add(corner[0], corner[1], corner[2]);
+    }
+  }
+  // Sixteen together and few, along the axis; rays that start beyond all nodes but the first.
+  Random random(8);
+  std::vector<Ray> rays;
+  for (int i = 0; i < 163; ++i)
+    rays.push_back({{random.between(-6, 6), random.between(-6, 6), i < 100 ? -1.0f : kDepth - 3.5f},
+                    0,
+                    {random.between(-1e-3f, 1e-3f), random.between(-1e-3f, 1e-3f), 1},
+                    kInfinity});
+  const HitRows rows = brute_force(heap, rays);
+  EXPECT_GT(hit_count(rows), 50000u);
+  for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream}) {
+    const DualScene scene{&tree, nullptr, Facing::kBoth, bundle};
+    EXPECT_TRUE(right(rows, ask(one_thread(), scene, rays, Sorting::kByQuarter), rays));
+    const std::vector<Ray> few(rays.begin(), rays.begin() + 3);
+    EXPECT_TRUE(right(rows, ask(one_thread(), scene, few, Sorting::kCurve), few));
+  }
+}
+
+TEST(Dual, PositionsInGeometricSequence) {
+  Random random(9);
+  Heap heap;
+  for (int i = 0; i < 900; ++i) {
+    const float at = std::pow(1.06f, static_cast<float>(i - 450));
+    heap.add(Vec3{at, at, 0}, Vec3{at, -at, at * 0.1f}, Vec3{at * 1.01f, 0, -at});
+  }
+  std::vector<Ray> rays = any_rays(heap, 300, random);
+  for (int i = 0; i < 100; ++i)
+    rays.push_back(
+        {{}, 0, {1, random.between(-0.5f, 0.5f), random.between(-0.1f, 0.1f)}, kInfinity});
+  EXPECT_GT(expect_right(heap, rays), 5000u);
+}
+
+}  // namespace
+}  // namespace raysheaf::test

@@ -1,0 +1,157 @@
+#include "dual/ray_order.h"
+
+#include <numeric>
+
+#include "dual/dual_scenes.h"
+
+namespace raysheaf::test {
+namespace {
+
+std::vector<Ray> rays_of(std::size_t count, Random& random) {
+  std::vector<Ray> rays;
+  Ray ray;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i == 0 || random.below(4) != 0) {
+      ray.origin = random.in_box(random.below(50) == 0 ? 1e6f : 3);
+      ray.direction = any_direction(random);
+    }
+    rays.push_back(ray);
+  }
+  return rays;
+}
+
+/// The quarter's number as its words say, from the ray-triangle test's own axes.
+std::uint32_t expected_quarter(const Ray& ray) {
+  const RaySetup setup = make_ray_setup(ray);
+  const int z = setup.axis_z, next = (z + 1) % 3, last = (z + 2) % 3;
+  const auto against = [&](int axis) { return std::signbit(component(ray.direction, axis)); };
+  return static_cast<std::uint32_t>(8 * z + (against(z) ? 4 : 0) + (against(next) ? 2 : 0) +
+                                    (against(last) ? 1 : 0));
+}
+
+void expect_order(const std::vector<Ray>& rays, const RayOrder& order) {
+  ASSERT_EQ(order.rays.size(), rays.size());
+  std::vector<std::uint8_t> seen(rays.size(), 0);
+  for (const std::uint32_t r : order.rays) {
+    ASSERT_LT(r, rays.size());
+    EXPECT_EQ(seen[r]++, 0);
+  }
+  EXPECT_EQ(order.starts[0], 0u);
+  EXPECT_EQ(order.starts[kQuarters], rays.size());
+  for (std::uint32_t q = 0; q < kQuarters; ++q)
+    for (std::uint32_t i = order.starts[q]; i < order.starts[q + 1]; ++i)
+      ASSERT_EQ(quarter_of(rays[order.rays[i]].direction), q);
+}
+
+bool same_ray(const Ray& a, const Ray& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+TEST(RayOrder, QuartersAreThoseOfTheTest) {
+  Random random(1);
+  std::vector<std::uint8_t> met(kQuarters, 0);
+  for (const Ray& ray : rays_of(20000, random)) {
+    const std::uint32_t q = quarter_of(ray.direction);
+    ASSERT_EQ(q, expected_quarter(ray)) << words(ray);
+    // A ray against its axis has the other two the other way round.
+    const RaySetup setup = make_ray_setup(ray);
+    const int next = (setup.axis_z + 1) % 3, last = (setup.axis_z + 2) % 3;
+    EXPECT_EQ(setup.axis_x, (q & 4) != 0 ? last : next);
+    EXPECT_EQ(setup.axis_y, (q & 4) != 0 ? next : last);
+    met[q] = 1;
+  }
+  EXPECT_EQ(std::count(met.begin(), met.end(), 1), kQuarters);
+}
+
+TEST(RayOrder, AnyNumberOfRays) {
+  Random random(2);
+  RayOrder order;
+  for (const std::size_t count : {0, 1, 2, 3, 16, 17, 33, 1000, 16384, 16385, 70000, 5}) {
+    const std::vector<Ray> rays = rays_of(count, random);
+    for (const Sorting sorting : {Sorting::kByQuarter, Sorting::kCurve}) {
+      order_rays(one_thread(), View<const Ray>(rays), sorting, &order);
+      expect_order(rays, order);
+    }
+  }
+}
+
+TEST(RayOrder, TiesKeepTheirOrder) {
+  Random random(3);
+  const std::vector<Ray> rays = rays_of(40000, random);
+  RayOrder order;
+  order_rays(two_threads(), View<const Ray>(rays), Sorting::kByQuarter, &order);
+  for (std::uint32_t q = 0; q < kQuarters; ++q)
+    EXPECT_TRUE(std::is_sorted(order.rays.begin() + order.starts[q],
+                               order.rays.begin() + order.starts[q + 1]));
+  order_rays(two_threads(), View<const Ray>(rays), Sorting::kCurve, &order);
+  std::size_t ties = 0;
+  for (std::size_t i = 0; i + 1 < rays.size(); ++i) {
+    const std::uint32_t a = order.rays[i], b = order.rays[i + 1];
+    if (!same_ray(rays[a], rays[b])) continue;
+    EXPECT_LT(a, b);
+    ++ties;
+  }
+  EXPECT_GT(ties, 5000u);
+}
+
+/// Equal rays are neighbours, and neighbours are nearer than rays in any order.
+TEST(RayOrder, CurveBringsTogetherWhatIsAlike) {
+  Random random(4);
+  std::vector<Ray> rays;
+  for (int i = 0; i < 20000; ++i)
+    rays.push_back({random.in_box(5), 0, random.direction(), kInfinity});
+  RayOrder order;
+  order_rays(one_thread(), View<const Ray>(rays), Sorting::kCurve, &order);
+  const auto apart = [&](std::uint32_t a, std::uint32_t b) {
+    return length(rays[a].origin - rays[b].origin) / 5 +
+           length(rays[a].direction - rays[b].direction);
+  };
+  double sorted = 0, unsorted = 0;
+  for (std::uint32_t i = 0; i + 1 < rays.size(); ++i) {
+    sorted += apart(order.rays[i], order.rays[i + 1]);
+    unsorted += apart(i, i + 1);
+  }
+  EXPECT_LT(sorted, 0.4 * unsorted);
+
+  std::vector<Ray> twice = rays;
+  twice.insert(twice.end(), rays.begin(), rays.end());
+  order_rays(one_thread(), View<const Ray>(twice), Sorting::kCurve, &order);
+  std::size_t together = 0;
+  for (std::size_t i = 0; i + 1 < twice.size(); ++i)
+    together += order.rays[i] + rays.size() == order.rays[i + 1] ? 1 : 0;
+  EXPECT_GT(together, rays.size() * 9 / 10);
+}
+
+TEST(RayOrder, SameWithAnyThreads) {
+  Random random(5);
+  for (const std::size_t count : {100, 5000, 60000}) {
+    const std::vector<Ray> rays = rays_of(count, random);
+    for (const Sorting sorting : {Sorting::kByQuarter, Sorting::kCurve}) {
+      RayOrder a, b;
+      order_rays(one_thread(), View<const Ray>(rays), sorting, &a);
+      order_rays(two_threads(), View<const Ray>(rays), sorting, &b);
+      EXPECT_TRUE(std::equal(a.rays.begin(), a.rays.end(), b.rays.begin(), b.rays.end()));
+      EXPECT_EQ(a.starts, b.starts);
+    }
+  }
+}
+
+TEST(RayOrder, OriginsAtOnePlaceAndEverywhere) {
+  Random random(6);
+  RayOrder order;
+  for (const float half : {0.0f, 1e-45f, 1e-30f, 1e30f, 3.4e38f}) {
+    std::vector<Ray> rays;
+    for (int i = 0; i < 1000; ++i) {
+      rays.push_back({random.in_box(1) * half, 0, any_direction(random), kInfinity});
+      if (i % 3 == 0) rays.back().direction = rays.back().direction * 1e-44f;
+      if (!(max_component(abs(rays.back().direction)) > 0)) rays.back().direction = {1e-45f, 0, 0};
+    }
+    for (const Sorting sorting : {Sorting::kByQuarter, Sorting::kCurve}) {
+      order_rays(one_thread(), View<const Ray>(rays), sorting, &order);
+      expect_order(rays, order);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace raysheaf::test
