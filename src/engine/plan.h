@@ -18,11 +18,11 @@ namespace raysheaf {
 
 /// How alike rays are that stand beside each other, from a sample.
 struct Coherence {
-  double origin = 0;     ///< extent of sixteen rays' origins, as a part of the batch's
+  double origin = 0;     ///< median extent of sixteen rays' origins, as a part of the batch's
   double direction = 0;  ///< part of such sixteens that run towards one quarter, with slopes alike
 
   [[nodiscard]] bool origins_alike() const { return origin < 0.2; }
-  [[nodiscard]] bool directions_alike() const { return direction > 0.5; }
+  [[nodiscard]] bool directions_alike() const { return direction > 0.7; }
 };
 
 /// `order` = null: as they stand. O(1): a sample.
