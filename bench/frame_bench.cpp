@@ -84,8 +84,10 @@ void one_and_all(benchmark::internal::Benchmark* bench) {
 BENCHMARK(shadow_batch<Method::kBrute>)->Apply(one_and_all);
 BENCHMARK(shadow_batch<Method::kRah>)->Apply(one_and_all);
 BENCHMARK(shadow_batch<Method::kCrsh>)->Apply(one_and_all);
+BENCHMARK(shadow_batch<Method::kDual>)->Apply(one_and_all);
 BENCHMARK(whole_frame<Method::kRah>)->Apply(one_and_all);
 BENCHMARK(whole_frame<Method::kCrsh>)->Apply(one_and_all);
+BENCHMARK(whole_frame<Method::kDual>)->Apply(one_and_all);
 
 }  // namespace
 }  // namespace raysheaf::bench
