@@ -49,7 +49,7 @@ std::string introduction(const PaperReport& report) {
 
 std::string summary(const PaperReport& report) {
   std::string text;
-  for (const Method method : {Method::kCrsh, Method::kRah}) {
+  for (const Method method : {Method::kCrsh, Method::kRah, Method::kDual}) {
     if (!has(report, method)) continue;
     text += fmt::format("* **`{}`** makes {} of brute force's tests.\n", to_string(method),
                         relatives(report, method));

@@ -69,6 +69,8 @@ void add(const BatchStatistics& batch, BatchStatistics* sum) {
   sum->rays += batch.rays;
   sum->chunks += batch.chunks;
   sum->mesh_sphere_tests += batch.mesh_sphere_tests;
+  sum->bound_tests += batch.bound_tests;
+  sum->ray_bound_tests += batch.ray_bound_tests;
   sum->final_tests += batch.final_tests;
   sum->hits += batch.hits;
   add(batch.times_ms, &sum->times_ms);
@@ -215,7 +217,7 @@ PaperReport measure_paper(const BenchPaperCommand& command, const Tell& tell) {
 
 std::vector<Method> paper_methods() {
   std::vector<Method> all;
-  for (const char* name : {"brute", "rah", "crsh", "gl10"}) {
+  for (const char* name : {"brute", "rah", "crsh", "gl10", "dual"}) {
     try {
       all.push_back(method_from_string(name));
     } catch (const Error&) {  // not in this build

@@ -53,12 +53,15 @@ Json result_json(const Measured& m) {
           {"rays", c.rays},
           {"triangles", c.triangles},
           {"levels", levels_json(c.levels)},
+          {"bound_tests", c.bound_tests},
+          {"ray_bound_tests", c.ray_bound_tests},
           {"final_tests", c.final_tests},
           {"mesh_sphere_tests", c.mesh_sphere_tests},
           {"total", c.total_tests()},
           {"brute_force", c.brute_force_tests()},
           {"relative", c.relative()},
           {"paper", published_json(m.published)},
+          {"plan", c.plan},
           {"times_ms", times_json(m)}};
 }
 

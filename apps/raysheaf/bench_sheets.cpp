@@ -43,7 +43,12 @@ void add_levels(const Measured& m, Sheet* sheet) {
          shown_ratio(ratio(level.hits, hits))});
   }
   const PublishedCount finals = published_final(m);
-  if (!m.counts.levels.empty())
+  const bool by_bounds = m.counts.bound_tests + m.counts.ray_bound_tests > 0;
+  if (by_bounds) {
+    add({"bundles", whole(m.counts.bound_tests), "-", "-", "-", "-", "-", "-"});
+    add({"rays", whole(m.counts.ray_bound_tests), "-", "-", "-", "-", "-", "-"});
+  }
+  if (by_bounds || !m.counts.levels.empty())
     add({"final", whole(m.counts.final_tests), "-", "-", published(finals),
          shown_ratio(ratio(m.counts.final_tests, finals)), "-", "-"});
   const std::uint64_t total = m.published != nullptr ? m.published->total : 0;
@@ -68,10 +73,18 @@ Sheet totals_sheet(const PaperReport& report) {
   return sheet;
 }
 
+std::string words_on_dual(const PaperReport& report) {
+  const auto& all = report.methods;
+  if (std::find(all.begin(), all.end(), Method::kDual) == all.end()) return "";
+  return " `dual` has no levels: its lines are bundles of rays with bounds, rays with bounds, rays "
+         "with triangles.";
+}
+
 Sheet levels_sheet(const PaperReport& report) {
   Sheet sheet{"Levels",
               "From the top down; final tests are rays with triangles. ~ marks what the paper's "
-              "counts are known to in three or four digits.",
+              "counts are known to in three or four digits." +
+                  words_on_dual(report),
               {"scene", "rays", "method", "level", "tests", "hits", "misses", "paper: tests",
                "ours / paper", "paper: hits", "ours / paper"},
               {}};

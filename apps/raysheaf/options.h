@@ -24,7 +24,7 @@ struct RenderCommand {
   std::vector<std::string> pictures;  ///< PNG and OpenEXR, by their ending
   std::string stats_path, heatmap_path;
   std::string device = "cpu";
-  bool quiet = false;
+  bool explain = false, quiet = false;
   RenderOptions options;
 };
 

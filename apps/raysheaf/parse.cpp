@@ -27,6 +27,8 @@ void add_outputs(CLI::App& app, RenderCommand& command) {
   app.add_option("--stats", command.stats_path, "Statistics as JSON")->type_name("FILE.json");
   app.add_option("--heatmap", command.heatmap_path, "Tests per pixel as a picture with a legend")
       ->type_name("FILE.png");
+  app.add_flag("--explain", command.explain,
+               "Print for each batch of rays what dual chose and why, and what it counted");
   app.add_flag("-q,--quiet", command.quiet, "No progress bar, warnings or summary");
 }
 
@@ -49,8 +51,9 @@ void add_rays(CLI::App& app, RenderCommand& command) {
   add_off_switch(app, "--no-shadows", options.shadows, "No shadow rays");
   add_off_switch(app, "--no-reflections", options.reflections, "No mirror reflections");
   add_off_switch(app, "--no-refractions", options.refractions, "No refractions");
-  app.add_flag("--early-out", options.early_out,
-               "Shadow rays stop at their first hit (the paper counts without)");
+  app.add_flag(
+      "--early-out", options.early_out,
+      "Shadow rays stop at their first hit (the paper counts without; dual always does so)");
   add_value(
       app, "--primary", "raster|trace", "First hits by OpenGL (raster) or by rays (trace) [raster]",
       [&options](const std::string& text) {
@@ -63,18 +66,22 @@ void add_rays(CLI::App& app, RenderCommand& command) {
 
 void add_method(CLI::App& app, RenderCommand& command) {
   RenderOptions& options = command.options;
-  add_value(app, "--method", "brute|rah|crsh|gl10", "How rays meet triangles [crsh]",
+  add_value(app, "--method", "brute|rah|crsh|gl10|dual", "How rays meet triangles [dual]",
             [&options](const auto& text) { options.method = method_from_string(text); });
-  add_count(app, "--levels", options.levels, 1, 8, "Levels of the ray hierarchy, 1 to 8 [2]");
-  add_count(app, "--branching", options.branching, 2, 64, "Children of a node, 2 to 64 [8]");
-  add_value(app, "--key", "NAME", "What rays are sorted by [the method's own]",
+  add_count(app, "--levels", options.levels, 1, 8,
+            "Of rah and crsh: levels of the ray hierarchy, 1 to 8 [2]");
+  add_count(app, "--branching", options.branching, 2, 64,
+            "Of rah and crsh: children of a node, 2 to 64 [8]");
+  add_value(app, "--key", "NAME",
+            "Of rah, crsh and gl10: what rays are sorted by [the method's own]",
             [&options](const auto& text) { options.key = key_from_string(text); });
-  add_value(app, "--key-bits", "32|64", "Bits of the key, where it comes in both [32]",
+  add_value(app, "--key-bits", "32|64", "Of the same: bits of the key, where it comes in both [32]",
             [&options](const auto& text) { options.key_bits = parse_key_bits(text); });
-  add_value(app, "--bound", "NAME", "What bounds a bundle of rays [the method's own]",
+  add_value(app, "--bound", "NAME",
+            "Of rah and crsh: what bounds a bundle of rays [the method's own]",
             [&options](const auto& text) { options.bound = bound_from_string(text); });
   add_value(app, "--mesh-culling", "on|off",
-            "Test the spheres of meshes before their triangles [the method's own]",
+            "Of rah and crsh: test the spheres of meshes before their triangles [the method's own]",
             [&options](const auto& text) { options.mesh_culling = parse_switch(text); });
   add_count(app, "--threads", options.threads, 0, 1024, "Threads, up to 1024; 0 is all cores [0]");
   add_value(app, "--device", "cpu|cuda", "Where the rays are traced [cpu]",
@@ -108,8 +115,9 @@ void check_outputs(const RenderCommand& command) {
   if (!command.heatmap_path.empty() && !has_ending(command.heatmap_path, ".png")) {
     throw CLI::ValidationError("--heatmap", "'" + command.heatmap_path + "' does not end in .png");
   }
-  if (seen.empty()) {
-    throw CLI::ValidationError("render", "nothing to write: give -o, --stats or --heatmap");
+  if (seen.empty() && !command.explain) {
+    throw CLI::ValidationError("render",
+                               "nothing to write: give -o, --stats, --heatmap or --explain");
   }
 }
 
@@ -126,7 +134,8 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
       "  raysheaf render builtin:office -o office.png\n"
       "  raysheaf render builtin:cornell -o cornell.png -o cornell.exr --bounces 4\n"
       "  raysheaf render model.glb -o model.png --size 1280x720 --camera 1 --stats model.json\n"
-      "  raysheaf render builtin:atrium --heatmap tests.png --method rah");
+      "  raysheaf render builtin:atrium --heatmap tests.png --method rah\n"
+      "  raysheaf render builtin:atrium --explain --quiet");
   sub->callback([&command] { check_outputs(command); });
   return sub;
 }

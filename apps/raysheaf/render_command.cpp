@@ -93,6 +93,32 @@ void tell_summary(const RenderCommand& command, const FrameStatistics& statistic
   wrote(command.stats_path);
 }
 
+/// One batch: how large it is, what was chosen for it and why, and what that came to.
+std::string explained(const BatchStatistics& batch, const std::string& method) {
+  std::string text = fmt::format("{}, bounce {}: {} rays, {} triangles\n", to_string(batch.kind),
+                                 batch.bounce, batch.rays, batch.triangles);
+  if (batch.rays == 0) return text + "  nothing to do\n";
+  if (batch.plan.empty()) text += "  no plan: " + method + " treats every batch alike\n";
+  for (const std::string& sentence : batch.plan) text += "  " + sentence + "\n";
+  std::uint64_t level_tests = 0;
+  for (const LevelStatistics& level : batch.levels) level_tests += level.tests;
+  text += fmt::format(
+      "  tests: {} of bundles with bounds, {} of rays with bounds, {} of rays with triangles; "
+      "{:.4f} % of brute force's\n",
+      level_tests + batch.bound_tests, batch.ray_bound_tests, batch.final_tests,
+      batch.relative() * 100);
+  const StageTimes& t = batch.times_ms;
+  return text + fmt::format("  hits: {} rays; ms: order {:.1f}, hierarchy {:.1f}, trace {:.1f}\n",
+                            batch.hits, t.order, t.hierarchy, t.traverse + t.intersect);
+}
+
+void explain(const FrameStatistics& statistics) {
+  std::string text;
+  for (const BatchStatistics& batch : statistics.batches)
+    text += explained(batch, statistics.method);
+  print(text.empty() ? "no rays were traced\n" : text);
+}
+
 }  // namespace
 
 int run(const RenderCommand& command) {
@@ -113,6 +139,7 @@ int run(const RenderCommand& command) {
   const RenderResult result = render_with_progress(scene, command);
   write_outputs(command, targets, result, load.count());
   if (!command.quiet) tell_summary(command, result.statistics, load.count());
+  if (command.explain) explain(result.statistics);
   return kSuccess;
 }
 

@@ -12,6 +12,7 @@ enum class Method : std::uint8_t {
   kRah,    ///< ray hierarchy over trimmed raster order (Roger, Assarsson, Holzschuch 2007)
   kCrsh,   ///< hashed, compressed, sorted rays, and mesh culling (Reis, Costa, Pereira 2017)
   kGl10,   ///< sorted rays in packets, breadth-first through a BVH (Garanzha & Loop 2010)
+  kDual,   ///< bundles of rays against an object hierarchy, planned batch by batch
 };
 
 [[nodiscard]] const char* to_string(Method method);
@@ -55,6 +56,7 @@ enum class Traversal : std::uint8_t {
   kBruteForce,    ///< every ray with every triangle
   kRayHierarchy,  ///< a hierarchy over the rays: `bound` to `branching` say which
   kPackets,  ///< packets of at most 256 rays, by their frusta, through a BVH over the triangles
+  kDual,     ///< by the plan of each batch: nothing below is used
 };
 
 struct MethodSettings {

@@ -29,19 +29,21 @@ struct Progress {
 struct RenderOptions {
   std::uint32_t width = 512, height = 512;  ///< 1 to 16384 each
   std::string camera;                       ///< a name or an index; empty: the first
-  Method method = Method::kCrsh;
+  Method method = Method::kDual;
   Primary primary = Primary::kRaster;
-  std::uint32_t bounces = 2;    ///< reflections and refractions in a row, 0 to 32
-  std::uint32_t levels = 2;     ///< of the ray hierarchy, 1 to 8
-  std::uint32_t branching = 8;  ///< children a node, 2 to 64
-  // Unset: the method's own. None of them changes the picture, only the counts and the time.
+  std::uint32_t bounces = 2;  ///< reflections and refractions in a row, 0 to 32
+  // For `rah` and `crsh`, the first two for `gl10` too; `brute` and `dual` use none of them. Unset:
+  // the method's own. None of them changes the picture, only the counts and the time.
   std::optional<RayKey> key;
   std::optional<std::uint32_t> key_bits;  ///< 32 or 64
+  std::uint32_t levels = 2;               ///< of the ray hierarchy, 1 to 8
+  std::uint32_t branching = 8;            ///< children a node, 2 to 64
   std::optional<BundleBound> bound;
   std::optional<bool> mesh_culling;
   std::uint32_t threads = 0;  ///< 0: all cores
   bool shadows = true, reflections = true, refractions = true;
-  bool early_out = false;  ///< shadow rays stop at their first hit; the paper counts without
+  /// Shadow rays stop at their first hit; the paper counts without. Those of `dual` always do.
+  bool early_out = false;
   bool count_pixel_tests = false;  ///< fill `RenderResult::tests`
   std::optional<float> exposure;   ///< factor on radiance before tone mapping; none: automatic
   std::optional<Vec3> ambient;     ///< radiance of a uniform sky; none: a little, from the lights

@@ -4,7 +4,8 @@
 // b rays): tests at the top are those of its nodes with the candidate triangles, tests at level l
 // are b times the hits of level l + 1, final ray-triangle tests b times the hits of level 1. The
 // last node of a level counts as if it were full. Mesh-sphere tests stand apart and are in no
-// total.
+// total. `dual` has no such levels: each test of two bounds, of a ray with a bound and of a ray
+// with a triangle counts 1.
 #pragma once
 
 #include <cstdint>
@@ -43,9 +44,12 @@ struct BatchStatistics {
   std::uint64_t chunks = 0;  ///< runs of equal keys that were sorted; 0 where nothing was
   std::uint64_t mesh_sphere_tests = 0;
   std::vector<LevelStatistics> levels;  ///< from the top down
-  std::uint64_t final_tests = 0;
-  std::uint64_t hits = 0;  ///< rays that met something
+  std::uint64_t bound_tests = 0;        ///< of `dual`: bundles of rays with boxes or triangles
+  std::uint64_t ray_bound_tests = 0;    ///< of `dual`: rays with boxes
+  std::uint64_t final_tests = 0;        ///< rays with triangles
+  std::uint64_t hits = 0;               ///< rays that met something
   StageTimes times_ms;
+  std::vector<std::string> plan;  ///< of `dual`: what was chosen and why, a sentence a choice
 
   [[nodiscard]] std::uint64_t total_tests() const;
   [[nodiscard]] std::uint64_t brute_force_tests() const { return rays * triangles; }

@@ -16,7 +16,8 @@ struct Named {
 constexpr Named<Method> kMethods[]{{Method::kBrute, "brute"},
                                    {Method::kRah, "rah"},
                                    {Method::kCrsh, "crsh"},
-                                   {Method::kGl10, "gl10"}};
+                                   {Method::kGl10, "gl10"},
+                                   {Method::kDual, "dual"}};
 constexpr Named<RayKey> kKeys[]{{RayKey::kRaster, "raster"},
                                 {RayKey::kPixelMorton, "pixel-morton"},
                                 {RayKey::kCrsh, "crsh"},
@@ -82,6 +83,7 @@ MethodSettings method_settings(Method method) {
   MethodSettings settings;
   if (method == Method::kBrute) settings.traversal = Traversal::kBruteForce;
   if (method == Method::kGl10) settings.traversal = Traversal::kPackets;
+  if (method == Method::kDual) settings.traversal = Traversal::kDual;
   settings.mesh_culling = method == Method::kCrsh;
   const bool sorted = method == Method::kCrsh || method == Method::kGl10;
   settings.key = sorted ? RayKey::kCrsh : RayKey::kRaster;

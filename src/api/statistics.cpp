@@ -33,12 +33,15 @@ Json batch_json(const BatchStatistics& batch) {
           {"chunks", batch.chunks},
           {"mesh_sphere_tests", batch.mesh_sphere_tests},
           {"levels", std::move(levels)},
+          {"bound_tests", batch.bound_tests},
+          {"ray_bound_tests", batch.ray_bound_tests},
           {"final_tests", batch.final_tests},
           {"total_tests", batch.total_tests()},
           {"brute_force_tests", batch.brute_force_tests()},
           {"relative", batch.relative()},
           {"hits", batch.hits},
-          {"times_ms", times_json(batch.times_ms)}};
+          {"times_ms", times_json(batch.times_ms)},
+          {"plan", batch.plan}};
 }
 
 }  // namespace
@@ -60,7 +63,7 @@ const char* to_string(RayKind kind) {
 }
 
 std::uint64_t BatchStatistics::total_tests() const {
-  std::uint64_t total = final_tests;
+  std::uint64_t total = bound_tests + ray_bound_tests + final_tests;
   for (const LevelStatistics& level : levels) total += level.tests;
   return total;
 }

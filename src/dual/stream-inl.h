@@ -16,6 +16,9 @@ HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
 #endif
 }
 
+/// Rays at or below go on one by one.
+inline constexpr std::uint32_t kStreamSingles = 8;
+
 template <class Mode>
 class StreamWalk {
  public:
@@ -37,6 +40,9 @@ class StreamWalk {
         stream_.waiting.pop_back();
         if (next.count != 0) {
           meet_leaf(next);
+        } else if (next.size <= kStreamSingles) {
+          for (std::uint32_t i = 0; i < next.size; ++i)
+            walk_ray(stream_.lists[next.offset + i], next.first);
         } else {
           open(next);
         }
@@ -117,6 +123,46 @@ class StreamWalk {
       meet_leaf({quad, n, 0, size});
     });
     unbounded_.clear();
+  }
+
+  void walk_ray(std::uint32_t n, std::uint32_t root) {
+    const Stream& s = stream_;
+    const StreamRay& r = s.rays[n];
+    const StreamShear& shear = s.shears[n];
+    // A lower plane moves down by the pad as the origin moves up, an upper plane up.
+    const auto from = [&](float o, int row) { return row < 3 ? o + s.pad : o - s.pad; };
+    const SingleRay ray{from(r.ox, s.near_x),
+                        from(r.ox, s.far_x),
+                        from(r.oy, s.near_y),
+                        from(r.oy, s.far_y),
+                        from(r.oz, s.near_z),
+                        from(r.oz, s.far_z),
+                        r.per_x,
+                        r.per_y,
+                        r.s_near,
+                        s.near_x,
+                        s.far_x,
+                        s.near_y,
+                        s.far_y,
+                        s.near_z,
+                        s.far_z,
+                        r.ox,
+                        r.oy,
+                        r.oz,
+                        shear.shear_x,
+                        shear.shear_y,
+                        shear.shear_z,
+                        shear.t_min,
+                        s.axis_x,
+                        s.axis_y,
+                        s.axis_z,
+                        s.mirrored};
+    counts_.ray_box_tests += walk_single(
+        tree_, ray, root, r.s_far, &single_waiting_, [&](std::uint32_t quad, std::uint32_t count) {
+          counts_.triangle_tests += count;
+          leaf_with_ray(tree_, ray, shear.t_limit, quad, count,
+                        [&](std::uint32_t id, const TriangleHit& hit) { take(n, id, hit); });
+        });
   }
 
   /// The children from far to near along the stream's axis.
@@ -327,5 +373,6 @@ class StreamWalk {
   RayPacket packet_;
   DualCounts counts_;
   std::vector<RowHit> rows_;
+  std::vector<Waiting> single_waiting_ = std::vector<Waiting>(256);
   std::vector<std::uint32_t> unbounded_;  ///< rays of packets that have no bounds
 };

@@ -26,6 +26,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #include "dual/triangle-inl.h"
 
+#include "dual/single-inl.h"
+
 #include "dual/walk-inl.h"
 
 #include "dual/stream-inl.h"

@@ -1,36 +1,5 @@
 // One packet's way through the tree. Included by dual/trace_simd.cpp, inside its namespace.
 
-/// A subtree that waits. In two words, each written and read whole: a load of what was stored in
-/// smaller parts waits until they have reached the cache.
-struct Waiting {
-  std::uint64_t near_and_lanes, subtree;
-
-  Waiting() = default;
-  /// `near`: where the beam, or the ray, enters the box; `lanes`: that met it; `first` and `count`
-  /// as in BvhNode.
-  HWY_INLINE Waiting(float near, std::uint32_t lanes, std::uint32_t first, std::uint32_t count)
-      : near_and_lanes(std::bit_cast<std::uint32_t>(near) | std::uint64_t{lanes} << 32),
-        subtree(first | std::uint64_t{count} << 32) {}
-
-  [[nodiscard]] HWY_INLINE float near() const {
-    return std::bit_cast<float>(static_cast<std::uint32_t>(near_and_lanes));
-  }
-  [[nodiscard]] HWY_INLINE std::uint32_t lanes() const {
-    return static_cast<std::uint32_t>(near_and_lanes >> 32);
-  }
-  [[nodiscard]] HWY_INLINE std::uint32_t first() const {
-    return static_cast<std::uint32_t>(subtree);
-  }
-  [[nodiscard]] HWY_INLINE std::uint32_t count() const {
-    return static_cast<std::uint32_t>(subtree >> 32);
-  }
-  HWY_INLINE void copy_to(Waiting* to) const {
-    const std::uint64_t a = near_and_lanes, b = subtree;
-    to->near_and_lanes = a;
-    to->subtree = b;
-  }
-};
-
 /// Lanes at or below go on one by one.
 inline constexpr int kSingleRays = 3;
 
@@ -104,7 +73,7 @@ class Walk {
         if (meet_leaf(next.first(), next.count())) beam_.end = farthest_zeta(packet_) + packet_.pad;
       } else if (__builtin_popcount(next.lanes()) <= kSingleRays) {
         for (std::uint32_t m = next.lanes(); m != 0; m &= m - 1)
-          walk_single(static_cast<std::uint32_t>(__builtin_ctz(m)), next.first());
+          walk_lane(static_cast<std::uint32_t>(__builtin_ctz(m)), next.first());
         beam_.end = farthest_zeta(packet_) + packet_.pad;
       } else {
         top = open(next.first(), top);
@@ -252,7 +221,23 @@ class Walk {
     }
   }
 
-#include "dual/single-inl.h"
+  void walk_lane(std::uint32_t lane, std::uint32_t root) {
+    const RayPacket& p = packet_;
+    const SingleRay ray{p.x_near[lane],  p.x_far[lane], p.y_near[lane],  p.y_far[lane],
+                        p.z_near[lane],  p.z_far[lane], p.per_x[lane],   p.per_y[lane],
+                        p.s_near[lane],  p.near_x,      p.far_x,         p.near_y,
+                        p.far_y,         p.near_z,      p.far_z,         p.ox[lane],
+                        p.oy[lane],      p.oz[lane],    p.shear_x[lane], p.shear_y[lane],
+                        p.shear_z[lane], p.t_min[lane], p.axis_x,        p.axis_y,
+                        p.axis_z,        p.mirrored};
+    counts_.ray_box_tests += walk_single(
+        tree_, ray, root, p.s_far[lane], &waiting_nodes_,
+        [&](std::uint32_t quad, std::uint32_t count) {
+          counts_.triangle_tests += count;
+          leaf_with_ray(tree_, ray, p.t_limit[lane], quad, count,
+                        [&](std::uint32_t id, const TriangleHit& hit) { take(lane, id, hit); });
+        });
+  }
 
   void write_back() {
     const RayPacket& p = packet_;

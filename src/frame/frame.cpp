@@ -36,6 +36,14 @@ MethodSettings settings_for(const RenderOptions& options) {
   return settings;
 }
 
+/// `dual` plans each batch by itself (`BatchStatistics::plan`).
+constexpr const char* kPlanned = "plan";
+
+/// What rays are sorted by, in a word for the statistics.
+const char* key_name(const MethodSettings& settings) {
+  return settings.traversal == Traversal::kDual ? kPlanned : to_string(settings.key);
+}
+
 /// What bounds bundles of rays, in a word for the statistics.
 const char* bound_name(const MethodSettings& settings) {
   switch (settings.traversal) {
@@ -43,6 +51,8 @@ const char* bound_name(const MethodSettings& settings) {
       return "none";
     case Traversal::kPackets:
       return to_string(BundleBound::kFrustum);
+    case Traversal::kDual:
+      return kPlanned;
     case Traversal::kRayHierarchy:
       break;
   }
@@ -60,7 +70,7 @@ class Frame {
         meter_(*meter) {
     trace_.method = settings_for(options_);
     trace_.cache = &trace_cache_;
-    result_.statistics.key = to_string(trace_.method.key);
+    result_.statistics.key = key_name(trace_.method);
     result_.statistics.bound = bound_name(trace_.method);
     result_.width = options_.width;
     result_.height = options_.height;
@@ -94,7 +104,7 @@ class Frame {
     } else {
       BatchStatistics& batch = statistics_for(RayKind::kPrimary, 0);
       triangles = trace_primary(executor_, scene_, input_.camera, size, trace_.method, &batch,
-                                result_.tests, &meter_);
+                                result_.tests, &meter_, &trace_cache_);
     }
     meter_.begin("surfaces", 1);
     std::vector<Fragment> fragments =

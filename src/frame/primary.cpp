@@ -43,7 +43,8 @@ std::vector<std::uint32_t> rasterize_primary(const Executor& executor, Rasterize
 std::vector<std::uint32_t> trace_primary(const Executor& executor, const FlatScene& scene,
                                          const Camera& camera, PictureSize size,
                                          const MethodSettings& method, BatchStatistics* statistics,
-                                         View<float> pixel_tests, ProgressMeter* meter) {
+                                         View<float> pixel_tests, ProgressMeter* meter,
+                                         TraceCache* cache) {
   const CameraFrame frame = make_camera_frame(camera, size.width, size.height);
   RayBatch batch;
   batch.kind = RayKind::kPrimary;
@@ -62,6 +63,7 @@ std::vector<std::uint32_t> trace_primary(const Executor& executor, const FlatSce
   TraceOptions options;
   options.method = method;
   options.facing = Facing::kSkipBackOfSingleSided;
+  options.cache = cache;
   const std::vector<RayHit> hits =
       trace(executor, scene, batch, options, statistics, pixel_tests, meter);
   std::vector<std::uint32_t> triangles(hits.size());

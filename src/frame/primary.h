@@ -26,11 +26,11 @@ struct PictureSize {
                                                            const Camera& camera, PictureSize size);
 
 /// The same by rays, which pass the backs of single-sided triangles. `pixel_tests`: as `trace` has
-/// it.
+/// it; `cache`: of the scene, shared with other batches, or null.
 [[nodiscard]] std::vector<std::uint32_t> trace_primary(
     const Executor& executor, const FlatScene& scene, const Camera& camera, PictureSize size,
     const MethodSettings& method, BatchStatistics* statistics, View<float> pixel_tests,
-    ProgressMeter* meter);
+    ProgressMeter* meter, TraceCache* cache = nullptr);
 
 /// One fragment a pixel, with the attributes of the triangle there.
 [[nodiscard]] std::vector<Fragment> fetch_fragments(const Executor& executor,

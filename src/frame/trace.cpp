@@ -188,6 +188,19 @@ std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& sce
   return hits;
 }
 
+std::vector<RayHit> trace_dual(const Executor& executor, const FlatScene& scene,
+                               const RayBatch& batch, const TraceOptions& options,
+                               BatchStatistics* statistics, View<float> ray_tests,
+                               ProgressMeter* meter) {
+  Stopwatch watch;
+  meter->begin(stage_name(batch), 1);
+  TraceCache own;
+  TraceCache& cache = options.cache != nullptr ? *options.cache : own;
+  if (!cache.dual) cache.dual = std::make_unique<DualTracer>(executor, scene);
+  statistics->times_ms.hierarchy += watch.lap_ms();
+  return cache.dual->trace(executor, batch, options.facing, statistics, ray_tests);
+}
+
 using TraceFunction = decltype(&trace_packets);
 
 TraceFunction function_of(Traversal traversal) {
@@ -197,9 +210,11 @@ TraceFunction function_of(Traversal traversal) {
     case Traversal::kRayHierarchy:
       return trace_hierarchy;
     case Traversal::kPackets:
+      return trace_packets;
+    case Traversal::kDual:
       break;
   }
-  return trace_packets;
+  return trace_dual;
 }
 
 }  // namespace

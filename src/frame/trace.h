@@ -1,11 +1,13 @@
 // Stages 3 to 6 for one batch of rays: order, hierarchy, traverse, intersect.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
+#include "frame/dual_tracer.h"
 #include "intersect/intersect_list.h"
 #include "object/bvh.h"
 #include "raygen/raygen.h"
@@ -15,9 +17,10 @@
 
 namespace raysheaf {
 
-/// What batches of one frame share: the triangles' hierarchy, made by the first that needs it.
+/// What batches of one frame share: the triangles' hierarchies, made by the first that needs them.
 struct TraceCache {
-  std::optional<Bvh> bvh;
+  std::optional<Bvh> bvh;            ///< of `gl10`
+  std::unique_ptr<DualTracer> dual;  ///< of `dual`
 };
 
 struct TraceOptions {
@@ -28,7 +31,8 @@ struct TraceOptions {
 };
 
 /// The hits of a batch, in the batch's order. Adds to `statistics`; where `ray_tests` is not empty,
-/// adds each ray's tests to it.
+/// adds each ray's tests to it. `dual` does not name the triangles of rays that ask for occlusion
+/// (`asks_occlusion`): of those only `found()` may be used.
 std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
                           const TraceOptions& options, BatchStatistics* statistics,
                           View<float> ray_tests, ProgressMeter* meter);

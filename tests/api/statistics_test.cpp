@@ -31,6 +31,16 @@ TEST(Statistics, TotalLeavesMeshSpheresOut) {
   EXPECT_DOUBLE_EQ(batch.relative(), 0.128);
 }
 
+TEST(Statistics, TotalHoldsTestsWithBounds) {
+  BatchStatistics batch;
+  batch.rays = batch.triangles = 10;
+  batch.bound_tests = 5;
+  batch.ray_bound_tests = 7;
+  batch.final_tests = 13;
+  EXPECT_EQ(batch.total_tests(), 25u);
+  EXPECT_DOUBLE_EQ(batch.relative(), 0.25);
+}
+
 TEST(Statistics, BruteForceIsExactlyOne) {
   std::mt19937_64 random(7);
   for (int i = 0; i < 1000; ++i) {
@@ -70,6 +80,9 @@ TEST(Statistics, JsonHoldsEveryNumber) {
   frame.primary = "raster";
   frame.threads = 2;
   frame.batches = {two_level_batch()};
+  frame.batches[0].bound_tests = 11;
+  frame.batches[0].ray_bound_tests = 9;
+  frame.batches[0].plan = {"rays: sorted", "bundles: streams"};
   frame.raster_ms = 6;
   frame.shade_ms = 7;
   frame.total_ms = 8;
@@ -81,8 +94,9 @@ TEST(Statistics, JsonHoldsEveryNumber) {
       "mesh_sphere_tests": 77,
       "levels": [{"level": 2, "tests": 1600, "hits": 500, "misses": 1100},
                  {"level": 1, "tests": 4000, "hits": 900, "misses": 3100}],
-      "final_tests": 7200, "total_tests": 12800, "brute_force_tests": 100000, "relative": 0.128,
-      "hits": 640,
+      "bound_tests": 11, "ray_bound_tests": 9,
+      "final_tests": 7200, "total_tests": 12820, "brute_force_tests": 100000, "relative": 0.1282,
+      "hits": 640, "plan": ["rays: sorted", "bundles: streams"],
       "times_ms": {"raygen": 1.0, "order": 2.0, "hierarchy": 3.0, "traverse": 4.0, "intersect": 5.0}}],
     "times_ms": {"load": 9.0, "raster": 6.0, "shade": 7.0, "total": 8.0}})");
   EXPECT_EQ(json, expected) << json.dump(2);

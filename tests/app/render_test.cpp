@@ -105,7 +105,7 @@ TEST(Render, ProgressBarOnATerminal) {
 TEST(Render, EveryMethodGivesTheSameFile) {
   for (const std::string name : kBuiltinScenes) {
     const TemporaryFolder folder;
-    for (const char* method : {"brute", "rah", "crsh", "gl10"}) {
+    for (const char* method : {"brute", "rah", "crsh", "gl10", "dual"}) {
       const Finished finished = render(
           folder, {"builtin:" + name, "--method", method, "-o", std::string(method) + ".png"});
       ASSERT_EQ(finished.code, 0) << finished.err;
@@ -115,6 +115,7 @@ TEST(Render, EveryMethodGivesTheSameFile) {
     EXPECT_TRUE(read_file(folder.file("rah.png")) == truth) << name;
     EXPECT_TRUE(read_file(folder.file("crsh.png")) == truth) << name;
     EXPECT_TRUE(read_file(folder.file("gl10.png")) == truth) << name;
+    EXPECT_TRUE(read_file(folder.file("dual.png")) == truth) << name;
   }
 }
 
@@ -154,8 +155,10 @@ TEST(Render, StatisticsHaveTheDocumentedFields) {
   for (const Json& batch : frame.at("batches")) {
     EXPECT_EQ(keys(batch),
               (std::set<std::string>{"kind", "bounce", "rays", "triangles", "chunks",
-                                     "mesh_sphere_tests", "levels", "final_tests", "total_tests",
-                                     "brute_force_tests", "relative", "hits", "times_ms"}));
+                                     "mesh_sphere_tests", "levels", "bound_tests",
+                                     "ray_bound_tests", "final_tests", "total_tests",
+                                     "brute_force_tests", "relative", "hits", "times_ms", "plan"}));
+    EXPECT_TRUE(batch.at("plan").empty());
     EXPECT_EQ(keys(batch.at("times_ms")),
               (std::set<std::string>{"raygen", "order", "hierarchy", "traverse", "intersect"}));
     for (const Json& level : batch.at("levels")) {
@@ -200,6 +203,59 @@ TEST(Render, CountsFollowTheRule) {
       }
     }
   }
+}
+
+TEST(Render, DualIsTheDefaultAndSaysWhatItDid) {
+  const TemporaryFolder folder;
+  const Json frame = statistics_of(folder, {"builtin:office"});
+  EXPECT_EQ(frame.at("method"), "dual");
+  EXPECT_EQ(frame.at("key"), "plan");
+  EXPECT_EQ(frame.at("bound"), "plan");
+  for (const Json& batch : frame.at("batches")) {
+    if (batch.at("rays") == 0) continue;
+    ASSERT_FALSE(batch.at("plan").empty());
+    EXPECT_TRUE(batch.at("plan")[0].is_string());
+    EXPECT_TRUE(batch.at("levels").empty());
+    EXPECT_EQ(batch.at("total_tests").get<std::uint64_t>(),
+              batch.at("bound_tests").get<std::uint64_t>() +
+                  batch.at("ray_bound_tests").get<std::uint64_t>() +
+                  batch.at("final_tests").get<std::uint64_t>());
+  }
+}
+
+// Asked for, so on standard output, --quiet or not; a picture beside it or none.
+TEST(Render, ExplainsItself) {
+  const TemporaryFolder folder;
+  const Finished finished =
+      render(folder, {"builtin:cornell", "--explain", "--quiet", "--stats", "s.json"});
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  EXPECT_EQ(finished.err, "");
+  const Json frame = Json::parse(read_file(folder.file("s.json")));
+  std::size_t at = 0;
+  for (const Json& batch : frame.at("batches")) {
+    std::vector<std::string> lines{batch.at("kind").get<std::string>() + ", bounce " +
+                                   batch.at("bounce").dump() + ": " + batch.at("rays").dump() +
+                                   " rays, 792 triangles\n"};
+    for (const Json& sentence : batch.at("plan"))
+      lines.push_back("  " + sentence.get<std::string>() + "\n");
+    lines.push_back("  tests: " + batch.at("bound_tests").dump() + " of bundles with bounds, " +
+                    batch.at("ray_bound_tests").dump() + " of rays with bounds, " +
+                    batch.at("final_tests").dump() + " of rays with triangles; ");
+    lines.push_back("  hits: " + batch.at("hits").dump() + " rays; ms: order ");
+    for (const std::string& line : lines) {
+      const std::size_t found = finished.out.find(line, at);
+      ASSERT_NE(found, std::string::npos) << line << " in " << finished.out;
+      at = found + line.size();
+    }
+  }
+  const Finished other =
+      render(folder, {"builtin:cornell", "--explain", "--quiet", "--method", "rah"});
+  ASSERT_EQ(other.code, 0) << other.err;
+  EXPECT_NE(other.out.find("  no plan: rah treats every batch alike\n"), std::string::npos);
+  const Finished nothing =
+      render(folder, {"builtin:cornell", "--explain", "--quiet", "--bounces", "0", "--no-shadows"});
+  EXPECT_EQ(nothing.out, "no rays were traced\n");
+  EXPECT_EQ(folder.names(), (std::vector<std::string>{"s.json"}));
 }
 
 TEST(Render, SwitchesTakeTheirRaysAway) {

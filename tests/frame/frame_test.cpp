@@ -53,7 +53,7 @@ TEST_P(Methods, GiveTheSameBitsOnBuiltinScenes) {
   RenderOptions options = test::small_options(40);
   options.method = Method::kBrute;
   const RenderResult brute = render(scene, options);
-  for (const Method method : {Method::kRah, Method::kCrsh}) {
+  for (const Method method : {Method::kRah, Method::kCrsh, Method::kDual}) {
     options.method = method;
     const RenderResult result = render(scene, options);
     EXPECT_TRUE(test::same_bits(result.beauty, brute.beauty)) << to_string(method);
@@ -75,7 +75,7 @@ TEST(Frame, MethodsGiveTheSameBitsOnSoups) {
     RenderOptions options = test::small_options(32);
     options.method = Method::kBrute;
     const RenderResult brute = render(scene, options);
-    for (const Method method : {Method::kRah, Method::kCrsh}) {
+    for (const Method method : {Method::kRah, Method::kCrsh, Method::kDual}) {
       options.method = method;
       EXPECT_TRUE(test::same_bits(render(scene, options).beauty, brute.beauty))
           << to_string(method) << " kind " << static_cast<int>(kind);
@@ -86,6 +86,7 @@ TEST(Frame, MethodsGiveTheSameBitsOnSoups) {
 TEST(Frame, DoesNotDependOnTheNumberOfThreadsNorOnLevelsAndBranching) {
   const SceneDescription scene = builtin_scene("office");
   RenderOptions options = test::small_options(64);
+  options.method = Method::kCrsh;
   options.threads = 1;
   const RenderResult one = render(scene, options);
   options.threads = 3;
@@ -171,13 +172,15 @@ TEST(Frame, SwitchesLeaveKindsOfRaysOut) {
 TEST(Frame, PixelTestsAddUpToTheTotal) {
   RenderOptions options = test::small_options(64);
   options.count_pixel_tests = true;
-  options.method = Method::kBrute;
-  const RenderResult result = render(builtin_scene("cornell"), options);
-  double sum = 0, expected = 0;
-  for (const float tests : result.tests) sum += double{tests};
-  for (const BatchStatistics& batch : result.statistics.batches)
-    expected += static_cast<double>(batch.total_tests());
-  EXPECT_NEAR(sum, expected, 1e-5 * expected);
+  for (const Method method : {Method::kBrute, Method::kDual}) {
+    options.method = method;
+    const RenderResult result = render(builtin_scene("cornell"), options);
+    double sum = 0, expected = 0;
+    for (const float tests : result.tests) sum += double{tests};
+    for (const BatchStatistics& batch : result.statistics.batches)
+      expected += static_cast<double>(batch.total_tests());
+    EXPECT_NEAR(sum, expected, 1e-5 * expected) << to_string(method);
+  }
 }
 
 TEST(Frame, RasterAndTraceSeeTheSame) {
@@ -277,6 +280,7 @@ TEST_P(Paper, CountsAreThePapers) {
   const SceneDescription scene = load_scene(path);
   RenderOptions options;
   options.bounces = 2;
+  options.method = Method::kCrsh;
   const RenderResult crsh = render(scene, options);
   options.method = Method::kRah;
   const RenderResult rah = render(scene, options);

@@ -16,7 +16,7 @@ constexpr LabRays kAllRays[] = {LabRays::kShadow, LabRays::kReflection1, LabRays
 
 std::vector<MethodSettings> settings_to_try() {
   std::vector<MethodSettings> all;
-  for (const Method method : {Method::kBrute, Method::kRah, Method::kCrsh})
+  for (const Method method : {Method::kBrute, Method::kRah, Method::kCrsh, Method::kDual})
     all.push_back(method_settings(method));
   all.push_back(method_settings(Method::kCrsh));
   all.back().levels = 3;
@@ -36,7 +36,10 @@ TEST(Laboratory, EverySettingMeetsBruteForceOnEveryBatch) {
         EXPECT_EQ(s.rays, laboratory.ray_count(rays));
         for (std::size_t l = 1; l < s.levels.size(); ++l)
           EXPECT_EQ(s.levels[l].tests, settings.branching * s.levels[l - 1].hits);
-        if (!s.levels.empty()) {
+        if (settings.traversal == Traversal::kDual) {
+          EXPECT_FALSE(s.plan.empty());
+          EXPECT_LT(s.total_tests(), s.brute_force_tests());
+        } else if (!s.levels.empty()) {
           EXPECT_EQ(s.final_tests, settings.branching * s.levels.back().hits);
         } else {
           EXPECT_EQ(s.total_tests(), s.brute_force_tests());
@@ -49,12 +52,15 @@ TEST(Laboratory, EverySettingMeetsBruteForceOnEveryBatch) {
 TEST(Laboratory, CountsDoNotDependOnThreadsNorOnRepetition) {
   Laboratory three(builtin_scene("office"), 32, 32, 3), one(builtin_scene("office"), 32, 32, 1);
   for (const LabRays rays : kAllRays) {
-    const auto a = one.measure(rays, method_settings(Method::kCrsh), false);
-    const auto again = one.measure(rays, method_settings(Method::kCrsh), false);
-    const auto b = three.measure(rays, method_settings(Method::kCrsh), false);
-    EXPECT_EQ(a.total_tests(), b.total_tests());
-    EXPECT_EQ(a.total_tests(), again.total_tests());
-    EXPECT_EQ(a.hits, b.hits);
+    for (const Method method : {Method::kCrsh, Method::kDual}) {
+      const auto a = one.measure(rays, method_settings(method), false);
+      const auto again = one.measure(rays, method_settings(method), false);
+      const auto b = three.measure(rays, method_settings(method), false);
+      EXPECT_EQ(a.total_tests(), b.total_tests()) << to_string(method);
+      EXPECT_EQ(a.total_tests(), again.total_tests()) << to_string(method);
+      EXPECT_EQ(a.hits, b.hits);
+      EXPECT_EQ(a.plan, b.plan);
+    }
   }
 }
 

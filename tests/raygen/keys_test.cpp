@@ -314,6 +314,7 @@ INSTANTIATE_TEST_SUITE_P(Builtin, RenderedKeys, testing::Values("office", "corne
 double shadow_tests(const SceneDescription& scene, RayKey key, std::uint32_t bits) {
   RenderOptions options = test::small_options(192);
   options.bounces = 0;
+  options.method = Method::kCrsh;
   options.key = key;
   options.key_bits = bits;
   for (const BatchStatistics& batch : render(scene, options).statistics.batches)

@@ -1,0 +1,117 @@
+#include "frame/dual_tracer.h"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+#include "frame/stopwatch.h"
+
+namespace raysheaf {
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+
+/// Fewer rays of one light than this share a query with their neighbours: a query of its own costs
+/// about as much as they do.
+constexpr std::size_t kFewestRays = 512;
+
+/// `whole`: the report is of all rays of the batch, not of some of them.
+void add_report(EngineReport report, std::size_t rays, bool whole, BatchStatistics* statistics) {
+  statistics->bound_tests += report.bound_tests;
+  statistics->ray_bound_tests += report.ray_bound_tests;
+  statistics->final_tests += report.triangle_tests;
+  statistics->times_ms.order += report.order_ms;
+  statistics->times_ms.hierarchy += report.hierarchy_ms;
+  statistics->times_ms.traverse += report.trace_ms;
+  const std::string of = whole ? "" : "[" + std::to_string(rays) + " rays] ";
+  for (const std::string& sentence : report.plan) statistics->plan.push_back(of + sentence);
+}
+
+/// Whether the first and the last start at one point: so do then all of a point light.
+bool starts_at_one_point(View<const Ray> rays) {
+  return std::memcmp(&rays[0].origin, &rays[rays.size - 1].origin, sizeof(Vec3)) == 0;
+}
+
+}  // namespace
+
+std::vector<std::size_t> query_ends(const RayBatch& batch) {
+  const std::size_t count = batch.rays.size();
+  std::vector<std::size_t> ends{0};
+  bool joins = false;  // the query that ended last takes further rays
+  for (std::size_t begin = 0; begin < count;) {
+    std::size_t end = count;
+    if (!batch.lights.empty()) {
+      const auto first = batch.lights.begin() + static_cast<std::ptrdiff_t>(begin);
+      end = static_cast<std::size_t>(std::upper_bound(first, batch.lights.end(), *first) -
+                                     batch.lights.begin());
+    }
+    const View<const Ray> rays = View<const Ray>(batch.rays).slice(begin, end - begin);
+    const bool alone = rays.size >= kFewestRays && starts_at_one_point(rays);
+    if (joins && !alone) ends.pop_back();
+    ends.push_back(end);
+    joins = !alone;
+    begin = end;
+  }
+  return ends;
+}
+
+DualTracer::DualTracer(const Executor& executor, const FlatScene& scene) {
+  const std::uint32_t count = scene.triangle_count;
+  corners_.resize_uninitialized(std::size_t{3} * count);
+  executor.for_each(count, kGrain, [&](std::size_t i) {
+    for (int k = 0; k < 3; ++k)
+      corners_[3 * i + static_cast<std::size_t>(k)] =
+          scene.corner(static_cast<std::uint32_t>(i), k);
+  });
+  run_ = {corners_.data(), nullptr, 0, count};
+  TriangleSource source;
+  source.runs = {&run_, count > 0 ? std::size_t{1} : std::size_t{0}};
+  source.count = count;
+  source.flags = scene.flags.data();
+  engine_.set_triangles(source, false);
+}
+
+void DualTracer::find_occluded(const Executor& executor, const RayBatch& batch,
+                               const EngineOptions& options, BatchStatistics* statistics,
+                               View<float> ray_tests, View<RayHit> hits) {
+  occluded_.resize_uninitialized(batch.rays.size());
+  const std::vector<std::size_t> ends = query_ends(batch);
+  for (std::size_t q = 0; q + 1 < ends.size(); ++q) {
+    const std::size_t begin = ends[q], count = ends[q + 1] - begin;
+    EngineReport report;
+    engine_.any_hit(executor, View<const Ray>(batch.rays).slice(begin, count), options,
+                    View<std::uint8_t>(occluded_).slice(begin, count),
+                    ray_tests.empty() ? ray_tests : ray_tests.slice(begin, count), &report);
+    add_report(std::move(report), count, ends.size() == 2, statistics);
+  }
+  executor.for_each(hits.size, kGrain, [&](std::size_t i) {
+    if (occluded_[i] != 0) hits[i] = {0, kSomeTriangle};
+  });
+}
+
+void DualTracer::find_closest(const Executor& executor, const RayBatch& batch,
+                              const EngineOptions& options, BatchStatistics* statistics,
+                              View<float> ray_tests, View<RayHit> hits) {
+  closest_.resize_uninitialized(batch.rays.size());
+  EngineReport report;
+  engine_.closest_hit(executor, batch.rays, options, closest_, ray_tests, &report);
+  add_report(std::move(report), batch.rays.size(), true, statistics);
+  executor.for_each(hits.size, kGrain, [&](std::size_t i) {
+    hits[i] = {closest_[i].t, closest_[i].triangle};
+  });
+}
+
+std::vector<RayHit> DualTracer::trace(const Executor& executor, const RayBatch& batch,
+                                      Facing facing, BatchStatistics* statistics,
+                                      View<float> ray_tests) {
+  EngineOptions options;
+  options.facing = facing;
+  options.count = true;
+  std::vector<RayHit> hits(batch.rays.size());
+  const auto find =
+      asks_occlusion(batch.kind) ? &DualTracer::find_occluded : &DualTracer::find_closest;
+  (this->*find)(executor, batch, options, statistics, ray_tests, hits);
+  return hits;
+}
+
+}  // namespace raysheaf
