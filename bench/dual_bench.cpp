@@ -34,7 +34,7 @@ struct Trace {
     const Vec3 size = flat.bounds.max - flat.bounds.min;
     rays[kMirror] = make_mirror_rays(executor, input().fragments, flat.bounds, 1).rays;
     rays[kOcclusion] =
-        make_occlusion_rays(executor, input().fragments, flat.bounds, 0.1f * length(size)).rays;
+        make_occlusion_rays(executor, input().fragments, flat.bounds, 0.25f * length(size)).rays;
     std::mt19937 engine(1);
     std::uniform_real_distribution<float> unit(0, 1);
     const auto point = [&] {

@@ -21,7 +21,9 @@ TEST(DualConservative, FindsEveryHit) {
       const Heap more = make_heap(Shape::kLarge, heap.count(), random, scale, offset);
       heap.positions.insert(heap.positions.end(), more.positions.begin(), more.positions.end());
     }
-    const std::vector<Ray> rays = any_rays(heap, 400, random, scale, offset);
+    std::vector<Ray> rays =
+        any_rays(heap, random.below(4) == 0 ? 3000 : 300, random, scale, offset);
+    if (random.below(2) == 0) turn_into_one_quarter(&rays);
     const HitRows rows = brute_force(heap, rays);
     pairs += hit_count(rows) + 1;
     ObjectTree tree;

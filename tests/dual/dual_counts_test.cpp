@@ -35,6 +35,9 @@ TEST(DualCounts, SameOnEverySimdTargetAndThreads) {
     std::vector<Ray> rays = any_rays(heap, 500, random);
     const std::vector<Ray> alike = camera_rays(24);
     rays.insert(rays.end(), alike.begin(), alike.end());
+    std::vector<Ray> turned(rays.begin(), rays.begin() + 300);
+    turn_into_one_quarter(&turned);
+    rays.insert(rays.end(), turned.begin(), turned.end());
     const HitRows rows = brute_force(heap, rays);
     for (const Setting& s : kSettings) {
       ObjectTree tree;

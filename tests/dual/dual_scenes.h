@@ -209,6 +209,18 @@ inline std::vector<Ray> any_rays(const Heap& heap, std::size_t count, Random& ra
   return rays;
 }
 
+/// Turns all rays into one quarter about the points where they are at t = 1: long lists of a
+/// stream.
+inline void turn_into_one_quarter(std::vector<Ray>* rays) {
+  for (Ray& ray : *rays) {
+    const Vec3 at = ray.origin + ray.direction, m = abs(ray.direction);
+    const float largest = max_component(m), least = min_component(m);
+    ray.direction = {largest, -least, m.x + m.y + m.z - largest - least};
+    ray.origin = at - ray.direction;
+    if (!is_finite(ray.origin) || !is_finite(ray.direction)) ray = {{}, 0, {1, -0.0f, 0}};
+  }
+}
+
 /// Leaves each ray with one of its hits: at t_min = t_max.
 inline void keep_one_hit(const Heap& heap, std::vector<Ray>* rays, Random& random) {
   const HitRows rows = brute_force(heap, *rays);

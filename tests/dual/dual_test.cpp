@@ -12,7 +12,10 @@ TEST(Dual, AllShapes) {
   for (const Shape shape : kShapes) {
     SCOPED_TRACE(static_cast<int>(shape));
     const Heap heap = make_heap(shape, 300, random);
-    EXPECT_GT(expect_right(heap, any_rays(heap, 700, random)), 20u);
+    std::vector<Ray> rays = any_rays(heap, 700, random);
+    EXPECT_GT(expect_right(heap, rays), 20u);
+    turn_into_one_quarter(&rays);
+    EXPECT_GT(expect_right(heap, rays), 20u);
   }
 }
 
