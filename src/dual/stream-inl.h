@@ -20,13 +20,9 @@ HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
 inline constexpr std::uint32_t kStreamSingles = 8;
 
 template <class Mode>
-class StreamWalk {
+class StreamWalk : StreamHits<Mode> {
  public:
-  explicit StreamWalk(const TraceJob& job)
-      : job_(job), tree_(*job.scene.tree), own_(job.streams->take()), stream_(*own_) {}
-  ~StreamWalk() { job_.streams->give(std::move(own_)); }
-  StreamWalk(const StreamWalk&) = delete;
-  StreamWalk& operator=(const StreamWalk&) = delete;
+  explicit StreamWalk(const TraceJob& job) : StreamHits<Mode>(job) {}
 
   /// Rays [first, first + count) of the order, of one quarter, at most kStreamRays.
   void run(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
@@ -64,6 +60,10 @@ class StreamWalk {
   }
 
  private:
+  using StreamHits<Mode>::job_, StreamHits<Mode>::tree_, StreamHits<Mode>::stream_;
+  using StreamHits<Mode>::counts_, StreamHits<Mode>::rows_;
+  using StreamHits<Mode>::take_lanes, StreamHits<Mode>::take, StreamHits<Mode>::write_back;
+
   /// The stream's records, and the list of those that meet the scene's box: how many they are.
   std::uint32_t fill(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
     Stream& s = stream_;
@@ -291,88 +291,7 @@ class StreamWalk {
     }
   }
 
-  HWY_NOINLINE void take_lanes(const TriangleQuad& q, std::uint32_t k, const std::uint32_t* block,
-                               std::uint32_t used, std::size_t g, const Tested<Rays>& tested) {
-    const Rays d;
-    std::uint32_t hit = bits_of(d, tested.hit) & used >> g;
-    std::uint32_t unsettled = bits_of(d, tested.unsettled) & used >> g;
-    if ((hit | unsettled) == 0) return;
-    alignas(64) float t[kPacketWidth], v[kPacketWidth], w[kPacketWidth], det[kPacketWidth];
-    hn::Store(tested.t, d, t);
-    hn::Store(tested.v, d, v);
-    hn::Store(tested.w, d, w);
-    hn::Store(tested.det, d, det);
-    for (; hit != 0; hit &= hit - 1) {
-      const int i = __builtin_ctz(hit);
-      take(block[g + static_cast<std::size_t>(i)], q.id[k],
-           {t[i], v[i] / det[i], w[i] / det[i], det[i] > 0});
-    }
-    for (; unsettled != 0; unsettled &= unsettled - 1)
-      take_exactly(block[g + static_cast<std::size_t>(__builtin_ctz(unsettled))], q, k);
-  }
-
-  HWY_NOINLINE void take_exactly(std::uint32_t n, const TriangleQuad& q, std::uint32_t k) {
-    const Stream& s = stream_;
-    RaySetup r;
-    float o[3];
-    o[s.axis_x] = s.rays[n].ox;
-    o[s.axis_y] = s.rays[n].oy;
-    o[s.axis_z] = s.rays[n].oz;
-    r.origin = {o[0], o[1], o[2]};
-    r.shear_x = s.shears[n].shear_x;
-    r.shear_y = s.shears[n].shear_y;
-    r.shear_z = s.shears[n].shear_z;
-    r.t_min = s.shears[n].t_min;
-    r.t_max = s.shears[n].t_limit;
-    r.axis_x = s.axis_x;
-    r.axis_y = s.axis_y;
-    r.axis_z = s.axis_z;
-    const auto corner = [&](int i) {
-      return Vec3{q.vertex[i][0][k], q.vertex[i][1][k], q.vertex[i][2][k]};
-    };
-    TriangleHit hit;
-    if (intersect_triangle(r, corner(0), corner(1), corner(2), &hit)) take(n, q.id[k], hit);
-  }
-
-  void take(std::uint32_t n, std::uint32_t id, const TriangleHit& hit) {
-    Stream& s = stream_;
-    if (job_.scene.facing != Facing::kBoth && job_.scene.flags != nullptr &&
-        !shows(job_.scene.facing, job_.scene.flags[id], hit.front))
-      return;
-    if constexpr (Mode::kAll) {
-      rows_.push_back({s.index[n], {hit.t, hit.u, hit.v, id}});
-    } else if constexpr (Mode::kAny) {
-      s.hits[n].triangle = id;
-      s.shears[n].t_limit = -1;
-      s.rays[n].s_far = -std::numeric_limits<float>::infinity();
-    } else {
-      EngineHit& best = s.hits[n];
-      if (!(hit.t < best.t || (hit.t == best.t && id < best.triangle))) return;
-      best = {hit.t, hit.u, hit.v, id};
-      s.shears[n].t_limit = hit.t;
-      const float far = past(hit.t, s.rays[n].along, s.pad);
-      s.rays[n].s_far = far < s.rays[n].s_far ? far : s.rays[n].s_far;
-    }
-  }
-
-  void write_back() {
-    const Stream& s = stream_;
-    for (std::uint32_t i = 0; i < s.count; ++i) {
-      if constexpr (Mode::kAny) {
-        job_.occluded[s.index[i]] = s.hits[i].triangle != kInvalidId ? 1 : 0;
-      } else if constexpr (!Mode::kAll) {
-        job_.hits[s.index[i]] = s.hits[i];
-      }
-    }
-  }
-
-  const TraceJob& job_;
-  const ObjectTree& tree_;
-  std::unique_ptr<Stream> own_;
-  Stream& stream_;
   RayPacket packet_;
-  DualCounts counts_;
-  std::vector<RowHit> rows_;
   std::vector<Waiting> single_waiting_ = std::vector<Waiting>(256);
   std::vector<std::uint32_t> unbounded_;  ///< rays of packets that have no bounds
 };

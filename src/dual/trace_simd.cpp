@@ -22,13 +22,19 @@ namespace raysheaf::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Each stands on those before it.
+#include "dual/lanes-inl.h"
+
 #include "dual/packet-inl.h"
+
+#include "dual/beam-inl.h"
 
 #include "dual/triangle-inl.h"
 
 #include "dual/single-inl.h"
 
 #include "dual/walk-inl.h"
+
+#include "dual/stream_hits-inl.h"
 
 #include "dual/stream-inl.h"
 

@@ -1,0 +1,95 @@
+// Lanes of rays and lanes of boxes, and how records come into them. Included once a SIMD target by
+// dual/trace_simd.cpp, inside its namespace.
+
+using Rays = hn::CappedTag<float, kPacketWidth>;
+using RayInts = hn::RebindToUnsigned<Rays>;
+using RV = hn::Vec<Rays>;
+using RM = hn::Mask<Rays>;
+using Boxes = hn::CappedTag<float, kBvhWidth>;
+using BV = hn::Vec<Boxes>;
+
+HWY_INLINE std::size_t ray_lanes() {
+  return hn::Lanes(Rays());
+}
+
+HWY_INLINE RV load(const float* p) {
+  return hn::Load(Rays(), p);
+}
+HWY_INLINE RV set(float x) {
+  return hn::Set(Rays(), x);
+}
+
+/// Reads no more bytes than were written, so that the load is forwarded from the store.
+template <class D, class M>
+HWY_INLINE std::uint32_t bits_of(D d, M mask) {
+  if constexpr (hn::MaxLanes(D()) <= 8) {
+    std::uint8_t bits;
+    hn::StoreMaskBits(d, mask, &bits);
+    return bits;
+  } else {
+    std::uint8_t bytes[2];
+    hn::StoreMaskBits(d, mask, bytes);
+    std::uint16_t bits;
+    hwy::CopyBytes<2>(bytes, &bits);
+    return bits;
+  }
+}
+
+HWY_INLINE RM lanes_of(std::uint32_t bits, std::size_t g) {
+  const Rays d;
+  const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits >> g),
+                                 static_cast<std::uint8_t>(bits >> (g + 8 < 32 ? g + 8 : 31))};
+  return hn::LoadMaskBits(d, bytes);
+}
+
+/// Clamps away from zero, keeping the sign, so that the inverse is finite.
+HWY_INLINE RV inverse_slope(RV slope) {
+  const RV tiny = set(1e-20f);
+  const RV safe = hn::Max(hn::Abs(slope), tiny);
+  return hn::Div(hn::CopySign(set(1), slope), safe);
+}
+inline float inverse_slope(float slope) {
+  const float size = std::fabs(slope) > 1e-20f ? std::fabs(slope) : 1e-20f;
+  return std::copysign(1.0f, slope) / size;
+}
+/// Four floats of a record each for as many records as a vector has lanes: field k of list[i] comes
+/// to lane i of fk. In registers: what was stored in parts cannot be loaded whole at once.
+template <class Record>
+HWY_INLINE void gather4(const Record* records, int half, const std::uint32_t* list, RV& f0, RV& f1,
+                        RV& f2, RV& f3) {
+  static_assert(sizeof(Record) == 32);
+  const Rays d;
+  const auto at = [&](std::size_t i) {
+    return reinterpret_cast<const float*>(records + list[i]) + 4 * half;
+  };
+#if HWY_TARGET == HWY_SCALAR
+  const float* from = at(0);
+  f0 = hn::Set(d, from[0]);
+  f1 = hn::Set(d, from[1]);
+  f2 = hn::Set(d, from[2]);
+  f3 = hn::Set(d, from[3]);
+#else
+  // Vector j has the records j, 4 + j, 8 + j, ... in its blocks of four lanes.
+  const auto blocks = [&](std::size_t j) __attribute__((always_inline)) {
+    if constexpr (hn::MaxLanes(Rays()) == 16) {
+      const hn::Half<Rays> d8;
+      const hn::Half<hn::Half<Rays> > d4;
+      return hn::Combine(d, hn::Combine(d8, hn::LoadU(d4, at(12 + j)), hn::LoadU(d4, at(8 + j))),
+                         hn::Combine(d8, hn::LoadU(d4, at(4 + j)), hn::LoadU(d4, at(j))));
+    } else if constexpr (hn::MaxLanes(Rays()) == 8) {
+      const hn::Half<Rays> d4;
+      return hn::Combine(d, hn::LoadU(d4, at(4 + j)), hn::LoadU(d4, at(j)));
+    } else {
+      return hn::LoadU(d, at(j));
+    }
+  };
+  const RV a = blocks(0), b = blocks(1), c = blocks(2), e = blocks(3);
+  const hn::Repartition<std::uint64_t, Rays> d64;
+  const auto low = [&](RV x, RV y) { return hn::BitCast(d64, hn::InterleaveLower(x, y)); };
+  const auto high = [&](RV x, RV y) { return hn::BitCast(d64, hn::InterleaveUpper(d, x, y)); };
+  f0 = hn::BitCast(d, hn::InterleaveLower(low(a, b), low(c, e)));
+  f1 = hn::BitCast(d, hn::InterleaveUpper(d64, low(a, b), low(c, e)));
+  f2 = hn::BitCast(d, hn::InterleaveLower(high(a, b), high(c, e)));
+  f3 = hn::BitCast(d, hn::InterleaveUpper(d64, high(a, b), high(c, e)));
+#endif
+}

@@ -1,0 +1,94 @@
+// What a stream keeps of the hits it meets. Included once a SIMD target by dual/trace_simd.cpp,
+// inside its namespace.
+
+template <class Mode>
+class StreamHits {
+ protected:
+  explicit StreamHits(const TraceJob& job)
+      : job_(job), tree_(*job.scene.tree), own_(job.streams->take()), stream_(*own_) {}
+  ~StreamHits() { job_.streams->give(std::move(own_)); }
+  StreamHits(const StreamHits&) = delete;
+  StreamHits& operator=(const StreamHits&) = delete;
+
+  HWY_NOINLINE void take_lanes(const TriangleQuad& q, std::uint32_t k, const std::uint32_t* block,
+                               std::uint32_t used, std::size_t g, const Tested<Rays>& tested) {
+    const Rays d;
+    std::uint32_t hit = bits_of(d, tested.hit) & used >> g;
+    std::uint32_t unsettled = bits_of(d, tested.unsettled) & used >> g;
+    if ((hit | unsettled) == 0) return;
+    alignas(64) float t[kPacketWidth], v[kPacketWidth], w[kPacketWidth], det[kPacketWidth];
+    hn::Store(tested.t, d, t);
+    hn::Store(tested.v, d, v);
+    hn::Store(tested.w, d, w);
+    hn::Store(tested.det, d, det);
+    for (; hit != 0; hit &= hit - 1) {
+      const int i = __builtin_ctz(hit);
+      take(block[g + static_cast<std::size_t>(i)], q.id[k],
+           {t[i], v[i] / det[i], w[i] / det[i], det[i] > 0});
+    }
+    for (; unsettled != 0; unsettled &= unsettled - 1)
+      take_exactly(block[g + static_cast<std::size_t>(__builtin_ctz(unsettled))], q, k);
+  }
+
+  HWY_NOINLINE void take_exactly(std::uint32_t n, const TriangleQuad& q, std::uint32_t k) {
+    const Stream& s = stream_;
+    RaySetup r;
+    float o[3];
+    o[s.axis_x] = s.rays[n].ox;
+    o[s.axis_y] = s.rays[n].oy;
+    o[s.axis_z] = s.rays[n].oz;
+    r.origin = {o[0], o[1], o[2]};
+    r.shear_x = s.shears[n].shear_x;
+    r.shear_y = s.shears[n].shear_y;
+    r.shear_z = s.shears[n].shear_z;
+    r.t_min = s.shears[n].t_min;
+    r.t_max = s.shears[n].t_limit;
+    r.axis_x = s.axis_x;
+    r.axis_y = s.axis_y;
+    r.axis_z = s.axis_z;
+    const auto corner = [&](int i) {
+      return Vec3{q.vertex[i][0][k], q.vertex[i][1][k], q.vertex[i][2][k]};
+    };
+    TriangleHit hit;
+    if (intersect_triangle(r, corner(0), corner(1), corner(2), &hit)) take(n, q.id[k], hit);
+  }
+
+  void take(std::uint32_t n, std::uint32_t id, const TriangleHit& hit) {
+    Stream& s = stream_;
+    if (job_.scene.facing != Facing::kBoth && job_.scene.flags != nullptr &&
+        !shows(job_.scene.facing, job_.scene.flags[id], hit.front))
+      return;
+    if constexpr (Mode::kAll) {
+      rows_.push_back({s.index[n], {hit.t, hit.u, hit.v, id}});
+    } else if constexpr (Mode::kAny) {
+      s.hits[n].triangle = id;
+      s.shears[n].t_limit = -1;
+      s.rays[n].s_far = -std::numeric_limits<float>::infinity();
+    } else {
+      EngineHit& best = s.hits[n];
+      if (!(hit.t < best.t || (hit.t == best.t && id < best.triangle))) return;
+      best = {hit.t, hit.u, hit.v, id};
+      s.shears[n].t_limit = hit.t;
+      const float far = past(hit.t, s.rays[n].along, s.pad);
+      s.rays[n].s_far = far < s.rays[n].s_far ? far : s.rays[n].s_far;
+    }
+  }
+
+  void write_back() {
+    const Stream& s = stream_;
+    for (std::uint32_t i = 0; i < s.count; ++i) {
+      if constexpr (Mode::kAny) {
+        job_.occluded[s.index[i]] = s.hits[i].triangle != kInvalidId ? 1 : 0;
+      } else if constexpr (!Mode::kAll) {
+        job_.hits[s.index[i]] = s.hits[i];
+      }
+    }
+  }
+
+  const TraceJob& job_;
+  const ObjectTree& tree_;
+  std::unique_ptr<Stream> own_;
+  Stream& stream_;
+  DualCounts counts_;
+  std::vector<RowHit> rows_;
+};
