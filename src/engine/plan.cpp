@@ -94,6 +94,10 @@ void choose_bundle(View<const Ray> rays, Plan* plan) {
       100 * found.origin, 0));
   const bool alike = found.origins_alike() && found.directions_alike();
   plan->bundle = alike ? Bundle::kPacket : Bundle::kStream;
+  if (!found.origins_alike()) {
+    plan->reasons.emplace_back("bundles: streams, for neighbours start apart");
+    return;
+  }
   plan->reasons.push_back(figures(
       alike ? "bundles: packets of sixteen within beams, for %.0f %% of neighbours run alike"
             : "bundles: streams, for only %.0f %% of neighbours run alike",
