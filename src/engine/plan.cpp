@@ -7,6 +7,7 @@
 
 #include "base/vec.h"
 #include "fan/fan.h"
+#include "scene/flat_scene.h"
 
 namespace raysheaf {
 namespace {
@@ -70,6 +71,8 @@ double tree_cost(const SceneHistory& scene) {
 /// Whether the rays fan out from a point and it pays to stream the triangles at them.
 bool chooses_fan(const Executor& executor, const SceneHistory& scene, View<const Ray> rays,
                  Plan* plan) {
+  // Farther out, products of the fan's differences overflow.
+  if (!(max_component(abs(rays[0].origin)) <= kLargestCoordinate)) return false;
   if (!share_origin(executor, rays)) return false;
   const auto count = static_cast<double>(rays.size);
   const double fan = kFanRay * count + kFanTriangle * scene.triangles;
