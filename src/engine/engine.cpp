@@ -63,6 +63,7 @@ void Engine::set_triangles(const TriangleSource& source, bool same_triangles) {
   source_ = source;
   history_.triangles = source.count;
   history_.rays_since_change = 0;
+  history_.queries_since_change = 0;
   if (keeps) {
     history_.moved = true;
     ++history_.moves;
@@ -110,6 +111,7 @@ void Engine::closest_hit(const Executor& executor, View<const Ray> rays,
                          EngineReport* report) {
   if (rays.empty()) return;
   Plan plan = make_plan(executor, history_, rays, false, report != nullptr);
+  ++history_.queries_since_change;
   if (report != nullptr) report->plan = std::move(plan.reasons);
   prepare(executor, rays, plan, report);
   Reporter reporter(report);
@@ -123,6 +125,7 @@ void Engine::any_hit(const Executor& executor, View<const Ray> rays, const Engin
                      View<std::uint8_t> occluded, View<float> ray_tests, EngineReport* report) {
   if (rays.empty()) return;
   Plan plan = make_plan(executor, history_, rays, true, report != nullptr);
+  ++history_.queries_since_change;
   if (report != nullptr) report->plan = std::move(plan.reasons);
   if (plan.fan) {
     FanCounts counts;
@@ -150,6 +153,7 @@ EngineHitRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
                                const EngineOptions& options, EngineReport* report) {
   if (rays.empty()) return {{0}, {}};
   Plan plan = make_plan(executor, history_, rays, false, report != nullptr);
+  ++history_.queries_since_change;
   if (report != nullptr) report->plan = std::move(plan.reasons);
   prepare(executor, rays, plan, report);
   Reporter reporter(report);

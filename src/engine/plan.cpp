@@ -13,9 +13,10 @@ namespace raysheaf {
 namespace {
 
 // Nanoseconds of one core.
-constexpr double kFanRay = 25, kFanTriangle = 18;
+constexpr double kFanRay = 25, kFanTriangle = 23;
 constexpr double kRefitTriangle = 15, kRebuildTriangle = 45, kFineTriangle = 380;
-constexpr double kTraceRayLevel = 7;  // a ray, a doubling of the triangles
+constexpr double kTraceRayLevel = 7;                    // a ray, a doubling of the triangles
+constexpr double kSharedRay = 20, kSharedRayLevel = 3;  // where all start at one point
 
 /// What a fine tree saves of the tracing.
 constexpr double kFineSaves = 0.1;
@@ -63,9 +64,12 @@ void choose_tree(const SceneHistory& scene, Plan* plan) {
   choose(TreeWork::kRefit, "object tree: refitted, for the same triangles have moved");
 }
 
+/// Of the tree before rays can go through it. Queries that this scene has had without a change say
+/// how many more may share it.
 double tree_cost(const SceneHistory& scene) {
   if (scene.built && !scene.moved) return 0;
-  return (scene.built && !scene.degraded ? kRefitTriangle : kRebuildTriangle) * scene.triangles;
+  const double a_triangle = scene.built && !scene.degraded ? kRefitTriangle : kRebuildTriangle;
+  return a_triangle * scene.triangles / (1.0 + scene.queries_since_change);
 }
 
 /// Whether the rays fan out from a point and it pays to stream the triangles at them.
@@ -76,7 +80,8 @@ bool chooses_fan(const Executor& executor, const SceneHistory& scene, View<const
   if (!share_origin(executor, rays)) return false;
   const auto count = static_cast<double>(rays.size);
   const double fan = kFanRay * count + kFanTriangle * scene.triangles;
-  const double tree = tree_cost(scene) + trace_cost(scene, count);
+  const double a_ray = kSharedRay + kSharedRayLevel * std::log2(2.0 + scene.triangles);
+  const double tree = tree_cost(scene) + a_ray * count;
   const bool chosen = fan < tree;
   plan->reasons.push_back(figures(
       chosen ? "rays of one origin: triangles stream against cells over them, about %.2g ms "
@@ -87,11 +92,17 @@ bool chooses_fan(const Executor& executor, const SceneHistory& scene, View<const
   return chosen;
 }
 
-void choose_bundle(View<const Ray> rays, Plan* plan) {
+/// Below, boxes and triangles stay in the caches whatever the order.
+constexpr std::uint32_t kSortTriangles = 50000;
+
+void choose_bundle(const SceneHistory& scene, View<const Ray> rays, Plan* plan) {
   const Coherence found = sample_coherence(rays, nullptr);
-  plan->sort = !found.origins_alike();
+  plan->sort = !found.origins_alike() && scene.triangles >= kSortTriangles;
   plan->reasons.push_back(figures(
-      plan->sort
+      !plan->sort && !found.origins_alike()
+          ? "rays: not sorted, though sixteen in a row start %.0f %% of the batch's extent apart: "
+            "the scene is small"
+      : plan->sort
           ? "rays: sorted, for sixteen in a row start %.0f %% of the batch's extent apart"
           : "rays: not sorted, for sixteen in a row start within %.2g %% of the batch's extent",
       100 * found.origin, 0));
@@ -148,7 +159,7 @@ Plan make_plan(const Executor& executor, const SceneHistory& scene, View<const R
   plan.fan = any && chooses_fan(executor, scene, rays, &plan);
   if (!plan.fan) {
     choose_tree(scene, &plan);
-    choose_bundle(rays, &plan);
+    choose_bundle(scene, rays, &plan);
   }
   if (!explain) plan.reasons.clear();
   return plan;

@@ -38,8 +38,9 @@ struct SceneHistory {
   bool moved = false;     ///< at former ones
   bool fine = false;      ///< it was built by surface area
   bool degraded = false;  ///< refits have made it much worse than it was built
-  std::uint32_t moves = 0;              ///< since the triangles were last replaced
-  std::uint32_t patience = 2;           ///< moves before a fine tree is tried
+  std::uint32_t moves = 0;     ///< since the triangles were last replaced
+  std::uint32_t patience = 2;  ///< moves before a fine tree is tried
+  std::uint32_t queries_since_change = 0;
   std::uint64_t rays_since_change = 0;  ///< that went through the tree
 };
 

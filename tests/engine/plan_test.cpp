@@ -81,7 +81,11 @@ TEST(Plan, BundlesByCoherence) {
   EXPECT_EQ(camera.bundle, Bundle::kPacket);
   EXPECT_TRUE(says(camera, "not sorted"));
   EXPECT_TRUE(says(camera, "packets"));
-  const Plan any = plan_of(history(1000), disorder(10000, random));
+  const Plan small = plan_of(history(1000), disorder(10000, random));
+  EXPECT_FALSE(small.sort);
+  EXPECT_EQ(small.bundle, Bundle::kStream);
+  EXPECT_TRUE(says(small, "the scene is small"));
+  const Plan any = plan_of(history(100000), disorder(10000, random));
   EXPECT_TRUE(any.sort);
   EXPECT_EQ(any.bundle, Bundle::kStream);
   EXPECT_TRUE(says(any, "rays: sorted"));
