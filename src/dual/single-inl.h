@@ -50,6 +50,15 @@ struct SingleRay {
   }
 };
 
+/// The scalar test.
+HWY_NOINLINE bool settle_for_ray(const SingleRay& r, float t_limit, const TriangleQuad& q, int k,
+                                 TriangleHit* hit) {
+  const auto corner = [&](int i) {
+    return Vec3{q.vertex[i][0][k], q.vertex[i][1][k], q.vertex[i][2][k]};
+  };
+  return intersect_triangle(r.setup(t_limit), corner(0), corner(1), corner(2), hit);
+}
+
 /// A leaf's triangles with a ray: calls `take(id, hit)` for each hit.
 template <class Take>
 HWY_INLINE void leaf_with_ray(const ObjectTree& tree, const SingleRay& r, float t_limit,
@@ -88,86 +97,98 @@ HWY_INLINE void leaf_with_ray(const ObjectTree& tree, const SingleRay& r, float 
       }
       for (; unsettled != 0; unsettled &= unsettled - 1) {
         const int k = __builtin_ctz(unsettled);
-        const auto corner = [&](int i) {
-          return Vec3{q.vertex[i][0][k], q.vertex[i][1][k], q.vertex[i][2][k]};
-        };
         TriangleHit exact;
-        if (intersect_triangle(r.setup(t_limit), corner(0), corner(1), corner(2), &exact))
-          take(q.id[k], exact);
+        if (settle_for_ray(r, t_limit, q, k, &exact)) take(q.id[k], exact);
       }
     }
   }
 }
 
-/// From node `number` down, near boxes first. `leaf(first quad, triangles)` tests a leaf's;
-/// `s_far` is where the ray ends, which hits bring nearer. Returns the boxes tested.
-template <class Leaf>
-HWY_NOINLINE std::uint64_t walk_single(const ObjectTree& tree, const SingleRay& r,
-                                       std::uint32_t number, const volatile float& s_far,
-                                       std::vector<Waiting>* stack, const Leaf& leaf) {
+/// A ray on its way through a subtree.
+struct SingleWalk {
+  SingleRay ray;
+  std::uint32_t number;         ///< the caller's name for it
+  const volatile float* s_far;  ///< where it ends, which hits bring nearer
+  Waiting next;
+  std::size_t top = 0;
+  std::vector<Waiting> stack = std::vector<Waiting>(64);
+
+  /// From node `root` down.
+  void start(std::uint32_t root) {
+    next = Waiting(0, 0, root, 0);
+    top = 0;
+  }
+};
+
+HWY_INLINE void prefetch_subtree(const ObjectTree& tree, std::uint32_t first, std::uint32_t count) {
+  const char* at = count != 0 ? reinterpret_cast<const char*>(tree.quads.data() + first)
+                              : reinterpret_cast<const char*>(tree.nodes.data() + first);
+  for (int line = 0; line < 4; ++line) hwy::Prefetch(at + 64 * line);
+}
+
+/// Tests the boxes of the node that is next and puts those that are met on the stack, the nearest
+/// on top. Returns the boxes tested.
+HWY_INLINE std::uint32_t open_for_ray(const ObjectTree& tree, SingleWalk* walk) {
   using hn::Max, hn::Min, hn::Mul, hn::Sub;
   const Boxes d;
-  const BV per_x = hn::Set(d, r.per_x), per_y = hn::Set(d, r.per_y);
-  const BV per_z = hn::Set(d, r.mirrored ? -1.0f : 1.0f);
-  const BV x0 = hn::Set(d, r.x_near), x1 = hn::Set(d, r.x_far);
-  const BV y0 = hn::Set(d, r.y_near), y1 = hn::Set(d, r.y_far);
-  const BV z0 = hn::Set(d, r.z_near), z1 = hn::Set(d, r.z_far);
-  const BV s_near = hn::Set(d, r.s_near);
-  std::size_t top = 0;
-  std::uint64_t tests = 0;
-  Waiting* waiting = stack->data();
-  std::size_t room = stack->size() - kBvhWidth;
-  float far_end = s_far;
-  for (;;) {
-    const BvhNode& node = tree.nodes[number];
-    tests += node.children;
-    alignas(64) float nears[kBvhWidth];
-    std::uint32_t met = 0;
-    for (std::size_t g = 0; g < kBvhWidth; g += hn::Lanes(d)) {
-      const auto at = [&](int row, BV from, BV per) __attribute__((always_inline)) {
-        return Mul(Sub(hn::Load(d, node.bound[row] + g), from), per);
-      };
-      const BV near = Max(Max(at(r.near_x, x0, per_x), at(r.near_y, y0, per_y)),
-                          Max(at(r.near_z, z0, per_z), s_near));
-      const BV far = Min(Min(at(r.far_x, x1, per_x), at(r.far_y, y1, per_y)),
-                         Min(at(r.far_z, z1, per_z), hn::Set(d, far_end)));
-      hn::Store(near, d, nears + g);
-      met |= bits_of(d, hn::Le(near, far)) << g;
-    }
-    Waiting next;
-    bool found = met != 0;
-    if (found) {
-      int c = __builtin_ctz(met);
-      met &= met - 1;
-      Waiting(nears[c], 0, node.first[c], node.count[c]).copy_to(&next);
-      if (HWY_UNLIKELY(top > room)) {
-        stack->resize(2 * stack->size());
-        waiting = stack->data();
-        room = stack->size() - kBvhWidth;
-      }
-      const std::size_t bottom = top;
-      for (; met != 0; met &= met - 1) {
-        c = __builtin_ctz(met);
-        Waiting other(nears[c], 0, node.first[c], node.count[c]);
-        if (other.near() < next.near()) std::swap(other, next);
-        std::size_t place = top++;
-        for (; place > bottom && waiting[place - 1].near() < other.near(); --place)
-          waiting[place - 1].copy_to(waiting + place);
-        other.copy_to(waiting + place);
-      }
-    }
-    for (;;) {
-      if (found && next.count() == 0) break;
-      if (found) {
-        leaf(next.first(), next.count());
-        far_end = s_far;
-      }
-      do {
-        if (top == 0) return tests;
-        waiting[--top].copy_to(&next);
-      } while (next.near() > far_end);
-      found = true;
-    }
-    number = next.first();
+  const SingleRay& r = walk->ray;
+  const BvhNode& node = tree.nodes[walk->next.first()];
+  alignas(64) float nears[kBvhWidth];
+  std::uint32_t met = 0;
+  for (std::size_t g = 0; g < kBvhWidth; g += hn::Lanes(d)) {
+    const auto at = [&](int row, float from, float per) __attribute__((always_inline)) {
+      return Mul(Sub(hn::Load(d, node.bound[row] + g), hn::Set(d, from)), hn::Set(d, per));
+    };
+    const float per_z = r.mirrored ? -1.0f : 1.0f;
+    const BV near = Max(Max(at(r.near_x, r.x_near, r.per_x), at(r.near_y, r.y_near, r.per_y)),
+                        Max(at(r.near_z, r.z_near, per_z), hn::Set(d, r.s_near)));
+    const BV far = Min(Min(at(r.far_x, r.x_far, r.per_x), at(r.far_y, r.y_far, r.per_y)),
+                       Min(at(r.far_z, r.z_far, per_z), hn::Set(d, *walk->s_far)));
+    hn::Store(near, d, nears + g);
+    met |= bits_of(d, hn::Le(near, far)) << g;
   }
+  if (HWY_UNLIKELY(walk->top + kBvhWidth > walk->stack.size()))
+    walk->stack.resize(2 * walk->stack.size());
+  Waiting* const bottom = walk->stack.data() + walk->top;
+  Waiting* end = bottom;
+  for (; met != 0; met &= met - 1) {
+    const int c = __builtin_ctz(met);
+    const Waiting child(nears[c], 0, node.first[c], node.count[c]);
+    Waiting* place = end++;
+    for (; place > bottom && place[-1].near() < child.near(); --place) place[-1].copy_to(place);
+    child.copy_to(place);
+  }
+  walk->top = static_cast<std::size_t>(end - walk->stack.data());
+  return node.children;
+}
+
+/// Rays through their subtrees, near boxes first, taking turns: while one waits for memory the
+/// others go on. `start(walk)` gives a walk its next ray, or says that there is none;
+/// `leaf(walk, first quad, triangles)` tests a leaf's. Returns the boxes tested.
+template <class Start, class Leaf>
+HWY_NOINLINE std::uint64_t walk_singles(const ObjectTree& tree, SingleWalk* walks,
+                                        std::uint32_t count, const Start& start, const Leaf& leaf) {
+  std::uint64_t tests = 0;
+  std::uint32_t active = 0;
+  for (std::uint32_t i = 0; i < count && start(&walks[i]); ++i) active |= 1u << i;
+  while (active != 0) {
+    for (std::uint32_t turn = active; turn != 0; turn &= turn - 1) {
+      const int i = __builtin_ctz(turn);
+      SingleWalk& walk = walks[i];
+      if (walk.next.count() != 0)
+        leaf(walk, walk.next.first(), walk.next.count());
+      else
+        tests += open_for_ray(tree, &walk);
+      for (;;) {
+        if (walk.top == 0) {
+          if (!start(&walk)) active &= ~(1u << i);
+          break;
+        }
+        walk.stack[--walk.top].copy_to(&walk.next);
+        if (walk.next.near() <= *walk.s_far) break;
+      }
+      prefetch_subtree(tree, walk.next.first(), walk.next.count());
+    }
+  }
+  return tests;
 }

@@ -25,10 +25,7 @@ HWY_NOINLINE void for_each_leaf(const ObjectTree& tree, const Body& body) {
 template <class Mode>
 class Walk {
  public:
-  explicit Walk(const TraceJob& job) : job_(job), tree_(*job.scene.tree) {
-    waiting_.resize(256);
-    waiting_nodes_.resize(256);
-  }
+  explicit Walk(const TraceJob& job) : job_(job), tree_(*job.scene.tree) { waiting_.resize(256); }
 
   void run(const PacketRange& range) {
     RayPacket& p = packet_;
@@ -72,8 +69,7 @@ class Walk {
       if (next.count() != 0) {
         if (meet_leaf(next.first(), next.count())) beam_.end = farthest_zeta(packet_) + packet_.pad;
       } else if (__builtin_popcount(next.lanes()) <= kSingleRays) {
-        for (std::uint32_t m = next.lanes(); m != 0; m &= m - 1)
-          walk_lane(static_cast<std::uint32_t>(__builtin_ctz(m)), next.first());
+        walk_lanes(next.lanes(), next.first());
         beam_.end = farthest_zeta(packet_) + packet_.pad;
       } else {
         top = open(next.first(), top);
@@ -221,21 +217,33 @@ class Walk {
     }
   }
 
-  void walk_lane(std::uint32_t lane, std::uint32_t root) {
+  SingleRay single(std::uint32_t lane) const {
     const RayPacket& p = packet_;
-    const SingleRay ray{p.x_near[lane],  p.x_far[lane], p.y_near[lane],  p.y_far[lane],
-                        p.z_near[lane],  p.z_far[lane], p.per_x[lane],   p.per_y[lane],
-                        p.s_near[lane],  p.near_x,      p.far_x,         p.near_y,
-                        p.far_y,         p.near_z,      p.far_z,         p.ox[lane],
-                        p.oy[lane],      p.oz[lane],    p.shear_x[lane], p.shear_y[lane],
-                        p.shear_z[lane], p.t_min[lane], p.axis_x,        p.axis_y,
-                        p.axis_z,        p.mirrored};
-    counts_.ray_box_tests += walk_single(
-        tree_, ray, root, p.s_far[lane], &waiting_nodes_,
-        [&](std::uint32_t quad, std::uint32_t count) {
-          counts_.triangle_tests += count;
-          leaf_with_ray(tree_, ray, p.t_limit[lane], quad, count,
-                        [&](std::uint32_t id, const TriangleHit& hit) { take(lane, id, hit); });
+    return {p.x_near[lane],  p.x_far[lane], p.y_near[lane], p.y_far[lane],   p.z_near[lane],
+            p.z_far[lane],   p.per_x[lane], p.per_y[lane],  p.s_near[lane],  p.near_x,
+            p.far_x,         p.near_y,      p.far_y,        p.near_z,        p.far_z,
+            p.ox[lane],      p.oy[lane],    p.oz[lane],     p.shear_x[lane], p.shear_y[lane],
+            p.shear_z[lane], p.t_min[lane], p.axis_x,       p.axis_y,        p.axis_z,
+            p.mirrored};
+  }
+
+  void walk_lanes(std::uint32_t lanes, std::uint32_t root) {
+    counts_.ray_box_tests += walk_singles(
+        tree_, singles_, kSingleRays,
+        [&](SingleWalk* walk) {
+          if (lanes == 0) return false;
+          walk->number = static_cast<std::uint32_t>(__builtin_ctz(lanes));
+          walk->ray = single(walk->number);
+          walk->s_far = &packet_.s_far[walk->number];
+          walk->start(root);
+          lanes &= lanes - 1;
+          return true;
+        },
+        [&](const SingleWalk& walk, std::uint32_t quad, std::uint32_t triangles) {
+          counts_.triangle_tests += triangles;
+          leaf_with_ray(
+              tree_, walk.ray, packet_.t_limit[walk.number], quad, triangles,
+              [&](std::uint32_t id, const TriangleHit& hit) { take(walk.number, id, hit); });
         });
   }
 
@@ -257,6 +265,6 @@ class Walk {
   std::uint32_t done_ = 0;
   DualCounts counts_;
   std::vector<Waiting> waiting_;
-  std::vector<Waiting> waiting_nodes_;
+  SingleWalk singles_[kSingleRays];
   std::vector<RowHit> rows_;
 };
