@@ -6,6 +6,8 @@ namespace raysheaf {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
+/// So many that most blocks of numbers lie within a run: a look, and no search.
+constexpr std::uint64_t kBlocksARun = 64;
 
 }  // namespace
 
@@ -28,24 +30,36 @@ void SceneView::refresh(const SceneRuns& scene) {
     ids_.push_back({run.mesh, run.instance});
     count_ += run.triangles.count;
   }
+  if (!same_runs) note_first_runs();
   engine.set_triangles(source(), same_runs);
   structure_version_ = scene.structure_version;
   position_version_ = scene.position_version;
   mask_version_ = scene.mask_version;
 }
 
+void SceneView::note_first_runs() {
+  const std::uint64_t blocks = kBlocksARun * runs_.size();
+  block_bits_ = 0;
+  while (count_ >> block_bits_ > blocks) ++block_bits_;
+  first_runs_.clear();
+  std::uint32_t run = 0;
+  for (std::uint64_t first = 0; first < count_; first += std::uint64_t{1} << block_bits_) {
+    while (first >= runs_[run].first + runs_[run].count) ++run;
+    first_runs_.push_back(run);
+  }
+}
+
 void SceneView::name_hits(const Executor& executor, View<const EngineHit> hits,
                           std::span<Hit> out) const {
-  const TriangleSource triangles = source();
   executor.for_each_block(hits.size, kGrain, [&](std::size_t begin, std::size_t end) {
-    std::size_t run = 0;  // of the hit before: neighbours mostly meet the same instance
     for (std::size_t i = begin; i < end; ++i) {
       const EngineHit& hit = hits[i];
       if (hit.triangle == kInvalidId) {
         out[i] = Hit{};
         continue;
       }
-      if (hit.triangle - runs_[run].first >= runs_[run].count) run = triangles.run_of(hit.triangle);
+      std::uint32_t run = first_runs_[hit.triangle >> block_bits_];
+      while (hit.triangle - runs_[run].first >= runs_[run].count) ++run;
       out[i] = {
           hit.t, hit.u, hit.v, hit.triangle - runs_[run].first, ids_[run].mesh, ids_[run].instance};
     }
@@ -54,7 +68,7 @@ void SceneView::name_hits(const Executor& executor, View<const EngineHit> hits,
 
 std::size_t SceneView::memory_bytes() const {
   return engine.memory_bytes() + scratch.capacity_bytes() + runs_.capacity() * sizeof(TriangleRun) +
-         ids_.capacity() * sizeof(Ids);
+         ids_.capacity() * sizeof(Ids) + first_runs_.capacity() * sizeof(std::uint32_t);
 }
 
 std::shared_ptr<SceneView> SceneViews::view_for(const SceneRuns& scene, std::uint32_t mask) {

@@ -56,11 +56,14 @@ class SceneView {
     InstanceId instance;
   };
   [[nodiscard]] bool shows(std::uint32_t mask) const;
+  void note_first_runs();
 
   bool everything_ = true;
   std::vector<std::uint32_t> masks_;
   std::vector<TriangleRun> runs_;
-  std::vector<Ids> ids_;  // of `runs_`
+  std::vector<Ids> ids_;                   // of `runs_`
+  std::vector<std::uint32_t> first_runs_;  // where to look from for a block of numbers' runs
+  std::uint32_t block_bits_ = 0;           // of the numbers in a block
   std::uint32_t count_ = 0;
   std::uint64_t structure_version_ = 0, position_version_ = 0, mask_version_ = 0;
 };
