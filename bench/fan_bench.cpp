@@ -104,8 +104,9 @@ void any_hit(benchmark::State& state) {
   FanCounts counts;
   std::vector<std::uint8_t> occluded(fan().rays.size());
   for (auto _ : state) {
-    occluded_in_fan(executor, fan().source(), fan().rays, {Facing::kBoth, true, &memory}, occluded,
-                    {}, &counts);
+    benchmark::DoNotOptimize(occluded_in_fan(executor, fan().source(), fan().rays,
+                                             {Facing::kBoth, true, &memory}, occluded, {},
+                                             &counts));
   }
   const auto n = static_cast<double>(state.iterations());
   const auto rays = static_cast<double>(fan().rays.size());
@@ -223,8 +224,8 @@ void against_embree(benchmark::State& state) {
   };
   for (auto _ : state) {
     timed(&fan_ms, [&] {
-      occluded_in_fan(executor, fan().source(), fan().rays, {Facing::kBoth, false, &memory}, ours,
-                      {}, nullptr);
+      benchmark::DoNotOptimize(occluded_in_fan(executor, fan().source(), fan().rays,
+                                               {Facing::kBoth, false, &memory}, ours, {}, nullptr));
     });
     timed(&build_ms, [&] { embree.rebuild(); });
     timed(&trace_ms, [&] { embree.trace(executor, theirs); });

@@ -61,36 +61,37 @@ EngineHitRows to_rows(const Executor& executor, const std::vector<RowHit>& found
 void Engine::set_triangles(const TriangleSource& source, bool same_triangles) {
   const bool keeps = same_triangles && source.count == source_.count;
   source_ = source;
-  history_.triangles = source.count;
-  history_.rays_since_change = 0;
-  history_.queries_since_change = 0;
   if (keeps) {
+    history_.rays_since_change = 0;
+    history_.queries_since_change = 0;
     history_.moved = true;
     ++history_.moves;
-  } else {
-    history_ = {};
-    history_.triangles = source.count;
+    return;
   }
+  SceneHistory fresh;
+  fresh.triangles = source.count;
+  fresh.fan_pairs = history_.fan_pairs;
+  history_ = fresh;
 }
 
-void Engine::prepare(const Executor& executor, View<const Ray> rays, const Plan& plan,
+void Engine::prepare(const Executor& executor, View<const Ray> rays, Plan* plan,
                      EngineReport* report) {
   Reporter reporter(report);
   const bool refitted =
-      plan.tree == TreeWork::kRefit && refit_object_tree(executor, source_, &tree_);
-  if (plan.tree == TreeWork::kRefit && !refitted && report != nullptr)
-    report->plan.emplace_back(
+      plan->tree == TreeWork::kRefit && refit_object_tree(executor, source_, &tree_);
+  if (plan->tree == TreeWork::kRefit && !refitted && report != nullptr)
+    plan->reasons.emplace_back(
         "object tree: built again after all, for triangles without area have gained an area");
-  if (plan.tree == TreeWork::kRebuildFinely) {
+  if (plan->tree == TreeWork::kRebuildFinely) {
     build_fine_object_tree(executor, source_, &tree_);
-  } else if (plan.tree != TreeWork::kKeep && !refitted) {
+  } else if (plan->tree != TreeWork::kKeep && !refitted) {
     build_object_tree(executor, source_, &tree_);
   }
-  if (plan.tree != TreeWork::kKeep && !refitted) {
+  if (plan->tree != TreeWork::kKeep && !refitted) {
     // A fine tree that was spoilt is tried again, but not so soon.
-    if (history_.fine && plan.tree != TreeWork::kRebuildFinely)
+    if (history_.fine && plan->tree != TreeWork::kRebuildFinely)
       history_.patience = history_.moves + 2 * history_.patience;
-    history_.fine = plan.tree == TreeWork::kRebuildFinely;
+    history_.fine = plan->tree == TreeWork::kRebuildFinely;
     cost_when_built_ = tree_.surface_area_cost;
   }
   history_.built = true;
@@ -98,8 +99,10 @@ void Engine::prepare(const Executor& executor, View<const Ray> rays, const Plan&
   history_.degraded = tree_.surface_area_cost > kSpoilt * cost_when_built_;
   history_.rays_since_change += rays.size;
   reporter.lap(&EngineReport::hierarchy_ms);
-  order_rays(executor, rays, plan.sort ? Sorting::kCurve : Sorting::kByQuarter, &order_);
+  choose_sorting(tree_.surface_area_cost, report != nullptr, plan);
+  order_rays(executor, rays, plan->sort ? Sorting::kCurve : Sorting::kByQuarter, &order_);
   reporter.lap(&EngineReport::order_ms);
+  if (report != nullptr) report->plan = std::move(plan->reasons);
 }
 
 DualScene Engine::dual_scene(const Plan& plan, const EngineOptions& options) const {
@@ -110,10 +113,9 @@ void Engine::closest_hit(const Executor& executor, View<const Ray> rays,
                          const EngineOptions& options, View<EngineHit> hits, View<float> ray_tests,
                          EngineReport* report) {
   if (rays.empty()) return;
-  Plan plan = make_plan(executor, history_, rays, false, report != nullptr);
+  Plan plan = make_plan(history_, rays, false, report != nullptr);
   ++history_.queries_since_change;
-  if (report != nullptr) report->plan = std::move(plan.reasons);
-  prepare(executor, rays, plan, report);
+  prepare(executor, rays, &plan, report);
   Reporter reporter(report);
   DualCounts counts;
   trace_closest(executor, dual_scene(plan, options), rays, order_, hits, ray_tests, &counts);
@@ -121,27 +123,38 @@ void Engine::closest_hit(const Executor& executor, View<const Ray> rays,
   reporter.add(counts);
 }
 
+bool Engine::any_hit_in_fan(const Executor& executor, View<const Ray> rays,
+                            const EngineOptions& options, View<std::uint8_t> occluded,
+                            View<float> ray_tests, EngineReport* report) {
+  FanCounts counts;
+  const FanOptions fan{options.facing, options.count, &fan_memory_};
+  if (!occluded_in_fan(executor, source_, rays, fan, occluded, ray_tests, &counts)) return false;
+  if (source_.count != 0)
+    history_.fan_pairs = static_cast<double>(counts.pairs) / static_cast<double>(source_.count);
+  if (report == nullptr) return true;
+  report->bound_tests += counts.bound_tests;
+  report->triangle_tests += counts.triangle_tests;
+  report->order_ms += counts.order_ms;
+  report->hierarchy_ms += counts.hierarchy_ms;
+  report->trace_ms += counts.traverse_ms;
+  report->total_ms += counts.order_ms + counts.hierarchy_ms + counts.traverse_ms;
+  return true;
+}
+
 void Engine::any_hit(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
                      View<std::uint8_t> occluded, View<float> ray_tests, EngineReport* report) {
   if (rays.empty()) return;
-  Plan plan = make_plan(executor, history_, rays, true, report != nullptr);
-  ++history_.queries_since_change;
-  if (report != nullptr) report->plan = std::move(plan.reasons);
+  Plan plan = make_plan(history_, rays, true, report != nullptr);
   if (plan.fan) {
-    FanCounts counts;
-    const FanOptions fan{options.facing, options.count, &fan_memory_};
-    Reporter reporter(report);
-    occluded_in_fan(executor, source_, rays, fan, occluded, ray_tests, &counts);
-    if (report == nullptr) return;
-    report->bound_tests += counts.bound_tests;
-    report->triangle_tests += counts.triangle_tests;
-    report->order_ms += counts.order_ms;
-    report->hierarchy_ms += counts.hierarchy_ms;
-    report->trace_ms += counts.traverse_ms;
-    report->total_ms += counts.order_ms + counts.hierarchy_ms + counts.traverse_ms;
-    return;
+    if (any_hit_in_fan(executor, rays, options, occluded, ray_tests, report)) {
+      ++history_.queries_since_change;
+      if (report != nullptr) report->plan = std::move(plan.reasons);
+      return;
+    }
+    plan = plan_without_fan(history_, rays, report != nullptr);
   }
-  prepare(executor, rays, plan, report);
+  ++history_.queries_since_change;
+  prepare(executor, rays, &plan, report);
   Reporter reporter(report);
   DualCounts counts;
   trace_any(executor, dual_scene(plan, options), rays, order_, occluded, ray_tests, &counts);
@@ -152,10 +165,9 @@ void Engine::any_hit(const Executor& executor, View<const Ray> rays, const Engin
 EngineHitRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
                                const EngineOptions& options, EngineReport* report) {
   if (rays.empty()) return {{0}, {}};
-  Plan plan = make_plan(executor, history_, rays, false, report != nullptr);
+  Plan plan = make_plan(history_, rays, false, report != nullptr);
   ++history_.queries_since_change;
-  if (report != nullptr) report->plan = std::move(plan.reasons);
-  prepare(executor, rays, plan, report);
+  prepare(executor, rays, &plan, report);
   Reporter reporter(report);
   DualCounts counts;
   const std::vector<RowHit> found =

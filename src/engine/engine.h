@@ -73,9 +73,12 @@ class Engine {
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
-  /// Does what the plan says of the tree and the order.
-  void prepare(const Executor& executor, View<const Ray> rays, const Plan& plan,
-               EngineReport* report);
+  /// Does what the plan says of the tree and the order, and puts its reasons into the report.
+  void prepare(const Executor& executor, View<const Ray> rays, Plan* plan, EngineReport* report);
+  /// False, with nothing done, where the rays do not start at one point after all.
+  [[nodiscard]] bool any_hit_in_fan(const Executor& executor, View<const Ray> rays,
+                                    const EngineOptions& options, View<std::uint8_t> occluded,
+                                    View<float> ray_tests, EngineReport* report);
   [[nodiscard]] DualScene dual_scene(const Plan& plan, const EngineOptions& options) const;
 
   TriangleSource source_;

@@ -4,19 +4,19 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 
 #include "base/vec.h"
-#include "fan/fan.h"
 #include "scene/flat_scene.h"
 
 namespace raysheaf {
 namespace {
 
 // Nanoseconds of one core.
-constexpr double kFanRay = 25, kFanTriangle = 23;
-constexpr double kRefitTriangle = 15, kRebuildTriangle = 45, kFineTriangle = 380;
-constexpr double kTraceRayLevel = 7;                    // a ray, a doubling of the triangles
-constexpr double kSharedRay = 20, kSharedRayLevel = 3;  // where all start at one point
+constexpr double kFanRay = 16, kFanTriangle = 18, kFanPair = 60;
+constexpr double kRefitTriangle = 15, kRebuildTriangle = 48, kFineTriangle = 380;
+constexpr double kTraceRayLevel = 7;                      // a ray, a doubling of the triangles
+constexpr double kSharedRay = 15, kSharedRayLevel = 2.5;  // where all start at one point
 
 /// What a fine tree saves of the tracing.
 constexpr double kFineSaves = 0.1;
@@ -65,21 +65,31 @@ void choose_tree(const SceneHistory& scene, Plan* plan) {
 }
 
 /// Of the tree before rays can go through it. Queries that this scene has had without a change say
-/// how many more may share it.
+/// how many more may share it; moves that it will be refitted.
 double tree_cost(const SceneHistory& scene) {
   if (scene.built && !scene.moved) return 0;
-  const double a_triangle = scene.built && !scene.degraded ? kRefitTriangle : kRebuildTriangle;
+  const bool refits = scene.built ? !scene.degraded : scene.moves >= scene.patience;
+  const double a_triangle = refits ? kRefitTriangle : kRebuildTriangle;
   return a_triangle * scene.triangles / (1.0 + scene.queries_since_change);
 }
 
+/// In a sample: the fan itself looks at all.
+bool seem_to_share_origin(View<const Ray> rays) {
+  constexpr std::size_t kSamples = 256;
+  const std::size_t stride = std::max<std::size_t>(1, rays.size / kSamples);
+  for (std::size_t i = 0; i < rays.size; i += stride)
+    if (std::memcmp(&rays[i].origin, &rays[0].origin, sizeof(Vec3)) != 0) return false;
+  return true;
+}
+
 /// Whether the rays fan out from a point and it pays to stream the triangles at them.
-bool chooses_fan(const Executor& executor, const SceneHistory& scene, View<const Ray> rays,
-                 Plan* plan) {
+bool chooses_fan(const SceneHistory& scene, View<const Ray> rays, Plan* plan) {
   // Farther out, products of the fan's differences overflow.
   if (!(max_component(abs(rays[0].origin)) <= kLargestCoordinate)) return false;
-  if (!share_origin(executor, rays)) return false;
+  if (!seem_to_share_origin(rays)) return false;
   const auto count = static_cast<double>(rays.size);
-  const double fan = kFanRay * count + kFanTriangle * scene.triangles;
+  const double fan =
+      kFanRay * count + (kFanTriangle + kFanPair * scene.fan_pairs) * scene.triangles;
   const double a_ray = kSharedRay + kSharedRayLevel * std::log2(2.0 + scene.triangles);
   const double tree = tree_cost(scene) + a_ray * count;
   const bool chosen = fan < tree;
@@ -92,19 +102,17 @@ bool chooses_fan(const Executor& executor, const SceneHistory& scene, View<const
   return chosen;
 }
 
-/// Below, boxes and triangles stay in the caches whatever the order.
-constexpr std::uint32_t kSortTriangles = 50000;
+/// Expected nodes and quads of a long random ray. Below, a stream visits so few of them that the
+/// sort costs more than it saves.
+constexpr float kSortCost = 15;
 
-void choose_bundle(const SceneHistory& scene, View<const Ray> rays, Plan* plan) {
+void choose_bundle(View<const Ray> rays, Plan* plan) {
   const Coherence found = sample_coherence(rays, nullptr);
-  plan->sort = !found.origins_alike() && scene.triangles >= kSortTriangles;
+  plan->disorder = !found.origins_alike();
   plan->reasons.push_back(figures(
-      !plan->sort && !found.origins_alike()
-          ? "rays: not sorted, though sixteen in a row start %.0f %% of the batch's extent apart: "
-            "the scene is small"
-      : plan->sort
-          ? "rays: sorted, for sixteen in a row start %.0f %% of the batch's extent apart"
-          : "rays: not sorted, for sixteen in a row start within %.2g %% of the batch's extent",
+      plan->disorder ? "rays: sixteen in a row start %.0f %% of the batch's extent apart"
+                     : "rays: not sorted, for sixteen in a row start within %.2g %% of the batch's "
+                       "extent",
       100 * found.origin, 0));
   const bool alike = found.origins_alike() && found.directions_alike();
   plan->bundle = alike ? Bundle::kPacket : Bundle::kStream;
@@ -153,16 +161,36 @@ Coherence sample_coherence(View<const Ray> rays, const std::uint32_t* order) {
   return {whole > 0 ? extents[groups / 2] / whole : 0, alike / static_cast<double>(groups)};
 }
 
-Plan make_plan(const Executor& executor, const SceneHistory& scene, View<const Ray> rays, bool any,
-               bool explain) {
-  Plan plan;
-  plan.fan = any && chooses_fan(executor, scene, rays, &plan);
-  if (!plan.fan) {
-    choose_tree(scene, &plan);
-    choose_bundle(scene, rays, &plan);
+Plan make_plan(const SceneHistory& scene, View<const Ray> rays, bool any, bool explain) {
+  Plan fan;
+  fan.fan = any && chooses_fan(scene, rays, &fan);
+  if (fan.fan) {
+    if (!explain) fan.reasons.clear();
+    return fan;
   }
+  Plan plan = plan_without_fan(scene, rays, explain);
+  if (explain) plan.reasons.insert(plan.reasons.begin(), fan.reasons.begin(), fan.reasons.end());
+  return plan;
+}
+
+Plan plan_without_fan(const SceneHistory& scene, View<const Ray> rays, bool explain) {
+  Plan plan;
+  choose_tree(scene, &plan);
+  choose_bundle(rays, &plan);
   if (!explain) plan.reasons.clear();
   return plan;
+}
+
+void choose_sorting(float tree_cost, bool explain, Plan* plan) {
+  plan->sort = plan->disorder && tree_cost > kSortCost;
+  if (!explain || !plan->disorder) return;
+  plan->reasons.push_back(figures(
+      plan->sort
+          ? "rays: sorted, for a long one is expected to meet %.2g boxes of the tree's, more "
+            "than %.2g"
+          : "rays: not sorted, for a long one is expected to meet but %.2g boxes of the "
+            "tree's, no more than %.2g",
+      static_cast<double>(tree_cost), static_cast<double>(kSortCost)));
 }
 
 }  // namespace raysheaf

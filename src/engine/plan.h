@@ -12,7 +12,6 @@
 
 #include "base/view.h"
 #include "dual/dual.h"
-#include "exec/executor.h"
 
 namespace raysheaf {
 
@@ -42,18 +41,28 @@ struct SceneHistory {
   std::uint32_t patience = 2;  ///< moves before a fine tree is tried
   std::uint32_t queries_since_change = 0;
   std::uint64_t rays_since_change = 0;  ///< that went through the tree
+  /// Of tiles of a fan and triangles, a triangle, when a fan was last used; other triangles at
+  /// other places are expected to be alike.
+  double fan_pairs = 0.5;
 };
 
 struct Plan {
   bool fan = false;  ///< triangles stream against cells over the rays; there is no object tree
   TreeWork tree = TreeWork::kKeep;
-  bool sort = false;
+  bool disorder = false;  ///< rays that stand beside each other start apart
+  bool sort = false;      ///< set by `choose_sorting`
   Bundle bundle = Bundle::kPacket;
   std::vector<std::string> reasons;  ///< a sentence a choice
 };
 
-/// `any`: an any-hit query. `explain`: write the reasons.
-[[nodiscard]] Plan make_plan(const Executor& executor, const SceneHistory& scene,
-                             View<const Ray> rays, bool any, bool explain);
+/// `any`: an any-hit query. `explain`: write the reasons. A plan for a fan is made from a sample of
+/// the rays: where others start elsewhere, `plan_without_fan` is what remains.
+[[nodiscard]] Plan make_plan(const SceneHistory& scene, View<const Ray> rays, bool any,
+                             bool explain);
+[[nodiscard]] Plan plan_without_fan(const SceneHistory& scene, View<const Ray> rays, bool explain);
+
+/// Once the tree is there: whether the rays are worth sorting. `tree_cost` is its
+/// `surface_area_cost`.
+void choose_sorting(float tree_cost, bool explain, Plan* plan);
 
 }  // namespace raysheaf

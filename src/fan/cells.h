@@ -70,10 +70,12 @@ struct FanBounds {
 
 /// What the keys' stage learns of all rays.
 struct FanRange {
+  bool one_origin = true;   ///< bit for bit; where not, keys are of no use
   bool forward = true;      ///< no t_min is negative
   float largest_along = 0;  ///< of |direction| along the dominant axis
 
   void include(const FanRange& other) {
+    one_origin = one_origin && other.one_origin;
     forward = forward && other.forward;
     largest_along = std::max(largest_along, other.largest_along);
   }
@@ -132,11 +134,12 @@ struct FanCells {
   }
 };
 
-/// Sorts the rays and bounds them. O(rays).
-void make_cells(const Executor& executor, View<const Ray> rays, FanCells* cells);
+/// Sorts the rays and bounds them; false where they have not one origin. O(rays).
+[[nodiscard]] bool make_cells(const Executor& executor, View<const Ray> rays, FanCells* cells);
 
 /// The SIMD parts, chosen at run time.
-/// Keys of rays [begin, end): face | Hilbert; kDeadFace for rays that nothing can hit.
+/// Keys of rays [begin, end): face | Hilbert; kDeadFace for rays that nothing can hit. Their
+/// origins are compared with that of rays[0].
 inline constexpr std::uint32_t kDeadFace = 6;
 void fan_keys(const Ray* rays, std::size_t begin, std::size_t end, std::uint32_t axis_bits,
               std::uint32_t* keys, FanRange* range);

@@ -33,11 +33,13 @@ class KeySort {
         buckets_(std::size_t{kFanFaces + 1} << 2 * c->axis_bits),
         blocks_(std::clamp<std::size_t>(rays.size / kLeastBlock, 1, executor.threads())) {}
 
+  /// Stops after the keys where the rays have not one origin.
   FanRange run() {
     c_.keys.resize_uninitialized(rays_.size);
     c_.order.resize_uninitialized(rays_.size);
     c_.counters.resize_uninitialized(blocks_ * buckets_);
     const FanRange range = make_keys();
+    if (!range.one_origin) return range;
     counts_to_places();
     executor_.for_each(blocks_, 1, [&](std::size_t block) {
       std::uint32_t* places = row(block);
@@ -69,7 +71,7 @@ class KeySort {
     executor_.for_each(blocks_, 1, [&](std::size_t block) {
       std::fill_n(row(block), buckets_, 0u);
       std::uint32_t* counts = row(block);
-      for (std::size_t i = begin(block); i < begin(block + 1);) {
+      for (std::size_t i = begin(block); i < begin(block + 1) && ranges[block].one_origin;) {
         const std::size_t end = std::min(i + kAtOnce, begin(block + 1));
         FanRange range;
         fan_keys(rays_.data, i, end, c_.axis_bits, c_.keys.data(), &range);
@@ -174,11 +176,12 @@ void build_pyramid(const Executor& executor, FanCells* c) {
 
 }  // namespace
 
-void make_cells(const Executor& executor, View<const Ray> rays, FanCells* c) {
+bool make_cells(const Executor& executor, View<const Ray> rays, FanCells* c) {
   c->origin = rays[0].origin;
   c->level = grid_level(rays.size);
   c->axis_bits = c->level + kBitsBelowGrid;
   const FanRange range = KeySort(executor, rays, c).run();
+  if (!range.one_origin) return false;
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   c->behind = range.forward ? range.largest_along * 0x1p-119f + 0x1p-119f : kInfinity;
   lay_out_tiles(c);
@@ -186,6 +189,7 @@ void make_cells(const Executor& executor, View<const Ray> rays, FanCells* c) {
   gather(executor, rays, c);
   bound_groups_and_faces(c);
   build_pyramid(executor, c);
+  return true;
 }
 
 }  // namespace raysheaf

@@ -50,35 +50,45 @@ HWY_INLINE I Hilbert(I x, I y, std::uint32_t bits) {
   return place;
 }
 
-struct Directions {
+struct RayLanes {
+  V ox, oy, oz;
   V x, y, z, t_min, t_max;
 };
 
-HWY_INLINE Directions LoadRays(const Ray* rays) {
+HWY_INLINE RayLanes LoadRays(const Ray* rays) {
   static_assert(sizeof(Ray) == 8 * sizeof(float));
   const Floats d;
 #if HWY_TARGET == HWY_SCALAR
-  return {hn::Set(d, rays->direction.x), hn::Set(d, rays->direction.y),
-          hn::Set(d, rays->direction.z), hn::Set(d, rays->t_min), hn::Set(d, rays->t_max)};
+  return {hn::Set(d, rays->origin.x),    hn::Set(d, rays->origin.y),
+          hn::Set(d, rays->origin.z),    hn::Set(d, rays->direction.x),
+          hn::Set(d, rays->direction.y), hn::Set(d, rays->direction.z),
+          hn::Set(d, rays->t_min),       hn::Set(d, rays->t_max)};
 #else
   const float* p = &rays->origin.x;
   V a0, a1, a2, a3, b0, b1, b2, b3;
   hn::LoadInterleaved4(d, p, a0, a1, a2, a3);
   hn::LoadInterleaved4(d, p + 4 * hn::Lanes(d), b0, b1, b2, b3);
-  return {hn::ConcatOdd(d, b0, a0), hn::ConcatOdd(d, b1, a1), hn::ConcatOdd(d, b2, a2),
+  return {hn::ConcatEven(d, b0, a0), hn::ConcatEven(d, b1, a1), hn::ConcatEven(d, b2, a2),
+          hn::ConcatOdd(d, b0, a0),  hn::ConcatOdd(d, b1, a1),  hn::ConcatOdd(d, b2, a2),
           hn::ConcatEven(d, b3, a3), hn::ConcatOdd(d, b3, a3)};
 #endif
 }
 
 struct KeyState {
+  V origin[3];
+  I differs;  ///< bits in which any origin differs
   M forward;
   V largest;
 };
 
 /// The comparisons and quotients of `make_ray_setup`.
-HWY_INLINE I KeysOf(const Directions& r, std::uint32_t bits, KeyState* state) {
+HWY_INLINE I KeysOf(const RayLanes& r, std::uint32_t bits, KeyState* state) {
   const Floats d;
   const Ints di;
+  const auto difference = [&](V a, V b) { return hn::Xor(hn::BitCast(di, a), hn::BitCast(di, b)); };
+  state->differs = hn::Or(state->differs, hn::Or3(difference(r.ox, state->origin[0]),
+                                                  difference(r.oy, state->origin[1]),
+                                                  difference(r.oz, state->origin[2])));
   const V mx = hn::Abs(r.x), my = hn::Abs(r.y), mz = hn::Abs(r.z);
   const M x_over_y = hn::Gt(mx, my);
   const M is_x = hn::And(x_over_y, hn::Gt(mx, mz));
@@ -110,7 +120,11 @@ void Keys(const Ray* rays, std::size_t begin, std::size_t end, std::uint32_t bit
   const Floats d;
   const Ints di;
   const std::size_t lanes = hn::Lanes(d);
-  KeyState state{hn::Eq(hn::Zero(d), hn::Zero(d)), hn::Zero(d)};
+  const Vec3 origin = rays[0].origin;
+  KeyState state{{hn::Set(d, origin.x), hn::Set(d, origin.y), hn::Set(d, origin.z)},
+                 hn::Zero(di),
+                 hn::Eq(hn::Zero(d), hn::Zero(d)),
+                 hn::Zero(d)};
   auto* out = reinterpret_cast<std::int32_t*>(keys);
   std::size_t i = begin;
   for (; i + lanes <= end; i += lanes)
@@ -122,6 +136,7 @@ void Keys(const Ray* rays, std::size_t begin, std::size_t end, std::uint32_t bit
     hn::StoreU(KeysOf(LoadRays(rest), bits, &state), di, rest_keys);
     std::copy_n(rest_keys, end - i, out + i);
   }
+  range->one_origin = hn::AllTrue(di, hn::Eq(state.differs, hn::Zero(di)));
   range->forward = hn::AllTrue(d, state.forward);
   range->largest_along = hn::GetLane(hn::MaxOfLanes(d, state.largest));
 }

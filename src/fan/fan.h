@@ -27,13 +27,11 @@
 
 namespace raysheaf {
 
-/// Whether all rays start at the same point, bit for bit. O(rays), and as soon as two differ.
-[[nodiscard]] bool share_origin(const Executor& executor, View<const Ray> rays);
-
 /// What a query did. The same with any number of threads and on every SIMD target.
 struct FanCounts {
   std::uint64_t bound_tests = 0;     ///< a cell with a triangle, or with a bound of triangles
   std::uint64_t triangle_tests = 0;  ///< a ray with a triangle
+  std::uint64_t pairs = 0;           ///< of tiles and triangles that meet; always filled
   double order_ms = 0, hierarchy_ms = 0, traverse_ms = 0;
 };
 
@@ -61,11 +59,12 @@ struct FanOptions {
 };
 
 /// occluded[i] = 1 where rays[i] meets any triangle in [t_min, t_max], else 0: what brute force
-/// says, bit for bit. Needs `share_origin(rays)`. `ray_tests` may be empty; else each ray's share
-/// of all tests is added to it. O(rays + triangles + pairs of cells and triangles that
-/// overlap).
-void occluded_in_fan(const Executor& executor, const TriangleSource& source, View<const Ray> rays,
-                     const FanOptions& options, View<std::uint8_t> occluded, View<float> ray_tests,
-                     FanCounts* counts);
+/// says, bit for bit. `ray_tests` may be empty; else each ray's share of all tests is added to it.
+/// O(rays + triangles + pairs of cells and triangles that overlap). Where the rays do not start at
+/// the same point, bit for bit, it returns false, and nothing has been written.
+[[nodiscard]] bool occluded_in_fan(const Executor& executor, const TriangleSource& source,
+                                   View<const Ray> rays, const FanOptions& options,
+                                   View<std::uint8_t> occluded, View<float> ray_tests,
+                                   FanCounts* counts);
 
 }  // namespace raysheaf

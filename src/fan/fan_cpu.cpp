@@ -1,9 +1,7 @@
 #include "fan/fan.h"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
-#include <cstring>
 #include <utility>
 
 #include "base/bits.h"
@@ -118,27 +116,16 @@ std::size_t FanMemory::bytes() const {
   return bytes;
 }
 
-bool share_origin(const Executor& executor, View<const Ray> rays) {
-  std::atomic<bool> shared{true};
-  executor.for_each_block(rays.size, kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end && shared.load(std::memory_order_relaxed); ++i) {
-      if (std::memcmp(&rays[i].origin, &rays[0].origin, sizeof(Vec3)) != 0)
-        shared.store(false, std::memory_order_relaxed);
-    }
-  });
-  return shared.load();
-}
-
-void occluded_in_fan(const Executor& executor, const TriangleSource& source, View<const Ray> rays,
+bool occluded_in_fan(const Executor& executor, const TriangleSource& source, View<const Ray> rays,
                      const FanOptions& options, View<std::uint8_t> occluded, View<float> ray_tests,
                      FanCounts* counts) {
   FanCounts unused;
   if (counts == nullptr) counts = &unused;
-  if (rays.empty()) return;
+  if (rays.empty()) return true;
   FanMemory own;
   FanMemory::Arrays& a = options.memory != nullptr ? options.memory->arrays() : own.arrays();
   Laps watch;
-  make_cells(executor, rays, &a.cells);
+  if (!make_cells(executor, rays, &a.cells)) return false;
   for (std::size_t i = a.cells.live_rays; i < rays.size; ++i) occluded[a.cells.order[i]] = 0;
   counts->order_ms += watch.lap_ms();
   stream(executor, source, &a);
@@ -147,7 +134,9 @@ void occluded_in_fan(const Executor& executor, const TriangleSource& source, Vie
   trace_tiles(executor, {a.cells, source, options.facing, occluded, ray_tests}, &a);
   if (!ray_tests.empty()) share_stream_tests(executor, a, ray_tests);
   counts->traverse_ms += watch.lap_ms();
+  counts->pairs += a.tile_begin[a.cells.tile_count];
   if (options.count) add_counts(a, counts);
+  return true;
 }
 
 }  // namespace raysheaf

@@ -45,7 +45,7 @@ SceneHistory history(std::uint32_t triangles) {
 }
 
 Plan plan_of(const SceneHistory& scene, const std::vector<Ray>& rays, bool any = false) {
-  return make_plan(one_thread(), scene, View<const Ray>(rays), any, true);
+  return make_plan(scene, View<const Ray>(rays), any, true);
 }
 
 bool says(const Plan& plan, const std::string& text) {
@@ -68,10 +68,24 @@ TEST(Plan, FanForRaysOfOneOrigin) {
   const Plan tree = plan_of(standing, few, true);
   EXPECT_FALSE(tree.fan);
   EXPECT_TRUE(says(tree, "rays of one origin, but"));
-  rays[7777].origin.y = std::nextafter(2.0f, 3.0f);
+  for (std::size_t i = 5000; i < 6000; ++i) rays[i].origin.y = std::nextafter(2.0f, 3.0f);
   const Plan other = plan_of(history(100000), rays, true);
   EXPECT_FALSE(other.fan);
   EXPECT_FALSE(says(other, "one origin"));
+}
+
+TEST(Plan, FanByWhatItMetLast) {
+  Random random(7);
+  const std::vector<Ray> rays = from_one_point(200000, random);
+  SceneHistory scene = history(200000);
+  EXPECT_TRUE(plan_of(scene, rays, true).fan);
+  scene.fan_pairs = 5;
+  EXPECT_FALSE(plan_of(scene, rays, true).fan);
+  // A tree that would be built for one frame does not pay where one that is refitted does.
+  scene.fan_pairs = 1;
+  EXPECT_TRUE(plan_of(scene, rays, true).fan);
+  scene.moves = scene.patience;
+  EXPECT_FALSE(plan_of(scene, rays, true).fan);
 }
 
 TEST(Plan, BundlesByCoherence) {
@@ -81,16 +95,19 @@ TEST(Plan, BundlesByCoherence) {
   EXPECT_EQ(camera.bundle, Bundle::kPacket);
   EXPECT_TRUE(says(camera, "not sorted"));
   EXPECT_TRUE(says(camera, "packets"));
-  const Plan small = plan_of(history(1000), disorder(10000, random));
-  EXPECT_FALSE(small.sort);
-  EXPECT_EQ(small.bundle, Bundle::kStream);
-  EXPECT_TRUE(says(small, "the scene is small"));
-  const Plan any = plan_of(history(100000), disorder(10000, random));
-  EXPECT_TRUE(any.sort);
+  EXPECT_FALSE(camera.disorder);
+  Plan any = plan_of(history(1000), disorder(10000, random));
+  EXPECT_TRUE(any.disorder);
   EXPECT_EQ(any.bundle, Bundle::kStream);
-  EXPECT_TRUE(says(any, "rays: sorted"));
   EXPECT_TRUE(says(any, "streams"));
-  const Plan occlusion = plan_of(history(1000), scattered(128, random));
+  choose_sorting(3, true, &any);
+  EXPECT_FALSE(any.sort);
+  EXPECT_TRUE(says(any, "rays: not sorted"));
+  choose_sorting(30, true, &any);
+  EXPECT_TRUE(any.sort);
+  EXPECT_TRUE(says(any, "rays: sorted"));
+  Plan occlusion = plan_of(history(1000), scattered(128, random));
+  choose_sorting(30, true, &occlusion);
   EXPECT_FALSE(occlusion.sort);
   EXPECT_EQ(occlusion.bundle, Bundle::kStream);
 }
@@ -158,7 +175,7 @@ TEST(Plan, ReasonsWhereAsked) {
     EXPECT_NE(reason.find(": "), std::string::npos) << reason;
     EXPECT_EQ(reason.find("nan"), std::string::npos) << reason;
   }
-  const Plan silent = make_plan(one_thread(), history(100), View<const Ray>(rays), false, false);
+  const Plan silent = make_plan(history(100), View<const Ray>(rays), false, false);
   EXPECT_TRUE(silent.reasons.empty());
   EXPECT_EQ(silent.tree, told.tree);
   EXPECT_EQ(silent.sort, told.sort);

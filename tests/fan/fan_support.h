@@ -68,7 +68,7 @@ inline std::vector<std::uint8_t> fan(const Executor& executor, const TriangleSou
     tests = *ray_tests;
   }
   options.count = true;
-  occluded_in_fan(executor, source, rays, options, occluded, tests, counts);
+  EXPECT_TRUE(occluded_in_fan(executor, source, rays, options, occluded, tests, counts));
   return occluded;
 }
 

@@ -247,13 +247,19 @@ TEST(Fan, MemoryIsKeptAndChangesNothing) {
   EXPECT_GT(memory.bytes(), 0u);
 }
 
-TEST(ShareOrigin, BitForBit) {
-  const Executor executor(2);
-  std::vector<Ray> rays(20000, Ray{{1, 2, 3}, 0, {1, 0, 0}, 1});
-  EXPECT_TRUE(share_origin(executor, rays));
-  EXPECT_TRUE(share_origin(executor, View<const Ray>()));
-  rays[19999].origin.y = std::nextafter(2.0f, 3.0f);
-  EXPECT_FALSE(share_origin(executor, rays));
+TEST(Fan, RefusesOtherOrigins) {
+  Random random(10);
+  Triangles t = make(Shape::kSoup, {}, 100, random);
+  std::vector<std::uint8_t> occluded(20000, 7);
+  for (const std::size_t other : {1u, 777u, 8191u, 19998u, 19999u}) {
+    std::vector<Ray> rays(20000, Ray{{1, 2, 0}, 0, {1, 0, 0}, 1});
+    rays[other].origin.z = -0.0f;  // another, bit for bit
+    FanCounts counts;
+    EXPECT_FALSE(
+        occluded_in_fan(Executor(2), t.source(), View<const Ray>(rays), {}, occluded, {}, &counts));
+    EXPECT_EQ(counts.pairs, 0u);
+  }
+  EXPECT_EQ(std::count(occluded.begin(), occluded.end(), 7), 20000);
 }
 
 }  // namespace
