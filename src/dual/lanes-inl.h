@@ -93,3 +93,47 @@ HWY_INLINE void gather4(const Record* records, int half, const std::uint32_t* li
   f3 = hn::BitCast(d, hn::InterleaveUpper(d64, high(a, b), high(c, e)));
 #endif
 }
+
+/// The opposite for records that stand together: lane i of fk goes to field k of records[i].
+template <class Record>
+HWY_INLINE void store4(RV f0, RV f1, RV f2, RV f3, int half, Record* records) {
+  static_assert(sizeof(Record) == 32);
+  const Rays d;
+  const auto at = [&](std::size_t i) {
+    return reinterpret_cast<float*>(records + i) + 4 * half;
+  };
+#if HWY_TARGET == HWY_SCALAR
+  float* to = at(0);
+  to[0] = hn::GetLane(f0);
+  to[1] = hn::GetLane(f1);
+  to[2] = hn::GetLane(f2);
+  to[3] = hn::GetLane(f3);
+  static_cast<void>(d);
+#else
+  const auto store_blocks = [&](RV v, std::size_t j) __attribute__((always_inline)) {
+    if constexpr (hn::MaxLanes(Rays()) == 16) {
+      const hn::Half<Rays> d8;
+      const hn::Half<hn::Half<Rays> > d4;
+      const auto low = hn::LowerHalf(d8, v), high = hn::UpperHalf(d8, v);
+      hn::Store(hn::LowerHalf(d4, low), d4, at(j));
+      hn::Store(hn::UpperHalf(d4, low), d4, at(4 + j));
+      hn::Store(hn::LowerHalf(d4, high), d4, at(8 + j));
+      hn::Store(hn::UpperHalf(d4, high), d4, at(12 + j));
+    } else if constexpr (hn::MaxLanes(Rays()) == 8) {
+      const hn::Half<Rays> d4;
+      hn::Store(hn::LowerHalf(d4, v), d4, at(j));
+      hn::Store(hn::UpperHalf(d4, v), d4, at(4 + j));
+    } else {
+      hn::Store(v, d, at(j));
+    }
+  };
+  const hn::Repartition<std::uint64_t, Rays> d64;
+  const auto as64 = [&](RV v) { return hn::BitCast(d64, v); };
+  const auto a = as64(hn::InterleaveLower(f0, f1)), b = as64(hn::InterleaveLower(f2, f3));
+  const auto c = as64(hn::InterleaveUpper(d, f0, f1)), e = as64(hn::InterleaveUpper(d, f2, f3));
+  store_blocks(hn::BitCast(d, hn::InterleaveLower(a, b)), 0);
+  store_blocks(hn::BitCast(d, hn::InterleaveUpper(d64, a, b)), 1);
+  store_blocks(hn::BitCast(d, hn::InterleaveLower(c, e)), 2);
+  store_blocks(hn::BitCast(d, hn::InterleaveUpper(d64, c, e)), 3);
+#endif
+}

@@ -96,7 +96,7 @@ class StreamWalk : StreamHits<Mode> {
     for (std::uint32_t base = 0; base < count; base += kPacketWidth) {
       const std::uint32_t n = std::min(kPacketWidth, count - base);
       for (std::uint32_t i = 0; i < kPacketWidth; ++i) {
-        const std::uint32_t ahead = base + kPacketWidth + i;
+        const std::uint32_t ahead = base + 4 * kPacketWidth + i;
         if (ahead < count) hwy::Prefetch(job_.rays + order[ahead]);
       }
       gather_rays(job_.rays, order + base, n, quarter, &p, dx, dy, dz);
@@ -108,14 +108,7 @@ class StreamWalk : StreamHits<Mode> {
       } else {
         for (std::uint32_t i = 0; i < n; ++i) unbounded_.push_back(base + i);
       }
-      for (std::uint32_t i = 0; i < n; ++i) {
-        s.rays[base + i] = {p.ox[i],    p.oy[i],     p.oz[i],    p.per_x[i],
-                            p.per_y[i], p.s_near[i], p.s_far[i], p.along[i]};
-        s.shears[base + i] = {p.shear_x[i], p.shear_y[i], p.shear_z[i],
-                              p.t_min[i],   p.t_limit[i], {}};
-        s.index[base + i] = p.index[i];
-        s.hits[base + i] = {};
-      }
+      keep_packet(base);
       for (; lanes != 0; lanes &= lanes - 1)
         s.lists[alive++] = base + static_cast<std::uint32_t>(__builtin_ctz(lanes));
     }
@@ -131,6 +124,25 @@ class StreamWalk : StreamHits<Mode> {
     s.far_z = p.far_z;
     s.mirrored = p.mirrored;
     return alive;
+  }
+
+  /// The packet's lanes as the stream's records from `base` on.
+  HWY_INLINE void keep_packet(std::uint32_t base) {
+    Stream& s = stream_;
+    const RayPacket& p = packet_;
+    const RayInts di;
+    const RV zero = hn::Zero(Rays());
+    for (std::uint32_t g = 0; g < kPacketWidth; g += static_cast<std::uint32_t>(ray_lanes())) {
+      StreamRay* rays = s.rays.data() + base + g;
+      store4(load(p.ox + g), load(p.oy + g), load(p.oz + g), load(p.per_x + g), 0, rays);
+      store4(load(p.per_y + g), load(p.s_near + g), load(p.s_far + g), load(p.along + g), 1, rays);
+      StreamShear* shears = s.shears.data() + base + g;
+      store4(load(p.shear_x + g), load(p.shear_y + g), load(p.shear_z + g), load(p.t_min + g), 0,
+             shears);
+      store4(load(p.t_limit + g), zero, zero, zero, 1, shears);
+      hn::Store(hn::Load(di, p.index + g), di, s.index.data() + base + g);
+    }
+    std::fill_n(s.hits.data() + base, kPacketWidth, EngineHit{});
   }
 
   /// With every triangle.
