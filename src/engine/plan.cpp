@@ -15,8 +15,8 @@ namespace {
 // Nanoseconds of one core.
 constexpr double kFanRay = 16, kFanTriangle = 18, kFanPair = 60;
 constexpr double kRefitTriangle = 15, kRebuildTriangle = 48, kFineTriangle = 380;
-constexpr double kTraceRayLevel = 7;                      // a ray, a doubling of the triangles
-constexpr double kSharedRay = 15, kSharedRayLevel = 2.5;  // where all start at one point
+constexpr double kTraceRayLevel = 7;                    // a ray, a doubling of the triangles
+constexpr double kSharedRay = 10, kSharedRayLevel = 2;  // where all start at one point
 
 /// What a fine tree saves of the tracing.
 constexpr double kFineSaves = 0.1;
@@ -106,7 +106,10 @@ bool chooses_fan(const SceneHistory& scene, View<const Ray> rays, Plan* plan) {
 /// sort costs more than it saves.
 constexpr float kSortCost = 15;
 
-void choose_bundle(View<const Ray> rays, Plan* plan) {
+/// Below, packets of neighbours that run alike meet so few nodes that a stream's lists cost more.
+constexpr std::uint32_t kPacketTriangles = 4096;
+
+void choose_bundle(const SceneHistory& scene, View<const Ray> rays, Plan* plan) {
   const Coherence found = sample_coherence(rays, nullptr);
   plan->disorder = !found.origins_alike();
   plan->reasons.push_back(figures(
@@ -115,15 +118,15 @@ void choose_bundle(View<const Ray> rays, Plan* plan) {
                        "extent",
       100 * found.origin, 0));
   const bool alike = found.origins_alike() && found.directions_alike();
-  plan->bundle = alike ? Bundle::kPacket : Bundle::kStream;
-  if (!found.origins_alike()) {
-    plan->reasons.emplace_back("bundles: streams, for neighbours start apart");
-    return;
-  }
-  plan->reasons.push_back(figures(
-      alike ? "bundles: packets of sixteen within beams, for %.0f %% of neighbours run alike"
-            : "bundles: streams, for only %.0f %% of neighbours run alike",
-      100 * found.direction, 0));
+  const bool tiny = scene.triangles < kPacketTriangles;
+  plan->bundle = alike && tiny ? Bundle::kPacket : Bundle::kStream;
+  plan->reasons.push_back(
+      !tiny ? figures("bundles: streams, for there are %.0f triangles or more", kPacketTriangles, 0)
+      : alike ? figures("bundles: packets of sixteen within beams, for triangles are few and %.0f "
+                        "%% of neighbours run alike",
+                        100 * found.direction, 0)
+              : figures("bundles: streams, for only %.0f %% of neighbours start and run alike",
+                        found.origins_alike() ? 100 * found.direction : 0, 0));
 }
 
 }  // namespace
@@ -176,7 +179,7 @@ Plan make_plan(const SceneHistory& scene, View<const Ray> rays, bool any, bool e
 Plan plan_without_fan(const SceneHistory& scene, View<const Ray> rays, bool explain) {
   Plan plan;
   choose_tree(scene, &plan);
-  choose_bundle(rays, &plan);
+  choose_bundle(scene, rays, &plan);
   if (!explain) plan.reasons.clear();
   return plan;
 }

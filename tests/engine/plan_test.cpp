@@ -93,6 +93,7 @@ TEST(Plan, BundlesByCoherence) {
   const Plan camera = plan_of(history(1000), picture(128));
   EXPECT_FALSE(camera.sort);
   EXPECT_EQ(camera.bundle, Bundle::kPacket);
+  EXPECT_EQ(plan_of(history(100000), picture(128)).bundle, Bundle::kStream);
   EXPECT_TRUE(says(camera, "not sorted"));
   EXPECT_TRUE(says(camera, "packets"));
   EXPECT_FALSE(camera.disorder);
