@@ -29,6 +29,9 @@ constexpr std::uint32_t kMostCellsAcross = 2;
 /// Tiles that are looked at one by one; where there are more, their groups come first.
 constexpr std::uint32_t kFewTiles = 32;
 
+/// Of sixteen triangles, so many are looked at together before each is.
+constexpr int kWorthALook = 4;
+
 struct TileRange {
   std::uint32_t first, last;
 };
@@ -127,7 +130,53 @@ class Stream {
     cell(lanes_.v1, bound.v0, bound.v1, y1_);
   }
 
+  /// Whether no ray of the cells around all of `in` reaches as far as the nearest of them.
+  HWY_INLINE bool all_beyond(std::uint32_t f, std::uint32_t in) {
+    const Floats d;
+    const Ints di;
+    constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
+    I low_x = hn::Set(di, kMost), low_y = low_x, high_x = hn::Zero(di), high_y = high_x;
+    V depth = hn::Set(d, std::numeric_limits<float>::infinity());
+    for (std::size_t k = 0; k < kPacketSlots; k += hn::Lanes(d)) {
+      const std::uint8_t bits[8] = {static_cast<std::uint8_t>(in >> k),
+                                    static_cast<std::uint8_t>(in >> k >> 8)};
+      const M some = hn::LoadMaskBits(d, bits);
+      const auto some_int = hn::RebindMask(di, some);
+      const auto least = [&](I so_far, const std::int32_t* from) {
+        return hn::Min(so_far, hn::IfThenElse(some_int, hn::Load(di, from + k), so_far));
+      };
+      const auto most = [&](I so_far, const std::int32_t* from) {
+        return hn::Max(so_far, hn::IfThenElseZero(some_int, hn::Load(di, from + k)));
+      };
+      low_x = least(low_x, x0_), low_y = least(low_y, y0_);
+      high_x = most(high_x, x1_), high_y = most(high_y, y1_);
+      depth = hn::Min(depth, hn::IfThenElse(some, hn::Load(d, lanes_.depth + k), depth));
+    }
+    const auto lane = [](I v) { return static_cast<std::uint32_t>(hn::GetLane(v)); };
+    std::uint32_t x0 = lane(hn::MinOfLanes(di, low_x)), x1 = lane(hn::MaxOfLanes(di, high_x));
+    std::uint32_t y0 = lane(hn::MinOfLanes(di, low_y)), y1 = lane(hn::MaxOfLanes(di, high_y));
+    const float nearest = hn::GetLane(hn::MinOfLanes(d, depth));
+    const std::uint32_t level = few_cells(&x0, &x1, &y0, &y1);
+    for (std::uint32_t y = y0; y <= y1; ++y) {
+      for (std::uint32_t x = x0; x <= x1; ++x) {
+        ++block_.bound_tests;
+        if (!(nearest > c_.cells[FanCells::cell_at(level, f, x, y)].reach)) return false;
+      }
+    }
+    return true;
+  }
+
+  /// Halves a rectangle of cells until it is a few across; returns its level.
+  [[nodiscard]] std::uint32_t few_cells(std::uint32_t* x0, std::uint32_t* x1, std::uint32_t* y0,
+                                        std::uint32_t* y1) const {
+    std::uint32_t level = c_.level;
+    for (; *x1 - *x0 >= kMostCellsAcross || *y1 - *y0 >= kMostCellsAcross; --level)
+      *x0 /= 2, *x1 /= 2, *y0 /= 2, *y1 /= 2;
+    return level;
+  }
+
   void descend(std::uint32_t f, std::uint32_t in, const TriangleRun& run, std::uint32_t first) {
+    if (std::popcount(in) >= kWorthALook && all_beyond(f, in)) return;
     bool has_edges = false;
     for (; in != 0; in &= in - 1) {
       const auto lane = static_cast<std::uint32_t>(std::countr_zero(in));
@@ -156,9 +205,7 @@ class Stream {
   std::uint32_t ranges_of(std::uint32_t f, std::uint32_t lane, TileRange* ranges) {
     auto x0 = static_cast<std::uint32_t>(x0_[lane]), x1 = static_cast<std::uint32_t>(x1_[lane]);
     auto y0 = static_cast<std::uint32_t>(y0_[lane]), y1 = static_cast<std::uint32_t>(y1_[lane]);
-    std::uint32_t level = c_.level;
-    for (; x1 - x0 >= kMostCellsAcross || y1 - y0 >= kMostCellsAcross; --level)
-      x0 /= 2, x1 /= 2, y0 /= 2, y1 /= 2;
+    const std::uint32_t level = few_cells(&x0, &x1, &y0, &y1);
     std::uint32_t count = 0;
     for (std::uint32_t y = y0; y <= y1; ++y) {
       for (std::uint32_t x = x0; x <= x1; ++x) {
