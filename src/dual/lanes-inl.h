@@ -99,9 +99,7 @@ template <class Record>
 HWY_INLINE void store4(RV f0, RV f1, RV f2, RV f3, int half, Record* records) {
   static_assert(sizeof(Record) == 32);
   const Rays d;
-  const auto at = [&](std::size_t i) {
-    return reinterpret_cast<float*>(records + i) + 4 * half;
-  };
+  const auto at = [&](std::size_t i) { return reinterpret_cast<float*>(records + i) + 4 * half; };
 #if HWY_TARGET == HWY_SCALAR
   float* to = at(0);
   to[0] = hn::GetLane(f0);

@@ -163,31 +163,39 @@ HWY_INLINE std::uint32_t open_for_ray(const ObjectTree& tree, SingleWalk* walk) 
 }
 
 /// Rays through their subtrees, near boxes first, taking turns: while one waits for memory the
-/// others go on. `start(walk)` gives a walk its next ray, or says that there is none;
+/// others go on, those at nodes first, those at leaves then, so that the branch between them is
+/// foretold. `start(walk)` gives a walk its next ray, or says that there is none;
 /// `leaf(walk, first quad, triangles)` tests a leaf's. Returns the boxes tested.
 template <class Start, class Leaf>
 HWY_NOINLINE std::uint64_t walk_singles(const ObjectTree& tree, SingleWalk* walks,
                                         std::uint32_t count, const Start& start, const Leaf& leaf) {
   std::uint64_t tests = 0;
-  std::uint32_t active = 0;
-  for (std::uint32_t i = 0; i < count && start(&walks[i]); ++i) active |= 1u << i;
-  while (active != 0) {
-    for (std::uint32_t turn = active; turn != 0; turn &= turn - 1) {
-      const int i = __builtin_ctz(turn);
-      SingleWalk& walk = walks[i];
-      if (walk.next.count() != 0)
-        leaf(walk, walk.next.first(), walk.next.count());
-      else
-        tests += open_for_ray(tree, &walk);
-      for (;;) {
-        if (walk.top == 0) {
-          if (!start(&walk)) active &= ~(1u << i);
-          break;
-        }
-        walk.stack[--walk.top].copy_to(&walk.next);
-        if (walk.next.near() <= *walk.s_far) break;
+  std::uint32_t at_nodes = 0, at_leaves = 0;
+  const auto go_on = [&](int i) __attribute__((always_inline)) {
+    SingleWalk& walk = walks[i];
+    do {
+      if (walk.top == 0) {
+        if (start(&walk)) at_nodes |= 1u << i;
+        return;
       }
-      prefetch_subtree(tree, walk.next.first(), walk.next.count());
+      walk.stack[--walk.top].copy_to(&walk.next);
+    } while (walk.next.near() > *walk.s_far);
+    prefetch_subtree(tree, walk.next.first(), walk.next.count());
+    const std::uint32_t is_leaf = walk.next.count() != 0 ? 1 : 0;
+    at_leaves |= is_leaf << i;
+    at_nodes |= (is_leaf ^ 1) << i;
+  };
+  for (std::uint32_t i = 0; i < count && start(&walks[i]); ++i) at_nodes |= 1u << i;
+  while ((at_nodes | at_leaves) != 0) {
+    for (std::uint32_t turn = std::exchange(at_nodes, 0); turn != 0; turn &= turn - 1) {
+      const int i = __builtin_ctz(turn);
+      tests += open_for_ray(tree, &walks[i]);
+      go_on(i);
+    }
+    for (std::uint32_t turn = std::exchange(at_leaves, 0); turn != 0; turn &= turn - 1) {
+      const int i = __builtin_ctz(turn);
+      leaf(walks[i], walks[i].next.first(), walks[i].next.count());
+      go_on(i);
     }
   }
   return tests;

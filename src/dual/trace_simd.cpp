@@ -2,6 +2,7 @@
 // that every target makes the same tests and gives the same hits.
 #include <atomic>
 #include <mutex>
+#include <utility>
 
 #include <hwy/cache_control.h>
 

@@ -82,7 +82,7 @@ TEST(Plan, FanByWhatItMetLast) {
   scene.fan_pairs = 5;
   EXPECT_FALSE(plan_of(scene, rays, true).fan);
   // A tree that would be built for one frame does not pay where one that is refitted does.
-  scene.fan_pairs = 1;
+  scene.fan_pairs = 0.8;
   EXPECT_TRUE(plan_of(scene, rays, true).fan);
   scene.moves = scene.patience;
   EXPECT_FALSE(plan_of(scene, rays, true).fan);
