@@ -1,0 +1,98 @@
+// What scenes and queries need, a triangle and a ray. A few hundred thousand triangles, and ten
+// million with RAYSHEAF_LONG=1.
+#include <sys/resource.h>
+
+#include <cstdlib>
+
+#include "api/api_support.h"
+
+namespace raysheaf::test {
+namespace {
+
+bool is_long() {
+  return std::getenv("RAYSHEAF_LONG") != nullptr;
+}
+
+/// Of the process, so far.
+double peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+/// Waves over a square, `side` by `side` quads.
+MeshId add_waves(std::uint32_t side, Scene* scene) {
+  std::vector<Vec3> positions;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (std::uint32_t y = 0; y <= side; ++y) {
+    for (std::uint32_t x = 0; x <= side; ++x) {
+      const float u = static_cast<float>(x), v = static_cast<float>(y);
+      positions.push_back({u, v, 3 * std::sin(0.05f * u) * std::cos(0.03f * v)});
+    }
+  }
+  for (std::uint32_t y = 0; y < side; ++y) {
+    for (std::uint32_t x = 0; x < side; ++x) {
+      const std::uint32_t a = y * (side + 1) + x, b = a + side + 1;
+      triangles.push_back({a, a + 1, b + 1});
+      triangles.push_back({a, b + 1, b});
+    }
+  }
+  return scene->add(positions, triangles);
+}
+
+/// Small triangles in no order.
+MeshId add_soup(std::size_t count, float side, Random& random, Scene* scene) {
+  std::vector<Vec3> corners;
+  corners.reserve(3 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 at = random.in_box(side);
+    for (int k = 0; k < 3; ++k) corners.push_back(at + random.in_box(1));
+  }
+  return scene->add_soup(corners);
+}
+
+std::vector<Ray> rays_from_above(std::size_t count, float side, Random& random) {
+  std::vector<Ray> rays(count);
+  for (Ray& ray : rays) {
+    ray.origin = random.in_box(side);
+    ray.direction = random.direction();
+  }
+  return rays;
+}
+
+void expect_small(const Scene& scene, const std::vector<Ray>& rays) {
+  std::size_t hits = 0;
+  for (const Hit& hit : closest_hit(scene, rays)) hits += hit.prim_id != kInvalidId ? 1 : 0;
+  EXPECT_GT(hits, rays.size() / 100);
+  EXPECT_EQ(any_hit(scene, rays).size(), rays.size());
+  // docs/dual.md: a tree of 73 bytes a triangle and 161 for building it; the scene's own arrays, 36
+  // in a soup; 36 a ray, and streams, two of half a mebibyte a thread.
+  const double limit = 290.0 * static_cast<double>(scene.triangle_count()) +
+                       70.0 * static_cast<double>(rays.size()) + (8 << 20);
+  EXPECT_LT(static_cast<double>(scene.memory_bytes()), limit);
+  EXPECT_GT(static_cast<double>(scene.memory_bytes()),
+            60.0 * static_cast<double>(scene.triangle_count()));
+}
+
+TEST(Memory, OfTrianglesAndRays) {
+  const std::uint32_t side = is_long() ? 2236 : 316;
+  const std::size_t ray_count = is_long() ? 1000000 : 20000;
+  const auto size = static_cast<float>(side);
+  Random random(1);
+  for (const bool soup : {false, true}) {
+    SCOPED_TRACE(soup ? "soup" : "waves");
+    Scene scene;
+    if (soup)
+      add_soup(std::size_t{2} * side * side, 0.5f * size, random, &scene);
+    else
+      add_waves(side, &scene);
+    scene.commit();
+    expect_small(scene, rays_from_above(ray_count, 0.5f * size, random));
+  }
+  if (is_long()) {
+    EXPECT_LT(peak_bytes(), 3.0 * (1 << 30));
+  }
+}
+
+}  // namespace
+}  // namespace raysheaf::test
