@@ -16,28 +16,10 @@ HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
 #endif
 }
 
-/// Lists as long or shorter go on ray by ray: in a tree that the caches hold, and in one that they
-/// do not, where rays that take turns hide each other's waiting.
-inline constexpr std::uint32_t kFewRays = 8, kFewRaysFarFromCache = 32;
-inline constexpr std::size_t kCachedTreeBytes = std::size_t{16} << 20;
-/// Rays that take turns, and those that wait to. More of them leave fewer turns empty; but what
-/// comes after them in the stream cannot know yet what they will hit.
-inline constexpr std::uint32_t kSingleWalks = 16;
-inline constexpr std::size_t kLeastPending = 64, kMostPending = 256;
-
-struct PendingRay {
-  std::uint32_t ray, root;
-};
-
 template <class Mode>
-class StreamWalk : StreamHits<Mode> {
+class StreamWalk : StreamSingles<Mode> {
  public:
-  explicit StreamWalk(const TraceJob& job)
-      : StreamHits<Mode>(job),
-        few_(tree_.nodes.size() * sizeof(BvhNode) + tree_.quads.size() * sizeof(TriangleQuad) >
-                     kCachedTreeBytes
-                 ? kFewRaysFarFromCache
-                 : kFewRays) {}
+  explicit StreamWalk(const TraceJob& job) : StreamSingles<Mode>(job) {}
 
   /// Rays [first, first + count) of the order, of one quarter, at most kStreamRays.
   void run(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
@@ -49,19 +31,18 @@ class StreamWalk : StreamHits<Mode> {
       while (!stream_.waiting.empty()) {
         const WaitingList next = stream_.waiting.back();
         stream_.waiting.pop_back();
-        if (next.count == 0 && next.size <= few_) {
-          if (pending_.size() + next.size > kMostPending) walk_rays();
+        if (is_for_singles(next)) {
           add_singles(next);
           continue;
         }
-        if (pending_.size() >= kLeastPending) walk_rays();
+        if (has_many_singles()) walk_singles_of_stream();
         if (next.count != 0) {
           meet_leaf(next);
         } else {
           open(next);
         }
       }
-      walk_rays();
+      walk_singles_of_stream();
     }
     if (HWY_UNLIKELY(!unbounded_.empty())) test_unbounded();
     write_back();
@@ -81,7 +62,9 @@ class StreamWalk : StreamHits<Mode> {
  private:
   using StreamHits<Mode>::job_, StreamHits<Mode>::tree_, StreamHits<Mode>::stream_;
   using StreamHits<Mode>::counts_, StreamHits<Mode>::rows_;
-  using StreamHits<Mode>::take_lanes, StreamHits<Mode>::take, StreamHits<Mode>::write_back;
+  using StreamHits<Mode>::take_lanes, StreamHits<Mode>::write_back;
+  using StreamSingles<Mode>::is_for_singles, StreamSingles<Mode>::has_many_singles;
+  using StreamSingles<Mode>::add_singles, StreamSingles<Mode>::walk_singles_of_stream;
 
   /// The stream's records, and the list of those that meet the scene's box: how many they are.
   std::uint32_t fill(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
@@ -154,72 +137,6 @@ class StreamWalk : StreamHits<Mode> {
       meet_leaf({quad, n, 0, size});
     });
     unbounded_.clear();
-  }
-
-  SingleRay single(std::uint32_t n) const {
-    const Stream& s = stream_;
-    const StreamRay& r = s.rays[n];
-    const StreamShear& shear = s.shears[n];
-    // A lower plane moves down by the pad as the origin moves up, an upper plane up.
-    const auto from = [&](float o, int row) { return row < 3 ? o + s.pad : o - s.pad; };
-    return {from(r.ox, s.near_x),
-            from(r.ox, s.far_x),
-            from(r.oy, s.near_y),
-            from(r.oy, s.far_y),
-            from(r.oz, s.near_z),
-            from(r.oz, s.far_z),
-            r.per_x,
-            r.per_y,
-            r.s_near,
-            s.near_x,
-            s.far_x,
-            s.near_y,
-            s.far_y,
-            s.near_z,
-            s.far_z,
-            r.ox,
-            r.oy,
-            r.oz,
-            shear.shear_x,
-            shear.shear_y,
-            shear.shear_z,
-            shear.t_min,
-            s.axis_x,
-            s.axis_y,
-            s.axis_z,
-            s.mirrored};
-  }
-
-  void add_singles(const WaitingList& list) {
-    for (std::uint32_t i = 0; i < list.size; ++i)
-      pending_.push_back({stream_.lists[list.offset + i], list.first});
-  }
-
-  void walk_rays() {
-    if (pending_.empty()) return;
-    const PendingRay* next = pending_.data();
-    const PendingRay* const end = next + pending_.size();
-    counts_.ray_box_tests += walk_singles(
-        tree_, singles_, kSingleWalks,
-        [&](SingleWalk* walk) {
-          // Those that were hit since are done, or see no farther.
-          while (next != end && stream_.rays[next->ray].s_far < stream_.rays[next->ray].s_near)
-            ++next;
-          if (next == end) return false;
-          walk->number = next->ray;
-          walk->ray = single(walk->number);
-          walk->s_far = &stream_.rays[walk->number].s_far;
-          walk->start(next->root);
-          ++next;
-          return true;
-        },
-        [&](const SingleWalk& walk, std::uint32_t quad, std::uint32_t count) {
-          counts_.triangle_tests += count;
-          leaf_with_ray(
-              tree_, walk.ray, stream_.shears[walk.number].t_limit, quad, count,
-              [&](std::uint32_t id, const TriangleHit& hit) { take(walk.number, id, hit); });
-        });
-    pending_.clear();
   }
 
   /// The children from far to near along the stream's axis.
@@ -342,8 +259,5 @@ class StreamWalk : StreamHits<Mode> {
   }
 
   RayPacket packet_;
-  const std::uint32_t few_;
-  SingleWalk singles_[kSingleWalks];
-  std::vector<PendingRay> pending_;
   std::vector<std::uint32_t> unbounded_;  ///< rays of packets that have no bounds
 };
