@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "command_text.h"
 #include "compare_words.h"
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
@@ -70,8 +71,19 @@ struct BenchCompareCommand {
   std::string json_path, markdown_path, plot_path;
 };
 
-using Command = std::variant<RenderCommand, InfoCommand, SceneCommand, BenchPaperCommand,
-                             BenchAblationCommand, BenchCompareCommand>;
+struct CompletionCommand {
+  std::string shell;
+  CommandText raysheaf;
+};
+
+struct ManualCommand {
+  std::string folder;
+  CommandText raysheaf;
+};
+
+using Command =
+    std::variant<RenderCommand, InfoCommand, SceneCommand, BenchPaperCommand, BenchAblationCommand,
+                 BenchCompareCommand, CompletionCommand, ManualCommand>;
 
 /// Each gives an exit code, or throws `Error`.
 int run(const RenderCommand& command);
@@ -80,5 +92,7 @@ int run(const SceneCommand& command);
 int run(const BenchPaperCommand& command);
 int run(const BenchAblationCommand& command);
 int run(const BenchCompareCommand& command);
+int run(const CompletionCommand& command);
+int run(const ManualCommand& command);
 
 }  // namespace raysheaf::app

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "console.h"
+#include "describe.h"
 #include "parse_ablation.h"
 #include "parse_compare.h"
 #include "parse_parts.h"
@@ -219,6 +220,30 @@ CLI::App* add_bench(CLI::App& app) {
   return sub;
 }
 
+CLI::App* add_completion(CLI::App& app, CompletionCommand& command) {
+  CLI::App* sub = app.add_subcommand("completion", "Print a script that completes command lines");
+  sub->add_option("SHELL", command.shell, "bash, zsh or fish")
+      ->type_name("bash|zsh|fish")
+      ->required();
+  sub->footer(
+      "Examples:\n"
+      "  source <(raysheaf completion bash)\n"
+      "  raysheaf completion fish > ~/.config/fish/completions/raysheaf.fish");
+  return sub;
+}
+
+CLI::App* add_manual(CLI::App& app, ManualCommand& command) {
+  CLI::App* sub = app.add_subcommand("manual", "Write manual pages, one a command");
+  sub->add_option("-o,--output", command.folder, "Folder to write them to")
+      ->type_name("DIR")
+      ->required();
+  sub->footer(
+      "Examples:\n"
+      "  raysheaf manual -o man\n"
+      "  man man/raysheaf-render.1");
+  return sub;
+}
+
 // Whether the first word is a command or an option; tells what there is where it is neither.
 bool starts_well(int argc, const char* const* argv, const CLI::App& app) {
   const std::string first = argc > 1 ? argv[1] : "";
@@ -265,13 +290,17 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   BenchPaperCommand paper;
   BenchAblationCommand ablation;
   BenchCompareCommand compare;
+  CompletionCommand completion;
+  ManualCommand manual;
   const CLI::App* render_app = add_render(app, render);
   const CLI::App* info_app = add_info(app, info);
   const CLI::App* scene_app = add_scene(app, scene);
   CLI::App* bench_app = add_bench(app);
   const CLI::App* paper_app = add_bench_paper(*bench_app, paper);
   const CLI::App* ablation_app = add_bench_ablation(*bench_app, ablation);
-  add_bench_compare(*bench_app, compare);
+  const CLI::App* compare_app = add_bench_compare(*bench_app, compare);
+  const CLI::App* completion_app = add_completion(app, completion);
+  const CLI::App* manual_app = add_manual(app, manual);
   if (!starts_well(argc, argv, app)) return kUsage;
   try {
     app.parse(argc, argv);
@@ -288,7 +317,13 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   if (scene_app->parsed()) return Command(std::move(scene));
   if (paper_app->parsed()) return Command(std::move(paper));
   if (ablation_app->parsed()) return Command(std::move(ablation));
-  return Command(std::move(compare));
+  if (compare_app->parsed()) return Command(std::move(compare));
+  if (completion_app->parsed()) {
+    completion.raysheaf = describe(app);
+    return Command(std::move(completion));
+  }
+  if (manual_app->parsed()) manual.raysheaf = describe(app);
+  return Command(std::move(manual));
 }
 
 }  // namespace raysheaf::app
