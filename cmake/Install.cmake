@@ -13,14 +13,19 @@ if(TARGET raysheaf_app AND BUILD_SHARED_LIBS)
   set_target_properties(raysheaf_app PROPERTIES INSTALL_RPATH "$ORIGIN/${lib_from_bin}")
 endif()
 
+# Two components: `runtime` is what runs, `development` what programs are built with.
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/raysheaf)
-install(TARGETS raysheaf EXPORT raysheafTargets)
-install(DIRECTORY include/raysheaf DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+install(TARGETS raysheaf EXPORT raysheafTargets
+  ARCHIVE COMPONENT development
+  LIBRARY COMPONENT runtime NAMELINK_COMPONENT development)
+install(DIRECTORY include/raysheaf DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
+  FILES_MATCHING PATTERN "*.h")
 install(FILES ${PROJECT_BINARY_DIR}/include/raysheaf/version.h
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/raysheaf)
-install(EXPORT raysheafTargets NAMESPACE raysheaf:: DESTINATION ${package_dir})
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/raysheaf COMPONENT development)
+install(EXPORT raysheafTargets NAMESPACE raysheaf:: DESTINATION ${package_dir}
+  COMPONENT development)
 if(TARGET raysheaf_app)
-  install(TARGETS raysheaf_app)
+  install(TARGETS raysheaf_app COMPONENT runtime)
 endif()
 
 configure_package_config_file(cmake/raysheafConfig.cmake.in ${PROJECT_BINARY_DIR}/raysheafConfig.cmake
@@ -28,7 +33,7 @@ configure_package_config_file(cmake/raysheafConfig.cmake.in ${PROJECT_BINARY_DIR
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/raysheafConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/raysheafConfig.cmake ${PROJECT_BINARY_DIR}/raysheafConfigVersion.cmake
-  DESTINATION ${package_dir})
+  DESTINATION ${package_dir} COMPONENT development)
 
 # From the .pc file up to the prefix, so that an installed tree may be moved.
 file(RELATIVE_PATH up_to_prefix /p/${CMAKE_INSTALL_LIBDIR}/pkgconfig /p)
@@ -41,4 +46,5 @@ else()
   set(pc_libs "-ltinyexr -lstdc++ -lm")
 endif()
 configure_file(cmake/raysheaf.pc.in ${PROJECT_BINARY_DIR}/raysheaf.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/raysheaf.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(FILES ${PROJECT_BINARY_DIR}/raysheaf.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+  COMPONENT development)

@@ -1,0 +1,59 @@
+# `cpack -G DEB` (or TGZ): two packages, one that runs and one to build programs with.
+set(CPACK_PACKAGE_NAME raysheaf)
+set(CPACK_PACKAGE_VENDOR "raysheaf")
+set(CPACK_PACKAGE_CONTACT "raysheaf developers <developers@raysheaf.invalid>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "ray tracing through moving geometry")
+set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
+set(CPACK_RESOURCE_FILE_LICENSE ${PROJECT_SOURCE_DIR}/LICENSE)
+set(CPACK_VERBATIM_VARIABLES ON)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_GENERATOR TGZ)
+set(CPACK_COMPONENTS_ALL runtime development)
+set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
+set(CPACK_ARCHIVE_COMPONENT_INSTALL ON)
+
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME raysheaf)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION graphics)
+set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "Renders scenes with a hierarchy over the rays instead of the triangles,
+ so that nothing is rebuilt when every triangle moves, and measures how
+ it does so.")
+
+# A static library leaves what it stands on to whoever links it.
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libraysheaf-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "Closest, any and all hits of batches of rays against triangles that may
+ change between any two of them: headers, library, CMake and pkg-config
+ files.")
+if(NOT BUILD_SHARED_LIBS)
+  set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
+    "libtbb-dev, libhwy-dev, libepoxy-dev, libtinygltf-dev, libtinyobjloader-dev, libtinyexr-dev, nlohmann-json3-dev, pkg-config")
+else()
+  set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "raysheaf (= ${PROJECT_VERSION})")
+endif()
+
+# What Debian asks of every package: who may copy it, and what changed.
+find_program(GZIP gzip)
+if(GZIP AND UNIX AND NOT APPLE)
+  configure_file(packaging/debian/changelog.in ${PROJECT_BINARY_DIR}/changelog @ONLY)
+  set(changelog ${PROJECT_BINARY_DIR}/changelog.gz)
+  add_custom_command(OUTPUT ${changelog}
+    COMMAND ${GZIP} -9nc ${PROJECT_BINARY_DIR}/changelog > ${changelog}
+    DEPENDS ${PROJECT_BINARY_DIR}/changelog VERBATIM)
+  add_custom_target(raysheaf_changelog ALL DEPENDS ${changelog})
+  foreach(pair "runtime=raysheaf" "development=libraysheaf-dev")
+    string(REPLACE "=" ";" pair ${pair})
+    list(GET pair 0 component)
+    list(GET pair 1 name)
+    install(FILES packaging/debian/copyright ${changelog}
+      DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${component})
+  endforeach()
+endif()
+
+include(CPack)
