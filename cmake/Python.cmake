@@ -1,0 +1,32 @@
+# The Python module, where RAYSHEAF_PYTHON wants it and there is a Python with nanobind: sets
+# RAYSHEAF_HAS_PYTHON. Name the interpreter in Python_EXECUTABLE: the first on the PATH may be a shim.
+set(RAYSHEAF_HAS_PYTHON OFF)
+if(NOT RAYSHEAF_PYTHON)
+  return()
+endif()
+
+set(components Interpreter Development.Module)
+if(SKBUILD)  # a wheel: one for all later versions of Python, where there is a stable interface
+  list(APPEND components ${SKBUILD_SABI_COMPONENT})
+endif()
+set(missing "")
+find_package(Python 3.10 QUIET COMPONENTS ${components})
+if(NOT Python_FOUND)
+  set(missing "there is no Python 3.10 or newer with its headers")
+else()
+  execute_process(COMMAND ${Python_EXECUTABLE} -m nanobind --cmake_dir
+    OUTPUT_VARIABLE nanobind_dir OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE failed ERROR_QUIET)
+  if(failed)
+    set(missing "${Python_EXECUTABLE} has no nanobind")
+  endif()
+endif()
+if(missing)
+  if(NOT RAYSHEAF_PYTHON STREQUAL "AUTO")
+    message(FATAL_ERROR "RAYSHEAF_PYTHON is ${RAYSHEAF_PYTHON}, but ${missing}")
+  endif()
+  message(STATUS "Python module: left out, ${missing}")
+  return()
+endif()
+find_package(nanobind 3 REQUIRED CONFIG PATHS ${nanobind_dir} NO_DEFAULT_PATH)
+set(RAYSHEAF_HAS_PYTHON ON)
+message(STATUS "Python module: for ${Python_EXECUTABLE} ${Python_VERSION}")

@@ -1,0 +1,38 @@
+"""raysheaf: ray queries against triangles that move.
+
+Batches of rays against meshes that may change completely between any two batches: `Scene` with
+`closest_hit`, `any_hit`, `all_hits` and `hit_counts`. `render` makes pictures of scene files.
+`raysheaf.trimesh` gives trimesh's meshes these queries. ``python -m raysheaf`` is the command line,
+``python -m raysheaf.bench`` measures.
+
+>>> import raysheaf
+>>> scene = raysheaf.Scene()
+>>> mesh = scene.add([[0, 0, 1], [1, 0, 1], [0, 1, 1]], [[0, 1, 2]])
+>>> hits = scene.closest_hit([0.25, 0.25, 0], [0, 0, 1])
+>>> float(hits.t), int(hits.prim_id)
+(1.0, 0)
+"""
+
+from ._core import __version__
+from ._errors import Error, InvalidError, NotFoundError, OutOfMemoryError, UnsupportedError
+from ._hits import HIT_DTYPE, INVALID_ID, HitRows, Hits
+from ._render import Picture, png_bytes, render, write_png
+from ._scene import Scene
+
+__all__ = [
+    "HIT_DTYPE",
+    "INVALID_ID",
+    "Error",
+    "HitRows",
+    "Hits",
+    "InvalidError",
+    "NotFoundError",
+    "OutOfMemoryError",
+    "Picture",
+    "Scene",
+    "UnsupportedError",
+    "__version__",
+    "png_bytes",
+    "render",
+    "write_png",
+]

@@ -1,0 +1,129 @@
+"""Whatever users have, as numpy arrays that the extension takes; or an exception that says why not.
+
+A copy is made only where dtype or layout ask for it.
+"""
+
+from __future__ import annotations
+
+import operator
+from typing import Any, Optional
+
+import numpy as np
+from numpy.typing import NDArray
+
+_CPU = (1, 3)  # DLPack's kDLCPU and kDLCUDAHost: memory that the processor reads
+_MOST_IDS = 2**32
+
+
+def _shape_of(array: NDArray[Any]) -> str:
+    return f"an array of shape {array.shape} and dtype {array.dtype}"
+
+
+def _as_numpy(value: Any, name: str) -> NDArray[Any]:
+    """The value as an array, through whichever protocol it speaks: numpy's, DLPack's, a buffer."""
+    if isinstance(value, np.ndarray):
+        return value
+    if hasattr(value, "__dlpack_device__"):
+        kind, number = value.__dlpack_device__()
+        if int(kind) not in _CPU:
+            raise TypeError(
+                f"{name}: lies on a device (DLPack device {int(kind)}, {number}); "
+                "an array in the memory of the CPU is expected"
+            )
+        try:
+            return np.from_dlpack(value)
+        except (BufferError, TypeError, RuntimeError, AttributeError):
+            pass  # older protocols, read-only memory: numpy knows other ways
+    try:
+        return np.asarray(value)
+    except (TypeError, ValueError, RuntimeError) as error:
+        raise TypeError(f"{name}: cannot be read as an array: {error}") from error
+
+
+def _is_handy(array: NDArray[Any]) -> bool:
+    """Whether the extension reads the elements where they lie: aligned, and whole elements apart."""
+    return array.flags.aligned and all(s % array.itemsize == 0 for s in array.strides)
+
+
+def floats(value: Any, name: str, expected: str) -> NDArray[Any]:
+    """Numbers as native float32 or float64, of any shape and strides."""
+    array = _as_numpy(value, name)
+    if array.dtype.kind not in "fiu":
+        if array.size == 0 and array.dtype.kind != "c":
+            return np.zeros(array.shape, np.float32)
+        raise TypeError(f"{name}: {_shape_of(array)} is given; {expected} of real numbers is expected")
+    wanted = np.float32 if array.dtype.kind == "f" and array.itemsize <= 4 else np.float64
+    with np.errstate(over="ignore"):
+        array = np.asarray(array, wanted)
+    return array if _is_handy(array) else array.copy()
+
+
+def with_last_axis(value: Any, name: str, length: int, expected: str) -> NDArray[Any]:
+    """`floats` of shape (..., length)."""
+    array = floats(value, name, expected)
+    if array.ndim == 0 or array.shape[-1] != length:
+        if array.size == 0 and array.ndim == 1:
+            return array.reshape(0, length)  # what [] becomes
+        raise ValueError(f"{name}: {_shape_of(array)} is given; {expected} is expected")
+    return array
+
+
+def vertices(value: Any, name: str = "vertices", soup: bool = False) -> NDArray[np.float32]:
+    """(n, 3) float32, C order. A soup may also come as (m, 3, 3): the corners of m triangles."""
+    expected = "one of shape (n, 3) or (m, 3, 3)" if soup else "one of shape (n, 3)"
+    array = with_last_axis(value, name, 3, expected)
+    if soup and array.ndim == 3 and array.shape[1] == 3:
+        array = array.reshape(-1, 3)
+    if array.ndim != 2:
+        raise ValueError(f"{name}: {_shape_of(array)} is given; {expected} is expected")
+    with np.errstate(over="ignore"):
+        return np.ascontiguousarray(array, np.float32)
+
+
+def triangles(value: Any, name: str = "triangles") -> Optional[NDArray[np.uint32]]:
+    """(m, 3) uint32, C order; None stays None."""
+    if value is None:
+        return None
+    array = _as_numpy(value, name)
+    if array.size == 0 and array.shape in ((0,), (0, 3)):
+        return np.zeros((0, 3), np.uint32)
+    if array.dtype.kind not in "iu":
+        raise TypeError(f"{name}: {_shape_of(array)} is given; integers of shape (m, 3) are expected")
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ValueError(f"{name}: {_shape_of(array)} is given; one of shape (m, 3) is expected")
+    if array.dtype != np.uint32:
+        wrong = (array < 0) | (array > _MOST_IDS - 1)
+        if wrong.any():
+            row, corner = np.argwhere(wrong)[0]
+            raise ValueError(
+                f"{name}: [{row}, {corner}] of {_shape_of(array)} is {array[row, corner]}; "
+                "an index into the vertices is expected"
+            )
+    return np.ascontiguousarray(array, np.uint32)
+
+
+def transform(value: Any, name: str = "transform") -> NDArray[np.float32]:
+    """(3, 4) float32 of a (3, 4) or (4, 4) matrix; the identity for None."""
+    if value is None:
+        return np.eye(3, 4, dtype=np.float32)
+    expected = "one of shape (3, 4) or (4, 4)"
+    array = with_last_axis(value, name, 4, expected)
+    if array.shape == (4, 4):
+        if not np.array_equal(array[3], (0, 0, 0, 1)):
+            raise ValueError(f"{name}: the last row of a (4, 4) matrix is {array[3].tolist()}; [0, 0, 0, 1] is expected")
+        array = array[:3]
+    if array.shape != (3, 4):
+        raise ValueError(f"{name}: {_shape_of(array)} is given; {expected} is expected")
+    with np.errstate(over="ignore"):
+        return np.ascontiguousarray(array, np.float32)
+
+
+def integer(value: Any, name: str, most: int = _MOST_IDS - 1) -> int:
+    """An integer from 0 to `most`, numpy's included."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name}: {value!r} is given; an integer is expected") from None
+    if not 0 <= number <= most:
+        raise ValueError(f"{name}: {number} is given; an integer from 0 to {most} is expected")
+    return number

@@ -1,0 +1,85 @@
+"""Rays as users write them, as the array of eight numbers a ray that the library reads."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from dataclasses import dataclass
+from typing import Any, Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _arrays, _core
+from ._errors import InvalidError
+
+_FIELDS = {"origin": "origins", "direction": "directions", "t_min": "t_min", "t_max": "t_max"}
+
+
+@dataclass
+class RayBatch:
+    """Rays in a row, and the shape that their results take."""
+
+    rays: NDArray[np.float32]  # (n, 8), C order
+    shape: tuple[int, ...]
+    packed: bool  # came as eight numbers a ray, and not in four arguments
+
+    @contextlib.contextmanager
+    def named(self) -> Iterator[None]:
+        """Errors about ray 7 speak of the argument and the index that the user knows."""
+        try:
+            yield
+        except InvalidError as error:
+            match = re.fullmatch(r"rays\[(\d+)\]\.(\w+)", error.place)
+            if match is None:
+                raise
+            index = [int(i) for i in np.unravel_index(int(match[1]), self.shape)] if self.shape else ""
+            field = match[2]
+            place = f"rays{index}.{field}" if self.packed else f"{_FIELDS[field]}{index}"
+            sentence = error.sentence
+            if field in ("origin", "direction"):
+                sentence += " in float32"
+            raise InvalidError(error.code, sentence, place) from None
+
+
+def _spread(array: NDArray[Any], shape: tuple[int, ...], tail: tuple[int, ...]) -> NDArray[Any]:
+    """Broadcast to shape + tail, then all of shape in one axis."""
+    wide = np.broadcast_to(array, shape + tail)
+    return wide if len(shape) == 1 else wide.reshape((-1,) + tail)
+
+
+def _pack(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
+    parts = {
+        "origins": _arrays.with_last_axis(origins, "origins", 3, "one of shape (..., 3)"),
+        "directions": _arrays.with_last_axis(directions, "directions", 3, "one of shape (..., 3)"),
+        "t_min": _arrays.floats(t_min, "t_min", "a number or an array"),
+        "t_max": _arrays.floats(t_max, "t_max", "a number or an array"),
+    }
+    tails = {"origins": (3,), "directions": (3,), "t_min": (), "t_max": ()}
+    fronts = {name: a.shape[: a.ndim - len(tails[name])] for name, a in parts.items()}
+    try:
+        shape = np.broadcast_shapes(*fronts.values())
+    except ValueError:
+        given = ", ".join(f"{name} {part.shape}" for name, part in parts.items())
+        raise ValueError(f"{given}: shapes that broadcast are expected") from None
+    flat = shape if len(shape) == 1 else (int(np.prod(shape, dtype=np.int64)),)
+    rays = np.empty(flat + (8,), np.float32)
+    _core.pack_rays(*(_spread(part, shape, tails[name]) for name, part in parts.items()), rays)
+    return RayBatch(rays, shape, packed=False)
+
+
+def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
+    """The batch of `origins` and `directions`, or of packed rays where there are no directions."""
+    if directions is not None:
+        return _pack(
+            origins, directions, 0.0 if t_min is None else t_min, np.inf if t_max is None else t_max
+        )
+    if t_min is not None or t_max is not None:
+        raise TypeError("t_min, t_max: packed rays of shape (..., 8) have their own; None is expected")
+    rays = _arrays.with_last_axis(
+        origins, "rays", 8, "one of shape (..., 8), or directions besides origins,"
+    )
+    shape = rays.shape[:-1]
+    with np.errstate(over="ignore"):
+        packed = np.ascontiguousarray(rays, np.float32).reshape(-1, 8)
+    return RayBatch(packed, shape, packed=True)

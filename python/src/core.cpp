@@ -1,0 +1,13 @@
+#include "core.h"
+
+#include "raysheaf/version.h"
+
+NB_MODULE(_core, module) {
+  using namespace raysheaf::python;
+  module.doc() = "The compiled part of raysheaf: use `raysheaf` instead.";
+  module.attr("__version__") = RAYSHEAF_VERSION;
+  bind_errors(module);
+  bind_rays(module);
+  bind_scene(module);
+  bind_render(module);
+}

@@ -1,0 +1,31 @@
+// The extension `raysheaf._core`: the front door as numpy arrays of one dtype and layout each. What
+// users see, and everything about dtypes, shapes and broadcasting, is written in Python over it.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <cstdint>
+
+namespace raysheaf::python {
+
+namespace nb = nanobind;
+
+using Floats3 = nb::ndarray<const float, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using Indices3 = nb::ndarray<const std::uint32_t, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+using Matrix34 = nb::ndarray<const float, nb::shape<3, 4>, nb::c_contig, nb::device::cpu>;
+using Rays = nb::ndarray<const float, nb::shape<-1, 8>, nb::c_contig, nb::device::cpu>;
+
+void bind_errors(nb::module_& module);
+void bind_rays(nb::module_& module);
+void bind_scene(nb::module_& module);
+void bind_render(nb::module_& module);
+
+/// A numpy array over what `owner` keeps alive.
+template <class Scalar>
+nb::object array_over(const void* data, std::initializer_list<std::size_t> shape,
+                      nb::handle owner) {
+  return nb::ndarray<nb::numpy, Scalar>(const_cast<void*>(data), shape, owner).cast();
+}
+
+}  // namespace raysheaf::python

@@ -1,0 +1,295 @@
+// `_core.Scene`: a scene behind its door, and the four queries.
+#include "raysheaf/scene.h"
+
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <cstring>
+#include <optional>
+
+#include "core.h"
+#include "door.h"
+#include "raysheaf/query.h"
+
+namespace raysheaf::python {
+namespace {
+
+using WritableHits = nb::ndarray<float, nb::shape<-1, 6>, nb::c_contig, nb::device::cpu>;
+using WritableFlags = nb::ndarray<std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using WritableCounts = nb::ndarray<std::uint32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+static_assert(sizeof(Hit) == 6 * sizeof(float));
+
+/// Waits and works without the interpreter's lock; what runs inside touches no Python object.
+class SharedScene {
+ public:
+  explicit SharedScene(std::uint32_t threads)
+      : scene_(Context(ContextOptions{.device = Device::kCpu, .threads = threads})) {}
+
+  template <class Body>
+  auto change(const Body& body) {
+    const nb::gil_scoped_release release;
+    const Door::Changing alone(door_);
+    return body(scene_);
+  }
+
+  template <class Body>
+  auto look(const Body& body) {
+    const nb::gil_scoped_release release;
+    const Door::Reading inside(door_);
+    return body(static_cast<const Scene&>(scene_));
+  }
+
+  /// Looks at a scene whose changes are all committed.
+  template <class Body>
+  auto look_committed(const Body& body) {
+    const nb::gil_scoped_release release;
+    for (;;) {
+      {
+        const Door::Reading inside(door_);
+        if (scene_.is_committed()) return body(static_cast<const Scene&>(scene_));
+      }
+      const Door::Changing alone(door_);
+      scene_.commit();
+    }
+  }
+
+ private:
+  Scene scene_;
+  Door door_;
+};
+
+std::span<const Vec3> vertices_of(const Floats3& array) {
+  return {reinterpret_cast<const Vec3*>(array.data()), array.shape(0)};
+}
+
+std::span<const Triangle> triangles_of(const Indices3& array) {
+  return {reinterpret_cast<const Triangle*>(array.data()), array.shape(0)};
+}
+
+std::span<const Ray> rays_of(const Rays& array) {
+  return {reinterpret_cast<const Ray*>(array.data()), array.shape(0)};
+}
+
+Affine affine_of(const Matrix34& array) {
+  Affine affine;
+  std::memcpy(&affine.m, array.data(), sizeof(affine.m));
+  return affine;
+}
+
+MeshId add(SharedScene& shared, const Floats3& vertices, const std::optional<Indices3>& triangles,
+           bool place, const Matrix34& transform, std::uint32_t mask) {
+  const MeshOptions options{.place = place, .transform = affine_of(transform), .mask = mask};
+  return shared.change([&](Scene& scene) {
+    return triangles ? scene.add(vertices_of(vertices), triangles_of(*triangles), options)
+                     : scene.add_soup(vertices_of(vertices), options);
+  });
+}
+
+void replace(SharedScene& shared, MeshId mesh, const Floats3& vertices,
+             const std::optional<Indices3>& triangles) {
+  shared.change([&](Scene& scene) {
+    if (triangles)
+      scene.replace(mesh, vertices_of(vertices), triangles_of(*triangles));
+    else
+      scene.replace_soup(mesh, vertices_of(vertices));
+  });
+}
+
+void update(SharedScene& shared, MeshId mesh, const Floats3& vertices) {
+  shared.change([&](Scene& scene) { scene.update(mesh, vertices_of(vertices)); });
+}
+
+InstanceId instance(SharedScene& shared, MeshId mesh, const Matrix34& transform,
+                    std::uint32_t mask) {
+  const Affine affine = affine_of(transform);
+  return shared.change([&](Scene& scene) { return scene.instance(mesh, affine, mask); });
+}
+
+void set_transform(SharedScene& shared, InstanceId instance, const Matrix34& transform) {
+  const Affine affine = affine_of(transform);
+  shared.change([&](Scene& scene) { scene.set_transform(instance, affine); });
+}
+
+nb::object transform(SharedScene& shared, InstanceId instance) {
+  auto* affine = new Affine(shared.look([&](const Scene& s) { return s.transform(instance); }));
+  const nb::capsule owner(affine, [](void* at) noexcept { delete static_cast<Affine*>(at); });
+  return array_over<float>(affine, {3, 4}, owner);
+}
+
+nb::tuple bounds(SharedScene& shared) {
+  const Box box = shared.look_committed([](const Scene& scene) { return scene.bounds(); });
+  return nb::make_tuple(nb::make_tuple(box.min.x, box.min.y, box.min.z),
+                        nb::make_tuple(box.max.x, box.max.y, box.max.z));
+}
+
+nb::list plan_of(const QueryStatistics& statistics) {
+  nb::list plan;
+  for (const std::string& sentence : statistics.plan) plan.append(sentence.c_str());
+  return plan;
+}
+
+void write_statistics(const QueryStatistics& from, nb::dict to) {
+  to["rays"] = from.rays;
+  to["triangles"] = from.triangles;
+  to["bound_tests"] = from.bound_tests;
+  to["ray_bound_tests"] = from.ray_bound_tests;
+  to["triangle_tests"] = from.triangle_tests;
+  to["update_ms"] = from.update_ms;
+  to["check_ms"] = from.check_ms;
+  to["order_ms"] = from.order_ms;
+  to["hierarchy_ms"] = from.hierarchy_ms;
+  to["trace_ms"] = from.trace_ms;
+  to["total_ms"] = from.total_ms;
+  to["plan"] = plan_of(from);
+}
+
+/// What each query is told besides its rays.
+struct Wish {
+  std::uint32_t mask;
+  bool brute, check;
+  nb::object statistics;  // a dict, or None
+};
+
+template <class Body>
+auto ask(SharedScene& shared, const Wish& wish, const Body& body) {
+  QueryStatistics statistics;
+  const bool counted = !wish.statistics.is_none();
+  const QueryOptions options{.method = wish.brute ? QueryMethod::kBrute : QueryMethod::kDual,
+                             .mask = wish.mask,
+                             .check = wish.check,
+                             .count_tests = counted,
+                             .statistics = counted ? &statistics : nullptr};
+  const auto told = [&] {
+    if (counted) write_statistics(statistics, nb::borrow<nb::dict>(wish.statistics));
+  };
+  using Result = decltype(body(std::declval<const Scene&>(), options));
+  if constexpr (std::is_void_v<Result>) {
+    shared.look_committed([&](const Scene& scene) { body(scene, options); });
+    told();
+  } else {
+    Result result = shared.look_committed([&](const Scene& s) { return body(s, options); });
+    told();
+    return result;
+  }
+}
+
+void query_closest_hit(SharedScene& shared, const Rays& rays, WritableHits out, const Wish& wish) {
+  const std::span hits(reinterpret_cast<Hit*>(out.data()), out.shape(0));
+  ask(shared, wish, [&](const Scene& scene, const QueryOptions& options) {
+    closest_hit(scene, rays_of(rays), hits, options);
+  });
+}
+
+void query_any_hit(SharedScene& shared, const Rays& rays, WritableFlags out, const Wish& wish) {
+  const std::span occluded(out.data(), out.shape(0));
+  ask(shared, wish, [&](const Scene& scene, const QueryOptions& options) {
+    any_hit(scene, rays_of(rays), occluded, options);
+  });
+}
+
+void query_hit_counts(SharedScene& shared, const Rays& rays, WritableCounts out, const Wish& wish) {
+  const std::span counts(out.data(), out.shape(0));
+  ask(shared, wish, [&](const Scene& scene, const QueryOptions& options) {
+    hit_counts(scene, rays_of(rays), counts, options);
+  });
+}
+
+/// Offsets and hits as arrays over the library's own memory.
+nb::tuple query_all_hits(SharedScene& shared, const Rays& rays, const Wish& wish) {
+  auto* rows = new HitRows(ask(shared, wish, [&](const Scene& scene, const QueryOptions& options) {
+    return all_hits(scene, rays_of(rays), options);
+  }));
+  const nb::capsule owner(rows, [](void* at) noexcept { delete static_cast<HitRows*>(at); });
+  return nb::make_tuple(
+      array_over<std::int64_t>(rows->offsets.data(), {rows->offsets.size()}, owner),
+      array_over<float>(rows->hits.data(), {rows->hits.size(), 6}, owner));
+}
+
+void bind_queries(nb::class_<SharedScene>& scene) {
+  const auto rays = nb::arg("rays").noconvert();
+  const auto out = nb::arg("out").noconvert();
+  scene.def("closest_hit", query_closest_hit, rays, out, nb::arg("wish"))
+      .def("any_hit", query_any_hit, rays, out, nb::arg("wish"))
+      .def("hit_counts", query_hit_counts, rays, out, nb::arg("wish"))
+      .def("all_hits", query_all_hits, rays, nb::arg("wish"));
+}
+
+/// A getter that looks at the scene, for what needs no more than an id.
+template <auto kMember>
+auto looking() {
+  return [](SharedScene& shared, std::uint32_t id) {
+    return shared.look([&](const Scene& scene) { return (scene.*kMember)(id); });
+  };
+}
+
+template <auto kMember>
+auto changing() {
+  return [](SharedScene& shared, std::uint32_t id) {
+    shared.change([&](Scene& scene) { (scene.*kMember)(id); });
+  };
+}
+
+void bind_contents(nb::class_<SharedScene>& scene) {
+  using CountOfMesh = std::size_t (Scene::*)(MeshId) const;
+  constexpr CountOfMesh kTriangleCount = &Scene::triangle_count;
+  scene.def("contains", looking<&Scene::contains>(), nb::arg("mesh"))
+      .def("contains_instance", looking<&Scene::contains_instance>(), nb::arg("instance"))
+      .def("instances", looking<&Scene::instances>(), nb::arg("mesh"))
+      .def("mesh_of", looking<&Scene::mesh_of>(), nb::arg("instance"))
+      .def("mask", looking<&Scene::mask>(), nb::arg("instance"))
+      .def("transform", transform, nb::arg("instance"))
+      .def("vertex_count", looking<&Scene::vertex_count>(), nb::arg("mesh"))
+      .def("triangle_count", looking<kTriangleCount>(), nb::arg("mesh"))
+      .def("meshes",
+           [](SharedScene& s) { return s.look([](const Scene& c) { return c.meshes(); }); })
+      .def("total_triangle_count",
+           [](SharedScene& s) { return s.look([](const Scene& c) { return c.triangle_count(); }); })
+      .def("instance_count",
+           [](SharedScene& s) { return s.look([](const Scene& c) { return c.instance_count(); }); })
+      .def("is_committed",
+           [](SharedScene& s) { return s.look([](const Scene& c) { return c.is_committed(); }); })
+      .def("memory_bytes",
+           [](SharedScene& s) { return s.look([](const Scene& c) { return c.memory_bytes(); }); })
+      .def("threads",
+           [](SharedScene& s) {
+             return s.look([](const Scene& c) { return c.context().threads(); });
+           })
+      .def("bounds", bounds);
+}
+
+}  // namespace
+
+void bind_scene(nb::module_& module) {
+  nb::class_<Wish>(module, "Wish")
+      .def(
+          "__init__",
+          [](Wish* wish, std::uint32_t mask, bool brute, bool check, nb::object statistics) {
+            new (wish) Wish{mask, brute, check, std::move(statistics)};
+          },
+          nb::arg("mask"), nb::arg("brute"), nb::arg("check"), nb::arg("statistics").none());
+
+  nb::class_<SharedScene> scene(module, "Scene");
+  const auto vertices = nb::arg("vertices").noconvert();
+  const auto triangles = nb::arg("triangles").noconvert().none();
+  const auto transform = nb::arg("transform").noconvert();
+  scene.def(nb::init<std::uint32_t>(), nb::arg("threads"))
+      .def("add", add, vertices, triangles, nb::arg("place"), transform, nb::arg("mask"))
+      .def("replace", replace, nb::arg("mesh"), vertices, triangles)
+      .def("update", update, nb::arg("mesh"), vertices)
+      .def("remove", changing<&Scene::remove>(), nb::arg("mesh"))
+      .def("instance", instance, nb::arg("mesh"), transform, nb::arg("mask"))
+      .def("remove_instance", changing<&Scene::remove_instance>(), nb::arg("instance"))
+      .def("set_transform", set_transform, nb::arg("instance"), transform)
+      .def(
+          "set_mask",
+          [](SharedScene& shared, InstanceId instance, std::uint32_t mask) {
+            shared.change([&](Scene& s) { s.set_mask(instance, mask); });
+          },
+          nb::arg("instance"), nb::arg("mask"))
+      .def("commit", [](SharedScene& shared) { shared.change([](Scene& s) { s.commit(); }); });
+  bind_contents(scene);
+  bind_queries(scene);
+}
+
+}  // namespace raysheaf::python
