@@ -5,34 +5,64 @@
 >>> mesh = trimesh.creation.box()
 >>> mesh.ray = RayMeshIntersector(mesh)
 >>> locations, index_ray, index_tri = mesh.ray.intersects_location([[0.1, 0.2, -2]], [[0, 0, 1]])
->>> locations
-array([[ 0.1,  0.2, -0.5],
-       [ 0.1,  0.2,  0.5]])
->>> mesh.apply_translation([0, 0, 9])
-<trimesh.Trimesh(vertices.shape=(8, 3), faces.shape=(12, 3))>
->>> mesh.ray.intersects_any([[0.1, 0.2, -2]], [[0, 0, 1]], max_distance=5)
-array([False])
+>>> locations.tolist()
+[[0.1, 0.2, -0.5], [0.1, 0.2, 0.5]]
+>>> _ = mesh.apply_translation([0, 0, 9])
+>>> locations, index_ray, index_tri = mesh.ray.intersects_location([[0.1, 0.2, -2]], [[0, 0, 1]])
+>>> locations.tolist()
+[[0.1, 0.2, 8.5], [0.1, 0.2, 9.5]]
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any, Optional, Union
+import threading
+from dataclasses import dataclass
+from typing import Any, Literal, Optional, Union, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from trimesh.ray.ray_util import contains_points
 
+from . import _core
+from ._hits import Hits
 from ._scene import Scene
 
 # Hits of one ray that are nearer to each other than this part of the mesh's size are one: a ray
 # through an edge meets both triangles at it. trimesh's other back end steps on by the same length.
 _SAME_PLACE = 1e-6
-# Rays that begin farther away than this many times the mesh's size begin nearer, so that float32 keeps
-# its digits for the mesh.
+# Rays that begin farther away than this many times the mesh's size are begun nearer, so that float32
+# has its digits left for the mesh.
 _FAR = 4.0
-# Where a ray meets a triangle at a flatter angle, the corner's weights say more than its plane.
-_FLAT = 1e-4
+# Directions of lengths between these keep their digits in float32.
+_SHORT, _LONG = 1e-15, 1e15
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class _Followed:
+    """The mesh as the scene has it."""
+
+    hash: int
+    vertices: Floats
+    faces: Ints
+    center: Floats  # of its box
+    size: float  # the diagonal of its box
+    origin: Floats  # what the scene has at 0
+    scale: float  # lengths of the scene in one of the mesh
+
+
+@dataclass(frozen=True)
+class _Batch:
+    """Rays in the mesh's space, and those of them that can be asked in the scene's."""
+
+    origins: Floats
+    directions: Floats
+    asked_origins: Floats
+    asked_directions: Floats
+    asked: Optional[Ints]  # which ones; None: all
 
 
 class RayMeshIntersector:
@@ -41,130 +71,297 @@ class RayMeshIntersector:
     Parameters
     ----------
     geometry : trimesh.Trimesh
-        The mesh. It may change: the next query notices, and takes over moved vertices as an update
-        if the faces are the same.
+        The mesh. It may change: the next query notices, and where the faces are the same it takes
+        the vertices over as an update.
     scale_to_box : bool
         Query about the mesh's middle and at a size of about 1, so that float32 is as good as it can
-        be wherever the mesh lies. False: as it is.
+        be wherever the mesh lies. False: in the mesh's own coordinates.
     threads : int
         How many threads queries use; 0 takes all cores.
 
-    Rays whose origin or direction is not finite, or whose direction is zero, hit nothing.
-    Directions need not be unit vectors. Hits lie at and before the origin, never behind it. Both
-    sides of faces are met. A ray through an edge or a vertex shared by faces hits one of them there;
-    rows of results are sorted by ray, then from near to far.
+    Both sides of faces are met. A ray that meets several faces at one place, an edge or a vertex,
+    hits one of them there. Results are sorted by ray, then from near to far, and locations are
+    computed in float64. Directions need not be unit vectors; rays that are not finite, or whose
+    direction is zero, hit nothing.
     """
 
     def __init__(self, geometry: Any, scale_to_box: bool = True, *, threads: int = 0) -> None:
         self.mesh = geometry
         self._scale_to_box = bool(scale_to_box)
         self._threads = threads
-        self._forget()
+        self._begin()
 
-    def _forget(self) -> None:
+    def _begin(self) -> None:
         self._scene = Scene(threads=self._threads)
-        self._id: Optional[int] = None  # the mesh in the scene
-        self._hash: Optional[int] = None  # what the mesh was then
-        self._faces: NDArray[np.int64] = np.zeros((0, 3), np.int64)
-        self._corners: NDArray[np.float64] = np.zeros((0, 3))
-        self._center: NDArray[np.float64] = np.zeros(3)
-        self._scale = 1.0
-        self._size = 0.0
+        self._followed: Optional[_Followed] = None
+        self._lock = threading.Lock()
 
     # The scene follows the mesh.
 
-    @property
-    def scene(self) -> Scene:
-        """The scene behind it, for queries of its own: in its own units, see `to_scene`."""
-        self._follow()
-        return self._scene
+    def _follow(self) -> _Followed:
+        with self._lock:
+            now, old = hash(self.mesh), self._followed
+            if old is not None and now == old.hash:
+                return old
+            new = self._measured(now)
+            moved = (new.vertices - new.origin) * new.scale
+            if old is None:
+                self._scene.add(moved, new.faces)
+            elif len(new.vertices) == len(old.vertices) and np.array_equal(new.faces, old.faces):
+                self._scene.update(0, moved)
+            else:
+                self._scene.replace(0, moved, new.faces)
+            self._followed = new
+            return new
 
-    def to_scene(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Points of the mesh's space in that of `scene`."""
-        self._follow()
-        return (np.asarray(points, np.float64) - self._center) * self._scale
-
-    def _follow(self) -> None:
-        now = hash(self.mesh)
-        if self._id is not None and now == self._hash:
-            return
-        vertices = np.asarray(self.mesh.vertices, np.float64).reshape(-1, 3)
-        faces = np.asarray(self.mesh.faces).reshape(-1, 3)
-        self._measure(vertices)
-        moved = (vertices - self._center) * self._scale
-        if self._id is None:
-            self._id = self._scene.add(moved, faces)
-        elif len(vertices) == len(self._corners) and np.array_equal(faces, self._faces):
-            self._scene.update(self._id, moved)
-        else:
-            self._scene.replace(self._id, moved, faces)
-        if self._faces is not faces:
-            self._faces = np.array(faces, np.int64)
-        self._corners = vertices.copy()
-        self._hash = now
-
-    def _measure(self, vertices: NDArray[np.float64]) -> None:
-        """Middle, size and scale; the scale is a power of two, which rounds nothing."""
-        if len(vertices) == 0:
-            return
-        least, most = vertices.min(axis=0), vertices.max(axis=0)
-        self._size = float(np.linalg.norm(most - least))
+    def _measured(self, now: int) -> _Followed:
+        vertices = np.array(self.mesh.vertices, np.float64).reshape(-1, 3)
+        faces = np.array(self.mesh.faces, np.int64).reshape(-1, 3)
+        center, size = np.zeros(3), 0.0
+        if len(vertices):
+            least, most = vertices.min(axis=0), vertices.max(axis=0)
+            center, size = (least + most) / 2, float(np.linalg.norm(most - least))
         if not self._scale_to_box:
-            return
-        self._center = (least + most) / 2
-        usable = math.isfinite(self._size) and self._size > 0
-        self._scale = 2.0 ** -math.frexp(self._size)[1] if usable else 1.0
+            return _Followed(now, vertices, faces, center, size, np.zeros(3), 1.0)
+        # A power of two rounds nothing.
+        scale = 2.0 ** -math.frexp(size)[1] if 0 < size < math.inf else 1.0
+        return _Followed(now, vertices, faces, center, size, center, scale)
 
     # Rays.
 
-    def _rays(
-        self, origins: ArrayLike, directions: ArrayLike
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        starts = np.asarray(origins, np.float64)
-        ways = np.asarray(directions, np.float64)
-        if starts.shape != ways.shape or starts.ndim != 2 or starts.shape[1] != 3:
-            if not (starts.size == 0 and ways.size == 0):
-                raise ValueError(
-                    f"ray_origins {starts.shape}, ray_directions {ways.shape}: "
-                    "two arrays of the same shape (n, 3) are expected"
-                )
-            return np.zeros((0, 3)), np.zeros((0, 3))
-        return starts, ways
-
-    def _query_rays(
-        self, origins: NDArray[np.float64], directions: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
-        """Origins and unit directions in the scene's space, and which of them are rays at all."""
+    def _batch(self, followed: _Followed, ray_origins: ArrayLike, ray_directions: ArrayLike) -> _Batch:
+        origins = np.ascontiguousarray(ray_origins, np.float64)
+        directions = np.ascontiguousarray(ray_directions, np.float64)
+        if origins.size == 0 and directions.size == 0:
+            origins = directions = np.zeros((0, 3))
+        if origins.shape != directions.shape or origins.ndim != 2 or origins.shape[1] != 3:
+            raise ValueError(
+                f"ray_origins {origins.shape}, ray_directions {directions.shape}: "
+                "two arrays of one shape (n, 3) are expected"
+            )
+        starts = (origins - followed.origin) * followed.scale
         with np.errstate(all="ignore"):
-            lengths = np.sqrt(np.einsum("ij,ij->i", directions, directions))
+            lengths = np.einsum("ij,ij->i", directions, directions)
+            np.sqrt(lengths, out=lengths)
+            middle = (followed.center - followed.origin) * followed.scale
+            reach = _FAR * followed.size * followed.scale
+            near = bool(np.abs(starts - middle).max(initial=0.0) <= reach)
+            even = bool((lengths > _SHORT).all() and (lengths < _LONG).all())
+            if near and even:
+                return _Batch(origins, directions, starts, directions, None)
             units = directions / lengths[:, None]
-            starts = (origins - self._center) * self._scale
-            along = np.einsum("ij,ij->i", starts, units)
-            # A far ray begins where it comes near: no hit lies before that.
-            reach = _FAR * max(self._size * self._scale, np.finfo(np.float64).tiny)
-            skipped = np.where(-along > reach, -along - reach, 0.0)
-            far = np.flatnonzero(skipped)
-            if len(far):
-                starts[far] += skipped[far, None] * units[far]
-            right = np.isfinite(starts.sum(axis=1)) & np.isfinite(units.sum(axis=1))
-            right &= np.abs(starts).max(axis=1, initial=0.0) < 1e30
-        if not right.all():
-            starts[~right] = 0.0
-            units[~right] = (0.0, 0.0, 1.0)
-        return starts, units, right
+            # How far a ray goes until it is as near to the middle as it gets; begin a reach before.
+            ahead = np.einsum("ij,ij->i", middle - starts, units) - reach
+            starts += np.maximum(ahead, 0.0)[:, None] * units
+            usable = np.isfinite(starts).all(axis=1) & np.isfinite(units).all(axis=1)
+            usable &= np.abs(starts).max(axis=1, initial=0.0) < np.finfo(np.float32).max
+        asked = np.flatnonzero(usable)
+        return _Batch(origins, directions, starts[asked], units[asked], asked)
 
-    def _t_max(
-        self, right: NDArray[np.bool_], max_distance: Optional[ArrayLike] = None
-    ) -> NDArray[np.float64]:
-        return np.where(right, np.inf, 0.0)
+    def _points(
+        self, followed: _Followed, batch: _Batch, hits: Hits, index_ray: Ints
+    ) -> tuple[Floats, Floats]:
+        """Where the hits lie, and how far from their rays' origins, in float64."""
+        points, distances = np.empty((hits.size, 3)), np.empty(hits.size)
+        _core.hit_points(
+            followed.vertices,
+            followed.faces,
+            batch.origins,
+            batch.directions,
+            np.ascontiguousarray(hits.array).view(np.float32).reshape(-1, 6),
+            index_ray,
+            points,
+            distances,
+        )
+        return points, distances
+
+    def _first(
+        self, followed: _Followed, batch: _Batch, locate: bool
+    ) -> tuple[Ints, Ints, Optional[Floats]]:
+        hits = self._scene.closest_hit(batch.asked_origins, batch.asked_directions)
+        index_ray = np.flatnonzero(hits.hit)
+        hits = hits[index_ray]
+        if batch.asked is not None:
+            index_ray = batch.asked[index_ray]
+        points = self._points(followed, batch, hits, index_ray)[0] if locate else None
+        return hits.prim_id.astype(np.int64), index_ray, points
+
+    def _all(
+        self, followed: _Followed, batch: _Batch, max_hits: Optional[int]
+    ) -> tuple[Ints, Ints, Floats]:
+        rows = self._scene.all_hits(batch.asked_origins, batch.asked_directions)
+        index_ray = rows.ray_id
+        if batch.asked is not None:
+            index_ray = batch.asked[index_ray]
+        points, distances = self._points(followed, batch, rows.hits, index_ray)
+        same_ray = index_ray[1:] == index_ray[:-1]
+        order = None
+        if (same_ray & (distances[1:] < distances[:-1])).any():  # float64 sees what float32 did not
+            order = np.lexsort((distances, index_ray))
+            distances = distances[order]
+        kept = np.ones(len(index_ray), np.bool_)
+        kept[1:] = ~same_ray | (distances[1:] - distances[:-1] > _SAME_PLACE * followed.size)
+        chosen = np.flatnonzero(kept)
+        if max_hits is not None and len(chosen):
+            rays = index_ray[chosen]
+            new_ray = np.concatenate(([True], rays[1:] != rays[:-1]))
+            first = np.flatnonzero(new_ray)[np.cumsum(new_ray) - 1]
+            chosen = chosen[np.arange(len(chosen)) - first < max_hits]
+        index_ray = index_ray[chosen]  # the order sorts within rays alone
+        if order is not None:
+            chosen = order[chosen]
+        return rows.hits.prim_id[chosen].astype(np.int64), index_ray, points[chosen]
 
     # trimesh's interface.
 
     def intersects_location(
+        self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool = True, **kwargs: Any
+    ) -> tuple[Floats, Ints, Ints]:
+        """Where rays hit the mesh.
+
+        Parameters
+        ----------
+        ray_origins, ray_directions : (n, 3) arrays of real numbers
+        multiple_hits : bool
+            All hits of a ray, or the first.
+        **kwargs
+            For `intersects_id`.
+
+        Returns
+        -------
+        locations : (m, 3) float64
+        index_ray : (m,) int64
+        index_tri : (m,) int64
+            Indices into ``mesh.faces``.
+        """
+        index_tri, index_ray, locations = self.intersects_id(
+            ray_origins, ray_directions, multiple_hits=multiple_hits, return_locations=True, **kwargs
+        )
+        return locations, index_ray, index_tri
+
+    @overload
+    def intersects_id(
+        self,
+        ray_origins: ArrayLike,
+        ray_directions: ArrayLike,
+        multiple_hits: bool = ...,
+        max_hits: Optional[int] = ...,
+        *,
+        return_locations: Literal[True],
+    ) -> tuple[Ints, Ints, Floats]: ...
+
+    @overload
+    def intersects_id(
+        self,
+        ray_origins: ArrayLike,
+        ray_directions: ArrayLike,
+        multiple_hits: bool = ...,
+        max_hits: Optional[int] = ...,
+        return_locations: Literal[False] = ...,
+    ) -> tuple[Ints, Ints]: ...
+
+    def intersects_id(
         self,
         ray_origins: ArrayLike,
         ray_directions: ArrayLike,
         multiple_hits: bool = True,
-        **kwargs: Any,
-    ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
-        raise NotImplementedError
+        max_hits: Optional[int] = None,
+        return_locations: bool = False,
+    ) -> Union[tuple[Ints, Ints], tuple[Ints, Ints, Floats]]:
+        """Which faces rays hit.
+
+        Parameters
+        ----------
+        ray_origins, ray_directions : (n, 3) arrays of real numbers
+        multiple_hits : bool
+            All hits of a ray, or the first.
+        max_hits : int, optional
+            At most so many hits a ray, the nearest ones; all by default.
+        return_locations : bool
+            Return a third array.
+
+        Returns
+        -------
+        index_tri : (m,) int64
+            Indices into ``mesh.faces``.
+        index_ray : (m,) int64
+        locations : (m, 3) float64
+            Only where asked for.
+        """
+        followed = self._follow()
+        batch = self._batch(followed, ray_origins, ray_directions)
+        if multiple_hits:
+            found = self._all(followed, batch, max_hits)
+        else:
+            found = self._first(followed, batch, return_locations)
+        return found if return_locations else found[:2]
+
+    def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> Ints:
+        """The first face that each ray hits.
+
+        Parameters
+        ----------
+        ray_origins, ray_directions : (n, 3) arrays of real numbers
+
+        Returns
+        -------
+        (n,) int64
+            Indices into ``mesh.faces``; -1 for a miss.
+        """
+        batch = self._batch(self._follow(), ray_origins, ray_directions)
+        hits = self._scene.closest_hit(batch.asked_origins, batch.asked_directions)
+        # A miss is the largest uint32, which is -1 as int32; faces are fewer than 2^31.
+        found = hits.prim_id.view(np.int32).astype(np.int64)
+        return self._for_all(batch, found, -1)
+
+    def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> NDArray[np.bool_]:
+        """Whether each ray hits the mesh.
+
+        Parameters
+        ----------
+        ray_origins, ray_directions : (n, 3) arrays of real numbers
+
+        Returns
+        -------
+        (n,) bool
+        """
+        batch = self._batch(self._follow(), ray_origins, ray_directions)
+        found = self._scene.any_hit(batch.asked_origins, batch.asked_directions)
+        return self._for_all(batch, found, False)
+
+    @staticmethod
+    def _for_all(batch: _Batch, found: NDArray[Any], otherwise: Any) -> NDArray[Any]:
+        if batch.asked is None:
+            return found
+        result = np.full(len(batch.origins), otherwise, found.dtype)
+        result[batch.asked] = found
+        return result
+
+    def contains_points(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Whether points lie inside the mesh, by the number of hits both ways along a line.
+
+        Parameters
+        ----------
+        points : (n, 3) array of real numbers
+            What is said of points on the surface is not defined.
+
+        Returns
+        -------
+        (n,) bool
+        """
+        return contains_points(self, points)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"mesh": self.mesh, "scale_to_box": self._scale_to_box, "threads": self._threads}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.mesh = state["mesh"]
+        self._scale_to_box = state["scale_to_box"]
+        self._threads = state["threads"]
+        self._begin()
+
+    def __copy__(self) -> RayMeshIntersector:
+        return RayMeshIntersector(self.mesh, self._scale_to_box, threads=self._threads)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> RayMeshIntersector:
+        return self.__copy__()  # as trimesh's other back ends: the mesh stays the same

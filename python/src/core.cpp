@@ -9,5 +9,6 @@ NB_MODULE(_core, module) {
   bind_errors(module);
   bind_rays(module);
   bind_scene(module);
+  bind_points(module);
   bind_render(module);
 }

@@ -19,6 +19,7 @@ using Rays = nb::ndarray<const float, nb::shape<-1, 8>, nb::c_contig, nb::device
 void bind_errors(nb::module_& module);
 void bind_rays(nb::module_& module);
 void bind_scene(nb::module_& module);
+void bind_points(nb::module_& module);
 void bind_render(nb::module_& module);
 
 /// A numpy array over what `owner` keeps alive.
