@@ -13,7 +13,7 @@ Batches of rays against meshes that may change completely between any two batche
 (1.0, 0)
 """
 
-from ._core import __version__
+from ._core import version as __version__
 from ._errors import Error, InvalidError, NotFoundError, OutOfMemoryError, UnsupportedError
 from ._hits import HIT_DTYPE, INVALID_ID, HitRows, Hits
 from ._render import Picture, png_bytes, render, write_png

@@ -90,7 +90,8 @@ class Hits:
     @property
     def hit(self) -> NDArray[np.bool_]:
         """Whether there is a hit at all."""
-        return self.array["prim_id"] != INVALID_ID
+        hit: NDArray[np.bool_] = self.array["prim_id"] != INVALID_ID
+        return hit
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -49,22 +49,25 @@ def _spread(array: NDArray[Any], shape: tuple[int, ...], tail: tuple[int, ...]) 
 
 
 def _pack(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
-    parts = {
-        "origins": _arrays.with_last_axis(origins, "origins", 3, "one of shape (..., 3)"),
-        "directions": _arrays.with_last_axis(directions, "directions", 3, "one of shape (..., 3)"),
-        "t_min": _arrays.floats(t_min, "t_min", "a number or an array"),
-        "t_max": _arrays.floats(t_max, "t_max", "a number or an array"),
-    }
-    tails = {"origins": (3,), "directions": (3,), "t_min": (), "t_max": ()}
-    fronts = {name: a.shape[: a.ndim - len(tails[name])] for name, a in parts.items()}
+    starts = _arrays.with_last_axis(origins, "origins", 3, "one of shape (..., 3)")
+    ways = _arrays.with_last_axis(directions, "directions", 3, "one of shape (..., 3)")
+    least = _arrays.floats(t_min, "t_min", "a number or an array")
+    most = _arrays.floats(t_max, "t_max", "a number or an array")
     try:
-        shape = np.broadcast_shapes(*fronts.values())
+        shape = np.broadcast_shapes(starts.shape[:-1], ways.shape[:-1], least.shape, most.shape)
     except ValueError:
-        given = ", ".join(f"{name} {part.shape}" for name, part in parts.items())
-        raise ValueError(f"{given}: shapes that broadcast are expected") from None
-    flat = shape if len(shape) == 1 else (int(np.prod(shape, dtype=np.int64)),)
-    rays = np.empty(flat + (8,), np.float32)
-    _core.pack_rays(*(_spread(part, shape, tails[name]) for name, part in parts.items()), rays)
+        raise ValueError(
+            f"origins {starts.shape}, directions {ways.shape}, t_min {least.shape}, "
+            f"t_max {most.shape}: shapes that broadcast are expected"
+        ) from None
+    rays = np.empty((int(np.prod(shape, dtype=np.int64)), 8), np.float32)
+    _core.pack_rays(
+        _spread(starts, shape, (3,)),
+        _spread(ways, shape, (3,)),
+        _spread(least, shape, ()),
+        _spread(most, shape, ()),
+        rays,
+    )
     return RayBatch(rays, shape, packed=False)
 
 

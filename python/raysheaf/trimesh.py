@@ -175,15 +175,13 @@ class RayMeshIntersector:
         )
         return points, distances
 
-    def _first(
-        self, followed: _Followed, batch: _Batch, locate: bool
-    ) -> tuple[Ints, Ints, Optional[Floats]]:
+    def _first(self, followed: _Followed, batch: _Batch) -> tuple[Ints, Ints, Floats]:
         hits = self._scene.closest_hit(batch.asked_origins, batch.asked_directions)
         index_ray = np.flatnonzero(hits.hit)
         hits = hits[index_ray]
         if batch.asked is not None:
             index_ray = batch.asked[index_ray]
-        points = self._points(followed, batch, hits, index_ray)[0] if locate else None
+        points, _ = self._points(followed, batch, hits, index_ray)
         return hits.prim_id.astype(np.int64), index_ray, points
 
     def _all(
@@ -293,7 +291,7 @@ class RayMeshIntersector:
         if multiple_hits:
             found = self._all(followed, batch, max_hits)
         else:
-            found = self._first(followed, batch, return_locations)
+            found = self._first(followed, batch)
         return found if return_locations else found[:2]
 
     def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> Ints:
@@ -349,7 +347,8 @@ class RayMeshIntersector:
         -------
         (n,) bool
         """
-        return contains_points(self, points)
+        contained: NDArray[np.bool_] = contains_points(self, points)
+        return contained
 
     def __getstate__(self) -> dict[str, Any]:
         return {"mesh": self.mesh, "scale_to_box": self._scale_to_box, "threads": self._threads}

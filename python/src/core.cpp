@@ -5,7 +5,7 @@
 NB_MODULE(_core, module) {
   using namespace raysheaf::python;
   module.doc() = "The compiled part of raysheaf: use `raysheaf` instead.";
-  module.attr("__version__") = RAYSHEAF_VERSION;
+  module.attr("version") = RAYSHEAF_VERSION;
   bind_errors(module);
   bind_rays(module);
   bind_scene(module);

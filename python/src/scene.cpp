@@ -111,10 +111,10 @@ void set_transform(SharedScene& shared, InstanceId instance, const Matrix34& tra
   shared.change([&](Scene& scene) { scene.set_transform(instance, affine); });
 }
 
-nb::object transform(SharedScene& shared, InstanceId instance) {
+nb::ndarray<nb::numpy, float, nb::shape<3, 4>> transform(SharedScene& shared, InstanceId instance) {
   auto* affine = new Affine(shared.look([&](const Scene& s) { return s.transform(instance); }));
   const nb::capsule owner(affine, [](void* at) noexcept { delete static_cast<Affine*>(at); });
-  return array_over<float>(affine, {3, 4}, owner);
+  return {affine, {3, 4}, owner};
 }
 
 nb::tuple bounds(SharedScene& shared) {

@@ -1,0 +1,332 @@
+"""Arrays of every kind: right answers, or an exception that names the argument."""
+
+from __future__ import annotations
+
+import gc
+import pickle
+
+import numpy as np
+import pytest
+from conftest import make_setting
+
+import raysheaf
+
+SETTING = make_setting(7)
+FORMS = {
+    "float32": lambda a: a,
+    "float64": lambda a: a.astype(np.float64),
+    "long double": lambda a: a.astype(np.longdouble),
+    "Fortran order": np.asfortranarray,
+    "every second row": lambda a: np.repeat(a, 2, axis=0)[::2],
+    "reversed": lambda a: a[::-1].copy()[::-1],
+    "columns of a wider array": lambda a: np.concatenate([a, a], 1)[:, : a.shape[1]],
+    "other endian": lambda a: a.astype(a.dtype.newbyteorder()),
+    "not aligned": lambda a: _unaligned(a),
+    "field of records": lambda a: _field(a),
+    "read-only": lambda a: _locked(a),
+    "list": lambda a: a.tolist(),
+    "memoryview": lambda a: memoryview(np.ascontiguousarray(a)),
+    "DLPack": lambda a: OnlyDlpack(np.ascontiguousarray(a)),
+    "array interface": lambda a: OnlyInterface(np.ascontiguousarray(a)),
+}
+
+
+def _unaligned(array):
+    raw = np.zeros(array.nbytes + 1, np.uint8)[1:]
+    view = raw.view(array.dtype).reshape(array.shape)
+    view[:] = array
+    assert not view.flags.aligned
+    return view
+
+
+def _field(array):
+    records = np.zeros(len(array), np.dtype([("pad", "u1"), ("at", array.dtype, (array.shape[1],))]))
+    records["at"] = array
+    return records["at"]
+
+
+def _locked(array):
+    copy = array.copy()
+    copy.flags.writeable = False
+    return copy
+
+
+class OnlyDlpack:
+    def __init__(self, array):
+        self._array = array
+
+    def __dlpack__(self, **options):
+        return self._array.__dlpack__(**options)
+
+    def __dlpack_device__(self):
+        return self._array.__dlpack_device__()
+
+
+class OnDevice(OnlyDlpack):
+    def __dlpack_device__(self):
+        return (2, 0)  # kDLCUDA
+
+
+class OnlyInterface:
+    def __init__(self, array):
+        self._array = array
+        self.__array_interface__ = array.__array_interface__
+
+
+@pytest.fixture(scope="module")
+def scene():
+    scene = raysheaf.Scene()
+    scene.add(SETTING.vertices, SETTING.triangles)
+    return scene
+
+
+@pytest.fixture(scope="module")
+def expected(scene):
+    return scene.closest_hit(SETTING.origins, SETTING.directions).array
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_rays_of_any_layout(scene, expected, form):
+    hits = scene.closest_hit(FORMS[form](SETTING.origins), FORMS[form](SETTING.directions))
+    assert np.array_equal(hits.array, expected)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_packed_rays_of_any_layout(scene, expected, form):
+    n = len(SETTING.origins)
+    packed = np.zeros((n, 8), np.float32)
+    packed[:, :3], packed[:, 4:7], packed[:, 7] = SETTING.origins, SETTING.directions, np.inf
+    assert np.array_equal(scene.closest_hit(FORMS[form](packed)).array, expected)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_meshes_of_any_layout(expected, form):
+    scene = raysheaf.Scene()
+    triangles = SETTING.triangles.astype(np.int64)
+    if form not in ("float64", "long double"):
+        triangles = FORMS[form](triangles)
+    mesh = scene.add(FORMS[form](SETTING.vertices), triangles)
+    assert np.array_equal(scene.closest_hit(SETTING.origins, SETTING.directions).array, expected)
+    scene.update(mesh, FORMS[form](SETTING.vertices * 0))
+    scene.update(mesh, FORMS[form](SETTING.vertices))
+    assert np.array_equal(scene.closest_hit(SETTING.origins, SETTING.directions).array, expected)
+
+
+@pytest.mark.parametrize("dtype", ["u1", "i2", "u2", "i4", "u4", "i8", "u8", ">i4"])
+def test_triangles_of_any_integer(dtype):
+    scene = raysheaf.Scene()
+    scene.add([[0, 0, 1], [1, 0, 1], [0, 1, 1]], np.array([[0, 1, 2]], dtype))
+    assert scene.any_hit([0.2, 0.2, 0], [0, 0, 1])
+
+
+def test_integers_are_real_numbers(scene):
+    hits = scene.closest_hit(np.zeros((2, 3), np.int8), np.array([[0, 0, 1], [1, 0, 0]]))
+    assert hits.shape == (2,)
+
+
+def test_packed_rays_are_read_where_they_lie(scene):
+    from raysheaf._rays import batch_of
+
+    rays = np.ones((5, 8), np.float32)
+    assert np.shares_memory(batch_of(rays, None, None, None).rays, rays)
+    grid = rays.reshape(5, 1, 8)
+    assert np.shares_memory(batch_of(grid, None, None, None).rays, rays)
+
+
+def test_soups():
+    corners = SETTING.vertices[SETTING.triangles]
+    scenes = [raysheaf.Scene() for _ in range(3)]
+    scenes[0].add(SETTING.vertices, SETTING.triangles)
+    scenes[1].add(corners)
+    mesh = scenes[2].add(corners.reshape(-1, 3) * 0)
+    scenes[2].update(mesh, corners)
+    answers = [s.closest_hit(SETTING.origins, SETTING.directions).array.tobytes() for s in scenes]
+    assert answers[0] == answers[1] == answers[2]
+    with pytest.raises(raysheaf.InvalidError, match="4 vertices are not three a triangle"):
+        raysheaf.Scene().add(np.zeros((4, 3)))
+
+
+# Shapes.
+
+
+def test_broadcasting(scene):
+    origins = SETTING.origins[:12].reshape(3, 4, 3)
+    directions = SETTING.directions[:4]
+    hits = scene.closest_hit(origins, directions, t_max=np.full((3, 1), 2.0))
+    assert hits.shape == hits.t.shape == (3, 4)
+    for i in range(3):
+        for j in range(4):
+            one = scene.closest_hit(origins[i, j], directions[j], t_max=2)
+            assert one.shape == () and one.array == hits[i, j].array
+    rows = scene.all_hits(origins, directions)
+    assert rows.shape == rows.counts.shape == (3, 4) and len(rows) == 3
+    assert np.array_equal(rows[1, 2].array, scene.all_hits(origins[1, 2], directions[2]).hits.array)
+    assert np.array_equal(rows[-1, -1].array, rows[2, 3].array)
+    assert scene.any_hit(origins, directions).shape == (3, 4)
+    assert scene.hit_counts(origins, directions).dtype == np.uint32
+    with pytest.raises(IndexError):
+        rows[3, 0]
+    with pytest.raises(IndexError):
+        rows[0]
+
+
+@pytest.mark.parametrize("shape", [(0, 3), (2, 0, 3)])
+def test_no_rays(scene, shape):
+    assert scene.closest_hit(np.zeros(shape), [0, 0, 1]).shape == shape[:-1]
+    assert scene.any_hit(np.zeros(shape), [0, 0, 1]).shape == shape[:-1]
+    assert scene.hit_counts(np.zeros(shape), [0, 0, 1]).shape == shape[:-1]
+    rows = scene.all_hits(np.zeros(shape), [0, 0, 1])
+    assert rows.offsets.tolist() == [0] and rows.hits.size == 0
+    assert scene.closest_hit([], []).size == 0
+    assert scene.closest_hit(np.zeros((0, 8))).size == 0
+
+
+def test_no_triangles():
+    scene = raysheaf.Scene()
+    rays = ([0, 0, 0], [[0, 0, 1]])
+    assert not scene.any_hit(*rays).any() and scene.bounds is None
+    mesh = scene.add(np.zeros((0, 3)), np.zeros((0, 3), int))
+    scene.add([], [])
+    assert not scene.any_hit(*rays).any()
+    assert scene.all_hits(*rays).counts.tolist() == [0]
+    scene.replace(mesh, [[-1, -1, 1], [1, -1, 1], [0, 1, 1]], [[0, 1, 2]])
+    assert scene.any_hit(*rays).all()
+
+
+def test_room_for_results_is_used(scene, expected):
+    out = raysheaf.Hits.empty(len(SETTING.origins))
+    hits = scene.closest_hit(SETTING.origins, SETTING.directions, out=out)
+    assert hits is out and np.array_equal(out.array, expected)
+    with pytest.raises(ValueError, match=r"out: .*shape \(3,\)"):
+        scene.closest_hit(SETTING.origins, SETTING.directions, out=raysheaf.Hits.empty(3))
+    with pytest.raises(ValueError, match="not in C order"):
+        strided = raysheaf.Hits.empty(2 * len(SETTING.origins))[::2]
+        scene.closest_hit(SETTING.origins, SETTING.directions, out=strided)
+    with pytest.raises(TypeError, match="out: ndarray"):
+        scene.closest_hit(SETTING.origins, SETTING.directions, out=np.zeros(3))
+
+
+# Lifetimes.
+
+
+def test_arrays_may_go_or_change_once_they_were_given(expected):
+    scene = raysheaf.Scene()
+    vertices, triangles = SETTING.vertices.copy(), SETTING.triangles.copy()
+    scene.add(vertices, triangles)
+    vertices[:], triangles[:] = np.nan, 2**32 - 1
+    del vertices, triangles
+    gc.collect()
+    assert np.array_equal(scene.closest_hit(SETTING.origins, SETTING.directions).array, expected)
+
+
+def test_results_outlive_the_scene():
+    scene = raysheaf.Scene()
+    scene.add(SETTING.vertices, SETTING.triangles)
+    rows = scene.all_hits(SETTING.origins, SETTING.directions)
+    t, total = rows.hits.t, float(rows.hits.t.sum())
+    del scene, rows
+    gc.collect()
+    junk = [np.full(1000, 7.0) for _ in range(100)]
+    assert float(t.sum()) == total and junk
+
+
+# What is wrong.
+
+RAY = [0.0, 0, 0], [0.0, 0, 1]
+WRONG = [
+    (TypeError, r"origins: .*shape \(\) and dtype object", dict(origins=None)),
+    (TypeError, r"origins: .*dtype <U3", dict(origins="abc")),
+    (TypeError, r"origins: .*complex128.*real", dict(origins=np.zeros(3, complex))),
+    (TypeError, r"directions: .*bool", dict(directions=[True, False, True])),
+    (TypeError, r"directions: cannot be read", dict(directions=[[1, 2, 3], [1, 2]])),
+    (TypeError, r"directions: lies on a device", dict(directions=OnDevice(np.zeros(3)))),
+    (ValueError, r"origins: .*shape \(4,\).*\(\.\.\., 3\)", dict(origins=[1, 2, 3, 4])),
+    (ValueError, r"origins: .*shape \(\)", dict(origins=1.0)),
+    (ValueError, r"directions: .*shape \(3, 0\)", dict(directions=np.zeros((3, 0)))),
+    (ValueError, r"origins \(2, 3\), directions \(5, 3\)", dict(origins=np.zeros((2, 3)), directions=np.ones((5, 3)))),
+    (ValueError, r"t_max \(4,\)", dict(origins=np.zeros((3, 3)), t_max=[1, 2, 3, 4])),
+    (TypeError, r"t_min: .*<U1", dict(t_min="0")),
+    (ValueError, r"origins: the origin is not finite", dict(origins=[0, np.nan, 0])),
+    (ValueError, r"origins\[1, 0\]: the origin is not finite in float32", dict(origins=[[[0, 0, 0]], [[0, 1e200, 0]]])),
+    (ValueError, r"directions\[2\]: the direction is zero", dict(directions=[[1, 0, 0], [0, 1, 0], [0, 0, 0]])),
+    (ValueError, r"t_min: t_min is negative", dict(t_min=-1)),
+    (ValueError, r"t_min\[1\]: t_min is larger", dict(t_min=[1, 3], t_max=2)),
+    (ValueError, r"t_max: t_max is not a number", dict(t_max=np.nan)),
+    (ValueError, r"mask: -1 is given", dict(mask=-1)),
+    (ValueError, r"mask: 4294967296 is given", dict(mask=2**32)),
+    (TypeError, r"mask: 1.5 is given", dict(mask=1.5)),
+    (ValueError, r"method: 'fast' is given", dict(method="fast")),
+    (TypeError, r"statistics: list", dict(statistics=[])),
+]
+
+
+@pytest.mark.parametrize("query", ["closest_hit", "any_hit", "all_hits", "hit_counts"])
+@pytest.mark.parametrize("kind, message, given", WRONG, ids=lambda x: x if isinstance(x, str) else "")
+def test_wrong_rays(scene, query, kind, message, given):
+    with pytest.raises(kind, match=message):
+        getattr(scene, query)(**{"origins": RAY[0], "directions": RAY[1], **given})
+
+
+def test_wrong_packed_rays(scene):
+    rays = np.ones((4, 8))
+    rays[2, 5] = np.inf
+    with pytest.raises(ValueError, match=r"rays\[2\].direction: the direction is not finite"):
+        scene.any_hit(rays)
+    with pytest.raises(ValueError, match=r"rays: .*shape \(4, 3\).*\(\.\.\., 8\)"):
+        scene.any_hit(np.ones((4, 3)))
+    with pytest.raises(TypeError, match="t_min, t_max"):
+        scene.any_hit(np.ones((4, 8)), t_max=3)
+
+
+WRONG_MESHES = [
+    (ValueError, r"vertices: .*\(3, 2\).*\(n, 3\)", np.zeros((3, 2)), [[0, 1, 2]]),
+    (ValueError, r"vertices: .*\(2, 3, 3\).*\(n, 3\)", np.zeros((2, 3, 3)), [[0, 1, 2]]),
+    (TypeError, r"vertices: .*object", [[0, 0, None]], [[0, 0, 0]]),
+    (ValueError, r"triangles: .*\(1, 4\)", np.zeros((4, 3)), [[0, 1, 2, 3]]),
+    (ValueError, r"triangles: .*\(3,\)", np.zeros((3, 3)), [0, 1, 2]),
+    (TypeError, r"triangles: .*float64", np.zeros((3, 3)), [[0.0, 1, 2]]),
+    (ValueError, r"triangles: \[0, 2\] of .* is -1", np.zeros((3, 3)), [[0, 1, -1]]),
+    (ValueError, r"triangles: \[0, 1\] of .* is 4294967296", np.zeros((3, 3)), [[0, 2**32, 1]]),
+    (ValueError, r"meshes\[0\].triangles\[1\]: index 2 is 3", np.zeros((3, 3)), [[0, 1, 2], [0, 1, 3]]),
+    (ValueError, r"meshes\[0\].positions\[1\]: .*not finite", [[0, 0, 0], [0, np.nan, 0], [1, 1, 1]], [[0, 1, 2]]),
+    (ValueError, r"meshes\[0\].positions\[2\]: .*not finite", [[0, 0, 0], [0, 0, 0], [1e300, 1, 1]], [[0, 1, 2]]),
+    (ValueError, r"meshes\[0\].positions\[0\]: .*farther out", [[1e19, 0, 0], [0, 0, 0], [1, 1, 1]], [[0, 1, 2]]),
+]
+
+
+@pytest.mark.parametrize("kind, message, vertices, triangles", WRONG_MESHES)
+def test_wrong_meshes(kind, message, vertices, triangles):
+    scene = raysheaf.Scene()
+    with pytest.raises(kind, match=message):
+        scene.add(vertices, triangles)
+    assert scene.meshes == []
+
+
+@pytest.mark.parametrize(
+    "kind, message, transform",
+    [
+        (ValueError, r"transform: .*\(3, 3\)", np.eye(3)),
+        (ValueError, r"last row .*\[0.0, 0.0, 0.0, 2.0\]", np.diag([1, 1, 1, 2])),
+        (ValueError, "not finite", np.full((3, 4), np.inf)),
+        (TypeError, "transform: .*complex", np.eye(4) * 1j),
+    ],
+)
+def test_wrong_transforms(kind, message, transform):
+    scene = raysheaf.Scene()
+    with pytest.raises(kind, match=message):
+        scene.add([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], transform=transform)
+    assert scene.meshes == []
+
+
+def test_errors_say_what_and_where_and_travel(scene):
+    with pytest.raises(raysheaf.Error) as caught:
+        scene.any_hit([0, 0, 0], [0, 0, 0])
+    error = pickle.loads(pickle.dumps(caught.value))
+    assert (error.code, error.place) == ("invalid_data", "directions")
+    assert str(error) == "directions: the direction is zero in float32"
+    assert isinstance(error, ValueError)
+
+
+def test_a_dtype_that_is_not_a_hit():
+    with pytest.raises(TypeError, match="HIT_DTYPE"):
+        raysheaf.Hits(np.zeros(3))

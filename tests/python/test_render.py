@@ -1,0 +1,104 @@
+"""Pictures, and the command line that comes along."""
+
+from __future__ import annotations
+
+import os
+import struct
+import subprocess
+import sys
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import raysheaf
+
+
+def decoded(png: bytes) -> np.ndarray:
+    """A PNG of eight bits without filters, as `png_bytes` writes it."""
+    assert png[:8] == b"\x89PNG\r\n\x1a\n"
+    at, chunks = 8, {}
+    while at < len(png):
+        (length,) = struct.unpack(">I", png[at : at + 4])
+        kind, data = png[at + 4 : at + 8], png[at + 8 : at + 8 + length]
+        assert zlib.crc32(kind + data) == struct.unpack(">I", png[at + 8 + length : at + 12 + length])[0]
+        chunks[kind] = data
+        at += 12 + length
+    width, height, depth, colour = struct.unpack(">IIBB", chunks[b"IHDR"][:10])
+    channels = {0: 1, 2: 3, 6: 4}[colour]
+    rows = np.frombuffer(zlib.decompress(chunks[b"IDAT"]), np.uint8).reshape(height, -1)
+    assert depth == 8 and (rows[:, 0] == 0).all() and rows.shape[1] == 1 + width * channels
+    return rows[:, 1:].reshape((height, width) + ((channels,) if channels > 1 else ()))
+
+
+@pytest.mark.parametrize("shape", [(3, 5), (3, 5, 3), (1, 1, 4)])
+def test_png_files_hold_what_was_written(tmp_path, shape):
+    image = np.random.default_rng(0).integers(0, 256, shape, dtype=np.uint8)
+    raysheaf.write_png(tmp_path / "a.png", image)
+    assert np.array_equal(decoded((tmp_path / "a.png").read_bytes()), image)
+    assert np.array_equal(decoded(raysheaf.png_bytes(image / 255)), image)
+
+
+def test_wrong_images():
+    assert decoded(raysheaf.png_bytes([[-1.0, 2.0, np.nan]])).tolist() == [[0, 255, 0]]
+    with pytest.raises(ValueError, match=r"shape \(2, 2, 5\)"):
+        raysheaf.png_bytes(np.zeros((2, 2, 5), np.uint8))
+    with pytest.raises(TypeError, match="int64"):
+        raysheaf.png_bytes(np.zeros((2, 2), int))
+
+
+def test_a_built_in_scene():
+    picture = raysheaf.render("builtin:cornell", width=40, height=30, bounces=1)
+    assert picture.image.shape == (30, 40, 3) and picture.image.std() > 10
+    assert picture.beauty.shape == picture.normal.shape == picture.albedo.shape == (30, 40, 3)
+    seen = picture.prim_id != raysheaf.INVALID_ID
+    assert seen.mean() > 0.9
+    np.testing.assert_allclose(np.linalg.norm(picture.normal[seen], axis=1), 1, atol=1e-4)
+    assert picture.shadow.shape == (30, 40) and 0 < picture.shadow.mean() < 1
+    assert np.array_equal(decoded(picture._repr_png_()), picture.image)
+    again = raysheaf.render("builtin:cornell", width=40, height=30, bounces=1, method="brute", threads=1)
+    assert np.array_equal(again.image, picture.image)
+
+
+def test_a_file(tmp_path):
+    path = tmp_path / "triangle.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    picture = raysheaf.render(path, width=32, height=32)
+    assert 0.05 < (picture.geom_id == 0).mean() < 0.95
+    picture.save(tmp_path / "out.png")
+    assert decoded((tmp_path / "out.png").read_bytes()).shape == (32, 32, 3)
+
+
+@pytest.mark.parametrize(
+    "kind, message, given",
+    [
+        (LookupError, "nowhere", dict(scene="builtin:nowhere")),
+        (raysheaf.Error, "missing.glb", dict(scene="missing.glb")),
+        (LookupError, "camera: .*\"backstage\"", dict(camera="backstage")),
+        (ValueError, "there is no method \"magic\"", dict(method="magic")),
+        (ValueError, "width: .*0", dict(width=0)),
+        (ValueError, "primary: 'magic' is given", dict(primary="magic")),
+        (TypeError, "height: 1.5 is given", dict(height=1.5)),
+    ],
+)
+def test_wrong_wishes(kind, message, given):
+    with pytest.raises(kind, match=message):
+        raysheaf.render(**{"scene": "builtin:cornell", "width": 8, "height": 8, **given})
+
+
+@pytest.mark.skipif(
+    not (Path(raysheaf.__file__).parent / "bin" / "raysheaf").exists(), reason="built without the command line"
+)
+def test_the_command_line(tmp_path):
+    def run(*arguments):
+        command = [sys.executable, "-m", "raysheaf", *arguments]
+        environment = {**os.environ, "PYTHONPATH": str(Path(raysheaf.__file__).parents[1])}
+        return subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=environment)
+
+    assert raysheaf.__version__ in run("--version").stdout
+    done = run("render", "builtin:cornell", "-o", "c.png", "--size", "16x16", "--primary", "trace")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "c.png").read_bytes().startswith(b"\x89PNG")
+    failed = run("render", "missing.glb", "-o", "c.png")
+    assert failed.returncode != 0 and "missing.glb" in failed.stderr

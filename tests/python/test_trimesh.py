@@ -1,0 +1,188 @@
+"""trimesh's ray interface, by raysheaf."""
+
+from __future__ import annotations
+
+import copy
+import os
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+trimesh = pytest.importorskip("trimesh")
+
+from raysheaf.trimesh import RayMeshIntersector  # noqa: E402
+
+
+def rays_about(mesh, count=500, seed=0):
+    rng = np.random.default_rng(seed)
+    center, size = mesh.bounds.mean(axis=0), mesh.scale
+    origins = center + rng.normal(size=(count, 3)) * size
+    targets = center + rng.uniform(-0.4, 0.4, (count, 3)) * size
+    return origins, targets - origins
+
+
+@pytest.fixture
+def mesh():
+    mesh = trimesh.creation.torus(major_radius=3, minor_radius=1)
+    mesh.ray = RayMeshIntersector(mesh)
+    return mesh
+
+
+def test_the_whole_interface(mesh):
+    from trimesh.ray import ray_triangle
+
+    for name in vars(ray_triangle.RayMeshIntersector):
+        if not name.startswith("_"):
+            assert callable(getattr(mesh.ray, name))
+
+
+def test_hits_lie_on_their_faces_and_on_their_rays(mesh):
+    origins, directions = rays_about(mesh)
+    locations, index_ray, index_tri = mesh.ray.intersects_location(origins, directions)
+    assert len(locations) > 300 and locations.dtype == np.float64
+    normals = mesh.face_normals[index_tri]
+    off_plane = np.einsum("ij,ij->i", locations - mesh.triangles[index_tri][:, 0], normals)
+    assert np.abs(off_plane).max() < 1e-9
+    along = locations - origins[index_ray]
+    assert np.linalg.norm(np.cross(along, directions[index_ray]), axis=1).max() < 1e-8
+    assert (np.einsum("ij,ij->i", along, directions[index_ray]) > 0).all()
+    weights = trimesh.triangles.points_to_barycentric(mesh.triangles[index_tri], locations)
+    assert weights.min() > -1e-4
+    # Sorted by ray, from near to far; a closed mesh is left as often as it is entered.
+    assert (np.diff(index_ray) >= 0).all()
+    distance = np.linalg.norm(along, axis=1)
+    assert (np.diff(distance)[np.diff(index_ray) == 0] > 0).all()
+    assert (np.bincount(index_ray) % 2 == 0).all()
+
+
+def test_queries_agree_with_each_other(mesh):
+    origins, directions = rays_about(mesh)
+    index_tri, index_ray = mesh.ray.intersects_id(origins, directions)
+    first = mesh.ray.intersects_first(origins, directions)
+    assert first.dtype == np.int64 and first.min() == -1
+    assert np.array_equal(mesh.ray.intersects_any(origins, directions), first >= 0)
+    assert np.array_equal(np.flatnonzero(first >= 0), np.unique(index_ray))
+    tri, ray, locations = mesh.ray.intersects_id(
+        origins, directions, multiple_hits=False, return_locations=True
+    )
+    assert np.array_equal(first[ray], tri) and len(locations) == len(ray)
+    nearest = np.unique(index_ray, return_index=True)[1]
+    assert np.array_equal(index_tri[nearest], tri)
+    for most in (0, 1, 2, 3):
+        tri, ray = mesh.ray.intersects_id(origins, directions, max_hits=most)
+        counts = np.minimum(np.bincount(index_ray, minlength=len(origins)), most)
+        assert np.array_equal(np.bincount(ray, minlength=len(origins)), counts)
+
+
+def test_hits_are_those_of_trimesh():
+    mesh = trimesh.creation.icosphere(subdivisions=2)
+    origins, directions = rays_about(mesh, count=200)
+    theirs = pytest.importorskip("rtree") and trimesh.ray.ray_triangle.RayMeshIntersector(mesh)
+    ours = RayMeshIntersector(mesh)
+    expected = theirs.intersects_location(origins, directions)
+    found = ours.intersects_location(origins, directions)
+    order = np.lexsort((np.linalg.norm(expected[0] - origins[expected[1]], axis=1), expected[1]))
+    assert np.array_equal(found[1], expected[1][order])
+    np.testing.assert_allclose(found[0], expected[0][order], atol=1e-9)
+    assert np.array_equal(found[2], expected[2][order])
+
+
+def test_moves_are_noticed(mesh):
+    intersector = mesh.ray
+    ray = [[3, 0, 9]], [[0, 0, -1]]
+
+    def height():
+        return intersector.intersects_location(*ray, multiple_hits=False)[0][0, 2]
+
+    assert np.isclose(height(), 1, atol=0.05)
+    scene, id_before = intersector._scene, intersector._scene.meshes
+    mesh.apply_translation([0, 0, 2])
+    assert np.isclose(height(), 3, atol=0.05)
+    mesh.vertices[:, 2] += 1  # in place
+    assert np.isclose(height(), 4, atol=0.05)
+    mesh.vertices = mesh.vertices * [1, 1, 0.5]
+    assert np.isclose(height(), 2, atol=0.05)
+    mesh.update_faces(mesh.triangles_center[:, 2] < 1.5)
+    assert height() < 1.5
+    assert intersector._scene is scene and scene.meshes == id_before
+
+
+@pytest.mark.parametrize("scale", [1e-12, 1e-3, 1, 1e6, 1e12])
+@pytest.mark.parametrize("offset", [0, 1e4])
+def test_any_size_and_place(scale, offset):
+    mesh = trimesh.creation.icosphere(subdivisions=3)
+    mesh.vertices += offset
+    mesh.apply_scale(scale)
+    mesh.ray = RayMeshIntersector(mesh)
+    origins, directions = rays_about(mesh, count=300)
+    locations, index_ray, _ = mesh.ray.intersects_location(origins, directions)
+    assert (np.bincount(index_ray, minlength=300) == 2).mean() > 0.3
+    radius = np.linalg.norm(locations - mesh.bounds.mean(axis=0), axis=1) / scale
+    assert (np.abs(radius - 0.995) < 0.01).all()
+
+
+@pytest.mark.parametrize("distance", [1e2, 1e5, 1e8, 1e12])
+def test_rays_from_far_away(distance):
+    mesh = trimesh.creation.box()
+    mesh.ray = RayMeshIntersector(mesh)
+    locations, _, _ = mesh.ray.intersects_location([[0.1, 0.2, distance]], [[0, 0, -3]])
+    np.testing.assert_allclose(locations, [[0.1, 0.2, 0.5], [0.1, 0.2, -0.5]], atol=1e-3 * distance / 1e12 + 1e-9)
+
+
+def test_rays_that_are_none_hit_nothing(mesh):
+    origins, directions = rays_about(mesh, count=50)
+    expected = mesh.ray.intersects_first(origins, directions)
+    origins[3], directions[5], directions[7], directions[9] = np.nan, 0, np.inf, np.nan
+    found = mesh.ray.intersects_first(origins, directions)
+    wrong = [3, 5, 7, 9]
+    assert (found[wrong] == -1).all()
+    assert not mesh.ray.intersects_any(origins, directions)[wrong].any()
+    assert np.array_equal(np.delete(found, wrong), np.delete(expected, wrong))
+    for multiple in (True, False):
+        _, index_ray, _ = mesh.ray.intersects_location(origins, directions, multiple)
+        assert not np.isin(wrong, index_ray).any() and index_ray.max() == np.flatnonzero(found >= 0)[-1]
+
+
+def test_no_rays_and_no_faces(mesh):
+    for rays in (([], []), (np.zeros((0, 3)), np.zeros((0, 3)))):
+        assert mesh.ray.intersects_first(*rays).shape == (0,)
+        assert mesh.ray.intersects_location(*rays)[0].shape == (0, 3)
+    empty = trimesh.Trimesh()
+    empty.ray = RayMeshIntersector(empty)
+    assert not empty.ray.intersects_any([[0, 0, 0]], [[0, 0, 1]]).any()
+    assert empty.ray.intersects_location([[0, 0, 0]], [[0, 0, 1]])[0].shape == (0, 3)
+
+
+def test_wrong_shapes(mesh):
+    with pytest.raises(ValueError, match=r"ray_origins \(2, 3\), ray_directions \(1, 3\)"):
+        mesh.ray.intersects_any(np.zeros((2, 3)), np.ones((1, 3)))
+    with pytest.raises(ValueError, match=r"ray_origins \(3,\)"):
+        mesh.ray.intersects_any([0, 0, 0], [0, 0, 1])
+
+
+def test_contains_points(mesh):
+    rng = np.random.default_rng(0)
+    points = rng.uniform(-4.5, 4.5, (2000, 3))
+    ring = np.hypot(points[:, 0], points[:, 1]) - 3
+    depth = 1 - np.hypot(ring, points[:, 2])  # in the tube
+    sure = np.abs(depth) > 0.05
+    assert np.array_equal(mesh.contains(points)[sure], (depth > 0)[sure])
+
+
+def test_copies_and_pickles(mesh):
+    ray = [[3, 0, 9]], [[0, 0, -1]]
+    for other in (copy.copy(mesh.ray), copy.deepcopy(mesh.ray), pickle.loads(pickle.dumps(mesh.ray))):
+        assert np.array_equal(other.intersects_first(*ray), mesh.ray.intersects_first(*ray))
+
+
+def test_trimeshs_own_tests():
+    folder = os.environ.get("RAYSHEAF_TRIMESH_TESTS")
+    if not folder:
+        pytest.skip("RAYSHEAF_TRIMESH_TESTS names no checkout of trimesh")
+    runner = Path(__file__).with_name("run_trimesh_tests.py")
+    done = subprocess.run([sys.executable, str(runner), folder], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr

@@ -1,0 +1,26 @@
+# The Python module: one test a file, the examples in its docstrings and in docs/python.md, its types.
+# Where it was not built, one test that is skipped says so.
+if(RAYSHEAF_HAS_PYTHON)
+  execute_process(COMMAND ${Python_EXECUTABLE} -c "import numpy, pytest"
+    RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET)
+endif()
+if(NOT RAYSHEAF_HAS_PYTHON OR failed)
+  add_test(NAME python COMMAND ${CMAKE_COMMAND} -E echo
+    "SKIPPED: no Python module was built, or its Python has no numpy and pytest")
+  set_tests_properties(python PROPERTIES SKIP_REGULAR_EXPRESSION "SKIPPED")
+  return()
+endif()
+
+function(raysheaf_python_test name)
+  add_test(NAME python/${name} COMMAND ${Python_EXECUTABLE} ${ARGN})
+  # 5: pytest found nothing to run, because a package that it needs is missing.
+  set_tests_properties(python/${name} PROPERTIES WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
+    ENVIRONMENT "PYTHONPATH=${PROJECT_BINARY_DIR}/python;PYTHONDONTWRITEBYTECODE=1"
+    SKIP_RETURN_CODE 5 TIMEOUT 300)
+endfunction()
+
+file(GLOB files CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_LIST_DIR} ${CMAKE_CURRENT_LIST_DIR}/test_*.py)
+foreach(file ${files})
+  string(REGEX REPLACE "^test_(.*)\\.py$" "\\1" name ${file})
+  raysheaf_python_test(${name} -m pytest tests/python/${file})
+endforeach()
