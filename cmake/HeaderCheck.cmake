@@ -3,6 +3,11 @@
 file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
   ${PROJECT_SOURCE_DIR}/include/*.h ${PROJECT_SOURCE_DIR}/src/*.h ${PROJECT_SOURCE_DIR}/io/*.h
   ${PROJECT_SOURCE_DIR}/apps/raysheaf/*.h)
+if(RAYSHEAF_HAS_PYTHON)
+  file(GLOB python_headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
+    ${PROJECT_SOURCE_DIR}/python/src/*.h)
+  list(APPEND headers ${python_headers})
+endif()
 list(FILTER headers EXCLUDE REGEX "-inl\\.h$")
 set(header_sources "")
 foreach(header ${headers})
@@ -14,6 +19,9 @@ endforeach()
 add_library(raysheaf_headers OBJECT ${header_sources})
 target_include_directories(raysheaf_headers PRIVATE
   ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/apps/raysheaf ${STB_INCLUDE_DIR})
+if(RAYSHEAF_HAS_PYTHON)
+  target_include_directories(raysheaf_headers SYSTEM PRIVATE ${NB_DIR}/include ${Python_INCLUDE_DIRS})
+endif()
 target_compile_options(raysheaf_headers PRIVATE -O0 -g0 -Wno-unused-function)
 target_link_libraries(raysheaf_headers PRIVATE
   raysheaf raysheaf_options TBB::tbb hwy::hwy PkgConfig::EPOXY nlohmann_json::nlohmann_json)

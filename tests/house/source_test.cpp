@@ -32,7 +32,7 @@ std::vector<std::string> included_by(const fs::path& file) {
 }
 
 TEST(Source, FilesStaySmall) {
-  for (const std::string folder : {"include", "src", "io", "apps"}) {
+  for (const std::string folder : {"include", "src", "io", "apps", "python"}) {
     for (const fs::path& file : sources_under(folder)) {
       const std::string text = read_file(file);
       const auto lines = std::count(text.begin(), text.end(), '\n');
@@ -66,7 +66,7 @@ TEST(Source, ArrowsPointOneWay) {
 }
 
 TEST(Source, OutsideSeesTheFrontDoorAlone) {
-  for (const std::string folder : {"io", "apps"}) {
+  for (const std::string folder : {"io", "apps", "python"}) {
     for (const fs::path& file : sources_under(folder)) {
       for (const std::string& header : included_by(file)) {
         EXPECT_FALSE(fs::exists(kRoot / "src" / header)) << file << " includes " << header;
@@ -83,7 +83,7 @@ TEST(Source, OutsideSeesTheFrontDoorAlone) {
 TEST(Source, NothingBelowTheAppsPrintsOrExits) {
   static const std::regex kForbidden(
       R"((^|[^\w:.])(std::)?(printf|puts|exit|abort|_exit|quick_exit|terminate)\(|std::(cout|cerr|clog)\b)");
-  for (const std::string folder : {"include", "src", "io"}) {
+  for (const std::string folder : {"include", "src", "io", "python"}) {
     for (const fs::path& file : sources_under(folder)) {
       std::ifstream stream(file);
       int number = 0;
@@ -97,7 +97,7 @@ TEST(Source, NothingBelowTheAppsPrintsOrExits) {
 }
 
 TEST(Source, HeadersAreIncludedOnce) {
-  for (const std::string folder : {"include", "src", "io", "apps", "tests"}) {
+  for (const std::string folder : {"include", "src", "io", "apps", "python", "tests"}) {
     for (const fs::path& file : sources_under(folder)) {
       const std::string name = file.filename().string();
       if (file.extension() != ".h" || name.ends_with("-inl.h")) continue;

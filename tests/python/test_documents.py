@@ -6,8 +6,10 @@ import doctest
 import importlib
 import os
 import pkgutil
+import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import raysheaf
@@ -30,6 +32,25 @@ def test_the_page(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     done = doctest.testfile(str(ROOT / "docs/python.md"), module_relative=False, optionflags=FLAGS)
     assert done.attempted > 20 and done.failed == 0
+
+
+def test_the_readme():
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.S)
+    assert blocks
+    vertices = np.array([[0.0, 0, 5], [4, 0, 5], [0, 4, 5]])
+    points = np.array([[1.0, 1, 0], [9, 9, 0]])
+    names = {
+        "vertices": vertices,
+        "triangles": [[0, 1, 2]],
+        "origins": points,
+        "directions": [0, 0, 1],
+        "moved_vertices": vertices + 1,
+        "points": points,
+        "lamp": np.array([2.0, 2, 9]),
+    }
+    for block in blocks:
+        exec(block, names)
+    assert names["hits"].t.tolist() == [5, np.inf] and names["shadowed"].tolist() == [True, False]
 
 
 def test_everything_public_is_described():

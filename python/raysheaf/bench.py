@@ -1,0 +1,231 @@
+"""``python -m raysheaf.bench``: queries a second, beside trimesh with Embree (embreex) in one run.
+
+Three columns answer the same rays on the same mesh: trimesh with embreex, trimesh with raysheaf, and
+`raysheaf.Scene` itself. They take turns; each figure is the median of the rounds. The mesh is a ball
+with waves on it. "moving": every vertex moves between any two queries, and what that costs each of
+them is in the time.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import importlib.util
+import json
+import os
+import platform
+import statistics
+import sys
+import time
+from dataclasses import dataclass
+from typing import Any, Callable, Optional
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import Scene, __version__
+
+Array = NDArray[Any]
+KINDS = ("first", "any", "all")
+NAMES = {
+    "first": "first hit",
+    "any": "any hit",
+    "all": "all hits",
+    "embreex": "trimesh, embreex",
+    "adapter": "trimesh, raysheaf",
+    "scene": "raysheaf.Scene",
+}
+
+
+def wavy_ball(triangles: int, phase: float = 0.0) -> tuple[Array, Array]:
+    """A closed mesh of about so many triangles, of radius 1 with waves of 0.1 on it."""
+    rings = max(3, round((triangles / 4) ** 0.5))
+    columns = 2 * rings
+    u = np.arange(columns) / columns * 2 * np.pi
+    v = np.arange(1, rings + 1)[:, None] / (rings + 1) * np.pi
+    radius = 1 + 0.1 * np.sin(7 * u + phase) * np.sin(v) ** 2 * np.cos(5 * v - phase)
+    body = np.stack([np.sin(v) * np.cos(u), np.sin(v) * np.sin(u), np.cos(v) + 0 * u], axis=-1)
+    poles = [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]
+    vertices = np.concatenate([(radius[..., None] * body).reshape(-1, 3), poles])
+    corner = np.arange(rings * columns).reshape(rings, columns)
+    right = np.roll(corner, -1, axis=1)
+    top, bottom = np.full(columns, len(vertices) - 2), np.full(columns, len(vertices) - 1)
+    faces = [
+        np.stack([corner[:-1], corner[1:], right[:-1]], axis=-1).reshape(-1, 3),
+        np.stack([right[:-1], corner[1:], right[1:]], axis=-1).reshape(-1, 3),
+        np.stack([top, corner[0], right[0]], axis=-1),
+        np.stack([bottom, right[-1], corner[-1]], axis=-1),
+    ]
+    return vertices, np.concatenate(faces)
+
+
+def rays_at(count: int, seed: int = 0) -> tuple[Array, Array]:
+    """Rays from a sphere about the ball to points in and about it: most of them hit, without order."""
+    rng = np.random.default_rng(seed)
+    origins = rng.normal(size=(count, 3))
+    origins *= 3 / np.linalg.norm(origins, axis=1, keepdims=True)
+    directions = rng.uniform(-0.8, 0.8, (count, 3)) - origins
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    return origins, directions
+
+
+class Direct:
+    """The scene itself, as a user of numpy has it."""
+
+    def __init__(self, vertices: Array, faces: Array, threads: int) -> None:
+        self._scene = Scene(threads=threads)
+        self._mesh = self._scene.add(vertices, faces)
+
+    def move(self, vertices: Array) -> None:
+        self._scene.update(self._mesh, vertices)
+
+    def ask(self, kind: str, origins: Array, directions: Array) -> int:
+        if kind == "first":
+            return int(self._scene.closest_hit(origins, directions).hit.sum())
+        if kind == "any":
+            return int(self._scene.any_hit(origins, directions).sum())
+        return self._scene.all_hits(origins, directions).hits.size
+
+
+class ByTrimesh:
+    """trimesh's interface, by whichever engine."""
+
+    def __init__(self, vertices: Array, faces: Array, engine: Callable[[Any], Any]) -> None:
+        trimesh = importlib.import_module("trimesh")
+        self._mesh = trimesh.Trimesh(vertices, faces, process=False)
+        self._ray = engine(self._mesh)
+
+    def move(self, vertices: Array) -> None:
+        self._mesh.vertices = vertices
+
+    def ask(self, kind: str, origins: Array, directions: Array) -> int:
+        if kind == "first":
+            return int((self._ray.intersects_first(origins, directions) >= 0).sum())
+        if kind == "any":
+            return int(self._ray.intersects_any(origins, directions).sum())
+        return len(self._ray.intersects_location(origins, directions)[0])
+
+
+def contenders(vertices: Array, faces: Array, threads: int) -> tuple[dict[str, Any], list[str]]:
+    """Who takes part, and a sentence for each who does not."""
+    found: dict[str, Any] = {}
+    notes = []
+    if importlib.util.find_spec("trimesh") is None:
+        notes.append("trimesh is not installed: raysheaf.Scene runs alone")
+    else:
+        if importlib.util.find_spec("embreex") is None:
+            notes.append("embreex is not installed: trimesh runs without its Embree back end")
+        else:
+            peer = importlib.import_module("trimesh.ray.ray_pyembree").RayMeshIntersector
+            found["embreex"] = ByTrimesh(vertices, faces, peer)
+        ours = importlib.import_module("raysheaf.trimesh").RayMeshIntersector
+        found["adapter"] = ByTrimesh(vertices, faces, lambda mesh: ours(mesh, threads=threads))
+    found["scene"] = Direct(vertices, faces, threads)
+    return found, notes
+
+
+@dataclass
+class Row:
+    """One kind of query, static or moving: seconds and hits of each contender."""
+
+    kind: str
+    moving: bool
+    seconds: dict[str, float]
+    hits: dict[str, int]
+
+
+def measure(
+    who: dict[str, Any], kind: str, frames: list[Array], moving: bool, rays: tuple[Array, Array]
+) -> Row:
+    """In turns: one round before the first that counts, then one a frame."""
+    times: dict[str, list[float]] = {name: [] for name in who}
+    hits = dict.fromkeys(who, 0)
+    for number, vertices in enumerate(frames):
+        for name, one in who.items():
+            copied = vertices.copy() if moving else vertices
+            begin = time.perf_counter()
+            if moving:
+                one.move(copied)
+            hits[name] = one.ask(kind, *rays)
+            if number > 0:
+                times[name].append(time.perf_counter() - begin)
+    return Row(kind, moving, {name: statistics.median(t) for name, t in times.items()}, hits)
+
+
+def run(
+    rays: int, triangles: int, threads: int, rounds: int, told: Callable[[Row], None]
+) -> tuple[list[Row], int]:
+    """Measures everything; returns the rows and the number of triangles."""
+    vertices, faces = wavy_ball(triangles)
+    who, _ = contenders(vertices, faces, threads)
+    batch = rays_at(rays)
+    rows = []
+    for moving in (False, True):
+        frames = [wavy_ball(triangles, 0.3 * f if moving else 0.0)[0] for f in range(rounds + 1)]
+        for one in who.values():
+            one.move(frames[0])
+        for kind in KINDS:
+            rows.append(measure(who, kind, frames, moving, batch))
+            told(rows[-1])
+    return rows, len(faces)
+
+
+def line_of(row: Row, rays: int) -> str:
+    """Millions of rays a second of each, and how many times the peer's."""
+    peer: Optional[float] = row.seconds.get("embreex")
+    cells = []
+    for name, seconds in row.seconds.items():
+        cell = f"{rays / seconds / 1e6:8.2f}"
+        if peer is not None and name != "embreex":
+            cell += f" ({peer / seconds:5.1f} x)"
+        cells.append(f"{cell:>20}")
+    return f"{NAMES[row.kind]:<10} {'moving' if row.moving else 'static':<7}" + "".join(cells)
+
+
+def main(arguments: Optional[list[str]] = None) -> int:
+    parser = argparse.ArgumentParser(
+        prog="python -m raysheaf.bench",
+        description="Queries a second of raysheaf beside trimesh with Embree, in one run.",
+    )
+    parser.add_argument("--rays", type=int, default=1_000_000, help="rays a query (default: %(default)s)")
+    parser.add_argument("--triangles", type=int, default=100_000, help="of the mesh (default: %(default)s)")
+    parser.add_argument("--threads", type=int, default=0, help="of raysheaf; 0: all cores (default)")
+    parser.add_argument("--rounds", type=int, default=5, help="whose median is printed (default: %(default)s)")
+    parser.add_argument("--json", metavar="FILE", help="write the figures there, too")
+    given = parser.parse_args(arguments)
+    for name, least in (("rays", 1), ("triangles", 36), ("threads", 0), ("rounds", 1)):
+        if getattr(given, name) < least:
+            parser.error(f"--{name} must be at least {least}, not {getattr(given, name)}")
+
+    who, notes = contenders(*wavy_ball(36), given.threads)
+    for note in notes:
+        print(note)
+    print(f"raysheaf {__version__}, {given.threads or os.cpu_count()} threads, {platform.machine()}")
+    print(f"millions of rays a second, {given.rays} rays, medians of {given.rounds} rounds in turns")
+    print(" " * 18 + "".join(f"{NAMES[name]:>20}" for name in who), flush=True)
+    rows, triangles = run(
+        given.rays,
+        given.triangles,
+        given.threads,
+        given.rounds,
+        lambda row: print(line_of(row, given.rays), flush=True),
+    )
+    print(f"{triangles} triangles; moving: every vertex, before every query")
+    if given.json:
+        with open(given.json, "w", encoding="utf-8") as file:
+            json.dump(
+                {
+                    "rays": given.rays,
+                    "triangles": triangles,
+                    "threads": given.threads,
+                    "rounds": given.rounds,
+                    "rows": [vars(row) for row in rows],
+                },
+                file,
+                indent=2,
+            )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
