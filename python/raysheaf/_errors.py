@@ -46,6 +46,9 @@ class UnsupportedError(Error, NotImplementedError):
     """Right, but more than this build can do."""
 
 
+for _class in (Error, InvalidError, NotFoundError, OutOfMemoryError, UnsupportedError):
+    _class.__module__ = "raysheaf"  # where users find them
+
 _CLASSES = {
     "invalid_argument": InvalidError,
     "invalid_data": InvalidError,

@@ -12,7 +12,6 @@ import argparse
 import importlib
 import importlib.util
 import json
-import os
 import platform
 import statistics
 import sys
@@ -200,7 +199,7 @@ def main(arguments: Optional[list[str]] = None) -> int:
     who, notes = contenders(*wavy_ball(36), given.threads)
     for note in notes:
         print(note)
-    print(f"raysheaf {__version__}, {given.threads or os.cpu_count()} threads, {platform.machine()}")
+    print(f"raysheaf {__version__}, {Scene(threads=given.threads).threads} threads, {platform.machine()}")
     print(f"millions of rays a second, {given.rays} rays, medians of {given.rounds} rounds in turns")
     print(" " * 18 + "".join(f"{NAMES[name]:>20}" for name in who), flush=True)
     rows, triangles = run(

@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
+
+import raysheaf
+
+# Programs that tests start elsewhere use the same module.
+os.environ["PYTHONPATH"] = str(Path(raysheaf.__file__).absolute().parents[1])
 
 
 @dataclass

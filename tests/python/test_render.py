@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import struct
 import subprocess
 import sys
@@ -93,8 +92,7 @@ def test_wrong_wishes(kind, message, given):
 def test_the_command_line(tmp_path):
     def run(*arguments):
         command = [sys.executable, "-m", "raysheaf", *arguments]
-        environment = {**os.environ, "PYTHONPATH": str(Path(raysheaf.__file__).parents[1])}
-        return subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=environment)
+        return subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
 
     assert raysheaf.__version__ in run("--version").stdout
     done = run("render", "builtin:cornell", "-o", "c.png", "--size", "16x16", "--primary", "trace")

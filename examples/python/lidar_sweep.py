@@ -1,0 +1,74 @@
+"""A lidar turns while things about it move, and sees each of them at another moment.
+
+Every step of the sweep moves the boxes, then asks one column of beams: hundreds of small updates and
+queries a turn. The picture is what the sensor returns, from above; what moves towards its turn comes
+out longer than it is.
+"""
+
+import numpy as np
+from pictures import arguments, box, colours, grid
+
+import raysheaf
+
+HEIGHT, RANGE = 1.8, 40.0  # metres
+TURN = 0.1  # seconds
+
+
+def moved(x, y, angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return [[c, -s, 0, x], [s, c, 0, y], [0, 0, 1, 0]]
+
+
+class Street:
+    """Two walls, and cars on circles; `at` puts them where they are at a time."""
+
+    def __init__(self, cars=9):
+        self.scene = raysheaf.Scene()
+        line = np.linspace(-RANGE, RANGE, 9)
+        self.scene.add(*grid(line, line, lambda x, y: 0 * x))
+        for y in (-18, 18):
+            self.scene.add(*box([-RANGE, y, 0], [RANGE, y + 0.3, 3]))
+        car = self.scene.add(*box([-2.2, -0.9, 0.2], [2.2, 0.9, 1.6]), place=False)
+        self.cars = [self.scene.instance(car) for _ in range(cars)]
+
+    def at(self, seconds):
+        for k, car in enumerate(self.cars):
+            radius, speed = 6 + k % 3 * 4, 30.0 * (1 if k % 2 else -1)
+            angle = k * 2 * np.pi / len(self.cars) + speed / radius * seconds
+            transform = moved(radius * np.cos(angle), radius * np.sin(angle), angle + np.pi / 2)
+            self.scene.set_transform(car, transform)
+
+
+def sweep(street, columns, beams=64):
+    """One turn: points (columns, beams, 3), nan for what is out of range."""
+    down = np.radians(np.linspace(-25, 8, beams))
+    points = np.full((columns, beams, 3), np.nan)
+    origin = np.array([0, 0, HEIGHT])
+    for column in range(columns):
+        street.at(TURN * column / columns)
+        turn = 2 * np.pi * column / columns
+        directions = np.stack(
+            [np.cos(turn) * np.cos(down), np.sin(turn) * np.cos(down), np.sin(down)], axis=-1
+        )
+        hits = street.scene.closest_hit(origin, directions, t_max=RANGE)
+        seen = hits.hit
+        points[column, seen] = origin + hits.t[seen, None] * directions[seen]
+    return points
+
+
+def main(output="lidar_sweep.png", size=720):
+    points = sweep(Street(), columns=size)
+    seen = points[np.isfinite(points[..., 0])]
+    pixel = np.clip(((seen[:, :2] / 24 + 1) / 2 * size).astype(int), 1, size - 1)
+    order = np.argsort(seen[:, 2])  # what is higher covers what is lower
+    image = np.zeros((size, size, 3))
+    shown = colours(seen[order, 2], -0.5, 2.5)
+    for right, down in ((0, 0), (0, 1), (1, 0), (1, 1)):  # a dot is four pixels
+        image[size - 1 - pixel[order, 1] + down, pixel[order, 0] - right] = shown
+    raysheaf.write_png(output, image)
+    return points
+
+
+if __name__ == "__main__":
+    given = arguments(__doc__, "lidar_sweep.png", 720)
+    main(given.output, given.size)
