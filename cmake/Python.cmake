@@ -5,12 +5,16 @@ if(NOT RAYSHEAF_PYTHON)
   return()
 endif()
 
-set(components Interpreter Development.Module)
-if(SKBUILD)  # a wheel: one for all later versions of Python, where there is a stable interface
-  list(APPEND components ${SKBUILD_SABI_COMPONENT})
+# CMake and nanobind remember of one interpreter what is wrong for another.
+if(NOT "${Python_EXECUTABLE}" STREQUAL "${RAYSHEAF_PYTHON_BEFORE}")
+  foreach(remembered _Python_EXECUTABLE _Python_INCLUDE_DIR _Python_INTERPRETER_PROPERTIES
+      _Python_INTERPRETER_SIGNATURE nanobind_DIR NB_SUFFIX NB_SUFFIX_S NB_ABI)
+    unset(${remembered} CACHE)
+  endforeach()
+  set(RAYSHEAF_PYTHON_BEFORE "${Python_EXECUTABLE}" CACHE INTERNAL "")
 endif()
 set(missing "")
-find_package(Python 3.10 QUIET COMPONENTS ${components})
+find_package(Python 3.10 QUIET COMPONENTS Interpreter Development.Module)
 if(NOT Python_FOUND)
   set(missing "there is no Python 3.10 or newer with its headers")
 else()
