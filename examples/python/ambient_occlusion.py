@@ -15,7 +15,9 @@ def hemisphere(count):
     """Directions about +z, cosine-distributed, on a spiral (Vogel 1979), so that they are even."""
     k = np.arange(count) + 0.5
     radius, angle = np.sqrt(k / count), k * np.pi * (3 - np.sqrt(5))
-    return np.stack([radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1 - radius**2)], axis=-1)
+    return np.stack(
+        [radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1 - radius**2)], axis=-1
+    )
 
 
 def frames(normals):

@@ -11,7 +11,12 @@ def arguments(description: str, output: str, size: int) -> argparse.Namespace:
     """The command line of an example: where the picture goes, and how large it is."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("-o", "--output", default=output, help="the picture (default: %(default)s)")
-    parser.add_argument("--size", type=int, default=size, help="of the work and of the picture (default: %(default)s)")
+    parser.add_argument(
+        "--size",
+        type=int,
+        default=size,
+        help="of the work and of the picture (default: %(default)s)",
+    )
     return parser.parse_args()
 
 
@@ -64,7 +69,15 @@ def box(low, high):
 
 
 # Dark blue, teal, green, yellow: lightness grows evenly, so that it reads in grey, too.
-_STEPS = np.array([[0.27, 0.0, 0.33], [0.23, 0.32, 0.55], [0.13, 0.57, 0.55], [0.37, 0.79, 0.38], [0.99, 0.91, 0.14]])
+_STEPS = np.array(
+    [
+        [0.27, 0.0, 0.33],
+        [0.23, 0.32, 0.55],
+        [0.13, 0.57, 0.55],
+        [0.37, 0.79, 0.38],
+        [0.99, 0.91, 0.14],
+    ]
+)
 
 
 def colours(values, low=None, high=None):
@@ -73,7 +86,9 @@ def colours(values, low=None, high=None):
     low = np.nanmin(values) if low is None else low
     high = np.nanmax(values) if high is None else high
     at = np.clip((values - low) / max(high - low, 1e-30), 0, 1) * (len(_STEPS) - 1)
-    return np.stack([np.interp(at, np.arange(len(_STEPS)), _STEPS[:, k]) for k in range(3)], axis=-1)
+    return np.stack(
+        [np.interp(at, np.arange(len(_STEPS)), _STEPS[:, k]) for k in range(3)], axis=-1
+    )
 
 
 def srgb(linear):

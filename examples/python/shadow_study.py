@@ -16,7 +16,9 @@ def suns(latitude, day, hours):
     angle, north = np.radians(15 * (np.asarray(hours) - 12)), np.radians(latitude)
     east = -np.cos(declination) * np.sin(angle)
     up = np.sin(north) * np.sin(declination) + np.cos(north) * np.cos(declination) * np.cos(angle)
-    along = np.cos(north) * np.sin(declination) - np.sin(north) * np.cos(declination) * np.cos(angle)
+    along = np.cos(north) * np.sin(declination) - np.sin(north) * np.cos(declination) * np.cos(
+        angle
+    )
     return np.stack([east, along, up], axis=-1)
 
 
@@ -27,7 +29,9 @@ def town(seed=3):
         for y in range(-160, 200, 80):
             if rng.random() < 0.75:
                 half = rng.uniform(14, 28, 2)
-                yield box([x - half[0], y - half[1], 0], [x + half[0], y + half[1], rng.uniform(20, 90)])
+                yield box(
+                    [x - half[0], y - half[1], 0], [x + half[0], y + half[1], rng.uniform(20, 90)]
+                )
 
 
 def hours_of_sun(buildings, spots, latitude=48.0, day=80, step=0.25):

@@ -20,7 +20,9 @@ def view_factors(surfaces, rays=20_000, seed=0):
     factors = np.zeros((len(surfaces), len(surfaces)))
     for i, (vertices, triangles) in enumerate(surfaces):
         corners = np.asarray(vertices, float)[triangles]
-        areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        areas = np.linalg.norm(
+            np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+        )
         face = rng.choice(len(triangles), rays, p=areas / areas.sum())
         u, v = rng.random((2, rays))
         u, v = np.where(u + v > 1, (1 - u, 1 - v), (u, v))  # evenly over the triangle

@@ -51,7 +51,9 @@ def floats(value: Any, name: str, expected: str) -> NDArray[Any]:
     if array.dtype.kind not in "fiu":
         if array.size == 0 and array.dtype.kind != "c":
             return np.zeros(array.shape, np.float32)
-        raise TypeError(f"{name}: {_shape_of(array)} is given; {expected} of real numbers is expected")
+        raise TypeError(
+            f"{name}: {_shape_of(array)} is given; {expected} of real numbers is expected"
+        )
     wanted = np.float32 if array.dtype.kind == "f" and array.itemsize <= 4 else np.float64
     with np.errstate(over="ignore"):
         array = np.asarray(array, wanted)
@@ -88,7 +90,9 @@ def triangles(value: Any, name: str = "triangles") -> Optional[NDArray[np.uint32
     if array.size == 0 and array.shape in ((0,), (0, 3)):
         return np.zeros((0, 3), np.uint32)
     if array.dtype.kind not in "iu":
-        raise TypeError(f"{name}: {_shape_of(array)} is given; integers of shape (m, 3) are expected")
+        raise TypeError(
+            f"{name}: {_shape_of(array)} is given; integers of shape (m, 3) are expected"
+        )
     if array.ndim != 2 or array.shape[1] != 3:
         raise ValueError(f"{name}: {_shape_of(array)} is given; one of shape (m, 3) is expected")
     if array.dtype != np.uint32:
@@ -110,7 +114,9 @@ def transform(value: Any, name: str = "transform") -> NDArray[np.float32]:
     array = with_last_axis(value, name, 4, expected)
     if array.shape == (4, 4):
         if not np.array_equal(array[3], (0, 0, 0, 1)):
-            raise ValueError(f"{name}: the last row of a (4, 4) matrix is {array[3].tolist()}; [0, 0, 0, 1] is expected")
+            raise ValueError(
+                f"{name}: the last row of a (4, 4) matrix is {array[3].tolist()}; [0, 0, 0, 1] is expected"
+            )
         array = array[:3]
     if array.shape != (3, 4):
         raise ValueError(f"{name}: {_shape_of(array)} is given; {expected} is expected")

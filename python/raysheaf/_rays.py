@@ -33,7 +33,9 @@ class RayBatch:
             match = re.fullmatch(r"rays\[(\d+)\]\.(\w+)", error.place)
             if match is None:
                 raise
-            index = [int(i) for i in np.unravel_index(int(match[1]), self.shape)] if self.shape else ""
+            index = (
+                [int(i) for i in np.unravel_index(int(match[1]), self.shape)] if self.shape else ""
+            )
             field = match[2]
             place = f"rays{index}.{field}" if self.packed else f"{_FIELDS[field]}{index}"
             sentence = error.sentence
@@ -78,7 +80,9 @@ def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
             origins, directions, 0.0 if t_min is None else t_min, np.inf if t_max is None else t_max
         )
     if t_min is not None or t_max is not None:
-        raise TypeError("t_min, t_max: packed rays of shape (..., 8) have their own; None is expected")
+        raise TypeError(
+            "t_min, t_max: packed rays of shape (..., 8) have their own; None is expected"
+        )
     rays = _arrays.with_last_axis(
         origins, "rays", 8, "one of shape (..., 8), or directions besides origins,"
     )

@@ -28,13 +28,17 @@ def png_bytes(image: Any) -> bytes:
         raise TypeError(f"image: dtype {pixels.dtype} is given; uint8 or real numbers are expected")
     channels = 1 if pixels.ndim == 2 else pixels.shape[-1]
     if pixels.ndim not in (2, 3) or channels not in (1, 3, 4) or 0 in pixels.shape:
-        raise ValueError(f"image: shape {pixels.shape} is given; (h, w), (h, w, 3) or (h, w, 4) is expected")
+        raise ValueError(
+            f"image: shape {pixels.shape} is given; (h, w), (h, w, 3) or (h, w, 4) is expected"
+        )
     height, width = pixels.shape[:2]
     rows = np.zeros((height, 1 + width * channels), np.uint8)  # each begins with its filter: none
     rows[:, 1:] = pixels.reshape(height, -1)
 
     def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        return (
+            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        )
 
     colour = {1: 0, 3: 2, 4: 6}[channels]
     header = struct.pack(">IIBBBBB", width, height, 8, colour, 0, 0, 0)

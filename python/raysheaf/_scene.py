@@ -138,17 +138,13 @@ class Scene:
         NotFoundError
             For a mesh that is not there.
         """
-        self._core.update(
-            _arrays.integer(mesh, "mesh"), _arrays.vertices(vertices, soup=True)
-        )
+        self._core.update(_arrays.integer(mesh, "mesh"), _arrays.vertices(vertices, soup=True))
 
     def remove(self, mesh: int) -> None:
         """Take the mesh and all its instances away. Raises `NotFoundError` where it is not there."""
         self._core.remove(_arrays.integer(mesh, "mesh"))
 
-    def instance(
-        self, mesh: int, transform: Optional[ArrayLike] = None, *, mask: int = ALL
-    ) -> int:
+    def instance(self, mesh: int, transform: Optional[ArrayLike] = None, *, mask: int = ALL) -> int:
         """Place the mesh once more; returns the instance's id, which hits show as `inst_id`.
 
         Ids of instances count over all meshes of the scene. Raises `NotFoundError` for the mesh and

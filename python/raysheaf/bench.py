@@ -186,10 +186,18 @@ def main(arguments: Optional[list[str]] = None) -> int:
         prog="python -m raysheaf.bench",
         description="Queries a second of raysheaf beside trimesh with Embree, in one run.",
     )
-    parser.add_argument("--rays", type=int, default=1_000_000, help="rays a query (default: %(default)s)")
-    parser.add_argument("--triangles", type=int, default=100_000, help="of the mesh (default: %(default)s)")
-    parser.add_argument("--threads", type=int, default=0, help="of raysheaf; 0: all cores (default)")
-    parser.add_argument("--rounds", type=int, default=5, help="whose median is printed (default: %(default)s)")
+    parser.add_argument(
+        "--rays", type=int, default=1_000_000, help="rays a query (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--triangles", type=int, default=100_000, help="of the mesh (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--threads", type=int, default=0, help="of raysheaf; 0: all cores (default)"
+    )
+    parser.add_argument(
+        "--rounds", type=int, default=5, help="whose median is printed (default: %(default)s)"
+    )
     parser.add_argument("--json", metavar="FILE", help="write the figures there, too")
     given = parser.parse_args(arguments)
     for name, least in (("rays", 1), ("triangles", 36), ("threads", 0), ("rounds", 1)):
@@ -199,8 +207,12 @@ def main(arguments: Optional[list[str]] = None) -> int:
     who, notes = contenders(*wavy_ball(36), given.threads)
     for note in notes:
         print(note)
-    print(f"raysheaf {__version__}, {Scene(threads=given.threads).threads} threads, {platform.machine()}")
-    print(f"millions of rays a second, {given.rays} rays, medians of {given.rounds} rounds in turns")
+    print(
+        f"raysheaf {__version__}, {Scene(threads=given.threads).threads} threads, {platform.machine()}"
+    )
+    print(
+        f"millions of rays a second, {given.rays} rays, medians of {given.rounds} rounds in turns"
+    )
     print(" " * 18 + "".join(f"{NAMES[name]:>20}" for name in who), flush=True)
     rows, triangles = run(
         given.rays,

@@ -129,7 +129,9 @@ class RayMeshIntersector:
 
     # Rays.
 
-    def _batch(self, followed: _Followed, ray_origins: ArrayLike, ray_directions: ArrayLike) -> _Batch:
+    def _batch(
+        self, followed: _Followed, ray_origins: ArrayLike, ray_directions: ArrayLike
+    ) -> _Batch:
         origins = np.ascontiguousarray(ray_origins, np.float64)
         directions = np.ascontiguousarray(ray_directions, np.float64)
         if origins.size == 0 and directions.size == 0:
@@ -213,7 +215,11 @@ class RayMeshIntersector:
     # trimesh's interface.
 
     def intersects_location(
-        self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool = True, **kwargs: Any
+        self,
+        ray_origins: ArrayLike,
+        ray_directions: ArrayLike,
+        multiple_hits: bool = True,
+        **kwargs: Any,
     ) -> tuple[Floats, Ints, Ints]:
         """Where rays hit the mesh.
 
@@ -233,7 +239,11 @@ class RayMeshIntersector:
             Indices into ``mesh.faces``.
         """
         index_tri, index_ray, locations = self.intersects_id(
-            ray_origins, ray_directions, multiple_hits=multiple_hits, return_locations=True, **kwargs
+            ray_origins,
+            ray_directions,
+            multiple_hits=multiple_hits,
+            return_locations=True,
+            **kwargs,
         )
         return locations, index_ray, index_tri
 
@@ -312,7 +322,9 @@ class RayMeshIntersector:
         found = hits.prim_id.view(np.int32).astype(np.int64)
         return self._for_all(batch, found, -1)
 
-    def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> NDArray[np.bool_]:
+    def intersects_any(
+        self, ray_origins: ArrayLike, ray_directions: ArrayLike
+    ) -> NDArray[np.bool_]:
         """Whether each ray hits the mesh.
 
         Parameters

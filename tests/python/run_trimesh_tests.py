@@ -30,7 +30,13 @@ def main(folder: Path) -> int:
         ray_pyembree.RayMeshIntersector = Engine
     tests = [folder / "tests" / name for name in ("test_ray.py", "test_ray_upstream.py")]
     code = pytest.main(
-        ["-q", "-p", "no:cacheprovider", f"--rootdir={folder}", *[str(t) for t in tests if t.exists()]]
+        [
+            "-q",
+            "-p",
+            "no:cacheprovider",
+            f"--rootdir={folder}",
+            *[str(t) for t in tests if t.exists()],
+        ]
     )
     print(f"{Engine.queries} queries by raysheaf")
     return int(code) or (Engine.queries == 0)

@@ -40,7 +40,9 @@ def _unaligned(array):
 
 
 def _field(array):
-    records = np.zeros(len(array), np.dtype([("pad", "u1"), ("at", array.dtype, (array.shape[1],))]))
+    records = np.zeros(
+        len(array), np.dtype([("pad", "u1"), ("at", array.dtype, (array.shape[1],))])
+    )
     records["at"] = array
     return records["at"]
 
@@ -243,12 +245,24 @@ WRONG = [
     (ValueError, r"origins: .*shape \(4,\).*\(\.\.\., 3\)", dict(origins=[1, 2, 3, 4])),
     (ValueError, r"origins: .*shape \(\)", dict(origins=1.0)),
     (ValueError, r"directions: .*shape \(3, 0\)", dict(directions=np.zeros((3, 0)))),
-    (ValueError, r"origins \(2, 3\), directions \(5, 3\)", dict(origins=np.zeros((2, 3)), directions=np.ones((5, 3)))),
+    (
+        ValueError,
+        r"origins \(2, 3\), directions \(5, 3\)",
+        dict(origins=np.zeros((2, 3)), directions=np.ones((5, 3))),
+    ),
     (ValueError, r"t_max \(4,\)", dict(origins=np.zeros((3, 3)), t_max=[1, 2, 3, 4])),
     (TypeError, r"t_min: .*<U1", dict(t_min="0")),
     (ValueError, r"origins: the origin is not finite", dict(origins=[0, np.nan, 0])),
-    (ValueError, r"origins\[1, 0\]: the origin is not finite in float32", dict(origins=[[[0, 0, 0]], [[0, 1e200, 0]]])),
-    (ValueError, r"directions\[2\]: the direction is zero", dict(directions=[[1, 0, 0], [0, 1, 0], [0, 0, 0]])),
+    (
+        ValueError,
+        r"origins\[1, 0\]: the origin is not finite in float32",
+        dict(origins=[[[0, 0, 0]], [[0, 1e200, 0]]]),
+    ),
+    (
+        ValueError,
+        r"directions\[2\]: the direction is zero",
+        dict(directions=[[1, 0, 0], [0, 1, 0], [0, 0, 0]]),
+    ),
     (ValueError, r"t_min: t_min is negative", dict(t_min=-1)),
     (ValueError, r"t_min\[1\]: t_min is larger", dict(t_min=[1, 3], t_max=2)),
     (ValueError, r"t_max: t_max is not a number", dict(t_max=np.nan)),
@@ -261,7 +275,9 @@ WRONG = [
 
 
 @pytest.mark.parametrize("query", ["closest_hit", "any_hit", "all_hits", "hit_counts"])
-@pytest.mark.parametrize("kind, message, given", WRONG, ids=lambda x: x if isinstance(x, str) else "")
+@pytest.mark.parametrize(
+    "kind, message, given", WRONG, ids=lambda x: x if isinstance(x, str) else ""
+)
 def test_wrong_rays(scene, query, kind, message, given):
     with pytest.raises(kind, match=message):
         getattr(scene, query)(**{"origins": RAY[0], "directions": RAY[1], **given})
@@ -287,10 +303,30 @@ WRONG_MESHES = [
     (TypeError, r"triangles: .*float64", np.zeros((3, 3)), [[0.0, 1, 2]]),
     (ValueError, r"triangles: \[0, 2\] of .* is -1", np.zeros((3, 3)), [[0, 1, -1]]),
     (ValueError, r"triangles: \[0, 1\] of .* is 4294967296", np.zeros((3, 3)), [[0, 2**32, 1]]),
-    (ValueError, r"meshes\[0\].triangles\[1\]: index 2 is 3", np.zeros((3, 3)), [[0, 1, 2], [0, 1, 3]]),
-    (ValueError, r"meshes\[0\].positions\[1\]: .*not finite", [[0, 0, 0], [0, np.nan, 0], [1, 1, 1]], [[0, 1, 2]]),
-    (ValueError, r"meshes\[0\].positions\[2\]: .*not finite", [[0, 0, 0], [0, 0, 0], [1e300, 1, 1]], [[0, 1, 2]]),
-    (ValueError, r"meshes\[0\].positions\[0\]: .*farther out", [[1e19, 0, 0], [0, 0, 0], [1, 1, 1]], [[0, 1, 2]]),
+    (
+        ValueError,
+        r"meshes\[0\].triangles\[1\]: index 2 is 3",
+        np.zeros((3, 3)),
+        [[0, 1, 2], [0, 1, 3]],
+    ),
+    (
+        ValueError,
+        r"meshes\[0\].positions\[1\]: .*not finite",
+        [[0, 0, 0], [0, np.nan, 0], [1, 1, 1]],
+        [[0, 1, 2]],
+    ),
+    (
+        ValueError,
+        r"meshes\[0\].positions\[2\]: .*not finite",
+        [[0, 0, 0], [0, 0, 0], [1e300, 1, 1]],
+        [[0, 1, 2]],
+    ),
+    (
+        ValueError,
+        r"meshes\[0\].positions\[0\]: .*farther out",
+        [[1e19, 0, 0], [0, 0, 0], [1, 1, 1]],
+        [[0, 1, 2]],
+    ),
 ]
 
 

@@ -21,7 +21,10 @@ def test_the_ball_is_closed():
 
 def test_a_small_run(tmp_path, capsys):
     path = tmp_path / "bench.json"
-    assert bench.main(["--rays", "2000", "--triangles", "500", "--rounds", "1", "--json", str(path)]) == 0
+    assert (
+        bench.main(["--rays", "2000", "--triangles", "500", "--rounds", "1", "--json", str(path)])
+        == 0
+    )
     printed = capsys.readouterr().out
     assert "first hit  static" in printed and "all hits   moving" in printed
     has_peer = all(importlib.util.find_spec(name) for name in ("trimesh", "embreex"))
@@ -38,7 +41,9 @@ def test_a_small_run(tmp_path, capsys):
 def test_it_says_what_is_missing(monkeypatch):
     monkeypatch.setattr(bench.importlib.util, "find_spec", lambda name: None)
     who, notes = bench.contenders(*bench.wavy_ball(100), threads=1)
-    assert list(who) == ["scene"] and notes == ["trimesh is not installed: raysheaf.Scene runs alone"]
+    assert list(who) == ["scene"] and notes == [
+        "trimesh is not installed: raysheaf.Scene runs alone"
+    ]
 
 
 @pytest.mark.parametrize("wrong", [["--rays", "0"], ["--triangles", "3"], ["--rounds", "0"]])

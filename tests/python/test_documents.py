@@ -15,7 +15,9 @@ import pytest
 import raysheaf
 
 ROOT = Path(__file__).parents[2]
-MODULES = [m.name for m in pkgutil.iter_modules(raysheaf.__path__) if m.name not in ("__main__", "_core")]
+MODULES = [
+    m.name for m in pkgutil.iter_modules(raysheaf.__path__) if m.name not in ("__main__", "_core")
+]
 FLAGS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS
 
 
@@ -35,7 +37,9 @@ def test_the_page(tmp_path, monkeypatch):
 
 
 def test_the_readme():
-    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.S)
+    blocks = re.findall(
+        r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.S
+    )
     assert blocks
     vertices = np.array([[0.0, 0, 5], [4, 0, 5], [0, 4, 5]])
     points = np.array([[1.0, 1, 0], [9, 9, 0]])

@@ -36,8 +36,13 @@ def test_a_plane_sees_the_whole_sky_and_a_corner_half_of_it():
     scene.add(floor, [[0, 1, 2], [2, 1, 3]])
     points, normals = np.array([[0.0, 0.0, 0.0], [-3.0, 1.0, 0.0]]), np.array([[0.0, 0, 1]] * 2)
     assert (ambient_occlusion.open_sky(scene, points, normals, reach=np.inf) == 1).all()
-    scene.add([[1e-3, -1e4, 0], [1e-3, 1e4, 0], [1e-3, 0, 1e4]], [[0, 1, 2]])  # a wall beside the first
-    assert abs(ambient_occlusion.open_sky(scene, points[:1], normals[:1], np.inf, rays=4000) - 0.5) < 0.01
+    scene.add(
+        [[1e-3, -1e4, 0], [1e-3, 1e4, 0], [1e-3, 0, 1e4]], [[0, 1, 2]]
+    )  # a wall beside the first
+    assert (
+        abs(ambient_occlusion.open_sky(scene, points[:1], normals[:1], np.inf, rays=4000) - 0.5)
+        < 0.01
+    )
 
 
 def test_the_lidar_measures_walls_where_they_are():
@@ -66,14 +71,18 @@ def test_line_of_sight_over_a_plain_and_behind_a_ridge(tmp_path):
 
     flat = line_of_sight.main(tmp_path / "flat.png", 21, lambda x, y: 0 * x)
     assert flat.all()
-    ridge = line_of_sight.main(tmp_path / "ridge.png", 41, lambda x, y: 300.0 * (x == -5000) + 200.0 * (x == 0))
+    ridge = line_of_sight.main(
+        tmp_path / "ridge.png", 41, lambda x, y: 300.0 * (x == -5000) + 200.0 * (x == 0)
+    )
     assert ridge[:, 1:20].all() and not ridge[:, 25:].any()
 
 
 def test_view_factors_of_parallel_squares_and_of_a_closed_room():
     import view_factors
 
-    down = np.array([[0.0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]), np.array([[0, 2, 1], [0, 3, 2]])
+    down = np.array([[0.0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]), np.array(
+        [[0, 2, 1], [0, 3, 2]]
+    )
     up = down[0] - [0, 0, 1], down[1][:, ::-1]
     factors = view_factors.view_factors([up, down], rays=100_000)
     np.testing.assert_allclose(factors, [[0, 0.19982], [0.19982, 0]], atol=0.006)  # Hottel

@@ -51,7 +51,11 @@ def test_hits_lie_in_the_interval(setting):
     scene = scene_of(setting)
     t_min, t_max = 0.05, np.linspace(0.1, 1, len(setting.origins))
     truth = brute_force(
-        setting.vertices[setting.triangles], setting.origins, setting.directions, t_min, t_max[:, None]
+        setting.vertices[setting.triangles],
+        setting.origins,
+        setting.directions,
+        t_min,
+        t_max[:, None],
     )
     sure = ~truth.doubtful.any(axis=1)
     hit = scene.any_hit(setting.origins, setting.directions, t_min=t_min, t_max=t_max)
@@ -90,7 +94,11 @@ def test_a_closed_mesh_has_no_cracks():
     ring = np.stack([np.sin(v) * np.cos(u), np.sin(v) * np.sin(u), np.cos(v)], -1).reshape(-1, 3)
     vertices = np.concatenate([ring, [[0, 0, 1], [0, 0, -1]]])
     at = lambda i, j: i * n + j % n  # noqa: E731
-    quads = [(at(i, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)) for i in range(n - 2) for j in range(n)]
+    quads = [
+        (at(i, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1))
+        for i in range(n - 2)
+        for j in range(n)
+    ]
     triangles = [t for a, b, c, d in quads for t in ((a, c, b), (b, c, d))]
     top, bottom = len(ring), len(ring) + 1
     triangles += [(top, at(0, j), at(0, j + 1)) for j in range(n)]
@@ -151,13 +159,18 @@ def test_a_million_rays_against_a_hundred_thousand_triangles():
     vertices = np.stack([x, y, 0.1 * np.sin(9 * x) * np.cos(7 * y)], -1).reshape(-1, 3)
     corner = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).ravel()
     triangles = np.concatenate(
-        [np.stack([corner, corner + 1, corner + n], -1), np.stack([corner + n, corner + 1, corner + n + 1], -1)]
+        [
+            np.stack([corner, corner + 1, corner + n], -1),
+            np.stack([corner + n, corner + 1, corner + n + 1], -1),
+        ]
     )
     assert len(triangles) > 100_000
     scene = raysheaf.Scene()
     scene.add(vertices, triangles)
     rng = np.random.default_rng(0)
-    origins = np.concatenate([rng.uniform(0.001, 0.999, (1_000_000, 2)), np.full((1_000_000, 1), 2.0)], 1)
+    origins = np.concatenate(
+        [rng.uniform(0.001, 0.999, (1_000_000, 2)), np.full((1_000_000, 1), 2.0)], 1
+    )
     hits = scene.closest_hit(origins, [0, 0, -1])
     assert hits.hit.all()
     height = 0.1 * np.sin(9 * origins[:, 0]) * np.cos(7 * origins[:, 1])

@@ -21,7 +21,10 @@ def decoded(png: bytes) -> np.ndarray:
     while at < len(png):
         (length,) = struct.unpack(">I", png[at : at + 4])
         kind, data = png[at + 4 : at + 8], png[at + 8 : at + 8 + length]
-        assert zlib.crc32(kind + data) == struct.unpack(">I", png[at + 8 + length : at + 12 + length])[0]
+        assert (
+            zlib.crc32(kind + data)
+            == struct.unpack(">I", png[at + 8 + length : at + 12 + length])[0]
+        )
         chunks[kind] = data
         at += 12 + length
     width, height, depth, colour = struct.unpack(">IIBB", chunks[b"IHDR"][:10])
@@ -56,7 +59,9 @@ def test_a_built_in_scene():
     np.testing.assert_allclose(np.linalg.norm(picture.normal[seen], axis=1), 1, atol=1e-4)
     assert picture.shadow.shape == (30, 40) and 0 < picture.shadow.mean() < 1
     assert np.array_equal(decoded(picture._repr_png_()), picture.image)
-    again = raysheaf.render("builtin:cornell", width=40, height=30, bounces=1, method="brute", threads=1)
+    again = raysheaf.render(
+        "builtin:cornell", width=40, height=30, bounces=1, method="brute", threads=1
+    )
     assert np.array_equal(again.image, picture.image)
 
 
@@ -74,8 +79,8 @@ def test_a_file(tmp_path):
     [
         (LookupError, "nowhere", dict(scene="builtin:nowhere")),
         (raysheaf.Error, "missing.glb", dict(scene="missing.glb")),
-        (LookupError, "camera: .*\"backstage\"", dict(camera="backstage")),
-        (ValueError, "there is no method \"magic\"", dict(method="magic")),
+        (LookupError, 'camera: .*"backstage"', dict(camera="backstage")),
+        (ValueError, 'there is no method "magic"', dict(method="magic")),
         (ValueError, "width: .*0", dict(width=0)),
         (ValueError, "primary: 'magic' is given", dict(primary="magic")),
         (TypeError, "height: 1.5 is given", dict(height=1.5)),
@@ -87,7 +92,8 @@ def test_wrong_wishes(kind, message, given):
 
 
 @pytest.mark.skipif(
-    not (Path(raysheaf.__file__).parent / "bin" / "raysheaf").exists(), reason="built without the command line"
+    not (Path(raysheaf.__file__).parent / "bin" / "raysheaf").exists(),
+    reason="built without the command line",
 )
 def test_the_command_line(tmp_path):
     def run(*arguments):

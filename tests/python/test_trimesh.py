@@ -130,7 +130,9 @@ def test_rays_from_far_away(distance):
     mesh = trimesh.creation.box()
     mesh.ray = RayMeshIntersector(mesh)
     locations, _, _ = mesh.ray.intersects_location([[0.1, 0.2, distance]], [[0, 0, -3]])
-    np.testing.assert_allclose(locations, [[0.1, 0.2, 0.5], [0.1, 0.2, -0.5]], atol=1e-3 * distance / 1e12 + 1e-9)
+    np.testing.assert_allclose(
+        locations, [[0.1, 0.2, 0.5], [0.1, 0.2, -0.5]], atol=1e-3 * distance / 1e12 + 1e-9
+    )
 
 
 def test_rays_that_are_none_hit_nothing(mesh):
@@ -144,7 +146,10 @@ def test_rays_that_are_none_hit_nothing(mesh):
     assert np.array_equal(np.delete(found, wrong), np.delete(expected, wrong))
     for multiple in (True, False):
         _, index_ray, _ = mesh.ray.intersects_location(origins, directions, multiple)
-        assert not np.isin(wrong, index_ray).any() and index_ray.max() == np.flatnonzero(found >= 0)[-1]
+        assert (
+            not np.isin(wrong, index_ray).any()
+            and index_ray.max() == np.flatnonzero(found >= 0)[-1]
+        )
 
 
 def test_no_rays_and_no_faces(mesh):
@@ -175,7 +180,11 @@ def test_contains_points(mesh):
 
 def test_copies_and_pickles(mesh):
     ray = [[3, 0, 9]], [[0, 0, -1]]
-    for other in (copy.copy(mesh.ray), copy.deepcopy(mesh.ray), pickle.loads(pickle.dumps(mesh.ray))):
+    for other in (
+        copy.copy(mesh.ray),
+        copy.deepcopy(mesh.ray),
+        pickle.loads(pickle.dumps(mesh.ray)),
+    ):
         assert np.array_equal(other.intersects_first(*ray), mesh.ray.intersects_first(*ray))
 
 
