@@ -138,6 +138,17 @@ EngineHitRows rows_of(Query* query) {
   return rows;
 }
 
+void count_hits(Query* query, std::span<std::uint32_t> counts) {
+  if (!query->is_empty() && !query->is_brute()) {
+    const View<std::uint32_t> out(counts.data(), counts.size());
+    return query->view().engine.count_hits(query->executor(), query->rays(),
+                                           query->engine_options(), out, query->report());
+  }
+  const EngineHitRows found = rows_of(query);
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    counts[i] = static_cast<std::uint32_t>(found.offsets[i + 1] - found.offsets[i]);
+}
+
 }  // namespace
 
 void closest_hit(const Scene& scene, std::span<const Ray> rays, std::span<Hit> hits,
@@ -200,9 +211,7 @@ void hit_counts(const Scene& scene, std::span<const Ray> rays, std::span<std::ui
   translated([&] {
     check_length(rays, counts.size(), "counts");
     Query query(scene, rays, options);
-    const EngineHitRows found = rows_of(&query);
-    for (std::size_t i = 0; i < counts.size(); ++i)
-      counts[i] = static_cast<std::uint32_t>(found.offsets[i + 1] - found.offsets[i]);
+    count_hits(&query, counts);
     query.finish();
   });
 }

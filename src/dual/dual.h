@@ -67,6 +67,8 @@ struct RowHit {
   std::uint32_t ray = 0;
   EngineHit hit;
 };
+/// In no order, but all hits of a ray are in one list.
+using RowLists = std::vector<std::vector<RowHit>>;
 
 /// All in the caller's order; `ray_tests` may be empty, else each ray's share is added to it. What
 /// `rays` are must have been checked: finite, with a direction, 0 <= t_min <= t_max.
@@ -77,8 +79,8 @@ void trace_any(const Executor& executor, const DualScene& scene, View<const Ray>
                const RayOrder& order, View<std::uint8_t> occluded, View<float> ray_tests,
                DualCounts* counts);
 /// In no order.
-[[nodiscard]] std::vector<RowHit> trace_all(const Executor& executor, const DualScene& scene,
-                                            View<const Ray> rays, const RayOrder& order,
-                                            View<float> ray_tests, DualCounts* counts);
+[[nodiscard]] RowLists trace_all(const Executor& executor, const DualScene& scene,
+                                 View<const Ray> rays, const RayOrder& order, View<float> ray_tests,
+                                 DualCounts* counts);
 
 }  // namespace raysheaf

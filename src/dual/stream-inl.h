@@ -56,7 +56,7 @@ class StreamWalk : StreamSingles<Mode> {
   void finish() {
     const std::lock_guard<std::mutex> lock(*job_.mutex);
     if (job_.counts != nullptr) job_.counts->add(counts_);
-    if constexpr (Mode::kAll) job_.rows->insert(job_.rows->end(), rows_.begin(), rows_.end());
+    if constexpr (Mode::kAll) job_.rows->push_back(std::move(rows_));
   }
 
  private:

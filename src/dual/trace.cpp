@@ -64,10 +64,9 @@ void trace_any(const Executor& executor, const DualScene& scene, View<const Ray>
   trace_all_tasks(executor, scene, rays, order, ray_tests, counts, job, trace_any_packets);
 }
 
-std::vector<RowHit> trace_all(const Executor& executor, const DualScene& scene,
-                              View<const Ray> rays, const RayOrder& order, View<float> ray_tests,
-                              DualCounts* counts) {
-  std::vector<RowHit> rows;
+RowLists trace_all(const Executor& executor, const DualScene& scene, View<const Ray> rays,
+                   const RayOrder& order, View<float> ray_tests, DualCounts* counts) {
+  RowLists rows;
   if (scene.tree->empty()) return rows;
   TraceJob job;
   job.rows = &rows;

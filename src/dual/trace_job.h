@@ -21,9 +21,9 @@ struct TraceJob {
   std::array<std::uint32_t, kQuarters + 1> ray_starts{}, packet_starts{};
   EngineHit* hits = nullptr;
   std::uint8_t* occluded = nullptr;
-  std::vector<RowHit>* rows = nullptr;  ///< under `mutex`
-  float* ray_tests = nullptr;           ///< or null
-  DualCounts* counts = nullptr;         ///< under `mutex`
+  RowLists* rows = nullptr;      ///< under `mutex`
+  float* ray_tests = nullptr;    ///< or null
+  DualCounts* counts = nullptr;  ///< under `mutex`
   std::mutex* mutex = nullptr;
   StreamPool* streams = nullptr;
 

@@ -40,15 +40,24 @@ class Reporter {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-EngineHitRows to_rows(const Executor& executor, const std::vector<RowHit>& found,
-                      std::size_t ray_count) {
+/// `counts[hit.ray]` grows by the number of each ray's hits.
+template <class Count>
+void count_hits_of(const Executor& executor, const RowLists& found, Count* counts) {
+  executor.for_each(found.size(), 1, [&](std::size_t list) {
+    for (const RowHit& hit : found[list]) ++counts[hit.ray];  // nobody else has this ray
+  });
+}
+
+EngineHitRows to_rows(const Executor& executor, const RowLists& found, std::size_t ray_count) {
   EngineHitRows rows;
   rows.offsets.assign(ray_count + 1, 0);
-  for (const RowHit& hit : found) ++rows.offsets[hit.ray + 1];
+  count_hits_of(executor, found, rows.offsets.data() + 1);
   for (std::size_t i = 0; i < ray_count; ++i) rows.offsets[i + 1] += rows.offsets[i];
-  rows.hits.resize(found.size());
+  rows.hits.resize(rows.offsets.back());
   std::vector<std::uint64_t> next(rows.offsets.begin(), rows.offsets.end() - 1);
-  for (const RowHit& hit : found) rows.hits[next[hit.ray]++] = hit.hit;
+  executor.for_each(found.size(), 1, [&](std::size_t list) {
+    for (const RowHit& hit : found[list]) rows.hits[next[hit.ray]++] = hit.hit;
+  });
   executor.for_each(ray_count, 1024, [&](std::size_t i) {
     std::sort(rows.hits.begin() + static_cast<std::ptrdiff_t>(rows.offsets[i]),
               rows.hits.begin() + static_cast<std::ptrdiff_t>(rows.offsets[i + 1]), precedes);
@@ -162,20 +171,38 @@ void Engine::any_hit(const Executor& executor, View<const Ray> rays, const Engin
   reporter.add(counts);
 }
 
-EngineHitRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
-                               const EngineOptions& options, EngineReport* report) {
-  if (rays.empty()) return {{0}, {}};
+RowLists Engine::find_all(const Executor& executor, View<const Ray> rays,
+                          const EngineOptions& options, EngineReport* report) {
   Plan plan = make_plan(history_, rays, false, report != nullptr);
   ++history_.queries_since_change;
   prepare(executor, rays, &plan, report);
   Reporter reporter(report);
   DualCounts counts;
-  const std::vector<RowHit> found =
-      trace_all(executor, dual_scene(plan, options), rays, order_, {}, &counts);
-  EngineHitRows rows = to_rows(executor, found, rays.size);
+  RowLists found = trace_all(executor, dual_scene(plan, options), rays, order_, {}, &counts);
   reporter.lap(&EngineReport::trace_ms);
   reporter.add(counts);
+  return found;
+}
+
+EngineHitRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
+                               const EngineOptions& options, EngineReport* report) {
+  if (rays.empty()) return {{0}, {}};
+  const RowLists found = find_all(executor, rays, options, report);
+  Reporter reporter(report);
+  EngineHitRows rows = to_rows(executor, found, rays.size);
+  reporter.lap(&EngineReport::trace_ms);
   return rows;
+}
+
+void Engine::count_hits(const Executor& executor, View<const Ray> rays,
+                        const EngineOptions& options, View<std::uint32_t> counts,
+                        EngineReport* report) {
+  std::fill(counts.begin(), counts.end(), 0u);
+  if (rays.empty()) return;
+  const RowLists found = find_all(executor, rays, options, report);
+  Reporter reporter(report);
+  count_hits_of(executor, found, counts.data);
+  reporter.lap(&EngineReport::trace_ms);
 }
 
 std::size_t Engine::memory_bytes() const {

@@ -69,6 +69,10 @@ class Engine {
   [[nodiscard]] EngineHitRows all_hits(const Executor& executor, View<const Ray> rays,
                                        const EngineOptions& options, EngineReport* report);
 
+  /// counts[i] takes the number of hits of rays[i].
+  void count_hits(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
+                  View<std::uint32_t> counts, EngineReport* report);
+
   /// The tree, and the room that queries keep for the next one.
   [[nodiscard]] std::size_t memory_bytes() const;
 
@@ -79,6 +83,8 @@ class Engine {
   [[nodiscard]] bool any_hit_in_fan(const Executor& executor, View<const Ray> rays,
                                     const EngineOptions& options, View<std::uint8_t> occluded,
                                     View<float> ray_tests, EngineReport* report);
+  [[nodiscard]] RowLists find_all(const Executor& executor, View<const Ray> rays,
+                                  const EngineOptions& options, EngineReport* report);
   [[nodiscard]] DualScene dual_scene(const Plan& plan, const EngineOptions& options) const;
 
   TriangleSource source_;

@@ -110,7 +110,8 @@ inline Answers ask(const Executor& executor, const DualScene& scene, std::vector
   trace_any(executor, scene, view, order, a.any, a.ray_tests[1], &a.counts[1]);
   const auto rows = trace_all(executor, scene, view, order, a.ray_tests[2], &a.counts[2]);
   a.all.resize(rays.size());
-  for (const RowHit& row : rows) a.all[row.ray].push_back(row.hit);
+  for (const auto& list : rows)
+    for (const RowHit& row : list) a.all[row.ray].push_back(row.hit);
   for (std::vector<EngineHit>& row : a.all) std::sort(row.begin(), row.end(), precedes);
   return a;
 }
