@@ -9,6 +9,7 @@
 #include "compare_words.h"
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
+#include "raysheaf/verify.h"
 
 namespace raysheaf::app {
 
@@ -71,6 +72,13 @@ struct BenchCompareCommand {
   std::string json_path, markdown_path, plot_path;
 };
 
+struct VerifyCommand {
+  VerifyOptions options;  ///< without `rounds`, `edge_rays` and `progress`
+  std::uint32_t rounds = 0;
+  bool is_long = false, quiet = false;
+  std::string json_path;
+};
+
 struct CompletionCommand {
   std::string shell;
   CommandText raysheaf;
@@ -81,14 +89,15 @@ struct ManualCommand {
   CommandText raysheaf;
 };
 
-using Command =
-    std::variant<RenderCommand, InfoCommand, SceneCommand, BenchPaperCommand, BenchAblationCommand,
-                 BenchCompareCommand, CompletionCommand, ManualCommand>;
+using Command = std::variant<RenderCommand, InfoCommand, SceneCommand, VerifyCommand,
+                             BenchPaperCommand, BenchAblationCommand, BenchCompareCommand,
+                             CompletionCommand, ManualCommand>;
 
 /// Each gives an exit code, or throws `Error`.
 int run(const RenderCommand& command);
 int run(const InfoCommand& command);
 int run(const SceneCommand& command);
+int run(const VerifyCommand& command);
 int run(const BenchPaperCommand& command);
 int run(const BenchAblationCommand& command);
 int run(const BenchCompareCommand& command);

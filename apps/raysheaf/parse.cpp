@@ -11,6 +11,7 @@
 #include "parse_ablation.h"
 #include "parse_compare.h"
 #include "parse_parts.h"
+#include "parse_verify.h"
 #include "raysheaf/error.h"
 #include "raysheaf/version.h"
 #include "values.h"
@@ -282,11 +283,13 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
       "  raysheaf render builtin:office -o office.png\n"
       "  raysheaf info model.glb\n"
       "  raysheaf scene cornell -o cornell.glb\n"
+      "  raysheaf verify\n"
       "\n"
       "raysheaf COMMAND --help lists the options of a command.");
   RenderCommand render;
   InfoCommand info;
   SceneCommand scene;
+  VerifyCommand verify;
   BenchPaperCommand paper;
   BenchAblationCommand ablation;
   BenchCompareCommand compare;
@@ -295,6 +298,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   const CLI::App* render_app = add_render(app, render);
   const CLI::App* info_app = add_info(app, info);
   const CLI::App* scene_app = add_scene(app, scene);
+  const CLI::App* verify_app = add_verify(app, verify);
   CLI::App* bench_app = add_bench(app);
   const CLI::App* paper_app = add_bench_paper(*bench_app, paper);
   const CLI::App* ablation_app = add_bench_ablation(*bench_app, ablation);
@@ -315,6 +319,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   if (render_app->parsed()) return Command(std::move(render));
   if (info_app->parsed()) return Command(std::move(info));
   if (scene_app->parsed()) return Command(std::move(scene));
+  if (verify_app->parsed()) return Command(std::move(verify));
   if (paper_app->parsed()) return Command(std::move(paper));
   if (ablation_app->parsed()) return Command(std::move(ablation));
   if (compare_app->parsed()) return Command(std::move(compare));

@@ -59,6 +59,11 @@ std::uint32_t parse_count(const std::string& text, std::uint32_t low, std::uint3
   refuse(text, "is not a whole number from " + std::to_string(low) + " to " + std::to_string(high));
 }
 
+std::uint64_t parse_seed(const std::string& text) {
+  if (const auto number = whole<std::uint64_t>(text)) return *number;
+  refuse(text, "is not a whole number from 0 to 18446744073709551615");
+}
+
 float parse_positive(const std::string& text) {
   const auto number = whole<float>(text);
   if (number && std::isfinite(*number) && *number > 0) return *number;

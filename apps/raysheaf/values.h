@@ -17,6 +17,9 @@ namespace raysheaf::app {
 [[nodiscard]] std::uint32_t parse_count(const std::string& text, std::uint32_t low,
                                         std::uint32_t high);
 
+/// A whole number from 0 to 2^64 - 1.
+[[nodiscard]] std::uint64_t parse_seed(const std::string& text);
+
 /// A finite number above zero.
 [[nodiscard]] float parse_positive(const std::string& text);
 

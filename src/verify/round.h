@@ -1,0 +1,83 @@
+// What the checks share: the machine's ways of answering, and the count of what was tried.
+//
+// A check is a function of a subject, a seed and a tally: one round, in which everything follows
+// from the seed.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "exec/executor.h"
+#include "intersect/triangle_body.h"
+#include "raysheaf/query.h"
+#include "raysheaf/verify.h"
+
+namespace raysheaf::checks {
+
+/// Who is asked, on which SIMD targets and threads. Tests put wrong answers in its place.
+struct Subject {
+  /// `most_threads` = 0: all cores; never more.
+  explicit Subject(std::uint32_t most_threads);
+
+  std::function<std::vector<Hit>(const Scene&, std::span<const Ray>, const QueryOptions&)>
+      closest_hit;
+  std::function<std::vector<std::uint8_t>(const Scene&, std::span<const Ray>, const QueryOptions&)>
+      any_hit;
+  std::function<HitRows(const Scene&, std::span<const Ray>, const QueryOptions&)> all_hits;
+  std::function<bool(const RaySetup&, Vec3, Vec3, Vec3, TriangleHit*)> intersect;
+
+  std::vector<std::int64_t> targets;
+  struct Threads {
+    std::uint32_t count;
+    Context context;
+    std::shared_ptr<const Executor> executor;
+  };
+  std::vector<Threads> threads;  ///< ascending: 1, 2, the most
+
+  [[nodiscard]] const Threads& most() const { return threads.back(); }
+};
+
+class Tally {
+ public:
+  explicit Tally(PromiseReport* report) : report_(report) {}
+  void begin_round(std::uint64_t seed) {
+    seed_ = seed;
+    ++report_->rounds;
+  }
+  void tried(std::uint64_t cases) { report_->cases += cases; }
+  void fail(std::string what);
+  /// For what is found on several threads: failures are many, the first one is named.
+  void fail(std::uint64_t count, std::string first);
+
+ private:
+  PromiseReport* report_;
+  std::uint64_t seed_ = 0;
+};
+
+using Check = void (*)(const Subject& subject, std::uint64_t seed, Tally* tally);
+
+void check_brute_force(const Subject& subject, std::uint64_t seed, Tally* tally);
+void check_determinism(const Subject& subject, std::uint64_t seed, Tally* tally);
+void check_watertight(const Subject& subject, std::uint64_t seed, Tally* tally);
+void check_bounds(const Subject& subject, std::uint64_t seed, Tally* tally);
+/// `errors`: t, u and v of ordinary triangles, then of adversarial ones, then the distance that the
+/// error bound limits.
+void check_accuracy(const Subject& subject, std::uint64_t seed, Tally* tally,
+                    std::vector<ErrorHistogram>* errors);
+[[nodiscard]] std::vector<ErrorHistogram> empty_histograms();
+
+/// Runs the promises of `options` with `subject`; `verify` does so with the library itself.
+[[nodiscard]] VerifyReport verify_subject(const Subject& subject, const VerifyOptions& options);
+
+/// Bit for bit.
+[[nodiscard]] bool same(const Hit& a, const Hit& b);
+/// For sentences; nine digits name a float.
+[[nodiscard]] std::string text_of(const Hit& hit);
+[[nodiscard]] std::string text_of(const Ray& ray);
+[[nodiscard]] std::string text_of(Vec3 v);
+
+}  // namespace raysheaf::checks

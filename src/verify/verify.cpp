@@ -1,0 +1,176 @@
+// The front door of the checks: which promises, how many rounds, what is reported.
+#include "raysheaf/verify.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+
+#include "raysheaf/error.h"
+#include "verify/round.h"
+#include "verify/simd_target.h"
+
+namespace raysheaf {
+namespace {
+
+struct Words {
+  const char* name;
+  const char* sentence;
+  const char* unit;
+  std::uint64_t rounds;  ///< by default
+};
+
+const Words& words_of(Promise promise) {
+  static constexpr Words kWords[] = {
+      {"brute-force", "every method answers as brute force does, bit for bit", "answers", 60},
+      {"determinism", "asked again, reordered, in pieces, of a changed scene: the same bits",
+       "answers", 60},
+      {"watertight", "no ray leaves a closed mesh through an edge or a vertex", "rays", 100},
+      {"bounds", "no bound of rays or triangles loses a hit", "hits", 60},
+      {"accuracy", "hits are those of exact arithmetic, to within the documented error", "pairs",
+       60}};
+  return kWords[static_cast<std::size_t>(promise)];
+}
+
+}  // namespace
+
+const char* to_string(Promise promise) {
+  return words_of(promise).name;
+}
+
+const char* sentence_of(Promise promise) {
+  return words_of(promise).sentence;
+}
+
+Promise promise_from_string(std::string_view name) {
+  std::string names;
+  for (const Promise promise : kPromises) {
+    if (name == to_string(promise)) return promise;
+    names += (names.empty() ? "" : ", ") + std::string(to_string(promise));
+  }
+  throw Error(ErrorCode::kInvalidArgument,
+              "'" + std::string(name) + "' is no promise; there are " + names);
+}
+
+void ErrorHistogram::add(double error) {
+  largest = std::max(largest, error);
+  std::size_t bin = 0;
+  for (double limit = 0.5; bin + 1 < kBins && !(error <= limit); limit *= 2) ++bin;
+  ++counts[bin];
+}
+
+std::uint64_t ErrorHistogram::total() const {
+  return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+}
+
+bool VerifyReport::kept() const {
+  return std::all_of(promises.begin(), promises.end(),
+                     [](const PromiseReport& promise) { return promise.failures == 0; });
+}
+
+VerifyReport verify(const VerifyOptions& options) {
+  if (options.threads > 1024)
+    throw Error(ErrorCode::kInvalidArgument,
+                "must be from 0 to 1024, not " + std::to_string(options.threads), "threads");
+  return checks::verify_subject(checks::Subject(options.threads), options);
+}
+
+namespace checks {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+class Run {
+ public:
+  Run(const Subject& subject, const VerifyOptions& options)
+      : subject_(subject), options_(options), errors_(empty_histograms()) {}
+
+  PromiseReport check(Promise promise) {
+    PromiseReport report;
+    report.promise = promise;
+    report.unit = words_of(promise).unit;
+    Tally tally(&report);
+    const Clock::time_point start = Clock::now();
+    while (!is_done(report)) {
+      tell(report);
+      const std::uint64_t seed = options_.seed + report.rounds;
+      tally.begin_round(seed);
+      round(promise, seed, &tally);
+    }
+    tell(report);
+    report.seconds = seconds_since(start);
+    return report;
+  }
+
+  std::vector<ErrorHistogram> errors() && { return std::move(errors_); }
+
+ private:
+  [[nodiscard]] bool counts_rays(const PromiseReport& report) const {
+    return report.promise == Promise::kWatertight && options_.edge_rays != 0;
+  }
+  [[nodiscard]] std::uint64_t rounds_of(Promise promise) const {
+    return options_.rounds != 0 ? options_.rounds : words_of(promise).rounds;
+  }
+  [[nodiscard]] bool is_done(const PromiseReport& report) const {
+    if (counts_rays(report)) return report.cases >= options_.edge_rays;
+    return report.rounds >= rounds_of(report.promise);
+  }
+
+  void tell(const PromiseReport& report) const {
+    if (!options_.progress) return;
+    Progress progress;
+    progress.stage = to_string(report.promise);
+    progress.done = counts_rays(report) ? report.cases : report.rounds;
+    progress.total = counts_rays(report) ? options_.edge_rays : rounds_of(report.promise);
+    if (!options_.progress(progress)) throw Error(ErrorCode::kCancelled, "stopped by the caller");
+  }
+
+  void round(Promise promise, std::uint64_t seed, Tally* tally) {
+    switch (promise) {
+      case Promise::kBruteForce:
+        return check_brute_force(subject_, seed, tally);
+      case Promise::kDeterminism:
+        return check_determinism(subject_, seed, tally);
+      case Promise::kWatertight:
+        return check_watertight(subject_, seed, tally);
+      case Promise::kBounds:
+        return check_bounds(subject_, seed, tally);
+      case Promise::kAccuracy:
+        return check_accuracy(subject_, seed, tally, &errors_);
+    }
+  }
+
+  const Subject& subject_;
+  const VerifyOptions& options_;
+  std::vector<ErrorHistogram> errors_;
+};
+
+}  // namespace
+
+VerifyReport verify_subject(const Subject& subject, const VerifyOptions& options) {
+  VerifyReport report;
+  report.seed = options.seed;
+  for (const Method method :
+       {Method::kBrute, Method::kRah, Method::kCrsh, Method::kGl10, Method::kDual})
+    report.methods.emplace_back(to_string(method));
+  for (const std::int64_t target : subject.targets) report.simd_targets.push_back(name_of(target));
+  for (const Subject::Threads& threads : subject.threads) report.threads.push_back(threads.count);
+  Run run(subject, options);
+  for (const Promise promise : kPromises) {
+    const std::vector<Promise>& asked = options.promises;
+    if (asked.empty() || std::find(asked.begin(), asked.end(), promise) != asked.end())
+      report.promises.push_back(run.check(promise));
+  }
+  const auto has_accuracy =
+      std::any_of(report.promises.begin(), report.promises.end(),
+                  [](const PromiseReport& p) { return p.promise == Promise::kAccuracy; });
+  if (has_accuracy) report.errors = std::move(run).errors();
+  return report;
+}
+
+}  // namespace checks
+}  // namespace raysheaf
