@@ -22,13 +22,13 @@ struct Words {
 
 const Words& words_of(Promise promise) {
   static constexpr Words kWords[] = {
-      {"brute-force", "every method answers as brute force does, bit for bit", "answers", 60},
+      {"brute-force", "every method answers as brute force does, bit for bit", "answers", 200},
       {"determinism", "asked again, reordered, in pieces, of a changed scene: the same bits",
-       "answers", 60},
-      {"watertight", "no ray leaves a closed mesh through an edge or a vertex", "rays", 100},
-      {"bounds", "no bound of rays or triangles loses a hit", "hits", 60},
+       "answers", 100},
+      {"watertight", "no ray leaves a closed mesh through an edge or a vertex", "rays", 120},
+      {"bounds", "no bound of rays or triangles loses a hit", "hits", 1000},
       {"accuracy", "hits are those of exact arithmetic, to within the documented error", "pairs",
-       60}};
+       2000}};
   return kWords[static_cast<std::size_t>(promise)];
 }
 

@@ -19,6 +19,7 @@ std::string help_of_everything() {
                                                        {"render", "--help"},
                                                        {"info", "--help"},
                                                        {"scene", "--help"},
+                                                       {"verify", "--help"},
                                                        {"bench", "--help"},
                                                        {"bench", "paper", "--help"},
                                                        {"bench", "ablation", "--help"},
@@ -45,6 +46,7 @@ std::string arguments_of(const std::string& line) {
 // The same command at a size that takes no time.
 std::string made_small(std::string arguments) {
   static const std::regex kSize(R"( --size \S+)");
+  if (arguments.starts_with(" verify")) return arguments + " --rounds 1";
   for (const std::string command : {" render", " bench paper"}) {
     if (arguments != command && !arguments.starts_with(command + " ")) continue;
     arguments = std::regex_replace(arguments, kSize, "");

@@ -1,0 +1,215 @@
+// The checks pass for the library, and find whatever is wrong.
+#include "raysheaf/verify.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "raysheaf/error.h"
+#include "verify/round.h"
+#include "verify/watertight.h"
+
+namespace raysheaf::checks {
+namespace {
+
+VerifyReport checked(const Subject& subject, Promise promise, std::uint64_t rounds,
+                     std::uint64_t seed = 1) {
+  VerifyOptions options;
+  options.promises = {promise};
+  options.rounds = rounds;
+  options.seed = seed;
+  return verify_subject(subject, options);
+}
+
+TEST(Verify, EveryPromiseIsKept) {
+  VerifyOptions options;
+  options.rounds = 3;
+  const VerifyReport report = raysheaf::verify(options);
+  EXPECT_TRUE(report.kept());
+  ASSERT_EQ(report.promises.size(), kPromises.size());
+  for (std::size_t i = 0; i < kPromises.size(); ++i) {
+    const PromiseReport& promise = report.promises[i];
+    EXPECT_EQ(promise.promise, kPromises[i]);
+    EXPECT_EQ(promise.rounds, 3u);
+    EXPECT_GT(promise.cases, 100u);
+    EXPECT_TRUE(promise.first_failures.empty());
+  }
+  for (const ErrorHistogram& errors : report.errors) EXPECT_GT(errors.total(), 50u) << errors.what;
+}
+
+TEST(Verify, TheSameSeedTriesTheSameCases) {
+  const Subject subject(1);
+  for (const Promise promise : kPromises) {
+    const VerifyReport a = checked(subject, promise, 2, 5), b = checked(subject, promise, 2, 5);
+    EXPECT_EQ(a.promises[0].cases, b.promises[0].cases) << to_string(promise);
+    ASSERT_EQ(a.errors.size(), b.errors.size());
+    for (std::size_t i = 0; i < a.errors.size(); ++i)
+      EXPECT_EQ(a.errors[i].counts, b.errors[i].counts);
+  }
+}
+
+/// The check fails; its first failure is shown again by its seed alone, and names these words.
+void expect_found(const Subject& subject, Promise promise, std::uint64_t rounds,
+                  const std::string& words) {
+  const VerifyReport report = checked(subject, promise, rounds);
+  EXPECT_FALSE(report.kept());
+  const PromiseReport& found = report.promises[0];
+  ASSERT_FALSE(found.first_failures.empty()) << to_string(promise);
+  EXPECT_LE(found.first_failures.size(), 10u);
+  EXPECT_GE(found.failures, found.first_failures.size());
+  const VerifyFailure& first = found.first_failures.front();
+  EXPECT_NE(first.what.find(words), std::string::npos) << first.what;
+  const VerifyReport again = checked(subject, promise, 1, first.seed);
+  ASSERT_FALSE(again.promises[0].first_failures.empty());
+  EXPECT_EQ(again.promises[0].first_failures.front().what, first.what);
+}
+
+/// Whether it is the first ray from a place that some, not all, rays have.
+bool is_unlucky(const Ray& ray) {
+  return ray.origin.x > ray.origin.y;
+}
+
+TEST(Verify, AHitThatIsOffByABitIsFound) {
+  Subject subject(1);
+  subject.closest_hit = [](const Scene& scene, std::span<const Ray> rays,
+                           const QueryOptions& options) {
+    std::vector<Hit> hits = closest_hit(scene, rays, options);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      if (is_unlucky(rays[i]) && hits[i].v > 0) hits[i].v = std::nextafter(hits[i].v, 0.0f);
+    return hits;
+  };
+  expect_found(subject, Promise::kBruteForce, 5, "dual on SCALAR, 1 thread, closest_hit");
+}
+
+TEST(Verify, AHitThatIsLostAmongAllIsFound) {
+  Subject subject(1);
+  subject.all_hits = [](const Scene& scene, std::span<const Ray> rays,
+                        const QueryOptions& options) {
+    HitRows rows = all_hits(scene, rays, options);
+    if (rows.hits.empty()) return rows;
+    rows.hits.pop_back();
+    const std::uint64_t count = rows.hits.size();
+    for (std::uint64_t& offset : rows.offsets) offset = std::min(offset, count);
+    return rows;
+  };
+  expect_found(subject, Promise::kBruteForce, 5, "all_hits");
+  expect_found(subject, Promise::kBounds, 20, "all_hits");
+}
+
+TEST(Verify, AnAnswerThatDependsOnTheBatchIsFound) {
+  Subject subject(1);
+  subject.any_hit = [](const Scene& scene, std::span<const Ray> rays, const QueryOptions& options) {
+    std::vector<std::uint8_t> any = any_hit(scene, rays, options);
+    if (rays.size() == 2) any.back() ^= 1;
+    return any;
+  };
+  expect_found(subject, Promise::kDeterminism, 10, "any_hit in pieces");
+}
+
+TEST(Verify, AGapIsFound) {
+  Subject subject(1);
+  // An edge belongs to no triangle.
+  subject.closest_hit = [](const Scene& scene, std::span<const Ray> rays,
+                           const QueryOptions& options) {
+    std::vector<Hit> hits = closest_hit(scene, rays, options);
+    for (Hit& hit : hits)
+      if (hit.u == 0 || hit.v == 0) hit = {};
+    return hits;
+  };
+  expect_found(subject, Promise::kWatertight, 2, "closest_hit of dual");
+}
+
+TEST(Verify, ABoundThatLosesAHitIsFound) {
+  Subject subject(1);
+  subject.any_hit = [](const Scene& scene, std::span<const Ray> rays, const QueryOptions& options) {
+    std::vector<std::uint8_t> any = any_hit(scene, rays, options);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      if (is_unlucky(rays[i])) any[i] = 0;
+    return any;
+  };
+  expect_found(subject, Promise::kBounds, 20, "any_hit of dual");
+}
+
+TEST(Verify, ATestWithoutTheLastBitsIsFound) {
+  Subject subject(1);
+  subject.intersect = [](const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c, TriangleHit* hit) {
+    const bool met = intersect_triangle(ray, a, b, c, hit);
+    hit->t *= 1 + 0x1p-15f;
+    return met;
+  };
+  expect_found(subject, Promise::kAccuracy, 2, "roundings apart");
+  // A strip along an edge that belongs to nobody.
+  subject.intersect = [](const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c, TriangleHit* hit) {
+    const bool met = intersect_triangle(ray, a, b, c, hit);
+    return met && hit->u > 1e-3f;
+  };
+  expect_found(subject, Promise::kAccuracy, 2, "a hit is missed");
+}
+
+TEST(Verify, RaysAreCountedWhereAsked) {
+  VerifyOptions options;
+  options.promises = {Promise::kWatertight};
+  options.edge_rays = 300000;
+  const VerifyReport report = raysheaf::verify(options);
+  EXPECT_TRUE(report.kept());
+  EXPECT_GE(report.promises[0].cases, 300000u);
+  EXPECT_EQ(report.promises[0].rounds, 2u);
+}
+
+TEST(Verify, ProgressMayStop) {
+  VerifyOptions options;
+  std::vector<std::string> stages;
+  options.rounds = 2;
+  options.progress = [&](const Progress& progress) {
+    stages.emplace_back(progress.stage);
+    EXPECT_LE(progress.done, progress.total);
+    return stages.size() < 5;
+  };
+  try {
+    (void)raysheaf::verify(options);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kCancelled);
+  }
+  EXPECT_EQ(stages.front(), "brute-force");
+  EXPECT_EQ(stages.back(), "determinism");
+}
+
+TEST(Verify, NamesOfPromises) {
+  for (const Promise promise : kPromises)
+    EXPECT_EQ(promise_from_string(to_string(promise)), promise);
+  EXPECT_THROW((void)promise_from_string("speed"), Error);
+  VerifyOptions options;
+  options.threads = 1025;
+  EXPECT_THROW((void)raysheaf::verify(options), Error);
+}
+
+TEST(Verify, HistogramsHoldWhatTheirLimitsSay) {
+  ErrorHistogram histogram;
+  for (const double error : {0.0, 0.5, 0.51, 1.0, 1.5, 2.0, 1e30}) histogram.add(error);
+  EXPECT_EQ(histogram.counts[0], 2u);
+  EXPECT_EQ(histogram.counts[1], 2u);
+  EXPECT_EQ(histogram.counts[2], 2u);
+  EXPECT_EQ(histogram.counts.back(), 1u);
+  EXPECT_EQ(histogram.largest, 1e30);
+  EXPECT_EQ(histogram.total(), 7u);
+}
+
+/// Every edge of a closed mesh has a triangle on either side, whatever its kind.
+TEST(Verify, MeshesAreClosed) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    const ClosedMesh mesh = make_closed_mesh(seed);
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+    for (const Triangle& t : mesh.triangles)
+      for (int k = 0; k < 3; ++k) edges.push_back(std::minmax(t[k], t[(k + 1) % 3]));
+    std::sort(edges.begin(), edges.end());
+    ASSERT_EQ(edges.size() % 2, 0u) << mesh.kind;
+    for (std::size_t i = 0; i < edges.size(); i += 2) {
+      ASSERT_EQ(edges[i], edges[i + 1]) << mesh.kind;
+      ASSERT_TRUE(i + 2 == edges.size() || edges[i + 1] != edges[i + 2]) << mesh.kind;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace raysheaf::checks
