@@ -84,10 +84,12 @@ std::string decode_percent(const std::string& text) {
   return result;
 }
 
-bool leaves_folder(const std::string& name) {
-  if (name.empty() || name.find('\0') != std::string::npos) return true;
-  const fs::path path(name);
-  if (path.is_absolute() || name.find(':') != std::string::npos) return true;
+bool is_no_name(const std::string& name) {
+  return name.empty() || name.find('\0') != std::string::npos ||
+         name.find(':') != std::string::npos;
+}
+
+bool climbs_out(const fs::path& path) {
   return std::any_of(path.begin(), path.end(), [](const fs::path& part) { return part == ".."; });
 }
 
@@ -157,14 +159,18 @@ std::string folder_of(const std::string& path) {
   return folder.empty() ? "." : folder;
 }
 
-std::string resolve_inside(const std::string& folder, const std::string& uri, bool percent,
-                           const std::string& place) {
-  const std::string name = percent ? decode_percent(uri) : uri;
-  if (leaves_folder(name)) {
+std::string resolve(const SceneFile& from, const std::string& uri, bool is_uri,
+                    const std::string& place) {
+  const std::string name = is_uri ? decode_percent(uri) : uri;
+  const fs::path path(name);
+  const bool leaves = is_no_name(name) ||
+                      (path.is_absolute() && (is_uri || !from.allow_external)) ||
+                      (climbs_out(path) && !from.allow_external);
+  if (leaves) {
     throw Error(ErrorCode::kUnsupported,
                 "\"" + uri.substr(0, 200) + "\" does not stay inside the file's folder", place);
   }
-  return (fs::path(folder) / name).string();
+  return (fs::path(folder_of(from.path)) / path).string();
 }
 
 }  // namespace io

@@ -10,6 +10,12 @@ namespace raysheaf::io {
 
 using Bytes = std::vector<std::uint8_t>;
 
+/// What a loader is told of the file whose bytes it gets.
+struct SceneFile {
+  std::string path;
+  bool allow_external = false;  ///< files that it names may lie outside its folder
+};
+
 /// All bytes of a file. Throws kNotFound where there is none, kIo where it is a folder, is larger
 /// than `kMaxFileBytes` or cannot be read.
 [[nodiscard]] Bytes read_file(const std::string& path);
@@ -27,10 +33,11 @@ inline std::span<const std::uint8_t> as_bytes(const std::string& text) {
 /// The ending of a name in lower case, without the dot: "glb".
 [[nodiscard]] std::string ending_of(const std::string& path);
 
-/// `uri` as a path below `folder` ("%20" decoded where `percent`). Throws kUnsupported where it has
-/// a scheme, is absolute or climbs out by "..".
-[[nodiscard]] std::string resolve_inside(const std::string& folder, const std::string& uri,
-                                         bool percent, const std::string& place);
+/// `uri`, which a scene's file names, as a path from where we are. Where it `is_uri`, "%20" is
+/// decoded, and it must be relative. Throws kUnsupported where it has a scheme, and, unless
+/// external files are allowed, where it is absolute or climbs out by "..".
+[[nodiscard]] std::string resolve(const SceneFile& from, const std::string& uri, bool is_uri,
+                                  const std::string& place);
 [[nodiscard]] std::string folder_of(const std::string& path);
 
 }  // namespace raysheaf::io

@@ -4,10 +4,10 @@
 
 namespace raysheaf::io {
 
-SceneDescription load_gltf(const Bytes& file, const std::string& path) {
-  const GltfModel gltf = parse_gltf(file, folder_of(path));
+SceneDescription load_gltf(const Bytes& file, const SceneFile& from) {
+  const GltfModel gltf = parse_gltf(file, from);
   SceneDescription scene;
-  scene.name = std::filesystem::path(path).stem().string();
+  scene.name = std::filesystem::path(from.path).stem().string();
   Warnings warnings;
   for (const std::string& sentence : gltf.warnings) warnings.once(sentence);
   if (!gltf.model.animations.empty()) warnings.once("Animations are left out.");

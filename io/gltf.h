@@ -10,7 +10,7 @@
 
 namespace raysheaf::io {
 
-[[nodiscard]] SceneDescription load_gltf(const Bytes& file, const std::string& path);
+[[nodiscard]] SceneDescription load_gltf(const Bytes& file, const SceneFile& from);
 
 /// Sentences about what is left out, each kind once.
 class Warnings {

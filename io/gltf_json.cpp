@@ -132,8 +132,8 @@ void check_length(std::size_t said, std::size_t there, const std::string& place)
          place + ".byteLength");
 }
 
-void check_buffer(const json& buffer, std::size_t i, const GltfParts& parts,
-                  const std::string& folder, GltfFacts& facts) {
+void check_buffer(const json& buffer, std::size_t i, const GltfParts& parts, const SceneFile& from,
+                  GltfFacts& facts) {
   const std::string place = element("buffers", i);
   const std::size_t said = buffer["byteLength"];
   const std::string uri = get<std::string>(buffer, "uri", "");
@@ -148,7 +148,7 @@ void check_buffer(const json& buffer, std::size_t i, const GltfParts& parts,
              place + ".byteLength");
     }
   } else {
-    const std::string path = resolve_inside(folder, uri, true, place + ".uri");
+    const std::string path = resolve(from, uri, true, place + ".uri");
     if (!file_exists(path)) {
       refuse("no such file \"" + printable(uri) + "\"", place + ".uri", ErrorCode::kNotFound);
     }
@@ -157,14 +157,14 @@ void check_buffer(const json& buffer, std::size_t i, const GltfParts& parts,
   }
 }
 
-void check_image(const json& image, std::size_t i, const std::string& folder) {
+void check_image(const json& image, std::size_t i, const SceneFile& from) {
   const std::string place = element("images", i);
   if (image.contains("uri") == image.contains("bufferView")) {
     refuse("an image needs either a uri or a bufferView", place);
   }
   const std::string uri = get<std::string>(image, "uri", "data:");
   if (!uri.starts_with("data:")) {
-    static_cast<void>(resolve_inside(folder, uri, true, place + ".uri"));
+    static_cast<void>(resolve(from, uri, true, place + ".uri"));
   } else if (image.contains("uri")) {
     static_cast<void>(data_uri_bytes(uri, place + ".uri"));
   }
@@ -253,7 +253,7 @@ void check_accessor(const json& root, const json& accessor, std::size_t i) {
                            component_count(accessor["type"], place + ".type");
   if (!accessor.contains("bufferView")) {
     if (count > kMaxUnbackedElements) {
-      refuse("is " + std::to_string(count) + ", but without a bufferView at most 2^22 are read",
+      refuse("is " + std::to_string(count) + ", but without a bufferView at most 2^18 are read",
              place + ".count", ErrorCode::kOutOfMemory);
     }
   } else {
@@ -292,7 +292,7 @@ void check_index_accessors(const json& root) {
 
 }  // namespace
 
-GltfFacts check_gltf_json(const GltfParts& parts, const std::string& folder) {
+GltfFacts check_gltf_json(const GltfParts& parts, const SceneFile& from) {
   const json root = parse(parts.json);
   check_rules(root);
   GltfFacts facts;
@@ -306,8 +306,8 @@ GltfFacts check_gltf_json(const GltfParts& parts, const std::string& folder) {
       check(items[i], i);
     }
   };
-  each("buffers", [&](const json& x, std::size_t i) { check_buffer(x, i, parts, folder, facts); });
-  each("images", [&](const json& x, std::size_t i) { check_image(x, i, folder); });
+  each("buffers", [&](const json& x, std::size_t i) { check_buffer(x, i, parts, from, facts); });
+  each("images", [&](const json& x, std::size_t i) { check_image(x, i, from); });
   each("bufferViews", [&](const json& x, std::size_t i) { check_view(root, x, i); });
   each("accessors", [&](const json& x, std::size_t i) { check_accessor(root, x, i); });
   check_index_accessors(root);

@@ -31,10 +31,10 @@ struct GltfFacts {
 /// Checks the JSON: nesting, types, ranges and indices of every field that is read; versions and
 /// required extensions; names of external files; that buffer views lie in their buffers and
 /// accessors in their buffer views. Throws `Error` whose place is the field: `accessors[3].count`.
-[[nodiscard]] GltfFacts check_gltf_json(const GltfParts& parts, const std::string& folder);
+[[nodiscard]] GltfFacts check_gltf_json(const GltfParts& parts, const SceneFile& from);
 
 /// Elements of accessors which no bytes of the file stand for (sparse ones without a buffer view).
-inline constexpr std::size_t kMaxUnbackedElements = std::size_t{1} << 22;
+inline constexpr std::size_t kMaxUnbackedElements = std::size_t{1} << 18;
 inline constexpr int kMaxJsonDepth = 64;
 
 }  // namespace raysheaf::io

@@ -14,7 +14,9 @@ namespace {
 using Triangle = std::array<std::uint32_t, 3>;
 
 /// Elements that may be read for each byte of the file, and besides.
-constexpr std::size_t kElementsPerByte = 16, kFreeElements = std::size_t{1} << 24;
+constexpr std::size_t kElementsPerByte = 16, kFreeElements = std::size_t{1} << 18;
+/// Triangles that all instances together may have, likewise.
+constexpr std::uint64_t kTrianglesPerByte = 256, kFreeTriangles = std::uint64_t{1} << 22;
 
 std::vector<Vec3> as_vec3(const std::vector<float>& values) {
   std::vector<Vec3> result(values.size() / 3);
@@ -256,6 +258,9 @@ void read_meshes(const GltfModel& gltf, const std::vector<int>& uv_sets, SceneDe
   }
   std::erase_if(scene.instances, [&](Instance& i) { return index_of[i.mesh] == kInvalidId; });
   for (Instance& instance : scene.instances) instance.mesh = index_of[instance.mesh];
+  if (scene.triangle_count() > kFreeTriangles + kTrianglesPerByte * gltf.file_bytes)
+    throw Error(ErrorCode::kOutOfMemory,
+                "the instances have far more triangles than the file has bytes", "nodes");
 }
 
 }  // namespace raysheaf::io

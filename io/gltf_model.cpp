@@ -99,9 +99,10 @@ void check_buffers(const tinygltf::Model& model) {
 
 }  // namespace
 
-GltfModel parse_gltf(const Bytes& file, const std::string& folder) {
+GltfModel parse_gltf(const Bytes& file, const SceneFile& from) {
   const GltfParts parts = split_gltf(file);
-  GltfFacts facts = check_gltf_json(parts, folder);
+  GltfFacts facts = check_gltf_json(parts, from);
+  const std::string folder = folder_of(from.path);
   GltfModel result;
   Session session{facts, result.images, folder, {}};
   tinygltf::TinyGLTF parser;

@@ -19,6 +19,6 @@ struct GltfModel {
 };
 
 /// Checks and parses. Every index in the result is in range, every accessor within its buffer.
-[[nodiscard]] GltfModel parse_gltf(const Bytes& file, const std::string& folder);
+[[nodiscard]] GltfModel parse_gltf(const Bytes& file, const SceneFile& from);
 
 }  // namespace raysheaf::io

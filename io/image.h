@@ -12,9 +12,12 @@
 
 namespace raysheaf::io {
 
-/// A picture may have this many pixels, and all pictures of a scene together four times as many.
+/// A picture may have this many pixels, and all pictures of a scene together four times as many;
+/// and no more than their bytes account for: deflate packs at most 1032 of them into one, of which
+/// a pixel of one channel needs one or less.
 inline constexpr std::uint64_t kMaxImagePixels = std::uint64_t{1} << 26;
 inline constexpr std::uint64_t kMaxScenePixels = 4 * kMaxImagePixels;
+inline constexpr std::uint64_t kFreePixels = std::uint64_t{1} << 24, kPixelsPerByte = 4096;
 
 /// What the head of a picture says, without decoding it.
 struct ImageSize {
@@ -22,7 +25,7 @@ struct ImageSize {
 };
 [[nodiscard]] std::optional<ImageSize> image_size(std::span<const std::uint8_t> encoded);
 
-/// RGBA, or nothing where the bytes are no picture or one of more than `kMaxImagePixels`.
+/// RGBA, or nothing where the bytes are no picture or one of too many pixels.
 [[nodiscard]] std::optional<Image> decode_image(std::span<const std::uint8_t> encoded);
 
 /// PNG: RGB where alpha is 255 everywhere, RGBA otherwise. Throws kInvalidArgument where the size
@@ -44,7 +47,8 @@ struct DecodedImages {
 };
 
 /// Decodes on all cores; the order is kept. An image that cannot be decoded adds a warning. Throws
-/// kOutOfMemory beyond `kMaxScenePixels`.
+/// kOutOfMemory beyond `kMaxScenePixels`, and beyond `kFreePixels` and `kPixelsPerByte` of each
+/// byte.
 [[nodiscard]] DecodedImages decode_images(const std::vector<EncodedImage>& encoded,
                                           std::vector<std::string>& warnings);
 

@@ -14,6 +14,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 
@@ -31,9 +32,21 @@ std::optional<ImageSize> image_size(std::span<const std::uint8_t> encoded) {
   return ImageSize{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
 }
 
+namespace {
+
+std::uint64_t pixels_of(ImageSize size) {
+  return std::uint64_t{size.width} * size.height;
+}
+
+std::uint64_t most_pixels(std::size_t bytes) {
+  return std::min(kMaxImagePixels, kFreePixels + kPixelsPerByte * bytes);
+}
+
+}  // namespace
+
 std::optional<Image> decode_image(std::span<const std::uint8_t> encoded) {
   const auto size = image_size(encoded);
-  if (!size || std::uint64_t{size->width} * size->height > kMaxImagePixels) return {};
+  if (!size || pixels_of(*size) > most_pixels(encoded.size())) return {};
   int width = 0, height = 0, channels = 0;
   const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(
       stbi_load_from_memory(encoded.data(), static_cast<int>(encoded.size()), &width, &height,
@@ -50,11 +63,15 @@ std::optional<Image> decode_image(std::span<const std::uint8_t> encoded) {
 namespace {
 
 void check_total(const std::vector<EncodedImage>& encoded) {
-  std::uint64_t pixels = 0;
+  std::uint64_t pixels = 0, accounted = kFreePixels;
   for (const EncodedImage& image : encoded) {
     const auto size = image_size(image.bytes);
-    const std::uint64_t count = size ? std::uint64_t{size->width} * size->height : 0;
-    pixels += count <= kMaxImagePixels ? count : 0;
+    const std::uint64_t count = size ? pixels_of(*size) : 0;
+    pixels += count <= most_pixels(image.bytes.size()) ? count : 0;
+    accounted += kPixelsPerByte * image.bytes.size();
+    if (pixels > accounted)
+      throw Error(ErrorCode::kOutOfMemory, "the images have far more pixels than bytes",
+                  image.place);
     if (pixels > kMaxScenePixels) {
       throw Error(ErrorCode::kOutOfMemory, "the images together have more than 2^28 pixels",
                   image.place);

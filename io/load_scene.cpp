@@ -13,7 +13,7 @@
 namespace raysheaf {
 namespace {
 
-using Loader = SceneDescription (*)(const io::Bytes&, const std::string&);
+using Loader = SceneDescription (*)(const io::Bytes&, const io::SceneFile&);
 
 Loader loader_for(const std::string& path) {
   const std::string ending = io::ending_of(path);
@@ -25,21 +25,21 @@ Loader loader_for(const std::string& path) {
               path);
 }
 
-SceneDescription load_checked(const std::string& path) {
+SceneDescription load_checked(const std::string& path, const LoadOptions& options) {
   // Before the whole file is read, but not before it is known to be there.
   if (io::file_exists(path)) static_cast<void>(loader_for(path));
   const io::Bytes file = io::read_file(path);
   if (file.empty()) throw Error(ErrorCode::kInvalidData, "the file is empty", path);
-  SceneDescription scene = loader_for(path)(file, path);
+  SceneDescription scene = loader_for(path)(file, {path, options.allow_external});
   validate(scene);
   return scene;
 }
 
 }  // namespace
 
-SceneDescription load_scene(const std::string& path) {
+SceneDescription load_scene(const std::string& path, const LoadOptions& options) {
   try {
-    return load_checked(path);
+    return load_checked(path, options);
   } catch (const Error& error) {
     const bool named = error.place() == path;
     throw Error(error.code(), error.sentence(),

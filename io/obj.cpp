@@ -242,11 +242,11 @@ class ObjReader {
 
 }  // namespace
 
-SceneDescription load_obj(const Bytes& file, const std::string& path) {
+SceneDescription load_obj(const Bytes& file, const SceneFile& from) {
   SceneDescription scene;
-  scene.name = std::filesystem::path(path).stem().string();
+  scene.name = std::filesystem::path(from.path).stem().string();
   ObjLines lines(file);
-  MtlLibrary materials(folder_of(path), scene);
+  MtlLibrary materials(from, scene);
   ObjReader reader(lines, materials);
   reader.run();
   scene.meshes = reader.build_meshes();

@@ -11,13 +11,12 @@
 
 namespace raysheaf::io {
 
-[[nodiscard]] SceneDescription load_obj(const Bytes& file, const std::string& path);
+[[nodiscard]] SceneDescription load_obj(const Bytes& file, const SceneFile& from);
 
 /// The material libraries of an OBJ file: materials by name, and what they show.
 class MtlLibrary {
  public:
-  MtlLibrary(std::string folder, SceneDescription& scene)
-      : folder_(std::move(folder)), scene_(scene) {}
+  MtlLibrary(const SceneFile& from, SceneDescription& scene) : from_(from), scene_(scene) {}
 
   /// Reads the files that an mtllib line names: one whose name may hold spaces, or several.
   void add(const std::string& names);
@@ -35,7 +34,7 @@ class MtlLibrary {
   void warn_of_missing_materials();
   friend class MtlConverter;
 
-  std::string folder_;
+  const SceneFile& from_;
   SceneDescription& scene_;
   std::map<std::string, std::uint32_t> by_name_;
   std::map<std::string, std::uint32_t> texture_of_;

@@ -151,7 +151,7 @@ void MtlLibrary::warn_of_missing_materials() {
 void MtlLibrary::add(const std::string& names) {
   if (names.empty()) return warn_once("An mtllib line names no file.");
   try {
-    if (file_exists(resolve_inside(folder_, names, false, "mtllib"))) return read(names);
+    if (file_exists(resolve(from_, names, false, "mtllib"))) return read(names);
   } catch (const Error&) {
     // Several names may look like one that leaves the folder.
   }
@@ -164,7 +164,7 @@ void MtlLibrary::read(const std::string& name) {
   std::replace(text_name.begin(), text_name.end(), '\\', '/');
   Bytes bytes;
   try {
-    bytes = read_file(resolve_inside(folder_, text_name, false, "mtllib"));
+    bytes = read_file(resolve(from_, text_name, false, "mtllib"));
   } catch (const Error& error) {
     return warn_once("The material library \"" + printable(name) +
                      "\" is left out: " + error.sentence() + ".");
@@ -189,7 +189,7 @@ std::uint32_t MtlLibrary::texture(const std::string& name, bool clamped, const s
   std::string path = name;
   std::replace(path.begin(), path.end(), '\\', '/');
   try {
-    path = resolve_inside(folder_, path, false, place);
+    path = resolve(from_, path, false, place);
   } catch (const Error& error) {
     warn_once("The texture " + error.sentence() + "; it is left out.");
     return kInvalidId;

@@ -230,10 +230,10 @@ class PlyReader {
 
 }  // namespace
 
-SceneDescription load_ply(const Bytes& file, const std::string& path) {
+SceneDescription load_ply(const Bytes& file, const SceneFile& from) {
   const PlyHeader header = read_ply_header(file);
   SceneDescription scene = PlyReader(file, header).read();
-  scene.name = std::filesystem::path(path).stem().string();
+  scene.name = std::filesystem::path(from.path).stem().string();
   scene.meshes[0].name = scene.instances[0].name = scene.name;
   return scene;
 }

@@ -8,6 +8,6 @@
 
 namespace raysheaf::io {
 
-[[nodiscard]] SceneDescription load_ply(const Bytes& file, const std::string& path);
+[[nodiscard]] SceneDescription load_ply(const Bytes& file, const SceneFile& from);
 
 }  // namespace raysheaf::io

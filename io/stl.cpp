@@ -183,9 +183,9 @@ class AsciiReader {
 
 }  // namespace
 
-SceneDescription load_stl(const Bytes& file, const std::string& path) {
+SceneDescription load_stl(const Bytes& file, const SceneFile& from) {
   SceneDescription scene;
-  scene.name = std::filesystem::path(path).stem().string();
+  scene.name = std::filesystem::path(from.path).stem().string();
   if (is_ascii(file))
     scene.meshes = AsciiReader(file).read();
   else

@@ -9,6 +9,6 @@
 namespace raysheaf::io {
 
 /// Every triangle has its own vertices and no vertex normals: it stays flat.
-[[nodiscard]] SceneDescription load_stl(const Bytes& file, const std::string& path);
+[[nodiscard]] SceneDescription load_stl(const Bytes& file, const SceneFile& from);
 
 }  // namespace raysheaf::io

@@ -7,6 +7,7 @@
 
 #include "command_text.h"
 #include "compare_words.h"
+#include "raysheaf/io.h"
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
 #include "raysheaf/verify.h"
@@ -23,6 +24,7 @@ enum ExitCode : int {
 
 struct RenderCommand {
   std::string scene;
+  LoadOptions load;
   std::vector<std::string> pictures;  ///< PNG and OpenEXR, by their ending
   std::string stats_path, heatmap_path;
   std::string device = "cpu";
@@ -32,6 +34,7 @@ struct RenderCommand {
 
 struct InfoCommand {
   std::string scene;
+  LoadOptions load;
   bool json = false;
 };
 

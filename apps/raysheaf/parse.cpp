@@ -19,6 +19,13 @@
 namespace raysheaf::app {
 namespace {
 
+void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load) {
+  app.add_option("SCENE", scene, "A file (.gltf, .glb, .obj, .ply, .stl) or builtin:NAME")
+      ->required();
+  app.add_flag("--allow-external", load.allow_external,
+               "The scene may name files outside its folder");
+}
+
 void add_outputs(CLI::App& app, RenderCommand& command) {
   app.add_option("-o,--output", command.pictures,
                  "Picture: .png (tone-mapped sRGB) or .exr (linear, with layers); may be given "
@@ -125,8 +132,7 @@ void check_outputs(const RenderCommand& command) {
 
 CLI::App* add_render(CLI::App& app, RenderCommand& command) {
   CLI::App* sub = app.add_subcommand("render", "Render a scene to pictures and statistics");
-  sub->add_option("SCENE", command.scene, "A file (.gltf, .glb, .obj, .ply, .stl) or builtin:NAME")
-      ->required();
+  add_scene_file(*sub, command.scene, command.load);
   add_outputs(*sub, command);
   add_view(*sub, command.options);
   add_rays(*sub, command);
@@ -144,8 +150,7 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
 
 CLI::App* add_info(CLI::App& app, InfoCommand& command) {
   CLI::App* sub = app.add_subcommand("info", "List what a scene holds");
-  sub->add_option("SCENE", command.scene, "A file (.gltf, .glb, .obj, .ply, .stl) or builtin:NAME")
-      ->required();
+  add_scene_file(*sub, command.scene, command.load);
   sub->add_flag("--json", command.json, "As JSON");
   sub->footer(
       "Examples:\n"

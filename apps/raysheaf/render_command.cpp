@@ -129,7 +129,7 @@ int run(const RenderCommand& command) {
   catch_interrupts();
   const Targets targets = open_targets(command);
   const auto start = std::chrono::steady_clock::now();
-  SceneDescription scene = scene_from_argument(command.scene);
+  SceneDescription scene = scene_from_argument(command.scene, command.load);
   add_missing_camera_and_light(scene);
   const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - start;
   stop_if_interrupted();

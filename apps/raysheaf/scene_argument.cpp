@@ -21,12 +21,12 @@ SceneDescription builtin_from_name(const std::string& name, const std::string& p
   return builtin_scene(name);
 }
 
-SceneDescription scene_from_argument(const std::string& argument) {
+SceneDescription scene_from_argument(const std::string& argument, const LoadOptions& options) {
   constexpr std::string_view kBuiltin = "builtin:";
   if (argument.starts_with(kBuiltin)) {
     return builtin_from_name(argument.substr(kBuiltin.size()), argument);
   }
-  return load_scene(argument);
+  return load_scene(argument, options);
 }
 
 }  // namespace raysheaf::app

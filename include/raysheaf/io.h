@@ -12,10 +12,17 @@
 
 namespace raysheaf {
 
+struct LoadOptions {
+  /// The scene may name files outside its folder: by "..", and in OBJ and MTL by absolute names.
+  /// Only for scenes that are trusted: whatever they name is read.
+  bool allow_external = false;
+};
+
 /// Reads glTF 2.0 (.gltf, .glb), OBJ with MTL, PLY (ASCII, binary of either byte order) or STL
 /// (ASCII, binary); the ending of the name says which, in any case. The result has passed
-/// `validate`.
-[[nodiscard]] SceneDescription load_scene(const std::string& path);
+/// `validate`. Memory and time are bounded by the sizes of the files: what a file of a kilobyte
+/// describes is refused (kOutOfMemory) where it would take gigabytes.
+[[nodiscard]] SceneDescription load_scene(const std::string& path, const LoadOptions& options = {});
 
 /// Writes the scene as one binary glTF file that `load_scene` reads back to the same geometry, bit
 /// for bit. Images are stored as PNG.

@@ -1,0 +1,12 @@
+#include "fuzz/targets.h"
+
+namespace raysheaf::fuzz {
+
+std::span<const Target> targets() {
+  static constexpr Target kAll[] = {
+      {"gltf", run_gltf}, {"obj", run_obj},     {"mtl", run_mtl},         {"ply", run_ply},
+      {"stl", run_stl},   {"image", run_image}, {"options", run_options}, {"query", run_query}};
+  return kAll;
+}
+
+}  // namespace raysheaf::fuzz
