@@ -1,5 +1,6 @@
 #include "raysheaf/context.h"
 
+#include <new>
 #include <string>
 
 #include "api/context_impl.h"
@@ -34,7 +35,11 @@ const char* to_string(Device device) {
 
 Context::Context(const ContextOptions& options) {
   check(options);
-  impl_ = std::make_shared<const Impl>(options);
+  try {
+    impl_ = std::make_shared<const Impl>(options);
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory", "context");
+  }
 }
 
 Device Context::device() const noexcept {

@@ -35,7 +35,8 @@ View<const T> view(std::span<const T> span) {
 
 }  // namespace
 
-Scene::Scene(const Context& context) : impl_(std::make_unique<Impl>(context)) {}
+Scene::Scene(const Context& context)
+    : impl_(translated([&] { return std::make_unique<Impl>(context); })) {}
 Scene::~Scene() = default;
 Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(Scene&&) noexcept = default;

@@ -1,0 +1,101 @@
+// A small file asks for little, and for nothing that lies elsewhere.
+#include "io_support.h"
+
+namespace raysheaf::test {
+namespace {
+
+using Limits = IoTest;
+using Json = nlohmann::json;
+
+/// A file of so many accessors without bytes, each in a mesh, each mesh in many places.
+std::string unbacked(std::size_t elements, int meshes, int places) {
+  Json root = {{"asset", {{"version", "2.0"}}}, {"scene", 0}};
+  root["accessors"] =
+      Json::array({{{"componentType", 5126}, {"count", elements}, {"type", "VEC3"}}});
+  Json nodes = Json::array(), all = Json::array(), list = Json::array();
+  for (int m = 0; m < meshes; ++m)
+    all.push_back({{"primitives", {{{"attributes", {{"POSITION", 0}}}, {"mode", 5}}}}});
+  for (int n = 0; n < places; ++n) {
+    nodes.push_back({{"mesh", n % meshes}});
+    list.push_back(n);
+  }
+  root["meshes"] = all, root["nodes"] = nodes;
+  root["scenes"] = Json::array({{{"nodes", list}}});
+  return root.dump();
+}
+
+void expect_refused(const std::string& path, ErrorCode code, const std::string& words) {
+  try {
+    static_cast<void>(load_scene(path));
+    FAIL() << "was read";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), code) << error.what();
+    EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(Limits, ElementsWithoutBytes) {
+  expect_refused(write("a.gltf", unbacked((1 << 18) + 1, 1, 1)), ErrorCode::kOutOfMemory,
+                 "accessors[0].count");
+  expect_refused(write("b.gltf", unbacked(1 << 18, 3, 3)), ErrorCode::kOutOfMemory,
+                 "far more elements");
+  EXPECT_NO_THROW(static_cast<void>(load_scene(write("c.gltf", unbacked(1 << 16, 2, 2)))));
+}
+
+TEST_F(Limits, InstancesWithoutEnd) {
+  expect_refused(write("a.gltf", unbacked(1 << 18, 1, 60)), ErrorCode::kOutOfMemory,
+                 "far more triangles");
+}
+
+/// A PNG of one grey channel that ends behind its head.
+Bytes headless_png(std::uint32_t side) {
+  Bytes png{0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R'};
+  for (int axis = 0; axis < 2; ++axis)
+    for (int shift = 24; shift >= 0; shift -= 8)
+      png.push_back(static_cast<std::uint8_t>(side >> shift));
+  png.insert(png.end(), {8, 0, 0, 0, 0, 0, 0, 0, 0});
+  return png;
+}
+
+std::string square_with_picture(const std::string& name) {
+  return "mtllib " + name + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
+}
+
+TEST_F(Limits, PixelsWithoutBytes) {
+  write("a.png", headless_png(8000));
+  write("a.mtl", std::string("newmtl a\nmap_Kd a.png\n"));
+  const SceneDescription scene = load_scene(write("a.obj", square_with_picture("a.mtl")));
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("a.png"), std::string::npos);
+  EXPECT_TRUE(scene.images.empty());
+}
+
+TEST_F(Limits, NamesThatLeaveTheFolder) {
+  write("m.mtl", std::string("newmtl a\nKd 1 0 0\n"));
+  for (const std::string& name : {std::string("../m.mtl"), path("m.mtl")}) {
+    const std::string file = write("inner/a.obj", square_with_picture(name));
+    const SceneDescription kept_out = load_scene(file);
+    EXPECT_FALSE(kept_out.warnings.empty()) << name;
+    EXPECT_EQ(kept_out.materials[0].name, "default") << name;
+    const SceneDescription let_in = load_scene(file, {.allow_external = true});
+    EXPECT_TRUE(let_in.warnings.empty()) << let_in.warnings[0];
+    EXPECT_EQ(let_in.materials[0].name, "a") << name;
+  }
+}
+
+TEST_F(Limits, BuffersThatLeaveTheFolder) {
+  write("corners.bin", Bytes(36, 0));
+  Json root = Json::parse(unbacked(3, 1, 1));
+  root["buffers"] = {{{"byteLength", 36}, {"uri", "../corners.bin"}}};
+  root["bufferViews"] = {{{"buffer", 0}, {"byteLength", 36}}};
+  root["accessors"][0]["bufferView"] = 0;
+  const std::string file = write("inner/a.gltf", root.dump());
+  expect_refused(file, ErrorCode::kUnsupported, "does not stay inside the file's folder");
+  EXPECT_EQ(load_scene(file, {.allow_external = true}).triangle_count(), 1u);
+  root["buffers"][0]["uri"] = path("corners.bin");
+  write("inner/a.gltf", root.dump());
+  EXPECT_THROW(static_cast<void>(load_scene(file, {.allow_external = true})), Error);
+}
+
+}  // namespace
+}  // namespace raysheaf::test
