@@ -1,4 +1,5 @@
-// The translation unit of stb_image.
+// The translation unit of stb_image, as cmake/StbImage.cmake makes it. Formats that scenes do not
+// use are left out: what is not there cannot be wrong.
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_NO_STDIO
@@ -6,6 +7,8 @@
 #define STBI_NO_LINEAR
 #define STBI_NO_PIC
 #define STBI_NO_PNM
+#define STBI_NO_GIF
+#define STBI_NO_PSD
 #define STBI_FAILURE_USERMSG
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"

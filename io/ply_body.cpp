@@ -85,8 +85,10 @@ std::uint64_t PlyNumbers::next_count(const PlyProperty& list, const std::string&
                                      std::uint64_t index) {
   const double count = next(list.count_type, element, index);
   const std::size_t least = format_ == PlyFormat::kAscii ? 1 : size_of(list.type);
-  if (!(count >= 0) || count != static_cast<double>(static_cast<std::uint64_t>(count)) ||
-      count * static_cast<double>(least) > static_cast<double>(bytes_.size() - at_)) {
+  // In this order: what the file can hold is a number that can be converted.
+  if (!(count >= 0) ||
+      count * static_cast<double>(least) > static_cast<double>(bytes_.size() - at_) ||
+      count != static_cast<double>(static_cast<std::uint64_t>(count))) {
     refuse("the list \"" + printable(list.name) + "\" has a count that the file cannot hold",
            element, index);
   }
