@@ -47,9 +47,29 @@ std::uint64_t most_pixels(std::size_t bytes) {
 
 }  // namespace
 
+namespace {
+
+/// stb takes a PNG chunk's word for its length and allocates that much.
+bool has_chunk_beyond_end(std::span<const std::uint8_t> encoded) {
+  constexpr std::uint8_t kPng[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+  if (encoded.size() < 8 || !std::equal(std::begin(kPng), std::end(kPng), encoded.begin()))
+    return false;
+  constexpr std::size_t kAround = 12;  // length, kind and checksum
+  for (std::size_t at = 8; encoded.size() - at >= kAround;) {
+    std::size_t length = 0;
+    for (std::size_t i = 0; i < 4; ++i) length = length << 8 | encoded[at + i];
+    if (length > encoded.size() - at - kAround) return true;
+    at += length + kAround;
+  }
+  return false;
+}
+
+}  // namespace
+
 std::optional<Image> decode_image(std::span<const std::uint8_t> encoded) {
   const auto size = image_size(encoded);
   if (!size || pixels_of(*size) > most_pixels(encoded.size())) return {};
+  if (has_chunk_beyond_end(encoded)) return {};
   int width = 0, height = 0, channels = 0;
   const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(
       stbi_load_from_memory(encoded.data(), static_cast<int>(encoded.size()), &width, &height,

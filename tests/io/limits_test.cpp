@@ -70,6 +70,17 @@ TEST_F(Limits, PixelsWithoutBytes) {
   EXPECT_TRUE(scene.images.empty());
 }
 
+TEST_F(Limits, PicturesThatFuzzingFound) {
+  for (const auto& file : std::filesystem::directory_iterator(std::string(RAYSHEAF_SOURCE_DIR) +
+                                                              "/tests/fuzz/found/image")) {
+    std::filesystem::copy_file(file, path("a.png"),
+                               std::filesystem::copy_options::overwrite_existing);
+    write("a.mtl", std::string("newmtl a\nmap_Kd a.png\n"));
+    const SceneDescription scene = load_scene(write("a.obj", square_with_picture("a.mtl")));
+    EXPECT_TRUE(scene.images.empty()) << file.path();
+  }
+}
+
 TEST_F(Limits, NamesThatLeaveTheFolder) {
   write("m.mtl", std::string("newmtl a\nKd 1 0 0\n"));
   for (const std::string& name : {std::string("../m.mtl"), path("m.mtl")}) {
