@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <new>
 
 namespace raysheaf {
 
@@ -27,7 +28,11 @@ std::unique_ptr<Stream> StreamPool::take() {
 
 void StreamPool::give(std::unique_ptr<Stream> stream) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  free_.push_back(std::move(stream));
+  try {
+    free_.push_back(std::move(stream));
+  } catch (const std::bad_alloc&) {
+    // Destructors give streams back: without room to keep it, it goes.
+  }
 }
 
 std::size_t StreamPool::bytes() const {

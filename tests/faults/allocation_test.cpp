@@ -96,7 +96,7 @@ class Faults : public ::testing::TestWithParam<std::uint32_t> {
 
 // Disabled until StreamPool::give (dual/stream.cpp), which destructors call, may be out of memory:
 // the program ends there.
-TEST_P(Faults, DISABLED_QueriesOfANewScene) {
+TEST_P(Faults, QueriesOfANewScene) {
   const Context shared = context();
   const std::vector<Vec3> a = corners(1, 400), b = corners(2, 700);
   const auto whole = [&] {
