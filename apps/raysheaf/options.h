@@ -92,9 +92,9 @@ struct ManualCommand {
   CommandText raysheaf;
 };
 
-using Command = std::variant<RenderCommand, InfoCommand, SceneCommand, VerifyCommand,
-                             BenchPaperCommand, BenchAblationCommand, BenchCompareCommand,
-                             CompletionCommand, ManualCommand>;
+using Command =
+    std::variant<RenderCommand, InfoCommand, SceneCommand, VerifyCommand, BenchPaperCommand,
+                 BenchAblationCommand, BenchCompareCommand, CompletionCommand, ManualCommand>;
 
 /// Each gives an exit code, or throws `Error`.
 int run(const RenderCommand& command);
