@@ -70,9 +70,9 @@ Ray edge_ray(const ClosedMesh& mesh, std::uint64_t seed, std::uint64_t index) {
   }
   // From outside to a point inside, by way of an edge point as near as rounding allows.
   const float away = random.magnitude(0, 2);
-  const float least = std::min(
-      kRoundings * kUnitRoundoff * (coordinates + away * mesh.extent) / mesh.thickness, 1.0f);
-  const Vec3 aim = inside(to, least, &random);
+  const float least =
+      kRoundings * kUnitRoundoff * (coordinates + away * mesh.extent) / mesh.thickness;
+  const Vec3 aim = inside(to, std::min(least, 1.0f), &random);
   const Vec3 out = to.point - aim;
   const float size = max_component(abs(out));
   ray.origin = aim + out * (size > 0 ? (away + 1) * mesh.extent / size : 0.0f);
@@ -82,6 +82,8 @@ Ray edge_ray(const ClosedMesh& mesh, std::uint64_t seed, std::uint64_t index) {
     return ray;
   }
   change_length(&random, &ray, &t);
+  // A mesh too thin to be surely inside of, seen from so far away: the ray goes in and out.
+  if (least > 1) return ray;
   if (random.one_in(2))
     ray.t_max = t;  // in
   else
