@@ -1,9 +1,9 @@
 // The cost model: what a query does, chosen from its rays and its scene, and why.
 //
 // Costs are nanoseconds of one core, measured on one machine (docs/performance.md); what counts is
-// their proportions, which move little from machine to machine. Everything is decided before the
-// query starts and from nothing but its arguments and the scene's history, so that the same calls
-// make the same choices with any number of threads.
+// their proportions, which move little from machine to machine. Everything is decided from
+// nothing but the query's arguments, the scene's history and its tree, so that the same calls make
+// the same choices with any number of threads.
 #pragma once
 
 #include <cstdint>
