@@ -62,23 +62,23 @@ class Picture:
     """A rendered frame: arrays of h x w pixels, rows from the top. A notebook shows it by itself."""
 
     image: NDArray[np.uint8]
-    """(h, w, 3): for people; exposed, tone-mapped, sRGB."""
+    """(h, w, 3), for people; exposed, tone-mapped, sRGB."""
     beauty: NDArray[np.float32]
-    """(h, w, 3): linear radiance, Rec. 709 primaries."""
+    """(h, w, 3), linear radiance, Rec. 709 primaries."""
     position: NDArray[np.float32]
-    """(h, w, 3): what the pixel sees, in the world; 0 for nothing."""
+    """(h, w, 3), what the pixel sees, in the world; 0 for nothing."""
     normal: NDArray[np.float32]
-    """(h, w, 3): the shading normal there."""
+    """(h, w, 3), the shading normal there."""
     albedo: NDArray[np.float32]
-    """(h, w, 3): diffuse and specular reflectance there."""
+    """(h, w, 3), diffuse and specular reflectance there."""
     shadow: NDArray[np.float32]
-    """(h, w): the part of the lights facing it that reaches it."""
+    """(h, w), the part of the lights facing it that reaches it."""
     inst_id: NDArray[np.uint32]
-    """(h, w): its instance; `INVALID_ID` for nothing, as the two below."""
+    """(h, w), its instance; `INVALID_ID` for nothing, as the two below."""
     geom_id: NDArray[np.uint32]
-    """(h, w): its mesh."""
+    """(h, w), its mesh."""
     prim_id: NDArray[np.uint32]
-    """(h, w): its triangle."""
+    """(h, w), its triangle."""
     exposure: float
     """The factor from `beauty` to what was tone-mapped."""
 
@@ -137,6 +137,8 @@ def render(
         With code ``"io"`` for a file that cannot be read, ``"no_graphics"`` for "raster" where
         there is no OpenGL.
 
+    Examples
+    --------
     >>> import raysheaf
     >>> picture = raysheaf.render("builtin:cornell", width=48, height=32)
     >>> picture.image.shape, picture.image.dtype

@@ -28,11 +28,6 @@ def _wish(mask: int, method: str, check: bool, statistics: Optional[dict[str, An
 class Scene:
     """Meshes of triangles, placed in the world by instances, and the queries that rays ask of them.
 
-    Parameters
-    ----------
-    threads : int
-        How many threads queries use; 0 takes all cores that the process may use. 1024 at most.
-
     Changes show at the next query: it commits them. `commit` does it at a time that you choose.
 
     Nothing is ever wrong for a while: a query sees all changes that were made before it began. Any
@@ -42,6 +37,13 @@ class Scene:
     Arrays are copied into the scene: what happens to yours afterwards does not matter to it.
     Vertices and rays are float32 inside; float64 is rounded to it. Lengths are in any unit.
 
+    Parameters
+    ----------
+    threads : int
+        How many threads queries use; 0 takes all cores that the process may use. 1024 at most.
+
+    Examples
+    --------
     >>> import numpy as np, raysheaf
     >>> scene = raysheaf.Scene()
     >>> triangle = np.array([[0, 0, 1], [1, 0, 1], [0, 1, 1]], np.float32)
@@ -296,6 +298,8 @@ class Scene:
         TypeError, ValueError
             For arrays of a wrong dtype or of shapes that do not broadcast.
 
+        Examples
+        --------
         >>> import numpy as np, raysheaf
         >>> scene = raysheaf.Scene()
         >>> mesh = scene.add([[0, 0, 5], [4, 0, 5], [0, 4, 5]], [[0, 1, 2]])

@@ -68,6 +68,11 @@ class _Batch:
 class RayMeshIntersector:
     """What `trimesh.ray.ray_pyembree.RayMeshIntersector` does, by raysheaf.
 
+    Both sides of faces are met. A ray that meets several faces at one place, an edge or a vertex,
+    hits one of them there. Results are sorted by ray, then from near to far, and locations are
+    computed in float64. Directions need not be unit vectors; rays that are not finite, or whose
+    direction is zero, hit nothing.
+
     Parameters
     ----------
     geometry : trimesh.Trimesh
@@ -78,11 +83,6 @@ class RayMeshIntersector:
         be wherever the mesh lies. False: in the mesh's own coordinates.
     threads : int
         How many threads queries use; 0 takes all cores.
-
-    Both sides of faces are met. A ray that meets several faces at one place, an edge or a vertex,
-    hits one of them there. Results are sorted by ray, then from near to far, and locations are
-    computed in float64. Directions need not be unit vectors; rays that are not finite, or whose
-    direction is zero, hit nothing.
     """
 
     def __init__(self, geometry: Any, scale_to_box: bool = True, *, threads: int = 0) -> None:

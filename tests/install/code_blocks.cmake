@@ -1,18 +1,17 @@
-# write_code_blocks(document prefix): every block of C++ in a document as a program of its own,
-# prefix_0.cpp, prefix_1.cpp ... One without a `main` is the body of a function that has a scene, a
-# mesh of it, rays, hits and the mesh's arrays at hand.
+# write_code_blocks(document prefix): every block of C++ in a document, as programs prefix_0.cpp,
+# prefix_1.cpp ... A block with a `main` is a program of its own. One without is the body of a function
+# that has a scene, a mesh of it, rays, hits and the mesh's arrays at hand; these make one program
+# together, prefix_bodies.cpp.
+set(parameters "Scene& scene, MeshId mesh, const std::vector<Ray>& rays, std::vector<Hit>& hits,
+          const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles")
 set(before "
 #include <raysheaf/error.h>
 #include <raysheaf/query.h>
 #include <cstdio>
+#include <vector>
 using namespace raysheaf;
-void block(Scene& scene, MeshId mesh, const std::vector<Ray>& rays, std::vector<Hit>& hits,
-           const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles) {
-  (void)scene, (void)mesh, (void)rays, (void)hits, (void)positions, (void)triangles;
-")
-set(after "
-}
-int main() {
+using Block = void(${parameters});
+void run(Block* block) {
   const std::vector<Vec3> positions{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
   const std::vector<Triangle> triangles{{0, 1, 2}};
   Scene scene;
@@ -26,6 +25,8 @@ int main() {
 function(write_code_blocks document prefix)
   file(READ ${document} text)
   set(number 0)
+  set(bodies "")
+  set(calls "")
   while(TRUE)
     string(FIND "${text}" "```cpp\n" start)
     if(start EQUAL -1)
@@ -36,13 +37,19 @@ function(write_code_blocks document prefix)
     string(FIND "${text}" "\n```" length)
     string(SUBSTRING "${text}" 0 ${length} block)
     string(SUBSTRING "${text}" ${length} -1 text)
-    if(NOT block MATCHES "int main")
-      string(CONCAT block "${before}" "${block}" "${after}")
+    if(block MATCHES "int main")
+      file(WRITE ${prefix}_${number}.cpp "${block}\n")
+    else()
+      string(APPEND bodies "void block_${number}(${parameters}) {\n"
+        "(void)scene, (void)mesh, (void)rays, (void)hits, (void)positions, (void)triangles;\n${block}\n}\n")
+      string(APPEND calls "  run(block_${number});\n")
     endif()
-    file(WRITE ${prefix}_${number}.cpp "${block}\n")
     math(EXPR number "${number} + 1")
   endwhile()
   if(number EQUAL 0)
     message(FATAL_ERROR "${document} shows no C++")
+  endif()
+  if(bodies)
+    file(WRITE ${prefix}_bodies.cpp "${before}${bodies}int main() {\n${calls}}\n")
   endif()
 endfunction()

@@ -1,12 +1,14 @@
 # cmake -DSOURCE_DIR=... -DWORK_DIR=... -DCXX=... -DCXX_FLAGS=... -P find_package.cmake
-# Builds the consumer, and every program that README.md and docs/library.md show, with what is
+# Builds the consumer, and all C++ that README.md and the pages show, with what is
 # installed in WORK_DIR/prefix, and runs them.
 cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/code_blocks.cmake)
 file(REMOVE_RECURSE ${WORK_DIR}/blocks ${WORK_DIR}/build)
 write_code_blocks(${SOURCE_DIR}/README.md ${WORK_DIR}/blocks/readme)
-write_code_blocks(${SOURCE_DIR}/docs/library.md ${WORK_DIR}/blocks/library)
+foreach(page get-started library cookbook)
+  write_code_blocks(${SOURCE_DIR}/docs/${page}.md ${WORK_DIR}/blocks/${page})
+endforeach()
 run(${CMAKE_COMMAND} -G Ninja -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK_DIR}/build
   -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix -DBLOCKS=${WORK_DIR}/blocks
   -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS})

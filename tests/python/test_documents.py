@@ -1,4 +1,4 @@
-"""Examples in docstrings and in docs/python.md do what they show."""
+"""Examples in docstrings and in the pages do what they show."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import importlib
 import os
 import pkgutil
 import re
+import runpy
 from pathlib import Path
 
 import numpy as np
@@ -29,11 +30,30 @@ def test_docstrings(name):
     assert doctest.testmod(module, optionflags=FLAGS).failed == 0
 
 
-def test_the_page(tmp_path, monkeypatch):
-    pytest.importorskip("trimesh")
+PAGES = sorted(p for p in (ROOT / "docs").rglob("*.md") if "\n>>> " in p.read_text("utf-8"))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_pages(page, tmp_path, monkeypatch):
+    if "import trimesh" in page.read_text(encoding="utf-8"):
+        pytest.importorskip("trimesh")
     monkeypatch.chdir(tmp_path)
-    done = doctest.testfile(str(ROOT / "docs/python.md"), module_relative=False, optionflags=FLAGS)
-    assert done.attempted > 20 and done.failed == 0
+    done = doctest.testfile(str(page), module_relative=False, optionflags=FLAGS)
+    assert done.attempted > 0 and done.failed == 0
+
+
+def test_the_pages_are_there():
+    assert {"cookbook", "get-started", "python", "tuning"} <= {page.stem for page in PAGES}
+
+
+def test_the_drawings_are_what_draws_them(tmp_path):
+    program = runpy.run_path(str(ROOT / "docs/site/pictures.py"))
+    program["draw_all"](tmp_path)
+    drawn = sorted(tmp_path.glob("*.svg"))
+    assert len(drawn) == 4
+    for picture in drawn:
+        kept = ROOT / "docs/images" / picture.name
+        assert picture.read_bytes() == kept.read_bytes(), f"run docs/site/pictures.py: {kept}"
 
 
 def test_the_readme():

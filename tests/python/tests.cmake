@@ -1,4 +1,4 @@
-# The Python module: one test a file, the examples in its docstrings and in docs/python.md, its types.
+# The Python module: one test a file, the examples in its docstrings and in the pages, its types.
 # Where it was not built, one test that is skipped says so.
 if(RAYSHEAF_HAS_PYTHON)
   execute_process(COMMAND ${Python_EXECUTABLE} -c "import numpy, pytest"
