@@ -1,0 +1,126 @@
+"""stage.py FOLDER: lays the pages out as Sphinx wants them, from the one source that they have.
+
+docs/ keeps its shape. What a header says at its head, for Doxygen no more than a remark, goes before
+its reference. A file elsewhere in the repository that a page links to becomes a page as well,
+`source/<its path>`: Markdown as it is, code as code, a folder as the list of what is in it. Links are
+turned to fit. What has not changed is not written, so that Sphinx does not read it again.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from pathlib import Path, PurePosixPath
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = PurePosixPath("docs")
+HEADER = "```{doxygenfile} "
+LINK = re.compile(r"(\]\()([^)\s]+)(\))")
+LANGUAGES = {".h": "cpp", ".cpp": "cpp", ".cu": "cpp", ".py": "python", ".cmake": "cmake", ".json": "json"}
+LONGEST = 2000  # lines of a file that is shown
+
+
+def normal(path: PurePosixPath) -> PurePosixPath:
+    return PurePosixPath(os.path.normpath(path))
+
+
+def is_in_docs(path: PurePosixPath) -> bool:
+    """Whether it keeps its place: a page or a picture."""
+    return path.parts[:1] == DOCS.parts and path.suffix in (".md", ".svg", ".png")
+
+
+def page_of(path: PurePosixPath) -> PurePosixPath:
+    """Where a file of the repository is staged."""
+    if is_in_docs(path):
+        return path.relative_to(DOCS)
+    return PurePosixPath("source") / (path if path.suffix == ".md" else f"{path}.md")
+
+
+def head_of(header: str) -> list[str]:
+    """The comment at the head of a public header, as Markdown; lines that are indented are code."""
+    lines, code = [f"### raysheaf/{header}", ""], False
+    for line in (ROOT / "include/raysheaf" / header).read_text(encoding="utf-8").splitlines():
+        if not line.startswith("//"):
+            break
+        text = line[2:].removeprefix(" ")
+        if text.startswith("  ") != code:
+            code = not code
+            lines.append("```cpp" if code else "```")
+        lines.append(text[2:] if code else text)
+    return [*lines, *["```"] * code, ""]
+
+
+class Stage:
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.written: set[Path] = set()
+        self.waiting: list[PurePosixPath] = []
+
+    def write(self, page: PurePosixPath, content: bytes) -> None:
+        path = self.folder / page
+        self.written.add(path)
+        if not path.exists() or path.read_bytes() != content:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
+
+    def turned(self, path: PurePosixPath, link: str) -> str:
+        """A link in the file `path`, as its page has it; what it leads to will be staged too."""
+        target, mark, anchor = link.partition("#")
+        if not target or "://" in link or link.startswith("mailto:"):
+            return link
+        found = normal(path.parent / target)
+        if not (ROOT / found).exists():
+            return link  # Sphinx says so
+        if not is_in_docs(found):
+            self.waiting.append(found)
+        up = os.path.relpath(page_of(found), page_of(path).parent)
+        return up + mark + anchor
+
+    def markdown(self, path: PurePosixPath) -> None:
+        lines, fenced = [], False
+        for line in (ROOT / path).read_text(encoding="utf-8").splitlines():
+            if line.startswith(HEADER) and not fenced:
+                lines += head_of(line.removeprefix(HEADER))
+            if line.startswith("```"):
+                fenced = not fenced
+            elif not fenced:
+                line = LINK.sub(lambda m: m[1] + self.turned(path, m[2]) + m[3], line)
+            lines.append(line)
+        if not is_in_docs(path):
+            lines = ["---", "orphan: true", "---", *lines]
+        self.write(page_of(path), ("\n".join(lines) + "\n").encode())
+
+    def code(self, path: PurePosixPath) -> None:
+        text = (ROOT / path).read_text(encoding="utf-8")
+        if text.count("\n") > LONGEST:
+            text = "".join(text.splitlines(True)[:LONGEST]) + "...\n"
+        language = LANGUAGES.get(path.suffix, "text")
+        page = f"---\norphan: true\n---\n# {path.name}\n\n`{path}`\n\n````{language}\n{text}````\n"
+        self.write(page_of(path), page.encode())
+
+    def listing(self, path: PurePosixPath) -> None:
+        names = sorted(p.name + "/" * p.is_dir() for p in (ROOT / path).iterdir() if p.name[0] not in "._")
+        rows = "\n".join(f"* `{name}`" for name in names)
+        self.write(page_of(path), f"---\norphan: true\n---\n# {path}\n\n{rows}\n".encode())
+
+    def run(self) -> None:
+        for file in sorted((ROOT / DOCS).rglob("*")):
+            path = PurePosixPath(file.relative_to(ROOT).as_posix())
+            if path.suffix == ".md":
+                self.markdown(path)
+            elif is_in_docs(path):
+                self.write(page_of(path), file.read_bytes())
+        while self.waiting:
+            path = self.waiting.pop()
+            if self.folder / page_of(path) in self.written:
+                continue
+            kind = self.listing if (ROOT / path).is_dir() else self.code
+            (self.markdown if path.suffix == ".md" else kind)(path)
+        for file in self.folder.rglob("*"):
+            if file.is_file() and file not in self.written:
+                file.unlink()
+
+
+if __name__ == "__main__":
+    Stage(Path(sys.argv[1])).run()
