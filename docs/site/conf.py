@@ -10,7 +10,9 @@ BUILD = Path(os.environ["RAYSHEAF_DOCS"])
 sys.path.insert(0, str(ROOT / "python"))
 
 project = "raysheaf"
-release = re.search(r"project\(raysheaf VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text())[1]
+release = re.search(r"project\(raysheaf VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text())[
+    1
+]
 version = release
 copyright = "the raysheaf developers"
 
@@ -32,7 +34,12 @@ autodoc_mock_imports = ["raysheaf._core", "trimesh"]
 autodoc_member_order = "bysource"
 autodoc_default_options = {"members": True}
 autodoc_typehints_format = "short"
-autodoc_type_aliases = {"NDArray": "NDArray", "ArrayLike": "ArrayLike", "Floats": "Floats", "Ints": "Ints"}
+autodoc_type_aliases = {
+    "NDArray": "NDArray",
+    "ArrayLike": "ArrayLike",
+    "Floats": "Floats",
+    "Ints": "Ints",
+}
 autodoc_preserve_defaults = True
 napoleon_use_rtype = False
 python_use_unqualified_type_names = True
@@ -55,7 +62,9 @@ html_theme_options = {"navigation_with_keys": True}
 
 def plain_names(app, what, name, obj, options, signature, returned):
     """Aliases of types by their names, where autodoc shows how it holds them."""
-    plain = [s and re.sub(r"TypeAliasForwardRef\('(\w+)'\)", r"\1", s) for s in (signature, returned)]
+    plain = [
+        s and re.sub(r"TypeAliasForwardRef\('(\w+)'\)", r"\1", s) for s in (signature, returned)
+    ]
     return tuple(plain)
 
 

@@ -167,12 +167,24 @@ class Picture:
         )
         self.lines.append(f"<{tag}{written}>{text}</{tag}>" if text else f"<{tag}{written}/>")
 
-    def text(self, x: float, y: float, words: str, fill: str = INK, anchor: str = "start", **more: object) -> None:
+    def text(
+        self, x: float, y: float, words: str, fill: str = INK, anchor: str = "start", **more: object
+    ) -> None:
         self.add("text", words, x=float(x), y=float(y), fill=fill, text_anchor=anchor, **more)
 
-    def line(self, a: Point, b: Point, stroke: str, width: float = 1.0, opacity: float = 1.0) -> None:
-        self.add("line", x1=float(a[0]), y1=float(a[1]), x2=float(b[0]), y2=float(b[1]), stroke=stroke,
-                 stroke_width=width, stroke_opacity=opacity)
+    def line(
+        self, a: Point, b: Point, stroke: str, width: float = 1.0, opacity: float = 1.0
+    ) -> None:
+        self.add(
+            "line",
+            x1=float(a[0]),
+            y1=float(a[1]),
+            x2=float(b[0]),
+            y2=float(b[1]),
+            stroke=stroke,
+            stroke_width=width,
+            stroke_opacity=opacity,
+        )
 
     def polygon(self, points: list[Point], **attributes: object) -> None:
         at = " ".join(f"{number(x)},{number(y)}" for x, y in points)
@@ -186,17 +198,23 @@ def moved(points: list[Point], by: Point) -> list[Point]:
     return [(x + by[0], y + by[1]) for x, y in points]
 
 
-def draw_meshes(picture: Picture, by: Point = (0, 0), marked: dict[int, set[int]] | None = None) -> None:
+def draw_meshes(
+    picture: Picture, by: Point = (0, 0), marked: dict[int, set[int]] | None = None
+) -> None:
     """All of them; with `marked`, the segments in it bold and all others faint."""
     for m, mesh in enumerate(MESHES):
         picture.polygon(moved(mesh.corners, by), fill="#eceff3", stroke="none")
         for s, segment in enumerate(mesh.segments()):
             bold = marked is None or s in marked.get(m, set())
             a, b = moved(list(segment), by)
-            picture.line(a, b, INK if bold else "#c3c9d1", 2.5 if bold and marked is not None else 1.5)
+            picture.line(
+                a, b, INK if bold else "#c3c9d1", 2.5 if bold and marked is not None else 1.5
+            )
 
 
-def draw_ray(picture: Picture, ray: Ray, colour: str, by: Point = (0, 0), opacity: float = 0.8) -> None:
+def draw_ray(
+    picture: Picture, ray: Ray, colour: str, by: Point = (0, 0), opacity: float = 0.8
+) -> None:
     t = first_hit(ray)
     a = (ray.origin[0] + by[0], ray.origin[1] + by[1])
     b = (a[0] + t * ray.direction[0], a[1] + t * ray.direction[1])
@@ -214,26 +232,53 @@ def outline(node: Node, length: float) -> list[Point]:
     """The hull of the circle of origins and the cone that leaves it, cut after `length`."""
     left, right = node.axis - node.half, node.axis + node.half
     (x, y), r = node.center, max(node.radius, 2.0)
-    back = [(x + r * math.cos(a), y + r * math.sin(a))
-            for a in (right + math.pi / 2 + (left + 2 * math.pi - right - math.pi) * i / 12 for i in range(13))]
+    back = [
+        (x + r * math.cos(a), y + r * math.sin(a))
+        for a in (
+            right + math.pi / 2 + (left + 2 * math.pi - right - math.pi) * i / 12 for i in range(13)
+        )
+    ]
     start_left, start_right = back[-1], back[0]
     far_left = (start_left[0] + length * math.cos(left), start_left[1] + length * math.sin(left))
-    far_right = (start_right[0] + length * math.cos(right), start_right[1] + length * math.sin(right))
+    far_right = (
+        start_right[0] + length * math.cos(right),
+        start_right[1] + length * math.sin(right),
+    )
     return [*back, far_left, far_right]
 
 
-def draw_node(picture: Picture, node: Node, colour: str, by: Point, length: float, clip: str) -> None:
-    picture.polygon(moved(outline(node, length), by), fill=colour, fill_opacity=0.13, stroke=colour,
-                    stroke_opacity=0.7, clip_path=f"url(#{clip})")
-    picture.add("circle", cx=node.center[0] + by[0], cy=node.center[1] + by[1], r=max(node.radius, 2.0),
-                fill="none", stroke=colour, stroke_width=1.5, clip_path=f"url(#{clip})")
+def draw_node(
+    picture: Picture, node: Node, colour: str, by: Point, length: float, clip: str
+) -> None:
+    picture.polygon(
+        moved(outline(node, length), by),
+        fill=colour,
+        fill_opacity=0.13,
+        stroke=colour,
+        stroke_opacity=0.7,
+        clip_path=f"url(#{clip})",
+    )
+    picture.add(
+        "circle",
+        cx=node.center[0] + by[0],
+        cy=node.center[1] + by[1],
+        r=max(node.radius, 2.0),
+        fill="none",
+        stroke=colour,
+        stroke_width=1.5,
+        clip_path=f"url(#{clip})",
+    )
 
 
 def frame(picture: Picture, name: str, by: Point) -> None:
     """A panel of 690 by 300, which what is drawn in does not leave."""
-    clip = f'<clipPath id="{name}"><rect x="{by[0]}" y="{by[1]}" width="690" height="300"/></clipPath>'
+    clip = (
+        f'<clipPath id="{name}"><rect x="{by[0]}" y="{by[1]}" width="690" height="300"/></clipPath>'
+    )
     picture.lines.append(clip)
-    picture.add("rect", x=float(by[0]), y=float(by[1]), width=690, height=300, fill="none", stroke="#d5dae0")
+    picture.add(
+        "rect", x=float(by[0]), y=float(by[1]), width=690, height=300, fill="none", stroke="#d5dae0"
+    )
 
 
 def draw_order(folder: Path) -> None:
@@ -241,7 +286,9 @@ def draw_order(folder: Path) -> None:
     rays = shadow_rays()
     picture = Picture(730, 700, "Rays in bundles, as they come and sorted")
     orders = {
-        "In the order of the pixels: every bundle of four holds rays of both lamps": list(range(len(rays))),
+        "In the order of the pixels: every bundle of four holds rays of both lamps": list(
+            range(len(rays))
+        ),
         "Sorted by lamp and direction: the same rays, narrow bundles": sorted(
             range(len(rays)), key=lambda i: (key(rays[i]), i)
         ),
@@ -270,16 +317,38 @@ def draw_tree(folder: Path) -> None:
         y = 30.0 + 55 * row
         picture.text(20, y + 17, words)
         for i in range(0, count, size):
-            picture.add("rect", x=80 + i * step + 2, y=y, width=size * step - 4, height=26.0, rx=5,
-                        fill=PALETTE[(i // 4) % len(PALETTE)] if size < 16 else SOFT,
-                        fill_opacity=0.75 if size < 16 else 0.45)
+            picture.add(
+                "rect",
+                x=80 + i * step + 2,
+                y=y,
+                width=size * step - 4,
+                height=26.0,
+                rx=5,
+                fill=PALETTE[(i // 4) % len(PALETTE)] if size < 16 else SOFT,
+                fill_opacity=0.75 if size < 16 else 0.45,
+            )
             if size > 1:
-                picture.text(80 + (i + size / 2) * step, y + 17, f"rays {i} to {i + size - 1}", "#ffffff"
-                             if size == 4 else INK, "middle", font_size=10 if size == 4 else 13)
+                picture.text(
+                    80 + (i + size / 2) * step,
+                    y + 17,
+                    f"rays {i} to {i + size - 1}",
+                    "#ffffff" if size == 4 else INK,
+                    "middle",
+                    font_size=10 if size == 4 else 13,
+                )
                 for c in range(0, size, size // 4):
                     child = size // 4
-                    picture.line((80 + (i + size / 2) * step, y + 26), (80 + (i + c + child / 2) * step, y + 55), SOFT)
-    picture.text(80, 194, "Node i has the nodes 4 i to 4 i + 3 below it: no pointers, nothing to store but bounds.", SOFT)
+                    picture.line(
+                        (80 + (i + size / 2) * step, y + 26),
+                        (80 + (i + c + child / 2) * step, y + 55),
+                        SOFT,
+                    )
+    picture.text(
+        80,
+        194,
+        "Node i has the nodes 4 i to 4 i + 3 below it: no pointers, nothing to store but bounds.",
+        SOFT,
+    )
     picture.save(folder / "concepts-tree.svg")
 
 
@@ -307,21 +376,37 @@ def draw_culling(folder: Path) -> None:
         left = {m: s for m, s in kept.items() if s}
         by = (20.0, 35.0 + 345.0 * row)
         alive = sum(len(s) for s in left.values())
-        picture.text(20, by[1] - 12,
-                     f"Level {len(path) - row}, {len(node.rays)} rays in one bound: {tests} tests, "
-                     f"{alive} of {total} segments stay", font_weight="bold")
+        picture.text(
+            20,
+            by[1] - 12,
+            f"Level {len(path) - row}, {len(node.rays)} rays in one bound: {tests} tests, "
+            f"{alive} of {total} segments stay",
+            font_weight="bold",
+        )
         frame(picture, f"cull{row}", by)
         draw_meshes(picture, by, left)
         if row == 0:
             for m, mesh in enumerate(MESHES):
-                picture.add("circle", cx=mesh.center[0] + by[0], cy=mesh.center[1] + by[1], r=mesh.radius,
-                            fill="none", stroke=INK if m in left else SOFT, stroke_dasharray="4 4")
+                picture.add(
+                    "circle",
+                    cx=mesh.center[0] + by[0],
+                    cy=mesh.center[1] + by[1],
+                    r=mesh.radius,
+                    fill="none",
+                    stroke=INK if m in left else SOFT,
+                    stroke_dasharray="4 4",
+                )
         draw_node(picture, node, PALETTE[0], by, 800, f"cull{row}")
         draw_lamps(picture, by)
     by = (20.0, 35.0 + 345.0 * len(path))
     alive = sum(len(s) for s in left.values())
-    picture.text(20, by[1] - 12, f"The rays themselves: {len(leaf.rays)} x {alive} final tests instead of "
-                 f"{len(leaf.rays)} x {total}", font_weight="bold")
+    picture.text(
+        20,
+        by[1] - 12,
+        f"The rays themselves: {len(leaf.rays)} x {alive} final tests instead of "
+        f"{len(leaf.rays)} x {total}",
+        font_weight="bold",
+    )
     frame(picture, "final", by)
     draw_meshes(picture, by, left)
     for i in leaf.rays:
@@ -332,8 +417,10 @@ def draw_culling(folder: Path) -> None:
 
 def draw_bound(folder: Path) -> None:
     """One bundle with its circle and cone, and the test of a ball against it."""
-    rays = [Ray((80 + 14 * math.sin(9 * i), 95 + 13 * i), (math.cos(a), math.sin(a)), 420.0)
-            for i, a in enumerate((-0.12, 0.02, 0.1, 0.24))]
+    rays = [
+        Ray((80 + 14 * math.sin(9 * i), 95 + 13 * i), (math.cos(a), math.sin(a)), 420.0)
+        for i, a in enumerate((-0.12, 0.02, 0.1, 0.24))
+    ]
     node = Node([0, 1, 2, 3], *bound(rays, [0, 1, 2, 3]))
     picture = Picture(730, 330, "A bundle of rays in a circle and a cone")
     by = (20.0, 15.0)
@@ -341,15 +428,29 @@ def draw_bound(folder: Path) -> None:
     draw_node(picture, node, PALETTE[0], by, 900, "bound")
     for ray in rays:
         a = (ray.origin[0] + by[0], ray.origin[1] + by[1])
-        picture.line(a, (a[0] + 330 * ray.direction[0], a[1] + 330 * ray.direction[1]), PALETTE[0], 1.3)
+        picture.line(
+            a, (a[0] + 330 * ray.direction[0], a[1] + 330 * ray.direction[1]), PALETTE[0], 1.3
+        )
         picture.add("circle", cx=a[0], cy=a[1], r=2.5, fill=PALETTE[0])
     for center, radius in (((420.0, 60.0), 26.0), ((330.0, 262.0), 22.0), ((540.0, 190.0), 30.0)):
         kept = meets(node, center, radius)
         colour = PALETTE[1] if kept else SOFT
-        picture.add("circle", cx=center[0] + by[0], cy=center[1] + by[1], r=radius, fill=colour,
-                    fill_opacity=0.2, stroke=colour, stroke_width=1.5)
-        picture.text(center[0] + by[0] + radius + 8, center[1] + by[1] + 4, "stays" if kept
-                     else "missed by all four: dropped", colour if kept else INK)
+        picture.add(
+            "circle",
+            cx=center[0] + by[0],
+            cy=center[1] + by[1],
+            r=radius,
+            fill=colour,
+            fill_opacity=0.2,
+            stroke=colour,
+            stroke_width=1.5,
+        )
+        picture.text(
+            center[0] + by[0] + radius + 8,
+            center[1] + by[1] + 4,
+            "stays" if kept else "missed by all four: dropped",
+            colour if kept else INK,
+        )
     picture.text(by[0] + 30, by[1] + 170, "origins: a ball", PALETTE[0])
     picture.text(by[0] + 445, by[1] + 130, "directions: a cone", PALETTE[0])
     picture.save(folder / "concepts-bound.svg")

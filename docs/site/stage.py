@@ -17,7 +17,14 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = PurePosixPath("docs")
 HEADER = "```{doxygenfile} "
 LINK = re.compile(r"(\]\()([^)\s]+)(\))")
-LANGUAGES = {".h": "cpp", ".cpp": "cpp", ".cu": "cpp", ".py": "python", ".cmake": "cmake", ".json": "json"}
+LANGUAGES = {
+    ".h": "cpp",
+    ".cpp": "cpp",
+    ".cu": "cpp",
+    ".py": "python",
+    ".cmake": "cmake",
+    ".json": "json",
+}
 LONGEST = 2000  # lines of a file that is shown
 
 
@@ -100,7 +107,9 @@ class Stage:
         self.write(page_of(path), page.encode())
 
     def listing(self, path: PurePosixPath) -> None:
-        names = sorted(p.name + "/" * p.is_dir() for p in (ROOT / path).iterdir() if p.name[0] not in "._")
+        names = sorted(
+            p.name + "/" * p.is_dir() for p in (ROOT / path).iterdir() if p.name[0] not in "._"
+        )
         rows = "\n".join(f"* `{name}`" for name in names)
         self.write(page_of(path), f"---\norphan: true\n---\n# {path}\n\n{rows}\n".encode())
 
