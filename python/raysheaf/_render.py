@@ -107,6 +107,8 @@ def render(
 ) -> Picture:
     """Render a frame of a scene file or of a built-in scene.
 
+    Ctrl-C stops it: in brute force at once, else between batches of rays.
+
     Parameters
     ----------
     scene : str or path

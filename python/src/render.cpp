@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core.h"
+#include "interrupt.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/io.h"
 
@@ -50,8 +51,7 @@ nb::dict render_scene(const std::string& scene, std::uint32_t width, std::uint32
                       std::uint32_t bounces, std::uint32_t threads,
                       const std::optional<float>& exposure) {
   auto rendered = std::make_unique<Rendered>();
-  {
-    const nb::gil_scoped_release release;
+  interruptible([&](const std::atomic<bool>& stop) {
     RenderOptions options;
     options.width = width;
     options.height = height;
@@ -61,9 +61,10 @@ nb::dict render_scene(const std::string& scene, std::uint32_t width, std::uint32
     options.bounces = bounces;
     options.threads = threads;
     options.exposure = exposure;
+    options.progress = [&](const Progress&) { return !stop; };
     rendered->result = render(scene_named(scene), options);
     rendered->picture = tone_mapped(rendered->result);
-  }
+  });
   return arrays_of(rendered.release());
 }
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import signal
 import struct
 import subprocess
 import sys
+import time
 import zlib
 from pathlib import Path
 
@@ -89,6 +91,24 @@ def test_a_file(tmp_path):
 def test_wrong_wishes(kind, message, given):
     with pytest.raises(kind, match=message):
         raysheaf.render(**{"scene": "builtin:cornell", "width": 8, "height": 8, **given})
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="the system has no timers")
+def test_ctrl_c_is_heard():
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    begin = time.monotonic()
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.3)
+        with pytest.raises(KeyboardInterrupt):  # it would take minutes
+            raysheaf.render("builtin:atrium", width=2048, height=2048, method="brute")
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    assert time.monotonic() - begin < 30
+    assert raysheaf.render("builtin:cornell", width=8, height=8).image.shape == (8, 8, 3)
 
 
 @pytest.mark.skipif(
