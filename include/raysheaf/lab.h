@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "raysheaf/method.h"
@@ -40,6 +42,28 @@ struct Quirks {
                                    ///< program's: it shows how far a few rays move the counts
 };
 
+/// What bounds some rays, in the world. Where there are a hull and a cone, both do.
+struct BundleVolume {
+  std::uint64_t ray_count = 0;
+  /// The convex hull of two boxes, as far as it lies in a third.
+  bool has_hull = false;
+  Box origins, ends, within;
+  /// Origins in a ball, directions in a cone, hits no farther from their origin than `reach`, which
+  /// may be infinite.
+  bool has_cone = false;
+  Vec3 center, axis;
+  float radius = 0, sin_angle = 0;  ///< of the cone's half angle; above 1: directions of all kinds
+  float reach = 0;
+};
+
+/// Rays that a method takes together.
+struct RayBundle {
+  std::vector<Ray> rays;
+  std::size_t ray = 0;                ///< which of them was asked for
+  std::vector<BundleVolume> volumes;  ///< of these rays, then of ever more around them
+  std::string what;                   ///< in words, as "8 of 64 rays"
+};
+
 class Laboratory {
  public:
   /// Finds the primary hits of the scene's first camera, by OpenGL or, where there is none, by
@@ -59,6 +83,11 @@ class Laboratory {
   /// measured once a batch; `check` = false leaves that out.
   [[nodiscard]] BatchStatistics measure(LabRays rays, const MethodSettings& settings,
                                         bool check = true);
+  /// The bundle that holds the first ray of pixel (x, y), and what bounds it; none where the pixel
+  /// has no ray in the batch. `brute` bundles nothing, and `dual` bounds nothing where it streams
+  /// rays: there is no volume then. Throws `Error` (kInvalidArgument) for a pixel that is outside.
+  [[nodiscard]] std::optional<RayBundle> bundle(LabRays rays, const MethodSettings& settings,
+                                                std::uint32_t x, std::uint32_t y);
   /// Counts of the published program's algorithm. Final tests are counted, not executed; `hits`
   /// stays 0. `levels` from 1, `branching` from 2. Throws `Error` (kInvalidArgument) for less, and
   /// for other methods than `rah` and `crsh`.

@@ -1,6 +1,7 @@
 // The renderer: a scene description in, a picture and its statistics out.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -78,6 +79,11 @@ struct RenderResult {
 
 /// The picture for people: exposure, the Khronos PBR Neutral tone curve (2024), sRGB.
 [[nodiscard]] Image tone_mapped(const RenderResult& result);
+
+/// sRGB of a colour scale whose lightness grows evenly from dark violet through green to light
+/// yellow, so that equal steps of the value look equal, in grey too and to most colour-blind eyes.
+/// `t` in [0, 1], clamped; a NaN is 0.
+[[nodiscard]] std::array<std::uint8_t, 3> false_color(float t);
 
 /// Tests a pixel in false colours with a legend under them; `result.tests` must be there.
 [[nodiscard]] Image heatmap(const RenderResult& result);

@@ -1,8 +1,8 @@
-#include "api/false_color.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "raysheaf/render.h"
 
 namespace raysheaf {
 namespace {

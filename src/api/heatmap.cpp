@@ -13,7 +13,6 @@
 #include <limits>
 
 #include "api/bitmap_font.h"
-#include "api/false_color.h"
 #include "raysheaf/error.h"
 #include "raysheaf/render.h"
 

@@ -62,32 +62,6 @@ std::uint64_t run_count(const std::vector<std::uint64_t>& keys) {
   return runs;
 }
 
-/// The stable order of the rays by their keys, and how many runs of equal keys there were.
-std::vector<std::uint32_t> ray_order(const Executor& executor, const RayBatch& batch,
-                                     const Box& scene_bounds, const MethodSettings& method,
-                                     BatchStatistics* statistics) {
-  std::vector<std::uint32_t> order(batch.rays.size());
-  if (method.key == RayKey::kCrsh) {
-    statistics->chunks += order_by_key(executor, batch.keys, order, batch.key_bits);
-    return order;
-  }
-  std::iota(order.begin(), order.end(), 0u);
-  if (method.key == RayKey::kRaster) return order;
-  std::uint32_t used_bits = 0;
-  std::vector<std::uint64_t> keys =
-      make_keys(executor, batch, method.key, method.key_bits, scene_bounds, &used_bits);
-  if (used_bits > 32) {
-    statistics->chunks += run_count(keys);
-    radix_sort_pairs(executor, keys, order, used_bits);
-    return order;
-  }
-  std::vector<std::uint32_t> low(keys.size());
-  executor.for_each(keys.size(), kGrain,
-                    [&](std::size_t i) { low[i] = static_cast<std::uint32_t>(keys[i]); });
-  statistics->chunks += order_by_key(executor, low, order, used_bits);
-  return order;
-}
-
 std::vector<RayHit> trace_hierarchy(const Executor& executor, const FlatScene& scene,
                                     const RayBatch& batch, const TraceOptions& options,
                                     BatchStatistics* statistics, View<float> ray_tests,
@@ -218,6 +192,31 @@ TraceFunction function_of(Traversal traversal) {
 }
 
 }  // namespace
+
+std::vector<std::uint32_t> ray_order(const Executor& executor, const RayBatch& batch,
+                                     const Box& scene_bounds, const MethodSettings& method,
+                                     BatchStatistics* statistics) {
+  std::vector<std::uint32_t> order(batch.rays.size());
+  if (method.key == RayKey::kCrsh) {
+    statistics->chunks += order_by_key(executor, batch.keys, order, batch.key_bits);
+    return order;
+  }
+  std::iota(order.begin(), order.end(), 0u);
+  if (method.key == RayKey::kRaster) return order;
+  std::uint32_t used_bits = 0;
+  std::vector<std::uint64_t> keys =
+      make_keys(executor, batch, method.key, method.key_bits, scene_bounds, &used_bits);
+  if (used_bits > 32) {
+    statistics->chunks += run_count(keys);
+    radix_sort_pairs(executor, keys, order, used_bits);
+    return order;
+  }
+  std::vector<std::uint32_t> low(keys.size());
+  executor.for_each(keys.size(), kGrain,
+                    [&](std::size_t i) { low[i] = static_cast<std::uint32_t>(keys[i]); });
+  statistics->chunks += order_by_key(executor, low, order, used_bits);
+  return order;
+}
 
 std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
                           const TraceOptions& options, BatchStatistics* statistics,

@@ -30,6 +30,13 @@ struct TraceOptions {
   TraceCache* cache = nullptr;  ///< of this scene; none: nothing is shared
 };
 
+/// The stable order of the rays by the method's keys; adds how many runs of equal keys there were
+/// to `statistics`.
+[[nodiscard]] std::vector<std::uint32_t> ray_order(const Executor& executor, const RayBatch& batch,
+                                                   const Box& scene_bounds,
+                                                   const MethodSettings& method,
+                                                   BatchStatistics* statistics);
+
 /// The hits of a batch, in the batch's order. Adds to `statistics`; where `ray_tests` is not empty,
 /// adds each ray's tests to it. `dual` does not name the triangles of rays that ask for occlusion
 /// (`asks_occlusion`): of those only `found()` may be used.

@@ -1,4 +1,5 @@
 // Batches of one scene, made once; measurements on them.
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -8,6 +9,7 @@
 #include "frame/trace.h"
 #include "intersect/brute_force.h"
 #include "lab/as_published.h"
+#include "lab/bundle.h"
 #include "lab/lab_rays.h"
 #include "raster/rasterizer.h"
 #include "raysheaf/error.h"
@@ -54,7 +56,7 @@ std::vector<std::uint32_t> visible_triangles(const Executor& executor, const Fla
 class Laboratory::Impl {
  public:
   Impl(const SceneDescription& scene, PictureSize size, std::uint32_t threads)
-      : width_(size.width),
+      : size_(size),
         executor_(threads),
         description_(prepared(scene)),
         flat_(flatten(executor_, description_, mesh_bounds(executor_, description_))),
@@ -75,13 +77,24 @@ class Laboratory::Impl {
     return statistics;
   }
 
+  std::optional<RayBundle> bundle(LabRays rays, const MethodSettings& settings, std::uint32_t x,
+                                  std::uint32_t y) {
+    if (x >= size_.width || y >= size_.height)
+      throw Error(ErrorCode::kInvalidArgument, "this pixel is outside the picture", "x, y");
+    const RayBatch& batch = made(rays).batch;
+    const auto found = std::find(batch.pixels.begin(), batch.pixels.end(), y * size_.width + x);
+    if (found == batch.pixels.end()) return std::nullopt;
+    const auto ray = static_cast<std::size_t>(found - batch.pixels.begin());
+    return find_bundle(executor_, flat_, batch, ray, settings);
+  }
+
   BatchStatistics as_published(LabRays rays, Method method, const Quirks& quirks,
                                PublishedShape shape) {
     if (method != Method::kRah && method != Method::kCrsh)
       throw Error(ErrorCode::kInvalidArgument, "rah and crsh alone were published", "method");
     if (shape.levels < 1 || shape.branching < 2)
       throw Error(ErrorCode::kInvalidArgument, "must be 1 and 2 at least", "levels, branching");
-    return count_as_published(executor_, flat_, batch(rays), method, quirks, width_, shape);
+    return count_as_published(executor_, flat_, batch(rays), method, quirks, size_.width, shape);
   }
 
  private:
@@ -107,7 +120,7 @@ class Laboratory::Impl {
     Stopwatch watch;
     Made result;
     result.batch = make(rays, met);
-    result.batch.width = width_;
+    result.batch.width = size_.width;
     result.raygen_ms = watch.lap_ms();
     m = std::move(result);
     return *m;
@@ -176,7 +189,7 @@ class Laboratory::Impl {
     }
   }
 
-  const std::uint32_t width_;
+  const PictureSize size_;
   const Executor executor_;
   const SceneDescription description_;
   const FlatScene flat_;
@@ -204,6 +217,11 @@ std::vector<Ray> Laboratory::rays(LabRays rays) {
 
 BatchStatistics Laboratory::measure(LabRays rays, const MethodSettings& settings, bool check) {
   return impl_->measure(rays, settings, check);
+}
+
+std::optional<RayBundle> Laboratory::bundle(LabRays rays, const MethodSettings& settings,
+                                            std::uint32_t x, std::uint32_t y) {
+  return impl_->bundle(rays, settings, x, y);
 }
 
 BatchStatistics Laboratory::measure_as_published(LabRays rays, Method method, const Quirks& quirks,

@@ -7,7 +7,6 @@
 #include <random>
 
 #include "api/bitmap_font.h"
-#include "api/false_color.h"
 #include "raysheaf/error.h"
 #include "raysheaf/render.h"
 
