@@ -12,7 +12,7 @@
 
 #include "exec/executor.h"
 #include "frame/frame.h"
-#include "frame/stopwatch.h"
+#include "exec/stopwatch.h"
 #include "raster/rasterizer.h"
 #include "raysheaf/error.h"
 

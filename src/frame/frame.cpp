@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "frame/stopwatch.h"
+#include "exec/stopwatch.h"
 #include "raster/gbuffer.h"
 #include "raygen/raygen.h"
 #include "raygen/scatter_body.h"

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "exec/radix_sort.h"
-#include "frame/stopwatch.h"
+#include "exec/stopwatch.h"
 #include "hierarchy/hierarchy.h"
 #include "intersect/brute_force.h"
 #include "order/order.h"

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "frame/primary.h"
-#include "frame/stopwatch.h"
+#include "exec/stopwatch.h"
 #include "frame/trace.h"
 #include "intersect/brute_force.h"
 #include "lab/as_published.h"

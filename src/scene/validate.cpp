@@ -6,6 +6,7 @@
 #include "base/vec.h"
 #include "raysheaf/error.h"
 #include "raysheaf/scene_description.h"
+#include "raysheaf/stream.h"
 #include "scene/shown_name.h"
 
 namespace raysheaf {
@@ -253,7 +254,7 @@ void check_list(const char* list, const std::vector<T>& items, const SceneDescri
 
 }  // namespace
 
-void validate(const SceneDescription& scene) {
+void validate_but_triangles(const SceneDescription& scene) {
   check_list("meshes", scene.meshes, scene);
   check_list("instances", scene.instances, scene);
   check_list("materials", scene.materials, scene);
@@ -261,6 +262,10 @@ void validate(const SceneDescription& scene) {
   check_list("images", scene.images, scene);
   check_list("lights", scene.lights, scene);
   check_list("cameras", scene.cameras, scene);
+}
+
+void validate(const SceneDescription& scene) {
+  validate_but_triangles(scene);
   if (scene.triangle_count() == 0)
     throw Error(ErrorCode::kInvalidData, "the scene has no triangles");
 }
