@@ -141,9 +141,9 @@ class BlockList : public GeometrySource, public BlockSink {
 struct StreamHit {
   Hit hit;
   std::uint32_t block = kInvalidId;
-  std::uint32_t triangle = kInvalidId;              ///< in the block
-  std::array<std::uint32_t, 3> vertex{};            ///< its corners in the block
-  std::array<Vec3, 3> corner{};                     ///< in the world
+  std::uint32_t part = 0, triangle = 0;   ///< in the block
+  std::array<std::uint32_t, 3> vertex{};  ///< its corners in the block
+  std::array<Vec3, 3> corner{};           ///< in the world
 };
 
 /// The order that the least hit is the least of.
@@ -180,7 +180,8 @@ struct StreamStatistics {
 };
 
 struct StreamOptions {
-  /// What a query may take, or a frame: at least 64 MiB, and what its picture needs (docs/stream.md).
+  /// What a query may take, or a frame: at least 64 MiB, and what its picture needs
+  /// (docs/stream.md).
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;
   std::uint32_t threads = 0;  ///< of `closest_hit` and `any_hit`; 0: all cores
   bool check = true;          ///< of the same: refuse rays that are wrong (raysheaf/query.h)

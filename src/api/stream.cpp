@@ -35,8 +35,7 @@ void stream(const GeometrySource& source, std::span<const Ray> rays, const Strea
   const Executor executor(options.threads);
   if (options.check) check_rays(executor, {rays.data(), rays.size()});
   const std::uint64_t taken = kBaseBytes + rays.size() * kStreamRayBytes;
-  Streamer streamer(executor, source, options,
-                    slots_for(options.memory_bytes, taken, rays.size()));
+  Streamer streamer(executor, source, options, slots_for(options.memory_bytes, taken, rays.size()));
   ProgressMeter meter(options.progress);
   StreamRequest request;
   request.stage = "rays";

@@ -15,25 +15,11 @@ namespace {
 
 constexpr std::size_t kGrain = 1024;
 
-/// Shadow slots that are worked on at once; more lights go in groups, so that memory stays bounded.
-constexpr std::size_t kMostShadowSlots = std::size_t{1} << 24;
 /// Secondary fragments that are worked on at once.
 constexpr std::size_t kMostFragments = std::size_t{1} << 22;
 
 Vec3 xyz(Vec4 v) {
   return {v.x, v.y, v.z};
-}
-
-/// The method's settings with what was asked for in their place.
-MethodSettings settings_for(const RenderOptions& options) {
-  MethodSettings settings = method_settings(options.method);
-  settings.key = options.key.value_or(settings.key);
-  settings.key_bits = options.key_bits.value_or(settings.key_bits);
-  settings.bound = options.bound.value_or(settings.bound);
-  settings.mesh_culling = options.mesh_culling.value_or(settings.mesh_culling);
-  settings.levels = options.levels;
-  settings.branching = options.branching;
-  return settings;
 }
 
 /// `dual` plans each batch by itself (`BatchStatistics::plan`).
@@ -63,15 +49,14 @@ class Frame {
  public:
   Frame(const Executor& executor, const FrameInput& input, ProgressMeter* meter)
       : executor_(executor),
-        scene_(input.scene),
+        geometry_(input.geometry),
         lights_(input.lights),
         input_(input),
         options_(input.options),
         meter_(*meter) {
-    trace_.method = settings_for(options_);
-    trace_.cache = &trace_cache_;
-    result_.statistics.key = key_name(trace_.method);
-    result_.statistics.bound = bound_name(trace_.method);
+    const MethodSettings method = settings_for(options_);
+    result_.statistics.key = key_name(method);
+    result_.statistics.bound = bound_name(method);
     result_.width = options_.width;
     result_.height = options_.height;
     result_.beauty.resize(pixel_count());
@@ -95,26 +80,23 @@ class Frame {
 
   /// Primary visibility: rasterised or traced, then fetched into the G-buffer.
   std::vector<Fragment> see() {
-    const PictureSize size{options_.width, options_.height};
-    std::vector<std::uint32_t> triangles;
+    Seeing seeing{input_.camera, {options_.width, options_.height}, nullptr, nullptr, {}};
     watch_.lap_ms();
     if (options_.primary == Primary::kRaster) {
-      meter_.begin("raster", 1);
-      triangles = rasterize_primary(executor_, *input_.rasterizer, scene_, input_.camera, size);
+      seeing.rasterizer = input_.rasterizer;
     } else {
-      BatchStatistics& batch = statistics_for(RayKind::kPrimary, 0);
-      triangles = trace_primary(executor_, scene_, input_.camera, size, trace_.method, &batch,
-                                result_.tests, &meter_, &trace_cache_);
+      seeing.statistics = &statistics_for(RayKind::kPrimary, 0);
+      seeing.pixel_tests = result_.tests;
     }
-    meter_.begin("surfaces", 1);
-    std::vector<Fragment> fragments =
-        fetch_fragments(executor_, scene_, input_.textures, input_.camera, size, triangles);
-    keep_gbuffer(fetch_gbuffer(executor_, scene_, fragments));
+    std::vector<Fragment> fragments = geometry_.see(seeing, &meter_);
+    keep_gbuffer(fragments);
     result_.statistics.raster_ms = watch_.lap_ms();
     return fragments;
   }
 
-  void keep_gbuffer(GBuffer g) {
+  void keep_gbuffer(View<const Fragment> fragments) {
+    const GBuffer g = fetch_gbuffer(executor_, fragments);
+    result_.ids.resize(pixel_count());
     result_.position.resize(pixel_count());
     result_.normal.resize(pixel_count());
     result_.albedo.resize(pixel_count());
@@ -122,8 +104,8 @@ class Frame {
       result_.position[i] = xyz(g.position[i]);
       result_.normal[i] = xyz(g.normal[i]);
       result_.albedo[i] = xyz(g.diffuse[i]) + xyz(g.specular[i]);
+      result_.ids[i] = geometry_.ids(fragments[i].triangle);
     });
-    result_.ids = std::move(g.ids);
   }
 
   /// The light of the fragments, then that of what their rays meet. Where paths split so often that
@@ -151,8 +133,8 @@ class Frame {
     std::vector<Vec3> radiance = shade_glow(executor_, fragments, sky_, traced);
     result_.statistics.shade_ms += watch_.lap_ms();
     const auto lights = static_cast<std::uint32_t>(lights_.size);
-    const auto group = static_cast<std::uint32_t>(
-        std::clamp<std::size_t>(kMostShadowSlots / fragments.size(), 1, std::max(lights, 1u)));
+    const auto group = static_cast<std::uint32_t>(std::clamp<std::size_t>(
+        geometry_.most_shadow_rays() / fragments.size(), 1, std::max(lights, 1u)));
     for (std::uint32_t first = 0; first < lights; first += group) {
       const std::uint32_t count = std::min(group, lights - first);
       const std::vector<Visibility> visibility = cast_shadows(fragments, bounce, first, count);
@@ -168,8 +150,8 @@ class Frame {
   std::vector<Visibility> cast_shadows(const std::vector<Fragment>& fragments, std::uint32_t bounce,
                                        std::uint32_t first_light, std::uint32_t light_count) {
     watch_.lap_ms();
-    RayBatch batch =
-        make_shadow_rays(executor_, fragments, lights_, first_light, light_count, scene_.bounds);
+    RayBatch batch = make_shadow_rays(executor_, fragments, lights_, first_light, light_count,
+                                      geometry_.bounds());
     batch.bounce = bounce;
     batch.width = options_.width;
     std::vector<Visibility> visibility(fragments.size() * light_count, Visibility::kNoRay);
@@ -219,7 +201,7 @@ class Frame {
                                std::uint32_t bounce) {
     meter_.begin(std::string(to_string(kind)) + " rays, bounce " + std::to_string(bounce), 1);
     watch_.lap_ms();
-    RayBatch batch = make_bounce_rays(executor_, fragments, kind, scene_.bounds);
+    RayBatch batch = make_bounce_rays(executor_, fragments, kind, geometry_.bounds());
     if (batch.rays.empty()) return {};
     batch.bounce = bounce;
     batch.width = options_.width;
@@ -231,32 +213,27 @@ class Frame {
     executor_.for_each(hits.size(), kGrain, [&](std::size_t i) {
       arrived[i] = arrive(fragments[batch.slots[i]], kind, batch.rays[i], hits[i]);
     });
+    geometry_.fetch_surfaces(batch.rays, arrived);
     result_.statistics.shade_ms += watch_.lap_ms();
     return arrived;
   }
 
-  [[nodiscard]] Fragment arrive(const Fragment& from, RayKind kind, const Ray& ray,
-                                const RayHit& hit) const {
+  /// All but the surface.
+  [[nodiscard]] static Fragment arrive(const Fragment& from, RayKind kind, const Ray& ray,
+                                       const RayHit& hit) {
     const Scattering s = scatter(from);
     Fragment f;
     f.weight = from.weight * (kind == RayKind::kReflection ? s.reflected_part : s.refracted_part);
     f.pixel = from.pixel;
     f.incoming = ray.direction;
     f.triangle = hit.triangle;
-    if (!hit.found()) return f;
-    TriangleHit where{};
-    intersect_triangle(make_ray_setup(ray), scene_.corner(hit.triangle, 0),
-                       scene_.corner(hit.triangle, 1), scene_.corner(hit.triangle, 2), &where);
-    f.surface = surface_at(scene_, input_.textures, hit.triangle, where.u, where.v, ray.direction);
     return f;
   }
 
   std::vector<RayHit> trace_batch(const RayBatch& batch, const std::vector<Fragment>& fragments,
                                   bool early_out, BatchStatistics* statistics) {
-    TraceOptions options = trace_;
-    options.early_out = early_out;
     std::vector<float> tests(result_.tests.empty() ? 0 : batch.rays.size());
-    std::vector<RayHit> hits = trace(executor_, scene_, batch, options, statistics, tests, &meter_);
+    std::vector<RayHit> hits = geometry_.trace(batch, early_out, statistics, tests, &meter_);
     for (std::size_t i = 0; i < tests.size(); ++i)
       result_.tests[fragments[batch.slots[i] % fragments.size()].pixel] += tests[i];
     return hits;
@@ -271,7 +248,7 @@ class Frame {
     batches.emplace_back();
     batches.back().kind = kind;
     batches.back().bounce = bounce;
-    batches.back().triangles = scene_.triangle_count;
+    batches.back().triangles = geometry_.triangle_count();
     return batches.back();
   }
 
@@ -286,13 +263,11 @@ class Frame {
   }
 
   const Executor& executor_;
-  const FlatScene& scene_;
+  FrameGeometry& geometry_;
   const View<const Light> lights_;
   const FrameInput& input_;
   const RenderOptions& options_;
   ProgressMeter& meter_;
-  TraceCache trace_cache_;
-  TraceOptions trace_;
   RenderResult result_;
   Vec3 sky_;
   Stopwatch watch_;
@@ -300,6 +275,17 @@ class Frame {
 };
 
 }  // namespace
+
+MethodSettings settings_for(const RenderOptions& options) {
+  MethodSettings settings = method_settings(options.method);
+  settings.key = options.key.value_or(settings.key);
+  settings.key_bits = options.key_bits.value_or(settings.key_bits);
+  settings.bound = options.bound.value_or(settings.bound);
+  settings.mesh_culling = options.mesh_culling.value_or(settings.mesh_culling);
+  settings.levels = options.levels;
+  settings.branching = options.branching;
+  return settings;
+}
 
 RenderResult render_frame(const Executor& executor, const FrameInput& input, ProgressMeter* meter) {
   return Frame(executor, input, meter).run();

@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t kGrain = 1024;
 
-/// The weights of the second and third corner where the ray meets the triangle's plane, kept inside
-/// the triangle: at silhouettes OpenGL's pixel may lie a hair outside.
+}  // namespace
+
 Vec2 clamped_barycentrics(const Ray& ray, Vec3 a, Vec3 b, Vec3 c) {
   TriangleHit hit;
   if (intersect_triangle(make_ray_setup(ray), a, b, c, &hit)) return {hit.u, hit.v};
@@ -29,8 +29,6 @@ Vec2 clamped_barycentrics(const Ray& ray, Vec3 a, Vec3 b, Vec3 c) {
   return sum > 1 ? Vec2{u / sum, v / sum} : Vec2{u, v};
 }
 
-}  // namespace
-
 std::vector<std::uint32_t> rasterize_primary(const Executor& executor, Rasterizer& rasterizer,
                                              const FlatScene& scene, const Camera& camera,
                                              PictureSize size) {
@@ -40,11 +38,8 @@ std::vector<std::uint32_t> rasterize_primary(const Executor& executor, Rasterize
   return triangles;
 }
 
-std::vector<std::uint32_t> trace_primary(const Executor& executor, const FlatScene& scene,
-                                         const Camera& camera, PictureSize size,
-                                         const MethodSettings& method, BatchStatistics* statistics,
-                                         View<float> pixel_tests, ProgressMeter* meter,
-                                         TraceCache* cache) {
+RayBatch primary_rays(const Executor& executor, const Box& bounds, const Camera& camera,
+                      PictureSize size) {
   const CameraFrame frame = make_camera_frame(camera, size.width, size.height);
   RayBatch batch;
   batch.kind = RayKind::kPrimary;
@@ -58,8 +53,17 @@ std::vector<std::uint32_t> trace_primary(const Executor& executor, const FlatSce
   executor.for_each(batch.rays.size(), kGrain, [&](std::size_t i) {
     batch.rays[i] = camera_ray(frame, static_cast<std::uint32_t>(i % size.width),
                                static_cast<std::uint32_t>(i / size.width));
-    batch.keys[i] = bounce_key(scene.bounds, batch.rays[i].origin, batch.rays[i].direction);
+    batch.keys[i] = bounce_key(bounds, batch.rays[i].origin, batch.rays[i].direction);
   });
+  return batch;
+}
+
+std::vector<std::uint32_t> trace_primary(const Executor& executor, const FlatScene& scene,
+                                         const Camera& camera, PictureSize size,
+                                         const MethodSettings& method, BatchStatistics* statistics,
+                                         View<float> pixel_tests, ProgressMeter* meter,
+                                         TraceCache* cache) {
+  const RayBatch batch = primary_rays(executor, scene.bounds, camera, size);
   TraceOptions options;
   options.method = method;
   options.facing = Facing::kSkipBackOfSingleSided;

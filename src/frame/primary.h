@@ -5,6 +5,7 @@
 
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
+#include "frame/geometry.h"
 #include "frame/trace.h"
 #include "raygen/fragment.h"
 #include "raysheaf/statistics.h"
@@ -13,11 +14,13 @@
 
 namespace raysheaf {
 
-class Rasterizer;
+/// A ray a pixel, rows from the top. `bounds`: of the scene.
+[[nodiscard]] RayBatch primary_rays(const Executor& executor, const Box& bounds,
+                                    const Camera& camera, PictureSize size);
 
-struct PictureSize {
-  std::uint32_t width = 0, height = 0;
-};
+/// The weights of the second and third corner where the ray meets the triangle's plane, kept inside
+/// the triangle: at silhouettes OpenGL's pixel may lie a hair outside.
+[[nodiscard]] Vec2 clamped_barycentrics(const Ray& ray, Vec3 a, Vec3 b, Vec3 c);
 
 /// The number of the triangle that each pixel sees, rows from the top.
 [[nodiscard]] std::vector<std::uint32_t> rasterize_primary(const Executor& executor,

@@ -41,8 +41,7 @@ BlockReader::~BlockReader() {
   for (std::future<void>& thread : threads_) thread.wait();
 }
 
-void BlockReader::start(const std::vector<std::uint32_t>& blocks,
-                        std::vector<TriangleBlock>* out) {
+void BlockReader::start(const std::vector<std::uint32_t>& blocks, std::vector<TriangleBlock>* out) {
   blocks_ = &blocks;
   out_ = out;
   next_ = 0;

@@ -84,9 +84,9 @@ void check_vertex_column(std::size_t count, std::size_t vertices, const char* fi
 void check_part_column(const std::vector<std::uint8_t>& column, std::size_t parts, bool there,
                        const char* field) {
   if (column.size() != parts)
-    refuse("there are " + std::to_string(column.size()) + " for " + std::to_string(parts) +
-               " parts",
-           field);
+    refuse(
+        "there are " + std::to_string(column.size()) + " for " + std::to_string(parts) + " parts",
+        field);
   if (!there && std::any_of(column.begin(), column.end(), [](std::uint8_t x) { return x != 0; }))
     refuse("a part has what the block has not", field);
 }

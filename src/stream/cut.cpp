@@ -129,7 +129,8 @@ class Cutter {
   void collect_vertices(std::span<const Loose> triangles) {
     vertices_.clear();
     for (const Loose& t : triangles) {
-      for (const std::uint32_t v : mesh(t.rank).triangles[t.prim_id]) vertices_.push_back(key(t, v));
+      for (const std::uint32_t v : mesh(t.rank).triangles[t.prim_id])
+        vertices_.push_back(key(t, v));
     }
     std::sort(vertices_.begin(), vertices_.end());
     vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());

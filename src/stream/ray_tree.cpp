@@ -53,8 +53,8 @@ RayTree::RayTree(const Executor& executor, View<const Ray> rays, const Box& scen
 void RayTree::build(const Executor& executor) {
   levels_.clear();
   if (rays_.empty()) return;
-  const RayHierarchy<Shaft> tree = build_hierarchy<Shaft>(executor, rays_, scene_, kBranching,
-                                                          level_count(rays_.size()));
+  const RayHierarchy<Shaft> tree =
+      build_hierarchy<Shaft>(executor, rays_, scene_, kBranching, level_count(rays_.size()));
   for (const std::vector<Shaft>& shafts : tree.levels) {
     std::vector<BeamTest>& tests = levels_.emplace_back(shafts.size());
     executor.for_each(shafts.size(), kGrain,

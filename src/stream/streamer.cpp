@@ -32,12 +32,12 @@ std::string sentence_of(const StreamStatistics& before, const StreamStatistics& 
          megabytes(now.read_bytes - before.read_bytes);
 }
 
-Hit named(const TriangleBlock& block, const EngineHit& hit) {
-  const auto after = std::upper_bound(
-      block.parts.begin(), block.parts.end(), hit.triangle,
-      [](std::uint32_t triangle, const BlockPart& part) { return triangle < part.first; });
-  const BlockPart& part = *(after - 1);
-  return {hit.t, hit.u, hit.v, block.prim_ids[hit.triangle], part.geom_id, part.inst_id};
+/// The place among the block's parts of a triangle's.
+std::size_t part_of(const TriangleBlock& block, std::uint32_t triangle) {
+  const auto after =
+      std::upper_bound(block.parts.begin(), block.parts.end(), triangle,
+                       [](std::uint32_t t, const BlockPart& part) { return t < part.first; });
+  return static_cast<std::size_t>(after - block.parts.begin()) - 1;
 }
 
 }  // namespace
@@ -198,8 +198,7 @@ class Sweep {
     const View<const Ray> rays(slot->rays.data(), count);
     if (is_any()) {
       slot->occluded.resize_uninitialized(count);
-      slot->engine.any_hit(s_.executor_, rays, options, slot->occluded, slot->tests,
-                           &slot->report);
+      slot->engine.any_hit(s_.executor_, rays, options, slot->occluded, slot->tests, &slot->report);
     } else {
       slot->closest.resize_uninitialized(count);
       slot->engine.closest_hit(s_.executor_, rays, options, slot->closest, slot->tests,
@@ -218,7 +217,8 @@ class Sweep {
           std::size_t changed = 0;
           for (std::size_t i = begin; i < end; ++i) {
             if (!slot->tests.empty()) request_.ray_tests[slot->numbers[i]] += slot->tests[i];
-            const bool news = is_any() ? take_occluded(*slot, i) : take_hit(number, block, *slot, i);
+            const bool news =
+                is_any() ? take_occluded(*slot, i) : take_hit(number, block, *slot, i);
             changed += news ? 1 : 0;
           }
           changed_ += changed;
@@ -237,11 +237,15 @@ class Sweep {
                 std::size_t i) {
     const EngineHit& found = slot.closest[i];
     if (found.triangle == kInvalidId) return false;
-    const Hit hit = named(block, found);
+    const std::size_t place = part_of(block, found.triangle);
+    const BlockPart& part = block.parts[place];
+    const Hit hit{found.t,      found.u,     found.v, block.prim_ids[found.triangle],
+                  part.geom_id, part.inst_id};
     StreamHit& best = hits_[slot.numbers[i]];
     if (best.block != kInvalidId && !precedes(hit, best.hit)) return false;
     best.hit = hit;
     best.block = number;
+    best.part = static_cast<std::uint32_t>(place);
     best.triangle = found.triangle;
     best.vertex = block.triangles[found.triangle];
     for (std::size_t k = 0; k < 3; ++k) best.corner[k] = block.positions[best.vertex[k]];
@@ -294,8 +298,8 @@ void Streamer::closest(View<const Ray> rays, const StreamRequest& request, View<
   if (options_.exchange != nullptr) options_.exchange->closest({hits.data, hits.size});
 }
 
-void Streamer::any(View<const Ray> rays, const StreamRequest& request,
-                   View<std::uint8_t> occluded, EngineReport* report) {
+void Streamer::any(View<const Ray> rays, const StreamRequest& request, View<std::uint8_t> occluded,
+                   EngineReport* report) {
   const StreamStatistics before = statistics_;
   std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
   if (!rays.empty()) Sweep(this, rays, request, {}, occluded, report).run();
@@ -312,15 +316,14 @@ void check_parts(const StreamOptions& options) {
 }
 
 void add(const StreamStatistics& more, StreamStatistics* sum) {
-  for (const auto field :
-       {&StreamStatistics::blocks, &StreamStatistics::culled_blocks,
-        &StreamStatistics::hidden_blocks, &StreamStatistics::read_blocks,
-        &StreamStatistics::wasted_blocks, &StreamStatistics::shading_blocks,
-        &StreamStatistics::read_bytes})
+  for (const auto field : {&StreamStatistics::blocks, &StreamStatistics::culled_blocks,
+                           &StreamStatistics::hidden_blocks, &StreamStatistics::read_blocks,
+                           &StreamStatistics::wasted_blocks, &StreamStatistics::shading_blocks,
+                           &StreamStatistics::read_bytes})
     sum->*field += more.*field;
-  for (const auto field : {&StreamStatistics::read_ms, &StreamStatistics::wait_ms,
-                           &StreamStatistics::cull_ms, &StreamStatistics::trace_ms,
-                           &StreamStatistics::shading_ms})
+  for (const auto field :
+       {&StreamStatistics::read_ms, &StreamStatistics::wait_ms, &StreamStatistics::cull_ms,
+        &StreamStatistics::trace_ms, &StreamStatistics::shading_ms})
     sum->*field += more.*field;
 }
 

@@ -76,8 +76,8 @@ void check_parts(const StreamOptions& options);
 
 void add(const StreamStatistics& more, StreamStatistics* sum);
 
-/// How many slots `memory_bytes` have room for beside what is `taken`, for batches of `rays`. Throws
-/// `Error` (kOutOfMemory) where that is not even one.
+/// How many slots `memory_bytes` have room for beside what is `taken`, for batches of `rays`.
+/// Throws `Error` (kOutOfMemory) where that is not even one.
 [[nodiscard]] std::uint32_t slots_for(std::uint64_t memory_bytes, std::uint64_t taken,
                                       std::uint64_t rays);
 

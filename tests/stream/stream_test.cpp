@@ -41,8 +41,8 @@ SceneDescription with_instances(SceneDescription scene, Random& random) {
         more.to_world.m[r][c] = (r == c ? 1.0f : 0.0f) * (random.below(2) == 0 ? 1.0f : -1.0f) +
                                 random.between(-0.2f, 0.2f);
     }
-    scene.instances.insert(scene.instances.begin() + random.below(static_cast<std::uint32_t>(
-                                                         scene.instances.size() + 1)),
+    scene.instances.insert(scene.instances.begin() +
+                               random.below(static_cast<std::uint32_t>(scene.instances.size() + 1)),
                            more);
   }
   return scene;
@@ -160,7 +160,10 @@ TEST(Stream, BlocksThatNoRayMeetsAreNotRead) {
   // A thin bundle along the hall, and from behind a wall of hits.
   std::vector<Ray> rays;
   for (int i = 0; i < 400; ++i)
-    rays.push_back({{-18, 2, 0}, 0, {1, 0.0001f * static_cast<float>(i % 20), 0.0002f * static_cast<float>(i) / 20}});
+    rays.push_back(
+        {{-18, 2, 0},
+         0,
+         {1, 0.0001f * static_cast<float>(i % 20), 0.0002f * static_cast<float>(i) / 20}});
   const auto counts = [&](bool front_to_back, std::uint32_t threads) {
     StreamStatistics statistics;
     StreamOptions options;
