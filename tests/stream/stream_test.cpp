@@ -187,6 +187,43 @@ TEST(Stream, BlocksThatNoRayMeetsAreNotRead) {
   EXPECT_EQ(again.hidden_blocks, ordered.hidden_blocks);
 }
 
+TEST(Stream, AHallInBlocksIsTheHall) {
+  for (const std::uint64_t size : {4000u, 41000u, 700000u}) {
+    SCOPED_TRACE(size);
+    const SceneDescription hall = hall_scene(size, 2);
+    BlockList blocks;
+    blocks.set_scene(hall_in_blocks(size, &blocks, 2));
+    ASSERT_EQ(blocks.scene().meshes.size(), hall.meshes.size());
+    EXPECT_EQ(blocks.scene().cameras.size(), 1u);
+    std::vector<std::vector<int>> seen(hall.meshes.size());
+    for (std::size_t m = 0; m < seen.size(); ++m) seen[m].resize(hall.meshes[m].triangles.size());
+    TriangleBlock block;
+    BlockShading shading;
+    std::uint64_t differing = 0, total = 0;
+    for (std::size_t b = 0; b < blocks.blocks().size(); ++b) {
+      blocks.read(b, &block);
+      blocks.read_shading(b, &shading);
+      const Mesh& mesh = hall.meshes[block.parts[0].geom_id];
+      total += block.triangles.size();
+      for (std::size_t t = 0; t < block.triangles.size(); ++t) {
+        ASSERT_LT(block.prim_ids[t], mesh.triangles.size());
+        ++seen[block.parts[0].geom_id][block.prim_ids[t]];
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::uint32_t here = block.triangles[t][k];
+          const std::uint32_t there = mesh.triangles[block.prim_ids[t]][k];
+          const bool same = block.positions[here] == mesh.positions[there] &&
+                            shading.normals[here] == mesh.normals[there];
+          differing += same ? 0 : 1;
+        }
+      }
+    }
+    EXPECT_EQ(differing, 0u);
+    EXPECT_EQ(total, hall.triangle_count());
+    for (const std::vector<int>& mesh : seen)
+      EXPECT_EQ(std::count(mesh.begin(), mesh.end(), 1), static_cast<std::ptrdiff_t>(mesh.size()));
+  }
+}
+
 // --- what a source may do wrong
 
 template <class Call>
