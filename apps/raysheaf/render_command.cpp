@@ -2,6 +2,8 @@
 
 #include <chrono>
 #include <filesystem>
+#include <memory>
+#include <optional>
 
 #include "console.h"
 #include "options.h"
@@ -10,6 +12,7 @@
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 #include "scene_argument.h"
+#include "stream_scene.h"
 #include "values.h"
 
 namespace raysheaf::app {
@@ -53,7 +56,9 @@ void stop_if_interrupted() {
   if (interrupted()) throw Error(ErrorCode::kCancelled, "interrupted");
 }
 
-RenderResult render_with_progress(const SceneDescription& scene, const RenderCommand& command) {
+/// `render_it(options)` with a progress bar.
+template <class Render>
+RenderResult with_progress(const RenderCommand& command, const Render& render_it) {
   ProgressBar bar(stderr, !command.quiet);
   RenderOptions options = command.options;
   options.count_pixel_tests = wants_pixel_tests(command);
@@ -61,21 +66,74 @@ RenderResult render_with_progress(const SceneDescription& scene, const RenderCom
     bar.update(progress.stage, progress.done, progress.total);
     return !interrupted();
   };
-  return render(scene, options);
+  return render_it(options);
 }
 
-void write_outputs(const RenderCommand& command, const Targets& targets, const RenderResult& result,
-                   double load_ms) {
+/// A frame, and what came before it.
+struct Rendered {
+  RenderResult result;
+  double load_ms = 0;
+  std::optional<StreamStatistics> stream;
+};
+
+class Loading {
+ public:
+  [[nodiscard]] double ms() const {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_)
+        .count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+Rendered render_resident(const RenderCommand& command) {
+  const Loading loading;
+  SceneDescription scene = scene_from_argument(command.scene, command.load);
+  add_missing_camera_and_light(scene);
+  Rendered rendered;
+  rendered.load_ms = loading.ms();
+  stop_if_interrupted();
+  if (!command.quiet) {
+    for (const std::string& warning : scene.warnings) tell("warning: " + printable(warning));
+  }
+  rendered.result =
+      with_progress(command, [&](const RenderOptions& options) { return render(scene, options); });
+  return rendered;
+}
+
+Rendered render_streamed(const RenderCommand& command) {
+  const Loading loading;
+  const std::unique_ptr<GeometrySource> blocks = open_blocks(command);
+  Rendered rendered;
+  rendered.load_ms = loading.ms();
+  stop_if_interrupted();
+  StreamOptions stream;
+  stream.memory_bytes = command.memory_bytes;
+  stream.statistics = &rendered.stream.emplace();
+  rendered.result = with_progress(command, [&](RenderOptions options) {
+    options.primary = Primary::kTrace;
+    return render(*blocks, options, stream);
+  });
+  return rendered;
+}
+
+void write_outputs(const RenderCommand& command, const Targets& targets, const Rendered& rendered) {
+  const RenderResult& result = rendered.result;
   for (std::size_t i = 0; i < targets.pictures.size(); ++i) {
     stop_if_interrupted();
     write_picture(result, command.pictures[i], targets.pictures[i]);
   }
   stop_if_interrupted();
   if (!targets.heatmap.empty()) write_png(heatmap(result), targets.heatmap);
-  if (!targets.stats.empty()) write_text(to_json(result.statistics, load_ms), targets.stats);
+  if (targets.stats.empty()) return;
+  std::string json = to_json(result.statistics, rendered.load_ms);
+  if (rendered.stream) json = with_stream(std::move(json), *rendered.stream);
+  write_text(json, targets.stats);
 }
 
-void tell_summary(const RenderCommand& command, const FrameStatistics& statistics, double load_ms) {
+void tell_summary(const RenderCommand& command, const Rendered& rendered) {
+  const FrameStatistics& statistics = rendered.result.statistics;
   tell(fmt::format("{}: {} triangles in {} meshes, {}x{}, {} on {} threads",
                    printable(statistics.scene), statistics.triangles, statistics.meshes,
                    statistics.width, statistics.height, statistics.method, statistics.threads));
@@ -84,7 +142,9 @@ void tell_summary(const RenderCommand& command, const FrameStatistics& statistic
                      to_string(batch.kind), batch.bounce, batch.rays, batch.relative() * 100,
                      batch.hits));
   }
-  tell(fmt::format("  loaded in {:.0f} ms, rendered in {:.0f} ms", load_ms, statistics.total_ms));
+  if (rendered.stream) tell(stream_text(*rendered.stream));
+  tell(fmt::format("  loaded in {:.0f} ms, rendered in {:.0f} ms", rendered.load_ms,
+                   statistics.total_ms));
   const auto wrote = [](const std::string& path) {
     if (!path.empty()) tell("wrote " + printable(path));
   };
@@ -128,18 +188,11 @@ int run(const RenderCommand& command) {
   }
   catch_interrupts();
   const Targets targets = open_targets(command);
-  const auto start = std::chrono::steady_clock::now();
-  SceneDescription scene = scene_from_argument(command.scene, command.load);
-  add_missing_camera_and_light(scene);
-  const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - start;
-  stop_if_interrupted();
-  if (!command.quiet) {
-    for (const std::string& warning : scene.warnings) tell("warning: " + printable(warning));
-  }
-  const RenderResult result = render_with_progress(scene, command);
-  write_outputs(command, targets, result, load.count());
-  if (!command.quiet) tell_summary(command, result.statistics, load.count());
-  if (command.explain) explain(result.statistics);
+  const Rendered rendered =
+      is_streamed(command) ? render_streamed(command) : render_resident(command);
+  write_outputs(command, targets, rendered);
+  if (!command.quiet) tell_summary(command, rendered);
+  if (command.explain) explain(rendered.result.statistics);
   return kSuccess;
 }
 
