@@ -5,12 +5,12 @@
 #include <variant>
 #include <vector>
 
-#include "command_text.h"
-#include "compare_words.h"
+#include "compare/words.h"
 #include "raysheaf/io.h"
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
 #include "raysheaf/verify.h"
+#include "text/command_text.h"
 
 namespace raysheaf::app {
 

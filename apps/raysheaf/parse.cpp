@@ -7,13 +7,13 @@
 #include <set>
 
 #include "console.h"
-#include "describe.h"
-#include "parse_ablation.h"
-#include "parse_compare.h"
-#include "parse_parts.h"
-#include "parse_verify.h"
+#include "parse/ablation.h"
+#include "parse/compare.h"
+#include "parse/parts.h"
+#include "parse/verify.h"
 #include "raysheaf/error.h"
 #include "raysheaf/version.h"
+#include "text/describe.h"
 #include "values.h"
 
 namespace raysheaf::app {
