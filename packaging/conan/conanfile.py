@@ -6,6 +6,7 @@ from conan import ConanFile
 from conan.tools.build import check_min_cppstd
 from conan.tools.cmake import CMake, CMakeDeps, CMakeToolchain, cmake_layout
 from conan.tools.files import copy
+from conan.tools.gnu import PkgConfigDeps
 
 ROOT = os.path.join("..", "..")
 
@@ -50,6 +51,7 @@ class Raysheaf(ConanFile):
 
     def generate(self):
         CMakeDeps(self).generate()
+        PkgConfigDeps(self).generate()  # libepoxy is looked for by pkg-config
         toolchain = CMakeToolchain(self)
         toolchain.variables["RAYSHEAF_APP"] = bool(self.options.tools)
         for part in ("TESTS", "BENCH", "EXAMPLES"):
