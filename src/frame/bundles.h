@@ -6,8 +6,9 @@
 //
 // The denominator is what the bound would meet if it were the rays themselves: no bound that is
 // tested with spheres meets fewer, so 1 is the best there is. It does not depend on the bound, so
-// methods compare; a test that reads corners instead of spheres may get below 1. A ray that leaves
-// a surface begins in the sphere of a triangle, so the denominator of its bundle is not 0.
+// methods compare; a test that reads corners instead of spheres may get below 1. Rays that leave a
+// surface, or look for one that is there, begin or end at the sphere of its triangle: so seldom is
+// the denominator 0.
 //
 // Bundles are taken evenly over the ordered rays. Each costs O(triangles) for its bound, and
 // O(rays) for every triangle near it.
