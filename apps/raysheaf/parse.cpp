@@ -11,10 +11,10 @@
 #include "parse_ablation.h"
 #include "parse_compare.h"
 #include "parse_parts.h"
-#include "parse_report.h"
 #include "parse_verify.h"
 #include "raysheaf/error.h"
 #include "raysheaf/version.h"
+#include "report/parse_report.h"
 #include "values.h"
 
 namespace raysheaf::app {

@@ -8,6 +8,7 @@
 #include "apps/raysheaf/report/bundles.h"
 #include "apps/raysheaf/report/commands.h"
 #include "apps/raysheaf/report/page.h"
+#include "tests/support/markdown.h"
 #include "tests/support/process.h"
 
 namespace raysheaf::test {
@@ -160,24 +161,68 @@ TEST(Report, PassesAnHtmlValidator) {
   }
 }
 
-// The script has run where the controls are shown; what it has to complain about is on the console.
-TEST(Report, WorksInABrowser) {
+/// A copy of the page whose user has come from the address #view=normal,tests-rah,30 and has then
+/// swapped the layers and moved the slider to 70.
+std::string page_in_use(const TemporaryFolder& folder) {
+  EXPECT_EQ(report(folder, {"builtin:cornell", "-o", "page.html"}).code, 0);
+  std::string page = read_file(folder.file("page.html"));
+  page.replace(page.find("</body>"), 7, R"(<script>
+const by = (id) => document.getElementById(id);
+console.info("came: " + by("left").value + " " + by("right").value + " " + by("place").value);
+by("swap").click();
+by("place").value = 70;
+by("place").dispatchEvent(new Event("input"));
+document.documentElement.dataset.used = by("over").alt + " | " + by("under").alt + " | " +
+    by("stage").style.getPropertyValue("--place") + " | " + by("wipe").hidden;
+console.info("used: " + document.documentElement.dataset.used);
+</script></body>)");
+  write_file(folder.file("page.html"), page);
+  return "file://" + folder.file("page.html") + "#view=normal,tests-rah,30";
+}
+
+const char* const kUsed =
+    "cornell: Tests per pixel, rah, in false colours | cornell: Shading normals | 70% | false";
+
+// What a page has to complain about is on the console; here nothing but what was put there.
+TEST(Report, WorksInChromium) {
   const std::string browser =
       found_program({"chromium-headless-shell", "chromium", "chromium-browser", "google-chrome"});
   if (browser.empty()) GTEST_SKIP() << "no Chromium";
   const TemporaryFolder folder;
-  ASSERT_EQ(report(folder, {"builtin:cornell", "-o", "page.html"}).code, 0);
-  const Finished shown = run_program(
-      {browser, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr",
-       "--user-data-dir=" + folder.file("profile"), "--virtual-time-budget=3000", "--dump-dom",
-       "file://" + folder.file("page.html") + "#view=normal,tests-rah,30"},
-      folder.path());
+  const std::string address = page_in_use(folder);
+  const Finished shown =
+      run_program({browser, "--headless", "--no-sandbox", "--disable-gpu",
+                   "--enable-logging=stderr", "--user-data-dir=" + folder.file("profile"),
+                   "--virtual-time-budget=3000", "--dump-dom", address},
+                  folder.path());
   ASSERT_EQ(shown.code, 0) << shown.err;
-  EXPECT_EQ(shown.err.find("CONSOLE"), std::string::npos) << shown.err;
-  EXPECT_NE(shown.out.find("<div id=\"wipe\" class=\"wipe\">"), std::string::npos);
-  EXPECT_NE(shown.out.find("--place: 30%"), std::string::npos);
-  EXPECT_NE(shown.out.find("Shading normals</span>"), std::string::npos);
-  EXPECT_NE(shown.out.find("Tests per pixel, rah</span>"), std::string::npos);
+  EXPECT_NE(shown.out.find("data-used=\"" + std::string(kUsed)), std::string::npos);
+  for (const std::string& line : found_in({shown.err}, "(CONSOLE.*)"))
+    EXPECT_TRUE(line.find("\"came: ") != std::string::npos ||
+                line.find("\"used: ") != std::string::npos)
+        << line;
+  EXPECT_NE(shown.err.find("came: normal tests-rah 30"), std::string::npos) << shown.err;
+}
+
+TEST(Report, WorksInFirefox) {
+  const std::string browser = found_program({"firefox-esr", "firefox"});
+  if (browser.empty()) GTEST_SKIP() << "no Firefox";
+  const TemporaryFolder folder;
+  const std::string address = page_in_use(folder), profile = folder.file("profile");
+  std::filesystem::create_directory(profile);
+  write_file(profile + "/user.js",
+             "user_pref('browser.dom.window.dump.enabled', true);\n"
+             "user_pref('devtools.console.stdout.content', true);\n"
+             "user_pref('javascript.options.showInConsole', true);\n");
+  const Finished shown = run_program(
+      {"env", "HOME=" + folder.path().string(), "timeout", "120", browser, "--headless",
+       "--no-remote", "--profile", profile, "--screenshot", folder.file("page.png"), address},
+      folder.path());
+  const std::string said = shown.out + shown.err;
+  ASSERT_EQ(shown.code, 0) << said;
+  EXPECT_NE(said.find(kUsed), std::string::npos) << said;
+  EXPECT_EQ(said.find("JavaScript error: file:"), std::string::npos) << said;
+  EXPECT_EQ(said.find("JavaScript warning: file:"), std::string::npos) << said;
 }
 
 TEST(ReportParts, Base64IsThatOfTheStandard) {

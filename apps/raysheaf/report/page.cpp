@@ -54,7 +54,7 @@ std::string best_sentence(const Report& report) {
 }
 
 std::string alt_of(const Layer& layer, const std::string& scene) {
-  return layer.title + " of " + scene + (layer.heat ? ", in false colours" : "");
+  return scene + ": " + layer.title + (layer.heat ? ", in false colours" : "");
 }
 
 void set_layers(const ReportPage& page, Fields* fields) {

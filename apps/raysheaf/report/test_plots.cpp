@@ -174,6 +174,17 @@ Fields plot_of(const std::string& title, const Report& report, const Takes& take
   return fields;
 }
 
+/// What was chosen for a batch, by the methods that choose.
+void set_plan(const Report& report, const BatchStatistics& wanted, Fields* fields) {
+  Fields plan = list_of_fields();
+  for (const MethodReport& method : report.methods)
+    for (const BatchStatistics& batch : method.counted.batches)
+      if (batch.kind == wanted.kind && batch.bounce == wanted.bounce)
+        for (const std::string& sentence : batch.plan) plan.push_back(Fields("sentence", sentence));
+  fields->set("planned", !plan.is_empty_list());
+  fields->set("plan", plan);
+}
+
 }  // namespace
 
 std::string coordinate(double value) {
@@ -190,9 +201,11 @@ Fields test_plots(const Report& report) {
         wanted.bounce == 0
             ? "primary rays"
             : fmt::format("{} rays, bounce {}", to_string(wanted.kind), wanted.bounce);
-    batches.push_back(plot_of(title, report, [&](const BatchStatistics& batch) {
+    Fields one = plot_of(title, report, [&](const BatchStatistics& batch) {
       return batch.kind == wanted.kind && batch.bounce == wanted.bounce;
-    }));
+    });
+    set_plan(report, wanted, &one);
+    batches.push_back(one);
   }
   fields.set("batches", batches);
   return fields;

@@ -1,4 +1,4 @@
-#include "parse_report.h"
+#include "report/parse_report.h"
 
 #include <algorithm>
 
