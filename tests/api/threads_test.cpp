@@ -127,8 +127,11 @@ TEST(Threads, ScenesOfOneContextAreIndependent) {
   EXPECT_EQ(wrong, 0);
 }
 
-TEST(Threads, TheSimdTargetIsTheOneThatKernelsUse) {
-  for_each_simd_target([](const char* target) { EXPECT_EQ(simd_target(), target); });
+TEST(Threads, TheSimdTargetIsOneOfThisMachine) {
+  const std::string used = simd_target();
+  bool known = false;
+  for_each_simd_target([&](const char* target) { known = known || used == target; });
+  EXPECT_TRUE(known) << used;
 }
 
 }  // namespace
