@@ -13,6 +13,7 @@ find_path(STB_INCLUDE_DIR stb/stb_image.h REQUIRED)  # libstb-dev
 if(RAYSHEAF_APP)
   find_package(CLI11 REQUIRED CONFIG)  # libcli11-dev
   find_package(fmt REQUIRED CONFIG)    # libfmt-dev
+  find_path(MUSTACHE_INCLUDE_DIR kainjow/mustache.hpp REQUIRED)  # libkainjow-mustache-dev
   find_package(embree 3 QUIET CONFIG)  # libembree-dev
   set(RAYSHEAF_HAS_EMBREE ${embree_FOUND})
   if(NOT RAYSHEAF_HAS_EMBREE)

@@ -32,6 +32,15 @@ struct RenderCommand {
   RenderOptions options;
 };
 
+struct ReportCommand {
+  std::string scene;
+  LoadOptions load;
+  std::string output;           ///< HTML
+  std::vector<Method> methods;  ///< empty: all, `brute` only as far as it takes seconds
+  bool quiet = false;
+  RenderOptions options;  ///< `method` is not used
+};
+
 struct InfoCommand {
   std::string scene;
   LoadOptions load;
@@ -92,12 +101,13 @@ struct ManualCommand {
   CommandText raysheaf;
 };
 
-using Command =
-    std::variant<RenderCommand, InfoCommand, SceneCommand, VerifyCommand, BenchPaperCommand,
-                 BenchAblationCommand, BenchCompareCommand, CompletionCommand, ManualCommand>;
+using Command = std::variant<RenderCommand, ReportCommand, InfoCommand, SceneCommand, VerifyCommand,
+                             BenchPaperCommand, BenchAblationCommand, BenchCompareCommand,
+                             CompletionCommand, ManualCommand>;
 
 /// Each gives an exit code, or throws `Error`.
 int run(const RenderCommand& command);
+int run(const ReportCommand& command);
 int run(const InfoCommand& command);
 int run(const SceneCommand& command);
 int run(const VerifyCommand& command);

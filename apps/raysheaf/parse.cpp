@@ -10,6 +10,7 @@
 #include "parse/ablation.h"
 #include "parse/compare.h"
 #include "parse/parts.h"
+#include "parse/report.h"
 #include "parse/verify.h"
 #include "raysheaf/error.h"
 #include "raysheaf/version.h"
@@ -17,7 +18,6 @@
 #include "values.h"
 
 namespace raysheaf::app {
-namespace {
 
 void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load) {
   app.add_option("SCENE", scene, "A file (.gltf, .glb, .obj, .ply, .stl) or builtin:NAME")
@@ -25,6 +25,8 @@ void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load) {
   app.add_flag("--allow-external", load.allow_external,
                "The scene may name files outside its folder");
 }
+
+namespace {
 
 void add_outputs(CLI::App& app, RenderCommand& command) {
   app.add_option("-o,--output", command.pictures,
@@ -41,6 +43,8 @@ void add_outputs(CLI::App& app, RenderCommand& command) {
   app.add_flag("-q,--quiet", command.quiet, "No progress bar, warnings or summary");
 }
 
+}  // namespace
+
 void add_view(CLI::App& app, RenderOptions& options) {
   add_value(app, "--size", "WxH", "Size of the picture [512x512]", [&options](const auto& text) {
     std::tie(options.width, options.height) = parse_size(text);
@@ -53,8 +57,7 @@ void add_view(CLI::App& app, RenderOptions& options) {
             [&options](const auto& text) { options.ambient = parse_color(text); });
 }
 
-void add_rays(CLI::App& app, RenderCommand& command) {
-  RenderOptions& options = command.options;
+void add_rays(CLI::App& app, RenderOptions& options) {
   add_count(app, "--bounces", options.bounces, 0, 32,
             "Reflections and refractions in a row, 0 to 32 [2]");
   add_off_switch(app, "--no-shadows", options.shadows, "No shadow rays");
@@ -73,10 +76,7 @@ void add_rays(CLI::App& app, RenderCommand& command) {
       });
 }
 
-void add_method(CLI::App& app, RenderCommand& command) {
-  RenderOptions& options = command.options;
-  add_value(app, "--method", "brute|rah|crsh|gl10|dual", "How rays meet triangles [dual]",
-            [&options](const auto& text) { options.method = method_from_string(text); });
+void add_settings(CLI::App& app, RenderOptions& options) {
   add_count(app, "--levels", options.levels, 1, 8,
             "Of rah and crsh: levels of the ray hierarchy, 1 to 8 [2]");
   add_count(app, "--branching", options.branching, 2, 64,
@@ -93,6 +93,15 @@ void add_method(CLI::App& app, RenderCommand& command) {
             "Of rah and crsh: test the spheres of meshes before their triangles [the method's own]",
             [&options](const auto& text) { options.mesh_culling = parse_switch(text); });
   add_count(app, "--threads", options.threads, 0, 1024, "Threads, up to 1024; 0 is all cores [0]");
+}
+
+namespace {
+
+void add_method(CLI::App& app, RenderCommand& command) {
+  RenderOptions& options = command.options;
+  add_value(app, "--method", "brute|rah|crsh|gl10|dual", "How rays meet triangles [dual]",
+            [&options](const auto& text) { options.method = method_from_string(text); });
+  add_settings(app, options);
   add_value(app, "--device", "cpu|cuda", "Where the rays are traced [cpu]",
             [&command](const std::string& text) {
               if (text != "cpu" && text != "cuda") {
@@ -135,7 +144,7 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
   add_scene_file(*sub, command.scene, command.load);
   add_outputs(*sub, command);
   add_view(*sub, command.options);
-  add_rays(*sub, command);
+  add_rays(*sub, command.options);
   add_method(*sub, command);
   sub->footer(
       "Examples:\n"
@@ -292,6 +301,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
       "\n"
       "raysheaf COMMAND --help lists the options of a command.");
   RenderCommand render;
+  ReportCommand report;
   InfoCommand info;
   SceneCommand scene;
   VerifyCommand verify;
@@ -301,6 +311,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   CompletionCommand completion;
   ManualCommand manual;
   const CLI::App* render_app = add_render(app, render);
+  const CLI::App* report_app = add_report(app, report);
   const CLI::App* info_app = add_info(app, info);
   const CLI::App* scene_app = add_scene(app, scene);
   const CLI::App* verify_app = add_verify(app, verify);
@@ -322,6 +333,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
     return tell_usage_error(error, app);
   }
   if (render_app->parsed()) return Command(std::move(render));
+  if (report_app->parsed()) return Command(std::move(report));
   if (info_app->parsed()) return Command(std::move(info));
   if (scene_app->parsed()) return Command(std::move(scene));
   if (verify_app->parsed()) return Command(std::move(verify));

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <filesystem>
 
 #include "console.h"
 #include "options.h"
@@ -20,13 +19,6 @@ struct Targets {
   std::vector<std::string> pictures;
   std::string stats, heatmap;
 };
-
-void refuse_scene_as_output(const std::string& scene, const std::string& output) {
-  std::error_code ignored;
-  if (std::filesystem::equivalent(scene, output, ignored)) {
-    throw Error(ErrorCode::kInvalidArgument, "this output is the scene itself", output);
-  }
-}
 
 Targets open_targets(const RenderCommand& command) {
   const auto target = [&command](const std::string& path) {

@@ -46,8 +46,12 @@ struct RenderOptions {
   /// Shadow rays stop at their first hit; the paper counts without. Those of `dual` always do.
   bool early_out = false;
   bool count_pixel_tests = false;  ///< fill `RenderResult::tests`
-  std::optional<float> exposure;   ///< factor on radiance before tone mapping; none: automatic
-  std::optional<Vec3> ambient;     ///< radiance of a uniform sky; none: a little, from the lights
+  /// How many bundles of each level are measured a batch, evenly spread over it, into
+  /// `BatchStatistics::bundles`; not of `brute`, which has none, nor of `dual`. Each takes
+  /// O(triangles).
+  std::uint32_t bundle_samples = 0;
+  std::optional<float> exposure;  ///< factor on radiance before tone mapping; none: automatic
+  std::optional<Vec3> ambient;    ///< radiance of a uniform sky; none: a little, from the lights
   /// Called now and then, from one thread at a time; false asks to stop (`Error` kCancelled).
   std::function<bool(const Progress&)> progress;
 };
@@ -65,6 +69,7 @@ struct RenderResult {
   std::vector<Vec3> position;  ///< world; 0 where nothing is seen
   std::vector<Vec3> normal;    ///< shading normal, world
   std::vector<Vec3> albedo;    ///< diffuse plus specular reflectance at the first hit
+  std::vector<Vec3> specular;  ///< the specular part of `albedo`
   std::vector<PixelIds> ids;
   std::vector<float> shadow;  ///< the part of the lights facing the first hit that reaches it
   std::vector<float> tests;   ///< tests a pixel, over all its rays; empty unless asked for

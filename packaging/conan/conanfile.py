@@ -48,6 +48,7 @@ class Raysheaf(ConanFile):
         if self.options.tools:
             self.requires("cli11/2.4.2")
             self.requires("fmt/10.2.1")
+            self.requires("kainjow-mustache/4.1")
 
     def generate(self):
         CMakeDeps(self).generate()

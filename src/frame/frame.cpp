@@ -70,6 +70,7 @@ class Frame {
         meter_(*meter) {
     trace_.method = settings_for(options_);
     trace_.cache = &trace_cache_;
+    trace_.bundle_samples = options_.bundle_samples;
     result_.statistics.key = key_name(trace_.method);
     result_.statistics.bound = bound_name(trace_.method);
     result_.width = options_.width;
@@ -118,10 +119,12 @@ class Frame {
     result_.position.resize(pixel_count());
     result_.normal.resize(pixel_count());
     result_.albedo.resize(pixel_count());
+    result_.specular.resize(pixel_count());
     executor_.for_each(pixel_count(), kGrain, [&](std::size_t i) {
       result_.position[i] = xyz(g.position[i]);
       result_.normal[i] = xyz(g.normal[i]);
       result_.albedo[i] = xyz(g.diffuse[i]) + xyz(g.specular[i]);
+      result_.specular[i] = xyz(g.specular[i]);
     });
     result_.ids = std::move(g.ids);
   }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "exec/radix_sort.h"
+#include "frame/bundles.h"
 #include "frame/stopwatch.h"
 #include "hierarchy/hierarchy.h"
 #include "intersect/brute_force.h"
@@ -86,6 +87,8 @@ std::vector<RayHit> trace_hierarchy(const Executor& executor, const FlatScene& s
         const RayHierarchy<Bound> tree =
             build_hierarchy<Bound>(executor, rays, scene.bounds, method.branching, method.levels);
         times.hierarchy += watch.lap_ms();
+        sample_bundles(executor, scene, tree, rays, options.bundle_samples, &statistics->bundles);
+        watch.lap_ms();
         meter->begin(stage_name(batch), tree.level(tree.top()).size());
         return traverse(executor, scene, tree, rays, traversal, best, tests, meter);
       });
@@ -142,6 +145,7 @@ std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& sce
   executor.for_each(order.size(), kGrain, [&](std::size_t i) { rays[i] = batch.rays[order[i]]; });
   times.order += watch.lap_ms();
 
+  sample_bundles(executor, scene, packets, rays, options.bundle_samples, &statistics->bundles);
   meter->begin(stage_name(batch), packets.size());
   PacketOptions traversal;
   traversal.early_out = options.early_out;

@@ -26,8 +26,9 @@ struct TraceCache {
 struct TraceOptions {
   MethodSettings method;
   Facing facing = Facing::kBoth;
-  bool early_out = false;       ///< for rays of which only matters whether they meet something
-  TraceCache* cache = nullptr;  ///< of this scene; none: nothing is shared
+  std::uint32_t bundle_samples = 0;  ///< bundles of a level that are measured
+  bool early_out = false;            ///< for rays of which only matters whether they meet something
+  TraceCache* cache = nullptr;       ///< of this scene; none: nothing is shared
 };
 
 /// The stable order of the rays by the method's keys; adds how many runs of equal keys there were

@@ -13,6 +13,7 @@
 #include "io/ply.h"
 #include "io/stl.h"
 #include "raysheaf/error.h"
+#include "raysheaf/io.h"
 
 namespace raysheaf::fuzz {
 namespace {
@@ -97,7 +98,7 @@ void run_image(Input input) {
   if (!fits) std::abort();
   // What can be read can be written and is then the same.
   if (image->rgba.size() > 1u << 16) return;
-  const auto again = io::decode_image(io::encode_png(*image));
+  const auto again = io::decode_image(encode_png(*image));
   if (!again || again->rgba != image->rgba) std::abort();
 }
 

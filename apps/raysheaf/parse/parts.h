@@ -7,6 +7,8 @@
 #include <string>
 
 #include "raysheaf/error.h"
+#include "raysheaf/io.h"
+#include "raysheaf/render.h"
 
 namespace raysheaf::app {
 
@@ -29,5 +31,14 @@ void add_count(CLI::App& app, const std::string& option, std::uint32_t& value, s
                std::uint32_t high, const std::string& text);
 
 void add_off_switch(CLI::App& app, const std::string& option, bool& value, const std::string& text);
+
+/// Pieces of `render` that other commands take too (parse.cpp).
+void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load);
+/// Size, camera, exposure, ambient light.
+void add_view(CLI::App& app, RenderOptions& options);
+/// Bounces, which rays there are, and how first hits are found.
+void add_rays(CLI::App& app, RenderOptions& options);
+/// What the methods but for `dual` are set by, and threads.
+void add_settings(CLI::App& app, RenderOptions& options);
 
 }  // namespace raysheaf::app
