@@ -12,19 +12,13 @@
 #include "parse_compare.h"
 #include "parse_parts.h"
 #include "parse_verify.h"
+#include "parse_view.h"
 #include "raysheaf/error.h"
 #include "raysheaf/version.h"
 #include "values.h"
 
 namespace raysheaf::app {
 namespace {
-
-void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load) {
-  app.add_option("SCENE", scene, "A file (.gltf, .glb, .obj, .ply, .stl) or builtin:NAME")
-      ->required();
-  app.add_flag("--allow-external", load.allow_external,
-               "The scene may name files outside its folder");
-}
 
 void add_outputs(CLI::App& app, RenderCommand& command) {
   app.add_option("-o,--output", command.pictures,
@@ -286,12 +280,14 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   app.footer(
       "Examples:\n"
       "  raysheaf render builtin:office -o office.png\n"
+      "  raysheaf view model.glb\n"
       "  raysheaf info model.glb\n"
       "  raysheaf scene cornell -o cornell.glb\n"
       "  raysheaf verify\n"
       "\n"
       "raysheaf COMMAND --help lists the options of a command.");
   RenderCommand render;
+  ViewCommand view;
   InfoCommand info;
   SceneCommand scene;
   VerifyCommand verify;
@@ -301,6 +297,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   CompletionCommand completion;
   ManualCommand manual;
   const CLI::App* render_app = add_render(app, render);
+  const CLI::App* view_app = add_view_command(app, view);
   const CLI::App* info_app = add_info(app, info);
   const CLI::App* scene_app = add_scene(app, scene);
   const CLI::App* verify_app = add_verify(app, verify);
@@ -322,6 +319,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
     return tell_usage_error(error, app);
   }
   if (render_app->parsed()) return Command(std::move(render));
+  if (view_app->parsed()) return Command(std::move(view));
   if (info_app->parsed()) return Command(std::move(info));
   if (scene_app->parsed()) return Command(std::move(scene));
   if (verify_app->parsed()) return Command(std::move(verify));

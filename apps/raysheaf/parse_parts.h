@@ -7,6 +7,7 @@
 #include <string>
 
 #include "raysheaf/error.h"
+#include "raysheaf/io.h"
 
 namespace raysheaf::app {
 
@@ -21,6 +22,8 @@ std::function<void(const std::string&)> into(Parse parse, std::string option) {
     }
   };
 }
+
+void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load);
 
 void add_value(CLI::App& app, const std::string& option, const std::string& type,
                const std::string& text, std::function<void(const std::string&)> parse);

@@ -17,6 +17,7 @@ std::string help_of_everything() {
   std::string text;
   const std::vector<std::vector<std::string>> calls = {{"--help"},
                                                        {"render", "--help"},
+                                                       {"view", "--help"},
                                                        {"info", "--help"},
                                                        {"scene", "--help"},
                                                        {"verify", "--help"},
