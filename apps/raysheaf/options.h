@@ -91,6 +91,14 @@ struct VerifyCommand {
   std::string json_path;
 };
 
+struct ViewCommand {
+  std::string scene;
+  LoadOptions load;
+  std::string script_path, screenshot_path, settings_path;
+  std::uint32_t width = 0, height = 0;  ///< 0: as the settings say
+  std::uint32_t threads = 0;
+};
+
 struct CompletionCommand {
   std::string shell;
   CommandText raysheaf;
@@ -101,13 +109,14 @@ struct ManualCommand {
   CommandText raysheaf;
 };
 
-using Command = std::variant<RenderCommand, ReportCommand, InfoCommand, SceneCommand, VerifyCommand,
-                             BenchPaperCommand, BenchAblationCommand, BenchCompareCommand,
-                             CompletionCommand, ManualCommand>;
+using Command = std::variant<RenderCommand, ReportCommand, ViewCommand, InfoCommand, SceneCommand,
+                             VerifyCommand, BenchPaperCommand, BenchAblationCommand,
+                             BenchCompareCommand, CompletionCommand, ManualCommand>;
 
 /// Each gives an exit code, or throws `Error`.
 int run(const RenderCommand& command);
 int run(const ReportCommand& command);
+int run(const ViewCommand& command);
 int run(const InfoCommand& command);
 int run(const SceneCommand& command);
 int run(const VerifyCommand& command);

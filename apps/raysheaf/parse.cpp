@@ -12,20 +12,13 @@
 #include "parse/parts.h"
 #include "parse/report.h"
 #include "parse/verify.h"
+#include "parse/view.h"
 #include "raysheaf/error.h"
 #include "raysheaf/version.h"
 #include "text/describe.h"
 #include "values.h"
 
 namespace raysheaf::app {
-
-void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load) {
-  app.add_option("SCENE", scene, "A file (.gltf, .glb, .obj, .ply, .stl) or builtin:NAME")
-      ->required();
-  app.add_flag("--allow-external", load.allow_external,
-               "The scene may name files outside its folder");
-}
-
 namespace {
 
 void add_outputs(CLI::App& app, RenderCommand& command) {
@@ -295,6 +288,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   app.footer(
       "Examples:\n"
       "  raysheaf render builtin:office -o office.png\n"
+      "  raysheaf view model.glb\n"
       "  raysheaf info model.glb\n"
       "  raysheaf scene cornell -o cornell.glb\n"
       "  raysheaf verify\n"
@@ -302,6 +296,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
       "raysheaf COMMAND --help lists the options of a command.");
   RenderCommand render;
   ReportCommand report;
+  ViewCommand view;
   InfoCommand info;
   SceneCommand scene;
   VerifyCommand verify;
@@ -312,6 +307,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   ManualCommand manual;
   const CLI::App* render_app = add_render(app, render);
   const CLI::App* report_app = add_report(app, report);
+  const CLI::App* view_app = add_view_command(app, view);
   const CLI::App* info_app = add_info(app, info);
   const CLI::App* scene_app = add_scene(app, scene);
   const CLI::App* verify_app = add_verify(app, verify);
@@ -334,6 +330,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   }
   if (render_app->parsed()) return Command(std::move(render));
   if (report_app->parsed()) return Command(std::move(report));
+  if (view_app->parsed()) return Command(std::move(view));
   if (info_app->parsed()) return Command(std::move(info));
   if (scene_app->parsed()) return Command(std::move(scene));
   if (verify_app->parsed()) return Command(std::move(verify));

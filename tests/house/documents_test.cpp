@@ -18,6 +18,7 @@ std::string help_of_everything() {
   const std::vector<std::vector<std::string>> calls = {{"--help"},
                                                        {"render", "--help"},
                                                        {"report", "--help"},
+                                                       {"view", "--help"},
                                                        {"info", "--help"},
                                                        {"scene", "--help"},
                                                        {"verify", "--help"},

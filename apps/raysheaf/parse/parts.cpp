@@ -4,6 +4,13 @@
 
 namespace raysheaf::app {
 
+void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load) {
+  app.add_option("SCENE", scene, "A file (.gltf, .glb, .obj, .ply, .stl) or builtin:NAME")
+      ->required();
+  app.add_flag("--allow-external", load.allow_external,
+               "The scene may name files outside its folder");
+}
+
 void add_value(CLI::App& app, const std::string& option, const std::string& type,
                const std::string& text, std::function<void(const std::string&)> parse) {
   app.add_option_function<std::string>(option, into(std::move(parse), option), text)

@@ -24,6 +24,8 @@ std::function<void(const std::string&)> into(Parse parse, std::string option) {
   };
 }
 
+void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load);
+
 void add_value(CLI::App& app, const std::string& option, const std::string& type,
                const std::string& text, std::function<void(const std::string&)> parse);
 
@@ -32,8 +34,8 @@ void add_count(CLI::App& app, const std::string& option, std::uint32_t& value, s
 
 void add_off_switch(CLI::App& app, const std::string& option, bool& value, const std::string& text);
 
-/// Pieces of `render` that other commands take too (parse.cpp).
-void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load);
+// Pieces of `render` that other commands take too (parse.cpp).
+
 /// Size, camera, exposure, ambient light.
 void add_view(CLI::App& app, RenderOptions& options);
 /// Bounces, which rays there are, and how first hits are found.
