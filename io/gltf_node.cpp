@@ -113,6 +113,30 @@ Light::Type light_type(const std::string& type, const std::string& place) {
   refuse("is not point, spot or directional", place + ".type");
 }
 
+/// A number of an object's extras, or 0 where there is none.
+float extra_number(const tinygltf::Value& extras, const char* name) {
+  if (!extras.IsObject() || !extras.Has(name)) return 0;
+  const tinygltf::Value& value = extras.Get(name);
+  return value.IsNumber() ? static_cast<float>(value.GetNumberAsDouble()) : 0;
+}
+
+/// A size, which KHR_lights_punctual knows nothing of: `extras.radius` of a point or a spot,
+/// `extras.width` and `extras.height` (along the node's x and y) of a spot (docs/light.md).
+void read_size(const tinygltf::Light& source, const DoubleAffine& to_world, Light& light) {
+  if (light.type == Light::Type::kDirectional) return;
+  light.radius = extra_number(source.extras, "radius");
+  const float width = extra_number(source.extras, "width");
+  const float height = extra_number(source.extras, "height");
+  if (light.type != Light::Type::kSpot || (width == 0 && height == 0)) return;
+  light.type = Light::Type::kRectangle;
+  light.width = width;
+  light.height = height;
+  const Double3 z = normalized(to_world.columns[2], {0, 0, 1});
+  const Double3 x = to_world.columns[0] - z * dot(z, to_world.columns[0]);
+  const Double3 spare = std::fabs(z.x) < 0.9 ? Double3{1, 0, 0} : Double3{0, 1, 0};
+  light.right = narrow(normalized(x, normalized(spare - z * dot(z, spare), {1, 0, 0})));
+}
+
 Light read_light(const tinygltf::Model& model, std::size_t index, const DoubleAffine& to_world) {
   const tinygltf::Light& source = model.lights[index];
   Light light;
@@ -128,6 +152,7 @@ Light read_light(const tinygltf::Model& model, std::size_t index, const DoubleAf
   if (source.range > 0) light.range = static_cast<float>(source.range);
   light.inner_angle = static_cast<float>(source.spot.innerConeAngle);
   light.outer_angle = static_cast<float>(source.spot.outerConeAngle);
+  read_size(source, to_world, light);
   return light;
 }
 
@@ -155,6 +180,8 @@ Camera read_camera(const tinygltf::Model& model, std::size_t index, const Double
   } else {
     camera.y_fov = static_cast<float>(source.perspective.yfov);
   }
+  camera.aperture = extra_number(source.extras, "aperture");
+  camera.focus = extra_number(source.extras, "focus");
   camera.z_near = static_cast<float>(near);
   camera.z_far = far > 0 ? static_cast<float>(far) : std::numeric_limits<float>::infinity();
   return camera;

@@ -1,6 +1,7 @@
 // What the command line asked for, after parsing. No parser in here.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -22,6 +23,13 @@ enum ExitCode : int {
   kInterrupted = 130,
 };
 
+/// Changes to a scene's light; none where a field is empty.
+struct LightOptions {
+  std::optional<float> size;  ///< radius of points and spots
+  std::string environment;    ///< a file
+  std::optional<float> intensity, rotation_degrees;
+};
+
 struct RenderCommand {
   std::string scene;
   LoadOptions load;
@@ -30,6 +38,7 @@ struct RenderCommand {
   std::string device = "cpu";
   bool explain = false, quiet = false;
   RenderOptions options;
+  LightOptions light;
 };
 
 struct ReportCommand {

@@ -9,6 +9,7 @@
 #include "console.h"
 #include "parse/ablation.h"
 #include "parse/compare.h"
+#include "parse/light.h"
 #include "parse/parts.h"
 #include "parse/report.h"
 #include "parse/verify.h"
@@ -138,12 +139,14 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
   add_outputs(*sub, command);
   add_view(*sub, command.options);
   add_rays(*sub, command.options);
+  add_light(*sub, command);
   add_method(*sub, command);
   sub->footer(
       "Examples:\n"
       "  raysheaf render builtin:office -o office.png\n"
       "  raysheaf render builtin:cornell -o cornell.png -o cornell.exr --bounces 4\n"
       "  raysheaf render model.glb -o model.png --size 1280x720 --camera 1 --stats model.json\n"
+      "  raysheaf render builtin:office -o soft.png --samples 64 --light-size 0.1\n"
       "  raysheaf render builtin:atrium --heatmap tests.png --method rah\n"
       "  raysheaf render builtin:atrium --explain --quiet");
   sub->callback([&command] { check_outputs(command); });

@@ -9,6 +9,7 @@
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 #include "scene_argument.h"
+#include "scene_light.h"
 #include "values.h"
 
 namespace raysheaf::app {
@@ -68,9 +69,12 @@ void write_outputs(const RenderCommand& command, const Targets& targets, const R
 }
 
 void tell_summary(const RenderCommand& command, const FrameStatistics& statistics, double load_ms) {
-  tell(fmt::format("{}: {} triangles in {} meshes, {}x{}, {} on {} threads",
+  const std::size_t samples = statistics.samples.size();
+  tell(fmt::format("{}: {} triangles in {} meshes, {}x{}{}, {} on {} threads",
                    printable(statistics.scene), statistics.triangles, statistics.meshes,
-                   statistics.width, statistics.height, statistics.method, statistics.threads));
+                   statistics.width, statistics.height,
+                   samples == 1 ? "" : fmt::format(", {} samples a pixel", samples),
+                   statistics.method, statistics.threads));
   for (const BatchStatistics& batch : statistics.batches) {
     tell(fmt::format("  {:<10} bounce {}: {:>9} rays, {:>7.3f} % of brute-force tests, {} hits",
                      to_string(batch.kind), batch.bounce, batch.rays, batch.relative() * 100,
@@ -106,9 +110,14 @@ std::string explained(const BatchStatistics& batch, const std::string& method) {
 
 void explain(const FrameStatistics& statistics) {
   std::string text;
+  if (statistics.primary.starts_with("trace: ")) text += "first hits: " + statistics.primary + "\n";
+  if (statistics.samples.size() > 1)
+    text += fmt::format("samples: {} a pixel; each plan is that of the first, counts are of all\n",
+                        statistics.samples.size());
   for (const BatchStatistics& batch : statistics.batches)
     text += explained(batch, statistics.method);
-  print(text.empty() ? "no rays were traced\n" : text);
+  if (statistics.batches.empty()) text += "no rays were traced\n";
+  print(text);
 }
 
 }  // namespace
@@ -122,7 +131,7 @@ int run(const RenderCommand& command) {
   const Targets targets = open_targets(command);
   const auto start = std::chrono::steady_clock::now();
   SceneDescription scene = scene_from_argument(command.scene, command.load);
-  add_missing_camera_and_light(scene);
+  change_light(command.light, scene);
   const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - start;
   stop_if_interrupted();
   if (!command.quiet) {

@@ -24,8 +24,12 @@ struct LoadOptions {
 /// describes is refused (kOutOfMemory) where it would take gigabytes.
 [[nodiscard]] SceneDescription load_scene(const std::string& path, const LoadOptions& options = {});
 
+/// Reads a picture of all directions: Radiance (.hdr) or OpenEXR (.exr, channels R, G, B), by its
+/// ending. Refuses pixels that are negative or not finite.
+[[nodiscard]] Environment load_environment(const std::string& path);
+
 /// Writes the scene as one binary glTF file that `load_scene` reads back to the same geometry, bit
-/// for bit. Images are stored as PNG.
+/// for bit. Images are stored as PNG; an environment is left out.
 void save_glb(const SceneDescription& scene, const std::string& path);
 
 /// Writes an eight-bit image as PNG; alpha is left out where it is 255 everywhere.

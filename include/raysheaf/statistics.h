@@ -50,8 +50,9 @@ struct BundleSample {
   }
 };
 
-/// All rays of one kind at one bounce. Bounces count from 1: the shadow rays of the primary hits
-/// and the reflections that leave them are both at bounce 1. Traced primary rays are at bounce 0.
+/// All rays of one kind at one bounce, over all samples. Bounces count from 1: the shadow rays of
+/// the primary hits and the reflections that leave them are both at bounce 1. Traced primary rays
+/// are at bounce 0.
 struct BatchStatistics {
   RayKind kind = RayKind::kShadow;
   std::uint32_t bounce = 0;
@@ -66,12 +67,19 @@ struct BatchStatistics {
   std::uint64_t hits = 0;               ///< rays that met something
   StageTimes times_ms;
   std::vector<BundleSample> bundles;  ///< where `RenderOptions::bundle_samples` asks for them
-  std::vector<std::string> plan;      ///< of `dual`: what was chosen and why, a sentence a choice
+  /// Of `dual`: what was chosen and why, a sentence a choice; of the first sample with such rays.
+  std::vector<std::string> plan;
 
   [[nodiscard]] std::uint64_t total_tests() const;
   [[nodiscard]] std::uint64_t brute_force_tests() const { return rays * triangles; }
   /// total / brute force, a fraction; 0 where there was nothing to test.
   [[nodiscard]] double relative() const;
+};
+
+/// All rays of one sample of the picture.
+struct SampleStatistics {
+  std::uint64_t rays = 0, total_tests = 0, hits = 0;
+  double ms = 0;  ///< wall time, first hits and shading included
 };
 
 struct FrameStatistics {
@@ -80,7 +88,8 @@ struct FrameStatistics {
   std::uint32_t width = 0, height = 0;
   std::string method, key, bound, device, primary;
   std::uint32_t threads = 0;
-  std::vector<BatchStatistics> batches;
+  std::vector<BatchStatistics> batches;              ///< summed over the samples
+  std::vector<SampleStatistics> samples;             ///< each by itself, in order
   double raster_ms = 0, shade_ms = 0, total_ms = 0;  ///< `total_ms` leaves loading out
 };
 

@@ -15,13 +15,14 @@
 #include "frame/stopwatch.h"
 #include "raster/rasterizer.h"
 #include "raysheaf/error.h"
+#include "scene/environment.h"
 
 namespace raysheaf {
 namespace {
 
 constexpr std::uint32_t kLargestSide = 16384;
 constexpr std::uint32_t kMostBounces = 32, kMostLevels = 8, kMostBranching = 64,
-                        kMostThreads = 1024;
+                        kMostThreads = 1024, kMostSamples = 65536;
 /// What a frame needs a pixel, with room for a batch of secondary rays beside the primary
 /// fragments.
 constexpr std::uint64_t kBytesPerPixel = 640;
@@ -32,6 +33,11 @@ void check_range(const char* option, std::uint32_t value, std::uint32_t least, s
                 "must be from " + std::to_string(least) + " to " + std::to_string(most) + ", not " +
                     std::to_string(value),
                 option);
+}
+
+void check_length(const char* option, const std::optional<float>& value) {
+  if (value && !(*value >= 0 && std::isfinite(*value)))
+    throw Error(ErrorCode::kInvalidArgument, "must be a number, 0 or more", option);
 }
 
 void check_memory(const RenderOptions& options) {
@@ -49,6 +55,9 @@ void check(const RenderOptions& options) {
   check_range("width", options.width, 1, kLargestSide);
   check_range("height", options.height, 1, kLargestSide);
   check_range("bounces", options.bounces, 0, kMostBounces);
+  check_range("samples", options.samples, 0, kMostSamples);
+  check_length("aperture", options.aperture);
+  check_length("focus", options.focus);
   check_range("levels", options.levels, 1, kMostLevels);
   check_range("branching", options.branching, 2, kMostBranching);
   if (options.key_bits && *options.key_bits != 32 && *options.key_bits != 64)
@@ -85,25 +94,48 @@ Camera find_camera(const SceneDescription& scene, const std::string& wanted) {
               "camera");
 }
 
-std::vector<Light> find_lights(const SceneDescription& scene, const Camera& camera) {
+/// Where there is but one sample, balls shine from their centres: there is no choice to be made.
+std::vector<Light> find_lights(const SceneDescription& scene, const Camera& camera,
+                               std::uint32_t samples) {
   if (needs_light(scene)) return {showing_light(scene, camera)};
-  return scene.lights;
+  std::vector<Light> lights = scene.lights;
+  if (samples > 1) return lights;
+  for (Light& light : lights) light.radius = 0;
+  return lights;
+}
+
+std::uint32_t find_samples(const SceneDescription& scene, const Camera& camera,
+                           const RenderOptions& options) {
+  constexpr std::uint32_t kEnough = 16;
+  if (options.samples > 0) return options.samples;
+  return scene.environment.empty() && camera.aperture == 0 ? 1 : kEnough;
 }
 
 RenderResult render_checked(const SceneDescription& scene, const RenderOptions& options) {
   Stopwatch watch;
   const Executor executor(options.threads);
   ProgressMeter meter(options.progress);
-  const Camera camera = find_camera(scene, options.camera);
-  const std::vector<Light> lights = find_lights(scene, camera);
+  Camera camera = find_camera(scene, options.camera);
+  camera.aperture = options.aperture.value_or(camera.aperture);
+  camera.focus = options.focus.value_or(camera.focus);
+  const std::uint32_t samples = find_samples(scene, camera, options);
+  const std::vector<Light> lights = find_lights(scene, camera, samples);
+  const bool lens = camera.aperture > 0 && samples > 1;
   std::optional<Rasterizer> rasterizer;
-  if (options.primary == Primary::kRaster) rasterizer.emplace();
+  if (options.primary == Primary::kRaster && !lens) rasterizer.emplace();
 
   meter.begin("scene", 1);
   const FlatScene flat = flatten(executor, scene, mesh_bounds(executor, scene));
   const TextureSet textures(scene);
-  const FrameInput input{flat,   textures, camera,
-                         lights, options,  rasterizer ? &*rasterizer : nullptr};
+  const EnvironmentMap environment(executor, scene.environment);
+  const FrameInput input{flat,
+                         textures,
+                         camera,
+                         lights,
+                         options,
+                         samples,
+                         rasterizer ? &*rasterizer : nullptr,
+                         scene.environment.empty() ? nullptr : &environment.view()};
   RenderResult result = render_frame(executor, input, &meter);
 
   FrameStatistics& s = result.statistics;
@@ -114,7 +146,9 @@ RenderResult render_checked(const SceneDescription& scene, const RenderOptions& 
   s.height = options.height;
   s.method = to_string(options.method);
   s.device = "cpu";
-  s.primary = rasterizer ? "raster: " + rasterizer->description() : "trace";
+  s.primary = rasterizer                            ? "raster: " + rasterizer->description()
+              : options.primary == Primary::kRaster ? "trace: a lens needs rays"
+                                                    : "trace";
   s.threads = executor.threads();
   s.total_ms = watch.lap_ms();
   return result;

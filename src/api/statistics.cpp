@@ -44,6 +44,13 @@ Json batch_json(const BatchStatistics& batch) {
           {"plan", batch.plan}};
 }
 
+Json sample_json(const SampleStatistics& sample) {
+  return {{"rays", sample.rays},
+          {"total_tests", sample.total_tests},
+          {"hits", sample.hits},
+          {"ms", sample.ms}};
+}
+
 }  // namespace
 
 const char* to_string(RayKind kind) {
@@ -76,6 +83,8 @@ double BatchStatistics::relative() const {
 std::string to_json(const FrameStatistics& statistics, double load_ms) {
   Json batches = Json::array();
   for (const BatchStatistics& batch : statistics.batches) batches.push_back(batch_json(batch));
+  Json samples = Json::array();
+  for (const SampleStatistics& sample : statistics.samples) samples.push_back(sample_json(sample));
   const Json frame = {{"scene", statistics.scene},
                       {"triangles", statistics.triangles},
                       {"meshes", statistics.meshes},
@@ -88,6 +97,7 @@ std::string to_json(const FrameStatistics& statistics, double load_ms) {
                       {"primary", statistics.primary},
                       {"threads", statistics.threads},
                       {"batches", std::move(batches)},
+                      {"samples", std::move(samples)},
                       {"times_ms",
                        {{"load", load_ms},
                         {"raster", statistics.raster_ms},

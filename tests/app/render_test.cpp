@@ -143,7 +143,7 @@ TEST(Render, StatisticsHaveTheDocumentedFields) {
   const Json frame = statistics_of(folder, {"builtin:cornell", "--method", "crsh"});
   EXPECT_EQ(keys(frame), (std::set<std::string>{"scene", "triangles", "meshes", "width", "height",
                                                 "method", "key", "bound", "device", "primary",
-                                                "threads", "batches", "times_ms"}));
+                                                "threads", "batches", "samples", "times_ms"}));
   EXPECT_EQ(keys(frame.at("times_ms")),
             (std::set<std::string>{"load", "raster", "shade", "total"}));
   EXPECT_EQ(frame.at("triangles"), 792);
