@@ -67,9 +67,11 @@ class Frame {
         lights_(input.lights),
         input_(input),
         options_(input.options),
-        meter_(*meter) {
+        meter_(*meter),
+        cache_(input.cache != nullptr ? *input.cache : own_cache_) {
+    cache_.tree = {};
     trace_.method = settings_for(options_);
-    trace_.cache = &trace_cache_;
+    trace_.cache = &cache_;
     result_.statistics.key = key_name(trace_.method);
     result_.statistics.bound = bound_name(trace_.method);
     result_.width = options_.width;
@@ -104,7 +106,7 @@ class Frame {
     } else {
       BatchStatistics& batch = statistics_for(RayKind::kPrimary, 0);
       triangles = trace_primary(executor_, scene_, input_.camera, size, trace_.method, &batch,
-                                result_.tests, &meter_, &trace_cache_);
+                                result_.tests, &meter_, &cache_);
     }
     meter_.begin("surfaces", 1);
     std::vector<Fragment> fragments =
@@ -291,7 +293,8 @@ class Frame {
   const FrameInput& input_;
   const RenderOptions& options_;
   ProgressMeter& meter_;
-  TraceCache trace_cache_;
+  TraceCache own_cache_;
+  TraceCache& cache_;
   TraceOptions trace_;
   RenderResult result_;
   Vec3 sky_;

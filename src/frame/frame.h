@@ -10,7 +10,8 @@
 
 namespace raysheaf {
 
-/// What a frame is made of. `rasterizer` may be null where primary visibility is traced.
+/// What a frame is made of. `rasterizer` may be null where primary visibility is traced, `cache`
+/// where nothing is to be kept of this scene.
 struct FrameInput {
   const FlatScene& scene;
   const TextureSet& textures;
@@ -18,6 +19,7 @@ struct FrameInput {
   View<const Light> lights;
   const RenderOptions& options;
   Rasterizer* rasterizer = nullptr;
+  TraceCache* cache = nullptr;
 };
 
 [[nodiscard]] RenderResult render_frame(const Executor& executor, const FrameInput& input,
