@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <new>
 #include <optional>
@@ -15,6 +14,7 @@
 #include "frame/frame.h"
 #include "frame/stopwatch.h"
 #include "raster/rasterizer.h"
+#include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "scene/flat_update.h"
 
@@ -61,30 +61,6 @@ void check(const RenderOptions& options) {
   if (options.ambient && !(is_finite(*options.ambient) && min_component(*options.ambient) >= 0))
     throw Error(ErrorCode::kInvalidArgument, "must be finite and not negative", "ambient");
   check_memory(options);
-}
-
-std::string camera_names(const SceneDescription& scene) {
-  std::string names;
-  for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
-    names += (i == 0 ? "" : ", ") + std::to_string(i);
-    if (!scene.cameras[i].name.empty()) names += " \"" + scene.cameras[i].name + "\"";
-  }
-  return names.empty() ? "none of its own" : names;
-}
-
-/// By name, then by index; the first where nothing is asked for, or one that frames the scene.
-Camera find_camera(const SceneDescription& scene, const std::string& wanted) {
-  if (wanted.empty()) return scene.cameras.empty() ? framing_camera(scene) : scene.cameras.front();
-  for (const Camera& camera : scene.cameras)
-    if (camera.name == wanted) return camera;
-  std::size_t index = 0;
-  const char* end = wanted.data() + wanted.size();
-  const auto [stop, error] = std::from_chars(wanted.data(), end, index);
-  if (error == std::errc{} && stop == end && index < scene.cameras.size())
-    return scene.cameras[index];
-  throw Error(ErrorCode::kNotFound,
-              "the scene has no camera \"" + wanted + "\"; it has " + camera_names(scene),
-              "camera");
 }
 
 std::vector<Light> find_lights(const SceneDescription& scene, const Camera& camera) {
