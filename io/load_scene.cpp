@@ -4,8 +4,10 @@
 
 #include "io/file.h"
 #include "io/gltf.h"
+#include "io/load.h"
 #include "io/obj.h"
 #include "io/ply.h"
+#include "io/sequence.h"
 #include "io/stl.h"
 #include "raysheaf/animation.h"
 #include "raysheaf/error.h"
@@ -26,7 +28,8 @@ Loader loader_for(const std::string& ending) {
   return nullptr;
 }
 
-io::GltfScene load_any(const std::string& path, const LoadOptions& options) {
+io::GltfScene load_any(const std::string& path, const LoadOptions& options,
+                       io::ImageCache* images = nullptr) {
   const std::string ending = io::ending_of(path);
   // Before the whole file is read, but not before it is known to be there.
   if (io::file_exists(path) && !is_gltf(ending) && loader_for(ending) == nullptr) {
@@ -35,7 +38,7 @@ io::GltfScene load_any(const std::string& path, const LoadOptions& options) {
   }
   const io::Bytes file = io::read_file(path);
   if (file.empty()) throw Error(ErrorCode::kInvalidData, "the file is empty", path);
-  const io::SceneFile from{path, options.allow_external};
+  const io::SceneFile from{path, options.allow_external, images};
   if (is_gltf(ending)) return io::load_gltf(file, from);
   return {loader_for(ending)(file, from), {}};
 }
@@ -65,18 +68,44 @@ auto naming(const std::string& path, const Load& load) {
   }
 }
 
+/// Whether the name is a pattern, and not that of a file.
+bool is_pattern(const std::string& path) {
+  return path.find_first_of("*?", path.rfind('/') + 1) != path.npos && !io::file_exists(path);
+}
+
+std::unique_ptr<Animation> load_moving(const std::string& path, const LoadOptions& options) {
+  if (is_pattern(path)) {
+    SequenceFiles files;
+    files.frames = files_like(path);
+    return load_sequence(files, options);
+  }
+  if (io::ending_of(path) == "json") {
+    const io::Bytes file = io::read_file(path);
+    return load_sequence(io::read_sequence_json(file, {path, options.allow_external}), options);
+  }
+  io::GltfScene loaded = load_any(path, options);
+  if (loaded.rig.nodes.empty()) return animate(std::move(loaded.scene));
+  return animate(std::move(loaded.scene), std::move(loaded.rig));
+}
+
 }  // namespace
+
+SceneDescription io::load_part(const std::string& path, const LoadOptions& options,
+                               ImageCache* images) {
+  return naming(path, [&] {
+    GltfScene loaded = load_any(path, options, images);
+    if (!loaded.rig.nodes.empty()) pose(loaded.rig, loaded.scene);
+    if (loaded.scene.triangle_count() > 0) validate(loaded.scene);
+    return std::move(loaded.scene);
+  });
+}
 
 SceneDescription load_scene(const std::string& path, const LoadOptions& options) {
   return naming(path, [&] { return load_at_rest(path, options); });
 }
 
 std::unique_ptr<Animation> load_animation(const std::string& path, const LoadOptions& options) {
-  return naming(path, [&] {
-    io::GltfScene loaded = load_any(path, options);
-    if (loaded.rig.nodes.empty()) return animate(std::move(loaded.scene));
-    return animate(std::move(loaded.scene), std::move(loaded.rig));
-  });
+  return naming(path, [&] { return load_moving(path, options); });
 }
 
 }  // namespace raysheaf

@@ -61,6 +61,13 @@ class Animation {
 /// How many frames there are until the end, one at least.
 [[nodiscard]] std::uint64_t frame_count(const Animation& animation, double fps);
 
+/// A few frames, evenly over all that there are: what is automatic is judged by them.
+[[nodiscard]] std::vector<std::uint64_t> sample_frames(std::uint64_t frame_count);
+
+/// `add_missing_camera_and_light` for all that the scene comes to show, judged by a few times. Does
+/// nothing where neither is missing; seeks otherwise.
+void add_missing_camera_and_light(Animation& animation);
+
 /// A scene that its rig moves; a rig without clips stays at rest. `threads` = 0: all cores. Throws
 /// `Error` as `validate` does for both.
 [[nodiscard]] std::unique_ptr<Animation> animate(SceneDescription scene, Rig rig,
@@ -69,8 +76,30 @@ class Animation {
 /// A scene in which nothing moves.
 [[nodiscard]] std::unique_ptr<Animation> animate(SceneDescription scene);
 
-/// What moves in a file: glTF with its nodes, skins and morph targets; anything else that
-/// `load_scene` reads stands still. Throws `Error` as `load_scene` does.
+/// A sequence of files, each a frame, beside what does not move.
+struct SequenceFiles {
+  std::string name;
+  std::string still;                ///< a scene; empty: everything is in the frames
+  std::vector<std::string> frames;  ///< one at least
+  std::vector<double> times;        ///< seconds, ascending, one a frame; empty: 24 frames a second
+  std::vector<Camera> cameras;      ///< one a frame, a camera named "moving"; or none
+  std::vector<Camera> still_cameras;
+  std::vector<Light> lights;
+};
+
+/// Frames are read when they are sought; pictures that OBJ's materials share are decoded once.
+/// Meshes of a frame whose triangles are those of the frame before are taken as deformed; from the
+/// first other mesh on they are other ones. Throws `Error` as `load_scene` does.
+[[nodiscard]] std::unique_ptr<Animation> load_sequence(const SequenceFiles& files,
+                                                       const LoadOptions& options = {});
+
+/// The files that a pattern names ("frames/cloth_*.ply": * and ? in the last part), in the order of
+/// the numbers in their names. Throws `Error` (kNotFound) where there are none.
+[[nodiscard]] std::vector<std::string> files_like(const std::string& pattern);
+
+/// What moves in a file: glTF with its nodes, skins and morph targets; a sequence described by JSON
+/// (docs/animation.md); a pattern of files that are a sequence; anything else that `load_scene`
+/// reads stands still. Throws `Error` as `load_scene` does.
 [[nodiscard]] std::unique_ptr<Animation> load_animation(const std::string& path,
                                                         const LoadOptions& options = {});
 

@@ -113,6 +113,34 @@ std::uint64_t frame_count(const Animation& animation, double fps) {
   return 1 + static_cast<std::uint64_t>(std::floor(frames + 1e-3));
 }
 
+std::vector<std::uint64_t> sample_frames(std::uint64_t count) {
+  constexpr std::uint64_t kMost = 5;
+  std::vector<std::uint64_t> frames;
+  for (std::uint64_t i = 0; i < std::min(count, kMost); ++i)
+    frames.push_back(count <= kMost ? i : i * (count - 1) / (kMost - 1));
+  return frames;
+}
+
+void add_missing_camera_and_light(Animation& animation) {
+  SceneDescription& scene = animation.scene();
+  if (!scene.cameras.empty() && !needs_light(scene)) return;
+  // Two corners of all the boxes, as a scene that can be framed.
+  SceneDescription whole;
+  Mesh corners;
+  constexpr double kRate = 24;
+  for (const std::uint64_t frame : sample_frames(frame_count(animation, kRate))) {
+    static_cast<void>(animation.seek(frame_time(animation, frame, kRate)));
+    const Box box = world_bounds(scene);
+    const auto first = static_cast<std::uint32_t>(corners.positions.size());
+    corners.positions.insert(corners.positions.end(), {box.min, box.max});
+    corners.triangles.push_back({first, first, first + 1});
+  }
+  whole.meshes.push_back(std::move(corners));
+  whole.instances.push_back({"", 0, {}});
+  if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(whole));
+  if (needs_light(scene)) scene.lights.push_back(showing_light(whole, scene.cameras.front()));
+}
+
 std::unique_ptr<Animation> animate(SceneDescription scene, Rig rig, std::uint32_t threads) {
   validate(rig, scene);
   join(rig.clips);
