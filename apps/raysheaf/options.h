@@ -7,6 +7,7 @@
 
 #include "command_text.h"
 #include "compare_words.h"
+#include "frames.h"
 #include "raysheaf/io.h"
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
@@ -29,6 +30,7 @@ struct RenderCommand {
   std::string stats_path, heatmap_path;
   std::string device = "cpu";
   bool explain = false, quiet = false;
+  FramesOptions frames;
   RenderOptions options;
 };
 

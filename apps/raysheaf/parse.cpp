@@ -10,6 +10,7 @@
 #include "describe.h"
 #include "parse_ablation.h"
 #include "parse_compare.h"
+#include "parse_frames.h"
 #include "parse_parts.h"
 #include "parse_verify.h"
 #include "raysheaf/error.h"
@@ -20,7 +21,10 @@ namespace raysheaf::app {
 namespace {
 
 void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load) {
-  app.add_option("SCENE", scene, "A file (.gltf, .glb, .obj, .ply, .stl) or builtin:NAME")
+  app.add_option(
+         "SCENE", scene,
+         "A file (.gltf, .glb, .obj, .ply, .stl, .json), a pattern of files that are frames "
+         "('f_*.ply'), or builtin:NAME")
       ->required();
   app.add_flag("--allow-external", load.allow_external,
                "The scene may name files outside its folder");
@@ -28,8 +32,8 @@ void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load) {
 
 void add_outputs(CLI::App& app, RenderCommand& command) {
   app.add_option("-o,--output", command.pictures,
-                 "Picture: .png (tone-mapped sRGB) or .exr (linear, with layers); may be given "
-                 "more than once")
+                 "Picture: .png (tone-mapped sRGB) or .exr (linear, with layers), with %d or %04d "
+                 "for a frame's number; film: .mp4; may be given more than once")
       ->type_name("FILE")
       ->take_all()
       ->allow_extra_args(false);
@@ -103,7 +107,7 @@ void add_method(CLI::App& app, RenderCommand& command) {
 }
 
 bool has_picture_ending(const std::string& path) {
-  return has_ending(path, ".png") || has_ending(path, ".exr");
+  return has_ending(path, ".png") || has_ending(path, ".exr") || has_ending(path, ".mp4");
 }
 
 void check_outputs(const RenderCommand& command) {
@@ -115,7 +119,8 @@ void check_outputs(const RenderCommand& command) {
   };
   for (const std::string& path : command.pictures) {
     if (!has_picture_ending(path)) {
-      throw CLI::ValidationError("-o", "'" + path + "' ends neither in .png nor in .exr");
+      throw CLI::ValidationError("-o",
+                                 "'" + path + "' ends neither in .png nor in .exr nor in .mp4");
     }
     once("-o", path);
   }
@@ -137,14 +142,20 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
   add_view(*sub, command.options);
   add_rays(*sub, command);
   add_method(*sub, command);
+  add_frames(*sub, command.frames);
   sub->footer(
       "Examples:\n"
       "  raysheaf render builtin:office -o office.png\n"
       "  raysheaf render builtin:cornell -o cornell.png -o cornell.exr --bounces 4\n"
       "  raysheaf render model.glb -o model.png --size 1280x720 --camera 1 --stats model.json\n"
       "  raysheaf render builtin:atrium --heatmap tests.png --method rah\n"
+      "  raysheaf render walk.glb -o frame_%04d.png --fps 24\n"
+      "  raysheaf render builtin:office --turntable 90 -o turn.mp4\n"
       "  raysheaf render builtin:atrium --explain --quiet");
-  sub->callback([&command] { check_outputs(command); });
+  sub->callback([&command] {
+    check_outputs(command);
+    check_frames(command);
+  });
   return sub;
 }
 

@@ -70,6 +70,12 @@ float parse_positive(const std::string& text) {
   refuse(text, "is not a number above 0");
 }
 
+double parse_number(const std::string& text) {
+  const auto number = whole<double>(text);
+  if (number && std::isfinite(*number)) return *number;
+  refuse(text, "is not a number");
+}
+
 Vec3 parse_color(const std::string& text) {
   const auto parts = split(text, ',');
   std::vector<float> numbers;

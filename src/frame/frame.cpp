@@ -278,6 +278,7 @@ class Frame {
   }
 
   void finish() {
+    result_.ambient = sky_;
     result_.exposure =
         options_.exposure ? *options_.exposure : automatic_exposure(result_.beauty, result_.ids);
     result_.shadow.resize(pixel_count());
