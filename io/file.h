@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "io/image_cache.h"
+
 namespace raysheaf::io {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -13,7 +15,8 @@ using Bytes = std::vector<std::uint8_t>;
 /// What a loader is told of the file whose bytes it gets.
 struct SceneFile {
   std::string path;
-  bool allow_external = false;  ///< files that it names may lie outside its folder
+  bool allow_external = false;   ///< files that it names may lie outside its folder
+  ImageCache* images = nullptr;  ///< of files that share pictures; none: there is but one
 };
 
 /// All bytes of a file, as they stood at one moment: where another file is renamed over it

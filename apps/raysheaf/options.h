@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "compare/words.h"
+#include "frames.h"
 #include "raysheaf/io.h"
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
@@ -37,6 +38,7 @@ struct RenderCommand {
   std::string stats_path, heatmap_path;
   std::string device = "cpu";
   bool explain = false, quiet = false;
+  FramesOptions frames;
   RenderOptions options;
   LightOptions light;
 };

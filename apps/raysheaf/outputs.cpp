@@ -60,6 +60,13 @@ void write_layers(const RenderResult& result, const std::string& path) {
 
 }  // namespace
 
+void refuse_scene_as_output(const std::string& scene, const std::string& output) {
+  std::error_code ignored;
+  if (fs::equivalent(scene, output, ignored)) {
+    throw Error(ErrorCode::kInvalidArgument, "this output is the scene itself", output);
+  }
+}
+
 std::string writable_path(const std::string& path) {
   if (path.empty()) refuse(path, "the name is empty");
   std::error_code failed;

@@ -9,6 +9,7 @@
 #include "console.h"
 #include "parse/ablation.h"
 #include "parse/compare.h"
+#include "parse/frames.h"
 #include "parse/light.h"
 #include "parse/parts.h"
 #include "parse/report.h"
@@ -24,8 +25,8 @@ namespace {
 
 void add_outputs(CLI::App& app, RenderCommand& command) {
   app.add_option("-o,--output", command.pictures,
-                 "Picture: .png (tone-mapped sRGB) or .exr (linear, with layers); may be given "
-                 "more than once")
+                 "Picture: .png (tone-mapped sRGB) or .exr (linear, with layers), with %d or %04d "
+                 "for a frame's number; film: .mp4; may be given more than once")
       ->type_name("FILE")
       ->take_all()
       ->allow_extra_args(false);
@@ -106,7 +107,7 @@ void add_method(CLI::App& app, RenderCommand& command) {
 }
 
 bool has_picture_ending(const std::string& path) {
-  return has_ending(path, ".png") || has_ending(path, ".exr");
+  return has_ending(path, ".png") || has_ending(path, ".exr") || has_ending(path, ".mp4");
 }
 
 void check_outputs(const RenderCommand& command) {
@@ -118,7 +119,8 @@ void check_outputs(const RenderCommand& command) {
   };
   for (const std::string& path : command.pictures) {
     if (!has_picture_ending(path)) {
-      throw CLI::ValidationError("-o", "'" + path + "' ends neither in .png nor in .exr");
+      throw CLI::ValidationError("-o",
+                                 "'" + path + "' ends neither in .png nor in .exr nor in .mp4");
     }
     once("-o", path);
   }
@@ -141,6 +143,7 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
   add_rays(*sub, command.options);
   add_light(*sub, command);
   add_method(*sub, command);
+  add_frames(*sub, command.frames);
   sub->footer(
       "Examples:\n"
       "  raysheaf render builtin:office -o office.png\n"
@@ -148,8 +151,13 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
       "  raysheaf render model.glb -o model.png --size 1280x720 --camera 1 --stats model.json\n"
       "  raysheaf render builtin:office -o soft.png --samples 64 --light-size 0.1\n"
       "  raysheaf render builtin:atrium --heatmap tests.png --method rah\n"
+      "  raysheaf render walk.glb -o frame_%04d.png --fps 24\n"
+      "  raysheaf render builtin:office --turntable 90 -o turn.mp4\n"
       "  raysheaf render builtin:atrium --explain --quiet");
-  sub->callback([&command] { check_outputs(command); });
+  sub->callback([&command] {
+    check_outputs(command);
+    check_frames(command);
+  });
   return sub;
 }
 

@@ -87,6 +87,7 @@ struct RenderResult {
   std::vector<float> shadow;   ///< the part of the lights facing the first hits that reaches them
   std::vector<float> tests;    ///< tests a pixel, over all its rays; empty unless asked for
   float exposure = 1;          ///< the factor that `tone_mapped` uses
+  Vec3 ambient;                ///< the sky's radiance, given or found
   FrameStatistics statistics;
 };
 

@@ -77,6 +77,10 @@ void Engine::prepare(const Executor& executor, View<const Ray> rays, Plan* plan,
   } else if (plan->tree != TreeWork::kKeep && !refitted) {
     build_object_tree(executor, source_, &tree_);
   }
+  if (report != nullptr) {
+    report->used_tree = true;
+    report->tree = plan->tree == TreeWork::kRefit && !refitted ? TreeWork::kRebuild : plan->tree;
+  }
   if (plan->tree != TreeWork::kKeep && !refitted) {
     // A fine tree that was spoilt is tried again, but not so soon.
     if (history_.fine && plan->tree != TreeWork::kRebuildFinely)

@@ -33,6 +33,8 @@ struct EngineReport {
   std::uint64_t bound_tests = 0;      ///< bound with bound: bundles and cells with boxes, triangles
   std::uint64_t ray_bound_tests = 0;  ///< ray with box
   std::uint64_t triangle_tests = 0;   ///< ray with triangle
+  bool used_tree = false;             ///< false: a fan needs none
+  TreeWork tree = TreeWork::kKeep;    ///< what became of the tree
   double order_ms = 0, hierarchy_ms = 0, trace_ms = 0, total_ms = 0;
   std::vector<std::string> plan;  ///< a sentence a choice, with the figures that decided it
 

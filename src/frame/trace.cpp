@@ -136,7 +136,12 @@ std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& sce
 
   TraceCache own;
   TraceCache& cache = options.cache != nullptr ? *options.cache : own;
-  if (!cache.bvh) cache.bvh = build_bvh(executor, scene.triangles());
+  cache.tree.add({true, TreeWork::kKeep, 0});
+  if (!cache.bvh) {
+    Stopwatch build;
+    cache.bvh = build_bvh(executor, scene.triangles());
+    cache.tree.add({true, TreeWork::kRebuild, build.lap_ms()});
+  }
   const std::vector<Packet> packets =
       make_packets(executor, batch.rays, keys, batch.key_bits, kPacketRays, order);
   times.hierarchy += watch.lap_ms();
@@ -176,7 +181,10 @@ std::vector<RayHit> trace_dual(const Executor& executor, const FlatScene& scene,
   TraceCache& cache = options.cache != nullptr ? *options.cache : own;
   if (!cache.dual) cache.dual = std::make_unique<DualTracer>(executor, scene);
   statistics->times_ms.hierarchy += watch.lap_ms();
-  return cache.dual->trace(executor, batch, options.facing, statistics, ray_tests);
+  std::vector<RayHit> hits =
+      cache.dual->trace(executor, batch, options.facing, statistics, ray_tests);
+  cache.tree.add(cache.dual->take_tree_report());
+  return hits;
 }
 
 using TraceFunction = decltype(&trace_packets);
@@ -220,6 +228,13 @@ std::vector<std::uint32_t> ray_order(const Executor& executor, const RayBatch& b
                     [&](std::size_t i) { low[i] = static_cast<std::uint32_t>(keys[i]); });
   statistics->chunks += order_by_key(executor, low, order, used_bits);
   return order;
+}
+
+void TraceCache::update(const Executor& executor, const FlatScene& scene,
+                        const FlatUpdate& update) {
+  if (update.same_triangles && update.placed_meshes.empty()) return;
+  bvh.reset();
+  if (dual != nullptr) dual->update(executor, scene, update);
 }
 
 std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, const RayBatch& batch,

@@ -17,10 +17,15 @@
 
 namespace raysheaf {
 
-/// What batches of one frame share: the triangles' hierarchies, made by the first that needs them.
+/// What batches of one frame share, and frames of a scene that changes: the triangles' hierarchies,
+/// made by the first that needs them.
 struct TraceCache {
   std::optional<Bvh> bvh;            ///< of `gl10`
   std::unique_ptr<DualTracer> dual;  ///< of `dual`
+  TreeReport tree;                   ///< of the batches since it was last reset
+
+  /// The scene's triangles are others, or elsewhere.
+  void update(const Executor& executor, const FlatScene& scene, const FlatUpdate& update);
 };
 
 struct TraceOptions {

@@ -12,6 +12,7 @@
 #include "io/obj.h"
 #include "io/ply.h"
 #include "io/stl.h"
+#include "raysheaf/animation.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 
@@ -63,7 +64,16 @@ class Folder {
 }  // namespace
 
 void run_gltf(Input input) {
-  load([&] { return io::load_gltf(bytes_of(input), {std::string(kNowhere) + "scene.gltf"}); });
+  load([&] {
+    io::GltfScene gltf = io::load_gltf(bytes_of(input), {std::string(kNowhere) + "scene.gltf"});
+    const auto animation = animate(std::move(gltf.scene), std::move(gltf.rig), 1);
+    for (std::uint32_t clip = 0; clip < animation->clips().size(); ++clip) {
+      animation->play(clip);
+      for (const double part : {0.0, 0.37, 1.0})
+        static_cast<void>(animation->seek(part * animation->end()));
+    }
+    return animation->scene();
+  });
 }
 
 void run_obj(Input input) {

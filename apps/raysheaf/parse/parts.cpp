@@ -5,7 +5,10 @@
 namespace raysheaf::app {
 
 void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load) {
-  app.add_option("SCENE", scene, "A file (.gltf, .glb, .obj, .ply, .stl) or builtin:NAME")
+  app.add_option(
+         "SCENE", scene,
+         "A file (.gltf, .glb, .obj, .ply, .stl, .json), a pattern of files that are frames "
+         "('f_*.ply'), or builtin:NAME")
       ->required();
   app.add_flag("--allow-external", load.allow_external,
                "The scene may name files outside its folder");
