@@ -83,13 +83,6 @@ std::string writable_path(const std::string& path) {
   return target.string();
 }
 
-void refuse_scene_as_output(const std::string& scene, const std::string& output) {
-  std::error_code ignored;
-  if (fs::equivalent(scene, output, ignored)) {
-    throw Error(ErrorCode::kInvalidArgument, "this output is the scene itself", output);
-  }
-}
-
 void write_picture(const RenderResult& result, const std::string& name, const std::string& path) {
   if (has_ending(name, ".exr")) {
     write_layers(result, path);

@@ -34,7 +34,7 @@ struct Answers {
   std::vector<Hit> closest;
   std::vector<std::uint8_t> any, fan;
   std::vector<std::uint32_t> counts;
-  std::vector<Hit> all;
+  LargeVector<Hit> all;
 
   bool operator==(const Answers& other) const {
     return std::ranges::equal(closest, other.closest, same) && any == other.any &&
