@@ -66,9 +66,9 @@ void whole_frame(benchmark::State& state) {
   std::size_t rays = 0;
   for (auto _ : state) {
     const FlatScene flat = flatten(executor, scene, bounds);
-    ResidentGeometry geometry(executor, flat, input().textures, settings_for(options));
+    ResidentGeometry geometry(executor, flat, input().textures, options);
     const FrameInput frame{geometry, scene.cameras.front(), scene.lights, options,
-                           rasterizer.get()};
+                           1,        rasterizer.get()};
     const RenderResult result = render_frame(executor, frame, &meter);
     rays = 0;
     for (const BatchStatistics& batch : result.statistics.batches) rays += batch.rays;

@@ -61,6 +61,8 @@ void BlockFileWriter::add(const TriangleBlock& block, const BlockShading& shadin
 void BlockFileWriter::finish(const SceneDescription& scene) {
   Impl& f = *impl_;
   validate_but_triangles(scene);
+  if (!scene.environment.empty())
+    throw Error(ErrorCode::kUnsupported, "block files hold no environment", f.path);
   if (f.index.empty()) throw Error(ErrorCode::kInvalidData, "the scene has no triangles", f.path);
   io::FileHead head{};
   std::memcpy(head.magic, io::kBlockMagic, sizeof head.magic);

@@ -114,7 +114,7 @@ Material material(const json& j) {
 }
 
 const char* const kWraps[] = {"repeat", "mirror", "clamp"};
-const char* const kLights[] = {"point", "spot", "directional"};
+const char* const kLights[] = {"point", "spot", "directional", "rectangle"};
 
 template <class Enum, std::size_t kCount>
 Enum word(const json& j, const char* const (&words)[kCount]) {
@@ -153,7 +153,11 @@ json of(const Light& l) {
           {"intensity", of(l.intensity)},
           {"range", number(l.range)},
           {"inner_angle", number(l.inner_angle)},
-          {"outer_angle", number(l.outer_angle)}};
+          {"outer_angle", number(l.outer_angle)},
+          {"radius", number(l.radius)},
+          {"right", of(l.right)},
+          {"width", number(l.width)},
+          {"height", number(l.height)}};
 }
 Light light(const json& j) {
   Light l;
@@ -165,6 +169,10 @@ Light light(const json& j) {
   l.range = number_from(j.at("range"));
   l.inner_angle = number_from(j.at("inner_angle"));
   l.outer_angle = number_from(j.at("outer_angle"));
+  l.radius = number_from(j.at("radius"));
+  l.right = vec3(j.at("right"));
+  l.width = number_from(j.at("width"));
+  l.height = number_from(j.at("height"));
   return l;
 }
 
@@ -183,6 +191,8 @@ Camera camera(const json& j) {
   c.y_mag = number_from(j.at("y_mag"));
   c.z_near = number_from(j.at("z_near"));
   c.z_far = number_from(j.at("z_far"));
+  c.aperture = number_from(j.at("aperture"));
+  c.focus = number_from(j.at("focus"));
   return c;
 }
 

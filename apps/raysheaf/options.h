@@ -1,17 +1,19 @@
 // What the command line asked for, after parsing. No parser in here.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
-#include "command_text.h"
-#include "compare_words.h"
+#include "compare/words.h"
+#include "frames.h"
 #include "raysheaf/block_file.h"
 #include "raysheaf/io.h"
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
 #include "raysheaf/verify.h"
+#include "text/command_text.h"
 
 namespace raysheaf::app {
 
@@ -23,6 +25,13 @@ enum ExitCode : int {
   kInterrupted = 130,
 };
 
+/// Changes to a scene's light; none where a field is empty.
+struct LightOptions {
+  std::optional<float> size;  ///< radius of points and spots
+  std::string environment;    ///< a file
+  std::optional<float> intensity, rotation_degrees;
+};
+
 struct RenderCommand {
   std::string scene;
   LoadOptions load;
@@ -32,7 +41,18 @@ struct RenderCommand {
   bool explain = false, quiet = false;
   bool stream = false;  ///< block files stream in any case
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;
+  FramesOptions frames;
   RenderOptions options;
+  LightOptions light;
+};
+
+struct ReportCommand {
+  std::string scene;
+  LoadOptions load;
+  std::string output;           ///< HTML
+  std::vector<Method> methods;  ///< empty: all, `brute` only as far as it takes seconds
+  bool quiet = false;
+  RenderOptions options;  ///< `method` is not used
 };
 
 struct PackCommand {
@@ -105,6 +125,14 @@ struct VerifyCommand {
   std::string json_path;
 };
 
+struct ViewCommand {
+  std::string scene;
+  LoadOptions load;
+  std::string script_path, screenshot_path, settings_path;
+  std::uint32_t width = 0, height = 0;  ///< 0: as the settings say
+  std::uint32_t threads = 0;
+};
+
 struct CompletionCommand {
   std::string shell;
   CommandText raysheaf;
@@ -115,12 +143,15 @@ struct ManualCommand {
   CommandText raysheaf;
 };
 
-using Command = std::variant<RenderCommand, InfoCommand, SceneCommand, PackCommand, VerifyCommand,
-                             BenchPaperCommand, BenchAblationCommand, BenchCompareCommand,
-                             BenchScaleCommand, CompletionCommand, ManualCommand>;
+using Command =
+    std::variant<RenderCommand, ReportCommand, ViewCommand, InfoCommand, SceneCommand, PackCommand,
+                 VerifyCommand, BenchPaperCommand, BenchAblationCommand, BenchCompareCommand,
+                 BenchScaleCommand, CompletionCommand, ManualCommand>;
 
 /// Each gives an exit code, or throws `Error`.
 int run(const RenderCommand& command);
+int run(const ReportCommand& command);
+int run(const ViewCommand& command);
 int run(const InfoCommand& command);
 int run(const SceneCommand& command);
 int run(const PackCommand& command);

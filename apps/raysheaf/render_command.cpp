@@ -1,17 +1,18 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <filesystem>
 #include <memory>
 #include <optional>
 
 #include "console.h"
+#include "frames_command.h"
 #include "options.h"
 #include "outputs.h"
 #include "progress_bar.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 #include "scene_argument.h"
+#include "scene_light.h"
 #include "stream_scene.h"
 #include "values.h"
 
@@ -23,13 +24,6 @@ struct Targets {
   std::vector<std::string> pictures;
   std::string stats, heatmap;
 };
-
-void refuse_scene_as_output(const std::string& scene, const std::string& output) {
-  std::error_code ignored;
-  if (std::filesystem::equivalent(scene, output, ignored)) {
-    throw Error(ErrorCode::kInvalidArgument, "this output is the scene itself", output);
-  }
-}
 
 Targets open_targets(const RenderCommand& command) {
   const auto target = [&command](const std::string& path) {
@@ -87,21 +81,6 @@ class Loading {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-Rendered render_resident(const RenderCommand& command) {
-  const Loading loading;
-  SceneDescription scene = scene_from_argument(command.scene, command.load);
-  add_missing_camera_and_light(scene);
-  Rendered rendered;
-  rendered.load_ms = loading.ms();
-  stop_if_interrupted();
-  if (!command.quiet) {
-    for (const std::string& warning : scene.warnings) tell("warning: " + printable(warning));
-  }
-  rendered.result =
-      with_progress(command, [&](const RenderOptions& options) { return render(scene, options); });
-  return rendered;
-}
-
 Rendered render_streamed(const RenderCommand& command) {
   const Loading loading;
   const std::unique_ptr<GeometrySource> blocks = open_blocks(command);
@@ -134,9 +113,12 @@ void write_outputs(const RenderCommand& command, const Targets& targets, const R
 
 void tell_summary(const RenderCommand& command, const Rendered& rendered) {
   const FrameStatistics& statistics = rendered.result.statistics;
-  tell(fmt::format("{}: {} triangles in {} meshes, {}x{}, {} on {} threads",
+  const std::size_t samples = statistics.samples.size();
+  tell(fmt::format("{}: {} triangles in {} meshes, {}x{}{}, {} on {} threads",
                    printable(statistics.scene), statistics.triangles, statistics.meshes,
-                   statistics.width, statistics.height, statistics.method, statistics.threads));
+                   statistics.width, statistics.height,
+                   samples == 1 ? "" : fmt::format(", {} samples a pixel", samples),
+                   statistics.method, statistics.threads));
   for (const BatchStatistics& batch : statistics.batches) {
     tell(fmt::format("  {:<10} bounce {}: {:>9} rays, {:>7.3f} % of brute-force tests, {} hits",
                      to_string(batch.kind), batch.bounce, batch.rays, batch.relative() * 100,
@@ -174,9 +156,21 @@ std::string explained(const BatchStatistics& batch, const std::string& method) {
 
 void explain(const FrameStatistics& statistics) {
   std::string text;
+  if (statistics.primary.starts_with("trace: ")) text += "first hits: " + statistics.primary + "\n";
+  if (statistics.samples.size() > 1)
+    text += fmt::format("samples: {} a pixel; each plan is that of the first, counts are of all\n",
+                        statistics.samples.size());
   for (const BatchStatistics& batch : statistics.batches)
     text += explained(batch, statistics.method);
-  print(text.empty() ? "no rays were traced\n" : text);
+  if (statistics.batches.empty()) text += "no rays were traced\n";
+  print(text);
+}
+
+/// What was asked for of a frame, in files and on the terminal.
+void finish(const RenderCommand& command, const Targets& targets, const Rendered& rendered) {
+  write_outputs(command, targets, rendered);
+  if (!command.quiet) tell_summary(command, rendered);
+  if (command.explain) explain(rendered.result.statistics);
 }
 
 }  // namespace
@@ -187,12 +181,36 @@ int run(const RenderCommand& command) {
                 "--device cuda");
   }
   catch_interrupts();
-  const Targets targets = open_targets(command);
-  const Rendered rendered =
-      is_streamed(command) ? render_streamed(command) : render_resident(command);
-  write_outputs(command, targets, rendered);
-  if (!command.quiet) tell_summary(command, rendered);
-  if (command.explain) explain(rendered.result.statistics);
+  const Targets targets = wants_frames(command) ? Targets{} : open_targets(command);
+  if (is_streamed(command)) {
+    finish(command, targets, render_streamed(command));
+    return kSuccess;
+  }
+  const Loading loading;
+  const std::unique_ptr<Animation> animation =
+      animation_from_argument(command.scene, command.frames, command.load);
+  const SceneDescription& scene = animation->scene();
+  set_environment(command.light, animation->scene());
+  if (wants_frames(command) || command.frames.time) {
+    add_missing_camera_and_light(*animation);
+  } else {
+    add_missing_camera_and_light(animation->scene());
+  }
+  set_light_size(command.light, animation->scene());
+  if (command.frames.time) static_cast<void>(animation->seek(*command.frames.time));
+  Rendered rendered;
+  rendered.load_ms = loading.ms();
+  stop_if_interrupted();
+  if (!command.quiet) {
+    for (const std::string& warning : scene.warnings) tell("warning: " + printable(warning));
+  }
+  if (wants_frames(command)) {
+    render_frames(command, *animation);
+    return kSuccess;
+  }
+  rendered.result =
+      with_progress(command, [&](const RenderOptions& options) { return render(scene, options); });
+  finish(command, targets, rendered);
   return kSuccess;
 }
 

@@ -55,7 +55,8 @@ class BlockFileWriter : public BlockSink {
   /// From one thread at a time. Throws `Error`: kInvalidData for a block that is not as
   /// `TriangleBlock` and `BlockShading` say, kIo.
   void add(const TriangleBlock& block, const BlockShading& shading) override;
-  /// `scene`: what `GeometrySource::scene` shall give. Throws `Error` as `validate` does, and kIo.
+  /// `scene`: what `GeometrySource::scene` shall give. Throws `Error` as `validate`
+  /// does, kUnsupported for an environment, and kIo.
   void finish(const SceneDescription& scene);
 
   [[nodiscard]] std::uint64_t triangle_count() const;

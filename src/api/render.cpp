@@ -1,9 +1,11 @@
-// render(): checks what the caller hands in, prepares the scene, runs a frame. The one place where
-// errors of the layers below become `Error`.
-#include "raysheaf/render.h"
+// The renderer: checks what the caller hands in, brings what it has made of the scene up to date,
+// runs a frame. The one place where errors of the layers below become `Error`.
+#include "raysheaf/renderer.h"
 
+#include <algorithm>
 #include <new>
 #include <optional>
+#include <utility>
 
 #include "api/render_input.h"
 #include "exec/executor.h"
@@ -11,51 +13,179 @@
 #include "frame/frame.h"
 #include "frame/resident_geometry.h"
 #include "raster/rasterizer.h"
+#include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
+#include "scene/environment.h"
+#include "scene/flat_update.h"
 
 namespace raysheaf {
 namespace {
 
-RenderResult render_checked(const SceneDescription& scene, const RenderOptions& options) {
-  Stopwatch watch;
-  const Executor executor(options.threads);
-  ProgressMeter meter(options.progress);
-  const Camera camera = find_camera(scene, options.camera);
-  const std::vector<Light> lights = find_lights(scene, camera);
-  std::optional<Rasterizer> rasterizer;
-  if (options.primary == Primary::kRaster) rasterizer.emplace();
-
-  meter.begin("scene", 1);
-  const FlatScene flat = flatten(executor, scene, mesh_bounds(executor, scene));
-  const TextureSet textures(scene);
-  ResidentGeometry geometry(executor, flat, textures, settings_for(options));
-  const FrameInput input{geometry, camera, lights, options, rasterizer ? &*rasterizer : nullptr};
-  RenderResult result = render_frame(executor, input, &meter);
-
-  FrameStatistics& s = result.statistics;
-  s.scene = scene.name;
-  s.triangles = flat.triangle_count;
-  s.meshes = flat.meshes.size();
-  s.width = options.width;
-  s.height = options.height;
-  s.method = to_string(options.method);
-  s.device = "cpu";
-  s.primary = rasterizer ? "raster: " + rasterizer->description() : "trace";
-  s.threads = executor.threads();
-  s.total_ms = watch.lap_ms();
-  return result;
+const char* word_of(const TreeReport& tree) {
+  if (!tree.used) return "none";
+  switch (tree.work) {
+    case TreeWork::kKeep:
+      return "kept";
+    case TreeWork::kRefit:
+      return "refit";
+    case TreeWork::kRebuild:
+      return "rebuild";
+    case TreeWork::kRebuildFinely:
+      break;
+  }
+  return "fine rebuild";
 }
 
 }  // namespace
 
-RenderResult render(const SceneDescription& scene, const RenderOptions& options) {
-  try {
-    check(options);
-    validate(scene);
-    return render_checked(scene, options);
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for this picture");
+class Renderer::Impl {
+ public:
+  void show(const SceneDescription& scene, const SceneChanges& changes) {
+    pending_.add(changes);
+    scene_ = &scene;
   }
+
+  RenderResult render(const RenderOptions& options, const Camera* given) {
+    try {
+      check(options);
+      if (scene_ == nullptr)
+        throw Error(ErrorCode::kWrongState, "no scene is shown yet: call show() first");
+      return render_checked(options, given);
+    } catch (const Error& error) {
+      // Who cancels finds everything whole: nothing that is kept is made where one can.
+      if (error.code() != ErrorCode::kCancelled) pending_.everything = true;
+      throw;
+    } catch (const std::bad_alloc&) {
+      pending_.everything = true;
+      throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for this picture");
+    }
+  }
+
+  [[nodiscard]] const UpdateStatistics& last_update() const { return update_; }
+
+ private:
+  RenderResult render_checked(const RenderOptions& options, const Camera* given) {
+    Stopwatch watch;
+    validate_changes(*scene_, pending_);
+    if (given != nullptr) validate_camera(*given);
+    const Executor& executor = executor_for(options.threads);
+    ProgressMeter meter(options.progress);
+    Camera camera = given != nullptr ? *given : find_camera(*scene_, options.camera);
+    camera.aperture = options.aperture.value_or(camera.aperture);
+    camera.focus = options.focus.value_or(camera.focus);
+    const std::uint32_t samples = find_samples(*scene_, camera, options);
+    const std::vector<Light> lights = find_lights(*scene_, camera, samples);
+    const bool lens = camera.aperture > 0 && samples > 1;
+    const bool rasters = options.primary == Primary::kRaster && !lens;
+    if (rasters && !rasterizer_) rasterizer_.emplace();
+    meter.begin("scene", 1);
+    update_ = update_scene(executor);
+    ResidentGeometry geometry(executor, flat_, *textures_, options, &cache_);
+    const FrameInput input{geometry,
+                           camera,
+                           lights,
+                           options,
+                           samples,
+                           rasters ? &*rasterizer_ : nullptr,
+                           scene_->environment.empty() ? nullptr : &environment_->view()};
+    RenderResult result = render_frame(executor, input, &meter);
+    FrameStatistics& s = result.statistics;
+    s.scene = scene_->name;
+    s.triangles = flat_.triangle_count;
+    s.meshes = flat_.meshes.size();
+    s.width = options.width;
+    s.height = options.height;
+    s.method = to_string(options.method);
+    s.device = "cpu";
+    s.primary = rasters                               ? "raster: " + rasterizer_->description()
+                : options.primary == Primary::kRaster ? "trace: a lens needs rays"
+                                                      : "trace";
+    s.threads = executor.threads();
+    update_.tree = word_of(cache_.tree);
+    update_.tree_ms = cache_.tree.ms;
+    s.total_ms = watch.lap_ms();
+    return result;
+  }
+
+  const Executor& executor_for(std::uint32_t threads) {
+    if (!executor_ || threads != asked_threads_) executor_.emplace(threads);
+    asked_threads_ = threads;
+    return *executor_;
+  }
+
+  /// Does what is pending; an exception leaves everything pending.
+  UpdateStatistics update_scene(const Executor& executor) {
+    Stopwatch watch;
+    SceneChanges changes = std::exchange(pending_, {});
+    pending_.everything = true;
+    UpdateStatistics update = count_changes(changes);
+    update.rebound_meshes = update_bounds(executor, *scene_, changes, &object_bounds_);
+    update.bound_ms = watch.lap_ms();
+    const FlatUpdate placed = update_flat(executor, *scene_, changes, object_bounds_, &flat_);
+    update.placed_triangles = placed.placed_triangles;
+    cache_.update(executor, flat_, placed);
+    textures_.emplace(*scene_);
+    if (changes.everything) environment_.emplace(executor, scene_->environment);
+    update.place_ms = watch.lap_ms();
+    pending_ = {};
+    return update;
+  }
+
+  [[nodiscard]] UpdateStatistics count_changes(const SceneChanges& changes) const {
+    UpdateStatistics update;
+    update.moved_instances = changes.moved.size();
+    update.deformed_meshes = changes.deformed.size();
+    const std::size_t meshes = scene_->meshes.size();
+    const std::size_t other =
+        changes.everything ? 0 : std::min<std::size_t>(changes.other_meshes_from, meshes);
+    update.replaced_meshes = meshes - other;
+    return update;
+  }
+
+  const SceneDescription* scene_ = nullptr;
+  SceneChanges pending_;
+  std::optional<Executor> executor_;
+  std::uint32_t asked_threads_ = 0;
+  std::optional<Rasterizer> rasterizer_;
+  std::vector<Sphere> object_bounds_;
+  FlatScene flat_;
+  std::optional<TextureSet> textures_;
+  std::optional<EnvironmentMap> environment_;
+  TraceCache cache_;
+  UpdateStatistics update_;
+};
+
+Renderer::Renderer() : impl_(std::make_unique<Impl>()) {}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+void Renderer::show(const SceneDescription& scene) {
+  SceneChanges all;
+  all.everything = true;
+  impl_->show(scene, all);
+}
+
+void Renderer::show(const SceneDescription& scene, const SceneChanges& changes) {
+  impl_->show(scene, changes);
+}
+
+RenderResult Renderer::render(const RenderOptions& options) {
+  return impl_->render(options, nullptr);
+}
+
+RenderResult Renderer::render(const RenderOptions& options, const Camera& camera) {
+  return impl_->render(options, &camera);
+}
+
+const UpdateStatistics& Renderer::last_update() const {
+  return impl_->last_update();
+}
+
+RenderResult render(const SceneDescription& scene, const RenderOptions& options) {
+  Renderer renderer;
+  renderer.show(scene);
+  return renderer.render(options);
 }
 
 }  // namespace raysheaf

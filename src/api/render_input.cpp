@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "base/vec.h"
@@ -15,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t kLargestSide = 16384;
 constexpr std::uint32_t kMostBounces = 32, kMostLevels = 8, kMostBranching = 64,
-                        kMostThreads = 1024;
+                        kMostThreads = 1024, kMostSamples = 65536;
 
 void check_range(const char* option, std::uint32_t value, std::uint32_t least, std::uint32_t most) {
   if (value < least || value > most)
@@ -23,6 +22,11 @@ void check_range(const char* option, std::uint32_t value, std::uint32_t least, s
                 "must be from " + std::to_string(least) + " to " + std::to_string(most) + ", not " +
                     std::to_string(value),
                 option);
+}
+
+void check_length(const char* option, const std::optional<float>& value) {
+  if (value && !(*value >= 0 && std::isfinite(*value)))
+    throw Error(ErrorCode::kInvalidArgument, "must be a number, 0 or more", option);
 }
 
 void check_memory(const RenderOptions& options) {
@@ -42,6 +46,9 @@ void check(const RenderOptions& options) {
   check_range("width", options.width, 1, kLargestSide);
   check_range("height", options.height, 1, kLargestSide);
   check_range("bounces", options.bounces, 0, kMostBounces);
+  check_range("samples", options.samples, 0, kMostSamples);
+  check_length("aperture", options.aperture);
+  check_length("focus", options.focus);
   check_range("levels", options.levels, 1, kMostLevels);
   check_range("branching", options.branching, 2, kMostBranching);
   if (options.key_bits && *options.key_bits != 32 && *options.key_bits != 64)
@@ -54,36 +61,20 @@ void check(const RenderOptions& options) {
   check_memory(options);
 }
 
-namespace {
-
-std::string camera_names(const SceneDescription& scene) {
-  std::string names;
-  for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
-    names += (i == 0 ? "" : ", ") + std::to_string(i);
-    if (!scene.cameras[i].name.empty()) names += " \"" + scene.cameras[i].name + "\"";
-  }
-  return names.empty() ? "none of its own" : names;
-}
-
-}  // namespace
-
-Camera find_camera(const SceneDescription& scene, const std::string& wanted) {
-  if (wanted.empty()) return scene.cameras.empty() ? framing_camera(scene) : scene.cameras.front();
-  for (const Camera& camera : scene.cameras)
-    if (camera.name == wanted) return camera;
-  std::size_t index = 0;
-  const char* end = wanted.data() + wanted.size();
-  const auto [stop, error] = std::from_chars(wanted.data(), end, index);
-  if (error == std::errc{} && stop == end && index < scene.cameras.size())
-    return scene.cameras[index];
-  throw Error(ErrorCode::kNotFound,
-              "the scene has no camera \"" + wanted + "\"; it has " + camera_names(scene),
-              "camera");
-}
-
-std::vector<Light> find_lights(const SceneDescription& scene, const Camera& camera) {
+std::vector<Light> find_lights(const SceneDescription& scene, const Camera& camera,
+                               std::uint32_t samples) {
   if (needs_light(scene)) return {showing_light(scene, camera)};
-  return scene.lights;
+  std::vector<Light> lights = scene.lights;
+  if (samples > 1) return lights;
+  for (Light& light : lights) light.radius = 0;
+  return lights;
+}
+
+std::uint32_t find_samples(const SceneDescription& scene, const Camera& camera,
+                           const RenderOptions& options) {
+  constexpr std::uint32_t kEnough = 16;
+  if (options.samples > 0) return options.samples;
+  return scene.environment.empty() && camera.aperture == 0 ? 1 : kEnough;
 }
 
 }  // namespace raysheaf

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "raysheaf/render.h"
@@ -16,10 +15,13 @@ inline constexpr std::uint64_t kBytesPerPixel = 640;
 /// Throws `Error` that names the first option which is out of range.
 void check(const RenderOptions& options);
 
-/// By name, then by index; the first where nothing is asked for, or one that frames the scene.
-[[nodiscard]] Camera find_camera(const SceneDescription& scene, const std::string& wanted);
+/// The scene's, or one that shows it from where the camera stands. Where there is but one sample,
+/// balls shine from their centres: there is no choice to be made.
+[[nodiscard]] std::vector<Light> find_lights(const SceneDescription& scene, const Camera& camera,
+                                             std::uint32_t samples);
 
-/// The scene's, or one that shows it from where the camera stands.
-[[nodiscard]] std::vector<Light> find_lights(const SceneDescription& scene, const Camera& camera);
+/// Those asked for, or as many as the scene's light and the lens want.
+[[nodiscard]] std::uint32_t find_samples(const SceneDescription& scene, const Camera& camera,
+                                         const RenderOptions& options);
 
 }  // namespace raysheaf

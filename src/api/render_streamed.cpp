@@ -6,8 +6,10 @@
 #include "exec/stopwatch.h"
 #include "frame/frame.h"
 #include "frame/streamed_geometry.h"
+#include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "raysheaf/stream.h"
+#include "scene/environment.h"
 #include "scene/texture.h"
 
 namespace raysheaf {
@@ -27,15 +29,24 @@ void check_streamed(const RenderOptions& options, const StreamOptions& stream) {
   check_parts(stream);
 }
 
+/// What streams brings its light, or shines by itself.
+std::vector<Light> lights_of(const SceneDescription& scene, std::uint32_t samples) {
+  return scene.lights.empty() ? scene.lights : find_lights(scene, scene.cameras.front(), samples);
+}
+
 RenderResult render_checked(const GeometrySource& source, const RenderOptions& options,
                             const StreamOptions& stream) {
   Stopwatch watch;
   const Executor executor(options.threads);
   ProgressMeter meter(options.progress);
   const SceneDescription& scene = source.scene();
-  const Camera camera = find_camera(scene, options.camera);
-  const std::vector<Light> lights = scene.lights;
+  Camera camera = find_camera(scene, options.camera);
+  camera.aperture = options.aperture.value_or(camera.aperture);
+  camera.focus = options.focus.value_or(camera.focus);
+  const std::uint32_t samples = find_samples(scene, camera, options);
+  const std::vector<Light> lights = lights_of(scene, samples);
   const TextureSet textures(scene);
+  const EnvironmentMap environment(executor, scene.environment);
 
   const std::uint64_t pixels = std::uint64_t{options.width} * options.height;
   const std::uint64_t taken = kBaseBytes + pixels * (kBytesPerPixel + kStreamRayBytes);
@@ -44,7 +55,13 @@ RenderResult render_checked(const GeometrySource& source, const RenderOptions& o
   Streamer streamer(executor, source, stream, slots);
   StreamedGeometry geometry(executor, &streamer, textures,
                             std::max(pixels, room / kBytesPerShadowRay));
-  const FrameInput input{geometry, camera, lights, options, nullptr};
+  const FrameInput input{geometry,
+                         camera,
+                         lights,
+                         options,
+                         samples,
+                         nullptr,
+                         scene.environment.empty() ? nullptr : &environment.view()};
   RenderResult result = render_frame(executor, input, &meter);
 
   if (stream.statistics != nullptr) {

@@ -5,16 +5,19 @@
 #include "exec/progress_meter.h"
 #include "frame/geometry.h"
 #include "raysheaf/render.h"
+#include "scene/environment_body.h"
 
 namespace raysheaf {
 
-/// What a frame is made of. `rasterizer` may be null where primary visibility is traced.
+/// What a frame is made of. Without a rasteriser primary visibility is traced, as a lens needs it.
 struct FrameInput {
   FrameGeometry& geometry;
   const Camera& camera;
   View<const Light> lights;
   const RenderOptions& options;
+  std::uint32_t samples = 1;
   Rasterizer* rasterizer = nullptr;
+  const EnvironmentView* environment = nullptr;  ///< none: a uniform sky
 };
 
 /// The method's settings with what was asked for in their place.

@@ -5,6 +5,7 @@
 
 #include "exec/progress_meter.h"
 #include "intersect/facing_body.h"
+#include "raygen/camera_body.h"
 #include "raygen/fragment.h"
 #include "raygen/raygen.h"
 #include "raysheaf/render.h"
@@ -13,14 +14,9 @@ namespace raysheaf {
 
 class Rasterizer;
 
-struct PictureSize {
-  std::uint32_t width = 0, height = 0;
-};
-
 /// How the first hits are found. `statistics` and `pixel_tests` are of traced ones alone.
 struct Seeing {
-  const Camera& camera;
-  PictureSize size;
+  const CameraFrame& frame;
   Rasterizer* rasterizer = nullptr;  ///< null: by rays
   BatchStatistics* statistics = nullptr;
   View<float> pixel_tests;  ///< may be empty
@@ -43,6 +39,9 @@ class FrameGeometry {
 
   /// One fragment a pixel, rows from the top, with the surface that is seen there.
   [[nodiscard]] virtual std::vector<Fragment> see(const Seeing& seeing, ProgressMeter* meter) = 0;
+  /// The depth of what the middle of the picture shows, seen from the eye; where that is nothing,
+  /// of the scene's farthest corner.
+  [[nodiscard]] virtual float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) = 0;
   /// What each ray of a batch meets. Adds to `statistics`; where `ray_tests` is not empty, adds
   /// each ray's tests to it. Of rays that ask for occlusion (`asks_occlusion`) only `found()` is
   /// said.

@@ -5,8 +5,8 @@
 
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
-#include "frame/geometry.h"
 #include "frame/trace.h"
+#include "raygen/camera_body.h"
 #include "raygen/fragment.h"
 #include "raysheaf/statistics.h"
 #include "scene/flat_scene.h"
@@ -14,9 +14,20 @@
 
 namespace raysheaf {
 
+class Rasterizer;
+
+struct PictureSize {
+  std::uint32_t width = 0, height = 0;
+};
+
 /// A ray a pixel, rows from the top. `bounds`: of the scene.
 [[nodiscard]] RayBatch primary_rays(const Executor& executor, const Box& bounds,
-                                    const Camera& camera, PictureSize size);
+                                    const CameraFrame& frame);
+
+/// The ray through the middle of the picture.
+[[nodiscard]] RayBatch middle_ray(const CameraFrame& frame);
+/// The depth of its hit, or of the farthest corner of the scene.
+[[nodiscard]] float depth_of(const RayHit& hit, const CameraFrame& frame, const Box& bounds);
 
 /// The weights of the second and third corner where the ray meets the triangle's plane, kept inside
 /// the triangle: at silhouettes OpenGL's pixel may lie a hair outside.
@@ -26,12 +37,12 @@ namespace raysheaf {
 [[nodiscard]] std::vector<std::uint32_t> rasterize_primary(const Executor& executor,
                                                            Rasterizer& rasterizer,
                                                            const FlatScene& scene,
-                                                           const Camera& camera, PictureSize size);
+                                                           const CameraFrame& frame);
 
 /// The same by rays, which pass the backs of single-sided triangles. `pixel_tests`: as `trace` has
 /// it; `cache`: of the scene, shared with other batches, or null.
 [[nodiscard]] std::vector<std::uint32_t> trace_primary(
-    const Executor& executor, const FlatScene& scene, const Camera& camera, PictureSize size,
+    const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
     const MethodSettings& method, BatchStatistics* statistics, View<float> pixel_tests,
     ProgressMeter* meter, TraceCache* cache = nullptr);
 
@@ -39,7 +50,13 @@ namespace raysheaf {
 [[nodiscard]] std::vector<Fragment> fetch_fragments(const Executor& executor,
                                                     const FlatScene& scene,
                                                     const TextureSet& textures,
-                                                    const Camera& camera, PictureSize size,
+                                                    const CameraFrame& frame,
                                                     View<const std::uint32_t> triangles);
+
+/// The depth of what the middle of the picture shows, seen from the eye; where that is nothing, of
+/// the scene's farthest corner.
+[[nodiscard]] float depth_of_middle(const Executor& executor, const FlatScene& scene,
+                                    const CameraFrame& frame, const MethodSettings& method,
+                                    ProgressMeter* meter);
 
 }  // namespace raysheaf

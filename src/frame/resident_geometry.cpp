@@ -1,5 +1,6 @@
 #include "frame/resident_geometry.h"
 
+#include "frame/frame.h"
 #include "frame/primary.h"
 #include "intersect/triangle_body.h"
 #include "scene/surface.h"
@@ -12,24 +13,30 @@ constexpr std::size_t kGrain = 1024;
 }  // namespace
 
 ResidentGeometry::ResidentGeometry(const Executor& executor, const FlatScene& scene,
-                                   const TextureSet& textures, const MethodSettings& method)
+                                   const TextureSet& textures, const RenderOptions& options,
+                                   TraceCache* cache)
     : executor_(executor), scene_(scene), textures_(textures) {
-  options_.method = method;
-  options_.cache = &cache_;
+  options_.method = settings_for(options);
+  options_.cache = cache != nullptr ? cache : &own_cache_;
+  options_.cache->tree = {};
+  options_.bundle_samples = options.bundle_samples;
 }
 
 std::vector<Fragment> ResidentGeometry::see(const Seeing& seeing, ProgressMeter* meter) {
   std::vector<std::uint32_t> triangles;
   if (seeing.rasterizer != nullptr) {
     meter->begin("raster", 1);
-    triangles =
-        rasterize_primary(executor_, *seeing.rasterizer, scene_, seeing.camera, seeing.size);
+    triangles = rasterize_primary(executor_, *seeing.rasterizer, scene_, seeing.frame);
   } else {
-    triangles = trace_primary(executor_, scene_, seeing.camera, seeing.size, options_.method,
-                              seeing.statistics, seeing.pixel_tests, meter, &cache_);
+    triangles = trace_primary(executor_, scene_, seeing.frame, options_.method, seeing.statistics,
+                              seeing.pixel_tests, meter, options_.cache);
   }
   meter->begin("surfaces", 1);
-  return fetch_fragments(executor_, scene_, textures_, seeing.camera, seeing.size, triangles);
+  return fetch_fragments(executor_, scene_, textures_, seeing.frame, triangles);
+}
+
+float ResidentGeometry::depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) {
+  return raysheaf::depth_of_middle(executor_, scene_, frame, options_.method, meter);
 }
 
 std::vector<RayHit> ResidentGeometry::trace(const RayBatch& batch, bool early_out,

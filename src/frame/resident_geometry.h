@@ -9,9 +9,9 @@ namespace raysheaf {
 
 class ResidentGeometry : public FrameGeometry {
  public:
-  /// All must outlive it.
+  /// All must outlive it. `cache`: of the scene, kept from frame to frame; none: nothing is.
   ResidentGeometry(const Executor& executor, const FlatScene& scene, const TextureSet& textures,
-                   const MethodSettings& method);
+                   const RenderOptions& options, TraceCache* cache = nullptr);
 
   [[nodiscard]] const Box& bounds() const override { return scene_.bounds; }
   [[nodiscard]] std::uint64_t triangle_count() const override { return scene_.triangle_count; }
@@ -20,6 +20,7 @@ class ResidentGeometry : public FrameGeometry {
   [[nodiscard]] std::vector<RayHit> trace(const RayBatch& batch, bool early_out,
                                           BatchStatistics* statistics, View<float> ray_tests,
                                           ProgressMeter* meter) override;
+  [[nodiscard]] float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) override;
   void fetch_surfaces(View<const Ray> rays, View<Fragment> fragments) override;
   [[nodiscard]] PixelIds ids(std::uint32_t triangle) const override;
 
@@ -27,7 +28,7 @@ class ResidentGeometry : public FrameGeometry {
   const Executor& executor_;
   const FlatScene& scene_;
   const TextureSet& textures_;
-  TraceCache cache_;
+  TraceCache own_cache_;
   TraceOptions options_;
 };
 

@@ -81,7 +81,7 @@ StreamedGeometry::StreamedGeometry(const Executor& executor, Streamer* streamer,
       most_shadow_rays_(most_shadow_rays) {}
 
 std::vector<Fragment> StreamedGeometry::see(const Seeing& seeing, ProgressMeter* meter) {
-  RayBatch batch = primary_rays(executor_, bounds(), seeing.camera, seeing.size);
+  const RayBatch batch = primary_rays(executor_, bounds(), seeing.frame);
   const std::vector<RayHit> hits =
       traced(batch, Facing::kSkipBackOfSingleSided, seeing.statistics, seeing.pixel_tests, meter);
   meter->begin("surfaces", 1);
@@ -93,6 +93,13 @@ std::vector<Fragment> StreamedGeometry::see(const Seeing& seeing, ProgressMeter*
   });
   fetch_surfaces(batch.rays, fragments);
   return fragments;
+}
+
+float StreamedGeometry::depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) {
+  BatchStatistics not_kept;
+  const RayHit hit =
+      traced(middle_ray(frame), Facing::kSkipBackOfSingleSided, &not_kept, {}, meter).front();
+  return depth_of(hit, frame, bounds());
 }
 
 std::vector<RayHit> StreamedGeometry::trace(const RayBatch& batch, bool /*early_out*/,

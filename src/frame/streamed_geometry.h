@@ -18,6 +18,7 @@ class StreamedGeometry : public FrameGeometry {
   [[nodiscard]] std::size_t most_shadow_rays() const override { return most_shadow_rays_; }
   /// By rays.
   [[nodiscard]] std::vector<Fragment> see(const Seeing& seeing, ProgressMeter* meter) override;
+  [[nodiscard]] float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) override;
   /// A triangle's number is the ray's that met it.
   [[nodiscard]] std::vector<RayHit> trace(const RayBatch& batch, bool early_out,
                                           BatchStatistics* statistics, View<float> ray_tests,

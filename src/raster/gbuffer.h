@@ -1,4 +1,5 @@
-// Stage 1: the G-buffer, four RGBA32F images, fetched from what primary visibility found.
+// Stage 1: the G-buffer, four RGBA32F images and one of ids, fetched from what primary visibility
+// found.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +8,7 @@
 #include "base/view.h"
 #include "exec/executor.h"
 #include "raygen/fragment.h"
+#include "raysheaf/render.h"
 
 namespace raysheaf {
 
@@ -16,6 +18,7 @@ struct GBuffer {
   std::vector<Vec4> normal;    ///< shading normal, world; w = roughness
   std::vector<Vec4> diffuse;   ///< w = transmission
   std::vector<Vec4> specular;  ///< reflectance at normal incidence; w = index of refraction
+  std::vector<PixelIds> ids;   ///< none yet: whose triangles they are names them
 };
 
 /// `fragments`: one a pixel.

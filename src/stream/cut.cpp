@@ -209,6 +209,7 @@ SceneDescription without_triangles(const SceneDescription& scene) {
   rest.images = scene.images;
   rest.lights = scene.lights;
   rest.cameras = scene.cameras;
+  rest.environment = scene.environment;
   rest.warnings = scene.warnings;
   for (const Mesh& mesh : scene.meshes) rest.meshes.emplace_back().name = mesh.name;
   return rest;

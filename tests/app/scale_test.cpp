@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/raysheaf/scale_model.h"
+#include "apps/raysheaf/scale/model.h"
 #include "support/process.h"
 
 namespace raysheaf::test {

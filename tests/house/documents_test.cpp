@@ -17,6 +17,8 @@ std::string help_of_everything() {
   std::string text;
   const std::vector<std::vector<std::string>> calls = {{"--help"},
                                                        {"render", "--help"},
+                                                       {"report", "--help"},
+                                                       {"view", "--help"},
                                                        {"info", "--help"},
                                                        {"scene", "--help"},
                                                        {"pack", "--help"},
@@ -50,7 +52,7 @@ std::string made_small(std::string arguments) {
   static const std::regex kSize(R"( --size \S+)"), kTriangles(R"( --triangles \S+)");
   arguments = std::regex_replace(arguments, kTriangles, " --triangles 20000");
   if (arguments.starts_with(" verify")) return arguments + " --rounds 1";
-  for (const std::string command : {" render", " bench paper"}) {
+  for (const std::string command : {" render", " report", " bench paper"}) {
     if (arguments != command && !arguments.starts_with(command + " ")) continue;
     arguments = std::regex_replace(arguments, kSize, "");
     return arguments.insert(command.size(), " --size 48x48");
