@@ -52,7 +52,8 @@ struct ReportCommand {
   std::string output;           ///< HTML
   std::vector<Method> methods;  ///< empty: all, `brute` only as far as it takes seconds
   bool quiet = false;
-  RenderOptions options;  ///< `method` is not used
+  RenderOptions options;           ///< `method` is not used
+  std::vector<std::string> words;  ///< of the command line, behind "report"
 };
 
 struct PackCommand {

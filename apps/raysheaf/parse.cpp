@@ -328,7 +328,10 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
     return tell_usage_error(error, app);
   }
   if (render_app->parsed()) return Command(std::move(render));
-  if (report_app->parsed()) return Command(std::move(report));
+  if (report_app->parsed()) {
+    report.words.assign(argv + 2, argv + argc);
+    return Command(std::move(report));
+  }
   if (view_app->parsed()) return Command(std::move(view));
   if (info_app->parsed()) return Command(std::move(info));
   if (scene_app->parsed()) return Command(std::move(scene));
