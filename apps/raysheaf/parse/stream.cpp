@@ -1,7 +1,6 @@
 #include "parse/stream.h"
 
 #include "parse/parts.h"
-#include "stream_scene.h"
 #include "values.h"
 
 namespace raysheaf::app {
@@ -68,7 +67,7 @@ void add_streaming(CLI::App& app, RenderCommand& command) {
 }
 
 void check_streaming(const CLI::App& app, const RenderCommand& command) {
-  if (!is_streamed(command)) {
+  if (!command.stream && !has_ending(command.scene, ".rsb")) {
     if (app.get_option("--memory")->count() > 0)
       throw CLI::ValidationError("--memory", "it is of streamed frames: --stream, or .rsb files");
     return;
