@@ -6,12 +6,13 @@
 #include <variant>
 #include <vector>
 
-#include "command_text.h"
-#include "compare_words.h"
+#include "compare/words.h"
+#include "frames.h"
 #include "raysheaf/io.h"
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
 #include "raysheaf/verify.h"
+#include "text/command_text.h"
 
 namespace raysheaf::app {
 
@@ -37,8 +38,18 @@ struct RenderCommand {
   std::string stats_path, heatmap_path;
   std::string device = "cpu";
   bool explain = false, quiet = false;
+  FramesOptions frames;
   RenderOptions options;
   LightOptions light;
+};
+
+struct ReportCommand {
+  std::string scene;
+  LoadOptions load;
+  std::string output;           ///< HTML
+  std::vector<Method> methods;  ///< empty: all, `brute` only as far as it takes seconds
+  bool quiet = false;
+  RenderOptions options;  ///< `method` is not used
 };
 
 struct InfoCommand {
@@ -91,6 +102,14 @@ struct VerifyCommand {
   std::string json_path;
 };
 
+struct ViewCommand {
+  std::string scene;
+  LoadOptions load;
+  std::string script_path, screenshot_path, settings_path;
+  std::uint32_t width = 0, height = 0;  ///< 0: as the settings say
+  std::uint32_t threads = 0;
+};
+
 struct CompletionCommand {
   std::string shell;
   CommandText raysheaf;
@@ -101,12 +120,14 @@ struct ManualCommand {
   CommandText raysheaf;
 };
 
-using Command =
-    std::variant<RenderCommand, InfoCommand, SceneCommand, VerifyCommand, BenchPaperCommand,
-                 BenchAblationCommand, BenchCompareCommand, CompletionCommand, ManualCommand>;
+using Command = std::variant<RenderCommand, ReportCommand, ViewCommand, InfoCommand, SceneCommand,
+                             VerifyCommand, BenchPaperCommand, BenchAblationCommand,
+                             BenchCompareCommand, CompletionCommand, ManualCommand>;
 
 /// Each gives an exit code, or throws `Error`.
 int run(const RenderCommand& command);
+int run(const ReportCommand& command);
+int run(const ViewCommand& command);
 int run(const InfoCommand& command);
 int run(const SceneCommand& command);
 int run(const VerifyCommand& command);

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <filesystem>
 
 #include "console.h"
+#include "frames_command.h"
 #include "options.h"
 #include "outputs.h"
 #include "progress_bar.h"
@@ -21,13 +21,6 @@ struct Targets {
   std::vector<std::string> pictures;
   std::string stats, heatmap;
 };
-
-void refuse_scene_as_output(const std::string& scene, const std::string& output) {
-  std::error_code ignored;
-  if (std::filesystem::equivalent(scene, output, ignored)) {
-    throw Error(ErrorCode::kInvalidArgument, "this output is the scene itself", output);
-  }
-}
 
 Targets open_targets(const RenderCommand& command) {
   const auto target = [&command](const std::string& path) {
@@ -136,14 +129,27 @@ int run(const RenderCommand& command) {
                 "--device cuda");
   }
   catch_interrupts();
-  const Targets targets = open_targets(command);
+  const Targets targets = wants_frames(command) ? Targets{} : open_targets(command);
   const auto start = std::chrono::steady_clock::now();
-  SceneDescription scene = scene_from_argument(command.scene, command.load);
-  change_light(command.light, scene);
+  const std::unique_ptr<Animation> animation =
+      animation_from_argument(command.scene, command.frames, command.load);
+  const SceneDescription& scene = animation->scene();
+  set_environment(command.light, animation->scene());
+  if (wants_frames(command) || command.frames.time) {
+    add_missing_camera_and_light(*animation);
+  } else {
+    add_missing_camera_and_light(animation->scene());
+  }
+  set_light_size(command.light, animation->scene());
+  if (command.frames.time) static_cast<void>(animation->seek(*command.frames.time));
   const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - start;
   stop_if_interrupted();
   if (!command.quiet) {
     for (const std::string& warning : scene.warnings) tell("warning: " + printable(warning));
+  }
+  if (wants_frames(command)) {
+    render_frames(command, *animation);
+    return kSuccess;
   }
   const RenderResult result = render_with_progress(scene, command);
   write_outputs(command, targets, result, load.count());

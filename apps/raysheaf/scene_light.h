@@ -6,8 +6,9 @@
 
 namespace raysheaf::app {
 
-/// Gives the scene the environment of `--env`, what it lacks of camera and light, and points and
-/// spots the size of `--light-size`. Throws what `load_environment` throws.
-void change_light(const LightOptions& options, SceneDescription& scene);
+/// Gives the scene the environment of `--env`. Throws what `load_environment` throws.
+void set_environment(const LightOptions& options, SceneDescription& scene);
+/// Gives points and spots the size of `--light-size`.
+void set_light_size(const LightOptions& options, SceneDescription& scene);
 
 }  // namespace raysheaf::app

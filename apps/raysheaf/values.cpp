@@ -76,10 +76,10 @@ float parse_not_negative(const std::string& text) {
   refuse(text, "is not a number, 0 or more");
 }
 
-float parse_number(const std::string& text) {
-  const auto number = whole<float>(text);
+double parse_number(const std::string& text) {
+  const auto number = whole<double>(text);
   if (number && std::isfinite(*number)) return *number;
-  refuse(text, "is not a finite number");
+  refuse(text, "is not a number");
 }
 
 Vec3 parse_color(const std::string& text) {

@@ -35,6 +35,10 @@ void save_glb(const SceneDescription& scene, const std::string& path);
 /// Writes an eight-bit image as PNG; alpha is left out where it is 255 everywhere.
 void write_png(const Image& image, const std::string& path);
 
+/// The same in memory: the bytes of a PNG file. Throws `Error` (kInvalidArgument) where the size
+/// and the bytes disagree.
+[[nodiscard]] std::vector<std::uint8_t> encode_png(const Image& image);
+
 /// One named channel of an OpenEXR picture: `width * height` floats, rows from the top. Layers are
 /// spelt as OpenEXR does: "normal.X", "normal.Y"; the beauty picture is "R", "G", "B".
 struct ExrChannel {

@@ -54,6 +54,10 @@ struct RenderOptions {
   std::uint32_t samples = 0;
   std::optional<float> aperture, focus;  ///< in place of the camera's own
   bool count_pixel_tests = false;        ///< fill `RenderResult::tests`
+  /// How many bundles of each level are measured a batch, evenly spread over it, into
+  /// `BatchStatistics::bundles`; not of `brute`, which has none, nor of `dual`. Each takes
+  /// O(triangles).
+  std::uint32_t bundle_samples = 0;
   std::optional<float> exposure;  ///< factor on radiance before tone mapping; none: automatic
   std::optional<Vec3> ambient;    ///< radiance of a uniform sky; none: a little, from the lights
   /// Called now and then, from one thread at a time; false asks to stop (`Error` kCancelled).
@@ -78,10 +82,12 @@ struct RenderResult {
   std::vector<Vec3> position;  ///< world; 0 where nothing is seen; of the first sample
   std::vector<Vec3> normal;    ///< shading normal, world; mean, 0 for samples that see nothing
   std::vector<Vec3> albedo;    ///< diffuse plus specular reflectance at the first hit; mean
+  std::vector<Vec3> specular;  ///< the specular part of `albedo`
   std::vector<PixelIds> ids;   ///< of the first sample
   std::vector<float> shadow;   ///< the part of the lights facing the first hits that reaches them
   std::vector<float> tests;    ///< tests a pixel, over all its rays; empty unless asked for
   float exposure = 1;          ///< the factor that `tone_mapped` uses
+  Vec3 ambient;                ///< the sky's radiance, given or found
   FrameStatistics statistics;
 };
 

@@ -34,6 +34,22 @@ struct StageTimes {
   double raygen = 0, order = 0, hierarchy = 0, traverse = 0, intersect = 0;  ///< milliseconds
 };
 
+/// One bundle of rays as a method traces it, measured.
+struct BundleSample {
+  std::uint32_t level = 1;     ///< of the ray hierarchy, from the leaves
+  std::uint32_t rays = 0;      ///< in the bundle
+  float origin_spread = 0;     ///< the diagonal of the box of its origins, over the scene's
+  float direction_spread = 0;  ///< degrees: the farthest that a ray turns away from their mean
+  std::uint64_t accepted = 0;  ///< triangles that the bundle's bound meets
+  std::uint64_t needed = 0;    ///< triangles whose bounding sphere a ray of the bundle meets
+
+  /// How many triangles the bound accepts for one that the best bound tested with spheres would:
+  /// from 1 up where the bound is tested with spheres. 0 where none is needed.
+  [[nodiscard]] double looseness() const {
+    return needed > 0 ? static_cast<double>(accepted) / static_cast<double>(needed) : 0;
+  }
+};
+
 /// All rays of one kind at one bounce, over all samples. Bounces count from 1: the shadow rays of
 /// the primary hits and the reflections that leave them are both at bounce 1. Traced primary rays
 /// are at bounce 0.
@@ -50,6 +66,7 @@ struct BatchStatistics {
   std::uint64_t final_tests = 0;        ///< rays with triangles
   std::uint64_t hits = 0;               ///< rays that met something
   StageTimes times_ms;
+  std::vector<BundleSample> bundles;  ///< where `RenderOptions::bundle_samples` asks for them
   /// Of `dual`: what was chosen and why, a sentence a choice; of the first sample with such rays.
   std::vector<std::string> plan;
 

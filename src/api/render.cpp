@@ -1,21 +1,23 @@
-// render(): checks what the caller hands in, prepares the scene, runs a frame. The one place where
-// errors of the layers below become `Error`.
-#include "raysheaf/render.h"
+// The renderer: checks what the caller hands in, brings what it has made of the scene up to date,
+// runs a frame. The one place where errors of the layers below become `Error`.
+#include "raysheaf/renderer.h"
 
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <new>
 #include <optional>
+#include <utility>
 
 #include "exec/executor.h"
 #include "frame/frame.h"
 #include "frame/stopwatch.h"
 #include "raster/rasterizer.h"
+#include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "scene/environment.h"
+#include "scene/flat_update.h"
 
 namespace raysheaf {
 namespace {
@@ -70,30 +72,6 @@ void check(const RenderOptions& options) {
   check_memory(options);
 }
 
-std::string camera_names(const SceneDescription& scene) {
-  std::string names;
-  for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
-    names += (i == 0 ? "" : ", ") + std::to_string(i);
-    if (!scene.cameras[i].name.empty()) names += " \"" + scene.cameras[i].name + "\"";
-  }
-  return names.empty() ? "none of its own" : names;
-}
-
-/// By name, then by index; the first where nothing is asked for, or one that frames the scene.
-Camera find_camera(const SceneDescription& scene, const std::string& wanted) {
-  if (wanted.empty()) return scene.cameras.empty() ? framing_camera(scene) : scene.cameras.front();
-  for (const Camera& camera : scene.cameras)
-    if (camera.name == wanted) return camera;
-  std::size_t index = 0;
-  const char* end = wanted.data() + wanted.size();
-  const auto [stop, error] = std::from_chars(wanted.data(), end, index);
-  if (error == std::errc{} && stop == end && index < scene.cameras.size())
-    return scene.cameras[index];
-  throw Error(ErrorCode::kNotFound,
-              "the scene has no camera \"" + wanted + "\"; it has " + camera_names(scene),
-              "camera");
-}
-
 /// Where there is but one sample, balls shine from their centres: there is no choice to be made.
 std::vector<Light> find_lights(const SceneDescription& scene, const Camera& camera,
                                std::uint32_t samples) {
@@ -111,59 +89,172 @@ std::uint32_t find_samples(const SceneDescription& scene, const Camera& camera,
   return scene.environment.empty() && camera.aperture == 0 ? 1 : kEnough;
 }
 
-RenderResult render_checked(const SceneDescription& scene, const RenderOptions& options) {
-  Stopwatch watch;
-  const Executor executor(options.threads);
-  ProgressMeter meter(options.progress);
-  Camera camera = find_camera(scene, options.camera);
-  camera.aperture = options.aperture.value_or(camera.aperture);
-  camera.focus = options.focus.value_or(camera.focus);
-  const std::uint32_t samples = find_samples(scene, camera, options);
-  const std::vector<Light> lights = find_lights(scene, camera, samples);
-  const bool lens = camera.aperture > 0 && samples > 1;
-  std::optional<Rasterizer> rasterizer;
-  if (options.primary == Primary::kRaster && !lens) rasterizer.emplace();
-
-  meter.begin("scene", 1);
-  const FlatScene flat = flatten(executor, scene, mesh_bounds(executor, scene));
-  const TextureSet textures(scene);
-  const EnvironmentMap environment(executor, scene.environment);
-  const FrameInput input{flat,
-                         textures,
-                         camera,
-                         lights,
-                         options,
-                         samples,
-                         rasterizer ? &*rasterizer : nullptr,
-                         scene.environment.empty() ? nullptr : &environment.view()};
-  RenderResult result = render_frame(executor, input, &meter);
-
-  FrameStatistics& s = result.statistics;
-  s.scene = scene.name;
-  s.triangles = flat.triangle_count;
-  s.meshes = flat.meshes.size();
-  s.width = options.width;
-  s.height = options.height;
-  s.method = to_string(options.method);
-  s.device = "cpu";
-  s.primary = rasterizer                            ? "raster: " + rasterizer->description()
-              : options.primary == Primary::kRaster ? "trace: a lens needs rays"
-                                                    : "trace";
-  s.threads = executor.threads();
-  s.total_ms = watch.lap_ms();
-  return result;
+const char* word_of(const TreeReport& tree) {
+  if (!tree.used) return "none";
+  switch (tree.work) {
+    case TreeWork::kKeep:
+      return "kept";
+    case TreeWork::kRefit:
+      return "refit";
+    case TreeWork::kRebuild:
+      return "rebuild";
+    case TreeWork::kRebuildFinely:
+      break;
+  }
+  return "fine rebuild";
 }
 
 }  // namespace
 
-RenderResult render(const SceneDescription& scene, const RenderOptions& options) {
-  try {
-    check(options);
-    validate(scene);
-    return render_checked(scene, options);
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for this picture");
+class Renderer::Impl {
+ public:
+  void show(const SceneDescription& scene, const SceneChanges& changes) {
+    pending_.add(changes);
+    scene_ = &scene;
   }
+
+  RenderResult render(const RenderOptions& options, const Camera* given) {
+    try {
+      check(options);
+      if (scene_ == nullptr)
+        throw Error(ErrorCode::kWrongState, "no scene is shown yet: call show() first");
+      return render_checked(options, given);
+    } catch (const Error& error) {
+      // Who cancels finds everything whole: nothing that is kept is made where one can.
+      if (error.code() != ErrorCode::kCancelled) pending_.everything = true;
+      throw;
+    } catch (const std::bad_alloc&) {
+      pending_.everything = true;
+      throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for this picture");
+    }
+  }
+
+  [[nodiscard]] const UpdateStatistics& last_update() const { return update_; }
+
+ private:
+  RenderResult render_checked(const RenderOptions& options, const Camera* given) {
+    Stopwatch watch;
+    validate_changes(*scene_, pending_);
+    if (given != nullptr) validate_camera(*given);
+    const Executor& executor = executor_for(options.threads);
+    ProgressMeter meter(options.progress);
+    Camera camera = given != nullptr ? *given : find_camera(*scene_, options.camera);
+    camera.aperture = options.aperture.value_or(camera.aperture);
+    camera.focus = options.focus.value_or(camera.focus);
+    const std::uint32_t samples = find_samples(*scene_, camera, options);
+    const std::vector<Light> lights = find_lights(*scene_, camera, samples);
+    const bool lens = camera.aperture > 0 && samples > 1;
+    const bool rasters = options.primary == Primary::kRaster && !lens;
+    if (rasters && !rasterizer_) rasterizer_.emplace();
+    meter.begin("scene", 1);
+    update_ = update_scene(executor);
+    const FrameInput input{flat_,
+                           *textures_,
+                           camera,
+                           lights,
+                           options,
+                           samples,
+                           rasters ? &*rasterizer_ : nullptr,
+                           scene_->environment.empty() ? nullptr : &environment_->view(),
+                           &cache_};
+    RenderResult result = render_frame(executor, input, &meter);
+    FrameStatistics& s = result.statistics;
+    s.scene = scene_->name;
+    s.triangles = flat_.triangle_count;
+    s.meshes = flat_.meshes.size();
+    s.width = options.width;
+    s.height = options.height;
+    s.method = to_string(options.method);
+    s.device = "cpu";
+    s.primary = rasters                               ? "raster: " + rasterizer_->description()
+                : options.primary == Primary::kRaster ? "trace: a lens needs rays"
+                                                      : "trace";
+    s.threads = executor.threads();
+    update_.tree = word_of(cache_.tree);
+    update_.tree_ms = cache_.tree.ms;
+    s.total_ms = watch.lap_ms();
+    return result;
+  }
+
+  const Executor& executor_for(std::uint32_t threads) {
+    if (!executor_ || threads != asked_threads_) executor_.emplace(threads);
+    asked_threads_ = threads;
+    return *executor_;
+  }
+
+  /// Does what is pending; an exception leaves everything pending.
+  UpdateStatistics update_scene(const Executor& executor) {
+    Stopwatch watch;
+    SceneChanges changes = std::exchange(pending_, {});
+    pending_.everything = true;
+    UpdateStatistics update = count_changes(changes);
+    update.rebound_meshes = update_bounds(executor, *scene_, changes, &object_bounds_);
+    update.bound_ms = watch.lap_ms();
+    const FlatUpdate placed = update_flat(executor, *scene_, changes, object_bounds_, &flat_);
+    update.placed_triangles = placed.placed_triangles;
+    cache_.update(executor, flat_, placed);
+    textures_.emplace(*scene_);
+    if (changes.everything) environment_.emplace(executor, scene_->environment);
+    update.place_ms = watch.lap_ms();
+    pending_ = {};
+    return update;
+  }
+
+  [[nodiscard]] UpdateStatistics count_changes(const SceneChanges& changes) const {
+    UpdateStatistics update;
+    update.moved_instances = changes.moved.size();
+    update.deformed_meshes = changes.deformed.size();
+    const std::size_t meshes = scene_->meshes.size();
+    const std::size_t other =
+        changes.everything ? 0 : std::min<std::size_t>(changes.other_meshes_from, meshes);
+    update.replaced_meshes = meshes - other;
+    return update;
+  }
+
+  const SceneDescription* scene_ = nullptr;
+  SceneChanges pending_;
+  std::optional<Executor> executor_;
+  std::uint32_t asked_threads_ = 0;
+  std::optional<Rasterizer> rasterizer_;
+  std::vector<Sphere> object_bounds_;
+  FlatScene flat_;
+  std::optional<TextureSet> textures_;
+  std::optional<EnvironmentMap> environment_;
+  TraceCache cache_;
+  UpdateStatistics update_;
+};
+
+Renderer::Renderer() : impl_(std::make_unique<Impl>()) {}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+void Renderer::show(const SceneDescription& scene) {
+  SceneChanges all;
+  all.everything = true;
+  impl_->show(scene, all);
+}
+
+void Renderer::show(const SceneDescription& scene, const SceneChanges& changes) {
+  impl_->show(scene, changes);
+}
+
+RenderResult Renderer::render(const RenderOptions& options) {
+  return impl_->render(options, nullptr);
+}
+
+RenderResult Renderer::render(const RenderOptions& options, const Camera& camera) {
+  return impl_->render(options, &camera);
+}
+
+const UpdateStatistics& Renderer::last_update() const {
+  return impl_->last_update();
+}
+
+RenderResult render(const SceneDescription& scene, const RenderOptions& options) {
+  Renderer renderer;
+  renderer.show(scene);
+  return renderer.render(options);
 }
 
 }  // namespace raysheaf

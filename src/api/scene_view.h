@@ -42,8 +42,9 @@ class SceneView {
   /// Takes over what has changed; next to nothing where nothing has.
   void refresh(const SceneRuns& scene);
   [[nodiscard]] TriangleSource source() const { return {runs_, count_, nullptr}; }
-  /// Hits by ids; spans of equal length.
-  void name_hits(const Executor& executor, View<const EngineHit> hits, std::span<Hit> out) const;
+  /// Hits by ids; `out` has room for as many.
+  void name_hits(View<const EngineHit> hits, Hit* out) const;
+  void name_hits(const Executor& executor, View<const EngineHit> hits, Hit* out) const;
   [[nodiscard]] std::size_t memory_bytes() const;
 
   std::mutex mutex;           ///< held by whoever calls any of these or uses what is below

@@ -1,5 +1,5 @@
 // Totals of the counters and their JSON. docs/statistics.md describes every field.
-#include "raysheaf/statistics.h"
+#include "raysheaf/renderer.h"
 
 #include <nlohmann/json.hpp>
 
@@ -106,6 +106,19 @@ std::string to_json(const FrameStatistics& statistics, double load_ms) {
   // A scene's name comes from a file: bytes that are not UTF-8 become U+FFFD instead of an
   // exception.
   return frame.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string to_json(const UpdateStatistics& update) {
+  const Json json = {
+      {"moved_instances", update.moved_instances},
+      {"deformed_meshes", update.deformed_meshes},
+      {"replaced_meshes", update.replaced_meshes},
+      {"rebound_meshes", update.rebound_meshes},
+      {"placed_triangles", update.placed_triangles},
+      {"tree", update.tree},
+      {"times_ms",
+       {{"bound", update.bound_ms}, {"place", update.place_ms}, {"tree", update.tree_ms}}}};
+  return json.dump();
 }
 
 }  // namespace raysheaf

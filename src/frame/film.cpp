@@ -24,6 +24,7 @@ Film::Film(std::uint32_t width, std::uint32_t height, bool count_tests) {
   sums_.position.resize(pixels);
   sums_.normal.resize(pixels);
   sums_.albedo.resize(pixels);
+  sums_.specular.resize(pixels);
   if (count_tests) sums_.tests.resize(pixels);
   faced_.resize(pixels);
   arrived_.resize(pixels);
@@ -34,7 +35,9 @@ void Film::see(const Executor& executor, GBuffer g) {
   executor.for_each(sums_.normal.size(), kGrain, [&](std::size_t i) {
     if (first) sums_.position[i] = xyz(g.position[i]);
     sums_.normal[i] += xyz(g.normal[i]);
-    sums_.albedo[i] += xyz(g.diffuse[i]) + xyz(g.specular[i]);
+    const Vec3 specular = xyz(g.specular[i]);
+    sums_.albedo[i] += xyz(g.diffuse[i]) + specular;
+    sums_.specular[i] += specular;
   });
   if (first) sums_.ids = std::move(g.ids);
 }
@@ -50,6 +53,7 @@ void Film::develop(const Executor& executor, std::optional<float> exposure,
     sums->beauty[i] = sums->beauty[i] / samples;
     sums->normal[i] = sums->normal[i] / samples;
     sums->albedo[i] = sums->albedo[i] / samples;
+    sums->specular[i] = sums->specular[i] / samples;
   });
   sums->exposure = exposure ? *exposure : automatic_exposure(sums->beauty, sums->ids);
 }

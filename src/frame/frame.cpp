@@ -70,9 +70,12 @@ class Frame {
         camera_(make_camera_frame(input.camera, options_.width, options_.height)),
         film_(options_.width, options_.height, options_.count_pixel_tests),
         samples_meter_([this](const Progress& /*of a stage*/) { return tell_samples(); }),
-        meter_(sample_.count == 1 ? *meter : samples_meter_) {
+        meter_(sample_.count == 1 ? *meter : samples_meter_),
+        cache_(input.cache != nullptr ? *input.cache : own_cache_) {
+    cache_.tree = {};
     trace_.method = settings_for(options_);
-    trace_.cache = &trace_cache_;
+    trace_.cache = &cache_;
+    trace_.bundle_samples = options_.bundle_samples;
     statistics_.key = key_name(trace_.method);
     statistics_.bound = bound_name(trace_.method);
     if (sample_.count == 1 || input.camera.aperture == 0) return;
@@ -88,10 +91,12 @@ class Frame {
       if (++sample_.index == sample_.count) break;
       if (!options_.on_sample) continue;
       RenderResult so_far = film_.developed(executor_, options_.exposure);
+      so_far.ambient = sky_;
       so_far.statistics = statistics_;
       if (!options_.on_sample(so_far)) break;
     }
     RenderResult result = film_.taken(executor_, options_.exposure);
+    result.ambient = sky_;
     result.statistics = std::move(statistics_);
     return result;
   }
@@ -156,7 +161,7 @@ class Frame {
     } else {
       BatchStatistics& batch = statistics_for(RayKind::kPrimary, 0);
       triangles = trace_primary(executor_, scene_, frame, trace_.method, &batch, film_.tests(),
-                                &meter_, &trace_cache_);
+                                &meter_, &cache_);
     }
     meter_.begin("surfaces", 1);
     std::vector<Fragment> fragments =
@@ -352,7 +357,8 @@ class Frame {
   Film film_;
   ProgressMeter samples_meter_;
   ProgressMeter& meter_;
-  TraceCache trace_cache_;
+  TraceCache own_cache_;
+  TraceCache& cache_;
   TraceOptions trace_;
   FrameStatistics statistics_;
   Vec3 sky_;

@@ -11,7 +11,8 @@
 
 namespace raysheaf {
 
-/// What a frame is made of. Without a rasteriser primary visibility is traced, as a lens needs it.
+/// What a frame is made of. Without a rasteriser primary visibility is traced, as a lens needs it;
+/// without a cache nothing is kept of this scene.
 struct FrameInput {
   const FlatScene& scene;
   const TextureSet& textures;
@@ -21,6 +22,7 @@ struct FrameInput {
   std::uint32_t samples = 1;
   Rasterizer* rasterizer = nullptr;
   const EnvironmentView* environment = nullptr;  ///< none: a uniform sky
+  TraceCache* cache = nullptr;
 };
 
 [[nodiscard]] RenderResult render_frame(const Executor& executor, const FrameInput& input,

@@ -5,7 +5,7 @@
 
 #include "base/vec.h"
 #include "raysheaf/error.h"
-#include "raysheaf/scene_description.h"
+#include "raysheaf/scene_changes.h"
 #include "scene/shown_name.h"
 
 namespace raysheaf {
@@ -292,11 +292,31 @@ void check_environment(const Environment& environment) {
 }
 
 template <class T>
-void check_list(const char* list, const std::vector<T>& items, const SceneDescription& scene) {
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    const std::string* name = nullptr;
-    if constexpr (requires { items[i].name; }) name = &items[i].name;
-    check(Item{list, i, name}, items[i], scene);
+void check_item(const char* list, const std::vector<T>& items, std::size_t i,
+                const SceneDescription& scene) {
+  const std::string* name = nullptr;
+  if constexpr (requires { items[i].name; }) name = &items[i].name;
+  check(Item{list, i, name}, items[i], scene);
+}
+
+template <class T>
+void check_list(const char* list, const std::vector<T>& items, const SceneDescription& scene,
+                std::size_t from = 0) {
+  for (std::size_t i = from; i < items.size(); ++i) check_item(list, items, i, scene);
+}
+
+/// Those of a list of numbers; the numbers themselves too.
+template <class T>
+void check_listed(const char* list, const std::vector<T>& items, const char* field,
+                  const std::vector<std::uint32_t>& numbers, const SceneDescription& scene) {
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    if (numbers[k] >= items.size() || (k > 0 && numbers[k] <= numbers[k - 1])) {
+      throw Error(ErrorCode::kInvalidArgument,
+                  "is " + std::to_string(numbers[k]) + ", but numbers ascend below the scene's " +
+                      std::to_string(items.size()) + " " + list,
+                  "changes." + element(field, k));
+    }
+    check_item(list, items, numbers[k], scene);
   }
 }
 
@@ -311,6 +331,26 @@ void validate(const SceneDescription& scene) {
   check_list("lights", scene.lights, scene);
   check_list("cameras", scene.cameras, scene);
   check_environment(scene.environment);
+  if (scene.triangle_count() == 0)
+    throw Error(ErrorCode::kInvalidData, "the scene has no triangles");
+}
+
+void validate_camera(const Camera& camera) {
+  try {
+    check(Item{"cameras", 0, &camera.name}, camera, {});
+  } catch (const Error& error) {
+    throw Error(error.code(), error.sentence(), "camera" + error.place().substr(10));
+  }
+}
+
+void validate_changes(const SceneDescription& scene, const SceneChanges& changes) {
+  if (changes.everything) return validate(scene);
+  check_listed("meshes", scene.meshes, "deformed", changes.deformed, scene);
+  check_listed("instances", scene.instances, "moved", changes.moved, scene);
+  check_list("meshes", scene.meshes, scene, changes.other_meshes_from);
+  check_list("instances", scene.instances, scene, changes.other_instances_from);
+  check_list("lights", scene.lights, scene);
+  check_list("cameras", scene.cameras, scene);
   if (scene.triangle_count() == 0)
     throw Error(ErrorCode::kInvalidData, "the scene has no triangles");
 }

@@ -55,7 +55,7 @@ TEST(Render, WritesAllThatIsAskedFor) {
   EXPECT_TRUE(exr.starts_with("\x76\x2f\x31\x01"));
   for (const char* channel :
        {"R", "G", "B", "position.X", "position.Y", "position.Z", "normal.X", "normal.Y", "normal.Z",
-        "albedo.R", "albedo.G", "albedo.B", "shadow.V", "tests.V"}) {
+        "albedo.R", "albedo.G", "albedo.B", "specular.R", "shadow.V", "tests.V"}) {
     EXPECT_NE(exr.find(std::string(channel) + '\0'), std::string::npos) << channel;
   }
 }
