@@ -3,7 +3,8 @@
 docs/ keeps its shape. What a header says at its head, for Doxygen no more than a remark, goes before
 its reference. A file elsewhere in the repository that a page links to becomes a page as well,
 `source/<its path>`: Markdown as it is, code as code, a folder as the list of what is in it. Links are
-turned to fit. What has not changed is not written, so that Sphinx does not read it again.
+turned to fit, and pages that the index forgets stand at its end. What has not changed is not written,
+so that Sphinx does not read it again.
 """
 
 from __future__ import annotations
@@ -100,6 +101,18 @@ class Stage:
             lines = ["---", "orphan: true", "---", *lines]
         self.write(page_of(path), ("\n".join(lines) + "\n").encode())
 
+    def add_forgotten(self) -> None:
+        """Pages of docs/ that no list of the index names get a list of their own."""
+        index = self.folder / "index.md"
+        text = index.read_text(encoding="utf-8")
+        named = {line.strip() for line in text.splitlines()} | {"index"}
+        pages = sorted(p for p in (ROOT / DOCS).rglob("*.md"))
+        names = [p.relative_to(ROOT / DOCS).with_suffix("").as_posix() for p in pages]
+        forgotten = [name for name in names if name not in named]
+        if forgotten:
+            fence = ["", "```{toctree}", ":caption: More", ":hidden:", "", *forgotten, "```", ""]
+            self.write(PurePosixPath("index.md"), (text + "\n".join(fence)).encode())
+
     def code(self, path: PurePosixPath) -> None:
         text = (ROOT / path).read_text(encoding="utf-8")
         if text.count("\n") > LONGEST:
@@ -128,6 +141,7 @@ class Stage:
                 continue
             kind = self.listing if (ROOT / path).is_dir() else self.code
             (self.markdown if path.suffix == ".md" else kind)(path)
+        self.add_forgotten()
         for file in self.folder.rglob("*"):
             if file.is_file() and file not in self.written:
                 file.unlink()
