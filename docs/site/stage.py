@@ -3,8 +3,8 @@
 docs/ keeps its shape. What a header says at its head, for Doxygen no more than a remark, goes before
 its reference. A file elsewhere in the repository that a page links to becomes a page as well,
 `source/<its path>`: Markdown as it is, code as code, a folder as the list of what is in it. Links are
-turned to fit, and pages that the index forgets stand at its end. What has not changed is not written,
-so that Sphinx does not read it again.
+turned to fit. Pages that the index forgets stand at its end, and so do headers in the reference. What
+has not changed is not written, so that Sphinx does not read it again.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from pathlib import Path, PurePosixPath
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = PurePosixPath("docs")
+CPP = DOCS / "api/cpp.md"
 HEADER = "```{doxygenfile} "
 LINK = re.compile(r"(\]\()([^)\s]+)(\))")
 LANGUAGES = {
@@ -59,6 +60,14 @@ def head_of(header: str) -> list[str]:
     return [*lines, *["```"] * code, ""]
 
 
+def with_all_headers(text: str) -> str:
+    """The C++ reference, with the public headers that it forgets at its end."""
+    headers = sorted(p.name for p in (ROOT / "include/raysheaf").glob("*.h"))
+    forgotten = [name for name in headers if HEADER + name not in text.splitlines()]
+    more = "".join(f"\n{HEADER}{name}\n```\n" for name in forgotten)
+    return text + ("\n## More\n" + more if more else "")
+
+
 class Stage:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -87,7 +96,8 @@ class Stage:
 
     def markdown(self, path: PurePosixPath) -> None:
         lines, fenced = [], False
-        for line in (ROOT / path).read_text(encoding="utf-8").splitlines():
+        text = (ROOT / path).read_text(encoding="utf-8")
+        for line in (with_all_headers(text) if path == CPP else text).splitlines():
             if line.startswith(HEADER) and not fenced:
                 lines += head_of(line.removeprefix(HEADER))
             if line.startswith("```"):
