@@ -6,6 +6,7 @@
 #include "io/block_format.h"
 #include "io/image.h"
 #include "raysheaf/error.h"
+#include "raysheaf/io.h"
 
 namespace raysheaf::io {
 namespace {
