@@ -104,7 +104,7 @@ TEST(Report, RunsTheMethodsThatAreAskedFor) {
   EXPECT_EQ(data["methods"][0]["method"], "rah");
   EXPECT_EQ(data["methods"][1]["method"], "dual");
   EXPECT_EQ(data["command"],
-            "raysheaf report builtin:cornell -o page.html --size 24x20 --method dual --method rah");
+            "raysheaf report --size 24x20 builtin:cornell -o page.html --method dual --method rah");
   ASSERT_EQ(data["bundles"].size(), 2u) << "two levels of rah";
   for (const Json& level : data["bundles"])
     EXPECT_GE(level["looseness"]["low"], 1) << "no bound is tighter than the rays";
@@ -245,6 +245,35 @@ TEST(ReportParts, CommandsSurviveAShell) {
         run_program({"sh", "-c", "printf %s " + app::quoted(word)}, folder.path());
     EXPECT_EQ(finished.out, word);
   }
+}
+
+TEST(ReportParts, CommandsOfOneMethodKeepAllOptionsButOutputsAndMethods) {
+  app::ReportCommand command;
+  const auto of = [&](std::vector<std::string> words) {
+    command.words = std::move(words);
+    return app::stats_command_line(command, Method::kRah);
+  };
+  const std::string end = " --method rah -o rah.png --stats rah.json";
+  EXPECT_EQ(of({"-o", "a.html", "my scene.glb", "--size", "9x9", "-q"}),
+            "raysheaf render 'my scene.glb' --size 9x9" + end);
+  EXPECT_EQ(of({"s.glb", "-oa.html", "--method=dual", "--method", "brute", "--no-shadows"}),
+            "raysheaf render s.glb --no-shadows" + end);
+  EXPECT_EQ(of({"s.glb", "-qo", "a.html", "--quiet"}), "raysheaf render s.glb" + end);
+  EXPECT_EQ(of({"--output=a.html", "s.glb"}), "raysheaf render s.glb" + end);
+}
+
+// The commands on the page are taken from it and run.
+TEST(Report, ItsCommandsRun) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(report(folder, {"builtin:cornell", "-o", "page.html", "-q", "--method", "dual"}).code,
+            0);
+  const std::vector<std::string> commands =
+      found_in({read_file(folder.file("page.html"))}, "<pre><code>raysheaf ([^<]*)</code>");
+  ASSERT_EQ(commands.size(), 2u);
+  for (const std::string& command : commands)
+    EXPECT_EQ(run_program({"sh", "-c", "'" RAYSHEAF_APP "' " + command}, folder.path()).code, 0)
+        << command;
+  EXPECT_EQ(folder.names().size(), 3u);
 }
 
 TEST(ReportParts, DistributionsWeighRays) {

@@ -8,35 +8,18 @@
 namespace raysheaf::app {
 namespace {
 
-/// What both commands share: all that is not as it is by default.
-std::string view_and_rays(const RenderOptions& o) {
-  const RenderOptions usual;
-  std::string text = fmt::format(" --size {}x{}", o.width, o.height);
-  const auto add = [&text](bool differs, const std::string& words) {
-    if (differs) text += " " + words;
-  };
-  add(!o.camera.empty(), "--camera " + quoted(o.camera));
-  if (o.exposure) add(true, fmt::format("--exposure {}", *o.exposure));
-  if (o.ambient)
-    add(true, fmt::format("--ambient {},{},{}", o.ambient->x, o.ambient->y, o.ambient->z));
-  add(o.bounces != usual.bounces, fmt::format("--bounces {}", o.bounces));
-  add(!o.shadows, "--no-shadows");
-  add(!o.reflections, "--no-reflections");
-  add(!o.refractions, "--no-refractions");
-  add(o.early_out, "--early-out");
-  add(o.primary == Primary::kTrace, "--primary trace");
-  add(o.levels != usual.levels, fmt::format("--levels {}", o.levels));
-  add(o.branching != usual.branching, fmt::format("--branching {}", o.branching));
-  if (o.key) add(true, fmt::format("--key {}", to_string(*o.key)));
-  if (o.key_bits) add(true, fmt::format("--key-bits {}", *o.key_bits));
-  if (o.bound) add(true, fmt::format("--bound {}", to_string(*o.bound)));
-  if (o.mesh_culling) add(true, fmt::format("--mesh-culling {}", *o.mesh_culling ? "on" : "off"));
-  add(o.threads != 0, fmt::format("--threads {}", o.threads));
-  return text;
-}
+/// What becomes of a word of `report` in a command line of `render`.
+enum class Fate { kKept, kDropped, kDroppedWithTheNext };
 
-std::string scene_words(const ReportCommand& command) {
-  return quoted(command.scene) + (command.load.allow_external ? " --allow-external" : "");
+Fate fate_of(const std::string& word) {
+  for (const std::string option : {"--output", "--method"}) {
+    if (word == option) return Fate::kDroppedWithTheNext;
+    if (word.starts_with(option + "=")) return Fate::kDropped;
+  }
+  if (word == "--quiet") return Fate::kDropped;
+  // "-q", "-o", "-oFILE", "-qo"
+  if (word.size() < 2 || word[0] != '-' || (word[1] != 'q' && word[1] != 'o')) return Fate::kKept;
+  return word.find('o') == word.size() - 1 ? Fate::kDroppedWithTheNext : Fate::kDropped;
 }
 
 }  // namespace
@@ -53,17 +36,19 @@ std::string quoted(const std::string& word) {
 }
 
 std::string command_line(const ReportCommand& command) {
-  std::string text = "raysheaf report " + scene_words(command) + " -o " + quoted(command.output) +
-                     view_and_rays(command.options);
-  for (const Method method : command.methods)
-    text += fmt::format(" --method {}", to_string(method));
+  std::string text = "raysheaf report";
+  for (const std::string& word : command.words) text += " " + quoted(word);
   return text;
 }
 
 std::string stats_command_line(const ReportCommand& command, Method method) {
-  return fmt::format("raysheaf render {} -o {}.png --stats {}.json{} --method {}",
-                     scene_words(command), to_string(method), to_string(method),
-                     view_and_rays(command.options), to_string(method));
+  std::string text = "raysheaf render";
+  for (std::size_t i = 0; i < command.words.size(); ++i) {
+    const Fate fate = fate_of(command.words[i]);
+    if (fate == Fate::kKept) text += " " + quoted(command.words[i]);
+    if (fate == Fate::kDroppedWithTheNext) ++i;
+  }
+  return text + fmt::format(" --method {0} -o {0}.png --stats {0}.json", to_string(method));
 }
 
 }  // namespace raysheaf::app
