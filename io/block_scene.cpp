@@ -178,10 +178,15 @@ Light light(const json& j) {
 }
 
 json of(const Camera& c) {
-  return {
-      {"name", c.name},           {"to_world", of(c.to_world)}, {"orthographic", c.orthographic},
-      {"y_fov", number(c.y_fov)}, {"y_mag", number(c.y_mag)},   {"z_near", number(c.z_near)},
-      {"z_far", number(c.z_far)}};
+  return {{"name", c.name},
+          {"to_world", of(c.to_world)},
+          {"orthographic", c.orthographic},
+          {"y_fov", number(c.y_fov)},
+          {"y_mag", number(c.y_mag)},
+          {"z_near", number(c.z_near)},
+          {"z_far", number(c.z_far)},
+          {"aperture", number(c.aperture)},
+          {"focus", number(c.focus)}};
 }
 Camera camera(const json& j) {
   Camera c;
@@ -259,6 +264,8 @@ void append(std::span<const std::uint8_t> bytes, Bytes* out) {
 }  // namespace
 
 Bytes encode_scene(const SceneDescription& scene) {
+  if (!scene.environment.empty())
+    throw Error(ErrorCode::kUnsupported, "block files hold no environment", "environment");
   json j;
   j["name"] = scene.name;
   j["meshes"] = json::array();
