@@ -101,7 +101,7 @@ TEST(Completion, BashOffersWhatFits) {
   if (!has_program("bash")) GTEST_SKIP() << "there is no bash";
   const TemporaryFolder folder;
   EXPECT_EQ(bash_offers({"re"}, folder), "render report");
-  EXPECT_EQ(bash_offers({"render", "--me"}, folder), "--method --mesh-culling");
+  EXPECT_EQ(bash_offers({"render", "--me"}, folder), "--method --mesh-culling --memory");
   EXPECT_EQ(bash_offers({"render", "--method", ""}, folder), "brute rah crsh gl10 dual");
   EXPECT_EQ(bash_offers({"render", "--size", ""}, folder), "");
   EXPECT_EQ(bash_offers({"bench", "comp"}, folder), "compare");
