@@ -7,6 +7,7 @@
 
 #include "command_text.h"
 #include "compare_words.h"
+#include "raysheaf/context.h"
 #include "raysheaf/io.h"
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
@@ -27,7 +28,7 @@ struct RenderCommand {
   LoadOptions load;
   std::vector<std::string> pictures;  ///< PNG and OpenEXR, by their ending
   std::string stats_path, heatmap_path;
-  std::string device = "cpu";
+  Device device = Device::kCpu;
   bool explain = false, quiet = false;
   RenderOptions options;
 };

@@ -98,7 +98,7 @@ void add_method(CLI::App& app, RenderCommand& command) {
               if (text != "cpu" && text != "cuda") {
                 throw Error(ErrorCode::kInvalidArgument, "'" + text + "' is neither cpu nor cuda");
               }
-              command.device = text;
+              command.device = text == "cuda" ? Device::kCuda : Device::kCpu;
             });
 }
 

@@ -9,6 +9,7 @@
 #include "progress_bar.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
+#include "raysheaf/render_on_context.h"
 #include "scene_argument.h"
 #include "values.h"
 
@@ -61,7 +62,7 @@ RenderResult render_with_progress(const SceneDescription& scene, const RenderCom
     bar.update(progress.stage, progress.done, progress.total);
     return !interrupted();
   };
-  return render(scene, options);
+  return render(Context({command.device, options.threads}), scene, options);
 }
 
 void write_outputs(const RenderCommand& command, const Targets& targets, const RenderResult& result,
@@ -122,10 +123,6 @@ void explain(const FrameStatistics& statistics) {
 }  // namespace
 
 int run(const RenderCommand& command) {
-  if (command.device != "cpu") {
-    throw Error(ErrorCode::kUnsupported, "this build traces rays on the CPU alone",
-                "--device cuda");
-  }
   catch_interrupts();
   const Targets targets = open_targets(command);
   const auto start = std::chrono::steady_clock::now();

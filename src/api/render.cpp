@@ -1,6 +1,6 @@
 // render(): checks what the caller hands in, prepares the scene, runs a frame. The one place where
 // errors of the layers below become `Error`.
-#include "raysheaf/render.h"
+#include "raysheaf/render_on_context.h"
 
 #include <unistd.h>
 
@@ -10,6 +10,7 @@
 #include <new>
 #include <optional>
 
+#include "api/context_impl.h"
 #include "exec/executor.h"
 #include "frame/frame.h"
 #include "frame/stopwatch.h"
@@ -90,9 +91,9 @@ std::vector<Light> find_lights(const SceneDescription& scene, const Camera& came
   return scene.lights;
 }
 
-RenderResult render_checked(const SceneDescription& scene, const RenderOptions& options) {
+RenderResult render_checked(const Executor& executor, const DeviceBackend* backend,
+                            const SceneDescription& scene, const RenderOptions& options) {
   Stopwatch watch;
-  const Executor executor(options.threads);
   ProgressMeter meter(options.progress);
   const Camera camera = find_camera(scene, options.camera);
   const std::vector<Light> lights = find_lights(scene, camera);
@@ -102,8 +103,8 @@ RenderResult render_checked(const SceneDescription& scene, const RenderOptions& 
   meter.begin("scene", 1);
   const FlatScene flat = flatten(executor, scene, mesh_bounds(executor, scene));
   const TextureSet textures(scene);
-  const FrameInput input{flat,   textures, camera,
-                         lights, options,  rasterizer ? &*rasterizer : nullptr};
+  const FrameInput input{
+      flat, textures, camera, lights, options, rasterizer ? &*rasterizer : nullptr, backend};
   RenderResult result = render_frame(executor, input, &meter);
 
   FrameStatistics& s = result.statistics;
@@ -113,7 +114,7 @@ RenderResult render_checked(const SceneDescription& scene, const RenderOptions& 
   s.width = options.width;
   s.height = options.height;
   s.method = to_string(options.method);
-  s.device = "cpu";
+  s.device = to_string(backend != nullptr ? Device::kCuda : Device::kCpu);
   s.primary = rasterizer ? "raster: " + rasterizer->description() : "trace";
   s.threads = executor.threads();
   s.total_ms = watch.lap_ms();
@@ -126,7 +127,24 @@ RenderResult render(const SceneDescription& scene, const RenderOptions& options)
   try {
     check(options);
     validate(scene);
-    return render_checked(scene, options);
+    return render_checked(Executor(options.threads), nullptr, scene, options);
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for this picture");
+  }
+}
+
+RenderResult render(const Context& context, const SceneDescription& scene,
+                    const RenderOptions& options) {
+  const DeviceBackend* const backend = ContextAccess::backend(context);
+  try {
+    check(options);
+    if (backend != nullptr && options.method != Method::kBrute && options.method != Method::kDual)
+      throw Error(ErrorCode::kUnsupported,
+                  std::string(to_string(options.method)) +
+                      " does not run on a CUDA device, only brute and dual do",
+                  "method");
+    validate(scene);
+    return render_checked(ContextAccess::executor(context), backend, scene, options);
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for this picture");
   }

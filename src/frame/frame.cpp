@@ -70,6 +70,7 @@ class Frame {
         meter_(*meter) {
     trace_.method = settings_for(options_);
     trace_.cache = &trace_cache_;
+    trace_.backend = input_.backend;
     result_.statistics.key = key_name(trace_.method);
     result_.statistics.bound = bound_name(trace_.method);
     result_.width = options_.width;
@@ -104,7 +105,7 @@ class Frame {
     } else {
       BatchStatistics& batch = statistics_for(RayKind::kPrimary, 0);
       triangles = trace_primary(executor_, scene_, input_.camera, size, trace_.method, &batch,
-                                result_.tests, &meter_, &trace_cache_);
+                                result_.tests, &meter_, &trace_cache_, input_.backend);
     }
     meter_.begin("surfaces", 1);
     std::vector<Fragment> fragments =

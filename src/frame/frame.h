@@ -1,6 +1,7 @@
 // The loop over the stages: one frame.
 #pragma once
 
+#include "engine/device_engine.h"
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
 #include "frame/primary.h"
@@ -18,6 +19,7 @@ struct FrameInput {
   View<const Light> lights;
   const RenderOptions& options;
   Rasterizer* rasterizer = nullptr;
+  const DeviceBackend* backend = nullptr;  ///< where rays meet triangles; null: on the CPU
 };
 
 [[nodiscard]] RenderResult render_frame(const Executor& executor, const FrameInput& input,

@@ -44,7 +44,7 @@ std::vector<std::uint32_t> trace_primary(const Executor& executor, const FlatSce
                                          const Camera& camera, PictureSize size,
                                          const MethodSettings& method, BatchStatistics* statistics,
                                          View<float> pixel_tests, ProgressMeter* meter,
-                                         TraceCache* cache) {
+                                         TraceCache* cache, const DeviceBackend* backend) {
   const CameraFrame frame = make_camera_frame(camera, size.width, size.height);
   RayBatch batch;
   batch.kind = RayKind::kPrimary;
@@ -64,6 +64,7 @@ std::vector<std::uint32_t> trace_primary(const Executor& executor, const FlatSce
   options.method = method;
   options.facing = Facing::kSkipBackOfSingleSided;
   options.cache = cache;
+  options.backend = backend;
   const std::vector<RayHit> hits =
       trace(executor, scene, batch, options, statistics, pixel_tests, meter);
   std::vector<std::uint32_t> triangles(hits.size());

@@ -26,11 +26,12 @@ struct PictureSize {
                                                            const Camera& camera, PictureSize size);
 
 /// The same by rays, which pass the backs of single-sided triangles. `pixel_tests`: as `trace` has
-/// it; `cache`: of the scene, shared with other batches, or null.
+/// it; `cache`: of the scene, shared with other batches, or null;
+/// `backend`: as in `TraceOptions`.
 [[nodiscard]] std::vector<std::uint32_t> trace_primary(
     const Executor& executor, const FlatScene& scene, const Camera& camera, PictureSize size,
     const MethodSettings& method, BatchStatistics* statistics, View<float> pixel_tests,
-    ProgressMeter* meter, TraceCache* cache = nullptr);
+    ProgressMeter* meter, TraceCache* cache = nullptr, const DeviceBackend* backend = nullptr);
 
 /// One fragment a pixel, with the attributes of the triangle there.
 [[nodiscard]] std::vector<Fragment> fetch_fragments(const Executor& executor,

@@ -175,6 +175,21 @@ std::vector<RayHit> trace_dual(const Executor& executor, const FlatScene& scene,
   return cache.dual->trace(executor, batch, options.facing, statistics, ray_tests);
 }
 
+std::vector<RayHit> trace_on_device(const Executor& executor, const FlatScene& scene,
+                                    const RayBatch& batch, const TraceOptions& options,
+                                    BatchStatistics* statistics, View<float> ray_tests,
+                                    ProgressMeter* meter) {
+  Stopwatch watch;
+  meter->begin(stage_name(batch), 1);
+  TraceCache own;
+  TraceCache& cache = options.cache != nullptr ? *options.cache : own;
+  if (!cache.device)
+    cache.device = std::make_unique<DeviceTracer>(executor, scene, *options.backend);
+  statistics->times_ms.hierarchy += watch.lap_ms();
+  const bool brute = options.method.traversal == Traversal::kBruteForce;
+  return cache.device->trace(executor, batch, options.facing, brute, statistics, ray_tests);
+}
+
 using TraceFunction = decltype(&trace_packets);
 
 TraceFunction function_of(Traversal traversal) {
@@ -226,7 +241,8 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
   statistics->triangles = scene.triangle_count;
   statistics->rays += batch.rays.size();
   if (batch.rays.empty()) return {};
-  const TraceFunction method = function_of(options.method.traversal);
+  const TraceFunction method =
+      options.backend != nullptr ? trace_on_device : function_of(options.method.traversal);
   std::vector<RayHit> hits = method(executor, scene, batch, options, statistics, ray_tests, meter);
   statistics->hits += static_cast<std::uint64_t>(
       std::count_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.found(); }));

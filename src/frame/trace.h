@@ -7,6 +7,7 @@
 
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
+#include "frame/device_tracer.h"
 #include "frame/dual_tracer.h"
 #include "intersect/intersect_list.h"
 #include "object/bvh.h"
@@ -19,8 +20,9 @@ namespace raysheaf {
 
 /// What batches of one frame share: the triangles' hierarchies, made by the first that needs them.
 struct TraceCache {
-  std::optional<Bvh> bvh;            ///< of `gl10`
-  std::unique_ptr<DualTracer> dual;  ///< of `dual`
+  std::optional<Bvh> bvh;                ///< of `gl10`
+  std::unique_ptr<DualTracer> dual;      ///< of `dual`
+  std::unique_ptr<DeviceTracer> device;  ///< of what runs on a device
 };
 
 struct TraceOptions {
@@ -28,6 +30,8 @@ struct TraceOptions {
   Facing facing = Facing::kBoth;
   bool early_out = false;       ///< for rays of which only matters whether they meet something
   TraceCache* cache = nullptr;  ///< of this scene; none: nothing is shared
+  /// Where rays meet triangles, by brute force or `dual`; null: on the CPU.
+  const DeviceBackend* backend = nullptr;
 };
 
 /// The stable order of the rays by the method's keys; adds how many runs of equal keys there were

@@ -1,0 +1,34 @@
+#include "engine/device_engine-inl.h"
+#include "exec/cuda/launch-inl.h"
+
+namespace raysheaf {
+namespace {
+
+class CudaBackend : public DeviceBackend {
+ public:
+  CudaBackend() : name_(device_.name()) {}
+
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  [[nodiscard]] std::unique_ptr<DeviceEngine> make_engine() const override {
+    return std::make_unique<DeviceEngineOn<CudaDevice>>();
+  }
+  [[nodiscard]] bool is_device_memory(const void* pointer) const override {
+    return device_.is_device_memory(pointer);
+  }
+  void write(void* to, const void* from, std::size_t bytes) const override {
+    CudaDevice device;
+    device.copy("copy: hits", to, from, bytes);
+  }
+
+ private:
+  CudaDevice device_;
+  std::string name_;
+};
+
+}  // namespace
+
+std::unique_ptr<DeviceBackend> open_cuda() {
+  return std::make_unique<CudaBackend>();
+}
+
+}  // namespace raysheaf

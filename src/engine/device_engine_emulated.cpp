@@ -1,0 +1,39 @@
+#include <cstring>
+
+#include "engine/device_engine-inl.h"
+#include "exec/cpu/emulated_device.h"
+
+namespace raysheaf {
+namespace {
+
+class EmulatedBackend : public DeviceBackend {
+ public:
+  EmulatedBackend(const Executor& executor, HostAllocator& memory, DeviceAllocator* allocator)
+      : executor_(executor), memory_(memory), allocator_(allocator) {}
+
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  [[nodiscard]] std::unique_ptr<DeviceEngine> make_engine() const override {
+    return std::make_unique<DeviceEngineOn<EmulatedDevice>>(executor_, memory_, allocator_);
+  }
+  [[nodiscard]] bool is_device_memory(const void* pointer) const override {
+    return memory_.owns(pointer);
+  }
+  void write(void* to, const void* from, std::size_t bytes) const override {
+    std::memcpy(to, from, bytes);
+  }
+
+ private:
+  const Executor& executor_;
+  HostAllocator& memory_;
+  DeviceAllocator* allocator_;
+  std::string name_ = "the CPU, emulating a device";
+};
+
+}  // namespace
+
+std::unique_ptr<DeviceBackend> open_emulated(const Executor& executor, HostAllocator& memory,
+                                             DeviceAllocator* allocator) {
+  return std::make_unique<EmulatedBackend>(executor, memory, allocator);
+}
+
+}  // namespace raysheaf
