@@ -8,6 +8,7 @@
 #include "command_text.h"
 #include "compare_words.h"
 #include "raysheaf/context.h"
+#include "raysheaf/device_bench.h"
 #include "raysheaf/io.h"
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
@@ -76,6 +77,14 @@ struct BenchCompareCommand {
   std::string json_path, markdown_path, plot_path;
 };
 
+struct BenchGpuCommand {
+  std::string scenes;                    ///< a folder; empty: the built-in scenes
+  std::vector<std::string> scene_names;  ///< empty: all there are
+  DeviceBenchOptions options;
+  bool quiet = false;
+  std::string json_path;
+};
+
 struct VerifyCommand {
   VerifyOptions options;  ///< without `rounds`, `edge_rays` and `progress`
   std::uint32_t rounds = 0;
@@ -95,7 +104,8 @@ struct ManualCommand {
 
 using Command =
     std::variant<RenderCommand, InfoCommand, SceneCommand, VerifyCommand, BenchPaperCommand,
-                 BenchAblationCommand, BenchCompareCommand, CompletionCommand, ManualCommand>;
+                 BenchAblationCommand, BenchCompareCommand, BenchGpuCommand, CompletionCommand,
+                 ManualCommand>;
 
 /// Each gives an exit code, or throws `Error`.
 int run(const RenderCommand& command);
@@ -105,6 +115,7 @@ int run(const VerifyCommand& command);
 int run(const BenchPaperCommand& command);
 int run(const BenchAblationCommand& command);
 int run(const BenchCompareCommand& command);
+int run(const BenchGpuCommand& command);
 int run(const CompletionCommand& command);
 int run(const ManualCommand& command);
 

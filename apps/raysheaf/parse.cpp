@@ -10,6 +10,7 @@
 #include "describe.h"
 #include "parse_ablation.h"
 #include "parse_compare.h"
+#include "parse_gpu.h"
 #include "parse_parts.h"
 #include "parse_verify.h"
 #include "raysheaf/error.h"
@@ -298,6 +299,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   BenchPaperCommand paper;
   BenchAblationCommand ablation;
   BenchCompareCommand compare;
+  BenchGpuCommand gpu;
   CompletionCommand completion;
   ManualCommand manual;
   const CLI::App* render_app = add_render(app, render);
@@ -308,6 +310,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   const CLI::App* paper_app = add_bench_paper(*bench_app, paper);
   const CLI::App* ablation_app = add_bench_ablation(*bench_app, ablation);
   const CLI::App* compare_app = add_bench_compare(*bench_app, compare);
+  const CLI::App* gpu_app = add_bench_gpu(*bench_app, gpu);
   const CLI::App* completion_app = add_completion(app, completion);
   const CLI::App* manual_app = add_manual(app, manual);
   if (!starts_well(argc, argv, app)) return kUsage;
@@ -328,6 +331,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   if (paper_app->parsed()) return Command(std::move(paper));
   if (ablation_app->parsed()) return Command(std::move(ablation));
   if (compare_app->parsed()) return Command(std::move(compare));
+  if (gpu_app->parsed()) return Command(std::move(gpu));
   if (completion_app->parsed()) {
     completion.raysheaf = describe(app);
     return Command(std::move(completion));

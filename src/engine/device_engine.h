@@ -72,6 +72,8 @@ class DeviceBackend {
   [[nodiscard]] virtual bool is_device_memory(const void* pointer) const = 0;
   /// Copies from the host's memory to the device's. For any number of threads.
   virtual void write(void* to, const void* from, std::size_t bytes) const = 0;
+  /// Measured: bytes read and written a millisecond, copying within the device's memory.
+  [[nodiscard]] virtual double copy_bytes_per_ms() const = 0;
 };
 
 /// The first CUDA device. Throws Error (kUnsupported) where this build has no CUDA, or in CUDA's

@@ -21,6 +21,10 @@ class EmulatedBackend : public DeviceBackend {
   void write(void* to, const void* from, std::size_t bytes) const override {
     std::memcpy(to, from, bytes);
   }
+  [[nodiscard]] double copy_bytes_per_ms() const override {
+    EmulatedDevice device(executor_, memory_, allocator_);
+    return measure_copy(device, std::size_t{1} << 22);
+  }
 
  private:
   const Executor& executor_;
