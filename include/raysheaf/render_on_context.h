@@ -7,8 +7,8 @@
 namespace raysheaf {
 
 /// As `render(scene, options)`, and the same picture; `options.threads` is not used. On
-/// Device::kCuda rays meet triangles by the methods `brute` and `dual`; all else is the CPU's.
-/// Throws `Error`: as that; kUnsupported for a method that the device does not know.
+/// Device::kCuda rays meet triangles there, by every method but `gl10` (docs/cuda.md); all else is
+/// the CPU's. Throws `Error`: as that; kUnsupported for what the device does not know.
 [[nodiscard]] RenderResult render(const Context& context, const SceneDescription& scene,
                                   const RenderOptions& options = {});
 

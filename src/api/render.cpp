@@ -62,6 +62,25 @@ void check(const RenderOptions& options) {
   check_memory(options);
 }
 
+/// What a device does not know.
+void check_for_device(const RenderOptions& options) {
+  const auto refuse = [](const char* sentence, const char* option) {
+    throw Error(ErrorCode::kUnsupported, sentence, option);
+  };
+  if (options.method == Method::kGl10) refuse("gl10 does not run on a CUDA device", "method");
+  if (options.method != Method::kRah && options.method != Method::kCrsh) return;
+  const RayKey key = options.key.value_or(RayKey::kCrsh);
+  if (key != RayKey::kCrsh && key != RayKey::kRaster)
+    refuse("a CUDA device sorts rays by the key crsh, or leaves them in raster order", "key");
+  if (options.bound.value_or(BundleBound::kSphereCone) != BundleBound::kSphereCone)
+    refuse("a CUDA device bounds rays by sphere-cone alone", "bound");
+  if (options.count_pixel_tests)
+    refuse(
+        "rah and crsh do not count the tests of pixels on a CUDA device, which heat maps and "
+        "OpenEXR show",
+        "tests");
+}
+
 std::string camera_names(const SceneDescription& scene) {
   std::string names;
   for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
@@ -138,11 +157,7 @@ RenderResult render(const Context& context, const SceneDescription& scene,
   const DeviceBackend* const backend = ContextAccess::backend(context);
   try {
     check(options);
-    if (backend != nullptr && options.method != Method::kBrute && options.method != Method::kDual)
-      throw Error(ErrorCode::kUnsupported,
-                  std::string(to_string(options.method)) +
-                      " does not run on a CUDA device, only brute and dual do",
-                  "method");
+    if (backend != nullptr) check_for_device(options);
     validate(scene);
     return render_checked(ContextAccess::executor(context), backend, scene, options);
   } catch (const std::bad_alloc&) {

@@ -62,6 +62,8 @@ class DeviceEngine {
   [[nodiscard]] virtual std::size_t memory_bytes() const = 0;
 };
 
+class PairTracer;
+
 /// A machine that engines can be made on.
 class DeviceBackend {
  public:
@@ -69,6 +71,8 @@ class DeviceBackend {
   /// "NVIDIA ..., compute capability 9.0".
   [[nodiscard]] virtual const std::string& name() const = 0;
   [[nodiscard]] virtual std::unique_ptr<DeviceEngine> make_engine() const = 0;
+  /// Of `rah` and `crsh` (engine/pair_tracer.h).
+  [[nodiscard]] virtual std::unique_ptr<PairTracer> make_pair_tracer() const = 0;
   [[nodiscard]] virtual bool is_device_memory(const void* pointer) const = 0;
   /// Copies from the host's memory to the device's. For any number of threads.
   virtual void write(void* to, const void* from, std::size_t bytes) const = 0;

@@ -1,4 +1,5 @@
 #include "engine/device_engine-inl.h"
+#include "engine/pair_tracer.h"
 #include "exec/cuda/launch-inl.h"
 
 namespace raysheaf {
@@ -11,6 +12,9 @@ class CudaBackend : public DeviceBackend {
   [[nodiscard]] const std::string& name() const override { return name_; }
   [[nodiscard]] std::unique_ptr<DeviceEngine> make_engine() const override {
     return std::make_unique<DeviceEngineOn<CudaDevice>>();
+  }
+  [[nodiscard]] std::unique_ptr<PairTracer> make_pair_tracer() const override {
+    return make_cuda_pair_tracer(kPairListCapacity);
   }
   [[nodiscard]] bool is_device_memory(const void* pointer) const override {
     return device_.is_device_memory(pointer);

@@ -1,6 +1,7 @@
 #include <cstring>
 
 #include "engine/device_engine-inl.h"
+#include "engine/pair_tracer.h"
 #include "exec/cpu/emulated_device.h"
 
 namespace raysheaf {
@@ -14,6 +15,9 @@ class EmulatedBackend : public DeviceBackend {
   [[nodiscard]] const std::string& name() const override { return name_; }
   [[nodiscard]] std::unique_ptr<DeviceEngine> make_engine() const override {
     return std::make_unique<DeviceEngineOn<EmulatedDevice>>(executor_, memory_, allocator_);
+  }
+  [[nodiscard]] std::unique_ptr<PairTracer> make_pair_tracer() const override {
+    return make_emulated_pair_tracer(kPairListCapacity, executor_, memory_, allocator_);
   }
   [[nodiscard]] bool is_device_memory(const void* pointer) const override {
     return memory_.owns(pointer);

@@ -183,11 +183,24 @@ std::vector<RayHit> trace_on_device(const Executor& executor, const FlatScene& s
   meter->begin(stage_name(batch), 1);
   TraceCache own;
   TraceCache& cache = options.cache != nullptr ? *options.cache : own;
-  if (!cache.device)
-    cache.device = std::make_unique<DeviceTracer>(executor, scene, *options.backend);
+  if (!cache.device) cache.device = std::make_unique<DeviceTracer>(scene, *options.backend);
   statistics->times_ms.hierarchy += watch.lap_ms();
-  const bool brute = options.method.traversal == Traversal::kBruteForce;
-  return cache.device->trace(executor, batch, options.facing, brute, statistics, ray_tests);
+  const MethodSettings& method = options.method;
+  if (method.traversal != Traversal::kRayHierarchy) {
+    const bool brute = method.traversal == Traversal::kBruteForce;
+    return cache.device->trace(executor, batch, options.facing, brute, statistics, ray_tests);
+  }
+  EngineReport report;
+  PairQuery query{method.levels, method.branching, method.mesh_culling, options.facing};
+  query.report = &report;
+  PairOutcome outcome;
+  std::vector<RayHit> hits =
+      cache.device->trace_pairs(executor, batch, query, method.key != RayKey::kRaster, &outcome);
+  statistics->chunks += outcome.chunks;
+  statistics->times_ms.order += report.order_ms;
+  statistics->times_ms.hierarchy += report.hierarchy_ms;
+  add_counts(outcome.counts, report.trace_ms, statistics);
+  return hits;
 }
 
 using TraceFunction = decltype(&trace_packets);

@@ -30,7 +30,8 @@ struct TraceOptions {
   Facing facing = Facing::kBoth;
   bool early_out = false;       ///< for rays of which only matters whether they meet something
   TraceCache* cache = nullptr;  ///< of this scene; none: nothing is shared
-  /// Where rays meet triangles, by brute force or `dual`; null: on the CPU.
+  /// Where rays meet triangles: by brute force or `dual`, or by a hierarchy of rays in raster order
+  /// or by the keys of `crsh` under spheres and cones, without tests of single rays; null: the CPU.
   const DeviceBackend* backend = nullptr;
 };
 

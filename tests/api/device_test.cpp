@@ -129,8 +129,12 @@ TEST(DeviceContext, RendersAsTheCpu) {
     ASSERT_TRUE(here.beauty[i] == there.beauty[i]) << i;
   EXPECT_EQ(there.statistics.device, "cuda");
   EXPECT_EQ(here.statistics.device, "cpu");
+  options.method = Method::kGl10;
+  expect_error(ErrorCode::kUnsupported, "method", "gl10 does not run on a CUDA device",
+               [&] { static_cast<void>(render(emulation.context, scene, options)); });
   options.method = Method::kCrsh;
-  expect_error(ErrorCode::kUnsupported, "method", "crsh does not run on a CUDA device",
+  options.bound = BundleBound::kShaft;
+  expect_error(ErrorCode::kUnsupported, "bound", "sphere-cone",
                [&] { static_cast<void>(render(emulation.context, scene, options)); });
 }
 

@@ -14,7 +14,7 @@ namespace {
 RenderResult frame_of(const SceneDescription& scene, const RenderOptions& options,
                       const DeviceBackend* backend) {
   const Executor executor(2);
-  ProgressMeter meter({});
+  ProgressMeter meter;
   const FlatScene flat = flatten(executor, scene, mesh_bounds(executor, scene));
   const TextureSet textures(scene);
   const FrameInput input{flat,    textures, scene.cameras.front(), scene.lights, options,
@@ -25,11 +25,12 @@ RenderResult frame_of(const SceneDescription& scene, const RenderOptions& option
 void expect_the_cpus_frame(const DeviceBackend& backend) {
   SceneDescription scene = test::ball_on_floor();
   scene.lights.push_back(test::point_light({-3, 2, 2}, 30));
-  for (const Method method : {Method::kDual, Method::kBrute}) {
+  for (const Method method : {Method::kDual, Method::kBrute, Method::kRah, Method::kCrsh}) {
     RenderOptions options = test::small_options(method == Method::kDual ? 96 : 16);
     options.primary = Primary::kTrace;
     options.method = method;
-    options.count_pixel_tests = true;
+    const bool hierarchy = method == Method::kRah || method == Method::kCrsh;
+    options.count_pixel_tests = !hierarchy;
     const RenderResult here = frame_of(scene, options, nullptr);
     const RenderResult there = frame_of(scene, options, &backend);
     EXPECT_TRUE(test::same_bits(there.beauty, here.beauty));
@@ -41,8 +42,12 @@ void expect_the_cpus_frame(const DeviceBackend& backend) {
       EXPECT_EQ(batch.rays, here.statistics.batches[i].rays);
       EXPECT_EQ(batch.hits, here.statistics.batches[i].hits);
       EXPECT_GT(batch.final_tests, 0u);
-      EXPECT_FALSE(batch.plan.empty());
+      EXPECT_EQ(batch.plan.empty(), hierarchy);
+      if (hierarchy) {
+        EXPECT_EQ(batch.total_tests(), here.statistics.batches[i].total_tests());
+      }
     }
+    if (hierarchy) continue;
     double tests = 0;
     for (const float pixel : there.tests) tests += pixel;
     EXPECT_GT(tests, static_cast<double>(there.tests.size()));
