@@ -102,10 +102,9 @@ struct ManualCommand {
   CommandText raysheaf;
 };
 
-using Command =
-    std::variant<RenderCommand, InfoCommand, SceneCommand, VerifyCommand, BenchPaperCommand,
-                 BenchAblationCommand, BenchCompareCommand, BenchGpuCommand, CompletionCommand,
-                 ManualCommand>;
+using Command = std::variant<RenderCommand, InfoCommand, SceneCommand, VerifyCommand,
+                             BenchPaperCommand, BenchAblationCommand, BenchCompareCommand,
+                             BenchGpuCommand, CompletionCommand, ManualCommand>;
 
 /// Each gives an exit code, or throws `Error`.
 int run(const RenderCommand& command);
