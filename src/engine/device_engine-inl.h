@@ -10,24 +10,6 @@
 
 namespace raysheaf {
 
-/// Copies `bytes` to and fro, by the device's clock.
-template <class Device>
-double measure_copy(Device& device, std::size_t bytes) {
-  constexpr int kCopies = 16;
-  DeviceBuffer<std::uint8_t> from(device.allocator()), to(device.allocator());
-  from.resize_uninitialized("copy bandwidth", bytes);
-  to.resize_uninitialized("copy bandwidth", bytes);
-  device.fill("copy bandwidth", from.view(), 1);
-  device.fill("copy bandwidth", to.view(), 2);
-  device.synchronize("copy bandwidth");
-  device.keep_times(true);
-  for (int i = 0; i < kCopies; ++i) device.copy("copy bandwidth", to.data(), from.data(), bytes);
-  double ms = 0;
-  for (const StageTime& time : device.times()) ms += time.ms;
-  device.keep_times(false);
-  return 2.0 * kCopies * static_cast<double>(bytes) / ms;
-}
-
 template <class Device>
 class DeviceEngineOn : public DeviceEngine {
  public:
@@ -55,20 +37,19 @@ class DeviceEngineOn : public DeviceEngine {
     has_tree_ = false;
     corners_.resize_uninitialized("copy: triangles", 0);
     flags_.resize_uninitialized("copy: triangles", 0);
-    Buffer<Vec3> staged;
-    staged.resize_uninitialized(std::size_t{3} * source.count);
+    staged_.resize_uninitialized(std::size_t{3} * source.count);
     executor.for_each_block(source.count, 4096, [&](std::size_t begin, std::size_t end) {
       source.for_each_part(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end),
                            [&](const TriangleRun& run, std::uint32_t from, std::uint32_t to) {
                              for (std::uint32_t i = from; i < to; ++i) {
                                const std::array<Vec3, 3> corners = run.corners(i);
                                std::copy(corners.begin(), corners.end(),
-                                         staged.data() + std::size_t{3} * (run.first + i));
+                                         staged_.data() + std::size_t{3} * (run.first + i));
                              }
                            });
     });
-    corners_.resize_uninitialized("copy: triangles", staged.size());
-    device_.copy("copy: triangles", corners_.data(), staged.data(), staged.size() * sizeof(Vec3));
+    corners_.resize_uninitialized("copy: triangles", staged_.size());
+    device_.copy("copy: triangles", corners_.data(), staged_.data(), staged_.size() * sizeof(Vec3));
     if (source.flags == nullptr) return;
     flags_.resize_uninitialized("copy: triangles", source.count);
     device_.copy("copy: triangles", flags_.data(), source.flags, source.count);
@@ -286,6 +267,7 @@ class DeviceEngineOn : public DeviceEngine {
   }
 
   Device device_;
+  Buffer<Vec3> staged_;  // corners on their way to the device
   DeviceBuffer<Vec3> corners_;
   DeviceBuffer<std::uint8_t> flags_;
   DeviceBuffer<RunName> names_;

@@ -1,4 +1,5 @@
 #include "engine/device_engine-inl.h"
+#include "engine/measure_copy-inl.h"
 #include "engine/pair_tracer.h"
 #include "exec/cuda/launch-inl.h"
 

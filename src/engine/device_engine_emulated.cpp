@@ -1,6 +1,7 @@
 #include <cstring>
 
 #include "engine/device_engine-inl.h"
+#include "engine/measure_copy-inl.h"
 #include "engine/pair_tracer.h"
 #include "exec/cpu/emulated_device.h"
 

@@ -7,7 +7,7 @@ namespace raysheaf {
 
 std::unique_ptr<DeviceBackend> open_cuda() {
   throw Error(ErrorCode::kUnsupported,
-              "this build has no CUDA, for no nvcc was found when it was configured",
+              "this build has no CUDA: it was configured without nvcc, or with RAYSHEAF_CUDA=OFF",
               "CUDA device");
 }
 

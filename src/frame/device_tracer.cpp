@@ -7,7 +7,11 @@ namespace {
 
 constexpr std::size_t kGrain = 4096;
 
+constexpr const char* kCopies =
+    "device: rays are made and hits are shaded on the CPU, and copied; so is what OpenGL sees";
+
 void add_report(EngineReport report, BatchStatistics* statistics) {
+  statistics->plan.emplace_back(kCopies);
   statistics->bound_tests += report.bound_tests;
   statistics->ray_bound_tests += report.ray_bound_tests;
   statistics->final_tests += report.triangle_tests;

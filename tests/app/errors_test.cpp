@@ -131,6 +131,15 @@ TEST(Errors, NoDeviceInThisMachine) {
   expect_sentence(on_cuda, 1, "CUDA device");
 }
 
+TEST(Errors, BenchOfADeviceThatIsNotThere) {
+  const TemporaryFolder folder;
+  const Finished bench = raysheaf_app(
+      {"bench", "gpu", "-q", "--scene", "builtin:cornell", "--size", "16x16", "--runs", "1"},
+      folder);
+  if (bench.code == 0) GTEST_SKIP() << "there is a CUDA device";
+  expect_sentence(bench, 1, "CUDA device");
+}
+
 TEST(Errors, MethodThatNoDeviceKnows) {
   const TemporaryFolder folder;
   expect_sentence(raysheaf_app({"render", "builtin:cornell", "-o", "a.png", "--device", "cuda",

@@ -103,8 +103,8 @@ TEST_P(OnDevice, FewTrianglesAndManyRays) {
 
 TEST_P(OnDevice, ManyTriangles) {
   Random random(3);
-  const Heap heap = make_heap(Shape::kSmall, 20000, random);
-  EXPECT_GT(expect_right(heap, any_rays(heap, 300, random)), 20u);
+  const Heap heap = make_heap(Shape::kSmall, 6000, random);
+  EXPECT_GT(expect_right(heap, any_rays(heap, 200, random)), 20u);
 }
 
 TEST_P(OnDevice, ScalesPlacesAndLengths) {

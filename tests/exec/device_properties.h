@@ -17,8 +17,8 @@ namespace raysheaf::test {
 using reference::Words;
 
 /// Around the borders of warps, blocks and CUB's tiles.
-inline constexpr std::size_t kDeviceSizes[] = {
-    0, 1, 2, 31, 32, 33, 127, 128, 129, 1023, 1024, 4097, 8191, 8192, 8193, 65537, 200001};
+inline constexpr std::size_t kDeviceSizes[] = {0,   1,    2,    31,   32,   33,   127,  128,
+                                               129, 1023, 1024, 4097, 8191, 8192, 8193, 65537};
 
 inline Words random_device_words(std::size_t count, std::uint32_t below, std::uint32_t seed) {
   std::mt19937 random(seed);
