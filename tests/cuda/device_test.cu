@@ -1,5 +1,10 @@
 // The verbs of a device, on the device that there is; and what is said where there is none.
+#include <cstring>
+
 #include "exec/cuda/launch-inl.h"
+#include "raysheaf/query.h"
+#include "raysheaf/scene.h"
+#include "support/random.h"
 #include "tests/exec/device_properties.h"
 
 namespace raysheaf::test {
@@ -40,6 +45,57 @@ TEST(CudaDevice, SaysWhichStageRanOutOfMemoryAndGoesOn) {
     EXPECT_EQ(error.place(), "a stage");
   }
   expect_moved_memory(device);
+}
+
+/// Triangles and rays for both, and what the CPU says.
+struct Asked {
+  std::vector<Vec3> soup;
+  std::vector<Ray> rays;
+  std::vector<Hit> expected;
+
+  Asked() : rays(6000), expected(rays.size()) {
+    Random random(1);
+    for (std::uint32_t i = 0; i < 200; ++i) {
+      const Vec3 at = random.in_box(4);
+      for (int k = 0; k < 3; ++k) soup.push_back(at + random.in_box(1));
+    }
+    for (Ray& ray : rays) {
+      ray.origin = random.in_box(6);
+      ray.direction = random.in_box(1);
+    }
+    Scene scene;
+    scene.add_soup(soup);
+    scene.commit();
+    closest_hit(scene, rays, expected);
+  }
+};
+
+TEST(CudaDevice, QueriesTakePointersOfTheDeviceAndAStream) {
+  if (!there_is_a_device()) GTEST_SKIP() << "there is no CUDA device";
+  const Asked asked;
+  Scene scene(Context({.device = Device::kCuda}));
+  scene.add_soup(asked.soup);
+  scene.commit();
+  const std::size_t count = asked.rays.size();
+  cudaStream_t stream = nullptr;
+  Ray* rays = nullptr;
+  Hit* hits = nullptr;
+  ASSERT_EQ(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), cudaSuccess);
+  ASSERT_EQ(cudaMalloc(&rays, count * sizeof(Ray)), cudaSuccess);
+  ASSERT_EQ(cudaMalloc(&hits, count * sizeof(Hit)), cudaSuccess);
+  ASSERT_EQ(
+      cudaMemcpyAsync(rays, asked.rays.data(), count * sizeof(Ray), cudaMemcpyHostToDevice, stream),
+      cudaSuccess);
+  QueryOptions options;
+  options.stream = stream;
+  closest_hit(scene, std::span<const Ray>(rays, count), std::span<Hit>(hits, count), options);
+  std::vector<Hit> found(count);
+  ASSERT_EQ(cudaMemcpy(found.data(), hits, count * sizeof(Hit), cudaMemcpyDeviceToHost),
+            cudaSuccess);
+  EXPECT_EQ(std::memcmp(found.data(), asked.expected.data(), count * sizeof(Hit)), 0);
+  EXPECT_EQ(cudaFree(rays), cudaSuccess);
+  EXPECT_EQ(cudaFree(hits), cudaSuccess);
+  EXPECT_EQ(cudaStreamDestroy(stream), cudaSuccess);
 }
 
 TEST(CudaError, NamesTheStageAndSaysWhatCudaSays) {
