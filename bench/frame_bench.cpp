@@ -65,8 +65,8 @@ void whole_frame(benchmark::State& state) {
   std::size_t rays = 0;
   for (auto _ : state) {
     const FlatScene flat = flatten(executor, scene, bounds);
-    const FrameInput frame{flat,         input().textures, scene.cameras.front(),
-                           scene.lights, options,          rasterizer.get()};
+    const FrameInput frame{flat, input().textures, scene.cameras.front(), scene.lights, options,
+                           1,    rasterizer.get()};
     const RenderResult result = render_frame(executor, frame, &meter);
     rays = 0;
     for (const BatchStatistics& batch : result.statistics.batches) rays += batch.rays;

@@ -91,7 +91,7 @@ void visible_triangles(benchmark::State& state) {
   const Executor executor;
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        rasterizer->visible_triangles(executor, scene, camera(), kSize, kSize));
+        rasterizer->visible_triangles(executor, scene, make_camera_frame(camera(), kSize, kSize)));
   }
 }
 
@@ -100,10 +100,11 @@ void resolve(benchmark::State& state) {
   const auto rasterizer = rasterizer_or_skip(state);
   if (rasterizer == nullptr) return;
   const Executor executor;
-  const auto drawn = rasterizer->visible_triangles(executor, scene, camera(), kSize, kSize);
+  const auto drawn =
+      rasterizer->visible_triangles(executor, scene, make_camera_frame(camera(), kSize, kSize));
   for (auto _ : state) {
     auto picture = drawn;
-    resolve_silhouettes(executor, scene, camera(), kSize, kSize, picture);
+    resolve_silhouettes(executor, scene, make_camera_frame(camera(), kSize, kSize), picture);
     benchmark::DoNotOptimize(picture.data());
   }
 }

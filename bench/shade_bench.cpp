@@ -29,7 +29,7 @@ void lights(benchmark::State& state) {
   for (const std::uint32_t slot : batch.slots) visibility[slot] = Visibility::kVisible;
   std::vector<Vec3> radiance(fragments.size());
   for (auto _ : state) {
-    shade_lights(executor, fragments, input().scene.lights, visibility, radiance);
+    shade_lights(executor, fragments, {input().scene.lights, 0, {}}, visibility, radiance);
     benchmark::DoNotOptimize(radiance.data());
   }
   state.counters["lights"] = static_cast<double>(input().scene.lights.size());
@@ -64,7 +64,7 @@ RenderResult lit_picture() {
   result.beauty = shade_glow(executor, input().fragments, kSky, {});
   const std::vector<Visibility> all(input().fragments.size() * input().scene.lights.size(),
                                     Visibility::kVisible);
-  shade_lights(executor, input().fragments, input().scene.lights, all, result.beauty);
+  shade_lights(executor, input().fragments, {input().scene.lights, 0, {}}, all, result.beauty);
   result.ids.assign(result.beauty.size(), {0, 0, 0});
   return result;
 }

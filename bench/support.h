@@ -38,17 +38,17 @@ inline SceneDescription bench_scene() {
 
 /// Rasterised, or traced where there is no OpenGL.
 inline std::vector<std::uint32_t> first_hits(const Executor& executor, const FlatScene& flat,
-                                             const Camera& camera, PictureSize size) {
+                                             const CameraFrame& frame) {
   try {
     Rasterizer rasterizer;
-    return rasterize_primary(executor, rasterizer, flat, camera, size);
+    return rasterize_primary(executor, rasterizer, flat, frame);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kNoGraphics) throw;
   }
   BatchStatistics statistics;
   ProgressMeter meter;
-  return trace_primary(executor, flat, camera, size, method_settings(Method::kCrsh), &statistics,
-                       {}, &meter);
+  return trace_primary(executor, flat, frame, method_settings(Method::kCrsh), &statistics, {},
+                       &meter);
 }
 
 struct Input {
@@ -62,9 +62,8 @@ struct Input {
 
   [[nodiscard]] std::vector<Fragment> fragments_at(const Executor& executor,
                                                    PictureSize size) const {
-    const Camera& camera = scene.cameras.front();
-    return fetch_fragments(executor, flat, textures, camera, size,
-                           first_hits(executor, flat, camera, size));
+    const CameraFrame frame = make_camera_frame(scene.cameras.front(), size.width, size.height);
+    return fetch_fragments(executor, flat, textures, frame, first_hits(executor, flat, frame));
   }
   [[nodiscard]] RayBatch shadow_rays(const Executor& executor,
                                      View<const Fragment> of_fragments) const {

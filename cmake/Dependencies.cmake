@@ -13,10 +13,21 @@ find_path(STB_INCLUDE_DIR stb/stb_image.h REQUIRED)  # libstb-dev
 if(RAYSHEAF_APP)
   find_package(CLI11 REQUIRED CONFIG)  # libcli11-dev
   find_package(fmt REQUIRED CONFIG)    # libfmt-dev
+  find_path(MUSTACHE_INCLUDE_DIR kainjow/mustache.hpp REQUIRED)  # libkainjow-mustache-dev
   find_package(embree 3 QUIET CONFIG)  # libembree-dev
   set(RAYSHEAF_HAS_EMBREE ${embree_FOUND})
   if(NOT RAYSHEAF_HAS_EMBREE)
     message(STATUS "Embree 3 not found: `raysheaf bench compare` is left without its peer")
+  endif()
+endif()
+set(RAYSHEAF_HAS_VIEWER OFF)
+if(RAYSHEAF_APP AND RAYSHEAF_VIEWER)
+  find_package(glfw3 3.3 QUIET CONFIG)  # libglfw3-dev
+  pkg_check_modules(IMGUI QUIET IMPORTED_TARGET imgui)  # libimgui-dev, with its back ends
+  if(glfw3_FOUND AND IMGUI_FOUND)
+    set(RAYSHEAF_HAS_VIEWER ON)
+  else()
+    message(STATUS "GLFW or Dear ImGui not found: `raysheaf view` is left out")
   endif()
 endif()
 if(RAYSHEAF_TESTS)

@@ -2,7 +2,10 @@
 # `-inl.h` files, which are compiled once a target by design, are left out.
 file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
   ${PROJECT_SOURCE_DIR}/include/*.h ${PROJECT_SOURCE_DIR}/src/*.h ${PROJECT_SOURCE_DIR}/io/*.h
-  ${PROJECT_SOURCE_DIR}/apps/raysheaf/*.h)
+  ${PROJECT_SOURCE_DIR}/apps/raysheaf/*.h ${PROJECT_SOURCE_DIR}/apps/viewer/*.h)
+if(NOT RAYSHEAF_HAS_VIEWER)
+  list(FILTER headers EXCLUDE REGEX "apps/viewer/theme\\.h$")  # it shows Dear ImGui
+endif()
 if(RAYSHEAF_HAS_PYTHON)
   file(GLOB python_headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
     ${PROJECT_SOURCE_DIR}/python/src/*.h)
@@ -18,10 +21,14 @@ foreach(header ${headers})
 endforeach()
 add_library(raysheaf_headers OBJECT ${header_sources})
 target_include_directories(raysheaf_headers PRIVATE
-  ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/apps/raysheaf ${STB_INCLUDE_DIR})
+  ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/apps/raysheaf
+  ${PROJECT_SOURCE_DIR}/apps/viewer ${STB_INCLUDE_DIR})
 if(RAYSHEAF_HAS_PYTHON)
   target_include_directories(raysheaf_headers SYSTEM PRIVATE ${NB_DIR}/include ${Python_INCLUDE_DIRS})
 endif()
 target_compile_options(raysheaf_headers PRIVATE -O0 -g0 -Wno-unused-function)
 target_link_libraries(raysheaf_headers PRIVATE
   raysheaf raysheaf_options TBB::tbb hwy::hwy PkgConfig::EPOXY nlohmann_json::nlohmann_json)
+if(RAYSHEAF_HAS_VIEWER)
+  target_link_libraries(raysheaf_headers PRIVATE PkgConfig::IMGUI)
+endif()

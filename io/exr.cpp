@@ -2,10 +2,14 @@
 #include <tinyexr.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 
 #include "io/file.h"
+#include "io/image.h"
+#include "io/radiance_hdr.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 
@@ -73,7 +77,85 @@ io::Bytes encode(std::uint32_t width, std::uint32_t height, std::vector<ExrChann
   return bytes;
 }
 
+/// Frees what tinyexr allocated.
+struct Freed {
+  void operator()(void* memory) const { std::free(memory); }
+};
+
+std::string taken_message(const char* message) {
+  const std::string text = message == nullptr ? "it is damaged" : message;
+  if (message != nullptr) FreeEXRErrorMessage(message);
+  return text;
+}
+
+/// Before anything is allocated: sides that a picture of so many bytes can have.
+void check_exr(const io::Bytes& file, const std::string& path) {
+  EXRVersion version;
+  if (ParseEXRVersionFromMemory(&version, file.data(), file.size()) != TINYEXR_SUCCESS)
+    throw Error(ErrorCode::kInvalidData, "is no OpenEXR picture", path);
+  if (version.multipart != 0 || version.non_image != 0)
+    throw Error(ErrorCode::kUnsupported, "several parts or deep pixels are not read", path);
+  EXRHeader header;
+  InitEXRHeader(&header);
+  const char* message = nullptr;
+  if (ParseEXRHeaderFromMemory(&header, &version, file.data(), file.size(), &message) !=
+      TINYEXR_SUCCESS)
+    throw Error(ErrorCode::kInvalidData, "cannot be read: " + taken_message(message), path);
+  const std::int64_t width = std::int64_t{header.data_window.max_x} - header.data_window.min_x + 1;
+  const std::int64_t height = std::int64_t{header.data_window.max_y} - header.data_window.min_y + 1;
+  FreeEXRHeader(&header);
+  const auto most = static_cast<std::int64_t>(
+      std::min(io::kMaxImagePixels, io::kFreePixels + io::kPixelsPerByte * file.size()));
+  if (width < 1 || height < 1 || width > most || height > most / width)
+    throw Error(ErrorCode::kOutOfMemory,
+                "the picture would have " + std::to_string(width) + "x" + std::to_string(height) +
+                    " pixels",
+                path);
+}
+
+Environment decode_exr(const io::Bytes& file, const std::string& path) {
+  check_exr(file, path);
+  float* pixels = nullptr;
+  int width = 0, height = 0;
+  const char* message = nullptr;
+  const int status =
+      LoadEXRFromMemory(&pixels, &width, &height, file.data(), file.size(), &message);
+  const std::unique_ptr<float, Freed> owner(pixels);
+  if (status != TINYEXR_SUCCESS || pixels == nullptr)
+    throw Error(ErrorCode::kInvalidData, "cannot be read: " + taken_message(message), path);
+  Environment map;
+  map.width = static_cast<std::uint32_t>(width);
+  map.height = static_cast<std::uint32_t>(height);
+  for (std::size_t i = 0; i < std::size_t{map.width} * map.height; ++i)
+    map.radiance.push_back({pixels[4 * i], pixels[4 * i + 1], pixels[4 * i + 2]});
+  return map;
+}
+
+/// The loader's own: the place is the file.
+void check_radiance(const Environment& map, const std::string& path) {
+  for (std::size_t i = 0; i < map.radiance.size(); ++i) {
+    const Vec3& v = map.radiance[i];
+    const bool finite = std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+    if (finite && v.x >= 0 && v.y >= 0 && v.z >= 0) continue;
+    throw Error(ErrorCode::kInvalidData,
+                "pixel (" + std::to_string(i % map.width) + ", " + std::to_string(i / map.width) +
+                    ") is " + (finite ? "negative" : "not finite"),
+                path);
+  }
+}
+
 }  // namespace
+
+Environment load_environment(const std::string& path) {
+  const io::Bytes file = io::read_file(path);
+  const std::string ending = io::ending_of(path);
+  if (ending != "hdr" && ending != "exr")
+    throw Error(ErrorCode::kUnsupported, "an environment is a .hdr or an .exr file", path);
+  Environment map = ending == "hdr" ? io::decode_radiance_hdr(file, path) : decode_exr(file, path);
+  check_radiance(map, path);
+  map.name = path.substr(path.find_last_of('/') + 1);
+  return map;
+}
 
 void write_exr(std::uint32_t width, std::uint32_t height, std::vector<ExrChannel> channels,
                const std::string& path) {

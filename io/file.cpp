@@ -84,6 +84,12 @@ std::string decode_percent(const std::string& text) {
   return result;
 }
 
+/// Written to between the two looks. A file that was renamed over is still the one that was opened.
+bool changed(const struct stat& before, const struct stat& now) {
+  return before.st_size != now.st_size || before.st_mtim.tv_sec != now.st_mtim.tv_sec ||
+         before.st_mtim.tv_nsec != now.st_mtim.tv_nsec;
+}
+
 bool is_no_name(const std::string& name) {
   return name.empty() || name.find('\0') != std::string::npos ||
          name.find(':') != std::string::npos;
@@ -119,6 +125,9 @@ Bytes read_file(const std::string& path) {
     if (got == 0) throw Error(ErrorCode::kIo, "became shorter while it was read", path);
     done += static_cast<std::size_t>(got);
   }
+  struct stat now = {};
+  if (::fstat(file.get(), &now) != 0) fail("read", path, errno);
+  if (changed(status, now)) throw Error(ErrorCode::kIo, "was changed while it was read", path);
   return bytes;
 }
 

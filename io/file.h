@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "io/image_cache.h"
+
 namespace raysheaf::io {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -13,11 +15,14 @@ using Bytes = std::vector<std::uint8_t>;
 /// What a loader is told of the file whose bytes it gets.
 struct SceneFile {
   std::string path;
-  bool allow_external = false;  ///< files that it names may lie outside its folder
+  bool allow_external = false;   ///< files that it names may lie outside its folder
+  ImageCache* images = nullptr;  ///< of files that share pictures; none: there is but one
 };
 
-/// All bytes of a file. Throws kNotFound where there is none, kIo where it is a folder, is larger
-/// than `kMaxFileBytes` or cannot be read.
+/// All bytes of a file, as they stood at one moment: where another file is renamed over it
+/// meanwhile, those of the old one. Throws kNotFound where there is none, kIo where it is a folder,
+/// cannot be read, or is written to while it is read, kOutOfMemory above `kMaxFileBytes`. What is
+/// not noticed: a program that began to write in place before, and is not done.
 [[nodiscard]] Bytes read_file(const std::string& path);
 inline constexpr std::uint64_t kMaxFileBytes = 0xffffffff;
 

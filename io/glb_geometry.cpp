@@ -86,6 +86,10 @@ Affine light_frame(const Light& light) {
   const Double3 x = normalized(cross(spare, z), {1, 0, 0});
   DoubleAffine frame;
   frame.columns = {x, cross(z, x), z, widen(light.position)};
+  if (light.type == Light::Type::kRectangle) {
+    const Double3 right = widen(light.right);
+    frame.columns = {right, cross(z, right), z, widen(light.position)};
+  }
   if (light.type == Light::Type::kPoint)
     frame.columns = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, widen(light.position)}};
   if (light.type == Light::Type::kDirectional) frame.columns[3] = {};
@@ -98,9 +102,16 @@ json light_of(const Light& light) {
   json result = {{"name", light.name},
                  {"color", {i.x / strength, i.y / strength, i.z / strength}},
                  {"intensity", strength}};
-  result["type"] = light.type == Light::Type::kPoint  ? "point"
-                   : light.type == Light::Type::kSpot ? "spot"
-                                                      : "directional";
+  // Who does not know rectangles sees a wide spot.
+  const bool rectangle = light.type == Light::Type::kRectangle;
+  result["type"] = light.type == Light::Type::kPoint         ? "point"
+                   : light.type == Light::Type::kDirectional ? "directional"
+                                                             : "spot";
+  if (light.radius > 0) result["extras"]["radius"] = light.radius;
+  if (rectangle) {
+    result["extras"] = {{"width", light.width}, {"height", light.height}};
+    result["spot"] = {{"innerConeAngle", 0}, {"outerConeAngle", 1.5707963f}};
+  }
   if (std::isfinite(light.range)) result["range"] = light.range;
   if (light.type == Light::Type::kSpot) {
     result["spot"] = {{"innerConeAngle", light.inner_angle}, {"outerConeAngle", light.outer_angle}};
@@ -120,7 +131,10 @@ json camera_of(const Camera& camera) {
     if (bounded) lens["zfar"] = camera.z_far;
   }
   const char* type = camera.orthographic ? "orthographic" : "perspective";
-  return {{"name", camera.name}, {"type", type}, {type, lens}};
+  json result = {{"name", camera.name}, {"type", type}, {type, lens}};
+  if (camera.aperture > 0) result["extras"]["aperture"] = camera.aperture;
+  if (camera.focus > 0) result["extras"]["focus"] = camera.focus;
+  return result;
 }
 
 }  // namespace

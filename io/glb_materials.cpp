@@ -3,6 +3,7 @@
 
 #include "io/glb_writer.h"
 #include "io/image.h"
+#include "raysheaf/io.h"
 
 namespace raysheaf::io {
 namespace {

@@ -3,19 +3,29 @@
 #include <filesystem>
 
 namespace raysheaf::io {
+namespace {
 
-SceneDescription load_gltf(const Bytes& file, const SceneFile& from) {
+/// Elements that may be read for each byte of the file, and besides.
+constexpr std::size_t kElementsPerByte = 16, kFreeElements = std::size_t{1} << 18;
+
+}  // namespace
+
+GltfScene load_gltf(const Bytes& file, const SceneFile& from) {
   const GltfModel gltf = parse_gltf(file, from);
-  SceneDescription scene;
+  GltfScene result;
+  SceneDescription& scene = result.scene;
   scene.name = std::filesystem::path(from.path).stem().string();
   Warnings warnings;
   for (const std::string& sentence : gltf.warnings) warnings.once(sentence);
-  if (!gltf.model.animations.empty()) warnings.once("Animations are left out.");
-  read_nodes(gltf.model, scene, warnings);
+  const GltfNodes nodes = read_nodes(gltf.model, scene, result.rig);
   const std::vector<int> uv_sets = read_materials(gltf, scene, warnings);
-  read_meshes(gltf, uv_sets, scene, warnings);
+  AccessorReader accessors(gltf.model, kFreeElements + kElementsPerByte * gltf.file_bytes);
+  read_skins(gltf.model, nodes, accessors, result.rig);
+  const std::vector<std::uint32_t> shape_of_node =
+      read_meshes(gltf, nodes, uv_sets, accessors, scene, result.rig, warnings);
+  read_clips(gltf.model, nodes, shape_of_node, accessors, result.rig, warnings);
   scene.warnings = warnings.take();
-  return scene;
+  return result;
 }
 
 }  // namespace raysheaf::io

@@ -5,12 +5,19 @@
 #include <string>
 #include <vector>
 
+#include "io/gltf_accessor.h"
 #include "io/gltf_model.h"
-#include "raysheaf/scene_description.h"
+#include "raysheaf/rig.h"
 
 namespace raysheaf::io {
 
-[[nodiscard]] SceneDescription load_gltf(const Bytes& file, const SceneFile& from);
+/// The scene and what moves it; instances, cameras and lights are not at their places before `pose`
+/// put them there.
+struct GltfScene {
+  SceneDescription scene;
+  Rig rig;
+};
+[[nodiscard]] GltfScene load_gltf(const Bytes& file, const SceneFile& from);
 
 /// Sentences about what is left out, each kind once.
 class Warnings {
@@ -30,12 +37,44 @@ class Warnings {
 [[nodiscard]] std::vector<int> read_materials(const GltfModel& gltf, SceneDescription& scene,
                                               Warnings& warnings);
 
-/// Fills instances, lights and cameras. The instances' meshes are still glTF's.
-void read_nodes(const tinygltf::Model& model, SceneDescription& scene, Warnings& warnings);
+/// glTF's nodes and what they show.
+struct GltfNodes {
+  std::vector<std::uint32_t> place_of;  ///< in the rig, of each node
+  /// What each instance of the scene shows: glTF's numbers; `skin` is -1 where there is none.
+  struct Use {
+    int mesh = -1, skin = -1, node = -1;
+  };
+  std::vector<Use> uses;
+};
 
-/// Reads the meshes that instances name, leaves out those without triangles, and turns the
-/// instances' meshes into the scene's.
-void read_meshes(const GltfModel& gltf, const std::vector<int>& uv_sets, SceneDescription& scene,
-                 Warnings& warnings);
+/// Fills the rig's nodes, instances without their meshes, lights and cameras.
+[[nodiscard]] GltfNodes read_nodes(const tinygltf::Model& model, SceneDescription& scene, Rig& rig);
+
+/// Fills the rig's skins: glTF's, under the same numbers.
+void read_skins(const tinygltf::Model& model, const GltfNodes& nodes, AccessorReader& accessors,
+                Rig& rig);
+
+/// A mesh as it is read, with what changes its shape.
+struct GltfMesh {
+  Mesh mesh;
+  RigShape shape;  ///< targets, joints and flat triangles
+};
+/// `joint_count`: of the skin; 0: there is none.
+[[nodiscard]] GltfMesh read_mesh(const tinygltf::Model& model, std::size_t index,
+                                 std::size_t joint_count, AccessorReader& accessors,
+                                 const std::vector<int>& uv_sets, Warnings& warnings);
+
+/// Reads the meshes that instances show, one for each shape that they take, leaves out those
+/// without triangles, and fills the rig's shapes. Returns the shape of each node, or kInvalidId.
+[[nodiscard]] std::vector<std::uint32_t> read_meshes(const GltfModel& gltf, const GltfNodes& nodes,
+                                                     const std::vector<int>& uv_sets,
+                                                     AccessorReader& accessors,
+                                                     SceneDescription& scene, Rig& rig,
+                                                     Warnings& warnings);
+
+/// Fills the rig's clips.
+void read_clips(const tinygltf::Model& model, const GltfNodes& nodes,
+                const std::vector<std::uint32_t>& shape_of_node, AccessorReader& accessors,
+                Rig& rig, Warnings& warnings);
 
 }  // namespace raysheaf::io

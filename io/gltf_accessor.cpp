@@ -1,6 +1,7 @@
 #include "io/gltf_accessor.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "raysheaf/error.h"
@@ -124,6 +125,19 @@ std::vector<float> AccessorReader::floats(int index, int components, const std::
   return values;
 }
 
+std::vector<float> AccessorReader::attribute(int index, int components, std::size_t vertex_count,
+                                             const std::string& place) {
+  if (count(index) != vertex_count) {
+    throw Error(ErrorCode::kInvalidData,
+                "has " + std::to_string(count(index)) + " elements, but POSITION " +
+                    std::to_string(vertex_count),
+                place);
+  }
+  std::vector<float> values = floats(index, components, place);
+  check_finite(values, static_cast<std::size_t>(components), place);
+  return values;
+}
+
 std::vector<std::uint32_t> AccessorReader::indices(int index, const std::string& place) {
   const tinygltf::Accessor& accessor = charge(index, place);
   const int type = accessor.componentType;
@@ -145,6 +159,22 @@ std::vector<std::uint32_t> AccessorReader::indices(int index, const std::string&
     element += stride;
   }
   return values;
+}
+
+void check_finite(const std::vector<float>& values, std::size_t width, const std::string& place) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (std::isfinite(values[i])) continue;
+    throw Error(ErrorCode::kInvalidData, "is not finite",
+                place + "[" + std::to_string(i / width) + "]");
+  }
+}
+
+std::vector<Vec3> as_vec3(const std::vector<float>& values) {
+  std::vector<Vec3> result(values.size() / 3);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+  }
+  return result;
 }
 
 }  // namespace raysheaf::io

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "raysheaf/types.h"
+
 namespace raysheaf::io {
 
 class AccessorReader {
@@ -18,6 +20,9 @@ class AccessorReader {
 
   /// `components` floats an element. Throws where the accessor has another shape.
   [[nodiscard]] std::vector<float> floats(int accessor, int components, const std::string& place);
+  /// The same of an attribute of `count` vertices; throws too where a number is not finite.
+  [[nodiscard]] std::vector<float> attribute(int accessor, int components, std::size_t count,
+                                             const std::string& place);
   [[nodiscard]] std::vector<std::uint32_t> indices(int accessor, const std::string& place);
   [[nodiscard]] std::size_t count(int accessor) const {
     return model_.accessors[static_cast<std::size_t>(accessor)].count;
@@ -31,5 +36,10 @@ class AccessorReader {
   const tinygltf::Model& model_;
   std::size_t budget_;
 };
+
+/// Throws `Error` where a number is not finite; elements have `width` of them.
+void check_finite(const std::vector<float>& values, std::size_t width, const std::string& place);
+
+[[nodiscard]] std::vector<Vec3> as_vec3(const std::vector<float>& values);
 
 }  // namespace raysheaf::io

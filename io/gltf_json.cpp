@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "io/gltf_rules.h"
+#include "io/json_text.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
@@ -31,36 +32,6 @@ constexpr std::size_t kMaxStride = 252;
 
 std::string element(const char* list, std::size_t i) {
   return std::string(list) + "[" + std::to_string(i) + "]";
-}
-
-/// The parsers below recurse, so the depth is counted before they see the text.
-void check_depth(std::span<const std::uint8_t> text) {
-  int depth = 0;
-  bool in_string = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = static_cast<char>(text[i]);
-    if (in_string) {
-      if (c == '\\') ++i;
-      if (c == '"') in_string = false;
-      continue;
-    }
-    if (c == '"') in_string = true;
-    if (c == '{' || c == '[') ++depth;
-    if (c == '}' || c == ']') --depth;
-    if (depth > kMaxJsonDepth) refuse("is nested more than 64 deep", "JSON");
-  }
-}
-
-json parse(std::span<const std::uint8_t> text) {
-  check_depth(text);
-  try {
-    return json::parse(text.begin(), text.end());
-  } catch (const json::exception& error) {
-    // The library's sentence follows its identifier in brackets.
-    const std::string_view what = error.what();
-    const std::size_t start = what.find("] ");
-    refuse(printable(std::string(what.substr(start == what.npos ? 0 : start + 2))).c_str(), "JSON");
-  }
 }
 
 template <class T>
@@ -293,7 +264,7 @@ void check_index_accessors(const json& root) {
 }  // namespace
 
 GltfFacts check_gltf_json(const GltfParts& parts, const SceneFile& from) {
-  const json root = parse(parts.json);
+  const json root = parse_json(parts.json);
   check_rules(root);
   GltfFacts facts;
   check_version(root, "version");

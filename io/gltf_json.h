@@ -35,6 +35,5 @@ struct GltfFacts {
 
 /// Elements of accessors which no bytes of the file stand for (sparse ones without a buffer view).
 inline constexpr std::size_t kMaxUnbackedElements = std::size_t{1} << 18;
-inline constexpr int kMaxJsonDepth = 64;
 
 }  // namespace raysheaf::io

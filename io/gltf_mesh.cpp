@@ -3,7 +3,7 @@
 #include <map>
 
 #include "io/gltf.h"
-#include "io/gltf_accessor.h"
+#include "io/gltf_shape.h"
 #include "io/linear.h"
 #include "io/normals.h"
 #include "raysheaf/error.h"
@@ -12,27 +12,6 @@ namespace raysheaf::io {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
-
-/// Elements that may be read for each byte of the file, and besides.
-constexpr std::size_t kElementsPerByte = 16, kFreeElements = std::size_t{1} << 18;
-/// Triangles that all instances together may have, likewise.
-constexpr std::uint64_t kTrianglesPerByte = 256, kFreeTriangles = std::uint64_t{1} << 22;
-
-std::vector<Vec3> as_vec3(const std::vector<float>& values) {
-  std::vector<Vec3> result(values.size() / 3);
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    result[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
-  }
-  return result;
-}
-
-void check_finite(const std::vector<float>& values, std::size_t width, const std::string& place) {
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (std::isfinite(values[i])) continue;
-    throw Error(ErrorCode::kInvalidData, "is not finite",
-                place + "[" + std::to_string(i / width) + "]");
-  }
-}
 
 /// The corners of a list, strip or fan of `count` vertices, as glTF 2.0, section 3.7.2.1 has them.
 std::vector<Triangle> corners_of(int mode, std::size_t vertex_count) {
@@ -55,10 +34,14 @@ std::vector<Triangle> corners_of(int mode, std::size_t vertex_count) {
 class MeshReader {
  public:
   MeshReader(const tinygltf::Model& model, AccessorReader& accessors,
-             const std::vector<int>& uv_sets, Warnings& warnings)
-      : model_(model), accessors_(accessors), uv_sets_(uv_sets), warnings_(warnings) {}
+             const std::vector<int>& uv_sets, std::size_t joint_count, Warnings& warnings)
+      : model_(model),
+        accessors_(accessors),
+        uv_sets_(uv_sets),
+        warnings_(warnings),
+        shape_(model, accessors, joint_count, warnings) {}
 
-  Mesh read(std::size_t index) {
+  GltfMesh read(std::size_t index) {
     const tinygltf::Mesh& source = model_.meshes[index];
     mesh_.name = source.name;
     any_normals_ = std::any_of(source.primitives.begin(), source.primitives.end(), [](auto& p) {
@@ -69,12 +52,14 @@ class MeshReader {
       read_primitive(source.primitives[p]);
     }
     finish();
-    return std::move(mesh_);
+    RigShape shape = shape_.take(mesh_);
+    return {std::move(mesh_), std::move(shape)};
   }
 
  private:
-  /// The accessors of position, normal and uv: primitives with the same share their vertices.
-  using Attributes = std::array<int, 3>;
+  /// The accessors of position, normal and uv, then of joints and weights, then of targets:
+  /// primitives with the same share their vertices.
+  using Attributes = std::vector<int>;
 
   static int find(const tinygltf::Primitive& primitive, const std::string& name) {
     const auto it = primitive.attributes.find(name);
@@ -86,11 +71,14 @@ class MeshReader {
     const int set =
         primitive.material < 0 ? 0 : uv_sets_[static_cast<std::size_t>(primitive.material)];
     const std::string uv_name = "TEXCOORD_" + std::to_string(set);
-    const Attributes attributes{find(primitive, "POSITION"), find(primitive, "NORMAL"),
-                                find(primitive, uv_name)};
+    Attributes attributes{find(primitive, "POSITION"), find(primitive, "NORMAL"),
+                          find(primitive, uv_name)};
+    const ShapeSource source = shape_.source(primitive, place_);
+    attributes.insert(attributes.end(), source.joints.begin(), source.joints.end());
+    attributes.insert(attributes.end(), source.targets.begin(), source.targets.end());
     const std::size_t count = accessors_.count(attributes[0]);
     std::vector<Triangle> triangles = read_triangles(primitive, count);
-    const std::uint32_t base = vertices(attributes, count, uv_name);
+    const std::uint32_t base = vertices(attributes, source, count, uv_name);
     for (Triangle& t : triangles) {
       for (std::uint32_t& v : t) v += base;
     }
@@ -109,7 +97,6 @@ class MeshReader {
       warnings_.once("Points and lines are left out.");
       return false;
     }
-    if (!primitive.targets.empty()) warnings_.once("Morph targets are left out.");
     if (primitive.attributes.count("COLOR_0") > 0) warnings_.once("Vertex colours are left out.");
     if (find(primitive, "POSITION") >= 0) return true;
     warnings_.once("Primitives without positions are left out.");
@@ -142,7 +129,7 @@ class MeshReader {
   }
 
   /// The first vertex of these attributes, which are read unless an earlier primitive did.
-  std::uint32_t vertices(const Attributes& attributes, std::size_t count,
+  std::uint32_t vertices(const Attributes& attributes, const ShapeSource& source, std::size_t count,
                          const std::string& uv_name) {
     const auto known = first_vertex_.find(attributes);
     if (known != first_vertex_.end()) return known->second;
@@ -151,25 +138,15 @@ class MeshReader {
       throw Error(ErrorCode::kUnsupported, "the mesh has 2^32 vertices or more", place_);
     }
     const std::string place = place_ + ".attributes.";
-    const std::vector<float> positions = read(attributes[0], 3, count, place + "POSITION");
+    const std::vector<float> positions =
+        accessors_.attribute(attributes[0], 3, count, place + "POSITION");
     const std::vector<Vec3> points = as_vec3(positions);
     mesh_.positions.insert(mesh_.positions.end(), points.begin(), points.end());
     read_normals(attributes[1], count, place + "NORMAL");
     read_uvs(attributes[2], count, place + uv_name);
+    shape_.read(source, base, count, any_normals_, place_);
     first_vertex_[attributes] = static_cast<std::uint32_t>(base);
     return static_cast<std::uint32_t>(base);
-  }
-
-  std::vector<float> read(int accessor, int width, std::size_t count, const std::string& place) {
-    if (accessors_.count(accessor) != count) {
-      throw Error(ErrorCode::kInvalidData,
-                  "has " + std::to_string(accessors_.count(accessor)) + " elements, but POSITION " +
-                      std::to_string(count),
-                  place);
-    }
-    std::vector<float> values = accessors_.floats(accessor, width, place);
-    check_finite(values, static_cast<std::size_t>(width), place);
-    return values;
   }
 
   void read_normals(int accessor, std::size_t count, const std::string& place) {
@@ -179,7 +156,7 @@ class MeshReader {
       has_normal_.resize(mesh_.positions.size(), true);
       return;
     }
-    for (Vec3 normal : as_vec3(read(accessor, 3, count, place))) {
+    for (Vec3 normal : as_vec3(accessors_.attribute(accessor, 3, count, place))) {
       has_normal_.push_back(make_unit(normal));
       mesh_.normals.push_back(normal);
     }
@@ -188,7 +165,7 @@ class MeshReader {
   void read_uvs(int accessor, std::size_t count, const std::string& place) {
     if (accessor >= 0) {
       mesh_.uvs.resize(mesh_.positions.size() - count);
-      const std::vector<float> values = read(accessor, 2, count, place);
+      const std::vector<float> values = accessors_.attribute(accessor, 2, count, place);
       for (std::size_t i = 0; i < count; ++i) {
         mesh_.uvs.push_back({values[2 * i], values[2 * i + 1]});
       }
@@ -203,13 +180,16 @@ class MeshReader {
     if (mesh_.positions.size() + 3 * triangles.size() >= kInvalidId) {
       throw Error(ErrorCode::kUnsupported, "the mesh has 2^32 vertices or more", place_);
     }
+    auto flat = static_cast<std::uint32_t>(mesh_.triangles.size());
     for (Triangle& t : triangles) {
+      shape_.add_flat(flat++);
       const Double3 a = widen(mesh_.positions[t[0]]), b = widen(mesh_.positions[t[1]]),
                     c = widen(mesh_.positions[t[2]]);
       const Vec3 normal = narrow(normalized(cross(b - a, c - a), {0, 0, 1}));
       for (std::uint32_t& v : t) {
         const Vec3 position = mesh_.positions[v];
         const Vec2 uv = mesh_.uvs.empty() ? Vec2{} : mesh_.uvs[v];
+        shape_.repeat(v);
         v = static_cast<std::uint32_t>(mesh_.positions.size());
         mesh_.positions.push_back(position);
         mesh_.normals.push_back(normal);
@@ -235,6 +215,7 @@ class MeshReader {
   const std::vector<int>& uv_sets_;
   Warnings& warnings_;
   Mesh mesh_;
+  ShapeReader shape_;
   std::string place_;
   bool any_normals_ = false;
   std::vector<bool> has_normal_;
@@ -243,24 +224,9 @@ class MeshReader {
 
 }  // namespace
 
-void read_meshes(const GltfModel& gltf, const std::vector<int>& uv_sets, SceneDescription& scene,
-                 Warnings& warnings) {
-  std::vector<bool> used(gltf.model.meshes.size(), false);
-  for (const Instance& instance : scene.instances) used[instance.mesh] = true;
-  AccessorReader accessors(gltf.model, kFreeElements + kElementsPerByte * gltf.file_bytes);
-  std::vector<std::uint32_t> index_of(used.size(), kInvalidId);
-  for (std::size_t m = 0; m < used.size(); ++m) {
-    if (!used[m]) continue;
-    Mesh mesh = MeshReader(gltf.model, accessors, uv_sets, warnings).read(m);
-    if (mesh.triangles.empty()) continue;
-    index_of[m] = static_cast<std::uint32_t>(scene.meshes.size());
-    scene.meshes.push_back(std::move(mesh));
-  }
-  std::erase_if(scene.instances, [&](Instance& i) { return index_of[i.mesh] == kInvalidId; });
-  for (Instance& instance : scene.instances) instance.mesh = index_of[instance.mesh];
-  if (scene.triangle_count() > kFreeTriangles + kTrianglesPerByte * gltf.file_bytes)
-    throw Error(ErrorCode::kOutOfMemory,
-                "the instances have far more triangles than the file has bytes", "nodes");
+GltfMesh read_mesh(const tinygltf::Model& model, std::size_t index, std::size_t joint_count,
+                   AccessorReader& accessors, const std::vector<int>& uv_sets, Warnings& warnings) {
+  return MeshReader(model, accessors, uv_sets, joint_count, warnings).read(index);
 }
 
 }  // namespace raysheaf::io

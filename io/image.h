@@ -1,4 +1,4 @@
-// Eight-bit pictures, in memory: decoded from any format that stb reads, encoded as PNG.
+// Eight-bit pictures, in memory: decoded from any format that stb reads.
 #pragma once
 
 #include <cstdint>
@@ -27,10 +27,6 @@ struct ImageSize {
 
 /// RGBA, or nothing where the bytes are no picture or one of too many pixels.
 [[nodiscard]] std::optional<Image> decode_image(std::span<const std::uint8_t> encoded);
-
-/// PNG: RGB where alpha is 255 everywhere, RGBA otherwise. Throws kInvalidArgument where the size
-/// and the bytes disagree.
-[[nodiscard]] Bytes encode_png(const Image& image);
 
 /// A picture that is still as it was in the file.
 struct EncodedImage {

@@ -7,13 +7,14 @@
 #include <stb/stb_image_write.h>
 #pragma GCC diagnostic pop
 
-#include "io/image.h"
+#include "io/file.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 
 namespace raysheaf {
-namespace io {
 namespace {
+
+using io::Bytes;
 
 bool is_opaque(const Image& image) {
   for (std::size_t i = 3; i < image.rgba.size(); i += 4) {
@@ -65,12 +66,10 @@ Bytes encode_png(const Image& image) {
   return png;
 }
 
-}  // namespace io
-
 void write_png(const Image& image, const std::string& path) {
-  io::Bytes png;
+  Bytes png;
   try {
-    png = io::encode_png(image);
+    png = encode_png(image);
   } catch (const Error& error) {
     throw Error(error.code(), error.sentence(), path);
   }

@@ -4,51 +4,108 @@
 
 #include "io/file.h"
 #include "io/gltf.h"
+#include "io/load.h"
 #include "io/obj.h"
 #include "io/ply.h"
+#include "io/sequence.h"
 #include "io/stl.h"
+#include "raysheaf/animation.h"
 #include "raysheaf/error.h"
-#include "raysheaf/io.h"
 
 namespace raysheaf {
 namespace {
 
+bool is_gltf(const std::string& ending) {
+  return ending == "gltf" || ending == "glb";
+}
+
 using Loader = SceneDescription (*)(const io::Bytes&, const io::SceneFile&);
 
-Loader loader_for(const std::string& path) {
-  const std::string ending = io::ending_of(path);
-  if (ending == "gltf" || ending == "glb") return io::load_gltf;
+Loader loader_for(const std::string& ending) {
   if (ending == "obj") return io::load_obj;
   if (ending == "ply") return io::load_ply;
   if (ending == "stl") return io::load_stl;
-  throw Error(ErrorCode::kUnsupported, "the ending is none of .gltf, .glb, .obj, .ply and .stl",
-              path);
+  return nullptr;
 }
 
-SceneDescription load_checked(const std::string& path, const LoadOptions& options) {
+io::GltfScene load_any(const std::string& path, const LoadOptions& options,
+                       io::ImageCache* images = nullptr) {
+  const std::string ending = io::ending_of(path);
   // Before the whole file is read, but not before it is known to be there.
-  if (io::file_exists(path)) static_cast<void>(loader_for(path));
+  if (io::file_exists(path) && !is_gltf(ending) && loader_for(ending) == nullptr) {
+    throw Error(ErrorCode::kUnsupported, "the ending is none of .gltf, .glb, .obj, .ply and .stl",
+                path);
+  }
   const io::Bytes file = io::read_file(path);
   if (file.empty()) throw Error(ErrorCode::kInvalidData, "the file is empty", path);
-  SceneDescription scene = loader_for(path)(file, {path, options.allow_external});
-  validate(scene);
-  return scene;
+  const io::SceneFile from{path, options.allow_external, images};
+  if (is_gltf(ending)) return io::load_gltf(file, from);
+  return {loader_for(ending)(file, from), {}};
 }
 
-}  // namespace
+SceneDescription load_at_rest(const std::string& path, const LoadOptions& options) {
+  io::GltfScene loaded = load_any(path, options);
+  if (!loaded.rig.nodes.empty()) pose(loaded.rig, loaded.scene);
+  validate(loaded.scene);
+  return std::move(loaded.scene);
+}
 
-SceneDescription load_scene(const std::string& path, const LoadOptions& options) {
+/// Puts the file's name before what went wrong in `load`.
+template <class Load>
+auto naming(const std::string& path, const Load& load) {
   try {
-    return load_checked(path, options);
+    return load();
   } catch (const Error& error) {
-    const bool named = error.place() == path;
-    throw Error(error.code(), error.sentence(),
-                named || error.place().empty() ? path : path + ": " + error.place());
+    const bool named = error.place() == path || error.place().starts_with(path + ": ");
+    const std::string place = named                   ? error.place()
+                              : error.place().empty() ? path
+                                                      : path + ": " + error.place();
+    throw Error(error.code(), error.sentence(), place);
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for this scene", path);
   } catch (const std::exception& error) {
     throw Error(ErrorCode::kInvalidData, std::string("cannot be read: ") + error.what(), path);
   }
+}
+
+/// Whether the name is a pattern, and not that of a file.
+bool is_pattern(const std::string& path) {
+  return path.find_first_of("*?", path.rfind('/') + 1) != path.npos && !io::file_exists(path);
+}
+
+std::unique_ptr<Animation> load_moving(const std::string& path, const LoadOptions& options) {
+  if (is_pattern(path)) {
+    SequenceFiles files;
+    files.frames = files_like(path);
+    return load_sequence(files, options);
+  }
+  if (io::ending_of(path) == "json") {
+    const io::Bytes file = io::read_file(path);
+    return load_sequence(io::read_sequence_json(file, {path, options.allow_external}), options);
+  }
+  io::GltfScene loaded = load_any(path, options);
+  if (loaded.rig.nodes.empty()) return animate(std::move(loaded.scene));
+  return animate(std::move(loaded.scene), std::move(loaded.rig));
+}
+
+}  // namespace
+
+SceneDescription io::load_part(const std::string& path, const LoadOptions& options,
+                               ImageCache* images) {
+  return naming(path, [&] {
+    GltfScene loaded = load_any(path, options, images);
+    if (!loaded.rig.nodes.empty()) pose(loaded.rig, loaded.scene);
+    if (loaded.scene.triangle_count() > 0) validate(loaded.scene);
+    return std::move(loaded.scene);
+  });
+}
+
+SceneDescription load_scene(const std::string& path, const LoadOptions& options) {
+  return naming(path, [&] { return load_at_rest(path, options); });
+}
+
+std::unique_ptr<Animation> load_animation(const std::string& path, const LoadOptions& options) {
+  return naming(path, [&] { return load_moving(path, options); });
 }
 
 }  // namespace raysheaf

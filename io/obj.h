@@ -30,6 +30,8 @@ class MtlLibrary {
  private:
   void read(const std::string& name);
   std::uint32_t texture(const std::string& name, bool clamped, const std::string& place);
+  /// Decodes the pictures into the scene; where each path's went.
+  std::map<std::string, std::uint32_t> read_images();
   void warn_once(const std::string& sentence);
   void warn_of_missing_materials();
   friend class MtlConverter;

@@ -223,23 +223,46 @@ std::uint32_t MtlLibrary::fallback() {
   return fallback_;
 }
 
-void MtlLibrary::finish() {
-  warn_of_missing_materials();
-  std::map<std::string, std::uint32_t> image_of;
+std::map<std::string, std::uint32_t> MtlLibrary::read_images() {
+  ImageCache own;
+  ImageCache& cache = from_.images != nullptr ? *from_.images : own;
   std::vector<EncodedImage> encoded;
+  std::vector<const std::string*> fresh;
+  std::set<std::string> seen;
   for (const std::string& path : image_paths_) {
-    const auto [it, fresh] = image_of.try_emplace(path, encoded.size());
-    if (!fresh) continue;
+    if (!seen.insert(path).second || cache.count(path) > 0) continue;
     const std::string name = path.substr(path.rfind('/') + 1);
     encoded.push_back({name, "The image \"" + printable(name) + "\"", {}});
     if (file_exists(path)) encoded.back().bytes = read_file(path);
+    fresh.push_back(&path);
   }
   DecodedImages decoded = decode_images(encoded, scene_.warnings);
-  scene_.images = std::move(decoded.images);
+  for (std::size_t i = 0; i < fresh.size(); ++i) {
+    const std::uint32_t image = decoded.index_of[i];
+    cache[*fresh[i]] = image == kInvalidId ? Image{} : std::move(decoded.images[image]);
+  }
+  std::map<std::string, std::uint32_t> index_of;
+  for (const std::string& path : image_paths_) {
+    Image& image = cache[path];
+    if (image.rgba.empty() || index_of.count(path) > 0) continue;
+    index_of[path] = static_cast<std::uint32_t>(scene_.images.size());
+    if (from_.images == nullptr) {
+      scene_.images.push_back(std::move(image));
+    } else {
+      scene_.images.push_back(image);
+    }
+  }
+  return index_of;
+}
+
+void MtlLibrary::finish() {
+  warn_of_missing_materials();
+  const std::map<std::string, std::uint32_t> image_of = read_images();
   std::vector<std::uint32_t> index_of;
   std::vector<Texture> kept;
   for (std::size_t t = 0; t < image_paths_.size(); ++t) {
-    const std::uint32_t image = decoded.index_of[image_of[image_paths_[t]]];
+    const auto found = image_of.find(image_paths_[t]);
+    const std::uint32_t image = found == image_of.end() ? kInvalidId : found->second;
     index_of.push_back(image == kInvalidId ? kInvalidId : static_cast<std::uint32_t>(kept.size()));
     if (image == kInvalidId) continue;
     kept.push_back(scene_.textures[t]);

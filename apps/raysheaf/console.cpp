@@ -1,5 +1,8 @@
 #include "console.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -55,8 +58,13 @@ bool interrupted() {
   return interrupt_seen != 0;
 }
 
-void ignore_closed_pipes() {
+void guard_streams() {
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
+    if (fcntl(stream, F_GETFD) < 0)
+      static_cast<void>(open("/dev/null", O_RDWR));  // takes its place
+  }
 }
 
 }  // namespace raysheaf::app

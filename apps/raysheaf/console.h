@@ -22,7 +22,9 @@ void tell(std::string_view line);
 void catch_interrupts();
 [[nodiscard]] bool interrupted();
 
-/// A write to a closed pipe fails instead of ending the program.
-void ignore_closed_pipes();
+/// At the start: a write to a closed pipe, or beyond the limit on a file's size, fails instead of
+/// ending the program; standard streams that are closed lead nowhere, so that no file which is
+/// opened later gets their place.
+void guard_streams();
 
 }  // namespace raysheaf::app

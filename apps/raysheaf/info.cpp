@@ -139,6 +139,8 @@ const char* type_name(Light::Type type) {
       return "spot";
     case Light::Type::kDirectional:
       return "directional";
+    case Light::Type::kRectangle:
+      return "rectangle";
   }
   return "unknown";
 }

@@ -51,7 +51,10 @@ Json light_json(const Light& light) {
           {"position", triple(light.position)},
           {"direction", triple(light.direction)},
           {"intensity", triple(light.intensity)},
-          {"range", number_or_null(light.range)}};
+          {"range", number_or_null(light.range)},
+          {"radius", light.radius},
+          {"width", light.width},
+          {"height", light.height}};
 }
 
 Json camera_json(const Camera& camera) {
@@ -61,7 +64,9 @@ Json camera_json(const Camera& camera) {
           {"y_fov", camera.orthographic ? Json(nullptr) : Json(camera.y_fov)},
           {"y_mag", camera.orthographic ? Json(camera.y_mag) : Json(nullptr)},
           {"z_near", camera.z_near},
-          {"z_far", number_or_null(camera.z_far)}};
+          {"z_far", number_or_null(camera.z_far)},
+          {"aperture", camera.aperture},
+          {"focus", camera.focus}};
 }
 
 Json image_json(const Image& image) {

@@ -46,6 +46,6 @@ int guarded(int argc, const char* const* argv) {
 }  // namespace raysheaf::app
 
 int main(int argc, char** argv) {
-  raysheaf::app::ignore_closed_pipes();
+  raysheaf::app::guard_streams();
   return raysheaf::app::guarded(argc, argv);
 }

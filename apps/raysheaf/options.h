@@ -1,18 +1,20 @@
 // What the command line asked for, after parsing. No parser in here.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
-#include "command_text.h"
-#include "compare_words.h"
+#include "compare/words.h"
+#include "frames.h"
 #include "raysheaf/context.h"
 #include "raysheaf/device_bench.h"
 #include "raysheaf/io.h"
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
 #include "raysheaf/verify.h"
+#include "text/command_text.h"
 
 namespace raysheaf::app {
 
@@ -24,6 +26,13 @@ enum ExitCode : int {
   kInterrupted = 130,
 };
 
+/// Changes to a scene's light; none where a field is empty.
+struct LightOptions {
+  std::optional<float> size;  ///< radius of points and spots
+  std::string environment;    ///< a file
+  std::optional<float> intensity, rotation_degrees;
+};
+
 struct RenderCommand {
   std::string scene;
   LoadOptions load;
@@ -31,7 +40,19 @@ struct RenderCommand {
   std::string stats_path, heatmap_path;
   Device device = Device::kCpu;
   bool explain = false, quiet = false;
+  FramesOptions frames;
   RenderOptions options;
+  LightOptions light;
+};
+
+struct ReportCommand {
+  std::string scene;
+  LoadOptions load;
+  std::string output;           ///< HTML
+  std::vector<Method> methods;  ///< empty: all, `brute` only as far as it takes seconds
+  bool quiet = false;
+  RenderOptions options;           ///< `method` is not used
+  std::vector<std::string> words;  ///< of the command line, behind "report"
 };
 
 struct InfoCommand {
@@ -92,6 +113,14 @@ struct VerifyCommand {
   std::string json_path;
 };
 
+struct ViewCommand {
+  std::string scene;
+  LoadOptions load;
+  std::string script_path, screenshot_path, settings_path;
+  std::uint32_t width = 0, height = 0;  ///< 0: as the settings say
+  std::uint32_t threads = 0;
+};
+
 struct CompletionCommand {
   std::string shell;
   CommandText raysheaf;
@@ -102,12 +131,15 @@ struct ManualCommand {
   CommandText raysheaf;
 };
 
-using Command = std::variant<RenderCommand, InfoCommand, SceneCommand, VerifyCommand,
-                             BenchPaperCommand, BenchAblationCommand, BenchCompareCommand,
-                             BenchGpuCommand, CompletionCommand, ManualCommand>;
+using Command =
+    std::variant<RenderCommand, ReportCommand, ViewCommand, InfoCommand, SceneCommand,
+                 VerifyCommand, BenchPaperCommand, BenchAblationCommand, BenchCompareCommand,
+                 BenchGpuCommand, CompletionCommand, ManualCommand>;
 
 /// Each gives an exit code, or throws `Error`.
 int run(const RenderCommand& command);
+int run(const ReportCommand& command);
+int run(const ViewCommand& command);
 int run(const InfoCommand& command);
 int run(const SceneCommand& command);
 int run(const VerifyCommand& command);

@@ -52,12 +52,20 @@ void write_layers(const RenderResult& result, const std::string& path) {
   add_layer(channels, result.position, "position.", "XYZ");
   add_layer(channels, result.normal, "normal.", "XYZ");
   add_layer(channels, result.albedo, "albedo.", "RGB");
+  add_layer(channels, result.specular, "specular.", "RGB");
   channels.push_back({"shadow.V", result.shadow});
   if (!result.tests.empty()) channels.push_back({"tests.V", result.tests});
   write_exr(result.width, result.height, std::move(channels), path);
 }
 
 }  // namespace
+
+void refuse_scene_as_output(const std::string& scene, const std::string& output) {
+  std::error_code ignored;
+  if (fs::equivalent(scene, output, ignored)) {
+    throw Error(ErrorCode::kInvalidArgument, "this output is the scene itself", output);
+  }
+}
 
 std::string writable_path(const std::string& path) {
   if (path.empty()) refuse(path, "the name is empty");

@@ -12,6 +12,9 @@ namespace raysheaf::app {
 /// where something other than a plain file stands. Nothing is left behind.
 [[nodiscard]] std::string writable_path(const std::string& path);
 
+/// Throws `Error` (kInvalidArgument, place `output`) where both name one file.
+void refuse_scene_as_output(const std::string& scene, const std::string& output);
+
 /// PNG (tone-mapped) or OpenEXR (linear, with layers), by the ending of `name`.
 void write_picture(const RenderResult& result, const std::string& name, const std::string& path);
 

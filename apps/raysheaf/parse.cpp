@@ -7,30 +7,27 @@
 #include <set>
 
 #include "console.h"
-#include "describe.h"
-#include "parse_ablation.h"
-#include "parse_compare.h"
-#include "parse_gpu.h"
-#include "parse_parts.h"
-#include "parse_verify.h"
+#include "parse/ablation.h"
+#include "parse/compare.h"
+#include "parse/frames.h"
+#include "parse/gpu.h"
+#include "parse/light.h"
+#include "parse/parts.h"
+#include "parse/report.h"
+#include "parse/verify.h"
+#include "parse/view.h"
 #include "raysheaf/error.h"
 #include "raysheaf/version.h"
+#include "text/describe.h"
 #include "values.h"
 
 namespace raysheaf::app {
 namespace {
 
-void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load) {
-  app.add_option("SCENE", scene, "A file (.gltf, .glb, .obj, .ply, .stl) or builtin:NAME")
-      ->required();
-  app.add_flag("--allow-external", load.allow_external,
-               "The scene may name files outside its folder");
-}
-
 void add_outputs(CLI::App& app, RenderCommand& command) {
   app.add_option("-o,--output", command.pictures,
-                 "Picture: .png (tone-mapped sRGB) or .exr (linear, with layers); may be given "
-                 "more than once")
+                 "Picture: .png (tone-mapped sRGB) or .exr (linear, with layers), with %d or %04d "
+                 "for a frame's number; film: .mp4; may be given more than once")
       ->type_name("FILE")
       ->take_all()
       ->allow_extra_args(false);
@@ -41,6 +38,8 @@ void add_outputs(CLI::App& app, RenderCommand& command) {
                "Print for each batch of rays what dual chose and why, and what it counted");
   app.add_flag("-q,--quiet", command.quiet, "No progress bar, warnings or summary");
 }
+
+}  // namespace
 
 void add_view(CLI::App& app, RenderOptions& options) {
   add_value(app, "--size", "WxH", "Size of the picture [512x512]", [&options](const auto& text) {
@@ -54,8 +53,7 @@ void add_view(CLI::App& app, RenderOptions& options) {
             [&options](const auto& text) { options.ambient = parse_color(text); });
 }
 
-void add_rays(CLI::App& app, RenderCommand& command) {
-  RenderOptions& options = command.options;
+void add_rays(CLI::App& app, RenderOptions& options) {
   add_count(app, "--bounces", options.bounces, 0, 32,
             "Reflections and refractions in a row, 0 to 32 [2]");
   add_off_switch(app, "--no-shadows", options.shadows, "No shadow rays");
@@ -74,10 +72,7 @@ void add_rays(CLI::App& app, RenderCommand& command) {
       });
 }
 
-void add_method(CLI::App& app, RenderCommand& command) {
-  RenderOptions& options = command.options;
-  add_value(app, "--method", "brute|rah|crsh|gl10|dual", "How rays meet triangles [dual]",
-            [&options](const auto& text) { options.method = method_from_string(text); });
+void add_settings(CLI::App& app, RenderOptions& options) {
   add_count(app, "--levels", options.levels, 1, 8,
             "Of rah and crsh: levels of the ray hierarchy, 1 to 8 [2]");
   add_count(app, "--branching", options.branching, 2, 64,
@@ -94,6 +89,15 @@ void add_method(CLI::App& app, RenderCommand& command) {
             "Of rah and crsh: test the spheres of meshes before their triangles [the method's own]",
             [&options](const auto& text) { options.mesh_culling = parse_switch(text); });
   add_count(app, "--threads", options.threads, 0, 1024, "Threads, up to 1024; 0 is all cores [0]");
+}
+
+namespace {
+
+void add_method(CLI::App& app, RenderCommand& command) {
+  RenderOptions& options = command.options;
+  add_value(app, "--method", "brute|rah|crsh|gl10|dual", "How rays meet triangles [dual]",
+            [&options](const auto& text) { options.method = method_from_string(text); });
+  add_settings(app, options);
   add_value(app, "--device", "cpu|cuda", "Where the rays are traced [cpu]",
             [&command](const std::string& text) {
               if (text != "cpu" && text != "cuda") {
@@ -104,7 +108,7 @@ void add_method(CLI::App& app, RenderCommand& command) {
 }
 
 bool has_picture_ending(const std::string& path) {
-  return has_ending(path, ".png") || has_ending(path, ".exr");
+  return has_ending(path, ".png") || has_ending(path, ".exr") || has_ending(path, ".mp4");
 }
 
 void check_outputs(const RenderCommand& command) {
@@ -116,7 +120,8 @@ void check_outputs(const RenderCommand& command) {
   };
   for (const std::string& path : command.pictures) {
     if (!has_picture_ending(path)) {
-      throw CLI::ValidationError("-o", "'" + path + "' ends neither in .png nor in .exr");
+      throw CLI::ValidationError("-o",
+                                 "'" + path + "' ends neither in .png nor in .exr nor in .mp4");
     }
     once("-o", path);
   }
@@ -136,16 +141,24 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
   add_scene_file(*sub, command.scene, command.load);
   add_outputs(*sub, command);
   add_view(*sub, command.options);
-  add_rays(*sub, command);
+  add_rays(*sub, command.options);
+  add_light(*sub, command);
   add_method(*sub, command);
+  add_frames(*sub, command.frames);
   sub->footer(
       "Examples:\n"
       "  raysheaf render builtin:office -o office.png\n"
       "  raysheaf render builtin:cornell -o cornell.png -o cornell.exr --bounces 4\n"
       "  raysheaf render model.glb -o model.png --size 1280x720 --camera 1 --stats model.json\n"
+      "  raysheaf render builtin:office -o soft.png --samples 64 --light-size 0.1\n"
       "  raysheaf render builtin:atrium --heatmap tests.png --method rah\n"
+      "  raysheaf render walk.glb -o frame_%04d.png --fps 24\n"
+      "  raysheaf render builtin:office --turntable 90 -o turn.mp4\n"
       "  raysheaf render builtin:atrium --explain --quiet");
-  sub->callback([&command] { check_outputs(command); });
+  sub->callback([&command] {
+    check_outputs(command);
+    check_frames(command);
+  });
   return sub;
 }
 
@@ -287,12 +300,15 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   app.footer(
       "Examples:\n"
       "  raysheaf render builtin:office -o office.png\n"
+      "  raysheaf view model.glb\n"
       "  raysheaf info model.glb\n"
       "  raysheaf scene cornell -o cornell.glb\n"
       "  raysheaf verify\n"
       "\n"
       "raysheaf COMMAND --help lists the options of a command.");
   RenderCommand render;
+  ReportCommand report;
+  ViewCommand view;
   InfoCommand info;
   SceneCommand scene;
   VerifyCommand verify;
@@ -303,6 +319,8 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   CompletionCommand completion;
   ManualCommand manual;
   const CLI::App* render_app = add_render(app, render);
+  const CLI::App* report_app = add_report(app, report);
+  const CLI::App* view_app = add_view_command(app, view);
   const CLI::App* info_app = add_info(app, info);
   const CLI::App* scene_app = add_scene(app, scene);
   const CLI::App* verify_app = add_verify(app, verify);
@@ -325,6 +343,11 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
     return tell_usage_error(error, app);
   }
   if (render_app->parsed()) return Command(std::move(render));
+  if (report_app->parsed()) {
+    report.words.assign(argv + 2, argv + argc);
+    return Command(std::move(report));
+  }
+  if (view_app->parsed()) return Command(std::move(view));
   if (info_app->parsed()) return Command(std::move(info));
   if (scene_app->parsed()) return Command(std::move(scene));
   if (verify_app->parsed()) return Command(std::move(verify));

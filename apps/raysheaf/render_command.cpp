@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <filesystem>
 
 #include "console.h"
+#include "frames_command.h"
 #include "options.h"
 #include "outputs.h"
 #include "progress_bar.h"
@@ -11,6 +11,7 @@
 #include "raysheaf/io.h"
 #include "raysheaf/render_on_context.h"
 #include "scene_argument.h"
+#include "scene_light.h"
 #include "values.h"
 
 namespace raysheaf::app {
@@ -21,13 +22,6 @@ struct Targets {
   std::vector<std::string> pictures;
   std::string stats, heatmap;
 };
-
-void refuse_scene_as_output(const std::string& scene, const std::string& output) {
-  std::error_code ignored;
-  if (std::filesystem::equivalent(scene, output, ignored)) {
-    throw Error(ErrorCode::kInvalidArgument, "this output is the scene itself", output);
-  }
-}
 
 Targets open_targets(const RenderCommand& command) {
   const auto target = [&command](const std::string& path) {
@@ -77,9 +71,12 @@ void write_outputs(const RenderCommand& command, const Targets& targets, const R
 }
 
 void tell_summary(const RenderCommand& command, const FrameStatistics& statistics, double load_ms) {
-  tell(fmt::format("{}: {} triangles in {} meshes, {}x{}, {} on {} threads",
+  const std::size_t samples = statistics.samples.size();
+  tell(fmt::format("{}: {} triangles in {} meshes, {}x{}{}, {} on {} threads",
                    printable(statistics.scene), statistics.triangles, statistics.meshes,
-                   statistics.width, statistics.height, statistics.method, statistics.threads));
+                   statistics.width, statistics.height,
+                   samples == 1 ? "" : fmt::format(", {} samples a pixel", samples),
+                   statistics.method, statistics.threads));
   for (const BatchStatistics& batch : statistics.batches) {
     tell(fmt::format("  {:<10} bounce {}: {:>9} rays, {:>7.3f} % of brute-force tests, {} hits",
                      to_string(batch.kind), batch.bounce, batch.rays, batch.relative() * 100,
@@ -115,23 +112,41 @@ std::string explained(const BatchStatistics& batch, const std::string& method) {
 
 void explain(const FrameStatistics& statistics) {
   std::string text;
+  if (statistics.primary.starts_with("trace: ")) text += "first hits: " + statistics.primary + "\n";
+  if (statistics.samples.size() > 1)
+    text += fmt::format("samples: {} a pixel; each plan is that of the first, counts are of all\n",
+                        statistics.samples.size());
   for (const BatchStatistics& batch : statistics.batches)
     text += explained(batch, statistics.method);
-  print(text.empty() ? "no rays were traced\n" : text);
+  if (statistics.batches.empty()) text += "no rays were traced\n";
+  print(text);
 }
 
 }  // namespace
 
 int run(const RenderCommand& command) {
   catch_interrupts();
-  const Targets targets = open_targets(command);
+  const Targets targets = wants_frames(command) ? Targets{} : open_targets(command);
   const auto start = std::chrono::steady_clock::now();
-  SceneDescription scene = scene_from_argument(command.scene, command.load);
-  add_missing_camera_and_light(scene);
+  const std::unique_ptr<Animation> animation =
+      animation_from_argument(command.scene, command.frames, command.load);
+  const SceneDescription& scene = animation->scene();
+  set_environment(command.light, animation->scene());
+  if (wants_frames(command) || command.frames.time) {
+    add_missing_camera_and_light(*animation);
+  } else {
+    add_missing_camera_and_light(animation->scene());
+  }
+  set_light_size(command.light, animation->scene());
+  if (command.frames.time) static_cast<void>(animation->seek(*command.frames.time));
   const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - start;
   stop_if_interrupted();
   if (!command.quiet) {
     for (const std::string& warning : scene.warnings) tell("warning: " + printable(warning));
+  }
+  if (wants_frames(command)) {
+    render_frames(command, *animation);
+    return kSuccess;
   }
   const RenderResult result = render_with_progress(scene, command);
   write_outputs(command, targets, result, load.count());

@@ -70,6 +70,18 @@ float parse_positive(const std::string& text) {
   refuse(text, "is not a number above 0");
 }
 
+float parse_not_negative(const std::string& text) {
+  const auto number = whole<float>(text);
+  if (number && std::isfinite(*number) && *number >= 0) return *number;
+  refuse(text, "is not a number, 0 or more");
+}
+
+double parse_number(const std::string& text) {
+  const auto number = whole<double>(text);
+  if (number && std::isfinite(*number)) return *number;
+  refuse(text, "is not a number");
+}
+
 Vec3 parse_color(const std::string& text) {
   const auto parts = split(text, ',');
   std::vector<float> numbers;

@@ -23,6 +23,10 @@ namespace raysheaf::app {
 /// A finite number above zero.
 [[nodiscard]] float parse_positive(const std::string& text);
 
+/// A finite number, 0 or more; any finite number.
+[[nodiscard]] float parse_not_negative(const std::string& text);
+[[nodiscard]] double parse_number(const std::string& text);
+
 /// "R,G,B", or one number for all three; finite and not negative.
 [[nodiscard]] Vec3 parse_color(const std::string& text);
 

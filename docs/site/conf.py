@@ -42,6 +42,7 @@ autodoc_type_aliases = {
 }
 autodoc_preserve_defaults = True
 napoleon_use_rtype = False
+napoleon_use_param = False  # types are words: "array" is no attribute of that name
 python_use_unqualified_type_names = True
 
 breathe_projects = {"raysheaf": str(BUILD / "cpp" / "xml")}

@@ -90,6 +90,8 @@ class Stage:
             if line.startswith(HEADER) and not fenced:
                 lines += head_of(line.removeprefix(HEADER))
             if line.startswith("```"):
+                if fenced and lines[-1] == "":  # which ends a doctest
+                    lines.pop()
                 fenced = not fenced
             elif not fenced:
                 line = LINK.sub(lambda m: m[1] + self.turned(path, m[2]) + m[3], line)

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 
 namespace raysheaf {
 
@@ -12,6 +13,9 @@ enum class Device : std::uint8_t {
 };
 
 [[nodiscard]] const char* to_string(Device device);
+
+/// The instructions that the CPU's kernels use on this machine, in Highway's word: "AVX2".
+[[nodiscard]] std::string simd_target();
 
 struct ContextOptions {
   Device device = Device::kCpu;

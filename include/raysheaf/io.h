@@ -24,12 +24,20 @@ struct LoadOptions {
 /// describes is refused (kOutOfMemory) where it would take gigabytes.
 [[nodiscard]] SceneDescription load_scene(const std::string& path, const LoadOptions& options = {});
 
+/// Reads a picture of all directions: Radiance (.hdr) or OpenEXR (.exr, channels R, G, B), by its
+/// ending. Refuses pixels that are negative or not finite.
+[[nodiscard]] Environment load_environment(const std::string& path);
+
 /// Writes the scene as one binary glTF file that `load_scene` reads back to the same geometry, bit
-/// for bit. Images are stored as PNG.
+/// for bit. Images are stored as PNG; an environment is left out.
 void save_glb(const SceneDescription& scene, const std::string& path);
 
 /// Writes an eight-bit image as PNG; alpha is left out where it is 255 everywhere.
 void write_png(const Image& image, const std::string& path);
+
+/// The same in memory: the bytes of a PNG file. Throws `Error` (kInvalidArgument) where the size
+/// and the bytes disagree.
+[[nodiscard]] std::vector<std::uint8_t> encode_png(const Image& image);
 
 /// One named channel of an OpenEXR picture: `width * height` floats, rows from the top. Layers are
 /// spelt as OpenEXR does: "normal.X", "normal.Y"; the beauty picture is "R", "G", "B".

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "raysheaf/large_vector.h"
 #include "raysheaf/scene.h"
 #include "raysheaf/types.h"
 
@@ -79,8 +80,8 @@ void any_hit(const Scene& scene, std::span<const Ray> rays, std::span<std::uint8
 
 /// Compressed rows: the hits of ray i are hits[offsets[i]] to before hits[offsets[i + 1]].
 struct HitRows {
-  std::vector<std::uint64_t> offsets;  ///< one more than rays; the first is 0
-  std::vector<Hit> hits;
+  LargeVector<std::uint64_t> offsets;  ///< one more than rays; the first is 0
+  LargeVector<Hit> hits;
 
   [[nodiscard]] std::size_t size() const { return offsets.empty() ? 0 : offsets.size() - 1; }
   [[nodiscard]] std::span<const Hit> operator[](std::size_t ray) const {

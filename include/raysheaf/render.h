@@ -17,11 +17,14 @@
 namespace raysheaf {
 
 enum class Primary : std::uint8_t {
-  kRaster,  ///< OpenGL 4.5 through EGL
+  kRaster,  ///< OpenGL 4.5 through EGL; by rays where a lens needs them
   kTrace,   ///< rays, by the same method as all others
 };
 
-/// How far a frame is. `done` and `total` count the stage's own work items.
+struct RenderResult;
+
+/// How far a frame is. `done` and `total` count the stage's own work items; after
+/// "scene", a frame of several samples has one stage, "samples".
 struct Progress {
   std::string_view stage;
   std::uint64_t done = 0, total = 0;
@@ -45,11 +48,23 @@ struct RenderOptions {
   bool shadows = true, reflections = true, refractions = true;
   /// Shadow rays stop at their first hit; the paper counts without. Those of `dual` always do.
   bool early_out = false;
-  bool count_pixel_tests = false;  ///< fill `RenderResult::tests`
-  std::optional<float> exposure;   ///< factor on radiance before tone mapping; none: automatic
-  std::optional<Vec3> ambient;     ///< radiance of a uniform sky; none: a little, from the lights
+  /// Rays a pixel through the reconstruction filter (docs/light.md), 1 to 65536. One makes every
+  /// choice in the middle: pixels' centres, lights' centres, a pinhole; two or more show lights'
+  /// sizes and lenses. 0: 1, or 16 where the scene has an environment or the camera a lens.
+  std::uint32_t samples = 0;
+  std::optional<float> aperture, focus;  ///< in place of the camera's own
+  bool count_pixel_tests = false;        ///< fill `RenderResult::tests`
+  /// How many bundles of each level are measured a batch, evenly spread over it, into
+  /// `BatchStatistics::bundles`; not of `brute`, which has none, nor of `dual`. Each takes
+  /// O(triangles).
+  std::uint32_t bundle_samples = 0;
+  std::optional<float> exposure;  ///< factor on radiance before tone mapping; none: automatic
+  std::optional<Vec3> ambient;    ///< radiance of a uniform sky; none: a little, from the lights
   /// Called now and then, from one thread at a time; false asks to stop (`Error` kCancelled).
   std::function<bool(const Progress&)> progress;
+  /// Called after each sample but the last with the picture so far, which is the one that as many
+  /// samples give; false ends the frame there. On the caller's thread, between samples.
+  std::function<bool(const RenderResult&)> on_sample;
 };
 
 /// What a pixel sees: an instance, its mesh, and a triangle of that mesh; all kInvalidId for
@@ -58,17 +73,21 @@ struct PixelIds {
   std::uint32_t inst_id = kInvalidId, geom_id = kInvalidId, prim_id = kInvalidId;
 };
 
-/// Rows from the top, `width * height` entries each.
+/// Rows from the top, `width * height` entries each. Where samples differ, what can be mixed is
+/// their mean, and what cannot is that of the first, through the pixel's centre.
 struct RenderResult {
   std::uint32_t width = 0, height = 0;
-  std::vector<Vec3> beauty;    ///< linear radiance
-  std::vector<Vec3> position;  ///< world; 0 where nothing is seen
-  std::vector<Vec3> normal;    ///< shading normal, world
-  std::vector<Vec3> albedo;    ///< diffuse plus specular reflectance at the first hit
-  std::vector<PixelIds> ids;
-  std::vector<float> shadow;  ///< the part of the lights facing the first hit that reaches it
-  std::vector<float> tests;   ///< tests a pixel, over all its rays; empty unless asked for
-  float exposure = 1;         ///< the factor that `tone_mapped` uses
+  std::uint32_t samples = 0;   ///< that the picture is made of
+  std::vector<Vec3> beauty;    ///< linear radiance; mean
+  std::vector<Vec3> position;  ///< world; 0 where nothing is seen; of the first sample
+  std::vector<Vec3> normal;    ///< shading normal, world; mean, 0 for samples that see nothing
+  std::vector<Vec3> albedo;    ///< diffuse plus specular reflectance at the first hit; mean
+  std::vector<Vec3> specular;  ///< the specular part of `albedo`
+  std::vector<PixelIds> ids;   ///< of the first sample
+  std::vector<float> shadow;   ///< the part of the lights facing the first hits that reaches them
+  std::vector<float> tests;    ///< tests a pixel, over all its rays; empty unless asked for
+  float exposure = 1;          ///< the factor that `tone_mapped` uses
+  Vec3 ambient;                ///< the sky's radiance, given or found
   FrameStatistics statistics;
 };
 

@@ -73,16 +73,20 @@ struct Instance {
   Affine to_world;         ///< one that mirrors turns the winding, as glTF says
 };
 
-/// KHR_lights_punctual. `intensity` is colour times candela (point, spot) or lux (directional).
+/// KHR_lights_punctual, and lights with a size (docs/light.md). `intensity` is colour times candela
+/// (point, spot; rectangle: along `direction`) or lux (directional).
 struct Light {
-  enum class Type : std::uint8_t { kPoint, kSpot, kDirectional };
+  enum class Type : std::uint8_t { kPoint, kSpot, kDirectional, kRectangle };
   std::string name;
   Type type = Type::kPoint;
   Vec3 position{0, 0, 0};    ///< world; not used by directional lights
-  Vec3 direction{0, 0, -1};  ///< the unit vector along which light leaves; spot and directional
+  Vec3 direction{0, 0, -1};  ///< the unit vector along which light leaves; not of points
   Vec3 intensity{1, 1, 1};
   float range = std::numeric_limits<float>::infinity();
   float inner_angle = 0, outer_angle = 0.785398163f;  ///< spot: half angles from the axis
+  float radius = 0;     ///< point, spot: of the ball that shines, evenly; 0: a point
+  Vec3 right{1, 0, 0};  ///< rectangle: the unit vector along its width, square to `direction`
+  float width = 0, height = 0;  ///< rectangle: its sides, above 0; `position` is its centre
 };
 
 /// A camera looks along its own -z with +y up. The picture's shape sets the horizontal extent.
@@ -94,6 +98,20 @@ struct Camera {
   float y_mag = 1;            ///< orthographic: half the height of what is seen
   float z_near = 0.01f;       ///< nothing nearer is drawn
   float z_far = std::numeric_limits<float>::infinity();
+  float aperture = 0;  ///< diameter of a thin lens; 0: everything is sharp
+  float focus = 0;     ///< the depth that is sharp; 0: that of what the picture's middle shows
+};
+
+/// Light from far away, all around: a map of radiance over directions. Rows go from +y down to -y
+/// and columns once around: the middle one lies towards -z, those after it to the right of who
+/// looks there.
+struct Environment {
+  std::string name;
+  std::uint32_t width = 0, height = 0;  ///< 0: there is none
+  std::vector<Vec3> radiance;           ///< linear, rows from the top
+  float intensity = 1;                  ///< a factor on all of it
+  float rotation = 0;                   ///< of the map about +y, counter-clockwise from above
+  [[nodiscard]] bool empty() const { return width == 0 || height == 0; }
 };
 
 struct SceneDescription {
@@ -105,6 +123,7 @@ struct SceneDescription {
   std::vector<Image> images;
   std::vector<Light> lights;
   std::vector<Camera> cameras;
+  Environment environment;
   std::vector<std::string> warnings;  ///< a sentence for each thing a loader left out
 
   /// Triangles counted once an instance.
@@ -124,7 +143,8 @@ void validate(const SceneDescription& scene);
 /// A point light that shows the scene from where `camera` stands: above it and to its left.
 [[nodiscard]] Light showing_light(const SceneDescription& scene, const Camera& camera);
 
-/// Whether there is no light and something that would show by one: not every material is unlit.
+/// Whether there is no light, no environment, and something that would show by one: not every
+/// material is unlit.
 [[nodiscard]] bool needs_light(const SceneDescription& scene);
 
 /// Adds `framing_camera` where there is no camera, and `showing_light` where `needs_light` says so.

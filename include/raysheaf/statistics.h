@@ -34,8 +34,25 @@ struct StageTimes {
   double raygen = 0, order = 0, hierarchy = 0, traverse = 0, intersect = 0;  ///< milliseconds
 };
 
-/// All rays of one kind at one bounce. Bounces count from 1: the shadow rays of the primary hits
-/// and the reflections that leave them are both at bounce 1. Traced primary rays are at bounce 0.
+/// One bundle of rays as a method traces it, measured.
+struct BundleSample {
+  std::uint32_t level = 1;     ///< of the ray hierarchy, from the leaves
+  std::uint32_t rays = 0;      ///< in the bundle
+  float origin_spread = 0;     ///< the diagonal of the box of its origins, over the scene's
+  float direction_spread = 0;  ///< degrees: the farthest that a ray turns away from their mean
+  std::uint64_t accepted = 0;  ///< triangles that the bundle's bound meets
+  std::uint64_t needed = 0;    ///< triangles whose bounding sphere a ray of the bundle meets
+
+  /// How many triangles the bound accepts for one that the best bound tested with spheres would:
+  /// from 1 up where the bound is tested with spheres. 0 where none is needed.
+  [[nodiscard]] double looseness() const {
+    return needed > 0 ? static_cast<double>(accepted) / static_cast<double>(needed) : 0;
+  }
+};
+
+/// All rays of one kind at one bounce, over all samples. Bounces count from 1: the shadow rays of
+/// the primary hits and the reflections that leave them are both at bounce 1. Traced primary rays
+/// are at bounce 0.
 struct BatchStatistics {
   RayKind kind = RayKind::kShadow;
   std::uint32_t bounce = 0;
@@ -49,12 +66,20 @@ struct BatchStatistics {
   std::uint64_t final_tests = 0;        ///< rays with triangles
   std::uint64_t hits = 0;               ///< rays that met something
   StageTimes times_ms;
-  std::vector<std::string> plan;  ///< of `dual`: what was chosen and why, a sentence a choice
+  std::vector<BundleSample> bundles;  ///< where `RenderOptions::bundle_samples` asks for them
+  /// Of `dual`: what was chosen and why, a sentence a choice; of the first sample with such rays.
+  std::vector<std::string> plan;
 
   [[nodiscard]] std::uint64_t total_tests() const;
   [[nodiscard]] std::uint64_t brute_force_tests() const { return rays * triangles; }
   /// total / brute force, a fraction; 0 where there was nothing to test.
   [[nodiscard]] double relative() const;
+};
+
+/// All rays of one sample of the picture.
+struct SampleStatistics {
+  std::uint64_t rays = 0, total_tests = 0, hits = 0;
+  double ms = 0;  ///< wall time, first hits and shading included
 };
 
 struct FrameStatistics {
@@ -63,7 +88,8 @@ struct FrameStatistics {
   std::uint32_t width = 0, height = 0;
   std::string method, key, bound, device, primary;
   std::uint32_t threads = 0;
-  std::vector<BatchStatistics> batches;
+  std::vector<BatchStatistics> batches;              ///< summed over the samples
+  std::vector<SampleStatistics> samples;             ///< each by itself, in order
   double raster_ms = 0, shade_ms = 0, total_ms = 0;  ///< `total_ms` leaves loading out
 };
 

@@ -6,6 +6,7 @@ from conan import ConanFile
 from conan.tools.build import check_min_cppstd
 from conan.tools.cmake import CMake, CMakeDeps, CMakeToolchain, cmake_layout
 from conan.tools.files import copy
+from conan.tools.gnu import PkgConfigDeps
 
 ROOT = os.path.join("..", "..")
 
@@ -47,9 +48,11 @@ class Raysheaf(ConanFile):
         if self.options.tools:
             self.requires("cli11/2.4.2")
             self.requires("fmt/10.2.1")
+            self.requires("kainjow-mustache/4.1")
 
     def generate(self):
         CMakeDeps(self).generate()
+        PkgConfigDeps(self).generate()  # libepoxy is looked for by pkg-config
         toolchain = CMakeToolchain(self)
         toolchain.variables["RAYSHEAF_APP"] = bool(self.options.tools)
         for part in ("TESTS", "BENCH", "EXAMPLES"):

@@ -1,5 +1,7 @@
 #include "raysheaf/context.h"
 
+#include <hwy/highway.h>
+
 #include <new>
 #include <string>
 
@@ -29,6 +31,11 @@ const char* to_string(Device device) {
       return "cuda";
   }
   return "unknown";
+}
+
+std::string simd_target() {
+  const std::int64_t all = hwy::SupportedTargets() & HWY_TARGETS;
+  return hwy::TargetName(all & -all);  // Highway gives better targets lower bits
 }
 
 Context::Context(const ContextOptions& options) {

@@ -136,13 +136,13 @@ void closest_hits(Query* query, std::span<Hit> hits) {
     found.resize_uninitialized(hits.size());
     brute::closest_hit(query->executor(), view.source(), query->rays(), found);
     query->traced_by_brute_force(&watch);
-    view.name_hits(query->executor(), found, hits);
+    view.name_hits(query->executor(), found, hits.data());
     return;
   }
   view.scratch.resize_uninitialized(hits.size());
   view.engine.closest_hit(query->executor(), query->rays(), query->engine_options(), view.scratch,
                           {}, query->report());
-  view.name_hits(query->executor(), view.scratch, hits);
+  view.name_hits(query->executor(), view.scratch, hits.data());
 }
 
 void any_hits(Query* query, std::span<std::uint8_t> occluded) {
@@ -159,31 +159,47 @@ void any_hits(Query* query, std::span<std::uint8_t> occluded) {
                                query->report());
 }
 
-EngineHitRows rows_of(Query* query) {
-  if (query->is_empty()) return {std::vector<std::uint64_t>(query->rays().size + 1), {}};
+/// Calls `take(rows)` with what was found, which has a `for_each` as `FoundRows` has.
+template <class Take>
+void find_rows(Query* query, const Take& take) {
+  if (query->is_empty()) return take(brute::Rows{});
   if (query->is_on_device())
-    return query->device_engine().all_hits(query->rays(), query->device_query());
+    return take(query->device_engine().all_hits(query->rays(), query->device_query()));
   if (!query->is_brute())
-    return query->view().engine.all_hits(query->executor(), query->rays(), query->engine_options(),
-                                         query->report());
+    return take(query->view().engine.all_hits(query->executor(), query->rays(),
+                                              query->engine_options(), query->report()));
   Stopwatch watch;
-  EngineHitRows rows = brute::all_hits(query->executor(), query->view().source(), query->rays());
+  const brute::Rows rows =
+      brute::all_hits(query->executor(), query->view().source(), query->rays());
   query->traced_by_brute_force(&watch);
-  return rows;
+  take(rows);
+}
+
+void name_rows(Query* query, HitRows* out) {
+  const std::size_t rays = query->rays().size;
+  out->offsets.assign(rays + 1, 0);
+  std::uint64_t* const ends = out->offsets.data() + 1;
+  find_rows(query, [&](const auto& rows) {
+    rows.for_each(query->executor(),
+                  [&](std::size_t ray, View<const EngineHit> hits) { ends[ray] = hits.size; });
+    for (std::size_t i = 1; i < rays; ++i) ends[i] += ends[i - 1];
+    out->hits.resize(out->offsets.back());
+    rows.for_each(query->executor(), [&](std::size_t ray, View<const EngineHit> hits) {
+      query->view().name_hits(hits, out->hits.data() + out->offsets[ray]);
+    });
+  });
 }
 
 void count_hits(Query* query, std::span<std::uint32_t> counts) {
-  if (query->is_empty()) return clear(*query, counts);
-  const View<std::uint32_t> out(counts.data(), counts.size());
-  if (query->is_on_device())
-    return query->device_engine().count_hits(query->rays(), query->device_query(), out);
-  if (!query->is_brute()) {
-    return query->view().engine.count_hits(query->executor(), query->rays(),
-                                           query->engine_options(), out, query->report());
-  }
-  const EngineHitRows found = rows_of(query);
-  for (std::size_t i = 0; i < counts.size(); ++i)
-    counts[i] = static_cast<std::uint32_t>(found.offsets[i + 1] - found.offsets[i]);
+  clear(*query, counts);
+  if (query->is_on_device() && !query->is_empty())
+    return query->device_engine().count_hits(query->rays(), query->device_query(),
+                                             View<std::uint32_t>(counts.data(), counts.size()));
+  find_rows(query, [&](const auto& rows) {
+    rows.for_each(query->executor(), [&](std::size_t ray, View<const EngineHit> hits) {
+      counts[ray] = static_cast<std::uint32_t>(hits.size);
+    });
+  });
 }
 
 }  // namespace
@@ -235,9 +251,8 @@ std::vector<std::uint8_t> any_hit(const Scene& scene, std::span<const Ray> rays,
 HitRows all_hits(const Scene& scene, std::span<const Ray> rays, const QueryOptions& options) {
   return translated([&] {
     Query query(scene, rays, options);
-    EngineHitRows found = rows_of(&query);
-    HitRows rows{std::move(found.offsets), std::vector<Hit>(found.hits.size())};
-    if (!found.hits.empty()) query.view().name_hits(query.executor(), found.hits, rows.hits);
+    HitRows rows;
+    name_rows(&query, &rows);
     query.finish();
     return rows;
   });

@@ -51,9 +51,10 @@ void any_hit(const Executor& executor, const TriangleSource& source, View<const 
   });
 }
 
-EngineHitRows all_hits(const Executor& executor, const TriangleSource& source,
-                       View<const Ray> rays) {
-  std::vector<std::vector<EngineHit>> rows(rays.size);
+Rows all_hits(const Executor& executor, const TriangleSource& source, View<const Ray> rays) {
+  Rows found;
+  found.rows.resize(rays.size);
+  std::vector<std::vector<EngineHit>>& rows = found.rows;
   executor.for_each(rays.size, kGrain, [&](std::size_t i) {
     for_each_hit(source, rays[i], [&](const EngineHit& hit) {
       rows[i].push_back(hit);
@@ -62,13 +63,7 @@ EngineHitRows all_hits(const Executor& executor, const TriangleSource& source,
     std::stable_sort(rows[i].begin(), rows[i].end(),
                      [](const EngineHit& a, const EngineHit& b) { return a.t < b.t; });
   });
-  EngineHitRows out;
-  out.offsets.assign(1, 0);
-  for (const std::vector<EngineHit>& row : rows) {
-    out.hits.insert(out.hits.end(), row.begin(), row.end());
-    out.offsets.push_back(out.hits.size());
-  }
-  return out;
+  return found;
 }
 
 }  // namespace raysheaf::brute

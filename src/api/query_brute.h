@@ -10,7 +10,18 @@ void closest_hit(const Executor& executor, const TriangleSource& source, View<co
                  View<EngineHit> hits);
 void any_hit(const Executor& executor, const TriangleSource& source, View<const Ray> rays,
              View<std::uint8_t> occluded);
-[[nodiscard]] EngineHitRows all_hits(const Executor& executor, const TriangleSource& source,
-                                     View<const Ray> rays);
+/// All hits by ray, each row by (t, triangle).
+struct Rows {
+  std::vector<std::vector<EngineHit>> rows;
+
+  /// As `FoundRows` has it.
+  template <class Body>
+  void for_each(const Executor& executor, const Body& body) const {
+    executor.for_each(rows.size(), 1024,
+                      [&](std::size_t ray) { body(ray, View<const EngineHit>(rows[ray])); });
+  }
+};
+[[nodiscard]] Rows all_hits(const Executor& executor, const TriangleSource& source,
+                            View<const Ray> rays);
 
 }  // namespace raysheaf::brute

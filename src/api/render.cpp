@@ -1,28 +1,32 @@
-// render(): checks what the caller hands in, prepares the scene, runs a frame. The one place where
-// errors of the layers below become `Error`.
-#include "raysheaf/render_on_context.h"
+// The renderer: checks what the caller hands in, brings what it has made of the scene up to date,
+// runs a frame. The one place where errors of the layers below become `Error`.
+#include "raysheaf/renderer.h"
 
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <new>
 #include <optional>
+#include <utility>
 
 #include "api/context_impl.h"
 #include "exec/executor.h"
 #include "frame/frame.h"
 #include "frame/stopwatch.h"
 #include "raster/rasterizer.h"
+#include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
+#include "raysheaf/render_on_context.h"
+#include "scene/environment.h"
+#include "scene/flat_update.h"
 
 namespace raysheaf {
 namespace {
 
 constexpr std::uint32_t kLargestSide = 16384;
 constexpr std::uint32_t kMostBounces = 32, kMostLevels = 8, kMostBranching = 64,
-                        kMostThreads = 1024;
+                        kMostThreads = 1024, kMostSamples = 65536;
 /// What a frame needs a pixel, with room for a batch of secondary rays beside the primary
 /// fragments.
 constexpr std::uint64_t kBytesPerPixel = 640;
@@ -33,6 +37,11 @@ void check_range(const char* option, std::uint32_t value, std::uint32_t least, s
                 "must be from " + std::to_string(least) + " to " + std::to_string(most) + ", not " +
                     std::to_string(value),
                 option);
+}
+
+void check_length(const char* option, const std::optional<float>& value) {
+  if (value && !(*value >= 0 && std::isfinite(*value)))
+    throw Error(ErrorCode::kInvalidArgument, "must be a number, 0 or more", option);
 }
 
 void check_memory(const RenderOptions& options) {
@@ -50,6 +59,9 @@ void check(const RenderOptions& options) {
   check_range("width", options.width, 1, kLargestSide);
   check_range("height", options.height, 1, kLargestSide);
   check_range("bounces", options.bounces, 0, kMostBounces);
+  check_range("samples", options.samples, 0, kMostSamples);
+  check_length("aperture", options.aperture);
+  check_length("focus", options.focus);
   check_range("levels", options.levels, 1, kMostLevels);
   check_range("branching", options.branching, 2, kMostBranching);
   if (options.key_bits && *options.key_bits != 32 && *options.key_bits != 64)
@@ -74,6 +86,8 @@ void check_for_device(const RenderOptions& options) {
     refuse("a CUDA device sorts rays by the key crsh, or leaves them in raster order", "key");
   if (options.bound.value_or(BundleBound::kSphereCone) != BundleBound::kSphereCone)
     refuse("a CUDA device bounds rays by sphere-cone alone", "bound");
+  if (options.bundle_samples != 0)
+    refuse("bundles of rays are not measured on a CUDA device", "bundle_samples");
   if (options.count_pixel_tests)
     refuse(
         "rah and crsh do not count the tests of pixels on a CUDA device, which heat maps and "
@@ -81,88 +95,205 @@ void check_for_device(const RenderOptions& options) {
         "tests");
 }
 
-std::string camera_names(const SceneDescription& scene) {
-  std::string names;
-  for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
-    names += (i == 0 ? "" : ", ") + std::to_string(i);
-    if (!scene.cameras[i].name.empty()) names += " \"" + scene.cameras[i].name + "\"";
-  }
-  return names.empty() ? "none of its own" : names;
-}
-
-/// By name, then by index; the first where nothing is asked for, or one that frames the scene.
-Camera find_camera(const SceneDescription& scene, const std::string& wanted) {
-  if (wanted.empty()) return scene.cameras.empty() ? framing_camera(scene) : scene.cameras.front();
-  for (const Camera& camera : scene.cameras)
-    if (camera.name == wanted) return camera;
-  std::size_t index = 0;
-  const char* end = wanted.data() + wanted.size();
-  const auto [stop, error] = std::from_chars(wanted.data(), end, index);
-  if (error == std::errc{} && stop == end && index < scene.cameras.size())
-    return scene.cameras[index];
-  throw Error(ErrorCode::kNotFound,
-              "the scene has no camera \"" + wanted + "\"; it has " + camera_names(scene),
-              "camera");
-}
-
-std::vector<Light> find_lights(const SceneDescription& scene, const Camera& camera) {
+/// Where there is but one sample, balls shine from their centres: there is no choice to be made.
+std::vector<Light> find_lights(const SceneDescription& scene, const Camera& camera,
+                               std::uint32_t samples) {
   if (needs_light(scene)) return {showing_light(scene, camera)};
-  return scene.lights;
+  std::vector<Light> lights = scene.lights;
+  if (samples > 1) return lights;
+  for (Light& light : lights) light.radius = 0;
+  return lights;
 }
 
-RenderResult render_checked(const Executor& executor, const DeviceBackend* backend,
-                            const SceneDescription& scene, const RenderOptions& options) {
-  Stopwatch watch;
-  ProgressMeter meter(options.progress);
-  const Camera camera = find_camera(scene, options.camera);
-  const std::vector<Light> lights = find_lights(scene, camera);
-  std::optional<Rasterizer> rasterizer;
-  if (options.primary == Primary::kRaster) rasterizer.emplace();
+std::uint32_t find_samples(const SceneDescription& scene, const Camera& camera,
+                           const RenderOptions& options) {
+  constexpr std::uint32_t kEnough = 16;
+  if (options.samples > 0) return options.samples;
+  return scene.environment.empty() && camera.aperture == 0 ? 1 : kEnough;
+}
 
-  meter.begin("scene", 1);
-  const FlatScene flat = flatten(executor, scene, mesh_bounds(executor, scene));
-  const TextureSet textures(scene);
-  const FrameInput input{
-      flat, textures, camera, lights, options, rasterizer ? &*rasterizer : nullptr, backend};
-  RenderResult result = render_frame(executor, input, &meter);
-
-  FrameStatistics& s = result.statistics;
-  s.scene = scene.name;
-  s.triangles = flat.triangle_count;
-  s.meshes = flat.meshes.size();
-  s.width = options.width;
-  s.height = options.height;
-  s.method = to_string(options.method);
-  s.device = to_string(backend != nullptr ? Device::kCuda : Device::kCpu);
-  s.primary = rasterizer ? "raster: " + rasterizer->description() : "trace";
-  s.threads = executor.threads();
-  s.total_ms = watch.lap_ms();
-  return result;
+const char* word_of(const TreeReport& tree) {
+  if (!tree.used) return "none";
+  switch (tree.work) {
+    case TreeWork::kKeep:
+      return "kept";
+    case TreeWork::kRefit:
+      return "refit";
+    case TreeWork::kRebuild:
+      return "rebuild";
+    case TreeWork::kRebuildFinely:
+      break;
+  }
+  return "fine rebuild";
 }
 
 }  // namespace
 
-RenderResult render(const SceneDescription& scene, const RenderOptions& options) {
-  try {
-    check(options);
-    validate(scene);
-    return render_checked(Executor(options.threads), nullptr, scene, options);
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for this picture");
+class Renderer::Impl {
+ public:
+  Impl() = default;
+  explicit Impl(const Context& context) : context_(context) {
+    cache_.backend = ContextAccess::backend(context);
   }
+
+  void show(const SceneDescription& scene, const SceneChanges& changes) {
+    pending_.add(changes);
+    scene_ = &scene;
+  }
+
+  RenderResult render(const RenderOptions& options, const Camera* given) {
+    try {
+      check(options);
+      if (cache_.backend != nullptr) check_for_device(options);
+      if (scene_ == nullptr)
+        throw Error(ErrorCode::kWrongState, "no scene is shown yet: call show() first");
+      return render_checked(options, given);
+    } catch (const Error& error) {
+      // Who cancels finds everything whole: nothing that is kept is made where one can.
+      if (error.code() != ErrorCode::kCancelled) pending_.everything = true;
+      throw;
+    } catch (const std::bad_alloc&) {
+      pending_.everything = true;
+      throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for this picture");
+    }
+  }
+
+  [[nodiscard]] const UpdateStatistics& last_update() const { return update_; }
+
+ private:
+  RenderResult render_checked(const RenderOptions& options, const Camera* given) {
+    Stopwatch watch;
+    validate_changes(*scene_, pending_);
+    if (given != nullptr) validate_camera(*given);
+    const Executor& executor =
+        context_ ? ContextAccess::executor(*context_) : executor_for(options.threads);
+    ProgressMeter meter(options.progress);
+    Camera camera = given != nullptr ? *given : find_camera(*scene_, options.camera);
+    camera.aperture = options.aperture.value_or(camera.aperture);
+    camera.focus = options.focus.value_or(camera.focus);
+    const std::uint32_t samples = find_samples(*scene_, camera, options);
+    const std::vector<Light> lights = find_lights(*scene_, camera, samples);
+    const bool lens = camera.aperture > 0 && samples > 1;
+    const bool rasters = options.primary == Primary::kRaster && !lens;
+    if (rasters && !rasterizer_) rasterizer_.emplace();
+    meter.begin("scene", 1);
+    update_ = update_scene(executor);
+    const FrameInput input{flat_,
+                           *textures_,
+                           camera,
+                           lights,
+                           options,
+                           samples,
+                           rasters ? &*rasterizer_ : nullptr,
+                           scene_->environment.empty() ? nullptr : &environment_->view(),
+                           &cache_};
+    RenderResult result = render_frame(executor, input, &meter);
+    FrameStatistics& s = result.statistics;
+    s.scene = scene_->name;
+    s.triangles = flat_.triangle_count;
+    s.meshes = flat_.meshes.size();
+    s.width = options.width;
+    s.height = options.height;
+    s.method = to_string(options.method);
+    s.device = to_string(cache_.backend != nullptr ? Device::kCuda : Device::kCpu);
+    s.primary = rasters                               ? "raster: " + rasterizer_->description()
+                : options.primary == Primary::kRaster ? "trace: a lens needs rays"
+                                                      : "trace";
+    s.threads = executor.threads();
+    update_.tree = word_of(cache_.tree);
+    update_.tree_ms = cache_.tree.ms;
+    s.total_ms = watch.lap_ms();
+    return result;
+  }
+
+  const Executor& executor_for(std::uint32_t threads) {
+    if (!executor_ || threads != asked_threads_) executor_.emplace(threads);
+    asked_threads_ = threads;
+    return *executor_;
+  }
+
+  /// Does what is pending; an exception leaves everything pending.
+  UpdateStatistics update_scene(const Executor& executor) {
+    Stopwatch watch;
+    SceneChanges changes = std::exchange(pending_, {});
+    pending_.everything = true;
+    UpdateStatistics update = count_changes(changes);
+    update.rebound_meshes = update_bounds(executor, *scene_, changes, &object_bounds_);
+    update.bound_ms = watch.lap_ms();
+    const FlatUpdate placed = update_flat(executor, *scene_, changes, object_bounds_, &flat_);
+    update.placed_triangles = placed.placed_triangles;
+    cache_.update(executor, flat_, placed);
+    textures_.emplace(*scene_);
+    if (changes.everything) environment_.emplace(executor, scene_->environment);
+    update.place_ms = watch.lap_ms();
+    pending_ = {};
+    return update;
+  }
+
+  [[nodiscard]] UpdateStatistics count_changes(const SceneChanges& changes) const {
+    UpdateStatistics update;
+    update.moved_instances = changes.moved.size();
+    update.deformed_meshes = changes.deformed.size();
+    const std::size_t meshes = scene_->meshes.size();
+    const std::size_t other =
+        changes.everything ? 0 : std::min<std::size_t>(changes.other_meshes_from, meshes);
+    update.replaced_meshes = meshes - other;
+    return update;
+  }
+
+  const std::optional<Context> context_;  // keeps the device
+  const SceneDescription* scene_ = nullptr;
+  SceneChanges pending_;
+  std::optional<Executor> executor_;
+  std::uint32_t asked_threads_ = 0;
+  std::optional<Rasterizer> rasterizer_;
+  std::vector<Sphere> object_bounds_;
+  FlatScene flat_;
+  std::optional<TextureSet> textures_;
+  std::optional<EnvironmentMap> environment_;
+  TraceCache cache_;
+  UpdateStatistics update_;
+};
+
+Renderer::Renderer() : impl_(std::make_unique<Impl>()) {}
+Renderer::Renderer(const Context& context) : impl_(std::make_unique<Impl>(context)) {}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+void Renderer::show(const SceneDescription& scene) {
+  SceneChanges all;
+  all.everything = true;
+  impl_->show(scene, all);
+}
+
+void Renderer::show(const SceneDescription& scene, const SceneChanges& changes) {
+  impl_->show(scene, changes);
+}
+
+RenderResult Renderer::render(const RenderOptions& options) {
+  return impl_->render(options, nullptr);
+}
+
+RenderResult Renderer::render(const RenderOptions& options, const Camera& camera) {
+  return impl_->render(options, &camera);
+}
+
+const UpdateStatistics& Renderer::last_update() const {
+  return impl_->last_update();
+}
+
+RenderResult render(const SceneDescription& scene, const RenderOptions& options) {
+  Renderer renderer;
+  renderer.show(scene);
+  return renderer.render(options);
 }
 
 RenderResult render(const Context& context, const SceneDescription& scene,
                     const RenderOptions& options) {
-  const DeviceBackend* const backend = ContextAccess::backend(context);
-  try {
-    check(options);
-    if (backend != nullptr) check_for_device(options);
-    validate(scene);
-    return render_checked(ContextAccess::executor(context), backend, scene, options);
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for this picture");
-  }
+  Renderer renderer(context);
+  renderer.show(scene);
+  return renderer.render(options);
 }
 
 }  // namespace raysheaf

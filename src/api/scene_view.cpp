@@ -50,20 +50,22 @@ void SceneView::note_first_runs() {
   }
 }
 
-void SceneView::name_hits(const Executor& executor, View<const EngineHit> hits,
-                          std::span<Hit> out) const {
-  executor.for_each_block(hits.size, kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const EngineHit& hit = hits[i];
-      if (hit.triangle == kInvalidId) {
-        out[i] = Hit{};
-        continue;
-      }
-      std::uint32_t run = first_runs_[hit.triangle >> block_bits_];
-      while (hit.triangle - runs_[run].first >= runs_[run].count) ++run;
-      out[i] = {
-          hit.t, hit.u, hit.v, hit.triangle - runs_[run].first, ids_[run].mesh, ids_[run].instance};
+void SceneView::name_hits(View<const EngineHit> hits, Hit* out) const {
+  for (const EngineHit& hit : hits) {
+    if (hit.triangle == kInvalidId) {
+      *out++ = Hit{};
+      continue;
     }
+    std::uint32_t run = first_runs_[hit.triangle >> block_bits_];
+    while (hit.triangle - runs_[run].first >= runs_[run].count) ++run;
+    *out++ = {
+        hit.t, hit.u, hit.v, hit.triangle - runs_[run].first, ids_[run].mesh, ids_[run].instance};
+  }
+}
+
+void SceneView::name_hits(const Executor& executor, View<const EngineHit> hits, Hit* out) const {
+  executor.for_each_block(hits.size, kGrain, [&](std::size_t begin, std::size_t end) {
+    name_hits({hits.data + begin, end - begin}, out + begin);
   });
 }
 

@@ -43,8 +43,9 @@ class SceneView {
   /// Takes over what has changed; next to nothing where nothing has.
   void refresh(const SceneRuns& scene);
   [[nodiscard]] TriangleSource source() const { return {runs_, count_, nullptr}; }
-  /// Hits by ids; spans of equal length.
-  void name_hits(const Executor& executor, View<const EngineHit> hits, std::span<Hit> out) const;
+  /// Hits by ids; `out` has room for as many.
+  void name_hits(View<const EngineHit> hits, Hit* out) const;
+  void name_hits(const Executor& executor, View<const EngineHit> hits, Hit* out) const;
   /// The engine on a device, with the triangles of `source()`; made and filled where it must be.
   [[nodiscard]] DeviceEngine& device_engine(const Executor& executor, const DeviceBackend& backend);
   /// Of the host's memory, and of a device's.

@@ -1,5 +1,5 @@
 // Totals of the counters and their JSON. docs/statistics.md describes every field.
-#include "raysheaf/statistics.h"
+#include "raysheaf/renderer.h"
 
 #include <nlohmann/json.hpp>
 
@@ -44,6 +44,13 @@ Json batch_json(const BatchStatistics& batch) {
           {"plan", batch.plan}};
 }
 
+Json sample_json(const SampleStatistics& sample) {
+  return {{"rays", sample.rays},
+          {"total_tests", sample.total_tests},
+          {"hits", sample.hits},
+          {"ms", sample.ms}};
+}
+
 }  // namespace
 
 const char* to_string(RayKind kind) {
@@ -76,6 +83,8 @@ double BatchStatistics::relative() const {
 std::string to_json(const FrameStatistics& statistics, double load_ms) {
   Json batches = Json::array();
   for (const BatchStatistics& batch : statistics.batches) batches.push_back(batch_json(batch));
+  Json samples = Json::array();
+  for (const SampleStatistics& sample : statistics.samples) samples.push_back(sample_json(sample));
   const Json frame = {{"scene", statistics.scene},
                       {"triangles", statistics.triangles},
                       {"meshes", statistics.meshes},
@@ -88,6 +97,7 @@ std::string to_json(const FrameStatistics& statistics, double load_ms) {
                       {"primary", statistics.primary},
                       {"threads", statistics.threads},
                       {"batches", std::move(batches)},
+                      {"samples", std::move(samples)},
                       {"times_ms",
                        {{"load", load_ms},
                         {"raster", statistics.raster_ms},
@@ -96,6 +106,19 @@ std::string to_json(const FrameStatistics& statistics, double load_ms) {
   // A scene's name comes from a file: bytes that are not UTF-8 become U+FFFD instead of an
   // exception.
   return frame.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string to_json(const UpdateStatistics& update) {
+  const Json json = {
+      {"moved_instances", update.moved_instances},
+      {"deformed_meshes", update.deformed_meshes},
+      {"replaced_meshes", update.replaced_meshes},
+      {"rebound_meshes", update.rebound_meshes},
+      {"placed_triangles", update.placed_triangles},
+      {"tree", update.tree},
+      {"times_ms",
+       {{"bound", update.bound_ms}, {"place", update.place_ms}, {"tree", update.tree_ms}}}};
+  return json.dump();
 }
 
 }  // namespace raysheaf

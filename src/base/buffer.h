@@ -3,22 +3,13 @@
 
 #include <cstddef>
 #include <memory>
-#include <new>
 #include <type_traits>
 
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
-
-#include "base/aligned.h"
+#include "raysheaf/large_vector.h"
 
 namespace raysheaf {
 
-/// Buffers of this size or more start on one, and ask the system for pages as large: what is
-/// scattered over many small ones spends its time looking them up.
-inline constexpr std::size_t kLargePageBytes = std::size_t{2} << 20;
-
-/// On a cache line; grows and never shrinks; elements are not initialised.
+/// On a cache line, or large pages; grows and never shrinks; elements are not initialised.
 template <class T>
 class Buffer {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -43,20 +34,13 @@ class Buffer {
 
  private:
   struct Free {
-    std::align_val_t alignment{kCacheLineBytes};
-    void operator()(T* p) const { ::operator delete(p, alignment); }
+    std::size_t bytes = 0;
+    void operator()(T* memory) const { free_large(memory, bytes); }
   };
   using Memory = std::unique_ptr<T[], Free>;
 
   static Memory allocate(std::size_t bytes) {
-    const bool large = bytes >= kLargePageBytes;
-    const std::align_val_t alignment{large ? kLargePageBytes : kCacheLineBytes};
-    Memory memory(static_cast<T*>(::operator new(bytes, alignment)), Free{alignment});
-#if defined(__linux__)
-    // A wish: nothing depends on whether it is granted.
-    if (large) static_cast<void>(madvise(memory.get(), bytes, MADV_HUGEPAGE));
-#endif
-    return memory;
+    return {static_cast<T*>(allocate_large(bytes)), Free{bytes}};
   }
 
   Memory memory_;

@@ -18,6 +18,7 @@
 #include <limits>
 #include <vector>
 
+#include "base/buffer.h"
 #include "base/view.h"
 #include "dual/ray_order.h"
 #include "exec/executor.h"
@@ -63,12 +64,19 @@ struct DualCounts {
   }
 };
 
-struct RowHit {
-  std::uint32_t ray = 0;
-  EngineHit hit;
+/// Every hit of rays that follow each other in a `RayOrder`: row i is that of the ray at place
+/// first + i, sorted by (t, triangle), and ends where ends[i] says.
+struct RowList {
+  std::uint32_t first = 0;
+  Buffer<std::uint32_t> ends;
+  Buffer<EngineHit> hits;
+
+  [[nodiscard]] View<const EngineHit> row(std::size_t i) const {
+    const std::uint32_t begin = i == 0 ? 0 : ends[i - 1];
+    return {hits.data() + begin, ends[i] - begin};
+  }
 };
-/// In no order, but all hits of a ray are in one list.
-using RowLists = std::vector<std::vector<RowHit>>;
+using RowLists = std::vector<RowList>;
 
 /// All in the caller's order; `ray_tests` may be empty, else each ray's share is added to it. What
 /// `rays` are must have been checked: finite, with a direction, 0 <= t_min <= t_max.
@@ -78,9 +86,8 @@ void trace_closest(const Executor& executor, const DualScene& scene, View<const 
 void trace_any(const Executor& executor, const DualScene& scene, View<const Ray> rays,
                const RayOrder& order, View<std::uint8_t> occluded, View<float> ray_tests,
                DualCounts* counts);
-/// In no order.
-[[nodiscard]] RowLists trace_all(const Executor& executor, const DualScene& scene,
-                                 View<const Ray> rays, const RayOrder& order, View<float> ray_tests,
-                                 DualCounts* counts);
+/// `rows`, whose memory is used again, takes the rows of all rays, in their order.
+void trace_all(const Executor& executor, const DualScene& scene, View<const Ray> rays,
+               const RayOrder& order, RowLists* rows, View<float> ray_tests, DualCounts* counts);
 
 }  // namespace raysheaf

@@ -53,15 +53,16 @@ class StreamWalk : StreamSingles<Mode> {
     }
   }
 
-  void finish() {
+  /// Hands over what was counted and found for packets [begin, end).
+  void finish(std::size_t begin, std::size_t end) {
+    if constexpr (Mode::kAll) hand_over_rows(job_, begin, end, stream_.rows);
     const std::lock_guard<std::mutex> lock(*job_.mutex);
     if (job_.counts != nullptr) job_.counts->add(counts_);
-    if constexpr (Mode::kAll) job_.rows->push_back(std::move(rows_));
   }
 
  private:
   using StreamHits<Mode>::job_, StreamHits<Mode>::tree_, StreamHits<Mode>::stream_;
-  using StreamHits<Mode>::counts_, StreamHits<Mode>::rows_;
+  using StreamHits<Mode>::counts_;
   using StreamHits<Mode>::take_lanes, StreamHits<Mode>::write_back;
   using StreamSingles<Mode>::is_for_singles, StreamSingles<Mode>::has_many_singles;
   using StreamSingles<Mode>::add_singles, StreamSingles<Mode>::walk_singles_of_stream;
@@ -72,6 +73,7 @@ class StreamWalk : StreamSingles<Mode> {
     RayPacket& p = packet_;
     alignas(64) float dx[kPacketWidth], dy[kPacketWidth], dz[kPacketWidth];
     std::uint32_t alive = 0;
+    s.first = first;
     s.count = count;
     s.pad = 0;
     counts_.ray_box_tests += count;

@@ -41,6 +41,12 @@ struct WaitingList {
   std::uint32_t offset, size;  ///< of its list
 };
 
+/// A hit of the ray at a place of the order.
+struct RowHit {
+  std::uint32_t place = 0;
+  EngineHit hit;
+};
+
 struct Stream {
   Buffer<StreamRay> rays;
   Buffer<StreamShear> shears;
@@ -48,12 +54,13 @@ struct Stream {
   Buffer<std::uint32_t> index;  ///< the caller's numbers
   Buffer<std::uint32_t> lists;
   std::vector<WaitingList> waiting;
+  std::vector<RowHit> rows;  ///< where all hits are asked for: of the task's rays
   int axis_x = 0, axis_y = 0, axis_z = 0;
   int near_x = 0, near_y = 0, near_z = 0;  ///< as in RayPacket
   int far_x = 0, far_y = 0, far_z = 0;
   bool mirrored = false;
-  std::uint32_t count = 0;
-  float pad = 0;  ///< the largest of the packets'
+  std::uint32_t first = 0, count = 0;  ///< places in the order
+  float pad = 0;                       ///< the largest of the packets'
 
   Stream() {
     rays.resize_uninitialized(kStreamRays);
@@ -67,7 +74,7 @@ struct Stream {
   [[nodiscard]] std::size_t bytes() const {
     return rays.capacity_bytes() + shears.capacity_bytes() + hits.capacity_bytes() +
            index.capacity_bytes() + lists.capacity_bytes() +
-           waiting.capacity() * sizeof(WaitingList);
+           waiting.capacity() * sizeof(WaitingList) + rows.capacity() * sizeof(RowHit);
   }
 };
 

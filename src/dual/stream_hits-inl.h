@@ -5,7 +5,9 @@ template <class Mode>
 class StreamHits {
  protected:
   explicit StreamHits(const TraceJob& job)
-      : job_(job), tree_(*job.scene.tree), own_(job.streams->take()), stream_(*own_) {}
+      : job_(job), tree_(*job.scene.tree), own_(job.streams->take()), stream_(*own_) {
+    stream_.rows.clear();
+  }
   ~StreamHits() { job_.streams->give(std::move(own_)); }
   StreamHits(const StreamHits&) = delete;
   StreamHits& operator=(const StreamHits&) = delete;
@@ -59,7 +61,7 @@ class StreamHits {
         !shows(job_.scene.facing, job_.scene.flags[id], hit.front))
       return;
     if constexpr (Mode::kAll) {
-      rows_.push_back({s.index[n], {hit.t, hit.u, hit.v, id}});
+      s.rows.push_back({s.first + n, {hit.t, hit.u, hit.v, id}});
     } else if constexpr (Mode::kAny) {
       s.hits[n].triangle = id;
       s.shears[n].t_limit = -1;
@@ -90,5 +92,4 @@ class StreamHits {
   std::unique_ptr<Stream> own_;
   Stream& stream_;
   DualCounts counts_;
-  std::vector<RowHit> rows_;
 };

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 
 #include "base/bits.h"
 #include "dual/stream.h"
@@ -32,6 +33,8 @@ void trace_all_tasks(const Executor& executor, const DualScene& scene, View<cons
   job.mutex = &mutex;
   const std::size_t packets = job.packet_starts[kQuarters];
   const std::size_t a_task = scene.bundle == Bundle::kStream ? kStreamPacketsATask : kPacketsATask;
+  job.packets_a_task = a_task;
+  if (job.rows != nullptr) job.rows->resize(div_ceil(packets, a_task));
   executor.for_each(div_ceil(packets, a_task), 1, [&](std::size_t task) {
     const std::size_t begin = task * a_task;
     trace(job, begin, std::min(packets, begin + a_task));
@@ -39,6 +42,27 @@ void trace_all_tasks(const Executor& executor, const DualScene& scene, View<cons
 }
 
 }  // namespace
+
+void make_rows(const std::vector<RowHit>& found, std::uint32_t first, std::uint32_t end,
+               RowList* list) {
+  list->first = first;
+  list->ends.resize_uninitialized(end - first);
+  list->hits.resize_uninitialized(found.size());
+  std::fill(list->ends.begin(), list->ends.end(), 0u);
+  // ends[i] is first the length of row i, then where it begins, then, filled, where it ends.
+  for (const RowHit& hit : found) ++list->ends[hit.place - first];
+  std::uint32_t begin = 0;
+  for (std::uint32_t& at : list->ends) begin += std::exchange(at, begin);
+  for (const RowHit& hit : found) list->hits[list->ends[hit.place - first]++] = hit.hit;
+  begin = 0;
+  for (const std::uint32_t row_end : list->ends) {
+    std::sort(list->hits.begin() + begin, list->hits.begin() + row_end,
+              [](const EngineHit& a, const EngineHit& b) {
+                return a.t < b.t || (a.t == b.t && a.triangle < b.triangle);
+              });
+    begin = row_end;
+  }
+}
 
 void trace_closest(const Executor& executor, const DualScene& scene, View<const Ray> rays,
                    const RayOrder& order, View<EngineHit> hits, View<float> ray_tests,
@@ -64,14 +88,12 @@ void trace_any(const Executor& executor, const DualScene& scene, View<const Ray>
   trace_all_tasks(executor, scene, rays, order, ray_tests, counts, job, trace_any_packets);
 }
 
-RowLists trace_all(const Executor& executor, const DualScene& scene, View<const Ray> rays,
-                   const RayOrder& order, View<float> ray_tests, DualCounts* counts) {
-  RowLists rows;
-  if (scene.tree->empty()) return rows;
+void trace_all(const Executor& executor, const DualScene& scene, View<const Ray> rays,
+               const RayOrder& order, RowLists* rows, View<float> ray_tests, DualCounts* counts) {
+  if (scene.tree->empty()) return rows->clear();
   TraceJob job;
-  job.rows = &rows;
+  job.rows = rows;
   trace_all_tasks(executor, scene, rays, order, ray_tests, counts, job, trace_all_packets);
-  return rows;
 }
 
 }  // namespace raysheaf

@@ -21,12 +21,17 @@ struct TraceJob {
   std::array<std::uint32_t, kQuarters + 1> ray_starts{}, packet_starts{};
   EngineHit* hits = nullptr;
   std::uint8_t* occluded = nullptr;
-  RowLists* rows = nullptr;      ///< under `mutex`
+  RowLists* rows = nullptr;  ///< one a task
+  std::size_t packets_a_task = 1;
   float* ray_tests = nullptr;    ///< or null
   DualCounts* counts = nullptr;  ///< under `mutex`
   std::mutex* mutex = nullptr;
   StreamPool* streams = nullptr;
 
+  /// Every packet begins its task, or follows the one before it in its task.
+  [[nodiscard]] RowList& rows_of(std::size_t packet) const {
+    return (*rows)[packet / packets_a_task];
+  }
   [[nodiscard]] PacketRange packet(std::size_t n) const {
     std::uint32_t quarter = 0;
     while (n >= packet_starts[quarter + 1]) ++quarter;
@@ -35,6 +40,10 @@ struct TraceJob {
     return {first, std::min(kPacketWidth, ray_starts[quarter + 1] - first), quarter};
   }
 };
+
+/// What was found for the rays at places [first, end), in no order, as a list.
+void make_rows(const std::vector<RowHit>& found, std::uint32_t first, std::uint32_t end,
+               RowList* list);
 
 void trace_closest_packets(const TraceJob& job, std::size_t begin, std::size_t end);
 void trace_any_packets(const TraceJob& job, std::size_t begin, std::size_t end);

@@ -53,24 +53,24 @@ void walk_packets(const TraceJob& job, std::size_t begin, std::size_t end) {
     if (n + 1 < end) prefetch_rays(job, job.packet(n + 1));
     walk.run(job.packet(n));
   }
-  walk.finish();
+  walk.finish(begin, end);
 }
 
 /// Packets that follow each other in one quarter make a stream.
 template <class Mode>
 void walk_streams(const TraceJob& job, std::size_t begin, std::size_t end) {
   StreamWalk<Mode> walk(job);
-  while (begin < end) {
-    const PacketRange first = job.packet(begin);
+  for (std::size_t n = begin; n < end;) {
+    const PacketRange first = job.packet(n);
     std::uint32_t count = first.count;
-    for (++begin; begin < end && count + kPacketWidth <= kStreamRays; ++begin) {
-      const PacketRange next = job.packet(begin);
+    for (++n; n < end && count + kPacketWidth <= kStreamRays; ++n) {
+      const PacketRange next = job.packet(n);
       if (next.quarter != first.quarter) break;
       count += next.count;
     }
     walk.run(first.first, count, first.quarter);
   }
-  walk.finish();
+  walk.finish(begin, end);
 }
 
 template <class Mode>

@@ -22,6 +22,13 @@ HWY_NOINLINE void for_each_leaf(const ObjectTree& tree, const Body& body) {
       if (node.is_leaf(c)) body(node.first[c], node.count[c]);
 }
 
+/// What was found for the rays of packets [begin, end), all of a task.
+inline void hand_over_rows(const TraceJob& job, std::size_t begin, std::size_t end,
+                           const std::vector<RowHit>& found) {
+  const PacketRange last = job.packet(end - 1);
+  make_rows(found, job.packet(begin).first, last.first + last.count, &job.rows_of(begin));
+}
+
 template <class Mode>
 class Walk {
  public:
@@ -29,6 +36,7 @@ class Walk {
 
   void run(const PacketRange& range) {
     RayPacket& p = packet_;
+    first_ = range.first;
     alignas(64) float dx[kPacketWidth], dy[kPacketWidth], dz[kPacketWidth];
     gather_rays(job_.rays, job_.order + range.first, range.count, range.quarter, &p, dx, dy, dz);
     const DualCounts before = counts_;
@@ -52,11 +60,11 @@ class Walk {
     }
   }
 
-  /// Hands over what this walk counted and found.
-  void finish() {
+  /// Hands over what was counted and found for packets [begin, end).
+  void finish(std::size_t begin, std::size_t end) {
+    if constexpr (Mode::kAll) hand_over_rows(job_, begin, end, rows_);
     const std::lock_guard<std::mutex> lock(*job_.mutex);
     if (job_.counts != nullptr) job_.counts->add(counts_);
-    if constexpr (Mode::kAll) job_.rows->push_back(std::move(rows_));
   }
 
  private:
@@ -198,7 +206,7 @@ class Walk {
         !shows(job_.scene.facing, job_.scene.flags[id], hit.front))
       return false;
     if constexpr (Mode::kAll) {
-      if (lane < p.count) rows_.push_back({p.index[lane], {hit.t, hit.u, hit.v, id}});
+      if (lane < p.count) rows_.push_back({first_ + lane, {hit.t, hit.u, hit.v, id}});
       return false;
     } else if constexpr (Mode::kAny) {
       done_ |= 1u << lane;
@@ -266,5 +274,6 @@ class Walk {
   DualCounts counts_;
   std::vector<Waiting> waiting_;
   SingleWalk singles_[kSingleRays];
+  std::uint32_t first_ = 0;  ///< the packet's place in the order
   std::vector<RowHit> rows_;
 };

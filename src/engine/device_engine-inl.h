@@ -108,8 +108,8 @@ class DeviceEngineOn : public DeviceEngine {
     finish(batch, query);
   }
 
-  [[nodiscard]] EngineHitRows all_hits(View<const Ray> rays, const DeviceQuery& query) override {
-    EngineHitRows rows;
+  [[nodiscard]] DeviceHitRows all_hits(View<const Ray> rays, const DeviceQuery& query) override {
+    DeviceHitRows rows;
     rows.offsets.assign(rays.size + 1, 0);
     if (rays.empty()) return rows;
     DeviceBatch batch = begin(rays, query, false);

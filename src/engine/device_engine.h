@@ -23,6 +23,21 @@ struct RunName {
   std::uint32_t geom_id = 0, inst_id = 0;
 };
 
+/// All hits by ray, each row by (t, triangle): those of ray i are hits[offsets[i]] to before
+/// hits[offsets[i + 1]].
+struct DeviceHitRows {
+  std::vector<std::uint64_t> offsets;
+  std::vector<EngineHit> hits;
+
+  /// As `FoundRows` has it.
+  template <class Body>
+  void for_each(const Executor& executor, const Body& body) const {
+    executor.for_each(offsets.size() - 1, 1024, [&](std::size_t ray) {
+      body(ray, View<const EngineHit>(hits.data() + offsets[ray], offsets[ray + 1] - offsets[ray]));
+    });
+  }
+};
+
 struct DeviceQuery {
   Facing facing = Facing::kBoth;
   bool brute = false;      ///< every ray with every triangle
@@ -54,7 +69,7 @@ class DeviceEngine {
                        View<std::uint8_t> occluded) = 0;
   virtual void count_hits(View<const Ray> rays, const DeviceQuery& query,
                           View<std::uint32_t> counts) = 0;
-  [[nodiscard]] virtual EngineHitRows all_hits(View<const Ray> rays, const DeviceQuery& query) = 0;
+  [[nodiscard]] virtual DeviceHitRows all_hits(View<const Ray> rays, const DeviceQuery& query) = 0;
 
   /// Stages of the last query that had a report, in order.
   [[nodiscard]] virtual const std::vector<StageTime>& stage_times() const = 0;

@@ -11,8 +11,14 @@ namespace {
 /// A tree whose expected cost has grown by this much is not worth refitting.
 constexpr float kSpoilt = 1.5f;
 
-bool precedes(const EngineHit& a, const EngineHit& b) {
-  return a.t < b.t || (a.t == b.t && a.triangle < b.triangle);
+/// Found rows beyond are given back with the next query.
+constexpr std::size_t kMostRowBytes = std::size_t{64} << 20;
+
+std::size_t bytes_of(const RowLists& lists) {
+  std::size_t bytes = 0;
+  for (const RowList& list : lists)
+    bytes += list.ends.capacity_bytes() + list.hits.capacity_bytes();
+  return bytes;
 }
 
 /// Adds to the report where there is one; times what was done since the last lap.
@@ -39,31 +45,6 @@ class Reporter {
   EngineReport* report_;
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
-
-/// `counts[hit.ray]` grows by the number of each ray's hits.
-template <class Count>
-void count_hits_of(const Executor& executor, const RowLists& found, Count* counts) {
-  executor.for_each(found.size(), 1, [&](std::size_t list) {
-    for (const RowHit& hit : found[list]) ++counts[hit.ray];  // nobody else has this ray
-  });
-}
-
-EngineHitRows to_rows(const Executor& executor, const RowLists& found, std::size_t ray_count) {
-  EngineHitRows rows;
-  rows.offsets.assign(ray_count + 1, 0);
-  count_hits_of(executor, found, rows.offsets.data() + 1);
-  for (std::size_t i = 0; i < ray_count; ++i) rows.offsets[i + 1] += rows.offsets[i];
-  rows.hits.resize(rows.offsets.back());
-  std::vector<std::uint64_t> next(rows.offsets.begin(), rows.offsets.end() - 1);
-  executor.for_each(found.size(), 1, [&](std::size_t list) {
-    for (const RowHit& hit : found[list]) rows.hits[next[hit.ray]++] = hit.hit;
-  });
-  executor.for_each(ray_count, 1024, [&](std::size_t i) {
-    std::sort(rows.hits.begin() + static_cast<std::ptrdiff_t>(rows.offsets[i]),
-              rows.hits.begin() + static_cast<std::ptrdiff_t>(rows.offsets[i + 1]), precedes);
-  });
-  return rows;
-}
 
 }  // namespace
 
@@ -95,6 +76,10 @@ void Engine::prepare(const Executor& executor, View<const Ray> rays, Plan* plan,
     build_fine_object_tree(executor, source_, &tree_);
   } else if (plan->tree != TreeWork::kKeep && !refitted) {
     build_object_tree(executor, source_, &tree_);
+  }
+  if (report != nullptr) {
+    report->used_tree = true;
+    report->tree = plan->tree == TreeWork::kRefit && !refitted ? TreeWork::kRebuild : plan->tree;
   }
   if (plan->tree != TreeWork::kKeep && !refitted) {
     // A fine tree that was spoilt is tried again, but not so soon.
@@ -171,43 +156,27 @@ void Engine::any_hit(const Executor& executor, View<const Ray> rays, const Engin
   reporter.add(counts);
 }
 
-RowLists Engine::find_all(const Executor& executor, View<const Ray> rays,
-                          const EngineOptions& options, EngineReport* report) {
-  Plan plan = make_plan(history_, rays, false, report != nullptr);
-  ++history_.queries_since_change;
-  prepare(executor, rays, &plan, report);
-  Reporter reporter(report);
-  DualCounts counts;
-  RowLists found = trace_all(executor, dual_scene(plan, options), rays, order_, {}, &counts);
-  reporter.lap(&EngineReport::trace_ms);
-  reporter.add(counts);
-  return found;
-}
-
-EngineHitRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
-                               const EngineOptions& options, EngineReport* report) {
-  if (rays.empty()) return {{0}, {}};
-  const RowLists found = find_all(executor, rays, options, report);
-  Reporter reporter(report);
-  EngineHitRows rows = to_rows(executor, found, rays.size);
-  reporter.lap(&EngineReport::trace_ms);
-  return rows;
-}
-
-void Engine::count_hits(const Executor& executor, View<const Ray> rays,
-                        const EngineOptions& options, View<std::uint32_t> counts,
-                        EngineReport* report) {
-  std::fill(counts.begin(), counts.end(), 0u);
-  if (rays.empty()) return;
-  const RowLists found = find_all(executor, rays, options, report);
-  Reporter reporter(report);
-  count_hits_of(executor, found, counts.data);
-  reporter.lap(&EngineReport::trace_ms);
+FoundRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
+                           const EngineOptions& options, EngineReport* report) {
+  if (bytes_of(rows_) > kMostRowBytes) rows_.clear();
+  if (!rays.empty()) {
+    Plan plan = make_plan(history_, rays, false, report != nullptr);
+    ++history_.queries_since_change;
+    prepare(executor, rays, &plan, report);
+    Reporter reporter(report);
+    DualCounts counts;
+    trace_all(executor, dual_scene(plan, options), rays, order_, &rows_, {}, &counts);
+    reporter.lap(&EngineReport::trace_ms);
+    reporter.add(counts);
+  } else {
+    rows_.clear();
+  }
+  return {rows_, {order_.rays.data(), order_.rays.size()}};
 }
 
 std::size_t Engine::memory_bytes() const {
   return tree_.memory_bytes() + order_.rays.capacity_bytes() + order_.keys.capacity_bytes() +
-         order_.spare.capacity_bytes() + streams_->bytes() + fan_memory_.bytes();
+         order_.spare.capacity_bytes() + streams_->bytes() + fan_memory_.bytes() + bytes_of(rows_);
 }
 
 }  // namespace raysheaf

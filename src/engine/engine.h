@@ -33,6 +33,8 @@ struct EngineReport {
   std::uint64_t bound_tests = 0;      ///< bound with bound: bundles and cells with boxes, triangles
   std::uint64_t ray_bound_tests = 0;  ///< ray with box
   std::uint64_t triangle_tests = 0;   ///< ray with triangle
+  bool used_tree = false;             ///< false: a fan needs none
+  TreeWork tree = TreeWork::kKeep;    ///< what became of the tree
   double order_ms = 0, hierarchy_ms = 0, trace_ms = 0, total_ms = 0;
   std::vector<std::string> plan;  ///< a sentence a choice, with the figures that decided it
 
@@ -41,11 +43,25 @@ struct EngineReport {
   }
 };
 
-/// Compressed rows: the hits of ray i are hits[offsets[i]] to before hits[offsets[i + 1]], sorted
-/// by (t, triangle).
-struct EngineHitRows {
-  std::vector<std::uint64_t> offsets;
-  std::vector<EngineHit> hits;
+/// All hits of a batch, as its engine keeps them until it is asked again.
+class FoundRows {
+ public:
+  FoundRows(const RowLists& lists, View<const std::uint32_t> order)
+      : lists_(&lists), order_(order) {}
+
+  /// Calls `body(ray, hits)` for every ray that hits something, and perhaps for others, in any
+  /// order and from several threads; hits are sorted by (t, triangle).
+  template <class Body>
+  void for_each(const Executor& executor, const Body& body) const {
+    executor.for_each(lists_->size(), 1, [&](std::size_t number) {
+      const RowList& list = (*lists_)[number];
+      for (std::size_t i = 0; i < list.ends.size(); ++i) body(order_[list.first + i], list.row(i));
+    });
+  }
+
+ private:
+  const RowLists* lists_;
+  View<const std::uint32_t> order_;
 };
 
 /// One scene's engine: the object tree and its age. Not for use by two threads at once; several
@@ -66,12 +82,8 @@ class Engine {
                View<std::uint8_t> occluded, View<float> ray_tests, EngineReport* report);
 
   /// Every hit of every ray.
-  [[nodiscard]] EngineHitRows all_hits(const Executor& executor, View<const Ray> rays,
-                                       const EngineOptions& options, EngineReport* report);
-
-  /// counts[i] takes the number of hits of rays[i].
-  void count_hits(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
-                  View<std::uint32_t> counts, EngineReport* report);
+  [[nodiscard]] FoundRows all_hits(const Executor& executor, View<const Ray> rays,
+                                   const EngineOptions& options, EngineReport* report);
 
   /// The tree, and the room that queries keep for the next one.
   [[nodiscard]] std::size_t memory_bytes() const;
@@ -83,8 +95,6 @@ class Engine {
   [[nodiscard]] bool any_hit_in_fan(const Executor& executor, View<const Ray> rays,
                                     const EngineOptions& options, View<std::uint8_t> occluded,
                                     View<float> ray_tests, EngineReport* report);
-  [[nodiscard]] RowLists find_all(const Executor& executor, View<const Ray> rays,
-                                  const EngineOptions& options, EngineReport* report);
   [[nodiscard]] DualScene dual_scene(const Plan& plan, const EngineOptions& options) const;
 
   TriangleSource source_;
@@ -92,6 +102,7 @@ class Engine {
   SceneHistory history_;
   float cost_when_built_ = 0;
   RayOrder order_;
+  RowLists rows_;
   std::unique_ptr<StreamPool> streams_ = std::make_unique<StreamPool>();
   FanMemory fan_memory_;
 };

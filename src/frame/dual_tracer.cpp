@@ -15,18 +15,6 @@ constexpr std::size_t kGrain = 4096;
 /// about as much as they do.
 constexpr std::size_t kFewestRays = 512;
 
-/// `whole`: the report is of all rays of the batch, not of some of them.
-void add_report(EngineReport report, std::size_t rays, bool whole, BatchStatistics* statistics) {
-  statistics->bound_tests += report.bound_tests;
-  statistics->ray_bound_tests += report.ray_bound_tests;
-  statistics->final_tests += report.triangle_tests;
-  statistics->times_ms.order += report.order_ms;
-  statistics->times_ms.hierarchy += report.hierarchy_ms;
-  statistics->times_ms.traverse += report.trace_ms;
-  const std::string of = whole ? "" : "[" + std::to_string(rays) + " rays] ";
-  for (const std::string& sentence : report.plan) statistics->plan.push_back(of + sentence);
-}
-
 /// Whether the first and the last start at one point: so do then all of a point light.
 bool starts_at_one_point(View<const Ray> rays) {
   return std::memcmp(&rays[0].origin, &rays[rays.size - 1].origin, sizeof(Vec3)) == 0;
@@ -56,19 +44,57 @@ std::vector<std::size_t> query_ends(const RayBatch& batch) {
 }
 
 DualTracer::DualTracer(const Executor& executor, const FlatScene& scene) {
-  const std::uint32_t count = scene.triangle_count;
-  corners_.resize_uninitialized(std::size_t{3} * count);
-  executor.for_each(count, kGrain, [&](std::size_t i) {
+  corners_.resize_uninitialized(std::size_t{3} * scene.triangle_count);
+  copy_corners(executor, scene, 0, scene.triangle_count);
+  use_corners(scene, false);
+}
+
+void DualTracer::update(const Executor& executor, const FlatScene& scene,
+                        const FlatUpdate& update) {
+  if (update.same_triangles) {
+    for (const std::uint32_t i : update.placed_meshes) {
+      const FlatMesh& mesh = scene.meshes[i];
+      copy_corners(executor, scene, mesh.first_triangle, mesh.triangle_count);
+    }
+  } else {
+    corners_.resize_uninitialized(std::size_t{3} * scene.triangle_count);
+    copy_corners(executor, scene, 0, scene.triangle_count);
+  }
+  use_corners(scene, update.same_triangles);
+}
+
+void DualTracer::copy_corners(const Executor& executor, const FlatScene& scene, std::size_t first,
+                              std::size_t count) {
+  executor.for_each(count, kGrain, [&](std::size_t n) {
+    const std::size_t i = first + n;
     for (int k = 0; k < 3; ++k)
       corners_[3 * i + static_cast<std::size_t>(k)] =
           scene.corner(static_cast<std::uint32_t>(i), k);
   });
+}
+
+void DualTracer::use_corners(const FlatScene& scene, bool same_triangles) {
+  const std::uint32_t count = scene.triangle_count;
   run_ = {corners_.data(), nullptr, 0, count};
   TriangleSource source;
   source.runs = {&run_, count > 0 ? std::size_t{1} : std::size_t{0}};
   source.count = count;
   source.flags = scene.flags.data();
-  engine_.set_triangles(source, false);
+  engine_.set_triangles(source, same_triangles);
+}
+
+/// `whole`: the report is of all rays of the batch, not of some of them.
+void DualTracer::add_report(EngineReport report, std::size_t rays, bool whole,
+                            BatchStatistics* statistics) {
+  tree_.add({report.used_tree, report.tree, report.used_tree ? report.hierarchy_ms : 0});
+  statistics->bound_tests += report.bound_tests;
+  statistics->ray_bound_tests += report.ray_bound_tests;
+  statistics->final_tests += report.triangle_tests;
+  statistics->times_ms.order += report.order_ms;
+  statistics->times_ms.hierarchy += report.hierarchy_ms;
+  statistics->times_ms.traverse += report.trace_ms;
+  const std::string of = whole ? "" : "[" + std::to_string(rays) + " rays] ";
+  for (const std::string& sentence : report.plan) statistics->plan.push_back(of + sentence);
 }
 
 void DualTracer::find_occluded(const Executor& executor, const RayBatch& batch,

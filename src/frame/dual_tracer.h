@@ -5,13 +5,15 @@
 // to use.
 #pragma once
 
+#include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "base/buffer.h"
 #include "engine/engine.h"
 #include "raygen/raygen.h"
 #include "raysheaf/statistics.h"
-#include "scene/flat_scene.h"
+#include "scene/flat_update.h"
 
 namespace raysheaf {
 
@@ -23,12 +25,29 @@ inline constexpr std::uint32_t kSomeTriangle = kInvalidId - 1;
   return kind == RayKind::kShadow || kind == RayKind::kAmbientOcclusion;
 }
 
+/// What a frame did with the hierarchy over its triangles.
+struct TreeReport {
+  bool used = false;
+  TreeWork work = TreeWork::kKeep;  ///< the most that any batch asked for
+  double ms = 0;
+
+  void add(const TreeReport& other) {
+    used = used || other.used;
+    work = std::max(work, other.work);
+    ms += other.ms;
+  }
+};
+
 /// One scene's, for any number of batches: the object tree is built by the first that needs it.
 /// About 36 bytes a triangle beside the engine's, and 17 a ray of the largest batch.
 class DualTracer {
  public:
   /// O(triangles). `scene` must outlive it.
   DualTracer(const Executor& executor, const FlatScene& scene);
+  /// The scene changed as `update` says: the tree is refitted where the same triangles have moved.
+  /// O(what was placed), or O(triangles) where they are others. Nothing is built before a batch
+  /// needs it.
+  void update(const Executor& executor, const FlatScene& scene, const FlatUpdate& update);
   DualTracer(const DualTracer&) = delete;
   DualTracer& operator=(const DualTracer&) = delete;
 
@@ -39,7 +58,14 @@ class DualTracer {
                                           Facing facing, BatchStatistics* statistics,
                                           View<float> ray_tests);
 
+  /// Of all batches since the last call.
+  [[nodiscard]] TreeReport take_tree_report() { return std::exchange(tree_, {}); }
+
  private:
+  void copy_corners(const Executor& executor, const FlatScene& scene, std::size_t first,
+                    std::size_t count);
+  void add_report(EngineReport report, std::size_t rays, bool whole, BatchStatistics* statistics);
+  void use_corners(const FlatScene& scene, bool same_triangles);
   void find_occluded(const Executor& executor, const RayBatch& batch, const EngineOptions& options,
                      BatchStatistics* statistics, View<float> ray_tests, View<RayHit> hits);
   void find_closest(const Executor& executor, const RayBatch& batch, const EngineOptions& options,
@@ -48,6 +74,7 @@ class DualTracer {
   Buffer<Vec3> corners_;  ///< three a triangle
   TriangleRun run_;       ///< all of them
   Engine engine_;
+  TreeReport tree_;
   Buffer<EngineHit> closest_;
   Buffer<std::uint8_t> occluded_;
 };

@@ -4,10 +4,13 @@
 #include <string>
 #include <utility>
 
+#include "frame/film.h"
 #include "frame/stopwatch.h"
 #include "raster/gbuffer.h"
+#include "raygen/filter.h"
 #include "raygen/raygen.h"
 #include "raygen/scatter_body.h"
+#include "raygen/sky_body.h"
 #include "shade/shade.h"
 
 namespace raysheaf {
@@ -19,10 +22,6 @@ constexpr std::size_t kGrain = 1024;
 constexpr std::size_t kMostShadowSlots = std::size_t{1} << 24;
 /// Secondary fragments that are worked on at once.
 constexpr std::size_t kMostFragments = std::size_t{1} << 22;
-
-Vec3 xyz(Vec4 v) {
-  return {v.x, v.y, v.z};
-}
 
 /// The method's settings with what was asked for in their place.
 MethodSettings settings_for(const RenderOptions& options) {
@@ -67,26 +66,39 @@ class Frame {
         lights_(input.lights),
         input_(input),
         options_(input.options),
-        meter_(*meter) {
+        sample_{0, input.samples},
+        camera_(make_camera_frame(input.camera, options_.width, options_.height)),
+        film_(options_.width, options_.height, options_.count_pixel_tests),
+        samples_meter_([this](const Progress& /*of a stage*/) { return tell_samples(); }),
+        meter_(sample_.count == 1 ? *meter : samples_meter_),
+        cache_(input.cache != nullptr ? *input.cache : own_cache_) {
+    cache_.tree = {};
     trace_.method = settings_for(options_);
-    trace_.cache = &trace_cache_;
-    trace_.backend = input_.backend;
-    result_.statistics.key = key_name(trace_.method);
-    result_.statistics.bound = bound_name(trace_.method);
-    result_.width = options_.width;
-    result_.height = options_.height;
-    result_.beauty.resize(pixel_count());
-    if (options_.count_pixel_tests) result_.tests.resize(pixel_count());
-    rays_faced_.resize(pixel_count());
-    rays_arrived_.resize(pixel_count());
+    trace_.cache = &cache_;
+    trace_.bundle_samples = options_.bundle_samples;
+    statistics_.key = key_name(trace_.method);
+    statistics_.bound = bound_name(trace_.method);
+    if (sample_.count == 1 || input.camera.aperture == 0) return;
+    camera_.lens_radius = 0.5f * input.camera.aperture;
+    camera_.focus = input.camera.focus > 0
+                        ? input.camera.focus
+                        : depth_of_middle(executor_, scene_, camera_, trace_.method, &meter_);
   }
 
   RenderResult run() {
-    std::vector<Fragment> fragments = see();
-    sky_ = options_.ambient ? *options_.ambient : automatic_sky(executor_, fragments, lights_);
-    follow_light(std::move(fragments), 1);
-    finish();
-    return std::move(result_);
+    while (true) {
+      take_sample();
+      if (++sample_.index == sample_.count) break;
+      if (!options_.on_sample) continue;
+      RenderResult so_far = film_.developed(executor_, options_.exposure);
+      so_far.ambient = sky_;
+      so_far.statistics = statistics_;
+      if (!options_.on_sample(so_far)) break;
+    }
+    RenderResult result = film_.taken(executor_, options_.exposure);
+    result.ambient = sky_;
+    result.statistics = std::move(statistics_);
+    return result;
   }
 
  private:
@@ -94,37 +106,69 @@ class Frame {
     return std::size_t{options_.width} * options_.height;
   }
 
+  /// A picture of one ray a pixel, added to the film.
+  void take_sample() {
+    Stopwatch watch;
+    std::vector<std::size_t> plan_sizes;
+    for (const BatchStatistics& batch : statistics_.batches)
+      plan_sizes.push_back(batch.plan.size());
+    const SampleStatistics before = totals();
+    std::vector<Fragment> fragments = see();
+    if (sample_.index == 0) sky_ = uniform_sky(fragments);
+    follow_light(std::move(fragments), 1);
+    // The plan of a batch is that of the first sample which had it.
+    for (std::size_t i = 0; i < plan_sizes.size(); ++i)
+      statistics_.batches[i].plan.resize(plan_sizes[i]);
+    SampleStatistics sample = totals();
+    sample.rays -= before.rays;
+    sample.total_tests -= before.total_tests;
+    sample.hits -= before.hits;
+    sample.ms = watch.lap_ms();
+    statistics_.samples.push_back(sample);
+  }
+
+  [[nodiscard]] Vec3 uniform_sky(const std::vector<Fragment>& fragments) const {
+    if (options_.ambient) return *options_.ambient;
+    if (input_.environment != nullptr) return {0, 0, 0};
+    return automatic_sky(executor_, fragments, lights_);
+  }
+
+  /// Of all batches so far.
+  [[nodiscard]] SampleStatistics totals() const {
+    SampleStatistics sum;
+    for (const BatchStatistics& batch : statistics_.batches) {
+      sum.rays += batch.rays;
+      sum.total_tests += batch.total_tests();
+      sum.hits += batch.hits;
+    }
+    return sum;
+  }
+
+  /// Whatever a stage tells of its own progress, the caller hears of samples.
+  [[nodiscard]] bool tell_samples() const {
+    return !options_.progress || options_.progress({"samples", sample_.index, sample_.count});
+  }
+
   /// Primary visibility: rasterised or traced, then fetched into the G-buffer.
   std::vector<Fragment> see() {
-    const PictureSize size{options_.width, options_.height};
+    CameraFrame frame = moved_by_pixels(camera_, filter_offset(sample_));
+    frame.sample = sample_;
     std::vector<std::uint32_t> triangles;
     watch_.lap_ms();
-    if (options_.primary == Primary::kRaster) {
+    if (input_.rasterizer != nullptr) {
       meter_.begin("raster", 1);
-      triangles = rasterize_primary(executor_, *input_.rasterizer, scene_, input_.camera, size);
+      triangles = rasterize_primary(executor_, *input_.rasterizer, scene_, frame);
     } else {
       BatchStatistics& batch = statistics_for(RayKind::kPrimary, 0);
-      triangles = trace_primary(executor_, scene_, input_.camera, size, trace_.method, &batch,
-                                result_.tests, &meter_, &trace_cache_, input_.backend);
+      triangles = trace_primary(executor_, scene_, frame, trace_.method, &batch, film_.tests(),
+                                &meter_, &cache_);
     }
     meter_.begin("surfaces", 1);
     std::vector<Fragment> fragments =
-        fetch_fragments(executor_, scene_, input_.textures, input_.camera, size, triangles);
-    keep_gbuffer(fetch_gbuffer(executor_, scene_, fragments));
-    result_.statistics.raster_ms = watch_.lap_ms();
+        fetch_fragments(executor_, scene_, input_.textures, frame, triangles);
+    film_.see(executor_, fetch_gbuffer(executor_, scene_, fragments));
+    statistics_.raster_ms += watch_.lap_ms();
     return fragments;
-  }
-
-  void keep_gbuffer(GBuffer g) {
-    result_.position.resize(pixel_count());
-    result_.normal.resize(pixel_count());
-    result_.albedo.resize(pixel_count());
-    executor_.for_each(pixel_count(), kGrain, [&](std::size_t i) {
-      result_.position[i] = xyz(g.position[i]);
-      result_.normal[i] = xyz(g.normal[i]);
-      result_.albedo[i] = xyz(g.diffuse[i]) + xyz(g.specular[i]);
-    });
-    result_.ids = std::move(g.ids);
   }
 
   /// The light of the fragments, then that of what their rays meet. Where paths split so often that
@@ -149,31 +193,56 @@ class Frame {
     const TracedParts traced{options_.reflections && !last, options_.refractions && !last};
     meter_.begin("shading, bounce " + std::to_string(bounce), 1);
     watch_.lap_ms();
-    std::vector<Vec3> radiance = shade_glow(executor_, fragments, sky_, traced);
-    result_.statistics.shade_ms += watch_.lap_ms();
+    std::vector<Vec3> radiance = shade_glow(executor_, fragments, sky_, traced, input_.environment);
+    statistics_.shade_ms += watch_.lap_ms();
     const auto lights = static_cast<std::uint32_t>(lights_.size);
     const auto group = static_cast<std::uint32_t>(
         std::clamp<std::size_t>(kMostShadowSlots / fragments.size(), 1, std::max(lights, 1u)));
     for (std::uint32_t first = 0; first < lights; first += group) {
       const std::uint32_t count = std::min(group, lights - first);
-      const std::vector<Visibility> visibility = cast_shadows(fragments, bounce, first, count);
+      const std::vector<Visibility> visibility = look_at_lights(fragments, bounce, first, count);
       watch_.lap_ms();
-      shade_lights(executor_, fragments, lights_.slice(first, count), visibility, radiance);
-      result_.statistics.shade_ms += watch_.lap_ms();
+      shade_lights(executor_, fragments, {lights_.slice(first, count), first, sample_}, visibility,
+                   radiance);
+      statistics_.shade_ms += watch_.lap_ms();
+    }
+    if (input_.environment != nullptr) {
+      const std::vector<Visibility> visibility = look_at_sky(fragments, bounce);
+      watch_.lap_ms();
+      shade_sky(executor_, fragments, *input_.environment, sample_, visibility, radiance);
+      statistics_.shade_ms += watch_.lap_ms();
     }
     watch_.lap_ms();
-    accumulate(executor_, fragments, radiance, result_.beauty);
-    result_.statistics.shade_ms += watch_.lap_ms();
+    accumulate(executor_, fragments, radiance, film_.beauty());
+    statistics_.shade_ms += watch_.lap_ms();
   }
 
-  std::vector<Visibility> cast_shadows(const std::vector<Fragment>& fragments, std::uint32_t bounce,
-                                       std::uint32_t first_light, std::uint32_t light_count) {
+  std::vector<Visibility> look_at_lights(const std::vector<Fragment>& fragments,
+                                         std::uint32_t bounce, std::uint32_t first_light,
+                                         std::uint32_t light_count) {
     watch_.lap_ms();
-    RayBatch batch =
-        make_shadow_rays(executor_, fragments, lights_, first_light, light_count, scene_.bounds);
+    const std::vector<Visibility> visibility =
+        cast_shadows(fragments, bounce, light_count,
+                     make_shadow_rays(executor_, fragments, lights_, first_light, light_count,
+                                      scene_.bounds, sample_));
+    if (bounce == 1) tally_shadows(light_count, visibility);
+    return visibility;
+  }
+
+  std::vector<Visibility> look_at_sky(const std::vector<Fragment>& fragments,
+                                      std::uint32_t bounce) {
+    watch_.lap_ms();
+    return cast_shadows(
+        fragments, bounce, kSkyStrategies,
+        make_sky_rays(executor_, fragments, *input_.environment, scene_.bounds, sample_));
+  }
+
+  /// `per_fragment`: how many slots of the batch each fragment has.
+  std::vector<Visibility> cast_shadows(const std::vector<Fragment>& fragments, std::uint32_t bounce,
+                                       std::size_t per_fragment, RayBatch batch) {
     batch.bounce = bounce;
     batch.width = options_.width;
-    std::vector<Visibility> visibility(fragments.size() * light_count, Visibility::kNoRay);
+    std::vector<Visibility> visibility(fragments.size() * per_fragment, Visibility::kNoRay);
     std::vector<RayHit> hits(options_.shadows ? 0 : batch.rays.size());
     if (options_.shadows) {
       BatchStatistics& statistics = statistics_for(RayKind::kShadow, bounce);
@@ -183,17 +252,17 @@ class Frame {
     executor_.for_each(batch.slots.size(), kGrain, [&](std::size_t i) {
       visibility[batch.slots[i]] = hits[i].found() ? Visibility::kOccluded : Visibility::kVisible;
     });
-    if (bounce == 1) tally_shadows(light_count, visibility);
     return visibility;
   }
 
   /// How many of the lights each pixel faces, and how many of those reach it.
   void tally_shadows(std::uint32_t light_count, const std::vector<Visibility>& visibility) {
+    const View<std::uint32_t> faced = film_.lights_faced(), arrived = film_.lights_arrived();
     executor_.for_each(pixel_count(), kGrain, [&](std::size_t pixel) {
       for (std::uint32_t l = 0; l < light_count; ++l) {
         const Visibility v = visibility[l * pixel_count() + pixel];
-        rays_faced_[pixel] += v != Visibility::kNoRay ? 1 : 0;
-        rays_arrived_[pixel] += v == Visibility::kVisible ? 1 : 0;
+        faced[pixel] += v != Visibility::kNoRay ? 1 : 0;
+        arrived[pixel] += v == Visibility::kVisible ? 1 : 0;
       }
     });
   }
@@ -212,7 +281,7 @@ class Frame {
     std::merge(reflected.begin(), reflected.end(), refracted.begin(), refracted.end(),
                merged.begin(),
                [](const Fragment& a, const Fragment& b) { return a.pixel < b.pixel; });
-    result_.statistics.shade_ms += watch_.lap_ms();
+    statistics_.shade_ms += watch_.lap_ms();
     return merged;
   }
 
@@ -232,7 +301,7 @@ class Frame {
     executor_.for_each(hits.size(), kGrain, [&](std::size_t i) {
       arrived[i] = arrive(fragments[batch.slots[i]], kind, batch.rays[i], hits[i]);
     });
-    result_.statistics.shade_ms += watch_.lap_ms();
+    statistics_.shade_ms += watch_.lap_ms();
     return arrived;
   }
 
@@ -242,6 +311,7 @@ class Frame {
     Fragment f;
     f.weight = from.weight * (kind == RayKind::kReflection ? s.reflected_part : s.refracted_part);
     f.pixel = from.pixel;
+    f.path = mixed_seed(from.path, static_cast<std::uint32_t>(kind));
     f.incoming = ray.direction;
     f.triangle = hit.triangle;
     if (!hit.found()) return f;
@@ -256,15 +326,16 @@ class Frame {
                                   bool early_out, BatchStatistics* statistics) {
     TraceOptions options = trace_;
     options.early_out = early_out;
-    std::vector<float> tests(result_.tests.empty() ? 0 : batch.rays.size());
+    std::vector<float> tests(film_.tests().empty() ? 0 : batch.rays.size());
     std::vector<RayHit> hits = trace(executor_, scene_, batch, options, statistics, tests, &meter_);
+    const View<float> sums = film_.tests();
     for (std::size_t i = 0; i < tests.size(); ++i)
-      result_.tests[fragments[batch.slots[i] % fragments.size()].pixel] += tests[i];
+      sums[fragments[batch.slots[i] % fragments.size()].pixel] += tests[i];
     return hits;
   }
 
   BatchStatistics& statistics_for(RayKind kind, std::uint32_t bounce) {
-    auto& batches = result_.statistics.batches;
+    auto& batches = statistics_.batches;
     const auto found = std::find_if(batches.begin(), batches.end(), [&](const BatchStatistics& b) {
       return b.kind == kind && b.bounce == bounce;
     });
@@ -276,28 +347,22 @@ class Frame {
     return batches.back();
   }
 
-  void finish() {
-    result_.exposure =
-        options_.exposure ? *options_.exposure : automatic_exposure(result_.beauty, result_.ids);
-    result_.shadow.resize(pixel_count());
-    for (std::size_t i = 0; i < pixel_count(); ++i) {
-      const auto faced = static_cast<float>(rays_faced_[i]);
-      result_.shadow[i] = faced > 0 ? static_cast<float>(rays_arrived_[i]) / faced : 1;
-    }
-  }
-
   const Executor& executor_;
   const FlatScene& scene_;
   const View<const Light> lights_;
   const FrameInput& input_;
   const RenderOptions& options_;
+  SampleOf sample_;
+  CameraFrame camera_;  ///< its rays go through the pixels' centres
+  Film film_;
+  ProgressMeter samples_meter_;
   ProgressMeter& meter_;
-  TraceCache trace_cache_;
+  TraceCache own_cache_;
+  TraceCache& cache_;
   TraceOptions trace_;
-  RenderResult result_;
+  FrameStatistics statistics_;
   Vec3 sky_;
   Stopwatch watch_;
-  std::vector<std::uint32_t> rays_faced_, rays_arrived_;  ///< a pixel, of primary hits
 };
 
 }  // namespace

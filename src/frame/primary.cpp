@@ -5,9 +5,9 @@
 #include <numeric>
 
 #include "intersect/triangle_body.h"
+#include "raster/projection.h"
 #include "raster/rasterizer.h"
 #include "raster/resolve.h"
-#include "raygen/camera_body.h"
 #include "raygen/hash_body.h"
 
 namespace raysheaf {
@@ -32,39 +32,34 @@ Vec2 clamped_barycentrics(const Ray& ray, Vec3 a, Vec3 b, Vec3 c) {
 }  // namespace
 
 std::vector<std::uint32_t> rasterize_primary(const Executor& executor, Rasterizer& rasterizer,
-                                             const FlatScene& scene, const Camera& camera,
-                                             PictureSize size) {
-  std::vector<std::uint32_t> triangles =
-      rasterizer.visible_triangles(executor, scene, camera, size.width, size.height);
-  resolve_silhouettes(executor, scene, camera, size.width, size.height, triangles);
+                                             const FlatScene& scene, const CameraFrame& frame) {
+  std::vector<std::uint32_t> triangles = rasterizer.visible_triangles(executor, scene, frame);
+  resolve_silhouettes(executor, scene, frame, triangles);
   return triangles;
 }
 
 std::vector<std::uint32_t> trace_primary(const Executor& executor, const FlatScene& scene,
-                                         const Camera& camera, PictureSize size,
-                                         const MethodSettings& method, BatchStatistics* statistics,
-                                         View<float> pixel_tests, ProgressMeter* meter,
-                                         TraceCache* cache, const DeviceBackend* backend) {
-  const CameraFrame frame = make_camera_frame(camera, size.width, size.height);
+                                         const CameraFrame& frame, const MethodSettings& method,
+                                         BatchStatistics* statistics, View<float> pixel_tests,
+                                         ProgressMeter* meter, TraceCache* cache) {
   RayBatch batch;
   batch.kind = RayKind::kPrimary;
   batch.bounce = 0;
-  batch.width = size.width;
+  batch.width = frame.width;
   batch.key_bits = kBounceKeyBits;
-  batch.rays.resize(std::size_t{size.width} * size.height);
+  batch.rays.resize(std::size_t{frame.width} * frame.height);
   batch.keys.resize(batch.rays.size());
   batch.pixels.resize(batch.rays.size());
   std::iota(batch.pixels.begin(), batch.pixels.end(), 0u);
   executor.for_each(batch.rays.size(), kGrain, [&](std::size_t i) {
-    batch.rays[i] = camera_ray(frame, static_cast<std::uint32_t>(i % size.width),
-                               static_cast<std::uint32_t>(i / size.width));
+    batch.rays[i] = camera_ray(frame, static_cast<std::uint32_t>(i % frame.width),
+                               static_cast<std::uint32_t>(i / frame.width));
     batch.keys[i] = bounce_key(scene.bounds, batch.rays[i].origin, batch.rays[i].direction);
   });
   TraceOptions options;
   options.method = method;
   options.facing = Facing::kSkipBackOfSingleSided;
   options.cache = cache;
-  options.backend = backend;
   const std::vector<RayHit> hits =
       trace(executor, scene, batch, options, statistics, pixel_tests, meter);
   std::vector<std::uint32_t> triangles(hits.size());
@@ -73,16 +68,31 @@ std::vector<std::uint32_t> trace_primary(const Executor& executor, const FlatSce
   return triangles;
 }
 
+float depth_of_middle(const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
+                      const MethodSettings& method, ProgressMeter* meter) {
+  RayBatch batch;
+  batch.kind = RayKind::kPrimary;
+  batch.rays = {{frame.eye, frame.z_near, frame.forward, frame.z_far}};
+  batch.keys = batch.pixels = {0};
+  TraceOptions options;
+  options.method = method;
+  options.facing = Facing::kSkipBackOfSingleSided;
+  BatchStatistics not_kept;
+  const RayHit hit = trace(executor, scene, batch, options, &not_kept, {}, meter).front();
+  if (hit.found() && hit.t > 0) return hit.t;
+  const float farthest = farthest_depth(frame, scene.bounds);
+  return farthest > 0 ? farthest : 1;
+}
+
 std::vector<Fragment> fetch_fragments(const Executor& executor, const FlatScene& scene,
-                                      const TextureSet& textures, const Camera& camera,
-                                      PictureSize size, View<const std::uint32_t> triangles) {
-  const CameraFrame frame = make_camera_frame(camera, size.width, size.height);
+                                      const TextureSet& textures, const CameraFrame& frame,
+                                      View<const std::uint32_t> triangles) {
   std::vector<Fragment> fragments(triangles.size);
   executor.for_each(triangles.size, kGrain, [&](std::size_t i) {
     Fragment& f = fragments[i];
     f.pixel = static_cast<std::uint32_t>(i);
     f.triangle = triangles[i];
-    const Ray ray = camera_ray(frame, f.pixel % size.width, f.pixel / size.width);
+    const Ray ray = camera_ray(frame, f.pixel % frame.width, f.pixel / frame.width);
     f.incoming = normalized(ray.direction);
     if (f.triangle == kInvalidId) return;
     const Vec2 uv = clamped_barycentrics(ray, scene.corner(f.triangle, 0),

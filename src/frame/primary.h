@@ -6,6 +6,7 @@
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
 #include "frame/trace.h"
+#include "raygen/camera_body.h"
 #include "raygen/fragment.h"
 #include "raysheaf/statistics.h"
 #include "scene/flat_scene.h"
@@ -23,21 +24,26 @@ struct PictureSize {
 [[nodiscard]] std::vector<std::uint32_t> rasterize_primary(const Executor& executor,
                                                            Rasterizer& rasterizer,
                                                            const FlatScene& scene,
-                                                           const Camera& camera, PictureSize size);
+                                                           const CameraFrame& frame);
 
 /// The same by rays, which pass the backs of single-sided triangles. `pixel_tests`: as `trace` has
-/// it; `cache`: of the scene, shared with other batches, or null;
-/// `backend`: as in `TraceOptions`.
+/// it; `cache`: of the scene, shared with other batches, or null.
 [[nodiscard]] std::vector<std::uint32_t> trace_primary(
-    const Executor& executor, const FlatScene& scene, const Camera& camera, PictureSize size,
+    const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
     const MethodSettings& method, BatchStatistics* statistics, View<float> pixel_tests,
-    ProgressMeter* meter, TraceCache* cache = nullptr, const DeviceBackend* backend = nullptr);
+    ProgressMeter* meter, TraceCache* cache = nullptr);
 
 /// One fragment a pixel, with the attributes of the triangle there.
 [[nodiscard]] std::vector<Fragment> fetch_fragments(const Executor& executor,
                                                     const FlatScene& scene,
                                                     const TextureSet& textures,
-                                                    const Camera& camera, PictureSize size,
+                                                    const CameraFrame& frame,
                                                     View<const std::uint32_t> triangles);
+
+/// The depth of what the middle of the picture shows, seen from the eye; where that is nothing, of
+/// the scene's farthest corner.
+[[nodiscard]] float depth_of_middle(const Executor& executor, const FlatScene& scene,
+                                    const CameraFrame& frame, const MethodSettings& method,
+                                    ProgressMeter* meter);
 
 }  // namespace raysheaf

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "exec/radix_sort.h"
+#include "frame/bundles.h"
 #include "frame/stopwatch.h"
 #include "hierarchy/hierarchy.h"
 #include "intersect/brute_force.h"
@@ -86,6 +87,8 @@ std::vector<RayHit> trace_hierarchy(const Executor& executor, const FlatScene& s
         const RayHierarchy<Bound> tree =
             build_hierarchy<Bound>(executor, rays, scene.bounds, method.branching, method.levels);
         times.hierarchy += watch.lap_ms();
+        sample_bundles(executor, scene, tree, rays, options.bundle_samples, &statistics->bundles);
+        watch.lap_ms();
         meter->begin(stage_name(batch), tree.level(tree.top()).size());
         return traverse(executor, scene, tree, rays, traversal, best, tests, meter);
       });
@@ -133,7 +136,12 @@ std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& sce
 
   TraceCache own;
   TraceCache& cache = options.cache != nullptr ? *options.cache : own;
-  if (!cache.bvh) cache.bvh = build_bvh(executor, scene.triangles());
+  cache.tree.add({true, TreeWork::kKeep, 0});
+  if (!cache.bvh) {
+    Stopwatch build;
+    cache.bvh = build_bvh(executor, scene.triangles());
+    cache.tree.add({true, TreeWork::kRebuild, build.lap_ms()});
+  }
   const std::vector<Packet> packets =
       make_packets(executor, batch.rays, keys, batch.key_bits, kPacketRays, order);
   times.hierarchy += watch.lap_ms();
@@ -142,6 +150,7 @@ std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& sce
   executor.for_each(order.size(), kGrain, [&](std::size_t i) { rays[i] = batch.rays[order[i]]; });
   times.order += watch.lap_ms();
 
+  sample_bundles(executor, scene, packets, rays, options.bundle_samples, &statistics->bundles);
   meter->begin(stage_name(batch), packets.size());
   PacketOptions traversal;
   traversal.early_out = options.early_out;
@@ -172,7 +181,10 @@ std::vector<RayHit> trace_dual(const Executor& executor, const FlatScene& scene,
   TraceCache& cache = options.cache != nullptr ? *options.cache : own;
   if (!cache.dual) cache.dual = std::make_unique<DualTracer>(executor, scene);
   statistics->times_ms.hierarchy += watch.lap_ms();
-  return cache.dual->trace(executor, batch, options.facing, statistics, ray_tests);
+  std::vector<RayHit> hits =
+      cache.dual->trace(executor, batch, options.facing, statistics, ray_tests);
+  cache.tree.add(cache.dual->take_tree_report());
+  return hits;
 }
 
 std::vector<RayHit> trace_on_device(const Executor& executor, const FlatScene& scene,
@@ -181,9 +193,8 @@ std::vector<RayHit> trace_on_device(const Executor& executor, const FlatScene& s
                                     ProgressMeter* meter) {
   Stopwatch watch;
   meter->begin(stage_name(batch), 1);
-  TraceCache own;
-  TraceCache& cache = options.cache != nullptr ? *options.cache : own;
-  if (!cache.device) cache.device = std::make_unique<DeviceTracer>(scene, *options.backend);
+  TraceCache& cache = *options.cache;
+  if (!cache.device) cache.device = std::make_unique<DeviceTracer>(scene, *cache.backend);
   statistics->times_ms.hierarchy += watch.lap_ms();
   const MethodSettings& method = options.method;
   if (method.traversal != Traversal::kRayHierarchy) {
@@ -246,6 +257,14 @@ std::vector<std::uint32_t> ray_order(const Executor& executor, const RayBatch& b
   return order;
 }
 
+void TraceCache::update(const Executor& executor, const FlatScene& scene,
+                        const FlatUpdate& update) {
+  if (update.same_triangles && update.placed_meshes.empty()) return;
+  bvh.reset();
+  device.reset();
+  if (dual != nullptr) dual->update(executor, scene, update);
+}
+
 std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
                           const TraceOptions& options, BatchStatistics* statistics,
                           View<float> ray_tests, ProgressMeter* meter) {
@@ -254,8 +273,9 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
   statistics->triangles = scene.triangle_count;
   statistics->rays += batch.rays.size();
   if (batch.rays.empty()) return {};
-  const TraceFunction method =
-      options.backend != nullptr ? trace_on_device : function_of(options.method.traversal);
+  const TraceFunction method = options.cache != nullptr && options.cache->backend != nullptr
+                                   ? trace_on_device
+                                   : function_of(options.method.traversal);
   std::vector<RayHit> hits = method(executor, scene, batch, options, statistics, ray_tests, meter);
   statistics->hits += static_cast<std::uint64_t>(
       std::count_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.found(); }));

@@ -18,21 +18,27 @@
 
 namespace raysheaf {
 
-/// What batches of one frame share: the triangles' hierarchies, made by the first that needs them.
+/// What batches of one frame share, and frames of a scene that changes: the triangles' hierarchies,
+/// made by the first that needs them.
 struct TraceCache {
   std::optional<Bvh> bvh;                ///< of `gl10`
   std::unique_ptr<DualTracer> dual;      ///< of `dual`
   std::unique_ptr<DeviceTracer> device;  ///< of what runs on a device
+  TreeReport tree;                       ///< of the batches since it was last reset
+  /// Where rays meet triangles: by brute force or `dual`, or by a hierarchy of rays in raster order
+  /// or by the keys of `crsh` under spheres and cones, without tests of single rays; null: the CPU.
+  const DeviceBackend* backend = nullptr;
+
+  /// The scene's triangles are others, or elsewhere.
+  void update(const Executor& executor, const FlatScene& scene, const FlatUpdate& update);
 };
 
 struct TraceOptions {
   MethodSettings method;
   Facing facing = Facing::kBoth;
-  bool early_out = false;       ///< for rays of which only matters whether they meet something
-  TraceCache* cache = nullptr;  ///< of this scene; none: nothing is shared
-  /// Where rays meet triangles: by brute force or `dual`, or by a hierarchy of rays in raster order
-  /// or by the keys of `crsh` under spheres and cones, without tests of single rays; null: the CPU.
-  const DeviceBackend* backend = nullptr;
+  std::uint32_t bundle_samples = 0;  ///< bundles of a level that are measured
+  bool early_out = false;            ///< for rays of which only matters whether they meet something
+  TraceCache* cache = nullptr;       ///< of this scene; none: nothing is shared
 };
 
 /// The stable order of the rays by the method's keys; adds how many runs of equal keys there were

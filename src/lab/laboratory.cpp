@@ -38,16 +38,16 @@ SceneDescription prepared(SceneDescription scene) {
 
 /// By OpenGL, or by rays where there is none.
 std::vector<std::uint32_t> visible_triangles(const Executor& executor, const FlatScene& scene,
-                                             const Camera& camera, PictureSize size) {
+                                             const CameraFrame& frame) {
   try {
     Rasterizer rasterizer;
-    return rasterize_primary(executor, rasterizer, scene, camera, size);
+    return rasterize_primary(executor, rasterizer, scene, frame);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kNoGraphics) throw;
   }
   BatchStatistics not_kept;
   ProgressMeter meter;
-  return trace_primary(executor, scene, camera, size, method_settings(Method::kDual), &not_kept, {},
+  return trace_primary(executor, scene, frame, method_settings(Method::kDual), &not_kept, {},
                        &meter);
 }
 
@@ -61,9 +61,10 @@ class Laboratory::Impl {
         description_(prepared(scene)),
         flat_(flatten(executor_, description_, mesh_bounds(executor_, description_))),
         textures_(description_) {
-    const Camera& camera = description_.cameras.front();
-    const std::vector<std::uint32_t> seen = visible_triangles(executor_, flat_, camera, size);
-    fragments_ = fetch_fragments(executor_, flat_, textures_, camera, size, seen);
+    const CameraFrame frame =
+        make_camera_frame(description_.cameras.front(), size.width, size.height);
+    const std::vector<std::uint32_t> seen = visible_triangles(executor_, flat_, frame);
+    fragments_ = fetch_fragments(executor_, flat_, textures_, frame, seen);
   }
 
   const RayBatch& batch(LabRays rays) { return made(rays).batch; }

@@ -103,13 +103,12 @@ std::string Rasterizer::description() const {
 
 std::vector<std::uint32_t> Rasterizer::visible_triangles(const Executor& executor,
                                                          const FlatScene& scene,
-                                                         const Camera& camera, std::uint32_t width,
-                                                         std::uint32_t height) {
+                                                         const CameraFrame& frame) {
+  const std::uint32_t width = frame.width, height = frame.height;
   if (width == 0 || height == 0) {
     throw Error(ErrorCode::kInvalidArgument, "a picture of " + std::to_string(width) + " x " +
                                                  std::to_string(height) + " has no pixels");
   }
-  const CameraFrame frame = make_camera_frame(camera, width, height);
   if (!(frame.z_far > frame.z_near)) {
     return std::vector<std::uint32_t>(std::size_t{width} * height, kInvalidId);
   }

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "raysheaf/scene_description.h"
+#include "raygen/camera_body.h"
 
 namespace raysheaf {
 
@@ -39,9 +39,7 @@ class Rasterizer {
   /// one larger than the driver's targets, kOutOfMemory.
   [[nodiscard]] std::vector<std::uint32_t> visible_triangles(const Executor& executor,
                                                              const FlatScene& scene,
-                                                             const Camera& camera,
-                                                             std::uint32_t width,
-                                                             std::uint32_t height);
+                                                             const CameraFrame& frame);
 
  private:
   class Impl;

@@ -136,9 +136,8 @@ class Resolver {
 
 }  // namespace
 
-void resolve_silhouettes(const Executor& executor, const FlatScene& scene, const Camera& camera,
-                         std::uint32_t width, std::uint32_t height, View<std::uint32_t> triangles) {
-  const CameraFrame frame = make_camera_frame(camera, width, height);
+void resolve_silhouettes(const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
+                         View<std::uint32_t> triangles) {
   if (!(frame.z_far > frame.z_near)) return;
   Resolver(executor, scene, frame, triangles).resolve(triangles);
 }

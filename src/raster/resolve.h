@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "base/view.h"
-#include "raysheaf/scene_description.h"
+#include "raygen/camera_body.h"
 
 namespace raysheaf {
 
@@ -21,7 +21,7 @@ struct FlatScene;
 /// What may still be missed is an edge of a long sliver that no neighbour saw. `triangles` is what
 /// `Rasterizer::visible_triangles` gave for the same scene and camera. O(triangles + pixels) where
 /// the last case is rare. Does not depend on the number of threads.
-void resolve_silhouettes(const Executor& executor, const FlatScene& scene, const Camera& camera,
-                         std::uint32_t width, std::uint32_t height, View<std::uint32_t> triangles);
+void resolve_silhouettes(const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
+                         View<std::uint32_t> triangles);
 
 }  // namespace raysheaf

@@ -5,19 +5,24 @@
 #include <cstdint>
 
 #include "base/vec.h"
+#include "raygen/sample_body.h"
 #include "raysheaf/scene_description.h"
 
 namespace raysheaf {
 
-/// A camera made ready for one picture size. The axes are of unit length; they stand at right
-/// angles unless the camera's map shears.
+/// A camera made ready for one picture size. The axes are of unit length and stand at right
+/// angles unless the camera's map shears, or the picture was moved.
 struct CameraFrame {
-  Vec3 eye, right, up, forward;
+  Vec3 eye, right, up;
+  Vec3 forward;  ///< the way to the picture's centre; a unit of depth long
   float half_width = 1,
         half_height = 1;  ///< of what is seen, at depth 1; orthographic: at any depth
   float z_near = 0, z_far = std::numeric_limits<float>::infinity();
   std::uint32_t width = 1, height = 1;
   bool orthographic = false;
+  // A thin lens around the eye; which point of it a pixel's ray goes through, its sample says.
+  float lens_radius = 0, focus = 1;  ///< the depth that is sharp; not looked at without a lens
+  SampleOf sample;
 };
 
 /// `column(a, c)` with unit length, measured in binary64: no scale of the map under- or overflows.
@@ -46,19 +51,62 @@ inline CameraFrame make_camera_frame(const Camera& camera, std::uint32_t width,
   return frame;
 }
 
+/// The same camera with every ray moved by `pixels` of the picture, x to the right and y down:
+/// perspective shears the view, orthographic moves the eye. The axes need not stand at right
+/// angles, so that everything made for a frame is right for this one.
+inline CameraFrame moved_by_pixels(CameraFrame frame, Vec2 pixels) {
+  if (pixels.x == 0 && pixels.y == 0) return frame;
+  const float x = 2 * pixels.x / static_cast<float>(frame.width) * frame.half_width;
+  const float y = 2 * pixels.y / static_cast<float>(frame.height) * frame.half_height;
+  Vec3& moved = frame.orthographic ? frame.eye : frame.forward;
+  moved = moved + frame.right * x - frame.up * y;
+  return frame;
+}
+
 /// Where the centre of pixel `i` of `count` lies between the picture's edges at -1 and 1.
 RAYSHEAF_HD inline float pixel_center(std::uint32_t i, std::uint32_t count) {
   const auto twice = 2 * static_cast<std::int64_t>(i) + 1 - static_cast<std::int64_t>(count);
   return static_cast<float>(twice) / static_cast<float>(count);
 }
 
-/// The ray through the centre of a pixel; (0, 0) is the top left one. Its direction has length 1
-/// along the camera's axis, so that `t` is the depth, and runs from z_near to z_far.
-RAYSHEAF_HD inline Ray camera_ray(const CameraFrame& frame, std::uint32_t x, std::uint32_t y) {
+/// The unit square onto the unit disc, keeping parts of the area (P. Shirley, K. Chiu, "A Low
+/// Distortion Map Between Disk and Square", JGT 2(3), 1997).
+RAYSHEAF_HD inline Vec2 on_disc(Vec2 square) {
+  const float x = 2 * square.x - 1, y = 2 * square.y - 1;
+  if (x == 0 && y == 0) return {0, 0};
+  constexpr float kQuarterPi = 0.785398163f;
+  const bool wide = std::fabs(x) > std::fabs(y);
+  const float radius = wide ? x : y;
+  const float angle = wide ? kQuarterPi * (y / x) : 2 * kQuarterPi - kQuarterPi * (x / y);
+  return {radius * std::cos(angle), radius * std::sin(angle)};
+}
+
+/// The ray that leaves another point of the lens and meets the first one where it is sharp. All
+/// rays through a thin lens which come from one point in focus go on to one point behind it (R.
+/// Cook, T. Porter, L. Carpenter, "Distributed Ray Tracing", SIGGRAPH 1984).
+RAYSHEAF_HD inline Ray through_lens(const CameraFrame& frame, Ray ray, Vec2 chosen) {
+  const Vec2 place = on_disc(chosen) * frame.lens_radius;
+  const Vec3 aside = frame.right * place.x + frame.up * place.y;
+  ray.origin += aside;
+  ray.direction = ray.direction - aside / frame.focus;
+  return ray;
+}
+
+/// From the eye, whatever the lens.
+RAYSHEAF_HD inline Ray pinhole_ray(const CameraFrame& frame, std::uint32_t x, std::uint32_t y) {
   const Vec3 aside = frame.right * (pixel_center(x, frame.width) * frame.half_width) -
                      frame.up * (pixel_center(y, frame.height) * frame.half_height);
   if (frame.orthographic) return {frame.eye + aside, frame.z_near, frame.forward, frame.z_far};
   return {frame.eye, frame.z_near, frame.forward + aside, frame.z_far};
+}
+
+/// The ray through the centre of a pixel; (0, 0) is the top left one. Its direction has length 1
+/// along the camera's axis, so that `t` is the depth, and runs from z_near to z_far.
+RAYSHEAF_HD inline Ray camera_ray(const CameraFrame& frame, std::uint32_t x, std::uint32_t y) {
+  const Ray ray = pinhole_ray(frame, x, y);
+  if (!(frame.lens_radius > 0)) return ray;
+  const std::uint32_t seed = choice_seed(Choice::kLens, y * frame.width + x, 0, 0);
+  return through_lens(frame, ray, sample_pair(frame.sample, seed));
 }
 
 }  // namespace raysheaf

@@ -12,6 +12,7 @@ struct Fragment {
   Vec3 incoming;         ///< unit direction of the ray that arrived
   Vec3 weight{1, 1, 1};  ///< what the pixel receives of the radiance that leaves here
   std::uint32_t pixel = 0;
+  std::uint32_t path = 0;  ///< 0 at the first hit; then a number for the bounces that led here
   std::uint32_t triangle = kInvalidId;
 };
 

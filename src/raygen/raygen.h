@@ -11,8 +11,10 @@
 #include "base/view.h"
 #include "exec/executor.h"
 #include "raygen/fragment.h"
+#include "raygen/sample_body.h"
 #include "raysheaf/scene_description.h"
 #include "raysheaf/statistics.h"
+#include "scene/environment_body.h"
 
 namespace raysheaf {
 
@@ -32,11 +34,19 @@ struct RayBatch {
 
 /// Rays from lights to fragments, `t` from 0 at the light (or beyond the scene, for parallel light)
 /// to 1 just before the fragment; only where the shading normal faces the light and the light
-/// reaches. Slot: light * fragments + fragment, over the lights [first_light, first_light +
+/// reaches. Lights with a size are looked at where the sample says. Slot: light * fragments +
+/// fragment, over the lights [first_light, first_light +
 /// light_count).
 [[nodiscard]] RayBatch make_shadow_rays(const Executor& executor, View<const Fragment> fragments,
                                         View<const Light> lights, std::uint32_t first_light,
-                                        std::uint32_t light_count, const Box& scene_bounds);
+                                        std::uint32_t light_count, const Box& scene_bounds,
+                                        SampleOf sample = {});
+
+/// Rays from an environment to fragments, from beyond the scene: two a fragment, slot
+/// strategy * fragments + fragment (environment_body.h).
+[[nodiscard]] RayBatch make_sky_rays(const Executor& executor, View<const Fragment> fragments,
+                                     const EnvironmentView& sky, const Box& scene_bounds,
+                                     SampleOf sample);
 
 /// `kind`: kReflection or kRefraction. Slot: the fragment.
 [[nodiscard]] RayBatch make_bounce_rays(const Executor& executor, View<const Fragment> fragments,

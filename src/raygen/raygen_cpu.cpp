@@ -3,6 +3,7 @@
 #include "raygen/raygen.h"
 #include "raygen/scatter_body.h"
 #include "raygen/shadow_body.h"
+#include "raygen/sky_body.h"
 
 namespace raysheaf {
 namespace {
@@ -35,7 +36,7 @@ void fill(const Executor& executor, View<const Fragment> fragments, std::size_t 
 
 RayBatch make_shadow_rays(const Executor& executor, View<const Fragment> fragments,
                           View<const Light> lights, std::uint32_t first_light,
-                          std::uint32_t light_count, const Box& scene_bounds) {
+                          std::uint32_t light_count, const Box& scene_bounds, SampleOf sample) {
   RayBatch batch;
   batch.kind = RayKind::kShadow;
   const LightReach reach = light_reach(scene_bounds);
@@ -43,19 +44,45 @@ RayBatch make_shadow_rays(const Executor& executor, View<const Fragment> fragmen
   batch.key_bits = layout.key_bits();
   const auto has_ray = [&](std::size_t slot) {
     const Fragment& f = fragments[slot % fragments.size];
-    const Light& light = lights[first_light + slot / fragments.size];
-    return f.triangle != kInvalidId && faces_light(f, sample_light(light, f.surface.position));
+    const auto index = static_cast<std::uint32_t>(first_light + slot / fragments.size);
+    return f.triangle != kInvalidId &&
+           faces_light(f, choose_on_light(f, lights[index], index, sample));
   };
   const auto make = [&](std::size_t i, std::size_t slot, Ray* ray, std::uint32_t* key) {
     const Fragment& f = fragments[slot % fragments.size];
     const auto index = static_cast<std::uint32_t>(first_light + slot / fragments.size);
     const Light& light = lights[index];
-    *ray = shadow_ray(f, light, sample_light(light, f.surface.position), reach);
+    *ray = shadow_ray(f, choose_on_light(f, light, index, sample), reach);
     batch.lights[i] = index;
     batch.places[i] = shadow_place(light, *ray, reach);
     *key = shadow_key(layout, index, batch.places[i]);
   };
   fill(executor, fragments, fragments.size * light_count, has_ray, make, &batch);
+  return batch;
+}
+
+RayBatch make_sky_rays(const Executor& executor, View<const Fragment> fragments,
+                       const EnvironmentView& sky, const Box& scene_bounds, SampleOf sample) {
+  RayBatch batch;
+  batch.kind = RayKind::kShadow;
+  const LightReach reach = light_reach(scene_bounds);
+  const ShadowKeyLayout layout = shadow_key_layout(kSkyStrategies);
+  batch.key_bits = layout.key_bits();
+  const auto choose = [&](std::size_t slot) {
+    const auto strategy = static_cast<std::uint32_t>(slot / fragments.size);
+    return choose_in_sky(fragments[slot % fragments.size], sky, strategy, sample);
+  };
+  const auto has_ray = [&](std::size_t slot) {
+    const Fragment& f = fragments[slot % fragments.size];
+    return f.triangle != kInvalidId && faces_light(f, choose(slot));
+  };
+  const auto make = [&](std::size_t i, std::size_t slot, Ray* ray, std::uint32_t* key) {
+    *ray = shadow_ray(fragments[slot % fragments.size], choose(slot), reach);
+    batch.lights[i] = static_cast<std::uint32_t>(slot / fragments.size);
+    batch.places[i] = octahedral(ray->direction);
+    *key = shadow_key(layout, batch.lights[i], batch.places[i]);
+  };
+  fill(executor, fragments, fragments.size * kSkyStrategies, has_ray, make, &batch);
   return batch;
 }
 

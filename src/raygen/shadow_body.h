@@ -24,17 +24,25 @@ RAYSHEAF_HD inline bool faces_light(const Fragment& f, const LightSample& sample
          dot(f.surface.normal, sample.to_light) > 0 && max_component(sample.irradiance) > 0;
 }
 
+/// Where on light number `index` of the scene the fragment looks in this sample.
+RAYSHEAF_HD inline LightSample choose_on_light(const Fragment& f, const Light& light,
+                                               std::uint32_t index, SampleOf sample) {
+  if (!has_size(light)) return sample_light(light, f.surface.position);
+  const std::uint32_t seed = choice_seed(Choice::kLight, f.pixel, f.path, index);
+  return sample_light(light, f.surface.position, sample_pair(sample, seed));
+}
+
 /// From the light to just before the fragment.
-RAYSHEAF_HD inline Ray shadow_ray(const Fragment& f, const Light& light, const LightSample& sample,
+RAYSHEAF_HD inline Ray shadow_ray(const Fragment& f, const LightSample& sample,
                                   const LightReach& reach) {
-  const bool parallel = light.type == Light::Type::kDirectional;
+  const bool parallel = !std::isfinite(sample.distance);
   // Parallel rays start on one plane beyond the scene, so that neighbours have neighbouring
   // origins.
   const float distance =
       parallel ? reach.radius + dot(reach.center - f.surface.position, sample.to_light)
                : sample.distance;
   const Vec3 target = offset_point(f.surface, sample.to_light, distance);
-  const Vec3 origin = parallel ? target + sample.to_light * distance : light.position;
+  const Vec3 origin = parallel ? target + sample.to_light * distance : sample.point;
   return {origin, 0, target - origin, 1};
 }
 

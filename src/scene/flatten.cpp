@@ -7,7 +7,7 @@
 
 #include "exec/executor.h"
 #include "raysheaf/error.h"
-#include "scene/flat_scene.h"
+#include "scene/flat_update.h"
 #include "scene/flatten_body.h"
 #include "scene/material_of.h"
 #include "scene/shown_name.h"
@@ -54,6 +54,11 @@ FlatMesh flat_mesh(const SceneDescription& scene, std::uint32_t inst_id, const S
   return mesh;
 }
 
+void grow(Box* box, const Box& by) {
+  box->min = min(box->min, by.min);
+  box->max = max(box->max, by.max);
+}
+
 void allocate(FlatScene& flat, std::uint32_t count) {
   const std::size_t padded = std::size_t{div_ceil(count, kTriangleBlock)} * kTriangleBlock;
   flat.triangle_count = count;
@@ -77,27 +82,34 @@ void store(FlatScene& flat, std::size_t i, const Vec3 (&corners)[3], const Spher
   flat.sphere[3][i] = sphere.radius;
 }
 
-/// Fills triangles of one mesh at a time; says which mesh cannot be placed, and where all others
-/// lie.
+/// Fills the triangles of some meshes; says which mesh cannot be placed, and where the others lie.
 class Filler {
  public:
-  explicit Filler(FlatScene& flat) : flat_(flat) {}
+  /// `places` in `flat.meshes`, ascending. Their boxes start empty.
+  Filler(FlatScene& flat, const std::vector<std::uint32_t>& places) : flat_(flat), places_(places) {
+    starts_.reserve(places.size() + 1);
+    starts_.push_back(0);
+    for (const std::uint32_t place : places) {
+      flat.meshes[place].box = {};
+      starts_.push_back(starts_.back() + flat.meshes[place].triangle_count);
+    }
+  }
 
+  [[nodiscard]] std::size_t triangle_count() const { return starts_.back(); }
+
+  /// Triangles [begin, end), counted over these meshes.
   void fill(std::size_t begin, std::size_t end) {
-    const auto after = std::upper_bound(
-        flat_.meshes.begin(), flat_.meshes.end(), begin,
-        [](std::size_t triangle, const FlatMesh& mesh) { return triangle < mesh.first_triangle; });
-    for (auto index = static_cast<std::uint32_t>(after - flat_.meshes.begin() - 1); begin < end;
-         ++index) {
-      const FlatMesh& mesh = flat_.meshes[index];
-      const std::size_t stop =
-          std::min(end, std::size_t{mesh.first_triangle} + mesh.triangle_count);
+    const auto after = std::upper_bound(starts_.begin(), starts_.end(), begin);
+    for (auto i = static_cast<std::size_t>(after - starts_.begin() - 1); begin < end; ++i) {
+      const std::uint32_t index = places_[i];
+      const std::size_t first = flat_.meshes[index].first_triangle;
+      const std::size_t stop = std::min(end, starts_[i + 1]);
       Box box;
-      if (!fill_mesh(index, begin, stop, box)) refuse(index);
+      if (!fill_mesh(index, first + begin - starts_[i], first + stop - starts_[i], box))
+        refuse(index);
       begin = stop;
       const std::lock_guard lock(mutex_);
       grow(&flat_.meshes[index].box, box);
-      grow(&flat_.bounds, box);
     }
   }
 
@@ -133,11 +145,6 @@ class Filler {
                                      (mirrored ? kMirrored : 0));
   }
 
-  static void grow(Box* box, const Box& by) {
-    box->min = min(box->min, by.min);
-    box->max = max(box->max, by.max);
-  }
-
   void refuse(std::uint32_t index) {
     std::uint32_t least = refused_;
     while (index < least && !refused_.compare_exchange_weak(least, index)) {
@@ -145,6 +152,8 @@ class Filler {
   }
 
   FlatScene& flat_;
+  const std::vector<std::uint32_t>& places_;
+  std::vector<std::size_t> starts_;  ///< of each, and the end, counted over these meshes
   std::mutex mutex_;
   std::atomic<std::uint32_t> refused_{kInvalidId};
 };
@@ -167,6 +176,98 @@ void pad(FlatScene& flat) {
               "instances[" + std::to_string(inst_id) + "].to_world");
 }
 
+/// The triangles that all instances have; no more than can be numbered.
+std::uint32_t checked_count(const SceneDescription& description) {
+  constexpr std::uint64_t kMostTriangles = (std::uint64_t{1} << 31) - 64;
+  const std::uint64_t count = description.triangle_count();
+  if (count > kMostTriangles) {
+    throw Error(ErrorCode::kUnsupported,
+                "the scene has " + std::to_string(count) + " triangles, more than 2^31 - 64");
+  }
+  return static_cast<std::uint32_t>(count);
+}
+
+/// Which triangles stand where: ids and ranges, and nothing else yet.
+std::vector<FlatMesh> layout(const SceneDescription& description) {
+  std::vector<FlatMesh> meshes;
+  std::uint32_t first_triangle = 0;
+  for (const std::uint32_t inst_id : ordered_instances(description)) {
+    FlatMesh mesh;
+    mesh.geom_id = description.instances[inst_id].mesh;
+    mesh.inst_id = inst_id;
+    mesh.first_triangle = first_triangle;
+    mesh.triangle_count =
+        static_cast<std::uint32_t>(description.meshes[mesh.geom_id].triangles.size());
+    first_triangle += mesh.triangle_count;
+    meshes.push_back(mesh);
+  }
+  return meshes;
+}
+
+/// Fills what `places` in `flat->meshes` name, and the box of all.
+void place(const Executor& executor, const std::vector<Sphere>& object_bounds,
+           const std::vector<std::uint32_t>& places, FlatScene* flat) {
+  const SceneDescription& description = *flat->description;
+  const std::uint32_t count = checked_count(description);
+  if (count != flat->triangle_count || flat->flags.empty()) allocate(*flat, count);
+  for (const std::uint32_t i : places) {
+    FlatMesh& mesh = flat->meshes[i];
+    mesh = flat_mesh(description, mesh.inst_id, object_bounds[mesh.geom_id], mesh.first_triangle);
+  }
+  Filler filler(*flat, places);
+  executor.for_each_block(filler.triangle_count(), kGrain,
+                          [&](std::size_t begin, std::size_t end) { filler.fill(begin, end); });
+  if (filler.refused() != kInvalidId)
+    throw_refused(description, flat->meshes[filler.refused()].inst_id);
+  flat->bounds = {};
+  for (FlatMesh& mesh : flat->meshes) {
+    // The sum makes -0 into +0, which tasks may otherwise deliver in any order.
+    mesh.box.min += {0, 0, 0};
+    mesh.box.max += {0, 0, 0};
+    grow(&flat->bounds, mesh.box);
+  }
+  pad(*flat);
+}
+
+/// [from, count) as flags, and those that are listed.
+std::vector<char> marked(const std::vector<std::uint32_t>& listed, std::uint32_t from,
+                         std::size_t count) {
+  std::vector<char> marks(count, 0);
+  if (from < count) std::fill(marks.begin() + from, marks.end(), char{1});
+  for (const std::uint32_t i : listed) marks[i] = 1;
+  return marks;
+}
+
+bool stands(const FlatMesh& a, const FlatMesh& b) {
+  return a.first_triangle == b.first_triangle && a.triangle_count == b.triangle_count &&
+         a.geom_id == b.geom_id && a.inst_id == b.inst_id;
+}
+
+/// Lays the meshes out as they are now; returns the places of those to be filled.
+std::vector<std::uint32_t> lay_out_again(const SceneDescription& description,
+                                         const SceneChanges& changes, FlatScene* flat) {
+  const std::uint32_t mesh_from = changes.everything ? 0 : changes.other_meshes_from;
+  const std::uint32_t instance_from = changes.everything ? 0 : changes.other_instances_from;
+  const bool same = mesh_from == kInvalidId && instance_from == kInvalidId;
+  std::vector<FlatMesh> meshes = same ? flat->meshes : layout(description);
+  const std::vector<char> mesh_marks =
+      marked(changes.deformed, mesh_from, description.meshes.size());
+  const std::vector<char> instance_marks =
+      marked(changes.moved, instance_from, description.instances.size());
+  std::vector<std::uint32_t> places;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const bool stays = i < flat->meshes.size() && stands(meshes[i], flat->meshes[i]) &&
+                       mesh_marks[meshes[i].geom_id] == 0 && instance_marks[meshes[i].inst_id] == 0;
+    if (stays) {
+      meshes[i] = flat->meshes[i];
+    } else {
+      places.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+  flat->meshes = std::move(meshes);
+  return places;
+}
+
 }  // namespace
 
 TriangleView FlatScene::triangles() const {
@@ -182,31 +283,28 @@ TriangleView FlatScene::triangles() const {
 
 FlatScene flatten(const Executor& executor, const SceneDescription& description,
                   const std::vector<Sphere>& object_bounds) {
-  constexpr std::uint64_t kMostTriangles = (std::uint64_t{1} << 31) - 64;
-  const std::uint64_t count = description.triangle_count();
-  if (count > kMostTriangles) {
-    throw Error(ErrorCode::kUnsupported,
-                "the scene has " + std::to_string(count) + " triangles, more than 2^31 - 64");
-  }
   FlatScene flat;
   flat.description = &description;
-  allocate(flat, static_cast<std::uint32_t>(count));
-  std::uint32_t first_triangle = 0;
-  for (const std::uint32_t inst_id : ordered_instances(description)) {
-    const Sphere& object_bound = object_bounds[description.instances[inst_id].mesh];
-    flat.meshes.push_back(flat_mesh(description, inst_id, object_bound, first_triangle));
-    first_triangle += flat.meshes.back().triangle_count;
-  }
-  Filler filler(flat);
-  executor.for_each_block(count, kGrain,
-                          [&](std::size_t begin, std::size_t end) { filler.fill(begin, end); });
-  if (filler.refused() != kInvalidId)
-    throw_refused(description, flat.meshes[filler.refused()].inst_id);
-  // The sum makes -0 into +0, which tasks may otherwise deliver in any order.
-  flat.bounds.min += {0, 0, 0};
-  flat.bounds.max += {0, 0, 0};
-  pad(flat);
+  flat.meshes = layout(description);
+  std::vector<std::uint32_t> places(flat.meshes.size());
+  std::iota(places.begin(), places.end(), 0u);
+  place(executor, object_bounds, places, &flat);
   return flat;
+}
+
+FlatUpdate update_flat(const Executor& executor, const SceneDescription& description,
+                       const SceneChanges& changes, const std::vector<Sphere>& object_bounds,
+                       FlatScene* flat) {
+  FlatUpdate update;
+  flat->description = &description;
+  update.placed_meshes = lay_out_again(description, changes, flat);
+  const bool other = changes.everything || changes.other_meshes_from != kInvalidId ||
+                     changes.other_instances_from != kInvalidId;
+  update.same_triangles = !other;
+  place(executor, object_bounds, update.placed_meshes, flat);
+  for (const std::uint32_t i : update.placed_meshes)
+    update.placed_triangles += flat->meshes[i].triangle_count;
+  return update;
 }
 
 }  // namespace raysheaf

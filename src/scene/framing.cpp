@@ -73,7 +73,7 @@ Light showing_light(const SceneDescription& scene, const Camera& camera) {
 }
 
 bool needs_light(const SceneDescription& scene) {
-  if (!scene.lights.empty()) return false;
+  if (!scene.lights.empty() || !scene.environment.empty()) return false;
   const auto unlit = [](const Material& material) { return material.unlit; };
   return scene.materials.empty() ||
          !std::all_of(scene.materials.begin(), scene.materials.end(), unlit);

@@ -5,7 +5,7 @@
 
 #include "base/vec.h"
 #include "raysheaf/error.h"
-#include "raysheaf/scene_description.h"
+#include "raysheaf/scene_changes.h"
 #include "scene/shown_name.h"
 
 namespace raysheaf {
@@ -192,6 +192,24 @@ void check_spot_angles(const Item& item, const Light& light) {
   }
 }
 
+void check_size(const Item& item, const char* field, float value, bool may_be_zero) {
+  if (finite(value) && (value > 0 || (may_be_zero && value == 0))) return;
+  item.fail(field, std::string("the ") + field + item.of_name() + " is " + std::to_string(value) +
+                       ", but must be " + (may_be_zero ? "0 or more" : "above 0"));
+}
+
+void check_rectangle(const Item& item, const Light& light) {
+  constexpr float kTolerance = 1e-3f;
+  check_size(item, "width", light.width, false);
+  check_size(item, "height", light.height, false);
+  check_finite(item, "right", light.right);
+  if (!(std::fabs(dot(light.right, light.right) - 1) <= kTolerance) ||
+      !(std::fabs(dot(light.right, light.direction)) <= kTolerance)) {
+    item.fail("right", "the width's direction" + item.of_name() +
+                           " is not a unit vector square to the light's direction");
+  }
+}
+
 void check(const Item& item, const Light& light, const SceneDescription&) {
   check_not_negative(item, "intensity", light.intensity);
   if (light.type != Light::Type::kDirectional) check_finite(item, "position", light.position);
@@ -203,6 +221,8 @@ void check(const Item& item, const Light& light, const SceneDescription&) {
     }
   }
   if (light.type == Light::Type::kSpot) check_spot_angles(item, light);
+  if (light.type == Light::Type::kRectangle) check_rectangle(item, light);
+  check_size(item, "radius", light.radius, true);
   if (!(light.range > 0)) {
     item.fail("range", "the range" + item.of_name() + " is " + std::to_string(light.range) +
                            ", but must be above 0");
@@ -240,14 +260,63 @@ void check(const Item& item, const Camera& camera, const SceneDescription&) {
     item.fail("z_far", "the far plane" + item.of_name() + " is at " + std::to_string(camera.z_far) +
                            ", but the near one at " + std::to_string(camera.z_near));
   }
+  check_size(item, "aperture", camera.aperture, true);
+  check_size(item, "focus", camera.focus, true);
+}
+
+void check_environment(const Environment& environment) {
+  const auto fail = [](const std::string& field, const std::string& sentence) {
+    throw Error(ErrorCode::kInvalidData, sentence, "environment." + field);
+  };
+  const auto check_factor = [&](const char* field, float value, bool negative_too) {
+    if (!finite(value) || (value < 0 && !negative_too))
+      fail(field, std::string("the ") + field + " is " + std::to_string(value) + ", but must be " +
+                      (negative_too ? "finite" : "0 or more"));
+  };
+  check_factor("intensity", environment.intensity, false);
+  check_factor("rotation", environment.rotation, true);
+  if (environment.empty()) return;
+  const std::uint64_t pixels = std::uint64_t{environment.width} * environment.height;
+  const std::string size =
+      std::to_string(environment.width) + "x" + std::to_string(environment.height);
+  if (environment.radiance.size() != pixels)
+    fail("radiance", "the map has " + size + " pixels, but " +
+                         std::to_string(environment.radiance.size()) + " values");
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const Vec3& value = environment.radiance[i];
+    if (is_finite(value) && min_component(value) >= 0) continue;
+    fail("radiance", "pixel (" + std::to_string(i % environment.width) + ", " +
+                         std::to_string(i / environment.width) + ") of " + size + " is " +
+                         (is_finite(value) ? "negative" : "not finite"));
+  }
 }
 
 template <class T>
-void check_list(const char* list, const std::vector<T>& items, const SceneDescription& scene) {
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    const std::string* name = nullptr;
-    if constexpr (requires { items[i].name; }) name = &items[i].name;
-    check(Item{list, i, name}, items[i], scene);
+void check_item(const char* list, const std::vector<T>& items, std::size_t i,
+                const SceneDescription& scene) {
+  const std::string* name = nullptr;
+  if constexpr (requires { items[i].name; }) name = &items[i].name;
+  check(Item{list, i, name}, items[i], scene);
+}
+
+template <class T>
+void check_list(const char* list, const std::vector<T>& items, const SceneDescription& scene,
+                std::size_t from = 0) {
+  for (std::size_t i = from; i < items.size(); ++i) check_item(list, items, i, scene);
+}
+
+/// Those of a list of numbers; the numbers themselves too.
+template <class T>
+void check_listed(const char* list, const std::vector<T>& items, const char* field,
+                  const std::vector<std::uint32_t>& numbers, const SceneDescription& scene) {
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    if (numbers[k] >= items.size() || (k > 0 && numbers[k] <= numbers[k - 1])) {
+      throw Error(ErrorCode::kInvalidArgument,
+                  "is " + std::to_string(numbers[k]) + ", but numbers ascend below the scene's " +
+                      std::to_string(items.size()) + " " + list,
+                  "changes." + element(field, k));
+    }
+    check_item(list, items, numbers[k], scene);
   }
 }
 
@@ -259,6 +328,27 @@ void validate(const SceneDescription& scene) {
   check_list("materials", scene.materials, scene);
   check_list("textures", scene.textures, scene);
   check_list("images", scene.images, scene);
+  check_list("lights", scene.lights, scene);
+  check_list("cameras", scene.cameras, scene);
+  check_environment(scene.environment);
+  if (scene.triangle_count() == 0)
+    throw Error(ErrorCode::kInvalidData, "the scene has no triangles");
+}
+
+void validate_camera(const Camera& camera) {
+  try {
+    check(Item{"cameras", 0, &camera.name}, camera, {});
+  } catch (const Error& error) {
+    throw Error(error.code(), error.sentence(), "camera" + error.place().substr(10));
+  }
+}
+
+void validate_changes(const SceneDescription& scene, const SceneChanges& changes) {
+  if (changes.everything) return validate(scene);
+  check_listed("meshes", scene.meshes, "deformed", changes.deformed, scene);
+  check_listed("instances", scene.instances, "moved", changes.moved, scene);
+  check_list("meshes", scene.meshes, scene, changes.other_meshes_from);
+  check_list("instances", scene.instances, scene, changes.other_instances_from);
   check_list("lights", scene.lights, scene);
   check_list("cameras", scene.cameras, scene);
   if (scene.triangle_count() == 0)

@@ -7,8 +7,10 @@
 #include "base/view.h"
 #include "exec/executor.h"
 #include "raygen/fragment.h"
+#include "raygen/sample_body.h"
 #include "raysheaf/render.h"
 #include "raysheaf/scene_description.h"
+#include "scene/environment_body.h"
 
 namespace raysheaf {
 
@@ -22,13 +24,26 @@ struct TracedParts {
 };
 
 /// Emission and the sky's light, as it leaves each fragment towards where it was seen from. Where
-/// nothing was met, the sky itself.
+/// nothing was met, the environment, or the sky itself where there is none (`environment` null).
 [[nodiscard]] std::vector<Vec3> shade_glow(const Executor& executor, View<const Fragment> fragments,
-                                           Vec3 sky, TracedParts traced);
+                                           Vec3 sky, TracedParts traced,
+                                           const EnvironmentView* environment = nullptr);
+
+/// Some of the scene's lights, and the sample that looks at them.
+struct LightGroup {
+  View<const Light> lights;
+  std::uint32_t first = 0;  ///< the number in the scene of the first
+  SampleOf sample;
+};
 
 /// Adds what the lights give. `visibility`: one entry a (light, fragment) slot, light first.
-void shade_lights(const Executor& executor, View<const Fragment> fragments,
-                  View<const Light> lights, View<const Visibility> visibility, View<Vec3> radiance);
+void shade_lights(const Executor& executor, View<const Fragment> fragments, const LightGroup& group,
+                  View<const Visibility> visibility, View<Vec3> radiance);
+
+/// Adds what an environment gives. `visibility`: one entry a slot of `make_sky_rays`.
+void shade_sky(const Executor& executor, View<const Fragment> fragments,
+               const EnvironmentView& environment, SampleOf sample,
+               View<const Visibility> visibility, View<Vec3> radiance);
 
 /// Adds weight * radiance to the fragments' pixels. `fragments` are sorted by pixel; one pixel's
 /// are added in their order, whatever the number of threads.

@@ -6,6 +6,7 @@
 
 #include "raygen/light_body.h"
 #include "raygen/scatter_body.h"
+#include "scene/environment_body.h"
 
 namespace raysheaf {
 
@@ -34,8 +35,7 @@ RAYSHEAF_HD inline Vec3 reflectance(const Fragment& f, Vec3 to_light) {
 }
 
 /// What a light sends from the fragment towards the eye where nothing stands between them.
-RAYSHEAF_HD inline Vec3 lit_by(const Fragment& f, const Light& light) {
-  const LightSample sample = sample_light(light, f.surface.position);
+RAYSHEAF_HD inline Vec3 lit_by(const Fragment& f, const LightSample& sample) {
   if (!(dot(f.surface.normal, sample.to_light) > 0)) return {0, 0, 0};
   return reflectance(f, sample.to_light) * sample.irradiance;
 }
@@ -49,6 +49,18 @@ RAYSHEAF_HD inline Vec3 glow(const Fragment& f, const Scattering& s, Vec3 sky,
   if (!traced_reflection) part += s.reflected_part;
   if (!traced_refraction) part += s.refracted_part;
   return f.surface.emission + part * sky;
+}
+
+/// What a mirror or glass would show of the environment by the rays that are not traced.
+RAYSHEAF_HD inline Vec3 environment_glow(const Fragment& f, const Scattering& s,
+                                         const EnvironmentView& sky, bool traced_reflection,
+                                         bool traced_refraction) {
+  if (f.surface.unlit || !s.mirror) return {0, 0, 0};
+  Vec3 sum{0, 0, 0};
+  if (!traced_reflection) sum += s.reflected_part * environment_radiance(sky, s.reflection);
+  if (!traced_refraction && max_component(s.refracted_part) > 0)
+    sum += s.refracted_part * environment_radiance(sky, s.refraction);
+  return sum;
 }
 
 }  // namespace raysheaf

@@ -2,6 +2,8 @@
 #include <cmath>
 
 #include "base/bits.h"
+#include "raygen/shadow_body.h"
+#include "raygen/sky_body.h"
 #include "shade/shade.h"
 #include "shade/shade_body.h"
 
@@ -24,12 +26,12 @@ constexpr float kSkyPart = 1.0f / 7;
 }  // namespace
 
 std::vector<Vec3> shade_glow(const Executor& executor, View<const Fragment> fragments, Vec3 sky,
-                             TracedParts traced) {
+                             TracedParts traced, const EnvironmentView* environment) {
   std::vector<Vec3> radiance(fragments.size);
   executor.for_each(fragments.size, kGrain, [&](std::size_t i) {
     const Fragment& f = fragments[i];
     if (f.triangle == kInvalidId) {
-      radiance[i] = sky;
+      radiance[i] = environment != nullptr ? environment_radiance(*environment, f.incoming) : sky;
       return;
     }
     const Scattering s = scatter(f);
@@ -37,17 +39,32 @@ std::vector<Vec3> shade_glow(const Executor& executor, View<const Fragment> frag
         traced.reflection && s.mirror && worth_tracing(f.weight * s.reflected_part);
     const bool refracts = traced.refraction && worth_tracing(f.weight * s.refracted_part);
     radiance[i] = glow(f, s, sky, reflects, refracts);
+    if (environment != nullptr)
+      radiance[i] += environment_glow(f, s, *environment, reflects, refracts);
   });
   return radiance;
 }
 
-void shade_lights(const Executor& executor, View<const Fragment> fragments,
-                  View<const Light> lights, View<const Visibility> visibility,
-                  View<Vec3> radiance) {
+void shade_lights(const Executor& executor, View<const Fragment> fragments, const LightGroup& group,
+                  View<const Visibility> visibility, View<Vec3> radiance) {
   executor.for_each(fragments.size, kGrain, [&](std::size_t i) {
-    for (std::size_t l = 0; l < lights.size; ++l) {
-      if (visibility[l * fragments.size + i] == Visibility::kVisible)
-        radiance[i] += lit_by(fragments[i], lights[l]);
+    for (std::uint32_t l = 0; l < group.lights.size; ++l) {
+      if (visibility[l * fragments.size + i] != Visibility::kVisible) continue;
+      const LightSample light =
+          choose_on_light(fragments[i], group.lights[l], group.first + l, group.sample);
+      radiance[i] += lit_by(fragments[i], light);
+    }
+  });
+}
+
+void shade_sky(const Executor& executor, View<const Fragment> fragments,
+               const EnvironmentView& environment, SampleOf sample,
+               View<const Visibility> visibility, View<Vec3> radiance) {
+  executor.for_each(fragments.size, kGrain, [&](std::size_t i) {
+    for (std::uint32_t strategy = 0; strategy < kSkyStrategies; ++strategy) {
+      if (visibility[strategy * fragments.size + i] != Visibility::kVisible) continue;
+      radiance[i] +=
+          lit_by_sky(fragments[i], choose_in_sky(fragments[i], environment, strategy, sample));
     }
   });
 }

@@ -79,7 +79,7 @@ TEST(Query, AllFourAgree) {
   for (const QueryMethod method : kMethods) {
     const QueryOptions options{.method = method};
     const HitRows rows = all_hits(scene, rays, options);
-    EXPECT_EQ(rows.offsets, (std::vector<std::uint64_t>{0, 2, 2, 4}));
+    EXPECT_EQ(rows.offsets, (LargeVector<std::uint64_t>{0, 2, 2, 4}));
     EXPECT_EQ(hit_counts(scene, rays, options), (std::vector<std::uint32_t>{2, 0, 2}));
     EXPECT_EQ(any_hit(scene, rays, options), (std::vector<std::uint8_t>{1, 0, 1}));
     const std::vector<Hit> hits = closest_hit(scene, rays, options);
@@ -259,7 +259,7 @@ TEST(Query, AnswersNoRays) {
   for (const QueryMethod method : kMethods) {
     EXPECT_TRUE(closest_hit(scene, {}, QueryOptions{.method = method}).empty());
     EXPECT_TRUE(any_hit(scene, {}, QueryOptions{.method = method}).empty());
-    EXPECT_EQ(all_hits(scene, {}, {.method = method}).offsets, std::vector<std::uint64_t>(1));
+    EXPECT_EQ(all_hits(scene, {}, {.method = method}).offsets, LargeVector<std::uint64_t>(1, 0));
     EXPECT_EQ(all_hits(scene, {}, {.method = method}).size(), 0u);
   }
 }

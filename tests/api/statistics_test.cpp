@@ -83,6 +83,7 @@ TEST(Statistics, JsonHoldsEveryNumber) {
   frame.batches[0].bound_tests = 11;
   frame.batches[0].ray_bound_tests = 9;
   frame.batches[0].plan = {"rays: sorted", "bundles: streams"};
+  frame.samples = {{1000, 12820, 640, 5}};
   frame.raster_ms = 6;
   frame.shade_ms = 7;
   frame.total_ms = 8;
@@ -98,6 +99,7 @@ TEST(Statistics, JsonHoldsEveryNumber) {
       "final_tests": 7200, "total_tests": 12820, "brute_force_tests": 100000, "relative": 0.1282,
       "hits": 640, "plan": ["rays: sorted", "bundles: streams"],
       "times_ms": {"raygen": 1.0, "order": 2.0, "hierarchy": 3.0, "traverse": 4.0, "intersect": 5.0}}],
+    "samples": [{"rays": 1000, "total_tests": 12820, "hits": 640, "ms": 5.0}],
     "times_ms": {"load": 9.0, "raster": 6.0, "shade": 7.0, "total": 8.0}})");
   EXPECT_EQ(json, expected) << json.dump(2);
 }

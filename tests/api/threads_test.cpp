@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "api/api_support.h"
+#include "support/simd_targets.h"
 
 namespace raysheaf::test {
 namespace {
@@ -124,6 +125,13 @@ TEST(Threads, ScenesOfOneContextAreIndependent) {
   }
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(wrong, 0);
+}
+
+TEST(Threads, TheSimdTargetIsOneOfThisMachine) {
+  const std::string used = simd_target();
+  bool known = false;
+  for_each_simd_target([&](const char* target) { known = known || used == target; });
+  EXPECT_TRUE(known) << used;
 }
 
 }  // namespace

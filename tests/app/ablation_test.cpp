@@ -7,14 +7,14 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "ablation_findings.h"
-#include "ablation_pivot.h"
-#include "ablation_plots.h"
-#include "bench_ablation.h"
-#include "plot_svg.h"
+#include "ablation/ablation.h"
+#include "ablation/findings.h"
+#include "ablation/pivot.h"
+#include "ablation/plots.h"
+#include "plot/plots.h"
+#include "plot/svg.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
-#include "svg.h"
 #include "tests/support/process.h"
 
 namespace raysheaf::test {

@@ -5,14 +5,14 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "bench_compare.h"
-#include "bench_compare_case.h"
-#include "bench_compare_frames.h"
-#include "bench_compare_peer.h"
-#include "bench_compare_scenes.h"
-#include "compare_files.h"
-#include "compare_page.h"
-#include "compare_plots.h"
+#include "compare/case.h"
+#include "compare/compare.h"
+#include "compare/files.h"
+#include "compare/frames.h"
+#include "compare/page.h"
+#include "compare/peer.h"
+#include "compare/plots.h"
+#include "compare/scenes.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
 #include "tests/support/process.h"

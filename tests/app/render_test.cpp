@@ -55,7 +55,7 @@ TEST(Render, WritesAllThatIsAskedFor) {
   EXPECT_TRUE(exr.starts_with("\x76\x2f\x31\x01"));
   for (const char* channel :
        {"R", "G", "B", "position.X", "position.Y", "position.Z", "normal.X", "normal.Y", "normal.Z",
-        "albedo.R", "albedo.G", "albedo.B", "shadow.V", "tests.V"}) {
+        "albedo.R", "albedo.G", "albedo.B", "specular.R", "shadow.V", "tests.V"}) {
     EXPECT_NE(exr.find(std::string(channel) + '\0'), std::string::npos) << channel;
   }
 }
@@ -143,7 +143,7 @@ TEST(Render, StatisticsHaveTheDocumentedFields) {
   const Json frame = statistics_of(folder, {"builtin:cornell", "--method", "crsh"});
   EXPECT_EQ(keys(frame), (std::set<std::string>{"scene", "triangles", "meshes", "width", "height",
                                                 "method", "key", "bound", "device", "primary",
-                                                "threads", "batches", "times_ms"}));
+                                                "threads", "batches", "samples", "times_ms"}));
   EXPECT_EQ(keys(frame.at("times_ms")),
             (std::set<std::string>{"load", "raster", "shade", "total"}));
   EXPECT_EQ(frame.at("triangles"), 792);

@@ -6,31 +6,50 @@
 #include <filesystem>
 #include <regex>
 #include <set>
+#include <sstream>
 
-#include "command_text.h"
 #include "tests/support/process.h"
 #include "tests/support/scenes.h"
+#include "text/command_text.h"
 
 namespace raysheaf::test {
 namespace {
 
-const std::vector<std::vector<std::string>> kCommands = {{},
-                                                         {"render"},
-                                                         {"info"},
-                                                         {"scene"},
-                                                         {"bench"},
-                                                         {"bench", "paper"},
-                                                         {"bench", "ablation"},
-                                                         {"bench", "compare"},
-                                                         {"completion"},
-                                                         {"manual"}};
+using Words = std::vector<std::string>;
+
+std::string help_of(Words command, const TemporaryFolder& folder) {
+  command.emplace_back("--help");
+  return raysheaf_app(command, folder).out;
+}
+
+/// Those that the help of `command` lists, and all below them.
+void add_commands_below(const Words& command, const TemporaryFolder& folder,
+                        std::vector<Words>* commands) {
+  std::istringstream lines(help_of(command, folder));
+  bool listed = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (listed && !line.starts_with("  ")) break;
+    if (listed) {
+      Words below = command;
+      below.push_back(line.substr(2, line.find(' ', 2) - 2));
+      commands->push_back(below);
+      add_commands_below(below, folder, commands);
+    }
+    listed |= line == "Subcommands:";
+  }
+}
+
+/// Every command, the program itself first.
+std::vector<Words> all_commands(const TemporaryFolder& folder) {
+  std::vector<Words> commands = {{}};
+  add_commands_below({}, folder, &commands);
+  EXPECT_GT(commands.size(), 9u);
+  return commands;
+}
 
 /// The long options that a command's help lists.
-std::set<std::string> options_of(const std::vector<std::string>& command,
-                                 const TemporaryFolder& folder) {
-  std::vector<std::string> arguments = command;
-  arguments.emplace_back("--help");
-  const std::string help = raysheaf_app(arguments, folder).out;
+std::set<std::string> options_of(const Words& command, const TemporaryFolder& folder) {
+  const std::string help = help_of(command, folder);
   std::set<std::string> options;
   const std::regex option("[ ,](--[a-z-]+)");
   const std::string list = help.substr(0, help.find("Examples:"));
@@ -50,7 +69,7 @@ bool has_program(const std::string& name) {
 }
 
 /// What bash offers for a command line whose last word is unfinished.
-std::string bash_offers(const std::vector<std::string>& words, const TemporaryFolder& folder) {
+std::string bash_offers(const Words& words, const TemporaryFolder& folder) {
   const std::string script = folder.file("raysheaf.bash"), out = folder.file("offers");
   write_file(script, completion("bash", folder));
   std::string line = "source '" + script + "'; COMP_WORDS=(raysheaf";
@@ -67,7 +86,7 @@ TEST(Completion, NamesEveryOption) {
   const TemporaryFolder folder;
   const std::string bash = completion("bash", folder), zsh = completion("zsh", folder),
                     fish = completion("fish", folder);
-  for (const std::vector<std::string>& command : kCommands) {
+  for (const Words& command : all_commands(folder)) {
     const std::set<std::string> options = options_of(command, folder);
     EXPECT_TRUE(options.count("--help") == 1);
     for (const std::string& option : options) {
@@ -81,7 +100,7 @@ TEST(Completion, NamesEveryOption) {
 TEST(Completion, BashOffersWhatFits) {
   if (!has_program("bash")) GTEST_SKIP() << "there is no bash";
   const TemporaryFolder folder;
-  EXPECT_EQ(bash_offers({"re"}, folder), "render");
+  EXPECT_EQ(bash_offers({"re"}, folder), "render report");
   EXPECT_EQ(bash_offers({"render", "--me"}, folder), "--method --mesh-culling");
   EXPECT_EQ(bash_offers({"render", "--method", ""}, folder), "brute rah crsh gl10 dual");
   EXPECT_EQ(bash_offers({"render", "--size", ""}, folder), "");
@@ -106,7 +125,7 @@ TEST(Completion, OtherShellsTakeTheirs) {
 TEST(Manual, APageForEachCommandWithItsOptions) {
   const TemporaryFolder folder;
   ASSERT_EQ(raysheaf_app({"manual", "-o", "."}, folder).code, 0);
-  for (const std::vector<std::string>& command : kCommands) {
+  for (const Words& command : all_commands(folder)) {
     std::string name = "raysheaf";
     for (const std::string& word : command) name += "-" + word;
     const std::string path = folder.file(name + ".1");

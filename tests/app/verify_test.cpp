@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "apps/raysheaf/verify_report.h"
+#include "apps/raysheaf/verify/report.h"
 #include "tests/support/process.h"
 
 namespace raysheaf::test {

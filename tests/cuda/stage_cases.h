@@ -9,6 +9,7 @@
 #include "order/order_body.h"
 #include "raster/resolve_body.h"
 #include "raygen/camera_body.h"
+#include "raygen/sample_body.h"
 #include "raygen/scatter_body.h"
 #include "raygen/shadow_body.h"
 #include "scene/flatten_body.h"
@@ -61,6 +62,16 @@ struct TextureCase {
     out.put(uv, sample(texture, decode, uv), texel(texture, decode, 2, 1));
     out.put(mix({1, 2, 3, 4}, {4, 3, 2, 1}, uv.x), wrapped(texture.wrap_u, uv.y));
     out.put(wrapped_texel(texture.wrap_v, static_cast<std::int64_t>(draws.below(5)) - 1, 3));
+  }
+};
+
+struct SampleCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    const std::uint32_t index = draws.bits(), seed = draws.bits();
+    const FractionPair pair = scrambled_sobol(index, seed);
+    out.put(pair.x, pair.y, reversed_bits(index), mixed_seed(index, seed), sobol_second(index));
+    out.put(owen_scrambled(index, seed), unit_fraction(seed));
+    out.put(sample_pair({index, 7}, choice_seed(Choice::kLight, seed, index, 3)));
   }
 };
 
@@ -124,7 +135,7 @@ struct OffsetCase {
     const Vec3 corner = draws.in_box(3);
     const LightReach reach = light_reach({corner, corner + abs(draws.in_box(3))});
     out.put(reach.center, reach.radius);
-    out.put(faces_light(f, {draws.direction(), 1, {1, 1, 1}}));
+    out.put(faces_light(f, {draws.direction(), 1, {1, 1, 1}, {0, 0, 0}}));
   }
 };
 

@@ -108,11 +108,14 @@ inline Answers ask(const Executor& executor, const DualScene& scene, std::vector
   for (auto& tests : a.ray_tests) tests.assign(rays.size(), 0);
   trace_closest(executor, scene, view, order, a.closest, a.ray_tests[0], &a.counts[0]);
   trace_any(executor, scene, view, order, a.any, a.ray_tests[1], &a.counts[1]);
-  const auto rows = trace_all(executor, scene, view, order, a.ray_tests[2], &a.counts[2]);
+  RowLists lists;
+  trace_all(executor, scene, view, order, &lists, a.ray_tests[2], &a.counts[2]);
   a.all.resize(rays.size());
-  for (const auto& list : rows)
-    for (const RowHit& row : list) a.all[row.ray].push_back(row.hit);
-  for (std::vector<EngineHit>& row : a.all) std::sort(row.begin(), row.end(), precedes);
+  for (const RowList& list : lists)
+    for (std::size_t i = 0; i < list.ends.size(); ++i) {
+      const View<const EngineHit> row = list.row(i);
+      a.all[order.rays[list.first + i]].assign(row.begin(), row.end());
+    }
   return a;
 }
 

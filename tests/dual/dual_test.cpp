@@ -98,6 +98,35 @@ TEST(Dual, Watertight) {
   expect_right(heap, rays);
 }
 
+/// More triangles than caches hold: rays left alone wait for each other longer. Streams and packets
+/// know nothing of each other.
+TEST(Dual, TreeFarFromCache) {
+  Random random(11);
+  Heap heap;
+  while (heap.count() < 450'000) {
+    const Vec3 p = random.in_box(10);
+    heap.add(p, p + random.in_box(0.1f), p + random.in_box(0.1f));
+  }
+  const TriangleSource source = heap.source(5000);
+  const Executor& executor = one_thread();
+  ObjectTree tree;
+  build_object_tree(executor, source, &tree);
+  ASSERT_GT(tree.nodes.size() * sizeof(BvhNode) + tree.quads.size() * sizeof(TriangleQuad),
+            std::size_t{16} << 20);
+  std::vector<Ray> rays;
+  for (int i = 0; i < 6000; ++i)
+    rays.push_back({random.in_box(12), 0, random.direction(), kInfinity});
+  DualScene scene{.tree = &tree, .bundle = Bundle::kPacket};
+  const Answers packets = ask(executor, scene, rays, Sorting::kByQuarter);
+  scene.bundle = Bundle::kStream;
+  const Answers streams = ask(executor, scene, rays, Sorting::kCurve);
+  EXPECT_GT(hit_count(packets.all), rays.size() / 2);
+  EXPECT_TRUE(right(packets.all, packets, rays));
+  EXPECT_TRUE(right(packets.all, streams, rays));
+  const std::vector<Ray> few(rays.begin(), rays.begin() + 30);
+  EXPECT_TRUE(right(brute_force(heap, few), ask(executor, scene, few, Sorting::kCurve), few));
+}
+
 /// Nodes of seven leaves and a deeper node that comes first: what waits outgrows any fixed stack.
 TEST(Dual, DeepTree) {
   constexpr std::uint32_t kDepth = 150;

@@ -50,7 +50,7 @@ class OnDevice : public testing::TestWithParam<bool> {
     engine.any_hit(view, query, View<std::uint8_t>(a.any));
     std::vector<std::uint32_t> counts(rays.size(), 99);
     engine.count_hits(view, query, View<std::uint32_t>(counts));
-    const EngineHitRows found = engine.all_hits(view, query);
+    const DeviceHitRows found = engine.all_hits(view, query);
     if (found.offsets.size() != rays.size() + 1) return testing::AssertionFailure() << "offsets";
     for (std::size_t r = 0; r < rays.size(); ++r) {
       a.all.emplace_back(found.hits.begin() + static_cast<std::ptrdiff_t>(found.offsets[r]),
@@ -218,7 +218,7 @@ TEST(DeviceEngine, MemoryThatRunsOutAnywhereLeavesTheEngineUsable) {
       const std::unique_ptr<DeviceEngine> engine = emulation.backend->make_engine();
       DeviceQuery query;
       query.brute = brute;
-      EngineHitRows found;
+      DeviceHitRows found;
       std::vector<EngineHit> hits(rays.size());
       bool failed = false;
       emulation.memory.let(allowed);

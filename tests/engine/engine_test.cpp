@@ -32,7 +32,7 @@ class Stage {
 struct Batch {
   std::vector<EngineHit> closest;
   std::vector<std::uint8_t> any;
-  EngineHitRows all;
+  HitRows all;  ///< by ray
   EngineReport reports[3];
 };
 
@@ -45,7 +45,11 @@ Batch ask_engine(const Executor& executor, Engine* engine, std::vector<Ray> rays
   b.any.assign(rays.size(), 7);
   engine->any_hit(executor, view, options, b.any, {}, &b.reports[1]);
   engine->closest_hit(executor, view, options, b.closest, {}, &b.reports[0]);
-  b.all = engine->all_hits(executor, view, options, &b.reports[2]);
+  b.all.resize(rays.size());
+  const FoundRows found = engine->all_hits(executor, view, options, &b.reports[2]);
+  found.for_each(executor, [&](std::size_t ray, View<const EngineHit> hits) {
+    b.all[ray].assign(hits.begin(), hits.end());
+  });
   return b;
 }
 
@@ -53,14 +57,7 @@ testing::AssertionResult right(const HitRows& rows, const Batch& b, const std::v
   Answers a;
   a.closest = b.closest;
   a.any = b.any;
-  if (b.all.offsets.size() != rays.size() + 1 || b.all.offsets.front() != 0 ||
-      b.all.offsets.back() != b.all.hits.size())
-    return testing::AssertionFailure() << "offsets";
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const auto begin = b.all.hits.begin() + static_cast<std::ptrdiff_t>(b.all.offsets[i]);
-    const auto end = b.all.hits.begin() + static_cast<std::ptrdiff_t>(b.all.offsets[i + 1]);
-    a.all.emplace_back(begin, end);  // sorted as they should be, or not right
-  }
+  a.all = b.all;  // sorted as they should be, or not right
   return test::right(rows, a, rays);
 }
 
@@ -137,8 +134,8 @@ TEST(Engine, ALifeOfMovesAndReplacements) {
 TEST(Engine, NoTrianglesAndNoRays) {
   Random random(7);
   Stage stage;
-  EXPECT_EQ(stage.engine.all_hits(one_thread(), {}, {}, nullptr).offsets.size(), 1u);
   stage.set({}, false);
+  expect_engine_right(&stage, {});
   const std::vector<Ray> rays{{{}, 0, {1, 0, 0}, kInfinity}, {{1, 2, 3}, 0, {0, 1, 0}, 1}};
   expect_engine_right(&stage, rays);
   Heap flat;
@@ -177,19 +174,19 @@ TEST(Engine, RowsWithTies) {
   std::vector<Ray> rays;
   for (int i = 0; i < 300; ++i)
     rays.push_back({lattice_point(random), 0, {0, 0, i % 2 == 0 ? 1.0f : -1.0f}, kInfinity});
-  const EngineHitRows all =
-      stage.engine.all_hits(two_threads(), View<const Ray>(rays), {}, nullptr);
   std::size_t ties = 0;
-  for (std::size_t r = 0; r < rays.size(); ++r)
-    for (std::size_t i = all.offsets[r] + 1; i < all.offsets[r + 1]; ++i) {
-      EXPECT_TRUE(precedes(all.hits[i - 1], all.hits[i]));
-      ties += all.hits[i - 1].t == all.hits[i].t ? 1 : 0;
-    }
+  const View<const Ray> view(rays);
+  stage.engine.all_hits(one_thread(), view, {}, nullptr)
+      .for_each(one_thread(), [&](std::size_t, View<const EngineHit> hits) {
+        for (std::size_t i = 1; i < hits.size; ++i) {
+          EXPECT_TRUE(precedes(hits[i - 1], hits[i]));
+          ties += hits[i - 1].t == hits[i].t ? 1 : 0;
+        }
+      });
   EXPECT_GT(ties, 100u);
   expect_engine_right(&stage, rays);
 }
 
-/// What rays are charged with adds up to what the query counted.
 /// A sample that seems to share an origin, and one ray that starts elsewhere.
 TEST(Engine, AlmostOneOrigin) {
   Random random(21);
@@ -258,9 +255,9 @@ TEST(Engine, SameWithAnyThreads) {
     }
     EXPECT_TRUE(std::equal(one.closest.begin(), one.closest.end(), two.closest.begin(), same_bits));
     EXPECT_EQ(one.any, two.any);
-    EXPECT_EQ(one.all.offsets, two.all.offsets);
-    EXPECT_TRUE(
-        std::equal(one.all.hits.begin(), one.all.hits.end(), two.all.hits.begin(), same_bits));
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      EXPECT_TRUE(std::equal(one.all[i].begin(), one.all[i].end(), two.all[i].begin(),
+                             two.all[i].end(), same_bits));
     heap = moved(heap, 0.05f, random);
   }
 }

@@ -17,8 +17,10 @@ RenderResult frame_of(const SceneDescription& scene, const RenderOptions& option
   ProgressMeter meter;
   const FlatScene flat = flatten(executor, scene, mesh_bounds(executor, scene));
   const TextureSet textures(scene);
-  const FrameInput input{flat,    textures, scene.cameras.front(), scene.lights, options,
-                         nullptr, backend};
+  TraceCache cache;
+  cache.backend = backend;
+  FrameInput input{flat, textures, scene.cameras.front(), scene.lights, options};
+  input.cache = &cache;
   return render_frame(executor, input, &meter);
 }
 

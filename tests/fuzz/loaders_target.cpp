@@ -12,7 +12,9 @@
 #include "io/obj.h"
 #include "io/ply.h"
 #include "io/stl.h"
+#include "raysheaf/animation.h"
 #include "raysheaf/error.h"
+#include "raysheaf/io.h"
 
 namespace raysheaf::fuzz {
 namespace {
@@ -62,7 +64,16 @@ class Folder {
 }  // namespace
 
 void run_gltf(Input input) {
-  load([&] { return io::load_gltf(bytes_of(input), {std::string(kNowhere) + "scene.gltf"}); });
+  load([&] {
+    io::GltfScene gltf = io::load_gltf(bytes_of(input), {std::string(kNowhere) + "scene.gltf"});
+    const auto animation = animate(std::move(gltf.scene), std::move(gltf.rig), 1);
+    for (std::uint32_t clip = 0; clip < animation->clips().size(); ++clip) {
+      animation->play(clip);
+      for (const double part : {0.0, 0.37, 1.0})
+        static_cast<void>(animation->seek(part * animation->end()));
+    }
+    return animation->scene();
+  });
 }
 
 void run_obj(Input input) {
@@ -97,7 +108,7 @@ void run_image(Input input) {
   if (!fits) std::abort();
   // What can be read can be written and is then the same.
   if (image->rgba.size() > 1u << 16) return;
-  const auto again = io::decode_image(io::encode_png(*image));
+  const auto again = io::decode_image(encode_png(*image));
   if (!again || again->rgba != image->rgba) std::abort();
 }
 

@@ -17,6 +17,8 @@ std::string help_of_everything() {
   std::string text;
   const std::vector<std::vector<std::string>> calls = {{"--help"},
                                                        {"render", "--help"},
+                                                       {"report", "--help"},
+                                                       {"view", "--help"},
                                                        {"info", "--help"},
                                                        {"scene", "--help"},
                                                        {"verify", "--help"},
@@ -47,7 +49,7 @@ std::string arguments_of(const std::string& line) {
 std::string made_small(std::string arguments) {
   static const std::regex kSize(R"( --size \S+)");
   if (arguments.starts_with(" verify")) return arguments + " --rounds 1";
-  for (const std::string command : {" render", " bench paper"}) {
+  for (const std::string command : {" render", " report", " bench paper"}) {
     if (arguments != command && !arguments.starts_with(command + " ")) continue;
     arguments = std::regex_replace(arguments, kSize, "");
     return arguments.insert(command.size(), " --size 48x48");

@@ -11,3 +11,20 @@ set_tests_properties(install/prefix PROPERTIES FIXTURES_REQUIRED "" FIXTURES_SET
 add_test(NAME install/shared COMMAND ${CMAKE_COMMAND} ${install_arguments}
   -P ${CMAKE_CURRENT_LIST_DIR}/shared.cmake)
 set_tests_properties(install/shared PROPERTIES SKIP_REGULAR_EXPRESSION "SKIPPED" TIMEOUT 3600)
+
+# The guards of cmake/Hardening.cmake: in a small program always, in raysheaf where it is built with them.
+find_program(READELF readelf)
+find_program(OBJDUMP objdump)
+if(READELF AND OBJDUMP AND UNIX AND NOT APPLE AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+  add_executable(hardening_probe ${CMAKE_CURRENT_LIST_DIR}/hardening_probe.cpp)
+  target_link_libraries(hardening_probe PRIVATE raysheaf_options raysheaf_hardening)
+  set(hardened hardening_probe)
+  if(RAYSHEAF_HARDENING AND TARGET raysheaf_app)
+    list(APPEND hardened raysheaf_app)
+  endif()
+  foreach(program ${hardened})
+    add_test(NAME install/hardening_of_${program} COMMAND ${CMAKE_COMMAND}
+      -DPROGRAM=$<TARGET_FILE:${program}> -DREADELF=${READELF} -DOBJDUMP=${OBJDUMP} -DPROCESSOR=${CMAKE_SYSTEM_PROCESSOR}
+      -P ${CMAKE_CURRENT_LIST_DIR}/hardening.cmake)
+  endforeach()
+endif()

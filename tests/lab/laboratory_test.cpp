@@ -97,15 +97,14 @@ class Rays : public testing::Test {
   const Executor executor_{2};
   const FlatScene scene_ = flatten(executor_, description_, mesh_bounds(executor_, description_));
   const TextureSet textures_{description_};
-  const PictureSize size_{32, 32};
 
   std::vector<Fragment> fragments() {
     ProgressMeter meter;
     BatchStatistics not_kept;
-    const Camera& camera = description_.cameras.front();
-    return fetch_fragments(executor_, scene_, textures_, camera, size_,
-                           trace_primary(executor_, scene_, camera, size_,
-                                         method_settings(Method::kCrsh), &not_kept, {}, &meter));
+    const CameraFrame frame = make_camera_frame(description_.cameras.front(), 32, 32);
+    return fetch_fragments(executor_, scene_, textures_, frame,
+                           trace_primary(executor_, scene_, frame, method_settings(Method::kCrsh),
+                                         &not_kept, {}, &meter));
   }
 };
 

@@ -204,6 +204,9 @@ def test_room_for_results_is_used(scene, expected):
     with pytest.raises(ValueError, match="not in C order"):
         strided = raysheaf.Hits.empty(2 * len(SETTING.origins))[::2]
         scene.closest_hit(SETTING.origins, SETTING.directions, out=strided)
+    with pytest.raises(ValueError, match="out: read-only Hits"):
+        locked = raysheaf.Hits(_locked(out.array))
+        scene.closest_hit(SETTING.origins, SETTING.directions, out=locked)
     with pytest.raises(TypeError, match="out: ndarray"):
         scene.closest_hit(SETTING.origins, SETTING.directions, out=np.zeros(3))
 

@@ -20,8 +20,9 @@ std::vector<std::uint32_t> rendered(Rasterizer& rasterizer, const FlatScene& sce
                                     const Camera& camera, std::uint32_t width,
                                     std::uint32_t height) {
   const Executor executor(2);
-  auto picture = rasterizer.visible_triangles(executor, scene, camera, width, height);
-  resolve_silhouettes(executor, scene, camera, width, height, picture);
+  auto picture =
+      rasterizer.visible_triangles(executor, scene, make_camera_frame(camera, width, height));
+  resolve_silhouettes(executor, scene, make_camera_frame(camera, width, height), picture);
   return picture;
 }
 
@@ -31,7 +32,8 @@ std::vector<std::uint32_t> rendered(Rasterizer& rasterizer, const FlatScene& sce
 void expect_like_brute_force(Rasterizer& rasterizer, const FlatScene& scene, const Camera& camera,
                              std::uint32_t width, std::uint32_t height) {
   const auto expected = cast(scene, camera, width, height);
-  const auto drawn = rasterizer.visible_triangles(Executor(2), scene, camera, width, height);
+  const auto drawn =
+      rasterizer.visible_triangles(Executor(2), scene, make_camera_frame(camera, width, height));
   ASSERT_EQ(drawn.size(), std::size_t{width} * height);
   EXPECT_LE(compare(expected, drawn, width, height).pixels, 1 + width * height / 1000);
 
@@ -281,8 +283,9 @@ TEST_F(RasterizerTest, DoesNotDependOnThreads) {
   std::vector<std::uint32_t> first;
   for (const std::uint32_t threads : {1u, 2u}) {
     const Executor executor(threads);
-    auto picture = rasterizer_->visible_triangles(executor, scene, camera, 200, 200);
-    resolve_silhouettes(executor, scene, camera, 200, 200, picture);
+    auto picture =
+        rasterizer_->visible_triangles(executor, scene, make_camera_frame(camera, 200, 200));
+    resolve_silhouettes(executor, scene, make_camera_frame(camera, 200, 200), picture);
     if (first.empty()) first = picture;
     EXPECT_EQ(picture, first) << threads;
   }
@@ -313,7 +316,8 @@ TEST_F(RasterizerTest, RefusesPicturesItCannotDraw) {
   const FlatScene scene = soup(3, 1, 16);
   const auto code_for = [&](std::uint32_t width, std::uint32_t height) {
     try {
-      static_cast<void>(rasterizer_->visible_triangles(executor, scene, Camera{}, width, height));
+      static_cast<void>(
+          rasterizer_->visible_triangles(executor, scene, make_camera_frame({}, width, height)));
     } catch (const Error& error) {
       return error.code();
     }

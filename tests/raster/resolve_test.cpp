@@ -12,7 +12,8 @@ constexpr std::uint32_t kWidth = 90, kHeight = 70;
 
 std::vector<std::uint32_t> resolved(const FlatScene& scene, const Camera& camera,
                                     std::vector<std::uint32_t> picture, std::uint32_t threads = 2) {
-  resolve_silhouettes(Executor(threads), scene, camera, kWidth, kHeight, picture);
+  resolve_silhouettes(Executor(threads), scene, make_camera_frame(camera, kWidth, kHeight),
+                      picture);
   return picture;
 }
 
@@ -93,7 +94,7 @@ TEST(Resolve, PicturesOfNothingAreNothing) {
   const Camera away = camera_at({0, 0, 9}, {0, 0, 20});
   const auto found = resolved(scene, away, noise);
   EXPECT_EQ(found[0], kInvalidId);  // at the picture's edge nothing is taken on trust
-  resolve_silhouettes(Executor(1), FlatScene{}, away, 0, 0, {});
+  resolve_silhouettes(Executor(1), FlatScene{}, make_camera_frame(away, 0, 0), {});
 }
 
 TEST(Resolve, BacksOfSingleSidedTrianglesDoNotShow) {

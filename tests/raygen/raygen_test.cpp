@@ -18,10 +18,9 @@ struct Seen {
     BatchStatistics statistics;
     ProgressMeter meter;
     const MethodSettings method = method_settings(Method::kCrsh);
-    const PictureSize size{64, 64};
-    const auto triangles =
-        trace_primary(executor, flat, scene.cameras[0], size, method, &statistics, {}, &meter);
-    fragments = fetch_fragments(executor, flat, textures, scene.cameras[0], size, triangles);
+    const CameraFrame frame = make_camera_frame(scene.cameras[0], 64, 64);
+    const auto triangles = trace_primary(executor, flat, frame, method, &statistics, {}, &meter);
+    fragments = fetch_fragments(executor, flat, textures, frame, triangles);
   }
 
   [[nodiscard]] RayBatch shadow_rays() const {

@@ -22,13 +22,16 @@ Fragment matte(Vec3 normal, Vec3 incoming) {
 
 TEST(Shade, LambertUnderAPointLightIsTheTextbookValue) {
   const Fragment f = matte({0, 1, 0}, {0, -1, 0});
-  const Vec3 radiance = lit_by(f, test::point_light({0, 2, 0}, 12));
+  const Vec3 radiance =
+      lit_by(f, sample_light(test::point_light({0, 2, 0}, 12), f.surface.position));
   EXPECT_NEAR(radiance.x, 12.0f / 4 / kPi, 1e-6f);
 }
 
 TEST(Shade, LightBehindTheSurfaceGivesNothing) {
   const Fragment f = matte({0, 1, 0}, {0, -1, 0});
-  EXPECT_EQ(max_component(lit_by(f, test::point_light({0, -2, 0}, 12))), 0);
+  EXPECT_EQ(
+      max_component(lit_by(f, sample_light(test::point_light({0, -2, 0}, 12), f.surface.position))),
+      0);
 }
 
 TEST(Shade, NoSurfaceReflectsMoreThanArrives) {

@@ -95,6 +95,7 @@ SceneDescription atrium() {
   lamp.name = "sky lamp";
   lamp.position = {0.6f, 7, 0.2f};
   lamp.intensity = {165, 150, 126};
+  lamp.radius = 0.3f;
   stage.scene.lights.push_back(lamp);
 
   Camera camera;

@@ -60,6 +60,7 @@ SceneDescription cornell() {
   light.name = "lamp";
   light.position = {8, 52, 6};
   light.intensity = {16000, 15500, 14500};
+  light.radius = 3;
   stage.scene.lights.push_back(light);
 
   Camera camera;

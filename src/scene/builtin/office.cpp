@@ -105,6 +105,7 @@ void light_up(Stage& stage) {
   lamp.name = "ceiling lamp";
   lamp.position = {0.35f, 2.46f, -0.75f};
   lamp.intensity = {11.5f, 10.8f, 9.6f};
+  lamp.radius = 0.08f;  // under the bowl that glows
   Light sun;
   sun.name = "sun";
   sun.type = Light::Type::kDirectional;

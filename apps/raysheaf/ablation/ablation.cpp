@@ -1,0 +1,160 @@
+// Runs the cross product.
+#include "ablation/ablation.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "raysheaf/builtin_scenes.h"
+#include "raysheaf/error.h"
+#include "raysheaf/io.h"
+#include "scene_argument.h"
+#include "values.h"
+
+namespace raysheaf::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Source {
+  std::string name, argument;
+};
+
+std::vector<Source> sources_in(const std::string& folder) {
+  std::error_code failed;
+  std::vector<Source> all;
+  for (fs::directory_iterator i(folder, failed), end; !failed && i != end; i.increment(failed)) {
+    const std::string path = i->path().string();
+    for (const char* ending : {".gltf", ".glb", ".obj", ".ply", ".stl"})
+      if (has_ending(path, ending)) all.push_back({i->path().stem().string(), path});
+  }
+  if (failed) throw Error(ErrorCode::kIo, "cannot read this folder: " + failed.message(), folder);
+  if (all.empty()) throw Error(ErrorCode::kIo, "there is no scene in this folder", folder);
+  std::sort(all.begin(), all.end(),
+            [](const Source& a, const Source& b) { return a.argument < b.argument; });
+  return all;
+}
+
+std::vector<Source> sources(const BenchAblationCommand& command) {
+  if (!command.scenes.empty()) return sources_in(command.scenes);
+  const std::string builtin = "builtin:";
+  if (command.scene.starts_with(builtin))
+    return {{command.scene.substr(builtin.size()), command.scene}};
+  if (!command.scene.empty()) return {{fs::path(command.scene).stem().string(), command.scene}};
+  std::vector<Source> all;
+  for (const std::string& name : builtin_scene_names()) all.push_back({name, builtin + name});
+  return all;
+}
+
+/// Keys, then bounds, change fastest: what is compared most is measured close together in time.
+std::vector<MethodSettings> combinations(const BenchAblationCommand& c) {
+  std::vector<MethodSettings> all;
+  MethodSettings s = method_settings(Method::kCrsh);
+  for (const bool culling : c.mesh_culling) {
+    for (const std::uint32_t levels : c.levels) {
+      for (const std::uint32_t branching : c.branching) {
+        for (const RayKey key : c.keys) {
+          for (const std::uint32_t bits : c.key_bits) {
+            if (!comes_in_both_widths(key) && bits != c.key_bits.front()) continue;
+            for (const BundleBound bound : c.bounds) {
+              s.mesh_culling = culling;
+              s.levels = levels;
+              s.branching = branching;
+              s.key = key;
+              s.key_bits = bits;
+              s.bound = bound;
+              all.push_back(s);
+            }
+          }
+        }
+      }
+    }
+  }
+  return all;
+}
+
+double median(std::vector<double> values) {
+  const std::size_t half = values.size() / 2;
+  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(half), values.end());
+  const double upper = values[half];
+  if (values.size() % 2 != 0) return upper;
+  return (upper + *std::max_element(values.begin(), values.begin() + std::ptrdiff_t(half))) / 2;
+}
+
+StageTimes median(const std::vector<StageTimes>& all) {
+  StageTimes result;
+  for (double StageTimes::*stage : {&StageTimes::raygen, &StageTimes::order, &StageTimes::hierarchy,
+                                    &StageTimes::traverse, &StageTimes::intersect}) {
+    std::vector<double> values;
+    for (const StageTimes& times : all) values.push_back(times.*stage);
+    result.*stage = median(std::move(values));
+  }
+  return result;
+}
+
+BatchStatistics measured(Laboratory& laboratory, LabRays rays, const MethodSettings& settings,
+                         const BenchAblationCommand& command) {
+  BatchStatistics counts;
+  std::vector<StageTimes> times;
+  for (std::uint32_t i = 0; i < command.repeat; ++i) {
+    counts = laboratory.measure(rays, settings, command.check && i == 0);
+    times.push_back(counts.times_ms);
+  }
+  counts.times_ms = median(times);
+  return counts;
+}
+
+template <typename Figure>
+const AblationRow* least(const AblationReport& report, const RowTest& passes, Figure figure) {
+  const AblationRow* best = nullptr;
+  for (const AblationRow& row : report.rows)
+    if (passes(row) && (best == nullptr || figure(row) < figure(*best))) best = &row;
+  return best;
+}
+
+}  // namespace
+
+AblationReport measure_ablation(const BenchAblationCommand& command, const TellAblation& tell) {
+  AblationReport report;
+  report.command = command;
+  const std::vector<Source> scenes = sources(command);
+  const std::vector<MethodSettings> settings = combinations(command);
+  const std::uint64_t total = scenes.size() * command.rays.size() * settings.size();
+  std::uint64_t done = 0;
+  for (const Source& source : scenes) {
+    tell("measurements", done, total);
+    Laboratory laboratory(scene_from_argument(source.argument), command.width, command.height,
+                          command.threads);
+    report.scenes.push_back(source.name);
+    for (const LabRays rays : command.rays) {
+      const bool any = laboratory.ray_count(rays) > 0;
+      for (const MethodSettings& s : settings) {
+        tell("measurements", done++, total);
+        if (any)
+          report.rows.push_back({source.name, rays, s, measured(laboratory, rays, s, command)});
+      }
+    }
+  }
+  return report;
+}
+
+double AblationRow::trace_ms() const {
+  return counts.times_ms.traverse + counts.times_ms.intersect;
+}
+
+double AblationRow::total_ms() const {
+  return counts.times_ms.order + counts.times_ms.hierarchy + trace_ms();
+}
+
+const AblationRow* fewest_tests(const AblationReport& report, const RowTest& passes) {
+  return least(report, passes, [](const AblationRow& row) { return row.counts.total_tests(); });
+}
+
+const AblationRow* least_time(const AblationReport& report, const RowTest& passes) {
+  return least(report, passes, [](const AblationRow& row) { return row.total_ms(); });
+}
+
+RowTest of(const std::string& scene, LabRays rays) {
+  return [scene, rays](const AblationRow& row) { return row.scene == scene && row.rays == rays; };
+}
+
+}  // namespace raysheaf::app

@@ -1,0 +1,13 @@
+// The ablation's figures for other programs (docs/command-line.md).
+#pragma once
+
+#include <string>
+
+#include "ablation/ablation.h"
+
+namespace raysheaf::app {
+
+[[nodiscard]] std::string ablation_json(const AblationReport& report);
+[[nodiscard]] std::string ablation_csv(const AblationReport& report);
+
+}  // namespace raysheaf::app

@@ -1,0 +1,45 @@
+// One scene in one mode: the peer's best way is found, then both sides run in turns.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "compare/compare.h"
+#include "compare/frames.h"
+#include "raysheaf/context.h"
+
+namespace raysheaf::app {
+
+struct CompareSetting {
+  Context context;
+  PeerDevice* peer = nullptr;
+  std::uint32_t runs = 9;
+};
+
+class CompareBench {
+ public:
+  /// Tries the ways of the peer for each of `kinds`. Everything referred to must outlive this.
+  CompareBench(const CompareSetting& setting, const CompareFrames& frames, CompareMode mode,
+               const std::vector<CompareKind>& kinds);
+  ~CompareBench();
+  CompareBench(const CompareBench&) = delete;
+  CompareBench& operator=(const CompareBench&) = delete;
+
+  /// One of the kinds. Fills all but the scene's name.
+  [[nodiscard]] CompareCase measure(CompareKind kind);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Compares hits that answer the same rays; `slack` is a length that may be off whatever the
+/// distance is.
+[[nodiscard]] HitCheck compare_hits(std::span<const Ray> rays, std::span<const Hit> ours,
+                                    std::span<const Hit> theirs, float slack);
+[[nodiscard]] HitCheck compare_flags(std::span<const std::uint8_t> ours,
+                                     std::span<const std::uint8_t> theirs);
+
+[[nodiscard]] double median(std::vector<double> values);
+
+}  // namespace raysheaf::app

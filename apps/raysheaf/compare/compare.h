@@ -1,0 +1,95 @@
+// The comparison: the library beside a peer in one process, alternating, with the same threads, the
+// hits of both compared.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compare/peer.h"
+#include "options.h"
+
+namespace raysheaf::app {
+
+/// Milliseconds. `total` is a clock around everything, not the sum of the others.
+struct OurTimes {
+  double update = 0, order = 0, hierarchy = 0, trace = 0, total = 0;
+};
+struct PeerTimes {
+  double build = 0, trace = 0, total = 0;
+};
+
+/// How the hits of one side stand to those of the other.
+struct HitCheck {
+  std::uint64_t compared = 0;
+  std::uint64_t mismatches = 0;       ///< another distance, or a hit on one side alone
+  std::uint64_t other_triangles = 0;  ///< the same distance, on another triangle: edges
+  std::uint64_t sampled = 0, sample_mismatches = 0;  ///< ours against brute force, bit for bit
+
+  /// Embree is not watertight as the library is, and rounds in its own way: a ray in 10 000 may
+  /// differ. Brute force may not.
+  [[nodiscard]] bool equal() const {
+    return mismatches * 10'000 <= compared && sample_mismatches == 0;
+  }
+};
+
+/// A way that the peer was tried, and what it took.
+struct PeerTrial {
+  std::string name;
+  PeerTimes ms;
+};
+
+/// One kind of rays in one scene and mode. Times are medians.
+struct CompareCase {
+  std::string scene;
+  std::uint64_t triangles = 0, rays = 0;  ///< rays of the first frame
+  CompareKind kind = CompareKind::kShadow;
+  CompareMode mode = CompareMode::kRebuild;
+  std::uint32_t threads = 0;
+  OurTimes ours_ms;
+  std::string peer;  ///< "embree LOW, intersect16 coherent"
+  PeerTimes peer_ms;
+  double ratio = 0;  ///< the median over the pairs of ours / theirs
+  HitCheck hits;
+  std::vector<PeerTrial> trials;
+  std::vector<std::string> plan;  ///< of the library: what it chose and why
+  std::uint64_t our_bytes = 0, peer_bytes = 0;
+};
+
+/// A point of the growth.
+struct GrowthCase {
+  std::string along;  ///< "rays" or "triangles"
+  CompareCase measured;
+};
+
+struct CompareReport {
+  BenchCompareCommand command;
+  std::string peer;
+  std::uint32_t threads = 0;
+  std::vector<CompareCase> cases;
+  std::vector<GrowthCase> growth;
+  std::vector<std::string> notes;  ///< what was left out
+  std::uint64_t peak_bytes = 0;    ///< of the process: both sides, the scene and its preparation
+};
+
+/// Told before each measurement. May throw.
+using TellCompare =
+    std::function<void(const std::string& what, std::uint64_t done, std::uint64_t total)>;
+
+/// Throws `Error` (kUnsupported) where this build has no peer.
+[[nodiscard]] CompareReport measure_compare(const BenchCompareCommand& command,
+                                            const TellCompare& tell);
+
+/// The ratio that issue and documents ask for, where they ask for one.
+[[nodiscard]] std::optional<double> limit_of(const CompareCase& c);
+/// The row of the table of limits: "rebuild", "rebuild_large", "refit", "static".
+[[nodiscard]] std::string row_of(const CompareCase& c);
+[[nodiscard]] bool misses_limit(const CompareCase& c);
+
+/// Geometric mean of the ratios that pass; 0 where none does.
+[[nodiscard]] double mean_ratio(const std::vector<CompareCase>& cases,
+                                const std::function<bool(const CompareCase&)>& passes);
+
+}  // namespace raysheaf::app

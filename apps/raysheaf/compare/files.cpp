@@ -1,0 +1,89 @@
+#include "compare/files.h"
+
+#include <nlohmann/json.hpp>
+
+namespace raysheaf::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json peer_ms_json(const PeerTimes& ms) {
+  return {{"build", ms.build}, {"trace", ms.trace}, {"total", ms.total}};
+}
+
+Json hits_json(const HitCheck& hits) {
+  return {{"compared", hits.compared},
+          {"mismatches", hits.mismatches},
+          {"other_triangles", hits.other_triangles},
+          {"brute_force_compared", hits.sampled},
+          {"brute_force_mismatches", hits.sample_mismatches}};
+}
+
+Json trials_json(const std::vector<PeerTrial>& trials) {
+  Json all = Json::array();
+  for (const PeerTrial& trial : trials)
+    all.push_back({{"peer", trial.name}, {"peer_ms", peer_ms_json(trial.ms)}});
+  return all;
+}
+
+Json case_json(const CompareCase& c) {
+  const std::optional<double> limit = limit_of(c);
+  return {{"scene", c.scene},
+          {"triangles", c.triangles},
+          {"kind", to_string(c.kind)},
+          {"mode", to_string(c.mode)},
+          {"rays", c.rays},
+          {"threads", c.threads},
+          {"ours_ms",
+           {{"update", c.ours_ms.update},
+            {"order", c.ours_ms.order},
+            {"hierarchy", c.ours_ms.hierarchy},
+            {"trace", c.ours_ms.trace},
+            {"total", c.ours_ms.total}}},
+          {"peer", c.peer},
+          {"peer_ms", peer_ms_json(c.peer_ms)},
+          {"ratio", c.ratio},
+          {"limit", limit ? Json(*limit) : Json(nullptr)},
+          {"hits_equal", c.hits.equal()},
+          {"hits", hits_json(c.hits)},
+          {"ours_bytes", c.our_bytes},
+          {"peer_bytes", c.peer_bytes},
+          {"plan", c.plan},
+          {"peer_trials", trials_json(c.trials)}};
+}
+
+/// {"rebuild": {"shadow": 0.4, ..., "all": 0.6}, ...}
+Json means_json(const std::vector<CompareCase>& cases) {
+  Json all = Json::object();
+  for (const CompareCase& c : cases) {
+    const std::string row = row_of(c), kind = to_string(c.kind);
+    all[row][kind] = mean_ratio(cases, [&](const CompareCase& other) {
+      return row_of(other) == row && other.kind == c.kind;
+    });
+    all[row]["all"] =
+        mean_ratio(cases, [&](const CompareCase& other) { return row_of(other) == row; });
+  }
+  return all;
+}
+
+}  // namespace
+
+std::string compare_json(const CompareReport& report) {
+  Json all = {{"peer", report.peer},
+              {"threads", report.threads},
+              {"runs", report.command.runs},
+              {"cases", Json::array()},
+              {"geomean", means_json(report.cases)},
+              {"growth", Json::array()},
+              {"notes", report.notes},
+              {"peak_bytes", report.peak_bytes}};
+  for (const CompareCase& c : report.cases) all["cases"].push_back(case_json(c));
+  for (const GrowthCase& g : report.growth) {
+    Json point = case_json(g.measured);
+    point["along"] = g.along;
+    all["growth"].push_back(std::move(point));
+  }
+  return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace raysheaf::app

@@ -1,0 +1,12 @@
+// The comparison as JSON (docs/command-line.md).
+#pragma once
+
+#include <string>
+
+#include "compare/compare.h"
+
+namespace raysheaf::app {
+
+[[nodiscard]] std::string compare_json(const CompareReport& report);
+
+}  // namespace raysheaf::app

@@ -1,0 +1,288 @@
+#include "compare/page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "compare/plots.h"
+#include "console.h"
+#include "plot/svg.h"
+#include "table.h"
+
+namespace raysheaf::app {
+namespace {
+
+template <typename Word>
+std::vector<Word> chosen(const std::vector<Word>& given, std::vector<Word> all) {
+  return given.empty() ? all : given;
+}
+
+std::vector<CompareMode> modes_of(const CompareReport& report) {
+  return chosen(report.command.modes, all_compare_modes());
+}
+
+std::vector<CompareKind> kinds_of(const CompareReport& report) {
+  return chosen(report.command.kinds, all_compare_kinds());
+}
+
+const char* kind_text(CompareKind kind) {
+  switch (kind) {
+    case CompareKind::kShadow:
+      return "shadow";
+    case CompareKind::kMirror:
+      return "mirror reflection";
+    case CompareKind::kSecond:
+      return "second bounce";
+    case CompareKind::kAmbientOcclusion:
+      return "ambient occlusion";
+    case CompareKind::kRandom:
+      break;
+  }
+  return "random";
+}
+
+const char* mode_text(CompareMode mode) {
+  switch (mode) {
+    case CompareMode::kRebuild:
+      return "Rebuild: new vertices and indices every frame";
+    case CompareMode::kRefit:
+      return "Refit: new vertices every frame, the same indices";
+    case CompareMode::kStatic:
+      break;
+  }
+  return "Static: rays alone";
+}
+
+std::vector<std::string> scenes_of(const CompareReport& report) {
+  std::vector<std::string> names;
+  for (const CompareCase& c : report.cases)
+    if (std::find(names.begin(), names.end(), c.scene) == names.end()) names.push_back(c.scene);
+  return names;
+}
+
+const CompareCase* find_case(const CompareReport& report, const std::string& scene,
+                             CompareMode mode, CompareKind kind) {
+  for (const CompareCase& c : report.cases)
+    if (c.scene == scene && c.mode == mode && c.kind == kind) return &c;
+  return nullptr;
+}
+
+std::uint64_t triangles_of(const CompareReport& report, const std::string& scene) {
+  for (const CompareCase& c : report.cases)
+    if (c.scene == scene) return c.triangles;
+  return 0;
+}
+
+/// "0.42", "**0.62** (0.5)" above its limit, with "≠" where hits differ.
+std::string ratio_cell(const CompareCase* c) {
+  if (c == nullptr) return "";
+  std::string text = three_digits(c->ratio);
+  if (misses_limit(*c)) text = fmt::format("**{}** ({:g})", text, *limit_of(*c));
+  return c->hits.equal() ? text : text + " ≠";
+}
+
+std::string heading(const CompareReport& report) {
+  std::string line = "| Scene | Triangles |", rule = "|---|---:|";
+  for (const CompareKind kind : kinds_of(report)) {
+    line += fmt::format(" {} |", kind_text(kind));
+    rule += "---:|";
+  }
+  return line + "\n" + rule + "\n";
+}
+
+std::string mean_row(const CompareReport& report, const std::string& row, const char* name) {
+  std::string line = fmt::format("| *{}* | |", name);
+  bool any = false;
+  for (const CompareKind kind : kinds_of(report)) {
+    const double mean = mean_ratio(
+        report.cases, [&](const CompareCase& c) { return row_of(c) == row && c.kind == kind; });
+    any = any || mean > 0;
+    line += mean > 0 ? fmt::format(" *{}* |", three_digits(mean)) : " |";
+  }
+  return any ? line + "\n" : "";
+}
+
+std::string ratio_table(const CompareReport& report, CompareMode mode) {
+  std::string text = heading(report);
+  for (const std::string& scene : scenes_of(report)) {
+    text += fmt::format("| {} | {} |", printable(scene), triangles_of(report, scene));
+    for (const CompareKind kind : kinds_of(report))
+      text += fmt::format(" {} |", ratio_cell(find_case(report, scene, mode, kind)));
+    text += "\n";
+  }
+  text += mean_row(report, to_string(mode), "geometric mean");
+  if (mode == CompareMode::kRebuild)
+    text += mean_row(report, "rebuild_large", "geometric mean, 1 M triangles and more");
+  return text + "\n";
+}
+
+std::string time_table(const CompareReport& report, CompareMode mode) {
+  std::string text =
+      "| Scene | Rays | Update | Order | Hierarchy | Trace | Ours, all | Peer's build | Trace | "
+      "Peer, all | Peer's way |\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---|\n";
+  for (const CompareCase& c : report.cases) {
+    if (c.mode != mode) continue;
+    text += fmt::format("| {} | {} {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
+                        printable(c.scene), c.rays, to_string(c.kind),
+                        three_digits(c.ours_ms.update), three_digits(c.ours_ms.order),
+                        three_digits(c.ours_ms.hierarchy), three_digits(c.ours_ms.trace),
+                        three_digits(c.ours_ms.total), three_digits(c.peer_ms.build),
+                        three_digits(c.peer_ms.trace), three_digits(c.peer_ms.total), c.peer);
+  }
+  return text + "\n";
+}
+
+std::string hits_paragraph(const CompareReport& report) {
+  std::uint64_t compared = 0, mismatches = 0, sampled = 0, wrong = 0, unequal = 0;
+  for (const CompareCase& c : report.cases) {
+    compared += c.hits.compared;
+    mismatches += c.hits.mismatches;
+    sampled += c.hits.sampled;
+    wrong += c.hits.sample_mismatches;
+    unequal += c.hits.equal() ? 0 : 1;
+  }
+  return fmt::format(
+      "**Hits.** Of {} rays, {} are answered otherwise by the peer, which rounds in its own way at "
+      "edges; a case counts as equal up to one ray in 10 000, and {} cases are not (marked ≠). Of "
+      "{} rays that brute force answered too, {} differ from it.\n\n",
+      compared, mismatches, unequal == 0 ? "no" : std::to_string(unequal), sampled,
+      wrong == 0 ? "none" : std::to_string(wrong));
+}
+
+std::string limits_paragraph(const CompareReport& report) {
+  std::uint64_t held = 0, missed = 0;
+  for (const CompareCase& c : report.cases)
+    if (limit_of(c)) ++(misses_limit(c) ? missed : held);
+  if (held + missed == 0) return "";
+  return fmt::format(
+      "**Limits.** {} cases hold the limit that the project sets itself, {} miss it: those are "
+      "bold, with the limit behind them. Other cases have none.\n\n",
+      held, missed);
+}
+
+std::string memory_table(const CompareReport& report) {
+  std::string text =
+      "| Scene | Mode | Ours, MiB | bytes a triangle | Peer, MiB | bytes a triangle |\n"
+      "|---|---|---:|---:|---:|---:|\n";
+  for (const std::string& scene : scenes_of(report)) {
+    for (const CompareMode mode : modes_of(report)) {
+      std::uint64_t ours = 0, peer = 0;
+      for (const CompareCase& c : report.cases) {
+        if (c.scene != scene || c.mode != mode) continue;
+        ours = std::max(ours, c.our_bytes);
+        peer = std::max(peer, c.peer_bytes);
+      }
+      if (ours + peer == 0) continue;
+      const double count = static_cast<double>(triangles_of(report, scene));
+      const auto mebibytes = [](std::uint64_t b) { return static_cast<double>(b) / (1 << 20); };
+      text += fmt::format("| {} | {} | {:.1f} | {:.0f} | {:.1f} | {:.0f} |\n", printable(scene),
+                          to_string(mode), mebibytes(ours), static_cast<double>(ours) / count,
+                          mebibytes(peer), static_cast<double>(peer) / count);
+    }
+  }
+  return "## Memory\n\nThe library's counts what queries keep for the next one too: it grows with "
+         "the rays. Arrays that both sides share with the caller are on neither side.\n\n" +
+         text + "\n";
+}
+
+std::string growth_table(const CompareReport& report) {
+  std::string text =
+      "| Along | Mode | Rays | From | To | Ours, ms | Peer, ms | Ours, steepest | Peer, steepest "
+      "|\n|---|---|---|---:|---:|---:|---:|---:|---:|\n";
+  for (const char* along : {"triangles", "rays"}) {
+    for (const CompareMode mode : modes_of(report)) {
+      for (const CompareKind kind : kinds_of(report)) {
+        const std::vector<const CompareCase*> line = growth_line(report, along, mode, kind);
+        if (line.size() < 2) continue;
+        const bool rays = std::string(along) == "rays";
+        const auto count = [&](const CompareCase* c) { return rays ? c->rays : c->triangles; };
+        text += fmt::format(
+            "| {} | {} | {} | {} | {} | {} to {} | {} to {} | {:.2f} | {:.2f} |\n", along,
+            to_string(mode), kind_text(kind), count(line.front()), count(line.back()),
+            three_digits(line.front()->ours_ms.total), three_digits(line.back()->ours_ms.total),
+            three_digits(line.front()->peer_ms.total), three_digits(line.back()->peer_ms.total),
+            steepest(line, along, false), steepest(line, along, true));
+      }
+    }
+  }
+  return text + "\n";
+}
+
+std::string introduction(const CompareReport& report) {
+  return fmt::format(
+      "`raysheaf bench compare` runs the library and {} in one process, in turns, with {} threads "
+      "each, and writes this page. A ratio is the median over {} pairs of runs of the library's "
+      "time divided by the peer's; below 1 the library is ahead. Times are milliseconds, medians. "
+      "Everything that a frame needs is timed on both sides: what changes in the scene, "
+      "hierarchies, the rays from the caller's array and the hits back into it, in the caller's "
+      "order. The peer was tried with every build and call that may be its fastest, and runs with "
+      "the one that was.\n\n",
+      report.peer, report.threads, report.command.runs);
+}
+
+std::string command_of(const CompareReport& report) {
+  const BenchCompareCommand& c = report.command;
+  std::string text = "raysheaf bench compare";
+  if (!c.scenes.empty()) text += " --scenes DIR";
+  for (const std::string& scene : c.scene_names) text += " --scene " + printable(scene);
+  for (const CompareKind kind : c.kinds) text += fmt::format(" --kind {}", to_string(kind));
+  for (const CompareMode mode : c.modes) text += fmt::format(" --mode {}", to_string(mode));
+  if (c.growth) text += fmt::format(" --growth --most {}", c.most);
+  if (c.width != 512 || c.height != 512) text += fmt::format(" --size {}x{}", c.width, c.height);
+  return "<!-- not run -->\n```sh\n" + text + " --markdown FILE.md\n```\n\n";
+}
+
+std::string notes_of(const CompareReport& report) {
+  std::string text;
+  for (const std::string& note : report.notes) text += "* " + printable(note) + ".\n";
+  return text.empty() ? text : text + "\n";
+}
+
+std::string growth_page(const CompareReport& report) {
+  return "## Growth\n\nIn generated halls of the same shape. *Steepest* is the largest exponent p "
+         "between two points in a row, half a decade apart, where time grows as count^p: 1 is "
+         "linear.\n\n" +
+         growth_table(report);
+}
+
+}  // namespace
+
+std::string compare_page(const CompareReport& report, const std::string& plot) {
+  std::string page = "# Beside Embree\n\n" + introduction(report) + command_of(report);
+  if (!plot.empty()) page += fmt::format("![The figures as a plot]({})\n\n", plot);
+  page += notes_of(report);
+  if (!report.growth.empty()) page += growth_page(report);
+  if (!report.cases.empty()) {
+    page += limits_paragraph(report) + hits_paragraph(report);
+    for (const CompareMode mode : modes_of(report))
+      page += fmt::format("## {}\n\n", mode_text(mode)) + ratio_table(report, mode) +
+              time_table(report, mode);
+    page += memory_table(report);
+  }
+  page += fmt::format(
+      "The process took at most {:.0f} MiB: both sides, the scene, and the preparation of rays.\n",
+      static_cast<double>(report.peak_bytes) / (1 << 20));
+  return page;
+}
+
+std::string compare_text(const CompareReport& report) {
+  std::string text = fmt::format("beside {}, {} threads, medians of {} pairs; * misses its limit\n",
+                                 report.peer, report.threads, report.command.runs);
+  Table table({"scene", "triangles", "mode", "kind", "rays", "ours ms", "peer ms", "ratio", "limit",
+               "hits", "peer"});
+  const auto add = [&](const CompareCase& c) {
+    const std::optional<double> limit = limit_of(c);
+    table.add({printable(c.scene), std::to_string(c.triangles), to_string(c.mode),
+               to_string(c.kind), std::to_string(c.rays), three_digits(c.ours_ms.total),
+               three_digits(c.peer_ms.total), three_digits(c.ratio) + (misses_limit(c) ? "*" : ""),
+               limit ? fmt::format("{:g}", *limit) : "",
+               c.hits.equal() ? "equal" : fmt::format("{} differ", c.hits.mismatches), c.peer});
+  };
+  for (const CompareCase& c : report.cases) add(c);
+  for (const GrowthCase& g : report.growth) add(g.measured);
+  text += table.text();
+  for (const std::string& note : report.notes) text += printable(note) + "\n";
+  return text;
+}
+
+}  // namespace raysheaf::app

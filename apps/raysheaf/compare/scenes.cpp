@@ -1,0 +1,184 @@
+#include "compare/scenes.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+
+#include "raysheaf/builtin_scenes.h"
+#include "raysheaf/error.h"
+#include "scene_argument.h"
+#include "values.h"
+
+namespace raysheaf::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kBuiltin = "builtin:", kHall = "hall:";
+constexpr std::uint64_t kLargestHall = 10'000'000;
+constexpr std::uint64_t kBytesForLargestHall = 12ull << 30;
+
+/// Where to stand, for files that do not say; no field of view leaves camera and light to the
+/// scene.
+struct Place {
+  Vec3 eye, target, light;
+  float y_fov_degrees = 0;
+};
+
+struct Known {
+  std::string_view name, file;
+  Place place;
+};
+
+constexpr std::array<Known, 11> kKnown = {{
+    {"office", "paper/office.glb", {}},
+    {"cornell", "paper/cornell.glb", {}},
+    {"sponza", "paper/sponza.glb", {}},
+    {"sibenik", "sibenik/sibenik.obj", {{-16, -9, 0}, {0, -10, 0}, {-2, 2, 0}, 60}},
+    {"bart_kitchen",
+     "bart_kitchen/static.obj",
+     {{4.5f, 1.3f, 3}, {-1, 0, -1.5f}, {1.6f, 2.2f, 0.4f}, 60}},
+    {"bitterli_coffee",
+     "bitterli_coffee/coffee.glb",
+     {{-0.00296f, 0.198303f, 0.828151f}, {0.0043f, 0.159f, -0.171f}, {0.25f, 0.5f, 0.6f}, 25}},
+    {"bitterli_teapot_full",
+     "bitterli_teapot_full/teapot-full.glb",
+     {{23.17f, 15.71f, -0.17f}, {-0.5f, 2.5f, -0.05f}, {14, 24, 10}, 20}},
+    {"dragon", "standard_meshes/dragon_res2.ply", {}},
+    {"bunny", "standard_meshes/bun_zipper.ply", {}},
+    {"armadillo", "standard_meshes/armadillo_86k.obj", {}},
+    {"cloth_ball", "cloth_ball/cloth_ball92.ply", {}},
+}};
+
+Vec3 minus(Vec3 a, Vec3 b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+Vec3 crossed(Vec3 a, Vec3 b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+Vec3 of_unit_length(Vec3 v) {
+  const float length = std::hypot(v.x, v.y, v.z);
+  return {v.x / length, v.y / length, v.z / length};
+}
+
+/// +y is up.
+Camera camera_at(const Place& place) {
+  const Vec3 z = of_unit_length(minus(place.eye, place.target));
+  const Vec3 x = of_unit_length(crossed({0, 1, 0}, z)), y = crossed(z, x);
+  Camera camera;
+  camera.to_world.m = {
+      {{x.x, y.x, z.x, place.eye.x}, {x.y, y.y, z.y, place.eye.y}, {x.z, y.z, z.z, place.eye.z}}};
+  camera.y_fov = place.y_fov_degrees * 0.0174532925f;
+  camera.z_near = 0.001f;
+  return camera;
+}
+
+/// Nearer than a picture would have it: what misses everything is no ray to compare.
+void fill_picture(SceneDescription& scene) {
+  if (!scene.cameras.empty()) return;
+  scene.cameras.push_back(framing_camera(scene));
+  scene.cameras.back().y_fov *= 0.6f;
+}
+
+void stand_at(const Place& place, SceneDescription& scene) {
+  if (place.y_fov_degrees == 0) return fill_picture(scene);
+  scene.cameras = {camera_at(place)};
+  Light light;
+  light.position = place.light;
+  scene.lights = {light};
+}
+
+/// "1000000", "1m", "300k".
+std::uint64_t triangles_of_hall(const std::string& text) {
+  std::string digits = text;
+  std::uint64_t factor = 1;
+  if (digits.ends_with('k')) factor = 1000;
+  if (digits.ends_with('m')) factor = 1'000'000;
+  if (factor > 1) digits.pop_back();
+  return factor * parse_count(digits, 1, 1'000'000'000);
+}
+
+/// "hall_1m"
+std::string hall_name(std::uint64_t triangles) {
+  if (triangles % 1'000'000 == 0) return fmt::format("hall_{}m", triangles / 1'000'000);
+  if (triangles % 1000 == 0) return fmt::format("hall_{}k", triangles / 1000);
+  return fmt::format("hall_{}", triangles);
+}
+
+CompareScene hall(std::uint64_t triangles) {
+  return {hall_name(triangles), fmt::format("{}{}", kHall, triangles)};
+}
+
+std::uint64_t memory_of_machine() {
+  const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+  return static_cast<std::uint64_t>(std::max(0L, pages)) *
+         static_cast<std::uint64_t>(std::max(0L, page));
+}
+
+void add_halls(std::vector<CompareScene>& all, std::vector<std::string>* notes) {
+  all.push_back(hall(1'000'000));
+  if (memory_of_machine() >= kBytesForLargestHall) {
+    all.push_back(hall(kLargestHall));
+  } else {
+    notes->push_back(
+        fmt::format("{} is left out: it asks for {} GiB of memory; `--scene hall_10m` insists",
+                    hall_name(kLargestHall), kBytesForLargestHall >> 30));
+  }
+}
+
+const Known* known_scene(const std::string& name) {
+  const auto* found =
+      std::find_if(kKnown.begin(), kKnown.end(), [&](const Known& k) { return k.name == name; });
+  return found == kKnown.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+std::vector<CompareScene> default_compare_scenes(const std::string& scenes,
+                                                 std::vector<std::string>* notes) {
+  std::vector<CompareScene> all;
+  if (scenes.empty()) {
+    for (const std::string& name : builtin_scene_names())
+      all.push_back({name, std::string(kBuiltin) + name});
+  } else {
+    for (const Known& known : kKnown) {
+      const std::string path = (fs::path(scenes) / known.file).string();
+      if (fs::exists(path)) all.push_back({std::string(known.name), path});
+    }
+    if (all.empty())
+      throw Error(ErrorCode::kIo, "there is none of the known scenes in this folder", scenes);
+  }
+  add_halls(all, notes);
+  return all;
+}
+
+CompareScene compare_scene_from_string(const std::string& name, const std::string& scenes) {
+  if (name.starts_with(kBuiltin)) return {name.substr(kBuiltin.size()), name};
+  if (name.starts_with(kHall)) return hall(triangles_of_hall(name.substr(kHall.size())));
+  if (name.starts_with("hall_")) return hall(triangles_of_hall(name.substr(5)));
+  const Known* known = known_scene(name);
+  if (known == nullptr) return {fs::path(name).stem().string(), name};
+  if (scenes.empty())
+    throw Error(ErrorCode::kInvalidArgument,
+                "'" + name + "' is looked for in a folder of scenes: give --scenes DIR", "--scene");
+  return {name, (fs::path(scenes) / known->file).string()};
+}
+
+SceneDescription load_compare_scene(const CompareScene& scene, std::uint32_t threads) {
+  if (scene.source.starts_with(kHall))
+    return hall_scene(triangles_of_hall(scene.source.substr(kHall.size())), threads);
+  SceneDescription loaded = scene_from_argument(scene.source);
+  const Known* known = known_scene(scene.name);
+  if (known != nullptr && scene.source.ends_with(known->file)) stand_at(known->place, loaded);
+  return loaded;
+}
+
+}  // namespace raysheaf::app

@@ -1,0 +1,138 @@
+#include "film.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <sstream>
+
+#include "raysheaf/error.h"
+
+extern char** environ;
+
+namespace raysheaf::app {
+namespace {
+
+/// What ffmpeg reads from the pipe, and what it makes of it: sides are made even, as video wants.
+std::vector<std::string> arguments(const std::string& ffmpeg, const std::string& output,
+                                   std::uint32_t width, std::uint32_t height, double fps) {
+  return {ffmpeg,
+          "-y",
+          "-loglevel",
+          "error",
+          "-f",
+          "rawvideo",
+          "-pix_fmt",
+          "rgba",
+          "-s",
+          fmt::format("{}x{}", width, height),
+          "-r",
+          fmt::format("{}", fps),
+          "-i",
+          "-",
+          "-an",
+          "-vf",
+          "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+          "-pix_fmt",
+          "yuv420p",
+          "-movflags",
+          "+faststart",
+          "-f",
+          "mp4",
+          output};
+}
+
+}  // namespace
+
+std::string find_ffmpeg(const std::string& output) {
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path == nullptr ? "" : path);
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    const std::string program = (folder.empty() ? "." : folder) + "/ffmpeg";
+    if (access(program.c_str(), X_OK) == 0) return program;
+  }
+  throw Error(ErrorCode::kUnsupported,
+              "films are made by ffmpeg, which is not installed; pictures need none: -o "
+              "frame_%04d.png",
+              output);
+}
+
+Film::Film(const std::string& ffmpeg, std::string path, std::uint32_t width, std::uint32_t height,
+           double fps)
+    : path_(std::move(path)), unfinished_(path_ + ".part" + std::to_string(getpid())) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0)
+    throw Error(ErrorCode::kIo, std::string("no pipe to ffmpeg: ") + std::strerror(errno), path_);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
+  // An interrupt is for us: ffmpeg ends when the pipe does.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  std::vector<std::string> words = arguments(ffmpeg, unfinished_, width, height, fps);
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const int failed =
+      posix_spawn(&process_, ffmpeg.c_str(), &actions, &attributes, argv.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&actions);
+  close(ends[0]);
+  pipe_ = ends[1];
+  if (failed != 0) {
+    process_ = -1;
+    fail(std::string("ffmpeg cannot be started: ") + std::strerror(failed));
+  }
+}
+
+Film::~Film() {
+  static_cast<void>(wait());
+  std::error_code ignored;
+  std::filesystem::remove(unfinished_, ignored);
+}
+
+int Film::wait() {
+  if (pipe_ >= 0) close(pipe_);
+  pipe_ = -1;
+  if (process_ < 0) return -1;
+  int status = 0;
+  while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+  }
+  process_ = -1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+void Film::fail(const std::string& sentence) {
+  static_cast<void>(wait());
+  std::error_code ignored;
+  std::filesystem::remove(unfinished_, ignored);
+  throw Error(ErrorCode::kIo, sentence, path_);
+}
+
+void Film::add(const Image& picture) {
+  const std::uint8_t* bytes = picture.rgba.data();
+  for (std::size_t left = picture.rgba.size(); left > 0;) {
+    const ssize_t written = write(pipe_, bytes, left);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail("ffmpeg stopped reading pictures");
+    bytes += written;
+    left -= static_cast<std::size_t>(written);
+  }
+}
+
+void Film::finish() {
+  const int status = wait();
+  if (status != 0) fail(fmt::format("ffmpeg failed with status {}", status));
+  std::error_code failed;
+  std::filesystem::rename(unfinished_, path_, failed);
+  if (failed) fail("cannot be named so: " + failed.message());
+}
+
+}  // namespace raysheaf::app

@@ -1,0 +1,234 @@
+// `render` over the frames of a scene that moves: one renderer for all of them.
+#include <fmt/format.h>
+
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+
+#include "console.h"
+#include "film.h"
+#include "frames_command.h"
+#include "outputs.h"
+#include "progress_bar.h"
+#include "raysheaf/error.h"
+#include "raysheaf/io.h"
+#include "raysheaf/renderer.h"
+#include "values.h"
+
+namespace raysheaf::app {
+namespace {
+
+class Lap {
+ public:
+  double ms() {
+    const auto now = std::chrono::steady_clock::now();
+    const std::chrono::duration<double, std::milli> lap = now - last_;
+    last_ = now;
+    return lap.count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// Frames are alike: what one frees, the next takes. Asking the system each time costs a tenth of a
+/// frame.
+void keep_memory() {
+#if defined(__GLIBC__)
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+#endif
+}
+
+void stop_if_interrupted() {
+  if (interrupted()) throw Error(ErrorCode::kCancelled, "interrupted");
+}
+
+/// What a frame took, in milliseconds. `seek`: to the frame's time, which reads the file of a
+/// sequence.
+struct FrameTimes {
+  double seek = 0, render = 0, write = 0;
+};
+
+std::string frame_json(std::uint64_t frame, double time, const FrameTimes& times,
+                       const UpdateStatistics& update, const std::string& picture) {
+  return fmt::format(
+      "{{\n\"frame\": {},\n\"time\": {},\n\"times_ms\": {{\"seek\": {:.3f}, \"render\": {:.3f}, "
+      "\"write\": {:.3f}}},\n\"update\": {},\n\"picture\": {}}}\n",
+      frame, time, times.seek, times.render, times.write, to_json(update), picture);
+}
+
+class FrameRun {
+ public:
+  FrameRun(const RenderCommand& command, Animation& animation)
+      : command_(command),
+        frames_(command.frames),
+        animation_(animation),
+        plan_(animation, animation.scene(), command.frames, command.options.camera),
+        options_(command.options) {
+    for (std::uint64_t f = plan_.first(); f <= plan_.last(); ++f)
+      if (!frames_.resume || !is_there(f)) missing_.push_back(f);
+    options_.count_pixel_tests = !command.heatmap_path.empty();
+    for (const std::string& path : command.pictures)
+      if (has_ending(path, ".exr")) options_.count_pixel_tests = true;
+    options_.progress = [](const Progress&) { return !interrupted(); };
+  }
+
+  void run() {
+    keep_memory();
+    for (const std::string& path : command_.pictures) {
+      const std::string target = first_target(path);
+      if (has_ending(path, ".mp4")) start_film(path, target);
+    }
+    for (const std::string& path : {command_.stats_path, command_.heatmap_path})
+      if (!path.empty()) static_cast<void>(first_target(path));
+    tell_of_those_that_are_there();
+    if (!missing_.empty()) make_frames();
+    for (const std::unique_ptr<Film>& film : films_) film->finish();
+    if (!command_.quiet) tell_summary();
+  }
+
+ private:
+  [[nodiscard]] bool is_there(std::uint64_t frame) const {
+    std::vector<std::string> names = command_.pictures;
+    names.push_back(command_.stats_path);
+    names.push_back(command_.heatmap_path);
+    return std::all_of(names.begin(), names.end(), [&](const std::string& name) {
+      std::error_code failed;
+      return name.empty() || std::filesystem::is_regular_file(with_frame(name, frame), failed);
+    });
+  }
+
+  /// Of what is written for the first frame: known to be writable before the work starts.
+  [[nodiscard]] std::string first_target(const std::string& path) const {
+    const std::string name = with_frame(path, plan_.first());
+    refuse_scene_as_output(command_.scene, name);
+    return writable_path(name);
+  }
+
+  void start_film(const std::string& name, const std::string& target) {
+    films_.push_back(std::make_unique<Film>(find_ffmpeg(name), target, options_.width,
+                                            options_.height, frames_.fps));
+  }
+
+  void tell_of_those_that_are_there() const {
+    const std::uint64_t there = plan_.count() - missing_.size();
+    if (command_.quiet || there == 0) return;
+    tell(fmt::format("{} of {} frames are there already", there, plan_.count()));
+  }
+
+  void make_frames() {
+    ProgressBar bar(stderr, !command_.quiet);
+    bar.update("frames", 0, missing_.size());
+    renderer_.show(animation_.scene());
+    settle_light();
+    for (const std::uint64_t frame : missing_) {
+      stop_if_interrupted();
+      make_frame(frame);
+      bar.update("frames", ++made_, missing_.size());
+    }
+  }
+
+  /// What is automatic is found once, in small pictures of a few of all frames: the median of them.
+  /// So it does not flicker, and does not depend on which frames a run makes.
+  void settle_light() {
+    if (options_.exposure && options_.ambient) return;
+    RenderOptions small = options_;
+    small.width = std::max(1u, options_.width / 4);
+    small.height = std::max(1u, options_.height / 4);
+    small.count_pixel_tests = false;
+    std::vector<RenderResult> pictures;
+    for (const std::uint64_t frame : sample_frames(plan_.total()))
+      pictures.push_back(draw(frame, small));
+    const auto middle = pictures.begin() + static_cast<std::ptrdiff_t>(pictures.size() / 2);
+    std::nth_element(
+        pictures.begin(), middle, pictures.end(),
+        [](const RenderResult& a, const RenderResult& b) { return a.ambient.x < b.ambient.x; });
+    if (!options_.ambient) options_.ambient = middle->ambient;
+    std::nth_element(
+        pictures.begin(), middle, pictures.end(),
+        [](const RenderResult& a, const RenderResult& b) { return a.exposure < b.exposure; });
+    if (!options_.exposure) options_.exposure = middle->exposure;
+  }
+
+  RenderResult draw(std::uint64_t frame, const RenderOptions& options) {
+    Lap lap;
+    renderer_.show(animation_.scene(), animation_.seek(plan_.time(animation_, frame)));
+    times_.seek = lap.ms();
+    const std::optional<Camera> camera = plan_.camera(frame);
+    RenderResult picture = camera ? renderer_.render(options, *camera) : renderer_.render(options);
+    times_.render = lap.ms();
+    return picture;
+  }
+
+  void make_frame(std::uint64_t frame) {
+    const RenderResult picture = draw(frame, options_);
+    Lap lap;
+    write(frame, picture);
+    times_.write = lap.ms();
+    frame_ms_.push_back(times_.render);
+    if (command_.stats_path.empty()) return;
+    write_text(frame_json(frame, plan_.time(animation_, frame), times_, renderer_.last_update(),
+                          to_json(picture.statistics)),
+               writable_path(with_frame(command_.stats_path, frame)));
+  }
+
+  void write(std::uint64_t frame, const RenderResult& picture) {
+    stop_if_interrupted();
+    if (!films_.empty()) {
+      const Image image = tone_mapped(picture);
+      for (const std::unique_ptr<Film>& film : films_) film->add(image);
+    }
+    for (const std::string& path : command_.pictures) {
+      if (has_ending(path, ".mp4")) continue;
+      const std::string name = with_frame(path, frame);
+      write_picture(picture, name, writable_path(name));
+    }
+    if (!command_.heatmap_path.empty())
+      write_png(heatmap(picture), writable_path(with_frame(command_.heatmap_path, frame)));
+  }
+
+  void tell_summary() {
+    if (!frame_ms_.empty()) {
+      const auto middle = frame_ms_.begin() + static_cast<std::ptrdiff_t>(frame_ms_.size() / 2);
+      std::nth_element(frame_ms_.begin(), middle, frame_ms_.end());
+      tell(fmt::format("{} frames, {}x{}, {}: {:.0f} ms a frame in the middle", frame_ms_.size(),
+                       options_.width, options_.height, to_string(options_.method), *middle));
+    }
+    for (const std::string& path : command_.pictures) tell("wrote " + printable(path));
+    if (!command_.heatmap_path.empty()) tell("wrote " + printable(command_.heatmap_path));
+    if (!command_.stats_path.empty()) tell("wrote " + printable(command_.stats_path));
+  }
+
+  const RenderCommand& command_;
+  const FramesOptions& frames_;
+  Animation& animation_;
+  FramePlan plan_;
+  RenderOptions options_;
+  Renderer renderer_{Context({command_.device, command_.options.threads})};
+  std::vector<std::unique_ptr<Film>> films_;
+  std::vector<std::uint64_t> missing_;
+  std::uint64_t made_ = 0;
+  FrameTimes times_;
+  std::vector<double> frame_ms_;
+};
+
+}  // namespace
+
+bool wants_frames(const RenderCommand& command) {
+  const FramesOptions& f = command.frames;
+  if (f.range || f.turntable != 0 || !f.camera_path.empty()) return true;
+  for (const std::string& path : command.pictures)
+    if (has_frame_field(path) || has_ending(path, ".mp4")) return true;
+  return has_frame_field(command.stats_path) || has_frame_field(command.heatmap_path);
+}
+
+void render_frames(const RenderCommand& command, Animation& animation) {
+  FrameRun(command, animation).run();
+}
+
+}  // namespace raysheaf::app

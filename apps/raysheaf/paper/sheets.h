@@ -1,0 +1,51 @@
+// What a bench found, as tables of cells that text and Markdown share.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "paper/paper.h"
+
+namespace raysheaf::app {
+
+struct Sheet {
+  std::string title, note;  ///< a sentence above the table, or nothing
+  std::vector<std::string> heading;
+  std::vector<std::vector<std::string>> rows;
+};
+
+/// `--as-published` adds the sheets of the combinations.
+[[nodiscard]] std::vector<Sheet> paper_sheets(const PaperReport& report, bool times);
+[[nodiscard]] std::vector<Sheet> combination_sheets(const PaperReport& report);
+
+/// The title on a line, then aligned columns.
+[[nodiscard]] std::string sheet_text(const Sheet& sheet);
+/// A heading of the second level and a table; whole numbers in groups of three digits.
+[[nodiscard]] std::string sheet_markdown(const Sheet& sheet);
+
+/// "OFFICE", "shadow", "reflection 1", "reflection 1 + 2".
+[[nodiscard]] std::string shown_scene(const std::string& scene);
+[[nodiscard]] std::string shown_rays(const BatchStatistics& counts);
+
+/// "142 726 748".
+[[nodiscard]] std::string shown_count(std::uint64_t count);
+/// Three decimals, or "-" for 0, which stands for what is not known.
+[[nodiscard]] std::string shown_ratio(double ratio);
+/// "1.86": a fraction as per cent.
+[[nodiscard]] std::string shown_percent(double fraction);
+
+/// Off by more than the 10 % above which a cause is sought; not where nothing is known.
+[[nodiscard]] bool is_far(double ratio);
+
+/// All kinds of rays of one scene by one method.
+struct SceneTotal {
+  std::string scene;
+  Method method = Method::kBrute;
+  std::uint64_t total = 0, brute_force = 0;
+  std::uint64_t published_total = 0, published_brute_force = 0;  ///< 0 where a kind is unpublished
+  [[nodiscard]] double relative() const;
+  [[nodiscard]] double published_relative() const;
+};
+[[nodiscard]] std::vector<SceneTotal> scene_totals(const std::vector<Measured>& tables);
+
+}  // namespace raysheaf::app

@@ -1,0 +1,88 @@
+#include "parse/compare.h"
+
+#include <algorithm>
+#include <set>
+
+#include "parse/parts.h"
+#include "values.h"
+
+namespace raysheaf::app {
+namespace {
+
+/// An option that may be given more than once; repeated values count once.
+template <typename Value, typename Parse>
+void add_words(CLI::App& app, const std::string& option, const std::string& text,
+               std::vector<Value>& values, Parse parse) {
+  app.add_option_function<std::vector<std::string>>(
+         option,
+         [&values, option, parse](const std::vector<std::string>& names) {
+           for (const std::string& name : names) {
+             into(
+                 [&](const std::string& given) {
+                   const Value value = parse(given);
+                   if (std::find(values.begin(), values.end(), value) == values.end())
+                     values.push_back(value);
+                 },
+                 option)(name);
+           }
+         },
+         text)
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+}
+
+void add_choice(CLI::App& app, BenchCompareCommand& command) {
+  app.add_option("--scenes", command.scenes, "Folder of scenes [the built-in scenes]")
+      ->type_name("DIR");
+  add_words(app, "--scene", "A scene: a known name, builtin:NAME, hall:TRIANGLES or a file [all]",
+            command.scene_names, [](const std::string& name) { return name; });
+  add_words(app, "--kind", "shadow, mirror, second, ao or random [all]", command.kinds,
+            compare_kind_from_string);
+  add_words(app, "--mode", "rebuild, refit or static [all]", command.modes,
+            compare_mode_from_string);
+  app.add_flag("--growth", command.growth,
+               "Time against triangles and against rays in generated halls, instead of scenes");
+  add_count(app, "--most", command.most, 10'000, 10'000'000,
+            "Rays and triangles that --growth goes to, 10000 to 10000000 [10000000]");
+}
+
+void add_files(CLI::App& app, BenchCompareCommand& command) {
+  app.add_option("--json", command.json_path, "All figures as JSON")->type_name("FILE.json");
+  app.add_option("--markdown", command.markdown_path, "A page with tables")->type_name("FILE.md");
+  app.add_option("--plot", command.plot_path, "A plot of all ratios, or of the growth")
+      ->type_name("FILE.svg");
+}
+
+void check_compare(const BenchCompareCommand& command) {
+  if (!command.plot_path.empty() && !has_ending(command.plot_path, ".svg"))
+    throw CLI::ValidationError("--plot", "'" + command.plot_path + "' does not end in .svg");
+  if (command.growth && !(command.scenes.empty() && command.scene_names.empty()))
+    throw CLI::ValidationError("--growth", "it has scenes of its own: leave --scene(s) out");
+  std::set<std::string> seen;
+  for (const std::string& path : {command.json_path, command.markdown_path, command.plot_path})
+    if (!path.empty() && !seen.insert(path).second)
+      throw CLI::ValidationError("compare", "'" + path + "' is written twice");
+}
+
+}  // namespace
+
+CLI::App* add_bench_compare(CLI::App& bench, BenchCompareCommand& command) {
+  CLI::App* sub = bench.add_subcommand("compare", "Time the library beside Embree, in turns");
+  add_choice(*sub, command);
+  add_value(
+      *sub, "--size", "WxH", "Size of the picture that rays come from [512x512]",
+      [&command](const auto& text) { std::tie(command.width, command.height) = parse_size(text); });
+  add_count(*sub, "--threads", command.threads, 0, 1024, "Threads, up to 1024; 0 is all cores [0]");
+  add_count(*sub, "--runs", command.runs, 1, 1000, "Pairs of runs whose median counts [9]");
+  add_files(*sub, command);
+  sub->add_flag("-q,--quiet", command.quiet, "No progress bar");
+  sub->footer(
+      "Examples:\n"
+      "  raysheaf bench compare --scene builtin:office --mode rebuild\n"
+      "  raysheaf bench compare --scenes DIR --json all.json --markdown all.md --plot all.svg\n"
+      "  raysheaf bench compare --growth --kind mirror --mode rebuild --plot growth.svg");
+  sub->callback([&command] { check_compare(command); });
+  return sub;
+}
+
+}  // namespace raysheaf::app

@@ -1,0 +1,15 @@
+// The options of `render` for scenes that move.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "options.h"
+
+namespace raysheaf::app {
+
+void add_frames(CLI::App& app, FramesOptions& frames);
+
+/// Throws `CLI::ValidationError` where options or names of outputs do not go together.
+void check_frames(const RenderCommand& command);
+
+}  // namespace raysheaf::app

@@ -1,0 +1,54 @@
+#include "parse/verify.h"
+
+#include <algorithm>
+
+#include "parse/parts.h"
+#include "values.h"
+
+namespace raysheaf::app {
+
+CLI::App* add_verify(CLI::App& app, VerifyCommand& command) {
+  CLI::App* sub = app.add_subcommand("verify", "Check on this machine what raysheaf promises");
+  const std::string only = "--only";
+  sub->add_option_function<std::vector<std::string>>(
+         only,
+         [&command, only](const std::vector<std::string>& names) {
+           std::vector<Promise>& all = command.options.promises;
+           for (const std::string& name : names)
+             into(
+                 [&](const std::string& given) {
+                   const Promise promise = promise_from_string(given);
+                   if (std::find(all.begin(), all.end(), promise) == all.end())
+                     all.push_back(promise);
+                 },
+                 only)(name);
+         },
+         "brute-force, determinism, watertight, bounds or accuracy; may be given more than once "
+         "[all]")
+      ->type_name("PROMISE")
+      ->allow_extra_args(false);
+  add_value(*sub, "--seed", "N", "Seed of the first round [1]",
+            [&command](const auto& text) { command.options.seed = parse_seed(text); });
+  add_count(*sub, "--rounds", command.rounds, 0, 1000000,
+            "Rounds of each promise, up to 1000000; 0 takes a minute or two in all [0]");
+  sub->add_flag("--long", command.is_long, "1 000 000 000 rays through edges and vertices");
+  add_count(*sub, "--threads", command.options.threads, 0, 1024,
+            "The most threads, up to 1024 and no more than cores; 0 is all [0]");
+  sub->add_option("--json", command.json_path, "The report as JSON")->type_name("FILE.json");
+  sub->add_flag("-q,--quiet", command.quiet, "No progress bar");
+  sub->footer(
+      "Examples:\n"
+      "  raysheaf verify\n"
+      "  raysheaf verify --only watertight --long --json watertight.json\n"
+      "  raysheaf verify --only bounds --seed 17 --rounds 1");
+  sub->callback([&command] {
+    const std::vector<Promise>& all = command.options.promises;
+    const bool has_rays =
+        all.empty() || std::find(all.begin(), all.end(), Promise::kWatertight) != all.end();
+    if (command.is_long && !has_rays)
+      throw CLI::ValidationError("--long", "it is of watertight, which --only leaves out");
+  });
+  return sub;
+}
+
+}  // namespace raysheaf::app

@@ -1,0 +1,52 @@
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "console.h"
+#include "outputs.h"
+#include "progress_bar.h"
+#include "raysheaf/error.h"
+#include "report/page.h"
+#include "scene_argument.h"
+
+namespace raysheaf::app {
+namespace {
+
+void stop_if_interrupted() {
+  if (interrupted()) throw Error(ErrorCode::kCancelled, "interrupted");
+}
+
+Report measured_with_progress(const SceneDescription& scene, const ReportCommand& command) {
+  ProgressBar bar(stderr, !command.quiet);
+  return measure(scene, command, [&bar](const Progress& progress) {
+    bar.update(progress.stage, progress.done, progress.total);
+    return !interrupted();
+  });
+}
+
+}  // namespace
+
+int run(const ReportCommand& command) {
+  catch_interrupts();
+  refuse_scene_as_output(command.scene, command.output);
+  const std::string target = writable_path(command.output);
+  const auto start = std::chrono::steady_clock::now();
+  SceneDescription scene = scene_from_argument(command.scene, command.load);
+  add_missing_camera_and_light(scene);
+  const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - start;
+  stop_if_interrupted();
+  if (!command.quiet) {
+    for (const std::string& warning : scene.warnings) tell("warning: " + printable(warning));
+  }
+  Report report = measured_with_progress(scene, command);
+  report.load_ms = load.count();
+  const std::string html = to_html(make_page(command, scene, report));
+  stop_if_interrupted();
+  write_text(html, target);
+  if (!command.quiet)
+    tell(fmt::format("wrote {} ({:.1f} MB)", printable(command.output),
+                     static_cast<double>(html.size()) * 1e-6));
+  return kSuccess;
+}
+
+}  // namespace raysheaf::app

@@ -1,0 +1,13 @@
+// From the parser to words.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "text/command_text.h"
+
+namespace raysheaf::app {
+
+/// `app` and the commands below it; `above` is the name of what it belongs to.
+[[nodiscard]] CommandText describe(const CLI::App& app, const std::string& above = "");
+
+}  // namespace raysheaf::app

@@ -1,0 +1,37 @@
+#include "console.h"
+#include "options.h"
+#include "outputs.h"
+#include "progress_bar.h"
+#include "raysheaf/io.h"
+#include "verify/report.h"
+
+namespace raysheaf::app {
+namespace {
+
+constexpr std::uint64_t kLongRays = 1'000'000'000;
+
+VerifyReport verified(const VerifyCommand& command) {
+  VerifyOptions options = command.options;
+  options.rounds = command.rounds;
+  if (command.is_long) options.edge_rays = kLongRays;
+  ProgressBar bar(stderr, !command.quiet);
+  options.progress = [&bar](const Progress& progress) {
+    bar.update(progress.stage, progress.done, progress.total);
+    return !interrupted();
+  };
+  return verify(options);
+}
+
+}  // namespace
+
+int run(const VerifyCommand& command) {
+  catch_interrupts();
+  const std::string json =
+      command.json_path.empty() ? command.json_path : writable_path(command.json_path);
+  const VerifyReport report = verified(command);
+  print(verify_text(report));
+  if (!json.empty()) write_text(verify_json(report), json);
+  return report.kept() ? kSuccess : kFailed;
+}
+
+}  // namespace raysheaf::app

@@ -1,0 +1,27 @@
+#include "console.h"
+#include "options.h"
+#include "outputs.h"
+#include "scene_argument.h"
+#include "view.h"
+
+namespace raysheaf::app {
+
+int run(const ViewCommand& command) {
+  viewer::ViewOptions options;
+  options.scene = command.scene;
+  options.script = command.script_path;
+  if (!command.screenshot_path.empty()) options.screenshot = writable_path(command.screenshot_path);
+  options.settings = command.settings_path;
+  options.width = command.width;
+  options.height = command.height;
+  options.threads = command.threads;
+  options.load = [load = command.load](const std::string& scene) {
+    return scene_from_argument(scene, load);
+  };
+  options.print = [](const std::string& text) { print(text); };
+  options.tell = [](const std::string& line) { tell("raysheaf: " + printable(line)); };
+  viewer::view(options);
+  return kSuccess;
+}
+
+}  // namespace raysheaf::app

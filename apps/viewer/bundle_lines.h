@@ -1,0 +1,21 @@
+// A bundle of rays and what bounds it, as lines in the world.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "raysheaf/lab.h"
+
+namespace raysheaf::viewer {
+
+struct WorldLine {
+  enum class Kind : std::uint8_t { kRay, kAskedRay, kHull, kCone };
+  Vec3 from, to;
+  Kind kind = Kind::kRay;
+  std::uint32_t level = 0;  ///< of a bound: 0 is about the rays themselves
+};
+
+/// `reach`: where lines end that go on for ever. Of many rays only some are drawn.
+[[nodiscard]] std::vector<WorldLine> bundle_lines(const RayBundle& bundle, float reach);
+
+}  // namespace raysheaf::viewer

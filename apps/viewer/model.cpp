@@ -1,0 +1,247 @@
+#include "model.h"
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include "raysheaf/error.h"
+#include "vec.h"
+
+namespace raysheaf::viewer {
+namespace {
+
+/// The camera stands where nothing has changed for so long.
+constexpr double kStandsAfter = 0.12;
+/// A refinement whose first picture takes longer gets one of a quarter of a second before it.
+constexpr double kLongMs = 600, kBetweenMs = 250;
+constexpr std::size_t kHistory = 120;
+constexpr std::uint32_t kBundleWidth = 320;
+
+bool same_camera(const Camera& a, const Camera& b) {
+  return std::memcmp(&a.to_world, &b.to_world, sizeof a.to_world) == 0 &&
+         a.orthographic == b.orthographic && a.y_fov == b.y_fov && a.y_mag == b.y_mag;
+}
+
+bool same_question(const BundleQuestion& a, const BundleQuestion& b) {
+  return same_camera(a.camera, b.camera) && a.choice == b.choice && a.rays == b.rays &&
+         a.size == b.size && a.x == b.x && a.y == b.y;
+}
+
+HistoryEntry entry_of(const FrameStatistics& statistics) {
+  HistoryEntry entry;
+  entry.total_ms = statistics.total_ms;
+  entry.raster_ms = statistics.raster_ms;
+  entry.shade_ms = statistics.shade_ms;
+  for (const BatchStatistics& batch : statistics.batches) {
+    entry.rays += static_cast<double>(batch.rays);
+    entry.tests += static_cast<double>(batch.total_tests());
+    if (batch.kind == RayKind::kPrimary) continue;  // its times are `raster_ms`
+    entry.stages.raygen += batch.times_ms.raygen;
+    entry.stages.order += batch.times_ms.order;
+    entry.stages.hierarchy += batch.times_ms.hierarchy;
+    entry.stages.traverse += batch.times_ms.traverse;
+    entry.stages.intersect += batch.times_ms.intersect;
+  }
+  return entry;
+}
+
+}  // namespace
+
+Model::Model(const ViewSettings& start, Tracer& tracer, std::string save_folder)
+    : settings(start), tracer_(tracer), save_folder_(std::move(save_folder)) {}
+
+void Model::load(const std::string& path) {
+  ++loads_;
+  tracer_.load(path);
+}
+
+void Model::note(std::string text, bool failure) {
+  note_ = {std::move(text), failure, now_s_};
+  ++version_;
+}
+
+void Model::set_camera(std::size_t index) {
+  if (!facts_) return;
+  camera_index_ = index % facts_->cameras.size();
+  rig = CameraRig(facts_->cameras[camera_index_], facts_->bounds, settings.up);
+}
+
+bool Model::moves() const {
+  return !held_.empty();
+}
+
+bool Model::shows_now() const {
+  if (!picture_ || !wished_any_ || loading()) return false;
+  const ViewRequest& of = picture_->request;
+  return same_camera(of.camera, rig.camera()) && same_picture(of.settings, settings);
+}
+
+bool Model::up_to_date() const {
+  return shows_now() && picture_->size == window_ && picture_->request.refine;
+}
+
+bool Model::bundle_up_to_date() const {
+  return bundle_ && asked_ && bundle_->question.number == asked_->number &&
+         same_question(*asked_, bundle_question());
+}
+
+void Model::update(double now_s) {
+  const double passed = now_s - now_s_;
+  now_s_ = now_s;
+  fly(std::clamp(passed, 0.0, 0.1));
+  take_all(now_s);
+  if (!facts_) return;
+  wish(now_s);
+  wish_for_bundle(now_s);
+}
+
+void Model::take_all(double now_s) {
+  if (auto loaded = tracer_.take_scene()) take_scene(*std::move(loaded));
+  if (auto picture = tracer_.take_picture()) take_picture(std::move(picture));
+  if (auto answer = tracer_.take_answer()) {
+    if (!answer->error.empty()) note(answer->error, true);
+    bundle_ = std::move(answer);
+    ++version_;
+  }
+  if (auto saved = tracer_.take_saved()) note(*saved, !saved->starts_with("wrote "));
+  (void)now_s;
+}
+
+void Model::take_scene(LoadedScene loaded) {
+  if (loads_ > 0) --loads_;
+  if (!loaded.facts) {
+    note(loaded.error, true);
+    return;
+  }
+  facts_ = std::move(loaded.facts);
+  picture_ = nullptr;
+  pick_.reset();
+  pending_pick_.reset();
+  bundle_.reset();
+  asked_.reset();
+  history_.clear();
+  resolution_.forget();
+  wished_any_ = false;
+  set_camera(0);
+  char text[200];
+  std::snprintf(text, sizeof text, "%.80s: %llu triangles in %llu meshes, loaded in %.0f ms",
+                facts_->name.c_str(), static_cast<unsigned long long>(facts_->triangles),
+                static_cast<unsigned long long>(facts_->instances), facts_->load_ms);
+  note(text);
+}
+
+void Model::take_picture(std::shared_ptr<const Picture> picture) {
+  if (!picture->error.empty()) {
+    note(picture->error, true);
+    return;
+  }
+  resolution_.took(picture->size.pixels(), picture->trace_ms);
+  if (picture->given_up) return;
+  history_.push_back(entry_of(picture->sides[0].statistics));
+  if (history_.size() > kHistory) history_.pop_front();
+  // A refinement that was interrupted begins anew; what is shown is the better one.
+  const bool same = picture_ && picture_->request.number == picture->request.number;
+  if (same && picture_->samples > picture->samples) return;
+  picture_ = std::move(picture);
+  ++picture_count_;
+  ++version_;
+  resolve_pick();
+}
+
+ViewRequest Model::request_of(Size size, bool refine) const {
+  ViewRequest request;
+  request.camera = rig.camera();
+  request.settings = settings;
+  request.size = size;
+  request.refine = refine;
+  return request;
+}
+
+bool Model::same_wish(const ViewRequest& a, const ViewRequest& b) const {
+  return same_camera(a.camera, b.camera) && same_picture(a.settings, b.settings);
+}
+
+/// Small pictures while anything changes, then larger ones.
+void Model::wish(double now_s) {
+  const ViewRequest now = request_of(window_, true);
+  const bool changed = !wished_any_ || !same_wish(now, wished_);
+  if (changed) {
+    if (wished_any_ && now.settings.left.method != wished_.settings.left.method)
+      resolution_.forget();
+    const Size size = resolution_.size_for(window_, settings.answer_ms);
+    wished_ = request_of(size, false);
+    wished_.number = tracer_.submit(wished_);
+    wished_any_ = true;
+    last_change_s_ = now_s;
+    stage_ = 0;
+    return;
+  }
+  const bool resized = stage_ == 2 && wished_.size != window_;
+  if (resized) {
+    stage_ = 0;
+    last_change_s_ = now_s;
+  }
+  if (stage_ == 2 || now_s - last_change_s_ < kStandsAfter) return;
+  const bool arrived = picture_ && picture_->request.number == wished_.number;
+  const bool between = stage_ == 0 && resolution_.expected_ms(window_.pixels()) > kLongMs;
+  if (stage_ == 1 && !arrived && tracer_.busy()) return;
+  Resolution probe = resolution_;
+  const Size size = between ? probe.size_for(window_, kBetweenMs) : window_;
+  wished_ = request_of(size, !between);
+  wished_.number = tracer_.submit(wished_);
+  stage_ = between ? 1 : 2;
+}
+
+BundleQuestion Model::bundle_question() const {
+  BundleQuestion question;
+  question.camera = rig.camera();
+  question.choice = settings.split && cursor_x_ > settings.divider ? settings.right : settings.left;
+  question.rays = settings.bundle_rays;
+  question.threads = settings.threads;
+  const float aspect = static_cast<float>(window_.height) / static_cast<float>(window_.width);
+  question.size.width = std::min(kBundleWidth, window_.width);
+  const auto height = std::lround(static_cast<float>(question.size.width) * aspect);
+  question.size.height = static_cast<std::uint32_t>(std::max(1L, height));
+  const auto pixel = [](float at, std::uint32_t count) {
+    return static_cast<std::uint32_t>(std::clamp(at, 0.0f, 0.9999f) * static_cast<float>(count));
+  };
+  question.x = pixel(cursor_x_, question.size.width);
+  question.y = pixel(cursor_y_, question.size.height);
+  return question;
+}
+
+void Model::wish_for_bundle(double now_s) {
+  if (!settings.bundle) {
+    bundle_.reset();
+    asked_.reset();
+    return;
+  }
+  if (now_s - last_change_s_ < kStandsAfter) return;
+  BundleQuestion question = bundle_question();
+  if (asked_ && same_question(*asked_, question)) return;
+  question.number = tracer_.ask(question);
+  asked_ = question;
+}
+
+void Model::resolve_pick() {
+  if (!pending_pick_ || !picture_ || !same_camera(picture_->request.camera, rig.camera())) return;
+  pick_ = pick(*picture_, *facts_, pending_pick_->x, pending_pick_->y);
+  // Once more with the final picture, whose pixels are as small as they get.
+  if (picture_->request.refine) pending_pick_.reset();
+}
+
+void Model::save(const std::string& path) {
+  if (!facts_) return;
+  namespace fs = std::filesystem;
+  std::string target = path;
+  for (std::error_code ignored; target.empty() || (path.empty() && fs::exists(target, ignored));) {
+    char name[40];
+    std::snprintf(name, sizeof name, "raysheaf-%04u.png", ++saved_);
+    target = (fs::path(save_folder_) / name).string();
+  }
+  note("saving " + target + " ...");
+  tracer_.save({request_of(window_, true), target});
+}
+
+}  // namespace raysheaf::viewer

@@ -1,0 +1,140 @@
+// The viewer without its window: what the hand does becomes a camera, settings, and wishes to the
+// tracer; what the tracer makes becomes what is shown. Times come from outside, so that tests need
+// neither a display nor patience.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "camera_rig.h"
+#include "input.h"
+#include "picture.h"
+#include "resolution.h"
+#include "tracer.h"
+#include "view_settings.h"
+
+namespace raysheaf::viewer {
+
+/// A sentence for the user.
+struct Note {
+  std::string text;
+  bool failure = false;
+  double time_s = 0;
+};
+
+/// What a picture took and counted, for the plots.
+struct HistoryEntry {
+  double total_ms = 0, raster_ms = 0, shade_ms = 0;
+  StageTimes stages;  ///< over all batches
+  double rays = 0, tests = 0;
+};
+
+class Model {
+ public:
+  /// `start`: as `ViewSettings` were remembered. `save_folder`: where pictures go.
+  Model(const ViewSettings& start, Tracer& tracer, std::string save_folder = ".");
+
+  void load(const std::string& path);
+  void set_window(Size pixels) { window_ = pixels; }
+  /// `over_panel`: the cursor is over the interface, which takes buttons and scrolling;
+  /// `typing`: it takes keys.
+  void handle(const InputEvent& event, bool over_panel = false, bool typing = false);
+  /// Once a frame: flies on, takes what the tracer has made, wishes for what is missing.
+  void update(double now_s);
+  /// A picture in full quality, into the next free name of the folder, or into `path`.
+  void save(const std::string& path = "");
+  void set_camera(std::size_t index);
+  void note(std::string text, bool failure = false);
+
+  ViewSettings settings;  ///< may be changed at any time
+  CameraRig rig;          ///< likewise
+
+  [[nodiscard]] const std::optional<SceneFacts>& facts() const { return facts_; }
+  [[nodiscard]] const Picture* picture() const { return picture_.get(); }
+  [[nodiscard]] const std::optional<Pick>& picked() const { return pick_; }
+  [[nodiscard]] const std::optional<BundleAnswer>& bundle() const { return bundle_; }
+  [[nodiscard]] const std::deque<HistoryEntry>& history() const { return history_; }
+  [[nodiscard]] const Note& last_note() const { return note_; }
+  [[nodiscard]] Size window() const { return window_; }
+  [[nodiscard]] float cursor_x() const { return cursor_x_; }
+  [[nodiscard]] float cursor_y() const { return cursor_y_; }
+  [[nodiscard]] std::size_t camera_index() const { return camera_index_; }
+  [[nodiscard]] double now_s() const { return now_s_; }
+  [[nodiscard]] bool quit() const { return quit_; }
+  [[nodiscard]] bool loading() const { return loads_ > 0; }
+  [[nodiscard]] bool saving() const { return tracer_.saving(); }
+  /// Whether the next frame differs by itself: something flies or plays.
+  [[nodiscard]] bool moves() const;
+  /// Whether the picture is the one of the camera and the settings as they are.
+  [[nodiscard]] bool up_to_date() const;
+  /// The same, of any size.
+  [[nodiscard]] bool shows_now() const;
+  [[nodiscard]] bool bundle_up_to_date() const;
+  /// Whether it has all its samples too.
+  [[nodiscard]] bool refined() const { return up_to_date() && picture_->finished; }
+  /// Whether something is on its way that will change what is shown.
+  [[nodiscard]] bool waits() const { return loading() || !refined() || tracer_.busy() || saving(); }
+  /// Grows whenever what is shown has changed by itself: pictures, notes, scenes, bundles.
+  [[nodiscard]] std::uint64_t version() const { return version_; }
+  /// Counts pictures that were taken; what is uploaded is known by it.
+  [[nodiscard]] std::uint64_t picture_count() const { return picture_count_; }
+  /// What scripts ask for by name, as text: settings, and what docs/viewer.md lists. Throws `Error`
+  /// (kNotFound) naming what there is.
+  [[nodiscard]] std::string value(const std::string& name) const;
+
+ private:
+  void key_down(const InputEvent& event);
+  void cursor_moved(const InputEvent& event);
+  void click(const InputEvent& event);
+  void fly(double seconds);
+  void take_all(double now_s);
+  void take_scene(LoadedScene loaded);
+  void take_picture(std::shared_ptr<const Picture> picture);
+  void wish(double now_s);
+  void wish_for_bundle(double now_s);
+  [[nodiscard]] BundleQuestion bundle_question() const;
+  [[nodiscard]] ViewRequest request_of(Size size, bool refine) const;
+  [[nodiscard]] bool same_wish(const ViewRequest& a, const ViewRequest& b) const;
+  void resolve_pick();
+
+  Tracer& tracer_;
+  const std::string save_folder_;
+  Size window_{1280, 800};
+  std::optional<SceneFacts> facts_;
+  std::shared_ptr<const Picture> picture_;
+  std::uint64_t picture_count_ = 0, version_ = 0;
+  std::optional<Pick> pick_;
+  std::optional<InputEvent> pending_pick_;
+  std::optional<BundleAnswer> bundle_;
+  std::optional<BundleQuestion> asked_;
+  std::deque<HistoryEntry> history_;
+  Note note_;
+  Resolution resolution_;
+  ViewRequest wished_;       ///< what was submitted last
+  bool wished_any_ = false;  ///< whether anything was, of this scene
+  int stage_ = 0;            ///< 0: moving; 1: a larger picture while it stands; 2: refinement
+  double last_change_s_ = 0, now_s_ = 0;
+  int loads_ = 0;
+  std::size_t camera_index_ = 0;
+  std::set<std::string> held_;
+  bool fast_ = false;
+  int dragged_button_ = -1;
+  bool drag_moved_ = false, drag_shift_ = false;
+  float cursor_x_ = 0.5f, cursor_y_ = 0.5f, press_x_ = 0, press_y_ = 0;
+  double last_click_s_ = -1;
+  std::uint32_t saved_ = 0;
+  bool quit_ = false;
+};
+
+/// A key and what it does, for the help.
+struct KeyHelp {
+  std::string keys, what;
+};
+[[nodiscard]] const std::vector<KeyHelp>& key_help();
+
+}  // namespace raysheaf::viewer

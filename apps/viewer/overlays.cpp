@@ -1,0 +1,243 @@
+// What lies over the picture.
+#include <imgui.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "bundle_lines.h"
+#include "interface.h"
+#include "projection.h"
+#include "theme.h"
+#include "vec.h"
+
+namespace raysheaf::viewer {
+namespace {
+
+constexpr double kNoteSeconds = 8;
+constexpr ImU32 kInk = IM_COL32(235, 235, 238, 255), kPaper = IM_COL32(14, 14, 18, 215);
+
+ImVec2 display() {
+  return ImGui::GetIO().DisplaySize;
+}
+
+/// What the windows at both sides leave free.
+struct Free {
+  float left, right;
+
+  Free(const ViewSettings& settings, float scale)
+      : left((settings.panel ? kPanelWidth + 20 : 10) * scale),
+        right(display().x - (settings.plots ? kPlotsWidth + 20 : 10) * scale) {}
+  [[nodiscard]] float middle() const { return (left + right) / 2; }
+  [[nodiscard]] float width() const { return std::max(right - left, 10.0f); }
+};
+
+/// Text on a plate; `anchor` is the part of the plate that lies at `at`.
+void plate(ImVec2 at, ImVec2 anchor, const std::string& text, float scale, ImU32 ink = kInk) {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+  const float pad = 7 * scale;
+  const ImVec2 min{at.x - anchor.x * (size.x + 2 * pad), at.y - anchor.y * (size.y + 2 * pad)};
+  list.AddRectFilled(min, {min.x + size.x + 2 * pad, min.y + size.y + 2 * pad}, kPaper, 5 * scale);
+  list.AddText({min.x + pad, min.y + pad}, ink, text.c_str());
+}
+
+void draw_legend(const Picture& picture, const Free& room, float scale) {
+  if (picture.request.settings.layer != Layer::kTests) return;
+  const TestScale& values = picture.scale;
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const float pad = 10 * scale, line = ImGui::GetTextLineHeight(), height = 12 * scale;
+  const float width = std::min(360 * scale, std::max(room.width() - 4 * pad, 120 * scale));
+  const ImVec2 min{room.middle() - width / 2, display().y - 92 * scale};
+  list.AddRectFilled({min.x - 2 * pad, min.y - pad - line},
+                     {min.x + width + 2 * pad, min.y + height + line + pad}, kPaper, 6 * scale);
+  list.AddText({min.x, min.y - line - 3 * scale}, kInk, "tests per pixel");
+  constexpr int kSteps = 180;
+  for (int i = 0; i < kSteps; ++i) {
+    const auto color = false_color((static_cast<float>(i) + 0.5f) / kSteps);
+    const float x = min.x + width * static_cast<float>(i) / kSteps;
+    list.AddRectFilled({x, min.y}, {x + width / kSteps + 0.5f, min.y + height},
+                       IM_COL32(color[0], color[1], color[2], 255));
+  }
+  const auto tick = [&](double value) {
+    const float x = min.x + width * values.at(value);
+    const std::string text = short_number(value);
+    const float wide = ImGui::CalcTextSize(text.c_str()).x;
+    list.AddLine({x, min.y + height}, {x, min.y + height + 4 * scale}, kInk);
+    list.AddText({x - wide / 2, min.y + height + 4 * scale}, kInk, text.c_str());
+  };
+  if (values.logarithmic) {
+    // The largest value gets a label of its own, unless it would lie on the one before it.
+    for (double v = values.low; v < values.high; v *= 10)
+      if (v == values.low || values.at(v) < 0.88f) tick(v);
+    tick(values.high);
+  } else {
+    for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) tick(part * values.high);
+  }
+}
+
+std::string side_label(const PictureSide& side) {
+  double tests = 0, rays = 0;
+  for (const BatchStatistics& batch : side.statistics.batches) {
+    tests += static_cast<double>(batch.total_tests());
+    rays += static_cast<double>(batch.rays);
+  }
+  char text[120];
+  std::snprintf(text, sizeof text, "%s\n%s tests, %s a ray\n%s ms", side.statistics.method.c_str(),
+                short_number(tests).c_str(), short_number(rays > 0 ? tests / rays : 0).c_str(),
+                short_number(side.statistics.total_ms).c_str());
+  return text;
+}
+
+void draw_split(const Picture& picture, float divider, float scale) {
+  if (picture.sides[1].image.rgba.empty()) return;
+  const float x = std::floor(divider * display().x);
+  ImGui::GetBackgroundDrawList()->AddLine({x, 0}, {x, display().y}, kInk, 1.5f * scale);
+  const float y = display().y - 110 * scale;
+  plate({x - 12 * scale, y}, {1, 1}, side_label(picture.sides[0]), scale);
+  plate({x + 12 * scale, y}, {0, 1}, side_label(picture.sides[1]), scale);
+}
+
+ImU32 color_of(const WorldLine& line) {
+  const auto fade = static_cast<int>(220 / (1 + line.level));
+  switch (line.kind) {
+    case WorldLine::Kind::kRay:
+      return IM_COL32(255, 214, 110, 150);
+    case WorldLine::Kind::kAskedRay:
+      return IM_COL32(255, 255, 255, 255);
+    case WorldLine::Kind::kHull:
+      return IM_COL32(90, 200, 255, fade);
+    case WorldLine::Kind::kCone:
+      break;
+  }
+  return IM_COL32(255, 120, 190, fade);
+}
+
+void draw_bundle(const Model& model, float scale) {
+  if (!model.bundle() || !model.bundle()->bundle || !model.facts()) return;
+  const RayBundle& bundle = *model.bundle()->bundle;
+  const Box& bounds = model.facts()->bounds;
+  const Camera& camera = model.rig.camera();
+  const float aspect = display().x / display().y;
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  for (const WorldLine& line : bundle_lines(bundle, 2 * length(bounds.max - bounds.min))) {
+    const auto spots = project(camera, aspect, line.from, line.to);
+    if (!spots) continue;
+    const auto place = [](Spot spot) {
+      // Far outside, where a float of the window system would overflow, nobody looks.
+      const float x = std::clamp(spot.x, -50.0f, 50.0f), y = std::clamp(spot.y, -50.0f, 50.0f);
+      return ImVec2(x * display().x, y * display().y);
+    };
+    const bool asked = line.kind == WorldLine::Kind::kAskedRay;
+    list.AddLine(place(spots->from), place(spots->to), color_of(line),
+                 (asked ? 2.4f : 1.3f) * scale);
+  }
+  std::string text = bundle.what;
+  if (!bundle.volumes.empty()) {
+    text += "\nbounds about";
+    for (const BundleVolume& volume : bundle.volumes)
+      text += (&volume == bundle.volumes.data() ? " " : ", ") + std::to_string(volume.ray_count);
+    text += bundle.volumes.size() == 1 && bundle.volumes[0].ray_count == 1 ? " ray" : " rays";
+  }
+  plate({Free(model.settings, scale).middle(), 14 * scale}, {0.5f, 0}, text, scale);
+}
+
+void draw_pick(const Model& model, float scale) {
+  if (!model.picked()) return;
+  const Pick& pick = *model.picked();
+  const auto spots =
+      project(model.rig.camera(), display().x / display().y, pick.position, pick.position);
+  if (!spots) return;
+  const ImVec2 at{spots->from.x * display().x, spots->from.y * display().y};
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  list.AddCircle(at, 6 * scale, IM_COL32(0, 0, 0, 200), 0, 3.5f * scale);
+  list.AddCircle(at, 6 * scale, ImGui::GetColorU32(kAccent), 0, 1.8f * scale);
+  char text[400];
+  std::snprintf(text, sizeof text,
+                "%.80s, triangle %u\ninstance %.80s\nmaterial %.80s\nt = %.6g\n(%.5g, %.5g, %.5g)",
+                pick.mesh.c_str(), pick.ids.prim_id, pick.instance.c_str(), pick.material.c_str(),
+                pick.t, pick.position.x, pick.position.y, pick.position.z);
+  const bool right = at.x > 0.6f * display().x, low = at.y > 0.6f * display().y;
+  plate({at.x + (right ? -14 : 14) * scale, at.y}, {right ? 1.0f : 0.0f, low ? 1.0f : 0.0f}, text,
+        scale);
+}
+
+std::string status_of(const Model& model) {
+  if (!model.facts()) return model.loading() ? "loading ..." : "drop a scene here";
+  const Picture* picture = model.picture();
+  if (picture == nullptr) return "tracing ...";
+  std::string methods = picture->sides[0].statistics.method;
+  if (picture->request.settings.split) methods += " | " + picture->sides[1].statistics.method;
+  char text[240];
+  std::snprintf(text, sizeof text, "%s   %ux%u   %u of %u samples   %s ms   %s tests a ray",
+                methods.c_str(), picture->size.width, picture->size.height, picture->samples,
+                picture->request.refine ? picture->request.settings.samples : 1,
+                short_number(picture->trace_ms).c_str(),
+                short_number(picture->sides[0].tests_a_ray).c_str());
+  std::string status = text;
+  if (model.loading()) status += "   loading ...";
+  if (model.saving()) status += "   saving ...";
+  return status;
+}
+
+void draw_help(float scale) {
+  ImGui::SetNextWindowPos({display().x / 2, display().y / 2}, 0, {0.5f, 0.5f});
+  constexpr ImGuiWindowFlags kFlags =
+      ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+      ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing;
+  if (ImGui::Begin("keys", nullptr, kFlags) &&
+      ImGui::BeginTable("help", 4, ImGuiTableFlags_SizingFixedFit)) {
+    const std::vector<KeyHelp>& keys = key_help();
+    const std::size_t rows = (keys.size() + 1) / 2;
+    for (std::size_t row = 0; row < rows; ++row) {
+      for (const std::size_t i : {row, row + rows}) {
+        ImGui::TableNextColumn();
+        if (i < keys.size()) ImGui::TextColored(kAccent, "%s", keys[i].keys.c_str());
+        ImGui::TableNextColumn();
+        if (i < keys.size()) ImGui::Text("%s", keys[i].what.c_str());
+        if (i == row) ImGui::SameLine(0, 24 * scale);
+        if (i == row) ImGui::Dummy({1, 1});
+      }
+    }
+    ImGui::EndTable();
+  }
+  ImGui::End();
+}
+
+}  // namespace
+
+std::string short_number(double value) {
+  char text[32];
+  const char* unit = "";
+  for (const char* next : {" k", " M", " G", " T"}) {
+    if (std::fabs(value) < 9999.5) break;
+    value /= 1000;
+    unit = next;
+  }
+  std::snprintf(text, sizeof text, std::fabs(value) < 100 ? "%.3g%s" : "%.0f%s", value, unit);
+  return text;
+}
+
+void draw_overlays(Model& model, float scale) {
+  const Picture* picture = model.picture();
+  if (picture != nullptr) {
+    draw_legend(*picture, Free(model.settings, scale), scale);
+    draw_split(*picture, model.settings.divider, scale);
+    draw_bundle(model, scale);
+    draw_pick(model, scale);
+  }
+  plate({10 * scale, display().y - 10 * scale}, {0, 1}, status_of(model), scale);
+  const Note& note = model.last_note();
+  if (!note.text.empty() && model.now_s() - note.time_s < kNoteSeconds) {
+    plate({display().x - 10 * scale, display().y - 10 * scale}, {1, 1}, note.text, scale,
+          note.failure ? ImGui::GetColorU32(kFailure) : kInk);
+  }
+  if (model.settings.help) draw_help(scale);
+}
+
+void draw_interface(Model& model, float scale) {
+  draw_overlays(model, scale);
+  if (model.settings.panel) draw_settings(model, scale);
+  if (model.settings.plots) draw_plots(model, scale);
+}
+
+}  // namespace raysheaf::viewer

@@ -1,0 +1,225 @@
+#include "picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "vec.h"
+
+namespace raysheaf::viewer {
+namespace {
+
+constexpr double kLogarithmicFrom = 50;  // as heat maps do
+
+std::string named(const std::string& name, const char* what, std::size_t index) {
+  return name.empty() ? std::string(what) + " " + std::to_string(index) : name;
+}
+
+void add_to(std::vector<Vec3>& sum, const std::vector<Vec3>& values) {
+  for (std::size_t i = 0; i < std::min(sum.size(), values.size()); ++i) sum[i] = sum[i] + values[i];
+}
+void add_to(std::vector<float>& sum, const std::vector<float>& values) {
+  for (std::size_t i = 0; i < std::min(sum.size(), values.size()); ++i) sum[i] += values[i];
+}
+void divide(std::vector<Vec3>& values, float by) {
+  for (Vec3& v : values) v = v * (1 / by);
+}
+void divide(std::vector<float>& values, float by) {
+  for (float& v : values) v /= by;
+}
+
+std::uint8_t byte_of(float value) {
+  return static_cast<std::uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255 + 0.5f);
+}
+float encoded(float linear) {
+  const float x = std::clamp(linear, 0.0f, 1.0f);
+  return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
+}
+
+using Rgb = std::array<std::uint8_t, 3>;
+constexpr Rgb kNothing = {24, 25, 29};
+
+template <class Color>
+Image painted(const RenderResult& result, const Color& color) {
+  Image image;
+  image.width = result.width;
+  image.height = result.height;
+  image.rgba.resize(std::size_t{4} * result.width * result.height);
+  for (std::size_t i = 0; i < image.rgba.size() / 4; ++i) {
+    const Rgb rgb = color(i);
+    std::copy(rgb.begin(), rgb.end(), image.rgba.begin() + static_cast<std::ptrdiff_t>(4 * i));
+    image.rgba[4 * i + 3] = 255;
+  }
+  return image;
+}
+
+/// A colour that neighbouring numbers do not share.
+Rgb color_of(std::uint32_t instance, std::uint32_t triangle) {
+  const auto spread = [](std::uint32_t n) {
+    n = (n ^ (n >> 16)) * 0x7feb352du;
+    n = (n ^ (n >> 15)) * 0x846ca68bu;
+    return n ^ (n >> 16);
+  };
+  const std::uint32_t hue = spread(instance + 1);
+  const float shade = 0.75f + 0.25f * static_cast<float>(spread(triangle) & 255) / 255;
+  const auto part = [&](int shift) {
+    return static_cast<std::uint8_t>(shade *
+                                     (70.0f + 0.7f * static_cast<float>(hue >> shift & 255)));
+  };
+  return {part(0), part(8), part(16)};
+}
+
+/// The radical inverse of `n`.
+float radical_inverse(std::uint32_t base, std::uint32_t n) {
+  float result = 0, digit = 1;
+  for (; n > 0; n /= base) {
+    digit /= static_cast<float>(base);
+    result += digit * static_cast<float>(n % base);
+  }
+  return result;
+}
+
+}  // namespace
+
+SceneFacts facts_of(const SceneDescription& scene) {
+  SceneFacts facts;
+  facts.name = scene.name;
+  facts.triangles = scene.triangle_count();
+  facts.meshes = scene.meshes.size();
+  facts.instances = scene.instances.size();
+  facts.lights = scene.lights.size();
+  facts.bounds = world_bounds(scene);
+  facts.cameras = scene.cameras;
+  for (const Mesh& mesh : scene.meshes) {
+    facts.mesh_names.push_back(mesh.name);
+    facts.materials.push_back(mesh.materials);
+  }
+  for (const Instance& instance : scene.instances) facts.instance_names.push_back(instance.name);
+  for (const Material& material : scene.materials) facts.material_names.push_back(material.name);
+  facts.warnings = scene.warnings;
+  return facts;
+}
+
+float TestScale::at(double value) const {
+  if (!(value > low)) return 0;
+  const double part =
+      logarithmic ? std::log(value / low) / std::log(high / low) : (value - low) / (high - low);
+  return static_cast<float>(std::min(part, 1.0));
+}
+
+TestScale scale_of(const std::vector<const std::vector<float>*>& tests) {
+  double least = std::numeric_limits<double>::infinity(), largest = 0;
+  for (const std::vector<float>* values : tests) {
+    for (const float value : *values) {
+      if (!(value > 0) || !std::isfinite(value)) continue;
+      least = std::min<double>(least, value);
+      largest = std::max<double>(largest, value);
+    }
+  }
+  if (largest <= 0) return {};
+  if (largest / least < kLogarithmicFrom) return {0, largest, false};
+  return {std::pow(10.0, std::floor(std::log10(least))), largest, true};
+}
+
+void Accumulator::add(RenderResult&& result) {
+  if (samples_++ == 0) {
+    sum_ = std::move(result);
+    return;
+  }
+  add_to(sum_.beauty, result.beauty);
+  add_to(sum_.normal, result.normal);
+  add_to(sum_.albedo, result.albedo);
+  add_to(sum_.shadow, result.shadow);
+  add_to(sum_.tests, result.tests);
+  sum_.statistics = std::move(result.statistics);
+}
+
+RenderResult Accumulator::mean() const {
+  RenderResult result = sum_;
+  const auto n = static_cast<float>(samples_);
+  for (std::vector<Vec3>* values : {&result.beauty, &result.normal, &result.albedo})
+    divide(*values, n);
+  for (std::vector<float>* values : {&result.shadow, &result.tests}) divide(*values, n);
+  return result;
+}
+
+Image layer_image(const RenderResult& result, Layer layer, const TestScale& scale) {
+  const auto seen = [&result](std::size_t i) { return result.ids[i].prim_id != kInvalidId; };
+  switch (layer) {
+    case Layer::kTests:
+      return painted(result, [&](std::size_t i) {
+        return result.tests[i] > 0 ? false_color(scale.at(result.tests[i])) : kNothing;
+      });
+    case Layer::kNormal:
+      return painted(result, [&](std::size_t i) {
+        const Vec3 n = result.normal[i] * 0.5f + Vec3{0.5f, 0.5f, 0.5f};
+        return seen(i) ? Rgb{byte_of(n.x), byte_of(n.y), byte_of(n.z)} : kNothing;
+      });
+    case Layer::kAlbedo:
+      return painted(result, [&](std::size_t i) {
+        const Vec3 a = result.albedo[i];
+        return seen(i) ? Rgb{byte_of(encoded(a.x)), byte_of(encoded(a.y)), byte_of(encoded(a.z))}
+                       : kNothing;
+      });
+    case Layer::kShadow:
+      return painted(result, [&](std::size_t i) {
+        const std::uint8_t grey = byte_of(0.1f + 0.85f * result.shadow[i]);
+        return seen(i) ? Rgb{grey, grey, grey} : kNothing;
+      });
+    case Layer::kIds:
+      return painted(result, [&](std::size_t i) {
+        return seen(i) ? color_of(result.ids[i].inst_id, result.ids[i].prim_id) : kNothing;
+      });
+    case Layer::kBeauty:
+      break;
+  }
+  return tone_mapped(result);
+}
+
+Camera jittered(const Camera& camera, Size size, std::uint32_t sample) {
+  if (sample == 0) return camera;  // the first one is through the pixels' centres
+  const float dx = radical_inverse(2, sample) - 0.5f, dy = radical_inverse(3, sample) - 0.5f;
+  Camera moved = camera;
+  const Vec3 right = column(camera.to_world, 0), up = column(camera.to_world, 1);
+  const Vec3 back = column(camera.to_world, 2);
+  const auto height = static_cast<float>(size.height);
+  if (camera.orthographic) {
+    const float pixel = 2 * camera.y_mag / height;
+    set_column(moved.to_world, 3,
+               column(camera.to_world, 3) + right * (dx * pixel) + up * (dy * pixel));
+    return moved;
+  }
+  const float pixel = 2 * std::tan(camera.y_fov / 2) / height;
+  const float scale = length(back);
+  const Vec3 turned = normalized(back - right * (dx * pixel) - up * (dy * pixel)) * scale;
+  const Vec3 side = normalized(cross(up, turned)) * length(right);
+  set_column(moved.to_world, 0, side);
+  set_column(moved.to_world, 1, normalized(cross(turned, side)) * length(up));
+  set_column(moved.to_world, 2, turned);
+  return moved;
+}
+
+std::optional<Pick> pick(const Picture& picture, const SceneFacts& facts, float x, float y) {
+  if (!(x >= 0 && x < 1 && y >= 0 && y < 1) || picture.ids.empty()) return std::nullopt;
+  const auto column_of = static_cast<std::size_t>(x * static_cast<float>(picture.size.width));
+  const auto row = static_cast<std::size_t>(y * static_cast<float>(picture.size.height));
+  const std::size_t pixel = row * picture.size.width + column_of;
+  if (pixel >= picture.ids.size()) return std::nullopt;
+  Pick picked{x, y, picture.ids[pixel], {}, {}, {}, 0, picture.position[pixel]};
+  const auto [inst, geom, prim] = picked.ids;
+  if (prim == kInvalidId || geom >= facts.mesh_names.size()) return std::nullopt;
+  picked.mesh = named(facts.mesh_names[geom], "mesh", geom);
+  if (inst < facts.instance_names.size())
+    picked.instance = named(facts.instance_names[inst], "instance", inst);
+  const std::vector<std::uint32_t>& materials = facts.materials[geom];
+  const std::size_t which = materials.size() == 1 ? 0 : prim;
+  if (which < materials.size() && materials[which] < facts.material_names.size()) {
+    picked.material = named(facts.material_names[materials[which]], "material", materials[which]);
+  } else {
+    picked.material = "none";
+  }
+  picked.t = length(picked.position - column(picture.request.camera.to_world, 3));
+  return picked;
+}
+
+}  // namespace raysheaf::viewer

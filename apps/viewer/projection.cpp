@@ -1,0 +1,87 @@
+#include "projection.h"
+
+#include <cmath>
+
+#include "vec.h"
+
+namespace raysheaf::viewer {
+namespace {
+
+/// The camera's axes without their lengths, and half of what it sees at depth 1 (or at all).
+struct Frame {
+  Vec3 right, up, back, eye;
+  float half_width, half_height;
+  bool parallel;
+
+  Frame(const Camera& camera, float aspect)
+      : right(normalized(column(camera.to_world, 0))),
+        up(normalized(column(camera.to_world, 1))),
+        back(normalized(column(camera.to_world, 2))),
+        eye(column(camera.to_world, 3)),
+        half_width(0),
+        half_height(camera.orthographic ? camera.y_mag : std::tan(camera.y_fov / 2)),
+        parallel(camera.orthographic) {
+    half_width = half_height * aspect;
+  }
+  [[nodiscard]] Vec3 seen(Vec3 p) const {
+    const Vec3 d = p - eye;
+    return {dot(d, right), dot(d, up), -dot(d, back)};
+  }
+};
+
+}  // namespace
+
+std::array<float, 16> view_projection(const Camera& camera, float aspect, float near, float far) {
+  const Frame f(camera, aspect);
+  const Vec3 rows[3] = {f.right * (1 / f.half_width), f.up * (1 / f.half_height), f.back * -1.0f};
+  // Depth d ahead: clip z = a d + b, clip w = d, or 1 in parallel.
+  const float a = f.parallel ? 2 / (far - near) : (far + near) / (far - near);
+  const float b = f.parallel ? -(far + near) / (far - near) : -2 * far * near / (far - near);
+  std::array<float, 16> m{};
+  const auto put = [&m](std::size_t row, Vec3 v, float last) {
+    m[row] = v.x;
+    m[4 + row] = v.y;
+    m[8 + row] = v.z;
+    m[12 + row] = last;
+  };
+  put(0, rows[0], -dot(rows[0], f.eye));
+  put(1, rows[1], -dot(rows[1], f.eye));
+  put(2, rows[2] * a, -dot(rows[2], f.eye) * a + b);
+  if (f.parallel) {
+    put(3, {0, 0, 0}, 1);
+  } else {
+    put(3, rows[2], -dot(rows[2], f.eye));
+  }
+  return m;
+}
+
+std::array<Vec3, 4> picture_corners(const Camera& camera, float aspect, float depth) {
+  return {unproject(camera, aspect, {0, 0}, depth), unproject(camera, aspect, {1, 0}, depth),
+          unproject(camera, aspect, {0, 1}, depth), unproject(camera, aspect, {1, 1}, depth)};
+}
+
+Vec3 unproject(const Camera& camera, float aspect, Spot spot, float depth) {
+  const Frame f(camera, aspect);
+  const float reach = f.parallel ? 1 : depth;
+  return f.eye - f.back * depth + f.right * ((2 * spot.x - 1) * f.half_width * reach) +
+         f.up * ((1 - 2 * spot.y) * f.half_height * reach);
+}
+
+std::optional<SpotPair> project(const Camera& camera, float aspect, Vec3 from, Vec3 to) {
+  const Frame f(camera, aspect);
+  Vec3 a = f.seen(from), b = f.seen(to);
+  if (!f.parallel) {
+    // Far enough ahead that what is divided by stays away from 0, whatever the scene's scale.
+    const float least = 1e-4f * std::fmax(length(a), length(b)) + 1e-30f;
+    if (a.z < least && b.z < least) return std::nullopt;
+    if (a.z < least) a = mix(a, b, (least - a.z) / (b.z - a.z));
+    if (b.z < least) b = mix(b, a, (least - b.z) / (a.z - b.z));
+  }
+  const auto spot = [&f](Vec3 p) {
+    const float w = f.parallel ? 1 : p.z;
+    return Spot{0.5f + 0.5f * p.x / (w * f.half_width), 0.5f - 0.5f * p.y / (w * f.half_height)};
+  };
+  return SpotPair{spot(a), spot(b)};
+}
+
+}  // namespace raysheaf::viewer

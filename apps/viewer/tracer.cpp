@@ -1,0 +1,278 @@
+#include "tracer.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <new>
+
+#include "raysheaf/error.h"
+#include "raysheaf/io.h"
+#include "tracer_work.h"
+
+namespace raysheaf::viewer {
+namespace {
+
+/// A picture that moves is given up for a newer one where it has taken so long.
+constexpr double kPatienceMs = 400;
+/// Weaker than the interface's threads by a factor of about ten, where they compete.
+constexpr int kNice = 10;
+
+/// What any failure says to the user.
+template <class Body>
+std::string sentence_of(const Body& body) {
+  try {
+    body();
+  } catch (const Error& error) {
+    return error.what();
+  } catch (const std::bad_alloc&) {
+    return "there is not enough memory";
+  } catch (const std::exception& error) {
+    return std::string("an error that should not happen: ") + error.what();
+  }
+  return "";
+}
+
+template <class Value>
+std::optional<Value> taken(std::optional<Value>& value) {
+  std::optional<Value> result;
+  result.swap(value);
+  return result;
+}
+
+}  // namespace
+
+void give_way() {
+  // Of this thread alone, on Linux; threads inherit it from those that start them. Where it cannot
+  // be had, nothing is wrong but the feel.
+  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
+}
+
+Tracer::Tracer(TracerOptions options) : options_(std::move(options)) {
+  thread_ = std::thread([this] { run(); });
+}
+
+Tracer::~Tracer() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+  if (saver_.joinable()) saver_.join();
+}
+
+void Tracer::load(const std::string& path) {
+  {
+    const std::lock_guard lock(mutex_);
+    load_ = path;
+  }
+  wake_.notify_all();
+}
+
+std::uint64_t Tracer::submit(ViewRequest request) {
+  std::uint64_t number = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    number = request.number = ++last_number_;
+    request_ = std::move(request);
+  }
+  wake_.notify_all();
+  return number;
+}
+
+std::uint64_t Tracer::ask(BundleQuestion question) {
+  std::uint64_t number = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    number = question.number = ++last_number_;
+    question_ = std::move(question);
+  }
+  wake_.notify_all();
+  return number;
+}
+
+void Tracer::save(SaveOrder order) {
+  {
+    const std::lock_guard lock(mutex_);
+    save_ = std::move(order);
+  }
+  wake_.notify_all();
+}
+
+std::shared_ptr<const Picture> Tracer::take_picture() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(picture_, nullptr);
+}
+std::optional<LoadedScene> Tracer::take_scene() {
+  const std::lock_guard lock(mutex_);
+  return taken(scene_);
+}
+std::optional<BundleAnswer> Tracer::take_answer() {
+  const std::lock_guard lock(mutex_);
+  return taken(answer_);
+}
+std::optional<std::string> Tracer::take_saved() {
+  const std::lock_guard lock(mutex_);
+  return taken(saved_);
+}
+
+bool Tracer::busy() const {
+  const std::lock_guard lock(mutex_);
+  return works_ || something_waits();
+}
+bool Tracer::saving() const {
+  const std::lock_guard lock(mutex_);
+  return saves_ || save_;
+}
+
+bool Tracer::something_waits() const {
+  return load_ || request_ || question_ || again_ || (save_ && !saves_);
+}
+
+bool Tracer::unwanted(bool refining, double running_ms) const {
+  const std::lock_guard lock(mutex_);
+  if (stop_ || load_) return true;
+  if (refining) return request_ || question_ || (save_ && !saves_);
+  return request_ && running_ms > kPatienceMs;
+}
+
+void Tracer::publish(std::shared_ptr<const Picture> picture) {
+  {
+    const std::lock_guard lock(mutex_);
+    picture_ = std::move(picture);
+  }
+  options_.notify();
+}
+
+void Tracer::do_load(const std::string& path, Work& work) {
+  LoadedScene loaded{path, {}, {}};
+  const Watch watch;
+  loaded.error = sentence_of([&] {
+    SceneDescription scene = options_.load(path);
+    validate(scene);
+    work.pictures.show(std::move(scene));
+    work.forget_bundles();
+    loaded.facts = facts_of(work.pictures.scene());
+    loaded.facts->load_ms = watch.ms();
+  });
+  {
+    const std::lock_guard lock(mutex_);
+    scene_ = std::move(loaded);
+    if (scene_->facts) picture_ = nullptr;  // it is of another scene
+  }
+  options_.notify();
+}
+
+void Tracer::do_save(const SaveOrder& order, Work& work) {
+  if (!work.pictures.has_scene()) return;
+  if (saver_.joinable()) saver_.join();
+  auto copy = std::make_shared<SceneDescription>();
+  const std::string failed = sentence_of([&] { *copy = work.pictures.lit_copy(order.request); });
+  {
+    const std::lock_guard lock(mutex_);
+    saves_ = failed.empty();
+    if (!failed.empty()) saved_ = failed;
+  }
+  if (failed.empty()) saver_ = std::thread([this, copy, order] { write_copy(*copy, order); });
+  options_.notify();
+}
+
+void Tracer::write_copy(const SceneDescription& scene, const SaveOrder& order) {
+  std::string sentence = sentence_of([&] {
+    PictureMaker maker;
+    ViewRequest request = order.request;
+    request.refine = true;
+    request.settings.split = false;
+    request.settings.light = 1;  // the copy is lit already
+    request.settings.headlight = false;
+    maker.show(scene);
+    std::shared_ptr<Picture> picture;
+    const auto stopped = [this](double) {
+      const std::lock_guard lock(mutex_);
+      return stop_;
+    };
+    if (!maker.make(request, stopped, [&](std::shared_ptr<Picture> made) { picture = made; }))
+      throw Error(ErrorCode::kCancelled, "the picture was not saved", order.path);
+    write_png(picture->sides[0].image, order.path);
+  });
+  if (sentence.empty()) sentence = "wrote " + order.path;
+  {
+    const std::lock_guard lock(mutex_);
+    saved_ = std::move(sentence);
+    saves_ = false;
+  }
+  wake_.notify_all();
+  options_.notify();
+}
+
+void Tracer::do_trace(const ViewRequest& request, Work& work) {
+  if (!work.pictures.has_scene()) return;
+  const Watch watch;
+  bool whole = true;
+  const std::string failed = sentence_of([&] {
+    whole = work.pictures.make(
+        request, [&](double) { return unwanted(request.refine, watch.ms()); },
+        [this](std::shared_ptr<Picture> made) { publish(std::move(made)); });
+  });
+  if (whole && failed.empty()) return;
+  if (request.refine && failed.empty()) {
+    // A question or an order came between: the same once more, unless there is a newer request.
+    const std::lock_guard lock(mutex_);
+    if (!request_) again_ = request;
+    return;
+  }
+  auto picture = std::make_shared<Picture>();
+  picture->request = request;
+  picture->size = request.size;
+  picture->trace_ms = watch.ms();
+  picture->given_up = failed.empty();
+  picture->error = failed;
+  publish(std::move(picture));
+}
+
+void Tracer::do_answer(const BundleQuestion& question, Work& work) {
+  BundleAnswer answer = work.answer(question);
+  {
+    const std::lock_guard lock(mutex_);
+    answer_ = std::move(answer);
+  }
+  options_.notify();
+}
+
+/// One thing that waits, the most urgent first; under the lock.
+void Tracer::next(Work& work, std::unique_lock<std::mutex>& lock) {
+  const auto without_lock = [&](const auto& body) {
+    lock.unlock();
+    body();
+    lock.lock();
+  };
+  if (const auto path = taken(load_)) {
+    again_.reset();
+    without_lock([&] { do_load(*path, work); });
+  } else if (const auto request = taken(request_)) {
+    again_.reset();
+    without_lock([&] { do_trace(*request, work); });
+  } else if (const auto question = taken(question_)) {
+    without_lock([&] { do_answer(*question, work); });
+  } else if (save_ && !saves_) {
+    const auto order = taken(save_);
+    without_lock([&] { do_save(*order, work); });
+  } else if (const auto unfinished = taken(again_)) {
+    without_lock([&] { do_trace(*unfinished, work); });
+  }
+}
+
+void Tracer::run() {
+  give_way();
+  Work work;
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    works_ = false;
+    wake_.wait(lock, [this] { return stop_ || something_waits(); });
+    if (stop_) return;
+    works_ = true;
+    next(work, lock);
+  }
+}
+
+}  // namespace raysheaf::viewer

@@ -1,0 +1,81 @@
+#include "view.h"
+
+#include <algorithm>
+
+#include "raysheaf/error.h"
+#include "settings_file.h"
+#include "shell.h"
+
+namespace raysheaf::viewer {
+namespace {
+
+/// What plays where only a screenshot was asked for.
+constexpr const char* kScreenshotScript = "wait-for-refined\n";
+
+ViewSettings remembered(const ViewOptions& options, const std::string& path) {
+  LoadedSettings loaded = load_settings(path);
+  if (!loaded.sentence.empty()) options.tell(loaded.sentence);
+  if (options.threads != 0) loaded.settings.threads = options.threads;
+  if (options.width != 0) {
+    loaded.settings.width = options.width;
+    loaded.settings.height = options.height;
+  }
+  return loaded.settings;
+}
+
+/// Nothing but a sentence: the viewer has done what it was opened for.
+void remember(const ViewOptions& options, const ViewSettings& settings, const std::string& path) {
+  if (path.empty()) return;
+  try {
+    save_settings(settings, path);
+  } catch (const Error& error) {
+    options.tell(std::string("settings are not remembered: ") + error.what());
+  }
+}
+
+std::optional<Script> script_of(const ViewOptions& options) {
+  std::optional<Script> script;
+  if (!options.script.empty()) {
+    script = load_script(options.script);
+  } else if (!options.screenshot.empty()) {
+    script = parse_script(kScreenshotScript, "--screenshot");
+  }
+  if (script && !options.screenshot.empty())
+    script->commands.push_back({0, {"screenshot", options.screenshot}});
+  return script;
+}
+
+/// The first scene must be there; a later one that fails is but a note.
+void check_first_scene(const Model& model) {
+  if (!model.loading() && !model.facts())
+    throw Error(ErrorCode::kInvalidData, model.last_note().text);
+}
+
+}  // namespace
+
+bool has_view() {
+  return true;
+}
+
+void view(const ViewOptions& options) {
+  std::optional<Script> script = script_of(options);
+  const std::string settings_path =
+      options.settings.empty() && !script ? default_settings_path() : options.settings;
+  const ViewSettings settings = remembered(options, settings_path);
+  Window window({settings.width, settings.height, script.has_value()});
+  Tracer tracer({options.load, Window::wake});
+  Model model(settings, tracer);
+  Shell shell(window, model, script.has_value());
+  shell.print_to = options.print;
+  std::optional<ScriptPlayer> player;
+  if (script) player.emplace(*std::move(script), model, shell);
+  model.load(options.scene);
+  while (!window.closing() && !model.quit()) {
+    shell.turn(player ? &*player : nullptr);
+    check_first_scene(model);
+    if (player && player->done()) break;
+  }
+  remember(options, model.settings, settings_path);
+}
+
+}  // namespace raysheaf::viewer

@@ -1,0 +1,246 @@
+#include "view_settings.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+#include "raysheaf/error.h"
+
+namespace raysheaf::viewer {
+namespace {
+
+[[noreturn]] void refuse(const std::string& name, const std::string& sentence) {
+  throw Error(ErrorCode::kInvalidArgument, sentence, name);
+}
+
+std::string list(const std::vector<std::string>& words) {
+  std::string all;
+  for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
+  return all;
+}
+
+std::string number_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
+}
+
+double number(const std::string& name, const std::string& text, double low, double high) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !(value >= low && value <= high))
+    refuse(name, "must be a number from " + number_text(low) + " to " + number_text(high) +
+                     ", not '" + text + "'");
+  return value;
+}
+
+const std::vector<std::string> kSwitch = {"off", "on"};
+const std::vector<std::string> kMethods = {"brute", "rah", "crsh", "gl10", "dual"};
+const std::vector<std::string> kLayers = {"beauty", "tests", "normal", "albedo", "shadow", "ids"};
+const std::vector<std::string> kLabRays = {"shadow", "reflection", "reflection-2", "occlusion"};
+constexpr const char* kOwn = "own";  ///< of the method
+
+std::vector<std::string> key_words() {
+  std::vector<std::string> words = {kOwn};
+  for (int k = 0; k <= static_cast<int>(RayKey::kTwoPointHilbert); ++k)
+    words.emplace_back(to_string(static_cast<RayKey>(k)));
+  return words;
+}
+
+std::vector<std::string> bound_words() {
+  std::vector<std::string> words = {kOwn};
+  for (int b = 0; b <= static_cast<int>(BundleBound::kShaftAndCone); ++b)
+    words.emplace_back(to_string(static_cast<BundleBound>(b)));
+  return words;
+}
+
+std::size_t place_of(const std::string& name, const std::vector<std::string>& words,
+                     const std::string& text) {
+  for (std::size_t i = 0; i < words.size(); ++i)
+    if (words[i] == text) return i;
+  refuse(name, "'" + text + "' is none of " + list(words));
+}
+
+/// One of `words`, by its place.
+template <class Get, class Set>
+SettingField choice(std::string name, std::string what, std::vector<std::string> words, Get get,
+                    Set set) {
+  SettingField field{name, std::move(what), words, {}, {}};
+  field.get = [get, words](const ViewSettings& s) { return words[get(s)]; };
+  field.set = [set, name, words](ViewSettings& s, const std::string& text) {
+    set(s, place_of(name, words, text));
+  };
+  return field;
+}
+
+template <class Value>
+SettingField enumeration(std::string name, std::string what, std::vector<std::string> words,
+                         Value ViewSettings::*member) {
+  return choice(
+      std::move(name), std::move(what), std::move(words),
+      [member](const ViewSettings& s) { return static_cast<std::size_t>(s.*member); },
+      [member](ViewSettings& s, std::size_t i) { s.*member = static_cast<Value>(i); });
+}
+
+template <class Value>
+SettingField numeric(std::string name, std::string what, double low, double high,
+                     Value ViewSettings::*member) {
+  SettingField field{name, std::move(what), {}, {}, {}};
+  field.get = [member](const ViewSettings& s) { return number_text(s.*member); };
+  field.set = [=](ViewSettings& s, const std::string& text) {
+    const double value = number(name, text, low, high);
+    if (std::is_integral_v<Value> && value != std::floor(value))
+      refuse(name, "must be a whole number, not '" + text + "'");
+    s.*member = static_cast<Value>(value);
+  };
+  return field;
+}
+
+/// An optional of a `MethodChoice`: the first word is "own".
+template <class Value>
+SettingField own_or(std::string name, std::string what, std::vector<std::string> words,
+                    MethodChoice ViewSettings::*side, std::optional<Value> MethodChoice::*member) {
+  return choice(
+      std::move(name), std::move(what), std::move(words),
+      [=](const ViewSettings& s) {
+        const std::optional<Value>& value = (s.*side).*member;
+        return value ? static_cast<std::size_t>(*value) + 1 : 0;
+      },
+      [=](ViewSettings& s, std::size_t i) {
+        std::optional<Value>& value = (s.*side).*member;
+        value.reset();
+        if (i > 0) value = static_cast<Value>(i - 1);
+      });
+}
+
+SettingField shape(std::string name, std::string what, std::uint32_t low, std::uint32_t high,
+                   MethodChoice ViewSettings::*side, std::uint32_t MethodChoice::*member) {
+  SettingField field{name, std::move(what), {}, {}, {}};
+  field.get = [=](const ViewSettings& s) { return number_text((s.*side).*member); };
+  field.set = [=](ViewSettings& s, const std::string& text) {
+    const double value = number(name, text, low, high);
+    if (value != std::floor(value)) refuse(name, "must be a whole number, not '" + text + "'");
+    (s.*side).*member = static_cast<std::uint32_t>(value);
+  };
+  return field;
+}
+
+/// `prefix`: "" or "right-".
+void add_side(const std::string& prefix, MethodChoice ViewSettings::*side,
+              std::vector<SettingField>& all) {
+  const std::string of = prefix.empty() ? "" : "the split's right side: ";
+  all.push_back(choice(
+      prefix + "method", of + "how rays meet triangles", kMethods,
+      [side](const ViewSettings& s) { return static_cast<std::size_t>((s.*side).method); },
+      [side](ViewSettings& s, std::size_t i) { (s.*side).method = static_cast<Method>(i); }));
+  all.push_back(shape(prefix + "levels", of + "levels of the ray hierarchy", 1, 8, side,
+                      &MethodChoice::levels));
+  all.push_back(shape(prefix + "branching", of + "children of a node", 2, 64, side,
+                      &MethodChoice::branching));
+  all.push_back(own_or(prefix + "key", of + "what rays are sorted by", key_words(), side,
+                       &MethodChoice::key));
+  all.push_back(choice(
+      prefix + "key-bits", of + "bits of the key, where it comes in both", {"32", "64"},
+      [side](const ViewSettings& s) { return std::size_t{(s.*side).key_bits == 64 ? 1u : 0u}; },
+      [side](ViewSettings& s, std::size_t i) { (s.*side).key_bits = i == 0 ? 32 : 64; }));
+  all.push_back(own_or(prefix + "bound", of + "what bounds a bundle of rays", bound_words(), side,
+                       &MethodChoice::bound));
+  all.push_back(own_or(prefix + "mesh-culling", of + "test the spheres of meshes first",
+                       {kOwn, "off", "on"}, side, &MethodChoice::mesh_culling));
+}
+
+std::vector<SettingField> make_fields() {
+  using S = ViewSettings;
+  std::vector<SettingField> all;
+  add_side("", &S::left, all);
+  add_side("right-", &S::right, all);
+  all.push_back(enumeration("split", "two methods side by side", kSwitch, &S::split));
+  all.push_back(numeric("divider", "where the split is, of the width", 0, 1, &S::divider));
+  all.push_back(enumeration("device", "where rays are traced", {"cpu", "cuda"}, &S::device));
+  all.push_back(numeric("threads", "that trace; 0 is all cores", 0, 1024, &S::threads));
+  all.push_back(numeric("bounces", "reflections and refractions in a row", 0, 32, &S::bounces));
+  all.push_back(enumeration("shadows", "shadow rays", kSwitch, &S::shadows));
+  all.push_back(enumeration("reflections", "mirror reflections", kSwitch, &S::reflections));
+  all.push_back(enumeration("refractions", "refractions", kSwitch, &S::refractions));
+  all.push_back(
+      enumeration("early-out", "shadow rays stop at their first hit", kSwitch, &S::early_out));
+  all.push_back(numeric("light", "factor on all lights", 0, 100, &S::light));
+  all.push_back(enumeration("headlight", "a light at the camera", kSwitch, &S::headlight));
+  all.push_back(numeric("exposure", "in stops, beside the automatic one", -16, 16, &S::exposure));
+  all.push_back(enumeration("overlay", "what the picture shows", kLayers, &S::layer));
+  all.push_back(enumeration("bundle", "draw the bundle under the cursor", kSwitch, &S::bundle));
+  all.push_back(enumeration("bundle-rays", "whose bundle", kLabRays, &S::bundle_rays));
+  all.push_back(enumeration("panel", "the settings", kSwitch, &S::panel));
+  all.push_back(enumeration("plots", "times and counts", kSwitch, &S::plots));
+  all.push_back(enumeration("help", "the keys", kSwitch, &S::help));
+  all.push_back(numeric("samples", "at which refinement stops", 1, 4096, &S::samples));
+  all.push_back(
+      numeric("answer-ms", "a picture should take while the camera moves", 5, 1000, &S::answer_ms));
+  all.push_back(enumeration("up", "the axis that points up", {"y", "z"}, &S::up));
+  all.push_back(numeric("speed", "of flying", 0.001, 1000, &S::speed));
+  all.push_back(numeric("width", "of the window", 320, 16384, &S::width));
+  all.push_back(numeric("height", "of the window", 240, 16384, &S::height));
+  return all;
+}
+
+}  // namespace
+
+const std::vector<SettingField>& setting_fields() {
+  static const std::vector<SettingField> fields = make_fields();
+  return fields;
+}
+
+const SettingField* find_setting(const std::string& name) {
+  for (const SettingField& field : setting_fields())
+    if (field.name == name) return &field;
+  return nullptr;
+}
+
+RenderOptions render_options(const ViewSettings& settings, const MethodChoice& choice) {
+  RenderOptions options;
+  options.method = choice.method;
+  options.key = choice.key;
+  if (choice.key_bits != 32) options.key_bits = choice.key_bits;
+  options.levels = choice.levels;
+  options.branching = choice.branching;
+  options.bound = choice.bound;
+  options.mesh_culling = choice.mesh_culling;
+  options.threads = settings.threads;
+  options.bounces = settings.bounces;
+  options.shadows = settings.shadows;
+  options.reflections = settings.reflections;
+  options.refractions = settings.refractions;
+  options.early_out = settings.early_out;
+  options.count_pixel_tests = settings.layer == Layer::kTests;
+  return options;
+}
+
+MethodSettings method_settings_of(const MethodChoice& choice) {
+  MethodSettings settings = method_settings(choice.method);
+  settings.key = choice.key.value_or(settings.key);
+  if (choice.key_bits != 32) settings.key_bits = choice.key_bits;
+  settings.levels = choice.levels;
+  settings.branching = choice.branching;
+  settings.bound = choice.bound.value_or(settings.bound);
+  settings.mesh_culling = choice.mesh_culling.value_or(settings.mesh_culling);
+  return settings;
+}
+
+bool same_picture(const ViewSettings& a, const ViewSettings& b) {
+  ViewSettings c = b;
+  c.divider = a.divider;
+  c.bundle = a.bundle;
+  c.bundle_rays = a.bundle_rays;
+  c.panel = a.panel;
+  c.plots = a.plots;
+  c.help = a.help;
+  c.answer_ms = a.answer_ms;
+  c.up = a.up;
+  c.speed = a.speed;
+  c.width = a.width;
+  c.height = a.height;
+  if (!a.split && !b.split) c.right = a.right;
+  return a == c;
+}
+
+}  // namespace raysheaf::viewer

@@ -1,0 +1,23 @@
+# embed_text(HEADER NAMESPACE FILE...): a header with the text of each file, as constants of that
+# namespace: report.html becomes kReportHtml. Written when CMake configures, and again when a file
+# changes.
+function(embed_text header namespace)
+  set(constants "")
+  foreach(file ${ARGN})
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+    get_filename_component(name ${file} NAME)
+    string(REGEX REPLACE "[._]" ";" words ${name})
+    set(constant "k")
+    foreach(word ${words})
+      string(SUBSTRING ${word} 0 1 first)
+      string(SUBSTRING ${word} 1 -1 rest)
+      string(TOUPPER ${first} first)
+      string(APPEND constant ${first}${rest})
+    endforeach()
+    file(READ ${file} text)
+    string(APPEND constants "inline constexpr std::string_view ${constant} = R\"text(${text})text\";\n")
+  endforeach()
+  set(all "// Made by cmake/EmbedText.cmake.\n#pragma once\n\n#include <string_view>\n\n")
+  string(APPEND all "namespace ${namespace} {\n\n${constants}\n}  // namespace ${namespace}\n")
+  file(CONFIGURE OUTPUT ${header} CONTENT "@all@" @ONLY)
+endfunction()

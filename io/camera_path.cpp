@@ -1,0 +1,65 @@
+// Paths of cameras, from JSON.
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "io/file.h"
+#include "io/json_text.h"
+#include "raysheaf/cameras.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf {
+namespace {
+
+using nlohmann::json;
+
+CameraKey read_key(const json& value, const std::string& place) {
+  io::require_object(value, place);
+  CameraKey key;
+  key.time = io::number_of(io::member_of(value, "time", place), place + ".time");
+  key.position = io::vector_of(io::member_of(value, "position", place), place + ".position");
+  key.look_at = io::vector_of(io::member_of(value, "look_at", place), place + ".look_at");
+  if (value.contains("up")) key.up = io::vector_of(value["up"], place + ".up");
+  if (value.contains("fov"))
+    key.y_fov =
+        static_cast<float>(io::number_of(value["fov"], place + ".fov") * std::numbers::pi / 180);
+  return key;
+}
+
+CameraPath read_path(const json& root) {
+  io::require_object(root, "JSON root");
+  CameraPath path;
+  const auto smooth = root.find("smooth");
+  if (smooth != root.end()) {
+    if (!smooth->is_boolean())
+      throw Error(ErrorCode::kInvalidData, "is not true or false", "smooth");
+    path.smooth = *smooth;
+  }
+  const json& keys = io::member_of(root, "keys", "");
+  if (!keys.is_array()) throw Error(ErrorCode::kInvalidData, "is not an array", "keys");
+  for (std::size_t k = 0; k < keys.size(); ++k)
+    path.keys.push_back(read_key(keys[k], "keys[" + std::to_string(k) + "]"));
+  try {
+    validate(path);
+  } catch (const Error& error) {
+    // The file has degrees, under a name without a unit.
+    std::string place = error.place();
+    const std::size_t fov = place.find(".y_fov");
+    if (fov != place.npos) place.replace(fov, 6, ".fov");
+    throw Error(error.code(), error.sentence(), place);
+  }
+  return path;
+}
+
+}  // namespace
+
+CameraPath load_camera_path(const std::string& path) {
+  try {
+    return read_path(io::parse_json(io::read_file(path)));
+  } catch (const Error& error) {
+    if (error.place() == path) throw;
+    throw Error(error.code(), error.sentence(), path + ": " + error.place());
+  }
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,200 @@
+// Skins and animations (glTF 2.0, sections 3.7.3 and 3.11).
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "io/gltf.h"
+#include "io/gltf_rules.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf::io {
+namespace {
+
+[[noreturn]] void refuse(const std::string& sentence, const std::string& place) {
+  throw Error(ErrorCode::kInvalidData, sentence, place);
+}
+
+std::string element(const std::string& list, std::size_t i) {
+  return list + "[" + std::to_string(i) + "]";
+}
+
+/// Column by column, as glTF has them.
+Affine affine_from(const float* m, const std::string& place) {
+  if (std::fabs(m[3]) + std::fabs(m[7]) + std::fabs(m[11]) + std::fabs(m[15] - 1) > 1e-4f)
+    refuse("is not affine: its last row is not 0 0 0 1", place);
+  Affine result;
+  for (std::size_t r = 0; r < 3; ++r) {
+    for (std::size_t c = 0; c < 4; ++c) result.m[r][c] = m[4 * c + r];
+  }
+  return result;
+}
+
+Interpolation interpolation_of(const std::string& name, const std::string& place) {
+  if (name.empty() || name == "LINEAR") return Interpolation::kLinear;
+  if (name == "STEP") return Interpolation::kStep;
+  if (name == "CUBICSPLINE") return Interpolation::kCubicSpline;
+  refuse("is \"" + printable(name) + "\", which is none of LINEAR, STEP and CUBICSPLINE", place);
+}
+
+void check_times(const std::vector<float>& times, const std::string& place) {
+  check_finite(times, 1, place);
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    if (times[k] < 0) refuse("is negative", element(place, k));
+    if (k == 0 || times[k] > times[k - 1]) continue;
+    refuse("is " + std::to_string(times[k]) + ", not later than the key before, " +
+               std::to_string(times[k - 1]),
+           element(place, k));
+  }
+}
+
+/// One animation of the file.
+class ClipReader {
+ public:
+  ClipReader(const tinygltf::Animation& source, std::string place, const GltfNodes& nodes,
+             const std::vector<std::uint32_t>& shape_of_node, AccessorReader& accessors,
+             const Rig& rig, Warnings& warnings)
+      : source_(source),
+        place_(std::move(place)),
+        nodes_(nodes),
+        shape_of_node_(shape_of_node),
+        accessors_(accessors),
+        rig_(rig),
+        warnings_(warnings) {}
+
+  RigClip read() {
+    clip_.name = source_.name;
+    for (std::size_t c = 0; c < source_.channels.size(); ++c) read_channel(c);
+    return std::move(clip_);
+  }
+
+ private:
+  void read_channel(std::size_t index) {
+    const tinygltf::AnimationChannel& channel = source_.channels[index];
+    const std::string place = element(place_ + ".channels", index);
+    if (channel.target_node < 0) return;  // an extension may know what it drives
+    const auto node = static_cast<std::size_t>(channel.target_node);
+    RigChannel result;
+    int components = 3;
+    std::size_t width = 1;
+    result.target = nodes_.place_of[node];
+    if (channel.target_path == "translation") {
+      result.path = RigPath::kTranslation;
+    } else if (channel.target_path == "scale") {
+      result.path = RigPath::kScale;
+    } else if (channel.target_path == "rotation") {
+      result.path = RigPath::kRotation;
+      components = 4;
+    } else if (channel.target_path == "weights") {
+      if (shape_of_node_[node] == kInvalidId)
+        return warnings_.once("Animated weights of nodes that show no morph targets are left out.");
+      result.path = RigPath::kWeights;
+      result.target = shape_of_node_[node];
+      components = 1;
+      width = rig_.shapes[result.target].targets.size();
+    } else {
+      return warnings_.once("Animations of \"" + printable(channel.target_path) +
+                            "\" are left out.");
+    }
+    if (result.path != RigPath::kWeights && rig_.nodes[result.target].matrix)
+      refuse("the node has a matrix: nothing can drive it", place + ".target.node");
+    if (width == 0) return;
+    if (!driven_.insert({result.path, result.target}).second) {
+      refuse("drives the " + channel.target_path + " of nodes[" + std::to_string(node) +
+                 "], as an earlier channel does",
+             place + ".target");
+    }
+    result.curve = curve_of(channel.sampler, components, width, place);
+    clip_.channels.push_back(result);
+  }
+
+  /// The number of the curve of a sampler, which is read unless an earlier channel did.
+  std::uint32_t curve_of(int sampler, int components, std::size_t width,
+                         const std::string& channel) {
+    if (sampler < 0 || static_cast<std::size_t>(sampler) >= source_.samplers.size()) {
+      refuse("is " + std::to_string(sampler) + ", but the animation has " +
+                 std::to_string(source_.samplers.size()) + " samplers",
+             channel + ".sampler");
+    }
+    const auto known = curves_.find({sampler, components, width});
+    if (known != curves_.end()) return known->second;
+    const tinygltf::AnimationSampler& source = source_.samplers[static_cast<std::size_t>(sampler)];
+    const std::string place = element(place_ + ".samplers", static_cast<std::size_t>(sampler));
+    Curve curve;
+    curve.interpolation = interpolation_of(source.interpolation, place + ".interpolation");
+    curve.times = accessors_.floats(source.input, 1, place + ".input");
+    check_times(curve.times, place + ".input");
+    curve.values = accessors_.floats(source.output, components, place + ".output");
+    check_finite(curve.values, static_cast<std::size_t>(components), place + ".output");
+    const bool cubic = curve.interpolation == Interpolation::kCubicSpline;
+    const std::size_t wanted = curve.times.size() * width * (cubic ? 3 : 1);
+    const std::size_t there = accessors_.count(source.output);
+    if (there != wanted) {
+      refuse("has " + std::to_string(there) + " elements, but " +
+                 std::to_string(curve.times.size()) + (cubic ? " keys with tangents" : " keys") +
+                 (components == 1 ? " of " + std::to_string(width) + " weights" : "") + " need " +
+                 std::to_string(wanted),
+             place + ".output");
+    }
+    const auto number = static_cast<std::uint32_t>(clip_.curves.size());
+    clip_.curves.push_back(std::move(curve));
+    curves_[{sampler, components, width}] = number;
+    return number;
+  }
+
+  const tinygltf::Animation& source_;
+  const std::string place_;
+  const GltfNodes& nodes_;
+  const std::vector<std::uint32_t>& shape_of_node_;
+  AccessorReader& accessors_;
+  const Rig& rig_;
+  Warnings& warnings_;
+  RigClip clip_;
+  std::set<std::pair<RigPath, std::uint32_t>> driven_;
+  std::map<std::tuple<int, int, std::size_t>, std::uint32_t> curves_;
+};
+
+}  // namespace
+
+void read_skins(const tinygltf::Model& model, const GltfNodes& nodes, AccessorReader& accessors,
+                Rig& rig) {
+  for (std::size_t s = 0; s < model.skins.size(); ++s) {
+    const tinygltf::Skin& source = model.skins[s];
+    const std::string place = element("skins", s);
+    RigSkin skin;
+    skin.name = source.name;
+    if (source.joints.empty()) refuse("there are no joints", place + ".joints");
+    for (const int joint : source.joints)
+      skin.joints.push_back(nodes.place_of[static_cast<std::size_t>(joint)]);
+    skin.inverse_bind.resize(skin.joints.size());
+    if (source.inverseBindMatrices >= 0) {
+      const std::string matrices = place + ".inverseBindMatrices";
+      const std::size_t there = accessors.count(source.inverseBindMatrices);
+      if (there < skin.joints.size()) {
+        refuse("has " + std::to_string(there) + " matrices for " +
+                   std::to_string(skin.joints.size()) + " joints",
+               matrices);
+      }
+      const std::vector<float> values = accessors.floats(source.inverseBindMatrices, 16, matrices);
+      check_finite(values, 16, matrices);
+      for (std::size_t j = 0; j < skin.joints.size(); ++j)
+        skin.inverse_bind[j] = affine_from(values.data() + 16 * j, element(matrices, j));
+    }
+    rig.skins.push_back(std::move(skin));
+  }
+}
+
+void read_clips(const tinygltf::Model& model, const GltfNodes& nodes,
+                const std::vector<std::uint32_t>& shape_of_node, AccessorReader& accessors,
+                Rig& rig, Warnings& warnings) {
+  for (std::size_t a = 0; a < model.animations.size(); ++a) {
+    RigClip clip = ClipReader(model.animations[a], element("animations", a), nodes, shape_of_node,
+                              accessors, rig, warnings)
+                       .read();
+    if (clip.name.empty()) clip.name = "animation " + std::to_string(a);
+    if (!clip.channels.empty()) rig.clips.push_back(std::move(clip));
+  }
+}
+
+}  // namespace raysheaf::io

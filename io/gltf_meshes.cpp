@@ -1,0 +1,98 @@
+// The meshes that nodes show, one for each shape that they take.
+#include <map>
+#include <tuple>
+
+#include "io/gltf.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf::io {
+namespace {
+
+/// Triangles that all instances together may have for each byte of the file, and besides.
+constexpr std::uint64_t kTrianglesPerByte = 256, kFreeTriangles = std::uint64_t{1} << 22;
+
+/// Whether a curve drives the weights of each node's mesh.
+std::vector<bool> driven_weights(const tinygltf::Model& model) {
+  std::vector<bool> driven(model.nodes.size(), false);
+  for (const tinygltf::Animation& animation : model.animations) {
+    for (const tinygltf::AnimationChannel& channel : animation.channels) {
+      if (channel.target_path == "weights" && channel.target_node >= 0)
+        driven[static_cast<std::size_t>(channel.target_node)] = true;
+    }
+  }
+  return driven;
+}
+
+/// Those of the node, else those of the mesh, else none at all.
+std::vector<float> rest_weights(const tinygltf::Model& model, const GltfNodes::Use& use,
+                                std::size_t target_count) {
+  const auto node = static_cast<std::size_t>(use.node), mesh = static_cast<std::size_t>(use.mesh);
+  const bool of_node = !model.nodes[node].weights.empty();
+  const std::vector<double>& said =
+      of_node ? model.nodes[node].weights : model.meshes[mesh].weights;
+  if (!said.empty() && said.size() != target_count) {
+    throw Error(ErrorCode::kInvalidData,
+                "has " + std::to_string(said.size()) + " weights, but the mesh has " +
+                    std::to_string(target_count) + " morph targets",
+                (of_node ? "nodes[" + std::to_string(node) : "meshes[" + std::to_string(mesh)) +
+                    "].weights");
+  }
+  std::vector<float> weights(target_count, 0.0f);
+  for (std::size_t i = 0; i < said.size(); ++i) weights[i] = static_cast<float>(said[i]);
+  return weights;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> read_meshes(const GltfModel& gltf, const GltfNodes& nodes,
+                                       const std::vector<int>& uv_sets, AccessorReader& accessors,
+                                       SceneDescription& scene, Rig& rig, Warnings& warnings) {
+  const tinygltf::Model& model = gltf.model;
+  const std::vector<bool> driven = driven_weights(model);
+  // Meshes are shared by what shows them in one shape: by glTF's mesh, skin, and by the node where
+  // that has weights of its own.
+  using Key = std::tuple<int, int, int>;
+  std::map<Key, std::uint32_t> index_of;
+  const auto key_of = [&](const GltfNodes::Use& use) {
+    const auto n = static_cast<std::size_t>(use.node);
+    const bool alone = driven[n] || !model.nodes[n].weights.empty();
+    return Key{use.mesh, use.skin, alone ? use.node : -1};
+  };
+  std::map<Key, GltfNodes::Use> wanted;
+  for (const GltfNodes::Use& use : nodes.uses) wanted.emplace(key_of(use), use);
+  std::vector<std::uint32_t> shape_of_node(model.nodes.size(), kInvalidId);
+  for (const auto& [key, use] : wanted) {
+    const std::size_t joints =
+        use.skin < 0 ? 0 : rig.skins[static_cast<std::size_t>(use.skin)].joints.size();
+    GltfMesh read =
+        read_mesh(model, static_cast<std::size_t>(use.mesh), joints, accessors, uv_sets, warnings);
+    index_of[key] = kInvalidId;
+    if (read.mesh.triangles.empty()) continue;
+    index_of[key] = static_cast<std::uint32_t>(scene.meshes.size());
+    scene.meshes.push_back(std::move(read.mesh));
+    if (joints == 0 && read.shape.targets.empty()) continue;
+    read.shape.mesh = index_of[key];
+    read.shape.weights = rest_weights(model, use, read.shape.targets.size());
+    if (use.skin >= 0) read.shape.skin = static_cast<std::uint32_t>(use.skin);
+    shape_of_node[static_cast<std::size_t>(use.node)] =
+        static_cast<std::uint32_t>(rig.shapes.size());
+    rig.shapes.push_back(std::move(read.shape));
+  }
+  std::vector<Instance> shown;
+  std::vector<std::uint32_t> shown_nodes;
+  for (std::size_t i = 0; i < nodes.uses.size(); ++i) {
+    const std::uint32_t mesh = index_of[key_of(nodes.uses[i])];
+    if (mesh == kInvalidId) continue;
+    shown.push_back(std::move(scene.instances[i]));
+    shown.back().mesh = mesh;
+    shown_nodes.push_back(rig.instance_nodes[i]);
+  }
+  scene.instances = std::move(shown);
+  rig.instance_nodes = std::move(shown_nodes);
+  if (scene.triangle_count() > kFreeTriangles + kTrianglesPerByte * gltf.file_bytes)
+    throw Error(ErrorCode::kOutOfMemory,
+                "the instances have far more triangles than the file has bytes", "nodes");
+  return shape_of_node;
+}
+
+}  // namespace raysheaf::io

@@ -1,0 +1,158 @@
+#include "io/gltf_shape.h"
+
+#include <map>
+
+#include "io/gltf_rules.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf::io {
+namespace {
+
+[[noreturn]] void refuse(const std::string& sentence, const std::string& place) {
+  throw Error(ErrorCode::kInvalidData, sentence, place);
+}
+
+int find(const tinygltf::Primitive& primitive, const std::string& name) {
+  const auto it = primitive.attributes.find(name);
+  return it == primitive.attributes.end() ? -1 : it->second;
+}
+
+}  // namespace
+
+ShapeSource ShapeReader::source(const tinygltf::Primitive& primitive, const std::string& place) {
+  ShapeSource source;
+  for (int set = 0; joint_count_ > 0; ++set) {
+    const std::string number = std::to_string(set);
+    const int joints = find(primitive, "JOINTS_" + number);
+    const int weights = find(primitive, "WEIGHTS_" + number);
+    if (set > 0 && joints < 0 && weights < 0) break;
+    if (joints < 0 || weights < 0) {
+      refuse("a node shows the mesh with a skin, but there is no " +
+                 std::string(joints < 0 ? "JOINTS_" : "WEIGHTS_") + number,
+             place + ".attributes");
+    }
+    source.joints.insert(source.joints.end(), {joints, weights});
+  }
+  for (std::size_t t = 0; t < primitive.targets.size(); ++t)
+    read_target_source(primitive.targets[t], place + ".targets[" + std::to_string(t) + "].",
+                       source);
+  if (!any_primitive_) shape_.targets.resize(primitive.targets.size());
+  any_primitive_ = true;
+  if (primitive.targets.size() != shape_.targets.size()) {
+    refuse("has " + std::to_string(primitive.targets.size()) + ", but the primitive before has " +
+               std::to_string(shape_.targets.size()),
+           place + ".targets");
+  }
+  return source;
+}
+
+int ShapeReader::target_accessor(int accessor, const std::string& place) const {
+  const std::size_t count = model_.accessors.size();
+  if (accessor >= 0 && static_cast<std::size_t>(accessor) < count) return accessor;
+  refuse("is " + std::to_string(accessor) + ", but the file has " + std::to_string(count) +
+             " accessors",
+         place);
+}
+
+void ShapeReader::read_target_source(const std::map<std::string, int>& target,
+                                     const std::string& place, ShapeSource& source) {
+  int positions = -1, normals = -1;
+  for (const auto& [name, accessor] : target) {
+    const int checked = target_accessor(accessor, place + printable(name));
+    if (name == "POSITION") positions = checked;
+    if (name == "NORMAL") normals = checked;
+    if (name.starts_with("TEXCOORD"))
+      warnings_.once("Texture coordinates of morph targets are left out.");
+  }
+  source.targets.insert(source.targets.end(), {positions, normals});
+}
+
+void ShapeReader::read(const ShapeSource& source, std::size_t base, std::size_t count, bool normals,
+                       const std::string& place) {
+  read_joints(source, base, count, place + ".attributes.");
+  for (std::size_t t = 0; t < shape_.targets.size(); ++t) {
+    const std::string target = place + ".targets[" + std::to_string(t) + "].";
+    const auto append = [&](int accessor, const char* name, std::vector<Vec3>& moves) {
+      moves.resize(base + count);
+      if (accessor < 0) return;
+      const std::vector<Vec3> values =
+          as_vec3(accessors_.attribute(accessor, 3, count, target + name));
+      std::copy(values.begin(), values.end(), moves.begin() + static_cast<std::ptrdiff_t>(base));
+    };
+    append(source.targets[2 * t], "POSITION", shape_.targets[t].positions);
+    if (normals) append(source.targets[2 * t + 1], "NORMAL", shape_.targets[t].normals);
+  }
+}
+
+void ShapeReader::read_joints(const ShapeSource& source, std::size_t base, std::size_t count,
+                              const std::string& place) {
+  if (source.joints.empty()) return;
+  widen(static_cast<std::uint32_t>(2 * source.joints.size()));
+  const std::size_t a_vertex = shape_.joints_per_vertex;
+  shape_.joints.resize((base + count) * a_vertex, 0);
+  shape_.joint_weights.resize((base + count) * a_vertex, 0);
+  for (std::size_t set = 0; 2 * set < source.joints.size(); ++set) {
+    const std::string number = std::to_string(set);
+    const std::vector<float> joints =
+        accessors_.attribute(source.joints[2 * set], 4, count, place + "JOINTS_" + number);
+    const std::vector<float> weights =
+        accessors_.attribute(source.joints[2 * set + 1], 4, count, place + "WEIGHTS_" + number);
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      check_joint(joints[i], weights[i], place, set, i / 4);
+      const std::size_t to = (base + i / 4) * a_vertex + 4 * set + i % 4;
+      // What does not pull may name anything.
+      shape_.joints[to] = weights[i] > 0 ? static_cast<std::uint32_t>(joints[i]) : 0;
+      shape_.joint_weights[to] = weights[i];
+    }
+  }
+}
+
+void ShapeReader::check_joint(float joint, float weight, const std::string& place, std::size_t set,
+                              std::size_t vertex) const {
+  const std::string at = std::to_string(set) + "[" + std::to_string(vertex) + "]";
+  if (weight < 0) refuse("is negative", place + "WEIGHTS_" + at);
+  if (weight == 0 || (joint >= 0 && joint < static_cast<float>(joint_count_))) return;
+  refuse("joint " + std::to_string(static_cast<std::int64_t>(joint)) +
+             " is out of range: the skin has " + std::to_string(joint_count_) + " joints",
+         place + "JOINTS_" + at);
+}
+
+void ShapeReader::widen(std::uint32_t joints_per_vertex) {
+  const std::uint32_t before = shape_.joints_per_vertex;
+  if (joints_per_vertex <= before) return;
+  shape_.joints_per_vertex = joints_per_vertex;
+  const std::size_t vertices = before == 0 ? 0 : shape_.joints.size() / before;
+  std::vector<std::uint32_t> joints(vertices * joints_per_vertex, 0);
+  std::vector<float> weights(joints.size(), 0);
+  for (std::size_t i = 0; i < shape_.joints.size(); ++i) {
+    const std::size_t to = i / before * joints_per_vertex + i % before;
+    joints[to] = shape_.joints[i];
+    weights[to] = shape_.joint_weights[i];
+  }
+  shape_.joints = std::move(joints);
+  shape_.joint_weights = std::move(weights);
+}
+
+void ShapeReader::repeat(std::uint32_t v) {
+  const auto repeat_last = [](auto& values, std::size_t from) {
+    const auto value = values[from];
+    values.push_back(value);
+  };
+  for (MorphTarget& target : shape_.targets) {
+    repeat_last(target.positions, v);
+    if (!target.normals.empty()) repeat_last(target.normals, v);
+  }
+  for (std::size_t i = 0; i < shape_.joints_per_vertex; ++i) {
+    repeat_last(shape_.joints, std::size_t{v} * shape_.joints_per_vertex + i);
+    repeat_last(shape_.joint_weights, std::size_t{v} * shape_.joints_per_vertex + i);
+  }
+}
+
+RigShape ShapeReader::take(const Mesh& mesh) {
+  if (joint_count_ == 0 && shape_.targets.empty()) return {};
+  shape_.positions = mesh.positions;
+  shape_.normals = mesh.normals;
+  return std::move(shape_);
+}
+
+}  // namespace raysheaf::io

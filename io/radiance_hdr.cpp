@@ -1,0 +1,177 @@
+#include "io/radiance_hdr.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include "io/image.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf::io {
+namespace {
+
+using Rgbe = std::array<std::uint8_t, 4>;
+
+class Reader {
+ public:
+  Reader(std::span<const std::uint8_t> file, const std::string& path) : rest_(file), path_(path) {}
+
+  Environment read() {
+    read_header();
+    read_size();
+    check_length();
+    map_.radiance.reserve(std::size_t{map_.width} * map_.height);
+    std::vector<Rgbe> row(map_.width);
+    for (row_ = 0; row_ < map_.height; ++row_) {
+      read_row(row);
+      for (const Rgbe& pixel : row) map_.radiance.push_back(radiance_of(pixel));
+    }
+    return std::move(map_);
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& sentence,
+                           ErrorCode code = ErrorCode::kInvalidData) const {
+    throw Error(code, sentence, path_);
+  }
+
+  std::string_view line() {
+    const auto* const text = reinterpret_cast<const char*>(rest_.data());
+    const std::string_view all(text, rest_.size());
+    const std::size_t end = all.find('\n');
+    if (end == std::string_view::npos) refuse("the file ends within its header");
+    rest_ = rest_.subspan(end + 1);
+    return all.substr(0, end > 0 && all[end - 1] == '\r' ? end - 1 : end);
+  }
+
+  void read_header() {
+    const std::string_view magic = line();
+    if (magic != "#?RADIANCE" && magic != "#?RGBE")
+      refuse("is no Radiance picture: it does not begin with #?RADIANCE");
+    for (std::string_view field = line(); !field.empty(); field = line()) {
+      if (field.starts_with("FORMAT=") && field != "FORMAT=32-bit_rle_rgbe")
+        refuse("the format " + std::string(field.substr(7)) + " is not 32-bit_rle_rgbe",
+               ErrorCode::kUnsupported);
+      if (field.starts_with("EXPOSURE=")) read_exposure(field.substr(9));
+    }
+  }
+
+  /// What all pixels were multiplied with; several count together.
+  void read_exposure(std::string_view text) {
+    text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
+    double factor = 0;
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), factor);
+    if (error != std::errc{} || !(factor > 0 && std::isfinite(factor)))
+      refuse("the EXPOSURE is no number above 0");
+    exposure_ *= factor;
+  }
+
+  std::optional<std::uint32_t> side(std::string_view& text, std::string_view axis) {
+    if (!text.starts_with(axis)) return {};
+    text.remove_prefix(axis.size());
+    std::uint32_t count = 0;
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+    if (error != std::errc{} || count == 0) return {};
+    text.remove_prefix(static_cast<std::size_t>(stop - text.data()));
+    return count;
+  }
+
+  void read_size() {
+    std::string_view text = line();
+    const std::string words(text.substr(0, 40));
+    const auto height = side(text, "-Y ");
+    const auto width = height ? side(text, " +X ") : std::nullopt;
+    if (!width || !text.empty())
+      refuse("the size is \"" + words + "\", not -Y HEIGHT +X WIDTH", ErrorCode::kUnsupported);
+    map_.width = *width;
+    map_.height = *height;
+  }
+
+  /// Two bytes make a run of 127 of one channel: eight make 127 pixels, the old way four make 255
+  /// and up. What is shorter than a 16384th could only be cut off, or meant to fill the memory.
+  void check_length() const {
+    const std::uint64_t pixels = std::uint64_t{map_.width} * map_.height;
+    if (pixels > kMaxImagePixels)
+      refuse("the picture has more than 2^26 pixels", ErrorCode::kOutOfMemory);
+    if (pixels / 16384 > rest_.size()) refuse("the file is too short for its size");
+  }
+
+  [[nodiscard]] std::string here() const { return "row " + std::to_string(row_); }
+
+  std::uint8_t byte() {
+    if (rest_.empty()) refuse("the file ends within " + here());
+    const std::uint8_t value = rest_.front();
+    rest_ = rest_.subspan(1);
+    return value;
+  }
+  Rgbe pixel() { return {byte(), byte(), byte(), byte()}; }
+
+  void read_row(std::vector<Rgbe>& row) {
+    if (row.size() >= 8 && row.size() < 32768 && rest_.size() >= 4 && rest_[0] == 2 &&
+        rest_[1] == 2 && rest_[2] < 128) {
+      const Rgbe head = pixel();
+      if (static_cast<std::size_t>(head[2] << 8 | head[3]) != row.size())
+        refuse(here() + " says that it has " + std::to_string(head[2] << 8 | head[3]) + " pixels");
+      for (std::size_t channel = 0; channel < 4; ++channel) read_runs(row, channel);
+    } else {
+      read_old_row(row);
+    }
+  }
+
+  /// Above 128: that many less 128 times the next byte; else so many bytes as they are.
+  void read_runs(std::vector<Rgbe>& row, std::size_t channel) {
+    for (std::size_t x = 0; x < row.size();) {
+      const std::uint8_t code = byte();
+      const bool run = code > 128;
+      const std::size_t count = run ? code - 128u : code;
+      if (count == 0 || count > row.size() - x) refuse("a run leaves " + here());
+      std::uint8_t value = run ? byte() : 0;
+      for (std::size_t i = 0; i < count; ++i) row[x++][channel] = run ? value : (value = byte());
+    }
+  }
+
+  /// Pixels one by one; (1, 1, 1, n) repeats the last n times, and 256 times that where another
+  /// such follows.
+  void read_old_row(std::vector<Rgbe>& row) {
+    std::uint32_t shift = 0;
+    for (std::size_t x = 0; x < row.size();) {
+      const Rgbe next = pixel();
+      if (next[0] != 1 || next[1] != 1 || next[2] != 1) {
+        row[x++] = next;
+        shift = 0;
+        continue;
+      }
+      const std::size_t count = shift < 24 ? std::size_t{next[3]} << shift : row.size() + 1;
+      if (x == 0 || count > row.size() - x) refuse("a run leaves " + here());
+      for (std::size_t i = 0; i < count; ++i, ++x) row[x] = row[x - 1];
+      shift += 8;
+    }
+  }
+
+  [[nodiscard]] Vec3 radiance_of(const Rgbe& pixel) const {
+    if (pixel[3] == 0) return {0, 0, 0};
+    const double scale = std::ldexp(1 / exposure_, pixel[3] - 136);
+    const auto value = [&](std::size_t i) { return static_cast<float>(pixel[i] * scale); };
+    const Vec3 radiance{value(0), value(1), value(2)};
+    if (!std::isfinite(radiance.x + radiance.y + radiance.z))
+      refuse("a pixel of " + here() + " is not finite");
+    return radiance;
+  }
+
+  std::span<const std::uint8_t> rest_;
+  const std::string& path_;
+  Environment map_;
+  double exposure_ = 1;
+  std::uint32_t row_ = 0;
+};
+
+}  // namespace
+
+Environment decode_radiance_hdr(std::span<const std::uint8_t> file, const std::string& path) {
+  return Reader(file, path).read();
+}
+
+}  // namespace raysheaf::io

@@ -1,0 +1,312 @@
+// Sequences of files: each frame beside what stands still.
+#include "io/sequence.h"
+
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <iterator>
+
+#include "io/image_cache.h"
+#include "io/load.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kUsualRate = 24;
+
+template <class T>
+bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+bool same(const Affine& a, const Affine& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+/// Whether positions and normals are all that may differ.
+bool same_but_for_shape(const Mesh& a, const Mesh& b) {
+  return a.positions.size() == b.positions.size() && a.normals.size() == b.normals.size() &&
+         same_bytes(a.triangles, b.triangles) && same_bytes(a.materials, b.materials) &&
+         same_bytes(a.uvs, b.uvs);
+}
+
+/// The part of a list from `first` on, replaced; whether that made a difference.
+template <class T, class Same>
+bool replace_tail(std::vector<T>& list, std::size_t first, std::vector<T> tail, const Same& same) {
+  const auto begin = list.begin() + static_cast<std::ptrdiff_t>(first);
+  if (std::equal(begin, list.end(), tail.begin(), tail.end(), same)) return false;
+  list.erase(begin, list.end());
+  list.insert(list.end(), std::make_move_iterator(tail.begin()),
+              std::make_move_iterator(tail.end()));
+  return true;
+}
+
+/// The `*count` entries from `first` on, replaced: what was added behind them stays.
+template <class T>
+void replace_part(std::vector<T>& list, std::size_t first, std::size_t* count,
+                  const std::vector<T>& part) {
+  const auto begin = list.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto at = list.erase(begin, begin + static_cast<std::ptrdiff_t>(*count));
+  list.insert(at, part.begin(), part.end());
+  *count = part.size();
+}
+
+bool same_slot(const TextureSlot& a, const TextureSlot& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+bool same_material(const Material& a, const Material& b) {
+  const auto numbers = [](const Material& m) {
+    return std::array<float, 17>{m.base_color.x,
+                                 m.base_color.y,
+                                 m.base_color.z,
+                                 m.base_color.w,
+                                 m.metallic,
+                                 m.roughness,
+                                 m.emission.x,
+                                 m.emission.y,
+                                 m.emission.z,
+                                 m.specular,
+                                 m.specular_color.x,
+                                 m.specular_color.y,
+                                 m.specular_color.z,
+                                 m.transmission,
+                                 m.ior,
+                                 m.unlit ? 1.0f : 0,
+                                 m.double_sided ? 1.0f : 0};
+  };
+  return a.name == b.name && numbers(a) == numbers(b) &&
+         same_slot(a.base_color_texture, b.base_color_texture) &&
+         same_slot(a.metallic_roughness_texture, b.metallic_roughness_texture) &&
+         same_slot(a.emission_texture, b.emission_texture);
+}
+bool same_texture(const Texture& a, const Texture& b) {
+  return a.image == b.image && a.wrap_u == b.wrap_u && a.wrap_v == b.wrap_v && a.filter == b.filter;
+}
+bool same_image(const Image& a, const Image& b) {
+  return a.name == b.name && a.width == b.width && same_bytes(a.rgba, b.rgba);
+}
+
+/// What of a scene comes before the frame's own.
+struct Counts {
+  std::size_t meshes = 0, instances = 0, materials = 0, textures = 0, images = 0, lights = 0,
+              cameras = 0;
+};
+
+/// Numbers of a frame's things, as they are behind those that stand still.
+void shift(SceneDescription& frame, const Counts& still) {
+  const auto add = [](std::uint32_t& index, std::size_t by) {
+    if (index != kInvalidId) index += static_cast<std::uint32_t>(by);
+  };
+  for (Instance& instance : frame.instances) add(instance.mesh, still.meshes);
+  for (Mesh& mesh : frame.meshes) {
+    // A single entry says for all; none says that there is no material.
+    for (std::uint32_t& material : mesh.materials) add(material, still.materials);
+  }
+  for (Material& material : frame.materials) {
+    for (TextureSlot* slot : {&material.base_color_texture, &material.metallic_roughness_texture,
+                              &material.emission_texture})
+      add(slot->texture, still.textures);
+  }
+  for (Texture& texture : frame.textures) add(texture.image, still.images);
+}
+
+class SequenceAnimation final : public Animation {
+ public:
+  SequenceAnimation(SequenceFiles files, const LoadOptions& options)
+      : files_(std::move(files)), options_(options) {
+    check();
+    if (!files_.still.empty()) scene_ = io::load_part(files_.still, options_, &images_);
+    if (!files_.name.empty()) scene_.name = files_.name;
+    if (!files_.lights.empty()) scene_.lights = files_.lights;
+    if (!files_.cameras.empty()) {
+      Camera moving = files_.cameras.front();
+      moving.name = "moving";
+      scene_.cameras.insert(scene_.cameras.begin(), moving);
+    }
+    scene_.cameras.insert(scene_.cameras.end(), files_.still_cameras.begin(),
+                          files_.still_cameras.end());
+    still_ = {scene_.meshes.size(),   scene_.instances.size(), scene_.materials.size(),
+              scene_.textures.size(), scene_.images.size(),    scene_.lights.size(),
+              scene_.cameras.size()};
+    if (files_.times.empty()) {
+      for (std::size_t i = 0; i < files_.frames.size(); ++i)
+        files_.times.push_back(static_cast<double>(i) / kUsualRate);
+    }
+    show(0);
+    validate(scene_);
+  }
+
+  SceneDescription& scene() override { return scene_; }
+  [[nodiscard]] double start() const override { return files_.times.front(); }
+  [[nodiscard]] double end() const override { return files_.times.back(); }
+  [[nodiscard]] const std::vector<double>& frame_times() const override { return files_.times; }
+  [[nodiscard]] const std::vector<std::string>& clips() const override { return names_; }
+  void play(std::uint32_t clip) override {
+    if (clip != 0) throw Error(ErrorCode::kNotFound, "a sequence has one clip, 0");
+  }
+
+  SceneChanges seek(double seconds) override {
+    const auto after = std::upper_bound(files_.times.begin(), files_.times.end(), seconds);
+    const auto index =
+        static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - files_.times.begin() - 1, 0));
+    return index == shown_ ? SceneChanges{} : show(index);
+  }
+
+ private:
+  void check() const {
+    const auto per_frame = [&](const char* field, std::size_t count) {
+      if (count == 0 || count == files_.frames.size()) return;
+      throw Error(ErrorCode::kInvalidArgument,
+                  "has " + std::to_string(count) + " entries for " +
+                      std::to_string(files_.frames.size()) + " frames",
+                  field);
+    };
+    if (files_.frames.empty())
+      throw Error(ErrorCode::kInvalidArgument, "there are no frames", "frames");
+    per_frame("times", files_.times.size());
+    per_frame("cameras", files_.cameras.size());
+    for (std::size_t i = 0; i < files_.times.size(); ++i) {
+      if (std::isfinite(files_.times[i]) && (i == 0 || files_.times[i] > files_.times[i - 1]))
+        continue;
+      throw Error(ErrorCode::kInvalidArgument, "is not finite, or not later than the one before",
+                  "times[" + std::to_string(i) + "]");
+    }
+  }
+
+  SceneChanges show(std::size_t index) {
+    SceneDescription frame = io::load_part(files_.frames[index], options_, &images_);
+    shift(frame, still_);
+    SceneChanges changes = take_meshes(frame);
+    const bool other_look =
+        replace_tail(scene_.materials, still_.materials, std::move(frame.materials),
+                     same_material) |
+        replace_tail(scene_.textures, still_.textures, std::move(frame.textures), same_texture) |
+        replace_tail(scene_.images, still_.images, std::move(frame.images), same_image);
+    if (other_look) {
+      SceneChanges everything;
+      everything.everything = true;
+      changes.add(everything);
+    }
+    replace_part(scene_.lights, still_.lights, &frame_lights_, frame.lights);
+    replace_part(scene_.cameras, still_.cameras, &frame_cameras_, frame.cameras);
+    if (!files_.cameras.empty()) {
+      scene_.cameras[0] = files_.cameras[index];
+      scene_.cameras[0].name = "moving";
+    }
+    if (shown_ == kNone)
+      scene_.warnings.insert(scene_.warnings.end(), frame.warnings.begin(), frame.warnings.end());
+    shown_ = index;
+    return changes;
+  }
+
+  /// Meshes that differ from the frame before in nothing but their shape are deformed; from the
+  /// first other one on they are others.
+  SceneChanges take_meshes(SceneDescription& frame) {
+    SceneChanges changes;
+    const std::size_t before = scene_.meshes.size() - still_.meshes;
+    std::size_t m = 0;
+    for (; m < std::min(before, frame.meshes.size()); ++m) {
+      Mesh& mesh = scene_.meshes[still_.meshes + m];
+      Mesh& other = frame.meshes[m];
+      if (!same_but_for_shape(mesh, other)) break;
+      mesh.name.swap(other.name);
+      if (same_bytes(mesh.positions, other.positions) && same_bytes(mesh.normals, other.normals))
+        continue;
+      changes.deformed.push_back(static_cast<std::uint32_t>(still_.meshes + m));
+      mesh.positions.swap(other.positions);
+      mesh.normals.swap(other.normals);
+    }
+    if (m < before || m < frame.meshes.size()) {
+      changes.other_meshes_from = static_cast<std::uint32_t>(still_.meshes + m);
+      scene_.meshes.resize(changes.other_meshes_from);
+      for (; m < frame.meshes.size(); ++m) scene_.meshes.push_back(std::move(frame.meshes[m]));
+    }
+    take_instances(frame.instances, &changes);
+    return changes;
+  }
+
+  void take_instances(std::vector<Instance>& frame, SceneChanges* changes) {
+    const std::size_t before = scene_.instances.size() - still_.instances;
+    std::size_t i = 0;
+    for (; i < std::min(before, frame.size()); ++i) {
+      Instance& instance = scene_.instances[still_.instances + i];
+      if (instance.mesh != frame[i].mesh) break;
+      if (!same(instance.to_world, frame[i].to_world))
+        changes->moved.push_back(static_cast<std::uint32_t>(still_.instances + i));
+      instance = std::move(frame[i]);
+    }
+    if (i == before && i == frame.size()) return;
+    changes->other_instances_from = static_cast<std::uint32_t>(still_.instances + i);
+    scene_.instances.resize(changes->other_instances_from);
+    for (; i < frame.size(); ++i) scene_.instances.push_back(std::move(frame[i]));
+  }
+
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+  SequenceFiles files_;
+  LoadOptions options_;
+  io::ImageCache images_;
+  SceneDescription scene_;
+  Counts still_;
+  std::size_t shown_ = kNone;
+  std::size_t frame_lights_ = 0, frame_cameras_ = 0;  ///< that the frame brought
+  std::vector<std::string> names_{"sequence"};
+};
+
+/// Less, with runs of digits compared as numbers: "f2" before "f10".
+bool by_number(const std::string& a, const std::string& b) {
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  std::size_t i = 0, k = 0;
+  while (i < a.size() && k < b.size()) {
+    if (!digit(a[i]) || !digit(b[k])) {
+      if (a[i] != b[k]) return a[i] < b[k];
+      ++i, ++k;
+      continue;
+    }
+    const auto run = [&](const std::string& text, std::size_t& at) {
+      const std::size_t first = std::min(text.find_first_not_of('0', at), text.size());
+      at = first;
+      while (at < text.size() && digit(text[at])) ++at;
+      return std::string_view(text).substr(first, at - first);
+    };
+    const std::string_view x = run(a, i), y = run(b, k);
+    if (x.size() != y.size()) return x.size() < y.size();
+    if (x != y) return x < y;
+  }
+  return a.size() - i < b.size() - k || (a.size() - i == b.size() - k && a < b);
+}
+
+}  // namespace
+
+std::unique_ptr<Animation> load_sequence(const SequenceFiles& files, const LoadOptions& options) {
+  return std::make_unique<SequenceAnimation>(files, options);
+}
+
+std::vector<std::string> files_like(const std::string& pattern) {
+  const std::size_t slash = pattern.rfind('/') + 1;
+  const std::string folder = pattern.substr(0, slash), wanted = pattern.substr(slash);
+  std::vector<std::string> names;
+  std::error_code failed;
+  for (fs::directory_iterator entry(folder.empty() ? "." : folder, failed), end;
+       !failed && entry != end; entry.increment(failed)) {
+    const std::string name = entry->path().filename().string();
+    if (fnmatch(wanted.c_str(), name.c_str(), FNM_PERIOD) == 0 && entry->is_regular_file(failed))
+      names.push_back(name);
+  }
+  if (failed)
+    throw Error(ErrorCode::kNotFound, "the folder cannot be read: " + failed.message(), pattern);
+  if (names.empty()) throw Error(ErrorCode::kNotFound, "no file has such a name", pattern);
+  std::sort(names.begin(), names.end(), by_number);
+  for (std::string& name : names) name.insert(0, folder);
+  return names;
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,63 @@
+"""Does an installed wheel work, by itself? Run by a Python that has the wheel and numpy; prints a line.
+
+A batch of rays against a brute force, the command line, a picture by rays; OpenGL works or is declined
+in a sentence; and none of the libraries that it carries is taken from the system instead.
+"""
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+import raysheaf
+from raysheaf.bench import rays_at, wavy_ball
+
+
+def loaded():
+    """The shared libraries of this process, where the system tells."""
+    maps = Path("/proc/self/maps")
+    lines = maps.read_text(encoding="utf-8").splitlines() if maps.exists() else []
+    return {Path(line.split(None, 5)[5]) for line in lines if ".so" in line and "/" in line}
+
+
+def stem(path):
+    """libtbb of libtbb.so.12, and of libtbb-1a2b3c4d.so.12.8."""
+    return path.name.split(".so")[0].split("-")[0]
+
+
+def main():
+    package = Path(raysheaf.__file__).parent
+    scene = raysheaf.Scene()
+    scene.add(*wavy_ball(2000))
+    rays = rays_at(5000)
+    hits = scene.closest_hit(*rays)
+    assert 0.3 < hits.hit.mean() < 1
+    assert np.array_equal(hits.array, scene.closest_hit(*rays, method="brute").array)
+
+    carried = package.parent / "raysheaf.libs"
+    names = {stem(path) for path in carried.iterdir()}
+    assert {"libtbb", "libhwy"} <= names, names
+    strangers = [p for p in loaded() if stem(p) in names and p.parent != carried]
+    assert not strangers, strangers
+
+    picture = raysheaf.render("builtin:cornell", width=64, height=48)
+    assert picture.image.std() > 10
+    try:
+        raysheaf.render("builtin:cornell", width=64, height=48, primary="raster")
+        graphics = "OpenGL works"
+    except raysheaf.Error as error:
+        assert error.code == "no_graphics", error
+        graphics = f"no OpenGL ({error.sentence})"
+
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "raysheaf", "render", "builtin:cornell", "--size", "32x32"]
+        command += ["--primary", "trace", "--quiet", "-o", "c.png"]
+        subprocess.run(command, cwd=folder, check=True)
+        assert Path(folder, "c.png").read_bytes().startswith(b"\x89PNG")
+    print(f"raysheaf {raysheaf.__version__} works from {package}; {graphics}")
+
+
+if __name__ == "__main__":
+    main()

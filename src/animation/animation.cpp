@@ -1,0 +1,163 @@
+// What moves by its rig, and what all animations share.
+#include "raysheaf/animation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "animation/rig_state.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf {
+namespace {
+
+/// Whether no two clips drive the same thing.
+bool go_together(const std::vector<RigClip>& clips) {
+  std::set<std::pair<RigPath, std::uint32_t>> driven;
+  for (const RigClip& clip : clips) {
+    for (const RigChannel& channel : clip.channels)
+      if (!driven.insert({channel.path, channel.target}).second) return false;
+  }
+  return true;
+}
+
+/// Clips that go together, as files have them where each object was animated by itself, become
+/// one.
+void join(std::vector<RigClip>& clips) {
+  if (clips.size() < 2 || !go_together(clips)) return;
+  RigClip all = std::move(clips.front());
+  for (std::size_t c = 1; c < clips.size(); ++c) {
+    all.name += " + " + clips[c].name;
+    const auto first = static_cast<std::uint32_t>(all.curves.size());
+    for (Curve& curve : clips[c].curves) all.curves.push_back(std::move(curve));
+    for (RigChannel channel : clips[c].channels) {
+      channel.curve += first;
+      all.channels.push_back(channel);
+    }
+  }
+  clips.clear();
+  clips.push_back(std::move(all));
+}
+
+double end_of(const RigClip& clip) {
+  float end = 0;
+  for (const RigChannel& channel : clip.channels)
+    end = std::max(end, clip.curves[channel.curve].times.back());
+  return end;
+}
+
+class RigAnimation final : public Animation {
+ public:
+  RigAnimation(SceneDescription scene, Rig rig, std::uint32_t threads)
+      : threads_(threads), scene_(std::move(scene)), rig_(std::move(rig)), state_(rig_) {
+    for (const RigClip& clip : rig_.clips) names_.push_back(clip.name);
+    state_.write_all(Executor(threads_), scene_);
+  }
+
+  SceneDescription& scene() override { return scene_; }
+  [[nodiscard]] double start() const override { return 0; }
+  [[nodiscard]] double end() const override {
+    return rig_.clips.empty() ? 0 : end_of(rig_.clips[clip_]);
+  }
+  [[nodiscard]] const std::vector<double>& frame_times() const override { return no_times_; }
+
+  SceneChanges seek(double seconds) override {
+    if (rig_.clips.empty()) return {};
+    const double time = seconds > 0 ? std::min(seconds, end()) : 0;
+    if (!fresh_ && time == time_) return {};
+    // Not kept: the least of all executors' threads is what all of them get.
+    const Executor executor(threads_);
+    state_.apply(executor, rig_.clips[clip_], time);
+    time_ = time;
+    fresh_ = false;
+    return state_.write_moving(executor, scene_);
+  }
+
+  [[nodiscard]] const std::vector<std::string>& clips() const override { return names_; }
+  void play(std::uint32_t clip) override {
+    if (clip >= rig_.clips.size()) {
+      throw Error(ErrorCode::kNotFound, "there is no clip " + std::to_string(clip) +
+                                            ": the scene has " + std::to_string(rig_.clips.size()));
+    }
+    clip_ = clip;
+    fresh_ = true;
+    state_.rest();
+  }
+
+ private:
+  std::uint32_t threads_;
+  SceneDescription scene_;
+  Rig rig_;
+  RigState state_;
+  std::vector<std::string> names_;
+  std::vector<double> no_times_;
+  std::uint32_t clip_ = 0;
+  double time_ = 0;
+  bool fresh_ = true;  ///< nothing was sought since the clip was chosen
+};
+
+}  // namespace
+
+double frame_time(const Animation& animation, std::uint64_t frame, double fps) {
+  const std::vector<double>& times = animation.frame_times();
+  if (times.empty()) return animation.start() + static_cast<double>(frame) / fps;
+  return times[std::min<std::uint64_t>(frame, times.size() - 1)];
+}
+
+std::uint64_t frame_count(const Animation& animation, double fps) {
+  const std::vector<double>& times = animation.frame_times();
+  if (!times.empty()) return times.size();
+  // A clip of 2 s at 24 frames a second ends with frame 48, whatever 2 s came to in a float.
+  const double frames = (animation.end() - animation.start()) * fps;
+  return 1 + static_cast<std::uint64_t>(std::floor(frames + 1e-3));
+}
+
+std::vector<std::uint64_t> sample_frames(std::uint64_t count) {
+  constexpr std::uint64_t kMost = 5;
+  std::vector<std::uint64_t> frames;
+  for (std::uint64_t i = 0; i < std::min(count, kMost); ++i)
+    frames.push_back(count <= kMost ? i : i * (count - 1) / (kMost - 1));
+  return frames;
+}
+
+void add_missing_camera_and_light(Animation& animation) {
+  SceneDescription& scene = animation.scene();
+  if (!scene.cameras.empty() && !needs_light(scene)) return;
+  // Two corners of all the boxes, as a scene that can be framed.
+  SceneDescription whole;
+  Mesh corners;
+  constexpr double kRate = 24;
+  for (const std::uint64_t frame : sample_frames(frame_count(animation, kRate))) {
+    static_cast<void>(animation.seek(frame_time(animation, frame, kRate)));
+    const Box box = world_bounds(scene);
+    const auto first = static_cast<std::uint32_t>(corners.positions.size());
+    corners.positions.insert(corners.positions.end(), {box.min, box.max});
+    corners.triangles.push_back({first, first, first + 1});
+  }
+  whole.meshes.push_back(std::move(corners));
+  whole.instances.push_back({"", 0, {}});
+  if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(whole));
+  if (needs_light(scene)) scene.lights.push_back(showing_light(whole, scene.cameras.front()));
+}
+
+std::unique_ptr<Animation> animate(SceneDescription scene, Rig rig, std::uint32_t threads) {
+  validate(rig, scene);
+  join(rig.clips);
+  auto animation = std::make_unique<RigAnimation>(std::move(scene), std::move(rig), threads);
+  validate(animation->scene());
+  return animation;
+}
+
+std::unique_ptr<Animation> animate(SceneDescription scene) {
+  validate(scene);
+  return std::make_unique<RigAnimation>(std::move(scene), Rig{}, 1);
+}
+
+void pose(const Rig& rig, SceneDescription& scene) {
+  validate(rig, scene);
+  const Executor executor;
+  RigState(rig).write_all(executor, scene);
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,99 @@
+// The numbers between 0 and 1 that a sample of the picture takes its choices by: where in the
+// pixel, where on the lens, where on each light.
+//
+//   index of the sample ──► shuffled ──► two dimensions of Sobol' ──► scrambled ──► [0, 1)^2
+//                              ▲                                         ▲
+//                              └───────────── seed of the choice ────────┘
+//
+// Each choice of each pixel draws a (0,2)-sequence of its own (I. M. Sobol', 1967; the first two
+// dimensions), shuffled and scrambled in Owen's way by hashing (A. Owen, "Randomly Permuted
+// (t,m,s)- Nets and (t,s)-Sequences", 1995; B. Burley, "Practical Hash-based Owen Scrambling", JCGT
+// 9(4), 2020): of every 2^k successive samples each elementary interval of the square holds its
+// share. Nothing depends on threads, order or method: a number follows from (sample, seed) alone.
+#pragma once
+
+#include <cstdint>
+
+#include "base/host_device.h"
+#include "raysheaf/types.h"
+
+namespace raysheaf {
+
+/// Which of how many samples. A picture of one sample makes every choice in the middle: rays
+/// through the centres of pixels and of the lens, to the centres of lights.
+struct SampleOf {
+  std::uint32_t index = 0, count = 1;
+};
+
+RAYSHEAF_HD inline std::uint32_t reversed_bits(std::uint32_t x) {
+  x = (x >> 16) | (x << 16);
+  x = ((x & 0xff00ff00u) >> 8) | ((x & 0x00ff00ffu) << 8);
+  x = ((x & 0xf0f0f0f0u) >> 4) | ((x & 0x0f0f0f0fu) << 4);
+  x = ((x & 0xccccccccu) >> 2) | ((x & 0x33333333u) << 2);
+  return ((x & 0xaaaaaaaau) >> 1) | ((x & 0x55555555u) << 1);
+}
+
+/// A seed that depends on both in every bit (the finaliser of A. Appleby's MurmurHash3, 2011).
+RAYSHEAF_HD inline std::uint32_t mixed_seed(std::uint32_t seed, std::uint32_t with) {
+  std::uint32_t h = seed ^ (with * 0x9e3779b9u + 0x7f4a7c15u);
+  h = (h ^ (h >> 16)) * 0x85ebca6bu;
+  h = (h ^ (h >> 13)) * 0xc2b2ae35u;
+  return h ^ (h >> 16);
+}
+
+/// Flips each bit by a hash of the bits above it: Owen's scrambling. Multiplying by even numbers
+/// carries upwards alone, so the work is done on the reversed number (Burley 2020, section 3, after
+/// S. Laine and T. Karras, "Stratified Sampling for Stochastic Transparency", EGSR 2011).
+RAYSHEAF_HD inline std::uint32_t owen_scrambled(std::uint32_t x, std::uint32_t seed) {
+  x = reversed_bits(x) + seed;
+  x ^= x * 0x6c50b47cu;
+  x ^= x * 0xb82f1e52u;
+  x ^= x * 0xc7afe638u;
+  x ^= x * 0x8d22f6e6u;
+  return reversed_bits(x);
+}
+
+/// The second dimension of Sobol's sequence as a 32-bit fraction; the first is `reversed_bits`. Its
+/// matrix is Pascal's triangle modulo 2, a Kronecker power of (1 1; 0 1): five butterflies.
+RAYSHEAF_HD inline std::uint32_t sobol_second(std::uint32_t index) {
+  index ^= (index & 0xaaaaaaaau) >> 1;
+  index ^= (index & 0xccccccccu) >> 2;
+  index ^= (index & 0xf0f0f0f0u) >> 4;
+  index ^= (index & 0xff00ff00u) >> 8;
+  index ^= (index & 0xffff0000u) >> 16;
+  return reversed_bits(index);
+}
+
+/// The 24 leading bits as a float in [0, 1).
+RAYSHEAF_HD inline float unit_fraction(std::uint32_t bits) {
+  return static_cast<float>(bits >> 8) * 0x1p-24f;
+}
+
+/// Point `index` of the sequence that belongs to `seed`, as two 32-bit fractions.
+struct FractionPair {
+  std::uint32_t x = 0, y = 0;
+};
+RAYSHEAF_HD inline FractionPair scrambled_sobol(std::uint32_t index, std::uint32_t seed) {
+  const std::uint32_t shuffled = owen_scrambled(index, mixed_seed(seed, 0));
+  return {owen_scrambled(reversed_bits(shuffled), mixed_seed(seed, 1)),
+          owen_scrambled(sobol_second(shuffled), mixed_seed(seed, 2))};
+}
+
+/// What a sample decides by chance; each has sequences of its own.
+enum class Choice : std::uint32_t { kPixel, kLens, kLight, kSky };
+
+/// `pixel`, and the `path` from there, say who chooses; `which` counts choices of one kind.
+RAYSHEAF_HD inline std::uint32_t choice_seed(Choice choice, std::uint32_t pixel, std::uint32_t path,
+                                             std::uint32_t which) {
+  const std::uint32_t kind = mixed_seed(static_cast<std::uint32_t>(choice), which);
+  return mixed_seed(mixed_seed(kind, pixel), path);
+}
+
+/// Two numbers in [0, 1), or the middle where there is but one sample.
+RAYSHEAF_HD inline Vec2 sample_pair(SampleOf sample, std::uint32_t seed) {
+  if (sample.count == 1) return {0.5f, 0.5f};
+  const FractionPair bits = scrambled_sobol(sample.index, seed);
+  return {unit_fraction(bits.x), unit_fraction(bits.y)};
+}
+
+}  // namespace raysheaf

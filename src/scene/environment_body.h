@@ -1,0 +1,127 @@
+// Light from all around, looked up by direction and chosen from by brightness.
+//
+//   v = 0 +---------------------------+ +y       u = 1/2: towards -z; u grows to the right
+//         |            -z             |          of who looks there, towards +x
+//   v = 1 +---------------------------+ -y
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "base/vec.h"
+
+namespace raysheaf {
+
+/// A map of radiance, bilinear between its texels' centres, and how bright its texels are.
+/// Read-only pointers.
+struct EnvironmentView {
+  const Vec3* radiance = nullptr;  ///< rows from the top
+  /// Distribution functions: up to each row's end, and up to each texel's end within its row. The
+  /// last is 1. Null where all is black.
+  const float* row_ends = nullptr;
+  const float* texel_ends = nullptr;
+  std::uint32_t width = 0, height = 0;
+  float intensity = 1, cos_rotation = 1, sin_rotation = 0;
+};
+
+/// Turned about +y.
+RAYSHEAF_HD inline Vec3 turned(Vec3 d, float cosine, float sine) {
+  return {cosine * d.x + sine * d.z, d.y, cosine * d.z - sine * d.x};
+}
+
+/// Where in the map a unit direction lies, both in [0, 1].
+RAYSHEAF_HD inline Vec2 map_place(const EnvironmentView& map, Vec3 direction) {
+  const Vec3 d = turned(direction, map.cos_rotation, -map.sin_rotation);
+  return {0.5f + std::atan2(d.x, -d.z) / 6.28318531f, std::acos(clamp(d.y, -1, 1)) / 3.14159265f};
+}
+
+RAYSHEAF_HD inline Vec3 map_direction(const EnvironmentView& map, Vec2 place) {
+  const float around = (place.x - 0.5f) * 6.28318531f, polar = place.y * 3.14159265f;
+  const float ring = std::sin(polar);
+  const Vec3 d{ring * std::sin(around), std::cos(polar), -ring * std::cos(around)};
+  return turned(d, map.cos_rotation, map.sin_rotation);
+}
+
+/// Columns go round; rows end at the poles.
+RAYSHEAF_HD inline Vec3 environment_texel(const EnvironmentView& map, std::int64_t x,
+                                          std::int64_t y) {
+  const std::int64_t column = x < 0 ? x + map.width : x >= map.width ? x - map.width : x;
+  const std::int64_t row = y < 0 ? 0 : y >= map.height ? map.height - 1 : y;
+  return map.radiance[row * map.width + column];
+}
+
+/// What comes from a unit direction.
+RAYSHEAF_HD inline Vec3 environment_radiance(const EnvironmentView& map, Vec3 direction) {
+  const Vec2 place = map_place(map, direction);
+  const float x = place.x * static_cast<float>(map.width) - 0.5f;
+  const float y = place.y * static_cast<float>(map.height) - 0.5f;
+  const float left = std::floor(x), above = std::floor(y);
+  const auto column = static_cast<std::int64_t>(left), row = static_cast<std::int64_t>(above);
+  const Vec3 upper =
+      lerp(environment_texel(map, column, row), environment_texel(map, column + 1, row), x - left);
+  const Vec3 lower = lerp(environment_texel(map, column, row + 1),
+                          environment_texel(map, column + 1, row + 1), x - left);
+  return lerp(upper, lower, y - above) * map.intensity;
+}
+
+/// The first of `count` ends that lies above `chosen`, and where in its part that falls.
+struct ChosenPart {
+  std::uint32_t index = 0;
+  float within = 0;  ///< [0, 1]
+  float size = 0;    ///< of the part, of the whole
+};
+RAYSHEAF_HD inline ChosenPart choose_part(const float* ends, std::uint32_t count, float chosen) {
+  std::uint32_t first = 0, last = count - 1;
+  while (first < last) {
+    const std::uint32_t middle = first + (last - first) / 2;
+    if (ends[middle] > chosen) {
+      last = middle;
+    } else {
+      first = middle + 1;
+    }
+  }
+  const float begin = first == 0 ? 0 : ends[first - 1], size = ends[first] - begin;
+  return {first, size > 0 ? clamp((chosen - begin) / size, 0, 1) : 0.5f, size};
+}
+
+/// How large a part of the whole, a steradian, is chosen from a texel that `part` of all choices
+/// fall into: a texel at v covers 2 pi^2 sin(pi v) / texels.
+RAYSHEAF_HD inline float density_of_part(const EnvironmentView& map, float part, float v) {
+  const float ring = std::sin(3.14159265f * v);
+  const float texels = static_cast<float>(map.width) * static_cast<float>(map.height);
+  return ring > 0 ? part * texels / (19.7392088f * ring) : 0;
+}
+
+struct ChosenDirection {
+  Vec3 direction;
+  float density = 0;  ///< a steradian
+};
+
+/// A direction, chosen as bright ones are: a row, then a texel of it (J. Pharr, W. Jakob, G.
+/// Humphreys, "Physically Based Rendering", 2023, sections A.4.7 and 12.5).
+RAYSHEAF_HD inline ChosenDirection choose_direction(const EnvironmentView& map, Vec2 chosen) {
+  if (map.row_ends == nullptr) return {};
+  const ChosenPart row = choose_part(map.row_ends, map.height, chosen.y);
+  const ChosenPart texel =
+      choose_part(map.texel_ends + std::size_t{row.index} * map.width, map.width, chosen.x);
+  const Vec2 place{(static_cast<float>(texel.index) + texel.within) / static_cast<float>(map.width),
+                   (static_cast<float>(row.index) + row.within) / static_cast<float>(map.height)};
+  return {map_direction(map, place), density_of_part(map, row.size * texel.size, place.y)};
+}
+
+/// That density for any direction.
+RAYSHEAF_HD inline float direction_density(const EnvironmentView& map, Vec3 direction) {
+  if (map.row_ends == nullptr) return 0;
+  const Vec2 place = map_place(map, direction);
+  const auto cell = [](float at, std::uint32_t count) {
+    const auto index = static_cast<std::uint32_t>(at * static_cast<float>(count));
+    return index < count ? index : count - 1;
+  };
+  const std::uint32_t x = cell(place.x, map.width), y = cell(place.y, map.height);
+  const float* const texels = map.texel_ends + std::size_t{y} * map.width;
+  const float row = map.row_ends[y] - (y == 0 ? 0 : map.row_ends[y - 1]);
+  const float texel = texels[x] - (x == 0 ? 0 : texels[x - 1]);
+  return density_of_part(map, row * texel, place.y);
+}
+
+}  // namespace raysheaf

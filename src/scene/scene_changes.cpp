@@ -1,0 +1,37 @@
+#include "raysheaf/scene_changes.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace raysheaf {
+namespace {
+
+void unite(std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
+  if (b.empty()) return;
+  std::vector<std::uint32_t> both;
+  std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+  a = std::move(both);
+}
+
+}  // namespace
+
+bool SceneChanges::empty() const {
+  return !everything && moved.empty() && deformed.empty() && other_meshes_from == kInvalidId &&
+         other_instances_from == kInvalidId;
+}
+
+void SceneChanges::add(const SceneChanges& later) {
+  everything = everything || later.everything;
+  other_meshes_from = std::min(other_meshes_from, later.other_meshes_from);
+  other_instances_from = std::min(other_instances_from, later.other_instances_from);
+  unite(moved, later.moved);
+  unite(deformed, later.deformed);
+  // What stands from there on is other anyway, and there may be fewer of it.
+  std::erase_if(moved, [&](std::uint32_t i) { return i >= other_instances_from; });
+  std::erase_if(deformed, [&](std::uint32_t m) { return m >= other_meshes_from; });
+  if (!everything) return;
+  *this = {};
+  everything = true;
+}
+
+}  // namespace raysheaf

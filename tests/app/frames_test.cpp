@@ -1,0 +1,230 @@
+// `render` over the frames of scenes that move: names, ranges, resuming, films, and what is said
+// where it cannot be done.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "frames.h"
+#include "raysheaf/error.h"
+#include "tests/support/process.h"
+
+namespace raysheaf::test {
+namespace {
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+std::string box_at(float x) {
+  std::string text = "o box\n";
+  for (int i = 0; i < 8; ++i) {
+    text += "v " + std::to_string(x + static_cast<float>(i & 1)) + " " +
+            std::to_string(i >> 1 & 1) + " " + std::to_string(i >> 2) + "\n";
+  }
+  return text + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+}
+
+/// A floor, and a box that walks over it in six frames.
+class Frames : public ::testing::Test {
+ protected:
+  Frames() {
+    write_file(folder_.path() / "floor.obj", "v -5 0 -5\nv 9 0 -5\nv 9 0 5\nv -5 0 5\nf 4 3 2 1\n");
+    for (int i = 0; i < 6; ++i) {
+      write_file(folder_.path() / ("box_" + std::to_string(i) + ".obj"),
+                 box_at(0.4f * static_cast<float>(i)));
+    }
+  }
+  Finished render(std::vector<std::string> arguments, std::chrono::milliseconds interrupt = {}) {
+    arguments.insert(arguments.begin(), {"render", "--size", "24x24", "--primary", "trace"});
+    return raysheaf_app(arguments, folder_, interrupt);
+  }
+  Finished walk(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"floor.obj", "--sequence", "box_*.obj"});
+    return render(arguments);
+  }
+  [[nodiscard]] bool is_there(const std::string& name) const {
+    return fs::exists(folder_.path() / name);
+  }
+  [[nodiscard]] std::string content(const std::string& name) const {
+    return read_file(folder_.path() / name);
+  }
+  [[nodiscard]] std::size_t count_of(const std::string& part) const {
+    std::size_t count = 0;
+    for (const std::string& name : folder_.names()) count += name.find(part) != name.npos ? 1 : 0;
+    return count;
+  }
+  TemporaryFolder folder_;
+};
+
+TEST(FrameNames, TakeTheNumber) {
+  EXPECT_EQ(app::with_frame("a_%d.png", 7), "a_7.png");
+  EXPECT_EQ(app::with_frame("a_%04d.png", 7), "a_0007.png");
+  EXPECT_EQ(app::with_frame("%02d/x", 12345), "12345/x");
+  EXPECT_EQ(app::with_frame("plain.png", 7), "plain.png");
+  for (const char* name : {"%s.png", "%", "a%4d.png", "%d_%d.png", "%0d.png", "%099999999d.png"})
+    EXPECT_THROW(static_cast<void>(app::with_frame(name, 1)), Error) << name;
+}
+
+TEST_F(Frames, AreWrittenByTheirNumbers) {
+  const Finished finished = walk({"-o", "f_%03d.png", "--stats", "s_%d.json"});
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  for (int i = 0; i < 6; ++i) EXPECT_TRUE(is_there("f_00" + std::to_string(i) + ".png")) << i;
+  EXPECT_NE(content("f_000.png"), content("f_005.png"));
+  EXPECT_NE(finished.err.find("6 frames"), std::string::npos) << finished.err;
+  const Json stats = Json::parse(content("s_3.json"));
+  EXPECT_EQ(stats["frame"], 3);
+  EXPECT_EQ(stats["time"], 0.125);
+  EXPECT_EQ(stats["update"]["deformed_meshes"], 1);
+  EXPECT_EQ(stats["update"]["replaced_meshes"], 0);
+  EXPECT_EQ(stats["update"]["placed_triangles"], 12);
+  EXPECT_EQ(stats["picture"]["triangles"], 14);
+  for (const char* time : {"seek", "render", "write"})
+    EXPECT_GE(stats["times_ms"][time].get<double>(), 0) << time;
+}
+
+TEST_F(Frames, OfARangeAreThoseOfAll) {
+  ASSERT_EQ(walk({"-o", "all_%d.png"}).code, 0);
+  ASSERT_EQ(walk({"-o", "some_%d.png", "--frames", "2:3"}).code, 0);
+  EXPECT_EQ(count_of("some_"), 2u);
+  for (const char* i : {"2", "3"})
+    EXPECT_EQ(content(std::string("some_") + i + ".png"),
+              content(std::string("all_") + i + ".png"));
+  ASSERT_EQ(walk({"-o", "last.png", "--frames", "5"}).code, 0);
+  EXPECT_EQ(content("last.png"), content("all_5.png"));
+  ASSERT_EQ(walk({"-o", "end_%d.png", "--frames", "4:"}).code, 0);
+  EXPECT_EQ(count_of("end_"), 2u);
+}
+
+TEST_F(Frames, EachMethodGivesTheSamePictures) {
+  ASSERT_EQ(walk({"-o", "brute_%d.png", "--method", "brute"}).code, 0);
+  for (const std::string method : {"rah", "crsh", "gl10", "dual"}) {
+    ASSERT_EQ(walk({"-o", method + "_%d.png", "--method", method}).code, 0);
+    for (const char* i : {"0", "3", "5"})
+      EXPECT_EQ(content(method + "_" + i + ".png"), content(std::string("brute_") + i + ".png"));
+  }
+}
+
+TEST_F(Frames, ResumeMakesThoseThatAreMissing) {
+  ASSERT_EQ(walk({"-o", "a_%d.png"}).code, 0);
+  const std::string third = content("a_3.png");
+  fs::remove(folder_.path() / "a_3.png");
+  write_file(folder_.path() / "a_1.png", "not touched");
+  const Finished finished = walk({"-o", "a_%d.png", "--resume"});
+  ASSERT_EQ(finished.code, 0);
+  EXPECT_EQ(content("a_3.png"), third);
+  EXPECT_EQ(content("a_1.png"), "not touched");
+  EXPECT_NE(finished.err.find("5 of 6 frames are there already"), std::string::npos)
+      << finished.err;
+  EXPECT_EQ(walk({"-o", "a_%d.png", "--resume", "-q"}).err, "");
+}
+
+TEST_F(Frames, AnInterruptedRunLeavesWholePicturesAndGoesOn) {
+  // Around the floor in so many pictures that the run is not over before it is stopped.
+  const std::vector<std::string> turn = {"floor.obj", "--turntable", "20000", "-o", "t_%05d.png"};
+  Finished finished = render(turn, std::chrono::milliseconds(700));
+  EXPECT_EQ(finished.code, 130) << finished.err;
+  const std::size_t made = count_of("t_");
+  ASSERT_GT(made, 1u);
+  ASSERT_LT(made, 20000u);
+  EXPECT_EQ(folder_.names().size(), made + 7) << "something half-written";
+  std::vector<std::string> resumed = turn;
+  const std::string last = std::to_string(made + 3);
+  resumed.insert(resumed.end(), {"--resume", "--frames", ":" + last});
+  finished = render(resumed);
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  EXPECT_EQ(count_of("t_"), made + 4);
+  std::vector<std::string> uninterrupted = turn;
+  uninterrupted[4] = "u_%05d.png";
+  uninterrupted.insert(uninterrupted.end(), {"--frames", ":" + last});
+  ASSERT_EQ(render(uninterrupted).code, 0);
+  for (std::size_t i = 0; i < made + 4; ++i) {
+    EXPECT_EQ(content(app::with_frame("t_%05d.png", i)), content(app::with_frame("u_%05d.png", i)))
+        << i;
+  }
+}
+
+TEST_F(Frames, ASinglePictureIsTakenAtATime) {
+  ASSERT_EQ(walk({"-o", "third.png", "--time", "0.13", "--exposure", "1", "--ambient", "0.1"}).code,
+            0);
+  ASSERT_EQ(walk({"-o", "a_%d.png", "--exposure", "1", "--ambient", "0.1"}).code, 0);
+  EXPECT_EQ(content("third.png"), content("a_3.png"));
+  ASSERT_EQ(render({"box_?.obj", "-o", "b_%d.png"}).code, 0) << "a scene that is a pattern";
+  EXPECT_EQ(count_of("b_"), 6u);
+}
+
+TEST_F(Frames, FollowAPath) {
+  write_file(folder_.path() / "path.json", R"({"keys": [
+      {"time": 0, "position": [0, 3, 9], "look_at": [1, 0, 0]},
+      {"time": 1, "position": [9, 3, 0], "look_at": [1, 0, 0], "fov": 40}]})");
+  ASSERT_EQ(
+      render({"floor.obj", "--camera-path", "path.json", "--fps", "4", "-o", "p_%d.png"}).code, 0);
+  EXPECT_EQ(count_of("p_"), 5u);
+  EXPECT_NE(content("p_0.png"), content("p_2.png"));
+  const Finished finished = render({"floor.obj", "--camera-path", "floor.obj", "-o", "q_%d.png"});
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_NE(finished.err.find("floor.obj: JSON"), std::string::npos) << finished.err;
+}
+
+// What stands in for ffmpeg keeps what it is told and what it is fed.
+TEST_F(Frames, BecomeAFilm) {
+  const fs::path bin = folder_.path() / "bin";
+  fs::create_directory(bin);
+  write_file(bin / "ffmpeg",
+             "#!/bin/sh\nfor last; do :; done\necho \"$@\" > words\nexec cat > \"$last\"\n");
+  fs::permissions(bin / "ffmpeg", fs::perms::owner_all);
+  const std::string old = std::getenv("PATH");
+  setenv("PATH", (bin.string() + ":" + old).c_str(), 1);
+  const Finished finished = walk({"-o", "film.mp4", "--fps", "12"});
+  setenv("PATH", old.c_str(), 1);
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  EXPECT_EQ(content("film.mp4").size(), 6u * 24 * 24 * 4);
+  EXPECT_NE(content("words").find("-s 24x24 -r 12"), std::string::npos) << content("words");
+  EXPECT_EQ(count_of(".part"), 0u);
+
+  write_file(bin / "ffmpeg", "#!/bin/sh\nexit 3\n");
+  setenv("PATH", (bin.string() + ":" + old).c_str(), 1);
+  const Finished failed = walk({"-o", "broken.mp4"});
+  setenv("PATH", old.c_str(), 1);
+  EXPECT_EQ(failed.code, 1);
+  EXPECT_NE(failed.err.find("broken.mp4: ffmpeg"), std::string::npos) << failed.err;
+  EXPECT_FALSE(is_there("broken.mp4"));
+  EXPECT_EQ(count_of(".part"), 0u);
+
+  setenv("PATH", bin.parent_path().c_str(), 1);
+  const Finished none = walk({"-o", "none.mp4"});
+  setenv("PATH", old.c_str(), 1);
+  EXPECT_EQ(none.code, 1);
+  EXPECT_NE(none.err.find("none.mp4: films are made by ffmpeg, which is not installed"),
+            std::string::npos)
+      << none.err;
+}
+
+TEST_F(Frames, WhatIsWrongIsSaidInASentence) {
+  const auto refused = [&](const std::vector<std::string>& arguments, int code,
+                           const std::string& words) {
+    const Finished finished = walk(arguments);
+    EXPECT_EQ(finished.code, code) << finished.err;
+    EXPECT_NE(finished.err.find(words), std::string::npos) << words << " in: " << finished.err;
+    EXPECT_EQ(std::count(finished.err.begin(), finished.err.end(), '\n'), 1) << finished.err;
+  };
+  refused({"-o", "f.png", "--frames", "0:3"}, 2, "no place for the frame's number");
+  refused({"-o", "f_%d_%d.png"}, 2, "one place");
+  refused({"-o", "f_%d.png", "--frames", "3:1"}, 2, "there are 6 frames, 0 to 5");
+  refused({"-o", "f_%d.png", "--frames", "0:6"}, 2, "there are 6 frames, 0 to 5");
+  refused({"-o", "f_%d.png", "--frames", "a:b"}, 2, "FIRST:LAST");
+  refused({"-o", "f_%d.png", "--fps", "0"}, 2, "--fps");
+  refused({"-o", "f_%d.png", "--time", "1"}, 2, "--time");
+  refused({"-o", "f.png", "--resume"}, 2, "--resume");
+  refused({"-o", "f.mp4", "--resume"}, 2, "--resume");
+  refused({"-o", "f_%d.png", "--turntable", "3", "--camera-path", "x"}, 2, "--turntable");
+  refused({"-o", "f_%d.png", "--clip", "walk"}, 1, "no clip \"walk\"");
+  refused({"-o", "no_folder/f_%d.png"}, 1, "no_folder");
+  Finished finished = render({"floor.obj", "--sequence", "tree_*.obj", "-o", "f_%d.png"});
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_NE(finished.err.find("tree_*.obj: no file has such a name"), std::string::npos)
+      << finished.err;
+  finished = render({"floor.obj", "-o", "f_%d.png", "--frames", "0:3"});
+  EXPECT_NE(finished.err.find("nothing moves"), std::string::npos) << finished.err;
+}
+
+}  // namespace
+}  // namespace raysheaf::test

@@ -1,0 +1,70 @@
+// A program that is stopped, or whose writing fails, leaves the old file or the new one, whole.
+#include <gtest/gtest.h>
+
+#include "tests/support/process.h"
+
+namespace raysheaf::test {
+namespace {
+
+std::vector<std::string> small_render() {
+  return {"render", "builtin:cornell", "-o", "a.png", "--size", "64x64", "--quiet"};
+}
+
+std::string small_picture() {
+  const TemporaryFolder folder;
+  EXPECT_EQ(raysheaf_app(small_render(), folder).code, 0);
+  return read_file(folder.path() / "a.png");
+}
+
+TEST(Stopped, InterruptLeavesTheOldPictureOrTheNewOne) {
+  const std::string whole = small_picture();
+  int old_ones = 0, new_ones = 0;
+  // From before the program has begun until after it is done, however fast the machine is.
+  for (int milliseconds = 1; new_ones < 3 && milliseconds < 20000;
+       milliseconds += 1 + milliseconds / 4) {
+    const TemporaryFolder folder;
+    write_file(folder.file("a.png"), "old");
+    const Finished finished =
+        raysheaf_app(small_render(), folder, std::chrono::milliseconds(milliseconds));
+    const std::string left = read_file(folder.path() / "a.png");
+    EXPECT_EQ(folder.names().size(), 1u) << "after " << milliseconds << " ms";
+    EXPECT_TRUE(finished.code == 0 || finished.code == 130) << finished.code << finished.err;
+    if (finished.code == 0) {
+      EXPECT_EQ(left, whole) << "after " << milliseconds << " ms";
+    } else {
+      EXPECT_TRUE(left == "old" || left == whole) << "after " << milliseconds << " ms";
+    }
+    ++(left == "old" ? old_ones : new_ones);
+  }
+  EXPECT_GE(old_ones, 1);
+  EXPECT_GE(new_ones, 3);
+}
+
+TEST(Stopped, ALimitOnFilesLeavesTheOldPicture) {
+  const TemporaryFolder folder;
+  write_file(folder.file("a.png"), "old");
+  const std::string app = RAYSHEAF_APP;
+  const Finished finished = run_program(
+      {"bash", "-c",
+       "ulimit -f 1; '" + app + "' render builtin:cornell -o a.png --size 256x256 --quiet"},
+      folder.path());
+  // Standard error is a file here, and small enough.
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_TRUE(finished.err.starts_with("raysheaf: a.png: cannot be written: ")) << finished.err;
+  EXPECT_EQ(read_file(folder.path() / "a.png"), "old");
+  EXPECT_EQ(folder.names().size(), 1u);
+}
+
+TEST(Stopped, ClosedStreamsDoNotReachThePicture) {
+  const std::string whole = small_picture();
+  const TemporaryFolder folder;
+  const std::string app = RAYSHEAF_APP;
+  const Finished finished = run_program(
+      {"bash", "-c", "'" + app + "' render builtin:cornell -o a.png --size 64x64 <&- >&- 2>&-"},
+      folder.path());
+  EXPECT_EQ(finished.code, 0);
+  EXPECT_EQ(read_file(folder.path() / "a.png"), whole);
+}
+
+}  // namespace
+}  // namespace raysheaf::test

@@ -1,0 +1,162 @@
+// Scenes that change: what is kept and what is placed again come to the same bits as all anew.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "exec/executor.h"
+#include "raysheaf/error.h"
+#include "scene/flat_update.h"
+#include "tests/scene/support.h"
+
+namespace raysheaf {
+namespace {
+
+using test::below;
+using test::Random;
+
+SceneDescription random_scene(Random& random) {
+  SceneDescription scene;
+  for (int i = 0; i < 6; ++i) {
+    scene.meshes.push_back(test::random_mesh(random, 1 + below(random, 40), below(random, 60), 1));
+  }
+  scene.meshes.push_back(test::random_mesh(random, 5, 3, 1));
+  for (std::uint32_t i = 0; i < 12; ++i)
+    scene.instances.push_back({"", below(random, 7), test::random_map(random)});
+  scene.instances.push_back({"", 6, test::random_map(random)});
+  return scene;
+}
+
+template <class T>
+bool same(const T& a, const T& b) {
+  using Element = typename T::value_type;
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Element)) == 0;
+}
+
+void expect_same(const FlatScene& a, const FlatScene& b) {
+  ASSERT_EQ(a.triangle_count, b.triangle_count);
+  for (int k = 0; k < 3; ++k) {
+    for (int axis = 0; axis < 3; ++axis) EXPECT_TRUE(same(a.vertex[k][axis], b.vertex[k][axis]));
+  }
+  for (int field = 0; field < 4; ++field) EXPECT_TRUE(same(a.sphere[field], b.sphere[field]));
+  EXPECT_EQ(a.flags, b.flags);
+  EXPECT_EQ(a.mesh_of_triangle, b.mesh_of_triangle);
+  ASSERT_EQ(a.meshes.size(), b.meshes.size());
+  for (std::size_t i = 0; i < a.meshes.size(); ++i) {
+    EXPECT_EQ(a.meshes[i].first_triangle, b.meshes[i].first_triangle);
+    EXPECT_EQ(a.meshes[i].triangle_count, b.meshes[i].triangle_count);
+    EXPECT_EQ(a.meshes[i].geom_id, b.meshes[i].geom_id);
+    EXPECT_EQ(a.meshes[i].inst_id, b.meshes[i].inst_id);
+    EXPECT_EQ(a.meshes[i].mirrored, b.meshes[i].mirrored);
+    EXPECT_EQ(std::memcmp(&a.meshes[i].bound, &b.meshes[i].bound, sizeof(Sphere)), 0);
+    EXPECT_EQ(std::memcmp(&a.meshes[i].box, &b.meshes[i].box, sizeof(Box)), 0);
+  }
+  EXPECT_EQ(std::memcmp(&a.bounds, &b.bounds, sizeof(Box)), 0);
+}
+
+/// Changes something at random and says what.
+SceneChanges edit(Random& random, SceneDescription& scene) {
+  SceneChanges changes;
+  const std::uint32_t kind = below(random, 8);
+  for (std::uint32_t i = 0; kind != 0 && i < scene.instances.size(); ++i) {
+    if (below(random, 4) != 0) continue;
+    scene.instances[i].to_world = test::random_map(random);
+    changes.moved.push_back(i);
+  }
+  for (std::uint32_t m = 0; kind % 2 != 0 && m < scene.meshes.size(); ++m) {
+    if (below(random, 3) != 0) continue;
+    for (Vec3& p : scene.meshes[m].positions) p = test::random_point(random, 2);
+    changes.deformed.push_back(m);
+  }
+  if (kind == 2) {
+    // Other meshes of other sizes at the end, and the instances of those.
+    changes.other_meshes_from = 1 + below(random, 6);
+    changes.other_instances_from = 4 + below(random, 4);
+    scene.meshes.resize(changes.other_meshes_from);
+    const std::uint32_t meshes = changes.other_meshes_from + 1 + below(random, 4);
+    while (scene.meshes.size() < meshes)
+      scene.meshes.push_back(
+          test::random_mesh(random, 1 + below(random, 30), 1 + below(random, 50), 1));
+    // Instances before that show a mesh which is gone show another.
+    scene.instances.resize(changes.other_instances_from);
+    for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+      if (scene.instances[i].mesh < changes.other_meshes_from) continue;
+      scene.instances[i].mesh = below(random, meshes);
+      changes.other_instances_from = std::min(changes.other_instances_from, i);
+    }
+    for (std::uint32_t i = below(random, 6); i < 8; ++i)
+      scene.instances.push_back({"", below(random, meshes), test::random_map(random)});
+  }
+  if (kind == 3) {
+    changes = {};
+    changes.everything = true;
+    scene = random_scene(random);
+  }
+  return changes;
+}
+
+TEST(FlatUpdate, GivesTheBitsOfAllAnew) {
+  Random random(7);
+  for (const std::uint32_t threads : {1u, 4u}) {
+    const Executor executor(threads);
+    SceneDescription scene = random_scene(random);
+    std::vector<Sphere> bounds = mesh_bounds(executor, scene);
+    FlatScene flat = flatten(executor, scene, bounds);
+    SceneChanges pending;
+    for (int round = 0; round < 300; ++round) {
+      pending.add(edit(random, scene));
+      if (below(random, 3) == 0) continue;  // changes wait for the next one
+      validate_changes(scene, pending);
+      update_bounds(executor, scene, pending, &bounds);
+      const FlatUpdate update = update_flat(executor, scene, pending, bounds, &flat);
+      EXPECT_LE(update.placed_triangles, scene.triangle_count());
+      if (pending.empty()) {
+        EXPECT_TRUE(update.same_triangles && update.placed_meshes.empty());
+      }
+      expect_same(flat, flatten(executor, scene, mesh_bounds(executor, scene)));
+      if (HasFailure()) return;
+      pending = {};
+    }
+  }
+}
+
+TEST(FlatUpdate, PlacesWhatMovedAndBoundsWhatDeformed) {
+  Random random(3);
+  const Executor executor(2);
+  SceneDescription scene = random_scene(random);
+  std::vector<Sphere> bounds = mesh_bounds(executor, scene);
+  FlatScene flat = flatten(executor, scene, bounds);
+  const std::uint32_t last = static_cast<std::uint32_t>(scene.instances.size()) - 1;
+
+  scene.instances[last].to_world = test::random_map(random);
+  SceneChanges moved;
+  moved.moved = {last};
+  EXPECT_EQ(update_bounds(executor, scene, moved, &bounds), 0u);
+  const FlatUpdate of_moved = update_flat(executor, scene, moved, bounds, &flat);
+  EXPECT_EQ(of_moved.placed_triangles, scene.meshes[6].triangles.size());
+  EXPECT_TRUE(of_moved.same_triangles);
+
+  scene.meshes[6].positions[0].x += 1;
+  SceneChanges deformed;
+  deformed.deformed = {6};
+  EXPECT_EQ(update_bounds(executor, scene, deformed, &bounds), 1u);
+  std::size_t shown = 0;
+  for (const Instance& instance : scene.instances) shown += instance.mesh == 6 ? 1 : 0;
+  const FlatUpdate of_deformed = update_flat(executor, scene, deformed, bounds, &flat);
+  EXPECT_EQ(of_deformed.placed_triangles, shown * scene.meshes[6].triangles.size());
+  EXPECT_TRUE(of_deformed.same_triangles);
+}
+
+TEST(FlatUpdate, RefusesWhatNamesNothing) {
+  Random random(4);
+  const SceneDescription scene = random_scene(random);
+  SceneChanges changes;
+  changes.moved = {1, 99};
+  EXPECT_THROW(validate_changes(scene, changes), Error);
+  changes.moved = {2, 2};
+  EXPECT_THROW(validate_changes(scene, changes), Error);
+  changes.moved = {1, 2};
+  EXPECT_NO_THROW(validate_changes(scene, changes));
+}
+
+}  // namespace
+}  // namespace raysheaf

@@ -1,0 +1,244 @@
+// The viewer without a window: wishes, answers, and that the latest wish wins.
+#include "model.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "raysheaf/builtin_scenes.h"
+#include "raysheaf/error.h"
+#include "tests/support/process.h"
+#include "tests/support/read_png.h"
+#include "vec.h"
+
+namespace raysheaf::viewer {
+namespace {
+
+SceneDescription load(const std::string& name) {
+  if (name == "broken") throw Error(ErrorCode::kInvalidData, "this is no scene", name);
+  return builtin_scene(name);
+}
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// A model that plays for itself, a turn a millisecond.
+class ModelTest : public testing::Test {
+ protected:
+  ModelTest() {
+    model.settings.samples = 3;
+    model.set_window({48, 32});
+  }
+  template <class Condition>
+  bool until(const Condition& condition, double seconds = 60) {
+    for (const double end = now_s() + seconds; now_s() < end;) {
+      model.update(now_s());
+      if (condition()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return false;
+  }
+  bool open(const std::string& name) {
+    model.load(name);
+    return until([this] { return !model.loading(); });
+  }
+  void press(const std::string& key) {
+    InputEvent event;
+    event.type = InputEvent::Type::kKeyDown;
+    event.text = key;
+    model.handle(event);
+    event.type = InputEvent::Type::kKeyUp;
+    model.handle(event);
+  }
+  void hand(InputEvent::Type type, float x, float y, int button = 0) {
+    InputEvent event;
+    event.type = type;
+    event.x = x;
+    event.y = y;
+    event.button = button;
+    event.time_s = (clock_ += 1);
+    model.handle(event);
+  }
+
+  const test::TemporaryFolder folder;
+  Tracer tracer{{load, [] {}}};
+  Model model{ViewSettings(), tracer, folder.path().string()};
+
+ private:
+  double clock_ = 0;
+};
+
+TEST_F(ModelTest, RefinesWhatStandsToThePictureOfTheRenderer) {
+  model.settings.samples = 1;
+  ASSERT_TRUE(open("cornell"));
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  RenderOptions options;
+  options.width = 48;
+  options.height = 32;
+  const Image expected = tone_mapped(render(builtin_scene("cornell"), options));
+  EXPECT_EQ(model.picture()->sides[0].image.rgba, expected.rgba);
+}
+
+TEST_F(ModelTest, TheLatestWishWins) {
+  ASSERT_TRUE(open("office"));
+  for (int i = 0; i < 200; ++i) {
+    model.rig.orbit(0.01f, 0);
+    model.update(now_s());
+  }
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  EXPECT_EQ(model.picture()->samples, 3u);
+  // Not a picture a wish: most were dropped.
+  EXPECT_LT(model.picture_count(), 100u);
+  ASSERT_TRUE(until([this] { return !tracer.busy(); }));
+}
+
+TEST_F(ModelTest, MethodsGiveOnePictureAndOtherCounts) {
+  ASSERT_TRUE(open("cornell"));
+  model.settings.split = true;
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  const Picture split = *model.picture();
+  EXPECT_EQ(split.sides[0].image.rgba, split.sides[1].image.rgba);
+  EXPECT_NE(model.value("tests"), model.value("right-tests"));
+  EXPECT_EQ(model.value("rays"), model.value("right-rays"));
+  model.settings.layer = Layer::kTests;
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  EXPECT_NE(model.picture()->sides[0].image.rgba, model.picture()->sides[1].image.rgba);
+}
+
+TEST_F(ModelTest, ABadSceneLeavesTheGoodOne) {
+  ASSERT_TRUE(open("cornell"));
+  ASSERT_TRUE(open("broken"));
+  EXPECT_EQ(model.value("scene"), "cornell");
+  EXPECT_TRUE(model.last_note().failure);
+  EXPECT_EQ(model.last_note().text, "broken: this is no scene");
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  ASSERT_TRUE(open("office"));
+  EXPECT_EQ(model.value("scene"), "office");
+}
+
+TEST_F(ModelTest, ClickingNamesWhatIsThere) {
+  ASSERT_TRUE(open("cornell"));
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  hand(InputEvent::Type::kButtonDown, 0.5f, 0.5f);
+  hand(InputEvent::Type::kButtonUp, 0.5f, 0.5f);
+  ASSERT_TRUE(model.picked());
+  EXPECT_GT(std::stod(model.value("pick-t")), 0);
+  EXPECT_NE(model.value("pick-mesh"), "nothing");
+  press("escape");
+  EXPECT_EQ(model.value("pick-mesh"), "nothing");
+}
+
+TEST_F(ModelTest, DraggingOrbitsAndDoesNotClick) {
+  ASSERT_TRUE(open("cornell"));
+  const float yaw = model.rig.yaw();
+  hand(InputEvent::Type::kButtonDown, 0.5f, 0.5f);
+  hand(InputEvent::Type::kMove, 0.6f, 0.5f);
+  hand(InputEvent::Type::kButtonUp, 0.6f, 0.5f);
+  EXPECT_NE(model.rig.yaw(), yaw);
+  EXPECT_FALSE(model.picked());
+  // Over the interface a button means something else.
+  const float turned = model.rig.yaw();
+  InputEvent event;
+  event.type = InputEvent::Type::kButtonDown;
+  model.handle(event, true);
+  hand(InputEvent::Type::kMove, 0.1f, 0.5f);
+  EXPECT_EQ(model.rig.yaw(), turned);
+}
+
+TEST_F(ModelTest, FliesWhileAKeyIsHeld) {
+  ASSERT_TRUE(open("cornell"));
+  InputEvent event;
+  event.type = InputEvent::Type::kKeyDown;
+  event.text = "w";
+  const Vec3 from = model.rig.eye();
+  model.update(10);
+  model.handle(event);
+  EXPECT_TRUE(model.moves());
+  model.update(10.05);
+  EXPECT_GT(dot(model.rig.eye() - from, model.rig.forward()), 0);
+  event.type = InputEvent::Type::kKeyUp;
+  model.handle(event);
+  const Vec3 there = model.rig.eye();
+  model.update(10.1);
+  EXPECT_EQ(length(model.rig.eye() - there), 0);
+  EXPECT_FALSE(model.moves());
+}
+
+TEST_F(ModelTest, EveryKeyOfTheHelpDoesSomething) {
+  ASSERT_TRUE(open("office"));
+  for (const std::string key :
+       {"1", "2", "3", "4", "o", "b", "x", "[", "]", "l", "-", "=", "z", "tab", "p", "f1", "h"}) {
+    const ViewSettings before = model.settings;
+    press(key);
+    EXPECT_NE(model.settings, before) << key;
+  }
+  for (const std::string key : {"f", "r"}) {
+    model.rig.fly(0.1f, 0.2f, 0.3f);
+    const Vec3 before = model.rig.eye();
+    press(key);
+    EXPECT_GT(length(model.rig.eye() - before), 0) << key;
+  }
+}
+
+TEST_F(ModelTest, ShowsTheBundleUnderTheCursor) {
+  ASSERT_TRUE(open("cornell"));
+  model.settings.bundle = true;
+  model.settings.bundle_rays = LabRays::kReflection1;
+  model.settings.left.method = Method::kCrsh;
+  hand(InputEvent::Type::kMove, 0.4f, 0.6f);
+  ASSERT_TRUE(until([this] { return model.bundle_up_to_date(); }));
+  EXPECT_EQ(model.value("bundle-size"), "8");
+  EXPECT_EQ(model.value("bundle-bounds"), "2");
+  ASSERT_TRUE(until([this] { return model.refined(); }));  // it goes on after the question
+}
+
+TEST_F(ModelTest, SavesTheWholePicture) {
+  ASSERT_TRUE(open("cornell"));
+  model.save();
+  ASSERT_TRUE(until([this] { return !model.saving(); }));
+  model.save();  // takes the next free name
+  ASSERT_TRUE(until([this] { return !model.saving(); }));
+  EXPECT_EQ(folder.names().size(), 2u);
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  const Image saved = test::read_png(folder.file("raysheaf-0001.png"));
+  EXPECT_EQ(saved.width, 48u);
+  EXPECT_EQ(saved.rgba, model.picture()->sides[0].image.rgba);
+  model.save("/nowhere/at/all.png");
+  ASSERT_TRUE(until([this] { return !model.saving(); }));
+  model.update(now_s());
+  EXPECT_TRUE(model.last_note().failure) << model.last_note().text;
+}
+
+TEST_F(ModelTest, RefusesADeviceWithASentence) {
+  ASSERT_TRUE(open("cornell"));
+  model.settings.device = Device::kCuda;
+  ASSERT_TRUE(until([this] { return model.last_note().failure; }));
+  EXPECT_NE(model.last_note().text.find("device"), std::string::npos);
+  model.settings.device = Device::kCpu;
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+}
+
+TEST_F(ModelTest, AnswersByNameAndRefusesOthers) {
+  EXPECT_EQ(model.value("method"), "dual");
+  EXPECT_EQ(model.value("scene"), "nothing");
+  EXPECT_THROW((void)model.value("weather"), Error);
+}
+
+TEST(TracerThread, EndsInTheMiddleOfWork) {
+  for (int ms = 0; ms < 40; ms += 8) {
+    Tracer tracer({load, [] {}});
+    tracer.load("office");
+    ViewRequest request;
+    request.camera = builtin_scene("office").cameras.front();
+    request.settings.left.method = Method::kBrute;
+    request.size = {256, 256};
+    request.refine = true;
+    tracer.submit(request);
+    std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+  }
+}
+
+}  // namespace
+}  // namespace raysheaf::viewer
