@@ -1,6 +1,7 @@
 // A whole shadow batch by each method, and whole frames, flattening included. Argument: threads, 0
 // for all cores. Brute force runs on 64 x 64 pixels, all else on 512 x 512.
 #include "frame/frame.h"
+#include "frame/resident_geometry.h"
 
 #include <sys/resource.h>
 
@@ -65,8 +66,9 @@ void whole_frame(benchmark::State& state) {
   std::size_t rays = 0;
   for (auto _ : state) {
     const FlatScene flat = flatten(executor, scene, bounds);
-    const FrameInput frame{flat, input().textures, scene.cameras.front(), scene.lights, options,
-                           1,    rasterizer.get()};
+    ResidentGeometry geometry(executor, flat, input().textures, options);
+    const FrameInput frame{geometry, scene.cameras.front(), scene.lights, options,
+                           1,        rasterizer.get()};
     const RenderResult result = render_frame(executor, frame, &meter);
     rays = 0;
     for (const BatchStatistics& batch : result.statistics.batches) rays += batch.rays;

@@ -8,7 +8,13 @@ find_package(TinyGLTF REQUIRED CONFIG)       # libtinygltf-dev
 find_package(tinyobjloader REQUIRED CONFIG)  # libtinyobjloader-dev
 find_package(tinyexr REQUIRED CONFIG)        # libtinyexr-dev
 find_package(nlohmann_json REQUIRED CONFIG)  # nlohmann-json3-dev
+find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)      # libxxhash-dev
 find_path(STB_INCLUDE_DIR stb/stb_image.h REQUIRED)  # libstb-dev
+
+pkg_check_modules(ZSTD QUIET IMPORTED_TARGET libzstd)  # libzstd-dev
+if(NOT ZSTD_FOUND)
+  message(STATUS "Zstandard not found: block files are neither compressed nor read where they are")
+endif()
 
 if(RAYSHEAF_APP)
   find_package(CLI11 REQUIRED CONFIG)  # libcli11-dev

@@ -39,15 +39,7 @@ class Descriptor {
 };
 
 [[noreturn]] void fail(const std::string& verb, const std::string& path, int error) {
-  throw Error(ErrorCode::kIo, "cannot be " + verb + ": " + std::strerror(error), path);
-}
-
-/// A name in the same folder, so that the rename stays within one file system.
-std::string temporary_name(const std::string& path) {
-  static std::atomic<unsigned> counter{0};
-  const std::string name =
-      ".raysheaf." + std::to_string(::getpid()) + "." + std::to_string(counter++) + ".part";
-  return (fs::path(path).parent_path() / name).string();
+  throw system_error(verb, path, error);
 }
 
 /// 0, or the errno of the step that failed.
@@ -100,6 +92,17 @@ bool climbs_out(const fs::path& path) {
 }
 
 }  // namespace
+
+Error system_error(const std::string& verb, const std::string& place, int error) {
+  return {ErrorCode::kIo, "cannot be " + verb + ": " + std::strerror(error), place};
+}
+
+std::string temporary_name(const std::string& path) {
+  static std::atomic<unsigned> counter{0};
+  const std::string name =
+      ".raysheaf." + std::to_string(::getpid()) + "." + std::to_string(counter++) + ".part";
+  return (fs::path(path).parent_path() / name).string();
+}
 
 Bytes read_file(const std::string& path) {
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));

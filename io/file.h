@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "io/image_cache.h"
+#include "raysheaf/error.h"
 
 namespace raysheaf::io {
 
@@ -34,6 +35,11 @@ void write_file(const std::string& path, std::span<const std::uint8_t> bytes);
 inline std::span<const std::uint8_t> as_bytes(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
+
+/// "cannot be `verb`: ..." with the system's words for `error`, an errno. kIo.
+[[nodiscard]] Error system_error(const std::string& verb, const std::string& place, int error);
+/// A name in the same folder that nobody has, so that a rename stays within one file system.
+[[nodiscard]] std::string temporary_name(const std::string& path);
 
 /// The ending of a name in lower case, without the dot: "glb".
 [[nodiscard]] std::string ending_of(const std::string& path);

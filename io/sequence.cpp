@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <iterator>
 
+#include "io/gltf_rules.h"
 #include "io/image_cache.h"
 #include "io/load.h"
 #include "raysheaf/error.h"
@@ -173,6 +174,12 @@ class SequenceAnimation final : public Animation {
       throw Error(ErrorCode::kInvalidArgument, "there are no frames", "frames");
     per_frame("times", files_.times.size());
     per_frame("cameras", files_.cameras.size());
+    // Now, and not after an hour of pictures.
+    for (std::size_t i = 0; i < files_.frames.size(); ++i) {
+      if (io::file_exists(files_.frames[i])) continue;
+      throw Error(ErrorCode::kNotFound, "no such file \"" + io::printable(files_.frames[i]) + "\"",
+                  "frames[" + std::to_string(i) + "]");
+    }
     for (std::size_t i = 0; i < files_.times.size(); ++i) {
       if (std::isfinite(files_.times[i]) && (i == 0 || files_.times[i] > files_.times[i - 1]))
         continue;

@@ -108,6 +108,10 @@ std::string totals(const SceneInfo& info) {
     text += fmt::format("{:<10} {}\n", what, value);
   };
   line("triangles", info.triangles);
+  if (info.blocks != 0) {
+    line("blocks", info.blocks);
+    line("bytes", info.file_bytes);
+  }
   line("meshes", scene.meshes.size());
   line("instances", scene.instances.size());
   line("materials", scene.materials.size());
@@ -153,8 +157,9 @@ Vec3 position_of(const Camera& camera) {
 std::string info_text(const SceneInfo& info) {
   const SceneDescription& scene = *info.scene;
   std::string text = totals(info);
-  for (const Table& table :
-       {mesh_table(info), material_table(scene), light_table(scene), camera_table(scene)}) {
+  // How many triangles a mesh has is not known where they are in blocks.
+  for (const Table& table : {info.blocks == 0 ? mesh_table(info) : Table({}), material_table(scene),
+                             light_table(scene), camera_table(scene)}) {
     if (!table.empty()) text += "\n" + table.text();
   }
   text += image_list(scene);

@@ -14,6 +14,7 @@ struct SceneInfo {
   std::uint64_t triangles = 0;  ///< once an instance
   Box bounds;
   std::vector<std::uint64_t> instances_of_mesh;
+  std::uint64_t blocks = 0, file_bytes = 0;  ///< of block files; 0 for others
 };
 
 /// `scene` must outlive the result.

@@ -1,11 +1,40 @@
+#include <algorithm>
+
 #include "console.h"
 #include "info.h"
 #include "options.h"
+#include "raysheaf/block_file.h"
 #include "scene_argument.h"
+#include "stream_scene.h"
 
 namespace raysheaf::app {
 
+namespace {
+
+/// What a block file says of itself; no block is read.
+SceneInfo info_of_blocks(const BlockFile& file) {
+  SceneInfo info = gather_info(file.scene());
+  info.triangles = file.triangle_count();
+  info.blocks = file.blocks().size();
+  info.file_bytes = file.file_bytes();
+  for (const BlockInfo& block : file.blocks()) {
+    const Vec3 lo = block.bounds.min, hi = block.bounds.max;
+    Box& all = info.bounds;
+    all.min = {std::min(all.min.x, lo.x), std::min(all.min.y, lo.y), std::min(all.min.z, lo.z)};
+    all.max = {std::max(all.max.x, hi.x), std::max(all.max.y, hi.y), std::max(all.max.z, hi.z)};
+  }
+  return info;
+}
+
+}  // namespace
+
 int run(const InfoCommand& command) {
+  if (is_block_file(command.scene)) {
+    const BlockFile file(command.scene);
+    const SceneInfo info = info_of_blocks(file);
+    print(command.json ? info_json(info) : info_text(info));
+    return kSuccess;
+  }
   const SceneDescription scene = scene_from_argument(command.scene, command.load);
   const SceneInfo info = gather_info(scene);
   print(command.json ? info_json(info) : info_text(info));

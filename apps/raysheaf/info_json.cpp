@@ -88,18 +88,21 @@ std::string info_json(const SceneInfo& info) {
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     meshes.push_back(mesh_json(scene.meshes[i], info.instances_of_mesh[i]));
   }
-  const Json all = {
-      {"scene", scene.name},
-      {"triangles", info.triangles},
-      {"instances", scene.instances.size()},
-      {"bounds", {{"min", triple(info.bounds.min)}, {"max", triple(info.bounds.max)}}},
-      {"meshes", std::move(meshes)},
-      {"materials", list(scene.materials, material_json)},
-      {"textures", scene.textures.size()},
-      {"images", list(scene.images, image_json)},
-      {"lights", list(scene.lights, light_json)},
-      {"cameras", list(scene.cameras, camera_json)},
-      {"warnings", scene.warnings}};
+  Json all = {{"scene", scene.name},
+              {"triangles", info.triangles},
+              {"instances", scene.instances.size()},
+              {"bounds", {{"min", triple(info.bounds.min)}, {"max", triple(info.bounds.max)}}},
+              {"meshes", std::move(meshes)},
+              {"materials", list(scene.materials, material_json)},
+              {"textures", scene.textures.size()},
+              {"images", list(scene.images, image_json)},
+              {"lights", list(scene.lights, light_json)},
+              {"cameras", list(scene.cameras, camera_json)},
+              {"warnings", scene.warnings}};
+  if (info.blocks != 0) {
+    all["blocks"] = info.blocks;
+    all["bytes"] = info.file_bytes;
+  }
   return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -8,6 +8,7 @@
 
 #include "compare/words.h"
 #include "frames.h"
+#include "raysheaf/block_file.h"
 #include "raysheaf/context.h"
 #include "raysheaf/device_bench.h"
 #include "raysheaf/io.h"
@@ -40,6 +41,8 @@ struct RenderCommand {
   std::string stats_path, heatmap_path;
   Device device = Device::kCpu;
   bool explain = false, quiet = false;
+  bool stream = false;  ///< block files stream in any case
+  std::uint64_t memory_bytes = std::uint64_t{2} << 30;
   FramesOptions frames;
   RenderOptions options;
   LightOptions light;
@@ -55,6 +58,14 @@ struct ReportCommand {
   std::vector<std::string> words;  ///< of the command line, behind "report"
 };
 
+struct PackCommand {
+  std::string scene, output;
+  LoadOptions load;
+  BlockFileOptions file;
+  std::uint32_t block_triangles = kBlockTriangles;
+  bool quiet = false;
+};
+
 struct InfoCommand {
   std::string scene;
   LoadOptions load;
@@ -64,6 +75,9 @@ struct InfoCommand {
 struct SceneCommand {
   bool list = false;
   std::string name, output;
+  std::uint64_t triangles = 1'000'000;  ///< of the hall
+  bool compress = false;                ///< of block files
+  std::uint32_t threads = 0;            ///< of the hall
 };
 
 struct BenchPaperCommand {
@@ -106,6 +120,15 @@ struct BenchGpuCommand {
   std::string json_path;
 };
 
+struct BenchScaleCommand {
+  std::uint64_t triangles = 1'000'000'000;        ///< of the scene that is asked about
+  std::uint64_t measured_triangles = 16'000'000;  ///< of the largest that is rendered
+  std::uint32_t machines = 64, side = 512, threads = 0;
+  std::uint32_t cores = 16, disk_mb_s = 2000, network_mb_s = 1250;  ///< of a machine
+  bool quiet = false;
+  std::string json_path, markdown_path;
+};
+
 struct VerifyCommand {
   VerifyOptions options;  ///< without `rounds`, `edge_rays` and `progress`
   std::uint32_t rounds = 0;
@@ -132,9 +155,9 @@ struct ManualCommand {
 };
 
 using Command =
-    std::variant<RenderCommand, ReportCommand, ViewCommand, InfoCommand, SceneCommand,
+    std::variant<RenderCommand, ReportCommand, ViewCommand, InfoCommand, SceneCommand, PackCommand,
                  VerifyCommand, BenchPaperCommand, BenchAblationCommand, BenchCompareCommand,
-                 BenchGpuCommand, CompletionCommand, ManualCommand>;
+                 BenchGpuCommand, BenchScaleCommand, CompletionCommand, ManualCommand>;
 
 /// Each gives an exit code, or throws `Error`.
 int run(const RenderCommand& command);
@@ -142,11 +165,13 @@ int run(const ReportCommand& command);
 int run(const ViewCommand& command);
 int run(const InfoCommand& command);
 int run(const SceneCommand& command);
+int run(const PackCommand& command);
 int run(const VerifyCommand& command);
 int run(const BenchPaperCommand& command);
 int run(const BenchAblationCommand& command);
 int run(const BenchCompareCommand& command);
 int run(const BenchGpuCommand& command);
+int run(const BenchScaleCommand& command);
 int run(const CompletionCommand& command);
 int run(const ManualCommand& command);
 

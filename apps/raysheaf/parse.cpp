@@ -14,6 +14,8 @@
 #include "parse/light.h"
 #include "parse/parts.h"
 #include "parse/report.h"
+#include "parse/scale.h"
+#include "parse/stream.h"
 #include "parse/verify.h"
 #include "parse/view.h"
 #include "raysheaf/error.h"
@@ -144,6 +146,7 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
   add_rays(*sub, command.options);
   add_light(*sub, command);
   add_method(*sub, command);
+  add_streaming(*sub, command);
   add_frames(*sub, command.frames);
   sub->footer(
       "Examples:\n"
@@ -155,9 +158,10 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
       "  raysheaf render walk.glb -o frame_%04d.png --fps 24\n"
       "  raysheaf render builtin:office --turntable 90 -o turn.mp4\n"
       "  raysheaf render builtin:atrium --explain --quiet");
-  sub->callback([&command] {
+  sub->callback([sub, &command] {
     check_outputs(command);
     check_frames(command);
+    check_streaming(*sub, command);
   });
   return sub;
 }
@@ -170,26 +174,6 @@ CLI::App* add_info(CLI::App& app, InfoCommand& command) {
       "Examples:\n"
       "  raysheaf info model.obj\n"
       "  raysheaf info builtin:cornell --json");
-  return sub;
-}
-
-CLI::App* add_scene(CLI::App& app, SceneCommand& command) {
-  CLI::App* sub = app.add_subcommand("scene", "Write a built-in scene as binary glTF");
-  sub->add_option("NAME", command.name, "A name that --list gives");
-  sub->add_option("-o,--output", command.output, "Where to write it")->type_name("FILE.glb");
-  sub->add_flag("--list", command.list, "Print the names of the built-in scenes");
-  sub->footer(
-      "Examples:\n"
-      "  raysheaf scene --list\n"
-      "  raysheaf scene office -o office.glb");
-  sub->callback([&command] {
-    if (command.list) return;
-    if (command.name.empty()) throw CLI::ValidationError("scene", "give a NAME or --list");
-    if (command.output.empty()) throw CLI::ValidationError("scene", "give -o FILE.glb");
-    if (!has_ending(command.output, ".glb")) {
-      throw CLI::ValidationError("-o", "'" + command.output + "' does not end in .glb");
-    }
-  });
   return sub;
 }
 
@@ -311,11 +295,13 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   ViewCommand view;
   InfoCommand info;
   SceneCommand scene;
+  PackCommand pack;
   VerifyCommand verify;
   BenchPaperCommand paper;
   BenchAblationCommand ablation;
   BenchCompareCommand compare;
   BenchGpuCommand gpu;
+  BenchScaleCommand scale;
   CompletionCommand completion;
   ManualCommand manual;
   const CLI::App* render_app = add_render(app, render);
@@ -323,12 +309,14 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   const CLI::App* view_app = add_view_command(app, view);
   const CLI::App* info_app = add_info(app, info);
   const CLI::App* scene_app = add_scene(app, scene);
+  const CLI::App* pack_app = add_pack(app, pack);
   const CLI::App* verify_app = add_verify(app, verify);
   CLI::App* bench_app = add_bench(app);
   const CLI::App* paper_app = add_bench_paper(*bench_app, paper);
   const CLI::App* ablation_app = add_bench_ablation(*bench_app, ablation);
   const CLI::App* compare_app = add_bench_compare(*bench_app, compare);
   const CLI::App* gpu_app = add_bench_gpu(*bench_app, gpu);
+  const CLI::App* scale_app = add_bench_scale(*bench_app, scale);
   const CLI::App* completion_app = add_completion(app, completion);
   const CLI::App* manual_app = add_manual(app, manual);
   if (!starts_well(argc, argv, app)) return kUsage;
@@ -350,11 +338,13 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   if (view_app->parsed()) return Command(std::move(view));
   if (info_app->parsed()) return Command(std::move(info));
   if (scene_app->parsed()) return Command(std::move(scene));
+  if (pack_app->parsed()) return Command(std::move(pack));
   if (verify_app->parsed()) return Command(std::move(verify));
   if (paper_app->parsed()) return Command(std::move(paper));
   if (ablation_app->parsed()) return Command(std::move(ablation));
   if (compare_app->parsed()) return Command(std::move(compare));
   if (gpu_app->parsed()) return Command(std::move(gpu));
+  if (scale_app->parsed()) return Command(std::move(scale));
   if (completion_app->parsed()) {
     completion.raysheaf = describe(app);
     return Command(std::move(completion));

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <memory>
+#include <optional>
 
 #include "console.h"
 #include "frames_command.h"
@@ -12,6 +14,7 @@
 #include "raysheaf/render_on_context.h"
 #include "scene_argument.h"
 #include "scene_light.h"
+#include "stream_scene.h"
 #include "values.h"
 
 namespace raysheaf::app {
@@ -48,7 +51,9 @@ void stop_if_interrupted() {
   if (interrupted()) throw Error(ErrorCode::kCancelled, "interrupted");
 }
 
-RenderResult render_with_progress(const SceneDescription& scene, const RenderCommand& command) {
+/// `render_it(options)` with a progress bar.
+template <class Render>
+RenderResult with_progress(const RenderCommand& command, const Render& render_it) {
   ProgressBar bar(stderr, !command.quiet);
   RenderOptions options = command.options;
   options.count_pixel_tests = wants_pixel_tests(command);
@@ -56,21 +61,62 @@ RenderResult render_with_progress(const SceneDescription& scene, const RenderCom
     bar.update(progress.stage, progress.done, progress.total);
     return !interrupted();
   };
-  return render(Context({command.device, options.threads}), scene, options);
+  return render_it(options);
 }
 
-void write_outputs(const RenderCommand& command, const Targets& targets, const RenderResult& result,
-                   double load_ms) {
+/// A frame, and what came before it.
+struct Rendered {
+  RenderResult result;
+  double load_ms = 0;
+  std::optional<StreamStatistics> stream;
+};
+
+class Loading {
+ public:
+  [[nodiscard]] double ms() const {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_)
+        .count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+Rendered render_streamed(const RenderCommand& command) {
+  if (command.device != Device::kCpu)
+    throw Error(ErrorCode::kUnsupported, "geometry that streams does not go to a CUDA device",
+                "--device");
+  const Loading loading;
+  const std::unique_ptr<GeometrySource> blocks = open_blocks(command);
+  Rendered rendered;
+  rendered.load_ms = loading.ms();
+  stop_if_interrupted();
+  StreamOptions stream;
+  stream.memory_bytes = command.memory_bytes;
+  stream.statistics = &rendered.stream.emplace();
+  rendered.result = with_progress(command, [&](RenderOptions options) {
+    options.primary = Primary::kTrace;
+    return render(*blocks, options, stream);
+  });
+  return rendered;
+}
+
+void write_outputs(const RenderCommand& command, const Targets& targets, const Rendered& rendered) {
+  const RenderResult& result = rendered.result;
   for (std::size_t i = 0; i < targets.pictures.size(); ++i) {
     stop_if_interrupted();
     write_picture(result, command.pictures[i], targets.pictures[i]);
   }
   stop_if_interrupted();
   if (!targets.heatmap.empty()) write_png(heatmap(result), targets.heatmap);
-  if (!targets.stats.empty()) write_text(to_json(result.statistics, load_ms), targets.stats);
+  if (targets.stats.empty()) return;
+  std::string json = to_json(result.statistics, rendered.load_ms);
+  if (rendered.stream) json = with_stream(std::move(json), *rendered.stream);
+  write_text(json, targets.stats);
 }
 
-void tell_summary(const RenderCommand& command, const FrameStatistics& statistics, double load_ms) {
+void tell_summary(const RenderCommand& command, const Rendered& rendered) {
+  const FrameStatistics& statistics = rendered.result.statistics;
   const std::size_t samples = statistics.samples.size();
   tell(fmt::format("{}: {} triangles in {} meshes, {}x{}{}, {} on {} threads",
                    printable(statistics.scene), statistics.triangles, statistics.meshes,
@@ -82,7 +128,9 @@ void tell_summary(const RenderCommand& command, const FrameStatistics& statistic
                      to_string(batch.kind), batch.bounce, batch.rays, batch.relative() * 100,
                      batch.hits));
   }
-  tell(fmt::format("  loaded in {:.0f} ms, rendered in {:.0f} ms", load_ms, statistics.total_ms));
+  if (rendered.stream) tell(stream_text(*rendered.stream));
+  tell(fmt::format("  loaded in {:.0f} ms, rendered in {:.0f} ms", rendered.load_ms,
+                   statistics.total_ms));
   const auto wrote = [](const std::string& path) {
     if (!path.empty()) tell("wrote " + printable(path));
   };
@@ -122,12 +170,23 @@ void explain(const FrameStatistics& statistics) {
   print(text);
 }
 
+/// What was asked for of a frame, in files and on the terminal.
+void finish(const RenderCommand& command, const Targets& targets, const Rendered& rendered) {
+  write_outputs(command, targets, rendered);
+  if (!command.quiet) tell_summary(command, rendered);
+  if (command.explain) explain(rendered.result.statistics);
+}
+
 }  // namespace
 
 int run(const RenderCommand& command) {
   catch_interrupts();
   const Targets targets = wants_frames(command) ? Targets{} : open_targets(command);
-  const auto start = std::chrono::steady_clock::now();
+  if (is_streamed(command)) {
+    finish(command, targets, render_streamed(command));
+    return kSuccess;
+  }
+  const Loading loading;
   const std::unique_ptr<Animation> animation =
       animation_from_argument(command.scene, command.frames, command.load);
   const SceneDescription& scene = animation->scene();
@@ -139,7 +198,8 @@ int run(const RenderCommand& command) {
   }
   set_light_size(command.light, animation->scene());
   if (command.frames.time) static_cast<void>(animation->seek(*command.frames.time));
-  const std::chrono::duration<double, std::milli> load = std::chrono::steady_clock::now() - start;
+  Rendered rendered;
+  rendered.load_ms = loading.ms();
   stop_if_interrupted();
   if (!command.quiet) {
     for (const std::string& warning : scene.warnings) tell("warning: " + printable(warning));
@@ -148,10 +208,10 @@ int run(const RenderCommand& command) {
     render_frames(command, *animation);
     return kSuccess;
   }
-  const RenderResult result = render_with_progress(scene, command);
-  write_outputs(command, targets, result, load.count());
-  if (!command.quiet) tell_summary(command, result.statistics, load.count());
-  if (command.explain) explain(result.statistics);
+  rendered.result = with_progress(command, [&](const RenderOptions& options) {
+    return render(Context({command.device, options.threads}), scene, options);
+  });
+  finish(command, targets, rendered);
   return kSuccess;
 }
 

@@ -6,8 +6,39 @@
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/io.h"
 #include "scene_argument.h"
+#include "stream_scene.h"
 
 namespace raysheaf::app {
+namespace {
+
+bool is_hall(const SceneCommand& command) {
+  return command.name == "hall";
+}
+
+SceneDescription scene_of(const SceneCommand& command) {
+  if (is_hall(command)) return hall_scene(command.triangles, command.threads);
+  return builtin_from_name(command.name, "scene " + command.name);
+}
+
+/// Triangles and instances.
+std::pair<std::uint64_t, std::size_t> write_glb(const SceneCommand& command,
+                                                const std::string& target) {
+  const SceneDescription scene = scene_of(command);
+  save_glb(scene, target);
+  return {scene.triangle_count(), scene.instances.size()};
+}
+
+std::pair<std::uint64_t, std::size_t> write_blocks(const SceneCommand& command,
+                                                   const std::string& target) {
+  BlockFileWriter file(target, {command.compress});
+  const SceneDescription rest = is_hall(command)
+                                    ? hall_in_blocks(command.triangles, &file, command.threads)
+                                    : cut_into_blocks(scene_of(command), &file);
+  file.finish(rest);
+  return {file.triangle_count(), rest.instances.size()};
+}
+
+}  // namespace
 
 int run(const SceneCommand& command) {
   if (command.list) {
@@ -15,10 +46,10 @@ int run(const SceneCommand& command) {
     return kSuccess;
   }
   const std::string target = writable_path(command.output);
-  const SceneDescription scene = builtin_from_name(command.name, "scene " + command.name);
-  save_glb(scene, target);
-  tell(fmt::format("wrote {}: {} triangles in {} meshes", printable(command.output),
-                   scene.triangle_count(), scene.instances.size()));
+  const auto [triangles, instances] =
+      is_block_file(command.output) ? write_blocks(command, target) : write_glb(command, target);
+  tell(fmt::format("wrote {}: {} triangles in {} meshes", printable(command.output), triangles,
+                   instances));
   return kSuccess;
 }
 

@@ -28,6 +28,23 @@ std::optional<Number> whole(std::string_view text) {
   return number;
 }
 
+std::uint64_t parse_scaled(const std::string& text, std::uint64_t step) {
+  constexpr std::string_view kLetters = "KMG";
+  std::string_view digits = text;
+  std::uint64_t factor = 1;
+  if (!digits.empty()) {
+    const auto letter = static_cast<char>(std::toupper(static_cast<unsigned char>(digits.back())));
+    const std::size_t place = kLetters.find(letter);
+    if (place != std::string_view::npos) {
+      digits.remove_suffix(1);
+      for (std::size_t i = 0; i <= place; ++i) factor *= step;
+    }
+  }
+  const auto number = whole<std::uint64_t>(digits);
+  if (number && *number <= ~std::uint64_t{0} / factor) return *number * factor;
+  refuse(text, "is not a whole number, alone or with K, M or G behind it");
+}
+
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;
   while (true) {
@@ -62,6 +79,14 @@ std::uint32_t parse_count(const std::string& text, std::uint32_t low, std::uint3
 std::uint64_t parse_seed(const std::string& text) {
   if (const auto number = whole<std::uint64_t>(text)) return *number;
   refuse(text, "is not a whole number from 0 to 18446744073709551615");
+}
+
+std::uint64_t parse_amount(const std::string& text) {
+  return parse_scaled(text, 1000);
+}
+
+std::uint64_t parse_bytes(const std::string& text) {
+  return parse_scaled(text, 1024);
 }
 
 float parse_positive(const std::string& text) {

@@ -20,6 +20,12 @@ namespace raysheaf::app {
 /// A whole number from 0 to 2^64 - 1.
 [[nodiscard]] std::uint64_t parse_seed(const std::string& text);
 
+/// A whole number, which K, M or G behind it makes thousands, millions, thousands of millions.
+[[nodiscard]] std::uint64_t parse_amount(const std::string& text);
+
+/// The same in steps of 1024: bytes.
+[[nodiscard]] std::uint64_t parse_bytes(const std::string& text);
+
 /// A finite number above zero.
 [[nodiscard]] float parse_positive(const std::string& text);
 

@@ -3,7 +3,8 @@
 docs/ keeps its shape. What a header says at its head, for Doxygen no more than a remark, goes before
 its reference. A file elsewhere in the repository that a page links to becomes a page as well,
 `source/<its path>`: Markdown as it is, code as code, a folder as the list of what is in it. Links are
-turned to fit. What has not changed is not written, so that Sphinx does not read it again.
+turned to fit. Pages that the index forgets stand at its end, and so do headers in the reference. What
+has not changed is not written, so that Sphinx does not read it again.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from pathlib import Path, PurePosixPath
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = PurePosixPath("docs")
+CPP = DOCS / "api/cpp.md"
 HEADER = "```{doxygenfile} "
 LINK = re.compile(r"(\]\()([^)\s]+)(\))")
 LANGUAGES = {
@@ -58,6 +60,14 @@ def head_of(header: str) -> list[str]:
     return [*lines, *["```"] * code, ""]
 
 
+def with_all_headers(text: str) -> str:
+    """The C++ reference, with the public headers that it forgets at its end."""
+    headers = sorted(p.name for p in (ROOT / "include/raysheaf").glob("*.h"))
+    forgotten = [name for name in headers if HEADER + name not in text.splitlines()]
+    more = "".join(f"\n{HEADER}{name}\n```\n" for name in forgotten)
+    return text + ("\n## More\n" + more if more else "")
+
+
 class Stage:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -86,7 +96,8 @@ class Stage:
 
     def markdown(self, path: PurePosixPath) -> None:
         lines, fenced = [], False
-        for line in (ROOT / path).read_text(encoding="utf-8").splitlines():
+        text = (ROOT / path).read_text(encoding="utf-8")
+        for line in (with_all_headers(text) if path == CPP else text).splitlines():
             if line.startswith(HEADER) and not fenced:
                 lines += head_of(line.removeprefix(HEADER))
             if line.startswith("```"):
@@ -99,6 +110,18 @@ class Stage:
         if not is_in_docs(path):
             lines = ["---", "orphan: true", "---", *lines]
         self.write(page_of(path), ("\n".join(lines) + "\n").encode())
+
+    def add_forgotten(self) -> None:
+        """Pages of docs/ that no list of the index names get a list of their own."""
+        index = self.folder / "index.md"
+        text = index.read_text(encoding="utf-8")
+        named = {line.strip() for line in text.splitlines()} | {"index"}
+        pages = sorted(p for p in (ROOT / DOCS).rglob("*.md"))
+        names = [p.relative_to(ROOT / DOCS).with_suffix("").as_posix() for p in pages]
+        forgotten = [name for name in names if name not in named]
+        if forgotten:
+            fence = ["", "```{toctree}", ":caption: More", ":hidden:", "", *forgotten, "```", ""]
+            self.write(PurePosixPath("index.md"), (text + "\n".join(fence)).encode())
 
     def code(self, path: PurePosixPath) -> None:
         text = (ROOT / path).read_text(encoding="utf-8")
@@ -128,6 +151,7 @@ class Stage:
                 continue
             kind = self.listing if (ROOT / path).is_dir() else self.code
             (self.markdown if path.suffix == ".md" else kind)(path)
+        self.add_forgotten()
         for file in self.folder.rglob("*"):
             if file.is_file() and file not in self.written:
                 file.unlink()

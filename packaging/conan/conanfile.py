@@ -45,6 +45,8 @@ class Raysheaf(ConanFile):
         self.requires("tinyexr/1.0.7")
         self.requires("tinygltf/2.9.0")
         self.requires("tinyobjloader/2.0.0-rc10")
+        self.requires("xxhash/0.8.2")
+        self.requires("zstd/1.5.5")
         if self.options.tools:
             self.requires("cli11/2.4.2")
             self.requires("fmt/10.2.1")

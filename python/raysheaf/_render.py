@@ -104,6 +104,10 @@ def render(
     bounces: int = 2,
     threads: int = 0,
     exposure: Optional[float] = None,
+    samples: int = 0,
+    aperture: Optional[float] = None,
+    focus: Optional[float] = None,
+    environment: Union[str, os.PathLike[str], None] = None,
 ) -> Picture:
     """Render a frame of a scene file or of a built-in scene.
 
@@ -128,6 +132,14 @@ def render(
         0: all cores.
     exposure : float, optional
         A factor on radiance before tone mapping; found by itself by default.
+    samples : int
+        Rays a pixel, 1 to 65536; 0: 1, or 16 with an environment or a lens.
+    aperture : float, optional
+        Diameter of the lens; the camera's own by default, which mostly is 0: all is sharp.
+    focus : float, optional
+        The depth that is sharp; by default the camera's own, or that of what the middle shows.
+    environment : str or path, optional
+        Light from all around: a ``.hdr`` or ``.exr`` file of all directions, +y up.
 
     Raises
     ------
@@ -158,6 +170,10 @@ def render(
         _arrays.integer(bounces, "bounces"),
         _arrays.integer(threads, "threads", _MOST_THREADS),
         None if exposure is None else float(exposure),
+        _arrays.integer(samples, "samples"),
+        None if aperture is None else float(aperture),
+        None if focus is None else float(focus),
+        "" if environment is None else os.fspath(environment),
     )
     ids = made["ids"]
     return Picture(

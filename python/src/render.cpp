@@ -16,10 +16,11 @@
 namespace raysheaf::python {
 namespace {
 
-SceneDescription scene_named(const std::string& name) {
+SceneDescription scene_named(const std::string& name, const std::string& environment) {
   const std::string prefix = "builtin:";
   SceneDescription scene =
       name.starts_with(prefix) ? builtin_scene(name.substr(prefix.size())) : load_scene(name);
+  if (!environment.empty()) scene.environment = load_environment(environment);
   add_missing_camera_and_light(scene);
   return scene;
 }
@@ -49,7 +50,9 @@ nb::dict arrays_of(Rendered* rendered) {
 nb::dict render_scene(const std::string& scene, std::uint32_t width, std::uint32_t height,
                       const std::string& camera, const std::string& method, bool raster,
                       std::uint32_t bounces, std::uint32_t threads,
-                      const std::optional<float>& exposure) {
+                      const std::optional<float>& exposure, std::uint32_t samples,
+                      const std::optional<float>& aperture, const std::optional<float>& focus,
+                      const std::string& environment) {
   auto rendered = std::make_unique<Rendered>();
   interruptible([&](const std::atomic<bool>& stop) {
     RenderOptions options;
@@ -61,8 +64,11 @@ nb::dict render_scene(const std::string& scene, std::uint32_t width, std::uint32
     options.bounces = bounces;
     options.threads = threads;
     options.exposure = exposure;
+    options.samples = samples;
+    options.aperture = aperture;
+    options.focus = focus;
     options.progress = [&](const Progress&) { return !stop; };
-    rendered->result = render(scene_named(scene), options);
+    rendered->result = render(scene_named(scene, environment), options);
     rendered->picture = tone_mapped(rendered->result);
   });
   return arrays_of(rendered.release());
@@ -73,7 +79,8 @@ nb::dict render_scene(const std::string& scene, std::uint32_t width, std::uint32
 void bind_render(nb::module_& module) {
   module.def("render", render_scene, nb::arg("scene"), nb::arg("width"), nb::arg("height"),
              nb::arg("camera"), nb::arg("method"), nb::arg("raster"), nb::arg("bounces"),
-             nb::arg("threads"), nb::arg("exposure").none());
+             nb::arg("threads"), nb::arg("exposure").none(), nb::arg("samples"),
+             nb::arg("aperture").none(), nb::arg("focus").none(), nb::arg("environment"));
 }
 
 }  // namespace raysheaf::python

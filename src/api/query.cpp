@@ -7,7 +7,7 @@
 #include "api/query_brute.h"
 #include "api/query_check.h"
 #include "api/scene_impl.h"
-#include "frame/stopwatch.h"
+#include "exec/stopwatch.h"
 
 namespace raysheaf {
 namespace {

@@ -2,18 +2,17 @@
 // runs a frame. The one place where errors of the layers below become `Error`.
 #include "raysheaf/renderer.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <cmath>
 #include <new>
 #include <optional>
 #include <utility>
 
 #include "api/context_impl.h"
+#include "api/render_input.h"
 #include "exec/executor.h"
+#include "exec/stopwatch.h"
 #include "frame/frame.h"
-#include "frame/stopwatch.h"
+#include "frame/resident_geometry.h"
 #include "raster/rasterizer.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
@@ -23,56 +22,6 @@
 
 namespace raysheaf {
 namespace {
-
-constexpr std::uint32_t kLargestSide = 16384;
-constexpr std::uint32_t kMostBounces = 32, kMostLevels = 8, kMostBranching = 64,
-                        kMostThreads = 1024, kMostSamples = 65536;
-/// What a frame needs a pixel, with room for a batch of secondary rays beside the primary
-/// fragments.
-constexpr std::uint64_t kBytesPerPixel = 640;
-
-void check_range(const char* option, std::uint32_t value, std::uint32_t least, std::uint32_t most) {
-  if (value < least || value > most)
-    throw Error(ErrorCode::kInvalidArgument,
-                "must be from " + std::to_string(least) + " to " + std::to_string(most) + ", not " +
-                    std::to_string(value),
-                option);
-}
-
-void check_length(const char* option, const std::optional<float>& value) {
-  if (value && !(*value >= 0 && std::isfinite(*value)))
-    throw Error(ErrorCode::kInvalidArgument, "must be a number, 0 or more", option);
-}
-
-void check_memory(const RenderOptions& options) {
-  const std::uint64_t needed = std::uint64_t{options.width} * options.height * kBytesPerPixel;
-  const auto pages = static_cast<std::uint64_t>(std::max(0L, sysconf(_SC_PHYS_PAGES)));
-  const auto page_bytes = static_cast<std::uint64_t>(std::max(0L, sysconf(_SC_PAGESIZE)));
-  if (pages * page_bytes != 0 && needed > pages * page_bytes)
-    throw Error(ErrorCode::kOutOfMemory,
-                "a picture of this size needs about " + std::to_string(needed >> 30) +
-                    " GiB, more than this machine has",
-                "size");
-}
-
-void check(const RenderOptions& options) {
-  check_range("width", options.width, 1, kLargestSide);
-  check_range("height", options.height, 1, kLargestSide);
-  check_range("bounces", options.bounces, 0, kMostBounces);
-  check_range("samples", options.samples, 0, kMostSamples);
-  check_length("aperture", options.aperture);
-  check_length("focus", options.focus);
-  check_range("levels", options.levels, 1, kMostLevels);
-  check_range("branching", options.branching, 2, kMostBranching);
-  if (options.key_bits && *options.key_bits != 32 && *options.key_bits != 64)
-    throw Error(ErrorCode::kInvalidArgument, "must be 32 or 64", "key_bits");
-  check_range("threads", options.threads, 0, kMostThreads);
-  if (options.exposure && !(*options.exposure > 0 && std::isfinite(*options.exposure)))
-    throw Error(ErrorCode::kInvalidArgument, "must be a positive number", "exposure");
-  if (options.ambient && !(is_finite(*options.ambient) && min_component(*options.ambient) >= 0))
-    throw Error(ErrorCode::kInvalidArgument, "must be finite and not negative", "ambient");
-  check_memory(options);
-}
 
 /// What a device does not know.
 void check_for_device(const RenderOptions& options) {
@@ -93,23 +42,6 @@ void check_for_device(const RenderOptions& options) {
         "rah and crsh do not count the tests of pixels on a CUDA device, which heat maps and "
         "OpenEXR show",
         "tests");
-}
-
-/// Where there is but one sample, balls shine from their centres: there is no choice to be made.
-std::vector<Light> find_lights(const SceneDescription& scene, const Camera& camera,
-                               std::uint32_t samples) {
-  if (needs_light(scene)) return {showing_light(scene, camera)};
-  std::vector<Light> lights = scene.lights;
-  if (samples > 1) return lights;
-  for (Light& light : lights) light.radius = 0;
-  return lights;
-}
-
-std::uint32_t find_samples(const SceneDescription& scene, const Camera& camera,
-                           const RenderOptions& options) {
-  constexpr std::uint32_t kEnough = 16;
-  if (options.samples > 0) return options.samples;
-  return scene.environment.empty() && camera.aperture == 0 ? 1 : kEnough;
 }
 
 const char* word_of(const TreeReport& tree) {
@@ -178,15 +110,14 @@ class Renderer::Impl {
     if (rasters && !rasterizer_) rasterizer_.emplace();
     meter.begin("scene", 1);
     update_ = update_scene(executor);
-    const FrameInput input{flat_,
-                           *textures_,
+    ResidentGeometry geometry(executor, flat_, *textures_, options, &cache_);
+    const FrameInput input{geometry,
                            camera,
                            lights,
                            options,
                            samples,
                            rasters ? &*rasterizer_ : nullptr,
-                           scene_->environment.empty() ? nullptr : &environment_->view(),
-                           &cache_};
+                           scene_->environment.empty() ? nullptr : &environment_->view()};
     RenderResult result = render_frame(executor, input, &meter);
     FrameStatistics& s = result.statistics;
     s.scene = scene_->name;

@@ -3,7 +3,7 @@
 #include "raysheaf/scene.h"
 
 #include "api/scene_impl.h"
-#include "frame/stopwatch.h"
+#include "exec/stopwatch.h"
 
 namespace raysheaf {
 namespace {

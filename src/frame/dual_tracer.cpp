@@ -4,7 +4,7 @@
 #include <cstring>
 #include <string>
 
-#include "frame/stopwatch.h"
+#include "exec/stopwatch.h"
 
 namespace raysheaf {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "exec/stopwatch.h"
 #include "frame/film.h"
-#include "frame/stopwatch.h"
 #include "raster/gbuffer.h"
 #include "raygen/filter.h"
 #include "raygen/raygen.h"
@@ -18,22 +18,8 @@ namespace {
 
 constexpr std::size_t kGrain = 1024;
 
-/// Shadow slots that are worked on at once; more lights go in groups, so that memory stays bounded.
-constexpr std::size_t kMostShadowSlots = std::size_t{1} << 24;
 /// Secondary fragments that are worked on at once.
 constexpr std::size_t kMostFragments = std::size_t{1} << 22;
-
-/// The method's settings with what was asked for in their place.
-MethodSettings settings_for(const RenderOptions& options) {
-  MethodSettings settings = method_settings(options.method);
-  settings.key = options.key.value_or(settings.key);
-  settings.key_bits = options.key_bits.value_or(settings.key_bits);
-  settings.bound = options.bound.value_or(settings.bound);
-  settings.mesh_culling = options.mesh_culling.value_or(settings.mesh_culling);
-  settings.levels = options.levels;
-  settings.branching = options.branching;
-  return settings;
-}
 
 /// `dual` plans each batch by itself (`BatchStatistics::plan`).
 constexpr const char* kPlanned = "plan";
@@ -62,7 +48,7 @@ class Frame {
  public:
   Frame(const Executor& executor, const FrameInput& input, ProgressMeter* meter)
       : executor_(executor),
-        scene_(input.scene),
+        geometry_(input.geometry),
         lights_(input.lights),
         input_(input),
         options_(input.options),
@@ -70,19 +56,14 @@ class Frame {
         camera_(make_camera_frame(input.camera, options_.width, options_.height)),
         film_(options_.width, options_.height, options_.count_pixel_tests),
         samples_meter_([this](const Progress& /*of a stage*/) { return tell_samples(); }),
-        meter_(sample_.count == 1 ? *meter : samples_meter_),
-        cache_(input.cache != nullptr ? *input.cache : own_cache_) {
-    cache_.tree = {};
-    trace_.method = settings_for(options_);
-    trace_.cache = &cache_;
-    trace_.bundle_samples = options_.bundle_samples;
-    statistics_.key = key_name(trace_.method);
-    statistics_.bound = bound_name(trace_.method);
+        meter_(sample_.count == 1 ? *meter : samples_meter_) {
+    const MethodSettings method = settings_for(options_);
+    statistics_.key = key_name(method);
+    statistics_.bound = bound_name(method);
     if (sample_.count == 1 || input.camera.aperture == 0) return;
     camera_.lens_radius = 0.5f * input.camera.aperture;
-    camera_.focus = input.camera.focus > 0
-                        ? input.camera.focus
-                        : depth_of_middle(executor_, scene_, camera_, trace_.method, &meter_);
+    camera_.focus =
+        input.camera.focus > 0 ? input.camera.focus : geometry_.depth_of_middle(camera_, &meter_);
   }
 
   RenderResult run() {
@@ -153,20 +134,18 @@ class Frame {
   std::vector<Fragment> see() {
     CameraFrame frame = moved_by_pixels(camera_, filter_offset(sample_));
     frame.sample = sample_;
-    std::vector<std::uint32_t> triangles;
+    Seeing seeing{frame, input_.rasterizer, nullptr, {}};
     watch_.lap_ms();
-    if (input_.rasterizer != nullptr) {
-      meter_.begin("raster", 1);
-      triangles = rasterize_primary(executor_, *input_.rasterizer, scene_, frame);
-    } else {
-      BatchStatistics& batch = statistics_for(RayKind::kPrimary, 0);
-      triangles = trace_primary(executor_, scene_, frame, trace_.method, &batch, film_.tests(),
-                                &meter_, &cache_);
+    if (seeing.rasterizer == nullptr) {
+      seeing.statistics = &statistics_for(RayKind::kPrimary, 0);
+      seeing.pixel_tests = film_.tests();
     }
-    meter_.begin("surfaces", 1);
-    std::vector<Fragment> fragments =
-        fetch_fragments(executor_, scene_, input_.textures, frame, triangles);
-    film_.see(executor_, fetch_gbuffer(executor_, scene_, fragments));
+    std::vector<Fragment> fragments = geometry_.see(seeing, &meter_);
+    GBuffer g = fetch_gbuffer(executor_, fragments);
+    g.ids.resize(fragments.size());
+    executor_.for_each(fragments.size(), kGrain,
+                       [&](std::size_t i) { g.ids[i] = geometry_.ids(fragments[i].triangle); });
+    film_.see(executor_, std::move(g));
     statistics_.raster_ms += watch_.lap_ms();
     return fragments;
   }
@@ -196,8 +175,8 @@ class Frame {
     std::vector<Vec3> radiance = shade_glow(executor_, fragments, sky_, traced, input_.environment);
     statistics_.shade_ms += watch_.lap_ms();
     const auto lights = static_cast<std::uint32_t>(lights_.size);
-    const auto group = static_cast<std::uint32_t>(
-        std::clamp<std::size_t>(kMostShadowSlots / fragments.size(), 1, std::max(lights, 1u)));
+    const auto group = static_cast<std::uint32_t>(std::clamp<std::size_t>(
+        geometry_.most_shadow_rays() / fragments.size(), 1, std::max(lights, 1u)));
     for (std::uint32_t first = 0; first < lights; first += group) {
       const std::uint32_t count = std::min(group, lights - first);
       const std::vector<Visibility> visibility = look_at_lights(fragments, bounce, first, count);
@@ -224,7 +203,7 @@ class Frame {
     const std::vector<Visibility> visibility =
         cast_shadows(fragments, bounce, light_count,
                      make_shadow_rays(executor_, fragments, lights_, first_light, light_count,
-                                      scene_.bounds, sample_));
+                                      geometry_.bounds(), sample_));
     if (bounce == 1) tally_shadows(light_count, visibility);
     return visibility;
   }
@@ -234,7 +213,7 @@ class Frame {
     watch_.lap_ms();
     return cast_shadows(
         fragments, bounce, kSkyStrategies,
-        make_sky_rays(executor_, fragments, *input_.environment, scene_.bounds, sample_));
+        make_sky_rays(executor_, fragments, *input_.environment, geometry_.bounds(), sample_));
   }
 
   /// `per_fragment`: how many slots of the batch each fragment has.
@@ -289,7 +268,7 @@ class Frame {
                                std::uint32_t bounce) {
     meter_.begin(std::string(to_string(kind)) + " rays, bounce " + std::to_string(bounce), 1);
     watch_.lap_ms();
-    RayBatch batch = make_bounce_rays(executor_, fragments, kind, scene_.bounds);
+    RayBatch batch = make_bounce_rays(executor_, fragments, kind, geometry_.bounds());
     if (batch.rays.empty()) return {};
     batch.bounce = bounce;
     batch.width = options_.width;
@@ -301,12 +280,14 @@ class Frame {
     executor_.for_each(hits.size(), kGrain, [&](std::size_t i) {
       arrived[i] = arrive(fragments[batch.slots[i]], kind, batch.rays[i], hits[i]);
     });
+    geometry_.fetch_surfaces(batch.rays, arrived);
     statistics_.shade_ms += watch_.lap_ms();
     return arrived;
   }
 
-  [[nodiscard]] Fragment arrive(const Fragment& from, RayKind kind, const Ray& ray,
-                                const RayHit& hit) const {
+  /// All but the surface.
+  [[nodiscard]] static Fragment arrive(const Fragment& from, RayKind kind, const Ray& ray,
+                                       const RayHit& hit) {
     const Scattering s = scatter(from);
     Fragment f;
     f.weight = from.weight * (kind == RayKind::kReflection ? s.reflected_part : s.refracted_part);
@@ -314,20 +295,13 @@ class Frame {
     f.path = mixed_seed(from.path, static_cast<std::uint32_t>(kind));
     f.incoming = ray.direction;
     f.triangle = hit.triangle;
-    if (!hit.found()) return f;
-    TriangleHit where{};
-    intersect_triangle(make_ray_setup(ray), scene_.corner(hit.triangle, 0),
-                       scene_.corner(hit.triangle, 1), scene_.corner(hit.triangle, 2), &where);
-    f.surface = surface_at(scene_, input_.textures, hit.triangle, where.u, where.v, ray.direction);
     return f;
   }
 
   std::vector<RayHit> trace_batch(const RayBatch& batch, const std::vector<Fragment>& fragments,
                                   bool early_out, BatchStatistics* statistics) {
-    TraceOptions options = trace_;
-    options.early_out = early_out;
     std::vector<float> tests(film_.tests().empty() ? 0 : batch.rays.size());
-    std::vector<RayHit> hits = trace(executor_, scene_, batch, options, statistics, tests, &meter_);
+    std::vector<RayHit> hits = geometry_.trace(batch, early_out, statistics, tests, &meter_);
     const View<float> sums = film_.tests();
     for (std::size_t i = 0; i < tests.size(); ++i)
       sums[fragments[batch.slots[i] % fragments.size()].pixel] += tests[i];
@@ -343,12 +317,12 @@ class Frame {
     batches.emplace_back();
     batches.back().kind = kind;
     batches.back().bounce = bounce;
-    batches.back().triangles = scene_.triangle_count;
+    batches.back().triangles = geometry_.triangle_count();
     return batches.back();
   }
 
   const Executor& executor_;
-  const FlatScene& scene_;
+  FrameGeometry& geometry_;
   const View<const Light> lights_;
   const FrameInput& input_;
   const RenderOptions& options_;
@@ -357,15 +331,23 @@ class Frame {
   Film film_;
   ProgressMeter samples_meter_;
   ProgressMeter& meter_;
-  TraceCache own_cache_;
-  TraceCache& cache_;
-  TraceOptions trace_;
   FrameStatistics statistics_;
   Vec3 sky_;
   Stopwatch watch_;
 };
 
 }  // namespace
+
+MethodSettings settings_for(const RenderOptions& options) {
+  MethodSettings settings = method_settings(options.method);
+  settings.key = options.key.value_or(settings.key);
+  settings.key_bits = options.key_bits.value_or(settings.key_bits);
+  settings.bound = options.bound.value_or(settings.bound);
+  settings.mesh_culling = options.mesh_culling.value_or(settings.mesh_culling);
+  settings.levels = options.levels;
+  settings.branching = options.branching;
+  return settings;
+}
 
 RenderResult render_frame(const Executor& executor, const FrameInput& input, ProgressMeter* meter) {
   return Frame(executor, input, meter).run();

@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t kGrain = 1024;
 
-/// The weights of the second and third corner where the ray meets the triangle's plane, kept inside
-/// the triangle: at silhouettes OpenGL's pixel may lie a hair outside.
+}  // namespace
+
 Vec2 clamped_barycentrics(const Ray& ray, Vec3 a, Vec3 b, Vec3 c) {
   TriangleHit hit;
   if (intersect_triangle(make_ray_setup(ray), a, b, c, &hit)) return {hit.u, hit.v};
@@ -29,8 +29,6 @@ Vec2 clamped_barycentrics(const Ray& ray, Vec3 a, Vec3 b, Vec3 c) {
   return sum > 1 ? Vec2{u / sum, v / sum} : Vec2{u, v};
 }
 
-}  // namespace
-
 std::vector<std::uint32_t> rasterize_primary(const Executor& executor, Rasterizer& rasterizer,
                                              const FlatScene& scene, const CameraFrame& frame) {
   std::vector<std::uint32_t> triangles = rasterizer.visible_triangles(executor, scene, frame);
@@ -38,10 +36,7 @@ std::vector<std::uint32_t> rasterize_primary(const Executor& executor, Rasterize
   return triangles;
 }
 
-std::vector<std::uint32_t> trace_primary(const Executor& executor, const FlatScene& scene,
-                                         const CameraFrame& frame, const MethodSettings& method,
-                                         BatchStatistics* statistics, View<float> pixel_tests,
-                                         ProgressMeter* meter, TraceCache* cache) {
+RayBatch primary_rays(const Executor& executor, const Box& bounds, const CameraFrame& frame) {
   RayBatch batch;
   batch.kind = RayKind::kPrimary;
   batch.bounce = 0;
@@ -54,8 +49,16 @@ std::vector<std::uint32_t> trace_primary(const Executor& executor, const FlatSce
   executor.for_each(batch.rays.size(), kGrain, [&](std::size_t i) {
     batch.rays[i] = camera_ray(frame, static_cast<std::uint32_t>(i % frame.width),
                                static_cast<std::uint32_t>(i / frame.width));
-    batch.keys[i] = bounce_key(scene.bounds, batch.rays[i].origin, batch.rays[i].direction);
+    batch.keys[i] = bounce_key(bounds, batch.rays[i].origin, batch.rays[i].direction);
   });
+  return batch;
+}
+
+std::vector<std::uint32_t> trace_primary(const Executor& executor, const FlatScene& scene,
+                                         const CameraFrame& frame, const MethodSettings& method,
+                                         BatchStatistics* statistics, View<float> pixel_tests,
+                                         ProgressMeter* meter, TraceCache* cache) {
+  const RayBatch batch = primary_rays(executor, scene.bounds, frame);
   TraceOptions options;
   options.method = method;
   options.facing = Facing::kSkipBackOfSingleSided;
@@ -68,20 +71,29 @@ std::vector<std::uint32_t> trace_primary(const Executor& executor, const FlatSce
   return triangles;
 }
 
-float depth_of_middle(const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
-                      const MethodSettings& method, ProgressMeter* meter) {
+RayBatch middle_ray(const CameraFrame& frame) {
   RayBatch batch;
   batch.kind = RayKind::kPrimary;
   batch.rays = {{frame.eye, frame.z_near, frame.forward, frame.z_far}};
   batch.keys = batch.pixels = {0};
+  return batch;
+}
+
+float depth_of(const RayHit& hit, const CameraFrame& frame, const Box& bounds) {
+  if (hit.found() && hit.t > 0) return hit.t;
+  const float farthest = farthest_depth(frame, bounds);
+  return farthest > 0 ? farthest : 1;
+}
+
+float depth_of_middle(const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
+                      const MethodSettings& method, ProgressMeter* meter) {
   TraceOptions options;
   options.method = method;
   options.facing = Facing::kSkipBackOfSingleSided;
   BatchStatistics not_kept;
-  const RayHit hit = trace(executor, scene, batch, options, &not_kept, {}, meter).front();
-  if (hit.found() && hit.t > 0) return hit.t;
-  const float farthest = farthest_depth(frame, scene.bounds);
-  return farthest > 0 ? farthest : 1;
+  const RayHit hit =
+      trace(executor, scene, middle_ray(frame), options, &not_kept, {}, meter).front();
+  return depth_of(hit, frame, scene.bounds);
 }
 
 std::vector<Fragment> fetch_fragments(const Executor& executor, const FlatScene& scene,

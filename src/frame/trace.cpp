@@ -5,8 +5,8 @@
 #include <string>
 
 #include "exec/radix_sort.h"
+#include "exec/stopwatch.h"
 #include "frame/bundles.h"
-#include "frame/stopwatch.h"
 #include "hierarchy/hierarchy.h"
 #include "intersect/brute_force.h"
 #include "order/order.h"

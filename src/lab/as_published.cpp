@@ -5,7 +5,7 @@
 #include <mutex>
 #include <numeric>
 
-#include "frame/stopwatch.h"
+#include "exec/stopwatch.h"
 #include "lab/as_published_body.h"
 #include "order/order.h"
 

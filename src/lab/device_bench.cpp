@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "frame/stopwatch.h"
+#include "exec/stopwatch.h"
 #include "raysheaf/error.h"
 #include "scene/flat_scene.h"
 

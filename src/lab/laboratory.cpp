@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "exec/stopwatch.h"
 #include "frame/primary.h"
-#include "frame/stopwatch.h"
 #include "frame/trace.h"
 #include "intersect/brute_force.h"
 #include "lab/as_published.h"

@@ -11,12 +11,10 @@ Vec4 packed(Vec3 v, float w) {
 
 }  // namespace
 
-GBuffer fetch_gbuffer(const Executor& executor, const FlatScene& scene,
-                      View<const Fragment> fragments) {
+GBuffer fetch_gbuffer(const Executor& executor, View<const Fragment> fragments) {
   GBuffer g;
   for (auto* image : {&g.position, &g.normal, &g.diffuse, &g.specular})
     image->resize(fragments.size);
-  g.ids.resize(fragments.size);
   executor.for_each(fragments.size, kGrain, [&](std::size_t i) {
     const Fragment& f = fragments[i];
     if (f.triangle == kInvalidId) return;
@@ -25,8 +23,6 @@ GBuffer fetch_gbuffer(const Executor& executor, const FlatScene& scene,
     g.normal[i] = packed(s.normal, s.roughness);
     g.diffuse[i] = packed(s.diffuse, s.transmission);
     g.specular[i] = packed(s.specular, s.ior);
-    const FlatMesh& mesh = scene.meshes[scene.mesh_of_triangle[f.triangle]];
-    g.ids[i] = {mesh.inst_id, mesh.geom_id, f.triangle - mesh.first_triangle};
   });
   return g;
 }

@@ -9,21 +9,19 @@
 #include "exec/executor.h"
 #include "raygen/fragment.h"
 #include "raysheaf/render.h"
-#include "scene/flat_scene.h"
 
 namespace raysheaf {
 
-/// Rows from the top. All zeros, and invalid ids, where nothing is seen.
+/// Rows from the top. All zeros where nothing is seen.
 struct GBuffer {
   std::vector<Vec4> position;  ///< world; w = 1
   std::vector<Vec4> normal;    ///< shading normal, world; w = roughness
   std::vector<Vec4> diffuse;   ///< w = transmission
   std::vector<Vec4> specular;  ///< reflectance at normal incidence; w = index of refraction
-  std::vector<PixelIds> ids;
+  std::vector<PixelIds> ids;   ///< none yet: whose triangles they are names them
 };
 
 /// `fragments`: one a pixel.
-[[nodiscard]] GBuffer fetch_gbuffer(const Executor& executor, const FlatScene& scene,
-                                    View<const Fragment> fragments);
+[[nodiscard]] GBuffer fetch_gbuffer(const Executor& executor, View<const Fragment> fragments);
 
 }  // namespace raysheaf

@@ -10,6 +10,7 @@
 #include "scene/flat_update.h"
 #include "scene/flatten_body.h"
 #include "scene/material_of.h"
+#include "scene/mirrors.h"
 #include "scene/shown_name.h"
 
 namespace raysheaf {
@@ -28,14 +29,6 @@ std::vector<std::uint32_t> ordered_instances(const SceneDescription& scene) {
     return scene.instances[a].mesh < scene.instances[b].mesh;
   });
   return order;
-}
-
-/// The determinant's sign, which in float may underflow.
-bool mirrors(const Affine& a) {
-  const auto minor = [&](int i, int j) {
-    return static_cast<double>(a.m[1][i]) * a.m[2][j] - static_cast<double>(a.m[1][j]) * a.m[2][i];
-  };
-  return a.m[0][0] * minor(1, 2) - a.m[0][1] * minor(0, 2) + a.m[0][2] * minor(0, 1) < 0;
 }
 
 FlatMesh flat_mesh(const SceneDescription& scene, std::uint32_t inst_id, const Sphere& object_bound,

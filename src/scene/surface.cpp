@@ -12,20 +12,11 @@ Vec3 rgb(Vec4 color) {
   return {color.x, color.y, color.z};
 }
 
-/// Which triangle of which mesh.
-struct Place {
-  const FlatMesh& flat;
-  const Instance& instance;
-  const Mesh& mesh;
-  std::uint32_t prim_id;
-  float u, v;
-
-  template <class T>
-  [[nodiscard]] T mixed(const std::vector<T>& of_vertex) const {
-    const auto& corner = mesh.triangles[prim_id];
-    return of_vertex[corner[0]] * (1 - u - v) + of_vertex[corner[1]] * u + of_vertex[corner[2]] * v;
-  }
-};
+/// Corners' values with the weights of a place.
+template <class T>
+T mixed(const T (&of_corner)[3], float u, float v) {
+  return of_corner[0] * (1 - u - v) + of_corner[1] * u + of_corner[2] * v;
+}
 
 /// Unit, on the front side: counter-clockwise, clockwise where the instance mirrors.
 Vec3 front_normal(const Vec3 (&corner)[3], bool mirrored, Vec3 fallback) {
@@ -34,20 +25,14 @@ Vec3 front_normal(const Vec3 (&corner)[3], bool mirrored, Vec3 fallback) {
   return mirrored ? -normal : normal;
 }
 
-void set_geometry(Surface& surface, const FlatScene& scene, std::uint32_t triangle,
-                  const Place& place, Vec3 direction) {
-  const Vec3 corner[3] = {scene.corner(triangle, 0), scene.corner(triangle, 1),
-                          scene.corner(triangle, 2)};
-  const MixedPoint point = mixed_point(corner[0], corner[1], corner[2], place.u, place.v);
+void set_geometry(Surface& surface, const SurfaceTriangle& t, float u, float v, Vec3 direction) {
+  const MixedPoint point = mixed_point(t.corner[0], t.corner[1], t.corner[2], u, v);
   surface.position = point.position;
   surface.position_error = point.error;
-  const Vec3 front =
-      front_normal(corner, place.flat.mirrored, unit(widened(-direction), {0, 0, 1}));
+  const Vec3 front = front_normal(t.corner, t.mirrored, unit(widened(-direction), {0, 0, 1}));
   surface.front = !(dot(widened(front), widened(direction)) > 0);
   const Vec3 shading =
-      place.mesh.normals.empty()
-          ? front
-          : unit_normal(place.instance.to_world, place.mixed(place.mesh.normals), front);
+      t.has_normals ? unit_normal(t.to_world, mixed(t.normal, u, v), front) : front;
   surface.geometric_normal = surface.front ? front : -front;
   surface.normal = surface.front ? shading : -shading;
 }
@@ -55,8 +40,9 @@ void set_geometry(Surface& surface, const FlatScene& scene, std::uint32_t triang
 /// The textures at a place. They need coordinates: a mesh without them shows the factors alone.
 class Look {
  public:
-  Look(const TextureSet& textures, const Place& place) : textures_(textures) {
-    if (!place.mesh.uvs.empty()) uv_ = place.mixed(place.mesh.uvs);
+  Look(const TextureSet& textures, const SurfaceTriangle& t, float u, float v)
+      : textures_(textures) {
+    if (t.has_uvs) uv_ = mixed(t.uv, u, v);
   }
   [[nodiscard]] Vec3 color(const TextureSlot& slot) const {
     return uv_ ? rgb(textures_.color(slot, *uv_)) : Vec3{1, 1, 1};
@@ -95,21 +81,35 @@ void set_material(Surface& surface, const Material& material, const Look& look) 
 
 }  // namespace
 
+Surface surface_of(const SceneDescription& scene, const TextureSet& textures,
+                   const SurfaceTriangle& triangle, float u, float v, Vec3 direction) {
+  Surface surface;
+  set_geometry(surface, triangle, u, v, direction);
+  surface.material = triangle.material;
+  set_material(surface, material_or_default(scene, surface.material),
+               Look(textures, triangle, u, v));
+  return surface;
+}
+
 Surface surface_at(const FlatScene& scene, const TextureSet& textures, std::uint32_t triangle,
                    float u, float v, Vec3 direction) {
   const FlatMesh& flat = scene.meshes[scene.mesh_of_triangle[triangle]];
   const SceneDescription& description = *scene.description;
-  const Place place{flat,
-                    description.instances[flat.inst_id],
-                    description.meshes[flat.geom_id],
-                    triangle - flat.first_triangle,
-                    u,
-                    v};
-  Surface surface;
-  set_geometry(surface, scene, triangle, place, direction);
-  surface.material = material_of(place.mesh, place.prim_id);
-  set_material(surface, material_or_default(description, surface.material), Look(textures, place));
-  return surface;
+  const Mesh& mesh = description.meshes[flat.geom_id];
+  const std::uint32_t prim_id = triangle - flat.first_triangle;
+  SurfaceTriangle t;
+  t.has_normals = !mesh.normals.empty();
+  t.has_uvs = !mesh.uvs.empty();
+  t.mirrored = flat.mirrored;
+  t.to_world = description.instances[flat.inst_id].to_world;
+  t.material = material_of(mesh, prim_id);
+  for (int k = 0; k < 3; ++k) {
+    const std::uint32_t vertex = mesh.triangles[prim_id][static_cast<std::size_t>(k)];
+    t.corner[k] = scene.corner(triangle, k);
+    if (t.has_normals) t.normal[k] = mesh.normals[vertex];
+    if (t.has_uvs) t.uv[k] = mesh.uvs[vertex];
+  }
+  return surface_of(description, textures, t, u, v, direction);
 }
 
 }  // namespace raysheaf

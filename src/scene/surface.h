@@ -35,4 +35,19 @@ struct Surface {
 [[nodiscard]] Surface surface_at(const FlatScene& scene, const TextureSet& textures,
                                  std::uint32_t triangle, float u, float v, Vec3 direction);
 
+/// All that a surface needs to know of its triangle, wherever that is.
+struct SurfaceTriangle {
+  Vec3 corner[3];  ///< world
+  Vec3 normal[3];  ///< in the instance's own space
+  Vec2 uv[3];
+  bool has_normals = false, has_uvs = false;
+  bool mirrored = false;  ///< by the instance
+  Affine to_world;        ///< of the instance
+  std::uint32_t material = kInvalidId;
+};
+
+/// The same of a triangle by itself; `scene` is asked for its materials.
+[[nodiscard]] Surface surface_of(const SceneDescription& scene, const TextureSet& textures,
+                                 const SurfaceTriangle& triangle, float u, float v, Vec3 direction);
+
 }  // namespace raysheaf

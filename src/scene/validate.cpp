@@ -6,6 +6,7 @@
 #include "base/vec.h"
 #include "raysheaf/error.h"
 #include "raysheaf/scene_changes.h"
+#include "raysheaf/stream.h"
 #include "scene/shown_name.h"
 
 namespace raysheaf {
@@ -322,7 +323,7 @@ void check_listed(const char* list, const std::vector<T>& items, const char* fie
 
 }  // namespace
 
-void validate(const SceneDescription& scene) {
+void validate_but_triangles(const SceneDescription& scene) {
   check_list("meshes", scene.meshes, scene);
   check_list("instances", scene.instances, scene);
   check_list("materials", scene.materials, scene);
@@ -331,6 +332,10 @@ void validate(const SceneDescription& scene) {
   check_list("lights", scene.lights, scene);
   check_list("cameras", scene.cameras, scene);
   check_environment(scene.environment);
+}
+
+void validate(const SceneDescription& scene) {
+  validate_but_triangles(scene);
   if (scene.triangle_count() == 0)
     throw Error(ErrorCode::kInvalidData, "the scene has no triangles");
 }

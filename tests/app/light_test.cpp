@@ -84,7 +84,7 @@ TEST(Light, WhatIsWrongIsOneSentence) {
     "nodes":[{"extensions":{"KHR_lights_punctual":{"light":0}}}],
     "extensionsUsed":["KHR_lights_punctual"],
     "extensions":{"KHR_lights_punctual":{"lights":[
-      {"type":"spot","extras":{"width":1}}]}}})");
+      {"type":"spot","spot":{},"extras":{"width":1}}]}}})");
   const auto expect_sentence = [&](std::vector<std::string> arguments, int code,
                                    const std::string& part) {
     arguments.insert(arguments.end(), {"-o", "a.png"});

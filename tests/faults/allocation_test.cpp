@@ -94,8 +94,6 @@ class Faults : public ::testing::TestWithParam<std::uint32_t> {
   [[nodiscard]] static Context context() { return Context({.threads = GetParam()}); }
 };
 
-// Disabled until StreamPool::give (dual/stream.cpp), which destructors call, may be out of memory:
-// the program ends there.
 TEST_P(Faults, QueriesOfANewScene) {
   const Context shared = context();
   const std::vector<Vec3> a = corners(1, 400), b = corners(2, 700);

@@ -2,29 +2,16 @@
 // device, and on the CUDA device where there is one.
 #include <gtest/gtest.h>
 
-#include "frame/frame.h"
+#include "api/context_impl.h"
 #include "raysheaf/error.h"
-#include "raysheaf/render.h"
+#include "raysheaf/render_on_context.h"
 #include "support/pictures.h"
 #include "support/scenes.h"
 
 namespace raysheaf {
 namespace {
 
-RenderResult frame_of(const SceneDescription& scene, const RenderOptions& options,
-                      const DeviceBackend* backend) {
-  const Executor executor(2);
-  ProgressMeter meter;
-  const FlatScene flat = flatten(executor, scene, mesh_bounds(executor, scene));
-  const TextureSet textures(scene);
-  TraceCache cache;
-  cache.backend = backend;
-  FrameInput input{flat, textures, scene.cameras.front(), scene.lights, options};
-  input.cache = &cache;
-  return render_frame(executor, input, &meter);
-}
-
-void expect_the_cpus_frame(const DeviceBackend& backend) {
+void expect_the_cpus_frame(const Context& context) {
   SceneDescription scene = test::ball_on_floor();
   scene.lights.push_back(test::point_light({-3, 2, 2}, 30));
   for (const Method method : {Method::kDual, Method::kBrute, Method::kRah, Method::kCrsh}) {
@@ -33,8 +20,8 @@ void expect_the_cpus_frame(const DeviceBackend& backend) {
     options.method = method;
     const bool hierarchy = method == Method::kRah || method == Method::kCrsh;
     options.count_pixel_tests = !hierarchy;
-    const RenderResult here = frame_of(scene, options, nullptr);
-    const RenderResult there = frame_of(scene, options, &backend);
+    const RenderResult here = render(scene, options);
+    const RenderResult there = render(context, scene, options);
     EXPECT_TRUE(test::same_bits(there.beauty, here.beauty));
     EXPECT_TRUE(test::same_bits(there.position, here.position));
     EXPECT_EQ(there.shadow, here.shadow);
@@ -59,17 +46,18 @@ void expect_the_cpus_frame(const DeviceBackend& backend) {
 TEST(DeviceFrame, IsThatOfTheCpu) {
   const Executor executor(2);
   HostAllocator memory;
-  expect_the_cpus_frame(*open_emulated(executor, memory));
+  expect_the_cpus_frame(
+      ContextAccess::with_backend({.device = Device::kCuda}, open_emulated(executor, memory)));
 }
 
 TEST(DeviceFrame, IsThatOfTheCpuOnCuda) {
-  std::unique_ptr<DeviceBackend> backend;
+  std::unique_ptr<Context> context;
   try {
-    backend = open_cuda();
+    context = std::make_unique<Context>(ContextOptions{.device = Device::kCuda});
   } catch (const Error& error) {
     GTEST_SKIP() << error.what();
   }
-  expect_the_cpus_frame(*backend);
+  expect_the_cpus_frame(*context);
 }
 
 }  // namespace

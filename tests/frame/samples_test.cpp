@@ -70,7 +70,8 @@ TEST(Samples, StatisticsAreTheSumAndEachByItself) {
 }
 
 TEST(Samples, ThePictureSoFarIsThatOfAsManySamples) {
-  const SceneDescription scene = builtin_scene("cornell");
+  SceneDescription scene = builtin_scene("cornell");
+  scene.lights[0].radius = 0;  // a lone sample would look at its centre
   RenderOptions options = with_samples(5, 24);
   std::vector<RenderResult> so_far;
   options.on_sample = [&](const RenderResult& result) {

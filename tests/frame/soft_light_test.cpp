@@ -43,16 +43,16 @@ Light lamp(Vec3 center, float width, float height) {
 }
 
 /// A matte floor at y = 0 as an orthographic camera just above it sees it: a pixel a point.
-SceneDescription floor_from_above(float eye_height) {
+SceneDescription floor_from_above(float eye_height, float x = 0, float half_height = 2) {
   SceneDescription scene;
   scene.materials = {lambertian(0.5f)};
   Mesh floor = test::floor_square(30, 0);
   floor.materials = {0};
   test::add_mesh(&scene, std::move(floor));
   Camera camera;
-  camera.to_world = look_at({0, eye_height, 0}, {0, 0, 0}, {0, 0, -1});
+  camera.to_world = look_at({x, eye_height, 0}, {x, 0, 0}, {0, 0, -1});
   camera.orthographic = true;
-  camera.y_mag = 2;
+  camera.y_mag = half_height;
   camera.z_near = 1e-3f;
   scene.cameras = {camera};
   return scene;
@@ -73,14 +73,14 @@ double mean_of(const std::vector<Vec3>& pixels) {
 }
 
 TEST(SoftLight, AFloorUnderALampIsLambertsFormula) {
-  SceneDescription scene = floor_from_above(1);
-  scene.lights = {lamp({0.5f, 2, 0}, 1.5f, 1)};
-  const RenderResult result = render(scene, soft_options(64, 8));
-  for (std::uint32_t y = 0; y < 8; ++y) {
-    for (std::uint32_t x = 0; x < 8; ++x) {
-      const Vec3 p = result.position[y * 8 + x];
-      const double expected = 0.5 / kPi * test::lambert(scene.lights[0], p, {0, 1, 0});
-      EXPECT_NEAR(result.beauty[y * 8 + x].x, expected, 0.03 * expected);
+  for (const float at : {-2.0f, 0.5f, 1.1f}) {
+    SceneDescription scene = floor_from_above(1, at, 0.1f);
+    scene.lights = {lamp({0.5f, 2, 0}, 1.5f, 1)};
+    const RenderResult result = render(scene, soft_options(64, 4));
+    for (std::size_t i = 0; i < 16; ++i) {
+      const double expected =
+          0.5 / kPi * test::lambert(scene.lights[0], result.position[i], {0, 1, 0});
+      EXPECT_NEAR(result.beauty[i].x, expected, 0.02 * expected) << at;
     }
   }
 }
@@ -261,7 +261,7 @@ TEST(Sky, AWhiteFurnaceStaysWhite) {
     EXPECT_GT(mean_of(result.beauty), c.least - 0.003);
     EXPECT_LT(mean_of(result.beauty), 1.003);
     if (c.least < 0.99) continue;
-    for (const Vec3& pixel : result.beauty) EXPECT_NEAR(pixel.x, 1, 0.05);
+    for (const Vec3& pixel : result.beauty) EXPECT_NEAR(pixel.x, 1, 0.1);
   }
 }
 

@@ -1,6 +1,7 @@
 // Scene files and pictures as strangers send them.
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -11,6 +12,7 @@
 #include "io/image.h"
 #include "io/obj.h"
 #include "io/ply.h"
+#include "io/radiance_hdr.h"
 #include "io/stl.h"
 #include "raysheaf/animation.h"
 #include "raysheaf/error.h"
@@ -110,6 +112,19 @@ void run_image(Input input) {
   if (image->rgba.size() > 1u << 16) return;
   const auto again = io::decode_image(encode_png(*image));
   if (!again || again->rgba != image->rgba) std::abort();
+}
+
+void run_hdr(Input input) {
+  try {
+    const Environment map = io::decode_radiance_hdr(input, "fuzz.hdr");
+    bool good = map.radiance.size() == std::size_t{map.width} * map.height && !map.empty();
+    for (const Vec3& v : map.radiance) {
+      for (const float x : {v.x, v.y, v.z}) good = good && x >= 0 && std::isfinite(x);
+    }
+    if (!good) std::abort();
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kInternal || error.sentence().empty()) std::abort();
+  }
 }
 
 }  // namespace raysheaf::fuzz

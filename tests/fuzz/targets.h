@@ -18,7 +18,7 @@ struct Target {
   void (*run)(Input input);
 };
 
-/// gltf, obj, mtl, ply, stl, image, options, query.
+/// gltf, obj, mtl, ply, stl, image, hdr, blocks, options, query.
 [[nodiscard]] std::span<const Target> targets();
 
 void run_gltf(Input input);
@@ -27,6 +27,8 @@ void run_mtl(Input input);
 void run_ply(Input input);
 void run_stl(Input input);
 void run_image(Input input);
+void run_hdr(Input input);
+void run_blocks(Input input);
 void run_options(Input input);
 void run_query(Input input);
 

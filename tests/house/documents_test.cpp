@@ -21,11 +21,13 @@ std::string help_of_everything() {
                                                        {"view", "--help"},
                                                        {"info", "--help"},
                                                        {"scene", "--help"},
+                                                       {"pack", "--help"},
                                                        {"verify", "--help"},
                                                        {"bench", "--help"},
                                                        {"bench", "paper", "--help"},
                                                        {"bench", "ablation", "--help"},
-                                                       {"bench", "compare", "--help"}};
+                                                       {"bench", "compare", "--help"},
+                                                       {"bench", "scale", "--help"}};
   for (const auto& call : calls) text += raysheaf_app(call, folder).out;
   return text;
 }
@@ -47,7 +49,8 @@ std::string arguments_of(const std::string& line) {
 
 // The same command at a size that takes no time.
 std::string made_small(std::string arguments) {
-  static const std::regex kSize(R"( --size \S+)");
+  static const std::regex kSize(R"( --size \S+)"), kTriangles(R"( --triangles \S+)");
+  arguments = std::regex_replace(arguments, kTriangles, " --triangles 20000");
   if (arguments.starts_with(" verify")) return arguments + " --rounds 1";
   for (const std::string command : {" render", " report", " bench paper"}) {
     if (arguments != command && !arguments.starts_with(command + " ")) continue;

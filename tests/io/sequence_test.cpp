@@ -113,7 +113,7 @@ TEST_F(Sequence, StaysAsItIsWhereAFrameCannotBeRead) {
   write("f_2.obj", "v 0 0 nan\n");
   EXPECT_THROW(animation->seek(frame_time(*animation, 1, 24)), Error);
   EXPECT_EQ(animation->scene().meshes[3].positions[0].x, 5);
-  EXPECT_EQ(animation->seek(animation->end()).other_meshes_from, 3u);
+  EXPECT_EQ(animation->seek(animation->end()).deformed, std::vector<std::uint32_t>{3});
 }
 
 TEST_F(Sequence, KeepsWhatWasAddedToItsScene) {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import pickle
+import threading
 
 import numpy as np
 import pytest
@@ -222,6 +223,24 @@ def test_arrays_may_go_or_change_once_they_were_given(expected):
     del vertices, triangles
     gc.collect()
     assert np.array_equal(scene.closest_hit(SETTING.origins, SETTING.directions).array, expected)
+
+
+def test_arrays_may_go_while_a_query_reads_them(scene, expected):
+    copies = 300
+    rays = np.zeros((copies, len(SETTING.origins), 8), np.float32)  # read where they lie
+    rays[..., :3], rays[..., 4:7], rays[..., 7] = SETTING.origins, SETTING.directions, np.inf
+    given, answers = [rays], []
+    del rays
+    asking = threading.Thread(target=lambda: answers.append(scene.closest_hit(given.pop())))
+    asking.start()
+    while given:
+        pass
+    junk = []
+    while asking.is_alive():
+        gc.collect()
+        junk = [np.full(len(SETTING.origins) * 8 * copies, np.nan, np.float32) for _ in range(3)]
+    asking.join()
+    assert all(np.array_equal(row, expected) for row in answers[0].array) and len(junk) in (0, 3)
 
 
 def test_results_outlive_the_scene():

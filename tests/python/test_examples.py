@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from test_render import decoded
 
 FOLDER = Path(__file__).parents[2] / "examples" / "python"
 NAMES = sorted(p.stem for p in FOLDER.glob("*.py") if p.stem != "pictures")
@@ -25,6 +26,16 @@ def test_makes_its_picture(name, tmp_path):
     assert done.returncode == 0, done.stderr
     picture = (tmp_path / "out.png").read_bytes()
     assert picture.startswith(b"\x89PNG") and len(picture) > 300
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_gallery_shows_what_they_make(name, tmp_path):
+    command = [sys.executable, str(FOLDER / f"{name}.py"), "-o", "out.png"]
+    command += ["--size", "480"] if name == "ambient_occlusion" else []
+    subprocess.run(command, check=True, cwd=tmp_path)
+    kept = FOLDER.parents[1] / "docs/images" / f"example-{name.replace('_', '-')}.png"
+    shown, made = (decoded(p.read_bytes()).astype(int) for p in (kept, tmp_path / "out.png"))
+    assert shown.shape == made.shape and np.abs(shown - made).mean() < 1
 
 
 def test_a_plane_sees_the_whole_sky_and_a_corner_half_of_it():

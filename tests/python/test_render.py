@@ -93,6 +93,22 @@ def test_wrong_wishes(kind, message, given):
         raysheaf.render(**{"scene": "builtin:cornell", "width": 8, "height": 8, **given})
 
 
+def test_samples_a_lens_and_an_environment(tmp_path):
+    def picture(**options):
+        return raysheaf.render("builtin:cornell", width=12, height=12, bounces=0, **options)
+
+    np.testing.assert_array_equal(picture(samples=1).beauty, picture().beauty)
+    assert np.any(picture(samples=2).beauty != picture().beauty)
+    near, far = (picture(samples=4, aperture=9, focus=depth).beauty for depth in (20, 90))
+    assert np.any(near != far)
+    sky = tmp_path / "sky.hdr"
+    sky.write_bytes(b"#?RADIANCE\n\n-Y 1 +X 1\n" + bytes([200, 100, 50, 129]))
+    assert np.any(picture(samples=2, environment=sky).beauty != picture(samples=2).beauty)
+    sky.write_bytes(b"#?RADIANCE\n\n-Y 1 +X 1\n")
+    with pytest.raises(raysheaf.InvalidError, match="sky.hdr"):
+        picture(environment=sky)
+
+
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="the system has no timers")
 def test_ctrl_c_is_heard():
     def interrupt(*_):

@@ -143,6 +143,7 @@ TEST_F(WindowTest, TellsOfAnOpenGlThatIsTooOld) {
 }
 
 TEST_F(WindowTest, ScreenshotAloneWaitsForTheWholePicture) {
+  write_file(folder.file("kept"), "samples 3\n");
   const Finished finished = raysheaf_app({"view", "builtin:cornell", "--screenshot", "one.png",
                                           "--size", "320x240", "--settings", "kept"},
                                          folder);

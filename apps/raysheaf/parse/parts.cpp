@@ -7,7 +7,7 @@ namespace raysheaf::app {
 void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load) {
   app.add_option(
          "SCENE", scene,
-         "A file (.gltf, .glb, .obj, .ply, .stl, .json), a pattern of files that are frames "
+         "A file (.gltf, .glb, .obj, .ply, .stl, .rsb, .json), a pattern of files that are frames "
          "('f_*.ply'), or builtin:NAME")
       ->required();
   app.add_flag("--allow-external", load.allow_external,

@@ -15,6 +15,7 @@
 #include "raysheaf/error.h"
 #include "scene/builtin/builder.h"
 #include "scene/builtin/hall_patch.h"
+#include "scene/builtin/hall_tiles.h"
 
 namespace raysheaf {
 namespace {
@@ -23,7 +24,7 @@ using builtin::HallPatch;
 
 constexpr float kLength = 40, kWidth = 20, kHeight = 10;  ///< metres, about the origin's floor
 constexpr int kColumnsARow = 8, kBalls = 24;
-constexpr std::uint64_t kFewest = 4000, kMost = 200'000'000;
+constexpr std::uint64_t kFewest = 4000, kMost = 200'000'000, kMostInBlocks = 2'000'000'000;
 
 void add_walls(std::vector<HallPatch>& patches) {
   const float x = kLength / 2, z = kWidth / 2;
@@ -91,29 +92,59 @@ void furnish(SceneDescription& scene) {
   scene.cameras.push_back(camera);
 }
 
-}  // namespace
-
-SceneDescription hall_scene(std::uint64_t triangles, std::uint32_t threads) {
-  if (triangles < kFewest || triangles > kMost)
+void check_count(std::uint64_t triangles, std::uint64_t most) {
+  if (triangles < kFewest || triangles > most)
     throw Error(ErrorCode::kInvalidArgument,
-                "a hall has from " + std::to_string(kFewest) + " to " + std::to_string(kMost) +
+                "a hall has from " + std::to_string(kFewest) + " to " + std::to_string(most) +
                     " triangles, not " + std::to_string(triangles),
                 "triangles");
+}
+
+std::vector<HallPatch> patches_of_hall() {
   std::vector<HallPatch> patches;
   add_walls(patches);
   add_columns(patches);
   add_balls(patches);
-  const float cells = cells_a_metre(patches, triangles);
-  const Executor executor(threads);
+  return patches;
+}
+
+/// All but meshes and instances.
+SceneDescription furnished_hall() {
   SceneDescription scene;
   scene.name = "hall";
   scene.materials.push_back(builtin::matte("plaster", 0xd8d0c4));
+  furnish(scene);
+  return scene;
+}
+
+}  // namespace
+
+SceneDescription hall_scene(std::uint64_t triangles, std::uint32_t threads) {
+  check_count(triangles, kMost);
+  const std::vector<HallPatch> patches = patches_of_hall();
+  const float cells = cells_a_metre(patches, triangles);
+  const Executor executor(threads);
+  SceneDescription scene = furnished_hall();
   for (const HallPatch& patch : patches) {
     const auto mesh = static_cast<std::uint32_t>(scene.meshes.size());
     scene.meshes.push_back(hall_mesh(executor, patch, grid_of(patch, cells)));
     scene.instances.push_back({patch.name, mesh, {}});
   }
-  furnish(scene);
+  return scene;
+}
+
+SceneDescription hall_in_blocks(std::uint64_t triangles, BlockSink* sink, std::uint32_t threads) {
+  check_count(triangles, kMostInBlocks);
+  const std::vector<HallPatch> patches = patches_of_hall();
+  const float cells = cells_a_metre(patches, triangles);
+  const Executor executor(threads);
+  SceneDescription scene = furnished_hall();
+  for (const HallPatch& patch : patches) {
+    const auto mesh = static_cast<std::uint32_t>(scene.meshes.size());
+    scene.meshes.emplace_back().name = patch.name;
+    scene.instances.push_back({patch.name, mesh, {}});
+    hall_tiles(executor, patch, grid_of(patch, cells), mesh, sink);
+  }
   return scene;
 }
 

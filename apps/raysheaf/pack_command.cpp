@@ -1,0 +1,48 @@
+#include <fmt/format.h>
+
+#include "console.h"
+#include "options.h"
+#include "outputs.h"
+#include "raysheaf/error.h"
+#include "scene_argument.h"
+#include "stream_scene.h"
+
+namespace raysheaf::app {
+namespace {
+
+/// The blocks of a block file again, as they are.
+void copy_blocks(const BlockFile& from, BlockSink* to) {
+  TriangleBlock block;
+  BlockShading shading;
+  for (std::size_t i = 0; i < from.blocks().size(); ++i) {
+    if (interrupted()) throw Error(ErrorCode::kCancelled, "interrupted");
+    from.read(i, &block);
+    from.read_shading(i, &shading);
+    to->add(block, shading);
+  }
+}
+
+}  // namespace
+
+int run(const PackCommand& command) {
+  catch_interrupts();
+  BlockFileWriter file(writable_path(command.output), command.file);
+  if (is_block_file(command.scene)) {
+    const BlockFile from(command.scene);
+    copy_blocks(from, &file);
+    file.finish(from.scene());
+  } else {
+    const SceneDescription scene = scene_from_argument(command.scene, command.load);
+    if (!command.quiet) {
+      for (const std::string& warning : scene.warnings) tell("warning: " + printable(warning));
+    }
+    file.finish(cut_into_blocks(scene, &file, command.block_triangles));
+  }
+  if (!command.quiet)
+    tell(fmt::format("wrote {}: {} triangles in {} blocks, {:.1f} MB", printable(command.output),
+                     file.triangle_count(), file.block_count(),
+                     static_cast<double>(file.written_bytes()) * 1e-6));
+  return kSuccess;
+}
+
+}  // namespace raysheaf::app

@@ -1,0 +1,89 @@
+#include "parse/stream.h"
+
+#include "parse/parts.h"
+#include "stream_scene.h"
+#include "values.h"
+
+namespace raysheaf::app {
+
+CLI::App* add_scene(CLI::App& app, SceneCommand& command) {
+  CLI::App* sub = app.add_subcommand("scene", "Write a scene of our own as a file");
+  sub->add_option("NAME", command.name,
+                  "A name that --list gives, or hall: a generated hall of --triangles");
+  sub->add_option("-o,--output", command.output, "Where to write it: binary glTF, or blocks")
+      ->type_name("FILE.glb|FILE.rsb");
+  sub->add_flag("--list", command.list, "Print the names of the built-in scenes");
+  add_value(*sub, "--triangles", "N",
+            "Of the hall: triangles it has at most, also with K, M or G (1000 each) [1M]",
+            [&command](const auto& text) { command.triangles = parse_amount(text); });
+  sub->add_flag("--compress", command.compress, "Compress blocks, by Zstandard");
+  add_count(*sub, "--threads", command.threads, 0, 1024, "Threads, up to 1024; 0 is all cores [0]");
+  sub->footer(
+      "Examples:\n"
+      "  raysheaf scene --list\n"
+      "  raysheaf scene office -o office.glb\n"
+      "  raysheaf scene hall --triangles 100M -o hall.rsb");
+  sub->callback([&command] {
+    if (command.list) return;
+    if (command.name.empty()) throw CLI::ValidationError("scene", "give a NAME or --list");
+    if (command.output.empty()) throw CLI::ValidationError("scene", "give -o FILE.glb");
+    if (!has_ending(command.output, ".glb") && !has_ending(command.output, ".rsb"))
+      throw CLI::ValidationError("-o",
+                                 "'" + command.output + "' does not end in .glb, nor in .rsb");
+  });
+  return sub;
+}
+
+CLI::App* add_pack(CLI::App& app, PackCommand& command) {
+  CLI::App* sub = app.add_subcommand("pack", "Cut a scene into blocks that can be streamed");
+  sub->add_option("SCENE", command.scene,
+                  "A file (.gltf, .glb, .obj, .ply, .stl, .rsb) or builtin:NAME")
+      ->required();
+  sub->add_flag("--allow-external", command.load.allow_external,
+                "The scene may name files outside its folder");
+  sub->add_option("-o,--output", command.output, "Where to write it")
+      ->type_name("FILE.rsb")
+      ->required();
+  sub->add_flag("--compress", command.file.compress, "Compress blocks, by Zstandard");
+  add_count(*sub, "--block-triangles", command.block_triangles, 1, kBlockTriangles,
+            "Triangles that a block has at most, 1 to 65536 [65536]");
+  sub->add_flag("-q,--quiet", command.quiet, "No warnings or summary");
+  sub->footer(
+      "Examples:\n"
+      "  raysheaf pack model.glb -o model.rsb\n"
+      "  raysheaf render model.rsb --memory 1G -o model.png");
+  sub->callback([&command] {
+    if (!has_ending(command.output, ".rsb"))
+      throw CLI::ValidationError("-o", "'" + command.output + "' does not end in .rsb");
+  });
+  return sub;
+}
+
+void add_streaming(CLI::App& app, RenderCommand& command) {
+  app.add_flag("--stream", command.stream,
+               "Triangles pass the rays in blocks; always so for .rsb files");
+  add_value(app, "--memory", "SIZE",
+            "What a streamed frame may take: bytes, or with K, M or G (1024 each) [2G]",
+            [&command](const auto& text) { command.memory_bytes = parse_bytes(text); });
+}
+
+void check_streaming(const CLI::App& app, const RenderCommand& command) {
+  if (!is_streamed(command)) {
+    if (app.get_option("--memory")->count() > 0)
+      throw CLI::ValidationError("--memory", "it is of streamed frames: --stream, or .rsb files");
+    return;
+  }
+  for (const char* option :
+       {"--camera-path", "--clip", "--env", "--env-intensity", "--env-rotation", "--fps",
+        "--frames", "--light-size", "--resume", "--sequence", "--time", "--turntable"}) {
+    const CLI::Option* given = app.get_option_no_throw(option);
+    if (given != nullptr && given->count() > 0)
+      throw CLI::ValidationError(option, "it is not for scenes that stream");
+  }
+  if (app.get_option("--primary")->count() > 0 && command.options.primary == Primary::kRaster)
+    throw CLI::ValidationError("--primary", "what streams is seen by rays: trace alone");
+  if (command.options.method != Method::kDual)
+    throw CLI::ValidationError("--method", "what streams is met by dual alone");
+}
+
+}  // namespace raysheaf::app

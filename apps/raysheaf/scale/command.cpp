@@ -1,0 +1,30 @@
+#include "console.h"
+#include "outputs.h"
+#include "progress_bar.h"
+#include "raysheaf/error.h"
+#include "raysheaf/io.h"
+#include "scale/report.h"
+
+namespace raysheaf::app {
+
+int run(const BenchScaleCommand& command) {
+  catch_interrupts();
+  const auto target = [](const std::string& path) {
+    return path.empty() ? path : writable_path(path);
+  };
+  const std::string json = target(command.json_path), markdown = target(command.markdown_path);
+  ScaleReport report;
+  {
+    ProgressBar bar(stderr, !command.quiet);
+    report = measure_scale(command, [&bar](std::uint64_t done, std::uint64_t total) {
+      if (interrupted()) throw Error(ErrorCode::kCancelled, "interrupted");
+      bar.update("measurements", done, total);
+    });
+  }
+  print(scale_text(report));
+  if (!json.empty()) write_text(scale_json(report), json);
+  if (!markdown.empty()) write_text(scale_page(report), markdown);
+  return kSuccess;
+}
+
+}  // namespace raysheaf::app

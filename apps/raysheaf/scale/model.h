@@ -1,0 +1,72 @@
+// What a streamed frame takes, as a sum of resources that each grow in a straight line: fitted to
+// measured frames, and carried on to sizes and machines that nobody has at hand.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace raysheaf::app {
+
+/// A measured frame, or what a frame is expected to take. Seconds are of one core.
+struct ScaleCost {
+  double decode_s = 0;   ///< blocks: from the system's cache to triangles that were looked over
+  double cull_s = 0;     ///< the rays' tree, and blocks against it
+  double trace_s = 0;    ///< blocks against their rays
+  double shading_s = 0;  ///< surfaces of the hits, their blocks' shading read
+  double rest_s = 0;     ///< rays made and ordered, light added up
+  double bytes = 0;      ///< read from the file
+
+  [[nodiscard]] double core_s() const { return decode_s + cull_s + trace_s + shading_s + rest_s; }
+};
+
+struct ScaleSample {
+  double triangles = 0, pixels = 0, rays = 0;  ///< rays: of all batches
+  std::uint64_t blocks = 0, read_blocks = 0;   ///< of all batches
+  std::uint32_t batches = 0;
+  double seconds = 0;  ///< of the clock
+  ScaleCost cost;
+};
+
+/// Each field of a cost as c0 + c1 * triangles + c2 * pixels, none of them negative.
+class ScaleModel {
+ public:
+  /// Samples of at least two numbers of triangles and two of pixels.
+  explicit ScaleModel(const std::vector<ScaleSample>& samples);
+
+  [[nodiscard]] ScaleCost cost(double triangles, double pixels) const;
+  /// c0, c1, c2.
+  [[nodiscard]] std::array<double, 3> coefficients(double ScaleCost::*field) const;
+
+ private:
+  static constexpr std::size_t kFields = 6;
+  std::array<std::array<double, 3>, kFields> fits_{};
+};
+
+/// What there is to compute with.
+struct ScaleMachines {
+  std::uint32_t ranks = 1;
+  double cores = 2;                 ///< a rank
+  double disk_bytes_s = 2e9;        ///< a rank
+  double network_bytes_s = 1.25e9;  ///< a rank, each way
+  double latency_s = 20e-6;
+};
+
+struct ScaleForecast {
+  double disk_s = 0, compute_s = 0, network_s = 0, total_s = 0;
+  const char* bound_by = "";  ///< "disk", "cores" or "network"
+};
+
+/// Every rank streams its part of the blocks past all rays, then hits are combined: `batches`
+/// reductions, in a ring, of a hit a ray.
+[[nodiscard]] ScaleForecast forecast_geometry(const ScaleModel& model, double triangles,
+                                              double pixels, double batches,
+                                              const ScaleMachines& machines);
+
+/// Every rank has its part of the rays, and streams what they may meet. `sharing`: a rank with a
+/// part p of the rays reads the part p^sharing of what all of them read.
+[[nodiscard]] ScaleForecast forecast_rays(const ScaleModel& model, double triangles, double pixels,
+                                          double sharing, const ScaleMachines& machines);
+
+}  // namespace raysheaf::app

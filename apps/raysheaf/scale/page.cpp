@@ -1,0 +1,281 @@
+// What a model of streamed frames says, as text and as a page.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "scale/report.h"
+#include "table.h"
+
+namespace raysheaf::app {
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+struct Field {
+  double ScaleCost::*of;
+  const char* name;
+};
+constexpr std::array<Field, 5> kSeconds{{{&ScaleCost::decode_s, "decoding"},
+                                         {&ScaleCost::cull_s, "culling"},
+                                         {&ScaleCost::trace_s, "tracing"},
+                                         {&ScaleCost::shading_s, "shading"},
+                                         {&ScaleCost::rest_s, "the rest"}}};
+
+std::string seconds(double s) {
+  if (s < 1) return fmt::format("{:.3g} ms", 1e3 * s);
+  return s < 600 ? fmt::format("{:.3g} s", s) : fmt::format("{:.3g} min", s / 60);
+}
+std::string amount(double x) {
+  if (x >= 1e9) return fmt::format("{:g} G", std::round(x / 1e8) / 10);
+  if (x >= 1e6) return fmt::format("{:g} M", std::round(x / 1e5) / 10);
+  return fmt::format("{:g} k", std::round(x / 1e2) / 10);
+}
+std::string bytes(double x) {
+  return amount(x) + "B";
+}
+
+/// A table of Markdown, or one for a terminal.
+std::string table(const Rows& rows, bool markdown) {
+  if (!markdown) {
+    Table text(rows.front());
+    for (std::size_t i = 1; i < rows.size(); ++i) text.add(rows[i]);
+    return text.text();
+  }
+  std::string text;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (const std::string& cell : rows[i]) text += "| " + cell + " ";
+    text += "|\n";
+    if (i != 0) continue;
+    for (std::size_t c = 0; c < rows[i].size(); ++c) text += "|---";
+    text += "|\n";
+  }
+  return text;
+}
+
+ScaleMachines machines_of(const ScaleReport& report, std::uint32_t ranks) {
+  ScaleMachines m;
+  m.ranks = ranks;
+  m.cores = report.asked.cores;
+  m.disk_bytes_s = 1e6 * report.asked.disk_mb_s;
+  m.network_bytes_s = 1e6 * report.asked.network_mb_s;
+  return m;
+}
+
+double pixels_of(const ScaleReport& report) {
+  return static_cast<double>(report.asked.side) * report.asked.side;
+}
+double batches_of(const ScaleReport& report) {
+  return report.samples.back().batches;
+}
+
+std::string measured_table(const ScaleReport& report, bool markdown) {
+  Rows rows{{"triangles", "pixels", "rays", "blocks read", "bytes read", "decoding", "culling",
+             "tracing", "shading", "the rest", "frame"}};
+  const auto add = [&](const ScaleSample& s) {
+    std::vector<std::string> row{amount(s.triangles), amount(s.pixels), amount(s.rays),
+                                 fmt::format("{} of {}", s.read_blocks, s.blocks),
+                                 bytes(s.cost.bytes)};
+    for (const Field& field : kSeconds) row.push_back(seconds(s.cost.*field.of));
+    row.push_back(seconds(s.seconds));
+    rows.push_back(row);
+  };
+  for (const ScaleSample& sample : report.samples) add(sample);
+  add(report.check);
+  return table(rows, markdown);
+}
+
+std::string constants_table(const ScaleModel& model, bool markdown) {
+  Rows rows{{"resource", "a frame", "a million triangles", "a million pixels"}};
+  const auto add = [&](const char* name, double ScaleCost::*field, const auto& shown) {
+    const auto k = model.coefficients(field);
+    rows.push_back({name, shown(k[0]), shown(1e6 * k[1]), shown(1e6 * k[2])});
+  };
+  for (const Field& field : kSeconds) add(field.name, field.of, seconds);
+  add("bytes read", &ScaleCost::bytes, bytes);
+  return table(rows, markdown);
+}
+
+/// Seconds of the clock that the model expects of a frame on this machine, from its cache.
+double expected_seconds(const ScaleReport& report, const ScaleModel& model,
+                        const ScaleSample& sample) {
+  return model.cost(sample.triangles, sample.pixels).core_s() / report.threads;
+}
+
+std::string check_sentence(const ScaleReport& report, const ScaleModel& model) {
+  const ScaleSample& s = report.check;
+  const double guess = expected_seconds(report, model, s);
+  const double guessed_bytes = model.cost(s.triangles, s.pixels).bytes;
+  return fmt::format(
+      "A frame that the model has not seen, {} triangles and {} pixels: {} expected, {} measured "
+      "({:.2f} of it); {} expected to be read, {} read ({:.2f}).\n",
+      amount(s.triangles), amount(s.pixels), seconds(guess), seconds(s.seconds), guess / s.seconds,
+      bytes(guessed_bytes), bytes(s.cost.bytes), guessed_bytes / s.cost.bytes);
+}
+
+std::string growth_table(const ScaleReport& report, const ScaleModel& model, bool markdown) {
+  Rows rows{{"triangles", "file", "read", "disk", "cores", "frame", "bound by"}};
+  for (const double triangles : {1e6, 1e7, 1e8, 1e9, 1e10}) {
+    const ScaleForecast f = forecast_geometry(model, triangles, pixels_of(report),
+                                              batches_of(report), machines_of(report, 1));
+    rows.push_back({amount(triangles),
+                    bytes(triangles * (report.geometry_bytes + report.shading_bytes)),
+                    bytes(model.cost(triangles, pixels_of(report)).bytes), seconds(f.disk_s),
+                    seconds(f.compute_s), seconds(f.total_s), f.bound_by});
+  }
+  return table(rows, markdown);
+}
+
+std::vector<std::uint32_t> ranks_up_to(std::uint32_t most) {
+  std::vector<std::uint32_t> all;
+  for (std::uint32_t r = 1; r < most; r *= 2) all.push_back(r);
+  all.push_back(most);
+  return all;
+}
+
+std::string ranks_table(const ScaleReport& report, const ScaleModel& model, bool markdown) {
+  Rows rows{{"machines", "geometry: disk", "cores", "network", "frame", "bound by", "rays: disk",
+             "cores", "network", "frame", "bound by"}};
+  const double triangles = static_cast<double>(report.asked.triangles);
+  for (const std::uint32_t ranks : ranks_up_to(report.asked.machines)) {
+    const ScaleMachines m = machines_of(report, ranks);
+    const ScaleForecast g =
+        forecast_geometry(model, triangles, pixels_of(report), batches_of(report), m);
+    const ScaleForecast r = forecast_rays(model, triangles, pixels_of(report), report.sharing, m);
+    std::vector<std::string> row{std::to_string(ranks)};
+    for (const ScaleForecast& f : {g, r}) {
+      for (const double s : {f.disk_s, f.compute_s, f.network_s, f.total_s})
+        row.push_back(seconds(s));
+      row.emplace_back(f.bound_by);
+    }
+    rows.push_back(row);
+  }
+  return table(rows, markdown);
+}
+
+/// The disk at which reading takes as long as all else, and the number of machines at which
+/// combining hits does.
+std::string saturation(const ScaleReport& report, const ScaleModel& model) {
+  const double triangles = static_cast<double>(report.asked.triangles);
+  const double pixels = pixels_of(report);
+  const ScaleMachines one = machines_of(report, 1);
+  const ScaleForecast alone = forecast_geometry(model, triangles, pixels, batches_of(report), one);
+  const double balance = model.cost(triangles, pixels).bytes / alone.compute_s;
+  std::string text = fmt::format(
+      "* **Disk and cores** take equally long at {}/s a machine of {} cores; a slower disk is what "
+      "bounds the frame.\n",
+      bytes(balance), report.asked.cores);
+  std::uint32_t ranks = 2;
+  ScaleForecast f;
+  constexpr std::uint32_t kMost = 1u << 20;
+  for (; ranks < kMost; ranks *= 2) {
+    f = forecast_geometry(model, triangles, pixels, batches_of(report), machines_of(report, ranks));
+    if (f.network_s >= std::max(f.disk_s, f.compute_s)) break;
+  }
+  if (ranks < kMost)
+    text += fmt::format(
+        "* **The network**: with {} machines combining hits takes longer ({}) than streaming a "
+        "machine's part ({}). More of them make the frame no faster: share rays instead, or "
+        "frames.\n",
+        ranks, seconds(f.network_s), seconds(std::max(f.disk_s, f.compute_s)));
+  const double fixed = model.cost(0, pixels).core_s() / report.asked.cores;
+  text += fmt::format(
+      "* **What every machine does alone** when geometry is shared (its rays made, ordered and "
+      "lit): {} a frame, however many there are.\n",
+      seconds(fixed));
+  return text;
+}
+
+std::string conditions(const ScaleReport& report) {
+  return fmt::format(
+      "{0}x{0} pixels, machines of {1} cores, disks of {2}/s and networks of {3}/s each",
+      report.asked.side, report.asked.cores, bytes(1e6 * report.asked.disk_mb_s),
+      bytes(1e6 * report.asked.network_mb_s));
+}
+
+}  // namespace
+
+std::string scale_text(const ScaleReport& report) {
+  const ScaleModel model(report.samples);
+  return fmt::format(
+      "measured on {} threads, seconds of one core but for the frame's:\n{}\n"
+      "fitted:\n{}\n{}\n"
+      "one machine; {}:\n{}\n"
+      "{} triangles on several machines:\n{}\n{}",
+      report.threads, measured_table(report, false), constants_table(model, false),
+      check_sentence(report, model), conditions(report), growth_table(report, model, false),
+      amount(static_cast<double>(report.asked.triangles)), ranks_table(report, model, false),
+      saturation(report, model));
+}
+
+std::string scale_page(const ScaleReport& report) {
+  const ScaleModel model(report.samples);
+  const double triangles = static_cast<double>(report.asked.triangles);
+  const auto ranks = report.asked.machines;
+  const ScaleForecast one = forecast_geometry(model, triangles, pixels_of(report),
+                                              batches_of(report), machines_of(report, 1));
+  const ScaleForecast g = forecast_geometry(model, triangles, pixels_of(report), batches_of(report),
+                                            machines_of(report, ranks));
+  const ScaleForecast r = forecast_rays(model, triangles, pixels_of(report), report.sharing,
+                                        machines_of(report, ranks));
+  std::string text = "# Scale: what a thousand million triangles would take\n\n";
+  text += fmt::format(
+      "`raysheaf bench scale` wrote this page. It renders generated halls that "
+      "[stream](stream.md), fits a straight line to what each resource takes, holds the result "
+      "against a frame that it has not seen, and carries it on. Only the tables under \"Measured\" "
+      "are measurements.\n\n"
+      "**{} triangles, {}**: {} on one machine, bound by its {}; {} on {} machines that share the "
+      "triangles, bound by the {}; {} where they share the rays, bound by the {}.\n\n",
+      amount(triangles), conditions(report), seconds(one.total_s), one.bound_by, seconds(g.total_s),
+      ranks, g.bound_by, seconds(r.total_s), r.bound_by);
+  text += fmt::format(
+      "## Measured\n\nOn {} threads, files in the system's cache; seconds of one core, but for the "
+      "frame's.\n\n{}\n{}\nA triangle takes {:.1f} bytes of geometry and {:.1f} of shading in the "
+      "file. A quarter of the picture reads the part 0.25^{:.2f} of what the whole picture "
+      "reads.\n\n",
+      report.threads, measured_table(report, true), check_sentence(report, model),
+      report.geometry_bytes, report.shading_bytes, report.sharing);
+  text += "## Fitted\n\n" + constants_table(model, true) +
+          "\nA frame takes the longer of disk and cores, for they overlap, and then what the "
+          "network takes.\n\n";
+  text += "## One machine\n\n" + growth_table(report, model, true) + "\n";
+  text += fmt::format(
+      "## Several machines\n\n{} triangles. *Geometry*: each machine streams its own blocks past "
+      "all the rays, and hits are combined after each of {:.0f} batches, 96 bytes a ray in a ring. "
+      "*Rays*: each machine has its part of the picture, and streams what that may meet.\n\n{}\n"
+      "## Where it saturates\n\n{}\n",
+      amount(triangles), batches_of(report), ranks_table(report, model, true),
+      saturation(report, model));
+  text +=
+      "What is not modelled: machines of unequal speed, disks that are shared, hits that are "
+      "sent while blocks still stream. Runs of several ranks have not been compared with it.\n";
+  return text;
+}
+
+std::string scale_json(const ScaleReport& report) {
+  using nlohmann::json;
+  const ScaleModel model(report.samples);
+  const auto of = [](const ScaleSample& s) {
+    json j = {{"triangles", s.triangles}, {"pixels", s.pixels},    {"rays", s.rays},
+              {"blocks", s.blocks},       {"read", s.read_blocks}, {"batches", s.batches},
+              {"seconds", s.seconds},     {"bytes", s.cost.bytes}};
+    for (const Field& field : kSeconds) j[field.name] = s.cost.*field.of;
+    return j;
+  };
+  json samples = json::array();
+  for (const ScaleSample& sample : report.samples) samples.push_back(of(sample));
+  const double guess = expected_seconds(report, model, report.check);
+  return json{{"threads", report.threads},
+              {"sharing", report.sharing},
+              {"geometry_bytes", report.geometry_bytes},
+              {"shading_bytes", report.shading_bytes},
+              {"samples", samples},
+              {"check", of(report.check)},
+              {"check_expected_seconds", guess}}
+             .dump(2) +
+         "\n";
+}
+
+}  // namespace raysheaf::app

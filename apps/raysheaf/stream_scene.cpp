@@ -1,0 +1,47 @@
+#include "stream_scene.h"
+
+#include <fmt/format.h>
+
+#include "raysheaf/block_file.h"
+#include "scene_argument.h"
+#include "values.h"
+
+namespace raysheaf::app {
+
+bool is_block_file(const std::string& path) {
+  return has_ending(path, ".rsb");
+}
+
+bool is_streamed(const RenderCommand& command) {
+  return command.stream || is_block_file(command.scene);
+}
+
+std::unique_ptr<GeometrySource> open_blocks(const RenderCommand& command) {
+  if (is_block_file(command.scene)) return std::make_unique<BlockFile>(command.scene);
+  const SceneDescription scene = scene_from_argument(command.scene, command.load);
+  auto blocks = std::make_unique<BlockList>();
+  blocks->set_scene(cut_into_blocks(scene, blocks.get()));
+  return blocks;
+}
+
+std::string with_stream(std::string json, const StreamStatistics& s) {
+  const std::string stream = fmt::format(
+      ",\n  \"stream\": {{\n"
+      "    \"blocks\": {},\n    \"culled_blocks\": {},\n    \"hidden_blocks\": {},\n"
+      "    \"read_blocks\": {},\n    \"wasted_blocks\": {},\n    \"shading_blocks\": {},\n"
+      "    \"read_bytes\": {},\n    \"times_ms\": {{\"read\": {}, \"wait\": {}, \"cull\": {}, "
+      "\"trace\": {}, \"shading\": {}}}\n  }}",
+      s.blocks, s.culled_blocks, s.hidden_blocks, s.read_blocks, s.wasted_blocks, s.shading_blocks,
+      s.read_bytes, s.read_ms, s.wait_ms, s.cull_ms, s.trace_ms, s.shading_ms);
+  return json.insert(json.rfind("\n}"), stream);
+}
+
+std::string stream_text(const StreamStatistics& s) {
+  return fmt::format(
+      "  streamed: of {} blocks {} meet no ray's bound, {} lie behind hits, {} were read, {} of "
+      "those for nothing, and {} for their shading: {:.1f} MB; waited {:.0f} ms",
+      s.blocks, s.culled_blocks, s.hidden_blocks, s.read_blocks, s.wasted_blocks, s.shading_blocks,
+      static_cast<double>(s.read_bytes) * 1e-6, s.wait_ms);
+}
+
+}  // namespace raysheaf::app

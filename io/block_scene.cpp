@@ -1,0 +1,305 @@
+// The scene without its triangles: JSON, then pictures as PNG.
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "io/block_format.h"
+#include "io/image.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf::io {
+namespace {
+
+using nlohmann::json;
+
+struct SceneHead {
+  std::uint64_t json_bytes, images;
+};
+
+// Floats become doubles, which JSON writes so that they read back to the same bits. Infinity, which
+// JSON has not, is null.
+json number(float x) {
+  return std::isfinite(x) ? json(static_cast<double>(x)) : json(nullptr);
+}
+float number_from(const json& j) {
+  return j.is_null() ? std::numeric_limits<float>::infinity() : j.get<float>();
+}
+json index(std::uint32_t i) {
+  return i == kInvalidId ? json(nullptr) : json(i);
+}
+std::uint32_t index_from(const json& j) {
+  return j.is_null() ? kInvalidId : j.get<std::uint32_t>();
+}
+json numbers(std::initializer_list<float> values) {
+  json list = json::array();
+  for (const float value : values) list.push_back(number(value));
+  return list;
+}
+json of(Vec2 v) {
+  return numbers({v.x, v.y});
+}
+json of(Vec3 v) {
+  return numbers({v.x, v.y, v.z});
+}
+json of(Vec4 v) {
+  return numbers({v.x, v.y, v.z, v.w});
+}
+Vec2 vec2(const json& j) {
+  return {number_from(j.at(0)), number_from(j.at(1))};
+}
+Vec3 vec3(const json& j) {
+  return {number_from(j.at(0)), number_from(j.at(1)), number_from(j.at(2))};
+}
+Vec4 vec4(const json& j) {
+  return {number_from(j.at(0)), number_from(j.at(1)), number_from(j.at(2)), number_from(j.at(3))};
+}
+
+json of(const Affine& a) {
+  json list = json::array();
+  for (const auto& row : a.m) {
+    for (const float x : row) list.push_back(number(x));
+  }
+  return list;
+}
+Affine affine(const json& j) {
+  Affine a;
+  for (std::size_t i = 0; i < 12; ++i) a.m[i / 4][i % 4] = number_from(j.at(i));
+  return a;
+}
+
+json of(const TextureSlot& slot) {
+  return {{"texture", index(slot.texture)},
+          {"offset", of(slot.offset)},
+          {"scale", of(slot.scale)},
+          {"rotation", number(slot.rotation)}};
+}
+TextureSlot slot(const json& j) {
+  return {index_from(j.at("texture")), vec2(j.at("offset")), vec2(j.at("scale")),
+          number_from(j.at("rotation"))};
+}
+
+json of(const Material& m) {
+  return {{"name", m.name},
+          {"base_color", of(m.base_color)},
+          {"base_color_texture", of(m.base_color_texture)},
+          {"metallic", number(m.metallic)},
+          {"roughness", number(m.roughness)},
+          {"metallic_roughness_texture", of(m.metallic_roughness_texture)},
+          {"emission", of(m.emission)},
+          {"emission_texture", of(m.emission_texture)},
+          {"specular", number(m.specular)},
+          {"specular_color", of(m.specular_color)},
+          {"transmission", number(m.transmission)},
+          {"ior", number(m.ior)},
+          {"unlit", m.unlit},
+          {"double_sided", m.double_sided}};
+}
+Material material(const json& j) {
+  Material m;
+  m.name = j.at("name").get<std::string>();
+  m.base_color = vec4(j.at("base_color"));
+  m.base_color_texture = slot(j.at("base_color_texture"));
+  m.metallic = number_from(j.at("metallic"));
+  m.roughness = number_from(j.at("roughness"));
+  m.metallic_roughness_texture = slot(j.at("metallic_roughness_texture"));
+  m.emission = vec3(j.at("emission"));
+  m.emission_texture = slot(j.at("emission_texture"));
+  m.specular = number_from(j.at("specular"));
+  m.specular_color = vec3(j.at("specular_color"));
+  m.transmission = number_from(j.at("transmission"));
+  m.ior = number_from(j.at("ior"));
+  m.unlit = j.at("unlit").get<bool>();
+  m.double_sided = j.at("double_sided").get<bool>();
+  return m;
+}
+
+const char* const kWraps[] = {"repeat", "mirror", "clamp"};
+const char* const kLights[] = {"point", "spot", "directional", "rectangle"};
+
+template <class Enum, std::size_t kCount>
+Enum word(const json& j, const char* const (&words)[kCount]) {
+  const auto text = j.get<std::string>();
+  for (std::size_t i = 0; i < kCount; ++i) {
+    if (text == words[i]) return static_cast<Enum>(i);
+  }
+  throw Error(ErrorCode::kInvalidData, "a word in its scene is none of those that are known");
+}
+
+json of(const Texture& t) {
+  return {{"image", index(t.image)},
+          {"wrap_u", kWraps[static_cast<int>(t.wrap_u)]},
+          {"wrap_v", kWraps[static_cast<int>(t.wrap_v)]},
+          {"nearest", t.filter == Filter::kNearest}};
+}
+Texture texture(const json& j) {
+  return {index_from(j.at("image")), word<Wrap>(j.at("wrap_u"), kWraps),
+          word<Wrap>(j.at("wrap_v"), kWraps),
+          j.at("nearest").get<bool>() ? Filter::kNearest : Filter::kLinear};
+}
+
+json of(const Instance& i) {
+  return {{"name", i.name}, {"mesh", i.mesh}, {"to_world", of(i.to_world)}};
+}
+Instance instance(const json& j) {
+  return {j.at("name").get<std::string>(), j.at("mesh").get<std::uint32_t>(),
+          affine(j.at("to_world"))};
+}
+
+json of(const Light& l) {
+  return {{"name", l.name},
+          {"type", kLights[static_cast<int>(l.type)]},
+          {"position", of(l.position)},
+          {"direction", of(l.direction)},
+          {"intensity", of(l.intensity)},
+          {"range", number(l.range)},
+          {"inner_angle", number(l.inner_angle)},
+          {"outer_angle", number(l.outer_angle)},
+          {"radius", number(l.radius)},
+          {"right", of(l.right)},
+          {"width", number(l.width)},
+          {"height", number(l.height)}};
+}
+Light light(const json& j) {
+  Light l;
+  l.name = j.at("name").get<std::string>();
+  l.type = word<Light::Type>(j.at("type"), kLights);
+  l.position = vec3(j.at("position"));
+  l.direction = vec3(j.at("direction"));
+  l.intensity = vec3(j.at("intensity"));
+  l.range = number_from(j.at("range"));
+  l.inner_angle = number_from(j.at("inner_angle"));
+  l.outer_angle = number_from(j.at("outer_angle"));
+  l.radius = number_from(j.at("radius"));
+  l.right = vec3(j.at("right"));
+  l.width = number_from(j.at("width"));
+  l.height = number_from(j.at("height"));
+  return l;
+}
+
+json of(const Camera& c) {
+  return {
+      {"name", c.name},           {"to_world", of(c.to_world)}, {"orthographic", c.orthographic},
+      {"y_fov", number(c.y_fov)}, {"y_mag", number(c.y_mag)},   {"z_near", number(c.z_near)},
+      {"z_far", number(c.z_far)}};
+}
+Camera camera(const json& j) {
+  Camera c;
+  c.name = j.at("name").get<std::string>();
+  c.to_world = affine(j.at("to_world"));
+  c.orthographic = j.at("orthographic").get<bool>();
+  c.y_fov = number_from(j.at("y_fov"));
+  c.y_mag = number_from(j.at("y_mag"));
+  c.z_near = number_from(j.at("z_near"));
+  c.z_far = number_from(j.at("z_far"));
+  c.aperture = number_from(j.at("aperture"));
+  c.focus = number_from(j.at("focus"));
+  return c;
+}
+
+template <class T>
+json list_of(const std::vector<T>& items) {
+  json list = json::array();
+  for (const T& item : items) list.push_back(of(item));
+  return list;
+}
+template <class T>
+void read_list(const json& j, const char* name, T (*read)(const json&), std::vector<T>* out) {
+  const json& list = j.at(name);
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    try {
+      out->push_back(read(list.at(i)));
+    } catch (const json::exception&) {
+      throw Error(ErrorCode::kInvalidData, "a field is missing, or is not what it should be",
+                  std::string(name) + "[" + std::to_string(i) + "]");
+    }
+  }
+}
+
+void read_images(std::span<const std::uint8_t> bytes, const json& names, std::size_t count,
+                 SceneDescription* scene) {
+  std::uint64_t pixels = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::string place = "images[" + std::to_string(i) + "]";
+    std::uint64_t size = 0;
+    if (bytes.size() < sizeof size) throw Error(ErrorCode::kInvalidData, "is not there", place);
+    std::memcpy(&size, bytes.data(), sizeof size);
+    bytes = bytes.subspan(sizeof size);
+    if (bytes.size() < size) throw Error(ErrorCode::kInvalidData, "is not all there", place);
+    const auto encoded = bytes.first(size);
+    bytes = bytes.subspan(size);
+    if (const auto head = image_size(encoded)) pixels += std::uint64_t{head->width} * head->height;
+    if (pixels > kMaxScenePixels)
+      throw Error(ErrorCode::kOutOfMemory, "the pictures have too many pixels", place);
+    std::optional<Image> image = decode_image(encoded);
+    if (!image) throw Error(ErrorCode::kInvalidData, "is no picture", place);
+    image->name = names.at(i).get<std::string>();
+    scene->images.push_back(std::move(*image));
+  }
+  if (!bytes.empty())
+    throw Error(ErrorCode::kInvalidData, "there is more than its pictures", "images");
+}
+
+SceneDescription scene_from(const json& j) {
+  SceneDescription scene;
+  scene.name = j.at("name").get<std::string>();
+  for (const json& name : j.at("meshes")) scene.meshes.emplace_back().name = name;
+  read_list(j, "instances", instance, &scene.instances);
+  read_list(j, "materials", material, &scene.materials);
+  read_list(j, "textures", texture, &scene.textures);
+  read_list(j, "lights", light, &scene.lights);
+  read_list(j, "cameras", camera, &scene.cameras);
+  return scene;
+}
+
+void append(std::span<const std::uint8_t> bytes, Bytes* out) {
+  out->insert(out->end(), bytes.begin(), bytes.end());
+}
+
+}  // namespace
+
+Bytes encode_scene(const SceneDescription& scene) {
+  json j;
+  j["name"] = scene.name;
+  j["meshes"] = json::array();
+  for (const Mesh& mesh : scene.meshes) j["meshes"].push_back(mesh.name);
+  j["instances"] = list_of(scene.instances);
+  j["materials"] = list_of(scene.materials);
+  j["textures"] = list_of(scene.textures);
+  j["lights"] = list_of(scene.lights);
+  j["cameras"] = list_of(scene.cameras);
+  j["images"] = json::array();
+  for (const Image& image : scene.images) j["images"].push_back(image.name);
+  const std::string text = j.dump(-1, ' ', false, json::error_handler_t::replace);
+  Bytes out;
+  append(bytes_of(SceneHead{text.size(), scene.images.size()}), &out);
+  append(as_bytes(text), &out);
+  for (const Image& image : scene.images) {
+    const Bytes png = encode_png(image);
+    append(bytes_of(std::uint64_t{png.size()}), &out);
+    append(png, &out);
+  }
+  return out;
+}
+
+SceneDescription decode_scene(std::span<const std::uint8_t> bytes) {
+  SceneHead head{};
+  if (bytes.size() < sizeof head) throw Error(ErrorCode::kInvalidData, "is too short", "scene");
+  std::memcpy(&head, bytes.data(), sizeof head);
+  bytes = bytes.subspan(sizeof head);
+  if (head.json_bytes > bytes.size())
+    throw Error(ErrorCode::kInvalidData, "its JSON is not all there", "scene");
+  try {
+    const auto text = bytes.first(head.json_bytes);
+    const json j = json::parse(text.begin(), text.end());
+    SceneDescription scene = scene_from(j);
+    const json& names = j.at("images");
+    if (names.size() != head.images)
+      throw Error(ErrorCode::kInvalidData, "there are as many names as pictures", "images");
+    read_images(bytes.subspan(head.json_bytes), names, names.size(), &scene);
+    return scene;
+  } catch (const json::exception&) {
+    throw Error(ErrorCode::kInvalidData, "its JSON is not what it should be", "scene");
+  }
+}
+
+}  // namespace raysheaf::io

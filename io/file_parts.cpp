@@ -1,0 +1,96 @@
+#include "io/file_parts.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <utility>
+
+#include "io/file.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf::io {
+
+namespace fs = std::filesystem;
+
+FileReader::FileReader(const std::string& path)
+    : file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
+  const auto close_and = [this](auto error) {
+    if (file_ >= 0) ::close(std::exchange(file_, -1));
+    throw error;
+  };
+  if (file_ < 0 && (errno == ENOENT || errno == ENOTDIR))
+    throw Error(ErrorCode::kNotFound, "no such file", path);
+  struct stat status = {};
+  if (file_ < 0 || ::fstat(file_, &status) != 0) close_and(system_error("read", path, errno));
+  if (S_ISDIR(status.st_mode)) close_and(Error(ErrorCode::kIo, "is a folder, not a file", path));
+  if (!S_ISREG(status.st_mode)) close_and(Error(ErrorCode::kIo, "is not a regular file", path));
+  size_ = static_cast<std::uint64_t>(status.st_size);
+}
+
+FileReader::~FileReader() {
+  if (file_ >= 0) ::close(file_);
+}
+
+void FileReader::read(std::uint64_t offset, std::span<std::uint8_t> out,
+                      const std::string& place) const {
+  while (!out.empty()) {
+    const ssize_t got = ::pread(file_, out.data(), out.size(), static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw system_error("read", place, errno);
+    if (got == 0) throw Error(ErrorCode::kIo, "the file became shorter while it was read", place);
+    out = out.subspan(static_cast<std::size_t>(got));
+    offset += static_cast<std::uint64_t>(got);
+  }
+}
+
+FileWriter::FileWriter(const std::string& path) : path_(path), target_(path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::is_directory(status)) throw system_error("written", path, EISDIR);
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    throw Error(ErrorCode::kIo, "cannot be written: is not a regular file", path);
+  if (fs::is_symlink(fs::symlink_status(path, error)) && fs::exists(status))
+    target_ = fs::canonical(path, error).string();
+  temporary_ = temporary_name(target_);
+  file_ = ::open(temporary_.c_str(), O_WRONLY | O_CLOEXEC | O_CREAT | O_EXCL, 0666);
+  if (file_ < 0) throw system_error("written", path, errno);
+}
+
+FileWriter::~FileWriter() {
+  if (file_ < 0) return;
+  ::close(file_);
+  ::unlink(temporary_.c_str());
+}
+
+void FileWriter::write_at(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t put = ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) throw system_error("written", path_, errno);
+    bytes = bytes.subspan(static_cast<std::size_t>(put));
+    offset += static_cast<std::uint64_t>(put);
+  }
+}
+
+void FileWriter::append(std::span<const std::uint8_t> bytes) {
+  write_at(size_, bytes);
+  size_ += bytes.size();
+}
+
+void FileWriter::overwrite(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
+  write_at(offset, bytes);
+}
+
+void FileWriter::finish() {
+  int failure = ::close(std::exchange(file_, -1)) == 0 ? 0 : errno;
+  if (failure == 0 && std::rename(temporary_.c_str(), target_.c_str()) != 0) failure = errno;
+  if (failure == 0) return;
+  ::unlink(temporary_.c_str());
+  throw system_error("written", path_, failure);
+}
+
+}  // namespace raysheaf::io

@@ -1,0 +1,101 @@
+// render() of what streams.
+#include <algorithm>
+#include <string>
+
+#include "api/render_input.h"
+#include "exec/stopwatch.h"
+#include "frame/frame.h"
+#include "frame/streamed_geometry.h"
+#include "raysheaf/cameras.h"
+#include "raysheaf/error.h"
+#include "raysheaf/stream.h"
+#include "scene/environment.h"
+#include "scene/texture.h"
+
+namespace raysheaf {
+namespace {
+
+/// What the process has beside the picture and the blocks.
+constexpr std::uint64_t kBaseBytes = std::uint64_t{48} << 20;
+constexpr std::uint64_t kBytesPerShadowRay = 128 + kStreamRayBytes;
+
+void refuse(const std::string& sentence, const char* option) {
+  throw Error(ErrorCode::kUnsupported, sentence, option);
+}
+
+void check_streamed(const RenderOptions& options, const StreamOptions& stream) {
+  if (options.method != Method::kDual) refuse("what streams is met by dual alone", "method");
+  if (options.primary != Primary::kTrace) refuse("what streams is seen by rays alone", "primary");
+  check_parts(stream);
+}
+
+/// What streams brings its light, or shines by itself.
+std::vector<Light> lights_of(const SceneDescription& scene, std::uint32_t samples) {
+  return scene.lights.empty() ? scene.lights : find_lights(scene, scene.cameras.front(), samples);
+}
+
+RenderResult render_checked(const GeometrySource& source, const RenderOptions& options,
+                            const StreamOptions& stream) {
+  Stopwatch watch;
+  const Executor executor(options.threads);
+  ProgressMeter meter(options.progress);
+  const SceneDescription& scene = source.scene();
+  Camera camera = find_camera(scene, options.camera);
+  camera.aperture = options.aperture.value_or(camera.aperture);
+  camera.focus = options.focus.value_or(camera.focus);
+  const std::uint32_t samples = find_samples(scene, camera, options);
+  const std::vector<Light> lights = lights_of(scene, samples);
+  const TextureSet textures(scene);
+  const EnvironmentMap environment(executor, scene.environment);
+
+  const std::uint64_t pixels = std::uint64_t{options.width} * options.height;
+  const std::uint64_t taken = kBaseBytes + pixels * (kBytesPerPixel + kStreamRayBytes);
+  const std::uint32_t slots = slots_for(stream.memory_bytes, taken, pixels);
+  const std::uint64_t room = (stream.memory_bytes - taken) / 4;
+  Streamer streamer(executor, source, stream, slots);
+  StreamedGeometry geometry(executor, &streamer, textures,
+                            std::max(pixels, room / kBytesPerShadowRay));
+  const FrameInput input{geometry,
+                         camera,
+                         lights,
+                         options,
+                         samples,
+                         nullptr,
+                         scene.environment.empty() ? nullptr : &environment.view()};
+  RenderResult result = render_frame(executor, input, &meter);
+
+  if (stream.statistics != nullptr) {
+    add(streamer.statistics(), stream.statistics);
+    add(geometry.shading(), stream.statistics);
+  }
+  FrameStatistics& s = result.statistics;
+  s.scene = scene.name;
+  s.triangles = streamer.triangle_count();
+  s.meshes = scene.instances.size();
+  s.width = options.width;
+  s.height = options.height;
+  s.method = to_string(options.method);
+  s.device = "cpu";
+  s.primary = "trace";
+  s.threads = executor.threads();
+  s.total_ms = watch.lap_ms();
+  return result;
+}
+
+}  // namespace
+
+RenderResult render(const GeometrySource& source, const RenderOptions& options,
+                    const StreamOptions& stream) {
+  try {
+    check(options);
+    check_streamed(options, stream);
+    validate_but_triangles(source.scene());
+    if (source.scene().cameras.empty())
+      throw Error(ErrorCode::kInvalidData, "what streams brings a camera", "cameras");
+    return render_checked(source, options, stream);
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for this picture");
+  }
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,73 @@
+// The front door of streamed queries.
+#include <algorithm>
+#include <string>
+
+#include "api/query_check.h"
+#include "api/scene_impl.h"
+#include "raysheaf/error.h"
+#include "stream/streamer.h"
+
+namespace raysheaf {
+namespace {
+
+constexpr std::uint32_t kMostThreads = 1024;
+constexpr std::size_t kMostRays = 0x7fffffff;
+/// What the process has beside the rays and the blocks.
+constexpr std::uint64_t kBaseBytes = std::uint64_t{32} << 20;
+
+void check(const StreamOptions& options, std::size_t rays, std::size_t answers, const char* name) {
+  if (answers != rays)
+    throw Error(ErrorCode::kInvalidArgument,
+                std::to_string(answers) + " results for " + std::to_string(rays) + " rays", name);
+  if (rays > kMostRays)
+    throw Error(ErrorCode::kUnsupported, std::to_string(rays) + " rays are more than 2^31 - 1",
+                "rays");
+  if (options.threads > kMostThreads)
+    throw Error(ErrorCode::kInvalidArgument,
+                "must be from 0 to 1024, not " + std::to_string(options.threads), "threads");
+  check_parts(options);
+}
+
+/// `body(streamer, request, report)` on what the options ask for.
+template <class Body>
+void stream(const GeometrySource& source, std::span<const Ray> rays, const StreamOptions& options,
+            const Body& body) {
+  const Executor executor(options.threads);
+  if (options.check) check_rays(executor, {rays.data(), rays.size()});
+  const std::uint64_t taken = kBaseBytes + rays.size() * kStreamRayBytes;
+  Streamer streamer(executor, source, options, slots_for(options.memory_bytes, taken, rays.size()));
+  ProgressMeter meter(options.progress);
+  StreamRequest request;
+  request.stage = "rays";
+  request.meter = &meter;
+  EngineReport report;
+  body(&streamer, request, &report);
+  if (options.statistics != nullptr) add(streamer.statistics(), options.statistics);
+}
+
+}  // namespace
+
+void closest_hit(const GeometrySource& source, std::span<const Ray> rays, std::span<Hit> hits,
+                 const StreamOptions& options) {
+  translated([&] {
+    check(options, rays.size(), hits.size(), "hits");
+    std::vector<StreamHit> found(rays.size());
+    stream(source, rays, options, [&](Streamer* s, const StreamRequest& request, auto* report) {
+      s->closest({rays.data(), rays.size()}, request, found, report);
+    });
+    std::transform(found.begin(), found.end(), hits.begin(),
+                   [](const StreamHit& hit) { return hit.hit; });
+  });
+}
+
+void any_hit(const GeometrySource& source, std::span<const Ray> rays,
+             std::span<std::uint8_t> occluded, const StreamOptions& options) {
+  translated([&] {
+    check(options, rays.size(), occluded.size(), "occluded");
+    stream(source, rays, options, [&](Streamer* s, const StreamRequest& request, auto* report) {
+      s->any({rays.data(), rays.size()}, request, {occluded.data(), occluded.size()}, report);
+    });
+  });
+}
+
+}  // namespace raysheaf

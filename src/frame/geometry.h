@@ -1,0 +1,58 @@
+// The triangles of a frame, wherever they are: in memory, or in blocks that stream past.
+#pragma once
+
+#include <vector>
+
+#include "exec/progress_meter.h"
+#include "intersect/facing_body.h"
+#include "raygen/camera_body.h"
+#include "raygen/fragment.h"
+#include "raygen/raygen.h"
+#include "raysheaf/render.h"
+
+namespace raysheaf {
+
+class Rasterizer;
+
+/// How the first hits are found. `statistics` and `pixel_tests` are of traced ones alone.
+struct Seeing {
+  const CameraFrame& frame;
+  Rasterizer* rasterizer = nullptr;  ///< null: by rays
+  BatchStatistics* statistics = nullptr;
+  View<float> pixel_tests;  ///< may be empty
+};
+
+/// Triangles have numbers, which mean something to their geometry alone, and until the next call
+/// of `see` or `trace`. One call at a time.
+class FrameGeometry {
+ public:
+  FrameGeometry() = default;
+  FrameGeometry(const FrameGeometry&) = delete;
+  FrameGeometry& operator=(const FrameGeometry&) = delete;
+  virtual ~FrameGeometry() = default;
+
+  /// Of all triangles.
+  [[nodiscard]] virtual const Box& bounds() const = 0;
+  [[nodiscard]] virtual std::uint64_t triangle_count() const = 0;
+  /// Shadow rays that are traced at once.
+  [[nodiscard]] virtual std::size_t most_shadow_rays() const = 0;
+
+  /// One fragment a pixel, rows from the top, with the surface that is seen there.
+  [[nodiscard]] virtual std::vector<Fragment> see(const Seeing& seeing, ProgressMeter* meter) = 0;
+  /// The depth of what the middle of the picture shows, seen from the eye; where that is nothing,
+  /// of the scene's farthest corner.
+  [[nodiscard]] virtual float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) = 0;
+  /// What each ray of a batch meets. Adds to `statistics`; where `ray_tests` is not empty, adds
+  /// each ray's tests to it. Of rays that ask for occlusion (`asks_occlusion`) only `found()` is
+  /// said.
+  [[nodiscard]] virtual std::vector<RayHit> trace(const RayBatch& batch, bool early_out,
+                                                  BatchStatistics* statistics,
+                                                  View<float> ray_tests, ProgressMeter* meter) = 0;
+  /// The surfaces where rays[i] meets fragments[i].triangle, for those that have one. What arrives
+  /// runs along `incoming`.
+  virtual void fetch_surfaces(View<const Ray> rays, View<Fragment> fragments) = 0;
+  /// The names of a fragment's triangle, or none.
+  [[nodiscard]] virtual PixelIds ids(std::uint32_t triangle) const = 0;
+};
+
+}  // namespace raysheaf

@@ -1,0 +1,67 @@
+#include "frame/resident_geometry.h"
+
+#include "frame/frame.h"
+#include "frame/primary.h"
+#include "intersect/triangle_body.h"
+#include "scene/surface.h"
+
+namespace raysheaf {
+namespace {
+
+constexpr std::size_t kGrain = 1024;
+
+}  // namespace
+
+ResidentGeometry::ResidentGeometry(const Executor& executor, const FlatScene& scene,
+                                   const TextureSet& textures, const RenderOptions& options,
+                                   TraceCache* cache)
+    : executor_(executor), scene_(scene), textures_(textures) {
+  options_.method = settings_for(options);
+  options_.cache = cache != nullptr ? cache : &own_cache_;
+  options_.cache->tree = {};
+  options_.bundle_samples = options.bundle_samples;
+}
+
+std::vector<Fragment> ResidentGeometry::see(const Seeing& seeing, ProgressMeter* meter) {
+  std::vector<std::uint32_t> triangles;
+  if (seeing.rasterizer != nullptr) {
+    meter->begin("raster", 1);
+    triangles = rasterize_primary(executor_, *seeing.rasterizer, scene_, seeing.frame);
+  } else {
+    triangles = trace_primary(executor_, scene_, seeing.frame, options_.method, seeing.statistics,
+                              seeing.pixel_tests, meter, options_.cache);
+  }
+  meter->begin("surfaces", 1);
+  return fetch_fragments(executor_, scene_, textures_, seeing.frame, triangles);
+}
+
+float ResidentGeometry::depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) {
+  return raysheaf::depth_of_middle(executor_, scene_, frame, options_.method, meter);
+}
+
+std::vector<RayHit> ResidentGeometry::trace(const RayBatch& batch, bool early_out,
+                                            BatchStatistics* statistics, View<float> ray_tests,
+                                            ProgressMeter* meter) {
+  TraceOptions options = options_;
+  options.early_out = early_out;
+  return raysheaf::trace(executor_, scene_, batch, options, statistics, ray_tests, meter);
+}
+
+void ResidentGeometry::fetch_surfaces(View<const Ray> rays, View<Fragment> fragments) {
+  executor_.for_each(fragments.size, kGrain, [&](std::size_t i) {
+    Fragment& f = fragments[i];
+    if (f.triangle == kInvalidId) return;
+    TriangleHit where{};
+    intersect_triangle(make_ray_setup(rays[i]), scene_.corner(f.triangle, 0),
+                       scene_.corner(f.triangle, 1), scene_.corner(f.triangle, 2), &where);
+    f.surface = surface_at(scene_, textures_, f.triangle, where.u, where.v, f.incoming);
+  });
+}
+
+PixelIds ResidentGeometry::ids(std::uint32_t triangle) const {
+  if (triangle == kInvalidId) return {};
+  const FlatMesh& mesh = scene_.meshes[scene_.mesh_of_triangle[triangle]];
+  return {mesh.inst_id, mesh.geom_id, triangle - mesh.first_triangle};
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,35 @@
+// Triangles in memory, met by any method.
+#pragma once
+
+#include "frame/geometry.h"
+#include "frame/trace.h"
+#include "scene/texture.h"
+
+namespace raysheaf {
+
+class ResidentGeometry : public FrameGeometry {
+ public:
+  /// All must outlive it. `cache`: of the scene, kept from frame to frame; none: nothing is.
+  ResidentGeometry(const Executor& executor, const FlatScene& scene, const TextureSet& textures,
+                   const RenderOptions& options, TraceCache* cache = nullptr);
+
+  [[nodiscard]] const Box& bounds() const override { return scene_.bounds; }
+  [[nodiscard]] std::uint64_t triangle_count() const override { return scene_.triangle_count; }
+  [[nodiscard]] std::size_t most_shadow_rays() const override { return std::size_t{1} << 24; }
+  [[nodiscard]] std::vector<Fragment> see(const Seeing& seeing, ProgressMeter* meter) override;
+  [[nodiscard]] std::vector<RayHit> trace(const RayBatch& batch, bool early_out,
+                                          BatchStatistics* statistics, View<float> ray_tests,
+                                          ProgressMeter* meter) override;
+  [[nodiscard]] float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) override;
+  void fetch_surfaces(View<const Ray> rays, View<Fragment> fragments) override;
+  [[nodiscard]] PixelIds ids(std::uint32_t triangle) const override;
+
+ private:
+  const Executor& executor_;
+  const FlatScene& scene_;
+  const TextureSet& textures_;
+  TraceCache own_cache_;
+  TraceOptions options_;
+};
+
+}  // namespace raysheaf

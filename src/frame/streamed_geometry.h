@@ -1,0 +1,50 @@
+// Triangles in blocks that stream past the rays of a frame (raysheaf/stream.h).
+#pragma once
+
+#include "frame/geometry.h"
+#include "scene/surface.h"
+#include "stream/streamer.h"
+
+namespace raysheaf {
+
+class StreamedGeometry : public FrameGeometry {
+ public:
+  /// What the streamer has must outlive it. `most_shadow_rays`: that memory has room for.
+  StreamedGeometry(const Executor& executor, Streamer* streamer, const TextureSet& textures,
+                   std::size_t most_shadow_rays);
+
+  [[nodiscard]] const Box& bounds() const override { return streamer_.bounds(); }
+  [[nodiscard]] std::uint64_t triangle_count() const override { return streamer_.triangle_count(); }
+  [[nodiscard]] std::size_t most_shadow_rays() const override { return most_shadow_rays_; }
+  /// By rays.
+  [[nodiscard]] std::vector<Fragment> see(const Seeing& seeing, ProgressMeter* meter) override;
+  [[nodiscard]] float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) override;
+  /// A triangle's number is the ray's that met it.
+  [[nodiscard]] std::vector<RayHit> trace(const RayBatch& batch, bool early_out,
+                                          BatchStatistics* statistics, View<float> ray_tests,
+                                          ProgressMeter* meter) override;
+  /// Reads the shading parts of the blocks that own hits, each once.
+  void fetch_surfaces(View<const Ray> rays, View<Fragment> fragments) override;
+  [[nodiscard]] PixelIds ids(std::uint32_t triangle) const override;
+
+  /// Milliseconds, bytes and blocks of `fetch_surfaces`.
+  [[nodiscard]] const StreamStatistics& shading() const { return shading_; }
+
+ private:
+  [[nodiscard]] std::vector<RayHit> closest(const RayBatch& batch, const StreamRequest& request,
+                                            BatchStatistics* statistics);
+  [[nodiscard]] std::vector<RayHit> occluded(const RayBatch& batch, const StreamRequest& request,
+                                             BatchStatistics* statistics);
+  [[nodiscard]] std::vector<RayHit> traced(const RayBatch& batch, Facing facing,
+                                           BatchStatistics* statistics, View<float> ray_tests,
+                                           ProgressMeter* meter);
+
+  const Executor& executor_;
+  Streamer& streamer_;
+  const TextureSet& textures_;
+  std::size_t most_shadow_rays_;
+  std::vector<StreamHit> hits_;  ///< of the last batch that asked for the closest
+  StreamStatistics shading_;
+};
+
+}  // namespace raysheaf

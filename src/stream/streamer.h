@@ -1,0 +1,84 @@
+// Batches of rays against blocks that stream past them.
+//
+//   blocks that a ray may meet, near ones first
+//        │ a round of them                          ┌─ cull again: what is behind the hits is left
+//        ▼                                          ▼
+//   [ read, decode, check ]  while the last one's  [ rays that meet it ] ─► engine ─► least hits
+//
+// What happens depends on the rays, the blocks and the size of a round alone, not on threads nor on
+// how fast anything is read: so do counts and bytes.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/buffer.h"
+#include "engine/engine.h"
+#include "exec/executor.h"
+#include "exec/progress_meter.h"
+#include "raysheaf/stream.h"
+#include "stream/block_reader.h"
+#include "stream/ray_tree.h"
+
+namespace raysheaf {
+
+/// What a batch wants beside its answers.
+struct StreamRequest {
+  std::string stage;  ///< of the meter, which counts bytes
+  ProgressMeter* meter = nullptr;
+  Facing facing = Facing::kBoth;
+  View<float> ray_tests;  ///< may be empty
+};
+
+/// Bytes that a ray takes here, and a block that is read and traced.
+inline constexpr std::uint64_t kStreamRayBytes = 256, kStreamBlockBytes = std::uint64_t{24} << 20;
+inline constexpr std::uint32_t kMostSlots = 16;
+
+class Streamer {
+ public:
+  /// `slots`: blocks that are traced at once, while as many are read. `options`: `front_to_back`,
+  /// `part`, `parts`, `exchange` and `statistics` are used.
+  Streamer(const Executor& executor, const GeometrySource& source, const StreamOptions& options,
+           std::uint32_t slots);
+  Streamer(const Streamer&) = delete;
+  Streamer& operator=(const Streamer&) = delete;
+  ~Streamer();
+
+  [[nodiscard]] const GeometrySource& source() const { return source_; }
+  [[nodiscard]] const Box& bounds() const { return bounds_; }
+  [[nodiscard]] std::uint64_t triangle_count() const { return triangle_count_; }
+  [[nodiscard]] const StreamStatistics& statistics() const { return statistics_; }
+
+  /// hits[i] takes the least hit of rays[i]; occluded[i] is 1 where it meets anything. Rays have
+  /// been checked. The report takes counts, times and a sentence.
+  void closest(View<const Ray> rays, const StreamRequest& request, View<StreamHit> hits,
+               EngineReport* report);
+  void any(View<const Ray> rays, const StreamRequest& request, View<std::uint8_t> occluded,
+           EngineReport* report);
+
+ private:
+  friend class Sweep;
+  struct Slot;
+
+  const Executor& executor_;
+  const GeometrySource& source_;
+  const StreamOptions& options_;
+  Box bounds_;
+  std::uint64_t triangle_count_ = 0;
+  StreamStatistics statistics_;
+  std::vector<std::unique_ptr<Slot>> slots_;
+  std::vector<TriangleBlock> reading_, tracing_;
+};
+
+/// Throws `Error` (kInvalidArgument) where `part` is not among `parts`.
+void check_parts(const StreamOptions& options);
+
+void add(const StreamStatistics& more, StreamStatistics* sum);
+
+/// How many slots `memory_bytes` have room for beside what is `taken`, for batches of `rays`.
+/// Throws `Error` (kOutOfMemory) where that is not even one.
+[[nodiscard]] std::uint32_t slots_for(std::uint64_t memory_bytes, std::uint64_t taken,
+                                      std::uint64_t rays);
+
+}  // namespace raysheaf

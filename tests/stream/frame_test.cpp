@@ -1,0 +1,113 @@
+// Frames of what streams are those of the scene in memory, bit for bit.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "raysheaf/builtin_scenes.h"
+#include "raysheaf/error.h"
+#include "raysheaf/io.h"
+#include "raysheaf/stream.h"
+#include "support/scenes.h"
+
+namespace raysheaf::test {
+namespace {
+
+template <class T>
+bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+void expect_same_picture(const RenderResult& a, const RenderResult& b) {
+  EXPECT_TRUE(same_bits(a.beauty, b.beauty));
+  EXPECT_TRUE(same_bits(a.position, b.position));
+  EXPECT_TRUE(same_bits(a.normal, b.normal));
+  EXPECT_TRUE(same_bits(a.albedo, b.albedo));
+  EXPECT_TRUE(same_bits(a.ids, b.ids));
+  EXPECT_TRUE(same_bits(a.shadow, b.shadow));
+  EXPECT_EQ(a.exposure, b.exposure);
+}
+
+RenderOptions small_picture() {
+  RenderOptions options;
+  options.width = 72;
+  options.height = 48;
+  options.primary = Primary::kTrace;
+  return options;
+}
+
+void expect_streamed_as_resident(SceneDescription scene, std::uint32_t triangles_a_block) {
+  add_missing_camera_and_light(scene);
+  RenderOptions options = small_picture();
+  const RenderResult resident = render(scene, options);
+  BlockList blocks;
+  blocks.set_scene(cut_into_blocks(scene, &blocks, triangles_a_block));
+  StreamStatistics statistics;
+  StreamOptions stream;
+  stream.statistics = &statistics;
+  options.threads = 2;
+  options.count_pixel_tests = true;
+  const RenderResult streamed = render(blocks, options, stream);
+  expect_same_picture(resident, streamed);
+  EXPECT_EQ(streamed.statistics.triangles, scene.triangle_count());
+  EXPECT_EQ(statistics.blocks,
+            statistics.culled_blocks + statistics.hidden_blocks + statistics.read_blocks);
+  EXPECT_GT(statistics.shading_blocks, 0u);
+  ASSERT_EQ(resident.statistics.batches.size(), streamed.statistics.batches.size());
+  for (std::size_t i = 0; i < resident.statistics.batches.size(); ++i) {
+    EXPECT_EQ(resident.statistics.batches[i].rays, streamed.statistics.batches[i].rays);
+    EXPECT_EQ(resident.statistics.batches[i].hits, streamed.statistics.batches[i].hits);
+  }
+}
+
+TEST(StreamedFrame, BuiltinScenesAreTheSame) {
+  for (const std::string& name : builtin_scene_names()) {
+    SCOPED_TRACE(name);
+    const SceneDescription scene = builtin_scene(name);
+    for (const std::uint32_t most : {300u, 5000u, kBlockTriangles})
+      expect_streamed_as_resident(scene, most);
+  }
+}
+
+TEST(StreamedFrame, AHallMadeInBlocksIsTheSame) {
+  RenderOptions options = small_picture();
+  BlockList blocks;
+  blocks.set_scene(hall_in_blocks(300'000, &blocks, 2));
+  expect_same_picture(render(hall_scene(300'000, 2), options), render(blocks, options));
+}
+
+TEST(StreamedFrame, ScenesOfOthersAreTheSame) {
+  for (const char* name : {"paper/sponza.glb", "paper/office.glb", "bart_kitchen/static.obj"}) {
+    SCOPED_TRACE(name);
+    const std::filesystem::path path = scenes_directory() / name;
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << "no scene " << path;
+    expect_streamed_as_resident(load_scene(path.string()), 4000);
+  }
+}
+
+TEST(StreamedFrame, AsksForWhatItCanDo) {
+  BlockList blocks;
+  blocks.set_scene(cut_into_blocks(builtin_scene("cornell"), &blocks));
+  const auto code = [&](const RenderOptions& options, const StreamOptions& stream = {}) {
+    try {
+      static_cast<void>(render(blocks, options, stream));
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return ErrorCode::kInternal;
+  };
+  RenderOptions options = small_picture();
+  options.primary = Primary::kRaster;
+  EXPECT_EQ(code(options), ErrorCode::kUnsupported);
+  options = small_picture();
+  options.method = Method::kCrsh;
+  EXPECT_EQ(code(options), ErrorCode::kUnsupported);
+  options = small_picture();
+  options.camera = "nowhere";
+  EXPECT_EQ(code(options), ErrorCode::kNotFound);
+  StreamOptions stream;
+  stream.memory_bytes = 1 << 20;
+  EXPECT_EQ(code(small_picture(), stream), ErrorCode::kOutOfMemory);
+}
+
+}  // namespace
+}  // namespace raysheaf::test
