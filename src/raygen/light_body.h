@@ -170,6 +170,16 @@ RAYSHEAF_HD inline LightSample sample_rectangle(const Light& light, Vec3 positio
   return sample;
 }
 
+/// As if it shone from its place alone.
+RAYSHEAF_HD inline LightSample sample_point(const Light& light, Vec3 position) {
+  const Vec3 to_light = light.position - position;
+  const float distance = length(to_light);
+  const Vec3 unit = normalized(to_light);
+  if (!(distance > 0)) return {unit, 0, {0, 0, 0}, light.position};
+  const float falloff = light_window(light, -unit, distance) / distance / distance;
+  return {unit, distance, light.intensity * falloff, light.position};
+}
+
 /// `chosen`: where on the light, both in [0, 1); lights without a size do not look at it.
 RAYSHEAF_HD inline LightSample sample_light(const Light& light, Vec3 position,
                                             Vec2 chosen = {0.5f, 0.5f}) {
@@ -177,12 +187,7 @@ RAYSHEAF_HD inline LightSample sample_light(const Light& light, Vec3 position,
     return {-light.direction, std::numeric_limits<float>::infinity(), light.intensity, {0, 0, 0}};
   if (light.type == Light::Type::kRectangle) return sample_rectangle(light, position, chosen);
   if (light.radius > 0) return sample_ball(light, position, chosen);
-  const Vec3 to_light = light.position - position;
-  const float distance = length(to_light);
-  const Vec3 unit = normalized(to_light);
-  if (!(distance > 0)) return {unit, 0, {0, 0, 0}, light.position};
-  const float falloff = light_window(light, -unit, distance) / distance / distance;
-  return {unit, distance, light.intensity * falloff, light.position};
+  return sample_point(light, position);
 }
 
 }  // namespace raysheaf

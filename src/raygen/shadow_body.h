@@ -24,10 +24,13 @@ RAYSHEAF_HD inline bool faces_light(const Fragment& f, const LightSample& sample
          dot(f.surface.normal, sample.to_light) > 0 && max_component(sample.irradiance) > 0;
 }
 
-/// Where on light number `index` of the scene the fragment looks in this sample.
+/// Where on light number `index` of the scene the fragment looks in this sample. A lone sample has
+/// no choice to make: a ball then shines from its centre, as a point does.
 RAYSHEAF_HD inline LightSample choose_on_light(const Fragment& f, const Light& light,
                                                std::uint32_t index, SampleOf sample) {
   if (!has_size(light)) return sample_light(light, f.surface.position);
+  if (sample.count == 1 && light.type != Light::Type::kRectangle)
+    return sample_point(light, f.surface.position);
   const std::uint32_t seed = choice_seed(Choice::kLight, f.pixel, f.path, index);
   return sample_light(light, f.surface.position, sample_pair(sample, seed));
 }

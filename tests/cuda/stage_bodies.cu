@@ -56,6 +56,7 @@ __global__ void run_soft_light(const Light* lights, const Fragment* fragments, E
   const Vec2 chosen = sample_pair({i, 8}, choice_seed(Choice::kSky, i, f.path, 0));
   const LightSample ball = sample_ball(light, f.surface.position, chosen);
   const LightSample plate = sample_rectangle(light, f.surface.position, chosen);
+  out[i].put(sample_point(light, f.surface.position).point);
   out[i].put(has_size(light), ball.point, plate.point, off_light(ball.point, plate.point, 1));
   const RectanglePlace place = place_by_solid_angle({-1, -1, 1, 1, -1}, chosen);
   out[i].put(place.x, place.y, place.solid_angle, tangents(f.surface.normal).s);
