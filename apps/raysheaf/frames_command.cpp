@@ -209,7 +209,7 @@ class FrameRun {
   Animation& animation_;
   FramePlan plan_;
   RenderOptions options_;
-  Renderer renderer_;
+  Renderer renderer_{Context({command_.device, command_.options.threads})};
   std::vector<std::unique_ptr<Film>> films_;
   std::vector<std::uint64_t> missing_;
   std::uint64_t made_ = 0;

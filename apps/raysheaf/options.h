@@ -9,6 +9,8 @@
 #include "compare/words.h"
 #include "frames.h"
 #include "raysheaf/block_file.h"
+#include "raysheaf/context.h"
+#include "raysheaf/device_bench.h"
 #include "raysheaf/io.h"
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
@@ -37,7 +39,7 @@ struct RenderCommand {
   LoadOptions load;
   std::vector<std::string> pictures;  ///< PNG and OpenEXR, by their ending
   std::string stats_path, heatmap_path;
-  std::string device = "cpu";
+  Device device = Device::kCpu;
   bool explain = false, quiet = false;
   bool stream = false;  ///< block files stream in any case
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;
@@ -110,6 +112,14 @@ struct BenchCompareCommand {
   std::string json_path, markdown_path, plot_path;
 };
 
+struct BenchGpuCommand {
+  std::string scenes;                    ///< a folder; empty: the built-in scenes
+  std::vector<std::string> scene_names;  ///< empty: all there are
+  DeviceBenchOptions options;
+  bool quiet = false;
+  std::string json_path;
+};
+
 struct BenchScaleCommand {
   std::uint64_t triangles = 1'000'000'000;        ///< of the scene that is asked about
   std::uint64_t measured_triangles = 16'000'000;  ///< of the largest that is rendered
@@ -147,7 +157,7 @@ struct ManualCommand {
 using Command =
     std::variant<RenderCommand, ReportCommand, ViewCommand, InfoCommand, SceneCommand, PackCommand,
                  VerifyCommand, BenchPaperCommand, BenchAblationCommand, BenchCompareCommand,
-                 BenchScaleCommand, CompletionCommand, ManualCommand>;
+                 BenchGpuCommand, BenchScaleCommand, CompletionCommand, ManualCommand>;
 
 /// Each gives an exit code, or throws `Error`.
 int run(const RenderCommand& command);
@@ -160,6 +170,7 @@ int run(const VerifyCommand& command);
 int run(const BenchPaperCommand& command);
 int run(const BenchAblationCommand& command);
 int run(const BenchCompareCommand& command);
+int run(const BenchGpuCommand& command);
 int run(const BenchScaleCommand& command);
 int run(const CompletionCommand& command);
 int run(const ManualCommand& command);

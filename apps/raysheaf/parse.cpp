@@ -10,6 +10,7 @@
 #include "parse/ablation.h"
 #include "parse/compare.h"
 #include "parse/frames.h"
+#include "parse/gpu.h"
 #include "parse/light.h"
 #include "parse/parts.h"
 #include "parse/report.h"
@@ -104,7 +105,7 @@ void add_method(CLI::App& app, RenderCommand& command) {
               if (text != "cpu" && text != "cuda") {
                 throw Error(ErrorCode::kInvalidArgument, "'" + text + "' is neither cpu nor cuda");
               }
-              command.device = text;
+              command.device = text == "cuda" ? Device::kCuda : Device::kCpu;
             });
 }
 
@@ -299,6 +300,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   BenchPaperCommand paper;
   BenchAblationCommand ablation;
   BenchCompareCommand compare;
+  BenchGpuCommand gpu;
   BenchScaleCommand scale;
   CompletionCommand completion;
   ManualCommand manual;
@@ -313,6 +315,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   const CLI::App* paper_app = add_bench_paper(*bench_app, paper);
   const CLI::App* ablation_app = add_bench_ablation(*bench_app, ablation);
   const CLI::App* compare_app = add_bench_compare(*bench_app, compare);
+  const CLI::App* gpu_app = add_bench_gpu(*bench_app, gpu);
   const CLI::App* scale_app = add_bench_scale(*bench_app, scale);
   const CLI::App* completion_app = add_completion(app, completion);
   const CLI::App* manual_app = add_manual(app, manual);
@@ -340,6 +343,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   if (paper_app->parsed()) return Command(std::move(paper));
   if (ablation_app->parsed()) return Command(std::move(ablation));
   if (compare_app->parsed()) return Command(std::move(compare));
+  if (gpu_app->parsed()) return Command(std::move(gpu));
   if (scale_app->parsed()) return Command(std::move(scale));
   if (completion_app->parsed()) {
     completion.raysheaf = describe(app);

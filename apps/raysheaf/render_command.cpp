@@ -11,6 +11,7 @@
 #include "progress_bar.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
+#include "raysheaf/render_on_context.h"
 #include "scene_argument.h"
 #include "scene_light.h"
 #include "stream_scene.h"
@@ -82,6 +83,9 @@ class Loading {
 };
 
 Rendered render_streamed(const RenderCommand& command) {
+  if (command.device != Device::kCpu)
+    throw Error(ErrorCode::kUnsupported, "geometry that streams does not go to a CUDA device",
+                "--device");
   const Loading loading;
   const std::unique_ptr<GeometrySource> blocks = open_blocks(command);
   Rendered rendered;
@@ -176,10 +180,6 @@ void finish(const RenderCommand& command, const Targets& targets, const Rendered
 }  // namespace
 
 int run(const RenderCommand& command) {
-  if (command.device != "cpu") {
-    throw Error(ErrorCode::kUnsupported, "this build traces rays on the CPU alone",
-                "--device cuda");
-  }
   catch_interrupts();
   const Targets targets = wants_frames(command) ? Targets{} : open_targets(command);
   if (is_streamed(command)) {
@@ -208,8 +208,9 @@ int run(const RenderCommand& command) {
     render_frames(command, *animation);
     return kSuccess;
   }
-  rendered.result =
-      with_progress(command, [&](const RenderOptions& options) { return render(scene, options); });
+  rendered.result = with_progress(command, [&](const RenderOptions& options) {
+    return render(Context({command.device, options.threads}), scene, options);
+  });
   finish(command, targets, rendered);
   return kSuccess;
 }

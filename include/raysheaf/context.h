@@ -9,7 +9,7 @@ namespace raysheaf {
 
 enum class Device : std::uint8_t {
   kCpu,   ///< SIMD at the width of the machine, on all threads
-  kCuda,  ///< not in this version: refused
+  kCuda,  ///< kernels on the first CUDA device
 };
 
 [[nodiscard]] const char* to_string(Device device);
@@ -27,7 +27,7 @@ struct ContextOptions {
 class Context {
  public:
   /// Throws `Error`: kInvalidArgument for the options, kUnsupported for a device that this build
-  /// cannot use.
+  /// or this machine does not have, in CUDA's own words.
   explicit Context(const ContextOptions& options = {});
 
   [[nodiscard]] Device device() const noexcept;

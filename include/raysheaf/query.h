@@ -57,7 +57,11 @@ struct QueryOptions {
   /// zero, `t_min` negative, `t_min` > `t_max`, NaN anywhere. Without, the caller vouches for them:
   /// a wrong ray makes the results of its whole batch unspecified.
   bool check = true;
-  bool count_tests = false;               ///< for `statistics`; costs a little
+  bool count_tests = false;  ///< for `statistics`; costs a little
+  /// With Device::kCuda, rays and results may lie in the device's memory, and what was asked for on
+  /// this stream (a cudaStream_t; null: the default one) comes before the query. Results are there
+  /// when it returns. Not used otherwise.
+  void* stream = nullptr;
   QueryStatistics* statistics = nullptr;  ///< written where it is not null
 };
 

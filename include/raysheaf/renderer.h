@@ -17,6 +17,7 @@
 #include <memory>
 #include <string>
 
+#include "raysheaf/context.h"
 #include "raysheaf/render.h"
 #include "raysheaf/scene_changes.h"
 
@@ -45,6 +46,8 @@ struct UpdateStatistics {
 class Renderer {
  public:
   Renderer();
+  /// On its threads and its device: as `render(context, ...)` of raysheaf/render_on_context.h.
+  explicit Renderer(const Context& context);
   ~Renderer();
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;

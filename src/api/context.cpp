@@ -17,10 +17,8 @@ void check(const ContextOptions& options) {
   if (options.threads > kMostThreads)
     throw Error(ErrorCode::kInvalidArgument,
                 "must be from 0 to 1024, not " + std::to_string(options.threads), "threads");
-  if (options.device != Device::kCpu)
-    throw Error(ErrorCode::kUnsupported,
-                std::string("this version has no ray queries on ") + to_string(options.device),
-                "device");
+  if (options.device != Device::kCpu && options.device != Device::kCuda)
+    throw Error(ErrorCode::kInvalidArgument, "is no device that there is", "device");
 }
 
 }  // namespace
@@ -43,7 +41,8 @@ std::string simd_target() {
 Context::Context(const ContextOptions& options) {
   check(options);
   try {
-    impl_ = std::make_shared<const Impl>(options);
+    impl_ = std::make_shared<const Impl>(options,
+                                         options.device == Device::kCuda ? open_cuda() : nullptr);
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::kOutOfMemory, "there is not enough memory", "context");
   }

@@ -27,7 +27,9 @@ class Query {
       throw Error(ErrorCode::kUnsupported,
                   std::to_string(rays.size()) + " rays are more than 2^31 - 1", "rays");
     Stopwatch watch;
-    if (options.check) check_rays(executor(), rays_);
+    // Rays in a device's memory are looked over there.
+    if (options.check && !(is_on_device() && backend()->is_device_memory(rays.data())))
+      check_rays(executor(), rays_);
     check_ms_ = watch.lap_ms();
     if (rays.empty()) return;
     view_ = state_.views.view_for(state_.runs, options.mask);
@@ -35,7 +37,7 @@ class Query {
     lock_ = std::unique_lock(view_->mutex);
     view_->refresh(state_.runs);
     // Brute force reads the triangles alone, which stay while `reading_` is there.
-    if (is_brute()) lock_.unlock();
+    if (is_brute() && !is_on_device()) lock_.unlock();
   }
 
   [[nodiscard]] const Executor& executor() const { return state_.executor(); }
@@ -43,6 +45,22 @@ class Query {
   /// Whether nothing can be met: no rays, or no triangles that they see.
   [[nodiscard]] bool is_empty() const { return view_ == nullptr; }
   [[nodiscard]] bool is_brute() const { return options_.method == QueryMethod::kBrute; }
+  [[nodiscard]] const DeviceBackend* backend() const {
+    return ContextAccess::backend(state_.context);
+  }
+  [[nodiscard]] bool is_on_device() const { return backend() != nullptr; }
+  [[nodiscard]] DeviceEngine& device_engine() {
+    return view_->device_engine(executor(), *backend());
+  }
+  [[nodiscard]] DeviceQuery device_query() {
+    DeviceQuery query;
+    query.brute = is_brute();
+    query.check = options_.check;
+    query.count = options_.count_tests;
+    query.stream = options_.stream;
+    query.report = report();
+    return query;
+  }
   [[nodiscard]] SceneView& view() { return *view_; }
   [[nodiscard]] EngineOptions engine_options() const {
     return {Facing::kBoth, options_.statistics != nullptr && options_.count_tests};
@@ -54,7 +72,7 @@ class Query {
   /// Writes the statistics.
   void finish() {
     if (options_.statistics == nullptr) return;
-    if (!is_empty() && is_brute()) report_of_brute_force();
+    if (!is_empty() && is_brute() && !is_on_device()) report_of_brute_force();
     QueryStatistics& out = *options_.statistics;
     out = {};
     out.rays = rays_.size;
@@ -98,8 +116,20 @@ void check_length(std::span<const Ray> rays, std::size_t size, const char* name)
                 name);
 }
 
+/// Where nothing can be met. A device's memory is not written from here.
+template <class T>
+void clear(const Query& query, std::span<T> out) {
+  if (out.empty()) return;
+  if (query.is_on_device() && query.backend()->is_device_memory(out.data()))
+    return query.backend()->write(out.data(), std::vector<T>(out.size()).data(), out.size_bytes());
+  std::fill(out.begin(), out.end(), T{});
+}
+
 void closest_hits(Query* query, std::span<Hit> hits) {
   SceneView& view = query->view();
+  if (query->is_on_device())
+    return query->device_engine().closest_hit(query->rays(), query->device_query(),
+                                              View<Hit>(hits.data(), hits.size()));
   if (query->is_brute()) {
     Stopwatch watch;
     Buffer<EngineHit> found;
@@ -117,6 +147,8 @@ void closest_hits(Query* query, std::span<Hit> hits) {
 
 void any_hits(Query* query, std::span<std::uint8_t> occluded) {
   const View<std::uint8_t> out(occluded.data(), occluded.size());
+  if (query->is_on_device())
+    return query->device_engine().any_hit(query->rays(), query->device_query(), out);
   if (query->is_brute()) {
     Stopwatch watch;
     brute::any_hit(query->executor(), query->view().source(), query->rays(), out);
@@ -131,6 +163,8 @@ void any_hits(Query* query, std::span<std::uint8_t> occluded) {
 template <class Take>
 void find_rows(Query* query, const Take& take) {
   if (query->is_empty()) return take(brute::Rows{});
+  if (query->is_on_device())
+    return take(query->device_engine().all_hits(query->rays(), query->device_query()));
   if (!query->is_brute())
     return take(query->view().engine.all_hits(query->executor(), query->rays(),
                                               query->engine_options(), query->report()));
@@ -157,7 +191,10 @@ void name_rows(Query* query, HitRows* out) {
 }
 
 void count_hits(Query* query, std::span<std::uint32_t> counts) {
-  std::fill(counts.begin(), counts.end(), 0u);
+  clear(*query, counts);
+  if (query->is_on_device() && !query->is_empty())
+    return query->device_engine().count_hits(query->rays(), query->device_query(),
+                                             View<std::uint32_t>(counts.data(), counts.size()));
   find_rows(query, [&](const auto& rows) {
     rows.for_each(query->executor(), [&](std::size_t ray, View<const EngineHit> hits) {
       counts[ray] = static_cast<std::uint32_t>(hits.size);
@@ -173,7 +210,7 @@ void closest_hit(const Scene& scene, std::span<const Ray> rays, std::span<Hit> h
     check_length(rays, hits.size(), "hits");
     Query query(scene, rays, options);
     if (query.is_empty())
-      std::fill(hits.begin(), hits.end(), Hit{});
+      clear(query, hits);
     else
       closest_hits(&query, hits);
     query.finish();
@@ -195,7 +232,7 @@ void any_hit(const Scene& scene, std::span<const Ray> rays, std::span<std::uint8
     check_length(rays, occluded.size(), "occluded");
     Query query(scene, rays, options);
     if (query.is_empty())
-      std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
+      clear(query, occluded);
     else
       any_hits(&query, occluded);
     query.finish();

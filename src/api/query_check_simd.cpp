@@ -4,6 +4,7 @@
 #include <string>
 
 #include "api/query_check.h"
+#include "geom/ray_fault.h"
 #include "raysheaf/error.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -56,27 +57,6 @@ HWY_EXPORT(CheckRays);
 /// Items a task: 256 KiB.
 constexpr std::size_t kGrain = 8192;
 
-bool is_finite(Vec3 v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-struct Fault {
-  const char* field = nullptr;
-  const char* sentence = nullptr;
-};
-
-Fault fault_of(const Ray& ray) {
-  if (!is_finite(ray.origin)) return {"origin", "the origin is not finite"};
-  if (!is_finite(ray.direction)) return {"direction", "the direction is not finite"};
-  if (ray.direction.x == 0 && ray.direction.y == 0 && ray.direction.z == 0)
-    return {"direction", "the direction is zero"};
-  if (std::isnan(ray.t_min)) return {"t_min", "t_min is not a number"};
-  if (std::isnan(ray.t_max)) return {"t_max", "t_max is not a number"};
-  if (ray.t_min < 0) return {"t_min", "t_min is negative"};
-  if (ray.t_min > ray.t_max) return {"t_min", "t_min is larger than t_max"};
-  return {};
-}
-
 bool all_right(View<const Ray> rays) {
   std::size_t i = 0;
   if (!HWY_DYNAMIC_DISPATCH(CheckRays)(rays.data, rays.size, &i)) return false;
@@ -94,7 +74,7 @@ void check_rays(const Executor& executor, View<const Ray> rays) {
   });
   if (good) return;
   for (std::size_t i = 0; i < rays.size; ++i) {
-    const Fault fault = fault_of(rays[i]);
+    const RayFault fault = fault_of(rays[i]);
     if (fault.field != nullptr)
       throw Error(ErrorCode::kInvalidData, fault.sentence,
                   "rays[" + std::to_string(i) + "]." + fault.field);

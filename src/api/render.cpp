@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "api/context_impl.h"
 #include "api/render_input.h"
 #include "exec/executor.h"
 #include "exec/stopwatch.h"
@@ -15,11 +16,33 @@
 #include "raster/rasterizer.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
+#include "raysheaf/render_on_context.h"
 #include "scene/environment.h"
 #include "scene/flat_update.h"
 
 namespace raysheaf {
 namespace {
+
+/// What a device does not know.
+void check_for_device(const RenderOptions& options) {
+  const auto refuse = [](const char* sentence, const char* option) {
+    throw Error(ErrorCode::kUnsupported, sentence, option);
+  };
+  if (options.method == Method::kGl10) refuse("gl10 does not run on a CUDA device", "method");
+  if (options.method != Method::kRah && options.method != Method::kCrsh) return;
+  const RayKey key = options.key.value_or(RayKey::kCrsh);
+  if (key != RayKey::kCrsh && key != RayKey::kRaster)
+    refuse("a CUDA device sorts rays by the key crsh, or leaves them in raster order", "key");
+  if (options.bound.value_or(BundleBound::kSphereCone) != BundleBound::kSphereCone)
+    refuse("a CUDA device bounds rays by sphere-cone alone", "bound");
+  if (options.bundle_samples != 0)
+    refuse("bundles of rays are not measured on a CUDA device", "bundle_samples");
+  if (options.count_pixel_tests)
+    refuse(
+        "rah and crsh do not count the tests of pixels on a CUDA device, which heat maps and "
+        "OpenEXR show",
+        "tests");
+}
 
 const char* word_of(const TreeReport& tree) {
   if (!tree.used) return "none";
@@ -40,6 +63,11 @@ const char* word_of(const TreeReport& tree) {
 
 class Renderer::Impl {
  public:
+  Impl() = default;
+  explicit Impl(const Context& context) : context_(context) {
+    cache_.backend = ContextAccess::backend(context);
+  }
+
   void show(const SceneDescription& scene, const SceneChanges& changes) {
     pending_.add(changes);
     scene_ = &scene;
@@ -48,6 +76,7 @@ class Renderer::Impl {
   RenderResult render(const RenderOptions& options, const Camera* given) {
     try {
       check(options);
+      if (cache_.backend != nullptr) check_for_device(options);
       if (scene_ == nullptr)
         throw Error(ErrorCode::kWrongState, "no scene is shown yet: call show() first");
       return render_checked(options, given);
@@ -68,7 +97,8 @@ class Renderer::Impl {
     Stopwatch watch;
     validate_changes(*scene_, pending_);
     if (given != nullptr) validate_camera(*given);
-    const Executor& executor = executor_for(options.threads);
+    const Executor& executor =
+        context_ ? ContextAccess::executor(*context_) : executor_for(options.threads);
     ProgressMeter meter(options.progress);
     Camera camera = given != nullptr ? *given : find_camera(*scene_, options.camera);
     camera.aperture = options.aperture.value_or(camera.aperture);
@@ -96,7 +126,7 @@ class Renderer::Impl {
     s.width = options.width;
     s.height = options.height;
     s.method = to_string(options.method);
-    s.device = "cpu";
+    s.device = to_string(cache_.backend != nullptr ? Device::kCuda : Device::kCpu);
     s.primary = rasters                               ? "raster: " + rasterizer_->description()
                 : options.primary == Primary::kRaster ? "trace: a lens needs rays"
                                                       : "trace";
@@ -142,6 +172,7 @@ class Renderer::Impl {
     return update;
   }
 
+  const std::optional<Context> context_;  // keeps the device
   const SceneDescription* scene_ = nullptr;
   SceneChanges pending_;
   std::optional<Executor> executor_;
@@ -156,6 +187,7 @@ class Renderer::Impl {
 };
 
 Renderer::Renderer() : impl_(std::make_unique<Impl>()) {}
+Renderer::Renderer(const Context& context) : impl_(std::make_unique<Impl>(context)) {}
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
@@ -184,6 +216,13 @@ const UpdateStatistics& Renderer::last_update() const {
 
 RenderResult render(const SceneDescription& scene, const RenderOptions& options) {
   Renderer renderer;
+  renderer.show(scene);
+  return renderer.render(options);
+}
+
+RenderResult render(const Context& context, const SceneDescription& scene,
+                    const RenderOptions& options) {
+  Renderer renderer(context);
   renderer.show(scene);
   return renderer.render(options);
 }

@@ -20,6 +20,7 @@ void SceneView::refresh(const SceneRuns& scene) {
                          (everything_ || mask_version_ == scene.mask_version);
   if (same_runs && position_version_ == scene.position_version) return;
   structure_version_ = 0;  // until all is done: memory may run out
+  device_is_behind_ = true;
   runs_.clear();
   ids_.clear();
   count_ = 0;
@@ -68,8 +69,22 @@ void SceneView::name_hits(const Executor& executor, View<const EngineHit> hits, 
   });
 }
 
+DeviceEngine& SceneView::device_engine(const Executor& executor, const DeviceBackend& backend) {
+  if (device_engine_ == nullptr) device_engine_ = backend.make_engine();
+  if (device_is_behind_) {
+    std::vector<RunName> names;
+    for (std::size_t r = 0; r < runs_.size(); ++r)
+      names.push_back({runs_[r].first, ids_[r].mesh, ids_[r].instance});
+    device_engine_->set_triangles(executor, source());
+    device_engine_->set_names(names);
+    device_is_behind_ = false;
+  }
+  return *device_engine_;
+}
+
 std::size_t SceneView::memory_bytes() const {
-  return engine.memory_bytes() + scratch.capacity_bytes() + runs_.capacity() * sizeof(TriangleRun) +
+  return (device_engine_ != nullptr ? device_engine_->memory_bytes() : 0) + engine.memory_bytes() +
+         scratch.capacity_bytes() + runs_.capacity() * sizeof(TriangleRun) +
          ids_.capacity() * sizeof(Ids) + first_runs_.capacity() * sizeof(std::uint32_t);
 }
 

@@ -1,6 +1,7 @@
 // The loop over the stages: one frame.
 #pragma once
 
+#include "engine/device_engine.h"
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
 #include "frame/geometry.h"

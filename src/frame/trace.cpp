@@ -187,6 +187,33 @@ std::vector<RayHit> trace_dual(const Executor& executor, const FlatScene& scene,
   return hits;
 }
 
+std::vector<RayHit> trace_on_device(const Executor& executor, const FlatScene& scene,
+                                    const RayBatch& batch, const TraceOptions& options,
+                                    BatchStatistics* statistics, View<float> ray_tests,
+                                    ProgressMeter* meter) {
+  Stopwatch watch;
+  meter->begin(stage_name(batch), 1);
+  TraceCache& cache = *options.cache;
+  if (!cache.device) cache.device = std::make_unique<DeviceTracer>(scene, *cache.backend);
+  statistics->times_ms.hierarchy += watch.lap_ms();
+  const MethodSettings& method = options.method;
+  if (method.traversal != Traversal::kRayHierarchy) {
+    const bool brute = method.traversal == Traversal::kBruteForce;
+    return cache.device->trace(executor, batch, options.facing, brute, statistics, ray_tests);
+  }
+  EngineReport report;
+  PairQuery query{method.levels, method.branching, method.mesh_culling, options.facing};
+  query.report = &report;
+  PairOutcome outcome;
+  std::vector<RayHit> hits =
+      cache.device->trace_pairs(executor, batch, query, method.key != RayKey::kRaster, &outcome);
+  statistics->chunks += outcome.chunks;
+  statistics->times_ms.order += report.order_ms;
+  statistics->times_ms.hierarchy += report.hierarchy_ms;
+  add_counts(outcome.counts, report.trace_ms, statistics);
+  return hits;
+}
+
 using TraceFunction = decltype(&trace_packets);
 
 TraceFunction function_of(Traversal traversal) {
@@ -234,6 +261,7 @@ void TraceCache::update(const Executor& executor, const FlatScene& scene,
                         const FlatUpdate& update) {
   if (update.same_triangles && update.placed_meshes.empty()) return;
   bvh.reset();
+  device.reset();
   if (dual != nullptr) dual->update(executor, scene, update);
 }
 
@@ -245,7 +273,9 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
   statistics->triangles = scene.triangle_count;
   statistics->rays += batch.rays.size();
   if (batch.rays.empty()) return {};
-  const TraceFunction method = function_of(options.method.traversal);
+  const TraceFunction method = options.cache != nullptr && options.cache->backend != nullptr
+                                   ? trace_on_device
+                                   : function_of(options.method.traversal);
   std::vector<RayHit> hits = method(executor, scene, batch, options, statistics, ray_tests, meter);
   statistics->hits += static_cast<std::uint64_t>(
       std::count_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.found(); }));

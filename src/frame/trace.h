@@ -7,6 +7,7 @@
 
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
+#include "frame/device_tracer.h"
 #include "frame/dual_tracer.h"
 #include "intersect/intersect_list.h"
 #include "object/bvh.h"
@@ -20,9 +21,13 @@ namespace raysheaf {
 /// What batches of one frame share, and frames of a scene that changes: the triangles' hierarchies,
 /// made by the first that needs them.
 struct TraceCache {
-  std::optional<Bvh> bvh;            ///< of `gl10`
-  std::unique_ptr<DualTracer> dual;  ///< of `dual`
-  TreeReport tree;                   ///< of the batches since it was last reset
+  std::optional<Bvh> bvh;                ///< of `gl10`
+  std::unique_ptr<DualTracer> dual;      ///< of `dual`
+  std::unique_ptr<DeviceTracer> device;  ///< of what runs on a device
+  TreeReport tree;                       ///< of the batches since it was last reset
+  /// Where rays meet triangles: by brute force or `dual`, or by a hierarchy of rays in raster order
+  /// or by the keys of `crsh` under spheres and cones, without tests of single rays; null: the CPU.
+  const DeviceBackend* backend = nullptr;
 
   /// The scene's triangles are others, or elsewhere.
   void update(const Executor& executor, const FlatScene& scene, const FlatUpdate& update);

@@ -123,11 +123,29 @@ TEST(Errors, UnknownOptionsAndValues) {
   expect_usage_error({"scene", "cornell"}, "-o");
 }
 
-TEST(Errors, NoDeviceInThisBuild) {
+TEST(Errors, NoDeviceInThisMachine) {
   const TemporaryFolder folder;
-  expect_sentence(
-      raysheaf_app({"render", "builtin:cornell", "-o", "a.png", "--device", "cuda"}, folder), 1,
-      "--device cuda");
+  const Finished on_cuda = raysheaf_app(
+      {"render", "builtin:cornell", "-o", "a.png", "--size", "16x16", "--device", "cuda"}, folder);
+  if (on_cuda.code == 0) GTEST_SKIP() << "there is a CUDA device";
+  expect_sentence(on_cuda, 1, "CUDA device");
+}
+
+TEST(Errors, BenchOfADeviceThatIsNotThere) {
+  const TemporaryFolder folder;
+  const Finished bench = raysheaf_app(
+      {"bench", "gpu", "-q", "--scene", "builtin:cornell", "--size", "16x16", "--runs", "1"},
+      folder);
+  if (bench.code == 0) GTEST_SKIP() << "there is a CUDA device";
+  expect_sentence(bench, 1, "CUDA device");
+}
+
+TEST(Errors, MethodThatNoDeviceKnows) {
+  const TemporaryFolder folder;
+  expect_sentence(raysheaf_app({"render", "builtin:cornell", "-o", "a.png", "--device", "cuda",
+                                "--method", "gl10"},
+                               folder),
+                  1, "");
 }
 
 TEST(Errors, CameraThatIsNotThere) {

@@ -71,6 +71,7 @@ std::string name_of(const testing::TestParamInfo<CompiledCase>& tested) {
 INSTANTIATE_TEST_SUITE_P(Stages, Bodies, testing::ValuesIn(compiled_stage_cases()), name_of);
 INSTANTIATE_TEST_SUITE_P(Bounds, Bodies, testing::ValuesIn(compiled_bound_cases()), name_of);
 INSTANTIATE_TEST_SUITE_P(Packets, Bodies, testing::ValuesIn(compiled_packet_cases()), name_of);
+INSTANTIATE_TEST_SUITE_P(Trees, Bodies, testing::ValuesIn(compiled_tree_cases()), name_of);
 
 }  // namespace
 }  // namespace raysheaf::test

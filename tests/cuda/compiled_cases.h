@@ -18,5 +18,6 @@ struct CompiledCase {
 [[nodiscard]] std::vector<CompiledCase> compiled_stage_cases();
 [[nodiscard]] std::vector<CompiledCase> compiled_bound_cases();
 [[nodiscard]] std::vector<CompiledCase> compiled_packet_cases();
+[[nodiscard]] std::vector<CompiledCase> compiled_tree_cases();
 
 }  // namespace raysheaf::test

@@ -23,8 +23,17 @@ std::vector<std::string> texts_under(const std::string& folder) {
   return texts;
 }
 
-TEST(Device, EveryMarkedFunctionIsCompiledInTestsCuda) {
-  const std::vector<std::string> used = found_in(texts_under("tests/cuda"), R"((\w+)[(<])");
+/// Texts whose calls are compiled for devices: the cases, and the loops that run there.
+std::vector<std::string> compiled_texts() {
+  std::vector<std::string> texts = texts_under("tests/cuda");
+  texts.push_back(read_file(kRoot / "tests/exec/device_properties.h"));
+  for (std::string& text : texts_under("src"))
+    if (text.find("device.for_each(") != std::string::npos) texts.push_back(std::move(text));
+  return texts;
+}
+
+TEST(Device, EveryMarkedFunctionIsCompiledForDevices) {
+  const std::vector<std::string> used = found_in(compiled_texts(), R"((\w+)[(<])");
   const std::set<std::string> words(used.begin(), used.end());
   const std::vector<std::string> marked =
       found_in(texts_under("src"), R"(RAYSHEAF_HD\s[^({;#]*?(\w+)\()");

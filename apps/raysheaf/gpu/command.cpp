@@ -1,0 +1,122 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "ablation/ablation.h"
+#include "compare/scenes.h"
+#include "console.h"
+#include "outputs.h"
+#include "progress_bar.h"
+#include "raysheaf/context.h"
+#include "raysheaf/error.h"
+#include "raysheaf/io.h"
+
+namespace raysheaf::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct SceneReport {
+  std::string scene;
+  DeviceBenchReport report;
+};
+
+double grays_per_s(std::uint64_t rays, double ms) {
+  return ms > 0 ? static_cast<double>(rays) / ms * 1e-6 : 0;
+}
+
+std::string text_of(const SceneReport& scene) {
+  const DeviceBenchReport& report = scene.report;
+  std::string text = fmt::format(
+      "{}: {} triangles on {}; a copy within its memory moves {:.0f} GB/s; the CPU beside it has "
+      "{} "
+      "threads\n",
+      scene.scene, report.triangles, report.device, report.copy_gb_per_s, report.threads);
+  for (const DeviceBenchBatch& batch : report.batches) {
+    text += fmt::format(
+        "  {}: {} rays, {} hits, {} unlike the CPU's; ms: device {:.3f}, of that keys to hits "
+        "{:.3f} "
+        "({:.3f} Grays/s), call {:.3f}, CPU {:.3f}\n",
+        to_string(batch.rays), batch.count, batch.hits, batch.different, batch.device_ms,
+        batch.trace_ms, grays_per_s(batch.count, batch.trace_ms), batch.call_ms, batch.cpu_ms);
+    for (const DeviceStage& stage : batch.stages)
+      text +=
+          fmt::format("    {:<24} {:>9.4f} ms{}\n", stage.name, stage.ms,
+                      stage.floor_ms > 0 ? fmt::format(", {:.1f} times its floor of {:.4f} ms",
+                                                       stage.ms / stage.floor_ms, stage.floor_ms)
+                                         : std::string());
+  }
+  return text;
+}
+
+Json json_of(const SceneReport& scene) {
+  Json batches = Json::array();
+  for (const DeviceBenchBatch& batch : scene.report.batches) {
+    Json stages = Json::array();
+    for (const DeviceStage& stage : batch.stages)
+      stages.push_back({{"stage", stage.name},
+                        {"ms", stage.ms},
+                        {"floor_ms", stage.floor_ms > 0 ? Json(stage.floor_ms) : Json(nullptr)}});
+    batches.push_back({{"rays", to_string(batch.rays)},
+                       {"count", batch.count},
+                       {"hits", batch.hits},
+                       {"different", batch.different},
+                       {"device_ms", batch.device_ms},
+                       {"trace_ms", batch.trace_ms},
+                       {"call_ms", batch.call_ms},
+                       {"cpu_ms", batch.cpu_ms},
+                       {"grays_per_s", grays_per_s(batch.count, batch.trace_ms)},
+                       {"stages", stages}});
+  }
+  return {{"scene", scene.scene},
+          {"triangles", scene.report.triangles},
+          {"device", scene.report.device},
+          {"copy_gb_per_s", scene.report.copy_gb_per_s},
+          {"cpu_threads", scene.report.threads},
+          {"batches", batches}};
+}
+
+std::vector<CompareScene> scenes_of(const BenchGpuCommand& command) {
+  std::vector<std::string> notes;
+  if (command.scene_names.empty()) return default_compare_scenes(command.scenes, &notes);
+  std::vector<CompareScene> all;
+  for (const std::string& name : command.scene_names)
+    all.push_back(compare_scene_from_string(name, command.scenes));
+  return all;
+}
+
+std::vector<SceneReport> measured(const BenchGpuCommand& command) {
+  const std::vector<CompareScene> scenes = scenes_of(command);
+  ProgressBar bar(stderr, !command.quiet);
+  std::vector<SceneReport> reports;
+  for (const CompareScene& scene : scenes) {
+    if (interrupted()) throw Error(ErrorCode::kCancelled, "interrupted");
+    bar.update(scene.name, reports.size(), scenes.size());
+    const SceneDescription description = load_compare_scene(scene, command.options.threads);
+    reports.push_back({scene.name, bench_device(description, command.options)});
+  }
+  return reports;
+}
+
+}  // namespace
+
+int run(const BenchGpuCommand& command) {
+  const Context device({Device::kCuda, command.options.threads});  // or one sentence, at once
+  catch_interrupts();
+  const std::string json = command.json_path.empty() ? "" : writable_path(command.json_path);
+  Json all = Json::array();
+  std::uint64_t different = 0;
+  for (const SceneReport& scene : measured(command)) {
+    print(text_of(scene));
+    all.push_back(json_of(scene));
+    for (const DeviceBenchBatch& batch : scene.report.batches) different += batch.different;
+  }
+  if (!json.empty()) write_text(all.dump(2) + "\n", json);
+  if (different != 0)
+    throw Error(ErrorCode::kInternal,
+                std::to_string(different) + " answers of the device are not the CPU's",
+                "bench gpu");
+  return kSuccess;
+}
+
+}  // namespace raysheaf::app

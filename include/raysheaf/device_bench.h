@@ -1,0 +1,51 @@
+// How long the stages of ray queries take on a CUDA device, beside what their memory traffic costs.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "raysheaf/lab.h"
+#include "raysheaf/scene_description.h"
+
+namespace raysheaf {
+
+struct DeviceBenchOptions {
+  std::uint32_t width = 512, height = 512;  ///< of the picture that rays come from
+  std::uint32_t runs = 9;                   ///< whose medians count, from 1; one more goes before
+  std::uint32_t threads = 0;                ///< of the CPU beside it; 0: all cores
+};
+
+/// A stage's median, by the device's own clock (CUDA events).
+struct DeviceStage {
+  std::string name;  ///< "order: sort", "trace: any hits", ...
+  double ms = 0;
+  double floor_ms = 0;  ///< its bytes at the measured copy bandwidth; 0: not known
+};
+
+/// One kind of rays. The triangles change before each run, so that the hierarchy is built anew.
+struct DeviceBenchBatch {
+  LabRays rays = LabRays::kShadow;
+  std::uint64_t count = 0, hits = 0;
+  std::uint64_t different = 0;      ///< answers that are not the CPU's, bit for bit: a defect
+  std::vector<DeviceStage> stages;  ///< copies between host and device apart: "copy: ..."
+  double device_ms = 0;             ///< the stages' sum without copies
+  double trace_ms = 0;              ///< without copies and the hierarchy: keys to hits
+  double call_ms = 0;               ///< the whole call as the host sees it, with copies
+  double cpu_ms = 0;                ///< the same query on the CPU, the hierarchy built anew too
+};
+
+struct DeviceBenchReport {
+  std::string device;
+  std::uint32_t threads = 0;  ///< of the CPU
+  std::uint64_t triangles = 0;
+  double copy_gb_per_s = 0;  ///< read and written, within the device's memory
+  std::vector<DeviceBenchBatch> batches;
+};
+
+/// Shadow rays ask for any hit, all others for the closest, by `dual`. Throws `Error`: kUnsupported
+/// where there is no device, in CUDA's words; kInvalidArgument for the options; as `Laboratory`.
+[[nodiscard]] DeviceBenchReport bench_device(const SceneDescription& scene,
+                                             const DeviceBenchOptions& options = {});
+
+}  // namespace raysheaf

@@ -1,0 +1,291 @@
+// An engine on a device of a known kind; for the sources that make one.
+#pragma once
+
+#include <chrono>
+#include <string_view>
+
+#include "engine/device_engine.h"
+#include "engine/device_queries-inl.h"
+#include "geom/ray_fault.h"
+
+namespace raysheaf {
+
+template <class Device>
+class DeviceEngineOn : public DeviceEngine {
+ public:
+  /// What the device is made from.
+  template <class... Args>
+  explicit DeviceEngineOn(Args&&... args)
+      : device_(std::forward<Args>(args)...),
+        corners_(device_.allocator()),
+        flags_(device_.allocator()),
+        names_(device_.allocator()),
+        tree_(device_.allocator()),
+        rays_(device_.allocator()),
+        columns_(device_.allocator()),
+        words_(device_.allocator()),
+        hits_(device_.allocator()),
+        named_(device_.allocator()),
+        ray_tests_(device_.allocator()),
+        occluded_(device_.allocator()),
+        counts_(device_.allocator()),
+        offsets_(device_.allocator()),
+        sums_(device_.allocator()),
+        first_wrong_(device_.allocator()) {}
+
+  void set_triangles(const Executor& executor, const TriangleSource& source) override {
+    has_tree_ = false;
+    corners_.resize_uninitialized("copy: triangles", 0);
+    flags_.resize_uninitialized("copy: triangles", 0);
+    staged_.resize_uninitialized(std::size_t{3} * source.count);
+    executor.for_each_block(source.count, 4096, [&](std::size_t begin, std::size_t end) {
+      source.for_each_part(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end),
+                           [&](const TriangleRun& run, std::uint32_t from, std::uint32_t to) {
+                             for (std::uint32_t i = from; i < to; ++i) {
+                               const std::array<Vec3, 3> corners = run.corners(i);
+                               std::copy(corners.begin(), corners.end(),
+                                         staged_.data() + std::size_t{3} * (run.first + i));
+                             }
+                           });
+    });
+    corners_.resize_uninitialized("copy: triangles", staged_.size());
+    device_.copy("copy: triangles", corners_.data(), staged_.data(), staged_.size() * sizeof(Vec3));
+    if (source.flags == nullptr) return;
+    flags_.resize_uninitialized("copy: triangles", source.count);
+    device_.copy("copy: triangles", flags_.data(), source.flags, source.count);
+  }
+
+  void set_names(View<const RunName> names) override {
+    names_.resize_uninitialized("copy: names", names.size);
+    device_.copy("copy: names", names_.data(), names.data, names.size * sizeof(RunName));
+  }
+
+  void closest_hit(View<const Ray> rays, const DeviceQuery& query, View<EngineHit> hits) override {
+    if (rays.empty()) return;
+    DeviceBatch batch = begin(rays, query, device_.is_device_memory(hits.data));
+    EngineHit* const out = landing("trace: closest hits", hits, &hits_);
+    find_closest(query, out, &batch);
+    deliver("copy: hits", hits, out);
+    finish(batch, query);
+  }
+
+  void closest_hit(View<const Ray> rays, const DeviceQuery& query, View<Hit> hits) override {
+    if (rays.empty()) return;
+    DeviceBatch batch = begin(rays, query, device_.is_device_memory(hits.data));
+    hits_.resize_uninitialized("trace: closest hits", rays.size);
+    Hit* const out = landing("trace: names", hits, &named_);
+    find_closest(query, hits_.data(), &batch);
+    name_hits_on(device_, names_.view_const(), hits_.view_const(), out);
+    deliver("copy: hits", hits, out);
+    finish(batch, query);
+  }
+
+  void any_hit(View<const Ray> rays, const DeviceQuery& query,
+               View<std::uint8_t> occluded) override {
+    if (rays.empty()) return;
+    DeviceBatch batch = begin(rays, query, device_.is_device_memory(occluded.data));
+    std::uint8_t* const out = landing("trace: any hits", occluded, &occluded_);
+    if (query.brute) {
+      words_.resize_uninitialized("trace: brute force", rays.size);
+      brute_force_on(device_, batch, words_.view());
+      mark_found(words_.view_const(), out);
+    } else {
+      order_rays_on(device_, &columns_, &batch);
+      any_hits_on(device_, batch, out);
+    }
+    deliver("copy: hits", occluded, out);
+    finish(batch, query);
+  }
+
+  void count_hits(View<const Ray> rays, const DeviceQuery& query,
+                  View<std::uint32_t> counts) override {
+    if (rays.empty()) return;
+    DeviceBatch batch = begin(rays, query, device_.is_device_memory(counts.data));
+    std::uint32_t* const out = landing("trace: number of hits", counts, &counts_);
+    if (!query.brute) order_rays_on(device_, &columns_, &batch);
+    hit_counts_on(device_, batch, out);
+    deliver("copy: hits", counts, out);
+    finish(batch, query);
+  }
+
+  [[nodiscard]] DeviceHitRows all_hits(View<const Ray> rays, const DeviceQuery& query) override {
+    DeviceHitRows rows;
+    rows.offsets.assign(rays.size + 1, 0);
+    if (rays.empty()) return rows;
+    DeviceBatch batch = begin(rays, query, false);
+    if (!query.brute) order_rays_on(device_, &columns_, &batch);
+    counts_.resize_uninitialized("trace: number of hits", rays.size);
+    hit_counts_on(device_, batch, counts_.data());
+    TestSums* const sums = std::exchange(batch.sums, nullptr);  // the second walk is the first
+    offsets_.resize_uninitialized("trace: offsets", rays.size + 1);
+    device_.exclusive_scan("trace: offsets", counts_.view_const(), offsets_.view());
+    device_.copy("copy: offsets", rows.offsets.data(), offsets_.data(),
+                 rows.offsets.size() * sizeof rows.offsets[0]);
+    device_.synchronize("copy: offsets");
+    rows.hits.resize(rows.offsets.back());
+    hits_.resize_uninitialized("trace: all hits", rows.hits.size());
+    hit_rows_on(device_, batch, offsets_.data(), hits_.data());
+    deliver("copy: hits", View<EngineHit>(rows.hits), hits_.data());
+    batch.sums = sums;
+    finish(batch, query);
+    return rows;
+  }
+
+  [[nodiscard]] const std::vector<StageTime>& stage_times() const override { return times_; }
+
+  [[nodiscard]] std::size_t memory_bytes() const override {
+    return corners_.capacity_bytes() + flags_.capacity_bytes() + tree_.memory_bytes() +
+           rays_.capacity_bytes() + columns_.capacity_bytes() + words_.capacity_bytes() +
+           hits_.capacity_bytes() + occluded_.capacity_bytes() + counts_.capacity_bytes() +
+           offsets_.capacity_bytes() + names_.capacity_bytes() + named_.capacity_bytes() +
+           ray_tests_.capacity_bytes() + sums_.capacity_bytes() + first_wrong_.capacity_bytes();
+  }
+
+  /// Not for others: nvcc wants functions with loops of a device in them to be public.
+  void mark_found(View<const std::uint64_t> words, std::uint8_t* occluded) {
+    device_.for_each("trace: found", words.size, [=] RAYSHEAF_HD(std::size_t i) {
+      occluded[i] = words.data[i] != kNoHitWord ? 1 : 0;
+    });
+  }
+  /// Nor this. Throws for the first ray that is wrong.
+  void check(View<const Ray> rays) {
+    first_wrong_.resize_uninitialized("check: rays", 1);
+    device_.fill("check: rays", first_wrong_.view(), 0xff);
+    std::uint32_t* const first = first_wrong_.data();
+    device_.for_each("check: rays", rays.size, [=] RAYSHEAF_HD(std::size_t i) {
+      if (!is_right(rays.data[i])) lower_to(first, static_cast<std::uint32_t>(i));
+    });
+    const std::uint32_t wrong = device_.read("check: rays", first);
+    if (wrong == kInvalidId) return;
+    const RayFault fault = fault_of(device_.read("check: rays", rays.data + wrong));
+    throw Error(ErrorCode::kInvalidData, fault.sentence,
+                "rays[" + std::to_string(wrong) + "]." + fault.field);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void find_closest(const DeviceQuery& query, EngineHit* out, DeviceBatch* batch) {
+    if (query.brute) {
+      words_.resize_uninitialized("trace: brute force", batch->rays.size);
+      brute_force_on(device_, *batch, words_.view());
+      hits_of_words_on(device_, *batch, words_.view_const(), out);
+    } else {
+      order_rays_on(device_, &columns_, batch);
+      closest_hits_on(device_, *batch, out);
+    }
+  }
+
+  /// What every query begins with: rays to the device, and a tree where there is none.
+  DeviceBatch begin(View<const Ray> rays, const DeviceQuery& query, bool out_is_there) {
+    check_item_count("rays", rays.size);
+    start_ = Clock::now();
+    device_.keep_times(query.report != nullptr);
+    const bool rays_are_there = device_.is_device_memory(rays.data);
+    if (rays_are_there || out_is_there || query.stream != nullptr)
+      device_.wait_for("rays", query.stream);
+    if (!rays_are_there) {
+      rays_.resize_uninitialized("copy: rays", rays.size);
+      device_.copy("copy: rays", rays_.data(), rays.data, rays.size * sizeof(Ray));
+      rays = rays_.view_const();
+    }
+    if (query.check) check(rays);
+    DeviceBatch batch;
+    batch.rays = rays;
+    batch.facing = query.facing;
+    batch.brute = query.brute;
+    batch.list = {corners_.view_const(), flags_.view_const()};
+    built_now_ = !query.brute && !has_tree_;
+    if (built_now_) {
+      tree_.build(device_, batch.list);
+      has_tree_ = true;
+    }
+    batch.tree = tree_.view();
+    batch.scene = tree_.scene();
+    if (query.count && query.report != nullptr && !query.brute) {
+      sums_.resize_uninitialized("count", 1);
+      device_.fill("count", sums_.view(), 0);
+      batch.sums = sums_.data();
+    }
+    if (!query.ray_tests.empty() && !query.brute) {
+      ray_tests_.resize_uninitialized("count", rays.size);
+      batch.ray_tests = ray_tests_.data();
+    }
+    return batch;
+  }
+
+  /// Where the device writes what goes to `out`: there, or to a buffer of its own.
+  template <class T>
+  T* landing(const char* stage, View<T> out, DeviceBuffer<T>* buffer) {
+    if (device_.is_device_memory(out.data)) return out.data;
+    buffer->resize_uninitialized(stage, out.size);
+    return buffer->data();
+  }
+  template <class T>
+  void deliver(const char* stage, View<T> out, const T* from) {
+    if (out.data != from) device_.copy(stage, out.data, from, out.size * sizeof(T));
+  }
+
+  void finish(const DeviceBatch& batch, const DeviceQuery& query) {
+    if (batch.ray_tests != nullptr) {
+      device_.copy("copy: tests of rays", query.ray_tests.data, batch.ray_tests,
+                   query.ray_tests.size * sizeof(float));
+    } else {
+      std::fill(query.ray_tests.begin(), query.ray_tests.end(),
+                static_cast<float>(batch.list.count()));
+    }
+    device_.synchronize("hits");
+    if (query.report == nullptr) return;
+    EngineReport& report = *query.report;
+    if (batch.sums != nullptr) {
+      const TestSums sums = device_.read("count", batch.sums);
+      report.ray_bound_tests += sums.box_tests;
+      report.triangle_tests += sums.triangle_tests;
+    }
+    if (query.count && query.brute)
+      report.triangle_tests += std::uint64_t{batch.rays.size} * batch.list.count();
+    times_ = device_.times();
+    device_.keep_times(false);
+    for (const StageTime& time : times_) {
+      const std::string_view stage = time.stage;
+      if (stage.starts_with("order:")) report.order_ms += time.ms;
+      if (stage.starts_with("hierarchy:")) report.hierarchy_ms += time.ms;
+      if (stage.starts_with("trace:")) report.trace_ms += time.ms;
+    }
+    report.total_ms += std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
+    explain(batch, &report.plan);
+  }
+
+  void explain(const DeviceBatch& batch, std::vector<std::string>* plan) const {
+    if (batch.brute) return plan->push_back("brute force, as asked for");
+    plan->push_back(built_now_ ? "object tree: built along a curve, for the triangles have changed"
+                               : "object tree: kept, for the triangles have not changed");
+    plan->push_back(batch.order != nullptr
+                        ? "rays: sorted along a curve, one thread a ray"
+                        : "rays: in the caller's order, for they are fewer than " +
+                              std::to_string(kFewestSorted) + "; one thread a ray");
+  }
+
+  Device device_;
+  Buffer<Vec3> staged_;  // corners on their way to the device
+  DeviceBuffer<Vec3> corners_;
+  DeviceBuffer<std::uint8_t> flags_;
+  DeviceBuffer<RunName> names_;
+  LinearTree tree_;
+  DeviceBuffer<Ray> rays_;
+  SortColumns<std::uint64_t> columns_;
+  DeviceBuffer<std::uint64_t> words_;
+  DeviceBuffer<EngineHit> hits_;
+  DeviceBuffer<Hit> named_;
+  DeviceBuffer<float> ray_tests_;
+  DeviceBuffer<std::uint8_t> occluded_;
+  DeviceBuffer<std::uint32_t> counts_;
+  DeviceBuffer<std::uint64_t> offsets_;
+  DeviceBuffer<TestSums> sums_;
+  DeviceBuffer<std::uint32_t> first_wrong_;
+  bool has_tree_ = false, built_now_ = false;
+  std::vector<StageTime> times_;
+  Clock::time_point start_;
+};
+
+}  // namespace raysheaf

@@ -1,0 +1,43 @@
+#include "engine/device_engine-inl.h"
+#include "engine/measure_copy-inl.h"
+#include "engine/pair_tracer.h"
+#include "exec/cuda/launch-inl.h"
+
+namespace raysheaf {
+namespace {
+
+class CudaBackend : public DeviceBackend {
+ public:
+  CudaBackend() : name_(device_.name()) {}
+
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  [[nodiscard]] std::unique_ptr<DeviceEngine> make_engine() const override {
+    return std::make_unique<DeviceEngineOn<CudaDevice>>();
+  }
+  [[nodiscard]] std::unique_ptr<PairTracer> make_pair_tracer() const override {
+    return make_cuda_pair_tracer(kPairListCapacity);
+  }
+  [[nodiscard]] bool is_device_memory(const void* pointer) const override {
+    return device_.is_device_memory(pointer);
+  }
+  void write(void* to, const void* from, std::size_t bytes) const override {
+    CudaDevice device;
+    device.copy("copy: hits", to, from, bytes);
+  }
+  [[nodiscard]] double copy_bytes_per_ms() const override {
+    CudaDevice device;
+    return measure_copy(device, std::size_t{1} << 29);
+  }
+
+ private:
+  CudaDevice device_;
+  std::string name_;
+};
+
+}  // namespace
+
+std::unique_ptr<DeviceBackend> open_cuda() {
+  return std::make_unique<CudaBackend>();
+}
+
+}  // namespace raysheaf

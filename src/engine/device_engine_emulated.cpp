@@ -1,0 +1,48 @@
+#include <cstring>
+
+#include "engine/device_engine-inl.h"
+#include "engine/measure_copy-inl.h"
+#include "engine/pair_tracer.h"
+#include "exec/cpu/emulated_device.h"
+
+namespace raysheaf {
+namespace {
+
+class EmulatedBackend : public DeviceBackend {
+ public:
+  EmulatedBackend(const Executor& executor, HostAllocator& memory, DeviceAllocator* allocator)
+      : executor_(executor), memory_(memory), allocator_(allocator) {}
+
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  [[nodiscard]] std::unique_ptr<DeviceEngine> make_engine() const override {
+    return std::make_unique<DeviceEngineOn<EmulatedDevice>>(executor_, memory_, allocator_);
+  }
+  [[nodiscard]] std::unique_ptr<PairTracer> make_pair_tracer() const override {
+    return make_emulated_pair_tracer(kPairListCapacity, executor_, memory_, allocator_);
+  }
+  [[nodiscard]] bool is_device_memory(const void* pointer) const override {
+    return memory_.owns(pointer);
+  }
+  void write(void* to, const void* from, std::size_t bytes) const override {
+    std::memcpy(to, from, bytes);
+  }
+  [[nodiscard]] double copy_bytes_per_ms() const override {
+    EmulatedDevice device(executor_, memory_, allocator_);
+    return measure_copy(device, std::size_t{1} << 22);
+  }
+
+ private:
+  const Executor& executor_;
+  HostAllocator& memory_;
+  DeviceAllocator* allocator_;
+  std::string name_ = "the CPU, emulating a device";
+};
+
+}  // namespace
+
+std::unique_ptr<DeviceBackend> open_emulated(const Executor& executor, HostAllocator& memory,
+                                             DeviceAllocator* allocator) {
+  return std::make_unique<EmulatedBackend>(executor, memory, allocator);
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,189 @@
+// The queries of a device as loops over rays; for the sources that know which device it is.
+#pragma once
+
+#include "dual/tree_walk_body.h"
+#include "engine/brute_force_body.h"
+#include "engine/device_engine.h"
+#include "exec/device.h"
+#include "object/linear_tree.h"
+#include "raygen/hash_body.h"
+
+namespace raysheaf {
+
+/// Triangles a piece of work in brute force: what a block of rays reads at the same time.
+inline constexpr std::uint32_t kBruteChunk = 256;
+/// Fewer rays are taken in the caller's order.
+inline constexpr std::size_t kFewestSorted = 4096;
+
+/// Sums of a query's tests.
+struct TestSums {
+  std::uint64_t box_tests, triangle_tests;
+};
+/// A batch on the device, and what it meets.
+struct DeviceBatch {
+  View<const Ray> rays;
+  const std::uint32_t* order = nullptr;  ///< the ray that each thread takes; null: its own
+  Facing facing = Facing::kBoth;
+  bool brute = false;
+  TriangleList list;
+  LinearTreeView tree;
+  const SharedBox* scene = nullptr;
+  TestSums* sums = nullptr;    ///< null: nothing is counted
+  float* ray_tests = nullptr;  ///< takes the tests of each ray, or null
+
+  [[nodiscard]] RAYSHEAF_HD std::size_t ray_at(std::size_t i) const {
+    return order != nullptr ? order[i] : i;
+  }
+};
+
+/// Where the batch keeps what a ray's walk counted.
+RAYSHEAF_HD inline void keep_counts(const DeviceBatch& batch, std::size_t ray,
+                                    const WalkCounts& counts) {
+  if (batch.ray_tests != nullptr)
+    batch.ray_tests[ray] = static_cast<float>(counts.box_tests + counts.triangle_tests);
+  if (batch.sums == nullptr) return;
+  add_to(&batch.sums->box_tests, counts.box_tests);
+  add_to(&batch.sums->triangle_tests, counts.triangle_tests);
+}
+
+/// Calls `take(hit)` for every hit of a ray.
+template <class Take>
+RAYSHEAF_HD void meet_all(const DeviceBatch& batch, std::size_t number, const Take& take) {
+  WalkCounts counts;
+  const Ray ray = batch.rays.data[number];
+  if (batch.brute) {
+    const auto end = static_cast<std::uint32_t>(batch.list.corners.size / 3);
+    meet_list(batch.list, 0, end, batch.facing, make_ray_setup(ray), take);
+  } else {
+    all_in_tree(batch.tree, box_of(*batch.scene), ray, batch.facing, &counts, take);
+  }
+  keep_counts(batch, number, counts);
+}
+
+inline constexpr std::uint32_t kRayKeyAxisBits = 9;
+inline constexpr std::uint32_t kRayKeyBits = 5 * kRayKeyAxisBits;
+
+/// Rays of near origins and directions have near keys: a Morton curve through the octahedral map of
+/// directions and the cube of the scene, where a ray enters it.
+RAYSHEAF_HD inline std::uint64_t device_ray_key(const Ray& ray, const Box& scene) {
+  const KeyCube cube = key_cube(scene);
+  const Vec3 start = ray_ends(scene, ray).start;
+  return morton_place(joined(square_cell(octahedral(normalized(ray.direction)), kRayKeyAxisBits),
+                             cube_cell(cube, start, kRayKeyAxisBits)));
+}
+
+/// Sorts the batch's rays along the curve; `columns` keeps the order.
+template <class Device>
+void order_rays_on(Device& device, SortColumns<std::uint64_t>* columns, DeviceBatch* batch) {
+  const View<const Ray> rays = batch->rays;
+  if (rays.size < kFewestSorted || batch->scene == nullptr) return;
+  columns->resize_uninitialized("order: keys", rays.size, true);
+  std::uint64_t* const keys = columns->keys.data();
+  std::uint32_t* const numbers = columns->values.data();
+  const SharedBox* const scene = batch->scene;
+  device.for_each("order: keys", rays.size, [=] RAYSHEAF_HD(std::size_t i) {
+    keys[i] = device_ray_key(rays.data[i], box_of(*scene));
+    numbers[i] = static_cast<std::uint32_t>(i);
+  });
+  device.sort_pairs("order: sort", columns, {0, kRayKeyBits});
+  batch->order = columns->values.data();
+}
+
+template <class Device>
+void closest_hits_on(Device& device, const DeviceBatch& batch, EngineHit* hits) {
+  device.for_each("trace: closest hits", batch.rays.size, [=] RAYSHEAF_HD(std::size_t i) {
+    const std::size_t ray = batch.ray_at(i);
+    WalkCounts counts;
+    hits[ray] = closest_in_tree(batch.tree, box_of(*batch.scene), batch.rays.data[ray],
+                                batch.facing, &counts);
+    keep_counts(batch, ray, counts);
+  });
+}
+
+template <class Device>
+void any_hits_on(Device& device, const DeviceBatch& batch, std::uint8_t* occluded) {
+  device.for_each("trace: any hits", batch.rays.size, [=] RAYSHEAF_HD(std::size_t i) {
+    const std::size_t ray = batch.ray_at(i);
+    WalkCounts counts;
+    const bool met =
+        any_in_tree(batch.tree, box_of(*batch.scene), batch.rays.data[ray], batch.facing, &counts);
+    occluded[ray] = met ? 1 : 0;
+    keep_counts(batch, ray, counts);
+  });
+}
+
+template <class Device>
+void hit_counts_on(Device& device, const DeviceBatch& batch, std::uint32_t* hits) {
+  device.for_each("trace: number of hits", batch.rays.size, [=] RAYSHEAF_HD(std::size_t i) {
+    const std::size_t ray = batch.ray_at(i);
+    std::uint32_t found = 0;
+    meet_all(batch, ray, [&](const EngineHit&) { ++found; });
+    hits[ray] = found;
+  });
+}
+
+/// Row i goes to hits[offsets[i]] and after, sorted.
+template <class Device>
+void hit_rows_on(Device& device, const DeviceBatch& batch, const std::uint64_t* offsets,
+                 EngineHit* hits) {
+  device.for_each("trace: all hits", batch.rays.size, [=] RAYSHEAF_HD(std::size_t i) {
+    const std::size_t ray = batch.ray_at(i);
+    EngineHit* const row = hits + offsets[ray];
+    std::uint64_t found = 0;
+    meet_all(batch, ray, [&](const EngineHit& hit) { row[found++] = hit; });
+    sort_row(row, found);
+  });
+}
+
+/// The best hits among all triangles as words. A piece of work is a ray and a chunk of the
+/// triangles; neighbouring threads have neighbouring rays.
+template <class Device>
+void brute_force_on(Device& device, const DeviceBatch& batch, View<std::uint64_t> words) {
+  device.fill("trace: brute force", words, 0xff);
+  const std::size_t rays = batch.rays.size;
+  const std::uint32_t triangles = batch.list.count();
+  const std::size_t chunks = div_ceil(triangles, kBruteChunk);
+  device.for_each("trace: brute force", rays * chunks, [=] RAYSHEAF_HD(std::size_t i) {
+    const std::size_t ray = i % rays;
+    const auto first = static_cast<std::uint32_t>(i / rays) * kBruteChunk;
+    const std::uint32_t end = triangles - first < kBruteChunk ? triangles : first + kBruteChunk;
+    const std::uint64_t best =
+        best_of_list(batch.list, first, end, batch.facing, batch.rays.data[ray]);
+    lower_to(&words.data[ray], best);
+  });
+}
+
+template <class Device>
+void hits_of_words_on(Device& device, const DeviceBatch& batch, View<const std::uint64_t> words,
+                      EngineHit* hits) {
+  device.for_each("trace: hits of words", words.size, [=] RAYSHEAF_HD(std::size_t i) {
+    hits[i] = hit_of_word(batch.list, words.data[i], batch.rays.data[i]);
+  });
+}
+
+/// Which run a triangle is of: the last that begins at or before it.
+RAYSHEAF_HD inline std::uint32_t run_of_triangle(const RunName* names, std::uint32_t count,
+                                                 std::uint32_t triangle) {
+  std::uint32_t first = 0;
+  while (count > 1) {
+    const std::uint32_t half = count / 2;
+    if (names[first + half].first <= triangle) first += half;
+    count -= half;
+  }
+  return first;
+}
+
+RAYSHEAF_HD inline Hit named_hit(View<const RunName> names, const EngineHit& hit) {
+  if (hit.triangle == kInvalidId) return {};
+  const auto count = static_cast<std::uint32_t>(names.size);
+  const RunName run = names.data[run_of_triangle(names.data, count, hit.triangle)];
+  return {hit.t, hit.u, hit.v, hit.triangle - run.first, run.geom_id, run.inst_id};
+}
+
+template <class Device>
+void name_hits_on(Device& device, View<const RunName> names, View<const EngineHit> hits, Hit* out) {
+  device.for_each("trace: names", hits.size,
+                  [=] RAYSHEAF_HD(std::size_t i) { out[i] = named_hit(names, hits.data[i]); });
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,118 @@
+// The CPU as a device: what exec/device.h says, by the CPU's threads in the CPU's memory.
+//
+// Loops are cut into the threads that a grid would have, few enough for each to take several items.
+#pragma once
+
+#include <chrono>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include "exec/device.h"
+#include "exec/executor.h"
+#include "exec/stage_clock.h"
+
+namespace raysheaf {
+
+/// From the machine's heap. For any number of threads.
+class HostAllocator : public DeviceAllocator {
+ public:
+  [[nodiscard]] void* allocate(const char* stage, std::size_t bytes) override;
+  void free(void* memory) noexcept override;
+  /// Whether it handed out what is at `pointer`.
+  [[nodiscard]] bool owns(const void* pointer) const;
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<const std::uint8_t*, std::size_t> sizes_;  // by where they begin
+};
+
+class EmulatedDevice {
+ public:
+  /// All outlive it. `allocator` takes from `memory`, and stands in for it. `most_blocks`: of a
+  /// loop.
+  EmulatedDevice(const Executor& executor, HostAllocator& memory,
+                 DeviceAllocator* allocator = nullptr, std::uint32_t most_blocks = 64)
+      : executor_(executor),
+        memory_(memory),
+        allocator_(allocator != nullptr ? *allocator : memory),
+        most_blocks_(most_blocks) {}
+
+  template <class Body>
+  void for_each(const char* stage, std::size_t count, const Body& body) {
+    const Lap lap(*this, stage);
+    const LaunchShape shape = launch_shape(count, most_blocks_);
+    executor_.for_each(shape.blocks, 1, [&](std::size_t block) {
+      for (std::size_t t = block * shape.threads; t < (block + 1) * shape.threads; ++t)
+        for_items_of_thread(t, shape.stride(), count, body);
+    });
+  }
+
+  void exclusive_scan(const char* stage, View<const std::uint32_t> in, View<std::uint64_t> out);
+  [[nodiscard]] std::uint32_t select(const char* stage, View<const std::uint8_t> flags,
+                                     View<std::uint32_t> out);
+  void sort_pairs(const char* stage, SortColumns<std::uint32_t>* columns, BitRange bits);
+  void sort_pairs(const char* stage, SortColumns<std::uint64_t>* columns, BitRange bits);
+  void sort_keys(const char* stage, SortColumns<std::uint64_t>* columns, BitRange bits);
+  [[nodiscard]] std::uint32_t run_lengths(const char* stage, View<const std::uint32_t> keys,
+                                          RunColumns out);
+
+  template <class T>
+  void fill(const char* stage, View<T> view, std::uint8_t byte) {
+    const Lap lap(*this, stage);
+    if (!view.empty()) std::memset(static_cast<void*>(view.data), byte, view.size * sizeof(T));
+  }
+  void copy(const char* stage, void* to, const void* from, std::size_t bytes) {
+    const Lap lap(*this, stage);
+    if (bytes != 0) std::memcpy(to, from, bytes);
+  }
+  template <class T>
+  [[nodiscard]] T read(const char* /*stage*/, const T* place) {
+    return *place;
+  }
+  void synchronize(const char* /*stage*/) {}
+  [[nodiscard]] bool is_device_memory(const void* pointer) const { return memory_.owns(pointer); }
+  void wait_for(const char* /*stage*/, void* /*stream*/) {}
+  [[nodiscard]] DeviceAllocator& allocator() { return allocator_; }
+
+  /// Keeps times from now on, or no longer.
+  void keep_times(bool keep) {
+    keeps_times_ = keep;
+    times_.clear();
+  }
+  /// Of what was asked for since `keep_times`.
+  [[nodiscard]] std::vector<StageTime> times() { return times_; }
+
+ private:
+  /// Times a verb.
+  class Lap {
+   public:
+    Lap(EmulatedDevice& device, const char* stage) : device_(device), stage_(stage) {}
+    Lap(const Lap&) = delete;
+    Lap& operator=(const Lap&) = delete;
+    ~Lap() {
+      if (!device_.keeps_times_) return;
+      const std::chrono::duration<double, std::milli> ms = Clock::now() - start_;
+      add_stage_time(stage_, ms.count(), &device_.times_);
+    }
+
+   private:
+    using Clock = std::chrono::steady_clock;
+    EmulatedDevice& device_;
+    const char* stage_;
+    Clock::time_point start_ = Clock::now();
+  };
+
+  template <class Key>
+  void sort(const char* stage, SortColumns<Key>* columns, BitRange bits);
+
+  const Executor& executor_;
+  const HostAllocator& memory_;
+  DeviceAllocator& allocator_;
+  std::uint32_t most_blocks_;
+  bool keeps_times_ = false;
+  std::vector<StageTime> times_;
+};
+
+}  // namespace raysheaf

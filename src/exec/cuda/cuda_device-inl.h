@@ -1,0 +1,50 @@
+// The inside of CudaDevice, for the CUDA sources beside it.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include "exec/cuda/cuda_device.h"
+#include "exec/cuda/cuda_error.h"
+
+namespace raysheaf {
+
+struct CudaDevice::Mark {
+  const char* stage;
+  cudaEvent_t begin, end;
+};
+
+class CudaDevice::Verb {
+ public:
+  Verb(CudaDevice& device, const char* stage) : device_(device), stage_(stage) {
+    check_cuda(cudaSetDevice(device.index_), stage);
+    if (!device.keeps_times_) return;
+    Mark mark{stage, nullptr, nullptr};
+    check_cuda(cudaEventCreate(&mark.begin), stage);
+    device.marks_.push_back(mark);
+    check_cuda(cudaEventCreate(&device.marks_.back().end), stage);
+    check_cuda(cudaEventRecord(mark.begin, stream()), stage);
+  }
+  [[nodiscard]] cudaStream_t stream() const { return static_cast<cudaStream_t>(device_.stream_); }
+  /// Whether it could be asked for, and the mark of its end.
+  void finish(cudaError_t status) {
+    check_cuda(status, stage_);
+    check_cuda(cudaGetLastError(), stage_);
+    if (device_.keeps_times_)
+      check_cuda(cudaEventRecord(device_.marks_.back().end, stream()), stage_);
+  }
+
+ private:
+  CudaDevice& device_;
+  const char* stage_;
+};
+
+template <class Call>
+void CudaDevice::run_cub(const char* stage, const Call& call) {
+  Verb verb(*this, stage);
+  std::size_t bytes = 0;
+  check_cuda(call(nullptr, bytes, verb.stream()), stage);
+  void* const room = scratch(stage, bytes);
+  verb.finish(call(room, bytes, verb.stream()));
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,165 @@
+#include "exec/cuda/cuda_device.h"
+
+#include "exec/cuda/launch-inl.h"
+
+namespace raysheaf {
+namespace {
+
+constexpr const char* kOpening = "CUDA device";
+
+/// In the order of a stream, from the device's pool.
+class StreamAllocator : public DeviceAllocator {
+ public:
+  StreamAllocator(int index, cudaStream_t stream) : index_(index), stream_(stream) {
+    int pooled = 0;
+    check_cuda(cudaDeviceGetAttribute(&pooled, cudaDevAttrMemoryPoolsSupported, index), kOpening);
+    pooled_ = pooled != 0;
+  }
+  [[nodiscard]] void* allocate(const char* stage, std::size_t bytes) override {
+    check_cuda(cudaSetDevice(index_), stage);
+    void* memory = nullptr;
+    check_cuda(pooled_ ? cudaMallocAsync(&memory, bytes, stream_) : cudaMalloc(&memory, bytes),
+               stage);
+    return memory;
+  }
+  void free(void* memory) noexcept override {
+    // A device that has failed cannot take its memory back, and nobody could do anything about it.
+    static_cast<void>(cudaSetDevice(index_));
+    static_cast<void>(pooled_ ? cudaFreeAsync(memory, stream_) : cudaFree(memory));
+  }
+
+ private:
+  int index_;
+  cudaStream_t stream_;
+  bool pooled_ = false;
+};
+
+std::string described(int index) {
+  cudaDeviceProp properties;
+  check_cuda(cudaGetDeviceProperties(&properties, index), kOpening);
+  return std::string(properties.name) + ", compute capability " + std::to_string(properties.major) +
+         "." + std::to_string(properties.minor);
+}
+
+struct Nothing {
+  __host__ __device__ void operator()(std::size_t /*i*/) const {}
+};
+
+cudaStream_t new_stream(int index) {
+  int count = 0;
+  check_cuda(cudaGetDeviceCount(&count), kOpening);
+  check_cuda(cudaSetDevice(index), kOpening);
+  cudaStream_t stream = nullptr;
+  check_cuda(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), kOpening);
+  return stream;
+}
+
+}  // namespace
+
+CudaDevice::CudaDevice(int index, DeviceAllocator* allocator)
+    : index_(index),
+      stream_(new_stream(index)),
+      own_allocator_(allocator != nullptr
+                         ? nullptr
+                         : new StreamAllocator(index, static_cast<cudaStream_t>(stream_))),
+      allocator_(allocator != nullptr ? allocator : own_allocator_.get()),
+      scratch_(*allocator_),
+      counter_(*allocator_) {
+  try {
+    name_ = described(index);
+    // Whether this build has code that the device can run shows when some is run.
+    for_each(kOpening, 1, Nothing{});
+    synchronize(kOpening);
+  } catch (...) {
+    static_cast<void>(cudaStreamDestroy(static_cast<cudaStream_t>(stream_)));
+    throw;
+  }
+}
+
+CudaDevice::~CudaDevice() {
+  for (const Mark& mark : marks_) {
+    if (mark.begin != nullptr) static_cast<void>(cudaEventDestroy(mark.begin));
+    if (mark.end != nullptr) static_cast<void>(cudaEventDestroy(mark.end));
+  }
+  scratch_.release();
+  counter_.release();
+  static_cast<void>(cudaSetDevice(index_));
+  static_cast<void>(cudaStreamSynchronize(static_cast<cudaStream_t>(stream_)));
+  static_cast<void>(cudaStreamDestroy(static_cast<cudaStream_t>(stream_)));
+}
+
+void CudaDevice::fill_bytes(const char* stage, void* place, std::size_t bytes, std::uint8_t byte) {
+  if (bytes == 0) return;
+  Verb verb(*this, stage);
+  verb.finish(cudaMemsetAsync(place, byte, bytes, verb.stream()));
+}
+
+void CudaDevice::copy(const char* stage, void* to, const void* from, std::size_t bytes) {
+  if (bytes == 0) return;
+  Verb verb(*this, stage);
+  verb.finish(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDefault, verb.stream()));
+  if (!is_device_memory(to) || !is_device_memory(from)) synchronize(stage);
+}
+
+void CudaDevice::synchronize(const char* stage) {
+  check_cuda(cudaSetDevice(index_), stage);
+  check_cuda(cudaStreamSynchronize(static_cast<cudaStream_t>(stream_)), stage);
+}
+
+bool CudaDevice::is_device_memory(const void* pointer) const {
+  cudaPointerAttributes attributes;
+  if (cudaPointerGetAttributes(&attributes, pointer) != cudaSuccess) {
+    static_cast<void>(cudaGetLastError());
+    return false;
+  }
+  return attributes.type == cudaMemoryTypeDevice || attributes.type == cudaMemoryTypeManaged;
+}
+
+void CudaDevice::wait_for(const char* stage, void* stream) {
+  check_cuda(cudaSetDevice(index_), stage);
+  cudaEvent_t event = nullptr;
+  check_cuda(cudaEventCreateWithFlags(&event, cudaEventDisableTiming), stage);
+  cudaError_t status = cudaEventRecord(event, static_cast<cudaStream_t>(stream));
+  if (status == cudaSuccess)
+    status = cudaStreamWaitEvent(static_cast<cudaStream_t>(stream_), event, 0);
+  static_cast<void>(cudaEventDestroy(event));
+  check_cuda(status, stage);
+}
+
+void* CudaDevice::scratch(const char* stage, std::size_t bytes) {
+  scratch_.resize_uninitialized(stage, bytes == 0 ? 1 : bytes);
+  return scratch_.data();
+}
+
+std::uint32_t* CudaDevice::counter(const char* stage) {
+  counter_.resize_uninitialized(stage, 1);
+  return counter_.data();
+}
+
+std::uint32_t CudaDevice::counted(const char* stage) {
+  return read(stage, counter_.data());
+}
+
+void CudaDevice::keep_times(bool keep) {
+  keeps_times_ = false;
+  static_cast<void>(times());
+  keeps_times_ = keep;
+}
+
+std::vector<StageTime> CudaDevice::times() {
+  synchronize("stage times");
+  std::vector<StageTime> times;
+  for (const Mark& mark : marks_) {
+    float ms = 0;
+    if (mark.begin != nullptr && mark.end != nullptr &&
+        cudaEventElapsedTime(&ms, mark.begin, mark.end) == cudaSuccess)
+      add_stage_time(mark.stage, ms, &times);
+    if (mark.begin != nullptr) static_cast<void>(cudaEventDestroy(mark.begin));
+    if (mark.end != nullptr) static_cast<void>(cudaEventDestroy(mark.end));
+  }
+  static_cast<void>(cudaGetLastError());
+  marks_.clear();
+  return times;
+}
+
+}  // namespace raysheaf

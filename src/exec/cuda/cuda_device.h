@@ -1,0 +1,89 @@
+// A CUDA device: the verbs of exec/device.h as kernels and calls of CUB, one after another on a
+// stream of its own. One small .cu a primitive; loops are launched by exec/cuda/launch-inl.h.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "exec/device.h"
+#include "exec/stage_clock.h"
+
+namespace raysheaf {
+
+class CudaDevice {
+ public:
+  /// Device `index` of this process. `allocator`, which outlives it, replaces the device's own.
+  /// Throws Error in CUDA's words where there is no such device, or none that this build has code
+  /// for.
+  explicit CudaDevice(int index = 0, DeviceAllocator* allocator = nullptr);
+  CudaDevice(const CudaDevice&) = delete;
+  CudaDevice& operator=(const CudaDevice&) = delete;
+  ~CudaDevice();
+
+  template <class Body>
+  void for_each(const char* stage, std::size_t count, const Body& body);
+  void exclusive_scan(const char* stage, View<const std::uint32_t> in, View<std::uint64_t> out);
+  [[nodiscard]] std::uint32_t select(const char* stage, View<const std::uint8_t> flags,
+                                     View<std::uint32_t> out);
+  void sort_pairs(const char* stage, SortColumns<std::uint32_t>* columns, BitRange bits);
+  void sort_pairs(const char* stage, SortColumns<std::uint64_t>* columns, BitRange bits);
+  void sort_keys(const char* stage, SortColumns<std::uint64_t>* columns, BitRange bits);
+  [[nodiscard]] std::uint32_t run_lengths(const char* stage, View<const std::uint32_t> keys,
+                                          RunColumns out);
+  template <class T>
+  void fill(const char* stage, View<T> view, std::uint8_t byte) {
+    fill_bytes(stage, view.data, view.size * sizeof(T), byte);
+  }
+  void copy(const char* stage, void* to, const void* from, std::size_t bytes);
+  template <class T>
+  [[nodiscard]] T read(const char* stage, const T* place) {
+    T value;
+    copy(stage, &value, place, sizeof value);
+    synchronize(stage);
+    return value;
+  }
+  void synchronize(const char* stage);
+  [[nodiscard]] bool is_device_memory(const void* pointer) const;
+  [[nodiscard]] DeviceAllocator& allocator() { return *allocator_; }
+
+  void keep_times(bool keep);
+  /// Waits.
+  [[nodiscard]] std::vector<StageTime> times();
+
+  /// What was asked for on `stream` (a cudaStream_t, null: the default one) comes before what is
+  /// asked for here from now on.
+  void wait_for(const char* stage, void* stream);
+  /// The product's name and its compute capability.
+  [[nodiscard]] const std::string& name() const { return name_; }
+
+ private:
+  struct Mark;
+  /// A verb on its way: makes the device current, and marks its beginning and end where times are
+  /// kept.
+  class Verb;
+
+  void fill_bytes(const char* stage, void* place, std::size_t bytes, std::uint8_t byte);
+  [[nodiscard]] void* scratch(const char* stage, std::size_t bytes);
+  /// What CUB counted.
+  [[nodiscard]] std::uint32_t* counter(const char* stage);
+  [[nodiscard]] std::uint32_t counted(const char* stage);
+  /// Runs `call(temporary, bytes)` of CUB twice: first to ask how much room it needs.
+  template <class Call>
+  void run_cub(const char* stage, const Call& call);
+  template <class Key>
+  void sort(const char* stage, SortColumns<Key>* columns, BitRange bits);
+
+  int index_;
+  std::string name_;
+  void* stream_ = nullptr;  // a cudaStream_t
+  std::unique_ptr<DeviceAllocator> own_allocator_;
+  DeviceAllocator* allocator_;
+  DeviceBuffer<std::uint8_t> scratch_;
+  DeviceBuffer<std::uint32_t> counter_;
+  bool keeps_times_ = false;
+  std::vector<Mark> marks_;
+};
+
+}  // namespace raysheaf

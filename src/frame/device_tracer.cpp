@@ -1,0 +1,116 @@
+#include "frame/device_tracer.h"
+
+#include "frame/dual_tracer.h"
+
+namespace raysheaf {
+namespace {
+
+constexpr std::size_t kGrain = 4096;
+
+constexpr const char* kCopies =
+    "device: rays are made and hits are shaded on the CPU, and copied; so is what OpenGL sees";
+
+void add_report(EngineReport report, BatchStatistics* statistics) {
+  statistics->plan.emplace_back(kCopies);
+  statistics->bound_tests += report.bound_tests;
+  statistics->ray_bound_tests += report.ray_bound_tests;
+  statistics->final_tests += report.triangle_tests;
+  statistics->times_ms.order += report.order_ms;
+  statistics->times_ms.hierarchy += report.hierarchy_ms;
+  statistics->times_ms.traverse += report.trace_ms;
+  for (std::string& sentence : report.plan) statistics->plan.push_back(std::move(sentence));
+}
+
+}  // namespace
+
+Buffer<Vec3> DeviceTracer::corners(const Executor& executor) const {
+  Buffer<Vec3> all;
+  all.resize_uninitialized(std::size_t{3} * scene_.triangle_count);
+  executor.for_each(scene_.triangle_count, kGrain, [&](std::size_t i) {
+    for (int k = 0; k < 3; ++k)
+      all[3 * i + static_cast<std::size_t>(k)] = scene_.corner(static_cast<std::uint32_t>(i), k);
+  });
+  return all;
+}
+
+DeviceEngine& DeviceTracer::engine(const Executor& executor) {
+  if (engine_ != nullptr) return *engine_;
+  const Buffer<Vec3> all = corners(executor);
+  const TriangleRun run{all.data(), nullptr, 0, scene_.triangle_count};
+  TriangleSource source;
+  source.runs = {&run, scene_.triangle_count > 0 ? std::size_t{1} : std::size_t{0}};
+  source.count = scene_.triangle_count;
+  source.flags = scene_.flags.data();
+  std::unique_ptr<DeviceEngine> made = backend_.make_engine();
+  made->set_triangles(executor, source);
+  engine_ = std::move(made);
+  return *engine_;
+}
+
+PairTracer& DeviceTracer::pairs(const Executor& executor) {
+  if (pairs_ != nullptr) return *pairs_;
+  const std::uint32_t count = scene_.triangle_count;
+  const Buffer<Vec3> all = corners(executor);
+  Buffer<Sphere> spheres;
+  spheres.resize_uninitialized(count);
+  executor.for_each(count, kGrain, [&](std::size_t i) {
+    spheres[i] = {{scene_.sphere[0][i], scene_.sphere[1][i], scene_.sphere[2][i]},
+                  scene_.sphere[3][i]};
+  });
+  std::vector<PairMesh> meshes;
+  for (const FlatMesh& mesh : scene_.meshes)
+    meshes.push_back({mesh.bound, mesh.first_triangle, mesh.triangle_count});
+  std::unique_ptr<PairTracer> made = backend_.make_pair_tracer();
+  made->set_scene({View<const Vec3>(all), View<const std::uint8_t>(scene_.flags.data(), count),
+                   View<const Sphere>(spheres), View<const PairMesh>(meshes)});
+  pairs_ = std::move(made);
+  return *pairs_;
+}
+
+std::vector<RayHit> DeviceTracer::trace_pairs(const Executor& executor, const RayBatch& batch,
+                                              PairQuery query, bool by_key, PairOutcome* outcome) {
+  query.key_bits = batch.key_bits;
+  closest_.resize_uninitialized(batch.rays.size());
+  const View<const std::uint32_t> keys(batch.keys);
+  *outcome = pairs(executor).trace(View<const Ray>(batch.rays),
+                                   by_key ? keys : View<const std::uint32_t>(), query,
+                                   View<EngineHit>(closest_));
+  std::vector<RayHit> hits(batch.rays.size());
+  executor.for_each(hits.size(), kGrain, [&](std::size_t i) {
+    hits[i] = {closest_[i].t, closest_[i].triangle};
+  });
+  return hits;
+}
+
+std::vector<RayHit> DeviceTracer::trace(const Executor& executor, const RayBatch& batch,
+                                        Facing facing, bool brute, BatchStatistics* statistics,
+                                        View<float> ray_tests) {
+  const View<const Ray> rays(batch.rays);
+  EngineReport report;
+  std::vector<float> tests(ray_tests.size);
+  DeviceQuery query;
+  query.facing = facing;
+  query.brute = brute;
+  query.count = true;
+  query.report = &report;
+  query.ray_tests = View<float>(tests);
+  std::vector<RayHit> hits(rays.size);
+  if (!brute && asks_occlusion(batch.kind)) {
+    occluded_.resize_uninitialized(rays.size);
+    engine(executor).any_hit(rays, query, View<std::uint8_t>(occluded_));
+    executor.for_each(hits.size(), kGrain, [&](std::size_t i) {
+      if (occluded_[i] != 0) hits[i] = {0, kSomeTriangle};
+    });
+  } else {
+    closest_.resize_uninitialized(rays.size);
+    engine(executor).closest_hit(rays, query, View<EngineHit>(closest_));
+    executor.for_each(hits.size(), kGrain, [&](std::size_t i) {
+      hits[i] = {closest_[i].t, closest_[i].triangle};
+    });
+  }
+  for (std::size_t i = 0; i < tests.size(); ++i) ray_tests[i] += tests[i];
+  add_report(std::move(report), statistics);
+  return hits;
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,46 @@
+// The renderer's batches on a device: a DeviceEngine (engine/device_engine.h) or a PairTracer
+// (engine/pair_tracer.h) on a flat scene.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "engine/device_engine.h"
+#include "engine/pair_tracer.h"
+#include "raygen/raygen.h"
+#include "raysheaf/statistics.h"
+#include "scene/flat_scene.h"
+
+namespace raysheaf {
+
+/// One scene's, for any number of batches: the triangles are copied to the device once, and its
+/// tree is built by the first batch that needs it.
+class DeviceTracer {
+ public:
+  /// Both must outlive it. Nothing is copied before a batch needs it.
+  DeviceTracer(const FlatScene& scene, const DeviceBackend& backend)
+      : scene_(scene), backend_(backend) {}
+
+  /// As `DualTracer::trace`, or by brute force.
+  [[nodiscard]] std::vector<RayHit> trace(const Executor& executor, const RayBatch& batch,
+                                          Facing facing, bool brute, BatchStatistics* statistics,
+                                          View<float> ray_tests);
+
+  /// By `rah` or `crsh`, as `query` says; `by_key`: sorted by the batch's keys before.
+  [[nodiscard]] std::vector<RayHit> trace_pairs(const Executor& executor, const RayBatch& batch,
+                                                PairQuery query, bool by_key, PairOutcome* outcome);
+
+ private:
+  [[nodiscard]] DeviceEngine& engine(const Executor& executor);
+  [[nodiscard]] PairTracer& pairs(const Executor& executor);
+  [[nodiscard]] Buffer<Vec3> corners(const Executor& executor) const;
+
+  const FlatScene& scene_;
+  const DeviceBackend& backend_;
+  std::unique_ptr<PairTracer> pairs_;
+  std::unique_ptr<DeviceEngine> engine_;
+  Buffer<EngineHit> closest_;
+  Buffer<std::uint8_t> occluded_;
+};
+
+}  // namespace raysheaf

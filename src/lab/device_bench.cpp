@@ -1,0 +1,181 @@
+#include "lab/device_bench.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "exec/stopwatch.h"
+#include "raysheaf/error.h"
+#include "scene/flat_scene.h"
+
+namespace raysheaf {
+namespace {
+
+/// Bytes that a stage must read and write, whatever it does in between, for each of its items.
+struct Traffic {
+  const char* stage;
+  double bytes;
+  bool of_rays;  ///< or of triangles
+};
+constexpr Traffic kTraffic[] = {
+    {"hierarchy: bounds", 36, false},    // three corners
+    {"hierarchy: keys", 36 + 8, false},  // corners; a key
+    {"hierarchy: sort", 8 + 8, false},   // keys, once
+    {"hierarchy: triangles", 8 + 36 + 48, false},
+    {"hierarchy: nodes", 8 + 8 + 8, false},      // a key; two children, two parents
+    {"hierarchy: boxes", 48 + 48, false},        // a triangle; two boxes
+    {"order: keys", 32 + 12, true},              // a ray; a key and a number
+    {"order: sort", 12 + 12, true},              // pairs, once
+    {"trace: any hits", 4 + 32 + 1, true},       // a number, a ray; a flag
+    {"trace: closest hits", 4 + 32 + 16, true},  // the same; a hit
+};
+
+double floor_of(const std::string& stage, double rays, double triangles, double bytes_per_ms) {
+  for (const Traffic& traffic : kTraffic)
+    if (stage == traffic.stage)
+      return traffic.bytes * (traffic.of_rays ? rays : triangles) / bytes_per_ms;
+  return 0;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+bool is_copy(const std::string& stage) {
+  return stage.starts_with("copy:");
+}
+
+/// One scene's triangles, for the CPU's engine and the device's.
+class Bench {
+ public:
+  Bench(const DeviceBackend& backend, const SceneDescription& scene,
+        const DeviceBenchOptions& options)
+      : options_(options),
+        executor_(options.threads),
+        flat_(flatten(executor_, scene, mesh_bounds(executor_, scene))),
+        there_(backend.make_engine()),
+        bytes_per_ms_(backend.copy_bytes_per_ms()) {
+    corners_.reserve(std::size_t{3} * flat_.triangle_count);
+    for (std::uint32_t i = 0; i < flat_.triangle_count; ++i)
+      for (int k = 0; k < 3; ++k) corners_.push_back(flat_.corner(i, k));
+    run_ = {corners_.data(), nullptr, 0, flat_.triangle_count};
+    source_.runs = {&run_, flat_.triangle_count > 0 ? std::size_t{1} : std::size_t{0}};
+    source_.count = flat_.triangle_count;
+  }
+
+  [[nodiscard]] std::uint32_t threads() const { return executor_.threads(); }
+  [[nodiscard]] std::uint32_t triangles() const { return flat_.triangle_count; }
+  [[nodiscard]] double bytes_per_ms() const { return bytes_per_ms_; }
+
+  DeviceBenchBatch measure(LabRays kind, const std::vector<Ray>& rays) {
+    DeviceBenchBatch batch;
+    batch.rays = kind;
+    batch.count = rays.size();
+    if (rays.empty()) return batch;
+    const bool any = kind == LabRays::kShadow;
+    Answers here(rays.size()), there(rays.size());
+    std::vector<double> cpu_ms, call_ms, device_ms, trace_ms;
+    std::vector<std::string> names;
+    std::vector<std::vector<double>> stage_ms;
+    for (std::uint32_t run = 0; run <= options_.runs; ++run) {
+      Stopwatch watch;
+      here_.set_triangles(source_, false);
+      ask_here(rays, any, &here);
+      const double on_cpu = watch.lap_ms();
+      there_->set_triangles(executor_, source_);
+      EngineReport report;
+      watch.lap_ms();
+      ask_there(rays, any, &report, &there);
+      const double call = watch.lap_ms();
+      if (run == 0) continue;  // whatever is made once was made
+      cpu_ms.push_back(on_cpu);
+      call_ms.push_back(call);
+      double all = 0, without_tree = 0;
+      for (const StageTime& time : there_->stage_times()) {
+        const auto at = std::find(names.begin(), names.end(), time.stage);
+        const auto place = static_cast<std::size_t>(at - names.begin());
+        if (at == names.end()) names.push_back(time.stage), stage_ms.emplace_back();
+        stage_ms[place].push_back(time.ms);
+        if (is_copy(time.stage)) continue;
+        all += time.ms;
+        if (!time.stage.starts_with("hierarchy:")) without_tree += time.ms;
+      }
+      device_ms.push_back(all);
+      trace_ms.push_back(without_tree);
+    }
+    for (std::size_t s = 0; s < names.size(); ++s)
+      batch.stages.push_back({names[s], median(stage_ms[s]),
+                              floor_of(names[s], static_cast<double>(rays.size()),
+                                       static_cast<double>(triangles()), bytes_per_ms_)});
+    batch.cpu_ms = median(cpu_ms);
+    batch.call_ms = median(call_ms);
+    batch.device_ms = median(device_ms);
+    batch.trace_ms = median(trace_ms);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      batch.hits += any ? there.any[i] : there.closest[i].triangle != kInvalidId ? 1u : 0u;
+      batch.different +=
+          any ? here.any[i] != there.any[i]
+              : std::memcmp(&here.closest[i], &there.closest[i], sizeof(EngineHit)) != 0;
+    }
+    return batch;
+  }
+
+ private:
+  struct Answers {
+    explicit Answers(std::size_t count) : closest(count), any(count) {}
+    std::vector<EngineHit> closest;
+    std::vector<std::uint8_t> any;
+  };
+
+  void ask_here(const std::vector<Ray>& rays, bool any, Answers* answers) {
+    if (any) {
+      here_.any_hit(executor_, rays, {}, answers->any, {}, nullptr);
+    } else {
+      here_.closest_hit(executor_, rays, {}, answers->closest, {}, nullptr);
+    }
+  }
+  void ask_there(const std::vector<Ray>& rays, bool any, EngineReport* report, Answers* answers) {
+    DeviceQuery query;
+    query.report = report;
+    if (any) {
+      there_->any_hit(rays, query, View<std::uint8_t>(answers->any));
+    } else {
+      there_->closest_hit(rays, query, View<EngineHit>(answers->closest));
+    }
+  }
+
+  const DeviceBenchOptions options_;
+  const Executor executor_;
+  const FlatScene flat_;
+  std::vector<Vec3> corners_;
+  TriangleRun run_;
+  TriangleSource source_;
+  Engine here_;
+  const std::unique_ptr<DeviceEngine> there_;
+  const double bytes_per_ms_;
+};
+
+}  // namespace
+
+DeviceBenchReport bench_device_on(const DeviceBackend& backend, const SceneDescription& scene,
+                                  const DeviceBenchOptions& options) {
+  if (options.runs < 1) throw Error(ErrorCode::kInvalidArgument, "must be 1 at least", "runs");
+  Laboratory laboratory(scene, options.width, options.height, options.threads);
+  Bench bench(backend, scene, options);
+  DeviceBenchReport report;
+  report.device = backend.name();
+  report.threads = bench.threads();
+  report.triangles = bench.triangles();
+  report.copy_gb_per_s = bench.bytes_per_ms() * 1e-6;
+  for (const LabRays kind :
+       {LabRays::kShadow, LabRays::kReflection1, LabRays::kReflection2, LabRays::kAmbientOcclusion})
+    report.batches.push_back(bench.measure(kind, laboratory.rays(kind)));
+  return report;
+}
+
+DeviceBenchReport bench_device(const SceneDescription& scene, const DeviceBenchOptions& options) {
+  return bench_device_on(*open_cuda(), scene, options);
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,99 @@
+// The object hierarchy of `dual` on a device: built anew from triangles that lie there.
+//
+// Work O(M) beside the sort of 64-bit keys; memory 145 bytes a triangle. Nothing waits.
+#pragma once
+
+#include "exec/device.h"
+#include "object/linear_tree_body.h"
+#include "object/triangle_list.h"
+
+namespace raysheaf {
+
+/// On a device. Nodes hold every corner of the triangles below them, bit for bit; triangles without
+/// area are among them, to be passed over when they are hit.
+class LinearTree {
+ public:
+  explicit LinearTree(DeviceAllocator& allocator)
+      : scene_(allocator),
+        columns_(allocator),
+        nodes_(allocator),
+        triangles_(allocator),
+        parents_(allocator),
+        arrived_(allocator) {}
+
+  /// Fewer than 2^31 triangles. Where it throws, the tree is empty.
+  template <class Device>
+  void build(Device& device, const TriangleList& source);
+
+  [[nodiscard]] LinearTreeView view() const {
+    return {nodes_.data(), triangles_.data(), static_cast<std::uint32_t>(triangles_.size())};
+  }
+  /// The box of all triangles, on the device, once it was built; not numbers where there are none.
+  [[nodiscard]] const SharedBox* scene() const { return scene_.data(); }
+  [[nodiscard]] std::size_t memory_bytes() const {
+    return scene_.capacity_bytes() + columns_.capacity_bytes() + nodes_.capacity_bytes() +
+           triangles_.capacity_bytes() + parents_.capacity_bytes() + arrived_.capacity_bytes();
+  }
+
+ private:
+  DeviceBuffer<SharedBox> scene_;
+  SortColumns<std::uint64_t> columns_;
+  DeviceBuffer<LinearNode> nodes_;
+  DeviceBuffer<LinearTriangle> triangles_;
+  DeviceBuffer<std::uint32_t> parents_;  // of nodes, then of leaves
+  DeviceBuffer<std::uint32_t> arrived_;
+};
+
+template <class Device>
+void LinearTree::build(Device& device, const TriangleList& source) {
+  const std::uint32_t count = source.count();
+  triangles_.resize_uninitialized("hierarchy: triangles", 0);
+  scene_.resize_uninitialized("hierarchy: bounds", 1);
+  device.fill("hierarchy: bounds", scene_.view(), 0xff);
+  if (count == 0) return;
+  columns_.resize_uninitialized("hierarchy: keys", count, false);
+  nodes_.resize_uninitialized("hierarchy: nodes", count);
+  parents_.resize_uninitialized("hierarchy: nodes", std::size_t{2} * count);
+  arrived_.resize_uninitialized("hierarchy: boxes", count);
+
+  const Vec3* const corners = source.corners.data;
+  SharedBox* const scene = scene_.data();
+  device.for_each("hierarchy: bounds", count, [=] RAYSHEAF_HD(std::size_t i) {
+    enlarge(scene, triangle_box(corners[3 * i], corners[3 * i + 1], corners[3 * i + 2]));
+  });
+  const LinearKeys made_up(count);
+  std::uint64_t* const keys = columns_.keys.data();
+  device.for_each("hierarchy: keys", count, [=] RAYSHEAF_HD(std::size_t i) {
+    const Box box = triangle_box(corners[3 * i], corners[3 * i + 1], corners[3 * i + 2]);
+    keys[i] = linear_key(made_up, box_of(*scene), box, static_cast<std::uint32_t>(i));
+  });
+  // Numbers ascend below the cells: a stable sort by the cells alone sorts both.
+  device.sort_keys("hierarchy: sort", &columns_, {made_up.id_bits, made_up.bits()});
+
+  const std::uint64_t* const sorted = columns_.keys.data();
+  const std::uint64_t id_mask = (std::uint64_t{1} << made_up.id_bits) - 1;
+  const View<const std::uint8_t> flags = source.flags;
+  triangles_.resize_uninitialized("hierarchy: triangles", count);
+  LinearTriangle* const triangles = triangles_.data();
+  device.for_each("hierarchy: triangles", count, [=] RAYSHEAF_HD(std::size_t i) {
+    const auto id = static_cast<std::uint32_t>(sorted[i] & id_mask);
+    const std::size_t at = std::size_t{3} * id;
+    const std::uint32_t set = flags.empty() ? 0u : flags.data[id];
+    const std::uint32_t ends = i + 1 == count && count <= kLinearLeaf ? 1 : 0;
+    triangles[i] = {corners[at], id, corners[at + 1], set, corners[at + 2], ends};
+  });
+  if (count <= kLinearLeaf) return;
+  device.fill("hierarchy: nodes", parents_.view(), 0xff);
+  device.fill("hierarchy: boxes", arrived_.view(), 0);
+  LinearNode* const nodes = nodes_.data();
+  const LinearParents parents{parents_.data(), parents_.data() + count};
+  device.for_each("hierarchy: nodes", count - 1, [=] RAYSHEAF_HD(std::size_t i) {
+    link_node(sorted, count, static_cast<std::uint32_t>(i), nodes, triangles, parents);
+  });
+  std::uint32_t* const arrived = arrived_.data();
+  device.for_each("hierarchy: boxes", count, [=] RAYSHEAF_HD(std::size_t i) {
+    fit_boxes(triangles, static_cast<std::uint32_t>(i), parents, arrived, nodes);
+  });
+}
+
+}  // namespace raysheaf

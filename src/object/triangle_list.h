@@ -1,0 +1,19 @@
+// Triangles as a device has them.
+#pragma once
+
+#include <cstdint>
+
+#include "base/view.h"
+#include "raysheaf/types.h"
+
+namespace raysheaf {
+
+/// Corners, three each, by the triangles' numbers, and TriangleFlags, or none.
+struct TriangleList {
+  View<const Vec3> corners;
+  View<const std::uint8_t> flags;
+
+  [[nodiscard]] std::uint32_t count() const { return static_cast<std::uint32_t>(corners.size / 3); }
+};
+
+}  // namespace raysheaf

@@ -1,0 +1,166 @@
+// The library on a device: the same answers as on the CPU, bit for bit. On the CPU as a device, and
+// on the CUDA device where there is one.
+#include "api/api_support.h"
+#include "api/context_impl.h"
+#include "raysheaf/builtin_scenes.h"
+#include "raysheaf/render_on_context.h"
+
+namespace raysheaf::test {
+namespace {
+
+struct Filled {
+  Scene scene;
+  std::vector<MeshId> meshes;
+  std::vector<InstanceId> instances;
+
+  explicit Filled(const Context& context) : scene(context) {
+    Random random(3);
+    for (int m = 0; m < 3; ++m) {
+      std::vector<Vec3> corners;
+      for (int i = 0; i < 40; ++i) {
+        const Vec3 at = random.in_box(4);
+        for (int k = 0; k < 3; ++k) corners.push_back(at + random.in_box(1));
+      }
+      meshes.push_back(scene.add_soup(corners, {.place = m != 2}));
+    }
+    for (std::uint32_t i = 0; i < 4; ++i)
+      instances.push_back(scene.instance(meshes[2], translation(random.in_box(3)), 1u << i));
+    scene.commit();
+  }
+  void move() {
+    Random random(4);
+    for (const InstanceId instance : instances)
+      scene.set_transform(instance, translation(random.in_box(3)));
+    scene.commit();
+  }
+};
+
+std::vector<Ray> rays_for(std::size_t count) {
+  Random random(5);
+  std::vector<Ray> rays;
+  for (std::size_t i = 0; i < count; ++i)
+    rays.push_back({random.in_box(6), 0, random.in_box(1), kInfinity});
+  return rays;
+}
+
+void expect_same_answers(const Scene& scene, const Scene& on_cpu, const std::vector<Ray>& rays,
+                         const QueryOptions& options) {
+  const std::vector<Hit> hits = closest_hit(scene, rays, options);
+  const std::vector<Hit> expected = closest_hit(on_cpu, rays, options);
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    ASSERT_TRUE(same(hits[i], expected[i])) << shown(hits[i]) << ", not " << shown(expected[i]);
+  EXPECT_EQ(any_hit(scene, rays, options), any_hit(on_cpu, rays, options));
+  EXPECT_EQ(hit_counts(scene, rays, options), hit_counts(on_cpu, rays, options));
+  const HitRows rows = all_hits(scene, rays, options), right = all_hits(on_cpu, rays, options);
+  ASSERT_EQ(rows.offsets, right.offsets);
+  for (std::size_t i = 0; i < rows.hits.size(); ++i) ASSERT_TRUE(same(rows.hits[i], right.hits[i]));
+}
+
+void expect_cpu_answers(const Context& context) {
+  Filled there(context), here(Context{});
+  const std::vector<Ray> rays = rays_for(5000);
+  for (int round = 0; round < 2; ++round) {
+    for (const std::uint32_t mask : {0xffffffffu, 5u, 2u}) {
+      QueryOptions options;
+      options.mask = mask;
+      expect_same_answers(there.scene, here.scene, rays, options);
+      options.method = QueryMethod::kBrute;
+      expect_same_answers(there.scene, here.scene, rays, options);
+    }
+    there.move();
+    here.move();
+  }
+  QueryStatistics statistics;
+  QueryOptions options;
+  options.statistics = &statistics;
+  options.count_tests = true;
+  static_cast<void>(closest_hit(there.scene, rays, options));
+  EXPECT_EQ(statistics.rays, rays.size());
+  EXPECT_GT(statistics.tests(), 0u);
+  EXPECT_FALSE(statistics.plan.empty());
+  EXPECT_GT(there.scene.memory_bytes(), here.scene.memory_bytes());
+}
+
+struct Emulation {
+  Executor executor{2};
+  HostAllocator memory;
+  Context context =
+      ContextAccess::with_backend({.device = Device::kCuda}, open_emulated(executor, memory));
+};
+
+TEST(DeviceContext, AnswersAsTheCpu) {
+  const Emulation emulation;
+  EXPECT_EQ(emulation.context.device(), Device::kCuda);
+  expect_cpu_answers(emulation.context);
+}
+
+TEST(DeviceContext, AnswersAsTheCpuOnCuda) {
+  try {
+    expect_cpu_answers(Context({.device = Device::kCuda}));
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kUnsupported) throw;
+    EXPECT_EQ(error.place(), "CUDA device");
+    GTEST_SKIP() << error.what();
+  }
+}
+
+TEST(DeviceContext, ScenesWithoutTrianglesAndBatchesWithoutRays) {
+  const Emulation emulation;
+  Scene scene(emulation.context);
+  scene.commit();
+  const std::vector<Ray> rays = rays_for(3);
+  EXPECT_EQ(any_hit(scene, rays), (std::vector<std::uint8_t>{0, 0, 0}));
+  EXPECT_EQ(closest_hit(scene, rays)[0].prim_id, kInvalidId);
+  EXPECT_EQ(hit_counts(scene, rays), (std::vector<std::uint32_t>{0, 0, 0}));
+  EXPECT_EQ(all_hits(scene, rays).offsets.size(), 4u);
+  const Filled filled(emulation.context);
+  EXPECT_TRUE(closest_hit(filled.scene, {}).empty());
+}
+
+TEST(DeviceContext, RendersAsTheCpu) {
+  const Emulation emulation;
+  const SceneDescription scene = builtin_scene("cornell");
+  RenderOptions options;
+  options.width = options.height = 48;
+  options.primary = Primary::kTrace;
+  const RenderResult there = render(emulation.context, scene, options);
+  const RenderResult here = render(scene, options);
+  for (std::size_t i = 0; i < here.beauty.size(); ++i)
+    ASSERT_TRUE(here.beauty[i] == there.beauty[i]) << i;
+  EXPECT_EQ(there.statistics.device, "cuda");
+  EXPECT_EQ(here.statistics.device, "cpu");
+  options.method = Method::kGl10;
+  expect_error(ErrorCode::kUnsupported, "method", "gl10 does not run on a CUDA device",
+               [&] { static_cast<void>(render(emulation.context, scene, options)); });
+  options.method = Method::kCrsh;
+  options.bound = BundleBound::kShaft;
+  expect_error(ErrorCode::kUnsupported, "bound", "sphere-cone",
+               [&] { static_cast<void>(render(emulation.context, scene, options)); });
+}
+
+TEST(DeviceContext, SpansMayLieInTheDevicesMemory) {
+  Emulation emulation;
+  const Filled there(emulation.context), here(Context{});
+  const std::vector<Ray> rays = rays_for(300);
+  EmulatedDevice device(emulation.executor, emulation.memory);
+  DeviceBuffer<Ray> in(emulation.memory);
+  DeviceBuffer<Hit> out(emulation.memory);
+  in.resize_uninitialized("test", rays.size());
+  out.resize_uninitialized("test", rays.size());
+  std::copy(rays.begin(), rays.end(), in.data());
+  const std::span<const Ray> asked(in.data(), rays.size());
+  const std::span<Hit> answered(out.data(), rays.size());
+  closest_hit(there.scene, asked, answered);
+  const std::vector<Hit> expected = closest_hit(here.scene, rays);
+  for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_TRUE(same(answered[i], expected[i]));
+  QueryOptions nothing;
+  nothing.mask = 0;
+  closest_hit(there.scene, asked, answered, nothing);
+  EXPECT_TRUE(same(answered[7], Hit{}));
+  in.data()[5].t_max = kNaN;
+  expect_error(ErrorCode::kInvalidData, "rays[5].t_max", "not a number",
+               [&] { closest_hit(there.scene, asked, answered); });
+}
+
+}  // namespace
+}  // namespace raysheaf::test

@@ -1,0 +1,122 @@
+// The verbs of a device, on the device that there is; and what is said where there is none.
+#include <cstring>
+
+#include "exec/cuda/launch-inl.h"
+#include "raysheaf/query.h"
+#include "raysheaf/scene.h"
+#include "support/random.h"
+#include "tests/exec/device_properties.h"
+
+namespace raysheaf::test {
+namespace {
+
+bool there_is_a_device() {
+  int count = 0;
+  return cudaGetDeviceCount(&count) == cudaSuccess && count > 0;
+}
+
+TEST(CudaDevice, KeepsWhatDevicesPromise) {
+  if (!there_is_a_device()) GTEST_SKIP() << "there is no CUDA device";
+  CudaDevice device;
+  expect_all_verbs(device);
+}
+
+TEST(CudaDevice, SaysInTheWordsOfCudaThatThereIsNone) {
+  if (there_is_a_device()) GTEST_SKIP() << "there is a CUDA device";
+  try {
+    const CudaDevice device;
+    FAIL() << "there is a device after all";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kUnsupported);
+    EXPECT_EQ(error.place(), "CUDA device");
+    EXPECT_TRUE(error.sentence().starts_with("CUDA says: ")) << error.sentence();
+  }
+}
+
+TEST(CudaDevice, SaysWhichStageRanOutOfMemoryAndGoesOn) {
+  if (!there_is_a_device()) GTEST_SKIP() << "there is no CUDA device";
+  CudaDevice device;
+  DeviceBuffer<std::uint8_t> huge(device.allocator());
+  try {
+    huge.resize_uninitialized("a stage", std::size_t{1} << 50);
+    FAIL() << "there was memory";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kOutOfMemory);
+    EXPECT_EQ(error.place(), "a stage");
+  }
+  expect_moved_memory(device);
+}
+
+/// Triangles and rays for both, and what the CPU says.
+struct Asked {
+  std::vector<Vec3> soup;
+  std::vector<Ray> rays;
+  std::vector<Hit> expected;
+
+  Asked() : rays(6000), expected(rays.size()) {
+    Random random(1);
+    for (std::uint32_t i = 0; i < 200; ++i) {
+      const Vec3 at = random.in_box(4);
+      for (int k = 0; k < 3; ++k) soup.push_back(at + random.in_box(1));
+    }
+    for (Ray& ray : rays) {
+      ray.origin = random.in_box(6);
+      ray.direction = random.in_box(1);
+    }
+    Scene scene;
+    scene.add_soup(soup);
+    scene.commit();
+    closest_hit(scene, rays, expected);
+  }
+};
+
+TEST(CudaDevice, QueriesTakePointersOfTheDeviceAndAStream) {
+  if (!there_is_a_device()) GTEST_SKIP() << "there is no CUDA device";
+  const Asked asked;
+  Scene scene(Context({.device = Device::kCuda}));
+  scene.add_soup(asked.soup);
+  scene.commit();
+  const std::size_t count = asked.rays.size();
+  cudaStream_t stream = nullptr;
+  Ray* rays = nullptr;
+  Hit* hits = nullptr;
+  ASSERT_EQ(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), cudaSuccess);
+  ASSERT_EQ(cudaMalloc(&rays, count * sizeof(Ray)), cudaSuccess);
+  ASSERT_EQ(cudaMalloc(&hits, count * sizeof(Hit)), cudaSuccess);
+  ASSERT_EQ(
+      cudaMemcpyAsync(rays, asked.rays.data(), count * sizeof(Ray), cudaMemcpyHostToDevice, stream),
+      cudaSuccess);
+  QueryOptions options;
+  options.stream = stream;
+  closest_hit(scene, std::span<const Ray>(rays, count), std::span<Hit>(hits, count), options);
+  std::vector<Hit> found(count);
+  ASSERT_EQ(cudaMemcpy(found.data(), hits, count * sizeof(Hit), cudaMemcpyDeviceToHost),
+            cudaSuccess);
+  EXPECT_EQ(std::memcmp(found.data(), asked.expected.data(), count * sizeof(Hit)), 0);
+  EXPECT_EQ(cudaFree(rays), cudaSuccess);
+  EXPECT_EQ(cudaFree(hits), cudaSuccess);
+  EXPECT_EQ(cudaStreamDestroy(stream), cudaSuccess);
+}
+
+TEST(CudaError, NamesTheStageAndSaysWhatCudaSays) {
+  EXPECT_NO_THROW(check_cuda(cudaSuccess, "a stage"));
+  const std::pair<cudaError_t, ErrorCode> errors[] = {
+      {cudaErrorMemoryAllocation, ErrorCode::kOutOfMemory},
+      {cudaErrorInsufficientDriver, ErrorCode::kUnsupported},
+      {cudaErrorNoDevice, ErrorCode::kUnsupported},
+      {cudaErrorNoKernelImageForDevice, ErrorCode::kUnsupported},
+      {cudaErrorIllegalAddress, ErrorCode::kInternal}};
+  for (const auto& [status, code] : errors) {
+    try {
+      check_cuda(status, "a stage");
+      FAIL() << cudaGetErrorName(status);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), code);
+      EXPECT_EQ(error.place(), "a stage");
+      EXPECT_NE(error.sentence().find(cudaGetErrorString(status)), std::string::npos);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace raysheaf::test

@@ -1,0 +1,133 @@
+// The tree along a curve, built and asked by one thread.
+#pragma once
+
+#include "cuda/words.h"
+#include "dual/tree_walk_body.h"
+#include "engine/device_queries-inl.h"
+#include "geom/ray_fault.h"
+
+namespace raysheaf::test {
+
+struct TinyTree {
+  static constexpr std::uint32_t kCount = 12;
+  Vec3 corners[3 * kCount];
+  LinearTriangle triangles[kCount];
+  LinearNode nodes[kCount];
+  Box scene;
+
+  RAYSHEAF_HD explicit TinyTree(Draws& draws) {
+    for (std::uint32_t i = 0; i < kCount; ++i) {
+      const Vec3 a = draws.in_box(4), b = draws.in_box(2), c = draws.in_box(2);
+      corners[3 * i] = a;
+      corners[3 * i + 1] = a + b;
+      corners[3 * i + 2] = a + c;
+      scene = box_union(scene, triangle_box(a, a + b, a + c));
+    }
+    const auto made_up = LinearKeys(kCount);
+    std::uint64_t keys[kCount];
+    for (std::uint32_t i = 0; i < kCount; ++i) {
+      const Vec3* const p = corners + 3 * i;
+      const std::uint64_t key = linear_key(made_up, scene, triangle_box(p[0], p[1], p[2]), i);
+      std::uint32_t at = i;
+      for (; at > 0 && keys[at - 1] > key; --at) keys[at] = keys[at - 1];
+      keys[at] = key;
+    }
+    std::uint32_t of_node[kCount], of_leaf[kCount];
+    for (std::uint32_t i = 0; i < kCount; ++i) {
+      const auto id = static_cast<std::uint32_t>(keys[i] & ((1u << made_up.id_bits) - 1));
+      triangles[i] = {corners[3 * id], id, corners[3 * id + 1], 0, corners[3 * id + 2], 0};
+    }
+    for (std::uint32_t i = 0; i + 1 < kCount; ++i) {
+      link_node(keys, kCount, i, nodes, triangles, {of_node, of_leaf});
+      const LinearRun run = linear_run(keys, kCount, i);
+      for (std::uint32_t at = run.first; at <= run.last; ++at) {
+        Box& box = nodes[i].box[at <= run.cut ? 0 : 1];
+        box = box_union(box, triangle_box(triangles[at].a, triangles[at].b, triangles[at].c));
+      }
+    }
+  }
+};
+
+struct TreeCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    const TinyTree tree(draws);
+    DeviceBatch batch;
+    batch.tree = {tree.nodes, tree.triangles, TinyTree::kCount};
+    batch.list.corners = View<const Vec3>(tree.corners, 3 * TinyTree::kCount);
+    batch.brute = draws.below(2) == 0;
+    const SharedBox scene = shared_box(tree.scene);
+    batch.scene = &scene;
+    Ray ray;
+    ray.origin = draws.in_box(6);
+    ray.direction = lerp(tree.corners[0], tree.corners[5], draws.unit()) - ray.origin;
+    batch.rays = View<const Ray>(&ray, 1);
+    WalkCounts counts;
+    const EngineHit hit = closest_in_tree(batch.tree, tree.scene, ray, batch.facing, &counts);
+    out.put(hit.t, hit.u, hit.v, hit.triangle, counts.box_tests, counts.triangle_tests);
+    out.put(any_in_tree(batch.tree, tree.scene, ray, batch.facing, &counts), batch.ray_at(7));
+    EngineHit row[TinyTree::kCount];
+    std::uint32_t found = 0;
+    meet_all(batch, 0, [&](const EngineHit& one) { row[found++] = one; });
+    sort_row(row, found);
+    for (std::uint32_t i = 0; i < found && i < 4; ++i) out.put(row[i].t, row[i].triangle);
+    keep_counts(batch, 0, counts);
+    out.put(found, device_ray_key(ray, tree.scene), box_of(scene).min, box_of(scene).max);
+    const std::uint64_t word = best_of_list(batch.list, 0, TinyTree::kCount, batch.facing, ray);
+    const EngineHit again = hit_of_word(batch.list, word, ray);
+    out.put(word, again.t, again.triangle, stands_before(hit, row[0]), is_right(ray));
+    const RunName names[3] = {{0, 4, 1}, {3, 4, 2}, {9, 5, 3}};
+    const Hit named = named_hit(View<const RunName>(names, 3), hit);
+    out.put(named.prim_id, named.geom_id, named.inst_id, run_of_triangle(names, 3, 8));
+  }
+};
+
+/// The parts by themselves, at any scale.
+struct RayBoxCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    const float scale = draws.scale();
+    Ray ray;
+    ray.origin = draws.in_box(3) * scale;
+    ray.direction = draws.in_box(1);
+    if (draws.below(4) == 0) ray.direction.y = 0;
+    if (draws.below(2) == 0) ray.t_max = draws.between(0, 3) * scale;
+    const Box scene = triangle_box(draws.in_box(4) * scale, {0, 0, 0}, {scale, scale, scale});
+    BoxRay boxes = make_box_ray(ray, scene);
+    float near = 0;
+    out.put(enters(boxes, scene, &near), near, boxes.s_near, boxes.s_far, boxes.pad, boxes.bounded);
+    shorten(&boxes, draws.unit() * scale);
+    out.put(boxes.s_far, end_beyond(1, scale, 0), distance_per_unit(ray.direction.x, boxes.along));
+    const float x = draws.between(-1, 1) * scale;
+    out.put(ordered_word(x), float_of_word(ordered_word(x)), hit_word(std::fabs(x), 3));
+    out.put(triangle_of_word(hit_word(std::fabs(x), draws.below(9))));
+    const std::uint64_t keys[3] = {draws.below(9), 9, 9 + std::uint64_t{1 + draws.below(999)}};
+    const LinearRun run = linear_run(keys, 3, draws.below(2));
+    out.put(run.first, run.last, run.cut, static_cast<std::uint32_t>(shared_prefix(keys, 3, 0, 2)));
+  }
+};
+
+/// Walks and lists with a counter.
+struct MeetCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    const TinyTree tree(draws);
+    const LinearTreeView view{tree.nodes, tree.triangles, TinyTree::kCount};
+    Ray ray;
+    ray.origin = draws.in_box(6);
+    ray.direction = tree.corners[draws.below(36)] - ray.origin;
+    WalkCounts counts;
+    std::uint32_t leaves = 0, hits = 0, all = 0, listed = 0;
+    BoxRay boxes = make_box_ray(ray, tree.scene);
+    const RaySetup setup = make_ray_setup(ray);
+    walk_tree(view, &boxes, &counts, [&](std::uint32_t place) {
+      ++leaves;
+      return meet_leaf(view, place, Facing::kBoth, setup, &counts,
+                       [&](const EngineHit&) { ++hits; });
+    });
+    all_in_tree(view, tree.scene, ray, Facing::kBoth, &counts, [&](const EngineHit&) { ++all; });
+    const TriangleList list{View<const Vec3>(tree.corners, 36), {}};
+    meet_list(list, 0, TinyTree::kCount, Facing::kBoth, setup, [&](const EngineHit&) { ++listed; });
+    out.put(leaves, hits, all, listed, counts.box_tests, counts.triangle_tests);
+    out.put(ray);
+  }
+};
+
+}  // namespace raysheaf::test
