@@ -100,6 +100,8 @@ TestScale scale_of(const std::vector<const std::vector<float>*>& tests) {
 
 FrameStatistics of_one_sample(FrameStatistics statistics, std::uint32_t samples) {
   const std::uint64_t n = std::max(samples, 1u);
+  if (!(statistics.total_ms > 0))  // of a picture that is still refined
+    for (const SampleStatistics& sample : statistics.samples) statistics.total_ms += sample.ms;
   const auto part = [n](double& ms) { ms /= static_cast<double>(n); };
   for (BatchStatistics& batch : statistics.batches) {
     for (std::uint64_t* count :

@@ -69,7 +69,7 @@ struct Picture {
   std::vector<Vec3> position;
   float exposure = 1;
   TestScale scale;        ///< of the tests layer
-  double trace_ms = 0;    ///< of the last sample, both sides
+  double trace_ms = 0;    ///< of one sample, the mean of all, both sides
   bool given_up = false;  ///< there is no picture: it took too long, and a newer one was asked for
   std::string error;      ///< why there is no picture; empty where there is one
 };

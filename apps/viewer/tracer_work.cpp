@@ -167,14 +167,15 @@ std::shared_ptr<Picture> PictureMaker::picture(const ViewRequest& request, const
   std::vector<const std::vector<float>*> tests = {&left.tests};
   if (right != nullptr) tests.push_back(&right->tests);
   picture->scale = scale_of(tests);
-  const auto fill = [&](const RenderResult& result, PictureSide& side) {
+  const auto fill = [&](const RenderResult& result, Method method, PictureSide& side) {
     side.image = layer_image(result, request.settings.layer, picture->scale, picture->exposure);
     side.statistics = of_one_sample(result.statistics, result.samples);
+    side.statistics.method = to_string(method);
     side.tests_a_ray = tests_a_ray(side.statistics);
     picture->trace_ms += side.statistics.total_ms;
   };
-  fill(left, picture->sides[0]);
-  if (right != nullptr) fill(*right, picture->sides[1]);
+  fill(left, request.settings.left.method, picture->sides[0]);
+  if (right != nullptr) fill(*right, request.settings.right.method, picture->sides[1]);
   picture->ids = left.ids;
   picture->position = left.position;
   return picture;
