@@ -79,11 +79,22 @@ void Model::play(bool on) {
 
 void Model::seek(double seconds) {
   playing_ = false;
-  if (facts_) time_s_ = std::clamp(seconds, facts_->start_s, facts_->end_s);
+  if (facts_) time_s_ = std::clamp(seconds, facts_->start_s, end_s());
 }
 
 void Model::set_clip(std::uint32_t clip) {
-  if (facts_ && clip < facts_->clips.size()) clip_ = clip;
+  const std::size_t count = facts_ ? facts_->clips.size() : 0;
+  if (clip >= count) {
+    throw Error(ErrorCode::kNotFound, "there is no clip " + std::to_string(clip) +
+                                          ": the scene has " + std::to_string(count));
+  }
+  clip_ = clip;
+  time_s_ = std::min(time_s_, end_s());
+}
+
+double Model::end_s() const {
+  if (!facts_) return 0;
+  return clip_ < facts_->clip_ends_s.size() ? facts_->clip_ends_s[clip_] : facts_->end_s;
 }
 
 /// Of a sequence, when the frame that is shown began.
@@ -105,12 +116,12 @@ void Model::step(int frames) {
 
 void Model::go_on(double seconds) {
   if (!playing_ || !facts_) return;
-  const double length = facts_->end_s - facts_->start_s;
+  const double length = end_s() - facts_->start_s;
   // The last frame of a sequence is shown as long as the others.
   const std::size_t frames = facts_->frame_times.size();
   const double pause = frames > 1 ? length / static_cast<double>(frames - 1) : 0;
   time_s_ += seconds;
-  if (time_s_ >= facts_->end_s + pause) time_s_ = facts_->start_s;
+  if (time_s_ >= end_s() + pause) time_s_ = facts_->start_s;
 }
 
 bool Model::shows_now() const {

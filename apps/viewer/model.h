@@ -56,6 +56,7 @@ class Model {
   void seek(double seconds);
   /// To the frame after this one, or before it: of a sequence's own, or a 24th of a second away.
   void step(int frames);
+  /// Throws `Error` (kNotFound).
   void set_clip(std::uint32_t clip);
 
   ViewSettings settings;  ///< may be changed at any time
@@ -75,6 +76,8 @@ class Model {
   [[nodiscard]] double time_s() const { return time_s_; }
   [[nodiscard]] bool playing() const { return playing_; }
   [[nodiscard]] std::uint32_t clip() const { return clip_; }
+  /// Of the clip.
+  [[nodiscard]] double end_s() const;
   [[nodiscard]] bool quit() const { return quit_; }
   [[nodiscard]] bool loading() const { return loads_ > 0; }
   [[nodiscard]] bool saving() const { return tracer_.saving(); }

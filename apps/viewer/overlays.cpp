@@ -202,7 +202,7 @@ void draw_time(Model& model, float scale) {
     auto at = static_cast<float>(model.time_s());
     ImGui::SetNextItemWidth(std::min(300 * scale, std::max(room.width() - 150 * scale, 60.0f)));
     if (ImGui::SliderFloat("##time", &at, static_cast<float>(facts.start_s),
-                           static_cast<float>(facts.end_s), "%.2f s"))
+                           static_cast<float>(model.end_s()), "%.2f s"))
       model.seek(at);
     if (facts.clips.size() > 1 && ImGui::BeginCombo("clip", facts.clips[model.clip()].c_str())) {
       for (std::uint32_t i = 0; i < facts.clips.size(); ++i) {

@@ -23,9 +23,10 @@ struct SceneFacts {
   std::vector<std::string> mesh_names, instance_names, material_names;
   std::vector<std::vector<std::uint32_t>> materials;  ///< of each mesh, as `Mesh::materials`
   std::vector<std::string> warnings;
-  double start_s = 0, end_s = 0;    ///< of what moves; equal where nothing does
+  double start_s = 0, end_s = 0;    ///< of what moves, its longest clip; equal where nothing does
   std::vector<double> frame_times;  ///< of a sequence of files
   std::vector<std::string> clips;
+  std::vector<double> clip_ends_s;  ///< of each
   double load_ms = 0;
 
   [[nodiscard]] bool moves() const { return end_s > start_s; }

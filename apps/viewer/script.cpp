@@ -121,6 +121,7 @@ const std::vector<ScriptVerb>& script_verbs() {
       {"play", "", "plays what moves"},
       {"pause", "", "stands still"},
       {"time", "SECONDS", "of what moves"},
+      {"clip", "NUMBER", "what is played; 0 is the first"},
       {"wait", "SECONDS", "lets time pass"},
       {"wait-for-picture", "", "waits for a picture of how things are now, of any size"},
       {"wait-for-refined", "[SAMPLES]", "waits for the whole size, and all samples or so many"},

@@ -59,12 +59,19 @@ void PictureMaker::show(std::unique_ptr<Animation> animation) {
   exposure_ = 0;
 }
 
-SceneFacts PictureMaker::facts() const {
+SceneFacts PictureMaker::facts() {
   SceneFacts facts = facts_of(scene());
   facts.start_s = animation_->start();
   facts.end_s = animation_->end();
   facts.frame_times = animation_->frame_times();
   facts.clips = animation_->clips();
+  for (std::uint32_t clip = 0; clip < facts.clips.size(); ++clip) {
+    animation_->play(clip);
+    facts.clip_ends_s.push_back(animation_->end());
+    facts.end_s = std::max(facts.end_s, animation_->end());
+    if (facts.clips[clip].empty()) facts.clips[clip] = "clip " + std::to_string(clip);
+  }
+  if (!facts.clips.empty()) animation_->play(clip_);
   return facts;
 }
 

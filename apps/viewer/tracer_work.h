@@ -22,7 +22,7 @@ class PictureMaker {
   void show(std::unique_ptr<Animation> animation);
   [[nodiscard]] bool has_scene() const { return animation_ != nullptr; }
   [[nodiscard]] const SceneDescription& scene() const { return animation_->scene(); }
-  [[nodiscard]] SceneFacts facts() const;
+  [[nodiscard]] SceneFacts facts();
   /// The scene at the time of `request`, as it lights it.
   [[nodiscard]] SceneDescription posed_copy(const ViewRequest& request);
 

@@ -15,7 +15,7 @@
 namespace raysheaf::viewer {
 namespace {
 
-/// The built-in box; all of it goes up by 1 in a second.
+/// The built-in box; all of it goes up by 1 in a second, or in another clip down in a half.
 std::unique_ptr<Animation> rising_box() {
   SceneDescription scene = builtin_scene("cornell");
   Rig rig;
@@ -34,6 +34,9 @@ std::unique_ptr<Animation> rising_box() {
   RigClip& clip = rig.clips.emplace_back();
   clip.curves.push_back({Interpolation::kLinear, {0, 1}, {0, 0, 0, 0, 1, 0}});
   clip.channels.push_back({RigPath::kTranslation, 0, 0});
+  RigClip& other = rig.clips.emplace_back();
+  other.curves.push_back({Interpolation::kLinear, {0, 0.5}, {0, 0, 0, 0, -1, 0}});
+  other.channels.push_back({RigPath::kTranslation, 0, 0});
   return animate(std::move(scene), std::move(rig));
 }
 
@@ -256,6 +259,24 @@ TEST_F(ModelTest, PlaysStandsStillAndScrubs) {
   press(".");
   EXPECT_NEAR(model.time_s(), stands + 1.0 / 24, 1e-6);
   EXPECT_FALSE(model.playing());
+}
+
+TEST_F(ModelTest, PlaysAnotherClipToItsOwnEnd) {
+  ASSERT_TRUE(open("rising"));
+  model.seek(0.9);
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  const std::vector<std::uint8_t> up = model.picture()->sides[0].image.rgba;
+  model.set_clip(1);
+  EXPECT_EQ(model.end_s(), 0.5);
+  EXPECT_EQ(model.time_s(), 0.5);
+  EXPECT_FALSE(model.up_to_date());
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  EXPECT_NE(model.picture()->sides[0].image.rgba, up);
+  EXPECT_THROW(model.set_clip(2), Error);
+  model.set_clip(0);
+  model.seek(0.9);
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  EXPECT_EQ(model.picture()->sides[0].image.rgba, up);
 }
 
 TEST_F(ModelTest, WhatStandsStillDoesNotPlay) {
