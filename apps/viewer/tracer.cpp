@@ -153,6 +153,7 @@ void Tracer::do_load(const std::string& path, Work& work) {
     work.pictures.show(std::move(animation));
     work.forget_bundles();
     loaded.facts = work.pictures.facts();
+    if (loaded.facts->name.empty()) loaded.facts->name = path;
     loaded.facts->load_ms = watch.ms();
   });
   {
