@@ -1,7 +1,7 @@
 #include "console.h"
+#include "frames.h"
 #include "options.h"
 #include "outputs.h"
-#include "scene_argument.h"
 #include "view.h"
 
 namespace raysheaf::app {
@@ -16,7 +16,7 @@ int run(const ViewCommand& command) {
   options.height = command.height;
   options.threads = command.threads;
   options.load = [load = command.load](const std::string& scene) {
-    return scene_from_argument(scene, load);
+    return animation_from_argument(scene, {}, load);
   };
   options.print = [](const std::string& text) { print(text); };
   options.tell = [](const std::string& line) { tell("raysheaf: " + printable(line)); };

@@ -1,5 +1,6 @@
 #include "model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -15,6 +16,7 @@ namespace {
 constexpr double kStandsAfter = 0.12;
 /// A refinement whose first picture takes longer gets one of a quarter of a second before it.
 constexpr double kLongMs = 600, kBetweenMs = 250;
+constexpr double kFrameSeconds = 1.0 / 24;
 constexpr std::size_t kHistory = 120;
 constexpr std::uint32_t kBundleWidth = 320;
 
@@ -25,7 +27,7 @@ bool same_camera(const Camera& a, const Camera& b) {
 
 bool same_question(const BundleQuestion& a, const BundleQuestion& b) {
   return same_camera(a.camera, b.camera) && a.choice == b.choice && a.rays == b.rays &&
-         a.size == b.size && a.x == b.x && a.y == b.y;
+         a.size == b.size && a.x == b.x && a.y == b.y && a.time_s == b.time_s && a.clip == b.clip;
 }
 
 HistoryEntry entry_of(const FrameStatistics& statistics) {
@@ -68,13 +70,64 @@ void Model::set_camera(std::size_t index) {
 }
 
 bool Model::moves() const {
-  return !held_.empty();
+  return !held_.empty() || playing_;
+}
+
+void Model::play(bool on) {
+  playing_ = on && facts_ && facts_->moves();
+}
+
+void Model::seek(double seconds) {
+  playing_ = false;
+  if (facts_) time_s_ = std::clamp(seconds, facts_->start_s, end_s());
+}
+
+void Model::set_clip(std::uint32_t clip) {
+  const std::size_t count = facts_ ? facts_->clips.size() : 0;
+  if (clip >= count) {
+    throw Error(ErrorCode::kNotFound, "there is no clip " + std::to_string(clip) +
+                                          ": the scene has " + std::to_string(count));
+  }
+  clip_ = clip;
+  time_s_ = std::min(time_s_, end_s());
+}
+
+double Model::end_s() const {
+  if (!facts_) return 0;
+  return clip_ < facts_->clip_ends_s.size() ? facts_->clip_ends_s[clip_] : facts_->end_s;
+}
+
+/// Of a sequence, when the frame that is shown began.
+double Model::shown_time() const {
+  if (!facts_ || facts_->frame_times.empty()) return time_s_;
+  const std::vector<double>& times = facts_->frame_times;
+  const auto after = std::upper_bound(times.begin(), times.end(), time_s_);
+  return after == times.begin() ? times.front() : after[-1];
+}
+
+void Model::step(int frames) {
+  if (!facts_ || !facts_->moves()) return;
+  const std::vector<double>& times = facts_->frame_times;
+  if (times.empty()) return seek(time_s_ + frames * kFrameSeconds);
+  const auto here = std::lower_bound(times.begin(), times.end(), shown_time()) - times.begin();
+  const auto last = static_cast<std::ptrdiff_t>(times.size()) - 1;
+  seek(times[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(here + frames, 0, last))]);
+}
+
+void Model::go_on(double seconds) {
+  if (!playing_ || !facts_) return;
+  const double length = end_s() - facts_->start_s;
+  // The last frame of a sequence is shown as long as the others.
+  const std::size_t frames = facts_->frame_times.size();
+  const double pause = frames > 1 ? length / static_cast<double>(frames - 1) : 0;
+  time_s_ += seconds;
+  if (time_s_ >= end_s() + pause) time_s_ = facts_->start_s;
 }
 
 bool Model::shows_now() const {
   if (!picture_ || !wished_any_ || loading()) return false;
   const ViewRequest& of = picture_->request;
-  return same_camera(of.camera, rig.camera()) && same_picture(of.settings, settings);
+  return same_wish(of, request_of(window_, true));
 }
 
 bool Model::up_to_date() const {
@@ -90,6 +143,7 @@ void Model::update(double now_s) {
   const double passed = now_s - now_s_;
   now_s_ = now_s;
   fly(std::clamp(passed, 0.0, 0.1));
+  go_on(std::clamp(passed, 0.0, 0.1));
   take_all(now_s);
   if (!facts_) return;
   wish(now_s);
@@ -123,6 +177,9 @@ void Model::take_scene(LoadedScene loaded) {
   history_.clear();
   resolution_.forget();
   wished_any_ = false;
+  time_s_ = facts_->start_s;
+  clip_ = 0;
+  playing_ = false;
   set_camera(0);
   char text[200];
   std::snprintf(text, sizeof text, "%.80s: %llu triangles in %llu meshes, loaded in %.0f ms",
@@ -155,11 +212,14 @@ ViewRequest Model::request_of(Size size, bool refine) const {
   request.settings = settings;
   request.size = size;
   request.refine = refine;
+  request.time_s = shown_time();
+  request.clip = clip_;
   return request;
 }
 
 bool Model::same_wish(const ViewRequest& a, const ViewRequest& b) const {
-  return same_camera(a.camera, b.camera) && same_picture(a.settings, b.settings);
+  return same_camera(a.camera, b.camera) && same_picture(a.settings, b.settings) &&
+         a.time_s == b.time_s && a.clip == b.clip;
 }
 
 /// Small pictures while anything changes, then larger ones.
@@ -199,6 +259,8 @@ BundleQuestion Model::bundle_question() const {
   question.choice = settings.split && cursor_x_ > settings.divider ? settings.right : settings.left;
   question.rays = settings.bundle_rays;
   question.threads = settings.threads;
+  question.time_s = shown_time();
+  question.clip = clip_;
   const float aspect = static_cast<float>(window_.height) / static_cast<float>(window_.width);
   question.size.width = std::min(kBundleWidth, window_.width);
   const auto height = std::lround(static_cast<float>(question.size.width) * aspect);

@@ -50,6 +50,14 @@ class Model {
   void save(const std::string& path = "");
   void set_camera(std::size_t index);
   void note(std::string text, bool failure = false);
+  /// Plays, or stands still; at the end it begins again.
+  void play(bool on);
+  /// Seconds, kept within what the scene has; stands still there.
+  void seek(double seconds);
+  /// To the frame after this one, or before it: of a sequence's own, or a 24th of a second away.
+  void step(int frames);
+  /// Throws `Error` (kNotFound).
+  void set_clip(std::uint32_t clip);
 
   ViewSettings settings;  ///< may be changed at any time
   CameraRig rig;          ///< likewise
@@ -65,6 +73,11 @@ class Model {
   [[nodiscard]] float cursor_y() const { return cursor_y_; }
   [[nodiscard]] std::size_t camera_index() const { return camera_index_; }
   [[nodiscard]] double now_s() const { return now_s_; }
+  [[nodiscard]] double time_s() const { return time_s_; }
+  [[nodiscard]] bool playing() const { return playing_; }
+  [[nodiscard]] std::uint32_t clip() const { return clip_; }
+  /// Of the clip.
+  [[nodiscard]] double end_s() const;
   [[nodiscard]] bool quit() const { return quit_; }
   [[nodiscard]] bool loading() const { return loads_ > 0; }
   [[nodiscard]] bool saving() const { return tracer_.saving(); }
@@ -92,6 +105,8 @@ class Model {
   void cursor_moved(const InputEvent& event);
   void click(const InputEvent& event);
   void fly(double seconds);
+  void go_on(double seconds);
+  [[nodiscard]] double shown_time() const;
   void take_all(double now_s);
   void take_scene(LoadedScene loaded);
   void take_picture(std::shared_ptr<const Picture> picture);
@@ -120,6 +135,9 @@ class Model {
   int stage_ = 0;            ///< 0: moving; 1: a larger picture while it stands; 2: refinement
   double last_change_s_ = 0, now_s_ = 0;
   int loads_ = 0;
+  double time_s_ = 0;
+  std::uint32_t clip_ = 0;
+  bool playing_ = false;
   std::size_t camera_index_ = 0;
   std::set<std::string> held_;
   bool fast_ = false;

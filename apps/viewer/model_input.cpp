@@ -48,6 +48,8 @@ const std::vector<KeyHelp>& key_help() {
       {"L", "a light at the camera"},
       {"- =", "darker, brighter"},
       {"Z", "which axis points up"},
+      {"space", "play, stand still"},
+      {", .", "the frame before, after"},
       {"F12", "save the picture in full quality"},
       {"Tab", "hide or show the settings"},
       {"P", "hide or show the plots"},
@@ -159,6 +161,9 @@ void Model::key_down(const InputEvent& event) {
     settings.up = next(settings.up, 2);
     rig = CameraRig(rig.camera(), facts_->bounds, settings.up);
   }
+  if (is("space")) play(!playing_);
+  if (is(",")) step(-1);
+  if (is(".")) step(1);
   if (is("f12")) save();
   if (is("tab")) settings.panel = !settings.panel;
   if (is("p")) settings.plots = !settings.plots;

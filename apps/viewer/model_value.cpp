@@ -83,6 +83,9 @@ const std::vector<std::pair<std::string, Getter>>& getters() {
       {"bundle-bounds", of_bundle([](const RayBundle& b) { return double(b.volumes.size()); })},
       {"yaw", [](const Model& m) { return text_of(m.rig.yaw() * 180 / kPi); }},
       {"pitch", [](const Model& m) { return text_of(m.rig.pitch() * 180 / kPi); }},
+      {"time", [](const Model& m) { return text_of(m.time_s()); }},
+      {"clip", [](const Model& m) { return text_of(double(m.clip())); }},
+      {"playing", [](const Model& m) { return std::string(m.playing() ? "on" : "off"); }},
       {"camera", [](const Model& m) { return text_of(double(m.camera_index())); }},
   };
   return all;

@@ -1,4 +1,4 @@
-// In place of the window, where GLFW or Dear ImGui was not there to build it with.
+// In place of the window, where the build left it out.
 #include "raysheaf/error.h"
 #include "view.h"
 
@@ -10,7 +10,8 @@ bool has_view() {
 
 void view(const ViewOptions& /*options*/) {
   throw Error(ErrorCode::kUnsupported,
-              "this build has no viewer: GLFW or Dear ImGui was not there when it was made");
+              "this build has no viewer: it was switched off, or GLFW or Dear ImGui was missing, "
+              "when it was made");
 }
 
 }  // namespace raysheaf::viewer

@@ -41,13 +41,20 @@ void plate(ImVec2 at, ImVec2 anchor, const std::string& text, float scale, ImU32
   list.AddText({min.x + pad, min.y + pad}, ink, text.c_str());
 }
 
-void draw_legend(const Picture& picture, const Free& room, float scale) {
+/// How much of the bottom the time's window takes: nothing, a row, or another one for the clips.
+float time_height(const Model& model) {
+  if (!model.facts() || !model.facts()->moves()) return 0;
+  const float rows = model.facts()->clips.size() > 1 ? 2 : 1;
+  return rows * ImGui::GetFrameHeightWithSpacing() + 2 * ImGui::GetStyle().WindowPadding.y;
+}
+
+void draw_legend(const Picture& picture, const Free& room, float bottom, float scale) {
   if (picture.request.settings.layer != Layer::kTests) return;
   const TestScale& values = picture.scale;
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const float pad = 10 * scale, line = ImGui::GetTextLineHeight(), height = 12 * scale;
   const float width = std::min(360 * scale, std::max(room.width() - 4 * pad, 120 * scale));
-  const ImVec2 min{room.middle() - width / 2, display().y - 92 * scale};
+  const ImVec2 min{room.middle() - width / 2, bottom - 92 * scale};
   list.AddRectFilled({min.x - 2 * pad, min.y - pad - line},
                      {min.x + width + 2 * pad, min.y + height + line + pad}, kPaper, 6 * scale);
   list.AddText({min.x, min.y - line - 3 * scale}, kInk, "tests per pixel");
@@ -88,11 +95,11 @@ std::string side_label(const PictureSide& side) {
   return text;
 }
 
-void draw_split(const Picture& picture, float divider, float scale) {
+void draw_split(const Picture& picture, float divider, float bottom, float scale) {
   if (picture.sides[1].image.rgba.empty()) return;
   const float x = std::floor(divider * display().x);
   ImGui::GetBackgroundDrawList()->AddLine({x, 0}, {x, display().y}, kInk, 1.5f * scale);
-  const float y = display().y - 110 * scale;
+  const float y = bottom - 130 * scale;
   plate({x - 12 * scale, y}, {1, 1}, side_label(picture.sides[0]), scale);
   plate({x + 12 * scale, y}, {0, 1}, side_label(picture.sides[1]), scale);
 }
@@ -179,6 +186,36 @@ std::string status_of(const Model& model) {
   return status;
 }
 
+/// Play, pause and scrub, where something moves.
+void draw_time(Model& model, float scale) {
+  if (!model.facts() || !model.facts()->moves()) return;
+  const Free room(model.settings, scale);
+  ImGui::SetNextWindowPos({room.middle(), display().y - 44 * scale}, 0, {0.5f, 1});
+  constexpr ImGuiWindowFlags kFlags =
+      ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+      ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing;
+  const SceneFacts& facts = *model.facts();
+  if (ImGui::Begin("time", nullptr, kFlags)) {
+    if (ImGui::Button(model.playing() ? "pause" : "play", {56 * scale, 0}))
+      model.play(!model.playing());
+    ImGui::SameLine();
+    auto at = static_cast<float>(model.time_s());
+    ImGui::SetNextItemWidth(std::min(300 * scale, std::max(room.width() - 150 * scale, 60.0f)));
+    if (ImGui::SliderFloat("##time", &at, static_cast<float>(facts.start_s),
+                           static_cast<float>(model.end_s()), "%.2f s"))
+      model.seek(at);
+    if (facts.clips.size() > 1 && ImGui::BeginCombo("clip", facts.clips[model.clip()].c_str())) {
+      for (std::uint32_t i = 0; i < facts.clips.size(); ++i) {
+        ImGui::PushID(static_cast<int>(i));
+        if (ImGui::Selectable(facts.clips[i].c_str(), i == model.clip())) model.set_clip(i);
+        ImGui::PopID();
+      }
+      ImGui::EndCombo();
+    }
+  }
+  ImGui::End();
+}
+
 void draw_help(float scale) {
   ImGui::SetNextWindowPos({display().x / 2, display().y / 2}, 0, {0.5f, 0.5f});
   constexpr ImGuiWindowFlags kFlags =
@@ -220,8 +257,9 @@ std::string short_number(double value) {
 void draw_overlays(Model& model, float scale) {
   const Picture* picture = model.picture();
   if (picture != nullptr) {
-    draw_legend(*picture, Free(model.settings, scale), scale);
-    draw_split(*picture, model.settings.divider, scale);
+    const float bottom = display().y - time_height(model);
+    draw_legend(*picture, Free(model.settings, scale), bottom, scale);
+    draw_split(*picture, model.settings.divider, bottom, scale);
     draw_bundle(model, scale);
     draw_pick(model, scale);
   }
@@ -231,6 +269,7 @@ void draw_overlays(Model& model, float scale) {
     plate({display().x - 10 * scale, display().y - 10 * scale}, {1, 1}, note.text, scale,
           note.failure ? ImGui::GetColorU32(kFailure) : kInk);
   }
+  draw_time(model, scale);
   if (model.settings.help) draw_help(scale);
 }
 

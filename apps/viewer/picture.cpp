@@ -15,19 +15,6 @@ std::string named(const std::string& name, const char* what, std::size_t index) 
   return name.empty() ? std::string(what) + " " + std::to_string(index) : name;
 }
 
-void add_to(std::vector<Vec3>& sum, const std::vector<Vec3>& values) {
-  for (std::size_t i = 0; i < std::min(sum.size(), values.size()); ++i) sum[i] = sum[i] + values[i];
-}
-void add_to(std::vector<float>& sum, const std::vector<float>& values) {
-  for (std::size_t i = 0; i < std::min(sum.size(), values.size()); ++i) sum[i] += values[i];
-}
-void divide(std::vector<Vec3>& values, float by) {
-  for (Vec3& v : values) v = v * (1 / by);
-}
-void divide(std::vector<float>& values, float by) {
-  for (float& v : values) v /= by;
-}
-
 std::uint8_t byte_of(float value) {
   return static_cast<std::uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255 + 0.5f);
 }
@@ -67,16 +54,6 @@ Rgb color_of(std::uint32_t instance, std::uint32_t triangle) {
                                      (70.0f + 0.7f * static_cast<float>(hue >> shift & 255)));
   };
   return {part(0), part(8), part(16)};
-}
-
-/// The radical inverse of `n`.
-float radical_inverse(std::uint32_t base, std::uint32_t n) {
-  float result = 0, digit = 1;
-  for (; n > 0; n /= base) {
-    digit /= static_cast<float>(base);
-    result += digit * static_cast<float>(n % base);
-  }
-  return result;
 }
 
 }  // namespace
@@ -121,29 +98,28 @@ TestScale scale_of(const std::vector<const std::vector<float>*>& tests) {
   return {std::pow(10.0, std::floor(std::log10(least))), largest, true};
 }
 
-void Accumulator::add(RenderResult&& result) {
-  if (samples_++ == 0) {
-    sum_ = std::move(result);
-    return;
+FrameStatistics of_one_sample(FrameStatistics statistics, std::uint32_t samples) {
+  const std::uint64_t n = std::max(samples, 1u);
+  if (!(statistics.total_ms > 0))  // of a picture that is still refined
+    for (const SampleStatistics& sample : statistics.samples) statistics.total_ms += sample.ms;
+  const auto part = [n](double& ms) { ms /= static_cast<double>(n); };
+  for (BatchStatistics& batch : statistics.batches) {
+    for (std::uint64_t* count :
+         {&batch.rays, &batch.chunks, &batch.mesh_sphere_tests, &batch.bound_tests,
+          &batch.ray_bound_tests, &batch.final_tests, &batch.hits})
+      *count /= n;
+    for (LevelStatistics& level : batch.levels) {
+      level.tests /= n;
+      level.hits /= n;
+    }
+    StageTimes& t = batch.times_ms;
+    for (double* ms : {&t.raygen, &t.order, &t.hierarchy, &t.traverse, &t.intersect}) part(*ms);
   }
-  add_to(sum_.beauty, result.beauty);
-  add_to(sum_.normal, result.normal);
-  add_to(sum_.albedo, result.albedo);
-  add_to(sum_.shadow, result.shadow);
-  add_to(sum_.tests, result.tests);
-  sum_.statistics = std::move(result.statistics);
+  for (double* ms : {&statistics.raster_ms, &statistics.shade_ms, &statistics.total_ms}) part(*ms);
+  return statistics;
 }
 
-RenderResult Accumulator::mean() const {
-  RenderResult result = sum_;
-  const auto n = static_cast<float>(samples_);
-  for (std::vector<Vec3>* values : {&result.beauty, &result.normal, &result.albedo})
-    divide(*values, n);
-  for (std::vector<float>* values : {&result.shadow, &result.tests}) divide(*values, n);
-  return result;
-}
-
-Image layer_image(const RenderResult& result, Layer layer, const TestScale& scale) {
+Image layer_image(const RenderResult& result, Layer layer, const TestScale& scale, float exposure) {
   const auto seen = [&result](std::size_t i) { return result.ids[i].prim_id != kInvalidId; };
   switch (layer) {
     case Layer::kTests:
@@ -173,30 +149,12 @@ Image layer_image(const RenderResult& result, Layer layer, const TestScale& scal
     case Layer::kBeauty:
       break;
   }
-  return tone_mapped(result);
-}
-
-Camera jittered(const Camera& camera, Size size, std::uint32_t sample) {
-  if (sample == 0) return camera;  // the first one is through the pixels' centres
-  const float dx = radical_inverse(2, sample) - 0.5f, dy = radical_inverse(3, sample) - 0.5f;
-  Camera moved = camera;
-  const Vec3 right = column(camera.to_world, 0), up = column(camera.to_world, 1);
-  const Vec3 back = column(camera.to_world, 2);
-  const auto height = static_cast<float>(size.height);
-  if (camera.orthographic) {
-    const float pixel = 2 * camera.y_mag / height;
-    set_column(moved.to_world, 3,
-               column(camera.to_world, 3) + right * (dx * pixel) + up * (dy * pixel));
-    return moved;
-  }
-  const float pixel = 2 * std::tan(camera.y_fov / 2) / height;
-  const float scale = length(back);
-  const Vec3 turned = normalized(back - right * (dx * pixel) - up * (dy * pixel)) * scale;
-  const Vec3 side = normalized(cross(up, turned)) * length(right);
-  set_column(moved.to_world, 0, side);
-  set_column(moved.to_world, 1, normalized(cross(turned, side)) * length(up));
-  set_column(moved.to_world, 2, turned);
-  return moved;
+  RenderResult beauty;
+  beauty.width = result.width;
+  beauty.height = result.height;
+  beauty.beauty = result.beauty;
+  beauty.exposure = exposure;
+  return tone_mapped(beauty);
 }
 
 std::optional<Pick> pick(const Picture& picture, const SceneFacts& facts, float x, float y) {

@@ -23,7 +23,13 @@ struct SceneFacts {
   std::vector<std::string> mesh_names, instance_names, material_names;
   std::vector<std::vector<std::uint32_t>> materials;  ///< of each mesh, as `Mesh::materials`
   std::vector<std::string> warnings;
+  double start_s = 0, end_s = 0;    ///< of what moves, its longest clip; equal where nothing does
+  std::vector<double> frame_times;  ///< of a sequence of files
+  std::vector<std::string> clips;
+  std::vector<double> clip_ends_s;  ///< of each
   double load_ms = 0;
+
+  [[nodiscard]] bool moves() const { return end_s > start_s; }
 };
 [[nodiscard]] SceneFacts facts_of(const SceneDescription& scene);
 
@@ -32,7 +38,9 @@ struct ViewRequest {
   Camera camera;
   ViewSettings settings;
   Size size;
-  bool refine = false;  ///< the camera stands: go on until all samples are there
+  double time_s = 0;       ///< of what moves
+  std::uint32_t clip = 0;  ///< of those that can be played
+  bool refine = false;     ///< the camera stands: go on until all samples are there
 };
 
 /// Values on the colours of the tests layer.
@@ -48,7 +56,7 @@ struct TestScale {
 
 struct PictureSide {
   Image image;
-  FrameStatistics statistics;  ///< of the last sample
+  FrameStatistics statistics;  ///< of one sample: the mean of all
   double tests_a_ray = 0;
 };
 
@@ -62,31 +70,17 @@ struct Picture {
   std::vector<Vec3> position;
   float exposure = 1;
   TestScale scale;        ///< of the tests layer
-  double trace_ms = 0;    ///< of the last sample, both sides
+  double trace_ms = 0;    ///< of one sample, the mean of all, both sides
   bool given_up = false;  ///< there is no picture: it took too long, and a newer one was asked for
   std::string error;      ///< why there is no picture; empty where there is one
 };
 
-/// Means over samples.
-class Accumulator {
- public:
-  /// Throws nothing but std::bad_alloc; the results must be of one size.
-  void add(RenderResult&& result);
-  [[nodiscard]] std::uint32_t samples() const { return samples_; }
-  /// At least one sample must be there. Ids and positions are the first one's, statistics the
-  /// last's.
-  [[nodiscard]] RenderResult mean() const;
+/// Counts and times of one sample of so many.
+[[nodiscard]] FrameStatistics of_one_sample(FrameStatistics statistics, std::uint32_t samples);
 
- private:
-  RenderResult sum_;
-  std::uint32_t samples_ = 0;
-};
-
-/// A layer as it is shown; `scale` for `Layer::kTests`.
-[[nodiscard]] Image layer_image(const RenderResult& result, Layer layer, const TestScale& scale);
-
-/// The camera moved by a part of a pixel, by turning it: exact at the centre of the picture.
-[[nodiscard]] Camera jittered(const Camera& camera, Size size, std::uint32_t sample);
+/// A layer as it is shown: `scale` is for the tests, `exposure` for the beauty.
+[[nodiscard]] Image layer_image(const RenderResult& result, Layer layer, const TestScale& scale,
+                                float exposure);
 
 /// What was clicked at.
 struct Pick {

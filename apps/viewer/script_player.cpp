@@ -104,6 +104,13 @@ void ScriptPlayer::begin(const ScriptCommand& command, double now_s) {
     };
     host_.resize(side(words[1]), side(words[2]));
     wait_until([now_s](double now) { return now - now_s > 0.2; });
+  } else if (verb == "play" || verb == "pause") {
+    model_.play(verb == "play");
+  } else if (verb == "time") {
+    model_.seek(number(words[1]));
+  } else if (verb == "clip") {
+    if (!(number(words[1]) >= 0)) throw Error(ErrorCode::kInvalidData, "clips count from 0");
+    model_.set_clip(static_cast<std::uint32_t>(std::min(number(words[1]), 1e6f)));
   } else if (verb == "assert") {
     check(words);
   } else if (verb == "print") {

@@ -6,6 +6,8 @@
 #include <imgui.h>
 
 #include <cmath>
+#include <cstdio>
+#include <ctime>
 
 #include "interface.h"
 #include "raysheaf/error.h"
@@ -14,6 +16,13 @@
 
 namespace raysheaf::viewer {
 namespace {
+
+/// What this thread has run for.
+double cpu_ms() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
+}
 
 /// No more than sixty frames a second: what is left belongs to the rays.
 constexpr double kFrameSeconds = 1.0 / 60;
@@ -139,6 +148,7 @@ void Shell::turn(ScriptPlayer* player) {
 }
 
 void Shell::draw() {
+  const double before_ms = cpu_ms();
   last_frame_s_ = Window::now_s();
   if (const float scale = window_.scale(); scale != scale_) {
     scale_ = scale;
@@ -160,6 +170,7 @@ void Shell::draw() {
   draw_interface(model_, scale_);
   imgui_.end_frame();
   finish_frame();
+  frame_cpu_.add(cpu_ms() - before_ms);
 }
 
 void Shell::finish_frame() {
@@ -176,6 +187,11 @@ void Shell::finish_frame() {
     if (finger_->done()) {
       finger_.reset();
       latency_done_ = true;
+      char text[120];
+      std::snprintf(text, sizeof text,
+                    "%zu frames, median %.1f ms of processor time on their thread\n",
+                    frame_cpu_.count(), frame_cpu_.percentile(0.5));
+      print(text);
     }
   }
   answered_.clear();
@@ -214,6 +230,7 @@ void Shell::send(const InputEvent& event) {
 
 void Shell::start_latency(double seconds, int button) {
   latency_.clear();
+  frame_cpu_.clear();
   latency_done_ = false;
   finger_ = std::make_unique<Finger>(window_.input(), seconds, button);
 }

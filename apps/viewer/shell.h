@@ -87,6 +87,7 @@ class Shell : public ScriptHost {
   std::vector<double> answered_;  ///< stamps of the events that this frame answers
   std::unique_ptr<Finger> finger_;
   Latency latency_;
+  Latency frame_cpu_;  ///< what frames take of this thread
   bool latency_done_ = false;
 };
 

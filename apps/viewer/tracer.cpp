@@ -148,11 +148,12 @@ void Tracer::do_load(const std::string& path, Work& work) {
   LoadedScene loaded{path, {}, {}};
   const Watch watch;
   loaded.error = sentence_of([&] {
-    SceneDescription scene = options_.load(path);
-    validate(scene);
-    work.pictures.show(std::move(scene));
+    std::unique_ptr<Animation> animation = options_.load(path);
+    validate(animation->scene());
+    work.pictures.show(std::move(animation));
     work.forget_bundles();
-    loaded.facts = facts_of(work.pictures.scene());
+    loaded.facts = work.pictures.facts();
+    if (loaded.facts->name.empty()) loaded.facts->name = path;
     loaded.facts->load_ms = watch.ms();
   });
   {
@@ -167,17 +168,18 @@ void Tracer::do_save(const SaveOrder& order, Work& work) {
   if (!work.pictures.has_scene()) return;
   if (saver_.joinable()) saver_.join();
   auto copy = std::make_shared<SceneDescription>();
-  const std::string failed = sentence_of([&] { *copy = work.pictures.lit_copy(order.request); });
+  const std::string failed = sentence_of([&] { *copy = work.pictures.posed_copy(order.request); });
   {
     const std::lock_guard lock(mutex_);
     saves_ = failed.empty();
     if (!failed.empty()) saved_ = failed;
   }
-  if (failed.empty()) saver_ = std::thread([this, copy, order] { write_copy(*copy, order); });
+  if (failed.empty())
+    saver_ = std::thread([this, copy, order] { write_copy(std::move(*copy), order); });
   options_.notify();
 }
 
-void Tracer::write_copy(const SceneDescription& scene, const SaveOrder& order) {
+void Tracer::write_copy(SceneDescription scene, const SaveOrder& order) {
   std::string sentence = sentence_of([&] {
     PictureMaker maker;
     ViewRequest request = order.request;
@@ -185,7 +187,9 @@ void Tracer::write_copy(const SceneDescription& scene, const SaveOrder& order) {
     request.settings.split = false;
     request.settings.light = 1;  // the copy is lit already
     request.settings.headlight = false;
-    maker.show(scene);
+    request.time_s = 0;  // and posed
+    request.clip = 0;
+    maker.show(animate(std::move(scene)));
     std::shared_ptr<Picture> picture;
     const auto stopped = [this](double) {
       const std::lock_guard lock(mutex_);

@@ -19,6 +19,7 @@
 #include <thread>
 
 #include "picture.h"
+#include "raysheaf/animation.h"
 #include "raysheaf/lab.h"
 
 namespace raysheaf::viewer {
@@ -32,6 +33,8 @@ struct BundleQuestion {
   Size size;
   std::uint32_t x = 0, y = 0;
   std::uint32_t threads = 0;
+  double time_s = 0;
+  std::uint32_t clip = 0;
 };
 
 struct BundleAnswer {
@@ -53,7 +56,7 @@ struct LoadedScene {
 };
 
 struct TracerOptions {
-  std::function<SceneDescription(const std::string&)> load;
+  std::function<std::unique_ptr<Animation>(const std::string&)> load;
   std::function<void()> notify;  ///< something can be taken; from another thread
 };
 
@@ -95,7 +98,7 @@ class Tracer {
   void do_answer(const BundleQuestion& question, Work& work);
   void do_load(const std::string& path, Work& work);
   void do_save(const SaveOrder& order, Work& work);
-  void write_copy(const SceneDescription& scene, const SaveOrder& order);
+  void write_copy(SceneDescription scene, const SaveOrder& order);
 
   const TracerOptions options_;
   mutable std::mutex mutex_;

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 
-#include "raysheaf/scene_description.h"
+#include "raysheaf/animation.h"
 
 namespace raysheaf::viewer {
 
@@ -15,7 +16,7 @@ struct ViewOptions {
   std::string settings;    ///< a file; empty: the user's own, and none where a script plays
   std::uint32_t width = 0, height = 0;  ///< of the window; 0: as it was
   std::uint32_t threads = 0;
-  std::function<SceneDescription(const std::string&)> load;
+  std::function<std::unique_ptr<Animation>(const std::string&)> load;
   std::function<void(const std::string&)> print;  ///< to standard output
   std::function<void(const std::string&)> tell;   ///< a line to standard error
 };

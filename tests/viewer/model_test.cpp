@@ -15,9 +15,35 @@
 namespace raysheaf::viewer {
 namespace {
 
-SceneDescription load(const std::string& name) {
+/// The built-in box; all of it goes up by 1 in a second, or in another clip down in a half.
+std::unique_ptr<Animation> rising_box() {
+  SceneDescription scene = builtin_scene("cornell");
+  Rig rig;
+  rig.nodes.emplace_back();
+  for (const Instance& instance : scene.instances) {
+    RigNode& node = rig.nodes.emplace_back();
+    node.parent = 0;
+    node.matrix.emplace();
+    for (std::size_t r = 0; r < 3; ++r)
+      for (std::size_t c = 0; c < 4; ++c)
+        (*node.matrix)[r][c] = static_cast<double>(instance.to_world.m[r][c]);
+    rig.instance_nodes.push_back(static_cast<std::uint32_t>(rig.nodes.size() - 1));
+  }
+  rig.camera_nodes.assign(scene.cameras.size(), kInvalidId);
+  rig.light_nodes.assign(scene.lights.size(), kInvalidId);
+  RigClip& clip = rig.clips.emplace_back();
+  clip.curves.push_back({Interpolation::kLinear, {0, 1}, {0, 0, 0, 0, 1, 0}});
+  clip.channels.push_back({RigPath::kTranslation, 0, 0});
+  RigClip& other = rig.clips.emplace_back();
+  other.curves.push_back({Interpolation::kLinear, {0, 0.5}, {0, 0, 0, 0, -1, 0}});
+  other.channels.push_back({RigPath::kTranslation, 0, 0});
+  return animate(std::move(scene), std::move(rig));
+}
+
+std::unique_ptr<Animation> load(const std::string& name) {
+  if (name == "rising") return rising_box();
   if (name == "broken") throw Error(ErrorCode::kInvalidData, "this is no scene", name);
-  return builtin_scene(name);
+  return animate(builtin_scene(name));
 }
 
 double now_s() {
@@ -209,6 +235,54 @@ TEST_F(ModelTest, SavesTheWholePicture) {
   ASSERT_TRUE(until([this] { return !model.saving(); }));
   model.update(now_s());
   EXPECT_TRUE(model.last_note().failure) << model.last_note().text;
+}
+
+TEST_F(ModelTest, PlaysStandsStillAndScrubs) {
+  ASSERT_TRUE(open("rising"));
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  const std::vector<std::uint8_t> first = model.picture()->sides[0].image.rgba;
+  model.seek(0.5);
+  EXPECT_FALSE(model.up_to_date());
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  EXPECT_NE(model.picture()->sides[0].image.rgba, first);
+  model.seek(-3);
+  EXPECT_EQ(model.time_s(), 0);
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  EXPECT_EQ(model.picture()->sides[0].image.rgba, first);
+  press("space");
+  EXPECT_TRUE(model.playing());
+  EXPECT_TRUE(model.moves());
+  ASSERT_TRUE(until([this] { return model.time_s() > 0.3; }));
+  ASSERT_TRUE(until([this] { return model.time_s() < 0.3; }));  // begins again
+  press("space");
+  const double stands = model.time_s();
+  press(".");
+  EXPECT_NEAR(model.time_s(), stands + 1.0 / 24, 1e-6);
+  EXPECT_FALSE(model.playing());
+}
+
+TEST_F(ModelTest, PlaysAnotherClipToItsOwnEnd) {
+  ASSERT_TRUE(open("rising"));
+  model.seek(0.9);
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  const std::vector<std::uint8_t> up = model.picture()->sides[0].image.rgba;
+  model.set_clip(1);
+  EXPECT_EQ(model.end_s(), 0.5);
+  EXPECT_EQ(model.time_s(), 0.5);
+  EXPECT_FALSE(model.up_to_date());
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  EXPECT_NE(model.picture()->sides[0].image.rgba, up);
+  EXPECT_THROW(model.set_clip(2), Error);
+  model.set_clip(0);
+  model.seek(0.9);
+  ASSERT_TRUE(until([this] { return model.refined(); }));
+  EXPECT_EQ(model.picture()->sides[0].image.rgba, up);
+}
+
+TEST_F(ModelTest, WhatStandsStillDoesNotPlay) {
+  ASSERT_TRUE(open("cornell"));
+  press("space");
+  EXPECT_FALSE(model.playing());
 }
 
 TEST_F(ModelTest, RefusesADeviceWithASentence) {

@@ -90,7 +90,7 @@ TEST(Layers, AreAsLargeAsThePictureAndDiffer) {
   const TestScale scale = scale_of({&result.tests});
   std::vector<std::vector<std::uint8_t>> seen;
   for (int layer = 0; layer < 6; ++layer) {
-    const Image image = layer_image(result, static_cast<Layer>(layer), scale);
+    const Image image = layer_image(result, static_cast<Layer>(layer), scale, 1);
     EXPECT_EQ(image.width, 24u);
     EXPECT_EQ(image.rgba.size(), 24u * 16 * 4);
     for (const auto& other : seen) EXPECT_NE(image.rgba, other) << layer;
