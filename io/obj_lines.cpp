@@ -119,8 +119,11 @@ bool ObjLines::next_line() {
     current_ += part;
     if (more) current_ += ' ';
   }
-  // The parser takes its lines for C strings.
-  std::replace(current_.begin(), current_.end(), '\0', ' ');
+  // The parser takes its lines for C strings, and knows no blanks but spaces and tabs: to it, any
+  // other would be one more corner of a face.
+  std::replace_if(
+      current_.begin(), current_.end(), [](char c) { return c == '\0' || c == '\v' || c == '\f'; },
+      ' ');
   return true;
 }
 

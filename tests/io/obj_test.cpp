@@ -84,6 +84,7 @@ TEST_F(Obj, UnderstandsOddLines) {
   EXPECT_EQ(scene.triangle_count(), 1u);
   EXPECT_EQ(scene.meshes[0].positions[2].y, 1);
   EXPECT_EQ(load("v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r").triangle_count(), 1u) << "old line ends";
+  EXPECT_EQ(load("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\f3 \v\n").triangle_count(), 1u) << "blanks";
 }
 TEST_F(Obj, WarnsOfWhatIsLeftOut) {
   const SceneDescription scene = load(kSquare + "l 1 2\np 1\nf 1 2\nf 1 2 3\n");
