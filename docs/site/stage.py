@@ -46,18 +46,28 @@ def page_of(path: PurePosixPath) -> PurePosixPath:
     return PurePosixPath("source") / (path if path.suffix == ".md" else f"{path}.md")
 
 
+def fenced(block: list[str]) -> list[str]:
+    """Lines as a code block: of C++, or of text where they are a drawing."""
+    language = "cpp" if all(line.isascii() for line in block) else "text"
+    return [f"```{language}", *block, "```"]
+
+
 def head_of(header: str) -> list[str]:
     """The comment at the head of a public header, as Markdown; lines that are indented are code."""
-    lines, code = [f"### raysheaf/{header}", ""], False
+    lines: list[str] = [f"### raysheaf/{header}", ""]
+    block: list[str] = []
     for line in (ROOT / "include/raysheaf" / header).read_text(encoding="utf-8").splitlines():
         if not line.startswith("//"):
             break
         text = line[2:].removeprefix(" ")
-        if text.startswith("  ") != code:
-            code = not code
-            lines.append("```cpp" if code else "```")
-        lines.append(text[2:] if code else text)
-    return [*lines, *["```"] * code, ""]
+        if text.startswith("  "):
+            block.append(text[2:])
+            continue
+        if block:
+            lines += fenced(block)
+            block = []
+        lines.append(text)
+    return [*lines, *(fenced(block) if block else []), ""]
 
 
 def with_all_headers(text: str) -> str:
