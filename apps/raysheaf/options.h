@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "compare/words.h"
-#include "frames.h"
 #include "raysheaf/block_file.h"
 #include "raysheaf/context.h"
 #include "raysheaf/device_bench.h"
@@ -15,6 +14,7 @@
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
 #include "raysheaf/verify.h"
+#include "render/frames.h"
 #include "text/command_text.h"
 
 namespace raysheaf::app {

@@ -4,8 +4,8 @@
 #include "options.h"
 #include "outputs.h"
 #include "raysheaf/error.h"
+#include "render/stream.h"
 #include "scene_argument.h"
-#include "stream_scene.h"
 
 namespace raysheaf::app {
 namespace {

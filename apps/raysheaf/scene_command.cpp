@@ -5,8 +5,8 @@
 #include "outputs.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/io.h"
+#include "render/stream.h"
 #include "scene_argument.h"
-#include "stream_scene.h"
 
 namespace raysheaf::app {
 namespace {

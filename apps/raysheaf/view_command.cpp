@@ -1,7 +1,7 @@
 #include "console.h"
-#include "frames.h"
 #include "options.h"
 #include "outputs.h"
+#include "render/frames.h"
 #include "view.h"
 
 namespace raysheaf::app {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "frames.h"
 #include "raysheaf/error.h"
+#include "render/frames.h"
 #include "tests/support/process.h"
 
 namespace raysheaf::test {

@@ -1,11 +1,11 @@
 #include <algorithm>
 
 #include "console.h"
-#include "info.h"
+#include "info/info.h"
 #include "options.h"
 #include "raysheaf/block_file.h"
+#include "render/stream.h"
 #include "scene_argument.h"
-#include "stream_scene.h"
 
 namespace raysheaf::app {
 

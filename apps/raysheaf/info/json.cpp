@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "info.h"
+#include "info/info.h"
 
 namespace raysheaf::app {
 namespace {

@@ -1,7 +1,7 @@
 #include "parse/frames.h"
 
-#include "frames_command.h"
 #include "parse/parts.h"
+#include "render/frames_command.h"
 #include "values.h"
 
 namespace raysheaf::app {

@@ -5,16 +5,16 @@
 #include <optional>
 
 #include "console.h"
-#include "frames_command.h"
 #include "options.h"
 #include "outputs.h"
 #include "progress_bar.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 #include "raysheaf/render_on_context.h"
+#include "render/frames_command.h"
+#include "render/light.h"
+#include "render/stream.h"
 #include "scene_argument.h"
-#include "scene_light.h"
-#include "stream_scene.h"
 #include "values.h"
 
 namespace raysheaf::app {

@@ -1,4 +1,4 @@
-#include "frames.h"
+#include "render/frames.h"
 
 #include <fmt/format.h>
 

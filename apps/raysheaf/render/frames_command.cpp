@@ -10,13 +10,13 @@
 #include <filesystem>
 
 #include "console.h"
-#include "film.h"
-#include "frames_command.h"
 #include "outputs.h"
 #include "progress_bar.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 #include "raysheaf/renderer.h"
+#include "render/film.h"
+#include "render/frames_command.h"
 #include "values.h"
 
 namespace raysheaf::app {

@@ -1,8 +1,8 @@
 // `render` over the frames of a scene that moves.
 #pragma once
 
-#include "frames.h"
 #include "options.h"
+#include "render/frames.h"
 
 namespace raysheaf::app {
 

@@ -1,4 +1,4 @@
-#include "scene_light.h"
+#include "render/light.h"
 
 #include <numbers>
 

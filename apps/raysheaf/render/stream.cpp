@@ -1,4 +1,4 @@
-#include "stream_scene.h"
+#include "render/stream.h"
 
 #include <fmt/format.h>
 

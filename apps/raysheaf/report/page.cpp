@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "console.h"
-#include "info.h"
+#include "info/info.h"
 #include "paper/sheets.h"
 #include "plot/svg.h"
 #include "report/commands.h"

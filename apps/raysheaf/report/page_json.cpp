@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "info.h"
+#include "info/info.h"
 #include "report/commands.h"
 #include "report/page.h"
 
