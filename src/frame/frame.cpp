@@ -198,7 +198,7 @@ class Frame {
                                          std::uint32_t bounce, std::uint32_t first_light,
                                          std::uint32_t light_count) {
     watch_.lap_ms();
-    const std::vector<Visibility> visibility =
+    std::vector<Visibility> visibility =
         cast_shadows(fragments, bounce, light_count,
                      make_shadow_rays(executor_, fragments, lights_, first_light, light_count,
                                       geometry_.bounds(), sample_));
