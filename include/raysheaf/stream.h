@@ -160,6 +160,11 @@ class HitExchange {
   virtual ~HitExchange() = default;
   virtual void closest(std::span<StreamHit> hits) = 0;
   virtual void any(std::span<std::uint8_t> occluded) = 0;
+  /// Counts and times of what was done, which become those of all processes together; an exchange
+  /// that does not say how leaves each with its own.
+  virtual void add(std::span<std::uint64_t> /*counts*/) {}
+  virtual void add(std::span<double> /*sums*/) {}
+  virtual void add(std::span<float> /*sums*/) {}
 };
 
 /// What was read, and what did not have to be. Adds up over the batches of a frame. The same with

@@ -64,10 +64,10 @@ RenderResult render_checked(const GeometrySource& source, const RenderOptions& o
                          scene.environment.empty() ? nullptr : &environment.view()};
   RenderResult result = render_frame(executor, input, &meter);
 
-  if (stream.statistics != nullptr) {
-    add(streamer.statistics(), stream.statistics);
-    add(geometry.shading(), stream.statistics);
-  }
+  StreamStatistics statistics = streamer.statistics();
+  add(geometry.shading(), &statistics);
+  statistics = of_all(statistics, stream.exchange);
+  if (stream.statistics != nullptr) add(statistics, stream.statistics);
   FrameStatistics& s = result.statistics;
   s.scene = scene.name;
   s.triangles = streamer.triangle_count();

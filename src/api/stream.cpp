@@ -42,7 +42,8 @@ void stream(const GeometrySource& source, std::span<const Ray> rays, const Strea
   request.meter = &meter;
   EngineReport report;
   body(&streamer, request, &report);
-  if (options.statistics != nullptr) add(streamer.statistics(), options.statistics);
+  const StreamStatistics all = of_all(streamer.statistics(), options.exchange);
+  if (options.statistics != nullptr) add(all, options.statistics);
 }
 
 }  // namespace

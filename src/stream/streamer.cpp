@@ -1,6 +1,7 @@
 #include "stream/streamer.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <utility>
 
@@ -15,6 +16,15 @@ constexpr std::size_t kGrain = 1024;
 
 /// The tree is made anew when this part of the rays has become shorter or is done.
 constexpr std::size_t kStaleDivisor = 16;
+
+constexpr std::uint64_t StreamStatistics::*kStreamCounts[] = {
+    &StreamStatistics::blocks,        &StreamStatistics::culled_blocks,
+    &StreamStatistics::hidden_blocks, &StreamStatistics::read_blocks,
+    &StreamStatistics::wasted_blocks, &StreamStatistics::shading_blocks,
+    &StreamStatistics::read_bytes};
+constexpr double StreamStatistics::*kStreamTimes[] = {
+    &StreamStatistics::read_ms, &StreamStatistics::wait_ms, &StreamStatistics::cull_ms,
+    &StreamStatistics::trace_ms, &StreamStatistics::shading_ms};
 
 std::string megabytes(std::uint64_t bytes) {
   return std::to_string((bytes + 500'000) / 1'000'000) + " MB";
@@ -291,20 +301,36 @@ Streamer::~Streamer() = default;
 
 void Streamer::closest(View<const Ray> rays, const StreamRequest& request, View<StreamHit> hits,
                        EngineReport* report) {
-  const StreamStatistics before = statistics_;
   std::fill(hits.begin(), hits.end(), StreamHit{});
-  if (!rays.empty()) Sweep(this, rays, request, hits, {}, report).run();
-  report->plan.push_back(sentence_of(before, statistics_));
+  sweep(rays, request, hits, {}, report);
   if (options_.exchange != nullptr) options_.exchange->closest({hits.data, hits.size});
 }
 
 void Streamer::any(View<const Ray> rays, const StreamRequest& request, View<std::uint8_t> occluded,
                    EngineReport* report) {
-  const StreamStatistics before = statistics_;
   std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
-  if (!rays.empty()) Sweep(this, rays, request, {}, occluded, report).run();
-  report->plan.push_back(sentence_of(before, statistics_));
+  sweep(rays, request, {}, occluded, report);
   if (options_.exchange != nullptr) options_.exchange->any({occluded.data, occluded.size});
+}
+
+void Streamer::sweep(View<const Ray> rays, const StreamRequest& request, View<StreamHit> hits,
+                     View<std::uint8_t> occluded, EngineReport* report) {
+  const StreamStatistics before = statistics_;
+  HitExchange* const exchange = options_.exchange;
+  StreamRequest own = request;
+  std::vector<float> tests(exchange != nullptr ? request.ray_tests.size : 0);
+  if (exchange != nullptr) own.ray_tests = tests;
+  if (!rays.empty()) Sweep(this, rays, own, hits, occluded, report).run();
+  report->plan.push_back(sentence_of(before, statistics_));
+  if (exchange == nullptr) return;
+  std::array<std::uint64_t, 3> counts{report->bound_tests, report->ray_bound_tests,
+                                      report->triangle_tests};
+  exchange->add(counts);
+  report->bound_tests = counts[0];
+  report->ray_bound_tests = counts[1];
+  report->triangle_tests = counts[2];
+  if (!tests.empty()) exchange->add(tests);
+  for (std::size_t i = 0; i < tests.size(); ++i) request.ray_tests[i] += tests[i];
 }
 
 void check_parts(const StreamOptions& options) {
@@ -316,15 +342,21 @@ void check_parts(const StreamOptions& options) {
 }
 
 void add(const StreamStatistics& more, StreamStatistics* sum) {
-  for (const auto field : {&StreamStatistics::blocks, &StreamStatistics::culled_blocks,
-                           &StreamStatistics::hidden_blocks, &StreamStatistics::read_blocks,
-                           &StreamStatistics::wasted_blocks, &StreamStatistics::shading_blocks,
-                           &StreamStatistics::read_bytes})
-    sum->*field += more.*field;
-  for (const auto field :
-       {&StreamStatistics::read_ms, &StreamStatistics::wait_ms, &StreamStatistics::cull_ms,
-        &StreamStatistics::trace_ms, &StreamStatistics::shading_ms})
-    sum->*field += more.*field;
+  for (const auto field : kStreamCounts) sum->*field += more.*field;
+  for (const auto field : kStreamTimes) sum->*field += more.*field;
+}
+
+StreamStatistics of_all(StreamStatistics own, HitExchange* exchange) {
+  if (exchange == nullptr) return own;
+  std::vector<std::uint64_t> counts;
+  std::vector<double> times;
+  for (const auto field : kStreamCounts) counts.push_back(own.*field);
+  for (const auto field : kStreamTimes) times.push_back(own.*field);
+  exchange->add(counts);
+  exchange->add(times);
+  for (std::size_t i = 0; i < counts.size(); ++i) own.*kStreamCounts[i] = counts[i];
+  for (std::size_t i = 0; i < times.size(); ++i) own.*kStreamTimes[i] = times[i];
+  return own;
 }
 
 std::uint32_t slots_for(std::uint64_t memory_bytes, std::uint64_t taken, std::uint64_t rays) {

@@ -61,6 +61,10 @@ class Streamer {
   friend class Sweep;
   struct Slot;
 
+  /// One of `hits` and `occluded` is empty.
+  void sweep(View<const Ray> rays, const StreamRequest& request, View<StreamHit> hits,
+             View<std::uint8_t> occluded, EngineReport* report);
+
   const Executor& executor_;
   const GeometrySource& source_;
   const StreamOptions& options_;
@@ -75,6 +79,8 @@ class Streamer {
 void check_parts(const StreamOptions& options);
 
 void add(const StreamStatistics& more, StreamStatistics* sum);
+/// The sum over the processes that `exchange` joins; null: those of this one.
+[[nodiscard]] StreamStatistics of_all(StreamStatistics own, HitExchange* exchange);
 
 /// How many slots `memory_bytes` have room for beside what is `taken`, for batches of `rays`.
 /// Throws `Error` (kOutOfMemory) where that is not even one.
