@@ -167,6 +167,8 @@ class HitExchange {
   virtual void add(std::span<float> /*sums*/) {}
 };
 
+class StreamCheckpoint;  // raysheaf/checkpoint.h
+
 /// What was read, and what did not have to be. Adds up over the batches of a frame. The same with
 /// any number of threads, but for times.
 struct StreamStatistics {
@@ -194,6 +196,8 @@ struct StreamOptions {
   /// Blocks b with b % parts == part are streamed here; `exchange` fetches what the others found.
   std::uint32_t part = 0, parts = 1;
   HitExchange* exchange = nullptr;
+  /// Where an earlier run was stopped, this one goes on; counts are then of what this one did.
+  StreamCheckpoint* checkpoint = nullptr;
   StreamStatistics* statistics = nullptr;  ///< added to where it is not null
   /// Called now and then, in bytes; false asks to stop (`Error` kCancelled). `render` has its own.
   std::function<bool(const Progress&)> progress;

@@ -8,6 +8,7 @@
 #include "base/vec.h"
 #include "exec/stopwatch.h"
 #include "raysheaf/error.h"
+#include "stream/batch_checkpoint.h"
 
 namespace raysheaf {
 namespace {
@@ -16,15 +17,6 @@ constexpr std::size_t kGrain = 1024;
 
 /// The tree is made anew when this part of the rays has become shorter or is done.
 constexpr std::size_t kStaleDivisor = 16;
-
-constexpr std::uint64_t StreamStatistics::*kStreamCounts[] = {
-    &StreamStatistics::blocks,        &StreamStatistics::culled_blocks,
-    &StreamStatistics::hidden_blocks, &StreamStatistics::read_blocks,
-    &StreamStatistics::wasted_blocks, &StreamStatistics::shading_blocks,
-    &StreamStatistics::read_bytes};
-constexpr double StreamStatistics::*kStreamTimes[] = {
-    &StreamStatistics::read_ms, &StreamStatistics::wait_ms, &StreamStatistics::cull_ms,
-    &StreamStatistics::trace_ms, &StreamStatistics::shading_ms};
 
 std::string megabytes(std::uint64_t bytes) {
   return std::to_string((bytes + 500'000) / 1'000'000) + " MB";
@@ -90,7 +82,9 @@ class Sweep {
         occluded_(occluded),
         report_(*report),
         tree_(s_.executor_, rays, s_.bounds_),
+        checkpoint_(batch_of(rays), s_.options_.checkpoint, answers()),
         reader_(s_.source_) {
+    if (checkpoint_.restore()) go_on();
     stats().cull_ms += watch_.lap_ms();
   }
 
@@ -109,6 +103,7 @@ class Sweep {
       start(reading);
       trace(tracing);
       refresh();
+      checkpoint_.keep(tracing, reading.empty());
     }
   }
 
@@ -124,13 +119,36 @@ class Sweep {
   }
   [[nodiscard]] bool is_any() const { return !occluded_.empty(); }
 
+  [[nodiscard]] StreamBatch batch_of(View<const Ray> rays) const {
+    // Which hits are asked for, as a number.
+    const auto question = (is_any() ? 2u : 0u) + (request_.facing == Facing::kBoth ? 1u : 0u);
+    return {
+        s_.batches_,        question, s_.options_.part, s_.options_.parts, {rays.data, rays.size},
+        s_.source_.blocks()};
+  }
+  [[nodiscard]] std::span<std::byte> answers() const {
+    if (is_any()) return std::as_writable_bytes(std::span(occluded_.data, occluded_.size));
+    return std::as_writable_bytes(std::span(hits_.data, hits_.size));
+  }
+
+  /// Rays end where an earlier run has met something.
+  void go_on() {
+    s_.executor_.for_each(tree_.size(), kGrain, [&](std::size_t i) {
+      const std::uint32_t place = index(i), number = tree_.number(place);
+      if (is_any() && occluded_[number] != 0) tree_.finish(place);
+      if (!is_any() && hits_[number].block != kInvalidId) tree_.shorten(place, hits_[number].hit.t);
+    });
+    tree_.refresh(s_.executor_);
+  }
+
   /// Blocks that some ray's bound meets, near ones first.
   void find_candidates() {
     const std::size_t count = s_.source_.blocks().size();
     std::vector<float> distance(count, -1);
     const std::uint32_t part = s_.options_.part, parts = s_.options_.parts;
     s_.executor_.for_each(count, 4, [&](std::size_t i) {
-      if (i % parts == part) distance[i] = tree_.squared_distance(info(index(i)).bounds);
+      if (i % parts == part && !checkpoint_.is_done(i))
+        distance[i] = tree_.squared_distance(info(index(i)).bounds);
     });
     for (std::size_t i = part; i < count; i += parts) {
       ++stats().blocks;
@@ -279,6 +297,7 @@ class Sweep {
   EngineReport& report_;
   Stopwatch watch_;
   RayTree tree_;
+  BatchCheckpoint checkpoint_;
   std::vector<Candidate> candidates_;
   std::size_t next_ = 0;  ///< of them
   std::uint64_t bytes_ahead_ = 0;
@@ -321,6 +340,7 @@ void Streamer::sweep(View<const Ray> rays, const StreamRequest& request, View<St
   std::vector<float> tests(exchange != nullptr ? request.ray_tests.size : 0);
   if (exchange != nullptr) own.ray_tests = tests;
   if (!rays.empty()) Sweep(this, rays, own, hits, occluded, report).run();
+  ++batches_;
   report->plan.push_back(sentence_of(before, statistics_));
   if (exchange == nullptr) return;
   std::array<std::uint64_t, 3> counts{report->bound_tests, report->ray_bound_tests,
@@ -339,24 +359,6 @@ void check_parts(const StreamOptions& options) {
               "part " + std::to_string(options.part) + " is not among " +
                   std::to_string(options.parts) + " parts",
               "part");
-}
-
-void add(const StreamStatistics& more, StreamStatistics* sum) {
-  for (const auto field : kStreamCounts) sum->*field += more.*field;
-  for (const auto field : kStreamTimes) sum->*field += more.*field;
-}
-
-StreamStatistics of_all(StreamStatistics own, HitExchange* exchange) {
-  if (exchange == nullptr) return own;
-  std::vector<std::uint64_t> counts;
-  std::vector<double> times;
-  for (const auto field : kStreamCounts) counts.push_back(own.*field);
-  for (const auto field : kStreamTimes) times.push_back(own.*field);
-  exchange->add(counts);
-  exchange->add(times);
-  for (std::size_t i = 0; i < counts.size(); ++i) own.*kStreamCounts[i] = counts[i];
-  for (std::size_t i = 0; i < times.size(); ++i) own.*kStreamTimes[i] = times[i];
-  return own;
 }
 
 std::uint32_t slots_for(std::uint64_t memory_bytes, std::uint64_t taken, std::uint64_t rays) {

@@ -38,7 +38,7 @@ inline constexpr std::uint32_t kMostSlots = 16;
 class Streamer {
  public:
   /// `slots`: blocks that are traced at once, while as many are read. `options`: `front_to_back`,
-  /// `part`, `parts`, `exchange` and `statistics` are used.
+  /// `part`, `parts`, `exchange`, `checkpoint` and `statistics` are used.
   Streamer(const Executor& executor, const GeometrySource& source, const StreamOptions& options,
            std::uint32_t slots);
   Streamer(const Streamer&) = delete;
@@ -71,6 +71,7 @@ class Streamer {
   Box bounds_;
   std::uint64_t triangle_count_ = 0;
   StreamStatistics statistics_;
+  std::uint32_t batches_ = 0;  ///< so far
   std::vector<std::unique_ptr<Slot>> slots_;
   std::vector<TriangleBlock> reading_, tracing_;
 };

@@ -79,11 +79,13 @@ void add_streaming(CLI::App& app, RenderCommand& command) {
   add_value(app, "--share", "auto|rays|geometry|none",
             "What the processes of mpirun share: rays, or blocks of what streams; none: each is a "
             "run of its own [auto]",
-            [&command](const auto& text) { command.share = share_from_string(text); });
+            [&command](const auto& text) {
+              command.share = share_from_string(text);
+              if (command.share == Share::kGeometry) command.stream = true;
+            });
 }
 
-void check_streaming(const CLI::App& app, RenderCommand& command) {
-  if (command.share == Share::kGeometry) command.stream = true;
+void check_streaming(const CLI::App& app, const RenderCommand& command) {
   if (!command.stream && !has_ending(command.scene, ".rsb")) {
     if (app.get_option("--memory")->count() > 0)
       throw CLI::ValidationError("--memory", "it is of streamed frames: --stream, or .rsb files");
@@ -91,7 +93,7 @@ void check_streaming(const CLI::App& app, RenderCommand& command) {
   }
   for (const char* option :
        {"--camera-path", "--clip", "--env", "--env-intensity", "--env-rotation", "--fps",
-        "--frames", "--light-size", "--resume", "--sequence", "--time", "--turntable"}) {
+        "--frames", "--light-size", "--sequence", "--time", "--turntable"}) {
     const CLI::Option* given = app.get_option_no_throw(option);
     if (given != nullptr && given->count() > 0)
       throw CLI::ValidationError(option, "it is not for scenes that stream");

@@ -16,6 +16,6 @@ CLI::App* add_pack(CLI::App& app, PackCommand& command);
 /// `--stream`, `--memory` and `--share` of `render`.
 void add_streaming(CLI::App& app, RenderCommand& command);
 /// Throws CLI11's error where other options do not go with streaming.
-void check_streaming(const CLI::App& app, RenderCommand& command);
+void check_streaming(const CLI::App& app, const RenderCommand& command);
 
 }  // namespace raysheaf::app

@@ -71,6 +71,7 @@ struct Rendered {
   double load_ms = 0;
   std::optional<StreamStatistics> stream;
   SharedBy ranks;
+  std::unique_ptr<CheckpointFile> checkpoint;
 };
 
 class Loading {
@@ -96,6 +97,8 @@ Rendered render_streamed(const RenderCommand& command, Communicator* ranks) {
   StreamOptions stream;
   stream.memory_bytes = command.memory_bytes;
   stream.statistics = &rendered.stream.emplace();
+  rendered.checkpoint = open_checkpoint(command, ranks);
+  stream.checkpoint = rendered.checkpoint.get();
   std::unique_ptr<HitExchange> exchange;
   if (ranks != nullptr) {
     exchange = make_hit_exchange(*ranks);
@@ -207,6 +210,8 @@ void render_here(const RenderCommand& command, const std::shared_ptr<Communicato
   if (is_streamed(command)) {
     const Rendered rendered = render_streamed(command, ranks.get());
     if (writes) finish(command, targets, rendered);
+    if (ranks != nullptr) ranks->combine({}, 1, nullptr);  // what others keep is needed until then
+    if (rendered.checkpoint != nullptr) rendered.checkpoint->remove();
     return;
   }
   const Loading loading;
