@@ -150,16 +150,19 @@ struct StreamHit {
 [[nodiscard]] bool precedes(const Hit& a, const Hit& b);
 
 /// Several processes that each stream a part of the blocks past the same rays (`StreamOptions`).
-/// Called once a batch, in every process, when its own blocks are done: replaces what this process
-/// found by the least, and by any, of all.
+/// Called in every process when its own blocks are done: once a batch, and once more for what hits
+/// look like.
 class HitExchange {
  public:
   HitExchange() = default;
   HitExchange(const HitExchange&) = delete;
   HitExchange& operator=(const HitExchange&) = delete;
   virtual ~HitExchange() = default;
+  /// What this process found becomes the least of all.
   virtual void closest(std::span<StreamHit> hits) = 0;
-  virtual void any(std::span<std::uint8_t> occluded) = 0;
+  /// Bytes become the bitwise or of all: whether rays meet anything, and what only one process
+  /// knows while the others have zeros there.
+  virtual void unite(std::span<std::uint8_t> bytes) = 0;
   /// Counts and times of what was done, which become those of all processes together; an exchange
   /// that does not say how leaves each with its own.
   virtual void add(std::span<std::uint64_t> /*counts*/) {}

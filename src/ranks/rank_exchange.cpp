@@ -28,7 +28,7 @@ class RankExchange : public HitExchange {
   void closest(std::span<StreamHit> hits) override {
     ranks_.combine(std::as_writable_bytes(hits), sizeof(StreamHit), take_the_least);
   }
-  void any(std::span<std::uint8_t> occluded) override { unite(ranks_, occluded); }
+  void unite(std::span<std::uint8_t> bytes) override { raysheaf::unite(ranks_, bytes); }
   void add(std::span<std::uint64_t> counts) override { raysheaf::add(ranks_, counts); }
   void add(std::span<double> sums) override { raysheaf::add(ranks_, sums); }
   void add(std::span<float> sums) override { raysheaf::add(ranks_, sums); }

@@ -147,7 +147,7 @@ class Sweep {
     std::vector<float> distance(count, -1);
     const std::uint32_t part = s_.options_.part, parts = s_.options_.parts;
     s_.executor_.for_each(count, 4, [&](std::size_t i) {
-      if (i % parts == part && !checkpoint_.is_done(i))
+      if (s_.is_own(i) && !checkpoint_.is_done(i))
         distance[i] = tree_.squared_distance(info(index(i)).bounds);
     });
     for (std::size_t i = part; i < count; i += parts) {
@@ -329,7 +329,7 @@ void Streamer::any(View<const Ray> rays, const StreamRequest& request, View<std:
                    EngineReport* report) {
   std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
   sweep(rays, request, {}, occluded, report);
-  if (options_.exchange != nullptr) options_.exchange->any({occluded.data, occluded.size});
+  if (options_.exchange != nullptr) options_.exchange->unite({occluded.data, occluded.size});
 }
 
 void Streamer::sweep(View<const Ray> rays, const StreamRequest& request, View<StreamHit> hits,

@@ -46,6 +46,12 @@ class Streamer {
   ~Streamer();
 
   [[nodiscard]] const GeometrySource& source() const { return source_; }
+  /// That joins this process with others; null: alone.
+  [[nodiscard]] HitExchange* exchange() const { return options_.exchange; }
+  /// Whether a block is this process's.
+  [[nodiscard]] bool is_own(std::size_t block) const {
+    return block % options_.parts == options_.part;
+  }
   [[nodiscard]] const Box& bounds() const { return bounds_; }
   [[nodiscard]] std::uint64_t triangle_count() const { return triangle_count_; }
   [[nodiscard]] const StreamStatistics& statistics() const { return statistics_; }
