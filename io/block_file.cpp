@@ -1,4 +1,5 @@
 #include "raysheaf/block_file.h"
+#include "io/refuse.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -12,9 +13,7 @@
 namespace raysheaf {
 namespace {
 
-[[noreturn]] void refuse(const std::string& sentence, const std::string& place) {
-  throw Error(ErrorCode::kInvalidData, sentence, place);
-}
+using io::refuse;
 
 bool lies_in(std::uint64_t offset, std::uint64_t bytes, std::uint64_t file_bytes) {
   return offset <= file_bytes && bytes <= file_bytes - offset;

@@ -2,8 +2,8 @@
 #include <numeric>
 
 #include "io/block_format.h"
+#include "io/refuse.h"
 #include "raysheaf/block_file.h"
-#include "raysheaf/error.h"
 
 namespace raysheaf::io {
 namespace {
@@ -23,10 +23,6 @@ struct ShadingHead {
 using Corners16 = std::array<std::uint16_t, 3>;
 static_assert(sizeof(GeometryHead) == 24 && sizeof(ShadingHead) == 16 && sizeof(IdRun) == 8);
 static_assert(sizeof(BlockPart) == 16 && sizeof(Corners16) == 6 && sizeof(Vec3) == 12);
-
-[[noreturn]] void refuse(const std::string& sentence) {
-  throw Error(ErrorCode::kInvalidData, sentence);
-}
 
 class Writer {
  public:

@@ -7,18 +7,10 @@
 
 #include "io/gltf.h"
 #include "io/gltf_rules.h"
-#include "raysheaf/error.h"
+#include "io/refuse.h"
 
 namespace raysheaf::io {
 namespace {
-
-[[noreturn]] void refuse(const std::string& sentence, const std::string& place) {
-  throw Error(ErrorCode::kInvalidData, sentence, place);
-}
-
-std::string element(const std::string& list, std::size_t i) {
-  return list + "[" + std::to_string(i) + "]";
-}
 
 /// Column by column, as glTF has them.
 Affine affine_from(const float* m, const std::string& place) {

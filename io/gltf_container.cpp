@@ -1,6 +1,7 @@
 #include <cstring>
 
 #include "io/gltf_json.h"
+#include "io/refuse.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
@@ -15,10 +16,6 @@ std::uint32_t read_u32(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::uint32_t>(bytes[at]) | static_cast<std::uint32_t>(bytes[at + 1]) << 8 |
          static_cast<std::uint32_t>(bytes[at + 2]) << 16 |
          static_cast<std::uint32_t>(bytes[at + 3]) << 24;
-}
-
-[[noreturn]] void refuse(const std::string& sentence, const std::string& place) {
-  throw Error(ErrorCode::kInvalidData, sentence, place);
 }
 
 struct Chunk {
@@ -58,10 +55,10 @@ GltfParts split_glb(std::span<const std::uint8_t> file) {
   }
   const auto glb = file.first(length);
   if (length < kHeaderBytes) refuse("the declared length is too small", "GLB header");
-  const Chunk json = chunk_at(glb, kHeaderBytes, 0);
-  if (json.type != kJson) refuse("the first chunk is not JSON", "GLB chunk 0");
-  GltfParts parts{json.bytes, {}, true};
-  const std::size_t next = kHeaderBytes + kChunkHeaderBytes + padded(json.bytes.size());
+  const Chunk text = chunk_at(glb, kHeaderBytes, 0);
+  if (text.type != kJson) refuse("the first chunk is not JSON", "GLB chunk 0");
+  GltfParts parts{text.bytes, {}, true};
+  const std::size_t next = kHeaderBytes + kChunkHeaderBytes + padded(text.bytes.size());
   if (next >= glb.size()) return parts;
   const Chunk binary = chunk_at(glb, next, 1);
   if (binary.type == kBinary) parts.binary = binary.bytes;

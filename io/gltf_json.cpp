@@ -8,6 +8,7 @@
 
 #include "io/gltf_rules.h"
 #include "io/json_text.h"
+#include "io/refuse.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
@@ -24,15 +25,6 @@ constexpr std::array kSupported = {"KHR_lights_punctual",
                                    "KHR_texture_transform",
                                    "KHR_mesh_quantization"};
 constexpr std::size_t kMaxStride = 252;
-
-[[noreturn]] void refuse(const std::string& sentence, const std::string& place,
-                         ErrorCode code = ErrorCode::kInvalidData) {
-  throw Error(code, sentence, place);
-}
-
-std::string element(const char* list, std::size_t i) {
-  return std::string(list) + "[" + std::to_string(i) + "]";
-}
 
 template <class T>
 T get(const json& object, const char* name, T fallback) {

@@ -4,17 +4,13 @@
 
 #include "io/gltf.h"
 #include "io/linear.h"
-#include "raysheaf/error.h"
+#include "io/refuse.h"
 
 namespace raysheaf::io {
 namespace {
 
 std::string node_place(int node) {
   return "nodes[" + std::to_string(node) + "]";
-}
-
-[[noreturn]] void refuse(const std::string& sentence, const std::string& place) {
-  throw Error(ErrorCode::kInvalidData, sentence, place);
 }
 
 void set_matrix(const std::vector<double>& m, const std::string& place, RigNode& node) {

@@ -1,6 +1,7 @@
 #include "io/gltf_rules.h"
 
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -12,7 +13,7 @@ namespace {
 using nlohmann::json;
 using enum JsonKind;
 
-constexpr double kMaxSize = 0x1p53, kMaxFloat = 3.4028234663852886e38;
+constexpr double kMaxSize = 0x1p53;
 
 constexpr JsonRule kRules[] = {
     {"asset", kObject, true},
@@ -260,7 +261,8 @@ class Checker {
   }
   static void check_number(const json& value, const std::string& place) {
     require(value.is_number(), "a number", place);
-    require(std::fabs(value.get<double>()) <= kMaxFloat, "a number that a float can hold", place);
+    require(std::fabs(value.get<double>()) <= double{std::numeric_limits<float>::max()},
+            "a number that a float can hold", place);
   }
   static void check_integer(const json& value, double least, double most,
                             const std::string& place) {

@@ -3,14 +3,10 @@
 #include <map>
 
 #include "io/gltf_rules.h"
-#include "raysheaf/error.h"
+#include "io/refuse.h"
 
 namespace raysheaf::io {
 namespace {
-
-[[noreturn]] void refuse(const std::string& sentence, const std::string& place) {
-  throw Error(ErrorCode::kInvalidData, sentence, place);
-}
 
 int find(const tinygltf::Primitive& primitive, const std::string& name) {
   const auto it = primitive.attributes.find(name);

@@ -1,22 +1,17 @@
 #include "io/json_text.h"
 
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "io/gltf_rules.h"
-#include "raysheaf/error.h"
+#include "io/refuse.h"
 
 namespace raysheaf::io {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kMaxFloat = 3.4028234663852886e38;
-
-[[noreturn]] void refuse(const std::string& sentence, const std::string& place) {
-  throw Error(ErrorCode::kInvalidData, sentence, place);
-}
 
 /// The parser recurses, so the depth is counted before it sees the text.
 void check_depth(std::span<const std::uint8_t> text) {
@@ -63,7 +58,8 @@ const json& member_of(const json& object, const char* name, const std::string& p
 double number_of(const json& value, const std::string& place) {
   if (!value.is_number()) refuse("is not a number", place);
   const double number = value.get<double>();
-  if (!(std::fabs(number) <= kMaxFloat)) refuse("is not a number that a float can hold", place);
+  if (!(std::fabs(number) <= double{std::numeric_limits<float>::max()}))
+    refuse("is not a number that a float can hold", place);
   return number;
 }
 

@@ -56,15 +56,6 @@ struct DoubleAffine {
   std::array<Double3, 4> columns = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
 };
 
-inline Double3 transform_vector(const DoubleAffine& a, Double3 v) {
-  return a.columns[0] * v.x + a.columns[1] * v.y + a.columns[2] * v.z;
-}
-inline DoubleAffine compose(const DoubleAffine& outer, const DoubleAffine& inner) {
-  DoubleAffine result;
-  for (std::size_t c = 0; c < 3; ++c) result.columns[c] = transform_vector(outer, inner.columns[c]);
-  result.columns[3] = transform_vector(outer, inner.columns[3]) + outer.columns[3];
-  return result;
-}
 inline Affine narrow(const DoubleAffine& a) {
   Affine result;
   for (std::size_t c = 0; c < 4; ++c) {
@@ -73,10 +64,4 @@ inline Affine narrow(const DoubleAffine& a) {
   }
   return result;
 }
-inline DoubleAffine widen(const Affine& a) {
-  DoubleAffine result;
-  for (std::size_t c = 0; c < 4; ++c) result.columns[c] = {a.m[0][c], a.m[1][c], a.m[2][c]};
-  return result;
-}
-
 }  // namespace raysheaf::io

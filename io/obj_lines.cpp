@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "io/gltf_rules.h"
-#include "raysheaf/error.h"
+#include "io/refuse.h"
 
 namespace raysheaf::io {
 namespace {
@@ -55,9 +55,6 @@ Reference check_reference(std::string_view word) {
   return Reference::kMalformed;
 }
 
-[[noreturn]] void refuse(const std::string& sentence, const std::string& place) {
-  throw Error(ErrorCode::kInvalidData, sentence, place);
-}
 std::string quoted(std::string_view word) {
   return "\"" + printable(std::string(word)) + "\"";
 }

@@ -4,21 +4,13 @@
 
 #include "io/json_text.h"
 #include "io/linear.h"
+#include "io/refuse.h"
 #include "io/sequence.h"
-#include "raysheaf/error.h"
 
 namespace raysheaf::io {
 namespace {
 
 using nlohmann::json;
-
-[[noreturn]] void refuse(const std::string& sentence, const std::string& place) {
-  throw Error(ErrorCode::kInvalidData, sentence, place);
-}
-
-std::string element(const char* list, std::size_t i) {
-  return std::string(list) + "[" + std::to_string(i) + "]";
-}
 
 const json& list(const json& value, const char* name) {
   static const json kEmpty = json::array();

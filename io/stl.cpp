@@ -9,16 +9,12 @@
 #include <string_view>
 
 #include "io/gltf_rules.h"
-#include "raysheaf/error.h"
+#include "io/refuse.h"
 
 namespace raysheaf::io {
 namespace {
 
 constexpr std::size_t kHeadBytes = 84, kTriangleBytes = 50;
-
-[[noreturn]] void refuse(const std::string& sentence, const std::string& place) {
-  throw Error(ErrorCode::kInvalidData, sentence, place);
-}
 
 std::uint32_t read_u32(const std::uint8_t* p) {
   return static_cast<std::uint32_t>(p[0]) | static_cast<std::uint32_t>(p[1]) << 8 |

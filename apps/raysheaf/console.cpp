@@ -69,6 +69,10 @@ bool interrupted() {
   return interrupt_seen != 0;
 }
 
+void stop_if_interrupted() {
+  if (interrupted()) throw Error(ErrorCode::kCancelled, "interrupted");
+}
+
 void guard_streams() {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);

@@ -25,6 +25,8 @@ void be_silent(bool silent);
 /// Ctrl-C from here on sets a flag instead of ending the program; a second one ends it.
 void catch_interrupts();
 [[nodiscard]] bool interrupted();
+/// Throws `Error` (kCancelled) then.
+void stop_if_interrupted();
 
 /// At the start: a write to a closed pipe, or beyond the limit on a file's size, fails instead of
 /// ending the program; standard streams that are closed lead nowhere, so that no file which is

@@ -15,7 +15,7 @@ void copy_blocks(const BlockFile& from, BlockSink* to) {
   TriangleBlock block;
   BlockShading shading;
   for (std::size_t i = 0; i < from.blocks().size(); ++i) {
-    if (interrupted()) throw Error(ErrorCode::kCancelled, "interrupted");
+    stop_if_interrupted();
     from.read(i, &block);
     from.read_shading(i, &shading);
     to->add(block, shading);

@@ -5,8 +5,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
-
 Vec3 morphed(const std::vector<Vec3>& rest, std::vector<Vec3> MorphTarget::*field,
              const RigShape& shape, std::span<const float> weights, std::size_t vertex) {
   Vec3 sum = rest[vertex];
@@ -50,7 +48,7 @@ void flatten_normals(const RigShape& shape, Mesh* mesh) {
 
 void deform(const Executor& executor, const RigShape& shape, std::span<const float> weights,
             std::span<const Affine> joints, Mesh* mesh) {
-  executor.for_each(shape.positions.size(), kGrain, [&](std::size_t v) {
+  executor.for_each(shape.positions.size(), kWorkGrain, [&](std::size_t v) {
     const bool skinned = shape.joints_per_vertex != 0;
     const Affine map = skinned ? blended(shape, joints, v) : Affine{};
     const Vec3 position = morphed(shape.positions, &MorphTarget::positions, shape, weights, v);

@@ -9,7 +9,7 @@ namespace raysheaf::brute {
 namespace {
 
 /// Rays a task.
-constexpr std::size_t kGrain = 16;
+constexpr std::size_t kBruteGrain = 16;
 
 /// Calls `take(hit)`, which says whether to go on, for the hits of a ray by ascending number.
 template <class Take>
@@ -29,7 +29,7 @@ void for_each_hit(const TriangleSource& source, const Ray& ray, const Take& take
 
 void closest_hit(const Executor& executor, const TriangleSource& source, View<const Ray> rays,
                  View<EngineHit> hits) {
-  executor.for_each(rays.size, kGrain, [&](std::size_t i) {
+  executor.for_each(rays.size, kBruteGrain, [&](std::size_t i) {
     EngineHit best;
     for_each_hit(source, rays[i], [&](const EngineHit& hit) {
       if (hit.t < best.t || best.triangle == kInvalidId) best = hit;
@@ -41,7 +41,7 @@ void closest_hit(const Executor& executor, const TriangleSource& source, View<co
 
 void any_hit(const Executor& executor, const TriangleSource& source, View<const Ray> rays,
              View<std::uint8_t> occluded) {
-  executor.for_each(rays.size, kGrain, [&](std::size_t i) {
+  executor.for_each(rays.size, kBruteGrain, [&](std::size_t i) {
     bool met = false;
     for_each_hit(source, rays[i], [&](const EngineHit&) {
       met = true;
@@ -55,7 +55,7 @@ Rows all_hits(const Executor& executor, const TriangleSource& source, View<const
   Rows found;
   found.rows.resize(rays.size);
   std::vector<std::vector<EngineHit>>& rows = found.rows;
-  executor.for_each(rays.size, kGrain, [&](std::size_t i) {
+  executor.for_each(rays.size, kBruteGrain, [&](std::size_t i) {
     for_each_hit(source, rays[i], [&](const EngineHit& hit) {
       rows[i].push_back(hit);
       return true;

@@ -10,8 +10,6 @@
 namespace raysheaf {
 namespace {
 
-/// Items a task: what a core reads in tens of microseconds.
-constexpr std::size_t kGrain = 16384;
 constexpr std::size_t kMostItems = 0x7fffffff;
 
 // The loops below have no branches, so that the compiler makes vectors of them; what is wrong is
@@ -53,7 +51,7 @@ bool check_indices(const std::uint32_t* in, std::size_t count, std::uint32_t lim
 template <class Body>
 bool all_blocks(const Executor& executor, std::size_t count, const Body& body) {
   std::atomic<bool> good{true};
-  executor.for_each_block(count, kGrain, [&](std::size_t begin, std::size_t end) {
+  executor.for_each_block(count, kCopyGrain, [&](std::size_t begin, std::size_t end) {
     if (!body(begin, end)) good.store(false, std::memory_order_relaxed);
   });
   return good;

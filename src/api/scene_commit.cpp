@@ -10,7 +10,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
 constexpr std::uint64_t kMostTriangles = 0x7fffffff;
 
 struct Move {
@@ -25,7 +24,7 @@ struct Move {
 /// several tasks one.
 InstanceId run_moves(const Executor& executor, const std::vector<Move>& moves, std::size_t count) {
   std::atomic<InstanceId> refused{kInvalidId};
-  executor.for_each_block(count, kGrain, [&](std::size_t begin, std::size_t end) {
+  executor.for_each_block(count, kCopyGrain, [&](std::size_t begin, std::size_t end) {
     const auto after =
         std::upper_bound(moves.begin(), moves.end(), begin,
                          [](std::size_t vertex, const Move& move) { return vertex < move.first; });
@@ -49,7 +48,7 @@ Box box_of(const Executor& executor, const std::vector<SceneRun>& runs) {
   std::mutex mutex;
   for (const SceneRun& scene_run : runs) {
     const TriangleRun& run = scene_run.triangles;
-    executor.for_each_block(run.count, kGrain, [&](std::size_t begin, std::size_t end) {
+    executor.for_each_block(run.count, kCopyGrain, [&](std::size_t begin, std::size_t end) {
       Box part;
       for (std::size_t i = begin; i < end; ++i) {
         for (const Vec3 corner : run.corners(static_cast<std::uint32_t>(i))) {

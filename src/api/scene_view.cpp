@@ -5,7 +5,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
 /// So many that most blocks of numbers lie within a run: a look, and no search.
 constexpr std::uint64_t kBlocksARun = 64;
 
@@ -64,7 +63,7 @@ void SceneView::name_hits(View<const EngineHit> hits, Hit* out) const {
 }
 
 void SceneView::name_hits(const Executor& executor, View<const EngineHit> hits, Hit* out) const {
-  executor.for_each_block(hits.size, kGrain, [&](std::size_t begin, std::size_t end) {
+  executor.for_each_block(hits.size, kCopyGrain, [&](std::size_t begin, std::size_t end) {
     name_hits({hits.data + begin, end - begin}, out + begin);
   });
 }

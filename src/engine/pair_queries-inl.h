@@ -24,18 +24,6 @@ struct PairView {
   Facing facing = Facing::kBoth;
 };
 
-/// The last i below count with starts[i] <= place; starts[0] = 0.
-RAYSHEAF_HD inline std::uint32_t run_at(const std::uint64_t* starts, std::uint32_t count,
-                                        std::uint64_t place) {
-  std::uint32_t first = 0;
-  while (count > 1) {
-    const std::uint32_t half = count / 2;
-    if (starts[first + half] <= place) first += half;
-    count -= half;
-  }
-  return first;
-}
-
 RAYSHEAF_HD inline bool meets_sphere(const RayBound& node, const Sphere& sphere) {
   return meets(make_node_test(node), sphere.center, sphere.radius);
 }
@@ -94,7 +82,7 @@ RAYSHEAF_HD inline NodePair top_pair(const PairView& view, const TopTests& top,
     return {top.first_node + static_cast<std::uint32_t>(test / triangles),
             static_cast<std::uint32_t>(test % triangles)};
   }
-  const std::uint32_t run = run_at(top.starts, static_cast<std::uint32_t>(top.tests.size), test);
+  const std::uint32_t run = chunk_at(top.starts, static_cast<std::uint32_t>(top.tests.size), test);
   const std::uint32_t node_and_mesh = top.tests.data[run];
   const auto meshes = static_cast<std::uint32_t>(view.meshes.size);
   return {top.first_node + node_and_mesh / meshes,
@@ -180,7 +168,7 @@ template <class Device>
 void decompress_on(Device& device, View<const std::uint32_t> chunks, const std::uint64_t* starts,
                    const std::uint64_t* bases, View<std::uint32_t> order) {
   device.for_each("order: decompress", order.size, [=] RAYSHEAF_HD(std::size_t i) {
-    const std::uint32_t run = run_at(starts, static_cast<std::uint32_t>(chunks.size), i);
+    const std::uint32_t run = chunk_at(starts, static_cast<std::uint32_t>(chunks.size), i);
     order.data[i] = static_cast<std::uint32_t>(bases[chunks.data[run]] + (i - starts[run]));
   });
 }

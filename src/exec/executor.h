@@ -14,6 +14,10 @@
 
 namespace raysheaf {
 
+/// Items a task: where each takes tens of nanoseconds or more, and where each is read or written
+/// once.
+inline constexpr std::size_t kWorkGrain = 1024, kCopyGrain = 4096;
+
 class Executor {
  public:
   /// `threads` = 0 takes all cores that the process may use.

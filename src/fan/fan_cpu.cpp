@@ -28,8 +28,6 @@ namespace {
 /// Triangles a block, and the most blocks: each has a counter for every tile.
 constexpr std::size_t kTriangleBlockSize = 1024;
 constexpr std::size_t kMostBlocks = 128;
-constexpr std::size_t kGrain = 4096;
-
 /// Milliseconds since the last lap.
 class Laps {
  public:
@@ -100,7 +98,7 @@ void share_stream_tests(const Executor& executor, const FanMemory::Arrays& a,
   std::uint64_t tests = 0;
   for (const FanBlock& block : a.blocks) tests += block.bound_tests;
   const float each = static_cast<float>(tests) / static_cast<float>(ray_tests.size);
-  executor.for_each(ray_tests.size, kGrain, [&](std::size_t i) { ray_tests[i] += each; });
+  executor.for_each(ray_tests.size, kCopyGrain, [&](std::size_t i) { ray_tests[i] += each; });
 }
 
 }  // namespace

@@ -5,12 +5,10 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
-
 constexpr const char* kCopies =
     "device: rays are made and hits are shaded on the CPU, and copied; so is what OpenGL sees";
 
-void add_report(EngineReport report, BatchStatistics* statistics) {
+void add_device_report(EngineReport report, BatchStatistics* statistics) {
   statistics->plan.emplace_back(kCopies);
   statistics->bound_tests += report.bound_tests;
   statistics->ray_bound_tests += report.ray_bound_tests;
@@ -26,7 +24,7 @@ void add_report(EngineReport report, BatchStatistics* statistics) {
 Buffer<Vec3> DeviceTracer::corners(const Executor& executor) const {
   Buffer<Vec3> all;
   all.resize_uninitialized(std::size_t{3} * scene_.triangle_count);
-  executor.for_each(scene_.triangle_count, kGrain, [&](std::size_t i) {
+  executor.for_each(scene_.triangle_count, kCopyGrain, [&](std::size_t i) {
     for (int k = 0; k < 3; ++k)
       all[3 * i + static_cast<std::size_t>(k)] = scene_.corner(static_cast<std::uint32_t>(i), k);
   });
@@ -53,7 +51,7 @@ PairTracer& DeviceTracer::pairs(const Executor& executor) {
   const Buffer<Vec3> all = corners(executor);
   Buffer<Sphere> spheres;
   spheres.resize_uninitialized(count);
-  executor.for_each(count, kGrain, [&](std::size_t i) {
+  executor.for_each(count, kCopyGrain, [&](std::size_t i) {
     spheres[i] = {{scene_.sphere[0][i], scene_.sphere[1][i], scene_.sphere[2][i]},
                   scene_.sphere[3][i]};
   });
@@ -76,7 +74,7 @@ std::vector<RayHit> DeviceTracer::trace_pairs(const Executor& executor, const Ra
                                    by_key ? keys : View<const std::uint32_t>(), query,
                                    View<EngineHit>(closest_));
   std::vector<RayHit> hits(batch.rays.size());
-  executor.for_each(hits.size(), kGrain, [&](std::size_t i) {
+  executor.for_each(hits.size(), kCopyGrain, [&](std::size_t i) {
     hits[i] = {closest_[i].t, closest_[i].triangle};
   });
   return hits;
@@ -98,18 +96,18 @@ std::vector<RayHit> DeviceTracer::trace(const Executor& executor, const RayBatch
   if (!brute && asks_occlusion(batch.kind)) {
     occluded_.resize_uninitialized(rays.size);
     engine(executor).any_hit(rays, query, View<std::uint8_t>(occluded_));
-    executor.for_each(hits.size(), kGrain, [&](std::size_t i) {
+    executor.for_each(hits.size(), kCopyGrain, [&](std::size_t i) {
       if (occluded_[i] != 0) hits[i] = {0, kSomeTriangle};
     });
   } else {
     closest_.resize_uninitialized(rays.size);
     engine(executor).closest_hit(rays, query, View<EngineHit>(closest_));
-    executor.for_each(hits.size(), kGrain, [&](std::size_t i) {
+    executor.for_each(hits.size(), kCopyGrain, [&](std::size_t i) {
       hits[i] = {closest_[i].t, closest_[i].triangle};
     });
   }
   for (std::size_t i = 0; i < tests.size(); ++i) ray_tests[i] += tests[i];
-  add_report(std::move(report), statistics);
+  add_device_report(std::move(report), statistics);
   return hits;
 }
 

@@ -9,8 +9,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
-
 /// Fewer rays of one light than this share a query with their neighbours: a query of its own costs
 /// about as much as they do.
 constexpr std::size_t kFewestRays = 512;
@@ -65,7 +63,7 @@ void DualTracer::update(const Executor& executor, const FlatScene& scene,
 
 void DualTracer::copy_corners(const Executor& executor, const FlatScene& scene, std::size_t first,
                               std::size_t count) {
-  executor.for_each(count, kGrain, [&](std::size_t n) {
+  executor.for_each(count, kCopyGrain, [&](std::size_t n) {
     const std::size_t i = first + n;
     for (int k = 0; k < 3; ++k)
       corners_[3 * i + static_cast<std::size_t>(k)] =
@@ -110,7 +108,7 @@ void DualTracer::find_occluded(const Executor& executor, const RayBatch& batch,
                     ray_tests.empty() ? ray_tests : ray_tests.slice(begin, count), &report);
     add_report(std::move(report), count, ends.size() == 2, statistics);
   }
-  executor.for_each(hits.size, kGrain, [&](std::size_t i) {
+  executor.for_each(hits.size, kCopyGrain, [&](std::size_t i) {
     if (occluded_[i] != 0) hits[i] = {0, kSomeTriangle};
   });
 }
@@ -122,7 +120,7 @@ void DualTracer::find_closest(const Executor& executor, const RayBatch& batch,
   EngineReport report;
   engine_.closest_hit(executor, batch.rays, options, closest_, ray_tests, &report);
   add_report(std::move(report), batch.rays.size(), true, statistics);
-  executor.for_each(hits.size, kGrain, [&](std::size_t i) {
+  executor.for_each(hits.size, kCopyGrain, [&](std::size_t i) {
     hits[i] = {closest_[i].t, closest_[i].triangle};
   });
 }

@@ -8,8 +8,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
-
 Vec3 xyz(Vec4 v) {
   return {v.x, v.y, v.z};
 }
@@ -32,7 +30,7 @@ Film::Film(std::uint32_t width, std::uint32_t height, bool count_tests) {
 
 void Film::see(const Executor& executor, GBuffer g) {
   const bool first = sums_.samples++ == 0;
-  executor.for_each(sums_.normal.size(), kGrain, [&](std::size_t i) {
+  executor.for_each(sums_.normal.size(), kCopyGrain, [&](std::size_t i) {
     if (first) sums_.position[i] = xyz(g.position[i]);
     sums_.normal[i] += xyz(g.normal[i]);
     const Vec3 specular = xyz(g.specular[i]);
@@ -46,7 +44,7 @@ void Film::develop(const Executor& executor, std::optional<float> exposure,
                    RenderResult* sums) const {
   const auto samples = static_cast<float>(sums->samples);
   sums->shadow.resize(faced_.size());
-  executor.for_each(faced_.size(), kGrain, [&](std::size_t i) {
+  executor.for_each(faced_.size(), kCopyGrain, [&](std::size_t i) {
     const auto faced = static_cast<float>(faced_[i]);
     sums->shadow[i] = faced > 0 ? static_cast<float>(arrived_[i]) / faced : 1;
     if (sums->samples == 1) return;

@@ -16,8 +16,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
-
 /// Secondary fragments that are worked on at once.
 constexpr std::size_t kMostFragments = std::size_t{1} << 22;
 
@@ -143,7 +141,7 @@ class Frame {
     std::vector<Fragment> fragments = geometry_.see(seeing, &meter_);
     GBuffer g = fetch_gbuffer(executor_, fragments);
     g.ids.resize(fragments.size());
-    executor_.for_each(fragments.size(), kGrain,
+    executor_.for_each(fragments.size(), kWorkGrain,
                        [&](std::size_t i) { g.ids[i] = geometry_.ids(fragments[i].triangle); });
     film_.see(executor_, std::move(g));
     statistics_.raster_ms += watch_.lap_ms();
@@ -228,7 +226,7 @@ class Frame {
       statistics.times_ms.raygen += watch_.lap_ms();
       hits = trace_batch(batch, fragments, options_.early_out, &statistics);
     }
-    executor_.for_each(batch.slots.size(), kGrain, [&](std::size_t i) {
+    executor_.for_each(batch.slots.size(), kWorkGrain, [&](std::size_t i) {
       visibility[batch.slots[i]] = hits[i].found() ? Visibility::kOccluded : Visibility::kVisible;
     });
     return visibility;
@@ -237,7 +235,7 @@ class Frame {
   /// How many of the lights each pixel faces, and how many of those reach it.
   void tally_shadows(std::uint32_t light_count, const std::vector<Visibility>& visibility) {
     const View<std::uint32_t> faced = film_.lights_faced(), arrived = film_.lights_arrived();
-    executor_.for_each(pixel_count(), kGrain, [&](std::size_t pixel) {
+    executor_.for_each(pixel_count(), kWorkGrain, [&](std::size_t pixel) {
       for (std::uint32_t l = 0; l < light_count; ++l) {
         const Visibility v = visibility[l * pixel_count() + pixel];
         faced[pixel] += v != Visibility::kNoRay ? 1 : 0;
@@ -277,7 +275,7 @@ class Frame {
     const std::vector<RayHit> hits = trace_batch(batch, fragments, false, &statistics);
     watch_.lap_ms();
     std::vector<Fragment> arrived(hits.size());
-    executor_.for_each(hits.size(), kGrain, [&](std::size_t i) {
+    executor_.for_each(hits.size(), kWorkGrain, [&](std::size_t i) {
       arrived[i] = arrive(fragments[batch.slots[i]], kind, batch.rays[i], hits[i]);
     });
     geometry_.fetch_surfaces(batch.rays, arrived);

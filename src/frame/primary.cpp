@@ -11,11 +11,7 @@
 #include "raygen/hash_body.h"
 
 namespace raysheaf {
-namespace {
-
-constexpr std::size_t kGrain = 1024;
-
-}  // namespace
+namespace {}  // namespace
 
 Vec2 clamped_barycentrics(const Ray& ray, Vec3 a, Vec3 b, Vec3 c) {
   TriangleHit hit;
@@ -46,7 +42,7 @@ RayBatch primary_rays(const Executor& executor, const Box& bounds, const CameraF
   batch.keys.resize(batch.rays.size());
   batch.pixels.resize(batch.rays.size());
   std::iota(batch.pixels.begin(), batch.pixels.end(), 0u);
-  executor.for_each(batch.rays.size(), kGrain, [&](std::size_t i) {
+  executor.for_each(batch.rays.size(), kWorkGrain, [&](std::size_t i) {
     batch.rays[i] = camera_ray(frame, static_cast<std::uint32_t>(i % frame.width),
                                static_cast<std::uint32_t>(i / frame.width));
     batch.keys[i] = bounce_key(bounds, batch.rays[i].origin, batch.rays[i].direction);
@@ -100,7 +96,7 @@ std::vector<Fragment> fetch_fragments(const Executor& executor, const FlatScene&
                                       const TextureSet& textures, const CameraFrame& frame,
                                       View<const std::uint32_t> triangles) {
   std::vector<Fragment> fragments(triangles.size);
-  executor.for_each(triangles.size, kGrain, [&](std::size_t i) {
+  executor.for_each(triangles.size, kWorkGrain, [&](std::size_t i) {
     Fragment& f = fragments[i];
     f.pixel = static_cast<std::uint32_t>(i);
     f.triangle = triangles[i];

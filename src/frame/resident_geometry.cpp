@@ -8,11 +8,7 @@
 #include "scene/surface.h"
 
 namespace raysheaf {
-namespace {
-
-constexpr std::size_t kGrain = 1024;
-
-}  // namespace
+namespace {}  // namespace
 
 ResidentGeometry::ResidentGeometry(const Executor& executor, const FlatScene& scene,
                                    const TextureSet& textures, const RenderOptions& options,
@@ -60,7 +56,7 @@ std::vector<RayHit> ResidentGeometry::trace(const RayBatch& batch, bool early_ou
 }
 
 void ResidentGeometry::fetch_surfaces(View<const Ray> rays, View<Fragment> fragments) {
-  executor_.for_each(fragments.size, kGrain, [&](std::size_t i) {
+  executor_.for_each(fragments.size, kWorkGrain, [&](std::size_t i) {
     Fragment& f = fragments[i];
     if (f.triangle == kInvalidId) return;
     TriangleHit where{};

@@ -19,7 +19,7 @@ namespace {
 /// A process tells the others of so many at a time: 8 MB.
 constexpr std::size_t kSurfacesAtOnce = 65536;
 
-void add_report(const EngineReport& report, BatchStatistics* statistics) {
+void add_stream_report(const EngineReport& report, BatchStatistics* statistics) {
   statistics->bound_tests += report.bound_tests;
   statistics->ray_bound_tests += report.ray_bound_tests;
   statistics->final_tests += report.triangle_tests;
@@ -138,7 +138,7 @@ std::vector<RayHit> StreamedGeometry::closest(const RayBatch& batch, const Strea
   hits_.resize(batch.rays.size());
   EngineReport report;
   streamer_.closest(batch.rays, request, hits_, &report);
-  add_report(report, statistics);
+  add_stream_report(report, statistics);
   std::vector<RayHit> hits(hits_.size());
   for (std::uint32_t i = 0; i < hits.size(); ++i) {
     if (hits_[i].block != kInvalidId) hits[i] = {hits_[i].hit.t, i};
@@ -151,7 +151,7 @@ std::vector<RayHit> StreamedGeometry::occluded(const RayBatch& batch, const Stre
   std::vector<std::uint8_t> found(batch.rays.size());
   EngineReport report;
   streamer_.any(batch.rays, request, found, &report);
-  add_report(report, statistics);
+  add_stream_report(report, statistics);
   std::vector<RayHit> hits(found.size());
   for (std::size_t i = 0; i < hits.size(); ++i) {
     if (found[i] != 0) hits[i] = {0, kSomeTriangle};

@@ -18,8 +18,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
-
 std::string stage_name(const RayBatch& batch) {
   return std::string(to_string(batch.kind)) + " rays, bounce " + std::to_string(batch.bounce);
 }
@@ -74,7 +72,8 @@ std::vector<RayHit> trace_hierarchy(const Executor& executor, const FlatScene& s
   const std::vector<std::uint32_t> order =
       ray_order(executor, batch, scene.bounds, method, statistics);
   std::vector<Ray> rays(order.size());
-  executor.for_each(order.size(), kGrain, [&](std::size_t i) { rays[i] = batch.rays[order[i]]; });
+  executor.for_each(order.size(), kCopyGrain,
+                    [&](std::size_t i) { rays[i] = batch.rays[order[i]]; });
   times.order += watch.lap_ms();
 
   TraverseOptions traversal;
@@ -96,7 +95,7 @@ std::vector<RayHit> trace_hierarchy(const Executor& executor, const FlatScene& s
   add_counts(counts, watch.lap_ms(), statistics);
 
   std::vector<RayHit> hits(order.size());
-  executor.for_each(order.size(), kGrain, [&](std::size_t i) {
+  executor.for_each(order.size(), kCopyGrain, [&](std::size_t i) {
     hits[order[i]] = best[i];
     if (!tests.empty()) ray_tests[order[i]] += tests[i];
   });
@@ -131,7 +130,8 @@ std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& sce
   std::vector<std::uint32_t> keys;
   if (options.method.key == RayKey::kCrsh) {
     keys.resize(order.size());
-    executor.for_each(order.size(), kGrain, [&](std::size_t i) { keys[i] = batch.keys[order[i]]; });
+    executor.for_each(order.size(), kCopyGrain,
+                      [&](std::size_t i) { keys[i] = batch.keys[order[i]]; });
   }
   times.order += watch.lap_ms();
 
@@ -148,7 +148,8 @@ std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& sce
   times.hierarchy += watch.lap_ms();
 
   std::vector<Ray> rays(order.size());
-  executor.for_each(order.size(), kGrain, [&](std::size_t i) { rays[i] = batch.rays[order[i]]; });
+  executor.for_each(order.size(), kCopyGrain,
+                    [&](std::size_t i) { rays[i] = batch.rays[order[i]]; });
   times.order += watch.lap_ms();
 
   sample_bundles(executor, scene, packets, rays, options.bundle_samples, &statistics->bundles);
@@ -164,7 +165,7 @@ std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& sce
 
   watch.lap_ms();
   std::vector<RayHit> hits(order.size());
-  executor.for_each(order.size(), kGrain, [&](std::size_t i) {
+  executor.for_each(order.size(), kCopyGrain, [&](std::size_t i) {
     hits[order[i]] = best[i];
     if (!tests.empty()) ray_tests[order[i]] += tests[i];
   });
@@ -252,7 +253,7 @@ std::vector<std::uint32_t> ray_order(const Executor& executor, const RayBatch& b
     return order;
   }
   std::vector<std::uint32_t> low(keys.size());
-  executor.for_each(keys.size(), kGrain,
+  executor.for_each(keys.size(), kCopyGrain,
                     [&](std::size_t i) { low[i] = static_cast<std::uint32_t>(keys[i]); });
   statistics->chunks += order_by_key(executor, low, order, used_bits);
   return order;

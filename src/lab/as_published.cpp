@@ -12,7 +12,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
 using namespace as_published;
 
 /// Trimmed raster order; OpenGL counts rows from below.
@@ -43,11 +42,11 @@ std::vector<std::uint32_t> sorted(const Executor& executor, const RayBatch& batc
                                   const std::vector<std::uint32_t>& raster, const Quirks& quirks,
                                   BatchStatistics* statistics) {
   std::vector<std::uint32_t> keys(raster.size()), places(raster.size()), order(raster.size());
-  executor.for_each(keys.size(), kGrain,
+  executor.for_each(keys.size(), kWorkGrain,
                     [&](std::size_t i) { keys[i] = key_of(batch, raster[i], quirks); });
   statistics->chunks =
       order_by_key(executor, keys, places, quirks.hash_as_coded ? 32 : batch.key_bits);
-  executor.for_each(order.size(), kGrain, [&](std::size_t i) { order[i] = raster[places[i]]; });
+  executor.for_each(order.size(), kWorkGrain, [&](std::size_t i) { order[i] = raster[places[i]]; });
   return order;
 }
 
@@ -77,7 +76,7 @@ template <class Item, class Make>
 std::vector<Node> level_over(const Executor& executor, View<const Item> below, std::size_t b,
                              const Make& make) {
   std::vector<Node> nodes((below.size + b - 1) / b);
-  executor.for_each(nodes.size(), kGrain / b, [&](std::size_t i) {
+  executor.for_each(nodes.size(), kWorkGrain / b, [&](std::size_t i) {
     nodes[i] = make(below.slice(i * b, std::min(b, below.size - i * b)));
   });
   return nodes;
@@ -111,7 +110,7 @@ struct Balls {
 Balls triangle_balls(const Executor& executor, const FlatScene& scene, bool undersized) {
   Balls balls;
   balls.resize(scene.triangle_count);
-  executor.for_each(balls.size(), kGrain, [&](std::size_t i) {
+  executor.for_each(balls.size(), kWorkGrain, [&](std::size_t i) {
     const auto t = static_cast<std::uint32_t>(i);
     balls.set(i, undersized
                      ? undersized_sphere(scene.corner(t, 0), scene.corner(t, 1), scene.corner(t, 2))

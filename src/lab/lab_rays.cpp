@@ -11,8 +11,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
-
 /// Trims slots whose fragment has no surface, then fills the rest: `direction(fragment, slot)` is
 /// of unit length.
 template <class Direction>
@@ -21,14 +19,14 @@ RayBatch make_rays(const Executor& executor, View<const Fragment> fragments, std
   RayBatch batch;
   batch.key_bits = kBounceKeyBits;
   std::vector<std::uint8_t> empty(fragments.size * samples);
-  executor.for_each(empty.size(), kGrain, [&](std::size_t slot) {
+  executor.for_each(empty.size(), kWorkGrain, [&](std::size_t slot) {
     empty[slot] = fragments[slot % fragments.size].triangle == kInvalidId ? 1 : 0;
   });
   batch.slots = trim(executor, empty);
   batch.rays.resize(batch.slots.size());
   batch.keys.resize(batch.slots.size());
   batch.pixels.resize(batch.slots.size());
-  executor.for_each(batch.slots.size(), kGrain, [&](std::size_t i) {
+  executor.for_each(batch.slots.size(), kWorkGrain, [&](std::size_t i) {
     const std::uint32_t slot = batch.slots[i];
     const Fragment& f = fragments[slot % fragments.size];
     const Vec3 d = direction(f, slot);

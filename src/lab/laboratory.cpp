@@ -18,7 +18,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
 constexpr std::size_t kBatches = 4;
 constexpr float kOcclusionReach = 0.25f;  ///< of the scene's diagonal
 
@@ -150,7 +149,7 @@ class Laboratory::Impl {
     BatchStatistics not_kept;
     const std::vector<RayHit> hits = traced(first, method_settings(Method::kDual), &not_kept);
     std::vector<Fragment> met(hits.size());
-    executor_.for_each(met.size(), kGrain, [&](std::size_t i) {
+    executor_.for_each(met.size(), kWorkGrain, [&](std::size_t i) {
       Fragment& f = met[i];
       f.pixel = first.pixels[i];
       f.incoming = first.rays[i].direction;

@@ -9,7 +9,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
 constexpr std::uint32_t kBins = 16;
 
 /// A triangle's box and number, which move together.
@@ -109,7 +108,7 @@ class Builder {
  public:
   Builder(const Executor& executor, const TriangleView& triangles)
       : executor_(executor), items_(triangles.count), moved_(triangles.count) {
-    executor_.for_each(items_.size(), kGrain, [&](std::size_t i) {
+    executor_.for_each(items_.size(), kCopyGrain, [&](std::size_t i) {
       const auto corner = [&](int k) {
         return Vec3{triangles.vertex[k][0][i], triangles.vertex[k][1][i],
                     triangles.vertex[k][2][i]};
@@ -126,7 +125,7 @@ class Builder {
     std::vector<Run> level{measured(0, static_cast<std::uint32_t>(items_.size()))};
     while (!level.empty()) level = build_level(level, &bvh);
     bvh.triangles.resize(items_.size());
-    executor_.for_each(items_.size(), kGrain,
+    executor_.for_each(items_.size(), kCopyGrain,
                        [&](std::size_t i) { bvh.triangles[i] = items_[i].id; });
     return bvh;
   }

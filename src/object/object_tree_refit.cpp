@@ -11,12 +11,10 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
-
 bool gained_area(const Executor& executor, const TriangleSource& source,
                  const std::vector<std::uint32_t>& left_out) {
   std::atomic<bool> gained{false};
-  executor.for_each(left_out.size(), kGrain, [&](std::size_t i) {
+  executor.for_each(left_out.size(), kWorkGrain, [&](std::size_t i) {
     const TriangleRun& run = source.runs[source.run_of(left_out[i])];
     const std::array<Vec3, 3> c = run.corners(left_out[i] - run.first);
     if (!has_no_area(c[0], c[1], c[2])) gained.store(true, std::memory_order_relaxed);
@@ -127,7 +125,7 @@ bool refit_object_tree(const Executor& executor, const TriangleSource& source, O
   if (gained_area(executor, source, tree->left_out)) return false;
   if (tree->empty()) return true;
   tree->scratch.leaves.resize_uninitialized(tree->quads.size());
-  executor.for_each_block(tree->quads.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  executor.for_each_block(tree->quads.size(), kWorkGrain, [&](std::size_t begin, std::size_t end) {
     refill_quads(source, begin, end, *tree);
   });
   const std::vector<std::uint32_t>& starts = tree->region_starts;

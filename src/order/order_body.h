@@ -26,8 +26,8 @@ RAYSHEAF_HD inline std::uint32_t chunk_of_head(std::uint32_t heads_up_to_ray) {
 
 /// Which chunk fills place `place`: the last that starts at or before it. `starts` is the exclusive
 /// scan of the sizes, hence starts[0] = 0; count >= 1.
-RAYSHEAF_HD inline std::uint32_t chunk_at(const std::uint32_t* starts, std::uint32_t count,
-                                          std::uint32_t place) {
+template <class Count>
+RAYSHEAF_HD std::uint32_t chunk_at(const Count* starts, std::uint32_t count, Count place) {
   std::uint32_t first = 0;
   while (count > 1) {
     const std::uint32_t half = count / 2;

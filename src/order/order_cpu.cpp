@@ -10,8 +10,6 @@
 namespace raysheaf {
 namespace {
 
-/// Items a task in loops that read or write each item once.
-constexpr std::size_t kGrain = 8192;
 /// Runs shorter than this on average are not worth compressing (docs/order.md).
 constexpr std::size_t kLeastRun = 2;
 
@@ -34,7 +32,7 @@ FlagCounts count_heads(const Executor& executor, View<const std::uint32_t> keys)
 
 std::vector<std::uint32_t> numbers(const Executor& executor, std::size_t count) {
   std::vector<std::uint32_t> numbered(count);
-  executor.for_each(count, kGrain, [out = numbered.data()](std::size_t i) {
+  executor.for_each(count, kCopyGrain, [out = numbered.data()](std::size_t i) {
     out[i] = static_cast<std::uint32_t>(i);
   });
   return numbered;
@@ -43,7 +41,7 @@ std::vector<std::uint32_t> numbers(const Executor& executor, std::size_t count) 
 /// The lengths of runs that follow one another in the stream.
 void measure_runs(const Executor& executor, Chunks& chunks) {
   chunks.sizes.resize(chunks.bases.size());
-  executor.for_each_block(chunks.sizes.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  executor.for_each_block(chunks.sizes.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
     const std::uint32_t* bases = chunks.bases.data();
     const std::size_t last = chunks.sizes.size() - 1;
     for (std::size_t i = begin; i < std::min(end, last); ++i)
@@ -103,7 +101,7 @@ void sort_chunks(const Executor& executor, Chunks& chunks, std::uint32_t key_bit
   std::vector<std::uint32_t> from = numbers(executor, count);
   radix_sort_pairs(executor, chunks.keys, from, key_bits);
   std::vector<std::uint32_t> bases(count), sizes(count);
-  executor.for_each(count, kGrain, [&](std::size_t i) {
+  executor.for_each(count, kCopyGrain, [&](std::size_t i) {
     bases[i] = chunks.bases[from[i]];
     sizes[i] = chunks.sizes[from[i]];
   });
@@ -118,7 +116,7 @@ void decompress(const Executor& executor, const Chunks& chunks, View<std::uint32
   const std::uint32_t total = exclusive_scan(executor, chunks.sizes, starts);
   expect(total == chunks.ray_count, "the chunks do not make up the rays", "decompress");
   const auto count = static_cast<std::uint32_t>(starts.size());
-  executor.for_each_block(total, kGrain, [&](std::size_t begin, std::size_t end) {
+  executor.for_each_block(total, kCopyGrain, [&](std::size_t begin, std::size_t end) {
     std::uint32_t chunk = chunk_at(starts.data(), count, static_cast<std::uint32_t>(begin));
     for (std::size_t place = begin; place < end; ++chunk) {
       const std::uint32_t skipped = static_cast<std::uint32_t>(place) - starts[chunk];

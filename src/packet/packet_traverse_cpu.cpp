@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 
 #include "base/bits.h"
 #include "exec/radix_sort.h"
 #include "exec/scan.h"
+#include "exec/stopwatch.h"
 #include "packet/packet_leaves.h"
 
 namespace raysheaf {
@@ -14,19 +14,6 @@ namespace {
 
 constexpr std::size_t kPairGrain = 512;
 constexpr std::size_t kPacketGrain = 4;
-
-class Clock {
- public:
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 /// Two columns: packets, and nodes or leaves.
 struct Pairs {
@@ -82,20 +69,20 @@ class Sweep {
   }
 
   PacketCounts run() {
-    Clock clock;
+    Stopwatch watch;
     bound_packets();
-    counts_.packet_seconds = clock.lap();
+    counts_.packet_seconds = watch.lap_ms() / 1000;
     std::size_t size = std::max<std::size_t>(1, capacity_ / 256);
     for (std::size_t first = 0; first < packets_.size;) {
       const std::size_t count = std::min(size, packets_.size - first);
       const bool fits = descend(first, count);
-      counts_.traverse_seconds += clock.lap();
+      counts_.traverse_seconds += watch.lap_ms() / 1000;
       if (!fits) {
         size = std::max<std::size_t>(1, count / 2);
         continue;
       }
       meet_leaves(first, count);
-      counts_.final_seconds += clock.lap();
+      counts_.final_seconds += watch.lap_ms() / 1000;
       first += count;
     }
     share_packet_tests();

@@ -10,7 +10,7 @@ namespace raysheaf {
 namespace {
 
 constexpr std::uint32_t kSenses = 6;
-constexpr std::size_t kGrain = 8;
+constexpr std::size_t kSplitGrain = 8;
 
 /// Into as few parts as can be, of nearly equal size.
 void cut_evenly(Packet run, std::uint32_t most_rays, std::vector<Packet>* packets) {
@@ -57,7 +57,7 @@ std::vector<Packet> part_by_sense(const Executor& executor, View<const Ray> rays
                                   const std::vector<Packet>& whole, View<std::uint32_t> order) {
   std::vector<SenseCounts> counts(whole.size());
   std::vector<std::uint32_t> places(whole.size());
-  executor.for_each(whole.size(), kGrain, [&](std::size_t p) {
+  executor.for_each(whole.size(), kSplitGrain, [&](std::size_t p) {
     const auto members = order.slice(whole[p].first, whole[p].count);
     counts[p] = count_senses(rays, {members.data, members.size});
     places[p] = static_cast<std::uint32_t>(
@@ -65,7 +65,7 @@ std::vector<Packet> part_by_sense(const Executor& executor, View<const Ray> rays
     if (places[p] > 1) part(rays, counts[p], members);
   });
   std::vector<Packet> packets(exclusive_scan(executor, places, places));
-  executor.for_each(whole.size(), kGrain, [&](std::size_t p) {
+  executor.for_each(whole.size(), kSplitGrain, [&](std::size_t p) {
     std::uint32_t first = whole[p].first, place = places[p];
     for (const std::uint32_t count : counts[p]) {
       if (count != 0) packets[place++] = {first, count};

@@ -3,8 +3,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
-
 Vec4 packed(Vec3 v, float w) {
   return {v.x, v.y, v.z, w};
 }
@@ -15,7 +13,7 @@ GBuffer fetch_gbuffer(const Executor& executor, View<const Fragment> fragments) 
   GBuffer g;
   for (auto* image : {&g.position, &g.normal, &g.diffuse, &g.specular})
     image->resize(fragments.size);
-  executor.for_each(fragments.size, kGrain, [&](std::size_t i) {
+  executor.for_each(fragments.size, kCopyGrain, [&](std::size_t i) {
     const Fragment& f = fragments[i];
     if (f.triangle == kInvalidId) return;
     const Surface& s = f.surface;

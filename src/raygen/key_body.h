@@ -115,9 +115,9 @@ RAYSHEAF_HD inline RayEnds ray_ends(const Box& box, const Ray& ray) {
 }
 
 RAYSHEAF_HD inline Vec2 spherical(Vec3 direction) {
-  constexpr float kPi = 3.14159265359f;
+  constexpr float kHalfTurn = 3.14159265359f;
   const Vec3 d = normalized(direction);
-  return {std::atan2(d.y, d.x) / (2 * kPi) + 0.5f, std::acos(clamp(d.z, -1, 1)) / kPi};
+  return {std::atan2(d.y, d.x) / (2 * kHalfTurn) + 0.5f, std::acos(clamp(d.z, -1, 1)) / kHalfTurn};
 }
 
 RAYSHEAF_HD inline Cell<2> square_cell(Vec2 p, std::uint32_t bits) {

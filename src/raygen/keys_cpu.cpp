@@ -7,8 +7,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
-
 /// Ray `i` of the batch with what its key may need.
 KeyedRay keyed_ray(const RayBatch& batch, std::size_t i) {
   KeyedRay r;
@@ -54,7 +52,7 @@ std::vector<std::uint64_t> make_keys(const Executor& executor, const RayBatch& b
   *used_bits = 0;
   if (key == RayKey::kRaster || keys.empty()) return keys;
   const auto fill = [&](const auto& key_of) {
-    executor.for_each(keys.size(), kGrain, [&](std::size_t i) { keys[i] = key_of(i); });
+    executor.for_each(keys.size(), kWorkGrain, [&](std::size_t i) { keys[i] = key_of(i); });
   };
   if (key == RayKey::kCrsh) {
     *used_bits = batch.key_bits;

@@ -105,7 +105,7 @@ struct RectanglePlace {
 /// C. Urena, M. Fajardo, A. King, "An Area-Preserving Parametrization for Spherical Rectangles",
 /// EGSR 2013, sections 3 and 4. In binary64, as the angles' sum cancels.
 RAYSHEAF_HD inline RectanglePlace place_by_solid_angle(const SeenRectangle& r, Vec2 chosen) {
-  constexpr double kPi = 3.14159265358979324;
+  constexpr double kHalfTurn = 3.14159265358979324;
   // z components of the unit normals of the four planes through the eye and an edge; the x or the y
   // component is the other one that is not 0.
   const double zz = r.z * r.z;
@@ -116,7 +116,7 @@ RAYSHEAF_HD inline RectanglePlace place_by_solid_angle(const SeenRectangle& r, V
   // Neighbours' normals have z alone in common: the inner angles between their planes.
   const double angle_br = std::acos(-below * right), angle_ra = std::acos(-right * above);
   const double angle_al = std::acos(-above * left), angle_lb = std::acos(-left * below);
-  const double rest = 2 * kPi - angle_al - angle_lb;
+  const double rest = 2 * kHalfTurn - angle_al - angle_lb;
   RectanglePlace place;
   place.solid_angle = angle_br + angle_ra - rest;
   // The column up to which the chosen part of the solid angle lies.

@@ -8,15 +8,13 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
-
 /// Trims the slots for which `has_ray(slot)` is false, then fills rays and keys: `make(i, slot,
 /// &ray, &key)` for ray i.
 template <class HasRay, class Make>
 void fill(const Executor& executor, View<const Fragment> fragments, std::size_t slot_count,
           const HasRay& has_ray, const Make& make, RayBatch* batch) {
   std::vector<std::uint8_t> empty(slot_count);
-  executor.for_each(slot_count, kGrain,
+  executor.for_each(slot_count, kWorkGrain,
                     [&](std::size_t slot) { empty[slot] = has_ray(slot) ? 0 : 1; });
   batch->slots = trim(executor, empty);
   batch->rays.resize(batch->slots.size());
@@ -26,7 +24,7 @@ void fill(const Executor& executor, View<const Fragment> fragments, std::size_t 
     batch->lights.resize(batch->slots.size());
     batch->places.resize(batch->slots.size());
   }
-  executor.for_each(batch->slots.size(), kGrain, [&](std::size_t i) {
+  executor.for_each(batch->slots.size(), kWorkGrain, [&](std::size_t i) {
     make(i, batch->slots[i], &batch->rays[i], &batch->keys[i]);
     batch->pixels[i] = fragments[batch->slots[i] % fragments.size].pixel;
   });

@@ -16,8 +16,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 2048;
-
 /// The instances that have triangles, by (geom_id, inst_id).
 std::vector<std::uint32_t> ordered_instances(const SceneDescription& scene) {
   std::vector<std::uint32_t> order(scene.instances.size());
@@ -208,7 +206,7 @@ void place(const Executor& executor, const std::vector<Sphere>& object_bounds,
     mesh = flat_mesh(description, mesh.inst_id, object_bounds[mesh.geom_id], mesh.first_triangle);
   }
   Filler filler(*flat, places);
-  executor.for_each_block(filler.triangle_count(), kGrain,
+  executor.for_each_block(filler.triangle_count(), kWorkGrain,
                           [&](std::size_t begin, std::size_t end) { filler.fill(begin, end); });
   if (filler.refused() != kInvalidId)
     throw_refused(description, flat->meshes[filler.refused()].inst_id);

@@ -10,7 +10,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
 /// The luminance that white would have where nothing stood before the light.
 float unoccluded(const Fragment& f, const Light& light) {
   const LightSample sample = sample_light(light, f.surface.position);
@@ -28,7 +27,7 @@ constexpr float kSkyPart = 1.0f / 7;
 std::vector<Vec3> shade_glow(const Executor& executor, View<const Fragment> fragments, Vec3 sky,
                              TracedParts traced, const EnvironmentView* environment) {
   std::vector<Vec3> radiance(fragments.size);
-  executor.for_each(fragments.size, kGrain, [&](std::size_t i) {
+  executor.for_each(fragments.size, kWorkGrain, [&](std::size_t i) {
     const Fragment& f = fragments[i];
     if (f.triangle == kInvalidId) {
       radiance[i] = environment != nullptr ? environment_radiance(*environment, f.incoming) : sky;
@@ -47,7 +46,7 @@ std::vector<Vec3> shade_glow(const Executor& executor, View<const Fragment> frag
 
 void shade_lights(const Executor& executor, View<const Fragment> fragments, const LightGroup& group,
                   View<const Visibility> visibility, View<Vec3> radiance) {
-  executor.for_each(fragments.size, kGrain, [&](std::size_t i) {
+  executor.for_each(fragments.size, kWorkGrain, [&](std::size_t i) {
     for (std::uint32_t l = 0; l < group.lights.size; ++l) {
       if (visibility[l * fragments.size + i] != Visibility::kVisible) continue;
       const LightSample light =
@@ -60,7 +59,7 @@ void shade_lights(const Executor& executor, View<const Fragment> fragments, cons
 void shade_sky(const Executor& executor, View<const Fragment> fragments,
                const EnvironmentView& environment, SampleOf sample,
                View<const Visibility> visibility, View<Vec3> radiance) {
-  executor.for_each(fragments.size, kGrain, [&](std::size_t i) {
+  executor.for_each(fragments.size, kWorkGrain, [&](std::size_t i) {
     for (std::uint32_t strategy = 0; strategy < kSkyStrategies; ++strategy) {
       if (visibility[strategy * fragments.size + i] != Visibility::kVisible) continue;
       radiance[i] +=
@@ -71,7 +70,7 @@ void shade_sky(const Executor& executor, View<const Fragment> fragments,
 
 void accumulate(const Executor& executor, View<const Fragment> fragments, View<const Vec3> radiance,
                 View<Vec3> pixels) {
-  executor.for_each(fragments.size, kGrain, [&](std::size_t i) {
+  executor.for_each(fragments.size, kWorkGrain, [&](std::size_t i) {
     const std::uint32_t pixel = fragments[i].pixel;
     if (i > 0 && fragments[i - 1].pixel == pixel) return;  // the first of a pixel adds them all
     for (std::size_t j = i; j < fragments.size && fragments[j].pixel == pixel; ++j)
@@ -86,10 +85,10 @@ Vec3 automatic_sky(const Executor& executor, View<const Fragment> fragments,
     double sum = 0;
     std::size_t covered = 0;
   };
-  std::vector<Part> parts(div_ceil(fragments.size, kGrain));
+  std::vector<Part> parts(div_ceil(fragments.size, kWorkGrain));
   executor.for_each(parts.size(), 1, [&](std::size_t p) {
-    const std::size_t end = std::min((p + 1) * kGrain, fragments.size);
-    for (std::size_t i = p * kGrain; i < end; ++i) {
+    const std::size_t end = std::min((p + 1) * kWorkGrain, fragments.size);
+    for (std::size_t i = p * kWorkGrain; i < end; ++i) {
       if (fragments[i].triangle == kInvalidId) continue;
       ++parts[p].covered;
       for (const Light& light : lights) parts[p].sum += double{unoccluded(fragments[i], light)};

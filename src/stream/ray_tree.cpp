@@ -10,8 +10,6 @@ namespace raysheaf {
 namespace {
 
 constexpr std::uint32_t kBranching = 16;
-constexpr std::size_t kGrain = 1024;
-
 /// As many levels as leave no more than `kBranching` nodes at the top.
 std::uint32_t level_count(std::size_t rays) {
   std::uint32_t levels = 1;
@@ -43,7 +41,7 @@ RayTree::RayTree(const Executor& executor, View<const Ray> rays, const Box& scen
     : scene_(scene), rays_(rays.size), numbers_(rays.size) {
   RayOrder order;
   order_rays(executor, rays, Sorting::kCurve, &order);
-  executor.for_each(rays.size, kGrain, [&](std::size_t i) {
+  executor.for_each(rays.size, kWorkGrain, [&](std::size_t i) {
     numbers_[i] = order.rays[i];
     rays_[i] = rays[order.rays[i]];
   });
@@ -57,7 +55,7 @@ void RayTree::build(const Executor& executor) {
       build_hierarchy<Shaft>(executor, rays_, scene_, kBranching, level_count(rays_.size()));
   for (const std::vector<Shaft>& shafts : tree.levels) {
     std::vector<BeamTest>& tests = levels_.emplace_back(shafts.size());
-    executor.for_each(shafts.size(), kGrain,
+    executor.for_each(shafts.size(), kWorkGrain,
                       [&](std::size_t i) { tests[i] = make_node_test(shafts[i]); });
   }
 }

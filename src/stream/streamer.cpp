@@ -13,8 +13,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kGrain = 1024;
-
 /// The tree is made anew when this part of the rays has become shorter or is done.
 constexpr std::size_t kStaleDivisor = 16;
 
@@ -241,7 +239,7 @@ class Sweep {
     report_.ray_bound_tests += slot->report.ray_bound_tests;
     report_.triangle_tests += slot->report.triangle_tests;
     s_.executor_.for_each_block(
-        slot->places.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        slot->places.size(), kWorkGrain, [&](std::size_t begin, std::size_t end) {
           std::size_t changed = 0;
           for (std::size_t i = begin; i < end; ++i) {
             if (!slot->tests.empty()) request_.ray_tests[slot->numbers[i]] += slot->tests[i];

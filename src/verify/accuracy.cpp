@@ -23,7 +23,7 @@ namespace raysheaf::checks {
 namespace {
 
 using Wide = long double;
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kNone = std::numeric_limits<float>::infinity();
 constexpr std::uint32_t kOrdinary = 2000, kAdversarial = 2000, kMostTriangles = 100;
 constexpr Wide kFar = std::numeric_limits<Wide>::infinity();
 constexpr Wide kPointBound = 64;  ///< in roundings of L
@@ -114,7 +114,7 @@ struct Seen {
 /// In spacings of floats at the right value.
 double error_in_ulps(float value, double right) {
   const float near = std::fabs(static_cast<float>(right));
-  const float spacing = std::max(std::nextafter(near, kInfinity) - near, 0x1p-149f);
+  const float spacing = std::max(std::nextafter(near, kNone) - near, 0x1p-149f);
   return std::fabs(static_cast<double>(value) - right) / static_cast<double>(spacing);
 }
 
@@ -173,7 +173,7 @@ void look_at_ordinary(Random* random, Judge* judge) {
   const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
   const Vec3 origin = random->in_box(10),
              aim = lerp(lerp(t[0], t[1], random->unit()), t[2], random->unit());
-  const Ray ray{origin, 0, normalized(aim - origin) * random->between(0.1f, 4), kInfinity};
+  const Ray ray{origin, 0, normalized(aim - origin) * random->between(0.1f, 4), kNone};
   const float facing = std::fabs(dot(normalized(normal), normalized(ray.direction)));
   if (facing < 0.1f || length(normal) < 1 || length(aim - origin) < 0.5f) return;
   judge->look_at(ray, t, true);
@@ -205,7 +205,7 @@ void check_accuracy(const Subject& subject, std::uint64_t seed, Tally* tally,
   const Soup soup = make_soup(kMostTriangles, {1e-18f, 1e15f, 1e6f}, &random);
   for (std::uint32_t i = 0; i < kAdversarial; ++i) {
     Ray ray = make_rays(soup, 1, &random).front();
-    ray.t_min = 0, ray.t_max = kInfinity;
+    ray.t_min = 0, ray.t_max = kNone;
     const Corners t = soup.some_triangle(&random);
     if (random.one_in(2)) {  // at it, rather than at another one
       const Vec3 aim =

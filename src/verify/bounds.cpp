@@ -14,7 +14,7 @@
 namespace raysheaf::checks {
 namespace {
 
-constexpr std::uint32_t kMostTriangles = 160;
+constexpr std::uint32_t kBoundTriangles = 160;
 constexpr std::size_t kRays = 512;
 constexpr std::uint32_t kBranching = 4, kLevels = 3;
 
@@ -38,7 +38,7 @@ struct Situation {
 
 Situation make_situation(const Executor& executor, Random* random) {
   Situation s;
-  s.soup = make_soup(kMostTriangles, {}, random);
+  s.soup = make_soup(kBoundTriangles, {}, random);
   s.rays = random->one_in(3) ? make_fan(s.soup, kRays, random) : make_rays(s.soup, kRays, random);
   if (random->one_in(2)) {  // leaves of one ray: bounds as thin as can be
     for (std::size_t i = 0; i < kRays; ++i) s.rays[i] = s.rays[i - i % kBranching];

@@ -11,8 +11,8 @@
 namespace raysheaf::checks {
 namespace {
 
-constexpr std::uint32_t kMostTriangles = 1200;
-constexpr std::size_t kMostRays = 1500;
+constexpr std::uint32_t kBruteTriangles = 1200;
+constexpr std::size_t kBruteRays = 1500;
 
 struct Problem {
   Soup soup;
@@ -21,9 +21,9 @@ struct Problem {
   std::vector<Hit> closest;
 
   explicit Problem(Random* random)
-      : soup(make_soup(kMostTriangles, {}, random)),
-        rays(random->one_in(4) ? make_fan(soup, 1 + random->below(kMostRays), random)
-                               : make_rays(soup, 1 + random->below(kMostRays), random)) {}
+      : soup(make_soup(kBruteTriangles, {}, random)),
+        rays(random->one_in(4) ? make_fan(soup, 1 + random->below(kBruteRays), random)
+                               : make_rays(soup, 1 + random->below(kBruteRays), random)) {}
 
   void solve(const Context& context) {
     Scene scene(context);

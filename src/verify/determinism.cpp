@@ -9,8 +9,8 @@
 namespace raysheaf::checks {
 namespace {
 
-constexpr std::uint32_t kMostTriangles = 4000;
-constexpr std::size_t kMostRays = 6000;
+constexpr std::uint32_t kSplitTriangles = 4000;
+constexpr std::size_t kSplitRays = 6000;
 
 struct Answers {
   std::vector<Hit> closest;
@@ -113,8 +113,8 @@ Scene scene_with_a_past(const Soup& soup, const Context& context, std::span<cons
 
 void check_determinism(const Subject& subject, std::uint64_t seed, Tally* tally) {
   Random random(seed);
-  const Soup soup = make_soup(kMostTriangles, {}, &random);
-  const std::size_t count = 1 + random.below(kMostRays);
+  const Soup soup = make_soup(kSplitTriangles, {}, &random);
+  const std::size_t count = 1 + random.below(kSplitRays);
   const std::vector<Ray> rays =
       random.one_in(4) ? make_fan(soup, count, &random) : make_rays(soup, count, &random);
   std::vector<std::uint32_t> as_given(count);

@@ -12,7 +12,7 @@ namespace raysheaf::checks {
 namespace {
 
 constexpr std::size_t kBatches = 4, kRays = 1 << 16;  ///< a round's batches, and rays of each
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kNever = std::numeric_limits<float>::infinity();
 /// Roundings of the largest coordinate, as seen from the ray, that must fit between a point that is
 /// taken for inside and the surface. The test moves a surface by gamma(34) (geom/ray_end.h).
 constexpr float kRoundings = 256;
@@ -93,8 +93,7 @@ Ray edge_ray(const ClosedMesh& mesh, std::uint64_t seed, std::uint64_t index) {
 
 Ray fan_ray(const ClosedMesh& mesh, std::uint64_t seed, std::uint64_t index) {
   Random once(seed), random(seed, index);
-  Ray ray{
-      lerp(mesh.positions.front(), mesh.cores.front(), once.between(0.5f, 1)), 0, {}, kInfinity};
+  Ray ray{lerp(mesh.positions.front(), mesh.cores.front(), once.between(0.5f, 1)), 0, {}, kNever};
   ray.direction = some_edge_point(mesh, &random).point - ray.origin;
   return ray;
 }

@@ -12,7 +12,7 @@
 namespace raysheaf {
 namespace {
 
-void expect_near(Vec3 a, Vec3 b) {
+void expect_close(Vec3 a, Vec3 b) {
   EXPECT_NEAR(a.x, b.x, 1e-5f);
   EXPECT_NEAR(a.y, b.y, 1e-5f);
   EXPECT_NEAR(a.z, b.z, 1e-5f);
@@ -35,21 +35,21 @@ TEST(CameraPath, MeetsItsKeysAndStandsBeyondThem) {
   for (const bool smooth : {false, true}) {
     const CameraPath p = path(smooth);
     validate(p);
-    expect_near(eye_of(camera_at(p, 0)), {0, 0, 0});
-    expect_near(eye_of(camera_at(p, 10)), {0, 0, 0});
-    expect_near(eye_of(camera_at(p, 11)), {2, 0, 0});
-    expect_near(eye_of(camera_at(p, 99)), {4, 0, 0});
+    expect_close(eye_of(camera_at(p, 0)), {0, 0, 0});
+    expect_close(eye_of(camera_at(p, 10)), {0, 0, 0});
+    expect_close(eye_of(camera_at(p, 11)), {2, 0, 0});
+    expect_close(eye_of(camera_at(p, 99)), {4, 0, 0});
     EXPECT_NEAR(camera_at(p, 11).y_fov, 1.5f, 1e-6f);
-    expect_near(column(camera_at(p, 11).to_world, 2), {0, 0, 1});
+    expect_close(column(camera_at(p, 11).to_world, 2), {0, 0, 1});
   }
 }
 
 TEST(CameraPath, RunsStraightOrGlides) {
-  expect_near(eye_of(camera_at(path(false), 10.5)), {1, 0, 0});
+  expect_close(eye_of(camera_at(path(false), 10.5)), {1, 0, 0});
   EXPECT_NEAR(camera_at(path(false), 12.5).y_fov, 1, 1e-6f);
   // Hermite at half of the second: (0 + 2) / 2 + (2 - 1) / 8, where the first key has the velocity
   // 2 a second, and the second that between its neighbours, 4 in 4 seconds.
-  expect_near(eye_of(camera_at(path(true), 10.5)), {1.125f, 0, 0});
+  expect_close(eye_of(camera_at(path(true), 10.5)), {1.125f, 0, 0});
   const double h = 1e-3;
   const float before =
       eye_of(camera_at(path(true), 11)).x - eye_of(camera_at(path(true), 11 - h)).x;
@@ -79,8 +79,8 @@ TEST(CameraPath, RefusesWhatShowsNothing) {
 TEST(Turntable, GoesAroundTheCenterAndComesBack) {
   const Camera camera = test::camera_at({0, 2, 5}, {0, 0, 0});
   const Vec3 center{0, 0, 1};
-  expect_near(eye_of(turned_camera(camera, center, 0.25)), {4, 2, 1});
-  expect_near(eye_of(turned_camera(camera, center, 0.5)), {0, 2, -3});
+  expect_close(eye_of(turned_camera(camera, center, 0.25)), {4, 2, 1});
+  expect_close(eye_of(turned_camera(camera, center, 0.5)), {0, 2, -3});
   const Camera again = turned_camera(camera, center, 3);
   EXPECT_EQ(std::memcmp(&again.to_world, &camera.to_world, sizeof(Affine)), 0);
 }
@@ -89,9 +89,9 @@ TEST(FindCamera, ByNameThenByIndex) {
   SceneDescription scene = test::ball_on_floor();
   scene.cameras.push_back(test::camera_at({1, 1, 1}, {}));
   scene.cameras[1].name = "0";
-  expect_near(eye_of(find_camera(scene, "0")), {1, 1, 1});
-  expect_near(eye_of(find_camera(scene, "1")), {1, 1, 1});
-  expect_near(eye_of(find_camera(scene, "")), eye_of(scene.cameras[0]));
+  expect_close(eye_of(find_camera(scene, "0")), {1, 1, 1});
+  expect_close(eye_of(find_camera(scene, "1")), {1, 1, 1});
+  expect_close(eye_of(find_camera(scene, "")), eye_of(scene.cameras[0]));
   EXPECT_THROW(static_cast<void>(find_camera(scene, "2")), Error);
 }
 

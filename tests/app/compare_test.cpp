@@ -31,7 +31,7 @@ bool has_peer() {
   return !app::peer_name().empty();
 }
 
-const std::vector<std::string> kTiny = {
+const std::vector<std::string> kTinyRun = {
     "bench", "compare", "--scene", "builtin:cornell", "--size", "16x16",  "--runs",
     "1",     "--json",  "c.json",  "--markdown",      "c.md",   "--plot", "c.svg"};
 
@@ -54,7 +54,7 @@ void expect_case(const Json& c) {
 TEST(Compare, MeasuresEveryKindAndMode) {
   if (!has_peer()) GTEST_SKIP() << "this build has no Embree";
   const TemporaryFolder folder;
-  const Finished finished = raysheaf_app(kTiny, folder);
+  const Finished finished = raysheaf_app(kTinyRun, folder);
   ASSERT_EQ(finished.code, 0) << finished.err;
   const Json all = Json::parse(read_file(folder.file("c.json")));
   std::set<std::pair<std::string, std::string>> seen;

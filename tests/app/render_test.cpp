@@ -14,8 +14,8 @@ using Json = nlohmann::json;
 
 const char* const kBuiltinScenes[] = {"office", "cornell", "atrium"};
 
-Finished render(const TemporaryFolder& folder, std::vector<std::string> arguments,
-                const std::string& size = "48x48") {
+Finished run_render(const TemporaryFolder& folder, std::vector<std::string> arguments,
+                    const std::string& size = "48x48") {
   arguments.insert(arguments.begin(), {"render", "--size", size});
   return raysheaf_app(arguments, folder);
 }
@@ -41,7 +41,7 @@ std::set<std::string> keys(const Json& object) {
 
 TEST(Render, WritesAllThatIsAskedFor) {
   const TemporaryFolder folder;
-  const Finished finished = render(
+  const Finished finished = run_render(
       folder,
       {"builtin:cornell", "-o", "a.png", "-o", "a.exr", "--heatmap", "h.png", "--stats", "s.json"},
       "60x40");
@@ -62,7 +62,7 @@ TEST(Render, WritesAllThatIsAskedFor) {
 
 TEST(Render, SummaryNamesWhatWasDone) {
   const TemporaryFolder folder;
-  const Finished finished = render(folder, {"builtin:cornell", "-o", "a.png"});
+  const Finished finished = run_render(folder, {"builtin:cornell", "-o", "a.png"});
   ASSERT_EQ(finished.code, 0) << finished.err;
   for (const char* word : {"792 triangles", "shadow", "reflection", "%", " ms", "wrote a.png"}) {
     EXPECT_NE(finished.err.find(word), std::string::npos) << word << " in " << finished.err;
@@ -73,7 +73,7 @@ TEST(Render, SummaryNamesWhatWasDone) {
 
 TEST(Render, QuietIsSilent) {
   const TemporaryFolder folder;
-  const Finished finished = render(folder, {"builtin:cornell", "-o", "a.png", "--quiet"});
+  const Finished finished = run_render(folder, {"builtin:cornell", "-o", "a.png", "--quiet"});
   EXPECT_EQ(finished.code, 0);
   EXPECT_EQ(finished.out + finished.err, "");
 }
@@ -106,7 +106,7 @@ TEST(Render, EveryMethodGivesTheSameFile) {
   for (const std::string name : kBuiltinScenes) {
     const TemporaryFolder folder;
     for (const char* method : {"brute", "rah", "crsh", "gl10", "dual"}) {
-      const Finished finished = render(
+      const Finished finished = run_render(
           folder, {"builtin:" + name, "--method", method, "-o", std::string(method) + ".png"});
       ASSERT_EQ(finished.code, 0) << finished.err;
     }
@@ -122,7 +122,7 @@ TEST(Render, EveryMethodGivesTheSameFile) {
 TEST(Render, ThreadsDoNotShowInThePicture) {
   const TemporaryFolder folder;
   for (const char* threads : {"1", "2", "5"}) {
-    const Finished finished = render(
+    const Finished finished = run_render(
         folder, {"builtin:cornell", "--threads", threads, "-o", std::string(threads) + ".png"});
     ASSERT_EQ(finished.code, 0) << finished.err;
   }
@@ -133,7 +133,7 @@ TEST(Render, ThreadsDoNotShowInThePicture) {
 
 Json statistics_of(const TemporaryFolder& folder, std::vector<std::string> arguments) {
   arguments.insert(arguments.end(), {"--stats", "s.json"});
-  const Finished finished = render(folder, arguments);
+  const Finished finished = run_render(folder, arguments);
   EXPECT_EQ(finished.code, 0) << finished.err;
   return Json::parse(read_file(folder.file("s.json")));
 }
@@ -227,7 +227,7 @@ TEST(Render, DualIsTheDefaultAndSaysWhatItDid) {
 TEST(Render, ExplainsItself) {
   const TemporaryFolder folder;
   const Finished finished =
-      render(folder, {"builtin:cornell", "--explain", "--quiet", "--stats", "s.json"});
+      run_render(folder, {"builtin:cornell", "--explain", "--quiet", "--stats", "s.json"});
   ASSERT_EQ(finished.code, 0) << finished.err;
   EXPECT_EQ(finished.err, "");
   const Json frame = Json::parse(read_file(folder.file("s.json")));
@@ -249,11 +249,11 @@ TEST(Render, ExplainsItself) {
     }
   }
   const Finished other =
-      render(folder, {"builtin:cornell", "--explain", "--quiet", "--method", "rah"});
+      run_render(folder, {"builtin:cornell", "--explain", "--quiet", "--method", "rah"});
   ASSERT_EQ(other.code, 0) << other.err;
   EXPECT_NE(other.out.find("  no plan: rah treats every batch alike\n"), std::string::npos);
-  const Finished nothing =
-      render(folder, {"builtin:cornell", "--explain", "--quiet", "--bounces", "0", "--no-shadows"});
+  const Finished nothing = run_render(
+      folder, {"builtin:cornell", "--explain", "--quiet", "--bounces", "0", "--no-shadows"});
   EXPECT_EQ(nothing.out, "no rays were traced\n");
   EXPECT_EQ(folder.names(), (std::vector<std::string>{"s.json"}));
 }

@@ -37,7 +37,7 @@ struct Copied {
   }
 };
 
-struct Emulation {
+struct TracerEmulation {
   Executor executor{2};
   HostAllocator heap;
   FailingAllocator memory{heap};
@@ -93,7 +93,7 @@ void expect_as_cpu(PairTracer& tracer, const Executor& executor, const Case& c) 
 }
 
 TEST(PairTracer, FindsTheHitsAndCountsAsTheCpu) {
-  Emulation emulation;
+  TracerEmulation emulation;
   std::mt19937 random(1);
   for (const SoupKind kind : soup_kinds()) {
     const SceneDescription scene = soup(kind, 300, 21);
@@ -123,7 +123,7 @@ TEST(PairTracer, FindsTheHitsAndCountsAsTheCpu) {
 }
 
 TEST(PairTracer, FewRaysFewTrianglesAndNone) {
-  Emulation emulation;
+  TracerEmulation emulation;
   const SceneDescription scene = soup(soup_kinds().front(), 5, 3);
   const FlatScene flat = flatten(emulation.executor, scene, mesh_bounds(emulation.executor, scene));
   const Copied copied(flat);
@@ -144,7 +144,7 @@ TEST(PairTracer, FewRaysFewTrianglesAndNone) {
 }
 
 TEST(PairTracer, MemoryThatRunsOutAnywhereLeavesItUsable) {
-  Emulation emulation;
+  TracerEmulation emulation;
   const SceneDescription scene = soup(soup_kinds().front(), 60, 3);
   const FlatScene flat = flatten(emulation.executor, scene, mesh_bounds(emulation.executor, scene));
   const Copied copied(flat);

@@ -13,7 +13,7 @@ namespace {
 
 using reference::Words;
 
-constexpr std::uint32_t kThreads[] = {1, 2, 7};
+constexpr std::uint32_t kScanThreads[] = {1, 2, 7};
 constexpr std::size_t kSizes[] = {0,     1,     2,     63,    8191,         8192,  8193,
                                   16383, 16384, 16385, 81920, 3 * 8192 + 5, 300000};
 
@@ -26,7 +26,7 @@ Words random_words(std::size_t count, std::uint32_t below, std::uint32_t seed) {
 }
 
 TEST(Scan, EqualsTheReference) {
-  for (const std::uint32_t threads : kThreads) {
+  for (const std::uint32_t threads : kScanThreads) {
     const Executor executor(threads);
     for (const std::size_t size : kSizes) {
       const Words in = random_words(size, 1000, static_cast<std::uint32_t>(size));
@@ -41,7 +41,7 @@ TEST(Scan, EqualsTheReference) {
 }
 
 TEST(Scan, InputMayBeOutput) {
-  for (const std::uint32_t threads : kThreads) {
+  for (const std::uint32_t threads : kScanThreads) {
     const Executor executor(threads);
     const Words in = random_words(50001, 7, 3);
     Words both = in;
@@ -55,7 +55,7 @@ TEST(Scan, InputMayBeOutput) {
 
 TEST(Scan, TotalsReachTheLastCountAndNoFurther) {
   constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
-  for (const std::uint32_t threads : kThreads) {
+  for (const std::uint32_t threads : kScanThreads) {
     const Executor executor(threads);
     Words in(65536, 65535u);  // sums to 2^32 - 2^16
     in.push_back(65535u);     // and now to 2^32 - 1
@@ -81,7 +81,7 @@ TEST(Scan, RefusesOutputOfAnotherSize) {
 }
 
 TEST(ScanOfFlags, CallsEachItemOnceWithItsInclusiveSum) {
-  for (const std::uint32_t threads : kThreads) {
+  for (const std::uint32_t threads : kScanThreads) {
     const Executor executor(threads);
     for (const std::size_t size : kSizes) {
       const Words flags = random_words(size, 2, 5 + static_cast<std::uint32_t>(size));

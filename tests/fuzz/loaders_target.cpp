@@ -44,19 +44,19 @@ io::Bytes bytes_of(Input input) {
 }
 
 /// A folder for this process, gone at its end.
-class Folder {
+class ProcessFolder {
  public:
-  Folder()
+  ProcessFolder()
       : path_(std::filesystem::temp_directory_path() /
               ("raysheaf-fuzz-" + std::to_string(getpid()))) {
     std::filesystem::create_directories(path_);
   }
-  ~Folder() {
+  ~ProcessFolder() {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
   }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
+  ProcessFolder(const ProcessFolder&) = delete;
+  ProcessFolder& operator=(const ProcessFolder&) = delete;
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
  private:
@@ -91,7 +91,7 @@ void run_stl(Input input) {
 }
 
 void run_mtl(Input input) {
-  static const Folder folder;
+  static const ProcessFolder folder;
   std::ofstream(folder.path() / "scene.mtl", std::ios::binary)
       .write(reinterpret_cast<const char*>(input.data()), std::ssize(input));
   static constexpr std::string_view kScene =

@@ -11,12 +11,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kRoot = RAYSHEAF_SOURCE_DIR;
+const fs::path kDeviceRoot = RAYSHEAF_SOURCE_DIR;
 
 /// The text of every header and CUDA source under a folder.
 std::vector<std::string> texts_under(const std::string& folder) {
   std::vector<std::string> texts;
-  for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder)) {
+  for (const auto& entry : fs::recursive_directory_iterator(kDeviceRoot / folder)) {
     const fs::path ending = entry.path().extension();
     if (ending == ".h" || ending == ".cu") texts.push_back(read_file(entry.path()));
   }
@@ -26,7 +26,7 @@ std::vector<std::string> texts_under(const std::string& folder) {
 /// Texts whose calls are compiled for devices: the cases, and the loops that run there.
 std::vector<std::string> compiled_texts() {
   std::vector<std::string> texts = texts_under("tests/cuda");
-  texts.push_back(read_file(kRoot / "tests/exec/device_properties.h"));
+  texts.push_back(read_file(kDeviceRoot / "tests/exec/device_properties.h"));
   for (std::string& text : texts_under("src"))
     if (text.find("device.for_each(") != std::string::npos) texts.push_back(std::move(text));
   return texts;

@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kRoot = RAYSHEAF_SOURCE_DIR;
+const fs::path kDocumentRoot = RAYSHEAF_SOURCE_DIR;
 
 std::string help_of_everything() {
   const TemporaryFolder folder;
@@ -74,7 +74,7 @@ std::vector<std::string> joined(const std::vector<std::string>& lines) {
 
 TEST(Documents, CommandsRun) {
   int commands = 0;
-  for (const Document& document : all_documents(kRoot)) {
+  for (const Document& document : all_documents(kDocumentRoot)) {
     const TemporaryFolder folder;  // one a document: later commands read what earlier ones wrote
     for (const auto& block : document.sh_blocks) {
       for (const std::string& line : joined(block)) {
@@ -95,7 +95,7 @@ TEST(Documents, CommandsRun) {
 TEST(Documents, OptionsExist) {
   const std::set<std::string> known = options_of_the_program();
   ASSERT_TRUE(known.contains("--method"));
-  for (const Document& document : all_documents(kRoot)) {
+  for (const Document& document : all_documents(kDocumentRoot)) {
     for (const std::string& option : found_in(document.prose, "`(--[a-z][a-z-]*)")) {
       if (option.starts_with("--gtest") || option.starts_with("--benchmark")) continue;
       EXPECT_TRUE(known.contains(option)) << document.path << ": " << option;
@@ -104,7 +104,7 @@ TEST(Documents, OptionsExist) {
 }
 
 TEST(Documents, EveryOptionIsDescribed) {
-  const std::string page = read_file(kRoot / "docs/command-line.md");
+  const std::string page = read_file(kDocumentRoot / "docs/command-line.md");
   for (const std::string& option : options_of_the_program()) {
     EXPECT_NE(page.find("`" + option), std::string::npos) << option;
   }
@@ -115,7 +115,7 @@ TEST(Documents, EveryStatisticIsDescribed) {
   const Finished finished =
       raysheaf_app({"render", "builtin:cornell", "--size", "16x16", "--stats", "s.json"}, folder);
   ASSERT_EQ(finished.code, 0) << finished.err;
-  const std::string page = read_file(kRoot / "docs/statistics.md");
+  const std::string page = read_file(kDocumentRoot / "docs/statistics.md");
   for (const std::string& field : found_in({read_file(folder.file("s.json"))}, "\"([a-z_]+)\":")) {
     EXPECT_NE(page.find("`" + field + "`"), std::string::npos) << field;
   }
@@ -123,7 +123,7 @@ TEST(Documents, EveryStatisticIsDescribed) {
 
 TEST(Documents, LinksLeadSomewhere) {
   int links = 0;
-  for (const Document& document : all_documents(kRoot)) {
+  for (const Document& document : all_documents(kDocumentRoot)) {
     for (const std::string& link : found_in(document.prose, R"(\]\(([^)\s]+)\))")) {
       if (link.find("://") != std::string::npos || link.starts_with("mailto:")) continue;
       const std::size_t hash = link.find('#');

@@ -10,7 +10,7 @@ namespace {
 using nlohmann::json;
 using GltfScene = IoTest;
 
-constexpr double kHalf = std::numbers::sqrt2 / 2;
+constexpr double kHalfAngle = std::numbers::sqrt2 / 2;
 
 /// A PNG of 2 x 1 pixels, red and green.
 Bytes small_png(const std::string& path) {
@@ -24,7 +24,8 @@ TEST_F(GltfScene, ComposesTheTransformsOfItsNodes) {
   file.show_triangle();
   file.roots.clear();
   // Turn by 90 degrees about z, after scaling x; the parent moves and doubles.
-  file.json["nodes"][0].update(json{{"rotation", {0, 0, kHalf, kHalf}}, {"scale", {3, 1, 1}}});
+  file.json["nodes"][0].update(
+      json{{"rotation", {0, 0, kHalfAngle, kHalfAngle}}, {"scale", {3, 1, 1}}});
   file.node({{"children", {0}}, {"matrix", {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 10, 20, 30, 1}}});
   const SceneDescription scene = load_scene(write("a.gltf", file.text()));
   ASSERT_EQ(scene.instances.size(), 1u);
@@ -61,7 +62,7 @@ TEST_F(GltfScene, ReadsLights) {
   for (int light = 0; light < 3; ++light) {
     file.node({{"translation", {1, 2, 3}},
                {"scale", {2, 2, 2}},
-               {"rotation", {-kHalf, 0, 0, kHalf}},
+               {"rotation", {-kHalfAngle, 0, 0, kHalfAngle}},
                {"extensions", {{"KHR_lights_punctual", {{"light", light}}}}}});
   }
   const SceneDescription scene = load_scene(write("a.gltf", file.text()));

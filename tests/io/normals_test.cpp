@@ -9,7 +9,7 @@
 namespace raysheaf::io {
 namespace {
 
-double dot(Vec3 a, Vec3 b) {
+double inner(Vec3 a, Vec3 b) {
   return double{a.x} * b.x + double{a.y} * b.y + double{a.z} * b.z;
 }
 
@@ -68,8 +68,8 @@ TEST(Normals, CountPositionsNotIndices) {
   add_missing_normals(apart);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (std::size_t k = 0; k < 3; ++k) {
-      EXPECT_NEAR(dot(mesh.normals[mesh.triangles[t][k]], apart.normals[apart.triangles[t][k]]), 1,
-                  1e-6);
+      EXPECT_NEAR(inner(mesh.normals[mesh.triangles[t][k]], apart.normals[apart.triangles[t][k]]),
+                  1, 1e-6);
     }
   }
 }
@@ -102,7 +102,7 @@ TEST(Normals, AreUnitVectorsOnRandomAndDegenerateSoups) {
     add_missing_normals(mesh);
     ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
     ASSERT_EQ(mesh.uvs.size(), mesh.positions.size());
-    for (const Vec3& n : mesh.normals) ASSERT_NEAR(dot(n, n), 1, 1e-5);
+    for (const Vec3& n : mesh.normals) ASSERT_NEAR(inner(n, n), 1, 1e-5);
     for (const auto& t : mesh.triangles) {
       for (const std::uint32_t v : t) ASSERT_LT(v, mesh.positions.size());
     }

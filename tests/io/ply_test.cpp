@@ -15,14 +15,14 @@ class Ply : public IoTest {
 };
 
 const std::string kAscii = "ply\nformat ascii 1.0\n";
-const std::string kSquare =
+const std::string kPlySquare =
     "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
     "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
     "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
 
 TEST_F(Ply, ReadsAsciiPolygons) {
   const SceneDescription scene =
-      load(kAscii + "comment hello\nobj_info x\n" + kSquare + "4 0 1 2 3\n");
+      load(kAscii + "comment hello\nobj_info x\n" + kPlySquare + "4 0 1 2 3\n");
   ASSERT_EQ(scene.triangle_count(), 2u);
   ASSERT_EQ(scene.meshes[0].normals.size(), 4u);
   EXPECT_EQ(scene.meshes[0].normals[0].z, 1);
@@ -96,13 +96,13 @@ TEST_F(Ply, TakesTheColourThatAllVerticesHave) {
 }
 
 TEST_F(Ply, NamesTheElementThatIsWrong) {
-  expect(kAscii + kSquare + "4 0 1 2 4\n", {"face[0].vertex_indices[3]", "4 vertices"});
-  expect(kAscii + kSquare + "3 0 1 -1\n", {"face[0].vertex_indices[2]"});
-  expect(kAscii + kSquare + "3 0 1\n", {"face[0]", "truncated"});
-  expect(kAscii + kSquare + "9999999 0 1\n", {"face[0]", "count"});
-  expect(kAscii + kSquare + "-1 0 1\n", {"face[0]", "count"});
-  expect(kAscii + kSquare + "3 0 1 x\n", {"face[0]", "\"x\""});
-  std::string nan = kAscii + kSquare + "3 0 1 2\n";
+  expect(kAscii + kPlySquare + "4 0 1 2 4\n", {"face[0].vertex_indices[3]", "4 vertices"});
+  expect(kAscii + kPlySquare + "3 0 1 -1\n", {"face[0].vertex_indices[2]"});
+  expect(kAscii + kPlySquare + "3 0 1\n", {"face[0]", "truncated"});
+  expect(kAscii + kPlySquare + "9999999 0 1\n", {"face[0]", "count"});
+  expect(kAscii + kPlySquare + "-1 0 1\n", {"face[0]", "count"});
+  expect(kAscii + kPlySquare + "3 0 1 x\n", {"face[0]", "\"x\""});
+  std::string nan = kAscii + kPlySquare + "3 0 1 2\n";
   nan.replace(nan.find("1 1 0"), 5, "1 nan 0");
   expect(nan, {"vertex[2]", "not finite"});
   expect(kAscii + "element vertex 99999999999\nproperty float x\nend_header\n0\n",

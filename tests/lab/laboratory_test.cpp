@@ -14,7 +14,7 @@ namespace {
 constexpr LabRays kAllRays[] = {LabRays::kShadow, LabRays::kReflection1, LabRays::kReflection2,
                                 LabRays::kAmbientOcclusion};
 
-std::vector<MethodSettings> settings_to_try() {
+std::vector<MethodSettings> laboratory_settings() {
   std::vector<MethodSettings> all;
   for (const Method method : {Method::kBrute, Method::kRah, Method::kCrsh, Method::kDual})
     all.push_back(method_settings(method));
@@ -30,7 +30,7 @@ TEST(Laboratory, EverySettingMeetsBruteForceOnEveryBatch) {
   for (const std::string name : {"cornell", "office"}) {
     Laboratory laboratory(builtin_scene(name), 24, 24);
     for (const LabRays rays : kAllRays) {
-      for (const MethodSettings& settings : settings_to_try()) {
+      for (const MethodSettings& settings : laboratory_settings()) {
         BatchStatistics s;
         ASSERT_NO_THROW(s = laboratory.measure(rays, settings));
         EXPECT_EQ(s.rays, laboratory.ray_count(rays));

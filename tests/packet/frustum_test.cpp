@@ -13,7 +13,7 @@ using test::Random;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-struct Bundle {
+struct FrustumBundle {
   std::vector<Ray> rays;
   PacketFrustum frustum;
 };
@@ -23,8 +23,8 @@ int axis_of(const Ray& ray) {
 }
 
 /// Rays of one sense around a common direction; from a point or from a patch.
-Bundle random_bundle(Random& random, const Box& scene, Vec3 place, float size) {
-  Bundle bundle;
+FrustumBundle random_bundle(Random& random, const Box& scene, Vec3 place, float size) {
+  FrustumBundle bundle;
   const Vec3 axis = random.direction();
   const Vec3 origin = place + random.in_box(size * 1.5f);
   const float spread = random.below(3) == 0 ? 0.5f : random.between(0, 0.05f);
@@ -98,7 +98,7 @@ void expect_conservative(std::uint64_t seed, Vec3 place, float size, int triples
   const Vec3 half{size * 3, size * 3, size * 3};
   const Box scene{place - half, place + half};
   for (int n = 0; n < triples;) {
-    const Bundle bundle = random_bundle(random, scene, place, size);
+    const FrustumBundle bundle = random_bundle(random, scene, place, size);
     for (int k = 0; k < 10; ++k) {
       const Ray& ray = bundle.rays[random.below(static_cast<std::uint32_t>(bundle.rays.size()))];
       const Corners t = random_triangle(random, ray, place, size);

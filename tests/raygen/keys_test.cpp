@@ -102,15 +102,15 @@ TEST(Curves, MortonInterleavesTheBits) {
   check_morton<6>(&random);
 }
 
-struct Bundle {
+struct KeyedRays {
   RayBatch batch;
   Box box{{-1, -2, -3}, {4, 2, 1}};
 };
 
 /// Rays of all sorts: inside and outside of the box, along its axes, of any length.
-Bundle random_rays(RayKind kind, std::uint32_t lights, std::uint64_t seed) {
+KeyedRays random_rays(RayKind kind, std::uint32_t lights, std::uint64_t seed) {
   constexpr std::uint32_t kEach = 300;
-  Bundle bundle;
+  KeyedRays bundle;
   RayBatch& batch = bundle.batch;
   batch.kind = kind;
   batch.width = 20;
@@ -137,7 +137,7 @@ TEST(Keys, FitTheBitsTheyUse) {
   const Executor executor(2);
   for (const RayKind kind : {RayKind::kShadow, RayKind::kReflection, RayKind::kRefraction}) {
     for (const std::uint32_t lights : {1u, 2u, 37u}) {
-      const Bundle b = random_rays(kind, lights, lights);
+      const KeyedRays b = random_rays(kind, lights, lights);
       for (const RayKey key : kAllKeys) {
         for (const std::uint32_t bits : {32u, 64u}) {
           std::uint32_t used = 99;
@@ -163,7 +163,7 @@ TEST(Keys, FitTheBitsTheyUse) {
 
 TEST(Keys, SixtyFourBitsTellMoreRaysApart) {
   const Executor executor(2);
-  const Bundle b = random_rays(RayKind::kShadow, 37, 5);
+  const KeyedRays b = random_rays(RayKind::kShadow, 37, 5);
   for (const RayKey key : kAllKeys) {
     if (key_axes(key) == 0 || key == RayKey::kPixelMorton) continue;
     std::uint32_t low = 0, high = 0;
@@ -178,7 +178,7 @@ TEST(Keys, SixtyFourBitsTellMoreRaysApart) {
 
 TEST(Keys, KeepTheLightAboveEverythingElse) {
   const Executor executor(2);
-  const Bundle b = random_rays(RayKind::kShadow, 37, 6);
+  const KeyedRays b = random_rays(RayKind::kShadow, 37, 6);
   for (const RayKey key : kAllKeys) {
     if (key_axes(key) == 0) continue;
     for (const std::uint32_t bits : {32u, 64u}) {
@@ -192,7 +192,7 @@ TEST(Keys, KeepTheLightAboveEverythingElse) {
 
 TEST(Keys, DoNotDependOnTheNumberOfThreads) {
   for (const RayKind kind : {RayKind::kShadow, RayKind::kReflection}) {
-    const Bundle b = random_rays(kind, 9, 7);
+    const KeyedRays b = random_rays(kind, 9, 7);
     for (const RayKey key : kAllKeys) {
       std::uint32_t one_used = 0, three_used = 0;
       const auto one = make_keys(Executor(1), b.batch, key, 64, b.box, &one_used);
@@ -245,7 +245,7 @@ TEST(Keys, RaysStartAndEndInTheBox) {
 
 TEST(Keys, SortedRaysLieNearTheirNeighboursAlongHilbertCurvesMostOfAll) {
   Random random(9);
-  Bundle b = random_rays(RayKind::kReflection, 40, 10);
+  KeyedRays b = random_rays(RayKind::kReflection, 40, 10);
   const auto path_length = [&](RayKey key) {
     std::uint32_t used = 0;
     const auto keys = make_keys(Executor(1), b.batch, key, 64, b.box, &used);

@@ -104,16 +104,16 @@ TEST(Filter, TheFirstSampleIsThePixelsCentreWhateverTheirNumber) {
 }
 
 TEST(Filter, SamplesAreSpreadAsTheGaussianFalls) {
-  constexpr std::uint32_t kCount = 4096;
+  constexpr std::uint32_t kSamples = 4096;
   double mean_x = 0, mean_y = 0, square = 0;
   int within = 0;
-  for (std::uint32_t i = 0; i < kCount; ++i) {
-    const Vec2 p = filter_offset({i, kCount});
+  for (std::uint32_t i = 0; i < kSamples; ++i) {
+    const Vec2 p = filter_offset({i, kSamples});
     const double r = std::hypot(p.x, p.y);
     EXPECT_LE(r, kFilterRadius * 1.0001);
-    mean_x += p.x / double{kCount};
-    mean_y += p.y / double{kCount};
-    square += r * r / kCount;
+    mean_x += p.x / double{kSamples};
+    mean_y += p.y / double{kSamples};
+    square += r * r / kSamples;
     within += r < 0.5 ? 1 : 0;
   }
   EXPECT_NEAR(mean_x, 0, 2e-3);
@@ -121,7 +121,7 @@ TEST(Filter, SamplesAreSpreadAsTheGaussianFalls) {
   // Of a Gaussian cut at c deviations: 2 s^2 (1 - (c^2 / 2) e / (1 - e)), e = exp(-c^2 / 2).
   const double e = std::exp(-4.5);
   EXPECT_NEAR(square, 2 * 0.25 * (1 - 4.5 * e / (1 - e)), 2e-3);
-  EXPECT_NEAR(within / double{kCount}, (1 - std::exp(-0.5)) / (1 - e), 2e-3);
+  EXPECT_NEAR(within / double{kSamples}, (1 - std::exp(-0.5)) / (1 - e), 2e-3);
 }
 
 }  // namespace

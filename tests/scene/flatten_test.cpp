@@ -34,7 +34,7 @@ Sphere sphere_of(const FlatScene& flat, std::size_t i) {
   return {{flat.sphere[0][i], flat.sphere[1][i], flat.sphere[2][i]}, flat.sphere[3][i]};
 }
 
-SceneDescription random_scene(Random& random) {
+SceneDescription random_instances(Random& random) {
   SceneDescription scene;
   scene.materials.resize(3);
   scene.materials[1].double_sided = true;
@@ -125,7 +125,7 @@ TEST(MeshBound, EmptyStaysEmpty) {
 TEST(Flatten, IdsRoundTrip) {
   Random random(4);
   for (int round = 0; round < 50; ++round) {
-    const SceneDescription scene = random_scene(random);
+    const SceneDescription scene = random_instances(random);
     const FlatScene flat = flattened(scene);
     ASSERT_EQ(flat.triangle_count, scene.triangle_count());
     std::tuple<std::uint32_t, std::uint32_t> before{0, 0};
@@ -147,7 +147,7 @@ TEST(Flatten, IdsRoundTrip) {
 TEST(Flatten, TrianglesStandWhereTheirInstancePutsThem) {
   Random random(5);
   for (int round = 0; round < 50; ++round) {
-    const SceneDescription scene = random_scene(random);
+    const SceneDescription scene = random_instances(random);
     const FlatScene flat = flattened(scene);
     Box box;
     for (std::uint32_t i = 0; i < flat.triangle_count; ++i) {

@@ -40,7 +40,7 @@ Outcome run(const Executor& executor, const FlatScene& scene, const std::vector<
   return result;
 }
 
-const std::vector<BundleBound>& all_bounds() {
+const std::vector<BundleBound>& every_bound() {
   static const std::vector<BundleBound> all{BundleBound::kSphereCone, BundleBound::kFiniteCone,
                                             BundleBound::kShaft, BundleBound::kFrustum,
                                             BundleBound::kShaftAndCone};
@@ -68,7 +68,7 @@ TEST(Traverse, FindsWhatBruteForceFinds) {
                      std::to_string(branching));
         TraverseOptions options;
         options.mesh_culling = mesh_culling;
-        for (const BundleBound bound : all_bounds()) {
+        for (const BundleBound bound : every_bound()) {
           SCOPED_TRACE(to_string(bound));
           expect_same(run(executor, triangles, rays, branching, levels, options, bound).hits,
                       expected);
@@ -101,7 +101,7 @@ TEST(Traverse, CountsAsThePaperDoes) {
   const SceneDescription scene = test::soup(SoupKind::kSmall, 900, 31);
   const FlatScene triangles = flatten(executor, scene, mesh_bounds(executor, scene));
   for (const std::uint32_t count : {1u, 8u, 63u, 64u, 65u, 777u}) {
-    for (const BundleBound bound : all_bounds()) {
+    for (const BundleBound bound : every_bound()) {
       SCOPED_TRACE(to_string(bound));
       expect_paper_counts(triangles, test::rays_at(scene, count, count), bound);
     }
@@ -152,7 +152,7 @@ TEST(Traverse, FullListsDescendAndNothingIsDropped) {
   std::vector<Ray> rays;
   for (int i = 0; i < 100; ++i)
     rays.push_back({random.in_box(1) + Vec3{0, 0, 5}, 0, {0, 0, -1}, 100});
-  for (const BundleBound bound : all_bounds()) {
+  for (const BundleBound bound : every_bound()) {
     const Outcome r = run(executor, triangles, rays, 8, 2, {}, bound);
     expect_same(r.hits, brute(executor, triangles, rays));
     EXPECT_EQ(r.counts.tests[0], 8 * r.counts.hits[1]);

@@ -41,7 +41,7 @@ AblationReport measured(const BenchAblationCommand& command) {
   ProgressBar bar(stderr, !command.quiet);
   return measure_ablation(command,
                           [&bar](const std::string& what, std::uint64_t done, std::uint64_t total) {
-                            if (interrupted()) throw Error(ErrorCode::kCancelled, "interrupted");
+                            stop_if_interrupted();
                             bar.update(what, done, total);
                           });
 }

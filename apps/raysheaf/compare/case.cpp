@@ -1,32 +1,18 @@
 #include "compare/case.h"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <map>
 
 #include "raysheaf/error.h"
 #include "raysheaf/query.h"
 #include "raysheaf/scene.h"
+#include "timer.h"
 
 namespace raysheaf::app {
 namespace {
 
 constexpr std::uint64_t kManyTriangles = 2'000'000;
-
-class Clock {
- public:
-  /// Milliseconds since the last call, or since the clock was made.
-  double lap_ms() {
-    const auto now = std::chrono::steady_clock::now();
-    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
-    last_ = now;
-    return ms;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 /// The library with the verbs of `PeerScene`. It reads the caller's arrays where they lie, as the
 /// peer does, and neither looks the rays over.
@@ -146,7 +132,7 @@ class CompareBench::Impl {
   /// What changes from frame to frame, timed.
   template <class Side>
   double update(Side& side, std::size_t frame) {
-    Clock clock;
+    Timer clock;
     if (mode_ == CompareMode::kRebuild) side.set_meshes(views_[frame]);
     if (mode_ == CompareMode::kRefit) side.move_meshes(views_[frame]);
     return clock.lap_ms();
@@ -157,7 +143,7 @@ class CompareBench::Impl {
     const std::vector<Ray>& rays = frames_.rays(frame, kind);
     answers.hits.resize(asks_for_any_hit(kind) ? 0 : rays.size());
     answers.occluded.resize(asks_for_any_hit(kind) ? rays.size() : 0);
-    Clock clock;
+    Timer clock;
     if (asks_for_any_hit(kind))
       side.any_hit(rays, answers.occluded);
     else

@@ -30,7 +30,7 @@ CompareReport measured(const BenchCompareCommand& command) {
   ProgressBar bar(stderr, !command.quiet);
   return measure_compare(command,
                          [&bar](const std::string& what, std::uint64_t done, std::uint64_t total) {
-                           if (interrupted()) throw Error(ErrorCode::kCancelled, "interrupted");
+                           stop_if_interrupted();
                            bar.update(what, done, total);
                          });
 }

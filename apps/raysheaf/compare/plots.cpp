@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "console.h"
+#include "plot/axis.h"
 #include "plot/svg.h"
 
 namespace raysheaf::app {
@@ -24,14 +25,6 @@ const char* color_of(CompareKind kind) {
 double shown(std::size_t count) {
   return static_cast<double>(count);
 }
-
-/// A logarithmic axis from pixel `from` to pixel `to`.
-struct Axis {
-  double low = 1, high = 10, from = 0, to = 1;
-  [[nodiscard]] double at(double value) const {
-    return from + (to - from) * std::log(value / low) / std::log(high / low);
-  }
-};
 
 void include(Axis& axis, double value) {
   axis.low = std::min(axis.low, value);

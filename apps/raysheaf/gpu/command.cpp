@@ -90,7 +90,7 @@ std::vector<SceneReport> measured(const BenchGpuCommand& command) {
   ProgressBar bar(stderr, !command.quiet);
   std::vector<SceneReport> reports;
   for (const CompareScene& scene : scenes) {
-    if (interrupted()) throw Error(ErrorCode::kCancelled, "interrupted");
+    stop_if_interrupted();
     bar.update(scene.name, reports.size(), scenes.size());
     const SceneDescription description = load_compare_scene(scene, command.options.threads);
     reports.push_back({scene.name, bench_device(description, command.options)});

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json triple(const Vec3& v) {
+Json array_of(const Vec3& v) {
   return Json::array({v.x, v.y, v.z});
 }
 
@@ -40,7 +40,7 @@ Json material_json(const Material& m) {
           {"roughness", m.roughness},
           {"transmission", m.transmission},
           {"ior", m.ior},
-          {"emission", triple(m.emission)},
+          {"emission", array_of(m.emission)},
           {"unlit", m.unlit},
           {"double_sided", m.double_sided}};
 }
@@ -48,9 +48,9 @@ Json material_json(const Material& m) {
 Json light_json(const Light& light) {
   return {{"name", light.name},
           {"type", type_name(light.type)},
-          {"position", triple(light.position)},
-          {"direction", triple(light.direction)},
-          {"intensity", triple(light.intensity)},
+          {"position", array_of(light.position)},
+          {"direction", array_of(light.direction)},
+          {"intensity", array_of(light.intensity)},
           {"range", number_or_null(light.range)},
           {"radius", light.radius},
           {"width", light.width},
@@ -60,7 +60,7 @@ Json light_json(const Light& light) {
 Json camera_json(const Camera& camera) {
   return {{"name", camera.name},
           {"projection", camera.orthographic ? "orthographic" : "perspective"},
-          {"position", triple(position_of(camera))},
+          {"position", array_of(position_of(camera))},
           {"y_fov", camera.orthographic ? Json(nullptr) : Json(camera.y_fov)},
           {"y_mag", camera.orthographic ? Json(camera.y_mag) : Json(nullptr)},
           {"z_near", camera.z_near},
@@ -91,7 +91,7 @@ std::string info_json(const SceneInfo& info) {
   Json all = {{"scene", scene.name},
               {"triangles", info.triangles},
               {"instances", scene.instances.size()},
-              {"bounds", {{"min", triple(info.bounds.min)}, {"max", triple(info.bounds.max)}}},
+              {"bounds", {{"min", array_of(info.bounds.min)}, {"max", array_of(info.bounds.max)}}},
               {"meshes", std::move(meshes)},
               {"materials", list(scene.materials, material_json)},
               {"textures", scene.textures.size()},

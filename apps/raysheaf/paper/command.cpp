@@ -37,7 +37,7 @@ int run(const BenchPaperCommand& command) {
   {
     ProgressBar bar(stderr, !command.quiet);
     report = measure_paper(command, [&bar](std::uint64_t done, std::uint64_t total) {
-      if (interrupted()) throw Error(ErrorCode::kCancelled, "interrupted");
+      stop_if_interrupted();
       bar.update("measurements", done, total);
     });
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plot/axis.h"
 #include "plot/plots.h"
 #include "plot/svg.h"
 
@@ -19,14 +20,6 @@ constexpr const char* kColors[] = {"#adb5bd", "#3b82c4", "#e8890c", "#8e5bb5",
 double shown(std::size_t count) {
   return static_cast<double>(count);
 }
-
-/// A logarithmic axis from pixel `from` to pixel `to`.
-struct Axis {
-  double low = 1, high = 10, from = 0, to = 1;
-  [[nodiscard]] double at(double value) const {
-    return from + (to - from) * std::log(value / low) / std::log(high / low);
-  }
-};
 
 Axis axis_over(const std::vector<Scatter::Point>& points, double Scatter::Point::*coordinate,
                double from, double to) {

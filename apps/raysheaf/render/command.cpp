@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <chrono>
 #include <memory>
 #include <optional>
 
@@ -16,6 +15,7 @@
 #include "render/light.h"
 #include "render/stream.h"
 #include "scene_argument.h"
+#include "timer.h"
 #include "values.h"
 
 namespace raysheaf::app {
@@ -48,10 +48,6 @@ bool wants_pixel_tests(const RenderCommand& command) {
   return false;
 }
 
-void stop_if_interrupted() {
-  if (interrupted()) throw Error(ErrorCode::kCancelled, "interrupted");
-}
-
 /// `render_it(options)` with a progress bar.
 template <class Render>
 RenderResult with_progress(const RenderCommand& command, const Render& render_it) {
@@ -74,22 +70,11 @@ struct Rendered {
   std::unique_ptr<CheckpointFile> checkpoint;
 };
 
-class Loading {
- public:
-  [[nodiscard]] double ms() const {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_)
-        .count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 Rendered render_streamed(const RenderCommand& command, Communicator* ranks) {
   if (command.device != Device::kCpu)
     throw Error(ErrorCode::kUnsupported, "geometry that streams does not go to a CUDA device",
                 "--device");
-  const Loading loading;
+  const Timer loading;
   const std::unique_ptr<GeometrySource> blocks = open_blocks(command);
   Rendered rendered;
   rendered.load_ms = loading.ms();
@@ -214,7 +199,7 @@ void render_here(const RenderCommand& command, const std::shared_ptr<Communicato
     if (rendered.checkpoint != nullptr) rendered.checkpoint->remove();
     return;
   }
-  const Loading loading;
+  const Timer loading;
   const std::unique_ptr<Animation> animation =
       animation_from_argument(command.scene, command.frames, command.load);
   const SceneDescription& scene = animation->scene();

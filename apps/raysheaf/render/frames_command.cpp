@@ -47,10 +47,6 @@ void keep_memory() {
 #endif
 }
 
-void stop_if_interrupted() {
-  if (interrupted()) throw Error(ErrorCode::kCancelled, "interrupted");
-}
-
 /// What a frame took, in milliseconds. `seek`: to the frame's time, which reads the file of a
 /// sequence.
 struct FrameTimes {

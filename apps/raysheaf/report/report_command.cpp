@@ -12,10 +12,6 @@
 namespace raysheaf::app {
 namespace {
 
-void stop_if_interrupted() {
-  if (interrupted()) throw Error(ErrorCode::kCancelled, "interrupted");
-}
-
 Report measured_with_progress(const SceneDescription& scene, const ReportCommand& command) {
   ProgressBar bar(stderr, !command.quiet);
   return measure(scene, command, [&bar](const Progress& progress) {

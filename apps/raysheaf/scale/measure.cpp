@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -11,21 +10,12 @@
 #include "raysheaf/block_file.h"
 #include "raysheaf/context.h"
 #include "raysheaf/error.h"
+#include "timer.h"
 
 namespace raysheaf::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-class Clock {
- public:
-  [[nodiscard]] double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /// Gone at the end of the scope.
 class WorkFolder {
@@ -68,7 +58,7 @@ ScaleSample measure(const BlockFile& file, std::uint32_t side, std::uint32_t thr
     StreamStatistics s;
     StreamOptions stream;
     stream.statistics = &s;
-    const Clock clock;
+    const Timer clock;
     const RenderResult result = render(file, options, stream);
     ScaleSample sample;
     sample.seconds = clock.seconds();

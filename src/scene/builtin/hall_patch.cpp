@@ -10,8 +10,6 @@
 namespace raysheaf::builtin {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
-
 /// [0, 1), of a corner of the lattice. The factors are those of Teschner et al., "Optimized Spatial
 /// Hashing for Collision Detection of Deformable Objects", 2003; the last step is PCG's output.
 float lattice_value(std::int32_t x, std::int32_t y, std::int32_t z) {
@@ -124,9 +122,9 @@ Mesh hall_mesh(const Executor& executor, const HallPatch& patch, PatchGrid size)
   mesh.normals.resize(grid.vertex_count());
   mesh.triangles.resize(triangle_count(patch, size));
   const auto index = [](std::size_t i) { return static_cast<std::uint32_t>(i); };
-  executor.for_each(mesh.positions.size(), kGrain,
+  executor.for_each(mesh.positions.size(), kCopyGrain,
                     [&](std::size_t i) { mesh.positions[i] = grid.position(index(i)); });
-  executor.for_each(mesh.normals.size(), kGrain, [&](std::size_t i) {
+  executor.for_each(mesh.normals.size(), kCopyGrain, [&](std::size_t i) {
     mesh.normals[i] = grid.normal(index(i), [&](std::uint32_t column, std::uint32_t row) {
       return mesh.positions[grid.vertex(column, row)];
     });
