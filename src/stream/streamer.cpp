@@ -131,7 +131,7 @@ class Sweep {
 
   /// Rays end where an earlier run has met something.
   void go_on() {
-    s_.executor_.for_each(tree_.size(), kGrain, [&](std::size_t i) {
+    s_.executor_.for_each(tree_.size(), kWorkGrain, [&](std::size_t i) {
       const std::uint32_t place = index(i), number = tree_.number(place);
       if (is_any() && occluded_[number] != 0) tree_.finish(place);
       if (!is_any() && hits_[number].block != kInvalidId) tree_.shorten(place, hits_[number].hit.t);
