@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/process.h"
@@ -28,16 +29,20 @@ const char* const kMpirun =
     "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe "
     "--bind-to none --mca btl_vader_single_copy_mechanism none ";
 
+/// What a run of two processes comes to.
+enum class Here { kNoMpirun, kNoMpi, kAll };
+
 class Mpi : public ::testing::Test {
  protected:
-  void SetUp() override {
-    static const bool there = [] {
-      const TemporaryFolder folder;
-      return in_shell(std::string(kMpirun) + "-n 1 true", folder).code == 0;
+  Here here() {
+    static const Here found = [this] {
+      const Finished finished = render(2, {"builtin:cornell", "--size", "8x8", "-o", "a.png"});
+      fs::remove(folder_.file("a.png"));
+      if (contains(finished.err, "cannot share work among them")) return Here::kNoMpi;
+      return finished.code == 127 ? Here::kNoMpirun : Here::kAll;  // as the shell has it
     }();
-    if (!there) GTEST_SKIP() << "there is no mpirun";
+    return found;
   }
-
   /// `raysheaf render WORDS` in `ranks` processes of one thread each.
   Finished render(int ranks, const Words& words) {
     std::string script = ranks == 1 ? "" : kMpirun + ("-n " + std::to_string(ranks) + " ");
@@ -49,7 +54,6 @@ class Mpi : public ::testing::Test {
   std::string picture(int ranks, Words words) {
     words.insert(words.end(), {"-o", "a.png"});
     const Finished finished = render(ranks, words);
-    if (contains(finished.err, "cannot share work among them")) return "";
     EXPECT_EQ(finished.code, 0) << finished.err;
     const std::string file = read_file(folder_.file("a.png"));
     fs::remove(folder_.file("a.png"));
@@ -79,20 +83,15 @@ class Mpi : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-/// With MPI in the build.
 class Ranks : public Mpi {
  protected:
   void SetUp() override {
-    Mpi::SetUp();
-    if (IsSkipped()) return;
-    if (picture(2, {"builtin:cornell", "--size", "8x8"}).empty())
-      GTEST_SKIP() << "the build has no MPI";
+    if (here() != Here::kAll) GTEST_SKIP() << "there is no mpirun, or the build has no MPI";
   }
 };
 
 TEST_F(Mpi, ABuildWithoutItSaysSoOnce) {
-  const Finished finished = render(2, {"builtin:cornell", "--size", "8x8", "-o", "a.png", "-q"});
-  if (finished.code == 0) GTEST_SKIP() << "the build has it";
+  if (here() != Here::kNoMpi) GTEST_SKIP() << "there is no mpirun, or the build has MPI";
   EXPECT_EQ(sentence(2, {"builtin:cornell", "--size", "8x8", "-o", "a.png", "-q"}),
             "raysheaf: mpirun: 2 processes were started, but this build cannot share work among "
             "them: MPI was missing, or switched off, when it was made");
@@ -106,10 +105,14 @@ TEST_F(Ranks, BuiltinPicturesAreTheSameFiles) {
     const std::string alone = picture(1, traced);
     EXPECT_EQ(picture(2, traced), alone) << name;
     EXPECT_EQ(picture(3, traced), alone) << name;
-    const Words streamed{scene, "--size", "192x128", "--share", "geometry", "-q"};
-    EXPECT_EQ(picture(1, streamed), alone) << name;
-    EXPECT_EQ(picture(2, streamed), alone) << name;
-    EXPECT_EQ(picture(3, streamed), alone) << name;
+    const Words cut{scene, "--size", "192x128", "--share", "geometry", "-q"};
+    EXPECT_EQ(picture(2, cut), alone) << name;
+    ASSERT_EQ(
+        raysheaf_app({"pack", scene, "-o", "a.rsb", "--block-triangles", "300", "-q"}, folder_)
+            .code,
+        0);
+    const Words streamed{"a.rsb", "--size", "192x128", "-q"};
+    for (const int ranks : {1, 2, 3}) EXPECT_EQ(picture(ranks, streamed), alone) << name << ranks;
   }
   const Words rastered{"builtin:cornell", "--size", "192x128", "-q"};
   EXPECT_EQ(picture(2, rastered), picture(1, rastered));
@@ -188,11 +191,21 @@ TEST_F(Ranks, OneFailureIsOneSentence) {
           .code,
       0);
   const std::string good = read_file(folder_.file("a.rsb"));
-  std::string bad = good;
-  bad[300] = static_cast<char>(bad[300] ^ 4);  // in the geometry of block 0, which is rank 0's
-  write_file(folder_.file("bad.rsb"), bad);
-  EXPECT_EQ(sentence(2, {"bad.rsb", "--size", "8x8", "-o", "p.png", "-q"}),
-            "raysheaf: rank 0 of 2: bad.rsb: block 0: its bytes have changed");
+  const auto number_at = [&good](std::uint64_t at) {
+    std::uint64_t number = 0;
+    std::memcpy(&number, good.data() + at, sizeof number);
+    return number;
+  };
+  for (const std::uint64_t block : {0u, 1u}) {  // the first of each rank
+    const std::uint64_t list = number_at(40), geometry = number_at(list + 80 * block + 32);
+    std::string bad = good;
+    bad[geometry + 40] = static_cast<char>(bad[geometry + 40] ^ 4);
+    write_file(folder_.file("bad.rsb"), bad);
+    const std::string number = std::to_string(block);
+    EXPECT_EQ(sentence(2, {"bad.rsb", "--size", "8x8", "-o", "p.png", "-q"}),
+              "raysheaf: rank " + number + " of 2: bad.rsb: block " + number +
+                  ": its bytes have changed: the checksum is another");
+  }
   write_file(folder_.file("short.rsb"), good.substr(0, good.size() / 2));
   EXPECT_TRUE(contains(sentence(2, {"short.rsb", "-o", "p.png", "-q"}), "rank 0 of 2: short.rsb"));
   EXPECT_TRUE(contains(sentence(2, {"none.glb", "-o", "p.png", "-q"}), "none.glb: no such file"));
