@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -64,6 +65,7 @@ class TemporaryFolder {
 struct Finished {
   int code = 0;
   std::string out, err;
+  std::size_t memory_bytes = 0;  ///< the most that it held at a time
 };
 
 /// Starts `arguments[0]` in `folder` and waits. Where `interrupt_after` is positive, Ctrl-C comes
@@ -90,9 +92,10 @@ inline Finished run_program(const std::vector<std::string>& arguments,
     kill(child, SIGINT);
   }
   int status = 0;
-  if (waitpid(child, &status, 0) != child) throw std::runtime_error("waitpid failed");
+  struct rusage usage {};
+  if (wait4(child, &status, 0, &usage) != child) throw std::runtime_error("wait4 failed");
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return {code, read_file(out), read_file(err)};
+  return {code, read_file(out), read_file(err), static_cast<std::size_t>(usage.ru_maxrss) * 1024};
 }
 
 #ifdef RAYSHEAF_APP

@@ -35,12 +35,13 @@ void include(Axis& axis, double value) {
 std::vector<double> ticks(const Axis& axis) {
   const bool few = axis.high / axis.low < 150;
   std::vector<double> all;
-  for (double decade = std::pow(10, std::floor(std::log10(axis.low))); decade <= axis.high;
-       decade *= 10)
-    for (const double digit : {1.0, 2.0, 5.0})
-      if ((few || digit == 1) && decade * digit >= axis.low * 0.999 &&
-          decade * digit <= axis.high * 1.001)
-        all.push_back(decade * digit);
+  const int last = static_cast<int>(std::floor(std::log10(axis.high)));
+  for (int decade = static_cast<int>(std::floor(std::log10(axis.low))); decade <= last; ++decade)
+    for (const double digit : {1.0, 2.0, 5.0}) {
+      const double value = digit * std::pow(10, decade);
+      if ((few || digit == 1) && value >= axis.low * 0.999 && value <= axis.high * 1.001)
+        all.push_back(value);
+    }
   return all;
 }
 
