@@ -11,8 +11,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::uint32_t kMostThreads = 1024;
-
 void check(const ContextOptions& options) {
   if (options.threads > kMostThreads)
     throw Error(ErrorCode::kInvalidArgument,

@@ -10,6 +10,9 @@
 
 namespace raysheaf {
 
+/// That options may ask for.
+inline constexpr std::uint32_t kMostThreads = 1024;
+
 struct Context::Impl {
   Impl(const ContextOptions& options, std::unique_ptr<DeviceBackend> machine,
        std::shared_ptr<Communicator> processes = nullptr)
