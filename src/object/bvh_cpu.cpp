@@ -27,7 +27,7 @@ void grow(Box* box, Vec3 lo, Vec3 hi) {
 }
 
 /// Half the surface; in binary64, where the largest coordinates cannot overflow it.
-double half_area(const Box& box) {
+double half_area_if_any(const Box& box) {
   if (!(box.min.x <= box.max.x)) return 0;
   const double x = double{box.max.x} - box.min.x, y = double{box.max.y} - box.min.y,
                z = double{box.max.z} - box.min.z;
@@ -41,7 +41,7 @@ struct Run {
 };
 
 bool is_wider(const Run& a, const Run& b) {
-  const double area_a = half_area(a.box), area_b = half_area(b.box);
+  const double area_a = half_area_if_any(a.box), area_b = half_area_if_any(b.box);
   return area_a != area_b ? area_a > area_b : a.count > b.count;
 }
 
@@ -84,7 +84,7 @@ std::uint32_t cheapest_cut(const Bins& bins) {
   for (std::uint32_t b = kBins - 1; b > 0; --b) {
     grow(&box, bins.box[b].min, bins.box[b].max);
     count += bins.count[b];
-    right_cost[b] = half_area(box) * count;
+    right_cost[b] = half_area_if_any(box) * count;
   }
   const std::uint32_t total = count + bins.count[0];
   double best = std::numeric_limits<double>::infinity();
@@ -95,7 +95,7 @@ std::uint32_t cheapest_cut(const Bins& bins) {
     grow(&box, bins.box[b - 1].min, bins.box[b - 1].max);
     count += bins.count[b - 1];
     if (count == 0 || count == total) continue;
-    const double cost = half_area(box) * count + right_cost[b];
+    const double cost = half_area_if_any(box) * count + right_cost[b];
     if (cost < best) {
       best = cost;
       cut = b;
