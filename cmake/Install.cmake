@@ -27,6 +27,16 @@ install(EXPORT raysheafTargets NAMESPACE raysheaf:: DESTINATION ${package_dir}
 if(TARGET raysheaf_app)
   install(TARGETS raysheaf_app COMPONENT runtime)
 endif()
+# What find_package gives who asks for COMPONENTS mpi.
+if(RAYSHEAF_HAS_MPI)
+  set_target_properties(raysheaf_mpi PROPERTIES
+    VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  install(TARGETS raysheaf_mpi EXPORT raysheafMpiTargets
+    ARCHIVE COMPONENT development
+    LIBRARY COMPONENT runtime NAMELINK_COMPONENT development)
+  install(EXPORT raysheafMpiTargets NAMESPACE raysheaf:: DESTINATION ${package_dir}
+    COMPONENT development)
+endif()
 
 configure_package_config_file(cmake/raysheafConfig.cmake.in ${PROJECT_BINARY_DIR}/raysheafConfig.cmake
   INSTALL_DESTINATION ${package_dir})

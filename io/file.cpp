@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cctype>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -99,8 +100,11 @@ Error system_error(const std::string& verb, const std::string& place, int error)
 
 std::string temporary_name(const std::string& path) {
   static std::atomic<unsigned> counter{0};
-  const std::string name =
-      ".raysheaf." + std::to_string(::getpid()) + "." + std::to_string(counter++) + ".part";
+  // Machines that share a folder may have processes of the same number.
+  static const std::string own =
+      std::to_string(::getpid()) + "." +
+      std::to_string(std::chrono::system_clock::now().time_since_epoch().count());
+  const std::string name = ".raysheaf." + own + "." + std::to_string(counter++) + ".part";
   return (fs::path(path).parent_path() / name).string();
 }
 

@@ -14,6 +14,7 @@ namespace raysheaf::app {
 namespace {
 
 volatile std::sig_atomic_t interrupt_seen = 0;
+bool silent_process = false;
 
 extern "C" void on_interrupt(int) {
   interrupt_seen = 1;
@@ -22,6 +23,7 @@ extern "C" void on_interrupt(int) {
 }  // namespace
 
 void print(std::string_view text) {
+  if (silent_process) return;
   errno = 0;
   const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
   if (written && std::fflush(stdout) == 0) return;
@@ -31,11 +33,20 @@ void print(std::string_view text) {
 }
 
 void tell(std::string_view line) {
+  if (silent_process) return;
   std::fprintf(stderr, "%.*s\n", static_cast<int>(line.size()), line.data());
 }
 
 void tell_error(std::string_view sentence) {
   tell("raysheaf: " + printable(sentence));
+}
+
+void be_silent(bool silent) {
+  silent_process = silent;
+}
+
+bool is_silent() {
+  return silent_process;
 }
 
 std::string printable(std::string_view text) {

@@ -15,6 +15,10 @@ void tell_error(std::string_view sentence);
 /// A line on standard error.
 void tell(std::string_view line);
 
+/// A process that speaks for no run: nothing of the above reaches the terminal.
+void be_silent(bool silent);
+[[nodiscard]] bool is_silent();
+
 /// Names come from files: control characters become '?', so that none of them reaches a terminal.
 [[nodiscard]] std::string printable(std::string_view text);
 

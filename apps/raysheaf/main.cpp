@@ -6,6 +6,7 @@
 #include "console.h"
 #include "options.h"
 #include "parse.h"
+#include "ranks/ranks.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::app {
@@ -22,10 +23,23 @@ int exit_code(ErrorCode code) {
   }
 }
 
+/// Several processes share the work of `render`, or are runs of their own.
+void look_at_launch(const Command& command) {
+  if (launch().size == 1) return;
+  const RenderCommand* render = std::get_if<RenderCommand>(&command);
+  if (render == nullptr)
+    throw Error(ErrorCode::kInvalidArgument,
+                "several processes share the work of render alone: start this without mpirun");
+  if (render->share == Share::kNone) be_silent(false);
+}
+
 int run_command_line(int argc, const char* const* argv) {
+  be_silent(launch().rank > 0);
   const std::variant<Command, int> parsed = parse(argc, argv);
   if (const int* code = std::get_if<int>(&parsed)) return *code;
-  return std::visit([](const auto& command) { return run(command); }, std::get<Command>(parsed));
+  const Command& command = std::get<Command>(parsed);
+  look_at_launch(command);
+  return std::visit([](const auto& one) { return run(one); }, command);
 }
 
 int guarded(int argc, const char* const* argv) {
@@ -46,6 +60,8 @@ int guarded(int argc, const char* const* argv) {
 }  // namespace raysheaf::app
 
 int main(int argc, char** argv) {
-  raysheaf::app::guard_streams();
-  return raysheaf::app::guarded(argc, argv);
+  using namespace raysheaf::app;
+  guard_streams();
+  const int code = guarded(argc, argv);
+  return is_silent() ? kSuccess : code;
 }

@@ -34,6 +34,14 @@ struct LightOptions {
   std::optional<float> intensity, rotation_degrees;
 };
 
+/// How the processes that mpirun started share a picture.
+enum class Share : std::uint8_t {
+  kAuto,      ///< frames, where there are enough; geometry of what streams; rays of all else
+  kRays,      ///< each has the scene and traces a part of every batch
+  kGeometry,  ///< each streams a part of the blocks past all rays
+  kNone,      ///< not at all: each is a run of its own
+};
+
 struct RenderCommand {
   std::string scene;
   LoadOptions load;
@@ -43,6 +51,7 @@ struct RenderCommand {
   bool explain = false, quiet = false;
   bool stream = false;  ///< block files stream in any case
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;
+  Share share = Share::kAuto;
   FramesOptions frames;
   RenderOptions options;
   LightOptions light;

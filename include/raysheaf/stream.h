@@ -150,17 +150,27 @@ struct StreamHit {
 [[nodiscard]] bool precedes(const Hit& a, const Hit& b);
 
 /// Several processes that each stream a part of the blocks past the same rays (`StreamOptions`).
-/// Called once a batch, in every process, when its own blocks are done: replaces what this process
-/// found by the least, and by any, of all.
+/// Called in every process when its own blocks are done: once a batch, and once more for what hits
+/// look like.
 class HitExchange {
  public:
   HitExchange() = default;
   HitExchange(const HitExchange&) = delete;
   HitExchange& operator=(const HitExchange&) = delete;
   virtual ~HitExchange() = default;
+  /// What this process found becomes the least of all.
   virtual void closest(std::span<StreamHit> hits) = 0;
-  virtual void any(std::span<std::uint8_t> occluded) = 0;
+  /// Bytes become the bitwise or of all: whether rays meet anything, and what only one process
+  /// knows while the others have zeros there.
+  virtual void unite(std::span<std::uint8_t> bytes) = 0;
+  /// Counts and times of what was done, which become those of all processes together; an exchange
+  /// that does not say how leaves each with its own.
+  virtual void add(std::span<std::uint64_t> /*counts*/) {}
+  virtual void add(std::span<double> /*sums*/) {}
+  virtual void add(std::span<float> /*sums*/) {}
 };
+
+class StreamCheckpoint;  // raysheaf/checkpoint.h
 
 /// What was read, and what did not have to be. Adds up over the batches of a frame. The same with
 /// any number of threads, but for times.
@@ -189,6 +199,8 @@ struct StreamOptions {
   /// Blocks b with b % parts == part are streamed here; `exchange` fetches what the others found.
   std::uint32_t part = 0, parts = 1;
   HitExchange* exchange = nullptr;
+  /// Where an earlier run was stopped, this one goes on; counts are then of what this one did.
+  StreamCheckpoint* checkpoint = nullptr;
   StreamStatistics* statistics = nullptr;  ///< added to where it is not null
   /// Called now and then, in bytes; false asks to stop (`Error` kCancelled). `render` has its own.
   std::function<bool(const Progress&)> progress;

@@ -59,7 +59,7 @@ class Raysheaf(ConanFile):
         toolchain.variables["RAYSHEAF_APP"] = bool(self.options.tools)
         for part in ("TESTS", "BENCH", "EXAMPLES"):
             toolchain.variables[f"RAYSHEAF_{part}"] = False
-        for part in ("CUDA", "PYTHON"):
+        for part in ("CUDA", "MPI", "PYTHON"):
             toolchain.variables[f"RAYSHEAF_{part}"] = "OFF"
         toolchain.generate()
 

@@ -11,8 +11,6 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::uint32_t kMostThreads = 1024;
-
 void check(const ContextOptions& options) {
   if (options.threads > kMostThreads)
     throw Error(ErrorCode::kInvalidArgument,
@@ -39,13 +37,24 @@ std::string simd_target() {
 }
 
 Context::Context(const ContextOptions& options) {
+  ContextAccess::open(options, nullptr, this);
+}
+
+void ContextAccess::open(const ContextOptions& options, std::shared_ptr<Communicator> ranks,
+                         Context* context) {
   check(options);
   try {
-    impl_ = std::make_shared<const Impl>(options,
-                                         options.device == Device::kCuda ? open_cuda() : nullptr);
+    context->impl_ = std::make_shared<const Context::Impl>(
+        options, options.device == Device::kCuda ? open_cuda() : nullptr, std::move(ranks));
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::kOutOfMemory, "there is not enough memory", "context");
   }
+}
+
+Context distributed(const ContextOptions& options, std::shared_ptr<Communicator> ranks) {
+  Context context;
+  ContextAccess::open(options, std::move(ranks), &context);
+  return context;
 }
 
 Device Context::device() const noexcept {

@@ -6,16 +6,25 @@
 #include "engine/device_engine.h"
 #include "exec/executor.h"
 #include "raysheaf/context.h"
+#include "raysheaf/distributed.h"
 
 namespace raysheaf {
 
+/// That options may ask for.
+inline constexpr std::uint32_t kMostThreads = 1024;
+
 struct Context::Impl {
-  Impl(const ContextOptions& options, std::unique_ptr<DeviceBackend> machine)
-      : device(options.device), executor(options.threads), backend(std::move(machine)) {}
+  Impl(const ContextOptions& options, std::unique_ptr<DeviceBackend> machine,
+       std::shared_ptr<Communicator> processes = nullptr)
+      : device(options.device),
+        executor(options.threads),
+        backend(std::move(machine)),
+        ranks(std::move(processes)) {}
 
   Device device;
   Executor executor;
   std::unique_ptr<DeviceBackend> backend;  ///< none: the CPU
+  std::shared_ptr<Communicator> ranks;     ///< none: this process alone
 };
 
 struct ContextAccess {
@@ -24,6 +33,11 @@ struct ContextAccess {
   static const DeviceBackend* backend(const Context& context) {
     return context.impl_->backend.get();
   }
+  /// Null for this process alone.
+  static Communicator* ranks(const Context& context) { return context.impl_->ranks.get(); }
+  /// What `Context` does, for the processes of `ranks` if there are any.
+  static void open(const ContextOptions& options, std::shared_ptr<Communicator> ranks,
+                   Context* context);
   /// On a machine that is handed in.
   static Context with_backend(const ContextOptions& options,
                               std::unique_ptr<DeviceBackend> backend) {

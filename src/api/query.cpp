@@ -2,12 +2,15 @@
 #include "raysheaf/query.h"
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 #include <stdexcept>
 
 #include "api/query_brute.h"
 #include "api/query_check.h"
 #include "api/scene_impl.h"
 #include "exec/stopwatch.h"
+#include "ranks/share.h"
 
 namespace raysheaf {
 namespace {
@@ -202,18 +205,70 @@ void count_hits(Query* query, std::span<std::uint32_t> counts) {
   });
 }
 
+void add_counts(const QueryStatistics& piece, QueryStatistics* sum) {
+  for (const auto field : {&QueryStatistics::bound_tests, &QueryStatistics::ray_bound_tests,
+                           &QueryStatistics::triangle_tests})
+    sum->*field += piece.*field;
+  for (const auto field :
+       {&QueryStatistics::order_ms, &QueryStatistics::hierarchy_ms, &QueryStatistics::trace_ms})
+    sum->*field += piece.*field;
+  sum->triangles = piece.triangles;
+  sum->update_ms = piece.update_ms;
+  if (sum->plan.empty()) sum->plan = piece.plan;
+}
+
+/// `one(rays, answers, options)`, in pieces where processes share the scene's context. Counts are
+/// then those of all, times and the plan this process's. A device's own memory is not shared.
+template <class Answer, class One>
+void answer(const Scene& scene, std::span<const Ray> rays, std::span<Answer> answers,
+            const QueryOptions& options, const One& one) {
+  const Context& context = SceneAccess::state(scene).context;
+  Communicator* const ranks = ContextAccess::ranks(context);
+  const DeviceBackend* const backend = ContextAccess::backend(context);
+  const auto on_device = [backend](const void* data) {
+    return backend != nullptr && backend->is_device_memory(data);
+  };
+  const Pieces pieces = pieces_of(rays.size(), ranks != nullptr ? ranks->size() : 1);
+  if (ranks == nullptr || ranks->size() == 1 || pieces.number() <= 1 || on_device(rays.data()) ||
+      on_device(answers.data()))
+    return one(rays, answers, options);
+  Stopwatch watch;
+  QueryStatistics sum, piece;
+  sum.rays = rays.size();
+  if (options.check) check_rays(ContextAccess::executor(context), {rays.data(), rays.size()});
+  sum.check_ms = watch.lap_ms();
+  QueryOptions of_piece = options;
+  of_piece.check = false;
+  if (options.statistics != nullptr) of_piece.statistics = &piece;
+  std::memset(static_cast<void*>(answers.data()), 0, answers.size_bytes());
+  share_out(*ranks, pieces, [&](std::size_t begin, std::size_t end) {
+    one(rays.subspan(begin, end - begin), answers.subspan(begin, end - begin), of_piece);
+    add_counts(piece, &sum);
+  });
+  unite(*ranks, answers);
+  std::array<std::uint64_t, 3> counts{sum.bound_tests, sum.ray_bound_tests, sum.triangle_tests};
+  add(*ranks, counts);
+  sum.bound_tests = counts[0];
+  sum.ray_bound_tests = counts[1];
+  sum.triangle_tests = counts[2];
+  sum.total_ms = sum.check_ms + watch.lap_ms();
+  if (options.statistics != nullptr) *options.statistics = std::move(sum);
+}
+
 }  // namespace
 
 void closest_hit(const Scene& scene, std::span<const Ray> rays, std::span<Hit> hits,
                  const QueryOptions& options) {
   translated([&] {
     check_length(rays, hits.size(), "hits");
-    Query query(scene, rays, options);
-    if (query.is_empty())
-      clear(query, hits);
-    else
-      closest_hits(&query, hits);
-    query.finish();
+    answer(scene, rays, hits, options, [&](auto some, std::span<Hit> out, const auto& how) {
+      Query query(scene, some, how);
+      if (query.is_empty())
+        clear(query, out);
+      else
+        closest_hits(&query, out);
+      query.finish();
+    });
   });
 }
 
@@ -230,12 +285,15 @@ void any_hit(const Scene& scene, std::span<const Ray> rays, std::span<std::uint8
              const QueryOptions& options) {
   translated([&] {
     check_length(rays, occluded.size(), "occluded");
-    Query query(scene, rays, options);
-    if (query.is_empty())
-      clear(query, occluded);
-    else
-      any_hits(&query, occluded);
-    query.finish();
+    answer(scene, rays, occluded, options,
+           [&](auto some, std::span<std::uint8_t> out, const auto& how) {
+             Query query(scene, some, how);
+             if (query.is_empty())
+               clear(query, out);
+             else
+               any_hits(&query, out);
+             query.finish();
+           });
   });
 }
 

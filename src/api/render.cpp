@@ -66,6 +66,7 @@ class Renderer::Impl {
   Impl() = default;
   explicit Impl(const Context& context) : context_(context) {
     cache_.backend = ContextAccess::backend(context);
+    cache_.ranks = ContextAccess::ranks(context);
   }
 
   void show(const SceneDescription& scene, const SceneChanges& changes) {

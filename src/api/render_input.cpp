@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "api/context_impl.h"
 #include "base/vec.h"
 #include "raysheaf/error.h"
 
@@ -14,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t kLargestSide = 16384;
 constexpr std::uint32_t kMostBounces = 32, kMostLevels = 8, kMostBranching = 64,
-                        kMostThreads = 1024, kMostSamples = 65536;
+                        kMostSamples = 65536;
 
 void check_range(const char* option, std::uint32_t value, std::uint32_t least, std::uint32_t most) {
   if (value < least || value > most)

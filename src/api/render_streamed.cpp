@@ -16,7 +16,7 @@ namespace raysheaf {
 namespace {
 
 /// What the process has beside the picture and the blocks.
-constexpr std::uint64_t kBaseBytes = std::uint64_t{48} << 20;
+constexpr std::uint64_t kFrameBaseBytes = std::uint64_t{48} << 20;
 constexpr std::uint64_t kBytesPerShadowRay = 128 + kStreamRayBytes;
 
 void refuse(const std::string& sentence, const char* option) {
@@ -49,7 +49,7 @@ RenderResult render_checked(const GeometrySource& source, const RenderOptions& o
   const EnvironmentMap environment(executor, scene.environment);
 
   const std::uint64_t pixels = std::uint64_t{options.width} * options.height;
-  const std::uint64_t taken = kBaseBytes + pixels * (kBytesPerPixel + kStreamRayBytes);
+  const std::uint64_t taken = kFrameBaseBytes + pixels * (kBytesPerPixel + kStreamRayBytes);
   const std::uint32_t slots = slots_for(stream.memory_bytes, taken, pixels);
   const std::uint64_t room = (stream.memory_bytes - taken) / 4;
   Streamer streamer(executor, source, stream, slots);
@@ -64,10 +64,10 @@ RenderResult render_checked(const GeometrySource& source, const RenderOptions& o
                          scene.environment.empty() ? nullptr : &environment.view()};
   RenderResult result = render_frame(executor, input, &meter);
 
-  if (stream.statistics != nullptr) {
-    add(streamer.statistics(), stream.statistics);
-    add(geometry.shading(), stream.statistics);
-  }
+  StreamStatistics statistics = streamer.statistics();
+  add(geometry.shading(), &statistics);
+  statistics = of_all(statistics, stream.exchange);
+  if (stream.statistics != nullptr) add(statistics, stream.statistics);
   FrameStatistics& s = result.statistics;
   s.scene = scene.name;
   s.triangles = streamer.triangle_count();

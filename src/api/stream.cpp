@@ -10,10 +10,9 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::uint32_t kMostThreads = 1024;
 constexpr std::size_t kMostRays = 0x7fffffff;
 /// What the process has beside the rays and the blocks.
-constexpr std::uint64_t kBaseBytes = std::uint64_t{32} << 20;
+constexpr std::uint64_t kQueryBaseBytes = std::uint64_t{32} << 20;
 
 void check(const StreamOptions& options, std::size_t rays, std::size_t answers, const char* name) {
   if (answers != rays)
@@ -34,7 +33,7 @@ void stream(const GeometrySource& source, std::span<const Ray> rays, const Strea
             const Body& body) {
   const Executor executor(options.threads);
   if (options.check) check_rays(executor, {rays.data(), rays.size()});
-  const std::uint64_t taken = kBaseBytes + rays.size() * kStreamRayBytes;
+  const std::uint64_t taken = kQueryBaseBytes + rays.size() * kStreamRayBytes;
   Streamer streamer(executor, source, options, slots_for(options.memory_bytes, taken, rays.size()));
   ProgressMeter meter(options.progress);
   StreamRequest request;
@@ -42,7 +41,8 @@ void stream(const GeometrySource& source, std::span<const Ray> rays, const Strea
   request.meter = &meter;
   EngineReport report;
   body(&streamer, request, &report);
-  if (options.statistics != nullptr) add(streamer.statistics(), options.statistics);
+  const StreamStatistics all = of_all(streamer.statistics(), options.exchange);
+  if (options.statistics != nullptr) add(all, options.statistics);
 }
 
 }  // namespace

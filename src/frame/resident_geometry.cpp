@@ -1,5 +1,7 @@
 #include "frame/resident_geometry.h"
 
+#include <span>
+
 #include "frame/frame.h"
 #include "frame/primary.h"
 #include "intersect/triangle_body.h"
@@ -22,13 +24,23 @@ std::vector<Fragment> ResidentGeometry::see(const Seeing& seeing, ProgressMeter*
   std::vector<std::uint32_t> triangles;
   if (seeing.rasterizer != nullptr) {
     meter->begin("raster", 1);
-    triangles = rasterize_primary(executor_, *seeing.rasterizer, scene_, seeing.frame);
+    triangles = rasterize(*seeing.rasterizer, seeing.frame);
   } else {
     triangles = trace_primary(executor_, scene_, seeing.frame, options_.method, seeing.statistics,
                               seeing.pixel_tests, meter, options_.cache);
   }
   meter->begin("surfaces", 1);
   return fetch_fragments(executor_, scene_, textures_, seeing.frame, triangles);
+}
+
+std::vector<std::uint32_t> ResidentGeometry::rasterize(Rasterizer& rasterizer,
+                                                       const CameraFrame& frame) const {
+  Communicator* const ranks = options_.cache->ranks;
+  if (ranks == nullptr) return rasterize_primary(executor_, rasterizer, scene_, frame);
+  std::vector<std::uint32_t> triangles(std::size_t{frame.width} * frame.height);
+  if (ranks->rank() == 0) triangles = rasterize_primary(executor_, rasterizer, scene_, frame);
+  ranks->broadcast(std::as_writable_bytes(std::span(triangles)));
+  return triangles;
 }
 
 float ResidentGeometry::depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) {

@@ -25,6 +25,10 @@ class ResidentGeometry : public FrameGeometry {
   [[nodiscard]] PixelIds ids(std::uint32_t triangle) const override;
 
  private:
+  /// What OpenGL of rank 0 shows: that of others may be another one.
+  [[nodiscard]] std::vector<std::uint32_t> rasterize(Rasterizer& rasterizer,
+                                                     const CameraFrame& frame) const;
+
   const Executor& executor_;
   const FlatScene& scene_;
   const TextureSet& textures_;

@@ -1,9 +1,11 @@
 #include "frame/streamed_geometry.h"
 
 #include <algorithm>
+#include <cstring>
 #include <mutex>
 #include <numeric>
 #include <string>
+#include <type_traits>
 
 #include "exec/stopwatch.h"
 #include "frame/dual_tracer.h"
@@ -13,6 +15,9 @@
 
 namespace raysheaf {
 namespace {
+
+/// A process tells the others of so many at a time: 8 MB.
+constexpr std::size_t kSurfacesAtOnce = 65536;
 
 void add_stream_report(const EngineReport& report, BatchStatistics* statistics) {
   statistics->bound_tests += report.bound_tests;
@@ -169,17 +174,44 @@ void StreamedGeometry::fetch_surfaces(View<const Ray> rays, View<Fragment> fragm
   }
   starts.push_back(met.size());
   const GeometrySource& source = streamer_.source();
+  HitExchange* const exchange = streamer_.exchange();
   executor_.for_each(starts.size() - 1, 1, [&](std::size_t s) {
-    const BlockSurfaces surfaces(source, textures_, block_of(met[starts[s]]));
+    const std::uint32_t block = block_of(met[starts[s]]);
+    if (exchange != nullptr && !streamer_.is_own(block)) return;
+    const BlockSurfaces surfaces(source, textures_, block);
     for (std::size_t i = starts[s]; i < starts[s + 1]; ++i) {
       Fragment& f = fragments[met[i]];
       f.surface = surfaces.at(hits_[f.triangle], rays[met[i]], f.incoming);
     }
   });
-  shading_.shading_blocks += starts.size() - 1;
-  for (std::size_t s = 0; s + 1 < starts.size(); ++s)
-    shading_.read_bytes += source.blocks()[block_of(met[starts[s]])].shading_bytes;
+  for (std::size_t s = 0; s + 1 < starts.size(); ++s) {
+    const std::uint32_t block = block_of(met[starts[s]]);
+    if (exchange != nullptr && !streamer_.is_own(block)) continue;
+    ++shading_.shading_blocks;
+    shading_.read_bytes += source.blocks()[block].shading_bytes;
+  }
+  if (exchange != nullptr) exchange_surfaces(met, fragments);
   shading_.shading_ms += watch.lap_ms();
+}
+
+void StreamedGeometry::exchange_surfaces(const std::vector<std::uint32_t>& met,
+                                         View<Fragment> fragments) {
+  static_assert(std::is_trivially_copyable_v<Surface>);
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t begin = 0; begin < met.size(); begin += kSurfacesAtOnce) {
+    const std::size_t count = std::min(kSurfacesAtOnce, met.size() - begin);
+    bytes.assign(count * sizeof(Surface), 0);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Fragment& f = fragments[met[begin + i]];
+      if (streamer_.is_own(hits_[f.triangle].block))
+        std::memcpy(bytes.data() + i * sizeof(Surface), &f.surface, sizeof(Surface));
+    }
+    streamer_.exchange()->unite(bytes);
+    for (std::size_t i = 0; i < count; ++i) {
+      std::memcpy(static_cast<void*>(&fragments[met[begin + i]].surface),
+                  bytes.data() + i * sizeof(Surface), sizeof(Surface));
+    }
+  }
 }
 
 PixelIds StreamedGeometry::ids(std::uint32_t triangle) const {

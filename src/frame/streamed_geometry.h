@@ -23,7 +23,8 @@ class StreamedGeometry : public FrameGeometry {
   [[nodiscard]] std::vector<RayHit> trace(const RayBatch& batch, bool early_out,
                                           BatchStatistics* statistics, View<float> ray_tests,
                                           ProgressMeter* meter) override;
-  /// Reads the shading parts of the blocks that own hits, each once.
+  /// Reads the shading parts of the blocks that own hits, each once; where processes stream, each
+  /// those of its blocks.
   void fetch_surfaces(View<const Ray> rays, View<Fragment> fragments) override;
   [[nodiscard]] PixelIds ids(std::uint32_t triangle) const override;
 
@@ -38,6 +39,9 @@ class StreamedGeometry : public FrameGeometry {
   [[nodiscard]] std::vector<RayHit> traced(const RayBatch& batch, Facing facing,
                                            BatchStatistics* statistics, View<float> ray_tests,
                                            ProgressMeter* meter);
+
+  /// Each process has the surfaces of its own blocks: now of all.
+  void exchange_surfaces(const std::vector<std::uint32_t>& met, View<Fragment> fragments);
 
   const Executor& executor_;
   Streamer& streamer_;

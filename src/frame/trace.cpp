@@ -7,6 +7,7 @@
 #include "exec/radix_sort.h"
 #include "exec/stopwatch.h"
 #include "frame/bundles.h"
+#include "frame/shared_trace.h"
 #include "hierarchy/hierarchy.h"
 #include "intersect/brute_force.h"
 #include "order/order.h"
@@ -277,7 +278,14 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
   const TraceFunction method = options.cache != nullptr && options.cache->backend != nullptr
                                    ? trace_on_device
                                    : function_of(options.method.traversal);
-  std::vector<RayHit> hits = method(executor, scene, batch, options, statistics, ray_tests, meter);
+  const auto trace_all = [&](const RayBatch& rays, BatchStatistics* counted, View<float> tests,
+                             ProgressMeter* progress) {
+    return method(executor, scene, rays, options, counted, tests, progress);
+  };
+  Communicator* const ranks = options.cache != nullptr ? options.cache->ranks : nullptr;
+  std::vector<RayHit> hits =
+      is_shared(ranks, batch) ? trace_shared(*ranks, batch, statistics, ray_tests, meter, trace_all)
+                              : trace_all(batch, statistics, ray_tests, meter);
   statistics->hits += static_cast<std::uint64_t>(
       std::count_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.found(); }));
   return hits;

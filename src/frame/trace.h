@@ -12,6 +12,7 @@
 #include "intersect/intersect_list.h"
 #include "object/bvh.h"
 #include "raygen/raygen.h"
+#include "raysheaf/distributed.h"
 #include "raysheaf/method.h"
 #include "raysheaf/statistics.h"
 #include "scene/flat_scene.h"
@@ -28,6 +29,7 @@ struct TraceCache {
   /// Where rays meet triangles: by brute force or `dual`, or by a hierarchy of rays in raster order
   /// or by the keys of `crsh` under spheres and cones, without tests of single rays; null: the CPU.
   const DeviceBackend* backend = nullptr;
+  Communicator* ranks = nullptr;  ///< that batches are shared among; null: this process alone
 
   /// The scene's triangles are others, or elsewhere.
   void update(const Executor& executor, const FlatScene& scene, const FlatUpdate& update);

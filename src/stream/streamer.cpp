@@ -1,12 +1,14 @@
 #include "stream/streamer.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <utility>
 
 #include "base/vec.h"
 #include "exec/stopwatch.h"
 #include "raysheaf/error.h"
+#include "stream/batch_checkpoint.h"
 
 namespace raysheaf {
 namespace {
@@ -78,7 +80,9 @@ class Sweep {
         occluded_(occluded),
         report_(*report),
         tree_(s_.executor_, rays, s_.bounds_),
+        checkpoint_(batch_of(rays), s_.options_.checkpoint, answers()),
         reader_(s_.source_) {
+    if (checkpoint_.restore()) go_on();
     stats().cull_ms += watch_.lap_ms();
   }
 
@@ -97,6 +101,7 @@ class Sweep {
       start(reading);
       trace(tracing);
       refresh();
+      checkpoint_.keep(tracing, reading.empty());
     }
   }
 
@@ -112,13 +117,36 @@ class Sweep {
   }
   [[nodiscard]] bool is_any() const { return !occluded_.empty(); }
 
+  [[nodiscard]] StreamBatch batch_of(View<const Ray> rays) const {
+    // Which hits are asked for, as a number.
+    const auto question = (is_any() ? 2u : 0u) + (request_.facing == Facing::kBoth ? 1u : 0u);
+    return {
+        s_.batches_,        question, s_.options_.part, s_.options_.parts, {rays.data, rays.size},
+        s_.source_.blocks()};
+  }
+  [[nodiscard]] std::span<std::byte> answers() const {
+    if (is_any()) return std::as_writable_bytes(std::span(occluded_.data, occluded_.size));
+    return std::as_writable_bytes(std::span(hits_.data, hits_.size));
+  }
+
+  /// Rays end where an earlier run has met something.
+  void go_on() {
+    s_.executor_.for_each(tree_.size(), kWorkGrain, [&](std::size_t i) {
+      const std::uint32_t place = index(i), number = tree_.number(place);
+      if (is_any() && occluded_[number] != 0) tree_.finish(place);
+      if (!is_any() && hits_[number].block != kInvalidId) tree_.shorten(place, hits_[number].hit.t);
+    });
+    tree_.refresh(s_.executor_);
+  }
+
   /// Blocks that some ray's bound meets, near ones first.
   void find_candidates() {
     const std::size_t count = s_.source_.blocks().size();
     std::vector<float> distance(count, -1);
     const std::uint32_t part = s_.options_.part, parts = s_.options_.parts;
     s_.executor_.for_each(count, 4, [&](std::size_t i) {
-      if (i % parts == part) distance[i] = tree_.squared_distance(info(index(i)).bounds);
+      if (s_.is_own(i) && !checkpoint_.is_done(i))
+        distance[i] = tree_.squared_distance(info(index(i)).bounds);
     });
     for (std::size_t i = part; i < count; i += parts) {
       ++stats().blocks;
@@ -267,6 +295,7 @@ class Sweep {
   EngineReport& report_;
   Stopwatch watch_;
   RayTree tree_;
+  BatchCheckpoint checkpoint_;
   std::vector<Candidate> candidates_;
   std::size_t next_ = 0;  ///< of them
   std::uint64_t bytes_ahead_ = 0;
@@ -289,20 +318,37 @@ Streamer::~Streamer() = default;
 
 void Streamer::closest(View<const Ray> rays, const StreamRequest& request, View<StreamHit> hits,
                        EngineReport* report) {
-  const StreamStatistics before = statistics_;
   std::fill(hits.begin(), hits.end(), StreamHit{});
-  if (!rays.empty()) Sweep(this, rays, request, hits, {}, report).run();
-  report->plan.push_back(sentence_of(before, statistics_));
+  sweep(rays, request, hits, {}, report);
   if (options_.exchange != nullptr) options_.exchange->closest({hits.data, hits.size});
 }
 
 void Streamer::any(View<const Ray> rays, const StreamRequest& request, View<std::uint8_t> occluded,
                    EngineReport* report) {
-  const StreamStatistics before = statistics_;
   std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
-  if (!rays.empty()) Sweep(this, rays, request, {}, occluded, report).run();
+  sweep(rays, request, {}, occluded, report);
+  if (options_.exchange != nullptr) options_.exchange->unite({occluded.data, occluded.size});
+}
+
+void Streamer::sweep(View<const Ray> rays, const StreamRequest& request, View<StreamHit> hits,
+                     View<std::uint8_t> occluded, EngineReport* report) {
+  const StreamStatistics before = statistics_;
+  HitExchange* const exchange = options_.exchange;
+  StreamRequest own = request;
+  std::vector<float> tests(exchange != nullptr ? request.ray_tests.size : 0);
+  if (exchange != nullptr) own.ray_tests = tests;
+  if (!rays.empty()) Sweep(this, rays, own, hits, occluded, report).run();
+  ++batches_;
   report->plan.push_back(sentence_of(before, statistics_));
-  if (options_.exchange != nullptr) options_.exchange->any({occluded.data, occluded.size});
+  if (exchange == nullptr) return;
+  std::array<std::uint64_t, 3> counts{report->bound_tests, report->ray_bound_tests,
+                                      report->triangle_tests};
+  exchange->add(counts);
+  report->bound_tests = counts[0];
+  report->ray_bound_tests = counts[1];
+  report->triangle_tests = counts[2];
+  if (!tests.empty()) exchange->add(tests);
+  for (std::size_t i = 0; i < tests.size(); ++i) request.ray_tests[i] += tests[i];
 }
 
 void check_parts(const StreamOptions& options) {
@@ -311,18 +357,6 @@ void check_parts(const StreamOptions& options) {
               "part " + std::to_string(options.part) + " is not among " +
                   std::to_string(options.parts) + " parts",
               "part");
-}
-
-void add(const StreamStatistics& more, StreamStatistics* sum) {
-  for (const auto field : {&StreamStatistics::blocks, &StreamStatistics::culled_blocks,
-                           &StreamStatistics::hidden_blocks, &StreamStatistics::read_blocks,
-                           &StreamStatistics::wasted_blocks, &StreamStatistics::shading_blocks,
-                           &StreamStatistics::read_bytes})
-    sum->*field += more.*field;
-  for (const auto field :
-       {&StreamStatistics::read_ms, &StreamStatistics::wait_ms, &StreamStatistics::cull_ms,
-        &StreamStatistics::trace_ms, &StreamStatistics::shading_ms})
-    sum->*field += more.*field;
 }
 
 std::uint32_t slots_for(std::uint64_t memory_bytes, std::uint64_t taken, std::uint64_t rays) {

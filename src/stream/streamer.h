@@ -38,7 +38,7 @@ inline constexpr std::uint32_t kMostSlots = 16;
 class Streamer {
  public:
   /// `slots`: blocks that are traced at once, while as many are read. `options`: `front_to_back`,
-  /// `part`, `parts`, `exchange` and `statistics` are used.
+  /// `part`, `parts`, `exchange`, `checkpoint` and `statistics` are used.
   Streamer(const Executor& executor, const GeometrySource& source, const StreamOptions& options,
            std::uint32_t slots);
   Streamer(const Streamer&) = delete;
@@ -46,6 +46,12 @@ class Streamer {
   ~Streamer();
 
   [[nodiscard]] const GeometrySource& source() const { return source_; }
+  /// That joins this process with others; null: alone.
+  [[nodiscard]] HitExchange* exchange() const { return options_.exchange; }
+  /// Whether a block is this process's.
+  [[nodiscard]] bool is_own(std::size_t block) const {
+    return block % options_.parts == options_.part;
+  }
   [[nodiscard]] const Box& bounds() const { return bounds_; }
   [[nodiscard]] std::uint64_t triangle_count() const { return triangle_count_; }
   [[nodiscard]] const StreamStatistics& statistics() const { return statistics_; }
@@ -61,12 +67,17 @@ class Streamer {
   friend class Sweep;
   struct Slot;
 
+  /// One of `hits` and `occluded` is empty.
+  void sweep(View<const Ray> rays, const StreamRequest& request, View<StreamHit> hits,
+             View<std::uint8_t> occluded, EngineReport* report);
+
   const Executor& executor_;
   const GeometrySource& source_;
   const StreamOptions& options_;
   Box bounds_;
   std::uint64_t triangle_count_ = 0;
   StreamStatistics statistics_;
+  std::uint32_t batches_ = 0;  ///< so far
   std::vector<std::unique_ptr<Slot>> slots_;
   std::vector<TriangleBlock> reading_, tracing_;
 };
@@ -75,6 +86,8 @@ class Streamer {
 void check_parts(const StreamOptions& options);
 
 void add(const StreamStatistics& more, StreamStatistics* sum);
+/// The sum over the processes that `exchange` joins; null: those of this one.
+[[nodiscard]] StreamStatistics of_all(StreamStatistics own, HitExchange* exchange);
 
 /// How many slots `memory_bytes` have room for beside what is `taken`, for batches of `rays`.
 /// Throws `Error` (kOutOfMemory) where that is not even one.

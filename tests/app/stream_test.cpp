@@ -33,6 +33,21 @@ TEST(StreamCommand, PicturesAreTheSameFiles) {
   }
 }
 
+TEST(StreamCommand, ResumesAndLeavesThePictureAlone) {
+  const TemporaryFolder folder;
+  const auto render = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"render", "builtin:cornell", "--stream", "--size", "40x30", "-q"});
+    return raysheaf_app(more, folder);
+  };
+  ASSERT_EQ(render({"-o", "a.png"}).code, 0);
+  write_file(folder.file("b.png.resume"), "of something else");
+  const Finished finished = render({"-o", "b.png", "--resume"});
+  EXPECT_EQ(finished.code, 0) << finished.err;
+  EXPECT_EQ(read_file(folder.file("a.png")), read_file(folder.file("b.png")));
+  EXPECT_EQ(folder.names().size(), 2u);
+  EXPECT_EQ(render({"--explain", "--resume"}).code, 2);
+}
+
 TEST(StreamCommand, AHallIsWrittenInBlocksAndAsGltf) {
   const TemporaryFolder folder;
   for (const char* output : {"hall.glb", "hall.rsb"}) {

@@ -44,7 +44,7 @@ TEST(Source, FilesStaySmall) {
 // base <- geom <- exec <- the stages <- frame <- api. A stage may use the stages before it.
 TEST(Source, ArrowsPointOneWay) {
   const std::vector<std::string> rooms = {
-      "base",      "geom",   "exec",     "scene",     "animation", "raster", "raygen", "order",
+      "base",      "geom",   "exec",     "ranks",     "scene",     "animation", "raster", "raygen", "order",
       "hierarchy", "object", "traverse", "intersect", "packet",    "fan",    "dual",   "shade",
       "engine",    "stream", "frame",    "lab",       "api",       "verify"};
   const auto rank = [&rooms](const std::string& room) {

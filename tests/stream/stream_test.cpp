@@ -117,7 +117,7 @@ class Gathered : public HitExchange {
       hits_[i] = hits[i];
     }
   }
-  void any(std::span<std::uint8_t> occluded) override {
+  void unite(std::span<std::uint8_t> occluded) override {
     occluded_.resize(occluded.size());
     for (std::size_t i = 0; i < occluded.size(); ++i) occluded_[i] = occluded[i] |= occluded_[i];
   }

@@ -2,6 +2,7 @@
 
 #include "parse/parts.h"
 #include "render/frames_command.h"
+#include "render/stream.h"
 #include "values.h"
 
 namespace raysheaf::app {
@@ -61,13 +62,16 @@ void add_frames(CLI::App& app, FramesOptions& frames) {
             [&frames](const auto& text) { frames.turntable = parse_count(text, 1, kMostTurns); });
   app.add_option("--camera-path", frames.camera_path, "Where the camera is and when")
       ->type_name("FILE.json");
-  app.add_flag("--resume", frames.resume, "Make only the frames whose files are not there yet");
+  app.add_flag("--resume", frames.resume,
+               "Make only the frames whose files are not there yet; go on with a streamed picture "
+               "that was stopped");
 }
 
 void check_frames(const RenderCommand& command) {
   const FramesOptions& f = command.frames;
   const bool many = wants_frames(command);
-  if (!many && f.resume) refuse("--resume", "is for the frames of a scene that moves");
+  if (!many && f.resume && !is_streamed(command))
+    refuse("--resume", "is for the frames of a scene that moves, and for what streams");
   if (!many) return;
   if (f.time) refuse("--time", "is of a single picture, but frames are asked for");
   if (f.turntable != 0 && !f.camera_path.empty())

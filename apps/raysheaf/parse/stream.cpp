@@ -4,6 +4,18 @@
 #include "values.h"
 
 namespace raysheaf::app {
+namespace {
+
+Share share_from_string(const std::string& text) {
+  if (text == "auto") return Share::kAuto;
+  if (text == "rays") return Share::kRays;
+  if (text == "geometry") return Share::kGeometry;
+  if (text == "none") return Share::kNone;
+  throw Error(ErrorCode::kInvalidArgument,
+              "'" + text + "' is neither auto nor rays nor geometry nor none");
+}
+
+}  // namespace
 
 CLI::App* add_scene(CLI::App& app, SceneCommand& command) {
   CLI::App* sub = app.add_subcommand("scene", "Write a scene of our own as a file");
@@ -64,6 +76,13 @@ void add_streaming(CLI::App& app, RenderCommand& command) {
   add_value(app, "--memory", "SIZE",
             "What a streamed frame may take: bytes, or with K, M or G (1024 each) [2G]",
             [&command](const auto& text) { command.memory_bytes = parse_bytes(text); });
+  add_value(app, "--share", "auto|rays|geometry|none",
+            "What the processes of mpirun share: rays, or blocks of what streams; none: each is a "
+            "run of its own [auto]",
+            [&command](const auto& text) {
+              command.share = share_from_string(text);
+              if (command.share == Share::kGeometry) command.stream = true;
+            });
 }
 
 void check_streaming(const CLI::App& app, const RenderCommand& command) {
@@ -74,11 +93,13 @@ void check_streaming(const CLI::App& app, const RenderCommand& command) {
   }
   for (const char* option :
        {"--camera-path", "--clip", "--env", "--env-intensity", "--env-rotation", "--fps",
-        "--frames", "--light-size", "--resume", "--sequence", "--time", "--turntable"}) {
+        "--frames", "--light-size", "--sequence", "--time", "--turntable"}) {
     const CLI::Option* given = app.get_option_no_throw(option);
     if (given != nullptr && given->count() > 0)
       throw CLI::ValidationError(option, "it is not for scenes that stream");
   }
+  if (command.share == Share::kRays)
+    throw CLI::ValidationError("--share", "what streams is shared by geometry, not by rays");
   if (app.get_option("--primary")->count() > 0 && command.options.primary == Primary::kRaster)
     throw CLI::ValidationError("--primary", "what streams is seen by rays: trace alone");
   if (command.options.method != Method::kDual)

@@ -7,6 +7,7 @@
 #include "options.h"
 #include "outputs.h"
 #include "progress_bar.h"
+#include "ranks/ranks.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 #include "raysheaf/render_on_context.h"
@@ -50,7 +51,7 @@ bool wants_pixel_tests(const RenderCommand& command) {
 /// `render_it(options)` with a progress bar.
 template <class Render>
 RenderResult with_progress(const RenderCommand& command, const Render& render_it) {
-  ProgressBar bar(stderr, !command.quiet);
+  ProgressBar bar(stderr, !command.quiet && !is_silent());
   RenderOptions options = command.options;
   options.count_pixel_tests = wants_pixel_tests(command);
   options.progress = [&bar](const Progress& progress) {
@@ -65,9 +66,11 @@ struct Rendered {
   RenderResult result;
   double load_ms = 0;
   std::optional<StreamStatistics> stream;
+  SharedBy ranks;
+  std::unique_ptr<CheckpointFile> checkpoint;
 };
 
-Rendered render_streamed(const RenderCommand& command) {
+Rendered render_streamed(const RenderCommand& command, Communicator* ranks) {
   if (command.device != Device::kCpu)
     throw Error(ErrorCode::kUnsupported, "geometry that streams does not go to a CUDA device",
                 "--device");
@@ -79,6 +82,16 @@ Rendered render_streamed(const RenderCommand& command) {
   StreamOptions stream;
   stream.memory_bytes = command.memory_bytes;
   stream.statistics = &rendered.stream.emplace();
+  rendered.checkpoint = open_checkpoint(command, ranks);
+  stream.checkpoint = rendered.checkpoint.get();
+  std::unique_ptr<HitExchange> exchange;
+  if (ranks != nullptr) {
+    exchange = make_hit_exchange(*ranks);
+    stream.exchange = exchange.get();
+    stream.part = ranks->rank();
+    stream.parts = ranks->size();
+    rendered.ranks = {ranks->size(), "geometry"};
+  }
   rendered.result = with_progress(command, [&](RenderOptions options) {
     options.primary = Primary::kTrace;
     return render(*blocks, options, stream);
@@ -97,6 +110,7 @@ void write_outputs(const RenderCommand& command, const Targets& targets, const R
   if (targets.stats.empty()) return;
   std::string json = to_json(result.statistics, rendered.load_ms);
   if (rendered.stream) json = with_stream(std::move(json), *rendered.stream);
+  if (rendered.ranks.count > 1) json = with_ranks(std::move(json), rendered.ranks);
   write_text(json, targets.stats);
 }
 
@@ -114,6 +128,8 @@ void tell_summary(const RenderCommand& command, const Rendered& rendered) {
                      batch.hits));
   }
   if (rendered.stream) tell(stream_text(*rendered.stream));
+  if (rendered.ranks.count > 1)
+    tell(fmt::format("  shared among {} ranks by {}", rendered.ranks.count, rendered.ranks.what));
   tell(fmt::format("  loaded in {:.0f} ms, rendered in {:.0f} ms", rendered.load_ms,
                    statistics.total_ms));
   const auto wrote = [](const std::string& path) {
@@ -162,14 +178,26 @@ void finish(const RenderCommand& command, const Targets& targets, const Rendered
   if (command.explain) explain(rendered.result.statistics);
 }
 
-}  // namespace
+Rendered render_in_memory(const RenderCommand& command, const SceneDescription& scene,
+                          const std::shared_ptr<Communicator>& ranks) {
+  Rendered rendered;
+  rendered.result = with_progress(command, [&](const RenderOptions& options) {
+    return render(context_of(command, ranks), scene, options);
+  });
+  if (ranks != nullptr) rendered.ranks = {ranks->size(), "rays"};
+  return rendered;
+}
 
-int run(const RenderCommand& command) {
-  catch_interrupts();
-  const Targets targets = wants_frames(command) ? Targets{} : open_targets(command);
+/// What every process of the run does.
+void render_here(const RenderCommand& command, const std::shared_ptr<Communicator>& ranks) {
+  const bool writes = is_first(ranks.get());
+  const Targets targets = wants_frames(command) || !writes ? Targets{} : open_targets(command);
   if (is_streamed(command)) {
-    finish(command, targets, render_streamed(command));
-    return kSuccess;
+    const Rendered rendered = render_streamed(command, ranks.get());
+    if (writes) finish(command, targets, rendered);
+    if (ranks != nullptr) ranks->combine({}, 1, nullptr);  // what others keep is needed until then
+    if (rendered.checkpoint != nullptr) rendered.checkpoint->remove();
+    return;
   }
   const Timer loading;
   const std::unique_ptr<Animation> animation =
@@ -183,20 +211,22 @@ int run(const RenderCommand& command) {
   }
   set_light_size(command.light, animation->scene());
   if (command.frames.time) static_cast<void>(animation->seek(*command.frames.time));
-  Rendered rendered;
-  rendered.load_ms = loading.ms();
+  const double load_ms = loading.ms();
   stop_if_interrupted();
   if (!command.quiet) {
     for (const std::string& warning : scene.warnings) tell("warning: " + printable(warning));
   }
-  if (wants_frames(command)) {
-    render_frames(command, *animation);
-    return kSuccess;
-  }
-  rendered.result = with_progress(command, [&](const RenderOptions& options) {
-    return render(Context({command.device, options.threads}), scene, options);
-  });
-  finish(command, targets, rendered);
+  if (wants_frames(command)) return render_frames(command, *animation, ranks);
+  Rendered rendered = render_in_memory(command, scene, ranks);
+  rendered.load_ms = load_ms;
+  if (writes) finish(command, targets, rendered);
+}
+
+}  // namespace
+
+int run(const RenderCommand& command) {
+  catch_interrupts();
+  run_together(command, [&](const auto& ranks) { render_here(command, ranks); });
   return kSuccess;
 }
 

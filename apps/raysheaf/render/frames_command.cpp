@@ -7,11 +7,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <filesystem>
+#include <span>
 
 #include "console.h"
 #include "outputs.h"
 #include "progress_bar.h"
+#include "ranks/ranks.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 #include "raysheaf/renderer.h"
@@ -60,14 +63,17 @@ std::string frame_json(std::uint64_t frame, double time, const FrameTimes& times
 
 class FrameRun {
  public:
-  FrameRun(const RenderCommand& command, Animation& animation)
+  FrameRun(const RenderCommand& command, Animation& animation,
+           const std::shared_ptr<Communicator>& ranks)
       : command_(command),
         frames_(command.frames),
         animation_(animation),
+        ranks_(ranks.get()),
         plan_(animation, animation.scene(), command.frames, command.options.camera),
-        options_(command.options) {
-    for (std::uint64_t f = plan_.first(); f <= plan_.last(); ++f)
-      if (!frames_.resume || !is_there(f)) missing_.push_back(f);
+        options_(command.options),
+        missing_(find_missing()),
+        frame_each_(takes_a_frame_each()),
+        renderer_(context_of(command, frame_each_ ? nullptr : ranks)) {
     options_.count_pixel_tests = !command.heatmap_path.empty();
     for (const std::string& path : command.pictures)
       if (has_ending(path, ".exr")) options_.count_pixel_tests = true;
@@ -76,12 +82,7 @@ class FrameRun {
 
   void run() {
     keep_memory();
-    for (const std::string& path : command_.pictures) {
-      const std::string target = first_target(path);
-      if (has_ending(path, ".mp4")) start_film(path, target);
-    }
-    for (const std::string& path : {command_.stats_path, command_.heatmap_path})
-      if (!path.empty()) static_cast<void>(first_target(path));
+    if (is_first(ranks_)) open_targets();
     tell_of_those_that_are_there();
     if (!missing_.empty()) make_frames();
     for (const std::unique_ptr<Film>& film : films_) film->finish();
@@ -89,6 +90,38 @@ class FrameRun {
   }
 
  private:
+  /// As rank 0 finds them: the others may already be writing.
+  [[nodiscard]] std::vector<std::uint64_t> find_missing() const {
+    std::vector<std::uint64_t> missing;
+    if (is_first(ranks_)) {
+      for (std::uint64_t f = plan_.first(); f <= plan_.last(); ++f)
+        if (!frames_.resume || !is_there(f)) missing.push_back(f);
+    }
+    if (ranks_ == nullptr) return missing;
+    std::uint64_t count = missing.size();
+    ranks_->broadcast(std::as_writable_bytes(std::span(&count, 1)));
+    missing.resize(count);
+    ranks_->broadcast(std::as_writable_bytes(std::span(missing)));
+    return missing;
+  }
+
+  /// A film takes its frames in their order.
+  [[nodiscard]] bool takes_a_frame_each() const {
+    const bool film = std::any_of(command_.pictures.begin(), command_.pictures.end(),
+                                  [](const std::string& path) { return has_ending(path, ".mp4"); });
+    return ranks_ != nullptr && !film && command_.share != Share::kRays &&
+           missing_.size() >= ranks_->size();
+  }
+
+  void open_targets() {
+    for (const std::string& path : command_.pictures) {
+      const std::string target = first_target(path);
+      if (has_ending(path, ".mp4")) start_film(path, target);
+    }
+    for (const std::string& path : {command_.stats_path, command_.heatmap_path})
+      if (!path.empty()) static_cast<void>(first_target(path));
+  }
+
   [[nodiscard]] bool is_there(std::uint64_t frame) const {
     std::vector<std::string> names = command_.pictures;
     names.push_back(command_.stats_path);
@@ -118,14 +151,33 @@ class FrameRun {
   }
 
   void make_frames() {
-    ProgressBar bar(stderr, !command_.quiet);
+    ProgressBar bar(stderr, !command_.quiet && is_first(ranks_));
     bar.update("frames", 0, missing_.size());
     renderer_.show(animation_.scene());
     settle_light();
-    for (const std::uint64_t frame : missing_) {
+    frame_ms_.assign(missing_.size(), 0);
+    // Frames before this one are made, or others are at them.
+    while (const std::optional<std::uint64_t> next = next_frame()) {
       stop_if_interrupted();
-      make_frame(frame);
-      bar.update("frames", ++made_, missing_.size());
+      make_frame(*next);
+      bar.update("frames", *next + 1, missing_.size());
+    }
+    if (frame_each_)
+      ranks_->combine(std::as_writable_bytes(std::span(frame_ms_)), sizeof(double), take_longer);
+  }
+
+  /// Its place in `missing_`.
+  std::optional<std::uint64_t> next_frame() {
+    if (frame_each_) return ranks_->take(missing_.size());
+    return made_ < missing_.size() ? std::optional(made_++) : std::nullopt;
+  }
+
+  static void take_longer(const std::byte* from, std::byte* into, std::size_t count) {
+    for (std::size_t at = 0; at < count * sizeof(double); at += sizeof(double)) {
+      double theirs = 0, ours = 0;
+      std::memcpy(&theirs, from + at, sizeof(double));
+      std::memcpy(&ours, into + at, sizeof(double));
+      if (theirs > ours) std::memcpy(into + at, &theirs, sizeof(double));
     }
   }
 
@@ -133,6 +185,18 @@ class FrameRun {
   /// So it does not flicker, and does not depend on which frames a run makes.
   void settle_light() {
     if (options_.exposure && options_.ambient) return;
+    if (frame_each_ && !is_first(ranks_)) {
+      options_.exposure.emplace();
+      options_.ambient.emplace();
+    } else {
+      find_light();
+    }
+    if (!frame_each_) return;
+    ranks_->broadcast(std::as_writable_bytes(std::span(&*options_.exposure, 1)));
+    ranks_->broadcast(std::as_writable_bytes(std::span(&*options_.ambient, 1)));
+  }
+
+  void find_light() {
     RenderOptions small = options_;
     small.width = std::max(1u, options_.width / 4);
     small.height = std::max(1u, options_.height / 4);
@@ -161,12 +225,14 @@ class FrameRun {
     return picture;
   }
 
-  void make_frame(std::uint64_t frame) {
+  void make_frame(std::uint64_t place) {
+    const std::uint64_t frame = missing_[place];
     const RenderResult picture = draw(frame, options_);
+    frame_ms_[place] = times_.render;
+    if (!frame_each_ && !is_first(ranks_)) return;
     Lap lap;
     write(frame, picture);
     times_.write = lap.ms();
-    frame_ms_.push_back(times_.render);
     if (command_.stats_path.empty()) return;
     write_text(frame_json(frame, plan_.time(animation_, frame), times_, renderer_.last_update(),
                           to_json(picture.statistics)),
@@ -195,6 +261,9 @@ class FrameRun {
       tell(fmt::format("{} frames, {}x{}, {}: {:.0f} ms a frame in the middle", frame_ms_.size(),
                        options_.width, options_.height, to_string(options_.method), *middle));
     }
+    if (ranks_ != nullptr)
+      tell(fmt::format("shared among {} ranks by {}", ranks_->size(),
+                       frame_each_ ? "frames" : "rays"));
     for (const std::string& path : command_.pictures) tell("wrote " + printable(path));
     if (!command_.heatmap_path.empty()) tell("wrote " + printable(command_.heatmap_path));
     if (!command_.stats_path.empty()) tell("wrote " + printable(command_.stats_path));
@@ -203,11 +272,13 @@ class FrameRun {
   const RenderCommand& command_;
   const FramesOptions& frames_;
   Animation& animation_;
+  Communicator* ranks_;
   FramePlan plan_;
   RenderOptions options_;
-  Renderer renderer_{Context({command_.device, command_.options.threads})};
-  std::vector<std::unique_ptr<Film>> films_;
   std::vector<std::uint64_t> missing_;
+  bool frame_each_;  ///< a process makes its frames alone
+  Renderer renderer_;
+  std::vector<std::unique_ptr<Film>> films_;
   std::uint64_t made_ = 0;
   FrameTimes times_;
   std::vector<double> frame_ms_;
@@ -223,8 +294,9 @@ bool wants_frames(const RenderCommand& command) {
   return has_frame_field(command.stats_path) || has_frame_field(command.heatmap_path);
 }
 
-void render_frames(const RenderCommand& command, Animation& animation) {
-  FrameRun(command, animation).run();
+void render_frames(const RenderCommand& command, Animation& animation,
+                   const std::shared_ptr<Communicator>& ranks) {
+  FrameRun(command, animation, ranks).run();
 }
 
 }  // namespace raysheaf::app

@@ -1,7 +1,10 @@
 // `render` over the frames of a scene that moves.
 #pragma once
 
+#include <memory>
+
 #include "options.h"
+#include "raysheaf/distributed.h"
 #include "render/frames.h"
 
 namespace raysheaf::app {
@@ -10,7 +13,10 @@ namespace raysheaf::app {
 [[nodiscard]] bool wants_frames(const RenderCommand& command);
 
 /// Makes the frames that the command asks for. Whatever is written is whole: a run that ends early
-/// leaves the frames before, and `--resume` makes the others.
-void render_frames(const RenderCommand& command, Animation& animation);
+/// leaves the frames before, and `--resume` makes the others. Processes make and write a frame each
+/// where there are enough frames; for films, and where the command says so, they share the rays of
+/// each, and rank 0 writes. `ranks`: null for one process.
+void render_frames(const RenderCommand& command, Animation& animation,
+                   const std::shared_ptr<Communicator>& ranks);
 
 }  // namespace raysheaf::app

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "raysheaf/block_file.h"
+#include "raysheaf/error.h"
 #include "scene_argument.h"
 #include "values.h"
 
@@ -22,6 +25,25 @@ std::unique_ptr<GeometrySource> open_blocks(const RenderCommand& command) {
   auto blocks = std::make_unique<BlockList>();
   blocks->set_scene(cut_into_blocks(scene, blocks.get()));
   return blocks;
+}
+
+std::unique_ptr<CheckpointFile> open_checkpoint(const RenderCommand& command,
+                                                const Communicator* ranks) {
+  if (!command.frames.resume) return nullptr;
+  std::vector<std::string> outputs = command.pictures;
+  for (const std::string& path : {command.heatmap_path, command.stats_path})
+    if (!path.empty()) outputs.push_back(path);
+  if (outputs.empty())
+    throw Error(ErrorCode::kInvalidArgument, "keeps what it needs beside an output: give -o",
+                "--resume");
+  std::string path = outputs.front();
+  if (ranks != nullptr) path += fmt::format(".{}-of-{}", ranks->rank(), ranks->size());
+  // A scene that was written anew is another one.
+  std::error_code none;
+  const auto size = std::filesystem::file_size(command.scene, none);
+  const auto written = std::filesystem::last_write_time(command.scene, none).time_since_epoch();
+  return std::make_unique<CheckpointFile>(
+      path + ".resume", fmt::format("{} {} {}", command.scene, size, written.count()));
 }
 
 std::string with_stream(std::string json, const StreamStatistics& s) {

@@ -5,6 +5,8 @@
 #include <string>
 
 #include "options.h"
+#include "raysheaf/checkpoint.h"
+#include "raysheaf/distributed.h"
 #include "raysheaf/stream.h"
 
 namespace raysheaf::app {
@@ -15,6 +17,12 @@ namespace raysheaf::app {
 
 /// Where the blocks of a streamed frame come from.
 [[nodiscard]] std::unique_ptr<GeometrySource> open_blocks(const RenderCommand& command);
+
+/// Where a streamed frame keeps what it has found, beside its first output: `hall.png.resume`, or
+/// `hall.png.1-of-4.resume` of rank 1. Null where the command does not ask for it. Throws `Error`
+/// (kInvalidArgument) where there is no output.
+[[nodiscard]] std::unique_ptr<CheckpointFile> open_checkpoint(const RenderCommand& command,
+                                                              const Communicator* ranks);
 
 /// Puts what was read and what was not into the JSON of a frame's statistics.
 [[nodiscard]] std::string with_stream(std::string json, const StreamStatistics& statistics);

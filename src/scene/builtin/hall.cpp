@@ -22,18 +22,19 @@ namespace {
 
 using builtin::HallPatch;
 
-constexpr float kLength = 40, kWidth = 20, kHeight = 10;  ///< metres, about the origin's floor
+constexpr float kHallLength = 40, kHallWidth = 20,
+                kHallHeight = 10;  ///< metres, about the origin's floor
 constexpr int kColumnsARow = 8, kBalls = 24;
 constexpr std::uint64_t kFewest = 4000, kMost = 200'000'000, kMostInBlocks = 2'000'000'000;
 
 void add_walls(std::vector<HallPatch>& patches) {
-  const float x = kLength / 2, z = kWidth / 2;
-  const Vec3 along{kLength, 0, 0}, across{0, 0, kWidth}, up{0, kHeight, 0};
+  const float x = kHallLength / 2, z = kHallWidth / 2;
+  const Vec3 along{kHallLength, 0, 0}, across{0, 0, kHallWidth}, up{0, kHallHeight, 0};
   const auto wall = [&](const char* name, Vec3 origin, Vec3 a, Vec3 b) {
     patches.push_back({HallPatch::Shape::kWall, origin, a, b, 0.35f, name});
   };
   wall("floor", {-x, 0, z}, along, across * -1.0f);
-  wall("ceiling", {-x, kHeight, -z}, along, across);
+  wall("ceiling", {-x, kHallHeight, -z}, along, across);
   wall("north", {-x, 0, -z}, along, up);
   wall("south", {x, 0, z}, along * -1.0f, up);
   wall("east", {x, 0, -z}, across, up);
@@ -43,11 +44,11 @@ void add_walls(std::vector<HallPatch>& patches) {
 void add_columns(std::vector<HallPatch>& patches) {
   for (int side = -1; side <= 1; side += 2) {
     for (int i = 0; i < kColumnsARow; ++i) {
-      const float step = kLength / kColumnsARow;
-      const Vec3 foot{-kLength / 2 + (static_cast<float>(i) + 0.5f) * step, 0,
-                      static_cast<float>(side) * 0.3f * kWidth};
+      const float step = kHallLength / kColumnsARow;
+      const Vec3 foot{-kHallLength / 2 + (static_cast<float>(i) + 0.5f) * step, 0,
+                      static_cast<float>(side) * 0.3f * kHallWidth};
       patches.push_back(
-          {HallPatch::Shape::kColumn, foot, {0.6f, 0, 0}, {0, kHeight, 0}, 0.3f, "column"});
+          {HallPatch::Shape::kColumn, foot, {0.6f, 0, 0}, {0, kHallHeight, 0}, 0.3f, "column"});
     }
   }
 }
@@ -56,9 +57,9 @@ void add_balls(std::vector<HallPatch>& patches) {
   builtin::Random random(10);
   for (int i = 0; i < kBalls; ++i) {
     const float radius = random.uniform(0.4f, 1.1f);
-    const float x = random.uniform(-0.42f, 0.36f) * kLength;
-    const float z = random.uniform(-0.22f, 0.22f) * kWidth;
-    const float y = i % 3 == 0 ? random.uniform(2, 0.7f * kHeight) : radius;
+    const float x = random.uniform(-0.42f, 0.36f) * kHallLength;
+    const float z = random.uniform(-0.22f, 0.22f) * kHallWidth;
+    const float y = i % 3 == 0 ? random.uniform(2, 0.7f * kHallHeight) : radius;
     patches.push_back({HallPatch::Shape::kBall, {x, y, z}, {radius, 0, 0}, {}, 0.4f, "ball"});
   }
 }
@@ -82,12 +83,13 @@ float cells_a_metre(const std::vector<HallPatch>& patches, std::uint64_t triangl
 void furnish(SceneDescription& scene) {
   Light lamp;
   lamp.name = "lamp";
-  lamp.position = {1.5f, 0.75f * kHeight, 0.4f};
+  lamp.position = {1.5f, 0.75f * kHallHeight, 0.4f};
   lamp.intensity = {600, 580, 540};
   scene.lights.push_back(lamp);
   Camera camera;
   camera.name = "from the east";
-  camera.to_world = look_at({0.44f * kLength, 0.4f * kHeight, 1.2f}, {-4, 2.6f, -0.6f}, {0, 1, 0});
+  camera.to_world =
+      look_at({0.44f * kHallLength, 0.4f * kHallHeight, 1.2f}, {-4, 2.6f, -0.6f}, {0, 1, 0});
   camera.z_near = 0.02f;
   scene.cameras.push_back(camera);
 }

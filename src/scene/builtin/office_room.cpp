@@ -9,7 +9,7 @@ namespace {
 
 constexpr float kWindowLeft = -0.7f, kWindowRight = 1.5f, kSill = 0.95f, kLintel = 2.35f;
 constexpr float kWallThickness = 0.25f;
-constexpr float kWidth = 2 * kRoomHalfWidth, kDepth = kRoomFront - kRoomBack;
+constexpr float kRoomWidth = 2 * kRoomHalfWidth, kRoomDepth = kRoomFront - kRoomBack;
 
 std::uint32_t plane(Stage& stage, std::string_view name, std::uint32_t material, Vec3 corner,
                     Vec3 u, Vec3 v) {
@@ -20,7 +20,7 @@ std::uint32_t plane(Stage& stage, std::string_view name, std::uint32_t material,
 }
 
 void build_floor_and_walls(Stage& stage, const OfficeMaterials& m) {
-  const Vec3 x{kWidth, 0, 0}, y{0, kRoomHeight, 0}, z{0, 0, kDepth};
+  const Vec3 x{kRoomWidth, 0, 0}, y{0, kRoomHeight, 0}, z{0, 0, kRoomDepth};
   const Vec3 left{-kRoomHalfWidth, 0, kRoomBack}, right{kRoomHalfWidth, 0, kRoomBack};
   stage.place(plane(stage, "floor", m.floor, left + z, x, -z), {}, "floor");
   stage.place(plane(stage, "ceiling", m.ceiling, left + y, x, z), {}, "ceiling");
@@ -104,10 +104,10 @@ void build_skirting(Stage& stage, const OfficeMaterials& m) {
     stage.place(mesh, compose(placed(middle, degrees), scaling({size, 1, 1})), "skirting board");
   };
   const float z = (kRoomBack + kRoomFront) / 2;
-  along({0, 0, kRoomBack}, 0, kWidth);
-  along({0, 0, kRoomFront}, 180, kWidth);
-  along({-kRoomHalfWidth, 0, z}, 90, kDepth);
-  along({kRoomHalfWidth, 0, z}, -90, kDepth);
+  along({0, 0, kRoomBack}, 0, kRoomWidth);
+  along({0, 0, kRoomFront}, 180, kRoomWidth);
+  along({-kRoomHalfWidth, 0, z}, 90, kRoomDepth);
+  along({kRoomHalfWidth, 0, z}, -90, kRoomDepth);
 }
 
 void build_radiator(Stage& stage, const OfficeMaterials& m) {

@@ -6,9 +6,9 @@
 namespace raysheaf::builtin {
 namespace {
 
-constexpr float kWidth = 1.2f, kHeight = 2.1f, kDepth = 0.3f, kBoard = 0.022f;
+constexpr float kShelfWidth = 1.2f, kShelfHeight = 2.1f, kShelfDepth = 0.3f, kShelfBoard = 0.022f;
 constexpr int kShelves = 5;
-constexpr float kShelfPitch = (kHeight - 0.1f - kBoard) / kShelves;
+constexpr float kShelfPitch = (kShelfHeight - 0.1f - kShelfBoard) / kShelves;
 
 struct Binding {
   std::uint32_t cover, bands;
@@ -54,10 +54,10 @@ std::uint32_t book(Stage& stage, const OfficeMaterials& m, const Binding& bindin
 std::uint32_t carcass(Stage& stage, const OfficeMaterials& m) {
   MeshBuilder builder("bookshelf carcass");
   builder.use(m.walnut);
-  const float x = kWidth / 2;
-  add_rounded_box(builder, {-x - kBoard, 0, 0}, {-x, kHeight, kDepth}, 0.003f);
-  add_rounded_box(builder, {x, 0, 0}, {x + kBoard, kHeight, kDepth}, 0.003f);
-  add_box(builder, {-x, 0.03f, 0.004f}, {x, kHeight - 0.01f, 0.012f});
+  const float x = kShelfWidth / 2;
+  add_rounded_box(builder, {-x - kShelfBoard, 0, 0}, {-x, kShelfHeight, kShelfDepth}, 0.003f);
+  add_rounded_box(builder, {x, 0, 0}, {x + kShelfBoard, kShelfHeight, kShelfDepth}, 0.003f);
+  add_box(builder, {-x, 0.03f, 0.004f}, {x, kShelfHeight - 0.01f, 0.012f});
   add_box(builder, {-x, 0, 0.25f}, {x, 0.08f, 0.265f});
   return stage.add(builder.take());
 }
@@ -65,8 +65,8 @@ std::uint32_t carcass(Stage& stage, const OfficeMaterials& m) {
 std::uint32_t shelf_board(Stage& stage, const OfficeMaterials& m) {
   MeshBuilder builder("shelf board");
   builder.use(m.walnut);
-  add_rounded_box(builder, {-kWidth / 2 - 0.001f, 0, 0.01f},
-                  {kWidth / 2 + 0.001f, kBoard, kDepth - 0.004f}, 0.003f);
+  add_rounded_box(builder, {-kShelfWidth / 2 - 0.001f, 0, 0.01f},
+                  {kShelfWidth / 2 + 0.001f, kShelfBoard, kShelfDepth - 0.004f}, 0.003f);
   return stage.add(builder.take());
 }
 
@@ -84,7 +84,7 @@ void fill_row(Kit& kit, Random& random, const std::vector<std::uint32_t>& books,
     const Vec3 size{random.uniform(0.02f, 0.052f), usual_height + random.uniform(-0.04f, 0.04f),
                     random.uniform(0.15f, 0.2f)};
     const bool last = x + size.x > until - 0.12f;
-    const float z = kDepth - 0.03f - size.z / 2 - random.uniform(0, 0.012f);
+    const float z = kShelfDepth - 0.03f - size.z / 2 - random.uniform(0, 0.012f);
     const auto mesh = books[random.index(static_cast<std::uint32_t>(books.size()))];
     const float lean = last ? 15.0f : 0.0f;
     const float foot = x + size.x / 2 + (last ? 0.27f * size.y + 0.002f : 0);
@@ -112,8 +112,8 @@ Kit bookshelf(Stage& stage, const OfficeMaterials& m, const std::vector<std::uin
     const float y = 0.08f + kShelfPitch * static_cast<float>(i);
     kit.parts.push_back({board, translation({0, y, 0})});
     if (i == kShelves) break;
-    const float left = -kWidth / 2 + 0.01f, right = kWidth / 2 - 0.01f;
-    fill_row(kit, random, books, y + kBoard, left,
+    const float left = -kShelfWidth / 2 + 0.01f, right = kShelfWidth / 2 - 0.01f;
+    fill_row(kit, random, books, y + kShelfBoard, left,
              left + random.uniform(0.6f, 1.0f) * (right - left));
   }
   return kit;

@@ -1,0 +1,22 @@
+# MPI, where RAYSHEAF_MPI wants it and there is one: sets RAYSHEAF_HAS_MPI. Its C library: the C++
+# bindings are gone from the standard.
+set(RAYSHEAF_HAS_MPI OFF)
+if(NOT RAYSHEAF_MPI)
+  return()
+endif()
+
+include(CheckLanguage)
+check_language(C)
+if(CMAKE_C_COMPILER)
+  enable_language(C)
+  find_package(MPI QUIET COMPONENTS C)  # libopenmpi-dev
+endif()
+if(NOT MPI_C_FOUND)
+  if(NOT RAYSHEAF_MPI STREQUAL "AUTO")
+    message(FATAL_ERROR "RAYSHEAF_MPI is ${RAYSHEAF_MPI}, but there is no MPI for C: install libopenmpi-dev, "
+      "or name the compiler of another one in MPI_C_COMPILER")
+  endif()
+  message(STATUS "MPI not found: `mpirun raysheaf render` is left out")
+  return()
+endif()
+set(RAYSHEAF_HAS_MPI ON)

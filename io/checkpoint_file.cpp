@@ -1,0 +1,182 @@
+// A log of what batches have found, one record behind the other:
+//
+//   head: key of the batch, bytes of its answers, blocks, checksum | answers | a byte a block
+//
+// The record of a batch that is not done is written over by the next one; whole ones stay.
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <optional>
+#include <vector>
+
+#include "io/block_format.h"
+#include "raysheaf/checkpoint.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct RecordHead {
+  std::uint64_t key, answer_bytes, blocks, whole, checksum;  ///< the last one: of what follows
+};
+
+struct Record {
+  RecordHead head;
+  std::uint64_t offset;  ///< of what follows the head
+};
+
+std::span<const std::uint8_t> as_uint8(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
+}
+
+}  // namespace
+
+struct CheckpointFile::Impl {
+  std::string path, subject;
+  double seconds = 1;
+  int file = -1;
+  std::uint64_t end = 0;  ///< of the records that stay
+  std::vector<Record> records;
+  Clock::time_point last = Clock::now();
+  double wait = 0;                     ///< seconds until the next
+  std::optional<std::uint32_t> begun;  ///< the batch that was written last
+
+  [[noreturn]] void fail(const char* verb) const { throw io::system_error(verb, path, errno); }
+
+  void open() {
+    file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (file < 0) fail("opened");
+  }
+  bool read(std::uint64_t offset, void* out, std::uint64_t size) const {
+    auto* to = static_cast<char*>(out);
+    while (size > 0) {
+      const ssize_t got = ::pread(file, to, size, static_cast<off_t>(offset));
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) fail("read");
+      if (got == 0) return false;
+      to += got;
+      offset += static_cast<std::uint64_t>(got);
+      size -= static_cast<std::uint64_t>(got);
+    }
+    return true;
+  }
+  void write(std::uint64_t offset, const void* from, std::uint64_t size) const {
+    const auto* at = static_cast<const char*>(from);
+    while (size > 0) {
+      const ssize_t put = ::pwrite(file, at, size, static_cast<off_t>(offset));
+      if (put < 0 && errno == EINTR) continue;
+      if (put < 0) fail("written");
+      at += put;
+      offset += static_cast<std::uint64_t>(put);
+      size -= static_cast<std::uint64_t>(put);
+    }
+  }
+
+  /// Where records are, as far as their heads go.
+  void find_records() {
+    const off_t size = ::lseek(file, 0, SEEK_END);
+    if (size < 0) fail("read");
+    const auto bytes = static_cast<std::uint64_t>(size);
+    Record record{};
+    for (std::uint64_t at = 0; read(at, &record.head, sizeof(RecordHead));) {
+      record.offset = at + sizeof(RecordHead);
+      const std::uint64_t room = bytes - record.offset;
+      if (record.head.answer_bytes > room || record.head.blocks > room - record.head.answer_bytes)
+        break;
+      records.push_back(record);
+      if (record.head.whole == 0) break;
+      at = end = record.offset + record.head.answer_bytes + record.head.blocks;
+    }
+  }
+
+  [[nodiscard]] std::uint64_t key_of(const StreamBatch& batch) const {
+    std::vector<std::uint64_t> parts = {batch.number,
+                                        batch.question,
+                                        batch.part,
+                                        batch.parts,
+                                        io::checksum(io::as_bytes(subject)),
+                                        io::checksum(as_uint8(std::as_bytes(batch.rays)))};
+    for (const BlockInfo& block : batch.blocks) {
+      parts.push_back(io::checksum(io::bytes_of(block.bounds)));
+      parts.insert(parts.end(), {block.triangles, block.geometry_bytes, block.shading_bytes});
+    }
+    return io::checksum(as_uint8(std::as_bytes(std::span(parts))));
+  }
+
+  [[nodiscard]] bool is_whole(std::uint64_t key) const {
+    return std::any_of(records.begin(), records.end(), [key](const Record& record) {
+      return record.head.key == key && record.head.whole != 0;
+    });
+  }
+};
+
+CheckpointFile::CheckpointFile(std::string path, std::string subject, double seconds)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->path = std::move(path);
+  impl_->subject = std::move(subject);
+  impl_->seconds = impl_->wait = seconds;
+  impl_->open();
+  try {
+    impl_->find_records();
+  } catch (...) {
+    ::close(impl_->file);
+    throw;
+  }
+}
+
+CheckpointFile::~CheckpointFile() {
+  ::close(impl_->file);
+}
+
+bool CheckpointFile::restore(const StreamBatch& batch, std::span<std::byte> answers,
+                             std::span<std::uint8_t> done) {
+  const std::uint64_t key = impl_->key_of(batch);
+  const auto found =
+      std::find_if(impl_->records.begin(), impl_->records.end(), [&](const Record& record) {
+        return record.head.key == key && record.head.answer_bytes == answers.size() &&
+               record.head.blocks == done.size();
+      });
+  if (found == impl_->records.end()) return false;
+  std::vector<std::uint8_t> bytes(answers.size() + done.size());
+  if (!impl_->read(found->offset, bytes.data(), bytes.size()) ||
+      io::checksum(bytes) != found->head.checksum)
+    return false;
+  std::memcpy(answers.data(), bytes.data(), answers.size());
+  std::memcpy(done.data(), bytes.data() + answers.size(), done.size());
+  return true;
+}
+
+void CheckpointFile::keep(const StreamBatch& batch, std::span<const std::byte> answers,
+                          std::span<const std::uint8_t> done, bool whole) {
+  const Clock::time_point start = Clock::now();
+  const std::chrono::duration<double> since = start - impl_->last;
+  // What was begun is ended: the next batch writes over what is not whole.
+  if (since.count() < impl_->wait && !(whole && impl_->begun == batch.number)) return;
+  const std::uint64_t key = impl_->key_of(batch);
+  if (impl_->is_whole(key)) return;
+  std::vector<std::uint8_t> bytes(answers.size() + done.size());
+  std::memcpy(bytes.data(), answers.data(), answers.size());
+  std::memcpy(bytes.data() + answers.size(), done.data(), done.size());
+  const RecordHead head{key, answers.size(), done.size(), whole ? 1u : 0u, io::checksum(bytes)};
+  impl_->write(impl_->end + sizeof head, bytes.data(), bytes.size());
+  impl_->write(impl_->end, &head, sizeof head);
+  const std::uint64_t end = impl_->end + sizeof head + bytes.size();
+  if (::ftruncate(impl_->file, static_cast<off_t>(end)) != 0) impl_->fail("written");
+  if (whole) impl_->end = end;
+  impl_->begun = batch.number;
+  impl_->last = Clock::now();
+  const std::chrono::duration<double> took = impl_->last - start;
+  impl_->wait = std::max(impl_->seconds, 50 * took.count());
+}
+
+void CheckpointFile::remove() {
+  ::unlink(impl_->path.c_str());
+}
+
+}  // namespace raysheaf

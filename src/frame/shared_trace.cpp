@@ -1,0 +1,121 @@
+#include "frame/shared_trace.h"
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+#include <utility>
+
+namespace raysheaf {
+namespace {
+
+RayBatch piece_of(const RayBatch& batch, std::size_t begin, std::size_t end) {
+  const auto cut = [&](const auto& column) {
+    if (column.empty()) return column;
+    return std::decay_t<decltype(column)>(column.begin() + static_cast<std::ptrdiff_t>(begin),
+                                          column.begin() + static_cast<std::ptrdiff_t>(end));
+  };
+  RayBatch piece;
+  piece.kind = batch.kind;
+  piece.bounce = batch.bounce;
+  piece.key_bits = batch.key_bits;
+  piece.width = batch.width;
+  piece.slots = cut(batch.slots);
+  piece.rays = cut(batch.rays);
+  piece.keys = cut(batch.keys);
+  piece.pixels = cut(batch.pixels);
+  piece.lights = cut(batch.lights);
+  piece.places = cut(batch.places);
+  return piece;
+}
+
+constexpr std::uint64_t BatchStatistics::*kBatchCounts[] = {
+    &BatchStatistics::chunks, &BatchStatistics::mesh_sphere_tests, &BatchStatistics::bound_tests,
+    &BatchStatistics::ray_bound_tests, &BatchStatistics::final_tests};
+
+/// More than any hierarchy has.
+constexpr std::uint32_t kMostLevels = 64;
+
+/// Counts as a row of numbers, which stand at the same places in every process.
+std::vector<std::uint64_t> numbers_of(const BatchStatistics& batch) {
+  std::vector<std::uint64_t> numbers;
+  for (const auto field : kBatchCounts) numbers.push_back(batch.*field);
+  const std::size_t first = numbers.size();
+  numbers.resize(first + 2 * kMostLevels);
+  for (const LevelStatistics& level : batch.levels) {
+    const std::size_t place = first + 2 * std::size_t{(level.level - 1) % kMostLevels};
+    numbers[place] += level.tests;
+    numbers[place + 1] += level.hits;
+  }
+  return numbers;
+}
+
+void set_numbers(const std::vector<std::uint64_t>& numbers, BatchStatistics* batch) {
+  std::size_t next = 0;
+  for (const auto field : kBatchCounts) batch->*field = numbers[next++];
+  batch->levels.clear();
+  for (std::uint32_t l = kMostLevels; l >= 1; --l) {
+    const LevelStatistics level{l, numbers[next + 2 * (l - 1)], numbers[next + 2 * (l - 1) + 1]};
+    if (level.tests > 0 || !batch->levels.empty()) batch->levels.push_back(level);
+  }
+}
+
+void add_times(const StageTimes& more, StageTimes* sum) {
+  for (const auto field : {&StageTimes::raygen, &StageTimes::order, &StageTimes::hierarchy,
+                           &StageTimes::traverse, &StageTimes::intersect})
+    sum->*field += more.*field;
+}
+
+/// Adds the counts of all processes, and what else this one has.
+void add_up(Communicator& ranks, BatchStatistics own, BatchStatistics* statistics) {
+  std::vector<std::uint64_t> numbers = numbers_of(own);
+  add(ranks, numbers);
+  const std::vector<std::uint64_t> before = numbers_of(*statistics);
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] += before[i];
+  set_numbers(numbers, statistics);
+  add_times(own.times_ms, &statistics->times_ms);
+  std::move(own.plan.begin(), own.plan.end(), std::back_inserter(statistics->plan));
+  std::move(own.bundles.begin(), own.bundles.end(), std::back_inserter(statistics->bundles));
+}
+
+}  // namespace
+
+bool is_shared(const Communicator* ranks, const RayBatch& batch) {
+  return ranks != nullptr && ranks->size() > 1 &&
+         pieces_of(batch.rays.size(), ranks->size()).number() > 1;
+}
+
+std::vector<RayHit> trace_shared(Communicator& ranks, const RayBatch& batch,
+                                 BatchStatistics* statistics, View<float> ray_tests,
+                                 ProgressMeter* meter, const TracePiece& trace) {
+  const Pieces pieces = pieces_of(batch.rays.size(), ranks.size());
+  meter->begin(std::string(to_string(batch.kind)) + " rays, bounce " +
+                   std::to_string(batch.bounce) + ", of all ranks",
+               batch.rays.size());
+  // What is not traced here stays zero: all bits together are everyone's.
+  std::vector<RayHit> hits(batch.rays.size(), RayHit{0, 0});
+  std::vector<float> tests(ray_tests.size);
+  BatchStatistics own;
+  std::size_t made = 0, done = 0, first_plan = 0;
+  share_out(ranks, pieces, [&](std::size_t begin, std::size_t end) {
+    ProgressMeter quiet;
+    const View<float> piece_tests =
+        View<float>(tests).slice(tests.empty() ? 0 : begin, tests.empty() ? 0 : end - begin);
+    const std::vector<RayHit> found = trace(piece_of(batch, begin, end), &own, piece_tests, &quiet);
+    std::copy(found.begin(), found.end(), hits.begin() + static_cast<std::ptrdiff_t>(begin));
+    // Pieces are taken in order: those before this one are with others, or done.
+    meter->advance(end - std::exchange(done, end));
+    // The plan of a batch is that of its first piece here.
+    if (++made == 1) first_plan = own.plan.size();
+    own.plan.resize(first_plan);
+  });
+  unite(ranks, std::span(hits));
+  if (!tests.empty()) unite(ranks, std::span(tests));
+  for (std::size_t i = 0; i < tests.size(); ++i) ray_tests[i] += tests[i];
+  own.plan.push_back(std::to_string(made) + " of " + std::to_string(pieces.number()) +
+                     " pieces of the batch were traced here, on rank " +
+                     std::to_string(ranks.rank()) + " of " + std::to_string(ranks.size()));
+  add_up(ranks, std::move(own), statistics);
+  return hits;
+}
+
+}  // namespace raysheaf

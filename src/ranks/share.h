@@ -1,0 +1,41 @@
+// What processes do together (raysheaf/distributed.h), in the words of those who share work.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <type_traits>
+
+#include "raysheaf/distributed.h"
+
+namespace raysheaf {
+
+/// The pieces that [0, count) is cut into: few enough that each is worth a batch, many enough that
+/// nobody waits long for the last one.
+struct Pieces {
+  std::size_t count = 0, size = 1;
+
+  [[nodiscard]] std::size_t number() const { return (count + size - 1) / size; }
+};
+[[nodiscard]] Pieces pieces_of(std::size_t count, std::uint32_t ranks);
+
+/// Calls `work(begin, end)` for the pieces that this process gets; all of them together get each
+/// piece once. A collective call must follow.
+void share_out(Communicator& ranks, const Pieces& pieces,
+               const std::function<void(std::size_t begin, std::size_t end)>& work);
+
+/// Bitwise or: of arrays that are zero wherever another process's are not.
+void unite(Communicator& ranks, std::span<std::byte> bytes);
+template <class T>
+void unite(Communicator& ranks, std::span<T> elements) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  unite(ranks, std::as_writable_bytes(elements));
+}
+
+/// Sums.
+void add(Communicator& ranks, std::span<std::uint64_t> counts);
+void add(Communicator& ranks, std::span<double> sums);
+void add(Communicator& ranks, std::span<float> sums);
+
+}  // namespace raysheaf

@@ -1,0 +1,39 @@
+// What a batch of rays that blocks stream past keeps for a later run.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "raysheaf/checkpoint.h"
+
+namespace raysheaf {
+
+/// Does nothing where `file` is null. `answers` are the batch's, as they become.
+class BatchCheckpoint {
+ public:
+  BatchCheckpoint(const StreamBatch& batch, StreamCheckpoint* file, std::span<std::byte> answers)
+      : batch_(batch),
+        file_(file),
+        answers_(answers),
+        done_(file != nullptr ? batch.blocks.size() : 0) {}
+
+  /// Whether there were answers.
+  bool restore() { return file_ != nullptr && file_->restore(batch_, answers_, done_); }
+  [[nodiscard]] bool is_done(std::size_t block) const {
+    return !done_.empty() && done_[block] != 0;
+  }
+  void keep(const std::vector<std::uint32_t>& round, bool last) {
+    if (file_ == nullptr) return;
+    for (const std::uint32_t block : round) done_[block] = 1;
+    if (last) std::fill(done_.begin(), done_.end(), std::uint8_t{1});
+    file_->keep(batch_, answers_, done_, last);
+  }
+
+ private:
+  StreamBatch batch_;
+  StreamCheckpoint* file_;
+  std::span<std::byte> answers_;
+  std::vector<std::uint8_t> done_;  ///< of each block
+};
+
+}  // namespace raysheaf

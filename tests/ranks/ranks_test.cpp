@@ -1,0 +1,178 @@
+// Processes that share rays or geometry: the same bits as one, whoever does what, and one's failure
+// is everyone's. The processes are threads here; tests/app/mpi_test.cpp starts real ones.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <numeric>
+
+#include "ranks/share.h"
+#include "raysheaf/builtin_scenes.h"
+#include "raysheaf/query.h"
+#include "raysheaf/render_on_context.h"
+#include "raysheaf/stream.h"
+#include "tests/support/random.h"
+#include "tests/support/thread_ranks.h"
+
+namespace raysheaf::test {
+namespace {
+
+const std::vector<std::string> kNoErrors(3);
+
+TEST(Ranks, CombineAndHearRankZero) {
+  const auto errors = run_ranks(3, [](const auto& ranks) {
+    std::vector<std::uint64_t> sums{ranks->rank() + 1, 10};
+    add(*ranks, sums);
+    EXPECT_EQ(sums, (std::vector<std::uint64_t>{6, 30}));
+    std::vector<std::uint8_t> bits(3);
+    bits[ranks->rank()] = 7;
+    unite(*ranks, std::span(bits));
+    EXPECT_EQ(bits, (std::vector<std::uint8_t>{7, 7, 7}));
+    std::uint32_t word = ranks->rank() + 5;
+    ranks->broadcast(std::as_writable_bytes(std::span(&word, 1)));
+    EXPECT_EQ(word, 5u);
+  });
+  EXPECT_EQ(errors, kNoErrors);
+}
+
+TEST(Ranks, TakeEachPieceOnceAndAgain) {
+  const auto errors = run_ranks(3, [](const auto& ranks) {
+    for (const std::size_t count : {0u, 1u, 100'000u, 8192u, 5u}) {
+      std::vector<std::uint64_t> times(count);
+      share_out(*ranks, pieces_of(count, ranks->size()), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) ++times[i];
+      });
+      add(*ranks, times);
+      EXPECT_EQ(times, std::vector<std::uint64_t>(count, 1));
+    }
+  });
+  EXPECT_EQ(errors, kNoErrors);
+}
+
+TEST(Ranks, OneFailureIsEveryones) {
+  for (std::uint32_t who = 0; who < 3; ++who) {
+    const auto errors = run_ranks(3, [who](const auto& ranks) {
+      if (ranks->rank() == who) throw Error(ErrorCode::kIo, "cannot be read", "block 3");
+      share_out(*ranks, pieces_of(1'000'000'000, 3), [](std::size_t, std::size_t) {});
+      ranks->combine({}, 1, nullptr);
+      ADD_FAILURE() << "nobody was told";
+    });
+    const std::string sentence = "rank " + std::to_string(who) + ": block 3: cannot be read";
+    EXPECT_EQ(errors, std::vector<std::string>(3, sentence));
+  }
+}
+
+RenderOptions small_frame(Method method) {
+  RenderOptions options;
+  options.width = 192;
+  options.height = 128;
+  options.primary = Primary::kTrace;
+  options.method = method;
+  options.threads = 1;
+  options.count_pixel_tests = true;
+  return options;
+}
+
+bool same_picture(const RenderResult& a, const RenderResult& b) {
+  const auto same = [](const auto& x, const auto& y) {
+    return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(x[0])) == 0;
+  };
+  return same(a.beauty, b.beauty) && same(a.normal, b.normal) && same(a.shadow, b.shadow) &&
+         same(a.ids, b.ids) && a.exposure == b.exposure;
+}
+
+TEST(Ranks, PicturesByRaysHaveTheSameBits) {
+  const SceneDescription scene = builtin_scene("cornell");
+  for (const Method method : {Method::kDual, Method::kCrsh, Method::kGl10}) {
+    const RenderOptions options = small_frame(method);
+    const RenderResult alone = render(scene, options);
+    const auto errors = run_ranks(3, [&](const auto& ranks) {
+      const RenderResult shared = render(distributed({Device::kCpu, 1}, ranks), scene, options);
+      EXPECT_TRUE(same_picture(shared, alone)) << to_string(method);
+      ASSERT_EQ(shared.statistics.batches.size(), alone.statistics.batches.size());
+      for (std::size_t i = 0; i < alone.statistics.batches.size(); ++i) {
+        const BatchStatistics &a = shared.statistics.batches[i], &b = alone.statistics.batches[i];
+        EXPECT_EQ(a.rays, b.rays);
+        EXPECT_EQ(a.hits, b.hits);
+        EXPECT_EQ(a.levels.size(), b.levels.size());
+        EXPECT_GT(a.total_tests(), 0u);
+      }
+      const float tests = std::accumulate(shared.tests.begin(), shared.tests.end(), 0.0f);
+      EXPECT_GT(tests, 0);
+    });
+    EXPECT_EQ(errors, kNoErrors) << to_string(method);
+  }
+}
+
+TEST(Ranks, PicturesByGeometryHaveTheSameBits) {
+  const SceneDescription scene = builtin_scene("cornell");
+  BlockList blocks;
+  blocks.set_scene(cut_into_blocks(scene, &blocks, 100));
+  const RenderOptions options = small_frame(Method::kDual);
+  StreamStatistics of_one;
+  StreamOptions stream;
+  stream.statistics = &of_one;
+  const RenderResult alone = render(blocks, options, stream);
+  const auto errors = run_ranks(3, [&](const auto& ranks) {
+    const std::unique_ptr<HitExchange> exchange = make_hit_exchange(*ranks);
+    StreamStatistics of_all;
+    StreamOptions part;
+    part.part = ranks->rank();
+    part.parts = ranks->size();
+    part.exchange = exchange.get();
+    part.statistics = &of_all;
+    const RenderResult shared = render(blocks, options, part);
+    EXPECT_TRUE(same_picture(shared, alone));
+    EXPECT_EQ(of_all.blocks, of_one.blocks);
+    EXPECT_EQ(of_all.blocks, of_all.culled_blocks + of_all.hidden_blocks + of_all.read_blocks);
+    std::uint64_t tests = 0;
+    for (const BatchStatistics& batch : shared.statistics.batches) tests += batch.total_tests();
+    std::vector<std::uint64_t> sum{tests};
+    add(*ranks, sum);
+    EXPECT_EQ(sum[0], 3 * tests) << "the counts of all are everyone's";
+  });
+  EXPECT_EQ(errors, kNoErrors);
+}
+
+std::vector<Ray> rays_into_cornell(std::size_t count) {
+  Random random(7);
+  std::vector<Ray> rays(count);
+  for (Ray& ray : rays) {
+    ray.origin = random.in_box(1);
+    ray.direction = random.direction();
+  }
+  return rays;
+}
+
+TEST(Ranks, QueriesHaveTheSameBits) {
+  const SceneDescription description = builtin_scene("cornell");
+  const std::vector<Ray> rays = rays_into_cornell(30'000);
+  const auto filled = [&](const Context& context) {
+    Scene scene(context);
+    for (const Mesh& mesh : description.meshes) scene.add(mesh.positions, mesh.triangles);
+    scene.commit();
+    return scene;
+  };
+  const Scene own = filled(Context({Device::kCpu, 1}));
+  const std::vector<Hit> hits = closest_hit(own, rays);
+  const std::vector<std::uint8_t> occluded = any_hit(own, rays);
+  const auto errors = run_ranks(3, [&](const auto& ranks) {
+    const Scene scene = filled(distributed({Device::kCpu, 1}, ranks));
+    QueryStatistics statistics;
+    QueryOptions options;
+    options.count_tests = true;
+    options.statistics = &statistics;
+    const std::vector<Hit> shared = closest_hit(scene, rays, options);
+    EXPECT_EQ(std::memcmp(shared.data(), hits.data(), hits.size() * sizeof(Hit)), 0);
+    EXPECT_EQ(statistics.rays, rays.size());
+    EXPECT_GT(statistics.tests(), rays.size());
+    EXPECT_EQ(any_hit(scene, rays), occluded);
+    std::vector<Ray> wrong = rays;
+    wrong[29'999].direction = {};
+    static_cast<void>(closest_hit(scene, wrong));
+  });
+  for (const std::string& error : errors)
+    EXPECT_NE(error.find("rays[29999]"), std::string::npos) << error;
+}
+
+}  // namespace
+}  // namespace raysheaf::test

@@ -1,0 +1,116 @@
+// Streamed batches that are stopped and go on: the same bits, whatever became of the file.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "raysheaf/builtin_scenes.h"
+#include "raysheaf/checkpoint.h"
+#include "raysheaf/error.h"
+#include "tests/support/process.h"
+#include "tests/support/random.h"
+
+namespace raysheaf::test {
+namespace {
+
+class Checkpoint : public ::testing::Test {
+ protected:
+  Checkpoint() {
+    blocks_.set_scene(cut_into_blocks(builtin_scene("office"), &blocks_, 60));
+    Random random(3);
+    rays_.resize(2000);
+    for (Ray& ray : rays_) {
+      ray.origin = random.in_box(1);
+      ray.direction = random.direction();
+    }
+    expected_.resize(rays_.size());
+    closest_hit(blocks_, rays_, expected_);
+    occluded_.resize(rays_.size());
+    any_hit(blocks_, rays_, occluded_);
+  }
+
+  /// One that may stop after `calls` of its progress. Bytes that it read; 0 where it was stopped.
+  std::uint64_t run(int calls, const std::vector<Ray>& rays) {
+    CheckpointFile file(folder_.file("kept"), "office", 0);
+    StreamStatistics statistics;
+    StreamOptions options;
+    options.memory_bytes = 96u << 20;
+    options.threads = 1;
+    options.checkpoint = &file;
+    options.statistics = &statistics;
+    options.progress = [&calls](const Progress&) { return calls-- != 0; };
+    std::vector<Hit> hits(rays.size());
+    try {
+      closest_hit(blocks_, rays, hits, options);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kCancelled) << error.what();
+      return 0;
+    }
+    if (rays.data() == rays_.data()) {
+      EXPECT_EQ(std::memcmp(hits.data(), expected_.data(), hits.size() * sizeof(Hit)), 0);
+    }
+    return statistics.read_bytes + 1;
+  }
+
+  BlockList blocks_;
+  std::vector<Ray> rays_;
+  std::vector<Hit> expected_;
+  std::vector<std::uint8_t> occluded_;
+  TemporaryFolder folder_;
+};
+
+TEST_F(Checkpoint, WhatWasStoppedGoesOn) {
+  const std::uint64_t all = run(-1, rays_);
+  std::filesystem::remove(folder_.file("kept"));
+  int stops = 0;
+  std::uint64_t read = 0;
+  for (int calls = 20; (read = run(calls, rays_)) == 0 && stops < 100; calls += 10) ++stops;
+  EXPECT_GT(stops, 1);
+  EXPECT_GT(read, 0u);
+  EXPECT_LT(read, all);
+  EXPECT_EQ(run(-1, rays_), 1u) << "a batch that is done reads nothing";
+}
+
+TEST_F(Checkpoint, AFileThatIsWrongIsPassedOver) {
+  const std::uint64_t all = run(-1, rays_);
+  const std::string good = read_file(folder_.file("kept"));
+  for (const std::size_t size :
+       {std::size_t{0}, std::size_t{7}, std::size_t{50}, good.size() - 1}) {
+    write_file(folder_.file("kept"), good.substr(0, size));
+    EXPECT_EQ(run(-1, rays_), all) << size;
+  }
+  for (const std::size_t at : {std::size_t{3}, std::size_t{12}, std::size_t{60}, good.size() - 2}) {
+    std::string bad = good;
+    bad[at] = static_cast<char>(bad[at] ^ 16);
+    write_file(folder_.file("kept"), bad);
+    EXPECT_EQ(run(-1, rays_), all) << at;
+  }
+  write_file(folder_.file("kept"), good);
+  std::vector<Ray> others = rays_;
+  others[7].t_min = 0.25f;
+  EXPECT_GT(run(-1, others), 1u) << "other rays are another batch";
+}
+
+TEST_F(Checkpoint, PartsAndOcclusionToo) {
+  for (int time = 0; time < 2; ++time) {
+    CheckpointFile file(folder_.file("kept"), "office", 0);
+    StreamStatistics statistics;
+    StreamOptions options;
+    options.checkpoint = &file;
+    options.statistics = &statistics;
+    std::vector<std::uint8_t> occluded(rays_.size());
+    any_hit(blocks_, rays_, occluded, options);
+    EXPECT_EQ(occluded, occluded_);
+    EXPECT_EQ(statistics.read_blocks == 0, time == 1);
+    options.part = 1;
+    options.parts = 2;
+    statistics = {};
+    any_hit(blocks_, rays_, occluded, options);
+    EXPECT_EQ(statistics.read_blocks == 0, time == 1);
+    EXPECT_NE(occluded, occluded_);
+    if (time == 1) file.remove();
+  }
+  EXPECT_EQ(folder_.names().size(), 0u);
+}
+
+}  // namespace
+}  // namespace raysheaf::test
