@@ -83,7 +83,7 @@ struct Freed {
 };
 
 std::string taken_message(const char* message) {
-  const std::string text = message == nullptr ? "it is damaged" : message;
+  std::string text = message == nullptr ? "it is damaged" : message;
   if (message != nullptr) FreeEXRErrorMessage(message);
   return text;
 }

@@ -54,7 +54,7 @@ std::string find_ffmpeg(const std::string& output) {
   const char* path = std::getenv("PATH");
   std::istringstream folders(path == nullptr ? "" : path);
   for (std::string folder; std::getline(folders, folder, ':');) {
-    const std::string program = (folder.empty() ? "." : folder) + "/ffmpeg";
+    std::string program = (folder.empty() ? "." : folder) + "/ffmpeg";
     if (access(program.c_str(), X_OK) == 0) return program;
   }
   throw Error(ErrorCode::kUnsupported,
