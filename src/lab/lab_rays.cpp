@@ -81,8 +81,9 @@ RayBatch make_occlusion_rays(const Executor& executor, View<const Fragment> frag
   const auto direction = [&](const Fragment& f, std::uint32_t slot) {
     const auto sample = static_cast<std::uint32_t>(slot / fragments.size);
     const std::uint32_t first = hashed(f.pixel * kOcclusionRays + sample), second = hashed(first);
-    const float u = (static_cast<float>(sample % 2) + unit_interval(first)) / 2;
-    const float v = (static_cast<float>(sample / 2) + unit_interval(second)) / 2;
+    const std::uint32_t column = sample % 2, row = sample / 2;  // of strata
+    const float u = (static_cast<float>(column) + unit_interval(first)) / 2;
+    const float v = (static_cast<float>(row) + unit_interval(second)) / 2;
     return cosine_direction(f.surface, u, v);
   };
   RayBatch batch = make_rays(executor, fragments, kOcclusionRays, scene_bounds, length, direction);
