@@ -59,8 +59,8 @@ Scale scale_of(const std::vector<float>& tests) {
 std::vector<double> ticks(const Scale& scale) {
   std::vector<double> values;
   if (scale.logarithmic) {
-    for (double value = scale.low; value <= scale.high * 1.000001; value *= 10) {
-      values.push_back(value);
+    for (int i = 0; scale.low * power_of_ten(i) <= scale.high * 1.000001; ++i) {
+      values.push_back(scale.low * power_of_ten(i));
     }
     return values;
   }

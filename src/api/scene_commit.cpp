@@ -185,8 +185,7 @@ Box Scene::Impl::bounds() {
 std::size_t Scene::Impl::memory_bytes() {
   std::size_t bytes = views.memory_bytes() + runs.runs.capacity() * sizeof(SceneRun);
   for (const auto& [id, mesh] : meshes)
-    bytes +=
-        sizeof(mesh) + mesh.arrays.memory_bytes() + mesh.instances.capacity() * sizeof(Placement*);
+    bytes += sizeof(mesh) + mesh.arrays.memory_bytes() + mesh.instances.capacity() * sizeof(void*);
   for (const auto& [id, placement] : placements)
     bytes += sizeof(placement) + placement.world.capacity_bytes();
   return bytes;

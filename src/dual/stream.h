@@ -67,7 +67,7 @@ struct Stream {
     shears.resize_uninitialized(kStreamRays);
     hits.resize_uninitialized(kStreamRays);
     index.resize_uninitialized(kStreamRays);
-    lists.resize_uninitialized(16 * kStreamRays);
+    lists.resize_uninitialized(std::size_t{16} * kStreamRays);
   }
   /// Room for `size` numbers in `lists`, what is there kept.
   void grow_lists(std::size_t size);

@@ -1,5 +1,6 @@
 // Keys and gathered rays, compiled once a SIMD target and chosen at run time (Google Highway).
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "base/float.h"
@@ -117,6 +118,7 @@ HWY_INLINE I KeysOf(const RayLanes& r, std::uint32_t bits, KeyState* state) {
 
 void Keys(const Ray* rays, std::size_t begin, std::size_t end, std::uint32_t bits,
           std::uint32_t* keys, FanRange* range) {
+  assert(bits > 0);
   const Floats d;
   const Ints di;
   const std::size_t lanes = hn::Lanes(d);

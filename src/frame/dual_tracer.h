@@ -69,7 +69,8 @@ class DualTracer {
  private:
   void copy_corners(const Executor& executor, const FlatScene& scene, std::size_t first,
                     std::size_t count);
-  void add_report(EngineReport report, std::size_t rays, bool whole, BatchStatistics* statistics);
+  void add_report(const EngineReport& report, std::size_t rays, bool whole,
+                  BatchStatistics* statistics);
   void use_corners(const FlatScene& scene, bool same_triangles);
   void find_closest(const Executor& executor, const RayBatch& batch, const EngineOptions& options,
                     BatchStatistics* statistics, View<float> ray_tests, View<RayHit> hits);

@@ -22,7 +22,10 @@ struct TriangleRun {
   std::uint32_t first = 0, count = 0;  ///< the numbers it has: [first, first + count)
 
   [[nodiscard]] std::array<Vec3, 3> corners(std::uint32_t i) const {
-    if (triangles == nullptr) return {positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]};
+    if (triangles == nullptr) {
+      const Vec3* p = positions + std::size_t{3} * i;
+      return {p[0], p[1], p[2]};
+    }
     const std::array<std::uint32_t, 3>& t = triangles[i];
     return {positions[t[0]], positions[t[1]], positions[t[2]]};
   }
