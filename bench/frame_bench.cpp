@@ -23,8 +23,7 @@ template <Method kMethod>
 void shadow_batch(benchmark::State& state) {
   const Executor executor = executor_of(state, 0);
   const bool brute = kMethod == Method::kBrute;
-  const std::vector<Fragment> fragments =
-      input().fragments_at(executor, brute ? PictureSize{64, 64} : kSize);
+  const Fragments fragments = input().fragments_at(executor, brute ? PictureSize{64, 64} : kSize);
   const RayBatch batch = input().shadow_rays(executor, fragments);
   TraceOptions options;
   options.method = method_settings(kMethod);

@@ -20,8 +20,8 @@ void shadow_rays(benchmark::State& state) {
 }
 
 /// Every surface made a mirror or glass, whatever the scene has.
-std::vector<Fragment> all_specular(RayKind kind) {
-  std::vector<Fragment> fragments = input().fragments;
+Fragments all_specular(RayKind kind) {
+  Fragments fragments = input().fragments;
   for (Fragment& f : fragments) {
     f.surface.roughness = 0;
     f.surface.specular = {0.9f, 0.9f, 0.9f};
@@ -34,7 +34,7 @@ std::vector<Fragment> all_specular(RayKind kind) {
 template <RayKind kKind>
 void bounce_rays(benchmark::State& state) {
   const Executor executor = executor_of(state, 0);
-  const std::vector<Fragment> fragments = all_specular(kKind);
+  const Fragments fragments = all_specular(kKind);
   std::size_t rays = 0;
   for (auto _ : state) {
     const RayBatch batch = make_bounce_rays(executor, fragments, kKind, input().flat.bounds);
@@ -50,7 +50,7 @@ void bounce_rays(benchmark::State& state) {
 template <class Key>
 void time_keys(benchmark::State& state, const Key& key) {
   const Executor executor;
-  const std::vector<Ray> rays = input().shadow_rays(executor, input().fragments).rays;
+  const LargeVector<Ray> rays = input().shadow_rays(executor, input().fragments).rays;
   for (auto _ : state) {
     std::uint32_t sum = 0;
     for (const Ray& ray : rays) sum += key(ray);

@@ -61,7 +61,8 @@ RenderResult lit_picture() {
   RenderResult result;
   result.width = kSize.width;
   result.height = kSize.height;
-  result.beauty = shade_glow(executor, input().fragments, kSky, {});
+  const LargeVector<Vec3> glow = shade_glow(executor, input().fragments, kSky, {});
+  result.beauty.assign(glow.begin(), glow.end());
   const std::vector<Visibility> all(input().fragments.size() * input().scene.lights.size(),
                                     Visibility::kVisible);
   shade_lights(executor, input().fragments, {input().scene.lights, 0, {}}, all, result.beauty);

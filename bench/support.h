@@ -60,8 +60,7 @@ struct Input {
   Input(const Input&) = delete;
   Input& operator=(const Input&) = delete;
 
-  [[nodiscard]] std::vector<Fragment> fragments_at(const Executor& executor,
-                                                   PictureSize size) const {
+  [[nodiscard]] Fragments fragments_at(const Executor& executor, PictureSize size) const {
     const CameraFrame frame = make_camera_frame(scene.cameras.front(), size.width, size.height);
     return fetch_fragments(executor, flat, textures, frame, first_hits(executor, flat, frame));
   }
@@ -74,7 +73,7 @@ struct Input {
   SceneDescription scene = bench_scene();
   TextureSet textures{scene};
   FlatScene flat;
-  std::vector<Fragment> fragments;  ///< one a pixel of kSize
+  Fragments fragments;  ///< one a pixel of kSize
 };
 
 inline const Input& input() {
@@ -86,7 +85,7 @@ inline const Input& input() {
 inline std::vector<Ray> ordered_shadow_rays(bool sorted) {
   const Executor executor;
   const RayBatch batch = input().shadow_rays(executor, input().fragments);
-  if (!sorted) return batch.rays;
+  if (!sorted) return {batch.rays.begin(), batch.rays.end()};
   std::vector<std::uint32_t> order(batch.rays.size());
   order_by_key(executor, batch.keys, order, batch.key_bits);
   std::vector<Ray> rays;

@@ -192,7 +192,7 @@ void tests_of_shadow_rays(benchmark::State& state) {
 /// Reflections, with every surface made a mirror, whatever the scene has.
 template <Key kKey>
 void tests_of_mirror_rays(benchmark::State& state) {
-  std::vector<Fragment> fragments = input().fragments;
+  Fragments fragments = input().fragments;
   for (Fragment& f : fragments) {
     f.surface.roughness = f.surface.transmission = 0;
     f.surface.specular = {1, 1, 1};

@@ -9,6 +9,7 @@
 
 #include "api/context_impl.h"
 #include "api/render_input.h"
+#include "base/large.h"
 #include "exec/executor.h"
 #include "exec/stopwatch.h"
 #include "frame/frame.h"
@@ -112,29 +113,31 @@ class Renderer::Impl {
     meter.begin("scene", 1);
     update_ = update_scene(executor);
     ResidentGeometry geometry(executor, flat_, *textures_, options, &cache_);
+    const auto complete = [&](FrameStatistics* s) {
+      s->scene = scene_->name;
+      s->triangles = flat_.triangle_count;
+      s->meshes = flat_.meshes.size();
+      s->width = options.width;
+      s->height = options.height;
+      s->method = to_string(options.method);
+      s->device = to_string(cache_.backend != nullptr ? Device::kCuda : Device::kCpu);
+      s->primary = rasters                               ? "raster: " + rasterizer_->description()
+                   : options.primary == Primary::kRaster ? "trace: a lens needs rays"
+                                                         : "trace";
+      s->threads = executor.threads();
+      s->total_ms = watch.ms();
+    };
     const FrameInput input{geometry,
                            camera,
                            lights,
                            options,
                            samples,
                            rasters ? &*rasterizer_ : nullptr,
-                           scene_->environment.empty() ? nullptr : &environment_->view()};
+                           scene_->environment.empty() ? nullptr : &environment_->view(),
+                           complete};
     RenderResult result = render_frame(executor, input, &meter);
-    FrameStatistics& s = result.statistics;
-    s.scene = scene_->name;
-    s.triangles = flat_.triangle_count;
-    s.meshes = flat_.meshes.size();
-    s.width = options.width;
-    s.height = options.height;
-    s.method = to_string(options.method);
-    s.device = to_string(cache_.backend != nullptr ? Device::kCuda : Device::kCpu);
-    s.primary = rasters                               ? "raster: " + rasterizer_->description()
-                : options.primary == Primary::kRaster ? "trace: a lens needs rays"
-                                                      : "trace";
-    s.threads = executor.threads();
     update_.tree = word_of(cache_.tree);
     update_.tree_ms = cache_.tree.ms;
-    s.total_ms = watch.lap_ms();
     return result;
   }
 
@@ -173,6 +176,7 @@ class Renderer::Impl {
     return update;
   }
 
+  const LargeMemoryKeeper memory_;
   const std::optional<Context> context_;  // keeps the device
   const SceneDescription* scene_ = nullptr;
   SceneChanges pending_;

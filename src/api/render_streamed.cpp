@@ -55,30 +55,32 @@ RenderResult render_checked(const GeometrySource& source, const RenderOptions& o
   Streamer streamer(executor, source, stream, slots);
   StreamedGeometry geometry(executor, &streamer, textures,
                             std::max(pixels, room / kBytesPerShadowRay));
+  const auto complete = [&](FrameStatistics* s) {
+    s->scene = scene.name;
+    s->triangles = streamer.triangle_count();
+    s->meshes = scene.instances.size();
+    s->width = options.width;
+    s->height = options.height;
+    s->method = to_string(options.method);
+    s->device = "cpu";
+    s->primary = "trace";
+    s->threads = executor.threads();
+    s->total_ms = watch.ms();
+  };
   const FrameInput input{geometry,
                          camera,
                          lights,
                          options,
                          samples,
                          nullptr,
-                         scene.environment.empty() ? nullptr : &environment.view()};
+                         scene.environment.empty() ? nullptr : &environment.view(),
+                         complete};
   RenderResult result = render_frame(executor, input, &meter);
 
   StreamStatistics statistics = streamer.statistics();
   add(geometry.shading(), &statistics);
   statistics = of_all(statistics, stream.exchange);
   if (stream.statistics != nullptr) add(statistics, stream.statistics);
-  FrameStatistics& s = result.statistics;
-  s.scene = scene.name;
-  s.triangles = streamer.triangle_count();
-  s.meshes = scene.instances.size();
-  s.width = options.width;
-  s.height = options.height;
-  s.method = to_string(options.method);
-  s.device = "cpu";
-  s.primary = "trace";
-  s.threads = executor.threads();
-  s.total_ms = watch.lap_ms();
   return result;
 }
 

@@ -7,6 +7,11 @@ namespace raysheaf {
 
 class Stopwatch {
  public:
+  /// Without a new start.
+  [[nodiscard]] double ms() const {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - last_)
+        .count();
+  }
   double lap_ms() {
     const auto now = std::chrono::steady_clock::now();
     const double ms = std::chrono::duration<double, std::milli>(now - last_).count();

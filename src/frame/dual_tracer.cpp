@@ -18,19 +18,24 @@ bool starts_at_one_point(View<const Ray> rays) {
   return std::memcmp(&rays[0].origin, &rays[rays.size - 1].origin, sizeof(Vec3)) == 0;
 }
 
+EngineOptions counting(Facing facing) {
+  EngineOptions options;
+  options.facing = facing;
+  options.count = true;
+  return options;
+}
+
 }  // namespace
 
 std::vector<std::size_t> query_ends(const RayBatch& batch) {
   const std::size_t count = batch.rays.size();
   std::vector<std::size_t> ends{0};
+  std::vector<std::uint32_t> light_ends = batch.light_ends;
+  if (light_ends.empty()) light_ends.push_back(static_cast<std::uint32_t>(count));
   bool joins = false;  // the query that ended last takes further rays
-  for (std::size_t begin = 0; begin < count;) {
-    std::size_t end = count;
-    if (!batch.lights.empty()) {
-      const auto first = batch.lights.begin() + static_cast<std::ptrdiff_t>(begin);
-      end = static_cast<std::size_t>(std::upper_bound(first, batch.lights.end(), *first) -
-                                     batch.lights.begin());
-    }
+  std::size_t begin = 0;
+  for (const std::uint32_t end : light_ends) {
+    if (begin == end) continue;
     const View<const Ray> rays = View<const Ray>(batch.rays).slice(begin, end - begin);
     const bool alone = rays.size >= kFewestRays && starts_at_one_point(rays);
     if (joins && !alone) ends.pop_back();
@@ -95,22 +100,19 @@ void DualTracer::add_report(const EngineReport& report, std::size_t rays, bool w
   for (const std::string& sentence : report.plan) statistics->plan.push_back(of + sentence);
 }
 
-void DualTracer::find_occluded(const Executor& executor, const RayBatch& batch,
-                               const EngineOptions& options, BatchStatistics* statistics,
-                               View<float> ray_tests, View<RayHit> hits) {
-  occluded_.resize_uninitialized(batch.rays.size());
+void DualTracer::find_occluded(const Executor& executor, const RayBatch& batch, Facing facing,
+                               BatchStatistics* statistics, View<float> ray_tests,
+                               View<std::uint8_t> occluded) {
+  const EngineOptions options = counting(facing);
   const std::vector<std::size_t> ends = query_ends(batch);
   for (std::size_t q = 0; q + 1 < ends.size(); ++q) {
     const std::size_t begin = ends[q], count = ends[q + 1] - begin;
     EngineReport report;
     engine_.any_hit(executor, View<const Ray>(batch.rays).slice(begin, count), options,
-                    View<std::uint8_t>(occluded_).slice(begin, count),
+                    occluded.slice(begin, count),
                     ray_tests.empty() ? ray_tests : ray_tests.slice(begin, count), &report);
     add_report(report, count, ends.size() == 2, statistics);
   }
-  executor.for_each(hits.size, kCopyGrain, [&](std::size_t i) {
-    if (occluded_[i] != 0) hits[i] = {0, kSomeTriangle};
-  });
 }
 
 void DualTracer::find_closest(const Executor& executor, const RayBatch& batch,
@@ -128,13 +130,16 @@ void DualTracer::find_closest(const Executor& executor, const RayBatch& batch,
 std::vector<RayHit> DualTracer::trace(const Executor& executor, const RayBatch& batch,
                                       Facing facing, BatchStatistics* statistics,
                                       View<float> ray_tests) {
-  EngineOptions options;
-  options.facing = facing;
-  options.count = true;
   std::vector<RayHit> hits(batch.rays.size());
-  const auto find =
-      asks_occlusion(batch.kind) ? &DualTracer::find_occluded : &DualTracer::find_closest;
-  (this->*find)(executor, batch, options, statistics, ray_tests, hits);
+  if (!asks_occlusion(batch.kind)) {
+    find_closest(executor, batch, counting(facing), statistics, ray_tests, hits);
+    return hits;
+  }
+  occluded_.resize_uninitialized(hits.size());
+  find_occluded(executor, batch, facing, statistics, ray_tests, occluded_);
+  executor.for_each(hits.size(), kCopyGrain, [&](std::size_t i) {
+    if (occluded_[i] != 0) hits[i] = {0, kSomeTriangle};
+  });
   return hits;
 }
 

@@ -2,18 +2,9 @@
 
 #include <utility>
 
-#include "base/vec.h"
 #include "shade/shade.h"
 
 namespace raysheaf {
-namespace {
-
-Vec3 xyz(Vec4 v) {
-  return {v.x, v.y, v.z};
-}
-
-}  // namespace
-
 Film::Film(std::uint32_t width, std::uint32_t height, bool count_tests) {
   const std::size_t pixels = std::size_t{width} * height;
   sums_.width = width;
@@ -26,18 +17,6 @@ Film::Film(std::uint32_t width, std::uint32_t height, bool count_tests) {
   if (count_tests) sums_.tests.resize(pixels);
   faced_.resize(pixels);
   arrived_.resize(pixels);
-}
-
-void Film::see(const Executor& executor, GBuffer g) {
-  const bool first = sums_.samples++ == 0;
-  executor.for_each(sums_.normal.size(), kCopyGrain, [&](std::size_t i) {
-    if (first) sums_.position[i] = xyz(g.position[i]);
-    sums_.normal[i] += xyz(g.normal[i]);
-    const Vec3 specular = xyz(g.specular[i]);
-    sums_.albedo[i] += xyz(g.diffuse[i]) + specular;
-    sums_.specular[i] += specular;
-  });
-  if (first) sums_.ids = std::move(g.ids);
 }
 
 void Film::develop(const Executor& executor, std::optional<float> exposure,

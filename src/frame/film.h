@@ -5,9 +5,10 @@
 #include <optional>
 #include <vector>
 
+#include "base/vec.h"
 #include "base/view.h"
 #include "exec/executor.h"
-#include "raster/gbuffer.h"
+#include "raygen/fragment.h"
 #include "raysheaf/render.h"
 
 namespace raysheaf {
@@ -17,8 +18,18 @@ class Film {
  public:
   Film(std::uint32_t width, std::uint32_t height, bool count_tests);
 
-  /// The first hits of the next sample: position and ids of the first are kept, the others add up.
-  void see(const Executor& executor, GBuffer first_hits);
+  /// The first hits of the next sample, one a pixel: position and ids of the first are kept, the
+  /// others add up. `ids(triangle)` names a triangle, or none.
+  template <class Ids>
+  void see(const Executor& executor, View<const Fragment> first_hits, const Ids& ids) {
+    const bool first = sums_.samples++ == 0;
+    if (first) sums_.ids.resize(first_hits.size);
+    executor.for_each(first_hits.size, kCopyGrain, [&](std::size_t i) {
+      const Fragment& f = first_hits[i];
+      if (first) sums_.ids[i] = ids(f.triangle);
+      if (f.triangle != kInvalidId) add(i, f.surface, first);
+    });
+  }
 
   [[nodiscard]] View<Vec3> beauty() { return sums_.beauty; }  ///< to add radiance to
   [[nodiscard]] View<float> tests() { return sums_.tests; }   ///< empty where none are counted
@@ -33,6 +44,12 @@ class Film {
   [[nodiscard]] RenderResult taken(const Executor& executor, std::optional<float> exposure);
 
  private:
+  void add(std::size_t pixel, const Surface& surface, bool first) {
+    if (first) sums_.position[pixel] = surface.position;
+    sums_.normal[pixel] += surface.normal;
+    sums_.albedo[pixel] += surface.diffuse + surface.specular;
+    sums_.specular[pixel] += surface.specular;
+  }
   void develop(const Executor& executor, std::optional<float> exposure, RenderResult* sums) const;
 
   RenderResult sums_;

@@ -6,7 +6,6 @@
 
 #include "exec/stopwatch.h"
 #include "frame/film.h"
-#include "raster/gbuffer.h"
 #include "raygen/filter.h"
 #include "raygen/raygen.h"
 #include "raygen/scatter_body.h"
@@ -15,6 +14,9 @@
 
 namespace raysheaf {
 namespace {
+
+/// A slot of a batch of shadow rays each.
+using Visibilities = std::vector<Visibility>;
 
 /// Secondary fragments that are worked on at once.
 constexpr std::size_t kMostFragments = std::size_t{1} << 22;
@@ -42,6 +44,12 @@ const char* bound_name(const MethodSettings& settings) {
   return to_string(settings.bound);
 }
 
+/// Whether rays are brought together by keys of theirs; `dual` finds its own way.
+bool sorts_by_keys(const MethodSettings& settings) {
+  return settings.traversal == Traversal::kRayHierarchy ||
+         settings.traversal == Traversal::kPackets;
+}
+
 class Frame {
  public:
   Frame(const Executor& executor, const FrameInput& input, ProgressMeter* meter)
@@ -56,6 +64,7 @@ class Frame {
         samples_meter_([this](const Progress& /*of a stage*/) { return tell_samples(); }),
         meter_(sample_.count == 1 ? *meter : samples_meter_) {
     const MethodSettings method = settings_for(options_);
+    keys_ = sorts_by_keys(method) ? Keys::kMade : Keys::kNone;
     statistics_.key = key_name(method);
     statistics_.bound = bound_name(method);
     if (sample_.count == 1 || input.camera.aperture == 0) return;
@@ -72,15 +81,21 @@ class Frame {
       RenderResult so_far = film_.developed(executor_, options_.exposure);
       so_far.ambient = sky_;
       so_far.statistics = statistics_;
+      complete(&so_far.statistics);
       if (!options_.on_sample(so_far)) break;
     }
     RenderResult result = film_.taken(executor_, options_.exposure);
     result.ambient = sky_;
     result.statistics = std::move(statistics_);
+    complete(&result.statistics);
     return result;
   }
 
  private:
+  void complete(FrameStatistics* statistics) const {
+    if (input_.complete) input_.complete(statistics);
+  }
+
   [[nodiscard]] std::size_t pixel_count() const {
     return std::size_t{options_.width} * options_.height;
   }
@@ -92,7 +107,7 @@ class Frame {
     for (const BatchStatistics& batch : statistics_.batches)
       plan_sizes.push_back(batch.plan.size());
     const SampleStatistics before = totals();
-    std::vector<Fragment> fragments = see();
+    Fragments fragments = see();
     if (sample_.index == 0) sky_ = uniform_sky(fragments);
     follow_light(std::move(fragments), 1);
     // The plan of a batch is that of the first sample which had it.
@@ -106,7 +121,7 @@ class Frame {
     statistics_.samples.push_back(sample);
   }
 
-  [[nodiscard]] Vec3 uniform_sky(const std::vector<Fragment>& fragments) const {
+  [[nodiscard]] Vec3 uniform_sky(const Fragments& fragments) const {
     if (options_.ambient) return *options_.ambient;
     if (input_.environment != nullptr) return {0, 0, 0};
     return automatic_sky(executor_, fragments, lights_);
@@ -129,7 +144,7 @@ class Frame {
   }
 
   /// Primary visibility: rasterised or traced, then fetched into the G-buffer.
-  std::vector<Fragment> see() {
+  Fragments see() {
     CameraFrame frame = moved_by_pixels(camera_, filter_offset(sample_));
     frame.sample = sample_;
     Seeing seeing{frame, input_.rasterizer, nullptr, {}};
@@ -138,53 +153,55 @@ class Frame {
       seeing.statistics = &statistics_for(RayKind::kPrimary, 0);
       seeing.pixel_tests = film_.tests();
     }
-    std::vector<Fragment> fragments = geometry_.see(seeing, &meter_);
-    GBuffer g = fetch_gbuffer(executor_, fragments);
-    g.ids.resize(fragments.size());
-    executor_.for_each(fragments.size(), kWorkGrain,
-                       [&](std::size_t i) { g.ids[i] = geometry_.ids(fragments[i].triangle); });
-    film_.see(executor_, std::move(g));
+    Fragments fragments = geometry_.see(seeing, &meter_);
+    film_.see(executor_, fragments,
+              [this](std::uint32_t triangle) { return geometry_.ids(triangle); });
     statistics_.raster_ms += watch_.lap_ms();
     return fragments;
   }
 
   /// The light of the fragments, then that of what their rays meet. Where paths split so often that
   /// the next fragments are too many, they go on in groups, one after the other.
-  void follow_light(std::vector<Fragment> fragments, std::uint32_t bounce) {
+  void follow_light(Fragments fragments, std::uint32_t bounce) {
     const bool last = bounce > options_.bounces;
-    gather_light(fragments, bounce, last);
+    LargeVector<std::uint8_t> going_on(last ? 0 : fragments.size());
+    gather_light(fragments, bounce, last, going_on);
     if (last) return;
-    std::vector<Fragment> next = next_fragments(fragments, bounce);
+    Fragments next = next_fragments(fragments, going_on, bounce);
+    going_on = {};
     fragments = {};
     while (next.size() > kMostFragments) {
       const auto rest = next.end() - static_cast<std::ptrdiff_t>(kMostFragments);
-      std::vector<Fragment> group(rest, next.end());
+      Fragments group(rest, next.end());
       next.erase(rest, next.end());
       follow_light(std::move(group), bounce + 1);
     }
     if (!next.empty()) follow_light(std::move(next), bounce + 1);
   }
 
-  /// Shadow rays, then the light that leaves the fragments, into the pixels.
-  void gather_light(const std::vector<Fragment>& fragments, std::uint32_t bounce, bool last) {
+  /// Shadow rays, then the light that leaves the fragments, into the pixels. `going_on`: as
+  /// `shade_glow` has it.
+  void gather_light(const Fragments& fragments, std::uint32_t bounce, bool last,
+                    View<std::uint8_t> going_on) {
     const TracedParts traced{options_.reflections && !last, options_.refractions && !last};
     meter_.begin("shading, bounce " + std::to_string(bounce), 1);
     watch_.lap_ms();
-    std::vector<Vec3> radiance = shade_glow(executor_, fragments, sky_, traced, input_.environment);
+    LargeVector<Vec3> radiance =
+        shade_glow(executor_, fragments, sky_, traced, input_.environment, going_on);
     statistics_.shade_ms += watch_.lap_ms();
     const auto lights = static_cast<std::uint32_t>(lights_.size);
     const auto group = static_cast<std::uint32_t>(std::clamp<std::size_t>(
         geometry_.most_shadow_rays() / fragments.size(), 1, std::max(lights, 1u)));
     for (std::uint32_t first = 0; first < lights; first += group) {
       const std::uint32_t count = std::min(group, lights - first);
-      const std::vector<Visibility> visibility = look_at_lights(fragments, bounce, first, count);
+      const Visibilities visibility = look_at_lights(fragments, bounce, first, count);
       watch_.lap_ms();
       shade_lights(executor_, fragments, {lights_.slice(first, count), first, sample_}, visibility,
                    radiance);
       statistics_.shade_ms += watch_.lap_ms();
     }
     if (input_.environment != nullptr) {
-      const std::vector<Visibility> visibility = look_at_sky(fragments, bounce);
+      const Visibilities visibility = look_at_sky(fragments, bounce);
       watch_.lap_ms();
       shade_sky(executor_, fragments, *input_.environment, sample_, visibility, radiance);
       statistics_.shade_ms += watch_.lap_ms();
@@ -194,46 +211,50 @@ class Frame {
     statistics_.shade_ms += watch_.lap_ms();
   }
 
-  std::vector<Visibility> look_at_lights(const std::vector<Fragment>& fragments,
-                                         std::uint32_t bounce, std::uint32_t first_light,
-                                         std::uint32_t light_count) {
+  Visibilities look_at_lights(const Fragments& fragments, std::uint32_t bounce,
+                              std::uint32_t first_light, std::uint32_t light_count) {
     watch_.lap_ms();
-    std::vector<Visibility> visibility =
+    Visibilities visibility =
         cast_shadows(fragments, bounce, light_count,
                      make_shadow_rays(executor_, fragments, lights_, first_light, light_count,
-                                      geometry_.bounds(), sample_));
+                                      geometry_.bounds(), sample_, keys_));
     if (bounce == 1) tally_shadows(light_count, visibility);
     return visibility;
   }
 
-  std::vector<Visibility> look_at_sky(const std::vector<Fragment>& fragments,
-                                      std::uint32_t bounce) {
+  Visibilities look_at_sky(const Fragments& fragments, std::uint32_t bounce) {
     watch_.lap_ms();
-    return cast_shadows(
-        fragments, bounce, kSkyStrategies,
-        make_sky_rays(executor_, fragments, *input_.environment, geometry_.bounds(), sample_));
+    return cast_shadows(fragments, bounce, kSkyStrategies,
+                        make_sky_rays(executor_, fragments, *input_.environment, geometry_.bounds(),
+                                      sample_, keys_));
   }
 
   /// `per_fragment`: how many slots of the batch each fragment has.
-  std::vector<Visibility> cast_shadows(const std::vector<Fragment>& fragments, std::uint32_t bounce,
-                                       std::size_t per_fragment, RayBatch batch) {
+  Visibilities cast_shadows(const Fragments& fragments, std::uint32_t bounce,
+                            std::size_t per_fragment, RayBatch batch) {
     batch.bounce = bounce;
     batch.width = options_.width;
-    std::vector<Visibility> visibility(fragments.size() * per_fragment, Visibility::kNoRay);
-    std::vector<RayHit> hits(options_.shadows ? 0 : batch.rays.size());
+    Visibilities visibility(fragments.size() * per_fragment, Visibility::kNoRay);
+    LargeVector<std::uint8_t> occluded(batch.rays.size());
     if (options_.shadows) {
       BatchStatistics& statistics = statistics_for(RayKind::kShadow, bounce);
       statistics.times_ms.raygen += watch_.lap_ms();
-      hits = trace_batch(batch, fragments, options_.early_out, &statistics);
+      std::vector<float> tests = room_for_tests(batch);
+      geometry_.find_occluded(batch, options_.early_out, &statistics, tests, &meter_, occluded);
+      add_tests(batch, fragments, tests);
+    } else {
+      std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
     }
+    watch_.lap_ms();
     executor_.for_each(batch.slots.size(), kWorkGrain, [&](std::size_t i) {
-      visibility[batch.slots[i]] = hits[i].found() ? Visibility::kOccluded : Visibility::kVisible;
+      visibility[batch.slots[i]] = occluded[i] != 0 ? Visibility::kOccluded : Visibility::kVisible;
     });
+    statistics_.shade_ms += watch_.lap_ms();
     return visibility;
   }
 
   /// How many of the lights each pixel faces, and how many of those reach it.
-  void tally_shadows(std::uint32_t light_count, const std::vector<Visibility>& visibility) {
+  void tally_shadows(std::uint32_t light_count, const Visibilities& visibility) {
     const View<std::uint32_t> faced = film_.lights_faced(), arrived = film_.lights_arrived();
     executor_.for_each(pixel_count(), kWorkGrain, [&](std::size_t pixel) {
       for (std::uint32_t l = 0; l < light_count; ++l) {
@@ -246,15 +267,15 @@ class Frame {
 
   /// Reflections and refractions: what they meet are the next fragments, sorted by pixel. What they
   /// miss is sky.
-  std::vector<Fragment> next_fragments(const std::vector<Fragment>& fragments,
-                                       std::uint32_t bounce) {
-    std::vector<Fragment> reflected, refracted;
-    if (options_.reflections) reflected = follow(fragments, RayKind::kReflection, bounce);
-    if (options_.refractions) refracted = follow(fragments, RayKind::kRefraction, bounce);
+  Fragments next_fragments(const Fragments& fragments, View<const std::uint8_t> going_on,
+                           std::uint32_t bounce) {
+    Fragments reflected, refracted;
+    if (options_.reflections) reflected = follow(fragments, going_on, RayKind::kReflection, bounce);
+    if (options_.refractions) refracted = follow(fragments, going_on, RayKind::kRefraction, bounce);
     if (refracted.empty()) return reflected;
     if (reflected.empty()) return refracted;
     watch_.lap_ms();
-    std::vector<Fragment> merged(reflected.size() + refracted.size());
+    Fragments merged(reflected.size() + refracted.size());
     std::merge(reflected.begin(), reflected.end(), refracted.begin(), refracted.end(),
                merged.begin(),
                [](const Fragment& a, const Fragment& b) { return a.pixel < b.pixel; });
@@ -262,48 +283,45 @@ class Frame {
     return merged;
   }
 
-  std::vector<Fragment> follow(const std::vector<Fragment>& fragments, RayKind kind,
-                               std::uint32_t bounce) {
+  Fragments follow(const Fragments& fragments, View<const std::uint8_t> going_on, RayKind kind,
+                   std::uint32_t bounce) {
     meter_.begin(std::string(to_string(kind)) + " rays, bounce " + std::to_string(bounce), 1);
     watch_.lap_ms();
-    RayBatch batch = make_bounce_rays(executor_, fragments, kind, geometry_.bounds());
+    RayBatch batch =
+        make_bounce_rays(executor_, fragments, kind, geometry_.bounds(), keys_, going_on);
     if (batch.rays.empty()) return {};
     batch.bounce = bounce;
     batch.width = options_.width;
     BatchStatistics& statistics = statistics_for(kind, bounce);
     statistics.times_ms.raygen += watch_.lap_ms();
-    const std::vector<RayHit> hits = trace_batch(batch, fragments, false, &statistics);
+    std::vector<float> tests = room_for_tests(batch);
+    const std::vector<RayHit> hits = geometry_.trace(batch, &statistics, tests, &meter_);
+    add_tests(batch, fragments, tests);
     watch_.lap_ms();
-    std::vector<Fragment> arrived(hits.size());
+    Fragments arrived(hits.size());
     executor_.for_each(hits.size(), kWorkGrain, [&](std::size_t i) {
-      arrived[i] = arrive(fragments[batch.slots[i]], kind, batch.rays[i], hits[i]);
+      const Fragment& from = fragments[batch.slots[i]];
+      Fragment& f = arrived[i] = {};  // all but the surface
+      f.weight = batch.weights[i];
+      f.pixel = from.pixel;
+      f.path = mixed_seed(from.path, static_cast<std::uint32_t>(kind));
+      f.incoming = batch.rays[i].direction;
+      f.triangle = hits[i].triangle;
     });
     geometry_.fetch_surfaces(batch.rays, arrived);
     statistics_.shade_ms += watch_.lap_ms();
     return arrived;
   }
 
-  /// All but the surface.
-  [[nodiscard]] static Fragment arrive(const Fragment& from, RayKind kind, const Ray& ray,
-                                       const RayHit& hit) {
-    const Scattering s = scatter(from);
-    Fragment f;
-    f.weight = from.weight * (kind == RayKind::kReflection ? s.reflected_part : s.refracted_part);
-    f.pixel = from.pixel;
-    f.path = mixed_seed(from.path, static_cast<std::uint32_t>(kind));
-    f.incoming = ray.direction;
-    f.triangle = hit.triangle;
-    return f;
+  /// A count a ray, where pixels' tests are asked for.
+  [[nodiscard]] std::vector<float> room_for_tests(const RayBatch& batch) {
+    return std::vector<float>(film_.tests().empty() ? 0 : batch.rays.size());
   }
-
-  std::vector<RayHit> trace_batch(const RayBatch& batch, const std::vector<Fragment>& fragments,
-                                  bool early_out, BatchStatistics* statistics) {
-    std::vector<float> tests(film_.tests().empty() ? 0 : batch.rays.size());
-    std::vector<RayHit> hits = geometry_.trace(batch, early_out, statistics, tests, &meter_);
+  void add_tests(const RayBatch& batch, const Fragments& fragments,
+                 const std::vector<float>& tests) {
     const View<float> sums = film_.tests();
     for (std::size_t i = 0; i < tests.size(); ++i)
       sums[fragments[batch.slots[i] % fragments.size()].pixel] += tests[i];
-    return hits;
   }
 
   BatchStatistics& statistics_for(RayKind kind, std::uint32_t bounce) {
@@ -325,6 +343,7 @@ class Frame {
   const FrameInput& input_;
   const RenderOptions& options_;
   SampleOf sample_;
+  Keys keys_ = Keys::kMade;
   CameraFrame camera_;  ///< its rays go through the pixels' centres
   Film film_;
   ProgressMeter samples_meter_;

@@ -1,6 +1,8 @@
 // The loop over the stages: one frame.
 #pragma once
 
+#include <functional>
+
 #include "engine/device_engine.h"
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
@@ -19,6 +21,8 @@ struct FrameInput {
   std::uint32_t samples = 1;
   Rasterizer* rasterizer = nullptr;
   const EnvironmentView* environment = nullptr;  ///< none: a uniform sky
+  /// Puts into statistics what is not the frame's to know: names, sizes, the time so far.
+  std::function<void(FrameStatistics*)> complete = nullptr;
 };
 
 /// The method's settings with what was asked for in their place.

@@ -38,16 +38,20 @@ class FrameGeometry {
   [[nodiscard]] virtual std::size_t most_shadow_rays() const = 0;
 
   /// One fragment a pixel, rows from the top, with the surface that is seen there.
-  [[nodiscard]] virtual std::vector<Fragment> see(const Seeing& seeing, ProgressMeter* meter) = 0;
+  [[nodiscard]] virtual Fragments see(const Seeing& seeing, ProgressMeter* meter) = 0;
   /// The depth of what the middle of the picture shows, seen from the eye; where that is nothing,
   /// of the scene's farthest corner.
   [[nodiscard]] virtual float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) = 0;
   /// What each ray of a batch meets. Adds to `statistics`; where `ray_tests` is not empty, adds
-  /// each ray's tests to it. Of rays that ask for occlusion (`asks_occlusion`) only `found()` is
-  /// said.
-  [[nodiscard]] virtual std::vector<RayHit> trace(const RayBatch& batch, bool early_out,
+  /// each ray's tests to it.
+  [[nodiscard]] virtual std::vector<RayHit> trace(const RayBatch& batch,
                                                   BatchStatistics* statistics,
                                                   View<float> ray_tests, ProgressMeter* meter) = 0;
+  /// The same of rays that ask for occlusion (`asks_occlusion`): occluded[i] = 1 where ray i meets
+  /// anything, else 0. `early_out`: the first hit will do.
+  virtual void find_occluded(const RayBatch& batch, bool early_out, BatchStatistics* statistics,
+                             View<float> ray_tests, ProgressMeter* meter,
+                             View<std::uint8_t> occluded) = 0;
   /// The surfaces where rays[i] meets fragments[i].triangle, for those that have one. What arrives
   /// runs along `incoming`.
   virtual void fetch_surfaces(View<const Ray> rays, View<Fragment> fragments) = 0;

@@ -92,12 +92,12 @@ float depth_of_middle(const Executor& executor, const FlatScene& scene, const Ca
   return depth_of(hit, frame, scene.bounds);
 }
 
-std::vector<Fragment> fetch_fragments(const Executor& executor, const FlatScene& scene,
-                                      const TextureSet& textures, const CameraFrame& frame,
-                                      View<const std::uint32_t> triangles) {
-  std::vector<Fragment> fragments(triangles.size);
+Fragments fetch_fragments(const Executor& executor, const FlatScene& scene,
+                          const TextureSet& textures, const CameraFrame& frame,
+                          View<const std::uint32_t> triangles) {
+  Fragments fragments(triangles.size);
   executor.for_each(triangles.size, kWorkGrain, [&](std::size_t i) {
-    Fragment& f = fragments[i];
+    Fragment& f = fragments[i] = {};
     f.pixel = static_cast<std::uint32_t>(i);
     f.triangle = triangles[i];
     const Ray ray = camera_ray(frame, f.pixel % frame.width, f.pixel / frame.width);

@@ -47,11 +47,9 @@ struct PictureSize {
     ProgressMeter* meter, TraceCache* cache = nullptr);
 
 /// One fragment a pixel, with the attributes of the triangle there.
-[[nodiscard]] std::vector<Fragment> fetch_fragments(const Executor& executor,
-                                                    const FlatScene& scene,
-                                                    const TextureSet& textures,
-                                                    const CameraFrame& frame,
-                                                    View<const std::uint32_t> triangles);
+[[nodiscard]] Fragments fetch_fragments(const Executor& executor, const FlatScene& scene,
+                                        const TextureSet& textures, const CameraFrame& frame,
+                                        View<const std::uint32_t> triangles);
 
 /// The depth of what the middle of the picture shows, seen from the eye; where that is nothing, of
 /// the scene's farthest corner.

@@ -20,7 +20,7 @@ ResidentGeometry::ResidentGeometry(const Executor& executor, const FlatScene& sc
   options_.bundle_samples = options.bundle_samples;
 }
 
-std::vector<Fragment> ResidentGeometry::see(const Seeing& seeing, ProgressMeter* meter) {
+Fragments ResidentGeometry::see(const Seeing& seeing, ProgressMeter* meter) {
   std::vector<std::uint32_t> triangles;
   if (seeing.rasterizer != nullptr) {
     meter->begin("raster", 1);
@@ -47,12 +47,18 @@ float ResidentGeometry::depth_of_middle(const CameraFrame& frame, ProgressMeter*
   return raysheaf::depth_of_middle(executor_, scene_, frame, options_.method, meter);
 }
 
-std::vector<RayHit> ResidentGeometry::trace(const RayBatch& batch, bool early_out,
-                                            BatchStatistics* statistics, View<float> ray_tests,
-                                            ProgressMeter* meter) {
+std::vector<RayHit> ResidentGeometry::trace(const RayBatch& batch, BatchStatistics* statistics,
+                                            View<float> ray_tests, ProgressMeter* meter) {
+  return raysheaf::trace(executor_, scene_, batch, options_, statistics, ray_tests, meter);
+}
+
+void ResidentGeometry::find_occluded(const RayBatch& batch, bool early_out,
+                                     BatchStatistics* statistics, View<float> ray_tests,
+                                     ProgressMeter* meter, View<std::uint8_t> occluded) {
   TraceOptions options = options_;
   options.early_out = early_out;
-  return raysheaf::trace(executor_, scene_, batch, options, statistics, ray_tests, meter);
+  raysheaf::find_occluded(executor_, scene_, batch, options, statistics, ray_tests, meter,
+                          occluded);
 }
 
 void ResidentGeometry::fetch_surfaces(View<const Ray> rays, View<Fragment> fragments) {

@@ -16,10 +16,12 @@ class ResidentGeometry : public FrameGeometry {
   [[nodiscard]] const Box& bounds() const override { return scene_.bounds; }
   [[nodiscard]] std::uint64_t triangle_count() const override { return scene_.triangle_count; }
   [[nodiscard]] std::size_t most_shadow_rays() const override { return std::size_t{1} << 24; }
-  [[nodiscard]] std::vector<Fragment> see(const Seeing& seeing, ProgressMeter* meter) override;
-  [[nodiscard]] std::vector<RayHit> trace(const RayBatch& batch, bool early_out,
-                                          BatchStatistics* statistics, View<float> ray_tests,
-                                          ProgressMeter* meter) override;
+  [[nodiscard]] Fragments see(const Seeing& seeing, ProgressMeter* meter) override;
+  [[nodiscard]] std::vector<RayHit> trace(const RayBatch& batch, BatchStatistics* statistics,
+                                          View<float> ray_tests, ProgressMeter* meter) override;
+  void find_occluded(const RayBatch& batch, bool early_out, BatchStatistics* statistics,
+                     View<float> ray_tests, ProgressMeter* meter,
+                     View<std::uint8_t> occluded) override;
   [[nodiscard]] float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) override;
   void fetch_surfaces(View<const Ray> rays, View<Fragment> fragments) override;
   [[nodiscard]] PixelIds ids(std::uint32_t triangle) const override;

@@ -85,16 +85,18 @@ StreamedGeometry::StreamedGeometry(const Executor& executor, Streamer* streamer,
       textures_(textures),
       most_shadow_rays_(most_shadow_rays) {}
 
-std::vector<Fragment> StreamedGeometry::see(const Seeing& seeing, ProgressMeter* meter) {
+Fragments StreamedGeometry::see(const Seeing& seeing, ProgressMeter* meter) {
   const RayBatch batch = primary_rays(executor_, bounds(), seeing.frame);
   const std::vector<RayHit> hits =
       traced(batch, Facing::kSkipBackOfSingleSided, seeing.statistics, seeing.pixel_tests, meter);
   meter->begin("surfaces", 1);
-  std::vector<Fragment> fragments(hits.size());
+  Fragments fragments(hits.size());
   executor_.for_each(hits.size(), 4096, [&](std::size_t i) {
-    fragments[i].pixel = static_cast<std::uint32_t>(i);
-    fragments[i].triangle = hits[i].triangle;
-    fragments[i].incoming = normalized(batch.rays[i].direction);
+    Fragment f;
+    f.pixel = static_cast<std::uint32_t>(i);
+    f.triangle = hits[i].triangle;
+    f.incoming = normalized(batch.rays[i].direction);
+    fragments[i] = f;
   });
   fetch_surfaces(batch.rays, fragments);
   return fragments;
@@ -107,27 +109,31 @@ float StreamedGeometry::depth_of_middle(const CameraFrame& frame, ProgressMeter*
   return depth_of(hit, frame, bounds());
 }
 
-std::vector<RayHit> StreamedGeometry::trace(const RayBatch& batch, bool /*early_out*/,
-                                            BatchStatistics* statistics, View<float> ray_tests,
-                                            ProgressMeter* meter) {
+StreamRequest StreamedGeometry::begin(const RayBatch& batch, BatchStatistics* statistics,
+                                      View<float> ray_tests, ProgressMeter* meter) const {
+  statistics->kind = batch.kind;
+  statistics->bounce = batch.bounce;
+  statistics->triangles = triangle_count();
+  statistics->rays += batch.rays.size();
+  StreamRequest request;
+  request.stage = std::string(to_string(batch.kind)) + " rays, bounce " +
+                  std::to_string(batch.bounce) + ", bytes of blocks";
+  request.meter = meter;
+  request.ray_tests = ray_tests;
+  return request;
+}
+
+std::vector<RayHit> StreamedGeometry::trace(const RayBatch& batch, BatchStatistics* statistics,
+                                            View<float> ray_tests, ProgressMeter* meter) {
   return traced(batch, Facing::kBoth, statistics, ray_tests, meter);
 }
 
 std::vector<RayHit> StreamedGeometry::traced(const RayBatch& batch, Facing facing,
                                              BatchStatistics* statistics, View<float> ray_tests,
                                              ProgressMeter* meter) {
-  StreamRequest request;
-  request.stage = std::string(to_string(batch.kind)) + " rays, bounce " +
-                  std::to_string(batch.bounce) + ", bytes of blocks";
-  request.meter = meter;
+  StreamRequest request = begin(batch, statistics, ray_tests, meter);
   request.facing = facing;
-  request.ray_tests = ray_tests;
-  statistics->kind = batch.kind;
-  statistics->bounce = batch.bounce;
-  statistics->triangles = triangle_count();
-  statistics->rays += batch.rays.size();
-  std::vector<RayHit> hits = asks_occlusion(batch.kind) ? occluded(batch, request, statistics)
-                                                        : closest(batch, request, statistics);
+  std::vector<RayHit> hits = closest(batch, request, statistics);
   statistics->hits += static_cast<std::uint64_t>(
       std::count_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.found(); }));
   return hits;
@@ -146,17 +152,15 @@ std::vector<RayHit> StreamedGeometry::closest(const RayBatch& batch, const Strea
   return hits;
 }
 
-std::vector<RayHit> StreamedGeometry::occluded(const RayBatch& batch, const StreamRequest& request,
-                                               BatchStatistics* statistics) {
-  std::vector<std::uint8_t> found(batch.rays.size());
+void StreamedGeometry::find_occluded(const RayBatch& batch, bool /*early_out*/,
+                                     BatchStatistics* statistics, View<float> ray_tests,
+                                     ProgressMeter* meter, View<std::uint8_t> occluded) {
+  StreamRequest request = begin(batch, statistics, ray_tests, meter);
+  request.facing = Facing::kBoth;
   EngineReport report;
-  streamer_.any(batch.rays, request, found, &report);
+  streamer_.any(batch.rays, request, occluded, &report);
   add_stream_report(report, statistics);
-  std::vector<RayHit> hits(found.size());
-  for (std::size_t i = 0; i < hits.size(); ++i) {
-    if (found[i] != 0) hits[i] = {0, kSomeTriangle};
-  }
-  return hits;
+  statistics->hits += std::accumulate(occluded.begin(), occluded.end(), std::uint64_t{0});
 }
 
 void StreamedGeometry::fetch_surfaces(View<const Ray> rays, View<Fragment> fragments) {

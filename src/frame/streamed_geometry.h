@@ -17,12 +17,14 @@ class StreamedGeometry : public FrameGeometry {
   [[nodiscard]] std::uint64_t triangle_count() const override { return streamer_.triangle_count(); }
   [[nodiscard]] std::size_t most_shadow_rays() const override { return most_shadow_rays_; }
   /// By rays.
-  [[nodiscard]] std::vector<Fragment> see(const Seeing& seeing, ProgressMeter* meter) override;
+  [[nodiscard]] Fragments see(const Seeing& seeing, ProgressMeter* meter) override;
   [[nodiscard]] float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) override;
   /// A triangle's number is the ray's that met it.
-  [[nodiscard]] std::vector<RayHit> trace(const RayBatch& batch, bool early_out,
-                                          BatchStatistics* statistics, View<float> ray_tests,
-                                          ProgressMeter* meter) override;
+  [[nodiscard]] std::vector<RayHit> trace(const RayBatch& batch, BatchStatistics* statistics,
+                                          View<float> ray_tests, ProgressMeter* meter) override;
+  void find_occluded(const RayBatch& batch, bool early_out, BatchStatistics* statistics,
+                     View<float> ray_tests, ProgressMeter* meter,
+                     View<std::uint8_t> occluded) override;
   /// Reads the shading parts of the blocks that own hits, each once; where processes stream, each
   /// those of its blocks.
   void fetch_surfaces(View<const Ray> rays, View<Fragment> fragments) override;
@@ -34,8 +36,9 @@ class StreamedGeometry : public FrameGeometry {
  private:
   [[nodiscard]] std::vector<RayHit> closest(const RayBatch& batch, const StreamRequest& request,
                                             BatchStatistics* statistics);
-  [[nodiscard]] std::vector<RayHit> occluded(const RayBatch& batch, const StreamRequest& request,
-                                             BatchStatistics* statistics);
+  /// Tells `statistics` of a batch, and makes what the streamer is asked for it.
+  [[nodiscard]] StreamRequest begin(const RayBatch& batch, BatchStatistics* statistics,
+                                    View<float> ray_tests, ProgressMeter* meter) const;
   [[nodiscard]] std::vector<RayHit> traced(const RayBatch& batch, Facing facing,
                                            BatchStatistics* statistics, View<float> ray_tests,
                                            ProgressMeter* meter);

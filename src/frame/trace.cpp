@@ -173,19 +173,25 @@ std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& sce
   return hits;
 }
 
+/// The tracer that batches share, and the meter told of this one.
+DualTracer& dual_of(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
+                    TraceCache& cache, BatchStatistics* statistics, ProgressMeter* meter) {
+  Stopwatch watch;
+  meter->begin(stage_name(batch), 1);
+  if (!cache.dual) cache.dual = std::make_unique<DualTracer>(executor, scene);
+  statistics->times_ms.hierarchy += watch.lap_ms();
+  return *cache.dual;
+}
+
 std::vector<RayHit> trace_dual(const Executor& executor, const FlatScene& scene,
                                const RayBatch& batch, const TraceOptions& options,
                                BatchStatistics* statistics, View<float> ray_tests,
                                ProgressMeter* meter) {
-  Stopwatch watch;
-  meter->begin(stage_name(batch), 1);
   TraceCache own;
   TraceCache& cache = options.cache != nullptr ? *options.cache : own;
-  if (!cache.dual) cache.dual = std::make_unique<DualTracer>(executor, scene);
-  statistics->times_ms.hierarchy += watch.lap_ms();
-  std::vector<RayHit> hits =
-      cache.dual->trace(executor, batch, options.facing, statistics, ray_tests);
-  cache.tree.add(cache.dual->take_tree_report());
+  DualTracer& tracer = dual_of(executor, scene, batch, cache, statistics, meter);
+  std::vector<RayHit> hits = tracer.trace(executor, batch, options.facing, statistics, ray_tests);
+  cache.tree.add(tracer.take_tree_report());
   return hits;
 }
 
@@ -214,6 +220,17 @@ std::vector<RayHit> trace_on_device(const Executor& executor, const FlatScene& s
   statistics->times_ms.hierarchy += report.hierarchy_ms;
   add_counts(outcome.counts, report.trace_ms, statistics);
   return hits;
+}
+
+bool runs_on_device(const TraceOptions& options) {
+  return options.cache != nullptr && options.cache->backend != nullptr;
+}
+
+void begin_batch(const FlatScene& scene, const RayBatch& batch, BatchStatistics* statistics) {
+  statistics->kind = batch.kind;
+  statistics->bounce = batch.bounce;
+  statistics->triangles = scene.triangle_count;
+  statistics->rays += batch.rays.size();
 }
 
 using TraceFunction = decltype(&trace_packets);
@@ -270,14 +287,10 @@ void TraceCache::update(const Executor& executor, const FlatScene& scene,
 std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
                           const TraceOptions& options, BatchStatistics* statistics,
                           View<float> ray_tests, ProgressMeter* meter) {
-  statistics->kind = batch.kind;
-  statistics->bounce = batch.bounce;
-  statistics->triangles = scene.triangle_count;
-  statistics->rays += batch.rays.size();
+  begin_batch(scene, batch, statistics);
   if (batch.rays.empty()) return {};
-  const TraceFunction method = options.cache != nullptr && options.cache->backend != nullptr
-                                   ? trace_on_device
-                                   : function_of(options.method.traversal);
+  const TraceFunction method =
+      runs_on_device(options) ? trace_on_device : function_of(options.method.traversal);
   const auto trace_all = [&](const RayBatch& rays, BatchStatistics* counted, View<float> tests,
                              ProgressMeter* progress) {
     return method(executor, scene, rays, options, counted, tests, progress);
@@ -289,6 +302,25 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
   statistics->hits += static_cast<std::uint64_t>(
       std::count_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.found(); }));
   return hits;
+}
+
+void find_occluded(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
+                   const TraceOptions& options, BatchStatistics* statistics, View<float> ray_tests,
+                   ProgressMeter* meter, View<std::uint8_t> occluded) {
+  const bool asks = options.method.traversal == Traversal::kDual && !runs_on_device(options) &&
+                    options.cache != nullptr && !is_shared(options.cache->ranks, batch);
+  if (!asks || batch.rays.empty()) {
+    const std::vector<RayHit> hits =
+        trace(executor, scene, batch, options, statistics, ray_tests, meter);
+    executor.for_each(hits.size(), kCopyGrain,
+                      [&](std::size_t i) { occluded[i] = hits[i].found() ? 1 : 0; });
+    return;
+  }
+  begin_batch(scene, batch, statistics);
+  DualTracer& tracer = dual_of(executor, scene, batch, *options.cache, statistics, meter);
+  tracer.find_occluded(executor, batch, options.facing, statistics, ray_tests, occluded);
+  options.cache->tree.add(tracer.take_tree_report());
+  statistics->hits += std::accumulate(occluded.begin(), occluded.end(), std::uint64_t{0});
 }
 
 }  // namespace raysheaf

@@ -57,4 +57,9 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
                           const TraceOptions& options, BatchStatistics* statistics,
                           View<float> ray_tests, ProgressMeter* meter);
 
+/// The same of rays that ask for occlusion: occluded[i] = 1 where ray i meets anything, else 0.
+void find_occluded(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
+                   const TraceOptions& options, BatchStatistics* statistics, View<float> ray_tests,
+                   ProgressMeter* meter, View<std::uint8_t> occluded);
+
 }  // namespace raysheaf

@@ -115,8 +115,7 @@ class Laboratory::Impl {
   Made& made(LabRays rays) {
     std::optional<Made>& m = made_[static_cast<std::size_t>(rays)];
     if (m) return *m;
-    const std::vector<Fragment> met =
-        rays == LabRays::kReflection2 ? mirrored_fragments() : std::vector<Fragment>{};
+    const Fragments met = rays == LabRays::kReflection2 ? mirrored_fragments() : Fragments{};
     Stopwatch watch;
     Made result;
     result.batch = make(rays, met);
@@ -126,7 +125,7 @@ class Laboratory::Impl {
     return *m;
   }
 
-  RayBatch make(LabRays rays, const std::vector<Fragment>& met) {
+  RayBatch make(LabRays rays, const Fragments& met) {
     const auto lights = static_cast<std::uint32_t>(description_.lights.size());
     switch (rays) {
       case LabRays::kShadow:
@@ -144,13 +143,13 @@ class Laboratory::Impl {
   }
 
   /// What the mirror rays of the primary hits meet.
-  std::vector<Fragment> mirrored_fragments() {
+  Fragments mirrored_fragments() {
     const RayBatch& first = batch(LabRays::kReflection1);
     BatchStatistics not_kept;
     const std::vector<RayHit> hits = traced(first, method_settings(Method::kDual), &not_kept);
-    std::vector<Fragment> met(hits.size());
+    Fragments met(hits.size());
     executor_.for_each(met.size(), kWorkGrain, [&](std::size_t i) {
-      Fragment& f = met[i];
+      Fragment& f = met[i] = {};
       f.pixel = first.pixels[i];
       f.incoming = first.rays[i].direction;
       f.triangle = hits[i].triangle;
@@ -194,7 +193,7 @@ class Laboratory::Impl {
   const SceneDescription description_;
   const FlatScene flat_;
   const TextureSet textures_;
-  std::vector<Fragment> fragments_;
+  Fragments fragments_;
   std::array<std::optional<Made>, kBatches> made_;
 };
 

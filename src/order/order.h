@@ -13,12 +13,13 @@
 
 #include "base/view.h"
 #include "exec/executor.h"
+#include "raysheaf/large_vector.h"
 
 namespace raysheaf {
 
 /// The slots with `empty[i] == 0`, ascending: place p of the trimmed stream holds slot
 /// `trim(...)[p]`.
-std::vector<std::uint32_t> trim(const Executor& executor, View<const std::uint8_t> empty);
+LargeVector<std::uint32_t> trim(const Executor& executor, View<const std::uint8_t> empty);
 
 /// Runs of equal keys, one chunk a run. In the order of the stream the bases ascend from 0 and each
 /// run ends where the next begins; in any order the runs make up [0, ray_count) and none is empty.

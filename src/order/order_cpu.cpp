@@ -79,11 +79,11 @@ void order_rays(const Executor& executor, View<const std::uint32_t> keys,
 
 }  // namespace
 
-std::vector<std::uint32_t> trim(const Executor& executor, View<const std::uint8_t> empty) {
+LargeVector<std::uint32_t> trim(const Executor& executor, View<const std::uint8_t> empty) {
   expect_countable(empty.size, "trim");
   const auto is_empty = [flags = empty.data](std::size_t slot) { return flags[slot] != 0; };
   const FlagCounts counts = count_flags(executor, empty.size, is_empty);
-  std::vector<std::uint32_t> slots(empty.size - counts.total);
+  LargeVector<std::uint32_t> slots(empty.size - counts.total);
   for_each_scanned(executor, counts, empty.size, is_empty,
                    [out = slots.data()](std::size_t i, bool gap, std::uint32_t empty_up_to) {
                      const auto slot = static_cast<std::uint32_t>(i);

@@ -1,8 +1,7 @@
 // A place where light is gathered: what a primary or a secondary ray met.
 #pragma once
 
-#include <vector>
-
+#include "raysheaf/large_vector.h"
 #include "scene/surface.h"
 
 namespace raysheaf {
@@ -15,5 +14,8 @@ struct Fragment {
   std::uint32_t path = 0;  ///< 0 at the first hit; then a number for the bounces that led here
   std::uint32_t triangle = kInvalidId;
 };
+
+/// `resize` touches none: who makes fragments assigns each whole.
+using Fragments = LargeVector<Fragment>;
 
 }  // namespace raysheaf

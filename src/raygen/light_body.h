@@ -20,6 +20,15 @@ struct LightSample {
   Vec3 point;          ///< where the light leaves; not of directional lights
 };
 
+/// The cosine at the edge of a spot's cone, and how much it grows from there to full light.
+struct SpotEdge {
+  float cos_outer, span;
+};
+RAYSHEAF_HD inline SpotEdge spot_edge(const Light& light) {
+  const float cos_outer = std::cos(light.outer_angle), cos_inner = std::cos(light.inner_angle);
+  return {cos_outer, std::fmax(cos_inner - cos_outer, 1e-3f)};
+}
+
 /// The part of a light's intensity that its range and its cone leave (the extension's own
 /// recommendation).
 RAYSHEAF_HD inline float light_window(const Light& light, Vec3 from_light, float distance) {
@@ -29,9 +38,9 @@ RAYSHEAF_HD inline float light_window(const Light& light, Vec3 from_light, float
     window = clamp(1 - ratio * ratio * ratio * ratio, 0, 1);
   }
   if (light.type == Light::Type::kSpot) {
-    const float cos_outer = std::cos(light.outer_angle), cos_inner = std::cos(light.inner_angle);
-    const float span = std::fmax(cos_inner - cos_outer, 1e-3f);
-    const float inside = clamp((dot(light.direction, from_light) - cos_outer) / span, 0, 1);
+    const SpotEdge edge = spot_edge(light);
+    const float inside =
+        clamp((dot(light.direction, from_light) - edge.cos_outer) / edge.span, 0, 1);
     window *= inside * inside;
   }
   return window;

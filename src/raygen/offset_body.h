@@ -20,13 +20,17 @@ namespace raysheaf {
 inline constexpr float kOffsetErrors = 16;
 inline constexpr float kOffsetRoundings = 32;
 
+/// How far a box of half size 1 reaches along `normal`.
+RAYSHEAF_HD inline float offset_extent(Vec3 normal) {
+  return std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z);
+}
+
 /// The point moved off the surface to the side that `direction` leaves to; `distance` is how far
 /// the ray is known to come from or go to, or 0.
 RAYSHEAF_HD inline Vec3 offset_point(const Surface& surface, Vec3 direction, float distance) {
   const Vec3 n = surface.geometric_normal;
-  const float extent = std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z);
-  const float step =
-      kOffsetErrors * surface.position_error * extent + kOffsetRoundings * kUnitRoundoff * distance;
+  const float step = kOffsetErrors * surface.position_error * offset_extent(n) +
+                     kOffsetRoundings * kUnitRoundoff * distance;
   return surface.position + n * (dot(direction, n) < 0 ? -step : step);
 }
 

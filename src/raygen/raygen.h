@@ -3,6 +3,8 @@
 // A slot is a place where a ray may stand: a fragment, or a (light, fragment) pair with the light
 // first, so that the slots of one light are in raster order. Slots without a ray are trimmed away
 // by a scan (order/order.h); they make no key. O(slots).
+//
+// `dual` and brute force look at the rays alone: made without keys, a batch costs half as much.
 #pragma once
 
 #include <cstdint>
@@ -12,24 +14,33 @@
 #include "exec/executor.h"
 #include "raygen/fragment.h"
 #include "raygen/sample_body.h"
+#include "raysheaf/large_vector.h"
 #include "raysheaf/scene_description.h"
 #include "raysheaf/statistics.h"
 #include "scene/environment_body.h"
 
 namespace raysheaf {
 
+/// What beside its rays a batch is made with.
+enum class Keys : std::uint8_t { kNone, kMade };
+
 struct RayBatch {
   RayKind kind = RayKind::kShadow;
   std::uint32_t bounce = 1;
   std::uint32_t key_bits = 32;
   std::uint32_t width = 1;           ///< of the picture that `pixels` counts in; the caller sets it
-  std::vector<std::uint32_t> slots;  ///< of each ray, ascending
-  std::vector<Ray> rays;
-  std::vector<std::uint32_t> keys;
-  std::vector<std::uint32_t> pixels;
-  std::vector<std::uint32_t> lights;  ///< shadow rays alone
+  LargeVector<std::uint32_t> slots;  ///< of each ray, ascending
+  LargeVector<Ray> rays;
+  /// Shadow rays alone: where the rays of each light end, those of the first from 0 on.
+  std::vector<std::uint32_t> light_ends;
+  /// Reflections and refractions alone: what a ray's pixel receives of the radiance along it.
+  LargeVector<Vec3> weights;
+  // With `Keys::kMade` alone, a ray each.
+  LargeVector<std::uint32_t> keys;
+  LargeVector<std::uint32_t> pixels;
+  LargeVector<std::uint32_t> lights;  ///< shadow rays alone
   /// Shadow rays alone: the direction on the unit square, or the place on a parallel light's disc.
-  std::vector<Vec2> places;
+  LargeVector<Vec2> places;
 };
 
 /// Rays from lights to fragments, `t` from 0 at the light (or beyond the scene, for parallel light)
@@ -40,16 +51,19 @@ struct RayBatch {
 [[nodiscard]] RayBatch make_shadow_rays(const Executor& executor, View<const Fragment> fragments,
                                         View<const Light> lights, std::uint32_t first_light,
                                         std::uint32_t light_count, const Box& scene_bounds,
-                                        SampleOf sample = {});
+                                        SampleOf sample = {}, Keys keys = Keys::kMade);
 
 /// Rays from an environment to fragments, from beyond the scene: two a fragment, slot
 /// strategy * fragments + fragment (environment_body.h).
 [[nodiscard]] RayBatch make_sky_rays(const Executor& executor, View<const Fragment> fragments,
                                      const EnvironmentView& sky, const Box& scene_bounds,
-                                     SampleOf sample);
+                                     SampleOf sample, Keys keys = Keys::kMade);
 
-/// `kind`: kReflection or kRefraction. Slot: the fragment.
+/// `kind`: kReflection or kRefraction. Slot: the fragment. `going_on`: what `rays_of`
+/// (scatter_body.h) says of each fragment, where that is known.
 [[nodiscard]] RayBatch make_bounce_rays(const Executor& executor, View<const Fragment> fragments,
-                                        RayKind kind, const Box& scene_bounds);
+                                        RayKind kind, const Box& scene_bounds,
+                                        Keys keys = Keys::kMade,
+                                        View<const std::uint8_t> going_on = {});
 
 }  // namespace raysheaf

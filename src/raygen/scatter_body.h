@@ -103,4 +103,13 @@ RAYSHEAF_HD inline bool worth_tracing(Vec3 weight) {
   return max_component(weight) >= kLeastWeight;
 }
 
+/// The rays that go on from a fragment, a bit each.
+enum GoingOn : std::uint8_t { kReflects = 1, kRefracts = 2 };
+
+RAYSHEAF_HD inline std::uint8_t rays_of(const Fragment& f, const Scattering& s) {
+  const bool reflects = s.mirror && worth_tracing(f.weight * s.reflected_part);
+  const bool refracts = worth_tracing(f.weight * s.refracted_part);
+  return static_cast<std::uint8_t>((reflects ? kReflects : 0) | (refracts ? kRefracts : 0));
+}
+
 }  // namespace raysheaf

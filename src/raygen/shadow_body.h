@@ -18,10 +18,15 @@ RAYSHEAF_HD inline LightReach light_reach(const Box& bounds) {
   return {(bounds.min + bounds.max) * 0.5f, length(bounds.max - bounds.min) * 0.5f};
 }
 
+/// Whether there is a surface that light falls on.
+RAYSHEAF_HD inline bool takes_light(const Fragment& f) {
+  return f.triangle != kInvalidId && !f.surface.unlit;
+}
+
 /// n.l > 0 with the shading normal, as the paper decides it, and light that is not black.
 RAYSHEAF_HD inline bool faces_light(const Fragment& f, const LightSample& sample) {
-  return f.triangle != kInvalidId && !f.surface.unlit &&
-         dot(f.surface.normal, sample.to_light) > 0 && max_component(sample.irradiance) > 0;
+  return takes_light(f) && dot(f.surface.normal, sample.to_light) > 0 &&
+         max_component(sample.irradiance) > 0;
 }
 
 /// Where on light number `index` of the scene the fragment looks in this sample. A lone sample has

@@ -18,10 +18,12 @@ T mixed(const T (&of_corner)[3], float u, float v) {
   return of_corner[0] * (1 - u - v) + of_corner[1] * u + of_corner[2] * v;
 }
 
-/// Unit, on the front side: counter-clockwise, clockwise where the instance mirrors.
-Vec3 front_normal(const Vec3 (&corner)[3], bool mirrored, Vec3 fallback) {
+/// Unit, on the front side: counter-clockwise, clockwise where the instance mirrors. Against the
+/// ray where the triangle has no area.
+Vec3 front_normal(const Vec3 (&corner)[3], bool mirrored, Vec3 direction) {
   const Wide along = cross(difference(corner[1], corner[0]), difference(corner[2], corner[0]));
-  const Vec3 normal = unit(along, mirrored ? -fallback : fallback);
+  const Vec3 normal = unit(along, {0, 0, 0});
+  if (normal == Vec3{0, 0, 0}) return unit(widened(-direction), {0, 0, 1});
   return mirrored ? -normal : normal;
 }
 
@@ -29,7 +31,7 @@ void set_geometry(Surface& surface, const SurfaceTriangle& t, float u, float v, 
   const MixedPoint point = mixed_point(t.corner[0], t.corner[1], t.corner[2], u, v);
   surface.position = point.position;
   surface.position_error = point.error;
-  const Vec3 front = front_normal(t.corner, t.mirrored, unit(widened(-direction), {0, 0, 1}));
+  const Vec3 front = front_normal(t.corner, t.mirrored, direction);
   surface.front = !(dot(widened(front), widened(direction)) > 0);
   const Vec3 shading =
       t.has_normals ? unit_normal(t.to_world, mixed(t.normal, u, v), front) : front;

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "base/view.h"
 #include "exec/executor.h"
 #include "raygen/fragment.h"
 #include "raygen/sample_body.h"
+#include "raysheaf/large_vector.h"
 #include "raysheaf/render.h"
 #include "raysheaf/scene_description.h"
 #include "scene/environment_body.h"
@@ -25,9 +25,12 @@ struct TracedParts {
 
 /// Emission and the sky's light, as it leaves each fragment towards where it was seen from. Where
 /// nothing was met, the environment, or the sky itself where there is none (`environment` null).
-[[nodiscard]] std::vector<Vec3> shade_glow(const Executor& executor, View<const Fragment> fragments,
+/// `going_on`, which may be empty, takes the rays that are to be traced from each fragment, bits of
+/// `GoingOn` (raygen/scatter_body.h).
+[[nodiscard]] LargeVector<Vec3> shade_glow(const Executor& executor, View<const Fragment> fragments,
                                            Vec3 sky, TracedParts traced,
-                                           const EnvironmentView* environment = nullptr);
+                                           const EnvironmentView* environment = nullptr,
+                                           View<std::uint8_t> going_on = {});
 
 /// Some of the scene's lights, and the sample that looks at them.
 struct LightGroup {

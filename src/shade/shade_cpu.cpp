@@ -1,9 +1,13 @@
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <vector>
 
 #include "base/bits.h"
+#include "raygen/point_light.h"
 #include "raygen/shadow_body.h"
 #include "raygen/sky_body.h"
+#include "shade/point_shading.h"
 #include "shade/shade.h"
 #include "shade/shade_body.h"
 
@@ -17,6 +21,72 @@ float unoccluded(const Fragment& f, const Light& light) {
   return cosine > 0 ? luminance(sample.irradiance) * cosine / kPi : 0;
 }
 
+constexpr std::size_t kBlockGrain = 4;
+
+/// Fragments that are shaded together.
+struct ShadedBlock {
+  View<const Fragment> fragments;
+  const LightGroup& group;
+  View<const PointLight> points;  ///< the group's lights, of those that are points
+  const Visibility* visibility;   ///< of the first fragment and the first light
+  std::size_t light_stride;       ///< from a light's visibility to the next one's
+  View<Vec3> radiance;
+};
+
+void gather_shading_columns(View<const Fragment> fragments, View<const Vec3> radiance,
+                            ShadingColumns* columns) {
+  ShadingColumns& c = *columns;
+  const std::size_t padded = div_ceil(fragments.size, kLightLanes) * kLightLanes;
+  for (std::size_t i = 0; i < padded; ++i) {
+    const std::size_t from = i < fragments.size ? i : 0;
+    const Fragment& f = fragments[from];
+    const Surface& s = f.surface;
+    for (int k = 0; k < 3; ++k) {
+      c.position[k][i] = component(s.position, k);
+      c.normal[k][i] = component(s.normal, k);
+      c.incoming[k][i] = component(f.incoming, k);
+      c.diffuse[k][i] = component(s.diffuse, k);
+      c.specular[k][i] = component(s.specular, k);
+      c.coat[k][i] = component(s.coat, k);
+      c.radiance[k][i] = component(radiance[from], k);
+    }
+    c.roughness[i] = s.roughness;
+  }
+}
+
+/// The lights one after the other: a fragment adds them up in their order.
+void shade_block(const ShadedBlock& block) {
+  const LightGroup& group = block.group;
+  const std::size_t count = block.fragments.size;
+  ShadingColumns columns;
+  std::uint8_t visible[kLightBlock] = {};
+  bool gathered = false;
+  for (std::uint32_t l = 0; l < group.lights.size; ++l) {
+    const Light& light = group.lights[l];
+    std::memcpy(visible, block.visibility + l * block.light_stride, count);
+    constexpr int kShown = static_cast<int>(Visibility::kVisible);
+    if (std::memchr(visible, kShown, count) == nullptr) continue;
+    if (!gathered) {
+      gather_shading_columns(block.fragments, {block.radiance.data, count}, &columns);
+      prepare_shading(count, &columns);
+      gathered = true;
+    }
+    if (shines_from_point(light, group.sample)) {
+      add_point_light(block.points[l], light, block.fragments, visible, &columns);
+      continue;
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      if (visible[i] != kShown) continue;
+      const Fragment& f = block.fragments[i];
+      const Vec3 given = lit_by(f, choose_on_light(f, light, group.first + l, group.sample));
+      for (int k = 0; k < 3; ++k) columns.radiance[k][i] += component(given, k);
+    }
+  }
+  if (!gathered) return;
+  for (std::size_t i = 0; i < count; ++i)
+    block.radiance[i] = {columns.radiance[0][i], columns.radiance[1][i], columns.radiance[2][i]};
+}
+
 constexpr float kMiddleGrey = 0.18f;
 constexpr double kBrightPart = 0.95;  // this part of the pixels stays below kBrightest
 constexpr float kBrightest = 1.3f;
@@ -24,19 +94,23 @@ constexpr float kSkyPart = 1.0f / 7;
 
 }  // namespace
 
-std::vector<Vec3> shade_glow(const Executor& executor, View<const Fragment> fragments, Vec3 sky,
-                             TracedParts traced, const EnvironmentView* environment) {
-  std::vector<Vec3> radiance(fragments.size);
+LargeVector<Vec3> shade_glow(const Executor& executor, View<const Fragment> fragments, Vec3 sky,
+                             TracedParts traced, const EnvironmentView* environment,
+                             View<std::uint8_t> going_on) {
+  const auto kinds = static_cast<std::uint8_t>((traced.reflection ? kReflects : 0) |
+                                               (traced.refraction ? kRefracts : 0));
+  LargeVector<Vec3> radiance(fragments.size);
   executor.for_each(fragments.size, kWorkGrain, [&](std::size_t i) {
     const Fragment& f = fragments[i];
     if (f.triangle == kInvalidId) {
       radiance[i] = environment != nullptr ? environment_radiance(*environment, f.incoming) : sky;
+      if (!going_on.empty()) going_on[i] = 0;
       return;
     }
     const Scattering s = scatter(f);
-    const bool reflects =
-        traced.reflection && s.mirror && worth_tracing(f.weight * s.reflected_part);
-    const bool refracts = traced.refraction && worth_tracing(f.weight * s.refracted_part);
+    const auto rays = static_cast<std::uint8_t>(rays_of(f, s) & kinds);
+    if (!going_on.empty()) going_on[i] = rays;
+    const bool reflects = (rays & kReflects) != 0, refracts = (rays & kRefracts) != 0;
     radiance[i] = glow(f, s, sky, reflects, refracts);
     if (environment != nullptr)
       radiance[i] += environment_glow(f, s, *environment, reflects, refracts);
@@ -46,13 +120,13 @@ std::vector<Vec3> shade_glow(const Executor& executor, View<const Fragment> frag
 
 void shade_lights(const Executor& executor, View<const Fragment> fragments, const LightGroup& group,
                   View<const Visibility> visibility, View<Vec3> radiance) {
-  executor.for_each(fragments.size, kWorkGrain, [&](std::size_t i) {
-    for (std::uint32_t l = 0; l < group.lights.size; ++l) {
-      if (visibility[l * fragments.size + i] != Visibility::kVisible) continue;
-      const LightSample light =
-          choose_on_light(fragments[i], group.lights[l], group.first + l, group.sample);
-      radiance[i] += lit_by(fragments[i], light);
-    }
+  std::vector<PointLight> points;
+  for (const Light& light : group.lights) points.push_back(point_light(light));
+  executor.for_each(div_ceil(fragments.size, kLightBlock), kBlockGrain, [&](std::size_t block) {
+    const std::size_t first = block * kLightBlock;
+    const std::size_t count = std::min(kLightBlock, fragments.size - first);
+    shade_block({fragments.slice(first, count), group, points, visibility.data + first,
+                 fragments.size, radiance.slice(first, count)});
   });
 }
 

@@ -1,7 +1,9 @@
 // tone_mapped(): from radiance to a picture for people.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "base/bits.h"
 #include "base/vec.h"
 #include "raysheaf/render.h"
 
@@ -25,24 +27,70 @@ Vec3 neutral_curve(Vec3 c) {
   return lerp(c * (compressed / peak), {compressed, compressed, compressed}, g);
 }
 
-/// IEC 61966-2-1.
-std::uint8_t srgb(float linear) {
-  const float x = clamp(linear, 0, 1);
+/// IEC 61966-2-1, of [0, 1].
+std::uint8_t srgb(float x) {
   const float encoded = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
   return static_cast<std::uint8_t>(encoded * 255 + 0.5f);
 }
 
+/// `srgb` by a table: powers cost more than all else that a frame's picture needs here.
+///
+///   bits of x:  | exponent | 7 of the fraction | 16 more |
+///               |<--------- bucket ----------->|
+///
+/// Within a bucket x grows by less than a 128th, and the code by less than 255 * 1.055 / 2.4 / 128:
+/// at most one step, at `step_`.
+class SrgbTable {
+ public:
+  SrgbTable() {
+    for (std::uint32_t b = 0; b < kBuckets; ++b) {
+      const std::uint32_t first = kFirst + (b << kRestBits);
+      const std::uint32_t last = std::min(first + (1u << kRestBits) - 1, float_bits(1.0f));
+      code_[b] = srgb(bits_float(first));
+      step_[b] = last;  // the greatest that has the bucket's first code
+      if (srgb(bits_float(last)) == code_[b]) continue;
+      std::uint32_t low = first, high = last;
+      while (high - low > 1) {
+        const std::uint32_t middle = low + (high - low) / 2;
+        (srgb(bits_float(middle)) == code_[b] ? low : high) = middle;
+      }
+      step_[b] = low;
+    }
+  }
+
+  /// NaNs are black.
+  [[nodiscard]] std::uint8_t operator()(float linear) const {
+    if (!(linear >= kLeast)) return 0;
+    const std::uint32_t bits = float_bits(linear < 1 ? linear : 1.0f);
+    const std::uint32_t b = (bits - kFirst) >> kRestBits;
+    return static_cast<std::uint8_t>(code_[b] + (bits > step_[b] ? 1 : 0));
+  }
+
+ private:
+  static constexpr std::uint32_t kRestBits = 16, kOctaves = 13;
+  static constexpr std::uint32_t kBuckets = (kOctaves << 7) + 1;   // and 1 itself
+  static constexpr std::uint32_t kFirst = (127 - kOctaves) << 23;  // the bits of kLeast
+  static constexpr float kLeast = 0x1p-13f;                        // all below are code 0
+
+  std::array<std::uint8_t, kBuckets> code_{};
+  std::array<std::uint32_t, kBuckets> step_{};
+};
+
 }  // namespace
 
 Image tone_mapped(const RenderResult& result) {
+  static const SrgbTable kSrgb;
   Image image;
   image.width = result.width;
   image.height = result.height;
-  image.rgba.reserve(result.beauty.size() * 4);
+  image.rgba.resize(result.beauty.size() * 4);
+  std::uint8_t* out = image.rgba.data();
   for (const Vec3& radiance : result.beauty) {
     const Vec3 c = neutral_curve(max(radiance * result.exposure, {0, 0, 0}));
-    for (const float channel : {c.x, c.y, c.z}) image.rgba.push_back(srgb(channel));
-    image.rgba.push_back(255);
+    *out++ = kSrgb(c.x);
+    *out++ = kSrgb(c.y);
+    *out++ = kSrgb(c.z);
+    *out++ = 255;
   }
   return image;
 }

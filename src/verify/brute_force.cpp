@@ -114,7 +114,7 @@ RayBatch batch_of(const std::vector<Ray>& rays, Random* random) {
   RayBatch batch;
   batch.kind = RayKind::kReflection;
   batch.width = 64;
-  batch.rays = rays;
+  batch.rays.assign(rays.begin(), rays.end());
   for (std::uint32_t i = 0; i < rays.size(); ++i) {
     batch.slots.push_back(i);
     batch.pixels.push_back(i);

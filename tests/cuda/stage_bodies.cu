@@ -44,6 +44,9 @@ __global__ void run_others(const Light* lights, const Fragment* fragments, Light
   const Ray ray = shadow_ray(f, choose_on_light(f, light, i, {i, 4}), reach);
   out[i].put(light_window(light, sample.to_light, sample.distance), faces_light(f, sample));
   out[i].put(ray, shadow_place(light, ray, reach), lit_by(f, sample));
+  const SpotEdge edge = spot_edge(light);
+  out[i].put(edge.cos_outer, edge.span, takes_light(f), offset_extent(f.surface.normal));
+  out[i].put(std::uint32_t{rays_of(f, scatter(f))});
   out[i].put(transform_uv(slots[i], {sample.distance, ray.t_max}));
 }
 

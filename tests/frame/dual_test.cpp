@@ -140,8 +140,8 @@ RayBatch batch_of(const std::vector<std::size_t>& counts,
     for (std::size_t i = 0; i < counts[l]; ++i) {
       const float x = static_cast<float>(l) + (apart ? 1e-3f * static_cast<float>(i) : 0.0f);
       batch.rays.push_back({{x, 0, 0}, 0, {0, 0, 1}, 1});
-      batch.lights.push_back(l);
     }
+    batch.light_ends.push_back(static_cast<std::uint32_t>(batch.rays.size()));
   }
   return batch;
 }
@@ -154,7 +154,7 @@ TEST(Dual, PointLightsHaveQueriesOfTheirOwn) {
   EXPECT_EQ(query_ends(batch_of({10, 20, 900, 30, 40}, {})), (Ends{0, 30, 930, 1000}));
   EXPECT_EQ(query_ends(batch_of({0, 900, 0}, {})), (Ends{0, 900}));
   RayBatch unlit = batch_of({900}, {0});
-  unlit.lights.clear();
+  unlit.light_ends.clear();
   EXPECT_EQ(query_ends(unlit), (Ends{0, 900}));
 }
 

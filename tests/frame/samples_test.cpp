@@ -2,6 +2,8 @@
 // number of samples changes a bit.
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
 #include "raysheaf/render.h"
@@ -80,6 +82,18 @@ TEST(Samples, ThePictureSoFarIsThatOfAsManySamples) {
   };
   const RenderResult last = render(scene, options);
   ASSERT_EQ(so_far.size(), 4u);
+  double total_ms = 0;
+  for (const RenderResult& part : so_far) {
+    const FrameStatistics &s = part.statistics, &whole = last.statistics;
+    EXPECT_EQ(std::tie(s.scene, s.triangles, s.meshes, s.width, s.height, s.method, s.key, s.bound),
+              std::tie(whole.scene, whole.triangles, whole.meshes, whole.width, whole.height,
+                       whole.method, whole.key, whole.bound));
+    EXPECT_EQ(std::tie(s.device, s.primary, s.threads),
+              std::tie(whole.device, whole.primary, whole.threads));
+    EXPECT_GT(s.total_ms, total_ms);
+    total_ms = s.total_ms;
+  }
+  EXPECT_GT(last.statistics.total_ms, total_ms);
   so_far.push_back(last);
   options.on_sample = nullptr;
   for (std::uint32_t n = 1; n <= 5; ++n) {

@@ -227,6 +227,41 @@ TEST_F(Write, PngHasAlphaOnlyWhereItIsNeeded) {
   EXPECT_FALSE(std::filesystem::exists(path("b.png")));
 }
 
+/// Pictures that compress in every way: not at all, by runs, by rows, by one code alone.
+Image picture_of(int kind, std::uint32_t width, std::uint32_t height, std::mt19937& random) {
+  Image image{"", width, height, {}};
+  for (std::uint32_t y = 0; y < height; ++y) {
+    for (std::uint32_t x = 0; x < width; ++x) {
+      const std::uint32_t noise = static_cast<std::uint32_t>(random());
+      const std::uint32_t of[] = {noise,     0x7f7f7f7fu,      x * 3 + (y << 9) + (x * y << 16),
+                                  x * x / 5, y % 7 * 0x31313u, noise & (x / 40 * 0x01010101u)};
+      for (int c = 0; c < 4; ++c)
+        image.rgba.push_back(
+            static_cast<std::uint8_t>(c == 3 && kind != 0 ? 255 : of[kind] >> 8 * c));
+    }
+  }
+  return image;
+}
+
+TEST_F(Write, PngIsReadBackWhateverItShows) {
+  std::mt19937 random(7);
+  for (int kind = 0; kind < 6; ++kind) {
+    for (const auto& [width, height] : {std::pair{1u, 1u}, {1u, 9u}, {300u, 1u}, {311u, 257u}}) {
+      const Image image = picture_of(kind, width, height, random);
+      const std::vector<std::uint8_t> png = encode_png(image);
+      const auto decoded = io::decode_image(png);
+      ASSERT_TRUE(decoded.has_value()) << kind << " " << width << " x " << height;
+      EXPECT_EQ(decoded->rgba, image.rgba) << kind << " " << width << " x " << height;
+      if (kind == 1 && width > 300) {
+        EXPECT_LT(png.size(), 2500u);
+      }
+      if (kind == 0) {
+        EXPECT_LT(png.size(), image.rgba.size() * 21 / 20 + 400);
+      }
+    }
+  }
+}
+
 TEST_F(Write, ExrIsReadBackBitForBit) {
   constexpr std::uint32_t kWidth = 37, kHeight = 21;
   std::mt19937 random(3);

@@ -43,7 +43,7 @@ struct NaiveNode {
   double radius = 0, spread = 0;
 };
 
-NaiveNode naive_leaf(const std::vector<Ray>& rays, std::size_t first, std::size_t end) {
+NaiveNode naive_leaf(View<const Ray> rays, std::size_t first, std::size_t end) {
   NaiveNode n{point(rays[first].origin), unit(point(rays[first].direction)), 0, 0};
   for (std::size_t i = first + 1; i < end; ++i) {
     const double between = size(sum(point(rays[i].origin), n.center, -1));
@@ -91,10 +91,10 @@ struct NaiveCounts {
   std::uint64_t top_tests = 0, top_hits = 0, leaf_hits = 0;
 };
 
-NaiveCounts naive_rah(const FlatScene& scene, const std::vector<Ray>& rays, bool has_sign) {
+NaiveCounts naive_rah(const FlatScene& scene, View<const Ray> rays, bool has_sign) {
   std::vector<NaiveNode> leaves, tops;
-  for (std::size_t i = 0; i < rays.size(); i += 8)
-    leaves.push_back(naive_leaf(rays, i, std::min(i + 8, rays.size())));
+  for (std::size_t i = 0; i < rays.size; i += 8)
+    leaves.push_back(naive_leaf(rays, i, std::min(i + 8, rays.size)));
   for (std::size_t i = 0; i < leaves.size(); i += 8)
     tops.push_back(naive_parent(leaves, i, std::min(i + 8, leaves.size())));
   NaiveCounts counts;

@@ -98,7 +98,7 @@ class Rays : public testing::Test {
   const FlatScene scene_ = flatten(executor_, description_, mesh_bounds(executor_, description_));
   const TextureSet textures_{description_};
 
-  std::vector<Fragment> fragments() {
+  Fragments fragments() {
     ProgressMeter meter;
     BatchStatistics not_kept;
     const CameraFrame frame = make_camera_frame(description_.cameras.front(), 32, 32);
@@ -109,7 +109,7 @@ class Rays : public testing::Test {
 };
 
 TEST_F(Rays, MirrorsTurnTheDirectionAboutANormal) {
-  const std::vector<Fragment> all = fragments();
+  const Fragments all = fragments();
   const RayBatch batch = make_mirror_rays(executor_, all, scene_.bounds, 1);
   ASSERT_FALSE(batch.rays.empty());
   for (std::size_t i = 0; i < batch.rays.size(); ++i) {
@@ -125,7 +125,7 @@ TEST_F(Rays, MirrorsTurnTheDirectionAboutANormal) {
 }
 
 TEST_F(Rays, OcclusionRaysAreCosineDistributed) {
-  const std::vector<Fragment> all = fragments();
+  const Fragments all = fragments();
   const RayBatch batch = make_occlusion_rays(executor_, all, scene_.bounds, 2.5f);
   ASSERT_EQ(batch.rays.size() % kOcclusionRays, 0u);
   double cosines = 0, squares = 0;

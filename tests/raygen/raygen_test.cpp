@@ -27,8 +27,8 @@ struct Seen {
     return make_shadow_rays(executor, fragments, scene.lights, 0,
                             static_cast<std::uint32_t>(scene.lights.size()), flat.bounds);
   }
-  [[nodiscard]] std::vector<RayHit> closest(const std::vector<Ray>& rays) const {
-    std::vector<RayHit> hits(rays.size());
+  [[nodiscard]] std::vector<RayHit> closest(View<const Ray> rays) const {
+    std::vector<RayHit> hits(rays.size);
     ProgressMeter meter;
     intersect_brute_force(executor, flat.triangles(), rays, Facing::kBoth, hits, &meter);
     return hits;
@@ -38,7 +38,7 @@ struct Seen {
   SceneDescription scene;
   TextureSet textures;
   FlatScene flat;
-  std::vector<Fragment> fragments;
+  Fragments fragments;
 };
 
 /// Scaled about the origin, lights and camera with it.

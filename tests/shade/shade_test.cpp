@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "raygen/shadow_body.h"
 #include "shade/shade_body.h"
 #include "support/pictures.h"
+#include "support/simd_targets.h"
 
 namespace raysheaf {
 namespace {
@@ -68,6 +70,50 @@ TEST(Shade, EmissionAndSkyAddUp) {
   EXPECT_EQ(radiance[1].x, 0.5f);  // nothing was met there
 }
 
+/// Surfaces of all kinds, some seen edge-on, some at the light's own place or against it.
+Fragments all_kinds_of_surfaces(std::size_t count, Vec3 light) {
+  Random random(5);
+  Fragments fragments(count);
+  for (Fragment& f : fragments) {
+    f = matte(random.direction(), random.direction());
+    Surface& s = f.surface;
+    s.position = random.below(20) == 0 ? light : random.in_box(2);
+    if (random.below(20) == 0) f.incoming = normalized(light - s.position);
+    if (random.below(20) == 0) s.position = s.position * 1e17f;
+    s.diffuse = random.in_box(1) + Vec3{1, 1, 1};
+    const float metal = random.unit();
+    s.specular = random.below(3) == 0 ? Vec3{0, 0, 0} : Vec3{metal, 0.5f * metal, 0.04f};
+    s.coat = random.below(3) == 0 ? s.specular : Vec3{0.04f, 0.04f, 0.04f};
+    s.roughness = random.unit();
+  }
+  return fragments;
+}
+
+TEST(Shade, ManyFragmentsAtATimeAreAsOneByOneOnEverySimdTarget) {
+  std::vector<Light> lights(4, test::point_light({0.5f, 2, -1}, 40));
+  lights[1].type = Light::Type::kSpot;
+  lights[1].direction = {0, -1, 0};
+  lights[1].outer_angle = 1.2f, lights[1].range = 3;
+  lights[2].type = Light::Type::kDirectional;
+  lights[3].type = Light::Type::kRectangle;
+  lights[3].width = lights[3].height = 1;
+  const Fragments fragments = all_kinds_of_surfaces(1777, lights[0].position);
+  Random random(8);
+  std::vector<Visibility> visibility(lights.size() * fragments.size());
+  for (Visibility& v : visibility) v = static_cast<Visibility>(random.below(3));
+  std::vector<Vec3> expected(fragments.size());
+  for (std::size_t i = 0; i < fragments.size(); ++i) {
+    for (std::uint32_t l = 0; l < lights.size(); ++l)
+      if (visibility[l * fragments.size() + i] == Visibility::kVisible)
+        expected[i] += lit_by(fragments[i], choose_on_light(fragments[i], lights[l], l, {}));
+  }
+  test::for_each_simd_target([&](const char* target) {
+    std::vector<Vec3> radiance(fragments.size());
+    shade_lights(Executor(3), fragments, {lights, 0, {}}, visibility, radiance);
+    EXPECT_TRUE(test::same_bits(radiance, expected)) << target;
+  });
+}
+
 TEST(Shade, AccumulationIsExactWhateverTheThreads) {
   Random random(4);
   std::vector<Fragment> fragments;
@@ -111,6 +157,35 @@ TEST(ToneMap, BlackStaysBlackGreyRisesAndNothingLeavesTheRange) {
     EXPECT_GE(image.rgba[i], image.rgba[i - 4]);
   EXPECT_GT(image.rgba[255 * 4], 240);
   EXPECT_EQ(image.rgba[3], 255);
+}
+
+TEST(ToneMap, CodesAreThoseOfTheFormula) {
+  // The toe of the tone curve and the transfer function, at a float in 97.
+  const auto code = [](float v) {
+    const float c = v - (v < 0.08f ? v - v * v / 0.16f : 0.04f);
+    const float x = c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f;
+    return static_cast<int>(x * 255 + 0.5f);
+  };
+  RenderResult result;
+  for (std::uint32_t bits = float_bits(1e-4f); bits < float_bits(0.79f); bits += 97)
+    result.beauty.push_back(Vec3{1, 1, 1} * bits_float(bits));
+  result.width = static_cast<std::uint32_t>(result.beauty.size());
+  result.height = 1;
+  const Image image = tone_mapped(result);
+  for (std::size_t i = 0; i < result.beauty.size(); ++i)
+    ASSERT_EQ(image.rgba[4 * i], code(result.beauty[i].x)) << result.beauty[i].x;
+}
+
+TEST(ToneMap, WhatIsNoNumberIsBlackAndWhatIsEndlessIsWhite) {
+  RenderResult result;
+  result.width = 3;
+  result.height = 1;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  result.beauty = {{nan, nan, nan}, {-1, -2, -3}, {1e30f, 1e30f, 1e30f}};
+  const Image image = tone_mapped(result);
+  EXPECT_EQ(image.rgba[0], 0);
+  EXPECT_EQ(image.rgba[4], 0);
+  EXPECT_EQ(image.rgba[8], 255);
 }
 
 }  // namespace

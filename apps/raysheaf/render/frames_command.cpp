@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstring>
 #include <filesystem>
+#include <future>
 #include <span>
 
 #include "console.h"
@@ -42,7 +43,7 @@ class Lap {
 /// frame.
 void keep_memory() {
 #if defined(__GLIBC__)
-  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most that it takes
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
 #endif
 }
@@ -53,12 +54,22 @@ struct FrameTimes {
   double seek = 0, render = 0, write = 0;
 };
 
-std::string frame_json(std::uint64_t frame, double time, const FrameTimes& times,
-                       const UpdateStatistics& update, const std::string& picture) {
+/// A frame that is to be written.
+struct Drawn {
+  std::uint64_t frame = 0;
+  double time = 0;
+  FrameTimes times;
+  UpdateStatistics update;
+  RenderResult picture;
+};
+
+std::string frame_json(const Drawn& drawn, const std::string& picture) {
+  const FrameTimes& times = drawn.times;
   return fmt::format(
       "{{\n\"frame\": {},\n\"time\": {},\n\"times_ms\": {{\"seek\": {:.3f}, \"render\": {:.3f}, "
       "\"write\": {:.3f}}},\n\"update\": {},\n\"picture\": {}}}\n",
-      frame, time, times.seek, times.render, times.write, to_json(update), picture);
+      drawn.frame, drawn.time, times.seek, times.render, times.write, to_json(drawn.update),
+      picture);
 }
 
 class FrameRun {
@@ -159,11 +170,22 @@ class FrameRun {
     // Frames before this one are made, or others are at them.
     while (const std::optional<std::uint64_t> next = next_frame()) {
       stop_if_interrupted();
-      make_frame(*next);
+      Drawn drawn = make_frame(*next);
+      finish_writing();
       bar.update("frames", *next + 1, missing_.size());
+      stop_if_interrupted();
+      if (frame_each_ || is_first(ranks_))
+        writing_ = std::async(std::launch::async,
+                              [this, drawn = std::move(drawn)]() mutable { write(drawn); });
     }
+    finish_writing();
     if (frame_each_)
       ranks_->combine(std::as_writable_bytes(std::span(frame_ms_)), sizeof(double), take_longer);
+  }
+
+  /// Waits for the frame before, whose pictures are written while the next one is rendered.
+  void finish_writing() {
+    if (writing_.valid()) writing_.get();
   }
 
   /// Its place in `missing_`.
@@ -225,22 +247,28 @@ class FrameRun {
     return picture;
   }
 
-  void make_frame(std::uint64_t place) {
-    const std::uint64_t frame = missing_[place];
-    const RenderResult picture = draw(frame, options_);
+  Drawn make_frame(std::uint64_t place) {
+    Drawn drawn;
+    drawn.frame = missing_[place];
+    drawn.picture = draw(drawn.frame, options_);
+    drawn.time = plan_.time(animation_, drawn.frame);
+    drawn.times = times_;
+    drawn.update = renderer_.last_update();
     frame_ms_[place] = times_.render;
-    if (!frame_each_ && !is_first(ranks_)) return;
-    Lap lap;
-    write(frame, picture);
-    times_.write = lap.ms();
-    if (command_.stats_path.empty()) return;
-    write_text(frame_json(frame, plan_.time(animation_, frame), times_, renderer_.last_update(),
-                          to_json(picture.statistics)),
-               writable_path(with_frame(command_.stats_path, frame)));
+    return drawn;
   }
 
-  void write(std::uint64_t frame, const RenderResult& picture) {
-    stop_if_interrupted();
+  /// All files of a frame, its statistics last.
+  void write(Drawn& drawn) const {
+    Lap lap;
+    write_pictures(drawn.frame, drawn.picture);
+    drawn.times.write = lap.ms();
+    if (command_.stats_path.empty()) return;
+    write_text(frame_json(drawn, to_json(drawn.picture.statistics)),
+               writable_path(with_frame(command_.stats_path, drawn.frame)));
+  }
+
+  void write_pictures(std::uint64_t frame, const RenderResult& picture) const {
     if (!films_.empty()) {
       const Image image = tone_mapped(picture);
       for (const std::unique_ptr<Film>& film : films_) film->add(image);
@@ -282,6 +310,7 @@ class FrameRun {
   std::uint64_t made_ = 0;
   FrameTimes times_;
   std::vector<double> frame_ms_;
+  std::future<void> writing_;  ///< last: it uses the others, and waits where it is destroyed
 };
 
 }  // namespace

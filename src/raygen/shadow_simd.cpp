@@ -1,0 +1,102 @@
+// Shadow rays to points that shine, 16 fragments at a time: `faces_light` and `shadow_ray` of
+// shadow_body.h, their operations in their order. Compiled once a SIMD target and chosen at run
+// time (Google Highway).
+#include <bit>
+
+#include "raygen/shadow_body.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "raygen/shadow_simd.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "raygen/point_light-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raysheaf::HWY_NAMESPACE {
+namespace {
+
+std::uint32_t FindFacing(const ShadowColumns& c, const PointLight& point, const Light& light,
+                         View<const Fragment> fragments, std::uint16_t* facing) {
+  const Floats d;
+  const V zero = hn::Zero(d);
+  std::uint32_t count = 0;
+  for (std::size_t group = 0; group * kLightLanes < fragments.size; ++group) {
+    std::uint32_t faces = 0, usual = 0;
+    for (std::size_t lane = 0; lane < kLightLanes; lane += hn::Lanes(d)) {
+      const std::size_t k = group * kLightLanes + lane;
+      const PointSeen seen = SeePoint(point, Load3(c.position, k));
+      const M lit = hn::And(hn::Gt(Dot(Load3(c.normal, k), seen.to_light), zero),
+                            hn::Gt(MaxOf(seen.irradiance), zero));
+      faces |= BitsOf(hn::And(lit, seen.usual)) << lane;
+      usual |= BitsOf(seen.usual) << lane;
+    }
+    faces &= c.lit[group];
+    for (std::uint32_t rest = c.lit[group] & ~usual; rest != 0; rest &= rest - 1) {
+      const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
+      const Fragment& f = fragments[group * kLightLanes + lane];
+      if (faces_light(f, sample_point(light, f.surface.position))) faces |= 1u << lane;
+    }
+    facing[group] = static_cast<std::uint16_t>(faces);
+    count += static_cast<std::uint32_t>(std::popcount(faces));
+  }
+  return count;
+}
+
+void MakePointRays(const ShadowColumns& c, const PointLight& point, const Light& light,
+                   View<const Fragment> fragments, const std::uint16_t* facing, Ray* rays) {
+  const Floats d;
+  const V3 origin = Splat(point.position);
+  alignas(64) float direction[3][kLightLanes];
+  for (std::size_t group = 0; group * kLightLanes < fragments.size; ++group) {
+    if (facing[group] == 0) continue;
+    std::uint32_t usual = 0;
+    for (std::size_t lane = 0; lane < kLightLanes; lane += hn::Lanes(d)) {
+      const std::size_t k = group * kLightLanes + lane;
+      const V3 position = Load3(c.position, k), outward = Load3(c.outward, k);
+      const PointSeen seen = SeePoint(point, position);
+      const V step = hn::Add(hn::Load(d, c.step + k),
+                             hn::Mul(hn::Set(d, kOffsetRoundings * kUnitRoundoff), seen.distance));
+      const M inward = hn::Lt(Dot(seen.to_light, outward), hn::Zero(d));
+      const V3 target = Add(position, Scale(outward, hn::IfThenElse(inward, hn::Neg(step), step)));
+      const V3 along = Sub(target, origin);
+      hn::Store(along.x, d, direction[0] + lane);
+      hn::Store(along.y, d, direction[1] + lane);
+      hn::Store(along.z, d, direction[2] + lane);
+      usual |= BitsOf(seen.usual) << lane;
+    }
+    for (std::uint32_t rest = facing[group]; rest != 0; rest &= rest - 1) {
+      const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
+      if (HWY_LIKELY((usual >> lane & 1) != 0)) {
+        *rays++ = {
+            point.position, 0, {direction[0][lane], direction[1][lane], direction[2][lane]}, 1};
+        continue;
+      }
+      const Fragment& f = fragments[group * kLightLanes + lane];
+      *rays++ = shadow_ray(f, sample_point(light, f.surface.position), {});
+    }
+  }
+}
+
+}  // namespace
+}  // namespace raysheaf::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace raysheaf {
+
+HWY_EXPORT(FindFacing);
+HWY_EXPORT(MakePointRays);
+
+std::uint32_t find_facing(const ShadowColumns& columns, const PointLight& point, const Light& light,
+                          View<const Fragment> fragments, std::uint16_t* facing) {
+  return HWY_DYNAMIC_DISPATCH(FindFacing)(columns, point, light, fragments, facing);
+}
+
+void make_point_rays(const ShadowColumns& columns, const PointLight& point, const Light& light,
+                     View<const Fragment> fragments, const std::uint16_t* facing, Ray* rays) {
+  HWY_DYNAMIC_DISPATCH(MakePointRays)(columns, point, light, fragments, facing, rays);
+}
+
+}  // namespace raysheaf
+#endif  // HWY_ONCE

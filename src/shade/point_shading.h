@@ -1,0 +1,30 @@
+// Points that shine on many fragments at a time: `lit_by` (shade_body.h) of `sample_point`
+// (raygen/light_body.h), SIMD over the fragments.
+#pragma once
+
+#include <cstdint>
+
+#include "raygen/point_light.h"
+
+namespace raysheaf {
+
+/// What shading needs of up to `kLightBlock` fragments; lanes behind the last are as the first.
+struct ShadingColumns {
+  alignas(64) float position[3][kLightBlock];
+  float normal[3][kLightBlock], incoming[3][kLightBlock];
+  float diffuse[3][kLightBlock], specular[3][kLightBlock], coat[3][kLightBlock];
+  float roughness[kLightBlock];
+  // What `reflectance` says of a fragment whatever the light; `prepare_shading` fills it in.
+  float cos_view[kLightBlock], alpha2[kLightBlock], masking[kLightBlock];
+  float coat_view[3][kLightBlock];
+  float radiance[3][kLightBlock];
+};
+
+/// The SIMD parts, chosen at run time, of the first `count` lanes.
+void prepare_shading(std::size_t count, ShadingColumns* columns);
+/// Adds what the light gives to the fragments whose `visible` is `Visibility::kVisible`; `visible`
+/// has `kLightBlock` entries. `light` is `point`, unprepared.
+void add_point_light(const PointLight& point, const Light& light, View<const Fragment> fragments,
+                     const std::uint8_t* visible, ShadingColumns* columns);
+
+}  // namespace raysheaf
