@@ -159,7 +159,10 @@ void Tracer::do_load(const std::string& path, Work& work) {
   {
     const std::lock_guard lock(mutex_);
     scene_ = std::move(loaded);
-    if (scene_->facts) picture_ = nullptr;  // it is of another scene
+    if (scene_->facts) {  // what there is, and what was begun, is of another scene
+      picture_ = nullptr;
+      again_.reset();
+    }
   }
   options_.notify();
 }
@@ -251,7 +254,6 @@ void Tracer::next(Work& work, std::unique_lock<std::mutex>& lock) {
     lock.lock();
   };
   if (const auto path = taken(load_)) {
-    again_.reset();
     without_lock([&] { do_load(*path, work); });
   } else if (const auto request = taken(request_)) {
     again_.reset();

@@ -144,6 +144,16 @@ TEST_F(ModelTest, ABadSceneLeavesTheGoodOne) {
   EXPECT_EQ(model.value("scene"), "office");
 }
 
+TEST_F(ModelTest, ABadSceneDoesNotEndARefinement) {
+  model.settings.samples = 40;
+  ASSERT_TRUE(open("cornell"));
+  ASSERT_TRUE(until([this] { return model.up_to_date(); }));
+  ASSERT_FALSE(model.refined());
+  ASSERT_TRUE(open("broken"));
+  EXPECT_TRUE(until([this] { return model.refined(); }));
+  EXPECT_EQ(model.picture()->samples, 40u);
+}
+
 TEST_F(ModelTest, ClickingNamesWhatIsThere) {
   ASSERT_TRUE(open("cornell"));
   ASSERT_TRUE(until([this] { return model.refined(); }));
