@@ -19,7 +19,7 @@ enum Rays { kMirror, kOcclusion, kRandom };
 struct Trace {
   std::vector<Vec3> positions;
   std::vector<TriangleRun> runs;
-  std::vector<Ray> rays[3];
+  LargeVector<Ray> rays[3];
   ObjectTree trees[2];  ///< along a curve; fine
 
   Trace() {
@@ -52,13 +52,13 @@ const Trace& trace() {
   return the_trace;
 }
 
-const std::vector<Ray>& rays_of(const benchmark::State& state) {
+const LargeVector<Ray>& rays_of(const benchmark::State& state) {
   return trace().rays[state.range(0)];
 }
 
 void order(benchmark::State& state) {
   const Executor executor = executor_of(state, 2);
-  const std::vector<Ray>& rays = rays_of(state);
+  const LargeVector<Ray>& rays = rays_of(state);
   const Sorting sorting = state.range(1) == 0 ? Sorting::kByQuarter : Sorting::kCurve;
   RayOrder order;
   for (auto _ : state) {

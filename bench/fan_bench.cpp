@@ -23,7 +23,7 @@ struct Fan {
   std::vector<Vec3> positions;
   std::vector<std::array<std::uint32_t, 3>> indices;
   std::vector<TriangleRun> runs;
-  std::vector<Ray> rays;
+  LargeVector<Ray> rays;
 
   Fan() {
     const char* asked = std::getenv("RAYSHEAF_BENCH_TRIANGLES");
@@ -171,14 +171,14 @@ class Embree {
 
   /// Rays in packets of 16, in the order of the batch.
   void trace(const Executor& executor, View<std::uint8_t> occluded) const {
-    const std::vector<Ray>& rays = fan().rays;
+    const LargeVector<Ray>& rays = fan().rays;
     executor.for_each_block((rays.size() + 15) / 16, 64, [&](std::size_t begin, std::size_t end) {
       for (std::size_t p = begin; p < end; ++p) trace_packet(rays, p * 16, occluded);
     });
   }
 
  private:
-  void trace_packet(const std::vector<Ray>& rays, std::size_t first,
+  void trace_packet(const LargeVector<Ray>& rays, std::size_t first,
                     View<std::uint8_t> occluded) const {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);

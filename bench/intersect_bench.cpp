@@ -8,7 +8,7 @@ namespace {
 
 std::vector<RaySetup> some_rays() {
   const Executor executor;
-  const std::vector<Ray> rays = input().shadow_rays(executor, input().fragments).rays;
+  const auto rays = input().shadow_rays(executor, input().fragments).rays;
   std::vector<RaySetup> setups;
   for (std::size_t i = 0; i < 64 && !rays.empty(); ++i)
     setups.push_back(make_ray_setup(rays[i * rays.size() / 64]));

@@ -16,6 +16,11 @@ if(NOT ZSTD_FOUND)
   message(STATUS "Zstandard not found: block files are neither compressed nor read where they are")
 endif()
 
+pkg_check_modules(DEFLATE QUIET IMPORTED_TARGET libdeflate)  # libdeflate-dev
+if(NOT DEFLATE_FOUND)
+  message(STATUS "libdeflate not found: PNG files are compressed by stb, which takes longer")
+endif()
+
 if(RAYSHEAF_APP)
   find_package(CLI11 REQUIRED CONFIG)  # libcli11-dev
   find_package(fmt REQUIRED CONFIG)    # libfmt-dev

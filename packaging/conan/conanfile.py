@@ -38,6 +38,7 @@ class Raysheaf(ConanFile):
 
     def requirements(self):
         self.requires("highway/1.0.7")
+        self.requires("libdeflate/1.19")
         self.requires("libepoxy/1.5.10")
         self.requires("nlohmann_json/3.11.3")
         self.requires("onetbb/2021.12.0")
