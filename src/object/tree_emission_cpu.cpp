@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cassert>
 
 #include "base/bits.h"
 #include "base/vec.h"
@@ -56,6 +57,7 @@ std::uint32_t place_clusters(View<const AreaItem> clusters, AreaNode* node) {
     std::uint32_t widest = static_cast<std::uint32_t>(std::countr_zero(open));
     for (std::uint32_t c = widest + 1; c < node->children; ++c)
       if ((open >> c & 1) != 0 && area[c] > area[widest]) widest = c;
+    assert(widest < node->children);
     open &= ~(1u << widest);
     if (children + weight(widest) - 1 <= kBvhWidth) {
       children += weight(widest) - 1;
