@@ -44,9 +44,9 @@ TEST(Source, FilesStaySmall) {
 // base <- geom <- exec <- the stages <- frame <- api. A stage may use the stages before it.
 TEST(Source, ArrowsPointOneWay) {
   const std::vector<std::string> rooms = {
-      "base",      "geom",   "exec",     "ranks",     "scene",     "animation", "raster", "raygen", "order",
-      "hierarchy", "object", "traverse", "intersect", "packet",    "fan",    "dual",   "shade",
-      "engine",    "stream", "frame",    "lab",       "api",       "verify"};
+      "base",  "geom",      "exec",   "ranks",    "scene",     "animation", "raster", "raygen",
+      "order", "hierarchy", "object", "traverse", "intersect", "packet",    "fan",    "dual",
+      "shade", "engine",    "stream", "frame",    "lab",       "api",       "verify"};
   const auto rank = [&rooms](const std::string& room) {
     return std::find(rooms.begin(), rooms.end(), room) - rooms.begin();
   };
