@@ -16,6 +16,7 @@
 // where those come first.
 #pragma once
 
+#include <cassert>
 #include <cmath>
 #include <cstdint>
 
@@ -63,6 +64,7 @@ RAYSHEAF_HD inline bool is_hilbert(RayKey key) {
 /// As many bits an axis as fit into `key_bits` beside the light, and no more than can matter.
 RAYSHEAF_HD inline KeyLayout key_layout(std::uint32_t lights, std::uint32_t axes,
                                         std::uint32_t key_bits, std::uint32_t most_axis_bits) {
+  assert(axes > 0);
   KeyLayout layout;
   layout.light_bits = bits_for(lights);
   layout.axes = axes;
@@ -195,6 +197,7 @@ RAYSHEAF_HD inline std::uint64_t curve_place(const KeyContext& context, const Ke
 
 RAYSHEAF_HD inline std::uint64_t curve_key(const KeyContext& context, const KeyedRay& r) {
   const std::uint32_t below = context.layout.axes * context.layout.axis_bits;
+  assert(below + context.layout.light_bits <= 64);
   const std::uint64_t light = context.layout.light_bits == 0 ? 0 : std::uint64_t{r.light} << below;
   return light | curve_place(context, r);
 }
