@@ -134,6 +134,7 @@ struct BenchScaleCommand {
   std::uint64_t measured_triangles = 16'000'000;  ///< of the largest that is rendered
   std::uint32_t machines = 64, side = 512, threads = 0;
   std::uint32_t cores = 16, disk_mb_s = 2000, network_mb_s = 1250;  ///< of a machine
+  std::string mpirun;  ///< what starts processes; empty: mpirun, where there is one
   bool quiet = false;
   std::string json_path, markdown_path;
 };

@@ -77,9 +77,29 @@ TEST(Scale, TheCommandMeasuresAndChecksItself) {
   EXPECT_GT(json["check"]["seconds"].get<double>(), 0);
   EXPECT_GT(json["geometry_bytes"].get<double>(), 8);
   const std::string page = read_file(folder.file("s.md"));
-  for (const char* heading : {"## Measured", "## Fitted", "## One machine", "## Several machines",
-                              "## Where it saturates"})
+  for (const char* heading : {"## Measured", "## Fitted", "## Processes", "## One machine",
+                              "## Several machines", "## Where it saturates"})
     EXPECT_NE(page.find(heading), std::string::npos) << heading;
+}
+
+TEST(Scale, ProcessesThatCannotBeStartedAreASentence) {
+  const TemporaryFolder folder;
+  const auto run = [&](const std::string& mpirun) {
+    return raysheaf_app(
+        {"bench", "scale", "--measured", "100K", "--side", "32", "-q", "--mpirun", mpirun}, folder);
+  };
+  Finished finished = run("/nowhere/mpirun --oversubscribe");
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_EQ(finished.err,
+            "raysheaf: /nowhere/mpirun: cannot be started: No such file or directory\n");
+  finished = run("false");
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_EQ(finished.err, "raysheaf: false: ended with status 1\n");
+  // A launcher of a single process, whatever it is asked for.
+  write_file(folder.file("one"), "#!/bin/sh\nshift 2\nexec \"$@\"\n");
+  finished = run("sh " + folder.file("one"));
+  EXPECT_EQ(finished.code, 0) << finished.err;
+  EXPECT_NE(finished.out.find("processes  threads each"), std::string::npos) << finished.out;
 }
 
 }  // namespace

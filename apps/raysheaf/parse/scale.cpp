@@ -27,6 +27,11 @@ CLI::App* add_bench_scale(CLI::App& bench, BenchScaleCommand& command) {
             });
   add_count(*sub, "--side", command.side, 32, 4096, "Pixels along the picture, 32 to 4096 [512]");
   add_count(*sub, "--threads", command.threads, 0, 1024, "Threads, up to 1024; 0 is all cores [0]");
+  sub->add_option(
+         "--mpirun", command.mpirun,
+         "What starts processes, with its options: runs of one and of two are held against "
+         "what is expected of them [mpirun --bind-to none, where there is one]")
+      ->type_name("COMMAND");
   sub->add_option("--json", command.json_path, "All measurements")->type_name("FILE.json");
   sub->add_option("--markdown", command.markdown_path, "A page")->type_name("FILE.md");
   sub->add_flag("-q,--quiet", command.quiet, "No progress bar");

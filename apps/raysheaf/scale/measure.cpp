@@ -33,6 +33,7 @@ class WorkFolder {
   }
   WorkFolder(const WorkFolder&) = delete;
   WorkFolder& operator=(const WorkFolder&) = delete;
+  [[nodiscard]] std::string path() const { return path_.string(); }
   [[nodiscard]] std::string file(std::uint64_t triangles) const {
     return (path_ / ("hall-" + std::to_string(triangles) + ".rsb")).string();
   }
@@ -123,6 +124,25 @@ double sharing_of(const BlockFile& file, std::uint32_t side, std::uint32_t threa
   return std::clamp(std::log(quarter / whole) / std::log(0.25), 0.0, 1.0);
 }
 
+/// By one process and by two, which together have the threads that the other frames had. A command
+/// that was not asked for may be missing.
+void run_ranks(const std::string& path, const WorkFolder& folder, std::uint32_t side,
+               const std::function<void()>& step, ScaleReport* report) {
+  const std::string& asked = report->asked.mpirun;
+  try {
+    for (const std::uint32_t ranks : {1u, 2u}) {
+      step();
+      report->rank_runs.push_back(measure_ranks(asked.empty() ? "mpirun --bind-to none" : asked,
+                                                path, folder.path(), side, ranks,
+                                                std::max(1u, report->threads / 2)));
+    }
+  } catch (const Error& error) {
+    if (!asked.empty() || error.code() != ErrorCode::kUnsupported) throw;
+    report->rank_runs.clear();
+    report->no_rank_runs = error.what();
+  }
+}
+
 }  // namespace
 
 ScaleReport measure_scale(const BenchScaleCommand& command,
@@ -134,7 +154,7 @@ ScaleReport measure_scale(const BenchScaleCommand& command,
   report.threads = Context(context).threads();
   const std::uint64_t most = command.measured_triangles;
   const std::uint32_t side = command.side;
-  constexpr std::uint64_t kSteps = 10;
+  constexpr std::uint64_t kSteps = 12;
   std::uint64_t done = 0;
   const auto step = [&] { progress(done++, kSteps); };
   const WorkFolder folder;
@@ -146,6 +166,7 @@ ScaleReport measure_scale(const BenchScaleCommand& command,
     if (triangles == most / 2) {
       step();
       report.check = measure(file, side / 4 * 3, report.threads);
+      run_ranks(path, folder, side / 4 * 3, step, &report);
       continue;
     }
     for (const std::uint32_t s : {side / 2, side}) {

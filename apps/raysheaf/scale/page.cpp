@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "scale/report.h"
@@ -115,6 +116,28 @@ std::string check_sentence(const ScaleReport& report, const ScaleModel& model) {
       bytes(guessed_bytes), bytes(s.cost.bytes), guessed_bytes / s.cost.bytes);
 }
 
+/// What processes on this machine took, whose messages go through its memory.
+std::string rank_runs_text(const ScaleReport& report, const ScaleModel& model, bool markdown) {
+  if (report.rank_runs.empty())
+    return "Runs of several processes were left out: " + report.no_rank_runs + "\n";
+  Rows rows{{"processes", "threads each", "expected", "measured", "expected / measured",
+             "bytes read by all"}};
+  for (const RankRun& run : report.rank_runs) {
+    ScaleMachines here;
+    here.ranks = run.ranks;
+    here.cores = run.threads;
+    here.disk_bytes_s = here.network_bytes_s = std::numeric_limits<double>::infinity();
+    here.latency_s = 0;
+    const double expected = forecast_geometry(model, report.check.triangles, report.check.pixels,
+                                              report.check.batches, here)
+                                .total_s;
+    rows.push_back({std::to_string(run.ranks), std::to_string(run.threads), seconds(expected),
+                    seconds(run.seconds), fmt::format("{:.2f}", expected / run.seconds),
+                    bytes(run.bytes)});
+  }
+  return table(rows, markdown);
+}
+
 std::string growth_table(const ScaleReport& report, const ScaleModel& model, bool markdown) {
   Rows rows{{"triangles", "file", "read", "disk", "cores", "frame", "bound by"}};
   for (const double triangles : {1e6, 1e7, 1e8, 1e9, 1e10}) {
@@ -202,12 +225,13 @@ std::string scale_text(const ScaleReport& report) {
   return fmt::format(
       "measured on {} threads, seconds of one core but for the frame's:\n{}\n"
       "fitted:\n{}\n{}\n"
+      "the same frame by processes that share its triangles:\n{}\n"
       "one machine; {}:\n{}\n"
       "{} triangles on several machines:\n{}\n{}",
       report.threads, measured_table(report, false), constants_table(model, false),
-      check_sentence(report, model), conditions(report), growth_table(report, model, false),
-      amount(static_cast<double>(report.asked.triangles)), ranks_table(report, model, false),
-      saturation(report, model));
+      check_sentence(report, model), rank_runs_text(report, model, false), conditions(report),
+      growth_table(report, model, false), amount(static_cast<double>(report.asked.triangles)),
+      ranks_table(report, model, false), saturation(report, model));
 }
 
 std::string scale_page(const ScaleReport& report) {
@@ -225,7 +249,7 @@ std::string scale_page(const ScaleReport& report) {
       "`raysheaf bench scale` wrote this page. It renders generated halls that "
       "[stream](stream.md), fits a straight line to what each resource takes, holds the result "
       "against a frame that it has not seen, and carries it on. Only the tables under \"Measured\" "
-      "are measurements.\n\n"
+      "and \"Processes\" are measurements.\n\n"
       "**{} triangles, {}**: {} on one machine, bound by its {}; {} on {} machines that share the "
       "triangles, bound by the {}; {} where they share the rays, bound by the {}.\n\n",
       amount(triangles), conditions(report), seconds(one.total_s), one.bound_by, seconds(g.total_s),
@@ -240,6 +264,12 @@ std::string scale_page(const ScaleReport& report) {
   text += "## Fitted\n\n" + constants_table(model, true) +
           "\nA frame takes the longer of disk and cores, for they overlap, and then what the "
           "network takes.\n\n";
+  text +=
+      "## Processes\n\nThe frame that the model has not seen, by processes on one machine that "
+      "share "
+      "its triangles (`mpirun -n 2 raysheaf render hall.rsb`): what was measured, and what is "
+      "expected of as many machines with neither disk nor network.\n\n" +
+      rank_runs_text(report, model, true) + "\n";
   text += "## One machine\n\n" + growth_table(report, model, true) + "\n";
   text += fmt::format(
       "## Several machines\n\n{} triangles. *Geometry*: each machine streams its own blocks past "
@@ -250,7 +280,7 @@ std::string scale_page(const ScaleReport& report) {
       saturation(report, model));
   text +=
       "What is not modelled: machines of unequal speed, disks that are shared, hits that are "
-      "sent while blocks still stream. Runs of several ranks have not been compared with it.\n";
+      "sent while blocks still stream.\n";
   return text;
 }
 
@@ -266,6 +296,12 @@ std::string scale_json(const ScaleReport& report) {
   };
   json samples = json::array();
   for (const ScaleSample& sample : report.samples) samples.push_back(of(sample));
+  json runs = json::array();
+  for (const RankRun& run : report.rank_runs)
+    runs.push_back({{"ranks", run.ranks},
+                    {"threads", run.threads},
+                    {"seconds", run.seconds},
+                    {"bytes", run.bytes}});
   const double guess = expected_seconds(report, model, report.check);
   return json{{"threads", report.threads},
               {"sharing", report.sharing},
@@ -273,6 +309,7 @@ std::string scale_json(const ScaleReport& report) {
               {"shading_bytes", report.shading_bytes},
               {"samples", samples},
               {"check", of(report.check)},
+              {"processes", runs},
               {"check_expected_seconds", guess}}
              .dump(2) +
          "\n";

@@ -7,6 +7,7 @@
 
 #include "options.h"
 #include "scale/model.h"
+#include "scale/ranks.h"
 
 namespace raysheaf::app {
 
@@ -17,6 +18,8 @@ struct ScaleReport {
   double sharing = 1;                            ///< as `forecast_rays` has it
   std::vector<ScaleSample> samples;              ///< the model's
   ScaleSample check;                             ///< a frame that it has not seen
+  std::vector<RankRun> rank_runs;                ///< that frame again, by processes
+  std::string no_rank_runs;                      ///< why there are none
 };
 
 /// Generates halls into a folder of its own, which is gone afterwards, and renders them. Calls

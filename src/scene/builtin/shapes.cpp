@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 
 namespace raysheaf::builtin {
 namespace {
@@ -121,6 +122,7 @@ void add_rounded_box(MeshBuilder& builder, Vec3 min, Vec3 max, float radius, int
   const auto columns = rounded_columns(half, radius, steps);
   const auto rows = rounded_rows(half.y, radius, steps);
   const std::size_t n = columns.size(), top = rows.size() - 1, corner = n / 4;
+  assert(n > 0);
   std::vector<std::uint32_t> ids;
   for (const Row& row : rows) {
     for (const Column& column : columns) {

@@ -144,7 +144,8 @@ void add_surface(MeshBuilder& builder, int columns, int rows,
     }
   }
   const auto id = [&](int i, int j) {
-    return ids[static_cast<std::size_t>(j * (columns + 1) + i)];
+    const std::size_t row = static_cast<std::size_t>(columns) + 1;
+    return ids[static_cast<std::size_t>(j) * row + static_cast<std::size_t>(i)];
   };
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {
