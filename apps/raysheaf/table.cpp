@@ -41,4 +41,16 @@ std::string Table::text() const {
   return all;
 }
 
+std::string grouped(const std::string& cell) {
+  const std::size_t first = cell.starts_with("~") ? 1 : 0;
+  if (first == cell.size() || cell.find_first_not_of("0123456789", first) != std::string::npos)
+    return cell;
+  std::string all = cell.substr(0, first);
+  for (std::size_t i = first; i < cell.size(); ++i) {
+    if (i > first && (cell.size() - i) % 3 == 0) all += ' ';
+    all += cell[i];
+  }
+  return all;
+}
+
 }  // namespace raysheaf::app

@@ -20,4 +20,8 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
+/// "1 234 567" of "1234567", "~1 234" of "~1234": digits in groups of three, where the whole cell
+/// is a number.
+[[nodiscard]] std::string grouped(const std::string& cell);
+
 }  // namespace raysheaf::app

@@ -25,7 +25,7 @@ struct Candidate {
 
 [[noreturn]] void fail(const std::string& tried) {
   throw Error(ErrorCode::kNoGraphics, "no headless OpenGL 4.5 core context can be had (" + tried +
-                                          "); use `--primary trace`, which does without OpenGL");
+                                          "); with `trace` as `primary` none is needed");
 }
 
 bool has_word(const char* words, std::string_view word) {

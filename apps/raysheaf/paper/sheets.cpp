@@ -137,19 +137,6 @@ Sheet times_sheet(const PaperReport& report) {
   return sheet;
 }
 
-/// Digits in groups of three, where the whole cell is a number.
-std::string grouped(const std::string& cell) {
-  const std::size_t first = cell.starts_with("~") ? 1 : 0;
-  if (first == cell.size() || cell.find_first_not_of("0123456789", first) != std::string::npos)
-    return cell;
-  std::string all = cell.substr(0, first);
-  for (std::size_t i = first; i < cell.size(); ++i) {
-    if (i > first && (cell.size() - i) % 3 == 0) all += ' ';
-    all += cell[i];
-  }
-  return all;
-}
-
 bool is_text_column(const Sheet& sheet, std::size_t column) {
   return std::any_of(sheet.rows.begin(), sheet.rows.end(), [&](const auto& row) {
     return row[column].find_first_not_of("0123456789.~- ") != std::string::npos;

@@ -6,13 +6,6 @@
 namespace raysheaf::app {
 namespace {
 
-/// 1234567 as "1 234 567".
-std::string grouped(std::uint64_t number) {
-  std::string text = std::to_string(number);
-  for (std::size_t i = text.size(); i > 3;) text.insert(i -= 3, " ");
-  return text;
-}
-
 template <class Values>
 std::string joined(const Values& values) {
   return fmt::format("{}", fmt::join(values, ", "));
@@ -21,8 +14,9 @@ std::string joined(const Values& values) {
 std::string promises_text(const VerifyReport& report) {
   Table table({"promise", "what", "tried", "failed", "s"});
   for (const PromiseReport& p : report.promises)
-    table.add({to_string(p.promise), sentence_of(p.promise), grouped(p.cases) + " " + p.unit,
-               grouped(p.failures), fmt::format("{:.1f}", p.seconds)});
+    table.add({to_string(p.promise), sentence_of(p.promise),
+               grouped(std::to_string(p.cases)) + " " + p.unit, grouped(std::to_string(p.failures)),
+               fmt::format("{:.1f}", p.seconds)});
   return table.text();
 }
 
@@ -42,7 +36,7 @@ std::string errors_text(const VerifyReport& report) {
   Table table(
       {"error of", "unit", "numbers", "half within", "99 % within", "99.99 % within", "largest"});
   for (const ErrorHistogram& h : report.errors)
-    table.add({h.what, h.unit, grouped(h.total()), within(h, 0.5), within(h, 0.99),
+    table.add({h.what, h.unit, grouped(std::to_string(h.total())), within(h, 0.5), within(h, 0.99),
                within(h, 0.9999), fmt::format("{:.3g}", h.largest)});
   return table.text();
 }
