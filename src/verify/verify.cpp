@@ -16,7 +16,8 @@ namespace raysheaf {
 void ErrorHistogram::add(double error) {
   largest = std::max(largest, error);
   std::size_t bin = 0;
-  for (double limit = 0.5; bin + 1 < kBins && !(error <= limit); limit *= 2) ++bin;
+  double limit = 0.5;
+  while (bin + 1 < kBins && !(error <= limit)) limit *= 2, ++bin;
   ++counts[bin];
 }
 
