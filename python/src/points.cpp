@@ -69,9 +69,9 @@ Double3 point_of(const Hit& hit, Double3 a, Double3 b, Double3 c, Double3 origin
 /// the ray's origin, as a length.
 void hit_points(const Doubles3& vertices, const Faces& faces, const Doubles3& origins,
                 const Doubles3& directions, const HitArray& hits, const RayIds& ray_id,
-                Points points, Distances distances) {
+                const Points& points, const Distances& distances) {
   struct Face {
-    std::int64_t corners[3];
+    std::int64_t ids[3];
   };
   const std::size_t count = hits.shape(0);
   if (ray_id.shape(0) != count || points.shape(0) != count || distances.shape(0) != count)
@@ -83,8 +83,8 @@ void hit_points(const Doubles3& vertices, const Faces& faces, const Doubles3& or
   const nb::gil_scoped_release release;
   for (std::size_t i = 0; i < count; ++i) {
     const auto ray = static_cast<std::uint64_t>(ray_id.data()[i]);
-    const auto& [ids] = face[hit[i].prim_id];
-    const auto at = [&](int k) { return corner[static_cast<std::uint64_t>(ids[k])]; };
+    const Face& named = face[hit[i].prim_id];
+    const auto at = [&](int k) { return corner[static_cast<std::uint64_t>(named.ids[k])]; };
     const Double3 from = origin[ray], along = direction[ray];
     point[i] = point_of(hit[i], at(0), at(1), at(2), from, along);
     distances.data()[i] = dot(point[i] - from, along) / length(along);

@@ -50,7 +50,7 @@ void copy(const Part& part, std::size_t begin, std::size_t end, float* out) {
 }
 
 void pack_rays(const Columns& origins, const Columns& directions, const Column& t_min,
-               const Column& t_max, WritableRays out) {
+               const Column& t_max, const WritableRays& out) {
   constexpr std::size_t kStep = 2048;  // rays that stay in the first cache while parts are added
   const std::size_t count = out.shape(0);
   const std::array parts{part_of(origins, count, 0), part_of(t_min, count, 3),

@@ -129,7 +129,7 @@ nb::list plan_of(const QueryStatistics& statistics) {
   return plan;
 }
 
-void write_statistics(const QueryStatistics& from, nb::dict to) {
+void write_statistics(const QueryStatistics& from, const nb::dict& to) {
   to["rays"] = from.rays;
   to["triangles"] = from.triangles;
   to["bound_tests"] = from.bound_tests;
@@ -174,21 +174,24 @@ auto ask(SharedScene& shared, const Wish& wish, const Body& body) {
   }
 }
 
-void query_closest_hit(SharedScene& shared, const Rays& rays, WritableHits out, const Wish& wish) {
+void query_closest_hit(SharedScene& shared, const Rays& rays, const WritableHits& out,
+                       const Wish& wish) {
   const std::span hits(reinterpret_cast<Hit*>(out.data()), out.shape(0));
   ask(shared, wish, [&](const Scene& scene, const QueryOptions& options) {
     closest_hit(scene, rays_of(rays), hits, options);
   });
 }
 
-void query_any_hit(SharedScene& shared, const Rays& rays, WritableFlags out, const Wish& wish) {
+void query_any_hit(SharedScene& shared, const Rays& rays, const WritableFlags& out,
+                   const Wish& wish) {
   const std::span occluded(out.data(), out.shape(0));
   ask(shared, wish, [&](const Scene& scene, const QueryOptions& options) {
     any_hit(scene, rays_of(rays), occluded, options);
   });
 }
 
-void query_hit_counts(SharedScene& shared, const Rays& rays, WritableCounts out, const Wish& wish) {
+void query_hit_counts(SharedScene& shared, const Rays& rays, const WritableCounts& out,
+                      const Wish& wish) {
   const std::span counts(out.data(), out.shape(0));
   ask(shared, wish, [&](const Scene& scene, const QueryOptions& options) {
     hit_counts(scene, rays_of(rays), counts, options);
