@@ -18,6 +18,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <memory>
 
@@ -41,19 +42,26 @@ std::uint64_t pixels_of(ImageSize size) {
   return std::uint64_t{size.width} * size.height;
 }
 
-std::uint64_t most_pixels(std::size_t bytes) {
-  return std::min(kMaxImagePixels, kFreePixels + kPixelsPerByte * bytes);
+constexpr std::array<std::uint8_t, 8> kPng = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+constexpr std::array<std::uint8_t, 2> kJpeg = {0xff, 0xd8};
+
+template <std::size_t kBytes>
+bool begins_with(std::span<const std::uint8_t> bytes,
+                 const std::array<std::uint8_t, kBytes>& mark) {
+  return bytes.size() >= kBytes && std::equal(mark.begin(), mark.end(), bytes.begin());
 }
 
-}  // namespace
-
-namespace {
+/// stb reads on behind the end, where all is zero: a hundred bytes would be a picture of any size.
+std::uint64_t most_pixels(std::span<const std::uint8_t> encoded) {
+  const std::uint64_t accounted = begins_with(encoded, kPng) || begins_with(encoded, kJpeg)
+                                      ? kFreePixels + kPixelsPerByte * encoded.size()
+                                      : kUnpackedPixelsPerByte * encoded.size();
+  return std::min(kMaxImagePixels, accounted);
+}
 
 /// stb takes a PNG chunk's word for its length and allocates that much.
 bool has_chunk_beyond_end(std::span<const std::uint8_t> encoded) {
-  constexpr std::uint8_t kPng[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  if (encoded.size() < 8 || !std::equal(std::begin(kPng), std::end(kPng), encoded.begin()))
-    return false;
+  if (!begins_with(encoded, kPng)) return false;
   constexpr std::size_t kAround = 12;  // length, kind and checksum
   for (std::size_t at = 8; encoded.size() - at >= kAround;) {
     std::size_t length = 0;
@@ -68,7 +76,7 @@ bool has_chunk_beyond_end(std::span<const std::uint8_t> encoded) {
 
 std::optional<Image> decode_image(std::span<const std::uint8_t> encoded) {
   const auto size = image_size(encoded);
-  if (!size || pixels_of(*size) > most_pixels(encoded.size())) return {};
+  if (!size || pixels_of(*size) > most_pixels(encoded)) return {};
   if (has_chunk_beyond_end(encoded)) return {};
   int width = 0, height = 0, channels = 0;
   const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(
@@ -90,7 +98,7 @@ void check_total(const std::vector<EncodedImage>& encoded) {
   for (const EncodedImage& image : encoded) {
     const auto size = image_size(image.bytes);
     const std::uint64_t count = size ? pixels_of(*size) : 0;
-    pixels += count <= most_pixels(image.bytes.size()) ? count : 0;
+    pixels += count <= most_pixels(image.bytes) ? count : 0;
     accounted += kPixelsPerByte * image.bytes.size();
     if (pixels > accounted)
       throw Error(ErrorCode::kOutOfMemory, "the images have far more pixels than bytes",
