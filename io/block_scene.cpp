@@ -5,6 +5,7 @@
 
 #include "io/block_format.h"
 #include "io/image.h"
+#include "io/json_value.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 
@@ -22,13 +23,13 @@ struct SceneHead {
 json number(float x) {
   return std::isfinite(x) ? json(static_cast<double>(x)) : json(nullptr);
 }
-float number_from(const json& j) {
+float number_from(const JsonValue& j) {
   return j.is_null() ? std::numeric_limits<float>::infinity() : j.get<float>();
 }
 json index(std::uint32_t i) {
   return i == kInvalidId ? json(nullptr) : json(i);
 }
-std::uint32_t index_from(const json& j) {
+std::uint32_t index_from(const JsonValue& j) {
   return j.is_null() ? kInvalidId : j.get<std::uint32_t>();
 }
 json numbers(std::initializer_list<float> values) {
@@ -45,13 +46,13 @@ json of(Vec3 v) {
 json of(Vec4 v) {
   return numbers({v.x, v.y, v.z, v.w});
 }
-Vec2 vec2(const json& j) {
+Vec2 vec2(const JsonValue& j) {
   return {number_from(j.at(0)), number_from(j.at(1))};
 }
-Vec3 vec3(const json& j) {
+Vec3 vec3(const JsonValue& j) {
   return {number_from(j.at(0)), number_from(j.at(1)), number_from(j.at(2))};
 }
-Vec4 vec4(const json& j) {
+Vec4 vec4(const JsonValue& j) {
   return {number_from(j.at(0)), number_from(j.at(1)), number_from(j.at(2)), number_from(j.at(3))};
 }
 
@@ -62,7 +63,7 @@ json of(const Affine& a) {
   }
   return list;
 }
-Affine affine(const json& j) {
+Affine affine(const JsonValue& j) {
   Affine a;
   for (std::size_t i = 0; i < 12; ++i) a.m[i / 4][i % 4] = number_from(j.at(i));
   return a;
@@ -74,7 +75,7 @@ json of(const TextureSlot& slot) {
           {"scale", of(slot.scale)},
           {"rotation", number(slot.rotation)}};
 }
-TextureSlot slot(const json& j) {
+TextureSlot slot(const JsonValue& j) {
   return {index_from(j.at("texture")), vec2(j.at("offset")), vec2(j.at("scale")),
           number_from(j.at("rotation"))};
 }
@@ -95,7 +96,7 @@ json of(const Material& m) {
           {"unlit", m.unlit},
           {"double_sided", m.double_sided}};
 }
-Material material(const json& j) {
+Material material(const JsonValue& j) {
   Material m;
   m.name = j.at("name").get<std::string>();
   m.base_color = vec4(j.at("base_color"));
@@ -118,7 +119,7 @@ const char* const kWraps[] = {"repeat", "mirror", "clamp"};
 const char* const kLights[] = {"point", "spot", "directional", "rectangle"};
 
 template <class Enum, std::size_t kCount>
-Enum word(const json& j, const char* const (&words)[kCount]) {
+Enum word(const JsonValue& j, const char* const (&words)[kCount]) {
   const auto text = j.get<std::string>();
   for (std::size_t i = 0; i < kCount; ++i) {
     if (text == words[i]) return static_cast<Enum>(i);
@@ -132,7 +133,7 @@ json of(const Texture& t) {
           {"wrap_v", kWraps[static_cast<int>(t.wrap_v)]},
           {"nearest", t.filter == Filter::kNearest}};
 }
-Texture texture(const json& j) {
+Texture texture(const JsonValue& j) {
   return {index_from(j.at("image")), word<Wrap>(j.at("wrap_u"), kWraps),
           word<Wrap>(j.at("wrap_v"), kWraps),
           j.at("nearest").get<bool>() ? Filter::kNearest : Filter::kLinear};
@@ -141,7 +142,7 @@ Texture texture(const json& j) {
 json of(const Instance& i) {
   return {{"name", i.name}, {"mesh", i.mesh}, {"to_world", of(i.to_world)}};
 }
-Instance instance(const json& j) {
+Instance instance(const JsonValue& j) {
   return {j.at("name").get<std::string>(), j.at("mesh").get<std::uint32_t>(),
           affine(j.at("to_world"))};
 }
@@ -160,7 +161,7 @@ json of(const Light& l) {
           {"width", number(l.width)},
           {"height", number(l.height)}};
 }
-Light light(const json& j) {
+Light light(const JsonValue& j) {
   Light l;
   l.name = j.at("name").get<std::string>();
   l.type = word<Light::Type>(j.at("type"), kLights);
@@ -188,7 +189,7 @@ json of(const Camera& c) {
           {"aperture", number(c.aperture)},
           {"focus", number(c.focus)}};
 }
-Camera camera(const json& j) {
+Camera camera(const JsonValue& j) {
   Camera c;
   c.name = j.at("name").get<std::string>();
   c.to_world = affine(j.at("to_world"));
@@ -208,23 +209,28 @@ json list_of(const std::vector<T>& items) {
   for (const T& item : items) list.push_back(of(item));
   return list;
 }
+std::span<const JsonValue> list_at(const JsonValue& j, const char* name) {
+  if (!j.at(name).is_array()) throw JsonMismatch();
+  return j.at(name).items();
+}
 template <class T>
-void read_list(const json& j, const char* name, T (*read)(const json&), std::vector<T>* out) {
-  const json& list = j.at(name);
+void read_list(const JsonValue& j, const char* name, T (*read)(const JsonValue&),
+               std::vector<T>* out) {
+  const auto list = list_at(j, name);
   for (std::size_t i = 0; i < list.size(); ++i) {
     try {
-      out->push_back(read(list.at(i)));
-    } catch (const json::exception&) {
+      out->push_back(read(list[i]));
+    } catch (const JsonMismatch&) {
       throw Error(ErrorCode::kInvalidData, "a field is missing, or is not what it should be",
                   std::string(name) + "[" + std::to_string(i) + "]");
     }
   }
 }
 
-void read_images(std::span<const std::uint8_t> bytes, const json& names, std::size_t count,
+void read_images(std::span<const std::uint8_t> bytes, std::span<const JsonValue> names,
                  SceneDescription* scene) {
   std::uint64_t pixels = 0;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string place = "images[" + std::to_string(i) + "]";
     std::uint64_t size = 0;
     if (bytes.size() < sizeof size) throw Error(ErrorCode::kInvalidData, "is not there", place);
@@ -238,17 +244,18 @@ void read_images(std::span<const std::uint8_t> bytes, const json& names, std::si
       throw Error(ErrorCode::kOutOfMemory, "the pictures have too many pixels", place);
     std::optional<Image> image = decode_image(encoded);
     if (!image) throw Error(ErrorCode::kInvalidData, "is no picture", place);
-    image->name = names.at(i).get<std::string>();
+    image->name = names[i].get<std::string>();
     scene->images.push_back(std::move(*image));
   }
   if (!bytes.empty())
     throw Error(ErrorCode::kInvalidData, "there is more than its pictures", "images");
 }
 
-SceneDescription scene_from(const json& j) {
+SceneDescription scene_from(const JsonValue& j) {
   SceneDescription scene;
   scene.name = j.at("name").get<std::string>();
-  for (const json& name : j.at("meshes")) scene.meshes.emplace_back().name = name;
+  for (const JsonValue& name : list_at(j, "meshes"))
+    scene.meshes.emplace_back().name = name.get<std::string>();
   read_list(j, "instances", instance, &scene.instances);
   read_list(j, "materials", material, &scene.materials);
   read_list(j, "textures", texture, &scene.textures);
@@ -297,15 +304,15 @@ SceneDescription decode_scene(std::span<const std::uint8_t> bytes) {
   if (head.json_bytes > bytes.size())
     throw Error(ErrorCode::kInvalidData, "its JSON is not all there", "scene");
   try {
-    const auto text = bytes.first(head.json_bytes);
-    const json j = json::parse(text.begin(), text.end());
+    const JsonDocument document(bytes.first(head.json_bytes));
+    const JsonValue& j = document.root();
     SceneDescription scene = scene_from(j);
-    const json& names = j.at("images");
+    const auto names = list_at(j, "images");
     if (names.size() != head.images)
       throw Error(ErrorCode::kInvalidData, "there are as many names as pictures", "images");
-    read_images(bytes.subspan(head.json_bytes), names, names.size(), &scene);
+    read_images(bytes.subspan(head.json_bytes), names, &scene);
     return scene;
-  } catch (const json::exception&) {
+  } catch (const JsonMismatch&) {
     throw Error(ErrorCode::kInvalidData, "its JSON is not what it should be", "scene");
   }
 }

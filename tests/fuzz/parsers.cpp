@@ -8,10 +8,5 @@
 #include <stb/stb_image_write.h>
 
 #include <nlohmann/json.hpp>
-#define TINYGLTF_IMPLEMENTATION
-#define TINYGLTF_NO_INCLUDE_JSON
-#define TINYGLTF_NO_INCLUDE_STB_IMAGE
-#define TINYGLTF_NO_INCLUDE_STB_IMAGE_WRITE
-#include <tiny_gltf.h>
 #define TINYOBJLOADER_IMPLEMENTATION
 #include <tiny_obj_loader.h>
