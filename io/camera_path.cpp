@@ -4,6 +4,7 @@
 
 #include "io/file.h"
 #include "io/json_text.h"
+#include "io/refuse.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 
@@ -53,7 +54,8 @@ CameraPath read_path(const JsonValue& root) {
 
 CameraPath load_camera_path(const std::string& path) {
   try {
-    return read_path(io::JsonDocument(io::read_file(path)).root());
+    return io::within_memory(
+        path, [&] { return read_path(io::JsonDocument(io::read_file(path)).root()); });
   } catch (const Error& error) {
     if (error.place() == path) throw;
     throw Error(error.code(), error.sentence(), path + ": " + error.place());
