@@ -175,11 +175,7 @@ struct BlockFile::Impl {
 };
 
 BlockFile::BlockFile(const std::string& path) {
-  try {
-    impl_ = std::make_unique<Impl>(path);
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for its list of blocks", path);
-  }
+  impl_ = io::within_memory(path, [&] { return std::make_unique<Impl>(path); });
 }
 
 BlockFile::~BlockFile() = default;
@@ -190,14 +186,18 @@ std::span<const BlockInfo> BlockFile::blocks() const {
 
 void BlockFile::read(std::size_t block, TriangleBlock* out) const {
   const io::BlockEntry& entry = impl_->entries.at(block);
-  impl_->read(block, entry.geometry,
-              [out](const io::Bytes& bytes) { io::decode_geometry(bytes, out); });
+  io::within_memory(impl_->path, [&] {
+    impl_->read(block, entry.geometry,
+                [out](const io::Bytes& bytes) { io::decode_geometry(bytes, out); });
+  });
 }
 
 void BlockFile::read_shading(std::size_t block, BlockShading* out) const {
   const io::BlockEntry& entry = impl_->entries.at(block);
-  impl_->read(block, entry.shading,
-              [out](const io::Bytes& bytes) { io::decode_shading(bytes, out); });
+  io::within_memory(impl_->path, [&] {
+    impl_->read(block, entry.shading,
+                [out](const io::Bytes& bytes) { io::decode_shading(bytes, out); });
+  });
 }
 
 const SceneDescription& BlockFile::scene() const {

@@ -2,6 +2,7 @@
 
 #include "io/block_format.h"
 #include "io/file_parts.h"
+#include "io/refuse.h"
 #include "raysheaf/block_file.h"
 #include "raysheaf/error.h"
 
@@ -20,6 +21,9 @@ struct BlockFileWriter::Impl {
     return place;
   }
 
+  void add(const TriangleBlock& block, const BlockShading& shading);
+  void finish(const SceneDescription& scene);
+
   std::string path;
   BlockFileOptions options;
   io::FileWriter file;
@@ -31,20 +35,22 @@ BlockFileWriter::BlockFileWriter(const std::string& path, const BlockFileOptions
   if (options.compress && !can_compress_blocks())
     throw Error(ErrorCode::kUnsupported, "this build has no Zstandard to compress blocks with",
                 path);
-  impl_ = std::make_unique<Impl>(path, options);
-  // Its place; `finish` fills it.
-  impl_->file.append(io::Bytes(sizeof(io::FileHead)));
+  io::within_memory(path, [&] {
+    impl_ = std::make_unique<Impl>(path, options);
+    // Its place; `finish` fills it.
+    impl_->file.append(io::Bytes(sizeof(io::FileHead)));
+  });
 }
 
 BlockFileWriter::~BlockFileWriter() = default;
 
-void BlockFileWriter::add(const TriangleBlock& block, const BlockShading& shading) {
+void BlockFileWriter::Impl::add(const TriangleBlock& block, const BlockShading& shading) {
   try {
     validate(block);
     validate(block, shading);
   } catch (const Error& error) {
     throw Error(error.code(), error.place() + ": " + error.sentence(),
-                impl_->path + ": block " + std::to_string(impl_->index.size()));
+                path + ": block " + std::to_string(index.size()));
   }
   io::BlockEntry entry{};
   const Box box = bounds_of(block);
@@ -52,39 +58,46 @@ void BlockFileWriter::add(const TriangleBlock& block, const BlockShading& shadin
   std::memcpy(entry.max, &box.max, sizeof entry.max);
   entry.triangles = static_cast<std::uint32_t>(block.triangles.size());
   entry.vertices = static_cast<std::uint32_t>(block.positions.size());
-  entry.geometry = impl_->append(io::encode_geometry(block));
-  entry.shading = impl_->append(io::encode_shading(shading));
-  impl_->index.push_back(entry);
-  impl_->triangles += entry.triangles;
+  entry.geometry = append(io::encode_geometry(block));
+  entry.shading = append(io::encode_shading(shading));
+  index.push_back(entry);
+  triangles += entry.triangles;
 }
 
-void BlockFileWriter::finish(const SceneDescription& scene) {
-  Impl& f = *impl_;
+void BlockFileWriter::Impl::finish(const SceneDescription& scene) {
   validate_but_triangles(scene);
   if (!scene.environment.empty())
-    throw Error(ErrorCode::kUnsupported, "block files hold no environment", f.path);
-  if (f.index.empty()) throw Error(ErrorCode::kInvalidData, "the scene has no triangles", f.path);
+    throw Error(ErrorCode::kUnsupported, "block files hold no environment", path);
+  if (index.empty()) throw Error(ErrorCode::kInvalidData, "the scene has no triangles", path);
   io::FileHead head{};
   std::memcpy(head.magic, io::kBlockMagic, sizeof head.magic);
   head.version = io::kBlockVersion;
   head.byte_order = io::kByteOrder;
-  head.blocks = f.index.size();
-  head.triangles = f.triangles;
-  const std::span<const std::uint8_t> index(reinterpret_cast<const std::uint8_t*>(f.index.data()),
-                                            f.index.size() * sizeof(io::BlockEntry));
-  head.index_offset = f.file.size();
-  head.index_checksum = io::checksum(index);
-  f.file.append(index);
+  head.blocks = index.size();
+  head.triangles = triangles;
+  const std::span<const std::uint8_t> list(reinterpret_cast<const std::uint8_t*>(index.data()),
+                                           index.size() * sizeof(io::BlockEntry));
+  head.index_offset = file.size();
+  head.index_checksum = io::checksum(list);
+  file.append(list);
   const io::Bytes rest = io::encode_scene(scene);
-  head.scene_offset = f.file.size();
+  head.scene_offset = file.size();
   head.scene_bytes = rest.size();
   head.scene_checksum = io::checksum(rest);
-  f.file.append(rest);
-  head.file_bytes = f.file.size();
+  file.append(rest);
+  head.file_bytes = file.size();
   head.head_checksum =
       io::checksum(io::bytes_of(head).first(sizeof head - sizeof head.head_checksum));
-  f.file.overwrite(0, io::bytes_of(head));
-  f.file.finish();
+  file.overwrite(0, io::bytes_of(head));
+  file.finish();
+}
+
+void BlockFileWriter::add(const TriangleBlock& block, const BlockShading& shading) {
+  io::within_memory(impl_->path, [&] { impl_->add(block, shading); });
+}
+
+void BlockFileWriter::finish(const SceneDescription& scene) {
+  io::within_memory(impl_->path, [&] { impl_->finish(scene); });
 }
 
 std::uint64_t BlockFileWriter::triangle_count() const {

@@ -1,17 +1,16 @@
 // The scene without its triangles: JSON, then pictures as PNG.
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "io/block_format.h"
 #include "io/image.h"
+#include "io/json_value.h"
+#include "io/json_writer.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 
 namespace raysheaf::io {
 namespace {
-
-using nlohmann::json;
 
 struct SceneHead {
   std::uint64_t json_bytes, images;
@@ -19,83 +18,78 @@ struct SceneHead {
 
 // Floats become doubles, which JSON writes so that they read back to the same bits. Infinity, which
 // JSON has not, is null.
-json number(float x) {
-  return std::isfinite(x) ? json(static_cast<double>(x)) : json(nullptr);
+Json number(float x) {
+  return std::isfinite(x) ? Json(x) : Json(nullptr);
 }
-float number_from(const json& j) {
+float number_from(const JsonValue& j) {
   return j.is_null() ? std::numeric_limits<float>::infinity() : j.get<float>();
 }
-json index(std::uint32_t i) {
-  return i == kInvalidId ? json(nullptr) : json(i);
+Json index(std::uint32_t i) {
+  return i == kInvalidId ? Json(nullptr) : Json(i);
 }
-std::uint32_t index_from(const json& j) {
+std::uint32_t index_from(const JsonValue& j) {
   return j.is_null() ? kInvalidId : j.get<std::uint32_t>();
 }
-json numbers(std::initializer_list<float> values) {
-  json list = json::array();
-  for (const float value : values) list.push_back(number(value));
-  return list;
+Json of(Vec2 v) {
+  return JsonArray{number(v.x), number(v.y)};
 }
-json of(Vec2 v) {
-  return numbers({v.x, v.y});
+Json of(Vec3 v) {
+  return JsonArray{number(v.x), number(v.y), number(v.z)};
 }
-json of(Vec3 v) {
-  return numbers({v.x, v.y, v.z});
+Json of(Vec4 v) {
+  return JsonArray{number(v.x), number(v.y), number(v.z), number(v.w)};
 }
-json of(Vec4 v) {
-  return numbers({v.x, v.y, v.z, v.w});
-}
-Vec2 vec2(const json& j) {
+Vec2 vec2(const JsonValue& j) {
   return {number_from(j.at(0)), number_from(j.at(1))};
 }
-Vec3 vec3(const json& j) {
+Vec3 vec3(const JsonValue& j) {
   return {number_from(j.at(0)), number_from(j.at(1)), number_from(j.at(2))};
 }
-Vec4 vec4(const json& j) {
+Vec4 vec4(const JsonValue& j) {
   return {number_from(j.at(0)), number_from(j.at(1)), number_from(j.at(2)), number_from(j.at(3))};
 }
 
-json of(const Affine& a) {
-  json list = json::array();
+Json of(const Affine& a) {
+  JsonArray list;
   for (const auto& row : a.m) {
-    for (const float x : row) list.push_back(number(x));
+    for (const float x : row) list.add(number(x));
   }
   return list;
 }
-Affine affine(const json& j) {
+Affine affine(const JsonValue& j) {
   Affine a;
   for (std::size_t i = 0; i < 12; ++i) a.m[i / 4][i % 4] = number_from(j.at(i));
   return a;
 }
 
-json of(const TextureSlot& slot) {
-  return {{"texture", index(slot.texture)},
-          {"offset", of(slot.offset)},
-          {"scale", of(slot.scale)},
-          {"rotation", number(slot.rotation)}};
+Json of(const TextureSlot& slot) {
+  return JsonObject{{"texture", index(slot.texture)},
+                    {"offset", of(slot.offset)},
+                    {"scale", of(slot.scale)},
+                    {"rotation", number(slot.rotation)}};
 }
-TextureSlot slot(const json& j) {
+TextureSlot slot(const JsonValue& j) {
   return {index_from(j.at("texture")), vec2(j.at("offset")), vec2(j.at("scale")),
           number_from(j.at("rotation"))};
 }
 
-json of(const Material& m) {
-  return {{"name", m.name},
-          {"base_color", of(m.base_color)},
-          {"base_color_texture", of(m.base_color_texture)},
-          {"metallic", number(m.metallic)},
-          {"roughness", number(m.roughness)},
-          {"metallic_roughness_texture", of(m.metallic_roughness_texture)},
-          {"emission", of(m.emission)},
-          {"emission_texture", of(m.emission_texture)},
-          {"specular", number(m.specular)},
-          {"specular_color", of(m.specular_color)},
-          {"transmission", number(m.transmission)},
-          {"ior", number(m.ior)},
-          {"unlit", m.unlit},
-          {"double_sided", m.double_sided}};
+Json of(const Material& m) {
+  return JsonObject{{"name", m.name},
+                    {"base_color", of(m.base_color)},
+                    {"base_color_texture", of(m.base_color_texture)},
+                    {"metallic", number(m.metallic)},
+                    {"roughness", number(m.roughness)},
+                    {"metallic_roughness_texture", of(m.metallic_roughness_texture)},
+                    {"emission", of(m.emission)},
+                    {"emission_texture", of(m.emission_texture)},
+                    {"specular", number(m.specular)},
+                    {"specular_color", of(m.specular_color)},
+                    {"transmission", number(m.transmission)},
+                    {"ior", number(m.ior)},
+                    {"unlit", m.unlit},
+                    {"double_sided", m.double_sided}};
 }
-Material material(const json& j) {
+Material material(const JsonValue& j) {
   Material m;
   m.name = j.at("name").get<std::string>();
   m.base_color = vec4(j.at("base_color"));
@@ -118,7 +112,7 @@ const char* const kWraps[] = {"repeat", "mirror", "clamp"};
 const char* const kLights[] = {"point", "spot", "directional", "rectangle"};
 
 template <class Enum, std::size_t kCount>
-Enum word(const json& j, const char* const (&words)[kCount]) {
+Enum word(const JsonValue& j, const char* const (&words)[kCount]) {
   const auto text = j.get<std::string>();
   for (std::size_t i = 0; i < kCount; ++i) {
     if (text == words[i]) return static_cast<Enum>(i);
@@ -126,41 +120,41 @@ Enum word(const json& j, const char* const (&words)[kCount]) {
   throw Error(ErrorCode::kInvalidData, "a word in its scene is none of those that are known");
 }
 
-json of(const Texture& t) {
-  return {{"image", index(t.image)},
-          {"wrap_u", kWraps[static_cast<int>(t.wrap_u)]},
-          {"wrap_v", kWraps[static_cast<int>(t.wrap_v)]},
-          {"nearest", t.filter == Filter::kNearest}};
+Json of(const Texture& t) {
+  return JsonObject{{"image", index(t.image)},
+                    {"wrap_u", kWraps[static_cast<int>(t.wrap_u)]},
+                    {"wrap_v", kWraps[static_cast<int>(t.wrap_v)]},
+                    {"nearest", t.filter == Filter::kNearest}};
 }
-Texture texture(const json& j) {
+Texture texture(const JsonValue& j) {
   return {index_from(j.at("image")), word<Wrap>(j.at("wrap_u"), kWraps),
           word<Wrap>(j.at("wrap_v"), kWraps),
           j.at("nearest").get<bool>() ? Filter::kNearest : Filter::kLinear};
 }
 
-json of(const Instance& i) {
-  return {{"name", i.name}, {"mesh", i.mesh}, {"to_world", of(i.to_world)}};
+Json of(const Instance& i) {
+  return JsonObject{{"name", i.name}, {"mesh", i.mesh}, {"to_world", of(i.to_world)}};
 }
-Instance instance(const json& j) {
+Instance instance(const JsonValue& j) {
   return {j.at("name").get<std::string>(), j.at("mesh").get<std::uint32_t>(),
           affine(j.at("to_world"))};
 }
 
-json of(const Light& l) {
-  return {{"name", l.name},
-          {"type", kLights[static_cast<int>(l.type)]},
-          {"position", of(l.position)},
-          {"direction", of(l.direction)},
-          {"intensity", of(l.intensity)},
-          {"range", number(l.range)},
-          {"inner_angle", number(l.inner_angle)},
-          {"outer_angle", number(l.outer_angle)},
-          {"radius", number(l.radius)},
-          {"right", of(l.right)},
-          {"width", number(l.width)},
-          {"height", number(l.height)}};
+Json of(const Light& l) {
+  return JsonObject{{"name", l.name},
+                    {"type", kLights[static_cast<int>(l.type)]},
+                    {"position", of(l.position)},
+                    {"direction", of(l.direction)},
+                    {"intensity", of(l.intensity)},
+                    {"range", number(l.range)},
+                    {"inner_angle", number(l.inner_angle)},
+                    {"outer_angle", number(l.outer_angle)},
+                    {"radius", number(l.radius)},
+                    {"right", of(l.right)},
+                    {"width", number(l.width)},
+                    {"height", number(l.height)}};
 }
-Light light(const json& j) {
+Light light(const JsonValue& j) {
   Light l;
   l.name = j.at("name").get<std::string>();
   l.type = word<Light::Type>(j.at("type"), kLights);
@@ -177,18 +171,18 @@ Light light(const json& j) {
   return l;
 }
 
-json of(const Camera& c) {
-  return {{"name", c.name},
-          {"to_world", of(c.to_world)},
-          {"orthographic", c.orthographic},
-          {"y_fov", number(c.y_fov)},
-          {"y_mag", number(c.y_mag)},
-          {"z_near", number(c.z_near)},
-          {"z_far", number(c.z_far)},
-          {"aperture", number(c.aperture)},
-          {"focus", number(c.focus)}};
+Json of(const Camera& c) {
+  return JsonObject{{"name", c.name},
+                    {"to_world", of(c.to_world)},
+                    {"orthographic", c.orthographic},
+                    {"y_fov", number(c.y_fov)},
+                    {"y_mag", number(c.y_mag)},
+                    {"z_near", number(c.z_near)},
+                    {"z_far", number(c.z_far)},
+                    {"aperture", number(c.aperture)},
+                    {"focus", number(c.focus)}};
 }
-Camera camera(const json& j) {
+Camera camera(const JsonValue& j) {
   Camera c;
   c.name = j.at("name").get<std::string>();
   c.to_world = affine(j.at("to_world"));
@@ -203,28 +197,39 @@ Camera camera(const json& j) {
 }
 
 template <class T>
-json list_of(const std::vector<T>& items) {
-  json list = json::array();
-  for (const T& item : items) list.push_back(of(item));
+Json list_of(const std::vector<T>& items) {
+  JsonArray list;
+  for (const T& item : items) list.add(of(item));
   return list;
 }
 template <class T>
-void read_list(const json& j, const char* name, T (*read)(const json&), std::vector<T>* out) {
-  const json& list = j.at(name);
+Json names_of(const std::vector<T>& items) {
+  JsonArray list;
+  for (const T& item : items) list.add(item.name);
+  return list;
+}
+std::span<const JsonValue> list_at(const JsonValue& j, const char* name) {
+  if (!j.at(name).is_array()) throw JsonMismatch();
+  return j.at(name).items();
+}
+template <class T>
+void read_list(const JsonValue& j, const char* name, T (*read)(const JsonValue&),
+               std::vector<T>* out) {
+  const auto list = list_at(j, name);
   for (std::size_t i = 0; i < list.size(); ++i) {
     try {
-      out->push_back(read(list.at(i)));
-    } catch (const json::exception&) {
+      out->push_back(read(list[i]));
+    } catch (const JsonMismatch&) {
       throw Error(ErrorCode::kInvalidData, "a field is missing, or is not what it should be",
                   std::string(name) + "[" + std::to_string(i) + "]");
     }
   }
 }
 
-void read_images(std::span<const std::uint8_t> bytes, const json& names, std::size_t count,
+void read_images(std::span<const std::uint8_t> bytes, std::span<const JsonValue> names,
                  SceneDescription* scene) {
   std::uint64_t pixels = 0;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string place = "images[" + std::to_string(i) + "]";
     std::uint64_t size = 0;
     if (bytes.size() < sizeof size) throw Error(ErrorCode::kInvalidData, "is not there", place);
@@ -238,17 +243,18 @@ void read_images(std::span<const std::uint8_t> bytes, const json& names, std::si
       throw Error(ErrorCode::kOutOfMemory, "the pictures have too many pixels", place);
     std::optional<Image> image = decode_image(encoded);
     if (!image) throw Error(ErrorCode::kInvalidData, "is no picture", place);
-    image->name = names.at(i).get<std::string>();
+    image->name = names[i].get<std::string>();
     scene->images.push_back(std::move(*image));
   }
   if (!bytes.empty())
     throw Error(ErrorCode::kInvalidData, "there is more than its pictures", "images");
 }
 
-SceneDescription scene_from(const json& j) {
+SceneDescription scene_from(const JsonValue& j) {
   SceneDescription scene;
   scene.name = j.at("name").get<std::string>();
-  for (const json& name : j.at("meshes")) scene.meshes.emplace_back().name = name;
+  for (const JsonValue& name : list_at(j, "meshes"))
+    scene.meshes.emplace_back().name = name.get<std::string>();
   read_list(j, "instances", instance, &scene.instances);
   read_list(j, "materials", material, &scene.materials);
   read_list(j, "textures", texture, &scene.textures);
@@ -266,18 +272,15 @@ void append(std::span<const std::uint8_t> bytes, Bytes* out) {
 Bytes encode_scene(const SceneDescription& scene) {
   if (!scene.environment.empty())
     throw Error(ErrorCode::kUnsupported, "block files hold no environment", "environment");
-  json j;
-  j["name"] = scene.name;
-  j["meshes"] = json::array();
-  for (const Mesh& mesh : scene.meshes) j["meshes"].push_back(mesh.name);
-  j["instances"] = list_of(scene.instances);
-  j["materials"] = list_of(scene.materials);
-  j["textures"] = list_of(scene.textures);
-  j["lights"] = list_of(scene.lights);
-  j["cameras"] = list_of(scene.cameras);
-  j["images"] = json::array();
-  for (const Image& image : scene.images) j["images"].push_back(image.name);
-  const std::string text = j.dump(-1, ' ', false, json::error_handler_t::replace);
+  const Json json = JsonObject{{"name", scene.name},
+                               {"meshes", names_of(scene.meshes)},
+                               {"instances", list_of(scene.instances)},
+                               {"materials", list_of(scene.materials)},
+                               {"textures", list_of(scene.textures)},
+                               {"lights", list_of(scene.lights)},
+                               {"cameras", list_of(scene.cameras)},
+                               {"images", names_of(scene.images)}};
+  const std::string& text = json.text();
   Bytes out;
   append(bytes_of(SceneHead{text.size(), scene.images.size()}), &out);
   append(as_bytes(text), &out);
@@ -297,15 +300,15 @@ SceneDescription decode_scene(std::span<const std::uint8_t> bytes) {
   if (head.json_bytes > bytes.size())
     throw Error(ErrorCode::kInvalidData, "its JSON is not all there", "scene");
   try {
-    const auto text = bytes.first(head.json_bytes);
-    const json j = json::parse(text.begin(), text.end());
+    const JsonDocument document(bytes.first(head.json_bytes));
+    const JsonValue& j = document.root();
     SceneDescription scene = scene_from(j);
-    const json& names = j.at("images");
+    const auto names = list_at(j, "images");
     if (names.size() != head.images)
       throw Error(ErrorCode::kInvalidData, "there are as many names as pictures", "images");
-    read_images(bytes.subspan(head.json_bytes), names, names.size(), &scene);
+    read_images(bytes.subspan(head.json_bytes), names, &scene);
     return scene;
-  } catch (const json::exception&) {
+  } catch (const JsonMismatch&) {
     throw Error(ErrorCode::kInvalidData, "its JSON is not what it should be", "scene");
   }
 }

@@ -1,44 +1,43 @@
 // Paths of cameras, from JSON.
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "io/file.h"
 #include "io/json_text.h"
+#include "io/refuse.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf {
 namespace {
 
-using nlohmann::json;
+using io::JsonValue;
 
-CameraKey read_key(const json& value, const std::string& place) {
+CameraKey read_key(const JsonValue& value, const std::string& place) {
   io::require_object(value, place);
   CameraKey key;
   key.time = io::number_of(io::member_of(value, "time", place), place + ".time");
   key.position = io::vector_of(io::member_of(value, "position", place), place + ".position");
   key.look_at = io::vector_of(io::member_of(value, "look_at", place), place + ".look_at");
-  if (value.contains("up")) key.up = io::vector_of(value["up"], place + ".up");
-  if (value.contains("fov"))
-    key.y_fov =
-        static_cast<float>(io::number_of(value["fov"], place + ".fov") * std::numbers::pi / 180);
+  if (const JsonValue* up = value.find("up")) key.up = io::vector_of(*up, place + ".up");
+  if (const JsonValue* fov = value.find("fov"))
+    key.y_fov = static_cast<float>(io::number_of(*fov, place + ".fov") * std::numbers::pi / 180);
   return key;
 }
 
-CameraPath read_path(const json& root) {
+CameraPath read_path(const JsonValue& root) {
   io::require_object(root, "JSON root");
   CameraPath path;
-  const auto smooth = root.find("smooth");
-  if (smooth != root.end()) {
+  if (const JsonValue* smooth = root.find("smooth")) {
     if (!smooth->is_boolean())
       throw Error(ErrorCode::kInvalidData, "is not true or false", "smooth");
-    path.smooth = *smooth;
+    path.smooth = smooth->get<bool>();
   }
-  const json& keys = io::member_of(root, "keys", "");
+  const JsonValue& keys = io::member_of(root, "keys", "");
   if (!keys.is_array()) throw Error(ErrorCode::kInvalidData, "is not an array", "keys");
-  for (std::size_t k = 0; k < keys.size(); ++k)
-    path.keys.push_back(read_key(keys[k], "keys[" + std::to_string(k) + "]"));
+  const auto items = keys.items();
+  for (std::size_t k = 0; k < items.size(); ++k)
+    path.keys.push_back(read_key(items[k], "keys[" + std::to_string(k) + "]"));
   try {
     validate(path);
   } catch (const Error& error) {
@@ -55,7 +54,8 @@ CameraPath read_path(const json& root) {
 
 CameraPath load_camera_path(const std::string& path) {
   try {
-    return read_path(io::parse_json(io::read_file(path)));
+    return io::within_memory(
+        path, [&] { return read_path(io::JsonDocument(io::read_file(path)).root()); });
   } catch (const Error& error) {
     if (error.place() == path) throw;
     throw Error(error.code(), error.sentence(), path + ": " + error.place());

@@ -7,8 +7,6 @@
 namespace raysheaf::io {
 namespace {
 
-using nlohmann::json;
-
 constexpr int kFloat = 5126, kUint32 = 5125, kVertices = 34962, kIndices = 34963;
 
 template <class T>
@@ -17,27 +15,29 @@ std::span<const std::uint8_t> raw(const T* first, std::size_t count) {
 }
 
 template <class T>
-std::size_t add_vertices(GlbParts& parts, const std::vector<T>& values, const char* type) {
-  const std::size_t view = parts.add_view(raw(values.data(), values.size()));
-  parts.json["bufferViews"][view]["target"] = kVertices;
-  return parts.add(
-      "accessors",
-      {{"bufferView", view}, {"componentType", kFloat}, {"count", values.size()}, {"type", type}});
+std::size_t add_vertices(GlbParts& parts, const std::vector<T>& values, const char* type,
+                         JsonObject accessor = {}) {
+  accessor.add("bufferView", parts.add_view(raw(values.data(), values.size()), kVertices));
+  accessor.add("componentType", kFloat);
+  accessor.add("count", values.size());
+  accessor.add("type", type);
+  return parts.add("accessors", accessor);
 }
 
-json attributes_of(const Mesh& mesh, GlbParts& parts) {
-  const std::size_t positions = add_vertices(parts, mesh.positions, "VEC3");
+Json numbers_of(Vec3 v) {
+  return JsonArray{v.x, v.y, v.z};
+}
+
+Json attributes_of(const Mesh& mesh, GlbParts& parts) {
   Vec3 low = mesh.positions[0], high = low;
   for (const Vec3& p : mesh.positions) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }
-  json& accessor = parts.json["accessors"][positions];
-  accessor["min"] = {low.x, low.y, low.z};
-  accessor["max"] = {high.x, high.y, high.z};
-  json result = {{"POSITION", positions}};
-  if (!mesh.normals.empty()) result["NORMAL"] = add_vertices(parts, mesh.normals, "VEC3");
-  if (!mesh.uvs.empty()) result["TEXCOORD_0"] = add_vertices(parts, mesh.uvs, "VEC2");
+  const JsonObject bounds{{"min", numbers_of(low)}, {"max", numbers_of(high)}};
+  JsonObject result{{"POSITION", add_vertices(parts, mesh.positions, "VEC3", bounds)}};
+  if (!mesh.normals.empty()) result.add("NORMAL", add_vertices(parts, mesh.normals, "VEC3"));
+  if (!mesh.uvs.empty()) result.add("TEXCOORD_0", add_vertices(parts, mesh.uvs, "VEC2"));
   return result;
 }
 
@@ -48,35 +48,35 @@ std::uint32_t material_at(const Mesh& mesh, std::size_t triangle) {
 
 /// One primitive for each run of triangles with the same material, so that the order stays. They
 /// share the vertices and one buffer view of indices.
-json mesh_of(const Mesh& mesh, GlbParts& parts) {
-  const json attributes = attributes_of(mesh, parts);
-  const std::size_t view = parts.add_view(raw(mesh.triangles.data(), mesh.triangles.size()));
-  parts.json["bufferViews"][view]["target"] = kIndices;
-  json primitives = json::array();
+Json mesh_of(const Mesh& mesh, GlbParts& parts) {
+  const Json attributes = attributes_of(mesh, parts);
+  const std::size_t view =
+      parts.add_view(raw(mesh.triangles.data(), mesh.triangles.size()), kIndices);
+  JsonArray primitives;
   for (std::size_t first = 0, last = 0; first < mesh.triangles.size(); first = last) {
     const std::uint32_t material = material_at(mesh, first);
     while (last < mesh.triangles.size() && material_at(mesh, last) == material) ++last;
-    const std::size_t indices = parts.add("accessors", {{"bufferView", view},
-                                                        {"byteOffset", 12 * first},
-                                                        {"componentType", kUint32},
-                                                        {"count", 3 * (last - first)},
-                                                        {"type", "SCALAR"}});
-    json primitive = {{"attributes", attributes}, {"indices", indices}};
-    if (material != kInvalidId) primitive["material"] = material;
-    primitives.push_back(std::move(primitive));
+    const std::size_t indices = parts.add("accessors", JsonObject{{"bufferView", view},
+                                                                  {"byteOffset", 12 * first},
+                                                                  {"componentType", kUint32},
+                                                                  {"count", 3 * (last - first)},
+                                                                  {"type", "SCALAR"}});
+    JsonObject primitive{{"attributes", attributes}, {"indices", indices}};
+    if (material != kInvalidId) primitive.add("material", material);
+    primitives.add(primitive);
   }
-  return {{"name", mesh.name}, {"primitives", primitives}};
+  return JsonObject{{"name", mesh.name}, {"primitives", primitives}};
 }
 
-void write_transform(const Affine& a, json& node) {
+void write_transform(const Affine& a, JsonObject& node) {
   const Affine identity;
   if (a.m == identity.m) return;
-  json matrix = json::array();
+  JsonArray matrix;
   for (std::size_t c = 0; c < 4; ++c) {
-    for (std::size_t r = 0; r < 3; ++r) matrix.push_back(a.m[r][c]);
-    matrix.push_back(c == 3 ? 1 : 0);
+    for (std::size_t r = 0; r < 3; ++r) matrix.add(a.m[r][c]);
+    matrix.add(c == 3 ? 1 : 0);
   }
-  node["matrix"] = matrix;
+  node.add("matrix", matrix);
 }
 
 /// A frame whose -z axis is the light's direction.
@@ -96,44 +96,48 @@ Affine light_frame(const Light& light) {
   return narrow(frame);
 }
 
-json light_of(const Light& light) {
+Json light_of(const Light& light) {
   const float strength = power_of_two_above(light.intensity);
   const Vec3 i = light.intensity;
-  json result = {{"name", light.name},
-                 {"color", {i.x / strength, i.y / strength, i.z / strength}},
-                 {"intensity", strength}};
   // Who does not know rectangles sees a wide spot.
   const bool rectangle = light.type == Light::Type::kRectangle;
-  result["type"] = light.type == Light::Type::kPoint         ? "point"
-                   : light.type == Light::Type::kDirectional ? "directional"
-                                                             : "spot";
-  if (light.radius > 0) result["extras"]["radius"] = light.radius;
+  JsonObject result{{"name", light.name},
+                    {"color", numbers_of({i.x / strength, i.y / strength, i.z / strength})},
+                    {"intensity", strength},
+                    {"type", light.type == Light::Type::kPoint         ? "point"
+                             : light.type == Light::Type::kDirectional ? "directional"
+                                                                       : "spot"}};
+  const auto add_spot = [&](float inner, float outer) {
+    result.add("spot", JsonObject{{"innerConeAngle", inner}, {"outerConeAngle", outer}});
+  };
   if (rectangle) {
-    result["extras"] = {{"width", light.width}, {"height", light.height}};
-    result["spot"] = {{"innerConeAngle", 0}, {"outerConeAngle", 1.5707963f}};
+    result.add("extras", JsonObject{{"width", light.width}, {"height", light.height}});
+    add_spot(0, 1.5707963f);
+  } else if (light.radius > 0) {
+    result.add("extras", JsonObject{{"radius", light.radius}});
   }
-  if (std::isfinite(light.range)) result["range"] = light.range;
-  if (light.type == Light::Type::kSpot) {
-    result["spot"] = {{"innerConeAngle", light.inner_angle}, {"outerConeAngle", light.outer_angle}};
-  }
+  if (light.type == Light::Type::kSpot) add_spot(light.inner_angle, light.outer_angle);
+  if (std::isfinite(light.range)) result.add("range", light.range);
   return result;
 }
 
-json camera_of(const Camera& camera) {
+Json camera_of(const Camera& camera) {
   const bool bounded = std::isfinite(camera.z_far);
-  json lens = {{"znear", camera.z_near}};
+  JsonObject lens{{"znear", camera.z_near}};
   if (camera.orthographic) {
-    lens["xmag"] = lens["ymag"] = camera.y_mag;
+    lens.add("xmag", camera.y_mag);
+    lens.add("ymag", camera.y_mag);
     // glTF demands a number here.
-    lens["zfar"] = bounded ? camera.z_far : std::numeric_limits<float>::max();
+    lens.add("zfar", bounded ? camera.z_far : std::numeric_limits<float>::max());
   } else {
-    lens["yfov"] = camera.y_fov;
-    if (bounded) lens["zfar"] = camera.z_far;
+    lens.add("yfov", camera.y_fov);
+    if (bounded) lens.add("zfar", camera.z_far);
   }
   const char* type = camera.orthographic ? "orthographic" : "perspective";
-  json result = {{"name", camera.name}, {"type", type}, {type, lens}};
-  if (camera.aperture > 0) result["extras"]["aperture"] = camera.aperture;
-  if (camera.focus > 0) result["extras"]["focus"] = camera.focus;
+  JsonObject result{{"name", camera.name}, {"type", type}, {type, lens}}, extras;
+  if (camera.aperture > 0) extras.add("aperture", camera.aperture);
+  if (camera.focus > 0) extras.add("focus", camera.focus);
+  if (!extras.empty()) result.add("extras", extras);
   return result;
 }
 
@@ -153,26 +157,26 @@ void write_nodes(const SceneDescription& scene, GlbParts& parts) {
   }
   for (const Instance& instance : scene.instances) {
     if (index_of[instance.mesh] == kInvalidId) continue;
-    json node = {{"name", instance.name}, {"mesh", index_of[instance.mesh]}};
+    JsonObject node{{"name", instance.name}, {"mesh", index_of[instance.mesh]}};
     write_transform(instance.to_world, node);
     parts.add("nodes", node);
   }
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
     parts.extensions.insert("KHR_lights_punctual");
-    parts.json["extensions"]["KHR_lights_punctual"]["lights"].push_back(light_of(scene.lights[i]));
-    json node = {{"extensions", {{"KHR_lights_punctual", {{"light", i}}}}}};
+    parts.lights.push_back(light_of(scene.lights[i]));
+    const Json punctual = JsonObject{{"KHR_lights_punctual", JsonObject{{"light", i}}}};
+    JsonObject node{{"extensions", punctual}};
     write_transform(light_frame(scene.lights[i]), node);
     parts.add("nodes", node);
   }
   for (const Camera& camera : scene.cameras) {
-    json node = {{"camera", parts.add("cameras", camera_of(camera))}};
+    JsonObject node{{"camera", parts.add("cameras", camera_of(camera))}};
     write_transform(camera.to_world, node);
     parts.add("nodes", node);
   }
-  json roots = json::array();
-  for (std::size_t n = 0; n < parts.json["nodes"].size(); ++n) roots.push_back(n);
-  parts.add("scenes", {{"name", scene.name}, {"nodes", roots}});
-  parts.json["scene"] = 0;
+  JsonArray roots;
+  for (std::size_t n = 0; n < parts.lists["nodes"].size(); ++n) roots.add(n);
+  parts.add("scenes", JsonObject{{"name", scene.name}, {"nodes", roots}});
 }
 
 }  // namespace raysheaf::io

@@ -1,7 +1,9 @@
 #include "io/glb_writer.h"
 
+#include <algorithm>
 #include <bit>
 
+#include "io/refuse.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 
@@ -11,17 +13,25 @@ namespace io {
 static_assert(std::endian::native == std::endian::little, "GLB is little-endian, and so are we");
 static_assert(sizeof(Vec3) == 12 && sizeof(Vec2) == 8);
 
-std::size_t GlbParts::add(const char* list, nlohmann::json item) {
-  auto& items = json[list];
-  items.push_back(std::move(item));
+std::size_t GlbParts::add(const char* list, const Json& item) {
+  auto& items = lists[list];
+  items.push_back(item);
   return items.size() - 1;
 }
 
-std::size_t GlbParts::add_view(std::span<const std::uint8_t> bytes) {
+std::size_t GlbParts::find_or_add(const char* list, const Json& item) {
+  const auto& items = lists[list];
+  const auto known = std::find(items.begin(), items.end(), item);
+  return known == items.end() ? add(list, item) : static_cast<std::size_t>(known - items.begin());
+}
+
+std::size_t GlbParts::add_view(std::span<const std::uint8_t> bytes, int target) {
   binary.resize((binary.size() + 3) / 4 * 4);
   const std::size_t offset = binary.size();
   binary.insert(binary.end(), bytes.begin(), bytes.end());
-  return add("bufferViews", {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes.size()}});
+  JsonObject view{{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes.size()}};
+  if (target != 0) view.add("target", target);
+  return add("bufferViews", view);
 }
 
 namespace {
@@ -40,13 +50,27 @@ void append_chunk(Bytes& glb, const char* type, std::span<const std::uint8_t> by
   glb.insert(glb.end(), padded - bytes.size(), padding);
 }
 
-Bytes assemble(GlbParts& parts) {
-  parts.json["asset"] = {{"version", "2.0"}, {"generator", "raysheaf"}};
-  parts.add("buffers", {{"byteLength", parts.binary.size()}});
-  if (!parts.extensions.empty()) parts.json["extensionsUsed"] = parts.extensions;
-  // Names may hold bytes that are no UTF-8.
-  const std::string text =
-      parts.json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+Json array_of(const auto& items) {
+  JsonArray array;
+  for (const auto& item : items) array.add(item);
+  return array;
+}
+
+Json root_of(const GlbParts& parts) {
+  JsonObject root{{"asset", JsonObject{{"version", "2.0"}, {"generator", "raysheaf"}}},
+                  {"buffers", JsonArray{JsonObject{{"byteLength", parts.binary.size()}}}},
+                  {"scene", 0}};
+  if (!parts.extensions.empty()) root.add("extensionsUsed", array_of(parts.extensions));
+  for (const auto& [name, items] : parts.lists) root.add(name, array_of(items));
+  if (!parts.lights.empty()) {
+    const Json punctual = JsonObject{{"lights", array_of(parts.lights)}};
+    root.add("extensions", JsonObject{{"KHR_lights_punctual", punctual}});
+  }
+  return root;
+}
+
+Bytes assemble(const GlbParts& parts) {
+  const std::string text = root_of(parts).text();
   const std::size_t total = 12 + 8 + (text.size() + 3) / 4 * 4 + 8 + (parts.binary.size() + 3);
   if (total > kMaxFileBytes) {
     throw Error(ErrorCode::kUnsupported, "the scene does not fit into the 4 GiB of a GLB");
@@ -75,14 +99,16 @@ Bytes encode_glb(const SceneDescription& scene) {
 }  // namespace io
 
 void save_glb(const SceneDescription& scene, const std::string& path) {
-  io::Bytes glb;
-  try {
-    glb = io::encode_glb(scene);
-  } catch (const Error& error) {
-    throw Error(error.code(), error.sentence(),
-                error.place().empty() ? path : path + ": " + error.place());
-  }
-  io::write_file(path, glb);
+  io::within_memory(path, [&] {
+    io::Bytes glb;
+    try {
+      glb = io::encode_glb(scene);
+    } catch (const Error& error) {
+      throw Error(error.code(), error.sentence(),
+                  error.place().empty() ? path : path + ": " + error.place());
+    }
+    io::write_file(path, glb);
+  });
 }
 
 }  // namespace raysheaf

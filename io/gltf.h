@@ -1,4 +1,5 @@
-// From glTF's structs to a scene. Each function fills its part; indices are glTF's unless said.
+// From a checked glTF file to a scene. Each function fills its part; indices are glTF's unless
+// said.
 #pragma once
 
 #include <set>
@@ -34,7 +35,7 @@ class Warnings {
 
 /// Fills images, textures and materials. Gives the set of texture coordinates that each material
 /// reads.
-[[nodiscard]] std::vector<int> read_materials(const GltfModel& gltf, SceneDescription& scene,
+[[nodiscard]] std::vector<int> read_materials(const GltfModel& model, SceneDescription& scene,
                                               Warnings& warnings);
 
 /// glTF's nodes and what they show.
@@ -48,10 +49,10 @@ struct GltfNodes {
 };
 
 /// Fills the rig's nodes, instances without their meshes, lights and cameras.
-[[nodiscard]] GltfNodes read_nodes(const tinygltf::Model& model, SceneDescription& scene, Rig& rig);
+[[nodiscard]] GltfNodes read_nodes(const GltfModel& model, SceneDescription& scene, Rig& rig);
 
 /// Fills the rig's skins: glTF's, under the same numbers.
-void read_skins(const tinygltf::Model& model, const GltfNodes& nodes, AccessorReader& accessors,
+void read_skins(const GltfModel& model, const GltfNodes& nodes, AccessorReader& accessors,
                 Rig& rig);
 
 /// A mesh as it is read, with what changes its shape.
@@ -60,20 +61,20 @@ struct GltfMesh {
   RigShape shape;  ///< targets, joints and flat triangles
 };
 /// `joint_count`: of the skin; 0: there is none.
-[[nodiscard]] GltfMesh read_mesh(const tinygltf::Model& model, std::size_t index,
-                                 std::size_t joint_count, AccessorReader& accessors,
-                                 const std::vector<int>& uv_sets, Warnings& warnings);
+[[nodiscard]] GltfMesh read_mesh(const GltfModel& model, std::size_t index, std::size_t joint_count,
+                                 AccessorReader& accessors, const std::vector<int>& uv_sets,
+                                 Warnings& warnings);
 
 /// Reads the meshes that instances show, one for each shape that they take, leaves out those
 /// without triangles, and fills the rig's shapes. Returns the shape of each node, or kInvalidId.
-[[nodiscard]] std::vector<std::uint32_t> read_meshes(const GltfModel& gltf, const GltfNodes& nodes,
+[[nodiscard]] std::vector<std::uint32_t> read_meshes(const GltfModel& model, const GltfNodes& nodes,
                                                      const std::vector<int>& uv_sets,
                                                      AccessorReader& accessors,
                                                      SceneDescription& scene, Rig& rig,
                                                      Warnings& warnings);
 
 /// Fills the rig's clips.
-void read_clips(const tinygltf::Model& model, const GltfNodes& nodes,
+void read_clips(const GltfModel& model, const GltfNodes& nodes,
                 const std::vector<std::uint32_t>& shape_of_node, AccessorReader& accessors,
                 Rig& rig, Warnings& warnings);
 

@@ -4,38 +4,39 @@
 #include <cmath>
 #include <cstring>
 
+#include "io/gltf_json.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
 namespace {
 
 template <class T>
-T load(const unsigned char* bytes) {
+T load(const std::uint8_t* bytes) {
   T value;
   std::memcpy(&value, bytes, sizeof value);
   return value;
 }
 
 /// One component; a normalised integer as glTF 2.0, section 3.6.2.2 has it.
-float component(const unsigned char* p, int type, bool normalized) {
+float component(const std::uint8_t* p, int type, bool normalized) {
   switch (type) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE: {
+    case kGltfByte: {
       const float x = load<std::int8_t>(p);
       return normalized ? std::max(x / 127.0f, -1.0f) : x;
     }
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: {
+    case kGltfUnsignedByte: {
       const float x = load<std::uint8_t>(p);
       return normalized ? x / 255.0f : x;
     }
-    case TINYGLTF_COMPONENT_TYPE_SHORT: {
+    case kGltfShort: {
       const float x = load<std::int16_t>(p);
       return normalized ? std::max(x / 32767.0f, -1.0f) : x;
     }
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: {
+    case kGltfUnsignedShort: {
       const float x = load<std::uint16_t>(p);
       return normalized ? x / 65535.0f : x;
     }
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: {
+    case kGltfUnsignedInt: {
       const auto x = static_cast<double>(load<std::uint32_t>(p));
       return static_cast<float>(normalized ? x / 4294967295.0 : x);
     }
@@ -44,27 +45,16 @@ float component(const unsigned char* p, int type, bool normalized) {
   }
 }
 
-std::uint32_t unsigned_component(const unsigned char* p, int type) {
-  if (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return *p;
-  if (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) return load<std::uint16_t>(p);
+std::uint32_t unsigned_component(const std::uint8_t* p, int type) {
+  if (type == kGltfUnsignedByte) return *p;
+  if (type == kGltfUnsignedShort) return load<std::uint16_t>(p);
   return load<std::uint32_t>(p);
-}
-
-std::size_t component_bytes(int type) {
-  return static_cast<std::size_t>(
-      tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(type)));
-}
-
-/// Where the bytes of a view begin, `offset` into it.
-const unsigned char* bytes_of(const tinygltf::Model& model, int view, std::size_t offset) {
-  const tinygltf::BufferView& v = model.bufferViews[static_cast<std::size_t>(view)];
-  return model.buffers[static_cast<std::size_t>(v.buffer)].data.data() + v.byteOffset + offset;
 }
 
 }  // namespace
 
-const tinygltf::Accessor& AccessorReader::charge(int index, const std::string& place) {
-  const tinygltf::Accessor& accessor = model_.accessors[static_cast<std::size_t>(index)];
+const GltfAccessor& AccessorReader::charge(int index, const std::string& place) {
+  const GltfAccessor& accessor = model_.accessors[static_cast<std::size_t>(index)];
   if (accessor.count > budget_) {
     throw Error(ErrorCode::kOutOfMemory,
                 "the meshes have far more elements than the file has bytes", place);
@@ -73,18 +63,15 @@ const tinygltf::Accessor& AccessorReader::charge(int index, const std::string& p
   return accessor;
 }
 
-void AccessorReader::apply_sparse(const tinygltf::Accessor& accessor, std::size_t components,
+void AccessorReader::apply_sparse(const GltfAccessor& accessor, std::size_t components,
                                   const std::string& place, std::vector<float>& values) const {
-  const auto& sparse = accessor.sparse;
-  const int index_type = sparse.indices.componentType;
-  const std::size_t index_bytes = component_bytes(index_type);
-  const std::size_t size = component_bytes(accessor.componentType);
-  const unsigned char* index = bytes_of(model_, sparse.indices.bufferView,
-                                        static_cast<std::size_t>(sparse.indices.byteOffset));
-  const unsigned char* value = bytes_of(model_, sparse.values.bufferView,
-                                        static_cast<std::size_t>(sparse.values.byteOffset));
-  for (int i = 0; i < sparse.count; ++i, index += index_bytes) {
-    const std::size_t target = unsigned_component(index, index_type);
+  const GltfSparse& sparse = *accessor.sparse;
+  const std::size_t index_bytes = component_bytes(sparse.index_type);
+  const std::size_t size = component_bytes(accessor.component_type);
+  const std::uint8_t* index = sparse.indices.data();
+  const std::uint8_t* value = sparse.values.data();
+  for (std::size_t i = 0; i < sparse.count; ++i, index += index_bytes) {
+    const std::size_t target = unsigned_component(index, sparse.index_type);
     if (target >= accessor.count) {
       throw Error(ErrorCode::kInvalidData,
                   "sparse index " + std::to_string(i) + " is " + std::to_string(target) +
@@ -93,35 +80,35 @@ void AccessorReader::apply_sparse(const tinygltf::Accessor& accessor, std::size_
     }
     for (std::size_t c = 0; c < components; ++c, value += size) {
       values[target * components + c] =
-          component(value, accessor.componentType, accessor.normalized);
+          component(value, accessor.component_type, accessor.normalized);
     }
   }
 }
 
 std::vector<float> AccessorReader::floats(int index, int components, const std::string& place) {
-  const tinygltf::Accessor& accessor = charge(index, place);
-  const int there = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(accessor.type));
-  if (there != components || accessor.type == TINYGLTF_TYPE_MAT2) {
+  const GltfAccessor& accessor = charge(index, place);
+  const auto width = static_cast<std::size_t>(components);
+  // The columns of smaller matrices are padded.
+  if (accessor.components != width || (accessor.is_matrix && width < 16)) {
     throw Error(ErrorCode::kInvalidData,
                 "must have " + std::to_string(components) + " numbers an element, not " +
-                    std::to_string(there),
+                    std::to_string(accessor.components),
                 place);
   }
-  const auto width = static_cast<std::size_t>(components);
   std::vector<float> values(accessor.count * width, 0.0f);
-  const std::size_t size = component_bytes(accessor.componentType);
-  if (accessor.bufferView >= 0) {
-    const auto& view = model_.bufferViews[static_cast<std::size_t>(accessor.bufferView)];
-    const std::size_t stride = view.byteStride == 0 ? size * width : view.byteStride;
-    const unsigned char* element = bytes_of(model_, accessor.bufferView, accessor.byteOffset);
+  const std::size_t size = component_bytes(accessor.component_type);
+  if (accessor.view >= 0) {
+    const GltfView& view = model_.views[static_cast<std::size_t>(accessor.view)];
+    const std::size_t stride = view.stride == 0 ? size * width : view.stride;
+    const std::uint8_t* element = view.bytes.data() + accessor.offset;
     for (std::size_t i = 0; i < accessor.count; ++i, element += stride) {
       for (std::size_t c = 0; c < width; ++c) {
         values[i * width + c] =
-            component(element + c * size, accessor.componentType, accessor.normalized);
+            component(element + c * size, accessor.component_type, accessor.normalized);
       }
     }
   }
-  if (accessor.sparse.isSparse) apply_sparse(accessor, width, place, values);
+  if (accessor.sparse) apply_sparse(accessor, width, place, values);
   return values;
 }
 
@@ -139,20 +126,19 @@ std::vector<float> AccessorReader::attribute(int index, int components, std::siz
 }
 
 std::vector<std::uint32_t> AccessorReader::indices(int index, const std::string& place) {
-  const tinygltf::Accessor& accessor = charge(index, place);
-  const int type = accessor.componentType;
-  const bool is_unsigned = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
-                           type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
-                           type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
-  if (!is_unsigned || accessor.type != TINYGLTF_TYPE_SCALAR || accessor.normalized) {
+  const GltfAccessor& accessor = charge(index, place);
+  const int type = accessor.component_type;
+  const bool is_unsigned =
+      type == kGltfUnsignedByte || type == kGltfUnsignedShort || type == kGltfUnsignedInt;
+  if (!is_unsigned || accessor.components != 1 || accessor.normalized) {
     throw Error(ErrorCode::kInvalidData, "indices must be plain unsigned integers", place);
   }
-  if (accessor.sparse.isSparse) {
+  if (accessor.sparse) {
     throw Error(ErrorCode::kUnsupported, "sparse indices are not read", place);
   }
-  const auto& view = model_.bufferViews[static_cast<std::size_t>(accessor.bufferView)];
-  const std::size_t stride = view.byteStride == 0 ? component_bytes(type) : view.byteStride;
-  const unsigned char* element = bytes_of(model_, accessor.bufferView, accessor.byteOffset);
+  const GltfView& view = model_.views[static_cast<std::size_t>(accessor.view)];
+  const std::size_t stride = view.stride == 0 ? component_bytes(type) : view.stride;
+  const std::uint8_t* element = view.bytes.data() + accessor.offset;
   std::vector<std::uint32_t> values(accessor.count);
   for (std::uint32_t& value : values) {
     value = unsigned_component(element, type);

@@ -1,12 +1,11 @@
 // The values of an accessor, whatever its component type, stride, normalisation and sparseness.
 #pragma once
 
-#include <tiny_gltf.h>
-
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "io/gltf_model.h"
 #include "raysheaf/types.h"
 
 namespace raysheaf::io {
@@ -15,8 +14,7 @@ class AccessorReader {
  public:
   /// Reads at most `budget` elements in all, so that a small file whose primitives share one large
   /// accessor cannot fill the memory.
-  AccessorReader(const tinygltf::Model& model, std::size_t budget)
-      : model_(model), budget_(budget) {}
+  AccessorReader(const GltfModel& model, std::size_t budget) : model_(model), budget_(budget) {}
 
   /// `components` floats an element. Throws where the accessor has another shape.
   [[nodiscard]] std::vector<float> floats(int accessor, int components, const std::string& place);
@@ -29,11 +27,11 @@ class AccessorReader {
   }
 
  private:
-  const tinygltf::Accessor& charge(int accessor, const std::string& place);
-  void apply_sparse(const tinygltf::Accessor& accessor, std::size_t components,
-                    const std::string& place, std::vector<float>& values) const;
+  const GltfAccessor& charge(int accessor, const std::string& place);
+  void apply_sparse(const GltfAccessor& accessor, std::size_t components, const std::string& place,
+                    std::vector<float>& values) const;
 
-  const tinygltf::Model& model_;
+  const GltfModel& model_;
   std::size_t budget_;
 };
 

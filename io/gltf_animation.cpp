@@ -44,10 +44,11 @@ void check_times(const std::vector<float>& times, const std::string& place) {
 /// One animation of the file.
 class ClipReader {
  public:
-  ClipReader(const tinygltf::Animation& source, std::string place, const GltfNodes& nodes,
+  ClipReader(const JsonValue& source, std::string place, const GltfNodes& nodes,
              const std::vector<std::uint32_t>& shape_of_node, AccessorReader& accessors,
              const Rig& rig, Warnings& warnings)
       : source_(source),
+        samplers_(source.items("samplers")),
         place_(std::move(place)),
         nodes_(nodes),
         shape_of_node_(shape_of_node),
@@ -56,29 +57,31 @@ class ClipReader {
         warnings_(warnings) {}
 
   RigClip read() {
-    clip_.name = source_.name;
-    for (std::size_t c = 0; c < source_.channels.size(); ++c) read_channel(c);
+    clip_.name = source_.get("name", std::string());
+    const auto channels = source_.items("channels");
+    for (std::size_t c = 0; c < channels.size(); ++c) read_channel(channels[c], c);
     return std::move(clip_);
   }
 
  private:
-  void read_channel(std::size_t index) {
-    const tinygltf::AnimationChannel& channel = source_.channels[index];
+  void read_channel(const JsonValue& channel, std::size_t index) {
     const std::string place = element(place_ + ".channels", index);
-    if (channel.target_node < 0) return;  // an extension may know what it drives
-    const auto node = static_cast<std::size_t>(channel.target_node);
+    const JsonValue& target = channel.at("target");
+    if (!target.contains("node")) return;  // an extension may know what it drives
+    const auto node = target.at("node").get<std::size_t>();
+    const auto path = target.at("path").get<std::string>();
     RigChannel result;
     int components = 3;
     std::size_t width = 1;
     result.target = nodes_.place_of[node];
-    if (channel.target_path == "translation") {
+    if (path == "translation") {
       result.path = RigPath::kTranslation;
-    } else if (channel.target_path == "scale") {
+    } else if (path == "scale") {
       result.path = RigPath::kScale;
-    } else if (channel.target_path == "rotation") {
+    } else if (path == "rotation") {
       result.path = RigPath::kRotation;
       components = 4;
-    } else if (channel.target_path == "weights") {
+    } else if (path == "weights") {
       if (shape_of_node_[node] == kInvalidId)
         return warnings_.once("Animated weights of nodes that show no morph targets are left out.");
       result.path = RigPath::kWeights;
@@ -86,42 +89,43 @@ class ClipReader {
       components = 1;
       width = rig_.shapes[result.target].targets.size();
     } else {
-      return warnings_.once("Animations of \"" + printable(channel.target_path) +
-                            "\" are left out.");
+      return warnings_.once("Animations of \"" + printable(path) + "\" are left out.");
     }
     if (result.path != RigPath::kWeights && rig_.nodes[result.target].matrix)
       refuse("the node has a matrix: nothing can drive it", place + ".target.node");
     if (width == 0) return;
     if (!driven_.insert({result.path, result.target}).second) {
-      refuse("drives the " + channel.target_path + " of nodes[" + std::to_string(node) +
+      refuse("drives the " + path + " of nodes[" + std::to_string(node) +
                  "], as an earlier channel does",
              place + ".target");
     }
-    result.curve = curve_of(channel.sampler, components, width, place);
+    result.curve = curve_of(channel.at("sampler").get<std::size_t>(), components, width, place);
     clip_.channels.push_back(result);
   }
 
   /// The number of the curve of a sampler, which is read unless an earlier channel did.
-  std::uint32_t curve_of(int sampler, int components, std::size_t width,
+  std::uint32_t curve_of(std::size_t sampler, int components, std::size_t width,
                          const std::string& channel) {
-    if (sampler < 0 || static_cast<std::size_t>(sampler) >= source_.samplers.size()) {
+    if (sampler >= samplers_.size()) {
       refuse("is " + std::to_string(sampler) + ", but the animation has " +
-                 std::to_string(source_.samplers.size()) + " samplers",
+                 std::to_string(samplers_.size()) + " samplers",
              channel + ".sampler");
     }
     const auto known = curves_.find({sampler, components, width});
     if (known != curves_.end()) return known->second;
-    const tinygltf::AnimationSampler& source = source_.samplers[static_cast<std::size_t>(sampler)];
-    const std::string place = element(place_ + ".samplers", static_cast<std::size_t>(sampler));
+    const JsonValue& source = samplers_[sampler];
+    const std::string place = element(place_ + ".samplers", sampler);
+    const int output = source.at("output").get<int>();
     Curve curve;
-    curve.interpolation = interpolation_of(source.interpolation, place + ".interpolation");
-    curve.times = accessors_.floats(source.input, 1, place + ".input");
+    curve.interpolation = interpolation_of(source.get("interpolation", std::string("LINEAR")),
+                                           place + ".interpolation");
+    curve.times = accessors_.floats(source.at("input").get<int>(), 1, place + ".input");
     check_times(curve.times, place + ".input");
-    curve.values = accessors_.floats(source.output, components, place + ".output");
+    curve.values = accessors_.floats(output, components, place + ".output");
     check_finite(curve.values, static_cast<std::size_t>(components), place + ".output");
     const bool cubic = curve.interpolation == Interpolation::kCubicSpline;
     const std::size_t wanted = curve.times.size() * width * (cubic ? 3 : 1);
-    const std::size_t there = accessors_.count(source.output);
+    const std::size_t there = accessors_.count(output);
     if (there != wanted) {
       refuse("has " + std::to_string(there) + " elements, but " +
                  std::to_string(curve.times.size()) + (cubic ? " keys with tangents" : " keys") +
@@ -135,7 +139,8 @@ class ClipReader {
     return number;
   }
 
-  const tinygltf::Animation& source_;
+  const JsonValue& source_;
+  const std::span<const JsonValue> samplers_;
   const std::string place_;
   const GltfNodes& nodes_;
   const std::vector<std::uint32_t>& shape_of_node_;
@@ -144,31 +149,33 @@ class ClipReader {
   Warnings& warnings_;
   RigClip clip_;
   std::set<std::pair<RigPath, std::uint32_t>> driven_;
-  std::map<std::tuple<int, int, std::size_t>, std::uint32_t> curves_;
+  std::map<std::tuple<std::size_t, int, std::size_t>, std::uint32_t> curves_;
 };
 
 }  // namespace
 
-void read_skins(const tinygltf::Model& model, const GltfNodes& nodes, AccessorReader& accessors,
+void read_skins(const GltfModel& model, const GltfNodes& nodes, AccessorReader& accessors,
                 Rig& rig) {
-  for (std::size_t s = 0; s < model.skins.size(); ++s) {
-    const tinygltf::Skin& source = model.skins[s];
+  const auto skins = model.list("skins");
+  for (std::size_t s = 0; s < skins.size(); ++s) {
+    const JsonValue& source = skins[s];
     const std::string place = element("skins", s);
     RigSkin skin;
-    skin.name = source.name;
-    if (source.joints.empty()) refuse("there are no joints", place + ".joints");
-    for (const int joint : source.joints)
-      skin.joints.push_back(nodes.place_of[static_cast<std::size_t>(joint)]);
+    skin.name = source.get("name", std::string());
+    const auto joints = source.items("joints");
+    if (joints.empty()) refuse("there are no joints", place + ".joints");
+    for (const JsonValue& joint : joints)
+      skin.joints.push_back(nodes.place_of[joint.get<std::size_t>()]);
     skin.inverse_bind.resize(skin.joints.size());
-    if (source.inverseBindMatrices >= 0) {
+    if (const JsonValue* accessor = source.find("inverseBindMatrices")) {
       const std::string matrices = place + ".inverseBindMatrices";
-      const std::size_t there = accessors.count(source.inverseBindMatrices);
+      const std::size_t there = accessors.count(accessor->get<int>());
       if (there < skin.joints.size()) {
         refuse("has " + std::to_string(there) + " matrices for " +
                    std::to_string(skin.joints.size()) + " joints",
                matrices);
       }
-      const std::vector<float> values = accessors.floats(source.inverseBindMatrices, 16, matrices);
+      const std::vector<float> values = accessors.floats(accessor->get<int>(), 16, matrices);
       check_finite(values, 16, matrices);
       for (std::size_t j = 0; j < skin.joints.size(); ++j)
         skin.inverse_bind[j] = affine_from(values.data() + 16 * j, element(matrices, j));
@@ -177,11 +184,12 @@ void read_skins(const tinygltf::Model& model, const GltfNodes& nodes, AccessorRe
   }
 }
 
-void read_clips(const tinygltf::Model& model, const GltfNodes& nodes,
+void read_clips(const GltfModel& model, const GltfNodes& nodes,
                 const std::vector<std::uint32_t>& shape_of_node, AccessorReader& accessors,
                 Rig& rig, Warnings& warnings) {
-  for (std::size_t a = 0; a < model.animations.size(); ++a) {
-    RigClip clip = ClipReader(model.animations[a], element("animations", a), nodes, shape_of_node,
+  const auto animations = model.list("animations");
+  for (std::size_t a = 0; a < animations.size(); ++a) {
+    RigClip clip = ClipReader(animations[a], element("animations", a), nodes, shape_of_node,
                               accessors, rig, warnings)
                        .read();
     if (clip.name.empty()) clip.name = "animation " + std::to_string(a);

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <cstddef>
-#include <map>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/file.h"
+#include "io/json_value.h"
 
 namespace raysheaf::io {
 
@@ -22,16 +23,32 @@ struct GltfParts {
 /// where the header, a chunk or the declared length does not fit the file.
 [[nodiscard]] GltfParts split_gltf(std::span<const std::uint8_t> file);
 
-/// What the checks learn on the way.
-struct GltfFacts {
-  std::map<std::string, std::size_t> buffer_files;  ///< external buffers: path and byteLength
-  std::vector<std::string> warnings;                ///< extensions that are left out
-};
+/// Checks the JSON: types, ranges and indices of every field that is read; versions and required
+/// extensions; names of external files; that buffer views lie in their buffers and accessors in
+/// their buffer views. Throws `Error` whose place is the field: `accessors[3].count`. Gives
+/// sentences about what is left out.
+[[nodiscard]] std::vector<std::string> check_gltf_json(const JsonValue& root,
+                                                       const GltfParts& parts,
+                                                       const SceneFile& from);
 
-/// Checks the JSON: nesting, types, ranges and indices of every field that is read; versions and
-/// required extensions; names of external files; that buffer views lie in their buffers and
-/// accessors in their buffer views. Throws `Error` whose place is the field: `accessors[3].count`.
-[[nodiscard]] GltfFacts check_gltf_json(const GltfParts& parts, const SceneFile& from);
+/// glTF's numbers for the types of components.
+enum GltfComponent : int {
+  kGltfByte = 5120,
+  kGltfUnsignedByte = 5121,
+  kGltfShort = 5122,
+  kGltfUnsignedShort = 5123,
+  kGltfUnsignedInt = 5125,
+  kGltfFloat = 5126,
+};
+/// 0 where there is no such type.
+[[nodiscard]] std::size_t component_bytes(int type);
+/// Of an element: "VEC3" has three. 0 where there is no such type.
+[[nodiscard]] std::size_t component_count(std::string_view type);
+
+/// An object's extension, or nullptr.
+[[nodiscard]] const JsonValue* extension(const JsonValue& object, const char* name);
+/// Of KHR_lights_punctual.
+[[nodiscard]] std::span<const JsonValue> gltf_lights(const JsonValue& root);
 
 /// Elements of accessors which no bytes of the file stand for (sparse ones without a buffer view).
 inline constexpr std::size_t kMaxUnbackedElements = std::size_t{1} << 18;

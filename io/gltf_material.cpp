@@ -1,64 +1,64 @@
-#include <algorithm>
+#include <array>
 
 #include "io/gltf.h"
+#include "io/gltf_json.h"
 
 namespace raysheaf::io {
 namespace {
 
-using tinygltf::Value;
+/// The numbers of an array, of which there are as many as of `fallback`.
+template <std::size_t kCount>
+std::array<float, kCount> floats(const JsonValue& object, const char* name,
+                                 std::array<float, kCount> fallback) {
+  const auto items = object.items(name);
+  for (std::size_t i = 0; i < items.size(); ++i) fallback[i] = items[i].get<float>();
+  return fallback;
+}
+Vec2 vec2(const JsonValue& object, const char* name, float fallback) {
+  const auto [x, y] = floats<2>(object, name, {fallback, fallback});
+  return {x, y};
+}
+Vec3 vec3(const JsonValue& object, const char* name, float fallback) {
+  const auto [x, y, z] = floats<3>(object, name, {fallback, fallback, fallback});
+  return {x, y, z};
+}
+Vec4 vec4(const JsonValue& object, const char* name, float fallback) {
+  const auto [x, y, z, w] = floats<4>(object, name, {fallback, fallback, fallback, fallback});
+  return {x, y, z, w};
+}
 
-const Value* member(const Value& object, const char* name) {
-  return object.IsObject() && object.Has(name) ? &object.Get(name) : nullptr;
-}
-const Value* extension(const tinygltf::ExtensionMap& extensions, const char* name) {
-  const auto it = extensions.find(name);
-  return it == extensions.end() ? nullptr : &it->second;
-}
-
-float number(const Value& object, const char* name, float fallback) {
-  const Value* value = member(object, name);
-  return value == nullptr ? fallback : static_cast<float>(value->GetNumberAsDouble());
-}
-float item(const Value& array, std::size_t i) {
-  return static_cast<float>(array.Get(static_cast<int>(i)).GetNumberAsDouble());
-}
-Vec2 vec2(const Value& object, const char* name, Vec2 fallback) {
-  const Value* value = member(object, name);
-  return value == nullptr ? fallback : Vec2{item(*value, 0), item(*value, 1)};
-}
-Vec3 vec3(const Value& object, const char* name, Vec3 fallback) {
-  const Value* value = member(object, name);
-  return value == nullptr ? fallback : Vec3{item(*value, 0), item(*value, 1), item(*value, 2)};
-}
+/// OpenGL's numbers, which glTF uses.
+constexpr int kNearest = 9728, kRepeat = 10497, kClampToEdge = 33071, kMirroredRepeat = 33648;
 
 Wrap wrap_of(int gl) {
-  if (gl == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return Wrap::kClampToEdge;
-  return gl == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Wrap::kMirroredRepeat : Wrap::kRepeat;
+  if (gl == kClampToEdge) return Wrap::kClampToEdge;
+  return gl == kMirroredRepeat ? Wrap::kMirroredRepeat : Wrap::kRepeat;
 }
 
 /// Textures whose image could be read, and where each of glTF's went.
-std::vector<std::uint32_t> read_textures(const GltfModel& gltf, SceneDescription& scene,
+std::vector<std::uint32_t> read_textures(const GltfModel& model, SceneDescription& scene,
                                          Warnings& warnings) {
   std::vector<std::string> sentences;
-  DecodedImages images = decode_images(gltf.images, sentences);
+  DecodedImages images = decode_images(model.images, sentences);
   for (const std::string& sentence : sentences) warnings.once(sentence);
   scene.images = std::move(images.images);
   std::vector<std::uint32_t> index_of;
-  for (const tinygltf::Texture& source : gltf.model.textures) {
-    if (source.source < 0)
+  for (const JsonValue& source : model.list("textures")) {
+    const JsonValue* number = source.find("source");
+    if (number == nullptr)
       warnings.once("Textures without an image that can be read are left out.");
     const std::uint32_t image =
-        source.source < 0 ? kInvalidId : images.index_of[static_cast<std::size_t>(source.source)];
+        number == nullptr ? kInvalidId : images.index_of[number->get<std::size_t>()];
     if (image == kInvalidId) {
       index_of.push_back(kInvalidId);
       continue;
     }
     Texture texture{image};
-    if (source.sampler >= 0) {
-      const auto& sampler = gltf.model.samplers[static_cast<std::size_t>(source.sampler)];
-      texture.wrap_u = wrap_of(sampler.wrapS);
-      texture.wrap_v = wrap_of(sampler.wrapT);
-      const bool nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+    if (const JsonValue* used = source.find("sampler")) {
+      const JsonValue& sampler = model.list("samplers")[used->get<std::size_t>()];
+      texture.wrap_u = wrap_of(sampler.get("wrapS", kRepeat));
+      texture.wrap_v = wrap_of(sampler.get("wrapT", kRepeat));
+      const bool nearest = sampler.get("magFilter", -1) == kNearest;
       texture.filter = nearest ? Filter::kNearest : Filter::kLinear;
     }
     index_of.push_back(static_cast<std::uint32_t>(scene.textures.size()));
@@ -72,111 +72,100 @@ class MaterialReader {
   MaterialReader(std::vector<std::uint32_t> textures, Warnings& warnings)
       : textures_(std::move(textures)), warnings_(warnings) {}
 
-  Material read(const tinygltf::Material& source) {
-    uv_set_ = first_set(source);
-    Material material;
-    material.name = source.name;
-    material.double_sided = source.doubleSided;
-    read_base(source, material);
-    read_extensions(source.extensions, material);
-    if (source.alphaMode != "OPAQUE" && !source.alphaMode.empty()) {
-      warnings_.once("The alpha mode " + source.alphaMode.substr(0, 16) +
+  Material read(const JsonValue& source) {
+    const JsonValue* pbr = source.find("pbrMetallicRoughness");
+    const JsonValue nothing;
+    read_base(source, pbr == nullptr ? nothing : *pbr);
+    read_extensions(source);
+    const auto alpha = source.get("alphaMode", std::string("OPAQUE"));
+    if (alpha != "OPAQUE" && !alpha.empty()) {
+      warnings_.once("The alpha mode " + alpha.substr(0, 16) +
                      " is left out: every surface is opaque.");
     }
-    if (source.normalTexture.index >= 0) warnings_.once("Normal textures are left out.");
-    if (source.occlusionTexture.index >= 0) warnings_.once("Occlusion textures are left out.");
-    return material;
+    if (source.contains("normalTexture")) warnings_.once("Normal textures are left out.");
+    if (source.contains("occlusionTexture")) warnings_.once("Occlusion textures are left out.");
+    return std::move(material_);
   }
   [[nodiscard]] int uv_set() const { return uv_set_; }
 
  private:
-  static int set_of(const tinygltf::TextureInfo& info) {
-    const Value* transform = extension(info.extensions, "KHR_texture_transform");
-    const Value* set = transform == nullptr ? nullptr : member(*transform, "texCoord");
-    return set == nullptr ? info.texCoord : set->GetNumberAsInt();
-  }
-  /// The base colour's set; where it has no texture, the set of the first slot that has one.
-  static int first_set(const tinygltf::Material& source) {
-    const auto& pbr = source.pbrMetallicRoughness;
-    for (const auto* info :
-         {&pbr.baseColorTexture, &pbr.metallicRoughnessTexture, &source.emissiveTexture}) {
-      if (info->index >= 0) return set_of(*info);
-    }
-    return 0;
+  static int set_of(const JsonValue& info) {
+    const int set = info.get("texCoord", 0);
+    const JsonValue* transform = extension(info, "KHR_texture_transform");
+    return transform == nullptr ? set : transform->get("texCoord", set);
   }
 
-  TextureSlot slot(const tinygltf::TextureInfo& info, const char* what) {
+  TextureSlot slot(const JsonValue* info, const char* what) {
     TextureSlot slot;
-    if (info.index < 0) return slot;
-    if (set_of(info) != uv_set_) {
+    if (info == nullptr) return slot;
+    if (set_of(*info) != uv_set_) {
       warnings_.once(std::string("The ") + what +
                      " texture uses another set of coordinates than the base colour; it is read "
                      "with the base colour's.");
     }
-    slot.texture = textures_[static_cast<std::size_t>(info.index)];
-    if (const Value* transform = extension(info.extensions, "KHR_texture_transform")) {
-      slot.offset = vec2(*transform, "offset", {0, 0});
-      slot.scale = vec2(*transform, "scale", {1, 1});
-      slot.rotation = number(*transform, "rotation", 0);
+    slot.texture = textures_[info->at("index").get<std::size_t>()];
+    if (const JsonValue* transform = extension(*info, "KHR_texture_transform")) {
+      slot.offset = vec2(*transform, "offset", 0);
+      slot.scale = vec2(*transform, "scale", 1);
+      slot.rotation = transform->get("rotation", 0.0f);
     }
     return slot;
   }
 
-  void read_base(const tinygltf::Material& source, Material& material) {
-    const auto& pbr = source.pbrMetallicRoughness;
-    const auto part = [](const std::vector<double>& values, std::size_t i) {
-      return static_cast<float>(values[i]);
-    };
-    if (pbr.baseColorFactor.size() == 4) {
-      const auto& f = pbr.baseColorFactor;
-      material.base_color = {part(f, 0), part(f, 1), part(f, 2), part(f, 3)};
-    }
-    if (source.emissiveFactor.size() == 3) {
-      const auto& f = source.emissiveFactor;
-      material.emission = {part(f, 0), part(f, 1), part(f, 2)};
-    }
-    material.metallic = static_cast<float>(pbr.metallicFactor);
-    material.roughness = static_cast<float>(pbr.roughnessFactor);
-    material.base_color_texture = slot(pbr.baseColorTexture, "base colour");
-    material.metallic_roughness_texture = slot(pbr.metallicRoughnessTexture, "metallic-roughness");
-    material.emission_texture = slot(source.emissiveTexture, "emission");
+  void read_base(const JsonValue& source, const JsonValue& pbr) {
+    const JsonValue* base = pbr.find("baseColorTexture");
+    const JsonValue* metallic_roughness = pbr.find("metallicRoughnessTexture");
+    const JsonValue* emission = source.find("emissiveTexture");
+    // The base colour's set; where it has no texture, that of the first slot that has one.
+    uv_set_ = 0;
+    for (const JsonValue* info : {emission, metallic_roughness, base})
+      if (info != nullptr) uv_set_ = set_of(*info);
+    material_ = {};
+    material_.name = source.get("name", std::string());
+    material_.double_sided = source.get("doubleSided", false);
+    material_.base_color = vec4(pbr, "baseColorFactor", 1);
+    material_.emission = vec3(source, "emissiveFactor", 0);
+    material_.metallic = pbr.get("metallicFactor", 1.0f);
+    material_.roughness = pbr.get("roughnessFactor", 1.0f);
+    material_.base_color_texture = slot(base, "base colour");
+    material_.metallic_roughness_texture = slot(metallic_roughness, "metallic-roughness");
+    material_.emission_texture = slot(emission, "emission");
   }
 
-  void read_extensions(const tinygltf::ExtensionMap& extensions, Material& material) {
-    if (const Value* x = extension(extensions, "KHR_materials_transmission")) {
-      material.transmission = number(*x, "transmissionFactor", 0);
-      if (member(*x, "transmissionTexture")) warnings_.once("Transmission textures are left out.");
+  void read_extensions(const JsonValue& source) {
+    if (const JsonValue* x = extension(source, "KHR_materials_transmission")) {
+      material_.transmission = x->get("transmissionFactor", 0.0f);
+      if (x->contains("transmissionTexture")) warnings_.once("Transmission textures are left out.");
     }
-    if (const Value* x = extension(extensions, "KHR_materials_ior")) {
-      material.ior = number(*x, "ior", 1.5f);
-    }
-    if (const Value* x = extension(extensions, "KHR_materials_specular")) {
-      material.specular = number(*x, "specularFactor", 1);
-      material.specular_color = vec3(*x, "specularColorFactor", {1, 1, 1});
-      if (member(*x, "specularTexture") || member(*x, "specularColorTexture")) {
+    if (const JsonValue* x = extension(source, "KHR_materials_ior"))
+      material_.ior = x->get("ior", 1.5f);
+    if (const JsonValue* x = extension(source, "KHR_materials_specular")) {
+      material_.specular = x->get("specularFactor", 1.0f);
+      material_.specular_color = vec3(*x, "specularColorFactor", 1);
+      if (x->contains("specularTexture") || x->contains("specularColorTexture"))
         warnings_.once("Specular textures are left out.");
-      }
     }
-    if (const Value* x = extension(extensions, "KHR_materials_emissive_strength")) {
-      const float strength = number(*x, "emissiveStrength", 1);
-      Vec3& e = material.emission;
+    if (const JsonValue* x = extension(source, "KHR_materials_emissive_strength")) {
+      const float strength = x->get("emissiveStrength", 1.0f);
+      Vec3& e = material_.emission;
       e = {e.x * strength, e.y * strength, e.z * strength};
     }
-    material.unlit = extension(extensions, "KHR_materials_unlit") != nullptr;
+    material_.unlit = extension(source, "KHR_materials_unlit") != nullptr;
   }
 
   std::vector<std::uint32_t> textures_;
   Warnings& warnings_;
+  Material material_;
   int uv_set_ = 0;
 };
 
 }  // namespace
 
-std::vector<int> read_materials(const GltfModel& gltf, SceneDescription& scene,
+std::vector<int> read_materials(const GltfModel& model, SceneDescription& scene,
                                 Warnings& warnings) {
-  MaterialReader reader(read_textures(gltf, scene, warnings), warnings);
+  MaterialReader reader(read_textures(model, scene, warnings), warnings);
   std::vector<int> uv_sets;
-  for (const tinygltf::Material& source : gltf.model.materials) {
+  for (const JsonValue& source : model.list("materials")) {
     scene.materials.push_back(reader.read(source));
     uv_sets.push_back(reader.uv_set());
   }

@@ -12,15 +12,21 @@ namespace raysheaf::io {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
+/// glTF's numbers for what a primitive is; below are points and lines.
+constexpr int kTriangles = 4, kTriangleStrip = 5, kTriangleFan = 6;
+
+int mode_of(const JsonValue& primitive) {
+  return primitive.get("mode", kTriangles);
+}
 
 /// The corners of a list, strip or fan of `count` vertices, as glTF 2.0, section 3.7.2.1 has them.
 std::vector<Triangle> corners_of(int mode, std::size_t vertex_count) {
   const auto count = static_cast<std::uint32_t>(vertex_count);
   std::vector<Triangle> result;
-  if (mode == TINYGLTF_MODE_TRIANGLES) {
+  if (mode == kTriangles) {
     result.reserve(count / 3);
     for (std::uint32_t i = 0; i + 2 < count; i += 3) result.push_back({i, i + 1, i + 2});
-  } else if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
+  } else if (mode == kTriangleStrip) {
     for (std::uint32_t i = 0; i + 2 < count; ++i) {
       result.push_back({i, i + 1 + i % 2, i + 2 - i % 2});
     }
@@ -33,23 +39,24 @@ std::vector<Triangle> corners_of(int mode, std::size_t vertex_count) {
 /// Concatenates the primitives of one mesh.
 class MeshReader {
  public:
-  MeshReader(const tinygltf::Model& model, AccessorReader& accessors,
-             const std::vector<int>& uv_sets, std::size_t joint_count, Warnings& warnings)
+  MeshReader(const GltfModel& model, AccessorReader& accessors, const std::vector<int>& uv_sets,
+             std::size_t joint_count, Warnings& warnings)
       : model_(model),
         accessors_(accessors),
         uv_sets_(uv_sets),
         warnings_(warnings),
-        shape_(model, accessors, joint_count, warnings) {}
+        shape_(accessors, joint_count, warnings) {}
 
   GltfMesh read(std::size_t index) {
-    const tinygltf::Mesh& source = model_.meshes[index];
-    mesh_.name = source.name;
-    any_normals_ = std::any_of(source.primitives.begin(), source.primitives.end(), [](auto& p) {
-      return p.mode >= TINYGLTF_MODE_TRIANGLES && p.attributes.count("NORMAL") > 0;
+    const JsonValue& source = model_.list("meshes")[index];
+    mesh_.name = source.get("name", std::string());
+    const auto primitives = source.items("primitives");
+    any_normals_ = std::any_of(primitives.begin(), primitives.end(), [](const JsonValue& p) {
+      return mode_of(p) >= kTriangles && p.at("attributes").contains("NORMAL");
     });
-    for (std::size_t p = 0; p < source.primitives.size(); ++p) {
+    for (std::size_t p = 0; p < primitives.size(); ++p) {
       place_ = "meshes[" + std::to_string(index) + "].primitives[" + std::to_string(p) + "]";
-      read_primitive(source.primitives[p]);
+      read_primitive(primitives[p]);
     }
     finish();
     RigShape shape = shape_.take(mesh_);
@@ -61,18 +68,14 @@ class MeshReader {
   /// primitives with the same share their vertices.
   using Attributes = std::vector<int>;
 
-  static int find(const tinygltf::Primitive& primitive, const std::string& name) {
-    const auto it = primitive.attributes.find(name);
-    return it == primitive.attributes.end() ? -1 : it->second;
-  }
-
-  void read_primitive(const tinygltf::Primitive& primitive) {
+  void read_primitive(const JsonValue& primitive) {
     if (!is_drawn(primitive)) return;
-    const int set =
-        primitive.material < 0 ? 0 : uv_sets_[static_cast<std::size_t>(primitive.material)];
+    const int material = primitive.get("material", -1);
+    const int set = material < 0 ? 0 : uv_sets_[static_cast<std::size_t>(material)];
     const std::string uv_name = "TEXCOORD_" + std::to_string(set);
-    Attributes attributes{find(primitive, "POSITION"), find(primitive, "NORMAL"),
-                          find(primitive, uv_name)};
+    const JsonValue& named = primitive.at("attributes");
+    Attributes attributes{named.get("POSITION", -1), named.get("NORMAL", -1),
+                          named.get(uv_name, -1)};
     const ShapeSource source = shape_.source(primitive, place_);
     attributes.insert(attributes.end(), source.joints.begin(), source.joints.end());
     attributes.insert(attributes.end(), source.targets.begin(), source.targets.end());
@@ -85,29 +88,31 @@ class MeshReader {
     if (any_normals_ && attributes[1] < 0) unshare(triangles);
     mesh_.triangles.insert(mesh_.triangles.end(), triangles.begin(), triangles.end());
     mesh_.materials.insert(mesh_.materials.end(), triangles.size(),
-                           static_cast<std::uint32_t>(primitive.material));
+                           static_cast<std::uint32_t>(material));
   }
 
-  bool is_drawn(const tinygltf::Primitive& primitive) {
-    if (primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN) {
-      throw Error(ErrorCode::kInvalidData,
-                  "is " + std::to_string(primitive.mode) + ", which is no mode", place_ + ".mode");
+  bool is_drawn(const JsonValue& primitive) {
+    const int mode = mode_of(primitive);
+    if (mode > kTriangleFan) {
+      throw Error(ErrorCode::kInvalidData, "is " + std::to_string(mode) + ", which is no mode",
+                  place_ + ".mode");
     }
-    if (primitive.mode < TINYGLTF_MODE_TRIANGLES) {
+    if (mode < kTriangles) {
       warnings_.once("Points and lines are left out.");
       return false;
     }
-    if (primitive.attributes.count("COLOR_0") > 0) warnings_.once("Vertex colours are left out.");
-    if (find(primitive, "POSITION") >= 0) return true;
+    const JsonValue& attributes = primitive.at("attributes");
+    if (attributes.contains("COLOR_0")) warnings_.once("Vertex colours are left out.");
+    if (attributes.contains("POSITION")) return true;
     warnings_.once("Primitives without positions are left out.");
     return false;
   }
 
-  std::vector<Triangle> read_triangles(const tinygltf::Primitive& primitive,
-                                       std::size_t vertex_count) {
-    if (primitive.indices < 0) return checked_corners(primitive.mode, vertex_count);
+  std::vector<Triangle> read_triangles(const JsonValue& primitive, std::size_t vertex_count) {
+    const int accessor = primitive.get("indices", -1), mode = mode_of(primitive);
+    if (accessor < 0) return checked_corners(mode, vertex_count);
     const std::string place = place_ + ".indices";
-    const std::vector<std::uint32_t> indices = accessors_.indices(primitive.indices, place);
+    const std::vector<std::uint32_t> indices = accessors_.indices(accessor, place);
     for (std::size_t i = 0; i < indices.size(); ++i) {
       if (indices[i] < vertex_count) continue;
       throw Error(ErrorCode::kInvalidData,
@@ -115,14 +120,14 @@ class MeshReader {
                       std::to_string(vertex_count) + " vertices",
                   place + "[" + std::to_string(i) + "]");
     }
-    std::vector<Triangle> triangles = checked_corners(primitive.mode, indices.size());
+    std::vector<Triangle> triangles = checked_corners(mode, indices.size());
     for (Triangle& t : triangles) t = {indices[t[0]], indices[t[1]], indices[t[2]]};
     return triangles;
   }
 
   std::vector<Triangle> checked_corners(int mode, std::size_t count) {
     if (count >= kInvalidId) throw Error(ErrorCode::kUnsupported, "has too many vertices", place_);
-    if (mode == TINYGLTF_MODE_TRIANGLES && count % 3 != 0) {
+    if (mode == kTriangles && count % 3 != 0) {
       warnings_.once("Vertices that are left over after the last whole triangle are left out.");
     }
     return corners_of(mode, count);
@@ -210,7 +215,7 @@ class MeshReader {
     add_missing_normals(mesh_, has_normal_);
   }
 
-  const tinygltf::Model& model_;
+  const GltfModel& model_;
   AccessorReader& accessors_;
   const std::vector<int>& uv_sets_;
   Warnings& warnings_;
@@ -224,7 +229,7 @@ class MeshReader {
 
 }  // namespace
 
-GltfMesh read_mesh(const tinygltf::Model& model, std::size_t index, std::size_t joint_count,
+GltfMesh read_mesh(const GltfModel& model, std::size_t index, std::size_t joint_count,
                    AccessorReader& accessors, const std::vector<int>& uv_sets, Warnings& warnings) {
   return MeshReader(model, accessors, uv_sets, joint_count, warnings).read(index);
 }

@@ -12,24 +12,25 @@ namespace {
 constexpr std::uint64_t kTrianglesPerByte = 256, kFreeTriangles = std::uint64_t{1} << 22;
 
 /// Whether a curve drives the weights of each node's mesh.
-std::vector<bool> driven_weights(const tinygltf::Model& model) {
-  std::vector<bool> driven(model.nodes.size(), false);
-  for (const tinygltf::Animation& animation : model.animations) {
-    for (const tinygltf::AnimationChannel& channel : animation.channels) {
-      if (channel.target_path == "weights" && channel.target_node >= 0)
-        driven[static_cast<std::size_t>(channel.target_node)] = true;
+std::vector<bool> driven_weights(const GltfModel& model) {
+  std::vector<bool> driven(model.list("nodes").size(), false);
+  for (const JsonValue& animation : model.list("animations")) {
+    for (const JsonValue& channel : animation.items("channels")) {
+      const JsonValue& target = channel.at("target");
+      if (target.at("path").get<std::string_view>() == "weights" && target.contains("node"))
+        driven[target.at("node").get<std::size_t>()] = true;
     }
   }
   return driven;
 }
 
 /// Those of the node, else those of the mesh, else none at all.
-std::vector<float> rest_weights(const tinygltf::Model& model, const GltfNodes::Use& use,
+std::vector<float> rest_weights(const GltfModel& model, const GltfNodes::Use& use,
                                 std::size_t target_count) {
   const auto node = static_cast<std::size_t>(use.node), mesh = static_cast<std::size_t>(use.mesh);
-  const bool of_node = !model.nodes[node].weights.empty();
-  const std::vector<double>& said =
-      of_node ? model.nodes[node].weights : model.meshes[mesh].weights;
+  const auto of_the_node = model.list("nodes")[node].items("weights");
+  const bool of_node = !of_the_node.empty();
+  const auto said = of_node ? of_the_node : model.list("meshes")[mesh].items("weights");
   if (!said.empty() && said.size() != target_count) {
     throw Error(ErrorCode::kInvalidData,
                 "has " + std::to_string(said.size()) + " weights, but the mesh has " +
@@ -38,16 +39,16 @@ std::vector<float> rest_weights(const tinygltf::Model& model, const GltfNodes::U
                     "].weights");
   }
   std::vector<float> weights(target_count, 0.0f);
-  for (std::size_t i = 0; i < said.size(); ++i) weights[i] = static_cast<float>(said[i]);
+  for (std::size_t i = 0; i < said.size(); ++i) weights[i] = said[i].get<float>();
   return weights;
 }
 
 }  // namespace
 
-std::vector<std::uint32_t> read_meshes(const GltfModel& gltf, const GltfNodes& nodes,
+std::vector<std::uint32_t> read_meshes(const GltfModel& model, const GltfNodes& nodes,
                                        const std::vector<int>& uv_sets, AccessorReader& accessors,
                                        SceneDescription& scene, Rig& rig, Warnings& warnings) {
-  const tinygltf::Model& model = gltf.model;
+  const auto all_nodes = model.list("nodes");
   const std::vector<bool> driven = driven_weights(model);
   // Meshes are shared by what shows them in one shape: by glTF's mesh, skin, and by the node where
   // that has weights of its own.
@@ -55,12 +56,12 @@ std::vector<std::uint32_t> read_meshes(const GltfModel& gltf, const GltfNodes& n
   std::map<Key, std::uint32_t> index_of;
   const auto key_of = [&](const GltfNodes::Use& use) {
     const auto n = static_cast<std::size_t>(use.node);
-    const bool alone = driven[n] || !model.nodes[n].weights.empty();
+    const bool alone = driven[n] || !all_nodes[n].items("weights").empty();
     return Key{use.mesh, use.skin, alone ? use.node : -1};
   };
   std::map<Key, GltfNodes::Use> wanted;
   for (const GltfNodes::Use& use : nodes.uses) wanted.emplace(key_of(use), use);
-  std::vector<std::uint32_t> shape_of_node(model.nodes.size(), kInvalidId);
+  std::vector<std::uint32_t> shape_of_node(all_nodes.size(), kInvalidId);
   for (const auto& [key, use] : wanted) {
     const std::size_t joints =
         use.skin < 0 ? 0 : rig.skins[static_cast<std::size_t>(use.skin)].joints.size();
@@ -89,7 +90,7 @@ std::vector<std::uint32_t> read_meshes(const GltfModel& gltf, const GltfNodes& n
   }
   scene.instances = std::move(shown);
   rig.instance_nodes = std::move(shown_nodes);
-  if (scene.triangle_count() > kFreeTriangles + kTrianglesPerByte * gltf.file_bytes)
+  if (scene.triangle_count() > kFreeTriangles + kTrianglesPerByte * model.file_bytes)
     throw Error(ErrorCode::kOutOfMemory,
                 "the instances have far more triangles than the file has bytes", "nodes");
   return shape_of_node;

@@ -1,131 +1,127 @@
 #include "io/gltf_model.h"
 
-#include <cstring>
-#include <limits>
+#include <map>
 
+#include "io/data_uri.h"
 #include "io/gltf_json.h"
-#include "raysheaf/error.h"
+#include "io/refuse.h"
 
 namespace raysheaf::io {
 namespace {
 
-/// What the parser's callbacks share. An `Error` must not pass through the parser, so the first one
-/// is kept here and thrown afterwards.
-struct Session {
-  const GltfFacts& facts;
-  std::vector<EncodedImage>& images;
-  const std::string& folder;
-  std::string failure;
+/// Fills a model from its JSON, which has been checked.
+class ModelReader {
+ public:
+  ModelReader(GltfModel& model, const GltfParts& parts, const SceneFile& from)
+      : model_(model), parts_(parts), from_(from) {}
+
+  void read() {
+    const auto buffers = model_.list("buffers");
+    for (std::size_t i = 0; i < buffers.size(); ++i)
+      buffers_.push_back(buffer(buffers[i], element("buffers", i) + ".uri"));
+    for (const JsonValue& source : model_.list("bufferViews")) model_.views.push_back(view(source));
+    for (const JsonValue& source : model_.list("accessors"))
+      model_.accessors.push_back(accessor(source));
+    const auto images = model_.list("images");
+    for (std::size_t i = 0; i < images.size(); ++i)
+      model_.images.push_back(image(images[i], element("images", i)));
+  }
+
+ private:
+  using Span = std::span<const std::uint8_t>;
+
+  /// A file may have more bytes than its buffer.
+  Span buffer(const JsonValue& source, const std::string& place) {
+    const auto said = source.at("byteLength").get<std::size_t>();
+    const auto uri = source.get("uri", std::string_view());
+    if (uri.empty()) return parts_.binary.first(said);
+    if (is_data_uri(uri)) {
+      std::optional<Bytes> bytes = decode_data_uri(uri);
+      if (!bytes) refuse("is a data URI with a character that is no digit of base 64", place);
+      return keep(std::move(*bytes)).first(said);
+    }
+    const std::string path = resolve(from_, std::string(uri), true, place);
+    const auto known = file_of_.find(path);
+    const Span bytes = known != file_of_.end() ? known->second : keep(read_file(path));
+    file_of_[path] = bytes;
+    if (bytes.size() < said) {
+      refuse("\"" + path + "\" has " + std::to_string(bytes.size()) +
+                 " bytes, but a buffer needs " + std::to_string(said),
+             place);
+    }
+    return bytes.first(said);
+  }
+  Span keep(Bytes bytes) {
+    model_.file_bytes += bytes.size();
+    return model_.buffers.emplace_back(std::move(bytes));
+  }
+
+  [[nodiscard]] GltfView view(const JsonValue& source) const {
+    const Span buffer = buffers_[source.at("buffer").get<std::size_t>()];
+    return {buffer.subspan(source.get("byteOffset", std::size_t{0}),
+                           source.at("byteLength").get<std::size_t>()),
+            source.get("byteStride", std::size_t{0})};
+  }
+
+  [[nodiscard]] GltfAccessor accessor(const JsonValue& source) const {
+    GltfAccessor result;
+    result.view = source.get("bufferView", -1);
+    result.offset = source.get("byteOffset", std::size_t{0});
+    result.count = source.at("count").get<std::size_t>();
+    result.component_type = source.at("componentType").get<int>();
+    const auto type = source.at("type").get<std::string_view>();
+    result.components = component_count(type);
+    result.is_matrix = type.starts_with("MAT");
+    result.normalized = source.get("normalized", false);
+    if (const JsonValue* sparse = source.find("sparse")) {
+      result.sparse = {sparse->at("count").get<std::size_t>(),
+                       sparse->at("indices").at("componentType").get<int>(),
+                       sparse_bytes(sparse->at("indices")), sparse_bytes(sparse->at("values"))};
+    }
+    return result;
+  }
+  [[nodiscard]] Span sparse_bytes(const JsonValue& part) const {
+    return model_.views[part.at("bufferView").get<std::size_t>()].bytes.subspan(
+        part.get("byteOffset", std::size_t{0}));
+  }
+
+  /// A picture that is not to be had does not spoil the scene.
+  [[nodiscard]] EncodedImage image(const JsonValue& source, const std::string& place) const {
+    EncodedImage result{source.get("name", std::string()), place, {}};
+    if (const JsonValue* number = source.find("bufferView")) {
+      const Span bytes = model_.views[number->get<std::size_t>()].bytes;
+      result.bytes.assign(bytes.begin(), bytes.end());
+      return result;
+    }
+    const auto uri = source.at("uri").get<std::string>();
+    if (is_data_uri(uri)) {
+      result.bytes = decode_data_uri(uri).value_or(Bytes{});
+      return result;
+    }
+    if (result.name.empty()) result.name = uri;
+    try {
+      result.bytes = read_file(resolve(from_, uri, true, place));
+    } catch (const Error&) {
+      result.bytes.clear();
+    }
+    return result;
+  }
+
+  GltfModel& model_;
+  const GltfParts& parts_;
+  const SceneFile& from_;
+  std::vector<Span> buffers_;
+  std::map<std::string, Span> file_of_;  ///< that were read
 };
-
-/// The parser also looks in the working directory; only the file's own folder counts.
-bool exists(const std::string& path, void* user) {
-  return path.starts_with(static_cast<Session*>(user)->folder) && file_exists(path);
-}
-std::string expand_nothing(const std::string& path, void*) {
-  return path;
-}
-
-/// The parser wants a buffer's file to have exactly `byteLength` bytes; glTF allows more.
-bool read_whole(std::vector<unsigned char>* out, std::string* message, const std::string& path,
-                void* user) {
-  auto& session = *static_cast<Session*>(user);
-  try {
-    *out = read_file(path);
-  } catch (const std::exception& error) {
-    *message = error.what();
-    return false;
-  }
-  const auto buffer = session.facts.buffer_files.find(path);
-  if (buffer == session.facts.buffer_files.end()) return true;
-  if (out->size() < buffer->second) {
-    session.failure = "\"" + path + "\" has " + std::to_string(out->size()) +
-                      " bytes, but a buffer needs " + std::to_string(buffer->second);
-    return false;
-  }
-  out->resize(buffer->second);
-  return true;
-}
-
-bool keep_image(tinygltf::Image*, const int index, std::string*, std::string*, int, int,
-                const unsigned char* bytes, int size, void* user) {
-  auto& images = static_cast<Session*>(user)->images;
-  const auto i = static_cast<std::size_t>(index);
-  if (images.size() <= i) images.resize(i + 1);
-  if (size > 0) images[i].bytes.assign(bytes, bytes + size);
-  return true;
-}
-
-/// The GLB as the parser takes it: an empty BIN chunk and chunks of unknown kinds, which glTF
-/// allows, are cut off.
-Bytes without_odd_chunks(const Bytes& file, const GltfParts& parts) {
-  const std::size_t end =
-      static_cast<std::size_t>(parts.json.data() - file.data()) + parts.json.size();
-  Bytes glb(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(end));
-  for (std::size_t i = 0; i < 4; ++i) glb[8 + i] = static_cast<std::uint8_t>(end >> (8 * i));
-  return glb;
-}
-
-bool run_parser(tinygltf::TinyGLTF& parser, tinygltf::Model& model, std::string& error,
-                const Bytes& file, const GltfParts& parts, const std::string& folder) {
-  std::string warning;
-  const unsigned check = tinygltf::REQUIRE_VERSION;
-  if (!parts.is_glb) {
-    return parser.LoadASCIIFromString(&model, &error, &warning,
-                                      reinterpret_cast<const char*>(parts.json.data()),
-                                      static_cast<unsigned>(parts.json.size()), folder, check);
-  }
-  const Bytes shortened = parts.binary.empty() ? without_odd_chunks(file, parts) : Bytes{};
-  const Bytes& glb = parts.binary.empty() ? shortened : file;
-  return parser.LoadBinaryFromMemory(&model, &error, &warning, glb.data(),
-                                     static_cast<unsigned>(glb.size()), folder, check);
-}
-
-std::string first_line(const std::string& text) {
-  const std::string line = text.substr(0, std::min(text.find('\n'), std::size_t{200}));
-  return line.empty() ? "the file cannot be parsed" : line;
-}
-
-/// tinygltf must have kept what was checked; its own buffers are what is read from now on.
-void check_buffers(const tinygltf::Model& model) {
-  for (std::size_t i = 0; i < model.bufferViews.size(); ++i) {
-    const tinygltf::BufferView& view = model.bufferViews[i];
-    const std::size_t bytes = model.buffers.at(static_cast<std::size_t>(view.buffer)).data.size();
-    if (view.byteOffset <= bytes && view.byteLength <= bytes - view.byteOffset) continue;
-    throw Error(ErrorCode::kInvalidData, "its buffer has only " + std::to_string(bytes) + " bytes",
-                "bufferViews[" + std::to_string(i) + "]");
-  }
-}
 
 }  // namespace
 
 GltfModel parse_gltf(const Bytes& file, const SceneFile& from) {
   const GltfParts parts = split_gltf(file);
-  GltfFacts facts = check_gltf_json(parts, from);
-  const std::string folder = folder_of(from.path);
-  GltfModel result;
-  Session session{facts, result.images, folder, {}};
-  tinygltf::TinyGLTF parser;
-  parser.SetFsCallbacks({exists, expand_nothing, read_whole, nullptr, &session});
-  parser.SetImageLoader(keep_image, &session);
-  std::string error;
-  if (!run_parser(parser, result.model, error, file, parts, folder)) {
-    throw Error(ErrorCode::kInvalidData,
-                session.failure.empty() ? first_line(error) : session.failure, "glTF");
-  }
-  check_buffers(result.model);
-  result.warnings = std::move(facts.warnings);
-  result.images.resize(result.model.images.size());
-  for (std::size_t i = 0; i < result.images.size(); ++i) {
-    const tinygltf::Image& image = result.model.images[i];
-    result.images[i].name = image.name.empty() ? image.uri : image.name;
-    result.images[i].place = "images[" + std::to_string(i) + "]";
-  }
-  result.file_bytes = file.size();
-  for (const tinygltf::Buffer& buffer : result.model.buffers) {
-    result.file_bytes += buffer.data.size();
-  }
-  return result;
+  GltfModel model{JsonDocument(parts.json), {}, {}, {}, {}, {}, file.size() + parts.binary.size()};
+  model.warnings = check_gltf_json(model.root(), parts, from);
+  ModelReader(model, parts, from).read();
+  return model;
 }
 
 }  // namespace raysheaf::io

@@ -1,8 +1,10 @@
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "io/gltf.h"
+#include "io/gltf_json.h"
 #include "io/linear.h"
 #include "io/refuse.h"
 
@@ -13,7 +15,15 @@ std::string node_place(int node) {
   return "nodes[" + std::to_string(node) + "]";
 }
 
-void set_matrix(const std::vector<double>& m, const std::string& place, RigNode& node) {
+/// As many as the rules say.
+template <std::size_t kCount>
+bool read_numbers(const JsonValue& object, const char* name, std::array<double, kCount>& numbers) {
+  const auto items = object.items(name);
+  for (std::size_t i = 0; i < items.size(); ++i) numbers[i] = items[i].get<double>();
+  return !items.empty();
+}
+
+void set_matrix(const std::array<double, 16>& m, const std::string& place, RigNode& node) {
   const double row = std::fabs(m[3]) + std::fabs(m[7]) + std::fabs(m[11]) + std::fabs(m[15] - 1);
   if (!(row <= 1e-6)) {
     refuse("is not affine: its last row is not 0 0 0 1", place + ".matrix");
@@ -24,34 +34,34 @@ void set_matrix(const std::vector<double>& m, const std::string& place, RigNode&
   }
 }
 
-RigNode rig_node(const tinygltf::Node& source, const std::string& place, std::uint32_t parent) {
+RigNode rig_node(const JsonValue& source, const std::string& place, std::uint32_t parent) {
   RigNode node;
-  node.name = source.name;
+  node.name = source.get("name", std::string());
   node.parent = parent;
-  if (source.matrix.size() == 16) set_matrix(source.matrix, place, node);
-  if (source.rotation.size() == 4) {
-    std::copy(source.rotation.begin(), source.rotation.end(), node.rotation.begin());
+  std::array<double, 16> matrix;
+  if (read_numbers(source, "matrix", matrix)) {
+    set_matrix(matrix, place, node);
+    return node;
+  }
+  if (read_numbers(source, "rotation", node.rotation)) {
     double squared = 0;
-    for (const double x : source.rotation) squared += x * x;
+    for (const double x : node.rotation) squared += x * x;
     if (!(squared > 0) || !std::isfinite(squared)) refuse("has no length", place + ".rotation");
   }
-  if (source.scale.size() == 3)
-    std::copy(source.scale.begin(), source.scale.end(), node.scale.begin());
-  if (source.translation.size() == 3)
-    std::copy(source.translation.begin(), source.translation.end(), node.translation.begin());
+  read_numbers(source, "scale", node.scale);
+  read_numbers(source, "translation", node.translation);
   return node;
 }
 
 /// Each node's parent, or -1. A node has one parent, and nobody is their own ancestor.
-std::vector<int> parents_of(const tinygltf::Model& model) {
-  const int count = static_cast<int>(model.nodes.size());
-  std::vector<int> parents(model.nodes.size(), -1);
-  for (int n = 0; n < count; ++n) {
-    for (const int child : model.nodes[static_cast<std::size_t>(n)].children) {
-      int& parent = parents[static_cast<std::size_t>(child)];
+std::vector<int> parents_of(std::span<const JsonValue> nodes) {
+  std::vector<int> parents(nodes.size(), -1);
+  for (int n = 0; n < static_cast<int>(nodes.size()); ++n) {
+    for (const JsonValue& child : nodes[static_cast<std::size_t>(n)].items("children")) {
+      int& parent = parents[child.get<std::size_t>()];
       if (parent >= 0) {
         refuse("the node has two parents, " + node_place(parent) + " and " + node_place(n),
-               node_place(child));
+               node_place(child.get<int>()));
       }
       parent = n;
     }
@@ -74,17 +84,19 @@ void check_cycles(const std::vector<int>& parents) {
   }
 }
 
-std::vector<int> root_nodes(const tinygltf::Model& model, const std::vector<int>& parents) {
+std::vector<int> root_nodes(const GltfModel& model, const std::vector<int>& parents) {
   std::vector<int> roots;
-  if (model.scenes.empty()) {
+  const auto scenes = model.list("scenes");
+  if (scenes.empty()) {
     for (std::size_t n = 0; n < parents.size(); ++n) {
       if (parents[n] < 0) roots.push_back(static_cast<int>(n));
     }
     return roots;
   }
-  const std::size_t scene = static_cast<std::size_t>(std::max(model.defaultScene, 0));
+  const auto scene = model.root().get("scene", std::size_t{0});
   std::vector<bool> seen(parents.size(), false);
-  for (const int node : model.scenes[scene].nodes) {
+  for (const JsonValue& item : scenes[scene].items("nodes")) {
+    const int node = item.get<int>();
     const auto n = static_cast<std::size_t>(node);
     const std::string place = "scenes[" + std::to_string(scene) + "].nodes";
     if (parents[n] >= 0) refuse(node_place(node) + " is not a root: it has a parent", place);
@@ -103,97 +115,96 @@ Light::Type light_type(const std::string& type, const std::string& place) {
 }
 
 /// A number of an object's extras, or 0 where there is none.
-float extra_number(const tinygltf::Value& extras, const char* name) {
-  if (!extras.IsObject() || !extras.Has(name)) return 0;
-  const tinygltf::Value& value = extras.Get(name);
-  return value.IsNumber() ? static_cast<float>(value.GetNumberAsDouble()) : 0;
+float extra_number(const JsonValue& object, const char* name) {
+  const JsonValue* extras = object.find("extras");
+  const JsonValue* number = extras == nullptr ? nullptr : extras->find(name);
+  return number == nullptr || !number->is_number() ? 0 : number->get<float>();
 }
 
 /// A size, which KHR_lights_punctual knows nothing of: `extras.radius` of a point or a spot,
 /// `extras.width` and `extras.height` (along the node's x and y) of a spot (docs/light.md).
-void read_size(const tinygltf::Light& source, Light& light) {
+void read_size(const JsonValue& source, Light& light) {
   if (light.type == Light::Type::kDirectional) return;
-  light.radius = extra_number(source.extras, "radius");
-  const float width = extra_number(source.extras, "width");
-  const float height = extra_number(source.extras, "height");
+  light.radius = extra_number(source, "radius");
+  const float width = extra_number(source, "width");
+  const float height = extra_number(source, "height");
   if (light.type != Light::Type::kSpot || (width == 0 && height == 0)) return;
   light.type = Light::Type::kRectangle;
   light.width = width;
   light.height = height;
 }
 
-Light read_light(const tinygltf::Model& model, std::size_t index) {
-  const tinygltf::Light& source = model.lights[index];
+Light read_punctual_light(const GltfModel& model, std::size_t index) {
+  const JsonValue& source = gltf_lights(model.root())[index];
   Light light;
-  light.name = source.name;
-  light.type = light_type(source.type,
+  light.name = source.get("name", std::string());
+  light.type = light_type(source.at("type").get<std::string>(),
                           "extensions.KHR_lights_punctual.lights[" + std::to_string(index) + "]");
-  const Double3 color = source.color.size() == 3
-                            ? Double3{source.color[0], source.color[1], source.color[2]}
-                            : Double3{1, 1, 1};
-  light.intensity = narrow(color * source.intensity);
-  if (source.range > 0) light.range = static_cast<float>(source.range);
-  light.inner_angle = static_cast<float>(source.spot.innerConeAngle);
-  light.outer_angle = static_cast<float>(source.spot.outerConeAngle);
+  std::array<double, 3> color{1, 1, 1};
+  read_numbers(source, "color", color);
+  light.intensity = narrow(Double3{color[0], color[1], color[2]} * source.get("intensity", 1.0));
+  const auto range = source.get("range", 0.0);
+  if (range > 0) light.range = static_cast<float>(range);
+  const JsonValue nothing;
+  const JsonValue& spot = light.type == Light::Type::kSpot ? source.at("spot") : nothing;
+  light.inner_angle = spot.get("innerConeAngle", 0.0f);
+  light.outer_angle = spot.get("outerConeAngle", std::numbers::pi_v<float> / 4);
   read_size(source, light);
   return light;
 }
 
-Camera read_camera(const tinygltf::Model& model, std::size_t index) {
-  const tinygltf::Camera& source = model.cameras[index];
+Camera read_gltf_camera(const JsonValue& source) {
   Camera camera;
-  camera.name = source.name;
-  camera.orthographic = source.type == "orthographic";
-  double near = source.perspective.znear, far = source.perspective.zfar;
+  camera.name = source.get("name", std::string());
+  const auto type = source.at("type").get<std::string_view>();
+  camera.orthographic = type == "orthographic";
+  const JsonValue& lens = source.at(type);
+  const auto near = lens.at("znear").get<double>(), far = lens.get("zfar", 0.0);
   if (camera.orthographic) {
-    near = source.orthographic.znear, far = source.orthographic.zfar;
-    camera.y_mag = static_cast<float>(std::fabs(source.orthographic.ymag));
+    camera.y_mag = std::fabs(lens.at("ymag").get<float>());
   } else {
-    camera.y_fov = static_cast<float>(source.perspective.yfov);
+    camera.y_fov = lens.at("yfov").get<float>();
   }
-  camera.aperture = extra_number(source.extras, "aperture");
-  camera.focus = extra_number(source.extras, "focus");
+  camera.aperture = extra_number(source, "aperture");
+  camera.focus = extra_number(source, "focus");
   camera.z_near = static_cast<float>(near);
   camera.z_far = far > 0 ? static_cast<float>(far) : std::numeric_limits<float>::infinity();
   return camera;
 }
 
-int light_of(const tinygltf::Node& node) {
-  const auto it = node.extensions.find("KHR_lights_punctual");
-  if (it == node.extensions.end() || !it->second.Has("light")) return -1;
-  return it->second.Get("light").GetNumberAsInt();
-}
-
 /// What hangs on a node: a mesh, a camera, a light.
-void read_loads(const tinygltf::Model& model, int index, std::uint32_t place,
-                SceneDescription& scene, Rig& rig, GltfNodes& nodes) {
-  const tinygltf::Node& node = model.nodes[static_cast<std::size_t>(index)];
-  if (node.mesh >= 0) {
-    const std::string& mesh_name = model.meshes[static_cast<std::size_t>(node.mesh)].name;
-    scene.instances.push_back({node.name.empty() ? mesh_name : node.name, 0, {}});
-    nodes.uses.push_back({node.mesh, node.skin, index});
+void read_loads(const GltfModel& model, int index, std::uint32_t place, SceneDescription& scene,
+                Rig& rig, GltfNodes& nodes) {
+  const JsonValue& node = model.list("nodes")[static_cast<std::size_t>(index)];
+  const auto name = node.get("name", std::string());
+  if (const JsonValue* mesh = node.find("mesh")) {
+    const JsonValue& shown = model.list("meshes")[mesh->get<std::size_t>()];
+    scene.instances.push_back({name.empty() ? shown.get("name", std::string()) : name, 0, {}});
+    const int skin = node.get("skin", -1);
+    nodes.uses.push_back({mesh->get<int>(), skin, index});
     // The joints alone say where a skinned mesh is (glTF 2.0, section 3.7.3.3).
-    rig.instance_nodes.push_back(node.skin >= 0 ? kInvalidId : place);
+    rig.instance_nodes.push_back(skin >= 0 ? kInvalidId : place);
   }
-  if (node.camera >= 0) {
-    scene.cameras.push_back(read_camera(model, static_cast<std::size_t>(node.camera)));
-    if (scene.cameras.back().name.empty()) scene.cameras.back().name = node.name;
+  if (const JsonValue* camera = node.find("camera")) {
+    scene.cameras.push_back(read_gltf_camera(model.list("cameras")[camera->get<std::size_t>()]));
+    if (scene.cameras.back().name.empty()) scene.cameras.back().name = name;
     rig.camera_nodes.push_back(place);
   }
-  if (const int light = light_of(node); light >= 0) {
-    scene.lights.push_back(read_light(model, static_cast<std::size_t>(light)));
-    if (scene.lights.back().name.empty()) scene.lights.back().name = node.name;
+  if (const JsonValue* light = extension(node, "KHR_lights_punctual")) {
+    scene.lights.push_back(read_punctual_light(model, light->at("light").get<std::size_t>()));
+    if (scene.lights.back().name.empty()) scene.lights.back().name = name;
     rig.light_nodes.push_back(place);
   }
 }
 
 }  // namespace
 
-GltfNodes read_nodes(const tinygltf::Model& model, SceneDescription& scene, Rig& rig) {
-  const std::vector<int> parents = parents_of(model);
+GltfNodes read_nodes(const GltfModel& model, SceneDescription& scene, Rig& rig) {
+  const auto sources = model.list("nodes");
+  const std::vector<int> parents = parents_of(sources);
   check_cycles(parents);
   GltfNodes nodes;
-  nodes.place_of.assign(model.nodes.size(), kInvalidId);
+  nodes.place_of.assign(sources.size(), kInvalidId);
   std::vector<int> stack;
   const auto walk = [&](const std::vector<int>& roots, bool shown) {
     stack.assign(roots.rbegin(), roots.rend());
@@ -204,11 +215,11 @@ GltfNodes read_nodes(const tinygltf::Model& model, SceneDescription& scene, Rig&
       const auto place = static_cast<std::uint32_t>(rig.nodes.size());
       const std::uint32_t parent =
           parents[n] < 0 ? kInvalidId : nodes.place_of[static_cast<std::size_t>(parents[n])];
-      rig.nodes.push_back(rig_node(model.nodes[n], node_place(index), parent));
+      rig.nodes.push_back(rig_node(sources[n], node_place(index), parent));
       nodes.place_of[n] = place;
       if (shown) read_loads(model, index, place, scene, rig, nodes);
-      const std::vector<int>& children = model.nodes[n].children;
-      stack.insert(stack.end(), children.rbegin(), children.rend());
+      const auto children = sources[n].items("children");
+      for (std::size_t c = children.size(); c-- > 0;) stack.push_back(children[c].get<int>());
     }
   };
   walk(root_nodes(model, parents), true);

@@ -2,15 +2,14 @@
 
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "raysheaf/error.h"
+#include "io/json_value.h"
+#include "io/refuse.h"
 
 namespace raysheaf::io {
 namespace {
 
-using nlohmann::json;
 using enum JsonKind;
 
 constexpr double kMaxSize = 0x1p53;
@@ -47,7 +46,7 @@ constexpr JsonRule kRules[] = {
     {"meshes[].primitives[].indices", kIndex, false, 0, "accessors"},
     {"meshes[].primitives[].material", kIndex, false, 0, "materials"},
     {"meshes[].primitives[].mode", kInt},
-    {"meshes[].primitives[].targets", kArray},
+    {"meshes[].primitives[].targets", kIndexMaps, false, 0, "accessors"},
     {"meshes[].primitives[].extensions", kObject},
     {"accessors", kArray},
     {"accessors[].name", kString},
@@ -173,48 +172,58 @@ constexpr JsonRule kSlotRules[] = {
     {".extensions.KHR_texture_transform.texCoord", kInt},
 };
 
+/// Where a value stands. Its text is put together where something is wrong, and only there.
+struct Place {
+  const Place* above = nullptr;
+  std::string_view name;
+  std::size_t index = kNoIndex;
+  static constexpr std::size_t kNoIndex = static_cast<std::size_t>(-1);
+
+  [[nodiscard]] std::string text() const {
+    if (index != kNoIndex) return element(above->text(), index);
+    const std::string own = printable(std::string(name));
+    return above == nullptr ? own : above->text() + "." + own;
+  }
+};
+
 class Checker {
  public:
-  explicit Checker(const json& root) : root_(root) {}
+  explicit Checker(const JsonValue& root) : root_(root) {}
 
   void check(const JsonRule& rule) const {
     if (!root_.is_object()) refuse("is not an object", "JSON root");
-    descend(root_, rule.path, "", rule);
+    descend(root_, rule.path, nullptr, rule);
   }
 
  private:
-  [[noreturn]] static void refuse(const std::string& sentence, const std::string& place) {
-    throw Error(ErrorCode::kInvalidData, sentence, place);
-  }
-
-  void descend(const json& value, std::string_view path, const std::string& place,
+  void descend(const JsonValue& value, std::string_view path, const Place* above,
                const JsonRule& rule) const {
     const std::size_t dot = path.find('.');
     std::string_view name = path.substr(0, dot);
     const bool last = dot == std::string_view::npos;
     const bool each = name.ends_with("[]");
     if (each) name.remove_suffix(2);
-    const std::string here = place.empty() ? std::string(name) : place + "." + std::string(name);
-    const auto member = value.find(name);
-    if (member == value.end()) {
-      if (last && rule.required) refuse("is missing", here);
+    const Place here{above, name};
+    const JsonValue* member = value.find(name);
+    if (member == nullptr) {
+      if (last && rule.required) refuse("is missing", here.text());
       return;
     }
     if (last) return check_value(*member, here, rule);
     const std::string_view rest = path.substr(dot + 1);
     if (!each) return check_inside(*member, rest, here, rule);
-    if (!member->is_array()) refuse("is not an array", here);
-    for (std::size_t i = 0; i < member->size(); ++i) {
-      check_inside((*member)[i], rest, here + "[" + std::to_string(i) + "]", rule);
-    }
+    require(member->is_array(), "an array", here);
+    const auto items = member->items();
+    for (std::size_t i = 0; i < items.size(); ++i)
+      check_inside(items[i], rest, {&here, {}, i}, rule);
   }
-  void check_inside(const json& value, std::string_view rest, const std::string& place,
+  void check_inside(const JsonValue& value, std::string_view rest, const Place& place,
                     const JsonRule& rule) const {
-    if (!value.is_object()) refuse("is not an object", place);
-    descend(value, rest, place, rule);
+    require(value.is_object(), "an object", place);
+    descend(value, rest, &place, rule);
   }
 
-  void check_value(const json& value, const std::string& place, const JsonRule& rule) const {
+  void check_value(const JsonValue& value, const Place& place, const JsonRule& rule) const {
     switch (rule.kind) {
       case kArray:
         return require(value.is_array(), "an array", place);
@@ -234,65 +243,69 @@ class Checker {
         return check_integer(value, 0, 0x7fffffff, place);
       case kIndex:
         return check_index(value, place, rule.target);
+      case kIndexMap:
+        return check_map(value, place, rule);
       default:
         return check_many(value, place, rule);
     }
   }
-  void check_many(const json& value, const std::string& place, const JsonRule& rule) const {
-    const bool map = rule.kind == kIndexMap;
-    require(map ? value.is_object() : value.is_array(), map ? "an object" : "an array", place);
-    if (rule.count > 0 && value.size() != static_cast<std::size_t>(rule.count)) {
-      refuse("has " + std::to_string(value.size()) + " numbers instead of " +
+  void check_many(const JsonValue& value, const Place& place, const JsonRule& rule) const {
+    require(value.is_array(), "an array", place);
+    const auto items = value.items();
+    if (rule.count > 0 && items.size() != static_cast<std::size_t>(rule.count)) {
+      refuse("has " + std::to_string(items.size()) + " numbers instead of " +
                  std::to_string(rule.count),
-             place);
+             place.text());
     }
-    std::size_t i = 0;
-    for (const auto& item : value.items()) {
-      const std::string here =
-          map ? place + "." + printable(item.key()) : place + "[" + std::to_string(i++) + "]";
-      if (rule.kind == kNumbers) check_number(item.value(), here);
-      if (rule.kind == kStrings) require(item.value().is_string(), "a string", here);
-      if (rule.kind == kIndices || map) check_index(item.value(), here, rule.target);
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      const Place here{&place, {}, i};
+      if (rule.kind == kNumbers) check_number(items[i], here);
+      if (rule.kind == kStrings) require(items[i].is_string(), "a string", here);
+      if (rule.kind == kIndices) check_index(items[i], here, rule.target);
+      if (rule.kind == kIndexMaps) check_map(items[i], here, rule);
     }
+  }
+  void check_map(const JsonValue& value, const Place& place, const JsonRule& rule) const {
+    require(value.is_object(), "an object", place);
+    for (const JsonMember& member : value.members())
+      check_index(member.value, {&place, member.name}, rule.target);
   }
 
-  static void require(bool holds, const char* what, const std::string& place) {
-    if (!holds) refuse(std::string("is not ") + what, place);
+  static void require(bool holds, const char* what, const Place& place) {
+    if (!holds) refuse(std::string("is not ") + what, place.text());
   }
-  static void check_number(const json& value, const std::string& place) {
+  static void check_number(const JsonValue& value, const Place& place) {
     require(value.is_number(), "a number", place);
     require(std::fabs(value.get<double>()) <= double{std::numeric_limits<float>::max()},
             "a number that a float can hold", place);
   }
-  static void check_integer(const json& value, double least, double most,
-                            const std::string& place) {
-    require(value.is_number_integer(), "an integer", place);
+  static void check_integer(const JsonValue& value, double least, double most, const Place& place) {
+    require(value.is_integer(), "an integer", place);
     const double number = value.get<double>();
     if (number < least)
-      refuse("is " + value.dump() + ", but must not be below " +
+      refuse("is " + value.digits() + ", but must not be below " +
                  std::to_string(static_cast<int>(least)),
-             place);
-    if (number > most) refuse("is " + value.dump() + ", which is too large", place);
+             place.text());
+    if (number > most) refuse("is " + value.digits() + ", which is too large", place.text());
   }
-  void check_index(const json& value, const std::string& place, const char* target) const {
+  void check_index(const JsonValue& value, const Place& place, const char* target) const {
     check_integer(value, 0, 0x7fffffff, place);
     const std::size_t count = length_of(target);
     if (value.get<std::size_t>() < count) return;
-    refuse("is " + value.dump() + ", but the file has " + std::to_string(count) + " " + target,
-           place);
+    refuse("is " + value.digits() + ", but the file has " + std::to_string(count) + " " + target,
+           place.text());
   }
   [[nodiscard]] std::size_t length_of(std::string_view path) const {
-    const json* value = &root_;
-    while (!path.empty()) {
+    const JsonValue* value = &root_;
+    while (value != nullptr && !path.empty()) {
       const std::string_view name = path.substr(0, path.find('.'));
-      if (!value->is_object() || !value->contains(name)) return 0;
-      value = &(*value)[std::string(name)];
+      value = value->find(name);
       path.remove_prefix(std::min(path.size(), name.size() + 1));
     }
-    return value->is_array() ? value->size() : 0;
+    return value == nullptr ? 0 : value->items().size();
   }
 
-  const json& root_;
+  const JsonValue& root_;
 };
 
 }  // namespace
@@ -305,7 +318,7 @@ std::string printable(const std::string& text) {
   return result + (text.size() > result.size() ? "..." : "");
 }
 
-void check_rules(const json& root) {
+void check_rules(const JsonValue& root) {
   const Checker checker(root);
   for (const JsonRule& rule : kRules) checker.check(rule);
   for (const char* slot : kTextureSlots) {

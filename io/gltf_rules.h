@@ -1,26 +1,28 @@
-// What a field of glTF must look like, as a table: the fields that raysheaf, or the parser below
-// it, reads. A path's "[]" stands for each element of an array of objects.
+// What a field of glTF must look like, as a table. A path's "[]" stands for each element of an
+// array of objects.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
+
+#include "io/json_value.h"
 
 namespace raysheaf::io {
 
 enum class JsonKind {
-  kArray,     ///< an array
-  kObject,    ///< an object
-  kString,    ///< a string
-  kBool,      ///< true or false
-  kNumber,    ///< a number within the range of float
-  kNumbers,   ///< an array of `count` numbers; of any length where `count` is 0
-  kSize,      ///< an integer from 0 to 2^53
-  kPositive,  ///< an integer from 1 to 2^53
-  kInt,       ///< an integer of 32 bits
-  kIndex,     ///< an integer below the length of the root's array `target`
-  kIndices,   ///< an array of such
-  kIndexMap,  ///< an object whose members are such
-  kStrings    ///< an array of strings
+  kArray,      ///< an array
+  kObject,     ///< an object
+  kString,     ///< a string
+  kBool,       ///< true or false
+  kNumber,     ///< a number within the range of float
+  kNumbers,    ///< an array of `count` numbers; of any length where `count` is 0
+  kSize,       ///< an integer from 0 to 2^53
+  kPositive,   ///< an integer from 1 to 2^53
+  kInt,        ///< an integer of 32 bits
+  kIndex,      ///< an integer below the length of the root's array `target`
+  kIndices,    ///< an array of such
+  kIndexMap,   ///< an object whose members are such
+  kIndexMaps,  ///< an array of such objects
+  kStrings     ///< an array of strings
 };
 
 struct JsonRule {
@@ -32,7 +34,7 @@ struct JsonRule {
 };
 
 /// Throws `Error` at the first field of `root` that breaks a rule.
-void check_rules(const nlohmann::json& root);
+void check_rules(const JsonValue& root);
 
 /// A field's path as errors print it: control characters replaced, long names cut.
 [[nodiscard]] std::string printable(const std::string& text);

@@ -1,26 +1,16 @@
 #include "io/gltf_shape.h"
 
-#include <map>
-
-#include "io/gltf_rules.h"
 #include "io/refuse.h"
 
 namespace raysheaf::io {
-namespace {
 
-int find(const tinygltf::Primitive& primitive, const std::string& name) {
-  const auto it = primitive.attributes.find(name);
-  return it == primitive.attributes.end() ? -1 : it->second;
-}
-
-}  // namespace
-
-ShapeSource ShapeReader::source(const tinygltf::Primitive& primitive, const std::string& place) {
+ShapeSource ShapeReader::source(const JsonValue& primitive, const std::string& place) {
   ShapeSource source;
+  const JsonValue& attributes = primitive.at("attributes");
   for (int set = 0; joint_count_ > 0; ++set) {
     const std::string number = std::to_string(set);
-    const int joints = find(primitive, "JOINTS_" + number);
-    const int weights = find(primitive, "WEIGHTS_" + number);
+    const int joints = attributes.get("JOINTS_" + number, -1);
+    const int weights = attributes.get("WEIGHTS_" + number, -1);
     if (set > 0 && joints < 0 && weights < 0) break;
     if (joints < 0 || weights < 0) {
       refuse("a node shows the mesh with a skin, but there is no " +
@@ -29,38 +19,23 @@ ShapeSource ShapeReader::source(const tinygltf::Primitive& primitive, const std:
     }
     source.joints.insert(source.joints.end(), {joints, weights});
   }
-  for (std::size_t t = 0; t < primitive.targets.size(); ++t)
-    read_target_source(primitive.targets[t], place + ".targets[" + std::to_string(t) + "].",
-                       source);
-  if (!any_primitive_) shape_.targets.resize(primitive.targets.size());
+  const auto targets = primitive.items("targets");
+  for (const JsonValue& target : targets) {
+    source.targets.insert(source.targets.end(),
+                          {target.get("POSITION", -1), target.get("NORMAL", -1)});
+    for (const JsonMember& member : target.members()) {
+      if (member.name.starts_with("TEXCOORD"))
+        warnings_.once("Texture coordinates of morph targets are left out.");
+    }
+  }
+  if (!any_primitive_) shape_.targets.resize(targets.size());
   any_primitive_ = true;
-  if (primitive.targets.size() != shape_.targets.size()) {
-    refuse("has " + std::to_string(primitive.targets.size()) + ", but the primitive before has " +
+  if (targets.size() != shape_.targets.size()) {
+    refuse("has " + std::to_string(targets.size()) + ", but the primitive before has " +
                std::to_string(shape_.targets.size()),
            place + ".targets");
   }
   return source;
-}
-
-int ShapeReader::target_accessor(int accessor, const std::string& place) const {
-  const std::size_t count = model_.accessors.size();
-  if (accessor >= 0 && static_cast<std::size_t>(accessor) < count) return accessor;
-  refuse("is " + std::to_string(accessor) + ", but the file has " + std::to_string(count) +
-             " accessors",
-         place);
-}
-
-void ShapeReader::read_target_source(const std::map<std::string, int>& target,
-                                     const std::string& place, ShapeSource& source) {
-  int positions = -1, normals = -1;
-  for (const auto& [name, accessor] : target) {
-    const int checked = target_accessor(accessor, place + printable(name));
-    if (name == "POSITION") positions = checked;
-    if (name == "NORMAL") normals = checked;
-    if (name.starts_with("TEXCOORD"))
-      warnings_.once("Texture coordinates of morph targets are left out.");
-  }
-  source.targets.insert(source.targets.end(), {positions, normals});
 }
 
 void ShapeReader::read(const ShapeSource& source, std::size_t base, std::size_t count, bool normals,

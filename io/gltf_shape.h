@@ -17,12 +17,11 @@ struct ShapeSource {
 class ShapeReader {
  public:
   /// `joint_count`: of the skin; 0: there is none.
-  ShapeReader(const tinygltf::Model& model, AccessorReader& accessors, std::size_t joint_count,
-              Warnings& warnings)
-      : model_(model), accessors_(accessors), joint_count_(joint_count), warnings_(warnings) {}
+  ShapeReader(AccessorReader& accessors, std::size_t joint_count, Warnings& warnings)
+      : accessors_(accessors), joint_count_(joint_count), warnings_(warnings) {}
 
   /// Throws where the skin finds no joints, or where primitives have targets of unequal number.
-  [[nodiscard]] ShapeSource source(const tinygltf::Primitive& primitive, const std::string& place);
+  [[nodiscard]] ShapeSource source(const JsonValue& primitive, const std::string& place);
   /// Of `count` vertices from `base` on, which are the last.
   void read(const ShapeSource& source, std::size_t base, std::size_t count, bool normals,
             const std::string& place);
@@ -35,16 +34,12 @@ class ShapeReader {
   [[nodiscard]] RigShape take(const Mesh& mesh);
 
  private:
-  [[nodiscard]] int target_accessor(int accessor, const std::string& place) const;
-  void read_target_source(const std::map<std::string, int>& target, const std::string& place,
-                          ShapeSource& source);
   void read_joints(const ShapeSource& source, std::size_t base, std::size_t count,
                    const std::string& place);
   void check_joint(float joint, float weight, const std::string& place, std::size_t set,
                    std::size_t vertex) const;
   void widen(std::uint32_t joints_per_vertex);
 
-  const tinygltf::Model& model_;
   AccessorReader& accessors_;
   const std::size_t joint_count_;
   Warnings& warnings_;

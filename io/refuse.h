@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <new>
 #include <string>
 
 #include "raysheaf/error.h"
@@ -12,6 +13,16 @@ namespace raysheaf::io {
 [[noreturn]] inline void refuse(const std::string& sentence, const std::string& place = {},
                                 ErrorCode code = ErrorCode::kInvalidData) {
   throw Error(code, sentence, place);
+}
+
+/// What `work` gives. A lack of memory becomes an `Error` whose place is the file's name.
+template <class Work>
+auto within_memory(const std::string& path, const Work& work) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for it", path);
+  }
 }
 
 /// `nodes[3]`.

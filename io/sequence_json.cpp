@@ -1,5 +1,4 @@
 // Sequences of files, described by JSON.
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "io/json_text.h"
@@ -10,17 +9,14 @@
 namespace raysheaf::io {
 namespace {
 
-using nlohmann::json;
-
-const json& list(const json& value, const char* name) {
-  static const json kEmpty = json::array();
-  const auto member = value.find(name);
-  if (member == value.end()) return kEmpty;
+std::span<const JsonValue> list(const JsonValue& value, const char* name) {
+  const JsonValue* member = value.find(name);
+  if (member == nullptr) return {};
   if (!member->is_array()) refuse("is not an array", name);
-  return *member;
+  return member->items();
 }
 
-std::string text_of(const json& value, const std::string& place) {
+std::string text_of(const JsonValue& value, const std::string& place) {
   if (!value.is_string()) refuse("is not a string", place);
   return value.get<std::string>();
 }
@@ -30,18 +26,18 @@ struct Lens {
   double y_fov_degrees = 60, z_near = 0.01;
 };
 
-Lens read_lens(const json& camera, Lens lens, const std::string& place) {
-  const auto fov = camera.find("full_field_of_view_degrees"), hither = camera.find("hither");
-  if (fov != camera.end())
-    lens.y_fov_degrees = number_of(*fov, place + ".full_field_of_view_degrees");
+Lens read_lens(const JsonValue& camera, Lens lens, const std::string& place) {
+  const JsonValue* fov = camera.find("full_field_of_view_degrees");
+  const JsonValue* hither = camera.find("hither");
+  if (fov != nullptr) lens.y_fov_degrees = number_of(*fov, place + ".full_field_of_view_degrees");
   if (!(lens.y_fov_degrees > 0 && lens.y_fov_degrees < 180))
     refuse("must be between 0 and 180", place + ".full_field_of_view_degrees");
-  if (hither != camera.end()) lens.z_near = number_of(*hither, place + ".hither");
+  if (hither != nullptr) lens.z_near = number_of(*hither, place + ".hither");
   if (!(static_cast<float>(lens.z_near) > 0)) refuse("must be above 0", place + ".hither");
   return lens;
 }
 
-Camera read_camera(const json& value, const Lens& usual, const std::string& place) {
+Camera read_camera(const JsonValue& value, const Lens& usual, const std::string& place) {
   require_object(value, place);
   const Lens lens = read_lens(value, usual, place);
   const auto vector = [&](const char* name) {
@@ -67,7 +63,7 @@ Camera read_camera(const json& value, const Lens& usual, const std::string& plac
   return camera;
 }
 
-Light read_light(const json& value, const std::string& place) {
+Light read_light(const JsonValue& value, const std::string& place) {
   require_object(value, place);
   Light light;
   light.position = vector_of(member_of(value, "position", place), place + ".position");
@@ -79,46 +75,45 @@ Light read_light(const json& value, const std::string& place) {
 
 class SequenceReader {
  public:
-  SequenceReader(const json& root, const SceneFile& from) : root_(root), from_(from) {}
+  SequenceReader(const JsonValue& root, const SceneFile& from) : root_(root), from_(from) {}
 
   SequenceFiles read() {
     require_object(root_, "JSON root");
-    if (root_.contains("name")) files_.name = text_of(root_["name"], "name");
-    if (root_.contains("static"))
-      files_.still = resolve(from_, text_of(root_["static"], "static"), false, "static");
-    if (root_.contains("camera_default")) read_still_camera(root_["camera_default"]);
-    const json& lights = list(root_, "lights");
+    if (const JsonValue* name = root_.find("name")) files_.name = text_of(*name, "name");
+    if (const JsonValue* still = root_.find("static"))
+      files_.still = resolve(from_, text_of(*still, "static"), false, "static");
+    if (const JsonValue* camera = root_.find("camera_default")) read_still_camera(*camera);
+    const auto lights = list(root_, "lights");
     for (std::size_t i = 0; i < lights.size(); ++i)
       files_.lights.push_back(read_light(lights[i], element("lights", i)));
-    const json& frames = list(root_, "frames");
+    const auto frames = list(root_, "frames");
     for (std::size_t i = 0; i < frames.size(); ++i) read_frame(frames[i], i);
     if (files_.frames.empty()) refuse("there are no frames", "frames");
     return std::move(files_);
   }
 
  private:
-  void read_still_camera(const json& camera) {
+  void read_still_camera(const JsonValue& camera) {
     files_.still_cameras.push_back(read_camera(camera, {}, "camera_default"));
     files_.still_cameras.back().name = "default";
     lens_ = read_lens(camera, {}, "camera_default");
   }
 
-  void read_frame(const json& frame, std::size_t i) {
+  void read_frame(const JsonValue& frame, std::size_t i) {
     const std::string place = element("frames", i);
     require_object(frame, place);
     const std::string file = text_of(member_of(frame, "file", place), place + ".file");
     files_.frames.push_back(resolve(from_, file, false, place + ".file"));
-    const auto time = frame.find("time"), camera = frame.find("camera");
-    all_or_none(time != frame.end(), i, files_.times.size(), "time", place);
-    if (time != frame.end()) {
+    const JsonValue *time = frame.find("time"), *camera = frame.find("camera");
+    all_or_none(time != nullptr, i, files_.times.size(), "time", place);
+    if (time != nullptr) {
       const double seconds = number_of(*time, place + ".time");
       if (!files_.times.empty() && !(seconds > files_.times.back()))
         refuse("is not later than that of the frame before", place + ".time");
       files_.times.push_back(seconds);
     }
-    all_or_none(camera != frame.end(), i, files_.cameras.size(), "camera", place);
-    if (camera != frame.end())
-      files_.cameras.push_back(read_camera(*camera, lens_, place + ".camera"));
+    all_or_none(camera != nullptr, i, files_.cameras.size(), "camera", place);
+    if (camera != nullptr) files_.cameras.push_back(read_camera(*camera, lens_, place + ".camera"));
   }
 
   static void all_or_none(bool has, std::size_t frame, std::size_t those_that_have,
@@ -127,7 +122,7 @@ class SequenceReader {
     refuse(std::string("either every frame has a ") + what + ", or none", place);
   }
 
-  const json& root_;
+  const JsonValue& root_;
   const SceneFile& from_;
   SequenceFiles files_;
   Lens lens_;
@@ -136,7 +131,7 @@ class SequenceReader {
 }  // namespace
 
 SequenceFiles read_sequence_json(const Bytes& file, const SceneFile& from) {
-  return SequenceReader(parse_json(file), from).read();
+  return SequenceReader(JsonDocument(file).root(), from).read();
 }
 
 }  // namespace raysheaf::io

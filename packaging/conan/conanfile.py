@@ -44,7 +44,6 @@ class Raysheaf(ConanFile):
         self.requires("onetbb/2021.12.0")
         self.requires("stb/cci.20230920")
         self.requires("tinyexr/1.0.7")
-        self.requires("tinygltf/2.9.0")
         self.requires("tinyobjloader/2.0.0-rc10")
         self.requires("xxhash/0.8.2")
         self.requires("zstd/1.5.5")

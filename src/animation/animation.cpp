@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <set>
 #include <utility>
 
@@ -66,12 +67,18 @@ class RigAnimation final : public Animation {
     if (rig_.clips.empty()) return {};
     const double time = seconds > 0 ? std::min(seconds, end()) : 0;
     if (!fresh_ && time == time_) return {};
-    // Not kept: the least of all executors' threads is what all of them get.
-    const Executor executor(threads_);
-    state_.apply(executor, rig_.clips[clip_], time);
-    time_ = time;
-    fresh_ = false;
-    return state_.write_moving(executor, scene_);
+    fresh_ = true;  // where it fails, the next call does all of it
+    try {
+      // Not kept: the least of all executors' threads is what all of them get.
+      const Executor executor(threads_);
+      state_.apply(executor, rig_.clips[clip_], time);
+      SceneChanges changes = state_.write_moving(executor, scene_);
+      time_ = time;
+      fresh_ = false;
+      return changes;
+    } catch (const std::bad_alloc&) {
+      throw Error(ErrorCode::kOutOfMemory, "there is not enough memory", "animation");
+    }
   }
 
   [[nodiscard]] const std::vector<std::string>& clips() const override { return names_; }
@@ -94,7 +101,7 @@ class RigAnimation final : public Animation {
   std::vector<double> no_times_;
   std::uint32_t clip_ = 0;
   double time_ = 0;
-  bool fresh_ = true;  ///< nothing was sought since the clip was chosen
+  bool fresh_ = true;  ///< the next call seeks, whatever the time
 };
 
 }  // namespace

@@ -2,11 +2,14 @@
 // time, nothing leaks, and the same scene, or another load, works afterwards.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <functional>
 
 #include "api/api_support.h"
 #include "faults/allocator.h"
-#include "raysheaf/builtin_scenes.h"
+#include "raysheaf/animation.h"
+#include "raysheaf/block_file.h"
+#include "raysheaf/cameras.h"
 #include "raysheaf/io.h"
 #include "support/process.h"
 
@@ -15,12 +18,12 @@ namespace {
 
 /// Runs `body` with its first allocation failing, its second, and so on until it has no more of
 /// them. After each failure, `afterwards` looks whether all is well. Gives the number of failures.
-int fail_each_allocation(const std::function<void()>& body, const std::function<void()>& afterwards,
-                         std::size_t least_bytes = 0) {
+int fail_each_allocation(const std::function<void()>& body,
+                         const std::function<void()>& afterwards) {
   for (int index = 0;; ++index) {
     bool failed = false;
     try {
-      const FailingAllocation failing(index, least_bytes);
+      const FailingAllocation failing(index);
       body();
       failed = failing.has_failed();
     } catch (const Error& error) {
@@ -163,43 +166,121 @@ TEST_P(Faults, TheSameSceneWorksAfterwards) {
 
 INSTANTIATE_TEST_SUITE_P(Threads, Faults, ::testing::Values(1u, 2u));
 
+/// What a load gives, in numbers: where it comes back although something failed, it must be whole.
+using Counts = std::array<std::size_t, 5>;
+
+Counts counts_of(const SceneDescription& scene) {
+  return {scene.triangle_count(), scene.meshes.size(), scene.materials.size(), scene.images.size(),
+          scene.warnings.size()};
+}
+
+Counts load_and_pose(const std::string& path) {
+  const std::unique_ptr<Animation> animation = load_animation(path);
+  animation->seek(animation->end() / 3);
+  return counts_of(animation->scene());
+}
+
+Counts load_blocks(const std::string& path) {
+  const BlockFile file(path);
+  TriangleBlock block;
+  BlockShading shading;
+  for (std::size_t i = 0; i < file.blocks().size(); ++i) {
+    file.read(i, &block);
+    file.read_shading(i, &shading);
+  }
+  return counts_of(file.scene());
+}
+
+Counts load_keys(const std::string& path) {
+  return {load_camera_path(path).keys.size()};
+}
+
+void expect_errors(Counts (*load)(const std::string& path), const std::string& path) {
+  const Counts right = load(path);
+  load(path);
+  const std::function<void()> body = [&] { ASSERT_EQ(load(path), right); };
+  const std::int64_t before = live_allocations();
+  const int failures = fail_each_allocation(body, [&] { EXPECT_EQ(live_allocations(), before); });
+  EXPECT_GT(failures, 3);
+}
+
 class LoadFaults : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(LoadFaults, EveryAllocation) {
   const std::string path = std::string(RAYSHEAF_SOURCE_DIR) + "/tests/fuzz/seeds/" + GetParam();
-  const SceneDescription right = load_scene(path);
-  static_cast<void>(load_scene(path));
-  const std::int64_t before = live_allocations();
-  const int failures = fail_each_allocation(
-      [&] {
-        // What comes back although something failed must be whole.
-        const SceneDescription scene = load_scene(path);
-        ASSERT_EQ(scene.triangle_count(), right.triangle_count());
-        ASSERT_EQ(scene.meshes.size(), right.meshes.size());
-        ASSERT_EQ(scene.materials.size(), right.materials.size());
-        ASSERT_EQ(scene.images.size(), right.images.size());
-      },
-      [&] { EXPECT_EQ(live_allocations(), before); });
-  EXPECT_GT(failures, 3);
+  if (path.ends_with(".rsb")) return expect_errors(load_blocks, path);
+  expect_errors([](const std::string& p) { return counts_of(load_scene(p)); }, path);
+  expect_errors(load_and_pose, path);
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, LoadFaults,
                          ::testing::Values("obj/square.obj", "obj/polygon.obj", "ply/ascii.ply",
-                                           "ply/big.ply", "stl/ascii.stl", "stl/binary.stl"));
+                                           "ply/big.ply", "stl/ascii.stl", "stl/binary.stl",
+                                           "gltf/small.gltf", "gltf/scene.gltf", "gltf/scene.glb",
+                                           "gltf/moving.gltf", "blocks/tetrahedron.rsb",
+                                           "blocks/two_blocks.rsb"));
 
-/// nlohmann-json allocates in destructors: where a small allocation fails there, the program ends.
-/// Those of data are not among them.
-TEST(LoadFaults, LargeAllocationsOfGltf) {
+TEST(LoadFaults, EveryAllocationOfASequence) {
   const TemporaryFolder folder;
-  const std::string path = folder.file("cornell.glb");
-  const SceneDescription right = builtin_scene("cornell");
-  save_glb(right, path);
-  static_cast<void>(load_scene(path));
+  for (const char* name : {"a.obj", "b.obj"}) {
+    std::filesystem::copy_file(
+        std::string(RAYSHEAF_SOURCE_DIR) + "/tests/fuzz/seeds/obj/square.obj", folder.file(name));
+  }
+  write_file(folder.file("scene.json"),
+             R"({"name":"two","frames":[{"file":"a.obj","time":0},{"file":"b.obj","time":3}],)"
+             R"("lights":[{"position":[0,1,0],"color":[1,1,1]}],)"
+             R"("camera_default":{"eye":[0,0,9],"target":[0,0,0],"hither":0.1}})");
+  expect_errors(load_and_pose, folder.file("scene.json"));
+}
+
+TEST(LoadFaults, EveryAllocationOfACameraPath) {
+  const TemporaryFolder folder;
+  write_file(folder.file("path.json"),
+             R"({"smooth":false,"keys":[{"time":0,"position":[0,0,9],"look_at":[0,0,0],"fov":40},)"
+             R"({"time":1,"position":[0,1,9],"look_at":[0,0,0],"up":[0,1,0]}]})");
+  expect_errors(load_keys, folder.file("path.json"));
+}
+
+/// Whatever fails, the old file stands or the whole new one.
+TEST(SaveFaults, EveryAllocation) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.glb");
+  const SceneDescription scene =
+      load_scene(std::string(RAYSHEAF_SOURCE_DIR) + "/tests/fuzz/seeds/gltf/scene.glb");
+  save_glb(scene, path);
+  const Counts right = counts_of(load_scene(path));
+  std::int64_t before = 0;
+  const std::function<void()> afterwards = [&] {
+    EXPECT_EQ(live_allocations(), before);
+    EXPECT_EQ(counts_of(load_scene(path)), right);
+    EXPECT_EQ(folder.names().size(), 1u);
+  };
+  before = live_allocations();
+  const int failures = fail_each_allocation([&] { save_glb(scene, path); }, afterwards);
+  EXPECT_GT(failures, 20);
+}
+
+TEST(SaveFaults, EveryAllocationOfBlocks) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("a.rsb");
+  const BlockFile source(std::string(RAYSHEAF_SOURCE_DIR) +
+                         "/tests/fuzz/seeds/blocks/two_blocks.rsb");
+  TriangleBlock block;
+  BlockShading shading;
+  source.read(0, &block);
+  source.read_shading(0, &shading);
+  const std::function<void()> write = [&] {
+    BlockFileWriter writer(path);
+    writer.add(block, shading);
+    writer.finish(source.scene());
+  };
+  write();
   const std::int64_t before = live_allocations();
-  const int failures = fail_each_allocation(
-      [&] { ASSERT_EQ(load_scene(path).triangle_count(), right.triangle_count()); },
-      [&] { EXPECT_EQ(live_allocations(), before); }, 4096);
-  EXPECT_GT(failures, 10);
+  const int failures = fail_each_allocation(write, [&] {
+    EXPECT_EQ(live_allocations(), before);
+    EXPECT_EQ(BlockFile(path).triangle_count(), 1u);
+  });
+  EXPECT_GT(failures, 20);
 }
 
 /// Memory that a scene holds after very many updates and queries is what it held after a few.

@@ -9,10 +9,10 @@ namespace raysheaf::test {
 /// Of all threads.
 [[nodiscard]] std::int64_t live_allocations();
 
-/// While it lives, the `index`th allocation (from 0) of at least so many bytes fails: once.
+/// While it lives, the `index`th allocation (from 0) fails: once.
 class FailingAllocation {
  public:
-  explicit FailingAllocation(std::int64_t index, std::size_t least_bytes = 0);
+  explicit FailingAllocation(std::int64_t index);
   ~FailingAllocation();
   FailingAllocation(const FailingAllocation&) = delete;
   FailingAllocation& operator=(const FailingAllocation&) = delete;

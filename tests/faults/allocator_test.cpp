@@ -11,12 +11,11 @@ namespace {
 
 constexpr std::int64_t kNever = -1;
 std::atomic<std::int64_t> left{kNever};  // allocations until one fails
-std::atomic<std::size_t> least{0};       // bytes that are counted
 std::atomic<bool> failed{false};
 std::atomic<std::int64_t> live{0};
 
 void* allocate(std::size_t bytes, std::size_t alignment) noexcept {
-  if (left.load() >= 0 && bytes >= least && left.fetch_sub(1) == 0) {
+  if (left.load() >= 0 && left.fetch_sub(1) == 0) {
     failed = true;
     return nullptr;
   }
@@ -99,8 +98,7 @@ std::int64_t live_allocations() {
   return live;
 }
 
-FailingAllocation::FailingAllocation(std::int64_t index, std::size_t least_bytes) {
-  least = least_bytes;
+FailingAllocation::FailingAllocation(std::int64_t index) {
   failed = false;
   left = index;
 }

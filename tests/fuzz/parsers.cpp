@@ -1,17 +1,4 @@
-// The parsers of Debian's libraries, compiled as the fuzz targets are: with sanitizers, and with
+// The parser of a library of Debian's, compiled as the fuzz targets are: with sanitizers, and with
 // what tells libFuzzer where an input leads.
-#define STB_IMAGE_IMPLEMENTATION
-#define STB_IMAGE_STATIC
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#define STB_IMAGE_WRITE_STATIC
-#include <stb/stb_image.h>
-#include <stb/stb_image_write.h>
-
-#include <nlohmann/json.hpp>
-#define TINYGLTF_IMPLEMENTATION
-#define TINYGLTF_NO_INCLUDE_JSON
-#define TINYGLTF_NO_INCLUDE_STB_IMAGE
-#define TINYGLTF_NO_INCLUDE_STB_IMAGE_WRITE
-#include <tiny_gltf.h>
 #define TINYOBJLOADER_IMPLEMENTATION
 #include <tiny_obj_loader.h>

@@ -116,6 +116,25 @@ TEST_F(GltfBroken, MissingBuffer) {
   write("short.bin", std::string("abc"));
   expect_refused(write("a.gltf", file_.text("short.bin")), kInvalidData, {"3 bytes", "36"});
 }
+TEST_F(GltfBroken, DataUriWithABadDigit) {
+  std::string uri = "data:application/octet-stream;base64," + std::string(48, 'A');
+  EXPECT_NO_THROW(static_cast<void>(load_scene(write("a.gltf", file_.text(uri.c_str())))));
+  uri[50] = '*';
+  expect_refused(write("a.gltf", file_.text(uri.c_str())), kInvalidData,
+                 {"buffers[0].uri", "no digit of base 64"});
+}
+TEST_F(GltfBroken, MorphTargetOutOfRange) {
+  file_.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", 9}}};
+  expect(kInvalidData, {"meshes[0].primitives[0].targets[0].POSITION", "is 9"});
+  file_.json["meshes"][0]["primitives"][0]["targets"] = {7};
+  expect(kInvalidData, {"meshes[0].primitives[0].targets[0]", "not an object"});
+}
+TEST_F(GltfBroken, CameraOfUnknownKind) {
+  file_.add("cameras", {{"type", "fish-eye"}});
+  expect(kInvalidData, {"cameras[0].type", "fish-eye"});
+  file_.json["cameras"][0]["type"] = "perspective";
+  expect(kInvalidData, {"cameras[0].perspective", "missing"});
+}
 TEST_F(GltfBroken, AttributesOfUnequalLength) {
   file_.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = file_.positions({0, 0, 1});
   expect(kInvalidData, {"meshes[0].primitives[0].attributes.NORMAL", "1 elements", "3"});
@@ -149,6 +168,8 @@ TEST_F(GltfBroken, NoTriangles) {
   expect(kInvalidData, {"triangle"});
 }
 TEST_F(GltfBroken, LightOfUnknownKind) {
+  file_.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "spot"}}};
+  expect(kInvalidData, {"KHR_lights_punctual.lights[0].spot", "missing"});
   file_.json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "area"}}};
   file_.node({{"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
   expect(kInvalidData, {"KHR_lights_punctual.lights[0].type"});

@@ -1,0 +1,24 @@
+// Bytes that stand in a URI: data:image/png;base64,... (RFC 2397, RFC 4648).
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "io/file.h"
+
+namespace raysheaf::io {
+
+[[nodiscard]] inline bool is_data_uri(std::string_view uri) {
+  return uri.starts_with("data:");
+}
+
+/// How many bytes it stands for. Throws `Error` (kUnsupported) where it is of a kind that glTF does
+/// not know.
+[[nodiscard]] std::size_t data_uri_bytes(std::string_view uri, const std::string& place);
+
+/// The bytes, or nothing where there is a character that is no digit of base 64.
+[[nodiscard]] std::optional<Bytes> decode_data_uri(std::string_view uri);
+
+}  // namespace raysheaf::io
