@@ -6,8 +6,10 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <span>
 #include <string_view>
 
+#include "io/file_parts.h"
 #include "io/gltf_rules.h"
 #include "io/refuse.h"
 
@@ -38,7 +40,7 @@ void add_triangle(Mesh& mesh) {
   mesh.triangles.push_back({end - 3, end - 2, end - 1});
 }
 
-bool begins_with_solid(const Bytes& file) {
+bool begins_with_solid(std::span<const std::uint8_t> file) {
   std::size_t i = 0;
   while (i < file.size() && std::isspace(file[i]) != 0) ++i;
   constexpr std::string_view kWord = "solid";
@@ -177,16 +179,8 @@ class AsciiReader {
   std::size_t at_ = 0, line_ = 1;
 };
 
-}  // namespace
-
-SceneDescription load_stl(const Bytes& file, const SceneFile& from) {
-  SceneDescription scene;
-  scene.name = std::filesystem::path(from.path).stem().string();
-  if (is_ascii(file))
-    scene.meshes = AsciiReader(file).read();
-  else
-    scene.meshes.push_back(read_binary(file));
-  std::erase_if(scene.meshes, [](const Mesh& mesh) { return mesh.triangles.empty(); });
+/// What is told of an STL beside its triangles.
+void name_and_paint(SceneDescription& scene) {
   Material material;
   material.name = "default";
   material.double_sided = true;
@@ -198,7 +192,68 @@ SceneDescription load_stl(const Bytes& file, const SceneFile& from) {
     mesh.materials = {0};
     scene.instances.push_back({mesh.name, m, {}});
   }
+}
+
+/// A record of a binary file as triangle `number`; false where `load_scene` may refuse it.
+bool decode(const std::uint8_t* record, std::uint32_t number, OuterTriangle* triangle) {
+  triangle->prim_id = number;
+  const std::uint8_t* p = record + 12;
+  for (std::uint32_t k = 0; k < 3; ++k, p += 12) {
+    triangle->vertex[k] = 3 * number + k;
+    const Vec3 v = triangle->corner[k] = {read_float(p), read_float(p + 4), read_float(p + 8)};
+    constexpr float kFarthest = 1e18f;
+    if (!(std::fabs(v.x) <= kFarthest && std::fabs(v.y) <= kFarthest &&
+          std::fabs(v.z) <= kFarthest))
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+SceneDescription load_stl(const Bytes& file, const SceneFile& from) {
+  SceneDescription scene;
+  scene.name = std::filesystem::path(from.path).stem().string();
+  if (is_ascii(file))
+    scene.meshes = AsciiReader(file).read();
+  else
+    scene.meshes.push_back(read_binary(file));
+  std::erase_if(scene.meshes, [](const Mesh& mesh) { return mesh.triangles.empty(); });
+  name_and_paint(scene);
   return scene;
+}
+
+OuterStl read_outer_stl(const std::string& path, const PackOptions& options) {
+  const FileReader file(path);
+  if (file.size() < kHeadBytes) return {};
+  Bytes some(kHeadBytes);
+  file.read(0, some, path);
+  const std::uint64_t count = read_u32(some.data() + 80);
+  const bool fits = file.size() == kHeadBytes + kTriangleBytes * count;
+  const auto is_blank = [](std::uint8_t c) { return std::isspace(c) != 0; };
+  if (!fits && (begins_with_solid(some) || std::all_of(some.begin(), some.end(), is_blank)))
+    return {};
+  if (count > (file.size() - kHeadBytes) / kTriangleBytes || 3 * count >= kInvalidId ||
+      count <= options.triangles_at_once)
+    return {};
+  OuterStl outer;
+  outer.triangles = std::make_unique<OuterTriangles>(options.beside);
+  constexpr std::uint64_t kAtOnce = 1u << 15;
+  OuterTriangle triangle;
+  for (std::uint64_t t = 0; t < count; ++t) {
+    const std::uint64_t within = t % kAtOnce;
+    if (within == 0) {
+      some.resize(kTriangleBytes * std::min(kAtOnce, count - t));
+      file.read(kHeadBytes + kTriangleBytes * t, some, path);
+    }
+    if (!decode(some.data() + kTriangleBytes * within, static_cast<std::uint32_t>(t), &triangle))
+      return {};
+    outer.triangles->add(triangle);
+  }
+  outer.scene.name = std::filesystem::path(path).stem().string();
+  outer.scene.meshes.emplace_back();
+  name_and_paint(outer.scene);
+  return outer;
 }
 
 }  // namespace raysheaf::io

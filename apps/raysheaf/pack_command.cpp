@@ -4,6 +4,7 @@
 #include "options.h"
 #include "outputs.h"
 #include "raysheaf/error.h"
+#include "raysheaf/pack.h"
 #include "render/stream.h"
 #include "scene_argument.h"
 
@@ -31,6 +32,10 @@ int run(const PackCommand& command) {
     const BlockFile from(command.scene);
     copy_blocks(from, &file);
     file.finish(from.scene());
+  } else if (const auto rest = pack_file(
+                 command.scene, &file,
+                 {.triangles_a_block = command.block_triangles, .beside = command.output})) {
+    file.finish(*rest);
   } else {
     const SceneDescription scene = scene_from_argument(command.scene, command.load);
     if (!command.quiet) {

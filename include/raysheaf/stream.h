@@ -170,6 +170,7 @@ class HitExchange {
   virtual void add(std::span<float> /*sums*/) {}
 };
 
+class Context;           // raysheaf/context.h
 class StreamCheckpoint;  // raysheaf/checkpoint.h
 
 /// What was read, and what did not have to be. Adds up over the batches of a frame. The same with
@@ -182,8 +183,9 @@ struct StreamStatistics {
   std::uint64_t wasted_blocks = 0;   ///< of those: read, and then behind what others had hit
   std::uint64_t shading_blocks = 0;  ///< read for what hits look like
   std::uint64_t read_bytes = 0;      ///< of both
-  double read_ms = 0;   ///< that the reading threads worked: reading, checks, decompression
-  double wait_ms = 0;   ///< that tracing waited for them
+  double read_ms = 0;  ///< that the reading threads worked: reading, checks, decompression
+  double wait_ms = 0;  ///< that tracing waited for them
+  // On a device by its clock, while reading and copying go on.
   double cull_ms = 0;   ///< bounds of rays against blocks, and those bounds
   double trace_ms = 0;  ///< blocks against their rays
   double shading_ms = 0;
@@ -191,8 +193,13 @@ struct StreamStatistics {
 
 struct StreamOptions {
   /// What a query may take, or a frame: at least 64 MiB, and what its picture needs
-  /// (docs/stream.md).
+  /// (docs/stream.md). As much again of a device's memory, if that has it: where not all rays fit,
+  /// the blocks stream once for each part of them.
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;
+  /// Where rays and triangles meet, and the threads of all else; it outlives the call. On
+  /// Device::kCuda rays, the tree over them and their hits stay on the device (docs/cuda.md). Null:
+  /// the CPU, on `threads` of it (of a frame: `RenderOptions::threads`).
+  const Context* context = nullptr;
   std::uint32_t threads = 0;  ///< of `closest_hit` and `any_hit`; 0: all cores
   bool check = true;          ///< of the same: refuse rays that are wrong (raysheaf/query.h)
   bool front_to_back = true;  ///< blocks near the rays' origins first; false: as they are numbered
@@ -209,7 +216,8 @@ struct StreamOptions {
 /// As the functions of the same names for a `Scene` (raysheaf/query.h): hits[i] is that of rays[i]
 /// with the least (t, geom_id, inst_id, prim_id); occluded[i] is 1 where rays[i] meets anything.
 /// Spans of equal length. Throw `Error` as they do, kInvalidData for a block that is not as
-/// promised, kOutOfMemory where `memory_bytes` is too little, and what the source throws.
+/// promised, kOutOfMemory where `memory_bytes` or a device's memory is too little, and what the
+/// source throws.
 void closest_hit(const GeometrySource& source, std::span<const Ray> rays, std::span<Hit> hits,
                  const StreamOptions& options = {});
 void any_hit(const GeometrySource& source, std::span<const Ray> rays,

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <string>
 
+#include "api/context_impl.h"
 #include "api/render_input.h"
 #include "exec/stopwatch.h"
 #include "frame/frame.h"
@@ -37,7 +38,9 @@ std::vector<Light> lights_of(const SceneDescription& scene, std::uint32_t sample
 RenderResult render_checked(const GeometrySource& source, const RenderOptions& options,
                             const StreamOptions& stream) {
   Stopwatch watch;
-  const Executor executor(options.threads);
+  const Context context =
+      stream.context != nullptr ? *stream.context : Context({.threads = options.threads});
+  const Executor& executor = ContextAccess::executor(context);
   ProgressMeter meter(options.progress);
   const SceneDescription& scene = source.scene();
   Camera camera = find_camera(scene, options.camera);
@@ -52,7 +55,7 @@ RenderResult render_checked(const GeometrySource& source, const RenderOptions& o
   const std::uint64_t taken = kFrameBaseBytes + pixels * (kBytesPerPixel + kStreamRayBytes);
   const std::uint32_t slots = slots_for(stream.memory_bytes, taken, pixels);
   const std::uint64_t room = (stream.memory_bytes - taken) / 4;
-  Streamer streamer(executor, source, stream, slots);
+  Streamer streamer(executor, source, stream, slots, ContextAccess::backend(context));
   StreamedGeometry geometry(executor, &streamer, textures,
                             std::max(pixels, room / kBytesPerShadowRay));
   const auto complete = [&](FrameStatistics* s) {
@@ -62,7 +65,7 @@ RenderResult render_checked(const GeometrySource& source, const RenderOptions& o
     s->width = options.width;
     s->height = options.height;
     s->method = to_string(options.method);
-    s->device = "cpu";
+    s->device = to_string(context.device());
     s->primary = "trace";
     s->threads = executor.threads();
     s->total_ms = watch.ms();

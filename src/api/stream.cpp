@@ -1,7 +1,9 @@
 // The front door of streamed queries.
 #include <algorithm>
+#include <optional>
 #include <string>
 
+#include "api/context_impl.h"
 #include "api/query_check.h"
 #include "api/scene_impl.h"
 #include "raysheaf/error.h"
@@ -31,14 +33,20 @@ void check(const StreamOptions& options, std::size_t rays, std::size_t answers, 
 template <class Body>
 void stream(const GeometrySource& source, std::span<const Ray> rays, const StreamOptions& options,
             const Body& body) {
-  const Executor executor(options.threads);
+  std::optional<Executor> own;
+  if (options.context == nullptr) own.emplace(options.threads);
+  const Executor& executor = own ? *own : ContextAccess::executor(*options.context);
+  const DeviceBackend* device =
+      options.context != nullptr ? ContextAccess::backend(*options.context) : nullptr;
   if (options.check) check_rays(executor, {rays.data(), rays.size()});
   const std::uint64_t taken = kQueryBaseBytes + rays.size() * kStreamRayBytes;
-  Streamer streamer(executor, source, options, slots_for(options.memory_bytes, taken, rays.size()));
+  const std::uint32_t slots = slots_for(options.memory_bytes, taken, rays.size());
+  Streamer streamer(executor, source, options, slots, device);
   ProgressMeter meter(options.progress);
   StreamRequest request;
   request.stage = "rays";
   request.meter = &meter;
+  request.count = options.statistics != nullptr;
   EngineReport report;
   body(&streamer, request, &report);
   const StreamStatistics all = of_all(streamer.statistics(), options.exchange);

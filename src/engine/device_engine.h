@@ -78,6 +78,8 @@ class DeviceEngine {
 };
 
 class PairTracer;
+class BlockTracer;
+struct BlockLimits;
 
 /// A machine that engines can be made on.
 class DeviceBackend {
@@ -88,6 +90,9 @@ class DeviceBackend {
   [[nodiscard]] virtual std::unique_ptr<DeviceEngine> make_engine() const = 0;
   /// Of `rah` and `crsh` (engine/pair_tracer.h).
   [[nodiscard]] virtual std::unique_ptr<PairTracer> make_pair_tracer() const = 0;
+  /// Of what streams (engine/block_tracer.h). `executor` outlives it.
+  [[nodiscard]] virtual std::unique_ptr<BlockTracer> make_block_tracer(
+      const Executor& executor, const BlockLimits& limits) const = 0;
   [[nodiscard]] virtual bool is_device_memory(const void* pointer) const = 0;
   /// Copies from the host's memory to the device's. For any number of threads.
   virtual void write(void* to, const void* from, std::size_t bytes) const = 0;

@@ -1,3 +1,4 @@
+#include "engine/block_tracer.h"
 #include "engine/device_engine-inl.h"
 #include "engine/measure_copy-inl.h"
 #include "engine/pair_tracer.h"
@@ -16,6 +17,10 @@ class CudaBackend : public DeviceBackend {
   }
   [[nodiscard]] std::unique_ptr<PairTracer> make_pair_tracer() const override {
     return make_cuda_pair_tracer(kPairListCapacity);
+  }
+  [[nodiscard]] std::unique_ptr<BlockTracer> make_block_tracer(
+      const Executor& executor, const BlockLimits& limits) const override {
+    return make_cuda_block_tracer(executor, limits);
   }
   [[nodiscard]] bool is_device_memory(const void* pointer) const override {
     return device_.is_device_memory(pointer);

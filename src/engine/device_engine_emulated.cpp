@@ -1,5 +1,6 @@
 #include <cstring>
 
+#include "engine/block_tracer.h"
 #include "engine/device_engine-inl.h"
 #include "engine/measure_copy-inl.h"
 #include "engine/pair_tracer.h"
@@ -19,6 +20,10 @@ class EmulatedBackend : public DeviceBackend {
   }
   [[nodiscard]] std::unique_ptr<PairTracer> make_pair_tracer() const override {
     return make_emulated_pair_tracer(kPairListCapacity, executor_, memory_, allocator_);
+  }
+  [[nodiscard]] std::unique_ptr<BlockTracer> make_block_tracer(
+      const Executor& executor, const BlockLimits& limits) const override {
+    return make_emulated_block_tracer(executor, limits, memory_, allocator_);
   }
   [[nodiscard]] bool is_device_memory(const void* pointer) const override {
     return memory_.owns(pointer);

@@ -28,6 +28,16 @@ RAYSHEAF_HD inline void lower_to(Word* word, Word value) {
 #endif
 }
 
+/// Makes the word 1, which is 0 or 1 and which nobody reads before the loop has ended. Looks first.
+RAYSHEAF_HD inline void raise_flag(std::uint32_t* word) {
+#ifdef __CUDA_ARCH__
+  volatile std::uint32_t* const at = word;
+  if (*at == 0) *at = 1;
+#else
+  if (__atomic_load_n(word, __ATOMIC_RELAXED) == 0) __atomic_store_n(word, 1u, __ATOMIC_RELAXED);
+#endif
+}
+
 /// Adds one; returns what was there. What the thread wrote before is seen by whoever is given a
 /// later number.
 RAYSHEAF_HD inline std::uint32_t arrive_at(std::uint32_t* counter) {

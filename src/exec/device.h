@@ -26,6 +26,8 @@
 //   is_device_memory(pointer)               whether kernels may follow it
 //   wait_for(stage, stream)                 what was asked for on another stream comes first
 //   allocator()                             of the device's memory
+//   free_bytes()                            of it that nobody has, as far as the machine knows
+//   Uplink, Downlink                        copies beside its work: exec/links.h
 //
 // All is done in the order in which it was asked for, and all but what waits may still be under way
 // on return. `stage` names who asked: it is the place of the `Error` that is thrown where something

@@ -22,6 +22,7 @@ class BatchCheckpoint {
   [[nodiscard]] bool is_done(std::size_t block) const {
     return !done_.empty() && done_[block] != 0;
   }
+  [[nodiscard]] bool is_kept() const { return file_ != nullptr; }
   void keep(const std::vector<std::uint32_t>& round, bool last) {
     if (file_ == nullptr) return;
     for (const std::uint32_t block : round) done_[block] = 1;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include "base/vec.h"
 #include "exec/stopwatch.h"
@@ -41,18 +42,18 @@ BlockReader::~BlockReader() {
   for (std::future<void>& thread : threads_) thread.wait();
 }
 
-void BlockReader::start(const std::vector<std::uint32_t>& blocks, std::vector<TriangleBlock>* out) {
-  blocks_ = &blocks;
+void BlockReader::start(std::vector<std::uint32_t> blocks, std::vector<TriangleBlock>* out) {
+  blocks_ = std::move(blocks);
   out_ = out;
   next_ = 0;
-  errors_.assign(blocks.size(), nullptr);
-  ms_.assign(blocks.size(), 0);
-  for (std::size_t i = 0; i < std::min(kThreads, blocks.size()); ++i)
+  errors_.assign(blocks_.size(), nullptr);
+  ms_.assign(blocks_.size(), 0);
+  for (std::size_t i = 0; i < std::min(kThreads, blocks_.size()); ++i)
     threads_.push_back(std::async(std::launch::async, [this] { read_some(); }));
 }
 
 void BlockReader::read_some() {
-  for (std::size_t i = next_++; i < blocks_->size(); i = next_++) {
+  for (std::size_t i = next_++; i < blocks_.size(); i = next_++) {
     Stopwatch watch;
     try {
       read(i);
@@ -64,7 +65,7 @@ void BlockReader::read_some() {
 }
 
 void BlockReader::read(std::size_t i) {
-  const std::uint32_t number = (*blocks_)[i];
+  const std::uint32_t number = blocks_[i];
   source_.read(number, &(*out_)[i]);
   check_block(source_, number, (*out_)[i]);
 }

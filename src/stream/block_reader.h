@@ -17,9 +17,9 @@ class BlockReader {
   BlockReader(const BlockReader&) = delete;
   BlockReader& operator=(const BlockReader&) = delete;
 
-  /// Begins to read `blocks` into the first of `out`, which has as many at least. Both must stay
-  /// until `wait`, and nothing else may be under way.
-  void start(const std::vector<std::uint32_t>& blocks, std::vector<TriangleBlock>* out);
+  /// Begins to read `blocks` into the first of `out`, which has as many at least, and must stay
+  /// until `wait` or as long as this does. Nothing else may be under way.
+  void start(std::vector<std::uint32_t> blocks, std::vector<TriangleBlock>* out);
   /// Until all of them are there. Throws what the first of them that failed did. Gives the
   /// milliseconds that the reading threads worked.
   double wait();
@@ -29,7 +29,7 @@ class BlockReader {
   void read(std::size_t i);
 
   const GeometrySource& source_;
-  const std::vector<std::uint32_t>* blocks_ = nullptr;
+  std::vector<std::uint32_t> blocks_;
   std::vector<TriangleBlock>* out_ = nullptr;
   std::atomic<std::size_t> next_{0};
   std::vector<std::exception_ptr> errors_;  ///< a block each

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "base/vec.h"
+#include "engine/block_body.h"
 #include "raysheaf/error.h"
 #include "raysheaf/stream.h"
 #include "scene/flat_scene.h"
@@ -135,10 +136,7 @@ Box bounds_of(const TriangleBlock& block) {
 }
 
 bool precedes(const Hit& a, const Hit& b) {
-  if (a.t != b.t) return a.t < b.t;
-  if (a.geom_id != b.geom_id) return a.geom_id < b.geom_id;
-  if (a.inst_id != b.inst_id) return a.inst_id < b.inst_id;
-  return a.prim_id < b.prim_id;
+  return comes_before(a, b);
 }
 
 void BlockList::add(const TriangleBlock& block, const BlockShading& shading) {

@@ -11,13 +11,10 @@
 #include <vector>
 
 #include "dual/ray_order.h"
+#include "engine/block_body.h"
 #include "exec/executor.h"
-#include "traverse/beam_box_body.h"
 
 namespace raysheaf {
-
-/// Whether a hit of `ray` with a triangle in `box` may be reported, as geom/ray_end.h has it.
-[[nodiscard]] bool may_meet(const Ray& ray, const Box& box);
 
 class RayTree {
  public:

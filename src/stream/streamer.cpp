@@ -2,19 +2,16 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <utility>
 
 #include "base/vec.h"
 #include "exec/stopwatch.h"
 #include "raysheaf/error.h"
 #include "stream/batch_checkpoint.h"
+#include "stream/cpu_block_tracer.h"
 
 namespace raysheaf {
 namespace {
-
-/// The tree is made anew when this part of the rays has become shorter or is done.
-constexpr std::size_t kStaleDivisor = 16;
 
 std::string megabytes(std::uint64_t bytes) {
   return std::to_string((bytes + 500'000) / 1'000'000) + " MB";
@@ -32,61 +29,24 @@ std::string sentence_of(const StreamStatistics& before, const StreamStatistics& 
          megabytes(now.read_bytes - before.read_bytes);
 }
 
-/// The place among the block's parts of a triangle's.
-std::size_t part_of(const TriangleBlock& block, std::uint32_t triangle) {
-  const auto after =
-      std::upper_bound(block.parts.begin(), block.parts.end(), triangle,
-                       [](std::uint32_t t, const BlockPart& part) { return t < part.first; });
-  return static_cast<std::size_t>(after - block.parts.begin()) - 1;
-}
-
 }  // namespace
-
-/// A block that is traced, and what that takes.
-struct Streamer::Slot {
-  Engine engine;
-  TriangleRun run;
-  std::vector<std::uint8_t> flags;
-  std::vector<std::uint32_t> places, numbers;  ///< of the rays that may meet the block
-  Buffer<Ray> rays;
-  Buffer<EngineHit> closest;
-  Buffer<std::uint8_t> occluded;
-  std::vector<float> tests;
-  EngineReport report;
-
-  void set_triangles(const TriangleBlock& block, Facing facing) {
-    const auto count = static_cast<std::uint32_t>(block.triangles.size());
-    run = {block.positions.data(), block.triangles.data(), 0, count};
-    TriangleSource source;
-    source.runs = {&run, 1};
-    source.count = count;
-    if (facing == Facing::kSkipBackOfSingleSided && !block.sides.empty()) {
-      if (block.sides.size() == 1) flags.assign(count, block.sides[0]);
-      source.flags = block.sides.size() == 1 ? flags.data() : block.sides.data();
-    }
-    engine.set_triangles(source, false);
-  }
-};
 
 /// One batch on its way through the blocks.
 class Sweep {
  public:
   /// One of `hits` and `occluded` is empty.
-  Sweep(Streamer* streamer, View<const Ray> rays, const StreamRequest& request,
-        View<StreamHit> hits, View<std::uint8_t> occluded, EngineReport* report)
+  Sweep(Streamer* streamer, const BlockBatch& batch, const StreamRequest& request,
+        EngineReport* report)
       : s_(*streamer),
+        batch_(batch),
         request_(request),
-        hits_(hits),
-        occluded_(occluded),
         report_(*report),
-        tree_(s_.executor_, rays, s_.bounds_),
-        checkpoint_(batch_of(rays), s_.options_.checkpoint, answers()),
-        reader_(s_.source_) {
-    if (checkpoint_.restore()) go_on();
-    stats().cull_ms += watch_.lap_ms();
-  }
+        checkpoint_(identity(), s_.options_.checkpoint, answers()),
+        reader_(s_.source_) {}
 
   void run() {
+    batch_.resumed = checkpoint_.restore();
+    s_.tracer_->begin(batch_);
     find_candidates();
     request_.meter->begin(request_.stage, bytes_ahead_);
     std::vector<std::uint32_t> reading = next_round(), tracing;
@@ -97,12 +57,15 @@ class Sweep {
       stats().wait_ms += watch_.lap_ms();
       std::swap(reading, tracing);
       std::swap(s_.reading_, s_.tracing_);
+      const std::vector<TracedBlock> round = load(tracing);
       reading = next_round();
       start(reading);
-      trace(tracing);
-      refresh();
+      s_.tracer_->trace();
+      for (const std::uint32_t block : tracing) request_.meter->advance(info(block).geometry_bytes);
+      if (checkpoint_.is_kept()) s_.tracer_->collect();
       checkpoint_.keep(tracing, reading.empty());
     }
+    take_report(s_.tracer_->finish());
   }
 
  private:
@@ -115,73 +78,83 @@ class Sweep {
   [[nodiscard]] const BlockInfo& info(std::uint32_t block) const {
     return s_.source_.blocks()[block];
   }
-  [[nodiscard]] bool is_any() const { return !occluded_.empty(); }
+  [[nodiscard]] bool is_any() const { return !batch_.occluded.empty(); }
 
-  [[nodiscard]] StreamBatch batch_of(View<const Ray> rays) const {
+  [[nodiscard]] StreamBatch identity() const {
     // Which hits are asked for, as a number.
-    const auto question = (is_any() ? 2u : 0u) + (request_.facing == Facing::kBoth ? 1u : 0u);
-    return {
-        s_.batches_,        question, s_.options_.part, s_.options_.parts, {rays.data, rays.size},
-        s_.source_.blocks()};
+    const auto question = (is_any() ? 2u : 0u) + (batch_.facing == Facing::kBoth ? 1u : 0u);
+    return {s_.batches_,
+            question,
+            s_.options_.part,
+            s_.options_.parts,
+            {batch_.rays.data, batch_.rays.size},
+            s_.source_.blocks()};
   }
   [[nodiscard]] std::span<std::byte> answers() const {
-    if (is_any()) return std::as_writable_bytes(std::span(occluded_.data, occluded_.size));
-    return std::as_writable_bytes(std::span(hits_.data, hits_.size));
-  }
-
-  /// Rays end where an earlier run has met something.
-  void go_on() {
-    s_.executor_.for_each(tree_.size(), kWorkGrain, [&](std::size_t i) {
-      const std::uint32_t place = index(i), number = tree_.number(place);
-      if (is_any() && occluded_[number] != 0) tree_.finish(place);
-      if (!is_any() && hits_[number].block != kInvalidId) tree_.shorten(place, hits_[number].hit.t);
-    });
-    tree_.refresh(s_.executor_);
+    if (is_any())
+      return std::as_writable_bytes(std::span(batch_.occluded.data, batch_.occluded.size));
+    return std::as_writable_bytes(std::span(batch_.hits.data, batch_.hits.size));
   }
 
   /// Blocks that some ray's bound meets, near ones first.
   void find_candidates() {
     const std::size_t count = s_.source_.blocks().size();
-    std::vector<float> distance(count, -1);
-    const std::uint32_t part = s_.options_.part, parts = s_.options_.parts;
-    s_.executor_.for_each(count, 4, [&](std::size_t i) {
-      if (s_.is_own(i) && !checkpoint_.is_done(i))
-        distance[i] = tree_.squared_distance(info(index(i)).bounds);
-    });
-    for (std::size_t i = part; i < count; i += parts) {
+    std::vector<std::uint32_t> asked;
+    std::vector<Box> boxes;
+    for (std::size_t i = s_.options_.part; i < count; i += s_.options_.parts) {
       ++stats().blocks;
+      if (checkpoint_.is_done(i)) {
+        ++stats().culled_blocks;
+        continue;
+      }
+      asked.push_back(static_cast<std::uint32_t>(i));
+      boxes.push_back(s_.source_.blocks()[i].bounds);
+    }
+    std::vector<float> distance(boxes.size());
+    s_.tracer_->find_distances(boxes, distance);
+    for (std::size_t i = 0; i < asked.size(); ++i) {
       if (distance[i] < 0) {
         ++stats().culled_blocks;
         continue;
       }
-      candidates_.push_back({s_.options_.front_to_back ? distance[i] : 0, index(i)});
-      bytes_ahead_ += info(index(i)).geometry_bytes;
+      candidates_.push_back({s_.options_.front_to_back ? distance[i] : 0, asked[i]});
+      bytes_ahead_ += info(asked[i]).geometry_bytes;
     }
     std::stable_sort(candidates_.begin(), candidates_.end(),
                      [](const Candidate& a, const Candidate& b) {
                        return a.squared_distance < b.squared_distance;
                      });
-    stats().cull_ms += watch_.lap_ms();
   }
-
-  static std::uint32_t index(std::size_t i) { return static_cast<std::uint32_t>(i); }
 
   /// The next blocks that a ray still may meet, as far as is known.
   std::vector<std::uint32_t> next_round() {
     std::vector<std::uint32_t> round;
     std::uint64_t passed = 0;
-    for (; next_ < candidates_.size() && round.size() < s_.slots_.size(); ++next_) {
-      const std::uint32_t block = candidates_[next_].block;
-      if (tree_.meets(info(block).bounds)) {
-        round.push_back(block);
-      } else {
-        ++stats().hidden_blocks;
-        passed += info(block).geometry_bytes;
+    while (next_ < candidates_.size() && round.size() < s_.slots_) {
+      const std::size_t window = std::max(s_.tracer_->window(), s_.slots_ - round.size());
+      const std::vector<std::uint8_t> met = ask(std::min(window, candidates_.size() - next_));
+      for (std::size_t i = 0; i < met.size() && round.size() < s_.slots_; ++i, ++next_) {
+        const std::uint32_t block = candidates_[next_].block;
+        if (met[i] != 0) {
+          round.push_back(block);
+        } else {
+          ++stats().hidden_blocks;
+          passed += info(block).geometry_bytes;
+        }
       }
     }
-    stats().cull_ms += watch_.lap_ms();
     request_.meter->advance(passed);
     return round;
+  }
+
+  /// Whether the next `count` candidates are met.
+  std::vector<std::uint8_t> ask(std::size_t count) {
+    std::vector<Box> boxes;
+    for (std::size_t i = next_; i < next_ + count; ++i)
+      boxes.push_back(info(candidates_[i].block).bounds);
+    std::vector<std::uint8_t> met(count);
+    s_.tracer_->find_met(boxes, met);
+    return met;
   }
 
   void start(const std::vector<std::uint32_t>& round) {
@@ -193,124 +166,50 @@ class Sweep {
     reader_.start(round, &s_.reading_);
   }
 
-  void trace(const std::vector<std::uint32_t>& round) {
-    watch_.lap_ms();
-    s_.executor_.for_each(round.size(), 1,
-                          [&](std::size_t i) { trace_block(s_.tracing_[i], s_.slots_[i].get()); });
-    for (std::size_t i = 0; i < round.size(); ++i) {
-      take(round[i], s_.tracing_[i], s_.slots_[i].get());
-      request_.meter->advance(info(round[i]).geometry_bytes);
-    }
-    const double ms = watch_.lap_ms();
-    stats().trace_ms += ms;
-    report_.trace_ms += ms;
+  /// To the tracer, which needs what is returned until it has traced.
+  std::vector<TracedBlock> load(const std::vector<std::uint32_t>& numbers) {
+    std::vector<TracedBlock> round;
+    for (std::size_t i = 0; i < numbers.size(); ++i) round.push_back({numbers[i], &s_.tracing_[i]});
+    s_.tracer_->load(round);
+    return round;
   }
 
-  void trace_block(const TriangleBlock& block, Streamer::Slot* slot) {
-    Box box = bounds_of(block);
-    tree_.find(box, &slot->places);
-    const std::size_t count = slot->places.size();
-    slot->report = {};
-    if (count == 0) return;
-    slot->numbers.resize(count);
-    slot->rays.resize_uninitialized(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      slot->numbers[i] = tree_.number(slot->places[i]);
-      slot->rays[i] = tree_.ray(slot->places[i]);
-    }
-    slot->tests.assign(request_.ray_tests.empty() ? 0 : count, 0.0f);
-    slot->set_triangles(block, request_.facing);
-    const EngineOptions options{request_.facing, true};
-    const View<const Ray> rays(slot->rays.data(), count);
-    if (is_any()) {
-      slot->occluded.resize_uninitialized(count);
-      slot->engine.any_hit(s_.executor_, rays, options, slot->occluded, slot->tests, &slot->report);
-    } else {
-      slot->closest.resize_uninitialized(count);
-      slot->engine.closest_hit(s_.executor_, rays, options, slot->closest, slot->tests,
-                               &slot->report);
-    }
-  }
-
-  /// What a block gave, into the answers. A ray stands in a slot once.
-  void take(std::uint32_t number, const TriangleBlock& block, Streamer::Slot* slot) {
-    if (slot->places.empty()) ++stats().wasted_blocks;
-    report_.bound_tests += slot->report.bound_tests;
-    report_.ray_bound_tests += slot->report.ray_bound_tests;
-    report_.triangle_tests += slot->report.triangle_tests;
-    s_.executor_.for_each_block(
-        slot->places.size(), kWorkGrain, [&](std::size_t begin, std::size_t end) {
-          std::size_t changed = 0;
-          for (std::size_t i = begin; i < end; ++i) {
-            if (!slot->tests.empty()) request_.ray_tests[slot->numbers[i]] += slot->tests[i];
-            const bool news =
-                is_any() ? take_occluded(*slot, i) : take_hit(number, block, *slot, i);
-            changed += news ? 1 : 0;
-          }
-          changed_ += changed;
-        });
-  }
-
-  bool take_occluded(const Streamer::Slot& slot, std::size_t i) {
-    std::uint8_t& occluded = occluded_[slot.numbers[i]];
-    if (slot.occluded[i] == 0 || occluded != 0) return false;
-    occluded = 1;
-    tree_.finish(slot.places[i]);
-    return true;
-  }
-
-  bool take_hit(std::uint32_t number, const TriangleBlock& block, const Streamer::Slot& slot,
-                std::size_t i) {
-    const EngineHit& found = slot.closest[i];
-    if (found.triangle == kInvalidId) return false;
-    const std::size_t place = part_of(block, found.triangle);
-    const BlockPart& part = block.parts[place];
-    const Hit hit{found.t,      found.u,     found.v, block.prim_ids[found.triangle],
-                  part.geom_id, part.inst_id};
-    StreamHit& best = hits_[slot.numbers[i]];
-    if (best.block != kInvalidId && !precedes(hit, best.hit)) return false;
-    best.hit = hit;
-    best.block = number;
-    best.part = static_cast<std::uint32_t>(place);
-    best.triangle = found.triangle;
-    best.vertex = block.triangles[found.triangle];
-    for (std::size_t k = 0; k < 3; ++k) best.corner[k] = block.positions[best.vertex[k]];
-    tree_.shorten(slot.places[i], hit.t);
-    return true;
-  }
-
-  void refresh() {
-    watch_.lap_ms();
-    if (changed_ * kStaleDivisor >= tree_.size() && tree_.size() != 0 && changed_ != 0) {
-      tree_.refresh(s_.executor_);
-      changed_ = 0;
-    }
-    stats().cull_ms += watch_.lap_ms();
+  void take_report(const BlockReport& report) {
+    report_.bound_tests += report.bound_tests;
+    report_.ray_bound_tests += report.ray_bound_tests;
+    report_.triangle_tests += report.triangle_tests;
+    report_.trace_ms += report.trace_ms;
+    stats().wasted_blocks += report.wasted_blocks;
+    stats().cull_ms += report.cull_ms;
+    stats().trace_ms += report.trace_ms;
   }
 
   Streamer& s_;
+  BlockBatch batch_;
   const StreamRequest& request_;
-  View<StreamHit> hits_;
-  View<std::uint8_t> occluded_;
   EngineReport& report_;
   Stopwatch watch_;
-  RayTree tree_;
   BatchCheckpoint checkpoint_;
   std::vector<Candidate> candidates_;
   std::size_t next_ = 0;  ///< of them
   std::uint64_t bytes_ahead_ = 0;
-  std::atomic<std::size_t> changed_{0};  ///< rays, since the tree was made
-  BlockReader reader_;                   ///< last: it stops before all else goes
+  BlockReader reader_;  ///< last: it stops before all else goes
 };
 
 Streamer::Streamer(const Executor& executor, const GeometrySource& source,
-                   const StreamOptions& options, std::uint32_t slots)
-    : executor_(executor), source_(source), options_(options), reading_(slots), tracing_(slots) {
-  for (std::uint32_t i = 0; i < slots; ++i) slots_.push_back(std::make_unique<Slot>());
+                   const StreamOptions& options, std::uint32_t slots, const DeviceBackend* device)
+    : source_(source), options_(options), slots_(slots), reading_(slots), tracing_(slots) {
+  BlockLimits limits{options.memory_bytes, slots, 1};
   for (const BlockInfo& block : source.blocks()) {
     bounds_.min = min(bounds_.min, block.bounds.min);
     bounds_.max = max(bounds_.max, block.bounds.max);
     triangle_count_ += block.triangles;
+    limits.most_triangles = std::clamp(block.triangles, limits.most_triangles, kBlockTriangles);
+  }
+  if (device != nullptr) {
+    tracer_ = device->make_block_tracer(executor, limits);
+  } else {
+    tracer_ = std::make_unique<CpuBlockTracer>(executor, slots);
   }
 }
 
@@ -337,8 +236,15 @@ void Streamer::sweep(View<const Ray> rays, const StreamRequest& request, View<St
   StreamRequest own = request;
   std::vector<float> tests(exchange != nullptr ? request.ray_tests.size : 0);
   if (exchange != nullptr) own.ray_tests = tests;
-  if (!rays.empty()) Sweep(this, rays, own, hits, occluded, report).run();
-  ++batches_;
+  const std::size_t most = std::min(tracer_->most_rays(), rays.size);
+  for (std::size_t first = 0; first < rays.size; first += most)
+    sweep_part(rays.slice(first, std::min(most, rays.size - first)), first, own, hits, occluded,
+               report);
+  if (rays.empty()) ++batches_;
+  tracer_->explain(&report->plan);
+  if (most < rays.size)
+    report->plan.push_back("device: the blocks stream again for every " + std::to_string(most) +
+                           " rays, for it has no room for more");
   report->plan.push_back(sentence_of(before, statistics_));
   if (exchange == nullptr) return;
   std::array<std::uint64_t, 3> counts{report->bound_tests, report->ray_bound_tests,
@@ -349,6 +255,20 @@ void Streamer::sweep(View<const Ray> rays, const StreamRequest& request, View<St
   report->triangle_tests = counts[2];
   if (!tests.empty()) exchange->add(tests);
   for (std::size_t i = 0; i < tests.size(); ++i) request.ray_tests[i] += tests[i];
+}
+
+void Streamer::sweep_part(View<const Ray> rays, std::size_t first, const StreamRequest& request,
+                          View<StreamHit> hits, View<std::uint8_t> occluded, EngineReport* report) {
+  BlockBatch batch;
+  batch.rays = rays;
+  batch.scene = triangle_count_ != 0 ? bounds_ : Box{{0, 0, 0}, {0, 0, 0}};
+  batch.facing = request.facing;
+  if (!hits.empty()) batch.hits = hits.slice(first, rays.size);
+  if (!occluded.empty()) batch.occluded = occluded.slice(first, rays.size);
+  if (!request.ray_tests.empty()) batch.ray_tests = request.ray_tests.slice(first, rays.size);
+  batch.count = request.count;
+  Sweep(this, batch, request, report).run();
+  ++batches_;
 }
 
 void check_parts(const StreamOptions& options) {

@@ -3,7 +3,7 @@
 //   blocks that a ray may meet, near ones first
 //        │ a round of them                          ┌─ cull again: what is behind the hits is left
 //        ▼                                          ▼
-//   [ read, decode, check ]  while the last one's  [ rays that meet it ] ─► engine ─► least hits
+//   [ read, decode, check ]  while the last one's  [ rays that meet it ] ─► least hits
 //
 // What happens depends on the rays, the blocks and the size of a round alone, not on threads nor on
 // how fast anything is read: so do counts and bytes.
@@ -13,13 +13,12 @@
 #include <string>
 #include <vector>
 
-#include "base/buffer.h"
-#include "engine/engine.h"
+#include "engine/block_tracer.h"
+#include "engine/device_engine.h"
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
 #include "raysheaf/stream.h"
 #include "stream/block_reader.h"
-#include "stream/ray_tree.h"
 
 namespace raysheaf {
 
@@ -29,6 +28,7 @@ struct StreamRequest {
   ProgressMeter* meter = nullptr;
   Facing facing = Facing::kBoth;
   View<float> ray_tests;  ///< may be empty
+  bool count = true;      ///< tests, and a device's times
 };
 
 /// Bytes that a ray takes here, and a block that is read and traced.
@@ -38,9 +38,10 @@ inline constexpr std::uint32_t kMostSlots = 16;
 class Streamer {
  public:
   /// `slots`: blocks that are traced at once, while as many are read. `options`: `front_to_back`,
-  /// `part`, `parts`, `exchange`, `checkpoint` and `statistics` are used.
+  /// `part`, `parts`, `exchange`, `checkpoint`, `statistics` and, for what a device may take,
+  /// `memory_bytes` are used. `device`: where rays and blocks meet; null: here. All outlive it.
   Streamer(const Executor& executor, const GeometrySource& source, const StreamOptions& options,
-           std::uint32_t slots);
+           std::uint32_t slots, const DeviceBackend* device = nullptr);
   Streamer(const Streamer&) = delete;
   Streamer& operator=(const Streamer&) = delete;
   ~Streamer();
@@ -65,20 +66,22 @@ class Streamer {
 
  private:
   friend class Sweep;
-  struct Slot;
 
   /// One of `hits` and `occluded` is empty.
   void sweep(View<const Ray> rays, const StreamRequest& request, View<StreamHit> hits,
              View<std::uint8_t> occluded, EngineReport* report);
+  /// Of rays from `first` on, as many as the tracer takes at once.
+  void sweep_part(View<const Ray> rays, std::size_t first, const StreamRequest& request,
+                  View<StreamHit> hits, View<std::uint8_t> occluded, EngineReport* report);
 
-  const Executor& executor_;
   const GeometrySource& source_;
   const StreamOptions& options_;
   Box bounds_;
   std::uint64_t triangle_count_ = 0;
   StreamStatistics statistics_;
   std::uint32_t batches_ = 0;  ///< so far
-  std::vector<std::unique_ptr<Slot>> slots_;
+  std::size_t slots_;
+  std::unique_ptr<BlockTracer> tracer_;
   std::vector<TriangleBlock> reading_, tracing_;
 };
 

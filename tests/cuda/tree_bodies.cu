@@ -1,11 +1,13 @@
-// Compiles the bodies of the tree along a curve for the device.
+// Compiles the bodies of the tree along a curve, and of blocks that pass rays, for the device.
+#include "cuda/block_cases.h"
 #include "cuda/compile_case.h"
 #include "cuda/tree_cases.h"
 
 namespace raysheaf::test {
 
 std::vector<CompiledCase> compiled_tree_cases() {
-  return {compiled<TreeCase>("Tree"), compiled<RayBoxCase>("RayBox"), compiled<MeetCase>("Meet")};
+  return {compiled<TreeCase>("Tree"), compiled<RayBoxCase>("RayBox"), compiled<MeetCase>("Meet"),
+          compiled<BlockHitCase>("BlockHit"), compiled<BlockRayCase>("BlockRay")};
 }
 
 }  // namespace raysheaf::test

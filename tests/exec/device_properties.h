@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
+#include <memory>
 #include <random>
 #include <string>
 
@@ -202,6 +204,51 @@ void expect_named_times(Device& device) {
   EXPECT_TRUE(device.times().empty());
 }
 
+/// What an uplink sends arrives where it is seen, and nowhere before it may: its place and its room
+/// are used again while all is under way. `exec/links.h` of the device is included by the caller.
+template <class Device>
+void expect_links(Device& device) {
+  constexpr std::size_t kWords = 20000, kRounds = 7, kLanes = 2;
+  constexpr std::size_t kBytes = kWords * sizeof(std::uint32_t);
+  DeviceBuffer<std::uint32_t> sums = to_device(device, Words(kWords, 0u));
+  std::vector<DeviceBuffer<std::uint32_t>> landings;
+  for (std::size_t l = 0; l < kLanes; ++l)
+    landings.push_back(to_device(device, Words(kWords, 1000u)));
+  device.synchronize("links");
+  {
+    std::vector<std::unique_ptr<typename Device::Uplink>> uplinks;
+    for (std::size_t l = 0; l < kLanes; ++l)
+      uplinks.push_back(std::make_unique<typename Device::Uplink>(device));
+    typename Device::Downlink downlink(device);
+    for (std::uint32_t round = 0; round < kRounds; ++round) {
+      auto& uplink = *uplinks[round % kLanes];
+      std::byte* const room = uplink.room("links", kBytes);
+      for (std::uint32_t i = 0; i < kWords; ++i) {
+        const std::uint32_t word = i * (round + 1);
+        std::memcpy(room + i * sizeof word, &word, sizeof word);
+      }
+      uplink.send("links", landings[round % kLanes].data(), kBytes);
+      uplink.see("links");
+      const View<std::uint32_t> sum = sums.view(), landed = landings[round % kLanes].view();
+      device.for_each("links", kWords,
+                      [=] RAYSHEAF_HD(std::size_t i) { sum.data[i] += landed.data[i]; });
+      uplink.done_with("links");
+      downlink.ask("links", sums.data(), kBytes);
+      if (round % 3 != 0) continue;
+      const std::byte* const place = downlink.wait("links");
+      std::uint32_t last = 0;
+      std::memcpy(&last, place + kBytes - sizeof last, sizeof last);
+      EXPECT_EQ(last, (kWords - 1) * (round + 1) * (round + 2) / 2) << round;
+    }
+    EXPECT_THROW(uplinks[0]->see("links"), Error);  // nothing was sent
+    EXPECT_THROW(uplinks[0]->done_with("links"), Error);
+    uplinks[0]->send("links", landings[0].data(), kBytes);
+    EXPECT_THROW(uplinks[0]->send("links", landings[0].data(), kBytes), Error);
+  }  // and with all that under way they go
+  EXPECT_EQ(to_host(device, sums)[3], 3 * kRounds * (kRounds + 1) / 2);
+  EXPECT_GT(device.free_bytes(), 0u);
+}
+
 template <class Device>
 void expect_all_verbs(Device& device) {
   expect_each_item_once(device);
@@ -213,6 +260,7 @@ void expect_all_verbs(Device& device) {
   expect_run_lengths(device);
   expect_moved_memory(device);
   expect_named_times(device);
+  expect_links(device);
 }
 
 }  // namespace raysheaf::test

@@ -1,6 +1,6 @@
 #include "tests/exec/device_properties.h"
 
-#include "exec/cpu/emulated_device.h"
+#include "exec/cpu/emulated_links.h"
 
 namespace raysheaf::test {
 namespace {

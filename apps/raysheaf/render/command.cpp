@@ -8,6 +8,7 @@
 #include "outputs.h"
 #include "progress_bar.h"
 #include "ranks/ranks.h"
+#include "raysheaf/context.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 #include "raysheaf/render_on_context.h"
@@ -71,15 +72,14 @@ struct Rendered {
 };
 
 Rendered render_streamed(const RenderCommand& command, Communicator* ranks) {
-  if (command.device != Device::kCpu)
-    throw Error(ErrorCode::kUnsupported, "geometry that streams does not go to a CUDA device",
-                "--device");
+  const Context context({command.device, command.options.threads});
   const Timer loading;
   const std::unique_ptr<GeometrySource> blocks = open_blocks(command);
   Rendered rendered;
   rendered.load_ms = loading.ms();
   stop_if_interrupted();
   StreamOptions stream;
+  stream.context = &context;
   stream.memory_bytes = command.memory_bytes;
   stream.statistics = &rendered.stream.emplace();
   rendered.checkpoint = open_checkpoint(command, ranks);

@@ -29,10 +29,12 @@ Key bits_of(Key key, BitRange bits) {
 
 void* HostAllocator::allocate(const char* stage, std::size_t bytes) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (bytes > free_) throw Error(ErrorCode::kOutOfMemory, "there is not enough memory", stage);
   try {
     void* const memory = ::operator new(bytes, kAlignment);
     std::unique_ptr<void, Free> kept(memory);
     sizes_.emplace(static_cast<const std::uint8_t*>(memory), bytes);
+    free_ -= bytes;
     return kept.release();
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::kOutOfMemory, "there is not enough memory", stage);
@@ -41,8 +43,15 @@ void* HostAllocator::allocate(const char* stage, std::size_t bytes) {
 
 void HostAllocator::free(void* memory) noexcept {
   const std::lock_guard<std::mutex> lock(mutex_);
-  sizes_.erase(static_cast<const std::uint8_t*>(memory));
+  const auto at = sizes_.find(static_cast<const std::uint8_t*>(memory));
+  free_ += at->second;
+  sizes_.erase(at);
   Free()(memory);
+}
+
+std::uint64_t HostAllocator::free_bytes() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return free_;
 }
 
 bool HostAllocator::owns(const void* pointer) const {

@@ -15,21 +15,31 @@
 
 namespace raysheaf {
 
-/// From the machine's heap. For any number of threads.
+/// From the machine's heap, as if that had `capacity` bytes. For any number of threads.
 class HostAllocator : public DeviceAllocator {
  public:
+  explicit HostAllocator(std::uint64_t capacity = std::uint64_t{1} << 40) : free_(capacity) {}
+
   [[nodiscard]] void* allocate(const char* stage, std::size_t bytes) override;
   void free(void* memory) noexcept override;
   /// Whether it handed out what is at `pointer`.
   [[nodiscard]] bool owns(const void* pointer) const;
+  [[nodiscard]] std::uint64_t free_bytes() const;
 
  private:
   mutable std::mutex mutex_;
+  std::uint64_t free_;
   std::map<const std::uint8_t*, std::size_t> sizes_;  // by where they begin
 };
 
+class EmulatedUplink;
+class EmulatedDownlink;
+
 class EmulatedDevice {
  public:
+  using Uplink = EmulatedUplink;
+  using Downlink = EmulatedDownlink;
+
   /// All outlive it. `allocator` takes from `memory`, and stands in for it. `most_blocks`: of a
   /// loop.
   EmulatedDevice(const Executor& executor, HostAllocator& memory,
@@ -75,6 +85,7 @@ class EmulatedDevice {
   [[nodiscard]] bool is_device_memory(const void* pointer) const { return memory_.owns(pointer); }
   void wait_for(const char* /*stage*/, void* /*stream*/) {}
   [[nodiscard]] DeviceAllocator& allocator() { return allocator_; }
+  [[nodiscard]] std::uint64_t free_bytes() const { return memory_.free_bytes(); }
 
   /// Keeps times from now on, or no longer.
   void keep_times(bool keep) {

@@ -126,6 +126,17 @@ void CudaDevice::wait_for(const char* stage, void* stream) {
   check_cuda(status, stage);
 }
 
+void CudaDevice::make_current(const char* stage) const {
+  check_cuda(cudaSetDevice(index_), stage);
+}
+
+std::uint64_t CudaDevice::free_bytes() const {
+  make_current("CUDA device: memory");
+  std::size_t free = 0, total = 0;
+  check_cuda(cudaMemGetInfo(&free, &total), "CUDA device: memory");
+  return free;
+}
+
 void* CudaDevice::scratch(const char* stage, std::size_t bytes) {
   scratch_.resize_uninitialized(stage, bytes == 0 ? 1 : bytes);
   return scratch_.data();

@@ -12,8 +12,14 @@
 
 namespace raysheaf {
 
+class CudaUplink;
+class CudaDownlink;
+
 class CudaDevice {
  public:
+  using Uplink = CudaUplink;
+  using Downlink = CudaDownlink;
+
   /// Device `index` of this process. `allocator`, which outlives it, replaces the device's own.
   /// Throws Error in CUDA's words where there is no such device, or none that this build has code
   /// for.
@@ -47,6 +53,7 @@ class CudaDevice {
   void synchronize(const char* stage);
   [[nodiscard]] bool is_device_memory(const void* pointer) const;
   [[nodiscard]] DeviceAllocator& allocator() { return *allocator_; }
+  [[nodiscard]] std::uint64_t free_bytes() const;
 
   void keep_times(bool keep);
   /// Waits.
@@ -57,6 +64,12 @@ class CudaDevice {
   void wait_for(const char* stage, void* stream);
   /// The product's name and its compute capability.
   [[nodiscard]] const std::string& name() const { return name_; }
+
+  // For its links.
+  [[nodiscard]] int index() const { return index_; }
+  [[nodiscard]] void* stream() const { return stream_; }  ///< a cudaStream_t
+  /// What this thread asks CUDA for from now on is asked of this device.
+  void make_current(const char* stage) const;
 
  private:
   struct Mark;

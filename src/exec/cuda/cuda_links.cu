@@ -1,0 +1,133 @@
+#include "exec/cuda/cuda_links.h"
+
+#include <cuda_runtime.h>
+
+#include "exec/cuda/cuda_error.h"
+
+namespace raysheaf {
+namespace {
+
+constexpr const char* kLinking = "CUDA device: links";
+
+cudaStream_t stream_of(void* stream) {
+  return static_cast<cudaStream_t>(stream);
+}
+cudaEvent_t event_of(void* event) {
+  return static_cast<cudaEvent_t>(event);
+}
+
+/// Who waits for it sleeps, so that threads that read and decode have the processor.
+cudaEvent_t new_event() {
+  cudaEvent_t event = nullptr;
+  check_cuda(cudaEventCreateWithFlags(&event, cudaEventDisableTiming | cudaEventBlockingSync),
+             kLinking);
+  return event;
+}
+
+void destroy_event(void* event) {
+  if (event != nullptr) static_cast<void>(cudaEventDestroy(event_of(event)));
+}
+
+}  // namespace
+
+LockedMemory::~LockedMemory() {
+  if (data_ != nullptr) static_cast<void>(cudaFreeHost(data_));
+}
+
+void LockedMemory::resize(const char* stage, std::size_t bytes) {
+  if (bytes <= size_) return;
+  if (data_ != nullptr) static_cast<void>(cudaFreeHost(data_));
+  data_ = nullptr;
+  size_ = 0;
+  check_cuda(cudaMallocHost(&data_, bytes), stage);
+  size_ = bytes;
+}
+
+CudaUplink::CudaUplink(CudaDevice& device) : device_(device) {
+  device_.make_current(kLinking);
+  try {
+    cudaStream_t stream = nullptr;
+    check_cuda(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), kLinking);
+    stream_ = stream;
+    sent_ = new_event();
+    done_ = new_event();
+  } catch (...) {
+    close();
+    throw;
+  }
+}
+
+CudaUplink::~CudaUplink() {
+  close();
+}
+
+void CudaUplink::close() noexcept {
+  static_cast<void>(cudaSetDevice(device_.index()));
+  if (stream_ != nullptr) {
+    static_cast<void>(cudaStreamSynchronize(stream_of(stream_)));
+    static_cast<void>(cudaStreamDestroy(stream_of(stream_)));
+  }
+  destroy_event(sent_);
+  destroy_event(done_);
+}
+
+std::byte* CudaUplink::room(const char* stage, std::size_t bytes) {
+  device_.make_current(stage);
+  check_cuda(cudaEventSynchronize(event_of(sent_)), stage);  // at once where nothing was sent yet
+  room_.resize(stage, bytes);
+  return room_.data();
+}
+
+void CudaUplink::send(const char* stage, void* to, std::size_t bytes) {
+  turns_.send(stage);
+  device_.make_current(stage);
+  check_cuda(cudaStreamWaitEvent(stream_of(stream_), event_of(done_), 0), stage);
+  if (bytes != 0) {
+    check_cuda(cudaMemcpyAsync(to, room_.data(), bytes, cudaMemcpyHostToDevice, stream_of(stream_)),
+               stage);
+  }
+  check_cuda(cudaEventRecord(event_of(sent_), stream_of(stream_)), stage);
+}
+
+void CudaUplink::see(const char* stage) {
+  turns_.see(stage);
+  device_.make_current(stage);
+  check_cuda(cudaStreamWaitEvent(stream_of(device_.stream()), event_of(sent_), 0), stage);
+}
+
+void CudaUplink::done_with(const char* stage) {
+  turns_.done_with(stage);
+  device_.make_current(stage);
+  check_cuda(cudaEventRecord(event_of(done_), stream_of(device_.stream())), stage);
+}
+
+CudaDownlink::CudaDownlink(CudaDevice& device) : device_(device) {
+  device_.make_current(kLinking);
+  arrived_ = new_event();
+}
+
+CudaDownlink::~CudaDownlink() {
+  static_cast<void>(cudaSetDevice(device_.index()));
+  static_cast<void>(cudaEventSynchronize(event_of(arrived_)));  // nothing writes into the room
+  destroy_event(arrived_);
+}
+
+void CudaDownlink::ask(const char* stage, const void* from, std::size_t bytes) {
+  device_.make_current(stage);
+  check_cuda(cudaEventSynchronize(event_of(arrived_)), stage);
+  room_.resize(stage, bytes);
+  if (bytes != 0) {
+    check_cuda(cudaMemcpyAsync(room_.data(), from, bytes, cudaMemcpyDeviceToHost,
+                               stream_of(device_.stream())),
+               stage);
+  }
+  check_cuda(cudaEventRecord(event_of(arrived_), stream_of(device_.stream())), stage);
+}
+
+const std::byte* CudaDownlink::wait(const char* stage) {
+  device_.make_current(stage);
+  check_cuda(cudaEventSynchronize(event_of(arrived_)), stage);
+  return room_.data();
+}
+
+}  // namespace raysheaf
