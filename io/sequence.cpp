@@ -8,7 +8,9 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <future>
 #include <iterator>
+#include <system_error>
 
 #include "io/gltf_rules.h"
 #include "io/image_cache.h"
@@ -93,6 +95,17 @@ bool same_texture(const Texture& a, const Texture& b) {
 }
 bool same_image(const Image& a, const Image& b) {
   return a.name == b.name && a.width == b.width && same_bytes(a.rgba, b.rgba);
+}
+
+/// What changes where a file does.
+struct FileStamp {
+  fs::file_time_type written;
+  std::uintmax_t bytes = 0;
+  bool operator==(const FileStamp&) const = default;
+};
+FileStamp stamp_of(const std::string& path) {
+  std::error_code failed;  // then it is no file, and says so when it is read
+  return {fs::last_write_time(path, failed), fs::file_size(path, failed)};
 }
 
 /// What of a scene comes before the frame's own.
@@ -188,8 +201,35 @@ class SequenceAnimation final : public Animation {
     }
   }
 
+  /// The frame's own part.
+  SceneDescription read(std::size_t index) {
+    if (ahead_.valid()) {
+      ahead_.wait();  // they share images
+      if (ahead_index_ == index && ahead_stamp_ == stamp_of(files_.frames[index]))
+        return ahead_.get();
+      ahead_ = {};
+    }
+    return io::load_part(files_.frames[index], options_, &images_);
+  }
+
+  /// Begins to read the frame that comes after `index` where steps go on as the last one did: it
+  /// is there when it is wanted, unless its file is another one then.
+  void read_ahead(std::size_t index) {
+    const std::size_t next = shown_ == kNone ? index + 1 : index + (index - shown_);
+    if (next >= files_.frames.size()) return;
+    ahead_index_ = next;
+    ahead_stamp_ = stamp_of(files_.frames[next]);
+    try {
+      ahead_ = std::async(std::launch::async, [this, next] {
+        return io::load_part(files_.frames[next], options_, &images_);
+      });
+    } catch (const std::system_error&) {
+      // Without a thread it is read when it is shown.
+    }
+  }
+
   SceneChanges show(std::size_t index) {
-    SceneDescription frame = io::load_part(files_.frames[index], options_, &images_);
+    SceneDescription frame = read(index);
     shift(frame, still_);
     SceneChanges changes = take_meshes(frame);
     const bool other_look =
@@ -210,6 +250,7 @@ class SequenceAnimation final : public Animation {
     }
     if (shown_ == kNone)
       scene_.warnings.insert(scene_.warnings.end(), frame.warnings.begin(), frame.warnings.end());
+    read_ahead(index);
     shown_ = index;
     return changes;
   }
@@ -266,6 +307,9 @@ class SequenceAnimation final : public Animation {
   std::size_t shown_ = kNone;
   std::size_t frame_lights_ = 0, frame_cameras_ = 0;  ///< that the frame brought
   std::vector<std::string> names_{"sequence"};
+  std::size_t ahead_index_ = kNone;
+  FileStamp ahead_stamp_;
+  std::future<SceneDescription> ahead_;  ///< the last one: it ends before what it uses goes
 };
 
 /// Less, with runs of digits compared as numbers: "f2" before "f10".

@@ -40,8 +40,12 @@ std::optional<Script> script_of(const ViewOptions& options) {
   } else if (!options.screenshot.empty()) {
     script = parse_script(kScreenshotScript, "--screenshot");
   }
-  if (script && !options.screenshot.empty())
-    script->commands.push_back({0, {"screenshot", options.screenshot}});
+  if (script && !options.screenshot.empty()) {
+    std::vector<ScriptCommand>& commands = script->commands;
+    const auto end = std::find_if(commands.begin(), commands.end(),
+                                  [](const ScriptCommand& c) { return c.words[0] == "quit"; });
+    commands.insert(end, {0, {"screenshot", options.screenshot}});
+  }
   return script;
 }
 

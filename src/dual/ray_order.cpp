@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "base/bits.h"
 #include "base/vec.h"
@@ -97,46 +98,77 @@ std::vector<std::uint32_t> scatter_to_buckets(const Executor& executor, const st
   return starts;
 }
 
-}  // namespace
+/// A counting sort of bytes: what a batch that stands well needs is little beside a pass over it.
+void order_by_quarter(const Executor& executor, View<const Ray> rays, RayOrder* order) {
+  const std::size_t count = rays.size, blocks = div_ceil(count, kBlock);
+  order->quarters.resize_uninitialized(count);
+  std::vector<std::array<std::uint32_t, kQuarters>> places(blocks);
+  executor.for_each(blocks, 1, [&](std::size_t b) {
+    std::array<std::uint32_t, kQuarters> counts{};
+    const std::size_t end = std::min(count, (b + 1) * kBlock);
+    for (std::size_t i = b * kBlock; i < end; ++i) {
+      const std::uint32_t quarter = quarter_of(rays[i].direction);
+      order->quarters[i] = static_cast<std::uint8_t>(quarter);
+      ++counts[quarter];
+    }
+    places[b] = counts;
+  });
+  std::uint32_t sum = 0;
+  for (std::uint32_t q = 0; q < kQuarters; ++q) {
+    order->starts[q] = sum;
+    for (std::size_t b = 0; b < blocks; ++b) sum += std::exchange(places[b][q], sum);
+  }
+  order->starts[kQuarters] = sum;
+  executor.for_each(blocks, 1, [&](std::size_t b) {
+    std::array<std::uint32_t, kQuarters> next = places[b];
+    const std::size_t end = std::min(count, (b + 1) * kBlock);
+    for (std::size_t i = b * kBlock; i < end; ++i)
+      order->rays[next[order->quarters[i]]++] = static_cast<std::uint32_t>(i);
+  });
+}
 
-void order_rays(const Executor& executor, View<const Ray> rays, Sorting sorting, RayOrder* order) {
+void order_along_curve(const Executor& executor, View<const Ray> rays, RayOrder* order) {
   const std::size_t count = rays.size;
-  order->rays.resize_uninitialized(count);
   order->keys.resize_uninitialized(count);
   order->spare.resize_uninitialized(count);
-  order->starts = {};
-  if (count == 0) return;
   // A key and the ray's number in one word: all words differ, so that any sort is a stable one.
   const auto index_bits = std::max(1u, static_cast<std::uint32_t>(std::bit_width(count - 1)));
-  const std::uint32_t bits = sorting == Sorting::kCurve ? kKeyBits : kQuarterBits;
-  const std::uint32_t kept = std::min(bits, 64 - index_bits);
+  const std::uint32_t kept = std::min(kKeyBits, 64 - index_bits);
   const std::uint32_t word_bits = kept + index_bits;
   const KeyMaker make_key(rays);
   executor.for_each(count, 4096, [&](std::size_t i) {
-    const std::uint64_t key =
-        sorting == Sorting::kCurve ? make_key(rays[i]) : quarter_of(rays[i].direction);
-    order->keys[i] = key >> (bits - kept) << index_bits | i;
+    order->keys[i] = make_key(rays[i]) >> (kKeyBits - kept) << index_bits | i;
   });
-  const std::uint32_t bucket_bits = sorting == Sorting::kCurve ? kBucketBits : kQuarterBits;
   const std::vector<std::uint32_t> starts =
       scatter_to_buckets(executor, order->keys.data(), order->spare.data(), count,
-                         word_bits - bucket_bits, std::size_t{1} << bucket_bits);
+                         word_bits - kBucketBits, std::size_t{1} << kBucketBits);
   const std::uint64_t index_mask = (std::uint64_t{1} << index_bits) - 1;
-  executor.for_each(starts.size() - 1, sorting == Sorting::kCurve ? 32 : 1, [&](std::size_t k) {
+  executor.for_each(starts.size() - 1, 32, [&](std::size_t k) {
     const std::uint32_t first = starts[k], size = starts[k + 1] - first;
     std::uint64_t* keys = order->spare.data() + first;
-    if (sorting == Sorting::kCurve && size > 1) {
-      if (size <= 16) {
-        std::sort(keys, keys + size);
-      } else {
-        hwy::Sorter()(keys, size, hwy::SortAscending());
-      }
+    if (size > 16) {
+      hwy::Sorter()(keys, size, hwy::SortAscending());
+    } else {
+      std::sort(keys, keys + size);
     }
     for (std::uint32_t i = 0; i < size; ++i)
       order->rays[first + i] = static_cast<std::uint32_t>(keys[i] & index_mask);
   });
   for (std::uint32_t q = 0; q <= kQuarters; ++q)
-    order->starts[q] = starts[std::size_t{q} << (bucket_bits - kQuarterBits)];
+    order->starts[q] = starts[std::size_t{q} << (kBucketBits - kQuarterBits)];
+}
+
+}  // namespace
+
+void order_rays(const Executor& executor, View<const Ray> rays, Sorting sorting, RayOrder* order) {
+  order->rays.resize_uninitialized(rays.size);
+  order->starts = {};
+  if (rays.empty()) return;
+  if (sorting == Sorting::kCurve) {
+    order_along_curve(executor, rays, order);
+  } else {
+    order_by_quarter(executor, rays, order);
+  }
 }
 
 }  // namespace raysheaf

@@ -35,6 +35,7 @@ struct RayOrder {
   Buffer<std::uint32_t> rays;                         ///< the caller's numbers, in the new order
   std::array<std::uint32_t, kQuarters + 1> starts{};  ///< of the quarters
   Buffer<std::uint64_t> keys, spare;                  ///< scratch
+  Buffer<std::uint8_t> quarters;                      ///< scratch
 };
 
 enum class Sorting : std::uint8_t {

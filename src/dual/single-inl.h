@@ -59,7 +59,12 @@ HWY_NOINLINE bool settle_for_ray(const SingleRay& r, float t_limit, const Triang
   return intersect_triangle(r.setup(t_limit), corner(0), corner(1), corner(2), hit);
 }
 
-/// A leaf's triangles with a ray: calls `take(id, hit)` for each hit.
+/// The number of the triangle at a place: four a quad.
+inline std::uint32_t id_at(const ObjectTree& tree, std::uint32_t place) {
+  return tree.quads[place / 4].id[place % 4];
+}
+
+/// A leaf's triangles with a ray: calls `take(place, hit)` for each hit.
 template <class Take>
 HWY_INLINE void leaf_with_ray(const ObjectTree& tree, const SingleRay& r, float t_limit,
                               std::uint32_t quad, std::uint32_t count, const Take& take) {
@@ -93,12 +98,14 @@ HWY_INLINE void leaf_with_ray(const ObjectTree& tree, const SingleRay& r, float 
       hn::Store(tested.det, d, det + g);
       for (; hit != 0; hit &= hit - 1) {
         const int k = __builtin_ctz(hit);
-        take(q.id[k], TriangleHit{t[k], v[k] / det[k], w[k] / det[k], det[k] > 0});
+        take(4 * quad + static_cast<std::uint32_t>(k),
+             TriangleHit{t[k], v[k] / det[k], w[k] / det[k], det[k] > 0});
       }
       for (; unsettled != 0; unsettled &= unsettled - 1) {
         const int k = __builtin_ctz(unsettled);
         TriangleHit exact;
-        if (settle_for_ray(r, t_limit, q, k, &exact)) take(q.id[k], exact);
+        if (settle_for_ray(r, t_limit, q, k, &exact))
+          take(4 * quad + static_cast<std::uint32_t>(k), exact);
       }
     }
   }

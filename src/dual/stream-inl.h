@@ -16,6 +16,9 @@ HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
 #endif
 }
 
+/// Fewer rays send no pilots: they would go alone.
+inline constexpr std::uint32_t kFewestPiloted = 512;
+
 template <class Mode>
 class StreamWalk : StreamSingles<Mode> {
  public:
@@ -24,26 +27,11 @@ class StreamWalk : StreamSingles<Mode> {
   /// Rays [first, first + count) of the order, of one quarter, at most kStreamRays.
   void run(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
     const DualCounts before = counts_;
-    const std::uint32_t alive = fill(first, count, quarter);
-    if (alive != 0) {
-      stream_.waiting.clear();
-      stream_.waiting.push_back({0, 0, 0, alive});
-      while (!stream_.waiting.empty()) {
-        const WaitingList next = stream_.waiting.back();
-        stream_.waiting.pop_back();
-        if (is_for_singles(next)) {
-          add_singles(next);
-          continue;
-        }
-        if (has_many_singles()) walk_singles_of_stream();
-        if (next.count != 0) {
-          meet_leaf(next);
-        } else {
-          open(next);
-        }
-      }
-      walk_singles_of_stream();
+    std::uint32_t alive = fill(first, count, quarter);
+    if constexpr (Mode::kAny) {
+      if (alive >= kFewestPiloted) alive = follow_pilots(alive);
     }
+    walk(0, alive);
     if (HWY_UNLIKELY(!unbounded_.empty())) test_unbounded();
     write_back();
     if (job_.ray_tests != nullptr) {
@@ -66,6 +54,73 @@ class StreamWalk : StreamSingles<Mode> {
   using StreamHits<Mode>::take_lanes, StreamHits<Mode>::write_back;
   using StreamSingles<Mode>::is_for_singles, StreamSingles<Mode>::has_many_singles;
   using StreamSingles<Mode>::add_singles, StreamSingles<Mode>::walk_singles_of_stream;
+
+  /// The rays of a list through the tree.
+  void walk(std::uint32_t offset, std::uint32_t size) {
+    if (size == 0) return;
+    stream_.waiting.clear();
+    stream_.waiting.push_back({0, 0, offset, size});
+    while (!stream_.waiting.empty()) {
+      const WaitingList next = stream_.waiting.back();
+      stream_.waiting.pop_back();
+      if (is_for_singles(next)) {
+        add_singles(next);
+        continue;
+      }
+      if (has_many_singles()) walk_singles_of_stream();
+      if (next.count != 0) {
+        meet_leaf(next);
+      } else {
+        open(next);
+      }
+    }
+    walk_singles_of_stream();
+  }
+
+  /// What stops a ray often stops those beside it (E. Haines, D. Greenberg, "The Light Buffer",
+  /// 1986, keep the last occluder). Of each block of the list one ray goes ahead, and the triangles
+  /// that stopped it and its neighbours' are tried on the block. Returns how many of the first
+  /// `alive` of the list are left.
+  std::uint32_t follow_pilots(std::uint32_t alive) {
+    Stream& s = stream_;
+    const std::uint32_t blocks = alive / kPacketWidth, pilots = (alive + 31) / 16 * 16;
+    s.grow_lists(pilots + blocks + std::size_t{2} * kPacketWidth);
+    for (std::uint32_t b = 0; b < blocks; ++b)
+      s.lists[pilots + b] = s.lists[b * kPacketWidth + kPacketWidth / 2];
+    pad_list(pilots, blocks);
+    walk(pilots, blocks);
+    std::uint32_t* const numbers = s.lists.data();
+    places_.assign(blocks + std::size_t{2}, kInvalidId);
+    for (std::uint32_t b = 0; b < blocks; ++b) {
+      const std::uint32_t pilot = numbers[b * kPacketWidth + kPacketWidth / 2];
+      places_[b + 1] = s.hits[pilot].triangle;
+      s.rays[pilot].s_far = -std::numeric_limits<float>::infinity();  // done, hit or not
+    }
+    std::uint32_t left = 0;
+    for (std::uint32_t b = 0; b * kPacketWidth < alive; ++b) {
+      const std::uint32_t first = b * kPacketWidth, n = std::min(kPacketWidth, alive - first);
+      const std::uint32_t before = places_[b], middle = b < blocks ? places_[b + 1] : before;
+      const std::uint32_t after = b < blocks ? places_[b + 2] : before;
+      if (middle != kInvalidId) try_on_block(middle, numbers + first, n);
+      if (before != kInvalidId && before != middle) try_on_block(before, numbers + first, n);
+      if (after != kInvalidId && after != middle && after != before)
+        try_on_block(after, numbers + first, n);
+      for (std::uint32_t i = 0; i < n; ++i) {
+        const std::uint32_t number = numbers[first + i];
+        numbers[left] = number;
+        left += s.rays[number].s_far >= s.rays[number].s_near ? 1 : 0;
+      }
+    }
+    if (left != 0) pad_list(0, left);
+    return left;
+  }
+
+  void try_on_block(std::uint32_t place, const std::uint32_t* block, std::uint32_t n) {
+    const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
+    counts_.triangle_tests += n;
+    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
+      meet_group(place, 1, block, used, g);
+  }
 
   /// The stream's records, and the list of those that meet the scene's box: how many they are.
   std::uint32_t fill(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
@@ -227,7 +282,6 @@ class StreamWalk : StreamSingles<Mode> {
   void meet_leaf(const WaitingList& list) {
     Stream& s = stream_;
     counts_.triangle_tests += std::uint64_t{list.size} * list.count;
-    const Rays d;
     const std::uint32_t* numbers = s.lists.data() + list.offset;
     for (std::uint32_t base = 0; base < list.size; base += kPacketWidth) {
       const std::uint32_t n = std::min(kPacketWidth, list.size - base);
@@ -237,29 +291,37 @@ class StreamWalk : StreamSingles<Mode> {
         hwy::Prefetch(s.rays.data() + numbers[base + i]);
         hwy::Prefetch(s.shears.data() + numbers[base + i]);
       }
-      for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-        RV ox, oy, oz, shear_x, shear_y, shear_z, t_min, t_limit, unused;
-        gather4(s.rays.data(), 0, block + g, ox, oy, oz, unused);
-        gather4(s.shears.data(), 0, block + g, shear_x, shear_y, shear_z, t_min);
-        gather4(s.shears.data(), 1, block + g, t_limit, unused, unused, unused);
-        for (std::uint32_t i = 0; i < list.count; ++i) {
-          const TriangleQuad& q = tree_.quads[list.first + i / 4];
-          const std::uint32_t k = i % 4;
-          const float* x = &q.vertex[0][s.axis_x][k];
-          const float* y = &q.vertex[0][s.axis_y][k];
-          const float* z = &q.vertex[0][s.axis_z][k];
-          const auto moved = [&](int c) {
-            return sheared(d, hn::Sub(set(x[12 * c]), ox), hn::Sub(set(y[12 * c]), oy),
-                           hn::Sub(set(z[12 * c]), oz), shear_x, shear_y);
-          };
-          Tested<Rays> tested;
-          if (test_lanes(d, moved(0), moved(1), moved(2), shear_z, t_min, t_limit, &tested))
-            take_lanes(q, k, block, used, g, tested);
-        }
-      }
+      for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
+        meet_group(4 * list.first, list.count, block, used, g);
+    }
+  }
+
+  /// Triangles from a place on with the lanes of a block from `g` on.
+  HWY_INLINE void meet_group(std::uint32_t first, std::uint32_t count, const std::uint32_t* block,
+                             std::uint32_t used, std::size_t g) {
+    const Rays d;
+    const Stream& s = stream_;
+    RV ox, oy, oz, shear_x, shear_y, shear_z, t_min, t_limit, unused;
+    gather4(s.rays.data(), 0, block + g, ox, oy, oz, unused);
+    gather4(s.shears.data(), 0, block + g, shear_x, shear_y, shear_z, t_min);
+    gather4(s.shears.data(), 1, block + g, t_limit, unused, unused, unused);
+    for (std::uint32_t place = first; place < first + count; ++place) {
+      const TriangleQuad& q = tree_.quads[place / 4];
+      const std::uint32_t k = place % 4;
+      const float* x = &q.vertex[0][s.axis_x][k];
+      const float* y = &q.vertex[0][s.axis_y][k];
+      const float* z = &q.vertex[0][s.axis_z][k];
+      const auto moved = [&](int c) {
+        return sheared(d, hn::Sub(set(x[12 * c]), ox), hn::Sub(set(y[12 * c]), oy),
+                       hn::Sub(set(z[12 * c]), oz), shear_x, shear_y);
+      };
+      Tested<Rays> tested;
+      if (test_lanes(d, moved(0), moved(1), moved(2), shear_z, t_min, t_limit, &tested))
+        take_lanes(place, block, used, g, tested);
     }
   }
 
   RayPacket packet_;
+  std::vector<std::uint32_t> places_;     ///< what pilots met, between two that are nothing
   std::vector<std::uint32_t> unbounded_;  ///< rays of packets that have no bounds
 };

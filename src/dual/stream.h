@@ -50,7 +50,7 @@ struct RowHit {
 struct Stream {
   Buffer<StreamRay> rays;
   Buffer<StreamShear> shears;
-  Buffer<EngineHit> hits;
+  Buffer<EngineHit> hits;  ///< any-hit: `triangle` is the place in the tree of one that was met
   Buffer<std::uint32_t> index;  ///< the caller's numbers
   Buffer<std::uint32_t> lists;
   std::vector<WaitingList> waiting;

@@ -12,8 +12,9 @@ class StreamHits {
   StreamHits(const StreamHits&) = delete;
   StreamHits& operator=(const StreamHits&) = delete;
 
-  HWY_NOINLINE void take_lanes(const TriangleQuad& q, std::uint32_t k, const std::uint32_t* block,
-                               std::uint32_t used, std::size_t g, const Tested<Rays>& tested) {
+  /// `place`: of a triangle in the tree's quads, four each; so for all that take hits.
+  HWY_NOINLINE void take_lanes(std::uint32_t place, const std::uint32_t* block, std::uint32_t used,
+                               std::size_t g, const Tested<Rays>& tested) {
     const Rays d;
     std::uint32_t hit = bits_of(d, tested.hit) & used >> g;
     std::uint32_t unsettled = bits_of(d, tested.unsettled) & used >> g;
@@ -25,15 +26,17 @@ class StreamHits {
     hn::Store(tested.det, d, det);
     for (; hit != 0; hit &= hit - 1) {
       const int i = __builtin_ctz(hit);
-      take(block[g + static_cast<std::size_t>(i)], q.id[k],
+      take(block[g + static_cast<std::size_t>(i)], place,
            {t[i], v[i] / det[i], w[i] / det[i], det[i] > 0});
     }
     for (; unsettled != 0; unsettled &= unsettled - 1)
-      take_exactly(block[g + static_cast<std::size_t>(__builtin_ctz(unsettled))], q, k);
+      take_exactly(block[g + static_cast<std::size_t>(__builtin_ctz(unsettled))], place);
   }
 
-  HWY_NOINLINE void take_exactly(std::uint32_t n, const TriangleQuad& q, std::uint32_t k) {
+  HWY_NOINLINE void take_exactly(std::uint32_t n, std::uint32_t place) {
     const Stream& s = stream_;
+    const TriangleQuad& q = tree_.quads[place / 4];
+    const std::uint32_t k = place % 4;
     RaySetup r;
     float o[3];
     o[s.axis_x] = s.rays[n].ox;
@@ -52,18 +55,20 @@ class StreamHits {
       return Vec3{q.vertex[i][0][k], q.vertex[i][1][k], q.vertex[i][2][k]};
     };
     TriangleHit hit;
-    if (intersect_triangle(r, corner(0), corner(1), corner(2), &hit)) take(n, q.id[k], hit);
+    if (intersect_triangle(r, corner(0), corner(1), corner(2), &hit)) take(n, place, hit);
   }
 
-  void take(std::uint32_t n, std::uint32_t id, const TriangleHit& hit) {
+  void take(std::uint32_t n, std::uint32_t place, const TriangleHit& hit) {
     Stream& s = stream_;
+    const std::uint32_t id = id_at(tree_, place);
     if (job_.scene.facing != Facing::kBoth && job_.scene.flags != nullptr &&
         !shows(job_.scene.facing, job_.scene.flags[id], hit.front))
       return;
     if constexpr (Mode::kAll) {
       s.rows.push_back({s.first + n, {hit.t, hit.u, hit.v, id}});
     } else if constexpr (Mode::kAny) {
-      s.hits[n].triangle = id;
+      // The least of a leaf's, whatever order a SIMD target finds them in.
+      s.hits[n].triangle = std::min(s.hits[n].triangle, place);
       s.shears[n].t_limit = -1;
       s.rays[n].s_far = -std::numeric_limits<float>::infinity();
     } else {

@@ -60,7 +60,7 @@ class StreamSingles : protected StreamHits<Mode> {
           counts_.triangle_tests += count;
           leaf_with_ray(
               tree_, walk.ray, stream_.shears[walk.number].t_limit, quad, count,
-              [&](std::uint32_t id, const TriangleHit& hit) { take(walk.number, id, hit); });
+              [&](std::uint32_t place, const TriangleHit& hit) { take(walk.number, place, hit); });
         });
     pending_.clear();
   }

@@ -249,9 +249,10 @@ class Walk {
         },
         [&](const SingleWalk& walk, std::uint32_t quad, std::uint32_t triangles) {
           counts_.triangle_tests += triangles;
-          leaf_with_ray(
-              tree_, walk.ray, packet_.t_limit[walk.number], quad, triangles,
-              [&](std::uint32_t id, const TriangleHit& hit) { take(walk.number, id, hit); });
+          leaf_with_ray(tree_, walk.ray, packet_.t_limit[walk.number], quad, triangles,
+                        [&](std::uint32_t place, const TriangleHit& hit) {
+                          take(walk.number, id_at(tree_, place), hit);
+                        });
         });
   }
 

@@ -176,7 +176,8 @@ FoundRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
 
 std::size_t Engine::memory_bytes() const {
   return tree_.memory_bytes() + order_.rays.capacity_bytes() + order_.keys.capacity_bytes() +
-         order_.spare.capacity_bytes() + streams_->bytes() + fan_memory_.bytes() + bytes_of(rows_);
+         order_.spare.capacity_bytes() + order_.quarters.capacity_bytes() + streams_->bytes() +
+         fan_memory_.bytes() + bytes_of(rows_);
 }
 
 }  // namespace raysheaf

@@ -9,6 +9,7 @@
 #include "raster/rasterizer.h"
 #include "raster/resolve.h"
 #include "raygen/hash_body.h"
+#include "scene/surface_reader.h"
 
 namespace raysheaf {
 namespace {}  // namespace
@@ -96,16 +97,20 @@ Fragments fetch_fragments(const Executor& executor, const FlatScene& scene,
                           const TextureSet& textures, const CameraFrame& frame,
                           View<const std::uint32_t> triangles) {
   Fragments fragments(triangles.size);
-  executor.for_each(triangles.size, kWorkGrain, [&](std::size_t i) {
-    Fragment& f = fragments[i] = {};
-    f.pixel = static_cast<std::uint32_t>(i);
-    f.triangle = triangles[i];
-    const Ray ray = camera_ray(frame, f.pixel % frame.width, f.pixel / frame.width);
-    f.incoming = normalized(ray.direction);
-    if (f.triangle == kInvalidId) return;
-    const Vec2 uv = clamped_barycentrics(ray, scene.corner(f.triangle, 0),
-                                         scene.corner(f.triangle, 1), scene.corner(f.triangle, 2));
-    f.surface = surface_at(scene, textures, f.triangle, uv.x, uv.y, f.incoming);
+  executor.for_each_block(triangles.size, kWorkGrain, [&](std::size_t begin, std::size_t end) {
+    SurfaceReader reader(*scene.description, textures);
+    for (std::size_t i = begin; i < end; ++i) {
+      Fragment& f = fragments[i] = {};
+      f.pixel = static_cast<std::uint32_t>(i);
+      f.triangle = triangles[i];
+      const Ray ray = camera_ray(frame, f.pixel % frame.width, f.pixel / frame.width);
+      f.incoming = normalized(ray.direction);
+      if (f.triangle == kInvalidId) continue;
+      reader.hold(scene, f.triangle);
+      const Vec3(&corner)[3] = reader.held().corner;
+      const Vec2 uv = clamped_barycentrics(ray, corner[0], corner[1], corner[2]);
+      f.surface = reader.at(uv.x, uv.y, f.incoming);
+    }
   });
   return fragments;
 }

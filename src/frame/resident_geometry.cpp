@@ -5,7 +5,7 @@
 #include "frame/frame.h"
 #include "frame/primary.h"
 #include "intersect/triangle_body.h"
-#include "scene/surface.h"
+#include "scene/surface_reader.h"
 
 namespace raysheaf {
 namespace {}  // namespace
@@ -62,13 +62,17 @@ void ResidentGeometry::find_occluded(const RayBatch& batch, bool early_out,
 }
 
 void ResidentGeometry::fetch_surfaces(View<const Ray> rays, View<Fragment> fragments) {
-  executor_.for_each(fragments.size, kWorkGrain, [&](std::size_t i) {
-    Fragment& f = fragments[i];
-    if (f.triangle == kInvalidId) return;
-    TriangleHit where{};
-    intersect_triangle(make_ray_setup(rays[i]), scene_.corner(f.triangle, 0),
-                       scene_.corner(f.triangle, 1), scene_.corner(f.triangle, 2), &where);
-    f.surface = surface_at(scene_, textures_, f.triangle, where.u, where.v, f.incoming);
+  executor_.for_each_block(fragments.size, kWorkGrain, [&](std::size_t begin, std::size_t end) {
+    SurfaceReader reader(*scene_.description, textures_);
+    for (std::size_t i = begin; i < end; ++i) {
+      Fragment& f = fragments[i];
+      if (f.triangle == kInvalidId) continue;
+      reader.hold(scene_, f.triangle);
+      const Vec3(&corner)[3] = reader.held().corner;
+      TriangleHit where{};
+      intersect_triangle(make_ray_setup(rays[i]), corner[0], corner[1], corner[2], &where);
+      f.surface = reader.at(where.u, where.v, f.incoming);
+    }
   });
 }
 

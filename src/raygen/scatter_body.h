@@ -39,7 +39,7 @@ RAYSHEAF_HD inline Vec3 reflected(Vec3 incoming, Vec3 normal) {
 }
 
 struct Scattering {
-  Vec3 reflection, refraction;                            ///< unit directions
+  Vec3 reflection, refraction;  ///< unit directions, of a mirror, and of glass
   Vec3 reflected_part{0, 0, 0}, refracted_part{0, 0, 0};  ///< of the radiance along them
   Vec3 diffuse_part{1, 1, 1};  ///< what the specular layer leaves to the body below
   bool mirror = false;         ///< smooth enough to trace its reflection
@@ -87,7 +87,6 @@ RAYSHEAF_HD inline Scattering scatter(const Fragment& f) {
   const Surface& surface = f.surface;
   Scattering s;
   const float cos_in = cos_arrival(f);
-  s.reflection = mirror_direction(f);
   if (surface.transmission > 0) {
     scatter_glass(f, cos_in, &s);
   } else {
@@ -95,6 +94,7 @@ RAYSHEAF_HD inline Scattering scatter(const Fragment& f) {
     s.diffuse_part = Vec3{1, 1, 1} - fresnel_schlick(surface.coat, cos_in);
     s.mirror = surface.roughness < kMirrorRoughness;
   }
+  if (s.mirror) s.reflection = mirror_direction(f);
   if (surface.unlit) s.reflected_part = s.refracted_part = s.diffuse_part = {0, 0, 0};
   return s;
 }

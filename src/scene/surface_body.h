@@ -53,12 +53,21 @@ RAYSHEAF_HD inline Vec3 unit(Wide a, Vec3 fallback) {
           static_cast<float>(a.z / size)};
 }
 
-/// The image of a normal as a unit vector: `transform_normal` (base/vec.h) for maps of any scale.
-RAYSHEAF_HD inline Vec3 unit_normal(const Affine& map, Vec3 normal, Vec3 fallback) {
+/// Where a map takes the normals of surfaces: its cofactors, and the side that they end up on.
+struct NormalMap {
+  Wide yz, zx, xy;
+  double side = 1;
+};
+RAYSHEAF_HD inline NormalMap normal_map(const Affine& map) {
   const Wide x = widened(column(map, 0)), y = widened(column(map, 1)), z = widened(column(map, 2));
-  const Wide yz = cross(y, z), zx = cross(z, x), xy = cross(x, y);
-  const double side = dot(x, yz) < 0 ? -1 : 1;
-  const double nx = side * normal.x, ny = side * normal.y, nz = side * normal.z;
+  const Wide yz = cross(y, z);
+  return {yz, cross(z, x), cross(x, y), dot(x, yz) < 0 ? -1.0 : 1.0};
+}
+
+/// The image of a normal as a unit vector: `transform_normal` (base/vec.h) for maps of any scale.
+RAYSHEAF_HD inline Vec3 unit_normal(const NormalMap& map, Vec3 normal, Vec3 fallback) {
+  const Wide &yz = map.yz, &zx = map.zx, &xy = map.xy;
+  const double nx = map.side * normal.x, ny = map.side * normal.y, nz = map.side * normal.z;
   return unit({yz.x * nx + zx.x * ny + xy.x * nz, yz.y * nx + zx.y * ny + xy.y * nz,
                yz.z * nx + zx.z * ny + xy.z * nz},
               fallback);

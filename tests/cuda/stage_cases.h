@@ -41,7 +41,7 @@ struct SurfaceCase {
     const MixedPoint point = mixed_point(a, b, c, u, v);
     const Wide normal = cross(difference(b, a), difference(c, a));
     out.put(point.position, point.error, unit(normal, {0, 0, 1}), dot(normal, widened(a)));
-    out.put(unit_normal(draws.map(), a, {0, 0, 1}));
+    out.put(unit_normal(normal_map(draws.map()), a, {0, 0, 1}));
   }
 };
 

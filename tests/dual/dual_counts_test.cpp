@@ -140,6 +140,17 @@ TEST(DualCounts, ABeamSparesRaysTheirTests) {
   EXPECT_LT(packets.counts[0].ray_box_tests, streams.counts[0].ray_box_tests);
 }
 
+TEST(DualCounts, APilotSparesRaysBesideItTheirTests) {
+  Random random(28);
+  Heap heap = screened_heap(12, 3000, random);
+  const std::vector<Ray> rays = fan_rays(128);
+  ObjectTree tree;
+  make_tree(&heap, Tree::kCurve, &tree);
+  const DualScene scene{&tree, nullptr, Facing::kBoth, Bundle::kStream};
+  const Answers a = ask(one_thread(), scene, rays, Sorting::kByQuarter);
+  EXPECT_LT(a.counts[1].ray_box_tests, a.counts[0].ray_box_tests / 2);
+}
+
 /// Shares are added to what there is; no room for them and no counts are fine too.
 TEST(DualCounts, AreOptional) {
   Random random(26);

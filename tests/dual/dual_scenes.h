@@ -231,4 +231,30 @@ inline void keep_one_hit(const Heap& heap, std::vector<Ray>* rays, Random& rando
   }
 }
 
+/// Rays of one quarter from one point, `side` rows of as many, beside each other.
+inline std::vector<Ray> fan_rays(std::uint32_t side) {
+  std::vector<Ray> rays;
+  for (std::uint32_t y = 0; y < side; ++y)
+    for (std::uint32_t x = 0; x < side; ++x) {
+      const auto at = [&](std::uint32_t i) {
+        return (static_cast<float>(i) + 0.5f) / static_cast<float>(side);
+      };
+      rays.push_back({{0, 0, 0}, 0, {1, at(y), at(x)}, kInfinity});
+    }
+  return rays;
+}
+
+/// Large triangles before many small ones, as such rays see them.
+inline Heap screened_heap(std::uint32_t large, std::uint32_t small, Random& random) {
+  Heap heap;
+  for (std::uint32_t i = 0; i < large + small; ++i) {
+    const float depth = i < large ? 2.0f : 6.0f, size = i < large ? 1.2f : 0.2f;
+    const Vec3 middle =
+        Vec3{depth, 0.5f * depth, 0.5f * depth} + random.in_box(0.5f * depth) * Vec3{0.2f, 1, 1};
+    heap.add(middle + random.in_box(size), middle + random.in_box(size),
+             middle + random.in_box(size));
+  }
+  return heap;
+}
+
 }  // namespace raysheaf::test

@@ -74,6 +74,18 @@ TEST(Dual, Facing) {
   }
 }
 
+/// What stops a ray is tried on those beside it, whichever side of it they see.
+TEST(Dual, RaysThatStopWhereTheirNeighboursDo) {
+  Random random(27);
+  const std::vector<Ray> rays = fan_rays(100);
+  Heap heap = screened_heap(12, 300, random);
+  for (std::uint32_t i = 0; i < heap.count(); ++i)
+    heap.flags.push_back(static_cast<std::uint8_t>(random.below(4)));
+  const std::size_t some = expect_right(heap, rays, Facing::kSkipBackOfSingleSided);
+  EXPECT_GT(some, rays.size() / 4);
+  EXPECT_LT(some, expect_right(heap, rays, Facing::kBoth));
+}
+
 TEST(Dual, NoTriangles) {
   Random random(6);
   Heap none, flat;

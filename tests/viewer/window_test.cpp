@@ -71,6 +71,20 @@ TEST_F(WindowTest, PicturesDifferAsTheyShould) {
             0.1);
 }
 
+/// Nothing to compare: what counts is that a sanitizer has nothing to say of it.
+TEST_F(WindowTest, EveryMethodAndOverlayIsShown) {
+  std::string lines = "wait-for-picture\n";
+  for (const char* method : {"rah", "crsh", "gl10", "dual"})
+    lines += std::string("method ") + method + "\norbit 10 5\nwait-for-picture\n";
+  for (const char* overlay : {"tests", "normal", "albedo", "shadow", "ids"})
+    lines +=
+        std::string("overlay ") + overlay + "\nwait-for-picture\nscreenshot " + overlay + ".png\n";
+  const Finished finished = play(lines);
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  EXPECT_EQ(finished.err, "");
+  EXPECT_GT(difference(picture("albedo.png"), picture("ids.png")), 0.1);
+}
+
 TEST_F(WindowTest, AHandMovesPicksSplitsAndSaves) {
   const Finished finished = play(
       "wait-for-refined\nclick 0.5 0.5\nwait 0.1\nassert pick-mesh is-not nothing\n"
@@ -149,6 +163,15 @@ TEST_F(WindowTest, ScreenshotAloneWaitsForTheWholePicture) {
                                          folder);
   ASSERT_EQ(finished.code, 0) << finished.err;
   EXPECT_EQ(picture("one.png").width, 320u);
+}
+
+TEST_F(WindowTest, ScreenshotIsTakenWhereAScriptQuits) {
+  write_file(folder.file("s"), "wait-for-picture\nquit\n");
+  const std::vector<std::string> start = {"view",         "builtin:cornell", "--script", "s",
+                                          "--screenshot", "end.png",         "--size",   "320x240"};
+  const Finished finished = raysheaf_app(start, folder);
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  EXPECT_EQ(picture("end.png").width, 320u);
 }
 
 TEST_F(WindowTest, MeasuresHowLongInputWaits) {
