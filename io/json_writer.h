@@ -1,12 +1,12 @@
 // JSON as text, put together from its parts: no tree, and nothing that allocates on its way out.
 #pragma once
 
+#include <cstddef>
 #include <initializer_list>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 namespace raysheaf::io {
 
