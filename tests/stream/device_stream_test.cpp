@@ -263,6 +263,47 @@ TEST_P(StreamOnDevice, GoesOnWhereItWasStopped) {
   }
 }
 
+/// Takes the least of several parts, one after the other.
+class TakenTogether : public HitExchange {
+ public:
+  void closest(std::span<StreamHit> hits) override {
+    hits_.resize(hits.size());
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      if (precedes(hits_[i].hit, hits[i].hit)) hits[i] = hits_[i];
+      hits_[i] = hits[i];
+    }
+  }
+  void unite(std::span<std::uint8_t> bytes) override {
+    bytes_.resize(bytes.size());
+    for (std::size_t i = 0; i < bytes.size(); ++i) bytes_[i] = bytes[i] |= bytes_[i];
+  }
+
+ private:
+  std::vector<StreamHit> hits_;
+  std::vector<std::uint8_t> bytes_;
+};
+
+TEST_P(StreamOnDevice, PartsOfTheBlocksCombineWithThoseOfTheCpu) {
+  const SceneDescription scene = builtin_scene("cornell");
+  BlockList blocks;
+  blocks.set_scene(cut_into_blocks(scene, &blocks, 40));
+  const std::vector<Ray> rays = rays_at(scene, 1500, 5);
+  TakenTogether all;
+  std::vector<Hit> hits(rays.size());
+  std::vector<std::uint8_t> occluded(rays.size());
+  for (std::uint32_t part = 0; part < 3; ++part) {
+    StreamOptions options = part == 1 ? StreamOptions() : there();
+    options.part = part;
+    options.parts = 3;
+    options.exchange = &all;
+    closest_hit(blocks, rays, hits, options);
+    any_hit(blocks, rays, occluded, options);
+  }
+  const Said expected(blocks, rays, {});
+  EXPECT_EQ(std::memcmp(hits.data(), expected.hits.data(), hits.size() * sizeof(Hit)), 0);
+  EXPECT_EQ(occluded, expected.occluded);
+}
+
 /// Fails at the n-th block that is read, or gives it with its last corners cut off.
 class Broken : public GeometrySource {
  public:
