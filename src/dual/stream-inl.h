@@ -1,28 +1,12 @@
 // Streams of rays through the tree. Included by dual/trace_simd.cpp, inside its namespace.
 
-/// Appends the numbers of a group's lanes that are set; room for kPacketWidth is needed. Returns
-/// the new end.
-HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
-                                     std::uint32_t* out) {
-#if HWY_TARGET <= HWY_AVX3
-  const RayInts d;
-  const auto lanes = hn::RebindMask(d, set_lanes);
-  hn::StoreU(hn::Compress(hn::Load(d, numbers), lanes), d, out);
-  return out + hn::CountTrue(d, lanes);
-#else
-  std::uint32_t bits = bits_of(Rays(), set_lanes);
-  for (; bits != 0; bits &= bits - 1) *out++ = numbers[__builtin_ctz(bits)];
-  return out;
-#endif
-}
-
 /// Fewer rays send no pilots: they would go alone.
 inline constexpr std::uint32_t kFewestPiloted = 512;
 
 template <class Mode>
-class StreamWalk : StreamSingles<Mode> {
+class StreamWalk : StreamLists<Mode> {
  public:
-  explicit StreamWalk(const TraceJob& job) : StreamSingles<Mode>(job) {}
+  explicit StreamWalk(const TraceJob& job) : StreamLists<Mode>(job) {}
 
   /// Rays [first, first + count) of the order, of one quarter, at most kStreamRays.
   void run(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
@@ -51,31 +35,9 @@ class StreamWalk : StreamSingles<Mode> {
  private:
   using StreamHits<Mode>::job_, StreamHits<Mode>::tree_, StreamHits<Mode>::stream_;
   using StreamHits<Mode>::counts_;
-  using StreamHits<Mode>::take_lanes, StreamHits<Mode>::write_back;
-  using StreamSingles<Mode>::is_for_singles, StreamSingles<Mode>::has_many_singles;
-  using StreamSingles<Mode>::add_singles, StreamSingles<Mode>::walk_singles_of_stream;
-
-  /// The rays of a list through the tree.
-  void walk(std::uint32_t offset, std::uint32_t size) {
-    if (size == 0) return;
-    stream_.waiting.clear();
-    stream_.waiting.push_back({0, 0, offset, size});
-    while (!stream_.waiting.empty()) {
-      const WaitingList next = stream_.waiting.back();
-      stream_.waiting.pop_back();
-      if (is_for_singles(next)) {
-        add_singles(next);
-        continue;
-      }
-      if (has_many_singles()) walk_singles_of_stream();
-      if (next.count != 0) {
-        meet_leaf(next);
-      } else {
-        open(next);
-      }
-    }
-    walk_singles_of_stream();
-  }
+  using StreamHits<Mode>::write_back;
+  using StreamLists<Mode>::walk, StreamLists<Mode>::pad_list;
+  using StreamLists<Mode>::meet_leaf, StreamLists<Mode>::meet_group;
 
   /// What stops a ray often stops those beside it (E. Haines, D. Greenberg, "The Light Buffer",
   /// 1986, keep the last occluder). Of each block of the list one ray goes ahead, and the triangles
@@ -194,131 +156,6 @@ class StreamWalk : StreamSingles<Mode> {
       meet_leaf({quad, n, 0, size});
     });
     unbounded_.clear();
-  }
-
-  /// The children from far to near along the stream's axis.
-  std::uint32_t sorted_children(const BvhNode& node, std::uint32_t* children) const {
-    float near[kBvhWidth];
-    const int z = stream_.axis_z;
-    for (std::uint32_t c = 0; c < node.children; ++c) {
-      const float at = stream_.mirrored ? -node.bound[z + 3][c] : node.bound[z][c];
-      std::uint32_t place = c;
-      for (; place > 0 && near[place - 1] < at; --place) {
-        near[place] = near[place - 1];
-        children[place] = children[place - 1];
-      }
-      near[place] = at;
-      children[place] = c;
-    }
-    return node.children;
-  }
-
-  void open(const WaitingList& list) {
-    using hn::Max, hn::Min, hn::Mul, hn::Sub;
-    Stream& s = stream_;
-    const BvhNode& node = tree_.nodes[list.first];
-    std::uint32_t children[kBvhWidth];
-    const std::uint32_t child_count = sorted_children(node, children);
-    counts_.ray_box_tests += std::uint64_t{list.size} * child_count;
-    const std::uint32_t room = (list.size + kPacketWidth + 15) / 16 * 16;
-    const std::uint32_t bottom = (list.offset + list.size + 15) / 16 * 16;
-    const std::size_t needed = bottom + std::size_t{room} * child_count + 2 * kPacketWidth;
-    s.grow_lists(needed);
-    // Bounds as the rays see them, grown by the pad: near and far on x, y, z.
-    float box[kBvhWidth][6];
-    std::uint32_t* out[kBvhWidth];
-    const int rows[6] = {s.near_x, s.far_x, s.near_y, s.far_y, s.near_z, s.far_z};
-    for (std::uint32_t k = 0; k < child_count; ++k) {
-      for (int r = 0; r < 6; ++r)
-        box[k][r] = node.bound[rows[r]][children[k]] + (rows[r] < 3 ? -s.pad : s.pad);
-      if (s.mirrored) {
-        box[k][4] = -box[k][4];
-        box[k][5] = -box[k][5];
-      }
-      out[k] = s.lists.data() + bottom + room * k;
-    }
-    const std::uint32_t* numbers = s.lists.data() + list.offset;
-    for (std::uint32_t base = 0; base < list.size; base += kPacketWidth) {
-      const std::uint32_t n = std::min(kPacketWidth, list.size - base);
-      const std::uint32_t* block = numbers + base;
-      const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
-      for (std::uint32_t i = n; i < std::min(2 * kPacketWidth, list.size - base); ++i)
-        hwy::Prefetch(s.rays.data() + numbers[base + i]);
-      for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-        RV ox, oy, z, per_x, per_y, s_near, s_far, unused;
-        gather4(s.rays.data(), 0, block + g, ox, oy, z, per_x);
-        gather4(s.rays.data(), 1, block + g, per_y, s_near, s_far, unused);
-        const RV oz = s.mirrored ? hn::Neg(z) : z;
-        const RM some = lanes_of(used, g);
-        for (std::uint32_t k = 0; k < child_count; ++k) {
-          const float* b = box[k];
-          const RV x0 = Mul(Sub(set(b[0]), ox), per_x), x1 = Mul(Sub(set(b[1]), ox), per_x);
-          const RV y0 = Mul(Sub(set(b[2]), oy), per_y), y1 = Mul(Sub(set(b[3]), oy), per_y);
-          const RV near = Max(Max(x0, y0), Max(Sub(set(b[4]), oz), s_near));
-          const RV far = Min(Min(x1, y1), Min(Sub(set(b[5]), oz), s_far));
-          out[k] = append_set(block + g, hn::And(hn::Le(near, far), some), out[k]);
-        }
-      }
-    }
-    for (std::uint32_t k = 0; k < child_count; ++k) {
-      const std::uint32_t offset = bottom + room * k;
-      const auto size = static_cast<std::uint32_t>(out[k] - (s.lists.data() + offset));
-      if (size == 0) continue;
-      pad_list(offset, size);
-      const std::uint32_t c = children[k];
-      s.waiting.push_back({node.first[c], node.count[c], offset, size});
-      prefetch_subtree(tree_, node.first[c], node.count[c]);
-    }
-  }
-
-  /// Numbers beyond a list's end, so that its last block is read like the others.
-  void pad_list(std::uint32_t offset, std::uint32_t size) {
-    std::uint32_t* end = stream_.lists.data() + offset + size;
-    const RayInts d;
-    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
-      hn::StoreU(hn::Set(d, end[-1]), d, end + g);
-  }
-
-  void meet_leaf(const WaitingList& list) {
-    Stream& s = stream_;
-    counts_.triangle_tests += std::uint64_t{list.size} * list.count;
-    const std::uint32_t* numbers = s.lists.data() + list.offset;
-    for (std::uint32_t base = 0; base < list.size; base += kPacketWidth) {
-      const std::uint32_t n = std::min(kPacketWidth, list.size - base);
-      const std::uint32_t* block = numbers + base;
-      const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
-      for (std::uint32_t i = n; i < std::min(2 * kPacketWidth, list.size - base); ++i) {
-        hwy::Prefetch(s.rays.data() + numbers[base + i]);
-        hwy::Prefetch(s.shears.data() + numbers[base + i]);
-      }
-      for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
-        meet_group(4 * list.first, list.count, block, used, g);
-    }
-  }
-
-  /// Triangles from a place on with the lanes of a block from `g` on.
-  HWY_INLINE void meet_group(std::uint32_t first, std::uint32_t count, const std::uint32_t* block,
-                             std::uint32_t used, std::size_t g) {
-    const Rays d;
-    const Stream& s = stream_;
-    RV ox, oy, oz, shear_x, shear_y, shear_z, t_min, t_limit, unused;
-    gather4(s.rays.data(), 0, block + g, ox, oy, oz, unused);
-    gather4(s.shears.data(), 0, block + g, shear_x, shear_y, shear_z, t_min);
-    gather4(s.shears.data(), 1, block + g, t_limit, unused, unused, unused);
-    for (std::uint32_t place = first; place < first + count; ++place) {
-      const TriangleQuad& q = tree_.quads[place / 4];
-      const std::uint32_t k = place % 4;
-      const float* x = &q.vertex[0][s.axis_x][k];
-      const float* y = &q.vertex[0][s.axis_y][k];
-      const float* z = &q.vertex[0][s.axis_z][k];
-      const auto moved = [&](int c) {
-        return sheared(d, hn::Sub(set(x[12 * c]), ox), hn::Sub(set(y[12 * c]), oy),
-                       hn::Sub(set(z[12 * c]), oz), shear_x, shear_y);
-      };
-      Tested<Rays> tested;
-      if (test_lanes(d, moved(0), moved(1), moved(2), shear_z, t_min, t_limit, &tested))
-        take_lanes(place, block, used, g, tested);
-    }
   }
 
   RayPacket packet_;

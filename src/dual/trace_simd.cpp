@@ -39,6 +39,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #include "dual/stream_singles-inl.h"
 
+#include "dual/stream_lists-inl.h"
+
 #include "dual/stream-inl.h"
 
 inline void prefetch_rays(const TraceJob& job, const PacketRange& range) {
