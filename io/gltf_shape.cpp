@@ -62,12 +62,14 @@ void ShapeReader::read_joints(const ShapeSource& source, std::size_t base, std::
   const std::size_t a_vertex = shape_.joints_per_vertex;
   shape_.joints.resize((base + count) * a_vertex, 0);
   shape_.joint_weights.resize((base + count) * a_vertex, 0);
+  const auto named = [&place](const char* what, std::size_t set) {
+    return place + what + std::to_string(set);
+  };
   for (std::size_t set = 0; 2 * set < source.joints.size(); ++set) {
-    const std::string number = std::to_string(set);
     const std::vector<float> joints =
-        accessors_.attribute(source.joints[2 * set], 4, count, place + "JOINTS_" + number);
+        accessors_.attribute(source.joints[2 * set], 4, count, named("JOINTS_", set));
     const std::vector<float> weights =
-        accessors_.attribute(source.joints[2 * set + 1], 4, count, place + "WEIGHTS_" + number);
+        accessors_.attribute(source.joints[2 * set + 1], 4, count, named("WEIGHTS_", set));
     for (std::size_t i = 0; i < joints.size(); ++i) {
       check_joint(joints[i], weights[i], place, set, i / 4);
       const std::size_t to = (base + i / 4) * a_vertex + 4 * set + i % 4;
@@ -95,7 +97,7 @@ void ShapeReader::widen(std::uint32_t joints_per_vertex) {
   const std::size_t vertices = before == 0 ? 0 : shape_.joints.size() / before;
   std::vector<std::uint32_t> joints(vertices * joints_per_vertex, 0);
   std::vector<float> weights(joints.size(), 0);
-  for (std::size_t i = 0; i < shape_.joints.size(); ++i) {
+  for (std::size_t i = 0; i < vertices * before; ++i) {
     const std::size_t to = i / before * joints_per_vertex + i % before;
     joints[to] = shape_.joints[i];
     weights[to] = shape_.joint_weights[i];

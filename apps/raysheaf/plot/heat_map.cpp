@@ -133,9 +133,11 @@ std::string heat_maps_svg(const std::string& title, const std::string& note,
       kHead + static_cast<double>(rows) * height + kMargin / 2);
   sheet.text(kMargin, 44, title, {24, "#1c2125", "start", true});
   sheet.text(kMargin, 66, note, {13, kQuiet});
-  for (std::size_t i = 0; i < maps.size(); ++i)
-    draw(sheet, maps[i], kMargin + static_cast<double>(i % 2) * (width + kBetween),
-         kHead + 14 + static_cast<double>(i / 2) * height);
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    const std::size_t column = i % 2, row = i / 2;
+    draw(sheet, maps[i], kMargin + static_cast<double>(column) * (width + kBetween),
+         kHead + 14 + static_cast<double>(row) * height);
+  }
   return sheet.finished();
 }
 

@@ -37,10 +37,12 @@ Axis axis_over(const std::vector<Scatter::Point>& points, double Scatter::Point:
 
 std::vector<double> ticks_at(const Axis& axis, const std::vector<double>& digits) {
   std::vector<double> all;
-  for (double decade = std::pow(10, std::floor(std::log10(axis.low))); decade <= axis.high;
-       decade *= 10)
+  double decade = std::pow(10, std::floor(std::log10(axis.low)));
+  while (decade <= axis.high) {
     for (const double digit : digits)
       if (decade * digit >= axis.low && decade * digit <= axis.high) all.push_back(decade * digit);
+    decade *= 10;
+  }
   return all;
 }
 

@@ -28,7 +28,7 @@ double quantile(const std::vector<Weighted>& sorted, double total, double part) 
 Histogram histogram(std::vector<Weighted> values, Range range) {
   Histogram h;
   h.first = range.first;
-  h.shares.resize(static_cast<std::size_t>(range.last - range.first + 1));
+  h.shares.resize(static_cast<std::size_t>(range.last - range.first) + 1);
   double total = 0;
   for (const Weighted& w : values) total += w.weight;
   if (!(total > 0)) return h;

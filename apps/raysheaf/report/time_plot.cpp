@@ -117,7 +117,10 @@ Fields time_plot(const Report& report) {
     one.set("text", stage.text);
     stages.push_back(one);
   }
-  for (double ms = 0; ms <= end * 1.0001; ms += step_of(end)) {
+  const double step = step_of(end);
+  const int steps = static_cast<int>(end * 1.0001 / step);
+  for (int i = 0; i <= steps; ++i) {
+    const double ms = i * step;
     Fields tick;
     tick.set("x", coordinate(kLabels + kPlotWidth * ms / end));
     tick.set("label", fmt::format("{:g}", ms));

@@ -26,8 +26,10 @@ Json promise_json(const PromiseReport& promise) {
 Json histogram_json(const ErrorHistogram& histogram) {
   Json limits = Json::array();
   double limit = 0.5;
-  for (std::size_t bin = 0; bin + 1 < histogram.counts.size(); ++bin, limit *= 2)
+  for (std::size_t bin = 0; bin + 1 < histogram.counts.size(); ++bin) {
     limits.push_back(limit);
+    limit *= 2;
+  }
   return {{"what", histogram.what},
           {"unit", histogram.unit},
           {"limits", std::move(limits)},

@@ -25,9 +25,10 @@ std::string within(const ErrorHistogram& h, double part) {
   std::uint64_t seen = 0;
   const double wanted = part * static_cast<double>(h.total());
   double limit = 0.5;
-  for (std::size_t bin = 0; bin + 1 < h.counts.size(); ++bin, limit *= 2) {
+  for (std::size_t bin = 0; bin + 1 < h.counts.size(); ++bin) {
     seen += h.counts[bin];
     if (static_cast<double>(seen) >= wanted) return fmt::format("{:g}", limit);
+    limit *= 2;
   }
   return "more";
 }
