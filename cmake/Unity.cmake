@@ -4,12 +4,15 @@
 # compiles once an instruction set (*_simd.cpp).
 option(RAYSHEAF_UNITY "Compile sources several at a time" ${PROJECT_IS_TOP_LEVEL})
 
+# Of the library's sources, wherever they are compiled.
+set(RAYSHEAF_ALONE "/(area_tree_cpu|bvh_cpu|image_decode|image_encode)\\.cpp$")
+
 function(raysheaf_unity target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" ALONE)
   if(NOT RAYSHEAF_UNITY)
     return()
   endif()
-  list(APPEND arg_ALONE "_simd\\.cpp$")
+  list(APPEND arg_ALONE "_simd\\.cpp$" "${RAYSHEAF_ALONE}")
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
   # Types of an anonymous namespace are in the main file of the sources one by one.
   target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)

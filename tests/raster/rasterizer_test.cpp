@@ -336,7 +336,7 @@ TEST(Rasterizer, SaysWhenThereIsNoGraphics) {
     ADD_FAILURE() << "a context although RAYSHEAF_NO_GL is set";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kNoGraphics);
-    EXPECT_NE(error.sentence().find("--primary trace"), std::string::npos) << error.what();
+    EXPECT_NE(error.sentence().find("`trace` as `primary`"), std::string::npos) << error.what();
     EXPECT_NE(error.sentence().find("RAYSHEAF_NO_GL"), std::string::npos) << error.what();
   }
   unsetenv("RAYSHEAF_NO_GL");

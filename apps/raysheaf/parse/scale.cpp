@@ -30,7 +30,7 @@ CLI::App* add_bench_scale(CLI::App& bench, BenchScaleCommand& command) {
   sub->add_option(
          "--mpirun", command.mpirun,
          "What starts processes, with its options: runs of one and of two are held against "
-         "what is expected of them [mpirun --bind-to none, where there is one]")
+         "what is expected of them [mpirun, bound to no core, where there is one]")
       ->type_name("COMMAND");
   sub->add_option("--json", command.json_path, "All measurements")->type_name("FILE.json");
   sub->add_option("--markdown", command.markdown_path, "A page")->type_name("FILE.md");
