@@ -74,8 +74,11 @@ void draw_legend(const Picture& picture, const Free& room, float bottom, float s
   };
   if (values.logarithmic) {
     // The largest value gets a label of its own, unless it would lie on the one before it.
-    for (double v = values.low; v < values.high; v *= 10)
+    double v = values.low;
+    while (v < values.high) {
       if (v == values.low || values.at(v) < 0.88f) tick(v);
+      v *= 10;
+    }
     tick(values.high);
   } else {
     for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0}) tick(part * values.high);

@@ -121,10 +121,9 @@ void Shell::handle_events() {
 
 void Shell::turn(ScriptPlayer* player) {
   // Events that come while the next frame is not due yet are part of it.
-  const double wait = time_to_wait();
-  window_.wait(wait);
-  for (double left = wait; frames_due_ > 0;) {
-    left = kFrameSeconds - (Window::now_s() - last_frame_s_);
+  window_.wait(time_to_wait());
+  while (frames_due_ > 0) {
+    const double left = kFrameSeconds - (Window::now_s() - last_frame_s_);
     if (left <= 0.0005) break;
     window_.wait(left);
   }

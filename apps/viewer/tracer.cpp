@@ -198,7 +198,8 @@ void Tracer::write_copy(SceneDescription scene, const SaveOrder& order) {
       const std::lock_guard lock(mutex_);
       return stop_;
     };
-    if (!maker.make(request, stopped, [&](std::shared_ptr<Picture> made) { picture = made; }))
+    if (!maker.make(request, stopped,
+                    [&](std::shared_ptr<Picture> made) { picture = std::move(made); }))
       throw Error(ErrorCode::kCancelled, "the picture was not saved", order.path);
     write_png(picture->sides[0].image, order.path);
   });

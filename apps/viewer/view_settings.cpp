@@ -63,8 +63,8 @@ std::size_t place_of(const std::string& name, const std::vector<std::string>& wo
 
 /// One of `words`, by its place.
 template <class Get, class Set>
-SettingField choice(std::string name, std::string what, std::vector<std::string> words, Get get,
-                    Set set) {
+SettingField choice(const std::string& name, std::string what,
+                    const std::vector<std::string>& words, Get get, Set set) {
   SettingField field{name, std::move(what), words, {}, {}};
   field.get = [get, words](const ViewSettings& s) { return words[get(s)]; };
   field.set = [set, name, words](ViewSettings& s, const std::string& text) {
@@ -74,16 +74,16 @@ SettingField choice(std::string name, std::string what, std::vector<std::string>
 }
 
 template <class Value>
-SettingField enumeration(std::string name, std::string what, std::vector<std::string> words,
-                         Value ViewSettings::*member) {
+SettingField enumeration(const std::string& name, std::string what,
+                         const std::vector<std::string>& words, Value ViewSettings::*member) {
   return choice(
-      std::move(name), std::move(what), std::move(words),
+      name, std::move(what), words,
       [member](const ViewSettings& s) { return static_cast<std::size_t>(s.*member); },
       [member](ViewSettings& s, std::size_t i) { s.*member = static_cast<Value>(i); });
 }
 
 template <class Value>
-SettingField numeric(std::string name, std::string what, double low, double high,
+SettingField numeric(const std::string& name, std::string what, double low, double high,
                      Value ViewSettings::*member) {
   SettingField field{name, std::move(what), {}, {}, {}};
   field.get = [member](const ViewSettings& s) { return number_text(s.*member); };
@@ -98,10 +98,11 @@ SettingField numeric(std::string name, std::string what, double low, double high
 
 /// An optional of a `MethodChoice`: the first word is "own".
 template <class Value>
-SettingField own_or(std::string name, std::string what, std::vector<std::string> words,
-                    MethodChoice ViewSettings::*side, std::optional<Value> MethodChoice::*member) {
+SettingField own_or(const std::string& name, std::string what,
+                    const std::vector<std::string>& words, MethodChoice ViewSettings::*side,
+                    std::optional<Value> MethodChoice::*member) {
   return choice(
-      std::move(name), std::move(what), std::move(words),
+      name, std::move(what), words,
       [=](const ViewSettings& s) {
         const std::optional<Value>& value = (s.*side).*member;
         return value ? static_cast<std::size_t>(*value) + 1 : 0;
@@ -113,7 +114,7 @@ SettingField own_or(std::string name, std::string what, std::vector<std::string>
       });
 }
 
-SettingField shape(std::string name, std::string what, std::uint32_t low, std::uint32_t high,
+SettingField shape(const std::string& name, std::string what, std::uint32_t low, std::uint32_t high,
                    MethodChoice ViewSettings::*side, std::uint32_t MethodChoice::*member) {
   SettingField field{name, std::move(what), {}, {}, {}};
   field.get = [=](const ViewSettings& s) { return number_text((s.*side).*member); };
