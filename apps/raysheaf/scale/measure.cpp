@@ -124,8 +124,8 @@ double sharing_of(const BlockFile& file, std::uint32_t side, std::uint32_t threa
   return std::clamp(std::log(quarter / whole) / std::log(0.25), 0.0, 1.0);
 }
 
-/// By one process and by two, which together have the threads that the other frames had. A command
-/// that was not asked for may be missing.
+/// By one process and by two, which have all threads together. A command that was not asked for may
+/// be missing.
 void run_ranks(const std::string& path, const WorkFolder& folder, std::uint32_t side,
                const std::function<void()>& step, ScaleReport* report) {
   const std::string& asked = report->asked.mpirun;
@@ -134,7 +134,7 @@ void run_ranks(const std::string& path, const WorkFolder& folder, std::uint32_t 
       step();
       report->rank_runs.push_back(measure_ranks(asked.empty() ? "mpirun --bind-to none" : asked,
                                                 path, folder.path(), side, ranks,
-                                                std::max(1u, report->threads / 2)));
+                                                std::max(1u, report->threads / ranks)));
     }
   } catch (const Error& error) {
     if (!asked.empty() || error.code() != ErrorCode::kUnsupported) throw;

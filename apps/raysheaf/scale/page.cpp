@@ -268,7 +268,8 @@ std::string scale_page(const ScaleReport& report) {
       "## Processes\n\nThe frame that the model has not seen, by processes on one machine that "
       "share "
       "its triangles (`mpirun -n 2 raysheaf render hall.rsb`): what was measured, and what is "
-      "expected of as many machines with neither disk nor network.\n\n" +
+      "expected of machines with neither disk nor network. The model takes for work what a thread "
+      "waits for others, so that it expects too much time of processes of fewer threads.\n\n" +
       rank_runs_text(report, model, true) + "\n";
   text += "## One machine\n\n" + growth_table(report, model, true) + "\n";
   text += fmt::format(
