@@ -7,34 +7,19 @@
 #include <cstring>
 #include <numeric>
 
-#include "api/context_impl.h"
 #include "base/vec.h"
-#include "engine/block_tracer.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/checkpoint.h"
 #include "raysheaf/error.h"
 #include "raysheaf/query.h"
 #include "raysheaf/stream.h"
+#include "stream/stream_support.h"
 #include "support/random.h"
 #include "support/soups.h"
-#include "tests/support/device_memory.h"
 #include "tests/support/process.h"
 
 namespace raysheaf::test {
 namespace {
-
-/// A device of this process, with the memory that a test gives it.
-struct EmulatedMachine {
-  explicit EmulatedMachine(std::uint64_t memory_bytes = std::uint64_t{1} << 40)
-      : heap(memory_bytes),
-        context(ContextAccess::with_backend({.device = Device::kCuda, .threads = 2},
-                                            open_emulated(executor, heap, &memory))) {}
-
-  Executor executor{2};
-  HostAllocator heap;
-  FailingAllocator memory{heap};
-  Context context;
-};
 
 /// The devices of this machine, by turns.
 class StreamOnDevice : public testing::TestWithParam<bool> {
@@ -60,23 +45,6 @@ class StreamOnDevice : public testing::TestWithParam<bool> {
   EmulatedMachine emulated_;
   std::unique_ptr<Context> cuda_;
   const Context* context_ = nullptr;
-};
-
-/// What a query of a source says.
-struct Said {
-  std::vector<Hit> hits;
-  std::vector<std::uint8_t> occluded;
-
-  Said(const GeometrySource& source, const std::vector<Ray>& rays, const StreamOptions& options)
-      : hits(rays.size()), occluded(rays.size(), 7) {
-    closest_hit(source, rays, hits, options);
-    any_hit(source, rays, occluded, options);
-  }
-  [[nodiscard]] bool operator==(const Said& other) const {
-    return hits.size() == other.hits.size() &&
-           std::memcmp(hits.data(), other.hits.data(), hits.size() * sizeof(Hit)) == 0 &&
-           occluded == other.occluded;
-  }
 };
 
 /// Blocks of a scene in any order, each triangle of which belongs to two instances.
@@ -106,18 +74,10 @@ struct ShuffledScene {
   }
 };
 
-std::vector<Hit> by_brute_force(const SceneDescription& from, const std::vector<Ray>& rays) {
-  Scene scene;
-  for (const Mesh& mesh : from.meshes) {
-    MeshOptions options;
-    options.place = false;
-    scene.add(mesh.positions, mesh.triangles, options);
-  }
-  for (const Instance& instance : from.instances) scene.instance(instance.mesh, instance.to_world);
-  scene.commit();
+std::vector<Hit> by_brute_force(const SceneDescription& scene, const std::vector<Ray>& rays) {
   QueryOptions options;
   options.method = QueryMethod::kBrute;
-  return closest_hit(scene, rays, options);
+  return closest_hit(resident(scene), rays, options);
 }
 
 TEST_P(StreamOnDevice, AnswersAreThoseOfTheCpuAndOfBruteForce) {
@@ -263,32 +223,12 @@ TEST_P(StreamOnDevice, GoesOnWhereItWasStopped) {
   }
 }
 
-/// Takes the least of several parts, one after the other.
-class TakenTogether : public HitExchange {
- public:
-  void closest(std::span<StreamHit> hits) override {
-    hits_.resize(hits.size());
-    for (std::size_t i = 0; i < hits.size(); ++i) {
-      if (precedes(hits_[i].hit, hits[i].hit)) hits[i] = hits_[i];
-      hits_[i] = hits[i];
-    }
-  }
-  void unite(std::span<std::uint8_t> bytes) override {
-    bytes_.resize(bytes.size());
-    for (std::size_t i = 0; i < bytes.size(); ++i) bytes_[i] = bytes[i] |= bytes_[i];
-  }
-
- private:
-  std::vector<StreamHit> hits_;
-  std::vector<std::uint8_t> bytes_;
-};
-
 TEST_P(StreamOnDevice, PartsOfTheBlocksCombineWithThoseOfTheCpu) {
   const SceneDescription scene = builtin_scene("cornell");
   BlockList blocks;
   blocks.set_scene(cut_into_blocks(scene, &blocks, 40));
   const std::vector<Ray> rays = rays_at(scene, 1500, 5);
-  TakenTogether all;
+  Gathered all;
   std::vector<Hit> hits(rays.size());
   std::vector<std::uint8_t> occluded(rays.size());
   for (std::uint32_t part = 0; part < 3; ++part) {
@@ -355,111 +295,6 @@ std::string stream_device_name(const testing::TestParamInfo<bool>& info) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Devices, StreamOnDevice, testing::Bool(), stream_device_name);
-
-// --- little memory, which an emulated device alone can have
-
-TEST(StreamOnLittleDevices, RaysThatDoNotFitComeInParts) {
-  const SceneDescription office = builtin_scene("office");
-  BlockList blocks;
-  blocks.set_scene(cut_into_blocks(office, &blocks, 100));
-  const std::vector<Ray> rays = rays_at(office, 9000, 6);
-  const Said expected(blocks, rays, {});
-  const EmulatedMachine small(std::uint64_t{7} << 19);
-  StreamStatistics statistics;
-  StreamOptions options;
-  options.context = &small.context;
-  options.statistics = &statistics;
-  EXPECT_TRUE(Said(blocks, rays, options) == expected);
-  EXPECT_GT(statistics.blocks, 2 * blocks.blocks().size());
-  EXPECT_EQ(small.memory.alive(), 0u);
-}
-
-TEST(StreamOnLittleDevices, WhatFitsNowhereIsSaid) {
-  const SceneDescription office = builtin_scene("office");
-  BlockList blocks;
-  blocks.set_scene(cut_into_blocks(office, &blocks));
-  const EmulatedMachine small(std::uint64_t{1} << 20);
-  StreamOptions options;
-  options.context = &small.context;
-  try {
-    static_cast<void>(Said(blocks, rays_at(office, 10, 6), options));
-    FAIL() << "there was room";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kOutOfMemory);
-    EXPECT_EQ(error.place(), "the device's memory");
-    EXPECT_NE(error.sentence().find("MiB"), std::string::npos) << error.what();
-  }
-}
-
-TEST(StreamOnLittleDevices, MemoryThatRunsOutAtAnyTimeIsSaid) {
-  const SceneDescription office = builtin_scene("office");
-  BlockList blocks;
-  blocks.set_scene(cut_into_blocks(office, &blocks, 1500));
-  const std::vector<Ray> rays = rays_at(office, 300, 7);
-  const Said expected(blocks, rays, {});
-  EmulatedMachine machine;
-  StreamOptions options;
-  options.context = &machine.context;
-  static_cast<void>(Said(blocks, rays, options));
-  const std::uint64_t needed = machine.memory.made();
-  for (std::uint64_t allocations = 0; allocations < needed; ++allocations) {
-    machine.memory.let(allocations);
-    try {
-      static_cast<void>(Said(blocks, rays, options));
-      FAIL() << "there was memory: " << allocations;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::kOutOfMemory) << error.what();
-    }
-    EXPECT_EQ(machine.memory.alive(), 0u) << allocations;
-  }
-  machine.memory.let(FailingAllocator::kAlways);
-  EXPECT_TRUE(Said(blocks, rays, options) == expected);
-}
-
-/// Two buffers, whatever the round: more blocks than buffers.
-TEST(StreamOnLittleDevices, MoreBlocksThanBuffers) {
-  const SceneDescription office = builtin_scene("office");
-  BlockList blocks;
-  blocks.set_scene(cut_into_blocks(office, &blocks, 100));
-  const std::vector<Ray> rays = rays_at(office, 1000, 8);
-  const Executor executor(2);
-  HostAllocator heap;
-  for (const std::uint32_t buffers : {2u, 3u, 16u}) {
-    BlockLimits limits;
-    limits.memory_bytes = std::uint64_t{1} << 30;
-    limits.most_buffers = buffers;
-    const auto tracer = make_emulated_block_tracer(executor, limits, heap);
-    std::vector<StreamHit> hits(rays.size());
-    BlockBatch batch;
-    batch.rays = View<const Ray>(rays);
-    batch.hits = View<StreamHit>(hits);
-    std::vector<Box> boxes;
-    for (const BlockInfo& info : blocks.blocks()) {
-      boxes.push_back(info.bounds);
-      batch.scene.min = min(batch.scene.min, info.bounds.min);
-      batch.scene.max = max(batch.scene.max, info.bounds.max);
-    }
-    tracer->begin(batch);
-    std::vector<float> distances(boxes.size());
-    tracer->find_distances(View<const Box>(boxes), View<float>(distances));
-    std::vector<TriangleBlock> all(boxes.size());
-    std::vector<TracedBlock> round;
-    for (std::uint32_t i = 0; i < boxes.size(); ++i) {
-      blocks.read(i, &all[i]);
-      round.push_back({i, &all[i]});
-      if (round.size() < 7 && i + 1 < boxes.size()) continue;
-      tracer->load(View<const TracedBlock>(round));
-      tracer->trace();
-      round.clear();
-    }
-    const BlockReport report = tracer->finish();
-    EXPECT_GT(report.triangle_tests, 0u);
-    std::vector<Hit> expected(rays.size());
-    closest_hit(blocks, rays, expected);
-    for (std::size_t i = 0; i < rays.size(); ++i)
-      ASSERT_EQ(std::memcmp(&hits[i].hit, &expected[i], sizeof(Hit)), 0) << i;
-  }
-}
 
 }  // namespace
 }  // namespace raysheaf::test

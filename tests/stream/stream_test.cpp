@@ -11,24 +11,12 @@
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
 #include "raysheaf/query.h"
+#include "stream/stream_support.h"
 #include "support/random.h"
 #include "support/soups.h"
 
 namespace raysheaf::test {
 namespace {
-
-/// The scene as the library of queries has it; instances keep their numbers.
-Scene resident(const SceneDescription& from) {
-  Scene scene;
-  for (const Mesh& mesh : from.meshes) {
-    MeshOptions options;
-    options.place = false;
-    scene.add(mesh.positions, mesh.triangles, options);
-  }
-  for (const Instance& instance : from.instances) scene.instance(instance.mesh, instance.to_world);
-  scene.commit();
-  return scene;
-}
 
 /// Several instances of each mesh, turned and mirrored.
 SceneDescription with_instances(SceneDescription scene, Random& random) {
@@ -106,26 +94,6 @@ TEST(Stream, AnswersAreThoseInMemory) {
     }
   }
 }
-
-/// Takes the least and the any of several parts, one after the other.
-class Gathered : public HitExchange {
- public:
-  void closest(std::span<StreamHit> hits) override {
-    hits_.resize(hits.size());
-    for (std::size_t i = 0; i < hits.size(); ++i) {
-      if (precedes(hits_[i].hit, hits[i].hit)) hits[i] = hits_[i];
-      hits_[i] = hits[i];
-    }
-  }
-  void unite(std::span<std::uint8_t> occluded) override {
-    occluded_.resize(occluded.size());
-    for (std::size_t i = 0; i < occluded.size(); ++i) occluded_[i] = occluded[i] |= occluded_[i];
-  }
-
- private:
-  std::vector<StreamHit> hits_;
-  std::vector<std::uint8_t> occluded_;
-};
 
 TEST(Stream, PartsCombine) {
   const SceneDescription scene = builtin_scene("cornell");
