@@ -6,6 +6,8 @@ pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)  # libepoxy-dev
 
 find_package(tinyobjloader REQUIRED CONFIG)  # libtinyobjloader-dev
 find_package(tinyexr REQUIRED CONFIG)        # libtinyexr-dev
+find_package(PNG REQUIRED)                   # libpng-dev
+find_package(JPEG REQUIRED)                  # libjpeg-dev, of libjpeg-turbo
 find_package(nlohmann_json REQUIRED CONFIG)  # nlohmann-json3-dev
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)      # libxxhash-dev
 find_path(STB_INCLUDE_DIR stb/stb_image.h REQUIRED)  # libstb-dev

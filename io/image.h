@@ -1,7 +1,8 @@
-// Eight-bit pictures, in memory: decoded from any format that stb reads.
+// Eight-bit pictures, in memory: PNG by libpng, JPEG by libjpeg-turbo, TGA and BMP by stb_image.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,8 +24,28 @@ inline constexpr std::uint64_t kUnpackedPixelsPerByte = 64;
 /// What the head of a picture says, without decoding it.
 struct ImageSize {
   std::uint32_t width = 0, height = 0;
+  bool operator==(const ImageSize&) const = default;
 };
 [[nodiscard]] std::optional<ImageSize> image_size(std::span<const std::uint8_t> encoded);
+
+/// What a picture is decoded into: not written before it is, so that a head which promises more
+/// than follows costs little.
+class PixelBuffer {
+ public:
+  explicit PixelBuffer(ImageSize size)
+      : size_(size), rgba_(std::make_unique_for_overwrite<std::uint8_t[]>(bytes())) {}
+  [[nodiscard]] std::uint8_t* row(std::size_t y) { return rgba_.get() + 4 * y * size_.width; }
+  [[nodiscard]] std::span<std::uint8_t> rgba() { return {rgba_.get(), bytes()}; }
+  [[nodiscard]] Image image() const {
+    return {{}, size_.width, size_.height, {rgba_.get(), rgba_.get() + bytes()}};
+  }
+
+ private:
+  [[nodiscard]] std::size_t bytes() const { return std::size_t{4} * size_.width * size_.height; }
+
+  ImageSize size_;
+  std::unique_ptr<std::uint8_t[]> rgba_;
+};
 
 /// RGBA, or nothing where the bytes are no picture or one of too many pixels.
 [[nodiscard]] std::optional<Image> decode_image(std::span<const std::uint8_t> encoded);

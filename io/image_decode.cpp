@@ -1,14 +1,23 @@
-// The translation unit of stb_image, as cmake/StbImage.cmake makes it. Formats that scenes do not
-// use are left out: what is not there cannot be wrong.
+// The translation unit of stb_image, as cmake/StbImage.cmake makes it, for TGA and BMP alone.
+#include <cstdlib>
+
+namespace {
+
+/// A file that ends too early leaves the rest of a picture as it was allocated: black.
+void* zeroed(std::size_t bytes) {
+  return std::calloc(1, bytes);
+}
+
+}  // namespace
+
+#define STBI_MALLOC zeroed
+#define STBI_REALLOC std::realloc
+#define STBI_FREE std::free
 #define STB_IMAGE_STATIC
 #define STB_IMAGE_IMPLEMENTATION
+#define STBI_ONLY_TGA
+#define STBI_ONLY_BMP
 #define STBI_NO_STDIO
-#define STBI_NO_HDR
-#define STBI_NO_LINEAR
-#define STBI_NO_PIC
-#define STBI_NO_PNM
-#define STBI_NO_GIF
-#define STBI_NO_PSD
 #define STBI_FAILURE_USERMSG
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
@@ -18,16 +27,19 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <memory>
 
 #include "io/image.h"
+#include "io/jpeg_decode.h"
+#include "io/png_decode.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
 
-std::optional<ImageSize> image_size(std::span<const std::uint8_t> encoded) {
+namespace {
+
+std::optional<ImageSize> unpacked_size(std::span<const std::uint8_t> encoded) {
   int width = 0, height = 0, channels = 0;
   if (encoded.empty() || encoded.size() > std::numeric_limits<int>::max()) return {};
   const int size = static_cast<int>(encoded.size());
@@ -36,59 +48,47 @@ std::optional<ImageSize> image_size(std::span<const std::uint8_t> encoded) {
   return ImageSize{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
 }
 
-namespace {
-
-std::uint64_t pixels_of(ImageSize size) {
-  return std::uint64_t{size.width} * size.height;
-}
-
-constexpr std::array<std::uint8_t, 8> kPng = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-constexpr std::array<std::uint8_t, 2> kJpeg = {0xff, 0xd8};
-
-template <std::size_t kBytes>
-bool begins_with(std::span<const std::uint8_t> bytes,
-                 const std::array<std::uint8_t, kBytes>& mark) {
-  return bytes.size() >= kBytes && std::equal(mark.begin(), mark.end(), bytes.begin());
-}
-
-/// stb reads on behind the end, where all is zero: a hundred bytes would be a picture of any size.
-std::uint64_t most_pixels(std::span<const std::uint8_t> encoded) {
-  const std::uint64_t accounted = begins_with(encoded, kPng) || begins_with(encoded, kJpeg)
-                                      ? kFreePixels + kPixelsPerByte * encoded.size()
-                                      : kUnpackedPixelsPerByte * encoded.size();
-  return std::min(kMaxImagePixels, accounted);
-}
-
-/// stb takes a PNG chunk's word for its length and allocates that much.
-bool has_chunk_beyond_end(std::span<const std::uint8_t> encoded) {
-  if (!begins_with(encoded, kPng)) return false;
-  constexpr std::size_t kAround = 12;  // length, kind and checksum
-  for (std::size_t at = 8; encoded.size() - at >= kAround;) {
-    std::size_t length = 0;
-    for (std::size_t i = 0; i < 4; ++i) length = length << 8 | encoded[at + i];
-    if (length > encoded.size() - at - kAround) return true;
-    at += length + kAround;
-  }
-  return false;
-}
-
-}  // namespace
-
-std::optional<Image> decode_image(std::span<const std::uint8_t> encoded) {
-  const auto size = image_size(encoded);
-  if (!size || pixels_of(*size) > most_pixels(encoded)) return {};
-  if (has_chunk_beyond_end(encoded)) return {};
+std::optional<Image> decode_unpacked(std::span<const std::uint8_t> encoded, ImageSize size) {
   int width = 0, height = 0, channels = 0;
   const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(
       stbi_load_from_memory(encoded.data(), static_cast<int>(encoded.size()), &width, &height,
                             &channels, STBI_rgb_alpha),
       &stbi_image_free);
-  if (!pixels || width <= 0 || height <= 0) return {};
+  const ImageSize decoded{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
+  if (!pixels || decoded != size) return {};
   Image image;
-  image.width = static_cast<std::uint32_t>(width);
-  image.height = static_cast<std::uint32_t>(height);
+  image.width = size.width;
+  image.height = size.height;
   image.rgba.assign(pixels.get(), pixels.get() + std::size_t{4} * image.width * image.height);
   return image;
+}
+
+std::uint64_t pixels_of(ImageSize size) {
+  return std::uint64_t{size.width} * size.height;
+}
+
+/// stb reads on behind the end, where all is zero: a hundred bytes would be a picture of any size.
+std::uint64_t most_pixels(std::span<const std::uint8_t> encoded) {
+  const std::uint64_t accounted = is_png(encoded) || is_jpeg(encoded)
+                                      ? kFreePixels + kPixelsPerByte * encoded.size()
+                                      : kUnpackedPixelsPerByte * encoded.size();
+  return std::min(kMaxImagePixels, accounted);
+}
+
+}  // namespace
+
+std::optional<ImageSize> image_size(std::span<const std::uint8_t> encoded) {
+  if (is_png(encoded)) return png_size(encoded);
+  if (is_jpeg(encoded)) return jpeg_size(encoded);
+  return unpacked_size(encoded);
+}
+
+std::optional<Image> decode_image(std::span<const std::uint8_t> encoded) {
+  const auto size = image_size(encoded);
+  if (!size || pixels_of(*size) > most_pixels(encoded)) return {};
+  if (is_png(encoded)) return decode_png(encoded, *size);
+  if (is_jpeg(encoded)) return decode_jpeg(encoded, *size);
+  return decode_unpacked(encoded, *size);
 }
 
 namespace {

@@ -40,6 +40,8 @@ class Raysheaf(ConanFile):
         self.requires("highway/1.0.7")
         self.requires("libdeflate/1.19")
         self.requires("libepoxy/1.5.10")
+        self.requires("libjpeg-turbo/3.0.2")
+        self.requires("libpng/1.6.43")
         self.requires("nlohmann_json/3.11.3")
         self.requires("onetbb/2021.12.0")
         self.requires("stb/cci.20230920")

@@ -24,7 +24,7 @@ std::string unbacked(std::size_t elements, int meshes, int places) {
   return root.dump();
 }
 
-void expect_refused(const std::string& path, ErrorCode code, const std::string& words) {
+void expect_beyond_limit(const std::string& path, ErrorCode code, const std::string& words) {
   try {
     static_cast<void>(load_scene(path));
     FAIL() << "was read";
@@ -35,16 +35,16 @@ void expect_refused(const std::string& path, ErrorCode code, const std::string& 
 }
 
 TEST_F(Limits, ElementsWithoutBytes) {
-  expect_refused(write("a.gltf", unbacked((1 << 18) + 1, 1, 1)), ErrorCode::kOutOfMemory,
-                 "accessors[0].count");
-  expect_refused(write("b.gltf", unbacked(1 << 18, 3, 3)), ErrorCode::kOutOfMemory,
-                 "far more elements");
+  expect_beyond_limit(write("a.gltf", unbacked((1 << 18) + 1, 1, 1)), ErrorCode::kOutOfMemory,
+                      "accessors[0].count");
+  expect_beyond_limit(write("b.gltf", unbacked(1 << 18, 3, 3)), ErrorCode::kOutOfMemory,
+                      "far more elements");
   EXPECT_NO_THROW(static_cast<void>(load_scene(write("c.gltf", unbacked(1 << 16, 2, 2)))));
 }
 
 TEST_F(Limits, InstancesWithoutEnd) {
-  expect_refused(write("a.gltf", unbacked(1 << 18, 1, 60)), ErrorCode::kOutOfMemory,
-                 "far more triangles");
+  expect_beyond_limit(write("a.gltf", unbacked(1 << 18, 1, 60)), ErrorCode::kOutOfMemory,
+                      "far more triangles");
 }
 
 /// A PNG of one grey channel that ends behind its head.
@@ -101,7 +101,7 @@ TEST_F(Limits, BuffersThatLeaveTheFolder) {
   root["bufferViews"] = {{{"buffer", 0}, {"byteLength", 36}}};
   root["accessors"][0]["bufferView"] = 0;
   const std::string file = write("inner/a.gltf", root.dump());
-  expect_refused(file, ErrorCode::kUnsupported, "does not stay inside the file's folder");
+  expect_beyond_limit(file, ErrorCode::kUnsupported, "does not stay inside the file's folder");
   EXPECT_EQ(load_scene(file, {.allow_external = true}).triangle_count(), 1u);
   root["buffers"][0]["uri"] = path("corners.bin");
   write("inner/a.gltf", root.dump());
