@@ -20,6 +20,8 @@
 
 namespace raysheaf {
 
+class GeometrySource;  // raysheaf/stream.h
+
 /// A scene and how to bring it to a time. One call at a time, from any thread.
 class Animation {
  public:
@@ -75,6 +77,8 @@ void add_missing_camera_and_light(Animation& animation);
 
 /// A scene in which nothing moves.
 [[nodiscard]] std::unique_ptr<Animation> animate(SceneDescription scene);
+/// The same of what streams: its scene, without triangles.
+[[nodiscard]] std::unique_ptr<Animation> animate(const GeometrySource& source);
 
 /// A sequence of files, each a frame, beside what does not move.
 struct SequenceFiles {

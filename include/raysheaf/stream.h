@@ -124,6 +124,30 @@ class BlockList : public GeometrySource, public BlockSink {
   SceneDescription scene_;
 };
 
+/// Another source's blocks in a scene of one's own: other cameras, lights, another environment.
+/// What blocks name must be what it is there: instances, meshes, materials, textures, images.
+class BlocksInScene : public GeometrySource {
+ public:
+  /// Both outlive it.
+  BlocksInScene(const GeometrySource& blocks, const SceneDescription& scene)
+      : blocks_(blocks), scene_(scene) {}
+
+  [[nodiscard]] std::span<const BlockInfo> blocks() const override { return blocks_.blocks(); }
+  void read(std::size_t block, TriangleBlock* out) const override { blocks_.read(block, out); }
+  void read_shading(std::size_t block, BlockShading* out) const override {
+    blocks_.read_shading(block, out);
+  }
+  [[nodiscard]] const SceneDescription& scene() const override { return scene_; }
+  [[nodiscard]] std::string place(std::size_t block) const override { return blocks_.place(block); }
+
+ private:
+  const GeometrySource& blocks_;
+  const SceneDescription& scene_;
+};
+
+/// Of all blocks; empty where there are none.
+[[nodiscard]] Box world_bounds(const GeometrySource& source);
+
 /// Cuts a scene's triangles, placed in the world, into blocks of neighbours: halves of halves along
 /// the longest side, until what is left fits into `triangles_a_block` (1 to `kBlockTriangles`).
 /// Meshes without any are left out as `SceneDescription` knows them. Returns the scene without its

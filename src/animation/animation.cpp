@@ -9,6 +9,7 @@
 
 #include "animation/rig_state.h"
 #include "raysheaf/error.h"
+#include "raysheaf/stream.h"
 
 namespace raysheaf {
 namespace {
@@ -159,6 +160,11 @@ std::unique_ptr<Animation> animate(SceneDescription scene, Rig rig, std::uint32_
 std::unique_ptr<Animation> animate(SceneDescription scene) {
   validate(scene);
   return std::make_unique<RigAnimation>(std::move(scene), Rig{}, 1);
+}
+
+std::unique_ptr<Animation> animate(const GeometrySource& source) {
+  validate_but_triangles(source.scene());
+  return std::make_unique<RigAnimation>(source.scene(), Rig{}, 1);
 }
 
 void pose(const Rig& rig, SceneDescription& scene) {

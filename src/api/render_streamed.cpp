@@ -18,6 +18,8 @@ namespace {
 
 /// What the process has beside the picture and the blocks.
 constexpr std::uint64_t kFrameBaseBytes = std::uint64_t{48} << 20;
+/// The caller's, and what `EnvironmentMap` keeps of it.
+constexpr std::uint64_t kBytesPerTexelOfSky = sizeof(Vec3) + sizeof(float);
 constexpr std::uint64_t kBytesPerShadowRay = 128 + kStreamRayBytes;
 
 void refuse(const std::string& sentence, const char* option) {
@@ -52,7 +54,8 @@ RenderResult render_checked(const GeometrySource& source, const RenderOptions& o
   const EnvironmentMap environment(executor, scene.environment);
 
   const std::uint64_t pixels = std::uint64_t{options.width} * options.height;
-  const std::uint64_t taken = kFrameBaseBytes + pixels * (kBytesPerPixel + kStreamRayBytes);
+  const std::uint64_t sky = scene.environment.radiance.size() * kBytesPerTexelOfSky;
+  const std::uint64_t taken = kFrameBaseBytes + sky + pixels * (kBytesPerPixel + kStreamRayBytes);
   const std::uint32_t slots = slots_for(stream.memory_bytes, taken, pixels);
   const std::uint64_t room = (stream.memory_bytes - taken) / 4;
   Streamer streamer(executor, source, stream, slots, ContextAccess::backend(context));

@@ -135,6 +135,15 @@ Box bounds_of(const TriangleBlock& block) {
   return box;
 }
 
+Box world_bounds(const GeometrySource& source) {
+  Box box;
+  for (const BlockInfo& block : source.blocks()) {
+    box.min = min(box.min, block.bounds.min);
+    box.max = max(box.max, block.bounds.max);
+  }
+  return box;
+}
+
 bool precedes(const Hit& a, const Hit& b) {
   return comes_before(a, b);
 }

@@ -198,11 +198,14 @@ class Sweep {
 
 Streamer::Streamer(const Executor& executor, const GeometrySource& source,
                    const StreamOptions& options, std::uint32_t slots, const DeviceBackend* device)
-    : source_(source), options_(options), slots_(slots), reading_(slots), tracing_(slots) {
+    : source_(source),
+      options_(options),
+      bounds_(world_bounds(source)),
+      slots_(slots),
+      reading_(slots),
+      tracing_(slots) {
   BlockLimits limits{options.memory_bytes, slots, 1};
   for (const BlockInfo& block : source.blocks()) {
-    bounds_.min = min(bounds_.min, block.bounds.min);
-    bounds_.max = max(bounds_.max, block.bounds.max);
     triangle_count_ += block.triangles;
     limits.most_triangles = std::clamp(block.triangles, limits.most_triangles, kBlockTriangles);
   }

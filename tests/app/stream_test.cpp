@@ -33,6 +33,79 @@ TEST(StreamCommand, PicturesAreTheSameFiles) {
   }
 }
 
+/// `render` of a scene in memory, of the same as it streams, and of its block file.
+class StreamCommandSees : public ::testing::Test {
+ protected:
+  StreamCommandSees() {
+    EXPECT_EQ(raysheaf_app({"pack", "builtin:cornell", "-o", "a.rsb", "-q"}, folder_).code, 0);
+  }
+
+  /// All files that one of them writes.
+  std::vector<std::string> files_of(std::vector<std::string> scene,
+                                    const std::vector<std::string>& more) {
+    scene.insert(scene.begin(), "render");
+    for (const char* each : {"--size", "40x30", "-q", "-o", "out_%02d.png"})
+      scene.emplace_back(each);
+    scene.insert(scene.end(), more.begin(), more.end());
+    const Finished finished = raysheaf_app(scene, folder_);
+    EXPECT_EQ(finished.code, 0) << finished.err;
+    std::vector<std::string> files;
+    for (const std::string& name : folder_.names()) {
+      if (!name.starts_with("out_")) continue;
+      files.push_back(read_file(folder_.file(name)));
+      std::filesystem::remove(folder_.file(name));
+    }
+    return files;
+  }
+
+  void expect_the_same(const std::vector<std::string>& more, std::size_t count) {
+    const auto memory = files_of({"builtin:cornell", "--primary", "trace"}, more);
+    EXPECT_EQ(memory.size(), count);
+    EXPECT_EQ(files_of({"builtin:cornell", "--stream"}, more), memory);
+    EXPECT_EQ(files_of({"a.rsb"}, more), memory);
+  }
+
+  const TemporaryFolder folder_;
+};
+
+TEST_F(StreamCommandSees, TheLightOfTheCommandLine) {
+  std::string sky = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n";
+  for (int i = 0; i < 8; ++i) sky += {char(40 + 9 * i), 100, char(120 - 7 * i), char(-128)};
+  write_file(folder_.file("sky.hdr"), sky);
+  expect_the_same({"--frames", "0:0", "--samples", "2", "--light-size", "4"}, 1);
+  expect_the_same({"--frames", "0:0", "--samples", "2", "--env", "sky.hdr", "--env-rotation", "40"},
+                  1);
+}
+
+TEST_F(StreamCommandSees, CamerasThatMove) {
+  expect_the_same({"--turntable", "3"}, 3);
+  write_file(folder_.file("path.json"), R"({"keys": [
+    {"time": 0, "position": [278, 273, -800], "look_at": [278, 273, 0], "fov": 40},
+    {"time": 1, "position": [300, 200, -700], "look_at": [278, 273, 0], "fov": 50}]})");
+  expect_the_same({"--camera-path", "path.json", "--fps", "2"}, 3);
+}
+
+TEST_F(StreamCommandSees, WhatMovesFrameByFrame) {
+  const auto square = [](double x) {
+    std::string text;
+    for (const char* corner : {" 0 0", " 1 0", " 1 1"})
+      text += "v " + std::to_string(x += 0.5) + corner + "\n";
+    return text + "f 1 2 3\n";
+  };
+  write_file(folder_.file("floor.obj"), "v -5 0 -5\nv 9 0 -5\nv 9 0 5\nf 3 2 1\n");
+  for (const int i : {0, 1})
+    write_file(folder_.file("step_" + std::to_string(i) + ".obj"), square(i));
+  const std::vector<std::string> moves = {"--sequence", "step_*.obj", "--stats", "out_%d.json"};
+  const std::vector<std::string> memory = files_of({"floor.obj", "--primary", "trace"}, moves);
+  const std::vector<std::string> streams = files_of({"floor.obj", "--stream"}, moves);
+  ASSERT_EQ(memory.size(), 4u);  // out_0.json, out_00.png, out_01.png, out_1.json
+  ASSERT_EQ(streams.size(), 4u);
+  EXPECT_EQ(streams[1], memory[1]);
+  EXPECT_EQ(streams[2], memory[2]);
+  EXPECT_NE(streams[1], streams[2]);
+  EXPECT_TRUE(contains(streams[0], "\"stream\": {")) << streams[0];
+}
+
 TEST(StreamCommand, ResumesAndLeavesThePictureAlone) {
   const TemporaryFolder folder;
   const auto render = [&](std::vector<std::string> more) {
@@ -92,6 +165,9 @@ TEST(StreamCommand, WhatIsWrongIsOneSentence) {
   error({"render", "a.rsb", "-o", "p.png", "--primary", "raster"}, 2);
   error({"render", "a.rsb", "-o", "p.png", "--method", "rah"}, 2);
   error({"render", "builtin:cornell", "-o", "p.png", "--memory", "1G"}, 2);
+  error({"render", "a.rsb", "-o", "p_%d.png", "--sequence", "b_*.obj"}, 2);
+  error({"render", "a.rsb", "-o", "p.png", "--clip", "walk"}, 2);
+  error({"render", "a.rsb", "-o", "p.png", "--env", "none.hdr"}, 1);
   error({"pack", "builtin:cornell", "-o", "a.glb"}, 2);
   error({"scene", "hall", "--triangles", "many", "-o", "a.rsb"}, 2);
   EXPECT_FALSE(std::filesystem::exists(folder.file("p.png")));

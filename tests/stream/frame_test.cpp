@@ -75,6 +75,28 @@ TEST(StreamedFrame, AHallMadeInBlocksIsTheSame) {
   expect_same_picture(render(hall_scene(300'000, 2), options), render(blocks, options));
 }
 
+TEST(StreamedFrame, AnotherSceneOverTheSameBlocksIsTheSame) {
+  BlockList blocks;
+  blocks.set_scene(cut_into_blocks(builtin_scene("office"), &blocks, 3000));
+  RenderOptions options = small_picture();
+  options.samples = 2;
+  const auto change = [](SceneDescription* scene) {
+    scene->cameras.front().to_world.m[0][3] += 0.3f;
+    scene->lights.resize(1);
+    scene->lights.front().radius = 0.2f;
+    scene->environment.width = 2;
+    scene->environment.height = 1;
+    scene->environment.radiance = {{0.2f, 0.3f, 0.5f}, {2, 1, 0.5f}};
+  };
+  SceneDescription whole = builtin_scene("office"), own = blocks.scene();
+  change(&whole);
+  change(&own);
+  const BlocksInScene streamed(blocks, own);
+  expect_same_picture(render(whole, options), render(streamed, options));
+  const Box a = world_bounds(whole), b = world_bounds(streamed);
+  EXPECT_EQ(std::memcmp(&a, &b, sizeof(Box)), 0);
+}
+
 TEST(StreamedFrame, ScenesOfOthersAreTheSame) {
   for (const char* name : {"paper/sponza.glb", "paper/office.glb", "bart_kitchen/static.obj"}) {
     SCOPED_TRACE(name);

@@ -91,12 +91,10 @@ void check_streaming(const CLI::App& app, const RenderCommand& command) {
       throw CLI::ValidationError("--memory", "it is of streamed frames: --stream, or .rsb files");
     return;
   }
-  for (const char* option :
-       {"--camera-path", "--clip", "--env", "--env-intensity", "--env-rotation", "--fps",
-        "--frames", "--light-size", "--sequence", "--time", "--turntable"}) {
+  for (const char* option : {"--clip", "--sequence"}) {
     const CLI::Option* given = app.get_option_no_throw(option);
-    if (given != nullptr && given->count() > 0)
-      throw CLI::ValidationError(option, "it is not for scenes that stream");
+    if (has_ending(command.scene, ".rsb") && given != nullptr && given->count() > 0)
+      throw CLI::ValidationError(option, "in .rsb files nothing moves but the camera");
   }
   if (command.share == Share::kRays)
     throw CLI::ValidationError("--share", "what streams is shared by geometry, not by rays");

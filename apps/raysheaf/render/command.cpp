@@ -8,12 +8,11 @@
 #include "outputs.h"
 #include "progress_bar.h"
 #include "ranks/ranks.h"
-#include "raysheaf/context.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
-#include "raysheaf/render_on_context.h"
 #include "render/frames_command.h"
 #include "render/light.h"
+#include "render/stage.h"
 #include "render/stream.h"
 #include "scene_argument.h"
 #include "timer.h"
@@ -51,7 +50,7 @@ bool wants_pixel_tests(const RenderCommand& command) {
 
 /// `render_it(options)` with a progress bar.
 template <class Render>
-RenderResult with_progress(const RenderCommand& command, const Render& render_it) {
+Staged with_progress(const RenderCommand& command, const Render& render_it) {
   ProgressBar bar(stderr, !command.quiet && !is_silent());
   RenderOptions options = command.options;
   options.count_pixel_tests = wants_pixel_tests(command);
@@ -64,43 +63,13 @@ RenderResult with_progress(const RenderCommand& command, const Render& render_it
 
 /// A frame, and what came before it.
 struct Rendered {
-  RenderResult result;
+  Staged staged;
   double load_ms = 0;
-  std::optional<StreamStatistics> stream;
   SharedBy ranks;
-  std::unique_ptr<CheckpointFile> checkpoint;
 };
 
-Rendered render_streamed(const RenderCommand& command, Communicator* ranks) {
-  const Context context({command.device, command.options.threads});
-  const Timer loading;
-  const std::unique_ptr<GeometrySource> blocks = open_blocks(command);
-  Rendered rendered;
-  rendered.load_ms = loading.ms();
-  stop_if_interrupted();
-  StreamOptions stream;
-  stream.context = &context;
-  stream.memory_bytes = command.memory_bytes;
-  stream.statistics = &rendered.stream.emplace();
-  rendered.checkpoint = open_checkpoint(command, ranks);
-  stream.checkpoint = rendered.checkpoint.get();
-  std::unique_ptr<HitExchange> exchange;
-  if (ranks != nullptr) {
-    exchange = make_hit_exchange(*ranks);
-    stream.exchange = exchange.get();
-    stream.part = ranks->rank();
-    stream.parts = ranks->size();
-    rendered.ranks = {ranks->size(), "geometry"};
-  }
-  rendered.result = with_progress(command, [&](RenderOptions options) {
-    options.primary = Primary::kTrace;
-    return render(*blocks, options, stream);
-  });
-  return rendered;
-}
-
 void write_outputs(const RenderCommand& command, const Targets& targets, const Rendered& rendered) {
-  const RenderResult& result = rendered.result;
+  const RenderResult& result = rendered.staged.picture;
   for (std::size_t i = 0; i < targets.pictures.size(); ++i) {
     stop_if_interrupted();
     write_picture(result, command.pictures[i], targets.pictures[i]);
@@ -109,13 +78,13 @@ void write_outputs(const RenderCommand& command, const Targets& targets, const R
   if (!targets.heatmap.empty()) write_png(heatmap(result), targets.heatmap);
   if (targets.stats.empty()) return;
   std::string json = to_json(result.statistics, rendered.load_ms);
-  if (rendered.stream) json = with_stream(std::move(json), *rendered.stream);
+  if (rendered.staged.stream) json = with_stream(std::move(json), *rendered.staged.stream);
   if (rendered.ranks.count > 1) json = with_ranks(std::move(json), rendered.ranks);
   write_text(json, targets.stats);
 }
 
 void tell_summary(const RenderCommand& command, const Rendered& rendered) {
-  const FrameStatistics& statistics = rendered.result.statistics;
+  const FrameStatistics& statistics = rendered.staged.picture.statistics;
   const std::size_t samples = statistics.samples.size();
   tell(fmt::format("{}: {} triangles in {} meshes, {}x{}{}, {} on {} threads",
                    printable(statistics.scene), statistics.triangles, statistics.meshes,
@@ -127,7 +96,7 @@ void tell_summary(const RenderCommand& command, const Rendered& rendered) {
                      to_string(batch.kind), batch.bounce, batch.rays, batch.relative() * 100,
                      batch.hits));
   }
-  if (rendered.stream) tell(stream_text(*rendered.stream));
+  if (rendered.staged.stream) tell(stream_text(*rendered.staged.stream));
   if (rendered.ranks.count > 1)
     tell(fmt::format("  shared among {} ranks by {}", rendered.ranks.count, rendered.ranks.what));
   tell(fmt::format("  loaded in {:.0f} ms, rendered in {:.0f} ms", rendered.load_ms,
@@ -175,51 +144,60 @@ void explain(const FrameStatistics& statistics) {
 void finish(const RenderCommand& command, const Targets& targets, const Rendered& rendered) {
   write_outputs(command, targets, rendered);
   if (!command.quiet) tell_summary(command, rendered);
-  if (command.explain) explain(rendered.result.statistics);
+  if (command.explain) explain(rendered.staged.picture.statistics);
 }
 
-Rendered render_in_memory(const RenderCommand& command, const SceneDescription& scene,
-                          const std::shared_ptr<Communicator>& ranks) {
+/// SCENE as it moves, with the light of the command line, at the time that it names.
+std::unique_ptr<Animation> open_scene(const RenderCommand& command, const GeometrySource* blocks) {
+  std::unique_ptr<Animation> animation =
+      blocks != nullptr ? animate(*blocks)
+                        : animation_from_argument(command.scene, command.frames, command.load);
+  SceneDescription& scene = animation->scene();
+  set_environment(command.light, scene);
+  if (wants_frames(command) || command.frames.time) {
+    add_missing_camera_and_light(*animation);
+  } else {
+    add_missing_camera_and_light(scene);
+  }
+  set_light_size(command.light, scene);
+  if (command.frames.time) static_cast<void>(animation->seek(*command.frames.time));
+  return animation;
+}
+
+void render_picture(const RenderCommand& command, const Targets& targets, const Timer& loading,
+                    const GeometrySource* blocks, std::unique_ptr<Animation> animation,
+                    const std::shared_ptr<Communicator>& ranks) {
+  const bool streams = is_streamed(command);
+  const auto checkpoint = streams ? open_checkpoint(command, ranks.get()) : nullptr;
+  const auto stage = make_stage(command, ranks, blocks, checkpoint.get());
+  stage->show(animation->scene());
+  if (streams) animation.reset();  // its triangles are in the blocks
   Rendered rendered;
-  rendered.result = with_progress(command, [&](const RenderOptions& options) {
-    return render(context_of(command, ranks), scene, options);
-  });
-  if (ranks != nullptr) rendered.ranks = {ranks->size(), "rays"};
-  return rendered;
+  rendered.load_ms = loading.ms();
+  stop_if_interrupted();
+  rendered.staged = with_progress(
+      command, [&](const RenderOptions& options) { return stage->render(options, {}); });
+  if (ranks != nullptr) rendered.ranks = {ranks->size(), streams ? "geometry" : "rays"};
+  if (is_first(ranks.get())) finish(command, targets, rendered);
+  if (checkpoint == nullptr) return;
+  if (ranks != nullptr) ranks->combine({}, 1, nullptr);  // what others keep is needed until then
+  checkpoint->remove();
 }
 
 /// What every process of the run does.
 void render_here(const RenderCommand& command, const std::shared_ptr<Communicator>& ranks) {
   const bool writes = is_first(ranks.get());
   const Targets targets = wants_frames(command) || !writes ? Targets{} : open_targets(command);
-  if (is_streamed(command)) {
-    const Rendered rendered = render_streamed(command, ranks.get());
-    if (writes) finish(command, targets, rendered);
-    if (ranks != nullptr) ranks->combine({}, 1, nullptr);  // what others keep is needed until then
-    if (rendered.checkpoint != nullptr) rendered.checkpoint->remove();
-    return;
-  }
   const Timer loading;
-  const std::unique_ptr<Animation> animation =
-      animation_from_argument(command.scene, command.frames, command.load);
-  const SceneDescription& scene = animation->scene();
-  set_environment(command.light, animation->scene());
-  if (wants_frames(command) || command.frames.time) {
-    add_missing_camera_and_light(*animation);
-  } else {
-    add_missing_camera_and_light(animation->scene());
-  }
-  set_light_size(command.light, animation->scene());
-  if (command.frames.time) static_cast<void>(animation->seek(*command.frames.time));
-  const double load_ms = loading.ms();
+  const std::unique_ptr<GeometrySource> blocks = open_blocks(command);
+  std::unique_ptr<Animation> animation = open_scene(command, blocks.get());
   stop_if_interrupted();
   if (!command.quiet) {
-    for (const std::string& warning : scene.warnings) tell("warning: " + printable(warning));
+    for (const std::string& warning : animation->scene().warnings)
+      tell("warning: " + printable(warning));
   }
-  if (wants_frames(command)) return render_frames(command, *animation, ranks);
-  Rendered rendered = render_in_memory(command, scene, ranks);
-  rendered.load_ms = load_ms;
-  if (writes) finish(command, targets, rendered);
+  if (wants_frames(command)) return render_frames(command, blocks.get(), *animation, ranks);
+  render_picture(command, targets, loading, blocks.get(), std::move(animation), ranks);
 }
 
 }  // namespace

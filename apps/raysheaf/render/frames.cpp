@@ -83,15 +83,14 @@ std::unique_ptr<Animation> animation_from_argument(const std::string& scene,
   return animation;
 }
 
-FramePlan::FramePlan(const Animation& animation, const SceneDescription& scene,
-                     const FramesOptions& options, const std::string& camera)
+FramePlan::FramePlan(Animation& animation, const Box& bounds, const FramesOptions& options,
+                     const std::string& camera)
     : fps_(options.fps), turntable_(options.turntable) {
   if (!options.camera_path.empty()) path_ = load_camera_path(options.camera_path);
   if (turntable_ != 0) {
-    turning_ = find_camera(scene, camera);
-    const Box box = world_bounds(scene);
-    center_ = {0.5f * (box.min.x + box.max.x), 0.5f * (box.min.y + box.max.y),
-               0.5f * (box.min.z + box.max.z)};
+    turning_ = find_camera(animation.scene(), camera);
+    center_ = {0.5f * (bounds.min.x + bounds.max.x), 0.5f * (bounds.min.y + bounds.max.y),
+               0.5f * (bounds.min.z + bounds.max.z)};
   }
   total_ = total_frames(animation, options, path_);
   const FrameRange range = options.range.value_or(FrameRange{});

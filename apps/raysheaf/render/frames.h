@@ -35,9 +35,10 @@ struct FramesOptions {
 /// The frames of a run: which there are, when each is, and who looks.
 class FramePlan {
  public:
-  /// `camera`: by name or index, as `RenderOptions::camera`. Throws `Error`: kInvalidArgument for a
-  /// range that names none of the frames, what `load_camera_path` throws.
-  FramePlan(const Animation& animation, const SceneDescription& scene, const FramesOptions& options,
+  /// A turntable goes around `bounds`, from where `camera` stands: by name or index, as
+  /// `RenderOptions::camera`. Throws `Error`: kInvalidArgument for a range that names none of the
+  /// frames, what `load_camera_path` throws.
+  FramePlan(Animation& animation, const Box& bounds, const FramesOptions& options,
             const std::string& camera);
 
   [[nodiscard]] std::uint64_t first() const { return first_; }

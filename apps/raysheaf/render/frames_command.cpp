@@ -18,9 +18,10 @@
 #include "ranks/ranks.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
-#include "raysheaf/renderer.h"
 #include "render/film.h"
 #include "render/frames_command.h"
+#include "render/stage.h"
+#include "render/stream.h"
 #include "values.h"
 
 namespace raysheaf::app {
@@ -59,32 +60,39 @@ struct Drawn {
   std::uint64_t frame = 0;
   double time = 0;
   FrameTimes times;
-  UpdateStatistics update;
-  RenderResult picture;
+  Staged staged;
 };
 
-std::string frame_json(const Drawn& drawn, const std::string& picture) {
+std::string frame_json(const Drawn& drawn) {
   const FrameTimes& times = drawn.times;
+  const Staged& staged = drawn.staged;
+  std::string picture = to_json(staged.picture.statistics);
+  if (staged.stream) picture = with_stream(std::move(picture), *staged.stream);
   return fmt::format(
       "{{\n\"frame\": {},\n\"time\": {},\n\"times_ms\": {{\"seek\": {:.3f}, \"render\": {:.3f}, "
-      "\"write\": {:.3f}}},\n\"update\": {},\n\"picture\": {}}}\n",
-      drawn.frame, drawn.time, times.seek, times.render, times.write, to_json(drawn.update),
-      picture);
+      "\"write\": {:.3f}}},\n{}\"picture\": {}}}\n",
+      drawn.frame, drawn.time, times.seek, times.render, times.write,
+      staged.update ? fmt::format("\"update\": {},\n", to_json(*staged.update)) : "", picture);
+}
+
+/// What a turntable goes around.
+Box bounds_of(const GeometrySource* blocks, Animation& animation) {
+  return blocks != nullptr ? world_bounds(*blocks) : world_bounds(animation.scene());
 }
 
 class FrameRun {
  public:
-  FrameRun(const RenderCommand& command, Animation& animation,
+  FrameRun(const RenderCommand& command, const GeometrySource* blocks, Animation& animation,
            const std::shared_ptr<Communicator>& ranks)
       : command_(command),
         frames_(command.frames),
         animation_(animation),
         ranks_(ranks.get()),
-        plan_(animation, animation.scene(), command.frames, command.options.camera),
+        plan_(animation, bounds_of(blocks, animation), command.frames, command.options.camera),
         options_(command.options),
         missing_(find_missing()),
         frame_each_(takes_a_frame_each()),
-        renderer_(context_of(command, frame_each_ ? nullptr : ranks)) {
+        stage_(make_stage(command, frame_each_ ? nullptr : ranks, blocks, nullptr)) {
     options_.count_pixel_tests = !command.heatmap_path.empty();
     for (const std::string& path : command.pictures)
       if (has_ending(path, ".exr")) options_.count_pixel_tests = true;
@@ -121,7 +129,7 @@ class FrameRun {
     const bool film = std::any_of(command_.pictures.begin(), command_.pictures.end(),
                                   [](const std::string& path) { return has_ending(path, ".mp4"); });
     return ranks_ != nullptr && !film && command_.share != Share::kRays &&
-           missing_.size() >= ranks_->size();
+           command_.share != Share::kGeometry && missing_.size() >= ranks_->size();
   }
 
   void open_targets() {
@@ -164,7 +172,7 @@ class FrameRun {
   void make_frames() {
     ProgressBar bar(stderr, !command_.quiet && is_first(ranks_));
     bar.update("frames", 0, missing_.size());
-    renderer_.show(animation_.scene());
+    stage_->show(animation_.scene());
     settle_light();
     frame_ms_.assign(missing_.size(), 0);
     // Frames before this one are made, or others are at them.
@@ -225,7 +233,7 @@ class FrameRun {
     small.count_pixel_tests = false;
     std::vector<RenderResult> pictures;
     for (const std::uint64_t frame : sample_frames(plan_.total()))
-      pictures.push_back(draw(frame, small));
+      pictures.push_back(draw(frame, small).picture);
     const auto middle = pictures.begin() + static_cast<std::ptrdiff_t>(pictures.size() / 2);
     std::nth_element(
         pictures.begin(), middle, pictures.end(),
@@ -237,23 +245,21 @@ class FrameRun {
     if (!options_.exposure) options_.exposure = middle->exposure;
   }
 
-  RenderResult draw(std::uint64_t frame, const RenderOptions& options) {
+  Staged draw(std::uint64_t frame, const RenderOptions& options) {
     Lap lap;
-    renderer_.show(animation_.scene(), animation_.seek(plan_.time(animation_, frame)));
+    stage_->show(animation_.scene(), animation_.seek(plan_.time(animation_, frame)));
     times_.seek = lap.ms();
-    const std::optional<Camera> camera = plan_.camera(frame);
-    RenderResult picture = camera ? renderer_.render(options, *camera) : renderer_.render(options);
+    Staged staged = stage_->render(options, plan_.camera(frame));
     times_.render = lap.ms();
-    return picture;
+    return staged;
   }
 
   Drawn make_frame(std::uint64_t place) {
     Drawn drawn;
     drawn.frame = missing_[place];
-    drawn.picture = draw(drawn.frame, options_);
+    drawn.staged = draw(drawn.frame, options_);
     drawn.time = plan_.time(animation_, drawn.frame);
     drawn.times = times_;
-    drawn.update = renderer_.last_update();
     frame_ms_[place] = times_.render;
     return drawn;
   }
@@ -261,11 +267,10 @@ class FrameRun {
   /// All files of a frame, its statistics last.
   void write(Drawn& drawn) const {
     Lap lap;
-    write_pictures(drawn.frame, drawn.picture);
+    write_pictures(drawn.frame, drawn.staged.picture);
     drawn.times.write = lap.ms();
     if (command_.stats_path.empty()) return;
-    write_text(frame_json(drawn, to_json(drawn.picture.statistics)),
-               writable_path(with_frame(command_.stats_path, drawn.frame)));
+    write_text(frame_json(drawn), writable_path(with_frame(command_.stats_path, drawn.frame)));
   }
 
   void write_pictures(std::uint64_t frame, const RenderResult& picture) const {
@@ -291,7 +296,9 @@ class FrameRun {
     }
     if (ranks_ != nullptr)
       tell(fmt::format("shared among {} ranks by {}", ranks_->size(),
-                       frame_each_ ? "frames" : "rays"));
+                       frame_each_             ? "frames"
+                       : is_streamed(command_) ? "geometry"
+                                               : "rays"));
     for (const std::string& path : command_.pictures) tell("wrote " + printable(path));
     if (!command_.heatmap_path.empty()) tell("wrote " + printable(command_.heatmap_path));
     if (!command_.stats_path.empty()) tell("wrote " + printable(command_.stats_path));
@@ -305,7 +312,7 @@ class FrameRun {
   RenderOptions options_;
   std::vector<std::uint64_t> missing_;
   bool frame_each_;  ///< a process makes its frames alone
-  Renderer renderer_;
+  std::unique_ptr<Stage> stage_;
   std::vector<std::unique_ptr<Film>> films_;
   std::uint64_t made_ = 0;
   FrameTimes times_;
@@ -323,9 +330,9 @@ bool wants_frames(const RenderCommand& command) {
   return has_frame_field(command.stats_path) || has_frame_field(command.heatmap_path);
 }
 
-void render_frames(const RenderCommand& command, Animation& animation,
+void render_frames(const RenderCommand& command, const GeometrySource* blocks, Animation& animation,
                    const std::shared_ptr<Communicator>& ranks) {
-  FrameRun(command, animation, ranks).run();
+  FrameRun(command, blocks, animation, ranks).run();
 }
 
 }  // namespace raysheaf::app

@@ -6,7 +6,6 @@
 
 #include "raysheaf/block_file.h"
 #include "raysheaf/error.h"
-#include "scene_argument.h"
 #include "values.h"
 
 namespace raysheaf::app {
@@ -20,11 +19,8 @@ bool is_streamed(const RenderCommand& command) {
 }
 
 std::unique_ptr<GeometrySource> open_blocks(const RenderCommand& command) {
-  if (is_block_file(command.scene)) return std::make_unique<BlockFile>(command.scene);
-  const SceneDescription scene = scene_from_argument(command.scene, command.load);
-  auto blocks = std::make_unique<BlockList>();
-  blocks->set_scene(cut_into_blocks(scene, blocks.get()));
-  return blocks;
+  if (!is_block_file(command.scene)) return nullptr;
+  return std::make_unique<BlockFile>(command.scene);
 }
 
 std::unique_ptr<CheckpointFile> open_checkpoint(const RenderCommand& command,

@@ -15,7 +15,7 @@ namespace raysheaf::app {
 /// Whether the frame is rendered block by block.
 [[nodiscard]] bool is_streamed(const RenderCommand& command);
 
-/// Where the blocks of a streamed frame come from.
+/// SCENE where it is a block file, else null.
 [[nodiscard]] std::unique_ptr<GeometrySource> open_blocks(const RenderCommand& command);
 
 /// Where a streamed frame keeps what it has found, beside its first output: `hall.png.resume`, or

@@ -1,0 +1,90 @@
+#include "render/stage.h"
+
+#include <utility>
+
+#include "ranks/ranks.h"
+#include "raysheaf/context.h"
+#include "render/stream.h"
+
+namespace raysheaf::app {
+namespace {
+
+class ResidentStage final : public Stage {
+ public:
+  explicit ResidentStage(const Context& context) : renderer_(context) {}
+
+  void show(const SceneDescription& scene, const SceneChanges& changes) override {
+    renderer_.show(scene, changes);
+  }
+
+  Staged render(const RenderOptions& options, const std::optional<Camera>& camera) override {
+    Staged staged;
+    staged.picture = camera ? renderer_.render(options, *camera) : renderer_.render(options);
+    staged.update = renderer_.last_update();
+    return staged;
+  }
+
+ private:
+  Renderer renderer_;
+};
+
+class StreamedStage final : public Stage {
+ public:
+  StreamedStage(const RenderCommand& command, Communicator* ranks, const GeometrySource* blocks,
+                StreamCheckpoint* checkpoint)
+      : context_({command.device, command.options.threads}), file_(blocks) {
+    stream_.context = &context_;
+    stream_.memory_bytes = command.memory_bytes;
+    stream_.checkpoint = checkpoint;
+    if (ranks == nullptr) return;
+    exchange_ = make_hit_exchange(*ranks);
+    stream_.exchange = exchange_.get();
+    stream_.part = ranks->rank();
+    stream_.parts = ranks->size();
+  }
+
+  void show(const SceneDescription& scene, const SceneChanges& changes) override {
+    if (file_ != nullptr) {
+      if (changes.everything) scene_ = scene;
+    } else if (!changes.empty()) {
+      cut_ = std::make_unique<BlockList>();
+      scene_ = cut_into_blocks(scene, cut_.get());
+    }
+    scene_.cameras = scene.cameras;
+    scene_.lights = scene.lights;
+  }
+
+  Staged render(const RenderOptions& options, const std::optional<Camera>& camera) override {
+    RenderOptions own = options;
+    own.primary = Primary::kTrace;
+    if (camera) {
+      scene_.cameras = {*camera};
+      own.camera.clear();
+    }
+    Staged staged;
+    stream_.statistics = &staged.stream.emplace();
+    const GeometrySource& blocks = file_ != nullptr ? *file_ : *cut_;
+    staged.picture = raysheaf::render(BlocksInScene(blocks, scene_), own, stream_);
+    return staged;
+  }
+
+ private:
+  Context context_;
+  const GeometrySource* file_;
+  std::unique_ptr<BlockList> cut_;  ///< where there is no file
+  SceneDescription scene_;          ///< without triangles
+  std::unique_ptr<HitExchange> exchange_;
+  StreamOptions stream_;
+};
+
+}  // namespace
+
+std::unique_ptr<Stage> make_stage(const RenderCommand& command,
+                                  const std::shared_ptr<Communicator>& ranks,
+                                  const GeometrySource* blocks, StreamCheckpoint* checkpoint) {
+  if (is_streamed(command))
+    return std::make_unique<StreamedStage>(command, ranks.get(), blocks, checkpoint);
+  return std::make_unique<ResidentStage>(context_of(command, ranks));
+}
+
+}  // namespace raysheaf::app
