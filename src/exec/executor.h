@@ -4,13 +4,9 @@
 // (exec/radix_sort.h). Nothing that goes through them depends on the number of threads.
 #pragma once
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
-
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 namespace raysheaf {
 
@@ -22,6 +18,7 @@ class Executor {
  public:
   /// `threads` = 0 takes all cores that the process may use.
   explicit Executor(std::uint32_t threads = 0);
+  ~Executor();
 
   [[nodiscard]] std::uint32_t threads() const { return threads_; }
 
@@ -39,17 +36,21 @@ class Executor {
   void for_each_block(std::size_t count, std::size_t grain, const Body& body) const {
     if (count == 0) return;
     if (count <= grain || threads_ == 1) return body(std::size_t{0}, count);
-    arena_.execute([&] {
-      using Range = oneapi::tbb::blocked_range<std::size_t>;
-      oneapi::tbb::parallel_for(Range(0, count, grain),
-                                [&](const Range& r) { body(r.begin(), r.end()); });
-    });
+    spread(
+        count, grain,
+        [](const void* of, std::size_t begin, std::size_t end) {
+          (*static_cast<const Body*>(of))(begin, end);
+        },
+        &body);
   }
 
  private:
+  struct Pool;  // oneTBB's, which is seen by executor.cpp alone
+  using Block = void(const void* body, std::size_t begin, std::size_t end);
+  void spread(std::size_t count, std::size_t grain, Block* block, const void* body) const;
+
   std::uint32_t threads_;
-  oneapi::tbb::global_control workers_;  // lets there be more threads than cores, where asked for
-  mutable oneapi::tbb::task_arena arena_;
+  std::unique_ptr<Pool> pool_;
 };
 
 }  // namespace raysheaf

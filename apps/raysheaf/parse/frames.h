@@ -1,9 +1,11 @@
 // The options of `render` for scenes that move.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include "options.h"
+
+namespace CLI {
+class App;
+}
 
 namespace raysheaf::app {
 

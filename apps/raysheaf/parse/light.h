@@ -1,10 +1,11 @@
-// The options of `raysheaf render` for light, lens and samples. CLI11 is seen by the parse files
-// alone.
+// The options of `raysheaf render` for light, lens and samples.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include "options.h"
+
+namespace CLI {
+class App;
+}
 
 namespace raysheaf::app {
 

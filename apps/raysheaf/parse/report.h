@@ -1,9 +1,11 @@
 // `raysheaf report`: its options.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include "options.h"
+
+namespace CLI {
+class App;
+}
 
 namespace raysheaf::app {
 

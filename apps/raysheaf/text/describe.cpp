@@ -1,5 +1,7 @@
 #include "text/describe.h"
 
+#include <CLI/CLI.hpp>
+
 namespace raysheaf::app {
 namespace {
 

@@ -1,9 +1,13 @@
 // From the parser to words.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <string>
 
 #include "text/command_text.h"
+
+namespace CLI {
+class App;
+}
 
 namespace raysheaf::app {
 

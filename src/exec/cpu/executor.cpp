@@ -1,17 +1,42 @@
 #include "exec/executor.h"
 
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/info.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 
 namespace raysheaf {
+namespace {
+
+std::uint32_t cores() {
+  return static_cast<std::uint32_t>(std::max(1, oneapi::tbb::info::default_concurrency()));
+}
+
+}  // namespace
+
+struct Executor::Pool {
+  explicit Pool(std::uint32_t count)
+      : workers(oneapi::tbb::global_control::max_allowed_parallelism, std::max(count, cores())),
+        arena(static_cast<int>(count)) {}
+
+  oneapi::tbb::global_control workers;  // lets there be more than cores, where asked for
+  oneapi::tbb::task_arena arena;
+};
 
 Executor::Executor(std::uint32_t threads)
-    : threads_(threads != 0 ? threads
-                            : static_cast<std::uint32_t>(
-                                  std::max(1, oneapi::tbb::info::default_concurrency()))),
-      workers_(oneapi::tbb::global_control::max_allowed_parallelism,
-               std::max<std::size_t>(threads_, oneapi::tbb::info::default_concurrency())),
-      arena_(static_cast<int>(threads_)) {}
+    : threads_(threads != 0 ? threads : cores()), pool_(std::make_unique<Pool>(threads_)) {}
+
+Executor::~Executor() = default;
+
+void Executor::spread(std::size_t count, std::size_t grain, Block* block, const void* body) const {
+  pool_->arena.execute([&] {
+    using Range = oneapi::tbb::blocked_range<std::size_t>;
+    oneapi::tbb::parallel_for(Range(0, count, grain),
+                              [&](const Range& r) { block(body, r.begin(), r.end()); });
+  });
+}
 
 }  // namespace raysheaf

@@ -1,7 +1,11 @@
+// Scans by CUB and what is made of them, together: to read its headers takes longer than to compile
+// what is used of them.
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 
+#include <cub/device/device_run_length_encode.cuh>
 #include <cub/device/device_scan.cuh>
+#include <cub/device/device_select.cuh>
 
 #include "exec/cuda/cuda_device-inl.h"
 
@@ -28,6 +32,31 @@ void CudaDevice::exclusive_scan(const char* stage, View<const std::uint32_t> in,
     return cub::DeviceScan::ExclusiveSum(room, bytes, counts, out.data, static_cast<int>(out.size),
                                          stream);
   });
+}
+
+std::uint32_t CudaDevice::select(const char* stage, View<const std::uint8_t> flags,
+                                 View<std::uint32_t> out) {
+  check_item_count(stage, flags.size);
+  if (flags.empty()) return 0;
+  std::uint32_t* const count = counter(stage);
+  run_cub(stage, [&](void* room, std::size_t& bytes, cudaStream_t stream) {
+    return cub::DeviceSelect::Flagged(room, bytes, thrust::make_counting_iterator(0u), flags.data,
+                                      out.data, count, static_cast<int>(flags.size), stream);
+  });
+  return counted(stage);
+}
+
+std::uint32_t CudaDevice::run_lengths(const char* stage, View<const std::uint32_t> keys,
+                                      RunColumns out) {
+  check_item_count(stage, keys.size);
+  if (keys.empty()) return 0;
+  std::uint32_t* const count = counter(stage);
+  run_cub(stage, [&](void* room, std::size_t& bytes, cudaStream_t stream) {
+    return cub::DeviceRunLengthEncode::Encode(room, bytes, keys.data, out.keys.data,
+                                              out.lengths.data, count, static_cast<int>(keys.size),
+                                              stream);
+  });
+  return counted(stage);
 }
 
 }  // namespace raysheaf

@@ -1,9 +1,0 @@
-#include "exec/cuda/sort_pairs-inl.h"
-
-namespace raysheaf {
-
-void CudaDevice::sort_pairs(const char* stage, SortColumns<std::uint64_t>* columns, BitRange bits) {
-  sort(stage, columns, bits);
-}
-
-}  // namespace raysheaf
