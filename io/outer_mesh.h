@@ -79,4 +79,8 @@ struct OuterScene {
   std::vector<OuterMesh> meshes;
 };
 
+/// The other `add_missing_normals` (io/normals.h), in memory that does not grow with the mesh:
+/// corners are sorted by place in files. As many bytes a triangle as `docs/stream.md` says.
+void add_missing_normals(OuterMesh& mesh, const PackOptions& options);
+
 }  // namespace raysheaf::io

@@ -2,6 +2,7 @@
 
 #include "io/file.h"
 #include "io/outer_cut.h"
+#include "io/ply.h"
 #include "io/refuse.h"
 #include "io/stl.h"
 #include "raysheaf/error.h"
@@ -13,6 +14,7 @@ std::optional<io::OuterScene> read_outer(const std::string& path, const PackOpti
   if (!io::file_exists(path)) return std::nullopt;
   const std::string ending = io::ending_of(path);
   try {
+    if (ending == "ply") return io::read_outer_ply(path, options);
     if (ending == "stl") return io::read_outer_stl(path, options);
   } catch (const io::NeedsWholeFile&) {
   }

@@ -11,19 +11,21 @@ namespace raysheaf {
 
 struct PackOptions {
   std::uint32_t triangles_a_block = kBlockTriangles;  ///< 1 to `kBlockTriangles`
-  /// That are held at once, about 170 bytes each; `triangles_a_block` are in any case. The blocks
+  /// That are held at once, about 250 bytes each; `triangles_a_block` are in any case. The blocks
   /// do not depend on it.
   std::uint32_t triangles_at_once = 1u << 19;
-  /// Temporary files are made in the folder of this name, and have none of their own: 52 bytes a
-  /// triangle, twice.
+  /// Temporary files are made in the folder of this name, and have none of their own;
+  /// docs/stream.md has how long they become.
   std::string beside;
 };
 
 /// What `cut_into_blocks` gives of the scene that `load_scene` reads, the same blocks and the same
 /// scene, in memory that does not grow with the file: of binary STL with more than
-/// `triangles_at_once` triangles. Of all other files, and of those that `load_scene` or
-/// `cut_into_blocks` would refuse: nothing, before anything was added to `sink`. Throws `Error`:
-/// kIo, and what the sink throws.
+/// `triangles_at_once` triangles, and of binary PLY with more than 16 bytes for each of them. Of
+/// all other files nothing, and nothing where `load_scene` has to look at the whole file: ASCII; a
+/// face or a strip of PLY with more than `triangles_at_once` corners (at least 4096); a vertex
+/// farther out than 1e18. Before anything was added to `sink` it is known which. Throws `Error`:
+/// what `load_scene` throws of such a file, kIo of temporary files, and what the sink throws.
 [[nodiscard]] std::optional<SceneDescription> pack_file(const std::string& path, BlockSink* sink,
                                                         const PackOptions& options);
 
