@@ -1,6 +1,7 @@
 #include "raysheaf/pack.h"
 
 #include "io/file.h"
+#include "io/gltf.h"
 #include "io/outer_cut.h"
 #include "io/ply.h"
 #include "io/refuse.h"
@@ -14,6 +15,7 @@ std::optional<io::OuterScene> read_outer(const std::string& path, const PackOpti
   if (!io::file_exists(path)) return std::nullopt;
   const std::string ending = io::ending_of(path);
   try {
+    if (ending == "gltf" || ending == "glb") return io::read_outer_gltf(path, options);
     if (ending == "ply") return io::read_outer_ply(path, options);
     if (ending == "stl") return io::read_outer_stl(path, options);
   } catch (const io::NeedsWholeFile&) {

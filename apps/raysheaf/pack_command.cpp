@@ -37,9 +37,10 @@ int run(const PackCommand& command) {
     const BlockFile from(command.scene);
     copy_blocks(from, &file);
     file.finish(from.scene());
-  } else if (const auto rest = pack_file(
-                 command.scene, &file,
-                 {.triangles_a_block = command.block_triangles, .beside = command.output})) {
+  } else if (const auto rest = pack_file(command.scene, &file,
+                                         {.triangles_a_block = command.block_triangles,
+                                          .beside = command.output,
+                                          .allow_external = command.load.allow_external})) {
     tell_warnings(command, *rest);
     file.finish(*rest);
   } else {

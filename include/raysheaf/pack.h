@@ -17,15 +17,16 @@ struct PackOptions {
   /// Temporary files are made in the folder of this name, and have none of their own;
   /// docs/stream.md has how long they become.
   std::string beside;
+  bool allow_external = false;  ///< as that of `LoadOptions`
 };
 
 /// What `cut_into_blocks` gives of the scene that `load_scene` reads, the same blocks and the same
-/// scene, in memory that does not grow with the file: of binary STL with more than
-/// `triangles_at_once` triangles, and of binary PLY with more than 16 bytes for each of them. Of
-/// all other files nothing, and nothing where `load_scene` has to look at the whole file: ASCII; a
-/// face or a strip of PLY with more than `triangles_at_once` corners (at least 4096); a vertex
-/// farther out than 1e18. Before anything was added to `sink` it is known which. Throws `Error`:
-/// what `load_scene` throws of such a file, kIo of temporary files, and what the sink throws.
+/// scene, in memory that does not grow with its meshes: of binary STL with more than
+/// `triangles_at_once` triangles, and of binary PLY and of glTF with its buffers that have more
+/// than 16 bytes for each of those. Pictures, materials, nodes and JSON are held. Of all other
+/// files nothing, and nothing where they have to be read whole (docs/stream.md): before anything
+/// was added to `sink` it is known. Throws `Error`: what `load_scene` throws of such a file, kIo of
+/// temporary files, and what the sink throws.
 [[nodiscard]] std::optional<SceneDescription> pack_file(const std::string& path, BlockSink* sink,
                                                         const PackOptions& options);
 

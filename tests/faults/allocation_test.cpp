@@ -308,6 +308,23 @@ TEST(PackFaults, EveryAllocationOfStl) {
   expect_errors_of_packing("a.stl", bytes);
 }
 
+TEST(PackFaults, EveryAllocationOfGlb) {
+  const TemporaryFolder folder;
+  SceneDescription scene;
+  scene.materials.resize(2);
+  Mesh& mesh = scene.meshes.emplace_back();
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}};
+  mesh.normals.assign(4, {0, 0, 0});
+  mesh.uvs.assign(4, {0.5f, 0.25f});
+  mesh.triangles = {{0, 1, 2}, {2, 1, 3}, {3, 1, 0}};
+  mesh.materials = {0, 1, 1};
+  scene.meshes.push_back(mesh);
+  scene.meshes[1].normals.clear();
+  for (const std::uint32_t m : {1u, 0u, 1u}) scene.instances.push_back({"", m, {}});
+  save_glb(scene, folder.file("a.glb"));
+  expect_errors_of_packing("a.glb", read_file(folder.file("a.glb")));
+}
+
 TEST(SaveFaults, EveryAllocationOfBlocks) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.rsb");

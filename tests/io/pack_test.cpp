@@ -1,14 +1,11 @@
-// Files cut into blocks without being held: the same file as of the scene in memory.
-#include "raysheaf/pack.h"
-
-#include "raysheaf/block_file.h"
+// STL and PLY cut into blocks without being held.
 #include "support/random.h"
-#include "tests/io/io_support.h"
+#include "tests/io/pack_support.h"
 
 namespace raysheaf::test {
 namespace {
 
-class Pack : public IoTest {
+class Pack : public PackTest {
  protected:
   /// A binary STL of triangles of a few kinds; corners are on a coarse grid where `ties`.
   std::string stl(const std::string& name, std::uint32_t count, bool ties) {
@@ -97,21 +94,6 @@ class Pack : public IoTest {
     all.insert(all.end(), body.bytes.end() - 32, body.bytes.end());
     return write(name, all);
   }
-
-  /// The block files that the two ways give of one scene.
-  void expect_same(const std::string& scene, std::uint32_t most, std::uint32_t at_once) {
-    BlockFileWriter held(path("held.rsb"));
-    held.finish(cut_into_blocks(load_scene(scene), &held, most));
-    BlockFileWriter outer(path("outer.rsb"));
-    PackOptions options;
-    options.triangles_a_block = most;
-    options.triangles_at_once = at_once;
-    options.beside = path("outer.rsb");
-    const auto rest = pack_file(scene, &outer, options);
-    ASSERT_TRUE(rest.has_value());
-    outer.finish(*rest);
-    EXPECT_TRUE(read("held.rsb") == read("outer.rsb")) << most << ", " << at_once;
-  }
 };
 
 TEST_F(Pack, GivesTheBytesOfTheSceneInMemory) {
@@ -138,22 +120,6 @@ TEST_F(Pack, GivesTheBytesOfPlyInMemory) {
 
 /// What is wrong with a file is told in the same words.
 TEST_F(Pack, RefusesWhatLoadSceneRefuses) {
-  const auto words = [&](const auto& read) {
-    try {
-      read();
-    } catch (const Error& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  const auto expect_same_words = [&](const std::string& scene, const std::string& part) {
-    const std::string held = words([&] { static_cast<void>(load_scene(scene)); });
-    EXPECT_NE(held.find(part), held.npos) << held;
-    BlockList sink;
-    const PackOptions options{.triangles_at_once = 10, .beside = path("out.rsb")};
-    EXPECT_EQ(words([&] { static_cast<void>(pack_file(scene, &sink, options)); }), held);
-    EXPECT_TRUE(sink.blocks().empty());
-  };
   const std::string good = (ply("a.ply", 30, Normals::kAll, true), read("a.ply"));
   const auto spoiled = [&](std::size_t at, const std::string& by) {
     std::string bytes = good;
@@ -169,15 +135,6 @@ TEST_F(Pack, RefusesWhatLoadSceneRefuses) {
 }
 
 TEST_F(Pack, LeavesOthersAlone) {
-  const auto is_taken = [&](const std::string& scene) {
-    BlockList sink;
-    PackOptions options;
-    options.triangles_at_once = 10;
-    options.beside = path("out.rsb");
-    const bool taken = pack_file(scene, &sink, options).has_value();
-    EXPECT_EQ(taken, !sink.blocks().empty());
-    return taken;
-  };
   EXPECT_TRUE(is_taken(stl("a.stl", 11, false)));
   EXPECT_FALSE(is_taken(stl("b.stl", 10, false))) << "few enough";
   EXPECT_FALSE(is_taken(path("none.stl")));
