@@ -118,6 +118,13 @@ TEST_F(Pack, GivesTheBytesOfPlyInMemory) {
   }
 }
 
+/// More bytes than are read at once.
+TEST_F(Pack, ReadsPlyInWindows) {
+  const std::string scene = ply("scene.ply", 190, Normals::kSome, true);
+  ASSERT_GT(std::filesystem::file_size(scene), std::size_t{2} << 20);
+  expect_same(scene, 9999, 20000);
+}
+
 /// What is wrong with a file is told in the same words.
 TEST_F(Pack, RefusesWhatLoadSceneRefuses) {
   const std::string good = (ply("a.ply", 30, Normals::kAll, true), read("a.ply"));
