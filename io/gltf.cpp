@@ -2,16 +2,18 @@
 
 #include <filesystem>
 
+#include "raysheaf/animation.h"
+
 namespace raysheaf::io {
 namespace {
 
 /// Elements that may be read for each byte of the file, and besides.
 constexpr std::size_t kElementsPerByte = 16, kFreeElements = std::size_t{1} << 18;
 
-}  // namespace
+/// For each of `triangles_at_once`, which a file and its buffers may have to be read whole.
+constexpr std::uint64_t kSmallGltfBytes = 16;
 
-GltfScene load_gltf(const Bytes& file, const SceneFile& from) {
-  const GltfModel model = parse_gltf(file, from);
+GltfScene read_gltf(const GltfModel& model, const SceneFile& from, const GltfOuter* outer) {
   GltfScene result;
   SceneDescription& scene = result.scene;
   scene.name = std::filesystem::path(from.path).stem().string();
@@ -22,10 +24,30 @@ GltfScene load_gltf(const Bytes& file, const SceneFile& from) {
   AccessorReader accessors(model, kFreeElements + kElementsPerByte * model.file_bytes);
   read_skins(model, nodes, accessors, result.rig);
   const std::vector<std::uint32_t> shape_of_node =
-      read_meshes(model, nodes, uv_sets, accessors, scene, result.rig, warnings);
+      read_meshes(model, nodes, uv_sets, accessors, outer, scene, result.rig, warnings);
   read_clips(model, nodes, shape_of_node, accessors, result.rig, warnings);
   scene.warnings = warnings.take();
   return result;
+}
+
+}  // namespace
+
+GltfScene load_gltf(const Bytes& file, const SceneFile& from) {
+  return read_gltf(parse_gltf(GltfBytes(file), from), from, nullptr);
+}
+
+std::optional<OuterScene> read_outer_gltf(const std::string& path, const PackOptions& options) {
+  const GltfFile file(path, "");
+  const SceneFile from{path, options.allow_external};
+  const GltfModel model = parse_gltf(GltfBytes(file), from);
+  if (model.file_bytes <= kSmallGltfBytes * options.triangles_at_once) return std::nullopt;
+  OuterScene scene;
+  scene.columns = std::make_unique<OuterColumns>(options);
+  const GltfOuter outer{options, *scene.columns, scene.meshes};
+  GltfScene read = read_gltf(model, from, &outer);
+  if (!read.rig.nodes.empty()) pose(read.rig, read.scene);
+  scene.rest = std::move(read.scene);
+  return scene;
 }
 
 }  // namespace raysheaf::io

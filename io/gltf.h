@@ -2,12 +2,14 @@
 // said.
 #pragma once
 
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "io/gltf_accessor.h"
 #include "io/gltf_model.h"
+#include "io/outer_mesh.h"
 #include "raysheaf/rig.h"
 
 namespace raysheaf::io {
@@ -19,6 +21,12 @@ struct GltfScene {
   Rig rig;
 };
 [[nodiscard]] GltfScene load_gltf(const Bytes& file, const SceneFile& from);
+
+/// The same at rest, in memory that does not grow with the meshes. Nothing of files so small that
+/// they may be held. Throws `NeedsWholeFile` where meshes have skins, morph targets or sparse
+/// attributes.
+[[nodiscard]] std::optional<OuterScene> read_outer_gltf(const std::string& path,
+                                                        const PackOptions& options);
 
 /// Sentences about what is left out, each kind once.
 class Warnings {
@@ -65,11 +73,25 @@ struct GltfMesh {
                                  AccessorReader& accessors, const std::vector<int>& uv_sets,
                                  Warnings& warnings);
 
+/// The same, of one without a skin. Throws `NeedsWholeFile`.
+void read_outer_mesh(const GltfModel& model, std::size_t index, AccessorReader& accessors,
+                     const std::vector<int>& uv_sets, Warnings& warnings,
+                     const PackOptions& options, OuterMesh* mesh);
+
+/// Where meshes go that are not to be held.
+struct GltfOuter {
+  const PackOptions& options;
+  OuterColumns& columns;
+  std::vector<OuterMesh>& meshes;  ///< beside those of the scene, which have names alone
+};
+
 /// Reads the meshes that instances show, one for each shape that they take, leaves out those
 /// without triangles, and fills the rig's shapes. Returns the shape of each node, or kInvalidId.
+/// `outer`: null where they are held.
 [[nodiscard]] std::vector<std::uint32_t> read_meshes(const GltfModel& model, const GltfNodes& nodes,
                                                      const std::vector<int>& uv_sets,
                                                      AccessorReader& accessors,
+                                                     const GltfOuter* outer,
                                                      SceneDescription& scene, Rig& rig,
                                                      Warnings& warnings);
 

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "io/gltf_json.h"
+#include "io/outer_mesh.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
@@ -63,13 +64,17 @@ const GltfAccessor& AccessorReader::charge(int index, const std::string& place) 
   return accessor;
 }
 
-void AccessorReader::apply_sparse(const GltfAccessor& accessor, std::size_t components,
-                                  const std::string& place, std::vector<float>& values) const {
+void AccessorReader::apply_sparse(const GltfAccessor& accessor, const std::string& place,
+                                  std::vector<float>& values) const {
   const GltfSparse& sparse = *accessor.sparse;
   const std::size_t index_bytes = component_bytes(sparse.index_type);
   const std::size_t size = component_bytes(accessor.component_type);
-  const std::uint8_t* index = sparse.indices.data();
-  const std::uint8_t* value = sparse.values.data();
+  const std::size_t components = accessor.components;
+  Bytes index_scratch, value_scratch;
+  const std::uint8_t* index =
+      sparse.indices.read(0, sparse.count * index_bytes, index_scratch).data();
+  const std::uint8_t* value =
+      sparse.values.read(0, sparse.count * components * size, value_scratch).data();
   for (std::size_t i = 0; i < sparse.count; ++i, index += index_bytes) {
     const std::size_t target = unsigned_component(index, sparse.index_type);
     if (target >= accessor.count) {
@@ -85,7 +90,38 @@ void AccessorReader::apply_sparse(const GltfAccessor& accessor, std::size_t comp
   }
 }
 
-std::vector<float> AccessorReader::floats(int index, int components, const std::string& place) {
+std::vector<float> AccessorReader::window(const GltfAccessor& accessor, std::size_t first,
+                                          std::size_t count, const std::string& place) const {
+  const std::size_t width = accessor.components, size = component_bytes(accessor.component_type);
+  std::vector<float> values(count * width, 0.0f);
+  if (accessor.view >= 0 && count > 0) {
+    const GltfView& view = model_.views[static_cast<std::size_t>(accessor.view)];
+    const std::size_t stride = view.stride == 0 ? size * width : view.stride;
+    Bytes scratch;
+    const std::uint8_t* element =
+        view.bytes
+            .read(accessor.offset + first * stride, (count - 1) * stride + size * width, scratch)
+            .data();
+    for (std::size_t i = 0; i < count; ++i, element += stride) {
+      for (std::size_t c = 0; c < width; ++c) {
+        values[i * width + c] =
+            component(element + c * size, accessor.component_type, accessor.normalized);
+      }
+    }
+  }
+  if (accessor.sparse) apply_sparse(accessor, place, values);
+  return values;
+}
+
+std::vector<float> AccessorReader::finite_window(const GltfAccessor& accessor, std::size_t first,
+                                                 std::size_t count,
+                                                 const std::string& place) const {
+  std::vector<float> values = window(accessor, first, count, place);
+  check_finite(values, accessor.components, place, first);
+  return values;
+}
+
+const GltfAccessor& AccessorReader::floats_of(int index, int components, const std::string& place) {
   const GltfAccessor& accessor = charge(index, place);
   const auto width = static_cast<std::size_t>(components);
   // The columns of smaller matrices are padded.
@@ -95,37 +131,35 @@ std::vector<float> AccessorReader::floats(int index, int components, const std::
                     std::to_string(accessor.components),
                 place);
   }
-  std::vector<float> values(accessor.count * width, 0.0f);
-  const std::size_t size = component_bytes(accessor.component_type);
-  if (accessor.view >= 0) {
-    const GltfView& view = model_.views[static_cast<std::size_t>(accessor.view)];
-    const std::size_t stride = view.stride == 0 ? size * width : view.stride;
-    const std::uint8_t* element = view.bytes.data() + accessor.offset;
-    for (std::size_t i = 0; i < accessor.count; ++i, element += stride) {
-      for (std::size_t c = 0; c < width; ++c) {
-        values[i * width + c] =
-            component(element + c * size, accessor.component_type, accessor.normalized);
-      }
-    }
-  }
-  if (accessor.sparse) apply_sparse(accessor, width, place, values);
-  return values;
+  return accessor;
 }
 
-std::vector<float> AccessorReader::attribute(int index, int components, std::size_t vertex_count,
-                                             const std::string& place) {
+std::vector<float> AccessorReader::floats(int index, int components, const std::string& place) {
+  const GltfAccessor& accessor = floats_of(index, components, place);
+  return window(accessor, 0, accessor.count, place);
+}
+
+const GltfAccessor& AccessorReader::attribute_of(int index, int components,
+                                                 std::size_t vertex_count,
+                                                 const std::string& place) {
   if (count(index) != vertex_count) {
     throw Error(ErrorCode::kInvalidData,
                 "has " + std::to_string(count(index)) + " elements, but POSITION " +
                     std::to_string(vertex_count),
                 place);
   }
-  std::vector<float> values = floats(index, components, place);
-  check_finite(values, static_cast<std::size_t>(components), place);
-  return values;
+  const GltfAccessor& accessor = floats_of(index, components, place);
+  if (accessor.sparse && !accessor.sparse->values.is_held()) throw NeedsWholeFile{};
+  return accessor;
 }
 
-std::vector<std::uint32_t> AccessorReader::indices(int index, const std::string& place) {
+std::vector<float> AccessorReader::attribute(int index, int components, std::size_t vertex_count,
+                                             const std::string& place) {
+  return finite_window(attribute_of(index, components, vertex_count, place), 0, vertex_count,
+                       place);
+}
+
+const GltfAccessor& AccessorReader::indices(int index, const std::string& place) {
   const GltfAccessor& accessor = charge(index, place);
   const int type = accessor.component_type;
   const bool is_unsigned =
@@ -136,22 +170,33 @@ std::vector<std::uint32_t> AccessorReader::indices(int index, const std::string&
   if (accessor.sparse) {
     throw Error(ErrorCode::kUnsupported, "sparse indices are not read", place);
   }
+  return accessor;
+}
+
+std::vector<std::uint32_t> AccessorReader::index_window(const GltfAccessor& accessor,
+                                                        std::size_t first,
+                                                        std::size_t count) const {
   const GltfView& view = model_.views[static_cast<std::size_t>(accessor.view)];
-  const std::size_t stride = view.stride == 0 ? component_bytes(type) : view.stride;
-  const std::uint8_t* element = view.bytes.data() + accessor.offset;
-  std::vector<std::uint32_t> values(accessor.count);
+  const std::size_t size = component_bytes(accessor.component_type);
+  const std::size_t stride = view.stride == 0 ? size : view.stride;
+  Bytes scratch;
+  const std::uint8_t* element =
+      view.bytes.read(accessor.offset + first * stride, (count - 1) * stride + size, scratch)
+          .data();
+  std::vector<std::uint32_t> values(count);
   for (std::uint32_t& value : values) {
-    value = unsigned_component(element, type);
+    value = unsigned_component(element, accessor.component_type);
     element += stride;
   }
   return values;
 }
 
-void check_finite(const std::vector<float>& values, std::size_t width, const std::string& place) {
+void check_finite(const std::vector<float>& values, std::size_t width, const std::string& place,
+                  std::size_t first) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (std::isfinite(values[i])) continue;
     throw Error(ErrorCode::kInvalidData, "is not finite",
-                place + "[" + std::to_string(i / width) + "]");
+                place + "[" + std::to_string(first + i / width) + "]");
   }
 }
 

@@ -1,6 +1,7 @@
 // The values of an accessor, whatever its component type, stride, normalisation and sparseness.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -21,22 +22,59 @@ class AccessorReader {
   /// The same of an attribute of `count` vertices; throws too where a number is not finite.
   [[nodiscard]] std::vector<float> attribute(int accessor, int components, std::size_t count,
                                              const std::string& place);
-  [[nodiscard]] std::vector<std::uint32_t> indices(int accessor, const std::string& place);
+  /// Calls `body(numbers)` for each vertex of such an attribute. Holds a window of them, but all of
+  /// a sparse one: throws `NeedsWholeFile` there where its buffer is not held.
+  template <class Body>
+  void each_vertex(int accessor, int components, std::size_t count, const std::string& place,
+                   const Body& body) {
+    const GltfAccessor& source = attribute_of(accessor, components, count, place);
+    const auto width = static_cast<std::size_t>(components);
+    const std::size_t window = source.sparse ? count : kWindow;
+    for (std::size_t first = 0; first < count; first += window) {
+      const std::vector<float> some =
+          finite_window(source, first, std::min(window, count - first), place);
+      for (std::size_t i = 0; i < some.size(); i += width) body(&some[i]);
+    }
+  }
+  /// An accessor of indices, which are read by the function below any number of times.
+  [[nodiscard]] const GltfAccessor& indices(int accessor, const std::string& place);
+  /// Calls `body(i, index)` for each.
+  template <class Body>
+  void each_index(const GltfAccessor& indices, const Body& body) const {
+    for (std::size_t first = 0; first < indices.count; first += kWindow) {
+      const std::vector<std::uint32_t> some =
+          index_window(indices, first, std::min(kWindow, indices.count - first));
+      for (std::size_t i = 0; i < some.size(); ++i) body(first + i, some[i]);
+    }
+  }
   [[nodiscard]] std::size_t count(int accessor) const {
     return model_.accessors[static_cast<std::size_t>(accessor)].count;
   }
 
  private:
+  static constexpr std::size_t kWindow = std::size_t{1} << 14;
+
   const GltfAccessor& charge(int accessor, const std::string& place);
-  void apply_sparse(const GltfAccessor& accessor, std::size_t components, const std::string& place,
+  const GltfAccessor& floats_of(int accessor, int components, const std::string& place);
+  const GltfAccessor& attribute_of(int accessor, int components, std::size_t count,
+                                   const std::string& place);
+  [[nodiscard]] std::vector<float> window(const GltfAccessor& accessor, std::size_t first,
+                                          std::size_t count, const std::string& place) const;
+  [[nodiscard]] std::vector<float> finite_window(const GltfAccessor& accessor, std::size_t first,
+                                                 std::size_t count, const std::string& place) const;
+  [[nodiscard]] std::vector<std::uint32_t> index_window(const GltfAccessor& accessor,
+                                                        std::size_t first, std::size_t count) const;
+  void apply_sparse(const GltfAccessor& accessor, const std::string& place,
                     std::vector<float>& values) const;
 
   const GltfModel& model_;
   std::size_t budget_;
 };
 
-/// Throws `Error` where a number is not finite; elements have `width` of them.
-void check_finite(const std::vector<float>& values, std::size_t width, const std::string& place);
+/// Throws `Error` where a number is not finite; elements have `width` of them, and are those from
+/// `first` on.
+void check_finite(const std::vector<float>& values, std::size_t width, const std::string& place,
+                  std::size_t first = 0);
 
 [[nodiscard]] std::vector<Vec3> as_vec3(const std::vector<float>& values);
 

@@ -12,18 +12,19 @@ constexpr std::uint32_t kJson = 0x4e4f534a;    // "JSON"
 constexpr std::uint32_t kBinary = 0x004e4942;  // "BIN"
 constexpr std::size_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
 
-std::uint32_t read_u32(std::span<const std::uint8_t> bytes, std::size_t at) {
-  return static_cast<std::uint32_t>(bytes[at]) | static_cast<std::uint32_t>(bytes[at + 1]) << 8 |
-         static_cast<std::uint32_t>(bytes[at + 2]) << 16 |
-         static_cast<std::uint32_t>(bytes[at + 3]) << 24;
+std::uint32_t read_u32(const GltfBytes& from, std::uint64_t offset) {
+  Bytes scratch;
+  const auto bytes = from.read(offset, 4, scratch);
+  return static_cast<std::uint32_t>(bytes[0]) | static_cast<std::uint32_t>(bytes[1]) << 8 |
+         static_cast<std::uint32_t>(bytes[2]) << 16 | static_cast<std::uint32_t>(bytes[3]) << 24;
 }
 
 struct Chunk {
   std::uint32_t type = 0;
-  std::span<const std::uint8_t> bytes;
+  GltfBytes bytes;
 };
 
-Chunk chunk_at(std::span<const std::uint8_t> glb, std::size_t at, int number) {
+Chunk chunk_at(const GltfBytes& glb, std::size_t at, int number) {
   const std::string place = "GLB chunk " + std::to_string(number);
   if (glb.size() - at < kChunkHeaderBytes) refuse("the chunk's header is cut off", place);
   const std::size_t length = read_u32(glb, at);
@@ -40,7 +41,7 @@ std::size_t padded(std::size_t length) {
   return (length + 3) / 4 * 4;
 }
 
-GltfParts split_glb(std::span<const std::uint8_t> file) {
+GltfParts split_glb(const GltfBytes& file) {
   if (file.size() < kHeaderBytes) refuse("the file is cut off inside its header", "GLB header");
   const std::uint32_t version = read_u32(file, 4);
   if (version != 2) {
@@ -53,7 +54,7 @@ GltfParts split_glb(std::span<const std::uint8_t> file) {
                " bytes, but has " + std::to_string(file.size()),
            "GLB header");
   }
-  const auto glb = file.first(length);
+  const GltfBytes glb = file.subspan(0, length);
   if (length < kHeaderBytes) refuse("the declared length is too small", "GLB header");
   const Chunk text = chunk_at(glb, kHeaderBytes, 0);
   if (text.type != kJson) refuse("the first chunk is not JSON", "GLB chunk 0");
@@ -67,7 +68,7 @@ GltfParts split_glb(std::span<const std::uint8_t> file) {
 
 }  // namespace
 
-GltfParts split_gltf(std::span<const std::uint8_t> file) {
+GltfParts split_gltf(const GltfBytes& file) {
   if (file.size() >= 4 && read_u32(file, 0) == kMagic) return split_glb(file);
   return {file, {}, false};
 }

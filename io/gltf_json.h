@@ -7,21 +7,21 @@
 #include <string_view>
 #include <vector>
 
-#include "io/file.h"
+#include "io/gltf_bytes.h"
 #include "io/json_value.h"
 
 namespace raysheaf::io {
 
 /// The parts of a glTF file, as views into its bytes.
 struct GltfParts {
-  std::span<const std::uint8_t> json;
-  std::span<const std::uint8_t> binary;  ///< the GLB's BIN chunk; empty where there is none
+  GltfBytes json;
+  GltfBytes binary;  ///< the GLB's BIN chunk; empty where there is none
   bool is_glb = false;
 };
 
 /// Takes a .glb or .gltf apart (a file that begins with "glTF" is a GLB, whatever its name). Throws
 /// where the header, a chunk or the declared length does not fit the file.
-[[nodiscard]] GltfParts split_gltf(std::span<const std::uint8_t> file);
+[[nodiscard]] GltfParts split_gltf(const GltfBytes& file);
 
 /// Checks the JSON: types, ranges and indices of every field that is read; versions and required
 /// extensions; names of external files; that buffer views lie in their buffers and accessors in

@@ -19,35 +19,55 @@ int mode_of(const JsonValue& primitive) {
   return primitive.get("mode", kTriangles);
 }
 
-/// The corners of a list, strip or fan of `count` vertices, as glTF 2.0, section 3.7.2.1 has them.
-std::vector<Triangle> corners_of(int mode, std::size_t vertex_count) {
-  const auto count = static_cast<std::uint32_t>(vertex_count);
-  std::vector<Triangle> result;
-  if (mode == kTriangles) {
-    result.reserve(count / 3);
-    for (std::uint32_t i = 0; i + 2 < count; i += 3) result.push_back({i, i + 1, i + 2});
-  } else if (mode == kTriangleStrip) {
-    for (std::uint32_t i = 0; i + 2 < count; ++i) {
-      result.push_back({i, i + 1 + i % 2, i + 2 - i % 2});
-    }
-  } else {
-    for (std::uint32_t i = 1; i + 1 < count; ++i) result.push_back({i, i + 1, 0});
-  }
-  return result;
+/// Of `count` corners.
+std::size_t triangle_count_of(int mode, std::size_t count) {
+  return mode == kTriangles ? count / 3 : count < 3 ? 0 : count - 2;
 }
 
-/// Concatenates the primitives of one mesh.
+/// Triangles of the corners of a list, strip or fan, as glTF 2.0, section 3.7.2.1 has them.
+class TriangleAssembler {
+ public:
+  explicit TriangleAssembler(int mode) : mode_(mode) {}
+
+  /// Whether `corner` completes a triangle.
+  bool add(std::uint32_t corner) {
+    const std::size_t n = count_++;
+    if (n == 0) first_ = corner;
+    const std::uint32_t before = last_[0], last = last_[1];
+    last_ = {last, corner};
+    if (n < 2) return false;
+    if (mode_ == kTriangleFan)
+      triangle_ = {last, corner, first_};
+    else if (mode_ == kTriangleStrip && n % 2 != 0)
+      triangle_ = {before, corner, last};
+    else
+      triangle_ = {before, last, corner};
+    return mode_ != kTriangles || n % 3 == 2;
+  }
+  [[nodiscard]] const Triangle& triangle() const { return triangle_; }
+
+ private:
+  int mode_;
+  std::size_t count_ = 0;
+  std::uint32_t first_ = 0;
+  std::array<std::uint32_t, 2> last_{};
+  Triangle triangle_{};
+};
+
+/// Concatenates the primitives of one mesh, `Mesh` or `OuterMesh`.
+template <class AnyMesh>
 class MeshReader {
  public:
   MeshReader(const GltfModel& model, AccessorReader& accessors, const std::vector<int>& uv_sets,
-             std::size_t joint_count, Warnings& warnings)
+             std::size_t joint_count, Warnings& warnings, AnyMesh& mesh)
       : model_(model),
         accessors_(accessors),
         uv_sets_(uv_sets),
         warnings_(warnings),
+        mesh_(mesh),
         shape_(accessors, joint_count, warnings) {}
 
-  GltfMesh read(std::size_t index) {
+  void read(std::size_t index) {
     const JsonValue& source = model_.list("meshes")[index];
     mesh_.name = source.get("name", std::string());
     const auto primitives = source.items("primitives");
@@ -59,11 +79,16 @@ class MeshReader {
       read_primitive(primitives[p]);
     }
     finish();
-    RigShape shape = shape_.take(mesh_);
-    return {std::move(mesh_), std::move(shape)};
   }
+  [[nodiscard]] ShapeReader& shape() { return shape_; }
+  /// Where this is so, `add_missing_normals` has to follow.
+  [[nodiscard]] bool misses_normals() const { return misses_normals_; }
+  /// Whether each vertex has one; of a `Mesh`.
+  [[nodiscard]] const std::vector<bool>& has_normal() const { return has_normal_; }
 
  private:
+  static constexpr bool kHeld = std::is_same_v<AnyMesh, Mesh>;
+
   /// The accessors of position, normal and uv, then of joints and weights, then of targets:
   /// primitives with the same share their vertices.
   using Attributes = std::vector<int>;
@@ -77,18 +102,16 @@ class MeshReader {
     Attributes attributes{named.get("POSITION", -1), named.get("NORMAL", -1),
                           named.get(uv_name, -1)};
     const ShapeSource source = shape_.source(primitive, place_);
+    if (!kHeld && !(source.joints.empty() && source.targets.empty())) throw NeedsWholeFile{};
     attributes.insert(attributes.end(), source.joints.begin(), source.joints.end());
     attributes.insert(attributes.end(), source.targets.begin(), source.targets.end());
     const std::size_t count = accessors_.count(attributes[0]);
-    std::vector<Triangle> triangles = read_triangles(primitive, count);
+    const GltfAccessor* indices = checked_indices(primitive, count);
+    const int mode = mode_of(primitive);
+    const std::size_t corners = checked_corners(mode, indices == nullptr ? count : indices->count);
     const std::uint32_t base = vertices(attributes, source, count, uv_name);
-    for (Triangle& t : triangles) {
-      for (std::uint32_t& v : t) v += base;
-    }
-    if (any_normals_ && attributes[1] < 0) unshare(triangles);
-    mesh_.triangles.insert(mesh_.triangles.end(), triangles.begin(), triangles.end());
-    mesh_.materials.insert(mesh_.materials.end(), triangles.size(),
-                           static_cast<std::uint32_t>(material));
+    add_triangles(mode, indices, corners, base, any_normals_ && attributes[1] < 0);
+    add_materials(static_cast<std::uint32_t>(material), triangle_count_of(mode, corners));
   }
 
   bool is_drawn(const JsonValue& primitive) {
@@ -108,29 +131,57 @@ class MeshReader {
     return false;
   }
 
-  std::vector<Triangle> read_triangles(const JsonValue& primitive, std::size_t vertex_count) {
-    const int accessor = primitive.get("indices", -1), mode = mode_of(primitive);
-    if (accessor < 0) return checked_corners(mode, vertex_count);
+  /// Null where there are none: each vertex is a corner.
+  const GltfAccessor* checked_indices(const JsonValue& primitive, std::size_t vertex_count) {
+    const int accessor = primitive.get("indices", -1);
+    if (accessor < 0) return nullptr;
     const std::string place = place_ + ".indices";
-    const std::vector<std::uint32_t> indices = accessors_.indices(accessor, place);
-    for (std::size_t i = 0; i < indices.size(); ++i) {
-      if (indices[i] < vertex_count) continue;
+    const GltfAccessor& indices = accessors_.indices(accessor, place);
+    accessors_.each_index(indices, [&](std::size_t i, std::uint32_t index) {
+      if (index < vertex_count) return;
       throw Error(ErrorCode::kInvalidData,
-                  "index " + std::to_string(indices[i]) + " is out of range: the primitive has " +
+                  "index " + std::to_string(index) + " is out of range: the primitive has " +
                       std::to_string(vertex_count) + " vertices",
                   place + "[" + std::to_string(i) + "]");
-    }
-    std::vector<Triangle> triangles = checked_corners(mode, indices.size());
-    for (Triangle& t : triangles) t = {indices[t[0]], indices[t[1]], indices[t[2]]};
-    return triangles;
+    });
+    return &indices;
   }
 
-  std::vector<Triangle> checked_corners(int mode, std::size_t count) {
+  std::size_t checked_corners(int mode, std::size_t count) {
     if (count >= kInvalidId) throw Error(ErrorCode::kUnsupported, "has too many vertices", place_);
     if (mode == kTriangles && count % 3 != 0) {
       warnings_.once("Vertices that are left over after the last whole triangle are left out.");
     }
-    return corners_of(mode, count);
+    return count;
+  }
+
+  /// `flat`: with vertices of their own, so that they stay flat beside primitives that have
+  /// normals.
+  void add_triangles(int mode, const GltfAccessor* indices, std::size_t corners, std::uint32_t base,
+                     bool flat) {
+    const std::size_t more = triangle_count_of(mode, corners);
+    if (flat && mesh_.positions.size() + 3 * more >= kInvalidId) {
+      throw Error(ErrorCode::kUnsupported, "the mesh has 2^32 vertices or more", place_);
+    }
+    if constexpr (kHeld) {
+      if (mesh_.triangles.empty()) mesh_.triangles.reserve(more);
+    }
+    TriangleAssembler assembler(mode);
+    const auto add_corner = [&](std::size_t, std::uint32_t index) {
+      if (!assembler.add(base + index)) return;
+      mesh_.triangles.push_back(flat ? unshared(assembler.triangle()) : assembler.triangle());
+    };
+    if (indices != nullptr) return accessors_.each_index(*indices, add_corner);
+    for (std::uint32_t i = 0; i < corners; ++i) add_corner(i, i);
+  }
+
+  void add_materials(std::uint32_t material, std::size_t triangles) {
+    if (triangles == 0) return;
+    if (!mesh_.materials.empty() && mesh_.materials[0] != material) one_material_ = false;
+    if constexpr (kHeld)
+      mesh_.materials.insert(mesh_.materials.end(), triangles, material);
+    else
+      mesh_.materials.resize(mesh_.materials.size() + triangles, material);
   }
 
   /// The first vertex of these attributes, which are read unless an earlier primitive did.
@@ -143,10 +194,12 @@ class MeshReader {
       throw Error(ErrorCode::kUnsupported, "the mesh has 2^32 vertices or more", place_);
     }
     const std::string place = place_ + ".attributes.";
-    const std::vector<float> positions =
-        accessors_.attribute(attributes[0], 3, count, place + "POSITION");
-    const std::vector<Vec3> points = as_vec3(positions);
-    mesh_.positions.insert(mesh_.positions.end(), points.begin(), points.end());
+    if constexpr (kHeld) {
+      if (base == 0) mesh_.positions.reserve(count);
+    }
+    accessors_.each_vertex(attributes[0], 3, count, place + "POSITION", [&](const float* p) {
+      mesh_.positions.push_back({p[0], p[1], p[2]});
+    });
     read_normals(attributes[1], count, place + "NORMAL");
     read_uvs(attributes[2], count, place + uv_name);
     shape_.read(source, base, count, any_normals_, place_);
@@ -157,72 +210,66 @@ class MeshReader {
   void read_normals(int accessor, std::size_t count, const std::string& place) {
     if (!any_normals_) return;
     if (accessor < 0) {
-      mesh_.normals.resize(mesh_.positions.size(), Vec3{0, 0, 1});
-      has_normal_.resize(mesh_.positions.size(), true);
+      for (std::size_t i = 0; i < count; ++i) add_normal({0, 0, 1});
       return;
     }
-    for (Vec3 normal : as_vec3(accessors_.attribute(accessor, 3, count, place))) {
-      has_normal_.push_back(make_unit(normal));
-      mesh_.normals.push_back(normal);
-    }
+    accessors_.each_vertex(accessor, 3, count, place, [&](const float* p) {
+      add_normal({p[0], p[1], p[2]});
+    });
+  }
+  void add_normal(Vec3 normal) {
+    const bool has = make_unit(normal);
+    misses_normals_ = misses_normals_ || !has;
+    if constexpr (kHeld) has_normal_.push_back(has);
+    mesh_.normals.push_back(normal);
   }
 
   void read_uvs(int accessor, std::size_t count, const std::string& place) {
     if (accessor >= 0) {
       mesh_.uvs.resize(mesh_.positions.size() - count);
-      const std::vector<float> values = accessors_.attribute(accessor, 2, count, place);
-      for (std::size_t i = 0; i < count; ++i) {
-        mesh_.uvs.push_back({values[2 * i], values[2 * i + 1]});
-      }
+      accessors_.each_vertex(accessor, 2, count, place, [&](const float* p) {
+        mesh_.uvs.push_back({p[0], p[1]});
+      });
     } else if (!mesh_.uvs.empty()) {
       mesh_.uvs.resize(mesh_.positions.size());
     }
   }
 
-  /// Vertices of their own for triangles whose primitive has no normals, so that they stay flat
-  /// beside primitives that have some.
-  void unshare(std::vector<Triangle>& triangles) {
-    if (mesh_.positions.size() + 3 * triangles.size() >= kInvalidId) {
-      throw Error(ErrorCode::kUnsupported, "the mesh has 2^32 vertices or more", place_);
+  /// The next one, on vertices that are added for it.
+  Triangle unshared(Triangle t) {
+    if constexpr (kHeld) shape_.add_flat(static_cast<std::uint32_t>(mesh_.triangles.size()));
+    const Double3 a = widen(mesh_.positions[t[0]]), b = widen(mesh_.positions[t[1]]),
+                  c = widen(mesh_.positions[t[2]]);
+    const Vec3 normal = narrow(normalized(cross(b - a, c - a), {0, 0, 1}));
+    for (std::uint32_t& v : t) {
+      const Vec3 position = mesh_.positions[v];
+      const Vec2 uv = mesh_.uvs.empty() ? Vec2{} : mesh_.uvs[v];
+      shape_.repeat(v);
+      v = static_cast<std::uint32_t>(mesh_.positions.size());
+      mesh_.positions.push_back(position);
+      mesh_.normals.push_back(normal);
+      if constexpr (kHeld) has_normal_.push_back(true);
+      if (!mesh_.uvs.empty()) mesh_.uvs.push_back(uv);
     }
-    auto flat = static_cast<std::uint32_t>(mesh_.triangles.size());
-    for (Triangle& t : triangles) {
-      shape_.add_flat(flat++);
-      const Double3 a = widen(mesh_.positions[t[0]]), b = widen(mesh_.positions[t[1]]),
-                    c = widen(mesh_.positions[t[2]]);
-      const Vec3 normal = narrow(normalized(cross(b - a, c - a), {0, 0, 1}));
-      for (std::uint32_t& v : t) {
-        const Vec3 position = mesh_.positions[v];
-        const Vec2 uv = mesh_.uvs.empty() ? Vec2{} : mesh_.uvs[v];
-        shape_.repeat(v);
-        v = static_cast<std::uint32_t>(mesh_.positions.size());
-        mesh_.positions.push_back(position);
-        mesh_.normals.push_back(normal);
-        has_normal_.push_back(true);
-        if (!mesh_.uvs.empty()) mesh_.uvs.push_back(uv);
-      }
-    }
+    return t;
   }
 
   void finish() {
     if (!mesh_.uvs.empty()) mesh_.uvs.resize(mesh_.positions.size());
-    auto& materials = mesh_.materials;
-    const bool uniform = std::adjacent_find(materials.begin(), materials.end(),
-                                            std::not_equal_to<>()) == materials.end();
-    if (uniform && !materials.empty()) materials.resize(materials[0] == kInvalidId ? 0 : 1);
-    if (std::find(has_normal_.begin(), has_normal_.end(), false) == has_normal_.end()) return;
-    warnings_.once("Vertex normals of length zero are replaced by computed ones.");
-    add_missing_normals(mesh_, has_normal_);
+    if (one_material_ && !mesh_.materials.empty())
+      mesh_.materials.resize(mesh_.materials[0] == kInvalidId ? 0 : 1);
+    if (misses_normals_)
+      warnings_.once("Vertex normals of length zero are replaced by computed ones.");
   }
 
   const GltfModel& model_;
   AccessorReader& accessors_;
   const std::vector<int>& uv_sets_;
   Warnings& warnings_;
-  Mesh mesh_;
+  AnyMesh& mesh_;
   ShapeReader shape_;
   std::string place_;
-  bool any_normals_ = false;
+  bool any_normals_ = false, misses_normals_ = false, one_material_ = true;
   std::vector<bool> has_normal_;
   std::map<Attributes, std::uint32_t> first_vertex_;
 };
@@ -231,7 +278,21 @@ class MeshReader {
 
 GltfMesh read_mesh(const GltfModel& model, std::size_t index, std::size_t joint_count,
                    AccessorReader& accessors, const std::vector<int>& uv_sets, Warnings& warnings) {
-  return MeshReader(model, accessors, uv_sets, joint_count, warnings).read(index);
+  GltfMesh result;
+  MeshReader reader(model, accessors, uv_sets, joint_count, warnings, result.mesh);
+  reader.read(index);
+  if (reader.misses_normals()) add_missing_normals(result.mesh, reader.has_normal());
+  result.shape = reader.shape().take(result.mesh);
+  return result;
+}
+
+void read_outer_mesh(const GltfModel& model, std::size_t index, AccessorReader& accessors,
+                     const std::vector<int>& uv_sets, Warnings& warnings,
+                     const PackOptions& options, OuterMesh* mesh) {
+  MeshReader reader(model, accessors, uv_sets, 0, warnings, *mesh);
+  reader.read(index);
+  if (mesh->triangles.size() >= kInvalidId) throw NeedsWholeFile{};
+  if (reader.misses_normals()) add_missing_normals(*mesh, options);
 }
 
 }  // namespace raysheaf::io

@@ -43,11 +43,32 @@ std::vector<float> rest_weights(const GltfModel& model, const GltfNodes::Use& us
   return weights;
 }
 
+/// Whether it has triangles. `mesh` gets its name.
+bool add_outer(const GltfModel& model, std::size_t number, AccessorReader& accessors,
+               const std::vector<int>& uv_sets, Warnings& warnings, const GltfOuter& outer,
+               Mesh* mesh) {
+  OuterMesh read(&outer.columns);
+  read_outer_mesh(model, number, accessors, uv_sets, warnings, outer.options, &read);
+  mesh->name = read.name;
+  if (read.triangles.empty()) return false;
+  outer.meshes.push_back(std::move(read));
+  return true;
+}
+
+std::uint64_t shown_triangles(const SceneDescription& scene, const GltfOuter* outer) {
+  if (outer == nullptr) return scene.triangle_count();
+  std::uint64_t count = 0;
+  for (const Instance& instance : scene.instances)
+    count += outer->meshes[instance.mesh].triangles.size();
+  return count;
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> read_meshes(const GltfModel& model, const GltfNodes& nodes,
                                        const std::vector<int>& uv_sets, AccessorReader& accessors,
-                                       SceneDescription& scene, Rig& rig, Warnings& warnings) {
+                                       const GltfOuter* outer, SceneDescription& scene, Rig& rig,
+                                       Warnings& warnings) {
   const auto all_nodes = model.list("nodes");
   const std::vector<bool> driven = driven_weights(model);
   // Meshes are shared by what shows them in one shape: by glTF's mesh, skin, and by the node where
@@ -60,15 +81,23 @@ std::vector<std::uint32_t> read_meshes(const GltfModel& model, const GltfNodes& 
     return Key{use.mesh, use.skin, alone ? use.node : -1};
   };
   std::map<Key, GltfNodes::Use> wanted;
-  for (const GltfNodes::Use& use : nodes.uses) wanted.emplace(key_of(use), use);
+  for (const GltfNodes::Use& use : nodes.uses) {
+    if (outer != nullptr && use.skin >= 0) throw NeedsWholeFile{};
+    wanted.emplace(key_of(use), use);
+  }
   std::vector<std::uint32_t> shape_of_node(all_nodes.size(), kInvalidId);
   for (const auto& [key, use] : wanted) {
     const std::size_t joints =
         use.skin < 0 ? 0 : rig.skins[static_cast<std::size_t>(use.skin)].joints.size();
-    GltfMesh read =
-        read_mesh(model, static_cast<std::size_t>(use.mesh), joints, accessors, uv_sets, warnings);
     index_of[key] = kInvalidId;
-    if (read.mesh.triangles.empty()) continue;
+    const auto number = static_cast<std::size_t>(use.mesh);
+    GltfMesh read;
+    if (outer == nullptr) {
+      read = read_mesh(model, number, joints, accessors, uv_sets, warnings);
+      if (read.mesh.triangles.empty()) continue;
+    } else if (!add_outer(model, number, accessors, uv_sets, warnings, *outer, &read.mesh)) {
+      continue;
+    }
     index_of[key] = static_cast<std::uint32_t>(scene.meshes.size());
     scene.meshes.push_back(std::move(read.mesh));
     if (joints == 0 && read.shape.targets.empty()) continue;
@@ -90,7 +119,7 @@ std::vector<std::uint32_t> read_meshes(const GltfModel& model, const GltfNodes& 
   }
   scene.instances = std::move(shown);
   rig.instance_nodes = std::move(shown_nodes);
-  if (scene.triangle_count() > kFreeTriangles + kTrianglesPerByte * model.file_bytes)
+  if (shown_triangles(scene, outer) > kFreeTriangles + kTrianglesPerByte * model.file_bytes)
     throw Error(ErrorCode::kOutOfMemory,
                 "the instances have far more triangles than the file has bytes", "nodes");
   return shape_of_node;

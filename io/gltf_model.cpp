@@ -4,16 +4,19 @@
 
 #include "io/data_uri.h"
 #include "io/gltf_json.h"
+#include "io/outer_mesh.h"
 #include "io/refuse.h"
 
 namespace raysheaf::io {
 namespace {
 
+constexpr std::uint64_t kMostOuterJson = std::uint64_t{1} << 26;
+
 /// Fills a model from its JSON, which has been checked.
 class ModelReader {
  public:
   ModelReader(GltfModel& model, const GltfParts& parts, const SceneFile& from)
-      : model_(model), parts_(parts), from_(from) {}
+      : model_(model), parts_(parts), from_(from), is_held_(parts.json.is_held()) {}
 
   void read() {
     const auto buffers = model_.list("buffers");
@@ -28,36 +31,40 @@ class ModelReader {
   }
 
  private:
-  using Span = std::span<const std::uint8_t>;
-
   /// A file may have more bytes than its buffer.
-  Span buffer(const JsonValue& source, const std::string& place) {
+  GltfBytes buffer(const JsonValue& source, const std::string& place) {
     const auto said = source.at("byteLength").get<std::size_t>();
     const auto uri = source.get("uri", std::string_view());
-    if (uri.empty()) return parts_.binary.first(said);
+    if (uri.empty()) return parts_.binary.subspan(0, said);
     if (is_data_uri(uri)) {
       std::optional<Bytes> bytes = decode_data_uri(uri);
       if (!bytes) refuse("is a data URI with a character that is no digit of base 64", place);
-      return keep(std::move(*bytes)).first(said);
+      return keep(std::move(*bytes)).subspan(0, said);
     }
     const std::string path = resolve(from_, std::string(uri), true, place);
     const auto known = file_of_.find(path);
-    const Span bytes = known != file_of_.end() ? known->second : keep(read_file(path));
+    const GltfBytes bytes = known != file_of_.end() ? known->second : opened(path);
     file_of_[path] = bytes;
     if (bytes.size() < said) {
       refuse("\"" + path + "\" has " + std::to_string(bytes.size()) +
                  " bytes, but a buffer needs " + std::to_string(said),
              place);
     }
-    return bytes.first(said);
+    return bytes.subspan(0, said);
   }
-  Span keep(Bytes bytes) {
+  GltfBytes keep(Bytes bytes) {
     model_.file_bytes += bytes.size();
-    return model_.buffers.emplace_back(std::move(bytes));
+    return GltfBytes(model_.buffers.emplace_back(std::move(bytes)));
+  }
+  GltfBytes opened(const std::string& path) {
+    if (is_held_) return keep(read_file(path));
+    const GltfBytes bytes(*model_.files.emplace_back(std::make_unique<GltfFile>(path, path)));
+    model_.file_bytes += bytes.size();
+    return bytes;
   }
 
   [[nodiscard]] GltfView view(const JsonValue& source) const {
-    const Span buffer = buffers_[source.at("buffer").get<std::size_t>()];
+    const GltfBytes buffer = buffers_[source.at("buffer").get<std::size_t>()];
     return {buffer.subspan(source.get("byteOffset", std::size_t{0}),
                            source.at("byteLength").get<std::size_t>()),
             source.get("byteStride", std::size_t{0})};
@@ -80,7 +87,7 @@ class ModelReader {
     }
     return result;
   }
-  [[nodiscard]] Span sparse_bytes(const JsonValue& part) const {
+  [[nodiscard]] GltfBytes sparse_bytes(const JsonValue& part) const {
     return model_.views[part.at("bufferView").get<std::size_t>()].bytes.subspan(
         part.get("byteOffset", std::size_t{0}));
   }
@@ -89,8 +96,10 @@ class ModelReader {
   [[nodiscard]] EncodedImage image(const JsonValue& source, const std::string& place) const {
     EncodedImage result{source.get("name", std::string()), place, {}};
     if (const JsonValue* number = source.find("bufferView")) {
-      const Span bytes = model_.views[number->get<std::size_t>()].bytes;
-      result.bytes.assign(bytes.begin(), bytes.end());
+      const GltfBytes bytes = model_.views[number->get<std::size_t>()].bytes;
+      Bytes scratch;
+      const auto read = bytes.read(0, bytes.size(), scratch);
+      result.bytes.assign(read.begin(), read.end());
       return result;
     }
     const auto uri = source.at("uri").get<std::string>();
@@ -110,15 +119,25 @@ class ModelReader {
   GltfModel& model_;
   const GltfParts& parts_;
   const SceneFile& from_;
-  std::vector<Span> buffers_;
-  std::map<std::string, Span> file_of_;  ///< that were read
+  bool is_held_;
+  std::vector<GltfBytes> buffers_;
+  std::map<std::string, GltfBytes> file_of_;  ///< that were read
 };
 
 }  // namespace
 
-GltfModel parse_gltf(const Bytes& file, const SceneFile& from) {
+GltfModel parse_gltf(const GltfBytes& file, const SceneFile& from) {
   const GltfParts parts = split_gltf(file);
-  GltfModel model{JsonDocument(parts.json), {}, {}, {}, {}, {}, file.size() + parts.binary.size()};
+  if (!file.is_held() && parts.json.size() > kMostOuterJson) throw NeedsWholeFile{};
+  Bytes text;
+  GltfModel model{JsonDocument(parts.json.read(0, parts.json.size(), text)),
+                  {},
+                  {},
+                  {},
+                  {},
+                  {},
+                  {},
+                  file.size() + parts.binary.size()};
   model.warnings = check_gltf_json(model.root(), parts, from);
   ModelReader(model, parts, from).read();
   return model;

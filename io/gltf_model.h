@@ -2,26 +2,27 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "io/file.h"
+#include "io/gltf_bytes.h"
 #include "io/image.h"
 #include "io/json_value.h"
 
 namespace raysheaf::io {
 
 struct GltfView {
-  std::span<const std::uint8_t> bytes;
+  GltfBytes bytes;
   std::size_t stride = 0;  ///< 0: elements lie side by side
 };
 
 struct GltfSparse {
   std::size_t count = 0;
   int index_type = 0;  ///< a `GltfComponent`, as the one below
-  std::span<const std::uint8_t> indices, values;
+  GltfBytes indices, values;
 };
 
 struct GltfAccessor {
@@ -36,7 +37,8 @@ struct GltfAccessor {
 
 struct GltfModel {
   JsonDocument json;
-  std::vector<Bytes> buffers;  ///< those that are not part of the file itself
+  std::vector<Bytes> buffers;                    ///< those that are not part of the file itself
+  std::vector<std::unique_ptr<GltfFile>> files;  ///< such that are read in windows
   std::vector<GltfView> views;
   std::vector<GltfAccessor> accessors;
   std::vector<EncodedImage> images;  ///< one for each of the file's; no bytes where missing
@@ -51,7 +53,8 @@ struct GltfModel {
 };
 
 /// Checks and reads. Every index in the result is in range, every accessor within its buffer. Views
-/// look into `file`, which must outlive them.
-[[nodiscard]] GltfModel parse_gltf(const Bytes& file, const SceneFile& from);
+/// look into `file`, which must outlive them. Where that is not held, other files are not, either;
+/// pictures are. Throws `NeedsWholeFile` then where the JSON has more than 64 MiB.
+[[nodiscard]] GltfModel parse_gltf(const GltfBytes& file, const SceneFile& from);
 
 }  // namespace raysheaf::io

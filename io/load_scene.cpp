@@ -1,12 +1,11 @@
 // The one door for scene files: looks at the ending, and puts the file's name before what went
 // wrong.
-#include <new>
-
 #include "io/file.h"
 #include "io/gltf.h"
 #include "io/load.h"
 #include "io/obj.h"
 #include "io/ply.h"
+#include "io/refuse.h"
 #include "io/sequence.h"
 #include "io/stl.h"
 #include "raysheaf/animation.h"
@@ -50,24 +49,6 @@ SceneDescription load_at_rest(const std::string& path, const LoadOptions& option
   return std::move(loaded.scene);
 }
 
-/// Puts the file's name before what went wrong in `load`.
-template <class Load>
-auto naming(const std::string& path, const Load& load) {
-  try {
-    return load();
-  } catch (const Error& error) {
-    const bool named = error.place() == path || error.place().starts_with(path + ": ");
-    const std::string place = named                   ? error.place()
-                              : error.place().empty() ? path
-                                                      : path + ": " + error.place();
-    throw Error(error.code(), error.sentence(), place);
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for this scene", path);
-  } catch (const std::exception& error) {
-    throw Error(ErrorCode::kInvalidData, std::string("cannot be read: ") + error.what(), path);
-  }
-}
-
 /// Whether the name is a pattern, and not that of a file.
 bool is_pattern(const std::string& path) {
   return path.find_first_of("*?", path.rfind('/') + 1) != path.npos && !io::file_exists(path);
@@ -101,11 +82,11 @@ SceneDescription io::load_part(const std::string& path, const LoadOptions& optio
 }
 
 SceneDescription load_scene(const std::string& path, const LoadOptions& options) {
-  return naming(path, [&] { return load_at_rest(path, options); });
+  return io::naming(path, [&] { return load_at_rest(path, options); });
 }
 
 std::unique_ptr<Animation> load_animation(const std::string& path, const LoadOptions& options) {
-  return naming(path, [&] { return load_moving(path, options); });
+  return io::naming(path, [&] { return load_moving(path, options); });
 }
 
 }  // namespace raysheaf

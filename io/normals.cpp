@@ -2,23 +2,20 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <numeric>
+#include <span>
 
-#include "io/linear.h"
-#include "raysheaf/error.h"
+#include "io/corner_normals.h"
 
 namespace raysheaf::io {
 namespace {
 
-/// The normal of each face: its length is twice the area; zero where the face has none.
+/// Of each face.
 std::vector<Double3> face_normals(const Mesh& mesh) {
   std::vector<Double3> normals;
   normals.reserve(mesh.triangles.size());
-  for (const auto& t : mesh.triangles) {
-    const Double3 a = widen(mesh.positions[t[0]]);
-    normals.push_back(cross(widen(mesh.positions[t[1]]) - a, widen(mesh.positions[t[2]]) - a));
-  }
+  for (const auto& [a, b, c] : mesh.triangles)
+    normals.push_back(face_normal(mesh.positions[a], mesh.positions[b], mesh.positions[c]));
   return normals;
 }
 
@@ -63,92 +60,45 @@ Incidence corners_of_positions(const Mesh& mesh) {
   return result;
 }
 
-/// Normals of the corners `[first, last)`, which touch one position.
-void smooth_run(const std::size_t* first, const std::size_t* last,
-                const std::vector<Double3>& faces, std::vector<Vec3>& normals) {
-  for (const std::size_t* c = first; c != last; ++c) {
-    const Double3 own = faces[*c / 3];
-    const double own_squared = dot(own, own);
-    Double3 sum;
-    for (const std::size_t* other = first; other != last; ++other) {
-      const Double3 normal = faces[*other / 3];
-      const double cosine = dot(own, normal);
-      const bool smooth = cosine > 0 && cosine * cosine >= kCreaseCosine * kCreaseCosine *
-                                                               own_squared * dot(normal, normal);
-      if (smooth || own_squared == 0) sum = sum + normal;
-    }
-    normals[*c] = narrow(normalized(sum, normalized(own, {0, 0, 1})));
-  }
-}
-
 std::vector<Vec3> corner_normals(const Mesh& mesh) {
   const std::vector<Double3> faces = face_normals(mesh);
   const Incidence incidence = corners_of_positions(mesh);
   std::vector<Vec3> normals(3 * mesh.triangles.size());
+  std::array<Double3, kMaxFacesAtPosition> run;
+  std::array<Vec3, kMaxFacesAtPosition> smooth;
   for (std::size_t p = 0; p < mesh.positions.size(); ++p) {
     for (std::size_t i = incidence.first[p]; i < incidence.first[p + 1]; i += kMaxFacesAtPosition) {
       const std::size_t end = std::min(i + kMaxFacesAtPosition, incidence.first[p + 1]);
-      smooth_run(&incidence.corners[i], incidence.corners.data() + end, faces, normals);
+      for (std::size_t c = i; c < end; ++c) run[c - i] = faces[incidence.corners[c] / 3];
+      smooth_run({run.data(), end - i}, {smooth.data(), end - i});
+      for (std::size_t c = i; c < end; ++c) normals[incidence.corners[c]] = smooth[c - i];
     }
   }
   return normals;
 }
 
-/// Finds, or makes, the copy of a vertex that has a given normal. The copies of a vertex are a list
-/// of which only the newest few are searched, so that many of them cost no more than memory.
-class VertexSplitter {
- public:
-  VertexSplitter(Mesh& mesh, const std::vector<bool>& has_normal)
-      : mesh_(mesh), settled_(has_normal), previous_(mesh.positions.size(), kInvalidId) {
-    settled_.resize(mesh.positions.size(), false);
-    newest_.resize(mesh.positions.size());
-    std::iota(newest_.begin(), newest_.end(), 0u);
-  }
-
-  std::uint32_t vertex_with(std::uint32_t vertex, Vec3 normal) {
-    if (!settled_[vertex]) {
-      settled_[vertex] = true;
-      mesh_.normals[vertex] = normal;
-      return vertex;
-    }
-    std::uint32_t copy = newest_[vertex];
-    for (int step = 0; step < kSearched && copy != kInvalidId; ++step, copy = previous_[copy]) {
-      if (std::memcmp(&mesh_.normals[copy], &normal, sizeof normal) == 0) return copy;
-    }
-    return append_copy(vertex, normal);
-  }
-
- private:
-  static constexpr int kSearched = 8;
-
-  std::uint32_t append_copy(std::uint32_t vertex, Vec3 normal) {
-    const std::size_t index = mesh_.positions.size();
-    if (index >= kInvalidId) {
-      throw Error(ErrorCode::kOutOfMemory, "the mesh needs more than 2^32 vertices", mesh_.name);
-    }
-    const Vec3 position = mesh_.positions[vertex];
-    mesh_.positions.push_back(position);
-    mesh_.normals.push_back(normal);
-    if (!mesh_.uvs.empty()) {
-      const Vec2 uv = mesh_.uvs[vertex];
-      mesh_.uvs.push_back(uv);
-    }
-    previous_.push_back(newest_[vertex]);
-    newest_[vertex] = static_cast<std::uint32_t>(index);
-    return newest_[vertex];
-  }
-
-  Mesh& mesh_;
-  std::vector<bool> settled_;
-  std::vector<std::uint32_t> previous_, newest_;
-};
-
 }  // namespace
+
+void smooth_run(std::span<const Double3> faces, std::span<Vec3> normals) {
+  for (std::size_t c = 0; c < faces.size(); ++c) {
+    const Double3 own = faces[c];
+    const double own_squared = dot(own, own);
+    Double3 sum;
+    for (const Double3 normal : faces) {
+      const double cosine = dot(own, normal);
+      const bool smooth = cosine > 0 && cosine * cosine >= kCreaseCosine * kCreaseCosine *
+                                                               own_squared * dot(normal, normal);
+      if (smooth || own_squared == 0) sum = sum + normal;
+    }
+    normals[c] = narrow(normalized(sum, normalized(own, {0, 0, 1})));
+  }
+}
 
 void add_missing_normals(Mesh& mesh, const std::vector<bool>& has_normal) {
   const std::vector<Vec3> corners = corner_normals(mesh);
   mesh.normals.resize(mesh.positions.size(), Vec3{0, 0, 1});
-  VertexSplitter splitter(mesh, has_normal);
+  std::vector<std::uint32_t> newest, previous;
+  VertexSplitter splitter(mesh, newest, previous);
   for (std::size_t c = 0; c < corners.size(); ++c) {
     std::uint32_t& vertex = mesh.triangles[c / 3][c % 3];
     if (vertex < has_normal.size() && has_normal[vertex]) continue;

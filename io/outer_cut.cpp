@@ -1,31 +1,37 @@
 #include "io/outer_cut.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
+#include <cmath>
 #include <cstring>
+#include <numeric>
 #include <utility>
 
-#include "io/file.h"
+#include "raysheaf/error.h"
 
 namespace raysheaf::io {
 namespace {
 
-/// That are read and written at once: 1.7 MB.
-constexpr std::size_t kTrianglesAtOnce = 1u << 15;
 constexpr std::uint32_t kDigitBits = 16;
+constexpr float kFarthest = 1e18f;
 
-/// As a transform that changes nothing gives it: without -0.
-Vec3 placed_still(Vec3 p) {
-  return {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};
+/// A triangle on its way into a block. `number`: of the triangles of all instances, which come by
+/// their meshes.
+struct OuterTriangle {
+  Vec3 center;  ///< times three
+  std::uint32_t number = 0;
+};
+static_assert(sizeof(OuterTriangle) == 16);
+
+/// As the library places vertices.
+Vec3 placed(const Affine& a, Vec3 p) {
+  const auto row = [p](const std::array<float, 4>& m) {
+    return m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
+  };
+  return {row(a.m[0]), row(a.m[1]), row(a.m[2])};
 }
 
-Vec3 center_of(const OuterTriangle& t) {
-  const auto& [a, b, c] = t.corner;
-  const auto sum = [](float x, float y, float z) { return (x + 0.0f) + (y + 0.0f) + (z + 0.0f); };
-  return {sum(a.x, b.x, c.x), sum(a.y, b.y, c.y), sum(a.z, b.z, c.z)};
+Vec3 sum_of(Vec3 a, Vec3 b, Vec3 c) {
+  return {a.x + b.x + c.x, a.y + b.y + c.y, a.z + b.z + c.z};
 }
 
 void enlarge_box(Box* box, Vec3 p) {
@@ -49,10 +55,34 @@ std::uint32_t order_word(float x) {
 
 /// All different.
 std::uint64_t order_of(const OuterTriangle& triangle, int axis) {
-  const Vec3 center = center_of(triangle);
+  const Vec3 center = triangle.center;
   const float x = axis == 0 ? center.x : axis == 1 ? center.y : center.z;
-  return std::uint64_t{order_word(x)} << 32 | triangle.prim_id;
+  return std::uint64_t{order_word(x)} << 32 | triangle.number;
 }
+
+/// Written once, then read from the beginning any number of times.
+class OuterTriangles {
+ public:
+  explicit OuterTriangles(const std::string& beside) : all_(beside, 1) {}
+
+  void add(const OuterTriangle& triangle) {
+    all_.push_back(triangle);
+    enlarge_box(&centers_, triangle.center);
+  }
+  /// No more will come.
+  void rest() { all_.rest(); }
+  [[nodiscard]] std::uint64_t size() const { return all_.size(); }
+  [[nodiscard]] const Box& centers() const { return centers_; }
+  template <class Body>
+  void for_each(const Body& body) {
+    for (std::uint64_t i = 0; i < all_.size(); ++i) body(all_[i]);
+    all_.rest();
+  }
+
+ private:
+  OuterArray<OuterTriangle> all_;
+  Box centers_;
+};
 
 /// The order before which there are `rank` triangles. Holds `at_once` orders.
 std::uint64_t order_at(OuterTriangles& triangles, int axis, std::uint64_t rank,
@@ -86,27 +116,102 @@ std::uint64_t order_at(OuterTriangles& triangles, int axis, std::uint64_t rank,
   return *at;
 }
 
-/// Blocks of a part of a mesh, whose numbers become those of the whole.
+/// Instances by their meshes, and the numbers of their triangles.
+class OuterRanks {
+ public:
+  explicit OuterRanks(const OuterScene& scene) : order_(scene.rest.instances.size()) {
+    const auto& instances = scene.rest.instances;
+    std::iota(order_.begin(), order_.end(), 0u);
+    std::stable_sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return instances[a].mesh < instances[b].mesh;
+    });
+    for (const std::uint32_t i : order_)
+      first_.push_back(first_.back() + scene.meshes[instances[i].mesh].triangles.size());
+  }
+
+  [[nodiscard]] std::size_t count() const { return order_.size(); }
+  [[nodiscard]] std::uint64_t triangle_count() const { return first_.back(); }
+  [[nodiscard]] std::uint32_t instance(std::size_t rank) const { return order_[rank]; }
+  [[nodiscard]] std::uint64_t first(std::size_t rank) const { return first_[rank]; }
+  [[nodiscard]] std::size_t rank_of(std::uint32_t number) const {
+    const auto above = std::upper_bound(first_.begin(), first_.end(), std::uint64_t{number});
+    return static_cast<std::size_t>(above - first_.begin()) - 1;
+  }
+
+ private:
+  std::vector<std::uint32_t> order_;
+  std::vector<std::uint64_t> first_{0};  // one more than there are instances
+};
+
+/// Triangles of one instance, as an instance of their own in a scene of their own.
+struct OuterPart {
+  std::uint32_t instance = 0;
+  std::vector<std::uint32_t> prim_ids;
+};
+
+/// Blocks of a part of a scene, whose numbers become those of the whole.
 class PartSink : public BlockSink {
  public:
-  PartSink(BlockSink* to, const std::vector<OuterTriangle>& triangles)
-      : to_(*to), triangles_(triangles) {}
+  PartSink(BlockSink* to, const SceneDescription& scene, const std::vector<OuterPart>& parts)
+      : to_(*to), scene_(scene), parts_(parts) {}
   void add(const TriangleBlock& block, const BlockShading& shading) override {
     block_ = block;
-    for (std::uint32_t& id : block_.prim_ids) id = triangles_[id].prim_id;
+    for (BlockPart& part : block_.parts) {
+      const OuterPart& from = parts_[part.inst_id];
+      part.inst_id = from.instance;
+      part.geom_id = scene_.instances[from.instance].mesh;
+      for (std::uint32_t i = part.first; i < part.first + part.count; ++i)
+        block_.prim_ids[i] = from.prim_ids[block_.prim_ids[i]];
+    }
     to_.add(block_, shading);
   }
 
  private:
   BlockSink& to_;
-  const std::vector<OuterTriangle>& triangles_;
+  const SceneDescription& scene_;
+  const std::vector<OuterPart>& parts_;
   TriangleBlock block_;
 };
 
+/// The triangles `prim_ids`, which ascend. Vertices keep their order, so that nothing that looks at
+/// it sees a difference.
+Mesh part_of_mesh(const OuterMesh& from, const std::vector<std::uint32_t>& prim_ids) {
+  Mesh mesh;
+  mesh.triangles.reserve(prim_ids.size());
+  std::vector<std::uint32_t> vertices;
+  vertices.reserve(3 * prim_ids.size());
+  for (const std::uint32_t i : prim_ids) {
+    const auto& triangle = mesh.triangles.emplace_back(from.triangles[i]);
+    vertices.insert(vertices.end(), triangle.begin(), triangle.end());
+  }
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  for (auto& triangle : mesh.triangles) {
+    for (std::uint32_t& v : triangle) {
+      const auto at = std::lower_bound(vertices.begin(), vertices.end(), v);
+      v = static_cast<std::uint32_t>(at - vertices.begin());
+    }
+  }
+  const auto gather = [](const auto& column, const auto& numbers, auto* to) {
+    if (column.empty()) return;
+    to->reserve(numbers.size());
+    for (const std::uint32_t i : numbers) to->push_back(column[i]);
+  };
+  gather(from.positions, vertices, &mesh.positions);
+  gather(from.normals, vertices, &mesh.normals);
+  gather(from.uvs, vertices, &mesh.uvs);
+  if (from.materials.size() == 1)
+    mesh.materials = {from.materials[0]};
+  else
+    gather(from.materials, prim_ids, &mesh.materials);
+  return mesh;
+}
+
 class OuterCutter {
  public:
-  OuterCutter(const SceneDescription& scene, BlockSink* sink, const PackOptions& options)
-      : scene_(scene), sink_(*sink), options_(options) {}
+  OuterCutter(const OuterScene& scene, const OuterRanks& ranks, BlockSink* sink,
+              const PackOptions& options)
+      : scene_(scene), ranks_(ranks), sink_(*sink), options_(options) {}
 
   void cut(std::unique_ptr<OuterTriangles> triangles) {
     const std::uint64_t count = triangles->size();
@@ -122,114 +227,105 @@ class OuterCutter {
       (order_of(triangle, axis) < plane ? left : right)->add(triangle);
     });
     triangles.reset();
+    left->rest();
+    right->rest();
     cut(std::move(left));
     cut(std::move(right));
   }
 
  private:
-  /// Numbers of triangles and vertices ascend as they did, so that nothing that looks at their
-  /// order sees a difference.
   void cut_held(std::unique_ptr<OuterTriangles> from) {
-    std::vector<OuterTriangle> triangles;
-    triangles.reserve(from->size());
-    from->for_each([&](const OuterTriangle& triangle) { triangles.push_back(triangle); });
-    from.reset();
-    std::sort(triangles.begin(), triangles.end(),
-              [](const auto& a, const auto& b) { return a.prim_id < b.prim_id; });
-    PartSink sink(&sink_, triangles);
-    const SceneDescription part = part_of_mesh(triangles);
-    static_cast<void>(cut_into_blocks(part, &sink, options_.triangles_a_block));
-  }
-
-  [[nodiscard]] SceneDescription part_of_mesh(const std::vector<OuterTriangle>& triangles) const {
-    SceneDescription part;
-    part.materials = scene_.materials;
-    part.cameras.emplace_back();
-    part.instances = scene_.instances;
-    Mesh& mesh = part.meshes.emplace_back();
-    mesh.materials = scene_.meshes[0].materials;
-    std::vector<std::uint32_t> vertices;
-    vertices.reserve(3 * triangles.size());
-    for (const OuterTriangle& triangle : triangles)
-      vertices.insert(vertices.end(), triangle.vertex.begin(), triangle.vertex.end());
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    mesh.positions.resize(vertices.size());
-    mesh.triangles.reserve(triangles.size());
-    for (const OuterTriangle& triangle : triangles) {
-      auto& corners = mesh.triangles.emplace_back();
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto at = std::lower_bound(vertices.begin(), vertices.end(), triangle.vertex[k]);
-        corners[k] = static_cast<std::uint32_t>(at - vertices.begin());
-        mesh.positions[corners[k]] = triangle.corner[k];
-      }
+    const std::vector<OuterPart> parts = parts_of(std::move(from));
+    SceneDescription scene;
+    for (const Material& material : scene_.rest.materials)
+      scene.materials.emplace_back().double_sided = material.double_sided;
+    scene.cameras.emplace_back();
+    scene.lights.emplace_back();
+    for (const OuterPart& part : parts) {
+      const Instance& instance = scene_.rest.instances[part.instance];
+      scene.instances.push_back(instance);
+      scene.instances.back().mesh = static_cast<std::uint32_t>(scene.meshes.size());
+      scene.meshes.push_back(part_of_mesh(scene_.meshes[instance.mesh], part.prim_ids));
     }
-    return part;
+    scene_.columns->rest();
+    PartSink sink(&sink_, scene_.rest, parts);
+    static_cast<void>(cut_into_blocks(scene, &sink, options_.triangles_a_block));
   }
 
-  const SceneDescription& scene_;
+  /// By their ranks.
+  [[nodiscard]] std::vector<OuterPart> parts_of(std::unique_ptr<OuterTriangles> from) const {
+    std::vector<std::uint32_t> numbers;
+    numbers.reserve(from->size());
+    from->for_each([&](const OuterTriangle& triangle) { numbers.push_back(triangle.number); });
+    from.reset();
+    std::sort(numbers.begin(), numbers.end());
+    std::vector<OuterPart> parts;
+    std::size_t rank = 0;
+    for (const std::uint32_t number : numbers) {
+      if (parts.empty() || number >= ranks_.first(rank + 1)) {
+        rank = ranks_.rank_of(number);
+        parts.push_back({ranks_.instance(rank), {}});
+      }
+      parts.back().prim_ids.push_back(static_cast<std::uint32_t>(number - ranks_.first(rank)));
+    }
+    return parts;
+  }
+
+  const OuterScene& scene_;
+  const OuterRanks& ranks_;
   BlockSink& sink_;
   const PackOptions& options_;
 };
 
+/// All triangles in the world, and the box of their corners; null where one is too far out.
+std::unique_ptr<OuterTriangles> place_all(const OuterScene& scene, const OuterRanks& ranks,
+                                          const PackOptions& options, Box* corners) {
+  auto all = std::make_unique<OuterTriangles>(options.beside);
+  for (std::size_t rank = 0; rank < ranks.count(); ++rank) {
+    const Instance& instance = scene.rest.instances[ranks.instance(rank)];
+    const OuterMesh& mesh = scene.meshes[instance.mesh];
+    for (std::uint64_t t = 0; t < mesh.triangles.size(); ++t) {
+      std::array<Vec3, 3> at;
+      const auto triangle = mesh.triangles[t];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 p = at[k] = placed(instance.to_world, mesh.positions[triangle[k]]);
+        const float far = std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+        const bool is_near = far <= kFarthest && std::isfinite(p.x + p.y + p.z);
+        if (!is_near) return nullptr;
+        enlarge_box(corners, p);
+      }
+      const auto number = static_cast<std::uint32_t>(ranks.first(rank) + t);
+      all->add({sum_of(at[0], at[1], at[2]), number});
+    }
+  }
+  scene.columns->rest();
+  all->rest();
+  return all;
+}
+
+/// What cameras and lights are made from is the box alone.
+void add_camera_and_light(const Box& box, SceneDescription* rest) {
+  SceneDescription of_box;
+  of_box.meshes.emplace_back();
+  of_box.meshes[0].positions = {box.min, box.max};
+  of_box.meshes[0].triangles = {{0, 1, 1}};
+  of_box.instances.emplace_back();
+  if (rest->cameras.empty()) rest->cameras.push_back(framing_camera(of_box));
+  if (needs_light(*rest)) rest->lights.push_back(showing_light(of_box, rest->cameras.front()));
+}
+
 }  // namespace
 
-OuterTriangles::OuterTriangles(const std::string& beside) : place_(temporary_name(beside)) {
-  some_.reserve(kTrianglesAtOnce);
-  file_ = ::open(place_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (file_ < 0) throw system_error("written", place_, errno);
-  ::unlink(place_.c_str());
-}
-
-OuterTriangles::~OuterTriangles() {
-  if (file_ >= 0) ::close(file_);
-}
-
-void OuterTriangles::add(const OuterTriangle& triangle) {
-  some_.push_back(triangle);
-  ++size_;
-  enlarge_box(&centers_, center_of(triangle));
-  for (const Vec3 corner : triangle.corner) enlarge_box(&corners_, placed_still(corner));
-  if (some_.size() == kTrianglesAtOnce) flush();
-}
-
-void OuterTriangles::flush() {
-  const auto* bytes = reinterpret_cast<const std::uint8_t*>(some_.data());
-  for (std::size_t left = some_.size() * sizeof(OuterTriangle); left > 0;) {
-    const ssize_t written = ::write(file_, bytes, left);
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) throw system_error("written", place_, errno);
-    bytes += written;
-    left -= static_cast<std::size_t>(written);
-  }
-  some_.clear();
-}
-
-void OuterTriangles::read(std::uint64_t first) {
-  some_.resize(std::min<std::uint64_t>(kTrianglesAtOnce, size_ - first));
-  auto* const bytes = reinterpret_cast<std::uint8_t*>(some_.data());
-  const std::size_t size = some_.size() * sizeof(OuterTriangle);
-  for (std::size_t done = 0; done < size;) {
-    const auto at = static_cast<off_t>(first * sizeof(OuterTriangle) + done);
-    const ssize_t got = ::pread(file_, bytes + done, size - done, at);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) throw system_error("read", place_, errno);
-    if (got == 0) throw Error(ErrorCode::kIo, "became shorter while it was read", place_);
-    done += static_cast<std::size_t>(got);
-  }
-}
-
-SceneDescription cut_outer(std::unique_ptr<OuterTriangles> triangles, SceneDescription scene,
-                           BlockSink* sink, const PackOptions& options) {
-  const Box box = triangles->corners();
-  OuterCutter(scene, sink, options).cut(std::move(triangles));
-  // What cameras and lights are made from is the box alone.
-  Mesh& mesh = scene.meshes[0];
-  mesh.positions = {box.min, box.max};
-  mesh.triangles = {{0, 1, 1}};
-  add_missing_camera_and_light(scene);
-  mesh = Mesh{mesh.name, {}, {}, {}, {}, {}};
-  return scene;
+std::optional<SceneDescription> cut_outer(OuterScene scene, BlockSink* sink,
+                                          const PackOptions& options) {
+  const OuterRanks ranks(scene);
+  if (ranks.triangle_count() == 0 || ranks.triangle_count() >= kInvalidId) return std::nullopt;
+  Box corners;
+  std::unique_ptr<OuterTriangles> all = place_all(scene, ranks, options, &corners);
+  if (all == nullptr) return std::nullopt;
+  OuterCutter(scene, ranks, sink, options).cut(std::move(all));
+  add_camera_and_light(corners, &scene.rest);
+  return std::move(scene.rest);
 }
 
 }  // namespace raysheaf::io

@@ -14,15 +14,29 @@
 namespace raysheaf::io {
 namespace {
 
+/// For each of `triangles_at_once`, which a file may have to be read whole.
+constexpr std::uint64_t kSmallBytes = 16;
+/// That a list may have, whatever is to be held.
+constexpr std::uint32_t kAlwaysCorners = 4096;
+
+std::string stem_of(const std::string& path) {
+  return std::filesystem::path(path).stem().string();
+}
+
 double linear_of_srgb(double x) {
   return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
 }
 
+/// Fills a mesh, `Mesh` or `OuterMesh`, and the rest of its scene.
+template <class AnyMesh>
 class PlyReader {
  public:
-  PlyReader(const Bytes& file, const PlyHeader& header) : header_(header), numbers_(file, header) {}
+  PlyReader(PlyNumbers numbers, const PlyHeader& header, AnyMesh& mesh, SceneDescription& scene)
+      : header_(header), numbers_(std::move(numbers)), mesh_(mesh), scene_(scene) {}
 
-  SceneDescription read() {
+  /// `most_corners`: of a list; more are not read.
+  void read(const std::string& name, std::uint64_t most_corners) {
+    most_corners_ = most_corners;
     for (const PlyElement& element : header_.elements) {
       if (element.name == "vertex" && mesh_.positions.empty())
         read_vertices(element);
@@ -33,16 +47,18 @@ class PlyReader {
       else
         skip(element);
     }
-    finish_normals();
     if (short_faces_) {
       scene_.warnings.push_back("Faces with fewer than three vertices are left out.");
     }
     scene_.materials.push_back(material());
-    mesh_.materials = {0};
-    scene_.meshes.push_back(std::move(mesh_));
-    scene_.instances.push_back({"", 0, {}});
-    return std::move(scene_);
+    mesh_.materials.push_back(0);
+    mesh_.name = scene_.name = name;
+    scene_.instances.push_back({name, 0, {}});
   }
+  /// One a vertex, where every vertex has one.
+  [[nodiscard]] bool has_normals() const { return has_normals_ && all_normals_; }
+  /// Whether each vertex has one; empty where none has, and of an `OuterMesh`.
+  [[nodiscard]] const std::vector<bool>& has_normal() const { return has_normal_; }
 
  private:
   enum Role { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kRed, kGreen, kBlue, kRoles };
@@ -83,7 +99,7 @@ class PlyReader {
     }
     has_normals_ = has[kNormalX] && has[kNormalY] && has[kNormalZ];
     has_colors_ = has[kRed] && has[kGreen] && has[kBlue];
-    mesh_.positions.reserve(element.count);
+    if constexpr (kHeld) mesh_.positions.reserve(element.count);
     std::array<double, kRoles> values{};
     for (std::uint64_t i = 0; i < element.count; ++i) {
       for (std::size_t p = 0; p < roles.size(); ++p) {
@@ -104,14 +120,19 @@ class PlyReader {
                   "vertex[" + std::to_string(index) + "]");
     }
     mesh_.positions.push_back(position);
-    if (has_normals_) {
-      mesh_.normals.push_back(
-          narrow(Double3{values[kNormalX], values[kNormalY], values[kNormalZ]}));
-    }
+    if (has_normals_)
+      add_normal(narrow(Double3{values[kNormalX], values[kNormalY], values[kNormalZ]}));
     const Double3 color{values[kRed], values[kGreen], values[kBlue]};
     if (index == 0) color_ = color;
     uniform_color_ =
         uniform_color_ && color.x == color_.x && color.y == color_.y && color.z == color_.z;
+  }
+
+  void add_normal(Vec3 normal) {
+    const bool has = make_unit(normal);
+    all_normals_ = all_normals_ && has;
+    mesh_.normals.push_back(has ? normal : kHeld ? Vec3{0, 0, 1} : Vec3{});
+    if constexpr (kHeld) has_normal_.push_back(has);
   }
 
   void skip(const PlyElement& element) {
@@ -146,6 +167,7 @@ class PlyReader {
   void read_list(const PlyProperty& list, const std::string& element, std::uint64_t index,
                  bool strip) {
     const std::uint64_t count = numbers_.next_count(list, element, index);
+    if (count > most_corners_) throw NeedsWholeFile{};
     corners_.clear();
     for (std::uint64_t i = 0; i < count; ++i) {
       const double vertex = numbers_.next(list.type, element, index);
@@ -188,17 +210,6 @@ class PlyReader {
     }
   }
 
-  void finish_normals() {
-    std::vector<bool> has_normal(mesh_.positions.size(), false);
-    bool all = has_normals_;
-    for (std::size_t v = 0; v < mesh_.normals.size(); ++v) {
-      has_normal[v] = make_unit(mesh_.normals[v]);
-      if (!has_normal[v]) mesh_.normals[v] = {0, 0, 1};
-      all = all && has_normal[v];
-    }
-    if (!all) add_missing_normals(mesh_, has_normal);
-  }
-
   Material material() {
     Material material;
     material.name = "default";
@@ -217,11 +228,15 @@ class PlyReader {
     return material;
   }
 
+  static constexpr bool kHeld = std::is_same_v<AnyMesh, Mesh>;
+
   const PlyHeader& header_;
   PlyNumbers numbers_;
-  SceneDescription scene_;
-  Mesh mesh_;
-  bool has_normals_ = false, has_colors_ = false, integer_colors_ = false;
+  AnyMesh& mesh_;
+  SceneDescription& scene_;
+  std::uint64_t most_corners_ = 0;
+  std::vector<bool> has_normal_;
+  bool has_normals_ = false, all_normals_ = true, has_colors_ = false, integer_colors_ = false;
   bool uniform_color_ = true, short_faces_ = false;
   Double3 color_;
   std::vector<std::uint32_t> corners_;
@@ -231,10 +246,31 @@ class PlyReader {
 }  // namespace
 
 SceneDescription load_ply(const Bytes& file, const SceneFile& from) {
-  const PlyHeader header = read_ply_header(file);
-  SceneDescription scene = PlyReader(file, header).read();
-  scene.name = std::filesystem::path(from.path).stem().string();
-  scene.meshes[0].name = scene.instances[0].name = scene.name;
+  const PlyHeader header = read_ply_header(file, file.size());
+  SceneDescription scene;
+  Mesh& mesh = scene.meshes.emplace_back();
+  PlyReader reader(PlyNumbers(file, header), header, mesh, scene);
+  reader.read(stem_of(from.path), file.size());
+  if (!reader.has_normals()) add_missing_normals(mesh, reader.has_normal());
+  return scene;
+}
+
+std::optional<OuterScene> read_outer_ply(const std::string& path, const PackOptions& options) {
+  const FileReader file(path);
+  if (file.size() <= kSmallBytes * options.triangles_at_once) return std::nullopt;
+  Bytes head(std::min<std::uint64_t>(file.size(), kMaxPlyHeaderBytes + 1));
+  file.read(0, head, "");
+  const PlyHeader header = read_ply_header(head, file.size());
+  head = {};
+  if (header.format == PlyFormat::kAscii) return std::nullopt;
+  OuterScene scene;
+  scene.columns = std::make_unique<OuterColumns>(options);
+  OuterMesh& mesh = scene.meshes.emplace_back(scene.columns.get());
+  PlyReader reader(PlyNumbers(file, header), header, mesh, scene.rest);
+  reader.read(stem_of(path), std::max(options.triangles_at_once, kAlwaysCorners));
+  if (mesh.triangles.size() >= kInvalidId) throw NeedsWholeFile{};
+  if (!reader.has_normals()) add_missing_normals(mesh, options);
+  scene.rest.meshes.emplace_back().name = mesh.name;
   return scene;
 }
 

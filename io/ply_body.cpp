@@ -12,6 +12,8 @@
 namespace raysheaf::io {
 namespace {
 
+constexpr std::size_t kWindowBytes = std::size_t{1} << 20;
+
 template <class T>
 double load(const std::uint8_t* bytes, bool swapped) {
   std::uint8_t raw[sizeof(T)];
@@ -51,10 +53,28 @@ void PlyNumbers::refuse(const std::string& sentence, const std::string& element,
               printable(element) + "[" + std::to_string(index) + "]");
 }
 
+bool PlyNumbers::has(std::size_t count) {
+  if (bytes_.size() - at_ >= count) return true;
+  if (file_ == nullptr) return false;
+  const std::size_t kept = bytes_.size() - at_;
+  const std::size_t more = std::min<std::uint64_t>(kWindowBytes - kept, file_->size() - end_);
+  if (window_.empty()) window_.resize(kWindowBytes);
+  std::copy(bytes_.begin() + static_cast<std::ptrdiff_t>(at_), bytes_.end(), window_.begin());
+  file_->read(end_, std::span(window_).subspan(kept, more), "");
+  bytes_ = std::span(window_).first(kept + more);
+  at_ = 0;
+  end_ += more;
+  return bytes_.size() >= count;
+}
+
+std::uint64_t PlyNumbers::bytes_left() const {
+  return bytes_.size() - at_ + (file_ == nullptr ? 0 : file_->size() - end_);
+}
+
 double PlyNumbers::next(PlyType type, const std::string& element, std::uint64_t index) {
   if (format_ == PlyFormat::kAscii) return next_word(element, index);
   const std::size_t size = size_of(type);
-  if (bytes_.size() - at_ < size) refuse("the file is truncated: it ends here", element, index);
+  if (!has(size)) refuse("the file is truncated: it ends here", element, index);
   const bool native =
       (format_ == PlyFormat::kLittleEndian) == (std::endian::native == std::endian::little);
   const double value = load(type, bytes_.data() + at_, !native);
@@ -86,8 +106,7 @@ std::uint64_t PlyNumbers::next_count(const PlyProperty& list, const std::string&
   const double count = next(list.count_type, element, index);
   const std::size_t least = format_ == PlyFormat::kAscii ? 1 : size_of(list.type);
   // In this order: what the file can hold is a number that can be converted.
-  if (!(count >= 0) ||
-      count * static_cast<double>(least) > static_cast<double>(bytes_.size() - at_) ||
+  if (!(count >= 0) || count * static_cast<double>(least) > static_cast<double>(bytes_left()) ||
       count != static_cast<double>(static_cast<std::uint64_t>(count))) {
     refuse("the list \"" + printable(list.name) + "\" has a count that the file cannot hold",
            element, index);

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "io/file_parts.h"
 #include "io/ply_header.h"
 
 namespace raysheaf::io {
@@ -13,6 +14,9 @@ class PlyNumbers {
  public:
   PlyNumbers(std::span<const std::uint8_t> file, const PlyHeader& header)
       : bytes_(file), at_(header.bytes), format_(header.format) {}
+  /// Of a binary file that is read in windows.
+  PlyNumbers(const FileReader& file, const PlyHeader& header)
+      : file_(&file), end_(header.bytes), format_(header.format) {}
 
   /// The next number. Doubles hold every integer of PLY exactly. Throws, naming `place`, where the
   /// file ends or an ASCII word is no number.
@@ -23,12 +27,18 @@ class PlyNumbers {
   void skip(const PlyProperty& property, const std::string& element, std::uint64_t index);
 
  private:
+  /// Whether there are so many bytes at `at_`, at most 8.
+  [[nodiscard]] bool has(std::size_t count);
+  [[nodiscard]] std::uint64_t bytes_left() const;
   [[nodiscard]] double next_word(const std::string& element, std::uint64_t index);
   [[noreturn]] void refuse(const std::string& sentence, const std::string& element,
                            std::uint64_t index) const;
 
   std::span<const std::uint8_t> bytes_;
-  std::size_t at_;
+  std::size_t at_ = 0;
+  const FileReader* file_ = nullptr;
+  std::vector<std::uint8_t> window_;
+  std::uint64_t end_ = 0;  ///< of the window, in the file
   PlyFormat format_;
 };
 

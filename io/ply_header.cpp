@@ -11,8 +11,6 @@
 namespace raysheaf::io {
 namespace {
 
-constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20;
-
 PlyType type_named(std::string_view name, const std::string& place) {
   constexpr std::pair<std::string_view, PlyType> kNames[] = {
       {"char", PlyType::kInt8},      {"int8", PlyType::kInt8},       {"uchar", PlyType::kUint8},
@@ -30,8 +28,8 @@ PlyType type_named(std::string_view name, const std::string& place) {
 
 class HeaderReader {
  public:
-  explicit HeaderReader(std::span<const std::uint8_t> file)
-      : text_(reinterpret_cast<const char*>(file.data()), file.size()) {}
+  HeaderReader(std::span<const std::uint8_t> file, std::uint64_t file_bytes)
+      : text_(reinterpret_cast<const char*>(file.data()), file.size()), file_bytes_(file_bytes) {}
 
   PlyHeader read() {
     if (next_line() != "ply") refuse("the file does not begin with \"ply\"");
@@ -67,7 +65,7 @@ class HeaderReader {
   std::string_view next_line() {
     ++line_;
     const std::size_t end = text_.find('\n', at_);
-    if (end == text_.npos || end > kMaxHeaderBytes) refuse("the header has no end_header line");
+    if (end == text_.npos || end > kMaxPlyHeaderBytes) refuse("the header has no end_header line");
     std::string_view line = text_.substr(at_, end - at_);
     if (line.ends_with('\r')) line.remove_suffix(1);
     at_ = end + 1;
@@ -123,7 +121,7 @@ class HeaderReader {
     return bytes;
   }
   void check_counts() const {
-    const std::uint64_t left = text_.size() - at_ + 1;
+    const std::uint64_t left = file_bytes_ - at_ + 1;
     for (const PlyElement& element : header_.elements) {
       const std::uint64_t least = least_bytes(element);
       if (element.count == 0) continue;
@@ -137,6 +135,7 @@ class HeaderReader {
   }
 
   std::string_view text_;
+  std::uint64_t file_bytes_;
   std::size_t at_ = 0, line_ = 0;
   PlyHeader header_;
 };
@@ -155,8 +154,8 @@ std::size_t size_of(PlyType type) {
   return kSizes[static_cast<std::size_t>(type)];
 }
 
-PlyHeader read_ply_header(std::span<const std::uint8_t> file) {
-  return HeaderReader(file).read();
+PlyHeader read_ply_header(std::span<const std::uint8_t> file, std::uint64_t file_bytes) {
+  return HeaderReader(file, file_bytes).read();
 }
 
 }  // namespace raysheaf::io

@@ -36,8 +36,13 @@ struct PlyHeader {
 
 [[nodiscard]] std::size_t size_of(PlyType type);
 
-/// Throws `Error` that names the line. A count that the rest of the file cannot hold is refused
-/// here, before anything is made from it.
-[[nodiscard]] PlyHeader read_ply_header(std::span<const std::uint8_t> file);
+/// A header has no more bytes.
+inline constexpr std::size_t kMaxPlyHeaderBytes = std::size_t{1} << 20;
+
+/// `file`: the first bytes of one that has `file_bytes`, at least `kMaxPlyHeaderBytes` and one
+/// where there are so many. Throws `Error` that names the line. A count that the rest of the file
+/// cannot hold is refused here, before anything is made from it.
+[[nodiscard]] PlyHeader read_ply_header(std::span<const std::uint8_t> file,
+                                        std::uint64_t file_bytes);
 
 }  // namespace raysheaf::io

@@ -25,6 +25,24 @@ auto within_memory(const std::string& path, const Work& work) {
   }
 }
 
+/// What `load` gives. Puts the file's name before what went wrong.
+template <class Load>
+auto naming(const std::string& path, const Load& load) {
+  try {
+    return load();
+  } catch (const Error& error) {
+    const bool named = error.place() == path || error.place().starts_with(path + ": ");
+    const std::string place = named                   ? error.place()
+                              : error.place().empty() ? path
+                                                      : path + ": " + error.place();
+    throw Error(error.code(), error.sentence(), place);
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for this scene", path);
+  } catch (const std::exception& error) {
+    throw Error(ErrorCode::kInvalidData, std::string("cannot be read: ") + error.what(), path);
+  }
+}
+
 /// `nodes[3]`.
 [[nodiscard]] inline std::string element(const std::string& list, std::size_t i) {
   return list + "[" + std::to_string(i) + "]";

@@ -29,13 +29,16 @@ float read_float(const std::uint8_t* p) {
   return value;
 }
 
-void add_vertex(Mesh& mesh, Vec3 p, const std::string& place) {
+/// `place()` is where it stands, in words.
+template <class AnyMesh, class Place>
+void add_vertex(AnyMesh& mesh, Vec3 p, const Place& place) {
   if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
-    refuse("the vertex is not finite", place);
+    refuse("the vertex is not finite", place());
   }
   mesh.positions.push_back(p);
 }
-void add_triangle(Mesh& mesh) {
+template <class AnyMesh>
+void add_triangle(AnyMesh& mesh) {
   const auto end = static_cast<std::uint32_t>(mesh.positions.size());
   mesh.triangles.push_back({end - 3, end - 2, end - 1});
 }
@@ -60,6 +63,17 @@ bool is_ascii(const Bytes& file) {
   return std::find(file.begin(), file.end(), std::uint8_t{0}) == file.end();
 }
 
+/// A record of a binary file, the triangle `number`.
+template <class AnyMesh>
+void read_record(const std::uint8_t* record, std::uint64_t number, AnyMesh& mesh) {
+  const std::uint8_t* p = record + 12;
+  for (int k = 0; k < 3; ++k, p += 12) {
+    add_vertex(mesh, {read_float(p), read_float(p + 4), read_float(p + 8)},
+               [number] { return "triangle[" + std::to_string(number) + "]"; });
+  }
+  add_triangle(mesh);
+}
+
 Mesh read_binary(const Bytes& file) {
   if (file.size() < kHeadBytes) refuse("the file is truncated inside its header", "STL header");
   const std::uint64_t count = read_u32(file.data() + 80);
@@ -73,12 +87,7 @@ Mesh read_binary(const Bytes& file) {
   mesh.positions.reserve(3 * count);
   mesh.triangles.reserve(count);
   for (std::uint64_t t = 0; t < count; ++t) {
-    const std::uint8_t* p = file.data() + kHeadBytes + kTriangleBytes * t + 12;
-    for (int k = 0; k < 3; ++k, p += 12) {
-      add_vertex(mesh, {read_float(p), read_float(p + 4), read_float(p + 8)},
-                 "triangle[" + std::to_string(t) + "]");
-    }
-    add_triangle(mesh);
+    read_record(file.data() + kHeadBytes + kTriangleBytes * t, t, mesh);
   }
   return mesh;
 }
@@ -126,7 +135,7 @@ class AsciiReader {
     for (int i = 0; i < 3; ++i) {
       expect("vertex");
       const float x = next_number(), y = next_number(), z = next_number();
-      add_vertex(mesh, {x, y, z}, place());
+      add_vertex(mesh, {x, y, z}, [this] { return place(); });
     }
     expect("endloop"), expect("endfacet");
     add_triangle(mesh);
@@ -194,21 +203,6 @@ void name_and_paint(SceneDescription& scene) {
   }
 }
 
-/// A record of a binary file as triangle `number`; false where `load_scene` may refuse it.
-bool decode(const std::uint8_t* record, std::uint32_t number, OuterTriangle* triangle) {
-  triangle->prim_id = number;
-  const std::uint8_t* p = record + 12;
-  for (std::uint32_t k = 0; k < 3; ++k, p += 12) {
-    triangle->vertex[k] = 3 * number + k;
-    const Vec3 v = triangle->corner[k] = {read_float(p), read_float(p + 4), read_float(p + 8)};
-    constexpr float kFarthest = 1e18f;
-    if (!(std::fabs(v.x) <= kFarthest && std::fabs(v.y) <= kFarthest &&
-          std::fabs(v.z) <= kFarthest))
-      return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 SceneDescription load_stl(const Bytes& file, const SceneFile& from) {
@@ -223,37 +217,36 @@ SceneDescription load_stl(const Bytes& file, const SceneFile& from) {
   return scene;
 }
 
-OuterStl read_outer_stl(const std::string& path, const PackOptions& options) {
+std::optional<OuterScene> read_outer_stl(const std::string& path, const PackOptions& options) {
   const FileReader file(path);
-  if (file.size() < kHeadBytes) return {};
+  if (file.size() < kHeadBytes) return std::nullopt;
   Bytes some(kHeadBytes);
-  file.read(0, some, path);
+  file.read(0, some, "");
   const std::uint64_t count = read_u32(some.data() + 80);
   const bool fits = file.size() == kHeadBytes + kTriangleBytes * count;
   const auto is_blank = [](std::uint8_t c) { return std::isspace(c) != 0; };
   if (!fits && (begins_with_solid(some) || std::all_of(some.begin(), some.end(), is_blank)))
-    return {};
+    return std::nullopt;
   if (count > (file.size() - kHeadBytes) / kTriangleBytes || 3 * count >= kInvalidId ||
       count <= options.triangles_at_once)
-    return {};
-  OuterStl outer;
-  outer.triangles = std::make_unique<OuterTriangles>(options.beside);
-  constexpr std::uint64_t kAtOnce = 1u << 15;
-  OuterTriangle triangle;
+    return std::nullopt;
+  OuterScene scene;
+  scene.columns = std::make_unique<OuterColumns>(options);
+  OuterMesh& mesh = scene.meshes.emplace_back(scene.columns.get());
+  constexpr std::uint64_t kAtOnce = 1u << 14;
   for (std::uint64_t t = 0; t < count; ++t) {
     const std::uint64_t within = t % kAtOnce;
     if (within == 0) {
       some.resize(kTriangleBytes * std::min(kAtOnce, count - t));
-      file.read(kHeadBytes + kTriangleBytes * t, some, path);
+      file.read(kHeadBytes + kTriangleBytes * t, some, "");
     }
-    if (!decode(some.data() + kTriangleBytes * within, static_cast<std::uint32_t>(t), &triangle))
-      return {};
-    outer.triangles->add(triangle);
+    read_record(some.data() + kTriangleBytes * within, t, mesh);
   }
-  outer.scene.name = std::filesystem::path(path).stem().string();
-  outer.scene.meshes.emplace_back();
-  name_and_paint(outer.scene);
-  return outer;
+  mesh.materials.push_back(0);
+  scene.rest.name = std::filesystem::path(path).stem().string();
+  scene.rest.meshes.emplace_back();
+  name_and_paint(scene.rest);
+  return scene;
 }
 
 }  // namespace raysheaf::io

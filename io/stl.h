@@ -1,11 +1,11 @@
 // STL: ASCII and binary.
 #pragma once
 
-#include <memory>
+#include <optional>
 #include <string>
 
 #include "io/file.h"
-#include "io/outer_cut.h"
+#include "io/outer_mesh.h"
 #include "raysheaf/scene_description.h"
 
 namespace raysheaf::io {
@@ -13,11 +13,9 @@ namespace raysheaf::io {
 /// Every triangle has its own vertices and no vertex normals: it stays flat.
 [[nodiscard]] SceneDescription load_stl(const Bytes& file, const SceneFile& from);
 
-/// The triangles of a binary file, and the rest of its scene, in memory that does not grow with it.
-struct OuterStl {
-  SceneDescription scene;
-  std::unique_ptr<OuterTriangles> triangles;  ///< null: see `pack_file`
-};
-[[nodiscard]] OuterStl read_outer_stl(const std::string& path, const PackOptions& options);
+/// The same of a binary file, in memory that does not grow with it. Nothing of others, and of those
+/// with `triangles_at_once` or less.
+[[nodiscard]] std::optional<OuterScene> read_outer_stl(const std::string& path,
+                                                       const PackOptions& options);
 
 }  // namespace raysheaf::io

@@ -23,6 +23,11 @@ void copy_blocks(const BlockFile& from, BlockSink* to) {
   }
 }
 
+void tell_warnings(const PackCommand& command, const SceneDescription& scene) {
+  if (command.quiet) return;
+  for (const std::string& warning : scene.warnings) tell("warning: " + printable(warning));
+}
+
 }  // namespace
 
 int run(const PackCommand& command) {
@@ -32,15 +37,15 @@ int run(const PackCommand& command) {
     const BlockFile from(command.scene);
     copy_blocks(from, &file);
     file.finish(from.scene());
-  } else if (const auto rest = pack_file(
-                 command.scene, &file,
-                 {.triangles_a_block = command.block_triangles, .beside = command.output})) {
+  } else if (const auto rest = pack_file(command.scene, &file,
+                                         {.triangles_a_block = command.block_triangles,
+                                          .beside = command.output,
+                                          .allow_external = command.load.allow_external})) {
+    tell_warnings(command, *rest);
     file.finish(*rest);
   } else {
     const SceneDescription scene = scene_from_argument(command.scene, command.load);
-    if (!command.quiet) {
-      for (const std::string& warning : scene.warnings) tell("warning: " + printable(warning));
-    }
+    tell_warnings(command, scene);
     file.finish(cut_into_blocks(scene, &file, command.block_triangles));
   }
   if (!command.quiet)

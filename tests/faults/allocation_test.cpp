@@ -11,6 +11,7 @@
 #include "raysheaf/block_file.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/io.h"
+#include "raysheaf/pack.h"
 #include "support/process.h"
 
 namespace raysheaf::test {
@@ -258,6 +259,70 @@ TEST(SaveFaults, EveryAllocation) {
   before = live_allocations();
   const int failures = fail_each_allocation([&] { save_glb(scene, path); }, afterwards);
   EXPECT_GT(failures, 20);
+}
+
+template <class T>
+std::string raw(std::initializer_list<T> numbers) {
+  return {reinterpret_cast<const char*>(numbers.begin()), numbers.size() * sizeof(T)};
+}
+
+/// Scenes that are cut without being held.
+void expect_errors_of_packing(const std::string& file, const std::string& bytes) {
+  const TemporaryFolder folder;
+  const std::string path = folder.file(file);
+  write_file(path, bytes);
+  const PackOptions options{
+      .triangles_a_block = 1, .triangles_at_once = 1, .beside = folder.file("a.rsb")};
+  const std::uint64_t right = load_scene(path).triangle_count();
+  ASSERT_GT(right, 2u);
+  const std::function<void()> pack = [&] {
+    BlockList blocks;
+    ASSERT_TRUE(pack_file(path, &blocks, options).has_value());
+    ASSERT_EQ(blocks.blocks().size(), right);
+  };
+  pack();
+  const std::int64_t before = live_allocations();
+  const int failures = fail_each_allocation(pack, [&] {
+    EXPECT_EQ(live_allocations(), before);
+    EXPECT_EQ(folder.names().size(), 1u);
+  });
+  EXPECT_GT(failures, 50);
+}
+
+TEST(PackFaults, EveryAllocationOfPly) {
+  expect_errors_of_packing(
+      "a.ply",
+      "ply\nformat binary_little_endian 1.0\nelement vertex 5\nproperty float x\n"
+      "property float y\nproperty float z\nelement face 2\n"
+      "property list uchar uchar vertex_indices\nelement nothing 1\nproperty uchar "
+      "x\nend_header\n" +
+          raw<float>({0, 0, 0, 2, 0, 0, 3, 1, 0, 1, 3, 0, -1, 1, 0}) +
+          raw<std::uint8_t>({5, 0, 1, 2, 3, 4, 3, 0, 2, 1, 0}));
+}
+
+TEST(PackFaults, EveryAllocationOfStl) {
+  std::string bytes(80, ' ');
+  bytes += raw<std::uint32_t>({3});
+  for (const float x : {0.0f, 2.0f, 5.0f})
+    bytes += raw<float>({0, 0, 1, x, 0, 0, x, 1, 0, 0, x, 3}) + raw<std::uint16_t>({0});
+  expect_errors_of_packing("a.stl", bytes);
+}
+
+TEST(PackFaults, EveryAllocationOfGlb) {
+  const TemporaryFolder folder;
+  SceneDescription scene;
+  scene.materials.resize(2);
+  Mesh& mesh = scene.meshes.emplace_back();
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}};
+  mesh.normals.assign(4, {0, 0, 0});
+  mesh.uvs.assign(4, {0.5f, 0.25f});
+  mesh.triangles = {{0, 1, 2}, {2, 1, 3}, {3, 1, 0}};
+  mesh.materials = {0, 1, 1};
+  scene.meshes.push_back(mesh);
+  scene.meshes[1].normals.clear();
+  for (const std::uint32_t m : {1u, 0u, 1u}) scene.instances.push_back({"", m, {}});
+  save_glb(scene, folder.file("a.glb"));
+  expect_errors_of_packing("a.glb", read_file(folder.file("a.glb")));
 }
 
 TEST(SaveFaults, EveryAllocationOfBlocks) {

@@ -1,0 +1,89 @@
+// The steps of `add_missing_normals`, for meshes that are held and for others.
+#pragma once
+
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "io/linear.h"
+#include "io/normals.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf::io {
+
+/// Its length is twice the area; zero where the face has none.
+inline Double3 face_normal(Vec3 a, Vec3 b, Vec3 c) {
+  return cross(widen(b) - widen(a), widen(c) - widen(a));
+}
+
+/// The normals of corners that touch one position, from those of their faces: a run of at most
+/// `kMaxFacesAtPosition`.
+void smooth_run(std::span<const Double3> faces, std::span<Vec3> normals);
+
+template <class T>
+void put(std::vector<T>& column, std::size_t i, const T& value) {
+  column[i] = value;
+}
+template <class Column, class T>
+void put(Column& column, std::size_t i, const T& value) {
+  column.set(i, value);
+}
+
+/// Finds, or makes, the copy of a vertex that has a given normal. The copies of a vertex are a list
+/// of which only the newest few are searched, so that many of them cost no more than memory.
+template <class AnyMesh, class Numbers>
+class VertexSplitter {
+ public:
+  /// Both empty. `newest` and `previous` hold a number for each vertex afterwards.
+  VertexSplitter(AnyMesh& mesh, Numbers& newest, Numbers& previous)
+      : mesh_(mesh), newest_(newest), previous_(previous) {
+    newest_.resize(mesh.positions.size(), kInvalidId);
+    previous_.resize(mesh.positions.size(), kInvalidId);
+  }
+
+  /// Whether it was asked for before.
+  [[nodiscard]] bool is_settled(std::uint32_t vertex) const {
+    return newest_[vertex] != kInvalidId;
+  }
+
+  std::uint32_t vertex_with(std::uint32_t vertex, Vec3 normal) {
+    if (!is_settled(vertex)) {
+      put(newest_, vertex, vertex);
+      put(mesh_.normals, vertex, normal);
+      return vertex;
+    }
+    std::uint32_t copy = newest_[vertex];
+    for (int step = 0; step < kSearched && copy != kInvalidId; ++step, copy = previous_[copy]) {
+      const Vec3 other = mesh_.normals[copy];
+      if (std::memcmp(&other, &normal, sizeof normal) == 0) return copy;
+    }
+    return append_copy(vertex, normal);
+  }
+
+ private:
+  static constexpr int kSearched = 8;
+
+  std::uint32_t append_copy(std::uint32_t vertex, Vec3 normal) {
+    const std::size_t index = mesh_.positions.size();
+    if (index >= kInvalidId) {
+      throw Error(ErrorCode::kOutOfMemory, "the mesh needs more than 2^32 vertices", mesh_.name);
+    }
+    const Vec3 position = mesh_.positions[vertex];
+    mesh_.positions.push_back(position);
+    mesh_.normals.push_back(normal);
+    if (!mesh_.uvs.empty()) {
+      const Vec2 uv = mesh_.uvs[vertex];
+      mesh_.uvs.push_back(uv);
+    }
+    const auto copy = static_cast<std::uint32_t>(index);
+    previous_.push_back(newest_[vertex]);
+    put(newest_, vertex, copy);
+    return copy;
+  }
+
+  AnyMesh& mesh_;
+  Numbers& newest_;
+  Numbers& previous_;
+};
+
+}  // namespace raysheaf::io

@@ -1,0 +1,66 @@
+#include "io/outer_array.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "io/file.h"
+
+namespace raysheaf::io {
+
+OuterFile::OuterFile(const std::string& beside) : place_(temporary_name(beside)) {
+  file_ = ::open(place_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (file_ < 0) throw system_error("written", place_, errno);
+  ::unlink(place_.c_str());
+}
+
+OuterFile::~OuterFile() {
+  if (file_ >= 0) ::close(file_);
+}
+
+void OuterFile::write(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t put = ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) throw system_error("written", place_, errno);
+    bytes = bytes.subspan(static_cast<std::size_t>(put));
+    offset += static_cast<std::uint64_t>(put);
+  }
+}
+
+void OuterFile::read(std::uint64_t offset, std::span<std::uint8_t> out) const {
+  while (!out.empty()) {
+    const ssize_t got = ::pread(file_, out.data(), out.size(), static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw system_error("read", place_, errno);
+    if (got == 0) throw Error(ErrorCode::kIo, "became shorter while it was read", place_);
+    out = out.subspan(static_cast<std::size_t>(got));
+    offset += static_cast<std::uint64_t>(got);
+  }
+}
+
+void OuterPages::load(std::uint64_t number, Place* place) {
+  save(place);
+  place->number = kNone;
+  place->bytes.resize(page_bytes_);
+  if (number < count_)
+    file_.read(number * page_bytes_, place->bytes);
+  else
+    count_ = number + 1;
+  place->number = number;
+}
+
+void OuterPages::save(Place* place) {
+  if (place->changed) file_.write(place->number * page_bytes_, place->bytes);
+  place->changed = false;
+}
+
+void OuterPages::rest() {
+  for (Place& place : places_) {
+    save(&place);
+    place = Place{};
+  }
+}
+
+}  // namespace raysheaf::io

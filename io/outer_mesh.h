@@ -1,0 +1,86 @@
+// Meshes that may be larger than memory.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "io/outer_array.h"
+#include "raysheaf/pack.h"
+
+namespace raysheaf::io {
+
+/// What a loader throws where a file is to be read whole after all.
+struct NeedsWholeFile {};
+
+/// The columns of all meshes, one mesh behind the other.
+struct OuterColumns {
+  /// Holds a part of `triangles_at_once` elements of each.
+  explicit OuterColumns(const PackOptions& options)
+      : OuterColumns(options.beside, options.triangles_at_once / 4) {}
+  OuterColumns(const std::string& beside, std::size_t held)
+      : positions(beside, held),
+        normals(beside, held),
+        uvs(beside, held),
+        triangles(beside, held),
+        materials(beside, held) {}
+  void rest() { positions.rest(), normals.rest(), uvs.rest(), triangles.rest(), materials.rest(); }
+
+  OuterArray<Vec3> positions, normals;
+  OuterArray<Vec2> uvs;
+  OuterArray<std::array<std::uint32_t, 3>> triangles;
+  OuterArray<std::uint32_t> materials;
+};
+
+/// The part of a column that belongs to one mesh. It grows while it is the last one.
+template <class T>
+class OuterColumn {
+ public:
+  explicit OuterColumn(OuterArray<T>* all) : all_(all), first_(all->size()) {}
+
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  [[nodiscard]] T operator[](std::uint64_t i) const { return (*all_)[first_ + i]; }
+  void set(std::uint64_t i, const T& value) { all_->set(first_ + i, value); }
+  void push_back(const T& value) {
+    all_->push_back(value);
+    ++size_;
+  }
+  void resize(std::uint64_t size, const T& value = {}) {
+    while (size_ < size) push_back(value);
+    size_ = size;
+  }
+
+ private:
+  OuterArray<T>* all_;
+  std::uint64_t first_, size_ = 0;
+};
+
+/// As `Mesh`, column by column. A normal without length: there is none yet.
+struct OuterMesh {
+  explicit OuterMesh(OuterColumns* all)
+      : positions(&all->positions),
+        normals(&all->normals),
+        uvs(&all->uvs),
+        triangles(&all->triangles),
+        materials(&all->materials) {}
+
+  std::string name;
+  OuterColumn<Vec3> positions, normals;
+  OuterColumn<Vec2> uvs;
+  OuterColumn<std::array<std::uint32_t, 3>> triangles;
+  OuterColumn<std::uint32_t> materials;
+};
+
+/// A scene whose meshes have names alone, and those meshes.
+struct OuterScene {
+  SceneDescription rest;
+  std::unique_ptr<OuterColumns> columns;
+  std::vector<OuterMesh> meshes;
+};
+
+/// The other `add_missing_normals` (io/normals.h), in memory that does not grow with the mesh:
+/// corners are sorted by place in files. As many bytes a triangle as `docs/stream.md` says.
+void add_missing_normals(OuterMesh& mesh, const PackOptions& options);
+
+}  // namespace raysheaf::io
