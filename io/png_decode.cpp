@@ -13,10 +13,10 @@
 namespace raysheaf::io {
 namespace {
 
-constexpr std::array<std::uint8_t, 8> kSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+constexpr std::array<std::uint8_t, 8> kPngSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
 /// The first chunk: length, kind, width, height.
-constexpr std::array<std::uint8_t, 8> kHead = {0, 0, 0, 13, 'I', 'H', 'D', 'R'};
-constexpr std::size_t kWidthAt = 16, kHeightAt = 20, kHeadBytes = 33;
+constexpr std::array<std::uint8_t, 8> kPngHead = {0, 0, 0, 13, 'I', 'H', 'D', 'R'};
+constexpr std::size_t kWidthAt = 16, kHeightAt = 20, kPngHeadBytes = 33;
 
 std::uint32_t big_endian(std::span<const std::uint8_t> bytes, std::size_t at) {
   return std::uint32_t{bytes[at]} << 24 | std::uint32_t{bytes[at + 1]} << 16 |
@@ -73,13 +73,14 @@ bool read_png_rows(png_structp png, png_infop info, ImageSize size, png_bytepp r
 }  // namespace
 
 bool is_png(std::span<const std::uint8_t> encoded) {
-  return encoded.size() >= kSignature.size() &&
-         std::equal(kSignature.begin(), kSignature.end(), encoded.begin());
+  return encoded.size() >= kPngSignature.size() &&
+         std::equal(kPngSignature.begin(), kPngSignature.end(), encoded.begin());
 }
 
 std::optional<ImageSize> png_size(std::span<const std::uint8_t> encoded) {
-  if (!is_png(encoded) || encoded.size() < kHeadBytes) return {};
-  if (!std::equal(kHead.begin(), kHead.end(), encoded.begin() + kSignature.size())) return {};
+  if (!is_png(encoded) || encoded.size() < kPngHeadBytes) return {};
+  if (!std::equal(kPngHead.begin(), kPngHead.end(), encoded.begin() + kPngSignature.size()))
+    return {};
   const ImageSize size{big_endian(encoded, kWidthAt), big_endian(encoded, kHeightAt)};
   const bool good =
       std::min(size.width, size.height) > 0 && std::max(size.width, size.height) <= PNG_UINT_31_MAX;
