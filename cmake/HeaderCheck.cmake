@@ -1,5 +1,7 @@
-# Every header compiles alone: a source file each that includes it twice and nothing else. Highway's
-# `-inl.h` files, which are compiled once a target by design, are left out.
+# Every header compiles alone: a source file each that includes it twice and nothing else. Headers that are
+# installed are read so from the first line; for the others the standard library's come precompiled, which
+# takes half the time of all of them. Highway's `-inl.h` files, which are compiled once a target by design,
+# are left out.
 file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
   ${PROJECT_SOURCE_DIR}/include/*.h ${PROJECT_SOURCE_DIR}/src/*.h ${PROJECT_SOURCE_DIR}/io/*.h
   ${PROJECT_SOURCE_DIR}/apps/raysheaf/*.h ${PROJECT_SOURCE_DIR}/apps/viewer/*.h)
@@ -13,22 +15,34 @@ if(RAYSHEAF_HAS_PYTHON)
 endif()
 list(FILTER headers EXCLUDE REGEX "-inl\\.h$")
 set(header_sources "")
+set(public_sources "")
 foreach(header ${headers})
   string(REPLACE "/" "__" name ${header})
   set(source ${PROJECT_BINARY_DIR}/headers/${name}.cpp)
   file(CONFIGURE OUTPUT ${source} CONTENT "#include \"${header}\"\n#include \"${header}\"\n")
-  list(APPEND header_sources ${source})
+  if(header MATCHES "^include/")
+    list(APPEND public_sources ${source})
+  else()
+    list(APPEND header_sources ${source})
+  endif()
 endforeach()
-add_library(raysheaf_headers OBJECT ${header_sources})
-target_include_directories(raysheaf_headers PRIVATE
-  ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/apps/raysheaf
-  ${PROJECT_SOURCE_DIR}/apps/viewer ${STB_INCLUDE_DIR})
+function(check_headers name)
+  add_library(${name} OBJECT ${ARGN})
+  target_include_directories(${name} PRIVATE
+    ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/apps/raysheaf
+    ${PROJECT_SOURCE_DIR}/apps/viewer ${STB_INCLUDE_DIR})
+  target_compile_options(${name} PRIVATE -O0 -g0 -Wno-unused-function)
+  target_link_libraries(${name} PRIVATE
+    raysheaf raysheaf_options TBB::tbb hwy::hwy PkgConfig::EPOXY nlohmann_json::nlohmann_json)
+endfunction()
+check_headers(raysheaf_public_headers ${public_sources})
+check_headers(raysheaf_headers ${header_sources})
+target_precompile_headers(raysheaf_headers PRIVATE
+  <algorithm> <array> <atomic> <chrono> <cmath> <cstdint> <cstring> <filesystem> <functional> <future> <map>
+  <memory> <mutex> <optional> <span> <string> <thread> <unordered_map> <variant> <vector>)
 if(RAYSHEAF_HAS_PYTHON)
   target_include_directories(raysheaf_headers SYSTEM PRIVATE ${NB_DIR}/include ${Python_INCLUDE_DIRS})
 endif()
-target_compile_options(raysheaf_headers PRIVATE -O0 -g0 -Wno-unused-function)
-target_link_libraries(raysheaf_headers PRIVATE
-  raysheaf raysheaf_options TBB::tbb hwy::hwy PkgConfig::EPOXY nlohmann_json::nlohmann_json)
 if(RAYSHEAF_HAS_VIEWER)
   target_link_libraries(raysheaf_headers PRIVATE PkgConfig::IMGUI)
 endif()

@@ -304,14 +304,15 @@ std::unique_ptr<OuterTriangles> place_all(const OuterScene& scene, const OuterRa
 }
 
 /// What cameras and lights are made from is the box alone.
-void add_camera_and_light(const Box& box, SceneDescription* rest) {
+void add_camera_and_light(const Box& box, bool add_light, SceneDescription* rest) {
   SceneDescription of_box;
   of_box.meshes.emplace_back();
   of_box.meshes[0].positions = {box.min, box.max};
   of_box.meshes[0].triangles = {{0, 1, 1}};
   of_box.instances.emplace_back();
   if (rest->cameras.empty()) rest->cameras.push_back(framing_camera(of_box));
-  if (needs_light(*rest)) rest->lights.push_back(showing_light(of_box, rest->cameras.front()));
+  if (add_light && needs_light(*rest))
+    rest->lights.push_back(showing_light(of_box, rest->cameras.front()));
 }
 
 }  // namespace
@@ -324,7 +325,7 @@ std::optional<SceneDescription> cut_outer(OuterScene scene, BlockSink* sink,
   std::unique_ptr<OuterTriangles> all = place_all(scene, ranks, options, &corners);
   if (all == nullptr) return std::nullopt;
   OuterCutter(scene, ranks, sink, options).cut(std::move(all));
-  add_camera_and_light(corners, &scene.rest);
+  add_camera_and_light(corners, options.add_light, &scene.rest);
   return std::move(scene.rest);
 }
 

@@ -18,6 +18,7 @@ struct PackOptions {
   /// docs/stream.md has how long they become.
   std::string beside;
   bool allow_external = false;  ///< as that of `LoadOptions`
+  bool add_light = true;        ///< where the scene has none
 };
 
 /// What `cut_into_blocks` gives of the scene that `load_scene` reads, the same blocks and the same

@@ -66,6 +66,19 @@ TEST(Scale, MoreOfAnythingIsNoSlowerButForTheNetwork) {
             forecast_rays(model, 1e9, 262144, 0, machines).total_s);
 }
 
+TEST(Scale, WhatOneCoreDoesAloneIsFoundAgain) {
+  ScaleMachines machines;
+  for (const double cores : {2.0, 16.0}) {
+    for (const double serial : {0.0, 0.1, 1.0}) {
+      machines.cores = cores;
+      machines.serial = serial;
+      EXPECT_NEAR(app::serial_part(3, clock_seconds(3, machines), cores), serial, 1e-9);
+    }
+    EXPECT_EQ(app::serial_part(3, 0.1, cores), 0) << "faster than all cores can be";
+  }
+  EXPECT_EQ(app::serial_part(3, 3, 1), 0);
+}
+
 TEST(Scale, TheCommandMeasuresAndChecksItself) {
   const TemporaryFolder folder;
   const Finished finished = raysheaf_app({"bench", "scale", "--measured", "400K", "--side", "64",

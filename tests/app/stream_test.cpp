@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "support/process.h"
+#include "support/random.h"
 
 namespace raysheaf::test {
 namespace {
@@ -104,6 +105,36 @@ TEST_F(StreamCommandSees, WhatMovesFrameByFrame) {
   EXPECT_EQ(streams[2], memory[2]);
   EXPECT_NE(streams[1], streams[2]);
   EXPECT_TRUE(contains(streams[0], "\"stream\": {")) << streams[0];
+}
+
+// 200 000 triangles at random; what --memory allows is less than they take.
+TEST(StreamCommand, AFileThatIsLargerThanMemoryIsPackedOnTheWay) {
+  const TemporaryFolder folder;
+  constexpr std::uint32_t kTriangles = 200'000;
+  std::string stl(80, ' ');
+  const auto put = [&stl](const auto& value) {
+    stl.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  put(kTriangles);
+  Random random(5);
+  for (std::uint32_t t = 0; t < kTriangles; ++t) {
+    const Vec3 place = random.in_box(10);
+    put(Vec3{});
+    for (int corner = 0; corner < 3; ++corner) put(place + random.in_box(0.1f));
+    put(std::uint16_t{0});
+  }
+  write_file(folder.file("soup.stl"), stl);
+  const auto render = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"render", "soup.stl", "--size", "32x24", "-q", "-o", "a.png"});
+    Finished finished = raysheaf_app(more, folder);
+    EXPECT_EQ(finished.code, 0) << finished.err;
+    EXPECT_EQ(folder.names(), (std::vector<std::string>{"a.png", "soup.stl"}));
+    return std::pair(read_file(folder.file("a.png")), finished.memory_bytes);
+  };
+  const auto [whole, held] = render({"--primary", "trace"});
+  const auto [streamed, packed] = render({"--stream", "--memory", "90M", "--threads", "2"});
+  EXPECT_EQ(streamed, whole);
+  EXPECT_LT(packed, std::size_t{130} << 20) << "of " << held << " for all of them";
 }
 
 TEST(StreamCommand, ResumesAndLeavesThePictureAlone) {

@@ -1,11 +1,16 @@
 #include "render/stream.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 
+#include "console.h"
 #include "raysheaf/block_file.h"
 #include "raysheaf/error.h"
+#include "raysheaf/pack.h"
+#include "render/frames_command.h"
 #include "values.h"
 
 namespace raysheaf::app {
@@ -18,9 +23,64 @@ bool is_streamed(const RenderCommand& command) {
   return command.stream || is_block_file(command.scene);
 }
 
+namespace {
+
+/// A scene and its blocks in memory take as many bytes for each of the file.
+constexpr std::uint64_t kBytesHeldPerByte = 6;
+
+/// Whether what the file says of time does not count.
+bool stands_still(const RenderCommand& command) {
+  return !wants_frames(command) && !command.frames.time && command.frames.clip.empty() &&
+         command.frames.sequence.empty();
+}
+
+/// Takes blocks until it is interrupted.
+class StoppableSink final : public BlockSink {
+ public:
+  explicit StoppableSink(BlockSink* sink) : sink_(*sink) {}
+  void add(const TriangleBlock& block, const BlockShading& shading) override {
+    stop_if_interrupted();
+    sink_.add(block, shading);
+  }
+
+ private:
+  BlockSink& sink_;
+};
+
+std::unique_ptr<GeometrySource> packed_beside(const RenderCommand& command) {
+  std::string name = (std::filesystem::temp_directory_path() / "raysheaf").string();
+  for (const std::string& path : {command.heatmap_path, command.stats_path})
+    if (!path.empty()) name = path;
+  if (!command.pictures.empty()) name = command.pictures.front();
+  name += fmt::format(".{}.rsb", getpid());
+  constexpr std::uint64_t kBytesATriangle = 250;  // raysheaf/pack.h
+  PackOptions options;
+  options.triangles_at_once = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(
+      command.memory_bytes / 4 / kBytesATriangle, 1, options.triangles_at_once));
+  options.beside = name;
+  options.allow_external = command.load.allow_external;
+  options.add_light = command.light.environment.empty();
+  BlockFileWriter file(name);
+  StoppableSink sink(&file);
+  const auto scene = pack_file(command.scene, &sink, options);
+  if (!scene) return nullptr;
+  if (!command.quiet) {
+    for (const std::string& warning : scene->warnings) tell("warning: " + printable(warning));
+  }
+  file.finish(*scene);
+  auto blocks = std::make_unique<BlockFile>(name);
+  std::filesystem::remove(name);  // it is read through what is open
+  return blocks;
+}
+
+}  // namespace
+
 std::unique_ptr<GeometrySource> open_blocks(const RenderCommand& command) {
-  if (!is_block_file(command.scene)) return nullptr;
-  return std::make_unique<BlockFile>(command.scene);
+  if (is_block_file(command.scene)) return std::make_unique<BlockFile>(command.scene);
+  std::error_code none;
+  const std::uint64_t size = std::filesystem::file_size(command.scene, none);
+  const bool is_large = !none && size > command.memory_bytes / kBytesHeldPerByte;
+  return command.stream && is_large && stands_still(command) ? packed_beside(command) : nullptr;
 }
 
 std::unique_ptr<CheckpointFile> open_checkpoint(const RenderCommand& command,

@@ -154,7 +154,7 @@ ScaleReport measure_scale(const BenchScaleCommand& command,
   report.threads = Context(context).threads();
   const std::uint64_t most = command.measured_triangles;
   const std::uint32_t side = command.side;
-  constexpr std::uint64_t kSteps = 12;
+  constexpr std::uint64_t kSteps = 13;
   std::uint64_t done = 0;
   const auto step = [&] { progress(done++, kSteps); };
   const WorkFolder folder;
@@ -171,9 +171,11 @@ ScaleReport measure_scale(const BenchScaleCommand& command,
     }
     for (const std::uint32_t s : {side / 2, side}) {
       step();
-      report.samples.push_back(measure(file, s, report.threads));
+      report.samples.push_back(measure(file, s, 1));
     }
     if (triangles != most) continue;
+    step();
+    report.together = measure(file, side, report.threads);
     step();
     report.sharing = sharing_of(file, side, report.threads);
     for (const BlockInfo& block : file.blocks()) {

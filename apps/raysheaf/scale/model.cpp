@@ -72,8 +72,8 @@ std::array<double, 3> best_fit(const std::vector<std::array<double, 3>>& rows,
   return best;
 }
 
-void decide(ScaleForecast* f, double serial_s) {
-  f->total_s = std::max(f->disk_s, f->compute_s) + f->network_s + serial_s;
+void decide(ScaleForecast* f) {
+  f->total_s = std::max(f->disk_s, f->compute_s) + f->network_s;
   const double most = std::max({f->disk_s, f->compute_s, f->network_s});
   f->bound_by = most == f->disk_s ? "disk" : most == f->compute_s ? "cores" : "network";
 }
@@ -106,6 +106,11 @@ ScaleCost ScaleModel::cost(double triangles, double pixels) const {
   return cost;
 }
 
+double serial_part(double core_s, double seconds, double cores) {
+  if (!(cores > 1) || !(core_s > 0)) return 0;
+  return std::clamp((seconds / core_s - 1 / cores) / (1 - 1 / cores), 0.0, 1.0);
+}
+
 ScaleForecast forecast_geometry(const ScaleModel& model, double triangles, double pixels,
                                 double batches, const ScaleMachines& machines) {
   const double ranks = machines.ranks;
@@ -114,12 +119,12 @@ ScaleForecast forecast_geometry(const ScaleModel& model, double triangles, doubl
   // Blocks are shared; light, and the shading parts of all hits, are every rank's.
   f.disk_s = own.bytes / machines.disk_bytes_s;
   f.compute_s =
-      (own.decode_s + own.cull_s + own.trace_s + all.shading_s + all.rest_s) / machines.cores;
+      clock_seconds(own.decode_s + own.cull_s + own.trace_s + all.shading_s + all.rest_s, machines);
   if (machines.ranks > 1)
     f.network_s =
         batches * (2 * pixels * kHitBytes * (ranks - 1) / ranks / machines.network_bytes_s +
                    2 * (ranks - 1) * machines.latency_s);
-  decide(&f, 0);
+  decide(&f);
   return f;
 }
 
@@ -130,10 +135,10 @@ ScaleForecast forecast_rays(const ScaleModel& model, double triangles, double pi
   const ScaleCost own = model.cost(triangles * read, pixels * part);
   ScaleForecast f;
   f.disk_s = own.bytes / machines.disk_bytes_s;
-  f.compute_s = own.core_s() / machines.cores;
+  f.compute_s = clock_seconds(own.core_s(), machines);
   if (machines.ranks > 1)
     f.network_s = pixels * kPixelBytes / machines.network_bytes_s + machines.latency_s;
-  decide(&f, 0);
+  decide(&f);
   return f;
 }
 

@@ -9,7 +9,8 @@
 
 namespace raysheaf::app {
 
-/// A measured frame, or what a frame is expected to take. Seconds are of one core.
+/// A measured frame, or what a frame is expected to take. Seconds are of one core, which waits for
+/// no other.
 struct ScaleCost {
   double decode_s = 0;   ///< blocks: from the system's cache to triangles that were looked over
   double cull_s = 0;     ///< the rays' tree, and blocks against it
@@ -48,10 +49,18 @@ class ScaleModel {
 struct ScaleMachines {
   std::uint32_t ranks = 1;
   double cores = 2;                 ///< a rank
+  double serial = 0;                ///< the part of its work that one core does alone
   double disk_bytes_s = 2e9;        ///< a rank
   double network_bytes_s = 1.25e9;  ///< a rank, each way
   double latency_s = 20e-6;
 };
+
+/// What work takes on all cores of a rank (G. Amdahl 1967).
+[[nodiscard]] inline double clock_seconds(double core_s, const ScaleMachines& machines) {
+  return core_s * (machines.serial + (1 - machines.serial) / machines.cores);
+}
+/// The `serial` that explains `seconds` on so many cores.
+[[nodiscard]] double serial_part(double core_s, double seconds, double cores);
 
 struct ScaleForecast {
   double disk_s = 0, compute_s = 0, network_s = 0, total_s = 0;

@@ -56,10 +56,15 @@ std::string table(const Rows& rows, bool markdown) {
   return text;
 }
 
+double serial_of(const ScaleReport& report) {
+  return serial_part(report.samples.back().cost.core_s(), report.together.seconds, report.threads);
+}
+
 ScaleMachines machines_of(const ScaleReport& report, std::uint32_t ranks) {
   ScaleMachines m;
   m.ranks = ranks;
   m.cores = report.asked.cores;
+  m.serial = serial_of(report);
   m.disk_bytes_s = 1e6 * report.asked.disk_mb_s;
   m.network_bytes_s = 1e6 * report.asked.network_mb_s;
   return m;
@@ -84,7 +89,6 @@ std::string measured_table(const ScaleReport& report, bool markdown) {
     rows.push_back(row);
   };
   for (const ScaleSample& sample : report.samples) add(sample);
-  add(report.check);
   return table(rows, markdown);
 }
 
@@ -99,10 +103,23 @@ std::string constants_table(const ScaleModel& model, bool markdown) {
   return table(rows, markdown);
 }
 
+/// Processes on this machine, with neither disk nor network.
+ScaleMachines processes_here(const ScaleReport& report, std::uint32_t ranks,
+                             std::uint32_t threads) {
+  ScaleMachines here;
+  here.ranks = ranks;
+  here.cores = threads;
+  here.serial = serial_of(report);
+  here.disk_bytes_s = here.network_bytes_s = std::numeric_limits<double>::infinity();
+  here.latency_s = 0;
+  return here;
+}
+
 /// Seconds of the clock that the model expects of a frame on this machine, from its cache.
 double expected_seconds(const ScaleReport& report, const ScaleModel& model,
                         const ScaleSample& sample) {
-  return model.cost(sample.triangles, sample.pixels).core_s() / report.threads;
+  return clock_seconds(model.cost(sample.triangles, sample.pixels).core_s(),
+                       processes_here(report, 1, report.threads));
 }
 
 std::string check_sentence(const ScaleReport& report, const ScaleModel& model) {
@@ -110,10 +127,11 @@ std::string check_sentence(const ScaleReport& report, const ScaleModel& model) {
   const double guess = expected_seconds(report, model, s);
   const double guessed_bytes = model.cost(s.triangles, s.pixels).bytes;
   return fmt::format(
-      "A frame that the model has not seen, {} triangles and {} pixels: {} expected, {} measured "
+      "A frame on {} threads that the model has not seen, {} triangles and {} pixels: {} expected, "
+      "{} measured "
       "({:.2f} of it); {} expected to be read, {} read ({:.2f}).\n",
-      amount(s.triangles), amount(s.pixels), seconds(guess), seconds(s.seconds), guess / s.seconds,
-      bytes(guessed_bytes), bytes(s.cost.bytes), guessed_bytes / s.cost.bytes);
+      report.threads, amount(s.triangles), amount(s.pixels), seconds(guess), seconds(s.seconds),
+      guess / s.seconds, bytes(guessed_bytes), bytes(s.cost.bytes), guessed_bytes / s.cost.bytes);
 }
 
 /// What processes on this machine took, whose messages go through its memory.
@@ -123,19 +141,23 @@ std::string rank_runs_text(const ScaleReport& report, const ScaleModel& model, b
   Rows rows{{"processes", "threads each", "expected", "measured", "expected / measured",
              "bytes read by all"}};
   for (const RankRun& run : report.rank_runs) {
-    ScaleMachines here;
-    here.ranks = run.ranks;
-    here.cores = run.threads;
-    here.disk_bytes_s = here.network_bytes_s = std::numeric_limits<double>::infinity();
-    here.latency_s = 0;
-    const double expected = forecast_geometry(model, report.check.triangles, report.check.pixels,
-                                              report.check.batches, here)
-                                .total_s;
+    const double expected =
+        forecast_geometry(model, report.check.triangles, report.check.pixels, report.check.batches,
+                          processes_here(report, run.ranks, run.threads))
+            .total_s;
     rows.push_back({std::to_string(run.ranks), std::to_string(run.threads), seconds(expected),
                     seconds(run.seconds), fmt::format("{:.2f}", expected / run.seconds),
                     bytes(run.bytes)});
   }
   return table(rows, markdown);
+}
+
+std::string serial_sentence(const ScaleReport& report) {
+  const ScaleSample &one = report.samples.back(), &all = report.together;
+  return fmt::format(
+      "The last of these frames takes {} on {} threads, and {} on one: one core does {:.1f} % of "
+      "the work alone (Amdahl 1967).\n",
+      seconds(all.seconds), report.threads, seconds(one.cost.core_s()), 100 * serial_of(report));
 }
 
 std::string growth_table(const ScaleReport& report, const ScaleModel& model, bool markdown) {
@@ -223,12 +245,13 @@ std::string conditions(const ScaleReport& report) {
 std::string scale_text(const ScaleReport& report) {
   const ScaleModel model(report.samples);
   return fmt::format(
-      "measured on {} threads, seconds of one core but for the frame's:\n{}\n"
+      "measured on one thread, while another reads; seconds of one core but for the frame's:\n"
+      "{}\n{}\n"
       "fitted:\n{}\n{}\n"
       "the same frame by processes that share its triangles:\n{}\n"
       "one machine; {}:\n{}\n"
       "{} triangles on several machines:\n{}\n{}",
-      report.threads, measured_table(report, false), constants_table(model, false),
+      measured_table(report, false), serial_sentence(report), constants_table(model, false),
       check_sentence(report, model), rank_runs_text(report, model, false), conditions(report),
       growth_table(report, model, false), amount(static_cast<double>(report.asked.triangles)),
       ranks_table(report, model, false), saturation(report, model));
@@ -255,21 +278,22 @@ std::string scale_page(const ScaleReport& report) {
       amount(triangles), conditions(report), seconds(one.total_s), one.bound_by, seconds(g.total_s),
       ranks, g.bound_by, seconds(r.total_s), r.bound_by);
   text += fmt::format(
-      "## Measured\n\nOn {} threads, files in the system's cache; seconds of one core, but for the "
-      "frame's.\n\n{}\n{}\nA triangle takes {:.1f} bytes of geometry and {:.1f} of shading in the "
+      "## Measured\n\nOn one thread while another reads, files in the system's cache; seconds of "
+      "one "
+      "core, but for the frame's.\n\n{}\n{}\n{}\nA triangle takes {:.1f} bytes of geometry and "
+      "{:.1f} of shading in the "
       "file. A quarter of the picture reads the part 0.25^{:.2f} of what the whole picture "
       "reads.\n\n",
-      report.threads, measured_table(report, true), check_sentence(report, model),
+      measured_table(report, true), serial_sentence(report), check_sentence(report, model),
       report.geometry_bytes, report.shading_bytes, report.sharing);
   text += "## Fitted\n\n" + constants_table(model, true) +
           "\nA frame takes the longer of disk and cores, for they overlap, and then what the "
           "network takes.\n\n";
   text +=
       "## Processes\n\nThe frame that the model has not seen, by processes on one machine that "
-      "share "
-      "its triangles (`mpirun -n 2 raysheaf render hall.rsb`): what was measured, and what is "
-      "expected of machines with neither disk nor network. The model takes for work what a thread "
-      "waits for others, so that it expects too much time of processes of fewer threads.\n\n" +
+      "share its triangles (`mpirun -n 2 raysheaf render hall.rsb`): what was measured, and what "
+      "is "
+      "expected of machines with neither disk nor network.\n\n" +
       rank_runs_text(report, model, true) + "\n";
   text += "## One machine\n\n" + growth_table(report, model, true) + "\n";
   text += fmt::format(
@@ -309,6 +333,8 @@ std::string scale_json(const ScaleReport& report) {
               {"geometry_bytes", report.geometry_bytes},
               {"shading_bytes", report.shading_bytes},
               {"samples", samples},
+              {"together", of(report.together)},
+              {"serial", serial_of(report)},
               {"check", of(report.check)},
               {"processes", runs},
               {"check_expected_seconds", guess}}

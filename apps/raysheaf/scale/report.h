@@ -16,8 +16,9 @@ struct ScaleReport {
   std::uint32_t threads = 0;
   double geometry_bytes = 0, shading_bytes = 0;  ///< a triangle
   double sharing = 1;                            ///< as `forecast_rays` has it
-  std::vector<ScaleSample> samples;              ///< the model's
-  ScaleSample check;                             ///< a frame that it has not seen
+  std::vector<ScaleSample> samples;              ///< the model's, on one thread
+  ScaleSample together;                          ///< the last of them again, on all threads
+  ScaleSample check;                             ///< a frame that it has not seen, on all threads
   std::vector<RankRun> rank_runs;                ///< that frame again, by processes
   std::string no_rank_runs;                      ///< why there are none
 };
