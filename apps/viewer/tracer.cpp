@@ -122,7 +122,7 @@ bool Tracer::busy() const {
 }
 bool Tracer::saving() const {
   const std::lock_guard lock(mutex_);
-  return saves_ || save_;
+  return saves_ || save_ || saved_;
 }
 
 bool Tracer::something_waits() const {
@@ -168,10 +168,13 @@ void Tracer::do_load(const std::string& path, Work& work) {
 }
 
 void Tracer::do_save(const SaveOrder& order, Work& work) {
-  if (!work.pictures.has_scene()) return;
   if (saver_.joinable()) saver_.join();
   auto copy = std::make_shared<SceneDescription>();
-  const std::string failed = sentence_of([&] { *copy = work.pictures.posed_copy(order.request); });
+  const std::string failed = sentence_of([&] {
+    if (!work.pictures.has_scene())
+      throw Error(ErrorCode::kWrongState, "there is no scene to save a picture of", order.path);
+    *copy = work.pictures.posed_copy(order.request);
+  });
   {
     const std::lock_guard lock(mutex_);
     saves_ = failed.empty();
@@ -263,6 +266,7 @@ void Tracer::next(Work& work, std::unique_lock<std::mutex>& lock) {
     without_lock([&] { do_answer(*question, work); });
   } else if (save_ && !saves_) {
     const auto order = taken(save_);
+    saves_ = true;
     without_lock([&] { do_save(*order, work); });
   } else if (const auto unfinished = taken(again_)) {
     without_lock([&] { do_trace(*unfinished, work); });

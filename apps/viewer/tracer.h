@@ -83,6 +83,7 @@ class Tracer {
 
   /// Whether anything runs or waits.
   [[nodiscard]] bool busy() const;
+  /// From `save` until what became of it was taken.
   [[nodiscard]] bool saving() const;
 
  private:
