@@ -15,8 +15,8 @@ namespace raysheaf::app {
 /// Whether the frame is rendered block by block.
 [[nodiscard]] bool is_streamed(const RenderCommand& command);
 
-/// SCENE where it is a block file, or a file that would take more than `--memory` and can be packed:
-/// into a file that is gone with the program. Else null.
+/// SCENE where it is a block file, or a file that would take more than `--memory` and can be
+/// packed: into a file that is gone with the program. Else null.
 [[nodiscard]] std::unique_ptr<GeometrySource> open_blocks(const RenderCommand& command);
 
 /// Where a streamed frame keeps what it has found, beside its first output: `hall.png.resume`, or
