@@ -50,6 +50,26 @@ bool sorts_by_keys(const MethodSettings& settings) {
          settings.traversal == Traversal::kPackets;
 }
 
+/// Both ascend by pixel and have fragments; those of `a` come before those of `b` with their pixel.
+Fragments merged_by_pixel(const Executor& executor, const Fragments& a, const Fragments& b) {
+  constexpr std::size_t kParts = 64;  // each of whole pixels
+  const Fragments& larger = a.size() < b.size() ? b : a;
+  const auto begin_of = [&](const Fragments& all, std::size_t part) {
+    if (part == 0 || part == kParts) return part == 0 ? all.begin() : all.end();
+    const std::uint32_t pixel = larger[larger.size() * part / kParts].pixel;
+    return std::partition_point(all.begin(), all.end(),
+                                [pixel](const Fragment& f) { return f.pixel < pixel; });
+  };
+  Fragments merged(a.size() + b.size());
+  executor.for_each(kParts, 1, [&](std::size_t part) {
+    const auto first_a = begin_of(a, part), first_b = begin_of(b, part);
+    std::merge(first_a, begin_of(a, part + 1), first_b, begin_of(b, part + 1),
+               merged.begin() + ((first_a - a.begin()) + (first_b - b.begin())),
+               [](const Fragment& f, const Fragment& g) { return f.pixel < g.pixel; });
+  });
+  return merged;
+}
+
 class Frame {
  public:
   Frame(const Executor& executor, const FrameInput& input, ProgressMeter* meter)
@@ -275,10 +295,7 @@ class Frame {
     if (refracted.empty()) return reflected;
     if (reflected.empty()) return refracted;
     watch_.lap_ms();
-    Fragments merged(reflected.size() + refracted.size());
-    std::merge(reflected.begin(), reflected.end(), refracted.begin(), refracted.end(),
-               merged.begin(),
-               [](const Fragment& a, const Fragment& b) { return a.pixel < b.pixel; });
+    Fragments merged = merged_by_pixel(executor_, reflected, refracted);
     statistics_.shade_ms += watch_.lap_ms();
     return merged;
   }
