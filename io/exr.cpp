@@ -97,13 +97,16 @@ void check_exr(const io::Bytes& file, const std::string& path) {
     throw Error(ErrorCode::kUnsupported, "several parts or deep pixels are not read", path);
   EXRHeader header;
   InitEXRHeader(&header);
+  const std::unique_ptr<EXRHeader, decltype(&FreeEXRHeader)> owner(&header, &FreeEXRHeader);
   const char* message = nullptr;
   if (ParseEXRHeaderFromMemory(&header, &version, file.data(), file.size(), &message) !=
       TINYEXR_SUCCESS)
     throw Error(ErrorCode::kInvalidData, "cannot be read: " + taken_message(message), path);
+  // tinyexr would lose what it allocates for none.
+  if (header.num_channels < 1)
+    throw Error(ErrorCode::kInvalidData, "cannot be read: it has no channels", path);
   const std::int64_t width = std::int64_t{header.data_window.max_x} - header.data_window.min_x + 1;
   const std::int64_t height = std::int64_t{header.data_window.max_y} - header.data_window.min_y + 1;
-  FreeEXRHeader(&header);
   const auto most = static_cast<std::int64_t>(
       std::min(io::kMaxImagePixels, io::kFreePixels + io::kPixelsPerByte * file.size()));
   if (width < 1 || height < 1 || width > most || height > most / width)

@@ -71,7 +71,8 @@ struct Said {
   }
   [[nodiscard]] bool operator==(const Said& other) const {
     return hits.size() == other.hits.size() &&
-           std::memcmp(hits.data(), other.hits.data(), hits.size() * sizeof(Hit)) == 0 &&
+           (hits.empty() ||
+            std::memcmp(hits.data(), other.hits.data(), hits.size() * sizeof(Hit)) == 0) &&
            occluded == other.occluded;
   }
 };
