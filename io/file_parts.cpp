@@ -16,6 +16,29 @@ namespace raysheaf::io {
 
 namespace fs = std::filesystem;
 
+void read_at(int file, std::uint64_t offset, std::span<std::uint8_t> out,
+             const std::string& place) {
+  while (!out.empty()) {
+    const ssize_t got = ::pread(file, out.data(), out.size(), static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw system_error("read", place, errno);
+    if (got == 0) throw Error(ErrorCode::kIo, "the file became shorter while it was read", place);
+    out = out.subspan(static_cast<std::size_t>(got));
+    offset += static_cast<std::uint64_t>(got);
+  }
+}
+
+void write_at(int file, std::uint64_t offset, std::span<const std::uint8_t> bytes,
+              const std::string& place) {
+  while (!bytes.empty()) {
+    const ssize_t put = ::pwrite(file, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) throw system_error("written", place, errno);
+    bytes = bytes.subspan(static_cast<std::size_t>(put));
+    offset += static_cast<std::uint64_t>(put);
+  }
+}
+
 FileReader::FileReader(const std::string& path)
     : file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
   const auto close_and = [this](auto error) {
@@ -37,14 +60,7 @@ FileReader::~FileReader() {
 
 void FileReader::read(std::uint64_t offset, std::span<std::uint8_t> out,
                       const std::string& place) const {
-  while (!out.empty()) {
-    const ssize_t got = ::pread(file_, out.data(), out.size(), static_cast<off_t>(offset));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) throw system_error("read", place, errno);
-    if (got == 0) throw Error(ErrorCode::kIo, "the file became shorter while it was read", place);
-    out = out.subspan(static_cast<std::size_t>(got));
-    offset += static_cast<std::uint64_t>(got);
-  }
+  read_at(file_, offset, out, place);
 }
 
 FileWriter::FileWriter(const std::string& path) : path_(path), target_(path) {
@@ -66,23 +82,13 @@ FileWriter::~FileWriter() {
   ::unlink(temporary_.c_str());
 }
 
-void FileWriter::write_at(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t put = ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (put < 0 && errno == EINTR) continue;
-    if (put < 0) throw system_error("written", path_, errno);
-    bytes = bytes.subspan(static_cast<std::size_t>(put));
-    offset += static_cast<std::uint64_t>(put);
-  }
-}
-
 void FileWriter::append(std::span<const std::uint8_t> bytes) {
-  write_at(size_, bytes);
+  write_at(file_, size_, bytes, path_);
   size_ += bytes.size();
 }
 
 void FileWriter::overwrite(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
-  write_at(offset, bytes);
+  write_at(file_, offset, bytes, path_);
 }
 
 void FileWriter::finish() {

@@ -7,6 +7,12 @@
 
 namespace raysheaf::io {
 
+/// All of `out`, from `offset` on, of an open file; all of `bytes` to there. Throw kIo, also where
+/// the file ends before; `place` is what the error names.
+void read_at(int file, std::uint64_t offset, std::span<std::uint8_t> out, const std::string& place);
+void write_at(int file, std::uint64_t offset, std::span<const std::uint8_t> bytes,
+              const std::string& place);
+
 /// A regular file that is open for reading, by any number of threads at once.
 class FileReader {
  public:
@@ -41,8 +47,6 @@ class FileWriter {
   [[nodiscard]] std::uint64_t size() const { return size_; }
 
  private:
-  void write_at(std::uint64_t offset, std::span<const std::uint8_t> bytes);
-
   std::string path_, target_, temporary_;
   int file_ = -1;
   std::uint64_t size_ = 0;

@@ -6,6 +6,7 @@
 #include <cerrno>
 
 #include "io/file.h"
+#include "io/file_parts.h"
 
 namespace raysheaf::io {
 
@@ -20,24 +21,11 @@ OuterFile::~OuterFile() {
 }
 
 void OuterFile::write(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t put = ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (put < 0 && errno == EINTR) continue;
-    if (put < 0) throw system_error("written", place_, errno);
-    bytes = bytes.subspan(static_cast<std::size_t>(put));
-    offset += static_cast<std::uint64_t>(put);
-  }
+  write_at(file_, offset, bytes, place_);
 }
 
 void OuterFile::read(std::uint64_t offset, std::span<std::uint8_t> out) const {
-  while (!out.empty()) {
-    const ssize_t got = ::pread(file_, out.data(), out.size(), static_cast<off_t>(offset));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) throw system_error("read", place_, errno);
-    if (got == 0) throw Error(ErrorCode::kIo, "became shorter while it was read", place_);
-    out = out.subspan(static_cast<std::size_t>(got));
-    offset += static_cast<std::uint64_t>(got);
-  }
+  read_at(file_, offset, out, place_);
 }
 
 void OuterPages::load(std::uint64_t number, Place* place) {

@@ -8,7 +8,6 @@
 #include "scene/surface_reader.h"
 
 namespace raysheaf {
-namespace {}  // namespace
 
 ResidentGeometry::ResidentGeometry(const Executor& executor, const FlatScene& scene,
                                    const TextureSet& textures, const RenderOptions& options,
