@@ -27,7 +27,7 @@ struct JpegErrors {
 [[noreturn]] void jpeg_stop(j_common_ptr jpeg) {
   auto& errors = *reinterpret_cast<JpegErrors*>(jpeg->err);
   errors.out_of_memory = errors.manager.msg_code == JERR_OUT_OF_MEMORY;
-  std::longjmp(errors.jump, 1);
+  std::longjmp(errors.jump, 1);  // NOLINT(cert-err52-cpp): libjpeg has no other way
 }
 
 void jpeg_ignore(j_common_ptr /*jpeg*/, int /*level*/) {}
@@ -51,7 +51,7 @@ class Decoder {
 
   /// libjpeg's errors jump here and into `read_rows`: nothing in them has a destructor.
   bool read_head(const std::uint8_t* bytes, std::size_t count) {
-    if (setjmp(errors_.jump) != 0) return false;
+    if (setjmp(errors_.jump) != 0) return false;  // NOLINT(cert-err52-cpp)
     jpeg_create_decompress(&jpeg_);
     jpeg_.progress = &progress_;
     jpeg_mem_src(&jpeg_, bytes, count);
@@ -59,7 +59,7 @@ class Decoder {
   }
 
   bool read_rows(PixelBuffer& pixels) {
-    if (setjmp(errors_.jump) != 0) return false;
+    if (setjmp(errors_.jump) != 0) return false;  // NOLINT(cert-err52-cpp)
     const bool has_black = jpeg_.num_components == 4;
     jpeg_.out_color_space = has_black ? JCS_CMYK : JCS_EXT_RGBA;
     if (!jpeg_start_decompress(&jpeg_) || jpeg_.output_components != 4) return false;

@@ -54,7 +54,7 @@ void png_bytes(png_structp png, png_bytep out, std::size_t count) {
 
 /// libpng's errors jump here: nothing in this function has a destructor.
 bool read_png_rows(png_structp png, png_infop info, ImageSize size, png_bytepp rows) {
-  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  if (setjmp(png_jmpbuf(png)) != 0) return false;  // NOLINT(cert-err52-cpp): its only way
   png_set_user_limits(png, size.width, size.height);
   // Of what is no pixel, only palettes and transparent colours count: profiles and texts, which may
   // be compressed, are passed over.

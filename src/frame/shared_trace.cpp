@@ -82,9 +82,10 @@ void add_up(Communicator& ranks, BatchStatistics own, BatchStatistics* statistic
 
 }  // namespace
 
-bool is_shared(const Communicator* ranks, const RayBatch& batch) {
-  return ranks != nullptr && ranks->size() > 1 &&
-         pieces_of(batch.rays.size(), ranks->size()).number() > 1;
+Communicator* sharers(Communicator* ranks, const RayBatch& batch) {
+  const bool worth = ranks != nullptr && ranks->size() > 1 &&
+                     pieces_of(batch.rays.size(), ranks->size()).number() > 1;
+  return worth ? ranks : nullptr;
 }
 
 std::vector<RayHit> trace_shared(Communicator& ranks, const RayBatch& batch,

@@ -9,8 +9,8 @@
 
 namespace raysheaf {
 
-/// Whether a batch is worth it. The same in every process.
-[[nodiscard]] bool is_shared(const Communicator* ranks, const RayBatch& batch);
+/// `ranks` where a batch is worth it, else null. The same in every process.
+[[nodiscard]] Communicator* sharers(Communicator* ranks, const RayBatch& batch);
 
 using TracePiece =
     std::function<std::vector<RayHit>(const RayBatch& piece, BatchStatistics* statistics,

@@ -295,10 +295,11 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
                              ProgressMeter* progress) {
     return method(executor, scene, rays, options, counted, tests, progress);
   };
-  Communicator* const ranks = options.cache != nullptr ? options.cache->ranks : nullptr;
+  Communicator* const ranks =
+      options.cache != nullptr ? sharers(options.cache->ranks, batch) : nullptr;
   std::vector<RayHit> hits =
-      is_shared(ranks, batch) ? trace_shared(*ranks, batch, statistics, ray_tests, meter, trace_all)
-                              : trace_all(batch, statistics, ray_tests, meter);
+      ranks != nullptr ? trace_shared(*ranks, batch, statistics, ray_tests, meter, trace_all)
+                       : trace_all(batch, statistics, ray_tests, meter);
   statistics->hits += static_cast<std::uint64_t>(
       std::count_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.found(); }));
   return hits;
@@ -308,7 +309,7 @@ void find_occluded(const Executor& executor, const FlatScene& scene, const RayBa
                    const TraceOptions& options, BatchStatistics* statistics, View<float> ray_tests,
                    ProgressMeter* meter, View<std::uint8_t> occluded) {
   const bool asks = options.method.traversal == Traversal::kDual && !runs_on_device(options) &&
-                    options.cache != nullptr && !is_shared(options.cache->ranks, batch);
+                    options.cache != nullptr && sharers(options.cache->ranks, batch) == nullptr;
   if (!asks || batch.rays.empty()) {
     const std::vector<RayHit> hits =
         trace(executor, scene, batch, options, statistics, ray_tests, meter);

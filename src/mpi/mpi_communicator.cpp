@@ -137,7 +137,7 @@ class MpiCommunicator : public Communicator {
     int who = mine != nullptr ? rank_ : kNobody;
     MPI_Allreduce(MPI_IN_PLACE, &who, 1, MPI_INT, MPI_MIN, all_);
     if (who == kNobody) return;
-    const bool is_mine = who == rank_;
+    const bool is_mine = mine != nullptr && who == rank_;
     int code = is_mine ? static_cast<int>(mine->code()) : 0;
     MPI_Bcast(&code, 1, MPI_INT, who, all_);
     const std::string sentence = sent(is_mine ? mine->sentence() : "", who);
