@@ -15,7 +15,7 @@ enum class ErrorCode {
   kOutOfMemory,      ///< an allocation failed, or would exceed a stated limit
   kNoGraphics,       ///< no OpenGL context can be had
   kWrongState,       ///< right at another time: before commit(), or while a query runs
-  kCancelled,        ///< the caller's progress function asked to stop
+  kCancelled,        ///< the caller asked to stop
   kInternal,         ///< a defect of raysheaf
 };
 

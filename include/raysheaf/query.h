@@ -7,9 +7,10 @@
 //
 // All functions throw `Error`: kInvalidData naming the first ray that is wrong, kInvalidArgument
 // for spans of unequal length, kWrongState where the scene has changes that were not committed or
-// is being changed by another thread, kOutOfMemory. Results are then unspecified.
+// is being changed by another thread, kCancelled, kOutOfMemory. Results are then unspecified.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -62,6 +63,10 @@ struct QueryOptions {
   /// this stream (a cudaStream_t; null: the default one) comes before the query. Results are there
   /// when it returns. Not used otherwise.
   void* stream = nullptr;
+  /// Set by another thread (or a handler of signals), the query throws `Error` (kCancelled) within
+  /// some milliseconds, and the scene answers the next. A device's queries look at it only before
+  /// they begin.
+  const std::atomic<bool>* stop = nullptr;
   QueryStatistics* statistics = nullptr;  ///< written where it is not null
 };
 

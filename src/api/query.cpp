@@ -24,8 +24,11 @@ class Query {
       : state_(SceneAccess::state(scene)),
         reading_(state_.gate),
         rays_(rays.data(), rays.size()),
-        options_(options) {
+        options_(options),
+        executor_(options.stop != nullptr ? state_.executor().until(*options.stop)
+                                          : state_.executor()) {
     state_.require_committed();
+    executor_.check();
     if (rays.size() > kMostRays)
       throw Error(ErrorCode::kUnsupported,
                   std::to_string(rays.size()) + " rays are more than 2^31 - 1", "rays");
@@ -43,7 +46,8 @@ class Query {
     if (is_brute() && !is_on_device()) lock_.unlock();
   }
 
-  [[nodiscard]] const Executor& executor() const { return state_.executor(); }
+  /// Until the caller asks to stop.
+  [[nodiscard]] const Executor& executor() const { return executor_; }
   [[nodiscard]] View<const Ray> rays() const { return rays_; }
   /// Whether nothing can be met: no rays, or no triangles that they see.
   [[nodiscard]] bool is_empty() const { return view_ == nullptr; }
@@ -53,7 +57,7 @@ class Query {
   }
   [[nodiscard]] bool is_on_device() const { return backend() != nullptr; }
   [[nodiscard]] DeviceEngine& device_engine() {
-    return view_->device_engine(executor(), *backend());
+    return view_->device_engine(state_.executor(), *backend());
   }
   [[nodiscard]] DeviceQuery device_query() {
     DeviceQuery query;
@@ -106,6 +110,7 @@ class Query {
   const SceneGate::Reading reading_;
   View<const Ray> rays_;
   const QueryOptions& options_;
+  const Executor executor_;
   double check_ms_ = 0;
   std::shared_ptr<SceneView> view_;
   std::unique_lock<std::mutex> lock_;

@@ -67,6 +67,8 @@ void Engine::set_triangles(const TriangleSource& source, bool same_triangles) {
 void Engine::prepare(const Executor& executor, View<const Ray> rays, Plan* plan,
                      EngineReport* report) {
   Reporter reporter(report);
+  // Until it is whole: memory may run out, and callers stop.
+  if (plan->tree != TreeWork::kKeep) history_.built = false;
   const bool refitted =
       plan->tree == TreeWork::kRefit && refit_object_tree(executor, source_, &tree_);
   if (plan->tree == TreeWork::kRefit && !refitted && report != nullptr)

@@ -4,6 +4,7 @@
 // (exec/radix_sort.h). Nothing that goes through them depends on the number of threads.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -14,11 +15,18 @@ namespace raysheaf {
 /// once.
 inline constexpr std::size_t kWorkGrain = 1024, kCopyGrain = 4096;
 
+/// A handle: copies share their threads.
 class Executor {
  public:
   /// `threads` = 0 takes all cores that the process may use.
   explicit Executor(std::uint32_t threads = 0);
-  ~Executor();
+
+  /// The same threads. Loops throw `Error` (kCancelled) soon after another thread has set `stop`,
+  /// which must outlive what is returned.
+  [[nodiscard]] Executor until(const std::atomic<bool>& stop) const;
+
+  /// Throws where `until`'s flag is set.
+  void check() const;
 
   [[nodiscard]] std::uint32_t threads() const { return threads_; }
 
@@ -35,7 +43,7 @@ class Executor {
   template <class Body>
   void for_each_block(std::size_t count, std::size_t grain, const Body& body) const {
     if (count == 0) return;
-    if (count <= grain || threads_ == 1) return body(std::size_t{0}, count);
+    if (count <= grain || (threads_ == 1 && stop_ == nullptr)) return body(std::size_t{0}, count);
     spread(
         count, grain,
         [](const void* of, std::size_t begin, std::size_t end) {
@@ -50,7 +58,8 @@ class Executor {
   void spread(std::size_t count, std::size_t grain, Block* block, const void* body) const;
 
   std::uint32_t threads_;
-  std::unique_ptr<Pool> pool_;
+  std::shared_ptr<Pool> pool_;
+  const std::atomic<bool>* stop_ = nullptr;
 };
 
 }  // namespace raysheaf

@@ -12,11 +12,11 @@ namespace {
 
 constexpr int kRounds = 12;
 
-struct Soup {
+struct FannedSoup {
   std::vector<Vec3> still, moved;
   std::vector<Ray> rays, fan;
 
-  Soup() {
+  FannedSoup() {
     Random random(17);
     for (int i = 0; i < 200; ++i) {
       const Vec3 p = random.in_box(4);
@@ -42,12 +42,13 @@ struct Answers {
   }
 };
 
-Answers ask(const Scene& scene, const Soup& soup) {
+Answers ask(const Scene& scene, const FannedSoup& soup) {
   return {closest_hit(scene, soup.rays), any_hit(scene, soup.rays), any_hit(scene, soup.fan),
           hit_counts(scene, soup.rays), all_hits(scene, soup.rays).hits};
 }
 
-Answers answers_of(const Context& context, const Soup& soup, const std::vector<Vec3>& positions) {
+Answers answers_of(const Context& context, const FannedSoup& soup,
+                   const std::vector<Vec3>& positions) {
   Scene scene(context);
   scene.add_soup(positions);
   scene.commit();
@@ -120,7 +121,7 @@ class Together {
     }
   }
 
-  const Soup soup_;
+  const FannedSoup soup_;
   const Context context_{{.threads = 2}};
   const Answers still_ = answers_of(context_, soup_, soup_.still),
                 moved_ = answers_of(context_, soup_, soup_.moved);

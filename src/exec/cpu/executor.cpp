@@ -8,6 +8,8 @@
 
 #include <algorithm>
 
+#include "raysheaf/error.h"
+
 namespace raysheaf {
 namespace {
 
@@ -27,15 +29,30 @@ struct Executor::Pool {
 };
 
 Executor::Executor(std::uint32_t threads)
-    : threads_(threads != 0 ? threads : cores()), pool_(std::make_unique<Pool>(threads_)) {}
+    : threads_(threads != 0 ? threads : cores()), pool_(std::make_shared<Pool>(threads_)) {}
 
-Executor::~Executor() = default;
+Executor Executor::until(const std::atomic<bool>& stop) const {
+  Executor same = *this;
+  same.stop_ = &stop;
+  return same;
+}
+
+void Executor::check() const {
+  if (stop_ != nullptr && stop_->load(std::memory_order_relaxed))
+    throw Error(ErrorCode::kCancelled, "the caller asked to stop");
+}
 
 void Executor::spread(std::size_t count, std::size_t grain, Block* block, const void* body) const {
   pool_->arena.execute([&] {
     using Range = oneapi::tbb::blocked_range<std::size_t>;
-    oneapi::tbb::parallel_for(Range(0, count, grain),
-                              [&](const Range& r) { block(body, r.begin(), r.end()); });
+    oneapi::tbb::parallel_for(Range(0, count, grain), [&](const Range& r) {
+      if (stop_ == nullptr) return block(body, r.begin(), r.end());
+      // Ranges may be long.
+      for (std::size_t begin = r.begin(); begin < r.end(); begin += grain) {
+        check();
+        block(body, begin, std::min(begin + grain, r.end()));
+      }
+    });
   });
 }
 

@@ -1,0 +1,112 @@
+// Queries that their callers stop.
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "api/api_support.h"
+
+namespace raysheaf::test {
+namespace {
+
+struct Moving {
+  std::vector<Vec3> positions;
+  std::vector<Ray> rays;
+
+  Moving(std::size_t triangles, std::size_t ray_count) {
+    Random random(11);
+    for (std::size_t i = 0; i < triangles; ++i) {
+      const Vec3 p = random.in_box(4);
+      positions.insert(positions.end(), {p, p + random.in_box(0.2f), p + random.in_box(0.2f)});
+    }
+    for (std::size_t i = 0; i < ray_count; ++i)
+      rays.push_back({random.in_box(5), 0, random.direction(), kInfinity});
+  }
+};
+
+/// Whether `ask(options)` was stopped, when asked to after `delay`.
+template <class Ask>
+bool stopped(std::chrono::microseconds delay, QueryOptions options, const Ask& ask) {
+  std::atomic<bool> stop = false;
+  options.stop = &stop;
+  std::thread other([&] {
+    std::this_thread::sleep_for(delay);
+    stop = true;
+  });
+  bool is_stopped = false;
+  try {
+    ask(options);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kCancelled) << error.what();
+    is_stopped = true;
+  }
+  other.join();
+  return is_stopped;
+}
+
+TEST(Stop, BeforeItBegins) {
+  const Moving moving(4, 4);
+  Scene scene(Context({.threads = 2}));
+  scene.add_soup(moving.positions);
+  scene.commit();
+  const std::atomic<bool> stop = true;
+  for (const QueryMethod method : {QueryMethod::kDual, QueryMethod::kBrute})
+    expect_error(ErrorCode::kCancelled, "", "stop",
+                 [&] { (void)closest_hit(scene, moving.rays, {.method = method, .stop = &stop}); });
+  const std::atomic<bool> go_on = false;
+  EXPECT_EQ(closest_hit(scene, moving.rays, {.stop = &go_on}).size(), 4u);
+}
+
+// It would take minutes.
+TEST(Stop, BruteForceEndsSoon) {
+  const Moving moving(20'000, 1'000'000);
+  for (const std::uint32_t threads : {1u, 3u}) {
+    Scene scene(Context({.threads = threads}));
+    scene.add_soup(moving.positions);
+    scene.commit();
+    const QueryOptions brute{.method = QueryMethod::kBrute};
+    constexpr std::chrono::milliseconds kDelay{10};
+    EXPECT_TRUE(stopped(kDelay, brute, [&](const auto& options) {
+      (void)closest_hit(scene, moving.rays, options);
+    }));
+    EXPECT_TRUE(stopped(kDelay, brute,
+                        [&](const auto& options) { (void)any_hit(scene, moving.rays, options); }));
+    EXPECT_TRUE(stopped(kDelay, brute,
+                        [&](const auto& options) { (void)all_hits(scene, moving.rays, options); }));
+  }
+}
+
+// Wherever a query is stopped (in its tree, its order, its rays), the next one is answered as ever.
+TEST(Stop, TheSceneAnswersTheNextQuery) {
+  Moving moving(20'000, 30'000);
+  Scene scene(Context({.threads = 2}));
+  const MeshId mesh = scene.add_soup(moving.positions);
+  scene.commit();
+  int times = 0;
+  for (int round = 0; round < 60; ++round) {
+    for (Vec3& p : moving.positions) p = p * (round % 7 == 0 ? -1.1f : 0.99f);
+    if (round % 5 == 0)
+      scene.replace_soup(mesh, moving.positions);
+    else
+      scene.update(mesh, moving.positions);
+    scene.commit();
+    const auto delay = std::chrono::microseconds(250 * (round % 40));
+    times += stopped(delay, {}, [&](const auto& options) {
+      if (round % 3 == 0)
+        (void)all_hits(scene, moving.rays, options);
+      else
+        (void)closest_hit(scene, moving.rays, options);
+    });
+    Scene fresh(Context({.threads = 2}));
+    fresh.add_soup(moving.positions);
+    fresh.commit();
+    const auto hits = closest_hit(scene, moving.rays);
+    ASSERT_TRUE(
+        std::ranges::equal(hits, closest_hit(fresh, moving.rays),
+                           [](auto& a, auto& b) { return a.t == b.t && a.prim_id == b.prim_id; }))
+        << "round " << round;
+  }
+  EXPECT_GT(times, 0);
+}
+
+}  // namespace
+}  // namespace raysheaf::test
