@@ -24,7 +24,10 @@ def _as_numpy(value: Any, name: str) -> NDArray[Any]:
     if isinstance(value, np.ndarray):
         return value
     if hasattr(value, "__dlpack_device__"):
-        kind, number = value.__dlpack_device__()
+        try:
+            kind, number = value.__dlpack_device__()
+        except (BufferError, TypeError, ValueError, RuntimeError) as error:
+            raise TypeError(f"{name}: cannot be read as an array: {error}") from error
         if int(kind) not in _CPU:
             raise TypeError(
                 f"{name}: lies on a device (DLPack device {int(kind)}, {number}); "

@@ -6,10 +6,12 @@
 #include <nanobind/stl/vector.h>
 
 #include <cstring>
+#include <memory>
 #include <optional>
 
 #include "core.h"
 #include "door.h"
+#include "interrupt.h"
 #include "raysheaf/query.h"
 
 namespace raysheaf::python {
@@ -40,10 +42,9 @@ class SharedScene {
     return body(static_cast<const Scene&>(scene_));
   }
 
-  /// Looks at a scene whose changes are all committed.
+  /// Looks at a scene whose changes are all committed. To be called without the interpreter's lock.
   template <class Body>
   auto look_committed(const Body& body) {
-    const nb::gil_scoped_release release;
     for (;;) {
       {
         const Door::Reading inside(door_);
@@ -118,7 +119,10 @@ nb::ndarray<nb::numpy, float, nb::shape<3, 4>> transform(SharedScene& shared, In
 }
 
 nb::tuple bounds(SharedScene& shared) {
-  const Box box = shared.look_committed([](const Scene& scene) { return scene.bounds(); });
+  const Box box = [&] {
+    const nb::gil_scoped_release release;
+    return shared.look_committed([](const Scene& scene) { return scene.bounds(); });
+  }();
   return nb::make_tuple(nb::make_tuple(box.min.x, box.min.y, box.min.z),
                         nb::make_tuple(box.max.x, box.max.y, box.max.z));
 }
@@ -151,33 +155,39 @@ struct Wish {
   nb::object statistics;  // a dict, or None
 };
 
+/// Of rays with triangles, or of rays: below, a query is over before anyone could be tired of it.
+constexpr std::uint64_t kManyTests = 100'000'000, kManyRays = 100'000;
+
 template <class Body>
-auto ask(SharedScene& shared, const Wish& wish, const Body& body) {
+void ask(SharedScene& shared, const Rays& rays, const Wish& wish, const Body& body) {
   QueryStatistics statistics;
   const bool counted = !wish.statistics.is_none();
-  const QueryOptions options{.method = wish.brute ? QueryMethod::kBrute : QueryMethod::kDual,
-                             .mask = wish.mask,
-                             .check = wish.check,
-                             .count_tests = counted,
-                             .statistics = counted ? &statistics : nullptr};
-  const auto told = [&] {
-    if (counted) write_statistics(statistics, nb::borrow<nb::dict>(wish.statistics));
-  };
-  using Result = decltype(body(std::declval<const Scene&>(), options));
-  if constexpr (std::is_void_v<Result>) {
+  QueryOptions options{.method = wish.brute ? QueryMethod::kBrute : QueryMethod::kDual,
+                       .mask = wish.mask,
+                       .check = wish.check,
+                       .count_tests = counted,
+                       .statistics = counted ? &statistics : nullptr};
+  const auto answer = [&] {
     shared.look_committed([&](const Scene& scene) { body(scene, options); });
-    told();
+  };
+  const std::uint64_t count = rays.shape(0);
+  const std::uint64_t triangles = shared.look([](const Scene& s) { return s.triangle_count(); });
+  if (count >= kManyRays || (wish.brute && count * triangles >= kManyTests)) {
+    interruptible([&](const std::atomic<bool>& stop) {
+      options.stop = &stop;
+      answer();
+    });
   } else {
-    Result result = shared.look_committed([&](const Scene& s) { return body(s, options); });
-    told();
-    return result;
+    const nb::gil_scoped_release release;
+    answer();
   }
+  if (counted) write_statistics(statistics, nb::borrow<nb::dict>(wish.statistics));
 }
 
 void query_closest_hit(SharedScene& shared, const Rays& rays, const WritableHits& out,
                        const Wish& wish) {
   const std::span hits(reinterpret_cast<Hit*>(out.data()), out.shape(0));
-  ask(shared, wish, [&](const Scene& scene, const QueryOptions& options) {
+  ask(shared, rays, wish, [&](const Scene& scene, const QueryOptions& options) {
     closest_hit(scene, rays_of(rays), hits, options);
   });
 }
@@ -185,7 +195,7 @@ void query_closest_hit(SharedScene& shared, const Rays& rays, const WritableHits
 void query_any_hit(SharedScene& shared, const Rays& rays, const WritableFlags& out,
                    const Wish& wish) {
   const std::span occluded(out.data(), out.shape(0));
-  ask(shared, wish, [&](const Scene& scene, const QueryOptions& options) {
+  ask(shared, rays, wish, [&](const Scene& scene, const QueryOptions& options) {
     any_hit(scene, rays_of(rays), occluded, options);
   });
 }
@@ -193,20 +203,22 @@ void query_any_hit(SharedScene& shared, const Rays& rays, const WritableFlags& o
 void query_hit_counts(SharedScene& shared, const Rays& rays, const WritableCounts& out,
                       const Wish& wish) {
   const std::span counts(out.data(), out.shape(0));
-  ask(shared, wish, [&](const Scene& scene, const QueryOptions& options) {
+  ask(shared, rays, wish, [&](const Scene& scene, const QueryOptions& options) {
     hit_counts(scene, rays_of(rays), counts, options);
   });
 }
 
 /// Offsets and hits as arrays over the library's own memory.
 nb::tuple query_all_hits(SharedScene& shared, const Rays& rays, const Wish& wish) {
-  auto* rows = new HitRows(ask(shared, wish, [&](const Scene& scene, const QueryOptions& options) {
-    return all_hits(scene, rays_of(rays), options);
-  }));
-  const nb::capsule owner(rows, [](void* at) noexcept { delete static_cast<HitRows*>(at); });
-  return nb::make_tuple(
-      array_over<std::int64_t>(rows->offsets.data(), {rows->offsets.size()}, owner),
-      array_over<float>(rows->hits.data(), {rows->hits.size(), 6}, owner));
+  auto found = std::make_unique<HitRows>();
+  ask(shared, rays, wish, [&](const Scene& scene, const QueryOptions& options) {
+    *found = all_hits(scene, rays_of(rays), options);
+  });
+  HitRows* const all = found.get();
+  const nb::capsule owner(found.release(),
+                          [](void* at) noexcept { delete static_cast<HitRows*>(at); });
+  return nb::make_tuple(array_over<std::int64_t>(all->offsets.data(), {all->offsets.size()}, owner),
+                        array_over<float>(all->hits.data(), {all->hits.size(), 6}, owner));
 }
 
 void bind_queries(nb::class_<SharedScene>& scene) {

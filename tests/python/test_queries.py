@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from conftest import Setting, brute_force, make_setting
+from conftest import Setting, brute_force, interrupted_after, make_setting
 
 import raysheaf
 
@@ -175,3 +175,13 @@ def test_a_million_rays_against_a_hundred_thousand_triangles():
     assert hits.hit.all()
     height = 0.1 * np.sin(9 * origins[:, 0]) * np.cos(7 * origins[:, 1])
     assert np.abs(2 - hits.t - height).max() < 1e-4
+
+
+@pytest.mark.parametrize("kind", ["closest_hit", "any_hit", "all_hits", "hit_counts"])
+def test_ctrl_c_is_heard(kind):
+    setting = make_setting(4, triangles=20_000, rays=20_000)
+    scene = scene_of(setting)
+    far = np.tile(setting.origins, (50, 1)) + 100  # past all triangles: no hit ends a ray
+    with interrupted_after(0.2):
+        getattr(scene, kind)(far, [1, 0, 0], method="brute")
+    assert scene.closest_hit(setting.origins, setting.directions).hit.any()
