@@ -7,6 +7,7 @@
 #endif
 
 #include <algorithm>
+#include <bit>
 #include <mutex>
 #include <unordered_map>
 #include <vector>
@@ -51,26 +52,25 @@ class SpareBlocks {
     const std::lock_guard lock(mutex_);
     if (keepers_ == 0) return allocate_fresh(bytes);
     auto best = spare_.end();
-    for (auto block = spare_.begin(); block != spare_.end(); ++block) {
-      const bool fits = block->bytes >= bytes;
-      if (fits && (best == spare_.end() || block->bytes < best->bytes)) best = block;
-    }
-    // A frame's blocks differ from the last one's by a little: there is room for that.
-    Block block{nullptr, (bytes + bytes / 8 + kLargePageBytes - 1) & ~(kLargePageBytes - 1)};
+    for (auto block = spare_.begin(); block != spare_.end(); ++block)
+      if (block->room >= bytes && (best == spare_.end() || suits_better(*block, *best, bytes)))
+        best = block;
+    Block block;
     if (best != spare_.end()) {
       block = *best;
       spare_.erase(best);
-      spare_bytes_ -= block.bytes;
+      spare_bytes_ -= block.used;
     } else {
-      block.memory = allocate_fresh(block.bytes);
+      block = fresh_block(bytes);
     }
+    block.used = std::max(block.used, bytes);
     try {
-      lent_[block.memory] = block.bytes;
+      lent_[block.memory] = block;
     } catch (const std::bad_alloc&) {
       free_now(block.memory);
       throw;
     }
-    lent_bytes_ += block.bytes;
+    lent_bytes_ += block.used;
     most_lent_ = std::max(most_lent_, lent_bytes_);
     return block.memory;
   }
@@ -79,29 +79,46 @@ class SpareBlocks {
     const std::lock_guard lock(mutex_);
     const auto lent = lent_.find(memory);
     if (lent == lent_.end()) return free_now(memory);  // from before there was a keeper
-    const Block block{memory, lent->second};
+    const Block block = lent->second;
     lent_.erase(lent);
-    lent_bytes_ -= block.bytes;
+    lent_bytes_ -= block.used;
     try {
       spare_.push_back(block);
     } catch (const std::bad_alloc&) {
       return free_now(memory);
     }
-    spare_bytes_ += block.bytes;
+    spare_bytes_ += block.used;
     while (spare_bytes_ > most_lent_) release_oldest();
   }
 
  private:
+  /// Pages cost when they are first touched, not when they are asked for.
   struct Block {
-    void* memory;
-    std::size_t bytes;
+    void* memory = nullptr;
+    std::size_t room = 0;
+    std::size_t used = 0;  ///< from its beginning, by any that had it
   };
 
+  /// Of two with room: the least that takes no new pages, or else the one that takes the fewest.
+  static bool suits_better(const Block& a, const Block& b, std::size_t bytes) {
+    const bool a_is_warm = a.used >= bytes, b_is_warm = b.used >= bytes;
+    if (a_is_warm != b_is_warm) return a_is_warm;
+    return a_is_warm ? a.used < b.used : a.used > b.used;
+  }
+  /// The next frame may want more: with room, it takes new pages for what is more alone.
+  static Block fresh_block(std::size_t bytes) {
+    const std::size_t room = std::bit_ceil(2 * bytes);
+    try {
+      return {allocate_fresh(room), room, 0};
+    } catch (const std::bad_alloc&) {
+      return {allocate_fresh(bytes), bytes, 0};  // addresses may be limited, too
+    }
+  }
   static void free_now(void* memory) {
     ::operator delete (memory, std::align_val_t{kLargePageBytes});
   }
   void release_oldest() {
-    spare_bytes_ -= spare_.front().bytes;
+    spare_bytes_ -= spare_.front().used;
     free_now(spare_.front().memory);
     spare_.erase(spare_.begin());
   }
@@ -109,7 +126,7 @@ class SpareBlocks {
   std::mutex mutex_;
   int keepers_ = 0;
   std::vector<Block> spare_;  ///< the oldest first
-  std::unordered_map<void*, std::size_t> lent_;
+  std::unordered_map<void*, Block> lent_;
   std::size_t spare_bytes_ = 0, lent_bytes_ = 0, most_lent_ = 0;
 };
 
