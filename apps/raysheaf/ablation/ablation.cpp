@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "median.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
@@ -72,15 +73,7 @@ std::vector<MethodSettings> combinations(const BenchAblationCommand& c) {
   return all;
 }
 
-double median(std::vector<double> values) {
-  const std::size_t half = values.size() / 2;
-  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(half), values.end());
-  const double upper = values[half];
-  if (values.size() % 2 != 0) return upper;
-  return (upper + *std::max_element(values.begin(), values.begin() + std::ptrdiff_t(half))) / 2;
-}
-
-StageTimes median(const std::vector<StageTimes>& all) {
+StageTimes medians(const std::vector<StageTimes>& all) {
   StageTimes result;
   for (double StageTimes::*stage : {&StageTimes::raygen, &StageTimes::order, &StageTimes::hierarchy,
                                     &StageTimes::traverse, &StageTimes::intersect}) {
@@ -99,7 +92,7 @@ BatchStatistics measured(Laboratory& laboratory, LabRays rays, const MethodSetti
     counts = laboratory.measure(rays, settings, command.check && i == 0);
     times.push_back(counts.times_ms);
   }
-  counts.times_ms = median(times);
+  counts.times_ms = medians(times);
   return counts;
 }
 

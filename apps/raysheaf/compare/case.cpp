@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 
+#include "median.h"
 #include "raysheaf/error.h"
 #include "raysheaf/query.h"
 #include "raysheaf/scene.h"

@@ -40,6 +40,4 @@ class CompareBench {
 [[nodiscard]] HitCheck compare_flags(std::span<const std::uint8_t> ours,
                                      std::span<const std::uint8_t> theirs);
 
-[[nodiscard]] double median(std::vector<double> values);
-
 }  // namespace raysheaf::app

@@ -40,11 +40,4 @@ HitCheck compare_flags(std::span<const std::uint8_t> ours, std::span<const std::
   return check;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const std::size_t half = values.size() / 2;
-  std::sort(values.begin(), values.end());
-  return values.size() % 2 != 0 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
-
 }  // namespace raysheaf::app
