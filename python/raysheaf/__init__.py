@@ -1,7 +1,8 @@
 """raysheaf: ray queries against triangles that move.
 
 Batches of rays against meshes that may change completely between any two batches: `Scene` with
-`closest_hit`, `any_hit`, `all_hits` and `hit_counts`. `render` makes pictures of scene files.
+`closest_hit`, `any_hit`, `all_hits` and `hit_counts`. `render` makes pictures of scene files,
+and of an `Animation` at any of its times.
 `raysheaf.trimesh` gives trimesh's meshes these queries. ``python -m raysheaf`` is the command line,
 ``python -m raysheaf.bench`` measures.
 
@@ -16,12 +17,13 @@ Batches of rays against meshes that may change completely between any two batche
 from ._core import version as __version__
 from ._errors import Error, InvalidError, NotFoundError, OutOfMemoryError, UnsupportedError
 from ._hits import HIT_DTYPE, INVALID_ID, HitRows, Hits
-from ._render import Picture, png_bytes, render, write_png
+from ._render import Animation, Picture, png_bytes, render, write_png
 from ._scene import Scene
 
 __all__ = [
     "HIT_DTYPE",
     "INVALID_ID",
+    "Animation",
     "Error",
     "HitRows",
     "Hits",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import struct
 import zlib
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _arrays, _core
+from ._errors import NotFoundError
 
 _MOST_THREADS = 1024
 
@@ -93,9 +95,82 @@ class Picture:
         return f"<raysheaf.Picture {self.image.shape[1]}x{self.image.shape[0]}>"
 
 
+class Animation:
+    """A scene that moves: glTF with its nodes, skins and morph targets, or a sequence of files.
+
+    `render` makes its pictures; each costs what has changed since the one before. Python's threads
+    may share it, and take turns.
+
+    Parameters
+    ----------
+    scene : str or path
+        A glTF or GLB file, a JSON file that describes a sequence, or a pattern of files such as
+        ``"frame_*.obj"``; anything else that `render` reads stands still.
+
+    Raises
+    ------
+    InvalidError
+        For what is wrong in the file.
+    NotFoundError
+        For the file, and for a pattern that fits none.
+
+    Examples
+    --------
+    >>> import raysheaf
+    >>> still = raysheaf.Animation("builtin:cornell")
+    >>> still.start, still.end, still.clips
+    (0.0, 0.0, [])
+    >>> raysheaf.render(still, time=0, width=32, height=32)
+    <raysheaf.Picture 32x32>
+    """
+
+    def __init__(self, scene: Union[str, os.PathLike[str]]) -> None:
+        self._film = _core.Film(os.fspath(scene), True)
+        self._name = os.fspath(scene)
+
+    @property
+    def start(self) -> float:
+        """The first time, in seconds."""
+        return self._film.start
+
+    @property
+    def end(self) -> float:
+        """The last time, in seconds."""
+        return self._film.end
+
+    @property
+    def frame_times(self) -> list[float]:
+        """The times of the frames that there are, as of a sequence; empty where any time is one."""
+        return self._film.frame_times
+
+    @property
+    def clips(self) -> list[str]:
+        """What can be played, one at a time; clips that drive different things are one."""
+        return self._film.clips
+
+    def play(self, clip: Union[str, int]) -> None:
+        """The clip that later pictures show, by name or number; `start` and `end` are then its.
+
+        Raises
+        ------
+        NotFoundError
+            There is no such clip.
+        """
+        if isinstance(clip, str):
+            if clip not in self.clips:
+                known = ", ".join(self.clips) or "none"
+                raise NotFoundError("not_found", f"there is no {clip!r}; there is {known}", "clip")
+            clip = self.clips.index(clip)
+        self._film.play(_arrays.integer(clip, "clip"))
+
+    def __repr__(self) -> str:
+        return f"<raysheaf.Animation {self._name!r}, {self.start:g} to {self.end:g} s>"
+
+
 def render(
-    scene: Union[str, os.PathLike[str]],
+    scene: Union[str, os.PathLike[str], Animation],
     *,
+    time: Optional[float] = None,
     width: int = 512,
     height: int = 512,
     camera: Union[str, int] = "",
@@ -115,9 +190,13 @@ def render(
 
     Parameters
     ----------
-    scene : str or path
+    scene : str, path or Animation
         A glTF, GLB, OBJ, PLY or STL file; or ``"builtin:office"``, ``"builtin:cornell"``,
         ``"builtin:atrium"``. Where it has no camera or no light, one that shows all of it is added.
+        For several pictures of one scene give an `Animation`: a path is loaded every time.
+    time : float, optional
+        Seconds, kept between the animation's `start` and `end`. By default a file is at rest, an
+        `Animation` at its start.
     width, height : int
         Pixels, 1 to 16384 each.
     camera : str or int
@@ -131,7 +210,8 @@ def render(
     threads : int
         0: all cores.
     exposure : float, optional
-        A factor on radiance before tone mapping; found by itself by default.
+        A factor on radiance before tone mapping; found for each picture by itself by default:
+        give films one, such as their first picture's.
     samples : int
         Rays a pixel, 1 to 65536; 0: 1, or 16 with an environment or a lens.
     aperture : float, optional
@@ -160,8 +240,9 @@ def render(
     """
     if primary not in ("trace", "raster"):
         raise ValueError(f'primary: {primary!r} is given; "trace" or "raster" is expected')
-    made = _core.render(
-        os.fspath(scene),
+    if time is not None and math.isnan(time):
+        raise ValueError("time: NaN is given; seconds are expected")
+    wish = _core.PictureWish(
         _arrays.integer(width, "width"),
         _arrays.integer(height, "height"),
         str(camera),
@@ -175,6 +256,11 @@ def render(
         None if focus is None else float(focus),
         "" if environment is None else os.fspath(environment),
     )
+    if isinstance(scene, Animation):
+        made = scene._film.render(wish, scene.start if time is None else float(time))
+    else:
+        film = _core.Film(os.fspath(scene), time is not None)
+        made = film.render(wish, None if time is None else float(time))
     ids = made["ids"]
     return Picture(
         image=np.ascontiguousarray(made["rgba"][..., :3]),

@@ -1,28 +1,31 @@
-// `_core.render`: a scene file or a built-in scene in, arrays of pixels out.
-#include "raysheaf/render.h"
-
+// `_core.Film`: a scene file or a built-in scene at any of its times, in arrays of pixels.
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 
 #include "core.h"
 #include "interrupt.h"
+#include "raysheaf/animation.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/io.h"
+#include "raysheaf/renderer.h"
 
 namespace raysheaf::python {
 namespace {
 
-SceneDescription scene_named(const std::string& name, const std::string& environment) {
+/// `moves`: with what moves in the file, which else stays at rest.
+std::unique_ptr<Animation> animation_named(const std::string& name, bool moves) {
   const std::string prefix = "builtin:";
-  SceneDescription scene =
-      name.starts_with(prefix) ? builtin_scene(name.substr(prefix.size())) : load_scene(name);
-  if (!environment.empty()) scene.environment = load_environment(environment);
-  add_missing_camera_and_light(scene);
-  return scene;
+  const bool is_builtin = name.starts_with(prefix);
+  auto animation = is_builtin ? animate(builtin_scene(name.substr(prefix.size())))
+                   : moves    ? load_animation(name)
+                              : animate(load_scene(name));
+  return animation;
 }
 
 struct Rendered {
@@ -47,40 +50,129 @@ nb::dict arrays_of(Rendered* rendered) {
   return arrays;
 }
 
-nb::dict render_scene(const std::string& scene, std::uint32_t width, std::uint32_t height,
-                      const std::string& camera, const std::string& method, bool raster,
-                      std::uint32_t bounces, std::uint32_t threads,
-                      const std::optional<float>& exposure, std::uint32_t samples,
-                      const std::optional<float>& aperture, const std::optional<float>& focus,
-                      const std::string& environment) {
-  auto rendered = std::make_unique<Rendered>();
-  interruptible([&](const std::atomic<bool>& stop) {
-    RenderOptions options;
-    options.width = width;
-    options.height = height;
-    options.camera = camera;
-    options.method = method_from_string(method);
-    options.primary = raster ? Primary::kRaster : Primary::kTrace;
-    options.bounces = bounces;
-    options.threads = threads;
-    options.exposure = exposure;
-    options.samples = samples;
-    options.aperture = aperture;
-    options.focus = focus;
-    options.progress = [&](const Progress&) { return !stop; };
-    rendered->result = render(scene_named(scene, environment), options);
-    rendered->picture = tone_mapped(rendered->result);
-  });
-  return arrays_of(rendered.release());
+/// What each picture is told besides its time.
+struct PictureWish {
+  RenderOptions options;
+  std::string environment;  // a path, or empty
+};
+
+PictureWish wish_of(std::uint32_t width, std::uint32_t height, const std::string& camera,
+                    const std::string& method, bool raster, std::uint32_t bounces,
+                    std::uint32_t threads, const std::optional<float>& exposure,
+                    std::uint32_t samples, const std::optional<float>& aperture,
+                    const std::optional<float>& focus, const std::string& environment) {
+  PictureWish wish;
+  RenderOptions& options = wish.options;
+  options.width = width;
+  options.height = height;
+  options.camera = camera;
+  options.method = method_from_string(method);
+  options.primary = raster ? Primary::kRaster : Primary::kTrace;
+  options.bounces = bounces;
+  options.threads = threads;
+  options.exposure = exposure;
+  options.samples = samples;
+  options.aperture = aperture;
+  options.focus = focus;
+  wish.environment = environment;
+  return wish;
+}
+
+/// A scene that may move, and a renderer that keeps what has not changed since the picture before.
+/// Threads of Python take turns.
+class Film {
+ public:
+  Film(const std::string& scene, bool moves) : moves_(moves) {
+    const nb::gil_scoped_release release;
+    animation_ = animation_named(scene, moves);
+  }
+
+  /// What `body` says of the animation.
+  template <class Body>
+  auto at(const Body& body) {
+    const nb::gil_scoped_release release;
+    const std::lock_guard turn(mutex_);
+    return body(*animation_);
+  }
+
+  /// `time`: seconds; none: as it is.
+  [[nodiscard]] nb::dict render(PictureWish wish, const std::optional<double>& time) {
+    auto rendered = std::make_unique<Rendered>();
+    interruptible([&](const std::atomic<bool>& stop) {
+      const std::lock_guard turn(mutex_);
+      light_by(wish.environment);
+      if (time) {
+        // Only once it is told is a change forgotten.
+        const SceneChanges changes = animation_->seek(*time);
+        if (is_shown_) renderer_.show(animation_->scene(), changes);
+      }
+      if (!is_shown_) renderer_.show(animation_->scene());
+      is_shown_ = true;
+      wish.options.progress = [&](const Progress&) { return !stop; };
+      rendered->result = renderer_.render(wish.options);
+      rendered->picture = tone_mapped(rendered->result);
+    });
+    return arrays_of(rendered.release());
+  }
+
+ private:
+  void light_by(const std::string& environment) {
+    if (is_lit_ && environment == *environment_) return;
+    SceneDescription& scene = animation_->scene();
+    if (!environment_) {
+      own_environment_ = scene.environment;
+      own_lights_ = scene.lights.size();
+    }
+    scene.lights.resize(own_lights_);  // without one that was missing
+    is_shown_ = is_lit_ = false;
+    scene.environment = environment.empty() ? own_environment_ : load_environment(environment);
+    environment_ = environment;
+    if (moves_) {
+      add_missing_camera_and_light(*animation_);
+    } else {
+      add_missing_camera_and_light(scene);
+    }
+    is_lit_ = true;
+  }
+
+  const bool moves_;
+  std::mutex mutex_;
+  std::unique_ptr<Animation> animation_;
+  Renderer renderer_;
+  Environment own_environment_;
+  std::size_t own_lights_ = 0;
+  std::optional<std::string> environment_;
+  bool is_lit_ = false, is_shown_ = false;
+};
+
+template <auto kMember>
+auto asking() {
+  return [](Film& film) {
+    return film.at([](const Animation& animation) {
+      return std::decay_t<decltype((animation.*kMember)())>((animation.*kMember)());
+    });
+  };
 }
 
 }  // namespace
 
 void bind_render(nb::module_& module) {
-  module.def("render", render_scene, nb::arg("scene"), nb::arg("width"), nb::arg("height"),
-             nb::arg("camera"), nb::arg("method"), nb::arg("raster"), nb::arg("bounces"),
-             nb::arg("threads"), nb::arg("exposure").none(), nb::arg("samples"),
-             nb::arg("aperture").none(), nb::arg("focus").none(), nb::arg("environment"));
+  nb::class_<PictureWish>(module, "PictureWish")
+      .def(nb::new_(&wish_of), nb::arg("width"), nb::arg("height"), nb::arg("camera"),
+           nb::arg("method"), nb::arg("raster"), nb::arg("bounces"), nb::arg("threads"),
+           nb::arg("exposure").none(), nb::arg("samples"), nb::arg("aperture").none(),
+           nb::arg("focus").none(), nb::arg("environment"));
+  nb::class_<Film>(module, "Film")
+      .def(nb::init<const std::string&, bool>(), nb::arg("scene"), nb::arg("moves"))
+      .def_prop_ro("start", asking<&Animation::start>())
+      .def_prop_ro("end", asking<&Animation::end>())
+      .def_prop_ro("frame_times", asking<&Animation::frame_times>())
+      .def_prop_ro("clips", asking<&Animation::clips>())
+      .def(
+          "play",
+          [](Film& film, std::uint32_t clip) { film.at([&](Animation& a) { a.play(clip); }); },
+          nb::arg("clip"))
+      .def("render", &Film::render, nb::arg("wish"), nb::arg("time").none());
 }
 
 }  // namespace raysheaf::python

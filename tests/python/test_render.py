@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import base64
+import concurrent.futures
+import json
 import struct
 import subprocess
 import sys
@@ -129,3 +132,126 @@ def test_the_command_line(tmp_path):
     assert (tmp_path / "c.png").read_bytes().startswith(b"\x89PNG")
     failed = run("render", "missing.glb", "-o", "c.png")
     assert failed.returncode != 0 and "missing.glb" in failed.stderr
+
+
+# Two triangles; the node of the second goes from x = 0 to x = 4 within two seconds.
+MOVING = {
+    "asset": {"version": "2.0"},
+    "scene": 0,
+    "scenes": [{"nodes": [0, 1, 2]}],
+    "nodes": [
+        {"mesh": 0},
+        {"mesh": 0, "name": "goes"},
+        {"camera": 0, "translation": [2, 0, 9]},
+    ],
+    "cameras": [{"type": "perspective", "perspective": {"yfov": 0.9, "znear": 0.1}}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "animations": [
+        {
+            "name": name,
+            "channels": [{"sampler": 0, "target": {"node": 1, "path": "translation"}}],
+            "samplers": [{"input": 1, "output": output}],
+        }
+        for name, output in (("right", 2), ("left", 3))
+    ],
+    "accessors": [
+        {
+            "bufferView": 0,
+            "componentType": 5126,
+            "count": 3,
+            "type": "VEC3",
+            "min": [0, 0, 0],
+            "max": [1, 1, 0],
+        },
+        {
+            "bufferView": 1,
+            "componentType": 5126,
+            "count": 2,
+            "type": "SCALAR",
+            "min": [0],
+            "max": [2],
+        },
+        {"bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3"},
+        {"bufferView": 3, "componentType": 5126, "count": 2, "type": "VEC3"},
+    ],
+    "bufferViews": [
+        {"buffer": 0, "byteOffset": at, "byteLength": size}
+        for at, size in ((0, 36), (36, 8), (44, 24), (68, 24))
+    ],
+}
+
+
+@pytest.fixture
+def moving(tmp_path):
+    numbers = [0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 2, 0, 0, 1, 4, 0, 1, 0, 0, 1, -4, 0, 1]
+    data = base64.b64encode(np.array(numbers, "<f4").tobytes()).decode()
+    uri = f"data:application/octet-stream;base64,{data}"
+    path = tmp_path / "moving.gltf"
+    path.write_text(json.dumps({**MOVING, "buffers": [{"byteLength": 92, "uri": uri}]}))
+    return path
+
+
+def same(a: raysheaf.Picture, b: raysheaf.Picture) -> bool:
+    return np.array_equal(a.image, b.image) and np.array_equal(a.beauty, b.beauty)
+
+
+def test_animations_are_pictures_at_times(moving):
+    size = {"width": 64, "height": 32, "exposure": 1}
+    film = raysheaf.Animation(moving)
+    assert (film.start, film.end, film.clips) == (0, 2, ["right", "left"])
+    assert film.frame_times == []
+    assert "0 to 2 s" in repr(film)
+    pictures = [raysheaf.render(film, time=t, **size) for t in (0, 1, 2, 1, 99)]
+    assert same(pictures[1], pictures[3]) and same(pictures[2], pictures[4])
+    assert not same(pictures[0], pictures[1]) and not same(pictures[1], pictures[2])
+    for time, picture in zip((0, 1, 2), pictures):
+        assert same(picture, raysheaf.render(moving, time=time, **size))
+        x = picture.position[picture.inst_id == 1][:, 0]
+        assert 2 * time <= x.min() and x.max() <= 2 * time + 1
+    film.play("left")
+    assert same(raysheaf.render(film, **size), pictures[0])
+    assert not same(raysheaf.render(film, time=2, **size), pictures[2])
+    film.play(0)
+    assert same(raysheaf.render(film, time=2, **size), pictures[2])
+
+
+def test_animations_refuse_what_is_wrong(moving, tmp_path):
+    film = raysheaf.Animation(str(moving))
+    with pytest.raises(raysheaf.NotFoundError, match="clip: there is no 'up'; there is right, left"):
+        film.play("up")
+    with pytest.raises(raysheaf.NotFoundError):
+        film.play(2)
+    with pytest.raises(ValueError, match="clip"):
+        film.play(-1)
+    with pytest.raises(ValueError, match="time: NaN"):
+        raysheaf.render(film, time=float("nan"))
+    with pytest.raises(raysheaf.NotFoundError, match="missing"):
+        raysheaf.Animation(tmp_path / "missing.gltf")
+    with pytest.raises(raysheaf.InvalidError, match="width"):
+        raysheaf.render(film, width=0)
+    assert raysheaf.render(film, width=8, height=8).image.shape == (8, 8, 3)
+
+
+def test_an_animation_by_another_light(moving, tmp_path):
+    sky = tmp_path / "sky.hdr"
+    sky.write_bytes(b"#?RADIANCE\n\n-Y 1 +X 1\n" + bytes([200, 100, 50, 129]))
+    size = {"width": 16, "height": 8, "exposure": 1, "samples": 2}
+    film = raysheaf.Animation(moving)
+    plain = raysheaf.render(film, time=1, **size)
+    lit = raysheaf.render(film, time=1, environment=sky, **size)
+    assert not same(plain, lit)
+    assert same(lit, raysheaf.render(moving, time=1, environment=sky, **size))
+    assert same(plain, raysheaf.render(film, time=1, **size))
+    with pytest.raises(raysheaf.Error, match="none.hdr"):
+        raysheaf.render(film, time=1, environment=tmp_path / "none.hdr", **size)
+    assert same(plain, raysheaf.render(film, time=1, **size))
+
+
+def test_threads_take_turns_at_an_animation(moving):
+    size = {"width": 32, "height": 16, "exposure": 1}
+    times = [0.25 * i for i in range(8)]
+    expected = [raysheaf.render(moving, time=t, **size) for t in times]
+    film = raysheaf.Animation(moving)
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        made = list(pool.map(lambda t: raysheaf.render(film, time=t, **size), times))
+    assert all(same(a, b) for a, b in zip(made, expected))
