@@ -38,15 +38,25 @@ Part part_of(const Array& array, std::size_t count, std::size_t place) {
           place};
 }
 
-template <class Scalar>
+/// `kColumnStride` is the part's where it is known, else 0.
+template <class Scalar, std::size_t kWidth, std::int64_t kColumnStride>
 void copy(const Part& part, std::size_t begin, std::size_t end, float* out) {
   const auto* data = static_cast<const Scalar*>(part.data);
+  const std::int64_t row_stride = part.row_stride;
+  const std::int64_t column_stride = kColumnStride != 0 ? kColumnStride : part.column_stride;
   for (std::size_t i = begin; i < end; ++i) {
-    const Scalar* from = data + static_cast<std::int64_t>(i) * part.row_stride;
+    const Scalar* from = data + static_cast<std::int64_t>(i) * row_stride;
     float* to = out + i * kFloatsPerRay + part.place;
-    for (std::size_t k = 0; k < part.width; ++k)
-      to[k] = static_cast<float>(from[static_cast<std::int64_t>(k) * part.column_stride]);
+    for (std::size_t k = 0; k < kWidth; ++k)
+      to[k] = static_cast<float>(from[static_cast<std::int64_t>(k) * column_stride]);
   }
+}
+
+template <class Scalar>
+void copy(const Part& part, std::size_t begin, std::size_t end, float* out) {
+  if (part.width == 1) return copy<Scalar, 1, 0>(part, begin, end, out);
+  if (part.column_stride == 1) return copy<Scalar, 3, 1>(part, begin, end, out);
+  copy<Scalar, 3, 0>(part, begin, end, out);
 }
 
 void pack_rays(const Columns& origins, const Columns& directions, const Column& t_min,
