@@ -99,7 +99,8 @@ void Model::cursor_moved(const InputEvent& event) {
   cursor_x_ = event.x;
   cursor_y_ = event.y;
   if (dragged_button_ < 0) return;
-  if (std::hypot(event.x - press_x_, event.y - press_y_) > kClickReach) drag_moved_ = true;
+  const float from_x = event.x - press_x_, from_y = event.y - press_y_;
+  if (from_x * from_x + from_y * from_y > kClickReach * kClickReach) drag_moved_ = true;
   if (!drag_moved_) return;
   const float angle = kDegreesAWindow * kPi / 180;
   const bool sidewise = dragged_button_ == 2 || (dragged_button_ == 0 && drag_shift_);
