@@ -14,7 +14,7 @@ namespace {
 
 /// A picture that moves is given up for a newer one where it has taken so long.
 constexpr double kPatienceMs = 400;
-/// Weaker than the interface's threads by a factor of about ten, where they compete.
+/// The weakest: Linux then gives the interface's threads some seventy times as much.
 constexpr int kNice = 19;
 
 /// What any failure says to the user.

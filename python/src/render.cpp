@@ -21,11 +21,8 @@ namespace {
 /// `moves`: with what moves in the file, which else stays at rest.
 std::unique_ptr<Animation> animation_named(const std::string& name, bool moves) {
   const std::string prefix = "builtin:";
-  const bool is_builtin = name.starts_with(prefix);
-  auto animation = is_builtin ? animate(builtin_scene(name.substr(prefix.size())))
-                   : moves    ? load_animation(name)
-                              : animate(load_scene(name));
-  return animation;
+  if (name.starts_with(prefix)) return animate(builtin_scene(name.substr(prefix.size())));
+  return moves ? load_animation(name) : animate(load_scene(name));
 }
 
 struct Rendered {
