@@ -1,6 +1,37 @@
 // The beam of a packet: made, and tested with boxes. Included once a SIMD target by
 // dual/trace_simd.cpp, inside its namespace.
 
+/// A subtree that waits. In two words, each written and read whole: a load of what was stored in
+/// smaller parts waits until they have reached the cache.
+struct Waiting {
+  std::uint64_t near_and_lanes, subtree;
+
+  Waiting() = default;
+  /// `near`: where the beam, or the ray, enters the box; `lanes`: that met it; `first` and `count`
+  /// as in BvhNode.
+  HWY_INLINE Waiting(float near, std::uint32_t lanes, std::uint32_t first, std::uint32_t count)
+      : near_and_lanes(std::bit_cast<std::uint32_t>(near) | std::uint64_t{lanes} << 32),
+        subtree(first | std::uint64_t{count} << 32) {}
+
+  [[nodiscard]] HWY_INLINE float near() const {
+    return std::bit_cast<float>(static_cast<std::uint32_t>(near_and_lanes));
+  }
+  [[nodiscard]] HWY_INLINE std::uint32_t lanes() const {
+    return static_cast<std::uint32_t>(near_and_lanes >> 32);
+  }
+  [[nodiscard]] HWY_INLINE std::uint32_t first() const {
+    return static_cast<std::uint32_t>(subtree);
+  }
+  [[nodiscard]] HWY_INLINE std::uint32_t count() const {
+    return static_cast<std::uint32_t>(subtree >> 32);
+  }
+  HWY_INLINE void copy_to(Waiting* to) const {
+    const std::uint64_t a = near_and_lanes, b = subtree;
+    to->near_and_lanes = a;
+    to->subtree = b;
+  }
+};
+
 /// The children whose boxes the beam meets, as bits; `near` takes where it enters them.
 HWY_INLINE std::uint32_t children_in_beam(const RayPacket& p, const Beam& b, const BvhNode& n,
                                           float* HWY_RESTRICT near) {

@@ -1,62 +1,45 @@
 // One ray through a subtree, eight boxes at a time: where few rays are left to share it. Included
 // once a SIMD target by dual/trace_simd.cpp, inside its namespace.
 
-/// A subtree that waits. In two words, each written and read whole: a load of what was stored in
-/// smaller parts waits until they have reached the cache.
-struct Waiting {
-  std::uint64_t near_and_lanes, subtree;
-
-  Waiting() = default;
-  /// `near`: where the beam, or the ray, enters the box; `lanes`: that met it; `first` and `count`
-  /// as in BvhNode.
-  HWY_INLINE Waiting(float near, std::uint32_t lanes, std::uint32_t first, std::uint32_t count)
-      : near_and_lanes(std::bit_cast<std::uint32_t>(near) | std::uint64_t{lanes} << 32),
-        subtree(first | std::uint64_t{count} << 32) {}
-
-  [[nodiscard]] HWY_INLINE float near() const {
-    return std::bit_cast<float>(static_cast<std::uint32_t>(near_and_lanes));
-  }
-  [[nodiscard]] HWY_INLINE std::uint32_t lanes() const {
-    return static_cast<std::uint32_t>(near_and_lanes >> 32);
-  }
-  [[nodiscard]] HWY_INLINE std::uint32_t first() const {
-    return static_cast<std::uint32_t>(subtree);
-  }
-  [[nodiscard]] HWY_INLINE std::uint32_t count() const {
-    return static_cast<std::uint32_t>(subtree >> 32);
-  }
-  HWY_INLINE void copy_to(Waiting* to) const {
-    const std::uint64_t a = near_and_lanes, b = subtree;
-    to->near_and_lanes = a;
-    to->subtree = b;
-  }
-};
-
-/// A ray as the kernel wants it; fields as in RayPacket.
-struct SingleRay {
-  float x_near, x_far, y_near, y_far, z_near, z_far;
-  float per_x, per_y, s_near;
-  int near_x, far_x, near_y, far_y, near_z, far_z;
-  float ox, oy, oz, shear_x, shear_y, shear_z, t_min;
+/// What the rays of a packet or of a stream share.
+struct SharedAxes {
   int axis_x, axis_y, axis_z;
-  bool mirrored;
+  int near_x, far_x, near_y, far_y, near_z, far_z;
+  float pad_x, pad_y, pad_z;  ///< added to an origin for near planes, taken from it for far ones
+  float per_z;
 
-  [[nodiscard]] RaySetup setup(float t_limit) const {
-    float o[3];
-    o[axis_x] = ox;
-    o[axis_y] = oy;
-    o[axis_z] = oz;
-    return {{o[0], o[1], o[2]}, shear_x, shear_y, shear_z, t_min, t_limit, axis_x, axis_y, axis_z};
-  }
+  /// `Bundle`: RayPacket or Stream.
+  template <class Bundle>
+  explicit SharedAxes(const Bundle& b)
+      : axis_x(b.axis_x),
+        axis_y(b.axis_y),
+        axis_z(b.axis_z),
+        near_x(b.near_x),
+        far_x(b.far_x),
+        near_y(b.near_y),
+        far_y(b.far_y),
+        near_z(b.near_z),
+        far_z(b.far_z),
+        // A lower plane moves down by the pad as the origin moves up, an upper plane up.
+        pad_x(b.near_x < 3 ? b.pad : -b.pad),
+        pad_y(b.near_y < 3 ? b.pad : -b.pad),
+        pad_z(b.near_z < 3 ? b.pad : -b.pad),
+        per_z(b.mirrored ? -1.0f : 1.0f) {}
 };
 
 /// The scalar test.
-HWY_NOINLINE bool settle_for_ray(const SingleRay& r, float t_limit, const TriangleQuad& q, int k,
-                                 TriangleHit* hit) {
+HWY_NOINLINE bool settle_for_ray(const SharedAxes& a, const StreamRay& r, const StreamShear& s,
+                                 const TriangleQuad& q, int k, TriangleHit* hit) {
+  float o[3];
+  o[a.axis_x] = r.ox;
+  o[a.axis_y] = r.oy;
+  o[a.axis_z] = r.oz;
+  const RaySetup setup{{o[0], o[1], o[2]}, s.shear_x, s.shear_y, s.shear_z, s.t_min,
+                       s.t_limit,          a.axis_x,  a.axis_y,  a.axis_z};
   const auto corner = [&](int i) {
     return Vec3{q.vertex[i][0][k], q.vertex[i][1][k], q.vertex[i][2][k]};
   };
-  return intersect_triangle(r.setup(t_limit), corner(0), corner(1), corner(2), hit);
+  return intersect_triangle(setup, corner(0), corner(1), corner(2), hit);
 }
 
 /// The number of the triangle at a place: four a quad.
@@ -66,27 +49,28 @@ inline std::uint32_t id_at(const ObjectTree& tree, std::uint32_t place) {
 
 /// A leaf's triangles with a ray: calls `take(place, hit)` for each hit.
 template <class Take>
-HWY_INLINE void leaf_with_ray(const ObjectTree& tree, const SingleRay& r, float t_limit,
-                              std::uint32_t quad, std::uint32_t count, const Take& take) {
+HWY_INLINE void leaf_with_ray(const ObjectTree& tree, const SharedAxes& a, const StreamRay& r,
+                              const StreamShear& s, std::uint32_t quad, std::uint32_t count,
+                              const Take& take) {
   using Quad = hn::CappedTag<float, 4>;
   const Quad d;
   for (std::uint32_t done = 0; done < count; done += 4, ++quad) {
     const TriangleQuad& q = tree.quads[quad];
     const std::uint32_t used = (1u << std::min(4u, count - done)) - 1;
-    const float* x = q.vertex[0][r.axis_x];
-    const float* y = q.vertex[0][r.axis_y];
-    const float* z = q.vertex[0][r.axis_z];
+    const float* x = q.vertex[0][a.axis_x];
+    const float* y = q.vertex[0][a.axis_y];
+    const float* z = q.vertex[0][a.axis_z];
     for (std::size_t g = 0; g < 4; g += hn::Lanes(d)) {
       const auto from = [&](float o) { return hn::Set(d, o); };
       const auto moved = [&](int i) __attribute__((always_inline)) {
         return sheared(d, hn::Sub(hn::LoadU(d, x + 12 * i + g), from(r.ox)),
                        hn::Sub(hn::LoadU(d, y + 12 * i + g), from(r.oy)),
-                       hn::Sub(hn::LoadU(d, z + 12 * i + g), from(r.oz)), from(r.shear_x),
-                       from(r.shear_y));
+                       hn::Sub(hn::LoadU(d, z + 12 * i + g), from(r.oz)), from(s.shear_x),
+                       from(s.shear_y));
       };
       Tested<Quad> tested;
-      if (!test_lanes(d, moved(0), moved(1), moved(2), from(r.shear_z), from(r.t_min),
-                      from(t_limit), &tested))
+      if (!test_lanes(d, moved(0), moved(1), moved(2), from(s.shear_z), from(s.t_min),
+                      from(s.t_limit), &tested))
         continue;
       std::uint32_t hit = bits_of(d, tested.hit) << g & used;
       std::uint32_t unsettled = bits_of(d, tested.unsettled) << g & used;
@@ -104,26 +88,33 @@ HWY_INLINE void leaf_with_ray(const ObjectTree& tree, const SingleRay& r, float 
       for (; unsettled != 0; unsettled &= unsettled - 1) {
         const int k = __builtin_ctz(unsettled);
         TriangleHit exact;
-        if (settle_for_ray(r, t_limit, q, k, &exact))
+        if (settle_for_ray(a, r, s, q, k, &exact))
           take(4 * quad + static_cast<std::uint32_t>(k), exact);
       }
     }
   }
 }
 
-/// A ray on its way through a subtree.
+/// A ray on its way through a subtree, and what waits for it: the nearest last.
 struct SingleWalk {
-  SingleRay ray;
-  std::uint32_t number;         ///< the caller's name for it
-  const volatile float* s_far;  ///< where it ends, which hits bring nearer
-  Waiting next;
+  const StreamRay* ray;
+  const StreamShear* shear;
+  std::uint32_t number;        ///< the caller's name for it
+  std::uint32_t first, count;  ///< what is next, as in BvhNode
   std::size_t top = 0;
-  std::vector<Waiting> stack = std::vector<Waiting>(64);
+  std::vector<float> nears = std::vector<float>(64);  ///< where the ray enters the box
+  std::vector<std::uint32_t> firsts = std::vector<std::uint32_t>(64);
+  std::vector<std::uint32_t> counts = std::vector<std::uint32_t>(64);
 
-  /// From node `root` down.
-  void start(std::uint32_t root) {
-    next = Waiting(0, 0, root, 0);
+  void start(std::uint32_t begin, std::uint32_t triangles) {
+    first = begin;
+    count = triangles;
     top = 0;
+  }
+  void grow() {
+    nears.resize(2 * nears.size());
+    firsts.resize(nears.size());
+    counts.resize(nears.size());
   }
 };
 
@@ -133,39 +124,97 @@ HWY_INLINE void prefetch_subtree(const ObjectTree& tree, std::uint32_t first, st
   for (int line = 0; line < 4; ++line) hwy::Prefetch(at + 64 * line);
 }
 
+using Numbers = hn::RebindToUnsigned<Boxes>;
+
+#if HWY_MAX_BYTES >= 32 && HWY_TARGET != HWY_SCALAR
+/// Eight numbers, the largest first, by a bitonic network: which of a node's boxes a ray meets, and
+/// in which order, no branch can foretell.
+HWY_INLINE hn::Vec<Numbers> sorted_down(hn::Vec<Numbers> v) {
+  const Numbers d;
+  const hn::Repartition<std::uint64_t, Numbers> d64;
+  const auto by_ones = [&] {
+    const auto other = hn::Reverse2(d, v);
+    v = hn::OddEven(hn::Min(v, other), hn::Max(v, other));
+  };
+  const auto by_twos = [&](hn::Vec<Numbers> other) {
+    v = hn::BitCast(
+        d, hn::OddEven(hn::BitCast(d64, hn::Min(v, other)), hn::BitCast(d64, hn::Max(v, other))));
+  };
+  by_ones();
+  by_twos(hn::Reverse4(d, v));
+  by_ones();
+  const auto other = hn::Reverse8(d, v);
+  v = hn::OddEvenBlocks(hn::Min(v, other), hn::Max(v, other));
+  by_twos(hn::Shuffle1032(v));
+  by_ones();
+  return v;
+}
+#endif
+
 /// Tests the boxes of the node that is next and puts those that are met on the stack, the nearest
-/// on top. Returns the boxes tested.
-HWY_INLINE std::uint32_t open_for_ray(const ObjectTree& tree, SingleWalk* walk) {
+/// on top, to within a part in 2^19. Returns the boxes tested.
+HWY_INLINE std::uint32_t open_for_ray(const ObjectTree& tree, const SharedAxes& a,
+                                      SingleWalk* walk) {
   using hn::Max, hn::Min, hn::Mul, hn::Sub;
+  // A key: where the box is entered, and its number in the bits below. Of boxes not met: 0.
+  constexpr std::uint32_t kNearBits = 0x7ffffff0, kMet = 8, kChild = 7;
   const Boxes d;
-  const SingleRay& r = walk->ray;
-  const BvhNode& node = tree.nodes[walk->next.first()];
-  alignas(64) float nears[kBvhWidth];
-  std::uint32_t met = 0;
-  for (std::size_t g = 0; g < kBvhWidth; g += hn::Lanes(d)) {
+  const Numbers du;
+  const StreamRay& r = *walk->ray;
+  const BvhNode& node = tree.nodes[walk->first];
+  alignas(32) static constexpr std::uint32_t kNumbers[kBvhWidth] = {8, 9, 10, 11, 12, 13, 14, 15};
+  if (HWY_UNLIKELY(walk->top + kBvhWidth > walk->nears.size())) walk->grow();
+  float* const nears = walk->nears.data() + walk->top;
+  std::uint32_t* const firsts = walk->firsts.data() + walk->top;
+  std::uint32_t* const counts = walk->counts.data() + walk->top;
+  const auto clip = [&](std::size_t g, BV * near, BV * far) __attribute__((always_inline)) {
     const auto at = [&](int row, float from, float per) __attribute__((always_inline)) {
       return Mul(Sub(hn::Load(d, node.bound[row] + g), hn::Set(d, from)), hn::Set(d, per));
     };
-    const float per_z = r.mirrored ? -1.0f : 1.0f;
-    const BV near = Max(Max(at(r.near_x, r.x_near, r.per_x), at(r.near_y, r.y_near, r.per_y)),
-                        Max(at(r.near_z, r.z_near, per_z), hn::Set(d, r.s_near)));
-    const BV far = Min(Min(at(r.far_x, r.x_far, r.per_x), at(r.far_y, r.y_far, r.per_y)),
-                       Min(at(r.far_z, r.z_far, per_z), hn::Set(d, *walk->s_far)));
-    hn::Store(near, d, nears + g);
-    met |= bits_of(d, hn::Le(near, far)) << g;
+    *near = Max(Max(at(a.near_x, r.ox + a.pad_x, r.per_x), at(a.near_y, r.oy + a.pad_y, r.per_y)),
+                Max(at(a.near_z, r.oz + a.pad_z, a.per_z), hn::Set(d, r.s_near)));
+    *far = Min(Min(at(a.far_x, r.ox - a.pad_x, r.per_x), at(a.far_y, r.oy - a.pad_y, r.per_y)),
+               Min(at(a.far_z, r.oz - a.pad_z, a.per_z), hn::Set(d, r.s_far)));
+  };
+  BV near, far;
+#if HWY_MAX_BYTES >= 32 && HWY_TARGET != HWY_SCALAR
+  clip(0, &near, &far);
+  const auto met = hn::Le(near, far);
+  const auto bits = hn::And(hn::BitCast(du, near), hn::Set(du, kNearBits));
+  const auto keys = sorted_down(
+      hn::IfThenElseZero(hn::RebindMask(du, met), hn::Or(bits, hn::Load(du, kNumbers))));
+  const auto children = hn::And(keys, hn::Set(du, kChild));
+  const auto order = hn::IndicesFromVec(du, children);
+  const hn::Rebind<std::uint8_t, Numbers> d8;
+  hn::StoreU(hn::TableLookupLanes(near, hn::IndicesFromVec(d, children)), d, nears);
+  hn::StoreU(hn::TableLookupLanes(hn::Load(du, node.first), order), du, firsts);
+  hn::StoreU(hn::TableLookupLanes(hn::PromoteTo(du, hn::LoadU(d8, node.count)), order), du, counts);
+  walk->top += hn::CountTrue(d, met);
+#else
+  alignas(32) float entered[kBvhWidth];
+  std::uint32_t keys[kBvhWidth], end = 0;
+  for (std::size_t g = 0; g < kBvhWidth; g += hn::Lanes(d)) {
+    clip(g, &near, &far);
+    hn::Store(near, d, entered + g);
+    for (std::uint32_t met = bits_of(d, hn::Le(near, far)); met != 0; met &= met - 1) {
+      const auto c = g + static_cast<std::uint32_t>(__builtin_ctz(met));
+      const std::uint32_t key =
+          (std::bit_cast<std::uint32_t>(entered[c]) & kNearBits) | kNumbers[c];
+      std::uint32_t place = end++;
+      for (; place > 0 && keys[place - 1] < key; --place) keys[place] = keys[place - 1];
+      keys[place] = key;
+    }
   }
-  if (HWY_UNLIKELY(walk->top + kBvhWidth > walk->stack.size()))
-    walk->stack.resize(2 * walk->stack.size());
-  Waiting* const bottom = walk->stack.data() + walk->top;
-  Waiting* end = bottom;
-  for (; met != 0; met &= met - 1) {
-    const int c = __builtin_ctz(met);
-    const Waiting child(nears[c], 0, node.first[c], node.count[c]);
-    Waiting* place = end++;
-    for (; place > bottom && place[-1].near() < child.near(); --place) place[-1].copy_to(place);
-    child.copy_to(place);
+  static_cast<void>(du);
+  for (std::uint32_t i = 0; i < end; ++i) {
+    const std::uint32_t c = keys[i] & kChild;
+    nears[i] = entered[c];
+    firsts[i] = node.first[c];
+    counts[i] = node.count[c];
   }
-  walk->top = static_cast<std::size_t>(end - walk->stack.data());
+  walk->top += end;
+#endif
+  static_assert(kMet == kBvhWidth);
   return node.children;
 }
 
@@ -174,34 +223,41 @@ HWY_INLINE std::uint32_t open_for_ray(const ObjectTree& tree, SingleWalk* walk) 
 /// foretold. `start(walk)` gives a walk its next ray, or says that there is none;
 /// `leaf(walk, first quad, triangles)` tests a leaf's. Returns the boxes tested.
 template <class Start, class Leaf>
-HWY_NOINLINE std::uint64_t walk_singles(const ObjectTree& tree, SingleWalk* walks,
-                                        std::uint32_t count, const Start& start, const Leaf& leaf) {
+HWY_NOINLINE std::uint64_t walk_singles(const ObjectTree& tree, const SharedAxes& axes,
+                                        SingleWalk* walks, std::uint32_t count, const Start& start,
+                                        const Leaf& leaf) {
   std::uint64_t tests = 0;
   std::uint32_t at_nodes = 0, at_leaves = 0;
-  const auto go_on = [&](int i) __attribute__((always_inline)) {
-    SingleWalk& walk = walks[i];
-    do {
-      if (walk.top == 0) {
-        if (start(&walk)) at_nodes |= 1u << i;
-        return;
-      }
-      walk.stack[--walk.top].copy_to(&walk.next);
-    } while (walk.next.near() > *walk.s_far);
-    prefetch_subtree(tree, walk.next.first(), walk.next.count());
-    const std::uint32_t is_leaf = walk.next.count() != 0 ? 1 : 0;
+  const auto wait = [&](std::uint32_t i) __attribute__((always_inline)) {
+    const SingleWalk& walk = walks[i];
+    prefetch_subtree(tree, walk.first, walk.count);
+    const std::uint32_t is_leaf = walk.count != 0 ? 1 : 0;
     at_leaves |= is_leaf << i;
     at_nodes |= (is_leaf ^ 1) << i;
   };
-  for (std::uint32_t i = 0; i < count && start(&walks[i]); ++i) at_nodes |= 1u << i;
+  const auto go_on = [&](std::uint32_t i) __attribute__((always_inline)) {
+    SingleWalk& walk = walks[i];
+    do {
+      if (walk.top == 0) {
+        if (start(&walk)) wait(i);
+        return;
+      }
+      --walk.top;
+    } while (walk.nears[walk.top] > walk.ray->s_far);
+    walk.first = walk.firsts[walk.top];
+    walk.count = walk.counts[walk.top];
+    wait(i);
+  };
+  for (std::uint32_t i = 0; i < count && start(&walks[i]); ++i) wait(i);
   while ((at_nodes | at_leaves) != 0) {
     for (std::uint32_t turn = std::exchange(at_nodes, 0); turn != 0; turn &= turn - 1) {
-      const int i = __builtin_ctz(turn);
-      tests += open_for_ray(tree, &walks[i]);
+      const auto i = static_cast<std::uint32_t>(__builtin_ctz(turn));
+      tests += open_for_ray(tree, axes, &walks[i]);
       go_on(i);
     }
     for (std::uint32_t turn = std::exchange(at_leaves, 0); turn != 0; turn &= turn - 1) {
-      const int i = __builtin_ctz(turn);
-      leaf(walks[i], walks[i].next.first(), walks[i].next.count());
+      const auto i = static_cast<std::uint32_t>(__builtin_ctz(turn));
+      leaf(walks[i]);
       go_on(i);
     }
   }

@@ -5,6 +5,8 @@
 /// Lists as long or shorter go on ray by ray: in a tree that the caches hold, and in one that they
 /// do not, where rays that take turns hide each other's waiting.
 inline constexpr std::uint32_t kFewRays = 8, kFewRaysFarFromCache = 32;
+/// The same of lists at a leaf.
+inline constexpr std::uint32_t kFewRaysAtLeaf = 2;
 inline constexpr std::size_t kCachedTreeBytes = std::size_t{16} << 20;
 /// Rays that take turns, and those that wait to. More of them leave fewer turns empty; but what
 /// comes after them in the stream cannot know yet what they will hit.
@@ -12,7 +14,7 @@ inline constexpr std::uint32_t kSingleWalks = 16;
 inline constexpr std::size_t kLeastPending = 64, kMostPending = 256;
 
 struct PendingRay {
-  std::uint32_t ray, root;
+  std::uint32_t ray, first, count;  ///< where it goes on, as in BvhNode
 };
 
 template <class Mode>
@@ -28,38 +30,39 @@ class StreamSingles : protected StreamHits<Mode> {
                  : kFewRays) {}
 
   [[nodiscard]] bool is_for_singles(const WaitingList& list) const {
-    return list.count == 0 && list.size <= few_;
+    return list.size <= (list.count == 0 ? few_ : kFewRaysAtLeaf);
   }
   [[nodiscard]] bool has_many_singles() const { return pending_.size() >= kLeastPending; }
 
   void add_singles(const WaitingList& list) {
     if (pending_.size() + list.size > kMostPending) walk_singles_of_stream();
     for (std::uint32_t i = 0; i < list.size; ++i)
-      pending_.push_back({stream_.lists[list.offset + i], list.first});
+      pending_.push_back({stream_.lists[list.offset + i], list.first, list.count});
   }
 
   void walk_singles_of_stream() {
     if (pending_.empty()) return;
+    const SharedAxes axes(stream_);
     const PendingRay* next = pending_.data();
     const PendingRay* const end = next + pending_.size();
     counts_.ray_box_tests += walk_singles(
-        tree_, singles_, kSingleWalks,
+        tree_, axes, singles_, kSingleWalks,
         [&](SingleWalk* walk) {
           // Those that were hit since are done, or see no farther.
           while (next != end && stream_.rays[next->ray].s_far < stream_.rays[next->ray].s_near)
             ++next;
           if (next == end) return false;
           walk->number = next->ray;
-          walk->ray = single(walk->number);
-          walk->s_far = &stream_.rays[walk->number].s_far;
-          walk->start(next->root);
+          walk->ray = &stream_.rays[next->ray];
+          walk->shear = &stream_.shears[next->ray];
+          walk->start(next->first, next->count);
           ++next;
           return true;
         },
-        [&](const SingleWalk& walk, std::uint32_t quad, std::uint32_t count) {
-          counts_.triangle_tests += count;
+        [&](const SingleWalk& walk) {
+          counts_.triangle_tests += walk.count;
           leaf_with_ray(
-              tree_, walk.ray, stream_.shears[walk.number].t_limit, quad, count,
+              tree_, axes, *walk.ray, *walk.shear, walk.first, walk.count,
               [&](std::uint32_t place, const TriangleHit& hit) { take(walk.number, place, hit); });
         });
     pending_.clear();
@@ -67,40 +70,6 @@ class StreamSingles : protected StreamHits<Mode> {
 
  private:
   using StreamHits<Mode>::take;
-
-  SingleRay single(std::uint32_t n) const {
-    const Stream& s = stream_;
-    const StreamRay& r = s.rays[n];
-    const StreamShear& shear = s.shears[n];
-    // A lower plane moves down by the pad as the origin moves up, an upper plane up.
-    const auto from = [&](float o, int row) { return row < 3 ? o + s.pad : o - s.pad; };
-    return {from(r.ox, s.near_x),
-            from(r.ox, s.far_x),
-            from(r.oy, s.near_y),
-            from(r.oy, s.far_y),
-            from(r.oz, s.near_z),
-            from(r.oz, s.far_z),
-            r.per_x,
-            r.per_y,
-            r.s_near,
-            s.near_x,
-            s.far_x,
-            s.near_y,
-            s.far_y,
-            s.near_z,
-            s.far_z,
-            r.ox,
-            r.oy,
-            r.oz,
-            shear.shear_x,
-            shear.shear_y,
-            shear.shear_z,
-            shear.t_min,
-            s.axis_x,
-            s.axis_y,
-            s.axis_z,
-            s.mirrored};
-  }
 
   const std::uint32_t few_;
   SingleWalk singles_[kSingleWalks];

@@ -225,34 +225,39 @@ class Walk {
     }
   }
 
-  SingleRay single(std::uint32_t lane) const {
+  /// Lane `lane` as records: `rays_[i]` and `shears_[i]`.
+  void keep_lane(std::uint32_t lane, std::size_t i) {
     const RayPacket& p = packet_;
-    return {p.x_near[lane],  p.x_far[lane], p.y_near[lane], p.y_far[lane],   p.z_near[lane],
-            p.z_far[lane],   p.per_x[lane], p.per_y[lane],  p.s_near[lane],  p.near_x,
-            p.far_x,         p.near_y,      p.far_y,        p.near_z,        p.far_z,
-            p.ox[lane],      p.oy[lane],    p.oz[lane],     p.shear_x[lane], p.shear_y[lane],
-            p.shear_z[lane], p.t_min[lane], p.axis_x,       p.axis_y,        p.axis_z,
-            p.mirrored};
+    rays_[i] = {p.ox[lane],    p.oy[lane],     p.oz[lane],    p.per_x[lane],
+                p.per_y[lane], p.s_near[lane], p.s_far[lane], p.along[lane]};
+    shears_[i] = {p.shear_x[lane], p.shear_y[lane], p.shear_z[lane],
+                  p.t_min[lane],   p.t_limit[lane], {}};
   }
 
   void walk_lanes(std::uint32_t lanes, std::uint32_t root) {
+    const SharedAxes axes(packet_);
     counts_.ray_box_tests += walk_singles(
-        tree_, singles_, kSingleRays,
+        tree_, axes, singles_, kSingleRays,
         [&](SingleWalk* walk) {
           if (lanes == 0) return false;
+          const auto i = static_cast<std::size_t>(walk - singles_);
           walk->number = static_cast<std::uint32_t>(__builtin_ctz(lanes));
-          walk->ray = single(walk->number);
-          walk->s_far = &packet_.s_far[walk->number];
-          walk->start(root);
+          keep_lane(walk->number, i);
+          walk->ray = &rays_[i];
+          walk->shear = &shears_[i];
+          walk->start(root, 0);
           lanes &= lanes - 1;
           return true;
         },
-        [&](const SingleWalk& walk, std::uint32_t quad, std::uint32_t triangles) {
-          counts_.triangle_tests += triangles;
-          leaf_with_ray(tree_, walk.ray, packet_.t_limit[walk.number], quad, triangles,
+        [&](const SingleWalk& walk) {
+          counts_.triangle_tests += walk.count;
+          leaf_with_ray(tree_, axes, *walk.ray, *walk.shear, walk.first, walk.count,
                         [&](std::uint32_t place, const TriangleHit& hit) {
                           take(walk.number, id_at(tree_, place), hit);
                         });
+          const auto i = static_cast<std::size_t>(&walk - singles_);
+          rays_[i].s_far = packet_.s_far[walk.number];
+          shears_[i].t_limit = packet_.t_limit[walk.number];
         });
   }
 
@@ -275,6 +280,8 @@ class Walk {
   DualCounts counts_;
   std::vector<Waiting> waiting_;
   SingleWalk singles_[kSingleRays];
+  StreamRay rays_[kSingleRays];  ///< of the lanes that go on one by one
+  StreamShear shears_[kSingleRays];
   std::uint32_t first_ = 0;  ///< the packet's place in the order
   std::vector<RowHit> rows_;
 };
