@@ -13,8 +13,10 @@
 #include "exec/executor.h"
 #include "exec/stopwatch.h"
 #include "frame/frame.h"
+#include "frame/primary.h"
 #include "frame/resident_geometry.h"
 #include "raster/rasterizer.h"
+#include "raygen/light_body.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "raysheaf/render_on_context.h"
@@ -43,6 +45,15 @@ void check_for_device(const RenderOptions& options) {
         "rah and crsh do not count the tests of pixels on a CUDA device, which heat maps and "
         "OpenEXR show",
         "tests");
+}
+
+/// Whether all that a frame does with its fragments is what a device does bit for bit: sines and
+/// cosines of directions are its library's own.
+bool suits_device(const RenderOptions& options, View<const Light> lights, bool lens) {
+  const bool method = options.method == Method::kDual || options.method == Method::kBrute;
+  return method && !lens && !options.count_pixel_tests &&
+         std::none_of(lights.begin(), lights.end(),
+                      [](const Light& light) { return has_size(light); });
 }
 
 const char* word_of(const TreeReport& tree) {
@@ -127,18 +138,34 @@ class Renderer::Impl {
       s->threads = executor.threads();
       s->total_ms = watch.ms();
     };
-    const FrameInput input{geometry,
-                           camera,
-                           lights,
-                           options,
-                           samples,
-                           rasters ? &*rasterizer_ : nullptr,
-                           scene_->environment.empty() ? nullptr : &environment_->view(),
-                           complete};
+    const bool on_device = cache_.backend != nullptr && cache_.ranks == nullptr &&
+                           scene_->environment.empty() && suits_device(options, lights, lens);
+    FrameInput input{geometry,
+                     camera,
+                     lights,
+                     options,
+                     samples,
+                     rasters ? &*rasterizer_ : nullptr,
+                     scene_->environment.empty() ? nullptr : &environment_->view(),
+                     complete};
+    if (on_device) {
+      input.device = &device_stages(executor);
+      if (rasters)
+        input.rasterize = [&](const CameraFrame& frame) {
+          return rasterize_primary(executor, *rasterizer_, flat_, frame);
+        };
+    }
     RenderResult result = render_frame(executor, input, &meter);
     update_.tree = word_of(cache_.tree);
     update_.tree_ms = cache_.tree.ms;
     return result;
+  }
+
+  /// With the scene.
+  DeviceStages& device_stages(const Executor& executor) {
+    if (cache_.stages == nullptr) cache_.stages = cache_.backend->make_stages();
+    if (!cache_.stages->has_scene()) cache_.stages->set_scene(executor, flat_, *textures_);
+    return *cache_.stages;
   }
 
   const Executor& executor_for(std::uint32_t threads) {

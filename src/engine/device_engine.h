@@ -79,6 +79,7 @@ class DeviceEngine {
 
 class PairTracer;
 class BlockTracer;
+class DeviceStages;
 struct BlockLimits;
 
 /// A machine that engines can be made on.
@@ -93,6 +94,8 @@ class DeviceBackend {
   /// Of what streams (engine/block_tracer.h). `executor` outlives it.
   [[nodiscard]] virtual std::unique_ptr<BlockTracer> make_block_tracer(
       const Executor& executor, const BlockLimits& limits) const = 0;
+  /// Of frames (engine/frame_stages.h).
+  [[nodiscard]] virtual std::unique_ptr<DeviceStages> make_stages() const = 0;
   [[nodiscard]] virtual bool is_device_memory(const void* pointer) const = 0;
   /// Copies from the host's memory to the device's. For any number of threads.
   virtual void write(void* to, const void* from, std::size_t bytes) const = 0;

@@ -1,5 +1,6 @@
 #include "engine/block_tracer.h"
 #include "engine/device_engine-inl.h"
+#include "engine/frame_stages.h"
 #include "engine/measure_copy-inl.h"
 #include "engine/pair_tracer.h"
 #include "exec/cuda/launch-inl.h"
@@ -21,6 +22,9 @@ class CudaBackend : public DeviceBackend {
   [[nodiscard]] std::unique_ptr<BlockTracer> make_block_tracer(
       const Executor& executor, const BlockLimits& limits) const override {
     return make_cuda_block_tracer(executor, limits);
+  }
+  [[nodiscard]] std::unique_ptr<DeviceStages> make_stages() const override {
+    return make_cuda_stages();
   }
   [[nodiscard]] bool is_device_memory(const void* pointer) const override {
     return device_.is_device_memory(pointer);

@@ -2,6 +2,7 @@
 
 #include "engine/block_tracer.h"
 #include "engine/device_engine-inl.h"
+#include "engine/frame_stages.h"
 #include "engine/measure_copy-inl.h"
 #include "engine/pair_tracer.h"
 #include "exec/cpu/emulated_device.h"
@@ -24,6 +25,9 @@ class EmulatedBackend : public DeviceBackend {
   [[nodiscard]] std::unique_ptr<BlockTracer> make_block_tracer(
       const Executor& executor, const BlockLimits& limits) const override {
     return make_emulated_block_tracer(executor, limits, memory_, allocator_);
+  }
+  [[nodiscard]] std::unique_ptr<DeviceStages> make_stages() const override {
+    return make_emulated_stages(executor_, memory_, allocator_);
   }
   [[nodiscard]] bool is_device_memory(const void* pointer) const override {
     return memory_.owns(pointer);

@@ -1,5 +1,6 @@
 #include "frame/device_tracer.h"
 
+#include "engine/frame_stages.h"
 #include "frame/dual_tracer.h"
 
 namespace raysheaf {
@@ -7,17 +8,6 @@ namespace {
 
 constexpr const char* kCopies =
     "device: rays are made and hits are shaded on the CPU, and copied; so is what OpenGL sees";
-
-void add_device_report(EngineReport report, BatchStatistics* statistics) {
-  statistics->plan.emplace_back(kCopies);
-  statistics->bound_tests += report.bound_tests;
-  statistics->ray_bound_tests += report.ray_bound_tests;
-  statistics->final_tests += report.triangle_tests;
-  statistics->times_ms.order += report.order_ms;
-  statistics->times_ms.hierarchy += report.hierarchy_ms;
-  statistics->times_ms.traverse += report.trace_ms;
-  for (std::string& sentence : report.plan) statistics->plan.push_back(std::move(sentence));
-}
 
 }  // namespace
 
@@ -107,6 +97,7 @@ std::vector<RayHit> DeviceTracer::trace(const Executor& executor, const RayBatch
     });
   }
   for (std::size_t i = 0; i < tests.size(); ++i) ray_tests[i] += tests[i];
+  statistics->plan.emplace_back(kCopies);
   add_device_report(std::move(report), statistics);
   return hits;
 }

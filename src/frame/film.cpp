@@ -19,31 +19,20 @@ Film::Film(std::uint32_t width, std::uint32_t height, bool count_tests) {
   arrived_.resize(pixels);
 }
 
-void Film::develop(const Executor& executor, std::optional<float> exposure,
-                   RenderResult* sums) const {
-  const auto samples = static_cast<float>(sums->samples);
-  sums->shadow.resize(faced_.size());
-  executor.for_each(faced_.size(), kCopyGrain, [&](std::size_t i) {
-    const auto faced = static_cast<float>(faced_[i]);
-    sums->shadow[i] = faced > 0 ? static_cast<float>(arrived_[i]) / faced : 1;
-    if (sums->samples == 1) return;
-    sums->beauty[i] = sums->beauty[i] / samples;
-    sums->normal[i] = sums->normal[i] / samples;
-    sums->albedo[i] = sums->albedo[i] / samples;
-    sums->specular[i] = sums->specular[i] / samples;
+RenderResult develop(const Executor& executor, FilmSums film, std::optional<float> exposure) {
+  RenderResult result = std::move(film.result);
+  const auto samples = static_cast<float>(result.samples);
+  result.shadow.resize(film.faced.size());
+  executor.for_each(film.faced.size(), kCopyGrain, [&](std::size_t i) {
+    const auto faced = static_cast<float>(film.faced[i]);
+    result.shadow[i] = faced > 0 ? static_cast<float>(film.arrived[i]) / faced : 1;
+    if (result.samples == 1) return;
+    result.beauty[i] = result.beauty[i] / samples;
+    result.normal[i] = result.normal[i] / samples;
+    result.albedo[i] = result.albedo[i] / samples;
+    result.specular[i] = result.specular[i] / samples;
   });
-  sums->exposure = exposure ? *exposure : automatic_exposure(sums->beauty, sums->ids);
-}
-
-RenderResult Film::developed(const Executor& executor, std::optional<float> exposure) const {
-  RenderResult result = sums_;
-  develop(executor, exposure, &result);
-  return result;
-}
-
-RenderResult Film::taken(const Executor& executor, std::optional<float> exposure) {
-  RenderResult result = std::exchange(sums_, {});
-  develop(executor, exposure, &result);
+  result.exposure = exposure ? *exposure : automatic_exposure(result.beauty, result.ids);
   return result;
 }
 

@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "base/vec.h"
 #include "base/view.h"
+#include "engine/frame_stages.h"
 #include "exec/executor.h"
 #include "raygen/fragment.h"
 #include "raysheaf/render.h"
@@ -37,11 +39,12 @@ class Film {
   [[nodiscard]] View<std::uint32_t> lights_faced() { return faced_; }
   [[nodiscard]] View<std::uint32_t> lights_arrived() { return arrived_; }
 
-  /// The picture of the samples seen so far, but for its statistics. `exposure`: none, automatic.
-  [[nodiscard]] RenderResult developed(const Executor& executor,
-                                       std::optional<float> exposure) const;
+  /// Of the samples seen so far.
+  [[nodiscard]] FilmSums sums() const { return {sums_, faced_, arrived_}; }
   /// The same without a copy; the film is empty afterwards.
-  [[nodiscard]] RenderResult taken(const Executor& executor, std::optional<float> exposure);
+  [[nodiscard]] FilmSums taken() {
+    return {std::exchange(sums_, {}), std::exchange(faced_, {}), std::exchange(arrived_, {})};
+  }
 
  private:
   void add(std::size_t pixel, const Surface& surface, bool first) {
@@ -50,10 +53,12 @@ class Film {
     sums_.albedo[pixel] += surface.diffuse + surface.specular;
     sums_.specular[pixel] += surface.specular;
   }
-  void develop(const Executor& executor, std::optional<float> exposure, RenderResult* sums) const;
-
   RenderResult sums_;
   std::vector<std::uint32_t> faced_, arrived_;
 };
+
+/// The picture that they show, but for its statistics. `exposure`: none, automatic.
+[[nodiscard]] RenderResult develop(const Executor& executor, FilmSums film,
+                                   std::optional<float> exposure);
 
 }  // namespace raysheaf

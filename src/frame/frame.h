@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "engine/device_engine.h"
+#include "engine/frame_stages.h"
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
 #include "frame/geometry.h"
@@ -23,6 +23,9 @@ struct FrameInput {
   const EnvironmentView* environment = nullptr;  ///< none: a uniform sky
   /// Puts into statistics what is not the frame's to know: names, sizes, the time so far.
   std::function<void(FrameStatistics*)> complete = nullptr;
+  /// With the scene, where fragments are a device's; `rasterize` as `DeviceFrameInput` has it.
+  DeviceStages* device = nullptr;
+  std::function<std::vector<std::uint32_t>(const CameraFrame&)> rasterize = nullptr;
 };
 
 /// The method's settings with what was asked for in their place.

@@ -29,10 +29,6 @@ struct PictureSize {
 /// The depth of its hit, or of the farthest corner of the scene.
 [[nodiscard]] float depth_of(const RayHit& hit, const CameraFrame& frame, const Box& bounds);
 
-/// The weights of the second and third corner where the ray meets the triangle's plane, kept inside
-/// the triangle: at silhouettes OpenGL's pixel may lie a hair outside.
-[[nodiscard]] Vec2 clamped_barycentrics(const Ray& ray, Vec3 a, Vec3 b, Vec3 c);
-
 /// The number of the triangle that each pixel sees, rows from the top.
 [[nodiscard]] std::vector<std::uint32_t> rasterize_primary(const Executor& executor,
                                                            Rasterizer& rasterizer,

@@ -76,9 +76,7 @@ void ResidentGeometry::fetch_surfaces(View<const Ray> rays, View<Fragment> fragm
 }
 
 PixelIds ResidentGeometry::ids(std::uint32_t triangle) const {
-  if (triangle == kInvalidId) return {};
-  const FlatMesh& mesh = scene_.meshes[scene_.mesh_of_triangle[triangle]];
-  return {mesh.inst_id, mesh.geom_id, triangle - mesh.first_triangle};
+  return ids_of(scene_, triangle);
 }
 
 }  // namespace raysheaf

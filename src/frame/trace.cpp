@@ -281,6 +281,7 @@ void TraceCache::update(const Executor& executor, const FlatScene& scene,
   if (update.same_triangles && update.placed_meshes.empty()) return;
   bvh.reset();
   device.reset();
+  stages.reset();
   if (dual != nullptr) dual->update(executor, scene, update);
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "engine/frame_stages.h"
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
 #include "frame/device_tracer.h"
@@ -25,6 +26,7 @@ struct TraceCache {
   std::optional<Bvh> bvh;                ///< of `gl10`
   std::unique_ptr<DualTracer> dual;      ///< of `dual`
   std::unique_ptr<DeviceTracer> device;  ///< of what runs on a device
+  std::unique_ptr<DeviceStages> stages;  ///< of frames whose fragments stay there
   TreeReport tree;                       ///< of the batches since it was last reset
   /// Where rays meet triangles: by brute force or `dual`, or by a hierarchy of rays in raster order
   /// or by the keys of `crsh` under spheres and cones, without tests of single rays; null: the CPU.

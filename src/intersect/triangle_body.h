@@ -146,4 +146,18 @@ RAYSHEAF_HD inline bool intersect_triangle(const RaySetup& ray, Vec3 a, Vec3 b, 
   return true;
 }
 
+/// The weights of the second and third corner where the ray meets the triangle's plane, kept inside
+/// the triangle: at silhouettes OpenGL's pixel may lie a hair outside.
+RAYSHEAF_HD inline Vec2 clamped_barycentrics(const Ray& ray, Vec3 a, Vec3 b, Vec3 c) {
+  TriangleHit hit;
+  if (intersect_triangle(make_ray_setup(ray), a, b, c, &hit)) return {hit.u, hit.v};
+  const Vec3 ab = b - a, ac = c - a, from = ray.origin - a;
+  const Vec3 p = cross(ray.direction, ac), q = cross(from, ab);
+  const float det = dot(ab, p);
+  if (!(det != 0)) return {1.0f / 3, 1.0f / 3};
+  const float u = clamp(dot(from, p) / det, 0, 1), v = clamp(dot(ray.direction, q) / det, 0, 1);
+  const float sum = u + v;
+  return sum > 1 ? Vec2{u / sum, v / sum} : Vec2{u, v};
+}
+
 }  // namespace raysheaf

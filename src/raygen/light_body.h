@@ -29,21 +29,45 @@ RAYSHEAF_HD inline SpotEdge spot_edge(const Light& light) {
   return {cos_outer, std::fmax(cos_inner - cos_outer, 1e-3f)};
 }
 
+/// A light without a size, made ready for many places: what costs a cosine is found once.
+struct PointLight {
+  Vec3 position, direction, intensity;
+  float range = 0, cos_outer = 0, span = 1;
+  bool has_range = false, is_spot = false, is_directional = false;
+};
+
+RAYSHEAF_HD inline PointLight point_light(const Light& light) {
+  PointLight point;
+  point.position = light.position;
+  point.direction = light.direction;
+  point.intensity = light.intensity;
+  point.range = light.range;
+  point.has_range = std::isfinite(light.range);
+  point.is_spot = light.type == Light::Type::kSpot;
+  point.is_directional = light.type == Light::Type::kDirectional;
+  const SpotEdge edge = spot_edge(light);
+  point.cos_outer = edge.cos_outer;
+  point.span = edge.span;
+  return point;
+}
+
 /// The part of a light's intensity that its range and its cone leave (the extension's own
 /// recommendation).
-RAYSHEAF_HD inline float light_window(const Light& light, Vec3 from_light, float distance) {
+RAYSHEAF_HD inline float light_window(const PointLight& light, Vec3 from_light, float distance) {
   float window = 1;
-  if (std::isfinite(light.range)) {
+  if (light.has_range) {
     const float ratio = distance / light.range;
     window = clamp(1 - ratio * ratio * ratio * ratio, 0, 1);
   }
-  if (light.type == Light::Type::kSpot) {
-    const SpotEdge edge = spot_edge(light);
+  if (light.is_spot) {
     const float inside =
-        clamp((dot(light.direction, from_light) - edge.cos_outer) / edge.span, 0, 1);
+        clamp((dot(light.direction, from_light) - light.cos_outer) / light.span, 0, 1);
     window *= inside * inside;
   }
   return window;
+}
+RAYSHEAF_HD inline float light_window(const Light& light, Vec3 from_light, float distance) {
+  return light_window(point_light(light), from_light, distance);
 }
 
 /// Whether there is a choice where on the light to look.
@@ -179,8 +203,10 @@ RAYSHEAF_HD inline LightSample sample_rectangle(const Light& light, Vec3 positio
   return sample;
 }
 
-/// As if it shone from its place alone.
-RAYSHEAF_HD inline LightSample sample_point(const Light& light, Vec3 position) {
+/// As if it shone from its place alone; directional lights shine from everywhere.
+RAYSHEAF_HD inline LightSample sample_point(const PointLight& light, Vec3 position) {
+  if (light.is_directional)
+    return {-light.direction, std::numeric_limits<float>::infinity(), light.intensity, {0, 0, 0}};
   const Vec3 to_light = light.position - position;
   const float distance = length(to_light);
   const Vec3 unit = normalized(to_light);
@@ -188,14 +214,16 @@ RAYSHEAF_HD inline LightSample sample_point(const Light& light, Vec3 position) {
   const float falloff = light_window(light, -unit, distance) / distance / distance;
   return {unit, distance, light.intensity * falloff, light.position};
 }
+RAYSHEAF_HD inline LightSample sample_point(const Light& light, Vec3 position) {
+  return sample_point(point_light(light), position);
+}
 
 /// `chosen`: where on the light, both in [0, 1); lights without a size do not look at it.
 RAYSHEAF_HD inline LightSample sample_light(const Light& light, Vec3 position,
                                             Vec2 chosen = {0.5f, 0.5f}) {
-  if (light.type == Light::Type::kDirectional)
-    return {-light.direction, std::numeric_limits<float>::infinity(), light.intensity, {0, 0, 0}};
   if (light.type == Light::Type::kRectangle) return sample_rectangle(light, position, chosen);
-  if (light.radius > 0) return sample_ball(light, position, chosen);
+  if (light.type != Light::Type::kDirectional && light.radius > 0)
+    return sample_ball(light, position, chosen);
   return sample_point(light, position);
 }
 

@@ -25,26 +25,6 @@ inline bool shines_from_point(const Light& light, SampleOf sample) {
   return !has_size(light) || sample.count == 1;
 }
 
-struct PointLight {
-  Vec3 position, direction, intensity;
-  float range = 0, cos_outer = 0, span = 1;
-  bool has_range = false, is_spot = false;
-};
-
-inline PointLight point_light(const Light& light) {
-  PointLight point;
-  point.position = light.position;
-  point.direction = light.direction;
-  point.intensity = light.intensity;
-  point.range = light.range;
-  point.has_range = std::isfinite(light.range);
-  point.is_spot = light.type == Light::Type::kSpot;
-  const SpotEdge edge = spot_edge(light);
-  point.cos_outer = edge.cos_outer;
-  point.span = edge.span;
-  return point;
-}
-
 /// What shadow rays need of up to `kLightBlock` fragments; lanes behind the last are as the first.
 struct ShadowColumns {
   alignas(64) float position[3][kLightBlock];

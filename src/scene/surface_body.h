@@ -64,6 +64,20 @@ RAYSHEAF_HD inline NormalMap normal_map(const Affine& map) {
   return {yz, cross(z, x), cross(x, y), dot(x, yz) < 0 ? -1.0 : 1.0};
 }
 
+/// Corners' values with the weights of a place.
+template <class T>
+RAYSHEAF_HD T mixed(const T (&of_corner)[3], float u, float v) {
+  return of_corner[0] * (1 - u - v) + of_corner[1] * u + of_corner[2] * v;
+}
+
+/// Unit, on the front side: counter-clockwise, clockwise where the instance mirrors. Nothing where
+/// the triangle has no area.
+RAYSHEAF_HD inline Vec3 front_normal(const Vec3 (&corner)[3], bool mirrored) {
+  const Wide along = cross(difference(corner[1], corner[0]), difference(corner[2], corner[0]));
+  const Vec3 normal = unit(along, {0, 0, 0});
+  return mirrored ? -normal : normal;
+}
+
 /// The image of a normal as a unit vector: `transform_normal` (base/vec.h) for maps of any scale.
 RAYSHEAF_HD inline Vec3 unit_normal(const NormalMap& map, Vec3 normal, Vec3 fallback) {
   const Wide &yz = map.yz, &zx = map.zx, &xy = map.xy;
@@ -71,6 +85,32 @@ RAYSHEAF_HD inline Vec3 unit_normal(const NormalMap& map, Vec3 normal, Vec3 fall
   return unit({yz.x * nx + zx.x * ny + xy.x * nz, yz.y * nx + zx.y * ny + xy.y * nz,
                yz.z * nx + zx.z * ny + xy.z * nz},
               fallback);
+}
+
+/// Where a surface is and how it stands; as `Surface` has them.
+struct PlacedSurface {
+  Vec3 position, geometric_normal, normal;
+  float position_error = 0;
+  bool front = true;
+};
+
+/// At the weights `u`, `v` of corners 1 and 2, for a ray along `direction`. `front`: of
+/// `front_normal`; `normals`: of the corners, in the instance's own space, or null.
+RAYSHEAF_HD inline PlacedSurface placed_surface(const Vec3 (&corner)[3], Vec3 front,
+                                                const Vec3 (*normals)[3], const NormalMap& map,
+                                                float u, float v, Vec3 direction) {
+  PlacedSurface placed;
+  const MixedPoint point = mixed_point(corner[0], corner[1], corner[2], u, v);
+  placed.position = point.position;
+  placed.position_error = point.error;
+  const bool flat = front == Vec3{0, 0, 0};
+  const Vec3 facing = flat ? unit(widened(-direction), {0, 0, 1}) : front;
+  placed.front = !(dot(widened(facing), widened(direction)) > 0);
+  const Vec3 shading =
+      normals != nullptr ? unit_normal(map, mixed(*normals, u, v), facing) : facing;
+  placed.geometric_normal = placed.front ? facing : -facing;
+  placed.normal = placed.front ? shading : -shading;
+  return placed;
 }
 
 }  // namespace raysheaf

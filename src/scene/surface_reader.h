@@ -4,6 +4,7 @@
 // follows from either is worked out where it changes, and not for every point.
 #pragma once
 
+#include "scene/material_body.h"
 #include "scene/surface.h"
 #include "scene/surface_body.h"
 
@@ -33,7 +34,8 @@ class SurfaceReader {
   std::uint32_t triangle_ = kInvalidId, mesh_ = kInvalidId;  ///< of the flat scene
   NormalMap normal_map_;
   Vec3 front_;  ///< of the front side; nothing where there is no area
-  const Material* material_ = nullptr;
+  PlacedMaterial material_;
+  bool has_material_ = false;
   bool textured_ = false;  ///< somewhere else it may look otherwise
   Surface look_;           ///< the material's part of every surface; of one without textures
 };

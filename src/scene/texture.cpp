@@ -18,9 +18,4 @@ TextureSet::TextureSet(const SceneDescription& scene) {
   }
 }
 
-Vec4 TextureSet::look_up(const TextureSlot& slot, const Table& decode, Vec2 uv) const {
-  if (slot.texture >= textures_.size()) return {1, 1, 1, 1};
-  return sample(textures_[slot.texture], decode.data(), transform_uv(slot, uv));
-}
-
 }  // namespace raysheaf

@@ -16,16 +16,18 @@ class TextureSet {
 
   /// A colour stored as sRGB, made linear. White where the slot is empty. `uv` is the mesh's.
   [[nodiscard]] Vec4 color(const TextureSlot& slot, Vec2 uv) const {
-    return look_up(slot, from_srgb_, uv);
+    return look_up(table(), placed_texture(slot), from_srgb_.data(), uv);
   }
   /// Numbers stored as they are, from 0 to 1. Ones where the slot is empty.
   [[nodiscard]] Vec4 numbers(const TextureSlot& slot, Vec2 uv) const {
-    return look_up(slot, as_is_, uv);
+    return look_up(table(), placed_texture(slot), as_is_.data(), uv);
+  }
+  [[nodiscard]] TextureTable table() const {
+    return {View<const TextureView>(textures_), from_srgb_.data(), as_is_.data()};
   }
 
  private:
   using Table = std::array<float, 256>;
-  [[nodiscard]] Vec4 look_up(const TextureSlot& slot, const Table& decode, Vec2 uv) const;
 
   std::vector<TextureView> textures_;
   Table from_srgb_, as_is_;

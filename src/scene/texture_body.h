@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "base/vec.h"
+#include "base/view.h"
 #include "raysheaf/scene_description.h"
 
 namespace raysheaf {
@@ -17,13 +18,28 @@ struct TextureView {
   Filter filter = Filter::kLinear;
 };
 
+/// A slot as the look-up wants it: what costs a sine is found once.
+struct PlacedTexture {
+  std::uint32_t texture = kInvalidId;
+  Vec2 offset{0, 0}, scale{1, 1};
+  float cosine = 1, sine = 0;
+  bool rotated = false;
+};
+RAYSHEAF_HD inline PlacedTexture placed_texture(const TextureSlot& slot) {
+  PlacedTexture placed{slot.texture, slot.offset, slot.scale, 1, 0, slot.rotation != 0};
+  if (!placed.rotated) return placed;
+  placed.cosine = std::cos(slot.rotation);
+  placed.sine = std::sin(slot.rotation);
+  return placed;
+}
+
 /// Scaled, then rotated, then moved. `v` points down, so that counter-clockwise for who looks at
 /// the image takes +u towards -v.
-RAYSHEAF_HD inline Vec2 transform_uv(const TextureSlot& slot, Vec2 uv) {
+RAYSHEAF_HD inline Vec2 transform_uv(const PlacedTexture& slot, Vec2 uv) {
   const float u = uv.x * slot.scale.x, v = uv.y * slot.scale.y;
-  if (slot.rotation == 0) return {u + slot.offset.x, v + slot.offset.y};
-  const float c = std::cos(slot.rotation), s = std::sin(slot.rotation);
-  return {c * u + s * v + slot.offset.x, c * v - s * u + slot.offset.y};
+  if (!slot.rotated) return {u + slot.offset.x, v + slot.offset.y};
+  return {slot.cosine * u + slot.sine * v + slot.offset.x,
+          slot.cosine * v - slot.sine * u + slot.offset.y};
 }
 
 /// A coordinate brought to [0, 1]; 0 where it is not finite.
@@ -83,6 +99,20 @@ RAYSHEAF_HD inline Vec4 sample(const TextureView& texture, const float* decode, 
   return mix(mix(texel(texture, decode, x0, y0), texel(texture, decode, x1, y0), right_part),
              mix(texel(texture, decode, x0, y1), texel(texture, decode, x1, y1), right_part),
              bottom_part);
+}
+
+/// The textures of a scene. Read-only pointers.
+struct TextureTable {
+  View<const TextureView> textures;
+  const float* from_srgb = nullptr;  ///< 256 each
+  const float* as_is = nullptr;
+};
+
+/// White where the slot is empty. `uv` is the mesh's.
+RAYSHEAF_HD inline Vec4 look_up(const TextureTable& table, const PlacedTexture& slot,
+                                const float* decode, Vec2 uv) {
+  if (slot.texture >= table.textures.size) return {1, 1, 1, 1};
+  return sample(table.textures.data[slot.texture], decode, transform_uv(slot, uv));
 }
 
 }  // namespace raysheaf

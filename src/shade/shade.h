@@ -53,11 +53,20 @@ void shade_sky(const Executor& executor, View<const Fragment> fragments,
 void accumulate(const Executor& executor, View<const Fragment> fragments, View<const Vec3> radiance,
                 View<Vec3> pixels);
 
+/// Fragments whose light is summed one after the other, on every machine.
+inline constexpr std::size_t kSkyPart = 64;
+struct SkyPart {
+  double sum = 0;  ///< of `unoccluded` (shade_body.h), over fragments and lights
+  std::uint32_t covered = 0;
+};
+
 /// A little light from everywhere: a seventh of the mean radiance that the lights would give to
 /// white surfaces at the fragments, so that shadows are dark but not black whatever the lights'
 /// units.
 [[nodiscard]] Vec3 automatic_sky(const Executor& executor, View<const Fragment> fragments,
                                  View<const Light> lights);
+/// The same of the parts.
+[[nodiscard]] Vec3 sky_of_parts(View<const SkyPart> parts);
 
 /// The factor that brings the mean logarithm of the covered pixels' luminance to middle grey (E.
 /// Reinhard et al., "Photographic Tone Reproduction", 2002, equation 1), or less where that would

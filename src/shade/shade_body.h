@@ -40,6 +40,12 @@ RAYSHEAF_HD inline Vec3 lit_by(const Fragment& f, const LightSample& sample) {
   return reflectance(f, sample.to_light) * sample.irradiance;
 }
 
+/// The luminance that white would have where nothing stood before the light.
+RAYSHEAF_HD inline float unoccluded(const Fragment& f, const LightSample& sample) {
+  const float cosine = dot(f.surface.normal, sample.to_light);
+  return cosine > 0 ? luminance(sample.irradiance) * cosine / kPi : 0;
+}
+
 /// Emission and the sky. `traced_reflection` and `traced_refraction`: that part arrives by rays
 /// instead.
 RAYSHEAF_HD inline Vec3 glow(const Fragment& f, const Scattering& s, Vec3 sky,

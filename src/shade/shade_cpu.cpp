@@ -14,13 +14,6 @@
 namespace raysheaf {
 namespace {
 
-/// The luminance that white would have where nothing stood before the light.
-float unoccluded(const Fragment& f, const Light& light) {
-  const LightSample sample = sample_light(light, f.surface.position);
-  const float cosine = dot(f.surface.normal, sample.to_light);
-  return cosine > 0 ? luminance(sample.irradiance) * cosine / kPi : 0;
-}
-
 constexpr std::size_t kBlockGrain = 4;
 
 /// Fragments that are shaded together.
@@ -90,7 +83,7 @@ void shade_block(const ShadedBlock& block) {
 constexpr float kMiddleGrey = 0.18f;
 constexpr double kBrightPart = 0.95;  // this part of the pixels stays below kBrightest
 constexpr float kBrightest = 1.3f;
-constexpr float kSkyPart = 1.0f / 7;
+constexpr float kSkyShare = 1.0f / 7;
 
 }  // namespace
 
@@ -155,26 +148,29 @@ void accumulate(const Executor& executor, View<const Fragment> fragments, View<c
 Vec3 automatic_sky(const Executor& executor, View<const Fragment> fragments,
                    View<const Light> lights) {
   if (lights.empty()) return {1, 1, 1};  // a white sky shows what is there
-  struct Part {
-    double sum = 0;
-    std::size_t covered = 0;
-  };
-  std::vector<Part> parts(div_ceil(fragments.size, kWorkGrain));
-  executor.for_each(parts.size(), 1, [&](std::size_t p) {
-    const std::size_t end = std::min((p + 1) * kWorkGrain, fragments.size);
-    for (std::size_t i = p * kWorkGrain; i < end; ++i) {
-      if (fragments[i].triangle == kInvalidId) continue;
+  std::vector<SkyPart> parts(div_ceil(fragments.size, kSkyPart));
+  executor.for_each(parts.size(), kWorkGrain / kSkyPart, [&](std::size_t p) {
+    const std::size_t end = std::min((p + 1) * kSkyPart, fragments.size);
+    for (std::size_t i = p * kSkyPart; i < end; ++i) {
+      const Fragment& f = fragments[i];
+      if (f.triangle == kInvalidId) continue;
       ++parts[p].covered;
-      for (const Light& light : lights) parts[p].sum += double{unoccluded(fragments[i], light)};
+      for (const Light& light : lights)
+        parts[p].sum += double{unoccluded(f, sample_light(light, f.surface.position))};
     }
   });
-  Part whole;
-  for (const Part& part : parts) {
-    whole.sum += part.sum;
-    whole.covered += part.covered;
+  return sky_of_parts(parts);
+}
+
+Vec3 sky_of_parts(View<const SkyPart> parts) {
+  double sum = 0;
+  std::uint64_t covered = 0;
+  for (const SkyPart& part : parts) {
+    sum += part.sum;
+    covered += part.covered;
   }
-  const double mean = whole.covered > 0 ? whole.sum / static_cast<double>(whole.covered) : 0;
-  const float radiance = kSkyPart * static_cast<float>(mean);
+  const double mean = covered > 0 ? sum / static_cast<double>(covered) : 0;
+  const float radiance = kSkyShare * static_cast<float>(mean);
   return {radiance, radiance, radiance};
 }
 

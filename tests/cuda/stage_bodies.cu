@@ -17,6 +17,8 @@ std::vector<CompiledCase> compiled_stage_cases() {
           compiled<FlattenCase>("Flatten"),
           compiled<SurfaceCase>("Surface"),
           compiled<TextureCase>("Texture"),
+          compiled<StagedSurfaceCase>("StagedSurface"),
+          compiled<PointLightCase>("PointLight"),
           compiled<CameraCase>("Camera"),
           compiled<SampleCase>("Sample"),
           compiled<KeyCase>("Key"),
@@ -45,9 +47,10 @@ __global__ void run_others(const Light* lights, const Fragment* fragments, Light
   out[i].put(light_window(light, sample.to_light, sample.distance), faces_light(f, sample));
   out[i].put(ray, shadow_place(light, ray, reach), lit_by(f, sample));
   const SpotEdge edge = spot_edge(light);
-  out[i].put(edge.cos_outer, edge.span, takes_light(f), offset_extent(f.surface.normal));
+  out[i].put(point_light(light).cos_outer, edge.cos_outer, edge.span, takes_light(f),
+             offset_extent(f.surface.normal));
   out[i].put(std::uint32_t{rays_of(f, scatter(f))});
-  out[i].put(transform_uv(slots[i], {sample.distance, ray.t_max}));
+  out[i].put(transform_uv(placed_texture(slots[i]), {sample.distance, ray.t_max}));
 }
 
 /// The same of lights with a size, a lens and a sky.

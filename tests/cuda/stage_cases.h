@@ -3,6 +3,7 @@
 #pragma once
 
 #include "cuda/geometry_cases.h"
+#include "engine/staged_scene.h"
 #include "intersect/facing_body.h"
 #include "intersect/intersect_list.h"
 #include "intersect/triangle_body.h"
@@ -58,10 +59,93 @@ struct TextureCase {
     texture.filter = static_cast<Filter>(draws.below(2));
     TextureSlot slot;
     slot.scale = {draws.between(-3, 3), 2};
-    const Vec2 uv = transform_uv(slot, {draws.between(-2, 2), draws.between(-2, 2)});
+    const Vec2 uv =
+        transform_uv(placed_texture(slot), {draws.between(-2, 2), draws.between(-2, 2)});
     out.put(uv, sample(texture, decode, uv), texel(texture, decode, 2, 1));
     out.put(mix({1, 2, 3, 4}, {4, 3, 2, 1}, uv.x), wrapped(texture.wrap_u, uv.y));
     out.put(wrapped_texel(texture.wrap_v, static_cast<std::int64_t>(draws.below(5)) - 1, 3));
+  }
+};
+
+/// A triangle with everything, from the arrays of a scene.
+struct StagedSurfaceCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    Vec3 corners[3], normals[3];
+    Vec2 uvs[3];
+    for (int k = 0; k < 3; ++k) {
+      corners[k] = draws.in_box(9);
+      normals[k] = draws.direction();
+      uvs[k] = {draws.between(-2, 2), draws.between(-2, 2)};
+    }
+    const std::uint32_t mesh_of[1] = {0};
+    const StagedTriangle triangles[1] = {{{2, 0, 1}}};
+    const std::uint32_t numbers[1] = {draws.below(3)};
+    StagedMesh meshes[1];
+    meshes[0].material_count = draws.below(2);
+    meshes[0].has_normals = draws.below(2) == 0;
+    meshes[0].has_uvs = draws.below(2) == 0;
+    meshes[0].mirrored = draws.below(2) == 0;
+    meshes[0].normal_map = normal_map(draws.map());
+    std::uint8_t rgba[2 * 2 * 4];
+    for (std::uint8_t& x : rgba) x = static_cast<std::uint8_t>(draws.below(256));
+    float decode[256];
+    for (int i = 0; i < 256; ++i) decode[i] = static_cast<float>(i * i) / 65025;
+    const TextureView textures[1] = {{rgba, 2, 2}};
+    PlacedMaterial materials[3];
+    for (PlacedMaterial& m : materials) {
+      m.base_color = abs(draws.in_box(1));
+      m.metallic = draws.unit();
+      m.transmission = draws.below(2) == 0 ? 0 : draws.unit();
+      m.ior = draws.between(0, 2);
+      m.unlit = draws.below(8) == 0;
+      if (draws.below(2) != 0) continue;
+      m.base_color_texture.texture = m.metallic_roughness_texture.texture = draws.below(2);
+      m.base_color_texture.cosine = m.base_color_texture.sine = 0.70710678f;
+      m.base_color_texture.rotated = draws.below(2) == 0;
+    }
+    const TextureTable table{View<const TextureView>(textures, 1), decode, decode};
+    const StagedSceneView scene{View<const Vec3>(corners, 3),
+                                View<const std::uint32_t>(mesh_of, 1),
+                                View<const StagedMesh>(meshes, 1),
+                                View<const StagedTriangle>(triangles, 1),
+                                View<const Vec3>(normals, 3),
+                                View<const Vec2>(uvs, 3),
+                                View<const std::uint32_t>(numbers, 1),
+                                View<const PlacedMaterial>(materials, 3),
+                                table};
+    const float u = draws.unit(), v = draws.between(0, 1 - u);
+    const Vec3 along = draws.direction();
+    const Surface s = staged_surface(scene, 0, u, v, along);
+    out.put(s.position, s.geometric_normal, s.normal, s.diffuse, s.specular, s.coat);
+    out.put(s.transmission_color, s.emission, s.roughness, s.transmission, s.ior);
+    out.put(s.position_error, s.unlit, s.front, s.material);
+    const Vec3 front = front_normal(corners, false);
+    const PlacedSurface placed =
+        placed_surface(corners, front, &normals, meshes[0].normal_map, u, v, along);
+    out.put(placed.normal, staged_material(scene, meshes[0], 0), is_plain(materials[0]));
+    const TextureColors colors = texture_colors(materials[0], table, mixed(uvs, u, v));
+    Surface look;
+    set_material(materials[1], colors, &look);
+    out.put(look.diffuse, look_up(table, materials[2].base_color_texture, decode, uvs[0]));
+  }
+};
+
+/// On a device a light is read where it lies (stage_bodies.cu); this is what is made of it there.
+struct PointLightCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    PointLight light;
+    light.position = draws.in_box(9);
+    light.direction = draws.direction();
+    light.intensity = abs(draws.in_box(9));
+    light.range = draws.between(1, 20);
+    light.has_range = draws.below(2) == 0;
+    light.is_spot = draws.below(2) == 0;
+    light.is_directional = draws.below(4) == 0;
+    light.cos_outer = draws.unit();
+    light.span = 0.25f;
+    const LightSample seen = sample_point(light, draws.in_box(9));
+    out.put(seen.to_light, seen.distance, seen.irradiance, seen.point);
+    out.put(light_window(light, draws.direction(), seen.distance));
   }
 };
 

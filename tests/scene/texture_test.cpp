@@ -103,15 +103,15 @@ TEST(Texture, AnEmptySlotIsWhite) {
 TEST(Texture, SlotsScaleThenRotateThenMove) {
   TextureSlot slot;
   slot.scale = {2, 3};
-  Vec2 uv = transform_uv(slot, {0.1f, 0.2f});
+  Vec2 uv = transform_uv(placed_texture(slot), {0.1f, 0.2f});
   EXPECT_FLOAT_EQ(uv.x, 0.2f);
   EXPECT_FLOAT_EQ(uv.y, 0.6f);
   slot.rotation = std::numbers::pi_v<float> / 2;  // +u goes up, which is -v
   slot.offset = {10, 20};
-  uv = transform_uv(slot, {1, 0});
+  uv = transform_uv(placed_texture(slot), {1, 0});
   EXPECT_NEAR(uv.x, 10, 1e-5);
   EXPECT_NEAR(uv.y, 18, 1e-5);
-  uv = transform_uv(slot, {0, 1});
+  uv = transform_uv(placed_texture(slot), {0, 1});
   EXPECT_NEAR(uv.x, 13, 1e-5);
   EXPECT_NEAR(uv.y, 20, 1e-5);
 }
@@ -120,7 +120,7 @@ TEST(Texture, RotatesTheSameWayAsKhronosAsset) {
   // TextureTransformTest: the marker of the right place, in uv, where the arrow's tip is seen.
   TextureSlot slot;
   slot.rotation = 0.39269908f;
-  const Vec2 uv = transform_uv(slot, {0.5f - 0.0790482f, 0.5f + 0.5162675f});
+  const Vec2 uv = transform_uv(placed_texture(slot), {0.5f - 0.0790482f, 0.5f + 0.5162675f});
   EXPECT_NEAR(uv.x, 0.5 + 0.2778175, 1e-5);
   EXPECT_NEAR(uv.y, 0.5 + 0.2778175, 1e-5);
 }

@@ -1,0 +1,300 @@
+// The stages of a frame on a device of a known kind; for the sources that make them.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "base/bits.h"
+#include "engine/device_engine-inl.h"
+#include "engine/device_scene-inl.h"
+#include "exec/stopwatch.h"
+
+namespace raysheaf {
+
+/// Slots of shadow rays that are looked at together: the lights of a frame, until they are too
+/// many.
+inline constexpr std::size_t kMostDeviceSlots = std::size_t{1} << 24;
+
+/// Fragments on a device: the first `count` of the buffer.
+struct DeviceSet : FragmentSet {
+  explicit DeviceSet(DeviceAllocator& allocator)
+      : fragments(allocator), radiance(allocator), going_on(allocator) {}
+  [[nodiscard]] std::size_t size() const override { return count; }
+  [[nodiscard]] View<const Fragment> view() const { return {fragments.data(), count}; }
+
+  DeviceBuffer<Fragment> fragments;
+  DeviceBuffer<Vec3> radiance;          ///< from `glow` on
+  DeviceBuffer<std::uint8_t> going_on;  ///< bits of `GoingOn`; nothing where all end
+  std::size_t count = 0;
+};
+
+template <class Device>
+class DeviceStagesOn : public DeviceStages {
+ public:
+  /// What the device is made from.
+  template <class... Args>
+  explicit DeviceStagesOn(Args&&... args)
+      : engine_(std::forward<Args>(args)...),
+        device_(engine_.device()),
+        surfaces_(device_),
+        film_(device_) {}
+
+  void set_scene(const Executor& executor, const FlatScene& scene,
+                 const TextureSet& textures) override {
+    scene_ = nullptr;
+    const StagedScene staged = stage_scene(executor, scene);
+    const TriangleRun run{staged.corners.data(), nullptr, 0, scene.triangle_count};
+    TriangleSource source;
+    source.runs = {&run, scene.triangle_count > 0 ? std::size_t{1} : std::size_t{0}};
+    source.count = scene.triangle_count;
+    source.flags = scene.flags.data();
+    engine_.set_triangles(executor, source);
+    surfaces_.set(scene, staged, textures.table());
+    scene_ = &scene;
+  }
+
+  [[nodiscard]] bool has_scene() const override { return scene_ != nullptr; }
+
+  void begin(const DeviceFrameInput& input) override {
+    input_ = &input_place_.emplace(input);
+    std::vector<PointLight> lights;
+    for (const Light& light : input.lights) lights.push_back(point_light(light));
+    upload(device_, View<const PointLight>(lights), &lights_);
+    film_.begin(input.options.width, input.options.height);
+  }
+
+  Set see(const CameraFrame& frame) override {
+    watch_.lap_ms();
+    const std::size_t pixels = pixel_count();
+    triangles_seen_.resize_uninitialized("surfaces: names", pixels);
+    if (input_->rasterize) {
+      input_->meter.begin("raster", 1);
+      const std::vector<std::uint32_t> seen = input_->rasterize(frame);
+      device_.copy("copy: names", triangles_seen_.data(), seen.data(), pixels * sizeof seen[0]);
+    } else {
+      BatchStatistics& statistics = input_->tally.batch(RayKind::kPrimary, 0);
+      rays_.resize_uninitialized("raygen: camera", pixels);
+      camera_rays_on(device_, frame, rays_.view());
+      lap(&statistics.times_ms.raygen);
+      find_closest(pixels, Facing::kSkipBackOfSingleSided, &statistics);
+      triangles_of_hits_on(device_, hits_.view_const(), triangles_seen_.data());
+    }
+    input_->meter.begin("surfaces", 1);
+    auto set = make_set("surfaces: first", pixels);
+    first_fragments_on(device_, scene_view(), frame, triangles_seen_.data(), set->fragments.view());
+    film_.see(set->view());
+    lap(&input_->tally.statistics.raster_ms);
+    return set;
+  }
+
+  Vec3 find_sky(const FragmentSet& first_hits) override {
+    const View<const Fragment> fragments = of(first_hits).view();
+    if (lights_.size() == 0) return {1, 1, 1};
+    std::vector<SkyPart> parts(div_ceil(fragments.size, kSkyPart));
+    sky_parts_.resize_uninitialized("shade: sky", parts.size());
+    sky_parts_on(device_, fragments, lights_.view_const(), sky_parts_.view());
+    device_.copy("shade: sky", parts.data(), sky_parts_.data(), parts.size() * sizeof parts[0]);
+    lap(&input_->tally.statistics.shade_ms);
+    return sky_of_parts(View<const SkyPart>(parts));
+  }
+
+  void glow(FragmentSet& set, const GlowInput& input) override {
+    DeviceSet& s = of(set);
+    watch_.lap_ms();
+    s.radiance.resize_uninitialized("shade: glow", s.count);
+    s.going_on.resize_uninitialized("shade: glow", input.last ? 0 : s.count);
+    std::uint32_t kinds = 0;
+    if (input.traced.reflection) kinds |= kReflects;
+    if (input.traced.refraction) kinds |= kRefracts;
+    glow_on(device_, s.view(), input.sky, kinds, s.radiance.data(),
+            input.last ? nullptr : s.going_on.data());
+    lap(&input_->tally.statistics.shade_ms);
+  }
+
+  std::uint32_t add_lights(FragmentSet& set, std::uint32_t bounce, std::uint32_t first) override {
+    DeviceSet& s = of(set);
+    const std::size_t left = lights_.size() - first;
+    const std::size_t count = std::clamp<std::size_t>(kMostDeviceSlots / s.count, 1, left);
+    const View<const PointLight> lights = lights_.view_const().slice(first, count);
+    const std::size_t slots = count * s.count;
+    check_item_count("raygen: shadow", slots);
+    watch_.lap_ms();
+    visibility_.resize_uninitialized("shade: visibility", slots);
+    flags_.resize_uninitialized("raygen: shadow", slots);
+    slots_.resize_uninitialized("raygen: shadow", slots);
+    facing_on(device_, s.view(), lights, flags_.data());
+    const std::uint32_t rays = device_.select("raygen: shadow", flags_.view_const(), slots_.view());
+    const View<const std::uint32_t> chosen(slots_.data(), rays);
+    device_.fill("shade: visibility", visibility_.view(),
+                 static_cast<std::uint8_t>(Visibility::kNoRay));
+    cast_shadows(s, bounce, lights, chosen);
+    visibility_on(device_, chosen, occluded_.data(), visibility_.data());
+    lights_on(device_, s.view(), lights, visibility_.data(), s.radiance.data(), bounce == 1,
+              film_.view());
+    lap(&input_->tally.statistics.shade_ms);
+    return static_cast<std::uint32_t>(count);
+  }
+
+  void add_environment(FragmentSet& /*set*/, std::uint32_t /*bounce*/) override {}
+
+  void deposit(const FragmentSet& set) override {
+    watch_.lap_ms();
+    deposit_on(device_, of(set).view(), of(set).radiance.data(), film_.view().beauty);
+    lap(&input_->tally.statistics.shade_ms);
+  }
+
+  Set follow(const FragmentSet& set, RayKind kind, std::uint32_t bounce) override {
+    const DeviceSet& s = of(set);
+    const bool mirrors = kind == RayKind::kReflection;
+    const std::uint32_t bit = mirrors ? std::uint32_t{kReflects} : std::uint32_t{kRefracts};
+    watch_.lap_ms();
+    flags_.resize_uninitialized("raygen: bounce", s.count);
+    slots_.resize_uninitialized("raygen: bounce", s.count);
+    flag_kind_on(device_, s.going_on.view_const(), bit, flags_.data());
+    const std::uint32_t count =
+        device_.select("raygen: bounce", flags_.view_const(), slots_.view());
+    if (count == 0) return nullptr;
+    const View<const std::uint32_t> slots(slots_.data(), count);
+    rays_.resize_uninitialized("raygen: bounce", count);
+    weights_.resize_uninitialized("raygen: bounce", count);
+    bounce_rays_on(device_, s.view(), slots, mirrors, rays_.data(), weights_.data());
+    BatchStatistics& statistics = input_->tally.batch(kind, bounce);
+    lap(&statistics.times_ms.raygen);
+    find_closest(count, Facing::kBoth, &statistics);
+    watch_.lap_ms();
+    auto arrived = make_set("surfaces: bounce", count);
+    arrived_on(
+        device_, scene_view(), s.view(),
+        {slots, rays_.data(), weights_.data(), hits_.data(), static_cast<std::uint32_t>(kind)},
+        arrived->fragments.data());
+    lap(&input_->tally.statistics.shade_ms);
+    return arrived;
+  }
+
+  Set merged(Set a, Set b) override {
+    const View<const Fragment> first = of(*a).view(), second = of(*b).view();
+    const std::size_t count = first.size + second.size;
+    check_item_count("order: fragments", count);
+    watch_.lap_ms();
+    columns_.resize_uninitialized("order: fragments", count, true);
+    pixels_of_both_on(device_, first, second, columns_.keys.data(), columns_.values.data());
+    device_.sort_pairs("order: fragments", &columns_,
+                       {0, static_cast<std::uint32_t>(std::bit_width(pixel_count() - 1))});
+    auto all = make_set("order: fragments", count);
+    merge_on(device_, first, second, columns_.values.data(), all->fragments.data());
+    lap(&input_->tally.statistics.shade_ms);
+    return all;
+  }
+
+  Set split_off(FragmentSet& set, std::size_t first) override {
+    DeviceSet& s = of(set);
+    auto rest = make_set("order: fragments", s.count - first);
+    device_.copy("order: fragments", rest->fragments.data(), s.fragments.data() + first,
+                 rest->count * sizeof(Fragment));
+    s.count = first;
+    return rest;
+  }
+
+  FilmSums film(bool /*taken*/) override { return film_.sums(input_->executor, *scene_); }
+
+ private:
+  static DeviceSet& of(FragmentSet& set) { return static_cast<DeviceSet&>(set); }
+  static const DeviceSet& of(const FragmentSet& set) { return static_cast<const DeviceSet&>(set); }
+
+  [[nodiscard]] std::size_t pixel_count() const {
+    return std::size_t{input_->options.width} * input_->options.height;
+  }
+  [[nodiscard]] StagedSceneView scene_view() const { return surfaces_.view(engine_.corners()); }
+
+  [[nodiscard]] std::unique_ptr<DeviceSet> make_set(const char* stage, std::size_t count) {
+    auto set = std::make_unique<DeviceSet>(device_.allocator());
+    set->fragments.resize_uninitialized(stage, count);
+    set->count = count;
+    return set;
+  }
+
+  /// Waits for the device, and adds the time since the last lap.
+  void lap(double* ms) {
+    device_.synchronize("stages");
+    *ms += watch_.lap_ms();
+  }
+
+  [[nodiscard]] DeviceQuery query(Facing facing, EngineReport* report) const {
+    DeviceQuery query;
+    query.facing = facing;
+    query.brute = input_->options.method == Method::kBrute;
+    query.count = true;
+    query.report = report;
+    return query;
+  }
+
+  /// Begins a batch of `count` rays, which stand in `rays_`.
+  void begin_batch(std::size_t count, BatchStatistics* statistics) {
+    input_->meter.begin(std::string(to_string(statistics->kind)) + " rays, bounce " +
+                            std::to_string(statistics->bounce),
+                        1);
+    statistics->rays += count;
+    found_.resize_uninitialized("count", 1);
+    device_.fill("count", found_.view(), 0);
+  }
+  void finish_batch(EngineReport report, BatchStatistics* statistics) {
+    statistics->hits += device_.read("count", found_.data());
+    statistics->plan.emplace_back(
+        input_->rasterize ? "device: what OpenGL sees is copied there; rays, hits and light stay"
+                          : "device: rays, hits and light stay there");
+    add_device_report(std::move(report), statistics);
+  }
+
+  void find_closest(std::size_t count, Facing facing, BatchStatistics* statistics) {
+    begin_batch(count, statistics);
+    hits_.resize_uninitialized("trace: closest hits", count);
+    EngineReport report;
+    engine_.closest_hit(rays_.view_const(), query(facing, &report), hits_.view());
+    count_found_on(device_, hits_.view_const(), found_.data());
+    finish_batch(std::move(report), statistics);
+  }
+
+  /// Whether anything stands between the lights and the fragments of `slots`, into `occluded_`.
+  void cast_shadows(const DeviceSet& set, std::uint32_t bounce, View<const PointLight> lights,
+                    View<const std::uint32_t> slots) {
+    occluded_.resize_uninitialized("trace: any hits", slots.size);
+    if (!input_->options.shadows) return device_.fill("trace: any hits", occluded_.view(), 0);
+    rays_.resize_uninitialized("raygen: shadow", slots.size);
+    shadow_rays_on(device_, set.view(), lights, slots, light_reach(scene_->bounds), rays_.data());
+    BatchStatistics& statistics = input_->tally.batch(RayKind::kShadow, bounce);
+    lap(&statistics.times_ms.raygen);
+    if (slots.empty()) return;
+    begin_batch(slots.size, &statistics);
+    EngineReport report;
+    engine_.any_hit(rays_.view_const(), query(Facing::kBoth, &report), occluded_.view());
+    count_occluded_on(device_, occluded_.view_const(), found_.data());
+    finish_batch(std::move(report), &statistics);
+    watch_.lap_ms();
+  }
+
+  DeviceEngineOn<Device> engine_;
+  Device& device_;
+  DeviceAllocator& memory_ = device_.allocator();
+  SceneOnDevice<Device> surfaces_;
+  FilmOnDevice<Device> film_;
+  const FlatScene* scene_ = nullptr;
+  std::optional<DeviceFrameInput> input_place_;
+  const DeviceFrameInput* input_ = nullptr;
+  Stopwatch watch_;
+
+  DeviceBuffer<PointLight> lights_{memory_};
+  // Of one batch.
+  DeviceBuffer<std::uint32_t> triangles_seen_{memory_}, slots_{memory_};
+  DeviceBuffer<std::uint8_t> flags_{memory_}, visibility_{memory_}, occluded_{memory_};
+  DeviceBuffer<Ray> rays_{memory_};
+  DeviceBuffer<Vec3> weights_{memory_};
+  DeviceBuffer<EngineHit> hits_{memory_};
+  DeviceBuffer<SkyPart> sky_parts_{memory_};
+  DeviceBuffer<std::uint64_t> found_{memory_};
+  SortColumns<std::uint32_t> columns_{memory_};
+};
+
+}  // namespace raysheaf

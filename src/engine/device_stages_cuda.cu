@@ -1,0 +1,10 @@
+#include "engine/device_stages-inl.h"
+#include "exec/cuda/launch-inl.h"
+
+namespace raysheaf {
+
+std::unique_ptr<DeviceStages> make_cuda_stages() {
+  return std::make_unique<DeviceStagesOn<CudaDevice>>();
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,11 @@
+#include "engine/device_stages-inl.h"
+#include "exec/cpu/emulated_device.h"
+
+namespace raysheaf {
+
+std::unique_ptr<DeviceStages> make_emulated_stages(const Executor& executor, HostAllocator& memory,
+                                                   DeviceAllocator* allocator) {
+  return std::make_unique<DeviceStagesOn<EmulatedDevice>>(executor, memory, allocator);
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,37 @@
+#include "engine/frame_stages.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace raysheaf {
+
+BatchStatistics& FrameTally::batch(RayKind kind, std::uint32_t bounce) {
+  auto& batches = statistics.batches;
+  const auto found = std::find_if(batches.begin(), batches.end(), [&](const BatchStatistics& b) {
+    return b.kind == kind && b.bounce == bounce;
+  });
+  if (found != batches.end()) return *found;
+  batches.emplace_back();
+  batches.back().kind = kind;
+  batches.back().bounce = bounce;
+  batches.back().triangles = triangles_;
+  return batches.back();
+}
+
+PixelIds ids_of(const FlatScene& scene, std::uint32_t triangle) {
+  if (triangle == kInvalidId) return {};
+  const FlatMesh& mesh = scene.meshes[scene.mesh_of_triangle[triangle]];
+  return {mesh.inst_id, mesh.geom_id, triangle - mesh.first_triangle};
+}
+
+void add_device_report(EngineReport report, BatchStatistics* statistics) {
+  statistics->bound_tests += report.bound_tests;
+  statistics->ray_bound_tests += report.ray_bound_tests;
+  statistics->final_tests += report.triangle_tests;
+  statistics->times_ms.order += report.order_ms;
+  statistics->times_ms.hierarchy += report.hierarchy_ms;
+  statistics->times_ms.traverse += report.trace_ms;
+  for (std::string& sentence : report.plan) statistics->plan.push_back(std::move(sentence));
+}
+
+}  // namespace raysheaf

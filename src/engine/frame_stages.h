@@ -1,0 +1,132 @@
+// The stages of a frame, on whichever machine its fragments lie: what frame/frame.h loops over.
+//
+//   see ─► glow ─► add_lights ─► deposit ─► follow ─► glow ─► ...      a set of fragments a bounce
+//
+// frame/cpu_stages.h has them on the CPU, whatever the method and wherever the triangles are;
+// `DeviceStages` on a device.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "engine/device_engine.h"
+#include "exec/progress_meter.h"
+#include "raygen/camera_body.h"
+#include "raysheaf/render.h"
+#include "scene/flat_scene.h"
+#include "scene/texture.h"
+#include "shade/shade.h"
+
+namespace raysheaf {
+
+class Rasterizer;
+
+/// What the stages of a frame count, and how long they take.
+class FrameTally {
+ public:
+  explicit FrameTally(std::uint64_t triangles) : triangles_(triangles) {}
+
+  /// Of all rays of a kind at a bounce; made where there are none yet.
+  [[nodiscard]] BatchStatistics& batch(RayKind kind, std::uint32_t bounce);
+
+  FrameStatistics statistics;
+
+ private:
+  std::uint64_t triangles_;
+};
+
+/// Where rays ended, and the light that leaves there: sorted by pixel.
+class FragmentSet {
+ public:
+  FragmentSet() = default;
+  FragmentSet(const FragmentSet&) = delete;
+  FragmentSet& operator=(const FragmentSet&) = delete;
+  virtual ~FragmentSet() = default;
+  [[nodiscard]] virtual std::size_t size() const = 0;
+};
+
+/// What the samples of a frame add up to, a pixel each: `result` without what only the whole frame
+/// knows, and the lights that the first hits face and those of them that arrive.
+struct FilmSums {
+  RenderResult result;
+  std::vector<std::uint32_t> faced, arrived;
+};
+
+struct GlowInput {
+  Vec3 sky;
+  TracedParts traced;
+  bool last = false;  ///< nothing goes on from here
+};
+
+/// Of one frame, its sets are its own. Times and counts go to the frame's `FrameTally`. Not for use
+/// by two threads at once.
+class FrameStages {
+ public:
+  using Set = std::unique_ptr<FragmentSet>;
+
+  FrameStages() = default;
+  FrameStages(const FrameStages&) = delete;
+  FrameStages& operator=(const FrameStages&) = delete;
+  virtual ~FrameStages() = default;
+
+  /// Primary visibility of a sample, and into the film: one fragment a pixel, rows from the top.
+  [[nodiscard]] virtual Set see(const CameraFrame& frame) = 0;
+  /// As `automatic_sky` (shade/shade.h).
+  [[nodiscard]] virtual Vec3 find_sky(const FragmentSet& first_hits) = 0;
+  /// The set's light begins: emission and the sky's.
+  virtual void glow(FragmentSet& set, const GlowInput& input) = 0;
+  /// Shadow rays to as many of the scene's lights from `first` on as are looked at together, and
+  /// what arrives; returns how many.
+  [[nodiscard]] virtual std::uint32_t add_lights(FragmentSet& set, std::uint32_t bounce,
+                                                 std::uint32_t first) = 0;
+  /// The same of the environment, where there is one.
+  virtual void add_environment(FragmentSet& set, std::uint32_t bounce) = 0;
+  /// The set's light, into the pixels.
+  virtual void deposit(const FragmentSet& set) = 0;
+  /// What the reflections or the refractions of a set meet; null where it sends none.
+  [[nodiscard]] virtual Set follow(const FragmentSet& set, RayKind kind, std::uint32_t bounce) = 0;
+  /// Both, the first's before the second's of the same pixel.
+  [[nodiscard]] virtual Set merged(Set a, Set b) = 0;
+  /// Takes all from number `first` on out of the set. Before its light begins.
+  [[nodiscard]] virtual Set split_off(FragmentSet& set, std::size_t first) = 0;
+  /// `taken`: nothing is added any more.
+  [[nodiscard]] virtual FilmSums film(bool taken) = 0;
+};
+
+/// What a device's frame is made of; all outlive it.
+struct DeviceFrameInput {
+  const Executor& executor;  ///< of the host
+  const RenderOptions& options;
+  View<const Light> lights;  ///< without a size
+  FrameTally& tally;
+  ProgressMeter& meter;
+  /// The triangle that each pixel sees, rows from the top; none: by rays.
+  std::function<std::vector<std::uint32_t>(const CameraFrame&)> rasterize;
+};
+
+/// By `dual` or brute force, without an environment, without counts of single pixels. A scene is
+/// copied once; fragments, rays, hits and light stay on the device until `film`.
+class DeviceStages : public FrameStages {
+ public:
+  /// Until the next call; `scene` is read by `film`, too.
+  virtual void set_scene(const Executor& executor, const FlatScene& scene,
+                         const TextureSet& textures) = 0;
+  [[nodiscard]] virtual bool has_scene() const = 0;
+  virtual void begin(const DeviceFrameInput& input) = 0;
+};
+
+/// The device's stages. `make_emulated_stages`: as `open_emulated` has it.
+[[nodiscard]] std::unique_ptr<DeviceStages> make_cuda_stages();
+[[nodiscard]] std::unique_ptr<DeviceStages> make_emulated_stages(const Executor& executor,
+                                                                 HostAllocator& memory,
+                                                                 DeviceAllocator* allocator);
+
+/// The names of a triangle, or none.
+[[nodiscard]] PixelIds ids_of(const FlatScene& scene, std::uint32_t triangle);
+
+/// Adds what a device did for a batch.
+void add_device_report(EngineReport report, BatchStatistics* statistics);
+
+}  // namespace raysheaf

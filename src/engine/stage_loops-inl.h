@@ -1,0 +1,267 @@
+// The stages of a frame as loops over its fragments; for the sources that know which device it is.
+// What an item does is said once, by the bodies that the CPU's stages call, too.
+#pragma once
+
+#include "engine/engine.h"
+#include "engine/staged_scene.h"
+#include "exec/atomic.h"
+#include "exec/device.h"
+#include "intersect/triangle_body.h"
+#include "raygen/camera_body.h"
+#include "raygen/shadow_body.h"
+#include "shade/shade.h"
+#include "shade/shade_body.h"
+
+namespace raysheaf {
+
+/// A picture's sums on a device, a pixel each.
+struct DeviceFilm {
+  Vec3 *beauty, *position, *normal, *albedo, *specular;
+  std::uint32_t *triangle, *faced, *arrived;
+};
+
+template <class Device>
+void camera_rays_on(Device& device, CameraFrame frame, View<Ray> out) {
+  device.for_each("raygen: camera", out.size, [=] RAYSHEAF_HD(std::size_t i) {
+    out.data[i] = camera_ray(frame, static_cast<std::uint32_t>(i % frame.width),
+                             static_cast<std::uint32_t>(i / frame.width));
+  });
+}
+
+template <class Device>
+void triangles_of_hits_on(Device& device, View<const EngineHit> hits, std::uint32_t* triangles) {
+  device.for_each("surfaces: names", hits.size,
+                  [=] RAYSHEAF_HD(std::size_t i) { triangles[i] = hits.data[i].triangle; });
+}
+
+/// What `fetch_fragments` (frame/primary.h) does.
+template <class Device>
+void first_fragments_on(Device& device, StagedSceneView scene, CameraFrame frame,
+                        const std::uint32_t* triangles, View<Fragment> out) {
+  device.for_each("surfaces: first", out.size, [=] RAYSHEAF_HD(std::size_t i) {
+    Fragment f;
+    f.pixel = static_cast<std::uint32_t>(i);
+    f.triangle = triangles[i];
+    const Ray ray = camera_ray(frame, f.pixel % frame.width, f.pixel / frame.width);
+    f.incoming = normalized(ray.direction);
+    if (f.triangle != kInvalidId) {
+      const Vec3* const corner = scene.corners.data + std::uint64_t{3} * f.triangle;
+      const Vec2 uv = clamped_barycentrics(ray, corner[0], corner[1], corner[2]);
+      f.surface = staged_surface(scene, f.triangle, uv.x, uv.y, f.incoming);
+    }
+    out.data[i] = f;
+  });
+}
+
+/// What `Film::see` does.
+template <class Device>
+void see_on(Device& device, View<const Fragment> first_hits, bool first, DeviceFilm film) {
+  device.for_each("surfaces: film", first_hits.size, [=] RAYSHEAF_HD(std::size_t i) {
+    const Fragment& f = first_hits.data[i];
+    if (first) film.triangle[i] = f.triangle;
+    if (f.triangle == kInvalidId) return;
+    if (first) film.position[i] = f.surface.position;
+    film.normal[i] += f.surface.normal;
+    film.albedo[i] += f.surface.diffuse + f.surface.specular;
+    film.specular[i] += f.surface.specular;
+  });
+}
+
+/// The parts of `automatic_sky`.
+template <class Device>
+void sky_parts_on(Device& device, View<const Fragment> fragments, View<const PointLight> lights,
+                  View<SkyPart> parts) {
+  device.for_each("shade: sky", parts.size, [=] RAYSHEAF_HD(std::size_t p) {
+    SkyPart part;
+    const std::size_t end =
+        (p + 1) * kSkyPart < fragments.size ? (p + 1) * kSkyPart : fragments.size;
+    for (std::size_t i = p * kSkyPart; i < end; ++i) {
+      const Fragment& f = fragments.data[i];
+      if (f.triangle == kInvalidId) continue;
+      ++part.covered;
+      for (std::size_t l = 0; l < lights.size; ++l)
+        part.sum += double{unoccluded(f, sample_point(lights.data[l], f.surface.position))};
+    }
+    parts.data[p] = part;
+  });
+}
+
+/// `shade_glow` without an environment. `kinds`: bits of `GoingOn` that may go on; `going_on` may
+/// be null.
+template <class Device>
+void glow_on(Device& device, View<const Fragment> fragments, Vec3 sky, std::uint32_t kinds,
+             Vec3* radiance, std::uint8_t* going_on) {
+  device.for_each("shade: glow", fragments.size, [=] RAYSHEAF_HD(std::size_t i) {
+    const Fragment& f = fragments.data[i];
+    if (f.triangle == kInvalidId) {
+      radiance[i] = sky;
+      if (going_on != nullptr) going_on[i] = 0;
+      return;
+    }
+    const Scattering s = scatter(f);
+    const std::uint32_t rays = rays_of(f, s) & kinds;
+    if (going_on != nullptr) going_on[i] = static_cast<std::uint8_t>(rays);
+    radiance[i] = glow(f, s, sky, (rays & kReflects) != 0, (rays & kRefracts) != 0);
+  });
+}
+
+/// Whether each slot, light * fragments + fragment, has a shadow ray.
+template <class Device>
+void facing_on(Device& device, View<const Fragment> fragments, View<const PointLight> lights,
+               std::uint8_t* facing) {
+  const std::size_t count = fragments.size;
+  device.for_each("raygen: shadow", count * lights.size, [=] RAYSHEAF_HD(std::size_t slot) {
+    const Fragment& f = fragments.data[slot % count];
+    facing[slot] =
+        faces_light(f, sample_point(lights.data[slot / count], f.surface.position)) ? 1 : 0;
+  });
+}
+
+template <class Device>
+void shadow_rays_on(Device& device, View<const Fragment> fragments, View<const PointLight> lights,
+                    View<const std::uint32_t> slots, LightReach reach, Ray* rays) {
+  const std::size_t count = fragments.size;
+  device.for_each("raygen: shadow", slots.size, [=] RAYSHEAF_HD(std::size_t i) {
+    const std::uint32_t slot = slots.data[i];
+    const Fragment& f = fragments.data[slot % count];
+    rays[i] = shadow_ray(f, sample_point(lights.data[slot / count], f.surface.position), reach);
+  });
+}
+
+/// `visibility`: of every slot, `kNoRay` before.
+template <class Device>
+void visibility_on(Device& device, View<const std::uint32_t> slots, const std::uint8_t* occluded,
+                   std::uint8_t* visibility) {
+  device.for_each("shade: visibility", slots.size, [=] RAYSHEAF_HD(std::size_t i) {
+    visibility[slots.data[i]] =
+        static_cast<std::uint8_t>(occluded[i] != 0 ? Visibility::kOccluded : Visibility::kVisible);
+  });
+}
+
+/// What the lights give, light after light. `counts`: fragments are pixels, whose lights
+/// the film counts.
+template <class Device>
+void lights_on(Device& device, View<const Fragment> fragments, View<const PointLight> lights,
+               const std::uint8_t* visibility, Vec3* radiance, bool counts, DeviceFilm film) {
+  const std::size_t count = fragments.size;
+  device.for_each("shade: lights", count, [=] RAYSHEAF_HD(std::size_t i) {
+    const Fragment& f = fragments.data[i];
+    Vec3 sum = radiance[i];
+    std::uint32_t faced = 0, arrived = 0;
+    for (std::size_t l = 0; l < lights.size; ++l) {
+      const std::uint8_t seen = visibility[l * count + i];
+      faced += seen != static_cast<std::uint8_t>(Visibility::kNoRay) ? 1 : 0;
+      if (seen != static_cast<std::uint8_t>(Visibility::kVisible)) continue;
+      ++arrived;
+      sum += lit_by(f, sample_point(lights.data[l], f.surface.position));
+    }
+    radiance[i] = sum;
+    if (!counts) return;
+    film.faced[i] += faced;
+    film.arrived[i] += arrived;
+  });
+}
+
+/// `accumulate` (shade/shade.h).
+template <class Device>
+void deposit_on(Device& device, View<const Fragment> fragments, const Vec3* radiance,
+                Vec3* pixels) {
+  device.for_each("shade: pixels", fragments.size, [=] RAYSHEAF_HD(std::size_t i) {
+    const std::uint32_t pixel = fragments.data[i].pixel;
+    if (i > 0 && fragments.data[i - 1].pixel == pixel) return;
+    Vec3 sum = pixels[pixel];
+    for (std::size_t j = i; j < fragments.size && fragments.data[j].pixel == pixel; ++j)
+      sum += fragments.data[j].weight * radiance[j];
+    pixels[pixel] = sum;
+  });
+}
+
+template <class Device>
+void flag_kind_on(Device& device, View<const std::uint8_t> going_on, std::uint32_t bit,
+                  std::uint8_t* flags) {
+  device.for_each("raygen: bounce", going_on.size, [=] RAYSHEAF_HD(std::size_t i) {
+    flags[i] = (going_on.data[i] & bit) != 0 ? 1 : 0;
+  });
+}
+
+/// Rays of one kind, and what their pixels receive of the radiance along them.
+template <class Device>
+void bounce_rays_on(Device& device, View<const Fragment> fragments, View<const std::uint32_t> slots,
+                    bool mirrors, Ray* rays, Vec3* weights) {
+  device.for_each("raygen: bounce", slots.size, [=] RAYSHEAF_HD(std::size_t i) {
+    const Fragment& f = fragments.data[slots.data[i]];
+    const Scattering s = scatter(f);
+    const Vec3 direction = mirrors ? s.reflection : s.refraction;
+    weights[i] = f.weight * (mirrors ? s.reflected_part : s.refracted_part);
+    rays[i] = {offset_point(f.surface, direction, 0), 0, direction,
+               std::numeric_limits<float>::infinity()};
+  });
+}
+
+/// Bounces on a device: what went where.
+struct Bounced {
+  View<const std::uint32_t> slots;
+  const Ray* rays;
+  const Vec3* weights;
+  const EngineHit* hits;
+  std::uint32_t kind;
+};
+
+template <class Device>
+void arrived_on(Device& device, StagedSceneView scene, View<const Fragment> fragments,
+                Bounced bounced, Fragment* out) {
+  device.for_each("surfaces: bounce", bounced.slots.size, [=] RAYSHEAF_HD(std::size_t i) {
+    const Fragment& from = fragments.data[bounced.slots.data[i]];
+    const EngineHit hit = bounced.hits[i];
+    Fragment f;
+    f.weight = bounced.weights[i];
+    f.pixel = from.pixel;
+    f.path = mixed_seed(from.path, bounced.kind);
+    f.incoming = bounced.rays[i].direction;
+    f.triangle = hit.triangle;
+    if (f.triangle != kInvalidId)
+      f.surface = staged_surface(scene, f.triangle, hit.u, hit.v, f.incoming);
+    out[i] = f;
+  });
+}
+
+/// Pixels of `a`, then of `b`, and their places, to be sorted.
+template <class Device>
+void pixels_of_both_on(Device& device, View<const Fragment> a, View<const Fragment> b,
+                       std::uint32_t* pixels, std::uint32_t* places) {
+  device.for_each("order: fragments", a.size + b.size, [=] RAYSHEAF_HD(std::size_t i) {
+    pixels[i] = i < a.size ? a.data[i].pixel : b.data[i - a.size].pixel;
+    places[i] = static_cast<std::uint32_t>(i);
+  });
+}
+
+template <class Device>
+void merge_on(Device& device, View<const Fragment> a, View<const Fragment> b,
+              const std::uint32_t* places, Fragment* out) {
+  device.for_each("order: fragments", a.size + b.size, [=] RAYSHEAF_HD(std::size_t i) {
+    const std::size_t from = places[i];
+    out[i] = from < a.size ? a.data[from] : b.data[from - a.size];
+  });
+}
+
+/// Adds to `*sum` how many of the hits are hits, sixty-four of them a thread.
+template <class Device>
+void count_found_on(Device& device, View<const EngineHit> hits, std::uint64_t* sum) {
+  device.for_each("count", (hits.size + 63) / 64, [=] RAYSHEAF_HD(std::size_t block) {
+    std::uint64_t found = 0;
+    for (std::size_t i = 64 * block; i < hits.size && i < 64 * (block + 1); ++i)
+      found += hits.data[i].triangle != kInvalidId ? 1 : 0;
+    add_to(sum, found);
+  });
+}
+template <class Device>
+void count_occluded_on(Device& device, View<const std::uint8_t> occluded, std::uint64_t* sum) {
+  device.for_each("count", (occluded.size + 63) / 64, [=] RAYSHEAF_HD(std::size_t block) {
+    std::uint64_t found = 0;
+    for (std::size_t i = 64 * block; i < occluded.size && i < 64 * (block + 1); ++i)
+      found += occluded.data[i] != 0 ? 1 : 0;
+    add_to(sum, found);
+  });
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,100 @@
+// What surfaces are made from, as a device keeps it: arrays of plain values.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/buffer.h"
+#include "exec/executor.h"
+#include "raygen/fragment.h"
+#include "scene/flat_scene.h"
+#include "scene/material_body.h"
+#include "scene/surface_body.h"
+
+namespace raysheaf {
+
+/// An instance of a mesh. Where a mesh has none of something, its first place means nothing.
+struct StagedMesh {
+  std::uint32_t first_triangle = 0;  ///< of the flat scene
+  std::uint32_t first_index = 0;     ///< of its geometry's first triangle
+  std::uint32_t first_normal = 0, first_uv = 0;
+  std::uint32_t first_material = 0, material_count = 0;  ///< one a triangle, or one for all
+  bool has_normals = false, has_uvs = false, mirrored = false;
+  NormalMap normal_map;
+};
+
+struct StagedTriangle {
+  std::uint32_t vertex[3];
+};
+
+/// `materials`: the scene's, and behind them the one of triangles without.
+struct StagedSceneView {
+  View<const Vec3> corners;  ///< three a triangle of the flat scene, world
+  View<const std::uint32_t> mesh_of_triangle;
+  View<const StagedMesh> meshes;
+  View<const StagedTriangle> triangles;  ///< of all geometries
+  View<const Vec3> normals;              ///< of vertices, in their geometry's own space
+  View<const Vec2> uvs;
+  View<const std::uint32_t> material_numbers;
+  View<const PlacedMaterial> materials;
+  TextureTable textures;
+};
+
+/// The material of a triangle of the flat scene, as `Surface` names it.
+RAYSHEAF_HD inline std::uint32_t staged_material(const StagedSceneView& scene,
+                                                 const StagedMesh& mesh, std::uint32_t triangle) {
+  if (mesh.material_count == 0) return kInvalidId;
+  const std::uint32_t prim_id = triangle - mesh.first_triangle;
+  return scene.material_numbers
+      .data[mesh.first_material + (mesh.material_count == 1 ? 0 : prim_id)];
+}
+
+/// `surface_at` (scene/surface.h), bit for bit.
+RAYSHEAF_HD inline Surface staged_surface(const StagedSceneView& scene, std::uint32_t triangle,
+                                          float u, float v, Vec3 direction) {
+  const StagedMesh& mesh = scene.meshes.data[scene.mesh_of_triangle.data[triangle]];
+  const StagedTriangle vertices =
+      scene.triangles.data[mesh.first_index + (triangle - mesh.first_triangle)];
+  const std::uint64_t first_corner = std::uint64_t{3} * triangle;
+  Vec3 corner[3], normal[3];
+  Vec2 uv[3];
+  for (int k = 0; k < 3; ++k) {
+    corner[k] = scene.corners.data[first_corner + static_cast<std::uint64_t>(k)];
+    if (mesh.has_normals) normal[k] = scene.normals.data[mesh.first_normal + vertices.vertex[k]];
+    if (mesh.has_uvs) uv[k] = scene.uvs.data[mesh.first_uv + vertices.vertex[k]];
+  }
+  Surface surface;
+  surface.material = staged_material(scene, mesh, triangle);
+  const std::uint64_t last = scene.materials.size - 1;
+  const PlacedMaterial& material =
+      scene.materials.data[surface.material < last ? surface.material : last];
+  TextureColors colors;
+  if (mesh.has_uvs && !is_plain(material))
+    colors = texture_colors(material, scene.textures, mixed(uv, u, v));
+  set_material(material, colors, &surface);
+  const PlacedSurface placed =
+      placed_surface(corner, front_normal(corner, mesh.mirrored),
+                     mesh.has_normals ? &normal : nullptr, mesh.normal_map, u, v, direction);
+  surface.position = placed.position;
+  surface.geometric_normal = placed.geometric_normal;
+  surface.normal = placed.normal;
+  surface.position_error = placed.position_error;
+  surface.front = placed.front;
+  return surface;
+}
+
+/// The host's side of it, ready to be copied. Textures are in the description still.
+struct StagedScene {
+  Buffer<Vec3> corners;
+  std::vector<StagedMesh> meshes;
+  std::vector<StagedTriangle> triangles;
+  std::vector<Vec3> normals;
+  std::vector<Vec2> uvs;
+  std::vector<std::uint32_t> material_numbers;
+  std::vector<PlacedMaterial> materials;
+};
+
+/// O(triangles + vertices). Throws Error (kUnsupported) above 2^32 vertices of all meshes.
+[[nodiscard]] StagedScene stage_scene(const Executor& executor, const FlatScene& scene);
+
+}  // namespace raysheaf

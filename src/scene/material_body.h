@@ -1,0 +1,82 @@
+// What a material makes of a place on its surface.
+#pragma once
+
+#include "scene/surface.h"
+#include "scene/texture_body.h"
+
+namespace raysheaf {
+
+/// A material as surfaces are made from it.
+struct PlacedMaterial {
+  Vec3 base_color{1, 1, 1}, emission{0, 0, 0}, specular_color{1, 1, 1};
+  PlacedTexture base_color_texture, metallic_roughness_texture, emission_texture;
+  float metallic = 0, roughness = 1, specular = 1, transmission = 0, ior = 1.5f;
+  bool unlit = false;
+};
+
+[[nodiscard]] inline PlacedMaterial placed_material(const Material& m) {
+  PlacedMaterial placed;
+  placed.base_color = {m.base_color.x, m.base_color.y, m.base_color.z};
+  placed.emission = m.emission;
+  placed.specular_color = m.specular_color;
+  placed.base_color_texture = placed_texture(m.base_color_texture);
+  placed.metallic_roughness_texture = placed_texture(m.metallic_roughness_texture);
+  placed.emission_texture = placed_texture(m.emission_texture);
+  placed.metallic = m.metallic;
+  placed.roughness = m.roughness;
+  placed.specular = m.specular;
+  placed.transmission = m.transmission;
+  placed.ior = m.ior;
+  placed.unlit = m.unlit;
+  return placed;
+}
+
+/// Whether it looks the same everywhere.
+RAYSHEAF_HD inline bool is_plain(const PlacedMaterial& m) {
+  return m.base_color_texture.texture == kInvalidId &&
+         m.metallic_roughness_texture.texture == kInvalidId &&
+         m.emission_texture.texture == kInvalidId;
+}
+
+/// What the textures multiply a material's factors with.
+struct TextureColors {
+  Vec3 base{1, 1, 1}, rough_metal{1, 1, 1}, emission{1, 1, 1};
+};
+
+/// `uv`: the mesh's.
+RAYSHEAF_HD inline TextureColors texture_colors(const PlacedMaterial& m, const TextureTable& table,
+                                                Vec2 uv) {
+  const auto rgb = [](Vec4 color) { return Vec3{color.x, color.y, color.z}; };
+  TextureColors colors;
+  colors.base = rgb(look_up(table, m.base_color_texture, table.from_srgb, uv));
+  if (m.unlit) return colors;
+  colors.rough_metal = rgb(look_up(table, m.metallic_roughness_texture, table.as_is, uv));
+  colors.emission = rgb(look_up(table, m.emission_texture, table.from_srgb, uv));
+  return colors;
+}
+
+/// The material's part of a surface, but for its number. A mesh without texture coordinates shows
+/// the factors alone.
+RAYSHEAF_HD inline void set_material(const PlacedMaterial& m, const TextureColors& colors,
+                                     Surface* surface) {
+  const Vec3 base = m.base_color * colors.base;
+  surface->unlit = m.unlit;
+  if (m.unlit) {
+    surface->emission = base;
+    return;
+  }
+  const float metallic = m.metallic * colors.rough_metal.z;
+  const float normal_reflectance = (m.ior - 1) / (m.ior + 1);
+  const Vec3 dielectric =
+      min(m.specular_color * (normal_reflectance * normal_reflectance), {1, 1, 1}) * m.specular;
+  surface->roughness = m.roughness * colors.rough_metal.y;
+  surface->transmission = m.transmission * (1 - metallic);
+  surface->transmission_color = base;
+  surface->ior = m.ior >= 1 ? m.ior : 1;
+  surface->diffuse = base * ((1 - metallic) * (1 - m.transmission));
+  surface->specular = lerp(dielectric, base, metallic);
+  surface->coat = dielectric;
+  surface->emission = m.emission * colors.emission;
+}
+
+}  // namespace raysheaf
