@@ -11,6 +11,8 @@ from typing import Any, Optional
 import numpy as np
 from numpy.typing import NDArray
 
+from ._device import device_array
+
 _CPU = (1, 3)  # DLPack's kDLCPU and kDLCUDAHost: memory that the processor reads
 _MOST_IDS = 2**32
 
@@ -23,6 +25,9 @@ def _as_numpy(value: Any, name: str) -> NDArray[Any]:
     """The value as an array, through whichever protocol it speaks: numpy's, DLPack's, a buffer."""
     if isinstance(value, np.ndarray):
         return value
+    there = device_array(value, name)
+    if there is not None:
+        raise TypeError(f"{name}: {there} is given; an array in the memory of the CPU is expected")
     if hasattr(value, "__dlpack_device__"):
         try:
             kind, number = value.__dlpack_device__()

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import re
 from dataclasses import dataclass
-from typing import Any, Iterator
+from typing import Any, Iterator, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _arrays, _core
+from ._device import DeviceArray, device_array, rays_there
 from ._errors import InvalidError
 
 _FIELDS = {"origin": "origins", "direction": "directions", "t_min": "t_min", "t_max": "t_max"}
@@ -20,9 +22,18 @@ _FIELDS = {"origin": "origins", "direction": "directions", "t_min": "t_min", "t_
 class RayBatch:
     """Rays in a row, and the shape that their results take."""
 
-    rays: NDArray[np.float32]  # (n, 8), C order
+    rays: Union[NDArray[np.float32], DeviceArray]  # (n, 8), C order; (..., 8) on a device
     shape: tuple[int, ...]
     packed: bool  # came as eight numbers a ray, and not in four arguments
+
+    @property
+    def asked(self) -> Union[NDArray[np.float32], _core.Place]:
+        """As the extension takes them."""
+        return self.rays.place((8,)) if isinstance(self.rays, DeviceArray) else self.rays
+
+    @property
+    def count(self) -> int:
+        return math.prod(self.shape)
 
     @contextlib.contextmanager
     def named(self) -> Iterator[None]:
@@ -75,7 +86,13 @@ def _pack(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
 
 def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
     """The batch of `origins` and `directions`, or of packed rays where there are no directions."""
+    there = device_array(origins, "rays")
     if directions is not None:
+        if there is not None:
+            raise TypeError(
+                f"origins: {there} is given besides directions; on a device rays come whole, as one "
+                "array of shape (..., 8) and dtype float32"
+            )
         return _pack(
             origins, directions, 0.0 if t_min is None else t_min, np.inf if t_max is None else t_max
         )
@@ -83,6 +100,8 @@ def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
         raise TypeError(
             "t_min, t_max: packed rays of shape (..., 8) have their own; None is expected"
         )
+    if there is not None:
+        return RayBatch(rays_there(there), there.shape[:-1], packed=True)
     rays = _arrays.with_last_axis(
         origins, "rays", 8, "one of shape (..., 8), or directions besides origins,"
     )

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _arrays, _core
+from ._device import Device, is_cuda
 from ._errors import NotFoundError
 
 _MOST_THREADS = 1024
@@ -178,6 +179,7 @@ def render(
     primary: Literal["trace", "raster"] = "trace",
     bounces: int = 2,
     threads: int = 0,
+    device: Device = "cpu",
     exposure: Optional[float] = None,
     samples: int = 0,
     aperture: Optional[float] = None,
@@ -209,6 +211,9 @@ def render(
         Reflections and refractions in a row, 0 to 32.
     threads : int
         0: all cores.
+    device : "cpu" or "cuda"
+        Where rays meet triangles, and, by the methods "dual" and "brute", where pictures are made.
+        The picture is the same. "gl10" is the CPU's alone.
     exposure : float, optional
         A factor on radiance before tone mapping; found for each picture by itself by default:
         give films one, such as their first picture's.
@@ -229,7 +234,7 @@ def render(
         For the file, the camera or the built-in scene.
     Error
         With code ``"io"`` for a file that cannot be read, ``"no_graphics"`` for "raster" where
-        there is no OpenGL.
+        there is no OpenGL, ``"unsupported"`` for "cuda" where there is no device.
 
     Examples
     --------
@@ -250,6 +255,7 @@ def render(
         primary == "raster",
         _arrays.integer(bounces, "bounces"),
         _arrays.integer(threads, "threads", _MOST_THREADS),
+        is_cuda(device),
         None if exposure is None else float(exposure),
         _arrays.integer(samples, "samples"),
         None if aperture is None else float(aperture),

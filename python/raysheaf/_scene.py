@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Optional
+from typing import Any, Literal, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _core
+from ._device import Device, device_array, is_cuda, require_cuda, room_there
 from ._hits import HIT_DTYPE, HitRows, Hits
 from ._rays import RayBatch, batch_of
 
@@ -41,6 +42,10 @@ class Scene:
     ----------
     threads : int
         How many threads queries use; 0 takes all cores that the process may use. 1024 at most.
+    device : "cpu" or "cuda"
+        Where rays meet triangles. On "cuda" rays and results may lie in the device's memory, as
+        arrays of CuPy, PyTorch, Numba or JAX. Raises `UnsupportedError` where this build or this
+        machine has none.
 
     Examples
     --------
@@ -59,8 +64,10 @@ class Scene:
     4.0
     """
 
-    def __init__(self, *, threads: int = 0) -> None:
-        self._core = _core.Scene(_arrays.integer(threads, "threads", _MOST_THREADS))
+    def __init__(self, *, threads: int = 0, device: Device = "cpu") -> None:
+        self._core = _core.Scene(
+            _arrays.integer(threads, "threads", _MOST_THREADS), is_cuda(device)
+        )
 
     # What is in it.
 
@@ -193,6 +200,11 @@ class Scene:
         return self._core.threads()
 
     @property
+    def device(self) -> Device:
+        """Where rays meet triangles."""
+        return "cuda" if self._core.is_on_cuda() else "cpu"
+
+    @property
     def meshes(self) -> list[int]:
         """The ids of all meshes, ascending."""
         return self._core.meshes()
@@ -256,7 +268,7 @@ class Scene:
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
-        out: Optional[Hits] = None,
+        out: Any = None,
     ) -> Hits:
         """The first thing that each ray meets.
 
@@ -266,7 +278,8 @@ class Scene:
         ----------
         origins : (..., 3) array of real numbers
             Or the whole rays, (..., 8), without `directions`: origin, t_min, direction, t_max. Those
-            are read where they lie if they are float32 in C order.
+            are read where they lie if they are float32 in C order; with ``device="cuda"`` that may
+            be in the device's memory.
         directions : (..., 3) array of real numbers
             Need not be unit vectors. Broadcast with `origins`, `t_min` and `t_max`.
         t_min, t_max : arrays of shape (...), optional
@@ -280,8 +293,10 @@ class Scene:
             False: the rays are known to be right. A wrong one then makes all results unspecified.
         statistics : dict, optional
             Filled with what the query did: counts, times in milliseconds, and the plan.
-        out : Hits, optional
-            Of the rays' shape, in C order: written and returned, so that no memory is taken.
+        out : Hits, or an array on a CUDA device, optional
+            Of the rays' shape, in C order: written and returned, so that no memory is taken. On a
+            device it has a last axis of 6 besides, and dtype float32: t, u, v, and the bits of
+            prim_id, geom_id and inst_id.
 
         Returns
         -------
@@ -311,14 +326,21 @@ class Scene:
                [2.5, inf]], dtype=float32)
         """
         batch = batch_of(origins, directions, t_min, t_max)
-        if out is None:
-            out = Hits.empty(batch.shape)
+        there = device_array(out, "out")
+        require_cuda(self._core, batch.rays, there)
+        room: Union[NDArray[np.float32], _core.Place]
+        if there is not None:
+            room = room_there(there, batch.shape + (6,), ("float32",)).place((6,))
         else:
-            _check_out(out, batch)
-        room = out.array.reshape(-1).view(np.float32).reshape(-1, 6)
+            if out is None:
+                out = Hits.empty(batch.shape)
+            else:
+                _check_out(out, batch)
+            room = out.array.reshape(-1).view(np.float32).reshape(-1, 6)
         with batch.named():
-            self._core.closest_hit(batch.rays, room, _wish(mask, method, check, statistics))
-        return out
+            self._core.closest_hit(batch.asked, room, _wish(mask, method, check, statistics))
+        given: Hits = out
+        return given
 
     def any_hit(
         self,
@@ -331,10 +353,12 @@ class Scene:
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
+        out: Any = None,
     ) -> NDArray[np.bool_]:
         """Whether each ray meets anything: for shadows and visibility, faster than `closest_hit`.
 
-        Parameters and exceptions are those of `closest_hit`. Returns booleans of the rays' shape.
+        Parameters and exceptions are those of `closest_hit`. Returns booleans of the rays' shape:
+        an array of numpy, or `out`, an array of dtype bool or uint8 on a CUDA device.
 
         From one point to another: ``scene.any_hit(a, b - a, t_max=1)``.
 
@@ -345,10 +369,12 @@ class Scene:
         array([ True, False])
         """
         batch = batch_of(origins, directions, t_min, t_max)
-        occluded = np.empty(len(batch.rays), np.uint8)
+        occluded = np.empty(batch.count if out is None else 0, np.uint8)
+        room = _room(self._core, batch, out, occluded, ("bool", "uint8"))
         with batch.named():
-            self._core.any_hit(batch.rays, occluded, _wish(mask, method, check, statistics))
-        return occluded.view(np.bool_).reshape(batch.shape)
+            self._core.any_hit(batch.asked, room, _wish(mask, method, check, statistics))
+        given: NDArray[np.bool_] = out
+        return occluded.view(np.bool_).reshape(batch.shape) if out is None else given
 
     def all_hits(
         self,
@@ -376,8 +402,9 @@ class Scene:
         [[1.0, 4.0], []]
         """
         batch = batch_of(origins, directions, t_min, t_max)
+        require_cuda(self._core, batch.rays)
         with batch.named():
-            offsets, hits = self._core.all_hits(batch.rays, _wish(mask, method, check, statistics))
+            offsets, hits = self._core.all_hits(batch.asked, _wish(mask, method, check, statistics))
         return HitRows(
             offsets.view(np.int64), Hits(hits.view(HIT_DTYPE).reshape(len(hits))), batch.shape
         )
@@ -393,16 +420,35 @@ class Scene:
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
+        out: Any = None,
     ) -> NDArray[np.uint32]:
         """How many triangles each ray meets: the lengths of the rows of `all_hits`.
 
-        Parameters and exceptions are those of `closest_hit`. Returns uint32 of the rays' shape.
+        Parameters and exceptions are those of `closest_hit`. Returns uint32 of the rays' shape: an
+        array of numpy, or `out`, an array of dtype uint32 or int32 on a CUDA device.
         """
         batch = batch_of(origins, directions, t_min, t_max)
-        counts = np.empty(len(batch.rays), np.uint32)
+        counts = np.empty(batch.count if out is None else 0, np.uint32)
+        room = _room(self._core, batch, out, counts, ("uint32", "int32"))
         with batch.named():
-            self._core.hit_counts(batch.rays, counts, _wish(mask, method, check, statistics))
-        return counts.reshape(batch.shape)
+            self._core.hit_counts(batch.asked, room, _wish(mask, method, check, statistics))
+        given: NDArray[np.uint32] = out
+        return counts.reshape(batch.shape) if out is None else given
+
+
+def _room(
+    scene: _core.Scene, batch: RayBatch, out: Any, own: NDArray[Any], dtypes: tuple[str, ...]
+) -> Any:
+    """Where a number a ray goes: `own`, or `out`, which lies on a device."""
+    there = device_array(out, "out")
+    require_cuda(scene, batch.rays, there)
+    if there is not None:
+        return room_there(there, batch.shape, dtypes).place(())
+    if out is not None:
+        raise TypeError(
+            f"out: {type(out).__name__} is given; an array on a CUDA device, or None, is expected"
+        )
+    return own
 
 
 def _check_out(out: Any, batch: RayBatch) -> None:

@@ -3,7 +3,7 @@
 Three columns answer the same rays on the same mesh: trimesh with embreex, trimesh with raysheaf, and
 `raysheaf.Scene` itself. They take turns; each figure is the median of the rounds. The mesh is a ball
 with waves on it. "moving": every vertex moves between any two queries, and what that costs each of
-them is in the time.
+them is in the time. Rays without order are the hardest; `--batch` has two that users have oftener.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import Scene, __version__
+from ._device import Device
 
 Array = NDArray[Any]
 KINDS = ("first", "any", "all")
@@ -34,6 +35,14 @@ NAMES = {
     "adapter": "trimesh, raysheaf",
     "scene": "raysheaf.Scene",
 }
+
+
+@dataclass
+class Where:
+    """What raysheaf runs on."""
+
+    threads: int = 0
+    device: Device = "cpu"
 
 
 def wavy_ball(triangles: int, phase: float = 0.0) -> tuple[Array, Array]:
@@ -68,11 +77,37 @@ def rays_at(count: int, seed: int = 0) -> tuple[Array, Array]:
     return origins, directions
 
 
+def rays_of_camera(count: int) -> tuple[Array, Array]:
+    """Rays through the pixels of a square picture that the ball fills, row after row."""
+    side = max(1, round(count**0.5))
+    x, y = np.meshgrid(np.linspace(-0.32, 0.32, side), np.linspace(0.32, -0.32, side))
+    directions = np.stack([x, y, -np.ones_like(x)], axis=-1).reshape(-1, 3)
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    return np.tile([0.0, 0.0, 3.0], (len(directions), 1)), directions
+
+
+def rays_of_sweep(count: int, rings: int = 64) -> tuple[Array, Array]:
+    """A turning scanner within the ball: rings that look up and down by 23 degrees, one by one."""
+    around = np.linspace(0, 2 * np.pi, max(1, round(count / rings)), endpoint=False)
+    turn, rise = np.meshgrid(around, np.linspace(-0.4, 0.4, rings))
+    directions = np.stack(
+        [np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)], axis=-1
+    ).reshape(-1, 3)
+    return np.zeros_like(directions), directions
+
+
+BATCHES: dict[str, Callable[[int], tuple[Array, Array]]] = {
+    "scattered": rays_at,
+    "camera": rays_of_camera,
+    "sweep": rays_of_sweep,
+}
+
+
 class Direct:
     """The scene itself, as a user of numpy has it."""
 
-    def __init__(self, vertices: Array, faces: Array, threads: int) -> None:
-        self._scene = Scene(threads=threads)
+    def __init__(self, vertices: Array, faces: Array, where: Where) -> None:
+        self._scene = Scene(threads=where.threads, device=where.device)
         self._mesh = self._scene.add(vertices, faces)
 
     def move(self, vertices: Array) -> None:
@@ -105,7 +140,7 @@ class ByTrimesh:
         return len(self._ray.intersects_location(origins, directions)[0])
 
 
-def contenders(vertices: Array, faces: Array, threads: int) -> tuple[dict[str, Any], list[str]]:
+def contenders(vertices: Array, faces: Array, where: Where) -> tuple[dict[str, Any], list[str]]:
     """Who takes part, and a sentence for each who does not."""
     found: dict[str, Any] = {}
     notes = []
@@ -118,8 +153,10 @@ def contenders(vertices: Array, faces: Array, threads: int) -> tuple[dict[str, A
             peer = importlib.import_module("trimesh.ray.ray_pyembree").RayMeshIntersector
             found["embreex"] = ByTrimesh(vertices, faces, peer)
         ours = importlib.import_module("raysheaf.trimesh").RayMeshIntersector
-        found["adapter"] = ByTrimesh(vertices, faces, lambda mesh: ours(mesh, threads=threads))
-    found["scene"] = Direct(vertices, faces, threads)
+        found["adapter"] = ByTrimesh(
+            vertices, faces, lambda mesh: ours(mesh, threads=where.threads, device=where.device)
+        )
+    found["scene"] = Direct(vertices, faces, where)
     return found, notes
 
 
@@ -152,12 +189,15 @@ def measure(
 
 
 def run(
-    rays: int, triangles: int, threads: int, rounds: int, told: Callable[[Row], None]
+    batch: tuple[Array, Array],
+    triangles: int,
+    where: Where,
+    rounds: int,
+    told: Callable[[Row], None],
 ) -> tuple[list[Row], int]:
     """Measures everything; returns the rows and the number of triangles."""
     vertices, faces = wavy_ball(triangles)
-    who, _ = contenders(vertices, faces, threads)
-    batch = rays_at(rays)
+    who, _ = contenders(vertices, faces, where)
     rows = []
     for moving in (False, True):
         frames = [wavy_ball(triangles, 0.3 * f if moving else 0.0)[0] for f in range(rounds + 1)]
@@ -196,6 +236,18 @@ def main(arguments: Optional[list[str]] = None) -> int:
         "--threads", type=int, default=0, help="of raysheaf; 0: all cores (default)"
     )
     parser.add_argument(
+        "--batch",
+        choices=tuple(BATCHES),
+        default="scattered",
+        help="which rays: without order, of a camera, or of a scanner (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--device",
+        choices=("cpu", "cuda"),
+        default="cpu",
+        help="of raysheaf (default: %(default)s)",
+    )
+    parser.add_argument(
         "--rounds", type=int, default=5, help="whose median is printed (default: %(default)s)"
     )
     parser.add_argument("--json", metavar="FILE", help="write the figures there, too")
@@ -204,31 +256,38 @@ def main(arguments: Optional[list[str]] = None) -> int:
         if getattr(given, name) < least:
             parser.error(f"--{name} must be at least {least}, not {getattr(given, name)}")
 
-    who, notes = contenders(*wavy_ball(36), given.threads)
+    where = Where(given.threads, given.device)
+    who, notes = contenders(*wavy_ball(36), where)
+    batch = BATCHES[given.batch](given.rays)
+    count = len(batch[0])
     for note in notes:
         print(note)
     print(
-        f"raysheaf {__version__}, {Scene(threads=given.threads).threads} threads, {platform.machine()}"
+        f"raysheaf {__version__}, {Scene(threads=given.threads).threads} threads, {given.device}, "
+        f"{platform.machine()}"
     )
     print(
-        f"millions of rays a second, {given.rays} rays, medians of {given.rounds} rounds in turns"
+        f"millions of rays a second, {count} rays ({given.batch}), medians of {given.rounds} rounds "
+        "in turns"
     )
     print(" " * 18 + "".join(f"{NAMES[name]:>20}" for name in who), flush=True)
     rows, triangles = run(
-        given.rays,
+        batch,
         given.triangles,
-        given.threads,
+        where,
         given.rounds,
-        lambda row: print(line_of(row, given.rays), flush=True),
+        lambda row: print(line_of(row, count), flush=True),
     )
     print(f"{triangles} triangles; moving: every vertex, before every query")
     if given.json:
         with open(given.json, "w", encoding="utf-8") as file:
             json.dump(
                 {
-                    "rays": given.rays,
+                    "rays": count,
+                    "batch": given.batch,
                     "triangles": triangles,
                     "threads": given.threads,
+                    "device": given.device,
                     "rounds": given.rounds,
                     "rows": [vars(row) for row in rows],
                 },

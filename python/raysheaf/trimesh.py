@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 from trimesh.ray.ray_util import contains_points
 
 from . import _core
+from ._device import Device
 from ._hits import Hits
 from ._scene import Scene
 
@@ -83,16 +84,26 @@ class RayMeshIntersector:
         be wherever the mesh lies. False: in the mesh's own coordinates.
     threads : int
         How many threads queries use; 0 takes all cores.
+    device : "cpu" or "cuda"
+        Where rays meet triangles; arrays are numpy's on either.
     """
 
-    def __init__(self, geometry: Any, scale_to_box: bool = True, *, threads: int = 0) -> None:
+    def __init__(
+        self,
+        geometry: Any,
+        scale_to_box: bool = True,
+        *,
+        threads: int = 0,
+        device: Device = "cpu",
+    ) -> None:
         self.mesh = geometry
         self._scale_to_box = bool(scale_to_box)
         self._threads = threads
+        self._device: Device = device
         self._begin()
 
     def _begin(self) -> None:
-        self._scene = Scene(threads=self._threads)
+        self._scene = Scene(threads=self._threads, device=self._device)
         self._followed: Optional[_Followed] = None
         self._lock = threading.Lock()
 
@@ -363,16 +374,24 @@ class RayMeshIntersector:
         return contained
 
     def __getstate__(self) -> dict[str, Any]:
-        return {"mesh": self.mesh, "scale_to_box": self._scale_to_box, "threads": self._threads}
+        return {
+            "mesh": self.mesh,
+            "scale_to_box": self._scale_to_box,
+            "threads": self._threads,
+            "device": self._device,
+        }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.mesh = state["mesh"]
         self._scale_to_box = state["scale_to_box"]
         self._threads = state["threads"]
+        self._device = state["device"]
         self._begin()
 
     def __copy__(self) -> RayMeshIntersector:
-        return RayMeshIntersector(self.mesh, self._scale_to_box, threads=self._threads)
+        return RayMeshIntersector(
+            self.mesh, self._scale_to_box, threads=self._threads, device=self._device
+        )
 
     def __deepcopy__(self, memo: dict[int, Any]) -> RayMeshIntersector:
         return self.__copy__()  # as trimesh's other back ends: the mesh stays the same

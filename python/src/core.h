@@ -16,6 +16,14 @@ using Indices3 = nb::ndarray<const std::uint32_t, nb::shape<-1, 3>, nb::c_contig
 using Matrix34 = nb::ndarray<const float, nb::shape<3, 4>, nb::c_contig, nb::device::cpu>;
 using Rays = nb::ndarray<const float, nb::shape<-1, 8>, nb::c_contig, nb::device::cpu>;
 
+/// Where an array lies that numpy does not reach: `count` rows from `pointer` on in a device's
+/// memory, and the stream (a cudaStream_t) on which they are made.
+struct Place {
+  std::uintptr_t pointer = 0;
+  std::size_t count = 0;
+  std::uintptr_t stream = 0;
+};
+
 void bind_errors(nb::module_& module);
 void bind_rays(nb::module_& module);
 void bind_scene(nb::module_& module);

@@ -12,6 +12,7 @@
 #include "interrupt.h"
 #include "raysheaf/animation.h"
 #include "raysheaf/builtin_scenes.h"
+#include "raysheaf/context.h"
 #include "raysheaf/io.h"
 #include "raysheaf/renderer.h"
 
@@ -51,11 +52,12 @@ nb::dict arrays_of(Rendered* rendered) {
 struct PictureWish {
   RenderOptions options;
   std::string environment;  // a path, or empty
+  Device device = Device::kCpu;
 };
 
 PictureWish wish_of(std::uint32_t width, std::uint32_t height, const std::string& camera,
                     const std::string& method, bool raster, std::uint32_t bounces,
-                    std::uint32_t threads, const std::optional<float>& exposure,
+                    std::uint32_t threads, bool cuda, const std::optional<float>& exposure,
                     std::uint32_t samples, const std::optional<float>& aperture,
                     const std::optional<float>& focus, const std::string& environment) {
   PictureWish wish;
@@ -72,6 +74,7 @@ PictureWish wish_of(std::uint32_t width, std::uint32_t height, const std::string
   options.aperture = aperture;
   options.focus = focus;
   wish.environment = environment;
+  wish.device = cuda ? Device::kCuda : Device::kCpu;
   return wish;
 }
 
@@ -98,6 +101,7 @@ class Film {
     interruptible([&](const std::atomic<bool>& stop) {
       const std::lock_guard turn(mutex_);
       light_by(wish.environment);
+      choose(wish.device, wish.options.threads);
       if (time) {
         // Only once it is told is a change forgotten.
         const SceneChanges changes = animation_->seek(*time);
@@ -113,6 +117,17 @@ class Film {
   }
 
  private:
+  /// The device of the pictures from now on; on the CPU each picture says how many threads.
+  void choose(Device device, std::uint32_t threads) {
+    if (device == device_ && (device == Device::kCpu || threads == threads_)) return;
+    renderer_ = device == Device::kCuda
+                    ? Renderer(Context(ContextOptions{.device = device, .threads = threads}))
+                    : Renderer();
+    device_ = device;
+    threads_ = threads;
+    is_shown_ = false;
+  }
+
   void light_by(const std::string& environment) {
     if (is_lit_ && environment == *environment_) return;
     SceneDescription& scene = animation_->scene();
@@ -136,6 +151,8 @@ class Film {
   std::mutex mutex_;
   std::unique_ptr<Animation> animation_;
   Renderer renderer_;
+  Device device_ = Device::kCpu;  ///< the renderer's
+  std::uint32_t threads_ = 0;     ///< of a device's host
   Environment own_environment_;
   std::size_t own_lights_ = 0;
   std::optional<std::string> environment_;
@@ -157,8 +174,8 @@ void bind_render(nb::module_& module) {
   nb::class_<PictureWish>(module, "PictureWish")
       .def(nb::new_(&wish_of), nb::arg("width"), nb::arg("height"), nb::arg("camera"),
            nb::arg("method"), nb::arg("raster"), nb::arg("bounces"), nb::arg("threads"),
-           nb::arg("exposure").none(), nb::arg("samples"), nb::arg("aperture").none(),
-           nb::arg("focus").none(), nb::arg("environment"));
+           nb::arg("cuda"), nb::arg("exposure").none(), nb::arg("samples"),
+           nb::arg("aperture").none(), nb::arg("focus").none(), nb::arg("environment"));
   nb::class_<Film>(module, "Film")
       .def(nb::init<const std::string&, bool>(), nb::arg("scene"), nb::arg("moves"))
       .def_prop_ro("start", asking<&Animation::start>())

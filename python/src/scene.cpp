@@ -3,11 +3,13 @@
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <variant>
 
 #include "core.h"
 #include "door.h"
@@ -25,8 +27,9 @@ static_assert(sizeof(Hit) == 6 * sizeof(float));
 /// Waits and works without the interpreter's lock; what runs inside touches no Python object.
 class SharedScene {
  public:
-  explicit SharedScene(std::uint32_t threads)
-      : scene_(Context(ContextOptions{.device = Device::kCpu, .threads = threads})) {}
+  SharedScene(std::uint32_t threads, bool cuda)
+      : scene_(Context(
+            ContextOptions{.device = cuda ? Device::kCuda : Device::kCpu, .threads = threads})) {}
 
   template <class Body>
   auto change(const Body& body) {
@@ -68,8 +71,24 @@ std::span<const Triangle> triangles_of(const Indices3& array) {
   return {reinterpret_cast<const Triangle*>(array.data()), array.shape(0)};
 }
 
-std::span<const Ray> rays_of(const Rays& array) {
-  return {reinterpret_cast<const Ray*>(array.data()), array.shape(0)};
+/// Numpy's array, or one that lies elsewhere.
+template <class Array>
+using Anywhere = std::variant<Array, Place>;
+
+template <class Item, class Array>
+std::span<Item> items_of(const Anywhere<Array>& from) {
+  if (const Place* place = std::get_if<Place>(&from))
+    return {reinterpret_cast<Item*>(place->pointer), place->count};
+  const Array& array = std::get<Array>(from);
+  return {reinterpret_cast<Item*>(array.data()), array.shape(0)};
+}
+
+/// The stream of whichever lies on a device; the rays', where both do.
+template <class Array>
+void* stream_of(const Anywhere<Rays>& rays, const Anywhere<Array>& out) {
+  for (const Place* place : {std::get_if<Place>(&rays), std::get_if<Place>(&out)})
+    if (place != nullptr && place->stream != 0) return reinterpret_cast<void*>(place->stream);
+  return nullptr;
 }
 
 Affine affine_of(const Matrix34& array) {
@@ -159,18 +178,20 @@ struct Wish {
 constexpr std::uint64_t kManyTests = 100'000'000, kManyRays = 100'000;
 
 template <class Body>
-void ask(SharedScene& shared, const Rays& rays, const Wish& wish, const Body& body) {
+void ask(SharedScene& shared, std::span<const Ray> rays, void* stream, const Wish& wish,
+         const Body& body) {
   QueryStatistics statistics;
   const bool counted = !wish.statistics.is_none();
   QueryOptions options{.method = wish.brute ? QueryMethod::kBrute : QueryMethod::kDual,
                        .mask = wish.mask,
                        .check = wish.check,
                        .count_tests = counted,
+                       .stream = stream,
                        .statistics = counted ? &statistics : nullptr};
   const auto answer = [&] {
     shared.look_committed([&](const Scene& scene) { body(scene, options); });
   };
-  const std::uint64_t count = rays.shape(0);
+  const std::uint64_t count = rays.size();
   const std::uint64_t triangles = shared.look([](const Scene& s) { return s.triangle_count(); });
   if (count >= kManyRays || (wish.brute && count * triangles >= kManyTests)) {
     interruptible([&](const std::atomic<bool>& stop) {
@@ -184,36 +205,25 @@ void ask(SharedScene& shared, const Rays& rays, const Wish& wish, const Body& bo
   if (counted) write_statistics(statistics, nb::borrow<nb::dict>(wish.statistics));
 }
 
-void query_closest_hit(SharedScene& shared, const Rays& rays, const WritableHits& out,
-                       const Wish& wish) {
-  const std::span hits(reinterpret_cast<Hit*>(out.data()), out.shape(0));
-  ask(shared, rays, wish, [&](const Scene& scene, const QueryOptions& options) {
-    closest_hit(scene, rays_of(rays), hits, options);
-  });
-}
-
-void query_any_hit(SharedScene& shared, const Rays& rays, const WritableFlags& out,
-                   const Wish& wish) {
-  const std::span occluded(out.data(), out.shape(0));
-  ask(shared, rays, wish, [&](const Scene& scene, const QueryOptions& options) {
-    any_hit(scene, rays_of(rays), occluded, options);
-  });
-}
-
-void query_hit_counts(SharedScene& shared, const Rays& rays, const WritableCounts& out,
-                      const Wish& wish) {
-  const std::span counts(out.data(), out.shape(0));
-  ask(shared, rays, wish, [&](const Scene& scene, const QueryOptions& options) {
-    hit_counts(scene, rays_of(rays), counts, options);
-  });
+template <auto kQuery, class Item, class Array>
+void query_into(SharedScene& shared, const Anywhere<Rays>& rays, const Anywhere<Array>& out,
+                const Wish& wish) {
+  const auto asked = items_of<const Ray>(rays);
+  const auto answers = items_of<Item>(out);
+  ask(shared, asked, stream_of(rays, out), wish,
+      [&](const Scene& scene, const QueryOptions& options) {
+        kQuery(scene, asked, answers, options);
+      });
 }
 
 /// Offsets and hits as arrays over the library's own memory.
-nb::tuple query_all_hits(SharedScene& shared, const Rays& rays, const Wish& wish) {
+nb::tuple query_all_hits(SharedScene& shared, const Anywhere<Rays>& rays, const Wish& wish) {
   auto found = std::make_unique<HitRows>();
-  ask(shared, rays, wish, [&](const Scene& scene, const QueryOptions& options) {
-    *found = all_hits(scene, rays_of(rays), options);
-  });
+  const auto asked = items_of<const Ray>(rays);
+  ask(shared, asked, stream_of(rays, rays), wish,
+      [&](const Scene& scene, const QueryOptions& options) {
+        *found = all_hits(scene, asked, options);
+      });
   HitRows* const all = found.get();
   const nb::capsule owner(found.release(),
                           [](void* at) noexcept { delete static_cast<HitRows*>(at); });
@@ -224,9 +234,19 @@ nb::tuple query_all_hits(SharedScene& shared, const Rays& rays, const Wish& wish
 void bind_queries(nb::class_<SharedScene>& scene) {
   const auto rays = nb::arg("rays").noconvert();
   const auto out = nb::arg("out").noconvert();
-  scene.def("closest_hit", query_closest_hit, rays, out, nb::arg("wish"))
-      .def("any_hit", query_any_hit, rays, out, nb::arg("wish"))
-      .def("hit_counts", query_hit_counts, rays, out, nb::arg("wish"))
+  using ClosestHit =
+      void (*)(const Scene&, std::span<const Ray>, std::span<Hit>, const QueryOptions&);
+  using AnyHit =
+      void (*)(const Scene&, std::span<const Ray>, std::span<std::uint8_t>, const QueryOptions&);
+  using HitCounts =
+      void (*)(const Scene&, std::span<const Ray>, std::span<std::uint32_t>, const QueryOptions&);
+  constexpr ClosestHit kClosestHit = &closest_hit;
+  constexpr AnyHit kAnyHit = &any_hit;
+  constexpr HitCounts kHitCounts = &hit_counts;
+  scene.def("closest_hit", query_into<kClosestHit, Hit, WritableHits>, rays, out, nb::arg("wish"))
+      .def("any_hit", query_into<kAnyHit, std::uint8_t, WritableFlags>, rays, out, nb::arg("wish"))
+      .def("hit_counts", query_into<kHitCounts, std::uint32_t, WritableCounts>, rays, out,
+           nb::arg("wish"))
       .def("all_hits", query_all_hits, rays, nb::arg("wish"));
 }
 
@@ -270,12 +290,23 @@ void bind_contents(nb::class_<SharedScene>& scene) {
            [](SharedScene& s) {
              return s.look([](const Scene& c) { return c.context().threads(); });
            })
+      .def("is_on_cuda",
+           [](SharedScene& s) {
+             return s.look([](const Scene& c) { return c.context().device() == Device::kCuda; });
+           })
       .def("bounds", bounds);
 }
 
 }  // namespace
 
 void bind_scene(nb::module_& module) {
+  nb::class_<Place>(module, "Place")
+      .def(
+          "__init__",
+          [](Place* place, std::uintptr_t pointer, std::size_t count, std::uintptr_t stream) {
+            new (place) Place{pointer, count, stream};
+          },
+          nb::arg("pointer"), nb::arg("count"), nb::arg("stream"));
   nb::class_<Wish>(module, "Wish")
       .def(
           "__init__",
@@ -288,7 +319,7 @@ void bind_scene(nb::module_& module) {
   const auto vertices = nb::arg("vertices").noconvert();
   const auto triangles = nb::arg("triangles").noconvert().none();
   const auto transform = nb::arg("transform").noconvert();
-  scene.def(nb::init<std::uint32_t>(), nb::arg("threads"))
+  scene.def(nb::init<std::uint32_t, bool>(), nb::arg("threads"), nb::arg("cuda"))
       .def("add", add, vertices, triangles, nb::arg("place"), transform, nb::arg("mask"))
       .def("replace", replace, nb::arg("mesh"), vertices, triangles)
       .def("update", update, nb::arg("mesh"), vertices)

@@ -8,6 +8,7 @@ import json
 import numpy as np
 import pytest
 
+import raysheaf
 from raysheaf import bench
 
 
@@ -40,10 +41,30 @@ def test_a_small_run(tmp_path, capsys):
 
 def test_it_says_what_is_missing(monkeypatch):
     monkeypatch.setattr(bench.importlib.util, "find_spec", lambda name: None)
-    who, notes = bench.contenders(*bench.wavy_ball(100), threads=1)
+    who, notes = bench.contenders(*bench.wavy_ball(100), bench.Where(threads=1))
     assert list(who) == ["scene"] and notes == [
         "trimesh is not installed: raysheaf.Scene runs alone"
     ]
+
+
+@pytest.mark.parametrize("name", bench.BATCHES)
+def test_batches_meet_the_ball(name):
+    origins, directions = bench.BATCHES[name](4000)
+    assert origins.shape == directions.shape and abs(len(origins) - 4000) < 100
+    assert np.allclose(np.linalg.norm(directions, axis=1), 1)
+    scene = raysheaf.Scene()
+    scene.add(*bench.wavy_ball(2000))
+    assert scene.any_hit(origins, directions).mean() > 0.6
+
+
+def test_a_device_that_is_not_there(monkeypatch):
+    try:
+        raysheaf.Scene(device="cuda")
+        pytest.skip("there is a CUDA device")
+    except raysheaf.UnsupportedError:
+        pass
+    with pytest.raises(raysheaf.UnsupportedError):
+        bench.main(["--device", "cuda", "--rays", "10", "--triangles", "36", "--rounds", "1"])
 
 
 @pytest.mark.parametrize("wrong", [["--rays", "0"], ["--triangles", "3"], ["--rounds", "0"]])

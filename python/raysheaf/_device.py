@@ -1,0 +1,113 @@
+"""Arrays in the memory of a CUDA device: CuPy's, PyTorch's, Numba's, JAX's.
+
+They are read and written where they lie. All of these libraries say where that is by
+`__cuda_array_interface__` (https://numba.readthedocs.io/en/stable/cuda/cuda_array_interface.html).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal, Optional
+
+from . import _core
+
+Device = Literal["cpu", "cuda"]
+
+
+def is_cuda(device: str) -> bool:
+    """Which of the devices it names."""
+    if device not in ("cpu", "cuda"):
+        raise ValueError(f'device: {device!r} is given; "cpu" or "cuda" is expected')
+    return device == "cuda"
+
+
+@dataclass
+class DeviceArray:
+    """What an array says of itself, looked over."""
+
+    name: str  # of the argument
+    pointer: int
+    shape: tuple[int, ...]
+    dtype: str  # "float32"
+    writable: bool
+    stream: int  # a cudaStream_t; 0: none that matters
+
+    def __str__(self) -> str:
+        return f"an array of shape {self.shape} and dtype {self.dtype} on a CUDA device"
+
+    def place(self, row: tuple[int, ...]) -> _core.Place:
+        """Where it lies, as rows of the shape `row`."""
+        rows = self.shape[: len(self.shape) - len(row)]
+        return _core.Place(self.pointer, math.prod(rows), self.stream)
+
+
+_DTYPES = {
+    "<f4": "float32",
+    "<f8": "float64",
+    "<f2": "float16",
+    "|u1": "uint8",
+    "|b1": "bool",
+    "<u4": "uint32",
+    "<i4": "int32",
+    "<i8": "int64",
+}
+
+
+def device_array(value: Any, name: str) -> Optional[DeviceArray]:
+    """The array where it lies on a CUDA device; None for whatever else it is."""
+    try:
+        said = getattr(value, "__cuda_array_interface__", None)
+    except RuntimeError as error:  # a tensor that asks for gradients
+        raise TypeError(f"{name}: cannot be read as an array: {error}") from error
+    if said is None:
+        return None
+    pointer, read_only = said["data"]
+    dtype = _DTYPES.get(said["typestr"], said["typestr"])
+    array = DeviceArray(
+        name,
+        int(pointer or 0),
+        tuple(said["shape"]),
+        dtype,
+        not read_only,
+        int(said.get("stream") or 0),
+    )
+    item = int(said["typestr"][2:])
+    strides, step = said.get("strides"), item
+    for length, stride in zip(reversed(array.shape), reversed(strides or ())):
+        if length > 1 and stride != step and math.prod(array.shape):
+            raise ValueError(
+                f"{name}: {array} is given, not in C order; one in C order is expected"
+            )
+        step *= length
+    return array
+
+
+def rays_there(array: DeviceArray) -> DeviceArray:
+    """Whole rays, or an exception."""
+    if array.dtype != "float32" or not array.shape or array.shape[-1] != 8:
+        raise ValueError(
+            f"{array.name}: {array} is given; on a device one of shape (..., 8) and dtype float32 "
+            "is expected: origin, t_min, direction, t_max of each ray"
+        )
+    return array
+
+
+def room_there(array: DeviceArray, shape: tuple[int, ...], dtypes: tuple[str, ...]) -> DeviceArray:
+    """Room for results, or an exception."""
+    if array.dtype not in dtypes or array.shape != shape or not array.writable:
+        raise ValueError(
+            f"{array.name}: {'' if array.writable else 'read-only '}{array} is given; a writable one "
+            f"of shape {shape} and dtype {' or '.join(dtypes)} is expected"
+        )
+    return array
+
+
+def require_cuda(scene: _core.Scene, *arrays: Any) -> None:
+    """Raises where an array lies on a device, and the scene does not."""
+    for array in arrays:
+        if isinstance(array, DeviceArray) and not scene.is_on_cuda():
+            raise TypeError(
+                f"{array.name}: {array} is given to a scene of the CPU; "
+                'one made by Scene(device="cuda") is expected'
+            )

@@ -1,0 +1,231 @@
+"""Arrays in a device's memory: what is refused, what is handed over, and, where there is a CUDA
+device, that the answers are those of the CPU."""
+
+from __future__ import annotations
+
+import ctypes
+
+import numpy as np
+import pytest
+from conftest import make_setting
+
+import raysheaf
+from raysheaf import _core, _device
+
+SETTING = make_setting(11)
+
+
+def packed_rays() -> np.ndarray:
+    origins, directions = SETTING.origins, SETTING.directions
+    rays = np.zeros((len(origins), 8), np.float32)
+    rays[:, 0:3], rays[:, 4:7], rays[:, 7] = origins, directions, np.inf
+    return rays
+
+
+class Fake:
+    """Says that it lies on a device; nothing is read from there."""
+
+    def __init__(self, shape, typestr="<f4", **more):
+        self.__cuda_array_interface__ = {
+            "data": (4096, False),
+            "shape": shape,
+            "typestr": typestr,
+            "version": 3,
+            **more,
+        }
+
+
+class WithGradient:
+    """As PyTorch's tensors that ask for gradients."""
+
+    @property
+    def __cuda_array_interface__(self):
+        raise RuntimeError("Can't get __cuda_array_interface__ on Variable that requires grad.")
+
+
+def scene_of_the_cpu() -> raysheaf.Scene:
+    scene = raysheaf.Scene()
+    scene.add(SETTING.vertices, SETTING.triangles)
+    return scene
+
+
+def test_devices_have_names():
+    assert raysheaf.Scene().device == "cpu"
+    with pytest.raises(ValueError, match='device: \'gpu\' is given; "cpu" or "cuda"'):
+        raysheaf.Scene(device="gpu")
+    with pytest.raises(ValueError, match="device: 'gpu' is given"):
+        raysheaf.render("builtin:cornell", width=8, height=8, device="gpu")
+
+
+def test_a_device_that_is_not_there():
+    try:
+        raysheaf.Scene(device="cuda")
+    except raysheaf.UnsupportedError as error:
+        assert "CUDA" in str(error)
+        with pytest.raises(raysheaf.UnsupportedError):
+            raysheaf.render("builtin:cornell", width=8, height=8, device="cuda")
+    else:
+        pytest.skip("there is a CUDA device")
+
+
+@pytest.mark.parametrize(
+    "given, sentence",
+    [
+        (
+            Fake((5, 8)),
+            "rays: an array of shape \\(5, 8\\) and dtype float32 on a CUDA device is given to a scene of the CPU",
+        ),
+        (
+            Fake((5, 8), "<f8"),
+            "dtype float64 .* is given; on a device one of shape \\(..., 8\\) and dtype float32",
+        ),
+        (Fake((5, 7)), "shape \\(5, 7\\) .* one of shape \\(..., 8\\)"),
+        (Fake(()), "one of shape \\(..., 8\\)"),
+        (Fake((5, 8), strides=(64, 4)), "not in C order"),
+        (WithGradient(), "rays: cannot be read as an array: Can't get"),
+    ],
+)
+def test_rays_that_cannot_be_read(given, sentence):
+    with pytest.raises((TypeError, ValueError), match=sentence):
+        scene_of_the_cpu().closest_hit(given)
+
+
+def test_only_whole_rays_lie_on_devices():
+    with pytest.raises(TypeError, match="origins: .* is given besides directions"):
+        scene_of_the_cpu().any_hit(Fake((5, 3)), [0, 0, 1])
+    with pytest.raises(TypeError, match="directions: .* in the memory of the CPU is expected"):
+        scene_of_the_cpu().any_hit([0, 0, 0], Fake((5, 3)))
+    with pytest.raises(TypeError, match="vertices: .* in the memory of the CPU is expected"):
+        raysheaf.Scene().add(Fake((3, 3)), [[0, 1, 2]])
+
+
+def test_room_for_results():
+    scene, rays = scene_of_the_cpu(), packed_rays()
+    with pytest.raises(TypeError, match="out: .* is given to a scene of the CPU"):
+        scene.any_hit(rays, out=Fake((len(rays),), "|b1"))
+    with pytest.raises(
+        TypeError, match="out: ndarray is given; an array on a CUDA device, or None"
+    ):
+        scene.hit_counts(rays, out=np.zeros(len(rays), np.uint32))
+    good = _device.device_array(Fake((2, 3, 6)), "out")
+    assert _device.room_there(good, (2, 3, 6), ("float32",)) is good
+    for wrong in (
+        Fake((2, 3, 6), "<f8"),
+        Fake((6, 6)),
+        Fake((2, 3, 6), data=(4096, True)),
+    ):
+        array = _device.device_array(wrong, "out")
+        with pytest.raises(ValueError, match="out: .* a writable one of shape \\(2, 3, 6\\)"):
+            _device.room_there(array, (2, 3, 6), ("float32",))
+
+
+def test_what_arrays_say():
+    array = _device.device_array(Fake((4, 2, 8), stream=2, strides=(64, 32, 4)), "rays")
+    assert (array.shape, array.dtype, array.stream) == ((4, 2, 8), "float32", 2)
+    assert _device.device_array(Fake((0, 8), data=(None, False)), "rays").pointer == 0
+    assert _device.device_array(Fake((1, 8), strides=(4, 4)), "rays") is not None
+    for other in (None, 3.0, [1, 2], np.zeros(3)):
+        assert _device.device_array(other, "rays") is None
+
+
+def place(array: np.ndarray) -> _core.Place:
+    """Of an array of numpy: a scene of the CPU follows the pointer."""
+    return _core.Place(array.ctypes.data, len(array), 0)
+
+
+def test_pointers_are_handed_over():
+    scene, rays = scene_of_the_cpu(), packed_rays()
+    wish = _core.Wish(0xFFFFFFFF, False, True, None)
+    hits = raysheaf.Hits.empty(len(rays))
+    scene._core.closest_hit(place(rays), place(hits.array), wish)
+    assert hits.array.tobytes() == scene.closest_hit(rays).array.tobytes()
+    flags = np.full(len(rays), 7, np.uint8)
+    scene._core.any_hit(rays, place(flags), wish)
+    assert (flags.view(np.bool_) == scene.any_hit(rays)).all()
+    counts = np.zeros(len(rays), np.uint32)
+    scene._core.hit_counts(place(rays), counts, wish)
+    assert (counts == scene.hit_counts(rays)).all() and counts.any()
+    offsets, _ = scene._core.all_hits(place(rays), wish)
+    assert offsets[-1] == counts.sum()
+
+
+class OnCuda:
+    """An array of numpy's, copied to the device by CUDA's own library."""
+
+    _cuda = None
+
+    @classmethod
+    def library(cls):
+        if cls._cuda is None:
+            for name in ("libcudart.so", "libcudart.so.13", "libcudart.so.12"):
+                try:
+                    cls._cuda = ctypes.CDLL(name)
+                    break
+                except OSError:
+                    continue
+        return cls._cuda
+
+    def __init__(self, array):
+        self._like = np.ascontiguousarray(array)
+        self._at = ctypes.c_void_p()
+        cuda = self.library()
+        assert cuda.cudaMalloc(ctypes.byref(self._at), ctypes.c_size_t(self._like.nbytes)) == 0
+        size = ctypes.c_size_t(self._like.nbytes)
+        assert cuda.cudaMemcpy(self._at, ctypes.c_void_p(self._like.ctypes.data), size, 1) == 0
+
+    @property
+    def __cuda_array_interface__(self):
+        return {
+            "data": (self._at.value, False),
+            "shape": self._like.shape,
+            "typestr": self._like.dtype.str,
+            "version": 3,
+            "stream": 1,
+        }
+
+    def back(self) -> np.ndarray:
+        copy = np.empty_like(self._like)
+        size = ctypes.c_size_t(copy.nbytes)
+        assert self.library().cudaMemcpy(ctypes.c_void_p(copy.ctypes.data), self._at, size, 2) == 0
+        return copy
+
+    def __del__(self):
+        self.library().cudaFree(self._at)
+
+
+@pytest.fixture
+def on_cuda():
+    try:
+        scene = raysheaf.Scene(device="cuda")
+    except raysheaf.UnsupportedError as error:
+        pytest.skip(str(error))
+    if OnCuda.library() is None:
+        pytest.skip("there is no libcudart")
+    scene.add(SETTING.vertices, SETTING.triangles)
+    return scene
+
+
+def test_answers_are_those_of_the_cpu(on_cuda):
+    here, rays = scene_of_the_cpu(), packed_rays()
+    there = OnCuda(rays)
+    expected = here.closest_hit(rays)
+    assert on_cuda.closest_hit(rays).array.tobytes() == expected.array.tobytes()
+    assert on_cuda.closest_hit(there).array.tobytes() == expected.array.tobytes()
+    room = OnCuda(np.zeros((len(rays), 6), np.float32))
+    assert on_cuda.closest_hit(there, out=room) is room
+    assert room.back().tobytes() == expected.array.tobytes()
+    flags = OnCuda(np.zeros(len(rays), np.bool_))
+    on_cuda.any_hit(rays, out=flags)
+    assert (flags.back() == here.any_hit(rays)).all()
+    counts = OnCuda(np.zeros(len(rays), np.uint32))
+    on_cuda.hit_counts(there, out=counts)
+    assert (counts.back() == here.hit_counts(rays)).all()
+    rows = on_cuda.all_hits(there)
+    assert rows.hits.array.tobytes() == here.all_hits(rays).hits.array.tobytes()
+
+
+def test_pictures_are_those_of_the_cpu(on_cuda):
+    for scene in ("builtin:cornell", "builtin:office"):
+        here = raysheaf.render(scene, width=64, height=48)
+        there = raysheaf.render(scene, width=64, height=48, device="cuda")
+        assert there.beauty.tobytes() == here.beauty.tobytes()
