@@ -19,9 +19,9 @@ using Rays = nb::ndarray<const float, nb::shape<-1, 8>, nb::c_contig, nb::device
 /// Where an array lies that numpy does not reach: `count` rows from `pointer` on in a device's
 /// memory, and the stream (a cudaStream_t) on which they are made.
 struct Place {
-  std::uintptr_t pointer = 0;
+  void* pointer = nullptr;
   std::size_t count = 0;
-  std::uintptr_t stream = 0;
+  void* stream = nullptr;
 };
 
 void bind_errors(nb::module_& module);

@@ -6,6 +6,7 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include <bit>
 #include <cstring>
 #include <memory>
 #include <optional>
@@ -78,7 +79,7 @@ using Anywhere = std::variant<Array, Place>;
 template <class Item, class Array>
 std::span<Item> items_of(const Anywhere<Array>& from) {
   if (const Place* place = std::get_if<Place>(&from))
-    return {reinterpret_cast<Item*>(place->pointer), place->count};
+    return {static_cast<Item*>(place->pointer), place->count};
   const Array& array = std::get<Array>(from);
   return {reinterpret_cast<Item*>(array.data()), array.shape(0)};
 }
@@ -87,7 +88,7 @@ std::span<Item> items_of(const Anywhere<Array>& from) {
 template <class Array>
 void* stream_of(const Anywhere<Rays>& rays, const Anywhere<Array>& out) {
   for (const Place* place : {std::get_if<Place>(&rays), std::get_if<Place>(&out)})
-    if (place != nullptr && place->stream != 0) return reinterpret_cast<void*>(place->stream);
+    if (place != nullptr && place->stream != nullptr) return place->stream;
   return nullptr;
 }
 
@@ -304,7 +305,7 @@ void bind_scene(nb::module_& module) {
       .def(
           "__init__",
           [](Place* place, std::uintptr_t pointer, std::size_t count, std::uintptr_t stream) {
-            new (place) Place{pointer, count, stream};
+            new (place) Place{std::bit_cast<void*>(pointer), count, std::bit_cast<void*>(stream)};
           },
           nb::arg("pointer"), nb::arg("count"), nb::arg("stream"));
   nb::class_<Wish>(module, "Wish")

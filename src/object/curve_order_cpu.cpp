@@ -11,7 +11,7 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::uint32_t kMinBlock = 8192, kMostSortBlocks = 32;
+constexpr std::uint32_t kMinSortBlock = 8192, kMostSortBlocks = 32;
 constexpr std::uint32_t kMostBucketBits = 12;
 /// Buckets that follow each other share a task up to this many triangles.
 constexpr std::uint32_t kTaskTriangles = 1024;
@@ -36,7 +36,7 @@ struct Block {
 };
 
 std::vector<Block> blocks_of(std::uint32_t count) {
-  std::vector<Block> blocks(std::clamp(count / kMinBlock, 1u, kMostSortBlocks));
+  std::vector<Block> blocks(std::clamp(count / kMinSortBlock, 1u, kMostSortBlocks));
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     blocks[b].begin = static_cast<std::uint32_t>(std::uint64_t{count} * b / blocks.size());
     blocks[b].end = static_cast<std::uint32_t>(std::uint64_t{count} * (b + 1) / blocks.size());
