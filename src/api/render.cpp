@@ -31,8 +31,13 @@ void check_for_device(const RenderOptions& options) {
   const auto refuse = [](const char* sentence, const char* option) {
     throw Error(ErrorCode::kUnsupported, sentence, option);
   };
-  if (options.method == Method::kGl10) refuse("gl10 does not run on a CUDA device", "method");
-  if (options.method != Method::kRah && options.method != Method::kCrsh) return;
+  if (options.method == Method::kDual || options.method == Method::kBrute) return;
+  if (options.count_pixel_tests)
+    refuse(
+        "rah, crsh and gl10 do not count the tests of pixels on a CUDA device, which heat maps and "
+        "OpenEXR show",
+        "tests");
+  if (options.method == Method::kGl10) return;
   const RayKey key = options.key.value_or(RayKey::kCrsh);
   if (key != RayKey::kCrsh && key != RayKey::kRaster)
     refuse("a CUDA device sorts rays by the key crsh, or leaves them in raster order", "key");
@@ -40,11 +45,6 @@ void check_for_device(const RenderOptions& options) {
     refuse("a CUDA device bounds rays by sphere-cone alone", "bound");
   if (options.bundle_samples != 0)
     refuse("bundles of rays are not measured on a CUDA device", "bundle_samples");
-  if (options.count_pixel_tests)
-    refuse(
-        "rah and crsh do not count the tests of pixels on a CUDA device, which heat maps and "
-        "OpenEXR show",
-        "tests");
 }
 
 /// Whether all that a frame does with its fragments is what a device does bit for bit: sines and

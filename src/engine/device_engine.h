@@ -78,6 +78,7 @@ class DeviceEngine {
 };
 
 class PairTracer;
+class PacketTracer;
 class BlockTracer;
 class DeviceStages;
 struct BlockLimits;
@@ -91,6 +92,8 @@ class DeviceBackend {
   [[nodiscard]] virtual std::unique_ptr<DeviceEngine> make_engine() const = 0;
   /// Of `rah` and `crsh` (engine/pair_tracer.h).
   [[nodiscard]] virtual std::unique_ptr<PairTracer> make_pair_tracer() const = 0;
+  /// Of `gl10` (engine/packet_tracer.h).
+  [[nodiscard]] virtual std::unique_ptr<PacketTracer> make_packet_tracer() const = 0;
   /// Of what streams (engine/block_tracer.h). `executor` outlives it.
   [[nodiscard]] virtual std::unique_ptr<BlockTracer> make_block_tracer(
       const Executor& executor, const BlockLimits& limits) const = 0;

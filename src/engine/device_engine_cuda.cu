@@ -2,6 +2,7 @@
 #include "engine/device_engine-inl.h"
 #include "engine/frame_stages.h"
 #include "engine/measure_copy-inl.h"
+#include "engine/packet_tracer.h"
 #include "engine/pair_tracer.h"
 #include "exec/cuda/launch-inl.h"
 
@@ -18,6 +19,9 @@ class CudaBackend : public DeviceBackend {
   }
   [[nodiscard]] std::unique_ptr<PairTracer> make_pair_tracer() const override {
     return make_cuda_pair_tracer(kPairListCapacity);
+  }
+  [[nodiscard]] std::unique_ptr<PacketTracer> make_packet_tracer() const override {
+    return make_cuda_packet_tracer(kPairCapacity);
   }
   [[nodiscard]] std::unique_ptr<BlockTracer> make_block_tracer(
       const Executor& executor, const BlockLimits& limits) const override {

@@ -4,6 +4,7 @@
 #include "engine/device_engine-inl.h"
 #include "engine/frame_stages.h"
 #include "engine/measure_copy-inl.h"
+#include "engine/packet_tracer.h"
 #include "engine/pair_tracer.h"
 #include "exec/cpu/emulated_device.h"
 
@@ -21,6 +22,9 @@ class EmulatedBackend : public DeviceBackend {
   }
   [[nodiscard]] std::unique_ptr<PairTracer> make_pair_tracer() const override {
     return make_emulated_pair_tracer(kPairListCapacity, executor_, memory_, allocator_);
+  }
+  [[nodiscard]] std::unique_ptr<PacketTracer> make_packet_tracer() const override {
+    return make_emulated_packet_tracer(kPairCapacity, executor_, memory_, allocator_);
   }
   [[nodiscard]] std::unique_ptr<BlockTracer> make_block_tracer(
       const Executor& executor, const BlockLimits& limits) const override {

@@ -55,6 +55,19 @@ PairTracer& DeviceTracer::pairs(const Executor& executor) {
   return *pairs_;
 }
 
+PacketCounts DeviceTracer::trace_packets(const Executor& executor, const Bvh& bvh,
+                                         const PacketBatch& batch, View<RayHit> best) {
+  if (packets_ == nullptr) {
+    const Buffer<Vec3> all = corners(executor);
+    std::unique_ptr<PacketTracer> made = backend_.make_packet_tracer();
+    made->set_scene({View<const Vec3>(all),
+                     View<const std::uint8_t>(scene_.flags.data(), scene_.triangle_count),
+                     scene_.bounds, bvh});
+    packets_ = std::move(made);
+  }
+  return packets_->trace(batch, best);
+}
+
 std::vector<RayHit> DeviceTracer::trace_pairs(const Executor& executor, const RayBatch& batch,
                                               PairQuery query, bool by_key, PairOutcome* outcome) {
   query.key_bits = batch.key_bits;

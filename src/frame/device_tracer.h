@@ -1,11 +1,12 @@
-// The renderer's batches on a device: a DeviceEngine (engine/device_engine.h) or a PairTracer
-// (engine/pair_tracer.h) on a flat scene.
+// The renderer's batches on a device: a DeviceEngine (engine/device_engine.h), a PairTracer
+// (engine/pair_tracer.h) or a PacketTracer (engine/packet_tracer.h) on a flat scene.
 #pragma once
 
 #include <memory>
 #include <vector>
 
 #include "engine/device_engine.h"
+#include "engine/packet_tracer.h"
 #include "engine/pair_tracer.h"
 #include "raygen/raygen.h"
 #include "raysheaf/statistics.h"
@@ -30,6 +31,10 @@ class DeviceTracer {
   [[nodiscard]] std::vector<RayHit> trace_pairs(const Executor& executor, const RayBatch& batch,
                                                 PairQuery query, bool by_key, PairOutcome* outcome);
 
+  /// By `gl10`, with the hierarchy of the scene: as `traverse_packets`.
+  PacketCounts trace_packets(const Executor& executor, const Bvh& bvh, const PacketBatch& batch,
+                             View<RayHit> best);
+
  private:
   [[nodiscard]] DeviceEngine& engine(const Executor& executor);
   [[nodiscard]] PairTracer& pairs(const Executor& executor);
@@ -38,6 +43,7 @@ class DeviceTracer {
   const FlatScene& scene_;
   const DeviceBackend& backend_;
   std::unique_ptr<PairTracer> pairs_;
+  std::unique_ptr<PacketTracer> packets_;
   std::unique_ptr<DeviceEngine> engine_;
   Buffer<EngineHit> closest_;
   Buffer<std::uint8_t> occluded_;

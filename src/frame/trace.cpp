@@ -159,9 +159,16 @@ std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& sce
   traversal.facing = options.facing;
   std::vector<RayHit> best(order.size());
   std::vector<float> tests(ray_tests.empty() ? 0 : order.size());
-  add_counts(
-      traverse_packets(executor, scene, *cache.bvh, packets, rays, traversal, best, tests, meter),
-      statistics);
+  if (cache.backend != nullptr) {
+    if (!cache.device) cache.device = std::make_unique<DeviceTracer>(scene, *cache.backend);
+    const PacketBatch ordered{View<const Ray>(rays), View<const Packet>(packets), traversal};
+    add_counts(cache.device->trace_packets(executor, *cache.bvh, ordered, best), statistics);
+    meter->advance(packets.size());
+  } else {
+    add_counts(
+        traverse_packets(executor, scene, *cache.bvh, packets, rays, traversal, best, tests, meter),
+        statistics);
+  }
 
   watch.lap_ms();
   std::vector<RayHit> hits(order.size());
@@ -290,8 +297,9 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
                           View<float> ray_tests, ProgressMeter* meter) {
   begin_batch(scene, batch, statistics);
   if (batch.rays.empty()) return {};
-  const TraceFunction method =
-      runs_on_device(options) ? trace_on_device : function_of(options.method.traversal);
+  // Packets are made by the CPU for either.
+  const bool elsewhere = runs_on_device(options) && options.method.traversal != Traversal::kPackets;
+  const TraceFunction method = elsewhere ? trace_on_device : function_of(options.method.traversal);
   const auto trace_all = [&](const RayBatch& rays, BatchStatistics* counted, View<float> tests,
                              ProgressMeter* progress) {
     return method(executor, scene, rays, options, counted, tests, progress);

@@ -5,18 +5,10 @@
 #include <vector>
 
 #include "base/aligned.h"
-#include "packet/frustum_body.h"
+#include "packet/leaf_body.h"
 #include "packet/packet_traverse.h"
 
 namespace raysheaf {
-
-/// Triangles that are tested with all rays of a packet in one go.
-inline constexpr std::uint32_t kPacketChunk = 64;
-
-/// A child of a node that is a leaf.
-RAYSHEAF_HD inline std::uint32_t leaf_ref(std::uint32_t node, std::uint32_t child) {
-  return node * kBvhWidth + child;
-}
 
 /// A packet, its bound, and its leaves.
 struct PacketWork {
@@ -53,11 +45,6 @@ class PacketLeaves {
       return begin != other.begin ? begin < other.begin : triangle < other.triangle;
     }
   };
-  /// Between which depths all triangles of a chunk are, from the frustum's origin.
-  struct Depths {
-    float begin, end;
-  };
-
   void find_candidates(const PacketWork& work);
   Depths gather(const PacketWork& work, std::size_t first, std::uint32_t count);
   void meet_chunk(const PacketWork& work, Depths depths, std::uint32_t count);

@@ -26,27 +26,6 @@ struct Pairs {
   }
 };
 
-/// The children of a node that a packet met, a bit each.
-struct Met {
-  std::uint8_t nodes = 0, leaves = 0;
-};
-
-std::uint32_t ones(std::uint8_t bits) {
-  return static_cast<std::uint32_t>(__builtin_popcount(bits));
-}
-
-Met meet_children(const PacketFrustum& frustum, const BvhNode& node) {
-  Met met;
-  for (std::uint32_t c = 0; c < node.children; ++c) {
-    const Vec3 low{node.bound[0][c], node.bound[1][c], node.bound[2][c]};
-    const Vec3 high{node.bound[3][c], node.bound[4][c], node.bound[5][c]};
-    if (!meets(frustum, low, high)) continue;
-    std::uint8_t& bits = node.is_leaf(c) ? met.leaves : met.nodes;
-    bits = static_cast<std::uint8_t>(bits | (1u << c));
-  }
-  return met;
-}
-
 class Sweep {
  public:
   Sweep(const Executor& executor, const FlatScene& scene, const Bvh& bvh,

@@ -131,8 +131,10 @@ TEST(DeviceContext, RendersAsTheCpu) {
   EXPECT_EQ(there.statistics.device, "cuda");
   EXPECT_EQ(here.statistics.device, "cpu");
   options.method = Method::kGl10;
-  expect_error(ErrorCode::kUnsupported, "method", "gl10 does not run on a CUDA device",
+  options.count_pixel_tests = true;
+  expect_error(ErrorCode::kUnsupported, "tests", "gl10 do not count the tests of pixels",
                [&] { static_cast<void>(render(emulation.context, scene, options)); });
+  options.count_pixel_tests = false;
   options.method = Method::kCrsh;
   options.bound = BundleBound::kShaft;
   expect_error(ErrorCode::kUnsupported, "bound", "sphere-cone",

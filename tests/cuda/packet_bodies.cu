@@ -7,7 +7,8 @@ namespace raysheaf::test {
 
 std::vector<CompiledCase> compiled_packet_cases() {
   return {compiled<PacketBoundCase>("PacketBound"), compiled<PacketPartsCase>("PacketParts"),
-          compiled<BvhCase>("Bvh"), compiled<LaunchCase>("Launch")};
+          compiled<PacketLeafCase>("PacketLeaf"), compiled<BvhCase>("Bvh"),
+          compiled<LaunchCase>("Launch")};
 }
 
 }  // namespace raysheaf::test

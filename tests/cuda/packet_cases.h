@@ -4,7 +4,7 @@
 #include "cuda/words.h"
 #include "object/bvh.h"
 #include "packet/frustum_body.h"
-#include "packet/packet_leaves.h"
+#include "packet/leaf_body.h"
 #include "packet/packets.h"
 
 namespace raysheaf::test {
@@ -68,6 +68,34 @@ struct PacketPartsCase {
     choose_slopes(packet.view(), (packet.axis + 1) % 3, 0, &f);
     measure_planes({room.data, room.size}, (packet.axis + 1) % 3, 0, &f);
     put_frustum(out, f);
+  }
+};
+
+struct PacketLeafCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    const PacketRays packet(draws);
+    RayEnd ends[2 * PacketRays::kCount];
+    const PacketFrustum f = bound_packet(packet.view(), packet.axis, packet.scene,
+                                         View<RayEnd>(ends, 2 * PacketRays::kCount));
+    BvhNode node;
+    node.children = kBvhWidth;
+    for (std::uint32_t c = 0; c < kBvhWidth; ++c) {
+      node.count[c] = static_cast<std::uint8_t>(draws.below(2));
+      const Vec3 low = draws.in_box(9), high = low + abs(draws.in_box(3));
+      for (int k = 0; k < 3; ++k) {
+        node.bound[k][c] = component(low, k);
+        node.bound[k + 3][c] = component(high, k);
+      }
+    }
+    const Met met = meet_children(f, node);
+    out.put(std::uint32_t{met.nodes}, std::uint32_t{met.leaves}, ones(met.nodes));
+    const float sign = packet_sign(f, packet.rays[0].direction);
+    const Vec3 a = draws.in_box(9), b = draws.in_box(9), c = draws.in_box(9);
+    out.put(sign, triangle_begin(f, sign, a, b, c), ordered_bits(a.x * draws.scale()));
+    Depths depths;
+    depths.enlarge(a.x);
+    depths.enlarge(b.x);
+    out.put(least_t(make_ray_setup(packet.rays[2]), c.x, depths), depths.begin, depths.end);
   }
 };
 

@@ -14,11 +14,12 @@ namespace {
 void expect_the_cpus_frame(const Context& context) {
   SceneDescription scene = test::ball_on_floor();
   scene.lights.push_back(test::point_light({-3, 2, 2}, 30));
-  for (const Method method : {Method::kDual, Method::kBrute, Method::kRah, Method::kCrsh}) {
+  for (const Method method :
+       {Method::kDual, Method::kBrute, Method::kRah, Method::kCrsh, Method::kGl10}) {
     RenderOptions options = test::small_options(method == Method::kDual ? 96 : 16);
     options.primary = Primary::kTrace;
     options.method = method;
-    const bool hierarchy = method == Method::kRah || method == Method::kCrsh;
+    const bool hierarchy = method != Method::kDual && method != Method::kBrute;
     options.count_pixel_tests = !hierarchy;
     const RenderResult here = render(scene, options);
     const RenderResult there = render(context, scene, options);
