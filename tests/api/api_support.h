@@ -6,6 +6,7 @@
 #include <bit>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "base/vec.h"
 #include "raysheaf/error.h"
@@ -50,6 +51,22 @@ struct Square {
 
   explicit Square(float z = 0, float half = 1)
       : positions{{-half, -half, z}, {half, -half, z}, {half, half, z}, {-half, half, z}} {}
+};
+
+/// Triangles with edges up to `size` at random within 4 of the origin, and rays from within 5.
+struct RandomSoup {
+  std::vector<Vec3> positions;
+  std::vector<Ray> rays;
+
+  RandomSoup(std::size_t triangles, std::size_t ray_count, float size = 1) {
+    Random random(7);
+    for (std::size_t i = 0; i < triangles; ++i) {
+      const Vec3 p = random.in_box(4);
+      positions.insert(positions.end(), {p, p + random.in_box(size), p + random.in_box(size)});
+    }
+    for (std::size_t i = 0; i < ray_count; ++i)
+      rays.push_back({random.in_box(5), 0, random.direction(), kInfinity});
+  }
 };
 
 /// Looks along +z at (x, y) from z = -10.

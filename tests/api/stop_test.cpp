@@ -8,21 +8,6 @@
 namespace raysheaf::test {
 namespace {
 
-struct Moving {
-  std::vector<Vec3> positions;
-  std::vector<Ray> rays;
-
-  Moving(std::size_t triangles, std::size_t ray_count) {
-    Random random(11);
-    for (std::size_t i = 0; i < triangles; ++i) {
-      const Vec3 p = random.in_box(4);
-      positions.insert(positions.end(), {p, p + random.in_box(0.2f), p + random.in_box(0.2f)});
-    }
-    for (std::size_t i = 0; i < ray_count; ++i)
-      rays.push_back({random.in_box(5), 0, random.direction(), kInfinity});
-  }
-};
-
 /// Whether `ask(options)` was stopped, when asked to after `delay`.
 template <class Ask>
 bool stopped(std::chrono::microseconds delay, QueryOptions options, const Ask& ask) {
@@ -44,7 +29,7 @@ bool stopped(std::chrono::microseconds delay, QueryOptions options, const Ask& a
 }
 
 TEST(Stop, BeforeItBegins) {
-  const Moving moving(4, 4);
+  const RandomSoup moving(4, 4, 0.2f);
   Scene scene(Context({.threads = 2}));
   scene.add_soup(moving.positions);
   scene.commit();
@@ -58,7 +43,7 @@ TEST(Stop, BeforeItBegins) {
 
 // It would take many seconds.
 TEST(Stop, BruteForceEndsSoon) {
-  const Moving moving(20'000, 200'000);
+  const RandomSoup moving(20'000, 200'000, 0.2f);
   for (const std::uint32_t threads : {1u, 3u}) {
     Scene scene(Context({.threads = threads}));
     scene.add_soup(moving.positions);
@@ -77,7 +62,7 @@ TEST(Stop, BruteForceEndsSoon) {
 
 // Wherever a query is stopped (in its tree, its order, its rays), the next one is answered as ever.
 TEST(Stop, TheSceneAnswersTheNextQuery) {
-  Moving moving(5'000, 8'000);
+  RandomSoup moving(5'000, 8'000, 0.2f);
   Scene scene(Context({.threads = 2}));
   const MeshId mesh = scene.add_soup(moving.positions);
   scene.commit();

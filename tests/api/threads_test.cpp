@@ -9,23 +9,8 @@
 namespace raysheaf::test {
 namespace {
 
-struct Soup {
-  std::vector<Vec3> positions;
-  std::vector<Ray> rays;
-
-  explicit Soup(std::size_t triangles, std::size_t ray_count) {
-    Random random(7);
-    for (std::size_t i = 0; i < triangles; ++i) {
-      const Vec3 p = random.in_box(4);
-      positions.insert(positions.end(), {p, p + random.in_box(1), p + random.in_box(1)});
-    }
-    for (std::size_t i = 0; i < ray_count; ++i)
-      rays.push_back({random.in_box(5), 0, random.direction(), kInfinity});
-  }
-};
-
 TEST(Threads, QueriesOfOneSceneRunTogether) {
-  const Soup soup(300, 200);
+  const RandomSoup soup(300, 200);
   Scene scene(Context({.threads = 2}));
   scene.add_soup(soup.positions, {.mask = 1});
   scene.add_soup(soup.positions, {.transform = translation({1, 0, 0}), .mask = 2});
@@ -56,7 +41,7 @@ TEST(Threads, QueriesOfOneSceneRunTogether) {
 
 // Changes come while queries run: each is refused as a whole or made as a whole.
 TEST(Threads, ChangesDuringAQueryAreRefused) {
-  const Soup soup(2000, 600);
+  const RandomSoup soup(2000, 600);
   Scene scene(Context({.threads = 2}));
   const MeshId mesh = scene.add_soup(soup.positions);
   scene.commit();
@@ -105,7 +90,7 @@ TEST(Threads, ChangesDuringAQueryAreRefused) {
 }
 
 TEST(Threads, ScenesOfOneContextAreIndependent) {
-  const Soup soup(200, 100);
+  const RandomSoup soup(200, 100);
   const Context context({.threads = 2});
   std::atomic<int> wrong = 0;
   std::vector<std::thread> threads;

@@ -12,21 +12,16 @@ namespace {
 
 constexpr int kRounds = 12;
 
-struct FannedSoup {
-  std::vector<Vec3> still, moved;
-  std::vector<Ray> rays, fan;
+/// Where its triangles go, and rays from one point.
+struct FannedSoup : RandomSoup {
+  std::vector<Vec3> moved;
+  std::vector<Ray> fan;
 
-  FannedSoup() {
+  FannedSoup() : RandomSoup(200, 150) {
+    for (const Vec3& p : positions) moved.push_back(p + Vec3{0.5f, 0, 0});
     Random random(17);
-    for (int i = 0; i < 200; ++i) {
-      const Vec3 p = random.in_box(4);
-      still.insert(still.end(), {p, p + random.in_box(1), p + random.in_box(1)});
-    }
-    for (const Vec3& p : still) moved.push_back(p + Vec3{0.5f, 0, 0});
-    for (int i = 0; i < 150; ++i) {
-      rays.push_back({random.in_box(5), 0, random.direction(), kInfinity});
+    for (std::size_t i = 0; i < rays.size(); ++i)
       fan.push_back({{6, 0, 0}, 0, random.direction(), kInfinity});
-    }
   }
 };
 
@@ -59,7 +54,7 @@ Answers answers_of(const Context& context, const FannedSoup& soup,
 class Together {
  public:
   Together() {
-    mesh_ = scene_.add_soup(soup_.still);
+    mesh_ = scene_.add_soup(soup_.positions);
     scene_.commit();
   }
 
@@ -83,7 +78,7 @@ class Together {
   void change() {
     for (int round = 0; round < 4 * kRounds; ++round) {
       try {
-        scene_.update(mesh_, round % 2 == 0 ? soup_.moved : soup_.still);
+        scene_.update(mesh_, round % 2 == 0 ? soup_.moved : soup_.positions);
       } catch (const Error& error) {
         if (error.code() != ErrorCode::kWrongState) ++wrong_;
       }
@@ -93,7 +88,7 @@ class Together {
   /// A scene of its own in the same context.
   void own() {
     for (int round = 0; round < kRounds / 2; ++round)
-      if (!(answers_of(context_, soup_, round % 2 == 0 ? soup_.still : soup_.moved) ==
+      if (!(answers_of(context_, soup_, round % 2 == 0 ? soup_.positions : soup_.moved) ==
             (round % 2 == 0 ? still_ : moved_)))
         ++wrong_;
   }
@@ -123,7 +118,7 @@ class Together {
 
   const FannedSoup soup_;
   const Context context_{{.threads = 2}};
-  const Answers still_ = answers_of(context_, soup_, soup_.still),
+  const Answers still_ = answers_of(context_, soup_, soup_.positions),
                 moved_ = answers_of(context_, soup_, soup_.moved);
   const SceneDescription box_ = builtin_scene("cornell");
   const std::vector<Vec3> picture_ = render(box_, small_options(16)).beauty;
