@@ -9,7 +9,7 @@
 namespace raysheaf::app {
 namespace {
 
-constexpr double kWidth = 240, kHeight = 78, kBase = 60, kTop = 6;
+constexpr double kWidth = 240, kBase = 60, kTop = 6;
 
 struct Measure {
   const char *id, *title, *unit;
