@@ -1,7 +1,9 @@
 // Where scenes live and queries run: a device and a number of threads.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -32,6 +34,12 @@ class Context {
 
   [[nodiscard]] Device device() const noexcept;
   [[nodiscard]] std::uint32_t threads() const noexcept;
+
+  /// Calls `body(begin, end)` for disjoint ranges that make up [0, count), about `grain` items
+  /// or more each, in any order, on this context's threads: for making rays and reading hits. An
+  /// exception from a body ends the loop and is thrown here.
+  void for_each_block(std::size_t count, std::size_t grain,
+                      const std::function<void(std::size_t begin, std::size_t end)>& body) const;
 
  private:
   friend struct ContextAccess;

@@ -61,7 +61,9 @@ def _spread(array: NDArray[Any], shape: tuple[int, ...], tail: tuple[int, ...]) 
     return wide if len(shape) == 1 else wide.reshape((-1,) + tail)
 
 
-def _pack(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
+def _pack(
+    context: _core.Context, origins: Any, directions: Any, t_min: Any, t_max: Any
+) -> RayBatch:
     starts = _arrays.with_last_axis(origins, "origins", 3, "one of shape (..., 3)")
     ways = _arrays.with_last_axis(directions, "directions", 3, "one of shape (..., 3)")
     least = _arrays.floats(t_min, "t_min", "a number or an array")
@@ -75,6 +77,7 @@ def _pack(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
         ) from None
     rays = np.empty((int(np.prod(shape, dtype=np.int64)), 8), np.float32)
     _core.pack_rays(
+        context,
         _spread(starts, shape, (3,)),
         _spread(ways, shape, (3,)),
         _spread(least, shape, ()),
@@ -84,7 +87,9 @@ def _pack(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
     return RayBatch(rays, shape, packed=False)
 
 
-def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
+def batch_of(
+    context: _core.Context, origins: Any, directions: Any, t_min: Any, t_max: Any
+) -> RayBatch:
     """The batch of `origins` and `directions`, or of packed rays where there are no directions."""
     there = device_array(origins, "rays")
     if directions is not None:
@@ -94,7 +99,11 @@ def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
                 "array of shape (..., 8) and dtype float32"
             )
         return _pack(
-            origins, directions, 0.0 if t_min is None else t_min, np.inf if t_max is None else t_max
+            context,
+            origins,
+            directions,
+            0.0 if t_min is None else t_min,
+            np.inf if t_max is None else t_max,
         )
     if t_min is not None or t_max is not None:
         raise TypeError(

@@ -325,7 +325,7 @@ class Scene:
                [2.5, 2.5],
                [2.5, inf]], dtype=float32)
         """
-        batch = batch_of(origins, directions, t_min, t_max)
+        batch = batch_of(self._core.context(), origins, directions, t_min, t_max)
         there = device_array(out, "out")
         require_cuda(self._core, batch.rays, there)
         room: Union[NDArray[np.float32], _core.Place]
@@ -368,7 +368,7 @@ class Scene:
         >>> scene.any_hit([0.25, 0.25, 0], [[0, 0, 1], [0, 0, -1]])
         array([ True, False])
         """
-        batch = batch_of(origins, directions, t_min, t_max)
+        batch = batch_of(self._core.context(), origins, directions, t_min, t_max)
         occluded = np.empty(batch.count if out is None else 0, np.uint8)
         room = _room(self._core, batch, out, occluded, ("bool", "uint8"))
         with batch.named():
@@ -401,7 +401,7 @@ class Scene:
         >>> [row.t.tolist() for row in rows]
         [[1.0, 4.0], []]
         """
-        batch = batch_of(origins, directions, t_min, t_max)
+        batch = batch_of(self._core.context(), origins, directions, t_min, t_max)
         require_cuda(self._core, batch.rays)
         with batch.named():
             offsets, hits = self._core.all_hits(batch.asked, _wish(mask, method, check, statistics))
@@ -427,7 +427,7 @@ class Scene:
         Parameters and exceptions are those of `closest_hit`. Returns uint32 of the rays' shape: an
         array of numpy, or `out`, an array of dtype uint32 or int32 on a CUDA device.
         """
-        batch = batch_of(origins, directions, t_min, t_max)
+        batch = batch_of(self._core.context(), origins, directions, t_min, t_max)
         counts = np.empty(batch.count if out is None else 0, np.uint32)
         room = _room(self._core, batch, out, counts, ("uint32", "int32"))
         with batch.named():

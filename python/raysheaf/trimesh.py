@@ -37,6 +37,7 @@ _SAME_PLACE = 1e-6
 _FAR = 4.0
 # Directions of lengths between these keep their digits in float32.
 _SHORT, _LONG = 1e-15, 1e15
+_MOST_HITS = 2**62
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -57,12 +58,11 @@ class _Followed:
 
 @dataclass(frozen=True)
 class _Batch:
-    """Rays in the mesh's space, and those of them that can be asked in the scene's."""
+    """Rays in the mesh's space, and those of them that the scene can be asked, in its own."""
 
     origins: Floats
     directions: Floats
-    asked_origins: Floats
-    asked_directions: Floats
+    rays: NDArray[np.float32]  # (n, 8), packed
     asked: Optional[Ints]  # which ones; None: all
 
 
@@ -152,76 +152,60 @@ class RayMeshIntersector:
                 f"ray_origins {origins.shape}, ray_directions {directions.shape}: "
                 "two arrays of one shape (n, 3) are expected"
             )
+        middle = (followed.center - followed.origin) * followed.scale
+        reach = _FAR * followed.size * followed.scale
+        frame = _core.Frame(
+            followed.origin.tolist(), middle.tolist(), followed.scale, reach, _SHORT, _LONG
+        )
+        rays = np.empty((len(origins), 8), np.float32)
+        if _core.pack_rays_in_frame(self._context(), origins, directions, frame, rays):
+            return _Batch(origins, directions, rays, None)
         starts = (origins - followed.origin) * followed.scale
         with np.errstate(all="ignore"):
-            lengths = np.einsum("ij,ij->i", directions, directions)
-            np.sqrt(lengths, out=lengths)
-            middle = (followed.center - followed.origin) * followed.scale
-            reach = _FAR * followed.size * followed.scale
-            near = bool(np.abs(starts - middle).max(initial=0.0) <= reach)
-            even = bool((lengths > _SHORT).all() and (lengths < _LONG).all())
-            if near and even:
-                return _Batch(origins, directions, starts, directions, None)
-            units = directions / lengths[:, None]
+            units = directions / np.linalg.norm(directions, axis=1)[:, None]
             # How far a ray goes until it is as near to the middle as it gets; begin a reach before.
             ahead = np.einsum("ij,ij->i", middle - starts, units) - reach
             starts += np.maximum(ahead, 0.0)[:, None] * units
             usable = np.isfinite(starts).all(axis=1) & np.isfinite(units).all(axis=1)
             usable &= np.abs(starts).max(axis=1, initial=0.0) < np.finfo(np.float32).max
         asked = np.flatnonzero(usable)
-        return _Batch(origins, directions, starts[asked], units[asked], asked)
+        some = np.zeros((len(asked), 8), np.float32)
+        some[:, :3], some[:, 4:7], some[:, 7] = starts[asked], units[asked], np.inf
+        return _Batch(origins, directions, some, asked)
 
-    def _points(
-        self, followed: _Followed, batch: _Batch, hits: Hits, index_ray: Ints
-    ) -> tuple[Floats, Floats]:
-        """Where the hits lie, and how far from their rays' origins, in float64."""
-        points, distances = np.empty((hits.size, 3)), np.empty(hits.size)
-        _core.hit_points(
+    def _context(self) -> _core.Context:
+        return self._scene._core.context()
+
+    def _rows(
+        self,
+        followed: _Followed,
+        batch: _Batch,
+        hits: Hits,
+        ends: Optional[Ints] = None,
+        max_hits: Optional[int] = None,
+    ) -> tuple[Ints, Ints, Floats]:
+        """Faces, rays and locations, in float64. `ends`: of each ray's hits; None: one a ray."""
+        return _core.found_rows(
+            self._context(),
             followed.vertices,
             followed.faces,
             batch.origins,
             batch.directions,
-            np.ascontiguousarray(hits.array).view(np.float32).reshape(-1, 6),
-            index_ray,
-            points,
-            distances,
+            batch.asked,
+            ends,
+            hits.array.view(np.float32).reshape(-1, 6),
+            _SAME_PLACE * followed.size,
+            _MOST_HITS if max_hits is None else max_hits,
         )
-        return points, distances
 
     def _first(self, followed: _Followed, batch: _Batch) -> tuple[Ints, Ints, Floats]:
-        hits = self._scene.closest_hit(batch.asked_origins, batch.asked_directions)
-        index_ray = np.flatnonzero(hits.hit)
-        hits = hits[index_ray]
-        if batch.asked is not None:
-            index_ray = batch.asked[index_ray]
-        points, _ = self._points(followed, batch, hits, index_ray)
-        return hits.prim_id.astype(np.int64), index_ray, points
+        return self._rows(followed, batch, self._scene.closest_hit(batch.rays))
 
     def _all(
         self, followed: _Followed, batch: _Batch, max_hits: Optional[int]
     ) -> tuple[Ints, Ints, Floats]:
-        rows = self._scene.all_hits(batch.asked_origins, batch.asked_directions)
-        index_ray = rows.ray_id
-        if batch.asked is not None:
-            index_ray = batch.asked[index_ray]
-        points, distances = self._points(followed, batch, rows.hits, index_ray)
-        same_ray = index_ray[1:] == index_ray[:-1]
-        order = None
-        if (same_ray & (distances[1:] < distances[:-1])).any():  # float64 sees what float32 did not
-            order = np.lexsort((distances, index_ray))
-            distances = distances[order]
-        kept = np.ones(len(index_ray), np.bool_)
-        kept[1:] = ~same_ray | (distances[1:] - distances[:-1] > _SAME_PLACE * followed.size)
-        chosen = np.flatnonzero(kept)
-        if max_hits is not None and len(chosen):
-            rays = index_ray[chosen]
-            new_ray = np.concatenate(([True], rays[1:] != rays[:-1]))
-            first = np.flatnonzero(new_ray)[np.cumsum(new_ray) - 1]
-            chosen = chosen[np.arange(len(chosen)) - first < max_hits]
-        index_ray = index_ray[chosen]  # the order sorts within rays alone
-        if order is not None:
-            chosen = order[chosen]
-        return rows.hits.prim_id[chosen].astype(np.int64), index_ray, points[chosen]
+        rows = self._scene.all_hits(batch.rays)
+        return self._rows(followed, batch, rows.hits, rows.offsets, max_hits)
 
     # trimesh's interface.
 
@@ -328,7 +312,7 @@ class RayMeshIntersector:
             Indices into ``mesh.faces``; -1 for a miss.
         """
         batch = self._batch(self._follow(), ray_origins, ray_directions)
-        hits = self._scene.closest_hit(batch.asked_origins, batch.asked_directions)
+        hits = self._scene.closest_hit(batch.rays)
         # A miss is the largest uint32, which is -1 as int32; faces are fewer than 2^31.
         found = hits.prim_id.view(np.int32).astype(np.int64)
         return self._for_all(batch, found, -1)
@@ -347,7 +331,7 @@ class RayMeshIntersector:
         (n,) bool
         """
         batch = self._batch(self._follow(), ray_origins, ray_directions)
-        found = self._scene.any_hit(batch.asked_origins, batch.asked_directions)
+        found = self._scene.any_hit(batch.rays)
         return self._for_all(batch, found, False)
 
     @staticmethod

@@ -7,8 +7,8 @@ NB_MODULE(_core, module) {
   module.doc() = "The compiled part of raysheaf: use `raysheaf` instead.";
   module.attr("version") = RAYSHEAF_VERSION;
   bind_errors(module);
-  bind_rays(module);
   bind_scene(module);
+  bind_rays(module);
   bind_points(module);
   bind_render(module);
 }

@@ -7,6 +7,8 @@
 
 #include <cstdint>
 
+#include "raysheaf/context.h"
+
 namespace raysheaf::python {
 
 namespace nb = nanobind;
@@ -14,6 +16,7 @@ namespace nb = nanobind;
 using Floats3 = nb::ndarray<const float, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 using Indices3 = nb::ndarray<const std::uint32_t, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 using Matrix34 = nb::ndarray<const float, nb::shape<3, 4>, nb::c_contig, nb::device::cpu>;
+using Doubles3 = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 using Rays = nb::ndarray<const float, nb::shape<-1, 8>, nb::c_contig, nb::device::cpu>;
 
 /// Where an array lies that numpy does not reach: `count` rows from `pointer` on in a device's

@@ -1,22 +1,32 @@
 // Where hits lie, in double precision: for callers whose meshes and rays are float64.
+#include <nanobind/stl/optional.h>
+
+#include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
 
 #include "core.h"
+#include "raysheaf/large_vector.h"
 #include "raysheaf/types.h"
 
 namespace raysheaf::python {
 namespace {
 
-using Doubles3 = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 using Faces = nb::ndarray<const std::int64_t, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 using HitArray = nb::ndarray<const float, nb::shape<-1, 6>, nb::c_contig, nb::device::cpu>;
 using RayIds = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Points = nb::ndarray<double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
-using Distances = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+constexpr std::size_t kRaysABlock = 8192;
 
 // Below this sine between ray and plane, the hit's weights say more than the plane does: the error
 // of a point on the plane grows with the inverse, that of the weights is a rounding of float32.
 constexpr double kFlat = 1e-4;
+
+struct Face {
+  std::int64_t ids[3];
+};
 
 struct Double3 {
   double x, y, z;
@@ -48,7 +58,7 @@ struct Rows {
       : data(reinterpret_cast<const Row*>(array.data())), count(array.shape(0)) {}
 
   const Row& operator[](std::uint64_t i) const {
-    if (i >= count) throw nb::index_error("hit_points: an index is out of range");
+    if (i >= count) throw nb::index_error("found_rows: an index is out of range");
     return data[i];
   }
 
@@ -65,40 +75,142 @@ Double3 point_of(const Hit& hit, Double3 a, Double3 b, Double3 c, Double3 origin
   return a + double{hit.u} * (b - a) + double{hit.v} * (c - a);
 }
 
-/// points[i]: where the ray ray_id[i] meets the face that hits[i] names. distances[i]: how far from
-/// the ray's origin, as a length.
-void hit_points(const Doubles3& vertices, const Faces& faces, const Doubles3& origins,
-                const Doubles3& directions, const HitArray& hits, const RayIds& ray_id,
-                const Points& points, const Distances& distances) {
-  struct Face {
-    std::int64_t ids[3];
-  };
-  const std::size_t count = hits.shape(0);
-  if (ray_id.shape(0) != count || points.shape(0) != count || distances.shape(0) != count)
-    throw nb::value_error("hit_points: arrays of equal length expected");
-  const Rows<Double3, Doubles3> corner(vertices), origin(origins), direction(directions);
-  const Rows<Face, Faces> face(faces);
-  const Rows<Hit, HitArray> hit(hits);
-  auto* const point = reinterpret_cast<Double3*>(points.data());
-  const nb::gil_scoped_release release;
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto ray = static_cast<std::uint64_t>(ray_id.data()[i]);
-    const Face& named = face[hit[i].prim_id];
-    const auto at = [&](int k) { return corner[static_cast<std::uint64_t>(named.ids[k])]; };
-    const Double3 from = origin[ray], along = direction[ray];
-    point[i] = point_of(hit[i], at(0), at(1), at(2), from, along);
-    distances.data()[i] = dot(point[i] - from, along) / length(along);
+/// A mesh and rays in double precision, and the hits of the scene that has them in single.
+struct Found {
+  Rows<Double3, Doubles3> corners;
+  Rows<Face, Faces> faces;
+  Rows<Double3, Doubles3> origins, directions;
+  std::optional<RayIds> asked;  ///< which of the rays the scene was asked; none: all
+  std::optional<RayIds> ends;   ///< hits [ends[i], ends[i + 1]) are those of ray i; none: the i-th
+  Rows<Hit, HitArray> hits;
+  double same_place;      ///< of two hits nearer to each other one counts
+  std::int64_t max_hits;  ///< of a ray
+};
+
+struct Place3 {
+  double distance;  ///< from the ray's origin, as a length
+  std::int64_t face;
+  Double3 point;
+};
+
+Place3 place_of(const Found& found, const Hit& hit, Double3 origin, Double3 direction) {
+  const Face& face = found.faces[hit.prim_id];
+  const auto at = [&](int k) { return found.corners[static_cast<std::uint64_t>(face.ids[k])]; };
+  const Double3 point = point_of(hit, at(0), at(1), at(2), origin, direction);
+  return {dot(point - origin, direction) / length(direction), std::int64_t{hit.prim_id}, point};
+}
+
+struct FoundRow {
+  std::int64_t face, ray;
+  Double3 point;
+};
+
+/// Appends what one ray meets, from near to far: doubles see what floats did not.
+void add_rows(const Found& found, std::size_t i, std::vector<Place3>* places,
+              std::vector<FoundRow>* rows) {
+  const std::uint64_t first = found.ends ? static_cast<std::uint64_t>(found.ends->data()[i]) : i;
+  const std::uint64_t end = found.ends ? static_cast<std::uint64_t>(found.ends->data()[i + 1])
+                                       : i + (found.hits[i].prim_id != kInvalidId ? 1 : 0);
+  if (first >= end) return;
+  const std::int64_t ray = found.asked ? found.asked->data()[i] : static_cast<std::int64_t>(i);
+  const Double3 origin = found.origins[static_cast<std::uint64_t>(ray)];
+  const Double3 direction = found.directions[static_cast<std::uint64_t>(ray)];
+  places->clear();
+  for (std::uint64_t h = first; h < end; ++h) {
+    const Place3 place = place_of(found, found.hits[h], origin, direction);
+    auto at = places->end();
+    while (at != places->begin() && place.distance < at[-1].distance) --at;
+    places->insert(at, place);
   }
+  std::int64_t kept = 0;
+  for (std::size_t k = 0; k < places->size() && kept < found.max_hits; ++k) {
+    const Place3& place = (*places)[k];
+    if (k > 0 && !(place.distance - (*places)[k - 1].distance > found.same_place)) continue;
+    rows->push_back({place.face, ray, place.point});
+    ++kept;
+  }
+}
+
+template <class Scalar, std::size_t kWidth>
+struct Column {
+  LargeVector<Scalar> values;
+
+  explicit Column(std::size_t rows) : values(kWidth * rows) {}
+
+  static nb::object array(std::unique_ptr<Column> column) {
+    Column* const at = column.release();
+    const nb::capsule owner(at, [](void* self) noexcept { delete static_cast<Column*>(self); });
+    const std::size_t rows = at->values.size() / kWidth;
+    if constexpr (kWidth == 1) return array_over<Scalar>(at->values.data(), {rows}, owner);
+    return array_over<Scalar>(at->values.data(), {rows, kWidth}, owner);
+  }
+};
+
+/// Faces, rays and places, a row a hit: sorted by ray, then from near to far.
+nb::tuple found_rows(const Context& context, const Found& found, std::size_t rays) {
+  std::unique_ptr<Column<std::int64_t, 1>> face, ray;
+  std::unique_ptr<Column<double, 3>> point;
+  {
+    const nb::gil_scoped_release release;
+    const std::size_t blocks = (rays + kRaysABlock - 1) / kRaysABlock;
+    std::vector<std::vector<FoundRow>> rows(blocks);
+    context.for_each_block(blocks, 1, [&](std::size_t begin, std::size_t end) {
+      std::vector<Place3> places;
+      for (std::size_t b = begin; b < end; ++b)
+        for (std::size_t i = b * kRaysABlock; i < std::min(rays, (b + 1) * kRaysABlock); ++i)
+          add_rows(found, i, &places, &rows[b]);
+    });
+    std::vector<std::size_t> starts{0};
+    for (const auto& some : rows) starts.push_back(starts.back() + some.size());
+    face = std::make_unique<Column<std::int64_t, 1>>(starts.back());
+    ray = std::make_unique<Column<std::int64_t, 1>>(starts.back());
+    point = std::make_unique<Column<double, 3>>(starts.back());
+    context.for_each_block(blocks, 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t b = begin; b < end; ++b) {
+        for (std::size_t i = 0; i < rows[b].size(); ++i) {
+          const FoundRow& row = rows[b][i];
+          const std::size_t place = starts[b] + i;
+          face->values[place] = row.face;
+          ray->values[place] = row.ray;
+          point->values[3 * place] = row.point.x;
+          point->values[3 * place + 1] = row.point.y;
+          point->values[3 * place + 2] = row.point.z;
+        }
+      }
+    });
+  }
+  return nb::make_tuple(Column<std::int64_t, 1>::array(std::move(face)),
+                        Column<std::int64_t, 1>::array(std::move(ray)),
+                        Column<double, 3>::array(std::move(point)));
 }
 
 }  // namespace
 
 void bind_points(nb::module_& module) {
-  module.def("hit_points", hit_points, nb::arg("vertices").noconvert(),
-             nb::arg("faces").noconvert(), nb::arg("origins").noconvert(),
-             nb::arg("directions").noconvert(), nb::arg("hits").noconvert(),
-             nb::arg("ray_id").noconvert(), nb::arg("points").noconvert(),
-             nb::arg("distances").noconvert());
+  module.def(
+      "found_rows",
+      [](const Context& context, const Doubles3& vertices, const Faces& faces,
+         const Doubles3& origins, const Doubles3& directions, const std::optional<RayIds>& asked,
+         const std::optional<RayIds>& ends, const HitArray& hits, double same_place,
+         std::int64_t max_hits) {
+        const std::size_t rays = ends ? ends->shape(0) - 1 : hits.shape(0);
+        if (asked && asked->shape(0) != rays)
+          throw nb::value_error("found_rows: arrays of equal length expected");
+        const Found found{Rows<Double3, Doubles3>(vertices),
+                          Rows<Face, Faces>(faces),
+                          Rows<Double3, Doubles3>(origins),
+                          Rows<Double3, Doubles3>(directions),
+                          asked,
+                          ends,
+                          Rows<Hit, HitArray>(hits),
+                          same_place,
+                          max_hits};
+        return found_rows(context, found, rays);
+      },
+      nb::arg("context"), nb::arg("vertices").noconvert(), nb::arg("faces").noconvert(),
+      nb::arg("origins").noconvert(), nb::arg("directions").noconvert(),
+      nb::arg("asked").noconvert().none(), nb::arg("ends").noconvert().none(),
+      nb::arg("hits").noconvert(), nb::arg("same_place"), nb::arg("max_hits"));
 }
 
 }  // namespace raysheaf::python

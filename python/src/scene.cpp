@@ -287,6 +287,8 @@ void bind_contents(nb::class_<SharedScene>& scene) {
            [](SharedScene& s) { return s.look([](const Scene& c) { return c.is_committed(); }); })
       .def("memory_bytes",
            [](SharedScene& s) { return s.look([](const Scene& c) { return c.memory_bytes(); }); })
+      .def("context",
+           [](SharedScene& s) { return s.look([](const Scene& c) { return c.context(); }); })
       .def("threads",
            [](SharedScene& s) {
              return s.look([](const Scene& c) { return c.context().threads(); });
@@ -316,6 +318,7 @@ void bind_scene(nb::module_& module) {
           },
           nb::arg("mask"), nb::arg("brute"), nb::arg("check"), nb::arg("statistics").none());
 
+  nb::class_<Context>(module, "Context");
   nb::class_<SharedScene> scene(module, "Scene");
   const auto vertices = nb::arg("vertices").noconvert();
   const auto triangles = nb::arg("triangles").noconvert().none();

@@ -64,4 +64,10 @@ std::uint32_t Context::threads() const noexcept {
   return impl_->executor.threads();
 }
 
+void Context::for_each_block(
+    std::size_t count, std::size_t grain,
+    const std::function<void(std::size_t begin, std::size_t end)>& body) const {
+  impl_->executor.for_each_block(count, grain > 0 ? grain : 1, body);
+}
+
 }  // namespace raysheaf

@@ -1,6 +1,8 @@
 // Several threads and one scene.
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <stdexcept>
 #include <thread>
 
 #include "api/api_support.h"
@@ -8,6 +10,25 @@
 
 namespace raysheaf::test {
 namespace {
+
+TEST(Threads, OfAContextServeItsUsers) {
+  for (const std::uint32_t threads : {1u, 3u}) {
+    const Context context({.threads = threads});
+    for (const std::size_t grain : {std::size_t{0}, std::size_t{7}, std::size_t{5000}}) {
+      std::vector<std::uint8_t> times(1000);
+      context.for_each_block(times.size(), grain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) ++times[i];
+      });
+      EXPECT_EQ(std::ranges::count(times, 1), 1000);
+    }
+    context.for_each_block(0, 1, [](std::size_t, std::size_t) { ADD_FAILURE(); });
+    EXPECT_THROW(context.for_each_block(9, 2,
+                                        [](std::size_t, std::size_t end) {
+                                          if (end == 9) throw std::out_of_range("the last");
+                                        }),
+                 std::out_of_range);
+  }
+}
 
 TEST(Threads, QueriesOfOneSceneRunTogether) {
   const RandomSoup soup(300, 200);

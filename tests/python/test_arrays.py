@@ -127,13 +127,24 @@ def test_integers_are_real_numbers(scene):
     assert hits.shape == (2,)
 
 
+def test_large_batches_are_packed_as_small_ones(scene):
+    rng = np.random.default_rng(3)
+    origins, directions = rng.normal(size=(50_000, 3)), rng.normal(size=(3, 50_000)).T
+    t_max = np.arange(50_000)[::-1]
+    whole = scene.closest_hit(origins, directions, t_max=t_max).array
+    packed = np.zeros((50_000, 8), np.float32)
+    packed[:, :3], packed[:, 4:7], packed[:, 7] = origins, directions, t_max
+    assert np.array_equal(whole, scene.closest_hit(packed).array)
+
+
 def test_packed_rays_are_read_where_they_lie(scene):
     from raysheaf._rays import batch_of
 
+    context = scene._core.context()
     rays = np.ones((5, 8), np.float32)
-    assert np.shares_memory(batch_of(rays, None, None, None).rays, rays)
+    assert np.shares_memory(batch_of(context, rays, None, None, None).rays, rays)
     grid = rays.reshape(5, 1, 8)
-    assert np.shares_memory(batch_of(grid, None, None, None).rays, rays)
+    assert np.shares_memory(batch_of(context, grid, None, None, None).rays, rays)
 
 
 def test_soups():

@@ -135,6 +135,24 @@ def test_rays_from_far_away(distance):
     )
 
 
+def test_many_rays_are_answered_as_few_are(mesh):
+    origins, directions = rays_about(mesh, 40_000)
+    origins[7] = np.nan  # the second half: other blocks, and all rays can be asked at once
+    ask = mesh.ray.intersects_id
+    for options in ({}, {"max_hits": 1}, {"max_hits": 3}, {"multiple_hits": False}):
+        tri, ray, places = ask(origins, directions, return_locations=True, **options)
+        pieces = []
+        for begin in range(0, len(origins), 16_000):
+            some = slice(begin, begin + 16_000)
+            of = ask(origins[some], directions[some], return_locations=True, **options)
+            pieces.append((of[0], of[1] + begin, of[2]))
+        # A batch with a ray that is none goes by unit directions: the last digits differ.
+        expected = [np.concatenate(column) for column in zip(*pieces)]
+        assert np.array_equal(tri, expected[0]) and np.array_equal(ray, expected[1])
+        assert np.allclose(places, expected[2], rtol=0, atol=1e-12)
+    assert mesh.ray.intersects_id(origins, directions, max_hits=0)[0].size == 0
+
+
 def test_rays_that_are_none_hit_nothing(mesh):
     origins, directions = rays_about(mesh, count=50)
     expected = mesh.ray.intersects_first(origins, directions)
