@@ -66,7 +66,7 @@ struct Input {
   }
   [[nodiscard]] RayBatch shadow_rays(const Executor& executor,
                                      View<const Fragment> of_fragments) const {
-    return make_shadow_rays(executor, of_fragments, scene.lights, 0,
+    return make_shadow_rays(executor, of_fragments, placed_lights(scene.lights), 0,
                             static_cast<std::uint32_t>(scene.lights.size()), flat.bounds);
   }
 

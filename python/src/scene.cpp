@@ -318,7 +318,7 @@ void bind_scene(nb::module_& module) {
           },
           nb::arg("mask"), nb::arg("brute"), nb::arg("check"), nb::arg("statistics").none());
 
-  nb::class_<Context>(module, "Context");
+  [[maybe_unused]] const nb::class_<Context> context(module, "Context");
   nb::class_<SharedScene> scene(module, "Scene");
   const auto vertices = nb::arg("vertices").noconvert();
   const auto triangles = nb::arg("triangles").noconvert().none();

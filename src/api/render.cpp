@@ -47,13 +47,10 @@ void check_for_device(const RenderOptions& options) {
     refuse("bundles of rays are not measured on a CUDA device", "bundle_samples");
 }
 
-/// Whether all that a frame does with its fragments is what a device does bit for bit: sines and
-/// cosines of directions are its library's own.
-bool suits_device(const RenderOptions& options, View<const Light> lights, bool lens) {
+/// Whether a device has all stages of the frame.
+bool suits_device(const RenderOptions& options) {
   const bool method = options.method == Method::kDual || options.method == Method::kBrute;
-  return method && !lens && !options.count_pixel_tests &&
-         std::none_of(lights.begin(), lights.end(),
-                      [](const Light& light) { return has_size(light); });
+  return method && !options.count_pixel_tests;
 }
 
 const char* word_of(const TreeReport& tree) {
@@ -117,7 +114,7 @@ class Renderer::Impl {
     camera.aperture = options.aperture.value_or(camera.aperture);
     camera.focus = options.focus.value_or(camera.focus);
     const std::uint32_t samples = find_samples(*scene_, camera, options);
-    const std::vector<Light> lights = find_lights(*scene_, camera, samples);
+    const std::vector<PlacedLight> lights = find_lights(*scene_, camera, samples);
     const bool lens = camera.aperture > 0 && samples > 1;
     const bool rasters = options.primary == Primary::kRaster && !lens;
     if (rasters && !rasterizer_) rasterizer_.emplace();
@@ -138,8 +135,8 @@ class Renderer::Impl {
       s->threads = executor.threads();
       s->total_ms = watch.ms();
     };
-    const bool on_device = cache_.backend != nullptr && cache_.ranks == nullptr &&
-                           scene_->environment.empty() && suits_device(options, lights, lens);
+    const bool on_device =
+        cache_.backend != nullptr && cache_.ranks == nullptr && suits_device(options);
     FrameInput input{geometry,
                      camera,
                      lights,
@@ -164,7 +161,8 @@ class Renderer::Impl {
   /// With the scene.
   DeviceStages& device_stages(const Executor& executor) {
     if (cache_.stages == nullptr) cache_.stages = cache_.backend->make_stages();
-    if (!cache_.stages->has_scene()) cache_.stages->set_scene(executor, flat_, *textures_);
+    if (!cache_.stages->has_scene())
+      cache_.stages->set_scene(executor, flat_, *textures_, environment_->view());
     return *cache_.stages;
   }
 

@@ -62,12 +62,12 @@ void check(const RenderOptions& options) {
   check_memory(options);
 }
 
-std::vector<Light> find_lights(const SceneDescription& scene, const Camera& camera,
-                               std::uint32_t samples) {
-  if (needs_light(scene)) return {showing_light(scene, camera)};
-  std::vector<Light> lights = scene.lights;
+std::vector<PlacedLight> find_lights(const SceneDescription& scene, const Camera& camera,
+                                     std::uint32_t samples) {
+  if (needs_light(scene)) return {placed_light(showing_light(scene, camera))};
+  std::vector<PlacedLight> lights = placed_lights(scene.lights);
   if (samples > 1) return lights;
-  for (Light& light : lights) light.radius = 0;
+  for (PlacedLight& light : lights) light.radius = 0;
   return lights;
 }
 

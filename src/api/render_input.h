@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "raygen/light_body.h"
 #include "raysheaf/render.h"
 
 namespace raysheaf {
@@ -17,8 +18,8 @@ void check(const RenderOptions& options);
 
 /// The scene's, or one that shows it from where the camera stands. Where there is but one sample,
 /// balls shine from their centres: there is no choice to be made.
-[[nodiscard]] std::vector<Light> find_lights(const SceneDescription& scene, const Camera& camera,
-                                             std::uint32_t samples);
+[[nodiscard]] std::vector<PlacedLight> find_lights(const SceneDescription& scene,
+                                                   const Camera& camera, std::uint32_t samples);
 
 /// Those asked for, or as many as the scene's light and the lens want.
 [[nodiscard]] std::uint32_t find_samples(const SceneDescription& scene, const Camera& camera,

@@ -33,8 +33,9 @@ void check_streamed(const RenderOptions& options, const StreamOptions& stream) {
 }
 
 /// What streams brings its light, or shines by itself.
-std::vector<Light> lights_of(const SceneDescription& scene, std::uint32_t samples) {
-  return scene.lights.empty() ? scene.lights : find_lights(scene, scene.cameras.front(), samples);
+std::vector<PlacedLight> lights_of(const SceneDescription& scene, std::uint32_t samples) {
+  if (scene.lights.empty()) return {};
+  return find_lights(scene, scene.cameras.front(), samples);
 }
 
 RenderResult render_checked(const GeometrySource& source, const RenderOptions& options,
@@ -49,7 +50,7 @@ RenderResult render_checked(const GeometrySource& source, const RenderOptions& o
   camera.aperture = options.aperture.value_or(camera.aperture);
   camera.focus = options.focus.value_or(camera.focus);
   const std::uint32_t samples = find_samples(scene, camera, options);
-  const std::vector<Light> lights = lights_of(scene, samples);
+  const std::vector<PlacedLight> lights = lights_of(scene, samples);
   const TextureSet textures(scene);
   const EnvironmentMap environment(executor, scene.environment);
 

@@ -21,7 +21,8 @@ class SceneOnDevice {
   explicit SceneOnDevice(Device& device) : device_(device) {}
 
   /// All but the corners of the triangles.
-  void set(const FlatScene& scene, const StagedScene& staged, const TextureTable& textures) {
+  void set(const FlatScene& scene, const StagedScene& staged, const TextureTable& textures,
+           const EnvironmentView& environment) {
     upload(device_, View<const std::uint32_t>(scene.mesh_of_triangle.data(), scene.triangle_count),
            &mesh_of_triangle_);
     upload(device_, View<const StagedMesh>(staged.meshes), &meshes_);
@@ -31,6 +32,7 @@ class SceneOnDevice {
     upload(device_, View<const std::uint32_t>(staged.material_numbers), &material_numbers_);
     upload(device_, View<const PlacedMaterial>(staged.materials), &materials_);
     set_textures(textures);
+    set_environment(environment);
     device_.synchronize("copy: scene");
   }
 
@@ -46,7 +48,25 @@ class SceneOnDevice {
             {textures_.view_const(), decoding_.data(), decoding_.data() + 256}};
   }
 
+  /// Without radiance where the scene has none.
+  [[nodiscard]] const EnvironmentView& environment() const { return environment_; }
+
  private:
+  void set_environment(const EnvironmentView& sky) {
+    environment_ = {};
+    const std::size_t texels = std::size_t{sky.width} * sky.height;
+    const std::size_t chosen = sky.row_ends != nullptr ? texels : 0;
+    const std::size_t rows = sky.row_ends != nullptr ? sky.height : 0;
+    upload(device_, View<const Vec3>(sky.radiance, texels), &radiance_);
+    upload(device_, View<const float>(sky.row_ends, rows), &row_ends_);
+    upload(device_, View<const float>(sky.texel_ends, chosen), &texel_ends_);
+    if (texels == 0) return;
+    environment_ = sky;
+    environment_.radiance = radiance_.data();
+    environment_.row_ends = chosen != 0 ? row_ends_.data() : nullptr;
+    environment_.texel_ends = chosen != 0 ? texel_ends_.data() : nullptr;
+  }
+
   /// Pixels one texture after the other, and what bytes mean.
   void set_textures(const TextureTable& table) {
     std::vector<TextureView> views(table.textures.begin(), table.textures.end());
@@ -80,6 +100,22 @@ class SceneOnDevice {
   DeviceBuffer<TextureView> textures_{memory_};
   DeviceBuffer<std::uint8_t> texels_{memory_};
   DeviceBuffer<float> decoding_{memory_};  ///< `from_srgb`, then `as_is`
+  EnvironmentView environment_;
+  DeviceBuffer<Vec3> radiance_{memory_};
+  DeviceBuffer<float> row_ends_{memory_}, texel_ends_{memory_};
+};
+
+/// Fragments on a device: the first `count` of the buffer.
+struct DeviceSet : FragmentSet {
+  explicit DeviceSet(DeviceAllocator& allocator)
+      : fragments(allocator), radiance(allocator), going_on(allocator) {}
+  [[nodiscard]] std::size_t size() const override { return count; }
+  [[nodiscard]] View<const Fragment> view() const { return {fragments.data(), count}; }
+
+  DeviceBuffer<Fragment> fragments;
+  DeviceBuffer<Vec3> radiance;          ///< from `glow` on
+  DeviceBuffer<std::uint8_t> going_on;  ///< bits of `GoingOn`; nothing where all end
+  std::size_t count = 0;
 };
 
 /// As `Film` (frame/film.h) is on the CPU.

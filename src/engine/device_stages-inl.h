@@ -18,19 +18,6 @@ namespace raysheaf {
 /// many.
 inline constexpr std::size_t kMostDeviceSlots = std::size_t{1} << 24;
 
-/// Fragments on a device: the first `count` of the buffer.
-struct DeviceSet : FragmentSet {
-  explicit DeviceSet(DeviceAllocator& allocator)
-      : fragments(allocator), radiance(allocator), going_on(allocator) {}
-  [[nodiscard]] std::size_t size() const override { return count; }
-  [[nodiscard]] View<const Fragment> view() const { return {fragments.data(), count}; }
-
-  DeviceBuffer<Fragment> fragments;
-  DeviceBuffer<Vec3> radiance;          ///< from `glow` on
-  DeviceBuffer<std::uint8_t> going_on;  ///< bits of `GoingOn`; nothing where all end
-  std::size_t count = 0;
-};
-
 template <class Device>
 class DeviceStagesOn : public DeviceStages {
  public:
@@ -42,8 +29,8 @@ class DeviceStagesOn : public DeviceStages {
         surfaces_(device_),
         film_(device_) {}
 
-  void set_scene(const Executor& executor, const FlatScene& scene,
-                 const TextureSet& textures) override {
+  void set_scene(const Executor& executor, const FlatScene& scene, const TextureSet& textures,
+                 const EnvironmentView& environment) override {
     scene_ = nullptr;
     const StagedScene staged = stage_scene(executor, scene);
     const TriangleRun run{staged.corners.data(), nullptr, 0, scene.triangle_count};
@@ -52,7 +39,7 @@ class DeviceStagesOn : public DeviceStages {
     source.count = scene.triangle_count;
     source.flags = scene.flags.data();
     engine_.set_triangles(executor, source);
-    surfaces_.set(scene, staged, textures.table());
+    surfaces_.set(scene, staged, textures.table(), environment);
     scene_ = &scene;
   }
 
@@ -60,14 +47,13 @@ class DeviceStagesOn : public DeviceStages {
 
   void begin(const DeviceFrameInput& input) override {
     input_ = &input_place_.emplace(input);
-    std::vector<PointLight> lights;
-    for (const Light& light : input.lights) lights.push_back(point_light(light));
-    upload(device_, View<const PointLight>(lights), &lights_);
+    upload(device_, input.lights, &lights_);
     film_.begin(input.options.width, input.options.height);
   }
 
   Set see(const CameraFrame& frame) override {
     watch_.lap_ms();
+    sample_ = frame.sample;
     const std::size_t pixels = pixel_count();
     triangles_seen_.resize_uninitialized("surfaces: names", pixels);
     if (input_->rasterize) {
@@ -109,36 +95,24 @@ class DeviceStagesOn : public DeviceStages {
     std::uint32_t kinds = 0;
     if (input.traced.reflection) kinds |= kReflects;
     if (input.traced.refraction) kinds |= kRefracts;
-    glow_on(device_, s.view(), input.sky, kinds, s.radiance.data(),
+    glow_on(device_, s.view(), input.sky, surfaces_.environment(), kinds, s.radiance.data(),
             input.last ? nullptr : s.going_on.data());
     lap(&input_->tally.statistics.shade_ms);
   }
 
   std::uint32_t add_lights(FragmentSet& set, std::uint32_t bounce, std::uint32_t first) override {
-    DeviceSet& s = of(set);
     const std::size_t left = lights_.size() - first;
-    const std::size_t count = std::clamp<std::size_t>(kMostDeviceSlots / s.count, 1, left);
-    const View<const PointLight> lights = lights_.view_const().slice(first, count);
-    const std::size_t slots = count * s.count;
-    check_item_count("raygen: shadow", slots);
-    watch_.lap_ms();
-    visibility_.resize_uninitialized("shade: visibility", slots);
-    flags_.resize_uninitialized("raygen: shadow", slots);
-    slots_.resize_uninitialized("raygen: shadow", slots);
-    facing_on(device_, s.view(), lights, flags_.data());
-    const std::uint32_t rays = device_.select("raygen: shadow", flags_.view_const(), slots_.view());
-    const View<const std::uint32_t> chosen(slots_.data(), rays);
-    device_.fill("shade: visibility", visibility_.view(),
-                 static_cast<std::uint8_t>(Visibility::kNoRay));
-    cast_shadows(s, bounce, lights, chosen);
-    visibility_on(device_, chosen, occluded_.data(), visibility_.data());
-    lights_on(device_, s.view(), lights, visibility_.data(), s.radiance.data(), bounce == 1,
-              film_.view());
-    lap(&input_->tally.statistics.shade_ms);
+    const std::size_t count = std::clamp<std::size_t>(kMostDeviceSlots / set.size(), 1, left);
+    add_what_arrives(of(set), bounce,
+                     LightsSeen{lights_.view_const().slice(first, count), first, sample_},
+                     bounce == 1);
     return static_cast<std::uint32_t>(count);
   }
 
-  void add_environment(FragmentSet& /*set*/, std::uint32_t /*bounce*/) override {}
+  void add_environment(FragmentSet& set, std::uint32_t bounce) override {
+    const EnvironmentView& sky = surfaces_.environment();
+    if (sky.radiance != nullptr) add_what_arrives(of(set), bounce, SkySeen{sky, sample_}, false);
+  }
 
   void deposit(const FragmentSet& set) override {
     watch_.lap_ms();
@@ -257,8 +231,31 @@ class DeviceStagesOn : public DeviceStages {
     finish_batch(std::move(report), statistics);
   }
 
+  /// What of the lights' reaches the fragments, added to their radiance. `counts`: they are pixels,
+  /// whose lights the film counts.
+  template <class Lights>
+  void add_what_arrives(DeviceSet& set, std::uint32_t bounce, const Lights& lights, bool counts) {
+    const std::size_t slots = lights.size() * set.count;
+    check_item_count("raygen: shadow", slots);
+    watch_.lap_ms();
+    visibility_.resize_uninitialized("shade: visibility", slots);
+    flags_.resize_uninitialized("raygen: shadow", slots);
+    slots_.resize_uninitialized("raygen: shadow", slots);
+    facing_on(device_, set.view(), lights, flags_.data());
+    const std::uint32_t rays = device_.select("raygen: shadow", flags_.view_const(), slots_.view());
+    const View<const std::uint32_t> chosen(slots_.data(), rays);
+    device_.fill("shade: visibility", visibility_.view(),
+                 static_cast<std::uint8_t>(Visibility::kNoRay));
+    cast_shadows(set, bounce, lights, chosen);
+    visibility_on(device_, chosen, occluded_.data(), visibility_.data());
+    lights_on(device_, set.view(), lights, visibility_.data(), set.radiance.data(), counts,
+              film_.view());
+    lap(&input_->tally.statistics.shade_ms);
+  }
+
   /// Whether anything stands between the lights and the fragments of `slots`, into `occluded_`.
-  void cast_shadows(const DeviceSet& set, std::uint32_t bounce, View<const PointLight> lights,
+  template <class Lights>
+  void cast_shadows(const DeviceSet& set, std::uint32_t bounce, const Lights& lights,
                     View<const std::uint32_t> slots) {
     occluded_.resize_uninitialized("trace: any hits", slots.size);
     if (!input_->options.shadows) return device_.fill("trace: any hits", occluded_.view(), 0);
@@ -283,9 +280,10 @@ class DeviceStagesOn : public DeviceStages {
   const FlatScene* scene_ = nullptr;
   std::optional<DeviceFrameInput> input_place_;
   const DeviceFrameInput* input_ = nullptr;
+  SampleOf sample_;
   Stopwatch watch_;
 
-  DeviceBuffer<PointLight> lights_{memory_};
+  DeviceBuffer<PlacedLight> lights_{memory_};
   // Of one batch.
   DeviceBuffer<std::uint32_t> triangles_seen_{memory_}, slots_{memory_};
   DeviceBuffer<std::uint8_t> flags_{memory_}, visibility_{memory_}, occluded_{memory_};

@@ -15,6 +15,7 @@
 #include "exec/progress_meter.h"
 #include "raygen/camera_body.h"
 #include "raysheaf/render.h"
+#include "scene/environment_body.h"
 #include "scene/flat_scene.h"
 #include "scene/texture.h"
 #include "shade/shade.h"
@@ -99,20 +100,20 @@ class FrameStages {
 struct DeviceFrameInput {
   const Executor& executor;  ///< of the host
   const RenderOptions& options;
-  View<const Light> lights;  ///< without a size
+  View<const PlacedLight> lights;
   FrameTally& tally;
   ProgressMeter& meter;
   /// The triangle that each pixel sees, rows from the top; none: by rays.
   std::function<std::vector<std::uint32_t>(const CameraFrame&)> rasterize;
 };
 
-/// By `dual` or brute force, without an environment, without counts of single pixels. A scene is
-/// copied once; fragments, rays, hits and light stay on the device until `film`.
+/// By `dual` or brute force, without counts of single pixels. A scene is copied once; fragments,
+/// rays, hits and light stay on the device until `film`.
 class DeviceStages : public FrameStages {
  public:
   /// Until the next call; `scene` is read by `film`, too.
   virtual void set_scene(const Executor& executor, const FlatScene& scene,
-                         const TextureSet& textures) = 0;
+                         const TextureSet& textures, const EnvironmentView& environment) = 0;
   [[nodiscard]] virtual bool has_scene() const = 0;
   virtual void begin(const DeviceFrameInput& input) = 0;
 };

@@ -9,6 +9,7 @@
 #include "intersect/triangle_body.h"
 #include "raygen/camera_body.h"
 #include "raygen/shadow_body.h"
+#include "raygen/sky_body.h"
 #include "shade/shade.h"
 #include "shade/shade_body.h"
 
@@ -69,7 +70,7 @@ void see_on(Device& device, View<const Fragment> first_hits, bool first, DeviceF
 
 /// The parts of `automatic_sky`.
 template <class Device>
-void sky_parts_on(Device& device, View<const Fragment> fragments, View<const PointLight> lights,
+void sky_parts_on(Device& device, View<const Fragment> fragments, View<const PlacedLight> lights,
                   View<SkyPart> parts) {
   device.for_each("shade: sky", parts.size, [=] RAYSHEAF_HD(std::size_t p) {
     SkyPart part;
@@ -80,51 +81,83 @@ void sky_parts_on(Device& device, View<const Fragment> fragments, View<const Poi
       if (f.triangle == kInvalidId) continue;
       ++part.covered;
       for (std::size_t l = 0; l < lights.size; ++l)
-        part.sum += double{unoccluded(f, sample_point(lights.data[l], f.surface.position))};
+        part.sum += double{unoccluded(f, sample_light(lights.data[l], f.surface.position))};
     }
     parts.data[p] = part;
   });
 }
 
-/// `shade_glow` without an environment. `kinds`: bits of `GoingOn` that may go on; `going_on` may
-/// be null.
+/// `shade_glow`; an environment without radiance is none. `kinds`: bits of `GoingOn` that may go
+/// on; `going_on` may be null.
 template <class Device>
-void glow_on(Device& device, View<const Fragment> fragments, Vec3 sky, std::uint32_t kinds,
-             Vec3* radiance, std::uint8_t* going_on) {
+void glow_on(Device& device, View<const Fragment> fragments, Vec3 sky, EnvironmentView environment,
+             std::uint32_t kinds, Vec3* radiance, std::uint8_t* going_on) {
   device.for_each("shade: glow", fragments.size, [=] RAYSHEAF_HD(std::size_t i) {
     const Fragment& f = fragments.data[i];
     if (f.triangle == kInvalidId) {
-      radiance[i] = sky;
+      radiance[i] =
+          environment.radiance != nullptr ? environment_radiance(environment, f.incoming) : sky;
       if (going_on != nullptr) going_on[i] = 0;
       return;
     }
     const Scattering s = scatter(f);
     const std::uint32_t rays = rays_of(f, s) & kinds;
     if (going_on != nullptr) going_on[i] = static_cast<std::uint8_t>(rays);
-    radiance[i] = glow(f, s, sky, (rays & kReflects) != 0, (rays & kRefracts) != 0);
+    const bool reflects = (rays & kReflects) != 0, refracts = (rays & kRefracts) != 0;
+    radiance[i] = glow(f, s, sky, reflects, refracts);
+    if (environment.radiance != nullptr)
+      radiance[i] += environment_glow(f, s, environment, reflects, refracts);
   });
 }
+
+/// Some of a scene's lights as a sample looks at them; the first has this number.
+struct LightsSeen {
+  View<const PlacedLight> lights;
+  std::uint32_t first;
+  SampleOf sample;
+
+  [[nodiscard]] std::size_t size() const { return lights.size; }
+  RAYSHEAF_HD LightSample choose(const Fragment& f, std::size_t i) const {
+    return choose_on_light(f, lights.data[i], first + static_cast<std::uint32_t>(i), sample);
+  }
+  RAYSHEAF_HD static Vec3 lit(const Fragment& f, const LightSample& sample) {
+    return lit_by(f, sample);
+  }
+};
+
+/// The same of an environment: a strategy each.
+struct SkySeen {
+  EnvironmentView sky;
+  SampleOf sample;
+
+  [[nodiscard]] static std::size_t size() { return kSkyStrategies; }
+  RAYSHEAF_HD LightSample choose(const Fragment& f, std::size_t i) const {
+    return choose_in_sky(f, sky, static_cast<std::uint32_t>(i), sample);
+  }
+  RAYSHEAF_HD static Vec3 lit(const Fragment& f, const LightSample& sample) {
+    return lit_by_sky(f, sample);
+  }
+};
 
 /// Whether each slot, light * fragments + fragment, has a shadow ray.
-template <class Device>
-void facing_on(Device& device, View<const Fragment> fragments, View<const PointLight> lights,
+template <class Device, class Lights>
+void facing_on(Device& device, View<const Fragment> fragments, Lights lights,
                std::uint8_t* facing) {
   const std::size_t count = fragments.size;
-  device.for_each("raygen: shadow", count * lights.size, [=] RAYSHEAF_HD(std::size_t slot) {
+  device.for_each("raygen: shadow", count * lights.size(), [=] RAYSHEAF_HD(std::size_t slot) {
     const Fragment& f = fragments.data[slot % count];
-    facing[slot] =
-        faces_light(f, sample_point(lights.data[slot / count], f.surface.position)) ? 1 : 0;
+    facing[slot] = takes_light(f) && faces_light(f, lights.choose(f, slot / count)) ? 1 : 0;
   });
 }
 
-template <class Device>
-void shadow_rays_on(Device& device, View<const Fragment> fragments, View<const PointLight> lights,
+template <class Device, class Lights>
+void shadow_rays_on(Device& device, View<const Fragment> fragments, Lights lights,
                     View<const std::uint32_t> slots, LightReach reach, Ray* rays) {
   const std::size_t count = fragments.size;
   device.for_each("raygen: shadow", slots.size, [=] RAYSHEAF_HD(std::size_t i) {
     const std::uint32_t slot = slots.data[i];
     const Fragment& f = fragments.data[slot % count];
-    rays[i] = shadow_ray(f, sample_point(lights.data[slot / count], f.surface.position), reach);
+    rays[i] = shadow_ray(f, lights.choose(f, slot / count), reach);
   });
 }
 
@@ -140,20 +173,20 @@ void visibility_on(Device& device, View<const std::uint32_t> slots, const std::u
 
 /// What the lights give, light after light. `counts`: fragments are pixels, whose lights
 /// the film counts.
-template <class Device>
-void lights_on(Device& device, View<const Fragment> fragments, View<const PointLight> lights,
+template <class Device, class Lights>
+void lights_on(Device& device, View<const Fragment> fragments, Lights lights,
                const std::uint8_t* visibility, Vec3* radiance, bool counts, DeviceFilm film) {
-  const std::size_t count = fragments.size;
+  const std::size_t count = fragments.size, light_count = lights.size();
   device.for_each("shade: lights", count, [=] RAYSHEAF_HD(std::size_t i) {
     const Fragment& f = fragments.data[i];
     Vec3 sum = radiance[i];
     std::uint32_t faced = 0, arrived = 0;
-    for (std::size_t l = 0; l < lights.size; ++l) {
+    for (std::size_t l = 0; l < light_count; ++l) {
       const std::uint8_t seen = visibility[l * count + i];
       faced += seen != static_cast<std::uint8_t>(Visibility::kNoRay) ? 1 : 0;
       if (seen != static_cast<std::uint8_t>(Visibility::kVisible)) continue;
       ++arrived;
-      sum += lit_by(f, sample_point(lights.data[l], f.surface.position));
+      sum += lights.lit(f, lights.choose(f, l));
     }
     radiance[i] = sum;
     if (!counts) return;

@@ -225,7 +225,7 @@ class CpuStages : public FrameStages {
 
   const Executor& executor_;
   FrameGeometry& geometry_;
-  const View<const Light> lights_;
+  const View<const PlacedLight> lights_;
   const EnvironmentView* const environment_;
   const RenderOptions& options_;
   Rasterizer* const rasterizer_;

@@ -16,7 +16,7 @@ namespace raysheaf {
 struct FrameInput {
   FrameGeometry& geometry;
   const Camera& camera;
-  View<const Light> lights;
+  View<const PlacedLight> lights;
   const RenderOptions& options;
   std::uint32_t samples = 1;
   Rasterizer* rasterizer = nullptr;

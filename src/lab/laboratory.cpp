@@ -129,8 +129,8 @@ class Laboratory::Impl {
     const auto lights = static_cast<std::uint32_t>(description_.lights.size());
     switch (rays) {
       case LabRays::kShadow:
-        return make_shadow_rays(executor_, fragments_, description_.lights, 0, lights,
-                                flat_.bounds);
+        return make_shadow_rays(executor_, fragments_, placed_lights(description_.lights), 0,
+                                lights, flat_.bounds);
       case LabRays::kReflection1:
         return make_mirror_rays(executor_, fragments_, flat_.bounds, 1);
       case LabRays::kReflection2:

@@ -74,11 +74,10 @@ RAYSHEAF_HD inline float pixel_center(std::uint32_t i, std::uint32_t count) {
 RAYSHEAF_HD inline Vec2 on_disc(Vec2 square) {
   const float x = 2 * square.x - 1, y = 2 * square.y - 1;
   if (x == 0 && y == 0) return {0, 0};
-  constexpr float kQuarterPi = 0.785398163f;
   const bool wide = std::fabs(x) > std::fabs(y);
   const float radius = wide ? x : y;
-  const float angle = wide ? kQuarterPi * (y / x) : 2 * kQuarterPi - kQuarterPi * (x / y);
-  return {radius * std::cos(angle), radius * std::sin(angle)};
+  const Vec2 place = on_circle(wide ? 0.125f * (y / x) : 0.25f - 0.125f * (x / y));
+  return {radius * place.x, radius * place.y};
 }
 
 /// The ray that leaves another point of the lens and meets the first one where it is sharp. All

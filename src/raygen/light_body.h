@@ -5,9 +5,12 @@
 #pragma once
 
 #include <cmath>
+#include <vector>
 
 #include "base/float.h"
+#include "base/trigonometry.h"
 #include "base/vec.h"
+#include "base/view.h"
 #include "raygen/sample_body.h"
 #include "raysheaf/scene_description.h"
 
@@ -29,31 +32,44 @@ RAYSHEAF_HD inline SpotEdge spot_edge(const Light& light) {
   return {cos_outer, std::fmax(cos_inner - cos_outer, 1e-3f)};
 }
 
-/// A light without a size, made ready for many places: what costs a cosine is found once.
-struct PointLight {
-  Vec3 position, direction, intensity;
+/// A light made ready for many places, on any machine: what costs a cosine is found once.
+struct PlacedLight {
+  Vec3 position, direction, right, intensity;
   float range = 0, cos_outer = 0, span = 1;
-  bool has_range = false, is_spot = false, is_directional = false;
+  float radius = 0, width = 0, height = 0;
+  bool has_range = false, is_spot = false, is_directional = false, is_rectangle = false;
 };
 
-RAYSHEAF_HD inline PointLight point_light(const Light& light) {
-  PointLight point;
-  point.position = light.position;
-  point.direction = light.direction;
-  point.intensity = light.intensity;
-  point.range = light.range;
-  point.has_range = std::isfinite(light.range);
-  point.is_spot = light.type == Light::Type::kSpot;
-  point.is_directional = light.type == Light::Type::kDirectional;
+RAYSHEAF_HD inline PlacedLight placed_light(const Light& light) {
+  PlacedLight placed;
+  placed.position = light.position;
+  placed.direction = light.direction;
+  placed.right = light.right;
+  placed.intensity = light.intensity;
+  placed.range = light.range;
+  placed.radius = light.radius;
+  placed.width = light.width;
+  placed.height = light.height;
+  placed.has_range = std::isfinite(light.range);
+  placed.is_spot = light.type == Light::Type::kSpot;
+  placed.is_directional = light.type == Light::Type::kDirectional;
+  placed.is_rectangle = light.type == Light::Type::kRectangle;
   const SpotEdge edge = spot_edge(light);
-  point.cos_outer = edge.cos_outer;
-  point.span = edge.span;
-  return point;
+  placed.cos_outer = edge.cos_outer;
+  placed.span = edge.span;
+  return placed;
+}
+
+inline std::vector<PlacedLight> placed_lights(View<const Light> lights) {
+  std::vector<PlacedLight> placed;
+  placed.reserve(lights.size);
+  for (const Light& light : lights) placed.push_back(placed_light(light));
+  return placed;
 }
 
 /// The part of a light's intensity that its range and its cone leave (the extension's own
 /// recommendation).
-RAYSHEAF_HD inline float light_window(const PointLight& light, Vec3 from_light, float distance) {
+RAYSHEAF_HD inline float light_window(const PlacedLight& light, Vec3 from_light, float distance) {
   float window = 1;
   if (light.has_range) {
     const float ratio = distance / light.range;
@@ -66,14 +82,10 @@ RAYSHEAF_HD inline float light_window(const PointLight& light, Vec3 from_light, 
   }
   return window;
 }
-RAYSHEAF_HD inline float light_window(const Light& light, Vec3 from_light, float distance) {
-  return light_window(point_light(light), from_light, distance);
-}
 
 /// Whether there is a choice where on the light to look.
-RAYSHEAF_HD inline bool has_size(const Light& light) {
-  return light.type == Light::Type::kRectangle ||
-         (light.type != Light::Type::kDirectional && light.radius > 0);
+RAYSHEAF_HD inline bool has_size(const PlacedLight& light) {
+  return light.is_rectangle || (!light.is_directional && light.radius > 0);
 }
 
 /// A little off the light's surface along its `normal`, so that geometry which lies in it does not
@@ -97,7 +109,7 @@ RAYSHEAF_HD inline Tangents tangents(Vec3 n) {
 /// A ball of radius r at distance d fills a cone with sin(half angle) = r / d, in which directions
 /// are chosen evenly (pbrt-v4, section 6.2.4). Radiance I / (pi r^2) times the solid angle
 /// 2 pi (1 - cos) is 2 I / (d^2 (1 + cos)): a point's I / d^2 as r goes to 0. Black inside.
-RAYSHEAF_HD inline LightSample sample_ball(const Light& light, Vec3 position, Vec2 chosen) {
+RAYSHEAF_HD inline LightSample sample_ball(const PlacedLight& light, Vec3 position, Vec2 chosen) {
   const Vec3 to_center = light.position - position;
   const float distance = length(to_center), radius = light.radius;
   const Vec3 axis = normalized(to_center);
@@ -106,10 +118,10 @@ RAYSHEAF_HD inline LightSample sample_ball(const Light& light, Vec3 position, Ve
   const float cosine = std::sqrt(clamp(1 - sine * sine, 0, 1));
   const float away = chosen.x * (sine * sine / (1 + cosine));  // 1 - cos of the chosen direction
   const float aside = std::sqrt(away * (2 - away));
-  const float angle = 6.28318531f * chosen.y;
+  const Vec2 around = on_circle(chosen.y);
   const Tangents side = tangents(axis);
-  const Vec3 to_light = normalized(axis * (1 - away) + side.s * (aside * std::cos(angle)) +
-                                   side.t * (aside * std::sin(angle)));
+  const Vec3 to_light =
+      normalized(axis * (1 - away) + side.s * (aside * around.x) + side.t * (aside * around.y));
   // The nearer of the two points where the direction meets the ball.
   const float middle = dot(to_center, to_light);
   const Vec3 across = to_center - to_light * middle;
@@ -138,7 +150,6 @@ struct RectanglePlace {
 /// C. Urena, M. Fajardo, A. King, "An Area-Preserving Parametrization for Spherical Rectangles",
 /// EGSR 2013, sections 3 and 4. In binary64, as the angles' sum cancels.
 RAYSHEAF_HD inline RectanglePlace place_by_solid_angle(const SeenRectangle& r, Vec2 chosen) {
-  constexpr double kHalfTurn = 3.14159265358979324;
   // z components of the unit normals of the four planes through the eye and an edge; the x or the y
   // component is the other one that is not 0.
   const double zz = r.z * r.z;
@@ -147,14 +158,17 @@ RAYSHEAF_HD inline RectanglePlace place_by_solid_angle(const SeenRectangle& r, V
   const double above = r.y1 / std::sqrt(zz + r.y1 * r.y1);
   const double left = -r.x0 / std::sqrt(zz + r.x0 * r.x0);
   // Neighbours' normals have z alone in common: the inner angles between their planes.
-  const double angle_br = std::acos(-below * right), angle_ra = std::acos(-right * above);
-  const double angle_al = std::acos(-above * left), angle_lb = std::acos(-left * below);
-  const double rest = 2 * kHalfTurn - angle_al - angle_lb;
+  const double angle_br = portable::arc_cosine(-below * right),
+               angle_ra = portable::arc_cosine(-right * above);
+  const double angle_al = portable::arc_cosine(-above * left),
+               angle_lb = portable::arc_cosine(-left * below);
+  const double rest = 2 * portable::kPi - angle_al - angle_lb;
   RectanglePlace place;
   place.solid_angle = angle_br + angle_ra - rest;
   // The column up to which the chosen part of the solid angle lies.
   const double part = static_cast<double>(chosen.x) * place.solid_angle + rest;
-  const double f = (std::cos(part) * below - above) / std::sin(part);
+  const portable::SineCosine turn = portable::sine_cosine(part);
+  const double f = (turn.cosine * below - above) / turn.sine;
   const double size = std::sqrt(f * f + below * below);
   double c = size > 0 ? (f > 0 ? 1 : -1) / size : 0;
   c = c < -1 ? -1 : c > 1 ? 1 : c;
@@ -172,7 +186,8 @@ RAYSHEAF_HD inline RectanglePlace place_by_solid_angle(const SeenRectangle& r, V
 /// Shines to one side, with radiance intensity / area. Where it fills next to nothing of the view,
 /// places are spread over its area instead, which is then as good: the solid angle would be lost in
 /// the rounding of its four angles.
-RAYSHEAF_HD inline LightSample sample_rectangle(const Light& light, Vec3 position, Vec2 chosen) {
+RAYSHEAF_HD inline LightSample sample_rectangle(const PlacedLight& light, Vec3 position,
+                                                Vec2 chosen) {
   constexpr double kLeastSolidAngle = 1e-6;
   const Vec3 to_center = light.position - position;
   const Vec3 up = cross(light.right, light.direction);
@@ -204,7 +219,7 @@ RAYSHEAF_HD inline LightSample sample_rectangle(const Light& light, Vec3 positio
 }
 
 /// As if it shone from its place alone; directional lights shine from everywhere.
-RAYSHEAF_HD inline LightSample sample_point(const PointLight& light, Vec3 position) {
+RAYSHEAF_HD inline LightSample sample_point(const PlacedLight& light, Vec3 position) {
   if (light.is_directional)
     return {-light.direction, std::numeric_limits<float>::infinity(), light.intensity, {0, 0, 0}};
   const Vec3 to_light = light.position - position;
@@ -214,16 +229,12 @@ RAYSHEAF_HD inline LightSample sample_point(const PointLight& light, Vec3 positi
   const float falloff = light_window(light, -unit, distance) / distance / distance;
   return {unit, distance, light.intensity * falloff, light.position};
 }
-RAYSHEAF_HD inline LightSample sample_point(const Light& light, Vec3 position) {
-  return sample_point(point_light(light), position);
-}
 
 /// `chosen`: where on the light, both in [0, 1); lights without a size do not look at it.
-RAYSHEAF_HD inline LightSample sample_light(const Light& light, Vec3 position,
+RAYSHEAF_HD inline LightSample sample_light(const PlacedLight& light, Vec3 position,
                                             Vec2 chosen = {0.5f, 0.5f}) {
-  if (light.type == Light::Type::kRectangle) return sample_rectangle(light, position, chosen);
-  if (light.type != Light::Type::kDirectional && light.radius > 0)
-    return sample_ball(light, position, chosen);
+  if (light.is_rectangle) return sample_rectangle(light, position, chosen);
+  if (has_size(light)) return sample_ball(light, position, chosen);
   return sample_point(light, position);
 }
 

@@ -88,7 +88,7 @@ struct PointSeen {
   M usual;  ///< the other lanes are for `sample_point` itself
 };
 
-HWY_INLINE PointSeen SeePoint(const PointLight& light, const V3& position) {
+HWY_INLINE PointSeen SeePoint(const PlacedLight& light, const V3& position) {
   const Floats d;
   const V one = hn::Set(d, 1.0f);
   PointSeen seen;

@@ -20,8 +20,8 @@ inline constexpr std::size_t kLightBlock = 256;
 inline constexpr std::size_t kLightGroups = kLightBlock / kLightLanes;
 
 /// Whether the sample looks at the light as at a point, by `sample_point`.
-inline bool shines_from_point(const Light& light, SampleOf sample) {
-  if (light.type != Light::Type::kPoint && light.type != Light::Type::kSpot) return false;
+inline bool shines_from_point(const PlacedLight& light, SampleOf sample) {
+  if (light.is_directional || light.is_rectangle) return false;
   return !has_size(light) || sample.count == 1;
 }
 
@@ -37,13 +37,12 @@ struct ShadowColumns {
 /// `fragments`: 1 to `kLightBlock` of them.
 void gather_shadow_columns(View<const Fragment> fragments, ShadowColumns* columns);
 
-/// The SIMD parts, chosen at run time. `light` is `point`, unprepared; `fragments` are those of the
-/// columns.
+/// The SIMD parts, chosen at run time. `fragments` are those of the columns.
 /// A bit for each fragment that has a shadow ray to the light; returns how many.
-std::uint32_t find_facing(const ShadowColumns& columns, const PointLight& point, const Light& light,
+std::uint32_t find_facing(const ShadowColumns& columns, const PlacedLight& light,
                           View<const Fragment> fragments, std::uint16_t* facing);
 /// The rays of the fragments that `facing` names, one after the other.
-void make_point_rays(const ShadowColumns& columns, const PointLight& point, const Light& light,
+void make_point_rays(const ShadowColumns& columns, const PlacedLight& light,
                      View<const Fragment> fragments, const std::uint16_t* facing, Ray* rays);
 
 }  // namespace raysheaf

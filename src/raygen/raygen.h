@@ -13,6 +13,7 @@
 #include "base/view.h"
 #include "exec/executor.h"
 #include "raygen/fragment.h"
+#include "raygen/light_body.h"
 #include "raygen/sample_body.h"
 #include "raysheaf/large_vector.h"
 #include "raysheaf/scene_description.h"
@@ -49,7 +50,7 @@ struct RayBatch {
 /// fragment, over the lights [first_light, first_light +
 /// light_count).
 [[nodiscard]] RayBatch make_shadow_rays(const Executor& executor, View<const Fragment> fragments,
-                                        View<const Light> lights, std::uint32_t first_light,
+                                        View<const PlacedLight> lights, std::uint32_t first_light,
                                         std::uint32_t light_count, const Box& scene_bounds,
                                         SampleOf sample = {}, Keys keys = Keys::kMade);
 

@@ -15,6 +15,7 @@
 #include <cstdint>
 
 #include "base/host_device.h"
+#include "base/trigonometry.h"
 #include "raysheaf/types.h"
 
 namespace raysheaf {
@@ -94,6 +95,13 @@ RAYSHEAF_HD inline Vec2 sample_pair(SampleOf sample, std::uint32_t seed) {
   if (sample.count == 1) return {0.5f, 0.5f};
   const FractionPair bits = scrambled_sobol(sample.index, seed);
   return {unit_fraction(bits.x), unit_fraction(bits.y)};
+}
+
+/// The place on the unit circle that is this part of the way round.
+RAYSHEAF_HD inline Vec2 on_circle(float part) {
+  const portable::SineCosine angle =
+      portable::sine_cosine(2 * portable::kPi * static_cast<double>(part));
+  return {static_cast<float>(angle.cosine), static_cast<float>(angle.sine)};
 }
 
 }  // namespace raysheaf

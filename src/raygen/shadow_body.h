@@ -31,11 +31,10 @@ RAYSHEAF_HD inline bool faces_light(const Fragment& f, const LightSample& sample
 
 /// Where on light number `index` of the scene the fragment looks in this sample. A lone sample has
 /// no choice to make: a ball then shines from its centre, as a point does.
-RAYSHEAF_HD inline LightSample choose_on_light(const Fragment& f, const Light& light,
+RAYSHEAF_HD inline LightSample choose_on_light(const Fragment& f, const PlacedLight& light,
                                                std::uint32_t index, SampleOf sample) {
   if (!has_size(light)) return sample_light(light, f.surface.position);
-  if (sample.count == 1 && light.type != Light::Type::kRectangle)
-    return sample_point(light, f.surface.position);
+  if (sample.count == 1 && !light.is_rectangle) return sample_point(light, f.surface.position);
   const std::uint32_t seed = choice_seed(Choice::kLight, f.pixel, f.path, index);
   return sample_light(light, f.surface.position, sample_pair(sample, seed));
 }
@@ -56,8 +55,9 @@ RAYSHEAF_HD inline Ray shadow_ray(const Fragment& f, const LightSample& sample,
 
 /// Where the ray stands on the unit square that its key walks: the direction it leaves its light
 /// by, or, for parallel light, the place on the disc that the light shines through.
-RAYSHEAF_HD inline Vec2 shadow_place(const Light& light, const Ray& ray, const LightReach& reach) {
-  if (light.type != Light::Type::kDirectional) return octahedral(ray.direction);
+RAYSHEAF_HD inline Vec2 shadow_place(const PlacedLight& light, const Ray& ray,
+                                     const LightReach& reach) {
+  if (!light.is_directional) return octahedral(ray.direction);
   const Vec3 n = light.direction;
   const Vec3 side = std::fabs(n.x) < 0.5f ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 u = normalized(cross(n, side)), v = cross(n, u);

@@ -23,8 +23,9 @@ namespace {
 /// What a light sends is found twice: to write a ray elsewhere first costs more.
 class ShadowRays {
  public:
-  ShadowRays(const Executor& executor, View<const Fragment> fragments, View<const Light> lights,
-             std::uint32_t first_light, const Box& scene_bounds, SampleOf sample, Keys keys)
+  ShadowRays(const Executor& executor, View<const Fragment> fragments,
+             View<const PlacedLight> lights, std::uint32_t first_light, const Box& scene_bounds,
+             SampleOf sample, Keys keys)
       : executor_(executor),
         fragments_(fragments),
         lights_(lights),
@@ -34,8 +35,6 @@ class ShadowRays {
         keyed_(keys == Keys::kMade),
         blocks_(div_ceil(fragments.size, kLightBlock)),
         begin_(lights.size * blocks_) {
-    points_.reserve(lights.size);
-    for (const Light& light : lights) points_.push_back(point_light(light));
     facing_.resize_uninitialized(begin_.size() * kLightGroups);
     columns_.resize(blocks_);
   }
@@ -79,11 +78,10 @@ class ShadowRays {
     ShadowColumns& columns = columns_[block];
     gather_shadow_columns(fragments, &columns);
     for (std::size_t l = 0; l < lights_.size; ++l) {
-      const Light& light = lights_[l];
-      begin_[l * blocks_ + block] =
-          shines_from_point(light, sample_)
-              ? find_facing(columns, points_[l], light, fragments, facing(l, block))
-              : find_one_by_one(columns, l, fragments, facing(l, block));
+      const PlacedLight& light = lights_[l];
+      begin_[l * blocks_ + block] = shines_from_point(light, sample_)
+                                        ? find_facing(columns, light, fragments, facing(l, block))
+                                        : find_one_by_one(columns, l, fragments, facing(l, block));
     }
   }
 
@@ -112,7 +110,7 @@ class ShadowRays {
       if (begin == end) continue;
       Ray* const rays = batch->rays.data() + begin;
       if (shines_from_point(lights_[l], sample_)) {
-        make_point_rays(columns, points_[l], lights_[l], fragments, facing(l, block), rays);
+        make_point_rays(columns, lights_[l], fragments, facing(l, block), rays);
       } else {
         for (std::size_t i = begin; i < end; ++i) {
           const Fragment& f = fragments_[batch->slots[i] % fragments_.size];
@@ -148,13 +146,12 @@ class ShadowRays {
 
   const Executor& executor_;
   const View<const Fragment> fragments_;
-  const View<const Light> lights_;
+  const View<const PlacedLight> lights_;
   const std::uint32_t first_light_;
   const LightReach reach_;
   const SampleOf sample_;
   const bool keyed_;
   const std::size_t blocks_;
-  std::vector<PointLight> points_;
   std::vector<std::uint32_t> begin_;  ///< of (light, block): counts, then places
   Buffer<std::uint16_t> facing_;
   LargeVector<ShadowColumns> columns_;  ///< of each block
@@ -182,7 +179,7 @@ void gather_shadow_columns(View<const Fragment> fragments, ShadowColumns* column
 }
 
 RayBatch make_shadow_rays(const Executor& executor, View<const Fragment> fragments,
-                          View<const Light> lights, std::uint32_t first_light,
+                          View<const PlacedLight> lights, std::uint32_t first_light,
                           std::uint32_t light_count, const Box& scene_bounds, SampleOf sample,
                           Keys keys) {
   RayBatch batch;

@@ -16,7 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
 namespace {
 
-std::uint32_t FindFacing(const ShadowColumns& c, const PointLight& point, const Light& light,
+std::uint32_t FindFacing(const ShadowColumns& c, const PlacedLight& light,
                          View<const Fragment> fragments, std::uint16_t* facing) {
   const Floats d;
   const V zero = hn::Zero(d);
@@ -25,7 +25,7 @@ std::uint32_t FindFacing(const ShadowColumns& c, const PointLight& point, const 
     std::uint32_t faces = 0, usual = 0;
     for (std::size_t lane = 0; lane < kLightLanes; lane += hn::Lanes(d)) {
       const std::size_t k = group * kLightLanes + lane;
-      const PointSeen seen = SeePoint(point, Load3(c.position, k));
+      const PointSeen seen = SeePoint(light, Load3(c.position, k));
       const M lit = hn::And(hn::Gt(Dot(Load3(c.normal, k), seen.to_light), zero),
                             hn::Gt(MaxOf(seen.irradiance), zero));
       faces |= BitsOf(hn::And(lit, seen.usual)) << lane;
@@ -43,10 +43,10 @@ std::uint32_t FindFacing(const ShadowColumns& c, const PointLight& point, const 
   return count;
 }
 
-void MakePointRays(const ShadowColumns& c, const PointLight& point, const Light& light,
-                   View<const Fragment> fragments, const std::uint16_t* facing, Ray* rays) {
+void MakePointRays(const ShadowColumns& c, const PlacedLight& light, View<const Fragment> fragments,
+                   const std::uint16_t* facing, Ray* rays) {
   const Floats d;
-  const V3 origin = Splat(point.position);
+  const V3 origin = Splat(light.position);
   alignas(64) float direction[3][kLightLanes];
   for (std::size_t group = 0; group * kLightLanes < fragments.size; ++group) {
     if (facing[group] == 0) continue;
@@ -54,7 +54,7 @@ void MakePointRays(const ShadowColumns& c, const PointLight& point, const Light&
     for (std::size_t lane = 0; lane < kLightLanes; lane += hn::Lanes(d)) {
       const std::size_t k = group * kLightLanes + lane;
       const V3 position = Load3(c.position, k), outward = Load3(c.outward, k);
-      const PointSeen seen = SeePoint(point, position);
+      const PointSeen seen = SeePoint(light, position);
       const V step = hn::Add(hn::Load(d, c.step + k),
                              hn::Mul(hn::Set(d, kOffsetRoundings * kUnitRoundoff), seen.distance));
       const M inward = hn::Lt(Dot(seen.to_light, outward), hn::Zero(d));
@@ -69,7 +69,7 @@ void MakePointRays(const ShadowColumns& c, const PointLight& point, const Light&
       const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
       if (HWY_LIKELY((usual >> lane & 1) != 0)) {
         *rays++ = {
-            point.position, 0, {direction[0][lane], direction[1][lane], direction[2][lane]}, 1};
+            light.position, 0, {direction[0][lane], direction[1][lane], direction[2][lane]}, 1};
         continue;
       }
       const Fragment& f = fragments[group * kLightLanes + lane];
@@ -88,14 +88,14 @@ namespace raysheaf {
 HWY_EXPORT(FindFacing);
 HWY_EXPORT(MakePointRays);
 
-std::uint32_t find_facing(const ShadowColumns& columns, const PointLight& point, const Light& light,
+std::uint32_t find_facing(const ShadowColumns& columns, const PlacedLight& light,
                           View<const Fragment> fragments, std::uint16_t* facing) {
-  return HWY_DYNAMIC_DISPATCH(FindFacing)(columns, point, light, fragments, facing);
+  return HWY_DYNAMIC_DISPATCH(FindFacing)(columns, light, fragments, facing);
 }
 
-void make_point_rays(const ShadowColumns& columns, const PointLight& point, const Light& light,
+void make_point_rays(const ShadowColumns& columns, const PlacedLight& light,
                      View<const Fragment> fragments, const std::uint16_t* facing, Ray* rays) {
-  HWY_DYNAMIC_DISPATCH(MakePointRays)(columns, point, light, fragments, facing, rays);
+  HWY_DYNAMIC_DISPATCH(MakePointRays)(columns, light, fragments, facing, rays);
 }
 
 }  // namespace raysheaf

@@ -68,11 +68,12 @@ RAYSHEAF_HD inline Vec3 glossy_direction(const SurfaceLobes& lobes, Vec2 chosen)
   const float level = std::sqrt(v.x * v.x + v.y * v.y);
   const Vec3 first = level > 0 ? Vec3{-v.y / level, v.x / level, 0} : Vec3{1, 0, 0};
   const Vec3 second = cross(v, first);
-  const float radius = std::sqrt(chosen.x), angle = 6.28318531f * chosen.y;
-  const float x = radius * std::cos(angle);
+  const float radius = std::sqrt(chosen.x);
+  const Vec2 around = on_circle(chosen.y);
+  const float x = radius * around.x;
   // The part of the disc beyond the horizon shows a half ellipse.
   const float s = 0.5f * (1 + v.z), edge = std::sqrt(clamp(1 - x * x, 0, 1));
-  const float y = (1 - s) * edge + s * (radius * std::sin(angle));
+  const float y = (1 - s) * edge + s * (radius * around.y);
   const float z = std::sqrt(clamp(1 - x * x - y * y, 0, 1));
   const Vec3 alike = first * x + second * y + v * z;
   const Vec3 half = normalized({a * alike.x, a * alike.y, std::fmax(alike.z, 1e-6f)});
@@ -82,9 +83,10 @@ RAYSHEAF_HD inline Vec3 glossy_direction(const SurfaceLobes& lobes, Vec2 chosen)
 
 /// Lambert's lobe: the disc below, lifted to the hemisphere.
 RAYSHEAF_HD inline Vec3 matte_direction(const SurfaceLobes& lobes, Vec2 chosen) {
-  const float radius = std::sqrt(chosen.x), angle = 6.28318531f * chosen.y;
+  const float radius = std::sqrt(chosen.x);
+  const Vec2 around = on_circle(chosen.y);
   const float height = std::sqrt(clamp(1 - chosen.x, 0, 1));
-  return lobes.side.s * (radius * std::cos(angle)) + lobes.side.t * (radius * std::sin(angle)) +
+  return lobes.side.s * (radius * around.x) + lobes.side.t * (radius * around.y) +
          lobes.normal * height;
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "base/trigonometry.h"
 #include "base/vec.h"
 
 namespace raysheaf {
@@ -32,13 +33,18 @@ RAYSHEAF_HD inline Vec3 turned(Vec3 d, float cosine, float sine) {
 /// Where in the map a unit direction lies, both in [0, 1].
 RAYSHEAF_HD inline Vec2 map_place(const EnvironmentView& map, Vec3 direction) {
   const Vec3 d = turned(direction, map.cos_rotation, -map.sin_rotation);
-  return {0.5f + std::atan2(d.x, -d.z) / 6.28318531f, std::acos(clamp(d.y, -1, 1)) / 3.14159265f};
+  const double around = portable::angle_of(static_cast<double>(d.x), static_cast<double>(-d.z));
+  const double polar = portable::arc_cosine(static_cast<double>(clamp(d.y, -1, 1)));
+  return {static_cast<float>(0.5 + around / (2 * portable::kPi)),
+          static_cast<float>(polar / portable::kPi)};
 }
 
 RAYSHEAF_HD inline Vec3 map_direction(const EnvironmentView& map, Vec2 place) {
-  const float around = (place.x - 0.5f) * 6.28318531f, polar = place.y * 3.14159265f;
-  const float ring = std::sin(polar);
-  const Vec3 d{ring * std::sin(around), std::cos(polar), -ring * std::cos(around)};
+  const auto [sine, cosine] =
+      portable::sine_cosine(2 * portable::kPi * (static_cast<double>(place.x) - 0.5));
+  const auto [ring, height] = portable::sine_cosine(portable::kPi * static_cast<double>(place.y));
+  const Vec3 d{static_cast<float>(ring * sine), static_cast<float>(height),
+               static_cast<float>(-ring * cosine)};
   return turned(d, map.cos_rotation, map.sin_rotation);
 }
 
@@ -87,7 +93,8 @@ RAYSHEAF_HD inline ChosenPart choose_part(const float* ends, std::uint32_t count
 /// How large a part of the whole, a steradian, is chosen from a texel that `part` of all choices
 /// fall into: a texel at v covers 2 pi^2 sin(pi v) / texels.
 RAYSHEAF_HD inline float density_of_part(const EnvironmentView& map, float part, float v) {
-  const float ring = std::sin(3.14159265f * v);
+  const auto ring =
+      static_cast<float>(portable::sine_cosine(portable::kPi * static_cast<double>(v)).sine);
   const float texels = static_cast<float>(map.width) * static_cast<float>(map.height);
   return ring > 0 ? part * texels / (19.7392088f * ring) : 0;
 }

@@ -23,8 +23,8 @@ struct ShadingColumns {
 /// The SIMD parts, chosen at run time, of the first `count` lanes.
 void prepare_shading(std::size_t count, ShadingColumns* columns);
 /// Adds what the light gives to the fragments whose `visible` is `Visibility::kVisible`; `visible`
-/// has `kLightBlock` entries. `light` is `point`, unprepared.
-void add_point_light(const PointLight& point, const Light& light, View<const Fragment> fragments,
+/// has `kLightBlock` entries.
+void add_point_light(const PlacedLight& light, View<const Fragment> fragments,
                      const std::uint8_t* visible, ShadingColumns* columns);
 
 }  // namespace raysheaf

@@ -95,14 +95,14 @@ HWY_INLINE V3 Reflectance(const ShadingColumns& c, std::size_t k, const V3& to_l
   return Scale(Add(below, Scale(fresnel, highlight)), n_l);
 }
 
-void AddPointLight(const PointLight& point, const Light& light, View<const Fragment> fragments,
+void AddPointLight(const PlacedLight& light, View<const Fragment> fragments,
                    const std::uint8_t* visible, ShadingColumns* columns) {
   const Floats d;
   ShadingColumns& c = *columns;
   for (std::size_t k = 0; k < fragments.size; k += hn::Lanes(d)) {
     const M shown = IsVisible(visible + k);
     if (hn::AllFalse(d, shown)) continue;
-    const PointSeen seen = SeePoint(point, Load3(c.position, k));
+    const PointSeen seen = SeePoint(light, Load3(c.position, k));
     const V n_l = Dot(Load3(c.normal, k), seen.to_light);
     M usual = seen.usual;
     const V3 sent = Mul(Reflectance(c, k, seen.to_light, n_l, &usual), seen.irradiance);
@@ -138,9 +138,9 @@ void prepare_shading(std::size_t count, ShadingColumns* columns) {
   HWY_DYNAMIC_DISPATCH(PrepareShading)(count, columns);
 }
 
-void add_point_light(const PointLight& point, const Light& light, View<const Fragment> fragments,
+void add_point_light(const PlacedLight& light, View<const Fragment> fragments,
                      const std::uint8_t* visible, ShadingColumns* columns) {
-  HWY_DYNAMIC_DISPATCH(AddPointLight)(point, light, fragments, visible, columns);
+  HWY_DYNAMIC_DISPATCH(AddPointLight)(light, fragments, visible, columns);
 }
 
 }  // namespace raysheaf

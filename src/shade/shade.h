@@ -6,6 +6,7 @@
 #include "base/view.h"
 #include "exec/executor.h"
 #include "raygen/fragment.h"
+#include "raygen/light_body.h"
 #include "raygen/sample_body.h"
 #include "raysheaf/large_vector.h"
 #include "raysheaf/render.h"
@@ -34,7 +35,7 @@ struct TracedParts {
 
 /// Some of the scene's lights, and the sample that looks at them.
 struct LightGroup {
-  View<const Light> lights;
+  View<const PlacedLight> lights;
   std::uint32_t first = 0;  ///< the number in the scene of the first
   SampleOf sample;
 };
@@ -64,7 +65,7 @@ struct SkyPart {
 /// white surfaces at the fragments, so that shadows are dark but not black whatever the lights'
 /// units.
 [[nodiscard]] Vec3 automatic_sky(const Executor& executor, View<const Fragment> fragments,
-                                 View<const Light> lights);
+                                 View<const PlacedLight> lights);
 /// The same of the parts.
 [[nodiscard]] Vec3 sky_of_parts(View<const SkyPart> parts);
 

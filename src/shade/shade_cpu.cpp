@@ -20,9 +20,8 @@ constexpr std::size_t kBlockGrain = 4;
 struct ShadedBlock {
   View<const Fragment> fragments;
   const LightGroup& group;
-  View<const PointLight> points;  ///< the group's lights, of those that are points
-  const Visibility* visibility;   ///< of the first fragment and the first light
-  std::size_t light_stride;       ///< from a light's visibility to the next one's
+  const Visibility* visibility;  ///< of the first fragment and the first light
+  std::size_t light_stride;      ///< from a light's visibility to the next one's
   View<Vec3> radiance;
 };
 
@@ -55,7 +54,7 @@ void shade_block(const ShadedBlock& block) {
   std::uint8_t visible[kLightBlock] = {};
   bool gathered = false;
   for (std::uint32_t l = 0; l < group.lights.size; ++l) {
-    const Light& light = group.lights[l];
+    const PlacedLight& light = group.lights[l];
     std::memcpy(visible, block.visibility + l * block.light_stride, count);
     constexpr int kShown = static_cast<int>(Visibility::kVisible);
     if (std::memchr(visible, kShown, count) == nullptr) continue;
@@ -65,7 +64,7 @@ void shade_block(const ShadedBlock& block) {
       gathered = true;
     }
     if (shines_from_point(light, group.sample)) {
-      add_point_light(block.points[l], light, block.fragments, visible, &columns);
+      add_point_light(light, block.fragments, visible, &columns);
       continue;
     }
     for (std::size_t i = 0; i < count; ++i) {
@@ -113,13 +112,11 @@ LargeVector<Vec3> shade_glow(const Executor& executor, View<const Fragment> frag
 
 void shade_lights(const Executor& executor, View<const Fragment> fragments, const LightGroup& group,
                   View<const Visibility> visibility, View<Vec3> radiance) {
-  std::vector<PointLight> points;
-  for (const Light& light : group.lights) points.push_back(point_light(light));
   executor.for_each(div_ceil(fragments.size, kLightBlock), kBlockGrain, [&](std::size_t block) {
     const std::size_t first = block * kLightBlock;
     const std::size_t count = std::min(kLightBlock, fragments.size - first);
-    shade_block({fragments.slice(first, count), group, points, visibility.data + first,
-                 fragments.size, radiance.slice(first, count)});
+    shade_block({fragments.slice(first, count), group, visibility.data + first, fragments.size,
+                 radiance.slice(first, count)});
   });
 }
 
@@ -146,7 +143,7 @@ void accumulate(const Executor& executor, View<const Fragment> fragments, View<c
 }
 
 Vec3 automatic_sky(const Executor& executor, View<const Fragment> fragments,
-                   View<const Light> lights) {
+                   View<const PlacedLight> lights) {
   if (lights.empty()) return {1, 1, 1};  // a white sky shows what is there
   std::vector<SkyPart> parts(div_ceil(fragments.size, kSkyPart));
   executor.for_each(parts.size(), kWorkGrain / kSkyPart, [&](std::size_t p) {
@@ -155,7 +152,7 @@ Vec3 automatic_sky(const Executor& executor, View<const Fragment> fragments,
       const Fragment& f = fragments[i];
       if (f.triangle == kInvalidId) continue;
       ++parts[p].covered;
-      for (const Light& light : lights)
+      for (const PlacedLight& light : lights)
         parts[p].sum += double{unoccluded(f, sample_light(light, f.surface.position))};
     }
   });

@@ -131,24 +131,6 @@ struct StagedSurfaceCase {
 };
 
 /// On a device a light is read where it lies (stage_bodies.cu); this is what is made of it there.
-struct PointLightCase {
-  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
-    PointLight light;
-    light.position = draws.in_box(9);
-    light.direction = draws.direction();
-    light.intensity = abs(draws.in_box(9));
-    light.range = draws.between(1, 20);
-    light.has_range = draws.below(2) == 0;
-    light.is_spot = draws.below(2) == 0;
-    light.is_directional = draws.below(4) == 0;
-    light.cos_outer = draws.unit();
-    light.span = 0.25f;
-    const LightSample seen = sample_point(light, draws.in_box(9));
-    out.put(seen.to_light, seen.distance, seen.irradiance, seen.point);
-    out.put(light_window(light, draws.direction(), seen.distance));
-  }
-};
-
 struct SampleCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
     const std::uint32_t index = draws.bits(), seed = draws.bits();

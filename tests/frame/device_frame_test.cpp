@@ -2,6 +2,7 @@
 // device, and on the CUDA device where there is one.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -66,8 +67,8 @@ RenderResult expect_the_cpus(const Context& context, const SceneDescription& sce
 
 /// Everything that a frame on a device knows, in one scene: textures that are turned, scaled and
 /// mirrored, glass, a mirror, metal, lamps, an instance that mirrors, triangles without material,
-/// normal or area, and all lights without a size.
-SceneDescription motley(std::uint32_t seed) {
+/// normal or area, and lights of all kinds; `soft`: a ball and a rectangle, too.
+SceneDescription motley(std::uint32_t seed, bool soft = false) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(0, 1);
   SceneDescription scene = test::ball_on_floor();
@@ -133,7 +134,31 @@ SceneDescription motley(std::uint32_t seed) {
   Light near = test::point_light({-1, 2, 2}, 10);
   near.range = 3;
   scene.lights.insert(scene.lights.end(), {spot, sun, near});
+  if (!soft) return scene;
+  scene.lights[0].radius = 0.3f;
+  scene.lights[1].radius = 0.1f;
+  Light plate = test::point_light({0, 3, -1}, 5);
+  plate.type = Light::Type::kRectangle;
+  plate.direction = {0, -1, 0};
+  plate.right = {1, 0, 0};
+  plate.width = 1.5f;
+  plate.height = 0.5f;
+  scene.lights.push_back(plate);
   return scene;
+}
+
+/// With a small sun.
+Environment motley_sky(float rotation) {
+  Environment sky;
+  sky.width = 8;
+  sky.height = 4;
+  sky.intensity = 0.7f;
+  sky.rotation = rotation;
+  for (std::uint32_t i = 0; i < sky.width * sky.height; ++i) {
+    const float x = 0.03f * static_cast<float>(i);
+    sky.radiance.push_back(i == 11 ? Vec3{30, 20, 10} : Vec3{x, 1 - x, 0.5f});
+  }
+  return sky;
 }
 
 RenderOptions traced(std::uint32_t size) {
@@ -181,33 +206,33 @@ void expect_all_frames(const Context& context) {
   expect_the_cpus(context, motley(12), options);
 }
 
-/// What only the CPU knows bit for bit is shaded there.
+/// Lights with a size, lenses and environments, with one sample and with several.
+void expect_soft_frames(const Context& context) {
+  for (std::uint32_t seed = 20; seed < 26; ++seed) {
+    SCOPED_TRACE(seed);
+    SceneDescription scene = motley(seed, true);
+    RenderOptions options = traced(40);
+    options.samples = seed % 3 == 2 ? 1 : 4;
+    if (seed % 2 == 1) options.aperture = 0.1f;
+    if (seed == 22 || seed >= 24) {
+      scene.environment = motley_sky(0.4f * static_cast<float>(seed));
+      if (seed == 25) std::ranges::fill(scene.environment.radiance, Vec3{0, 0, 0});
+      options.reflections = seed != 24;
+    }
+    EXPECT_TRUE(stayed(expect_the_cpus(context, scene, options)));
+  }
+}
+
+/// What only the CPU knows is done there.
 void expect_the_rest_too(const Context& context) {
-  const SceneDescription scene = motley(20);
   RenderOptions options = traced(32);
   options.count_pixel_tests = true;
-  EXPECT_FALSE(stayed(expect_the_cpus(context, scene, options)));
-  options = traced(32);
-  options.samples = 2;
-  options.aperture = 0.1f;
-  EXPECT_FALSE(stayed(expect_the_cpus(context, scene, options)));
-  SceneDescription soft = scene;
-  soft.lights[0].radius = 0.3f;
-  options = traced(32);
-  EXPECT_TRUE(stayed(expect_the_cpus(context, soft, options)));  // one sample looks at its centre
-  options.samples = 2;
-  EXPECT_FALSE(stayed(expect_the_cpus(context, soft, options)));
-  SceneDescription sky = scene;
-  sky.environment.width = 2;
-  sky.environment.height = 1;
-  sky.environment.radiance = {{1, 2, 3}, {3, 1, 1}};
-  options.samples = 1;
-  EXPECT_FALSE(stayed(expect_the_cpus(context, sky, options)));
+  EXPECT_FALSE(stayed(expect_the_cpus(context, motley(20), options)));
 }
 
 /// One renderer, from frame to frame.
 void expect_frames_of_a_change(const Context& context) {
-  SceneDescription scene = motley(30);
+  SceneDescription scene = motley(30, true);
   Renderer here, there(context);
   here.show(scene);
   there.show(scene);
@@ -252,6 +277,9 @@ class Frames : public ::testing::TestWithParam<bool> {
 TEST_P(Frames, AreThoseOfTheCpu) {
   expect_all_frames(*context_);
 }
+TEST_P(Frames, OfSoftLight) {
+  expect_soft_frames(*context_);
+}
 TEST_P(Frames, AreShadedOnTheCpuWhereTheyMustBe) {
   expect_the_rest_too(*context_);
 }
@@ -276,7 +304,8 @@ TEST(DeviceFrameMemory, MayRunOutAnywhere) {
   const Executor executor(2);
   HostAllocator memory;
   test::FailingAllocator allocator(memory);
-  const SceneDescription scene = motley(40);
+  SceneDescription scene = motley(40, true);
+  scene.environment = motley_sky(1);
   const RenderOptions options = traced(24);
   const RenderResult here = render(scene, options);
   {

@@ -18,7 +18,7 @@ constexpr std::uint32_t kCount = 4096;
 double mean_irradiance(const Light& light, Vec3 position, Vec3 normal) {
   double sum = 0;
   for (std::uint32_t i = 0; i < kCount; ++i) {
-    const LightSample s = sample_light(light, position, sample_pair({i, kCount}, 7));
+    const LightSample s = sample_light(placed_light(light), position, sample_pair({i, kCount}, 7));
     sum += std::fmax(
         0.0, static_cast<double>(dot(s.to_light, normal)) * static_cast<double>(s.irradiance.x));
   }
@@ -66,13 +66,15 @@ TEST(BallLight, HalfBelowTheHorizonItGivesHalfOfItsDisc) {
 TEST(BallLight, ShinesFromItsSurfaceAndNotInside) {
   const Light light = ball({1, 2, 3}, 0.5f, 10);
   for (std::uint32_t i = 0; i < 256; ++i) {
-    const LightSample s = sample_light(light, {4, -1, 2}, sample_pair({i, 256}, 3));
+    const LightSample s = sample_light(placed_light(light), {4, -1, 2}, sample_pair({i, 256}, 3));
     EXPECT_NEAR(length(s.point - light.position), 0.5f, 1e-4f);
     EXPECT_LT(dot(s.point - light.position, s.to_light), 1e-4f);  // on the near side
     EXPECT_NEAR(length(s.to_light), 1, 1e-5f);
   }
-  EXPECT_EQ(max_component(sample_light(light, {1.1f, 2, 3}, {0.3f, 0.3f}).irradiance), 0);
-  EXPECT_EQ(max_component(sample_light(light, light.position, {0.3f, 0.3f}).irradiance), 0);
+  EXPECT_EQ(max_component(sample_light(placed_light(light), {1.1f, 2, 3}, {0.3f, 0.3f}).irradiance),
+            0);
+  EXPECT_EQ(
+      max_component(sample_light(placed_light(light), light.position, {0.3f, 0.3f}).irradiance), 0);
 }
 
 Light rectangle(Vec3 center, Vec3 direction, Vec3 right, float width, float height) {
@@ -142,10 +144,13 @@ TEST(RectangleLight, IsAPointFromAfarAndContinuousWhereTheMethodChanges) {
 
 TEST(RectangleLight, ShinesToOneSideAndFromItsOwnPlane) {
   const Light light = rectangle({0, 2, 0}, {0, -1, 0}, {1, 0, 0}, 2, 1);
-  EXPECT_EQ(max_component(sample_light(light, {0, 3, 0}, {0.2f, 0.7f}).irradiance), 0);
-  EXPECT_EQ(max_component(sample_light(light, {5, 2, 0}, {0.2f, 0.7f}).irradiance), 0);
+  EXPECT_EQ(max_component(sample_light(placed_light(light), {0, 3, 0}, {0.2f, 0.7f}).irradiance),
+            0);
+  EXPECT_EQ(max_component(sample_light(placed_light(light), {5, 2, 0}, {0.2f, 0.7f}).irradiance),
+            0);
   for (std::uint32_t i = 0; i < 64; ++i) {
-    const LightSample s = sample_light(light, {0.3f, 1.999f, 0.2f}, sample_pair({i, 64}, 3));
+    const LightSample s =
+        sample_light(placed_light(light), {0.3f, 1.999f, 0.2f}, sample_pair({i, 64}, 3));
     EXPECT_LE(std::fabs(s.point.x), 1.0001f);
     EXPECT_LE(std::fabs(s.point.z), 0.5001f);
     EXPECT_LT(s.point.y, 2);  // a little before it, so that a lamp's own glass does not shade
@@ -157,11 +162,12 @@ TEST(RectangleLight, ShinesToOneSideAndFromItsOwnPlane) {
 TEST(Lights, ScaleWithTheScene) {
   for (const float scale : {1e-3f, 1e3f}) {
     Light light = ball({1, 2, 3}, 0.5f, 10);
-    const LightSample plain = sample_light(light, {4, -1, 2}, {0.3f, 0.8f});
+    const LightSample plain = sample_light(placed_light(light), {4, -1, 2}, {0.3f, 0.8f});
     light.position *= scale;
     light.radius *= scale;
     light.intensity *= scale * scale;
-    const LightSample scaled = sample_light(light, Vec3{4, -1, 2} * scale, {0.3f, 0.8f});
+    const LightSample scaled =
+        sample_light(placed_light(light), Vec3{4, -1, 2} * scale, {0.3f, 0.8f});
     EXPECT_NEAR(scaled.irradiance.x, plain.irradiance.x, 1e-5f * plain.irradiance.x);
     EXPECT_NEAR(scaled.distance, plain.distance * scale, 1e-5f * plain.distance * scale);
   }

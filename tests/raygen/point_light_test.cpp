@@ -16,7 +16,7 @@ namespace {
 
 /// Places and normals at random; some without a surface or without light, some at the lights' own
 /// places, some too far away for a float's squares.
-Fragments some_fragments(std::size_t count, View<const Light> lights) {
+Fragments some_fragments(std::size_t count, View<const PlacedLight> lights) {
   test::Random random(11);
   Fragments fragments(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -35,7 +35,7 @@ Fragments some_fragments(std::size_t count, View<const Light> lights) {
   return fragments;
 }
 
-std::vector<Light> all_kinds_of_lights() {
+std::vector<PlacedLight> all_kinds_of_lights() {
   std::vector<Light> lights(7, test::point_light({0.5f, 2, -1}, 40));
   lights[1].range = 2.5f;
   lights[2].type = Light::Type::kSpot;
@@ -49,11 +49,12 @@ std::vector<Light> all_kinds_of_lights() {
   lights[5].direction = {0, -1, 0};
   lights[5].width = lights[5].height = 1;
   lights[6].intensity = {0, 0, 0};
-  return lights;
+  return placed_lights(lights);
 }
 
 void expect_one_by_one(const Executor& executor, const Fragments& fragments,
-                       const std::vector<Light>& lights, SampleOf sample, const char* target) {
+                       const std::vector<PlacedLight>& lights, SampleOf sample,
+                       const char* target) {
   const Box box{{-3, -3, -3}, {3, 3, 3}};
   const auto count = static_cast<std::uint32_t>(lights.size()) - 1;
   const RayBatch batch = make_shadow_rays(executor, fragments, lights, 1, count, box, sample);
@@ -84,7 +85,7 @@ void expect_one_by_one(const Executor& executor, const Fragments& fragments,
 }
 
 TEST(PointLights, ShadowRaysAreThoseOfOneFragmentAfterTheOther) {
-  const std::vector<Light> lights = all_kinds_of_lights();
+  const std::vector<PlacedLight> lights = all_kinds_of_lights();
   const Executor executor(3);
   for (const std::size_t size : {1u, 15u, 16u, 257u, 3000u}) {
     const Fragments fragments = some_fragments(size, lights);
@@ -96,7 +97,7 @@ TEST(PointLights, ShadowRaysAreThoseOfOneFragmentAfterTheOther) {
 }
 
 TEST(PointLights, NoFragmentsHaveNoRays) {
-  const std::vector<Light> lights = all_kinds_of_lights();
+  const std::vector<PlacedLight> lights = all_kinds_of_lights();
   const RayBatch batch = make_shadow_rays(Executor(1), Fragments{}, lights, 0, 2, {});
   EXPECT_TRUE(batch.rays.empty());
   EXPECT_EQ(batch.light_ends, (std::vector<std::uint32_t>{0, 0}));

@@ -24,7 +24,7 @@ struct Seen {
   }
 
   [[nodiscard]] RayBatch shadow_rays() const {
-    return make_shadow_rays(executor, fragments, scene.lights, 0,
+    return make_shadow_rays(executor, fragments, placed_lights(scene.lights), 0,
                             static_cast<std::uint32_t>(scene.lights.size()), flat.bounds);
   }
   [[nodiscard]] std::vector<RayHit> closest(View<const Ray> rays) const {

@@ -25,15 +25,15 @@ Fragment matte(Vec3 normal, Vec3 incoming) {
 TEST(Shade, LambertUnderAPointLightIsTheTextbookValue) {
   const Fragment f = matte({0, 1, 0}, {0, -1, 0});
   const Vec3 radiance =
-      lit_by(f, sample_light(test::point_light({0, 2, 0}, 12), f.surface.position));
+      lit_by(f, sample_light(placed_light(test::point_light({0, 2, 0}, 12)), f.surface.position));
   EXPECT_NEAR(radiance.x, 12.0f / 4 / kPi, 1e-6f);
 }
 
 TEST(Shade, LightBehindTheSurfaceGivesNothing) {
   const Fragment f = matte({0, 1, 0}, {0, -1, 0});
-  EXPECT_EQ(
-      max_component(lit_by(f, sample_light(test::point_light({0, -2, 0}, 12), f.surface.position))),
-      0);
+  EXPECT_EQ(max_component(lit_by(f, sample_light(placed_light(test::point_light({0, -2, 0}, 12)),
+                                                 f.surface.position))),
+            0);
 }
 
 TEST(Shade, NoSurfaceReflectsMoreThanArrives) {
@@ -97,6 +97,7 @@ TEST(Shade, ManyFragmentsAtATimeAreAsOneByOneOnEverySimdTarget) {
   lights[2].type = Light::Type::kDirectional;
   lights[3].type = Light::Type::kRectangle;
   lights[3].width = lights[3].height = 1;
+  const std::vector<PlacedLight> placed = placed_lights(lights);
   const Fragments fragments = all_kinds_of_surfaces(1777, lights[0].position);
   Random random(8);
   std::vector<Visibility> visibility(lights.size() * fragments.size());
@@ -105,11 +106,11 @@ TEST(Shade, ManyFragmentsAtATimeAreAsOneByOneOnEverySimdTarget) {
   for (std::size_t i = 0; i < fragments.size(); ++i) {
     for (std::uint32_t l = 0; l < lights.size(); ++l)
       if (visibility[l * fragments.size() + i] == Visibility::kVisible)
-        expected[i] += lit_by(fragments[i], choose_on_light(fragments[i], lights[l], l, {}));
+        expected[i] += lit_by(fragments[i], choose_on_light(fragments[i], placed[l], l, {}));
   }
   test::for_each_simd_target([&](const char* target) {
     std::vector<Vec3> radiance(fragments.size());
-    shade_lights(Executor(3), fragments, {lights, 0, {}}, visibility, radiance);
+    shade_lights(Executor(3), fragments, {placed, 0, {}}, visibility, radiance);
     EXPECT_TRUE(test::same_bits(radiance, expected)) << target;
   });
 }
