@@ -49,8 +49,7 @@ void check_for_device(const RenderOptions& options) {
 
 /// Whether a device has all stages of the frame.
 bool suits_device(const RenderOptions& options) {
-  const bool method = options.method == Method::kDual || options.method == Method::kBrute;
-  return method && !options.count_pixel_tests;
+  return options.method != Method::kGl10 && !options.count_pixel_tests;
 }
 
 const char* word_of(const TreeReport& tree) {
@@ -147,6 +146,8 @@ class Renderer::Impl {
                      complete};
     if (on_device) {
       input.device = &device_stages(executor);
+      if (settings_for(options).traversal == Traversal::kRayHierarchy)
+        input.pairs = &cache_.device_tracer(flat_).pairs(executor);
       if (rasters)
         input.rasterize = [&](const CameraFrame& frame) {
           return rasterize_primary(executor, *rasterizer_, flat_, frame);

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <bit>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "base/bits.h"
-#include "engine/device_engine-inl.h"
+#include "engine/device_batches-inl.h"
 #include "engine/device_scene-inl.h"
+#include "engine/light_loops-inl.h"
 #include "exec/stopwatch.h"
 
 namespace raysheaf {
@@ -26,6 +26,7 @@ class DeviceStagesOn : public DeviceStages {
   explicit DeviceStagesOn(Args&&... args)
       : engine_(std::forward<Args>(args)...),
         device_(engine_.device()),
+        batches_(engine_),
         surfaces_(device_),
         film_(device_) {}
 
@@ -47,6 +48,7 @@ class DeviceStagesOn : public DeviceStages {
 
   void begin(const DeviceFrameInput& input) override {
     input_ = &input_place_.emplace(input);
+    batches_.begin(*input_);
     upload(device_, input.lights, &lights_);
     film_.begin(input.options.width, input.options.height);
   }
@@ -62,11 +64,12 @@ class DeviceStagesOn : public DeviceStages {
       device_.copy("copy: names", triangles_seen_.data(), seen.data(), pixels * sizeof seen[0]);
     } else {
       BatchStatistics& statistics = input_->tally.batch(RayKind::kPrimary, 0);
-      rays_.resize_uninitialized("raygen: camera", pixels);
-      camera_rays_on(device_, frame, rays_.view());
+      Ray* const rays = batches_.rays("raygen: camera", pixels);
+      camera_rays_on(device_, frame, scene_->bounds, rays, batches_.keys("raygen: camera"));
       lap(&statistics.times_ms.raygen);
-      find_closest(pixels, Facing::kSkipBackOfSingleSided, &statistics);
-      triangles_of_hits_on(device_, hits_.view_const(), triangles_seen_.data());
+      const EngineHit* const hits =
+          batches_.closest(Facing::kSkipBackOfSingleSided, kBounceKeyBits, &statistics);
+      triangles_of_hits_on(device_, View<const EngineHit>(hits, pixels), triangles_seen_.data());
     }
     input_->meter.begin("surfaces", 1);
     auto set = make_set("surfaces: first", pixels);
@@ -104,7 +107,8 @@ class DeviceStagesOn : public DeviceStages {
     const std::size_t left = lights_.size() - first;
     const std::size_t count = std::clamp<std::size_t>(kMostDeviceSlots / set.size(), 1, left);
     add_what_arrives(of(set), bounce,
-                     LightsSeen{lights_.view_const().slice(first, count), first, sample_},
+                     LightsSeen{lights_.view_const().slice(first, count), first,
+                                static_cast<std::uint32_t>(lights_.size()), sample_},
                      bounce == 1);
     return static_cast<std::uint32_t>(count);
   }
@@ -132,18 +136,18 @@ class DeviceStagesOn : public DeviceStages {
         device_.select("raygen: bounce", flags_.view_const(), slots_.view());
     if (count == 0) return nullptr;
     const View<const std::uint32_t> slots(slots_.data(), count);
-    rays_.resize_uninitialized("raygen: bounce", count);
+    Ray* const rays = batches_.rays("raygen: bounce", count);
     weights_.resize_uninitialized("raygen: bounce", count);
-    bounce_rays_on(device_, s.view(), slots, mirrors, rays_.data(), weights_.data());
+    bounce_rays_on(device_, s.view(), slots, mirrors, scene_->bounds,
+                   {rays, weights_.data(), batches_.keys("raygen: bounce")});
     BatchStatistics& statistics = input_->tally.batch(kind, bounce);
     lap(&statistics.times_ms.raygen);
-    find_closest(count, Facing::kBoth, &statistics);
+    const EngineHit* const hits = batches_.closest(Facing::kBoth, kBounceKeyBits, &statistics);
     watch_.lap_ms();
     auto arrived = make_set("surfaces: bounce", count);
-    arrived_on(
-        device_, scene_view(), s.view(),
-        {slots, rays_.data(), weights_.data(), hits_.data(), static_cast<std::uint32_t>(kind)},
-        arrived->fragments.data());
+    arrived_on(device_, scene_view(), s.view(),
+               {slots, rays, weights_.data(), hits, static_cast<std::uint32_t>(kind)},
+               arrived->fragments.data());
     lap(&input_->tally.statistics.shade_ms);
     return arrived;
   }
@@ -196,41 +200,6 @@ class DeviceStagesOn : public DeviceStages {
     *ms += watch_.lap_ms();
   }
 
-  [[nodiscard]] DeviceQuery query(Facing facing, EngineReport* report) const {
-    DeviceQuery query;
-    query.facing = facing;
-    query.brute = input_->options.method == Method::kBrute;
-    query.count = true;
-    query.report = report;
-    return query;
-  }
-
-  /// Begins a batch of `count` rays, which stand in `rays_`.
-  void begin_batch(std::size_t count, BatchStatistics* statistics) {
-    input_->meter.begin(std::string(to_string(statistics->kind)) + " rays, bounce " +
-                            std::to_string(statistics->bounce),
-                        1);
-    statistics->rays += count;
-    found_.resize_uninitialized("count", 1);
-    device_.fill("count", found_.view(), 0);
-  }
-  void finish_batch(EngineReport report, BatchStatistics* statistics) {
-    statistics->hits += device_.read("count", found_.data());
-    statistics->plan.emplace_back(
-        input_->rasterize ? "device: what OpenGL sees is copied there; rays, hits and light stay"
-                          : "device: rays, hits and light stay there");
-    add_device_report(std::move(report), statistics);
-  }
-
-  void find_closest(std::size_t count, Facing facing, BatchStatistics* statistics) {
-    begin_batch(count, statistics);
-    hits_.resize_uninitialized("trace: closest hits", count);
-    EngineReport report;
-    engine_.closest_hit(rays_.view_const(), query(facing, &report), hits_.view());
-    count_found_on(device_, hits_.view_const(), found_.data());
-    finish_batch(std::move(report), statistics);
-  }
-
   /// What of the lights' reaches the fragments, added to their radiance. `counts`: they are pixels,
   /// whose lights the film counts.
   template <class Lights>
@@ -246,35 +215,34 @@ class DeviceStagesOn : public DeviceStages {
     const View<const std::uint32_t> chosen(slots_.data(), rays);
     device_.fill("shade: visibility", visibility_.view(),
                  static_cast<std::uint8_t>(Visibility::kNoRay));
-    cast_shadows(set, bounce, lights, chosen);
-    visibility_on(device_, chosen, occluded_.data(), visibility_.data());
+    const std::uint8_t* const occluded = cast_shadows(set, bounce, lights, chosen);
+    visibility_on(device_, chosen, occluded, visibility_.data());
     lights_on(device_, set.view(), lights, visibility_.data(), set.radiance.data(), counts,
               film_.view());
     lap(&input_->tally.statistics.shade_ms);
   }
 
-  /// Whether anything stands between the lights and the fragments of `slots`, into `occluded_`.
+  /// For each of `slots` whether anything stands between fragment and light.
   template <class Lights>
-  void cast_shadows(const DeviceSet& set, std::uint32_t bounce, const Lights& lights,
-                    View<const std::uint32_t> slots) {
-    occluded_.resize_uninitialized("trace: any hits", slots.size);
-    if (!input_->options.shadows) return device_.fill("trace: any hits", occluded_.view(), 0);
-    rays_.resize_uninitialized("raygen: shadow", slots.size);
-    shadow_rays_on(device_, set.view(), lights, slots, light_reach(scene_->bounds), rays_.data());
+  const std::uint8_t* cast_shadows(const DeviceSet& set, std::uint32_t bounce, const Lights& lights,
+                                   View<const std::uint32_t> slots) {
+    if (!input_->options.shadows) return batches_.unoccluded(slots.size);
+    const LightReach reach = light_reach(scene_->bounds);
+    Ray* const rays = batches_.rays("raygen: shadow", slots.size);
+    std::uint32_t* const keys = batches_.keys("raygen: shadow");
+    shadow_rays_on(device_, set.view(), lights, slots, reach, rays, keys);
     BatchStatistics& statistics = input_->tally.batch(RayKind::kShadow, bounce);
     lap(&statistics.times_ms.raygen);
-    if (slots.empty()) return;
-    begin_batch(slots.size, &statistics);
-    EngineReport report;
-    engine_.any_hit(rays_.view_const(), query(Facing::kBoth, &report), occluded_.view());
-    count_occluded_on(device_, occluded_.view_const(), found_.data());
-    finish_batch(std::move(report), &statistics);
+    if (slots.empty()) return nullptr;
+    const std::uint8_t* const occluded = batches_.occluded(lights.layout().key_bits(), &statistics);
     watch_.lap_ms();
+    return occluded;
   }
 
   DeviceEngineOn<Device> engine_;
   Device& device_;
   DeviceAllocator& memory_ = device_.allocator();
+  DeviceBatches<Device> batches_;
   SceneOnDevice<Device> surfaces_;
   FilmOnDevice<Device> film_;
   const FlatScene* scene_ = nullptr;
@@ -286,12 +254,9 @@ class DeviceStagesOn : public DeviceStages {
   DeviceBuffer<PlacedLight> lights_{memory_};
   // Of one batch.
   DeviceBuffer<std::uint32_t> triangles_seen_{memory_}, slots_{memory_};
-  DeviceBuffer<std::uint8_t> flags_{memory_}, visibility_{memory_}, occluded_{memory_};
-  DeviceBuffer<Ray> rays_{memory_};
+  DeviceBuffer<std::uint8_t> flags_{memory_}, visibility_{memory_};
   DeviceBuffer<Vec3> weights_{memory_};
-  DeviceBuffer<EngineHit> hits_{memory_};
   DeviceBuffer<SkyPart> sky_parts_{memory_};
-  DeviceBuffer<std::uint64_t> found_{memory_};
   SortColumns<std::uint32_t> columns_{memory_};
 };
 

@@ -34,4 +34,17 @@ void add_device_report(EngineReport report, BatchStatistics* statistics) {
   for (std::string& sentence : report.plan) statistics->plan.push_back(std::move(sentence));
 }
 
+void add_counts(const TraverseCounts& counts, BatchStatistics* statistics) {
+  const auto levels = static_cast<std::uint32_t>(counts.tests.size());
+  statistics->levels.resize(levels);
+  for (std::uint32_t l = levels; l >= 1; --l) {
+    LevelStatistics& level = statistics->levels[levels - l];
+    level.level = l;
+    level.tests += counts.tests[l - 1];
+    level.hits += counts.hits[l - 1];
+  }
+  statistics->mesh_sphere_tests += counts.mesh_sphere_tests;
+  statistics->final_tests += counts.final_tests;
+}
+
 }  // namespace raysheaf

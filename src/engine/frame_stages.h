@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "engine/device_engine.h"
+#include "engine/pair_tracer.h"
 #include "exec/progress_meter.h"
 #include "raygen/camera_body.h"
 #include "raysheaf/render.h"
@@ -105,9 +106,12 @@ struct DeviceFrameInput {
   ProgressMeter& meter;
   /// The triangle that each pixel sees, rows from the top; none: by rays.
   std::function<std::vector<std::uint32_t>(const CameraFrame&)> rasterize;
+  PairTracer* pairs = nullptr;  ///< of this scene, of `rah` and `crsh`; null: another method
+  PairQuery pair_query;
+  bool by_key = false;  ///< it sorts the rays
 };
 
-/// By `dual` or brute force, without counts of single pixels. A scene is copied once; fragments,
+/// By any method but `gl10`, without counts of single pixels. A scene is copied once; fragments,
 /// rays, hits and light stay on the device until `film`.
 class DeviceStages : public FrameStages {
  public:
@@ -129,5 +133,8 @@ class DeviceStages : public FrameStages {
 
 /// Adds what a device did for a batch.
 void add_device_report(EngineReport report, BatchStatistics* statistics);
+
+/// Adds the tests of a hierarchy of rays; not their times.
+void add_counts(const TraverseCounts& counts, BatchStatistics* statistics);
 
 }  // namespace raysheaf

@@ -54,7 +54,8 @@ class PairTracer {
   virtual ~PairTracer() = default;
   virtual void set_scene(const PairScene& scene) = 0;
   /// hits[i] takes the least (t, triangle) of rays[i]. `keys`: what the rays are sorted by; empty:
-  /// they stay in their order. All in the host's memory.
+  /// they stay in their order. Each in the host's memory or the device's, where what writes it is
+  /// done.
   virtual PairOutcome trace(View<const Ray> rays, View<const std::uint32_t> keys,
                             const PairQuery& query, View<EngineHit> hits) = 0;
 };

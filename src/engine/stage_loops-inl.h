@@ -8,8 +8,10 @@
 #include "exec/device.h"
 #include "intersect/triangle_body.h"
 #include "raygen/camera_body.h"
-#include "raygen/shadow_body.h"
-#include "raygen/sky_body.h"
+#include "raygen/hash_body.h"
+#include "raygen/light_body.h"
+#include "raygen/offset_body.h"
+#include "raygen/scatter_body.h"
 #include "shade/shade.h"
 #include "shade/shade_body.h"
 
@@ -22,10 +24,13 @@ struct DeviceFilm {
 };
 
 template <class Device>
-void camera_rays_on(Device& device, CameraFrame frame, View<Ray> out) {
-  device.for_each("raygen: camera", out.size, [=] RAYSHEAF_HD(std::size_t i) {
-    out.data[i] = camera_ray(frame, static_cast<std::uint32_t>(i % frame.width),
-                             static_cast<std::uint32_t>(i / frame.width));
+void camera_rays_on(Device& device, CameraFrame frame, Box bounds, Ray* rays, std::uint32_t* keys) {
+  const std::size_t count = std::size_t{frame.width} * frame.height;
+  device.for_each("raygen: camera", count, [=] RAYSHEAF_HD(std::size_t i) {
+    const Ray ray = camera_ray(frame, static_cast<std::uint32_t>(i % frame.width),
+                               static_cast<std::uint32_t>(i / frame.width));
+    rays[i] = ray;
+    if (keys != nullptr) keys[i] = bounce_key(bounds, ray.origin, ray.direction);
   });
 }
 
@@ -110,91 +115,6 @@ void glow_on(Device& device, View<const Fragment> fragments, Vec3 sky, Environme
   });
 }
 
-/// Some of a scene's lights as a sample looks at them; the first has this number.
-struct LightsSeen {
-  View<const PlacedLight> lights;
-  std::uint32_t first;
-  SampleOf sample;
-
-  [[nodiscard]] std::size_t size() const { return lights.size; }
-  RAYSHEAF_HD LightSample choose(const Fragment& f, std::size_t i) const {
-    return choose_on_light(f, lights.data[i], first + static_cast<std::uint32_t>(i), sample);
-  }
-  RAYSHEAF_HD static Vec3 lit(const Fragment& f, const LightSample& sample) {
-    return lit_by(f, sample);
-  }
-};
-
-/// The same of an environment: a strategy each.
-struct SkySeen {
-  EnvironmentView sky;
-  SampleOf sample;
-
-  [[nodiscard]] static std::size_t size() { return kSkyStrategies; }
-  RAYSHEAF_HD LightSample choose(const Fragment& f, std::size_t i) const {
-    return choose_in_sky(f, sky, static_cast<std::uint32_t>(i), sample);
-  }
-  RAYSHEAF_HD static Vec3 lit(const Fragment& f, const LightSample& sample) {
-    return lit_by_sky(f, sample);
-  }
-};
-
-/// Whether each slot, light * fragments + fragment, has a shadow ray.
-template <class Device, class Lights>
-void facing_on(Device& device, View<const Fragment> fragments, Lights lights,
-               std::uint8_t* facing) {
-  const std::size_t count = fragments.size;
-  device.for_each("raygen: shadow", count * lights.size(), [=] RAYSHEAF_HD(std::size_t slot) {
-    const Fragment& f = fragments.data[slot % count];
-    facing[slot] = takes_light(f) && faces_light(f, lights.choose(f, slot / count)) ? 1 : 0;
-  });
-}
-
-template <class Device, class Lights>
-void shadow_rays_on(Device& device, View<const Fragment> fragments, Lights lights,
-                    View<const std::uint32_t> slots, LightReach reach, Ray* rays) {
-  const std::size_t count = fragments.size;
-  device.for_each("raygen: shadow", slots.size, [=] RAYSHEAF_HD(std::size_t i) {
-    const std::uint32_t slot = slots.data[i];
-    const Fragment& f = fragments.data[slot % count];
-    rays[i] = shadow_ray(f, lights.choose(f, slot / count), reach);
-  });
-}
-
-/// `visibility`: of every slot, `kNoRay` before.
-template <class Device>
-void visibility_on(Device& device, View<const std::uint32_t> slots, const std::uint8_t* occluded,
-                   std::uint8_t* visibility) {
-  device.for_each("shade: visibility", slots.size, [=] RAYSHEAF_HD(std::size_t i) {
-    visibility[slots.data[i]] =
-        static_cast<std::uint8_t>(occluded[i] != 0 ? Visibility::kOccluded : Visibility::kVisible);
-  });
-}
-
-/// What the lights give, light after light. `counts`: fragments are pixels, whose lights
-/// the film counts.
-template <class Device, class Lights>
-void lights_on(Device& device, View<const Fragment> fragments, Lights lights,
-               const std::uint8_t* visibility, Vec3* radiance, bool counts, DeviceFilm film) {
-  const std::size_t count = fragments.size, light_count = lights.size();
-  device.for_each("shade: lights", count, [=] RAYSHEAF_HD(std::size_t i) {
-    const Fragment& f = fragments.data[i];
-    Vec3 sum = radiance[i];
-    std::uint32_t faced = 0, arrived = 0;
-    for (std::size_t l = 0; l < light_count; ++l) {
-      const std::uint8_t seen = visibility[l * count + i];
-      faced += seen != static_cast<std::uint8_t>(Visibility::kNoRay) ? 1 : 0;
-      if (seen != static_cast<std::uint8_t>(Visibility::kVisible)) continue;
-      ++arrived;
-      sum += lights.lit(f, lights.choose(f, l));
-    }
-    radiance[i] = sum;
-    if (!counts) return;
-    film.faced[i] += faced;
-    film.arrived[i] += arrived;
-  });
-}
-
 /// `accumulate` (shade/shade.h).
 template <class Device>
 void deposit_on(Device& device, View<const Fragment> fragments, const Vec3* radiance,
@@ -217,17 +137,24 @@ void flag_kind_on(Device& device, View<const std::uint8_t> going_on, std::uint32
   });
 }
 
-/// Rays of one kind, and what their pixels receive of the radiance along them.
+/// Rays of one kind, what their pixels receive of the radiance along them, and keys or null.
+struct BounceRays {
+  Ray* rays;
+  Vec3* weights;
+  std::uint32_t* keys;
+};
+
 template <class Device>
 void bounce_rays_on(Device& device, View<const Fragment> fragments, View<const std::uint32_t> slots,
-                    bool mirrors, Ray* rays, Vec3* weights) {
+                    bool mirrors, Box bounds, BounceRays out) {
   device.for_each("raygen: bounce", slots.size, [=] RAYSHEAF_HD(std::size_t i) {
     const Fragment& f = fragments.data[slots.data[i]];
     const Scattering s = scatter(f);
     const Vec3 direction = mirrors ? s.reflection : s.refraction;
-    weights[i] = f.weight * (mirrors ? s.reflected_part : s.refracted_part);
-    rays[i] = {offset_point(f.surface, direction, 0), 0, direction,
-               std::numeric_limits<float>::infinity()};
+    const Vec3 origin = offset_point(f.surface, direction, 0);
+    out.weights[i] = f.weight * (mirrors ? s.reflected_part : s.refracted_part);
+    out.rays[i] = {origin, 0, direction, std::numeric_limits<float>::infinity()};
+    if (out.keys != nullptr) out.keys[i] = bounce_key(bounds, origin, direction);
   });
 }
 
@@ -285,6 +212,12 @@ void count_found_on(Device& device, View<const EngineHit> hits, std::uint64_t* s
     for (std::size_t i = 64 * block; i < hits.size && i < 64 * (block + 1); ++i)
       found += hits.data[i].triangle != kInvalidId ? 1 : 0;
     add_to(sum, found);
+  });
+}
+template <class Device>
+void occluded_by_hits_on(Device& device, View<const EngineHit> hits, std::uint8_t* occluded) {
+  device.for_each("trace: any hits", hits.size, [=] RAYSHEAF_HD(std::size_t i) {
+    occluded[i] = hits.data[i].triangle != kInvalidId ? 1 : 0;
   });
 }
 template <class Device>

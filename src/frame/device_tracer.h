@@ -35,9 +35,11 @@ class DeviceTracer {
   PacketCounts trace_packets(const Executor& executor, const Bvh& bvh, const PacketBatch& batch,
                              View<RayHit> best);
 
+  /// Of `rah` and `crsh`, with the scene.
+  [[nodiscard]] PairTracer& pairs(const Executor& executor);
+
  private:
   [[nodiscard]] DeviceEngine& engine(const Executor& executor);
-  [[nodiscard]] PairTracer& pairs(const Executor& executor);
   [[nodiscard]] Buffer<Vec3> corners(const Executor& executor) const;
 
   const FlatScene& scene_;

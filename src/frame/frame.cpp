@@ -61,7 +61,9 @@ class Frame {
     tally_.statistics.key = key_name(method);
     tally_.statistics.bound = bound_name(method);
     if (input.device != nullptr) {
-      input.device->begin({executor, options_, input.lights, tally_, meter_, input.rasterize});
+      const PairQuery pairs{method.levels, method.branching, method.mesh_culling};
+      input.device->begin({executor, options_, input.lights, tally_, meter_, input.rasterize,
+                           input.pairs, pairs, method.key != RayKey::kRaster});
     } else {
       const Keys keys = sorts_by_keys(method) ? Keys::kMade : Keys::kNone;
       cpu_ = make_cpu_stages(executor, input, keys, &tally_, &meter_);

@@ -26,6 +26,7 @@ struct FrameInput {
   /// With the scene, where fragments are a device's; `rasterize` as `DeviceFrameInput` has it.
   DeviceStages* device = nullptr;
   std::function<std::vector<std::uint32_t>(const CameraFrame&)> rasterize = nullptr;
+  PairTracer* pairs = nullptr;  ///< where the device and the method have one
 };
 
 /// The method's settings with what was asked for in their place.

@@ -22,17 +22,8 @@ std::string stage_name(const RayBatch& batch) {
   return std::string(to_string(batch.kind)) + " rays, bounce " + std::to_string(batch.bounce);
 }
 
-void add_counts(const TraverseCounts& counts, double wall_ms, BatchStatistics* statistics) {
-  const auto levels = static_cast<std::uint32_t>(counts.tests.size());
-  statistics->levels.resize(levels);
-  for (std::uint32_t l = levels; l >= 1; --l) {
-    LevelStatistics& level = statistics->levels[levels - l];
-    level.level = l;
-    level.tests += counts.tests[l - 1];
-    level.hits += counts.hits[l - 1];
-  }
-  statistics->mesh_sphere_tests += counts.mesh_sphere_tests;
-  statistics->final_tests += counts.final_tests;
+void add_outcome(const TraverseCounts& counts, double wall_ms, BatchStatistics* statistics) {
+  add_counts(counts, statistics);
   // Both stages run in one sweep: the wall time is shared out as the threads' times were.
   const double sum = counts.node_seconds + counts.final_seconds;
   const double part = sum > 0 ? counts.final_seconds / sum : 0;
@@ -92,7 +83,7 @@ std::vector<RayHit> trace_hierarchy(const Executor& executor, const FlatScene& s
         meter->begin(stage_name(batch), tree.level(tree.top()).size());
         return traverse(executor, scene, tree, rays, traversal, best, tests, meter);
       });
-  add_counts(counts, watch.lap_ms(), statistics);
+  add_outcome(counts, watch.lap_ms(), statistics);
 
   std::vector<RayHit> hits(order.size());
   executor.for_each(order.size(), kCopyGrain, [&](std::size_t i) {
@@ -160,9 +151,9 @@ std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& sce
   std::vector<RayHit> best(order.size());
   std::vector<float> tests(ray_tests.empty() ? 0 : order.size());
   if (cache.backend != nullptr) {
-    if (!cache.device) cache.device = std::make_unique<DeviceTracer>(scene, *cache.backend);
     const PacketBatch ordered{View<const Ray>(rays), View<const Packet>(packets), traversal};
-    add_counts(cache.device->trace_packets(executor, *cache.bvh, ordered, best), statistics);
+    add_counts(cache.device_tracer(scene).trace_packets(executor, *cache.bvh, ordered, best),
+               statistics);
     meter->advance(packets.size());
   } else {
     add_counts(
@@ -209,23 +200,23 @@ std::vector<RayHit> trace_on_device(const Executor& executor, const FlatScene& s
   Stopwatch watch;
   meter->begin(stage_name(batch), 1);
   TraceCache& cache = *options.cache;
-  if (!cache.device) cache.device = std::make_unique<DeviceTracer>(scene, *cache.backend);
+  DeviceTracer& device = cache.device_tracer(scene);
   statistics->times_ms.hierarchy += watch.lap_ms();
   const MethodSettings& method = options.method;
   if (method.traversal != Traversal::kRayHierarchy) {
     const bool brute = method.traversal == Traversal::kBruteForce;
-    return cache.device->trace(executor, batch, options.facing, brute, statistics, ray_tests);
+    return device.trace(executor, batch, options.facing, brute, statistics, ray_tests);
   }
   EngineReport report;
   PairQuery query{method.levels, method.branching, method.mesh_culling, options.facing};
   query.report = &report;
   PairOutcome outcome;
   std::vector<RayHit> hits =
-      cache.device->trace_pairs(executor, batch, query, method.key != RayKey::kRaster, &outcome);
+      device.trace_pairs(executor, batch, query, method.key != RayKey::kRaster, &outcome);
   statistics->chunks += outcome.chunks;
   statistics->times_ms.order += report.order_ms;
   statistics->times_ms.hierarchy += report.hierarchy_ms;
-  add_counts(outcome.counts, report.trace_ms, statistics);
+  add_outcome(outcome.counts, report.trace_ms, statistics);
   return hits;
 }
 
@@ -281,6 +272,11 @@ std::vector<std::uint32_t> ray_order(const Executor& executor, const RayBatch& b
                     [&](std::size_t i) { low[i] = static_cast<std::uint32_t>(keys[i]); });
   statistics->chunks += order_by_key(executor, low, order, used_bits);
   return order;
+}
+
+DeviceTracer& TraceCache::device_tracer(const FlatScene& scene) {
+  if (device == nullptr) device = std::make_unique<DeviceTracer>(scene, *backend);
+  return *device;
 }
 
 void TraceCache::update(const Executor& executor, const FlatScene& scene,

@@ -60,6 +60,12 @@ RenderResult expect_the_cpus(const Context& context, const SceneDescription& sce
     EXPECT_EQ(a[i].rays, b[i].rays);
     EXPECT_EQ(a[i].hits, b[i].hits);
     EXPECT_EQ(a[i].triangles, b[i].triangles);
+    EXPECT_EQ(a[i].chunks, b[i].chunks);
+    // Their rays go down in the same bundles; a device's `dual` has others.
+    if (options.method == Method::kRah || options.method == Method::kCrsh) {
+      EXPECT_EQ(a[i].total_tests(), b[i].total_tests());
+      EXPECT_EQ(a[i].mesh_sphere_tests, b[i].mesh_sphere_tests);
+    }
   }
   EXPECT_EQ(there.statistics.samples.size(), here.statistics.samples.size());
   return there;
@@ -223,10 +229,30 @@ void expect_soft_frames(const Context& context) {
   }
 }
 
+/// The methods whose rays stand in a hierarchy: the CPU's tests, too.
+void expect_frames_of_ray_hierarchies(const Context& context) {
+  for (std::uint32_t seed = 50; seed < 56; ++seed) {
+    SCOPED_TRACE(seed);
+    SceneDescription scene = motley(seed, seed % 2 == 0);
+    RenderOptions options = traced(32);
+    options.method = seed % 3 == 0 ? Method::kRah : Method::kCrsh;
+    options.samples = seed == 52 ? 2 : 1;
+    if (seed == 53) options.key = RayKey::kRaster;
+    if (seed >= 54) options.mesh_culling = false;
+    if (seed == 55) scene.environment = motley_sky(1);
+    if (seed == 55) options.primary = Primary::kRaster;
+    options.levels = 1 + seed % 3;
+    EXPECT_TRUE(stayed(expect_the_cpus(context, scene, options)));
+  }
+}
+
 /// What only the CPU knows is done there.
 void expect_the_rest_too(const Context& context) {
   RenderOptions options = traced(32);
   options.count_pixel_tests = true;
+  EXPECT_FALSE(stayed(expect_the_cpus(context, motley(20), options)));
+  options = traced(32);
+  options.method = Method::kGl10;
   EXPECT_FALSE(stayed(expect_the_cpus(context, motley(20), options)));
 }
 
@@ -279,6 +305,9 @@ TEST_P(Frames, AreThoseOfTheCpu) {
 }
 TEST_P(Frames, OfSoftLight) {
   expect_soft_frames(*context_);
+}
+TEST_P(Frames, OfRayHierarchies) {
+  expect_frames_of_ray_hierarchies(*context_);
 }
 TEST_P(Frames, AreShadedOnTheCpuWhereTheyMustBe) {
   expect_the_rest_too(*context_);

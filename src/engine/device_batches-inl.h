@@ -1,0 +1,122 @@
+// Batches of a frame's rays on a device of a known kind: traced where they lie, counted, timed. For
+// the sources that make its stages.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "engine/device_engine-inl.h"
+#include "engine/frame_stages.h"
+#include "engine/stage_loops-inl.h"
+
+namespace raysheaf {
+
+template <class Device>
+class DeviceBatches {
+ public:
+  /// `engine` outlives it, and brings its triangles.
+  explicit DeviceBatches(DeviceEngineOn<Device>& engine)
+      : engine_(engine), device_(engine.device()) {}
+
+  /// `input` stays until the next call.
+  void begin(const DeviceFrameInput& input) { input_ = &input; }
+
+  /// Room for the rays of the next batch.
+  [[nodiscard]] Ray* rays(const char* stage, std::size_t count) {
+    rays_.resize_uninitialized(stage, count);
+    return rays_.data();
+  }
+  /// Room for their keys; null where the method has none.
+  [[nodiscard]] std::uint32_t* keys(const char* stage) {
+    const bool sorts = input_->pairs != nullptr && input_->by_key;
+    keys_.resize_uninitialized(stage, sorts ? rays_.size() : 0);
+    return sorts ? keys_.data() : nullptr;
+  }
+
+  /// The first hits of the rays, until the next batch.
+  const EngineHit* closest(Facing facing, std::uint32_t key_bits, BatchStatistics* statistics) {
+    begin_batch(statistics);
+    EngineReport report;
+    find_closest(facing, key_bits, &report, statistics);
+    count_found_on(device_, hits_.view_const(), found_.data());
+    finish_batch(std::move(report), statistics);
+    return hits_.data();
+  }
+
+  /// 1 for each ray that anything stops, else 0; until the next batch.
+  const std::uint8_t* occluded(std::uint32_t key_bits, BatchStatistics* statistics) {
+    begin_batch(statistics);
+    occluded_.resize_uninitialized("trace: any hits", rays_.size());
+    EngineReport report;
+    if (input_->pairs != nullptr) {
+      find_closest(Facing::kBoth, key_bits, &report, statistics);
+      occluded_by_hits_on(device_, hits_.view_const(), occluded_.data());
+    } else {
+      engine_.any_hit(rays_.view_const(), query(Facing::kBoth, &report), occluded_.view());
+    }
+    count_occluded_on(device_, occluded_.view_const(), found_.data());
+    finish_batch(std::move(report), statistics);
+    return occluded_.data();
+  }
+
+  /// Nothing stops `count` rays.
+  const std::uint8_t* unoccluded(std::size_t count) {
+    occluded_.resize_uninitialized("trace: any hits", count);
+    device_.fill("trace: any hits", occluded_.view(), 0);
+    return occluded_.data();
+  }
+
+ private:
+  [[nodiscard]] DeviceQuery query(Facing facing, EngineReport* report) const {
+    DeviceQuery query;
+    query.facing = facing;
+    query.brute = input_->options.method == Method::kBrute;
+    query.count = true;
+    query.report = report;
+    return query;
+  }
+
+  void find_closest(Facing facing, std::uint32_t key_bits, EngineReport* report,
+                    BatchStatistics* statistics) {
+    hits_.resize_uninitialized("trace: closest hits", rays_.size());
+    if (input_->pairs == nullptr)
+      return engine_.closest_hit(rays_.view_const(), query(facing, report), hits_.view());
+    device_.synchronize("trace: closest hits");  // the tracer's stream is another one
+    PairQuery pairs = input_->pair_query;
+    pairs.facing = facing;
+    pairs.key_bits = key_bits;
+    pairs.report = report;
+    const PairOutcome outcome =
+        input_->pairs->trace(rays_.view_const(), keys_.view_const(), pairs, hits_.view());
+    statistics->chunks += outcome.chunks;
+    add_counts(outcome.counts, statistics);
+  }
+
+  void begin_batch(BatchStatistics* statistics) {
+    input_->meter.begin(std::string(to_string(statistics->kind)) + " rays, bounce " +
+                            std::to_string(statistics->bounce),
+                        1);
+    statistics->rays += rays_.size();
+    found_.resize_uninitialized("count", 1);
+    device_.fill("count", found_.view(), 0);
+  }
+  void finish_batch(EngineReport report, BatchStatistics* statistics) {
+    statistics->hits += device_.read("count", found_.data());
+    statistics->plan.emplace_back(
+        input_->rasterize ? "device: what OpenGL sees is copied there; rays, hits and light stay"
+                          : "device: rays, hits and light stay there");
+    add_device_report(std::move(report), statistics);
+  }
+
+  DeviceEngineOn<Device>& engine_;
+  Device& device_;
+  DeviceAllocator& memory_ = device_.allocator();
+  const DeviceFrameInput* input_ = nullptr;
+  DeviceBuffer<Ray> rays_{memory_};
+  DeviceBuffer<std::uint32_t> keys_{memory_};
+  DeviceBuffer<EngineHit> hits_{memory_};
+  DeviceBuffer<std::uint8_t> occluded_{memory_};
+  DeviceBuffer<std::uint64_t> found_{memory_};
+};
+
+}  // namespace raysheaf
