@@ -13,7 +13,6 @@
 #include "exec/executor.h"
 #include "exec/stopwatch.h"
 #include "frame/frame.h"
-#include "frame/primary.h"
 #include "frame/resident_geometry.h"
 #include "raster/rasterizer.h"
 #include "raygen/light_body.h"
@@ -150,7 +149,7 @@ class Renderer::Impl {
         input.pairs = &cache_.device_tracer(flat_).pairs(executor);
       if (rasters)
         input.rasterize = [&](const CameraFrame& frame) {
-          return rasterize_primary(executor, *rasterizer_, flat_, frame);
+          return rasterizer_->visible_triangles(executor, flat_, frame);
         };
     }
     RenderResult result = render_frame(executor, input, &meter);

@@ -131,9 +131,10 @@ class DeviceEngineOn : public DeviceEngine {
     return rows;
   }
 
-  /// The device, and the corners that lie there: for who has more to do with both.
+  /// The device, and the triangles that lie there: for who has more to do with both.
   [[nodiscard]] Device& device() { return device_; }
   [[nodiscard]] View<const Vec3> corners() const { return corners_.view_const(); }
+  [[nodiscard]] View<const std::uint8_t> flags() const { return flags_.view_const(); }
 
   [[nodiscard]] const std::vector<StageTime>& stage_times() const override { return times_; }
 

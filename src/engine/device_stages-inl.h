@@ -10,6 +10,7 @@
 #include "engine/device_batches-inl.h"
 #include "engine/device_scene-inl.h"
 #include "engine/light_loops-inl.h"
+#include "engine/resolve_loops-inl.h"
 #include "exec/stopwatch.h"
 
 namespace raysheaf {
@@ -28,7 +29,8 @@ class DeviceStagesOn : public DeviceStages {
         device_(engine_.device()),
         batches_(engine_),
         surfaces_(device_),
-        film_(device_) {}
+        film_(device_),
+        resolver_(device_) {}
 
   void set_scene(const Executor& executor, const FlatScene& scene, const TextureSet& textures,
                  const EnvironmentView& environment) override {
@@ -61,7 +63,9 @@ class DeviceStagesOn : public DeviceStages {
     if (input_->rasterize) {
       input_->meter.begin("raster", 1);
       const std::vector<std::uint32_t> seen = input_->rasterize(frame);
-      device_.copy("copy: names", triangles_seen_.data(), seen.data(), pixels * sizeof seen[0]);
+      resolver_.resolve({engine_.corners(), engine_.flags()}, scene_->bounds, frame, seen.data(),
+                        triangles_seen_.view());
+      device_.synchronize("copy: names");  // while `seen` is there
     } else {
       BatchStatistics& statistics = input_->tally.batch(RayKind::kPrimary, 0);
       Ray* const rays = batches_.rays("raygen: camera", pixels);
@@ -245,6 +249,7 @@ class DeviceStagesOn : public DeviceStages {
   DeviceBatches<Device> batches_;
   SceneOnDevice<Device> surfaces_;
   FilmOnDevice<Device> film_;
+  ResolverOn<Device> resolver_;
   const FlatScene* scene_ = nullptr;
   std::optional<DeviceFrameInput> input_place_;
   const DeviceFrameInput* input_ = nullptr;

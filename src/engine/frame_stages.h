@@ -104,7 +104,8 @@ struct DeviceFrameInput {
   View<const PlacedLight> lights;
   FrameTally& tally;
   ProgressMeter& meter;
-  /// The triangle that each pixel sees, rows from the top; none: by rays.
+  /// The triangle that each pixel sees by OpenGL, rows from the top, silhouettes not resolved yet;
+  /// none: by rays.
   std::function<std::vector<std::uint32_t>(const CameraFrame&)> rasterize;
   PairTracer* pairs = nullptr;  ///< of this scene, of `rah` and `crsh`; null: another method
   PairQuery pair_query;

@@ -28,6 +28,16 @@ RAYSHEAF_HD inline void lower_to(Word* word, Word value) {
 #endif
 }
 
+/// What other threads of the loop may be lowering.
+template <class Word>
+RAYSHEAF_HD inline Word seen_now(const Word* word) {
+#ifdef __CUDA_ARCH__
+  return *static_cast<const volatile Word*>(word);
+#else
+  return __atomic_load_n(word, __ATOMIC_RELAXED);
+#endif
+}
+
 /// Makes the word 1, which is 0 or 1 and which nobody reads before the loop has ended. Looks first.
 RAYSHEAF_HD inline void raise_flag(std::uint32_t* word) {
 #ifdef __CUDA_ARCH__

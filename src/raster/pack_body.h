@@ -21,7 +21,7 @@ inline PictureView make_picture_view(const CameraFrame& frame, const Box& bounds
 
 /// Sides of the frustum that a point relative to the eye is outside of, a bit each. Points behind a
 /// perspective eye may be outside of all.
-inline std::uint32_t outside(const ClipMatrix& m, Vec3 p) {
+RAYSHEAF_HD inline std::uint32_t outside(const ClipMatrix& m, Vec3 p) {
   const float x = m[0] * p.x + m[4] * p.y + m[8] * p.z;
   const float y = m[1] * p.x + m[5] * p.y + m[9] * p.z;
   const float z = m[2] * p.x + m[6] * p.y + m[10] * p.z + m[14];
@@ -33,7 +33,7 @@ inline std::uint32_t outside(const ClipMatrix& m, Vec3 p) {
 /// Six times the volume of the tetrahedron of eye and triangle; orthographic: of a prism along the
 /// view. Negative where the corners run counter-clockwise for the eye. In binary64 the products
 /// keep nearly all their bits, so the sign errs only where no ray could tell either.
-inline double facing(const CameraFrame& frame, Vec3 a, Vec3 b, Vec3 c) {
+RAYSHEAF_HD inline double facing(const CameraFrame& frame, Vec3 a, Vec3 b, Vec3 c) {
   const double ab[3] = {double{b.x} - a.x, double{b.y} - a.y, double{b.z} - a.z};
   const double ac[3] = {double{c.x} - a.x, double{c.y} - a.y, double{c.z} - a.z};
   const Vec3 along = frame.orthographic ? frame.forward : a;
@@ -42,7 +42,8 @@ inline double facing(const CameraFrame& frame, Vec3 a, Vec3 b, Vec3 c) {
 }
 
 /// Whether a picture may show the triangle of these corners relative to the eye.
-inline bool may_show(const PictureView& view, Vec3 a, Vec3 b, Vec3 c, std::uint8_t flags) {
+RAYSHEAF_HD inline bool may_show(const PictureView& view, Vec3 a, Vec3 b, Vec3 c,
+                                 std::uint8_t flags) {
   const double side = facing(view.frame, a, b, c);
   const bool front = (flags & kMirrored) != 0 ? side > 0 : side < 0;
   const bool faces = front || ((flags & kSingleSided) == 0 && (side < 0 || side > 0));

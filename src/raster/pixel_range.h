@@ -13,8 +13,8 @@ struct PixelRange {
   std::int32_t x0, y0, x1, y1;
   float nearest = 0;  ///< no ray meets the triangle at a lesser t
 
-  [[nodiscard]] bool is_empty() const { return x0 > x1 || y0 > y1; }
-  [[nodiscard]] std::int64_t area() const {
+  [[nodiscard]] RAYSHEAF_HD bool is_empty() const { return x0 > x1 || y0 > y1; }
+  [[nodiscard]] RAYSHEAF_HD std::int64_t area() const {
     return is_empty() ? 0 : std::int64_t{x1 - x0 + 1} * (y1 - y0 + 1);
   }
 };
@@ -26,7 +26,7 @@ inline constexpr float kProjectionError = 1e-6f;
 /// Grows {least x, least y, greatest x, greatest y, least w} by where a point relative to the eye
 /// is seen, between the picture's edges at -1 and 1, and by what that may err. False where the
 /// point is behind or beside the eye.
-inline bool grow(const ClipMatrix& m, Vec3 p, float (&box)[5]) {
+RAYSHEAF_HD inline bool grow(const ClipMatrix& m, Vec3 p, float (&box)[5]) {
   const Vec3 size = abs(p);
   const float w = m[3] * p.x + m[7] * p.y + m[11] * p.z + m[15];
   const float w_size = std::fabs(m[3]) * size.x + std::fabs(m[7]) * size.y +
@@ -46,8 +46,8 @@ inline bool grow(const ClipMatrix& m, Vec3 p, float (&box)[5]) {
 
 /// Holds every pixel whose `camera_ray` meets the triangle of these corners relative to the eye;
 /// the whole picture where the triangle reaches behind the eye.
-inline PixelRange pixel_range(const CameraFrame& frame, const ClipMatrix& clip, Vec3 a, Vec3 b,
-                              Vec3 c) {
+RAYSHEAF_HD inline PixelRange pixel_range(const CameraFrame& frame, const ClipMatrix& clip, Vec3 a,
+                                          Vec3 b, Vec3 c) {
   const auto width = static_cast<float>(frame.width), height = static_cast<float>(frame.height);
   float box[5] = {2, 2, -2, -2, std::numeric_limits<float>::infinity()};
   if (!grow(clip, a, box) || !grow(clip, b, box) || !grow(clip, c, box)) {

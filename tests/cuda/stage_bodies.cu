@@ -2,6 +2,7 @@
 #include "cuda/compile_case.h"
 #include "cuda/key_cases.h"
 #include "cuda/light_cases.h"
+#include "cuda/resolve_cases.h"
 #include "cuda/stage_cases.h"
 #include "raygen/published_body.h"
 
@@ -36,7 +37,8 @@ std::vector<CompiledCase> compiled_stage_cases() {
           compiled<OrderCase>("Order"),
           compiled<ConeSphereCase>("ConeSphere"),
           compiled<TriangleCase>("Triangle"),
-          compiled<ResolveCase>("Resolve")};
+          compiled<ResolveCase>("Resolve"),
+          compiled<SilhouetteCase>("Silhouette")};
 }
 
 /// What a device cannot make input for: compiled, never run. A Light has a name, a std::string; a
@@ -50,6 +52,13 @@ __global__ void run_others(const Light* lights, const Fragment* fragments, const
   out[i].put(edge.cos_outer, edge.span, offset_extent(f.surface.normal));
   out[i].put(std::uint32_t{rays_of(f, scatter(f))});
   out[i].put(transform_uv(placed_texture(slots[i]), {light.radius, light.range}));
+}
+
+/// Lowers words that threads share, which lie in no thread's own memory.
+__global__ void run_resolve(Resolve<SmallPicture::Two> resolve, Words* out) {
+  const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
+  look_from_pixel(resolve, i % 2, 0, i % SmallPicture::kPixels);
+  out[i].put(seen_now(&resolve.sight[i % SmallPicture::kPixels]));
 }
 
 /// Their angles are a library's own: two machines need not agree on them.

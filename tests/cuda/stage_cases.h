@@ -8,7 +8,6 @@
 #include "intersect/intersect_list.h"
 #include "intersect/triangle_body.h"
 #include "order/order_body.h"
-#include "raster/resolve_body.h"
 #include "raygen/camera_body.h"
 #include "raygen/sample_body.h"
 #include "raygen/scatter_body.h"
@@ -255,20 +254,6 @@ struct TriangleCase {
     best.take(hit.t, 3);
     best.take(exact.t, 2);
     out.put(best.found(), best.t, best.triangle);
-  }
-};
-
-struct ResolveCase {
-  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
-    std::uint32_t ids[9];
-    for (std::uint32_t& id : ids) id = draws.below(3) == 0 ? kInvalidId : draws.below(2);
-    const std::uint32_t x = draws.below(3), y = draws.below(3);
-    Neighbourhood near = neighbourhood(View<const std::uint32_t>(ids, 9), 3, 3, x, y);
-    near.add(1);
-    const std::uint8_t flags = draws.below(2) == 0 ? 0 : kSingleSided;
-    out.put(near.count, shows_side(flags, draws.below(2) == 0));
-    const SightKey sight = sight_key(draws.between(0, 9), y);
-    out.put(sight, triangle_of(sight), distance_of(sight), is_uniform(ids + 4, 3));
   }
 };
 

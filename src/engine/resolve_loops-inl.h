@@ -1,0 +1,82 @@
+// What OpenGL saw, made to agree with rays, as loops; for the sources that know which device it is.
+#pragma once
+
+#include "base/view.h"
+#include "exec/device.h"
+#include "raster/resolve_body.h"
+
+namespace raysheaf {
+
+/// A flat scene's triangles in a device's memory.
+struct TrianglesThere {
+  View<const Vec3> corners;  ///< three a triangle
+  View<const std::uint8_t> flags;
+
+  [[nodiscard]] RAYSHEAF_HD Vec3 corner(std::uint32_t triangle, int k) const {
+    return corners.data[std::uint64_t{3} * triangle + static_cast<std::uint64_t>(k)];
+  }
+  [[nodiscard]] RAYSHEAF_HD std::uint8_t flags_of(std::uint32_t triangle) const {
+    return flags.data[triangle];
+  }
+};
+
+/// `lost`: 1 for each pixel whose ray does not hit what it held, else 0.
+template <class Device>
+void look_at_borders_on(Device& device, Resolve<TrianglesThere> resolve, std::uint8_t* lost) {
+  device.for_each("resolve: borders", resolve.before.size, [=] RAYSHEAF_HD(std::size_t pixel) {
+    lost[pixel] = look_at_border(resolve, pixel) ? 1 : 0;
+  });
+}
+
+template <class Device>
+void look_for_triangles_on(Device& device, Resolve<TrianglesThere> resolve,
+                           View<const std::uint32_t> lost) {
+  device.for_each("resolve: triangles", resolve.triangles.flags.size,
+                  [=] RAYSHEAF_HD(std::size_t triangle) {
+                    look_for(resolve, lost, static_cast<std::uint32_t>(triangle));
+                  });
+}
+
+template <class Device>
+void resolve_pixels_on(Device& device, Resolve<TrianglesThere> resolve, std::uint32_t* triangles) {
+  device.for_each("resolve: pixels", resolve.before.size, [=] RAYSHEAF_HD(std::size_t pixel) {
+    triangles[pixel] = resolved_pixel(resolve.before.data[pixel], resolve.sight[pixel]);
+  });
+}
+
+/// `resolve_silhouettes` (raster/resolve.h), on a device.
+template <class Device>
+class ResolverOn {
+ public:
+  explicit ResolverOn(Device& device) : device_(device) {}
+
+  /// `seen`: what OpenGL gave, in the host's memory or the device's. To `triangles`.
+  void resolve(TrianglesThere there, const Box& bounds, const CameraFrame& frame,
+               const std::uint32_t* seen, View<std::uint32_t> triangles) {
+    const std::size_t bytes = triangles.size * sizeof seen[0];
+    if (!(frame.z_far > frame.z_near))
+      return device_.copy("copy: names", triangles.data, seen, bytes);
+    before_.resize_uninitialized("copy: names", triangles.size);
+    device_.copy("copy: names", before_.data(), seen, bytes);
+    sight_.resize_uninitialized("resolve: borders", triangles.size);
+    device_.fill("resolve: borders", sight_.view(), 0xff);
+    flags_.resize_uninitialized("resolve: borders", triangles.size);
+    lost_.resize_uninitialized("resolve: borders", triangles.size);
+    const Resolve<TrianglesThere> resolve{make_picture_view(frame, bounds), there,
+                                          before_.view_const(), sight_.data()};
+    look_at_borders_on(device_, resolve, flags_.data());
+    const std::uint32_t lost =
+        device_.select("resolve: borders", flags_.view_const(), lost_.view());
+    look_for_triangles_on(device_, resolve, {lost_.data(), lost});
+    resolve_pixels_on(device_, resolve, triangles.data);
+  }
+
+ private:
+  Device& device_;
+  DeviceAllocator& memory_ = device_.allocator();
+  DeviceBuffer<std::uint32_t> before_{memory_}, lost_{memory_};
+  DeviceBuffer<SightKey> sight_{memory_};
+  DeviceBuffer<std::uint8_t> flags_{memory_};
+};
+
+}  // namespace raysheaf
