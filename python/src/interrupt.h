@@ -10,6 +10,12 @@
 
 namespace raysheaf::python {
 
+/// Throws what a handler of a signal raised. For a wait without the interpreter's lock.
+inline void check_signals() {
+  const nanobind::gil_scoped_acquire acquire;
+  if (PyErr_CheckSignals() != 0) throw nanobind::python_error();
+}
+
 /// Runs `body(stop)` on a thread of its own, without the interpreter's lock, while this one
 /// listens: Python hands signals to its main thread alone. What a handler raises, KeyboardInterrupt
 /// for one, sets `stop`, and is thrown once `body` has ended, however it did. Else throws what

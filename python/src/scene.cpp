@@ -15,6 +15,7 @@
 #include "core.h"
 #include "door.h"
 #include "interrupt.h"
+#include "raysheaf/error.h"
 #include "raysheaf/query.h"
 
 namespace raysheaf::python {
@@ -35,26 +36,27 @@ class SharedScene {
   template <class Body>
   auto change(const Body& body) {
     const nb::gil_scoped_release release;
-    const Door::Changing alone(door_);
+    const Door::Changing alone(door_, check_signals);
     return body(scene_);
   }
 
   template <class Body>
   auto look(const Body& body) {
     const nb::gil_scoped_release release;
-    const Door::Reading inside(door_);
+    const Door::Reading inside(door_, check_signals);
     return body(static_cast<const Scene&>(scene_));
   }
 
-  /// Looks at a scene whose changes are all committed. To be called without the interpreter's lock.
-  template <class Body>
-  auto look_committed(const Body& body) {
+  /// Looks at a scene whose changes are all committed. To be called without the interpreter's lock;
+  /// `poll` as `Door` has it.
+  template <class Body, class Poll>
+  auto look_committed(const Body& body, const Poll& poll) {
     for (;;) {
       {
-        const Door::Reading inside(door_);
+        const Door::Reading inside(door_, poll);
         if (scene_.is_committed()) return body(static_cast<const Scene&>(scene_));
       }
-      const Door::Changing alone(door_);
+      const Door::Changing alone(door_, poll);
       scene_.commit();
     }
   }
@@ -141,7 +143,7 @@ nb::ndarray<nb::numpy, float, nb::shape<3, 4>> transform(SharedScene& shared, In
 nb::tuple bounds(SharedScene& shared) {
   const Box box = [&] {
     const nb::gil_scoped_release release;
-    return shared.look_committed([](const Scene& scene) { return scene.bounds(); });
+    return shared.look_committed([](const Scene& scene) { return scene.bounds(); }, check_signals);
   }();
   return nb::make_tuple(nb::make_tuple(box.min.x, box.min.y, box.min.z),
                         nb::make_tuple(box.max.x, box.max.y, box.max.z));
@@ -189,19 +191,21 @@ void ask(SharedScene& shared, std::span<const Ray> rays, void* stream, const Wis
                        .count_tests = counted,
                        .stream = stream,
                        .statistics = counted ? &statistics : nullptr};
-  const auto answer = [&] {
-    shared.look_committed([&](const Scene& scene) { body(scene, options); });
+  const auto answer = [&](const auto& poll) {
+    shared.look_committed([&](const Scene& scene) { body(scene, options); }, poll);
   };
   const std::uint64_t count = rays.size();
   const std::uint64_t triangles = shared.look([](const Scene& s) { return s.triangle_count(); });
   if (count >= kManyRays || (wish.brute && count * triangles >= kManyTests)) {
     interruptible([&](const std::atomic<bool>& stop) {
       options.stop = &stop;
-      answer();
+      answer([&stop] {
+        if (stop) throw Error(ErrorCode::kCancelled, "the wait was stopped");
+      });
     });
   } else {
     const nb::gil_scoped_release release;
-    answer();
+    answer(check_signals);
   }
   if (counted) write_statistics(statistics, nb::borrow<nb::dict>(wish.statistics));
 }

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+import threading
+import time
+
 import numpy as np
 import pytest
 from conftest import Setting, brute_force, interrupted_after, make_setting
@@ -184,4 +188,23 @@ def test_ctrl_c_is_heard(kind):
     far = np.tile(setting.origins, (50, 1)) + 100  # past all triangles: no hit ends a ray
     with interrupted_after(0.2):
         getattr(scene, kind)(far, [1, 0, 0], method="brute")
+    assert scene.closest_hit(setting.origins, setting.directions).hit.any()
+
+
+def test_ctrl_c_is_heard_while_a_change_waits_for_its_turn():
+    setting = make_setting(4, triangles=20_000, rays=20_000)
+    scene = scene_of(setting)
+    far = setting.origins + 100
+    begin = time.monotonic()
+    scene.any_hit(far, [1, 0, 0], method="brute")
+    times = math.ceil(3 / (time.monotonic() - begin))
+    batch = np.tile(far, (times, 1))
+    other = threading.Thread(target=lambda: scene.any_hit(batch, [1, 0, 0], method="brute"))
+    other.start()
+    time.sleep(0.5)
+    with interrupted_after(0.2):
+        scene.update(0, setting.vertices)
+    assert other.is_alive()
+    other.join()
+    scene.update(0, setting.vertices)
     assert scene.closest_hit(setting.origins, setting.directions).hit.any()
