@@ -116,12 +116,14 @@ void add_rows(const Found& found, std::size_t i, std::vector<Place3>* places,
   const Double3 origin = found.origins[static_cast<std::uint64_t>(ray)];
   const Double3 direction = found.directions[static_cast<std::uint64_t>(ray)];
   places->clear();
-  for (std::uint64_t h = first; h < end; ++h) {
-    const Place3 place = place_of(found, found.hits[h], origin, direction);
-    auto at = places->end();
-    while (at != places->begin() && place.distance < at[-1].distance) --at;
-    places->insert(at, place);
-  }
+  for (std::uint64_t h = first; h < end; ++h)
+    places->push_back(place_of(found, found.hits[h], origin, direction));
+  // What is not a number comes last.
+  const auto nearer = [](const Place3& a, const Place3& b) {
+    return a.distance < b.distance || (std::isnan(b.distance) && !std::isnan(a.distance));
+  };
+  if (!std::is_sorted(places->begin(), places->end(), nearer))
+    std::stable_sort(places->begin(), places->end(), nearer);
   std::int64_t kept = 0;
   for (std::size_t k = 0; k < places->size() && kept < found.max_hits; ++k) {
     const Place3& place = (*places)[k];

@@ -274,6 +274,7 @@ void expect_frames_of_a_change(const Context& context) {
       changes.everything = true;
       scene.materials[1].base_color = {1, 0, 0, 1};
       scene.images[0].rgba[0] ^= 255;
+      scene.environment = motley_sky(1);
     }
     scene.lights[0].intensity = {20, 30, 40};
     here.show(scene, changes);
