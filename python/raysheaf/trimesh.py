@@ -61,7 +61,7 @@ class _Batch:
     """Rays in the mesh's space, and those of them that the scene can be asked, in its own."""
 
     origins: Floats
-    directions: Floats
+    directions: Floats  # of any length
     rays: NDArray[np.float32]  # (n, 8), packed
     asked: Optional[Ints]  # which ones; None: all
 
@@ -162,7 +162,9 @@ class RayMeshIntersector:
             return _Batch(origins, directions, rays, None)
         starts = (origins - followed.origin) * followed.scale
         with np.errstate(all="ignore"):
-            units = directions / np.linalg.norm(directions, axis=1)[:, None]
+            # By the largest component first: squares over- and underflow.
+            units = directions / np.abs(directions).max(axis=1, initial=0.0)[:, None]
+            units /= np.linalg.norm(units, axis=1)[:, None]
             # How far a ray goes until it is as near to the middle as it gets; begin a reach before.
             ahead = np.einsum("ij,ij->i", middle - starts, units) - reach
             starts += np.maximum(ahead, 0.0)[:, None] * units
@@ -171,7 +173,7 @@ class RayMeshIntersector:
         asked = np.flatnonzero(usable)
         some = np.zeros((len(asked), 8), np.float32)
         some[:, :3], some[:, 4:7], some[:, 7] = starts[asked], units[asked], np.inf
-        return _Batch(origins, directions, some, asked)
+        return _Batch(origins, units, some, asked)
 
     def _context(self) -> _core.Context:
         return self._scene._core.context()

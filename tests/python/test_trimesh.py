@@ -153,6 +153,17 @@ def test_many_rays_are_answered_as_few_are(mesh):
     assert mesh.ray.intersects_id(origins, directions, max_hits=0)[0].size == 0
 
 
+@pytest.mark.parametrize("length", [1e-300, 1e-160, 1e-20, 1e20, 1e200])
+def test_directions_of_any_length(mesh, length):
+    origins, directions = rays_about(mesh, 200)
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    places, ray, tri = mesh.ray.intersects_location(origins, directions)
+    found = mesh.ray.intersects_location(origins, directions * length)
+    assert len(ray) > 100
+    assert np.array_equal(found[1], ray) and np.array_equal(found[2], tri)
+    assert np.allclose(found[0], places, rtol=0, atol=1e-9)
+
+
 def test_rays_that_are_none_hit_nothing(mesh):
     origins, directions = rays_about(mesh, count=50)
     expected = mesh.ray.intersects_first(origins, directions)
