@@ -12,29 +12,28 @@ namespace raysheaf::portable {
 
 inline constexpr double kPi = 3.14159265358979323846;
 
+/// By Horner's rule: the constant first, then the factors of z, of z squared and so on.
+RAYSHEAF_HD constexpr double polynomial(double /*z*/, double last) {
+  return last;
+}
+template <class... More>
+RAYSHEAF_HD constexpr double polynomial(double z, double first, More... more) {
+  return first + z * polynomial(z, more...);
+}
+
 /// Of angles up to pi / 4, by Taylor's series as far as binary64 sees it.
 RAYSHEAF_HD inline double small_sine(double x) {
-  const double z = x * x;
-  double sum = 1.0 / 355687428096000;  // 17!, then 15! and so on
-  sum = sum * z - 1.0 / 1307674368000;
-  sum = sum * z + 1.0 / 6227020800;
-  sum = sum * z - 1.0 / 39916800;
-  sum = sum * z + 1.0 / 362880;
-  sum = sum * z - 1.0 / 5040;
-  sum = sum * z + 1.0 / 120;
-  sum = sum * z - 1.0 / 6;
-  return x + x * z * sum;
+  const double z = x * x;  // 3!, 5! and so on
+  return x + x * z *
+                 polynomial(z, -1.0 / 6, 1.0 / 120, -1.0 / 5040, 1.0 / 362880, -1.0 / 39916800,
+                            1.0 / 6227020800, -1.0 / 1307674368000, 1.0 / 355687428096000);
 }
 RAYSHEAF_HD inline double small_cosine(double x) {
-  const double z = x * x;
-  double sum = 1.0 / 20922789888000;  // 16!
-  sum = sum * z - 1.0 / 87178291200;
-  sum = sum * z + 1.0 / 479001600;
-  sum = sum * z - 1.0 / 3628800;
-  sum = sum * z + 1.0 / 40320;
-  sum = sum * z - 1.0 / 720;
-  sum = sum * z + 1.0 / 24;
-  return 1 - 0.5 * z + z * z * sum;
+  const double z = x * x;  // 4!, 6! and so on
+  return 1 - 0.5 * z +
+         z * z *
+             polynomial(z, 1.0 / 24, -1.0 / 720, 1.0 / 40320, -1.0 / 3628800, 1.0 / 479001600,
+                        -1.0 / 87178291200, 1.0 / 20922789888000);
 }
 
 struct SineCosine {
@@ -72,17 +71,8 @@ RAYSHEAF_HD inline double angle_of(double y, double x) {
   const double t = large ? (tangent - 1) / (tangent + 1) : tangent;
   const double half = t / (1 + std::sqrt(1 + t * t));
   const double z = half * half;
-  double sum = -1.0 / 23;
-  sum = sum * z + 1.0 / 21;
-  sum = sum * z - 1.0 / 19;
-  sum = sum * z + 1.0 / 17;
-  sum = sum * z - 1.0 / 15;
-  sum = sum * z + 1.0 / 13;
-  sum = sum * z - 1.0 / 11;
-  sum = sum * z + 1.0 / 9;
-  sum = sum * z - 1.0 / 7;
-  sum = sum * z + 1.0 / 5;
-  sum = sum * z - 1.0 / 3;
+  const double sum = polynomial(z, -1.0 / 3, 1.0 / 5, -1.0 / 7, 1.0 / 9, -1.0 / 11, 1.0 / 13,
+                                -1.0 / 15, 1.0 / 17, -1.0 / 19, 1.0 / 21, -1.0 / 23);
   double angle = 2 * (half + half * z * sum);
   if (large) angle += kPi / 4;
   if (steep) angle = kPi / 2 - angle;

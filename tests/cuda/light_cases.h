@@ -14,7 +14,8 @@ struct TrigonometryCase {
     const portable::SineCosine turn = portable::sine_cosine(angle);
     const double x = static_cast<double>(draws.between(-2, 2));
     const double y = static_cast<double>(draws.unit());
-    out.put(portable::small_sine(small), portable::small_cosine(small), turn.sine, turn.cosine);
+    out.put(portable::polynomial(small, 1.0, 2.0, 3.0), portable::small_sine(small));
+    out.put(portable::small_cosine(small), turn.sine, turn.cosine);
     out.put(portable::angle_of(y, x), portable::arc_cosine(x / 2));
     out.put(on_circle(draws.unit()));
   }
