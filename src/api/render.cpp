@@ -148,8 +148,8 @@ class Renderer::Impl {
       if (settings_for(options).traversal == Traversal::kRayHierarchy)
         input.pairs = &cache_.device_tracer(flat_).pairs(executor);
       if (rasters)
-        input.rasterize = [&](const CameraFrame& frame) {
-          return rasterizer_->visible_triangles(executor, flat_, frame);
+        input.rasterize = [&](const CameraFrame& frame, const ReadSlots& read) {
+          return rasterizer_->visible_triangles(executor, flat_, frame, read);
         };
     }
     RenderResult result = render_frame(executor, input, &meter);

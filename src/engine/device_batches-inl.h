@@ -21,6 +21,9 @@ class DeviceBatches {
   /// `input` stays until the next call.
   void begin(const DeviceFrameInput& input) { input_ = &input; }
 
+  /// What the plans of batches say from now on.
+  void tell(std::string where_all_is) { where_all_is_ = std::move(where_all_is); }
+
   /// Room for the rays of the next batch.
   [[nodiscard]] Ray* rays(const char* stage, std::size_t count) {
     rays_.resize_uninitialized(stage, count);
@@ -102,9 +105,7 @@ class DeviceBatches {
   }
   void finish_batch(EngineReport report, BatchStatistics* statistics) {
     statistics->hits += device_.read("count", found_.data());
-    statistics->plan.emplace_back(
-        input_->rasterize ? "device: what OpenGL sees is copied there; rays, hits and light stay"
-                          : "device: rays, hits and light stay there");
+    statistics->plan.push_back(where_all_is_);
     add_device_report(std::move(report), statistics);
   }
 
@@ -112,6 +113,7 @@ class DeviceBatches {
   Device& device_;
   DeviceAllocator& memory_ = device_.allocator();
   const DeviceFrameInput* input_ = nullptr;
+  std::string where_all_is_;
   DeviceBuffer<Ray> rays_{memory_};
   DeviceBuffer<std::uint32_t> keys_{memory_};
   DeviceBuffer<EngineHit> hits_{memory_};

@@ -9,6 +9,7 @@
 #include "base/bits.h"
 #include "engine/device_batches-inl.h"
 #include "engine/device_scene-inl.h"
+#include "engine/gl_reader-inl.h"
 #include "engine/light_loops-inl.h"
 #include "engine/resolve_loops-inl.h"
 #include "exec/stopwatch.h"
@@ -30,6 +31,7 @@ class DeviceStagesOn : public DeviceStages {
         batches_(engine_),
         surfaces_(device_),
         film_(device_),
+        gl_reader_(device_),
         resolver_(device_) {}
 
   void set_scene(const Executor& executor, const FlatScene& scene, const TextureSet& textures,
@@ -62,11 +64,13 @@ class DeviceStagesOn : public DeviceStages {
     triangles_seen_.resize_uninitialized("surfaces: names", pixels);
     if (input_->rasterize) {
       input_->meter.begin("raster", 1);
-      const std::vector<std::uint32_t> seen = input_->rasterize(frame);
-      resolver_.resolve({engine_.corners(), engine_.flags()}, scene_->bounds, frame, seen.data(),
+      const View<const std::uint32_t> seen = gl_reader_.see(input_->rasterize, frame, pixels);
+      batches_.tell("device: what OpenGL sees is " + gl_reader_.way() +
+                    "; rays, hits and light stay");
+      resolver_.resolve({engine_.corners(), engine_.flags()}, scene_->bounds, frame, seen,
                         triangles_seen_.view());
-      device_.synchronize("copy: names");  // while `seen` is there
     } else {
+      batches_.tell("device: rays, hits and light stay there");
       BatchStatistics& statistics = input_->tally.batch(RayKind::kPrimary, 0);
       Ray* const rays = batches_.rays("raygen: camera", pixels);
       camera_rays_on(device_, frame, scene_->bounds, rays, batches_.keys("raygen: camera"));
@@ -249,6 +253,7 @@ class DeviceStagesOn : public DeviceStages {
   DeviceBatches<Device> batches_;
   SceneOnDevice<Device> surfaces_;
   FilmOnDevice<Device> film_;
+  GlReader<Device> gl_reader_;
   ResolverOn<Device> resolver_;
   const FlatScene* scene_ = nullptr;
   std::optional<DeviceFrameInput> input_place_;

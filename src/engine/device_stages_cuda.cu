@@ -1,4 +1,5 @@
 #include "engine/device_stages-inl.h"
+#include "exec/cuda/cuda_gl.h"
 #include "exec/cuda/launch-inl.h"
 
 namespace raysheaf {

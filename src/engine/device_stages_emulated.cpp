@@ -1,5 +1,6 @@
 #include "engine/device_stages-inl.h"
 #include "exec/cpu/emulated_device.h"
+#include "exec/cpu/emulated_gl.h"
 
 namespace raysheaf {
 

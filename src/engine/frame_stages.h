@@ -14,6 +14,7 @@
 #include "engine/device_engine.h"
 #include "engine/pair_tracer.h"
 #include "exec/progress_meter.h"
+#include "raster/slot_picture.h"
 #include "raygen/camera_body.h"
 #include "raysheaf/render.h"
 #include "scene/environment_body.h"
@@ -97,6 +98,11 @@ class FrameStages {
   [[nodiscard]] virtual FilmSums film(bool taken) = 0;
 };
 
+/// The triangle that each pixel sees by OpenGL, rows from the top, silhouettes not resolved yet;
+/// nothing where `read` took it (raster/rasterizer.h).
+using Rasterize =
+    std::function<std::vector<std::uint32_t>(const CameraFrame& frame, const ReadSlots& read)>;
+
 /// What a device's frame is made of; all outlive it.
 struct DeviceFrameInput {
   const Executor& executor;  ///< of the host
@@ -104,9 +110,7 @@ struct DeviceFrameInput {
   View<const PlacedLight> lights;
   FrameTally& tally;
   ProgressMeter& meter;
-  /// The triangle that each pixel sees by OpenGL, rows from the top, silhouettes not resolved yet;
-  /// none: by rays.
-  std::function<std::vector<std::uint32_t>(const CameraFrame&)> rasterize;
+  Rasterize rasterize;          ///< none: the first hits are found by rays
   PairTracer* pairs = nullptr;  ///< of this scene, of `rah` and `crsh`; null: another method
   PairQuery pair_query;
   bool by_key = false;  ///< it sorts the rays

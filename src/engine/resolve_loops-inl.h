@@ -50,20 +50,17 @@ class ResolverOn {
  public:
   explicit ResolverOn(Device& device) : device_(device) {}
 
-  /// `seen`: what OpenGL gave, in the host's memory or the device's. To `triangles`.
+  /// `seen`: what OpenGL gave. All in the device's memory.
   void resolve(TrianglesThere there, const Box& bounds, const CameraFrame& frame,
-               const std::uint32_t* seen, View<std::uint32_t> triangles) {
-    const std::size_t bytes = triangles.size * sizeof seen[0];
+               View<const std::uint32_t> seen, View<std::uint32_t> triangles) {
     if (!(frame.z_far > frame.z_near))
-      return device_.copy("copy: names", triangles.data, seen, bytes);
-    before_.resize_uninitialized("copy: names", triangles.size);
-    device_.copy("copy: names", before_.data(), seen, bytes);
+      return device_.copy("copy: names", triangles.data, seen.data, seen.size * sizeof seen[0]);
     sight_.resize_uninitialized("resolve: borders", triangles.size);
     device_.fill("resolve: borders", sight_.view(), 0xff);
     flags_.resize_uninitialized("resolve: borders", triangles.size);
     lost_.resize_uninitialized("resolve: borders", triangles.size);
-    const Resolve<TrianglesThere> resolve{make_picture_view(frame, bounds), there,
-                                          before_.view_const(), sight_.data()};
+    const Resolve<TrianglesThere> resolve{make_picture_view(frame, bounds), there, seen,
+                                          sight_.data()};
     look_at_borders_on(device_, resolve, flags_.data());
     const std::uint32_t lost =
         device_.select("resolve: borders", flags_.view_const(), lost_.view());
@@ -74,7 +71,7 @@ class ResolverOn {
  private:
   Device& device_;
   DeviceAllocator& memory_ = device_.allocator();
-  DeviceBuffer<std::uint32_t> before_{memory_}, lost_{memory_};
+  DeviceBuffer<std::uint32_t> lost_{memory_};
   DeviceBuffer<SightKey> sight_{memory_};
   DeviceBuffer<std::uint8_t> flags_{memory_};
 };

@@ -28,6 +28,7 @@
 //   allocator()                             of the device's memory
 //   free_bytes()                            of it that nobody has, as far as the machine knows
 //   Uplink, Downlink                        copies beside its work: exec/links.h
+//   GlBuffer                                what OpenGL has: exec/cuda/cuda_gl.h
 //
 // All is done in the order in which it was asked for, and all but what waits may still be under way
 // on return. `stage` names who asked: it is the place of the `Error` that is thrown where something

@@ -52,7 +52,7 @@ class Rasterizer::Impl {
   [[nodiscard]] const std::string& description() const { return description_; }
 
   std::vector<std::uint32_t> visible_triangles(const Executor& executor, const FlatScene& scene,
-                                               const PictureView& view) {
+                                               const PictureView& view, const ReadSlots& read) {
     const std::lock_guard lock(mutex_);
     const EglContext::Current current(context_);
     const CameraFrame& frame = view.frame;
@@ -63,11 +63,13 @@ class Rasterizer::Impl {
       slots += draw(executor, scene, view, first, count, slots);
       first += count;
     }
-    std::vector<std::uint32_t> picture(std::size_t{frame.width} * frame.height);
+    const std::size_t pixels = std::size_t{frame.width} * frame.height;
+    const View<const std::uint32_t> names(triangle_of_slot_.data(), slots);
+    if (read && read({pass_->pack(), pixels, names, &pass_->lease()})) return {};
+    std::vector<std::uint32_t> picture(pixels);
     pass_->read(picture);
-    executor.for_each(picture.size(), kPixelGrain, [&](std::size_t i) {
-      if (picture[i] != kInvalidId) picture[i] = triangle_of_slot_[picture[i]];
-    });
+    executor.for_each(pixels, kPixelGrain,
+                      [&](std::size_t i) { picture[i] = triangle_of_slot(names, picture[i]); });
     return picture;
   }
 
@@ -103,7 +105,8 @@ std::string Rasterizer::description() const {
 
 std::vector<std::uint32_t> Rasterizer::visible_triangles(const Executor& executor,
                                                          const FlatScene& scene,
-                                                         const CameraFrame& frame) {
+                                                         const CameraFrame& frame,
+                                                         const ReadSlots& read) {
   const std::uint32_t width = frame.width, height = frame.height;
   if (width == 0 || height == 0) {
     throw Error(ErrorCode::kInvalidArgument, "a picture of " + std::to_string(width) + " x " +
@@ -112,8 +115,8 @@ std::vector<std::uint32_t> Rasterizer::visible_triangles(const Executor& executo
   if (!(frame.z_far > frame.z_near)) {
     return std::vector<std::uint32_t>(std::size_t{width} * height, kInvalidId);
   }
-  return impl_->visible_triangles(executor, scene,
-                                  {frame, clip_matrix(frame, farthest_depth(frame, scene.bounds))});
+  return impl_->visible_triangles(
+      executor, scene, {frame, clip_matrix(frame, farthest_depth(frame, scene.bounds))}, read);
 }
 
 }  // namespace raysheaf

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "raster/slot_picture.h"
 #include "raygen/camera_body.h"
 
 namespace raysheaf {
@@ -35,11 +36,13 @@ class Rasterizer {
   /// same depth the least number wins, where OpenGL computes the same depth for them. OpenGL moves
   /// vertices to a grid of 1/256 pixel, so that along silhouettes a pixel may belong to a triangle
   /// which `camera_ray` misses by so much: `resolve_silhouettes` sets that right.
+  /// `read`, if there is one, may take the picture from OpenGL's memory: then nothing is returned.
   /// O(triangles + pixels). Throws `Error`: kInvalidArgument for an empty picture, kUnsupported for
   /// one larger than the driver's targets, kOutOfMemory.
   [[nodiscard]] std::vector<std::uint32_t> visible_triangles(const Executor& executor,
                                                              const FlatScene& scene,
-                                                             const CameraFrame& frame);
+                                                             const CameraFrame& frame,
+                                                             const ReadSlots& read = nullptr);
 
  private:
   class Impl;

@@ -148,4 +148,23 @@ void VisibilityPass::read(View<std::uint32_t> slots) const {
   gl::check("reading the picture");
 }
 
+GLuint VisibilityPass::pack() {
+  const std::size_t pixels = std::size_t{size_[0]} * size_[1];
+  if (pixels > packed_capacity_) {
+    lease_.reset();
+    packed_capacity_ = 0;
+    packed_ = gl::make_buffer();
+    glNamedBufferData(packed_.name(), static_cast<GLsizeiptr>(pixels * sizeof(std::uint32_t)),
+                      nullptr, GL_DYNAMIC_COPY);
+    gl::check("a copy of the picture");
+    packed_capacity_ = pixels;
+  }
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, packed_.name());
+  glReadPixels(0, 0, static_cast<GLsizei>(size_[0]), static_cast<GLsizei>(size_[1]), GL_RED_INTEGER,
+               GL_UNSIGNED_INT, nullptr);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  gl::check("copying the picture");
+  return packed_.name();
+}
+
 }  // namespace raysheaf

@@ -2,6 +2,7 @@
 // The context must be current wherever anything here is called, destructors included.
 #pragma once
 
+#include <any>
 #include <cstdint>
 
 #include "base/view.h"
@@ -27,6 +28,10 @@ class VisibilityPass {
 
   /// The picture, rows from the top: a slot a pixel, or kInvalidId.
   void read(View<std::uint32_t> slots) const;
+  /// The same into a buffer of OpenGL's own; its name, until the next call. `lease`: what others
+  /// keep with the buffer, and goes with it.
+  [[nodiscard]] GLuint pack();
+  [[nodiscard]] std::any& lease() { return lease_; }
 
  private:
   void fit_targets();
@@ -40,6 +45,9 @@ class VisibilityPass {
   std::uint32_t max_size_[2] = {};
   std::uint32_t size_[2] = {}, target_size_[2] = {};
   std::uint32_t corner_capacity_ = 0, mapped_ = 0;
+  gl::Buffer packed_;
+  std::size_t packed_capacity_ = 0;
+  std::any lease_;  ///< goes before the buffer
 };
 
 }  // namespace raysheaf

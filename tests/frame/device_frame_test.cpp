@@ -38,12 +38,17 @@ void expect_same_picture(const RenderResult& there, const RenderResult& here) {
   }
 }
 
-/// Whether a sentence of the plan says that fragments were the device's.
-bool stayed(const RenderResult& result) {
+/// Whether a sentence of the plan says so.
+bool says(const RenderResult& result, const std::string& words) {
   for (const BatchStatistics& batch : result.statistics.batches)
     for (const std::string& sentence : batch.plan)
-      if (sentence.find("stay") != std::string::npos) return true;
+      if (sentence.find(words) != std::string::npos) return true;
   return false;
+}
+
+/// Whether fragments were the device's.
+bool stayed(const RenderResult& result) {
+  return says(result, "stay");
 }
 
 /// The picture on the device, after it was compared with the CPU's.
@@ -326,17 +331,28 @@ TEST_P(Frames, OfBuiltinScenesByBothKindsOfPrimaryVisibility) {
   }
 }
 
+/// Whether OpenGL draws on the CUDA device is the machine's affair.
+TEST_P(Frames, TakeWhatOpenGlSeesFromItsMemoryOrThroughTheHost) {
+  RenderOptions options = traced(48);
+  options.primary = Primary::kRaster;
+  options.samples = 2;
+  const RenderResult result = expect_the_cpus(*context_, motley(60), options);
+  EXPECT_TRUE(says(result, "read where it lies") ||
+              (GetParam() && says(result, "copied there, for ")));
+  setenv("RAYSHEAF_NO_INTEROP", "1", 1);
+  const RenderResult copied = expect_the_cpus(*context_, motley(60), options);
+  unsetenv("RAYSHEAF_NO_INTEROP");
+  EXPECT_TRUE(says(copied, "copied there, for RAYSHEAF_NO_INTEROP is set"));
+}
+
 INSTANTIATE_TEST_SUITE_P(Devices, Frames, ::testing::Values(false, true),
                          [](const auto& param) { return param.param ? "Cuda" : "Emulated"; });
 
 /// Whichever allocation fails: one sentence, nothing left, and the next frame is right.
-TEST(DeviceFrameMemory, MayRunOutAnywhere) {
+void expect_memory_may_run_out(const SceneDescription& scene, const RenderOptions& options) {
   const Executor executor(2);
   HostAllocator memory;
   test::FailingAllocator allocator(memory);
-  SceneDescription scene = motley(40, true);
-  scene.environment = motley_sky(1);
-  const RenderOptions options = traced(24);
   const RenderResult here = render(scene, options);
   {
     const Context context = ContextAccess::with_backend(
@@ -362,6 +378,19 @@ TEST(DeviceFrameMemory, MayRunOutAnywhere) {
     allocator.let(test::FailingAllocator::kAlways);
   }
   EXPECT_EQ(allocator.alive(), 0u);
+}
+
+TEST(DeviceFrameMemory, MayRunOutAnywhere) {
+  SceneDescription scene = motley(40, true);
+  scene.environment = motley_sky(1);
+  expect_memory_may_run_out(scene, traced(24));
+}
+
+TEST(DeviceFrameMemory, MayRunOutWherePicturesAreRead) {
+  RenderOptions options = traced(16);
+  options.primary = Primary::kRaster;
+  options.bounces = 0;
+  expect_memory_may_run_out(motley(41), options);
 }
 
 }  // namespace

@@ -34,11 +34,13 @@ class HostAllocator : public DeviceAllocator {
 
 class EmulatedUplink;
 class EmulatedDownlink;
+class EmulatedGlBuffer;
 
 class EmulatedDevice {
  public:
   using Uplink = EmulatedUplink;
   using Downlink = EmulatedDownlink;
+  using GlBuffer = EmulatedGlBuffer;
 
   /// All outlive it. `allocator` takes from `memory`, and stands in for it. `most_blocks`: of a
   /// loop.

@@ -14,11 +14,13 @@ namespace raysheaf {
 
 class CudaUplink;
 class CudaDownlink;
+class CudaGlBuffer;
 
 class CudaDevice {
  public:
   using Uplink = CudaUplink;
   using Downlink = CudaDownlink;
+  using GlBuffer = CudaGlBuffer;
 
   /// Device `index` of this process. `allocator`, which outlives it, replaces the device's own.
   /// Throws Error in CUDA's words where there is no such device, or none that this build has code

@@ -1,0 +1,72 @@
+#include "exec/cuda/cuda_gl.h"
+
+#include <cuda_gl_interop.h>
+#include <cuda_runtime.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "exec/cuda/cuda_error.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf {
+namespace {
+
+constexpr const char* kSharing = "CUDA device: OpenGL";
+
+[[noreturn]] void refuse(const std::string& why) {
+  throw Error(ErrorCode::kUnsupported, why, kSharing);
+}
+
+/// Whatever CUDA has against it, the picture can be copied instead.
+void require(cudaError_t status) {
+  try {
+    check_cuda(status, kSharing);
+  } catch (const Error& error) {
+    refuse(error.sentence());
+  }
+}
+
+cudaGraphicsResource_t resource_of(void* resource) {
+  return static_cast<cudaGraphicsResource_t>(resource);
+}
+
+}  // namespace
+
+CudaGlBuffer::CudaGlBuffer(CudaDevice& device, unsigned name) : index_(device.index()) {
+  device.make_current(kSharing);
+  std::array<int, 16> drawing{};
+  unsigned count = 0;
+  require(cudaGLGetDevices(&count, drawing.data(), static_cast<unsigned>(drawing.size()),
+                           cudaGLDeviceListAll));
+  const auto end = drawing.begin() + std::min<std::size_t>(count, drawing.size());
+  if (std::find(drawing.begin(), end, index_) == end) refuse("OpenGL draws on another device");
+  cudaGraphicsResource_t resource = nullptr;
+  require(cudaGraphicsGLRegisterBuffer(&resource, name, cudaGraphicsRegisterFlagsReadOnly));
+  resource_ = resource;
+}
+
+CudaGlBuffer::~CudaGlBuffer() {
+  static_cast<void>(cudaSetDevice(index_));
+  static_cast<void>(cudaGraphicsUnregisterResource(resource_of(resource_)));
+}
+
+void CudaGlBuffer::copy_to(const char* stage, CudaDevice& device, void* to,
+                           std::size_t bytes) const {
+  device.make_current(stage);
+  const auto stream = static_cast<cudaStream_t>(device.stream());
+  cudaGraphicsResource_t resource = resource_of(resource_);
+  check_cuda(cudaGraphicsMapResources(1, &resource, stream), stage);
+  void* from = nullptr;
+  std::size_t room = 0;
+  cudaError_t status = cudaGraphicsResourceGetMappedPointer(&from, &room, resource);
+  if (status == cudaSuccess && room < bytes) status = cudaErrorInvalidValue;
+  if (status == cudaSuccess)
+    status = cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, stream);
+  const cudaError_t unmapped = cudaGraphicsUnmapResources(1, &resource, stream);
+  check_cuda(status, stage);
+  check_cuda(unmapped, stage);
+}
+
+}  // namespace raysheaf
