@@ -6,6 +6,7 @@
 
 #include "engine/device_engine.h"
 #include "engine/device_queries-inl.h"
+#include "engine/device_triangles-inl.h"
 #include "geom/ray_fault.h"
 
 namespace raysheaf {
@@ -17,8 +18,7 @@ class DeviceEngineOn : public DeviceEngine {
   template <class... Args>
   explicit DeviceEngineOn(Args&&... args)
       : device_(std::forward<Args>(args)...),
-        corners_(device_.allocator()),
-        flags_(device_.allocator()),
+        triangles_(device_),
         names_(device_.allocator()),
         tree_(device_.allocator()),
         rays_(device_.allocator()),
@@ -35,24 +35,14 @@ class DeviceEngineOn : public DeviceEngine {
 
   void set_triangles(const Executor& executor, const TriangleSource& source) override {
     has_tree_ = false;
-    corners_.resize_uninitialized("copy: triangles", 0);
-    flags_.resize_uninitialized("copy: triangles", 0);
-    staged_.resize_uninitialized(std::size_t{3} * source.count);
-    executor.for_each_block(source.count, 4096, [&](std::size_t begin, std::size_t end) {
-      source.for_each_part(static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end),
-                           [&](const TriangleRun& run, std::uint32_t from, std::uint32_t to) {
-                             for (std::uint32_t i = from; i < to; ++i) {
-                               const std::array<Vec3, 3> corners = run.corners(i);
-                               std::copy(corners.begin(), corners.end(),
-                                         staged_.data() + std::size_t{3} * (run.first + i));
-                             }
-                           });
-    });
-    corners_.resize_uninitialized("copy: triangles", staged_.size());
-    device_.copy("copy: triangles", corners_.data(), staged_.data(), staged_.size() * sizeof(Vec3));
-    if (source.flags == nullptr) return;
-    flags_.resize_uninitialized("copy: triangles", source.count);
-    device_.copy("copy: triangles", flags_.data(), source.flags, source.count);
+    triangles_.set(executor, source);
+  }
+  /// As `DeviceTriangles` has it.
+  template <class Put>
+  void set_triangles(const Executor& executor, std::uint32_t count, const std::uint8_t* flags,
+                     const Put& put) {
+    has_tree_ = false;
+    triangles_.set(executor, count, flags, put);
   }
 
   void set_names(View<const RunName> names) override {
@@ -133,17 +123,16 @@ class DeviceEngineOn : public DeviceEngine {
 
   /// The device, and the triangles that lie there: for who has more to do with both.
   [[nodiscard]] Device& device() { return device_; }
-  [[nodiscard]] View<const Vec3> corners() const { return corners_.view_const(); }
-  [[nodiscard]] View<const std::uint8_t> flags() const { return flags_.view_const(); }
+  [[nodiscard]] TriangleList triangles() const { return triangles_.list(); }
 
   [[nodiscard]] const std::vector<StageTime>& stage_times() const override { return times_; }
 
   [[nodiscard]] std::size_t memory_bytes() const override {
-    return corners_.capacity_bytes() + flags_.capacity_bytes() + tree_.memory_bytes() +
-           rays_.capacity_bytes() + columns_.capacity_bytes() + words_.capacity_bytes() +
-           hits_.capacity_bytes() + occluded_.capacity_bytes() + counts_.capacity_bytes() +
-           offsets_.capacity_bytes() + names_.capacity_bytes() + named_.capacity_bytes() +
-           ray_tests_.capacity_bytes() + sums_.capacity_bytes() + first_wrong_.capacity_bytes();
+    return triangles_.memory_bytes() + tree_.memory_bytes() + rays_.capacity_bytes() +
+           columns_.capacity_bytes() + words_.capacity_bytes() + hits_.capacity_bytes() +
+           occluded_.capacity_bytes() + counts_.capacity_bytes() + offsets_.capacity_bytes() +
+           names_.capacity_bytes() + named_.capacity_bytes() + ray_tests_.capacity_bytes() +
+           sums_.capacity_bytes() + first_wrong_.capacity_bytes();
   }
 
   /// Not for others: nvcc wants functions with loops of a device in them to be public.
@@ -199,7 +188,7 @@ class DeviceEngineOn : public DeviceEngine {
     batch.rays = rays;
     batch.facing = query.facing;
     batch.brute = query.brute;
-    batch.list = {corners_.view_const(), flags_.view_const()};
+    batch.list = triangles_.list();
     built_now_ = !query.brute && !has_tree_;
     if (built_now_) {
       tree_.build(device_, batch.list);
@@ -272,9 +261,7 @@ class DeviceEngineOn : public DeviceEngine {
   }
 
   Device device_;
-  Buffer<Vec3> staged_;  // corners on their way to the device
-  DeviceBuffer<Vec3> corners_;
-  DeviceBuffer<std::uint8_t> flags_;
+  DeviceTriangles<Device> triangles_;
   DeviceBuffer<RunName> names_;
   LinearTree tree_;
   DeviceBuffer<Ray> rays_;

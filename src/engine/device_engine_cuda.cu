@@ -4,6 +4,7 @@
 #include "engine/measure_copy-inl.h"
 #include "engine/packet_tracer.h"
 #include "engine/pair_tracer.h"
+#include "exec/cuda/cuda_links.h"
 #include "exec/cuda/launch-inl.h"
 
 namespace raysheaf {

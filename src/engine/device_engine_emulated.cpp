@@ -7,6 +7,7 @@
 #include "engine/packet_tracer.h"
 #include "engine/pair_tracer.h"
 #include "exec/cpu/emulated_device.h"
+#include "exec/cpu/emulated_links.h"
 
 namespace raysheaf {
 namespace {

@@ -20,9 +20,8 @@ class SceneOnDevice {
  public:
   explicit SceneOnDevice(Device& device) : device_(device) {}
 
-  /// All but the corners of the triangles.
-  void set(const FlatScene& scene, const StagedScene& staged, const TextureTable& textures,
-           const EnvironmentView& environment) {
+  /// All that comes with the triangles but their corners.
+  void set_geometry(const FlatScene& scene, const StagedScene& staged) {
     upload(device_, View<const std::uint32_t>(scene.mesh_of_triangle.data(), scene.triangle_count),
            &mesh_of_triangle_);
     upload(device_, View<const StagedMesh>(staged.meshes), &meshes_);
@@ -30,6 +29,12 @@ class SceneOnDevice {
     upload(device_, View<const Vec3>(staged.normals), &normals_);
     upload(device_, View<const Vec2>(staged.uvs), &uvs_);
     upload(device_, View<const std::uint32_t>(staged.material_numbers), &material_numbers_);
+    device_.synchronize("copy: scene");
+  }
+
+  /// What they look like, and what is around them.
+  void set_looks(const StagedScene& staged, const TextureTable& textures,
+                 const EnvironmentView& environment) {
     upload(device_, View<const PlacedMaterial>(staged.materials), &materials_);
     set_textures(textures);
     set_environment(environment);

@@ -34,17 +34,25 @@ class DeviceStagesOn : public DeviceStages {
         gl_reader_(device_),
         resolver_(device_) {}
 
+  void forget_scene(bool looks) override {
+    scene_ = nullptr;
+    has_looks_ = has_looks_ && !looks;
+  }
+
   void set_scene(const Executor& executor, const FlatScene& scene, const TextureSet& textures,
                  const EnvironmentView& environment) override {
     scene_ = nullptr;
-    const StagedScene staged = stage_scene(executor, scene);
-    const TriangleRun run{staged.corners.data(), nullptr, 0, scene.triangle_count};
-    TriangleSource source;
-    source.runs = {&run, scene.triangle_count > 0 ? std::size_t{1} : std::size_t{0}};
-    source.count = scene.triangle_count;
-    source.flags = scene.flags.data();
-    engine_.set_triangles(executor, source);
-    surfaces_.set(scene, staged, textures.table(), environment);
+    const StagedScene staged = stage_scene(scene);
+    engine_.set_triangles(executor, scene.triangle_count, scene.flags.data(),
+                          [&](std::uint32_t begin, std::uint32_t end, Vec3* all) {
+                            for (std::size_t i = begin; i < end; ++i)
+                              for (int k = 0; k < 3; ++k)
+                                all[3 * i + static_cast<std::size_t>(k)] =
+                                    scene.corner(static_cast<std::uint32_t>(i), k);
+                          });
+    surfaces_.set_geometry(scene, staged);
+    if (!has_looks_) surfaces_.set_looks(staged, textures.table(), environment);
+    has_looks_ = true;
     scene_ = &scene;
   }
 
@@ -67,8 +75,7 @@ class DeviceStagesOn : public DeviceStages {
       const View<const std::uint32_t> seen = gl_reader_.see(input_->rasterize, frame, pixels);
       batches_.tell("device: what OpenGL sees is " + gl_reader_.way() +
                     "; rays, hits and light stay");
-      resolver_.resolve({engine_.corners(), engine_.flags()}, scene_->bounds, frame, seen,
-                        triangles_seen_.view());
+      resolver_.resolve(engine_.triangles(), scene_->bounds, frame, seen, triangles_seen_.view());
     } else {
       batches_.tell("device: rays, hits and light stay there");
       BatchStatistics& statistics = input_->tally.batch(RayKind::kPrimary, 0);
@@ -193,7 +200,9 @@ class DeviceStagesOn : public DeviceStages {
   [[nodiscard]] std::size_t pixel_count() const {
     return std::size_t{input_->options.width} * input_->options.height;
   }
-  [[nodiscard]] StagedSceneView scene_view() const { return surfaces_.view(engine_.corners()); }
+  [[nodiscard]] StagedSceneView scene_view() const {
+    return surfaces_.view(engine_.triangles().corners);
+  }
 
   [[nodiscard]] std::unique_ptr<DeviceSet> make_set(const char* stage, std::size_t count) {
     auto set = std::make_unique<DeviceSet>(device_.allocator());
@@ -256,6 +265,7 @@ class DeviceStagesOn : public DeviceStages {
   GlReader<Device> gl_reader_;
   ResolverOn<Device> resolver_;
   const FlatScene* scene_ = nullptr;
+  bool has_looks_ = false;
   std::optional<DeviceFrameInput> input_place_;
   const DeviceFrameInput* input_ = nullptr;
   SampleOf sample_;

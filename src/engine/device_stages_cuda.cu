@@ -1,5 +1,6 @@
 #include "engine/device_stages-inl.h"
 #include "exec/cuda/cuda_gl.h"
+#include "exec/cuda/cuda_links.h"
 #include "exec/cuda/launch-inl.h"
 
 namespace raysheaf {

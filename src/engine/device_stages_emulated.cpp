@@ -1,6 +1,7 @@
 #include "engine/device_stages-inl.h"
 #include "exec/cpu/emulated_device.h"
 #include "exec/cpu/emulated_gl.h"
+#include "exec/cpu/emulated_links.h"
 
 namespace raysheaf {
 

@@ -116,10 +116,13 @@ struct DeviceFrameInput {
   bool by_key = false;  ///< it sorts the rays
 };
 
-/// By any method but `gl10`, without counts of single pixels. A scene is copied once; fragments,
-/// rays, hits and light stay on the device until `film`.
+/// By any method but `gl10`, without counts of single pixels. Of a scene is copied what was
+/// forgotten; fragments, rays, hits and light stay on the device until `film`.
 class DeviceStages : public FrameStages {
  public:
+  /// The scene's triangles are others, or elsewhere; `looks`: so are its materials, textures and
+  /// environment.
+  virtual void forget_scene(bool looks) = 0;
   /// Until the next call; `scene` is read by `film`, too.
   virtual void set_scene(const Executor& executor, const FlatScene& scene,
                          const TextureSet& textures, const EnvironmentView& environment) = 0;

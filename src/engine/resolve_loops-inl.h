@@ -3,20 +3,20 @@
 
 #include "base/view.h"
 #include "exec/device.h"
+#include "object/triangle_list.h"
 #include "raster/resolve_body.h"
 
 namespace raysheaf {
 
 /// A flat scene's triangles in a device's memory.
 struct TrianglesThere {
-  View<const Vec3> corners;  ///< three a triangle
-  View<const std::uint8_t> flags;
+  TriangleList list;
 
   [[nodiscard]] RAYSHEAF_HD Vec3 corner(std::uint32_t triangle, int k) const {
-    return corners.data[std::uint64_t{3} * triangle + static_cast<std::uint64_t>(k)];
+    return list.corners.data[std::uint64_t{3} * triangle + static_cast<std::uint64_t>(k)];
   }
   [[nodiscard]] RAYSHEAF_HD std::uint8_t flags_of(std::uint32_t triangle) const {
-    return flags.data[triangle];
+    return list.flags.data[triangle];
   }
 };
 
@@ -31,7 +31,7 @@ void look_at_borders_on(Device& device, Resolve<TrianglesThere> resolve, std::ui
 template <class Device>
 void look_for_triangles_on(Device& device, Resolve<TrianglesThere> resolve,
                            View<const std::uint32_t> lost) {
-  device.for_each("resolve: triangles", resolve.triangles.flags.size,
+  device.for_each("resolve: triangles", resolve.triangles.list.flags.size,
                   [=] RAYSHEAF_HD(std::size_t triangle) {
                     look_for(resolve, lost, static_cast<std::uint32_t>(triangle));
                   });
@@ -51,7 +51,7 @@ class ResolverOn {
   explicit ResolverOn(Device& device) : device_(device) {}
 
   /// `seen`: what OpenGL gave. All in the device's memory.
-  void resolve(TrianglesThere there, const Box& bounds, const CameraFrame& frame,
+  void resolve(const TriangleList& list, const Box& bounds, const CameraFrame& frame,
                View<const std::uint32_t> seen, View<std::uint32_t> triangles) {
     if (!(frame.z_far > frame.z_near))
       return device_.copy("copy: names", triangles.data, seen.data, seen.size * sizeof seen[0]);
@@ -59,8 +59,8 @@ class ResolverOn {
     device_.fill("resolve: borders", sight_.view(), 0xff);
     flags_.resize_uninitialized("resolve: borders", triangles.size);
     lost_.resize_uninitialized("resolve: borders", triangles.size);
-    const Resolve<TrianglesThere> resolve{make_picture_view(frame, bounds), there, seen,
-                                          sight_.data()};
+    const Resolve<TrianglesThere> resolve{
+        make_picture_view(frame, bounds), {list}, seen, sight_.data()};
     look_at_borders_on(device_, resolve, flags_.data());
     const std::uint32_t lost =
         device_.select("resolve: borders", flags_.view_const(), lost_.view());

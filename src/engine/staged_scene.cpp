@@ -38,15 +38,9 @@ std::vector<FirstPlaces> stage_meshes(const SceneDescription& description, Stage
 
 }  // namespace
 
-StagedScene stage_scene(const Executor& executor, const FlatScene& scene) {
+StagedScene stage_scene(const FlatScene& scene) {
   const SceneDescription& description = *scene.description;
   StagedScene staged;
-  staged.corners.resize_uninitialized(std::size_t{3} * scene.triangle_count);
-  executor.for_each(scene.triangle_count, kCopyGrain, [&](std::size_t i) {
-    for (int k = 0; k < 3; ++k)
-      staged.corners[3 * i + static_cast<std::size_t>(k)] =
-          scene.corner(static_cast<std::uint32_t>(i), k);
-  });
   const std::vector<FirstPlaces> places = stage_meshes(description, &staged);
   for (const FlatMesh& placed : scene.meshes) {
     const Mesh& mesh = description.meshes[placed.geom_id];

@@ -4,8 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/buffer.h"
-#include "exec/executor.h"
 #include "raygen/fragment.h"
 #include "scene/flat_scene.h"
 #include "scene/material_body.h"
@@ -83,9 +81,8 @@ RAYSHEAF_HD inline Surface staged_surface(const StagedSceneView& scene, std::uin
   return surface;
 }
 
-/// The host's side of it, ready to be copied. Textures are in the description still.
+/// The host's side of it, ready to be copied, but for corners and textures.
 struct StagedScene {
-  Buffer<Vec3> corners;
   std::vector<StagedMesh> meshes;
   std::vector<StagedTriangle> triangles;
   std::vector<Vec3> normals;
@@ -95,6 +92,6 @@ struct StagedScene {
 };
 
 /// O(triangles + vertices). Throws Error (kUnsupported) above 2^32 vertices of all meshes.
-[[nodiscard]] StagedScene stage_scene(const Executor& executor, const FlatScene& scene);
+[[nodiscard]] StagedScene stage_scene(const FlatScene& scene);
 
 }  // namespace raysheaf

@@ -22,21 +22,21 @@ Buffer<Vec3> DeviceTracer::corners(const Executor& executor) const {
 }
 
 DeviceEngine& DeviceTracer::engine(const Executor& executor) {
-  if (engine_ != nullptr) return *engine_;
+  if (engine_.knows) return *engine_.made;
   const Buffer<Vec3> all = corners(executor);
   const TriangleRun run{all.data(), nullptr, 0, scene_.triangle_count};
   TriangleSource source;
   source.runs = {&run, scene_.triangle_count > 0 ? std::size_t{1} : std::size_t{0}};
   source.count = scene_.triangle_count;
   source.flags = scene_.flags.data();
-  std::unique_ptr<DeviceEngine> made = backend_.make_engine();
-  made->set_triangles(executor, source);
-  engine_ = std::move(made);
-  return *engine_;
+  if (engine_.made == nullptr) engine_.made = backend_.make_engine();
+  engine_.made->set_triangles(executor, source);
+  engine_.knows = true;
+  return *engine_.made;
 }
 
 PairTracer& DeviceTracer::pairs(const Executor& executor) {
-  if (pairs_ != nullptr) return *pairs_;
+  if (pairs_.knows) return *pairs_.made;
   const std::uint32_t count = scene_.triangle_count;
   const Buffer<Vec3> all = corners(executor);
   Buffer<Sphere> spheres;
@@ -48,24 +48,25 @@ PairTracer& DeviceTracer::pairs(const Executor& executor) {
   std::vector<PairMesh> meshes;
   for (const FlatMesh& mesh : scene_.meshes)
     meshes.push_back({mesh.bound, mesh.first_triangle, mesh.triangle_count});
-  std::unique_ptr<PairTracer> made = backend_.make_pair_tracer();
-  made->set_scene({View<const Vec3>(all), View<const std::uint8_t>(scene_.flags.data(), count),
-                   View<const Sphere>(spheres), View<const PairMesh>(meshes)});
-  pairs_ = std::move(made);
-  return *pairs_;
+  if (pairs_.made == nullptr) pairs_.made = backend_.make_pair_tracer();
+  pairs_.made->set_scene({View<const Vec3>(all),
+                          View<const std::uint8_t>(scene_.flags.data(), count),
+                          View<const Sphere>(spheres), View<const PairMesh>(meshes)});
+  pairs_.knows = true;
+  return *pairs_.made;
 }
 
 PacketCounts DeviceTracer::trace_packets(const Executor& executor, const Bvh& bvh,
                                          const PacketBatch& batch, View<RayHit> best) {
-  if (packets_ == nullptr) {
+  if (!packets_.knows) {
     const Buffer<Vec3> all = corners(executor);
-    std::unique_ptr<PacketTracer> made = backend_.make_packet_tracer();
-    made->set_scene({View<const Vec3>(all),
-                     View<const std::uint8_t>(scene_.flags.data(), scene_.triangle_count),
-                     scene_.bounds, bvh});
-    packets_ = std::move(made);
+    if (packets_.made == nullptr) packets_.made = backend_.make_packet_tracer();
+    packets_.made->set_scene({View<const Vec3>(all),
+                              View<const std::uint8_t>(scene_.flags.data(), scene_.triangle_count),
+                              scene_.bounds, bvh});
+    packets_.knows = true;
   }
-  return packets_->trace(batch, best);
+  return packets_.made->trace(batch, best);
 }
 
 std::vector<RayHit> DeviceTracer::trace_pairs(const Executor& executor, const RayBatch& batch,

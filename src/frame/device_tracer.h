@@ -14,13 +14,16 @@
 
 namespace raysheaf {
 
-/// One scene's, for any number of batches: the triangles are copied to the device once, and its
-/// tree is built by the first batch that needs it.
+/// One scene's, for any number of batches: the triangles are copied to the device once until they
+/// are forgotten, and its tree is built by the first batch that needs it.
 class DeviceTracer {
  public:
   /// Both must outlive it. Nothing is copied before a batch needs it.
   DeviceTracer(const FlatScene& scene, const DeviceBackend& backend)
       : scene_(scene), backend_(backend) {}
+
+  /// The scene's triangles are others, or elsewhere.
+  void forget_scene() { pairs_.knows = packets_.knows = engine_.knows = false; }
 
   /// As `DualTracer::trace`, or by brute force.
   [[nodiscard]] std::vector<RayHit> trace(const Executor& executor, const RayBatch& batch,
@@ -44,9 +47,14 @@ class DeviceTracer {
 
   const FlatScene& scene_;
   const DeviceBackend& backend_;
-  std::unique_ptr<PairTracer> pairs_;
-  std::unique_ptr<PacketTracer> packets_;
-  std::unique_ptr<DeviceEngine> engine_;
+  template <class T>
+  struct Kept {
+    std::unique_ptr<T> made;
+    bool knows = false;  ///< the scene
+  };
+  Kept<PairTracer> pairs_;
+  Kept<PacketTracer> packets_;
+  Kept<DeviceEngine> engine_;
   Buffer<EngineHit> closest_;
   Buffer<std::uint8_t> occluded_;
 };

@@ -283,8 +283,8 @@ void TraceCache::update(const Executor& executor, const FlatScene& scene,
                         const FlatUpdate& update) {
   if (update.same_triangles && update.placed_meshes.empty()) return;
   bvh.reset();
-  device.reset();
-  stages.reset();
+  if (device != nullptr) device->forget_scene();
+  if (stages != nullptr) stages->forget_scene(update.everything);
   if (dual != nullptr) dual->update(executor, scene, update);
 }
 

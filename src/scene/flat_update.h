@@ -24,6 +24,7 @@ struct FlatUpdate {
   std::uint64_t placed_triangles = 0;
   /// Every number means the triangle that it meant before, moved or not.
   bool same_triangles = false;
+  bool everything = false;  ///< materials, images and what is around them may be others, too
 };
 
 /// Brings `flat`, made by `flatten` or by this, to what `changes` made of `description`: the same,

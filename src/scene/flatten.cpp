@@ -292,6 +292,7 @@ FlatUpdate update_flat(const Executor& executor, const SceneDescription& descrip
   const bool other = changes.everything || changes.other_meshes_from != kInvalidId ||
                      changes.other_instances_from != kInvalidId;
   update.same_triangles = !other;
+  update.everything = changes.everything;
   place(executor, object_bounds, update.placed_meshes, flat);
   for (const std::uint32_t i : update.placed_meshes)
     update.placed_triangles += flat->meshes[i].triangle_count;

@@ -262,19 +262,23 @@ void expect_the_rest_too(const Context& context) {
 }
 
 /// One renderer, from frame to frame.
-void expect_frames_of_a_change(const Context& context) {
+void expect_frames_of_a_change(const Context& context, Method method) {
   SceneDescription scene = motley(30, true);
   Renderer here, there(context);
   here.show(scene);
   there.show(scene);
-  const RenderOptions options = traced(32);
-  for (int frame = 0; frame < 4; ++frame) {
+  RenderOptions options = traced(32);
+  options.method = method;
+  for (int frame = 0; frame < 6; ++frame) {
     SCOPED_TRACE(frame);
     expect_same_picture(there.render(options), here.render(options));
     SceneChanges changes;
-    if (frame == 1) {
+    if (frame == 1 || frame == 3) {
       changes.moved = {2};
       scene.instances[2].to_world.m[0][3] += 0.2f;
+      changes.deformed = {4};
+      for (Vec3& p : scene.meshes[4].positions) p.y *= 1.1f;
+      for (Vec3& n : scene.meshes[4].normals) n = {n.y, n.z, n.x};
     } else if (frame == 2) {
       changes.everything = true;
       scene.materials[1].base_color = {1, 0, 0, 1};
@@ -319,7 +323,10 @@ TEST_P(Frames, AreShadedOnTheCpuWhereTheyMustBe) {
   expect_the_rest_too(*context_);
 }
 TEST_P(Frames, FollowWhatChanges) {
-  expect_frames_of_a_change(*context_);
+  for (const Method method : {Method::kDual, Method::kCrsh, Method::kGl10, Method::kBrute}) {
+    SCOPED_TRACE(to_string(method));
+    expect_frames_of_a_change(*context_, method);
+  }
 }
 TEST_P(Frames, OfBuiltinScenesByBothKindsOfPrimaryVisibility) {
   for (const std::string& name : builtin_scene_names()) {
