@@ -32,6 +32,7 @@ struct DeviceBenchBatch {
   double device_ms = 0;             ///< the stages' sum without copies
   double trace_ms = 0;              ///< without copies and the hierarchy: keys to hits
   double call_ms = 0;               ///< the whole call as the host sees it, with copies
+  double frame_ms = 0;              ///< the call, and all triangles to the device before
   double cpu_ms = 0;                ///< the same query on the CPU, the hierarchy built anew too
 };
 

@@ -66,6 +66,7 @@ class Query {
     query.count = options_.count_tests;
     query.stream = options_.stream;
     query.report = report();
+    query.executor = &executor_;
     return query;
   }
   [[nodiscard]] SceneView& view() { return *view_; }

@@ -19,6 +19,8 @@ class DeviceEngineOn : public DeviceEngine {
   explicit DeviceEngineOn(Args&&... args)
       : device_(std::forward<Args>(args)...),
         triangles_(device_),
+        uplink_(device_),
+        downlink_(device_),
         names_(device_.allocator()),
         tree_(device_.allocator()),
         rays_(device_.allocator()),
@@ -55,7 +57,7 @@ class DeviceEngineOn : public DeviceEngine {
     DeviceBatch batch = begin(rays, query, device_.is_device_memory(hits.data));
     EngineHit* const out = landing("trace: closest hits", hits, &hits_);
     find_closest(query, out, &batch);
-    deliver("copy: hits", hits, out);
+    deliver("copy: hits", query, hits, out);
     finish(batch, query);
   }
 
@@ -66,7 +68,7 @@ class DeviceEngineOn : public DeviceEngine {
     Hit* const out = landing("trace: names", hits, &named_);
     find_closest(query, hits_.data(), &batch);
     name_hits_on(device_, names_.view_const(), hits_.view_const(), out);
-    deliver("copy: hits", hits, out);
+    deliver("copy: hits", query, hits, out);
     finish(batch, query);
   }
 
@@ -83,7 +85,7 @@ class DeviceEngineOn : public DeviceEngine {
       order_rays_on(device_, &columns_, &batch);
       any_hits_on(device_, batch, out);
     }
-    deliver("copy: hits", occluded, out);
+    deliver("copy: hits", query, occluded, out);
     finish(batch, query);
   }
 
@@ -94,7 +96,7 @@ class DeviceEngineOn : public DeviceEngine {
     std::uint32_t* const out = landing("trace: number of hits", counts, &counts_);
     if (!query.brute) order_rays_on(device_, &columns_, &batch);
     hit_counts_on(device_, batch, out);
-    deliver("copy: hits", counts, out);
+    deliver("copy: hits", query, counts, out);
     finish(batch, query);
   }
 
@@ -115,7 +117,7 @@ class DeviceEngineOn : public DeviceEngine {
     rows.hits.resize(rows.offsets.back());
     hits_.resize_uninitialized("trace: all hits", rows.hits.size());
     hit_rows_on(device_, batch, offsets_.data(), hits_.data());
-    deliver("copy: hits", View<EngineHit>(rows.hits), hits_.data());
+    deliver("copy: hits", query, View<EngineHit>(rows.hits), hits_.data());
     batch.sums = sums;
     finish(batch, query);
     return rows;
@@ -180,7 +182,7 @@ class DeviceEngineOn : public DeviceEngine {
       device_.wait_for("rays", query.stream);
     if (!rays_are_there) {
       rays_.resize_uninitialized("copy: rays", rays.size);
-      device_.copy("copy: rays", rays_.data(), rays.data, rays.size * sizeof(Ray));
+      uplink_.copy("copy: rays", query.executor, rays, rays_.view());
       rays = rays_.view_const();
     }
     if (query.check) check(rays);
@@ -216,8 +218,8 @@ class DeviceEngineOn : public DeviceEngine {
     return buffer->data();
   }
   template <class T>
-  void deliver(const char* stage, View<T> out, const T* from) {
-    if (out.data != from) device_.copy(stage, out.data, from, out.size * sizeof(T));
+  void deliver(const char* stage, const DeviceQuery& query, View<T> out, const T* from) {
+    if (out.data != from) downlink_.copy(stage, query.executor, from, out);
   }
 
   void finish(const DeviceBatch& batch, const DeviceQuery& query) {
@@ -262,6 +264,8 @@ class DeviceEngineOn : public DeviceEngine {
 
   Device device_;
   DeviceTriangles<Device> triangles_;
+  BulkUplink<Device> uplink_;  ///< of rays
+  BulkDownlink<Device> downlink_;
   DeviceBuffer<RunName> names_;
   LinearTree tree_;
   DeviceBuffer<Ray> rays_;

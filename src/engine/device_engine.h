@@ -45,6 +45,7 @@ struct DeviceQuery {
   bool count = false;      ///< fill the counts of `report`
   void* stream = nullptr;  ///< what was asked for on it comes first
   EngineReport* report = nullptr;
+  const Executor* executor = nullptr;  ///< copies large arrays of the host's; null: the caller does
   /// Of closest and any hits: takes the tests of each ray. In the host's memory; may be empty.
   View<float> ray_tests;
 };

@@ -44,11 +44,11 @@ class DeviceStagesOn : public DeviceStages {
     scene_ = nullptr;
     const StagedScene staged = stage_scene(scene);
     engine_.set_triangles(executor, scene.triangle_count, scene.flags.data(),
-                          [&](std::uint32_t begin, std::uint32_t end, Vec3* all) {
-                            for (std::size_t i = begin; i < end; ++i)
-                              for (int k = 0; k < 3; ++k)
-                                all[3 * i + static_cast<std::size_t>(k)] =
-                                    scene.corner(static_cast<std::uint32_t>(i), k);
+                          [&](std::size_t begin, std::size_t end, CornersOfOne* out) {
+                            for (std::size_t i = begin; i < end; ++i) {
+                              const auto t = static_cast<std::uint32_t>(i);
+                              *out++ = {scene.corner(t, 0), scene.corner(t, 1), scene.corner(t, 2)};
+                            }
                           });
     surfaces_.set_geometry(scene, staged);
     if (!has_looks_) surfaces_.set_looks(staged, textures.table(), environment);

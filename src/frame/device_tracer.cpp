@@ -96,6 +96,7 @@ std::vector<RayHit> DeviceTracer::trace(const Executor& executor, const RayBatch
   query.count = true;
   query.report = &report;
   query.ray_tests = View<float>(tests);
+  query.executor = &executor;
   std::vector<RayHit> hits(rays.size);
   if (!brute && asks_occlusion(batch.kind)) {
     occluded_.resize_uninitialized(rays.size);

@@ -71,6 +71,7 @@ void expect_cpu_answers(const Context& context) {
     there.move();
     here.move();
   }
+  expect_same_answers(there.scene, here.scene, rays_for(60000), {});  // not copied at once
   QueryStatistics statistics;
   QueryOptions options;
   options.statistics = &statistics;

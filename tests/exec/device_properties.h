@@ -3,13 +3,16 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstring>
 #include <memory>
 #include <random>
 #include <string>
 
 #include "exec/atomic.h"
+#include "exec/bulk_links.h"
 #include "exec/device.h"
+#include "exec/executor.h"
 #include "exec/stage_clock.h"
 #include "tests/reference/ordering.h"
 #include "tests/support/device_memory.h"
@@ -249,6 +252,40 @@ void expect_links(Device& device) {
   EXPECT_GT(device.free_bytes(), 0u);
 }
 
+/// What goes there in parts is there, and comes back, again and again; empty, less than a part,
+/// whole parts and a rest.
+template <class Device>
+void expect_bulk_links(Device& device) {
+  constexpr std::size_t kPart = 30000 * sizeof(std::uint32_t);
+  const Executor executor(3);
+  BulkUplink<Device> uplink(device, kPart);
+  BulkDownlink<Device> downlink(device, kPart);
+  DeviceBuffer<std::uint32_t> there(device.allocator());
+  for (const std::size_t count : {std::size_t{0}, std::size_t{7}, std::size_t{30000},
+                                  std::size_t{100001}, std::size_t{90000}, std::size_t{1}}) {
+    there.resize_uninitialized("bulk", count);
+    const View<std::uint32_t> all = there.view();
+    uplink.send("bulk", executor, all, [&](std::size_t begin, std::size_t end, std::uint32_t* out) {
+      for (std::size_t i = begin; i < end; ++i) *out++ = static_cast<std::uint32_t>(3 * i + count);
+    });
+    device.for_each("bulk", count, [=] RAYSHEAF_HD(std::size_t i) { all.data[i] += 1; });
+    Words here(count), expected(count);
+    for (std::size_t i = 0; i < count; ++i)
+      expected[i] = static_cast<std::uint32_t>(3 * i + count + 1);
+    downlink.fetch("bulk", executor, there.data(), View<std::uint32_t>(here));
+    EXPECT_EQ(here, expected) << count;
+  }
+  // Whoever stops while parts are written leaves nothing in the way of the next.
+  std::atomic<bool> stop = true;
+  there.resize_uninitialized("bulk", 100000);
+  const auto ones = [](std::size_t begin, std::size_t end, std::uint32_t* out) {
+    std::fill_n(out, end - begin, 1u);
+  };
+  EXPECT_THROW(uplink.send("bulk", executor.until(stop), there.view(), ones), Error);
+  uplink.send("bulk", executor, there.view(), ones);
+  EXPECT_EQ(to_host(device, there), Words(100000, 1u));
+}
+
 template <class Device>
 void expect_all_verbs(Device& device) {
   expect_each_item_once(device);
@@ -261,6 +298,7 @@ void expect_all_verbs(Device& device) {
   expect_moved_memory(device);
   expect_named_times(device);
   expect_links(device);
+  expect_bulk_links(device);
 }
 
 }  // namespace raysheaf::test

@@ -37,6 +37,7 @@ TEST(DeviceBench, TimesEachStageAndFindsTheCpusHits) {
     EXPECT_LT(batch.trace_ms, batch.device_ms);
     EXPECT_GT(batch.cpu_ms, 0);
     EXPECT_GT(batch.call_ms, 0);
+    EXPECT_GT(batch.frame_ms, batch.call_ms);
   }
   options.runs = 0;
   EXPECT_THROW(static_cast<void>(bench_device_on(*backend, scene, options)), Error);
