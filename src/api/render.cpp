@@ -48,7 +48,7 @@ void check_for_device(const RenderOptions& options) {
 
 /// Whether a device has all stages of the frame.
 bool suits_device(const RenderOptions& options) {
-  return options.method != Method::kGl10 && !options.count_pixel_tests;
+  return options.method != Method::kGl10;
 }
 
 const char* word_of(const TreeReport& tree) {

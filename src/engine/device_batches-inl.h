@@ -62,6 +62,12 @@ class DeviceBatches {
     return occluded_.data();
   }
 
+  /// The tests of the last batch's rays, where pixels' are counted.
+  [[nodiscard]] RayTests tests() const {
+    if (is_brute()) return {nullptr, engine_.triangles().count()};
+    return {ray_tests_.data(), 0};
+  }
+
   /// Nothing stops `count` rays.
   const std::uint8_t* unoccluded(std::size_t count) {
     occluded_.resize_uninitialized("trace: any hits", count);
@@ -70,10 +76,16 @@ class DeviceBatches {
   }
 
  private:
-  [[nodiscard]] DeviceQuery query(Facing facing, EngineReport* report) const {
+  [[nodiscard]] bool is_brute() const { return input_->options.method == Method::kBrute; }
+
+  [[nodiscard]] DeviceQuery query(Facing facing, EngineReport* report) {
     DeviceQuery query;
     query.facing = facing;
-    query.brute = input_->options.method == Method::kBrute;
+    query.brute = is_brute();
+    if (input_->options.count_pixel_tests && !query.brute) {
+      ray_tests_.resize_uninitialized("count: pixels", rays_.size());
+      query.ray_tests = ray_tests_.view();
+    }
     query.count = true;
     query.report = report;
     return query;
@@ -119,6 +131,7 @@ class DeviceBatches {
   DeviceBuffer<EngineHit> hits_{memory_};
   DeviceBuffer<std::uint8_t> occluded_{memory_};
   DeviceBuffer<std::uint64_t> found_{memory_};
+  DeviceBuffer<float> ray_tests_{memory_};
 };
 
 }  // namespace raysheaf

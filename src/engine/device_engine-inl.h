@@ -203,10 +203,8 @@ class DeviceEngineOn : public DeviceEngine {
       device_.fill("count", sums_.view(), 0);
       batch.sums = sums_.data();
     }
-    if (!query.ray_tests.empty() && !query.brute) {
-      ray_tests_.resize_uninitialized("count", rays.size);
-      batch.ray_tests = ray_tests_.data();
-    }
+    if (!query.ray_tests.empty() && !query.brute)
+      batch.ray_tests = landing("count", query.ray_tests, &ray_tests_);
     return batch;
   }
 
@@ -224,8 +222,7 @@ class DeviceEngineOn : public DeviceEngine {
 
   void finish(const DeviceBatch& batch, const DeviceQuery& query) {
     if (batch.ray_tests != nullptr) {
-      device_.copy("copy: tests of rays", query.ray_tests.data, batch.ray_tests,
-                   query.ray_tests.size * sizeof(float));
+      deliver("copy: tests of rays", query, query.ray_tests, batch.ray_tests);
     } else {
       std::fill(query.ray_tests.begin(), query.ray_tests.end(),
                 static_cast<float>(batch.list.count()));

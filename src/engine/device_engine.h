@@ -46,7 +46,8 @@ struct DeviceQuery {
   void* stream = nullptr;  ///< what was asked for on it comes first
   EngineReport* report = nullptr;
   const Executor* executor = nullptr;  ///< copies large arrays of the host's; null: the caller does
-  /// Of closest and any hits: takes the tests of each ray. In the host's memory; may be empty.
+  /// Of closest and any hits: takes the tests of each ray. May be empty; in the device's memory it
+  /// is not for brute force, of which the tests are known.
   View<float> ray_tests;
 };
 

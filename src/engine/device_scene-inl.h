@@ -129,7 +129,7 @@ class FilmOnDevice {
  public:
   explicit FilmOnDevice(Device& device) : device_(device) {}
 
-  void begin(std::uint32_t width, std::uint32_t height) {
+  void begin(std::uint32_t width, std::uint32_t height, bool count_tests) {
     width_ = width;
     height_ = height;
     samples_ = 0;
@@ -141,6 +141,8 @@ class FilmOnDevice {
       counts->resize_uninitialized("film", std::size_t{width} * height);
       device_.fill("film", counts->view(), 0);
     }
+    tests_.resize_uninitialized("film", count_tests ? std::size_t{width} * height : 0);
+    device_.fill("film", tests_.view(), 0);
     device_.synchronize("film");
   }
 
@@ -152,6 +154,9 @@ class FilmOnDevice {
     return {beauty_.data(),   position_.data(), normal_.data(), albedo_.data(),
             specular_.data(), triangle_.data(), faced_.data(),  arrived_.data()};
   }
+
+  /// Of each pixel; none where none are counted.
+  [[nodiscard]] View<std::uint64_t> tests() { return tests_.view(); }
 
   [[nodiscard]] FilmSums sums(const Executor& executor, const FlatScene& scene) {
     FilmSums film;
@@ -168,7 +173,10 @@ class FilmOnDevice {
     download(arrived_, &film.arrived);
     std::vector<std::uint32_t> seen;
     download(triangle_, &seen);
+    std::vector<std::uint64_t> tests;
+    download(tests_, &tests);
     device_.synchronize("copy: picture");
+    result.tests.assign(tests.begin(), tests.end());
     result.ids.resize(seen.size());
     executor.for_each(seen.size(), kCopyGrain,
                       [&](std::size_t i) { result.ids[i] = ids_of(scene, seen[i]); });
@@ -188,6 +196,7 @@ class FilmOnDevice {
   DeviceBuffer<Vec3> beauty_{memory_}, position_{memory_}, normal_{memory_}, albedo_{memory_},
       specular_{memory_};
   DeviceBuffer<std::uint32_t> triangle_{memory_}, faced_{memory_}, arrived_{memory_};
+  DeviceBuffer<std::uint64_t> tests_{memory_};
 };
 
 }  // namespace raysheaf

@@ -62,7 +62,7 @@ class DeviceStagesOn : public DeviceStages {
     input_ = &input_place_.emplace(input);
     batches_.begin(*input_);
     upload(device_, input.lights, &lights_);
-    film_.begin(input.options.width, input.options.height);
+    film_.begin(input.options.width, input.options.height, input.options.count_pixel_tests);
   }
 
   Set see(const CameraFrame& frame) override {
@@ -84,6 +84,7 @@ class DeviceStagesOn : public DeviceStages {
       lap(&statistics.times_ms.raygen);
       const EngineHit* const hits =
           batches_.closest(Facing::kSkipBackOfSingleSided, kBounceKeyBits, &statistics);
+      add_tests({}, {});
       triangles_of_hits_on(device_, View<const EngineHit>(hits, pixels), triangles_seen_.data());
     }
     input_->meter.begin("surfaces", 1);
@@ -158,6 +159,7 @@ class DeviceStagesOn : public DeviceStages {
     BatchStatistics& statistics = input_->tally.batch(kind, bounce);
     lap(&statistics.times_ms.raygen);
     const EngineHit* const hits = batches_.closest(Facing::kBoth, kBounceKeyBits, &statistics);
+    add_tests(s.view(), slots);
     watch_.lap_ms();
     auto arrived = make_set("surfaces: bounce", count);
     arrived_on(device_, scene_view(), s.view(),
@@ -211,6 +213,12 @@ class DeviceStagesOn : public DeviceStages {
     return set;
   }
 
+  /// Of the last batch, to their pixels, where they are counted; as `add_tests_on`.
+  void add_tests(View<const Fragment> fragments, View<const std::uint32_t> slots) {
+    if (film_.tests().empty()) return;
+    add_tests_on(device_, fragments, slots, batches_.tests(), film_.tests());
+  }
+
   /// Waits for the device, and adds the time since the last lap.
   void lap(double* ms) {
     device_.synchronize("stages");
@@ -252,6 +260,7 @@ class DeviceStagesOn : public DeviceStages {
     lap(&statistics.times_ms.raygen);
     if (slots.empty()) return nullptr;
     const std::uint8_t* const occluded = batches_.occluded(lights.layout().key_bits(), &statistics);
+    add_tests(set.view(), slots);
     watch_.lap_ms();
     return occluded;
   }

@@ -116,7 +116,7 @@ struct DeviceFrameInput {
   bool by_key = false;  ///< it sorts the rays
 };
 
-/// By any method but `gl10`, without counts of single pixels. Of a scene is copied what was
+/// By any method but `gl10`. Of a scene is copied what was
 /// forgotten; fragments, rays, hits and light stay on the device until `film`.
 class DeviceStages : public FrameStages {
  public:

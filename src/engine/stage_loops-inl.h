@@ -204,6 +204,26 @@ void merge_on(Device& device, View<const Fragment> a, View<const Fragment> b,
   });
 }
 
+/// The tests of each ray of a batch: one by one, or, where that is null, of all the same.
+struct RayTests {
+  const float* each = nullptr;
+  std::uint64_t all = 0;
+};
+
+/// Adds them to their pixels. `slots`: each ray's fragment, counted through as many lights as there
+/// are; none: the rays are the pixels'.
+template <class Device>
+void add_tests_on(Device& device, View<const Fragment> fragments, View<const std::uint32_t> slots,
+                  RayTests tests, View<std::uint64_t> pixels) {
+  const std::size_t rays = slots.empty() ? pixels.size : slots.size;
+  device.for_each("count: pixels", rays, [=] RAYSHEAF_HD(std::size_t i) {
+    const std::size_t pixel =
+        slots.empty() ? i : fragments.data[slots.data[i] % fragments.size].pixel;
+    add_to(pixels.data + pixel,
+           tests.each != nullptr ? static_cast<std::uint64_t>(tests.each[i]) : tests.all);
+  });
+}
+
 /// Adds to `*sum` how many of the hits are hits, sixty-four of them a thread.
 template <class Device>
 void count_found_on(Device& device, View<const EngineHit> hits, std::uint64_t* sum) {

@@ -254,9 +254,6 @@ void expect_frames_of_ray_hierarchies(const Context& context) {
 /// What only the CPU knows is done there.
 void expect_the_rest_too(const Context& context) {
   RenderOptions options = traced(32);
-  options.count_pixel_tests = true;
-  EXPECT_FALSE(stayed(expect_the_cpus(context, motley(20), options)));
-  options = traced(32);
   options.method = Method::kGl10;
   EXPECT_FALSE(stayed(expect_the_cpus(context, motley(20), options)));
 }
@@ -321,6 +318,27 @@ TEST_P(Frames, OfRayHierarchies) {
 }
 TEST_P(Frames, AreShadedOnTheCpuWhereTheyMustBe) {
   expect_the_rest_too(*context_);
+}
+TEST_P(Frames, CountTheTestsOfPixels) {
+  for (const Method method : {Method::kBrute, Method::kDual}) {
+    RenderOptions options = traced(32);
+    options.count_pixel_tests = true;
+    options.method = method;
+    options.samples = 2;
+    const SceneDescription scene = motley(20, true);
+    const RenderResult result = expect_the_cpus(*context_, scene, options);
+    EXPECT_TRUE(stayed(result));
+    double pixels = 0, batches = 0;
+    for (const float tests : result.tests) pixels += double{tests};
+    for (const BatchStatistics& batch : result.statistics.batches)
+      batches += static_cast<double>(batch.total_tests());
+    EXPECT_EQ(pixels, batches);
+    if (method == Method::kBrute) {
+      EXPECT_EQ(result.tests, render(scene, options).tests);
+    }
+    options.count_pixel_tests = false;
+    EXPECT_TRUE(render(*context_, scene, options).tests.empty());
+  }
 }
 TEST_P(Frames, FollowWhatChanges) {
   for (const Method method : {Method::kDual, Method::kCrsh, Method::kGl10, Method::kBrute}) {
