@@ -28,6 +28,9 @@ void require(cudaError_t status) {
   }
 }
 
+cudaStream_t stream_of(const CudaDevice& device) {
+  return static_cast<cudaStream_t>(device.stream());
+}
 cudaGraphicsResource_t resource_of(void* resource) {
   return static_cast<cudaGraphicsResource_t>(resource);
 }
@@ -44,6 +47,11 @@ CudaGlBuffer::CudaGlBuffer(CudaDevice& device, unsigned name) : index_(device.in
   if (std::find(drawing.begin(), end, index_) == end) refuse("OpenGL draws on another device");
   cudaGraphicsResource_t resource = nullptr;
   require(cudaGraphicsGLRegisterBuffer(&resource, name, cudaGraphicsRegisterFlagsReadOnly));
+  // What a driver refuses only now is refused here, too.
+  cudaError_t status = cudaGraphicsMapResources(1, &resource, stream_of(device));
+  if (status == cudaSuccess) status = cudaGraphicsUnmapResources(1, &resource, stream_of(device));
+  if (status != cudaSuccess) static_cast<void>(cudaGraphicsUnregisterResource(resource));
+  require(status);
   resource_ = resource;
 }
 
@@ -55,7 +63,7 @@ CudaGlBuffer::~CudaGlBuffer() {
 void CudaGlBuffer::copy_to(const char* stage, CudaDevice& device, void* to,
                            std::size_t bytes) const {
   device.make_current(stage);
-  const auto stream = static_cast<cudaStream_t>(device.stream());
+  const cudaStream_t stream = stream_of(device);
   cudaGraphicsResource_t resource = resource_of(resource_);
   check_cuda(cudaGraphicsMapResources(1, &resource, stream), stage);
   void* from = nullptr;
