@@ -1,4 +1,5 @@
-// How long the stages of ray queries take on a CUDA device, beside what their memory traffic costs.
+// How long the stages of ray queries take on a CUDA device, beside what their memory traffic and
+// their arithmetic cost at least.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +21,10 @@ struct DeviceBenchOptions {
 struct DeviceStage {
   std::string name;  ///< "order: sort", "trace: any hits", ...
   double ms = 0;
-  double floor_ms = 0;  ///< its bytes at the measured copy bandwidth; 0: not known
+  /// Its bytes at the measured copy bandwidth, or its operations at the measured rate, whichever
+  /// takes longer; 0: not known.
+  double floor_ms = 0;
+  std::string floor_of;  ///< "bytes" or "operations"
 };
 
 /// One kind of rays. The triangles change before each run, so that the hierarchy is built anew.
@@ -41,6 +45,7 @@ struct DeviceBenchReport {
   std::uint32_t threads = 0;  ///< of the CPU
   std::uint64_t triangles = 0;
   double copy_gb_per_s = 0;  ///< read and written, within the device's memory
+  double gigaops_per_s = 0;  ///< multiplications and additions in binary32, not contracted
   std::vector<DeviceBenchBatch> batches;
 };
 

@@ -106,6 +106,8 @@ class DeviceBackend {
   virtual void write(void* to, const void* from, std::size_t bytes) const = 0;
   /// Measured: bytes read and written a millisecond, copying within the device's memory.
   [[nodiscard]] virtual double copy_bytes_per_ms() const = 0;
+  /// Measured: multiplications and additions in binary32 a millisecond.
+  [[nodiscard]] virtual double operations_per_ms() const = 0;
 };
 
 /// The first CUDA device. Throws Error (kUnsupported) where this build has no CUDA, or in CUDA's

@@ -1,7 +1,7 @@
 #include "engine/block_tracer.h"
 #include "engine/device_engine-inl.h"
 #include "engine/frame_stages.h"
-#include "engine/measure_copy-inl.h"
+#include "engine/measure-inl.h"
 #include "engine/packet_tracer.h"
 #include "engine/pair_tracer.h"
 #include "exec/cuda/cuda_links.h"
@@ -41,6 +41,10 @@ class CudaBackend : public DeviceBackend {
   [[nodiscard]] double copy_bytes_per_ms() const override {
     CudaDevice device;
     return measure_copy(device, std::size_t{1} << 29);
+  }
+  [[nodiscard]] double operations_per_ms() const override {
+    CudaDevice device;
+    return measure_arithmetic(device, std::size_t{1} << 22);
   }
 
  private:

@@ -3,7 +3,7 @@
 #include "engine/block_tracer.h"
 #include "engine/device_engine-inl.h"
 #include "engine/frame_stages.h"
-#include "engine/measure_copy-inl.h"
+#include "engine/measure-inl.h"
 #include "engine/packet_tracer.h"
 #include "engine/pair_tracer.h"
 #include "exec/cpu/emulated_device.h"
@@ -43,6 +43,10 @@ class EmulatedBackend : public DeviceBackend {
   [[nodiscard]] double copy_bytes_per_ms() const override {
     EmulatedDevice device(executor_, memory_, allocator_);
     return measure_copy(device, std::size_t{1} << 22);
+  }
+  [[nodiscard]] double operations_per_ms() const override {
+    EmulatedDevice device(executor_, memory_, allocator_);
+    return measure_arithmetic(device, std::size_t{1} << 12);
   }
 
  private:

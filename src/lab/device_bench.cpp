@@ -29,11 +29,38 @@ constexpr Traffic kTraffic[] = {
     {"trace: closest hits", 4 + 32 + 16, true},  // the same; a hit
 };
 
-double floor_of(const std::string& stage, double rays, double triangles, double bytes_per_ms) {
-  for (const Traffic& traffic : kTraffic)
-    if (stage == traffic.stage)
-      return traffic.bytes * (traffic.of_rays ? rays : triangles) / bytes_per_ms;
-  return 0;
+/// Operations of the least that a test is: of a ray with a box (`enters`) six differences, six
+/// products, thirteen minima, maxima and comparisons; of a ray with a triangle that it misses,
+/// nine differences, the shear's six products and six differences, three edge functions of three
+/// each, and the comparison of their signs.
+constexpr double kBoxOperations = 25, kTriangleOperations = 36;
+
+/// What one batch asks of a device.
+struct Work {
+  double rays, triangles;
+  double operations = 0;  ///< of tracing
+};
+
+/// What the device was measured to do.
+struct Rates {
+  double bytes_per_ms, operations_per_ms;
+};
+
+DeviceStage stage_of(const std::string& name, double ms, const Work& work, const Rates& rates) {
+  DeviceStage stage{name, ms, 0, ""};
+  for (const Traffic& traffic : kTraffic) {
+    if (name != traffic.stage) continue;
+    const double items = traffic.of_rays ? work.rays : work.triangles;
+    stage.floor_ms = traffic.bytes * items / rates.bytes_per_ms;
+    stage.floor_of = "bytes";
+  }
+  const double arithmetic =
+      name == "trace: any hits" || name == "trace: closest hits" ? work.operations : 0;
+  if (arithmetic / rates.operations_per_ms > stage.floor_ms) {
+    stage.floor_ms = arithmetic / rates.operations_per_ms;
+    stage.floor_of = "operations";
+  }
+  return stage;
 }
 
 double median(std::vector<double> values) {
@@ -55,7 +82,7 @@ class Bench {
         executor_(options.threads),
         flat_(flatten(executor_, scene, mesh_bounds(executor_, scene))),
         there_(backend.make_engine()),
-        bytes_per_ms_(backend.copy_bytes_per_ms()) {
+        rates_{backend.copy_bytes_per_ms(), backend.operations_per_ms()} {
     corners_.reserve(std::size_t{3} * flat_.triangle_count);
     for (std::uint32_t i = 0; i < flat_.triangle_count; ++i)
       for (int k = 0; k < 3; ++k) corners_.push_back(flat_.corner(i, k));
@@ -66,7 +93,7 @@ class Bench {
 
   [[nodiscard]] std::uint32_t threads() const { return executor_.threads(); }
   [[nodiscard]] std::uint32_t triangles() const { return flat_.triangle_count; }
-  [[nodiscard]] double bytes_per_ms() const { return bytes_per_ms_; }
+  [[nodiscard]] const Rates& rates() const { return rates_; }
 
   DeviceBenchBatch measure(LabRays kind, const std::vector<Ray>& rays) {
     DeviceBenchBatch batch;
@@ -78,6 +105,7 @@ class Bench {
     std::vector<double> cpu_ms, call_ms, frame_ms, device_ms, trace_ms;
     std::vector<std::string> names;
     std::vector<std::vector<double>> stage_ms;
+    Work work{static_cast<double>(rays.size()), static_cast<double>(triangles())};
     for (std::uint32_t run = 0; run <= options_.runs; ++run) {
       Stopwatch watch;
       here_.set_triangles(source_, false);
@@ -86,9 +114,14 @@ class Bench {
       there_->set_triangles(executor_, source_);
       EngineReport report;
       const double moving = watch.lap_ms();
-      ask_there(rays, any, &report, &there);
+      const bool counts = run == 0;  // which takes its time
+      ask_there(rays, any, counts, &report, &there);
       const double call = watch.lap_ms();
-      if (run == 0) continue;  // whatever is made once was made
+      if (run == 0) {  // whatever is made once was made
+        work.operations = kBoxOperations * static_cast<double>(report.ray_bound_tests) +
+                          kTriangleOperations * static_cast<double>(report.triangle_tests);
+        continue;
+      }
       cpu_ms.push_back(on_cpu);
       call_ms.push_back(call);
       frame_ms.push_back(moving + call);
@@ -106,9 +139,7 @@ class Bench {
       trace_ms.push_back(without_tree);
     }
     for (std::size_t s = 0; s < names.size(); ++s)
-      batch.stages.push_back({names[s], median(stage_ms[s]),
-                              floor_of(names[s], static_cast<double>(rays.size()),
-                                       static_cast<double>(triangles()), bytes_per_ms_)});
+      batch.stages.push_back(stage_of(names[s], median(stage_ms[s]), work, rates_));
     batch.cpu_ms = median(cpu_ms);
     batch.call_ms = median(call_ms);
     batch.frame_ms = median(frame_ms);
@@ -137,8 +168,10 @@ class Bench {
       here_.closest_hit(executor_, rays, {}, answers->closest, {}, nullptr);
     }
   }
-  void ask_there(const std::vector<Ray>& rays, bool any, EngineReport* report, Answers* answers) {
+  void ask_there(const std::vector<Ray>& rays, bool any, bool counts, EngineReport* report,
+                 Answers* answers) {
     DeviceQuery query;
+    query.count = counts;
     query.report = report;
     query.executor = &executor_;
     if (any) {
@@ -156,7 +189,7 @@ class Bench {
   TriangleSource source_;
   Engine here_;
   const std::unique_ptr<DeviceEngine> there_;
-  const double bytes_per_ms_;
+  const Rates rates_;
 };
 
 }  // namespace
@@ -170,7 +203,8 @@ DeviceBenchReport bench_device_on(const DeviceBackend& backend, const SceneDescr
   report.device = backend.name();
   report.threads = bench.threads();
   report.triangles = bench.triangles();
-  report.copy_gb_per_s = bench.bytes_per_ms() * 1e-6;
+  report.copy_gb_per_s = bench.rates().bytes_per_ms * 1e-6;
+  report.gigaops_per_s = bench.rates().operations_per_ms * 1e-6;
   for (const LabRays kind :
        {LabRays::kShadow, LabRays::kReflection1, LabRays::kReflection2, LabRays::kAmbientOcclusion})
     report.batches.push_back(bench.measure(kind, laboratory.rays(kind)));

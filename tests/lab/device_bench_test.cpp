@@ -21,6 +21,7 @@ TEST(DeviceBench, TimesEachStageAndFindsTheCpusHits) {
   EXPECT_EQ(report.device, backend->name());
   EXPECT_GT(report.triangles, 0u);
   EXPECT_GT(report.copy_gb_per_s, 0);
+  EXPECT_GT(report.gigaops_per_s, 0);
   ASSERT_EQ(report.batches.size(), 4u);
   for (const DeviceBenchBatch& batch : report.batches) {
     EXPECT_GT(batch.count, 0u);
@@ -31,6 +32,10 @@ TEST(DeviceBench, TimesEachStageAndFindsTheCpusHits) {
       EXPECT_GE(stage.ms, 0) << stage.name;
       if (!stage.name.starts_with("copy:")) sum += stage.ms;
       if (stage.floor_ms > 0) ++with_floors;
+      EXPECT_EQ(stage.floor_of.empty(), stage.floor_ms == 0) << stage.name;
+      if (stage.name.starts_with("trace: ") && stage.floor_ms > 0) {
+        EXPECT_EQ(stage.floor_of, "operations") << stage.name << " of a cached scene";
+      }
     }
     EXPECT_GE(with_floors, 7) << "of hierarchy and trace, and of the order of large batches";
     EXPECT_NEAR(batch.device_ms, sum, 1e-6 * sum) << "one run: its own median";

@@ -28,10 +28,12 @@ double grays_per_s(std::uint64_t rays, double ms) {
 std::string text_of(const SceneReport& scene) {
   const DeviceBenchReport& report = scene.report;
   std::string text = fmt::format(
-      "{}: {} triangles on {}; a copy within its memory moves {:.0f} GB/s; the CPU beside it has "
+      "{}: {} triangles on {}; a copy within its memory moves {:.0f} GB/s, {:.0f} Gops/s; the CPU "
+      "beside it has "
       "{} "
       "threads\n",
-      scene.scene, report.triangles, report.device, report.copy_gb_per_s, report.threads);
+      scene.scene, report.triangles, report.device, report.copy_gb_per_s, report.gigaops_per_s,
+      report.threads);
   for (const DeviceBenchBatch& batch : report.batches) {
     text += fmt::format(
         "  {}: {} rays, {} hits, {} unlike the CPU's; ms: device {:.3f}, of that keys to hits "
@@ -43,9 +45,10 @@ std::string text_of(const SceneReport& scene) {
     for (const DeviceStage& stage : batch.stages)
       text +=
           fmt::format("    {:<24} {:>9.4f} ms{}\n", stage.name, stage.ms,
-                      stage.floor_ms > 0 ? fmt::format(", {:.1f} times its floor of {:.4f} ms",
-                                                       stage.ms / stage.floor_ms, stage.floor_ms)
-                                         : std::string());
+                      stage.floor_ms > 0
+                          ? fmt::format(", {:.1f} times its floor of {:.4f} ms ({})",
+                                        stage.ms / stage.floor_ms, stage.floor_ms, stage.floor_of)
+                          : std::string());
   }
   return text;
 }
@@ -55,9 +58,11 @@ Json json_of(const SceneReport& scene) {
   for (const DeviceBenchBatch& batch : scene.report.batches) {
     Json stages = Json::array();
     for (const DeviceStage& stage : batch.stages)
-      stages.push_back({{"stage", stage.name},
-                        {"ms", stage.ms},
-                        {"floor_ms", stage.floor_ms > 0 ? Json(stage.floor_ms) : Json(nullptr)}});
+      stages.push_back(
+          {{"stage", stage.name},
+           {"ms", stage.ms},
+           {"floor_ms", stage.floor_ms > 0 ? Json(stage.floor_ms) : Json(nullptr)},
+           {"floor_of", stage.floor_of.empty() ? Json(nullptr) : Json(stage.floor_of)}});
     batches.push_back({{"rays", to_string(batch.rays)},
                        {"count", batch.count},
                        {"hits", batch.hits},
@@ -74,6 +79,7 @@ Json json_of(const SceneReport& scene) {
           {"triangles", scene.report.triangles},
           {"device", scene.report.device},
           {"copy_gb_per_s", scene.report.copy_gb_per_s},
+          {"gigaops_per_s", scene.report.gigaops_per_s},
           {"cpu_threads", scene.report.threads},
           {"batches", batches}};
 }
