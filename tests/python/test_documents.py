@@ -46,7 +46,8 @@ def test_the_pages_are_there():
     assert {"cookbook", "get-started", "python", "tuning"} <= {page.stem for page in PAGES}
 
 
-def test_the_drawings_are_what_draws_them(tmp_path):
+def test_the_drawings_are_what_draws_them(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs/site")
     program = runpy.run_path(str(ROOT / "docs/site/pictures.py"))
     program["draw_all"](tmp_path)
     drawn = sorted(tmp_path.glob("*.svg"))
