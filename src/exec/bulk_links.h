@@ -14,7 +14,7 @@
 namespace raysheaf {
 
 /// The host's memory that a link holds is never more.
-inline constexpr std::size_t kPartBytes = std::size_t{16} << 20;
+inline constexpr std::size_t kPartBytes = std::size_t{4} << 20;
 /// Less goes as fast by the device's own copy.
 inline constexpr std::size_t kFewBulkBytes = std::size_t{1} << 20;
 
