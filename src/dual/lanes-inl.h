@@ -52,6 +52,26 @@ inline float inverse_slope(float slope) {
   const float size = std::fabs(slope) > 1e-20f ? std::fabs(slope) : 1e-20f;
   return std::copysign(1.0f, slope) / size;
 }
+#if HWY_TARGET != HWY_SCALAR
+/// Blocks of four lanes that a vector has, block k from the four floats at `at(k)`.
+inline constexpr std::size_t kBlocks = hn::MaxLanes(Rays()) / 4;
+template <class At>
+HWY_INLINE RV load_blocks(const At& at) {
+  const Rays d;
+  if constexpr (kBlocks == 4) {
+    const hn::Half<Rays> d8;
+    const hn::Half<hn::Half<Rays> > d4;
+    return hn::Combine(d, hn::Combine(d8, hn::LoadU(d4, at(3)), hn::LoadU(d4, at(2))),
+                       hn::Combine(d8, hn::LoadU(d4, at(1)), hn::LoadU(d4, at(0))));
+  } else if constexpr (kBlocks == 2) {
+    const hn::Half<Rays> d4;
+    return hn::Combine(d, hn::LoadU(d4, at(1)), hn::LoadU(d4, at(0)));
+  } else {
+    return hn::LoadU(d, at(0));
+  }
+}
+#endif
+
 /// Four floats of a record each for as many records as a vector has lanes: field k of list[i] comes
 /// to lane i of fk. In registers: what was stored in parts cannot be loaded whole at once.
 template <class Record>
@@ -71,17 +91,7 @@ HWY_INLINE void gather4(const Record* records, int half, const std::uint32_t* li
 #else
   // Vector j has the records j, 4 + j, 8 + j, ... in its blocks of four lanes.
   const auto blocks = [&](std::size_t j) __attribute__((always_inline)) {
-    if constexpr (hn::MaxLanes(Rays()) == 16) {
-      const hn::Half<Rays> d8;
-      const hn::Half<hn::Half<Rays> > d4;
-      return hn::Combine(d, hn::Combine(d8, hn::LoadU(d4, at(12 + j)), hn::LoadU(d4, at(8 + j))),
-                         hn::Combine(d8, hn::LoadU(d4, at(4 + j)), hn::LoadU(d4, at(j))));
-    } else if constexpr (hn::MaxLanes(Rays()) == 8) {
-      const hn::Half<Rays> d4;
-      return hn::Combine(d, hn::LoadU(d4, at(4 + j)), hn::LoadU(d4, at(j)));
-    } else {
-      return hn::LoadU(d, at(j));
-    }
+    return load_blocks([&](std::size_t k) __attribute__((always_inline)) { return at(4 * k + j); });
   };
   const RV a = blocks(0), b = blocks(1), c = blocks(2), e = blocks(3);
   const hn::Repartition<std::uint64_t, Rays> d64;

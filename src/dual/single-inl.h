@@ -1,127 +1,16 @@
-// One ray through a subtree, eight boxes at a time: where few rays are left to share it. Included
-// once a SIMD target by dual/trace_simd.cpp, inside its namespace.
+// Rays that go on alone through subtrees, eight boxes at a time: where few are left to share one.
+// Included once a SIMD target by dual/trace_simd.cpp, inside its namespace.
 
-/// What the rays of a packet or of a stream share.
-struct SharedAxes {
-  int axis_x, axis_y, axis_z;
-  int near_x, far_x, near_y, far_y, near_z, far_z;
-  float pad_x, pad_y, pad_z;  ///< added to an origin for near planes, taken from it for far ones
-  float per_z;
-
-  /// `Bundle`: RayPacket or Stream.
-  template <class Bundle>
-  explicit SharedAxes(const Bundle& b)
-      : axis_x(b.axis_x),
-        axis_y(b.axis_y),
-        axis_z(b.axis_z),
-        near_x(b.near_x),
-        far_x(b.far_x),
-        near_y(b.near_y),
-        far_y(b.far_y),
-        near_z(b.near_z),
-        far_z(b.far_z),
-        // A lower plane moves down by the pad as the origin moves up, an upper plane up.
-        pad_x(b.near_x < 3 ? b.pad : -b.pad),
-        pad_y(b.near_y < 3 ? b.pad : -b.pad),
-        pad_z(b.near_z < 3 ? b.pad : -b.pad),
-        per_z(b.mirrored ? -1.0f : 1.0f) {}
-};
-
-/// The scalar test.
-HWY_NOINLINE bool settle_for_ray(const SharedAxes& a, const StreamRay& r, const StreamShear& s,
-                                 const TriangleQuad& q, int k, TriangleHit* hit) {
-  float o[3];
-  o[a.axis_x] = r.ox;
-  o[a.axis_y] = r.oy;
-  o[a.axis_z] = r.oz;
-  const RaySetup setup{{o[0], o[1], o[2]}, s.shear_x, s.shear_y, s.shear_z, s.t_min,
-                       s.t_limit,          a.axis_x,  a.axis_y,  a.axis_z};
-  const auto corner = [&](int i) {
-    return Vec3{q.vertex[i][0][k], q.vertex[i][1][k], q.vertex[i][2][k]};
-  };
-  return intersect_triangle(setup, corner(0), corner(1), corner(2), hit);
-}
-
-/// The number of the triangle at a place: four a quad.
-inline std::uint32_t id_at(const ObjectTree& tree, std::uint32_t place) {
-  return tree.quads[place / 4].id[place % 4];
-}
-
-/// A leaf's triangles with a ray: calls `take(place, hit)` for each hit.
-template <class Take>
-HWY_INLINE void leaf_with_ray(const ObjectTree& tree, const SharedAxes& a, const StreamRay& r,
-                              const StreamShear& s, std::uint32_t quad, std::uint32_t count,
-                              const Take& take) {
-  using Quad = hn::CappedTag<float, 4>;
-  const Quad d;
-  for (std::uint32_t done = 0; done < count; done += 4, ++quad) {
-    const TriangleQuad& q = tree.quads[quad];
-    const std::uint32_t used = (1u << std::min(4u, count - done)) - 1;
-    const float* x = q.vertex[0][a.axis_x];
-    const float* y = q.vertex[0][a.axis_y];
-    const float* z = q.vertex[0][a.axis_z];
-    for (std::size_t g = 0; g < 4; g += hn::Lanes(d)) {
-      const auto from = [&](float o) { return hn::Set(d, o); };
-      const auto moved = [&](int i) __attribute__((always_inline)) {
-        return sheared(d, hn::Sub(hn::LoadU(d, x + 12 * i + g), from(r.ox)),
-                       hn::Sub(hn::LoadU(d, y + 12 * i + g), from(r.oy)),
-                       hn::Sub(hn::LoadU(d, z + 12 * i + g), from(r.oz)), from(s.shear_x),
-                       from(s.shear_y));
-      };
-      Tested<Quad> tested;
-      if (!test_lanes(d, moved(0), moved(1), moved(2), from(s.shear_z), from(s.t_min),
-                      from(s.t_limit), &tested))
-        continue;
-      std::uint32_t hit = bits_of(d, tested.hit) << g & used;
-      std::uint32_t unsettled = bits_of(d, tested.unsettled) << g & used;
-      if ((hit | unsettled) == 0) continue;
-      alignas(16) float t[4], v[4], w[4], det[4];
-      hn::Store(tested.t, d, t + g);
-      hn::Store(tested.v, d, v + g);
-      hn::Store(tested.w, d, w + g);
-      hn::Store(tested.det, d, det + g);
-      for (; hit != 0; hit &= hit - 1) {
-        const int k = __builtin_ctz(hit);
-        take(4 * quad + static_cast<std::uint32_t>(k),
-             TriangleHit{t[k], v[k] / det[k], w[k] / det[k], det[k] > 0});
-      }
-      for (; unsettled != 0; unsettled &= unsettled - 1) {
-        const int k = __builtin_ctz(unsettled);
-        TriangleHit exact;
-        if (settle_for_ray(a, r, s, q, k, &exact))
-          take(4 * quad + static_cast<std::uint32_t>(k), exact);
-      }
-    }
-  }
-}
-
-/// A ray on its way through a subtree, and what waits for it: the nearest last.
-struct SingleWalk {
-  const StreamRay* ray;
-  const StreamShear* shear;
-  std::uint32_t number;        ///< the caller's name for it
-  std::uint32_t first, count;  ///< what is next, as in BvhNode
-  std::size_t top = 0;
-  std::vector<float> nears = std::vector<float>(64);  ///< where the ray enters the box
-  std::vector<std::uint32_t> firsts = std::vector<std::uint32_t>(64);
-  std::vector<std::uint32_t> counts = std::vector<std::uint32_t>(64);
-
-  void start(std::uint32_t begin, std::uint32_t triangles) {
-    first = begin;
-    count = triangles;
-    top = 0;
-  }
-  void grow() {
-    nears.resize(2 * nears.size());
-    firsts.resize(nears.size());
-    counts.resize(nears.size());
-  }
-};
-
+/// Without a branch, as nobody can foretell it: a node has four cache lines, a quad three.
 HWY_INLINE void prefetch_subtree(const ObjectTree& tree, std::uint32_t first, std::uint32_t count) {
-  const char* at = count != 0 ? reinterpret_cast<const char*>(tree.quads.data() + first)
-                              : reinterpret_cast<const char*>(tree.nodes.data() + first);
-  for (int line = 0; line < 4; ++line) hwy::Prefetch(at + 64 * line);
+  const bool is_leaf = count != 0;
+  const char* const base = is_leaf ? reinterpret_cast<const char*>(tree.quads.data())
+                                   : reinterpret_cast<const char*>(tree.nodes.data());
+  const char* const at = base + first * (is_leaf ? sizeof(TriangleQuad) : sizeof(BvhNode));
+  hwy::Prefetch(at);
+  hwy::Prefetch(at + 64);
+  hwy::Prefetch(at + 128);
+  hwy::Prefetch(at + (is_leaf ? 0 : 192));
 }
 
 using Numbers = hn::RebindToUnsigned<Boxes>;
@@ -151,22 +40,23 @@ HWY_INLINE hn::Vec<Numbers> sorted_down(hn::Vec<Numbers> v) {
 }
 #endif
 
-/// Tests the boxes of the node that is next and puts those that are met on the stack, the nearest
-/// on top, to within a part in 2^19. Returns the boxes tested.
+/// Tests the boxes of the node that is next and puts those that are met on the stack: `kSorted`:
+/// the nearest on top, to within a part in 2^19. Returns the boxes tested.
+template <bool kSorted>
 HWY_INLINE std::uint32_t open_for_ray(const ObjectTree& tree, const SharedAxes& a,
-                                      SingleWalk* walk) {
+                                      SingleWalks* walks, std::uint32_t i) {
   using hn::Max, hn::Min, hn::Mul, hn::Sub;
   // A key: where the box is entered, and its number in the bits below. Of boxes not met: 0.
   constexpr std::uint32_t kNearBits = 0x7ffffff0, kMet = 8, kChild = 7;
   const Boxes d;
   const Numbers du;
-  const StreamRay& r = *walk->ray;
-  const BvhNode& node = tree.nodes[walk->first];
+  const StreamRay& r = *walks->ray[i];
+  const BvhNode& node = tree.nodes[walks->first[i]];
   alignas(32) static constexpr std::uint32_t kNumbers[kBvhWidth] = {8, 9, 10, 11, 12, 13, 14, 15};
-  if (HWY_UNLIKELY(walk->top + kBvhWidth > walk->nears.size())) walk->grow();
-  float* const nears = walk->nears.data() + walk->top;
-  std::uint32_t* const firsts = walk->firsts.data() + walk->top;
-  std::uint32_t* const counts = walk->counts.data() + walk->top;
+  if (HWY_UNLIKELY(!walks->has_room(i))) walks->grow();
+  float* const nears = walks->nears(i) + walks->top[i];
+  std::uint32_t* const firsts = walks->firsts(i) + walks->top[i];
+  std::uint32_t* const counts = walks->counts(i) + walks->top[i];
   const auto clip = [&](std::size_t g, BV * near, BV * far) __attribute__((always_inline)) {
     const auto at = [&](int row, float from, float per) __attribute__((always_inline)) {
       return Mul(Sub(hn::Load(d, node.bound[row] + g), hn::Set(d, from)), hn::Set(d, per));
@@ -180,16 +70,21 @@ HWY_INLINE std::uint32_t open_for_ray(const ObjectTree& tree, const SharedAxes& 
 #if HWY_MAX_BYTES >= 32 && HWY_TARGET != HWY_SCALAR
   clip(0, &near, &far);
   const auto met = hn::Le(near, far);
-  const auto bits = hn::And(hn::BitCast(du, near), hn::Set(du, kNearBits));
-  const auto keys = sorted_down(
-      hn::IfThenElseZero(hn::RebindMask(du, met), hn::Or(bits, hn::Load(du, kNumbers))));
-  const auto children = hn::And(keys, hn::Set(du, kChild));
+  const auto numbers = hn::Load(du, kNumbers);
+  auto children = numbers;
+  if constexpr (kSorted) {
+    const auto bits = hn::And(hn::BitCast(du, near), hn::Set(du, kNearBits));
+    children = sorted_down(hn::IfThenElseZero(hn::RebindMask(du, met), hn::Or(bits, numbers)));
+  } else {
+    children = hn::Compress(numbers, hn::RebindMask(du, met));
+  }
+  children = hn::And(children, hn::Set(du, kChild));
   const auto order = hn::IndicesFromVec(du, children);
   const hn::Rebind<std::uint8_t, Numbers> d8;
   hn::StoreU(hn::TableLookupLanes(near, hn::IndicesFromVec(d, children)), d, nears);
   hn::StoreU(hn::TableLookupLanes(hn::Load(du, node.first), order), du, firsts);
   hn::StoreU(hn::TableLookupLanes(hn::PromoteTo(du, hn::LoadU(d8, node.count)), order), du, counts);
-  walk->top += hn::CountTrue(d, met);
+  walks->top[i] += static_cast<std::uint32_t>(hn::CountTrue(d, met));
 #else
   alignas(32) float entered[kBvhWidth];
   std::uint32_t keys[kBvhWidth], end = 0;
@@ -201,65 +96,111 @@ HWY_INLINE std::uint32_t open_for_ray(const ObjectTree& tree, const SharedAxes& 
       const std::uint32_t key =
           (std::bit_cast<std::uint32_t>(entered[c]) & kNearBits) | kNumbers[c];
       std::uint32_t place = end++;
-      for (; place > 0 && keys[place - 1] < key; --place) keys[place] = keys[place - 1];
+      for (; kSorted && place > 0 && keys[place - 1] < key; --place) keys[place] = keys[place - 1];
       keys[place] = key;
     }
   }
   static_cast<void>(du);
-  for (std::uint32_t i = 0; i < end; ++i) {
-    const std::uint32_t c = keys[i] & kChild;
-    nears[i] = entered[c];
-    firsts[i] = node.first[c];
-    counts[i] = node.count[c];
+  for (std::uint32_t k = 0; k < end; ++k) {
+    const std::uint32_t c = keys[k] & kChild;
+    nears[k] = entered[c];
+    firsts[k] = node.first[c];
+    counts[k] = node.count[c];
   }
-  walk->top += end;
+  walks->top[i] += end;
 #endif
   static_assert(kMet == kBvhWidth);
   return node.children;
 }
 
+/// The lowest bit that is set.
+HWY_INLINE std::uint32_t first_of(std::uint64_t bits) {
+  return static_cast<std::uint32_t>(__builtin_ctzll(bits));
+}
+
+/// Bit i: numbers[i] is 0.
+HWY_INLINE std::uint32_t zeros_of(const std::uint32_t* numbers) {
+  const hn::CappedTag<std::uint32_t, SingleWalks::kMost> d;
+  std::uint32_t zeros = 0;
+  for (std::size_t g = 0; g < SingleWalks::kMost; g += hn::Lanes(d))
+    zeros |= bits_of(d, hn::Eq(hn::Load(d, numbers + g), hn::Zero(d))) << g;
+  return zeros;
+}
+
 /// Rays through their subtrees, near boxes first, taking turns: while one waits for memory the
-/// others go on, those at nodes first, those at leaves then, so that the branch between them is
-/// foretold. `start(walk)` gives a walk its next ray, or says that there is none;
-/// `leaf(walk, first quad, triangles)` tests a leaf's. Returns the boxes tested.
-template <class Start, class Leaf>
-HWY_NOINLINE std::uint64_t walk_singles(const ObjectTree& tree, const SharedAxes& axes,
-                                        SingleWalk* walks, std::uint32_t count, const Start& start,
-                                        const Leaf& leaf) {
-  std::uint64_t tests = 0;
-  std::uint32_t at_nodes = 0, at_leaves = 0;
-  const auto wait = [&](std::uint32_t i) __attribute__((always_inline)) {
-    const SingleWalk& walk = walks[i];
-    prefetch_subtree(tree, walk.first, walk.count);
-    const std::uint32_t is_leaf = walk.count != 0 ? 1 : 0;
-    at_leaves |= is_leaf << i;
-    at_nodes |= (is_leaf ^ 1) << i;
+/// others go on. A round has a loop for each thing that there is to do, over those that do it,
+/// instead of a branch for each ray that nobody can foretell: nodes, quads, hits, what is next.
+/// `start(i)` gives walk i its next ray, or says that there is none; `take(i, place, hit)` hands
+/// over a hit, after which the ray sees less far where `kShrinks`.
+template <bool kShrinks, class Start, class Take>
+HWY_NOINLINE void walk_singles(const ObjectTree& tree, const SharedAxes& axes, SingleWalks* walks,
+                               std::uint32_t count, const Start& start, const Take& take,
+                               DualCounts* tests) {
+  QuadHits hits;
+  std::uint32_t at[SingleWalks::kMost + 3];
+  std::uint64_t boxes = 0, triangles = 0;
+  std::uint32_t active = 0;
+  const auto prefetch = [&](std::uint32_t i) __attribute__((always_inline)) {
+    prefetch_subtree(tree, walks->first[i], walks->count[i]);
   };
-  const auto go_on = [&](std::uint32_t i) __attribute__((always_inline)) {
-    SingleWalk& walk = walks[i];
-    do {
-      if (walk.top == 0) {
-        if (start(&walk)) wait(i);
-        return;
+  const auto start_next = [&](std::uint32_t i) __attribute__((always_inline)) {
+    if (!start(i)) return;
+    active |= 1u << i;
+    prefetch(i);
+  };
+  for (std::uint32_t i = 0; i < count; ++i) start_next(i);
+  while (active != 0) {
+    const std::uint32_t at_nodes = zeros_of(walks->count) & active;
+    for (std::uint32_t turn = at_nodes; turn != 0; turn &= turn - 1)
+      boxes += open_for_ray<kShrinks>(tree, axes, walks, first_of(turn));
+
+    std::uint32_t leaves = 0, longer = 0, met = 0;
+    std::uint64_t used = 0;
+    for (std::uint32_t turn = active & ~at_nodes; turn != 0; turn &= turn - 1) {
+      const std::uint32_t i = first_of(turn), here = std::min(kQuadTriangles, walks->count[i]);
+      triangles += here;
+      used |= ((std::uint64_t{1} << here) - 1) << 4 * leaves;
+      longer |= (walks->count[i] > kQuadTriangles ? 1u : 0u) << i;
+      at[leaves++] = i;
+    }
+    if (leaves != 0) {
+      meet_quads(tree, axes, *walks, at, leaves, &hits);
+      for (std::uint64_t turn = hits.hit & used; turn != 0; turn &= turn - 1) {
+        const std::uint32_t b = first_of(turn), i = at[b / 4];
+        met |= 1u << i;
+        take(i, 4 * walks->first[i] + b % 4,
+             TriangleHit{hits.t[b], hits.v[b] / hits.det[b], hits.w[b] / hits.det[b],
+                         hits.det[b] > 0});
       }
-      --walk.top;
-    } while (walk.nears[walk.top] > walk.ray->s_far);
-    walk.first = walk.firsts[walk.top];
-    walk.count = walk.counts[walk.top];
-    wait(i);
-  };
-  for (std::uint32_t i = 0; i < count && start(&walks[i]); ++i) wait(i);
-  while ((at_nodes | at_leaves) != 0) {
-    for (std::uint32_t turn = std::exchange(at_nodes, 0); turn != 0; turn &= turn - 1) {
-      const auto i = static_cast<std::uint32_t>(__builtin_ctz(turn));
-      tests += open_for_ray(tree, axes, &walks[i]);
-      go_on(i);
+      for (std::uint64_t turn = hits.unsettled & used; turn != 0; turn &= turn - 1) {
+        const std::uint32_t b = first_of(turn), i = at[b / 4];
+        TriangleHit exact;
+        if (!settle_for_ray(axes, *walks->ray[i], *walks->shear[i], tree.quads[walks->first[i]],
+                            static_cast<int>(b % 4), &exact))
+          continue;
+        met |= 1u << i;
+        take(i, 4 * walks->first[i] + b % 4, exact);
+      }
     }
-    for (std::uint32_t turn = std::exchange(at_leaves, 0); turn != 0; turn &= turn - 1) {
-      const auto i = static_cast<std::uint32_t>(__builtin_ctz(turn));
-      leaf(walks[i]);
-      go_on(i);
+    for (; kShrinks && met != 0; met &= met - 1) {
+      const std::uint32_t i = first_of(met);
+      walks->drop_beyond(i, walks->ray[i]->s_far);
     }
+
+    const std::uint32_t going = active & ~longer, empty = zeros_of(walks->top) & going;
+    for (; longer != 0; longer &= longer - 1) {
+      const std::uint32_t i = first_of(longer);
+      walks->first[i] += 1;
+      walks->count[i] -= kQuadTriangles;
+    }
+    for (std::uint32_t turn = going & ~empty; turn != 0; turn &= turn - 1) {
+      const std::uint32_t i = first_of(turn);
+      walks->pop(i);
+      prefetch(i);
+    }
+    active &= ~empty;
+    for (std::uint32_t turn = empty; turn != 0; turn &= turn - 1) start_next(first_of(turn));
   }
-  return tests;
+  tests->ray_box_tests += boxes;
+  tests->triangle_tests += triangles;
 }

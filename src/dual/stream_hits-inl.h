@@ -1,6 +1,9 @@
 // What a stream keeps of the hits it meets. Included once a SIMD target by dual/trace_simd.cpp,
 // inside its namespace.
 
+/// Hits go back to rays that stand far apart.
+inline constexpr std::uint32_t kWritesAhead = 24;
+
 template <class Mode>
 class StreamHits {
  protected:
@@ -72,8 +75,10 @@ class StreamHits {
       s.shears[n].t_limit = -1;
       s.rays[n].s_far = -std::numeric_limits<float>::infinity();
     } else {
+      // The limit is the best so far, and at hand.
       EngineHit& best = s.hits[n];
-      if (!(hit.t < best.t || (hit.t == best.t && id < best.triangle))) return;
+      if (!(hit.t < s.shears[n].t_limit || (hit.t == s.shears[n].t_limit && id < best.triangle)))
+        return;
       best = {hit.t, hit.u, hit.v, id};
       s.shears[n].t_limit = hit.t;
       const float far = past(hit.t, s.rays[n].along, s.pad);
@@ -87,6 +92,8 @@ class StreamHits {
       if constexpr (Mode::kAny) {
         job_.occluded[s.index[i]] = s.hits[i].triangle != kInvalidId ? 1 : 0;
       } else if constexpr (!Mode::kAll) {
+        if (i + kWritesAhead < s.count)
+          __builtin_prefetch(job_.hits + s.index[i + kWritesAhead], 1);
         job_.hits[s.index[i]] = s.hits[i];
       }
     }

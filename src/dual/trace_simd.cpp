@@ -31,6 +31,10 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #include "dual/triangle-inl.h"
 
+#include "dual/single_walks-inl.h"
+
+#include "dual/single_quads-inl.h"
+
 #include "dual/single-inl.h"
 
 #include "dual/walk-inl.h"

@@ -46,20 +46,30 @@ struct Tested {
   hn::Vec<D> t, v, w, det;
 };
 
-/// False where no lane can be a hit; `out` is then not written.
+/// What the edge functions of lanes say.
 template <class D>
-HWY_INLINE bool test_lanes(D d, const Corner<D>& a, const Corner<D>& b, const Corner<D>& c,
-                           hn::Vec<D> shear_z, hn::Vec<D> t_min, hn::Vec<D> t_limit,
-                           Tested<D>* out) {
-  using hn::Abs, hn::Add, hn::And, hn::AndNot, hn::Ge, hn::Le, hn::Max, hn::Min, hn::Mul;
+struct Edges {
+  hn::Vec<D> u, v, w;
+  hn::Mask<D> agree;  ///< in sign, or one is not a number and the scalar test settles it
+};
+template <class D>
+HWY_INLINE Edges<D> edges_of(D d, const Corner<D>& a, const Corner<D>& b, const Corner<D>& c) {
+  using hn::Max, hn::Min;
+  const auto u = edge_of(c.x, c.y, b.x, b.y);
+  const auto v = edge_of(a.x, a.y, c.x, c.y);
+  const auto w = edge_of(b.x, b.y, a.x, a.y);
+  const auto zero = hn::Zero(d);
+  return {u, v, w,
+          hn::Not(hn::And(hn::Lt(Min(Min(u, v), w), zero), hn::Gt(Max(Max(u, v), w), zero)))};
+}
+
+template <class D>
+HWY_INLINE void finish_lanes(D d, const Corner<D>& a, const Corner<D>& b, const Corner<D>& c,
+                             const Edges<D>& edges, hn::Vec<D> shear_z, hn::Vec<D> t_min,
+                             hn::Vec<D> t_limit, Tested<D>* out) {
+  using hn::Abs, hn::Add, hn::And, hn::AndNot, hn::Ge, hn::Le, hn::Mul;
   using V = hn::Vec<D>;
-  const V u = edge_of(c.x, c.y, b.x, b.y);
-  const V v = edge_of(a.x, a.y, c.x, c.y);
-  const V w = edge_of(b.x, b.y, a.x, a.y);
-  const V zero = hn::Zero(d);
-  // As the scalar test, so that what is not a number agrees and is settled there.
-  const auto agree = hn::Not(And(hn::Lt(Min(Min(u, v), w), zero), hn::Gt(Max(Max(u, v), w), zero)));
-  if (HWY_LIKELY(hn::AllFalse(d, agree))) return false;
+  const V u = edges.u, v = edges.v, w = edges.w, zero = hn::Zero(d);
   const V det = Add(Add(u, v), w);
   const V size = Abs(det);
   const auto nonzero = And(And(hn::Ne(u, zero), hn::Ne(v, zero)), hn::Ne(w, zero));
@@ -76,11 +86,21 @@ HWY_INLINE bool test_lanes(D d, const Corner<D>& a, const Corner<D>& b, const Co
   const auto settled = And(And(nonzero, normal), And(well_seen, in_range));
   out->t = hn::Div(distance, det);
   const auto inside = And(Ge(out->t, t_min), Le(out->t, t_limit));
-  out->hit = And(And(agree, settled), inside);
-  out->unsettled = AndNot(settled, agree);
+  out->hit = And(And(edges.agree, settled), inside);
+  out->unsettled = AndNot(settled, edges.agree);
   out->v = v;
   out->w = w;
   out->det = det;
+}
+
+/// False where no lane can be a hit; `out` is then not written.
+template <class D>
+HWY_INLINE bool test_lanes(D d, const Corner<D>& a, const Corner<D>& b, const Corner<D>& c,
+                           hn::Vec<D> shear_z, hn::Vec<D> t_min, hn::Vec<D> t_limit,
+                           Tested<D>* out) {
+  const Edges<D> edges = edges_of(d, a, b, c);
+  if (HWY_LIKELY(hn::AllFalse(d, edges.agree))) return false;
+  finish_lanes(d, a, b, c, edges, shear_z, t_min, t_limit, out);
   return true;
 }
 

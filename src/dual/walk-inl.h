@@ -236,29 +236,25 @@ class Walk {
 
   void walk_lanes(std::uint32_t lanes, std::uint32_t root) {
     const SharedAxes axes(packet_);
-    counts_.ray_box_tests += walk_singles(
-        tree_, axes, singles_, kSingleRays,
-        [&](SingleWalk* walk) {
+    walk_singles<!Mode::kAll>(
+        tree_, axes, &singles_, kSingleRays,
+        [&](std::uint32_t i) {
           if (lanes == 0) return false;
-          const auto i = static_cast<std::size_t>(walk - singles_);
-          walk->number = static_cast<std::uint32_t>(__builtin_ctz(lanes));
-          keep_lane(walk->number, i);
-          walk->ray = &rays_[i];
-          walk->shear = &shears_[i];
-          walk->start(root, 0);
+          singles_.number[i] = static_cast<std::uint32_t>(__builtin_ctz(lanes));
+          keep_lane(singles_.number[i], i);
+          singles_.ray[i] = &rays_[i];
+          singles_.shear[i] = &shears_[i];
+          singles_.start(i, root, 0);
           lanes &= lanes - 1;
           return true;
         },
-        [&](const SingleWalk& walk) {
-          counts_.triangle_tests += walk.count;
-          leaf_with_ray(tree_, axes, *walk.ray, *walk.shear, walk.first, walk.count,
-                        [&](std::uint32_t place, const TriangleHit& hit) {
-                          take(walk.number, id_at(tree_, place), hit);
-                        });
-          const auto i = static_cast<std::size_t>(&walk - singles_);
-          rays_[i].s_far = packet_.s_far[walk.number];
-          shears_[i].t_limit = packet_.t_limit[walk.number];
-        });
+        [&](std::uint32_t i, std::uint32_t place, const TriangleHit& hit) {
+          const std::uint32_t lane = singles_.number[i];
+          take(lane, id_at(tree_, place), hit);
+          rays_[i].s_far = packet_.s_far[lane];
+          shears_[i].t_limit = packet_.t_limit[lane];
+        },
+        &counts_);
   }
 
   void write_back() {
@@ -279,7 +275,7 @@ class Walk {
   std::uint32_t done_ = 0;
   DualCounts counts_;
   std::vector<Waiting> waiting_;
-  SingleWalk singles_[kSingleRays];
+  SingleWalks singles_;
   StreamRay rays_[kSingleRays];  ///< of the lanes that go on one by one
   StreamShear shears_[kSingleRays];
   std::uint32_t first_ = 0;  ///< the packet's place in the order
