@@ -1,24 +1,37 @@
 // Rays that go on alone through subtrees, eight boxes at a time: where few are left to share one.
 // Included once a SIMD target by dual/trace_simd.cpp, inside its namespace.
 
-/// Without a branch, as nobody can foretell it: a node has four cache lines, a quad three.
-HWY_INLINE void prefetch_subtree(const ObjectTree& tree, std::uint32_t first, std::uint32_t count) {
-  const bool is_leaf = count != 0;
-  const char* const base = is_leaf ? reinterpret_cast<const char*>(tree.quads.data())
-                                   : reinterpret_cast<const char*>(tree.nodes.data());
-  const char* const at = base + first * (is_leaf ? sizeof(TriangleQuad) : sizeof(BvhNode));
-  hwy::Prefetch(at);
-  hwy::Prefetch(at + 64);
-  hwy::Prefetch(at + 128);
-  hwy::Prefetch(at + (is_leaf ? 0 : 192));
-}
+/// Where subtrees stand, so that what comes next is prefetched without a branch that nobody can
+/// foretell: a node has four cache lines, a quad three.
+class Subtrees {
+ public:
+  explicit Subtrees(const ObjectTree& tree)
+      : kinds_{{reinterpret_cast<const char*>(tree.nodes.data()), sizeof(BvhNode), 192},
+               {reinterpret_cast<const char*>(tree.quads.data()), sizeof(TriangleQuad), 128}} {}
+
+  HWY_INLINE void prefetch(std::uint32_t first, std::uint32_t count) const {
+    const Kind& kind = kinds_[count != 0 ? 1 : 0];
+    const char* const at = kind.base + first * kind.bytes;
+    hwy::Prefetch(at);
+    hwy::Prefetch(at + 64);
+    hwy::Prefetch(at + 128);
+    hwy::Prefetch(at + kind.last);
+  }
+
+ private:
+  struct Kind {
+    const char* base;
+    std::size_t bytes, last;
+  };
+  Kind kinds_[2];
+};
 
 using Numbers = hn::RebindToUnsigned<Boxes>;
 
 #if HWY_MAX_BYTES >= 32 && HWY_TARGET != HWY_SCALAR
 /// Eight numbers, the largest first, by a bitonic network: which of a node's boxes a ray meets, and
-/// in which order, no branch can foretell.
-HWY_INLINE hn::Vec<Numbers> sorted_down(hn::Vec<Numbers> v) {
+/// in which order, no branch can foretell. `few`: the last four are 0.
+HWY_INLINE hn::Vec<Numbers> sorted_down(hn::Vec<Numbers> v, bool few) {
   const Numbers d;
   const hn::Repartition<std::uint64_t, Numbers> d64;
   const auto by_ones = [&] {
@@ -32,6 +45,7 @@ HWY_INLINE hn::Vec<Numbers> sorted_down(hn::Vec<Numbers> v) {
   by_ones();
   by_twos(hn::Reverse4(d, v));
   by_ones();
+  if (HWY_LIKELY(few)) return v;
   const auto other = hn::Reverse8(d, v);
   v = hn::OddEvenBlocks(hn::Min(v, other), hn::Max(v, other));
   by_twos(hn::Shuffle1032(v));
@@ -69,22 +83,20 @@ HWY_INLINE std::uint32_t open_for_ray(const ObjectTree& tree, const SharedAxes& 
   BV near, far;
 #if HWY_MAX_BYTES >= 32 && HWY_TARGET != HWY_SCALAR
   clip(0, &near, &far);
-  const auto met = hn::Le(near, far);
-  const auto numbers = hn::Load(du, kNumbers);
-  auto children = numbers;
-  if constexpr (kSorted) {
-    const auto bits = hn::And(hn::BitCast(du, near), hn::Set(du, kNearBits));
-    children = sorted_down(hn::IfThenElseZero(hn::RebindMask(du, met), hn::Or(bits, numbers)));
-  } else {
-    children = hn::Compress(numbers, hn::RebindMask(du, met));
-  }
-  children = hn::And(children, hn::Set(du, kChild));
+  const auto met = hn::RebindMask(du, hn::Le(near, far));
+  const auto found = static_cast<std::uint32_t>(hn::CountTrue(du, met));
+  auto keys = hn::Load(du, kNumbers);
+  if constexpr (kSorted)
+    keys = hn::Or(keys, hn::And(hn::BitCast(du, near), hn::Set(du, kNearBits)));
+  keys = hn::Compress(hn::IfThenElseZero(met, keys), met);
+  if constexpr (kSorted) keys = sorted_down(keys, found <= 4);
+  const auto children = hn::And(keys, hn::Set(du, kChild));
   const auto order = hn::IndicesFromVec(du, children);
   const hn::Rebind<std::uint8_t, Numbers> d8;
   hn::StoreU(hn::TableLookupLanes(near, hn::IndicesFromVec(d, children)), d, nears);
   hn::StoreU(hn::TableLookupLanes(hn::Load(du, node.first), order), du, firsts);
   hn::StoreU(hn::TableLookupLanes(hn::PromoteTo(du, hn::LoadU(d8, node.count)), order), du, counts);
-  walks->top[i] += static_cast<std::uint32_t>(hn::CountTrue(d, met));
+  walks->top[i] += found;
 #else
   alignas(32) float entered[kBvhWidth];
   std::uint32_t keys[kBvhWidth], end = 0;
@@ -140,8 +152,9 @@ HWY_NOINLINE void walk_singles(const ObjectTree& tree, const SharedAxes& axes, S
   std::uint32_t at[SingleWalks::kMost + 3];
   std::uint64_t boxes = 0, triangles = 0;
   std::uint32_t active = 0;
+  const Subtrees subtrees(tree);
   const auto prefetch = [&](std::uint32_t i) __attribute__((always_inline)) {
-    prefetch_subtree(tree, walks->first[i], walks->count[i]);
+    subtrees.prefetch(walks->first[i], walks->count[i]);
   };
   const auto start_next = [&](std::uint32_t i) __attribute__((always_inline)) {
     if (!start(i)) return;

@@ -22,7 +22,7 @@ class StreamLists : protected StreamSingles<Mode> {
  protected:
   using StreamHits<Mode>::tree_, StreamHits<Mode>::stream_, StreamHits<Mode>::counts_;
 
-  explicit StreamLists(const TraceJob& job) : StreamSingles<Mode>(job) {}
+  explicit StreamLists(const TraceJob& job) : StreamSingles<Mode>(job), subtrees_(tree_) {}
 
   /// The rays of a list through the tree.
   void walk(std::uint32_t offset, std::uint32_t size) {
@@ -172,7 +172,9 @@ class StreamLists : protected StreamSingles<Mode> {
       pad_list(offset, size);
       const std::uint32_t c = children[k];
       s.waiting.push_back({node.first[c], node.count[c], offset, size});
-      prefetch_subtree(tree_, node.first[c], node.count[c]);
+      subtrees_.prefetch(node.first[c], node.count[c]);
     }
   }
+
+  const Subtrees subtrees_;
 };
