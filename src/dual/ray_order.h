@@ -21,14 +21,15 @@ namespace raysheaf {
 inline constexpr std::uint32_t kQuarters = 24;
 
 /// 8 * axis, the one of `make_ray_setup`; plus 4 where the ray runs against it, 2 and 1 where it
-/// runs against the next axis and the one after that.
+/// runs against the next axis and the one after that. Without a branch: nobody can foretell the
+/// axes of rays that come in no order.
 [[nodiscard]] inline std::uint32_t quarter_of(Vec3 d) {
   const float x = std::fabs(d.x), y = std::fabs(d.y), z = std::fabs(d.z);
+  const std::uint32_t x_or_y = x > y ? 0 : 1, is_either = (x > y ? x : y) > z ? 1 : 0;
+  const std::uint32_t axis = 2 - (2 - x_or_y) * is_either;
   const auto sign = [](float v) { return std::bit_cast<std::uint32_t>(v) >> 31; };
-  const std::uint32_t sx = sign(d.x), sy = sign(d.y), sz = sign(d.z);
-  const std::uint32_t from_x = 4 * sx + 2 * sy + sz, from_y = 8 + 4 * sy + 2 * sz + sx;
-  const std::uint32_t from_z = 16 + 4 * sz + 2 * sx + sy;
-  return x > y ? (x > z ? from_x : from_z) : (y > z ? from_y : from_z);
+  const std::uint32_t signs = 4 * sign(d.x) + 2 * sign(d.y) + sign(d.z);
+  return 8 * axis + ((signs << axis | signs >> (3 - axis)) & 7);
 }
 
 struct RayOrder {
