@@ -42,6 +42,48 @@ HWY_INLINE RM lanes_of(std::uint32_t bits, std::size_t g) {
   return hn::LoadMaskBits(d, bytes);
 }
 
+#if HWY_MAX_BYTES >= 32 && HWY_TARGET != HWY_SCALAR
+#if HWY_TARGET == HWY_AVX2
+/// For each choice of eight lanes their numbers, four bits each: first those that are chosen.
+struct ChosenFirst {
+  std::uint32_t lanes[256] = {};
+  constexpr ChosenFirst() {
+    for (std::uint32_t chosen = 0; chosen < 256; ++chosen) {
+      std::uint32_t shift = 0;
+      for (const std::uint32_t turn : {1u, 0u}) {
+        for (std::uint32_t lane = 0; lane < 8; ++lane) {
+          if ((chosen >> lane & 1) != turn) continue;
+          lanes[chosen] |= lane << shift;
+          shift += 4;
+        }
+      }
+    }
+  }
+};
+inline constexpr ChosenFirst kChosenFirst;
+#endif
+
+/// Moves chosen lanes to the front, in their order. Lanes behind them are the others or 0. Returns
+/// how many were chosen.
+template <class D>
+HWY_INLINE std::uint32_t compress(D d, hn::Mask<D> chosen, hn::Vec<D>* v) {
+#if HWY_TARGET == HWY_AVX2
+  // As hn::Compress does it, with a table that stays where it is: gcc 12 copies that of Highway 1.0
+  // to the stack for each call.
+  static_assert(hn::MaxLanes(D()) == 8 && sizeof(hn::TFromD<D>) == 4);
+  alignas(32) static constexpr std::uint32_t kShifts[8] = {0, 4, 8, 12, 16, 20, 24, 28};
+  const std::uint32_t bits = bits_of(d, chosen);
+  const hn::RebindToUnsigned<D> du;
+  const auto lanes = hn::Set(du, kChosenFirst.lanes[bits]) >> hn::Load(du, kShifts);
+  *v = hn::TableLookupLanes(*v, hn::IndicesFromVec(d, hn::And(lanes, hn::Set(du, 7))));
+  return static_cast<std::uint32_t>(__builtin_popcount(bits));
+#else
+  *v = hn::Compress(*v, chosen);
+  return static_cast<std::uint32_t>(hn::CountTrue(d, chosen));
+#endif
+}
+#endif
+
 /// Clamps away from zero, keeping the sign, so that the inverse is finite.
 HWY_INLINE RV inverse_slope(RV slope) {
   const RV tiny = set(1e-20f);

@@ -84,11 +84,11 @@ HWY_INLINE std::uint32_t open_for_ray(const ObjectTree& tree, const SharedAxes& 
 #if HWY_MAX_BYTES >= 32 && HWY_TARGET != HWY_SCALAR
   clip(0, &near, &far);
   const auto met = hn::RebindMask(du, hn::Le(near, far));
-  const auto found = static_cast<std::uint32_t>(hn::CountTrue(du, met));
   auto keys = hn::Load(du, kNumbers);
   if constexpr (kSorted)
     keys = hn::Or(keys, hn::And(hn::BitCast(du, near), hn::Set(du, kNearBits)));
-  keys = hn::Compress(hn::IfThenElseZero(met, keys), met);
+  keys = hn::IfThenElseZero(met, keys);
+  const std::uint32_t found = compress(du, met, &keys);
   if constexpr (kSorted) keys = sorted_down(keys, found <= 4);
   const auto children = hn::And(keys, hn::Set(du, kChild));
   const auto order = hn::IndicesFromVec(du, children);

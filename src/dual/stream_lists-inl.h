@@ -5,11 +5,12 @@
 /// the new end.
 HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
                                      std::uint32_t* out) {
-#if HWY_TARGET <= HWY_AVX3
+#if HWY_MAX_BYTES >= 32 && HWY_TARGET != HWY_SCALAR
   const RayInts d;
-  const auto lanes = hn::RebindMask(d, set_lanes);
-  hn::StoreU(hn::Compress(hn::Load(d, numbers), lanes), d, out);
-  return out + hn::CountTrue(d, lanes);
+  auto kept = hn::Load(d, numbers);
+  const std::uint32_t count = compress(d, hn::RebindMask(d, set_lanes), &kept);
+  hn::StoreU(kept, d, out);
+  return out + count;
 #else
   std::uint32_t bits = bits_of(Rays(), set_lanes);
   for (; bits != 0; bits &= bits - 1) *out++ = numbers[__builtin_ctz(bits)];
