@@ -32,8 +32,10 @@ struct Waiting {
   }
 };
 
-/// The children whose boxes the beam meets, as bits; `near` takes where it enters them.
-HWY_INLINE std::uint32_t children_in_beam(const RayPacket& p, const Beam& b, const BvhNode& n,
+/// The children whose boxes the beam meets, as bits; `near` takes where it enters them. `Bundle`:
+/// RayPacket or Stream.
+template <class Bundle>
+HWY_INLINE std::uint32_t children_in_beam(const Bundle& p, const Beam& b, const BvhNode& n,
                                           float* HWY_RESTRICT near) {
   using hn::Max, hn::Min, hn::Mul, hn::Sub;
   const Boxes d;

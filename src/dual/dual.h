@@ -39,7 +39,7 @@ class StreamPool;
 /// How rays go down the tree together.
 enum class Bundle : std::uint8_t {
   kPacket,  ///< sixteen, bounded by a beam: for rays that resemble their neighbours
-  kStream,  ///< thousands, in lists (dual/stream.h): for those that do not
+  kStream,  ///< thousands, in lists of rays or of sixteen at once (dual/stream.h): for all others
 };
 
 struct DualScene {

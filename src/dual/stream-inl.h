@@ -4,9 +4,9 @@
 inline constexpr std::uint32_t kFewestPiloted = 512;
 
 template <class Mode>
-class StreamWalk : StreamLists<Mode> {
+class StreamWalk : StreamBlocks<Mode> {
  public:
-  explicit StreamWalk(const TraceJob& job) : StreamLists<Mode>(job) {}
+  explicit StreamWalk(const TraceJob& job) : StreamBlocks<Mode>(job) {}
 
   /// Rays [first, first + count) of the order, of one quarter, at most kStreamRays.
   void run(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
@@ -35,9 +35,9 @@ class StreamWalk : StreamLists<Mode> {
  private:
   using StreamHits<Mode>::job_, StreamHits<Mode>::tree_, StreamHits<Mode>::stream_;
   using StreamHits<Mode>::counts_;
-  using StreamHits<Mode>::write_back;
-  using StreamLists<Mode>::walk, StreamLists<Mode>::pad_list;
-  using StreamLists<Mode>::meet_leaf, StreamLists<Mode>::meet_group;
+  using StreamHits<Mode>::end_ray, StreamHits<Mode>::write_back;
+  using StreamLists<Mode>::meet_leaf, StreamLists<Mode>::meet_group, StreamLists<Mode>::pad_list;
+  using StreamBlocks<Mode>::walk;
 
   /// What stops a ray often stops those beside it (E. Haines, D. Greenberg, "The Light Buffer",
   /// 1986, keep the last occluder). Of each block of the list one ray goes ahead, and the triangles
@@ -56,7 +56,7 @@ class StreamWalk : StreamLists<Mode> {
     for (std::uint32_t b = 0; b < blocks; ++b) {
       const std::uint32_t pilot = numbers[b * kPacketWidth + kPacketWidth / 2];
       places_[b + 1] = s.hits[pilot].triangle;
-      s.rays[pilot].s_far = -std::numeric_limits<float>::infinity();  // done, hit or not
+      end_ray(pilot, -std::numeric_limits<float>::infinity());  // done, hit or not
     }
     std::uint32_t left = 0;
     for (std::uint32_t b = 0; b * kPacketWidth < alive; ++b) {
@@ -111,6 +111,7 @@ class StreamWalk : StreamLists<Mode> {
         for (std::uint32_t i = 0; i < n; ++i) unbounded_.push_back(base + i);
       }
       keep_packet(base);
+      keep_block(lanes, base / kPacketWidth);
       for (; lanes != 0; lanes &= lanes - 1)
         s.lists[alive++] = base + static_cast<std::uint32_t>(__builtin_ctz(lanes));
     }
@@ -145,6 +146,23 @@ class StreamWalk : StreamLists<Mode> {
       hn::Store(hn::Load(di, p.index + g), di, s.index.data() + base + g);
     }
     std::fill_n(s.hits.data() + base, kPacketWidth, EngineHit{});
+  }
+
+  /// The packet's lanes as a block of the stream's.
+  HWY_INLINE void keep_block(std::uint32_t lanes, std::uint32_t number) {
+    RayPacket& p = packet_;
+    StreamBlock& b = stream_.blocks[number];
+    const Rays d;
+    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+      hn::Store(load(p.ox + g), d, b.ox + g);
+      hn::Store(load(p.oy + g), d, b.oy + g);
+      hn::Store(load(p.oz + g), d, b.oz + g);
+      hn::Store(load(p.per_x + g), d, b.per_x + g);
+      hn::Store(load(p.per_y + g), d, b.per_y + g);
+      hn::Store(load(p.s_near + g), d, b.s_near + g);
+      hn::Store(load(p.s_far + g), d, b.s_far + g);
+    }
+    if (lanes != 0) b.beam = make_beam(lanes, &p);
   }
 
   /// With every triangle.

@@ -5,6 +5,9 @@
 //            v                       those that meet it are the child's list
 //   list of a: 9 40 77 ...
 //
+// While sixteen neighbours stay together, a list names them as a block: a beam that bounds them is
+// tested first, and no ray is gathered or moved. What is left of blocks goes on as rays.
+//
 // Every node is fetched once a stream, no branch depends on a single ray, and rays need not be
 // alike: what they share is the quarter, which tells the order of the children from near to far.
 // (I. Wald, C. Gribble, S. Boulos, A. Kensler, "SIMD Ray Stream Tracing", 2007; J. Tsakok,
@@ -35,10 +38,24 @@ struct alignas(32) StreamShear {
   float t_limit, unused[3];
 };
 
+/// Sixteen rays that follow each other, what boxes are tested with, and the beam they stay in.
+struct alignas(64) StreamBlock {
+  float ox[kPacketWidth], oy[kPacketWidth], oz[kPacketWidth];
+  float per_x[kPacketWidth], per_y[kPacketWidth];
+  float s_near[kPacketWidth], s_far[kPacketWidth];
+  Beam beam;
+};
+
+/// A block and those of its rays that are in a list: bit i is ray i of the block.
+struct BlockRays {
+  std::uint16_t block, rays;
+};
+
 /// A child whose rays wait for their turn.
 struct WaitingList {
   std::uint32_t first, count;  ///< as in BvhNode
   std::uint32_t offset, size;  ///< of its list
+  bool in_blocks = false;      ///< a list of BlockRays, or else of rays
 };
 
 /// A hit of the ray at a place of the order.
@@ -52,6 +69,7 @@ struct Stream {
   Buffer<StreamShear> shears;
   Buffer<EngineHit> hits;  ///< any-hit: `triangle` is the place in the tree of one that was met
   Buffer<std::uint32_t> index;  ///< the caller's numbers
+  Buffer<StreamBlock> blocks;
   Buffer<std::uint32_t> lists;
   std::vector<WaitingList> waiting;
   std::vector<RowHit> rows;  ///< where all hits are asked for: of the task's rays
@@ -67,13 +85,14 @@ struct Stream {
     shears.resize_uninitialized(kStreamRays);
     hits.resize_uninitialized(kStreamRays);
     index.resize_uninitialized(kStreamRays);
+    blocks.resize_uninitialized(kStreamRays / kPacketWidth);
     lists.resize_uninitialized(std::size_t{16} * kStreamRays);
   }
   /// Room for `size` numbers in `lists`, what is there kept.
   void grow_lists(std::size_t size);
   [[nodiscard]] std::size_t bytes() const {
     return rays.capacity_bytes() + shears.capacity_bytes() + hits.capacity_bytes() +
-           index.capacity_bytes() + lists.capacity_bytes() +
+           index.capacity_bytes() + blocks.capacity_bytes() + lists.capacity_bytes() +
            waiting.capacity() * sizeof(WaitingList) + rows.capacity() * sizeof(RowHit);
   }
 };

@@ -73,7 +73,7 @@ class StreamHits {
       // The least of a leaf's, whatever order a SIMD target finds them in.
       s.hits[n].triangle = std::min(s.hits[n].triangle, place);
       s.shears[n].t_limit = -1;
-      s.rays[n].s_far = -std::numeric_limits<float>::infinity();
+      end_ray(n, -std::numeric_limits<float>::infinity());
     } else {
       // The limit is the best so far, and at hand.
       EngineHit& best = s.hits[n];
@@ -82,8 +82,14 @@ class StreamHits {
       best = {hit.t, hit.u, hit.v, id};
       s.shears[n].t_limit = hit.t;
       const float far = past(hit.t, s.rays[n].along, s.pad);
-      s.rays[n].s_far = far < s.rays[n].s_far ? far : s.rays[n].s_far;
+      end_ray(n, far < s.rays[n].s_far ? far : s.rays[n].s_far);
     }
+  }
+
+  /// The ray looks no farther.
+  void end_ray(std::uint32_t n, float s_far) {
+    stream_.rays[n].s_far = s_far;
+    stream_.blocks[n / kPacketWidth].s_far[n % kPacketWidth] = s_far;
   }
 
   void write_back() {

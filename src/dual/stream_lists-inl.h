@@ -18,33 +18,48 @@ HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
 #endif
 }
 
+/// A box as the rays of a stream see it: the planes that they meet first, and the others.
+struct SeenBox {
+  float x_near, x_far, y_near, y_far, z_near, z_far;
+};
+
+/// What boxes are tested with, of as many rays as a vector has lanes.
+struct SlabRays {
+  RV ox, oy, oz, per_x, per_y, s_near, s_far;
+};
+
+/// The lanes that meet the box within [s_near, s_far].
+HWY_INLINE RM meeting(const SlabRays& r, const SeenBox& box) {
+  using hn::Max, hn::Min, hn::Mul, hn::Sub;
+  const RV x0 = Mul(Sub(set(box.x_near), r.ox), r.per_x);
+  const RV x1 = Mul(Sub(set(box.x_far), r.ox), r.per_x);
+  const RV y0 = Mul(Sub(set(box.y_near), r.oy), r.per_y);
+  const RV y1 = Mul(Sub(set(box.y_far), r.oy), r.per_y);
+  const RV near = Max(Max(x0, y0), Max(Sub(set(box.z_near), r.oz), r.s_near));
+  const RV far = Min(Min(x1, y1), Min(Sub(set(box.z_far), r.oz), r.s_far));
+  return hn::Le(near, far);
+}
+
 template <class Mode>
 class StreamLists : protected StreamSingles<Mode> {
  protected:
   using StreamHits<Mode>::tree_, StreamHits<Mode>::stream_, StreamHits<Mode>::counts_;
+  using StreamSingles<Mode>::walk_singles_of_stream;
 
   explicit StreamLists(const TraceJob& job) : StreamSingles<Mode>(job), subtrees_(tree_) {}
 
-  /// The rays of a list through the tree.
-  void walk(std::uint32_t offset, std::uint32_t size) {
-    if (size == 0) return;
-    stream_.waiting.clear();
-    stream_.waiting.push_back({0, 0, offset, size});
-    while (!stream_.waiting.empty()) {
-      const WaitingList next = stream_.waiting.back();
-      stream_.waiting.pop_back();
-      if (is_for_singles(next)) {
-        add_singles(next);
-        continue;
-      }
-      if (has_many_singles()) walk_singles_of_stream();
-      if (next.count != 0) {
-        meet_leaf(next);
-      } else {
-        open(next);
-      }
+  /// What comes next for the rays of a list.
+  void meet(const WaitingList& list) {
+    if (is_for_singles(list)) {
+      add_singles(list);
+      return;
     }
-    walk_singles_of_stream();
+    if (has_many_singles()) walk_singles_of_stream();
+    if (list.count != 0) {
+      meet_leaf(list);
+    } else {
+      open(list);
+    }
   }
 
   /// Numbers beyond a list's end, so that its last block is read like the others.
@@ -53,6 +68,36 @@ class StreamLists : protected StreamSingles<Mode> {
     const RayInts d;
     for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
       hn::StoreU(hn::Set(d, end[-1]), d, end + g);
+  }
+
+  /// The children from far to near along the stream's axis.
+  std::uint32_t sorted_children(const BvhNode& node, std::uint32_t* children) const {
+    float near[kBvhWidth];
+    const int z = stream_.axis_z;
+    for (std::uint32_t c = 0; c < node.children; ++c) {
+      const float at = stream_.mirrored ? -node.bound[z + 3][c] : node.bound[z][c];
+      std::uint32_t place = c;
+      for (; place > 0 && near[place - 1] < at; --place) {
+        near[place] = near[place - 1];
+        children[place] = children[place - 1];
+      }
+      near[place] = at;
+      children[place] = c;
+    }
+    return node.children;
+  }
+
+  /// A child's, grown by the pad.
+  [[nodiscard]] HWY_INLINE SeenBox box_of(const BvhNode& node, std::uint32_t c) const {
+    const Stream& s = stream_;
+    const auto grown = [&](int row) { return node.bound[row][c] + (row < 3 ? -s.pad : s.pad); };
+    SeenBox box{grown(s.near_x), grown(s.far_x),  grown(s.near_y),
+                grown(s.far_y),  grown(s.near_z), grown(s.far_z)};
+    if (s.mirrored) {
+      box.z_near = -box.z_near;
+      box.z_far = -box.z_far;
+    }
+    return box;
   }
 
   void meet_leaf(const WaitingList& list) {
@@ -100,27 +145,9 @@ class StreamLists : protected StreamSingles<Mode> {
  private:
   using StreamHits<Mode>::take_lanes;
   using StreamSingles<Mode>::is_for_singles, StreamSingles<Mode>::has_many_singles;
-  using StreamSingles<Mode>::add_singles, StreamSingles<Mode>::walk_singles_of_stream;
-
-  /// The children from far to near along the stream's axis.
-  std::uint32_t sorted_children(const BvhNode& node, std::uint32_t* children) const {
-    float near[kBvhWidth];
-    const int z = stream_.axis_z;
-    for (std::uint32_t c = 0; c < node.children; ++c) {
-      const float at = stream_.mirrored ? -node.bound[z + 3][c] : node.bound[z][c];
-      std::uint32_t place = c;
-      for (; place > 0 && near[place - 1] < at; --place) {
-        near[place] = near[place - 1];
-        children[place] = children[place - 1];
-      }
-      near[place] = at;
-      children[place] = c;
-    }
-    return node.children;
-  }
+  using StreamSingles<Mode>::add_singles;
 
   void open(const WaitingList& list) {
-    using hn::Max, hn::Min, hn::Mul, hn::Sub;
     Stream& s = stream_;
     const BvhNode& node = tree_.nodes[list.first];
     std::uint32_t children[kBvhWidth];
@@ -130,17 +157,10 @@ class StreamLists : protected StreamSingles<Mode> {
     const std::uint32_t bottom = (list.offset + list.size + 15) / 16 * 16;
     const std::size_t needed = bottom + std::size_t{room} * child_count + 2 * kPacketWidth;
     s.grow_lists(needed);
-    // Bounds as the rays see them, grown by the pad: near and far on x, y, z.
-    float box[kBvhWidth][6];
+    SeenBox boxes[kBvhWidth];
     std::uint32_t* out[kBvhWidth];
-    const int rows[6] = {s.near_x, s.far_x, s.near_y, s.far_y, s.near_z, s.far_z};
     for (std::uint32_t k = 0; k < child_count; ++k) {
-      for (int r = 0; r < 6; ++r)
-        box[k][r] = node.bound[rows[r]][children[k]] + (rows[r] < 3 ? -s.pad : s.pad);
-      if (s.mirrored) {
-        box[k][4] = -box[k][4];
-        box[k][5] = -box[k][5];
-      }
+      boxes[k] = box_of(node, children[k]);
       out[k] = s.lists.data() + bottom + room * k;
     }
     const std::uint32_t* numbers = s.lists.data() + list.offset;
@@ -151,18 +171,15 @@ class StreamLists : protected StreamSingles<Mode> {
       for (std::uint32_t i = n; i < std::min(2 * kPacketWidth, list.size - base); ++i)
         hwy::Prefetch(s.rays.data() + numbers[base + i]);
       for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-        RV ox, oy, z, per_x, per_y, s_near, s_far, unused;
-        gather4(s.rays.data(), 0, block + g, ox, oy, z, per_x);
-        gather4(s.rays.data(), 1, block + g, per_y, s_near, s_far, unused);
-        const RV oz = s.mirrored ? hn::Neg(z) : z;
+        SlabRays rays;
+        RV unused;
+        gather4(s.rays.data(), 0, block + g, rays.ox, rays.oy, rays.oz, rays.per_x);
+        gather4(s.rays.data(), 1, block + g, rays.per_y, rays.s_near, rays.s_far, unused);
+        if (s.mirrored) rays.oz = hn::Neg(rays.oz);
         const RM some = lanes_of(used, g);
         for (std::uint32_t k = 0; k < child_count; ++k) {
-          const float* b = box[k];
-          const RV x0 = Mul(Sub(set(b[0]), ox), per_x), x1 = Mul(Sub(set(b[1]), ox), per_x);
-          const RV y0 = Mul(Sub(set(b[2]), oy), per_y), y1 = Mul(Sub(set(b[3]), oy), per_y);
-          const RV near = Max(Max(x0, y0), Max(Sub(set(b[4]), oz), s_near));
-          const RV far = Min(Min(x1, y1), Min(Sub(set(b[5]), oz), s_far));
-          out[k] = append_set(block + g, hn::And(hn::Le(near, far), some), out[k]);
+          const RM met = hn::And(meeting(rays, boxes[k]), some);
+          out[k] = append_set(block + g, met, out[k]);
         }
       }
     }
@@ -177,5 +194,6 @@ class StreamLists : protected StreamSingles<Mode> {
     }
   }
 
+ protected:
   const Subtrees subtrees_;
 };

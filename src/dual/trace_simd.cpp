@@ -1,6 +1,7 @@
 // Compiled once a SIMD target and chosen at run time (Google Highway). No operation is fused, so
 // that every target makes the same tests and gives the same hits.
 #include <atomic>
+#include <cstring>
 #include <mutex>
 #include <utility>
 
@@ -44,6 +45,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "dual/stream_singles-inl.h"
 
 #include "dual/stream_lists-inl.h"
+
+#include "dual/stream_blocks-inl.h"
 
 #include "dual/stream-inl.h"
 

@@ -1,0 +1,162 @@
+// Blocks of a stream's rays, from node to node, while most rays of a block stay together. Included
+// once a SIMD target by dual/trace_simd.cpp, inside its namespace.
+//
+//   list    5: 1111111111111111   6: 1111111111110000   7: ...     blocks and their rays in the
+//   list
+//             | |                     a block's beam is tested with a node's eight boxes at once,
+//             v v                     and its rays with those boxes only that the beam meets
+//   child   5: 0000001111111111   6: 1111000000000000
+//
+// Rays are read where they stand, neither gathered nor moved. Where blocks have lost too many, what
+// is left goes on as a list of rays.
+
+/// Blocks that keep fewer rays each, on average, go on as rays.
+inline constexpr std::uint32_t kRaysOfBlock = 8;
+
+template <class Mode>
+class StreamBlocks : protected StreamLists<Mode> {
+ protected:
+  using StreamHits<Mode>::tree_, StreamHits<Mode>::stream_, StreamHits<Mode>::counts_;
+  using StreamLists<Mode>::pad_list, StreamSingles<Mode>::walk_singles_of_stream;
+
+  explicit StreamBlocks(const TraceJob& job) : StreamLists<Mode>(job) {}
+
+  /// The rays whose numbers stand from `offset` on, the least first, through the tree. What stands
+  /// there is lost.
+  void walk(std::uint32_t offset, std::uint32_t size) {
+    if (size == 0) return;
+    stream_.waiting.clear();
+    const std::uint32_t blocks = gather_blocks(stream_.lists.data() + offset, size);
+    if (stay_together(size, blocks)) {
+      keep_blocks(0, blocks, offset);
+      stream_.waiting.push_back({0, 0, offset, blocks, true});
+    } else {
+      stream_.waiting.push_back({0, 0, offset, size});
+    }
+    while (!stream_.waiting.empty()) {
+      const WaitingList next = stream_.waiting.back();
+      stream_.waiting.pop_back();
+      if (next.in_blocks) {
+        open_blocks(next);
+      } else {
+        meet(next);
+      }
+    }
+    walk_singles_of_stream();
+  }
+
+ private:
+  using StreamLists<Mode>::box_of, StreamLists<Mode>::meet;
+  using StreamLists<Mode>::sorted_children, StreamLists<Mode>::subtrees_;
+
+  static constexpr std::uint32_t kMostBlocks = kStreamRays / kPacketWidth;
+
+  static bool stay_together(std::uint32_t rays, std::uint32_t blocks) {
+    return rays >= kRaysOfBlock * blocks;
+  }
+
+  /// Into `found_[0]`; returns how many.
+  std::uint32_t gather_blocks(const std::uint32_t* numbers, std::uint32_t size) {
+    std::uint32_t end = 0, rays = 0;
+    for (std::uint32_t i = 0; i < size; ++i) {
+      const std::uint32_t block = numbers[i] / kPacketWidth;
+      rays |= 1u << numbers[i] % kPacketWidth;
+      found_[0][end] = {static_cast<std::uint16_t>(block), static_cast<std::uint16_t>(rays)};
+      const bool last = i + 1 == size || numbers[i + 1] / kPacketWidth != block;
+      end += last ? 1 : 0;
+      rays = last ? 0 : rays;
+    }
+    return end;
+  }
+
+  void keep_blocks(std::uint32_t c, std::uint32_t blocks, std::uint32_t offset) {
+    std::memcpy(stream_.lists.data() + offset, found_[c], blocks * sizeof(BlockRays));
+  }
+
+  /// The same as a list of rays; room for kPacketWidth more is needed.
+  void keep_rays(std::uint32_t c, std::uint32_t blocks, std::uint32_t offset) {
+    alignas(64) static constexpr std::uint32_t kLanes[kPacketWidth] = {
+        0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+    const RayInts d;
+    std::uint32_t* out = stream_.lists.data() + offset;
+    for (std::uint32_t i = 0; i < blocks; ++i) {
+      const BlockRays from = found_[c][i];
+      const auto first = hn::Set(d, from.block * kPacketWidth);
+      alignas(64) std::uint32_t numbers[kPacketWidth];
+      for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
+        hn::Store(hn::Add(first, hn::Load(d, kLanes + g)), d, numbers + g);
+      for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
+        out = append_set(numbers + g, lanes_of(from.rays, g), out);
+    }
+  }
+
+  /// What of a block's rays meets a box.
+  HWY_INLINE std::uint32_t rays_in_box(const StreamBlock& b, const SeenBox& box) const {
+    std::uint32_t met = 0;
+    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+      const RV oz = load(b.oz + g);
+      const SlabRays rays{load(b.ox + g),    load(b.oy + g),    stream_.mirrored ? hn::Neg(oz) : oz,
+                          load(b.per_x + g), load(b.per_y + g), load(b.s_near + g),
+                          load(b.s_far + g)};
+      met |= bits_of(Rays(), meeting(rays, box)) << g;
+    }
+    return met;
+  }
+
+  /// Blocks whose beams meet a child, for each child: how many there are.
+  HWY_INLINE void meet_beams(const BvhNode& node, const WaitingList& list, std::uint32_t* found) {
+    const auto* from = reinterpret_cast<const BlockRays*>(stream_.lists.data() + list.offset);
+    alignas(64) float near[kBvhWidth];
+    std::uint32_t ends[kBvhWidth] = {};
+    for (std::uint32_t i = 0; i < list.size; ++i) {
+      const BlockRays rays = from[i];
+      const std::uint32_t met =
+          children_in_beam(stream_, stream_.blocks[rays.block].beam, node, near);
+      for (std::uint32_t c = 0; c < kBvhWidth; ++c) {
+        found_[c][ends[c]] = rays;
+        ends[c] += met >> c & 1;
+      }
+    }
+    std::copy_n(ends, kBvhWidth, found);
+  }
+
+  void open_blocks(const WaitingList& list) {
+    Stream& s = stream_;
+    const BvhNode& node = tree_.nodes[list.first];
+    std::uint32_t children[kBvhWidth], found[kBvhWidth];
+    const std::uint32_t child_count = sorted_children(node, children);
+    counts_.beam_box_tests += std::uint64_t{list.size} * child_count;
+    meet_beams(node, list, found);
+    std::uint32_t end = list.offset;
+    for (std::uint32_t k = 0; k < child_count; ++k) {
+      const std::uint32_t c = children[k];
+      const auto box = box_of(node, c);
+      BlockRays* const rows = found_[c];
+      std::uint32_t blocks = 0, tests = 0, rays = 0;
+      for (std::uint32_t i = 0; i < found[c]; ++i) {
+        const BlockRays before = rows[i];
+        const std::uint32_t met = rays_in_box(s.blocks[before.block], box) & before.rays;
+        tests += static_cast<std::uint32_t>(__builtin_popcount(before.rays));
+        rays += static_cast<std::uint32_t>(__builtin_popcount(met));
+        rows[blocks] = {before.block, static_cast<std::uint16_t>(met)};
+        blocks += met != 0 ? 1 : 0;
+      }
+      counts_.ray_box_tests += tests;
+      if (blocks == 0) continue;
+      const bool together = !node.is_leaf(c) && stay_together(rays, blocks);
+      const std::uint32_t size = together ? blocks : rays;
+      s.grow_lists(std::size_t{end} + size + 2 * kPacketWidth);
+      if (together) {
+        keep_blocks(c, blocks, end);
+      } else {
+        keep_rays(c, blocks, end);
+        pad_list(end, size);
+      }
+      s.waiting.push_back({node.first[c], node.count[c], end, size, together});
+      subtrees_.prefetch(node.first[c], node.count[c]);
+      end += (size + kPacketWidth + 15) / 16 * 16;
+    }
+  }
+
+  BlockRays found_[kBvhWidth][kMostBlocks + 1];  ///< by child
+};
