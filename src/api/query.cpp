@@ -184,18 +184,35 @@ void find_rows(Query* query, const Take& take) {
   take(rows);
 }
 
+/// The lengths of rows.
+struct MeasureRow {
+  std::uint64_t* lengths;
+
+  void operator()(std::size_t ray, View<const EngineHit> hits) const { lengths[ray] = hits.size; }
+  void comes_soon(std::size_t ray) const { __builtin_prefetch(lengths + ray, 1); }
+};
+
+/// Rows where they begin.
+struct NameRow {
+  Query* query;  ///< where nothing can be hit it has no view
+  const std::uint64_t* begins;
+  Hit* out;
+
+  void operator()(std::size_t ray, View<const EngineHit> hits) const {
+    query->view().name_hits(hits, out + begins[ray]);
+  }
+  void comes_soon(std::size_t ray) const { __builtin_prefetch(out + begins[ray], 1); }
+};
+
 void name_rows(Query* query, HitRows* out) {
   const std::size_t rays = query->rays().size;
   out->offsets.assign(rays + 1, 0);
   std::uint64_t* const ends = out->offsets.data() + 1;
   find_rows(query, [&](const auto& rows) {
-    rows.for_each(query->executor(),
-                  [&](std::size_t ray, View<const EngineHit> hits) { ends[ray] = hits.size; });
+    rows.for_each(query->executor(), MeasureRow{ends});
     for (std::size_t i = 1; i < rays; ++i) ends[i] += ends[i - 1];
     out->hits.resize(out->offsets.back());
-    rows.for_each(query->executor(), [&](std::size_t ray, View<const EngineHit> hits) {
-      query->view().name_hits(hits, out->hits.data() + out->offsets[ray]);
-    });
+    rows.for_each(query->executor(), NameRow{query, out->offsets.data(), out->hits.data()});
   });
 }
 

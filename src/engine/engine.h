@@ -50,12 +50,19 @@ class FoundRows {
       : lists_(&lists), order_(order) {}
 
   /// Calls `body(ray, hits)` for every ray that hits something, and perhaps for others, in any
-  /// order and from several threads; hits are sorted by (t, triangle).
+  /// order and from several threads; hits are sorted by (t, triangle). A body that has it is told
+  /// by `body.comes_soon(ray)`, for rays may stand far apart.
   template <class Body>
   void for_each(const Executor& executor, const Body& body) const {
+    constexpr std::size_t kSoon = 16;
     executor.for_each(lists_->size(), 1, [&](std::size_t number) {
       const RowList& list = (*lists_)[number];
-      for (std::size_t i = 0; i < list.ends.size(); ++i) body(order_[list.first + i], list.row(i));
+      for (std::size_t i = 0; i < list.ends.size(); ++i) {
+        if constexpr (requires { body.comes_soon(0); }) {
+          if (i + kSoon < list.ends.size()) body.comes_soon(order_[list.first + i + kSoon]);
+        }
+        body(order_[list.first + i], list.row(i));
+      }
     });
   }
 
