@@ -2,6 +2,8 @@
 
 /// Fewer rays send no pilots: they would go alone.
 inline constexpr std::uint32_t kFewestPiloted = 512;
+/// As many go ahead before it is seen whether they are of use.
+inline constexpr std::uint32_t kPilots = 64;
 
 template <class Mode>
 class StreamWalk : StreamBlocks<Mode> {
@@ -41,39 +43,56 @@ class StreamWalk : StreamBlocks<Mode> {
 
   /// What stops a ray often stops those beside it (E. Haines, D. Greenberg, "The Light Buffer",
   /// 1986, keep the last occluder). Of each block of the list one ray goes ahead, and the triangles
-  /// that stopped it and its neighbours' are tried on the block. Returns how many of the first
-  /// `alive` of the list are left.
+  /// that stopped it and its neighbours' are tried on the block; so part by part of the list, while
+  /// that stops most. Returns how many of the first `alive` of the list are left.
   std::uint32_t follow_pilots(std::uint32_t alive) {
+    std::uint32_t left = 0, first = 0;
+    while (first + kPacketWidth <= alive) {
+      const std::uint32_t end = std::min(alive, first + kPilots * kPacketWidth);
+      const std::uint32_t rest = follow_pilots(first, end, alive, left);
+      const bool worth = 2 * (rest - left) < end - first;
+      left = rest;
+      first = end;
+      if (!worth) break;
+    }
+    std::uint32_t* const numbers = stream_.lists.data();
+    std::copy(numbers + first, numbers + alive, numbers + left);
+    left += alive - first;
+    if (left != 0) pad_list(0, left);
+    return left;
+  }
+
+  /// Of rays [first, end) of the list; those that are left go to `left` and what follows. Returns
+  /// the place after them.
+  std::uint32_t follow_pilots(std::uint32_t first, std::uint32_t end, std::uint32_t alive,
+                              std::uint32_t left) {
     Stream& s = stream_;
-    const std::uint32_t blocks = alive / kPacketWidth, pilots = (alive + 31) / 16 * 16;
+    const std::uint32_t blocks = (end - first) / kPacketWidth, pilots = (alive + 31) / 16 * 16;
     s.grow_lists(pilots + blocks + std::size_t{2} * kPacketWidth);
     for (std::uint32_t b = 0; b < blocks; ++b)
-      s.lists[pilots + b] = s.lists[b * kPacketWidth + kPacketWidth / 2];
+      s.lists[pilots + b] = s.lists[first + b * kPacketWidth + kPacketWidth / 2];
     pad_list(pilots, blocks);
     walk(pilots, blocks);
-    std::uint32_t* const numbers = s.lists.data();
     places_.assign(blocks + std::size_t{2}, kInvalidId);
     for (std::uint32_t b = 0; b < blocks; ++b) {
-      const std::uint32_t pilot = numbers[b * kPacketWidth + kPacketWidth / 2];
+      const std::uint32_t pilot = s.lists[first + b * kPacketWidth + kPacketWidth / 2];
       places_[b + 1] = s.hits[pilot].triangle;
       end_ray(pilot, -std::numeric_limits<float>::infinity());  // done, hit or not
     }
-    std::uint32_t left = 0;
-    for (std::uint32_t b = 0; b * kPacketWidth < alive; ++b) {
-      const std::uint32_t first = b * kPacketWidth, n = std::min(kPacketWidth, alive - first);
+    for (std::uint32_t b = 0; first + b * kPacketWidth < end; ++b) {
+      std::uint32_t* const block = s.lists.data() + first + b * kPacketWidth;
+      const std::uint32_t n = std::min(kPacketWidth, end - first - b * kPacketWidth);
       const std::uint32_t before = places_[b], middle = b < blocks ? places_[b + 1] : before;
       const std::uint32_t after = b < blocks ? places_[b + 2] : before;
-      if (middle != kInvalidId) try_on_block(middle, numbers + first, n);
-      if (before != kInvalidId && before != middle) try_on_block(before, numbers + first, n);
-      if (after != kInvalidId && after != middle && after != before)
-        try_on_block(after, numbers + first, n);
+      if (middle != kInvalidId) try_on_block(middle, block, n);
+      if (before != kInvalidId && before != middle) try_on_block(before, block, n);
+      if (after != kInvalidId && after != middle && after != before) try_on_block(after, block, n);
       for (std::uint32_t i = 0; i < n; ++i) {
-        const std::uint32_t number = numbers[first + i];
-        numbers[left] = number;
+        const std::uint32_t number = block[i];
+        s.lists[left] = number;
         left += s.rays[number].s_far >= s.rays[number].s_near ? 1 : 0;
       }
     }
-    if (left != 0) pad_list(0, left);
     return left;
   }
 

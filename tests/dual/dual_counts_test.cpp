@@ -147,13 +147,24 @@ TEST(DualCounts, ABeamSparesRaysTheirTests) {
 
 TEST(DualCounts, APilotSparesTheBlocksBesideItTheirTests) {
   Random random(28);
-  Heap heap = screened_heap(12, 3000, random);
+  Heap heap = screened_heap(60, 3000, random);
   const std::vector<Ray> rays = fan_rays(128);
   ObjectTree tree;
   make_tree(&heap, Tree::kCurve, &tree);
   const DualScene scene{&tree, nullptr, Facing::kBoth, Bundle::kStream};
   const Answers a = ask(one_thread(), scene, rays, Sorting::kByQuarter);
-  EXPECT_LT(a.counts[1].beam_box_tests, a.counts[0].beam_box_tests * 3 / 4);
+  EXPECT_LT(a.counts[1].beam_box_tests, a.counts[0].beam_box_tests / 2);
+}
+
+TEST(DualCounts, PilotsThatSpareNobodyStayFew) {
+  Random random(29);
+  Heap heap = screened_heap(0, 3000, random);
+  const std::vector<Ray> rays = fan_rays(128);
+  ObjectTree tree;
+  make_tree(&heap, Tree::kCurve, &tree);
+  const DualScene scene{&tree, nullptr, Facing::kBoth, Bundle::kStream};
+  const Answers a = ask(one_thread(), scene, rays, Sorting::kByQuarter);
+  EXPECT_LT(a.counts[1].sum(), a.counts[0].sum());
 }
 
 /// Shares are added to what there is; no room for them and no counts are fine too.
