@@ -83,7 +83,9 @@ void any_hit(const Scene& scene, std::span<const Ray> rays, std::span<std::uint8
 [[nodiscard]] std::vector<std::uint8_t> any_hit(const Scene& scene, std::span<const Ray> rays,
                                                 const QueryOptions& options = {});
 
-/// Compressed rows: the hits of ray i are hits[offsets[i]] to before hits[offsets[i + 1]].
+/// Compressed rows: the hits of ray i are hits[offsets[i]] to before hits[offsets[i + 1]]. The
+/// memory of rows that are gone is kept for those to come until a scene goes: at most as much as
+/// was in use at once.
 struct HitRows {
   LargeVector<std::uint64_t> offsets;  ///< one more than rays; the first is 0
   LargeVector<Hit> hits;

@@ -391,7 +391,8 @@ class Scene:
         """Everything that each ray meets, from near to far.
 
         Parameters and exceptions are those of `closest_hit`. A ray through an edge or a vertex
-        meets all triangles that share it.
+        meets all triangles that share it. The memory of rows that are gone is kept for the next
+        ones until a scene goes.
 
         >>> import raysheaf
         >>> scene = raysheaf.Scene()

@@ -13,6 +13,7 @@
 #include "api/scene_arrays.h"
 #include "api/scene_gate.h"
 #include "api/scene_view.h"
+#include "base/large.h"
 #include "raysheaf/scene.h"
 
 namespace raysheaf {
@@ -84,8 +85,9 @@ class Scene::Impl {
   SceneRuns runs;  // as committed
   SceneViews views;
   bool committed = false;
-  double pending_ms = 0;  // spent on changes since the last commit
-  double update_ms = 0;   // and on those of the last commit, with itself
+  double pending_ms = 0;            // spent on changes since the last commit
+  double update_ms = 0;             // and on those of the last commit, with itself
+  const LargeMemoryKeeper results;  // of all hits, which the caller has given back
 
  private:
   MeshEntry& find(MeshId id);

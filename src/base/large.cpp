@@ -42,10 +42,12 @@ class SpareBlocks {
   }
   void remove_keeper() {
     const std::lock_guard lock(mutex_);
-    if (--keepers_ > 0) return;
     while (!spare_.empty()) release_oldest();
-    lent_.clear();
-    lent_bytes_ = most_lent_ = 0;
+    if (--keepers_ == 0) {
+      lent_.clear();
+      lent_bytes_ = 0;
+    }
+    most_lent_ = lent_bytes_;
   }
 
   [[nodiscard]] void* take(std::size_t bytes) {

@@ -1,11 +1,11 @@
-// Large memory that comes and goes with every picture.
+// Large memory that comes and goes with every picture, every batch.
 #pragma once
 
 namespace raysheaf {
 
 /// While there is one, large blocks that are given back (raysheaf/large_vector.h: 2 MiB or more)
 /// stay to be taken again: fresh pages of a frame cost a seventh of it. What stays unused is never
-/// more than what was in use at once; the last one to go gives all of it back.
+/// more than what was in use at once; each one that goes gives all of it back.
 class LargeMemoryKeeper {
  public:
   LargeMemoryKeeper();

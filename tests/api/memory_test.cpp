@@ -94,5 +94,20 @@ TEST(Memory, OfTrianglesAndRays) {
   }
 }
 
+/// What was written there is found there: a fresh page would be zero.
+TEST(Memory, OfRowsThatAreGoneServesTheNext) {
+  Scene scene;
+  for (int layer = 0; layer < 8; ++layer) {
+    const Square square(static_cast<float>(layer));
+    scene.add(square.positions, square.triangles);
+  }
+  scene.commit();
+  const std::vector<Ray> rays(20000, along_z());
+  const std::uint64_t hits = all_hits(scene, rays).hits.size();
+  ASSERT_EQ(hits, 8 * rays.size());
+  const LargeVector<Hit> again(hits);
+  for (std::size_t i = 0; i < hits; ++i) ASSERT_EQ(again[i].t, 10.0f + static_cast<float>(i % 8));
+}
+
 }  // namespace
 }  // namespace raysheaf::test
