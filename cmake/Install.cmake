@@ -10,7 +10,7 @@ set_target_properties(raysheaf PROPERTIES
   VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 if(TARGET raysheaf_app AND BUILD_SHARED_LIBS)
   file(RELATIVE_PATH lib_from_bin /p/${CMAKE_INSTALL_BINDIR} /p/${CMAKE_INSTALL_LIBDIR})
-  set_target_properties(raysheaf_app PROPERTIES INSTALL_RPATH "$ORIGIN/${lib_from_bin}")
+  set_target_properties(${RAYSHEAF_PROGRAMS} PROPERTIES INSTALL_RPATH "$ORIGIN/${lib_from_bin}")
 endif()
 
 # Two components: `runtime` is what runs, `development` what programs are built with.
@@ -25,7 +25,7 @@ install(FILES ${PROJECT_BINARY_DIR}/include/raysheaf/version.h
 install(EXPORT raysheafTargets NAMESPACE raysheaf:: DESTINATION ${package_dir}
   COMPONENT development)
 if(TARGET raysheaf_app)
-  install(TARGETS raysheaf_app COMPONENT runtime)
+  install(TARGETS ${RAYSHEAF_PROGRAMS} COMPONENT runtime)
 endif()
 # What find_package gives who asks for COMPONENTS mpi.
 if(RAYSHEAF_HAS_MPI)

@@ -57,10 +57,6 @@ void check_first_scene(const Model& model) {
 
 }  // namespace
 
-bool has_view() {
-  return true;
-}
-
 void view(const ViewOptions& options) {
   std::optional<Script> script = script_of(options);
   const std::string settings_path =

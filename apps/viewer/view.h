@@ -21,9 +21,6 @@ struct ViewOptions {
   std::function<void(const std::string&)> tell;   ///< a line to standard error
 };
 
-/// Whether this build has a window; where not, `view` throws kUnsupported.
-[[nodiscard]] bool has_view();
-
 /// Opens a window and stays until it is closed or the script ends. Throws `Error`: kNoGraphics
 /// without a display or OpenGL 3.3, what `load` throws for the first scene, kInvalidData for a
 /// script's lines, kInternal for what OpenGL dislikes while a script plays.

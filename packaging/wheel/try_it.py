@@ -1,9 +1,11 @@
 """Does an installed wheel work, by itself? Run by a Python that has the wheel and numpy; prints a line.
 
 A batch of rays against a brute force, the command line, a picture by rays; OpenGL works or is declined
-in a sentence; and none of the libraries that it carries is taken from the system instead.
+in a sentence, and so is a window where there is no display; and none of the libraries that it carries is
+taken from the system instead.
 """
 
+import os
 import subprocess
 import sys
 import tempfile
@@ -56,6 +58,11 @@ def main():
         command += ["--primary", "trace", "--quiet", "-o", "c.png"]
         subprocess.run(command, cwd=folder, check=True)
         assert Path(folder, "c.png").read_bytes().startswith(b"\x89PNG")
+
+    command = [sys.executable, "-m", "raysheaf", "view", "builtin:cornell"]
+    nowhere = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    view = subprocess.run(command, env=nowhere, capture_output=True, text=True, check=False)
+    assert view.returncode not in (0, -6, -11) and view.stderr.count("\n") == 1, view
     print(f"raysheaf {raysheaf.__version__} works from {package}; {graphics}")
 
 

@@ -20,11 +20,16 @@ if(READELF AND OBJDUMP AND UNIX AND NOT APPLE AND NOT CMAKE_CXX_FLAGS MATCHES "-
   target_link_libraries(hardening_probe PRIVATE raysheaf_options raysheaf_hardening)
   set(hardened hardening_probe)
   if(RAYSHEAF_HARDENING AND TARGET raysheaf_app)
-    list(APPEND hardened raysheaf_app)
+    list(APPEND hardened ${RAYSHEAF_PROGRAMS})
   endif()
   foreach(program ${hardened})
     add_test(NAME install/hardening_of_${program} COMMAND ${CMAKE_COMMAND}
       -DPROGRAM=$<TARGET_FILE:${program}> -DREADELF=${READELF} -DOBJDUMP=${OBJDUMP} -DPROCESSOR=${CMAKE_SYSTEM_PROCESSOR}
       -P ${CMAKE_CURRENT_LIST_DIR}/hardening.cmake)
   endforeach()
+endif()
+
+if(READELF AND TARGET raysheaf_app)
+  add_test(NAME install/raysheaf_needs_no_window COMMAND ${CMAKE_COMMAND}
+    -DPROGRAM=$<TARGET_FILE:raysheaf_app> -DREADELF=${READELF} -P ${CMAKE_CURRENT_LIST_DIR}/no_window.cmake)
 endif()

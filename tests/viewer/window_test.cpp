@@ -2,18 +2,23 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "display.h"
 #include "tests/support/read_png.h"
-#include "view.h"
 
 namespace raysheaf::test {
 namespace {
 
+bool has_viewer() {
+  return std::filesystem::exists(
+      std::filesystem::path(RAYSHEAF_APP).replace_filename("raysheaf-view"));
+}
+
 class WindowTest : public testing::Test {
  protected:
   void SetUp() override {
-    if (!viewer::has_view()) GTEST_SKIP() << "this build has no viewer";
+    if (!has_viewer()) GTEST_SKIP() << "this build has no viewer";
     if (display_.display.empty()) GTEST_SKIP() << "there is no Xvfb";
     display_variable_.emplace("DISPLAY", display_.display.c_str());
     config_.emplace("XDG_CONFIG_HOME", folder.file("config").c_str());
@@ -183,12 +188,22 @@ TEST_F(WindowTest, MeasuresHowLongInputWaits) {
 }
 
 TEST(Display, WithoutOneThereIsASentence) {
-  if (!viewer::has_view()) GTEST_SKIP() << "this build has no viewer";
+  if (!has_viewer()) GTEST_SKIP() << "this build has no viewer";
   const TemporaryFolder folder;
   const ScopedVariable none("DISPLAY", nullptr), nor("WAYLAND_DISPLAY", nullptr);
   const Finished finished = raysheaf_app({"view", "builtin:cornell"}, folder);
   EXPECT_EQ(finished.code, 1);
   EXPECT_EQ(finished.err.substr(0, 36), "raysheaf: no window can be opened: X");
+  EXPECT_EQ(std::count(finished.err.begin(), finished.err.end(), '\n'), 1) << finished.err;
+}
+
+TEST(Viewer, WhereItIsMissingThereIsASentence) {
+  const TemporaryFolder folder;
+  const std::string alone = folder.file("raysheaf");
+  std::filesystem::copy_file(RAYSHEAF_APP, alone);
+  const Finished finished = run_program({alone, "view", "builtin:cornell"}, folder.path());
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_EQ(finished.err.substr(0, 29), "raysheaf: there is no viewer:");
   EXPECT_EQ(std::count(finished.err.begin(), finished.err.end(), '\n'), 1) << finished.err;
 }
 

@@ -1,10 +1,18 @@
+// raysheaf-view: `raysheaf view`.
 #include "console.h"
+#include "entry/entry.h"
 #include "options.h"
 #include "outputs.h"
 #include "render/frames.h"
 #include "view.h"
 
 namespace raysheaf::app {
+
+std::vector<const char*> command_line(int argc, const char* const* argv) {
+  std::vector<const char*> line = {"raysheaf", "view"};
+  if (argc > 1) line.insert(line.end(), argv + 1, argv + argc);
+  return line;
+}
 
 int run(const ViewCommand& command) {
   viewer::ViewOptions options;

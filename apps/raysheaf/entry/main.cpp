@@ -2,8 +2,10 @@
 #include <exception>
 #include <new>
 #include <variant>
+#include <vector>
 
 #include "console.h"
+#include "entry/entry.h"
 #include "options.h"
 #include "parse.h"
 #include "ranks/ranks.h"
@@ -62,6 +64,7 @@ int guarded(int argc, const char* const* argv) {
 int main(int argc, char** argv) {
   using namespace raysheaf::app;
   guard_streams();
-  const int code = guarded(argc, argv);
+  const std::vector<const char*> line = command_line(argc, argv);
+  const int code = guarded(static_cast<int>(line.size()), line.data());
   return is_silent() ? kSuccess : code;
 }
