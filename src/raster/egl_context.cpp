@@ -18,6 +18,9 @@
 namespace raysheaf {
 namespace {
 
+/// Contexts compute on CUDA's first (exec/cuda/cuda_device.h).
+constexpr EGLAttrib kCudaDevice = 0;
+
 struct Candidate {
   std::string name;
   EGLDisplay display = EGL_NO_DISPLAY;
@@ -67,6 +70,16 @@ Function entry_point(const char* name) {
   return reinterpret_cast<Function>(eglGetProcAddress(name));
 }
 
+/// The number that CUDA has for the device in this process, CUDA_VISIBLE_DEVICES considered
+/// (EGL_NV_device_cuda); -1: none.
+EGLAttrib cuda_number(EGLDeviceEXT device, const char* extensions) {
+  const auto query = entry_point<PFNEGLQUERYDEVICEATTRIBEXTPROC>("eglQueryDeviceAttribEXT");
+  EGLAttrib number = -1;
+  if (query == nullptr || !has_word(extensions, "EGL_NV_device_cuda")) return -1;
+  return query(device, EGL_CUDA_DEVICE_NV, &number) ? number : -1;
+}
+
+/// First of several the one that CUDA computes on, so that it may read what is drawn.
 void add_devices(PFNEGLGETPLATFORMDISPLAYEXTPROC get_display, bool software,
                  std::vector<Candidate>& candidates) {
   const auto query = entry_point<PFNEGLQUERYDEVICESEXTPROC>("eglQueryDevicesEXT");
@@ -77,10 +90,10 @@ void add_devices(PFNEGLGETPLATFORMDISPLAYEXTPROC get_display, bool software,
   if (!query(static_cast<EGLint>(devices.size()), devices.data(), &count)) return;
   for (EGLint i = 0; i < count; ++i) {
     const EGLDeviceEXT device = devices[static_cast<std::size_t>(i)];
-    const bool is_software =
-        has_word(query_string(device, EGL_EXTENSIONS), "EGL_MESA_device_software");
-    if (is_software != software) continue;
-    candidates.push_back(
+    const char* const extensions = query_string(device, EGL_EXTENSIONS);
+    if (has_word(extensions, "EGL_MESA_device_software") != software) continue;
+    candidates.insert(
+        cuda_number(device, extensions) == kCudaDevice ? candidates.begin() : candidates.end(),
         {"EGL device " + std::to_string(i), get_display(EGL_PLATFORM_DEVICE_EXT, device, nullptr)});
   }
 }

@@ -6,8 +6,8 @@
 namespace raysheaf {
 
 /// Needs no window system. Where several drivers would serve, a hardware device is taken before a
-/// software one. Displays belong to the process and are never terminated: EGL does not count who
-/// else uses them.
+/// software one, and of several the one that CUDA counts as its first. Displays belong to the
+/// process and are never terminated: EGL does not count who else uses them.
 class EglContext {
  public:
   /// Throws `Error` (kNoGraphics) that says what was tried. The variable RAYSHEAF_NO_GL, set to
