@@ -104,7 +104,12 @@ double determinant(const Rows& rows) {
   return by_expansions(rows);
 }
 
+}  // namespace raysheaf::checks
+
+namespace raysheaf {
+
 ExactAnswer exact_answer(const Ray& ray, Vec3 a, Vec3 b, Vec3 c) {
+  using checks::determinant, checks::Row;
   const Row direction{ray.direction, {0, 0, 0}};
   const auto seen = [&](Vec3 p) { return Row{p, ray.origin}; };
   ExactAnswer answer;
@@ -121,4 +126,4 @@ ExactAnswer exact_answer(const Ray& ray, Vec3 a, Vec3 b, Vec3 c) {
   return answer;
 }
 
-}  // namespace raysheaf::checks
+}  // namespace raysheaf

@@ -1,4 +1,4 @@
-// What a ray and a triangle have to do with each other, in exact arithmetic on the floats as given.
+// Determinants in exact arithmetic on the floats as given, which `exact_answer` stands on.
 //
 // With a, b, c the corners as seen from the ray's origin and d its direction, all answers are signs
 // and quotients of determinants of third degree:
@@ -17,18 +17,9 @@
 #include <array>
 
 #include "base/vec.h"
+#include "raysheaf/exact.h"
 
 namespace raysheaf::checks {
-
-struct ExactAnswer {
-  /// Whether the line through the ray meets the closed triangle in one point; its plane is then not
-  /// parallel to the ray. The interval of the ray is not looked at.
-  bool meets = false;
-  /// To within 2^-38 relative, with the right signs; 0 where the plane is parallel to the ray.
-  double t = 0, u = 0, v = 0;
-};
-
-[[nodiscard]] ExactAnswer exact_answer(const Ray& ray, Vec3 a, Vec3 b, Vec3 c);
 
 /// A row of a determinant: from one point to another.
 struct Row {

@@ -181,6 +181,30 @@ TEST(CompareHits, TellsEdgesFromErrors) {
       1u);
 }
 
+/// The ray that both are asked about meets the square at t = 2; one of three that pass beside it.
+TEST(CompareHits, ExactArithmeticSaysWhoIsRight) {
+  const std::vector<Vec3> positions{{-1, -1, 4}, {1, -1, 4}, {1, 1, 4}, {-1, 1, 4}};
+  const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}, {0, 2, 3}};
+  const std::vector<app::MeshView> meshes{{positions, triangles}};
+  const Ray at{{0, 0, 0}, 0, {0, 0, 2}, 10}, beside{{3, 0, 0}, 0, {0, 0, 2}, 10};
+  const Ray short_of{{0, 0, 0}, 0, {0, 0, 2}, 1.5f};
+  const std::vector<Ray> rays{at, beside, short_of, at};
+  const Hit there{2, 0, 0, 0, 0, 0}, wrong{2.5f, 0, 0, 0, 0, 0}, none;
+  const std::vector<Hit> ours{there, none, none, there}, theirs{wrong, there, there, none};
+  app::HitCheck check = app::compare_hits(rays, ours, theirs, 0);
+  EXPECT_EQ(check.differing, (std::vector<std::size_t>{0, 1, 2, 3}));
+  app::settle_hits(meshes, rays, ours, theirs, 0, &check);
+  EXPECT_EQ(check.settled, 4u);
+  EXPECT_EQ(check.ours_right, 4u);
+  EXPECT_EQ(check.peer_right, 0u);
+  const std::vector<std::uint8_t> our_flags{1, 0, 1, 1}, their_flags{0, 1, 0, 1};
+  app::HitCheck flags = app::compare_flags(our_flags, their_flags);
+  app::settle_flags(meshes, rays, our_flags, their_flags, &flags);
+  EXPECT_EQ(flags.settled, 3u);
+  EXPECT_EQ(flags.ours_right, 2u);
+  EXPECT_EQ(flags.peer_right, 1u);
+}
+
 TEST(CompareHits, OneInTenThousandMayDiffer) {
   app::HitCheck check;
   check.compared = 20'000;

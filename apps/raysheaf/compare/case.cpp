@@ -221,7 +221,7 @@ class CompareBench::Impl {
       if (we_begin) our_lap = lap(*ours_, frame, kind, our_answers);
       their_lap = lap(peer, frame, kind, their_answers);
       if (!we_begin) our_lap = lap(*ours_, frame, kind, our_answers);
-      keep_worst(check(kind, frame, our_answers, their_answers), result.hits);
+      check(kind, frame, our_answers, their_answers, &result.hits);
       if (i < kWarmUp) continue;
       const QueryStatistics& s = ours_->statistics();
       ours.push_back({our_lap.update, s.order_ms, s.hierarchy_ms, s.trace_ms, our_lap.total});
@@ -252,16 +252,20 @@ class CompareBench::Impl {
             median_of(all, &PeerTimes::total)};
   }
 
-  [[nodiscard]] HitCheck check(CompareKind kind, std::size_t frame, const Answers& ours,
-                               const Answers& theirs) const {
-    if (asks_for_any_hit(kind)) return compare_flags(ours.occluded, theirs.occluded);
-    constexpr float kSlack = 0x1p-20f;
-    return compare_hits(frames_.rays(frame, kind), ours.hits, theirs.hits,
-                        kSlack * frames_.diagonal());
-  }
-
-  static void keep_worst(const HitCheck& found, HitCheck& worst) {
-    if (worst.compared == 0 || found.mismatches > worst.mismatches) worst = found;
+  /// Keeps the worst check of all frames.
+  void check(CompareKind kind, std::size_t frame, const Answers& ours, const Answers& theirs,
+             HitCheck* worst) const {
+    const std::vector<Ray>& rays = frames_.rays(frame, kind);
+    const float slack = 0x1p-20f * frames_.diagonal();
+    const bool any = asks_for_any_hit(kind);
+    HitCheck found = any ? compare_flags(ours.occluded, theirs.occluded)
+                         : compare_hits(rays, ours.hits, theirs.hits, slack);
+    if (worst->compared != 0 && found.mismatches <= worst->mismatches) return;
+    if (any)
+      settle_flags(views_[frame], rays, ours.occluded, theirs.occluded, &found);
+    else
+      settle_hits(views_[frame], rays, ours.hits, theirs.hits, slack, &found);
+    *worst = std::move(found);
   }
 
   /// Our answers to a whole batch against brute force, on rays spread over it.

@@ -40,4 +40,12 @@ class CompareBench {
 [[nodiscard]] HitCheck compare_flags(std::span<const std::uint8_t> ours,
                                      std::span<const std::uint8_t> theirs);
 
+/// Asks exact arithmetic about rays that differ: as many as some ten million triangles allow.
+void settle_hits(std::span<const MeshView> meshes, std::span<const Ray> rays,
+                 std::span<const Hit> ours, std::span<const Hit> theirs, float slack,
+                 HitCheck* check);
+void settle_flags(std::span<const MeshView> meshes, std::span<const Ray> rays,
+                  std::span<const std::uint8_t> ours, std::span<const std::uint8_t> theirs,
+                  HitCheck* check);
+
 }  // namespace raysheaf::app

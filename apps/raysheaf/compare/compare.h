@@ -27,6 +27,9 @@ struct HitCheck {
   std::uint64_t mismatches = 0;       ///< another distance, or a hit on one side alone
   std::uint64_t other_triangles = 0;  ///< the same distance, on another triangle: edges
   std::uint64_t sampled = 0, sample_mismatches = 0;  ///< ours against brute force, bit for bit
+  std::vector<std::size_t> differing;                ///< the first of the mismatches: which rays
+  /// Of those, as many as exact arithmetic was asked about, and with whom it agrees.
+  std::uint64_t settled = 0, ours_right = 0, peer_right = 0;
 
   /// Embree is not watertight as the library is, and rounds in its own way: a ray in 10 000 may
   /// differ. Brute force may not.

@@ -14,6 +14,9 @@ Json peer_ms_json(const PeerTimes& ms) {
 Json hits_json(const HitCheck& hits) {
   return {{"compared", hits.compared},
           {"mismatches", hits.mismatches},
+          {"settled", hits.settled},
+          {"ours_right", hits.ours_right},
+          {"peer_right", hits.peer_right},
           {"other_triangles", hits.other_triangles},
           {"brute_force_compared", hits.sampled},
           {"brute_force_mismatches", hits.sample_mismatches}};

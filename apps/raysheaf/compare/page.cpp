@@ -134,18 +134,24 @@ std::string time_table(const CompareReport& report, CompareMode mode) {
 
 std::string hits_paragraph(const CompareReport& report) {
   std::uint64_t compared = 0, mismatches = 0, sampled = 0, wrong = 0, unequal = 0;
+  std::uint64_t settled = 0, ours_right = 0, peer_right = 0;
   for (const CompareCase& c : report.cases) {
     compared += c.hits.compared;
     mismatches += c.hits.mismatches;
+    settled += c.hits.settled;
+    ours_right += c.hits.ours_right;
+    peer_right += c.hits.peer_right;
     sampled += c.hits.sampled;
     wrong += c.hits.sample_mismatches;
     unequal += c.hits.equal() ? 0 : 1;
   }
   return fmt::format(
-      "**Hits.** Of {} rays, {} are answered otherwise by the peer, which rounds in its own way at "
-      "edges; a case counts as equal up to one ray in 10 000, and {} cases are not (marked ≠). Of "
-      "{} rays that brute force answered too, {} differ from it.\n\n",
-      compared, mismatches, unequal == 0 ? "no" : std::to_string(unequal), sampled,
+      "**Hits.** Of {} rays, {} are answered otherwise by the peer. Exact arithmetic on the floats "
+      "as given was asked about {} of those: it agrees with raysheaf in {}, with the peer in {}. A "
+      "case counts as equal up to one ray in 10 000, and {} cases are not (marked ≠). Of {} rays "
+      "that brute force answered too, {} differ from it.\n\n",
+      compared, mismatches, settled, ours_right, peer_right,
+      unequal == 0 ? "no" : std::to_string(unequal), sampled,
       wrong == 0 ? "none" : std::to_string(wrong));
 }
 
