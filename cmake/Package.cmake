@@ -24,6 +24,9 @@ set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "Renders scenes with a hierarchy over the r
  so that nothing is rebuilt when every triangle moves, and measures how
  it does so.")
 
+# OpenGL is loaded where there is one; this is Mesa's, which draws on the CPU where there is no driver.
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "libegl1, libopengl0, libgl1, libegl-mesa0, libgl1-mesa-dri")
+
 # A static library leaves what it stands on to whoever links it.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libraysheaf-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
