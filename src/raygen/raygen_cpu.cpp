@@ -45,23 +45,25 @@ RayBatch make_sky_rays(const Executor& executor, View<const Fragment> fragments,
   const LightReach reach = light_reach(scene_bounds);
   const ShadowKeyLayout layout = shadow_key_layout(kSkyStrategies);
   batch.key_bits = layout.key_bits();
-  const auto choose = [&](std::size_t slot) {
-    const auto strategy = static_cast<std::uint32_t>(slot / fragments.size);
-    return choose_in_sky(fragments[slot % fragments.size], sky, strategy, sample);
-  };
+  const std::size_t slot_count = fragments.size * kSkyStrategies;
+  LargeVector<Ray> chosen(slot_count);  // those of slots that have one
   const auto has_ray = [&](std::size_t slot) {
     const Fragment& f = fragments[slot % fragments.size];
-    return f.triangle != kInvalidId && faces_light(f, choose(slot));
+    if (!takes_light(f)) return false;
+    const auto strategy = static_cast<std::uint32_t>(slot / fragments.size);
+    const LightSample seen = choose_in_sky(f, sky, strategy, sample);
+    if (!faces_light(f, seen)) return false;
+    chosen[slot] = shadow_ray(f, seen, reach);
+    return true;
   };
   const auto make = [&](std::size_t i, std::size_t slot) {
-    const Ray ray = shadow_ray(fragments[slot % fragments.size], choose(slot), reach);
-    batch.rays[i] = ray;
+    const Ray ray = batch.rays[i] = chosen[slot];
     if (keys == Keys::kNone) return;
     batch.lights[i] = static_cast<std::uint32_t>(slot / fragments.size);
     batch.places[i] = octahedral(ray.direction);
     batch.keys[i] = shadow_key(layout, batch.lights[i], batch.places[i]);
   };
-  fill(executor, fragments, fragments.size * kSkyStrategies, keys, has_ray, make, &batch);
+  fill(executor, fragments, slot_count, keys, has_ray, make, &batch);
   return batch;
 }
 

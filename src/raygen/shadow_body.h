@@ -29,6 +29,21 @@ RAYSHEAF_HD inline bool faces_light(const Fragment& f, const LightSample& sample
          max_component(sample.irradiance) > 0;
 }
 
+/// Whether no place on a light that has a size lies before the surface: then no sample of it faces
+/// the light, whatever rounding does to either. May be false where that is so.
+inline bool turned_away(const Surface& surface, const PlacedLight& light) {
+  const Vec3 to_center = light.position - surface.position, n = surface.normal;
+  float extent = light.radius;
+  if (light.is_rectangle) {
+    const Vec3 up = cross(light.right, light.direction);
+    extent = 0.5f *
+             (std::fabs(dot(n, light.right)) * light.width + std::fabs(dot(n, up)) * light.height);
+  }
+  const float size = length(to_center) + light.radius + light.width + light.height;
+  const float margin = 1e-4f * size + 1e-6f * max_component(abs(light.position));
+  return dot(n, to_center) + extent < -margin;
+}
+
 /// Where on light number `index` of the scene the fragment looks in this sample. A lone sample has
 /// no choice to make: a ball then shines from its centre, as a point does.
 RAYSHEAF_HD inline LightSample choose_on_light(const Fragment& f, const PlacedLight& light,

@@ -20,7 +20,8 @@ namespace {
 ///   light 0  | 1101.. | 0110.. |
 ///   light 1  | 0001.. | 1111.. |     counts -> scan -> where the rays of (light, block) stand
 ///
-/// What a light sends is found twice: to write a ray elsewhere first costs more.
+/// What a point sends is found twice: to write a ray elsewhere first costs more. Not so where a
+/// place on a light is chosen: those rays wait in `chosen_` until it is known where they stand.
 class ShadowRays {
  public:
   ShadowRays(const Executor& executor, View<const Fragment> fragments,
@@ -37,6 +38,12 @@ class ShadowRays {
         begin_(lights.size * blocks_) {
     facing_.resize_uninitialized(begin_.size() * kLightGroups);
     columns_.resize(blocks_);
+    std::size_t chosen = 0;
+    for (const PlacedLight& light : lights) {
+      chosen_from_.push_back(chosen);
+      chosen += shines_from_point(light, sample) ? 0 : fragments.size;
+    }
+    chosen_.resize(chosen);
   }
 
   void make(const ShadowKeyLayout& layout, RayBatch* batch) {
@@ -81,19 +88,27 @@ class ShadowRays {
       const PlacedLight& light = lights_[l];
       begin_[l * blocks_ + block] = shines_from_point(light, sample_)
                                         ? find_facing(columns, light, fragments, facing(l, block))
-                                        : find_one_by_one(columns, l, fragments, facing(l, block));
+                                        : find_one_by_one(l, block, facing(l, block));
     }
   }
 
-  std::uint32_t find_one_by_one(const ShadowColumns& columns, std::size_t light,
-                                View<const Fragment> fragments, std::uint16_t* facing) const {
+  std::uint32_t find_one_by_one(std::size_t light, std::size_t block, std::uint16_t* facing) {
+    const ShadowColumns& columns = columns_[block];
+    const View<const Fragment> fragments = block_of(block);
+    const bool sized = has_size(lights_[light]);
+    Ray* const chosen = chosen_.data() + chosen_from_[light] + block * kLightBlock;
     std::uint32_t count = 0;
     for (std::size_t group = 0; group * kLightLanes < fragments.size; ++group) {
       std::uint32_t faces = 0;
       for (std::uint32_t rest = columns.lit[group]; rest != 0; rest &= rest - 1) {
         const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
-        const Fragment& f = fragments[group * kLightLanes + lane];
-        if (faces_light(f, choose(f, light))) faces |= 1u << lane;
+        const std::size_t i = group * kLightLanes + lane;
+        const Fragment& f = fragments[i];
+        if (sized && turned_away(f.surface, lights_[light])) continue;
+        const LightSample seen = choose(f, light);
+        if (!faces_light(f, seen)) continue;
+        faces |= 1u << lane;
+        chosen[i] = shadow_ray(f, seen, reach_);
       }
       facing[group] = static_cast<std::uint16_t>(faces);
       count += static_cast<std::uint32_t>(std::popcount(faces));
@@ -112,10 +127,8 @@ class ShadowRays {
       if (shines_from_point(lights_[l], sample_)) {
         make_point_rays(columns, lights_[l], fragments, facing(l, block), rays);
       } else {
-        for (std::size_t i = begin; i < end; ++i) {
-          const Fragment& f = fragments_[batch->slots[i] % fragments_.size];
-          batch->rays[i] = shadow_ray(f, choose(f, l), reach_);
-        }
+        for (std::size_t i = begin; i < end; ++i)
+          batch->rays[i] = chosen_[chosen_from_[l] + batch->slots[i] % fragments_.size];
       }
       if (keyed_) fill_keys(l, begin, end, layout, batch);
     }
@@ -154,7 +167,9 @@ class ShadowRays {
   const std::size_t blocks_;
   std::vector<std::uint32_t> begin_;  ///< of (light, block): counts, then places
   Buffer<std::uint16_t> facing_;
-  LargeVector<ShadowColumns> columns_;  ///< of each block
+  LargeVector<ShadowColumns> columns_;    ///< of each block
+  LargeVector<Ray> chosen_;               ///< of (light, fragment), of lights that are no points
+  std::vector<std::size_t> chosen_from_;  ///< of each light
 };
 
 }  // namespace
