@@ -29,7 +29,7 @@ void become_viewer(const std::vector<const char*>& arguments) {
 }  // namespace
 
 std::vector<const char*> command_line(int argc, const char* const* argv) {
-  const std::vector<const char*> arguments(argv, argv + argc);
+  std::vector<const char*> arguments(argv, argv + argc);
   if (argc > 1 && std::string_view(argv[1]) == "view") become_viewer(arguments);
   return arguments;
 }
