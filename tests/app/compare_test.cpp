@@ -181,7 +181,7 @@ TEST(CompareHits, TellsEdgesFromErrors) {
       1u);
 }
 
-/// The ray that both are asked about meets the square at t = 2; one of three that pass beside it.
+/// Two rays meet the square at t = 2; one passes beside it, one ends before it.
 TEST(CompareHits, ExactArithmeticSaysWhoIsRight) {
   const std::vector<Vec3> positions{{-1, -1, 4}, {1, -1, 4}, {1, 1, 4}, {-1, 1, 4}};
   const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}, {0, 2, 3}};

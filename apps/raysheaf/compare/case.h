@@ -40,7 +40,7 @@ class CompareBench {
 [[nodiscard]] HitCheck compare_flags(std::span<const std::uint8_t> ours,
                                      std::span<const std::uint8_t> theirs);
 
-/// Asks exact arithmetic about rays that differ: as many as some ten million triangles allow.
+/// Asks exact arithmetic about rays that differ: as many as twenty million tests allow.
 void settle_hits(std::span<const MeshView> meshes, std::span<const Ray> rays,
                  std::span<const Hit> ours, std::span<const Hit> theirs, float slack,
                  HitCheck* check);

@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include "entry/entry.h"
