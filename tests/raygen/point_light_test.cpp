@@ -96,6 +96,34 @@ TEST(PointLights, ShadowRaysAreThoseOfOneFragmentAfterTheOther) {
   }
 }
 
+/// Near the horizon, where it must not be wrong, and far out, where positions are coarse.
+TEST(SizedLights, ThatAreTurnedAwayFaceNoSample) {
+  std::size_t away = 0, others = 0;
+  for (const float far : {0.0f, 1000.0f}) {
+    for (std::uint32_t i = 0; i < 4000; ++i) {
+      const float tilt = 1e-3f * static_cast<float>(i % 2000) - 1;
+      Light light;
+      light.type = i % 2 == 0 ? Light::Type::kPoint : Light::Type::kRectangle;
+      light.position = {far + 0.3f, far + tilt, far - 0.2f};
+      light.direction = {0, 0, 1};
+      light.right = {1, 0, 0};
+      light.radius = i % 2 == 0 ? 0.25f : 0.0f;
+      light.width = light.height = i % 2 == 0 ? 0.0f : 0.5f;
+      const PlacedLight placed = placed_light(light);
+      Fragment f;
+      f.triangle = 0;
+      f.surface.position = {far, far, far + 0.1f};
+      f.surface.normal = {0, 1, 0};
+      const bool turned = turned_away(f.surface, placed);
+      ++(turned ? away : others);
+      for (std::uint32_t k = 0; turned && k < 16; ++k)
+        ASSERT_FALSE(faces_light(f, choose_on_light(f, placed, 0, {k, 16}))) << far << " " << i;
+    }
+  }
+  EXPECT_GT(away, 1000u);
+  EXPECT_GT(others, 1000u);
+}
+
 TEST(PointLights, NoFragmentsHaveNoRays) {
   const std::vector<PlacedLight> lights = all_kinds_of_lights();
   const RayBatch batch = make_shadow_rays(Executor(1), Fragments{}, lights, 0, 2, {});
