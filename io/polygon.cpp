@@ -1,6 +1,7 @@
 #include "io/polygon.h"
 
-#include <numeric>
+#include <algorithm>
+#include <cmath>
 
 #include "io/linear.h"
 
@@ -11,6 +12,7 @@ using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
 struct Point {
   double x = 0, y = 0;
+  bool operator==(const Point&) const = default;
 };
 
 /// Twice the signed area of a, b, c; positive where they turn to the left.
@@ -54,49 +56,122 @@ Triangles fan(std::size_t corners) {
   return result;
 }
 
-/// Whether the corner `ring[i]` can be cut off: it turns to the left and no other corner is inside.
-bool is_ear(const std::vector<Point>& p, const std::vector<std::uint32_t>& ring, std::size_t i) {
-  const std::size_t n = ring.size();
-  const Point a = p[ring[(i + n - 1) % n]], b = p[ring[i]], c = p[ring[(i + 1) % n]];
-  if (!(turn(a, b, c) > 0)) return false;
-  for (std::size_t k = 2; k + 1 < n; ++k) {
-    const Point q = p[ring[(i + k) % n]];
-    if (turn(a, b, q) >= 0 && turn(b, c, q) >= 0 && turn(c, a, q) >= 0) return false;
-  }
-  return true;
-}
-
-/// Corners that are looked at for each that is cut, on average; polygons of files need two or
-/// three.
-constexpr std::size_t kTestsPerCorner = 8;
-
-/// Cuts ears (Meisters 1975). Where there is none, the polygon crosses itself: then any corner.
-Triangles clip_ears(const std::vector<Point>& p) {
-  std::vector<std::uint32_t> ring(p.size());
-  std::iota(ring.begin(), ring.end(), 0u);
-  Triangles result;
-  std::size_t start = 0, tests = kTestsPerCorner * p.size();
-  while (ring.size() > 3) {
-    const std::size_t n = ring.size();
-    std::size_t i = start % n;
-    for (std::size_t tried = 0; tried < n && tests > 0 && !is_ear(p, ring, i); ++tried, --tests) {
-      i = (i + 1) % n;
+/// Cuts ears (Meisters 1975): corners whose triangle holds nothing else of the polygon. It may
+/// touch itself, as one does whose holes hang on its border by edges there and back. Where there is
+/// no ear, it crosses itself: then any corner.
+class EarClipper {
+ public:
+  explicit EarClipper(const std::vector<Point>& points)
+      : points_(points),
+        next_(points.size()),
+        previous_(points.size()),
+        work_left_(kWorkPerCorner * points.size()) {
+    const auto n = static_cast<std::uint32_t>(points.size());
+    for (std::uint32_t i = 0; i < n; ++i) {
+      next_[i] = (i + 1) % n;
+      previous_[i] = (i + n - 1) % n;
     }
-    result.push_back({ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]});
-    ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(i));
-    start = i;
+    for (std::uint32_t i = 0; i < n; ++i)
+      if (!(turn_at(i) > 0)) blunt_.push_back(i);
+    std::sort(blunt_.begin(), blunt_.end(),
+              [&points](std::uint32_t i, std::uint32_t j) { return points[i].x < points[j].x; });
   }
-  result.push_back({ring[0], ring[1], ring[2]});
-  return result;
-}
+
+  Triangles clip() {
+    Triangles result;
+    std::uint32_t at = 0;
+    for (std::size_t left = points_.size(); left > 3; --left) {
+      at = corner_to_cut(at, left);
+      const std::uint32_t before = previous_[at], after = next_[at];
+      result.push_back({before, at, after});
+      next_[before] = after;
+      previous_[after] = before;
+      next_[at] = kInvalidId;  // gone
+      at = after;
+    }
+    result.push_back({previous_[at], at, next_[at]});
+    return result;
+  }
+
+ private:
+  /// Corners that are looked at for each of the polygon, on average. It takes radii of noise or
+  /// teeth by the thousand to need half as many.
+  static constexpr std::size_t kWorkPerCorner = 4096;
+
+  [[nodiscard]] double turn_at(std::uint32_t i) const {
+    return turn(points_[previous_[i]], points_[i], points_[next_[i]]);
+  }
+
+  /// The first ear from `at` on; else what loses least.
+  std::uint32_t corner_to_cut(std::uint32_t at, std::size_t left) {
+    std::uint32_t flat = kInvalidId, left_turn = kInvalidId;
+    for (std::uint32_t i = at; left > 0 && work_left_ > 0; i = next_[i], --left) {
+      spend();
+      const double turned = turn_at(i);
+      if (turned > 0 && is_ear(i)) return i;
+      if (turned == 0 && flat == kInvalidId) flat = i;
+      if (turned > 0 && left_turn == kInvalidId) left_turn = i;
+    }
+    return flat != kInvalidId ? flat : left_turn != kInvalidId ? left_turn : at;
+  }
+
+  /// Whether nothing of the polygon reaches into the triangle of a corner that turns to the left.
+  /// If anything does, so does a corner that turns to the right.
+  bool is_ear(std::uint32_t i) {
+    const Point a = points_[previous_[i]], b = points_[i], c = points_[next_[i]];
+    const double least_x = std::min({a.x, b.x, c.x}), greatest_x = std::max({a.x, b.x, c.x});
+    const double least_y = std::min({a.y, b.y, c.y}), greatest_y = std::max({a.y, b.y, c.y});
+    forget_those_gone();
+    auto q = std::lower_bound(blunt_.begin(), blunt_.end(), least_x,
+                              [this](std::uint32_t j, double x) { return points_[j].x < x; });
+    for (; q != blunt_.end() && points_[*q].x <= greatest_x; ++q) {
+      spend();
+      const double y = points_[*q].y;
+      if (y < least_y || y > greatest_y || *q == previous_[i] || *q == next_[i]) continue;
+      if (next_[*q] != kInvalidId && reaches_into(*q, a, b, c)) return false;
+    }
+    return true;
+  }
+
+  /// Whether the corner lies in the triangle or on its border; at one of its corners, whether an
+  /// edge goes inside from there.
+  [[nodiscard]] bool reaches_into(std::uint32_t q, Point a, Point b, Point c) const {
+    const Point p = points_[q];
+    if (p == a || p == b || p == c)
+      return lies_towards(points_[next_[q]], p, a, b, c) ||
+             lies_towards(points_[previous_[q]], p, a, b, c);
+    return turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
+  }
+
+  /// Whether `to`, seen from `corner` of the triangle, lies between its other two.
+  [[nodiscard]] static bool lies_towards(Point to, Point corner, Point a, Point b, Point c) {
+    const bool of_ab = turn(a, b, to) > 0, of_bc = turn(b, c, to) > 0, of_ca = turn(c, a, to) > 0;
+    return corner == a ? of_ca && of_ab : corner == b ? of_ab && of_bc : of_bc && of_ca;
+  }
+
+  /// Corners that were cut, or turn to the left by now; so often that it costs next to nothing.
+  void forget_those_gone() {
+    if (++tests_since_ < blunt_.size()) return;
+    std::erase_if(blunt_,
+                  [this](std::uint32_t j) { return next_[j] == kInvalidId || turn_at(j) > 0; });
+    tests_since_ = 0;
+  }
+
+  void spend() { work_left_ -= work_left_ > 0 ? 1 : 0; }
+
+  const std::vector<Point>& points_;
+  std::vector<std::uint32_t> next_, previous_;
+  std::vector<std::uint32_t> blunt_;  ///< corners that did not turn to the left, by x
+  std::size_t tests_since_ = 0, work_left_;
+};
 
 }  // namespace
 
 std::vector<std::array<std::uint32_t, 3>> triangulate(const std::vector<Vec3>& points) {
   if (points.size() < 3) return {};
-  if (points.size() == 3 || points.size() > kMaxEarCorners) return fan(points.size());
+  if (points.size() == 3) return fan(points.size());
   const std::vector<Point> flat = flatten(points);
-  return flat.empty() || is_convex(flat) ? fan(points.size()) : clip_ears(flat);
+  return flat.empty() || is_convex(flat) ? fan(points.size()) : EarClipper(flat).clip();
 }
 
 }  // namespace raysheaf::io

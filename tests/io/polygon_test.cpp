@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <set>
@@ -31,25 +32,89 @@ std::vector<Vec3> star(std::mt19937& random, std::size_t corners) {
   return points;
 }
 
+/// As many triangles as corners less two, in the polygon's winding, that cover its area once.
+void expect_whole(const std::vector<Vec3>& points) {
+  const auto triangles = triangulate(points);
+  ASSERT_EQ(triangles.size(), points.size() - 2);
+  Double3 whole, sum;
+  for (std::uint32_t i = 1; i + 1 < points.size(); ++i)
+    whole = whole + area_vector(points, {0, i, i + 1});
+  double total = 0;
+  std::size_t wrong_side = 0;
+  for (const auto& t : triangles) {
+    sum = sum + area_vector(points, t);
+    total += length(area_vector(points, t));
+    wrong_side += dot(area_vector(points, t), whole) < -1e-6 ? 1 : 0;
+  }
+  EXPECT_EQ(wrong_side, 0u) << "winding";
+  EXPECT_NEAR(total, length(whole), 1e-4 * length(whole)) << "overlap, with " << points.size();
+  EXPECT_NEAR(length(sum - whole), 0, 1e-4 * length(whole));
+}
+
 TEST(Polygon, CutsStarsWithoutOverlap) {
   std::mt19937 random(5);
-  for (int round = 0; round < 300; ++round) {
-    const std::size_t corners = 4 + random() % 40;
-    const std::vector<Vec3> points = star(random, corners);
-    const auto triangles = triangulate(points);
-    ASSERT_EQ(triangles.size(), corners - 2);
-    Double3 whole, sum;
-    for (std::uint32_t i = 1; i + 1 < corners; ++i)
-      whole = whole + area_vector(points, {0, i, i + 1});
-    double total = 0;
-    for (const auto& t : triangles) {
-      sum = sum + area_vector(points, t);
-      total += length(area_vector(points, t));
-      EXPECT_GE(dot(area_vector(points, t), whole), -1e-6) << "winding";
-    }
-    EXPECT_NEAR(total, length(whole), 1e-4 * length(whole)) << "overlap, with " << corners;
-    EXPECT_NEAR(length(sum - whole), 0, 1e-4);
+  for (int round = 0; round < 300; ++round) expect_whole(star(random, 4 + random() % 40));
+  expect_whole(star(random, 257));
+  expect_whole(star(random, 20000));
+}
+
+/// A disc, counter-clockwise from angle 0, and a hole in it, clockwise.
+std::vector<Vec3> circle(float radius, std::size_t corners, bool hole, Vec3 center = {}) {
+  std::vector<Vec3> points;
+  for (std::size_t i = 0; i < corners; ++i) {
+    const float angle =
+        (hole ? -6.2831853f : 6.2831853f) * static_cast<float>(i) / static_cast<float>(corners);
+    points.push_back(
+        {center.x + radius * std::cos(angle), center.y + radius * std::sin(angle), center.z});
   }
+  return points;
+}
+
+/// `hole` hung on `border` by an edge there and back from the first corner of each.
+std::vector<Vec3> hung(const std::vector<Vec3>& border, const std::vector<Vec3>& hole) {
+  std::vector<Vec3> all = border;
+  all.push_back(border[0]);
+  all.insert(all.end(), hole.begin(), hole.end());
+  all.push_back(hole[0]);
+  return all;
+}
+
+TEST(Polygon, CutsRingsThatAreHungOnEdgesThereAndBack) {
+  std::mt19937 random(6);
+  for (int round = 0; round < 100; ++round) {
+    std::vector<Vec3> ring =
+        hung(circle(2, 3 + random() % 60, false), circle(0.9f, 3 + random() % 60, true));
+    // From any corner, and from the other side.
+    std::rotate(ring.begin(), ring.begin() + static_cast<std::ptrdiff_t>(random() % ring.size()),
+                ring.end());
+    if (round % 2 == 0) std::reverse(ring.begin(), ring.end());
+    expect_whole(ring);
+  }
+  // Two holes on the same corner, which meet there; and one that touches the border from within.
+  const std::vector<Vec3> square = {{4, 4, 0}, {-4, 4, 0}, {-4, -4, 0}, {4, -4, 0}};
+  expect_whole(hung(hung(square, circle(1, 8, true, {1, -2, 0})), circle(1, 8, true, {-2, 1, 0})));
+  expect_whole({{0, 0, 0},
+                {1, 1, 0},
+                {-1, 1, 0},
+                {0, 0, 0},
+                {-4, 4, 0},
+                {-4, -4, 0},
+                {4, -4, 0},
+                {4, 4, 0}});
+  expect_whole({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 0, 0}, {0, 4, 0}});
+}
+
+/// Teeth as high as it is wide: every corner sees few others.
+TEST(Polygon, CutsACombOfManyTeeth) {
+  std::vector<Vec3> comb;
+  for (int tooth = 0; tooth < 5000; ++tooth) {
+    const float x = static_cast<float>(tooth);
+    comb.push_back({x, 1, 0});
+    comb.push_back({x + 0.5f, 5000, 0});
+  }
+  comb.push_back({5000, 0, 0});
+  comb.push_back({0, 0, 0});
+  expect_whole(comb);
 }
 
 TEST(Polygon, MakesFansOfConvexOnes) {
