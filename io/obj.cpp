@@ -245,7 +245,7 @@ class ObjReader {
 SceneDescription load_obj(const Bytes& file, const SceneFile& from) {
   SceneDescription scene;
   scene.name = std::filesystem::path(from.path).stem().string();
-  ObjLines lines(file);
+  ObjLines lines(text_of(file));
   MtlLibrary materials(from, scene);
   ObjReader reader(lines, materials);
   reader.run();

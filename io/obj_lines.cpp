@@ -61,6 +61,13 @@ std::string quoted(std::string_view word) {
 
 }  // namespace
 
+std::string_view text_of(std::span<const std::uint8_t> file) {
+  const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+    refuse("the text is UTF-16; UTF-8 is read", {}, ErrorCode::kUnsupported);
+  return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
+}
+
 std::vector<std::string_view> words_of(std::string_view text) {
   std::vector<std::string_view> words;
   for (std::string_view word = take_word(text); !word.empty(); word = take_word(text)) {
@@ -180,9 +187,15 @@ void ObjLines::check_face(std::string_view rest) {
     }
     ++count;
   }
-  if (count >= 3) return;
-  short_faces_ = true;
-  current_.clear();
+  if (count < 3) {
+    short_faces_ = true;
+    current_.clear();
+  }
+  // After "7/" or "7/2/" the parser would take the next reference for what is left out.
+  for (std::size_t i = current_.size(); i-- > 0;) {
+    if (current_[i] == '/' && (i + 1 == current_.size() || is_blank(current_[i + 1])))
+      current_[i] = ' ';
+  }
 }
 
 }  // namespace raysheaf::io

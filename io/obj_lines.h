@@ -16,8 +16,7 @@ namespace raysheaf::io {
 /// callbacks `line()` is the number of the line at hand. Throws `Error` with place "line 17".
 class ObjLines : public std::streambuf {
  public:
-  explicit ObjLines(std::span<const std::uint8_t> text)
-      : text_(reinterpret_cast<const char*>(text.data()), text.size()) {}
+  explicit ObjLines(std::string_view text) : text_(text) {}
 
   [[nodiscard]] std::size_t line() const { return line_; }
   [[nodiscard]] std::string place() const { return "line " + std::to_string(line_); }
@@ -43,6 +42,8 @@ class ObjLines : public std::streambuf {
   bool lines_or_points_ = false, curves_ = false, short_faces_ = false;
 };
 
+/// A file's text, without the mark that may begin UTF-8. Throws `Error` (kUnsupported) for UTF-16.
+[[nodiscard]] std::string_view text_of(std::span<const std::uint8_t> file);
 /// The words of a line.
 [[nodiscard]] std::vector<std::string_view> words_of(std::string_view text);
 [[nodiscard]] std::string_view trim(std::string_view text);

@@ -162,15 +162,15 @@ void MtlLibrary::read(const std::string& name) {
   if (!read_.insert(name).second) return;
   std::string text_name = name;
   std::replace(text_name.begin(), text_name.end(), '\\', '/');
-  Bytes bytes;
+  std::string text;
   try {
-    bytes = read_file(resolve(from_, text_name, false, "mtllib"));
+    text = text_of(read_file(resolve(from_, text_name, false, "mtllib")));
   } catch (const Error& error) {
     return warn_once("The material library \"" + printable(name) +
                      "\" is left out: " + error.sentence() + ".");
   }
-  std::replace(bytes.begin(), bytes.end(), std::uint8_t{0}, std::uint8_t{' '});
-  std::istringstream stream(std::string(bytes.begin(), bytes.end()));
+  std::replace(text.begin(), text.end(), '\0', ' ');
+  std::istringstream stream(std::move(text));
   std::map<std::string, int> by_name;
   std::vector<tinyobj::material_t> materials;
   std::string warning, error;

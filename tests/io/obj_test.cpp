@@ -77,6 +77,33 @@ TEST_F(Obj, ReadsNormalsAndCoordinates) {
   EXPECT_EQ(mesh.uvs[0].y, 0.25f) << "v counts from the top row";
   EXPECT_EQ(mesh.uvs[1].y, 1);
 }
+TEST_F(Obj, TakesNothingFromTheNextReference) {
+  const std::string lists =
+      "vt 0 1\nvt 0 0.75\nvt 0 0.5\nvt 0 0.25\nvn 1 0 0\nvn 0 1 0\nvn 0 0 1\n";
+  for (const char* face :
+       {"f 1/2/ 2/3/ 3/4/\n", "f 1/2 2/3 3/4\n", "f 1/2/ 2/3/\t3/4/ # 1/1/1\n"}) {
+    const Mesh mesh = load(kSquare + lists + face).meshes[0];
+    EXPECT_EQ(mesh.uvs[0].y, 0.25f) << face;
+    EXPECT_EQ(mesh.uvs[2].y, 0.75f) << face;
+    for (const Vec3& normal : mesh.normals) EXPECT_EQ(normal.z, 1) << face << "of the face";
+  }
+  for (const char* face : {"f 1/ 2/ 3/\n", "f 1// 2// 3//\n"}) {
+    const Mesh mesh = load(kSquare + lists + face).meshes[0];
+    EXPECT_TRUE(mesh.uvs.empty()) << face;
+    for (const Vec3& normal : mesh.normals) EXPECT_EQ(normal.z, 1) << face;
+  }
+}
+TEST_F(Obj, ReadsUtf8WithItsMarkAndNoUtf16) {
+  const std::string mark = "\xef\xbb\xbf";
+  write("a.mtl", mark + "newmtl red\nKd 1 0 0\n");
+  const SceneDescription scene =
+      load(mark + "v 0 0 0\nv 1 0 0\nv 1 1 0\nmtllib a.mtl\nusemtl red\nf 1 2 3\n");
+  EXPECT_EQ(scene.meshes[0].positions[1].x, 1);
+  EXPECT_EQ(scene.materials[scene.meshes[0].materials[0]].base_color.y, 0);
+  EXPECT_TRUE(scene.warnings.empty());
+  expect(kUnsupported, std::string("\xff\xfev\0 \0", 6), {"UTF-16"});
+  expect(kUnsupported, std::string("\xfe\xff\0v\0 ", 6), {"UTF-16"});
+}
 TEST_F(Obj, UnderstandsOddLines) {
   const SceneDescription scene = load(
       "\r\n# head\r\n  v 0 0 0 1 1 1\r\nv\t1. +0 -.0e-1\r\nv 0 \\\r\n1 0\r\n\r\ns off\r\nf 1 "
