@@ -37,8 +37,11 @@ Chunk chunk_at(const GltfBytes& glb, std::size_t at, int number) {
   return {read_u32(glb, at + 4), glb.subspan(at + kChunkHeaderBytes, length)};
 }
 
-std::size_t padded(std::size_t length) {
-  return (length + 3) / 4 * 4;
+/// Where the chunk after one that ends at `end` begins: at the next multiple of four, or at once,
+/// as some writers have it.
+std::size_t chunk_after(const GltfBytes& glb, std::size_t end) {
+  const bool at_once = glb.size() - end >= kChunkHeaderBytes && read_u32(glb, end + 4) == kBinary;
+  return at_once ? end : (end + 3) / 4 * 4;
 }
 
 GltfParts split_glb(const GltfBytes& file) {
@@ -59,7 +62,7 @@ GltfParts split_glb(const GltfBytes& file) {
   const Chunk text = chunk_at(glb, kHeaderBytes, 0);
   if (text.type != kJson) refuse("the first chunk is not JSON", "GLB chunk 0");
   GltfParts parts{text.bytes, {}, true};
-  const std::size_t next = kHeaderBytes + kChunkHeaderBytes + padded(text.bytes.size());
+  const std::size_t next = chunk_after(glb, kHeaderBytes + kChunkHeaderBytes + text.bytes.size());
   if (next >= glb.size()) return parts;
   const Chunk binary = chunk_at(glb, next, 1);
   if (binary.type == kBinary) parts.binary = binary.bytes;

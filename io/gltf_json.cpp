@@ -23,8 +23,10 @@ constexpr std::array kSupported = {"KHR_lights_punctual",
                                    "KHR_mesh_quantization"};
 constexpr std::size_t kMaxStride = 252;
 
+/// Before anything else: what another version has may be of other types.
 void check_version(const JsonValue& root, const char* field) {
-  const JsonValue* version = root.at("asset").find(field);
+  const JsonValue* asset = root.find("asset");
+  const JsonValue* version = asset == nullptr ? nullptr : asset->find(field);
   if (version == nullptr) return;
   const std::string place = std::string("asset.") + field;
   if (!version->is_string()) refuse("is not a string", place);
@@ -259,10 +261,10 @@ std::span<const JsonValue> gltf_lights(const JsonValue& root) {
 
 std::vector<std::string> check_gltf_json(const JsonValue& root, const GltfParts& parts,
                                          const SceneFile& from) {
-  check_rules(root);
-  std::vector<std::string> warnings;
   check_version(root, "version");
   check_version(root, "minVersion");
+  check_rules(root);
+  std::vector<std::string> warnings;
   check_extensions(root, warnings);
   const auto each = [](std::span<const JsonValue> items, const auto& check) {
     for (std::size_t i = 0; i < items.size(); ++i) check(items[i], i);

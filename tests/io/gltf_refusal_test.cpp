@@ -225,6 +225,13 @@ TEST_F(GltfRefusal, GlbChunksThatDoNotFit) {
   expect_refused(write("c.glb", glb), kInvalidData, {"not JSON"});
 }
 
+/// Fields of an older version have other types: it is the version that is named.
+TEST_F(GltfRefusal, OlderVersions) {
+  const std::string old =
+      R"({"asset": {"version": "1.0"}, "scene": "default", "meshes": {"a": {}}})";
+  expect_refused(write("a.gltf", old), kUnsupported, {"asset.version", "\"1.0\"", "only 2.0"});
+}
+
 TEST_F(GltfRefusal, FilesThatAreNone) {
   expect_refused(path("gone.glb"), kNotFound, {"no such file"});
   std::filesystem::create_directory(path("folder.glb"));

@@ -194,6 +194,16 @@ TEST_F(GltfScene, ReadsImagesFromEverywhere) {
   EXPECT_TRUE(warns(scene, "images[3] is too large or no picture"));
 }
 
+TEST_F(GltfScene, ReadsChunksThatFollowAtOnce) {
+  GltfFile file;
+  file.show_triangle();
+  for (std::size_t beyond = 0; beyond < 4; ++beyond) {
+    const SceneDescription scene = load_scene(write("a.glb", file.glb(beyond)));
+    EXPECT_EQ(scene.meshes[0].positions[1].x, 1) << beyond;
+    EXPECT_EQ(scene.meshes[0].positions[2].y, 1) << beyond;
+  }
+}
+
 TEST_F(GltfScene, WarnsOncePerKindOfWhatIsLeftOut) {
   GltfFile file;
   file.show_triangle();

@@ -143,9 +143,11 @@ class GltfFile {
     if (!buffer.empty()) whole["buffers"][0]["uri"] = uri.empty() ? data : uri;
     return whole.dump();
   }
-  [[nodiscard]] Bytes glb() const {
+  /// `beyond`: how far the first chunk ends beyond a multiple of four, where the second begins
+  /// then.
+  [[nodiscard]] Bytes glb(std::size_t beyond = 0) const {
     std::string text = finished().dump();
-    while (text.size() % 4 != 0) text += ' ';
+    while (text.size() % 4 != beyond) text += ' ';
     Bytes padded = buffer;
     while (padded.size() % 4 != 0) padded.push_back(0);
     Bytes out = {'g', 'l', 'T', 'F'};
