@@ -97,7 +97,7 @@ class DeviceStagesOn : public DeviceStages {
 
   Vec3 find_sky(const FragmentSet& first_hits) override {
     const View<const Fragment> fragments = of(first_hits).view();
-    if (lights_.size() == 0) return {1, 1, 1};
+    if (lights_.size() == 0) return kWhiteSky;
     std::vector<SkyPart> parts(div_ceil(fragments.size, kSkyPart));
     sky_parts_.resize_uninitialized("shade: sky", parts.size());
     sky_parts_on(device_, fragments, lights_.view_const(), sky_parts_.view());

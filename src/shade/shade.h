@@ -61,9 +61,12 @@ struct SkyPart {
   std::uint32_t covered = 0;
 };
 
+/// Shows what is there where no light does.
+inline constexpr Vec3 kWhiteSky{1, 1, 1};
+
 /// A little light from everywhere: a seventh of the mean radiance that the lights would give to
 /// white surfaces at the fragments, so that shadows are dark but not black whatever the lights'
-/// units.
+/// units; white where no light faces any of them.
 [[nodiscard]] Vec3 automatic_sky(const Executor& executor, View<const Fragment> fragments,
                                  View<const PlacedLight> lights);
 /// The same of the parts.

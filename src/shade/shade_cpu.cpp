@@ -144,7 +144,7 @@ void accumulate(const Executor& executor, View<const Fragment> fragments, View<c
 
 Vec3 automatic_sky(const Executor& executor, View<const Fragment> fragments,
                    View<const PlacedLight> lights) {
-  if (lights.empty()) return {1, 1, 1};  // a white sky shows what is there
+  if (lights.empty()) return kWhiteSky;
   std::vector<SkyPart> parts(div_ceil(fragments.size, kSkyPart));
   executor.for_each(parts.size(), kWorkGrain / kSkyPart, [&](std::size_t p) {
     const std::size_t end = std::min((p + 1) * kSkyPart, fragments.size);
@@ -166,6 +166,7 @@ Vec3 sky_of_parts(View<const SkyPart> parts) {
     sum += part.sum;
     covered += part.covered;
   }
+  if (covered > 0 && !(sum > 0)) return kWhiteSky;
   const double mean = covered > 0 ? sum / static_cast<double>(covered) : 0;
   const float radiance = kSkyShare * static_cast<float>(mean);
   return {radiance, radiance, radiance};
