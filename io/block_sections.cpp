@@ -17,6 +17,7 @@ struct GeometryHead {
 struct IdRun {
   std::uint32_t first, count;
 };
+/// Colours come last: what is left of the section.
 struct ShadingHead {
   std::uint32_t normals, uvs, materials, parts;
 };
@@ -164,7 +165,9 @@ Bytes encode_shading(const BlockShading& shading) {
   const auto size = [](const auto& v) { return static_cast<std::uint32_t>(v.size()); };
   std::vector<std::uint8_t> has(shading.has_normals.size());
   for (std::size_t i = 0; i < has.size(); ++i)
-    has[i] = static_cast<std::uint8_t>(shading.has_normals[i] | shading.has_uvs[i] << 1);
+    has[i] =
+        static_cast<std::uint8_t>(shading.has_normals[i] | shading.has_uvs[i] << 1 |
+                                  (shading.has_colors.empty() ? 0 : shading.has_colors[i] << 2));
   Writer out;
   out.put(
       ShadingHead{size(shading.normals), size(shading.uvs), size(shading.materials), size(has)});
@@ -172,6 +175,7 @@ Bytes encode_shading(const BlockShading& shading) {
   out.put(shading.uvs);
   out.put(shading.materials);
   out.put(has);
+  out.put(shading.colors);
   return out.take();
 }
 
@@ -182,18 +186,23 @@ void decode_shading(std::span<const std::uint8_t> bytes, BlockShading* shading) 
   check_most(head.uvs, kBlockVertices, "texture coordinates");
   check_most(head.materials, kBlockTriangles, "materials");
   check_most(head.parts, kBlockTriangles, "parts");
-  check_size(
-      sizeof head + 12ull * head.normals + 8ull * head.uvs + 4ull * head.materials + head.parts,
-      bytes.size());
+  const std::uint64_t known =
+      sizeof head + 12ull * head.normals + 8ull * head.uvs + 4ull * head.materials + head.parts;
+  const std::uint64_t colors = bytes.size() > known ? (bytes.size() - known) / sizeof(Vec3) : 0;
+  check_most(static_cast<std::uint32_t>(colors), kBlockVertices, "colours");
+  check_size(known + sizeof(Vec3) * colors, bytes.size());
   in.take(head.normals, &shading->normals);
   in.take(head.uvs, &shading->uvs);
   in.take(head.materials, &shading->materials);
   in.take(head.parts, &shading->has_normals);
+  in.take(colors, &shading->colors);
   shading->has_uvs.resize(head.parts);
+  shading->has_colors.resize(colors != 0 ? head.parts : 0);
   for (std::size_t i = 0; i < head.parts; ++i) {
     const std::uint8_t has = shading->has_normals[i];
-    if (has > 3) refuse("it says of a part what cannot be");
-    shading->has_uvs[i] = has >> 1;
+    if (has > (colors != 0 ? 7 : 3)) refuse("it says of a part what cannot be");
+    shading->has_uvs[i] = has >> 1 & 1;
+    if (colors != 0) shading->has_colors[i] = has >> 2;
     shading->has_normals[i] = has & 1;
   }
 }

@@ -75,6 +75,10 @@ class VertexSplitter {
       const Vec2 uv = mesh_.uvs[vertex];
       mesh_.uvs.push_back(uv);
     }
+    if (!mesh_.colors.empty()) {
+      const Vec3 color = mesh_.colors[vertex];
+      mesh_.colors.push_back(color);
+    }
     const auto copy = static_cast<std::uint32_t>(index);
     previous_.push_back(newest_[vertex]);
     put(newest_, vertex, copy);

@@ -38,6 +38,7 @@ Json attributes_of(const Mesh& mesh, GlbParts& parts) {
   JsonObject result{{"POSITION", add_vertices(parts, mesh.positions, "VEC3", bounds)}};
   if (!mesh.normals.empty()) result.add("NORMAL", add_vertices(parts, mesh.normals, "VEC3"));
   if (!mesh.uvs.empty()) result.add("TEXCOORD_0", add_vertices(parts, mesh.uvs, "VEC2"));
+  if (!mesh.colors.empty()) result.add("COLOR_0", add_vertices(parts, mesh.colors, "VEC3"));
   return result;
 }
 

@@ -50,6 +50,9 @@ class AccessorReader {
   [[nodiscard]] std::size_t count(int accessor) const {
     return model_.accessors[static_cast<std::size_t>(accessor)].count;
   }
+  [[nodiscard]] std::size_t components(int accessor) const {
+    return model_.accessors[static_cast<std::size_t>(accessor)].components;
+  }
 
  private:
   static constexpr std::size_t kWindow = std::size_t{1} << 14;

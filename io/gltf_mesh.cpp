@@ -100,7 +100,7 @@ class MeshReader {
     const std::string uv_name = "TEXCOORD_" + std::to_string(set);
     const JsonValue& named = primitive.at("attributes");
     Attributes attributes{named.get("POSITION", -1), named.get("NORMAL", -1),
-                          named.get(uv_name, -1)};
+                          named.get(uv_name, -1), named.get("COLOR_0", -1)};
     const ShapeSource source = shape_.source(primitive, place_);
     if (!kHeld && !(source.joints.empty() && source.targets.empty())) throw NeedsWholeFile{};
     attributes.insert(attributes.end(), source.joints.begin(), source.joints.end());
@@ -125,7 +125,6 @@ class MeshReader {
       return false;
     }
     const JsonValue& attributes = primitive.at("attributes");
-    if (attributes.contains("COLOR_0")) warnings_.once("Vertex colours are left out.");
     if (attributes.contains("POSITION")) return true;
     warnings_.once("Primitives without positions are left out.");
     return false;
@@ -202,6 +201,7 @@ class MeshReader {
     });
     read_normals(attributes[1], count, place + "NORMAL");
     read_uvs(attributes[2], count, place + uv_name);
+    read_colors(attributes[3], count, place + "COLOR_0");
     shape_.read(source, base, count, any_normals_, place_);
     first_vertex_[attributes] = static_cast<std::uint32_t>(base);
     return static_cast<std::uint32_t>(base);
@@ -235,6 +235,21 @@ class MeshReader {
     }
   }
 
+  /// Primitives without any are white beside others.
+  void read_colors(int accessor, std::size_t count, const std::string& place) {
+    constexpr Vec3 kWhite{1, 1, 1};
+    const auto part = [](float x) { return std::clamp(x, 0.0f, 1.0f); };
+    if (accessor >= 0) {
+      mesh_.colors.resize(mesh_.positions.size() - count, kWhite);
+      const int width = accessors_.components(accessor) == 4 ? 4 : 3;  // alpha is not looked at
+      accessors_.each_vertex(accessor, width, count, place, [&](const float* p) {
+        mesh_.colors.push_back({part(p[0]), part(p[1]), part(p[2])});
+      });
+    } else if (!mesh_.colors.empty()) {
+      mesh_.colors.resize(mesh_.positions.size(), kWhite);
+    }
+  }
+
   /// The next one, on vertices that are added for it.
   Triangle unshared(Triangle t) {
     if constexpr (kHeld) shape_.add_flat(static_cast<std::uint32_t>(mesh_.triangles.size()));
@@ -244,12 +259,14 @@ class MeshReader {
     for (std::uint32_t& v : t) {
       const Vec3 position = mesh_.positions[v];
       const Vec2 uv = mesh_.uvs.empty() ? Vec2{} : mesh_.uvs[v];
+      const Vec3 color = mesh_.colors.empty() ? Vec3{} : mesh_.colors[v];
       shape_.repeat(v);
       v = static_cast<std::uint32_t>(mesh_.positions.size());
       mesh_.positions.push_back(position);
       mesh_.normals.push_back(normal);
       if constexpr (kHeld) has_normal_.push_back(true);
       if (!mesh_.uvs.empty()) mesh_.uvs.push_back(uv);
+      if (!mesh_.colors.empty()) mesh_.colors.push_back(color);
     }
     return t;
   }

@@ -17,7 +17,7 @@ inline constexpr std::size_t kMaxFacesAtPosition = 512;
 /// all): the sum of the face normals, weighted by area, of the faces that touch its position and
 /// form no crease with the face at hand. A vertex that needs several normals is split: the first
 /// keeps its place, the others are appended. Triangles keep their order and vertices their
-/// positions and uvs. Indices must be in range. O(vertices log vertices + triangles).
+/// positions, uvs and colours. Indices must be in range. O(vertices log vertices + triangles).
 void add_missing_normals(Mesh& mesh, const std::vector<bool>& has_normal = {});
 
 }  // namespace raysheaf::io

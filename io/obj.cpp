@@ -14,6 +14,7 @@
 #include "io/normals.h"
 #include "io/obj_lines.h"
 #include "io/polygon.h"
+#include "io/srgb.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
@@ -68,7 +69,10 @@ class ObjReader {
     read_libraries();
   }
 
+  [[nodiscard]] bool has_colors() const { return !colors_.empty(); }
+
   std::vector<Mesh> build_meshes() {
+    if (has_colors()) colors_.resize(positions_.size(), {1, 1, 1});
     std::vector<Mesh> meshes;
     for (Group& group : groups_) {
       if (!group.corners.empty()) meshes.push_back(build(group));
@@ -83,6 +87,13 @@ class ObjReader {
       throw Error(ErrorCode::kInvalidData, "the vertex is not finite", lines_.place());
     }
     positions_.push_back(p);
+    if (lines_.color()) add_color(*lines_.color());
+  }
+  /// Those before that have none are white.
+  void add_color(Vec3 color) {
+    colors_.resize(positions_.size() - 1, {1, 1, 1});
+    const auto linear = [](float x) { return static_cast<float>(linear_of_srgb(x)); };
+    colors_.push_back(Vec3{linear(color.x), linear(color.y), linear(color.z)});
   }
   void add_uv(Vec2 uv) {
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) {
@@ -219,6 +230,7 @@ class ObjReader {
     for (const Corner& corner : vertices) {
       mesh.positions.push_back(positions_[corner.position]);
       if (has_uvs) mesh.uvs.push_back(corner.uv == kInvalidId ? Vec2{} : uvs_[corner.uv]);
+      if (has_colors()) mesh.colors.push_back(colors_[corner.position]);
       Vec3 normal = corner.normal == kInvalidId ? Vec3{} : normals_[corner.normal];
       has_normal.push_back(make_unit(normal));
       all_normals = all_normals && has_normal.back();
@@ -229,7 +241,7 @@ class ObjReader {
 
   ObjLines& lines_;
   MtlLibrary& materials_;
-  std::vector<Vec3> positions_, normals_;
+  std::vector<Vec3> positions_, normals_, colors_;
   std::vector<Vec2> uvs_;
   std::vector<Group> groups_;
   std::unordered_map<std::string, std::size_t> group_of_;
@@ -253,6 +265,7 @@ SceneDescription load_obj(const Bytes& file, const SceneFile& from) {
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
     scene.instances.push_back({scene.meshes[m].name, m, {}});
   }
+  if (reader.has_colors()) materials.whiten_fallback();
   materials.finish();
   if (lines.had_lines_or_points()) scene.warnings.push_back("Points and lines are left out.");
   if (lines.had_curves()) scene.warnings.push_back("Curves and surfaces are left out.");

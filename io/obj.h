@@ -24,6 +24,8 @@ class MtlLibrary {
   [[nodiscard]] std::uint32_t find(const std::string& name);
   /// Index of the material of faces that name none.
   [[nodiscard]] std::uint32_t fallback();
+  /// What has colours of its own is not grey besides.
+  void whiten_fallback();
   /// Decodes the images. Call once, after the last `add`.
   void finish();
 

@@ -1,6 +1,8 @@
 #include "io/obj_lines.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 
 #include "io/gltf_rules.h"
 #include "io/refuse.h"
@@ -53,6 +55,15 @@ Reference check_reference(std::string_view word) {
     if (i == word.size()) return Reference::kRight;
   }
   return Reference::kMalformed;
+}
+
+/// Of a number; too large a one is the largest.
+float value_of(std::string_view number) {
+  if (number.starts_with('+')) number.remove_prefix(1);
+  double value = 0;
+  const auto end = std::from_chars(number.data(), number.data() + number.size(), value);
+  if (end.ec == std::errc::result_out_of_range && !number.starts_with('-')) return 1;
+  return static_cast<float>(std::clamp(value, 0.0, 1.0));
 }
 
 std::string quoted(std::string_view word) {
@@ -161,10 +172,14 @@ void ObjLines::check_line() {
 
 void ObjLines::check_numbers(std::string_view rest, std::size_t least) {
   std::size_t count = 0;
+  std::array<std::string_view, 6> words;
   for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest)) {
     if (!is_number(word)) refuse(quoted(word) + " is not a finite number", place());
+    if (count < words.size()) words[count] = word;
     ++count;
   }
+  color_.reset();
+  if (count == words.size()) color_ = {value_of(words[3]), value_of(words[4]), value_of(words[5])};
   if (count < least) {
     refuse(
         "has " + std::to_string(count) + " numbers where " + std::to_string(least) + " are needed",

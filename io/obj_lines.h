@@ -2,6 +2,7 @@
 // reference, which it would read as zero without a word.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <streambuf>
 #include <string>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "io/file.h"
+#include "raysheaf/types.h"
 
 namespace raysheaf::io {
 
@@ -20,6 +22,8 @@ class ObjLines : public std::streambuf {
 
   [[nodiscard]] std::size_t line() const { return line_; }
   [[nodiscard]] std::string place() const { return "line " + std::to_string(line_); }
+  /// The colour of the vertex at hand, as it is written: three numbers behind its place.
+  [[nodiscard]] const std::optional<Vec3>& color() const { return color_; }
   /// The rest of each mtllib line since the last call; the parser does not see these lines.
   [[nodiscard]] std::vector<std::string> take_libraries() { return std::move(libraries_); }
   [[nodiscard]] bool had_lines_or_points() const { return lines_or_points_; }
@@ -38,6 +42,7 @@ class ObjLines : public std::streambuf {
   std::string_view text_;
   std::size_t line_ = 0, next_line_ = 1;
   std::string current_;
+  std::optional<Vec3> color_;
   std::vector<std::string> libraries_;
   bool lines_or_points_ = false, curves_ = false, short_faces_ = false;
 };

@@ -223,6 +223,10 @@ std::uint32_t MtlLibrary::fallback() {
   return fallback_;
 }
 
+void MtlLibrary::whiten_fallback() {
+  if (fallback_ != kInvalidId) scene_.materials[fallback_].base_color = {1, 1, 1, 1};
+}
+
 std::map<std::string, std::uint32_t> MtlLibrary::read_images() {
   ImageCache own;
   ImageCache& cache = from_.images != nullptr ? *from_.images : own;

@@ -22,12 +22,17 @@ struct OuterColumns {
       : positions(beside, held),
         normals(beside, held),
         uvs(beside, held),
+        colors(beside, held),
         triangles(beside, held),
         materials(beside, held) {}
-  void rest() { positions.rest(), normals.rest(), uvs.rest(), triangles.rest(), materials.rest(); }
+  void rest() {
+    positions.rest(), normals.rest(), uvs.rest(), colors.rest();
+    triangles.rest(), materials.rest();
+  }
 
   OuterArray<Vec3> positions, normals;
   OuterArray<Vec2> uvs;
+  OuterArray<Vec3> colors;
   OuterArray<std::array<std::uint32_t, 3>> triangles;
   OuterArray<std::uint32_t> materials;
 };
@@ -62,12 +67,14 @@ struct OuterMesh {
       : positions(&all->positions),
         normals(&all->normals),
         uvs(&all->uvs),
+        colors(&all->colors),
         triangles(&all->triangles),
         materials(&all->materials) {}
 
   std::string name;
   OuterColumn<Vec3> positions, normals;
   OuterColumn<Vec2> uvs;
+  OuterColumn<Vec3> colors;
   OuterColumn<std::array<std::uint32_t, 3>> triangles;
   OuterColumn<std::uint32_t> materials;
 };

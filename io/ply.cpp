@@ -9,6 +9,7 @@
 #include "io/normals.h"
 #include "io/ply_body.h"
 #include "io/polygon.h"
+#include "io/srgb.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
@@ -23,8 +24,17 @@ std::string stem_of(const std::string& path) {
   return std::filesystem::path(path).stem().string();
 }
 
-double linear_of_srgb(double x) {
-  return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+/// A colour's part; integers are codes of sRGB.
+float channel(double x, bool integer) {
+  static const std::vector<float> kOfCodes = [] {
+    std::vector<float> linear;
+    for (int code = 0; code < 256; ++code)
+      linear.push_back(static_cast<float>(linear_of_srgb(code / 255.0)));
+    return linear;
+  }();
+  if (!std::isfinite(x)) return 0;
+  if (!integer) return static_cast<float>(std::clamp(x, 0.0, 1.0));
+  return kOfCodes[static_cast<std::size_t>(std::clamp(x, 0.0, 255.0))];
 }
 
 /// Fills a mesh, `Mesh` or `OuterMesh`, and the rest of its scene.
@@ -122,10 +132,18 @@ class PlyReader {
     mesh_.positions.push_back(position);
     if (has_normals_)
       add_normal(narrow(Double3{values[kNormalX], values[kNormalY], values[kNormalZ]}));
-    const Double3 color{values[kRed], values[kGreen], values[kBlue]};
+    if (has_colors_) add_color({values[kRed], values[kGreen], values[kBlue]}, index);
+  }
+
+  /// One for all becomes the material's, so that they are kept from the first that differs on.
+  void add_color(Double3 raw, std::uint64_t index) {
+    const Vec3 color{channel(raw.x, integer_colors_), channel(raw.y, integer_colors_),
+                     channel(raw.z, integer_colors_)};
     if (index == 0) color_ = color;
-    uniform_color_ =
-        uniform_color_ && color.x == color_.x && color.y == color_.y && color.z == color_.z;
+    const bool same = color.x == color_.x && color.y == color_.y && color.z == color_.z;
+    if (mesh_.colors.empty() && same) return;
+    if (mesh_.colors.empty()) mesh_.colors.resize(index, color_);
+    mesh_.colors.push_back(color);
   }
 
   void add_normal(Vec3 normal) {
@@ -216,15 +234,8 @@ class PlyReader {
     material.double_sided = true;
     material.base_color = {0.8f, 0.8f, 0.8f, 1};
     if (!has_colors_ || mesh_.positions.empty()) return material;
-    if (!uniform_color_) {
-      scene_.warnings.push_back("Vertex colours that differ are left out.");
-      return material;
-    }
-    const auto channel = [&](double x) {
-      const double linear = integer_colors_ ? linear_of_srgb(x / 255) : x;
-      return static_cast<float>(std::clamp(std::isfinite(linear) ? linear : 0.0, 0.0, 1.0));
-    };
-    material.base_color = {channel(color_.x), channel(color_.y), channel(color_.z), 1};
+    const Vec3 color = mesh_.colors.empty() ? color_ : Vec3{1, 1, 1};
+    material.base_color = {color.x, color.y, color.z, 1};
     return material;
   }
 
@@ -237,8 +248,8 @@ class PlyReader {
   std::uint64_t most_corners_ = 0;
   std::vector<bool> has_normal_;
   bool has_normals_ = false, all_normals_ = true, has_colors_ = false, integer_colors_ = false;
-  bool uniform_color_ = true, short_faces_ = false;
-  Double3 color_;
+  bool short_faces_ = false;
+  Vec3 color_;  ///< the first vertex's
   std::vector<std::uint32_t> corners_;
   std::vector<Vec3> points_;
 };

@@ -38,7 +38,7 @@ bool same(const Affine& a, const Affine& b) {
 bool same_but_for_shape(const Mesh& a, const Mesh& b) {
   return a.positions.size() == b.positions.size() && a.normals.size() == b.normals.size() &&
          same_bytes(a.triangles, b.triangles) && same_bytes(a.materials, b.materials) &&
-         same_bytes(a.uvs, b.uvs);
+         same_bytes(a.uvs, b.uvs) && same_bytes(a.colors, b.colors);
 }
 
 /// The part of a list from `first` on, replaced; whether that made a difference.

@@ -63,6 +63,7 @@ struct Mesh {
   std::vector<Vec3> positions;
   std::vector<Vec3> normals;  ///< a unit vector a vertex, or empty: face normals are used
   std::vector<Vec2> uvs;      ///< one a vertex, or empty
+  std::vector<Vec3> colors;   ///< linear, one a vertex, or empty; they multiply the base colour
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices into the vertices
   std::vector<std::uint32_t> materials;  ///< one a triangle, or a single one for all of them
 };

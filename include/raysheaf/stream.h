@@ -59,8 +59,10 @@ struct TriangleBlock {
 struct BlockShading {
   std::vector<Vec3> normals;             ///< one a vertex, in its instance's own space; or none
   std::vector<Vec2> uvs;                 ///< one a vertex; or none
+  std::vector<Vec3> colors;              ///< one a vertex, as a mesh has them; or none
   std::vector<std::uint32_t> materials;  ///< one a triangle; or one for all
   std::vector<std::uint8_t> has_normals, has_uvs;  ///< 0 or 1, one a part
+  std::vector<std::uint8_t> has_colors;            ///< the same; empty where no part has any
 };
 
 /// Triangle blocks that can be had one at a time, in any order and again. `read` and `read_shading`

@@ -10,7 +10,7 @@ namespace {
 
 /// Where a mesh's own things begin in the arrays of all meshes.
 struct FirstPlaces {
-  std::uint32_t index = 0, normal = 0, uv = 0, material = 0;
+  std::uint32_t index = 0, normal = 0, uv = 0, color = 0, material = 0;
 };
 
 /// Appends what is each mesh's own.
@@ -25,11 +25,13 @@ std::vector<FirstPlaces> stage_meshes(const SceneDescription& description, Stage
   places.reserve(description.meshes.size());
   for (const Mesh& mesh : description.meshes) {
     places.push_back({place(staged->triangles.size()), place(staged->normals.size()),
-                      place(staged->uvs.size()), place(staged->material_numbers.size())});
+                      place(staged->uvs.size()), place(staged->colors.size()),
+                      place(staged->material_numbers.size())});
     for (const auto& vertices : mesh.triangles)
       staged->triangles.push_back({{vertices[0], vertices[1], vertices[2]}});
     staged->normals.insert(staged->normals.end(), mesh.normals.begin(), mesh.normals.end());
     staged->uvs.insert(staged->uvs.end(), mesh.uvs.begin(), mesh.uvs.end());
+    staged->colors.insert(staged->colors.end(), mesh.colors.begin(), mesh.colors.end());
     staged->material_numbers.insert(staged->material_numbers.end(), mesh.materials.begin(),
                                     mesh.materials.end());
   }
@@ -50,10 +52,12 @@ StagedScene stage_scene(const FlatScene& scene) {
     out.first_index = first.index;
     out.first_normal = first.normal;
     out.first_uv = first.uv;
+    out.first_color = first.color;
     out.first_material = first.material;
     out.material_count = static_cast<std::uint32_t>(mesh.materials.size());
     out.has_normals = !mesh.normals.empty();
     out.has_uvs = !mesh.uvs.empty();
+    out.has_colors = !mesh.colors.empty();
     out.mirrored = placed.mirrored;
     out.normal_map = normal_map(description.instances[placed.inst_id].to_world);
   }

@@ -15,9 +15,9 @@ namespace raysheaf {
 struct StagedMesh {
   std::uint32_t first_triangle = 0;  ///< of the flat scene
   std::uint32_t first_index = 0;     ///< of its geometry's first triangle
-  std::uint32_t first_normal = 0, first_uv = 0;
+  std::uint32_t first_normal = 0, first_uv = 0, first_color = 0;
   std::uint32_t first_material = 0, material_count = 0;  ///< one a triangle, or one for all
-  bool has_normals = false, has_uvs = false, mirrored = false;
+  bool has_normals = false, has_uvs = false, has_colors = false, mirrored = false;
   NormalMap normal_map;
 };
 
@@ -33,6 +33,7 @@ struct StagedSceneView {
   View<const StagedTriangle> triangles;  ///< of all geometries
   View<const Vec3> normals;              ///< of vertices, in their geometry's own space
   View<const Vec2> uvs;
+  View<const Vec3> colors;
   View<const std::uint32_t> material_numbers;
   View<const PlacedMaterial> materials;
   TextureTable textures;
@@ -54,12 +55,13 @@ RAYSHEAF_HD inline Surface staged_surface(const StagedSceneView& scene, std::uin
   const StagedTriangle vertices =
       scene.triangles.data[mesh.first_index + (triangle - mesh.first_triangle)];
   const std::uint64_t first_corner = std::uint64_t{3} * triangle;
-  Vec3 corner[3], normal[3];
+  Vec3 corner[3], normal[3], color[3];
   Vec2 uv[3];
   for (int k = 0; k < 3; ++k) {
     corner[k] = scene.corners.data[first_corner + static_cast<std::uint64_t>(k)];
     if (mesh.has_normals) normal[k] = scene.normals.data[mesh.first_normal + vertices.vertex[k]];
     if (mesh.has_uvs) uv[k] = scene.uvs.data[mesh.first_uv + vertices.vertex[k]];
+    if (mesh.has_colors) color[k] = scene.colors.data[mesh.first_color + vertices.vertex[k]];
   }
   Surface surface;
   surface.material = staged_material(scene, mesh, triangle);
@@ -69,6 +71,7 @@ RAYSHEAF_HD inline Surface staged_surface(const StagedSceneView& scene, std::uin
   TextureColors colors;
   if (mesh.has_uvs && !is_plain(material))
     colors = texture_colors(material, scene.textures, mixed(uv, u, v));
+  if (mesh.has_colors) colors.base = colors.base * mixed(color, u, v);
   set_material(material, colors, &surface);
   const PlacedSurface placed =
       placed_surface(corner, front_normal(corner, mesh.mirrored),
@@ -87,6 +90,7 @@ struct StagedScene {
   std::vector<StagedTriangle> triangles;
   std::vector<Vec3> normals;
   std::vector<Vec2> uvs;
+  std::vector<Vec3> colors;
   std::vector<std::uint32_t> material_numbers;
   std::vector<PlacedMaterial> materials;
 };

@@ -47,9 +47,11 @@ class BlockSurfaces {
     t.mirrored = mirrors(t.to_world);
     t.has_normals = of_part(shading_.has_normals, hit.part);
     t.has_uvs = of_part(shading_.has_uvs, hit.part);
+    t.has_colors = !shading_.has_colors.empty() && of_part(shading_.has_colors, hit.part);
     for (std::size_t k = 0; k < 3; ++k) {
       if (t.has_normals) t.normal[k] = element(shading_.normals, hit.vertex[k]);
       if (t.has_uvs) t.uv[k] = element(shading_.uvs, hit.vertex[k]);
+      if (t.has_colors) t.color[k] = element(shading_.colors, hit.vertex[k]);
     }
     if (shading_.materials.size() == 1) t.material = shading_.materials[0];
     if (shading_.materials.size() > 1) t.material = element(shading_.materials, hit.triangle);

@@ -38,7 +38,7 @@ RAYSHEAF_HD inline bool is_plain(const PlacedMaterial& m) {
          m.emission_texture.texture == kInvalidId;
 }
 
-/// What the textures multiply a material's factors with.
+/// What textures, and colours of vertices, multiply a material's factors with.
 struct TextureColors {
   Vec3 base{1, 1, 1}, rough_metal{1, 1, 1}, emission{1, 1, 1};
 };
@@ -55,8 +55,8 @@ RAYSHEAF_HD inline TextureColors texture_colors(const PlacedMaterial& m, const T
   return colors;
 }
 
-/// The material's part of a surface, but for its number. A mesh without texture coordinates shows
-/// the factors alone.
+/// The material's part of a surface, but for its number. A mesh without texture coordinates and
+/// colours shows the factors alone.
 RAYSHEAF_HD inline void set_material(const PlacedMaterial& m, const TextureColors& colors,
                                      Surface* surface) {
   const Vec3 base = m.base_color * colors.base;

@@ -15,6 +15,7 @@ void SurfaceReader::hold(const FlatScene& flat, std::uint32_t triangle) {
     has_material_ = false;  // its mesh may have other coordinates
     t_.has_normals = !mesh.normals.empty();
     t_.has_uvs = !mesh.uvs.empty();
+    t_.has_colors = !mesh.colors.empty();
     t_.mirrored = placed.mirrored;
     t_.to_world = scene_.instances[placed.inst_id].to_world;
     normal_map_ = normal_map(t_.to_world);
@@ -25,6 +26,7 @@ void SurfaceReader::hold(const FlatScene& flat, std::uint32_t triangle) {
     t_.corner[k] = flat.corner(triangle, k);
     if (t_.has_normals) t_.normal[k] = mesh.normals[vertex];
     if (t_.has_uvs) t_.uv[k] = mesh.uvs[vertex];
+    if (t_.has_colors) t_.color[k] = mesh.colors[vertex];
   }
   front_ = front_normal(t_.corner, t_.mirrored);
   hold_material(material_of(mesh, prim_id));
@@ -47,7 +49,7 @@ void SurfaceReader::hold_material(std::uint32_t material) {
   textured_ = t_.has_uvs && !is_plain(material_);
   look_ = {};
   look_.material = material;
-  if (!textured_) set_material(material_, {}, &look_);
+  if (!textured_ && !t_.has_colors) set_material(material_, {}, &look_);
 }
 
 Surface SurfaceReader::at(float u, float v, Vec3 direction) const {
@@ -59,9 +61,11 @@ Surface SurfaceReader::at(float u, float v, Vec3 direction) const {
   surface.normal = placed.normal;
   surface.position_error = placed.position_error;
   surface.front = placed.front;
-  if (textured_)
-    set_material(material_, texture_colors(material_, textures_.table(), mixed(t_.uv, u, v)),
-                 &surface);
+  if (!textured_ && !t_.has_colors) return surface;
+  TextureColors colors;
+  if (textured_) colors = texture_colors(material_, textures_.table(), mixed(t_.uv, u, v));
+  if (t_.has_colors) colors.base = colors.base * mixed(t_.color, u, v);
+  set_material(material_, colors, &surface);
   return surface;
 }
 

@@ -40,7 +40,8 @@ struct SurfaceTriangle {
   Vec3 corner[3];  ///< world
   Vec3 normal[3];  ///< in the instance's own space
   Vec2 uv[3];
-  bool has_normals = false, has_uvs = false;
+  Vec3 color[3];
+  bool has_normals = false, has_uvs = false, has_colors = false;
   bool mirrored = false;  ///< by the instance
   Affine to_world;        ///< of the instance
   std::uint32_t material = kInvalidId;

@@ -36,8 +36,8 @@ class SurfaceReader {
   Vec3 front_;  ///< of the front side; nothing where there is no area
   PlacedMaterial material_;
   bool has_material_ = false;
-  bool textured_ = false;  ///< somewhere else it may look otherwise
-  Surface look_;           ///< the material's part of every surface; of one without textures
+  bool textured_ = false;
+  Surface look_;  ///< the material's part of every surface; of one that looks the same everywhere
 };
 
 }  // namespace raysheaf

@@ -96,6 +96,13 @@ void check_attribute(const Item& item, const char* field, const Mesh& mesh,
   check_all_finite(item, field, values);
 }
 
+void check_colors(const Item& item, const Mesh& mesh) {
+  for (std::size_t i = 0; i < mesh.colors.size(); ++i) {
+    if (min_component(mesh.colors[i]) < 0)
+      item.fail(element("colors", i), element("colors", i) + item.of_name() + " is negative");
+  }
+}
+
 void check_triangles(const Item& item, const Mesh& mesh) {
   const std::size_t vertices = mesh.positions.size();
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -126,6 +133,8 @@ void check(const Item& item, const Mesh& mesh, const SceneDescription& scene) {
   check_all_finite(item, "positions", mesh.positions);
   check_attribute(item, "normals", mesh, mesh.normals);
   check_attribute(item, "uvs", mesh, mesh.uvs);
+  check_attribute(item, "colors", mesh, mesh.colors);
+  check_colors(item, mesh);
   check_triangles(item, mesh);
   check_mesh_materials(item, mesh, scene.materials.size());
 }

@@ -110,16 +110,24 @@ void validate(const TriangleBlock& block) {
 void validate(const TriangleBlock& block, const BlockShading& shading) {
   check_vertex_column(shading.normals.size(), block.positions.size(), "normals");
   check_vertex_column(shading.uvs.size(), block.positions.size(), "uvs");
+  check_vertex_column(shading.colors.size(), block.positions.size(), "colors");
   check_column(shading.materials.size(), block.triangles.size(), "materials");
   check_part_column(shading.has_normals, block.parts.size(), !shading.normals.empty(),
                     "has_normals");
   check_part_column(shading.has_uvs, block.parts.size(), !shading.uvs.empty(), "has_uvs");
+  if (!shading.has_colors.empty())
+    check_part_column(shading.has_colors, block.parts.size(), !shading.colors.empty(),
+                      "has_colors");
   for (std::size_t i = 0; i < shading.normals.size(); ++i) {
     if (!is_finite(shading.normals[i])) refuse("the normal is not finite", element("normals", i));
   }
   for (std::size_t i = 0; i < shading.uvs.size(); ++i) {
     if (!is_finite({shading.uvs[i].x, shading.uvs[i].y, 0}))
       refuse("the coordinate is not finite", element("uvs", i));
+  }
+  for (std::size_t i = 0; i < shading.colors.size(); ++i) {
+    if (!is_finite(shading.colors[i]) || min_component(shading.colors[i]) < 0)
+      refuse("the colour is negative or not finite", element("colors", i));
   }
 }
 
@@ -157,7 +165,8 @@ void BlockList::add(const TriangleBlock& block, const BlockShading& shading) {
   info.geometry_bytes = 12 * (block.positions.size() + block.triangles.size()) +
                         4 * block.prim_ids.size() + 16 * block.parts.size() + block.sides.size();
   info.shading_bytes = 12 * shading.normals.size() + 8 * shading.uvs.size() +
-                       4 * shading.materials.size() + 2 * shading.has_normals.size();
+                       12 * shading.colors.size() + 4 * shading.materials.size() +
+                       2 * shading.has_normals.size() + shading.has_colors.size();
   infos_.push_back(info);
   blocks_.push_back(block);
   shading_.push_back(shading);

@@ -164,15 +164,19 @@ class Cutter {
     block_.positions.resize(vertices_.size());
     shading_.has_normals.clear();
     shading_.has_uvs.clear();
+    shading_.has_colors.clear();
     for (const BlockPart& part : block_.parts) {
       shading_.has_normals.push_back(scene_.meshes[part.geom_id].normals.empty() ? 0 : 1);
       shading_.has_uvs.push_back(scene_.meshes[part.geom_id].uvs.empty() ? 0 : 1);
+      shading_.has_colors.push_back(scene_.meshes[part.geom_id].colors.empty() ? 0 : 1);
     }
     const auto any = [](const std::vector<std::uint8_t>& column) {
       return std::find(column.begin(), column.end(), 1) != column.end();
     };
     shading_.normals.assign(any(shading_.has_normals) ? vertices_.size() : 0, Vec3{});
     shading_.uvs.assign(any(shading_.has_uvs) ? vertices_.size() : 0, Vec2{});
+    shading_.colors.assign(any(shading_.has_colors) ? vertices_.size() : 0, Vec3{});
+    if (shading_.colors.empty()) shading_.has_colors.clear();
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
       const auto rank = static_cast<std::uint32_t>(vertices_[i] >> 32);
       const auto vertex = static_cast<std::uint32_t>(vertices_[i]);
@@ -180,6 +184,7 @@ class Cutter {
       block_.positions[i] = placed(rank, vertex);
       if (!from.normals.empty()) shading_.normals[i] = from.normals[vertex];
       if (!from.uvs.empty()) shading_.uvs[i] = from.uvs[vertex];
+      if (!from.colors.empty()) shading_.colors[i] = from.colors[vertex];
     }
   }
 

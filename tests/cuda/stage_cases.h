@@ -69,12 +69,13 @@ struct TextureCase {
 /// A triangle with everything, from the arrays of a scene.
 struct StagedSurfaceCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
-    Vec3 corners[3], normals[3];
+    Vec3 corners[3], normals[3], vertex_colors[3];
     Vec2 uvs[3];
     for (int k = 0; k < 3; ++k) {
       corners[k] = draws.in_box(9);
       normals[k] = draws.direction();
       uvs[k] = {draws.between(-2, 2), draws.between(-2, 2)};
+      vertex_colors[k] = abs(draws.in_box(1));
     }
     const std::uint32_t mesh_of[1] = {0};
     const StagedTriangle triangles[1] = {{{2, 0, 1}}};
@@ -83,6 +84,7 @@ struct StagedSurfaceCase {
     meshes[0].material_count = draws.below(2);
     meshes[0].has_normals = draws.below(2) == 0;
     meshes[0].has_uvs = draws.below(2) == 0;
+    meshes[0].has_colors = draws.below(2) == 0;
     meshes[0].mirrored = draws.below(2) == 0;
     meshes[0].normal_map = normal_map(draws.map());
     std::uint8_t rgba[2 * 2 * 4];
@@ -109,6 +111,7 @@ struct StagedSurfaceCase {
                                 View<const StagedTriangle>(triangles, 1),
                                 View<const Vec3>(normals, 3),
                                 View<const Vec2>(uvs, 3),
+                                View<const Vec3>(vertex_colors, 3),
                                 View<const std::uint32_t>(numbers, 1),
                                 View<const PlacedMaterial>(materials, 3),
                                 table};

@@ -316,6 +316,7 @@ TEST(PackFaults, EveryAllocationOfGlb) {
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}};
   mesh.normals.assign(4, {0, 0, 0});
   mesh.uvs.assign(4, {0.5f, 0.25f});
+  mesh.colors.assign(4, {0.5f, 0.25f, 1});
   mesh.triangles = {{0, 1, 2}, {2, 1, 3}, {3, 1, 0}};
   mesh.materials = {0, 1, 1};
   scene.meshes.push_back(mesh);

@@ -116,6 +116,8 @@ SceneDescription motley(std::uint32_t seed, bool soft = false) {
     if (i % 2 == 0) ball.normals.clear();
     if (i != 3)
       for (const Vec3 p : ball.positions) ball.uvs.push_back({2 * p.x, p.y - p.z});
+    if (i % 3 != 0)
+      for (const Vec3 p : ball.positions) ball.colors.push_back(abs(p) * 2);
     for (std::size_t t = 0; i > 4 && t < ball.triangles.size(); ++t)
       ball.materials.push_back(static_cast<std::uint32_t>(random() % materials));
     if (i == 4) ball.materials = {};

@@ -39,9 +39,11 @@ TriangleBlock some_block(Random& random, std::uint32_t vertices, std::uint32_t t
 BlockShading shading_of(const TriangleBlock& block, Random& random) {
   BlockShading shading;
   const bool normals = random.below(3) != 0, uvs = random.below(3) != 0;
+  const bool colors = random.below(2) != 0;
   for (std::size_t i = 0; i < block.positions.size(); ++i) {
     if (normals) shading.normals.push_back(random.in_box(1));
     if (uvs) shading.uvs.push_back({random.between(0, 1), random.between(-4, 4)});
+    if (colors) shading.colors.push_back({random.unit(), 0, random.unit()});
   }
   for (std::size_t i = 0; i < block.triangles.size(); ++i)
     shading.materials.push_back(random.below(3));
@@ -49,6 +51,7 @@ BlockShading shading_of(const TriangleBlock& block, Random& random) {
   for (std::size_t i = 0; i < block.parts.size(); ++i) {
     shading.has_normals.push_back(normals && random.below(2) == 0 ? 1 : 0);
     shading.has_uvs.push_back(uvs && random.below(2) == 0 ? 1 : 0);
+    if (colors) shading.has_colors.push_back(random.below(2) == 0 ? 1 : 0);
   }
   return shading;
 }
@@ -67,12 +70,14 @@ void expect_same(const BlockShading& a, const BlockShading& b) {
   EXPECT_EQ(a.materials, b.materials);
   EXPECT_EQ(a.has_normals, b.has_normals);
   EXPECT_EQ(a.has_uvs, b.has_uvs);
+  EXPECT_EQ(a.has_colors, b.has_colors);
+  EXPECT_EQ(a.colors.size(), b.colors.size());
 }
 
 /// All that a scene has beside its triangles.
 SceneDescription furnished() {
   SceneDescription scene = builtin_scene("office");
-  for (Mesh& mesh : scene.meshes) mesh = {mesh.name, {}, {}, {}, {}, {}};
+  for (Mesh& mesh : scene.meshes) mesh = {mesh.name, {}, {}, {}, {}, {}, {}};
   scene.name = "with \"quotes\" and a line\nfeed";
   scene.lights[0].range = 12.1f;
   scene.instances[0].to_world.m[0][3] = 0.1f;

@@ -199,6 +199,36 @@ TEST_F(GltfGeometry, ReplacesNormalsOfNoLength) {
   EXPECT_TRUE(warns(scene, "length zero"));
 }
 
+TEST_F(GltfGeometry, ReadsColoursOfVertices) {
+  GltfFile file;
+  const std::size_t at = file.positions(kTriangle);
+  const std::size_t bytes = file.accessor<std::uint8_t>(
+      {255, 0, 51, 7, 0, 255, 0, 0, 51, 51, 51, 255}, "VEC4", kUbyte, 4, true);
+  const std::size_t floats =
+      file.accessor<float>({1, 0, 0.25f, 2, -1, 0, 0, 0, 1}, "VEC3", 5126, 3);
+  const auto primitive = [&](std::size_t color) {
+    return json{{"attributes", {{"POSITION", at}, {"COLOR_0", color}}}};
+  };
+  const json bare = {{"attributes", {{"POSITION", at}}}};
+  file.add("meshes", {{"primitives", {bare, primitive(bytes), primitive(floats), bare}}});
+  file.node({{"mesh", 0}});
+  const SceneDescription scene = load_scene(write("a.gltf", file.text()));
+  const std::vector<Vec3>& colors = scene.meshes[0].colors;
+  ASSERT_EQ(colors.size(), 9u);
+  EXPECT_EQ(scene.meshes[0].positions.size(), 9u);
+  EXPECT_EQ(colors[0].y, 1) << "white beside others";
+  EXPECT_EQ(colors[3].x, 1);
+  EXPECT_FLOAT_EQ(colors[3].z, 0.2f) << "linear";
+  EXPECT_FLOAT_EQ(colors[5].x, 0.2f);
+  EXPECT_EQ(colors[6].z, 0.25f);
+  EXPECT_EQ(colors[7].x, 1) << "no more than white";
+  EXPECT_EQ(colors[7].y, 0);
+  EXPECT_TRUE(scene.warnings.empty());
+  file.accessor<float>({1, 2, 3, 4, 5, 6}, "VEC2", 5126, 2);
+  file.json["meshes"][0]["primitives"][1]["attributes"]["COLOR_0"] = 3;
+  expect_refused(write("b.gltf", file.text()), ErrorCode::kInvalidData, {"COLOR_0"});
+}
+
 TEST_F(GltfGeometry, ReadsTheCoordinatesThatTheBaseColourNames) {
   GltfFile file;
   const std::size_t wrong = file.accessor<float>({9, 9, 9, 9, 9, 9}, "VEC2", 5126, 2);

@@ -93,6 +93,7 @@ TEST(Normals, AreUnitVectorsOnRandomAndDegenerateSoups) {
           {scale * anywhere(random), scale * anywhere(random), scale * anywhere(random)});
     }
     mesh.uvs.resize(60, {0.5f, 0.25f});
+    mesh.colors.resize(60, {0.5f, 0.25f, 1});
     // Few vertices and many triangles: needles, duplicates and triangles without area among them.
     for (int i = 0; i < 3000; ++i) {
       mesh.triangles.push_back({static_cast<std::uint32_t>(random() % 60),
@@ -102,6 +103,7 @@ TEST(Normals, AreUnitVectorsOnRandomAndDegenerateSoups) {
     add_missing_normals(mesh);
     ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
     ASSERT_EQ(mesh.uvs.size(), mesh.positions.size());
+    ASSERT_EQ(mesh.colors.size(), mesh.positions.size());
     for (const Vec3& n : mesh.normals) ASSERT_NEAR(inner(n, n), 1, 1e-5);
     for (const auto& t : mesh.triangles) {
       for (const std::uint32_t v : t) ASSERT_LT(v, mesh.positions.size());

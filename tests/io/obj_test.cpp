@@ -104,6 +104,20 @@ TEST_F(Obj, ReadsUtf8WithItsMarkAndNoUtf16) {
   expect(kUnsupported, std::string("\xff\xfev\0 \0", 6), {"UTF-16"});
   expect(kUnsupported, std::string("\xfe\xff\0v\0 ", 6), {"UTF-16"});
 }
+TEST_F(Obj, ReadsColoursBehindVertices) {
+  const SceneDescription scene =
+      load("v 0 0 0 1 0 +0.5\nv 1 0 0 0 1 2\nv 1 1 0\nv 0 1 0 9e99 -1 1e-9\nf 1 2 3\nf 1 3 4\n");
+  const Mesh& mesh = scene.meshes[0];
+  ASSERT_EQ(mesh.colors.size(), 4u);
+  EXPECT_EQ(mesh.colors[0].x, 1);
+  EXPECT_NEAR(mesh.colors[0].z, 0.2140411f, 1e-6) << "sRGB";
+  EXPECT_EQ(mesh.colors[1].z, 1);
+  EXPECT_EQ(mesh.colors[2].x, 1) << "white where there is none";
+  EXPECT_EQ(mesh.colors[3].x, 1);
+  EXPECT_EQ(mesh.colors[3].y, 0);
+  EXPECT_EQ(scene.materials[0].base_color.x, 1) << "not grey besides";
+  EXPECT_TRUE(load(kSquare + "f 1 2 3\n").meshes[0].colors.empty());
+}
 TEST_F(Obj, UnderstandsOddLines) {
   const SceneDescription scene = load(
       "\r\n# head\r\n  v 0 0 0 1 1 1\r\nv\t1. +0 -.0e-1\r\nv 0 \\\r\n1 0\r\n\r\ns off\r\nf 1 "

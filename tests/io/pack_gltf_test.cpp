@@ -9,13 +9,15 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kShorts = 5122, kUnsignedShorts = 5123, kUnsignedInts = 5125, kFloats = 5126;
+constexpr int kUnsignedBytes = 5121, kShorts = 5122, kUnsignedShorts = 5123, kUnsignedInts = 5125,
+              kFloats = 5126;
 
 class PackGltf : public PackTest {
  protected:
   /// The vertices of a sheet of `side` by `side` quads, bent at some lines.
   struct Sheet {
     std::vector<float> positions, normals, uvs;
+    std::vector<std::uint8_t> colors;
     std::vector<std::uint32_t> indices;
   };
   static Sheet sheet(std::uint32_t side, bool some_without_normal) {
@@ -30,6 +32,8 @@ class PackGltf : public PackTest {
       const bool none = some_without_normal && v % 3 == 0;
       for (const float c : {0.0f, at.y, none ? 0.0f : 1.0f}) sheet.normals.push_back(none ? 0 : c);
       sheet.uvs.insert(sheet.uvs.end(), {x / 8, y / 8});
+      for (const std::uint32_t c : {v, 2 * v, 255u, 0u})
+        sheet.colors.push_back(static_cast<std::uint8_t>(c));
     }
     for (std::uint32_t k = 0; k < side; ++k) {
       for (std::uint32_t v = across * k; v < across * k + side; ++v)
@@ -49,8 +53,10 @@ class PackGltf : public PackTest {
       const std::size_t position = file.positions(s.positions);
       const std::size_t normal = file.accessor(s.normals, "VEC3", kFloats, 3);
       const std::size_t uv = file.accessor(s.uvs, "VEC2", kFloats, 2);
+      const std::size_t color = file.accessor(s.colors, "VEC4", kUnsignedBytes, 4, true);
       const std::size_t indices = file.accessor(s.indices, "SCALAR", kUnsignedInts, 1);
-      const json all = {{"POSITION", position}, {"NORMAL", normal}, {"TEXCOORD_0", uv}};
+      const json all = {
+          {"POSITION", position}, {"NORMAL", normal}, {"TEXCOORD_0", uv}, {"COLOR_0", color}};
       const json bare = {{"POSITION", position}};
       const json whole = {{"attributes", all}, {"indices", indices}, {"material", 0}};
       const json flat = {{"attributes", bare}, {"indices", indices}, {"material", 1}};
@@ -131,7 +137,7 @@ TEST_F(PackGltf, RefusesWhatLoadSceneRefuses) {
   const float inf = std::numeric_limits<float>::infinity();
   expect_same_words(spoiled([&](GltfFile& f) { number_at(f, 0, 71, inf); }), "POSITION[23]");
   expect_same_words(spoiled([&](GltfFile& f) { number_at(f, 2, 7, inf); }), "TEXCOORD_0[3]");
-  expect_same_words(spoiled([&](GltfFile& f) { number_at(f, 3, 5, 12345); }), "indices[5]");
+  expect_same_words(spoiled([&](GltfFile& f) { number_at(f, 4, 5, 12345); }), "indices[5]");
   expect_same_words(spoiled([&](GltfFile& f) { f.json["accessors"][0]["count"] = 101; }),
                     "do not fit");
   expect_same_words(spoiled([&](GltfFile& f) { f.json["accessors"][1]["count"] = 99; }),

@@ -92,7 +92,12 @@ TEST_F(Ply, TakesTheColourThatAllVerticesHave) {
   EXPECT_TRUE(same.warnings.empty());
   const SceneDescription other =
       load(kAscii + head + "0 0 0 255 0 128\n1 0 0 255 0 128\n0 1 0 254 0 128\n3 0 1 2\n");
-  EXPECT_TRUE(warns(other, "colours"));
+  EXPECT_EQ(other.materials[0].base_color.z, 1) << "and the colours beside it";
+  ASSERT_EQ(other.meshes[0].colors.size(), 3u);
+  EXPECT_EQ(other.meshes[0].colors[0].x, 1);
+  EXPECT_EQ(other.meshes[0].colors[1].y, 0);
+  EXPECT_NEAR(other.meshes[0].colors[2].x, 0.9911021f, 1e-5) << "sRGB";
+  EXPECT_TRUE(other.warnings.empty());
 }
 
 TEST_F(Ply, NamesTheElementThatIsWrong) {

@@ -35,9 +35,11 @@ Mesh random_mesh(std::mt19937& random, std::uint32_t materials) {
     const float l = std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
     mesh.normals.push_back({n.x / l, n.y / l, n.z / l});
     mesh.uvs.push_back({anywhere(random), anywhere(random)});
+    mesh.colors.push_back({std::fabs(n.x / l), 1, std::fabs(n.y / l)});
   }
   if (random() % 2 == 0) mesh.normals.clear();
   if (random() % 2 == 0) mesh.uvs.clear();
+  if (random() % 2 == 0) mesh.colors.clear();
   const std::size_t triangles = 1 + random() % 60;
   for (std::size_t t = 0; t < triangles; ++t) {
     mesh.triangles.push_back({static_cast<std::uint32_t>(random() % count),
@@ -133,6 +135,7 @@ void expect_same(const Mesh& a, const Mesh& b) {
   EXPECT_TRUE(same_bits(a.positions, b.positions));
   EXPECT_TRUE(same_bits(a.normals, b.normals));
   EXPECT_TRUE(same_bits(a.uvs, b.uvs));
+  EXPECT_TRUE(same_bits(a.colors, b.colors));
   EXPECT_TRUE(same_bits(a.triangles, b.triangles));
   for (std::size_t t = 0; t < a.triangles.size(); ++t) {
     ASSERT_EQ(material_at(a, t), material_at(b, t)) << t;

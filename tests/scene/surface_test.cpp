@@ -223,6 +223,21 @@ TEST(Surface, TexturesMultiplyTheirFactors) {
   expect_near(s.emission, {2, 2 * green, 0});
 }
 
+TEST(Surface, ColoursOfVerticesMultiplyTheBaseColour) {
+  Material material;
+  material.base_color = {0.5f, 1, 1, 1};
+  SceneDescription scene = with_material(material);
+  scene.meshes[0].colors = {{1, 0.5f, 0}, {0, 0.5f, 0}, {0, 0.5f, 1}};
+  const auto at = [&](float u, float v) { return seen(scene, {0, 0, -1}, u, v).diffuse; };
+  expect_near(at(0, 0), {0.5f, 0.5f, 0});
+  expect_near(at(1, 0), {0, 0.5f, 0});
+  expect_near(at(0.25f, 0.25f), {0.25f, 0.5f, 0.25f});
+  SceneDescription both = textured({255, 51, 0, 255});
+  both.meshes[0].uvs.assign(3, {0.5f, 0.5f});
+  both.meshes[0].colors.assign(3, {0.5f, 0, 1});
+  expect_near(seen(both, {0, 0, -1}).transmission_color, {0.25f, 0, 0});
+}
+
 TEST(Surface, WithoutCoordinatesTexturesAreLeftOut) {
   const Surface s = seen(textured({0, 0, 0, 255}), {0, 0, -1});
   expect_near(s.emission, {2, 2, 2});

@@ -20,6 +20,7 @@ SceneDescription full_scene() {
   Mesh& mesh = scene.meshes[0];
   mesh.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
   mesh.uvs = {{0, 0}, {1, 0}, {0, 1}};
+  mesh.colors = {{0, 0, 0}, {1, 0, 0}, {0, 2, 1}};
   mesh.materials = {0};
   scene.materials.resize(2);
   scene.materials[0].base_color_texture.texture = 0;
@@ -45,6 +46,7 @@ const Defect kDefects[] = {
     {"meshes[0].triangles[0]",
      [](auto& s) {
        s.meshes[0].positions.clear(), s.meshes[0].normals.clear(), s.meshes[0].uvs.clear();
+       s.meshes[0].colors.clear();
      }},
     {"meshes[0].positions[1]", [](auto& s) { s.meshes[0].positions[1].y = kNan; }, "is not finite"},
     {"meshes[0].positions[2]", [](auto& s) { s.meshes[0].positions[2].z = -kInf; }},
@@ -53,6 +55,9 @@ const Defect kDefects[] = {
     {"meshes[0].normals[0]", [](auto& s) { s.meshes[0].normals[0].x = kNan; }},
     {"meshes[0].uvs", [](auto& s) { s.meshes[0].uvs.push_back({}); }},
     {"meshes[0].uvs[2]", [](auto& s) { s.meshes[0].uvs[2].y = kInf; }},
+    {"meshes[0].colors", [](auto& s) { s.meshes[0].colors.pop_back(); }, "has 2 colors"},
+    {"meshes[0].colors[1]", [](auto& s) { s.meshes[0].colors[1].y = kNan; }},
+    {"meshes[0].colors[2]", [](auto& s) { s.meshes[0].colors[2].z = -1; }, "is negative"},
     {"meshes[0].materials",
      [](auto& s) {
        s.meshes[0].materials = {0, 0};

@@ -36,6 +36,9 @@ RenderOptions small_picture() {
 }
 
 void expect_streamed_as_resident(SceneDescription scene, std::uint32_t triangles_a_block) {
+  for (std::size_t m = 0; m < scene.meshes.size(); m += 2)  // every other mesh is coloured
+    for (const Vec3 p : scene.meshes[m].positions)
+      scene.meshes[m].colors.push_back({std::fabs(std::sin(p.x)), std::fabs(std::cos(p.z)), 1});
   add_missing_camera_and_light(scene);
   RenderOptions options = small_picture();
   const RenderResult resident = render(scene, options);

@@ -29,7 +29,8 @@ Json mesh_json(const Mesh& mesh, std::uint64_t instances) {
           {"triangles", mesh.triangles.size()},
           {"instances", instances},
           {"normals", !mesh.normals.empty()},
-          {"uvs", !mesh.uvs.empty()}};
+          {"uvs", !mesh.uvs.empty()},
+          {"colors", !mesh.colors.empty()}};
 }
 
 Json material_json(const Material& m) {
