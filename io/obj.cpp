@@ -70,6 +70,8 @@ class ObjReader {
   }
 
   [[nodiscard]] bool has_colors() const { return !colors_.empty(); }
+  /// Whether a face names normals or texture coordinates where there are none.
+  [[nodiscard]] bool names_nothing() const { return names_nothing_; }
 
   std::vector<Mesh> build_meshes() {
     if (has_colors()) colors_.resize(positions_.size(), {1, 1, 1});
@@ -114,13 +116,21 @@ class ObjReader {
                 lines_.place());
   }
 
+  /// The same of what a vertex may have besides: where there is none at all so far, none is meant.
+  /// Programs that leave the lists out leave the numbers in.
+  std::uint32_t resolve_beside(int raw, std::size_t count, const char* what) {
+    if (count > 0) return resolve(raw, count, what);
+    names_nothing_ = names_nothing_ || raw != 0;
+    return kInvalidId;
+  }
+
   void add_face(const tinyobj::index_t* raw, std::size_t count) {
     face_.clear();
     points_.clear();
     for (std::size_t i = 0; i < count; ++i) {
       face_.push_back({resolve(raw[i].vertex_index, positions_.size(), "vertex"),
-                       resolve(raw[i].texcoord_index, uvs_.size(), "texture coordinate"),
-                       resolve(raw[i].normal_index, normals_.size(), "normal")});
+                       resolve_beside(raw[i].texcoord_index, uvs_.size(), "texture coordinate"),
+                       resolve_beside(raw[i].normal_index, normals_.size(), "normal")});
       points_.push_back(positions_[face_.back().position]);
     }
     Group& group = current_group();
@@ -247,6 +257,7 @@ class ObjReader {
   std::unordered_map<std::string, std::size_t> group_of_;
   std::string object_name_, group_name_, material_name_;
   std::uint32_t group_ = kInvalidId, material_ = kInvalidId;
+  bool names_nothing_ = false;
   std::vector<Corner> face_;
   std::vector<Vec3> points_;
   std::optional<VertexMerger> merger_;
@@ -269,6 +280,10 @@ SceneDescription load_obj(const Bytes& file, const SceneFile& from) {
   materials.finish();
   if (lines.had_lines_or_points()) scene.warnings.push_back("Points and lines are left out.");
   if (lines.had_curves()) scene.warnings.push_back("Curves and surfaces are left out.");
+  if (reader.names_nothing()) {
+    scene.warnings.push_back(
+        "Faces name normals or texture coordinates of which there are none; they are left out.");
+  }
   if (lines.had_short_faces()) {
     scene.warnings.push_back("Faces with fewer than three vertices are left out.");
   }

@@ -133,13 +133,19 @@ TEST_F(Obj, WarnsOfWhatIsLeftOut) {
   EXPECT_TRUE(warns(scene, "fewer than three"));
 }
 
+TEST_F(Obj, WarnsOfNumbersWithoutTheirLists) {
+  const SceneDescription scene = load(kSquare + "f 1/1/7 2/2/7 3/-3/-7\n");
+  EXPECT_TRUE(warns(scene, "normals or texture coordinates"));
+  EXPECT_TRUE(scene.meshes[0].uvs.empty());
+  EXPECT_EQ(scene.meshes[0].normals[0].z, 1);
+}
 TEST_F(Obj, NamesTheLineOfWhatIsWrong) {
   expect(kInvalidData, kSquare + "f 1 2 5\n", {"line 5", "vertex 5", "there are 4"});
   expect(kInvalidData, kSquare + "f 1 2 -5\n", {"line 5", "vertex -5"});
   expect(kInvalidData, kSquare + "f 1 2 0\n", {"line 5", "index 0"});
   expect(kInvalidData, kSquare + "f 1 2 99999999999\n", {"line 5", "out of range"});
-  expect(kInvalidData, kSquare + "\nf 1/1 2 3\n", {"line 6", "texture coordinate 1"});
-  expect(kInvalidData, kSquare + "f 1//7 2 3\n", {"line 5", "normal 7"});
+  expect(kInvalidData, kSquare + "vt 0\nf 1/2 2 3\n", {"line 6", "texture coordinate 2"});
+  expect(kInvalidData, kSquare + "vn 0 0 1\nf 1//7 2 3\n", {"line 6", "normal 7"});
   expect(kInvalidData, kSquare + "f 1 2 x\n", {"line 5", "\"x\""});
   expect(kInvalidData, kSquare + "f 1 2 3/4/5/6\n", {"line 5", "\"3/4/5/6\""});
   expect(kInvalidData, "v 0 0 nan\n", {"line 1", "\"nan\"", "finite"});
