@@ -74,7 +74,7 @@ TextureSlot slot(const JsonValue& j) {
 }
 
 Json of(const Material& m) {
-  return JsonObject{{"name", m.name},
+  JsonObject result{{"name", m.name},
                     {"base_color", of(m.base_color)},
                     {"base_color_texture", of(m.base_color_texture)},
                     {"metallic", number(m.metallic)},
@@ -88,6 +88,11 @@ Json of(const Material& m) {
                     {"ior", number(m.ior)},
                     {"unlit", m.unlit},
                     {"double_sided", m.double_sided}};
+  if (m.normal_texture.texture != kInvalidId) {
+    result.add("normal_texture", of(m.normal_texture));
+    result.add("normal_scale", number(m.normal_scale));
+  }
+  return result;
 }
 Material material(const JsonValue& j) {
   Material m;
@@ -105,6 +110,10 @@ Material material(const JsonValue& j) {
   m.ior = number_from(j.at("ior"));
   m.unlit = j.at("unlit").get<bool>();
   m.double_sided = j.at("double_sided").get<bool>();
+  if (j.contains("normal_texture")) {
+    m.normal_texture = slot(j.at("normal_texture"));
+    m.normal_scale = number_from(j.at("normal_scale"));
+  }
   return m;
 }
 

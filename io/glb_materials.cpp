@@ -32,9 +32,11 @@ Json sampler_of(const Texture& texture) {
                     {"wrapT", gl_wrap(texture.wrap_v)}};
 }
 
-void write_slot(const TextureSlot& slot, const char* name, JsonObject& object, GlbParts& parts) {
+void write_slot(const TextureSlot& slot, const char* name, JsonObject& object, GlbParts& parts,
+                float scale = 1) {
   if (slot.texture == kInvalidId) return;
   JsonObject info{{"index", slot.texture}}, transform;
+  if (scale != 1) info.add("scale", scale);
   if (!equal(slot.offset, {0, 0})) transform.add("offset", numbers(slot.offset));
   if (!equal(slot.scale, {1, 1})) transform.add("scale", numbers(slot.scale));
   if (slot.rotation != 0) transform.add("rotation", slot.rotation);
@@ -73,6 +75,7 @@ Json material_of(const Material& m, GlbParts& parts) {
   write_slot(m.metallic_roughness_texture, "metallicRoughnessTexture", pbr, parts);
   JsonObject result{{"name", m.name}, {"pbrMetallicRoughness", pbr}};
   write_slot(m.emission_texture, "emissiveTexture", result, parts);
+  write_slot(m.normal_texture, "normalTexture", result, parts, m.normal_scale);
   const float strength = power_of_two_above(m.emission);
   const Vec3 e = m.emission;
   result.add("emissiveFactor", numbers(Vec3{e.x / strength, e.y / strength, e.z / strength}));

@@ -82,7 +82,6 @@ class MaterialReader {
       warnings_.once("The alpha mode " + alpha.substr(0, 16) +
                      " is left out: every surface is opaque.");
     }
-    if (source.contains("normalTexture")) warnings_.once("Normal textures are left out.");
     if (source.contains("occlusionTexture")) warnings_.once("Occlusion textures are left out.");
     return std::move(material_);
   }
@@ -116,9 +115,10 @@ class MaterialReader {
     const JsonValue* base = pbr.find("baseColorTexture");
     const JsonValue* metallic_roughness = pbr.find("metallicRoughnessTexture");
     const JsonValue* emission = source.find("emissiveTexture");
+    const JsonValue* normal = source.find("normalTexture");
     // The base colour's set; where it has no texture, that of the first slot that has one.
     uv_set_ = 0;
-    for (const JsonValue* info : {emission, metallic_roughness, base})
+    for (const JsonValue* info : {normal, emission, metallic_roughness, base})
       if (info != nullptr) uv_set_ = set_of(*info);
     material_ = {};
     material_.name = source.get("name", std::string());
@@ -130,6 +130,8 @@ class MaterialReader {
     material_.base_color_texture = slot(base, "base colour");
     material_.metallic_roughness_texture = slot(metallic_roughness, "metallic-roughness");
     material_.emission_texture = slot(emission, "emission");
+    material_.normal_texture = slot(normal, "normal");
+    if (normal != nullptr) material_.normal_scale = normal->get("scale", 1.0f);
   }
 
   void read_extensions(const JsonValue& source) {

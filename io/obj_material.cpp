@@ -108,6 +108,8 @@ class MtlConverter {
         material.emission = {1, 1, 1};
       }
     }
+    if (!m.normal_texname.empty())
+      material.normal_texture = slot(m.normal_texname, m.normal_texopt, place);
     warn_of_other_maps(m);
     return material;
   }
@@ -120,7 +122,6 @@ class MtlConverter {
   void warn_of_other_maps(const tinyobj::material_t& m) {
     const std::pair<const std::string*, const char*> kMaps[] = {
         {&m.bump_texname, "Bump"},
-        {&m.normal_texname, "Normal"},
         {&m.displacement_texname, "Displacement"},
         {&m.alpha_texname, "Opacity"},
         {&m.specular_texname, "Specular"},
@@ -274,7 +275,8 @@ void MtlLibrary::finish() {
   }
   scene_.textures = std::move(kept);
   for (Material& material : scene_.materials) {
-    for (TextureSlot* slot : {&material.base_color_texture, &material.emission_texture}) {
+    for (TextureSlot* slot :
+         {&material.base_color_texture, &material.emission_texture, &material.normal_texture}) {
       if (slot->texture != kInvalidId) slot->texture = index_of[slot->texture];
     }
   }

@@ -67,7 +67,7 @@ bool same_slot(const TextureSlot& a, const TextureSlot& b) {
 }
 bool same_material(const Material& a, const Material& b) {
   const auto numbers = [](const Material& m) {
-    return std::array<float, 17>{m.base_color.x,
+    return std::array<float, 18>{m.base_color.x,
                                  m.base_color.y,
                                  m.base_color.z,
                                  m.base_color.w,
@@ -83,12 +83,14 @@ bool same_material(const Material& a, const Material& b) {
                                  m.transmission,
                                  m.ior,
                                  m.unlit ? 1.0f : 0,
-                                 m.double_sided ? 1.0f : 0};
+                                 m.double_sided ? 1.0f : 0,
+                                 m.normal_scale};
   };
   return a.name == b.name && numbers(a) == numbers(b) &&
          same_slot(a.base_color_texture, b.base_color_texture) &&
          same_slot(a.metallic_roughness_texture, b.metallic_roughness_texture) &&
-         same_slot(a.emission_texture, b.emission_texture);
+         same_slot(a.emission_texture, b.emission_texture) &&
+         same_slot(a.normal_texture, b.normal_texture);
 }
 bool same_texture(const Texture& a, const Texture& b) {
   return a.image == b.image && a.wrap_u == b.wrap_u && a.wrap_v == b.wrap_v && a.filter == b.filter;
@@ -126,7 +128,7 @@ void shift(SceneDescription& frame, const Counts& still) {
   }
   for (Material& material : frame.materials) {
     for (TextureSlot* slot : {&material.base_color_texture, &material.metallic_roughness_texture,
-                              &material.emission_texture})
+                              &material.emission_texture, &material.normal_texture})
       add(slot->texture, still.textures);
   }
   for (Texture& texture : frame.textures) add(texture.image, still.images);

@@ -49,6 +49,9 @@ struct Material {
   TextureSlot metallic_roughness_texture;  ///< linear; roughness in green, metallic in blue
   Vec3 emission{0, 0, 0};                  ///< radiance, strength included
   TextureSlot emission_texture;            ///< sRGB
+  /// Linear; 2 c - 1 along the texture's u, against its v, and along the normal.
+  TextureSlot normal_texture;
+  float normal_scale = 1;  ///< of the first two of them
   float specular = 1;
   Vec3 specular_color{1, 1, 1};
   float transmission = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scene/surface.h"
+#include "scene/surface_body.h"
 #include "scene/texture_body.h"
 
 namespace raysheaf {
@@ -9,7 +10,8 @@ namespace raysheaf {
 /// A material as surfaces are made from it.
 struct PlacedMaterial {
   Vec3 base_color{1, 1, 1}, emission{0, 0, 0}, specular_color{1, 1, 1};
-  PlacedTexture base_color_texture, metallic_roughness_texture, emission_texture;
+  PlacedTexture base_color_texture, metallic_roughness_texture, emission_texture, normal_texture;
+  float normal_scale = 1;
   float metallic = 0, roughness = 1, specular = 1, transmission = 0, ior = 1.5f;
   bool unlit = false;
 };
@@ -22,6 +24,8 @@ struct PlacedMaterial {
   placed.base_color_texture = placed_texture(m.base_color_texture);
   placed.metallic_roughness_texture = placed_texture(m.metallic_roughness_texture);
   placed.emission_texture = placed_texture(m.emission_texture);
+  placed.normal_texture = placed_texture(m.normal_texture);
+  placed.normal_scale = m.normal_scale;
   placed.metallic = m.metallic;
   placed.roughness = m.roughness;
   placed.specular = m.specular;
@@ -31,7 +35,27 @@ struct PlacedMaterial {
   return placed;
 }
 
-/// Whether it looks the same everywhere.
+/// Whether its normal texture says how surfaces stand, where there are coordinates.
+RAYSHEAF_HD inline bool is_bumpy(const PlacedMaterial& m) {
+  return m.normal_texture.texture != kInvalidId && !m.unlit;
+}
+
+/// The shading normal of a place by a bumpy material's texture. `uv`: the corners', the mesh's own.
+RAYSHEAF_HD inline Vec3 textured_normal(const PlacedMaterial& m, const TextureTable& table,
+                                        const Vec3 (&corner)[3], const Vec2 (&uv)[3], float u,
+                                        float v, const PlacedSurface& placed) {
+  const Vec4 texel = look_up(table, m.normal_texture, table.as_is, mixed(uv, u, v));
+  const Vec3 bump{(2 * texel.x - 1) * m.normal_scale, (2 * texel.y - 1) * m.normal_scale,
+                  2 * texel.z - 1};
+  const Vec2 of_texture[3] = {transform_uv(m.normal_texture, uv[0]),
+                              transform_uv(m.normal_texture, uv[1]),
+                              transform_uv(m.normal_texture, uv[2])};
+  const Vec3 normal = placed.front ? placed.normal : -placed.normal;
+  const Vec3 bumped = bumped_normal(corner, of_texture, normal, bump);
+  return placed.front ? bumped : -bumped;
+}
+
+/// Whether it has the same colours everywhere.
 RAYSHEAF_HD inline bool is_plain(const PlacedMaterial& m) {
   return m.base_color_texture.texture == kInvalidId &&
          m.metallic_roughness_texture.texture == kInvalidId &&

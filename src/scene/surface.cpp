@@ -61,6 +61,8 @@ Surface SurfaceReader::at(float u, float v, Vec3 direction) const {
   surface.normal = placed.normal;
   surface.position_error = placed.position_error;
   surface.front = placed.front;
+  if (t_.has_uvs && is_bumpy(material_))
+    surface.normal = textured_normal(material_, textures_.table(), t_.corner, t_.uv, u, v, placed);
   if (!textured_ && !t_.has_colors) return surface;
   TextureColors colors;
   if (textured_) colors = texture_colors(material_, textures_.table(), mixed(t_.uv, u, v));

@@ -87,6 +87,36 @@ RAYSHEAF_HD inline Vec3 unit_normal(const NormalMap& map, Vec3 normal, Vec3 fall
               fallback);
 }
 
+/// A normal of the front side, turned to what `bump` is in the frame of the triangle's texture
+/// coordinates: along u, against v, along the normal. The frame is square: it begins with u's
+/// direction as far as that is square to the normal. As it was where there is no such frame.
+RAYSHEAF_HD inline Vec3 bumped_normal(const Vec3 (&corner)[3], const Vec2 (&uv)[3], Vec3 normal,
+                                      Vec3 bump) {
+  const Wide n = widened(normal);
+  const Wide e1 = difference(corner[1], corner[0]), e2 = difference(corner[2], corner[0]);
+  const double u1 = static_cast<double>(uv[1].x) - uv[0].x;
+  const double v1 = static_cast<double>(uv[1].y) - uv[0].y;
+  const double u2 = static_cast<double>(uv[2].x) - uv[0].x;
+  const double v2 = static_cast<double>(uv[2].y) - uv[0].y;
+  const double side = u1 * v2 - u2 * v1;
+  if (!(side < 0 || side > 0)) return normal;
+  const double sign = side < 0 ? -1 : 1;
+  const Wide along_u{(e1.x * v2 - e2.x * v1) * sign, (e1.y * v2 - e2.y * v1) * sign,
+                     (e1.z * v2 - e2.z * v1) * sign};
+  const Wide along_v{(e2.x * u1 - e1.x * u2) * sign, (e2.y * u1 - e1.y * u2) * sign,
+                     (e2.z * u1 - e1.z * u2) * sign};
+  const double lean = dot(along_u, n);
+  const Vec3 tangent =
+      unit({along_u.x - n.x * lean, along_u.y - n.y * lean, along_u.z - n.z * lean}, {0, 0, 0});
+  if (tangent == Vec3{0, 0, 0}) return normal;
+  const Wide t = widened(tangent), across = cross(n, t);
+  const double up = dot(across, along_v) > 0 ? -1 : 1;
+  const double x = bump.x, y = up * bump.y, z = bump.z;
+  return unit({t.x * x + across.x * y + n.x * z, t.y * x + across.y * y + n.y * z,
+               t.z * x + across.z * y + n.z * z},
+              normal);
+}
+
 /// Where a surface is and how it stands; as `Surface` has them.
 struct PlacedSurface {
   Vec3 position, geometric_normal, normal;

@@ -171,6 +171,9 @@ void check(const Item& item, const Material& material, const SceneDescription& s
   check_slot(item, "metallic_roughness_texture", material.metallic_roughness_texture,
              scene.textures.size());
   check_slot(item, "emission_texture", material.emission_texture, scene.textures.size());
+  check_slot(item, "normal_texture", material.normal_texture, scene.textures.size());
+  if (!finite(material.normal_scale))
+    item.fail("normal_scale", "the normal_scale" + item.of_name() + " is not finite");
 }
 
 void check(const Item& item, const Texture& texture, const SceneDescription& scene) {

@@ -99,6 +99,8 @@ struct StagedSurfaceCase {
       m.transmission = draws.below(2) == 0 ? 0 : draws.unit();
       m.ior = draws.between(0, 2);
       m.unlit = draws.below(8) == 0;
+      if (draws.below(2) == 0) m.normal_texture.texture = 0;
+      m.normal_scale = draws.unit();
       if (draws.below(2) != 0) continue;
       m.base_color_texture.texture = m.metallic_roughness_texture.texture = draws.below(2);
       m.base_color_texture.cosine = m.base_color_texture.sine = 0.70710678f;
@@ -125,6 +127,9 @@ struct StagedSurfaceCase {
     const PlacedSurface placed =
         placed_surface(corners, front, &normals, meshes[0].normal_map, u, v, along);
     out.put(placed.normal, staged_material(scene, meshes[0], 0), is_plain(materials[0]));
+    out.put(is_bumpy(materials[0]),
+            textured_normal(materials[0], table, corners, uvs, u, v, placed),
+            bumped_normal(corners, uvs, placed.normal, draws.in_box(1)));
     const TextureColors colors = texture_colors(materials[0], table, mixed(uvs, u, v));
     Surface look;
     set_material(materials[1], colors, &look);

@@ -100,6 +100,8 @@ SceneDescription motley(std::uint32_t seed, bool soft = false) {
       material.base_color_texture = {i / 2 % 2, {0.3f, 0.1f}, {2, 3}, 0.7f * static_cast<float>(i)};
     if (i % 3 == 0) material.metallic_roughness_texture.texture = 1;
     if (i == 5) material.emission_texture.texture = 0;
+    if (i % 4 < 2) material.normal_texture = {1, {0, 0}, {3, 1}, 0.3f};
+    material.normal_scale = 0.4f * static_cast<float>(i);
     if (i == 5) material.emission = {2, 1, 0.5f};
     material.metallic = i % 4 == 1 ? 1.0f : 0.0f;
     material.roughness = i % 4 == 1 ? 0.02f : unit(random);

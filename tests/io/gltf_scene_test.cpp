@@ -172,7 +172,8 @@ TEST_F(GltfScene, ReadsImagesFromEverywhere) {
                           {{"baseColorTexture",
                             {{"index", 0}, {"extensions", {{"KHR_texture_transform", transform}}}}},
                            {"metallicRoughnessTexture", {{"index", 2}}}}},
-                         {"emissiveTexture", {{"index", 3}}}});
+                         {"emissiveTexture", {{"index", 3}}},
+                         {"normalTexture", {{"index", 1}, {"scale", 0.5}}}});
   const SceneDescription scene = load_scene(write("a.gltf", file.text()));
   ASSERT_EQ(scene.images.size(), 3u);
   for (const Image& image : scene.images) {
@@ -191,6 +192,8 @@ TEST_F(GltfScene, ReadsImagesFromEverywhere) {
   EXPECT_EQ(material.base_color_texture.rotation, 0.125f);
   EXPECT_EQ(material.metallic_roughness_texture.texture, 2u);
   EXPECT_EQ(material.emission_texture.texture, kInvalidId);
+  EXPECT_EQ(material.normal_texture.texture, 1u);
+  EXPECT_EQ(material.normal_scale, 0.5f);
   EXPECT_TRUE(warns(scene, "images[3] is too large or no picture"));
 }
 

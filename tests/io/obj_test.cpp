@@ -203,7 +203,7 @@ TEST_F(Obj, ReadsTexturesOfMaterials) {
   write_png({"", 1, 1, {10, 20, 30, 255}}, path("a texture.png"));
   write("with space.mtl",
         "newmtl a\nKd 0 0 0\nmap_Kd -s 2 4 1 -o 0.5 0.25 0 a texture.png\n"
-        "newmtl b\nKd 1 1 1\nmap_Kd a texture.png\nmap_Bump bump.png\n"
+        "newmtl b\nKd 1 1 1\nmap_Kd a texture.png\nmap_Bump bump.png\nnorm a texture.png\n"
         "newmtl c\nKd 1 1 1\nmap_Kd gone.png\n"
         "newmtl d\nKd 1 1 1\nmap_Kd ../outside.png\n");
   const SceneDescription scene = load("mtllib with space.mtl\n" + kSquare +
@@ -220,6 +220,7 @@ TEST_F(Obj, ReadsTexturesOfMaterials) {
   EXPECT_FLOAT_EQ(slot.offset.x, 0.5f);
   EXPECT_FLOAT_EQ(1 - (slot.scale.y * (1 - 0.5f) + slot.offset.y), 4 * 0.5f + 0.25f);
   EXPECT_EQ(scene.materials[1].base_color_texture.texture, 0u);
+  EXPECT_EQ(scene.materials[1].normal_texture.texture, 0u);
   EXPECT_EQ(scene.materials[2].base_color_texture.texture, kInvalidId);
   EXPECT_EQ(scene.materials[3].base_color_texture.texture, kInvalidId);
   EXPECT_TRUE(warns(scene, "gone.png"));

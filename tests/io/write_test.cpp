@@ -70,6 +70,8 @@ SceneDescription random_scene(std::uint32_t seed) {
     material.base_color_texture = {0, {0.5f, unit(random)}, {2, 3}, unit(random)};
     material.metallic_roughness_texture.texture = 1;
     material.emission_texture.texture = m == 0 ? kInvalidId : 1;
+    if (m != 1) material.normal_texture = {1, {0.5f, 0}, {1, 2}, 0};
+    if (m == 2) material.normal_scale = 0.25f;
     material.metallic = unit(random), material.roughness = unit(random);
     material.emission = {1000 * unit(random), unit(random), 0};
     material.specular = unit(random), material.specular_color = {1, unit(random), 0};
@@ -112,11 +114,11 @@ void expect_same(const Material& a, const Material& b) {
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(std::memcmp(&a.base_color, &b.base_color, sizeof a.base_color), 0);
   for (const auto slot : {&Material::base_color_texture, &Material::metallic_roughness_texture,
-                          &Material::emission_texture}) {
+                          &Material::emission_texture, &Material::normal_texture}) {
     EXPECT_EQ(std::memcmp(&(a.*slot), &(b.*slot), sizeof(TextureSlot)), 0);
   }
   for (const auto number : {&Material::metallic, &Material::roughness, &Material::specular,
-                            &Material::transmission, &Material::ior}) {
+                            &Material::transmission, &Material::ior, &Material::normal_scale}) {
     EXPECT_EQ(a.*number, b.*number);
   }
   EXPECT_EQ(std::memcmp(&a.emission, &b.emission, sizeof a.emission), 0);

@@ -238,6 +238,43 @@ TEST(Surface, ColoursOfVerticesMultiplyTheBaseColour) {
   expect_near(seen(both, {0, 0, -1}).transmission_color, {0.25f, 0, 0});
 }
 
+/// A triangle in the plane z = 0, and a normal texture of one colour whose u runs along x and whose
+/// v runs against y, as in pictures.
+SceneDescription bumpy(std::vector<std::uint8_t> pixel) {
+  Material material;
+  material.normal_texture.texture = 0;
+  material.double_sided = true;
+  SceneDescription scene = with_material(material);
+  scene.meshes[0].positions = {{0, 0, 0}, {2, 0, 0}, {0, 1, 0}};
+  scene.meshes[0].uvs = {{0, 1}, {1, 1}, {0, 0}};
+  scene.images.push_back({"", 1, 1, std::move(pixel)});
+  scene.textures.push_back({0});
+  return scene;
+}
+
+TEST(Surface, NormalTexturesTurnTheShadingNormal) {
+  constexpr float kHalf = 128.0f / 127.5f - 1;  // as near to nothing as bytes come
+  const auto unit = [](Vec3 v) { return v / length(v); };
+  expect_near(seen(bumpy({255, 128, 255, 255}), {0, 0, -1}).normal, unit({1, kHalf, 1}));
+  expect_near(seen(bumpy({128, 255, 255, 255}), {0, 0, -1}).normal, unit({kHalf, 1, 1}));
+  expect_near(seen(bumpy({128, 255, 255, 255}), {0, 0, 1}).normal, -unit({kHalf, 1, 1}));
+  expect_near(seen(bumpy({128, 255, 255, 255}), {0, 0, -1}).geometric_normal, {0, 0, 1});
+  SceneDescription scene = bumpy({255, 255, 255, 255});
+  scene.materials[0].normal_scale = 0.5f;
+  expect_near(seen(scene, {0, 0, -1}).normal, unit({0.5f, 0.5f, 1}));
+  scene.materials[0].normal_texture.rotation = kPi / 2;  // u goes along y, v along x
+  expect_near(seen(scene, {0, 0, -1}).normal, unit({-0.5f, 0.5f, 1}));
+  scene.materials[0].normal_texture.rotation = 0;
+  for (Vec2& uv : scene.meshes[0].uvs) uv.x = -uv.x;  // the picture in a mirror
+  expect_near(seen(scene, {0, 0, -1}).normal, unit({-0.5f, 0.5f, 1}));
+  scene.instances[0].to_world = rotation({0, 0, 1}, kPi / 2);
+  expect_near(seen(scene, {0, 0, -1}).normal, unit({-0.5f, -0.5f, 1}));
+  scene.meshes[0].uvs.assign(3, {0.5f, 0.5f});  // no frame
+  expect_near(seen(scene, {0, 0, -1}).normal, {0, 0, 1});
+  scene.meshes[0].uvs.clear();
+  expect_near(seen(scene, {0, 0, -1}).normal, {0, 0, 1});
+}
+
 TEST(Surface, WithoutCoordinatesTexturesAreLeftOut) {
   const Surface s = seen(textured({0, 0, 0, 255}), {0, 0, -1});
   expect_near(s.emission, {2, 2, 2});

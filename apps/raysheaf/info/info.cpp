@@ -45,7 +45,8 @@ std::string features(const Material& material) {
   };
   add(material.base_color_texture.texture != kInvalidId ||
           material.metallic_roughness_texture.texture != kInvalidId ||
-          material.emission_texture.texture != kInvalidId,
+          material.emission_texture.texture != kInvalidId ||
+          material.normal_texture.texture != kInvalidId,
       "textured");
   add(material.emission.x > 0 || material.emission.y > 0 || material.emission.z > 0, "emitting");
   add(material.unlit, "unlit");

@@ -14,7 +14,8 @@ float linear_from_srgb(std::uint32_t byte) {
 bool reads_texture(const Material& material) {
   return material.base_color_texture.texture != kInvalidId ||
          material.metallic_roughness_texture.texture != kInvalidId ||
-         material.emission_texture.texture != kInvalidId;
+         material.emission_texture.texture != kInvalidId ||
+         material.normal_texture.texture != kInvalidId;
 }
 
 }  // namespace
