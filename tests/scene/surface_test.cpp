@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "exec/executor.h"
 #include "scene/surface_body.h"
@@ -254,6 +255,7 @@ SceneDescription bumpy(std::vector<std::uint8_t> pixel) {
 
 TEST(Surface, NormalTexturesTurnTheShadingNormal) {
   constexpr float kHalf = 128.0f / 127.5f - 1;  // as near to nothing as bytes come
+  constexpr float kQuarterTurn = std::numbers::pi_v<float> / 2;
   const auto unit = [](Vec3 v) { return v / length(v); };
   expect_near(seen(bumpy({255, 128, 255, 255}), {0, 0, -1}).normal, unit({1, kHalf, 1}));
   expect_near(seen(bumpy({128, 255, 255, 255}), {0, 0, -1}).normal, unit({kHalf, 1, 1}));
@@ -262,12 +264,12 @@ TEST(Surface, NormalTexturesTurnTheShadingNormal) {
   SceneDescription scene = bumpy({255, 255, 255, 255});
   scene.materials[0].normal_scale = 0.5f;
   expect_near(seen(scene, {0, 0, -1}).normal, unit({0.5f, 0.5f, 1}));
-  scene.materials[0].normal_texture.rotation = kPi / 2;  // u goes along y, v along x
-  expect_near(seen(scene, {0, 0, -1}).normal, unit({-0.5f, 0.5f, 1}));
+  scene.materials[0].normal_texture.rotation = kQuarterTurn;  // u goes against y, v against x
+  expect_near(seen(scene, {0, 0, -1}).normal, unit({0.5f, -0.5f, 1}));
   scene.materials[0].normal_texture.rotation = 0;
   for (Vec2& uv : scene.meshes[0].uvs) uv.x = -uv.x;  // the picture in a mirror
   expect_near(seen(scene, {0, 0, -1}).normal, unit({-0.5f, 0.5f, 1}));
-  scene.instances[0].to_world = rotation({0, 0, 1}, kPi / 2);
+  scene.instances[0].to_world = rotation({0, 0, 1}, kQuarterTurn);
   expect_near(seen(scene, {0, 0, -1}).normal, unit({-0.5f, -0.5f, 1}));
   scene.meshes[0].uvs.assign(3, {0.5f, 0.5f});  // no frame
   expect_near(seen(scene, {0, 0, -1}).normal, {0, 0, 1});
