@@ -127,9 +127,9 @@ struct StagedSurfaceCase {
     const PlacedSurface placed =
         placed_surface(corners, front, &normals, meshes[0].normal_map, u, v, along);
     out.put(placed.normal, staged_material(scene, meshes[0], 0), is_plain(materials[0]));
-    out.put(is_bumpy(materials[0]),
-            textured_normal(materials[0], table, corners, uvs, u, v, placed),
-            bumped_normal(corners, uvs, placed.normal, draws.in_box(1)));
+    out.put(is_bumpy(materials[0])
+                ? textured_normal(materials[0], table, corners, uvs, u, v, placed)
+                : bumped_normal(corners, uvs, placed.normal, draws.in_box(1)));
     const TextureColors colors = texture_colors(materials[0], table, mixed(uvs, u, v));
     Surface look;
     set_material(materials[1], colors, &look);
