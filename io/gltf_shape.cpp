@@ -26,6 +26,8 @@ ShapeSource ShapeReader::source(const JsonValue& primitive, const std::string& p
     for (const JsonMember& member : target.members()) {
       if (member.name.starts_with("TEXCOORD"))
         warnings_.once("Texture coordinates of morph targets are left out.");
+      if (member.name.starts_with("COLOR"))
+        warnings_.once("Colours of morph targets are left out.");
     }
   }
   if (!any_primitive_) shape_.targets.resize(targets.size());
