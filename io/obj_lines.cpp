@@ -57,12 +57,15 @@ Reference check_reference(std::string_view word) {
   return Reference::kMalformed;
 }
 
-/// Of a number; too large a one is the largest.
+/// Of a number, from 0 to 1; what is beyond a double is as its exponent says.
 float value_of(std::string_view number) {
   if (number.starts_with('+')) number.remove_prefix(1);
   double value = 0;
   const auto end = std::from_chars(number.data(), number.data() + number.size(), value);
-  if (end.ec == std::errc::result_out_of_range && !number.starts_with('-')) return 1;
+  if (end.ec == std::errc::result_out_of_range) {
+    const bool tiny = number.find("e-") != number.npos || number.find("E-") != number.npos;
+    return tiny || number.starts_with('-') ? 0 : 1;
+  }
   return static_cast<float>(std::clamp(value, 0.0, 1.0));
 }
 

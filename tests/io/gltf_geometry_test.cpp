@@ -229,6 +229,16 @@ TEST_F(GltfGeometry, ReadsColoursOfVertices) {
   expect_refused(write("b.gltf", file.text()), ErrorCode::kInvalidData, {"COLOR_0"});
 }
 
+TEST_F(GltfGeometry, WarnsOfWhatMorphTargetsLose) {
+  GltfFile file;
+  const std::size_t at = file.positions(kTriangle);
+  const json target = {{"POSITION", at}, {"COLOR_0", at}, {"TEXCOORD_0", at}};
+  file.show({{"attributes", {{"POSITION", at}}}, {"targets", {target}}});
+  const SceneDescription scene = load_scene(write("a.gltf", file.text()));
+  EXPECT_TRUE(warns(scene, "Colours of morph targets"));
+  EXPECT_TRUE(warns(scene, "Texture coordinates of morph targets"));
+}
+
 TEST_F(GltfGeometry, ReadsTheCoordinatesThatTheBaseColourNames) {
   GltfFile file;
   const std::size_t wrong = file.accessor<float>({9, 9, 9, 9, 9, 9}, "VEC2", 5126, 2);

@@ -106,7 +106,7 @@ TEST_F(Obj, ReadsUtf8WithItsMarkAndNoUtf16) {
 }
 TEST_F(Obj, ReadsColoursBehindVertices) {
   const SceneDescription scene =
-      load("v 0 0 0 1 0 +0.5\nv 1 0 0 0 1 2\nv 1 1 0\nv 0 1 0 9e99 -1 1e-9\nf 1 2 3\nf 1 3 4\n");
+      load("v 0 0 0 1 0 +0.5\nv 1 0 0 0 1 2\nv 1 1 0\nv 0 1 0 9e999 -1 1e-999\nf 1 2 3\nf 1 3 4\n");
   const Mesh& mesh = scene.meshes[0];
   ASSERT_EQ(mesh.colors.size(), 4u);
   EXPECT_EQ(mesh.colors[0].x, 1);
@@ -115,6 +115,7 @@ TEST_F(Obj, ReadsColoursBehindVertices) {
   EXPECT_EQ(mesh.colors[2].x, 1) << "white where there is none";
   EXPECT_EQ(mesh.colors[3].x, 1);
   EXPECT_EQ(mesh.colors[3].y, 0);
+  EXPECT_EQ(mesh.colors[3].z, 0);
   EXPECT_EQ(scene.materials[0].base_color.x, 1) << "not grey besides";
   EXPECT_TRUE(load(kSquare + "f 1 2 3\n").meshes[0].colors.empty());
 }
