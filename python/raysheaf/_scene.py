@@ -2,31 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Optional, Union
+from typing import Optional
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _core
-from ._device import Device, device_array, is_cuda, require_cuda, room_there
-from ._hits import HIT_DTYPE, HitRows, Hits
-from ._rays import RayBatch, batch_of
+from ._device import Device, is_cuda
+from ._queries import ALL, Queries
 
-ALL = 0xFFFFFFFF
 _MOST_THREADS = 1024
 
-Method = Literal["dual", "brute"]
 
-
-def _wish(mask: int, method: str, check: bool, statistics: Optional[dict[str, Any]]) -> _core.Wish:
-    if method not in ("dual", "brute"):
-        raise ValueError(f'method: {method!r} is given; "dual" or "brute" is expected')
-    if statistics is not None and not isinstance(statistics, dict):
-        raise TypeError(f"statistics: {type(statistics).__name__} is given; a dict is expected")
-    return _core.Wish(_arrays.integer(mask, "mask"), method == "brute", bool(check), statistics)
-
-
-class Scene:
+class Scene(Queries):
     """Meshes of triangles, placed in the world by instances, and the queries that rays ask of them.
 
     Changes show at the next query: it commits them. `commit` does it at a time that you choose.
@@ -253,212 +241,4 @@ class Scene:
         return (
             f"<raysheaf.Scene: {len(self.meshes)} meshes, {self._core.instance_count()} instances, "
             f"{self.triangle_count()} triangles>"
-        )
-
-    # Queries.
-
-    def closest_hit(
-        self,
-        origins: ArrayLike,
-        directions: Optional[ArrayLike] = None,
-        *,
-        t_min: Optional[ArrayLike] = None,
-        t_max: Optional[ArrayLike] = None,
-        mask: int = ALL,
-        method: Method = "dual",
-        check: bool = True,
-        statistics: Optional[dict[str, Any]] = None,
-        out: Any = None,
-    ) -> Hits:
-        """The first thing that each ray meets.
-
-        Ask many rays at once: one call with 100 000 of them is far faster than 100 000 calls.
-
-        Parameters
-        ----------
-        origins : (..., 3) array of real numbers
-            Or the whole rays, (..., 8), without `directions`: origin, t_min, direction, t_max. Those
-            are read where they lie if they are float32 in C order; with ``device="cuda"`` that may
-            be in the device's memory.
-        directions : (..., 3) array of real numbers
-            Need not be unit vectors. Broadcast with `origins`, `t_min` and `t_max`.
-        t_min, t_max : arrays of shape (...), optional
-            Hits lie in [t_min, t_max], in lengths of the direction; 0 and inf by default.
-        mask : int
-            Instances are seen where ``their mask & mask`` is not 0.
-        method : "dual" or "brute"
-            "brute" looks at every triangle for every ray, to check against; the answers are the
-            same, bit for bit.
-        check : bool
-            False: the rays are known to be right. A wrong one then makes all results unspecified.
-        statistics : dict, optional
-            Filled with what the query did: counts, times in milliseconds, and the plan.
-        out : Hits, or an array on a CUDA device, optional
-            Of the rays' shape, in C order: written and returned, so that no memory is taken. On a
-            device it has a last axis of 6 besides, and dtype float32: t, u, v, and the bits of
-            prim_id, geom_id and inst_id.
-
-        Returns
-        -------
-        Hits
-            Of the rays' shape. A miss has t = inf and ids `INVALID_ID`. Where hits are equally far,
-            that of the least (geom_id, inst_id, prim_id) counts. Both sides of triangles are met,
-            and no ray slips through an edge that two triangles share.
-
-        Raises
-        ------
-        InvalidError
-            That names the first ray which is wrong: not finite, without direction, t_min negative
-            or larger than t_max. It is a `ValueError`.
-        TypeError, ValueError
-            For arrays of a wrong dtype or of shapes that do not broadcast.
-
-        Examples
-        --------
-        >>> import numpy as np, raysheaf
-        >>> scene = raysheaf.Scene()
-        >>> mesh = scene.add([[0, 0, 5], [4, 0, 5], [0, 4, 5]], [[0, 1, 2]])
-        >>> x, y = np.meshgrid([1.0, 2.0], [0.5, 1.0, 3.0])
-        >>> origins = np.stack([x, y, np.zeros_like(x)], axis=-1)
-        >>> scene.closest_hit(origins, [0, 0, 2]).t
-        array([[2.5, 2.5],
-               [2.5, 2.5],
-               [2.5, inf]], dtype=float32)
-        """
-        batch = batch_of(self._core.context(), origins, directions, t_min, t_max)
-        there = device_array(out, "out")
-        require_cuda(self._core, batch.rays, there)
-        room: Union[NDArray[np.float32], _core.Place]
-        if there is not None:
-            room = room_there(there, batch.shape + (6,), ("float32",)).place((6,))
-        else:
-            if out is None:
-                out = Hits.empty(batch.shape)
-            else:
-                _check_out(out, batch)
-            room = out.array.reshape(-1).view(np.float32).reshape(-1, 6)
-        with batch.named():
-            self._core.closest_hit(batch.asked, room, _wish(mask, method, check, statistics))
-        given: Hits = out
-        return given
-
-    def any_hit(
-        self,
-        origins: ArrayLike,
-        directions: Optional[ArrayLike] = None,
-        *,
-        t_min: Optional[ArrayLike] = None,
-        t_max: Optional[ArrayLike] = None,
-        mask: int = ALL,
-        method: Method = "dual",
-        check: bool = True,
-        statistics: Optional[dict[str, Any]] = None,
-        out: Any = None,
-    ) -> NDArray[np.bool_]:
-        """Whether each ray meets anything: for shadows and visibility, faster than `closest_hit`.
-
-        Parameters and exceptions are those of `closest_hit`. Returns booleans of the rays' shape:
-        an array of numpy, or `out`, an array of dtype bool or uint8 on a CUDA device.
-
-        From one point to another: ``scene.any_hit(a, b - a, t_max=1)``.
-
-        >>> import raysheaf
-        >>> scene = raysheaf.Scene()
-        >>> mesh = scene.add([[0, 0, 1], [1, 0, 1], [0, 1, 1]], [[0, 1, 2]])
-        >>> scene.any_hit([0.25, 0.25, 0], [[0, 0, 1], [0, 0, -1]])
-        array([ True, False])
-        """
-        batch = batch_of(self._core.context(), origins, directions, t_min, t_max)
-        occluded = np.empty(batch.count if out is None else 0, np.uint8)
-        room = _room(self._core, batch, out, occluded, ("bool", "uint8"))
-        with batch.named():
-            self._core.any_hit(batch.asked, room, _wish(mask, method, check, statistics))
-        given: NDArray[np.bool_] = out
-        return occluded.view(np.bool_).reshape(batch.shape) if out is None else given
-
-    def all_hits(
-        self,
-        origins: ArrayLike,
-        directions: Optional[ArrayLike] = None,
-        *,
-        t_min: Optional[ArrayLike] = None,
-        t_max: Optional[ArrayLike] = None,
-        mask: int = ALL,
-        method: Method = "dual",
-        check: bool = True,
-        statistics: Optional[dict[str, Any]] = None,
-    ) -> HitRows:
-        """Everything that each ray meets, from near to far.
-
-        Parameters and exceptions are those of `closest_hit`. A ray through an edge or a vertex
-        meets all triangles that share it. The memory of rows that are gone is kept for the next
-        ones until a scene goes.
-
-        >>> import raysheaf
-        >>> scene = raysheaf.Scene()
-        >>> mesh = scene.add([[0, 0, 1], [1, 0, 1], [0, 1, 1]], [[0, 1, 2]])
-        >>> copy = scene.instance(mesh, [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 3]])
-        >>> rows = scene.all_hits([0.25, 0.25, 0], [[0, 0, 1], [0, 0, -1]])
-        >>> [row.t.tolist() for row in rows]
-        [[1.0, 4.0], []]
-        """
-        batch = batch_of(self._core.context(), origins, directions, t_min, t_max)
-        require_cuda(self._core, batch.rays)
-        with batch.named():
-            offsets, hits = self._core.all_hits(batch.asked, _wish(mask, method, check, statistics))
-        return HitRows(
-            offsets.view(np.int64), Hits(hits.view(HIT_DTYPE).reshape(len(hits))), batch.shape
-        )
-
-    def hit_counts(
-        self,
-        origins: ArrayLike,
-        directions: Optional[ArrayLike] = None,
-        *,
-        t_min: Optional[ArrayLike] = None,
-        t_max: Optional[ArrayLike] = None,
-        mask: int = ALL,
-        method: Method = "dual",
-        check: bool = True,
-        statistics: Optional[dict[str, Any]] = None,
-        out: Any = None,
-    ) -> NDArray[np.uint32]:
-        """How many triangles each ray meets: the lengths of the rows of `all_hits`.
-
-        Parameters and exceptions are those of `closest_hit`. Returns uint32 of the rays' shape: an
-        array of numpy, or `out`, an array of dtype uint32 or int32 on a CUDA device.
-        """
-        batch = batch_of(self._core.context(), origins, directions, t_min, t_max)
-        counts = np.empty(batch.count if out is None else 0, np.uint32)
-        room = _room(self._core, batch, out, counts, ("uint32", "int32"))
-        with batch.named():
-            self._core.hit_counts(batch.asked, room, _wish(mask, method, check, statistics))
-        given: NDArray[np.uint32] = out
-        return counts.reshape(batch.shape) if out is None else given
-
-
-def _room(
-    scene: _core.Scene, batch: RayBatch, out: Any, own: NDArray[Any], dtypes: tuple[str, ...]
-) -> Any:
-    """Where a number a ray goes: `own`, or `out`, which lies on a device."""
-    there = device_array(out, "out")
-    require_cuda(scene, batch.rays, there)
-    if there is not None:
-        return room_there(there, batch.shape, dtypes).place(())
-    if out is not None:
-        raise TypeError(
-            f"out: {type(out).__name__} is given; an array on a CUDA device, or None, is expected"
-        )
-    return own
-
-
-def _check_out(out: Any, batch: RayBatch) -> None:
-    if not isinstance(out, Hits):
-        raise TypeError(f"out: {type(out).__name__} is given; Hits is expected")
-    flags = out.array.flags
-    if out.shape != batch.shape or not flags.c_contiguous or not flags.writeable:
-        raise ValueError(
-            f"out: {'writable' if flags.writeable else 'read-only'} Hits of shape {out.shape} "
-            f"{'in C order' if flags.c_contiguous else 'not in C order'} are given; "
-            f"writable ones of shape {batch.shape} in C order are expected"
         )
