@@ -2,11 +2,11 @@
 #pragma once
 
 #include <chrono>
-#include <string_view>
 
 #include "engine/device_engine.h"
 #include "engine/device_queries-inl.h"
 #include "engine/device_triangles-inl.h"
+#include "engine/report_times.h"
 #include "geom/ray_fault.h"
 
 namespace raysheaf {
@@ -239,12 +239,7 @@ class DeviceEngineOn : public DeviceEngine {
       report.triangle_tests += std::uint64_t{batch.rays.size} * batch.list.count();
     times_ = device_.times();
     device_.keep_times(false);
-    for (const StageTime& time : times_) {
-      const std::string_view stage = time.stage;
-      if (stage.starts_with("order:")) report.order_ms += time.ms;
-      if (stage.starts_with("hierarchy:")) report.hierarchy_ms += time.ms;
-      if (stage.starts_with("trace:")) report.trace_ms += time.ms;
-    }
+    add_times(times_, &report);
     report.total_ms += std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
     explain(batch, &report.plan);
   }

@@ -156,21 +156,4 @@ void scatter_hits_on(Device& device, const PairView& view, View<const std::uint6
   });
 }
 
-/// 0, 1, 2 ...
-template <class Device>
-void number_on(Device& device, View<std::uint32_t> out) {
-  device.for_each("order: numbers", out.size,
-                  [=] RAYSHEAF_HD(std::size_t i) { out.data[i] = static_cast<std::uint32_t>(i); });
-}
-
-/// Place p of the order is of chunk r, the last that starts at or before it (order/order_body.h).
-template <class Device>
-void decompress_on(Device& device, View<const std::uint32_t> chunks, const std::uint64_t* starts,
-                   const std::uint64_t* bases, View<std::uint32_t> order) {
-  device.for_each("order: decompress", order.size, [=] RAYSHEAF_HD(std::size_t i) {
-    const std::uint32_t run = chunk_at(starts, static_cast<std::uint32_t>(chunks.size), i);
-    order.data[i] = static_cast<std::uint32_t>(bases[chunks.data[run]] + (i - starts[run]));
-  });
-}
-
 }  // namespace raysheaf

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
-#include <string_view>
 
+#include "engine/key_order-inl.h"
 #include "engine/pair_queries-inl.h"
+#include "engine/report_times.h"
+#include "exec/stopwatch.h"
 
 namespace raysheaf {
 
@@ -15,27 +16,7 @@ class PairTracerOn : public PairTracer {
   /// `capacity` from 1, of each list; the rest is what the device is made from.
   template <class... Args>
   explicit PairTracerOn(std::uint32_t capacity, Args&&... args)
-      : capacity_(capacity),
-        device_(std::forward<Args>(args)...),
-        corners_(device_.allocator()),
-        flags_(device_.allocator()),
-        spheres_(device_.allocator()),
-        meshes_(device_.allocator()),
-        given_(device_.allocator()),
-        rays_(device_.allocator()),
-        columns_(device_.allocator()),
-        keys_(device_.allocator()),
-        lengths_(device_.allocator()),
-        sorted_lengths_(device_.allocator()),
-        order_(device_.allocator()),
-        bases_(device_.allocator()),
-        starts_(device_.allocator()),
-        met_(device_.allocator()),
-        mesh_met_(device_.allocator()),
-        kept_(device_.allocator()),
-        mesh_tests_(device_.allocator()),
-        words_(device_.allocator()),
-        hits_(device_.allocator()) {}
+      : capacity_(capacity), device_(std::forward<Args>(args)...) {}
 
   void set_scene(const PairScene& scene) override {
     upload("copy: triangles", scene.corners, &corners_);
@@ -50,15 +31,13 @@ class PairTracerOn : public PairTracer {
     outcome.counts.tests.resize(query.levels);
     outcome.counts.hits.resize(query.levels);
     if (rays.empty()) return outcome;
-    const auto start = std::chrono::steady_clock::now();
+    Stopwatch watch;
     check_item_count("rays", rays.size);
     device_.keep_times(query.report != nullptr);
     upload("copy: rays", rays, &given_);
-    order_.resize_uninitialized("order: numbers", rays.size);
-    number_on(device_, order_.view());
-    if (!keys.empty()) outcome.chunks = order_by_key(keys, query.key_bits);
+    outcome.chunks = order_.sort(keys, rays.size, query.key_bits);
     rays_.resize_uninitialized("order: rays", rays.size);
-    gather(device_, "order: rays", given_.view_const(), order_.view_const(), rays_.view());
+    gather(device_, "order: rays", given_.view_const(), order_.order(), rays_.view());
     view_ = {rays_.view_const(),    {corners_.view_const(), flags_.view_const()},
              spheres_.view_const(), meshes_.view_const(),
              query.branching,       query.facing};
@@ -68,10 +47,14 @@ class PairTracerOn : public PairTracer {
     counts_ = &outcome.counts;
     if (spheres_.size() != 0) meet_top(query);
     hits_.resize_uninitialized("trace: hits of words", rays.size);
-    scatter_hits_on(device_, view_, words_.view_const(), order_.data(), hits_.data());
+    scatter_hits_on(device_, view_, words_.view_const(), order_.order().data, hits_.data());
     device_.copy("copy: hits", hits.data, hits_.data(), hits.size * sizeof(EngineHit));
     device_.synchronize("hits");
-    if (query.report != nullptr) report(start, query.report);
+    if (query.report != nullptr) {
+      add_times(device_.times(), query.report);
+      query.report->total_ms += watch.lap_ms();
+    }
+    device_.keep_times(false);
     return outcome;
   }
 
@@ -88,28 +71,6 @@ class PairTracerOn : public PairTracer {
   void upload(const char* stage, View<const T> from, DeviceBuffer<T>* to) {
     to->resize_uninitialized(stage, from.size);
     device_.copy(stage, to->data(), from.data, from.size * sizeof(T));
-  }
-
-  /// Compresses, sorts and decompresses into `order_`; returns the number of runs.
-  std::uint64_t order_by_key(View<const std::uint32_t> keys, std::uint32_t key_bits) {
-    upload("copy: keys", keys, &keys_);
-    columns_.resize_uninitialized("order: compress", keys.size, true);
-    lengths_.resize_uninitialized("order: compress", keys.size);
-    const std::uint32_t runs = device_.run_lengths("order: compress", keys_.view_const(),
-                                                   {columns_.keys.view(), lengths_.view()});
-    bases_.resize_uninitialized("order: compress", std::size_t{runs} + 1);
-    device_.exclusive_scan("order: compress", lengths_.view_const().slice(0, runs), bases_.view());
-    columns_.resize_uninitialized("order: sort", runs, true);
-    number_on(device_, columns_.values.view());
-    device_.sort_pairs("order: sort", &columns_, {0, key_bits});
-    sorted_lengths_.resize_uninitialized("order: decompress", runs);
-    gather(device_, "order: decompress", lengths_.view_const(), columns_.values.view_const(),
-           sorted_lengths_.view());
-    starts_.resize_uninitialized("order: decompress", std::size_t{runs} + 1);
-    device_.exclusive_scan("order: decompress", sorted_lengths_.view_const(), starts_.view());
-    decompress_on(device_, columns_.values.view_const(), starts_.data(), bases_.data(),
-                  order_.view());
-    return runs;
   }
 
   void build_levels(const PairQuery& query) {
@@ -221,37 +182,26 @@ class PairTracerOn : public PairTracer {
         });
   }
 
-  void report(std::chrono::steady_clock::time_point start, EngineReport* report) {
-    for (const StageTime& time : device_.times()) {
-      const std::string_view stage = time.stage;
-      if (stage.starts_with("order:")) report->order_ms += time.ms;
-      if (stage.starts_with("hierarchy:")) report->hierarchy_ms += time.ms;
-      if (stage.starts_with("trace:")) report->trace_ms += time.ms;
-    }
-    device_.keep_times(false);
-    const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
-    report->total_ms += ms.count();
-  }
-
   /// (node, mesh) tests at once.
   static constexpr std::uint64_t kMeshTests = 1u << 20;
 
   const std::uint32_t capacity_;
   Device device_;
-  DeviceBuffer<Vec3> corners_;
-  DeviceBuffer<std::uint8_t> flags_;
-  DeviceBuffer<Sphere> spheres_;
-  DeviceBuffer<PairMesh> meshes_;
-  DeviceBuffer<Ray> given_, rays_;
-  SortColumns<std::uint32_t> columns_;
-  DeviceBuffer<std::uint32_t> keys_, lengths_, sorted_lengths_, order_;
-  DeviceBuffer<std::uint64_t> bases_, starts_;
+  DeviceAllocator& memory_ = device_.allocator();
+  DeviceBuffer<Vec3> corners_{memory_};
+  DeviceBuffer<std::uint8_t> flags_{memory_};
+  DeviceBuffer<Sphere> spheres_{memory_};
+  DeviceBuffer<PairMesh> meshes_{memory_};
+  DeviceBuffer<Ray> given_{memory_}, rays_{memory_};
+  KeyOrderOn<Device> order_{device_};
+  DeviceBuffer<std::uint32_t> lengths_{memory_};
+  DeviceBuffer<std::uint64_t> starts_{memory_};
   std::vector<Level> levels_;
   std::vector<List> lists_;
-  DeviceBuffer<std::uint8_t> met_, mesh_met_;
-  DeviceBuffer<std::uint32_t> kept_, mesh_tests_;
-  DeviceBuffer<std::uint64_t> words_;
-  DeviceBuffer<EngineHit> hits_;
+  DeviceBuffer<std::uint8_t> met_{memory_}, mesh_met_{memory_};
+  DeviceBuffer<std::uint32_t> kept_{memory_}, mesh_tests_{memory_};
+  DeviceBuffer<std::uint64_t> words_{memory_};
+  DeviceBuffer<EngineHit> hits_{memory_};
   PairView view_;
   TraverseCounts* counts_ = nullptr;
 };

@@ -91,4 +91,11 @@ void gather(Device& device, const char* stage, View<const T> in, View<const std:
                   [=] RAYSHEAF_HD(std::size_t i) { out.data[i] = in.data[order.data[i]]; });
 }
 
+/// 0, 1, 2 ...
+template <class Device>
+void number(Device& device, const char* stage, View<std::uint32_t> out) {
+  device.for_each(stage, out.size,
+                  [=] RAYSHEAF_HD(std::size_t i) { out.data[i] = static_cast<std::uint32_t>(i); });
+}
+
 }  // namespace raysheaf
