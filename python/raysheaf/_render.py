@@ -212,8 +212,7 @@ def render(
     threads : int
         0: all cores.
     device : "cpu" or "cuda"
-        Where rays meet triangles, and, by all methods but "gl10", where pictures are made.
-        The picture is the same.
+        Where rays meet triangles and pictures are made. The picture is the same.
     exposure : float, optional
         A factor on radiance before tone mapping; found for each picture by itself by default:
         give films one, such as their first picture's.

@@ -39,10 +39,11 @@ struct ContextAccess {
   static void open(const ContextOptions& options, std::shared_ptr<Communicator> ranks,
                    Context* context);
   /// On a machine that is handed in.
-  static Context with_backend(const ContextOptions& options,
-                              std::unique_ptr<DeviceBackend> backend) {
+  static Context with_backend(const ContextOptions& options, std::unique_ptr<DeviceBackend> backend,
+                              std::shared_ptr<Communicator> ranks = nullptr) {
     Context context;
-    context.impl_ = std::make_shared<const Context::Impl>(options, std::move(backend));
+    context.impl_ =
+        std::make_shared<const Context::Impl>(options, std::move(backend), std::move(ranks));
     return context;
   }
 };

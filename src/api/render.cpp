@@ -36,19 +36,14 @@ void check_for_device(const RenderOptions& options) {
         "rah, crsh and gl10 do not count the tests of pixels on a CUDA device, which heat maps and "
         "OpenEXR show",
         "tests");
-  if (options.method == Method::kGl10) return;
   const RayKey key = options.key.value_or(RayKey::kCrsh);
   if (key != RayKey::kCrsh && key != RayKey::kRaster)
     refuse("a CUDA device sorts rays by the key crsh, or leaves them in raster order", "key");
-  if (options.bound.value_or(BundleBound::kSphereCone) != BundleBound::kSphereCone)
-    refuse("a CUDA device bounds rays by sphere-cone alone", "bound");
   if (options.bundle_samples != 0)
     refuse("bundles of rays are not measured on a CUDA device", "bundle_samples");
-}
-
-/// Whether a device has all stages of the frame.
-bool suits_device(const RenderOptions& options) {
-  return options.method != Method::kGl10;
+  if (options.method == Method::kGl10) return;
+  if (options.bound.value_or(BundleBound::kSphereCone) != BundleBound::kSphereCone)
+    refuse("a CUDA device bounds rays by sphere-cone alone", "bound");
 }
 
 const char* word_of(const TreeReport& tree) {
@@ -133,8 +128,7 @@ class Renderer::Impl {
       s->threads = executor.threads();
       s->total_ms = watch.ms();
     };
-    const bool on_device =
-        cache_.backend != nullptr && cache_.ranks == nullptr && suits_device(options);
+    const bool on_device = cache_.backend != nullptr && cache_.ranks == nullptr;
     FrameInput input{geometry,
                      camera,
                      lights,
@@ -145,8 +139,12 @@ class Renderer::Impl {
                      complete};
     if (on_device) {
       input.device = &device_stages(executor);
-      if (settings_for(options).traversal == Traversal::kRayHierarchy)
+      const Traversal traversal = settings_for(options).traversal;
+      if (traversal == Traversal::kRayHierarchy)
         input.pairs = &cache_.device_tracer(flat_).pairs(executor);
+      if (traversal == Traversal::kPackets)
+        input.packets =
+            &cache_.device_tracer(flat_).packets(executor, cache_.hierarchy(executor, flat_));
       if (rasters)
         input.rasterize = [&](const CameraFrame& frame, const ReadSlots& read) {
           return rasterizer_->visible_triangles(executor, flat_, frame, read);

@@ -31,7 +31,7 @@ class DeviceBatches {
   }
   /// Room for their keys; null where the method has none.
   [[nodiscard]] std::uint32_t* keys(const char* stage) {
-    const bool sorts = input_->pairs != nullptr && input_->by_key;
+    const bool sorts = orders_rays() && input_->by_key;
     keys_.resize_uninitialized(stage, sorts ? rays_.size() : 0);
     return sorts ? keys_.data() : nullptr;
   }
@@ -40,7 +40,7 @@ class DeviceBatches {
   const EngineHit* closest(Facing facing, std::uint32_t key_bits, BatchStatistics* statistics) {
     begin_batch(statistics);
     EngineReport report;
-    find_closest(facing, key_bits, &report, statistics);
+    find_closest({facing, key_bits}, &report, statistics);
     count_found_on(device_, hits_.view_const(), found_.data());
     finish_batch(std::move(report), statistics);
     return hits_.data();
@@ -51,8 +51,8 @@ class DeviceBatches {
     begin_batch(statistics);
     occluded_.resize_uninitialized("trace: any hits", rays_.size());
     EngineReport report;
-    if (input_->pairs != nullptr) {
-      find_closest(Facing::kBoth, key_bits, &report, statistics);
+    if (orders_rays()) {
+      find_closest({Facing::kBoth, key_bits, input_->options.early_out}, &report, statistics);
       occluded_by_hits_on(device_, hits_.view_const(), occluded_.data());
     } else {
       engine_.any_hit(rays_.view_const(), query(Facing::kBoth, &report), occluded_.view());
@@ -76,6 +76,10 @@ class DeviceBatches {
   }
 
  private:
+  /// Whether the method is one of a tracer's that orders its rays.
+  [[nodiscard]] bool orders_rays() const {
+    return input_->pairs != nullptr || input_->packets != nullptr;
+  }
   [[nodiscard]] bool is_brute() const { return input_->options.method == Method::kBrute; }
 
   [[nodiscard]] DeviceQuery query(Facing facing, EngineReport* report) {
@@ -91,18 +95,37 @@ class DeviceBatches {
     return query;
   }
 
-  void find_closest(Facing facing, std::uint32_t key_bits, EngineReport* report,
-                    BatchStatistics* statistics) {
+  struct Closest {
+    Facing facing = Facing::kBoth;
+    std::uint32_t key_bits = 32;
+    bool early_out = false;  ///< any hit will do
+  };
+
+  void find_closest(const Closest& ask, EngineReport* report, BatchStatistics* statistics) {
     hits_.resize_uninitialized("trace: closest hits", rays_.size());
-    if (input_->pairs == nullptr)
-      return engine_.closest_hit(rays_.view_const(), query(facing, report), hits_.view());
+    if (!orders_rays())
+      return engine_.closest_hit(rays_.view_const(), query(ask.facing, report), hits_.view());
     device_.synchronize("trace: closest hits");  // the tracer's stream is another one
+    if (input_->packets != nullptr) {
+      PacketQuery packets;
+      packets.early_out = ask.early_out;
+      packets.facing = ask.facing;
+      packets.key_bits = ask.key_bits;
+      packets.report = report;
+      add(input_->packets->trace(rays_.view_const(), keys_.view_const(), packets, hits_.view()),
+          statistics);
+      return;
+    }
     PairQuery pairs = input_->pair_query;
-    pairs.facing = facing;
-    pairs.key_bits = key_bits;
+    pairs.facing = ask.facing;
+    pairs.key_bits = ask.key_bits;
     pairs.report = report;
-    const PairOutcome outcome =
-        input_->pairs->trace(rays_.view_const(), keys_.view_const(), pairs, hits_.view());
+    add(input_->pairs->trace(rays_.view_const(), keys_.view_const(), pairs, hits_.view()),
+        statistics);
+  }
+
+  template <class Outcome>
+  static void add(const Outcome& outcome, BatchStatistics* statistics) {
     statistics->chunks += outcome.chunks;
     add_counts(outcome.counts, statistics);
   }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "engine/device_engine.h"
+#include "engine/packet_tracer.h"
 #include "engine/pair_tracer.h"
 #include "exec/progress_meter.h"
 #include "raster/slot_picture.h"
@@ -110,14 +111,15 @@ struct DeviceFrameInput {
   View<const PlacedLight> lights;
   FrameTally& tally;
   ProgressMeter& meter;
-  Rasterize rasterize;          ///< none: the first hits are found by rays
-  PairTracer* pairs = nullptr;  ///< of this scene, of `rah` and `crsh`; null: another method
+  Rasterize rasterize;              ///< none: the first hits are found by rays
+  PairTracer* pairs = nullptr;      ///< of this scene, of `rah` and `crsh`; null: another method
+  PacketTracer* packets = nullptr;  ///< the same of `gl10`
   PairQuery pair_query;
-  bool by_key = false;  ///< it sorts the rays
+  bool by_key = false;  ///< either sorts the rays
 };
 
-/// By any method but `gl10`. Of a scene is copied what was
-/// forgotten; fragments, rays, hits and light stay on the device until `film`.
+/// Of a scene is copied what was forgotten; fragments, rays, hits and light stay on the device
+/// until `film`.
 class DeviceStages : public FrameStages {
  public:
   /// The scene's triangles are others, or elsewhere; `looks`: so are its materials, textures and
@@ -144,5 +146,7 @@ void add_device_report(EngineReport report, BatchStatistics* statistics);
 
 /// Adds the tests of a hierarchy of rays; not their times.
 void add_counts(const TraverseCounts& counts, BatchStatistics* statistics);
+/// The same of packets.
+void add_counts(const PacketCounts& counts, BatchStatistics* statistics);
 
 }  // namespace raysheaf

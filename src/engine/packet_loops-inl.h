@@ -1,6 +1,7 @@
 // The stages of `gl10` as loops; for the sources that know which device it is.
 #pragma once
 
+#include "base/search.h"
 #include "engine/brute_force_body.h"
 #include "engine/packet_tracer.h"
 #include "exec/atomic.h"
@@ -134,29 +135,6 @@ void list_candidates_on(Device& device, const PacketView& view, PacketPairs leav
   });
 }
 
-/// 0, 1, 2 ...
-template <class Device>
-void number_candidates_on(Device& device, View<std::uint32_t> out) {
-  device.for_each("trace: leaves", out.size,
-                  [=] RAYSHEAF_HD(std::size_t i) { out.data[i] = static_cast<std::uint32_t>(i); });
-}
-
-/// The first place in [0, count) whose number is not below `value`; `count` where there is none.
-template <class Number>
-RAYSHEAF_HD std::size_t first_not_below(const Number& number, std::size_t count,
-                                        std::uint64_t value) {
-  std::size_t first = 0, end = count;
-  while (first < end) {
-    const std::size_t middle = first + (end - first) / 2;
-    if (number(middle) < value) {
-      first = middle + 1;
-    } else {
-      end = middle;
-    }
-  }
-  return first;
-}
-
 /// What a ray reads of its packet's candidates.
 struct SortedCandidates {
   View<const std::uint64_t> keys;  ///< ascending by (packet, begin), then by triangle
@@ -205,6 +183,24 @@ void meet_candidates_on(Device& device, const PacketView& view, SortedCandidates
     }
     best[number] = nearest;
     add_to(final_tests, tests);
+  });
+}
+
+/// Of rays whose packets have no leaves.
+template <class Device>
+void begin_hits_on(Device& device, View<RayHit> best) {
+  device.for_each("trace: final tests", best.size,
+                  [=] RAYSHEAF_HD(std::size_t i) { best.data[i] = RayHit{}; });
+}
+
+/// The hits of rays in the packets' order, to the caller's places.
+template <class Device>
+void scatter_best_on(Device& device, const PacketView& view, View<const RayHit> best,
+                     const std::uint32_t* order, EngineHit* hits) {
+  device.for_each("trace: hits", best.size, [=] RAYSHEAF_HD(std::size_t i) {
+    const RayHit hit = best.data[i];
+    const std::uint64_t word = hit.found() ? hit_word(hit.t, hit.triangle) : kNoHitWord;
+    hits[order[i]] = hit_of_word(view.list, word, view.rays.data[i]);
   });
 }
 

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 
+#include "engine/key_order-inl.h"
+#include "engine/packet_cuts-inl.h"
 #include "engine/packet_loops-inl.h"
+#include "engine/report_times.h"
 #include "exec/stopwatch.h"
 
 namespace raysheaf {
@@ -30,35 +33,36 @@ class PacketTracerOn : public PacketTracer {
         {std::size_t{asked_capacity_}, scene.bvh.nodes.size(), std::size_t{scene.bvh.leaf_count}});
   }
 
-  PacketCounts trace(const PacketBatch& batch, View<RayHit> best) override {
-    PacketCounts counts;
-    std::fill(best.begin(), best.end(), RayHit{});
-    if (nodes_.size() == 0 || batch.packets.empty()) return counts;
-    check_item_count("rays", std::size_t{2} * batch.rays.size);
-    counts.tests.resize(depth_ + 1);
-    counts.hits.resize(depth_ + 1);
-    counts_ = &counts;
+  PacketOutcome trace(View<const Ray> rays, View<const std::uint32_t> keys,
+                      const PacketQuery& query, View<EngineHit> hits) override {
+    PacketOutcome outcome;
+    if (rays.empty()) return outcome;
     Stopwatch watch;
-    begin(batch, best.size);
-    counts.packet_seconds = lap(&watch);
-    std::size_t size = std::max<std::size_t>(1, capacity_ / 256);
-    for (std::size_t first = 0; first < batch.packets.size;) {
-      const std::size_t count = std::min(size, batch.packets.size - first);
-      const bool fits = descend(static_cast<std::uint32_t>(first), count);
-      counts.traverse_seconds += lap(&watch);
-      if (!fits) {
-        size = std::max<std::size_t>(1, count / 2);
-        continue;
-      }
-      const Packet& last = batch.packets[first + count - 1];
-      const std::uint32_t first_ray = batch.packets[first].first;
-      meet_leaves({first_ray, last.first + last.count - first_ray});
-      counts.final_seconds += lap(&watch);
-      first += count;
+    check_item_count("rays", std::size_t{2} * rays.size);
+    device_.keep_times(query.report != nullptr);
+    upload("copy: rays", rays, &given_);
+    outcome.chunks = order_.sort(keys, rays.size, query.key_bits);
+    view_ = {};
+    view_.rays = given_.view_const();
+    view_.list = {corners_.view_const(), flags_.view_const()};
+    best_.resize_uninitialized("trace: final tests", rays.size);
+    begin_hits_on(device_, best_.view());
+    View<const std::uint32_t> order = order_.order();
+    if (nodes_.size() != 0) {
+      make_packets(query);
+      order = cuts_.order();
+      trace_packets(&outcome.counts);
     }
-    device_.copy("copy: hits", best.data, best_.data(), best.size * sizeof(RayHit));
-    counts.final_tests = device_.read("trace: final tests", final_tests_.data());
-    return counts;
+    hits_.resize_uninitialized("trace: hits", rays.size);
+    scatter_best_on(device_, view_, best_.view_const(), order.data, hits_.data());
+    device_.copy("copy: hits", hits.data, hits_.data(), hits.size * sizeof(EngineHit));
+    device_.synchronize("hits");
+    if (query.report != nullptr) {
+      add_times(device_.times(), query.report);
+      query.report->total_ms += watch.lap_ms();
+    }
+    device_.keep_times(false);
+    return outcome;
   }
 
  private:
@@ -67,25 +71,20 @@ class PacketTracerOn : public PacketTracer {
     to->resize_uninitialized(stage, from.size);
     if (!from.empty()) device_.copy(stage, to->data(), from.data, from.size * sizeof(T));
   }
-  double lap(Stopwatch* watch) {
-    device_.synchronize("packets");
-    return watch->lap_ms() / 1000;
-  }
-
-  /// Rays and packets to the device, and the packets' bounds.
-  void begin(const PacketBatch& batch, std::size_t rays) {
-    upload("copy: rays", batch.rays, &rays_);
-    upload("copy: rays", batch.packets, &packets_);
+  /// Of the ordered rays, their bounds, and room for pairs.
+  void make_packets(const PacketQuery& query) {
+    const std::size_t rays = given_.size();
+    sorted_keys_.resize_uninitialized("hierarchy: packets", order_.keys().size);
+    if (!order_.keys().empty())
+      gather(device_, "hierarchy: packets", order_.keys(), order_.order(), sorted_keys_.view());
+    cuts_.cut({given_.view_const(), order_.order(), sorted_keys_.view_const(), query.key_bits},
+              query.most_rays);
+    rays_.resize_uninitialized("order: rays", rays);
+    gather(device_, "order: rays", given_.view_const(), cuts_.order(), rays_.view());
     ends_.resize_uninitialized("hierarchy: packets", std::size_t{2} * rays);
-    frusta_.resize_uninitialized("hierarchy: packets", batch.packets.size);
-    bound_packets_on(device_, rays_.view_const(), packets_.view_const(), bounds_, ends_.data(),
+    frusta_.resize_uninitialized("hierarchy: packets", cuts_.packets().size);
+    bound_packets_on(device_, rays_.view_const(), cuts_.packets(), bounds_, ends_.data(),
                      frusta_.data());
-    best_.resize_uninitialized("trace: final tests", rays);
-    // Of rays whose packets have no leaves: no hit.
-    const std::vector<RayHit> none(rays);
-    device_.copy("trace: final tests", best_.data(), none.data(), rays * sizeof(RayHit));
-    final_tests_.resize_uninitialized("trace: final tests", 1);
-    device_.fill("trace: final tests", final_tests_.view(), 0);
     for (List* list : {&queue_, &next_, &leaves_}) {
       list->packets.resize_uninitialized("trace: queue", capacity_);
       list->places.resize_uninitialized("trace: queue", capacity_);
@@ -95,10 +94,30 @@ class PacketTracerOn : public PacketTracer {
       column->resize_uninitialized("trace: queue", capacity_);
     for (DeviceBuffer<std::uint64_t>* places : {&box_sums_, &node_places_, &leaf_places_})
       places->resize_uninitialized("trace: queue", capacity_ + 1);
-    view_ = {rays_.view_const(),   packets_.view_const(),
-             frusta_.data(),       {corners_.view_const(), flags_.view_const()},
-             nodes_.data(),        leaf_triangles_.data(),
-             batch.options.facing, batch.options.early_out};
+    view_ = {rays_.view_const(), cuts_.packets(),        frusta_.data(), view_.list,
+             nodes_.data(),      leaf_triangles_.data(), query.facing,   query.early_out};
+  }
+
+  void trace_packets(PacketCounts* counts) {
+    counts->tests.resize(depth_ + 1);
+    counts->hits.resize(depth_ + 1);
+    counts_ = counts;
+    final_tests_.resize_uninitialized("trace: final tests", 1);
+    device_.fill("trace: final tests", final_tests_.view(), 0);
+    const std::size_t packets = view_.packets.size;
+    std::size_t size = std::max<std::size_t>(1, capacity_ / 256);
+    for (std::size_t first = 0; first < packets;) {
+      const std::size_t count = std::min(size, packets - first);
+      if (!descend(static_cast<std::uint32_t>(first), count)) {
+        size = std::max<std::size_t>(1, count / 2);
+        continue;
+      }
+      const Packet begin = device_.read("trace: queue", view_.packets.data + first);
+      const Packet last = device_.read("trace: queue", view_.packets.data + first + count - 1);
+      meet_leaves({begin.first, last.first + last.count - begin.first});
+      first += count;
+    }
+    counts->final_tests = device_.read("trace: final tests", final_tests_.data());
   }
 
   /// The sum of `count` numbers; `places` takes the sums before each.
@@ -155,7 +174,7 @@ class PacketTracerOn : public PacketTracer {
     // By triangle, then, stable, by packet and begin.
     device_.copy("trace: leaves", by_triangle_.keys.data(), triangles_.data(),
                  count * sizeof(std::uint32_t));
-    number_candidates_on(device_, by_triangle_.values.view());
+    number(device_, "trace: leaves", by_triangle_.values.view());
     device_.sort_pairs("trace: leaves", &by_triangle_, {0, 32});
     gather(device_, "trace: leaves", keys_.view_const(), by_triangle_.values.view_const(),
            by_begin_.keys.view());
@@ -182,11 +201,14 @@ class PacketTracerOn : public PacketTracer {
   DeviceBuffer<std::uint8_t> flags_{memory_};
   DeviceBuffer<BvhNode> nodes_{memory_};
   DeviceBuffer<std::uint32_t> leaf_triangles_{memory_};
-  DeviceBuffer<Ray> rays_{memory_};
-  DeviceBuffer<Packet> packets_{memory_};
+  DeviceBuffer<Ray> given_{memory_}, rays_{memory_};
+  KeyOrderOn<Device> order_{device_};
+  DeviceBuffer<std::uint32_t> sorted_keys_{memory_};
+  PacketCutsOn<Device> cuts_{device_};
   DeviceBuffer<RayEnd> ends_{memory_};
   DeviceBuffer<PacketFrustum> frusta_{memory_};
   DeviceBuffer<RayHit> best_{memory_};
+  DeviceBuffer<EngineHit> hits_{memory_};
   DeviceBuffer<std::uint64_t> final_tests_{memory_};
   List queue_{memory_}, next_{memory_}, leaves_{memory_};
   DeviceBuffer<Met> met_{memory_};

@@ -1,9 +1,8 @@
-// Method `gl10` on a device: packets of ordered rays against the hierarchy over the triangles,
-// level by level, as lists of (packet, node) pairs; then their leaves (packet/packet_traverse.h).
-// The same hits, and the counts of the CPU, test for test.
+// Method `gl10` on a device: rays are ordered by their keys and cut into packets; these meet the
+// hierarchy over the triangles, level by level, as lists of (packet, node) pairs; then their leaves
+// (packet/packet_traverse.h). The same hits, and the counts of the CPU, test for test.
 //
-// Packets and hierarchy come from the host. Packets go in batches, as there, so that no list
-// overflows.
+// The hierarchy comes from the host. Packets go in batches, as there, so that no list overflows.
 #pragma once
 
 #include <memory>
@@ -22,11 +21,17 @@ struct PacketScene {
   const Bvh& bvh;
 };
 
-/// Of `options.pair_capacity`, the tracer's own stands in its place.
-struct PacketBatch {
-  View<const Ray> rays;  ///< in the order that the packets were cut from
-  View<const Packet> packets;
-  PacketOptions options;
+struct PacketQuery {
+  std::uint32_t most_rays = kPacketRays;  ///< of a packet
+  bool early_out = false;                 ///< rays that met something are tested no more
+  Facing facing = Facing::kBoth;
+  std::uint32_t key_bits = 32;
+  EngineReport* report = nullptr;
+};
+
+struct PacketOutcome {
+  PacketCounts counts;       ///< without seconds
+  std::uint64_t chunks = 0;  ///< runs of equal keys
 };
 
 /// One scene's, on one device. Not for use by two threads at once.
@@ -34,8 +39,11 @@ class PacketTracer {
  public:
   virtual ~PacketTracer() = default;
   virtual void set_scene(const PacketScene& scene) = 0;
-  /// best[i] takes the least (t, triangle) of rays[i]. All in the host's memory.
-  virtual PacketCounts trace(const PacketBatch& batch, View<RayHit> best) = 0;
+  /// hits[i] takes the least (t, triangle) of rays[i]. `keys`: what the rays are sorted by and
+  /// packets are cells of; empty: packets are runs of rays as they are. Each in the host's memory
+  /// or the device's, where what writes it is done.
+  virtual PacketOutcome trace(View<const Ray> rays, View<const std::uint32_t> keys,
+                              const PacketQuery& query, View<EngineHit> hits) = 0;
 };
 
 /// On the first CUDA device; errors as `open_cuda`. `capacity`: of each list of pairs.

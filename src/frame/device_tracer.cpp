@@ -4,13 +4,6 @@
 #include "frame/dual_tracer.h"
 
 namespace raysheaf {
-namespace {
-
-constexpr const char* kCopies =
-    "device: rays are made and hits are shaded on the CPU, and copied; so is what OpenGL sees";
-
-}  // namespace
-
 Buffer<Vec3> DeviceTracer::corners(const Executor& executor) const {
   Buffer<Vec3> all;
   all.resize_uninitialized(std::size_t{3} * scene_.triangle_count);
@@ -56,32 +49,42 @@ PairTracer& DeviceTracer::pairs(const Executor& executor) {
   return *pairs_.made;
 }
 
-PacketCounts DeviceTracer::trace_packets(const Executor& executor, const Bvh& bvh,
-                                         const PacketBatch& batch, View<RayHit> best) {
-  if (!packets_.knows) {
-    const Buffer<Vec3> all = corners(executor);
-    if (packets_.made == nullptr) packets_.made = backend_.make_packet_tracer();
-    packets_.made->set_scene({View<const Vec3>(all),
-                              View<const std::uint8_t>(scene_.flags.data(), scene_.triangle_count),
-                              scene_.bounds, bvh});
-    packets_.knows = true;
-  }
-  return packets_.made->trace(batch, best);
+PacketTracer& DeviceTracer::packets(const Executor& executor, const Bvh& bvh) {
+  if (packets_.knows) return *packets_.made;
+  const Buffer<Vec3> all = corners(executor);
+  if (packets_.made == nullptr) packets_.made = backend_.make_packet_tracer();
+  packets_.made->set_scene({View<const Vec3>(all),
+                            View<const std::uint8_t>(scene_.flags.data(), scene_.triangle_count),
+                            scene_.bounds, bvh});
+  packets_.knows = true;
+  return *packets_.made;
 }
 
-std::vector<RayHit> DeviceTracer::trace_pairs(const Executor& executor, const RayBatch& batch,
-                                              PairQuery query, bool by_key, PairOutcome* outcome) {
+template <class Tracer, class Query, class Outcome>
+std::vector<RayHit> DeviceTracer::trace_by(Tracer& tracer, const Executor& executor,
+                                           const RayBatch& batch, Query query, bool by_key,
+                                           Outcome* outcome) {
   query.key_bits = batch.key_bits;
   closest_.resize_uninitialized(batch.rays.size());
   const View<const std::uint32_t> keys(batch.keys);
-  *outcome = pairs(executor).trace(View<const Ray>(batch.rays),
-                                   by_key ? keys : View<const std::uint32_t>(), query,
-                                   View<EngineHit>(closest_));
+  *outcome = tracer.trace(View<const Ray>(batch.rays), by_key ? keys : View<const std::uint32_t>(),
+                          query, View<EngineHit>(closest_));
   std::vector<RayHit> hits(batch.rays.size());
   executor.for_each(hits.size(), kCopyGrain, [&](std::size_t i) {
     hits[i] = {closest_[i].t, closest_[i].triangle};
   });
   return hits;
+}
+
+std::vector<RayHit> DeviceTracer::trace_pairs(const Executor& executor, const RayBatch& batch,
+                                              PairQuery query, bool by_key, PairOutcome* outcome) {
+  return trace_by(pairs(executor), executor, batch, query, by_key, outcome);
+}
+
+std::vector<RayHit> DeviceTracer::trace_packets(const Executor& executor, const Bvh& bvh,
+                                                const RayBatch& batch, PacketQuery query,
+                                                bool by_key, PacketOutcome* outcome) {
+  return trace_by(packets(executor, bvh), executor, batch, query, by_key, outcome);
 }
 
 std::vector<RayHit> DeviceTracer::trace(const Executor& executor, const RayBatch& batch,
@@ -112,7 +115,6 @@ std::vector<RayHit> DeviceTracer::trace(const Executor& executor, const RayBatch
     });
   }
   for (std::size_t i = 0; i < tests.size(); ++i) ray_tests[i] += tests[i];
-  statistics->plan.emplace_back(kCopies);
   add_device_report(std::move(report), statistics);
   return hits;
 }

@@ -34,14 +34,21 @@ class DeviceTracer {
   [[nodiscard]] std::vector<RayHit> trace_pairs(const Executor& executor, const RayBatch& batch,
                                                 PairQuery query, bool by_key, PairOutcome* outcome);
 
-  /// By `gl10`, with the hierarchy of the scene: as `traverse_packets`.
-  PacketCounts trace_packets(const Executor& executor, const Bvh& bvh, const PacketBatch& batch,
-                             View<RayHit> best);
+  /// The same by `gl10`.
+  [[nodiscard]] std::vector<RayHit> trace_packets(const Executor& executor, const Bvh& bvh,
+                                                  const RayBatch& batch, PacketQuery query,
+                                                  bool by_key, PacketOutcome* outcome);
 
   /// Of `rah` and `crsh`, with the scene.
   [[nodiscard]] PairTracer& pairs(const Executor& executor);
+  /// Of `gl10`, with the scene; `bvh`: its hierarchy.
+  [[nodiscard]] PacketTracer& packets(const Executor& executor, const Bvh& bvh);
 
  private:
+  template <class Tracer, class Query, class Outcome>
+  [[nodiscard]] std::vector<RayHit> trace_by(Tracer& tracer, const Executor& executor,
+                                             const RayBatch& batch, Query query, bool by_key,
+                                             Outcome* outcome);
   [[nodiscard]] DeviceEngine& engine(const Executor& executor);
   [[nodiscard]] Buffer<Vec3> corners(const Executor& executor) const;
 

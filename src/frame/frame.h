@@ -23,9 +23,10 @@ struct FrameInput {
   const EnvironmentView* environment = nullptr;  ///< none: a uniform sky
   /// Puts into statistics what is not the frame's to know: names, sizes, the time so far.
   std::function<void(FrameStatistics*)> complete = nullptr;
-  DeviceStages* device = nullptr;  ///< with the scene, where fragments are a device's
-  Rasterize rasterize = nullptr;   ///< of its frames, where not by rays
-  PairTracer* pairs = nullptr;     ///< where the device and the method have one
+  DeviceStages* device = nullptr;   ///< with the scene, where fragments are a device's
+  Rasterize rasterize = nullptr;    ///< of its frames, where not by rays
+  PairTracer* pairs = nullptr;      ///< where the device and the method have one
+  PacketTracer* packets = nullptr;  ///< the same
 };
 
 /// The method's settings with what was asked for in their place.

@@ -94,21 +94,6 @@ std::vector<RayHit> trace_hierarchy(const Executor& executor, const FlatScene& s
   return hits;
 }
 
-void add_counts(const PacketCounts& counts, BatchStatistics* statistics) {
-  const auto levels = static_cast<std::uint32_t>(counts.tests.size());
-  statistics->levels.resize(std::max<std::size_t>(levels, statistics->levels.size()));
-  for (std::uint32_t l = 1; l <= levels; ++l) {
-    LevelStatistics& level = statistics->levels[levels - l];
-    level.level = l;
-    level.tests += counts.tests[l - 1];
-    level.hits += counts.hits[l - 1];
-  }
-  statistics->final_tests += counts.final_tests;
-  statistics->times_ms.hierarchy += 1e3 * counts.packet_seconds;
-  statistics->times_ms.traverse += 1e3 * counts.traverse_seconds;
-  statistics->times_ms.intersect += 1e3 * counts.final_seconds;
-}
-
 /// Packets have `levels` and `branching` of their own.
 std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& scene,
                                   const RayBatch& batch, const TraceOptions& options,
@@ -128,12 +113,7 @@ std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& sce
 
   TraceCache own;
   TraceCache& cache = options.cache != nullptr ? *options.cache : own;
-  cache.tree.add({true, TreeWork::kKeep, 0});
-  if (!cache.bvh) {
-    Stopwatch build;
-    cache.bvh = build_bvh(executor, scene.triangles());
-    cache.tree.add({true, TreeWork::kRebuild, build.lap_ms()});
-  }
+  const Bvh& bvh = cache.hierarchy(executor, scene);
   const std::vector<Packet> packets =
       make_packets(executor, batch.rays, keys, batch.key_bits, kPacketRays, order);
   times.hierarchy += watch.lap_ms();
@@ -150,16 +130,12 @@ std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& sce
   traversal.facing = options.facing;
   std::vector<RayHit> best(order.size());
   std::vector<float> tests(ray_tests.empty() ? 0 : order.size());
-  if (cache.backend != nullptr) {
-    const PacketBatch ordered{View<const Ray>(rays), View<const Packet>(packets), traversal};
-    add_counts(cache.device_tracer(scene).trace_packets(executor, *cache.bvh, ordered, best),
-               statistics);
-    meter->advance(packets.size());
-  } else {
-    add_counts(
-        traverse_packets(executor, scene, *cache.bvh, packets, rays, traversal, best, tests, meter),
-        statistics);
-  }
+  const PacketCounts counts =
+      traverse_packets(executor, scene, bvh, packets, rays, traversal, best, tests, meter);
+  add_counts(counts, statistics);
+  times.hierarchy += 1e3 * counts.packet_seconds;
+  times.traverse += 1e3 * counts.traverse_seconds;
+  times.intersect += 1e3 * counts.final_seconds;
 
   watch.lap_ms();
   std::vector<RayHit> hits(order.size());
@@ -193,31 +169,49 @@ std::vector<RayHit> trace_dual(const Executor& executor, const FlatScene& scene,
   return hits;
 }
 
+/// Of a device that ordered its rays.
+template <class Outcome>
+void add_ordered(const Outcome& outcome, EngineReport report, BatchStatistics* statistics) {
+  statistics->chunks += outcome.chunks;
+  add_counts(outcome.counts, statistics);
+  add_device_report(std::move(report), statistics);
+}
+
 std::vector<RayHit> trace_on_device(const Executor& executor, const FlatScene& scene,
                                     const RayBatch& batch, const TraceOptions& options,
                                     BatchStatistics* statistics, View<float> ray_tests,
                                     ProgressMeter* meter) {
   Stopwatch watch;
   meter->begin(stage_name(batch), 1);
+  statistics->plan.emplace_back(
+      "device: rays are made and hits are shaded on the CPU, and copied; so is what OpenGL sees");
   TraceCache& cache = *options.cache;
   DeviceTracer& device = cache.device_tracer(scene);
   statistics->times_ms.hierarchy += watch.lap_ms();
   const MethodSettings& method = options.method;
-  if (method.traversal != Traversal::kRayHierarchy) {
-    const bool brute = method.traversal == Traversal::kBruteForce;
-    return device.trace(executor, batch, options.facing, brute, statistics, ray_tests);
-  }
+  const bool by_key = method.key != RayKey::kRaster;
   EngineReport report;
-  PairQuery query{method.levels, method.branching, method.mesh_culling, options.facing};
-  query.report = &report;
-  PairOutcome outcome;
-  std::vector<RayHit> hits =
-      device.trace_pairs(executor, batch, query, method.key != RayKey::kRaster, &outcome);
-  statistics->chunks += outcome.chunks;
-  statistics->times_ms.order += report.order_ms;
-  statistics->times_ms.hierarchy += report.hierarchy_ms;
-  add_outcome(outcome.counts, report.trace_ms, statistics);
-  return hits;
+  if (method.traversal == Traversal::kRayHierarchy) {
+    PairQuery query{method.levels, method.branching, method.mesh_culling, options.facing};
+    query.report = &report;
+    PairOutcome outcome;
+    std::vector<RayHit> hits = device.trace_pairs(executor, batch, query, by_key, &outcome);
+    add_ordered(outcome, std::move(report), statistics);
+    return hits;
+  }
+  if (method.traversal == Traversal::kPackets) {
+    PacketQuery query;
+    query.early_out = options.early_out;
+    query.facing = options.facing;
+    query.report = &report;
+    PacketOutcome outcome;
+    const Bvh& bvh = cache.hierarchy(executor, scene);
+    std::vector<RayHit> hits = device.trace_packets(executor, bvh, batch, query, by_key, &outcome);
+    add_ordered(outcome, std::move(report), statistics);
+    return hits;
+  }
+  const bool brute = method.traversal == Traversal::kBruteForce;
+  return device.trace(executor, batch, options.facing, brute, statistics, ray_tests);
 }
 
 bool runs_on_device(const TraceOptions& options) {
@@ -279,6 +273,16 @@ DeviceTracer& TraceCache::device_tracer(const FlatScene& scene) {
   return *device;
 }
 
+const Bvh& TraceCache::hierarchy(const Executor& executor, const FlatScene& scene) {
+  tree.add({true, TreeWork::kKeep, 0});
+  if (!bvh) {
+    Stopwatch build;
+    bvh = build_bvh(executor, scene.triangles());
+    tree.add({true, TreeWork::kRebuild, build.lap_ms()});
+  }
+  return *bvh;
+}
+
 void TraceCache::update(const Executor& executor, const FlatScene& scene,
                         const FlatUpdate& update) {
   if (update.same_triangles && update.placed_meshes.empty()) return;
@@ -293,9 +297,8 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
                           View<float> ray_tests, ProgressMeter* meter) {
   begin_batch(scene, batch, statistics);
   if (batch.rays.empty()) return {};
-  // Packets are made by the CPU for either.
-  const bool elsewhere = runs_on_device(options) && options.method.traversal != Traversal::kPackets;
-  const TraceFunction method = elsewhere ? trace_on_device : function_of(options.method.traversal);
+  const TraceFunction method =
+      runs_on_device(options) ? trace_on_device : function_of(options.method.traversal);
   const auto trace_all = [&](const RayBatch& rays, BatchStatistics* counted, View<float> tests,
                              ProgressMeter* progress) {
     return method(executor, scene, rays, options, counted, tests, progress);

@@ -33,8 +33,9 @@ struct TraceCache {
   const DeviceBackend* backend = nullptr;
   Communicator* ranks = nullptr;  ///< that batches are shared among; null: this process alone
 
-  /// Made where there is none yet.
+  /// Either is made where there is none yet.
   [[nodiscard]] DeviceTracer& device_tracer(const FlatScene& scene);
+  [[nodiscard]] const Bvh& hierarchy(const Executor& executor, const FlatScene& scene);
   /// The scene's triangles are others, or elsewhere.
   void update(const Executor& executor, const FlatScene& scene, const FlatUpdate& update);
 };

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "base/bits.h"
+#include "base/search.h"
 #include "base/view.h"
 #include "exec/atomic.h"
 #include "intersect/triangle_body.h"
@@ -133,21 +134,6 @@ RAYSHEAF_HD inline bool look_at_border(const Resolve<Triangles>& r, std::size_t 
   return lost;
 }
 
-/// The first of the ascending `numbers` that is not below `least`.
-RAYSHEAF_HD inline std::size_t first_not_below(View<const std::uint32_t> numbers,
-                                               std::size_t least) {
-  std::size_t first = 0, end = numbers.size;
-  while (first < end) {
-    const std::size_t middle = first + (end - first) / 2;
-    if (numbers.data[middle] < least) {
-      first = middle + 1;
-    } else {
-      end = middle;
-    }
-  }
-  return first;
-}
-
 /// One pixel looks for a triangle that its neighbours may not tell of.
 template <class Triangles>
 RAYSHEAF_HD inline void look_from_pixel(const Resolve<Triangles>& r, std::uint32_t triangle,
@@ -187,7 +173,9 @@ RAYSHEAF_HD inline void look_for(const Resolve<Triangles>& r, View<const std::ui
         look_from_pixel(r, triangle, range.nearest, pixel);
       continue;
     }
-    for (std::size_t i = first_not_below(lost, first); i < lost.size && lost.data[i] <= last; ++i)
+    const auto number = [&](std::size_t i) { return std::uint64_t{lost.data[i]}; };
+    for (std::size_t i = first_not_below(number, lost.size, first);
+         i < lost.size && lost.data[i] <= last; ++i)
       lower_to(&r.sight[lost.data[i]], look(r, ray_of(r, lost.data[i]), triangle));
   }
 }

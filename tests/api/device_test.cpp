@@ -136,6 +136,14 @@ TEST(DeviceContext, RendersAsTheCpu) {
   expect_error(ErrorCode::kUnsupported, "tests", "gl10 do not count the tests of pixels",
                [&] { static_cast<void>(render(emulation.context, scene, options)); });
   options.count_pixel_tests = false;
+  options.bundle_samples = 9;
+  expect_error(ErrorCode::kUnsupported, "bundle_samples", "not measured",
+               [&] { static_cast<void>(render(emulation.context, scene, options)); });
+  options.bundle_samples = 0;
+  options.key = RayKey::kPixelMorton;
+  expect_error(ErrorCode::kUnsupported, "key", "by the key crsh",
+               [&] { static_cast<void>(render(emulation.context, scene, options)); });
+  options.key.reset();
   options.method = Method::kCrsh;
   options.bound = BundleBound::kShaft;
   expect_error(ErrorCode::kUnsupported, "bound", "sphere-cone",

@@ -6,8 +6,11 @@
 namespace raysheaf::test {
 
 std::vector<CompiledCase> compiled_packet_cases() {
-  return {compiled<PacketBoundCase>("PacketBound"), compiled<PacketPartsCase>("PacketParts"),
-          compiled<PacketLeafCase>("PacketLeaf"), compiled<BvhCase>("Bvh"),
+  return {compiled<PacketBoundCase>("PacketBound"),
+          compiled<PacketPartsCase>("PacketParts"),
+          compiled<PacketLeafCase>("PacketLeaf"),
+          compiled<PacketCutCase>("PacketCut"),
+          compiled<BvhCase>("Bvh"),
           compiled<LaunchCase>("Launch")};
 }
 

@@ -2,7 +2,9 @@
 #pragma once
 
 #include "cuda/words.h"
+#include "engine/packet_cuts-inl.h"
 #include "object/bvh.h"
+#include "packet/cut_body.h"
 #include "packet/frustum_body.h"
 #include "packet/leaf_body.h"
 #include "packet/packets.h"
@@ -96,6 +98,35 @@ struct PacketLeafCase {
     depths.enlarge(a.x);
     depths.enlarge(b.x);
     out.put(least_t(make_ray_setup(packet.rays[2]), c.x, depths), depths.begin, depths.end);
+  }
+};
+
+struct PacketCutCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    constexpr std::uint32_t kRays = 12;
+    std::uint32_t keys[kRays], key = 0;
+    Ray rays[kRays];
+    for (std::uint32_t i = 0; i < kRays; ++i) {
+      keys[i] = key += draws.below(3) == 0 ? draws.below(1u << 20) : 0;
+      rays[i].direction = draws.direction();
+    }
+    const View<const std::uint32_t> sorted(keys, draws.below(4) == 0 ? 0 : kRays);
+    const std::uint32_t most = 1 + draws.below(5), place = draws.below(kRays);
+    const Packet cell = packet_about(sorted, 24, most, kRays, place);
+    const Packet part = even_part({3, kRays}, 1, even_parts({3, kRays}, most + 1));
+    out.put(cell.first, cell.count, part.first, part.count,
+            lower_half({keys, kRays}, {2, kRays - 2}, 1u << 19));
+    std::uint32_t members[kRays], parted[kRays];
+    for (std::uint32_t i = 0; i < kRays; ++i) members[i] = kRays - 1 - i;
+    const View<const Ray> all(rays, kRays);
+    const SenseCounts counts = count_senses(all, {members, kRays});
+    part_members(all, counts, {members, kRays}, parted);
+    Packet packets[kSenses];
+    write_packets(counts, 5, packets);
+    for (const std::uint32_t ray : parted) out.put(ray);
+    for (std::uint32_t p = 0; p < counts.packets(); ++p) out.put(packets[p].first);
+    const std::uint32_t starts[2] = {3, 5};
+    out.put(cell_of({starts, 2}, place % 2, 9).count);
   }
 };
 

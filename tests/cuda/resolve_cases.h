@@ -83,9 +83,10 @@ struct SilhouetteCase {
     std::uint32_t lost[SmallPicture::kPixels], count = 0;
     for (std::uint32_t i = 0; i < SmallPicture::kPixels; ++i)
       if (look_at_border(resolve, i)) lost[count++] = i;
-    const View<const std::uint32_t> all(lost, count);
+    const auto number = [&](std::size_t i) { return std::uint64_t{lost[i]}; };
     const RaySetup ray = ray_of(resolve, 4);
-    out.put(count, std::uint64_t{first_not_below(all, 5)}, look(resolve, ray, 1), ray.shear_x);
+    out.put(count, std::uint64_t{first_not_below(number, count, 5)}, look(resolve, ray, 1),
+            ray.shear_x);
     for (std::uint32_t i = 0; i < SmallPicture::kPixels; ++i) {
       out.put(seen_now(&picture.sight[i]));
       out.put(resolved_pixel(picture.before[i], picture.sight[i]));

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <numeric>
 
+#include "api/context_impl.h"
 #include "ranks/share.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/query.h"
@@ -100,6 +101,25 @@ TEST(Ranks, PicturesByRaysHaveTheSameBits) {
       EXPECT_GT(tests, 0);
     });
     EXPECT_EQ(errors, kNoErrors) << to_string(method);
+  }
+}
+
+/// The CPU shades, whatever meets the triangles.
+TEST(Ranks, PicturesByRaysOnDevicesHaveTheSameBits) {
+  const SceneDescription scene = builtin_scene("cornell");
+  for (const Method method : {Method::kDual, Method::kRah, Method::kGl10}) {
+    RenderOptions options = small_frame(method);
+    options.count_pixel_tests = false;
+    options.early_out = method == Method::kGl10;
+    const RenderResult alone = render(scene, options);
+    const auto errors = run_ranks(2, [&](const auto& ranks) {
+      const Executor executor(1);
+      HostAllocator memory;
+      const Context context =
+          ContextAccess::with_backend({Device::kCuda, 1}, open_emulated(executor, memory), ranks);
+      EXPECT_TRUE(same_picture(render(context, scene, options), alone)) << to_string(method);
+    });
+    EXPECT_EQ(errors, std::vector<std::string>(2)) << to_string(method);
   }
 }
 
