@@ -80,6 +80,10 @@ Json material_of(const Material& m, GlbParts& parts) {
   const Vec3 e = m.emission;
   result.add("emissiveFactor", numbers(Vec3{e.x / strength, e.y / strength, e.z / strength}));
   if (m.double_sided) result.add("doubleSided", true);
+  if (m.alpha_cutoff > 0) {
+    result.add("alphaMode", "MASK");
+    result.add("alphaCutoff", m.alpha_cutoff);
+  }
   const JsonObject extensions = extensions_of(m, strength, parts);
   if (!extensions.empty()) result.add("extensions", extensions);
   return result;

@@ -77,11 +77,7 @@ class MaterialReader {
     const JsonValue nothing;
     read_base(source, pbr == nullptr ? nothing : *pbr);
     read_extensions(source);
-    const auto alpha = source.get("alphaMode", std::string("OPAQUE"));
-    if (alpha != "OPAQUE" && !alpha.empty()) {
-      warnings_.once("The alpha mode " + alpha.substr(0, 16) +
-                     " is left out: every surface is opaque.");
-    }
+    read_alpha(source);
     if (source.contains("occlusionTexture")) warnings_.once("Occlusion textures are left out.");
     return std::move(material_);
   }
@@ -132,6 +128,21 @@ class MaterialReader {
     material_.emission_texture = slot(emission, "emission");
     material_.normal_texture = slot(normal, "normal");
     if (normal != nullptr) material_.normal_scale = normal->get("scale", 1.0f);
+  }
+
+  void read_alpha(const JsonValue& source) {
+    const auto mode = source.get("alphaMode", std::string("OPAQUE"));
+    if (mode == "OPAQUE" || mode.empty()) return;
+    if (mode == "MASK") {
+      material_.alpha_cutoff = source.get("alphaCutoff", 0.5f);
+    } else if (mode == "BLEND" && material_.base_color_texture.texture != kInvalidId) {
+      material_.alpha_cutoff = 0.5f;
+      warnings_.once(
+          "Surfaces that are blended by a texture are there where alpha is 0.5 or more.");
+    } else {
+      warnings_.once("The alpha mode " + mode.substr(0, 16) +
+                     " is left out: such a surface is opaque.");
+    }
   }
 
   void read_extensions(const JsonValue& source) {

@@ -34,12 +34,22 @@ class MtlLibrary {
   std::uint32_t texture(const std::string& name, bool clamped, const std::string& place);
   /// Decodes the pictures into the scene; where each path's went.
   std::map<std::string, std::uint32_t> read_images();
+  /// What masks say goes to the alpha of base colours: into pictures of their own, but where both
+  /// are one.
+  void cut_out();
   void warn_once(const std::string& sentence);
   void warn_of_missing_materials();
   friend class MtlConverter;
 
+  /// What a material's map_d reads.
+  struct Mask {
+    std::uint32_t material;
+    TextureSlot slot;
+  };
+
   const SceneFile& from_;
   SceneDescription& scene_;
+  std::vector<Mask> masks_;
   std::map<std::string, std::uint32_t> by_name_;
   std::map<std::string, std::uint32_t> texture_of_;
   std::vector<std::string> image_paths_;  ///< one a texture, until `finish`

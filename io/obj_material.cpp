@@ -36,7 +36,7 @@ bool is_mirror(const tinyobj::material_t& m) {
 
 bool is_glass(const tinyobj::material_t& m) {
   const bool said = m.illum == 4 || m.illum == 6 || m.illum == 7 || m.illum == 9;
-  return said || (m.dissolve < 1 && m.ior > 1);
+  return said || (m.dissolve < 1 && m.ior > 1 && m.alpha_texname.empty());
 }
 
 void make_glass(const tinyobj::material_t& m, Material& material) {
@@ -110,6 +110,12 @@ class MtlConverter {
     }
     if (!m.normal_texname.empty())
       material.normal_texture = slot(m.normal_texname, m.normal_texopt, place);
+    if (!m.alpha_texname.empty() && material.transmission == 0) {
+      material.base_color.w = 1;
+      material.alpha_cutoff = 0.5f;
+      library_.masks_.push_back({static_cast<std::uint32_t>(library_.scene_.materials.size()),
+                                 slot(m.alpha_texname, m.alpha_texopt, place)});
+    }
     warn_of_other_maps(m);
     return material;
   }
@@ -123,7 +129,6 @@ class MtlConverter {
     const std::pair<const std::string*, const char*> kMaps[] = {
         {&m.bump_texname, "Bump"},
         {&m.displacement_texname, "Displacement"},
-        {&m.alpha_texname, "Opacity"},
         {&m.specular_texname, "Specular"},
         {&m.specular_highlight_texname, "Highlight"},
         {&m.reflection_texname, "Reflection"},
@@ -260,6 +265,65 @@ std::map<std::string, std::uint32_t> MtlLibrary::read_images() {
   return index_of;
 }
 
+namespace {
+
+/// Whether its alpha says anything.
+bool has_alpha(const Image& image) {
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4)
+    if (image.rgba[i] != 255) return true;
+  return false;
+}
+
+/// The mask's alpha where it has one, else its luminance (ITU-R BT.709), as the alpha of `image`,
+/// which keeps its size: of the nearest texel.
+void set_alpha(const Image& mask, Image* image) {
+  const bool by_alpha = has_alpha(mask);
+  for (std::uint32_t y = 0; y < image->height; ++y) {
+    const auto row = static_cast<std::uint32_t>((2 * std::uint64_t{y} + 1) * mask.height /
+                                                (2 * std::uint64_t{image->height}));
+    for (std::uint32_t x = 0; x < image->width; ++x) {
+      const auto column = static_cast<std::uint32_t>((2 * std::uint64_t{x} + 1) * mask.width /
+                                                     (2 * std::uint64_t{image->width}));
+      const std::uint8_t* const c = &mask.rgba[4 * (std::size_t{row} * mask.width + column)];
+      const double luminance = 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+      image->rgba[4 * (std::size_t{y} * image->width + x) + 3] =
+          by_alpha ? c[3] : static_cast<std::uint8_t>(std::lround(luminance));
+    }
+  }
+}
+
+}  // namespace
+
+void MtlLibrary::cut_out() {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> made;
+  for (const Mask& mask : masks_) {
+    Material& material = scene_.materials[mask.material];
+    TextureSlot& base = material.base_color_texture;
+    if (mask.slot.texture == kInvalidId) {
+      material.alpha_cutoff = 0;
+      continue;
+    }
+    const std::uint32_t mask_image = scene_.textures[mask.slot.texture].image;
+    const bool is_plain = base.texture == kInvalidId;
+    if (!is_plain && scene_.textures[base.texture].image == mask_image &&
+        has_alpha(scene_.images[mask_image]))
+      continue;
+    const auto [it, fresh] = made.try_emplace({base.texture, mask.slot.texture},
+                                              static_cast<std::uint32_t>(scene_.textures.size()));
+    if (fresh) {
+      Texture texture = scene_.textures[is_plain ? mask.slot.texture : base.texture];
+      Image image = scene_.images[texture.image];
+      if (is_plain) std::fill(image.rgba.begin(), image.rgba.end(), std::uint8_t{255});
+      set_alpha(scene_.images[mask_image], &image);
+      texture.image = static_cast<std::uint32_t>(scene_.images.size());
+      scene_.images.push_back(std::move(image));
+      scene_.textures.push_back(texture);
+    }
+    if (is_plain) base = mask.slot;
+    base.texture = it->second;
+  }
+}
+
 void MtlLibrary::finish() {
   warn_of_missing_materials();
   const std::map<std::string, std::uint32_t> image_of = read_images();
@@ -280,6 +344,9 @@ void MtlLibrary::finish() {
       if (slot->texture != kInvalidId) slot->texture = index_of[slot->texture];
     }
   }
+  for (Mask& mask : masks_)
+    if (mask.slot.texture != kInvalidId) mask.slot.texture = index_of[mask.slot.texture];
+  cut_out();
 }
 
 }  // namespace raysheaf::io

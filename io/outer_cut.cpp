@@ -327,6 +327,7 @@ std::optional<SceneDescription> cut_outer(OuterScene scene, BlockSink* sink,
   if (all == nullptr) return std::nullopt;
   OuterCutter(scene, ranks, sink, options).cut(std::move(all));
   add_camera_and_light(corners, options.add_light, &scene.rest);
+  make_whole(&scene.rest);
   return std::move(scene.rest);
 }
 

@@ -45,8 +45,9 @@ int run(const PackCommand& command) {
     file.finish(*rest);
   } else {
     const SceneDescription scene = scene_from_argument(command.scene, command.load);
-    tell_warnings(command, scene);
-    file.finish(cut_into_blocks(scene, &file, command.block_triangles));
+    const SceneDescription streamed = cut_into_blocks(scene, &file, command.block_triangles);
+    tell_warnings(command, streamed);
+    file.finish(streamed);
   }
   if (!command.quiet)
     tell(fmt::format("wrote {}: {} triangles in {} blocks, {:.1f} MB", printable(command.output),

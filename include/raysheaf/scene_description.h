@@ -43,8 +43,11 @@ struct TextureSlot {
 /// extensions. Textures multiply the factors beside them.
 struct Material {
   std::string name;
-  Vec4 base_color{1, 1, 1, 1};     ///< alpha is kept but not used: every surface is opaque
+  Vec4 base_color{1, 1, 1, 1};
   TextureSlot base_color_texture;  ///< sRGB
+  /// Where alpha, the base colour's times the texture's, is less, there is nothing; 0: everywhere
+  /// is something, and alpha is not looked at.
+  float alpha_cutoff = 0;
   float metallic = 0, roughness = 1;
   TextureSlot metallic_roughness_texture;  ///< linear; roughness in green, metallic in blue
   Vec3 emission{0, 0, 0};                  ///< radiance, strength included

@@ -150,11 +150,16 @@ class BlocksInScene : public GeometrySource {
 /// Of all blocks; empty where there are none.
 [[nodiscard]] Box world_bounds(const GeometrySource& source);
 
+/// Takes `Material::alpha_cutoff` out of a scene, with a warning where that shows: what streams is
+/// whole.
+void make_whole(SceneDescription* scene);
+
 /// Cuts a scene's triangles, placed in the world, into blocks of neighbours: halves of halves along
 /// the longest side, until what is left fits into `triangles_a_block` (1 to `kBlockTriangles`).
 /// Meshes without any are left out as `SceneDescription` knows them. Returns the scene without its
-/// vertices and triangles, with a camera and a light added where it has none. The same blocks every
-/// time. Memory beside the scene: 20 bytes a triangle. O(M log(M / B)). Throws `Error` as `render`.
+/// vertices and triangles, made whole, with a camera and a light added where it has none. The same
+/// blocks every time. Memory beside the scene: 20 bytes a triangle. O(M log(M / B)). Throws `Error`
+/// as `render`.
 [[nodiscard]] SceneDescription cut_into_blocks(const SceneDescription& scene, BlockSink* sink,
                                                std::uint32_t triangles_a_block = kBlockTriangles);
 

@@ -19,6 +19,7 @@
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "raysheaf/render_on_context.h"
+#include "scene/cutout.h"
 #include "scene/environment.h"
 #include "scene/flat_update.h"
 
@@ -128,7 +129,9 @@ class Renderer::Impl {
       s->threads = executor.threads();
       s->total_ms = watch.ms();
     };
-    const bool on_device = cache_.backend != nullptr && cache_.ranks == nullptr;
+    // A device does not know yet what materials cut away.
+    const bool on_device =
+        cache_.backend != nullptr && cache_.ranks == nullptr && !has_cutouts(*scene_);
     FrameInput input{geometry,
                      camera,
                      lights,

@@ -63,13 +63,11 @@ class CpuStages : public FrameStages {
 
   Set see(const CameraFrame& frame) override {
     sample_ = frame.sample;
-    Seeing seeing{frame, rasterizer_, nullptr, {}};
     watch_.lap_ms();
-    if (seeing.rasterizer == nullptr) {
-      seeing.statistics = &tally_.batch(RayKind::kPrimary, 0);
-      seeing.pixel_tests = film_.tests();
-    }
-    Fragments fragments = geometry_.see(seeing, &meter_);
+    const auto of_rays = [this]() -> BatchStatistics& {
+      return tally_.batch(RayKind::kPrimary, 0);
+    };
+    Fragments fragments = geometry_.see({frame, rasterizer_, of_rays, film_.tests()}, &meter_);
     film_.see(executor_, fragments,
               [this](std::uint32_t triangle) { return geometry_.ids(triangle); });
     statistics_.raster_ms += watch_.lap_ms();

@@ -101,7 +101,7 @@ std::vector<RayHit> DeviceTracer::trace(const Executor& executor, const RayBatch
   query.ray_tests = View<float>(tests);
   query.executor = &executor;
   std::vector<RayHit> hits(rays.size);
-  if (!brute && asks_occlusion(batch.kind)) {
+  if (!brute && asks_occlusion(batch)) {
     occluded_.resize_uninitialized(rays.size);
     engine(executor).any_hit(rays, query, View<std::uint8_t>(occluded_));
     executor.for_each(hits.size(), kCopyGrain, [&](std::size_t i) {

@@ -131,7 +131,7 @@ std::vector<RayHit> DualTracer::trace(const Executor& executor, const RayBatch& 
                                       Facing facing, BatchStatistics* statistics,
                                       View<float> ray_tests) {
   std::vector<RayHit> hits(batch.rays.size());
-  if (!asks_occlusion(batch.kind)) {
+  if (!asks_occlusion(batch)) {
     find_closest(executor, batch, counting(facing), statistics, ray_tests, hits);
     return hits;
   }

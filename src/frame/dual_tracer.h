@@ -25,6 +25,10 @@ inline constexpr std::uint32_t kSomeTriangle = kInvalidId - 1;
   return kind == RayKind::kShadow || kind == RayKind::kAmbientOcclusion;
 }
 
+[[nodiscard]] inline bool asks_occlusion(const RayBatch& batch) {
+  return asks_occlusion(batch.kind) && !batch.names_hits;
+}
+
 /// What a frame did with the hierarchy over its triangles.
 struct TreeReport {
   bool used = false;

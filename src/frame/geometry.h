@@ -1,6 +1,7 @@
 // The triangles of a frame, wherever they are: in memory, or in blocks that stream past.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "exec/progress_meter.h"
@@ -14,12 +15,12 @@ namespace raysheaf {
 
 class Rasterizer;
 
-/// How the first hits are found. `statistics` and `pixel_tests` are of traced ones alone.
+/// How the first hits are found.
 struct Seeing {
   const CameraFrame& frame;
-  Rasterizer* rasterizer = nullptr;  ///< null: by rays
-  BatchStatistics* statistics = nullptr;
-  View<float> pixel_tests;  ///< may be empty
+  Rasterizer* rasterizer = nullptr;              ///< null: by rays
+  std::function<BatchStatistics&()> statistics;  ///< of rays; called where there are any
+  View<float> pixel_tests;                       ///< may be empty
 };
 
 /// Triangles have numbers, which mean something to their geometry alone, and until the next call

@@ -68,17 +68,6 @@ float depth_of(const RayHit& hit, const CameraFrame& frame, const Box& bounds) {
   return farthest > 0 ? farthest : 1;
 }
 
-float depth_of_middle(const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
-                      const MethodSettings& method, ProgressMeter* meter) {
-  TraceOptions options;
-  options.method = method;
-  options.facing = Facing::kSkipBackOfSingleSided;
-  BatchStatistics not_kept;
-  const RayHit hit =
-      trace(executor, scene, middle_ray(frame), options, &not_kept, {}, meter).front();
-  return depth_of(hit, frame, scene.bounds);
-}
-
 Fragments fetch_fragments(const Executor& executor, const FlatScene& scene,
                           const TextureSet& textures, const CameraFrame& frame,
                           View<const std::uint32_t> triangles) {

@@ -35,7 +35,8 @@ struct PictureSize {
                                                            const FlatScene& scene,
                                                            const CameraFrame& frame);
 
-/// The same by rays, which pass the backs of single-sided triangles. `pixel_tests`: as `trace` has
+/// The same by rays, which pass the backs of single-sided triangles, but see everything that
+/// materials cut away. `pixel_tests`: as `trace` has
 /// it; `cache`: of the scene, shared with other batches, or null.
 [[nodiscard]] std::vector<std::uint32_t> trace_primary(
     const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
@@ -46,11 +47,5 @@ struct PictureSize {
 [[nodiscard]] Fragments fetch_fragments(const Executor& executor, const FlatScene& scene,
                                         const TextureSet& textures, const CameraFrame& frame,
                                         View<const std::uint32_t> triangles);
-
-/// The depth of what the middle of the picture shows, seen from the eye; where that is nothing, of
-/// the scene's farthest corner.
-[[nodiscard]] float depth_of_middle(const Executor& executor, const FlatScene& scene,
-                                    const CameraFrame& frame, const MethodSettings& method,
-                                    ProgressMeter* meter);
 
 }  // namespace raysheaf

@@ -1,5 +1,6 @@
 #include "frame/resident_geometry.h"
 
+#include <algorithm>
 #include <span>
 
 #include "frame/frame.h"
@@ -12,7 +13,7 @@ namespace raysheaf {
 ResidentGeometry::ResidentGeometry(const Executor& executor, const FlatScene& scene,
                                    const TextureSet& textures, const RenderOptions& options,
                                    TraceCache* cache)
-    : executor_(executor), scene_(scene), textures_(textures) {
+    : executor_(executor), scene_(scene), textures_(textures), cutouts_(executor, scene, textures) {
   options_.method = settings_for(options);
   options_.cache = cache != nullptr ? cache : &own_cache_;
   options_.cache->tree = {};
@@ -24,12 +25,32 @@ Fragments ResidentGeometry::see(const Seeing& seeing, ProgressMeter* meter) {
   if (seeing.rasterizer != nullptr) {
     meter->begin("raster", 1);
     triangles = rasterize(*seeing.rasterizer, seeing.frame);
+    if (cutouts_.any()) see_through(seeing, triangles, meter);
   } else {
-    triangles = trace_primary(executor_, scene_, seeing.frame, options_.method, seeing.statistics,
-                              seeing.pixel_tests, meter, options_.cache);
+    const RayBatch batch = primary_rays(executor_, scene_.bounds, seeing.frame);
+    const std::vector<RayHit> hits = traced(batch, Facing::kSkipBackOfSingleSided,
+                                            &seeing.statistics(), seeing.pixel_tests, meter);
+    triangles.resize(hits.size());
+    std::transform(hits.begin(), hits.end(), triangles.begin(),
+                   [](const RayHit& hit) { return hit.triangle; });
   }
   meter->begin("surfaces", 1);
   return fetch_fragments(executor_, scene_, textures_, seeing.frame, triangles);
+}
+
+void ResidentGeometry::see_through(const Seeing& seeing, View<std::uint32_t> triangles,
+                                   ProgressMeter* meter) {
+  const RayBatch all = primary_rays(executor_, scene_.bounds, seeing.frame);
+  const std::vector<std::uint32_t> away =
+      cutouts_.cut_away(all.rays, {triangles.data, triangles.size});
+  if (away.empty()) return;
+  std::vector<float> tests(seeing.pixel_tests.empty() ? 0 : away.size());
+  const std::vector<RayHit> hits = traced(part_of(all, away), Facing::kSkipBackOfSingleSided,
+                                          &seeing.statistics(), tests, meter);
+  for (std::size_t i = 0; i < away.size(); ++i) {
+    triangles[away[i]] = hits[i].triangle;
+    if (!tests.empty()) seeing.pixel_tests[away[i]] += tests[i];
+  }
 }
 
 std::vector<std::uint32_t> ResidentGeometry::rasterize(Rasterizer& rasterizer,
@@ -43,12 +64,28 @@ std::vector<std::uint32_t> ResidentGeometry::rasterize(Rasterizer& rasterizer,
 }
 
 float ResidentGeometry::depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) {
-  return raysheaf::depth_of_middle(executor_, scene_, frame, options_.method, meter);
+  BatchStatistics not_kept;
+  const RayHit hit =
+      traced(middle_ray(frame), Facing::kSkipBackOfSingleSided, &not_kept, {}, meter).front();
+  return depth_of(hit, frame, scene_.bounds);
+}
+
+std::vector<RayHit> ResidentGeometry::traced(const RayBatch& batch, Facing facing,
+                                             BatchStatistics* statistics, View<float> ray_tests,
+                                             ProgressMeter* meter) {
+  TraceOptions options = options_;
+  options.facing = facing;
+  const auto first_hits = [&](const RayBatch& rays, View<float> tests) {
+    return raysheaf::trace(executor_, scene_, rays, options, statistics, tests, meter);
+  };
+  std::vector<RayHit> hits = first_hits(batch, ray_tests);
+  if (cutouts_.any()) cutouts_.pass(batch, first_hits, hits, ray_tests);
+  return hits;
 }
 
 std::vector<RayHit> ResidentGeometry::trace(const RayBatch& batch, BatchStatistics* statistics,
                                             View<float> ray_tests, ProgressMeter* meter) {
-  return raysheaf::trace(executor_, scene_, batch, options_, statistics, ray_tests, meter);
+  return traced(batch, Facing::kBoth, statistics, ray_tests, meter);
 }
 
 void ResidentGeometry::find_occluded(const RayBatch& batch, bool early_out,
@@ -58,6 +95,20 @@ void ResidentGeometry::find_occluded(const RayBatch& batch, bool early_out,
   options.early_out = early_out;
   raysheaf::find_occluded(executor_, scene_, batch, options, statistics, ray_tests, meter,
                           occluded);
+  if (!cutouts_.any()) return;
+  // Something is in their way; whether it is there where they meet it, its triangle must tell.
+  std::vector<std::uint32_t> stopped;
+  for (std::uint32_t i = 0; i < occluded.size; ++i)
+    if (occluded[i] != 0) stopped.push_back(i);
+  if (stopped.empty()) return;
+  RayBatch rays = part_of(batch, stopped);
+  rays.names_hits = true;
+  std::vector<float> tests(ray_tests.empty() ? 0 : stopped.size());
+  const std::vector<RayHit> hits = traced(rays, Facing::kBoth, statistics, tests, meter);
+  for (std::size_t i = 0; i < stopped.size(); ++i) {
+    occluded[stopped[i]] = hits[i].found() ? 1 : 0;
+    if (!tests.empty()) ray_tests[stopped[i]] += tests[i];
+  }
 }
 
 void ResidentGeometry::fetch_surfaces(View<const Ray> rays, View<Fragment> fragments) {

@@ -1,6 +1,7 @@
 // Triangles in memory, met by any method.
 #pragma once
 
+#include "frame/cutouts.h"
 #include "frame/geometry.h"
 #include "frame/trace.h"
 #include "scene/texture.h"
@@ -30,10 +31,17 @@ class ResidentGeometry : public FrameGeometry {
   /// What OpenGL of rank 0 shows: that of others may be another one.
   [[nodiscard]] std::vector<std::uint32_t> rasterize(Rasterizer& rasterizer,
                                                      const CameraFrame& frame) const;
+  /// Brings what OpenGL shows to what is there, by rays.
+  void see_through(const Seeing& seeing, View<std::uint32_t> triangles, ProgressMeter* meter);
+  /// The first hits that are there.
+  [[nodiscard]] std::vector<RayHit> traced(const RayBatch& batch, Facing facing,
+                                           BatchStatistics* statistics, View<float> ray_tests,
+                                           ProgressMeter* meter);
 
   const Executor& executor_;
   const FlatScene& scene_;
   const TextureSet& textures_;
+  const Cutouts cutouts_;
   TraceCache own_cache_;
   TraceOptions options_;
 };

@@ -19,6 +19,7 @@ RayBatch piece_of(const RayBatch& batch, std::size_t begin, std::size_t end) {
   piece.bounce = batch.bounce;
   piece.key_bits = batch.key_bits;
   piece.width = batch.width;
+  piece.names_hits = batch.names_hits;
   for (const std::size_t light_end : batch.light_ends)
     piece.light_ends.push_back(
         static_cast<std::uint32_t>(std::clamp(light_end, begin, end) - begin));

@@ -89,8 +89,8 @@ StreamedGeometry::StreamedGeometry(const Executor& executor, Streamer* streamer,
 
 Fragments StreamedGeometry::see(const Seeing& seeing, ProgressMeter* meter) {
   const RayBatch batch = primary_rays(executor_, bounds(), seeing.frame);
-  const std::vector<RayHit> hits =
-      traced(batch, Facing::kSkipBackOfSingleSided, seeing.statistics, seeing.pixel_tests, meter);
+  const std::vector<RayHit> hits = traced(batch, Facing::kSkipBackOfSingleSided,
+                                          &seeing.statistics(), seeing.pixel_tests, meter);
   meter->begin("surfaces", 1);
   Fragments fragments(hits.size());
   executor_.for_each(hits.size(), 4096, [&](std::size_t i) {

@@ -234,7 +234,7 @@ float tree_cost(const Executor& executor, const FlatScene& scene) {
 
 RayBundle dual_bundle(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
                       std::size_t ray) {
-  const bool any = asks_occlusion(batch.kind);
+  const bool any = asks_occlusion(batch);
   View<const Ray> rays = batch.rays;
   if (any) {
     const std::vector<std::size_t> ends = query_ends(batch);

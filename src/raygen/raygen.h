@@ -42,6 +42,7 @@ struct RayBatch {
   LargeVector<std::uint32_t> lights;  ///< shadow rays alone
   /// Shadow rays alone: the direction on the unit square, or the place on a parallel light's disc.
   LargeVector<Vec2> places;
+  bool names_hits = false;  ///< shadow rays alone: not only whether they meet something is asked
 };
 
 /// Rays from lights to fragments, `t` from 0 at the light (or beyond the scene, for parallel light)

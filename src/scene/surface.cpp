@@ -71,6 +71,15 @@ Surface SurfaceReader::at(float u, float v, Vec3 direction) const {
   return surface;
 }
 
+bool SurfaceReader::is_cut_away(float u, float v) const {
+  float alpha = material_.alpha;
+  if (t_.has_uvs) {
+    const TextureTable table = textures_.table();
+    alpha *= look_up(table, material_.base_color_texture, table.as_is, mixed(t_.uv, u, v)).w;
+  }
+  return alpha < material_.alpha_cutoff;
+}
+
 Surface surface_of(const SceneDescription& scene, const TextureSet& textures,
                    const SurfaceTriangle& triangle, float u, float v, Vec3 direction) {
   SurfaceReader reader(scene, textures);

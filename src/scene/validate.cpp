@@ -157,6 +157,8 @@ void check_slot(const Item& item, const std::string& field, const TextureSlot& s
 void check(const Item& item, const Material& material, const SceneDescription& scene) {
   check_not_negative(item, "base_color",
                      {material.base_color.x, material.base_color.y, material.base_color.z});
+  check_not_negative(item, "base_color", {material.base_color.w, 0, 0});
+  check_not_negative(item, "alpha_cutoff", {material.alpha_cutoff, 0, 0});
   check_fraction(item, "metallic", material.metallic);
   check_fraction(item, "roughness", material.roughness);
   check_not_negative(item, "emission", material.emission);

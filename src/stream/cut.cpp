@@ -7,6 +7,7 @@
 #include "base/vec.h"
 #include "raysheaf/error.h"
 #include "raysheaf/stream.h"
+#include "scene/cutout.h"
 #include "scene/flat_scene.h"
 #include "scene/material_of.h"
 #include "scene/mirrors.h"
@@ -216,11 +217,18 @@ SceneDescription without_triangles(const SceneDescription& scene) {
   rest.cameras = scene.cameras;
   rest.environment = scene.environment;
   rest.warnings = scene.warnings;
+  make_whole(&rest);
   for (const Mesh& mesh : scene.meshes) rest.meshes.emplace_back().name = mesh.name;
   return rest;
 }
 
 }  // namespace
+
+void make_whole(SceneDescription* scene) {
+  if (!has_cutouts(*scene)) return;
+  scene->warnings.emplace_back("Triangles that stream past are whole, whatever alpha cuts away.");
+  for (Material& material : scene->materials) material.alpha_cutoff = 0;
+}
 
 SceneDescription cut_into_blocks(const SceneDescription& scene, BlockSink* sink,
                                  std::uint32_t triangles_a_block) {

@@ -320,6 +320,19 @@ TEST_P(Frames, AreThoseOfTheCpu) {
 TEST_P(Frames, OfSoftLight) {
   expect_soft_frames(*context_);
 }
+/// The CPU shades what materials cut holes into.
+TEST_P(Frames, OfCutouts) {
+  SceneDescription scene = test::ball_on_floor();
+  test::add_curtain(&scene, 1.5f, 1);
+  test::add_curtain(&scene, 2, 2);
+  for (const Method method : {Method::kBrute, Method::kCrsh, Method::kGl10, Method::kDual}) {
+    RenderOptions options = traced(32);
+    options.method = method;
+    const RenderResult there = render(*context_, scene, options);
+    expect_same_picture(there, render(scene, options));
+    EXPECT_TRUE(says(there, "shaded on the CPU"));
+  }
+}
 TEST_P(Frames, OfOrderedRays) {
   expect_frames_of_ordered_rays(*context_);
 }

@@ -207,6 +207,20 @@ TEST_F(GltfScene, ReadsChunksThatFollowAtOnce) {
   }
 }
 
+TEST_F(GltfScene, ReadsWhatMasksCutAway) {
+  GltfFile file;
+  file.show_triangle();
+  file.add("materials", {{"alphaMode", "MASK"}});
+  file.add("materials", {{"alphaMode", "MASK"}, {"alphaCutoff", 0.25}});
+  file.add("materials", {{"alphaMode", "OPAQUE"}, {"alphaCutoff", 0.25}});
+  const SceneDescription scene = load_scene(write("a.gltf", file.text()));
+  ASSERT_EQ(scene.materials.size(), 3u);
+  EXPECT_EQ(scene.materials[0].alpha_cutoff, 0.5f);
+  EXPECT_EQ(scene.materials[1].alpha_cutoff, 0.25f);
+  EXPECT_EQ(scene.materials[2].alpha_cutoff, 0);
+  EXPECT_TRUE(scene.warnings.empty());
+}
+
 TEST_F(GltfScene, WarnsOncePerKindOfWhatIsLeftOut) {
   GltfFile file;
   file.show_triangle();

@@ -228,6 +228,40 @@ TEST_F(Obj, ReadsTexturesOfMaterials) {
   EXPECT_TRUE(warns(scene, "outside.png"));
   EXPECT_TRUE(warns(scene, "Bump"));
 }
+TEST_F(Obj, CutsByMasks) {
+  write_png({"", 2, 1, {10, 20, 30, 255, 40, 50, 60, 0}}, path("leaf.png"));
+  write_png({"", 2, 2, {0, 0, 0, 255, 255, 255, 255, 255, 9, 9, 9, 255, 0, 255, 0, 255}},
+            path("mask.png"));
+  write("a.mtl",
+        "newmtl own\nd 0\nNi 1.5\nmap_Kd leaf.png\nmap_d leaf.png\n"
+        "newmtl two\nKd 1 1 1\nmap_Kd leaf.png\nmap_d mask.png\n"
+        "newmtl bare\nKd 1 0 0\nmap_d -o 0.5 0 0 mask.png\n"
+        "newmtl same\nKd 0 1 0\nmap_Kd leaf.png\nmap_d mask.png\n"
+        "newmtl gone\nKd 0 1 0\nmap_d gone.png\n"
+        "newmtl glass\nillum 4\nmap_d mask.png\n");
+  const SceneDescription scene = load("mtllib a.mtl\n" + kSquare + "f 1 2 3\n");
+  ASSERT_EQ(scene.materials.size(), 7u);
+  const auto image_of = [&](std::size_t material) -> const Image& {
+    return scene.images[scene.textures[scene.materials[material].base_color_texture.texture].image];
+  };
+  const auto cutoffs = [&](std::size_t m) { return scene.materials[m].alpha_cutoff; };
+  EXPECT_EQ(cutoffs(0), 0.5f);
+  EXPECT_EQ(scene.materials[0].base_color.w, 1);
+  EXPECT_EQ(scene.materials[0].transmission, 0) << "d tells nothing beside a mask";
+  EXPECT_EQ(image_of(0).rgba, (std::vector<std::uint8_t>{10, 20, 30, 255, 40, 50, 60, 0}));
+  // The base colour's size and colours, the mask's middle row: luminance.
+  EXPECT_EQ(image_of(1).rgba, (std::vector<std::uint8_t>{10, 20, 30, 9, 40, 50, 60, 182}));
+  EXPECT_EQ(image_of(2).rgba, (std::vector<std::uint8_t>{255, 255, 255, 0, 255, 255, 255, 255, 255,
+                                                         255, 255, 9, 255, 255, 255, 182}));
+  EXPECT_EQ(scene.materials[2].base_color_texture.offset.x, 0.5f);
+  EXPECT_EQ(scene.materials[2].base_color.x, 1);
+  EXPECT_EQ(scene.materials[3].base_color_texture.texture,
+            scene.materials[1].base_color_texture.texture);
+  EXPECT_EQ(cutoffs(4), 0);
+  EXPECT_EQ(cutoffs(5), 0);
+  EXPECT_EQ(scene.warnings.size(), 1u);
+  EXPECT_TRUE(warns(scene, "gone.png"));
+}
 TEST_F(Obj, StandsInForWhatIsMissing) {
   const SceneDescription scene = load("mtllib gone.mtl\n" + kSquare +
                                       "f 1 2 3\nusemtl nobody\nf 1 2 3\nusemtl none\nf 1 2 3\n");

@@ -72,6 +72,7 @@ SceneDescription random_scene(std::uint32_t seed) {
     material.emission_texture.texture = m == 0 ? kInvalidId : 1;
     if (m != 1) material.normal_texture = {1, {0.5f, 0}, {1, 2}, 0};
     if (m == 2) material.normal_scale = 0.25f;
+    if (m == 2) material.alpha_cutoff = 0.75f;
     material.metallic = unit(random), material.roughness = unit(random);
     material.emission = {1000 * unit(random), unit(random), 0};
     material.specular = unit(random), material.specular_color = {1, unit(random), 0};
@@ -117,8 +118,9 @@ void expect_same(const Material& a, const Material& b) {
                           &Material::emission_texture, &Material::normal_texture}) {
     EXPECT_EQ(std::memcmp(&(a.*slot), &(b.*slot), sizeof(TextureSlot)), 0);
   }
-  for (const auto number : {&Material::metallic, &Material::roughness, &Material::specular,
-                            &Material::transmission, &Material::ior, &Material::normal_scale}) {
+  for (const auto number :
+       {&Material::metallic, &Material::roughness, &Material::specular, &Material::transmission,
+        &Material::ior, &Material::normal_scale, &Material::alpha_cutoff}) {
     EXPECT_EQ(a.*number, b.*number);
   }
   EXPECT_EQ(std::memcmp(&a.emission, &b.emission, sizeof a.emission), 0);

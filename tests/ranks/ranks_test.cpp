@@ -11,6 +11,7 @@
 #include "raysheaf/query.h"
 #include "raysheaf/render_on_context.h"
 #include "raysheaf/stream.h"
+#include "tests/support/pictures.h"
 #include "tests/support/random.h"
 #include "tests/support/thread_ranks.h"
 
@@ -82,7 +83,8 @@ bool same_picture(const RenderResult& a, const RenderResult& b) {
 }
 
 TEST(Ranks, PicturesByRaysHaveTheSameBits) {
-  const SceneDescription scene = builtin_scene("cornell");
+  SceneDescription scene = builtin_scene("cornell");
+  add_curtain(&scene, 0, 1);
   for (const Method method : {Method::kDual, Method::kCrsh, Method::kGl10}) {
     const RenderOptions options = small_frame(method);
     const RenderResult alone = render(scene, options);

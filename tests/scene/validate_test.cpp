@@ -83,6 +83,8 @@ const Defect kDefects[] = {
      [](auto& s) { s.materials[1].emission_texture.texture = 7; }},
     {"materials[1].normal_texture.texture",
      [](auto& s) { s.materials[1].normal_texture.texture = 7; }},
+    {"materials[0].alpha_cutoff", [](auto& s) { s.materials[0].alpha_cutoff = -1; }},
+    {"materials[0].base_color", [](auto& s) { s.materials[0].base_color.w = kNan; }},
     {"materials[0].normal_scale", [](auto& s) { s.materials[0].normal_scale = kInf; }},
     {"textures[0].image", [](auto& s) { s.textures[0].image = 1; }, "the scene has 1 images"},
     {"images[0].width", [](auto& s) { s.images[0].width = 0; }},

@@ -71,6 +71,21 @@ TEST(StreamedFrame, BuiltinScenesAreTheSame) {
   }
 }
 
+TEST(StreamedFrame, WhatAlphaCutsAwayIsWhole) {
+  SceneDescription scene = builtin_scene("office");
+  scene.materials[0].base_color.w = 0.25f;
+  scene.materials[0].alpha_cutoff = 0.5f;
+  BlockList blocks;
+  blocks.set_scene(cut_into_blocks(scene, &blocks, 3000));
+  const std::vector<std::string>& warnings = blocks.scene().warnings;
+  ASSERT_EQ(warnings.size(), scene.warnings.size() + 1);
+  EXPECT_NE(warnings.back().find("alpha"), std::string::npos);
+  EXPECT_EQ(blocks.scene().materials[0].alpha_cutoff, 0);
+  const RenderResult streamed = render(blocks, small_picture());
+  scene.materials[0].alpha_cutoff = 0;
+  expect_same_picture(render(scene, small_picture()), streamed);
+}
+
 TEST(StreamedFrame, AHallMadeInBlocksIsTheSame) {
   RenderOptions options = small_picture();
   BlockList blocks;

@@ -6,6 +6,7 @@
 #include "base/vec.h"
 #include "raysheaf/render.h"
 #include "raysheaf/scene_description.h"
+#include "support/random.h"
 #include "support/soups.h"
 
 namespace raysheaf::test {
@@ -67,6 +68,34 @@ inline SceneDescription ball_on_floor(Material material = {}) {
   scene.lights.push_back(point_light({2, 6, 3}, 100));
   scene.cameras.push_back(camera_at({0, 2.5f, 6}, {0, 0.8f, 0}));
   return scene;
+}
+
+/// Adds a wall at z, seen from both sides, that its texture cuts holes into: texels without alpha
+/// and with half of it, by chance.
+inline void add_curtain(SceneDescription* scene, float z, std::uint32_t seed) {
+  constexpr std::uint32_t kTexels = 8;
+  Random random(seed);
+  Image image;
+  image.width = image.height = kTexels;
+  for (std::uint32_t i = 0; i < kTexels * kTexels; ++i)
+    for (const std::uint32_t c : {200u, 255u, 100u, 127 * random.below(3)})
+      image.rgba.push_back(static_cast<std::uint8_t>(c));
+  const auto texture = static_cast<std::uint32_t>(scene->textures.size());
+  const auto material = static_cast<std::uint32_t>(scene->materials.size());
+  scene->textures.push_back({static_cast<std::uint32_t>(scene->images.size()), Wrap::kRepeat,
+                             Wrap::kRepeat, seed % 2 == 0 ? Filter::kNearest : Filter::kLinear});
+  scene->images.push_back(image);
+  Material cut;
+  cut.base_color_texture.texture = texture;
+  cut.alpha_cutoff = 0.4f;
+  cut.double_sided = true;
+  scene->materials.push_back(cut);
+  Mesh wall;
+  wall.positions = {{-2, 0, z}, {2, 0, z}, {2, 2.5f, z}, {-2, 2.5f, z}};
+  wall.uvs = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+  wall.triangles = {{0, 1, 2}, {0, 2, 3}};
+  wall.materials = {material};
+  add_mesh(scene, std::move(wall));
 }
 
 inline RenderOptions small_options(std::uint32_t size = 48) {

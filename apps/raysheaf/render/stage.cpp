@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "console.h"
 #include "ranks/ranks.h"
 #include "raysheaf/context.h"
 #include "render/stream.h"
@@ -32,7 +33,7 @@ class StreamedStage final : public Stage {
  public:
   StreamedStage(const RenderCommand& command, Communicator* ranks, const GeometrySource* blocks,
                 StreamCheckpoint* checkpoint)
-      : context_({command.device, command.options.threads}), file_(blocks) {
+      : context_({command.device, command.options.threads}), file_(blocks), quiet_(command.quiet) {
     stream_.context = &context_;
     stream_.memory_bytes = command.memory_bytes;
     stream_.checkpoint = checkpoint;
@@ -49,6 +50,9 @@ class StreamedStage final : public Stage {
     } else if (!changes.empty()) {
       cut_ = std::make_unique<BlockList>();
       scene_ = cut_into_blocks(scene, cut_.get());
+      if (changes.everything && !quiet_)
+        for (std::size_t i = scene.warnings.size(); i < scene_.warnings.size(); ++i)
+          tell("warning: " + printable(scene_.warnings[i]));
     }
     scene_.cameras = scene.cameras;
     scene_.lights = scene.lights;
@@ -71,6 +75,7 @@ class StreamedStage final : public Stage {
  private:
   Context context_;
   const GeometrySource* file_;
+  const bool quiet_;
   std::unique_ptr<BlockList> cut_;  ///< where there is no file
   SceneDescription scene_;          ///< without triangles
   std::unique_ptr<HitExchange> exchange_;

@@ -1,0 +1,111 @@
+#include "frame/cutouts.h"
+
+#include <cmath>
+#include <numeric>
+
+#include "intersect/triangle_body.h"
+#include "scene/cutout.h"
+#include "scene/material_of.h"
+#include "scene/surface_reader.h"
+
+namespace raysheaf {
+namespace {
+
+template <class T>
+void pick(const LargeVector<T>& from, View<const std::uint32_t> places, LargeVector<T>* to) {
+  if (from.empty()) return;
+  to->resize(places.size);
+  for (std::size_t i = 0; i < places.size; ++i) (*to)[i] = from[places[i]];
+}
+
+std::uint32_t material_at(const FlatScene& scene, std::uint32_t triangle) {
+  const FlatMesh& placed = scene.meshes[scene.mesh_of_triangle[triangle]];
+  return material_of(scene.description->meshes[placed.geom_id], triangle - placed.first_triangle);
+}
+
+}  // namespace
+
+RayBatch part_of(const RayBatch& batch, View<const std::uint32_t> places) {
+  RayBatch part;
+  part.kind = batch.kind;
+  part.bounce = batch.bounce;
+  part.key_bits = batch.key_bits;
+  part.width = batch.width;
+  part.names_hits = batch.names_hits;
+  pick(batch.rays, places, &part.rays);
+  pick(batch.slots, places, &part.slots);
+  pick(batch.weights, places, &part.weights);
+  pick(batch.keys, places, &part.keys);
+  pick(batch.pixels, places, &part.pixels);
+  pick(batch.lights, places, &part.lights);
+  pick(batch.places, places, &part.places);
+  return part;
+}
+
+Cutouts::Cutouts(const Executor& executor, const FlatScene& scene, const TextureSet& textures)
+    : executor_(executor), scene_(scene), textures_(textures) {
+  for (const Material& material : scene.description->materials) {
+    cuts_.push_back(is_cutout(material) ? 1 : 0);
+    any_ = any_ || cuts_.back() != 0;
+  }
+}
+
+std::vector<std::uint32_t> Cutouts::cut_away(View<const Ray> rays,
+                                             View<const std::uint32_t> triangles) const {
+  std::vector<std::uint8_t> away(rays.size);
+  executor_.for_each_block(rays.size, kWorkGrain, [&](std::size_t begin, std::size_t end) {
+    SurfaceReader reader(*scene_.description, textures_);
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t triangle = triangles[i];
+      if (triangle == kInvalidId) continue;
+      const std::uint32_t material = material_at(scene_, triangle);
+      if (material >= cuts_.size() || cuts_[material] == 0) continue;
+      reader.hold(scene_, triangle);
+      const Vec3(&corner)[3] = reader.held().corner;
+      const Vec2 at = clamped_barycentrics(rays[i], corner[0], corner[1], corner[2]);
+      away[i] = reader.is_cut_away(at.x, at.y) ? 1 : 0;
+    }
+  });
+  std::vector<std::uint32_t> places;
+  for (std::uint32_t i = 0; i < away.size(); ++i)
+    if (away[i] != 0) places.push_back(i);
+  return places;
+}
+
+void Cutouts::pass(const RayBatch& batch, const Trace& trace, View<RayHit> hits,
+                   View<float> ray_tests) const {
+  // Rays on their way, by their places in the batch; all at first.
+  std::vector<std::uint32_t> on_way(batch.rays.size());
+  std::iota(on_way.begin(), on_way.end(), 0u);
+  RayBatch part;
+  const RayBatch* now = &batch;
+  while (true) {
+    std::vector<std::uint32_t> triangles;
+    for (const std::uint32_t place : on_way) triangles.push_back(hits[place].triangle);
+    const std::vector<std::uint32_t> away = cut_away(now->rays, triangles);
+    if (away.empty()) return;
+    std::vector<std::uint32_t> still;
+    std::vector<float> t_min;
+    for (const std::uint32_t i : away) {
+      const std::uint32_t place = on_way[i];
+      const float behind = std::nextafter(hits[place].t, std::numeric_limits<float>::infinity());
+      hits[place] = {};
+      if (behind > batch.rays[place].t_max) continue;  // there is nothing left of the ray
+      still.push_back(place);
+      t_min.push_back(behind);
+    }
+    if (still.empty()) return;
+    part = part_of(batch, View<const std::uint32_t>(still));
+    for (std::size_t i = 0; i < still.size(); ++i) part.rays[i].t_min = t_min[i];
+    std::vector<float> tests(ray_tests.empty() ? 0 : still.size());
+    const std::vector<RayHit> found = trace(part, tests);
+    for (std::size_t i = 0; i < still.size(); ++i) {
+      hits[still[i]] = found[i];
+      if (!tests.empty()) ray_tests[still[i]] += tests[i];
+    }
+    now = &part;
+    on_way = std::move(still);
+  }
+}
+
+}  // namespace raysheaf
