@@ -157,7 +157,9 @@ TEST_P(Cut, PicturesAreThoseOfBruteForce) {
       double batches = 0;
       for (const BatchStatistics& b : result.statistics.batches)
         batches += static_cast<double>(b.total_tests());
-      EXPECT_NEAR(pixels, batches, 0.03 * batches) << "last nodes, as above, of small batches";
+      const bool pads = GetParam() == Method::kRah || GetParam() == Method::kCrsh;
+      EXPECT_LE(pixels, batches * (1 + 1e-6));
+      EXPECT_GE(pixels, batches * (pads ? 0.9 : 1 - 1e-6)) << "last nodes, as above";
     }
   }
 }
