@@ -80,7 +80,9 @@ Json material_of(const Material& m, GlbParts& parts) {
   const Vec3 e = m.emission;
   result.add("emissiveFactor", numbers(Vec3{e.x / strength, e.y / strength, e.z / strength}));
   if (m.double_sided) result.add("doubleSided", true);
-  if (m.alpha_cutoff > 0) {
+  if (m.alpha_blend) {
+    result.add("alphaMode", "BLEND");
+  } else if (m.alpha_cutoff > 0) {
     result.add("alphaMode", "MASK");
     result.add("alphaCutoff", m.alpha_cutoff);
   }

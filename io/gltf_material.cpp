@@ -135,10 +135,15 @@ class MaterialReader {
     if (mode == "OPAQUE" || mode.empty()) return;
     if (mode == "MASK") {
       material_.alpha_cutoff = source.get("alphaCutoff", 0.5f);
-    } else if (mode == "BLEND" && material_.base_color_texture.texture != kInvalidId) {
-      material_.alpha_cutoff = 0.5f;
-      warnings_.once(
-          "Surfaces that are blended by a texture are there where alpha is 0.5 or more.");
+    } else if (mode == "BLEND") {
+      material_.alpha_blend = true;
+      const bool varies = material_.base_color_texture.texture != kInvalidId;
+      material_.alpha_cutoff = varies ? 0.5f : 0;
+      if (varies || material_.base_color.w < 1)
+        warnings_.once(
+            "The alpha mode BLEND is mixed by samples: with one a pixel, surfaces are cut off "
+            "where "
+            "their texture's alpha is below a half, and whole where they have none.");
     } else {
       warnings_.once("The alpha mode " + mode.substr(0, 16) +
                      " is left out: such a surface is opaque.");

@@ -67,7 +67,7 @@ bool same_slot(const TextureSlot& a, const TextureSlot& b) {
 }
 bool same_material(const Material& a, const Material& b) {
   const auto numbers = [](const Material& m) {
-    return std::array<float, 19>{m.base_color.x,
+    return std::array<float, 20>{m.base_color.x,
                                  m.base_color.y,
                                  m.base_color.z,
                                  m.base_color.w,
@@ -85,7 +85,8 @@ bool same_material(const Material& a, const Material& b) {
                                  m.unlit ? 1.0f : 0,
                                  m.double_sided ? 1.0f : 0,
                                  m.normal_scale,
-                                 m.alpha_cutoff};
+                                 m.alpha_cutoff,
+                                 m.alpha_blend ? 1.0f : 0};
   };
   return a.name == b.name && numbers(a) == numbers(b) &&
          same_slot(a.base_color_texture, b.base_color_texture) &&

@@ -48,6 +48,8 @@ struct Material {
   /// Where alpha, the base colour's times the texture's, is less, there is nothing; 0: everywhere
   /// is something, and alpha is not looked at.
   float alpha_cutoff = 0;
+  /// With several samples a pixel, alpha is instead the chance that a ray meets something.
+  bool alpha_blend = false;
   float metallic = 0, roughness = 1;
   TextureSlot metallic_roughness_texture;  ///< linear; roughness in green, metallic in blue
   Vec3 emission{0, 0, 0};                  ///< radiance, strength included

@@ -150,8 +150,8 @@ class BlocksInScene : public GeometrySource {
 /// Of all blocks; empty where there are none.
 [[nodiscard]] Box world_bounds(const GeometrySource& source);
 
-/// Takes `Material::alpha_cutoff` out of a scene, with a warning where that shows: what streams is
-/// whole.
+/// Takes `Material::alpha_cutoff` and `alpha_blend` out of a scene, with a warning where that
+/// shows: what streams is whole.
 void make_whole(SceneDescription* scene);
 
 /// Cuts a scene's triangles, placed in the world, into blocks of neighbours: halves of halves along

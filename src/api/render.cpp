@@ -114,7 +114,7 @@ class Renderer::Impl {
     if (rasters && !rasterizer_) rasterizer_.emplace();
     meter.begin("scene", 1);
     update_ = update_scene(executor);
-    ResidentGeometry geometry(executor, flat_, *textures_, options, &cache_);
+    ResidentGeometry geometry(executor, flat_, *textures_, options, &cache_, samples);
     const auto complete = [&](FrameStatistics* s) {
       s->scene = scene_->name;
       s->triangles = flat_.triangle_count;
@@ -131,7 +131,7 @@ class Renderer::Impl {
     };
     // A device does not know yet what materials cut away.
     const bool on_device =
-        cache_.backend != nullptr && cache_.ranks == nullptr && !has_cutouts(*scene_);
+        cache_.backend != nullptr && cache_.ranks == nullptr && !has_cutouts(*scene_, samples > 1);
     FrameInput input{geometry,
                      camera,
                      lights,

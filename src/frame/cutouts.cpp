@@ -3,7 +3,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/float.h"
 #include "intersect/triangle_body.h"
+#include "raygen/sample_body.h"
 #include "scene/cutout.h"
 #include "scene/material_of.h"
 #include "scene/surface_reader.h"
@@ -21,6 +23,14 @@ void pick(const LargeVector<T>& from, View<const std::uint32_t> places, LargeVec
 std::uint32_t material_at(const FlatScene& scene, std::uint32_t triangle) {
   const FlatMesh& placed = scene.meshes[scene.mesh_of_triangle[triangle]];
   return material_of(scene.description->meshes[placed.geom_id], triangle - placed.first_triangle);
+}
+
+/// Above 0 and below 1, of a ray whatever its interval.
+float chance(const Ray& ray, std::uint32_t triangle) {
+  std::uint32_t seed = triangle;
+  for (const Vec3 v : {ray.origin, ray.direction})
+    for (int axis = 0; axis < 3; ++axis) seed = mixed_seed(seed, float_bits(component(v, axis)));
+  return (static_cast<float>(seed >> 8) + 0.5f) * 0x1p-24f;
 }
 
 }  // namespace
@@ -42,10 +52,11 @@ RayBatch part_of(const RayBatch& batch, View<const std::uint32_t> places) {
   return part;
 }
 
-Cutouts::Cutouts(const Executor& executor, const FlatScene& scene, const TextureSet& textures)
-    : executor_(executor), scene_(scene), textures_(textures) {
+Cutouts::Cutouts(const Executor& executor, const FlatScene& scene, const TextureSet& textures,
+                 bool blends)
+    : executor_(executor), scene_(scene), textures_(textures), blends_(blends) {
   for (const Material& material : scene.description->materials) {
-    cuts_.push_back(is_cutout(material) ? 1 : 0);
+    cuts_.push_back(is_cutout(material, blends) ? 1 : 0);
     any_ = any_ || cuts_.back() != 0;
   }
 }
@@ -63,7 +74,10 @@ std::vector<std::uint32_t> Cutouts::cut_away(View<const Ray> rays,
       reader.hold(scene_, triangle);
       const Vec3(&corner)[3] = reader.held().corner;
       const Vec2 at = clamped_barycentrics(rays[i], corner[0], corner[1], corner[2]);
-      away[i] = reader.is_cut_away(at.x, at.y) ? 1 : 0;
+      const Material& m = scene_.description->materials[material];
+      const bool by_chance = blends_ && m.alpha_blend;
+      const float least = by_chance ? chance(rays[i], triangle) : m.alpha_cutoff;
+      away[i] = reader.alpha_at(at.x, at.y) < least ? 1 : 0;
     }
   });
   std::vector<std::uint32_t> places;

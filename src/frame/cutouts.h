@@ -7,6 +7,10 @@
 //
 // so that all methods give the same bits here, too. Of several triangles in one place, equally far,
 // the first hit speaks for all.
+//
+// What is blended is there for some rays and not for others, by chance, as often as alpha says (E.
+// Enderton, E. Sintorn, P. Shirley, D. Luebke, "Stochastic Transparency", I3D 2010): samples mix
+// them. The chance is a hash of ray and triangle, so that all methods throw the same dice.
 #pragma once
 
 #include <functional>
@@ -26,8 +30,9 @@ class Cutouts {
   /// What is traced: first hits, whatever the batch's kind.
   using Trace = std::function<std::vector<RayHit>(const RayBatch& batch, View<float> ray_tests)>;
 
-  /// All must outlive it. O(materials).
-  Cutouts(const Executor& executor, const FlatScene& scene, const TextureSet& textures);
+  /// All must outlive it. `blends`: there are several samples a pixel. O(materials).
+  Cutouts(const Executor& executor, const FlatScene& scene, const TextureSet& textures,
+          bool blends);
 
   /// Whether the scene has any.
   [[nodiscard]] bool any() const { return any_; }
@@ -45,6 +50,7 @@ class Cutouts {
   const Executor& executor_;
   const FlatScene& scene_;
   const TextureSet& textures_;
+  const bool blends_;
   std::vector<std::uint8_t> cuts_;  ///< of each material
   bool any_ = false;
 };

@@ -12,8 +12,11 @@ namespace raysheaf {
 
 ResidentGeometry::ResidentGeometry(const Executor& executor, const FlatScene& scene,
                                    const TextureSet& textures, const RenderOptions& options,
-                                   TraceCache* cache)
-    : executor_(executor), scene_(scene), textures_(textures), cutouts_(executor, scene, textures) {
+                                   TraceCache* cache, std::uint32_t samples)
+    : executor_(executor),
+      scene_(scene),
+      textures_(textures),
+      cutouts_(executor, scene, textures, samples > 1) {
   options_.method = settings_for(options);
   options_.cache = cache != nullptr ? cache : &own_cache_;
   options_.cache->tree = {};

@@ -11,8 +11,10 @@ namespace raysheaf {
 class ResidentGeometry : public FrameGeometry {
  public:
   /// All must outlive it. `cache`: of the scene, kept from frame to frame; none: nothing is.
+  /// `samples`: of a pixel.
   ResidentGeometry(const Executor& executor, const FlatScene& scene, const TextureSet& textures,
-                   const RenderOptions& options, TraceCache* cache = nullptr);
+                   const RenderOptions& options, TraceCache* cache = nullptr,
+                   std::uint32_t samples = 1);
 
   [[nodiscard]] const Box& bounds() const override { return scene_.bounds; }
   [[nodiscard]] std::uint64_t triangle_count() const override { return scene_.triangle_count; }

@@ -12,7 +12,7 @@ struct PlacedMaterial {
   Vec3 base_color{1, 1, 1}, emission{0, 0, 0}, specular_color{1, 1, 1};
   PlacedTexture base_color_texture, metallic_roughness_texture, emission_texture, normal_texture;
   float normal_scale = 1;
-  float alpha = 1, alpha_cutoff = 0;
+  float alpha = 1;
   float metallic = 0, roughness = 1, specular = 1, transmission = 0, ior = 1.5f;
   bool unlit = false;
 };
@@ -28,7 +28,6 @@ struct PlacedMaterial {
   placed.normal_texture = placed_texture(m.normal_texture);
   placed.normal_scale = m.normal_scale;
   placed.alpha = m.base_color.w;
-  placed.alpha_cutoff = m.alpha_cutoff;
   placed.metallic = m.metallic;
   placed.roughness = m.roughness;
   placed.specular = m.specular;

@@ -71,13 +71,11 @@ Surface SurfaceReader::at(float u, float v, Vec3 direction) const {
   return surface;
 }
 
-bool SurfaceReader::is_cut_away(float u, float v) const {
-  float alpha = material_.alpha;
-  if (t_.has_uvs) {
-    const TextureTable table = textures_.table();
-    alpha *= look_up(table, material_.base_color_texture, table.as_is, mixed(t_.uv, u, v)).w;
-  }
-  return alpha < material_.alpha_cutoff;
+float SurfaceReader::alpha_at(float u, float v) const {
+  if (!t_.has_uvs) return material_.alpha;
+  const TextureTable table = textures_.table();
+  const Vec2 uv = mixed(t_.uv, u, v);
+  return material_.alpha * look_up(table, material_.base_color_texture, table.as_is, uv).w;
 }
 
 Surface surface_of(const SceneDescription& scene, const TextureSet& textures,

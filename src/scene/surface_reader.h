@@ -24,8 +24,8 @@ class SurfaceReader {
 
   /// At the weights of its second and third corner, for a ray along `direction`.
   [[nodiscard]] Surface at(float u, float v, Vec3 direction) const;
-  /// Whether there is nothing there, by the material's alpha.
-  [[nodiscard]] bool is_cut_away(float u, float v) const;
+  /// The base colour's alpha there, times the texture's.
+  [[nodiscard]] float alpha_at(float u, float v) const;
 
  private:
   void hold_material(std::uint32_t material);

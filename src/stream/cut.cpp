@@ -225,9 +225,12 @@ SceneDescription without_triangles(const SceneDescription& scene) {
 }  // namespace
 
 void make_whole(SceneDescription* scene) {
-  if (!has_cutouts(*scene)) return;
+  if (!has_cutouts(*scene, true)) return;
   scene->warnings.emplace_back("Triangles that stream past are whole, whatever alpha cuts away.");
-  for (Material& material : scene->materials) material.alpha_cutoff = 0;
+  for (Material& material : scene->materials) {
+    material.alpha_cutoff = 0;
+    material.alpha_blend = false;
+  }
 }
 
 SceneDescription cut_into_blocks(const SceneDescription& scene, BlockSink* sink,

@@ -29,6 +29,7 @@ SceneDescription curtains() {
   test::add_curtain(&scene, 2, 2);
   test::add_curtain(&scene, 2.5f, 3);
   test::add_curtain(&scene, 2, 4);
+  scene.materials[3].alpha_blend = true;
   return scene;
 }
 
@@ -168,6 +169,57 @@ INSTANTIATE_TEST_SUITE_P(Cutouts, Cut,
                          testing::Values(Method::kBrute, Method::kRah, Method::kCrsh, Method::kGl10,
                                          Method::kDual),
                          [](const auto& method) { return to_string(method.param); });
+
+/// Of what a camera sees that looks at bright walls of this alpha, one behind the other, from the
+/// dark: how much is bright.
+float brightness(float alpha, int walls, std::uint32_t samples, bool shadows) {
+  SceneDescription scene;
+  Material bright;
+  bright.unlit = !shadows;
+  bright.double_sided = true;
+  bright.base_color = {1, 1, 1, alpha};
+  bright.alpha_blend = true;
+  scene.materials = {bright, {}};
+  for (int i = 0; i < walls; ++i) {
+    Mesh wall = test::floor_square(8, -1 - static_cast<float>(i));
+    wall.materials = {0};
+    test::add_mesh(&scene, std::move(wall));
+  }
+  Mesh ground = test::floor_square(8, -9);
+  ground.materials = {1};
+  if (shadows) test::add_mesh(&scene, std::move(ground));
+  Light sun = test::point_light({0, 0, 0}, 3.14159265f);
+  sun.type = Light::Type::kDirectional;
+  sun.direction = {0, -1, 0};
+  scene.lights.push_back(sun);
+  Camera camera;
+  // Above the walls; for shadows below them.
+  camera.to_world = look_at({0, shadows ? -8.0f : 0.0f, 0}, {0, -20, 0}, {0, 0, 1});
+  scene.cameras.push_back(camera);
+  RenderOptions options = test::small_options(24);
+  options.samples = samples;
+  options.ambient = Vec3{0, 0, 0};
+  double sum = 0;
+  const RenderResult result = render(scene, options);
+  for (const Vec3 c : result.beauty) sum += double{c.x};
+  return static_cast<float>(sum / static_cast<double>(result.beauty.size()));
+}
+
+TEST(Blended, SamplesMixWhatIsThereByChance) {
+  for (const float alpha : {0.0f, 0.3f, 0.8f, 1.0f}) {
+    // 24 x 24 pixels of 16 samples: a deviation of at most 0.0052.
+    EXPECT_NEAR(brightness(alpha, 1, 16, false), alpha, 0.02f);
+    EXPECT_NEAR(brightness(alpha, 2, 16, false), 1 - (1 - alpha) * (1 - alpha), 0.02f);
+  }
+  EXPECT_EQ(brightness(0.3f, 1, 1, false), 1) << "whole with one sample and no texture";
+}
+
+TEST(Blended, LightComesThroughByChance) {
+  const float whole = brightness(0, 1, 16, true);
+  EXPECT_GT(whole, 0.1f);
+  for (const float alpha : {0.3f, 0.8f})
+    EXPECT_NEAR(brightness(alpha, 1, 16, true), (1 - alpha) * whole, 0.02f * whole + 0.01f);
+}
 
 TEST(Cutouts, WithoutATextureAllIsThereOrNothing) {
   SceneDescription scene = test::ball_on_floor();

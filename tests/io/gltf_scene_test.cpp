@@ -224,13 +224,17 @@ TEST_F(GltfScene, ReadsWhatMasksCutAway) {
 TEST_F(GltfScene, WarnsOncePerKindOfWhatIsLeftOut) {
   GltfFile file;
   file.show_triangle();
-  for (int i = 0; i < 3; ++i) file.add("materials", {{"alphaMode", "BLEND"}});
+  for (int i = 0; i < 3; ++i)
+    file.add("materials", {{"alphaMode", "BLEND"},
+                           {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.5}}}}});
   file.json["extensionsUsed"] = {"KHR_materials_clearcoat", "KHR_lights_punctual",
                                  "KHR_materials_clearcoat"};
   const SceneDescription scene = load_scene(write("a.gltf", file.text()));
   EXPECT_EQ(scene.warnings.size(), 2u);
   EXPECT_TRUE(warns(scene, "KHR_materials_clearcoat"));
   EXPECT_TRUE(warns(scene, "BLEND"));
+  EXPECT_TRUE(scene.materials[0].alpha_blend);
+  EXPECT_EQ(scene.materials[0].alpha_cutoff, 0);
 }
 
 TEST_F(GltfScene, SurvivesADeepChainOfNodes) {

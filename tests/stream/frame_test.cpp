@@ -75,12 +75,14 @@ TEST(StreamedFrame, WhatAlphaCutsAwayIsWhole) {
   SceneDescription scene = builtin_scene("office");
   scene.materials[0].base_color.w = 0.25f;
   scene.materials[0].alpha_cutoff = 0.5f;
+  scene.materials[0].alpha_blend = true;
   BlockList blocks;
   blocks.set_scene(cut_into_blocks(scene, &blocks, 3000));
   const std::vector<std::string>& warnings = blocks.scene().warnings;
   ASSERT_EQ(warnings.size(), scene.warnings.size() + 1);
   EXPECT_NE(warnings.back().find("alpha"), std::string::npos);
   EXPECT_EQ(blocks.scene().materials[0].alpha_cutoff, 0);
+  EXPECT_FALSE(blocks.scene().materials[0].alpha_blend);
   const RenderResult streamed = render(blocks, small_picture());
   scene.materials[0].alpha_cutoff = 0;
   expect_same_picture(render(scene, small_picture()), streamed);

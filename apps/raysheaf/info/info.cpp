@@ -49,7 +49,8 @@ std::string features(const Material& material) {
           material.normal_texture.texture != kInvalidId,
       "textured");
   add(material.emission.x > 0 || material.emission.y > 0 || material.emission.z > 0, "emitting");
-  add(material.alpha_cutoff > 0, "cut out");
+  add(material.alpha_blend, "blended");
+  add(material.alpha_cutoff > 0 && !material.alpha_blend, "cut out");
   add(material.unlit, "unlit");
   add(material.double_sided, "double-sided");
   return words.empty() ? "-" : words;
