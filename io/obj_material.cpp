@@ -116,11 +116,25 @@ class MtlConverter {
       library_.masks_.push_back({static_cast<std::uint32_t>(library_.scene_.materials.size()),
                                  slot(m.alpha_texname, m.alpha_texopt, place)});
     }
+    if (material.transmission == 0 && m.alpha_texname.empty()) blend(m, material);
     warn_of_other_maps(m);
     return material;
   }
 
  private:
+  /// What is neither glass nor has a map of alpha.
+  void blend(const tinyobj::material_t& m, Material& material) {
+    if (m.dissolve > 0 && m.dissolve < 1) {
+      material.base_color.w = m.dissolve;
+      material.alpha_blend = true;
+      library_.warn_once(
+          "Materials with d below 1 and without Ni are mixed by samples: with one a pixel they are "
+          "whole.");
+    } else if (m.dissolve == 0) {
+      material.base_color.w = 1;
+      library_.warn_once("A material whose d is 0 is shown whole.");
+    }
+  }
   TextureSlot slot(const std::string& name, const tinyobj::texture_option_t& option,
                    const std::string& place) {
     return slot_of(library_.texture(name, option.clamp, place), option);

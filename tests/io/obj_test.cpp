@@ -159,6 +159,29 @@ TEST_F(Obj, NamesTheLineOfWhatIsWrong) {
   expect(kInvalidData, std::string("\0\1\2\3", 4), {"triangle"});
 }
 
+TEST_F(Obj, BlendsWhatIsThinAndNoGlass) {
+  write("m.mtl",
+        "newmtl thin\nKd 1 0 0\nd 0.25\n"
+        "newmtl by_tr\nKd 1 0 0\nTr 0.25\n"
+        "newmtl glass\nd 0.25\nNi 1.5\n"
+        "newmtl nothing\nKd 0 1 0\nd 0\n"
+        "newmtl whole\nKd 0 1 0\nd 1\n");
+  std::string text = "mtllib m.mtl\n" + kSquare;
+  for (const char* name : {"thin", "by_tr", "glass", "nothing", "whole"})
+    text += std::string("usemtl ") + name + " \nf 1 2 3\n";
+  const SceneDescription scene = load(text);
+  const auto& m = scene.materials;
+  ASSERT_EQ(m.size(), 5u);
+  EXPECT_TRUE(m[0].alpha_blend && m[1].alpha_blend);
+  EXPECT_EQ(m[0].base_color.w, 0.25f);
+  EXPECT_EQ(m[1].base_color.w, 0.75f);
+  for (const std::size_t i : {2u, 3u, 4u}) {
+    EXPECT_FALSE(m[i].alpha_blend) << i;
+    EXPECT_EQ(m[i].base_color.w, 1) << i;
+  }
+  EXPECT_EQ(scene.warnings.size(), 2u);
+}
+
 TEST_F(Obj, TurnsPhongIntoMetallicRoughness) {
   write("m.mtl",
         "newmtl matte\nKd 0.5 0.25 0.125\nKs 0 0 0\nNs 0\nillum 2\n"
