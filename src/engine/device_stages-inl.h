@@ -65,7 +65,7 @@ class DeviceStagesOn : public DeviceStages {
     film_.begin(input.options.width, input.options.height, input.options.count_pixel_tests);
   }
 
-  Set see(const CameraFrame& frame) override {
+  std::size_t look(const CameraFrame& frame) override {
     watch_.lap_ms();
     sample_ = frame.sample;
     const std::size_t pixels = pixel_count();
@@ -88,15 +88,18 @@ class DeviceStagesOn : public DeviceStages {
       triangles_of_hits_on(device_, View<const EngineHit>(hits, pixels), triangles_seen_.data());
     }
     input_->meter.begin("surfaces", 1);
-    auto set = make_set("surfaces: first", pixels);
-    first_fragments_on(device_, scene_view(), frame, triangles_seen_.data(), set->fragments.view());
-    film_.see(set->view());
+    first_hits_ = make_set("surfaces: first", pixels);
+    first_fragments_on(device_, scene_view(), frame, triangles_seen_.data(),
+                       first_hits_->fragments.view());
+    film_.see(first_hits_->view());
     lap(&input_->tally.statistics.raster_ms);
-    return set;
+    return 1;
   }
 
-  Vec3 find_sky(const FragmentSet& first_hits) override {
-    const View<const Fragment> fragments = of(first_hits).view();
+  Set see(std::size_t /*group*/) override { return std::move(first_hits_); }
+
+  Vec3 find_sky() override {
+    const View<const Fragment> fragments = first_hits_->view();
     if (lights_.size() == 0) return kWhiteSky;
     std::vector<SkyPart> parts(div_ceil(fragments.size, kSkyPart));
     sky_parts_.resize_uninitialized("shade: sky", parts.size());
@@ -278,6 +281,7 @@ class DeviceStagesOn : public DeviceStages {
   std::optional<DeviceFrameInput> input_place_;
   const DeviceFrameInput* input_ = nullptr;
   SampleOf sample_;
+  std::unique_ptr<DeviceSet> first_hits_;  ///< until they are seen
   Stopwatch watch_;
 
   DeviceBuffer<PlacedLight> lights_{memory_};

@@ -75,10 +75,13 @@ class FrameStages {
   FrameStages& operator=(const FrameStages&) = delete;
   virtual ~FrameStages() = default;
 
-  /// Primary visibility of a sample, and into the film: one fragment a pixel, rows from the top.
-  [[nodiscard]] virtual Set see(const CameraFrame& frame) = 0;
-  /// As `automatic_sky` (shade/shade.h).
-  [[nodiscard]] virtual Vec3 find_sky(const FragmentSet& first_hits) = 0;
+  /// Primary visibility of a sample; returns in how many groups, rows from the top, its fragments
+  /// are followed one after the other.
+  [[nodiscard]] virtual std::size_t look(const CameraFrame& frame) = 0;
+  /// As `automatic_sky` (shade/shade.h), of the sample. Before the first is seen.
+  [[nodiscard]] virtual Vec3 find_sky() = 0;
+  /// The fragments of a group, one a pixel, and into the film. Each once, in order.
+  [[nodiscard]] virtual Set see(std::size_t group) = 0;
   /// The set's light begins: emission and the sky's.
   virtual void glow(FragmentSet& set, const GlowInput& input) = 0;
   /// Shadow rays to as many of the scene's lights from `first` on as are looked at together, and

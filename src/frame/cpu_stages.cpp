@@ -12,6 +12,9 @@
 namespace raysheaf {
 namespace {
 
+/// First hits that are kept from one look at all of them to the next; more are fetched twice.
+constexpr std::size_t kMostKept = std::size_t{1} << 21;
+
 /// A slot of a batch of shadow rays each.
 using Visibilities = std::vector<Visibility>;
 
@@ -61,21 +64,41 @@ class CpuStages : public FrameStages {
         meter_(*meter),
         film_(options_.width, options_.height, options_.count_pixel_tests) {}
 
-  Set see(const CameraFrame& frame) override {
+  std::size_t look(const CameraFrame& frame) override {
     sample_ = frame.sample;
     watch_.lap_ms();
     const auto of_rays = [this]() -> BatchStatistics& {
       return tally_.batch(RayKind::kPrimary, 0);
     };
-    Fragments fragments = geometry_.see({frame, rasterizer_, of_rays, film_.tests()}, &meter_);
+    kept_.clear();
+    kept_.resize(geometry_.look({frame, rasterizer_, of_rays, film_.tests()}, &meter_));
+    film_.begin_sample();
+    statistics_.raster_ms += watch_.lap_ms();
+    return kept_.size();
+  }
+
+  Vec3 find_sky() override {
+    if (lights_.empty()) return kWhiteSky;
+    std::vector<SkyPart> parts;
+    std::size_t kept = 0;
+    for (std::size_t group = 0; group < kept_.size(); ++group) {
+      Fragments fragments = first_hits(group);
+      const std::vector<SkyPart> more = sky_parts(executor_, fragments, lights_);
+      parts.insert(parts.end(), more.begin(), more.end());
+      statistics_.shade_ms += watch_.lap_ms();
+      kept += fragments.size();
+      if (kept_.size() == 1 || kept <= kMostKept) kept_[group] = std::move(fragments);
+    }
+    return sky_of_parts(parts);
+  }
+
+  Set see(std::size_t group) override {
+    Fragments fragments = kept_[group].empty() ? first_hits(group) : std::move(kept_[group]);
+    watch_.lap_ms();
     film_.see(executor_, fragments,
               [this](std::uint32_t triangle) { return geometry_.ids(triangle); });
     statistics_.raster_ms += watch_.lap_ms();
     return std::make_unique<CpuSet>(std::move(fragments));
-  }
-
-  Vec3 find_sky(const FragmentSet& first_hits) override {
-    return automatic_sky(executor_, of(first_hits).fragments, lights_);
   }
 
   void glow(FragmentSet& set, const GlowInput& input) override {
@@ -97,7 +120,7 @@ class CpuStages : public FrameStages {
         cast_shadows(s.fragments, bounce, count,
                      make_shadow_rays(executor_, s.fragments, lights_, first, count,
                                       geometry_.bounds(), sample_, keys_));
-    if (bounce == 1) tally_shadows(count, visibility);
+    if (bounce == 1) tally_shadows(s.fragments, count, visibility);
     watch_.lap_ms();
     shade_lights(executor_, s.fragments, {lights_.slice(first, count), first, sample_}, visibility,
                  s.radiance);
@@ -131,6 +154,7 @@ class CpuStages : public FrameStages {
     if (batch.rays.empty()) return nullptr;
     batch.bounce = bounce;
     batch.width = options_.width;
+    batch.part = kept_.size() > 1;
     BatchStatistics& statistics = tally_.batch(kind, bounce);
     statistics.times_ms.raygen += watch_.lap_ms();
     std::vector<float> tests = room_for_tests(batch);
@@ -173,11 +197,19 @@ class CpuStages : public FrameStages {
   static CpuSet& of(FragmentSet& set) { return static_cast<CpuSet&>(set); }
   static const CpuSet& of(const FragmentSet& set) { return static_cast<const CpuSet&>(set); }
 
+  Fragments first_hits(std::size_t group) {
+    watch_.lap_ms();
+    Fragments fragments = geometry_.first_hits(group);
+    statistics_.raster_ms += watch_.lap_ms();
+    return fragments;
+  }
+
   /// `per_fragment`: how many slots of the batch each fragment has.
   Visibilities cast_shadows(const Fragments& fragments, std::uint32_t bounce,
                             std::size_t per_fragment, RayBatch batch) {
     batch.bounce = bounce;
     batch.width = options_.width;
+    batch.part = kept_.size() > 1;
     Visibilities visibility(fragments.size() * per_fragment, Visibility::kNoRay);
     LargeVector<std::uint8_t> occluded(batch.rays.size());
     if (options_.shadows) {
@@ -198,12 +230,13 @@ class CpuStages : public FrameStages {
   }
 
   /// How many of the lights each pixel faces, and how many of those reach it.
-  void tally_shadows(std::uint32_t light_count, const Visibilities& visibility) {
+  void tally_shadows(const Fragments& first_hits, std::uint32_t light_count,
+                     const Visibilities& visibility) {
     const View<std::uint32_t> faced = film_.lights_faced(), arrived = film_.lights_arrived();
-    const std::size_t pixels = std::size_t{options_.width} * options_.height;
-    executor_.for_each(pixels, kWorkGrain, [&](std::size_t pixel) {
+    executor_.for_each(first_hits.size(), kWorkGrain, [&](std::size_t i) {
+      const std::uint32_t pixel = first_hits[i].pixel;
       for (std::uint32_t l = 0; l < light_count; ++l) {
-        const Visibility v = visibility[l * pixels + pixel];
+        const Visibility v = visibility[l * first_hits.size() + i];
         faced[pixel] += v != Visibility::kNoRay ? 1 : 0;
         arrived[pixel] += v == Visibility::kVisible ? 1 : 0;
       }
@@ -233,6 +266,7 @@ class CpuStages : public FrameStages {
   ProgressMeter& meter_;
   Film film_;
   SampleOf sample_;
+  std::vector<Fragments> kept_;  ///< of each of the sample's groups, what `find_sky` has for `see`
   Stopwatch watch_;
 };
 

@@ -111,7 +111,7 @@ void DualTracer::find_occluded(const Executor& executor, const RayBatch& batch, 
     engine_.any_hit(executor, View<const Ray>(batch.rays).slice(begin, count), options,
                     occluded.slice(begin, count),
                     ray_tests.empty() ? ray_tests : ray_tests.slice(begin, count), &report);
-    add_report(report, count, ends.size() == 2, statistics);
+    add_report(report, count, ends.size() == 2 && !batch.part, statistics);
   }
 }
 
@@ -121,7 +121,7 @@ void DualTracer::find_closest(const Executor& executor, const RayBatch& batch,
   closest_.resize_uninitialized(batch.rays.size());
   EngineReport report;
   engine_.closest_hit(executor, batch.rays, options, closest_, ray_tests, &report);
-  add_report(report, batch.rays.size(), true, statistics);
+  add_report(report, batch.rays.size(), !batch.part, statistics);
   executor.for_each(hits.size, kCopyGrain, [&](std::size_t i) {
     hits[i] = {closest_[i].t, closest_[i].triangle};
   });

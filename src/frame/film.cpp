@@ -14,6 +14,7 @@ Film::Film(std::uint32_t width, std::uint32_t height, bool count_tests) {
   sums_.normal.resize(pixels);
   sums_.albedo.resize(pixels);
   sums_.specular.resize(pixels);
+  sums_.ids.resize(pixels);
   if (count_tests) sums_.tests.resize(pixels);
   faced_.resize(pixels);
   arrived_.resize(pixels);

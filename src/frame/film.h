@@ -20,16 +20,17 @@ class Film {
  public:
   Film(std::uint32_t width, std::uint32_t height, bool count_tests);
 
-  /// The first hits of the next sample, one a pixel: position and ids of the first are kept, the
-  /// others add up. `ids(triangle)` names a triangle, or none.
+  /// What follows is of the next sample.
+  void begin_sample() { ++sums_.samples; }
+  /// First hits of the sample, at most one a pixel: position and ids of the first sample are kept,
+  /// the others add up. `ids(triangle)` names a triangle, or none.
   template <class Ids>
   void see(const Executor& executor, View<const Fragment> first_hits, const Ids& ids) {
-    const bool first = sums_.samples++ == 0;
-    if (first) sums_.ids.resize(first_hits.size);
+    const bool first = sums_.samples == 1;
     executor.for_each(first_hits.size, kCopyGrain, [&](std::size_t i) {
       const Fragment& f = first_hits[i];
-      if (first) sums_.ids[i] = ids(f.triangle);
-      if (f.triangle != kInvalidId) add(i, f.surface, first);
+      if (first) sums_.ids[f.pixel] = ids(f.triangle);
+      if (f.triangle != kInvalidId) add(f.pixel, f.surface, first);
     });
   }
 

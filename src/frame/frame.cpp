@@ -103,17 +103,17 @@ class Frame {
   void take_sample() {
     Stopwatch watch;
     FrameStatistics& statistics = tally_.statistics;
-    std::vector<std::size_t> plan_sizes;
-    for (const BatchStatistics& batch : statistics.batches) plan_sizes.push_back(batch.plan.size());
     const SampleStatistics before = totals();
     CameraFrame frame = moved_by_pixels(camera_, filter_offset(sample_));
     frame.sample = sample_;
-    Set first_hits = stages().see(frame);
-    if (sample_.index == 0) sky_ = uniform_sky(*first_hits);
-    follow_light(std::move(first_hits), 1);
-    // The plan of a batch is that of the first sample which had it.
-    for (std::size_t i = 0; i < plan_sizes.size(); ++i)
-      statistics.batches[i].plan.resize(plan_sizes[i]);
+    std::vector<std::size_t> known = plan_sizes();
+    const std::size_t groups = stages().look(frame);
+    if (sample_.index == 0) sky_ = uniform_sky();
+    for (std::size_t group = 0; group < groups; ++group) {
+      follow_light(stages().see(group), 1);
+      keep_first_plans(known);
+      known = plan_sizes();
+    }
     SampleStatistics sample = totals();
     sample.rays -= before.rays;
     sample.total_tests -= before.total_tests;
@@ -122,10 +122,22 @@ class Frame {
     statistics.samples.push_back(sample);
   }
 
-  [[nodiscard]] Vec3 uniform_sky(const FragmentSet& first_hits) {
+  [[nodiscard]] std::vector<std::size_t> plan_sizes() const {
+    std::vector<std::size_t> sizes;
+    for (const BatchStatistics& batch : tally_.statistics.batches)
+      sizes.push_back(batch.plan.size());
+    return sizes;
+  }
+  /// The plan of a batch is that of the first sample, and of its first group, which had it.
+  void keep_first_plans(const std::vector<std::size_t>& known) {
+    for (std::size_t i = 0; i < known.size(); ++i)
+      if (known[i] > 0) tally_.statistics.batches[i].plan.resize(known[i]);
+  }
+
+  [[nodiscard]] Vec3 uniform_sky() {
     if (options_.ambient) return *options_.ambient;
     if (input_.environment != nullptr) return {0, 0, 0};
-    return stages().find_sky(first_hits);
+    return stages().find_sky();
   }
 
   /// Of all batches so far.

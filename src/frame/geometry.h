@@ -24,7 +24,7 @@ struct Seeing {
 };
 
 /// Triangles have numbers, which mean something to their geometry alone, and until the next call
-/// of `see` or `trace`. One call at a time.
+/// of `look` or `trace`. One call at a time.
 class FrameGeometry {
  public:
   FrameGeometry() = default;
@@ -38,8 +38,13 @@ class FrameGeometry {
   /// Shadow rays that are traced at once.
   [[nodiscard]] virtual std::size_t most_shadow_rays() const = 0;
 
-  /// One fragment a pixel, rows from the top, with the surface that is seen there.
-  [[nodiscard]] virtual Fragments see(const Seeing& seeing, ProgressMeter* meter) = 0;
+  /// Finds what the pixels of a picture see; returns in how many groups, rows from the top, they
+  /// are best followed one after the other. Of whole `kSkyPart`s (shade/shade.h).
+  [[nodiscard]] virtual std::size_t look(const Seeing& seeing, ProgressMeter* meter) = 0;
+  /// One fragment a pixel of a group of the last `look`, with the surface that is seen there. The
+  /// only group is given away once, and before the next `trace`; others as often as they are asked
+  /// for: to make them again costs less than to keep them all.
+  [[nodiscard]] virtual Fragments first_hits(std::size_t group) = 0;
   /// The depth of what the middle of the picture shows, seen from the eye; where that is nothing,
   /// of the scene's farthest corner.
   [[nodiscard]] virtual float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) = 0;

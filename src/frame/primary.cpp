@@ -19,19 +19,31 @@ std::vector<std::uint32_t> rasterize_primary(const Executor& executor, Rasterize
   return triangles;
 }
 
+std::vector<PixelRange> split(std::size_t count, std::size_t most) {
+  std::vector<PixelRange> ranges;
+  for (std::size_t first = 0; first < count; first += most)
+    ranges.push_back({first, std::min(most, count - first)});
+  return ranges;
+}
+
 RayBatch primary_rays(const Executor& executor, const Box& bounds, const CameraFrame& frame) {
+  return primary_rays(executor, bounds, frame, {0, std::size_t{frame.width} * frame.height});
+}
+
+RayBatch primary_rays(const Executor& executor, const Box& bounds, const CameraFrame& frame,
+                      const PixelRange& pixels) {
   RayBatch batch;
   batch.kind = RayKind::kPrimary;
   batch.bounce = 0;
   batch.width = frame.width;
   batch.key_bits = kBounceKeyBits;
-  batch.rays.resize(std::size_t{frame.width} * frame.height);
+  batch.rays.resize(pixels.count);
   batch.keys.resize(batch.rays.size());
   batch.pixels.resize(batch.rays.size());
-  std::iota(batch.pixels.begin(), batch.pixels.end(), 0u);
+  std::iota(batch.pixels.begin(), batch.pixels.end(), static_cast<std::uint32_t>(pixels.first));
   executor.for_each(batch.rays.size(), kWorkGrain, [&](std::size_t i) {
-    batch.rays[i] = camera_ray(frame, static_cast<std::uint32_t>(i % frame.width),
-                               static_cast<std::uint32_t>(i / frame.width));
+    const std::uint32_t pixel = batch.pixels[i];
+    batch.rays[i] = camera_ray(frame, pixel % frame.width, pixel / frame.width);
     batch.keys[i] = bounce_key(bounds, batch.rays[i].origin, batch.rays[i].direction);
   });
   return batch;
@@ -71,13 +83,19 @@ float depth_of(const RayHit& hit, const CameraFrame& frame, const Box& bounds) {
 Fragments fetch_fragments(const Executor& executor, const FlatScene& scene,
                           const TextureSet& textures, const CameraFrame& frame,
                           View<const std::uint32_t> triangles) {
-  Fragments fragments(triangles.size);
-  executor.for_each_block(triangles.size, kWorkGrain, [&](std::size_t begin, std::size_t end) {
+  return fetch_fragments(executor, scene, textures, frame, triangles, {0, triangles.size});
+}
+
+Fragments fetch_fragments(const Executor& executor, const FlatScene& scene,
+                          const TextureSet& textures, const CameraFrame& frame,
+                          View<const std::uint32_t> triangles, const PixelRange& pixels) {
+  Fragments fragments(pixels.count);
+  executor.for_each_block(pixels.count, kWorkGrain, [&](std::size_t begin, std::size_t end) {
     SurfaceReader reader(*scene.description, textures);
     for (std::size_t i = begin; i < end; ++i) {
       Fragment& f = fragments[i] = {};
-      f.pixel = static_cast<std::uint32_t>(i);
-      f.triangle = triangles[i];
+      f.pixel = static_cast<std::uint32_t>(pixels.first + i);
+      f.triangle = triangles[f.pixel];
       const Ray ray = camera_ray(frame, f.pixel % frame.width, f.pixel / frame.width);
       f.incoming = normalized(ray.direction);
       if (f.triangle == kInvalidId) continue;

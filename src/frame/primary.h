@@ -16,11 +16,21 @@ namespace raysheaf {
 
 class Rasterizer;
 
+/// Some pixels of a picture, rows from the top.
+struct PixelRange {
+  std::size_t first = 0, count = 0;
+};
+
+/// All of `count` pixels, at most `most` each.
+[[nodiscard]] std::vector<PixelRange> split(std::size_t count, std::size_t most);
+
 struct PictureSize {
   std::uint32_t width = 0, height = 0;
 };
 
 /// A ray a pixel, rows from the top. `bounds`: of the scene.
+[[nodiscard]] RayBatch primary_rays(const Executor& executor, const Box& bounds,
+                                    const CameraFrame& frame, const PixelRange& pixels);
 [[nodiscard]] RayBatch primary_rays(const Executor& executor, const Box& bounds,
                                     const CameraFrame& frame);
 
@@ -43,7 +53,11 @@ struct PictureSize {
     const MethodSettings& method, BatchStatistics* statistics, View<float> pixel_tests,
     ProgressMeter* meter, TraceCache* cache = nullptr);
 
-/// One fragment a pixel, with the attributes of the triangle there.
+/// One fragment a pixel, with the attributes of the triangle there. `triangles`: of all pixels.
+[[nodiscard]] Fragments fetch_fragments(const Executor& executor, const FlatScene& scene,
+                                        const TextureSet& textures, const CameraFrame& frame,
+                                        View<const std::uint32_t> triangles,
+                                        const PixelRange& pixels);
 [[nodiscard]] Fragments fetch_fragments(const Executor& executor, const FlatScene& scene,
                                         const TextureSet& textures, const CameraFrame& frame,
                                         View<const std::uint32_t> triangles);

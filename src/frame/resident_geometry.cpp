@@ -7,8 +7,18 @@
 #include "frame/primary.h"
 #include "intersect/triangle_body.h"
 #include "scene/surface_reader.h"
+#include "shade/shade.h"
 
 namespace raysheaf {
+
+namespace {
+
+/// Pixels that `dual` follows together: what their rays need, about 1 KB each, is the same memory
+/// for all of a large picture.
+constexpr std::size_t kMostFirstHits = std::size_t{1} << 18;
+static_assert(kMostFirstHits % kSkyPart == 0);
+
+}  // namespace
 
 ResidentGeometry::ResidentGeometry(const Executor& executor, const FlatScene& scene,
                                    const TextureSet& textures, const RenderOptions& options,
@@ -23,22 +33,42 @@ ResidentGeometry::ResidentGeometry(const Executor& executor, const FlatScene& sc
   options_.bundle_samples = options.bundle_samples;
 }
 
-Fragments ResidentGeometry::see(const Seeing& seeing, ProgressMeter* meter) {
-  std::vector<std::uint32_t> triangles;
+std::size_t ResidentGeometry::look(const Seeing& seeing, ProgressMeter* meter) {
+  frame_ = seeing.frame;
+  const std::size_t pixels = std::size_t{frame_.width} * frame_.height;
+  groups_ = split(pixels, asks_alone(options_) ? kMostFirstHits : pixels);
   if (seeing.rasterizer != nullptr) {
     meter->begin("raster", 1);
-    triangles = rasterize(*seeing.rasterizer, seeing.frame);
-    if (cutouts_.any()) see_through(seeing, triangles, meter);
+    triangles_ = rasterize(*seeing.rasterizer, frame_);
+    if (cutouts_.any()) see_through(seeing, triangles_, meter);
   } else {
-    const RayBatch batch = primary_rays(executor_, scene_.bounds, seeing.frame);
-    const std::vector<RayHit> hits = traced(batch, Facing::kSkipBackOfSingleSided,
-                                            &seeing.statistics(), seeing.pixel_tests, meter);
-    triangles.resize(hits.size());
-    std::transform(hits.begin(), hits.end(), triangles.begin(),
-                   [](const RayHit& hit) { return hit.triangle; });
+    triangles_ = trace_triangles(seeing, meter);
   }
   meter->begin("surfaces", 1);
-  return fetch_fragments(executor_, scene_, textures_, seeing.frame, triangles);
+  return groups_.size();
+}
+
+std::vector<std::uint32_t> ResidentGeometry::trace_triangles(const Seeing& seeing,
+                                                             ProgressMeter* meter) {
+  std::vector<std::uint32_t> triangles;
+  triangles.reserve(std::size_t{frame_.width} * frame_.height);
+  BatchStatistics& statistics = seeing.statistics();
+  for (const PixelRange& pixels : groups_) {
+    RayBatch batch = primary_rays(executor_, scene_.bounds, frame_, pixels);
+    batch.part = groups_.size() > 1;
+    const View<float> tests = seeing.pixel_tests;
+    const std::size_t known = statistics.plan.size();
+    const std::vector<RayHit> hits =
+        traced(batch, Facing::kSkipBackOfSingleSided, &statistics,
+               tests.empty() ? tests : tests.slice(pixels.first, pixels.count), meter);
+    if (known > 0) statistics.plan.resize(known);  // the first group's
+    for (const RayHit& hit : hits) triangles.push_back(hit.triangle);
+  }
+  return triangles;
+}
+
+Fragments ResidentGeometry::first_hits(std::size_t group) {
+  return fetch_fragments(executor_, scene_, textures_, frame_, triangles_, groups_[group]);
 }
 
 void ResidentGeometry::see_through(const Seeing& seeing, View<std::uint32_t> triangles,

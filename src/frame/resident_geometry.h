@@ -3,6 +3,7 @@
 
 #include "frame/cutouts.h"
 #include "frame/geometry.h"
+#include "frame/primary.h"
 #include "frame/trace.h"
 #include "scene/texture.h"
 
@@ -19,7 +20,8 @@ class ResidentGeometry : public FrameGeometry {
   [[nodiscard]] const Box& bounds() const override { return scene_.bounds; }
   [[nodiscard]] std::uint64_t triangle_count() const override { return scene_.triangle_count; }
   [[nodiscard]] std::size_t most_shadow_rays() const override { return std::size_t{1} << 24; }
-  [[nodiscard]] Fragments see(const Seeing& seeing, ProgressMeter* meter) override;
+  [[nodiscard]] std::size_t look(const Seeing& seeing, ProgressMeter* meter) override;
+  [[nodiscard]] Fragments first_hits(std::size_t group) override;
   [[nodiscard]] std::vector<RayHit> trace(const RayBatch& batch, BatchStatistics* statistics,
                                           View<float> ray_tests, ProgressMeter* meter) override;
   void find_occluded(const RayBatch& batch, bool early_out, BatchStatistics* statistics,
@@ -30,6 +32,8 @@ class ResidentGeometry : public FrameGeometry {
   [[nodiscard]] PixelIds ids(std::uint32_t triangle) const override;
 
  private:
+  [[nodiscard]] std::vector<std::uint32_t> trace_triangles(const Seeing& seeing,
+                                                           ProgressMeter* meter);
   /// What OpenGL of rank 0 shows: that of others may be another one.
   [[nodiscard]] std::vector<std::uint32_t> rasterize(Rasterizer& rasterizer,
                                                      const CameraFrame& frame) const;
@@ -46,6 +50,10 @@ class ResidentGeometry : public FrameGeometry {
   const Cutouts cutouts_;
   TraceCache own_cache_;
   TraceOptions options_;
+  // Of the last `look`.
+  CameraFrame frame_;
+  std::vector<std::uint32_t> triangles_;  ///< that each pixel sees
+  std::vector<PixelRange> groups_;
 };
 
 }  // namespace raysheaf

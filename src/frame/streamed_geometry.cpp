@@ -87,7 +87,7 @@ StreamedGeometry::StreamedGeometry(const Executor& executor, Streamer* streamer,
       textures_(textures),
       most_shadow_rays_(most_shadow_rays) {}
 
-Fragments StreamedGeometry::see(const Seeing& seeing, ProgressMeter* meter) {
+std::size_t StreamedGeometry::look(const Seeing& seeing, ProgressMeter* meter) {
   const RayBatch batch = primary_rays(executor_, bounds(), seeing.frame);
   const std::vector<RayHit> hits = traced(batch, Facing::kSkipBackOfSingleSided,
                                           &seeing.statistics(), seeing.pixel_tests, meter);
@@ -101,7 +101,12 @@ Fragments StreamedGeometry::see(const Seeing& seeing, ProgressMeter* meter) {
     fragments[i] = f;
   });
   fetch_surfaces(batch.rays, fragments);
-  return fragments;
+  first_hits_ = std::move(fragments);
+  return 1;
+}
+
+Fragments StreamedGeometry::first_hits(std::size_t /*group*/) {
+  return std::move(first_hits_);
 }
 
 float StreamedGeometry::depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) {

@@ -17,7 +17,8 @@ class StreamedGeometry : public FrameGeometry {
   [[nodiscard]] std::uint64_t triangle_count() const override { return streamer_.triangle_count(); }
   [[nodiscard]] std::size_t most_shadow_rays() const override { return most_shadow_rays_; }
   /// By rays.
-  [[nodiscard]] Fragments see(const Seeing& seeing, ProgressMeter* meter) override;
+  [[nodiscard]] std::size_t look(const Seeing& seeing, ProgressMeter* meter) override;
+  [[nodiscard]] Fragments first_hits(std::size_t group) override;
   [[nodiscard]] float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) override;
   /// A triangle's number is the ray's that met it.
   [[nodiscard]] std::vector<RayHit> trace(const RayBatch& batch, BatchStatistics* statistics,
@@ -51,6 +52,7 @@ class StreamedGeometry : public FrameGeometry {
   const TextureSet& textures_;
   std::size_t most_shadow_rays_;
   std::vector<StreamHit> hits_;  ///< of the last batch that asked for the closest
+  Fragments first_hits_;         ///< of the last `look`, until they are given away
   StreamStatistics shading_;
 };
 

@@ -313,6 +313,11 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
   return hits;
 }
 
+bool asks_alone(const TraceOptions& options) {
+  return options.method.traversal == Traversal::kDual && !runs_on_device(options) &&
+         (options.cache == nullptr || options.cache->ranks == nullptr);
+}
+
 void find_occluded(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
                    const TraceOptions& options, BatchStatistics* statistics, View<float> ray_tests,
                    ProgressMeter* meter, View<std::uint8_t> occluded) {

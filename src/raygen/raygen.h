@@ -42,6 +42,7 @@ struct RayBatch {
   LargeVector<std::uint32_t> lights;  ///< shadow rays alone
   /// Shadow rays alone: the direction on the unit square, or the place on a parallel light's disc.
   LargeVector<Vec2> places;
+  bool part = false;        ///< of its stage's rays; other batches have the rest
   bool names_hits = false;  ///< shadow rays alone: not only whether they meet something is asked
 };
 

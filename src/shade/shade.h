@@ -69,7 +69,10 @@ inline constexpr Vec3 kWhiteSky{1, 1, 1};
 /// units; white where no light faces any of them.
 [[nodiscard]] Vec3 automatic_sky(const Executor& executor, View<const Fragment> fragments,
                                  View<const PlacedLight> lights);
-/// The same of the parts.
+[[nodiscard]] std::vector<SkyPart> sky_parts(const Executor& executor,
+                                             View<const Fragment> fragments,
+                                             View<const PlacedLight> lights);
+/// The same of the parts, where there are lights.
 [[nodiscard]] Vec3 sky_of_parts(View<const SkyPart> parts);
 
 /// The factor that brings the mean logarithm of the covered pixels' luminance to middle grey (E.

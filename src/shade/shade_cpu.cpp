@@ -145,6 +145,11 @@ void accumulate(const Executor& executor, View<const Fragment> fragments, View<c
 Vec3 automatic_sky(const Executor& executor, View<const Fragment> fragments,
                    View<const PlacedLight> lights) {
   if (lights.empty()) return kWhiteSky;
+  return sky_of_parts(sky_parts(executor, fragments, lights));
+}
+
+std::vector<SkyPart> sky_parts(const Executor& executor, View<const Fragment> fragments,
+                               View<const PlacedLight> lights) {
   std::vector<SkyPart> parts(div_ceil(fragments.size, kSkyPart));
   executor.for_each(parts.size(), kWorkGrain / kSkyPart, [&](std::size_t p) {
     const std::size_t end = std::min((p + 1) * kSkyPart, fragments.size);
@@ -156,7 +161,7 @@ Vec3 automatic_sky(const Executor& executor, View<const Fragment> fragments,
         parts[p].sum += double{unoccluded(f, sample_light(light, f.surface.position))};
     }
   });
-  return sky_of_parts(parts);
+  return parts;
 }
 
 Vec3 sky_of_parts(View<const SkyPart> parts) {

@@ -1,0 +1,88 @@
+// `dual` follows the first hits of large pictures in groups: the picture of those methods that take
+// all of them at once.
+#include <gtest/gtest.h>
+
+#include "raysheaf/render.h"
+#include "support/pictures.h"
+
+namespace raysheaf {
+namespace {
+
+void expect_as_whole(const SceneDescription& scene, RenderOptions options) {
+  options.method = Method::kGl10;
+  const RenderResult whole = render(scene, options);
+  options.method = Method::kDual;
+  const RenderResult groups = render(scene, options);
+  EXPECT_TRUE(test::same_bits(groups.beauty, whole.beauty));
+  EXPECT_TRUE(test::same_bits(groups.position, whole.position));
+  EXPECT_TRUE(test::same_bits(groups.normal, whole.normal));
+  EXPECT_TRUE(test::same_bits(groups.albedo, whole.albedo));
+  EXPECT_EQ(groups.shadow, whole.shadow);
+  EXPECT_EQ(groups.ambient, whole.ambient);
+  EXPECT_EQ(groups.exposure, whole.exposure);
+  for (std::size_t i = 0; i < whole.ids.size(); ++i)
+    ASSERT_EQ(groups.ids[i].prim_id, whole.ids[i].prim_id) << i;
+  const auto &ours = groups.statistics.batches, &theirs = whole.statistics.batches;
+  ASSERT_EQ(ours.size(), theirs.size());
+  for (std::size_t i = 0; i < ours.size(); ++i) {
+    EXPECT_EQ(ours[i].kind, theirs[i].kind);
+    EXPECT_EQ(ours[i].rays, theirs[i].rays);
+    EXPECT_EQ(ours[i].hits, theirs[i].hits);
+    // Of one group, and so it says.
+    EXPECT_FALSE(ours[i].plan.empty());
+    for (const std::string& sentence : ours[i].plan)
+      EXPECT_EQ(sentence.substr(0, 1), "[") << sentence;
+  }
+}
+
+RenderOptions of_size(std::uint32_t width, std::uint32_t height) {
+  RenderOptions options = test::small_options(width);
+  options.height = height;
+  return options;
+}
+
+TEST(Groups, OfOneSampleGiveTheWholePicture) {
+  Material glass;
+  glass.transmission = 1;
+  glass.roughness = 0;
+  SceneDescription scene = test::ball_on_floor(glass);
+  scene.lights.push_back(test::point_light({-3, 4, 1}, 50));
+  expect_as_whole(scene, of_size(640, 480));
+}
+
+TEST(Groups, OfSeveralSamplesGiveTheWholePicture) {
+  SceneDescription scene = test::ball_on_floor();
+  scene.lights[0].radius = 0.5f;
+  scene.cameras[0].aperture = 0.1f;
+  RenderOptions options = of_size(640, 480);
+  options.samples = 2;
+  options.bounces = 0;
+  expect_as_whole(scene, options);
+}
+
+/// So many that most of them are found once for the sky, and again for their light.
+TEST(Groups, ThatAreFoundTwiceGiveTheWholePicture) {
+  RenderOptions options = of_size(2048, 1200);
+  options.bounces = 0;
+  expect_as_whole(test::ball_on_floor(), options);
+}
+
+/// Tests of pixels add up over groups; the sky above, which sends no rays, is a group of its own.
+TEST(Groups, CountTheTestsOfTheirPixels) {
+  SceneDescription scene = test::ball_on_floor();
+  scene.cameras[0] = test::camera_at({0, 2.5f, 9}, {0, 4.5f, 0});
+  RenderOptions options = of_size(512, 1100);
+  options.count_pixel_tests = true;
+  options.bounces = 0;
+  const RenderResult result = render(scene, options);
+  double sum = 0, total = 0;
+  for (const float tests : result.tests) sum += double{tests};
+  for (const BatchStatistics& batch : result.statistics.batches) {
+    total += static_cast<double>(batch.total_tests());
+    EXPECT_FALSE(batch.plan.empty());
+  }
+  EXPECT_NEAR(sum, total, 1e-5 * total);
+}
+
+}  // namespace
+}  // namespace raysheaf
