@@ -19,7 +19,6 @@
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "raysheaf/render_on_context.h"
-#include "scene/cutout.h"
 #include "scene/environment.h"
 #include "scene/flat_update.h"
 
@@ -129,9 +128,7 @@ class Renderer::Impl {
       s->threads = executor.threads();
       s->total_ms = watch.ms();
     };
-    // A device does not know yet what materials cut away.
-    const bool on_device =
-        cache_.backend != nullptr && cache_.ranks == nullptr && !has_cutouts(*scene_, samples > 1);
+    const bool on_device = cache_.backend != nullptr && cache_.ranks == nullptr;
     FrameInput input{geometry,
                      camera,
                      lights,

@@ -36,6 +36,20 @@ class DeviceBatches {
     return sorts ? keys_.data() : nullptr;
   }
 
+  /// The camera's, one a pixel.
+  void make_camera_rays(const CameraFrame& frame, const Box& bounds) {
+    Ray* const of_pixels = rays("raygen: camera", std::size_t{frame.width} * frame.height);
+    camera_rays_on(device_, frame, bounds, of_pixels, keys("raygen: camera"));
+  }
+
+  [[nodiscard]] View<const Ray> all_rays() const { return rays_.view_const(); }
+  [[nodiscard]] View<const std::uint32_t> all_keys() const { return keys_.view_const(); }
+  /// Another batch in the place of this one.
+  void swap(DeviceBuffer<Ray>* rays, DeviceBuffer<std::uint32_t>* keys) {
+    rays_.swap(*rays);
+    keys_.swap(*keys);
+  }
+
   /// The first hits of the rays, until the next batch.
   const EngineHit* closest(Facing facing, std::uint32_t key_bits, BatchStatistics* statistics) {
     begin_batch(statistics);
@@ -47,7 +61,7 @@ class DeviceBatches {
   }
 
   /// 1 for each ray that anything stops, else 0; until the next batch.
-  const std::uint8_t* occluded(std::uint32_t key_bits, BatchStatistics* statistics) {
+  std::uint8_t* occluded(std::uint32_t key_bits, BatchStatistics* statistics) {
     begin_batch(statistics);
     occluded_.resize_uninitialized("trace: any hits", rays_.size());
     EngineReport report;

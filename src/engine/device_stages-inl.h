@@ -7,12 +7,13 @@
 #include <utility>
 
 #include "base/bits.h"
-#include "engine/device_batches-inl.h"
+#include "engine/device_cutouts-inl.h"
 #include "engine/device_scene-inl.h"
 #include "engine/gl_reader-inl.h"
 #include "engine/light_loops-inl.h"
 #include "engine/resolve_loops-inl.h"
 #include "exec/stopwatch.h"
+#include "scene/cutout.h"
 
 namespace raysheaf {
 
@@ -29,6 +30,7 @@ class DeviceStagesOn : public DeviceStages {
       : engine_(std::forward<Args>(args)...),
         device_(engine_.device()),
         batches_(engine_),
+        cutouts_(device_, batches_),
         surfaces_(device_),
         film_(device_),
         gl_reader_(device_),
@@ -63,6 +65,8 @@ class DeviceStagesOn : public DeviceStages {
     batches_.begin(*input_);
     upload(device_, input.lights, &lights_);
     film_.begin(input.options.width, input.options.height, input.options.count_pixel_tests);
+    cutouts_.begin({scene_view(), has_cutouts(*scene_->description, input.blends), input.blends,
+                    film_.tests()});
   }
 
   std::size_t look(const CameraFrame& frame) override {
@@ -76,15 +80,19 @@ class DeviceStagesOn : public DeviceStages {
       batches_.tell("device: what OpenGL sees is " + gl_reader_.way() +
                     "; rays, hits and light stay");
       resolver_.resolve(engine_.triangles(), scene_->bounds, frame, seen, triangles_seen_.view());
+      if (cutouts_.any()) {
+        const auto of_rays = [this] { return &input_->tally.batch(RayKind::kPrimary, 0); };
+        batches_.make_camera_rays(frame, scene_->bounds);
+        cutouts_.see_through(Facing::kSkipBackOfSingleSided, kBounceKeyBits, triangles_seen_.data(),
+                             of_rays);
+      }
     } else {
       batches_.tell("device: rays, hits and light stay there");
       BatchStatistics& statistics = input_->tally.batch(RayKind::kPrimary, 0);
-      Ray* const rays = batches_.rays("raygen: camera", pixels);
-      camera_rays_on(device_, frame, scene_->bounds, rays, batches_.keys("raygen: camera"));
+      batches_.make_camera_rays(frame, scene_->bounds);
       lap(&statistics.times_ms.raygen);
       const EngineHit* const hits =
-          batches_.closest(Facing::kSkipBackOfSingleSided, kBounceKeyBits, &statistics);
-      add_tests({}, {});
+          cutouts_.closest({Facing::kSkipBackOfSingleSided, kBounceKeyBits, {}, {}}, &statistics);
       triangles_of_hits_on(device_, View<const EngineHit>(hits, pixels), triangles_seen_.data());
     }
     input_->meter.begin("surfaces", 1);
@@ -161,8 +169,8 @@ class DeviceStagesOn : public DeviceStages {
                    {rays, weights_.data(), batches_.keys("raygen: bounce")});
     BatchStatistics& statistics = input_->tally.batch(kind, bounce);
     lap(&statistics.times_ms.raygen);
-    const EngineHit* const hits = batches_.closest(Facing::kBoth, kBounceKeyBits, &statistics);
-    add_tests(s.view(), slots);
+    const EngineHit* const hits =
+        cutouts_.closest({Facing::kBoth, kBounceKeyBits, s.view(), slots}, &statistics);
     watch_.lap_ms();
     auto arrived = make_set("surfaces: bounce", count);
     arrived_on(device_, scene_view(), s.view(),
@@ -216,12 +224,6 @@ class DeviceStagesOn : public DeviceStages {
     return set;
   }
 
-  /// Of the last batch, to their pixels, where they are counted; as `add_tests_on`.
-  void add_tests(View<const Fragment> fragments, View<const std::uint32_t> slots) {
-    if (film_.tests().empty()) return;
-    add_tests_on(device_, fragments, slots, batches_.tests(), film_.tests());
-  }
-
   /// Waits for the device, and adds the time since the last lap.
   void lap(double* ms) {
     device_.synchronize("stages");
@@ -262,8 +264,8 @@ class DeviceStagesOn : public DeviceStages {
     BatchStatistics& statistics = input_->tally.batch(RayKind::kShadow, bounce);
     lap(&statistics.times_ms.raygen);
     if (slots.empty()) return nullptr;
-    const std::uint8_t* const occluded = batches_.occluded(lights.layout().key_bits(), &statistics);
-    add_tests(set.view(), slots);
+    const BatchOnDevice batch{Facing::kBoth, lights.layout().key_bits(), set.view(), slots};
+    const std::uint8_t* const occluded = cutouts_.occluded(batch, &statistics);
     watch_.lap_ms();
     return occluded;
   }
@@ -272,6 +274,7 @@ class DeviceStagesOn : public DeviceStages {
   Device& device_;
   DeviceAllocator& memory_ = device_.allocator();
   DeviceBatches<Device> batches_;
+  DeviceCutouts<Device> cutouts_;
   SceneOnDevice<Device> surfaces_;
   FilmOnDevice<Device> film_;
   GlReader<Device> gl_reader_;

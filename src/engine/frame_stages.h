@@ -119,6 +119,7 @@ struct DeviceFrameInput {
   PacketTracer* packets = nullptr;  ///< the same of `gl10`
   PairQuery pair_query;
   bool by_key = false;  ///< either sorts the rays
+  bool blends = false;  ///< there are several samples a pixel
 };
 
 /// Of a scene is copied what was forgotten; fragments, rays, hits and light stay on the device

@@ -211,14 +211,14 @@ struct RayTests {
 };
 
 /// Adds them to their pixels. `slots`: each ray's fragment, counted through as many lights as there
-/// are; none: the rays are the pixels'.
+/// are, or its pixel where there are no fragments; none: the rays are the pixels'.
 template <class Device>
 void add_tests_on(Device& device, View<const Fragment> fragments, View<const std::uint32_t> slots,
                   RayTests tests, View<std::uint64_t> pixels) {
   const std::size_t rays = slots.empty() ? pixels.size : slots.size;
   device.for_each("count: pixels", rays, [=] RAYSHEAF_HD(std::size_t i) {
-    const std::size_t pixel =
-        slots.empty() ? i : fragments.data[slots.data[i] % fragments.size].pixel;
+    std::size_t pixel = slots.empty() ? i : slots.data[i];
+    if (!fragments.empty()) pixel = fragments.data[pixel % fragments.size].pixel;
     add_to(pixels.data + pixel,
            tests.each != nullptr ? static_cast<std::uint64_t>(tests.each[i]) : tests.all);
   });

@@ -48,6 +48,12 @@ RAYSHEAF_HD inline std::uint32_t staged_material(const StagedSceneView& scene,
       .data[mesh.first_material + (mesh.material_count == 1 ? 0 : prim_id)];
 }
 
+RAYSHEAF_HD inline const PlacedMaterial& placed_material_of(const StagedSceneView& scene,
+                                                            std::uint32_t number) {
+  const std::uint64_t last = scene.materials.size - 1;
+  return scene.materials.data[number < last ? number : last];
+}
+
 /// `surface_at` (scene/surface.h), bit for bit.
 RAYSHEAF_HD inline Surface staged_surface(const StagedSceneView& scene, std::uint32_t triangle,
                                           float u, float v, Vec3 direction) {
@@ -65,9 +71,7 @@ RAYSHEAF_HD inline Surface staged_surface(const StagedSceneView& scene, std::uin
   }
   Surface surface;
   surface.material = staged_material(scene, mesh, triangle);
-  const std::uint64_t last = scene.materials.size - 1;
-  const PlacedMaterial& material =
-      scene.materials.data[surface.material < last ? surface.material : last];
+  const PlacedMaterial& material = placed_material_of(scene, surface.material);
   TextureColors colors;
   if (mesh.has_uvs && !is_plain(material))
     colors = texture_colors(material, scene.textures, mixed(uv, u, v));

@@ -1,12 +1,9 @@
 #include "frame/cutouts.h"
 
-#include <cmath>
 #include <numeric>
 
-#include "base/float.h"
 #include "intersect/triangle_body.h"
-#include "raygen/sample_body.h"
-#include "scene/cutout.h"
+#include "raygen/cutout_body.h"
 #include "scene/material_of.h"
 #include "scene/surface_reader.h"
 
@@ -23,14 +20,6 @@ void pick(const LargeVector<T>& from, View<const std::uint32_t> places, LargeVec
 std::uint32_t material_at(const FlatScene& scene, std::uint32_t triangle) {
   const FlatMesh& placed = scene.meshes[scene.mesh_of_triangle[triangle]];
   return material_of(scene.description->meshes[placed.geom_id], triangle - placed.first_triangle);
-}
-
-/// Above 0 and below 1, of a ray whatever its interval.
-float chance(const Ray& ray, std::uint32_t triangle) {
-  std::uint32_t seed = triangle;
-  for (const Vec3 v : {ray.origin, ray.direction})
-    for (int axis = 0; axis < 3; ++axis) seed = mixed_seed(seed, float_bits(component(v, axis)));
-  return (static_cast<float>(seed >> 8) + 0.5f) * 0x1p-24f;
 }
 
 }  // namespace
@@ -56,8 +45,8 @@ Cutouts::Cutouts(const Executor& executor, const FlatScene& scene, const Texture
                  bool blends)
     : executor_(executor), scene_(scene), textures_(textures), blends_(blends) {
   for (const Material& material : scene.description->materials) {
-    cuts_.push_back(is_cutout(material, blends) ? 1 : 0);
-    any_ = any_ || cuts_.back() != 0;
+    materials_.push_back(placed_material(material));
+    any_ = any_ || is_cutout(materials_.back(), blends);
   }
 }
 
@@ -70,14 +59,12 @@ std::vector<std::uint32_t> Cutouts::cut_away(View<const Ray> rays,
       const std::uint32_t triangle = triangles[i];
       if (triangle == kInvalidId) continue;
       const std::uint32_t material = material_at(scene_, triangle);
-      if (material >= cuts_.size() || cuts_[material] == 0) continue;
+      if (material >= materials_.size() || !is_cutout(materials_[material], blends_)) continue;
       reader.hold(scene_, triangle);
       const Vec3(&corner)[3] = reader.held().corner;
       const Vec2 at = clamped_barycentrics(rays[i], corner[0], corner[1], corner[2]);
-      const Material& m = scene_.description->materials[material];
-      const bool by_chance = blends_ && m.alpha_blend;
-      const float least = by_chance ? chance(rays[i], triangle) : m.alpha_cutoff;
-      away[i] = reader.alpha_at(at.x, at.y) < least ? 1 : 0;
+      const float alpha = reader.alpha_at(at.x, at.y);
+      away[i] = is_cut_away(materials_[material], alpha, blends_, rays[i], triangle) ? 1 : 0;
     }
   });
   std::vector<std::uint32_t> places;
@@ -102,7 +89,7 @@ void Cutouts::pass(const RayBatch& batch, const Trace& trace, View<RayHit> hits,
     std::vector<float> t_min;
     for (const std::uint32_t i : away) {
       const std::uint32_t place = on_way[i];
-      const float behind = std::nextafter(hits[place].t, std::numeric_limits<float>::infinity());
+      const float behind = just_behind(hits[place].t);
       hits[place] = {};
       if (behind > batch.rays[place].t_max) continue;  // there is nothing left of the ray
       still.push_back(place);

@@ -18,6 +18,7 @@
 
 #include "exec/executor.h"
 #include "frame/trace.h"
+#include "scene/material_body.h"
 #include "scene/texture.h"
 
 namespace raysheaf {
@@ -51,7 +52,7 @@ class Cutouts {
   const FlatScene& scene_;
   const TextureSet& textures_;
   const bool blends_;
-  std::vector<std::uint8_t> cuts_;  ///< of each material
+  std::vector<PlacedMaterial> materials_;
   bool any_ = false;
 };
 

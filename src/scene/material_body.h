@@ -12,9 +12,9 @@ struct PlacedMaterial {
   Vec3 base_color{1, 1, 1}, emission{0, 0, 0}, specular_color{1, 1, 1};
   PlacedTexture base_color_texture, metallic_roughness_texture, emission_texture, normal_texture;
   float normal_scale = 1;
-  float alpha = 1;
+  float alpha = 1, alpha_cutoff = 0;
   float metallic = 0, roughness = 1, specular = 1, transmission = 0, ior = 1.5f;
-  bool unlit = false;
+  bool unlit = false, alpha_blend = false;
 };
 
 [[nodiscard]] inline PlacedMaterial placed_material(const Material& m) {
@@ -28,6 +28,8 @@ struct PlacedMaterial {
   placed.normal_texture = placed_texture(m.normal_texture);
   placed.normal_scale = m.normal_scale;
   placed.alpha = m.base_color.w;
+  placed.alpha_cutoff = m.alpha_cutoff;
+  placed.alpha_blend = m.alpha_blend;
   placed.metallic = m.metallic;
   placed.roughness = m.roughness;
   placed.specular = m.specular;
@@ -35,6 +37,13 @@ struct PlacedMaterial {
   placed.ior = m.ior;
   placed.unlit = m.unlit;
   return placed;
+}
+
+/// Whether any place may be cut away. `blends`: there are several samples a pixel.
+RAYSHEAF_HD inline bool is_cutout(const PlacedMaterial& m, bool blends) {
+  const float whole = blends && m.alpha_blend ? 1 : m.alpha_cutoff;
+  const bool varies = m.base_color_texture.texture != kInvalidId;
+  return whole > 0 && (varies || m.alpha < whole);
 }
 
 /// Whether its normal texture says how surfaces stand, where there are coordinates.

@@ -19,6 +19,7 @@ std::vector<CompiledCase> compiled_stage_cases() {
           compiled<SurfaceCase>("Surface"),
           compiled<TextureCase>("Texture"),
           compiled<StagedSurfaceCase>("StagedSurface"),
+          compiled<CutoutCase>("Cutout"),
           compiled<TrigonometryCase>("Trigonometry"),
           compiled<LightCase>("Light"),
           compiled<ChosenLightCase>("ChosenLight"),

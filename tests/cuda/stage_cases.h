@@ -3,6 +3,7 @@
 #pragma once
 
 #include "cuda/geometry_cases.h"
+#include "engine/cutout_loops-inl.h"
 #include "engine/staged_scene.h"
 #include "intersect/facing_body.h"
 #include "intersect/intersect_list.h"
@@ -42,6 +43,23 @@ struct SurfaceCase {
     const Wide normal = cross(difference(b, a), difference(c, a));
     out.put(point.position, point.error, unit(normal, {0, 0, 1}), dot(normal, widened(a)));
     out.put(unit_normal(normal_map(draws.map()), a, {0, 0, 1}));
+  }
+};
+
+struct CutoutCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    const Ray ray{draws.in_box(9), 0, draws.direction(), 9};
+    PlacedMaterial m;
+    m.alpha = draws.unit();
+    m.alpha_cutoff = draws.below(2) == 0 ? 0 : draws.unit();
+    m.alpha_blend = draws.below(2) == 0;
+    m.base_color_texture.texture = draws.below(2) == 0 ? 0 : kInvalidId;
+    const std::uint32_t triangle = draws.below(1000);
+    const bool blends = draws.below(2) == 0;
+    out.put(chance_of(ray, triangle), is_cutout(m, blends));
+    out.put(is_cut_away(m, draws.unit(), blends, ray, triangle));
+    out.put(just_behind(draws.between(-1, 1)), just_behind(0),
+            just_behind(draws.unit() * 0x1p-140f));
   }
 };
 
@@ -99,6 +117,9 @@ struct StagedSurfaceCase {
       m.transmission = draws.below(2) == 0 ? 0 : draws.unit();
       m.ior = draws.between(0, 2);
       m.unlit = draws.below(8) == 0;
+      m.alpha = draws.unit();
+      m.alpha_cutoff = draws.below(2) == 0 ? 0 : draws.unit();
+      m.alpha_blend = draws.below(2) == 0;
       if (draws.below(2) == 0) m.normal_texture.texture = 0;
       m.normal_scale = draws.unit();
       if (draws.below(2) != 0) continue;
@@ -123,6 +144,8 @@ struct StagedSurfaceCase {
     out.put(s.position, s.geometric_normal, s.normal, s.diffuse, s.specular, s.coat);
     out.put(s.transmission_color, s.emission, s.roughness, s.transmission, s.ior);
     out.put(s.position_error, s.unlit, s.front, s.material);
+    const Ray ray{s.position - along * 2, 0, along, 9};
+    out.put(staged_is_cut_away(scene, ray, 0, draws.below(2) == 0));
     const Vec3 front = front_normal(corners, false);
     const PlacedSurface placed =
         placed_surface(corners, front, &normals, meshes[0].normal_map, u, v, along);

@@ -184,6 +184,27 @@ Environment motley_sky(float rotation) {
   return sky;
 }
 
+/// Mirrors and glass before and behind curtains, one of them in another's place, and a pane that is
+/// there by chance.
+SceneDescription behind_curtains() {
+  Material glass;
+  glass.transmission = 0.7f;
+  glass.roughness = 0;
+  SceneDescription scene = test::ball_on_floor(glass);
+  test::add_curtain(&scene, 1.5f, 1);
+  test::add_curtain(&scene, 2, 2);
+  test::add_curtain(&scene, 2, 3);
+  Material mist;
+  mist.alpha_blend = true;
+  mist.double_sided = true;
+  mist.base_color = {0.3f, 0.4f, 0.5f, 0.5f};
+  scene.materials.push_back(mist);
+  Mesh pane = test::floor_square(5, 1.2f);
+  pane.materials = {static_cast<std::uint32_t>(scene.materials.size()) - 1};
+  test::add_mesh(&scene, std::move(pane));
+  return scene;
+}
+
 RenderOptions traced(std::uint32_t size) {
   RenderOptions options = test::small_options(size);
   options.primary = Primary::kTrace;
@@ -273,6 +294,7 @@ void expect_frames_of_a_change(const Context& context, Method method) {
   there.show(scene);
   RenderOptions options = traced(32);
   options.method = method;
+  options.samples = 2;
   for (int frame = 0; frame < 6; ++frame) {
     SCOPED_TRACE(frame);
     expect_same_picture(there.render(options), here.render(options));
@@ -320,17 +342,22 @@ TEST_P(Frames, AreThoseOfTheCpu) {
 TEST_P(Frames, OfSoftLight) {
   expect_soft_frames(*context_);
 }
-/// The CPU shades what materials cut holes into.
 TEST_P(Frames, OfCutouts) {
-  SceneDescription scene = test::ball_on_floor();
-  test::add_curtain(&scene, 1.5f, 1);
-  test::add_curtain(&scene, 2, 2);
-  for (const Method method : {Method::kBrute, Method::kCrsh, Method::kGl10, Method::kDual}) {
+  const SceneDescription scene = behind_curtains();
+  for (const Method method :
+       {Method::kBrute, Method::kRah, Method::kCrsh, Method::kGl10, Method::kDual}) {
+    SCOPED_TRACE(to_string(method));
     RenderOptions options = traced(32);
     options.method = method;
-    const RenderResult there = render(*context_, scene, options);
-    expect_same_picture(there, render(scene, options));
-    EXPECT_TRUE(says(there, "shaded on the CPU"));
+    options.count_pixel_tests = method == Method::kBrute || method == Method::kDual;
+    options.early_out = method == Method::kGl10;
+    EXPECT_TRUE(stayed(expect_the_cpus(*context_, scene, options)));
+    options.samples = 3;
+    EXPECT_TRUE(stayed(expect_the_cpus(*context_, scene, options)));
+    options.primary = Primary::kRaster;
+    EXPECT_TRUE(stayed(expect_the_cpus(*context_, scene, options)));
+    options.shadows = false;
+    EXPECT_TRUE(stayed(expect_the_cpus(*context_, scene, options)));
   }
 }
 TEST_P(Frames, OfOrderedRays) {
@@ -426,6 +453,14 @@ TEST(DeviceFrameMemory, MayRunOutAnywhere) {
   SceneDescription scene = motley(40, true);
   scene.environment = motley_sky(1);
   expect_memory_may_run_out(scene, traced(24));
+}
+
+TEST(DeviceFrameMemory, MayRunOutInHoles) {
+  RenderOptions options = traced(16);
+  options.primary = Primary::kRaster;
+  options.method = Method::kCrsh;
+  options.bounces = 1;
+  expect_memory_may_run_out(behind_curtains(), options);
 }
 
 TEST(DeviceFrameMemory, MayRunOutWherePicturesAreRead) {
