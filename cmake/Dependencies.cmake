@@ -22,6 +22,11 @@ if(NOT DEFLATE_FOUND)
   message(STATUS "libdeflate not found: PNG files are compressed by stb, which takes longer")
 endif()
 
+find_package(meshoptimizer QUIET CONFIG)  # libmeshoptimizer-dev
+if(NOT meshoptimizer_FOUND)
+  message(STATUS "meshoptimizer not found: glTF with EXT_meshopt_compression is not read")
+endif()
+
 if(RAYSHEAF_APP)
   find_package(CLI11 REQUIRED CONFIG)  # libcli11-dev
   find_package(fmt REQUIRED CONFIG)    # libfmt-dev

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "io/data_uri.h"
+#include "io/gltf_meshopt.h"
 #include "io/gltf_rules.h"
 #include "io/refuse.h"
 #include "raysheaf/error.h"
@@ -39,7 +40,8 @@ void check_version(const JsonValue& root, const char* field) {
 
 void check_extensions(const JsonValue& root, std::vector<std::string>& warnings) {
   const auto supported = [](const std::string& name) {
-    return std::find(kSupported.begin(), kSupported.end(), name) != kSupported.end();
+    return std::find(kSupported.begin(), kSupported.end(), name) != kSupported.end() ||
+           (name == kMeshopt && unpacks_meshopt());
   };
   for (const JsonValue& item : root.items("extensionsRequired")) {
     const auto name = item.get<std::string>();
@@ -66,6 +68,7 @@ void check_buffer(const JsonValue& buffer, std::size_t i, const GltfParts& parts
   const std::string place = element("buffers", i);
   const auto said = buffer.at("byteLength").get<std::size_t>();
   const auto uri = buffer.get("uri", std::string_view());
+  if (is_meshopt_fallback(buffer)) return;
   if (uri.empty()) {
     if (i != 0 || !parts.is_glb) refuse("the buffer has no data: no uri", place);
     check_length(said, parts.binary.size(), place);
@@ -106,6 +109,11 @@ void check_view(const JsonValue& root, const JsonValue& view, std::size_t i) {
     refuse("byteOffset + byteLength is " + std::to_string(offset + length) + ", but " +
                element("buffers", buffer) + " has " + std::to_string(bytes) + " bytes",
            place);
+  }
+  if (meshopt_packing(view) != nullptr) {
+    check_meshopt(root, view, place);
+  } else if (is_meshopt_fallback(root.at("buffers").at(buffer))) {
+    refuse("is a buffer without data", place + ".buffer");
   }
   const auto stride = view.get("byteStride", std::size_t{4});
   if (stride % 4 != 0 || stride > kMaxStride) {

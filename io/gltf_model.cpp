@@ -4,6 +4,7 @@
 
 #include "io/data_uri.h"
 #include "io/gltf_json.h"
+#include "io/gltf_meshopt.h"
 #include "io/outer_mesh.h"
 #include "io/refuse.h"
 
@@ -22,7 +23,9 @@ class ModelReader {
     const auto buffers = model_.list("buffers");
     for (std::size_t i = 0; i < buffers.size(); ++i)
       buffers_.push_back(buffer(buffers[i], element("buffers", i) + ".uri"));
-    for (const JsonValue& source : model_.list("bufferViews")) model_.views.push_back(view(source));
+    const auto views = model_.list("bufferViews");
+    for (std::size_t i = 0; i < views.size(); ++i)
+      model_.views.push_back(view(views[i], element("bufferViews", i)));
     for (const JsonValue& source : model_.list("accessors"))
       model_.accessors.push_back(accessor(source));
     const auto images = model_.list("images");
@@ -35,6 +38,7 @@ class ModelReader {
   GltfBytes buffer(const JsonValue& source, const std::string& place) {
     const auto said = source.at("byteLength").get<std::size_t>();
     const auto uri = source.get("uri", std::string_view());
+    if (is_meshopt_fallback(source)) return {};
     if (uri.empty()) return parts_.binary.subspan(0, said);
     if (is_data_uri(uri)) {
       std::optional<Bytes> bytes = decode_data_uri(uri);
@@ -63,11 +67,19 @@ class ModelReader {
     return bytes;
   }
 
-  [[nodiscard]] GltfView view(const JsonValue& source) const {
-    const GltfBytes buffer = buffers_[source.at("buffer").get<std::size_t>()];
-    return {buffer.subspan(source.get("byteOffset", std::size_t{0}),
-                           source.at("byteLength").get<std::size_t>()),
-            source.get("byteStride", std::size_t{0})};
+  GltfView view(const JsonValue& source, const std::string& place) {
+    const auto stride = source.get("byteStride", std::size_t{0});
+    const JsonValue* const packing = meshopt_packing(source);
+    if (packing == nullptr) return {range(source), stride};
+    if (!is_held_) throw NeedsWholeFile{};
+    Bytes scratch;
+    const GltfBytes packed = range(*packing);
+    return {keep(unpack_meshopt(*packing, packed.read(0, packed.size(), scratch), place)), stride};
+  }
+  /// The bytes of a buffer that a view, or its packing, speaks of.
+  [[nodiscard]] GltfBytes range(const JsonValue& source) const {
+    return buffers_[source.at("buffer").get<std::size_t>()].subspan(
+        source.get("byteOffset", std::size_t{0}), source.at("byteLength").get<std::size_t>());
   }
 
   [[nodiscard]] GltfAccessor accessor(const JsonValue& source) const {
