@@ -62,13 +62,12 @@ void whole_frame(benchmark::State& state) {
   const SceneDescription& scene = input().scene;
   const std::vector<Sphere> bounds = mesh_bounds(executor, scene);
   const std::vector<PlacedLight> lights = placed_lights(scene.lights);
-  ProgressMeter meter;
   std::size_t rays = 0;
   for (auto _ : state) {
     const FlatScene flat = flatten(executor, scene, bounds);
     ResidentGeometry geometry(executor, flat, input().textures, options);
     const FrameInput frame{geometry, scene.cameras.front(), lights, options, 1, rasterizer.get()};
-    const RenderResult result = render_frame(executor, frame, &meter);
+    const RenderResult result = render_frame(executor, frame);
     rays = 0;
     for (const BatchStatistics& batch : result.statistics.batches) rays += batch.rays;
     benchmark::DoNotOptimize(result.beauty.data());

@@ -24,7 +24,8 @@ enum class Primary : std::uint8_t {
 struct RenderResult;
 
 /// How far a frame is. `done` and `total` count the stage's own work items; after
-/// "scene", a frame of several samples has one stage, "samples".
+/// "scene", a frame of several samples has one stage, "samples"; one whose picture is followed in
+/// parts has "parts" once its first hits are found.
 struct Progress {
   std::string_view stage;
   std::uint64_t done = 0, total = 0;

@@ -150,7 +150,7 @@ class Renderer::Impl {
           return rasterizer_->visible_triangles(executor, flat_, frame, read);
         };
     }
-    RenderResult result = render_frame(executor, input, &meter);
+    RenderResult result = render_frame(executor, input);
     update_.tree = word_of(cache_.tree);
     update_.tree_ms = cache_.tree.ms;
     return result;

@@ -44,7 +44,6 @@ RenderResult render_checked(const GeometrySource& source, const RenderOptions& o
   const Context context =
       stream.context != nullptr ? *stream.context : Context({.threads = options.threads});
   const Executor& executor = ContextAccess::executor(context);
-  ProgressMeter meter(options.progress);
   const SceneDescription& scene = source.scene();
   Camera camera = find_camera(scene, options.camera);
   camera.aperture = options.aperture.value_or(camera.aperture);
@@ -82,7 +81,7 @@ RenderResult render_checked(const GeometrySource& source, const RenderOptions& o
                          nullptr,
                          scene.environment.empty() ? nullptr : &environment.view(),
                          complete};
-  RenderResult result = render_frame(executor, input, &meter);
+  RenderResult result = render_frame(executor, input);
 
   StreamStatistics statistics = streamer.statistics();
   add(geometry.shading(), &statistics);

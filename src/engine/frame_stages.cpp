@@ -11,11 +11,23 @@ BatchStatistics& FrameTally::batch(RayKind kind, std::uint32_t bounce) {
     return b.kind == kind && b.bounce == bounce;
   });
   if (found != batches.end()) return *found;
-  batches.emplace_back();
-  batches.back().kind = kind;
-  batches.back().bounce = bounce;
-  batches.back().triangles = triangles_;
-  return batches.back();
+  BatchStatistics batch;
+  batch.kind = kind;
+  batch.bounce = bounce;
+  batch.triangles = triangles_;
+  const auto later = std::find_if(batches.begin(), batches.end(), [&](const BatchStatistics& b) {
+    return std::pair(b.bounce, b.kind) > std::pair(bounce, kind);
+  });
+  kept_plans_.insert(kept_plans_.begin() + (later - batches.begin()), 0);
+  return *batches.insert(later, std::move(batch));
+}
+
+void FrameTally::keep_first_plans() {
+  for (std::size_t i = 0; i < kept_plans_.size(); ++i) {
+    std::vector<std::string>& plan = statistics.batches[i].plan;
+    if (kept_plans_[i] > 0) plan.resize(kept_plans_[i]);
+    kept_plans_[i] = plan.size();
+  }
 }
 
 PixelIds ids_of(const FlatScene& scene, std::uint32_t triangle) {

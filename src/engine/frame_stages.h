@@ -32,13 +32,16 @@ class FrameTally {
  public:
   explicit FrameTally(std::uint64_t triangles) : triangles_(triangles) {}
 
-  /// Of all rays of a kind at a bounce; made where there are none yet.
+  /// Of all rays of a kind at a bounce; made where there are none yet. By bounces, then by kinds.
   [[nodiscard]] BatchStatistics& batch(RayKind kind, std::uint32_t bounce);
+  /// What plans said when this was called first stays; after each group of fragments.
+  void keep_first_plans();
 
   FrameStatistics statistics;
 
  private:
   std::uint64_t triangles_;
+  std::vector<std::size_t> kept_plans_;  ///< of each batch: sentences that stay; 0: not said yet
 };
 
 /// Where rays ended, and the light that leaves there: sorted by pixel.

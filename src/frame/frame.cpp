@@ -46,7 +46,7 @@ bool sorts_by_keys(const MethodSettings& settings) {
 
 class Frame {
  public:
-  Frame(const Executor& executor, const FrameInput& input, ProgressMeter* meter)
+  Frame(const Executor& executor, const FrameInput& input)
       : executor_(executor),
         geometry_(input.geometry),
         lights_(static_cast<std::uint32_t>(input.lights.size)),
@@ -54,8 +54,7 @@ class Frame {
         options_(input.options),
         sample_{0, input.samples},
         camera_(make_camera_frame(input.camera, options_.width, options_.height)),
-        samples_meter_([this](const Progress& /*of a stage*/) { return tell_samples(); }),
-        meter_(sample_.count == 1 ? *meter : samples_meter_),
+        meter_([this](const Progress& of_stage) { return tell(of_stage); }),
         tally_(geometry_.triangle_count()) {
     const MethodSettings method = settings_for(options_);
     tally_.statistics.key = key_name(method);
@@ -107,13 +106,12 @@ class Frame {
     const SampleStatistics before = totals();
     CameraFrame frame = moved_by_pixels(camera_, filter_offset(sample_));
     frame.sample = sample_;
-    std::vector<std::size_t> known = plan_sizes();
     const std::size_t groups = stages().look(frame);
     if (sample_.index == 0) sky_ = uniform_sky();
-    for (std::size_t group = 0; group < groups; ++group) {
-      follow_light(stages().see(group), 1);
-      keep_first_plans(known);
-      known = plan_sizes();
+    parts_.total = groups;
+    for (parts_.done = 0; parts_.done < groups; ++parts_.done) {
+      follow_light(stages().see(parts_.done), 1);
+      tally_.keep_first_plans();
     }
     SampleStatistics sample = totals();
     sample.rays -= before.rays;
@@ -121,18 +119,6 @@ class Frame {
     sample.hits -= before.hits;
     sample.ms = watch.lap_ms();
     statistics.samples.push_back(sample);
-  }
-
-  [[nodiscard]] std::vector<std::size_t> plan_sizes() const {
-    std::vector<std::size_t> sizes;
-    for (const BatchStatistics& batch : tally_.statistics.batches)
-      sizes.push_back(batch.plan.size());
-    return sizes;
-  }
-  /// The plan of a batch is that of the first sample, and of its first group, which had it.
-  void keep_first_plans(const std::vector<std::size_t>& known) {
-    for (std::size_t i = 0; i < known.size(); ++i)
-      if (known[i] > 0) tally_.statistics.batches[i].plan.resize(known[i]);
   }
 
   [[nodiscard]] Vec3 uniform_sky() {
@@ -152,9 +138,12 @@ class Frame {
     return sum;
   }
 
-  /// Whatever a stage tells of its own progress, the caller hears of samples.
-  [[nodiscard]] bool tell_samples() const {
-    return !options_.progress || options_.progress({"samples", sample_.index, sample_.count});
+  /// Whatever a stage tells of its own progress, the caller hears of samples where there are
+  /// several, and else of parts.
+  [[nodiscard]] bool tell(const Progress& of_stage) const {
+    if (!options_.progress) return true;
+    if (sample_.count > 1) return options_.progress({"samples", sample_.index, sample_.count});
+    return options_.progress(parts_.total > 1 ? parts_ : of_stage);
   }
 
   /// The light of the fragments, then that of what their rays meet. Where paths split so often that
@@ -203,9 +192,9 @@ class Frame {
   const FrameInput& input_;
   const RenderOptions& options_;
   SampleOf sample_;
-  CameraFrame camera_;  ///< its rays go through the pixels' centres
-  ProgressMeter samples_meter_;
-  ProgressMeter& meter_;
+  CameraFrame camera_;       ///< its rays go through the pixels' centres
+  Progress parts_{"parts"};  ///< of the picture's first hits, while they are followed
+  ProgressMeter meter_;
   FrameTally tally_;
   std::unique_ptr<FrameStages> cpu_;  ///< unless the frame is a device's
   Vec3 sky_;
@@ -224,8 +213,8 @@ MethodSettings settings_for(const RenderOptions& options) {
   return settings;
 }
 
-RenderResult render_frame(const Executor& executor, const FrameInput& input, ProgressMeter* meter) {
-  return Frame(executor, input, meter).run();
+RenderResult render_frame(const Executor& executor, const FrameInput& input) {
+  return Frame(executor, input).run();
 }
 
 }  // namespace raysheaf

@@ -32,7 +32,7 @@ struct FrameInput {
 /// The method's settings with what was asked for in their place.
 [[nodiscard]] MethodSettings settings_for(const RenderOptions& options);
 
-[[nodiscard]] RenderResult render_frame(const Executor& executor, const FrameInput& input,
-                                        ProgressMeter* meter);
+/// Tells `options.progress` how far it is.
+[[nodiscard]] RenderResult render_frame(const Executor& executor, const FrameInput& input);
 
 }  // namespace raysheaf

@@ -84,5 +84,26 @@ TEST(Groups, CountTheTestsOfTheirPixels) {
   EXPECT_NEAR(sum, total, 1e-5 * total);
 }
 
+TEST(Groups, AreToldAsOneStageAndCanBeCancelled) {
+  RenderOptions options = of_size(512, 1100);
+  std::uint64_t told = 0;
+  options.progress = [&](const Progress& progress) {
+    if (progress.stage != "parts") {
+      EXPECT_EQ(told, 0u) << progress.stage;
+      return true;
+    }
+    EXPECT_EQ(progress.total, 3u);
+    EXPECT_GE(progress.done + 1, told);
+    told = progress.done + 1;
+    return true;
+  };
+  (void)render(test::ball_on_floor(), options);
+  EXPECT_EQ(told, 3u);
+  options.progress = [](const Progress& progress) {
+    return progress.stage != "parts" || progress.done < 1;
+  };
+  EXPECT_THROW((void)render(test::ball_on_floor(), options), Error);
+}
+
 }  // namespace
 }  // namespace raysheaf
