@@ -27,6 +27,11 @@ if(NOT meshoptimizer_FOUND)
   message(STATUS "meshoptimizer not found: glTF with EXT_meshopt_compression is not read")
 endif()
 
+find_package(draco QUIET CONFIG)  # libdraco-dev
+if(NOT draco_FOUND)
+  message(STATUS "Draco not found: glTF with KHR_draco_mesh_compression is not read")
+endif()
+
 if(RAYSHEAF_APP)
   find_package(CLI11 REQUIRED CONFIG)  # libcli11-dev
   find_package(fmt REQUIRED CONFIG)    # libfmt-dev

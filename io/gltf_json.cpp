@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "io/data_uri.h"
+#include "io/gltf_draco.h"
 #include "io/gltf_meshopt.h"
 #include "io/gltf_rules.h"
 #include "io/refuse.h"
@@ -41,7 +42,7 @@ void check_version(const JsonValue& root, const char* field) {
 void check_extensions(const JsonValue& root, std::vector<std::string>& warnings) {
   const auto supported = [](const std::string& name) {
     return std::find(kSupported.begin(), kSupported.end(), name) != kSupported.end() ||
-           (name == kMeshopt && unpacks_meshopt());
+           (name == kMeshopt && unpacks_meshopt()) || (name == kDraco && unpacks_draco());
   };
   for (const JsonValue& item : root.items("extensionsRequired")) {
     const auto name = item.get<std::string>();
@@ -175,16 +176,18 @@ void check_sparse(const JsonValue& root, const JsonValue& accessor, std::size_t 
   check_part("values", size);
 }
 
-void check_accessor(const JsonValue& root, const JsonValue& accessor, std::size_t i) {
+/// `is_filled`: by what is packed, wherever it says that its bytes are.
+void check_accessor(const JsonValue& root, const JsonValue& accessor, std::size_t i,
+                    bool is_filled) {
   const std::string place = element("accessors", i);
   const auto count = accessor.at("count").get<std::size_t>();
   const std::size_t size = element_bytes(accessor, place);
-  if (!accessor.contains("bufferView")) {
+  if (!is_filled && !accessor.contains("bufferView")) {
     if (count > kMaxUnbackedElements) {
       refuse("is " + std::to_string(count) + ", but without a bufferView at most 2^18 are read",
              place + ".count", ErrorCode::kOutOfMemory);
     }
-  } else {
+  } else if (!is_filled) {
     const auto view = accessor.at("bufferView").get<std::size_t>();
     const auto said = root.at("bufferViews").at(view).get("byteStride", std::size_t{0});
     if (said != 0 && said < size) {
@@ -199,7 +202,7 @@ void check_accessor(const JsonValue& root, const JsonValue& accessor, std::size_
 }
 
 /// `indices` of AccessorReader reads no others.
-void check_index_accessors(const JsonValue& root) {
+void check_index_accessors(const JsonValue& root, const std::vector<bool>& is_filled) {
   const auto meshes = root.items("meshes");
   for (std::size_t m = 0; m < meshes.size(); ++m) {
     const auto primitives = meshes[m].items("primitives");
@@ -208,7 +211,8 @@ void check_index_accessors(const JsonValue& root) {
       if (!primitives[p].is_object()) refuse("is not an object", place);
       const JsonValue* indices = primitives[p].find("indices");
       if (indices == nullptr) continue;
-      if (root.at("accessors").at(indices->get<std::size_t>()).contains("bufferView")) continue;
+      const auto accessor = indices->get<std::size_t>();
+      if (is_filled[accessor] || root.at("accessors").at(accessor).contains("bufferView")) continue;
       refuse("indices without a bufferView are not read", place + ".indices",
              ErrorCode::kUnsupported);
     }
@@ -281,10 +285,12 @@ std::vector<std::string> check_gltf_json(const JsonValue& root, const GltfParts&
   each(root.items("buffers"), [&](Item x, std::size_t i) { check_buffer(x, i, parts, from); });
   each(root.items("images"), [&](Item x, std::size_t i) { check_image(x, i, from); });
   each(root.items("bufferViews"), [&](Item x, std::size_t i) { check_view(root, x, i); });
-  each(root.items("accessors"), [&](Item x, std::size_t i) { check_accessor(root, x, i); });
+  const std::vector<bool> is_filled = check_draco(root);
+  each(root.items("accessors"),
+       [&](Item x, std::size_t i) { check_accessor(root, x, i, is_filled[i]); });
   each(root.items("cameras"), check_camera);
   each(gltf_lights(root), check_light);
-  check_index_accessors(root);
+  check_index_accessors(root, is_filled);
   return warnings;
 }
 

@@ -1,8 +1,10 @@
 #include "io/gltf_model.h"
 
 #include <map>
+#include <set>
 
 #include "io/data_uri.h"
+#include "io/gltf_draco.h"
 #include "io/gltf_json.h"
 #include "io/gltf_meshopt.h"
 #include "io/outer_mesh.h"
@@ -28,6 +30,7 @@ class ModelReader {
       model_.views.push_back(view(views[i], element("bufferViews", i)));
     for (const JsonValue& source : model_.list("accessors"))
       model_.accessors.push_back(accessor(source));
+    unpack_primitives();
     const auto images = model_.list("images");
     for (std::size_t i = 0; i < images.size(); ++i)
       model_.images.push_back(image(images[i], element("images", i)));
@@ -76,6 +79,33 @@ class ModelReader {
     const GltfBytes packed = range(*packing);
     return {keep(unpack_meshopt(*packing, packed.read(0, packed.size(), scratch), place)), stride};
   }
+  /// Fills the accessors of packed primitives; of those that share them, by the first.
+  void unpack_primitives() {
+    std::set<std::size_t> filled;
+    const auto meshes = model_.list("meshes");
+    for (std::size_t m = 0; m < meshes.size(); ++m) {
+      const auto primitives = meshes[m].items("primitives");
+      for (std::size_t p = 0; p < primitives.size(); ++p) {
+        const JsonValue* const packing = draco_packing(primitives[p]);
+        if (packing == nullptr) continue;
+        if (!is_held_) throw NeedsWholeFile{};
+        Bytes scratch;
+        const GltfBytes packed = model_.views[packing->at("bufferView").get<std::size_t>()].bytes;
+        for (DracoValues& values :
+             unpack_draco(primitives[p], model_.accessors, packed.read(0, packed.size(), scratch),
+                          element("meshes", m) + "." + element("primitives", p))) {
+          if (filled.insert(values.accessor).second) fill(std::move(values));
+        }
+      }
+    }
+  }
+  void fill(DracoValues values) {
+    GltfAccessor& accessor = model_.accessors[values.accessor];
+    accessor.view = static_cast<int>(model_.views.size());
+    accessor.offset = 0;
+    model_.views.push_back({keep(std::move(values.bytes)), 0});
+  }
+
   /// The bytes of a buffer that a view, or its packing, speaks of.
   [[nodiscard]] GltfBytes range(const JsonValue& source) const {
     return buffers_[source.at("buffer").get<std::size_t>()].subspan(

@@ -42,6 +42,7 @@ class Raysheaf(ConanFile):
         self.requires("libepoxy/1.5.10")
         self.requires("libjpeg-turbo/3.0.2")
         self.requires("libpng/1.6.43")
+        self.requires("draco/1.5.6")
         self.requires("meshoptimizer/0.20")
         self.requires("nlohmann_json/3.11.3")
         self.requires("onetbb/2021.12.0")

@@ -78,6 +78,30 @@ void run_gltf(Input input) {
   });
 }
 
+void run_draco(Input input) {
+  if (input.size() < 5) return;
+  const auto number = [&](std::size_t i) { return input[i] + 256u * input[i + 1]; };
+  const Input packed = input.subspan(4);
+  std::string json =
+      R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":)" + std::to_string(packed.size()) +
+      R"(}],"bufferViews":[{"buffer":0,"byteLength":)" + std::to_string(packed.size()) +
+      R"(}],"accessors":[{"componentType":5126,"type":"VEC3","count":)" +
+      std::to_string(number(0) + 1) + R"(},{"componentType":5125,"type":"SCALAR","count":)" +
+      std::to_string(3 * number(2) + 3) +
+      R"(}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,)"
+      R"("extensions":{"KHR_draco_mesh_compression":{"bufferView":0,)"
+      R"("attributes":{"POSITION":0}}}}]}],"nodes":[{"mesh":0}]})";
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  io::Bytes glb;
+  const auto put = [&](std::size_t value) {
+    for (int i = 0; i < 32; i += 8) glb.push_back(static_cast<std::uint8_t>(value >> i));
+  };
+  put(0x46546c67), put(2), put(28 + json.size() + packed.size());
+  put(json.size()), put(0x4e4f534a), glb.insert(glb.end(), json.begin(), json.end());
+  put(packed.size()), put(0x004e4942), glb.insert(glb.end(), packed.begin(), packed.end());
+  load([&] { return io::load_gltf(glb, {std::string(kNowhere) + "scene.glb"}).scene; });
+}
+
 void run_obj(Input input) {
   load([&] { return io::load_obj(bytes_of(input), {std::string(kNowhere) + "scene.obj"}); });
 }

@@ -18,10 +18,11 @@ struct Target {
   void (*run)(Input input);
 };
 
-/// gltf, obj, mtl, ply, stl, image, hdr, blocks, options, query.
+/// gltf, draco, obj, mtl, ply, stl, image, hdr, blocks, options, query.
 [[nodiscard]] std::span<const Target> targets();
 
 void run_gltf(Input input);
+void run_draco(Input input);  ///< four bytes of counts, then what a primitive is packed in
 void run_obj(Input input);
 void run_mtl(Input input);
 void run_ply(Input input);

@@ -93,8 +93,8 @@ TEST_F(GltfBroken, RootWithAParent) {
   expect(kInvalidData, {"scenes[0].nodes", "nodes[0] is not a root"});
 }
 TEST_F(GltfBroken, RequiredExtension) {
-  file_.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
-  expect(kUnsupported, {"KHR_draco_mesh_compression"});
+  file_.json["extensionsRequired"] = {"KHR_texture_basisu"};
+  expect(kUnsupported, {"KHR_texture_basisu"});
 }
 TEST_F(GltfBroken, Version) {
   file_.json["asset"]["version"] = "1.0";
