@@ -18,22 +18,32 @@ namespace raysheaf {
 namespace {
 
 constexpr std::size_t kLargePageBytes = std::size_t{2} << 20;
+constexpr std::size_t kFewestKeptBytes = std::size_t{64} << 10;
 
 bool is_large(std::size_t bytes) {
   return bytes >= kLargePageBytes;
 }
+bool is_kept(std::size_t bytes) {
+  return bytes >= kFewestKeptBytes;
+}
+
+std::align_val_t alignment_of(std::size_t bytes) {
+  return std::align_val_t{is_large(bytes) ? kLargePageBytes : kCacheLineBytes};
+}
 
 void* allocate_fresh(std::size_t bytes) {
-  const auto alignment = std::align_val_t{is_large(bytes) ? kLargePageBytes : kCacheLineBytes};
-  void* memory = ::operator new(bytes, alignment);
+  void* memory = ::operator new(bytes, alignment_of(bytes));
 #if defined(__linux__)
   // A wish: nothing depends on whether it is granted.
   if (is_large(bytes)) static_cast<void>(madvise(memory, bytes, MADV_HUGEPAGE));
 #endif
   return memory;
 }
+void free_now(void* memory, std::size_t bytes) noexcept {
+  ::operator delete(memory, alignment_of(bytes));
+}
 
-/// Large blocks that wait for who needs them next.
+/// Blocks that wait for who needs them next.
 class SpareBlocks {
  public:
   void add_keeper() {
@@ -44,7 +54,8 @@ class SpareBlocks {
     const std::lock_guard lock(mutex_);
     while (!spare_.empty()) release_oldest();
     if (--keepers_ == 0) {
-      lent_.clear();
+      std::vector<Block>().swap(spare_);
+      std::unordered_map<void*, Block>().swap(lent_);
       lent_bytes_ = 0;
     }
     most_lent_ = lent_bytes_;
@@ -55,7 +66,7 @@ class SpareBlocks {
     if (keepers_ == 0) return allocate_fresh(bytes);
     auto best = spare_.end();
     for (auto block = spare_.begin(); block != spare_.end(); ++block)
-      if (block->room >= bytes && (best == spare_.end() || suits_better(*block, *best, bytes)))
+      if (has_room(*block, bytes) && (best == spare_.end() || suits_better(*block, *best, bytes)))
         best = block;
     Block block;
     if (best != spare_.end()) {
@@ -69,7 +80,7 @@ class SpareBlocks {
     try {
       lent_[block.memory] = block;
     } catch (const std::bad_alloc&) {
-      free_now(block.memory);
+      free_now(block.memory, block.room);
       throw;
     }
     lent_bytes_ += block.used;
@@ -77,17 +88,17 @@ class SpareBlocks {
     return block.memory;
   }
 
-  void give_back(void* memory) noexcept {
+  void give_back(void* memory, std::size_t bytes) noexcept {
     const std::lock_guard lock(mutex_);
     const auto lent = lent_.find(memory);
-    if (lent == lent_.end()) return free_now(memory);  // from before there was a keeper
+    if (lent == lent_.end()) return free_now(memory, bytes);  // from before there was a keeper
     const Block block = lent->second;
     lent_.erase(lent);
     lent_bytes_ -= block.used;
     try {
       spare_.push_back(block);
     } catch (const std::bad_alloc&) {
-      return free_now(memory);
+      return free_now(memory, block.room);
     }
     spare_bytes_ += block.used;
     while (spare_bytes_ > most_lent_) release_oldest();
@@ -101,6 +112,10 @@ class SpareBlocks {
     std::size_t used = 0;  ///< from its beginning, by any that had it
   };
 
+  /// Of its kind: who gives a block back knows what was asked for, not where it came from.
+  static bool has_room(const Block& block, std::size_t bytes) {
+    return block.room >= bytes && is_large(block.room) == is_large(bytes);
+  }
   /// Of two with room: the least that takes no new pages, or else the one that takes the fewest.
   static bool suits_better(const Block& a, const Block& b, std::size_t bytes) {
     const bool a_is_warm = a.used >= bytes, b_is_warm = b.used >= bytes;
@@ -109,19 +124,17 @@ class SpareBlocks {
   }
   /// The next frame may want more: with room, it takes new pages for what is more alone.
   static Block fresh_block(std::size_t bytes) {
-    const std::size_t room = std::bit_ceil(2 * bytes);
+    const std::size_t twice = std::bit_ceil(2 * bytes);
+    const std::size_t room = is_large(bytes) ? twice : std::min(twice, kLargePageBytes - 1);
     try {
       return {allocate_fresh(room), room, 0};
     } catch (const std::bad_alloc&) {
       return {allocate_fresh(bytes), bytes, 0};  // addresses may be limited, too
     }
   }
-  static void free_now(void* memory) {
-    ::operator delete (memory, std::align_val_t{kLargePageBytes});
-  }
   void release_oldest() {
     spare_bytes_ -= spare_.front().used;
-    free_now(spare_.front().memory);
+    free_now(spare_.front().memory, spare_.front().room);
     spare_.erase(spare_.begin());
   }
 
@@ -148,13 +161,13 @@ LargeMemoryKeeper::~LargeMemoryKeeper() {
 }
 
 void* allocate_large(std::size_t bytes) {
-  return is_large(bytes) ? spare_blocks().take(bytes) : allocate_fresh(bytes);
+  return is_kept(bytes) ? spare_blocks().take(bytes) : allocate_fresh(bytes);
 }
 
 void free_large(void* memory, std::size_t bytes) noexcept {
   if (memory == nullptr) return;
-  if (is_large(bytes)) return spare_blocks().give_back(memory);
-  ::operator delete (memory, std::align_val_t{kCacheLineBytes});
+  if (is_kept(bytes)) return spare_blocks().give_back(memory, bytes);
+  free_now(memory, bytes);
 }
 
 }  // namespace raysheaf

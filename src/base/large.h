@@ -3,7 +3,7 @@
 
 namespace raysheaf {
 
-/// While there is one, large blocks that are given back (raysheaf/large_vector.h: 2 MiB or more)
+/// While there is one, blocks of 64 KiB or more that are given back (raysheaf/large_vector.h)
 /// stay to be taken again: fresh pages of a frame cost a seventh of it. What stays unused is never
 /// more than what was in use at once; each one that goes gives all of it back.
 class LargeMemoryKeeper {

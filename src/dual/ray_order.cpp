@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <utility>
 
 #include "base/bits.h"
@@ -98,19 +99,43 @@ std::vector<std::uint32_t> scatter_to_buckets(const Executor& executor, const st
   return starts;
 }
 
+/// Neighbours that are looked at together: most run towards one quarter, and are moved at once.
+constexpr std::size_t kRun = 8;
+
+bool is_one_quarter(const std::uint8_t* quarters) {
+  std::uint64_t all;
+  std::memcpy(&all, quarters, sizeof all);
+  return all == *quarters * std::uint64_t{0x0101010101010101};
+}
+
+/// Calls `run(i)` where the `kRun` rays from i on are of one quarter, `single(i)` for all others.
+template <class Run, class Single>
+void for_each_run(const std::uint8_t* quarters, std::size_t begin, std::size_t end, const Run& run,
+                  const Single& single) {
+  std::size_t i = begin;
+  while (i < end) {
+    if (i + kRun <= end && is_one_quarter(quarters + i)) {
+      run(i);
+      i += kRun;
+      continue;
+    }
+    for (const std::size_t stop = std::min(i + kRun, end); i < stop; ++i) single(i);
+  }
+}
+
 /// A counting sort of bytes: what a batch that stands well needs is little beside a pass over it.
 void order_by_quarter(const Executor& executor, View<const Ray> rays, RayOrder* order) {
   const std::size_t count = rays.size, blocks = div_ceil(count, kBlock);
   order->quarters.resize_uninitialized(count);
+  const std::uint8_t* const quarters = order->quarters.data();
   std::vector<std::array<std::uint32_t, kQuarters>> places(blocks);
   executor.for_each(blocks, 1, [&](std::size_t b) {
     std::array<std::uint32_t, kQuarters> counts{};
-    const std::size_t end = std::min(count, (b + 1) * kBlock);
-    for (std::size_t i = b * kBlock; i < end; ++i) {
-      const std::uint32_t quarter = quarter_of(rays[i].direction);
-      order->quarters[i] = static_cast<std::uint8_t>(quarter);
-      ++counts[quarter];
-    }
+    const std::size_t begin = b * kBlock, end = std::min(count, begin + kBlock);
+    find_quarters(rays.slice(begin, end - begin), order->quarters.data() + begin);
+    for_each_run(
+        quarters, begin, end, [&](std::size_t i) { counts[quarters[i]] += kRun; },
+        [&](std::size_t i) { ++counts[quarters[i]]; });
     places[b] = counts;
   });
   std::uint32_t sum = 0;
@@ -121,9 +146,16 @@ void order_by_quarter(const Executor& executor, View<const Ray> rays, RayOrder* 
   order->starts[kQuarters] = sum;
   executor.for_each(blocks, 1, [&](std::size_t b) {
     std::array<std::uint32_t, kQuarters> next = places[b];
-    const std::size_t end = std::min(count, (b + 1) * kBlock);
-    for (std::size_t i = b * kBlock; i < end; ++i)
-      order->rays[next[order->quarters[i]]++] = static_cast<std::uint32_t>(i);
+    const std::size_t begin = b * kBlock, end = std::min(count, begin + kBlock);
+    std::uint32_t* const out = order->rays.data();
+    for_each_run(
+        quarters, begin, end,
+        [&](std::size_t i) {
+          std::uint32_t& at = next[quarters[i]];
+          for (std::size_t k = 0; k < kRun; ++k) out[at + k] = static_cast<std::uint32_t>(i + k);
+          at += kRun;
+        },
+        [&](std::size_t i) { out[next[quarters[i]]++] = static_cast<std::uint32_t>(i); });
   });
 }
 

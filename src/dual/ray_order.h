@@ -32,6 +32,9 @@ inline constexpr std::uint32_t kQuarters = 24;
   return 8 * axis + ((signs << axis | signs >> (3 - axis)) & 7);
 }
 
+/// `quarter_of` of each ray's direction, as SIMD has it.
+void find_quarters(View<const Ray> rays, std::uint8_t* quarters);
+
 struct RayOrder {
   Buffer<std::uint32_t> rays;                         ///< the caller's numbers, in the new order
   std::array<std::uint32_t, kQuarters + 1> starts{};  ///< of the quarters

@@ -155,7 +155,7 @@ class DeviceBatches {
   void finish_batch(EngineReport report, BatchStatistics* statistics) {
     statistics->hits += device_.read("count", found_.data());
     statistics->plan.push_back(where_all_is_);
-    add_device_report(std::move(report), statistics);
+    add_engine_report(std::move(report), statistics);
   }
 
   DeviceEngineOn<Device>& engine_;

@@ -104,6 +104,13 @@ class DeviceStagesOn : public DeviceStages {
     return 1;
   }
 
+  void follow_groups(std::size_t count, const FollowGroup& follow) override {
+    for (std::size_t group = 0; group < count; ++group) {
+      follow(*this, input_->meter, group);
+      input_->tally.keep_plans(sample_.index * count + group);
+    }
+  }
+
   Set see(std::size_t /*group*/) override { return std::move(first_hits_); }
 
   Vec3 find_sky() override {

@@ -64,8 +64,13 @@ void Engine::set_triangles(const TriangleSource& source, bool same_triangles) {
   history_ = fresh;
 }
 
-void Engine::prepare(const Executor& executor, View<const Ray> rays, Plan* plan,
-                     EngineReport* report) {
+void Engine::prepare_tree(const Executor& executor, EngineReport* report) {
+  Plan plan = plan_tree(history_, report != nullptr);
+  prepare_tree(executor, &plan, report);
+  if (report != nullptr) report->plan = std::move(plan.reasons);
+}
+
+void Engine::prepare_tree(const Executor& executor, Plan* plan, EngineReport* report) {
   Reporter reporter(report);
   // Until it is whole: memory may run out, and callers stop.
   if (plan->tree != TreeWork::kKeep) history_.built = false;
@@ -93,8 +98,14 @@ void Engine::prepare(const Executor& executor, View<const Ray> rays, Plan* plan,
   history_.built = true;
   history_.moved = false;
   history_.degraded = tree_.surface_area_cost > kSpoilt * cost_when_built_;
-  history_.rays_since_change += rays.size;
   reporter.lap(&EngineReport::hierarchy_ms);
+}
+
+void Engine::prepare(const Executor& executor, View<const Ray> rays, Plan* plan,
+                     EngineReport* report) {
+  prepare_tree(executor, plan, report);
+  history_.rays_since_change += rays.size;
+  Reporter reporter(report);
   choose_sorting(tree_.surface_area_cost, report != nullptr, plan);
   order_rays(executor, rays, plan->sort ? Sorting::kCurve : Sorting::kByQuarter, &order_);
   reporter.lap(&EngineReport::order_ms);

@@ -80,6 +80,12 @@ class Engine {
   /// Nothing is built before a query needs it.
   void set_triangles(const TriangleSource& source, bool same_triangles);
 
+  /// Brings the tree to where the triangles are, as queries do that need it. Then threads may ask
+  /// by `TreeQueries` (engine/tree_queries.h), and nobody by what follows here, until they have
+  /// told how many rays they had.
+  void prepare_tree(const Executor& executor, EngineReport* report);
+  void add_rays(std::uint64_t count) { history_.rays_since_change += count; }
+
   /// hits[i] takes the least (t, triangle) of rays[i].
   void closest_hit(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
                    View<EngineHit> hits, View<float> ray_tests, EngineReport* report);
@@ -96,6 +102,9 @@ class Engine {
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
+  friend class TreeQueries;
+
+  void prepare_tree(const Executor& executor, Plan* plan, EngineReport* report);
   /// Does what the plan says of the tree and the order, and puts its reasons into the report.
   void prepare(const Executor& executor, View<const Ray> rays, Plan* plan, EngineReport* report);
   /// False, with nothing done, where the rays do not start at one point after all.

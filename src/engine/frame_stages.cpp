@@ -5,29 +5,82 @@
 
 namespace raysheaf {
 
+namespace {
+
+void add(const StageTimes& more, double part, StageTimes* times) {
+  times->raygen += part * more.raygen;
+  times->order += part * more.order;
+  times->hierarchy += part * more.hierarchy;
+  times->traverse += part * more.traverse;
+  times->intersect += part * more.intersect;
+}
+
+}  // namespace
+
+std::size_t FrameTally::place_of(RayKind kind, std::uint32_t bounce) const {
+  const auto& batches = statistics.batches;
+  const auto found = std::find_if(batches.begin(), batches.end(), [&](const BatchStatistics& b) {
+    return std::pair(b.bounce, b.kind) >= std::pair(bounce, kind);
+  });
+  return static_cast<std::size_t>(found - batches.begin());
+}
+
 BatchStatistics& FrameTally::batch(RayKind kind, std::uint32_t bounce) {
   auto& batches = statistics.batches;
-  const auto found = std::find_if(batches.begin(), batches.end(), [&](const BatchStatistics& b) {
-    return b.kind == kind && b.bounce == bounce;
-  });
-  if (found != batches.end()) return *found;
+  const std::size_t place = place_of(kind, bounce);
+  if (place < batches.size() && batches[place].kind == kind && batches[place].bounce == bounce)
+    return batches[place];
   BatchStatistics batch;
   batch.kind = kind;
   batch.bounce = bounce;
   batch.triangles = triangles_;
-  const auto later = std::find_if(batches.begin(), batches.end(), [&](const BatchStatistics& b) {
-    return std::pair(b.bounce, b.kind) > std::pair(bounce, kind);
-  });
-  kept_plans_.insert(kept_plans_.begin() + (later - batches.begin()), 0);
-  return *batches.insert(later, std::move(batch));
+  const auto at = static_cast<std::ptrdiff_t>(place);
+  kept_plans_.insert(kept_plans_.begin() + at, KeptPlan{});
+  return *batches.insert(batches.begin() + at, std::move(batch));
 }
 
-void FrameTally::keep_first_plans() {
+void FrameTally::keep_plans(std::size_t group) {
   for (std::size_t i = 0; i < kept_plans_.size(); ++i) {
     std::vector<std::string>& plan = statistics.batches[i].plan;
-    if (kept_plans_[i] > 0) plan.resize(kept_plans_[i]);
-    kept_plans_[i] = plan.size();
+    KeptPlan& kept = kept_plans_[i];
+    if (plan.size() == kept.sentences) continue;
+    if (group < kept.group) {
+      plan.erase(plan.begin(), plan.begin() + static_cast<std::ptrdiff_t>(kept.sentences));
+      kept = {plan.size(), group};
+    } else {
+      plan.resize(kept.sentences);
+    }
   }
+}
+
+bool FrameTally::wants_plan(RayKind kind, std::uint32_t bounce, std::size_t group) const {
+  const auto& batches = statistics.batches;
+  const std::size_t place = place_of(kind, bounce);
+  const bool known =
+      place < batches.size() && batches[place].kind == kind && batches[place].bounce == bounce;
+  return !known || group < kept_plans_[place].group;
+}
+
+void FrameTally::take(FrameTally* other, double time_part) {
+  FrameStatistics& from = other->statistics;
+  statistics.raster_ms += time_part * from.raster_ms;
+  statistics.shade_ms += time_part * from.shade_ms;
+  for (std::size_t i = 0; i < from.batches.size(); ++i) {
+    BatchStatistics& more = from.batches[i];
+    BatchStatistics& sum = batch(more.kind, more.bounce);
+    sum.rays += more.rays;
+    sum.bound_tests += more.bound_tests;
+    sum.ray_bound_tests += more.ray_bound_tests;
+    sum.final_tests += more.final_tests;
+    sum.hits += more.hits;
+    add(more.times_ms, time_part, &sum.times_ms);
+    KeptPlan& kept = kept_plans_[place_of(more.kind, more.bounce)];
+    if (other->kept_plans_[i].group >= kept.group) continue;
+    kept = other->kept_plans_[i];
+    sum.plan = std::move(more.plan);
+  }
+  from = {};
+  other->kept_plans_.clear();
 }
 
 PixelIds ids_of(const FlatScene& scene, std::uint32_t triangle) {
@@ -36,7 +89,7 @@ PixelIds ids_of(const FlatScene& scene, std::uint32_t triangle) {
   return {mesh.inst_id, mesh.geom_id, triangle - mesh.first_triangle};
 }
 
-void add_device_report(EngineReport report, BatchStatistics* statistics) {
+void add_engine_report(EngineReport report, BatchStatistics* statistics) {
   statistics->bound_tests += report.bound_tests;
   statistics->ray_bound_tests += report.ray_bound_tests;
   statistics->final_tests += report.triangle_tests;

@@ -34,14 +34,26 @@ class FrameTally {
 
   /// Of all rays of a kind at a bounce; made where there are none yet. By bounces, then by kinds.
   [[nodiscard]] BatchStatistics& batch(RayKind kind, std::uint32_t bounce);
-  /// What plans said when this was called first stays; after each group of fragments.
-  void keep_first_plans();
+  /// Groups of the frame's first hits have numbers, from the first sample's on. Of each batch stays
+  /// what the first with such rays says of its plan; after each group.
+  void keep_plans(std::size_t group);
+  /// Whether what the group says would stay.
+  [[nodiscard]] bool wants_plan(RayKind kind, std::uint32_t bounce, std::size_t group) const;
+  /// Adds what another has, and leaves it nothing; of times `time_part`, where threads took them
+  /// side by side.
+  void take(FrameTally* other, double time_part);
 
   FrameStatistics statistics;
 
  private:
+  struct KeptPlan {
+    std::size_t sentences = 0;  ///< 0: nothing is said yet
+    std::size_t group = static_cast<std::size_t>(-1);
+  };
+  [[nodiscard]] std::size_t place_of(RayKind kind, std::uint32_t bounce) const;
+
   std::uint64_t triangles_;
-  std::vector<std::size_t> kept_plans_;  ///< of each batch: sentences that stay; 0: not said yet
+  std::vector<KeptPlan> kept_plans_;  ///< of each batch
 };
 
 /// Where rays ended, and the light that leaves there: sorted by pixel.
@@ -67,23 +79,18 @@ struct GlowInput {
   bool last = false;  ///< nothing goes on from here
 };
 
-/// Of one frame, its sets are its own. Times and counts go to the frame's `FrameTally`. Not for use
-/// by two threads at once.
-class FrameStages {
+/// What follows the paths of one frame; its sets are its own. Times and counts go to a
+/// `FrameTally`. Not for use by two threads at once.
+class PathStages {
  public:
   using Set = std::unique_ptr<FragmentSet>;
 
-  FrameStages() = default;
-  FrameStages(const FrameStages&) = delete;
-  FrameStages& operator=(const FrameStages&) = delete;
-  virtual ~FrameStages() = default;
+  PathStages() = default;
+  PathStages(const PathStages&) = delete;
+  PathStages& operator=(const PathStages&) = delete;
+  virtual ~PathStages() = default;
 
-  /// Primary visibility of a sample; returns in how many groups, rows from the top, its fragments
-  /// are followed one after the other.
-  [[nodiscard]] virtual std::size_t look(const CameraFrame& frame) = 0;
-  /// As `automatic_sky` (shade/shade.h), of the sample. Before the first is seen.
-  [[nodiscard]] virtual Vec3 find_sky() = 0;
-  /// The fragments of a group, one a pixel, and into the film. Each once, in order.
+  /// The fragments of a group, one a pixel, and into the film. Each once.
   [[nodiscard]] virtual Set see(std::size_t group) = 0;
   /// The set's light begins: emission and the sky's.
   virtual void glow(FragmentSet& set, const GlowInput& input) = 0;
@@ -101,6 +108,27 @@ class FrameStages {
   [[nodiscard]] virtual Set merged(Set a, Set b) = 0;
   /// Takes all from number `first` on out of the set. Before its light begins.
   [[nodiscard]] virtual Set split_off(FragmentSet& set, std::size_t first) = 0;
+};
+
+/// Follows the paths of a group of first hits to their ends.
+using FollowGroup = std::function<void(PathStages& paths, ProgressMeter& meter, std::size_t group)>;
+
+/// Of one frame. Not for use by two threads at once.
+class FrameStages {
+ public:
+  FrameStages() = default;
+  FrameStages(const FrameStages&) = delete;
+  FrameStages& operator=(const FrameStages&) = delete;
+  virtual ~FrameStages() = default;
+
+  /// Primary visibility of a sample; returns in how many groups, rows from the top, its fragments
+  /// are followed.
+  [[nodiscard]] virtual std::size_t look(const CameraFrame& frame) = 0;
+  /// As `automatic_sky` (shade/shade.h), of the sample. Before the first is seen.
+  [[nodiscard]] virtual Vec3 find_sky() = 0;
+  /// Calls `follow` once for each of the sample's groups; from several threads at once where the
+  /// stages are so made, each time with stages and a meter that nobody else uses meanwhile.
+  virtual void follow_groups(std::size_t count, const FollowGroup& follow) = 0;
   /// `taken`: nothing is added any more.
   [[nodiscard]] virtual FilmSums film(bool taken) = 0;
 };
@@ -127,7 +155,7 @@ struct DeviceFrameInput {
 
 /// Of a scene is copied what was forgotten; fragments, rays, hits and light stay on the device
 /// until `film`.
-class DeviceStages : public FrameStages {
+class DeviceStages : public FrameStages, public PathStages {
  public:
   /// The scene's triangles are others, or elsewhere; `looks`: so are its materials, textures and
   /// environment.
@@ -148,8 +176,8 @@ class DeviceStages : public FrameStages {
 /// The names of a triangle, or none.
 [[nodiscard]] PixelIds ids_of(const FlatScene& scene, std::uint32_t triangle);
 
-/// Adds what a device did for a batch.
-void add_device_report(EngineReport report, BatchStatistics* statistics);
+/// Adds what an engine did for a batch.
+void add_engine_report(EngineReport report, BatchStatistics* statistics);
 
 /// Adds the tests of a hierarchy of rays; not their times.
 void add_counts(const TraverseCounts& counts, BatchStatistics* statistics);

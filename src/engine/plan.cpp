@@ -21,7 +21,7 @@ constexpr double kSharedRay = 10, kSharedRayLevel = 2;  // where all start at on
 /// What a fine tree saves of the tracing.
 constexpr double kFineSaves = 0.1;
 
-constexpr std::size_t kGroups = 64;
+constexpr std::size_t kGroups = 64, kFewestGroups = 8;
 
 std::string figures(const char* format, double a, double b) {
   char text[160];
@@ -109,17 +109,18 @@ constexpr float kSortCost = 15;
 /// Below, packets of neighbours that run alike meet so few nodes that a stream's lists cost more.
 constexpr std::uint32_t kPacketTriangles = 4096;
 
-void choose_bundle(const SceneHistory& scene, View<const Ray> rays, Plan* plan) {
+void choose_bundle(const SceneHistory& scene, View<const Ray> rays, bool explain, Plan* plan) {
   const Coherence found = sample_coherence(rays, nullptr);
+  const bool alike = found.origins_alike() && found.directions_alike();
+  const bool tiny = scene.triangles < kPacketTriangles;
   plan->disorder = !found.origins_alike();
+  plan->bundle = alike && tiny ? Bundle::kPacket : Bundle::kStream;
+  if (!explain) return;
   plan->reasons.push_back(figures(
       plan->disorder ? "rays: sixteen in a row start %.0f %% of the batch's extent apart"
                      : "rays: not sorted, for sixteen in a row start within %.2g %% of the batch's "
                        "extent",
       100 * found.origin, 0));
-  const bool alike = found.origins_alike() && found.directions_alike();
-  const bool tiny = scene.triangles < kPacketTriangles;
-  plan->bundle = alike && tiny ? Bundle::kPacket : Bundle::kStream;
   plan->reasons.push_back(
       !tiny ? figures("bundles: streams, for there are %.0f triangles or more", kPacketTriangles, 0)
       : alike ? figures("bundles: packets of sixteen within beams, for triangles are few and %.0f "
@@ -133,7 +134,9 @@ void choose_bundle(const SceneHistory& scene, View<const Ray> rays, Plan* plan) 
 
 Coherence sample_coherence(View<const Ray> rays, const std::uint32_t* order) {
   constexpr std::size_t kGroup = 16;
-  const std::size_t groups = std::min(kGroups, rays.size / kGroup);
+  // Of a small batch fewer: a look at it must not cost what going through it does.
+  const std::size_t groups =
+      std::min({kGroups, rays.size / kGroup, kFewestGroups + rays.size / 1024});
   if (groups == 0) return {};
   const std::size_t stride = rays.size / groups;
   Vec3 low, high;
@@ -177,10 +180,21 @@ Plan make_plan(const SceneHistory& scene, View<const Ray> rays, bool any, bool e
 }
 
 Plan plan_without_fan(const SceneHistory& scene, View<const Ray> rays, bool explain) {
+  Plan plan = plan_tree(scene, explain);
+  choose_bundle(scene, rays, explain, &plan);
+  return plan;
+}
+
+Plan plan_tree(const SceneHistory& scene, bool explain) {
   Plan plan;
   choose_tree(scene, &plan);
-  choose_bundle(scene, rays, &plan);
   if (!explain) plan.reasons.clear();
+  return plan;
+}
+
+Plan plan_rays(const SceneHistory& scene, View<const Ray> rays, bool explain) {
+  Plan plan;
+  choose_bundle(scene, rays, explain, &plan);
   return plan;
 }
 

@@ -61,6 +61,10 @@ struct Plan {
                              bool explain);
 [[nodiscard]] Plan plan_without_fan(const SceneHistory& scene, View<const Ray> rays, bool explain);
 
+/// The halves of `plan_without_fan`: what becomes of the tree, and how rays go through one.
+[[nodiscard]] Plan plan_tree(const SceneHistory& scene, bool explain);
+[[nodiscard]] Plan plan_rays(const SceneHistory& scene, View<const Ray> rays, bool explain);
+
 /// Once the tree is there: whether the rays are worth sorting. `tree_cost` is its
 /// `surface_area_cost`.
 void choose_sorting(float tree_cost, bool explain, Plan* plan);

@@ -21,6 +21,9 @@ class Executor {
   /// `threads` = 0 takes all cores that the process may use.
   explicit Executor(std::uint32_t threads = 0);
 
+  /// Whoever calls does all the work: for loops within the body of another's.
+  [[nodiscard]] static Executor serial();
+
   /// The same threads. Loops throw `Error` (kCancelled) soon after another thread has set `stop`,
   /// which must outlive what is returned.
   [[nodiscard]] Executor until(const std::atomic<bool>& stop) const;
@@ -55,10 +58,11 @@ class Executor {
  private:
   struct Pool;  // oneTBB's, which is seen by executor.cpp alone
   using Block = void(const void* body, std::size_t begin, std::size_t end);
+  explicit Executor(std::shared_ptr<Pool> pool);
   void spread(std::size_t count, std::size_t grain, Block* block, const void* body) const;
 
   std::uint32_t threads_;
-  std::shared_ptr<Pool> pool_;
+  std::shared_ptr<Pool> pool_;  ///< null: serial
   const std::atomic<bool>* stop_ = nullptr;
 };
 

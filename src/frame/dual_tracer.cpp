@@ -86,6 +86,13 @@ void DualTracer::use_corners(const FlatScene& scene, bool same_triangles) {
   engine_.set_triangles(source, same_triangles);
 }
 
+EngineReport DualTracer::prepare_tree(const Executor& executor) {
+  EngineReport report;
+  engine_.prepare_tree(executor, &report);
+  tree_.add({true, report.tree, report.hierarchy_ms});
+  return report;
+}
+
 /// `whole`: the report is of all rays of the batch, not of some of them.
 void DualTracer::add_report(const EngineReport& report, std::size_t rays, bool whole,
                             BatchStatistics* statistics) {

@@ -52,6 +52,10 @@ class DualTracer {
   /// O(what was placed), or O(triangles) where they are others. Nothing is built before a batch
   /// needs it.
   void update(const Executor& executor, const FlatScene& scene, const FlatUpdate& update);
+  /// Brings the object tree up to date, for `TreeQueries` of several threads (engine/engine.h).
+  /// Returns what it took and why.
+  EngineReport prepare_tree(const Executor& executor);
+  [[nodiscard]] Engine& engine() { return engine_; }
   DualTracer(const DualTracer&) = delete;
   DualTracer& operator=(const DualTracer&) = delete;
 

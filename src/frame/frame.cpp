@@ -44,6 +44,63 @@ bool sorts_by_keys(const MethodSettings& settings) {
          settings.traversal == Traversal::kPackets;
 }
 
+/// Follows a group of first hits to the ends of their paths.
+class Paths {
+ public:
+  using Set = PathStages::Set;
+
+  Paths(PathStages& stages, ProgressMeter& meter, const RenderOptions& options,
+        std::uint32_t lights, Vec3 sky)
+      : stages_(stages), meter_(meter), options_(options), lights_(lights), sky_(sky) {}
+
+  /// The light of the fragments, then that of what their rays meet. Where paths split so often that
+  /// the next fragments are too many, they go on in groups, one after the other.
+  void follow_light(Set fragments, std::uint32_t bounce) {
+    const bool last = bounce > options_.bounces;
+    gather_light(*fragments, bounce, last);
+    if (last) return;
+    Set next = next_fragments(*fragments, bounce);
+    fragments = nullptr;
+    if (next == nullptr) return;
+    while (next->size() > kMostFragments)
+      follow_light(stages_.split_off(*next, next->size() - kMostFragments), bounce + 1);
+    follow_light(std::move(next), bounce + 1);
+  }
+
+ private:
+  /// Shadow rays, then the light that leaves the fragments, into the pixels.
+  void gather_light(FragmentSet& fragments, std::uint32_t bounce, bool last) {
+    const TracedParts traced{options_.reflections && !last, options_.refractions && !last};
+    meter_.begin("shading, bounce " + std::to_string(bounce), 1);
+    stages_.glow(fragments, {sky_, traced, last});
+    for (std::uint32_t light = 0; light < lights_;)
+      light += stages_.add_lights(fragments, bounce, light);
+    stages_.add_environment(fragments, bounce);
+    stages_.deposit(fragments);
+  }
+
+  /// Reflections and refractions: what they meet are the next fragments, sorted by pixel. What they
+  /// miss is sky.
+  Set next_fragments(const FragmentSet& fragments, std::uint32_t bounce) {
+    const auto follow = [&](bool asked, RayKind kind) -> Set {
+      if (!asked) return nullptr;
+      meter_.begin(std::string(to_string(kind)) + " rays, bounce " + std::to_string(bounce), 1);
+      return stages_.follow(fragments, kind, bounce);
+    };
+    Set reflected = follow(options_.reflections, RayKind::kReflection);
+    Set refracted = follow(options_.refractions, RayKind::kRefraction);
+    if (refracted == nullptr) return reflected;
+    if (reflected == nullptr) return refracted;
+    return stages_.merged(std::move(reflected), std::move(refracted));
+  }
+
+  PathStages& stages_;
+  ProgressMeter& meter_;
+  const RenderOptions& options_;
+  const std::uint32_t lights_;
+  const Vec3 sky_;
+};
+
 class Frame {
  public:
   Frame(const Executor& executor, const FrameInput& input)
@@ -84,8 +141,6 @@ class Frame {
   }
 
  private:
-  using Set = FrameStages::Set;
-
   [[nodiscard]] FrameStages& stages() const {
     return input_.device != nullptr ? *input_.device : *cpu_;
   }
@@ -108,11 +163,9 @@ class Frame {
     frame.sample = sample_;
     const std::size_t groups = stages().look(frame);
     if (sample_.index == 0) sky_ = uniform_sky();
-    parts_.total = groups;
-    for (parts_.done = 0; parts_.done < groups; ++parts_.done) {
-      follow_light(stages().see(parts_.done), 1);
-      tally_.keep_first_plans();
-    }
+    stages().follow_groups(groups, [&](PathStages& paths, ProgressMeter& meter, std::size_t group) {
+      Paths(paths, meter, options_, lights_, sky_).follow_light(paths.see(group), 1);
+    });
     SampleStatistics sample = totals();
     sample.rays -= before.rays;
     sample.total_tests -= before.total_tests;
@@ -139,51 +192,11 @@ class Frame {
   }
 
   /// Whatever a stage tells of its own progress, the caller hears of samples where there are
-  /// several, and else of parts.
+  /// several.
   [[nodiscard]] bool tell(const Progress& of_stage) const {
     if (!options_.progress) return true;
     if (sample_.count > 1) return options_.progress({"samples", sample_.index, sample_.count});
-    return options_.progress(parts_.total > 1 ? parts_ : of_stage);
-  }
-
-  /// The light of the fragments, then that of what their rays meet. Where paths split so often that
-  /// the next fragments are too many, they go on in groups, one after the other.
-  void follow_light(Set fragments, std::uint32_t bounce) {
-    const bool last = bounce > options_.bounces;
-    gather_light(*fragments, bounce, last);
-    if (last) return;
-    Set next = next_fragments(*fragments, bounce);
-    fragments = nullptr;
-    if (next == nullptr) return;
-    while (next->size() > kMostFragments)
-      follow_light(stages().split_off(*next, next->size() - kMostFragments), bounce + 1);
-    follow_light(std::move(next), bounce + 1);
-  }
-
-  /// Shadow rays, then the light that leaves the fragments, into the pixels.
-  void gather_light(FragmentSet& fragments, std::uint32_t bounce, bool last) {
-    const TracedParts traced{options_.reflections && !last, options_.refractions && !last};
-    meter_.begin("shading, bounce " + std::to_string(bounce), 1);
-    stages().glow(fragments, {sky_, traced, last});
-    for (std::uint32_t light = 0; light < lights_;)
-      light += stages().add_lights(fragments, bounce, light);
-    stages().add_environment(fragments, bounce);
-    stages().deposit(fragments);
-  }
-
-  /// Reflections and refractions: what they meet are the next fragments, sorted by pixel. What they
-  /// miss is sky.
-  Set next_fragments(const FragmentSet& fragments, std::uint32_t bounce) {
-    const auto follow = [&](bool asked, RayKind kind) -> Set {
-      if (!asked) return nullptr;
-      meter_.begin(std::string(to_string(kind)) + " rays, bounce " + std::to_string(bounce), 1);
-      return stages().follow(fragments, kind, bounce);
-    };
-    Set reflected = follow(options_.reflections, RayKind::kReflection);
-    Set refracted = follow(options_.refractions, RayKind::kRefraction);
-    if (refracted == nullptr) return reflected;
-    if (reflected == nullptr) return refracted;
-    return stages().merged(std::move(reflected), std::move(refracted));
+    return options_.progress(of_stage);
   }
 
   const Executor& executor_;
@@ -192,8 +205,7 @@ class Frame {
   const FrameInput& input_;
   const RenderOptions& options_;
   SampleOf sample_;
-  CameraFrame camera_;       ///< its rays go through the pixels' centres
-  Progress parts_{"parts"};  ///< of the picture's first hits, while they are followed
+  CameraFrame camera_;  ///< its rays go through the pixels' centres
   ProgressMeter meter_;
   FrameTally tally_;
   std::unique_ptr<FrameStages> cpu_;  ///< unless the frame is a device's

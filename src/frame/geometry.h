@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "exec/progress_meter.h"
@@ -23,14 +25,14 @@ struct Seeing {
   View<float> pixel_tests;                       ///< may be empty
 };
 
-/// Triangles have numbers, which mean something to their geometry alone, and until the next call
-/// of `look` or `trace`. One call at a time.
-class FrameGeometry {
+/// What the paths of a picture meet. Triangles have numbers, which mean something to their geometry
+/// alone, and until the next call of `look` or `trace`. One call at a time.
+class PathGeometry {
  public:
-  FrameGeometry() = default;
-  FrameGeometry(const FrameGeometry&) = delete;
-  FrameGeometry& operator=(const FrameGeometry&) = delete;
-  virtual ~FrameGeometry() = default;
+  PathGeometry() = default;
+  PathGeometry(const PathGeometry&) = delete;
+  PathGeometry& operator=(const PathGeometry&) = delete;
+  virtual ~PathGeometry() = default;
 
   /// Of all triangles.
   [[nodiscard]] virtual const Box& bounds() const = 0;
@@ -38,16 +40,10 @@ class FrameGeometry {
   /// Shadow rays that are traced at once.
   [[nodiscard]] virtual std::size_t most_shadow_rays() const = 0;
 
-  /// Finds what the pixels of a picture see; returns in how many groups, rows from the top, they
-  /// are best followed one after the other. Of whole `kSkyPart`s (shade/shade.h).
-  [[nodiscard]] virtual std::size_t look(const Seeing& seeing, ProgressMeter* meter) = 0;
   /// One fragment a pixel of a group of the last `look`, with the surface that is seen there. The
   /// only group is given away once, and before the next `trace`; others as often as they are asked
   /// for: to make them again costs less than to keep them all.
   [[nodiscard]] virtual Fragments first_hits(std::size_t group) = 0;
-  /// The depth of what the middle of the picture shows, seen from the eye; where that is nothing,
-  /// of the scene's farthest corner.
-  [[nodiscard]] virtual float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) = 0;
   /// What each ray of a batch meets. Adds to `statistics`; where `ray_tests` is not empty, adds
   /// each ray's tests to it.
   [[nodiscard]] virtual std::vector<RayHit> trace(const RayBatch& batch,
@@ -63,6 +59,31 @@ class FrameGeometry {
   virtual void fetch_surfaces(View<const Ray> rays, View<Fragment> fragments) = 0;
   /// The names of a fragment's triangle, or none.
   [[nodiscard]] virtual PixelIds ids(std::uint32_t triangle) const = 0;
+};
+
+/// What threads share before their rays are traced, and why it is as it is.
+struct SharedWork {
+  double ms = 0;
+  std::vector<std::string> plan;
+};
+
+class FrameGeometry : public virtual PathGeometry {
+ public:
+  /// Finds what the pixels of a picture see; returns in how many groups, rows from the top, they
+  /// are best followed. Of whole `kSkyPart`s (shade/shade.h).
+  [[nodiscard]] virtual std::size_t look(const Seeing& seeing, ProgressMeter* meter) = 0;
+  /// The depth of what the middle of the picture shows, seen from the eye; where that is nothing,
+  /// of the scene's farthest corner.
+  [[nodiscard]] virtual float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) = 0;
+
+  /// Whether threads may follow groups of the last `look` side by side, each by an `of_one_thread`
+  /// of its own.
+  [[nodiscard]] virtual bool is_shared() const { return false; }
+  /// Of a shared one: brings up to date what its threads' rays go through, before they are traced.
+  [[nodiscard]] virtual SharedWork share() { return {}; }
+  [[nodiscard]] virtual std::unique_ptr<PathGeometry> of_one_thread() { return nullptr; }
+  /// So many rays have met what was shared.
+  virtual void add_rays(std::uint64_t /*count*/) {}
 };
 
 }  // namespace raysheaf

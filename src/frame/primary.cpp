@@ -9,7 +9,6 @@
 #include "raster/rasterizer.h"
 #include "raster/resolve.h"
 #include "raygen/hash_body.h"
-#include "scene/surface_reader.h"
 
 namespace raysheaf {
 std::vector<std::uint32_t> rasterize_primary(const Executor& executor, Rasterizer& rasterizer,
@@ -83,26 +82,26 @@ float depth_of(const RayHit& hit, const CameraFrame& frame, const Box& bounds) {
 Fragments fetch_fragments(const Executor& executor, const FlatScene& scene,
                           const TextureSet& textures, const CameraFrame& frame,
                           View<const std::uint32_t> triangles) {
-  return fetch_fragments(executor, scene, textures, frame, triangles, {0, triangles.size});
+  const std::vector<MaterialLook> looks = material_looks(*scene.description);
+  return fetch_fragments(executor, {scene, textures, looks}, frame, triangles, {0, triangles.size});
 }
 
-Fragments fetch_fragments(const Executor& executor, const FlatScene& scene,
-                          const TextureSet& textures, const CameraFrame& frame,
-                          View<const std::uint32_t> triangles, const PixelRange& pixels) {
+Fragments fetch_fragments(const Executor& executor, const SurfaceSource& source,
+                          const CameraFrame& frame, View<const std::uint32_t> triangles,
+                          const PixelRange& pixels) {
   Fragments fragments(pixels.count);
   executor.for_each_block(pixels.count, kWorkGrain, [&](std::size_t begin, std::size_t end) {
-    SurfaceReader reader(*scene.description, textures);
-    for (std::size_t i = begin; i < end; ++i) {
-      Fragment& f = fragments[i] = {};
-      f.pixel = static_cast<std::uint32_t>(pixels.first + i);
-      f.triangle = triangles[f.pixel];
-      const Ray ray = camera_ray(frame, f.pixel % frame.width, f.pixel / frame.width);
-      f.incoming = normalized(ray.direction);
-      if (f.triangle == kInvalidId) continue;
-      reader.hold(scene, f.triangle);
-      const Vec3(&corner)[3] = reader.held().corner;
-      const Vec2 uv = clamped_barycentrics(ray, corner[0], corner[1], corner[2]);
-      f.surface = reader.at(uv.x, uv.y, f.incoming);
+    SurfaceFetcher fetcher(source);
+    Ray rays[kFetchedTogether];
+    for (std::size_t first = begin; first < end; first += kFetchedTogether) {
+      const std::size_t count = std::min(kFetchedTogether, end - first);
+      for (std::size_t i = 0; i < count; ++i) {
+        Fragment& f = fragments[first + i] = {};
+        f.pixel = static_cast<std::uint32_t>(pixels.first + first + i);
+        f.triangle = triangles[f.pixel];
+        rays[i] = camera_ray(frame, f.pixel % frame.width, f.pixel / frame.width);
+      }
+      fetcher.fetch({rays, count}, Arrival::kSeen, View<Fragment>(fragments).slice(first, count));
     }
   });
   return fragments;

@@ -5,6 +5,7 @@
 
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
+#include "frame/surface_fetcher.h"
 #include "frame/trace.h"
 #include "raygen/camera_body.h"
 #include "raygen/fragment.h"
@@ -54,8 +55,8 @@ struct PictureSize {
     ProgressMeter* meter, TraceCache* cache = nullptr);
 
 /// One fragment a pixel, with the attributes of the triangle there. `triangles`: of all pixels.
-[[nodiscard]] Fragments fetch_fragments(const Executor& executor, const FlatScene& scene,
-                                        const TextureSet& textures, const CameraFrame& frame,
+[[nodiscard]] Fragments fetch_fragments(const Executor& executor, const SurfaceSource& source,
+                                        const CameraFrame& frame,
                                         View<const std::uint32_t> triangles,
                                         const PixelRange& pixels);
 [[nodiscard]] Fragments fetch_fragments(const Executor& executor, const FlatScene& scene,

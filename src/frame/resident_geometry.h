@@ -1,15 +1,16 @@
-// Triangles in memory, met by any method.
+// Triangles in memory, met by any method, with all threads.
 #pragma once
 
-#include "frame/cutouts.h"
-#include "frame/geometry.h"
-#include "frame/primary.h"
-#include "frame/trace.h"
-#include "scene/texture.h"
+#include "frame/flat_geometry.h"
 
 namespace raysheaf {
 
-class ResidentGeometry : public FrameGeometry {
+/// A base, since the next one needs it.
+struct HasLooks {
+  std::vector<MaterialLook> looks;
+};
+
+class ResidentGeometry : public FrameGeometry, private HasLooks, public FlatGeometry {
  public:
   /// All must outlive it. `cache`: of the scene, kept from frame to frame; none: nothing is.
   /// `samples`: of a pixel.
@@ -17,19 +18,21 @@ class ResidentGeometry : public FrameGeometry {
                    const RenderOptions& options, TraceCache* cache = nullptr,
                    std::uint32_t samples = 1);
 
-  [[nodiscard]] const Box& bounds() const override { return scene_.bounds; }
-  [[nodiscard]] std::uint64_t triangle_count() const override { return scene_.triangle_count; }
-  [[nodiscard]] std::size_t most_shadow_rays() const override { return std::size_t{1} << 24; }
   [[nodiscard]] std::size_t look(const Seeing& seeing, ProgressMeter* meter) override;
-  [[nodiscard]] Fragments first_hits(std::size_t group) override;
-  [[nodiscard]] std::vector<RayHit> trace(const RayBatch& batch, BatchStatistics* statistics,
-                                          View<float> ray_tests, ProgressMeter* meter) override;
-  void find_occluded(const RayBatch& batch, bool early_out, BatchStatistics* statistics,
-                     View<float> ray_tests, ProgressMeter* meter,
-                     View<std::uint8_t> occluded) override;
   [[nodiscard]] float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) override;
-  void fetch_surfaces(View<const Ray> rays, View<Fragment> fragments) override;
-  [[nodiscard]] PixelIds ids(std::uint32_t triangle) const override;
+
+  /// Those of `dual` on this process's CPU.
+  [[nodiscard]] bool is_shared() const override { return asks_alone(options_); }
+  [[nodiscard]] SharedWork share() override;
+  [[nodiscard]] std::unique_ptr<PathGeometry> of_one_thread() override;
+  void add_rays(std::uint64_t count) override;
+
+ protected:
+  [[nodiscard]] std::vector<RayHit> meet(const RayBatch& batch, Facing facing,
+                                         BatchStatistics* statistics, View<float> ray_tests,
+                                         ProgressMeter* meter) override;
+  void meet_any(const RayBatch& batch, bool early_out, BatchStatistics* statistics,
+                View<float> ray_tests, ProgressMeter* meter, View<std::uint8_t> occluded) override;
 
  private:
   [[nodiscard]] std::vector<std::uint32_t> trace_triangles(const Seeing& seeing,
@@ -39,21 +42,11 @@ class ResidentGeometry : public FrameGeometry {
                                                      const CameraFrame& frame) const;
   /// Brings what OpenGL shows to what is there, by rays.
   void see_through(const Seeing& seeing, View<std::uint32_t> triangles, ProgressMeter* meter);
-  /// The first hits that are there.
-  [[nodiscard]] std::vector<RayHit> traced(const RayBatch& batch, Facing facing,
-                                           BatchStatistics* statistics, View<float> ray_tests,
-                                           ProgressMeter* meter);
 
-  const Executor& executor_;
-  const FlatScene& scene_;
-  const TextureSet& textures_;
-  const Cutouts cutouts_;
+  const bool blends_;
   TraceCache own_cache_;
   TraceOptions options_;
-  // Of the last `look`.
-  CameraFrame frame_;
-  std::vector<std::uint32_t> triangles_;  ///< that each pixel sees
-  std::vector<PixelRange> groups_;
+  SeenPixels seen_;  ///< by the last `look`
 };
 
 }  // namespace raysheaf

@@ -152,9 +152,9 @@ DualTracer& dual_of(const Executor& executor, const FlatScene& scene, const RayB
                     TraceCache& cache, BatchStatistics* statistics, ProgressMeter* meter) {
   Stopwatch watch;
   meter->begin(stage_name(batch), 1);
-  if (!cache.dual) cache.dual = std::make_unique<DualTracer>(executor, scene);
+  DualTracer& tracer = cache.dual_tracer(executor, scene);
   statistics->times_ms.hierarchy += watch.lap_ms();
-  return *cache.dual;
+  return tracer;
 }
 
 std::vector<RayHit> trace_dual(const Executor& executor, const FlatScene& scene,
@@ -174,7 +174,7 @@ template <class Outcome>
 void add_ordered(const Outcome& outcome, EngineReport report, BatchStatistics* statistics) {
   statistics->chunks += outcome.chunks;
   add_counts(outcome.counts, statistics);
-  add_device_report(std::move(report), statistics);
+  add_engine_report(std::move(report), statistics);
 }
 
 std::vector<RayHit> trace_on_device(const Executor& executor, const FlatScene& scene,
@@ -271,6 +271,20 @@ std::vector<std::uint32_t> ray_order(const Executor& executor, const RayBatch& b
 DeviceTracer& TraceCache::device_tracer(const FlatScene& scene) {
   if (device == nullptr) device = std::make_unique<DeviceTracer>(scene, *backend);
   return *device;
+}
+
+DualTracer& TraceCache::dual_tracer(const Executor& executor, const FlatScene& scene) {
+  if (!dual) dual = std::make_unique<DualTracer>(executor, scene);
+  return *dual;
+}
+
+EngineReport TraceCache::prepare_tree(const Executor& executor, const FlatScene& scene) {
+  Stopwatch watch;
+  DualTracer& tracer = dual_tracer(executor, scene);
+  EngineReport report = tracer.prepare_tree(executor);
+  tree.add(tracer.take_tree_report());
+  report.hierarchy_ms = watch.lap_ms();
+  return report;
 }
 
 const Bvh& TraceCache::hierarchy(const Executor& executor, const FlatScene& scene) {

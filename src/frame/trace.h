@@ -33,9 +33,12 @@ struct TraceCache {
   const DeviceBackend* backend = nullptr;
   Communicator* ranks = nullptr;  ///< that batches are shared among; null: this process alone
 
-  /// Either is made where there is none yet.
+  /// Each is made where there is none yet.
   [[nodiscard]] DeviceTracer& device_tracer(const FlatScene& scene);
   [[nodiscard]] const Bvh& hierarchy(const Executor& executor, const FlatScene& scene);
+  [[nodiscard]] DualTracer& dual_tracer(const Executor& executor, const FlatScene& scene);
+  /// Brings the tree of `dual` up to date; what it took, and why.
+  EngineReport prepare_tree(const Executor& executor, const FlatScene& scene);
   /// The scene's triangles are others, or elsewhere.
   void update(const Executor& executor, const FlatScene& scene, const FlatUpdate& update);
 };

@@ -43,6 +43,7 @@ struct RayBatch {
   /// Shadow rays alone: the direction on the unit square, or the place on a parallel light's disc.
   LargeVector<Vec2> places;
   bool part = false;        ///< of its stage's rays; other batches have the rest
+  bool tells_plan = true;   ///< how it is traced is put into words, where a method plans
   bool names_hits = false;  ///< shadow rays alone: not only whether they meet something is asked
 };
 

@@ -77,7 +77,7 @@ RayBatch make_bounce_rays(const Executor& executor, View<const Fragment> fragmen
   const auto has_ray = [&](std::size_t slot) {
     if (!going_on.empty()) return (going_on[slot] & bit) != 0;
     const Fragment& f = fragments[slot];
-    return f.triangle != kInvalidId && (rays_of(f, scatter(f)) & bit) != 0;
+    return f.triangle != kInvalidId && (rays_of(f, scattered_parts(f)) & bit) != 0;
   };
   const auto make = [&](std::size_t i, std::size_t slot) {
     const Fragment& f = fragments[slot];

@@ -61,8 +61,7 @@ RAYSHEAF_HD inline Vec3 mirror_direction(const Fragment& f) {
 /// Glass: Fresnel's split; the colour is taken where light enters. How far the exact reflectance
 /// has risen from its value along the normal to 1 stands in for Schlick's power, so that tinted,
 /// weakened and partly metallic surfaces rise the same way.
-RAYSHEAF_HD inline void scatter_glass(const Fragment& f, float cos_in, Scattering* s) {
-  const Surface& surface = f.surface;
+RAYSHEAF_HD inline void split_at_glass(const Surface& surface, float cos_in, Scattering* s) {
   const float eta = surface.front ? surface.ior : 1 / surface.ior;
   const float along_normal = fresnel_dielectric(1, eta);
   const float exact = fresnel_dielectric(cos_in, eta);
@@ -74,28 +73,42 @@ RAYSHEAF_HD inline void scatter_glass(const Fragment& f, float cos_in, Scatterin
   s->diffuse_part = white - lerp(surface.coat, white, rise);
   s->refracted_part = tint * s->diffuse_part * surface.transmission;
   s->mirror = true;
-  const float sin2_out = (1 - cos_in * cos_in) / (eta * eta);
-  if (sin2_out >= 1) return;
-  const float cos_out = std::sqrt(1 - sin2_out);
-  s->refraction = normalized(f.incoming * (1 / eta) + surface.normal * (cos_in / eta - cos_out));
-  if (dot(s->refraction, surface.geometric_normal) >= 0) s->refraction = f.incoming;
 }
 
-/// Snell's law, Fresnel's split, and who gets what (T. Whitted, "An Improved Illumination Model for
-/// Shaded Display", 1980). The parts add up to at most 1.
-RAYSHEAF_HD inline Scattering scatter(const Fragment& f) {
+/// Snell's law; nothing where all is reflected.
+RAYSHEAF_HD inline Vec3 refracted(const Fragment& f, float cos_in) {
+  const Surface& surface = f.surface;
+  const float eta = surface.front ? surface.ior : 1 / surface.ior;
+  const float sin2_out = (1 - cos_in * cos_in) / (eta * eta);
+  if (sin2_out >= 1) return {0, 0, 0};
+  const float cos_out = std::sqrt(1 - sin2_out);
+  const Vec3 direction =
+      normalized(f.incoming * (1 / eta) + surface.normal * (cos_in / eta - cos_out));
+  return dot(direction, surface.geometric_normal) >= 0 ? f.incoming : direction;
+}
+
+/// Who gets what, without the directions.
+RAYSHEAF_HD inline Scattering scattered_parts(const Fragment& f) {
   const Surface& surface = f.surface;
   Scattering s;
   const float cos_in = cos_arrival(f);
   if (surface.transmission > 0) {
-    scatter_glass(f, cos_in, &s);
+    split_at_glass(surface, cos_in, &s);
   } else {
     s.reflected_part = fresnel_schlick(surface.specular, cos_in);
     s.diffuse_part = Vec3{1, 1, 1} - fresnel_schlick(surface.coat, cos_in);
     s.mirror = surface.roughness < kMirrorRoughness;
   }
-  if (s.mirror) s.reflection = mirror_direction(f);
   if (surface.unlit) s.reflected_part = s.refracted_part = s.diffuse_part = {0, 0, 0};
+  return s;
+}
+
+/// Snell's law, Fresnel's split, and who gets what (T. Whitted, "An Improved Illumination Model for
+/// Shaded Display", 1980). The parts add up to at most 1.
+RAYSHEAF_HD inline Scattering scatter(const Fragment& f) {
+  Scattering s = scattered_parts(f);
+  if (f.surface.transmission > 0) s.refraction = refracted(f, cos_arrival(f));
+  if (s.mirror) s.reflection = mirror_direction(f);
   return s;
 }
 

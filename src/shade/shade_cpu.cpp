@@ -99,7 +99,7 @@ LargeVector<Vec3> shade_glow(const Executor& executor, View<const Fragment> frag
       if (!going_on.empty()) going_on[i] = 0;
       return;
     }
-    const Scattering s = scatter(f);
+    const Scattering s = environment != nullptr ? scatter(f) : scattered_parts(f);
     const auto rays = static_cast<std::uint8_t>(rays_of(f, s) & kinds);
     if (!going_on.empty()) going_on[i] = rays;
     const bool reflects = (rays & kReflects) != 0, refracts = (rays & kRefracts) != 0;

@@ -31,6 +31,12 @@ struct Executor::Pool {
 Executor::Executor(std::uint32_t threads)
     : threads_(threads != 0 ? threads : cores()), pool_(std::make_shared<Pool>(threads_)) {}
 
+Executor::Executor(std::shared_ptr<Pool> pool) : threads_(1), pool_(std::move(pool)) {}
+
+Executor Executor::serial() {
+  return Executor(std::shared_ptr<Pool>());
+}
+
 Executor Executor::until(const std::atomic<bool>& stop) const {
   Executor same = *this;
   same.stop_ = &stop;
@@ -43,16 +49,19 @@ void Executor::check() const {
 }
 
 void Executor::spread(std::size_t count, std::size_t grain, Block* block, const void* body) const {
+  const auto run = [&](std::size_t first, std::size_t last) {
+    if (stop_ == nullptr) return block(body, first, last);
+    // Ranges may be long.
+    for (std::size_t begin = first; begin < last; begin += grain) {
+      check();
+      block(body, begin, std::min(begin + grain, last));
+    }
+  };
+  if (pool_ == nullptr) return run(0, count);
   pool_->arena.execute([&] {
     using Range = oneapi::tbb::blocked_range<std::size_t>;
-    oneapi::tbb::parallel_for(Range(0, count, grain), [&](const Range& r) {
-      if (stop_ == nullptr) return block(body, r.begin(), r.end());
-      // Ranges may be long.
-      for (std::size_t begin = r.begin(); begin < r.end(); begin += grain) {
-        check();
-        block(body, begin, std::min(begin + grain, r.end()));
-      }
-    });
+    oneapi::tbb::parallel_for(Range(0, count, grain),
+                              [&](const Range& r) { run(r.begin(), r.end()); });
   });
 }
 

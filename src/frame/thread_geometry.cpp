@@ -1,0 +1,54 @@
+#include "frame/thread_geometry.h"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <utility>
+
+namespace raysheaf {
+namespace {
+
+EngineOptions counting(Facing facing) {
+  EngineOptions options;
+  options.facing = facing;
+  options.count = true;
+  return options;
+}
+
+/// Of some of the picture's rays, and so it says.
+void add_part(EngineReport report, std::size_t rays, BatchStatistics* statistics) {
+  for (std::string& sentence : report.plan)
+    sentence.insert(0, "[" + std::to_string(rays) + " rays] ");
+  add_engine_report(std::move(report), statistics);
+  statistics->rays += rays;
+}
+
+}  // namespace
+
+std::vector<RayHit> ThreadGeometry::meet(const RayBatch& batch, Facing facing,
+                                         BatchStatistics* statistics, View<float> ray_tests,
+                                         ProgressMeter* /*meter*/) {
+  std::vector<RayHit> hits(batch.rays.size());
+  closest_.resize_uninitialized(hits.size());
+  EngineReport report;
+  queries_.closest_hit(cache_.dual->engine(), batch.rays, counting(facing), batch.tells_plan,
+                       closest_, ray_tests, &report);
+  add_part(std::move(report), hits.size(), statistics);
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    hits[i] = {closest_[i].t, closest_[i].triangle};
+    statistics->hits += hits[i].found() ? 1 : 0;
+  }
+  return hits;
+}
+
+void ThreadGeometry::meet_any(const RayBatch& batch, bool /*early_out*/,
+                              BatchStatistics* statistics, View<float> ray_tests,
+                              ProgressMeter* /*meter*/, View<std::uint8_t> occluded) {
+  EngineReport report;
+  queries_.any_hit(cache_.dual->engine(), batch.rays, counting(Facing::kBoth), batch.tells_plan,
+                   occluded, ray_tests, &report);
+  add_part(std::move(report), batch.rays.size(), statistics);
+  statistics->hits += std::accumulate(occluded.begin(), occluded.end(), std::uint64_t{0});
+}
+
+}  // namespace raysheaf

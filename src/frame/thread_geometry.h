@@ -1,0 +1,33 @@
+// Triangles in memory as one thread's rays meet them, by method `dual`: through the object tree
+// that all threads share.
+#pragma once
+
+#include "base/buffer.h"
+#include "engine/tree_queries.h"
+#include "exec/executor.h"
+#include "frame/flat_geometry.h"
+
+namespace raysheaf {
+
+class ThreadGeometry : public FlatGeometry {
+ public:
+  /// All must outlive it. The cache's tree is up to date when anything is traced.
+  ThreadGeometry(const SurfaceSource& source, bool blends, const SeenPixels& seen,
+                 const TraceCache& cache)
+      : FlatGeometry(serial_, source, blends, seen), cache_(cache) {}
+
+ protected:
+  [[nodiscard]] std::vector<RayHit> meet(const RayBatch& batch, Facing facing,
+                                         BatchStatistics* statistics, View<float> ray_tests,
+                                         ProgressMeter* meter) override;
+  void meet_any(const RayBatch& batch, bool early_out, BatchStatistics* statistics,
+                View<float> ray_tests, ProgressMeter* meter, View<std::uint8_t> occluded) override;
+
+ private:
+  const Executor serial_ = Executor::serial();
+  const TraceCache& cache_;
+  TreeQueries queries_;
+  Buffer<EngineHit> closest_;
+};
+
+}  // namespace raysheaf
