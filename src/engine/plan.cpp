@@ -109,17 +109,20 @@ constexpr float kSortCost = 15;
 /// Below, packets of neighbours that run alike meet so few nodes that a stream's lists cost more.
 constexpr std::uint32_t kPacketTriangles = 4096;
 
-void choose_bundle(const SceneHistory& scene, View<const Ray> rays, bool explain, Plan* plan) {
-  const Coherence found = sample_coherence(rays, nullptr);
+void choose_bundle(const SceneHistory& scene, View<const Ray> rays, const Box* whole, bool explain,
+                   Plan* plan) {
+  const Coherence found = sample_coherence(rays, nullptr, whole);
   const bool alike = found.origins_alike() && found.directions_alike();
   const bool tiny = scene.triangles < kPacketTriangles;
   plan->disorder = !found.origins_alike();
   plan->bundle = alike && tiny ? Bundle::kPacket : Bundle::kStream;
   if (!explain) return;
   plan->reasons.push_back(figures(
-      plan->disorder ? "rays: sixteen in a row start %.0f %% of the batch's extent apart"
-                     : "rays: not sorted, for sixteen in a row start within %.2g %% of the batch's "
-                       "extent",
+      plan->disorder     ? "rays: sixteen in a row start %.0f %% of the batch's extent apart"
+      : whole != nullptr ? "rays: not sorted, for sixteen in a row start within %.2g %% of the "
+                           "scene's extent"
+                         : "rays: not sorted, for sixteen in a row start within %.2g %% of the "
+                           "batch's extent",
       100 * found.origin, 0));
   plan->reasons.push_back(
       !tiny ? figures("bundles: streams, for there are %.0f triangles or more", kPacketTriangles, 0)
@@ -132,7 +135,7 @@ void choose_bundle(const SceneHistory& scene, View<const Ray> rays, bool explain
 
 }  // namespace
 
-Coherence sample_coherence(View<const Ray> rays, const std::uint32_t* order) {
+Coherence sample_coherence(View<const Ray> rays, const std::uint32_t* order, const Box* whole) {
   constexpr std::size_t kGroup = 16;
   // Of a small batch fewer: a look at it must not cost what going through it does.
   const std::size_t groups =
@@ -163,8 +166,8 @@ Coherence sample_coherence(View<const Ray> rays, const std::uint32_t* order) {
   }
   // The middle one: a silhouette between neighbours is no sign of disorder.
   std::nth_element(extents.begin(), extents.begin() + groups / 2, extents.begin() + groups);
-  const double whole = extent(low, high);
-  return {whole > 0 ? extents[groups / 2] / whole : 0, alike / static_cast<double>(groups)};
+  const double size = whole != nullptr ? extent(whole->min, whole->max) : extent(low, high);
+  return {size > 0 ? extents[groups / 2] / size : 0, alike / static_cast<double>(groups)};
 }
 
 Plan make_plan(const SceneHistory& scene, View<const Ray> rays, bool any, bool explain) {
@@ -181,7 +184,7 @@ Plan make_plan(const SceneHistory& scene, View<const Ray> rays, bool any, bool e
 
 Plan plan_without_fan(const SceneHistory& scene, View<const Ray> rays, bool explain) {
   Plan plan = plan_tree(scene, explain);
-  choose_bundle(scene, rays, explain, &plan);
+  choose_bundle(scene, rays, nullptr, explain, &plan);
   return plan;
 }
 
@@ -192,9 +195,9 @@ Plan plan_tree(const SceneHistory& scene, bool explain) {
   return plan;
 }
 
-Plan plan_rays(const SceneHistory& scene, View<const Ray> rays, bool explain) {
+Plan plan_rays(const SceneHistory& scene, View<const Ray> rays, const Box& whole, bool explain) {
   Plan plan;
-  choose_bundle(scene, rays, explain, &plan);
+  choose_bundle(scene, rays, &whole, explain, &plan);
   return plan;
 }
 

@@ -17,15 +17,17 @@ namespace raysheaf {
 
 /// How alike rays are that stand beside each other, from a sample.
 struct Coherence {
-  double origin = 0;     ///< median extent of sixteen rays' origins, as a part of the batch's
+  double origin = 0;     ///< median extent of sixteen rays' origins, as a part of the whole's
   double direction = 0;  ///< part of such sixteens that run towards one quarter, with slopes alike
 
   [[nodiscard]] bool origins_alike() const { return origin < 0.2; }
   [[nodiscard]] bool directions_alike() const { return direction > 0.7; }
 };
 
-/// `order` = null: as they stand. O(1): a sample.
-[[nodiscard]] Coherence sample_coherence(View<const Ray> rays, const std::uint32_t* order);
+/// `order` = null: as they stand. `whole`: what they may start in; null: the batch's own extent.
+/// O(1): a sample.
+[[nodiscard]] Coherence sample_coherence(View<const Ray> rays, const std::uint32_t* order,
+                                         const Box* whole = nullptr);
 
 /// What becomes of the object tree before the rays go through it.
 enum class TreeWork : std::uint8_t { kKeep, kRefit, kRebuild, kRebuildFinely };
@@ -61,9 +63,11 @@ struct Plan {
                              bool explain);
 [[nodiscard]] Plan plan_without_fan(const SceneHistory& scene, View<const Ray> rays, bool explain);
 
-/// The halves of `plan_without_fan`: what becomes of the tree, and how rays go through one.
+/// The halves of `plan_without_fan`: what becomes of the tree, and how a few rays of many go
+/// through one, of triangles that lie in `whole`.
 [[nodiscard]] Plan plan_tree(const SceneHistory& scene, bool explain);
-[[nodiscard]] Plan plan_rays(const SceneHistory& scene, View<const Ray> rays, bool explain);
+[[nodiscard]] Plan plan_rays(const SceneHistory& scene, View<const Ray> rays, const Box& whole,
+                             bool explain);
 
 /// Once the tree is there: whether the rays are worth sorting. `tree_cost` is its
 /// `surface_area_cost`.

@@ -14,7 +14,7 @@ namespace raysheaf {
 std::vector<std::uint32_t> rasterize_primary(const Executor& executor, Rasterizer& rasterizer,
                                              const FlatScene& scene, const CameraFrame& frame) {
   std::vector<std::uint32_t> triangles = rasterizer.visible_triangles(executor, scene, frame);
-  resolve_silhouettes(executor, scene, frame, triangles);
+  resolve_silhouettes(executor, scene, frame, rasterizer.drawn(), triangles);
   return triangles;
 }
 

@@ -16,6 +16,9 @@ class ThreadGeometry : public FlatGeometry {
                  const TraceCache& cache)
       : FlatGeometry(serial_, source, blends, seen), cache_(cache) {}
 
+  /// Every thread has as many.
+  [[nodiscard]] std::size_t most_shadow_rays() const override { return std::size_t{1} << 18; }
+
  protected:
   [[nodiscard]] std::vector<RayHit> meet(const RayBatch& batch, Facing facing,
                                          BatchStatistics* statistics, View<float> ray_tests,

@@ -50,6 +50,10 @@ class Rasterizer::Impl {
   Impl& operator=(const Impl&) = delete;
 
   [[nodiscard]] const std::string& description() const { return description_; }
+  [[nodiscard]] View<const std::uint32_t> drawn() const {
+    return {triangle_of_slot_.data(), slots_};
+  }
+  void draw_nothing() { slots_ = 0; }
 
   std::vector<std::uint32_t> visible_triangles(const Executor& executor, const FlatScene& scene,
                                                const PictureView& view, const ReadSlots& read) {
@@ -57,14 +61,14 @@ class Rasterizer::Impl {
     const EglContext::Current current(context_);
     const CameraFrame& frame = view.frame;
     pass_->begin(frame.width, frame.height, view.clip);
-    std::uint32_t slots = 0;
+    slots_ = 0;
     for (std::uint32_t first = 0; first < scene.triangle_count;) {
       const std::uint32_t count = std::min(kBatch, scene.triangle_count - first);
-      slots += draw(executor, scene, view, first, count, slots);
+      slots_ += draw(executor, scene, view, first, count, slots_);
       first += count;
     }
     const std::size_t pixels = std::size_t{frame.width} * frame.height;
-    const View<const std::uint32_t> names(triangle_of_slot_.data(), slots);
+    const View<const std::uint32_t> names = drawn();
     if (read && read({pass_->pack(), pixels, names, &pass_->lease()})) return {};
     std::vector<std::uint32_t> picture(pixels);
     pass_->read(picture);
@@ -92,6 +96,7 @@ class Rasterizer::Impl {
   std::string description_;
   TrianglePacker packer_;
   std::vector<std::uint32_t> triangle_of_slot_;
+  std::uint32_t slots_ = 0;  ///< of the last picture
 };
 
 Rasterizer::Rasterizer() : impl_(std::make_unique<Impl>()) {}
@@ -101,6 +106,10 @@ Rasterizer& Rasterizer::operator=(Rasterizer&&) noexcept = default;
 
 std::string Rasterizer::description() const {
   return impl_->description();
+}
+
+View<const std::uint32_t> Rasterizer::drawn() const {
+  return impl_->drawn();
 }
 
 std::vector<std::uint32_t> Rasterizer::visible_triangles(const Executor& executor,
@@ -113,6 +122,7 @@ std::vector<std::uint32_t> Rasterizer::visible_triangles(const Executor& executo
                                                  std::to_string(height) + " has no pixels");
   }
   if (!(frame.z_far > frame.z_near)) {
+    impl_->draw_nothing();
     return std::vector<std::uint32_t>(std::size_t{width} * height, kInvalidId);
   }
   return impl_->visible_triangles(

@@ -44,6 +44,10 @@ class Rasterizer {
                                                              const CameraFrame& frame,
                                                              const ReadSlots& read = nullptr);
 
+  /// The triangles that the last picture might show: those that face the eye as they want, have an
+  /// area, and do not lie outside of one of the frustum's sides. Ascending; until the next picture.
+  [[nodiscard]] View<const std::uint32_t> drawn() const;
+
  private:
   class Impl;
   std::unique_ptr<Impl> impl_;

@@ -34,10 +34,10 @@ std::vector<std::uint32_t> look_at_borders(const Executor& executor,
   return lost;
 }
 
-}  // namespace
-
-void resolve_silhouettes(const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
-                         View<std::uint32_t> triangles) {
+/// `triangle_at(i)`, for i below `count`, are all that may show.
+template <class TriangleAt>
+void resolve(const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
+             std::size_t count, const TriangleAt& triangle_at, View<std::uint32_t> triangles) {
   if (!(frame.z_far > frame.z_near)) return;
   const std::vector<std::uint32_t> before(triangles.begin(), triangles.end());
   std::vector<SightKey> sight(triangles.size, kNotLooked);
@@ -46,11 +46,26 @@ void resolve_silhouettes(const Executor& executor, const FlatScene& scene, const
                                        View<const std::uint32_t>(before),
                                        sight.data()};
   const std::vector<std::uint32_t> lost = look_at_borders(executor, resolve);
-  executor.for_each(scene.triangle_count, kTriangleGrain, [&](std::size_t triangle) {
-    look_for(resolve, View<const std::uint32_t>(lost), static_cast<std::uint32_t>(triangle));
+  executor.for_each(count, kTriangleGrain, [&](std::size_t i) {
+    look_for(resolve, View<const std::uint32_t>(lost), triangle_at(i));
   });
   executor.for_each(triangles.size, kCopyGrain,
                     [&](std::size_t i) { triangles[i] = resolved_pixel(before[i], sight[i]); });
+}
+
+}  // namespace
+
+void resolve_silhouettes(const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
+                         View<const std::uint32_t> drawn, View<std::uint32_t> triangles) {
+  resolve(
+      executor, scene, frame, drawn.size, [&](std::size_t i) { return drawn[i]; }, triangles);
+}
+
+void resolve_silhouettes(const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
+                         View<std::uint32_t> triangles) {
+  resolve(
+      executor, scene, frame, scene.triangle_count,
+      [](std::size_t i) { return static_cast<std::uint32_t>(i); }, triangles);
 }
 
 }  // namespace raysheaf

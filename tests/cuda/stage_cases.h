@@ -214,12 +214,11 @@ RAYSHEAF_HD inline Fragment random_fragment(Draws& draws) {
 struct ScatterCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
     const Fragment f = random_fragment(draws);
-    Scattering s = scatter(f);
+    const Scattering s = scatter(f);
     out.put(s.reflection, s.refraction, s.reflected_part, s.refracted_part, s.diffuse_part);
     out.put(s.mirror, worth_tracing(f.surface.diffuse * 0.002f), mirror_direction(f));
     out.put(reflected(f.incoming, f.surface.normal), fresnel_dielectric(cos_arrival(f), 1.3f));
-    scatter_glass(f, 0.5f, &s);
-    out.put(s.refraction, fresnel_schlick(f.surface.specular, 0.5f));
+    out.put(refracted(f, 0.5f), fresnel_schlick(f.surface.specular, 0.5f));
   }
 };
 

@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "dual/dual_scenes.h"
+#include "support/simd_targets.h"
 
 namespace raysheaf::test {
 namespace {
@@ -61,6 +62,42 @@ TEST(RayOrder, QuartersAreThoseOfTheTest) {
     met[q] = 1;
   }
   EXPECT_EQ(std::count(met.begin(), met.end(), 1), kQuarters);
+}
+
+TEST(RayOrder, QuartersAreTheSameOnEverySimdTarget) {
+  Random random(4);
+  std::vector<Ray> rays = rays_of(5000, random);
+  constexpr float kValues[] = {0.0f, -0.0f, 1.0f, -1.0f, 1e-40f, -1e-40f, 1e30f};
+  for (const float x : kValues)
+    for (const float y : kValues)
+      for (const float z : kValues) rays.push_back({{0, 0, 0}, 0, {x, y, z}, 1});
+  test::for_each_simd_target([&](const char* target) {
+    for (const std::size_t count : {std::size_t{0}, std::size_t{5}, rays.size()}) {
+      std::vector<std::uint8_t> quarters(count + 1, 0xff);
+      find_quarters(View<const Ray>(rays).slice(0, count), quarters.data());
+      for (std::size_t i = 0; i < count; ++i)
+        ASSERT_EQ(quarters[i], quarter_of(rays[i].direction)) << target << ": " << words(rays[i]);
+      EXPECT_EQ(quarters[count], 0xff);
+    }
+  });
+}
+
+TEST(RayOrder, RaysOfAQuarterKeepTheirOrder) {
+  Random random(5);
+  std::vector<Ray> rays;
+  while (rays.size() < 40000) {  // runs of all lengths
+    const Vec3 direction = any_direction(random);
+    for (std::uint32_t n = random.below(40); n > 0; --n)
+      rays.push_back({random.in_box(1), 0, direction, 1});
+  }
+  RayOrder order;
+  for (const std::uint32_t threads : {1u, 3u}) {
+    order_rays(Executor(threads), View<const Ray>(rays), Sorting::kByQuarter, &order);
+    expect_order(rays, order);
+    for (std::uint32_t q = 0; q < kQuarters; ++q)
+      EXPECT_TRUE(std::is_sorted(order.rays.begin() + order.starts[q],
+                                 order.rays.begin() + order.starts[q + 1]));
+  }
 }
 
 TEST(RayOrder, AnyNumberOfRays) {

@@ -23,7 +23,11 @@ std::vector<std::uint32_t> rendered(Rasterizer& rasterizer, const FlatScene& sce
   const Executor executor(2);
   auto picture =
       rasterizer.visible_triangles(executor, scene, make_camera_frame(camera, width, height));
+  auto resolved_by_drawn = picture;
   resolve_silhouettes(executor, scene, make_camera_frame(camera, width, height), picture);
+  resolve_silhouettes(executor, scene, make_camera_frame(camera, width, height), rasterizer.drawn(),
+                      resolved_by_drawn);
+  EXPECT_EQ(resolved_by_drawn, picture);
   return picture;
 }
 
