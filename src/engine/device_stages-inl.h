@@ -17,10 +17,6 @@
 
 namespace raysheaf {
 
-/// Slots of shadow rays that are looked at together: the lights of a frame, until they are too
-/// many.
-inline constexpr std::size_t kMostDeviceSlots = std::size_t{1} << 24;
-
 template <class Device>
 class DeviceStagesOn : public DeviceStages {
  public:
@@ -104,11 +100,10 @@ class DeviceStagesOn : public DeviceStages {
     return 1;
   }
 
-  void follow_groups(std::size_t count, const FollowGroup& follow) override {
-    for (std::size_t group = 0; group < count; ++group) {
-      follow(*this, input_->meter, group);
-      input_->tally.keep_plans(sample_.index * count + group);
-    }
+  /// There is one.
+  void follow_groups(std::size_t /*count*/, const FollowGroup& follow) override {
+    follow(*this, input_->meter, 0);
+    input_->tally.keep_plans(sample_.index);
   }
 
   Set see(std::size_t /*group*/) override { return std::move(first_hits_); }
@@ -129,9 +124,8 @@ class DeviceStagesOn : public DeviceStages {
     watch_.lap_ms();
     s.radiance.resize_uninitialized("shade: glow", s.count);
     s.going_on.resize_uninitialized("shade: glow", input.last ? 0 : s.count);
-    std::uint32_t kinds = 0;
-    if (input.traced.reflection) kinds |= kReflects;
-    if (input.traced.refraction) kinds |= kRefracts;
+    const std::uint32_t kinds =
+        (input.traced.reflection ? kReflects : 0) | (input.traced.refraction ? kRefracts : 0);
     glow_on(device_, s.view(), input.sky, surfaces_.environment(), kinds, s.radiance.data(),
             input.last ? nullptr : s.going_on.data());
     lap(&input_->tally.statistics.shade_ms);

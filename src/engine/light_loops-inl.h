@@ -11,6 +11,9 @@
 
 namespace raysheaf {
 
+/// Slots of shadow rays that are looked at together.
+inline constexpr std::size_t kMostDeviceSlots = std::size_t{1} << 24;
+
 /// Some of a scene's lights as a sample looks at them; the first has this number, all are so many.
 struct LightsSeen {
   View<const PlacedLight> lights;

@@ -139,7 +139,7 @@ Coherence sample_coherence(View<const Ray> rays, const std::uint32_t* order, con
   constexpr std::size_t kGroup = 16;
   // Of a small batch fewer: a look at it must not cost what going through it does.
   const std::size_t groups =
-      std::min({kGroups, rays.size / kGroup, kFewestGroups + rays.size / 1024});
+      std::min({kGroups, rays.size / kGroup, kFewestGroups + rays.size / 512});
   if (groups == 0) return {};
   const std::size_t stride = rays.size / groups;
   Vec3 low, high;

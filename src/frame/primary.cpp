@@ -13,8 +13,10 @@
 namespace raysheaf {
 std::vector<std::uint32_t> rasterize_primary(const Executor& executor, Rasterizer& rasterizer,
                                              const FlatScene& scene, const CameraFrame& frame) {
-  std::vector<std::uint32_t> triangles = rasterizer.visible_triangles(executor, scene, frame);
-  resolve_silhouettes(executor, scene, frame, rasterizer.drawn(), triangles);
+  std::vector<std::uint32_t> drawn;
+  std::vector<std::uint32_t> triangles =
+      rasterizer.visible_triangles(executor, scene, frame, nullptr, &drawn);
+  resolve_silhouettes(executor, scene, frame, drawn, triangles);
   return triangles;
 }
 

@@ -50,25 +50,23 @@ class Rasterizer::Impl {
   Impl& operator=(const Impl&) = delete;
 
   [[nodiscard]] const std::string& description() const { return description_; }
-  [[nodiscard]] View<const std::uint32_t> drawn() const {
-    return {triangle_of_slot_.data(), slots_};
-  }
-  void draw_nothing() { slots_ = 0; }
 
   std::vector<std::uint32_t> visible_triangles(const Executor& executor, const FlatScene& scene,
-                                               const PictureView& view, const ReadSlots& read) {
+                                               const PictureView& view, const ReadSlots& read,
+                                               std::vector<std::uint32_t>* drawn) {
     const std::lock_guard lock(mutex_);
     const EglContext::Current current(context_);
     const CameraFrame& frame = view.frame;
     pass_->begin(frame.width, frame.height, view.clip);
-    slots_ = 0;
+    std::uint32_t slots = 0;
     for (std::uint32_t first = 0; first < scene.triangle_count;) {
       const std::uint32_t count = std::min(kBatch, scene.triangle_count - first);
-      slots_ += draw(executor, scene, view, first, count, slots_);
+      slots += draw(executor, scene, view, first, count, slots);
       first += count;
     }
     const std::size_t pixels = std::size_t{frame.width} * frame.height;
-    const View<const std::uint32_t> names = drawn();
+    const View<const std::uint32_t> names(triangle_of_slot_.data(), slots);
+    if (drawn != nullptr) drawn->assign(names.begin(), names.end());
     if (read && read({pass_->pack(), pixels, names, &pass_->lease()})) return {};
     std::vector<std::uint32_t> picture(pixels);
     pass_->read(picture);
@@ -96,7 +94,6 @@ class Rasterizer::Impl {
   std::string description_;
   TrianglePacker packer_;
   std::vector<std::uint32_t> triangle_of_slot_;
-  std::uint32_t slots_ = 0;  ///< of the last picture
 };
 
 Rasterizer::Rasterizer() : impl_(std::make_unique<Impl>()) {}
@@ -108,25 +105,23 @@ std::string Rasterizer::description() const {
   return impl_->description();
 }
 
-View<const std::uint32_t> Rasterizer::drawn() const {
-  return impl_->drawn();
-}
-
 std::vector<std::uint32_t> Rasterizer::visible_triangles(const Executor& executor,
                                                          const FlatScene& scene,
                                                          const CameraFrame& frame,
-                                                         const ReadSlots& read) {
+                                                         const ReadSlots& read,
+                                                         std::vector<std::uint32_t>* drawn) {
   const std::uint32_t width = frame.width, height = frame.height;
   if (width == 0 || height == 0) {
     throw Error(ErrorCode::kInvalidArgument, "a picture of " + std::to_string(width) + " x " +
                                                  std::to_string(height) + " has no pixels");
   }
   if (!(frame.z_far > frame.z_near)) {
-    impl_->draw_nothing();
+    if (drawn != nullptr) drawn->clear();
     return std::vector<std::uint32_t>(std::size_t{width} * height, kInvalidId);
   }
-  return impl_->visible_triangles(
-      executor, scene, {frame, clip_matrix(frame, farthest_depth(frame, scene.bounds))}, read);
+  return impl_->visible_triangles(executor, scene,
+                                  {frame, clip_matrix(frame, farthest_depth(frame, scene.bounds))},
+                                  read, drawn);
 }
 
 }  // namespace raysheaf

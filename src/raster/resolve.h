@@ -20,8 +20,8 @@ struct FlatScene;
 ///  - where its ray does not hit what it held, all triangles.
 /// What may still be missed is an edge of a long sliver that no neighbour saw. `triangles` is what
 /// `Rasterizer::visible_triangles` gave for the same scene and camera. O(triangles + pixels) where
-/// the last case is rare. Does not depend on the number of threads. `drawn`: `Rasterizer::drawn` of
-/// that picture, which saves a look at all others.
+/// the last case is rare. Does not depend on the number of threads. `drawn`: what
+/// `visible_triangles` says of that picture, which saves a look at all others.
 void resolve_silhouettes(const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
                          View<const std::uint32_t> drawn, View<std::uint32_t> triangles);
 /// The same from the picture alone.

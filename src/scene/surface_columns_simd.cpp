@@ -1,9 +1,5 @@
 // Compiled once a SIMD target and chosen at run time (Google Highway). No operation is fused, so
 // that every target gives the bits of the scalar functions.
-#include <cstring>
-
-#include <hwy/cache_control.h>
-
 #include "base/float.h"
 #include "intersect/triangle_body.h"
 #include "scene/surface_columns.h"
@@ -13,79 +9,11 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "scene/surface_lanes-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
 namespace {
-namespace hn = hwy::HWY_NAMESPACE;
-
-/// As many floats as a vector has doubles: the two go side by side.
-using Doubles = hn::CappedTag<double, kSurfaceLanes>;
-using Floats = hn::Rebind<float, Doubles>;
-using Ints = hn::RebindToSigned<Floats>;
-using F = hn::Vec<Floats>;
-using D = hn::Vec<Doubles>;
-using I = hn::Vec<Ints>;
-using FM = hn::Mask<Floats>;
-using DM = hn::Mask<Doubles>;
-
-struct F3 {
-  F x, y, z;
-};
-struct D3 {
-  D x, y, z;
-};
-
-HWY_INLINE F set(float x) {
-  return hn::Set(Floats(), x);
-}
-HWY_INLINE F load(const SurfaceColumn& column, std::size_t k) {
-  return hn::Load(Floats(), column + k);
-}
-HWY_INLINE F3 load3(const SurfaceColumn (&columns)[3], std::size_t k) {
-  return {load(columns[0], k), load(columns[1], k), load(columns[2], k)};
-}
-HWY_INLINE void store(F x, SurfaceColumn& column, std::size_t k) {
-  hn::Store(x, Floats(), column + k);
-}
-HWY_INLINE void store3(const F3& a, SurfaceColumn (&columns)[3], std::size_t k) {
-  store(a.x, columns[0], k);
-  store(a.y, columns[1], k);
-  store(a.z, columns[2], k);
-}
-template <class Tag, class Mask>
-HWY_INLINE LaneBits bits_of(Tag d, Mask mask, std::size_t k) {
-  alignas(8) std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(d, mask, bytes);
-  std::uint16_t bits;
-  std::memcpy(&bits, bytes, sizeof bits);
-  return (bits & ((1u << hn::Lanes(d)) - 1)) << k;
-}
-/// The lanes of `bits` from `k` on.
-HWY_INLINE FM mask_of(LaneBits bits, std::size_t k) {
-  const Ints d;
-  const I bit = hn::Shl(hn::Set(d, 1), hn::Iota(d, 0));
-  return hn::RebindMask(
-      Floats(),
-      hn::Ne(hn::And(hn::Set(d, static_cast<std::int32_t>(bits >> k)), bit), hn::Zero(d)));
-}
-
-HWY_INLINE F3 minus(const F3& a, const F3& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_INLINE F dot(const F3& a, const F3& b) {
-  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
-}
-HWY_INLINE F larger(F a, F b) {
-  return hn::IfThenElse(hn::Gt(a, b), a, b);
-}
-HWY_INLINE F3 select(FM mask, const F3& yes, const F3& no) {
-  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y),
-          hn::IfThenElse(mask, yes.z, no.z)};
-}
-HWY_INLINE F3 negated(const F3& a) {
-  return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z)};
-}
-
 HWY_INLINE D3 widened(const F3& a) {
   const Doubles d;
   return {hn::PromoteTo(d, a.x), hn::PromoteTo(d, a.y), hn::PromoteTo(d, a.z)};
@@ -116,18 +44,6 @@ HWY_INLINE F3 unit(const D3& a, FM* known) {
   *known = narrowed(hn::And(hn::Gt(size, hn::Zero(d)), hn::Lt(size, infinite)));
   return {hn::DemoteTo(df, hn::Div(a.x, size)), hn::DemoteTo(df, hn::Div(a.y, size)),
           hn::DemoteTo(df, hn::Div(a.z, size))};
-}
-
-/// Where a column of weights mixes corners' values: `mixed` and what `mixed_point` begins with.
-struct Weights {
-  F first, second, third;
-};
-HWY_INLINE Weights weights_at(const SurfaceColumns& c, std::size_t k) {
-  const F u = load(c.u, k), v = load(c.v, k);
-  return {hn::Sub(hn::Sub(set(1), u), v), u, v};
-}
-HWY_INLINE F mix(const Weights& w, F a, F b, F c) {
-  return hn::Add(hn::Add(hn::Mul(a, w.first), hn::Mul(b, w.second)), hn::Mul(c, w.third));
 }
 
 /// A ray's components as its triangle's test has them (intersect/triangle_body.h).
@@ -281,136 +197,6 @@ LaneBits PlaceSurfaces(const InstanceLanes* instances, std::size_t count, LaneBi
   return right;
 }
 
-/// `wrapped`.
-HWY_INLINE F wrapped_places(Wrap wrap, F x) {
-  const Floats d;
-  const F one = set(1), two = set(2);
-  F place;
-  if (wrap == Wrap::kClampToEdge) {
-    place =
-        hn::IfThenElse(hn::Lt(x, hn::Zero(d)), hn::Zero(d), hn::IfThenElse(hn::Gt(x, one), one, x));
-  } else if (wrap == Wrap::kRepeat) {
-    place = hn::Sub(x, hn::Floor(x));
-  } else {
-    const F in_period = hn::Sub(x, hn::Mul(two, hn::Floor(hn::Mul(x, set(0.5f)))));
-    place = hn::IfThenElse(hn::Le(in_period, one), in_period, hn::Sub(two, in_period));
-  }
-  const FM finite = hn::Lt(hn::Abs(x), set(std::numeric_limits<float>::infinity()));
-  return hn::IfThenElseZero(finite, place);
-}
-
-/// `wrapped_texel`.
-HWY_INLINE I wrapped_texels(Wrap wrap, I i, std::int32_t count) {
-  const Ints d;
-  const I first = hn::Zero(d), last = hn::Set(d, count - 1);
-  const bool repeats = wrap == Wrap::kRepeat;
-  const I below = repeats ? last : first, above = repeats ? first : last;
-  return hn::IfThenElse(hn::Lt(i, first), below, hn::IfThenElse(hn::Gt(i, last), above, i));
-}
-
-/// Red, green and blue of texels at their places in the image.
-HWY_INLINE F3 texels(const TextureView& texture, const float* decode, I place) {
-  const Floats d;
-  const Ints di;
-  const I byte = hn::Set(di, 255);
-  const I rgba = hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(texture.rgba), place);
-  return {hn::GatherIndex(d, decode, hn::And(rgba, byte)),
-          hn::GatherIndex(d, decode, hn::And(hn::ShiftRight<8>(rgba), byte)),
-          hn::GatherIndex(d, decode, hn::And(hn::ShiftRight<16>(rgba), byte))};
-}
-HWY_INLINE F3 between(const F3& a, const F3& b, F t) {
-  return {hn::Add(a.x, hn::Mul(hn::Sub(b.x, a.x), t)), hn::Add(a.y, hn::Mul(hn::Sub(b.y, a.y), t)),
-          hn::Add(a.z, hn::Mul(hn::Sub(b.z, a.z), t))};
-}
-
-/// Where the lanes see the texture: `transform_uv`, and where `wrapped` brings it, in texels.
-struct TexturePlace {
-  F x, y;
-};
-HWY_INLINE TexturePlace texture_place(const SurfaceColumns& c, std::size_t k,
-                                      const PlacedTexture& slot, const TextureView& texture) {
-  const Weights w = weights_at(c, k);
-  const auto mixed = [&](std::size_t axis) {
-    return mix(w, load(c.uv[0][axis], k), load(c.uv[1][axis], k), load(c.uv[2][axis], k));
-  };
-  const F u = hn::Mul(mixed(0), set(slot.scale.x)), v = hn::Mul(mixed(1), set(slot.scale.y));
-  F x = u, y = v;
-  if (slot.rotated) {
-    const F cosine = set(slot.cosine), sine = set(slot.sine);
-    x = hn::Add(hn::Mul(cosine, u), hn::Mul(sine, v));
-    y = hn::Sub(hn::Mul(cosine, v), hn::Mul(sine, u));
-  }
-  x = wrapped_places(texture.wrap_u, hn::Add(x, set(slot.offset.x)));
-  y = wrapped_places(texture.wrap_v, hn::Add(y, set(slot.offset.y)));
-  return {hn::Mul(x, set(static_cast<float>(texture.width))),
-          hn::Mul(y, set(static_cast<float>(texture.height)))};
-}
-
-/// The texels that `sample` mixes, and how; of the nearest filter the first alone.
-struct TexelMix {
-  I x0, x1, y0, y1;
-  F right_part, bottom_part;
-};
-HWY_INLINE TexelMix texel_mix(const TextureView& texture, const TexturePlace& at) {
-  const Ints di;
-  const auto width = static_cast<std::int32_t>(texture.width);
-  const auto height = static_cast<std::int32_t>(texture.height);
-  TexelMix mix;
-  if (texture.filter == Filter::kNearest) {
-    mix.x0 = mix.x1 = hn::Min(hn::ConvertTo(di, at.x), hn::Set(di, width - 1));
-    mix.y0 = mix.y1 = hn::Min(hn::ConvertTo(di, at.y), hn::Set(di, height - 1));
-    mix.right_part = mix.bottom_part = hn::Zero(Floats());
-    return mix;
-  }
-  const F x = hn::Sub(at.x, set(0.5f)), y = hn::Sub(at.y, set(0.5f));
-  const F left = hn::Floor(x), top = hn::Floor(y);
-  const I i = hn::ConvertTo(di, left), j = hn::ConvertTo(di, top), one = hn::Set(di, 1);
-  mix.x0 = wrapped_texels(texture.wrap_u, i, width);
-  mix.x1 = wrapped_texels(texture.wrap_u, hn::Add(i, one), width);
-  mix.y0 = wrapped_texels(texture.wrap_v, j, height);
-  mix.y1 = wrapped_texels(texture.wrap_v, hn::Add(j, one), height);
-  mix.right_part = hn::Sub(x, left);
-  mix.bottom_part = hn::Sub(y, top);
-  return mix;
-}
-HWY_INLINE I place_of(const TextureView& texture, I column, I row) {
-  return hn::Add(hn::Mul(row, hn::Set(Ints(), static_cast<std::int32_t>(texture.width))), column);
-}
-
-void LookUpColors(const TextureTable& table, const PlacedTexture& slot, const float* decode,
-                  SurfaceColumns* columns) {
-  SurfaceColumns& c = *columns;
-  const TextureView& texture = table.textures.data[slot.texture];
-  for (std::size_t k = 0; k < kSurfaceLanes; k += hn::Lanes(Floats())) {
-    const TexelMix m = texel_mix(texture, texture_place(c, k, slot, texture));
-    const auto color_at = [&](I column, I row) {
-      return texels(texture, decode, place_of(texture, column, row));
-    };
-    if (texture.filter == Filter::kNearest) {
-      store3(color_at(m.x0, m.y0), c.color, k);
-      continue;
-    }
-    const F3 top = between(color_at(m.x0, m.y0), color_at(m.x1, m.y0), m.right_part);
-    const F3 bottom = between(color_at(m.x0, m.y1), color_at(m.x1, m.y1), m.right_part);
-    store3(between(top, bottom, m.bottom_part), c.color, k);
-  }
-}
-
-void PrefetchColors(const TextureTable& table, const PlacedTexture& slot,
-                    const SurfaceColumns& columns) {
-  const TextureView& texture = table.textures.data[slot.texture];
-  alignas(64) std::int32_t first[kSurfaceLanes], second[kSurfaceLanes];
-  for (std::size_t k = 0; k < kSurfaceLanes; k += hn::Lanes(Floats())) {
-    const TexelMix m = texel_mix(texture, texture_place(columns, k, slot, texture));
-    hn::Store(place_of(texture, m.x0, m.y0), Ints(), first + k);
-    hn::Store(place_of(texture, m.x0, m.y1), Ints(), second + k);
-  }
-  for (std::size_t i = 0; i < kSurfaceLanes; ++i) {
-    hwy::Prefetch(texture.rgba + 4 * static_cast<std::size_t>(first[i]));
-    hwy::Prefetch(texture.rgba + 4 * static_cast<std::size_t>(second[i]));
-  }
-}
-
 }  // namespace
 }  // namespace raysheaf::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -421,8 +207,6 @@ namespace raysheaf {
 HWY_EXPORT(FindWeights);
 HWY_EXPORT(FindIncoming);
 HWY_EXPORT(PlaceSurfaces);
-HWY_EXPORT(LookUpColors);
-HWY_EXPORT(PrefetchColors);
 
 LaneBits find_weights(SurfaceColumns* columns) {
   return HWY_DYNAMIC_DISPATCH(FindWeights)(columns);
@@ -435,16 +219,6 @@ LaneBits find_incoming(SurfaceColumns* columns) {
 LaneBits place_surfaces(const InstanceLanes* instances, std::size_t count, LaneBits mirrored,
                         SurfaceColumns* columns, LaneBits* front) {
   return HWY_DYNAMIC_DISPATCH(PlaceSurfaces)(instances, count, mirrored, columns, front);
-}
-
-void look_up_colors(const TextureTable& table, const PlacedTexture& slot, const float* decode,
-                    SurfaceColumns* columns) {
-  HWY_DYNAMIC_DISPATCH(LookUpColors)(table, slot, decode, columns);
-}
-
-void prefetch_colors(const TextureTable& table, const PlacedTexture& slot,
-                     const SurfaceColumns& columns) {
-  HWY_DYNAMIC_DISPATCH(PrefetchColors)(table, slot, columns);
 }
 
 }  // namespace raysheaf

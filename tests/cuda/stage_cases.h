@@ -218,7 +218,9 @@ struct ScatterCase {
     out.put(s.reflection, s.refraction, s.reflected_part, s.refracted_part, s.diffuse_part);
     out.put(s.mirror, worth_tracing(f.surface.diffuse * 0.002f), mirror_direction(f));
     out.put(reflected(f.incoming, f.surface.normal), fresnel_dielectric(cos_arrival(f), 1.3f));
-    out.put(refracted(f, 0.5f), fresnel_schlick(f.surface.specular, 0.5f));
+    Scattering parts = scattered_parts(f);
+    split_at_glass(f.surface, 0.5f, &parts);
+    out.put(refracted(f, 0.5f), fresnel_schlick(f.surface.specular, 0.5f), parts.refracted_part);
   }
 };
 

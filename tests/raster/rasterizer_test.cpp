@@ -21,11 +21,12 @@ std::vector<std::uint32_t> rendered(Rasterizer& rasterizer, const FlatScene& sce
                                     const Camera& camera, std::uint32_t width,
                                     std::uint32_t height) {
   const Executor executor(2);
-  auto picture =
-      rasterizer.visible_triangles(executor, scene, make_camera_frame(camera, width, height));
+  std::vector<std::uint32_t> drawn;
+  auto picture = rasterizer.visible_triangles(
+      executor, scene, make_camera_frame(camera, width, height), nullptr, &drawn);
   auto resolved_by_drawn = picture;
   resolve_silhouettes(executor, scene, make_camera_frame(camera, width, height), picture);
-  resolve_silhouettes(executor, scene, make_camera_frame(camera, width, height), rasterizer.drawn(),
+  resolve_silhouettes(executor, scene, make_camera_frame(camera, width, height), drawn,
                       resolved_by_drawn);
   EXPECT_EQ(resolved_by_drawn, picture);
   return picture;
