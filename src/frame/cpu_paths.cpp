@@ -53,7 +53,7 @@ PathStages::Set CpuPaths::see(std::size_t group) {
   watch_.lap_ms();
   group_ = group;
   Fragments& kept = frame_.kept[group];
-  Fragments fragments = kept.empty() ? geometry_.first_hits(group) : std::move(kept);
+  Fragments fragments = kept.empty() ? first_hits(group) : std::move(kept);
   frame_.film.see(executor_, fragments,
                   [this](std::uint32_t triangle) { return geometry_.ids(triangle); });
   statistics().raster_ms += watch_.lap_ms();
@@ -205,9 +205,18 @@ void CpuPaths::add_tests(const RayBatch& batch, const Fragments& fragments,
     sums[fragments[batch.slots[i] % fragments.size()].pixel] += tests[i];
 }
 
+Fragments CpuPaths::first_hits(std::size_t group) {
+  const std::size_t number = frame_.sample.index * frame_.kept.size() + group;
+  const bool tells_plan = frame_.tally.wants_plan(RayKind::kPrimary, 0, number) &&
+                          tally_.wants_plan(RayKind::kPrimary, 0, number);
+  return geometry_.first_hits(
+      group,
+      {[this]() -> BatchStatistics& { return tally_.batch(RayKind::kPrimary, 0); }, tells_plan});
+}
+
 std::vector<SkyPart> CpuPaths::find_sky(std::size_t group, bool keep) {
   watch_.lap_ms();
-  Fragments fragments = geometry_.first_hits(group);
+  Fragments fragments = first_hits(group);
   statistics().raster_ms += watch_.lap_ms();
   std::vector<SkyPart> parts = sky_parts(executor_, fragments, frame_.lights);
   statistics().shade_ms += watch_.lap_ms();

@@ -59,6 +59,7 @@ class CpuPaths : public PathStages {
   /// Of each slot of a batch of shadow rays.
   using Visibilities = std::vector<Visibility>;
 
+  [[nodiscard]] Fragments first_hits(std::size_t group);
   [[nodiscard]] FrameStatistics& statistics() { return tally_.statistics; }
   /// What of the batch its geometry is told.
   void tell_of(std::uint32_t bounce, RayBatch* batch) const;

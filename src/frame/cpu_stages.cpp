@@ -51,6 +51,7 @@ class CpuStages : public FrameStages {
     frame_.kept.resize(geometry_.look({frame, rasterizer_, of_rays, frame_.film.tests()}, &meter_));
     frame_.film.begin_sample();
     tally_.statistics.raster_ms += watch.ms();
+    if (geometry_.is_shared() && sends_rays()) share();
     return frame_.kept.size();
   }
 
@@ -78,7 +79,6 @@ class CpuStages : public FrameStages {
       });
       return;
     }
-    if (sends_rays()) share();
     meter_.begin("parts", count);
     for_each_group(count, [&](CpuPaths& paths, ProgressMeter& meter, std::size_t group) {
       follow(paths, meter, group);
@@ -93,7 +93,7 @@ class CpuStages : public FrameStages {
   [[nodiscard]] bool sends_rays() const {
     const RenderOptions& options = frame_.options;
     const bool lit = !frame_.lights.empty() || frame_.environment != nullptr;
-    return (options.shadows && lit) ||
+    return rasterizer_ == nullptr || (options.shadows && lit) ||
            (options.bounces > 0 && (options.reflections || options.refractions));
   }
 
@@ -106,7 +106,7 @@ class CpuStages : public FrameStages {
   /// What was shared belongs to whichever rays came first.
   void tell_of_shared() {
     for (BatchStatistics& batch : tally_.statistics.batches) {
-      if (batch.bounce == 0) continue;
+      if (batch.bounce == 0 && rasterizer_ != nullptr) continue;  // rays before it was shared
       batch.times_ms.hierarchy += std::exchange(shared_.ms, 0);
       if (!told_) batch.plan.insert(batch.plan.begin(), shared_.plan.begin(), shared_.plan.end());
       told_ = true;
@@ -136,8 +136,9 @@ class CpuStages : public FrameStages {
       sum += s.raster_ms + s.shade_ms;
       for (const BatchStatistics& batch : s.batches) {
         const StageTimes& t = batch.times_ms;
-        sum += t.raygen + t.order + t.hierarchy + t.traverse + t.intersect;
         rays += batch.rays;
+        if (batch.bounce == 0) continue;  // a part of `raster_ms`
+        sum += t.raygen + t.order + t.hierarchy + t.traverse + t.intersect;
       }
     }
     for (const auto& follower : free_)

@@ -4,7 +4,7 @@
 
 namespace raysheaf {
 
-Fragments FlatGeometry::first_hits(std::size_t group) {
+Fragments FlatGeometry::first_hits(std::size_t group, const FirstHitTally& /*tally*/) {
   return fetch_fragments(executor_, source_, seen_.frame, seen_.triangles, seen_.groups[group]);
 }
 

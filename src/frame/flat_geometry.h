@@ -16,6 +16,8 @@ struct SeenPixels {
   CameraFrame frame;
   std::vector<std::uint32_t> triangles;  ///< of each pixel
   std::vector<PixelRange> groups;
+  std::vector<std::uint8_t> known;  ///< of each group, whether they are found
+  View<float> pixel_tests;          ///< of rays that find them; may be empty
 };
 
 class FlatGeometry : public virtual PathGeometry {
@@ -23,7 +25,7 @@ class FlatGeometry : public virtual PathGeometry {
   [[nodiscard]] const Box& bounds() const override { return scene_.bounds; }
   [[nodiscard]] std::uint64_t triangle_count() const override { return scene_.triangle_count; }
   [[nodiscard]] std::size_t most_shadow_rays() const override { return std::size_t{1} << 24; }
-  [[nodiscard]] Fragments first_hits(std::size_t group) override;
+  [[nodiscard]] Fragments first_hits(std::size_t group, const FirstHitTally& tally) override;
   [[nodiscard]] std::vector<RayHit> trace(const RayBatch& batch, BatchStatistics* statistics,
                                           View<float> ray_tests, ProgressMeter* meter) override;
   void find_occluded(const RayBatch& batch, bool early_out, BatchStatistics* statistics,

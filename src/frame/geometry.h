@@ -25,6 +25,12 @@ struct Seeing {
   View<float> pixel_tests;                       ///< may be empty
 };
 
+/// Who counts rays that find first hits, where they are not found before.
+struct FirstHitTally {
+  std::function<BatchStatistics&()> statistics;  ///< called where there are rays
+  bool tells_plan = true;
+};
+
 /// What the paths of a picture meet. Triangles have numbers, which mean something to their geometry
 /// alone, and until the next call of `look` or `trace`. One call at a time.
 class PathGeometry {
@@ -43,7 +49,7 @@ class PathGeometry {
   /// One fragment a pixel of a group of the last `look`, with the surface that is seen there. The
   /// only group is given away once, and before the next `trace`; others as often as they are asked
   /// for: to make them again costs less than to keep them all.
-  [[nodiscard]] virtual Fragments first_hits(std::size_t group) = 0;
+  [[nodiscard]] virtual Fragments first_hits(std::size_t group, const FirstHitTally& tally) = 0;
   /// What each ray of a batch meets. Adds to `statistics`; where `ray_tests` is not empty, adds
   /// each ray's tests to it.
   [[nodiscard]] virtual std::vector<RayHit> trace(const RayBatch& batch,
@@ -69,8 +75,8 @@ struct SharedWork {
 
 class FrameGeometry : public virtual PathGeometry {
  public:
-  /// Finds what the pixels of a picture see; returns in how many groups, rows from the top, they
-  /// are best followed. Of whole `kSkyPart`s (shade/shade.h).
+  /// Finds what the pixels of a picture see, or leaves that to `first_hits`; returns in how many
+  /// groups, rows from the top, they are best followed. Of whole `kSkyPart`s (shade/shade.h).
   [[nodiscard]] virtual std::size_t look(const Seeing& seeing, ProgressMeter* meter) = 0;
   /// The depth of what the middle of the picture shows, seen from the eye; where that is nothing,
   /// of the scene's farthest corner.
@@ -79,7 +85,7 @@ class FrameGeometry : public virtual PathGeometry {
   /// Whether threads may follow groups of the last `look` side by side, each by an `of_one_thread`
   /// of its own.
   [[nodiscard]] virtual bool is_shared() const { return false; }
-  /// Of a shared one: brings up to date what its threads' rays go through, before they are traced.
+  /// Of a shared one: brings up to date what its threads' rays go through, before any is traced.
   [[nodiscard]] virtual SharedWork share() { return {}; }
   [[nodiscard]] virtual std::unique_ptr<PathGeometry> of_one_thread() { return nullptr; }
   /// So many rays have met what was shared.

@@ -32,19 +32,21 @@ RayBatch primary_rays(const Executor& executor, const Box& bounds, const CameraF
 }
 
 RayBatch primary_rays(const Executor& executor, const Box& bounds, const CameraFrame& frame,
-                      const PixelRange& pixels) {
+                      const PixelRange& pixels, Keys keys) {
   RayBatch batch;
   batch.kind = RayKind::kPrimary;
   batch.bounce = 0;
   batch.width = frame.width;
   batch.key_bits = kBounceKeyBits;
   batch.rays.resize(pixels.count);
-  batch.keys.resize(batch.rays.size());
-  batch.pixels.resize(batch.rays.size());
-  std::iota(batch.pixels.begin(), batch.pixels.end(), static_cast<std::uint32_t>(pixels.first));
-  executor.for_each(batch.rays.size(), kWorkGrain, [&](std::size_t i) {
-    const std::uint32_t pixel = batch.pixels[i];
+  const bool keyed = keys == Keys::kMade;
+  batch.keys.resize(keyed ? pixels.count : 0);
+  batch.pixels.resize(keyed ? pixels.count : 0);
+  executor.for_each(pixels.count, kWorkGrain, [&](std::size_t i) {
+    const auto pixel = static_cast<std::uint32_t>(pixels.first + i);
     batch.rays[i] = camera_ray(frame, pixel % frame.width, pixel / frame.width);
+    if (!keyed) return;
+    batch.pixels[i] = pixel;
     batch.keys[i] = bounce_key(bounds, batch.rays[i].origin, batch.rays[i].direction);
   });
   return batch;

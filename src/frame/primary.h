@@ -31,7 +31,8 @@ struct PictureSize {
 
 /// A ray a pixel, rows from the top. `bounds`: of the scene.
 [[nodiscard]] RayBatch primary_rays(const Executor& executor, const Box& bounds,
-                                    const CameraFrame& frame, const PixelRange& pixels);
+                                    const CameraFrame& frame, const PixelRange& pixels,
+                                    Keys keys = Keys::kMade);
 [[nodiscard]] RayBatch primary_rays(const Executor& executor, const Box& bounds,
                                     const CameraFrame& frame);
 

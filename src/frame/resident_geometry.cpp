@@ -13,9 +13,6 @@ namespace raysheaf {
 
 namespace {
 
-/// Pixels of which `dual` traces the first hits together.
-constexpr std::size_t kMostFirstHits = std::size_t{1} << 18;
-
 /// Pixels that a thread follows together, with all their bounces: few enough that what their rays
 /// need, about 1 KB each, stays in its caches, and enough for a stream of rays to a light. A part
 /// of a small picture, so that there is work for all threads.
@@ -43,36 +40,28 @@ std::size_t ResidentGeometry::look(const Seeing& seeing, ProgressMeter* meter) {
   seen_.frame = seeing.frame;
   const std::size_t pixels = std::size_t{seen_.frame.width} * seen_.frame.height;
   seen_.groups = split(pixels, is_shared() ? group_pixels(pixels) : pixels);
+  const bool left = seeing.rasterizer == nullptr && is_shared();  // to the threads
+  seen_.known.assign(seen_.groups.size(), left ? 0 : 1);
+  seen_.pixel_tests = seeing.pixel_tests;
   if (seeing.rasterizer != nullptr) {
     meter->begin("raster", 1);
     seen_.triangles = rasterize(*seeing.rasterizer, seen_.frame);
     if (cutouts_.any()) see_through(seeing, seen_.triangles, meter);
+  } else if (left) {
+    seen_.triangles.resize(pixels);
   } else {
-    seen_.triangles = trace_triangles(seeing, meter);
+    find_triangles(seeing, meter);
   }
   meter->begin("surfaces", 1);
   return seen_.groups.size();
 }
 
-std::vector<std::uint32_t> ResidentGeometry::trace_triangles(const Seeing& seeing,
-                                                             ProgressMeter* meter) {
-  const std::size_t count = std::size_t{seen_.frame.width} * seen_.frame.height;
-  const std::vector<PixelRange> parts = split(count, is_shared() ? kMostFirstHits : count);
-  std::vector<std::uint32_t> triangles;
-  triangles.reserve(count);
-  BatchStatistics& statistics = seeing.statistics();
-  for (const PixelRange& pixels : parts) {
-    RayBatch batch = primary_rays(executor_, scene_.bounds, seen_.frame, pixels);
-    batch.part = parts.size() > 1;
-    const View<float> tests = seeing.pixel_tests;
-    const std::size_t known = statistics.plan.size();
-    const std::vector<RayHit> hits =
-        traced(batch, Facing::kSkipBackOfSingleSided, &statistics,
-               tests.empty() ? tests : tests.slice(pixels.first, pixels.count), meter);
-    if (known > 0) statistics.plan.resize(known);  // the first part's
-    for (const RayHit& hit : hits) triangles.push_back(hit.triangle);
-  }
-  return triangles;
+void ResidentGeometry::find_triangles(const Seeing& seeing, ProgressMeter* meter) {
+  const RayBatch batch = primary_rays(executor_, scene_.bounds, seen_.frame);
+  const std::vector<RayHit> hits = traced(batch, Facing::kSkipBackOfSingleSided,
+                                          &seeing.statistics(), seeing.pixel_tests, meter);
+  seen_.triangles.clear();
+  for (const RayHit& hit : hits) seen_.triangles.push_back(hit.triangle);
 }
 
 void ResidentGeometry::see_through(const Seeing& seeing, View<std::uint32_t> triangles,

@@ -35,8 +35,8 @@ class ResidentGeometry : public FrameGeometry, private HasLooks, public FlatGeom
                 View<float> ray_tests, ProgressMeter* meter, View<std::uint8_t> occluded) override;
 
  private:
-  [[nodiscard]] std::vector<std::uint32_t> trace_triangles(const Seeing& seeing,
-                                                           ProgressMeter* meter);
+  /// What each pixel sees, by rays.
+  void find_triangles(const Seeing& seeing, ProgressMeter* meter);
   /// What OpenGL of rank 0 shows: that of others may be another one.
   [[nodiscard]] std::vector<std::uint32_t> rasterize(Rasterizer& rasterizer,
                                                      const CameraFrame& frame) const;

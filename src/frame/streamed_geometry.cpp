@@ -105,7 +105,7 @@ std::size_t StreamedGeometry::look(const Seeing& seeing, ProgressMeter* meter) {
   return 1;
 }
 
-Fragments StreamedGeometry::first_hits(std::size_t /*group*/) {
+Fragments StreamedGeometry::first_hits(std::size_t /*group*/, const FirstHitTally& /*tally*/) {
   return std::move(first_hits_);
 }
 

@@ -18,7 +18,7 @@ class StreamedGeometry : public FrameGeometry {
   [[nodiscard]] std::size_t most_shadow_rays() const override { return most_shadow_rays_; }
   /// By rays.
   [[nodiscard]] std::size_t look(const Seeing& seeing, ProgressMeter* meter) override;
-  [[nodiscard]] Fragments first_hits(std::size_t group) override;
+  [[nodiscard]] Fragments first_hits(std::size_t group, const FirstHitTally& tally) override;
   [[nodiscard]] float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) override;
   /// A triangle's number is the ray's that met it.
   [[nodiscard]] std::vector<RayHit> trace(const RayBatch& batch, BatchStatistics* statistics,

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "exec/stopwatch.h"
+
 namespace raysheaf {
 namespace {
 
@@ -24,6 +26,27 @@ void add_part(EngineReport report, std::size_t rays, BatchStatistics* statistics
 }
 
 }  // namespace
+
+Fragments ThreadGeometry::first_hits(std::size_t group, const FirstHitTally& tally) {
+  if (seen_.known[group] == 0) find_first_hits(seen_.groups[group], tally);
+  seen_.known[group] = 1;
+  return FlatGeometry::first_hits(group, tally);
+}
+
+void ThreadGeometry::find_first_hits(const PixelRange& pixels, const FirstHitTally& tally) {
+  Stopwatch watch;
+  RayBatch batch = primary_rays(serial_, scene_.bounds, seen_.frame, pixels, Keys::kNone);
+  batch.part = true;
+  batch.tells_plan = tally.tells_plan;
+  BatchStatistics& statistics = tally.statistics();
+  statistics.times_ms.raygen += watch.lap_ms();
+  const View<float> tests = seen_.pixel_tests;
+  const std::vector<RayHit> hits =
+      traced(batch, Facing::kSkipBackOfSingleSided, &statistics,
+             tests.empty() ? tests : tests.slice(pixels.first, pixels.count), nullptr);
+  for (std::size_t i = 0; i < hits.size(); ++i)
+    seen_.triangles[pixels.first + i] = hits[i].triangle;
+}
 
 std::vector<RayHit> ThreadGeometry::meet(const RayBatch& batch, Facing facing,
                                          BatchStatistics* statistics, View<float> ray_tests,

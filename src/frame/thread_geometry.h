@@ -12,9 +12,12 @@ namespace raysheaf {
 class ThreadGeometry : public FlatGeometry {
  public:
   /// All must outlive it. The cache's tree is up to date when anything is traced.
-  ThreadGeometry(const SurfaceSource& source, bool blends, const SeenPixels& seen,
+  ThreadGeometry(const SurfaceSource& source, bool blends, SeenPixels& seen,
                  const TraceCache& cache)
-      : FlatGeometry(serial_, source, blends, seen), cache_(cache) {}
+      : FlatGeometry(serial_, source, blends, seen), seen_(seen), cache_(cache) {}
+
+  /// By rays, where they are not known.
+  [[nodiscard]] Fragments first_hits(std::size_t group, const FirstHitTally& tally) override;
 
   /// Every thread has as many.
   [[nodiscard]] std::size_t most_shadow_rays() const override { return std::size_t{1} << 18; }
@@ -27,6 +30,9 @@ class ThreadGeometry : public FlatGeometry {
                 View<float> ray_tests, ProgressMeter* meter, View<std::uint8_t> occluded) override;
 
  private:
+  void find_first_hits(const PixelRange& pixels, const FirstHitTally& tally);
+
+  SeenPixels& seen_;
   const Executor serial_ = Executor::serial();
   const TraceCache& cache_;
   TreeQueries queries_;
