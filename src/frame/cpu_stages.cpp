@@ -61,8 +61,10 @@ class CpuStages : public FrameStages {
     const std::size_t pixels = std::size_t{frame_.options.width} * frame_.options.height;
     const std::size_t kept = pixels <= kMostKept ? groups : groups * kMostKept / pixels;
     std::vector<std::vector<SkyPart>> of_groups(groups);
+    meter_.begin("first hits", groups);
     for_each_group(groups, [&](CpuPaths& paths, ProgressMeter& /*meter*/, std::size_t group) {
       of_groups[group] = paths.find_sky(group, group < std::max<std::size_t>(kept, 1));
+      meter_.advance(1);
     });
     std::vector<SkyPart> parts;
     for (const std::vector<SkyPart>& more : of_groups)
