@@ -35,10 +35,7 @@ class Reporter {
     report_->total_ms += ms;
   }
   void add(const DualCounts& counts) {
-    if (report_ == nullptr) return;
-    report_->bound_tests += counts.beam_box_tests;
-    report_->ray_bound_tests += counts.ray_box_tests;
-    report_->triangle_tests += counts.triangle_tests;
+    if (report_ != nullptr) report_->add(counts);
   }
 
  private:

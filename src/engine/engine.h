@@ -38,6 +38,11 @@ struct EngineReport {
   double order_ms = 0, hierarchy_ms = 0, trace_ms = 0, total_ms = 0;
   std::vector<std::string> plan;  ///< a sentence a choice, with the figures that decided it
 
+  void add(const DualCounts& counts) {
+    bound_tests += counts.beam_box_tests;
+    ray_bound_tests += counts.ray_box_tests;
+    triangle_tests += counts.triangle_tests;
+  }
   [[nodiscard]] std::uint64_t tests() const {
     return bound_tests + ray_bound_tests + triangle_tests;
   }

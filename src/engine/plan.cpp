@@ -118,7 +118,9 @@ void choose_bundle(const SceneHistory& scene, View<const Ray> rays, const Box* w
   plan->bundle = alike && tiny ? Bundle::kPacket : Bundle::kStream;
   if (!explain) return;
   plan->reasons.push_back(figures(
-      plan->disorder     ? "rays: sixteen in a row start %.0f %% of the batch's extent apart"
+      plan->disorder     ? whole != nullptr
+                               ? "rays: sixteen in a row start %.0f %% of the scene's extent apart"
+                               : "rays: sixteen in a row start %.0f %% of the batch's extent apart"
       : whole != nullptr ? "rays: not sorted, for sixteen in a row start within %.2g %% of the "
                            "scene's extent"
                          : "rays: not sorted, for sixteen in a row start within %.2g %% of the "

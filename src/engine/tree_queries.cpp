@@ -8,9 +8,7 @@ namespace raysheaf {
 namespace {
 
 void add(const DualCounts& counts, double ms, EngineReport* report) {
-  report->bound_tests += counts.beam_box_tests;
-  report->ray_bound_tests += counts.ray_box_tests;
-  report->triangle_tests += counts.triangle_tests;
+  report->add(counts);
   report->trace_ms += ms;
   report->total_ms += ms;
 }

@@ -18,13 +18,6 @@ bool starts_at_one_point(View<const Ray> rays) {
   return std::memcmp(&rays[0].origin, &rays[rays.size - 1].origin, sizeof(Vec3)) == 0;
 }
 
-EngineOptions counting(Facing facing) {
-  EngineOptions options;
-  options.facing = facing;
-  options.count = true;
-  return options;
-}
-
 }  // namespace
 
 std::vector<std::size_t> query_ends(const RayBatch& batch) {
@@ -110,7 +103,7 @@ void DualTracer::add_report(const EngineReport& report, std::size_t rays, bool w
 void DualTracer::find_occluded(const Executor& executor, const RayBatch& batch, Facing facing,
                                BatchStatistics* statistics, View<float> ray_tests,
                                View<std::uint8_t> occluded) {
-  const EngineOptions options = counting(facing);
+  const EngineOptions options = counting_options(facing);
   const std::vector<std::size_t> ends = query_ends(batch);
   for (std::size_t q = 0; q + 1 < ends.size(); ++q) {
     const std::size_t begin = ends[q], count = ends[q + 1] - begin;
@@ -139,7 +132,7 @@ std::vector<RayHit> DualTracer::trace(const Executor& executor, const RayBatch& 
                                       View<float> ray_tests) {
   std::vector<RayHit> hits(batch.rays.size());
   if (!asks_occlusion(batch)) {
-    find_closest(executor, batch, counting(facing), statistics, ray_tests, hits);
+    find_closest(executor, batch, counting_options(facing), statistics, ray_tests, hits);
     return hits;
   }
   occluded_.resize_uninitialized(hits.size());

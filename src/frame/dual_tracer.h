@@ -29,6 +29,11 @@ inline constexpr std::uint32_t kSomeTriangle = kInvalidId - 1;
   return asks_occlusion(batch.kind) && !batch.names_hits;
 }
 
+/// What a frame asks its engine for beside hits.
+[[nodiscard]] inline EngineOptions counting_options(Facing facing) {
+  return {facing, true};
+}
+
 /// What a frame did with the hierarchy over its triangles.
 struct TreeReport {
   bool used = false;

@@ -10,13 +10,6 @@
 namespace raysheaf {
 namespace {
 
-EngineOptions counting(Facing facing) {
-  EngineOptions options;
-  options.facing = facing;
-  options.count = true;
-  return options;
-}
-
 /// Of some of the picture's rays, and so it says.
 void add_part(EngineReport report, std::size_t rays, BatchStatistics* statistics) {
   for (std::string& sentence : report.plan)
@@ -54,8 +47,8 @@ std::vector<RayHit> ThreadGeometry::meet(const RayBatch& batch, Facing facing,
   std::vector<RayHit> hits(batch.rays.size());
   closest_.resize_uninitialized(hits.size());
   EngineReport report;
-  queries_.closest_hit(cache_.dual->engine(), batch.rays, counting(facing), batch.tells_plan,
-                       closest_, ray_tests, &report);
+  queries_.closest_hit(cache_.dual->engine(), batch.rays, counting_options(facing),
+                       batch.tells_plan, closest_, ray_tests, &report);
   add_part(std::move(report), hits.size(), statistics);
   for (std::size_t i = 0; i < hits.size(); ++i) {
     hits[i] = {closest_[i].t, closest_[i].triangle};
@@ -68,8 +61,8 @@ void ThreadGeometry::meet_any(const RayBatch& batch, bool /*early_out*/,
                               BatchStatistics* statistics, View<float> ray_tests,
                               ProgressMeter* /*meter*/, View<std::uint8_t> occluded) {
   EngineReport report;
-  queries_.any_hit(cache_.dual->engine(), batch.rays, counting(Facing::kBoth), batch.tells_plan,
-                   occluded, ray_tests, &report);
+  queries_.any_hit(cache_.dual->engine(), batch.rays, counting_options(Facing::kBoth),
+                   batch.tells_plan, occluded, ray_tests, &report);
   add_part(std::move(report), batch.rays.size(), statistics);
   statistics->hits += std::accumulate(occluded.begin(), occluded.end(), std::uint64_t{0});
 }
