@@ -56,7 +56,7 @@ class DeviceBatches {
     EngineReport report;
     find_closest({facing, key_bits}, &report, statistics);
     count_found_on(device_, hits_.view_const(), found_.data());
-    finish_batch(std::move(report), statistics);
+    finish_batch(report, statistics);
     return hits_.data();
   }
 
@@ -72,7 +72,7 @@ class DeviceBatches {
       engine_.any_hit(rays_.view_const(), query(Facing::kBoth, &report), occluded_.view());
     }
     count_occluded_on(device_, occluded_.view_const(), found_.data());
-    finish_batch(std::move(report), statistics);
+    finish_batch(report, statistics);
     return occluded_.data();
   }
 
@@ -152,10 +152,10 @@ class DeviceBatches {
     found_.resize_uninitialized("count", 1);
     device_.fill("count", found_.view(), 0);
   }
-  void finish_batch(EngineReport report, BatchStatistics* statistics) {
+  void finish_batch(const EngineReport& report, BatchStatistics* statistics) {
     statistics->hits += device_.read("count", found_.data());
     statistics->plan.push_back(where_all_is_);
-    add_engine_report(std::move(report), statistics);
+    add_engine_report(report, 0, statistics);
   }
 
   DeviceEngineOn<Device>& engine_;

@@ -89,14 +89,15 @@ PixelIds ids_of(const FlatScene& scene, std::uint32_t triangle) {
   return {mesh.inst_id, mesh.geom_id, triangle - mesh.first_triangle};
 }
 
-void add_engine_report(EngineReport report, BatchStatistics* statistics) {
+void add_engine_report(const EngineReport& report, std::size_t part, BatchStatistics* statistics) {
   statistics->bound_tests += report.bound_tests;
   statistics->ray_bound_tests += report.ray_bound_tests;
   statistics->final_tests += report.triangle_tests;
   statistics->times_ms.order += report.order_ms;
   statistics->times_ms.hierarchy += report.hierarchy_ms;
   statistics->times_ms.traverse += report.trace_ms;
-  for (std::string& sentence : report.plan) statistics->plan.push_back(std::move(sentence));
+  const std::string of = part == 0 ? "" : "[" + std::to_string(part) + " rays] ";
+  for (const std::string& sentence : report.plan) statistics->plan.push_back(of + sentence);
 }
 
 namespace {

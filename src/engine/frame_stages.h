@@ -176,8 +176,9 @@ class DeviceStages : public FrameStages, public PathStages {
 /// The names of a triangle, or none.
 [[nodiscard]] PixelIds ids_of(const FlatScene& scene, std::uint32_t triangle);
 
-/// Adds what an engine did for a batch.
-void add_engine_report(EngineReport report, BatchStatistics* statistics);
+/// Adds what an engine did for a batch, or for `part` of its rays, as its plan then says; 0: for
+/// all of them.
+void add_engine_report(const EngineReport& report, std::size_t part, BatchStatistics* statistics);
 
 /// Adds the tests of a hierarchy of rays; not their times.
 void add_counts(const TraverseCounts& counts, BatchStatistics* statistics);

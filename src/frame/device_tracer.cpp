@@ -115,7 +115,7 @@ std::vector<RayHit> DeviceTracer::trace(const Executor& executor, const RayBatch
     });
   }
   for (std::size_t i = 0; i < tests.size(); ++i) ray_tests[i] += tests[i];
-  add_engine_report(std::move(report), statistics);
+  add_engine_report(report, 0, statistics);
   return hits;
 }
 

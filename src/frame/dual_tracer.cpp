@@ -4,6 +4,7 @@
 #include <cstring>
 #include <string>
 
+#include "engine/frame_stages.h"
 #include "exec/stopwatch.h"
 
 namespace raysheaf {
@@ -90,14 +91,7 @@ EngineReport DualTracer::prepare_tree(const Executor& executor) {
 void DualTracer::add_report(const EngineReport& report, std::size_t rays, bool whole,
                             BatchStatistics* statistics) {
   tree_.add({report.used_tree, report.tree, report.used_tree ? report.hierarchy_ms : 0});
-  statistics->bound_tests += report.bound_tests;
-  statistics->ray_bound_tests += report.ray_bound_tests;
-  statistics->final_tests += report.triangle_tests;
-  statistics->times_ms.order += report.order_ms;
-  statistics->times_ms.hierarchy += report.hierarchy_ms;
-  statistics->times_ms.traverse += report.trace_ms;
-  const std::string of = whole ? "" : "[" + std::to_string(rays) + " rays] ";
-  for (const std::string& sentence : report.plan) statistics->plan.push_back(of + sentence);
+  add_engine_report(report, whole ? 0 : rays, statistics);
 }
 
 void DualTracer::find_occluded(const Executor& executor, const RayBatch& batch, Facing facing,

@@ -10,11 +10,8 @@
 namespace raysheaf {
 namespace {
 
-/// Of some of the picture's rays, and so it says.
-void add_part(EngineReport report, std::size_t rays, BatchStatistics* statistics) {
-  for (std::string& sentence : report.plan)
-    sentence.insert(0, "[" + std::to_string(rays) + " rays] ");
-  add_engine_report(std::move(report), statistics);
+void add_part(const EngineReport& report, std::size_t rays, BatchStatistics* statistics) {
+  add_engine_report(report, rays, statistics);
   statistics->rays += rays;
 }
 
@@ -49,7 +46,7 @@ std::vector<RayHit> ThreadGeometry::meet(const RayBatch& batch, Facing facing,
   EngineReport report;
   queries_.closest_hit(cache_.dual->engine(), batch.rays, counting_options(facing),
                        batch.tells_plan, closest_, ray_tests, &report);
-  add_part(std::move(report), hits.size(), statistics);
+  add_part(report, hits.size(), statistics);
   for (std::size_t i = 0; i < hits.size(); ++i) {
     hits[i] = {closest_[i].t, closest_[i].triangle};
     statistics->hits += hits[i].found() ? 1 : 0;
@@ -63,7 +60,7 @@ void ThreadGeometry::meet_any(const RayBatch& batch, bool /*early_out*/,
   EngineReport report;
   queries_.any_hit(cache_.dual->engine(), batch.rays, counting_options(Facing::kBoth),
                    batch.tells_plan, occluded, ray_tests, &report);
-  add_part(std::move(report), batch.rays.size(), statistics);
+  add_part(report, batch.rays.size(), statistics);
   statistics->hits += std::accumulate(occluded.begin(), occluded.end(), std::uint64_t{0});
 }
 

@@ -171,10 +171,10 @@ std::vector<RayHit> trace_dual(const Executor& executor, const FlatScene& scene,
 
 /// Of a device that ordered its rays.
 template <class Outcome>
-void add_ordered(const Outcome& outcome, EngineReport report, BatchStatistics* statistics) {
+void add_ordered(const Outcome& outcome, const EngineReport& report, BatchStatistics* statistics) {
   statistics->chunks += outcome.chunks;
   add_counts(outcome.counts, statistics);
-  add_engine_report(std::move(report), statistics);
+  add_engine_report(report, 0, statistics);
 }
 
 std::vector<RayHit> trace_on_device(const Executor& executor, const FlatScene& scene,
@@ -196,7 +196,7 @@ std::vector<RayHit> trace_on_device(const Executor& executor, const FlatScene& s
     query.report = &report;
     PairOutcome outcome;
     std::vector<RayHit> hits = device.trace_pairs(executor, batch, query, by_key, &outcome);
-    add_ordered(outcome, std::move(report), statistics);
+    add_ordered(outcome, report, statistics);
     return hits;
   }
   if (method.traversal == Traversal::kPackets) {
@@ -207,7 +207,7 @@ std::vector<RayHit> trace_on_device(const Executor& executor, const FlatScene& s
     PacketOutcome outcome;
     const Bvh& bvh = cache.hierarchy(executor, scene);
     std::vector<RayHit> hits = device.trace_packets(executor, bvh, batch, query, by_key, &outcome);
-    add_ordered(outcome, std::move(report), statistics);
+    add_ordered(outcome, report, statistics);
     return hits;
   }
   const bool brute = method.traversal == Traversal::kBruteForce;

@@ -46,22 +46,22 @@ HWY_INLINE F3 unit(const D3& a, FM* known) {
           hn::DemoteTo(df, hn::Div(a.z, size))};
 }
 
-/// A ray's components as its triangle's test has them (intersect/triangle_body.h).
+/// A ray's components as its triangle's test has them (intersect/triangle_body.h), but for the turn
+/// of x and y where a ray runs against its axis: that turns the sign of all three edge functions
+/// and of their sum, and so of no quotient.
 struct Sheared {
-  FM is_x, is_y, turned;
+  FM is_x, is_y;
   F shear_x, shear_y;
 
   HWY_INLINE F along(const F3& a) const {
     return hn::IfThenElse(is_x, a.x, hn::IfThenElse(is_y, a.y, a.z));
   }
-  HWY_INLINE F next(const F3& a) const {
+  HWY_INLINE F across(const F3& a) const {
     return hn::IfThenElse(is_x, a.y, hn::IfThenElse(is_y, a.z, a.x));
   }
-  HWY_INLINE F last(const F3& a) const {
+  HWY_INLINE F up(const F3& a) const {
     return hn::IfThenElse(is_x, a.z, hn::IfThenElse(is_y, a.x, a.y));
   }
-  HWY_INLINE F across(const F3& a) const { return hn::IfThenElse(turned, last(a), next(a)); }
-  HWY_INLINE F up(const F3& a) const { return hn::IfThenElse(turned, next(a), last(a)); }
   /// x and y sheared, z as it is.
   HWY_INLINE F3 operator()(const F3& a) const {
     const F z = along(a);
@@ -82,7 +82,6 @@ LaneBits FindWeights(SurfaceColumns* columns) {
     s.is_x = hn::And(x_over_y, hn::Gt(m.x, m.z));
     s.is_y = hn::AndNot(x_over_y, hn::Gt(m.y, m.z));
     const F along = s.along(direction);
-    s.turned = hn::Lt(along, zero);
     s.shear_x = hn::Div(s.across(direction), along);
     s.shear_y = hn::Div(s.up(direction), along);
     const F shear_z = hn::Div(set(1), along);
