@@ -214,14 +214,15 @@ Fragments CpuPaths::first_hits(std::size_t group) {
       {[this]() -> BatchStatistics& { return tally_.batch(RayKind::kPrimary, 0); }, tells_plan});
 }
 
-std::vector<SkyPart> CpuPaths::find_sky(std::size_t group, bool keep) {
+void CpuPaths::find_sky(std::size_t group, bool keep, View<SkyPart> parts) {
   watch_.lap_ms();
   Fragments fragments = first_hits(group);
   statistics().raster_ms += watch_.lap_ms();
-  std::vector<SkyPart> parts = sky_parts(executor_, fragments, frame_.lights);
+  const std::vector<SkyPart> found = sky_parts(executor_, fragments, frame_.lights);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    parts[fragments[i * kSkyPart].pixel / kSkyPart] = found[i];
   statistics().shade_ms += watch_.lap_ms();
   if (keep) frame_.kept[group] = std::move(fragments);
-  return parts;
 }
 
 }  // namespace raysheaf

@@ -52,8 +52,9 @@ class CpuPaths : public PathStages {
   Set merged(Set a, Set b) override;
   Set split_off(FragmentSet& set, std::size_t first) override;
 
-  /// What the automatic sky is made of (shade/shade.h), of a group. `keep`: its first hits stay.
-  [[nodiscard]] std::vector<SkyPart> find_sky(std::size_t group, bool keep);
+  /// What the automatic sky is made of (shade/shade.h), of a group, to its places among the
+  /// picture's `parts`. `keep`: its first hits stay.
+  void find_sky(std::size_t group, bool keep, View<SkyPart> parts);
 
  private:
   /// Of each slot of a batch of shadow rays.

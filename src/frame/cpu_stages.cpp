@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/bits.h"
 #include "frame/cpu_paths.h"
 
 namespace raysheaf {
@@ -60,15 +61,12 @@ class CpuStages : public FrameStages {
     const std::size_t groups = frame_.kept.size();
     const std::size_t pixels = std::size_t{frame_.options.width} * frame_.options.height;
     const std::size_t kept = pixels <= kMostKept ? groups : groups * kMostKept / pixels;
-    std::vector<std::vector<SkyPart>> of_groups(groups);
+    std::vector<SkyPart> parts(div_ceil(pixels, kSkyPart));
     meter_.begin("first hits", groups);
     for_each_group(groups, [&](CpuPaths& paths, ProgressMeter& /*meter*/, std::size_t group) {
-      of_groups[group] = paths.find_sky(group, group < std::max<std::size_t>(kept, 1));
+      paths.find_sky(group, group < std::max<std::size_t>(kept, 1), parts);
       meter_.advance(1);
     });
-    std::vector<SkyPart> parts;
-    for (const std::vector<SkyPart>& more : of_groups)
-      parts.insert(parts.end(), more.begin(), more.end());
     return sky_of_parts(parts);
   }
 

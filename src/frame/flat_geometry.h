@@ -15,7 +15,7 @@ namespace raysheaf {
 struct SeenPixels {
   CameraFrame frame;
   std::vector<std::uint32_t> triangles;  ///< of each pixel
-  std::vector<PixelRange> groups;
+  std::vector<PixelGroup> groups;
   std::vector<std::uint8_t> known;  ///< of each group, whether they are found
   View<float> pixel_tests;          ///< of rays that find them; may be empty
 };

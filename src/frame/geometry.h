@@ -76,7 +76,7 @@ struct SharedWork {
 class FrameGeometry : public virtual PathGeometry {
  public:
   /// Finds what the pixels of a picture see, or leaves that to `first_hits`; returns in how many
-  /// groups, rows from the top, they are best followed. Of whole `kSkyPart`s (shade/shade.h).
+  /// groups they are best followed. Of whole `kSkyPart`s (shade/shade.h) of the picture.
   [[nodiscard]] virtual std::size_t look(const Seeing& seeing, ProgressMeter* meter) = 0;
   /// The depth of what the middle of the picture shows, seen from the eye; where that is nothing,
   /// of the scene's farthest corner.

@@ -9,8 +9,22 @@
 #include "raster/rasterizer.h"
 #include "raster/resolve.h"
 #include "raygen/hash_body.h"
+#include "shade/shade.h"
 
 namespace raysheaf {
+namespace {
+
+/// Pixels that a thread follows together, with all their bounces: few enough that what their rays
+/// need, about 1 KB each, stays in its caches, and enough for a stream of rays to a light. A part
+/// of a small picture, so that there is work for all threads.
+std::size_t group_pixels(std::size_t pixels) {
+  constexpr std::size_t kMost = 4096, kGroups = 64;
+  const std::size_t part = (pixels / kGroups + kSkyPart - 1) / kSkyPart * kSkyPart;
+  return std::clamp(part, kSkyPart, kMost);
+}
+
+}  // namespace
+
 std::vector<std::uint32_t> rasterize_primary(const Executor& executor, Rasterizer& rasterizer,
                                              const FlatScene& scene, const CameraFrame& frame) {
   std::vector<std::uint32_t> drawn;
@@ -20,19 +34,35 @@ std::vector<std::uint32_t> rasterize_primary(const Executor& executor, Rasterize
   return triangles;
 }
 
-std::vector<PixelRange> split(std::size_t count, std::size_t most) {
-  std::vector<PixelRange> ranges;
-  for (std::size_t first = 0; first < count; first += most)
-    ranges.push_back({first, std::min(most, count - first)});
-  return ranges;
+PixelGroup all_pixels(PictureSize size) {
+  const std::size_t count = std::size_t{size.width} * size.height;
+  return {0, count, std::max<std::size_t>(count, 1), count};
+}
+
+std::vector<PixelGroup> groups_of(PictureSize size) {
+  const std::size_t width = size.width, pixels = width * size.height;
+  const std::size_t most = group_pixels(pixels);
+  std::vector<PixelGroup> groups;
+  if (width % kSkyPart != 0) {
+    for (std::size_t first = 0; first < pixels; first += most)
+      groups.push_back({first, std::min(most, pixels - first), most, most});
+    return groups;
+  }
+  const std::size_t rows = most / kSkyPart;
+  for (std::size_t y = 0; y < size.height; y += rows) {
+    const std::size_t count = std::min(rows, size.height - y) * kSkyPart;
+    for (std::size_t x = 0; x < width; x += kSkyPart)
+      groups.push_back({y * width + x, count, kSkyPart, width});
+  }
+  return groups;
 }
 
 RayBatch primary_rays(const Executor& executor, const Box& bounds, const CameraFrame& frame) {
-  return primary_rays(executor, bounds, frame, {0, std::size_t{frame.width} * frame.height});
+  return primary_rays(executor, bounds, frame, all_pixels({frame.width, frame.height}));
 }
 
 RayBatch primary_rays(const Executor& executor, const Box& bounds, const CameraFrame& frame,
-                      const PixelRange& pixels, Keys keys) {
+                      const PixelGroup& pixels, Keys keys) {
   RayBatch batch;
   batch.kind = RayKind::kPrimary;
   batch.bounce = 0;
@@ -43,7 +73,7 @@ RayBatch primary_rays(const Executor& executor, const Box& bounds, const CameraF
   batch.keys.resize(keyed ? pixels.count : 0);
   batch.pixels.resize(keyed ? pixels.count : 0);
   executor.for_each(pixels.count, kWorkGrain, [&](std::size_t i) {
-    const auto pixel = static_cast<std::uint32_t>(pixels.first + i);
+    const auto pixel = static_cast<std::uint32_t>(pixels.pixel(i));
     batch.rays[i] = camera_ray(frame, pixel % frame.width, pixel / frame.width);
     if (!keyed) return;
     batch.pixels[i] = pixel;
@@ -87,12 +117,13 @@ Fragments fetch_fragments(const Executor& executor, const FlatScene& scene,
                           const TextureSet& textures, const CameraFrame& frame,
                           View<const std::uint32_t> triangles) {
   const std::vector<MaterialLook> looks = material_looks(*scene.description);
-  return fetch_fragments(executor, {scene, textures, looks}, frame, triangles, {0, triangles.size});
+  return fetch_fragments(executor, {scene, textures, looks}, frame, triangles,
+                         all_pixels({frame.width, frame.height}));
 }
 
 Fragments fetch_fragments(const Executor& executor, const SurfaceSource& source,
                           const CameraFrame& frame, View<const std::uint32_t> triangles,
-                          const PixelRange& pixels) {
+                          const PixelGroup& pixels) {
   Fragments fragments(pixels.count);
   executor.for_each_block(pixels.count, kWorkGrain, [&](std::size_t begin, std::size_t end) {
     SurfaceFetcher fetcher(source);
@@ -101,7 +132,7 @@ Fragments fetch_fragments(const Executor& executor, const SurfaceSource& source,
       const std::size_t count = std::min(kFetchedTogether, end - first);
       for (std::size_t i = 0; i < count; ++i) {
         Fragment& f = fragments[first + i] = {};
-        f.pixel = static_cast<std::uint32_t>(pixels.first + first + i);
+        f.pixel = static_cast<std::uint32_t>(pixels.pixel(first + i));
         f.triangle = triangles[f.pixel];
         rays[i] = camera_ray(frame, f.pixel % frame.width, f.pixel / frame.width);
       }

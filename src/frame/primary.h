@@ -17,21 +17,30 @@ namespace raysheaf {
 
 class Rasterizer;
 
-/// Some pixels of a picture, rows from the top.
-struct PixelRange {
-  std::size_t first = 0, count = 0;
-};
-
-/// All of `count` pixels, at most `most` each.
-[[nodiscard]] std::vector<PixelRange> split(std::size_t count, std::size_t most);
-
 struct PictureSize {
   std::uint32_t width = 0, height = 0;
 };
 
-/// A ray a pixel, rows from the top. `bounds`: of the scene.
+/// Some pixels of a picture, numbered in rows from the top: runs of neighbours, each as far from
+/// the one before it. They ascend.
+struct PixelGroup {
+  std::size_t first = 0, count = 0;
+  std::size_t run = 1, stride = 1;  ///< pixels of a run; from its first to the next one's
+
+  [[nodiscard]] std::size_t pixel(std::size_t i) const {
+    return first + i / run * stride + i % run;
+  }
+};
+
+[[nodiscard]] PixelGroup all_pixels(PictureSize size);
+/// All pixels once, for threads to follow: of a size that goes by the picture's, and each of whole
+/// `kSkyPart`s (shade/shade.h) of the picture. Tiles a `kSkyPart` wide, for what stands close
+/// together sees the same, where the picture is whole ones wide; or else rows.
+[[nodiscard]] std::vector<PixelGroup> groups_of(PictureSize size);
+
+/// A ray a pixel of the group, or of all, in their order. `bounds`: of the scene.
 [[nodiscard]] RayBatch primary_rays(const Executor& executor, const Box& bounds,
-                                    const CameraFrame& frame, const PixelRange& pixels,
+                                    const CameraFrame& frame, const PixelGroup& pixels,
                                     Keys keys = Keys::kMade);
 [[nodiscard]] RayBatch primary_rays(const Executor& executor, const Box& bounds,
                                     const CameraFrame& frame);
@@ -55,11 +64,12 @@ struct PictureSize {
     const MethodSettings& method, BatchStatistics* statistics, View<float> pixel_tests,
     ProgressMeter* meter, TraceCache* cache = nullptr);
 
-/// One fragment a pixel, with the attributes of the triangle there. `triangles`: of all pixels.
+/// One fragment a pixel of the group, or of all, with the attributes of the triangle there.
+/// `triangles`: of all pixels.
 [[nodiscard]] Fragments fetch_fragments(const Executor& executor, const SurfaceSource& source,
                                         const CameraFrame& frame,
                                         View<const std::uint32_t> triangles,
-                                        const PixelRange& pixels);
+                                        const PixelGroup& pixels);
 [[nodiscard]] Fragments fetch_fragments(const Executor& executor, const FlatScene& scene,
                                         const TextureSet& textures, const CameraFrame& frame,
                                         View<const std::uint32_t> triangles);

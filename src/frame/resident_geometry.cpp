@@ -7,22 +7,8 @@
 #include "frame/frame.h"
 #include "frame/primary.h"
 #include "frame/thread_geometry.h"
-#include "shade/shade.h"
 
 namespace raysheaf {
-
-namespace {
-
-/// Pixels that a thread follows together, with all their bounces: few enough that what their rays
-/// need, about 1 KB each, stays in its caches, and enough for a stream of rays to a light. A part
-/// of a small picture, so that there is work for all threads.
-std::size_t group_pixels(std::size_t pixels) {
-  constexpr std::size_t kMost = 4096, kGroups = 64;
-  const std::size_t part = (pixels / kGroups + kSkyPart - 1) / kSkyPart * kSkyPart;
-  return std::clamp(part, kSkyPart, kMost);
-}
-
-}  // namespace
 
 ResidentGeometry::ResidentGeometry(const Executor& executor, const FlatScene& scene,
                                    const TextureSet& textures, const RenderOptions& options,
@@ -38,8 +24,8 @@ ResidentGeometry::ResidentGeometry(const Executor& executor, const FlatScene& sc
 
 std::size_t ResidentGeometry::look(const Seeing& seeing, ProgressMeter* meter) {
   seen_.frame = seeing.frame;
-  const std::size_t pixels = std::size_t{seen_.frame.width} * seen_.frame.height;
-  seen_.groups = split(pixels, is_shared() ? group_pixels(pixels) : pixels);
+  const PictureSize size{seen_.frame.width, seen_.frame.height};
+  seen_.groups = is_shared() ? groups_of(size) : std::vector<PixelGroup>{all_pixels(size)};
   const bool left = seeing.rasterizer == nullptr && is_shared();  // to the threads
   seen_.known.assign(seen_.groups.size(), left ? 0 : 1);
   seen_.pixel_tests = seeing.pixel_tests;
@@ -48,7 +34,7 @@ std::size_t ResidentGeometry::look(const Seeing& seeing, ProgressMeter* meter) {
     seen_.triangles = rasterize(*seeing.rasterizer, seen_.frame);
     if (cutouts_.any()) see_through(seeing, seen_.triangles, meter);
   } else if (left) {
-    seen_.triangles.resize(pixels);
+    seen_.triangles.resize(std::size_t{size.width} * size.height);
   } else {
     find_triangles(seeing, meter);
   }

@@ -22,19 +22,18 @@ Fragments ThreadGeometry::first_hits(std::size_t group, const FirstHitTally& tal
   return FlatGeometry::first_hits(group, tally);
 }
 
-void ThreadGeometry::find_first_hits(const PixelRange& pixels, const FirstHitTally& tally) {
+void ThreadGeometry::find_first_hits(const PixelGroup& pixels, const FirstHitTally& tally) {
   Stopwatch watch;
   RayBatch batch = primary_rays(serial_, scene_.bounds, seen_.frame, pixels, Keys::kNone);
   batch.part = true;
   batch.tells_plan = tally.tells_plan;
   BatchStatistics& statistics = tally.statistics();
   statistics.times_ms.raygen += watch.lap_ms();
-  const View<float> tests = seen_.pixel_tests;
+  std::vector<float> tests(seen_.pixel_tests.empty() ? 0 : pixels.count);
   const std::vector<RayHit> hits =
-      traced(batch, Facing::kSkipBackOfSingleSided, &statistics,
-             tests.empty() ? tests : tests.slice(pixels.first, pixels.count), nullptr);
-  for (std::size_t i = 0; i < hits.size(); ++i)
-    seen_.triangles[pixels.first + i] = hits[i].triangle;
+      traced(batch, Facing::kSkipBackOfSingleSided, &statistics, tests, nullptr);
+  for (std::size_t i = 0; i < hits.size(); ++i) seen_.triangles[pixels.pixel(i)] = hits[i].triangle;
+  for (std::size_t i = 0; i < tests.size(); ++i) seen_.pixel_tests[pixels.pixel(i)] += tests[i];
 }
 
 std::vector<RayHit> ThreadGeometry::meet(const RayBatch& batch, Facing facing,

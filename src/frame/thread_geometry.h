@@ -30,7 +30,7 @@ class ThreadGeometry : public FlatGeometry {
                 View<float> ray_tests, ProgressMeter* meter, View<std::uint8_t> occluded) override;
 
  private:
-  void find_first_hits(const PixelRange& pixels, const FirstHitTally& tally);
+  void find_first_hits(const PixelGroup& pixels, const FirstHitTally& tally);
 
   SeenPixels& seen_;
   const Executor serial_ = Executor::serial();

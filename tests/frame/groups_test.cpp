@@ -2,7 +2,11 @@
 // them at once, and the same counts with any number of threads.
 #include <gtest/gtest.h>
 
+#include <vector>
+
+#include "frame/primary.h"
 #include "raysheaf/render.h"
+#include "shade/shade.h"
 #include "support/pictures.h"
 
 namespace raysheaf {
@@ -39,6 +43,52 @@ void expect_as_whole(const SceneDescription& scene, RenderOptions options) {
     for (const std::string& sentence : ours[i].plan)
       EXPECT_TRUE(sentence.starts_with("[") || sentence.starts_with("object tree: ")) << sentence;
   }
+}
+
+/// Every pixel once, ascending within a group; and each group's parts are parts of the picture.
+void expect_groups_hold_all(PictureSize size) {
+  const std::size_t pixels = std::size_t{size.width} * size.height;
+  std::vector<int> held(pixels);
+  for (const PixelGroup& group : groups_of(size)) {
+    ASSERT_GT(group.count, 0u);
+    ASSERT_LE(group.count, 4096u);
+    for (std::size_t i = 0; i < group.count; ++i) {
+      const std::size_t pixel = group.pixel(i);
+      ASSERT_LT(pixel, pixels);
+      ++held[pixel];
+      if (i > 0) {
+        ASSERT_GT(pixel, group.pixel(i - 1));
+      }
+      const std::size_t start = group.pixel(i / kSkyPart * kSkyPart);
+      ASSERT_EQ(start % kSkyPart, 0u);
+      ASSERT_EQ(pixel - start, i % kSkyPart);
+    }
+  }
+  EXPECT_EQ(held, std::vector<int>(pixels, 1));
+}
+
+TEST(Groups, HoldEveryPixelOnce) {
+  for (const PictureSize size : {PictureSize{1, 1},
+                                 {64, 1},
+                                 {64, 64},
+                                 {63, 65},
+                                 {128, 77},
+                                 {500, 333},
+                                 {512, 512},
+                                 {640, 1100},
+                                 {1000, 70},
+                                 {1920, 1080}}) {
+    SCOPED_TRACE(testing::Message() << size.width << " x " << size.height);
+    expect_groups_hold_all(size);
+  }
+}
+
+TEST(Groups, AreTilesWhereThePictureIsWholeOnesWide) {
+  const std::vector<PixelGroup> groups = groups_of({512, 512});
+  ASSERT_EQ(groups.size(), 64u);
+  EXPECT_EQ(groups[9].first, 64u * 512 + 64);
+  EXPECT_EQ(groups[9].pixel(4095), 127u * 512 + 127);
+  EXPECT_EQ(groups_of({500, 512})[1].first, 4032u);
 }
 
 TEST(Groups, SayAndCountTheSameWithAnyNumberOfThreads) {
@@ -116,13 +166,13 @@ TEST(Groups, AreToldAsOneStageAndCanBeCancelled) {
       EXPECT_EQ(told, 0u) << progress.stage;
       return true;
     }
-    EXPECT_EQ(progress.total, 138u);
+    EXPECT_EQ(progress.total, 144u);
     EXPECT_GE(progress.done, told);
     told = progress.done;
     return true;
   };
   (void)render(test::ball_on_floor(), options);
-  EXPECT_EQ(told, 138u);
+  EXPECT_EQ(told, 144u);
   options.progress = [](const Progress& progress) {
     return progress.stage != "parts" || progress.done < 1;
   };
