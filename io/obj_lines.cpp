@@ -36,6 +36,13 @@ std::string_view take_word(std::string_view& text) {
   return word;
 }
 
+/// By hand: `find_first_of` calls a function for every letter.
+std::size_t line_size(std::string_view text) {
+  std::size_t i = 0;
+  while (i < text.size() && text[i] != '\n' && text[i] != '\r') ++i;
+  return i;
+}
+
 enum class Reference { kRight, kMalformed, kZero, kTooLarge };
 
 /// "7", "-1/2", "3//4" or "1/2/3".
@@ -127,7 +134,7 @@ bool ObjLines::next_line() {
   current_.clear();
   line_ = next_line_;
   for (bool more = true; more && !text_.empty();) {
-    const std::size_t end = std::min(text_.find_first_of("\r\n"), text_.size());
+    const std::size_t end = line_size(text_);
     std::string_view part = text_.substr(0, end);
     const bool pair = text_.substr(end, 2) == "\r\n";
     text_.remove_prefix(std::min(end + (pair ? 2 : 1), text_.size()));
