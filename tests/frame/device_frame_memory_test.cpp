@@ -28,14 +28,14 @@ void expect_memory_may_run_out(const SceneDescription& scene, const RenderOption
       fresh.show(scene);
       allocator.let(allocations);
       try {
-        expect_same_picture(fresh.render(options), here);
+        test::expect_same_picture(fresh.render(options), here);
         break;
       } catch (const Error& error) {
         EXPECT_EQ(error.code(), ErrorCode::kOutOfMemory) << error.what();
         EXPECT_FALSE(error.place().empty());
       }
       allocator.let(test::FailingAllocator::kAlways);
-      if (allocations % 8 == 0) expect_same_picture(fresh.render(options), here);
+      if (allocations % 8 == 0) test::expect_same_picture(fresh.render(options), here);
     }
     EXPECT_GT(allocations, 40u);
     allocator.let(test::FailingAllocator::kAlways);

@@ -52,7 +52,7 @@ RenderResult expect_the_cpus(const Context& context, const SceneDescription& sce
                              const RenderOptions& options) {
   const RenderResult here = render(scene, options);
   RenderResult there = render(context, scene, options);
-  expect_same_picture(there, here);
+  test::expect_same_picture(there, here);
   const auto &a = there.statistics.batches, &b = here.statistics.batches;
   EXPECT_EQ(a.size(), b.size());
   // A device's `dual` has other bundles.
@@ -147,7 +147,7 @@ void expect_frames_of_a_change(const Context& context, Method method) {
   options.samples = 2;
   for (int frame = 0; frame < 6; ++frame) {
     SCOPED_TRACE(frame);
-    expect_same_picture(there.render(options), here.render(options));
+    test::expect_same_picture(there.render(options), here.render(options));
     SceneChanges changes;
     if (frame == 1 || frame == 3) {
       changes.moved = {2};

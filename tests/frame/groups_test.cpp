@@ -8,6 +8,7 @@
 #include "raysheaf/render.h"
 #include "shade/shade.h"
 #include "support/pictures.h"
+#include "support/same_picture.h"
 
 namespace raysheaf {
 namespace {
@@ -23,15 +24,7 @@ void expect_as_whole(const SceneDescription& scene, RenderOptions options) {
   const RenderResult whole = render(scene, options);
   options.method = Method::kDual;
   const RenderResult groups = render(scene, options);
-  EXPECT_TRUE(test::same_bits(groups.beauty, whole.beauty));
-  EXPECT_TRUE(test::same_bits(groups.position, whole.position));
-  EXPECT_TRUE(test::same_bits(groups.normal, whole.normal));
-  EXPECT_TRUE(test::same_bits(groups.albedo, whole.albedo));
-  EXPECT_EQ(groups.shadow, whole.shadow);
-  EXPECT_EQ(groups.ambient, whole.ambient);
-  EXPECT_EQ(groups.exposure, whole.exposure);
-  for (std::size_t i = 0; i < whole.ids.size(); ++i)
-    ASSERT_EQ(groups.ids[i].prim_id, whole.ids[i].prim_id) << i;
+  test::expect_same_picture(groups, whole);
   const auto &ours = groups.statistics.batches, &theirs = whole.statistics.batches;
   ASSERT_EQ(ours.size(), theirs.size());
   for (std::size_t i = 0; i < ours.size(); ++i) {

@@ -1,31 +1,15 @@
 // Frames of what streams are those of the scene in memory, bit for bit.
 #include <gtest/gtest.h>
 
-#include <cstring>
-
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 #include "raysheaf/stream.h"
+#include "support/same_picture.h"
 #include "support/scenes.h"
 
 namespace raysheaf::test {
 namespace {
-
-template <class T>
-bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
-}
-
-void expect_same_picture(const RenderResult& a, const RenderResult& b) {
-  EXPECT_TRUE(same_bits(a.beauty, b.beauty));
-  EXPECT_TRUE(same_bits(a.position, b.position));
-  EXPECT_TRUE(same_bits(a.normal, b.normal));
-  EXPECT_TRUE(same_bits(a.albedo, b.albedo));
-  EXPECT_TRUE(same_bits(a.ids, b.ids));
-  EXPECT_TRUE(same_bits(a.shadow, b.shadow));
-  EXPECT_EQ(a.exposure, b.exposure);
-}
 
 RenderOptions small_picture() {
   RenderOptions options;
