@@ -158,6 +158,9 @@ class SequenceAnimation final : public Animation {
       for (std::size_t i = 0; i < files_.frames.size(); ++i)
         files_.times.push_back(static_cast<double>(i) / kUsualRate);
     }
+    if (options_.preload) {
+      for (std::size_t i = 0; i < files_.frames.size(); ++i) kept_.push_back(load(i));
+    }
     show(0);
     validate(scene_);
   }
@@ -205,28 +208,31 @@ class SequenceAnimation final : public Animation {
     }
   }
 
+  SceneDescription load(std::size_t index) {
+    return io::load_part(files_.frames[index], options_, &images_);
+  }
+
   /// The frame's own part.
   SceneDescription read(std::size_t index) {
+    if (!kept_.empty()) return kept_[index];
     if (ahead_.valid()) {
       ahead_.wait();  // they share images
       if (ahead_index_ == index && ahead_stamp_ == stamp_of(files_.frames[index]))
         return ahead_.get();
       ahead_ = {};
     }
-    return io::load_part(files_.frames[index], options_, &images_);
+    return load(index);
   }
 
   /// Begins to read the frame that comes after `index` where steps go on as the last one did: it
   /// is there when it is wanted, unless its file is another one then.
   void read_ahead(std::size_t index) {
     const std::size_t next = shown_ == kNone ? index + 1 : index + (index - shown_);
-    if (next >= files_.frames.size()) return;
+    if (next >= files_.frames.size() || !kept_.empty()) return;
     ahead_index_ = next;
     ahead_stamp_ = stamp_of(files_.frames[next]);
     try {
-      ahead_ = std::async(std::launch::async, [this, next] {
-        return io::load_part(files_.frames[next], options_, &images_);
-      });
+      ahead_ = std::async(std::launch::async, [this, next] { return load(next); });
     } catch (const std::system_error&) {
       // Without a thread it is read when it is shown.
     }
@@ -311,6 +317,7 @@ class SequenceAnimation final : public Animation {
   std::size_t shown_ = kNone;
   std::size_t frame_lights_ = 0, frame_cameras_ = 0;  ///< that the frame brought
   std::vector<std::string> names_{"sequence"};
+  std::vector<SceneDescription> kept_;  ///< where frames were preloaded: all of them
   std::size_t ahead_index_ = kNone;
   FileStamp ahead_stamp_;
   std::future<SceneDescription> ahead_;  ///< the last one: it ends before what it uses goes

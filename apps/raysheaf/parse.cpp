@@ -147,7 +147,7 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
   add_light(*sub, command);
   add_method(*sub, command);
   add_streaming(*sub, command);
-  add_frames(*sub, command.frames);
+  add_frames(*sub, command.frames, command.load);
   sub->footer(
       "Examples:\n"
       "  raysheaf render builtin:office -o office.png\n"

@@ -91,9 +91,10 @@ struct SequenceFiles {
   std::vector<Light> lights;
 };
 
-/// Frames are read when they are sought; pictures that OBJ's materials share are decoded once.
-/// Meshes of a frame whose triangles are those of the frame before are taken as deformed; from the
-/// first other mesh on they are other ones. Throws `Error` as `load_scene` does.
+/// Frames are read when they are sought, unless `options` has them preloaded; pictures that OBJ's
+/// materials share are decoded once. Meshes of a frame whose triangles are those of the frame
+/// before are taken as deformed; from the first other mesh on they are other ones. Throws `Error`
+/// as `load_scene` does.
 [[nodiscard]] std::unique_ptr<Animation> load_sequence(const SequenceFiles& files,
                                                        const LoadOptions& options = {});
 

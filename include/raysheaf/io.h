@@ -16,6 +16,9 @@ struct LoadOptions {
   /// The scene may name files outside its folder: by "..", and in OBJ and MTL by absolute names.
   /// Only for scenes that are trusted: whatever they name is read.
   bool allow_external = false;
+  /// Of a sequence: read all its frames at once, and keep them. Seeking then reads no file, and
+  /// does not see that one has changed.
+  bool preload = false;
 };
 
 /// Reads glTF 2.0 (.gltf, .glb), OBJ with MTL, PLY (ASCII, binary of either byte order) or STL

@@ -65,6 +65,15 @@ TEST(FrameNames, TakeTheNumber) {
     EXPECT_THROW(static_cast<void>(app::with_frame(name, 1)), Error) << name;
 }
 
+TEST_F(Frames, AreTheSameWherePreloaded) {
+  ASSERT_EQ(walk({"-o", "f_%d.png"}).code, 0);
+  const Finished finished = walk({"-o", "p_%d.png", "--preload"});
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  for (const char* frame : {"0", "3", "5"})
+    EXPECT_EQ(content(std::string("p_") + frame + ".png"),
+              content(std::string("f_") + frame + ".png"));
+}
+
 TEST_F(Frames, AreWrittenByTheirNumbers) {
   const Finished finished = walk({"-o", "f_%03d.png", "--stats", "s_%d.json"});
   ASSERT_EQ(finished.code, 0) << finished.err;

@@ -124,6 +124,32 @@ TEST_F(Sequence, KeepsWhatWasAddedToItsScene) {
   EXPECT_EQ(animation->scene().lights.size(), 1u);
 }
 
+TEST_F(Sequence, ReadsNoFileWhereFramesArePreloaded) {
+  SequenceFiles files;
+  files.still = path("still.obj");
+  files.frames = files_like(path("f_*.obj"));
+  LoadOptions options;
+  options.preload = true;
+  const auto kept = load_sequence(files, options), read = load_sequence(files);
+  const auto same = [&] {
+    ASSERT_EQ(kept->scene().meshes.size(), read->scene().meshes.size());
+    for (std::size_t m = 0; m < kept->scene().meshes.size(); ++m)
+      EXPECT_EQ(kept->scene().meshes[m].positions[0].x, read->scene().meshes[m].positions[0].x);
+  };
+  for (const std::size_t frame : {1, 2, 0, 2}) {
+    const SceneChanges changes = kept->seek(frame_time(*kept, frame, 24));
+    EXPECT_EQ(changes.deformed, read->seek(frame_time(*read, frame, 24)).deformed);
+    same();
+  }
+  for (const std::string& name : files.frames) std::filesystem::remove(name);
+  EXPECT_EQ(kept->seek(kept->start()).deformed, std::vector<std::uint32_t>{3});
+  EXPECT_EQ(kept->scene().meshes[3].positions[0].x, 5);
+  write("f_1.obj", triangles_at({0, 5}));
+  write("f_2.obj", "v 0 0 nan\n");
+  files.frames.pop_back();
+  EXPECT_THROW(static_cast<void>(load_sequence(files, options)), Error) << "at once";
+}
+
 json described() {
   const json camera = {{"eye", {0, 0, 5}}, {"direction", {0, 0, -1}}};
   return {{"static", "still.obj"},

@@ -43,7 +43,7 @@ void check_name(const std::string& option, const std::string& name, bool many) {
 
 }  // namespace
 
-void add_frames(CLI::App& app, FramesOptions& frames) {
+void add_frames(CLI::App& app, FramesOptions& frames, LoadOptions& load) {
   add_value(app, "--time", "S", "A single picture of a scene that moves, at S seconds [at rest]",
             [&frames](const auto& text) { frames.time = parse_number(text); });
   add_value(app, "--frames", "A:B",
@@ -58,6 +58,7 @@ void add_frames(CLI::App& app, FramesOptions& frames) {
                  "Files that are the frames, beside SCENE, which stands still; * and ? stand for "
                  "what differs")
       ->type_name("PATTERN");
+  add_preload(app, load);
   add_value(app, "--turntable", "N", "N pictures once around the scene",
             [&frames](const auto& text) { frames.turntable = parse_count(text, 1, kMostTurns); });
   app.add_option("--camera-path", frames.camera_path, "Where the camera is and when")

@@ -14,6 +14,11 @@ void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load) {
                "The scene may name files outside its folder");
 }
 
+void add_preload(CLI::App& app, LoadOptions& load) {
+  app.add_flag("--preload", load.preload,
+               "Read all files of a sequence before the first frame, and keep what they hold");
+}
+
 void add_value(CLI::App& app, const std::string& option, const std::string& type,
                const std::string& text, std::function<void(const std::string&)> parse) {
   app.add_option_function<std::string>(option, into(std::move(parse), option), text)

@@ -26,6 +26,9 @@ std::function<void(const std::string&)> into(Parse parse, std::string option) {
 
 void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load);
 
+/// Of commands that show what moves.
+void add_preload(CLI::App& app, LoadOptions& load);
+
 void add_value(CLI::App& app, const std::string& option, const std::string& type,
                const std::string& text, std::function<void(const std::string&)> parse);
 

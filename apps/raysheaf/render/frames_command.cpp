@@ -10,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <future>
+#include <numeric>
 #include <span>
 
 #include "console.h"
@@ -260,7 +261,7 @@ class FrameRun {
     drawn.staged = draw(drawn.frame, options_);
     drawn.time = plan_.time(animation_, drawn.frame);
     drawn.times = times_;
-    frame_ms_[place] = times_.render;
+    frame_ms_[place] = times_.seek + times_.render;
     return drawn;
   }
 
@@ -289,10 +290,13 @@ class FrameRun {
 
   void tell_summary() {
     if (!frame_ms_.empty()) {
+      const double mean = std::accumulate(frame_ms_.begin(), frame_ms_.end(), 0.0) /
+                          static_cast<double>(frame_ms_.size());
       const auto middle = frame_ms_.begin() + static_cast<std::ptrdiff_t>(frame_ms_.size() / 2);
       std::nth_element(frame_ms_.begin(), middle, frame_ms_.end());
-      tell(fmt::format("{} frames, {}x{}, {}: {:.0f} ms a frame in the middle", frame_ms_.size(),
-                       options_.width, options_.height, to_string(options_.method), *middle));
+      tell(fmt::format("{} frames, {}x{}, {}: {:.0f} ms a frame in the middle, {:.0f} on average",
+                       frame_ms_.size(), options_.width, options_.height,
+                       to_string(options_.method), *middle, mean));
     }
     if (ranks_ != nullptr)
       tell(fmt::format("shared among {} ranks by {}", ranks_->size(),
