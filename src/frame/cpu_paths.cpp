@@ -122,12 +122,11 @@ PathStages::Set CpuPaths::follow(const FragmentSet& set, RayKind kind, std::uint
   Fragments arrived(hits.size());
   executor_.for_each(hits.size(), kWorkGrain, [&](std::size_t i) {
     const Fragment& from = fragments[batch.slots[i]];
-    Fragment& f = arrived[i] = {};  // all but the surface
+    Fragment& f = arrived[i];
+    begin_fragment(&f, hits[i].triangle, from.pixel);
     f.weight = batch.weights[i];
-    f.pixel = from.pixel;
     f.path = mixed_seed(from.path, static_cast<std::uint32_t>(kind));
     f.incoming = batch.rays[i].direction;
-    f.triangle = hits[i].triangle;
   });
   geometry_.fetch_surfaces(batch.rays, arrived);
   statistics().shade_ms += watch_.lap_ms();

@@ -5,7 +5,7 @@
 namespace raysheaf {
 
 Fragments FlatGeometry::first_hits(std::size_t group, const FirstHitTally& /*tally*/) {
-  return fetch_fragments(executor_, source_, seen_.frame, seen_.triangles, seen_.groups[group]);
+  return fetch_fragments(executor_, source_, seen_.rays, seen_.triangles, seen_.groups[group]);
 }
 
 std::vector<RayHit> FlatGeometry::traced(const RayBatch& batch, Facing facing,

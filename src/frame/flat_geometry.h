@@ -13,7 +13,7 @@ namespace raysheaf {
 
 /// What the pixels of a picture see.
 struct SeenPixels {
-  CameraFrame frame;
+  CameraRays rays;
   std::vector<std::uint32_t> triangles;  ///< of each pixel
   std::vector<PixelGroup> groups;
   std::vector<std::uint8_t> known;  ///< of each group, whether they are found

@@ -23,6 +23,21 @@ std::size_t group_pixels(std::size_t pixels) {
   return std::clamp(part, kSkyPart, kMost);
 }
 
+/// Calls `body(i, pixel, x, y)` for pixels [begin, end) of the group, without a division for each.
+template <class Body>
+void for_each_pixel(const PixelGroup& pixels, std::size_t begin, std::size_t end,
+                    std::uint32_t width, const Body& body) {
+  for (std::size_t i = begin; i < end;) {
+    auto pixel = static_cast<std::uint32_t>(pixels.pixel(i));
+    std::uint32_t x = pixel % width, y = pixel / width;
+    const std::size_t run_end = std::min(end, i + pixels.run - i % pixels.run);
+    for (; i < run_end; ++i, ++pixel, ++x) {
+      if (x == width) x = 0, ++y;
+      body(i, pixel, x, y);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> rasterize_primary(const Executor& executor, Rasterizer& rasterizer,
@@ -58,26 +73,28 @@ std::vector<PixelGroup> groups_of(PictureSize size) {
 }
 
 RayBatch primary_rays(const Executor& executor, const Box& bounds, const CameraFrame& frame) {
-  return primary_rays(executor, bounds, frame, all_pixels({frame.width, frame.height}));
+  return primary_rays(executor, bounds, CameraRays(frame), all_pixels({frame.width, frame.height}));
 }
 
-RayBatch primary_rays(const Executor& executor, const Box& bounds, const CameraFrame& frame,
+RayBatch primary_rays(const Executor& executor, const Box& bounds, const CameraRays& rays,
                       const PixelGroup& pixels, Keys keys) {
   RayBatch batch;
   batch.kind = RayKind::kPrimary;
   batch.bounce = 0;
-  batch.width = frame.width;
+  const std::uint32_t width = batch.width = rays.frame().width;
   batch.key_bits = kBounceKeyBits;
   batch.rays.resize(pixels.count);
   const bool keyed = keys == Keys::kMade;
   batch.keys.resize(keyed ? pixels.count : 0);
   batch.pixels.resize(keyed ? pixels.count : 0);
-  executor.for_each(pixels.count, kWorkGrain, [&](std::size_t i) {
-    const auto pixel = static_cast<std::uint32_t>(pixels.pixel(i));
-    batch.rays[i] = camera_ray(frame, pixel % frame.width, pixel / frame.width);
-    if (!keyed) return;
-    batch.pixels[i] = pixel;
-    batch.keys[i] = bounce_key(bounds, batch.rays[i].origin, batch.rays[i].direction);
+  executor.for_each_block(pixels.count, kWorkGrain, [&](std::size_t begin, std::size_t end) {
+    for_each_pixel(pixels, begin, end, width,
+                   [&](std::size_t i, std::uint32_t pixel, std::uint32_t x, std::uint32_t y) {
+                     const Ray ray = batch.rays[i] = rays.at(x, y);
+                     if (!keyed) return;
+                     batch.pixels[i] = pixel;
+                     batch.keys[i] = bounce_key(bounds, ray.origin, ray.direction);
+                   });
   });
   return batch;
 }
@@ -117,26 +134,25 @@ Fragments fetch_fragments(const Executor& executor, const FlatScene& scene,
                           const TextureSet& textures, const CameraFrame& frame,
                           View<const std::uint32_t> triangles) {
   const std::vector<MaterialLook> looks = material_looks(*scene.description);
-  return fetch_fragments(executor, {scene, textures, looks}, frame, triangles,
+  return fetch_fragments(executor, {scene, textures, looks}, CameraRays(frame), triangles,
                          all_pixels({frame.width, frame.height}));
 }
 
 Fragments fetch_fragments(const Executor& executor, const SurfaceSource& source,
-                          const CameraFrame& frame, View<const std::uint32_t> triangles,
+                          const CameraRays& rays, View<const std::uint32_t> triangles,
                           const PixelGroup& pixels) {
   Fragments fragments(pixels.count);
   executor.for_each_block(pixels.count, kWorkGrain, [&](std::size_t begin, std::size_t end) {
     SurfaceFetcher fetcher(source);
-    Ray rays[kFetchedTogether];
+    Ray seen[kFetchedTogether];
     for (std::size_t first = begin; first < end; first += kFetchedTogether) {
       const std::size_t count = std::min(kFetchedTogether, end - first);
-      for (std::size_t i = 0; i < count; ++i) {
-        Fragment& f = fragments[first + i] = {};
-        f.pixel = static_cast<std::uint32_t>(pixels.pixel(first + i));
-        f.triangle = triangles[f.pixel];
-        rays[i] = camera_ray(frame, f.pixel % frame.width, f.pixel / frame.width);
-      }
-      fetcher.fetch({rays, count}, Arrival::kSeen, View<Fragment>(fragments).slice(first, count));
+      for_each_pixel(pixels, first, first + count, rays.frame().width,
+                     [&](std::size_t i, std::uint32_t pixel, std::uint32_t x, std::uint32_t y) {
+                       begin_fragment(&fragments[i], triangles[pixel], pixel);
+                       seen[i - first] = rays.at(x, y);
+                     });
+      fetcher.fetch({seen, count}, Arrival::kSeen, View<Fragment>(fragments).slice(first, count));
     }
   });
   return fragments;

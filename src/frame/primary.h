@@ -7,7 +7,7 @@
 #include "exec/progress_meter.h"
 #include "frame/surface_fetcher.h"
 #include "frame/trace.h"
-#include "raygen/camera_body.h"
+#include "raygen/camera_rays.h"
 #include "raygen/fragment.h"
 #include "raysheaf/statistics.h"
 #include "scene/flat_scene.h"
@@ -40,7 +40,7 @@ struct PixelGroup {
 
 /// A ray a pixel of the group, or of all, in their order. `bounds`: of the scene.
 [[nodiscard]] RayBatch primary_rays(const Executor& executor, const Box& bounds,
-                                    const CameraFrame& frame, const PixelGroup& pixels,
+                                    const CameraRays& rays, const PixelGroup& pixels,
                                     Keys keys = Keys::kMade);
 [[nodiscard]] RayBatch primary_rays(const Executor& executor, const Box& bounds,
                                     const CameraFrame& frame);
@@ -67,8 +67,7 @@ struct PixelGroup {
 /// One fragment a pixel of the group, or of all, with the attributes of the triangle there.
 /// `triangles`: of all pixels.
 [[nodiscard]] Fragments fetch_fragments(const Executor& executor, const SurfaceSource& source,
-                                        const CameraFrame& frame,
-                                        View<const std::uint32_t> triangles,
+                                        const CameraRays& rays, View<const std::uint32_t> triangles,
                                         const PixelGroup& pixels);
 [[nodiscard]] Fragments fetch_fragments(const Executor& executor, const FlatScene& scene,
                                         const TextureSet& textures, const CameraFrame& frame,

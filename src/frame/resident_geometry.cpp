@@ -23,15 +23,15 @@ ResidentGeometry::ResidentGeometry(const Executor& executor, const FlatScene& sc
 }
 
 std::size_t ResidentGeometry::look(const Seeing& seeing, ProgressMeter* meter) {
-  seen_.frame = seeing.frame;
-  const PictureSize size{seen_.frame.width, seen_.frame.height};
+  seen_.rays = CameraRays(seeing.frame);
+  const PictureSize size{seeing.frame.width, seeing.frame.height};
   seen_.groups = is_shared() ? groups_of(size) : std::vector<PixelGroup>{all_pixels(size)};
   const bool left = seeing.rasterizer == nullptr && is_shared();  // to the threads
   seen_.known.assign(seen_.groups.size(), left ? 0 : 1);
   seen_.pixel_tests = seeing.pixel_tests;
   if (seeing.rasterizer != nullptr) {
     meter->begin("raster", 1);
-    seen_.triangles = rasterize(*seeing.rasterizer, seen_.frame);
+    seen_.triangles = rasterize(*seeing.rasterizer, seeing.frame);
     if (cutouts_.any()) see_through(seeing, seen_.triangles, meter);
   } else if (left) {
     seen_.triangles.resize(std::size_t{size.width} * size.height);
@@ -43,7 +43,7 @@ std::size_t ResidentGeometry::look(const Seeing& seeing, ProgressMeter* meter) {
 }
 
 void ResidentGeometry::find_triangles(const Seeing& seeing, ProgressMeter* meter) {
-  const RayBatch batch = primary_rays(executor_, scene_.bounds, seen_.frame);
+  const RayBatch batch = primary_rays(executor_, scene_.bounds, seeing.frame);
   const std::vector<RayHit> hits = traced(batch, Facing::kSkipBackOfSingleSided,
                                           &seeing.statistics(), seeing.pixel_tests, meter);
   seen_.triangles.clear();

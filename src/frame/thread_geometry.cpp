@@ -24,7 +24,7 @@ Fragments ThreadGeometry::first_hits(std::size_t group, const FirstHitTally& tal
 
 void ThreadGeometry::find_first_hits(const PixelGroup& pixels, const FirstHitTally& tally) {
   Stopwatch watch;
-  RayBatch batch = primary_rays(serial_, scene_.bounds, seen_.frame, pixels, Keys::kNone);
+  RayBatch batch = primary_rays(serial_, scene_.bounds, seen_.rays, pixels, Keys::kNone);
   batch.part = true;
   batch.tells_plan = tally.tells_plan;
   BatchStatistics& statistics = tally.statistics();

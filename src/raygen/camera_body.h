@@ -91,21 +91,34 @@ RAYSHEAF_HD inline Ray through_lens(const CameraFrame& frame, Ray ray, Vec2 chos
   return ray;
 }
 
-/// From the eye, whatever the lens.
-RAYSHEAF_HD inline Ray pinhole_ray(const CameraFrame& frame, std::uint32_t x, std::uint32_t y) {
-  const Vec3 aside = frame.right * (pixel_center(x, frame.width) * frame.half_width) -
-                     frame.up * (pixel_center(y, frame.height) * frame.half_height);
+/// How far a column of pixels is to the right of the picture's middle, and a row above it, at depth
+/// 1; orthographic: at any depth.
+RAYSHEAF_HD inline Vec3 column_right(const CameraFrame& frame, std::uint32_t x) {
+  return frame.right * (pixel_center(x, frame.width) * frame.half_width);
+}
+RAYSHEAF_HD inline Vec3 row_up(const CameraFrame& frame, std::uint32_t y) {
+  return frame.up * (pixel_center(y, frame.height) * frame.half_height);
+}
+
+/// From the eye, whatever the lens. `aside`: from the picture's middle to the pixel.
+RAYSHEAF_HD inline Ray pinhole_ray(const CameraFrame& frame, Vec3 aside) {
   if (frame.orthographic) return {frame.eye + aside, frame.z_near, frame.forward, frame.z_far};
   return {frame.eye, frame.z_near, frame.forward + aside, frame.z_far};
+}
+
+/// `camera_ray`, where it is known how far the pixel is from the picture's middle.
+RAYSHEAF_HD inline Ray camera_ray(const CameraFrame& frame, std::uint32_t x, std::uint32_t y,
+                                  Vec3 aside) {
+  const Ray ray = pinhole_ray(frame, aside);
+  if (!(frame.lens_radius > 0)) return ray;
+  const std::uint32_t seed = choice_seed(Choice::kLens, y * frame.width + x, 0, 0);
+  return through_lens(frame, ray, sample_pair(frame.sample, seed));
 }
 
 /// The ray through the centre of a pixel; (0, 0) is the top left one. Its direction has length 1
 /// along the camera's axis, so that `t` is the depth, and runs from z_near to z_far.
 RAYSHEAF_HD inline Ray camera_ray(const CameraFrame& frame, std::uint32_t x, std::uint32_t y) {
-  const Ray ray = pinhole_ray(frame, x, y);
-  if (!(frame.lens_radius > 0)) return ray;
-  const std::uint32_t seed = choice_seed(Choice::kLens, y * frame.width + x, 0, 0);
-  return through_lens(frame, ray, sample_pair(frame.sample, seed));
+  return camera_ray(frame, x, y, column_right(frame, x) - row_up(frame, y));
 }
 
 }  // namespace raysheaf

@@ -18,4 +18,17 @@ struct Fragment {
 /// `resize` touches none: who makes fragments assigns each whole.
 using Fragments = LargeVector<Fragment>;
 
+/// A fragment before its surface is fetched, which only those without a triangle have by then.
+/// `incoming`: of a first hit it is fetched, too.
+inline void begin_fragment(Fragment* fragment, std::uint32_t triangle, std::uint32_t pixel) {
+  if (triangle == kInvalidId) {
+    *fragment = {};
+  } else {
+    fragment->path = 0;
+    fragment->weight = {1, 1, 1};
+  }
+  fragment->triangle = triangle;
+  fragment->pixel = pixel;
+}
+
 }  // namespace raysheaf

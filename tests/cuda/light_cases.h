@@ -82,7 +82,8 @@ struct LensCase {
     const std::uint32_t x = draws.below(frame.width), y = draws.below(frame.height);
     out.put(camera_ray(frame, x, y));
     const float across = draws.unit(), along = draws.unit();
-    out.put(through_lens(frame, pinhole_ray(frame, x, y), on_disc({across, along})));
+    out.put(through_lens(frame, pinhole_ray(frame, column_right(frame, x) - row_up(frame, y)),
+                         on_disc({across, along})));
   }
 };
 

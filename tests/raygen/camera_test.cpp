@@ -1,9 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <random>
 
-#include "raygen/camera_body.h"
+#include "raygen/camera_rays.h"
 
 namespace raysheaf {
 namespace {
@@ -84,6 +85,25 @@ TEST(CameraRay, PixelsAreEvenlySpacedAndSymmetric) {
     for (std::uint32_t i = 0; i < count; ++i) {
       EXPECT_EQ(pixel_center(i, count), -pixel_center(count - 1 - i, count));
       EXPECT_NEAR(pixel_center(i, count), (2.0 * i + 1) / count - 1, 6e-8);
+    }
+  }
+}
+
+TEST(CameraRays, AreThoseOfEachPixel) {
+  Camera camera;
+  camera.to_world = look_at({1, 2, 3}, {4, -1, 7}, {0, 1, 0});
+  camera.z_near = 0.5f;
+  for (const bool orthographic : {false, true}) {
+    camera.orthographic = orthographic;
+    for (const float lens : {0.0f, 0.25f}) {
+      CameraFrame frame = moved_by_pixels(make_camera_frame(camera, 37, 23), {0.25f, -0.4f});
+      frame.lens_radius = lens;
+      const CameraRays rays(frame);
+      for (std::uint32_t pixel = 0; pixel < 37 * 23; ++pixel) {
+        const Ray found = rays.at(pixel % 37, pixel / 37);
+        const Ray expected = camera_ray(frame, pixel % 37, pixel / 37);
+        ASSERT_EQ(std::memcmp(&found, &expected, sizeof found), 0) << pixel;
+      }
     }
   }
 }
