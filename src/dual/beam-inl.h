@@ -79,28 +79,67 @@ HWY_INLINE float greatest(RV v) {
   return hn::GetLane(hn::MaxOfLanes(Rays(), v));
 }
 
-/// The two planes that bound x between zeta = 0 and `length` for the lanes that are set.
-HWY_INLINE void make_planes(std::uint32_t lanes, const RayPacket& p, const float* o,
-                            const float* shear, float length, BeamPlane* low, BeamPlane* high) {
+struct FourLanes {
+  alignas(16) float lane[4];
+};
+/// What `pick` leaves of the lanes of four vectors each, in a third of the steps.
+template <class Pick>
+HWY_INLINE FourLanes of_lanes4(RV a, RV b, RV c, RV e, const Pick& pick) {
+  FourLanes four;
+#if HWY_TARGET == HWY_SCALAR
+  const RV all[4] = {a, b, c, e};
+  for (int i = 0; i < 4; ++i) four.lane[i] = hn::GetLane(all[i]);
+  static_cast<void>(pick);
+#else
   const Rays d;
+  const hn::Repartition<std::uint64_t, Rays> d64;
+  // a b a b, and of their two halves a b c e, in each block of four lanes.
+  const auto ab = hn::BitCast(d64, pick(hn::InterleaveLower(a, b), hn::InterleaveUpper(d, a, b)));
+  const auto ce = hn::BitCast(d64, pick(hn::InterleaveLower(c, e), hn::InterleaveUpper(d, c, e)));
+  const auto in_blocks = pick(hn::BitCast(d, hn::InterleaveLower(ab, ce)),
+                              hn::BitCast(d, hn::InterleaveUpper(d64, ab, ce)));
+  const auto fold = [&](auto half, auto v)
+                        HWY_ATTR { return pick(hn::LowerHalf(half, v), hn::UpperHalf(half, v)); };
+  if constexpr (kBlocks == 4) {
+    const hn::Half<Rays> d8;
+    const hn::Half<hn::Half<Rays> > d4;
+    hn::Store(fold(d4, fold(d8, in_blocks)), d4, four.lane);
+  } else if constexpr (kBlocks == 2) {
+    const hn::Half<Rays> d4;
+    hn::Store(fold(d4, in_blocks), d4, four.lane);
+  } else {
+    hn::Store(in_blocks, d, four.lane);
+  }
+#endif
+  return four;
+}
+HWY_INLINE FourLanes least4(RV a, RV b, RV c, RV e) {
+  return of_lanes4(a, b, c, e, [](auto x, auto y) HWY_ATTR { return hn::Min(x, y); });
+}
+HWY_INLINE FourLanes greatest4(RV a, RV b, RV c, RV e) {
+  return of_lanes4(a, b, c, e, [](auto x, auto y) HWY_ATTR { return hn::Max(x, y); });
+}
+
+/// The range of x over the lanes that are set, where zeta = 0 and where it is `length`.
+struct Spread {
+  RV low, high, low_end, high_end;
+};
+HWY_INLINE Spread spread_of(std::uint32_t lanes, const RayPacket& p, const float* o,
+                            const float* shear, float length) {
   const RV infinity = set(std::numeric_limits<float>::infinity());
-  RV a0 = infinity, a1 = hn::Neg(infinity), b0 = a0, b1 = a1;
+  Spread s{infinity, hn::Neg(infinity), infinity, hn::Neg(infinity)};
   for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
     const RM on = lanes_of(lanes, g);
     const RV across = load(shear + g), slope = p.mirrored ? hn::Neg(across) : across;
     const RV zeta = load(p.zeta + g);
     const RV a = hn::Sub(load(o + g), hn::Mul(slope, zeta));
     const RV b = hn::Add(load(o + g), hn::Mul(slope, hn::Sub(set(length), zeta)));
-    a0 = hn::Min(a0, hn::IfThenElse(on, a, infinity));
-    b0 = hn::Min(b0, hn::IfThenElse(on, b, infinity));
-    a1 = hn::Max(a1, hn::IfThenElse(on, a, hn::Neg(infinity)));
-    b1 = hn::Max(b1, hn::IfThenElse(on, b, hn::Neg(infinity)));
+    s.low = hn::Min(s.low, hn::IfThenElse(on, a, infinity));
+    s.low_end = hn::Min(s.low_end, hn::IfThenElse(on, b, infinity));
+    s.high = hn::Max(s.high, hn::IfThenElse(on, a, hn::Neg(infinity)));
+    s.high_end = hn::Max(s.high_end, hn::IfThenElse(on, b, hn::Neg(infinity)));
   }
-  (void)d;
-  const float per_length = length > 0 ? 1 / length : 0;
-  const float low_a = least(a0), high_a = greatest(a1);
-  *low = {low_a - p.pad, inverse_slope((least(b0) - low_a) * per_length)};
-  *high = {high_a + p.pad, inverse_slope((greatest(b1) - high_a) * per_length)};
+  return s;
 }
 
 /// The beam of the lanes that are set: at least one.
@@ -128,10 +167,22 @@ HWY_INLINE Beam make_beam(std::uint32_t lanes, RayPacket* p) {
   Beam beam;
   beam.z_low = plane - p->pad;
   beam.z_high = plane + p->pad;
-  beam.start = least(start) - p->pad;
-  beam.end = greatest(end) + p->pad;
+  const FourLanes ends = least4(start, hn::Neg(end), start, hn::Neg(end));
+  beam.start = ends.lane[0] - p->pad;
+  beam.end = p->pad - ends.lane[1];
   const float length = beam.end > 0 ? beam.end : 0;
-  make_planes(lanes, *p, p->ox, p->shear_x, length, &beam.x_low, &beam.x_high);
-  make_planes(lanes, *p, p->oy, p->shear_y, length, &beam.y_low, &beam.y_high);
+  const Spread x = spread_of(lanes, *p, p->ox, p->shear_x, length);
+  const Spread y = spread_of(lanes, *p, p->oy, p->shear_y, length);
+  const FourLanes low = least4(x.low, x.low_end, y.low, y.low_end);
+  const FourLanes high = greatest4(x.high, x.high_end, y.high, y.high_end);
+  const float per_length = length > 0 ? 1 / length : 0;
+  const auto plane_of = [&](const FourLanes& f, int axis, float pad) {
+    const float at = f.lane[2 * axis], last = f.lane[2 * axis + 1];
+    return BeamPlane{at + pad, inverse_slope((last - at) * per_length)};
+  };
+  beam.x_low = plane_of(low, 0, -p->pad);
+  beam.x_high = plane_of(high, 0, p->pad);
+  beam.y_low = plane_of(low, 1, -p->pad);
+  beam.y_high = plane_of(high, 1, p->pad);
   return beam;
 }

@@ -55,7 +55,11 @@ HWY_INLINE void gather_rays(const Ray* rays, const std::uint32_t* order, std::ui
   p->near_z = along + (p->mirrored ? 3 : 0);
   p->far_z = along + (p->mirrored ? 0 : 3);
   p->count = count;
-  for (std::uint32_t i = 0; i < kPacketWidth; ++i) p->index[i] = order[i < count ? i : 0];
+  if (count == kPacketWidth) {
+    std::memcpy(p->index, order, sizeof p->index);
+  } else {
+    for (std::uint32_t i = 0; i < kPacketWidth; ++i) p->index[i] = order[i < count ? i : 0];
+  }
   const Rays d;
   float* const origin[3] = {p->axis_x == 0   ? p->ox
                             : p->axis_y == 0 ? p->oy

@@ -108,7 +108,7 @@ class StreamWalk : StreamBlocks<Mode> {
     Stream& s = stream_;
     RayPacket& p = packet_;
     alignas(64) float dx[kPacketWidth], dy[kPacketWidth], dz[kPacketWidth];
-    std::uint32_t alive = 0;
+    std::uint32_t* end = s.lists.data();
     s.first = first;
     s.count = count;
     s.pad = 0;
@@ -131,9 +131,9 @@ class StreamWalk : StreamBlocks<Mode> {
       }
       keep_packet(base);
       keep_block(lanes, base / kPacketWidth);
-      for (; lanes != 0; lanes &= lanes - 1)
-        s.lists[alive++] = base + static_cast<std::uint32_t>(__builtin_ctz(lanes));
+      end = append_lanes(base, lanes, end);
     }
+    const auto alive = static_cast<std::uint32_t>(end - s.lists.data());
     if (alive != 0) pad_list(0, alive);
     s.axis_x = p.axis_x;
     s.axis_y = p.axis_y;

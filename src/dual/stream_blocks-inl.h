@@ -75,18 +75,10 @@ class StreamBlocks : protected StreamLists<Mode> {
 
   /// The same as a list of rays; room for kPacketWidth more is needed.
   void keep_rays(std::uint32_t c, std::uint32_t blocks, std::uint32_t offset) {
-    alignas(64) static constexpr std::uint32_t kLanes[kPacketWidth] = {
-        0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-    const RayInts d;
     std::uint32_t* out = stream_.lists.data() + offset;
     for (std::uint32_t i = 0; i < blocks; ++i) {
       const BlockRays from = found_[c][i];
-      const auto first = hn::Set(d, from.block * kPacketWidth);
-      alignas(64) std::uint32_t numbers[kPacketWidth];
-      for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
-        hn::Store(hn::Add(first, hn::Load(d, kLanes + g)), d, numbers + g);
-      for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
-        out = append_set(numbers + g, lanes_of(from.rays, g), out);
+      out = append_lanes(from.block * kPacketWidth, from.rays, out);
     }
   }
 

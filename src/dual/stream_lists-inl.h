@@ -18,6 +18,21 @@ HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
 #endif
 }
 
+/// Appends `first` + the number of each of a packet's lanes that are set; room for kPacketWidth
+/// more is needed. Returns the new end.
+HWY_INLINE std::uint32_t* append_lanes(std::uint32_t first, std::uint32_t lanes,
+                                       std::uint32_t* out) {
+  alignas(64) static constexpr std::uint32_t kLanes[kPacketWidth] = {0, 1, 2,  3,  4,  5,  6,  7,
+                                                                     8, 9, 10, 11, 12, 13, 14, 15};
+  const RayInts d;
+  alignas(64) std::uint32_t numbers[kPacketWidth];
+  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
+    hn::Store(hn::Add(hn::Set(d, first), hn::Load(d, kLanes + g)), d, numbers + g);
+  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
+    out = append_set(numbers + g, lanes_of(lanes, g), out);
+  return out;
+}
+
 /// A box as the rays of a stream see it: the planes that they meet first, and the others.
 struct SeenBox {
   float x_near, x_far, y_near, y_far, z_near, z_far;
