@@ -1,3 +1,7 @@
+#include <hwy/cache_control.h>
+
+#include <cstddef>
+
 #include "order/order.h"
 #include "raygen/hash_body.h"
 #include "raygen/raygen.h"
@@ -8,14 +12,25 @@
 namespace raysheaf {
 namespace {
 
+/// Fragments that are fetched while others are worked on.
+constexpr std::size_t kSlotsAhead = 8;
+void prefetch(const Fragment& fragment) {
+  constexpr std::size_t kCacheLine = 64;
+  const auto* const bytes = reinterpret_cast<const std::byte*>(&fragment);
+  for (std::size_t at = 0; at < sizeof fragment; at += kCacheLine) hwy::Prefetch(bytes + at);
+}
+
 /// Trims the slots for which `has_ray(slot)` is false, then fills in the others: `make(i, slot)`
 /// for ray i, which keys it where there are keys.
 template <class HasRay, class Make>
 void fill(const Executor& executor, View<const Fragment> fragments, std::size_t slot_count,
           Keys keys, const HasRay& has_ray, const Make& make, RayBatch* batch) {
   LargeVector<std::uint8_t> empty(slot_count);
-  executor.for_each(slot_count, kWorkGrain,
-                    [&](std::size_t slot) { empty[slot] = has_ray(slot) ? 0 : 1; });
+  executor.for_each_block(slot_count, kWorkGrain, [&](std::size_t begin, std::size_t end) {
+    const HasRay has_one = has_ray;  // which no byte that is written can be part of
+    std::uint8_t* const out = empty.data();
+    for (std::size_t slot = begin; slot < end; ++slot) out[slot] = has_one(slot) ? 0 : 1;
+  });
   batch->slots = trim(executor, empty);
   const std::size_t count = batch->slots.size();
   batch->rays.resize(count);
@@ -74,15 +89,16 @@ RayBatch make_bounce_rays(const Executor& executor, View<const Fragment> fragmen
   batch.key_bits = kBounceKeyBits;
   const bool mirrors = kind == RayKind::kReflection;
   const std::uint8_t bit = mirrors ? kReflects : kRefracts;
-  const auto has_ray = [&](std::size_t slot) {
+  const auto has_ray = [going_on, bit, fragments](std::size_t slot) {
     if (!going_on.empty()) return (going_on[slot] & bit) != 0;
     const Fragment& f = fragments[slot];
     return f.triangle != kInvalidId && (rays_of(f, scattered_parts(f)) & bit) != 0;
   };
   const auto make = [&](std::size_t i, std::size_t slot) {
     const Fragment& f = fragments[slot];
-    const Scattering s = scatter(f);
-    const Vec3 direction = mirrors ? s.reflection : s.refraction;
+    if (i + kSlotsAhead < batch.slots.size()) prefetch(fragments[batch.slots[i + kSlotsAhead]]);
+    const Scattering s = scattered_parts(f);
+    const Vec3 direction = mirrors ? mirror_direction(f) : refracted(f, cos_arrival(f));
     batch.weights[i] = f.weight * (mirrors ? s.reflected_part : s.refracted_part);
     batch.rays[i] = {offset_point(f.surface, direction, 0), 0, direction,
                      std::numeric_limits<float>::infinity()};

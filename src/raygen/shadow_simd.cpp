@@ -2,6 +2,8 @@
 // shadow_body.h, their operations in their order. Compiled once a SIMD target and chosen at run
 // time (Google Highway).
 #include <bit>
+#include <cstddef>
+#include <cstring>
 
 #include "raygen/shadow_body.h"
 
@@ -47,7 +49,14 @@ void MakePointRays(const ShadowColumns& c, const PlacedLight& light, View<const 
                    const std::uint16_t* facing, Ray* rays) {
   const Floats d;
   const V3 origin = Splat(light.position);
-  alignas(64) float direction[3][kLightLanes];
+  // Both halves of a ray, moved whole.
+  struct alignas(16) HalfRay {
+    Vec3 xyz;
+    float t;
+  };
+  static_assert(sizeof(Ray) == 2 * sizeof(HalfRay));
+  const HalfRay first{light.position, 0};
+  alignas(64) HalfRay second[kLightLanes];
   for (std::size_t group = 0; group * kLightLanes < fragments.size; ++group) {
     if (facing[group] == 0) continue;
     std::uint32_t usual = 0;
@@ -60,16 +69,15 @@ void MakePointRays(const ShadowColumns& c, const PlacedLight& light, View<const 
       const M inward = hn::Lt(Dot(seen.to_light, outward), hn::Zero(d));
       const V3 target = Add(position, Scale(outward, hn::IfThenElse(inward, hn::Neg(step), step)));
       const V3 along = Sub(target, origin);
-      hn::Store(along.x, d, direction[0] + lane);
-      hn::Store(along.y, d, direction[1] + lane);
-      hn::Store(along.z, d, direction[2] + lane);
+      hn::StoreInterleaved4(along.x, along.y, along.z, hn::Set(d, 1.0f), d, &second[lane].xyz.x);
       usual |= BitsOf(seen.usual) << lane;
     }
     for (std::uint32_t rest = facing[group]; rest != 0; rest &= rest - 1) {
       const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
       if (HWY_LIKELY((usual >> lane & 1) != 0)) {
-        *rays++ = {
-            light.position, 0, {direction[0][lane], direction[1][lane], direction[2][lane]}, 1};
+        std::memcpy(static_cast<void*>(rays), &first, sizeof first);
+        std::memcpy(reinterpret_cast<std::byte*>(rays) + sizeof first, second + lane, sizeof first);
+        ++rays;
         continue;
       }
       const Fragment& f = fragments[group * kLightLanes + lane];
