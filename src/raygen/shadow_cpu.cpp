@@ -174,25 +174,6 @@ class ShadowRays {
 
 }  // namespace
 
-void gather_shadow_columns(View<const Fragment> fragments, ShadowColumns* columns) {
-  ShadowColumns& c = *columns;
-  const std::size_t padded = div_ceil(fragments.size, kLightLanes) * kLightLanes;
-  for (std::size_t group = 0; group * kLightLanes < padded; ++group) c.lit[group] = 0;
-  for (std::size_t i = 0; i < padded; ++i) {
-    const Fragment& f = fragments[i < fragments.size ? i : 0];
-    const Surface& s = f.surface;
-    const Vec3 n = s.geometric_normal;
-    for (int k = 0; k < 3; ++k) {
-      c.position[k][i] = component(s.position, k);
-      c.normal[k][i] = component(s.normal, k);
-      c.outward[k][i] = component(n, k);
-    }
-    c.step[i] = kOffsetErrors * s.position_error * offset_extent(n);
-    if (i < fragments.size && takes_light(f))
-      c.lit[i / kLightLanes] |= static_cast<std::uint16_t>(1u << i % kLightLanes);
-  }
-}
-
 RayBatch make_shadow_rays(const Executor& executor, View<const Fragment> fragments,
                           View<const PlacedLight> lights, std::uint32_t first_light,
                           std::uint32_t light_count, const Box& scene_bounds, SampleOf sample,

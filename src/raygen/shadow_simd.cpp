@@ -18,6 +18,27 @@ HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
 namespace {
 
+void GatherShadowColumns(View<const Fragment> fragments, ShadowColumns* columns) {
+  const Floats d;
+  ShadowColumns& c = *columns;
+  std::memset(c.lit, 0, sizeof c.lit);
+  for (std::size_t k = 0; k < fragments.size; k += hn::Lanes(d)) {
+    const FragmentLanes f(fragments, k);
+    const V3 outward = f.At3<RAYSHEAF_SURFACE_WORD(geometric_normal)>();
+    Store3(f.At3<RAYSHEAF_SURFACE_WORD(position)>(), c.position, k);
+    Store3(f.At3<RAYSHEAF_SURFACE_WORD(normal)>(), c.normal, k);
+    Store3(outward, c.outward, k);
+    const V error = f.At<RAYSHEAF_SURFACE_WORD(position_error)>();
+    const V extent = hn::Add(hn::Add(hn::Abs(outward.x), hn::Abs(outward.y)), hn::Abs(outward.z));
+    hn::Store(hn::Mul(hn::Mul(hn::Set(d, kOffsetErrors), error), extent), d, c.step + k);
+    const M lit = hn::And(HasTriangle(f.At<RAYSHEAF_WORD(triangle)>()),
+                          IsLit(f.At<RAYSHEAF_SURFACE_WORD(unlit)>()));
+    const std::size_t left = fragments.size - k;
+    const std::uint32_t there = left < kLightLanes ? (1u << left) - 1 : 0xffffu;
+    c.lit[k / kLightLanes] |= static_cast<std::uint16_t>((BitsOf(lit) & there) << k % kLightLanes);
+  }
+}
+
 std::uint32_t FindFacing(const ShadowColumns& c, const PlacedLight& light,
                          View<const Fragment> fragments, std::uint16_t* facing) {
   const Floats d;
@@ -93,8 +114,13 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace raysheaf {
 
+HWY_EXPORT(GatherShadowColumns);
 HWY_EXPORT(FindFacing);
 HWY_EXPORT(MakePointRays);
+
+void gather_shadow_columns(View<const Fragment> fragments, ShadowColumns* columns) {
+  HWY_DYNAMIC_DISPATCH(GatherShadowColumns)(fragments, columns);
+}
 
 std::uint32_t find_facing(const ShadowColumns& columns, const PlacedLight& light,
                           View<const Fragment> fragments, std::uint16_t* facing) {

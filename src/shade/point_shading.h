@@ -13,15 +13,17 @@ struct ShadingColumns {
   alignas(64) float position[3][kLightBlock];
   float normal[3][kLightBlock], incoming[3][kLightBlock];
   float diffuse[3][kLightBlock], specular[3][kLightBlock], coat[3][kLightBlock];
-  float roughness[kLightBlock];
-  // What `reflectance` says of a fragment whatever the light; `prepare_shading` fills it in.
+  // What `reflectance` says of a fragment whatever the light.
   float cos_view[kLightBlock], alpha2[kLightBlock], masking[kLightBlock];
   float coat_view[3][kLightBlock];
   float radiance[3][kLightBlock];
 };
 
-/// The SIMD parts, chosen at run time, of the first `count` lanes.
-void prepare_shading(std::size_t count, ShadingColumns* columns);
+/// The SIMD parts, chosen at run time. Of 1 to `kLightBlock` fragments, each with its radiance
+/// until now.
+void gather_shading(View<const Fragment> fragments, const Vec3* radiance, ShadingColumns* columns);
+/// The first lanes' radiance back.
+void give_radiance(const ShadingColumns& columns, View<Vec3> radiance);
 /// Adds what the light gives to the fragments whose `visible` is `Visibility::kVisible`; `visible`
 /// has `kLightBlock` entries.
 void add_point_light(const PlacedLight& light, View<const Fragment> fragments,

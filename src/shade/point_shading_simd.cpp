@@ -18,44 +18,40 @@ HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
 namespace {
 
-/// `fresnel_schlick`.
-HWY_INLINE V3 Schlick(const V3& at_normal, V cos_in) {
-  const Floats d;
-  const V one = hn::Set(d, 1.0f), zero = hn::Zero(d);
-  const V m = Clamp(hn::Sub(one, cos_in), 0, 1), m2 = hn::Mul(m, m);
-  const V rise = hn::Mul(hn::Mul(m2, m2), m);
-  const V3 rest{hn::Sub(one, at_normal.x), hn::Sub(one, at_normal.y), hn::Sub(one, at_normal.z)};
-  const V3 risen = Add(at_normal, Scale(rest, rise));
-  const M none = hn::Le(MaxOf(at_normal), zero);
-  return {hn::IfThenElse(none, zero, risen.x), hn::IfThenElse(none, zero, risen.y),
-          hn::IfThenElse(none, zero, risen.z)};
-}
-
 /// One side's half of Smith's masking: sqrt(c^2 (1 - a^2) + a^2).
 HWY_INLINE V Masking(V cosine, V alpha2) {
   const V rest = hn::Sub(hn::Set(Floats(), 1.0f), alpha2);
   return hn::Sqrt(hn::Add(hn::Mul(hn::Mul(cosine, cosine), rest), alpha2));
 }
 
-HWY_INLINE void Store3(const V3& a, float (&columns)[3][kLightBlock], std::size_t k) {
-  const Floats d;
-  hn::Store(a.x, d, columns[0] + k);
-  hn::Store(a.y, d, columns[1] + k);
-  hn::Store(a.z, d, columns[2] + k);
-}
-
-void PrepareShading(std::size_t count, ShadingColumns* columns) {
+void GatherShading(View<const Fragment> fragments, const Vec3* radiance, ShadingColumns* columns) {
   const Floats d;
   ShadingColumns& c = *columns;
-  for (std::size_t k = 0; k < count; k += hn::Lanes(d)) {
-    const V cosine = Clamp(hn::Neg(Dot(Load3(c.incoming, k), Load3(c.normal, k))), 1e-4f, 1);
-    const V alpha = Larger(hn::Load(d, c.roughness + k), hn::Set(d, kMirrorRoughness));
+  for (std::size_t k = 0; k < fragments.size; k += hn::Lanes(d)) {
+    const FragmentLanes f(fragments, k);
+    const V3 normal = f.At3<RAYSHEAF_SURFACE_WORD(normal)>();
+    const V3 incoming = f.At3<RAYSHEAF_WORD(incoming)>();
+    const V3 coat = f.At3<RAYSHEAF_SURFACE_WORD(coat)>();
+    Store3(f.At3<RAYSHEAF_SURFACE_WORD(position)>(), c.position, k);
+    Store3(normal, c.normal, k);
+    Store3(incoming, c.incoming, k);
+    Store3(f.At3<RAYSHEAF_SURFACE_WORD(diffuse)>(), c.diffuse, k);
+    Store3(f.At3<RAYSHEAF_SURFACE_WORD(specular)>(), c.specular, k);
+    Store3(coat, c.coat, k);
+    Store3(Take3(radiance + k, fragments.size - k), c.radiance, k);
+    const V cosine = CosArrival(incoming, normal);
+    const V alpha = Larger(f.At<RAYSHEAF_SURFACE_WORD(roughness)>(), hn::Set(d, kMirrorRoughness));
     const V once = hn::Mul(alpha, alpha), alpha2 = hn::Mul(once, once);
     hn::Store(cosine, d, c.cos_view + k);
     hn::Store(alpha2, d, c.alpha2 + k);
     hn::Store(Masking(cosine, alpha2), d, c.masking + k);
-    Store3(Schlick(Load3(c.coat, k), cosine), c.coat_view, k);
+    Store3(Schlick(coat, cosine), c.coat_view, k);
   }
+}
+
+void GiveRadiance(const ShadingColumns& c, View<Vec3> radiance) {
+  for (std::size_t k = 0; k < radiance.size; k += hn::Lanes(Floats()))
+    Give3(Load3(c.radiance, k), radiance.size - k, radiance.data + k);
 }
 
 /// Lanes whose visibility byte says so.
@@ -131,11 +127,16 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace raysheaf {
 
-HWY_EXPORT(PrepareShading);
+HWY_EXPORT(GatherShading);
+HWY_EXPORT(GiveRadiance);
 HWY_EXPORT(AddPointLight);
 
-void prepare_shading(std::size_t count, ShadingColumns* columns) {
-  HWY_DYNAMIC_DISPATCH(PrepareShading)(count, columns);
+void gather_shading(View<const Fragment> fragments, const Vec3* radiance, ShadingColumns* columns) {
+  HWY_DYNAMIC_DISPATCH(GatherShading)(fragments, radiance, columns);
+}
+
+void give_radiance(const ShadingColumns& columns, View<Vec3> radiance) {
+  HWY_DYNAMIC_DISPATCH(GiveRadiance)(columns, radiance);
 }
 
 void add_point_light(const PlacedLight& light, View<const Fragment> fragments,

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <vector>
@@ -7,6 +8,7 @@
 #include "raygen/point_light.h"
 #include "raygen/shadow_body.h"
 #include "raygen/sky_body.h"
+#include "shade/glow.h"
 #include "shade/point_shading.h"
 #include "shade/shade.h"
 #include "shade/shade_body.h"
@@ -25,27 +27,6 @@ struct ShadedBlock {
   View<Vec3> radiance;
 };
 
-void gather_shading_columns(View<const Fragment> fragments, View<const Vec3> radiance,
-                            ShadingColumns* columns) {
-  ShadingColumns& c = *columns;
-  const std::size_t padded = div_ceil(fragments.size, kLightLanes) * kLightLanes;
-  for (std::size_t i = 0; i < padded; ++i) {
-    const std::size_t from = i < fragments.size ? i : 0;
-    const Fragment& f = fragments[from];
-    const Surface& s = f.surface;
-    for (int k = 0; k < 3; ++k) {
-      c.position[k][i] = component(s.position, k);
-      c.normal[k][i] = component(s.normal, k);
-      c.incoming[k][i] = component(f.incoming, k);
-      c.diffuse[k][i] = component(s.diffuse, k);
-      c.specular[k][i] = component(s.specular, k);
-      c.coat[k][i] = component(s.coat, k);
-      c.radiance[k][i] = component(radiance[from], k);
-    }
-    c.roughness[i] = s.roughness;
-  }
-}
-
 /// The lights one after the other: a fragment adds them up in their order.
 void shade_block(const ShadedBlock& block) {
   const LightGroup& group = block.group;
@@ -59,8 +40,7 @@ void shade_block(const ShadedBlock& block) {
     constexpr int kShown = static_cast<int>(Visibility::kVisible);
     if (std::memchr(visible, kShown, count) == nullptr) continue;
     if (!gathered) {
-      gather_shading_columns(block.fragments, {block.radiance.data, count}, &columns);
-      prepare_shading(count, &columns);
+      gather_shading(block.fragments, block.radiance.data, &columns);
       gathered = true;
     }
     if (shines_from_point(light, group.sample)) {
@@ -74,9 +54,7 @@ void shade_block(const ShadedBlock& block) {
       for (int k = 0; k < 3; ++k) columns.radiance[k][i] += component(given, k);
     }
   }
-  if (!gathered) return;
-  for (std::size_t i = 0; i < count; ++i)
-    block.radiance[i] = {columns.radiance[0][i], columns.radiance[1][i], columns.radiance[2][i]};
+  if (gathered) give_radiance(columns, {block.radiance.data, count});
 }
 
 constexpr float kMiddleGrey = 0.18f;
@@ -92,7 +70,7 @@ LargeVector<Vec3> shade_glow(const Executor& executor, View<const Fragment> frag
   const auto kinds = static_cast<std::uint8_t>((traced.reflection ? kReflects : 0) |
                                                (traced.refraction ? kRefracts : 0));
   LargeVector<Vec3> radiance(fragments.size);
-  executor.for_each(fragments.size, kWorkGrain, [&](std::size_t i) {
+  const auto glow_alone = [&](std::size_t i) {
     const Fragment& f = fragments[i];
     if (f.triangle == kInvalidId) {
       radiance[i] = environment != nullptr ? environment_radiance(*environment, f.incoming) : sky;
@@ -106,6 +84,21 @@ LargeVector<Vec3> shade_glow(const Executor& executor, View<const Fragment> frag
     radiance[i] = glow(f, s, sky, reflects, refracts);
     if (environment != nullptr)
       radiance[i] += environment_glow(f, s, *environment, reflects, refracts);
+  };
+  if (environment != nullptr) {
+    executor.for_each(fragments.size, kWorkGrain, glow_alone);
+    return radiance;
+  }
+  executor.for_each(div_ceil(fragments.size, kLightBlock), kBlockGrain, [&](std::size_t block) {
+    const std::size_t first = block * kLightBlock;
+    const std::size_t count = std::min(kLightBlock, fragments.size - first);
+    std::uint16_t odd[kLightGroups];
+    find_glow(fragments.slice(first, count), {sky, kinds}, radiance.data() + first,
+              going_on.empty() ? nullptr : going_on.data + first, odd);
+    for (std::size_t group = 0; group < div_ceil(count, kLightLanes); ++group) {
+      for (std::uint32_t rest = odd[group]; rest != 0; rest &= rest - 1)
+        glow_alone(first + group * kLightLanes + static_cast<std::size_t>(std::countr_zero(rest)));
+    }
   });
   return radiance;
 }

@@ -130,6 +130,50 @@ TEST(Shade, ManyFragmentsAtATimeAreAsOneByOneOnEverySimdTarget) {
   });
 }
 
+/// Some of them nothing, glass, mirrors, lamps, unlit; some that hardly count.
+Fragments all_kinds_of_glow(std::size_t count) {
+  Random random(6);
+  Fragments fragments = all_kinds_of_surfaces(count, {0.5f, 2, -1});
+  for (Fragment& f : fragments) {
+    Surface& s = f.surface;
+    s.unlit = random.below(9) == 0;
+    if (random.below(4) == 0) s.emission = random.in_box(1) + Vec3{1, 1, 1};
+    if (random.below(3) == 0) s.roughness = 0.1f * random.unit();
+    if (random.below(8) == 0) s.transmission = random.unit();
+    if (random.below(3) == 0) f.weight = Vec3{1, 0.5f, 0.25f} * (0.004f * random.unit());
+    if (random.below(9) == 0) f = {};
+  }
+  return fragments;
+}
+
+TEST(Shade, GlowOfManyIsThatOfOneByOneOnEverySimdTarget) {
+  const Vec3 sky{0.25f, 0.5f, 0.125f};
+  for (const std::size_t size : {1u, 15u, 16u, 257u, 3001u}) {
+    const Fragments fragments = all_kinds_of_glow(size);
+    for (const TracedParts traced : {TracedParts{true, true}, {false, true}, {false, false}}) {
+      std::vector<Vec3> expected(size);
+      std::vector<std::uint8_t> rays(size);
+      for (std::size_t i = 0; i < size; ++i) {
+        const Fragment& f = fragments[i];
+        expected[i] = sky;
+        if (f.triangle == kInvalidId) continue;
+        const Scattering s = scattered_parts(f);
+        rays[i] = static_cast<std::uint8_t>(rays_of(f, s) & ((traced.reflection ? kReflects : 0) |
+                                                             (traced.refraction ? kRefracts : 0)));
+        expected[i] = glow(f, s, sky, (rays[i] & kReflects) != 0, (rays[i] & kRefracts) != 0);
+      }
+      test::for_each_simd_target([&](const char* target) {
+        std::vector<std::uint8_t> going_on(size, 0xff);
+        const auto radiance = shade_glow(Executor(3), fragments, sky, traced, nullptr, going_on);
+        EXPECT_TRUE(test::same_bits({radiance.begin(), radiance.end()}, expected)) << target;
+        EXPECT_EQ(going_on, rays) << target;
+        const auto alone = shade_glow(Executor(1), fragments, sky, traced);
+        EXPECT_TRUE(test::same_bits({alone.begin(), alone.end()}, expected)) << target;
+      });
+    }
+  }
+}
+
 TEST(Shade, AccumulationIsExactWhateverTheThreads) {
   Random random(4);
   std::vector<Fragment> fragments;
