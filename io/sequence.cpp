@@ -11,6 +11,7 @@
 #include <future>
 #include <iterator>
 #include <system_error>
+#include <utility>
 
 #include "io/gltf_rules.h"
 #include "io/image_cache.h"
@@ -43,12 +44,12 @@ bool same_but_for_shape(const Mesh& a, const Mesh& b) {
 
 /// The part of a list from `first` on, replaced; whether that made a difference.
 template <class T, class Same>
-bool replace_tail(std::vector<T>& list, std::size_t first, std::vector<T> tail, const Same& same) {
+bool replace_tail(std::vector<T>& list, std::size_t first, const std::vector<T>& tail,
+                  const Same& same) {
   const auto begin = list.begin() + static_cast<std::ptrdiff_t>(first);
   if (std::equal(begin, list.end(), tail.begin(), tail.end(), same)) return false;
   list.erase(begin, list.end());
-  list.insert(list.end(), std::make_move_iterator(tail.begin()),
-              std::make_move_iterator(tail.end()));
+  list.insert(list.end(), tail.begin(), tail.end());
   return true;
 }
 
@@ -100,6 +101,26 @@ bool same_texture(const Texture& a, const Texture& b) {
 bool same_image(const Image& a, const Image& b) {
   return a.name == b.name && a.width == b.width && same_bytes(a.rgba, b.rgba);
 }
+
+/// What frames look like, apart from their shapes.
+struct Look {
+  std::vector<Material> materials;
+  std::vector<Texture> textures;
+  std::vector<Image> images;
+
+  explicit Look(SceneDescription&& frame)
+      : materials(std::move(frame.materials)),
+        textures(std::move(frame.textures)),
+        images(std::move(frame.images)) {}
+
+  [[nodiscard]] bool operator==(const Look& other) const {
+    const auto same = [](const auto& a, const auto& b, const auto& same_one) {
+      return std::equal(a.begin(), a.end(), b.begin(), b.end(), same_one);
+    };
+    return same(materials, other.materials, same_material) &&
+           same(textures, other.textures, same_texture) && same(images, other.images, same_image);
+  }
+};
 
 /// What changes where a file does.
 struct FileStamp {
@@ -158,9 +179,7 @@ class SequenceAnimation final : public Animation {
       for (std::size_t i = 0; i < files_.frames.size(); ++i)
         files_.times.push_back(static_cast<double>(i) / kUsualRate);
     }
-    if (options_.preload) {
-      for (std::size_t i = 0; i < files_.frames.size(); ++i) kept_.push_back(load(i));
-    }
+    if (options_.preload) preload();
     show(0);
     validate(scene_);
   }
@@ -208,13 +227,25 @@ class SequenceAnimation final : public Animation {
     }
   }
 
+  /// The frame's own part, with its numbers as they are behind what stands still.
   SceneDescription load(std::size_t index) {
-    return io::load_part(files_.frames[index], options_, &images_);
+    SceneDescription frame = io::load_part(files_.frames[index], options_, &images_);
+    shift(frame, still_);
+    return frame;
   }
 
-  /// The frame's own part.
+  /// Frames that look like one before share its look: pictures are large.
+  void preload() {
+    for (std::size_t i = 0; i < files_.frames.size(); ++i) {
+      kept_.push_back(load(i));
+      Look look(std::move(kept_.back()));
+      const auto known = std::find(looks_.begin(), looks_.end(), look);
+      look_of_.push_back(static_cast<std::size_t>(known - looks_.begin()));
+      if (known == looks_.end()) looks_.push_back(std::move(look));
+    }
+  }
+
   SceneDescription read(std::size_t index) {
-    if (!kept_.empty()) return kept_[index];
     if (ahead_.valid()) {
       ahead_.wait();  // they share images
       if (ahead_index_ == index && ahead_stamp_ == stamp_of(files_.frames[index]))
@@ -239,15 +270,28 @@ class SequenceAnimation final : public Animation {
   }
 
   SceneChanges show(std::size_t index) {
+    if (!kept_.empty()) return show(index, kept_[index]);
     SceneDescription frame = read(index);
-    shift(frame, still_);
+    return show(index, frame);
+  }
+
+  /// Whether anything looks otherwise than before.
+  bool take_look(const Look& look) {
+    return static_cast<bool>(
+        replace_tail(scene_.materials, still_.materials, look.materials, same_material) |
+        replace_tail(scene_.textures, still_.textures, look.textures, same_texture) |
+        replace_tail(scene_.images, still_.images, look.images, same_image));
+  }
+  bool take_look(std::size_t index, SceneDescription& frame) {
+    if (kept_.empty()) return take_look(Look(std::move(frame)));
+    const std::size_t before = std::exchange(look_, look_of_[index]);
+    return before != look_ && take_look(looks_[look_]);
+  }
+
+  /// Takes what it needs of the frame: all that is not kept.
+  SceneChanges show(std::size_t index, SceneDescription& frame) {
     SceneChanges changes = take_meshes(frame);
-    const bool other_look =
-        replace_tail(scene_.materials, still_.materials, std::move(frame.materials),
-                     same_material) |
-        replace_tail(scene_.textures, still_.textures, std::move(frame.textures), same_texture) |
-        replace_tail(scene_.images, still_.images, std::move(frame.images), same_image);
-    if (other_look) {
+    if (take_look(index, frame)) {
       SceneChanges everything;
       everything.everything = true;
       changes.add(everything);
@@ -265,6 +309,12 @@ class SequenceAnimation final : public Animation {
     return changes;
   }
 
+  /// What a frame has: its own, or a copy where it is kept.
+  template <class T>
+  [[nodiscard]] T taken(T& from) const {
+    return kept_.empty() ? std::move(from) : T(from);
+  }
+
   /// Meshes that differ from the frame before in nothing but their shape are deformed; from the
   /// first other one on they are others.
   SceneChanges take_meshes(SceneDescription& frame) {
@@ -275,17 +325,17 @@ class SequenceAnimation final : public Animation {
       Mesh& mesh = scene_.meshes[still_.meshes + m];
       Mesh& other = frame.meshes[m];
       if (!same_but_for_shape(mesh, other)) break;
-      mesh.name.swap(other.name);
+      mesh.name = taken(other.name);
       if (same_bytes(mesh.positions, other.positions) && same_bytes(mesh.normals, other.normals))
         continue;
       changes.deformed.push_back(static_cast<std::uint32_t>(still_.meshes + m));
-      mesh.positions.swap(other.positions);
-      mesh.normals.swap(other.normals);
+      mesh.positions = taken(other.positions);
+      mesh.normals = taken(other.normals);
     }
     if (m < before || m < frame.meshes.size()) {
       changes.other_meshes_from = static_cast<std::uint32_t>(still_.meshes + m);
       scene_.meshes.resize(changes.other_meshes_from);
-      for (; m < frame.meshes.size(); ++m) scene_.meshes.push_back(std::move(frame.meshes[m]));
+      for (; m < frame.meshes.size(); ++m) scene_.meshes.push_back(taken(frame.meshes[m]));
     }
     take_instances(frame.instances, &changes);
     return changes;
@@ -299,12 +349,12 @@ class SequenceAnimation final : public Animation {
       if (instance.mesh != frame[i].mesh) break;
       if (!same(instance.to_world, frame[i].to_world))
         changes->moved.push_back(static_cast<std::uint32_t>(still_.instances + i));
-      instance = std::move(frame[i]);
+      instance = taken(frame[i]);
     }
     if (i == before && i == frame.size()) return;
     changes->other_instances_from = static_cast<std::uint32_t>(still_.instances + i);
     scene_.instances.resize(changes->other_instances_from);
-    for (; i < frame.size(); ++i) scene_.instances.push_back(std::move(frame[i]));
+    for (; i < frame.size(); ++i) scene_.instances.push_back(taken(frame[i]));
   }
 
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
@@ -317,7 +367,11 @@ class SequenceAnimation final : public Animation {
   std::size_t shown_ = kNone;
   std::size_t frame_lights_ = 0, frame_cameras_ = 0;  ///< that the frame brought
   std::vector<std::string> names_{"sequence"};
-  std::vector<SceneDescription> kept_;  ///< where frames were preloaded: all of them
+  // Where frames were preloaded: all of them, without their looks, and which each has.
+  std::vector<SceneDescription> kept_;
+  std::vector<Look> looks_;
+  std::vector<std::size_t> look_of_;
+  std::size_t look_ = kNone;  ///< that is shown
   std::size_t ahead_index_ = kNone;
   FileStamp ahead_stamp_;
   std::future<SceneDescription> ahead_;  ///< the last one: it ends before what it uses goes

@@ -93,19 +93,28 @@ TEST_F(Sequence, KeepsMaterialsThatTheFramesShare) {
   SequenceFiles files;
   files.still = path("still.obj");
   files.frames = files_like(path("c_*.obj"));
-  const auto animation = load_sequence(files);
-  const SceneDescription& scene = animation->scene();
-  const std::uint32_t red = scene.meshes[2].materials.at(0);
-  EXPECT_EQ(scene.materials[red].name, "red");
-  const std::uint32_t texture = scene.materials[red].base_color_texture.texture;
-  EXPECT_EQ(scene.images[scene.textures[texture].image].rgba[0], 255);
-  SceneChanges changes = animation->seek(frame_time(*animation, 1, 24));
-  EXPECT_FALSE(changes.everything);
-  EXPECT_EQ(changes.deformed, std::vector<std::uint32_t>{2});
-  changes = animation->seek(animation->end());
-  EXPECT_TRUE(changes.everything) << "another material";
-  EXPECT_TRUE(scene.images.empty());
-  validate(scene);
+  for (const bool preload : {false, true}) {
+    LoadOptions options;
+    options.preload = preload;
+    const auto animation = load_sequence(files, options);
+    const SceneDescription& scene = animation->scene();
+    const std::uint32_t red = scene.meshes[2].materials.at(0);
+    EXPECT_EQ(scene.materials[red].name, "red");
+    const std::uint32_t texture = scene.materials[red].base_color_texture.texture;
+    EXPECT_EQ(scene.images[scene.textures[texture].image].rgba[0], 255);
+    SceneChanges changes = animation->seek(frame_time(*animation, 1, 24));
+    EXPECT_FALSE(changes.everything);
+    EXPECT_EQ(changes.deformed, std::vector<std::uint32_t>{2});
+    changes = animation->seek(animation->end());
+    EXPECT_TRUE(changes.everything) << "another material";
+    EXPECT_TRUE(scene.images.empty());
+    validate(scene);
+    changes = animation->seek(0);
+    EXPECT_TRUE(changes.everything) << "the first one again";
+    EXPECT_EQ(scene.materials[scene.meshes[2].materials.at(0)].name, "red");
+    EXPECT_EQ(scene.images.size(), 1u);
+    validate(scene);
+  }
 }
 
 TEST_F(Sequence, StaysAsItIsWhereAFrameCannotBeRead) {
