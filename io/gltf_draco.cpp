@@ -173,6 +173,8 @@ class CheckedDecoder final : public Decoder {
     std::size_t bytes = 0;
     for (int i = 0; i < this->point_cloud()->num_attributes(); ++i) {
       const draco::PointAttribute& attribute = *this->point_cloud()->attribute(i);
+      // No accessor is of truth values, and Draco would read any byte as one.
+      if (attribute.data_type() == draco::DT_BOOL) return false;
       bytes += static_cast<std::size_t>(attribute.num_components()) *
                static_cast<std::size_t>(draco::DataTypeLength(attribute.data_type()));
     }
