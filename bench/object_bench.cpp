@@ -118,7 +118,8 @@ void rebuild(benchmark::State& state) {
 template <Shape kShape>
 void refit(benchmark::State& state) {
   time_tree<kShape>(state, [](const Input& in, ObjectTree* tree) {
-    if (!refit_object_tree(in.executor, in.source, tree)) std::abort();
+    if (!refit_object_tree(in.executor, in.source, MovedTriangles::everything(), tree))
+      std::abort();
   });
 }
 

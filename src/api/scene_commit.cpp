@@ -154,9 +154,12 @@ void Scene::Impl::list_runs() {
 
 /// The same runs, elsewhere.
 void Scene::Impl::move_runs(const std::vector<Placement*>& moved) {
-  for (const Placement* placement : moved)
-    if (placement->run != Placement::kNoRun)
-      runs.runs[placement->run].triangles.positions = placement->positions();
+  for (const Placement* placement : moved) {
+    if (placement->run == Placement::kNoRun) continue;
+    SceneRun& run = runs.runs[placement->run];
+    run.triangles.positions = placement->positions();
+    run.moved_at = runs.position_version + 1;
+  }
 }
 
 void Scene::Impl::list_masks() {

@@ -23,15 +23,21 @@ void SceneView::refresh(const SceneRuns& scene) {
   runs_.clear();
   ids_.clear();
   count_ = 0;
+  std::vector<TriangleRange> moved;
   for (const SceneRun& run : scene.runs) {
     if (!shows(run.mask)) continue;
+    if (run.moved_at > position_version_) moved.push_back({count_, run.triangles.count});
     runs_.push_back(run.triangles);
     runs_.back().first = count_;
     ids_.push_back({run.mesh, run.instance});
     count_ += run.triangles.count;
   }
-  if (!same_runs) note_first_runs();
-  engine.set_triangles(source(), same_runs);
+  if (same_runs) {
+    engine.move_triangles(source(), moved);
+  } else {
+    note_first_runs();
+    engine.set_triangles(source(), false);
+  }
   structure_version_ = scene.structure_version;
   position_version_ = scene.position_version;
   mask_version_ = scene.mask_version;

@@ -22,6 +22,7 @@ struct SceneRun {
   MeshId mesh = 0;
   InstanceId instance = 0;
   std::uint32_t mask = 0;
+  std::uint64_t moved_at = 0;  ///< `SceneRuns::position_version` since it last moved
 };
 
 /// The scene as it was committed. Versions tell a view what has changed since it looked.

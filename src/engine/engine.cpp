@@ -48,6 +48,7 @@ class Reporter {
 void Engine::set_triangles(const TriangleSource& source, bool same_triangles) {
   const bool keeps = same_triangles && source.count == source_.count;
   source_ = source;
+  moved_.add_all();
   if (keeps) {
     history_.rays_since_change = 0;
     history_.queries_since_change = 0;
@@ -61,6 +62,13 @@ void Engine::set_triangles(const TriangleSource& source, bool same_triangles) {
   history_ = fresh;
 }
 
+void Engine::move_triangles(const TriangleSource& source, View<const TriangleRange> moved) {
+  MovedTriangles all_moved = std::exchange(moved_, {});
+  set_triangles(source, true);
+  for (const TriangleRange& range : moved) all_moved.add(range, source.count);
+  moved_ = std::move(all_moved);
+}
+
 void Engine::prepare_tree(const Executor& executor, EngineReport* report) {
   Plan plan = plan_tree(history_, report != nullptr);
   prepare_tree(executor, &plan, report);
@@ -72,7 +80,7 @@ void Engine::prepare_tree(const Executor& executor, Plan* plan, EngineReport* re
   // Until it is whole: memory may run out, and callers stop.
   if (plan->tree != TreeWork::kKeep) history_.built = false;
   const bool refitted =
-      plan->tree == TreeWork::kRefit && refit_object_tree(executor, source_, &tree_);
+      plan->tree == TreeWork::kRefit && refit_object_tree(executor, source_, moved_, &tree_);
   if (plan->tree == TreeWork::kRefit && !refitted && report != nullptr)
     plan->reasons.emplace_back(
         "object tree: built again after all, for triangles without area have gained an area");
@@ -94,6 +102,7 @@ void Engine::prepare_tree(const Executor& executor, Plan* plan, EngineReport* re
   }
   history_.built = true;
   history_.moved = false;
+  moved_.clear();
   history_.degraded = tree_.surface_area_cost > kSpoilt * cost_when_built_;
   reporter.lap(&EngineReport::hierarchy_ms);
 }
@@ -187,7 +196,7 @@ FoundRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
 std::size_t Engine::memory_bytes() const {
   return tree_.memory_bytes() + order_.rays.capacity_bytes() + order_.keys.capacity_bytes() +
          order_.spare.capacity_bytes() + order_.quarters.capacity_bytes() + streams_->bytes() +
-         fan_memory_.bytes() + bytes_of(rows_);
+         fan_memory_.bytes() + bytes_of(rows_) + moved_.memory_bytes();
 }
 
 }  // namespace raysheaf

@@ -84,6 +84,8 @@ class Engine {
   /// the tree may be refitted. `source` and what it points to must live until the next call.
   /// Nothing is built before a query needs it.
   void set_triangles(const TriangleSource& source, bool same_triangles);
+  /// The same triangles, of which some have moved and no others.
+  void move_triangles(const TriangleSource& source, View<const TriangleRange> moved);
 
   /// Brings the tree to where the triangles are, as queries do that need it. Then threads may ask
   /// by `TreeQueries` (engine/tree_queries.h), and nobody by what follows here, until they have
@@ -120,6 +122,7 @@ class Engine {
 
   TriangleSource source_;
   ObjectTree tree_;
+  MovedTriangles moved_;  ///< since the tree was built or refitted
   SceneHistory history_;
   float cost_when_built_ = 0;
   RayOrder order_;

@@ -43,21 +43,24 @@ std::vector<std::size_t> query_ends(const RayBatch& batch) {
 DualTracer::DualTracer(const Executor& executor, const FlatScene& scene) {
   corners_.resize_uninitialized(std::size_t{3} * scene.triangle_count);
   copy_corners(executor, scene, 0, scene.triangle_count);
-  use_corners(scene, false);
+  engine_.set_triangles(source_of(scene), false);
 }
 
 void DualTracer::update(const Executor& executor, const FlatScene& scene,
                         const FlatUpdate& update) {
+  std::vector<TriangleRange> moved;
   if (update.same_triangles) {
     for (const std::uint32_t i : update.placed_meshes) {
       const FlatMesh& mesh = scene.meshes[i];
       copy_corners(executor, scene, mesh.first_triangle, mesh.triangle_count);
+      moved.push_back({mesh.first_triangle, mesh.triangle_count});
     }
+    engine_.move_triangles(source_of(scene), moved);
   } else {
     corners_.resize_uninitialized(std::size_t{3} * scene.triangle_count);
     copy_corners(executor, scene, 0, scene.triangle_count);
+    engine_.set_triangles(source_of(scene), false);
   }
-  use_corners(scene, update.same_triangles);
 }
 
 void DualTracer::copy_corners(const Executor& executor, const FlatScene& scene, std::size_t first,
@@ -70,14 +73,14 @@ void DualTracer::copy_corners(const Executor& executor, const FlatScene& scene, 
   });
 }
 
-void DualTracer::use_corners(const FlatScene& scene, bool same_triangles) {
+TriangleSource DualTracer::source_of(const FlatScene& scene) {
   const std::uint32_t count = scene.triangle_count;
   run_ = {corners_.data(), nullptr, 0, count};
   TriangleSource source;
   source.runs = {&run_, count > 0 ? std::size_t{1} : std::size_t{0}};
   source.count = count;
   source.flags = scene.flags.data();
-  engine_.set_triangles(source, same_triangles);
+  return source;
 }
 
 EngineReport DualTracer::prepare_tree(const Executor& executor) {

@@ -53,7 +53,8 @@ class DualTracer {
  public:
   /// O(triangles). `scene` must outlive it.
   DualTracer(const Executor& executor, const FlatScene& scene);
-  /// The scene changed as `update` says: the tree is refitted where the same triangles have moved.
+  /// The scene changed as `update` says: the tree is refitted where the same triangles have moved,
+  /// and only there.
   /// O(what was placed), or O(triangles) where they are others. Nothing is built before a batch
   /// needs it.
   void update(const Executor& executor, const FlatScene& scene, const FlatUpdate& update);
@@ -84,7 +85,8 @@ class DualTracer {
                     std::size_t count);
   void add_report(const EngineReport& report, std::size_t rays, bool whole,
                   BatchStatistics* statistics);
-  void use_corners(const FlatScene& scene, bool same_triangles);
+  /// All of `corners_`.
+  [[nodiscard]] TriangleSource source_of(const FlatScene& scene);
   void find_closest(const Executor& executor, const RayBatch& batch, const EngineOptions& options,
                     BatchStatistics* statistics, View<float> ray_tests, View<RayHit> hits);
 

@@ -13,6 +13,7 @@
 #include "base/buffer.h"
 #include "exec/executor.h"
 #include "object/bvh.h"
+#include "object/moved_triangles.h"
 #include "object/tree_scratch.h"
 #include "object/triangle_source.h"
 
@@ -63,11 +64,12 @@ void build_object_tree(const Executor& executor, const TriangleSource& source, O
 void build_fine_object_tree(const Executor& executor, const TriangleSource& source,
                             ObjectTree* tree);
 
-/// New corners for the triangles that `tree` was built from: same count and, normally, same
-/// indices. A triangle that has lost its area stays in its leaf as a point that nothing hits;
-/// returns false, with the tree left unusable, where one that had none has gained it, so that the
-/// tree must be built again. O(M).
+/// New corners for those of the triangles that `tree` was built from which have moved: same count
+/// and, normally, same indices. A triangle that has lost its area stays in its leaf as a point that
+/// nothing hits; returns false, with the tree left unusable, where one that had none has gained it,
+/// so that the tree must be built again. The same tree as where all count as moved. O(M), with a
+/// look at those that stayed.
 [[nodiscard]] bool refit_object_tree(const Executor& executor, const TriangleSource& source,
-                                     ObjectTree* tree);
+                                     const MovedTriangles& moved, ObjectTree* tree);
 
 }  // namespace raysheaf

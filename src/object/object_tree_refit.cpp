@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <iterator>
 
 #include "base/vec.h"
 #include "object/object_tree.h"
@@ -12,9 +14,10 @@ namespace raysheaf {
 namespace {
 
 bool gained_area(const Executor& executor, const TriangleSource& source,
-                 const std::vector<std::uint32_t>& left_out) {
+                 const MovedTriangles& moved, const std::vector<std::uint32_t>& left_out) {
   std::atomic<bool> gained{false};
   executor.for_each(left_out.size(), kWorkGrain, [&](std::size_t i) {
+    if (!moved.all() && !moved.has(left_out[i])) return;
     const TriangleRun& run = source.runs[source.run_of(left_out[i])];
     const std::array<Vec3, 3> c = run.corners(left_out[i] - run.first);
     if (!has_no_area(c[0], c[1], c[2])) gained.store(true, std::memory_order_relaxed);
@@ -91,6 +94,19 @@ void refill_quads(const TriangleSource& source, std::size_t begin, std::size_t e
   }
 }
 
+/// The same of those with a triangle that has moved.
+void refill_moved(const TriangleSource& source, const MovedTriangles& moved, std::size_t begin,
+                  std::size_t end, const ObjectTree& tree) {
+  TriangleReader reader(source);
+  for (std::size_t q = begin; q < end; ++q) {
+    TriangleQuad& quad = tree.quads[q];
+    const bool any = std::any_of(std::begin(quad.id), std::end(quad.id),
+                                 [&](std::uint32_t id) { return moved.has(id); });
+    tree.scratch.moved_quads[q] = any ? 1 : 0;
+    if (any) refill(&reader, &quad, &tree.scratch.leaves[q]);
+  }
+}
+
 void set_child_box(BvhNode* node, std::uint32_t c, const Box& box) {
   for (int axis = 0; axis < 3; ++axis) {
     node->bound[axis][c] = component(box.min, axis);
@@ -98,13 +114,19 @@ void set_child_box(BvhNode* node, std::uint32_t c, const Box& box) {
   }
 }
 
-/// New boxes for the children of the nodes [begin, end), from the last up; returns the sum of
-/// `cost_below`.
-double refit_nodes(std::uint32_t begin, std::uint32_t end, const ObjectTree& tree) {
+/// New boxes for the children of the nodes [begin, end) that have moved, from the last up; returns
+/// the sum of `cost_below`.
+double refit_nodes(std::uint32_t begin, std::uint32_t end, bool all, const ObjectTree& tree) {
+  const TreeScratch& scratch = tree.scratch;
   double cost = 0;
   for (std::uint32_t n = end; n-- > begin;) {
     BvhNode& node = tree.nodes[n];
+    std::uint8_t moved = 0;
     for (std::uint32_t c = 0; c < node.children; ++c) {
+      const std::uint32_t first = node.first[c];
+      if (!all && (node.is_leaf(c) ? scratch.moved_quads : scratch.moved_nodes)[first] == 0)
+        continue;
+      moved = 1;
       Box box;
       if (node.is_leaf(c)) {
         const AreaItem& leaf = tree.scratch.leaves[node.first[c]];
@@ -114,6 +136,7 @@ double refit_nodes(std::uint32_t begin, std::uint32_t end, const ObjectTree& tre
       }
       set_child_box(&node, c, box);
     }
+    if (!all) scratch.moved_nodes[n] = moved;
     cost += cost_below(node);
   }
   return cost;
@@ -121,19 +144,26 @@ double refit_nodes(std::uint32_t begin, std::uint32_t end, const ObjectTree& tre
 
 }  // namespace
 
-bool refit_object_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree) {
-  if (gained_area(executor, source, tree->left_out)) return false;
+bool refit_object_tree(const Executor& executor, const TriangleSource& source,
+                       const MovedTriangles& moved, ObjectTree* tree) {
+  if (gained_area(executor, source, moved, tree->left_out)) return false;
   if (tree->empty()) return true;
+  const bool all = moved.all();
   tree->scratch.leaves.resize_uninitialized(tree->quads.size());
+  if (!all) {
+    tree->scratch.moved_quads.resize_uninitialized(tree->quads.size());
+    tree->scratch.moved_nodes.resize_uninitialized(tree->nodes.size());
+  }
   executor.for_each_block(tree->quads.size(), kWorkGrain, [&](std::size_t begin, std::size_t end) {
-    refill_quads(source, begin, end, *tree);
+    if (all) return refill_quads(source, begin, end, *tree);
+    refill_moved(source, moved, begin, end, *tree);
   });
   const std::vector<std::uint32_t>& starts = tree->region_starts;
   std::vector<double> costs(starts.size() - 1);
   executor.for_each(costs.size() - 1, 1, [&](std::size_t r) {
-    costs[r + 1] = refit_nodes(starts[r + 1], starts[r + 2], *tree);
+    costs[r + 1] = refit_nodes(starts[r + 1], starts[r + 2], all, *tree);
   });
-  costs[0] = refit_nodes(starts[0], starts[1], *tree);
+  costs[0] = refit_nodes(starts[0], starts[1], all, *tree);
   double below = 0;
   for (const double cost : costs) below += cost;
   finish_tree(below, tree);

@@ -181,7 +181,7 @@ inline void make_tree(Heap* heap, Tree how, ObjectTree* tree) {
   Heap former = *heap;
   for (Vec3& p : former.positions) p = p * Vec3{-0.5f, 0.25f, 0.125f};
   build_object_tree(executor, former.source(), tree);
-  ASSERT_TRUE(refit_object_tree(executor, heap->source(), tree));
+  ASSERT_TRUE(refit_object_tree(executor, heap->source(), MovedTriangles::everything(), tree));
 }
 
 /// Every kind of tree and bundle gives what brute force gives. Returns the hits there were.

@@ -319,7 +319,7 @@ TEST_P(ObjectTreeOf, RefittedHoldsTheNewCorners) {
     GetParam()(executor, all[i].source(), &tree);
     for (Mesh& mesh : all[i].meshes)
       for (Vec3& p : mesh.positions) p = p * 0.5f;
-    ASSERT_TRUE(refit_object_tree(executor, all[i].source(), &tree));
+    ASSERT_TRUE(refit_object_tree(executor, all[i].source(), MovedTriangles::everything(), &tree));
     if (i != 14) expect_right(tree, all[i].source());  // halves of subnormal numbers round
   }
 }
@@ -332,10 +332,82 @@ TEST_P(ObjectTreeOf, RefittedToTheSameCornersIsTheSame) {
     ObjectTree built, refitted;
     GetParam()(executor, all[i].source(), &built);
     GetParam()(executor, all[i].source(), &refitted);
-    ASSERT_TRUE(refit_object_tree(executor, all[i].source(), &refitted));
+    ASSERT_TRUE(
+        refit_object_tree(executor, all[i].source(), MovedTriangles::everything(), &refitted));
     EXPECT_TRUE(same_bytes(built.nodes, refitted.nodes));
     EXPECT_TRUE(same_bytes(built.quads, refitted.quads));
     EXPECT_FLOAT_EQ(built.surface_area_cost, refitted.surface_area_cost);
+  }
+}
+
+/// Halves some of a case's triangles, a mesh as a whole where they share corners; says which.
+MovedTriangles some_halved(Case* one, Random* random) {
+  MovedTriangles moved;
+  const TriangleSource source = one->source();
+  for (std::size_t m = 0, r = 0; m < one->meshes.size(); ++m) {
+    std::vector<Vec3>& positions = one->meshes[m].positions;
+    if (r == source.runs.size || source.runs[r].positions != positions.data()) continue;
+    const TriangleRun& run = source.runs[r++];
+    TriangleRange range{run.first, run.count};
+    std::size_t begin = 0, end = positions.size();
+    if (run.triangles == nullptr) {
+      const std::uint32_t first = random->below(run.count);
+      range = {run.first + first,
+               1 + random->below(std::min(run.count - first, run.count / 9 + 1))};
+      begin = std::size_t{3} * first, end = begin + std::size_t{3} * range.count;
+    } else if (random->below(2) == 0) {
+      continue;
+    }
+    for (std::size_t i = begin; i < end; ++i) positions[i] = positions[i] * 0.5f;
+    moved.add(range, source.count);
+  }
+  return moved;
+}
+
+TEST_P(ObjectTreeOf, RefittedWhereTrianglesMovedIsAsRefittedWhole) {
+  const Executor executor(2);
+  Random random(3);
+  std::vector<Case> all = cases();
+  std::size_t in_part = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    SCOPED_TRACE(i);
+    ObjectTree whole, part;
+    GetParam()(executor, all[i].source(), &whole);
+    GetParam()(executor, all[i].source(), &part);
+    for (int turn = 0; turn < 3; ++turn) {
+      const MovedTriangles moved = some_halved(&all[i], &random);
+      in_part += moved.all() ? 0 : 1;
+      const TriangleSource source = all[i].source();
+      const bool refitted =
+          refit_object_tree(executor, source, MovedTriangles::everything(), &whole);
+      ASSERT_EQ(refit_object_tree(executor, source, moved, &part), refitted);
+      if (!refitted) break;
+      EXPECT_TRUE(same_bytes(whole.nodes, part.nodes));
+      EXPECT_TRUE(same_bytes(whole.quads, part.quads));
+      EXPECT_EQ(whole.surface_area_cost, part.surface_area_cost);
+    }
+  }
+  EXPECT_GT(in_part, all.size());
+}
+
+TEST(MovedTriangles, HoldWhatWasAdded) {
+  Random random(4);
+  for (const std::uint32_t count : {1u, 63u, 64u, 65u, 1000u}) {
+    MovedTriangles moved;
+    std::vector<bool> expected(count);
+    std::uint32_t sum = 0;
+    for (int i = 0; i < 4 && !moved.all(); ++i) {
+      const std::uint32_t first = random.below(count);
+      const TriangleRange range{first, random.below(count - first + 1) / 8};
+      moved.add(range, count);
+      sum += range.count;
+      for (std::uint32_t t = first; t < first + range.count; ++t) expected[t] = true;
+      for (std::uint32_t t = 0; t < count && !moved.all(); ++t)
+        ASSERT_EQ(moved.has(t), expected[t]) << t << " of " << count;
+    }
+    EXPECT_EQ(moved.all(), sum > 0 && sum >= count / 2);
+    moved.clear();
+    EXPECT_FALSE(moved.all() || moved.has(0));
   }
 }
 
@@ -346,12 +418,12 @@ TEST_P(ObjectTreeOf, RefittedKeepsTrianglesThatLostTheirArea) {
   ObjectTree tree;
   GetParam()(executor, one.source(), &tree);
   one.meshes[0] = half_flat(one.meshes[0]);
-  ASSERT_TRUE(refit_object_tree(executor, one.source(), &tree));
+  ASSERT_TRUE(refit_object_tree(executor, one.source(), MovedTriangles::everything(), &tree));
   const TriangleSource source = one.source();
   const Walk walk(tree, source);
   for (std::uint32_t id = 0; id < source.count; ++id) EXPECT_TRUE(walk.seen(id));
   one.meshes = {soup(3000, 10, 0.5f, 21)};
-  ASSERT_TRUE(refit_object_tree(executor, one.source(), &tree));
+  ASSERT_TRUE(refit_object_tree(executor, one.source(), MovedTriangles::everything(), &tree));
   expect_right(tree, one.source());
 }
 
@@ -362,9 +434,9 @@ TEST_P(ObjectTreeOf, RefittedSaysWhenATriangleGainsArea) {
   ObjectTree tree;
   GetParam()(executor, one.source(), &tree);
   EXPECT_EQ(tree.left_out.size(), 1500u);
-  EXPECT_TRUE(refit_object_tree(executor, one.source(), &tree));
+  EXPECT_TRUE(refit_object_tree(executor, one.source(), MovedTriangles::everything(), &tree));
   one.meshes[0].positions[6 * 1499 + 1] = {100, 3, 5};
-  EXPECT_FALSE(refit_object_tree(executor, one.source(), &tree));
+  EXPECT_FALSE(refit_object_tree(executor, one.source(), MovedTriangles::everything(), &tree));
 }
 
 }  // namespace
