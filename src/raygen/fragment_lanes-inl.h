@@ -48,6 +48,10 @@ HWY_INLINE V3 Load3(const float (&columns)[3][kLightBlock], std::size_t k) {
 HWY_INLINE V3 Sub(const V3& a, const V3& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
+HWY_INLINE V3 Select(M mask, const V3& yes, const V3& no) {
+  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y),
+          hn::IfThenElse(mask, yes.z, no.z)};
+}
 HWY_INLINE V3 Add(const V3& a, const V3& b) {
   return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
 }
@@ -82,24 +86,65 @@ HWY_INLINE V3 Divided(const V3& a, V length) {
   return {hn::Div(a.x, length), hn::Div(a.y, length), hn::Div(a.z, length)};
 }
 
-/// As many fragments of a list as there are lanes, `k` the first; lanes behind the list's last are
-/// as the list's first.
-class FragmentLanes {
+inline constexpr std::size_t kFragmentWords = sizeof(Fragment) / sizeof(float);
+HWY_INLINE const float* WordsOf(const Fragment& fragment) {
+  return reinterpret_cast<const float*>(&fragment);
+}
+
+/// As many fragments that follow each other as there are lanes, `k` the first; lanes behind the
+/// last are as the first of all.
+class FragmentRow {
  public:
-  HWY_INLINE FragmentLanes(View<const Fragment> fragments, std::size_t k)
-      : words_(WordsOf(fragments.data + k)) {
+  HWY_INLINE FragmentRow(View<const Fragment> fragments, std::size_t k)
+      : words_(WordsOf(fragments[k])) {
     const std::size_t left = fragments.size - k;
     if (HWY_LIKELY(left >= hn::Lanes(Floats()))) return;
     for (std::size_t lane = 0; lane < hn::Lanes(Floats()); ++lane)
-      std::memcpy(padded_ + lane * kWords, WordsOf(fragments.data + (lane < left ? k + lane : 0)),
+      std::memcpy(padded_ + lane * kFragmentWords, WordsOf(fragments[lane < left ? k + lane : 0]),
                   sizeof(Fragment));
     words_ = padded_;
   }
 
+  FragmentRow(const FragmentRow&) = delete;  // which may name its own memory
+  FragmentRow& operator=(const FragmentRow&) = delete;
+
+  [[nodiscard]] HWY_INLINE const float* WordsAt(std::size_t lane) const {
+    return words_ + lane * kFragmentWords;
+  }
+
+ private:
+  const float* words_;
+  alignas(64) float padded_[kLightLanes * kFragmentWords];
+};
+
+/// The same of fragments wherever they stand: those of `slots` from `k` on.
+class FragmentList {
+ public:
+  HWY_INLINE FragmentList(View<const Fragment> fragments, View<const std::uint32_t> slots,
+                          std::size_t k) {
+    for (std::size_t lane = 0; lane < hn::Lanes(Floats()); ++lane)
+      words_[lane] = WordsOf(fragments[slots[k + lane < slots.size ? k + lane : 0]]);
+  }
+
+  [[nodiscard]] HWY_INLINE const float* WordsAt(std::size_t lane) const { return words_[lane]; }
+
+ private:
+  const float* words_[kLightLanes];
+};
+
+/// What the lanes' fragments have, a vector for each word of them. `Place`: where they are.
+template <class Place>
+class LanesOf {
+ public:
+  /// As `Place` takes them.
+  template <class... From>
+  HWY_INLINE explicit LanesOf(const From&... from) : place_(from...) {}
+
   /// Word `kWord` of each.
   template <std::size_t kWord>
   [[nodiscard]] HWY_INLINE V At() const {
-    constexpr std::size_t kFirst = kWord / 4 * 4 + 4 <= kWords ? kWord / 4 * 4 : kWords - 4;
+    constexpr std::size_t kFirst =
+        kWord / 4 * 4 + 4 <= kFragmentWords ? kWord / 4 * 4 : kFragmentWords - 4;
     return Four<kFirst>().word[kWord - kFirst];
   }
   /// From `kWord` on, three words each.
@@ -109,21 +154,18 @@ class FragmentLanes {
   }
 
  private:
-  static constexpr std::size_t kWords = sizeof(Fragment) / sizeof(float);
   struct FourWords {
     V word[4];
   };
-  static HWY_INLINE const float* WordsOf(const Fragment* fragment) {
-    return reinterpret_cast<const float*>(fragment);
-  }
 
   /// Words that follow each other, as whole vectors of memory that are turned in registers: one by
   /// one costs twice as much. What is not used of them, the compiler leaves out.
   template <std::size_t kFirst>
   [[nodiscard]] HWY_INLINE FourWords Four() const {
     const Floats d;
-    const float* const from = words_ + kFirst;
+    const auto at = [&](std::size_t lane) HWY_ATTR { return place_.WordsAt(lane) + kFirst; };
 #if HWY_TARGET == HWY_SCALAR
+    const float* const from = at(0);
     return {{hn::Set(d, from[0]), hn::Set(d, from[1]), hn::Set(d, from[2]), hn::Set(d, from[3])}};
 #else
     // Vector j has the fragments j, 4 + j, 8 + j, ... in its blocks of four lanes.
@@ -132,17 +174,13 @@ class FragmentLanes {
       if constexpr (kBlocks == 4) {
         const hn::Half<Floats> d8;
         const hn::Half<hn::Half<Floats> > d4;
-        return hn::Combine(d,
-                           hn::Combine(d8, hn::LoadU(d4, from + (12 + j) * kWords),
-                                       hn::LoadU(d4, from + (8 + j) * kWords)),
-                           hn::Combine(d8, hn::LoadU(d4, from + (4 + j) * kWords),
-                                       hn::LoadU(d4, from + j * kWords)));
+        return hn::Combine(d, hn::Combine(d8, hn::LoadU(d4, at(12 + j)), hn::LoadU(d4, at(8 + j))),
+                           hn::Combine(d8, hn::LoadU(d4, at(4 + j)), hn::LoadU(d4, at(j))));
       } else if constexpr (kBlocks == 2) {
         const hn::Half<Floats> d4;
-        return hn::Combine(d, hn::LoadU(d4, from + (4 + j) * kWords),
-                           hn::LoadU(d4, from + j * kWords));
+        return hn::Combine(d, hn::LoadU(d4, at(4 + j)), hn::LoadU(d4, at(j)));
       } else {
-        return hn::LoadU(d, from + j * kWords);
+        return hn::LoadU(d, at(j));
       }
     };
     const V a = blocks(0), b = blocks(1), c = blocks(2), e = blocks(3);
@@ -157,9 +195,10 @@ class FragmentLanes {
 #endif
   }
 
-  const float* words_;
-  alignas(64) float padded_[kLightLanes * kWords];
+  const Place place_;
 };
+using FragmentLanes = LanesOf<FragmentRow>;
+using ListedLanes = LanesOf<FragmentList>;
 
 /// Where a field of a fragment begins, in words.
 #define RAYSHEAF_WORD(field) (offsetof(Fragment, field) / sizeof(float))

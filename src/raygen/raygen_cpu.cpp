@@ -1,9 +1,10 @@
-#include <hwy/cache_control.h>
+#include <algorithm>
+#include <bit>
 
-#include <cstddef>
-
+#include "base/bits.h"
 #include "order/order.h"
 #include "raygen/hash_body.h"
+#include "raygen/mirror_rays.h"
 #include "raygen/raygen.h"
 #include "raygen/scatter_body.h"
 #include "raygen/shadow_body.h"
@@ -12,19 +13,11 @@
 namespace raysheaf {
 namespace {
 
-/// Fragments that are fetched while others are worked on.
-constexpr std::size_t kSlotsAhead = 8;
-void prefetch(const Fragment& fragment) {
-  constexpr std::size_t kCacheLine = 64;
-  const auto* const bytes = reinterpret_cast<const std::byte*>(&fragment);
-  for (std::size_t at = 0; at < sizeof fragment; at += kCacheLine) hwy::Prefetch(bytes + at);
-}
-
-/// Trims the slots for which `has_ray(slot)` is false, then fills in the others: `make(i, slot)`
-/// for ray i, which keys it where there are keys.
-template <class HasRay, class Make>
-void fill(const Executor& executor, View<const Fragment> fragments, std::size_t slot_count,
-          Keys keys, const HasRay& has_ray, const Make& make, RayBatch* batch) {
+/// Trims the slots for which `has_ray(slot)` is false, and makes room for the others' rays, and for
+/// keys where they are made.
+template <class HasRay>
+void take_slots(const Executor& executor, std::size_t slot_count, Keys keys, const HasRay& has_ray,
+                RayBatch* batch) {
   LargeVector<std::uint8_t> empty(slot_count);
   executor.for_each_block(slot_count, kWorkGrain, [&](std::size_t begin, std::size_t end) {
     const HasRay has_one = has_ray;  // which no byte that is written can be part of
@@ -44,10 +37,30 @@ void fill(const Executor& executor, View<const Fragment> fragments, std::size_t 
     batch->lights.resize(count);
     batch->places.resize(count);
   }
-  executor.for_each(count, kWorkGrain, [&](std::size_t i) {
-    make(i, batch->slots[i]);
-    if (keyed) batch->pixels[i] = fragments[batch->slots[i] % fragments.size].pixel;
-  });
+}
+
+/// Ray i of a batch of reflections or refractions.
+void make_bounce_ray(View<const Fragment> fragments, bool mirrors, std::size_t i, RayBatch* batch) {
+  const Fragment& f = fragments[batch->slots[i]];
+  const Scattering s = scattered_parts(f);
+  const Vec3 direction = mirrors ? mirror_direction(f) : refracted(f, cos_arrival(f));
+  batch->weights[i] = f.weight * (mirrors ? s.reflected_part : s.refracted_part);
+  batch->rays[i] = {offset_point(f.surface, direction, 0), 0, direction,
+                    std::numeric_limits<float>::infinity()};
+}
+
+/// Rays [begin, end) of a batch of reflections.
+void make_reflections(View<const Fragment> fragments, std::size_t begin, std::size_t end,
+                      RayBatch* batch) {
+  std::uint16_t odd[kLightGroups];
+  make_mirror_rays(fragments, View<const std::uint32_t>(batch->slots).slice(begin, end - begin),
+                   &batch->rays[begin], &batch->weights[begin], odd);
+  for (std::size_t group = 0; group * kLightLanes < end - begin; ++group) {
+    for (std::uint32_t rest = odd[group]; rest != 0; rest &= rest - 1)
+      make_bounce_ray(
+          fragments, true,
+          begin + group * kLightLanes + static_cast<std::size_t>(std::countr_zero(rest)), batch);
+  }
 }
 
 }  // namespace
@@ -71,14 +84,16 @@ RayBatch make_sky_rays(const Executor& executor, View<const Fragment> fragments,
     chosen[slot] = shadow_ray(f, seen, reach);
     return true;
   };
-  const auto make = [&](std::size_t i, std::size_t slot) {
+  take_slots(executor, slot_count, keys, has_ray, &batch);
+  executor.for_each(batch.slots.size(), kWorkGrain, [&](std::size_t i) {
+    const std::size_t slot = batch.slots[i];
     const Ray ray = batch.rays[i] = chosen[slot];
     if (keys == Keys::kNone) return;
+    batch.pixels[i] = fragments[slot % fragments.size].pixel;
     batch.lights[i] = static_cast<std::uint32_t>(slot / fragments.size);
     batch.places[i] = octahedral(ray.direction);
     batch.keys[i] = shadow_key(layout, batch.lights[i], batch.places[i]);
-  };
-  fill(executor, fragments, slot_count, keys, has_ray, make, &batch);
+  });
   return batch;
 }
 
@@ -94,18 +109,18 @@ RayBatch make_bounce_rays(const Executor& executor, View<const Fragment> fragmen
     const Fragment& f = fragments[slot];
     return f.triangle != kInvalidId && (rays_of(f, scattered_parts(f)) & bit) != 0;
   };
-  const auto make = [&](std::size_t i, std::size_t slot) {
-    const Fragment& f = fragments[slot];
-    if (i + kSlotsAhead < batch.slots.size()) prefetch(fragments[batch.slots[i + kSlotsAhead]]);
-    const Scattering s = scattered_parts(f);
-    const Vec3 direction = mirrors ? mirror_direction(f) : refracted(f, cos_arrival(f));
-    batch.weights[i] = f.weight * (mirrors ? s.reflected_part : s.refracted_part);
-    batch.rays[i] = {offset_point(f.surface, direction, 0), 0, direction,
-                     std::numeric_limits<float>::infinity()};
-    if (keys == Keys::kMade)
-      batch.keys[i] = bounce_key(scene_bounds, batch.rays[i].origin, direction);
-  };
-  fill(executor, fragments, fragments.size, keys, has_ray, make, &batch);
+  take_slots(executor, fragments.size, keys, has_ray, &batch);
+  const std::size_t count = batch.slots.size();
+  executor.for_each(div_ceil(count, kLightBlock), 4, [&](std::size_t block) {
+    const std::size_t begin = block * kLightBlock, end = std::min(count, begin + kLightBlock);
+    if (mirrors) return make_reflections(fragments, begin, end, &batch);
+    for (std::size_t i = begin; i < end; ++i) make_bounce_ray(fragments, false, i, &batch);
+  });
+  if (keys == Keys::kNone) return batch;
+  executor.for_each(count, kWorkGrain, [&](std::size_t i) {
+    batch.pixels[i] = fragments[batch.slots[i]].pixel;
+    batch.keys[i] = bounce_key(scene_bounds, batch.rays[i].origin, batch.rays[i].direction);
+  });
   return batch;
 }
 

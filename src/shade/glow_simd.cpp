@@ -28,11 +28,6 @@ HWY_INLINE void GiveBytes(M lanes, std::uint8_t yes, std::size_t count, std::uin
   std::memcpy(to, part, std::min(count, hn::Lanes(bytes)));
 }
 
-HWY_INLINE V3 Select(M mask, const V3& yes, const V3& no) {
-  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y),
-          hn::IfThenElse(mask, yes.z, no.z)};
-}
-
 void FindGlow(View<const Fragment> fragments, const GlowLook& look, Vec3* radiance,
               std::uint8_t* going_on, std::uint16_t* odd) {
   const Floats d;

@@ -2,11 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
+
 #include "frame/primary.h"
 #include "intersect/brute_force.h"
+#include "raygen/hash_body.h"
 #include "raygen/scatter_body.h"
 #include "raygen/shadow_body.h"
 #include "support/pictures.h"
+#include "support/random.h"
+#include "support/simd_targets.h"
 
 namespace raysheaf {
 namespace {
@@ -229,6 +234,62 @@ TEST(Scatter, PartsNeverExceedTheWhole) {
         s.reflected_part.x + s.refracted_part.x + s.diffuse_part.x * f.surface.diffuse.x;
     EXPECT_LE(whole, 1 + 1e-5f);
     EXPECT_GE(min_component(s.refracted_part), 0);
+  }
+}
+
+/// Mirrors and glass at random; some whose normal leans behind the ray, some without a way.
+Fragments some_bouncing(std::size_t count) {
+  test::Random random(12);
+  Fragments fragments(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    Fragment& f = fragments[i] = {};
+    if (random.below(9) == 0) continue;
+    f.triangle = 0;
+    f.pixel = static_cast<std::uint32_t>(i);
+    f.incoming = random.direction();
+    f.weight = random.in_box(0.5f) + Vec3{0.5f, 0.5f, 0.5f};
+    Surface& s = f.surface;
+    s.position = random.in_box(3);
+    s.position_error = 1e-6f * random.unit();
+    s.normal = random.direction();
+    s.geometric_normal = random.direction_near(s.normal, 0.3f);
+    if (dot(s.geometric_normal, f.incoming) > 0) s.geometric_normal = -s.geometric_normal;
+    if (random.below(30) == 0) f.incoming = s.normal = s.geometric_normal = {0, 0, 0};
+    s.specular = random.in_box(0.5f) + Vec3{0.5f, 0.5f, 0.5f};
+    s.roughness = 0.05f * random.unit();
+    if (random.below(3) == 0) s.transmission = random.unit();
+    s.front = random.below(2) == 0;
+  }
+  return fragments;
+}
+
+TEST(Bounces, OfManyAreThoseOfOneFragmentAfterTheOther) {
+  const Box box{{-3, -3, -3}, {3, 3, 3}};
+  for (const std::size_t size : {1u, 15u, 16u, 257u, 3000u}) {
+    const Fragments fragments = some_bouncing(size);
+    for (const RayKind kind : {RayKind::kReflection, RayKind::kRefraction}) {
+      const bool mirrors = kind == RayKind::kReflection;
+      test::for_each_simd_target([&](const char* target) {
+        const RayBatch batch = make_bounce_rays(Executor(3), fragments, kind, box, Keys::kMade, {});
+        std::size_t next = 0;
+        for (std::uint32_t i = 0; i < size; ++i) {
+          const Fragment& f = fragments[i];
+          if (f.triangle == kInvalidId) continue;
+          const Scattering s = scatter(f);
+          if ((rays_of(f, s) & (mirrors ? kReflects : kRefracts)) == 0) continue;
+          ASSERT_LT(next, batch.rays.size()) << target;
+          ASSERT_EQ(batch.slots[next], i) << target;
+          const Vec3 direction = mirrors ? s.reflection : s.refraction;
+          const Ray ray{offset_point(f.surface, direction, 0), 0, direction};
+          const Vec3 weight = f.weight * (mirrors ? s.reflected_part : s.refracted_part);
+          ASSERT_EQ(std::memcmp(&batch.rays[next], &ray, sizeof ray), 0) << target << " " << i;
+          ASSERT_EQ(std::memcmp(&batch.weights[next], &weight, sizeof weight), 0) << target;
+          ASSERT_EQ(batch.pixels[next], f.pixel);
+          ASSERT_EQ(batch.keys[next++], bounce_key(box, ray.origin, direction));
+        }
+        EXPECT_EQ(batch.rays.size(), next);
+      });
+    }
   }
 }
 
