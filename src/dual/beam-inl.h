@@ -75,9 +75,6 @@ HWY_INLINE float farthest_zeta(const RayPacket& p) {
 HWY_INLINE float least(RV v) {
   return hn::GetLane(hn::MinOfLanes(Rays(), v));
 }
-HWY_INLINE float greatest(RV v) {
-  return hn::GetLane(hn::MaxOfLanes(Rays(), v));
-}
 
 struct FourLanes {
   alignas(16) float lane[4];

@@ -34,10 +34,9 @@ struct ShadowColumns {
   std::uint16_t lit[kLightGroups];  ///< a bit a fragment: light falls on it
 };
 
-/// `fragments`: 1 to `kLightBlock` of them.
+/// The SIMD parts, chosen at run time. `fragments`: 1 to `kLightBlock` of them, those of the
+/// columns.
 void gather_shadow_columns(View<const Fragment> fragments, ShadowColumns* columns);
-
-/// The SIMD parts, chosen at run time. `fragments` are those of the columns.
 /// A bit for each fragment that has a shadow ray to the light; returns how many.
 std::uint32_t find_facing(const ShadowColumns& columns, const PlacedLight& light,
                           View<const Fragment> fragments, std::uint16_t* facing);
