@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "raysheaf/large_vector.h"
+#include "raysheaf/ray_parts.h"
 #include "raysheaf/scene.h"
 #include "raysheaf/types.h"
 
@@ -38,11 +39,12 @@ struct QueryStatistics {
   std::uint64_t triangle_tests = 0;   ///< a ray with a triangle
   // Milliseconds.
   double update_ms = 0;     ///< what changed the scene before its last commit, and that commit
-  double check_ms = 0;      ///< looking the rays over
+  double check_ms = 0;      ///< looking the rays over, and packing those that come in parts
   double order_ms = 0;      ///< keys and sort of the rays
   double hierarchy_ms = 0;  ///< over the triangles, where they have changed, and over the rays
   double trace_ms = 0;      ///< bringing the two together
-  double total_ms = 0;      ///< the whole call, with writing results and what is not above
+  double total_ms = 0;      ///< the whole call, with writing results and what is not above; where
+                            ///< threads take batches piece by piece, stages share their time
   std::vector<std::string> plan;  ///< what was chosen and why: a sentence a choice
 
   [[nodiscard]] std::uint64_t tests() const {
@@ -74,11 +76,15 @@ struct QueryOptions {
 /// none. Spans of equal length.
 void closest_hit(const Scene& scene, std::span<const Ray> rays, std::span<Hit> hits,
                  const QueryOptions& options = {});
+void closest_hit(const Scene& scene, const RayParts& rays, std::span<Hit> hits,
+                 const QueryOptions& options = {});
 [[nodiscard]] std::vector<Hit> closest_hit(const Scene& scene, std::span<const Ray> rays,
                                            const QueryOptions& options = {});
 
 /// occluded[i] is 1 where rays[i] meets anything in [t_min, t_max], else 0. Spans of equal length.
 void any_hit(const Scene& scene, std::span<const Ray> rays, std::span<std::uint8_t> occluded,
+             const QueryOptions& options = {});
+void any_hit(const Scene& scene, const RayParts& rays, std::span<std::uint8_t> occluded,
              const QueryOptions& options = {});
 [[nodiscard]] std::vector<std::uint8_t> any_hit(const Scene& scene, std::span<const Ray> rays,
                                                 const QueryOptions& options = {});
@@ -100,10 +106,14 @@ struct HitRows {
 /// or a vertex meets all triangles that share it.
 [[nodiscard]] HitRows all_hits(const Scene& scene, std::span<const Ray> rays,
                                const QueryOptions& options = {});
+[[nodiscard]] HitRows all_hits(const Scene& scene, const RayParts& rays,
+                               const QueryOptions& options = {});
 
 /// counts[i] is the number of hits of rays[i]: the length of its row in `all_hits`. Spans of equal
 /// length.
 void hit_counts(const Scene& scene, std::span<const Ray> rays, std::span<std::uint32_t> counts,
+                const QueryOptions& options = {});
+void hit_counts(const Scene& scene, const RayParts& rays, std::span<std::uint32_t> counts,
                 const QueryOptions& options = {});
 [[nodiscard]] std::vector<std::uint32_t> hit_counts(const Scene& scene, std::span<const Ray> rays,
                                                     const QueryOptions& options = {});

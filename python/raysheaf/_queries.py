@@ -97,7 +97,7 @@ class Queries:
                [2.5, 2.5],
                [2.5, inf]], dtype=float32)
         """
-        batch = batch_of(self._core.context(), origins, directions, t_min, t_max)
+        batch = batch_of(origins, directions, t_min, t_max)
         there = device_array(out, "out")
         require_cuda(self._core, batch.rays, there)
         room: Union[NDArray[np.float32], _core.Place]
@@ -105,7 +105,8 @@ class Queries:
             room = room_there(there, batch.shape + (6,), ("float32",)).place((6,))
         else:
             if out is None:
-                out = Hits.empty(batch.shape)
+                memory = _core.empty_hits(batch.count)
+                out = Hits(memory.view(HIT_DTYPE).reshape(batch.shape))
             else:
                 _check_out(out, batch)
             room = out.array.reshape(-1).view(np.float32).reshape(-1, 6)
@@ -140,7 +141,7 @@ class Queries:
         >>> scene.any_hit([0.25, 0.25, 0], [[0, 0, 1], [0, 0, -1]])
         array([ True, False])
         """
-        batch = batch_of(self._core.context(), origins, directions, t_min, t_max)
+        batch = batch_of(origins, directions, t_min, t_max)
         occluded = np.empty(batch.count if out is None else 0, np.uint8)
         room = _room(self._core, batch, out, occluded, ("bool", "uint8"))
         with batch.named():
@@ -174,7 +175,7 @@ class Queries:
         >>> [row.t.tolist() for row in rows]
         [[1.0, 4.0], []]
         """
-        batch = batch_of(self._core.context(), origins, directions, t_min, t_max)
+        batch = batch_of(origins, directions, t_min, t_max)
         require_cuda(self._core, batch.rays)
         with batch.named():
             offsets, hits = self._core.all_hits(batch.asked, _wish(mask, method, check, statistics))
@@ -200,7 +201,7 @@ class Queries:
         Parameters and exceptions are those of `closest_hit`. Returns uint32 of the rays' shape: an
         array of numpy, or `out`, an array of dtype uint32 or int32 on a CUDA device.
         """
-        batch = batch_of(self._core.context(), origins, directions, t_min, t_max)
+        batch = batch_of(origins, directions, t_min, t_max)
         counts = np.empty(batch.count if out is None else 0, np.uint32)
         room = _room(self._core, batch, out, counts, ("uint32", "int32"))
         with batch.named():

@@ -1,4 +1,4 @@
-"""Rays as users write them, as the array of eight numbers a ray that the library reads."""
+"""Rays as users write them, as the arrays that the library reads."""
 
 from __future__ import annotations
 
@@ -22,12 +22,13 @@ _FIELDS = {"origin": "origins", "direction": "directions", "t_min": "t_min", "t_
 class RayBatch:
     """Rays in a row, and the shape that their results take."""
 
-    rays: Union[NDArray[np.float32], DeviceArray]  # (n, 8), C order; (..., 8) on a device
+    # (n, 8), C order; (..., 8) on a device; or in parts
+    rays: Union[NDArray[np.float32], _core.Parts, DeviceArray]
     shape: tuple[int, ...]
     packed: bool  # came as eight numbers a ray, and not in four arguments
 
     @property
-    def asked(self) -> Union[NDArray[np.float32], _core.Place]:
+    def asked(self) -> Union[NDArray[np.float32], _core.Parts, _core.Place]:
         """As the extension takes them."""
         return self.rays.place((8,)) if isinstance(self.rays, DeviceArray) else self.rays
 
@@ -61,9 +62,7 @@ def _spread(array: NDArray[Any], shape: tuple[int, ...], tail: tuple[int, ...]) 
     return wide if len(shape) == 1 else wide.reshape((-1,) + tail)
 
 
-def _pack(
-    context: _core.Context, origins: Any, directions: Any, t_min: Any, t_max: Any
-) -> RayBatch:
+def _parts(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
     starts = _arrays.with_last_axis(origins, "origins", 3, "one of shape (..., 3)")
     ways = _arrays.with_last_axis(directions, "directions", 3, "one of shape (..., 3)")
     least = _arrays.floats(t_min, "t_min", "a number or an array")
@@ -75,21 +74,16 @@ def _pack(
             f"origins {starts.shape}, directions {ways.shape}, t_min {least.shape}, "
             f"t_max {most.shape}: shapes that broadcast are expected"
         ) from None
-    rays = np.empty((int(np.prod(shape, dtype=np.int64)), 8), np.float32)
-    _core.pack_rays(
-        context,
+    parts = _core.Parts(
         _spread(starts, shape, (3,)),
         _spread(ways, shape, (3,)),
         _spread(least, shape, ()),
         _spread(most, shape, ()),
-        rays,
     )
-    return RayBatch(rays, shape, packed=False)
+    return RayBatch(parts, shape, packed=False)
 
 
-def batch_of(
-    context: _core.Context, origins: Any, directions: Any, t_min: Any, t_max: Any
-) -> RayBatch:
+def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
     """The batch of `origins` and `directions`, or of packed rays where there are no directions."""
     there = device_array(origins, "rays")
     if directions is not None:
@@ -98,8 +92,7 @@ def batch_of(
                 f"origins: {there} is given besides directions; on a device rays come whole, as one "
                 "array of shape (..., 8) and dtype float32"
             )
-        return _pack(
-            context,
+        return _parts(
             origins,
             directions,
             0.0 if t_min is None else t_min,

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "raysheaf/context.h"
+#include "raysheaf/ray_parts.h"
 
 namespace raysheaf::python {
 
@@ -18,6 +19,22 @@ using Indices3 = nb::ndarray<const std::uint32_t, nb::shape<-1, 3>, nb::c_contig
 using Matrix34 = nb::ndarray<const float, nb::shape<3, 4>, nb::c_contig, nb::device::cpu>;
 using Doubles3 = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 using Rays = nb::ndarray<const float, nb::shape<-1, 8>, nb::c_contig, nb::device::cpu>;
+
+using Column = nb::ndarray<nb::ro, nb::ndim<1>, nb::device::cpu>;
+using Columns = nb::ndarray<nb::ro, nb::shape<-1, 3>, nb::device::cpu>;
+
+/// Rays as four arrays, which it keeps alive.
+class Parts {
+ public:
+  Parts() = default;
+  Parts(Columns origins, Columns directions, Column t_min, Column t_max);
+  [[nodiscard]] const RayParts& rays() const { return rays_; }
+
+ private:
+  Columns origins_, directions_;
+  Column t_min_, t_max_;
+  RayParts rays_{0, {}, {}};
+};
 
 /// Where an array lies that numpy does not reach: `count` rows from `pointer` on in a device's
 /// memory, and the stream (a cudaStream_t) on which they are made.

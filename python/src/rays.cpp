@@ -1,9 +1,10 @@
-// Origins, directions and intervals of any strides, float32 or float64, packed into rays.
+// Rays as numpy has them: origins, directions and intervals of any strides, float32 or float64.
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <nanobind/stl/array.h>
 
@@ -13,76 +14,23 @@
 namespace raysheaf::python {
 namespace {
 
-using Column = nb::ndarray<nb::ro, nb::ndim<1>, nb::device::cpu>;
-using Columns = nb::ndarray<nb::ro, nb::shape<-1, 3>, nb::device::cpu>;
 using WritableRays = nb::ndarray<float, nb::shape<-1, 8>, nb::c_contig, nb::device::cpu>;
 
 constexpr std::size_t kFloatsPerRay = 8, kRaysABlock = 16384;
 static_assert(sizeof(Ray) == kFloatsPerRay * sizeof(float));
 
-/// One part of the rays: `width` numbers a ray, which come to stand at `place` of its eight.
-struct Part {
-  const void* data;
-  bool is_double;
-  std::int64_t row_stride, column_stride;  // in elements; may be 0 or negative
-  std::size_t width, place;
-};
-
+/// Three numbers a row, or one.
 template <class Array>
-Part part_of(const Array& array, std::size_t count, std::size_t place) {
-  const bool is_double = array.dtype() == nb::dtype<double>();
-  if (!is_double && array.dtype() != nb::dtype<float>())
-    throw nb::type_error("pack_rays: float32 or float64 expected");
-  if (array.shape(0) != count) throw nb::type_error("pack_rays: arrays of equal length expected");
-  const bool is_column = array.ndim() == 1;
-  return {array.data(),
-          is_double,
-          array.stride(0),
-          is_column ? 0 : array.stride(1),
-          is_column ? std::size_t{1} : std::size_t{3},
-          place};
-}
-
-/// `kColumnStride` is the part's where it is known, else 0.
-template <class Scalar, std::size_t kWidth, std::int64_t kColumnStride>
-void copy(const Part& part, std::size_t begin, std::size_t end, float* out) {
-  const auto* data = static_cast<const Scalar*>(part.data);
-  const std::int64_t row_stride = part.row_stride;
-  const std::int64_t column_stride = kColumnStride != 0 ? kColumnStride : part.column_stride;
-  for (std::size_t i = begin; i < end; ++i) {
-    const Scalar* from = data + static_cast<std::int64_t>(i) * row_stride;
-    float* to = out + i * kFloatsPerRay + part.place;
-    for (std::size_t k = 0; k < kWidth; ++k)
-      to[k] = static_cast<float>(from[static_cast<std::int64_t>(k) * column_stride]);
-  }
-}
-
-template <class Scalar>
-void copy(const Part& part, std::size_t begin, std::size_t end, float* out) {
-  if (part.width == 1) return copy<Scalar, 1, 0>(part, begin, end, out);
-  if (part.column_stride == 1) return copy<Scalar, 3, 1>(part, begin, end, out);
-  copy<Scalar, 3, 0>(part, begin, end, out);
-}
-
-void pack_rays(const Context& context, const Columns& origins, const Columns& directions,
-               const Column& t_min, const Column& t_max, const WritableRays& out) {
-  constexpr std::size_t kStep = 2048;  // rays that stay in the first cache while parts are added
-  const std::size_t count = out.shape(0);
-  const std::array parts{part_of(origins, count, 0), part_of(t_min, count, 3),
-                         part_of(directions, count, 4), part_of(t_max, count, 7)};
-  float* const rays = out.data();
-  const nb::gil_scoped_release release;
-  context.for_each_block(count, kRaysABlock, [&](std::size_t first, std::size_t last) {
-    for (std::size_t begin = first; begin < last; begin += kStep) {
-      const std::size_t end = std::min(last, begin + kStep);
-      for (const Part& part : parts) {
-        if (part.is_double)
-          copy<double>(part, begin, end, rays);
-        else
-          copy<float>(part, begin, end, rays);
-      }
-    }
-  });
+NumberRows rows_of(const Array& array, std::size_t count) {
+  NumberRows rows;
+  rows.data = array.data();
+  rows.is_double = array.dtype() == nb::dtype<double>();
+  if (!rows.is_double && array.dtype() != nb::dtype<float>())
+    throw nb::type_error("Parts: float32 or float64 expected");
+  if (array.shape(0) != count) throw nb::type_error("Parts: arrays of equal length expected");
+  rows.row_stride = array.stride(0);
+  rows.column_stride = array.ndim() == 1 ? 1 : array.stride(1);
+  return rows;
 }
 
 /// Where a scene has what lies about `origin`: (point - origin) * scale. `reach`: how far from
@@ -131,10 +79,21 @@ bool pack_rays_in_frame(const Context& context, const Doubles3& origins, const D
 
 }  // namespace
 
+Parts::Parts(Columns origins, Columns directions, Column t_min, Column t_max)
+    : origins_(std::move(origins)),
+      directions_(std::move(directions)),
+      t_min_(std::move(t_min)),
+      t_max_(std::move(t_max)) {
+  const std::size_t count = origins_.shape(0);
+  rays_ = {count, rows_of(origins_, count), rows_of(directions_, count), rows_of(t_min_, count),
+           rows_of(t_max_, count)};
+}
+
 void bind_rays(nb::module_& module) {
-  module.def("pack_rays", pack_rays, nb::arg("context"), nb::arg("origins").noconvert(),
-             nb::arg("directions").noconvert(), nb::arg("t_min").noconvert(),
-             nb::arg("t_max").noconvert(), nb::arg("out").noconvert());
+  nb::class_<Parts>(module, "Parts")
+      .def(nb::init<Columns, Columns, Column, Column>(), nb::arg("origins").noconvert(),
+           nb::arg("directions").noconvert(), nb::arg("t_min").noconvert(),
+           nb::arg("t_max").noconvert());
   nb::class_<Frame>(module, "Frame")
       .def(
           "__init__",

@@ -77,18 +77,26 @@ std::span<const Triangle> triangles_of(const Indices3& array) {
 /// Numpy's array, or one that lies elsewhere.
 template <class Array>
 using Anywhere = std::variant<Array, Place>;
+using AskedRays = std::variant<Rays, Parts, Place>;
 
-template <class Item, class Array>
-std::span<Item> items_of(const Anywhere<Array>& from) {
+template <class Item, class... Arrays>
+std::span<Item> items_of(const std::variant<Arrays...>& from) {
   if (const Place* place = std::get_if<Place>(&from))
     return {static_cast<Item*>(place->pointer), place->count};
-  const Array& array = std::get<Array>(from);
+  const auto& array = std::get<0>(from);
   return {reinterpret_cast<Item*>(array.data()), array.shape(0)};
 }
 
+/// Calls `body(rays)` with whichever of the library's they are.
+template <class Body>
+auto with_rays(const AskedRays& rays, const Body& body) {
+  if (const Parts* parts = std::get_if<Parts>(&rays)) return body(parts->rays());
+  return body(items_of<const Ray>(rays));
+}
+
 /// The stream of whichever lies on a device; the rays', where both do.
-template <class Array>
-void* stream_of(const Anywhere<Rays>& rays, const Anywhere<Array>& out) {
+template <class... Arrays>
+void* stream_of(const AskedRays& rays, const std::variant<Arrays...>& out) {
   for (const Place* place : {std::get_if<Place>(&rays), std::get_if<Place>(&out)})
     if (place != nullptr && place->stream != nullptr) return place->stream;
   return nullptr;
@@ -180,8 +188,15 @@ struct Wish {
 /// Of rays with triangles, or of rays: below, a query is over before anyone could be tired of it.
 constexpr std::uint64_t kManyTests = 100'000'000, kManyRays = 100'000;
 
+std::uint64_t size_of(std::span<const Ray> rays) {
+  return rays.size();
+}
+std::uint64_t size_of(const RayParts& rays) {
+  return rays.count;
+}
+
 template <class Body>
-void ask(SharedScene& shared, std::span<const Ray> rays, void* stream, const Wish& wish,
+void ask(SharedScene& shared, const AskedRays& rays, void* stream, const Wish& wish,
          const Body& body) {
   QueryStatistics statistics;
   const bool counted = !wish.statistics.is_none();
@@ -194,7 +209,7 @@ void ask(SharedScene& shared, std::span<const Ray> rays, void* stream, const Wis
   const auto answer = [&](const auto& poll) {
     shared.look_committed([&](const Scene& scene) { body(scene, options); }, poll);
   };
-  const std::uint64_t count = rays.size();
+  const std::uint64_t count = with_rays(rays, [](const auto& given) { return size_of(given); });
   const std::uint64_t triangles = shared.look([](const Scene& s) { return s.triangle_count(); });
   if (count >= kManyRays || (wish.brute && count * triangles >= kManyTests)) {
     interruptible([&](const std::atomic<bool>& stop) {
@@ -210,24 +225,48 @@ void ask(SharedScene& shared, std::span<const Ray> rays, void* stream, const Wis
   if (counted) write_statistics(statistics, nb::borrow<nb::dict>(wish.statistics));
 }
 
-template <auto kQuery, class Item, class Array>
-void query_into(SharedScene& shared, const Anywhere<Rays>& rays, const Anywhere<Array>& out,
-                const Wish& wish) {
-  const auto asked = items_of<const Ray>(rays);
+template <class Item, class Array, class Query>
+void query_into(SharedScene& shared, const AskedRays& rays, const Anywhere<Array>& out,
+                const Wish& wish, const Query& query) {
   const auto answers = items_of<Item>(out);
-  ask(shared, asked, stream_of(rays, out), wish,
+  ask(shared, rays, stream_of(rays, out), wish,
       [&](const Scene& scene, const QueryOptions& options) {
-        kQuery(scene, asked, answers, options);
+        with_rays(rays, [&](const auto& given) { query(scene, given, answers, options); });
       });
 }
 
+/// Room for hits, not initialised, of the library's memory: pages cost when they are first touched,
+/// and the library keeps those that are given back.
+nb::ndarray<nb::numpy, float, nb::shape<-1, 6>> empty_hits(std::size_t count) {
+  auto memory = std::make_unique<LargeVector<Hit>>(count);
+  LargeVector<Hit>* const hits = memory.get();
+  const nb::capsule owner(memory.release(),
+                          [](void* at) noexcept { delete static_cast<LargeVector<Hit>*>(at); });
+  return {hits->data(), {count, 6}, owner};
+}
+
+void query_closest_hit(SharedScene& shared, const AskedRays& rays,
+                       const Anywhere<WritableHits>& out, const Wish& wish) {
+  query_into<Hit>(shared, rays, out, wish, [](const auto&... all) { closest_hit(all...); });
+}
+
+void query_any_hit(SharedScene& shared, const AskedRays& rays, const Anywhere<WritableFlags>& out,
+                   const Wish& wish) {
+  query_into<std::uint8_t>(shared, rays, out, wish, [](const auto&... all) { any_hit(all...); });
+}
+
+void query_hit_counts(SharedScene& shared, const AskedRays& rays,
+                      const Anywhere<WritableCounts>& out, const Wish& wish) {
+  query_into<std::uint32_t>(shared, rays, out, wish,
+                            [](const auto&... all) { hit_counts(all...); });
+}
+
 /// Offsets and hits as arrays over the library's own memory.
-nb::tuple query_all_hits(SharedScene& shared, const Anywhere<Rays>& rays, const Wish& wish) {
+nb::tuple query_all_hits(SharedScene& shared, const AskedRays& rays, const Wish& wish) {
   auto found = std::make_unique<HitRows>();
-  const auto asked = items_of<const Ray>(rays);
-  ask(shared, asked, stream_of(rays, rays), wish,
+  ask(shared, rays, stream_of(rays, rays), wish,
       [&](const Scene& scene, const QueryOptions& options) {
-        *found = all_hits(scene, asked, options);
+        with_rays(rays, [&](const auto& given) { *found = all_hits(scene, given, options); });
       });
   HitRows* const all = found.get();
   const nb::capsule owner(found.release(),
@@ -236,23 +275,14 @@ nb::tuple query_all_hits(SharedScene& shared, const Anywhere<Rays>& rays, const 
                         array_over<float>(all->hits.data(), {all->hits.size(), 6}, owner));
 }
 
-void bind_queries(nb::class_<SharedScene>& scene) {
+void bind_queries(nb::module_& module, nb::class_<SharedScene>& scene) {
   const auto rays = nb::arg("rays").noconvert();
   const auto out = nb::arg("out").noconvert();
-  using ClosestHit =
-      void (*)(const Scene&, std::span<const Ray>, std::span<Hit>, const QueryOptions&);
-  using AnyHit =
-      void (*)(const Scene&, std::span<const Ray>, std::span<std::uint8_t>, const QueryOptions&);
-  using HitCounts =
-      void (*)(const Scene&, std::span<const Ray>, std::span<std::uint32_t>, const QueryOptions&);
-  constexpr ClosestHit kClosestHit = &closest_hit;
-  constexpr AnyHit kAnyHit = &any_hit;
-  constexpr HitCounts kHitCounts = &hit_counts;
-  scene.def("closest_hit", query_into<kClosestHit, Hit, WritableHits>, rays, out, nb::arg("wish"))
-      .def("any_hit", query_into<kAnyHit, std::uint8_t, WritableFlags>, rays, out, nb::arg("wish"))
-      .def("hit_counts", query_into<kHitCounts, std::uint32_t, WritableCounts>, rays, out,
-           nb::arg("wish"))
+  scene.def("closest_hit", query_closest_hit, rays, out, nb::arg("wish"))
+      .def("any_hit", query_any_hit, rays, out, nb::arg("wish"))
+      .def("hit_counts", query_hit_counts, rays, out, nb::arg("wish"))
       .def("all_hits", query_all_hits, rays, nb::arg("wish"));
+  module.def("empty_hits", empty_hits, nb::arg("count"));
 }
 
 /// A getter that looks at the scene, for what needs no more than an id.
@@ -343,7 +373,7 @@ void bind_scene(nb::module_& module) {
           nb::arg("instance"), nb::arg("mask"))
       .def("commit", [](SharedScene& shared) { shared.change([](Scene& s) { s.commit(); }); });
   bind_contents(scene);
-  bind_queries(scene);
+  bind_queries(module, scene);
 }
 
 }  // namespace raysheaf::python

@@ -1,4 +1,4 @@
-// The front door of queries: checks, the view that the mask shows, the engine, names for the hits.
+// The front door of queries: the view that the mask shows, the engine, names for the hits.
 #include "raysheaf/query.h"
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "api/query_brute.h"
-#include "api/query_check.h"
+#include "api/query_call.h"
 #include "api/scene_impl.h"
 #include "exec/stopwatch.h"
 #include "ranks/share.h"
@@ -15,114 +15,10 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kMostRays = 0x7fffffff;
-
-/// One call: holds the scene as it is, and counts what is done.
-class Query {
- public:
-  Query(const Scene& scene, std::span<const Ray> rays, const QueryOptions& options)
-      : state_(SceneAccess::state(scene)),
-        reading_(state_.gate),
-        rays_(rays.data(), rays.size()),
-        options_(options),
-        executor_(options.stop != nullptr ? state_.executor().until(*options.stop)
-                                          : state_.executor()) {
-    state_.require_committed();
-    executor_.check();
-    if (rays.size() > kMostRays)
-      throw Error(ErrorCode::kUnsupported,
-                  std::to_string(rays.size()) + " rays are more than 2^31 - 1", "rays");
-    Stopwatch watch;
-    // Rays in a device's memory are looked over there.
-    if (options.check && !(is_on_device() && backend()->is_device_memory(rays.data())))
-      check_rays(executor(), rays_);
-    check_ms_ = watch.lap_ms();
-    if (rays.empty()) return;
-    view_ = state_.views.view_for(state_.runs, options.mask);
-    if (view_ == nullptr) return;
-    lock_ = std::unique_lock(view_->mutex);
-    view_->refresh(state_.runs);
-    // Brute force reads the triangles alone, which stay while `reading_` is there.
-    if (is_brute() && !is_on_device()) lock_.unlock();
-  }
-
-  /// Until the caller asks to stop.
-  [[nodiscard]] const Executor& executor() const { return executor_; }
-  [[nodiscard]] View<const Ray> rays() const { return rays_; }
-  /// Whether nothing can be met: no rays, or no triangles that they see.
-  [[nodiscard]] bool is_empty() const { return view_ == nullptr; }
-  [[nodiscard]] bool is_brute() const { return options_.method == QueryMethod::kBrute; }
-  [[nodiscard]] const DeviceBackend* backend() const {
-    return ContextAccess::backend(state_.context);
-  }
-  [[nodiscard]] bool is_on_device() const { return backend() != nullptr; }
-  [[nodiscard]] DeviceEngine& device_engine() {
-    return view_->device_engine(state_.executor(), *backend());
-  }
-  [[nodiscard]] DeviceQuery device_query() {
-    DeviceQuery query;
-    query.brute = is_brute();
-    query.check = options_.check;
-    query.count = options_.count_tests;
-    query.stream = options_.stream;
-    query.report = report();
-    query.executor = &executor_;
-    return query;
-  }
-  [[nodiscard]] SceneView& view() { return *view_; }
-  [[nodiscard]] EngineOptions engine_options() const {
-    return {Facing::kBoth, options_.statistics != nullptr && options_.count_tests};
-  }
-  [[nodiscard]] EngineReport* report() {
-    return options_.statistics != nullptr ? &report_ : nullptr;
-  }
-
-  /// Writes the statistics.
-  void finish() {
-    if (options_.statistics == nullptr) return;
-    if (!is_empty() && is_brute() && !is_on_device()) report_of_brute_force();
-    QueryStatistics& out = *options_.statistics;
-    out = {};
-    out.rays = rays_.size;
-    out.triangles = is_empty() ? 0 : view_->source().count;
-    out.bound_tests = report_.bound_tests;
-    out.ray_bound_tests = report_.ray_bound_tests;
-    out.triangle_tests = report_.triangle_tests;
-    out.update_ms = state_.update_ms;
-    out.check_ms = check_ms_;
-    out.order_ms = report_.order_ms;
-    out.hierarchy_ms = report_.hierarchy_ms;
-    out.trace_ms = report_.trace_ms;
-    out.plan = std::move(report_.plan);
-    out.total_ms = watch_.lap_ms();
-  }
-
-  void traced_by_brute_force(Stopwatch* watch) { report_.trace_ms = watch->lap_ms(); }
-
- private:
-  void report_of_brute_force() {
-    if (options_.count_tests)
-      report_.triangle_tests = std::uint64_t{rays_.size} * view_->source().count;
-    report_.plan = {"brute force, as asked for"};
-  }
-
-  Stopwatch watch_;
-  SceneAccess::State& state_;
-  const SceneGate::Reading reading_;
-  View<const Ray> rays_;
-  const QueryOptions& options_;
-  const Executor executor_;
-  double check_ms_ = 0;
-  std::shared_ptr<SceneView> view_;
-  std::unique_lock<std::mutex> lock_;
-  EngineReport report_;
-};
-
-void check_length(std::span<const Ray> rays, std::size_t size, const char* name) {
-  if (size != rays.size())
+void check_length(std::size_t rays, std::size_t size, const char* name) {
+  if (size != rays)
     throw Error(ErrorCode::kInvalidArgument,
-                std::to_string(size) + " results for " + std::to_string(rays.size()) + " rays",
-                name);
+                std::to_string(size) + " results for " + std::to_string(rays) + " rays", name);
 }
 
 /// Where nothing can be met. A device's memory is not written from here.
@@ -148,10 +44,12 @@ void closest_hits(Query* query, std::span<Hit> hits) {
     view.name_hits(query->executor(), found, hits.data());
     return;
   }
-  view.scratch.resize_uninitialized(hits.size());
-  view.engine.closest_hit(query->executor(), query->rays(), query->engine_options(), view.scratch,
-                          {}, query->report());
-  view.name_hits(query->executor(), view.scratch, hits.data());
+  view.engine.closest_hit(
+      query->executor(), query->source(), query->engine_options(),
+      [&](std::size_t begin, View<const EngineHit> found) {
+        view.name_hits(found, hits.data() + begin);
+      },
+      query->report());
 }
 
 void any_hits(Query* query, std::span<std::uint8_t> occluded) {
@@ -164,7 +62,7 @@ void any_hits(Query* query, std::span<std::uint8_t> occluded) {
     query->traced_by_brute_force(&watch);
     return;
   }
-  query->view().engine.any_hit(query->executor(), query->rays(), query->engine_options(), out, {},
+  query->view().engine.any_hit(query->executor(), query->source(), query->engine_options(), out,
                                query->report());
 }
 
@@ -240,10 +138,10 @@ void add_counts(const QueryStatistics& piece, QueryStatistics* sum) {
   if (sum->plan.empty()) sum->plan = piece.plan;
 }
 
-/// `one(rays, answers, options)`, in pieces where processes share the scene's context. Counts are
-/// then those of all, times and the plan this process's. A device's own memory is not shared.
+/// Calls `one(rays, answers, options)`, in pieces where processes share the scene's context. Counts
+/// are then those of all, times and the plan this process's. A device's own memory is not shared.
 template <class Answer, class One>
-void answer(const Scene& scene, std::span<const Ray> rays, std::span<Answer> answers,
+void answer(const Scene& scene, const QueryRays& rays, std::span<Answer> answers,
             const QueryOptions& options, const One& one) {
   const Context& context = SceneAccess::state(scene).context;
   Communicator* const ranks = ContextAccess::ranks(context);
@@ -252,20 +150,21 @@ void answer(const Scene& scene, std::span<const Ray> rays, std::span<Answer> ans
     return backend != nullptr && backend->is_device_memory(data);
   };
   const Pieces pieces = pieces_of(rays.size(), ranks != nullptr ? ranks->size() : 1);
-  if (ranks == nullptr || ranks->size() == 1 || pieces.number() <= 1 || on_device(rays.data()) ||
-      on_device(answers.data()))
+  if (ranks == nullptr || ranks->size() == 1 || pieces.number() <= 1 ||
+      (rays.is_packed() && on_device(rays.rays().data)) || on_device(answers.data()))
     return one(rays, answers, options);
   Stopwatch watch;
   QueryStatistics sum, piece;
   sum.rays = rays.size();
-  if (options.check) check_rays(ContextAccess::executor(context), {rays.data(), rays.size()});
+  Buffer<Ray> room;
+  const View<const Ray> all = take_all(ContextAccess::executor(context), rays, &room);
   sum.check_ms = watch.lap_ms();
   QueryOptions of_piece = options;
-  of_piece.check = false;
   if (options.statistics != nullptr) of_piece.statistics = &piece;
   std::memset(static_cast<void*>(answers.data()), 0, answers.size_bytes());
   share_out(*ranks, pieces, [&](std::size_t begin, std::size_t end) {
-    one(rays.subspan(begin, end - begin), answers.subspan(begin, end - begin), of_piece);
+    one(QueryRays(all.slice(begin, end - begin), false), answers.subspan(begin, end - begin),
+        of_piece);
     add_counts(piece, &sum);
   });
   unite(*ranks, answers);
@@ -278,21 +177,73 @@ void answer(const Scene& scene, std::span<const Ray> rays, std::span<Answer> ans
   if (options.statistics != nullptr) *options.statistics = std::move(sum);
 }
 
+/// Calls `ask(rays)`; of wrong rays the first is named, whichever a thread has found.
+template <class Rays, class Ask>
+void with_rays(const Rays& given, const QueryOptions& options, const Ask& ask) {
+  const QueryRays rays(given, options.check);
+  translated([&] {
+    try {
+      ask(rays);
+    } catch (const WrongRay&) {
+      rays.throw_first_fault();
+    }
+  });
+}
+
+void closest_hit(const Scene& scene, const QueryRays& rays, std::span<Hit> hits,
+                 const QueryOptions& options) {
+  check_length(rays.size(), hits.size(), "hits");
+  answer(scene, rays, hits, options,
+         [&](const QueryRays& some, std::span<Hit> out, const QueryOptions& how) {
+           Query query(scene, some, how, Passes::kInTiles);
+           if (query.is_empty())
+             clear(query, out);
+           else
+             closest_hits(&query, out);
+           query.finish();
+         });
+}
+
+void any_hit(const Scene& scene, const QueryRays& rays, std::span<std::uint8_t> occluded,
+             const QueryOptions& options) {
+  check_length(rays.size(), occluded.size(), "occluded");
+  answer(scene, rays, occluded, options,
+         [&](const QueryRays& some, std::span<std::uint8_t> out, const QueryOptions& how) {
+           Query query(scene, some, how, Passes::kInTiles);
+           if (query.is_empty())
+             clear(query, out);
+           else
+             any_hits(&query, out);
+           query.finish();
+         });
+}
+
+HitRows all_hits(const Scene& scene, const QueryRays& rays, const QueryOptions& options) {
+  Query query(scene, rays, options, Passes::kWhole);
+  HitRows rows;
+  name_rows(&query, &rows);
+  query.finish();
+  return rows;
+}
+
+void hit_counts(const Scene& scene, const QueryRays& rays, std::span<std::uint32_t> counts,
+                const QueryOptions& options) {
+  check_length(rays.size(), counts.size(), "counts");
+  Query query(scene, rays, options, Passes::kWhole);
+  count_hits(&query, counts);
+  query.finish();
+}
+
 }  // namespace
 
 void closest_hit(const Scene& scene, std::span<const Ray> rays, std::span<Hit> hits,
                  const QueryOptions& options) {
-  translated([&] {
-    check_length(rays, hits.size(), "hits");
-    answer(scene, rays, hits, options, [&](auto some, std::span<Hit> out, const auto& how) {
-      Query query(scene, some, how);
-      if (query.is_empty())
-        clear(query, out);
-      else
-        closest_hits(&query, out);
-      query.finish();
-    });
-  });
+  with_rays(rays, options, [&](const QueryRays& r) { closest_hit(scene, r, hits, options); });
+}
+
+void closest_hit(const Scene& scene, const RayParts& rays, std::span<Hit> hits,
+                 const QueryOptions& options) {
+  with_rays(rays, options, [&](const QueryRays& r) { closest_hit(scene, r, hits, options); });
 }
 
 std::vector<Hit> closest_hit(const Scene& scene, std::span<const Ray> rays,
@@ -306,18 +257,12 @@ std::vector<Hit> closest_hit(const Scene& scene, std::span<const Ray> rays,
 
 void any_hit(const Scene& scene, std::span<const Ray> rays, std::span<std::uint8_t> occluded,
              const QueryOptions& options) {
-  translated([&] {
-    check_length(rays, occluded.size(), "occluded");
-    answer(scene, rays, occluded, options,
-           [&](auto some, std::span<std::uint8_t> out, const auto& how) {
-             Query query(scene, some, how);
-             if (query.is_empty())
-               clear(query, out);
-             else
-               any_hits(&query, out);
-             query.finish();
-           });
-  });
+  with_rays(rays, options, [&](const QueryRays& r) { any_hit(scene, r, occluded, options); });
+}
+
+void any_hit(const Scene& scene, const RayParts& rays, std::span<std::uint8_t> occluded,
+             const QueryOptions& options) {
+  with_rays(rays, options, [&](const QueryRays& r) { any_hit(scene, r, occluded, options); });
 }
 
 std::vector<std::uint8_t> any_hit(const Scene& scene, std::span<const Ray> rays,
@@ -330,23 +275,25 @@ std::vector<std::uint8_t> any_hit(const Scene& scene, std::span<const Ray> rays,
 }
 
 HitRows all_hits(const Scene& scene, std::span<const Ray> rays, const QueryOptions& options) {
-  return translated([&] {
-    Query query(scene, rays, options);
-    HitRows rows;
-    name_rows(&query, &rows);
-    query.finish();
-    return rows;
-  });
+  HitRows rows;
+  with_rays(rays, options, [&](const QueryRays& r) { rows = all_hits(scene, r, options); });
+  return rows;
+}
+
+HitRows all_hits(const Scene& scene, const RayParts& rays, const QueryOptions& options) {
+  HitRows rows;
+  with_rays(rays, options, [&](const QueryRays& r) { rows = all_hits(scene, r, options); });
+  return rows;
 }
 
 void hit_counts(const Scene& scene, std::span<const Ray> rays, std::span<std::uint32_t> counts,
                 const QueryOptions& options) {
-  translated([&] {
-    check_length(rays, counts.size(), "counts");
-    Query query(scene, rays, options);
-    count_hits(&query, counts);
-    query.finish();
-  });
+  with_rays(rays, options, [&](const QueryRays& r) { hit_counts(scene, r, counts, options); });
+}
+
+void hit_counts(const Scene& scene, const RayParts& rays, std::span<std::uint32_t> counts,
+                const QueryOptions& options) {
+  with_rays(rays, options, [&](const QueryRays& r) { hit_counts(scene, r, counts, options); });
 }
 
 std::vector<std::uint32_t> hit_counts(const Scene& scene, std::span<const Ray> rays,

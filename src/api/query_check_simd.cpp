@@ -36,7 +36,7 @@ bool CheckRays(const Ray* rays, std::size_t count, std::size_t* done) {
     x = hn::Abs(x), y = hn::Abs(y), z = hn::Abs(z);
     const auto finite =
         hn::And(hn::And(hn::Le(x, largest), hn::Le(y, largest)), hn::Le(z, largest));
-    const auto somewhere = hn::Ne(hn::Or(hn::Or(x, y), z), zero);
+    const auto somewhere = hn::Ne(hn::Max(hn::Max(x, y), z), zero);
     const auto ordered = hn::And(hn::Ge(t, zero), hn::Ge(t, hn::DupEven(t)));
     const auto right = hn::And(hn::And(finite, ordered), hn::Or(somewhere, hn::Not(t_max_lanes)));
     wrong = hn::Or(wrong, hn::Not(right));
@@ -57,7 +57,9 @@ HWY_EXPORT(CheckRays);
 /// Items a task: 256 KiB.
 constexpr std::size_t kGrain = 8192;
 
-bool all_right(View<const Ray> rays) {
+}  // namespace
+
+bool are_right(View<const Ray> rays) {
   std::size_t i = 0;
   if (!HWY_DYNAMIC_DISPATCH(CheckRays)(rays.data, rays.size, &i)) return false;
   for (; i < rays.size; ++i)
@@ -65,20 +67,21 @@ bool all_right(View<const Ray> rays) {
   return true;
 }
 
-}  // namespace
-
-void check_rays(const Executor& executor, View<const Ray> rays) {
-  std::atomic<bool> good{true};
-  executor.for_each_block(rays.size, kGrain, [&](std::size_t begin, std::size_t end) {
-    if (!all_right(rays.slice(begin, end - begin))) good.store(false, std::memory_order_relaxed);
-  });
-  if (good) return;
+void throw_fault(View<const Ray> rays, std::size_t first) {
   for (std::size_t i = 0; i < rays.size; ++i) {
     const RayFault fault = fault_of(rays[i]);
     if (fault.field != nullptr)
       throw Error(ErrorCode::kInvalidData, fault.sentence,
-                  "rays[" + std::to_string(i) + "]." + fault.field);
+                  "rays[" + std::to_string(first + i) + "]." + fault.field);
   }
+}
+
+void check_rays(const Executor& executor, View<const Ray> rays) {
+  std::atomic<bool> good{true};
+  executor.for_each_block(rays.size, kGrain, [&](std::size_t begin, std::size_t end) {
+    if (!are_right(rays.slice(begin, end - begin))) good.store(false, std::memory_order_relaxed);
+  });
+  if (!good) throw_fault(rays, 0);
 }
 
 }  // namespace raysheaf

@@ -89,8 +89,8 @@ DeviceEngine& SceneView::device_engine(const Executor& executor, const DeviceBac
 
 std::size_t SceneView::memory_bytes() const {
   return (device_engine_ != nullptr ? device_engine_->memory_bytes() : 0) + engine.memory_bytes() +
-         scratch.capacity_bytes() + runs_.capacity() * sizeof(TriangleRun) +
-         ids_.capacity() * sizeof(Ids) + first_runs_.capacity() * sizeof(std::uint32_t);
+         runs_.capacity() * sizeof(TriangleRun) + ids_.capacity() * sizeof(Ids) +
+         first_runs_.capacity() * sizeof(std::uint32_t);
 }
 
 std::shared_ptr<SceneView> SceneViews::view_for(const SceneRuns& scene, std::uint32_t mask) {

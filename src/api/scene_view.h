@@ -52,9 +52,8 @@ class SceneView {
   /// Of the host's memory, and of a device's.
   [[nodiscard]] std::size_t memory_bytes() const;
 
-  std::mutex mutex;           ///< held by whoever calls any of these or uses what is below
-  Engine engine;              ///< over `source()`
-  Buffer<EngineHit> scratch;  ///< hits by number, on their way to the caller
+  std::mutex mutex;  ///< held by whoever calls any of these or uses what is below
+  Engine engine;     ///< over `source()`
 
  private:
   struct Ids {

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "base/buffer.h"
+#include "base/spares.h"
 #include "base/view.h"
 #include "dual/ray_order.h"
 #include "exec/executor.h"
@@ -34,7 +35,9 @@ struct EngineHit {
   std::uint32_t triangle = kInvalidId;
 };
 
-class StreamPool;
+/// Streams that are not in use (dual/stream.h): a thread takes one and gives it back.
+struct Stream;
+using StreamPool = Spares<Stream>;
 
 /// How rays go down the tree together.
 enum class Bundle : std::uint8_t {

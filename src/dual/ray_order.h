@@ -40,6 +40,11 @@ struct RayOrder {
   std::array<std::uint32_t, kQuarters + 1> starts{};  ///< of the quarters
   Buffer<std::uint64_t> keys, spare;                  ///< scratch
   Buffer<std::uint8_t> quarters;                      ///< scratch
+
+  [[nodiscard]] std::size_t bytes() const {
+    return rays.capacity_bytes() + keys.capacity_bytes() + spare.capacity_bytes() +
+           quarters.capacity_bytes();
+  }
 };
 
 enum class Sorting : std::uint8_t {

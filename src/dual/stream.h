@@ -15,8 +15,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <mutex>
 #include <vector>
 
 #include "base/buffer.h"
@@ -95,18 +93,6 @@ struct Stream {
            index.capacity_bytes() + blocks.capacity_bytes() + lists.capacity_bytes() +
            waiting.capacity() * sizeof(WaitingList) + rows.capacity() * sizeof(RowHit);
   }
-};
-
-/// Streams that are not in use: a thread takes one and gives it back.
-class StreamPool {
- public:
-  [[nodiscard]] std::unique_ptr<Stream> take();
-  void give(std::unique_ptr<Stream> stream);
-  [[nodiscard]] std::size_t bytes() const;
-
- private:
-  mutable std::mutex mutex_;
-  std::vector<std::unique_ptr<Stream>> free_;
 };
 
 }  // namespace raysheaf

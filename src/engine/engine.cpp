@@ -37,11 +37,24 @@ class Reporter {
   void add(const DualCounts& counts) {
     if (report_ != nullptr) report_->add(counts);
   }
+  void add(const TileTimes& times) {
+    if (report_ == nullptr) return;
+    report_->take_ms += times.take_ms;
+    report_->order_ms += times.order_ms;
+    report_->trace_ms += times.trace_ms;
+    report_->total_ms += times.take_ms + times.order_ms + times.trace_ms;
+  }
 
  private:
   EngineReport* report_;
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
+
+/// What is to be sorted must lie there as a whole; and of rays that run every way, a tile has too
+/// few that go together.
+bool goes_in_tiles(const Plan& plan) {
+  return plan.alike && !plan.sort;
+}
 
 }  // namespace
 
@@ -107,28 +120,37 @@ void Engine::prepare_tree(const Executor& executor, Plan* plan, EngineReport* re
   reporter.lap(&EngineReport::hierarchy_ms);
 }
 
-void Engine::prepare(const Executor& executor, View<const Ray> rays, Plan* plan,
-                     EngineReport* report) {
+void Engine::prepare(const Executor& executor, std::size_t rays, Plan* plan, EngineReport* report) {
   prepare_tree(executor, plan, report);
-  history_.rays_since_change += rays.size;
-  Reporter reporter(report);
+  history_.rays_since_change += rays;
+  ++history_.queries_since_change;
   choose_sorting(tree_.surface_area_cost, report != nullptr, plan);
-  order_rays(executor, rays, plan->sort ? Sorting::kCurve : Sorting::kByQuarter, &order_);
-  reporter.lap(&EngineReport::order_ms);
   if (report != nullptr) report->plan = std::move(plan->reasons);
+}
+
+void Engine::order(const Executor& executor, View<const Ray> rays, const Plan& plan,
+                   EngineReport* report) {
+  Reporter reporter(report);
+  order_rays(executor, rays, plan.sort ? Sorting::kCurve : Sorting::kByQuarter, &order_);
+  reporter.lap(&EngineReport::order_ms);
+}
+
+View<const Ray> Engine::take_all_rays(const Executor& executor, const RaySource& rays,
+                                      Buffer<Ray>* room, EngineReport* report) {
+  Reporter reporter(report);
+  const View<const Ray> all = take_all(executor, rays, room);
+  reporter.lap(&EngineReport::take_ms);
+  return all;
 }
 
 DualScene Engine::dual_scene(const Plan& plan, const EngineOptions& options) const {
   return {&tree_, source_.flags, options.facing, plan.bundle, streams_.get()};
 }
 
-void Engine::closest_hit(const Executor& executor, View<const Ray> rays,
-                         const EngineOptions& options, View<EngineHit> hits, View<float> ray_tests,
-                         EngineReport* report) {
-  if (rays.empty()) return;
-  Plan plan = make_plan(history_, rays, false, report != nullptr);
-  ++history_.queries_since_change;
-  prepare(executor, rays, &plan, report);
+void Engine::trace_closest_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
+                                const EngineOptions& options, View<EngineHit> hits,
+                                View<float> ray_tests, EngineReport* report) {
+  order(executor, rays, plan, report);
   Reporter reporter(report);
   DualCounts counts;
   trace_closest(executor, dual_scene(plan, options), rays, order_, hits, ray_tests, &counts);
@@ -136,15 +158,59 @@ void Engine::closest_hit(const Executor& executor, View<const Ray> rays,
   reporter.add(counts);
 }
 
-bool Engine::any_hit_in_fan(const Executor& executor, View<const Ray> rays,
+void Engine::trace_any_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
                             const EngineOptions& options, View<std::uint8_t> occluded,
                             View<float> ray_tests, EngineReport* report) {
+  order(executor, rays, plan, report);
+  Reporter reporter(report);
+  DualCounts counts;
+  trace_any(executor, dual_scene(plan, options), rays, order_, occluded, ray_tests, &counts);
+  reporter.lap(&EngineReport::trace_ms);
+  reporter.add(counts);
+}
+
+void Engine::closest_hit(const Executor& executor, View<const Ray> rays,
+                         const EngineOptions& options, View<EngineHit> hits, View<float> ray_tests,
+                         EngineReport* report) {
+  if (rays.empty()) return;
+  Plan plan = make_plan(history_, RaysInPlace(rays), false, report != nullptr);
+  prepare(executor, rays.size, &plan, report);
+  trace_closest_hits(executor, rays, plan, options, hits, ray_tests, report);
+}
+
+void Engine::closest_hit(const Executor& executor, const RaySource& rays,
+                         const EngineOptions& options, const HitSink& sink, EngineReport* report) {
+  if (rays.size() == 0) return;
+  Plan plan = make_plan(history_, rays, false, report != nullptr);
+  prepare(executor, rays.size(), &plan, report);
+  if (goes_in_tiles(plan)) {
+    Reporter reporter(report);
+    DualCounts counts;
+    reporter.add(tiles_->closest_hit(executor, rays, dual_scene(plan, options), sink, &counts));
+    reporter.add(counts);
+    return;
+  }
+  Buffer<Ray> room;
+  const View<const Ray> all = take_all_rays(executor, rays, &room, report);
+  Buffer<EngineHit> hits;
+  hits.resize_uninitialized(all.size);
+  trace_closest_hits(executor, all, plan, options, hits, {}, report);
+  executor.for_each_block(all.size, kCopyGrain, [&](std::size_t begin, std::size_t end) {
+    sink(begin, View<const EngineHit>(hits).slice(begin, end - begin));
+  });
+}
+
+bool Engine::any_hit_in_fan(const Executor& executor, View<const Ray> rays,
+                            const EngineOptions& options, View<std::uint8_t> occluded,
+                            View<float> ray_tests, Plan* plan, EngineReport* report) {
   FanCounts counts;
   const FanOptions fan{options.facing, options.count, &fan_memory_};
   if (!occluded_in_fan(executor, source_, rays, fan, occluded, ray_tests, &counts)) return false;
   if (source_.count != 0)
     history_.fan_pairs = static_cast<double>(counts.pairs) / static_cast<double>(source_.count);
+  ++history_.queries_since_change;
   if (report == nullptr) return true;
+  report->plan = std::move(plan->reasons);
   report->bound_tests += counts.bound_tests;
   report->triangle_tests += counts.triangle_tests;
   report->order_ms += counts.order_ms;
@@ -157,31 +223,45 @@ bool Engine::any_hit_in_fan(const Executor& executor, View<const Ray> rays,
 void Engine::any_hit(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
                      View<std::uint8_t> occluded, View<float> ray_tests, EngineReport* report) {
   if (rays.empty()) return;
-  Plan plan = make_plan(history_, rays, true, report != nullptr);
+  Plan plan = make_plan(history_, RaysInPlace(rays), true, report != nullptr);
   if (plan.fan) {
-    if (any_hit_in_fan(executor, rays, options, occluded, ray_tests, report)) {
-      ++history_.queries_since_change;
-      if (report != nullptr) report->plan = std::move(plan.reasons);
-      return;
-    }
+    if (any_hit_in_fan(executor, rays, options, occluded, ray_tests, &plan, report)) return;
+    plan = plan_without_fan(history_, RaysInPlace(rays), report != nullptr);
+  }
+  prepare(executor, rays.size, &plan, report);
+  trace_any_hits(executor, rays, plan, options, occluded, ray_tests, report);
+}
+
+void Engine::any_hit(const Executor& executor, const RaySource& rays, const EngineOptions& options,
+                     View<std::uint8_t> occluded, EngineReport* report) {
+  if (rays.size() == 0) return;
+  Plan plan = make_plan(history_, rays, true, report != nullptr);
+  Buffer<Ray> room;
+  View<const Ray> all;
+  if (plan.fan) {
+    all = take_all_rays(executor, rays, &room, report);
+    if (any_hit_in_fan(executor, all, options, occluded, {}, &plan, report)) return;
     plan = plan_without_fan(history_, rays, report != nullptr);
   }
-  ++history_.queries_since_change;
-  prepare(executor, rays, &plan, report);
-  Reporter reporter(report);
-  DualCounts counts;
-  trace_any(executor, dual_scene(plan, options), rays, order_, occluded, ray_tests, &counts);
-  reporter.lap(&EngineReport::trace_ms);
-  reporter.add(counts);
+  prepare(executor, rays.size(), &plan, report);
+  if (goes_in_tiles(plan) && all.empty()) {
+    Reporter reporter(report);
+    DualCounts counts;
+    reporter.add(tiles_->any_hit(executor, rays, dual_scene(plan, options), occluded, &counts));
+    reporter.add(counts);
+    return;
+  }
+  if (all.empty()) all = take_all_rays(executor, rays, &room, report);
+  trace_any_hits(executor, all, plan, options, occluded, {}, report);
 }
 
 FoundRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
                            const EngineOptions& options, EngineReport* report) {
   if (bytes_of(rows_) > kMostRowBytes) rows_.clear();
   if (!rays.empty()) {
-    Plan plan = make_plan(history_, rays, false, report != nullptr);
-    ++history_.queries_since_change;
-    prepare(executor, rays, &plan, report);
+    Plan plan = make_plan(history_, RaysInPlace(rays), false, report != nullptr);
+    prepare(executor, rays.size, &plan, report);
+    order(executor, rays, plan, report);
     Reporter reporter(report);
     DualCounts counts;
     trace_all(executor, dual_scene(plan, options), rays, order_, &rows_, {}, &counts);
@@ -194,8 +274,7 @@ FoundRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
 }
 
 std::size_t Engine::memory_bytes() const {
-  return tree_.memory_bytes() + order_.rays.capacity_bytes() + order_.keys.capacity_bytes() +
-         order_.spare.capacity_bytes() + order_.quarters.capacity_bytes() + streams_->bytes() +
+  return tree_.memory_bytes() + order_.bytes() + streams_->bytes() + tiles_->bytes() +
          fan_memory_.bytes() + bytes_of(rows_) + moved_.memory_bytes();
 }
 

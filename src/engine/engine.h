@@ -16,6 +16,7 @@
 #include "dual/dual.h"
 #include "dual/stream.h"
 #include "engine/plan.h"
+#include "engine/ray_tiles.h"
 #include "exec/executor.h"
 #include "fan/fan.h"
 #include "object/object_tree.h"
@@ -35,6 +36,7 @@ struct EngineReport {
   std::uint64_t triangle_tests = 0;   ///< ray with triangle
   bool used_tree = false;             ///< false: a fan needs none
   TreeWork tree = TreeWork::kKeep;    ///< what became of the tree
+  double take_ms = 0;                 ///< what a `RaySource` did
   double order_ms = 0, hierarchy_ms = 0, trace_ms = 0, total_ms = 0;
   std::vector<std::string> plan;  ///< a sentence a choice, with the figures that decided it
 
@@ -101,6 +103,13 @@ class Engine {
   void any_hit(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
                View<std::uint8_t> occluded, View<float> ray_tests, EngineReport* report);
 
+  /// The same of rays that need not lie in memory as such, which a tile of them at a time does
+  /// where it can (engine/ray_tiles.h).
+  void closest_hit(const Executor& executor, const RaySource& rays, const EngineOptions& options,
+                   const HitSink& sink, EngineReport* report);
+  void any_hit(const Executor& executor, const RaySource& rays, const EngineOptions& options,
+               View<std::uint8_t> occluded, EngineReport* report);
+
   /// Every hit of every ray.
   [[nodiscard]] FoundRows all_hits(const Executor& executor, View<const Ray> rays,
                                    const EngineOptions& options, EngineReport* report);
@@ -112,12 +121,24 @@ class Engine {
   friend class TreeQueries;
 
   void prepare_tree(const Executor& executor, Plan* plan, EngineReport* report);
-  /// Does what the plan says of the tree and the order, and puts its reasons into the report.
-  void prepare(const Executor& executor, View<const Ray> rays, Plan* plan, EngineReport* report);
+  /// Does what the plan says of the tree, completes it, and puts its reasons into the report.
+  void prepare(const Executor& executor, std::size_t rays, Plan* plan, EngineReport* report);
+  /// As the plan says.
+  void order(const Executor& executor, View<const Ray> rays, const Plan& plan,
+             EngineReport* report);
+  /// Through the tree, which is prepared.
+  void trace_closest_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
+                          const EngineOptions& options, View<EngineHit> hits, View<float> ray_tests,
+                          EngineReport* report);
+  void trace_any_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
+                      const EngineOptions& options, View<std::uint8_t> occluded,
+                      View<float> ray_tests, EngineReport* report);
+  [[nodiscard]] View<const Ray> take_all_rays(const Executor& executor, const RaySource& rays,
+                                              Buffer<Ray>* room, EngineReport* report);
   /// False, with nothing done, where the rays do not start at one point after all.
   [[nodiscard]] bool any_hit_in_fan(const Executor& executor, View<const Ray> rays,
                                     const EngineOptions& options, View<std::uint8_t> occluded,
-                                    View<float> ray_tests, EngineReport* report);
+                                    View<float> ray_tests, Plan* plan, EngineReport* report);
   [[nodiscard]] DualScene dual_scene(const Plan& plan, const EngineOptions& options) const;
 
   TriangleSource source_;
@@ -128,6 +149,7 @@ class Engine {
   RayOrder order_;
   RowLists rows_;
   std::unique_ptr<StreamPool> streams_ = std::make_unique<StreamPool>();
+  std::unique_ptr<RayTiles> tiles_ = std::make_unique<RayTiles>();
   FanMemory fan_memory_;
 };
 

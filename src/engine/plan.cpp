@@ -73,21 +73,29 @@ double tree_cost(const SceneHistory& scene) {
   return a_triangle * scene.triangles / (1.0 + scene.queries_since_change);
 }
 
+Ray ray_at(const RaySource& rays, std::size_t i) {
+  Ray room;
+  return rays.peek(i, i + 1, &room)[0];
+}
+
 /// In a sample: the fan itself looks at all.
-bool seem_to_share_origin(View<const Ray> rays) {
+bool seem_to_share_origin(const RaySource& rays) {
   constexpr std::size_t kSamples = 256;
-  const std::size_t stride = std::max<std::size_t>(1, rays.size / kSamples);
-  for (std::size_t i = 0; i < rays.size; i += stride)
-    if (std::memcmp(&rays[i].origin, &rays[0].origin, sizeof(Vec3)) != 0) return false;
+  const std::size_t stride = std::max<std::size_t>(1, rays.size() / kSamples);
+  const Vec3 first = ray_at(rays, 0).origin;
+  for (std::size_t i = 0; i < rays.size(); i += stride) {
+    const Vec3 origin = ray_at(rays, i).origin;
+    if (std::memcmp(&origin, &first, sizeof(Vec3)) != 0) return false;
+  }
   return true;
 }
 
 /// Whether the rays fan out from a point and it pays to stream the triangles at them.
-bool chooses_fan(const SceneHistory& scene, View<const Ray> rays, Plan* plan) {
+bool chooses_fan(const SceneHistory& scene, const RaySource& rays, Plan* plan) {
   // Farther out, products of the fan's differences overflow.
-  if (!(max_component(abs(rays[0].origin)) <= kLargestCoordinate)) return false;
+  if (!(max_component(abs(ray_at(rays, 0).origin)) <= kLargestCoordinate)) return false;
   if (!seem_to_share_origin(rays)) return false;
-  const auto count = static_cast<double>(rays.size);
+  const auto count = static_cast<double>(rays.size());
   const double fan =
       kFanRay * count + (kFanTriangle + kFanPair * scene.fan_pairs) * scene.triangles;
   const double a_ray = kSharedRay + kSharedRayLevel * std::log2(2.0 + scene.triangles);
@@ -109,12 +117,13 @@ constexpr float kSortCost = 15;
 /// Below, packets of neighbours that run alike meet so few nodes that a stream's lists cost more.
 constexpr std::uint32_t kPacketTriangles = 4096;
 
-void choose_bundle(const SceneHistory& scene, View<const Ray> rays, const Box* whole, bool explain,
+void choose_bundle(const SceneHistory& scene, const RaySource& rays, const Box* whole, bool explain,
                    Plan* plan) {
   const Coherence found = sample_coherence(rays, nullptr, whole);
   const bool alike = found.origins_alike() && found.directions_alike();
   const bool tiny = scene.triangles < kPacketTriangles;
   plan->disorder = !found.origins_alike();
+  plan->alike = alike;
   plan->bundle = alike && tiny ? Bundle::kPacket : Bundle::kStream;
   if (!explain) return;
   plan->reasons.push_back(figures(
@@ -137,22 +146,26 @@ void choose_bundle(const SceneHistory& scene, View<const Ray> rays, const Box* w
 
 }  // namespace
 
-Coherence sample_coherence(View<const Ray> rays, const std::uint32_t* order, const Box* whole) {
+Coherence sample_coherence(const RaySource& rays, const std::uint32_t* order, const Box* whole) {
   constexpr std::size_t kGroup = 16;
   // Of a small batch fewer: a look at it must not cost what going through it does.
   const std::size_t groups =
-      std::min({kGroups, rays.size / kGroup, kFewestGroups + rays.size / 512});
+      std::min({kGroups, rays.size() / kGroup, kFewestGroups + rays.size() / 512});
   if (groups == 0) return {};
-  const std::size_t stride = rays.size / groups;
+  const std::size_t stride = rays.size() / groups;
   Vec3 low, high;
   std::array<double, kGroups> extents{};
   double alike = 0;
   for (std::size_t g = 0; g < groups; ++g) {
     Vec3 o0, o1, d0, d1;
     std::uint32_t first = 0, same = 0;
+    std::array<Ray, kGroup> room;
+    const std::size_t begin = g * stride;
+    const View<const Ray> group =
+        order == nullptr ? rays.peek(begin, begin + kGroup, room.data()) : View<const Ray>(room);
     for (std::size_t i = 0; i < kGroup; ++i) {
-      const std::size_t place = g * stride + i;
-      const Ray& ray = rays[order != nullptr ? order[place] : place];
+      if (order != nullptr) room[i] = ray_at(rays, order[begin + i]);
+      const Ray& ray = group[i];
       const Vec3 d = ray.direction / max_component(abs(ray.direction));
       if (i == 0) first = quarter_of(d);
       same += quarter_of(d) == first ? 1 : 0;
@@ -164,6 +177,7 @@ Coherence sample_coherence(View<const Ray> rays, const std::uint32_t* order, con
     low = g == 0 ? o0 : min(low, o0);
     high = g == 0 ? o1 : max(high, o1);
     extents[g] = extent(o0, o1);
+    if (std::isnan(extents[g])) extents[g] = 0;
     alike += same == kGroup && max_component(d1 - d0) < 0.5f ? 1 : 0;
   }
   // The middle one: a silhouette between neighbours is no sign of disorder.
@@ -172,7 +186,7 @@ Coherence sample_coherence(View<const Ray> rays, const std::uint32_t* order, con
   return {size > 0 ? extents[groups / 2] / size : 0, alike / static_cast<double>(groups)};
 }
 
-Plan make_plan(const SceneHistory& scene, View<const Ray> rays, bool any, bool explain) {
+Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any, bool explain) {
   Plan fan;
   fan.fan = any && chooses_fan(scene, rays, &fan);
   if (fan.fan) {
@@ -184,7 +198,7 @@ Plan make_plan(const SceneHistory& scene, View<const Ray> rays, bool any, bool e
   return plan;
 }
 
-Plan plan_without_fan(const SceneHistory& scene, View<const Ray> rays, bool explain) {
+Plan plan_without_fan(const SceneHistory& scene, const RaySource& rays, bool explain) {
   Plan plan = plan_tree(scene, explain);
   choose_bundle(scene, rays, nullptr, explain, &plan);
   return plan;
@@ -197,7 +211,7 @@ Plan plan_tree(const SceneHistory& scene, bool explain) {
   return plan;
 }
 
-Plan plan_rays(const SceneHistory& scene, View<const Ray> rays, const Box& whole, bool explain) {
+Plan plan_rays(const SceneHistory& scene, const RaySource& rays, const Box& whole, bool explain) {
   Plan plan;
   choose_bundle(scene, rays, &whole, explain, &plan);
   return plan;

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "base/view.h"
 #include "dual/dual.h"
+#include "engine/ray_source.h"
 
 namespace raysheaf {
 
@@ -25,8 +25,8 @@ struct Coherence {
 };
 
 /// `order` = null: as they stand. `whole`: what they may start in; null: the batch's own extent.
-/// O(1): a sample.
-[[nodiscard]] Coherence sample_coherence(View<const Ray> rays, const std::uint32_t* order,
+/// O(1): a sample. Rays that are wrong do no harm.
+[[nodiscard]] Coherence sample_coherence(const RaySource& rays, const std::uint32_t* order,
                                          const Box* whole = nullptr);
 
 /// What becomes of the object tree before the rays go through it.
@@ -52,6 +52,7 @@ struct Plan {
   bool fan = false;  ///< triangles stream against cells over the rays; there is no object tree
   TreeWork tree = TreeWork::kKeep;
   bool disorder = false;  ///< rays that stand beside each other start apart
+  bool alike = false;     ///< they start close to each other and run alike
   bool sort = false;      ///< set by `choose_sorting`
   Bundle bundle = Bundle::kPacket;
   std::vector<std::string> reasons;  ///< a sentence a choice
@@ -59,14 +60,14 @@ struct Plan {
 
 /// `any`: an any-hit query. `explain`: write the reasons. A plan for a fan is made from a sample of
 /// the rays: where others start elsewhere, `plan_without_fan` is what remains.
-[[nodiscard]] Plan make_plan(const SceneHistory& scene, View<const Ray> rays, bool any,
+[[nodiscard]] Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any,
                              bool explain);
-[[nodiscard]] Plan plan_without_fan(const SceneHistory& scene, View<const Ray> rays, bool explain);
+[[nodiscard]] Plan plan_without_fan(const SceneHistory& scene, const RaySource& rays, bool explain);
 
 /// The halves of `plan_without_fan`: what becomes of the tree, and how a few rays of many go
 /// through one, of triangles that lie in `whole`.
 [[nodiscard]] Plan plan_tree(const SceneHistory& scene, bool explain);
-[[nodiscard]] Plan plan_rays(const SceneHistory& scene, View<const Ray> rays, const Box& whole,
+[[nodiscard]] Plan plan_rays(const SceneHistory& scene, const RaySource& rays, const Box& whole,
                              bool explain);
 
 /// Once the tree is there: whether the rays are worth sorting. `tree_cost` is its

@@ -18,7 +18,7 @@ void add(const DualCounts& counts, double ms, EngineReport* report) {
 DualScene TreeQueries::prepare(const Engine& engine, View<const Ray> rays,
                                const EngineOptions& options, bool explain, EngineReport* report) {
   const Stopwatch watch;
-  Plan plan = plan_rays(engine.history_, rays, engine.tree_.bounds, explain);
+  Plan plan = plan_rays(engine.history_, RaysInPlace(rays), engine.tree_.bounds, explain);
   choose_sorting(engine.tree_.surface_area_cost, explain, &plan);
   order_rays(executor_, rays, plan.sort ? Sorting::kCurve : Sorting::kByQuarter, &order_);
   for (std::string& sentence : plan.reasons) report->plan.push_back(std::move(sentence));

@@ -244,10 +244,10 @@ RayBundle dual_bundle(const Executor& executor, const FlatScene& scene, const Ra
   }
   SceneHistory history;
   history.triangles = scene.triangle_count;
-  Plan plan = make_plan(history, rays, any, false);
+  Plan plan = make_plan(history, RaysInPlace(rays), any, false);
   if (plan.fan) {
     if (auto bundle = fan_bundle(executor, rays, ray)) return *std::move(bundle);
-    plan = plan_without_fan(history, rays, false);
+    plan = plan_without_fan(history, RaysInPlace(rays), false);
   }
   choose_sorting(tree_cost(executor, scene), false, &plan);
   if (plan.bundle == Bundle::kStream)

@@ -35,7 +35,9 @@ Subject::Subject(std::uint32_t most_threads)
       any_hit([](const Scene& scene, std::span<const Ray> rays, const QueryOptions& options) {
         return raysheaf::any_hit(scene, rays, options);
       }),
-      all_hits(raysheaf::all_hits),
+      all_hits([](const Scene& scene, std::span<const Ray> rays, const QueryOptions& options) {
+        return raysheaf::all_hits(scene, rays, options);
+      }),
       intersect(intersect_triangle),
       targets(simd_targets()) {
   for (const std::uint32_t count : thread_counts(most_threads))

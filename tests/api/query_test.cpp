@@ -2,6 +2,8 @@
 #include "raysheaf/query.h"
 
 #include "api/api_support.h"
+#include "api/query_check.h"
+#include "geom/ray_fault.h"
 #include "support/simd_targets.h"
 
 namespace raysheaf::test {
@@ -226,6 +228,26 @@ TEST(Query, NamesTheFirstRayThatIsWrong) {
   many[77777].t_min = many[90000].t_min = -1;
   expect_error(ErrorCode::kInvalidData, "rays[77777].t_min", "negative",
                [&] { (void)any_hit(scene, many); });
+}
+
+TEST(Query, LooksRaysOverTogetherAsOneByOne) {
+  Random random(3);
+  // Any bits, and numbers whose exponents have bits in common.
+  const auto number = [&](std::size_t kind) {
+    if (kind % 3 == 0) return std::bit_cast<float>(random.bits());
+    const float size = std::ldexp(1.0f, static_cast<int>(random.below(12)) - 6);
+    return kind % 3 == 1 ? random.between(-size, size) : size;
+  };
+  for_each_simd_target([&](const char* target) {
+    for (std::size_t i = 0; i < 5000; ++i) {
+      std::vector<Ray> rays(17, along_z());
+      Ray& ray = rays[random.below(17)];
+      ray = {{number(i), number(i), number(i)}, 0, {number(i), number(i), number(i)}, kInfinity};
+      if (i % 2 == 0) ray.t_min = number(i), ray.t_max = number(i);
+      ASSERT_EQ(are_right(View<const Ray>(rays)), fault_of(ray).field == nullptr)
+          << i << " " << target;
+    }
+  });
 }
 
 TEST(Query, AcceptsRaysAtTheEdgeOfWhatIsRight) {

@@ -45,7 +45,7 @@ SceneHistory history(std::uint32_t triangles) {
 }
 
 Plan plan_of(const SceneHistory& scene, const std::vector<Ray>& rays, bool any = false) {
-  return make_plan(scene, View<const Ray>(rays), any, true);
+  return make_plan(scene, RaysInPlace(View<const Ray>(rays)), any, true);
 }
 
 bool says(const Plan& plan, const std::string& text) {
@@ -118,15 +118,15 @@ TEST(Plan, CoherenceOfOrders) {
   const std::vector<Ray> rays = disorder(50000, random);
   RayOrder order;
   order_rays(one_thread(), View<const Ray>(rays), Sorting::kCurve, &order);
-  const Coherence before = sample_coherence(View<const Ray>(rays), nullptr);
-  const Coherence after = sample_coherence(View<const Ray>(rays), order.rays.data());
+  const Coherence before = sample_coherence(RaysInPlace(View<const Ray>(rays)), nullptr);
+  const Coherence after = sample_coherence(RaysInPlace(View<const Ray>(rays)), order.rays.data());
   EXPECT_GT(before.origin, 0.5);
   EXPECT_EQ(before.direction, 0);
   EXPECT_LT(after.origin, before.origin);
   EXPECT_GT(after.direction, before.direction);
-  EXPECT_EQ(sample_coherence({}, nullptr).origin, 0);
+  EXPECT_EQ(sample_coherence(RaysInPlace({}), nullptr).origin, 0);
   for (const std::size_t few : {1, 15, 16, 17, 1023})
-    EXPECT_LE(sample_coherence({rays.data(), few}, nullptr).direction, 1);
+    EXPECT_LE(sample_coherence(RaysInPlace({rays.data(), few}), nullptr).direction, 1);
 }
 
 TEST(Plan, TreeByHistory) {
@@ -176,7 +176,7 @@ TEST(Plan, ReasonsWhereAsked) {
     EXPECT_NE(reason.find(": "), std::string::npos) << reason;
     EXPECT_EQ(reason.find("nan"), std::string::npos) << reason;
   }
-  const Plan silent = make_plan(history(100), View<const Ray>(rays), false, false);
+  const Plan silent = make_plan(history(100), RaysInPlace(View<const Ray>(rays)), false, false);
   EXPECT_TRUE(silent.reasons.empty());
   EXPECT_EQ(silent.tree, told.tree);
   EXPECT_EQ(silent.sort, told.sort);

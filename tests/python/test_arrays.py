@@ -137,14 +137,22 @@ def test_large_batches_are_packed_as_small_ones(scene):
     assert np.array_equal(whole, scene.closest_hit(packed).array)
 
 
-def test_packed_rays_are_read_where_they_lie(scene):
+def test_wrong_rays_far_in_are_named(scene):
+    origins, directions = np.zeros((70_000, 3)), np.ones((70_000, 3))
+    directions[[40_001, 69_999], 1] = np.nan
+    with pytest.raises(ValueError, match=r"directions\[40001\]"):
+        scene.closest_hit(origins, directions)
+    with pytest.raises(ValueError, match=r"directions\[57, 101\]"):
+        scene.any_hit(origins.reshape(100, 700, 3), directions.reshape(100, 700, 3))
+
+
+def test_packed_rays_are_read_where_they_lie():
     from raysheaf._rays import batch_of
 
-    context = scene._core.context()
     rays = np.ones((5, 8), np.float32)
-    assert np.shares_memory(batch_of(context, rays, None, None, None).rays, rays)
+    assert np.shares_memory(batch_of(rays, None, None, None).rays, rays)
     grid = rays.reshape(5, 1, 8)
-    assert np.shares_memory(batch_of(context, grid, None, None, None).rays, rays)
+    assert np.shares_memory(batch_of(grid, None, None, None).rays, rays)
 
 
 def test_soups():

@@ -1,0 +1,46 @@
+// Rays whose parts lie apart, as simulations and arrays keep them: float or double, in any order.
+//
+// They are packed into rays where they are used, a few thousands at a time within a thread's
+// caches, which is faster than packing a batch beforehand.
+#pragma once
+
+#include <cstddef>
+#include <type_traits>
+
+namespace raysheaf {
+
+/// Rows of numbers: the one at (row, column) lies `row * row_stride + column * column_stride`
+/// numbers behind `data`. Strides may be 0, the same for all, or negative.
+struct NumberRows {
+  const void* data = nullptr;
+  bool is_double = false;
+  std::ptrdiff_t row_stride = 0, column_stride = 1;
+
+  NumberRows() = default;
+  template <class Number>
+  explicit NumberRows(const Number* first, std::ptrdiff_t rows_apart = 3,
+                      std::ptrdiff_t columns_apart = 1)
+      : data(first),
+        is_double(std::is_same_v<Number, double>),
+        row_stride(rows_apart),
+        column_stride(columns_apart) {
+    static_assert(std::is_same_v<Number, double> || std::is_same_v<Number, float>);
+  }
+};
+
+/// A batch of `count` rays. Doubles are rounded to float.
+struct RayParts {
+  std::size_t count;
+  NumberRows origins, directions;  ///< three numbers a row
+  NumberRows t_min, t_max;         ///< one; without data 0 and infinity
+
+  RayParts(std::size_t rays, NumberRows origin_rows, NumberRows direction_rows,
+           NumberRows t_min_rows = {}, NumberRows t_max_rows = {})
+      : count(rays),
+        origins(origin_rows),
+        directions(direction_rows),
+        t_min(t_min_rows),
+        t_max(t_max_rows) {}
+};
+
+}  // namespace raysheaf

@@ -1,0 +1,128 @@
+// Compiled once a SIMD target and chosen at run time (Google Highway).
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "api/pack_rays.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "api/pack_rays_simd.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace raysheaf::HWY_NAMESPACE {
+namespace {
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr std::size_t kFloatsPerRay = 8;
+static_assert(sizeof(Ray) == kFloatsPerRay * sizeof(float));
+
+template <class Number>
+const Number* row_of(const NumberRows& rows, std::size_t i) {
+  return static_cast<const Number*>(rows.data) + static_cast<std::ptrdiff_t>(i) * rows.row_stride;
+}
+
+/// Three numbers of rows [begin, end) to every eighth of `out` and the two after it.
+template <class Number>
+void copy_triples(const NumberRows& rows, std::size_t begin, std::size_t end, float* out) {
+  for (; begin < end; ++begin, out += kFloatsPerRay) {
+    const Number* const from = row_of<Number>(rows, begin);
+    for (std::ptrdiff_t k = 0; k < 3; ++k)
+      out[k] = static_cast<float>(from[k * rows.column_stride]);
+  }
+}
+
+#if HWY_TARGET != HWY_SCALAR
+HWY_INLINE hn::Vec<hn::Full128<float>> four(const float* from) {
+  return hn::LoadU(hn::Full128<float>(), from);
+}
+HWY_INLINE hn::Vec<hn::Full128<float>> four(const double* from) {
+  const hn::Full128<float> d;
+#if HWY_MAX_BYTES >= 32
+  return hn::DemoteTo(d, hn::LoadU(hn::FixedTag<double, 4>(), from));
+#else
+  const hn::Full128<double> dd;
+  const hn::Half<hn::Full128<float>> half;
+  return hn::Combine(d, hn::DemoteTo(half, hn::LoadU(dd, from + 2)),
+                     hn::DemoteTo(half, hn::LoadU(dd, from)));
+#endif
+}
+
+/// The same of numbers that stand together; what is written after the three is unspecified. Four
+/// are read: row `end` is there, too.
+template <class Number>
+void copy_tight(const NumberRows& rows, std::size_t begin, std::size_t end, float* out) {
+  const Number* from = row_of<Number>(rows, begin);
+  for (; begin < end; ++begin, from += rows.row_stride, out += kFloatsPerRay)
+    hn::StoreU(four(from), hn::Full128<float>(), out);
+}
+#endif
+
+template <class Number>
+void copy_some_triples(const NumberRows& rows, std::size_t begin, std::size_t end,
+                       [[maybe_unused]] bool more_follow, float* out) {
+#if HWY_TARGET != HWY_SCALAR
+  if (rows.column_stride == 1 && rows.row_stride >= 1 && begin < end) {
+    const std::size_t last = more_follow ? end : end - 1;
+    copy_tight<Number>(rows, begin, last, out);
+    out += kFloatsPerRay * (last - begin);
+    begin = last;
+  }
+#endif
+  copy_triples<Number>(rows, begin, end, out);
+}
+
+void copy_triples(const NumberRows& rows, std::size_t begin, std::size_t end, bool more_follow,
+                  float* out) {
+  if (rows.is_double)
+    copy_some_triples<double>(rows, begin, end, more_follow, out);
+  else
+    copy_some_triples<float>(rows, begin, end, more_follow, out);
+}
+
+template <class Number>
+void copy_limits(const NumberRows& rows, std::size_t begin, std::size_t end, float* out) {
+  for (; begin < end; ++begin, out += kFloatsPerRay)
+    *out = static_cast<float>(*row_of<Number>(rows, begin));
+}
+
+void copy_limits(const NumberRows& rows, float otherwise, std::size_t begin, std::size_t end,
+                 float* out) {
+  if (rows.data == nullptr)
+    copy_limits<float>(NumberRows(&otherwise, 0), begin, end, out);
+  else if (rows.is_double)
+    copy_limits<double>(rows, begin, end, out);
+  else
+    copy_limits<float>(rows, begin, end, out);
+}
+
+void PackRays(const RayParts& parts, std::size_t begin, std::size_t end, Ray* out) {
+  constexpr std::size_t kStep = 512;  // rays that stay in the first cache while parts are added
+  for (; begin < end; begin += kStep, out += kStep) {
+    const std::size_t stop = std::min(end, begin + kStep);
+    const bool more_follow = stop < parts.count;
+    float* const numbers = &out->origin.x;
+    // Limits after what may write where they stand.
+    copy_triples(parts.origins, begin, stop, more_follow, numbers);
+    copy_triples(parts.directions, begin, stop, more_follow, numbers + 4);
+    copy_limits(parts.t_min, 0, begin, stop, numbers + 3);
+    copy_limits(parts.t_max, std::numeric_limits<float>::infinity(), begin, stop, numbers + 7);
+  }
+}
+
+}  // namespace
+}  // namespace raysheaf::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace raysheaf {
+
+HWY_EXPORT(PackRays);
+
+void pack_rays(const RayParts& parts, std::size_t begin, std::size_t end, Ray* out) {
+  HWY_DYNAMIC_DISPATCH(PackRays)(parts, begin, end, out);
+}
+
+}  // namespace raysheaf
+#endif  // HWY_ONCE

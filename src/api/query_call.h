@@ -1,0 +1,135 @@
+// One call of a query: the scene as it is, the rays looked over, and what is counted.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "api/query_rays.h"
+#include "api/scene_impl.h"
+#include "exec/stopwatch.h"
+#include "raysheaf/query.h"
+
+namespace raysheaf {
+
+inline constexpr std::size_t kMostRays = 0x7fffffff;
+
+/// How a query goes through its rays.
+enum class Passes {
+  kWhole,    ///< through all of them stage by stage
+  kInTiles,  ///< as the engine likes: where it is the CPU's, and not asked for brute force
+};
+
+/// One call: holds the scene as it is, and counts what is done.
+class Query {
+ public:
+  Query(const Scene& scene, const QueryRays& rays, const QueryOptions& options, Passes passes)
+      : state_(SceneAccess::state(scene)),
+        reading_(state_.gate),
+        rays_(rays),
+        options_(options),
+        executor_(options.stop != nullptr ? state_.executor().until(*options.stop)
+                                          : state_.executor()) {
+    state_.require_committed();
+    executor_.check();
+    if (rays.size() > kMostRays)
+      throw Error(ErrorCode::kUnsupported,
+                  std::to_string(rays.size()) + " rays are more than 2^31 - 1", "rays");
+    if (rays.size() != 0) view_ = state_.views.view_for(state_.runs, options.mask);
+    if (passes == Passes::kWhole || view_ == nullptr || is_brute() || is_on_device()) take_all();
+    if (view_ == nullptr) return;
+    lock_ = std::unique_lock(view_->mutex);
+    view_->refresh(state_.runs);
+    // Brute force reads the triangles alone, which stay while `reading_` is there.
+    if (is_brute() && !is_on_device()) lock_.unlock();
+  }
+
+  /// Until the caller asks to stop.
+  [[nodiscard]] const Executor& executor() const { return executor_; }
+  /// All of them, looked over; none where they go in tiles.
+  [[nodiscard]] View<const Ray> rays() const { return whole_; }
+  /// What an engine takes in tiles.
+  [[nodiscard]] const RaySource& source() const { return rays_; }
+  /// Whether nothing can be met: no rays, or no triangles that they see.
+  [[nodiscard]] bool is_empty() const { return view_ == nullptr; }
+  [[nodiscard]] bool is_brute() const { return options_.method == QueryMethod::kBrute; }
+  [[nodiscard]] const DeviceBackend* backend() const {
+    return ContextAccess::backend(state_.context);
+  }
+  [[nodiscard]] bool is_on_device() const { return backend() != nullptr; }
+  [[nodiscard]] DeviceEngine& device_engine() {
+    return view_->device_engine(state_.executor(), *backend());
+  }
+  [[nodiscard]] DeviceQuery device_query() {
+    DeviceQuery query;
+    query.brute = is_brute();
+    query.check = options_.check;
+    query.count = options_.count_tests;
+    query.stream = options_.stream;
+    query.report = report();
+    query.executor = &executor_;
+    return query;
+  }
+  [[nodiscard]] SceneView& view() { return *view_; }
+  [[nodiscard]] EngineOptions engine_options() const {
+    return {Facing::kBoth, options_.statistics != nullptr && options_.count_tests};
+  }
+  [[nodiscard]] EngineReport* report() {
+    return options_.statistics != nullptr ? &report_ : nullptr;
+  }
+
+  /// Writes the statistics.
+  void finish() {
+    if (options_.statistics == nullptr) return;
+    if (!is_empty() && is_brute() && !is_on_device()) report_of_brute_force();
+    QueryStatistics& out = *options_.statistics;
+    out = {};
+    out.rays = rays_.size();
+    out.triangles = is_empty() ? 0 : view_->source().count;
+    out.bound_tests = report_.bound_tests;
+    out.ray_bound_tests = report_.ray_bound_tests;
+    out.triangle_tests = report_.triangle_tests;
+    out.update_ms = state_.update_ms;
+    out.check_ms = check_ms_ + report_.take_ms;
+    out.order_ms = report_.order_ms;
+    out.hierarchy_ms = report_.hierarchy_ms;
+    out.trace_ms = report_.trace_ms;
+    out.plan = std::move(report_.plan);
+    out.total_ms = watch_.lap_ms();
+  }
+
+  void traced_by_brute_force(Stopwatch* watch) { report_.trace_ms = watch->lap_ms(); }
+
+ private:
+  void take_all() {
+    // Rays in a device's memory are looked over there.
+    if (rays_.is_packed() && is_on_device() && backend()->is_device_memory(rays_.rays().data)) {
+      whole_ = rays_.rays();
+      return;
+    }
+    const Stopwatch watch;
+    whole_ = raysheaf::take_all(executor_, rays_, &room_);
+    check_ms_ = watch.ms();
+  }
+  void report_of_brute_force() {
+    if (options_.count_tests)
+      report_.triangle_tests = std::uint64_t{rays_.size()} * view_->source().count;
+    report_.plan = {"brute force, as asked for"};
+  }
+
+  Stopwatch watch_;
+  SceneAccess::State& state_;
+  const SceneGate::Reading reading_;
+  const QueryRays& rays_;
+  Buffer<Ray> room_;
+  View<const Ray> whole_;
+  const QueryOptions& options_;
+  const Executor executor_;
+  double check_ms_ = 0;
+  std::shared_ptr<SceneView> view_;
+  std::unique_lock<std::mutex> lock_;
+  EngineReport report_;
+};
+
+}  // namespace raysheaf
