@@ -56,15 +56,22 @@ void SceneView::note_first_runs() {
 }
 
 void SceneView::name_hits(View<const EngineHit> hits, Hit* out) const {
+  // Neighbours often hit what the one before hit.
+  std::uint32_t first = 0, count = 0;
+  Ids ids{};
   for (const EngineHit& hit : hits) {
     if (hit.triangle == kInvalidId) {
       *out++ = Hit{};
       continue;
     }
-    std::uint32_t run = first_runs_[hit.triangle >> block_bits_];
-    while (hit.triangle - runs_[run].first >= runs_[run].count) ++run;
-    *out++ = {
-        hit.t, hit.u, hit.v, hit.triangle - runs_[run].first, ids_[run].mesh, ids_[run].instance};
+    if (hit.triangle - first >= count) {
+      std::uint32_t run = first_runs_[hit.triangle >> block_bits_];
+      while (hit.triangle - runs_[run].first >= runs_[run].count) ++run;
+      first = runs_[run].first;
+      count = runs_[run].count;
+      ids = ids_[run];
+    }
+    *out++ = {hit.t, hit.u, hit.v, hit.triangle - first, ids.mesh, ids.instance};
   }
 }
 

@@ -36,141 +36,158 @@ HWY_INLINE std::uint32_t rays_in_child(const RayPacket& p, const BvhNode& n, std
   }
   return bits;
 }
-/// Copies `count` rays of the order into lanes; missing ones repeat the first. `dx` to `dz`: their
-/// directions along the packet's axes.
-HWY_INLINE void gather_rays(const Ray* rays, const std::uint32_t* order, std::uint32_t count,
-                            std::uint32_t quarter, RayPacket* p, float* dx, float* dy, float* dz) {
-  const int along = static_cast<int>(quarter / 8), next = along == 2 ? 0 : along + 1;
-  const int last = next == 2 ? 0 : next + 1;
-  p->mirrored = (quarter & 4) != 0;
-  p->axis_x = p->mirrored ? last : next;
-  p->axis_y = p->mirrored ? next : last;
-  p->axis_z = along;
-  const bool left = (quarter & (p->mirrored ? 1 : 2)) != 0;
-  const bool down = (quarter & (p->mirrored ? 2 : 1)) != 0;
-  p->near_x = p->axis_x + (left ? 3 : 0);
-  p->far_x = p->axis_x + (left ? 0 : 3);
-  p->near_y = p->axis_y + (down ? 3 : 0);
-  p->far_y = p->axis_y + (down ? 0 : 3);
-  p->near_z = along + (p->mirrored ? 3 : 0);
-  p->far_z = along + (p->mirrored ? 0 : 3);
-  p->count = count;
-  if (count == kPacketWidth) {
-    std::memcpy(p->index, order, sizeof p->index);
-  } else {
-    for (std::uint32_t i = 0; i < kPacketWidth; ++i) p->index[i] = order[i < count ? i : 0];
-  }
-  const Rays d;
-  float* const origin[3] = {p->axis_x == 0   ? p->ox
-                            : p->axis_y == 0 ? p->oy
-                                             : p->oz,
-                            p->axis_x == 1   ? p->ox
-                            : p->axis_y == 1 ? p->oy
-                                             : p->oz,
-                            p->axis_x == 2   ? p->ox
-                            : p->axis_y == 2 ? p->oy
-                                             : p->oz};
-  float* const direction[3] = {p->axis_x == 0   ? dx
-                               : p->axis_y == 0 ? dy
-                                                : dz,
-                               p->axis_x == 1   ? dx
-                               : p->axis_y == 1 ? dy
-                                                : dz,
-                               p->axis_x == 2   ? dx
-                               : p->axis_y == 2 ? dy
-                                                : dz};
-  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-    RV x, y, z, t;
-    gather4(rays, 0, p->index + g, x, y, z, t);
-    hn::Store(x, d, origin[0] + g);
-    hn::Store(y, d, origin[1] + g);
-    hn::Store(z, d, origin[2] + g);
-    hn::Store(t, d, p->t_min + g);
-    gather4(rays, 1, p->index + g, x, y, z, t);
-    hn::Store(x, d, direction[0] + g);
-    hn::Store(y, d, direction[1] + g);
-    hn::Store(z, d, direction[2] + g);
-    const RM used = lanes_of(count < kPacketWidth ? (1u << count) - 1 : 0xffffu, g);
-    hn::Store(hn::IfThenElse(used, t, set(-1)), d, p->t_limit + g);
-  }
+
+/// Rays in lanes, along a quarter's axes.
+struct RayLanes {
+  RV ox, oy, oz, dx, dy, dz, t_min, t_limit;
+};
+
+/// Unused lanes look for nothing.
+HWY_INLINE RayLanes gather_lanes(const Ray* rays, const std::uint32_t* index, RM used,
+                                 const QuarterAxes& axes) {
+  RV o[3], d[3], t_min, t_max;
+  gather4(rays, 0, index, o[0], o[1], o[2], t_min);
+  gather4(rays, 1, index, d[0], d[1], d[2], t_max);
+  return {o[axes.axis_x], o[axes.axis_y], o[axes.axis_z], d[axes.axis_x],
+          d[axes.axis_y], d[axes.axis_z], t_min,          hn::IfThenElse(used, t_max, set(-1))};
 }
 
-/// Everything that follows from the rays and the scene's box.
-HWY_INLINE void prepare_packet(const Box& scene, const float* dx, const float* dy, const float* dz,
-                               RayPacket* p) {
-  using hn::Abs, hn::Max, hn::Mul, hn::Sub;
+/// What follows from rays in lanes, as in RayPacket.
+struct SlabLanes {
+  RV shear_x, shear_y, shear_z, along, per_x, per_y, s_near, s_far;
+
+  HWY_INLINE SlabLanes(const RayLanes& r, bool mirrored, float slack) {
+    using hn::Mul, hn::Sub;
+    const Rays d;
+    const RV pad = set(slack), least = set(kLeastStep);
+    along = hn::Abs(r.dz);
+    shear_x = hn::Div(r.dx, r.dz);
+    shear_y = hn::Div(r.dy, r.dz);
+    shear_z = hn::Div(set(1), r.dz);
+    per_x = inverse_slope(mirrored ? hn::Neg(shear_x) : shear_x);
+    per_y = inverse_slope(mirrored ? hn::Neg(shear_y) : shear_y);
+    const RV bounding = hn::IfThenElseZero(hn::Lt(r.t_min, set(kLargeStart)), r.t_min);
+    const RV far =
+        hn::Add(Mul(Mul(hn::Add(r.t_limit, least), along), set(1 + 8 * kUnitRoundoff)), pad);
+    s_near = Sub(Mul(Mul(Sub(bounding, least), along), set(1 - 8 * kUnitRoundoff)), pad);
+    s_far = hn::IfThenElse(hn::Lt(r.t_limit, hn::Zero(d)),
+                           set(-std::numeric_limits<float>::infinity()), far);
+  }
+
+  /// Clips each ray to the scene's box; returns the lanes that meet it. The others look no further.
+  HWY_INLINE RM clip(const Box& scene, const RayLanes& r, const QuarterAxes& a, float slack) {
+    using hn::Max, hn::Min, hn::Mul, hn::Sub;
+    const float bound[6] = {scene.min.x, scene.min.y, scene.min.z,
+                            scene.max.x, scene.max.y, scene.max.z};
+    const RV pad = set(slack);
+    // Lower planes move down as the origin moves up; which are near, the rows say.
+    const auto from = [&](RV o, int row)
+                          HWY_ATTR { return row < 3 ? hn::Add(o, pad) : Sub(o, pad); };
+    const auto at = [&](RV o, int row) HWY_ATTR { return Sub(set(bound[row]), from(o, row)); };
+    const RV z0 = at(r.oz, a.near_z), z1 = at(r.oz, a.far_z);
+    const RV near = Max(Max(Mul(at(r.ox, a.near_x), per_x), Mul(at(r.oy, a.near_y), per_y)),
+                        Max(a.mirrored ? hn::Neg(z0) : z0, s_near));
+    const RV far = Min(Min(Mul(at(r.ox, a.far_x), per_x), Mul(at(r.oy, a.far_y), per_y)),
+                       Min(a.mirrored ? hn::Neg(z1) : z1, s_far));
+    const RM meets = hn::Le(near, far);
+    // The quotients' three roundings, and those of the additions to come.
+    const RV rounding = set(8 * kUnitRoundoff);
+    s_near = Sub(near, Mul(hn::Abs(near), rounding));
+    s_far = hn::IfThenElse(meets, hn::Add(far, Mul(hn::Abs(far), rounding)),
+                           set(-std::numeric_limits<float>::infinity()));
+    return meets;
+  }
+};
+
+struct PreparedLanes {
+  std::uint32_t lanes;  ///< those that meet the scene's box
+  float pad;
+  bool bounded;
+};
+
+/// Prepares the rays of a packet, of which `index` has kPacketWidth and `count` are used. Calls
+/// `keep(g, rays, slabs)` for the lanes from g on.
+template <class Keep>
+HWY_INLINE PreparedLanes prepare_lanes(const Ray* rays, const std::uint32_t* index,
+                                       std::uint32_t count, const Box& scene,
+                                       const QuarterAxes& axes, const Keep& keep) {
+  using hn::Abs, hn::Max, hn::Sub;
   const Rays d;
-  const Vec3 lo{component(scene.min, p->axis_x), component(scene.min, p->axis_y),
-                component(scene.min, p->axis_z)};
-  const Vec3 hi{component(scene.max, p->axis_x), component(scene.max, p->axis_y),
-                component(scene.max, p->axis_z)};
+  constexpr std::size_t kGroups = kPacketWidth / hn::MaxLanes(Rays());
+  RayLanes groups[kGroups];
   RV reach = hn::Zero(d), coordinate = hn::Zero(d);
-  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-    const auto grow = [&](const float* o, float low, float high) {
-      const RV at = load(o + g);
-      reach = Max(reach, Max(Abs(Sub(at, set(low))), Abs(Sub(at, set(high)))));
-      coordinate = Max(coordinate, Abs(at));
-    };
-    grow(p->ox, lo.x, hi.x);
-    grow(p->oy, lo.y, hi.y);
-    grow(p->oz, lo.z, hi.z);
+  const auto grow = [&](RV o, int axis) HWY_ATTR {
+    reach = Max(reach, Max(Abs(Sub(o, set(component(scene.min, axis)))),
+                           Abs(Sub(o, set(component(scene.max, axis))))));
+    coordinate = Max(coordinate, Abs(o));
+  };
+  for (std::size_t n = 0; n < kGroups; ++n) {
+    const std::size_t g = n * ray_lanes();
+    groups[n] = gather_lanes(rays, index + g,
+                             lanes_of(count < kPacketWidth ? (1u << count) - 1 : 0xffffu, g), axes);
+    grow(groups[n].ox, axes.axis_x);
+    grow(groups[n].oy, axes.axis_y);
+    grow(groups[n].oz, axes.axis_z);
   }
   const float size = 2 * hn::GetLane(hn::MaxOfLanes(d, reach));
   const float largest = hn::GetLane(hn::MaxOfLanes(d, coordinate)) + size;
-  p->bounded = largest <= kLargestBounded;
-  p->pad = 128 * kUnitRoundoff * size + 8 * kUnitRoundoff * largest + kTinySlack;
-  const RV pad = set(p->pad), infinity = set(std::numeric_limits<float>::infinity());
+  PreparedLanes prepared{0, 128 * kUnitRoundoff * size + 8 * kUnitRoundoff * largest + kTinySlack,
+                         largest <= kLargestBounded};
+  for (std::size_t n = 0; n < kGroups; ++n) {
+    const std::size_t g = n * ray_lanes();
+    SlabLanes slabs(groups[n], axes.mirrored, prepared.pad);
+    if (HWY_LIKELY(prepared.bounded))
+      prepared.lanes |= bits_of(d, slabs.clip(scene, groups[n], axes, prepared.pad)) << g;
+    keep(g, groups[n], slabs);
+  }
+  return prepared;
+}
+
+/// `count` numbers; missing ones of kPacketWidth repeat the first.
+HWY_INLINE void copy_numbers(const std::uint32_t* from, std::uint32_t count, std::uint32_t* to) {
+  if (HWY_LIKELY(count == kPacketWidth)) {
+    std::memcpy(to, from, kPacketWidth * sizeof *to);
+  } else {
+    for (std::uint32_t i = 0; i < kPacketWidth; ++i) to[i] = from[i < count ? i : 0];
+  }
+}
+
+/// Fills a packet with `count` rays of the order; missing ones repeat the first. Returns the lanes
+/// that meet the scene's box.
+HWY_INLINE std::uint32_t fill_packet(const Ray* rays, const std::uint32_t* order,
+                                     std::uint32_t count, std::uint32_t quarter, const Box& scene,
+                                     RayPacket* p) {
+  static_cast<QuarterAxes&>(*p) = QuarterAxes(quarter);
+  p->count = count;
+  copy_numbers(order, count, p->index);
+  const PreparedLanes prepared = prepare_lanes(
+      rays, p->index, count, scene, *p,
+      [&](std::size_t g, const RayLanes& r, const SlabLanes& s) HWY_ATTR {
+        const Rays d;
+        const auto put = [&](RV v, float* to) HWY_ATTR { hn::Store(v, d, to + g); };
+        put(r.ox, p->ox), put(r.oy, p->oy), put(r.oz, p->oz);
+        put(r.t_min, p->t_min), put(r.t_limit, p->t_limit);
+        put(s.shear_x, p->shear_x), put(s.shear_y, p->shear_y), put(s.shear_z, p->shear_z);
+        put(s.along, p->along), put(s.per_x, p->per_x), put(s.per_y, p->per_y);
+        put(s.s_near, p->s_near), put(s.s_far, p->s_far);
+        put(set(std::numeric_limits<float>::infinity()), p->t);
+        put(hn::Zero(d), p->u), put(hn::Zero(d), p->v);
+        const RayInts di;
+        hn::Store(hn::Set(di, kInvalidId), di, p->id + g);
+      });
+  p->pad = prepared.pad;
+  p->bounded = prepared.bounded;
+  const RV pad = set(p->pad);
   for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-    const RV z = load(dz + g), along = Abs(z);
-    const RV shear_x = hn::Div(load(dx + g), z), shear_y = hn::Div(load(dy + g), z);
-    hn::Store(shear_x, d, p->shear_x + g);
-    hn::Store(shear_y, d, p->shear_y + g);
-    hn::Store(hn::Div(set(1), z), d, p->shear_z + g);
-    hn::Store(along, d, p->along + g);
-    hn::Store(inverse_slope(p->mirrored ? hn::Neg(shear_x) : shear_x), d, p->per_x + g);
-    hn::Store(inverse_slope(p->mirrored ? hn::Neg(shear_y) : shear_y), d, p->per_y + g);
-    // Lower planes move down as the origin moves up; which are near, the rows say.
-    const auto widen = [&](const float* o, int near_row, float* near, float* far) {
+    const Rays d;
+    const auto widen = [&](const float* o, int near_row, float* near, float* far) HWY_ATTR {
       const RV grown = near_row < 3 ? pad : hn::Neg(pad);
       hn::Store(hn::Add(load(o + g), grown), d, near + g);
-      hn::Store(Sub(load(o + g), grown), d, far + g);
+      hn::Store(hn::Sub(load(o + g), grown), d, far + g);
     };
     widen(p->ox, p->near_x, p->x_near, p->x_far);
     widen(p->oy, p->near_y, p->y_near, p->y_far);
     widen(p->oz, p->near_z, p->z_near, p->z_far);
-    const RV limit = load(p->t_limit + g);
-    const RV least = set(kLeastStep), start = load(p->t_min + g);
-    const RV bounding = hn::IfThenElseZero(hn::Lt(start, set(kLargeStart)), start);
-    const RV far = hn::Add(Mul(Mul(hn::Add(limit, least), along), set(1 + 8 * kUnitRoundoff)), pad);
-    const RV near = Sub(Mul(Mul(Sub(bounding, least), along), set(1 - 8 * kUnitRoundoff)), pad);
-    hn::Store(near, d, p->s_near + g);
-    hn::Store(hn::IfThenElse(hn::Lt(limit, hn::Zero(d)), hn::Neg(infinity), far), d, p->s_far + g);
-    hn::Store(infinity, d, p->t + g);
-    hn::Store(hn::Zero(d), d, p->u + g);
-    hn::Store(hn::Zero(d), d, p->v + g);
-    const RayInts di;
-    hn::Store(hn::Set(di, kInvalidId), di, p->id + g);
   }
-}
-
-/// Clips each ray to the scene's box; returns the lanes that meet it. The others look no further.
-HWY_INLINE std::uint32_t clip_to_scene(const Box& scene, RayPacket* p) {
-  const Rays d;
-  const float bound[6] = {scene.min.x, scene.min.y, scene.min.z,
-                          scene.max.x, scene.max.y, scene.max.z};
-  const RV nowhere = set(-std::numeric_limits<float>::infinity());
-  std::uint32_t lanes = 0;
-  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-    RV near, far;
-    clip_to_box(*p, g, {bound[p->near_x], bound[p->far_x]}, {bound[p->near_y], bound[p->far_y]},
-                {bound[p->near_z], bound[p->far_z]}, &near, &far);
-    const RM meets = hn::Le(near, far);
-    lanes |= bits_of(d, meets) << g;
-    // The quotients' three roundings, and those of the additions to come.
-    const RV slack = set(8 * kUnitRoundoff);
-    hn::Store(hn::Sub(near, hn::Mul(hn::Abs(near), slack)), d, p->s_near + g);
-    hn::Store(hn::IfThenElse(meets, hn::Add(far, hn::Mul(hn::Abs(far), slack)), nowhere), d,
-              p->s_far + g);
-  }
-  return lanes;
+  return prepared.lanes;
 }

@@ -32,8 +32,35 @@ inline constexpr float kLargestBounded = 1e30f;
 inline constexpr float kLeastStep = 0x1p-148f;
 inline constexpr float kLargeStart = 0x1p63f;
 
-struct alignas(64) RayPacket {
-  float ox[kPacketWidth], oy[kPacketWidth], oz[kPacketWidth];
+/// What rays that run towards one quarter of a face (dual/ray_order.h) share.
+struct QuarterAxes {
+  int axis_x = 0, axis_y = 0, axis_z = 0;
+  int near_x = 0, near_y = 0, near_z = 0;  ///< a node's rows of planes that are met first
+  int far_x = 0, far_y = 0, far_z = 0;
+  bool mirrored = false;
+
+  QuarterAxes() = default;
+  explicit QuarterAxes(std::uint32_t quarter) {
+    const int along = static_cast<int>(quarter / 8), next = along == 2 ? 0 : along + 1;
+    const int last = next == 2 ? 0 : next + 1;
+    mirrored = (quarter & 4) != 0;
+    axis_x = mirrored ? last : next;
+    axis_y = mirrored ? next : last;
+    axis_z = along;
+    const bool left = (quarter & (mirrored ? 1 : 2)) != 0;
+    const bool down = (quarter & (mirrored ? 2 : 1)) != 0;
+    near_x = axis_x + (left ? 3 : 0);
+    far_x = axis_x + (left ? 0 : 3);
+    near_y = axis_y + (down ? 3 : 0);
+    far_y = axis_y + (down ? 0 : 3);
+    near_z = along + (mirrored ? 3 : 0);
+    far_z = along + (mirrored ? 0 : 3);
+  }
+};
+
+struct alignas(64) RayPacket : QuarterAxes {
+  alignas(64) float ox[kPacketWidth];
+  float oy[kPacketWidth], oz[kPacketWidth];
   float shear_x[kPacketWidth], shear_y[kPacketWidth], shear_z[kPacketWidth];
   float t_min[kPacketWidth], t_limit[kPacketWidth];  ///< where hits count; unused lanes: nowhere
   float x_near[kPacketWidth], x_far[kPacketWidth];   ///< origin, for near and far planes with pad
@@ -46,11 +73,7 @@ struct alignas(64) RayPacket {
   float t[kPacketWidth], u[kPacketWidth], v[kPacketWidth];
   std::uint32_t id[kPacketWidth];
   std::uint32_t index[kPacketWidth];  ///< the caller's number
-  int axis_x = 0, axis_y = 0, axis_z = 0;
-  int near_x = 0, near_y = 0, near_z = 0;  ///< a node's rows of planes that are met first
-  int far_x = 0, far_y = 0, far_z = 0;
-  bool mirrored = false;
-  bool bounded = true;  ///< or else every triangle is tested with every ray
+  bool bounded = true;                ///< or else every triangle is tested with every ray
   std::uint32_t count = 0;
   float pad = 0;
 };
@@ -65,7 +88,7 @@ struct BeamPlane {
   float at, inverse;
 };
 
-struct Beam {
+struct alignas(64) Beam {
   float z_low, z_high;  ///< the first plane's coordinate -+ pad
   float start, end;     ///< in zeta
   BeamPlane x_low, x_high, y_low, y_high;

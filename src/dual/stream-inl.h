@@ -106,8 +106,7 @@ class StreamWalk : StreamBlocks<Mode> {
   /// The stream's records, and the list of those that meet the scene's box: how many they are.
   std::uint32_t fill(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
     Stream& s = stream_;
-    RayPacket& p = packet_;
-    alignas(64) float dx[kPacketWidth], dy[kPacketWidth], dz[kPacketWidth];
+    static_cast<QuarterAxes&>(s) = static_cast<QuarterAxes&>(packet_) = QuarterAxes(quarter);
     std::uint32_t* end = s.lists.data();
     s.first = first;
     s.count = count;
@@ -116,72 +115,53 @@ class StreamWalk : StreamBlocks<Mode> {
     const std::uint32_t* order = job_.order + first;
     for (std::uint32_t base = 0; base < count; base += kPacketWidth) {
       const std::uint32_t n = std::min(kPacketWidth, count - base);
-      for (std::uint32_t i = 0; i < kPacketWidth; ++i) {
-        const std::uint32_t ahead = base + 4 * kPacketWidth + i;
-        if (ahead < count) hwy::Prefetch(job_.rays + order[ahead]);
+      const std::uint32_t ahead = base + 4 * kPacketWidth;
+      if (ahead + kPacketWidth <= count &&
+          order[ahead + kPacketWidth - 1] - order[ahead] != kPacketWidth - 1) {
+        for (std::uint32_t i = 0; i < kPacketWidth; ++i)
+          hwy::Prefetch(job_.rays + order[ahead + i]);
       }
-      gather_rays(job_.rays, order + base, n, quarter, &p, dx, dy, dz);
-      prepare_packet(tree_.bounds, dx, dy, dz, &p);
-      std::uint32_t lanes = 0;
-      if (HWY_LIKELY(p.bounded)) {
-        lanes = clip_to_scene(tree_.bounds, &p);
-        s.pad = p.pad > s.pad ? p.pad : s.pad;
+      copy_numbers(order + base, n, s.index.data() + base);
+      const PreparedLanes prepared =
+          prepare_lanes(job_.rays, s.index.data() + base, n, tree_.bounds, s,
+                        [&](std::size_t g, const RayLanes& r, const SlabLanes& slabs)
+                            HWY_ATTR { keep_lanes(base, g, r, slabs); });
+      std::fill_n(s.hits.data() + base, kPacketWidth, EngineHit{});
+      if (HWY_LIKELY(prepared.bounded)) {
+        s.pad = std::max(s.pad, prepared.pad);
       } else {
         for (std::uint32_t i = 0; i < n; ++i) unbounded_.push_back(base + i);
       }
-      keep_packet(base);
-      keep_block(lanes, base / kPacketWidth);
-      end = append_lanes(base, lanes, end);
+      packet_.pad = prepared.pad;
+      if (prepared.lanes != 0) s.beams[base / kPacketWidth] = make_beam(prepared.lanes, &packet_);
+      end = append_lanes(base, prepared.lanes, end);
     }
     const auto alive = static_cast<std::uint32_t>(end - s.lists.data());
     if (alive != 0) pad_list(0, alive);
-    s.axis_x = p.axis_x;
-    s.axis_y = p.axis_y;
-    s.axis_z = p.axis_z;
-    s.near_x = p.near_x;
-    s.near_y = p.near_y;
-    s.near_z = p.near_z;
-    s.far_x = p.far_x;
-    s.far_y = p.far_y;
-    s.far_z = p.far_z;
-    s.mirrored = p.mirrored;
     return alive;
   }
 
-  /// The packet's lanes as the stream's records from `base` on.
-  HWY_INLINE void keep_packet(std::uint32_t base) {
+  /// As the stream's records from `base` on, in its block, and where `make_beam` reads them.
+  HWY_INLINE void keep_lanes(std::uint32_t base, std::size_t g, const RayLanes& r,
+                             const SlabLanes& slabs) {
     Stream& s = stream_;
-    const RayPacket& p = packet_;
-    const RayInts di;
-    const RV zero = hn::Zero(Rays());
-    for (std::uint32_t g = 0; g < kPacketWidth; g += static_cast<std::uint32_t>(ray_lanes())) {
-      StreamRay* rays = s.rays.data() + base + g;
-      store4(load(p.ox + g), load(p.oy + g), load(p.oz + g), load(p.per_x + g), 0, rays);
-      store4(load(p.per_y + g), load(p.s_near + g), load(p.s_far + g), load(p.along + g), 1, rays);
-      StreamShear* shears = s.shears.data() + base + g;
-      store4(load(p.shear_x + g), load(p.shear_y + g), load(p.shear_z + g), load(p.t_min + g), 0,
-             shears);
-      store4(load(p.t_limit + g), zero, zero, zero, 1, shears);
-      hn::Store(hn::Load(di, p.index + g), di, s.index.data() + base + g);
-    }
-    std::fill_n(s.hits.data() + base, kPacketWidth, EngineHit{});
-  }
-
-  /// The packet's lanes as a block of the stream's.
-  HWY_INLINE void keep_block(std::uint32_t lanes, std::uint32_t number) {
-    RayPacket& p = packet_;
-    StreamBlock& b = stream_.blocks[number];
     const Rays d;
-    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-      hn::Store(load(p.ox + g), d, b.ox + g);
-      hn::Store(load(p.oy + g), d, b.oy + g);
-      hn::Store(load(p.oz + g), d, b.oz + g);
-      hn::Store(load(p.per_x + g), d, b.per_x + g);
-      hn::Store(load(p.per_y + g), d, b.per_y + g);
-      hn::Store(load(p.s_near + g), d, b.s_near + g);
-      hn::Store(load(p.s_far + g), d, b.s_far + g);
-    }
-    if (lanes != 0) b.beam = make_beam(lanes, &p);
+    const RV zero = hn::Zero(d);
+    StreamRay* const rays = s.rays.data() + base + g;
+    store4(r.ox, r.oy, r.oz, slabs.per_x, 0, rays);
+    store4(slabs.per_y, slabs.s_near, slabs.s_far, slabs.along, 1, rays);
+    StreamShear* const shears = s.shears.data() + base + g;
+    store4(slabs.shear_x, slabs.shear_y, slabs.shear_z, r.t_min, 0, shears);
+    store4(r.t_limit, zero, zero, zero, 1, shears);
+    const auto put = [&](RV v, float* to) HWY_ATTR { hn::Store(v, d, to + g); };
+    StreamBlock& b = s.blocks[base / kPacketWidth];
+    put(r.ox, b.ox), put(r.oy, b.oy), put(r.oz, b.oz);
+    put(slabs.per_x, b.per_x), put(slabs.per_y, b.per_y);
+    put(slabs.s_near, b.s_near), put(slabs.s_far, b.s_far);
+    RayPacket& p = packet_;
+    put(r.ox, p.ox), put(r.oy, p.oy), put(r.oz, p.oz);
+    put(slabs.shear_x, p.shear_x), put(slabs.shear_y, p.shear_y);
+    put(slabs.s_near, p.s_near), put(slabs.s_far, p.s_far);
   }
 
   /// With every triangle.

@@ -36,12 +36,11 @@ struct alignas(32) StreamShear {
   float t_limit, unused[3];
 };
 
-/// Sixteen rays that follow each other, what boxes are tested with, and the beam they stay in.
+/// Sixteen rays that follow each other: what boxes are tested with.
 struct alignas(64) StreamBlock {
   float ox[kPacketWidth], oy[kPacketWidth], oz[kPacketWidth];
   float per_x[kPacketWidth], per_y[kPacketWidth];
   float s_near[kPacketWidth], s_far[kPacketWidth];
-  Beam beam;
 };
 
 /// A block and those of its rays that are in a list: bit i is ray i of the block.
@@ -62,19 +61,16 @@ struct RowHit {
   EngineHit hit;
 };
 
-struct Stream {
+struct Stream : QuarterAxes {
   Buffer<StreamRay> rays;
   Buffer<StreamShear> shears;
   Buffer<EngineHit> hits;  ///< any-hit: `triangle` is the place in the tree of one that was met
   Buffer<std::uint32_t> index;  ///< the caller's numbers
   Buffer<StreamBlock> blocks;
+  Buffer<Beam> beams;  ///< of the blocks
   Buffer<std::uint32_t> lists;
   std::vector<WaitingList> waiting;
-  std::vector<RowHit> rows;  ///< where all hits are asked for: of the task's rays
-  int axis_x = 0, axis_y = 0, axis_z = 0;
-  int near_x = 0, near_y = 0, near_z = 0;  ///< as in RayPacket
-  int far_x = 0, far_y = 0, far_z = 0;
-  bool mirrored = false;
+  std::vector<RowHit> rows;            ///< where all hits are asked for: of the task's rays
   std::uint32_t first = 0, count = 0;  ///< places in the order
   float pad = 0;                       ///< the largest of the packets'
 
@@ -84,14 +80,16 @@ struct Stream {
     hits.resize_uninitialized(kStreamRays);
     index.resize_uninitialized(kStreamRays);
     blocks.resize_uninitialized(kStreamRays / kPacketWidth);
+    beams.resize_uninitialized(kStreamRays / kPacketWidth);
     lists.resize_uninitialized(std::size_t{16} * kStreamRays);
   }
   /// Room for `size` numbers in `lists`, what is there kept.
   void grow_lists(std::size_t size);
   [[nodiscard]] std::size_t bytes() const {
     return rays.capacity_bytes() + shears.capacity_bytes() + hits.capacity_bytes() +
-           index.capacity_bytes() + blocks.capacity_bytes() + lists.capacity_bytes() +
-           waiting.capacity() * sizeof(WaitingList) + rows.capacity() * sizeof(RowHit);
+           index.capacity_bytes() + blocks.capacity_bytes() + beams.capacity_bytes() +
+           lists.capacity_bytes() + waiting.capacity() * sizeof(WaitingList) +
+           rows.capacity() * sizeof(RowHit);
   }
 };
 

@@ -13,6 +13,56 @@
 /// Blocks that keep fewer rays each, on average, go on as rays.
 inline constexpr std::uint32_t kRaysOfBlock = 8;
 
+/// Fewer beams than these are tested with all children at a time, instead of with each other.
+inline constexpr std::uint32_t kFewBlocks = 4;
+
+/// The beams of as many blocks as a vector has lanes.
+struct BeamLanes {
+  RV z_low, z_high, start, end;
+  struct Planes {
+    RV at, inverse;
+    RM opens;  ///< the plane recedes from its axis's lower end
+  };
+  Planes x_low, x_high, y_low, y_high;
+
+  /// `words`: BlockRays.
+  HWY_INLINE BeamLanes(const Beam* beams, const std::uint32_t* words) {
+    struct alignas(32) Half {
+      float fields[8];
+    };
+    static_assert(sizeof(Beam) == 2 * sizeof(Half) && sizeof(BlockRays) == 4);
+    const RayInts d;
+    alignas(64) std::uint32_t halves[kPacketWidth];
+    const auto first = hn::And(hn::Load(d, words), hn::Set(d, 0xffff));
+    hn::Store(hn::ShiftLeft<1>(first), d, halves);
+    const auto* records = reinterpret_cast<const Half*>(beams);
+    gather4(records, 0, halves, z_low, z_high, start, end);
+    gather4(records, 1, halves, x_low.at, x_low.inverse, x_high.at, x_high.inverse);
+    gather4(records + 1, 0, halves, y_low.at, y_low.inverse, y_high.at, y_high.inverse);
+    for (Planes* planes : {&x_low, &x_high, &y_low, &y_high})
+      planes->opens = hn::Gt(planes->inverse, hn::Zero(Rays()));
+  }
+
+  /// Those that meet a child: `children_in_beam`, operation by operation.
+  HWY_INLINE RM meeting(const Stream& s, const BvhNode& node, std::uint32_t c) const {
+    using hn::Max, hn::Min, hn::Mul, hn::Sub;
+    const RV z0 = set(node.bound[s.near_z][c]), z1 = set(node.bound[s.far_z][c]);
+    RV lo = Max(s.mirrored ? Sub(z_low, z0) : Sub(z0, z_high), start);
+    RV hi = Min(s.mirrored ? Sub(z_high, z1) : Sub(z1, z_low), end);
+    const auto clip = [&](const Planes& planes, float bound, bool low) HWY_ATTR {
+      const RV zeta = Mul(Sub(set(bound), planes.at), planes.inverse);
+      const RV less = Min(hi, zeta), more = Max(lo, zeta);
+      hi = low ? hn::IfThenElse(planes.opens, less, hi) : hn::IfThenElse(planes.opens, hi, less);
+      lo = low ? hn::IfThenElse(planes.opens, lo, more) : hn::IfThenElse(planes.opens, more, lo);
+    };
+    clip(x_low, node.bound[s.axis_x + 3][c], true);
+    clip(x_high, node.bound[s.axis_x][c], false);
+    clip(y_low, node.bound[s.axis_y + 3][c], true);
+    clip(y_high, node.bound[s.axis_y][c], false);
+    return hn::Le(lo, hi);
+  }
+};
+
 template <class Mode>
 class StreamBlocks : protected StreamLists<Mode> {
  protected:
@@ -69,8 +119,10 @@ class StreamBlocks : protected StreamLists<Mode> {
     return end;
   }
 
+  /// Room for kPacketWidth more is needed.
   void keep_blocks(std::uint32_t c, std::uint32_t blocks, std::uint32_t offset) {
     std::memcpy(stream_.lists.data() + offset, found_[c], blocks * sizeof(BlockRays));
+    pad_list(offset, blocks);
   }
 
   /// The same as a list of rays; room for kPacketWidth more is needed.
@@ -96,20 +148,47 @@ class StreamBlocks : protected StreamLists<Mode> {
   }
 
   /// Blocks whose beams meet a child, for each child: how many there are.
-  HWY_INLINE void meet_beams(const BvhNode& node, const WaitingList& list, std::uint32_t* found) {
+  void meet_beams(const BvhNode& node, const WaitingList& list, std::uint32_t* found) {
+    if (list.size <= kFewBlocks) {
+      meet_beams_one_by_one(node, list, found);
+    } else {
+      meet_beams_together(node, list, found);
+    }
+  }
+
+  HWY_INLINE void meet_beams_one_by_one(const BvhNode& node, const WaitingList& list,
+                                        std::uint32_t* found) {
     const auto* from = reinterpret_cast<const BlockRays*>(stream_.lists.data() + list.offset);
     alignas(64) float near[kBvhWidth];
     std::uint32_t ends[kBvhWidth] = {};
     for (std::uint32_t i = 0; i < list.size; ++i) {
       const BlockRays rays = from[i];
-      const std::uint32_t met =
-          children_in_beam(stream_, stream_.blocks[rays.block].beam, node, near);
+      const std::uint32_t met = children_in_beam(stream_, stream_.beams[rays.block], node, near);
       for (std::uint32_t c = 0; c < kBvhWidth; ++c) {
         found_[c][ends[c]] = rays;
         ends[c] += met >> c & 1;
       }
     }
     std::copy_n(ends, kBvhWidth, found);
+  }
+
+  /// As many beams as there are lanes with a child at a time.
+  HWY_NOINLINE void meet_beams_together(const BvhNode& node, const WaitingList& list,
+                                        std::uint32_t* found) {
+    std::uint32_t* out[kBvhWidth];
+    for (std::uint32_t c = 0; c < node.children; ++c)
+      out[c] = reinterpret_cast<std::uint32_t*>(found_[c]);
+    const std::uint32_t* const words = stream_.lists.data() + list.offset;
+    const RayInts d;
+    for (std::uint32_t base = 0; base < list.size; base += ray_lanes()) {
+      const std::uint32_t n = std::min<std::uint32_t>(ray_lanes(), list.size - base);
+      const RM some = lanes_of((1u << n) - 1, 0);
+      const BeamLanes beams(stream_.beams.data(), words + base);
+      for (std::uint32_t c = 0; c < node.children; ++c)
+        out[c] = append_set(words + base, hn::And(beams.meeting(stream_, node, c), some), out[c]);
+    }
+    for (std::uint32_t c = 0; c < node.children; ++c)
+      found[c] = static_cast<std::uint32_t>(out[c] - reinterpret_cast<std::uint32_t*>(found_[c]));
   }
 
   void open_blocks(const WaitingList& list) {
@@ -150,5 +229,5 @@ class StreamBlocks : protected StreamLists<Mode> {
     }
   }
 
-  BlockRays found_[kBvhWidth][kMostBlocks + 1];  ///< by child
+  alignas(64) BlockRays found_[kBvhWidth][kMostBlocks + kPacketWidth];  ///< by child
 };

@@ -22,15 +22,15 @@ class StreamHits {
     std::uint32_t hit = bits_of(d, tested.hit) & used >> g;
     std::uint32_t unsettled = bits_of(d, tested.unsettled) & used >> g;
     if ((hit | unsettled) == 0) return;
-    alignas(64) float t[kPacketWidth], v[kPacketWidth], w[kPacketWidth], det[kPacketWidth];
+    alignas(64) float t[kPacketWidth], u[kPacketWidth], v[kPacketWidth];
     hn::Store(tested.t, d, t);
-    hn::Store(tested.v, d, v);
-    hn::Store(tested.w, d, w);
-    hn::Store(tested.det, d, det);
+    hn::Store(hn::Div(tested.v, tested.det), d, u);
+    hn::Store(hn::Div(tested.w, tested.det), d, v);
+    const std::uint32_t front = bits_of(d, hn::Gt(tested.det, hn::Zero(d)));
     for (; hit != 0; hit &= hit - 1) {
       const int i = __builtin_ctz(hit);
       take(block[g + static_cast<std::size_t>(i)], place,
-           {t[i], v[i] / det[i], w[i] / det[i], det[i] > 0});
+           {t[i], u[i], v[i], (front >> i & 1) != 0});
     }
     for (; unsettled != 0; unsettled &= unsettled - 1)
       take_exactly(block[g + static_cast<std::size_t>(__builtin_ctz(unsettled))], place);

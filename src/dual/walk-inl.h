@@ -37,15 +37,13 @@ class Walk {
   void run(const PacketRange& range) {
     RayPacket& p = packet_;
     first_ = range.first;
-    alignas(64) float dx[kPacketWidth], dy[kPacketWidth], dz[kPacketWidth];
-    gather_rays(job_.rays, job_.order + range.first, range.count, range.quarter, &p, dx, dy, dz);
     const DualCounts before = counts_;
-    prepare_packet(tree_.bounds, dx, dy, dz, &p);
+    const std::uint32_t lanes = fill_packet(job_.rays, job_.order + range.first, range.count,
+                                            range.quarter, tree_.bounds, &p);
     done_ = 0;
     if (HWY_UNLIKELY(!p.bounded)) {
       for_each_leaf(tree_, [&](std::uint32_t quad, std::uint32_t n) { meet_leaf(quad, n); });
     } else {
-      const std::uint32_t lanes = clip_to_scene(tree_.bounds, &p);
       counts_.ray_box_tests += p.count;
       if (lanes != 0) {
         beam_ = make_beam(lanes, &p);
