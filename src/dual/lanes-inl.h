@@ -117,12 +117,12 @@ HWY_INLINE RV load_blocks(const At& at) {
 /// Four floats of a record each for as many records as a vector has lanes: field k of list[i] comes
 /// to lane i of fk. In registers: what was stored in parts cannot be loaded whole at once.
 template <class Record>
-HWY_INLINE void gather4(const Record* records, int half, const std::uint32_t* list, RV& f0, RV& f1,
+HWY_INLINE void gather4(const Record* records, int quad, const std::uint32_t* list, RV& f0, RV& f1,
                         RV& f2, RV& f3) {
-  static_assert(sizeof(Record) == 32);
+  static_assert(sizeof(Record) % 16 == 0);
   const Rays d;
   const auto at = [&](std::size_t i) {
-    return reinterpret_cast<const float*>(records + list[i]) + 4 * half;
+    return reinterpret_cast<const float*>(records + list[i]) + 4 * quad;
   };
 #if HWY_TARGET == HWY_SCALAR
   const float* from = at(0);
@@ -148,10 +148,10 @@ HWY_INLINE void gather4(const Record* records, int half, const std::uint32_t* li
 
 /// The opposite for records that stand together: lane i of fk goes to field k of records[i].
 template <class Record>
-HWY_INLINE void store4(RV f0, RV f1, RV f2, RV f3, int half, Record* records) {
-  static_assert(sizeof(Record) == 32);
+HWY_INLINE void store4(RV f0, RV f1, RV f2, RV f3, int quad, Record* records) {
+  static_assert(sizeof(Record) % 16 == 0);
   const Rays d;
-  const auto at = [&](std::size_t i) { return reinterpret_cast<float*>(records + i) + 4 * half; };
+  const auto at = [&](std::size_t i) { return reinterpret_cast<float*>(records + i) + 4 * quad; };
 #if HWY_TARGET == HWY_SCALAR
   float* to = at(0);
   to[0] = hn::GetLane(f0);

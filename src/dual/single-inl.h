@@ -188,7 +188,7 @@ HWY_NOINLINE void walk_singles(const ObjectTree& tree, const SharedAxes& axes, S
       for (std::uint64_t turn = hits.unsettled & used; turn != 0; turn &= turn - 1) {
         const std::uint32_t b = first_of(turn), i = at[b / 4];
         TriangleHit exact;
-        if (!settle_for_ray(axes, *walks->ray[i], *walks->shear[i], tree.quads[walks->first[i]],
+        if (!settle_for_ray(axes, *walks->ray[i], tree.quads[walks->first[i]],
                             static_cast<int>(b % 4), &exact))
           continue;
         met |= 1u << i;

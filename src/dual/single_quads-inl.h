@@ -24,14 +24,12 @@ HWY_INLINE void meet_quads(const ObjectTree& tree, const SharedAxes& a, const Si
   for (std::uint32_t base = 0; base < count; base += rays) {
     const float *x[4], *y[4], *z[4];
     const StreamRay* ray[4];
-    const StreamShear* shear[4];
     for (std::uint32_t i = 0; i < rays; ++i) {
       const auto& corner = tree.quads[walks.first[at[base + i]]].vertex[0];
       x[i] = corner[a.axis_x];
       y[i] = corner[a.axis_y];
       z[i] = corner[a.axis_z];
       ray[i] = walks.ray[at[base + i]];
-      shear[i] = walks.shear[at[base + i]];
     }
     for (std::size_t g = 0; g < 4; g += lanes) {
 #if HWY_TARGET == HWY_SCALAR
@@ -39,9 +37,9 @@ HWY_INLINE void meet_quads(const ObjectTree& tree, const SharedAxes& a, const Si
         return hn::Set(d, axis[0][12 * i + static_cast<int>(g)]);
       };
       const RV ox = set(ray[0]->ox), oy = set(ray[0]->oy), oz = set(ray[0]->oz);
-      const RV shear_x = set(shear[0]->shear_x), shear_y = set(shear[0]->shear_y);
-      const RV shear_z = set(shear[0]->shear_z), t_min = set(shear[0]->t_min);
-      const RV t_limit = set(shear[0]->t_limit);
+      const RV shear_x = set(ray[0]->shear_x), shear_y = set(ray[0]->shear_y);
+      const RV shear_z = set(ray[0]->shear_z), t_min = set(ray[0]->t_min);
+      const RV t_limit = set(ray[0]->t_limit);
 #else
       const auto corners = [&](const float* const* axis, int i) __attribute__((always_inline)) {
         return load_blocks([&](std::size_t k)
@@ -50,13 +48,11 @@ HWY_INLINE void meet_quads(const ObjectTree& tree, const SharedAxes& a, const Si
       const RV o =
           load_blocks([&](std::size_t i) __attribute__((always_inline)) { return &ray[i]->ox; });
       const RV s = load_blocks([&](std::size_t i)
-                                   __attribute__((always_inline)) { return &shear[i]->shear_x; });
-      const RV t = load_blocks([&](std::size_t i)
-                                   __attribute__((always_inline)) { return &shear[i]->t_limit; });
+                                   __attribute__((always_inline)) { return &ray[i]->shear_x; });
       const RV ox = hn::Broadcast<0>(o), oy = hn::Broadcast<1>(o), oz = hn::Broadcast<2>(o);
       const RV shear_x = hn::Broadcast<0>(s), shear_y = hn::Broadcast<1>(s);
       const RV shear_z = hn::Broadcast<2>(s), t_min = hn::Broadcast<3>(s);
-      const RV t_limit = hn::Broadcast<0>(t);
+      const RV t_limit = hn::Broadcast<3>(o);
 #endif
       const auto moved = [&](int i) __attribute__((always_inline)) {
         return sheared(d, hn::Sub(corners(x, i), ox), hn::Sub(corners(y, i), oy),

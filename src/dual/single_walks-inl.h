@@ -28,14 +28,14 @@ struct SharedAxes {
 };
 
 /// The scalar test.
-HWY_NOINLINE bool settle_for_ray(const SharedAxes& a, const StreamRay& r, const StreamShear& s,
-                                 const TriangleQuad& q, int k, TriangleHit* hit) {
+HWY_NOINLINE bool settle_for_ray(const SharedAxes& a, const StreamRay& r, const TriangleQuad& q,
+                                 int k, TriangleHit* hit) {
   float o[3];
   o[a.axis_x] = r.ox;
   o[a.axis_y] = r.oy;
   o[a.axis_z] = r.oz;
-  const RaySetup setup{{o[0], o[1], o[2]}, s.shear_x, s.shear_y, s.shear_z, s.t_min,
-                       s.t_limit,          a.axis_x,  a.axis_y,  a.axis_z};
+  const RaySetup setup{{o[0], o[1], o[2]}, r.shear_x, r.shear_y, r.shear_z, r.t_min,
+                       r.t_limit,          a.axis_x,  a.axis_y,  a.axis_z};
   const auto corner = [&](int i) {
     return Vec3{q.vertex[i][0][k], q.vertex[i][1][k], q.vertex[i][2][k]};
   };
@@ -53,7 +53,6 @@ struct SingleWalks {
   static constexpr std::uint32_t kMost = 16;
 
   const StreamRay* ray[kMost];
-  const StreamShear* shear[kMost];
   std::uint32_t number[kMost];  ///< the caller's name for the ray
   alignas(64) std::uint32_t first[kMost] = {}, count[kMost] = {};  ///< next, as in BvhNode
   alignas(64) std::uint32_t top[kMost] = {};                       ///< how many wait

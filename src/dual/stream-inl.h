@@ -146,13 +146,11 @@ class StreamWalk : StreamBlocks<Mode> {
                              const SlabLanes& slabs) {
     Stream& s = stream_;
     const Rays d;
-    const RV zero = hn::Zero(d);
     StreamRay* const rays = s.rays.data() + base + g;
-    store4(r.ox, r.oy, r.oz, slabs.per_x, 0, rays);
-    store4(slabs.per_y, slabs.s_near, slabs.s_far, slabs.along, 1, rays);
-    StreamShear* const shears = s.shears.data() + base + g;
-    store4(slabs.shear_x, slabs.shear_y, slabs.shear_z, r.t_min, 0, shears);
-    store4(r.t_limit, zero, zero, zero, 1, shears);
+    store4(r.ox, r.oy, r.oz, r.t_limit, 0, rays);
+    store4(slabs.shear_x, slabs.shear_y, slabs.shear_z, r.t_min, 1, rays);
+    store4(slabs.per_x, slabs.per_y, slabs.s_near, slabs.s_far, 2, rays);
+    hn::Store(slabs.along, d, s.along.data() + base + g);
     const auto put = [&](RV v, float* to) HWY_ATTR { hn::Store(v, d, to + g); };
     StreamBlock& b = s.blocks[base / kPacketWidth];
     put(r.ox, b.ox), put(r.oy, b.oy), put(r.oz, b.oz);

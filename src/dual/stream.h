@@ -24,16 +24,12 @@ namespace raysheaf {
 
 inline constexpr std::uint32_t kStreamRays = 4096;
 
-/// What boxes are tested with; `s` as in dual/packet.h.
-struct alignas(32) StreamRay {
-  float ox, oy, oz, per_x;
-  float per_y, s_near, s_far, along;
-};
-
-/// What triangles are tested with beside the origin.
-struct alignas(32) StreamShear {
+/// A ray on a cache line, four floats at a time: what triangles are tested with, and, with the
+/// origin, boxes; `s` as in dual/packet.h.
+struct alignas(64) StreamRay {
+  float ox, oy, oz, t_limit;
   float shear_x, shear_y, shear_z, t_min;
-  float t_limit, unused[3];
+  float per_x, per_y, s_near, s_far;
 };
 
 /// Sixteen rays that follow each other: what boxes are tested with.
@@ -63,7 +59,7 @@ struct RowHit {
 
 struct Stream : QuarterAxes {
   Buffer<StreamRay> rays;
-  Buffer<StreamShear> shears;
+  Buffer<float> along;     ///< as in RayPacket
   Buffer<EngineHit> hits;  ///< any-hit: `triangle` is the place in the tree of one that was met
   Buffer<std::uint32_t> index;  ///< the caller's numbers
   Buffer<StreamBlock> blocks;
@@ -76,7 +72,7 @@ struct Stream : QuarterAxes {
 
   Stream() {
     rays.resize_uninitialized(kStreamRays);
-    shears.resize_uninitialized(kStreamRays);
+    along.resize_uninitialized(kStreamRays);
     hits.resize_uninitialized(kStreamRays);
     index.resize_uninitialized(kStreamRays);
     blocks.resize_uninitialized(kStreamRays / kPacketWidth);
@@ -86,7 +82,7 @@ struct Stream : QuarterAxes {
   /// Room for `size` numbers in `lists`, what is there kept.
   void grow_lists(std::size_t size);
   [[nodiscard]] std::size_t bytes() const {
-    return rays.capacity_bytes() + shears.capacity_bytes() + hits.capacity_bytes() +
+    return rays.capacity_bytes() + along.capacity_bytes() + hits.capacity_bytes() +
            index.capacity_bytes() + blocks.capacity_bytes() + beams.capacity_bytes() +
            lists.capacity_bytes() + waiting.capacity() * sizeof(WaitingList) +
            rows.capacity() * sizeof(RowHit);

@@ -27,18 +27,13 @@ struct BeamLanes {
 
   /// `words`: BlockRays.
   HWY_INLINE BeamLanes(const Beam* beams, const std::uint32_t* words) {
-    struct alignas(32) Half {
-      float fields[8];
-    };
-    static_assert(sizeof(Beam) == 2 * sizeof(Half) && sizeof(BlockRays) == 4);
+    static_assert(sizeof(BlockRays) == 4);
     const RayInts d;
-    alignas(64) std::uint32_t halves[kPacketWidth];
-    const auto first = hn::And(hn::Load(d, words), hn::Set(d, 0xffff));
-    hn::Store(hn::ShiftLeft<1>(first), d, halves);
-    const auto* records = reinterpret_cast<const Half*>(beams);
-    gather4(records, 0, halves, z_low, z_high, start, end);
-    gather4(records, 1, halves, x_low.at, x_low.inverse, x_high.at, x_high.inverse);
-    gather4(records + 1, 0, halves, y_low.at, y_low.inverse, y_high.at, y_high.inverse);
+    alignas(64) std::uint32_t blocks[kPacketWidth];
+    hn::Store(hn::And(hn::Load(d, words), hn::Set(d, 0xffff)), d, blocks);
+    gather4(beams, 0, blocks, z_low, z_high, start, end);
+    gather4(beams, 1, blocks, x_low.at, x_low.inverse, x_high.at, x_high.inverse);
+    gather4(beams, 2, blocks, y_low.at, y_low.inverse, y_high.at, y_high.inverse);
     for (Planes* planes : {&x_low, &x_high, &y_low, &y_high})
       planes->opens = hn::Gt(planes->inverse, hn::Zero(Rays()));
   }
@@ -179,9 +174,9 @@ class StreamBlocks : protected StreamLists<Mode> {
     for (std::uint32_t c = 0; c < node.children; ++c)
       out[c] = reinterpret_cast<std::uint32_t*>(found_[c]);
     const std::uint32_t* const words = stream_.lists.data() + list.offset;
-    const RayInts d;
-    for (std::uint32_t base = 0; base < list.size; base += ray_lanes()) {
-      const std::uint32_t n = std::min<std::uint32_t>(ray_lanes(), list.size - base);
+    const auto lanes = static_cast<std::uint32_t>(ray_lanes());
+    for (std::uint32_t base = 0; base < list.size; base += lanes) {
+      const std::uint32_t n = std::min(lanes, list.size - base);
       const RM some = lanes_of((1u << n) - 1, 0);
       const BeamLanes beams(stream_.beams.data(), words + base);
       for (std::uint32_t c = 0; c < node.children; ++c)

@@ -46,11 +46,11 @@ class StreamHits {
     o[s.axis_y] = s.rays[n].oy;
     o[s.axis_z] = s.rays[n].oz;
     r.origin = {o[0], o[1], o[2]};
-    r.shear_x = s.shears[n].shear_x;
-    r.shear_y = s.shears[n].shear_y;
-    r.shear_z = s.shears[n].shear_z;
-    r.t_min = s.shears[n].t_min;
-    r.t_max = s.shears[n].t_limit;
+    r.shear_x = s.rays[n].shear_x;
+    r.shear_y = s.rays[n].shear_y;
+    r.shear_z = s.rays[n].shear_z;
+    r.t_min = s.rays[n].t_min;
+    r.t_max = s.rays[n].t_limit;
     r.axis_x = s.axis_x;
     r.axis_y = s.axis_y;
     r.axis_z = s.axis_z;
@@ -72,19 +72,21 @@ class StreamHits {
     } else if constexpr (Mode::kAny) {
       // The least of a leaf's, whatever order a SIMD target finds them in.
       s.hits[n].triangle = std::min(s.hits[n].triangle, place);
-      s.shears[n].t_limit = -1;
+      s.rays[n].t_limit = -1;
       end_ray(n, -std::numeric_limits<float>::infinity());
     } else {
       // The limit is the best so far, and at hand.
       EngineHit& best = s.hits[n];
-      if (!(hit.t < s.shears[n].t_limit || (hit.t == s.shears[n].t_limit && id < best.triangle)))
+      if (!(hit.t < s.rays[n].t_limit || (hit.t == s.rays[n].t_limit && id < best.triangle)))
         return;
       best = {hit.t, hit.u, hit.v, id};
-      s.shears[n].t_limit = hit.t;
-      const float far = past(hit.t, s.rays[n].along, s.pad);
+      s.rays[n].t_limit = hit.t;
+      const float far = past(hit.t, s.along[n], s.pad);
       end_ray(n, far < s.rays[n].s_far ? far : s.rays[n].s_far);
     }
   }
+
+  HWY_INLINE void prefetch_ray(std::uint32_t n) const { hwy::Prefetch(stream_.rays.data() + n); }
 
   /// The ray looks no farther.
   void end_ray(std::uint32_t n, float s_far) {

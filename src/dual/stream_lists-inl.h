@@ -59,6 +59,7 @@ template <class Mode>
 class StreamLists : protected StreamSingles<Mode> {
  protected:
   using StreamHits<Mode>::tree_, StreamHits<Mode>::stream_, StreamHits<Mode>::counts_;
+  using StreamHits<Mode>::prefetch_ray;
   using StreamSingles<Mode>::walk_singles_of_stream;
 
   explicit StreamLists(const TraceJob& job) : StreamSingles<Mode>(job), subtrees_(tree_) {}
@@ -124,8 +125,7 @@ class StreamLists : protected StreamSingles<Mode> {
       const std::uint32_t* block = numbers + base;
       const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
       for (std::uint32_t i = n; i < std::min(2 * kPacketWidth, list.size - base); ++i) {
-        hwy::Prefetch(s.rays.data() + numbers[base + i]);
-        hwy::Prefetch(s.shears.data() + numbers[base + i]);
+        prefetch_ray(numbers[base + i]);
       }
       for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
         meet_group(4 * list.first, list.count, block, used, g);
@@ -137,10 +137,9 @@ class StreamLists : protected StreamSingles<Mode> {
                              std::uint32_t used, std::size_t g) {
     const Rays d;
     const Stream& s = stream_;
-    RV ox, oy, oz, shear_x, shear_y, shear_z, t_min, t_limit, unused;
-    gather4(s.rays.data(), 0, block + g, ox, oy, oz, unused);
-    gather4(s.shears.data(), 0, block + g, shear_x, shear_y, shear_z, t_min);
-    gather4(s.shears.data(), 1, block + g, t_limit, unused, unused, unused);
+    RV ox, oy, oz, shear_x, shear_y, shear_z, t_min, t_limit;
+    gather4(s.rays.data(), 0, block + g, ox, oy, oz, t_limit);
+    gather4(s.rays.data(), 1, block + g, shear_x, shear_y, shear_z, t_min);
     for (std::uint32_t place = first; place < first + count; ++place) {
       const TriangleQuad& q = tree_.quads[place / 4];
       const std::uint32_t k = place % 4;
@@ -184,12 +183,12 @@ class StreamLists : protected StreamSingles<Mode> {
       const std::uint32_t* block = numbers + base;
       const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
       for (std::uint32_t i = n; i < std::min(2 * kPacketWidth, list.size - base); ++i)
-        hwy::Prefetch(s.rays.data() + numbers[base + i]);
+        prefetch_ray(numbers[base + i]);
       for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
         SlabRays rays;
         RV unused;
-        gather4(s.rays.data(), 0, block + g, rays.ox, rays.oy, rays.oz, rays.per_x);
-        gather4(s.rays.data(), 1, block + g, rays.per_y, rays.s_near, rays.s_far, unused);
+        gather4(s.rays.data(), 0, block + g, rays.ox, rays.oy, rays.oz, unused);
+        gather4(s.rays.data(), 2, block + g, rays.per_x, rays.per_y, rays.s_near, rays.s_far);
         if (s.mirrored) rays.oz = hn::Neg(rays.oz);
         const RM some = lanes_of(used, g);
         for (std::uint32_t k = 0; k < child_count; ++k) {

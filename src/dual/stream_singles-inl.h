@@ -19,6 +19,7 @@ template <class Mode>
 class StreamSingles : protected StreamHits<Mode> {
  protected:
   using StreamHits<Mode>::tree_, StreamHits<Mode>::stream_, StreamHits<Mode>::counts_;
+  using StreamHits<Mode>::prefetch_ray;
 
   explicit StreamSingles(const TraceJob& job) : StreamHits<Mode>(job) {}
 
@@ -31,8 +32,7 @@ class StreamSingles : protected StreamHits<Mode> {
     if (pending_.size() + list.size > kMostPending) walk_singles_of_stream();
     for (std::uint32_t i = 0; i < list.size; ++i) {
       const std::uint32_t ray = stream_.lists[list.offset + i];
-      hwy::Prefetch(stream_.rays.data() + ray);
-      hwy::Prefetch(stream_.shears.data() + ray);
+      prefetch_ray(ray);
       pending_.push_back({ray, list.first, list.count});
     }
   }
@@ -51,7 +51,6 @@ class StreamSingles : protected StreamHits<Mode> {
           if (next == end) return false;
           singles_.number[i] = next->ray;
           singles_.ray[i] = &stream_.rays[next->ray];
-          singles_.shear[i] = &stream_.shears[next->ray];
           singles_.start(i, next->first, next->count);
           ++next;
           return true;

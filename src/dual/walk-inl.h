@@ -223,13 +223,12 @@ class Walk {
     }
   }
 
-  /// Lane `lane` as records: `rays_[i]` and `shears_[i]`.
+  /// Lane `lane` as a record: `rays_[i]`.
   void keep_lane(std::uint32_t lane, std::size_t i) {
     const RayPacket& p = packet_;
-    rays_[i] = {p.ox[lane],    p.oy[lane],     p.oz[lane],    p.per_x[lane],
-                p.per_y[lane], p.s_near[lane], p.s_far[lane], p.along[lane]};
-    shears_[i] = {p.shear_x[lane], p.shear_y[lane], p.shear_z[lane],
-                  p.t_min[lane],   p.t_limit[lane], {}};
+    rays_[i] = {p.ox[lane],      p.oy[lane],      p.oz[lane],      p.t_limit[lane],
+                p.shear_x[lane], p.shear_y[lane], p.shear_z[lane], p.t_min[lane],
+                p.per_x[lane],   p.per_y[lane],   p.s_near[lane],  p.s_far[lane]};
   }
 
   void walk_lanes(std::uint32_t lanes, std::uint32_t root) {
@@ -241,7 +240,6 @@ class Walk {
           singles_.number[i] = static_cast<std::uint32_t>(__builtin_ctz(lanes));
           keep_lane(singles_.number[i], i);
           singles_.ray[i] = &rays_[i];
-          singles_.shear[i] = &shears_[i];
           singles_.start(i, root, 0);
           lanes &= lanes - 1;
           return true;
@@ -250,7 +248,7 @@ class Walk {
           const std::uint32_t lane = singles_.number[i];
           take(lane, id_at(tree_, place), hit);
           rays_[i].s_far = packet_.s_far[lane];
-          shears_[i].t_limit = packet_.t_limit[lane];
+          rays_[i].t_limit = packet_.t_limit[lane];
         },
         &counts_);
   }
@@ -275,7 +273,6 @@ class Walk {
   std::vector<Waiting> waiting_;
   SingleWalks singles_;
   StreamRay rays_[kSingleRays];  ///< of the lanes that go on one by one
-  StreamShear shears_[kSingleRays];
-  std::uint32_t first_ = 0;  ///< the packet's place in the order
+  std::uint32_t first_ = 0;      ///< the packet's place in the order
   std::vector<RowHit> rows_;
 };
