@@ -23,8 +23,8 @@ using Rays = nb::ndarray<const float, nb::shape<-1, 8>, nb::c_contig, nb::device
 using Column = nb::ndarray<nb::ro, nb::ndim<1>, nb::device::cpu>;
 using Columns = nb::ndarray<nb::ro, nb::shape<-1, 3>, nb::device::cpu>;
 
-/// Rays as four arrays, which it keeps alive.
-class Parts {
+/// Rays as four arrays, which it keeps alive. Hidden, as nanobind's types are that it has.
+class __attribute__((visibility("hidden"))) Parts {
  public:
   Parts() = default;
   Parts(Columns origins, Columns directions, Column t_min, Column t_max);
