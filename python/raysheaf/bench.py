@@ -115,9 +115,9 @@ class Direct:
 
     def ask(self, kind: str, origins: Array, directions: Array) -> int:
         if kind == "first":
-            return np.count_nonzero(self._scene.closest_hit(origins, directions).hit)
+            return int(np.count_nonzero(self._scene.closest_hit(origins, directions).hit))
         if kind == "any":
-            return np.count_nonzero(self._scene.any_hit(origins, directions))
+            return int(np.count_nonzero(self._scene.any_hit(origins, directions)))
         return self._scene.all_hits(origins, directions).hits.size
 
 
@@ -134,9 +134,9 @@ class ByTrimesh:
 
     def ask(self, kind: str, origins: Array, directions: Array) -> int:
         if kind == "first":
-            return np.count_nonzero(self._ray.intersects_first(origins, directions) >= 0)
+            return int(np.count_nonzero(self._ray.intersects_first(origins, directions) >= 0))
         if kind == "any":
-            return np.count_nonzero(self._ray.intersects_any(origins, directions))
+            return int(np.count_nonzero(self._ray.intersects_any(origins, directions)))
         return len(self._ray.intersects_location(origins, directions)[0])
 
 
