@@ -129,6 +129,13 @@ TEST(Plan, CoherenceOfOrders) {
     EXPECT_LE(sample_coherence(RaysInPlace({rays.data(), few}), nullptr).direction, 1);
 }
 
+TEST(Plan, SaysWhichRaysAreAlike) {
+  Random random(5);
+  EXPECT_TRUE(plan_of(history(100000), picture(128)).alike);
+  EXPECT_FALSE(plan_of(history(100000), scattered(128, random)).alike);
+  EXPECT_FALSE(plan_of(history(100000), disorder(20000, random)).alike);
+}
+
 TEST(Plan, TreeByHistory) {
   Random random(4);
   const std::vector<Ray> rays = disorder(1000, random);
