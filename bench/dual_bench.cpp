@@ -80,10 +80,11 @@ void time_query(benchmark::State& state, const Query& query) {
   const Executor executor = executor_of(state, 3);
   const View<const Ray> rays(rays_of(state));
   DualScene scene;
-  scene.bundle = state.range(1) == 0 ? Bundle::kPacket : Bundle::kStream;
+  scene.bundle = static_cast<Bundle>(state.range(1));
   scene.tree = &trace().trees[state.range(2)];
   RayOrder order;
-  order_rays(executor, rays, Sorting::kCurve, &order);
+  const bool apart = scene.bundle == Bundle::kLongStream;
+  order_rays(executor, rays, apart ? Sorting::kByQuarter : Sorting::kCurve, &order);
   DualCounts counts;
   for (auto _ : state) {
     counts = {};
@@ -108,9 +109,9 @@ void closest(benchmark::State& state) {
   state.counters["found"] = static_cast<double>(found) / static_cast<double>(hits.size());
 }
 BENCHMARK(closest)
-    ->ArgNames({"rays", "streams", "fine", "threads"})
-    ->ArgsProduct({{kMirror, kOcclusion, kRandom}, {0, 1}, {0, 1}, {1}})
-    ->ArgsProduct({{kMirror, kOcclusion, kRandom}, {0, 1}, {0}, {2}})
+    ->ArgNames({"rays", "bundle", "fine", "threads"})
+    ->ArgsProduct({{kMirror, kOcclusion, kRandom}, {0, 1, 2}, {0, 1}, {1}})
+    ->ArgsProduct({{kMirror, kOcclusion, kRandom}, {0, 1, 2}, {0}, {2}})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
@@ -124,9 +125,9 @@ void any(benchmark::State& state) {
   state.counters["found"] = static_cast<double>(found) / static_cast<double>(occluded.size());
 }
 BENCHMARK(any)
-    ->ArgNames({"rays", "streams", "fine", "threads"})
-    ->ArgsProduct({{kMirror, kOcclusion, kRandom}, {0, 1}, {0, 1}, {1}})
-    ->ArgsProduct({{kMirror, kOcclusion, kRandom}, {0, 1}, {0}, {2}})
+    ->ArgNames({"rays", "bundle", "fine", "threads"})
+    ->ArgsProduct({{kMirror, kOcclusion, kRandom}, {0, 1, 2}, {0, 1}, {1}})
+    ->ArgsProduct({{kMirror, kOcclusion, kRandom}, {0, 1, 2}, {0}, {2}})
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 

@@ -42,7 +42,8 @@ using StreamPool = Spares<Stream>;
 /// How rays go down the tree together.
 enum class Bundle : std::uint8_t {
   kPacket,  ///< sixteen, bounded by a beam: for rays that resemble their neighbours
-  kStream,  ///< thousands, in lists of rays or of sixteen at once (dual/stream.h): for all others
+  kStream,  ///< thousands, in lists of sixteen at once or of rays (dual/stream.h): for such, too
+  kLongStream,  ///< tens of thousands, in lists of rays: for all others
 };
 
 struct DualScene {

@@ -149,7 +149,7 @@ HWY_NOINLINE void walk_singles(const ObjectTree& tree, const SharedAxes& axes, S
                                std::uint32_t count, const Start& start, const Take& take,
                                DualCounts* tests) {
   QuadHits hits;
-  std::uint32_t at[SingleWalks::kMost + 3];
+  std::uint32_t at[SingleWalks::kMost + kQuadRays];
   std::uint64_t boxes = 0, triangles = 0;
   std::uint32_t active = 0;
   const Subtrees subtrees(tree);
@@ -177,13 +177,14 @@ HWY_NOINLINE void walk_singles(const ObjectTree& tree, const SharedAxes& axes, S
       at[leaves++] = i;
     }
     if (leaves != 0) {
-      meet_quads(tree, axes, *walks, at, leaves, &hits);
+      for (std::uint32_t i = 1; i < kQuadRays; ++i) at[leaves + i - 1] = at[leaves - 1];
+      meet_quads(
+          axes, leaves, [&](std::uint32_t n) HWY_ATTR { return walks->ray[at[n]]; },
+          [&](std::uint32_t n) HWY_ATTR { return &tree.quads[walks->first[at[n]]]; }, &hits);
       for (std::uint64_t turn = hits.hit & used; turn != 0; turn &= turn - 1) {
         const std::uint32_t b = first_of(turn), i = at[b / 4];
         met |= 1u << i;
-        take(i, 4 * walks->first[i] + b % 4,
-             TriangleHit{hits.t[b], hits.v[b] / hits.det[b], hits.w[b] / hits.det[b],
-                         hits.det[b] > 0});
+        take(i, 4 * walks->first[i] + b % 4, hits.at(b));
       }
       for (std::uint64_t turn = hits.unsettled & used; turn != 0; turn &= turn - 1) {
         const std::uint32_t b = first_of(turn), i = at[b / 4];

@@ -10,7 +10,7 @@ class StreamWalk : StreamBlocks<Mode> {
  public:
   explicit StreamWalk(const TraceJob& job) : StreamBlocks<Mode>(job) {}
 
-  /// Rays [first, first + count) of the order, of one quarter, at most kStreamRays.
+  /// Rays [first, first + count) of the order, of one quarter.
   void run(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
     const DualCounts before = counts_;
     std::uint32_t alive = fill(first, count, quarter);
@@ -27,16 +27,16 @@ class StreamWalk : StreamBlocks<Mode> {
     }
   }
 
-  /// Hands over what was counted and found for packets [begin, end).
-  void finish(std::size_t begin, std::size_t end) {
-    if constexpr (Mode::kAll) hand_over_rows(job_, begin, end, stream_.rows);
+  /// Hands over what was counted and found.
+  void finish(const TraceTask& task) {
+    if constexpr (Mode::kAll) hand_over_rows(job_, task, stream_.rows);
     const std::lock_guard<std::mutex> lock(*job_.mutex);
     if (job_.counts != nullptr) job_.counts->add(counts_);
   }
 
  private:
   using StreamHits<Mode>::job_, StreamHits<Mode>::tree_, StreamHits<Mode>::stream_;
-  using StreamHits<Mode>::counts_;
+  using StreamHits<Mode>::in_blocks_, StreamHits<Mode>::counts_;
   using StreamHits<Mode>::end_ray, StreamHits<Mode>::write_back;
   using StreamLists<Mode>::meet_leaf, StreamLists<Mode>::meet_group, StreamLists<Mode>::pad_list;
   using StreamBlocks<Mode>::walk;
@@ -76,7 +76,7 @@ class StreamWalk : StreamBlocks<Mode> {
     places_.assign(blocks + std::size_t{2}, kInvalidId);
     for (std::uint32_t b = 0; b < blocks; ++b) {
       const std::uint32_t pilot = s.lists[first + b * kPacketWidth + kPacketWidth / 2];
-      places_[b + 1] = s.hits[pilot].triangle;
+      places_[b + 1] = s.rays[pilot].triangle;
       end_ray(pilot, -std::numeric_limits<float>::infinity());  // done, hit or not
     }
     for (std::uint32_t b = 0; first + b * kPacketWidth < end; ++b) {
@@ -106,6 +106,7 @@ class StreamWalk : StreamBlocks<Mode> {
   /// The stream's records, and the list of those that meet the scene's box: how many they are.
   std::uint32_t fill(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
     Stream& s = stream_;
+    s.fit(count);
     static_cast<QuarterAxes&>(s) = static_cast<QuarterAxes&>(packet_) = QuarterAxes(quarter);
     std::uint32_t* end = s.lists.data();
     s.first = first;
@@ -115,7 +116,7 @@ class StreamWalk : StreamBlocks<Mode> {
     const std::uint32_t* order = job_.order + first;
     for (std::uint32_t base = 0; base < count; base += kPacketWidth) {
       const std::uint32_t n = std::min(kPacketWidth, count - base);
-      const std::uint32_t ahead = base + 4 * kPacketWidth;
+      const std::uint32_t ahead = base + 8 * kPacketWidth;
       if (ahead + kPacketWidth <= count &&
           order[ahead + kPacketWidth - 1] - order[ahead] != kPacketWidth - 1) {
         for (std::uint32_t i = 0; i < kPacketWidth; ++i)
@@ -126,14 +127,14 @@ class StreamWalk : StreamBlocks<Mode> {
           prepare_lanes(job_.rays, s.index.data() + base, n, tree_.bounds, s,
                         [&](std::size_t g, const RayLanes& r, const SlabLanes& slabs)
                             HWY_ATTR { keep_lanes(base, g, r, slabs); });
-      std::fill_n(s.hits.data() + base, kPacketWidth, EngineHit{});
       if (HWY_LIKELY(prepared.bounded)) {
         s.pad = std::max(s.pad, prepared.pad);
       } else {
         for (std::uint32_t i = 0; i < n; ++i) unbounded_.push_back(base + i);
       }
       packet_.pad = prepared.pad;
-      if (prepared.lanes != 0) s.beams[base / kPacketWidth] = make_beam(prepared.lanes, &packet_);
+      if (in_blocks_ && prepared.lanes != 0)
+        s.beams[base / kPacketWidth] = make_beam(prepared.lanes, &packet_);
       end = append_lanes(base, prepared.lanes, end);
     }
     const auto alive = static_cast<std::uint32_t>(end - s.lists.data());
@@ -141,16 +142,19 @@ class StreamWalk : StreamBlocks<Mode> {
     return alive;
   }
 
-  /// As the stream's records from `base` on, in its block, and where `make_beam` reads them.
+  /// As the stream's records from `base` on, and, if there are blocks, in its block and where
+  /// `make_beam` reads them.
   HWY_INLINE void keep_lanes(std::uint32_t base, std::size_t g, const RayLanes& r,
                              const SlabLanes& slabs) {
     Stream& s = stream_;
     const Rays d;
     StreamRay* const rays = s.rays.data() + base + g;
+    const RV none = hn::BitCast(d, hn::Set(RayInts(), kInvalidId));
     store4(r.ox, r.oy, r.oz, r.t_limit, 0, rays);
     store4(slabs.shear_x, slabs.shear_y, slabs.shear_z, r.t_min, 1, rays);
     store4(slabs.per_x, slabs.per_y, slabs.s_near, slabs.s_far, 2, rays);
-    hn::Store(slabs.along, d, s.along.data() + base + g);
+    store4(slabs.along, hn::Zero(d), hn::Zero(d), none, 3, rays);
+    if (!in_blocks_) return;
     const auto put = [&](RV v, float* to) HWY_ATTR { hn::Store(v, d, to + g); };
     StreamBlock& b = s.blocks[base / kPacketWidth];
     put(r.ox, b.ox), put(r.oy, b.oy), put(r.oz, b.oz);

@@ -3,7 +3,17 @@
 #include <algorithm>
 #include <cstring>
 
+#include "base/bits.h"
+
 namespace raysheaf {
+
+void Stream::fit(std::uint32_t size) {
+  if (size <= rays.size()) return;
+  const std::size_t room = div_ceil(size, kPacketWidth) * kPacketWidth;
+  rays.resize_uninitialized(room);
+  index.resize_uninitialized(room);
+  lists.resize_uninitialized(16 * room);
+}
 
 void Stream::grow_lists(std::size_t size) {
   if (size <= lists.size()) return;

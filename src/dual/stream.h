@@ -22,15 +22,21 @@
 
 namespace raysheaf {
 
-inline constexpr std::uint32_t kStreamRays = 4096;
+/// The most rays of a stream; of a long one, which has no blocks: the more rays go down the tree
+/// together, the more of them share what is deep in it.
+inline constexpr std::uint32_t kStreamRays = 4096, kLongStreamRays = 65536;
 
-/// A ray on a cache line, four floats at a time: what triangles are tested with, and, with the
-/// origin, boxes; `s` as in dual/packet.h.
+/// A ray on a cache line, four floats at a time: what triangles are tested with; with the origin,
+/// boxes; and what it has met. `s` and `along` as in dual/packet.h.
 struct alignas(64) StreamRay {
-  float ox, oy, oz, t_limit;
+  float ox, oy, oz, t_limit;  ///< where the best hit is, once there is one
   float shear_x, shear_y, shear_z, t_min;
   float per_x, per_y, s_near, s_far;
+  float along = 0, u = 0, v = 0;
+  std::uint32_t triangle =
+      kInvalidId;  ///< its number; for any-hit its place in the tree; kInvalidId: none
 };
+static_assert(sizeof(StreamRay) == 64);
 
 /// Sixteen rays that follow each other: what boxes are tested with.
 struct alignas(64) StreamBlock {
@@ -59,8 +65,6 @@ struct RowHit {
 
 struct Stream : QuarterAxes {
   Buffer<StreamRay> rays;
-  Buffer<float> along;     ///< as in RayPacket
-  Buffer<EngineHit> hits;  ///< any-hit: `triangle` is the place in the tree of one that was met
   Buffer<std::uint32_t> index;  ///< the caller's numbers
   Buffer<StreamBlock> blocks;
   Buffer<Beam> beams;  ///< of the blocks
@@ -71,21 +75,18 @@ struct Stream : QuarterAxes {
   float pad = 0;                       ///< the largest of the packets'
 
   Stream() {
-    rays.resize_uninitialized(kStreamRays);
-    along.resize_uninitialized(kStreamRays);
-    hits.resize_uninitialized(kStreamRays);
-    index.resize_uninitialized(kStreamRays);
+    fit(kStreamRays);
     blocks.resize_uninitialized(kStreamRays / kPacketWidth);
     beams.resize_uninitialized(kStreamRays / kPacketWidth);
-    lists.resize_uninitialized(std::size_t{16} * kStreamRays);
   }
+  /// Room for so many rays; what was there is lost.
+  void fit(std::uint32_t size);
   /// Room for `size` numbers in `lists`, what is there kept.
   void grow_lists(std::size_t size);
   [[nodiscard]] std::size_t bytes() const {
-    return rays.capacity_bytes() + along.capacity_bytes() + hits.capacity_bytes() +
-           index.capacity_bytes() + blocks.capacity_bytes() + beams.capacity_bytes() +
-           lists.capacity_bytes() + waiting.capacity() * sizeof(WaitingList) +
-           rows.capacity() * sizeof(RowHit);
+    return rays.capacity_bytes() + index.capacity_bytes() + blocks.capacity_bytes() +
+           beams.capacity_bytes() + lists.capacity_bytes() +
+           waiting.capacity() * sizeof(WaitingList) + rows.capacity() * sizeof(RowHit);
   }
 };
 

@@ -62,6 +62,7 @@ template <class Mode>
 class StreamBlocks : protected StreamLists<Mode> {
  protected:
   using StreamHits<Mode>::tree_, StreamHits<Mode>::stream_, StreamHits<Mode>::counts_;
+  using StreamHits<Mode>::in_blocks_;
   using StreamLists<Mode>::pad_list, StreamSingles<Mode>::walk_singles_of_stream;
 
   explicit StreamBlocks(const TraceJob& job) : StreamLists<Mode>(job) {}
@@ -71,8 +72,9 @@ class StreamBlocks : protected StreamLists<Mode> {
   void walk(std::uint32_t offset, std::uint32_t size) {
     if (size == 0) return;
     stream_.waiting.clear();
-    const std::uint32_t blocks = gather_blocks(stream_.lists.data() + offset, size);
-    if (stay_together(size, blocks)) {
+    const std::uint32_t blocks =
+        in_blocks_ ? gather_blocks(stream_.lists.data() + offset, size) : 0;
+    if (in_blocks_ && stay_together(size, blocks)) {
       keep_blocks(0, blocks, offset);
       stream_.waiting.push_back({0, 0, offset, blocks, true});
     } else {

@@ -8,7 +8,11 @@ template <class Mode>
 class StreamHits {
  protected:
   explicit StreamHits(const TraceJob& job)
-      : job_(job), tree_(*job.scene.tree), own_(job.streams->take()), stream_(*own_) {
+      : job_(job),
+        tree_(*job.scene.tree),
+        in_blocks_(job.scene.bundle == Bundle::kStream),
+        own_(job.streams->take()),
+        stream_(*own_) {
     stream_.rows.clear();
   }
   ~StreamHits() { job_.streams->give(std::move(own_)); }
@@ -63,6 +67,7 @@ class StreamHits {
 
   void take(std::uint32_t n, std::uint32_t place, const TriangleHit& hit) {
     Stream& s = stream_;
+    StreamRay& ray = s.rays[n];
     const std::uint32_t id = id_at(tree_, place);
     if (job_.scene.facing != Facing::kBoth && job_.scene.flags != nullptr &&
         !shows(job_.scene.facing, job_.scene.flags[id], hit.front))
@@ -71,18 +76,18 @@ class StreamHits {
       s.rows.push_back({s.first + n, {hit.t, hit.u, hit.v, id}});
     } else if constexpr (Mode::kAny) {
       // The least of a leaf's, whatever order a SIMD target finds them in.
-      s.hits[n].triangle = std::min(s.hits[n].triangle, place);
-      s.rays[n].t_limit = -1;
+      ray.triangle = std::min(ray.triangle, place);
+      ray.t_limit = -1;
       end_ray(n, -std::numeric_limits<float>::infinity());
     } else {
       // The limit is the best so far, and at hand.
-      EngineHit& best = s.hits[n];
-      if (!(hit.t < s.rays[n].t_limit || (hit.t == s.rays[n].t_limit && id < best.triangle)))
-        return;
-      best = {hit.t, hit.u, hit.v, id};
-      s.rays[n].t_limit = hit.t;
-      const float far = past(hit.t, s.along[n], s.pad);
-      end_ray(n, far < s.rays[n].s_far ? far : s.rays[n].s_far);
+      if (!(hit.t < ray.t_limit || (hit.t == ray.t_limit && id < ray.triangle))) return;
+      ray.t_limit = hit.t;
+      ray.u = hit.u;
+      ray.v = hit.v;
+      ray.triangle = id;
+      const float far = past(hit.t, ray.along, s.pad);
+      end_ray(n, far < ray.s_far ? far : ray.s_far);
     }
   }
 
@@ -91,24 +96,27 @@ class StreamHits {
   /// The ray looks no farther.
   void end_ray(std::uint32_t n, float s_far) {
     stream_.rays[n].s_far = s_far;
-    stream_.blocks[n / kPacketWidth].s_far[n % kPacketWidth] = s_far;
+    if (in_blocks_) stream_.blocks[n / kPacketWidth].s_far[n % kPacketWidth] = s_far;
   }
 
   void write_back() {
     const Stream& s = stream_;
     for (std::uint32_t i = 0; i < s.count; ++i) {
       if constexpr (Mode::kAny) {
-        job_.occluded[s.index[i]] = s.hits[i].triangle != kInvalidId ? 1 : 0;
+        job_.occluded[s.index[i]] = s.rays[i].triangle != kInvalidId ? 1 : 0;
       } else if constexpr (!Mode::kAll) {
         if (i + kWritesAhead < s.count)
           __builtin_prefetch(job_.hits + s.index[i + kWritesAhead], 1);
-        job_.hits[s.index[i]] = s.hits[i];
+        const StreamRay& ray = s.rays[i];
+        const float t = ray.triangle != kInvalidId ? ray.t_limit : EngineHit().t;
+        job_.hits[s.index[i]] = {t, ray.u, ray.v, ray.triangle};
       }
     }
   }
 
   const TraceJob& job_;
   const ObjectTree& tree_;
+  const bool in_blocks_;  ///< neighbours are expected to stay together for a while
   std::unique_ptr<Stream> own_;
   Stream& stream_;
   DualCounts counts_;

@@ -55,6 +55,10 @@ HWY_INLINE RM meeting(const SlabRays& r, const SeenBox& box) {
   return hn::Le(near, far);
 }
 
+/// Lists at a leaf that are no longer take some rays with four triangles at once, instead of as
+/// many rays as there are lanes with one.
+inline constexpr std::uint32_t kFewAtQuads = 8;
+
 template <class Mode>
 class StreamLists : protected StreamSingles<Mode> {
  protected:
@@ -116,19 +120,52 @@ class StreamLists : protected StreamSingles<Mode> {
     return box;
   }
 
+  /// Rays of the block after the next; at a list's beginning of the next, too.
+  HWY_INLINE void prefetch_rays(const WaitingList& list, std::uint32_t base) const {
+    const std::uint32_t* const numbers = stream_.lists.data() + list.offset;
+    const std::uint32_t end = std::min(base + 3 * kPacketWidth, list.size);
+    for (std::uint32_t i = base + (base == 0 ? 1 : 2) * kPacketWidth; i < end; ++i)
+      prefetch_ray(numbers[i]);
+  }
+
   void meet_leaf(const WaitingList& list) {
     Stream& s = stream_;
     counts_.triangle_tests += std::uint64_t{list.size} * list.count;
+    if (list.size <= kFewAtQuads) return meet_leaf_by_quads(list);
     const std::uint32_t* numbers = s.lists.data() + list.offset;
     for (std::uint32_t base = 0; base < list.size; base += kPacketWidth) {
       const std::uint32_t n = std::min(kPacketWidth, list.size - base);
       const std::uint32_t* block = numbers + base;
       const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
-      for (std::uint32_t i = n; i < std::min(2 * kPacketWidth, list.size - base); ++i) {
-        prefetch_ray(numbers[base + i]);
-      }
+      prefetch_rays(list, base);
       for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
         meet_group(4 * list.first, list.count, block, used, g);
+    }
+  }
+
+  /// The same, some rays with four triangles at once.
+  HWY_NOINLINE void meet_leaf_by_quads(const WaitingList& list) {
+    const SharedAxes axes(stream_);
+    const std::uint32_t* numbers = stream_.lists.data() + list.offset;
+    QuadHits hits;
+    for (std::uint32_t n = 0; n < list.count; n += kQuadTriangles) {
+      const TriangleQuad* const quad = &tree_.quads[list.first + n / kQuadTriangles];
+      meet_quads(
+          axes, list.size,
+          [&](std::uint32_t i) HWY_ATTR { return stream_.rays.data() + numbers[i]; },
+          [&](std::uint32_t) HWY_ATTR { return quad; }, &hits);
+      const std::uint32_t here = std::min(kQuadTriangles, list.count - n);
+      const std::uint64_t used = ((std::uint64_t{1} << here) - 1) * 0x1111111111111111u &
+                                 ((std::uint64_t{1} << 4 * list.size) - 1);
+      const std::uint32_t place = 4 * list.first + n;
+      for (std::uint64_t turn = hits.hit & used; turn != 0; turn &= turn - 1) {
+        const std::uint32_t b = first_of(turn);
+        take(numbers[b / 4], place + b % 4, hits.at(b));
+      }
+      for (std::uint64_t turn = hits.unsettled & used; turn != 0; turn &= turn - 1) {
+        const std::uint32_t b = first_of(turn);
+        take_exactly(numbers[b / 4], place + b % 4);
+      }
     }
   }
 
@@ -157,7 +194,7 @@ class StreamLists : protected StreamSingles<Mode> {
   }
 
  private:
-  using StreamHits<Mode>::take_lanes;
+  using StreamHits<Mode>::take, StreamHits<Mode>::take_exactly, StreamHits<Mode>::take_lanes;
   using StreamSingles<Mode>::is_for_singles, StreamSingles<Mode>::has_many_singles;
   using StreamSingles<Mode>::add_singles;
 
@@ -182,8 +219,7 @@ class StreamLists : protected StreamSingles<Mode> {
       const std::uint32_t n = std::min(kPacketWidth, list.size - base);
       const std::uint32_t* block = numbers + base;
       const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
-      for (std::uint32_t i = n; i < std::min(2 * kPacketWidth, list.size - base); ++i)
-        prefetch_ray(numbers[base + i]);
+      prefetch_rays(list, base);
       for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
         SlabRays rays;
         RV unused;

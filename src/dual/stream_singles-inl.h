@@ -19,7 +19,7 @@ template <class Mode>
 class StreamSingles : protected StreamHits<Mode> {
  protected:
   using StreamHits<Mode>::tree_, StreamHits<Mode>::stream_, StreamHits<Mode>::counts_;
-  using StreamHits<Mode>::prefetch_ray;
+  using StreamHits<Mode>::prefetch_ray, StreamHits<Mode>::take;
 
   explicit StreamSingles(const TraceJob& job) : StreamHits<Mode>(job) {}
 
@@ -63,8 +63,6 @@ class StreamSingles : protected StreamHits<Mode> {
   }
 
  private:
-  using StreamHits<Mode>::take;
-
   SingleWalks singles_;
   std::vector<PendingRay> pending_;
 };

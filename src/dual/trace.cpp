@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "base/bits.h"
 #include "dual/stream.h"
@@ -11,6 +12,35 @@ namespace {
 /// Packets a task: neighbours share the boxes and triangles that they meet. Of streams: two.
 constexpr std::size_t kPacketsATask = 64;
 constexpr std::size_t kStreamPacketsATask = 2 * kStreamRays / kPacketWidth;
+/// A long stream is no longer than this part of what is left, so that threads end together.
+constexpr std::size_t kPartOfRest = 4;
+
+/// Every quarter in as few long streams of one length as may be, a task each, and more towards the
+/// end (C. Polychronopoulos, D. Kuck, "Guided Self-Scheduling", 1987).
+void cut_into_long_streams(const TraceJob& job, std::vector<std::size_t>* starts) {
+  constexpr std::size_t kLeast = kStreamRays / kPacketWidth, kMost = kLongStreamRays / kPacketWidth;
+  for (std::uint32_t q = 0; q < kQuarters; ++q) {
+    const std::size_t first = job.packet_starts[q], count = job.packet_starts[q + 1] - first;
+    const std::size_t rest = job.packet_starts[kQuarters] - first;
+    const std::size_t parts = div_ceil(count, std::clamp(rest / kPartOfRest, kLeast, kMost));
+    for (std::size_t i = 0; i < parts; ++i) starts->push_back(first + i * count / parts);
+  }
+}
+
+/// The packets at which tasks begin, and the end.
+std::vector<std::size_t> cut_into_tasks(const TraceJob& job) {
+  const std::size_t packets = job.packet_starts[kQuarters];
+  std::vector<std::size_t> starts;
+  if (job.scene.bundle == Bundle::kLongStream) {
+    cut_into_long_streams(job, &starts);
+  } else {
+    const std::size_t a_task =
+        job.scene.bundle == Bundle::kStream ? kStreamPacketsATask : kPacketsATask;
+    for (std::size_t n = 0; n < packets; n += a_task) starts.push_back(n);
+  }
+  starts.push_back(packets);
+  return starts;
+}
 
 template <class Trace>
 void trace_all_tasks(const Executor& executor, const DualScene& scene, View<const Ray> rays,
@@ -20,7 +50,6 @@ void trace_all_tasks(const Executor& executor, const DualScene& scene, View<cons
   StreamPool own;
   job.streams = scene.streams != nullptr ? scene.streams : &own;
   job.scene = scene;
-  job.bundle = scene.bundle;
   job.rays = rays.data;
   job.order = order.rays.data();
   job.ray_starts = order.starts;
@@ -31,13 +60,11 @@ void trace_all_tasks(const Executor& executor, const DualScene& scene, View<cons
   job.ray_tests = ray_tests.empty() ? nullptr : ray_tests.data;
   job.counts = counts;
   job.mutex = &mutex;
-  const std::size_t packets = job.packet_starts[kQuarters];
-  const std::size_t a_task = scene.bundle == Bundle::kStream ? kStreamPacketsATask : kPacketsATask;
-  job.packets_a_task = a_task;
-  if (job.rows != nullptr) job.rows->resize(div_ceil(packets, a_task));
-  executor.for_each(div_ceil(packets, a_task), 1, [&](std::size_t task) {
-    const std::size_t begin = task * a_task;
-    trace(job, begin, std::min(packets, begin + a_task));
+  const std::vector<std::size_t> starts = cut_into_tasks(job);
+  const std::size_t tasks = starts.size() - 1;
+  if (job.rows != nullptr) job.rows->resize(tasks);
+  executor.for_each(tasks, 1, [&](std::size_t n) {
+    trace(job, TraceTask{n, starts[n], starts[n + 1]});
   });
 }
 

@@ -13,25 +13,24 @@ struct PacketRange {
   std::uint32_t first = 0, count = 0, quarter = 0;
 };
 
+/// Packets [begin, end), that one thread takes.
+struct TraceTask {
+  std::size_t number = 0, begin = 0, end = 0;
+};
+
 struct TraceJob {
   DualScene scene;
-  Bundle bundle = Bundle::kPacket;
   const Ray* rays = nullptr;
   const std::uint32_t* order = nullptr;
   std::array<std::uint32_t, kQuarters + 1> ray_starts{}, packet_starts{};
   EngineHit* hits = nullptr;
   std::uint8_t* occluded = nullptr;
-  RowLists* rows = nullptr;  ///< one a task
-  std::size_t packets_a_task = 1;
+  RowLists* rows = nullptr;      ///< one a task
   float* ray_tests = nullptr;    ///< or null
   DualCounts* counts = nullptr;  ///< under `mutex`
   std::mutex* mutex = nullptr;
   StreamPool* streams = nullptr;
 
-  /// Every packet begins its task, or follows the one before it in its task.
-  [[nodiscard]] RowList& rows_of(std::size_t packet) const {
-    return (*rows)[packet / packets_a_task];
-  }
   [[nodiscard]] PacketRange packet(std::size_t n) const {
     std::uint32_t quarter = 0;
     while (n >= packet_starts[quarter + 1]) ++quarter;
@@ -45,8 +44,8 @@ struct TraceJob {
 void make_rows(const std::vector<RowHit>& found, std::uint32_t first, std::uint32_t end,
                RowList* list);
 
-void trace_closest_packets(const TraceJob& job, std::size_t begin, std::size_t end);
-void trace_any_packets(const TraceJob& job, std::size_t begin, std::size_t end);
-void trace_all_packets(const TraceJob& job, std::size_t begin, std::size_t end);
+void trace_closest_packets(const TraceJob& job, const TraceTask& task);
+void trace_any_packets(const TraceJob& job, const TraceTask& task);
+void trace_all_packets(const TraceJob& job, const TraceTask& task);
 
 }  // namespace raysheaf

@@ -56,49 +56,51 @@ inline void prefetch_rays(const TraceJob& job, const PacketRange& range) {
 }
 
 template <class Mode>
-void walk_packets(const TraceJob& job, std::size_t begin, std::size_t end) {
+void walk_packets(const TraceJob& job, const TraceTask& task) {
   Walk<Mode> walk(job);
-  for (std::size_t n = begin; n < end; ++n) {
-    if (n + 1 < end) prefetch_rays(job, job.packet(n + 1));
+  for (std::size_t n = task.begin; n < task.end; ++n) {
+    if (n + 1 < task.end) prefetch_rays(job, job.packet(n + 1));
     walk.run(job.packet(n));
   }
-  walk.finish(begin, end);
+  walk.finish(task);
 }
 
 /// Packets that follow each other in one quarter make a stream.
 template <class Mode>
-void walk_streams(const TraceJob& job, std::size_t begin, std::size_t end) {
+void walk_streams(const TraceJob& job, const TraceTask& task) {
+  const std::uint32_t most =
+      job.scene.bundle == Bundle::kLongStream ? kLongStreamRays : kStreamRays;
   StreamWalk<Mode> walk(job);
-  for (std::size_t n = begin; n < end;) {
+  for (std::size_t n = task.begin; n < task.end;) {
     const PacketRange first = job.packet(n);
     std::uint32_t count = first.count;
-    for (++n; n < end && count + kPacketWidth <= kStreamRays; ++n) {
+    for (++n; n < task.end && count + kPacketWidth <= most; ++n) {
       const PacketRange next = job.packet(n);
       if (next.quarter != first.quarter) break;
       count += next.count;
     }
     walk.run(first.first, count, first.quarter);
   }
-  walk.finish(begin, end);
+  walk.finish(task);
 }
 
 template <class Mode>
-void trace_packets(const TraceJob& job, std::size_t begin, std::size_t end) {
-  if (job.bundle == Bundle::kStream) {
-    walk_streams<Mode>(job, begin, end);
+void trace_packets(const TraceJob& job, const TraceTask& task) {
+  if (job.scene.bundle == Bundle::kPacket) {
+    walk_packets<Mode>(job, task);
   } else {
-    walk_packets<Mode>(job, begin, end);
+    walk_streams<Mode>(job, task);
   }
 }
 
-void TraceClosest(const TraceJob& job, std::size_t begin, std::size_t end) {
-  trace_packets<ClosestMode>(job, begin, end);
+void TraceClosest(const TraceJob& job, const TraceTask& task) {
+  trace_packets<ClosestMode>(job, task);
 }
-void TraceAny(const TraceJob& job, std::size_t begin, std::size_t end) {
-  trace_packets<AnyMode>(job, begin, end);
+void TraceAny(const TraceJob& job, const TraceTask& task) {
+  trace_packets<AnyMode>(job, task);
 }
-void TraceAll(const TraceJob& job, std::size_t begin, std::size_t end) {
-  trace_packets<AllMode>(job, begin, end);
+void TraceAll(const TraceJob& job, const TraceTask& task) {
+  trace_packets<AllMode>(job, task);
 }
 
 }  // namespace raysheaf::HWY_NAMESPACE
@@ -111,14 +113,14 @@ HWY_EXPORT(TraceClosest);
 HWY_EXPORT(TraceAny);
 HWY_EXPORT(TraceAll);
 
-void trace_closest_packets(const TraceJob& job, std::size_t begin, std::size_t end) {
-  HWY_DYNAMIC_DISPATCH(TraceClosest)(job, begin, end);
+void trace_closest_packets(const TraceJob& job, const TraceTask& task) {
+  HWY_DYNAMIC_DISPATCH(TraceClosest)(job, task);
 }
-void trace_any_packets(const TraceJob& job, std::size_t begin, std::size_t end) {
-  HWY_DYNAMIC_DISPATCH(TraceAny)(job, begin, end);
+void trace_any_packets(const TraceJob& job, const TraceTask& task) {
+  HWY_DYNAMIC_DISPATCH(TraceAny)(job, task);
 }
-void trace_all_packets(const TraceJob& job, std::size_t begin, std::size_t end) {
-  HWY_DYNAMIC_DISPATCH(TraceAll)(job, begin, end);
+void trace_all_packets(const TraceJob& job, const TraceTask& task) {
+  HWY_DYNAMIC_DISPATCH(TraceAll)(job, task);
 }
 
 }  // namespace raysheaf

@@ -22,11 +22,12 @@ HWY_NOINLINE void for_each_leaf(const ObjectTree& tree, const Body& body) {
       if (node.is_leaf(c)) body(node.first[c], node.count[c]);
 }
 
-/// What was found for the rays of packets [begin, end), all of a task.
-inline void hand_over_rows(const TraceJob& job, std::size_t begin, std::size_t end,
+/// What was found for the rays of a task.
+inline void hand_over_rows(const TraceJob& job, const TraceTask& task,
                            const std::vector<RowHit>& found) {
-  const PacketRange last = job.packet(end - 1);
-  make_rows(found, job.packet(begin).first, last.first + last.count, &job.rows_of(begin));
+  const PacketRange last = job.packet(task.end - 1);
+  make_rows(found, job.packet(task.begin).first, last.first + last.count,
+            &(*job.rows)[task.number]);
 }
 
 template <class Mode>
@@ -58,9 +59,9 @@ class Walk {
     }
   }
 
-  /// Hands over what was counted and found for packets [begin, end).
-  void finish(std::size_t begin, std::size_t end) {
-    if constexpr (Mode::kAll) hand_over_rows(job_, begin, end, rows_);
+  /// Hands over what was counted and found.
+  void finish(const TraceTask& task) {
+    if constexpr (Mode::kAll) hand_over_rows(job_, task, rows_);
     const std::lock_guard<std::mutex> lock(*job_.mutex);
     if (job_.counts != nullptr) job_.counts->add(counts_);
   }

@@ -11,8 +11,8 @@ namespace {
 /// A tree whose expected cost has grown by this much is not worth refitting.
 constexpr float kSpoilt = 1.5f;
 
-/// Found rows beyond are given back with the next query.
-constexpr std::size_t kMostRowBytes = std::size_t{64} << 20;
+/// Found rows, and whole batches, beyond are given back: rows with the next query.
+constexpr std::size_t kMostKeptBytes = std::size_t{64} << 20;
 
 std::size_t bytes_of(const RowLists& lists) {
   std::size_t bytes = 0;
@@ -50,10 +50,9 @@ class Reporter {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// What is to be sorted must lie there as a whole; and of rays that run every way, a tile has too
-/// few that go together.
+/// Of rays that run every way a tile has too few that go together.
 bool goes_in_tiles(const Plan& plan) {
-  return plan.alike && !plan.sort;
+  return plan.alike;
 }
 
 }  // namespace
@@ -124,14 +123,12 @@ void Engine::prepare(const Executor& executor, std::size_t rays, Plan* plan, Eng
   prepare_tree(executor, plan, report);
   history_.rays_since_change += rays;
   ++history_.queries_since_change;
-  choose_sorting(tree_.surface_area_cost, report != nullptr, plan);
   if (report != nullptr) report->plan = std::move(plan->reasons);
 }
 
-void Engine::order(const Executor& executor, View<const Ray> rays, const Plan& plan,
-                   EngineReport* report) {
+void Engine::order(const Executor& executor, View<const Ray> rays, EngineReport* report) {
   Reporter reporter(report);
-  order_rays(executor, rays, plan.sort ? Sorting::kCurve : Sorting::kByQuarter, &order_);
+  order_rays(executor, rays, Sorting::kByQuarter, &order_);
   reporter.lap(&EngineReport::order_ms);
 }
 
@@ -143,6 +140,19 @@ View<const Ray> Engine::take_all_rays(const Executor& executor, const RaySource&
   return all;
 }
 
+template <class Trace>
+void Engine::trace_quartered(const Executor& executor, const RaySource& rays, EngineReport* report,
+                             const Trace& trace) {
+  Reporter reporter(report);
+  DualCounts counts;
+  quartered_->take(executor, rays);
+  reporter.lap(&EngineReport::take_ms);
+  trace(*quartered_, &counts);
+  reporter.lap(&EngineReport::trace_ms);
+  reporter.add(counts);
+  if (quartered_->bytes() > kMostKeptBytes) quartered_ = std::make_unique<QuarteredRays>();
+}
+
 DualScene Engine::dual_scene(const Plan& plan, const EngineOptions& options) const {
   return {&tree_, source_.flags, options.facing, plan.bundle, streams_.get()};
 }
@@ -150,7 +160,7 @@ DualScene Engine::dual_scene(const Plan& plan, const EngineOptions& options) con
 void Engine::trace_closest_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
                                 const EngineOptions& options, View<EngineHit> hits,
                                 View<float> ray_tests, EngineReport* report) {
-  order(executor, rays, plan, report);
+  order(executor, rays, report);
   Reporter reporter(report);
   DualCounts counts;
   trace_closest(executor, dual_scene(plan, options), rays, order_, hits, ray_tests, &counts);
@@ -161,7 +171,7 @@ void Engine::trace_closest_hits(const Executor& executor, View<const Ray> rays, 
 void Engine::trace_any_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
                             const EngineOptions& options, View<std::uint8_t> occluded,
                             View<float> ray_tests, EngineReport* report) {
-  order(executor, rays, plan, report);
+  order(executor, rays, report);
   Reporter reporter(report);
   DualCounts counts;
   trace_any(executor, dual_scene(plan, options), rays, order_, occluded, ray_tests, &counts);
@@ -188,6 +198,14 @@ void Engine::closest_hit(const Executor& executor, const RaySource& rays,
     DualCounts counts;
     reporter.add(tiles_->closest_hit(executor, rays, dual_scene(plan, options), sink, &counts));
     reporter.add(counts);
+    return;
+  }
+  if (plan.bundle == Bundle::kLongStream) {
+    trace_quartered(executor, rays, report, [&](QuarteredRays& all, DualCounts* counts) {
+      trace_closest(executor, dual_scene(plan, options), all.rays(), all.order(), all.hits(), {},
+                    counts);
+      all.hand_over_hits(executor, sink);
+    });
     return;
   }
   Buffer<Ray> room;
@@ -251,17 +269,25 @@ void Engine::any_hit(const Executor& executor, const RaySource& rays, const Engi
     reporter.add(counts);
     return;
   }
+  if (plan.bundle == Bundle::kLongStream && all.empty()) {
+    trace_quartered(executor, rays, report, [&](QuarteredRays& quartered, DualCounts* counts) {
+      trace_any(executor, dual_scene(plan, options), quartered.rays(), quartered.order(),
+                quartered.occluded(), {}, counts);
+      quartered.hand_over_occluded(executor, occluded);
+    });
+    return;
+  }
   if (all.empty()) all = take_all_rays(executor, rays, &room, report);
   trace_any_hits(executor, all, plan, options, occluded, {}, report);
 }
 
 FoundRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
                            const EngineOptions& options, EngineReport* report) {
-  if (bytes_of(rows_) > kMostRowBytes) rows_.clear();
+  if (bytes_of(rows_) > kMostKeptBytes) rows_.clear();
   if (!rays.empty()) {
     Plan plan = make_plan(history_, RaysInPlace(rays), false, report != nullptr);
     prepare(executor, rays.size, &plan, report);
-    order(executor, rays, plan, report);
+    order(executor, rays, report);
     Reporter reporter(report);
     DualCounts counts;
     trace_all(executor, dual_scene(plan, options), rays, order_, &rows_, {}, &counts);
@@ -275,7 +301,7 @@ FoundRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
 
 std::size_t Engine::memory_bytes() const {
   return tree_.memory_bytes() + order_.bytes() + streams_->bytes() + tiles_->bytes() +
-         fan_memory_.bytes() + bytes_of(rows_) + moved_.memory_bytes();
+         quartered_->bytes() + fan_memory_.bytes() + bytes_of(rows_) + moved_.memory_bytes();
 }
 
 }  // namespace raysheaf

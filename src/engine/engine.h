@@ -16,6 +16,7 @@
 #include "dual/dual.h"
 #include "dual/stream.h"
 #include "engine/plan.h"
+#include "engine/quartered_rays.h"
 #include "engine/ray_tiles.h"
 #include "exec/executor.h"
 #include "fan/fan.h"
@@ -123,9 +124,7 @@ class Engine {
   void prepare_tree(const Executor& executor, Plan* plan, EngineReport* report);
   /// Does what the plan says of the tree, completes it, and puts its reasons into the report.
   void prepare(const Executor& executor, std::size_t rays, Plan* plan, EngineReport* report);
-  /// As the plan says.
-  void order(const Executor& executor, View<const Ray> rays, const Plan& plan,
-             EngineReport* report);
+  void order(const Executor& executor, View<const Ray> rays, EngineReport* report);
   /// Through the tree, which is prepared.
   void trace_closest_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
                           const EngineOptions& options, View<EngineHit> hits, View<float> ray_tests,
@@ -135,6 +134,10 @@ class Engine {
                       View<float> ray_tests, EngineReport* report);
   [[nodiscard]] View<const Ray> take_all_rays(const Executor& executor, const RaySource& rays,
                                               Buffer<Ray>* room, EngineReport* report);
+  /// Takes the rays by quarter and calls `trace(quartered, counts)`.
+  template <class Trace>
+  void trace_quartered(const Executor& executor, const RaySource& rays, EngineReport* report,
+                       const Trace& trace);
   /// False, with nothing done, where the rays do not start at one point after all.
   [[nodiscard]] bool any_hit_in_fan(const Executor& executor, View<const Ray> rays,
                                     const EngineOptions& options, View<std::uint8_t> occluded,
@@ -150,6 +153,7 @@ class Engine {
   RowLists rows_;
   std::unique_ptr<StreamPool> streams_ = std::make_unique<StreamPool>();
   std::unique_ptr<RayTiles> tiles_ = std::make_unique<RayTiles>();
+  std::unique_ptr<QuarteredRays> quartered_ = std::make_unique<QuarteredRays>();
   FanMemory fan_memory_;
 };
 

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "base/vec.h"
+#include "dual/stream.h"
 #include "scene/flat_scene.h"
 
 namespace raysheaf {
@@ -23,7 +24,7 @@ constexpr double kFineSaves = 0.1;
 
 constexpr std::size_t kGroups = 64, kFewestGroups = 8;
 
-std::string figures(const char* format, double a, double b) {
+std::string figures(const char* format, double a, double b = 0) {
   char text[160];
   std::snprintf(text, sizeof text, format, a, b);
   return text;
@@ -110,43 +111,51 @@ bool chooses_fan(const SceneHistory& scene, const RaySource& rays, Plan* plan) {
   return chosen;
 }
 
-/// Expected nodes and quads of a long random ray. Below, a stream visits so few of them that the
-/// sort costs more than it saves.
-constexpr float kSortCost = 15;
-
 /// Below, packets of neighbours that run alike meet so few nodes that a stream's lists cost more.
 constexpr std::uint32_t kPacketTriangles = 4096;
 
 void choose_bundle(const SceneHistory& scene, const RaySource& rays, const Box* whole, bool explain,
                    Plan* plan) {
-  const Coherence found = sample_coherence(rays, nullptr, whole);
-  const bool alike = found.origins_alike() && found.directions_alike();
-  const bool tiny = scene.triangles < kPacketTriangles;
-  plan->disorder = !found.origins_alike();
-  plan->alike = alike;
-  plan->bundle = alike && tiny ? Bundle::kPacket : Bundle::kStream;
+  const Coherence found = sample_coherence(rays, whole);
+  const bool together = found.origins_alike(), tiny = scene.triangles < kPacketTriangles;
+  // Where rays start close together blocks are of some use; they are given up for longer streams.
+  const bool many = rays.size() > std::size_t{kQuarters} * kStreamRays;
+  plan->alike = together && found.directions_alike();
+  plan->bundle = plan->alike && tiny                  ? Bundle::kPacket
+                 : plan->alike || (together && !many) ? Bundle::kStream
+                                                      : Bundle::kLongStream;
   if (!explain) return;
-  plan->reasons.push_back(figures(
-      plan->disorder     ? whole != nullptr
-                               ? "rays: sixteen in a row start %.0f %% of the scene's extent apart"
-                               : "rays: sixteen in a row start %.0f %% of the batch's extent apart"
-      : whole != nullptr ? "rays: not sorted, for sixteen in a row start within %.2g %% of the "
-                           "scene's extent"
-                         : "rays: not sorted, for sixteen in a row start within %.2g %% of the "
-                           "batch's extent",
-      100 * found.origin, 0));
+  const std::string extent = whole != nullptr ? "scene's extent" : "batch's extent";
   plan->reasons.push_back(
-      !tiny ? figures("bundles: streams, for there are %.0f triangles or more", kPacketTriangles, 0)
-      : alike ? figures("bundles: packets of sixteen within beams, for triangles are few and %.0f "
-                        "%% of neighbours run alike",
-                        100 * found.direction, 0)
-              : figures("bundles: streams, for only %.0f %% of neighbours start and run alike",
-                        found.origins_alike() ? 100 * found.direction : 0, 0));
+      together
+          ? figures("rays: sixteen in a row start within %.2g %% of the ", 100 * found.origin) +
+                extent
+          : figures("rays: sixteen in a row start %.0f %% of the ", 100 * found.origin) + extent +
+                " apart");
+  const double alike = together ? 100 * found.direction : 0;
+  switch (plan->bundle) {
+    case Bundle::kPacket:
+      plan->reasons.push_back(
+          figures("bundles: packets of sixteen within beams, for triangles are few and %.0f %% of "
+                  "neighbours run alike",
+                  alike));
+      break;
+    case Bundle::kStream:
+      plan->reasons.push_back(
+          plan->alike ? figures("bundles: streams, for %.0f %% of neighbours run alike", alike)
+                      : figures("bundles: streams, for rays are no more than %.0f",
+                                kQuarters * kStreamRays));
+      break;
+    case Bundle::kLongStream:
+      plan->reasons.push_back(figures(
+          "bundles: long streams, for only %.0f %% of neighbours start and run alike", alike));
+      break;
+  }
 }
 
 }  // namespace
 
-Coherence sample_coherence(const RaySource& rays, const std::uint32_t* order, const Box* whole) {
+Coherence sample_coherence(const RaySource& rays, const Box* whole) {
   constexpr std::size_t kGroup = 16;
   // Of a small batch fewer: a look at it must not cost what going through it does.
   const std::size_t groups =
@@ -161,10 +170,8 @@ Coherence sample_coherence(const RaySource& rays, const std::uint32_t* order, co
     std::uint32_t first = 0, same = 0;
     std::array<Ray, kGroup> room;
     const std::size_t begin = g * stride;
-    const View<const Ray> group =
-        order == nullptr ? rays.peek(begin, begin + kGroup, room.data()) : View<const Ray>(room);
+    const View<const Ray> group = rays.peek(begin, begin + kGroup, room.data());
     for (std::size_t i = 0; i < kGroup; ++i) {
-      if (order != nullptr) room[i] = ray_at(rays, order[begin + i]);
       const Ray& ray = group[i];
       const Vec3 d = ray.direction / max_component(abs(ray.direction));
       if (i == 0) first = quarter_of(d);
@@ -215,18 +222,6 @@ Plan plan_rays(const SceneHistory& scene, const RaySource& rays, const Box& whol
   Plan plan;
   choose_bundle(scene, rays, &whole, explain, &plan);
   return plan;
-}
-
-void choose_sorting(float tree_cost, bool explain, Plan* plan) {
-  plan->sort = plan->disorder && tree_cost > kSortCost;
-  if (!explain || !plan->disorder) return;
-  plan->reasons.push_back(figures(
-      plan->sort
-          ? "rays: sorted, for a long one is expected to meet %.2g boxes of the tree's, more "
-            "than %.2g"
-          : "rays: not sorted, for a long one is expected to meet but %.2g boxes of the "
-            "tree's, no more than %.2g",
-      static_cast<double>(tree_cost), static_cast<double>(kSortCost)));
 }
 
 }  // namespace raysheaf

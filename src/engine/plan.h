@@ -24,10 +24,9 @@ struct Coherence {
   [[nodiscard]] bool directions_alike() const { return direction > 0.7; }
 };
 
-/// `order` = null: as they stand. `whole`: what they may start in; null: the batch's own extent.
-/// O(1): a sample. Rays that are wrong do no harm.
-[[nodiscard]] Coherence sample_coherence(const RaySource& rays, const std::uint32_t* order,
-                                         const Box* whole = nullptr);
+/// `whole`: what they may start in; null: the batch's own extent. O(1): a sample. Rays that are
+/// wrong do no harm.
+[[nodiscard]] Coherence sample_coherence(const RaySource& rays, const Box* whole = nullptr);
 
 /// What becomes of the object tree before the rays go through it.
 enum class TreeWork : std::uint8_t { kKeep, kRefit, kRebuild, kRebuildFinely };
@@ -51,9 +50,7 @@ struct SceneHistory {
 struct Plan {
   bool fan = false;  ///< triangles stream against cells over the rays; there is no object tree
   TreeWork tree = TreeWork::kKeep;
-  bool disorder = false;  ///< rays that stand beside each other start apart
-  bool alike = false;     ///< they start close to each other and run alike
-  bool sort = false;      ///< set by `choose_sorting`
+  bool alike = false;  ///< rays that stand beside each other start close together and run alike
   Bundle bundle = Bundle::kPacket;
   std::vector<std::string> reasons;  ///< a sentence a choice
 };
@@ -69,9 +66,5 @@ struct Plan {
 [[nodiscard]] Plan plan_tree(const SceneHistory& scene, bool explain);
 [[nodiscard]] Plan plan_rays(const SceneHistory& scene, const RaySource& rays, const Box& whole,
                              bool explain);
-
-/// Once the tree is there: whether the rays are worth sorting. `tree_cost` is its
-/// `surface_area_cost`.
-void choose_sorting(float tree_cost, bool explain, Plan* plan);
 
 }  // namespace raysheaf

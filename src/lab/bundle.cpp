@@ -221,17 +221,6 @@ std::optional<RayBundle> fan_bundle(const Executor& executor, View<const Ray> ra
   return std::nullopt;
 }
 
-/// What the plan for sorting asks of the object tree.
-float tree_cost(const Executor& executor, const FlatScene& scene) {
-  std::vector<Vec3> corners;
-  for (std::uint32_t i = 0; i < scene.triangle_count; ++i)
-    for (int k = 0; k < 3; ++k) corners.push_back(scene.corner(i, k));
-  const TriangleRun run{corners.data(), nullptr, 0, scene.triangle_count};
-  ObjectTree tree;
-  build_object_tree(executor, {{&run, 1}, scene.triangle_count, scene.flags.data()}, &tree);
-  return tree.surface_area_cost;
-}
-
 RayBundle dual_bundle(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
                       std::size_t ray) {
   const bool any = asks_occlusion(batch);
@@ -249,11 +238,10 @@ RayBundle dual_bundle(const Executor& executor, const FlatScene& scene, const Ra
     if (auto bundle = fan_bundle(executor, rays, ray)) return *std::move(bundle);
     plan = plan_without_fan(history, RaysInPlace(rays), false);
   }
-  choose_sorting(tree_cost(executor, scene), false, &plan);
-  if (plan.bundle == Bundle::kStream)
+  if (plan.bundle != Bundle::kPacket)
     return alone(rays[ray], "1 ray of a stream: a box is tested with each ray of its list");
   RayOrder order;
-  order_rays(executor, rays, plan.sort ? Sorting::kCurve : Sorting::kByQuarter, &order);
+  order_rays(executor, rays, Sorting::kByQuarter, &order);
   const std::size_t place = place_of({order.rays.data(), rays.size}, ray);
   const auto* after = std::upper_bound(order.starts.begin(), order.starts.end(), place);
   const std::size_t first = after[-1] + (place - after[-1]) / kPacketWidth * kPacketWidth;

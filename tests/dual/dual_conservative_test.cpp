@@ -28,7 +28,7 @@ TEST(DualConservative, FindsEveryHit) {
     pairs += hit_count(rows) + 1;
     ObjectTree tree;
     make_tree(&heap, static_cast<Tree>(round % 3), &tree);
-    for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream}) {
+    for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream, Bundle::kLongStream}) {
       const DualScene scene{&tree, nullptr, Facing::kBoth, bundle};
       const Sorting sorting = random.below(2) == 0 ? Sorting::kCurve : Sorting::kByQuarter;
       ASSERT_TRUE(right(rows, ask(one_thread(), scene, rays, sorting), rays))

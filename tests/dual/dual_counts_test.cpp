@@ -14,7 +14,8 @@ struct Setting {
 constexpr Setting kSettings[] = {{Tree::kCurve, Bundle::kPacket, Sorting::kCurve},
                                  {Tree::kFine, Bundle::kPacket, Sorting::kByQuarter},
                                  {Tree::kCurve, Bundle::kStream, Sorting::kByQuarter},
-                                 {Tree::kFine, Bundle::kStream, Sorting::kCurve}};
+                                 {Tree::kFine, Bundle::kStream, Sorting::kCurve},
+                                 {Tree::kFine, Bundle::kLongStream, Sorting::kByQuarter}};
 
 /// 16 in a row that run alike, so that beams are narrow.
 std::vector<Ray> camera_rays(std::uint32_t side) {
@@ -165,6 +166,26 @@ TEST(DualCounts, PilotsThatSpareNobodyStayFew) {
   EXPECT_LT(a.counts[1].sum(), a.counts[0].sum());
 }
 
+/// One stream has them all, or many have a part each: what they share is fetched once a stream.
+TEST(DualCounts, LongStreamsAreTheSameOnAnyThreads) {
+  Random random(29);
+  Heap heap = make_heap(Shape::kSmall, 2000, random);
+  ObjectTree tree;
+  make_tree(&heap, Tree::kFine, &tree);
+  std::vector<Ray> rays = any_rays(heap, 60000, random);
+  std::vector<Ray> turned(rays.begin(), rays.begin() + 40000);
+  turn_into_one_quarter(
+      &turned);  // more of them than the quarters' share, in streams of one length
+  rays.insert(rays.end(), turned.begin(), turned.end());
+  DualScene scene{.tree = &tree, .bundle = Bundle::kStream};
+  const Answers streams = ask(one_thread(), scene, rays, Sorting::kByQuarter);
+  scene.bundle = Bundle::kLongStream;
+  const Answers one = ask(one_thread(), scene, rays, Sorting::kByQuarter);
+  EXPECT_TRUE(right(streams.all, one, rays));
+  EXPECT_TRUE(same(one, ask(two_threads(), scene, rays, Sorting::kByQuarter)));
+  EXPECT_EQ(one.counts[0].beam_box_tests, 0u);
+}
+
 /// Shares are added to what there is; no room for them and no counts are fine too.
 TEST(DualCounts, AreOptional) {
   Random random(26);
@@ -174,7 +195,7 @@ TEST(DualCounts, AreOptional) {
   make_tree(&heap, Tree::kCurve, &tree);
   RayOrder order;
   order_rays(one_thread(), View<const Ray>(rays), Sorting::kCurve, &order);
-  for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream}) {
+  for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream, Bundle::kLongStream}) {
     const DualScene scene{&tree, nullptr, Facing::kBoth, bundle};
     std::vector<EngineHit> with(rays.size()), without(rays.size());
     std::vector<float> tests(rays.size(), 1000);

@@ -191,7 +191,7 @@ inline std::size_t expect_right(Heap heap, const std::vector<Ray>& rays,
   for (const Tree how : {Tree::kCurve, Tree::kFine, Tree::kRefitted}) {
     ObjectTree tree;
     make_tree(&heap, how, &tree);
-    for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream}) {
+    for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream, Bundle::kLongStream}) {
       const DualScene scene{&tree, heap.flags.empty() ? nullptr : heap.flags.data(), facing,
                             bundle};
       const bool sorted = (how == Tree::kFine) == (bundle == Bundle::kPacket);

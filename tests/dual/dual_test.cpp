@@ -182,7 +182,7 @@ TEST(Dual, DeepTree) {
                     kInfinity});
   const HitRows rows = brute_force(heap, rays);
   EXPECT_GT(hit_count(rows), 50000u);
-  for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream}) {
+  for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream, Bundle::kLongStream}) {
     const DualScene scene{&tree, nullptr, Facing::kBoth, bundle};
     EXPECT_TRUE(right(rows, ask(one_thread(), scene, rays, Sorting::kByQuarter), rays));
     const std::vector<Ray> few(rays.begin(), rays.begin() + 3);

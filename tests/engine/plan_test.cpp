@@ -91,26 +91,21 @@ TEST(Plan, FanByWhatItMetLast) {
 TEST(Plan, BundlesByCoherence) {
   Random random(2);
   const Plan camera = plan_of(history(1000), picture(128));
-  EXPECT_FALSE(camera.sort);
   EXPECT_EQ(camera.bundle, Bundle::kPacket);
   EXPECT_EQ(plan_of(history(100000), picture(128)).bundle, Bundle::kStream);
-  EXPECT_TRUE(says(camera, "not sorted"));
+  EXPECT_TRUE(says(camera, "start within"));
   EXPECT_TRUE(says(camera, "packets"));
-  EXPECT_FALSE(camera.disorder);
-  Plan any = plan_of(history(1000), disorder(10000, random));
-  EXPECT_TRUE(any.disorder);
-  EXPECT_EQ(any.bundle, Bundle::kStream);
-  EXPECT_TRUE(says(any, "streams"));
-  choose_sorting(3, true, &any);
-  EXPECT_FALSE(any.sort);
-  EXPECT_TRUE(says(any, "rays: not sorted"));
-  choose_sorting(30, true, &any);
-  EXPECT_TRUE(any.sort);
-  EXPECT_TRUE(says(any, "rays: sorted"));
-  Plan occlusion = plan_of(history(1000), scattered(128, random));
-  choose_sorting(30, true, &occlusion);
-  EXPECT_FALSE(occlusion.sort);
+  EXPECT_TRUE(camera.alike);
+  const Plan any = plan_of(history(1000), disorder(10000, random));
+  EXPECT_FALSE(any.alike);
+  EXPECT_EQ(any.bundle, Bundle::kLongStream);
+  EXPECT_TRUE(says(any, "extent apart"));
+  EXPECT_TRUE(says(any, "long streams"));
+  const Plan occlusion = plan_of(history(1000), scattered(128, random));
+  EXPECT_FALSE(occlusion.alike);
   EXPECT_EQ(occlusion.bundle, Bundle::kStream);
+  EXPECT_TRUE(says(occlusion, "no more than 98304"));
+  EXPECT_EQ(plan_of(history(1000), scattered(320, random)).bundle, Bundle::kLongStream);
 }
 
 TEST(Plan, CoherenceOfOrders) {
@@ -118,15 +113,17 @@ TEST(Plan, CoherenceOfOrders) {
   const std::vector<Ray> rays = disorder(50000, random);
   RayOrder order;
   order_rays(one_thread(), View<const Ray>(rays), Sorting::kCurve, &order);
-  const Coherence before = sample_coherence(RaysInPlace(View<const Ray>(rays)), nullptr);
-  const Coherence after = sample_coherence(RaysInPlace(View<const Ray>(rays)), order.rays.data());
+  std::vector<Ray> ordered;
+  for (const std::uint32_t number : order.rays) ordered.push_back(rays[number]);
+  const Coherence before = sample_coherence(RaysInPlace(View<const Ray>(rays)));
+  const Coherence after = sample_coherence(RaysInPlace(View<const Ray>(ordered)));
   EXPECT_GT(before.origin, 0.5);
   EXPECT_EQ(before.direction, 0);
   EXPECT_LT(after.origin, before.origin);
   EXPECT_GT(after.direction, before.direction);
-  EXPECT_EQ(sample_coherence(RaysInPlace({}), nullptr).origin, 0);
+  EXPECT_EQ(sample_coherence(RaysInPlace({})).origin, 0);
   for (const std::size_t few : {1, 15, 16, 17, 1023})
-    EXPECT_LE(sample_coherence(RaysInPlace({rays.data(), few}), nullptr).direction, 1);
+    EXPECT_LE(sample_coherence(RaysInPlace({rays.data(), few})).direction, 1);
 }
 
 TEST(Plan, SaysWhichRaysAreAlike) {
@@ -186,7 +183,6 @@ TEST(Plan, ReasonsWhereAsked) {
   const Plan silent = make_plan(history(100), RaysInPlace(View<const Ray>(rays)), false, false);
   EXPECT_TRUE(silent.reasons.empty());
   EXPECT_EQ(silent.tree, told.tree);
-  EXPECT_EQ(silent.sort, told.sort);
   EXPECT_EQ(silent.bundle, told.bundle);
 }
 

@@ -1,0 +1,69 @@
+// A batch whose rays run every way, and that goes through the tree as a whole: taken tile by tile,
+// each tile in the order of quarters.
+//
+//   caller   0 1 2 3 | 4 5 6 7        rays of quarters a and b: a b b a | b a a b
+//   here     0 3 1 2 | 5 6 4 7        quarter a is 0 1 | 4 5 of these, quarter b is 2 3 | 6 7
+//
+// A quarter's rays are read, and their hits written, in runs of hundreds; in the caller's order
+// they would stand a cache line or more apart each, and every line be fetched once for each
+// quarter. Back in the caller's order hits are put within a tile, which stays in the caches.
+#pragma once
+
+#include "base/spares.h"
+#include "dual/dual.h"
+#include "dual/ray_order.h"
+#include "engine/ray_source.h"
+#include "engine/ray_tiles.h"
+
+namespace raysheaf {
+
+/// One engine's. For one query at a time.
+class QuarteredRays {
+ public:
+  /// Takes all rays of the source. O(rays).
+  void take(const Executor& executor, const RaySource& rays);
+
+  [[nodiscard]] View<const Ray> rays() const { return {rays_.data(), rays_.size()}; }
+  /// Of `rays()`, by quarter.
+  [[nodiscard]] const RayOrder& order() const { return order_; }
+
+  /// Room for what is found for `rays()`.
+  [[nodiscard]] View<EngineHit> hits();
+  [[nodiscard]] View<std::uint8_t> occluded();
+  /// The same in the caller's order.
+  void hand_over_hits(const Executor& executor, const HitSink& sink);
+  void hand_over_occluded(const Executor& executor, View<std::uint8_t> occluded) const;
+
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  static constexpr std::size_t kTile = 16384;  ///< rays: half a MiB
+
+  struct Tile {
+    Buffer<Ray> rays;
+    Buffer<EngineHit> hits;
+    Buffer<std::uint8_t> quarters;
+
+    [[nodiscard]] std::size_t bytes() const {
+      return rays.capacity_bytes() + hits.capacity_bytes() + quarters.capacity_bytes();
+    }
+  };
+  using Starts = std::array<std::uint32_t, kQuarters>;
+
+  /// Calls `body(first ray, end, tile's number)` for all tiles.
+  template <class Body>
+  void for_each_tile(const Executor& executor, const Body& body) const;
+  /// Counts the rays of each quarter in a tile, and moves them to their places.
+  void sort_tile(View<const Ray> from, std::size_t begin, std::uint8_t* quarters, Starts* counts);
+  void make_order(const Executor& executor);
+
+  Buffer<Ray> rays_;
+  Buffer<std::uint16_t> places_;  ///< of the caller's rays, each in its tile
+  std::vector<Starts> counts_;    ///< of each tile
+  RayOrder order_;
+  Buffer<EngineHit> hits_;
+  Buffer<std::uint8_t> occluded_;
+  Spares<Tile> spares_;
+};
+
+}  // namespace raysheaf
