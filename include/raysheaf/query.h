@@ -39,8 +39,9 @@ struct QueryStatistics {
   std::uint64_t triangle_tests = 0;   ///< a ray with a triangle
   // Milliseconds.
   double update_ms = 0;     ///< what changed the scene before its last commit, and that commit
-  double check_ms = 0;      ///< looking the rays over, and packing those that come in parts
-  double order_ms = 0;      ///< keys and sort of the rays
+  double check_ms = 0;      ///< looking the rays over, packing those that come in parts, and, where
+                            ///< they go in long streams (docs/dual.md), putting them by quarter
+  double order_ms = 0;      ///< the order of the rays else: quarters, or keys and a sort
   double hierarchy_ms = 0;  ///< over the triangles, where they have changed, and over the rays
   double trace_ms = 0;      ///< bringing the two together
   double total_ms = 0;      ///< the whole call, with writing results and what is not above; where

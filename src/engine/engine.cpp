@@ -55,6 +55,13 @@ bool goes_in_tiles(const Plan& plan) {
   return plan.alike;
 }
 
+void tell_of_tiles(std::size_t rays, Bundle bundle, EngineReport* report) {
+  if (report == nullptr) return;
+  report->plan.push_back("stages: one after the other for tiles of " +
+                         std::to_string(std::min(rays, RayTiles::tile_size(rays, bundle))) +
+                         " rays, for neighbours are alike");
+}
+
 }  // namespace
 
 void Engine::set_triangles(const TriangleSource& source, bool same_triangles) {
@@ -194,6 +201,7 @@ void Engine::closest_hit(const Executor& executor, const RaySource& rays,
   Plan plan = make_plan(history_, rays, false, report != nullptr);
   prepare(executor, rays.size(), &plan, report);
   if (goes_in_tiles(plan)) {
+    tell_of_tiles(rays.size(), plan.bundle, report);
     Reporter reporter(report);
     DualCounts counts;
     reporter.add(tiles_->closest_hit(executor, rays, dual_scene(plan, options), sink, &counts));
@@ -263,6 +271,7 @@ void Engine::any_hit(const Executor& executor, const RaySource& rays, const Engi
   }
   prepare(executor, rays.size(), &plan, report);
   if (goes_in_tiles(plan) && all.empty()) {
+    tell_of_tiles(rays.size(), plan.bundle, report);
     Reporter reporter(report);
     DualCounts counts;
     reporter.add(tiles_->any_hit(executor, rays, dual_scene(plan, options), occluded, &counts));

@@ -13,12 +13,12 @@ namespace {
 /// batch is for many threads, too.
 constexpr std::size_t kPacketTile = 1024, kLeastTile = 8192, kMostTile = 32768, kTiles = 64;
 
-std::size_t tile_size(std::size_t rays, Bundle bundle) {
+}  // namespace
+
+std::size_t RayTiles::tile_size(std::size_t rays, Bundle bundle) {
   if (bundle != Bundle::kStream) return kPacketTile;
   return std::clamp<std::size_t>(div_ceil(rays, kTiles), kLeastTile, kMostTile);
 }
-
-}  // namespace
 
 template <class Trace>
 TileTimes RayTiles::run(const Executor& executor, const RaySource& rays, const DualScene& scene,

@@ -24,6 +24,9 @@ struct TileTimes {
 /// One engine's. For one query at a time.
 class RayTiles {
  public:
+  /// The rays of each tile of a batch but the last.
+  [[nodiscard]] static std::size_t tile_size(std::size_t rays, Bundle bundle);
+
   /// `scene` as `trace_closest` has it. Adds to `counts`, which are the same with any number of
   /// threads.
   TileTimes closest_hit(const Executor& executor, const RaySource& rays, const DualScene& scene,

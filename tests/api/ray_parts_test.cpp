@@ -137,7 +137,8 @@ struct Batch {
   const char* plan;
 };
 std::vector<Batch> batches(std::size_t count) {
-  return {{picture(count), "bundles: streams, for "}, {disorder(count), "bundles: long streams"}};
+  return {{picture(count), "stages: one after the other for tiles of "},
+          {disorder(count), "bundles: long streams"}};
 }
 
 /// Every 37th by brute force: all of them take long.
@@ -150,7 +151,9 @@ void expect_right(const Scene& scene, const Batch& batch) {
   const QueryOptions counting{.count_tests = true, .statistics = &statistics};
   closest_hit(scene, kept.parts(), hits, counting);
   EXPECT_GT(statistics.ray_bound_tests, 0u);
-  EXPECT_EQ(statistics.plan.back().rfind(batch.plan, 0), 0u) << statistics.plan.back();
+  EXPECT_TRUE(std::ranges::any_of(statistics.plan, [&](const std::string& sentence) {
+    return sentence.starts_with(batch.plan);
+  }));
   any_hit(scene, kept.parts(), occluded);
   std::vector<Ray> some;
   for (std::size_t i = 0; i < rays.size(); i += 37) some.push_back(rays[i]);
