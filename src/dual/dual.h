@@ -1,4 +1,4 @@
-// Packets of sorted rays through the object tree: the heart of `dual`.
+// Rays in bundles through the object tree: the heart of `dual`.
 //
 //   packet: 16 rays towards one face        beam: what all of them stay in
 //

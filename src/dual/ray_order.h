@@ -1,5 +1,6 @@
-// The order in which `dual` takes the rays of a batch: by the quarter of a cube's face that they
-// run towards, then along a Morton curve through the five dimensions of rays, origin and slopes.
+// Orders of a batch's rays: by the quarter of a cube's face that they run towards, in which `dual`
+// takes them; and then along a Morton curve through the five dimensions of rays, origin and slopes,
+// for hierarchies over rays (stream/ray_tree.h).
 //
 // Rays of one quarter share the axis along which the ray-triangle test shears them, and which of a
 // box's planes they meet first: nothing has to be chosen lane by lane.

@@ -70,7 +70,7 @@ struct QuadHits {
 static_assert(4 * SingleWalks::kMost <= 64);
 
 /// `count` rays, kMost at most, without a branch: whether a ray meets any of its quad, nobody can
-/// foretell. `ray(i)` and `quad(i)`: of those and of kQuadRays - 1 more.
+/// foretell. `ray_at(i)` and `quad_at(i)`: of those and of kQuadRays - 1 more.
 template <class RayAt, class QuadAt>
 HWY_INLINE void meet_quads(const SharedAxes& a, std::uint32_t count, const RayAt& ray_at,
                            const QuadAt& quad_at, QuadHits* hits) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <utility>
 
 #include "base/bits.h"
 
@@ -17,49 +16,43 @@ void QuarteredRays::for_each_tile(const Executor& executor, const Body& body) co
 }
 
 void QuarteredRays::take(const Executor& executor, const RaySource& rays) {
+  const Executor serial = Executor::serial();
   rays_.resize_uninitialized(rays.size());
-  places_.resize_uninitialized(rays.size());
-  counts_.resize(div_ceil(rays.size(), kTile));
+  numbers_.resize_uninitialized(rays.size());
+  starts_.resize(div_ceil(rays.size(), kTile));
   for_each_tile(executor, [&](std::size_t begin, std::size_t end, std::size_t number) {
     const Borrowed<Tile> tile(spares_);
     tile->rays.resize_uninitialized(end - begin);
-    tile->quarters.resize_uninitialized(end - begin);
     const View<const Ray> from = rays.take(begin, end, tile->rays.data());
-    sort_tile(from, begin, tile->quarters.data(), &counts_[number]);
+    order_rays(serial, from, Sorting::kByQuarter, &tile->order);
+    starts_[number] = tile->order.starts;
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t n = tile->order.rays[i - begin];
+      numbers_[i] = static_cast<std::uint16_t>(n);
+      rays_[i] = from[n];
+    }
   });
   make_order(executor);
 }
 
-void QuarteredRays::sort_tile(View<const Ray> from, std::size_t begin, std::uint8_t* quarters,
-                              Starts* counts) {
-  find_quarters(from, quarters);
-  *counts = {};
-  for (std::size_t i = 0; i < from.size; ++i) ++(*counts)[quarters[i]];
-  Starts next = *counts;
-  std::exclusive_scan(next.begin(), next.end(), next.begin(), 0u);
-  for (std::size_t i = 0; i < from.size; ++i) {
-    const std::uint32_t place = next[quarters[i]]++;
-    places_[begin + i] = static_cast<std::uint16_t>(place);
-    rays_[begin + place] = from[i];
-  }
-}
-
 void QuarteredRays::make_order(const Executor& executor) {
   order_.rays.resize_uninitialized(rays_.size());
-  std::vector<Starts> places = counts_;
+  std::vector<Starts> places(starts_.size());  // of each tile's rays of a quarter
   std::uint32_t sum = 0;
   for (std::uint32_t q = 0; q < kQuarters; ++q) {
     order_.starts[q] = sum;
-    for (Starts& tile : places) sum += std::exchange(tile[q], sum);
+    for (std::size_t tile = 0; tile < starts_.size(); ++tile) {
+      places[tile][q] = sum;
+      sum += starts_[tile][q + 1] - starts_[tile][q];
+    }
   }
   order_.starts[kQuarters] = sum;
   for_each_tile(executor, [&](std::size_t begin, std::size_t /*end*/, std::size_t number) {
-    auto from = static_cast<std::uint32_t>(begin);
+    const Starts& starts = starts_[number];
     for (std::uint32_t q = 0; q < kQuarters; ++q) {
-      const std::uint32_t count = counts_[number][q];
       std::uint32_t* const out = order_.rays.data() + places[number][q];
-      std::iota(out, out + count, from);
-      from += count;
+      std::iota(out, out + (starts[q + 1] - starts[q]),
+                static_cast<std::uint32_t>(begin) + starts[q]);
     }
   });
 }
@@ -78,7 +71,7 @@ void QuarteredRays::hand_over_hits(const Executor& executor, const HitSink& sink
   for_each_tile(executor, [&](std::size_t begin, std::size_t end, std::size_t /*number*/) {
     const Borrowed<Tile> tile(spares_);
     tile->hits.resize_uninitialized(end - begin);
-    for (std::size_t i = begin; i < end; ++i) tile->hits[i - begin] = hits_[begin + places_[i]];
+    for (std::size_t i = begin; i < end; ++i) tile->hits[numbers_[i]] = hits_[i];
     sink(begin, tile->hits);
   });
 }
@@ -86,12 +79,12 @@ void QuarteredRays::hand_over_hits(const Executor& executor, const HitSink& sink
 void QuarteredRays::hand_over_occluded(const Executor& executor,
                                        View<std::uint8_t> occluded) const {
   for_each_tile(executor, [&](std::size_t begin, std::size_t end, std::size_t /*number*/) {
-    for (std::size_t i = begin; i < end; ++i) occluded[i] = occluded_[begin + places_[i]];
+    for (std::size_t i = begin; i < end; ++i) occluded[begin + numbers_[i]] = occluded_[i];
   });
 }
 
 std::size_t QuarteredRays::bytes() const {
-  return rays_.capacity_bytes() + places_.capacity_bytes() + counts_.capacity() * sizeof(Starts) +
+  return rays_.capacity_bytes() + numbers_.capacity_bytes() + starts_.capacity() * sizeof(Starts) +
          order_.bytes() + hits_.capacity_bytes() + occluded_.capacity_bytes() + spares_.bytes();
 }
 

@@ -42,24 +42,23 @@ class QuarteredRays {
   struct Tile {
     Buffer<Ray> rays;
     Buffer<EngineHit> hits;
-    Buffer<std::uint8_t> quarters;
+    RayOrder order;
 
     [[nodiscard]] std::size_t bytes() const {
-      return rays.capacity_bytes() + hits.capacity_bytes() + quarters.capacity_bytes();
+      return rays.capacity_bytes() + hits.capacity_bytes() + order.bytes();
     }
   };
-  using Starts = std::array<std::uint32_t, kQuarters>;
+  using Starts = std::array<std::uint32_t, kQuarters + 1>;
 
   /// Calls `body(first ray, end, tile's number)` for all tiles.
   template <class Body>
   void for_each_tile(const Executor& executor, const Body& body) const;
-  /// Counts the rays of each quarter in a tile, and moves them to their places.
-  void sort_tile(View<const Ray> from, std::size_t begin, std::uint8_t* quarters, Starts* counts);
+  /// Of all tiles', which are ordered.
   void make_order(const Executor& executor);
 
   Buffer<Ray> rays_;
-  Buffer<std::uint16_t> places_;  ///< of the caller's rays, each in its tile
-  std::vector<Starts> counts_;    ///< of each tile
+  Buffer<std::uint16_t> numbers_;  ///< the caller's, within the tile, of `rays_`
+  std::vector<Starts> starts_;     ///< of the quarters in each tile
   RayOrder order_;
   Buffer<EngineHit> hits_;
   Buffer<std::uint8_t> occluded_;
