@@ -166,7 +166,7 @@ TEST(DualCounts, PilotsThatSpareNobodyStayFew) {
   EXPECT_LT(a.counts[1].sum(), a.counts[0].sum());
 }
 
-/// One stream has them all, or many have a part each: what they share is fetched once a stream.
+/// Cut where a quarter has many rays, and towards the batch's end, whoever takes them.
 TEST(DualCounts, LongStreamsAreTheSameOnAnyThreads) {
   Random random(29);
   Heap heap = make_heap(Shape::kSmall, 2000, random);
