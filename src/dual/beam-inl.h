@@ -121,14 +121,14 @@ HWY_INLINE FourLanes greatest4(RV a, RV b, RV c, RV e) {
 struct Spread {
   RV low, high, low_end, high_end;
 };
-HWY_INLINE Spread spread_of(std::uint32_t lanes, const RayPacket& p, const float* o,
-                            const float* shear, float length) {
+HWY_INLINE Spread spread_of(std::uint32_t lanes, const float* o, const float* shear, bool mirrored,
+                            const float* zetas, float length) {
   const RV infinity = set(std::numeric_limits<float>::infinity());
   Spread s{infinity, hn::Neg(infinity), infinity, hn::Neg(infinity)};
   for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
     const RM on = lanes_of(lanes, g);
-    const RV across = load(shear + g), slope = p.mirrored ? hn::Neg(across) : across;
-    const RV zeta = load(p.zeta + g);
+    const RV across = load(shear + g), slope = mirrored ? hn::Neg(across) : across;
+    const RV zeta = load(zetas + g);
     const RV a = hn::Sub(load(o + g), hn::Mul(slope, zeta));
     const RV b = hn::Add(load(o + g), hn::Mul(slope, hn::Sub(set(length), zeta)));
     s.low = hn::Min(s.low, hn::IfThenElse(on, a, infinity));
@@ -139,47 +139,50 @@ HWY_INLINE Spread spread_of(std::uint32_t lanes, const RayPacket& p, const float
   return s;
 }
 
-/// The beam of the lanes that are set: at least one.
-HWY_INLINE Beam make_beam(std::uint32_t lanes, RayPacket* p) {
+/// The beam of the lanes that are set: at least one. /// `Bundle`: RayPacket or
+/// StreamBlock. `zetas` takes the origins' zeta.
+template <class Bundle>
+HWY_INLINE Beam make_beam(std::uint32_t lanes, const Bundle& p, bool mirrored, float pad,
+                          float* zetas) {
   const Rays d;
-  const float sign = p->mirrored ? -1.0f : 1.0f;
-  const float first = p->oz[__builtin_ctz(lanes)];
+  const float sign = mirrored ? -1.0f : 1.0f;
+  const float first = p.oz[__builtin_ctz(lanes)];
   const RV infinity = set(std::numeric_limits<float>::infinity());
   RV nearest = infinity;
   for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
     const RV start =
-        hn::Add(hn::Mul(set(sign), hn::Sub(load(p->oz + g), set(first))), load(p->s_near + g));
+        hn::Add(hn::Mul(set(sign), hn::Sub(load(p.oz + g), set(first))), load(p.s_near + g));
     nearest = hn::Min(nearest, hn::IfThenElse(lanes_of(lanes, g), start, infinity));
   }
   const float plane = first + sign * least(nearest);
   RV start = infinity, end = hn::Neg(infinity);
   for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
     const RM on = lanes_of(lanes, g);
-    const RV zeta = hn::Mul(set(sign), hn::Sub(load(p->oz + g), set(plane)));
-    hn::Store(zeta, d, p->zeta + g);
-    const RV from = hn::Add(zeta, load(p->s_near + g)), to = hn::Add(zeta, load(p->s_far + g));
+    const RV zeta = hn::Mul(set(sign), hn::Sub(load(p.oz + g), set(plane)));
+    hn::Store(zeta, d, zetas + g);
+    const RV from = hn::Add(zeta, load(p.s_near + g)), to = hn::Add(zeta, load(p.s_far + g));
     start = hn::Min(start, hn::IfThenElse(on, from, infinity));
     end = hn::Max(end, hn::IfThenElse(on, to, hn::Neg(infinity)));
   }
   Beam beam;
-  beam.z_low = plane - p->pad;
-  beam.z_high = plane + p->pad;
+  beam.z_low = plane - pad;
+  beam.z_high = plane + pad;
   const FourLanes ends = least4(start, hn::Neg(end), start, hn::Neg(end));
-  beam.start = ends.lane[0] - p->pad;
-  beam.end = p->pad - ends.lane[1];
+  beam.start = ends.lane[0] - pad;
+  beam.end = pad - ends.lane[1];
   const float length = beam.end > 0 ? beam.end : 0;
-  const Spread x = spread_of(lanes, *p, p->ox, p->shear_x, length);
-  const Spread y = spread_of(lanes, *p, p->oy, p->shear_y, length);
+  const Spread x = spread_of(lanes, p.ox, p.shear_x, mirrored, zetas, length);
+  const Spread y = spread_of(lanes, p.oy, p.shear_y, mirrored, zetas, length);
   const FourLanes low = least4(x.low, x.low_end, y.low, y.low_end);
   const FourLanes high = greatest4(x.high, x.high_end, y.high, y.high_end);
   const float per_length = length > 0 ? 1 / length : 0;
-  const auto plane_of = [&](const FourLanes& f, int axis, float pad) {
+  const auto plane_of = [&](const FourLanes& f, int axis, float grown) {
     const float at = f.lane[2 * axis], last = f.lane[2 * axis + 1];
-    return BeamPlane{at + pad, inverse_slope((last - at) * per_length)};
+    return BeamPlane{at + grown, inverse_slope((last - at) * per_length)};
   };
-  beam.x_low = plane_of(low, 0, -p->pad);
-  beam.x_high = plane_of(high, 0, p->pad);
-  beam.y_low = plane_of(low, 1, -p->pad);
-  beam.y_high = plane_of(high, 1, p->pad);
+  beam.x_low = plane_of(low, 0, -pad);
+  beam.x_high = plane_of(high, 0, pad);
+  beam.y_low = plane_of(low, 1, -pad);
+  beam.y_high = plane_of(high, 1, pad);
   return beam;
 }

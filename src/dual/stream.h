@@ -14,6 +14,7 @@
 // "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG 2009.)
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -38,17 +39,30 @@ struct alignas(64) StreamRay {
 };
 static_assert(sizeof(StreamRay) == 64);
 
-/// Sixteen rays that follow each other: what boxes are tested with.
+/// Sixteen rays that follow each other, lane by lane: the fields of StreamRay.
 struct alignas(64) StreamBlock {
-  float ox[kPacketWidth], oy[kPacketWidth], oz[kPacketWidth];
-  float per_x[kPacketWidth], per_y[kPacketWidth];
-  float s_near[kPacketWidth], s_far[kPacketWidth];
+  float ox[kPacketWidth], oy[kPacketWidth], oz[kPacketWidth], t_limit[kPacketWidth];
+  float shear_x[kPacketWidth], shear_y[kPacketWidth], shear_z[kPacketWidth], t_min[kPacketWidth];
+  float per_x[kPacketWidth], per_y[kPacketWidth], s_near[kPacketWidth], s_far[kPacketWidth];
+  float along[kPacketWidth], u[kPacketWidth], v[kPacketWidth];
+  std::uint32_t triangle[kPacketWidth];
+
+  [[nodiscard]] StreamRay ray(std::uint32_t lane) const {
+    return {ox[lane],      oy[lane],    oz[lane],    t_limit[lane], shear_x[lane], shear_y[lane],
+            shear_z[lane], t_min[lane], per_x[lane], per_y[lane],   s_near[lane],  s_far[lane],
+            along[lane],   u[lane],     v[lane],     triangle[lane]};
+  }
 };
 
 /// A block and those of its rays that are in a list: bit i is ray i of the block.
 struct BlockRays {
   std::uint16_t block, rays;
 };
+/// As it stands in a list.
+[[nodiscard]] inline std::uint32_t word_of(std::uint32_t block, std::uint32_t rays) {
+  return std::bit_cast<std::uint32_t>(
+      BlockRays{static_cast<std::uint16_t>(block), static_cast<std::uint16_t>(rays)});
+}
 
 /// A child whose rays wait for their turn.
 struct WaitingList {
@@ -64,10 +78,11 @@ struct RowHit {
 };
 
 struct Stream : QuarterAxes {
-  Buffer<StreamRay> rays;
+  Buffer<StreamRay> rays;       ///< where there are blocks, of those that have left them
   Buffer<std::uint32_t> index;  ///< the caller's numbers
   Buffer<StreamBlock> blocks;
-  Buffer<Beam> beams;  ///< of the blocks
+  Buffer<Beam> beams;              ///< of the blocks
+  Buffer<std::uint32_t> recorded;  ///< of each block those of its rays that are in `rays`, as bits
   Buffer<std::uint32_t> lists;
   std::vector<WaitingList> waiting;
   std::vector<RowHit> rows;            ///< where all hits are asked for: of the task's rays
@@ -78,6 +93,7 @@ struct Stream : QuarterAxes {
     fit(kStreamRays);
     blocks.resize_uninitialized(kStreamRays / kPacketWidth);
     beams.resize_uninitialized(kStreamRays / kPacketWidth);
+    recorded.resize_uninitialized(kStreamRays / kPacketWidth);
   }
   /// Room for so many rays; what was there is lost.
   void fit(std::uint32_t size);
@@ -85,7 +101,7 @@ struct Stream : QuarterAxes {
   void grow_lists(std::size_t size);
   [[nodiscard]] std::size_t bytes() const {
     return rays.capacity_bytes() + index.capacity_bytes() + blocks.capacity_bytes() +
-           beams.capacity_bytes() + lists.capacity_bytes() +
+           beams.capacity_bytes() + recorded.capacity_bytes() + lists.capacity_bytes() +
            waiting.capacity() * sizeof(WaitingList) + rows.capacity() * sizeof(RowHit);
   }
 };

@@ -11,7 +11,9 @@
 // is left goes on as a list of rays.
 
 /// Blocks that keep fewer rays each, on average, go on as rays.
-inline constexpr std::uint32_t kRaysOfBlock = 8;
+inline constexpr std::uint32_t kRaysOfBlock = 6;
+/// The same of blocks at a leaf.
+inline constexpr std::uint32_t kRaysOfBlockAtLeaf = 6;
 
 /// Fewer beams than these are tested with all children at a time, instead of with each other.
 inline constexpr std::uint32_t kFewBlocks = 4;
@@ -62,34 +64,80 @@ template <class Mode>
 class StreamBlocks : protected StreamLists<Mode> {
  protected:
   using StreamHits<Mode>::tree_, StreamHits<Mode>::stream_, StreamHits<Mode>::counts_;
-  using StreamHits<Mode>::in_blocks_;
+  using StreamHits<Mode>::take_in_block;
   using StreamLists<Mode>::pad_list, StreamSingles<Mode>::walk_singles_of_stream;
 
   explicit StreamBlocks(const TraceJob& job) : StreamLists<Mode>(job) {}
 
-  /// The rays whose numbers stand from `offset` on, the least first, through the tree. What stands
-  /// there is lost.
-  void walk(std::uint32_t offset, std::uint32_t size) {
+  /// What stands from `offset` on in the lists, `size` rays or blocks, the least first, through the
+  /// tree; what stands there is lost.
+  void walk(std::uint32_t offset, std::uint32_t size, bool in_blocks) {
     if (size == 0) return;
     stream_.waiting.clear();
-    const std::uint32_t blocks =
-        in_blocks_ ? gather_blocks(stream_.lists.data() + offset, size) : 0;
-    if (in_blocks_ && stay_together(size, blocks)) {
-      keep_blocks(0, blocks, offset);
-      stream_.waiting.push_back({0, 0, offset, blocks, true});
-    } else {
-      stream_.waiting.push_back({0, 0, offset, size});
-    }
+    stream_.waiting.push_back({0, 0, offset, size, in_blocks});
     while (!stream_.waiting.empty()) {
       const WaitingList next = stream_.waiting.back();
       stream_.waiting.pop_back();
-      if (next.in_blocks) {
-        open_blocks(next);
-      } else {
-        meet(next);
-      }
+      meet_list(next);
     }
     walk_singles_of_stream();
+  }
+
+  /// What comes next for the rays of a list.
+  HWY_INLINE void meet_list(const WaitingList& list) {
+    if (!list.in_blocks) {
+      meet(list);
+    } else if (list.count != 0) {
+      meet_leaf_in_blocks(list);
+    } else {
+      open_blocks(list);
+    }
+  }
+
+  /// Those of a block's rays that are `some` have records of their own from now on.
+  HWY_INLINE void leave_block(std::uint32_t block, std::uint32_t some) {
+    for (std::uint32_t turn = some & ~stream_.recorded[block]; turn != 0; turn &= turn - 1) {
+      const auto lane = static_cast<std::uint32_t>(__builtin_ctz(turn));
+      stream_.rays[block * kPacketWidth + lane] = stream_.blocks[block].ray(lane);
+    }
+    stream_.recorded[block] |= some;
+  }
+
+  /// Triangles from a place on with rays of a block.
+  HWY_INLINE void meet_block(std::uint32_t first, std::uint32_t count, BlockRays rays) {
+    const Rays d;
+    const Stream& s = stream_;
+    const StreamBlock& b = s.blocks[rays.block];
+    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+      const RV ox = load(b.ox + g), oy = load(b.oy + g), oz = load(b.oz + g);
+      const RV shear_x = load(b.shear_x + g), shear_y = load(b.shear_y + g);
+      const RV shear_z = load(b.shear_z + g);
+      const RV t_min = load(b.t_min + g), t_limit = load(b.t_limit + g);
+      for (std::uint32_t place = first; place < first + count; ++place) {
+        const TriangleQuad& q = tree_.quads[place / 4];
+        const std::uint32_t k = place % 4;
+        const float* x = &q.vertex[0][s.axis_x][k];
+        const float* y = &q.vertex[0][s.axis_y][k];
+        const float* z = &q.vertex[0][s.axis_z][k];
+        const auto moved = [&](int c) {
+          return sheared(d, hn::Sub(set(x[12 * c]), ox), hn::Sub(set(y[12 * c]), oy),
+                         hn::Sub(set(z[12 * c]), oz), shear_x, shear_y);
+        };
+        Tested<Rays> tested;
+        if (test_lanes(d, moved(0), moved(1), moved(2), shear_z, t_min, t_limit, &tested))
+          take_in_block(place, rays, g, tested);
+      }
+    }
+  }
+
+  void meet_leaf_in_blocks(const WaitingList& list) {
+    const auto* from = reinterpret_cast<const BlockRays*>(stream_.lists.data() + list.offset);
+    std::uint32_t rays = 0;
+    for (std::uint32_t i = 0; i < list.size; ++i) {
+      rays += static_cast<std::uint32_t>(__builtin_popcount(from[i].rays));
+      meet_block(4 * list.first, list.count, from[i]);
+    }
+    counts_.triangle_tests += std::uint64_t{rays} * list.count;
   }
 
  private:
@@ -97,24 +145,6 @@ class StreamBlocks : protected StreamLists<Mode> {
   using StreamLists<Mode>::sorted_children, StreamLists<Mode>::subtrees_;
 
   static constexpr std::uint32_t kMostBlocks = kStreamRays / kPacketWidth;
-
-  static bool stay_together(std::uint32_t rays, std::uint32_t blocks) {
-    return rays >= kRaysOfBlock * blocks;
-  }
-
-  /// Into `found_[0]`; returns how many.
-  std::uint32_t gather_blocks(const std::uint32_t* numbers, std::uint32_t size) {
-    std::uint32_t end = 0, rays = 0;
-    for (std::uint32_t i = 0; i < size; ++i) {
-      const std::uint32_t block = numbers[i] / kPacketWidth;
-      rays |= 1u << numbers[i] % kPacketWidth;
-      found_[0][end] = {static_cast<std::uint16_t>(block), static_cast<std::uint16_t>(rays)};
-      const bool last = i + 1 == size || numbers[i + 1] / kPacketWidth != block;
-      end += last ? 1 : 0;
-      rays = last ? 0 : rays;
-    }
-    return end;
-  }
 
   /// Room for kPacketWidth more is needed.
   void keep_blocks(std::uint32_t c, std::uint32_t blocks, std::uint32_t offset) {
@@ -127,6 +157,7 @@ class StreamBlocks : protected StreamLists<Mode> {
     std::uint32_t* out = stream_.lists.data() + offset;
     for (std::uint32_t i = 0; i < blocks; ++i) {
       const BlockRays from = found_[c][i];
+      leave_block(from.block, from.rays);
       out = append_lanes(from.block * kPacketWidth, from.rays, out);
     }
   }
@@ -211,7 +242,7 @@ class StreamBlocks : protected StreamLists<Mode> {
       }
       counts_.ray_box_tests += tests;
       if (blocks == 0) continue;
-      const bool together = !node.is_leaf(c) && stay_together(rays, blocks);
+      const bool together = rays >= (node.is_leaf(c) ? kRaysOfBlockAtLeaf : kRaysOfBlock) * blocks;
       const std::uint32_t size = together ? blocks : rays;
       s.grow_lists(std::size_t{end} + size + 2 * kPacketWidth);
       if (together) {

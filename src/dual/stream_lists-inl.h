@@ -129,7 +129,7 @@ class StreamLists : protected StreamSingles<Mode> {
   }
 
   void meet_leaf(const WaitingList& list) {
-    Stream& s = stream_;
+    const Stream& s = stream_;
     counts_.triangle_tests += std::uint64_t{list.size} * list.count;
     if (list.size <= kFewAtQuads) return meet_leaf_by_quads(list);
     const std::uint32_t* numbers = s.lists.data() + list.offset;

@@ -48,6 +48,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #include "dual/stream_blocks-inl.h"
 
+#include "dual/stream_pilots-inl.h"
+
 #include "dual/stream-inl.h"
 
 inline void prefetch_rays(const TraceJob& job, const PacketRange& range) {

@@ -47,7 +47,7 @@ class Walk {
     } else {
       counts_.ray_box_tests += p.count;
       if (lanes != 0) {
-        beam_ = make_beam(lanes, &p);
+        beam_ = make_beam(lanes, p, p.mirrored, p.pad, p.zeta);
         walk_beam();
       }
     }
