@@ -9,7 +9,9 @@ class StreamWalk : StreamPilots<Mode> {
   void run(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
     const DualCounts before = counts_;
     std::uint32_t alive = fill(first, count, quarter);
-    if constexpr (Mode::kAny) alive = follow_pilots(alive);
+    if constexpr (Mode::kAny) {
+      if (!in_blocks_) alive = follow_pilots(alive);
+    }
     walk(0, alive, in_blocks_);
     if (HWY_UNLIKELY(!unbounded_.empty())) test_unbounded();
     write_back();

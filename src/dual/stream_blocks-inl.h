@@ -13,7 +13,10 @@
 /// Blocks that keep fewer rays each, on average, go on as rays.
 inline constexpr std::uint32_t kRaysOfBlock = 6;
 /// The same of blocks at a leaf.
-inline constexpr std::uint32_t kRaysOfBlockAtLeaf = 6;
+inline constexpr std::uint32_t kRaysOfBlockAtLeaf = 4;
+
+/// So many rays of a block get records one by one, more of them all at once.
+inline constexpr int kFewRecords = 3;
 
 /// Fewer beams than these are tested with all children at a time, instead of with each other.
 inline constexpr std::uint32_t kFewBlocks = 4;
@@ -96,11 +99,8 @@ class StreamBlocks : protected StreamLists<Mode> {
 
   /// Those of a block's rays that are `some` have records of their own from now on.
   HWY_INLINE void leave_block(std::uint32_t block, std::uint32_t some) {
-    for (std::uint32_t turn = some & ~stream_.recorded[block]; turn != 0; turn &= turn - 1) {
-      const auto lane = static_cast<std::uint32_t>(__builtin_ctz(turn));
-      stream_.rays[block * kPacketWidth + lane] = stream_.blocks[block].ray(lane);
-    }
-    stream_.recorded[block] |= some;
+    const std::uint32_t leave = some & ~stream_.recorded[block];
+    if (leave != 0) make_records(block, leave);
   }
 
   /// Triangles from a place on with rays of a block.
@@ -141,6 +141,29 @@ class StreamBlocks : protected StreamLists<Mode> {
   }
 
  private:
+  HWY_NOINLINE void make_records(std::uint32_t block, std::uint32_t leave) {
+    const StreamBlock& b = stream_.blocks[block];
+    StreamRay* const rays = stream_.rays.data() + std::size_t{block} * kPacketWidth;
+    if (__builtin_popcount(leave) <= kFewRecords) {
+      stream_.recorded[block] |= leave;
+      for (; leave != 0; leave &= leave - 1) {
+        const auto lane = static_cast<std::uint32_t>(__builtin_ctz(leave));
+        rays[lane] = b.ray(lane);
+      }
+      return;
+    }
+    stream_.recorded[block] = 0xffff;
+    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+      const auto put = [&](int quad, const float* f0, const float* f1, const float* f2,
+                           const float* f3) HWY_ATTR {
+        store4(load(f0 + g), load(f1 + g), load(f2 + g), load(f3 + g), quad, rays + g);
+      };
+      put(0, b.ox, b.oy, b.oz, b.t_limit);
+      put(1, b.shear_x, b.shear_y, b.shear_z, b.t_min);
+      put(2, b.per_x, b.per_y, b.s_near, b.s_far);
+    }
+  }
+
   using StreamLists<Mode>::box_of, StreamLists<Mode>::meet;
   using StreamLists<Mode>::sorted_children, StreamLists<Mode>::subtrees_;
 

@@ -146,19 +146,19 @@ TEST(DualCounts, ABeamSparesRaysTheirTests) {
   }
 }
 
-/// First hits and any hits of a fan, by streams, behind so many large triangles.
+/// First hits and any hits of a fan, by long streams, behind so many large triangles.
 Answers ask_behind(std::uint32_t screens) {
   Random random(28);
   Heap heap = screened_heap(screens, 3000, random);
   ObjectTree tree;
   make_tree(&heap, Tree::kCurve, &tree);
-  const DualScene scene{&tree, nullptr, Facing::kBoth, Bundle::kStream};
+  const DualScene scene{&tree, nullptr, Facing::kBoth, Bundle::kLongStream};
   return ask(one_thread(), scene, fan_rays(128), Sorting::kByQuarter);
 }
 
-TEST(DualCounts, APilotSparesTheBlocksBesideItTheirTests) {
+TEST(DualCounts, APilotSparesTheRaysBesideItTheirTests) {
   const Answers a = ask_behind(60);
-  EXPECT_LT(a.counts[1].beam_box_tests, a.counts[0].beam_box_tests / 2);
+  EXPECT_LT(a.counts[1].ray_box_tests, a.counts[0].ray_box_tests / 2);
 }
 
 TEST(DualCounts, PilotsThatSpareNobodyStayFew) {
