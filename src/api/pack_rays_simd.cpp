@@ -23,13 +23,16 @@ const Number* row_of(const NumberRows& rows, std::size_t i) {
   return static_cast<const Number*>(rows.data) + static_cast<std::ptrdiff_t>(i) * rows.row_stride;
 }
 
-/// Three numbers of rows [begin, end) to every eighth of `out` and the two after it.
+/// Three numbers of rows [begin, end) to every eighth of `out` and the two after it, and `limit`
+/// after them.
 template <class Number>
-void copy_triples(const NumberRows& rows, std::size_t begin, std::size_t end, float* out) {
+void copy_triples(const NumberRows& rows, std::size_t begin, std::size_t end, float limit,
+                  float* out) {
   for (; begin < end; ++begin, out += kFloatsPerRay) {
     const Number* const from = row_of<Number>(rows, begin);
     for (std::ptrdiff_t k = 0; k < 3; ++k)
       out[k] = static_cast<float>(from[k * rows.column_stride]);
+    out[3] = limit;
   }
 }
 
@@ -49,36 +52,40 @@ HWY_INLINE hn::Vec<hn::Full128<float>> four(const double* from) {
 #endif
 }
 
-/// The same of numbers that stand together; what is written after the three is unspecified. Four
-/// are read: row `end` is there, too.
+/// The same of numbers that stand together, and `limit` after the three. Four are read: row `end`
+/// is there, too.
 template <class Number>
-void copy_tight(const NumberRows& rows, std::size_t begin, std::size_t end, float* out) {
+void copy_tight(const NumberRows& rows, std::size_t begin, std::size_t end, float limit,
+                float* out) {
+  const hn::Full128<float> d;
   const Number* from = row_of<Number>(rows, begin);
+  const auto last = hn::Set(d, limit);
+  const auto three = hn::FirstN(d, 3);
   for (; begin < end; ++begin, from += rows.row_stride, out += kFloatsPerRay)
-    hn::StoreU(four(from), hn::Full128<float>(), out);
+    hn::StoreU(hn::IfThenElse(three, four(from), last), d, out);
 }
 #endif
 
 template <class Number>
 void copy_some_triples(const NumberRows& rows, std::size_t begin, std::size_t end,
-                       [[maybe_unused]] bool more_follow, float* out) {
+                       [[maybe_unused]] bool more_follow, float limit, float* out) {
 #if HWY_TARGET != HWY_SCALAR
   if (rows.column_stride == 1 && rows.row_stride >= 1 && begin < end) {
     const std::size_t last = more_follow ? end : end - 1;
-    copy_tight<Number>(rows, begin, last, out);
+    copy_tight<Number>(rows, begin, last, limit, out);
     out += kFloatsPerRay * (last - begin);
     begin = last;
   }
 #endif
-  copy_triples<Number>(rows, begin, end, out);
+  copy_triples<Number>(rows, begin, end, limit, out);
 }
 
 void copy_triples(const NumberRows& rows, std::size_t begin, std::size_t end, bool more_follow,
-                  float* out) {
+                  float limit, float* out) {
   if (rows.is_double)
-    copy_some_triples<double>(rows, begin, end, more_follow, out);
+    copy_some_triples<double>(rows, begin, end, more_follow, limit, out);
   else
-    copy_some_triples<float>(rows, begin, end, more_follow, out);
+    copy_some_triples<float>(rows, begin, end, more_follow, limit, out);
 }
 
 template <class Number>
@@ -87,27 +94,36 @@ void copy_limits(const NumberRows& rows, std::size_t begin, std::size_t end, flo
     *out = static_cast<float>(*row_of<Number>(rows, begin));
 }
 
-void copy_limits(const NumberRows& rows, float otherwise, std::size_t begin, std::size_t end,
-                 float* out) {
-  if (rows.data == nullptr)
-    copy_limits<float>(NumberRows(&otherwise, 0), begin, end, out);
-  else if (rows.is_double)
+void copy_limits(const NumberRows& rows, std::size_t begin, std::size_t end, float* out) {
+  if (rows.is_double)
     copy_limits<double>(rows, begin, end, out);
   else
     copy_limits<float>(rows, begin, end, out);
 }
 
+/// Whether all rays have one limit.
+bool is_one(const NumberRows& rows) {
+  return rows.data == nullptr || rows.row_stride == 0;
+}
+float first_of(const NumberRows& rows, float otherwise) {
+  if (rows.data != nullptr) copy_limits(rows, 0, 1, &otherwise);
+  return otherwise;
+}
+
 void PackRays(const RayParts& parts, std::size_t begin, std::size_t end, Ray* out) {
   constexpr std::size_t kStep = 512;  // rays that stay in the first cache while parts are added
+  if (begin == end) return;
+  const float t_min = first_of(parts.t_min, 0);
+  const float t_max = first_of(parts.t_max, std::numeric_limits<float>::infinity());
   for (; begin < end; begin += kStep, out += kStep) {
     const std::size_t stop = std::min(end, begin + kStep);
     const bool more_follow = stop < parts.count;
     float* const numbers = &out->origin.x;
-    // Limits after what may write where they stand.
-    copy_triples(parts.origins, begin, stop, more_follow, numbers);
-    copy_triples(parts.directions, begin, stop, more_follow, numbers + 4);
-    copy_limits(parts.t_min, 0, begin, stop, numbers + 3);
-    copy_limits(parts.t_max, std::numeric_limits<float>::infinity(), begin, stop, numbers + 7);
+    // Limits of each ray's own after what writes where they stand.
+    copy_triples(parts.origins, begin, stop, more_follow, t_min, numbers);
+    copy_triples(parts.directions, begin, stop, more_follow, t_max, numbers + 4);
+    if (!is_one(parts.t_min)) copy_limits(parts.t_min, begin, stop, numbers + 3);
+    if (!is_one(parts.t_max)) copy_limits(parts.t_max, begin, stop, numbers + 7);
   }
 }
 
