@@ -101,6 +101,8 @@ std::vector<std::uint32_t> scatter_to_buckets(const Executor& executor, const st
 
 /// Neighbours that are looked at together: most run towards one quarter, and are moved at once.
 constexpr std::size_t kRun = 8;
+/// The same of a picture's.
+constexpr std::size_t kTileSide = 4, kTileRays = kTileSide * kTileSide;
 
 bool is_one_quarter(const std::uint8_t* quarters) {
   std::uint64_t all;
@@ -108,34 +110,92 @@ bool is_one_quarter(const std::uint8_t* quarters) {
   return all == *quarters * std::uint64_t{0x0101010101010101};
 }
 
-/// Calls `run(i)` where the `kRun` rays from i on are of one quarter, `single(i)` for all others.
-template <class Run, class Single>
-void for_each_run(const std::uint8_t* quarters, std::size_t begin, std::size_t end, const Run& run,
-                  const Single& single) {
-  std::size_t i = begin;
-  while (i < end) {
-    if (i + kRun <= end && is_one_quarter(quarters + i)) {
-      run(i);
-      i += kRun;
-      continue;
-    }
-    for (const std::size_t stop = std::min(i + kRun, end); i < stop; ++i) single(i);
+/// Of a tile of which `quarters` is the first ray's.
+bool is_one_quarter(const std::uint8_t* quarters, std::size_t row) {
+  std::uint32_t differ = 0;
+  for (std::size_t y = 0; y < kTileSide; ++y) {
+    std::uint32_t four;
+    std::memcpy(&four, quarters + y * row, sizeof four);
+    differ |= four ^ *quarters * std::uint32_t{0x01010101};
   }
+  return differ == 0;
 }
 
+/// How rays follow each other that run towards one quarter.
+class Sequence {
+ public:
+  explicit Sequence(std::size_t row) : row_(row) {}
+
+  /// Rays that a thread takes: whole rows of tiles.
+  [[nodiscard]] std::size_t block() const {
+    return row_ == 0 ? kBlock : rows_of_tiles(kBlock, row_);
+  }
+
+  /// Calls `run(quarter, count, number)` where `count` rays, the k-th of them `number(k)`, are of
+  /// one quarter. `begin` is a block's.
+  template <class Run>
+  void for_each_run(const std::uint8_t* quarters, std::size_t begin, std::size_t end,
+                    const Run& run) const {
+    if (row_ == 0) return for_each_run_in_line(quarters, begin, end, run);
+    const std::size_t tiles = kTileSide * row_;
+    for (; begin + tiles <= end; begin += tiles) for_each_tile(quarters, begin, run);
+    for_each_run_in_line(quarters, begin, end, run);
+  }
+
+ private:
+  template <class Run>
+  static void for_each_run_in_line(const std::uint8_t* quarters, std::size_t begin, std::size_t end,
+                                   const Run& run) {
+    for (std::size_t i = begin; i < end;) {
+      if (i + kRun <= end && is_one_quarter(quarters + i)) {
+        run(quarters[i], kRun, [i](std::size_t k) { return i + k; });
+        i += kRun;
+        continue;
+      }
+      for (const std::size_t stop = std::min(i + kRun, end); i < stop; ++i)
+        run(quarters[i], 1, [i](std::size_t) { return i; });
+    }
+  }
+
+  /// The tiles of kTileSide rows.
+  template <class Run>
+  void for_each_tile(const std::uint8_t* quarters, std::size_t begin, const Run& run) const {
+    const std::size_t row = row_, whole = row / kTileSide * kTileSide;
+    for (std::size_t i = begin; i < begin + whole; i += kTileSide) {
+      const auto number = [i, row](std::size_t k) {
+        return i + k / kTileSide * row + k % kTileSide;
+      };
+      if (is_one_quarter(quarters + i, row)) {
+        run(quarters[i], kTileRays, number);
+        continue;
+      }
+      for (std::size_t k = 0; k < kTileRays; ++k)
+        run(quarters[number(k)], 1, [&](std::size_t) { return number(k); });
+    }
+    for (std::size_t y = 0; y < kTileSide; ++y)
+      for_each_run_in_line(quarters, begin + y * row + whole, begin + (y + 1) * row, run);
+  }
+
+  std::size_t row_;
+};
+
 /// A counting sort of bytes: what a batch that stands well needs is little beside a pass over it.
-void order_by_quarter(const Executor& executor, View<const Ray> rays, RayOrder* order) {
-  const std::size_t count = rays.size, blocks = div_ceil(count, kBlock);
+void order_by_quarter(const Executor& executor, View<const Ray> rays, std::size_t row,
+                      RayOrder* order) {
+  const Sequence sequence(row);
+  const std::size_t count = rays.size, block = sequence.block(), blocks = div_ceil(count, block);
   order->quarters.resize_uninitialized(count);
   const std::uint8_t* const quarters = order->quarters.data();
   std::vector<std::array<std::uint32_t, kQuarters>> places(blocks);
   executor.for_each(blocks, 1, [&](std::size_t b) {
     std::array<std::uint32_t, kQuarters> counts{};
-    const std::size_t begin = b * kBlock, end = std::min(count, begin + kBlock);
+    const std::size_t begin = b * block, end = std::min(count, begin + block);
     find_quarters(rays.slice(begin, end - begin), order->quarters.data() + begin);
-    for_each_run(
-        quarters, begin, end, [&](std::size_t i) { counts[quarters[i]] += kRun; },
-        [&](std::size_t i) { ++counts[quarters[i]]; });
+    // In whatever order.
+    Sequence(0).for_each_run(quarters, begin, end,
+                             [&](std::uint8_t quarter, std::uint32_t n, const auto& /*number*/) {
+                               counts[quarter] += n;
+                             });
     places[b] = counts;
   });
   std::uint32_t sum = 0;
@@ -146,16 +206,15 @@ void order_by_quarter(const Executor& executor, View<const Ray> rays, RayOrder* 
   order->starts[kQuarters] = sum;
   executor.for_each(blocks, 1, [&](std::size_t b) {
     std::array<std::uint32_t, kQuarters> next = places[b];
-    const std::size_t begin = b * kBlock, end = std::min(count, begin + kBlock);
+    const std::size_t begin = b * block, end = std::min(count, begin + block);
     std::uint32_t* const out = order->rays.data();
-    for_each_run(
-        quarters, begin, end,
-        [&](std::size_t i) {
-          std::uint32_t& at = next[quarters[i]];
-          for (std::size_t k = 0; k < kRun; ++k) out[at + k] = static_cast<std::uint32_t>(i + k);
-          at += kRun;
-        },
-        [&](std::size_t i) { out[next[quarters[i]]++] = static_cast<std::uint32_t>(i); });
+    sequence.for_each_run(quarters, begin, end,
+                          [&](std::uint8_t quarter, std::uint32_t n, const auto& number) {
+                            std::uint32_t& at = next[quarter];
+                            for (std::uint32_t k = 0; k < n; ++k)
+                              out[at + k] = static_cast<std::uint32_t>(number(k));
+                            at += n;
+                          });
   });
 }
 
@@ -192,14 +251,20 @@ void order_along_curve(const Executor& executor, View<const Ray> rays, RayOrder*
 
 }  // namespace
 
-void order_rays(const Executor& executor, View<const Ray> rays, Sorting sorting, RayOrder* order) {
+std::size_t rows_of_tiles(std::size_t rays, std::size_t row) {
+  const std::size_t tiles = kTileSide * row;
+  return std::max<std::size_t>(1, (rays + tiles / 2) / tiles) * tiles;
+}
+
+void order_rays(const Executor& executor, View<const Ray> rays, Sorting sorting, RayOrder* order,
+                std::size_t row) {
   order->rays.resize_uninitialized(rays.size);
   order->starts = {};
   if (rays.empty()) return;
   if (sorting == Sorting::kCurve) {
     order_along_curve(executor, rays, order);
   } else {
-    order_by_quarter(executor, rays, order);
+    order_by_quarter(executor, rays, row, order);
   }
 }
 

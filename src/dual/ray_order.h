@@ -49,11 +49,18 @@ struct RayOrder {
 };
 
 enum class Sorting : std::uint8_t {
-  kByQuarter,  ///< the caller's order within each quarter
+  kByQuarter,  ///< the caller's order within each quarter, or a picture's tiles
   kCurve,
 };
 
+/// About so many rays, but at least one row of tiles, and whole ones.
+[[nodiscard]] std::size_t rows_of_tiles(std::size_t rays, std::size_t row);
+
 /// O(rays log rays), and O(rays) for kByQuarter. Ties keep the caller's order. At most 2^31 rays.
-void order_rays(const Executor& executor, View<const Ray> rays, Sorting sorting, RayOrder* order);
+/// `row`, for kByQuarter: where it is not 0, so many rays are a row of a picture, and of four rows
+/// each four columns follow each other, sixteen rays that resemble each other more than sixteen of
+/// a row.
+void order_rays(const Executor& executor, View<const Ray> rays, Sorting sorting, RayOrder* order,
+                std::size_t row = 0);
 
 }  // namespace raysheaf

@@ -55,11 +55,11 @@ bool goes_in_tiles(const Plan& plan) {
   return plan.alike;
 }
 
-void tell_of_tiles(std::size_t rays, Bundle bundle, EngineReport* report) {
+void tell_of_tiles(std::size_t rays, const Plan& plan, EngineReport* report) {
   if (report == nullptr) return;
+  const std::size_t size = RayTiles::tile_size(rays, plan.bundle, plan.row);
   report->plan.push_back("stages: one after the other for tiles of " +
-                         std::to_string(std::min(rays, RayTiles::tile_size(rays, bundle))) +
-                         " rays, for neighbours are alike");
+                         std::to_string(std::min(rays, size)) + " rays, for neighbours are alike");
 }
 
 }  // namespace
@@ -133,9 +133,10 @@ void Engine::prepare(const Executor& executor, std::size_t rays, Plan* plan, Eng
   if (report != nullptr) report->plan = std::move(plan->reasons);
 }
 
-void Engine::order(const Executor& executor, View<const Ray> rays, EngineReport* report) {
+void Engine::order(const Executor& executor, View<const Ray> rays, const Plan& plan,
+                   EngineReport* report) {
   Reporter reporter(report);
-  order_rays(executor, rays, Sorting::kByQuarter, &order_);
+  order_rays(executor, rays, Sorting::kByQuarter, &order_, plan.row);
   reporter.lap(&EngineReport::order_ms);
 }
 
@@ -167,7 +168,7 @@ DualScene Engine::dual_scene(const Plan& plan, const EngineOptions& options) con
 void Engine::trace_closest_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
                                 const EngineOptions& options, View<EngineHit> hits,
                                 View<float> ray_tests, EngineReport* report) {
-  order(executor, rays, report);
+  order(executor, rays, plan, report);
   Reporter reporter(report);
   DualCounts counts;
   trace_closest(executor, dual_scene(plan, options), rays, order_, hits, ray_tests, &counts);
@@ -178,7 +179,7 @@ void Engine::trace_closest_hits(const Executor& executor, View<const Ray> rays, 
 void Engine::trace_any_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
                             const EngineOptions& options, View<std::uint8_t> occluded,
                             View<float> ray_tests, EngineReport* report) {
-  order(executor, rays, report);
+  order(executor, rays, plan, report);
   Reporter reporter(report);
   DualCounts counts;
   trace_any(executor, dual_scene(plan, options), rays, order_, occluded, ray_tests, &counts);
@@ -201,10 +202,11 @@ void Engine::closest_hit(const Executor& executor, const RaySource& rays,
   Plan plan = make_plan(history_, rays, false, report != nullptr);
   prepare(executor, rays.size(), &plan, report);
   if (goes_in_tiles(plan)) {
-    tell_of_tiles(rays.size(), plan.bundle, report);
+    tell_of_tiles(rays.size(), plan, report);
     Reporter reporter(report);
     DualCounts counts;
-    reporter.add(tiles_->closest_hit(executor, rays, dual_scene(plan, options), sink, &counts));
+    reporter.add(
+        tiles_->closest_hit(executor, rays, plan.row, dual_scene(plan, options), sink, &counts));
     reporter.add(counts);
     return;
   }
@@ -271,10 +273,11 @@ void Engine::any_hit(const Executor& executor, const RaySource& rays, const Engi
   }
   prepare(executor, rays.size(), &plan, report);
   if (goes_in_tiles(plan) && all.empty()) {
-    tell_of_tiles(rays.size(), plan.bundle, report);
+    tell_of_tiles(rays.size(), plan, report);
     Reporter reporter(report);
     DualCounts counts;
-    reporter.add(tiles_->any_hit(executor, rays, dual_scene(plan, options), occluded, &counts));
+    reporter.add(
+        tiles_->any_hit(executor, rays, plan.row, dual_scene(plan, options), occluded, &counts));
     reporter.add(counts);
     return;
   }
@@ -296,7 +299,7 @@ FoundRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
   if (!rays.empty()) {
     Plan plan = make_plan(history_, RaysInPlace(rays), false, report != nullptr);
     prepare(executor, rays.size, &plan, report);
-    order(executor, rays, report);
+    order(executor, rays, plan, report);
     Reporter reporter(report);
     DualCounts counts;
     trace_all(executor, dual_scene(plan, options), rays, order_, &rows_, {}, &counts);

@@ -124,7 +124,8 @@ class Engine {
   void prepare_tree(const Executor& executor, Plan* plan, EngineReport* report);
   /// Does what the plan says of the tree, completes it, and puts its reasons into the report.
   void prepare(const Executor& executor, std::size_t rays, Plan* plan, EngineReport* report);
-  void order(const Executor& executor, View<const Ray> rays, EngineReport* report);
+  void order(const Executor& executor, View<const Ray> rays, const Plan& plan,
+             EngineReport* report);
   /// Through the tree, which is prepared.
   void trace_closest_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
                           const EngineOptions& options, View<EngineHit> hits, View<float> ray_tests,

@@ -8,6 +8,7 @@
 
 #include "base/vec.h"
 #include "dual/stream.h"
+#include "engine/picture_rows.h"
 #include "scene/flat_scene.h"
 
 namespace raysheaf {
@@ -124,6 +125,7 @@ void choose_bundle(const SceneHistory& scene, const RaySource& rays, const Box* 
   plan->bundle = plan->alike && tiny                  ? Bundle::kPacket
                  : plan->alike || (together && !many) ? Bundle::kStream
                                                       : Bundle::kLongStream;
+  if (plan->alike) plan->row = find_picture_row(rays);
   if (!explain) return;
   const std::string extent = whole != nullptr ? "scene's extent" : "batch's extent";
   plan->reasons.push_back(
@@ -151,6 +153,10 @@ void choose_bundle(const SceneHistory& scene, const RaySource& rays, const Box* 
           "bundles: long streams, for only %.0f %% of neighbours start and run alike", alike));
       break;
   }
+  if (plan->row == 0) return;
+  plan->reasons.push_back(
+      figures("order: tiles of four by four, for rows of %.0f rays lie beside each other",
+              static_cast<double>(plan->row)));
 }
 
 }  // namespace

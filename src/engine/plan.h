@@ -52,6 +52,7 @@ struct Plan {
   TreeWork tree = TreeWork::kKeep;
   bool alike = false;  ///< rays that stand beside each other start close together and run alike
   Bundle bundle = Bundle::kPacket;
+  std::size_t row = 0;               ///< rays of a row, of a picture (engine/picture_rows.h); or 0
   std::vector<std::string> reasons;  ///< a sentence a choice
 };
 

@@ -15,15 +15,18 @@ constexpr std::size_t kPacketTile = 1024, kLeastTile = 8192, kMostTile = 32768, 
 
 }  // namespace
 
-std::size_t RayTiles::tile_size(std::size_t rays, Bundle bundle) {
-  if (bundle != Bundle::kStream) return kPacketTile;
-  return std::clamp<std::size_t>(div_ceil(rays, kTiles), kLeastTile, kMostTile);
+std::size_t RayTiles::tile_size(std::size_t rays, Bundle bundle, std::size_t row) {
+  const std::size_t size =
+      bundle != Bundle::kStream
+          ? kPacketTile
+          : std::clamp<std::size_t>(div_ceil(rays, kTiles), kLeastTile, kMostTile);
+  return row == 0 ? size : rows_of_tiles(size, row);
 }
 
 template <class Trace>
-TileTimes RayTiles::run(const Executor& executor, const RaySource& rays, const DualScene& scene,
-                        DualCounts* counts, const Trace& trace) {
-  const std::size_t size = tile_size(rays.size(), scene.bundle);
+TileTimes RayTiles::run(const Executor& executor, const RaySource& rays, std::size_t row,
+                        const DualScene& scene, DualCounts* counts, const Trace& trace) {
+  const std::size_t size = tile_size(rays.size(), scene.bundle, row);
   const Executor serial = Executor::serial();
   const Stopwatch watch;
   std::mutex mutex;
@@ -37,7 +40,7 @@ TileTimes RayTiles::run(const Executor& executor, const RaySource& rays, const D
     tile->rays.resize_uninitialized(end - begin);
     const View<const Ray> some = rays.take(begin, end, tile->rays.data());
     times.take_ms = lap.lap_ms();
-    order_rays(serial, some, Sorting::kByQuarter, &tile->order);
+    order_rays(serial, some, Sorting::kByQuarter, &tile->order, row);
     times.order_ms = lap.lap_ms();
     trace(*tile, begin, some, serial, &found);
     times.trace_ms = lap.lap_ms();
@@ -52,9 +55,9 @@ TileTimes RayTiles::run(const Executor& executor, const RaySource& rays, const D
   return {part * of_threads.take_ms, part * of_threads.order_ms, part * of_threads.trace_ms};
 }
 
-TileTimes RayTiles::closest_hit(const Executor& executor, const RaySource& rays,
+TileTimes RayTiles::closest_hit(const Executor& executor, const RaySource& rays, std::size_t row,
                                 const DualScene& scene, const HitSink& sink, DualCounts* counts) {
-  return run(executor, rays, scene, counts,
+  return run(executor, rays, row, scene, counts,
              [&](Tile& tile, std::size_t begin, View<const Ray> some, const Executor& serial,
                  DualCounts* found) {
                tile.hits.resize_uninitialized(some.size);
@@ -63,9 +66,10 @@ TileTimes RayTiles::closest_hit(const Executor& executor, const RaySource& rays,
              });
 }
 
-TileTimes RayTiles::any_hit(const Executor& executor, const RaySource& rays, const DualScene& scene,
-                            View<std::uint8_t> occluded, DualCounts* counts) {
-  return run(executor, rays, scene, counts,
+TileTimes RayTiles::any_hit(const Executor& executor, const RaySource& rays, std::size_t row,
+                            const DualScene& scene, View<std::uint8_t> occluded,
+                            DualCounts* counts) {
+  return run(executor, rays, row, scene, counts,
              [&](Tile& tile, std::size_t begin, View<const Ray> some, const Executor& serial,
                  DualCounts* found) {
                trace_any(serial, scene, some, tile.order, occluded.slice(begin, some.size), {},

@@ -24,15 +24,15 @@ struct TileTimes {
 /// One engine's. For one query at a time.
 class RayTiles {
  public:
-  /// The rays of each tile of a batch but the last.
-  [[nodiscard]] static std::size_t tile_size(std::size_t rays, Bundle bundle);
+  /// The rays of each tile of a batch but the last. `row` as `order_rays` has it.
+  [[nodiscard]] static std::size_t tile_size(std::size_t rays, Bundle bundle, std::size_t row);
 
   /// `scene` as `trace_closest` has it. Adds to `counts`, which are the same with any number of
   /// threads.
-  TileTimes closest_hit(const Executor& executor, const RaySource& rays, const DualScene& scene,
-                        const HitSink& sink, DualCounts* counts);
-  TileTimes any_hit(const Executor& executor, const RaySource& rays, const DualScene& scene,
-                    View<std::uint8_t> occluded, DualCounts* counts);
+  TileTimes closest_hit(const Executor& executor, const RaySource& rays, std::size_t row,
+                        const DualScene& scene, const HitSink& sink, DualCounts* counts);
+  TileTimes any_hit(const Executor& executor, const RaySource& rays, std::size_t row,
+                    const DualScene& scene, View<std::uint8_t> occluded, DualCounts* counts);
 
   [[nodiscard]] std::size_t bytes() const { return spares_.bytes(); }
 
@@ -49,8 +49,8 @@ class RayTiles {
 
   /// Calls `trace(tile, begin, rays, serial, counts)` for all.
   template <class Trace>
-  TileTimes run(const Executor& executor, const RaySource& rays, const DualScene& scene,
-                DualCounts* counts, const Trace& trace);
+  TileTimes run(const Executor& executor, const RaySource& rays, std::size_t row,
+                const DualScene& scene, DualCounts* counts, const Trace& trace);
 
   Spares<Tile> spares_;
 };

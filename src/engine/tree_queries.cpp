@@ -19,7 +19,7 @@ DualScene TreeQueries::prepare(const Engine& engine, View<const Ray> rays,
                                const EngineOptions& options, bool explain, EngineReport* report) {
   const Stopwatch watch;
   Plan plan = plan_rays(engine.history_, RaysInPlace(rays), engine.tree_.bounds, explain);
-  order_rays(executor_, rays, Sorting::kByQuarter, &order_);
+  order_rays(executor_, rays, Sorting::kByQuarter, &order_, plan.row);
   for (std::string& sentence : plan.reasons) report->plan.push_back(std::move(sentence));
   const double ms = watch.ms();
   report->order_ms += ms;

@@ -1,5 +1,6 @@
 #include "dual/ray_order.h"
 
+#include <algorithm>
 #include <numeric>
 
 #include "dual/dual_scenes.h"
@@ -98,6 +99,49 @@ TEST(RayOrder, RaysOfAQuarterKeepTheirOrder) {
       EXPECT_TRUE(std::is_sorted(order.rays.begin() + order.starts[q],
                                  order.rays.begin() + order.starts[q + 1]));
   }
+}
+
+/// Rays of quarters that change from one to the next in rows and between them.
+std::vector<Ray> rays_of_picture(std::size_t row, std::size_t count) {
+  std::vector<Ray> rays;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float x = static_cast<float>(i % row) - 0.4f * static_cast<float>(row);
+    const float y = static_cast<float>(i / row) - 10.5f;
+    rays.push_back({{0, 0, 0}, 0, {x, y, 50}, 1});
+  }
+  return rays;
+}
+
+TEST(RayOrder, PicturesGoInTiles) {
+  RayOrder order, other;
+  for (const std::size_t row : {1u, 3u, 4u, 7u, 64u, 1001u, 9000u}) {
+    for (const std::size_t count : {1u, 30u, 64u, 4000u, 40000u, 81001u}) {
+      const std::vector<Ray> rays = rays_of_picture(row, count);
+      order_rays(one_thread(), View<const Ray>(rays), Sorting::kByQuarter, &order, row);
+      expect_order(rays, order);
+      order_rays(two_threads(), View<const Ray>(rays), Sorting::kByQuarter, &other, row);
+      ASSERT_TRUE(std::ranges::equal(order.rays, other.rays)) << row << ", " << count;
+    }
+  }
+  // Where all run towards one quarter, and the last row stands alone.
+  const std::vector<Ray> rays(5 * 10, Ray{{0, 0, 0}, 0, {1, 2, 3}, 1});
+  order_rays(one_thread(), View<const Ray>(rays), Sorting::kByQuarter, &order, 10);
+  std::vector<std::uint32_t> expected;
+  for (const std::uint32_t x : {0u, 4u})
+    for (std::uint32_t k = 0; k < 16; ++k) expected.push_back(x + k / 4 * 10 + k % 4);
+  for (std::uint32_t k = 0; k < 8; ++k) expected.push_back(k / 2 * 10 + 8 + k % 2);
+  for (std::uint32_t k = 40; k < 50; ++k) expected.push_back(k);
+  EXPECT_TRUE(std::ranges::equal(order.rays, expected));
+}
+
+TEST(RayOrder, RowsOfTilesAreWhole) {
+  for (const std::size_t row : {1u, 4u, 1000u, 9000u})
+    for (const std::size_t size : {1u, 1024u, 16384u}) {
+      const std::size_t rays = rows_of_tiles(size, row);
+      EXPECT_EQ(rays % (4 * row), 0u);
+      EXPECT_GE(rays, 4 * row);
+      EXPECT_LE(rays, size + 4 * row);
+    }
 }
 
 TEST(RayOrder, AnyNumberOfRays) {
