@@ -18,6 +18,7 @@ class QueryRays final : public RaySource {
       : RaySource(parts.count), parts_(parts), is_packed_(false), check_(check) {}
 
   [[nodiscard]] bool is_packed() const { return is_packed_; }
+  [[nodiscard]] bool is_in_place() const override { return is_packed_; }
   /// All of them; only where they are packed.
   [[nodiscard]] View<const Ray> rays() const { return rays_; }
 

@@ -15,10 +15,17 @@ namespace raysheaf {
 namespace {
 
 // Nanoseconds of one core.
-constexpr double kFanRay = 16, kFanTriangle = 18, kFanPair = 60;
-constexpr double kRefitTriangle = 15, kRebuildTriangle = 48, kFineTriangle = 380;
-constexpr double kTraceRayLevel = 7;                    // a ray, a doubling of the triangles
-constexpr double kSharedRay = 10, kSharedRayLevel = 2;  // where all start at one point
+constexpr double kRefitTriangle = 20, kRebuildTriangle = 48, kFineTriangle = 380;
+constexpr double kRebuild = 2.5e6;    // whatever the triangles
+constexpr double kTraceRayLevel = 7;  // a ray, a doubling of the triangles
+
+// Where all rays start at one point.
+constexpr double kFanTriangle = 18, kFanPair = 90;
+constexpr double kFanRay = 19, kFanRayApart = 42;  // neighbours run alike, or do not
+constexpr double kFanTake = 4;     // a ray that does not lie in memory: a tree needs it once
+constexpr double kPacketRay = 26;  // on a tree of few triangles
+constexpr double kSharedRay = 14, kSharedTriangle = 44;  // a ray, and one that has a triangle alone
+constexpr double kApartRay = 14, kApartRayLevel = 3.8;
 
 /// What a fine tree saves of the tracing.
 constexpr double kFineSaves = 0.1;
@@ -71,8 +78,9 @@ void choose_tree(const SceneHistory& scene, Plan* plan) {
 double tree_cost(const SceneHistory& scene) {
   if (scene.built && !scene.moved) return 0;
   const bool refits = scene.built ? !scene.degraded : scene.moves >= scene.patience;
-  const double a_triangle = refits ? kRefitTriangle : kRebuildTriangle;
-  return a_triangle * scene.triangles / (1.0 + scene.queries_since_change);
+  const double work =
+      refits ? kRefitTriangle * scene.triangles : kRebuild + kRebuildTriangle * scene.triangles;
+  return work / (1.0 + scene.queries_since_change);
 }
 
 Ray ray_at(const RaySource& rays, std::size_t i) {
@@ -92,16 +100,28 @@ bool seem_to_share_origin(const RaySource& rays) {
   return true;
 }
 
+/// Below, packets of neighbours that run alike meet so few nodes that a stream's lists cost more.
+constexpr std::uint32_t kPacketTriangles = 4096;
+
+/// Of a ray through the tree, of `rays` that start at one point. Where neighbours run alike, the
+/// more rays there are for a triangle the more of them go down the tree together.
+double shared_ray_cost(const SceneHistory& scene, double rays, bool alike) {
+  const double apart = kApartRay + kApartRayLevel * std::log2(2.0 + scene.triangles);
+  if (!alike) return apart;
+  if (scene.triangles < kPacketTriangles) return kPacketRay;
+  return std::min(apart, kSharedRay + kSharedTriangle * std::sqrt(scene.triangles / rays));
+}
+
 /// Whether the rays fan out from a point and it pays to stream the triangles at them.
 bool chooses_fan(const SceneHistory& scene, const RaySource& rays, Plan* plan) {
   // Farther out, products of the fan's differences overflow.
   if (!(max_component(abs(ray_at(rays, 0).origin)) <= kLargestCoordinate)) return false;
   if (!seem_to_share_origin(rays)) return false;
   const auto count = static_cast<double>(rays.size());
-  const double fan =
-      kFanRay * count + (kFanTriangle + kFanPair * scene.fan_pairs) * scene.triangles;
-  const double a_ray = kSharedRay + kSharedRayLevel * std::log2(2.0 + scene.triangles);
-  const double tree = tree_cost(scene) + a_ray * count;
+  const bool alike = sample_coherence(rays).directions_alike();
+  const double a_ray = (alike ? kFanRay : kFanRayApart) + (rays.is_in_place() ? 0 : kFanTake);
+  const double fan = a_ray * count + (kFanTriangle + kFanPair * scene.fan_pairs) * scene.triangles;
+  const double tree = tree_cost(scene) + shared_ray_cost(scene, count, alike) * count;
   const bool chosen = fan < tree;
   plan->reasons.push_back(figures(
       chosen ? "rays of one origin: triangles stream against cells over them, about %.2g ms "
@@ -111,9 +131,6 @@ bool chooses_fan(const SceneHistory& scene, const RaySource& rays, Plan* plan) {
       fan * 1e-6, tree * 1e-6));
   return chosen;
 }
-
-/// Below, packets of neighbours that run alike meet so few nodes that a stream's lists cost more.
-constexpr std::uint32_t kPacketTriangles = 4096;
 
 void choose_bundle(const SceneHistory& scene, const RaySource& rays, const Box* whole, bool explain,
                    Plan* plan) {

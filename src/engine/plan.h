@@ -44,7 +44,7 @@ struct SceneHistory {
   std::uint64_t rays_since_change = 0;  ///< that went through the tree
   /// Of tiles of a fan and triangles, a triangle, when a fan was last used; other triangles at
   /// other places are expected to be alike.
-  double fan_pairs = 0.5;
+  double fan_pairs = 0.25;
 };
 
 struct Plan {
