@@ -139,8 +139,8 @@ HWY_INLINE Spread spread_of(std::uint32_t lanes, const float* o, const float* sh
   return s;
 }
 
-/// The beam of the lanes that are set: at least one. /// `Bundle`: RayPacket or
-/// StreamBlock. `zetas` takes the origins' zeta.
+/// The beam of the lanes that are set: at least one. `Bundle`: RayPacket or StreamBlock. `zetas`
+/// takes the origins' zeta.
 template <class Bundle>
 HWY_INLINE Beam make_beam(std::uint32_t lanes, const Bundle& p, bool mirrored, float pad,
                           float* zetas) {

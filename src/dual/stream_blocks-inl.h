@@ -68,7 +68,8 @@ class StreamBlocks : protected StreamLists<Mode> {
  protected:
   using StreamHits<Mode>::tree_, StreamHits<Mode>::stream_, StreamHits<Mode>::counts_;
   using StreamHits<Mode>::take_in_block;
-  using StreamLists<Mode>::pad_list, StreamSingles<Mode>::walk_singles_of_stream;
+  using StreamLists<Mode>::meet_triangles, StreamLists<Mode>::pad_list;
+  using StreamSingles<Mode>::walk_singles_of_stream;
 
   explicit StreamBlocks(const TraceJob& job) : StreamLists<Mode>(job) {}
 
@@ -105,28 +106,14 @@ class StreamBlocks : protected StreamLists<Mode> {
 
   /// Triangles from a place on with rays of a block.
   HWY_INLINE void meet_block(std::uint32_t first, std::uint32_t count, BlockRays rays) {
-    const Rays d;
-    const Stream& s = stream_;
-    const StreamBlock& b = s.blocks[rays.block];
+    const StreamBlock& b = stream_.blocks[rays.block];
     for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-      const RV ox = load(b.ox + g), oy = load(b.oy + g), oz = load(b.oz + g);
-      const RV shear_x = load(b.shear_x + g), shear_y = load(b.shear_y + g);
-      const RV shear_z = load(b.shear_z + g);
-      const RV t_min = load(b.t_min + g), t_limit = load(b.t_limit + g);
-      for (std::uint32_t place = first; place < first + count; ++place) {
-        const TriangleQuad& q = tree_.quads[place / 4];
-        const std::uint32_t k = place % 4;
-        const float* x = &q.vertex[0][s.axis_x][k];
-        const float* y = &q.vertex[0][s.axis_y][k];
-        const float* z = &q.vertex[0][s.axis_z][k];
-        const auto moved = [&](int c) {
-          return sheared(d, hn::Sub(set(x[12 * c]), ox), hn::Sub(set(y[12 * c]), oy),
-                         hn::Sub(set(z[12 * c]), oz), shear_x, shear_y);
-        };
-        Tested<Rays> tested;
-        if (test_lanes(d, moved(0), moved(1), moved(2), shear_z, t_min, t_limit, &tested))
-          take_in_block(place, rays, g, tested);
-      }
+      const LeafRays r{load(b.ox + g),      load(b.oy + g),      load(b.oz + g),
+                       load(b.t_limit + g), load(b.shear_x + g), load(b.shear_y + g),
+                       load(b.shear_z + g), load(b.t_min + g)};
+      meet_triangles(first, count, r,
+                     [&](std::uint32_t place, const Tested<Rays>& tested)
+                         HWY_ATTR { take_in_block(place, rays, g, tested); });
     }
   }
 
@@ -141,6 +128,11 @@ class StreamBlocks : protected StreamLists<Mode> {
   }
 
  private:
+  using StreamLists<Mode>::box_of, StreamLists<Mode>::meet;
+  using StreamLists<Mode>::sorted_children, StreamLists<Mode>::subtrees_;
+
+  static constexpr std::uint32_t kMostBlocks = kStreamRays / kPacketWidth;
+
   HWY_NOINLINE void make_records(std::uint32_t block, std::uint32_t leave) {
     const StreamBlock& b = stream_.blocks[block];
     StreamRay* const rays = stream_.rays.data() + std::size_t{block} * kPacketWidth;
@@ -163,11 +155,6 @@ class StreamBlocks : protected StreamLists<Mode> {
       put(2, b.per_x, b.per_y, b.s_near, b.s_far);
     }
   }
-
-  using StreamLists<Mode>::box_of, StreamLists<Mode>::meet;
-  using StreamLists<Mode>::sorted_children, StreamLists<Mode>::subtrees_;
-
-  static constexpr std::uint32_t kMostBlocks = kStreamRays / kPacketWidth;
 
   /// Room for kPacketWidth more is needed.
   void keep_blocks(std::uint32_t c, std::uint32_t blocks, std::uint32_t offset) {

@@ -83,10 +83,8 @@ class StreamHits {
     hn::Store(hn::IfThenElse(nearer, end, far), d, b.s_far + g);
     hn::Store(hn::IfThenElse(hn::RebindMask(di, nearer), met, triangle), di, b.triangle + g);
     for (std::uint32_t turn = bits_of(d, nearer) & stream_.recorded[rays.block] >> g; turn != 0;
-         turn &= turn - 1) {
-      const std::uint32_t n = number(static_cast<std::uint32_t>(__builtin_ctz(turn)));
-      tell_record(n);
-    }
+         turn &= turn - 1)
+      tell_record(number(static_cast<std::uint32_t>(__builtin_ctz(turn))));
     for (std::uint32_t turn = unsettled; turn != 0; turn &= turn - 1)
       take_exactly(number(static_cast<std::uint32_t>(__builtin_ctz(turn))), place);
   }
@@ -120,24 +118,7 @@ class StreamHits {
   HWY_INLINE void prefetch_ray(std::uint32_t n) const { hwy::Prefetch(stream_.rays.data() + n); }
 
   void write_back() {
-    const Stream& s = stream_;
-    if constexpr (Mode::kAll) {
-      static_cast<void>(s);
-    } else if (in_blocks_) {
-      write_back_blocks();
-    } else {
-      for (std::uint32_t i = 0; i < s.count; ++i) {
-        if constexpr (Mode::kAny) {
-          job_.occluded[s.index[i]] = s.rays[i].triangle != kInvalidId ? 1 : 0;
-        } else {
-          if (i + kWritesAhead < s.count)
-            __builtin_prefetch(job_.hits + s.index[i + kWritesAhead], 1);
-          const StreamRay& ray = s.rays[i];
-          const float t = ray.triangle != kInvalidId ? ray.t_limit : EngineHit().t;
-          job_.hits[s.index[i]] = {t, ray.u, ray.v, ray.triangle};
-        }
-      }
-    }
+    if constexpr (!Mode::kAll) in_blocks_ ? write_back_blocks() : write_back_rays();
   }
 
   const TraceJob& job_;
@@ -184,6 +165,21 @@ class StreamHits {
   [[nodiscard]] static HWY_INLINE RV past(RV t, RV along, float pad) {
     return hn::Add(hn::Mul(hn::Mul(hn::Add(t, set(kLeastStep)), along), set(1 + 8 * kUnitRoundoff)),
                    set(pad));
+  }
+
+  void write_back_rays() {
+    const Stream& s = stream_;
+    for (std::uint32_t i = 0; i < s.count; ++i) {
+      if constexpr (Mode::kAny) {
+        job_.occluded[s.index[i]] = s.rays[i].triangle != kInvalidId ? 1 : 0;
+      } else {
+        if (i + kWritesAhead < s.count)
+          __builtin_prefetch(job_.hits + s.index[i + kWritesAhead], 1);
+        const StreamRay& ray = s.rays[i];
+        const float t = ray.triangle != kInvalidId ? ray.t_limit : EngineHit().t;
+        job_.hits[s.index[i]] = {t, ray.u, ray.v, ray.triangle};
+      }
+    }
   }
 
   void write_back_blocks() {

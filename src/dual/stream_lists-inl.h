@@ -43,6 +43,11 @@ struct SlabRays {
   RV ox, oy, oz, per_x, per_y, s_near, s_far;
 };
 
+/// What triangles are tested with, of as many rays.
+struct LeafRays {
+  RV ox, oy, oz, t_limit, shear_x, shear_y, shear_z, t_min;
+};
+
 /// The lanes that meet the box within [s_near, s_far].
 HWY_INLINE RM meeting(const SlabRays& r, const SeenBox& box) {
   using hn::Max, hn::Min, hn::Mul, hn::Sub;
@@ -172,11 +177,20 @@ class StreamLists : protected StreamSingles<Mode> {
   /// Triangles from a place on with the lanes of a block from `g` on.
   HWY_INLINE void meet_group(std::uint32_t first, std::uint32_t count, const std::uint32_t* block,
                              std::uint32_t used, std::size_t g) {
+    LeafRays r;
+    gather4(stream_.rays.data(), 0, block + g, r.ox, r.oy, r.oz, r.t_limit);
+    gather4(stream_.rays.data(), 1, block + g, r.shear_x, r.shear_y, r.shear_z, r.t_min);
+    meet_triangles(first, count, r, [&](std::uint32_t place, const Tested<Rays>& tested) HWY_ATTR {
+      take_lanes(place, block, used, g, tested);
+    });
+  }
+
+  /// Calls `met(place, tested)` for those of the triangles that some ray may hit.
+  template <class Met>
+  HWY_INLINE void meet_triangles(std::uint32_t first, std::uint32_t count, const LeafRays& r,
+                                 const Met& met) const {
     const Rays d;
     const Stream& s = stream_;
-    RV ox, oy, oz, shear_x, shear_y, shear_z, t_min, t_limit;
-    gather4(s.rays.data(), 0, block + g, ox, oy, oz, t_limit);
-    gather4(s.rays.data(), 1, block + g, shear_x, shear_y, shear_z, t_min);
     for (std::uint32_t place = first; place < first + count; ++place) {
       const TriangleQuad& q = tree_.quads[place / 4];
       const std::uint32_t k = place % 4;
@@ -184,12 +198,12 @@ class StreamLists : protected StreamSingles<Mode> {
       const float* y = &q.vertex[0][s.axis_y][k];
       const float* z = &q.vertex[0][s.axis_z][k];
       const auto moved = [&](int c) {
-        return sheared(d, hn::Sub(set(x[12 * c]), ox), hn::Sub(set(y[12 * c]), oy),
-                       hn::Sub(set(z[12 * c]), oz), shear_x, shear_y);
+        return sheared(d, hn::Sub(set(x[12 * c]), r.ox), hn::Sub(set(y[12 * c]), r.oy),
+                       hn::Sub(set(z[12 * c]), r.oz), r.shear_x, r.shear_y);
       };
       Tested<Rays> tested;
-      if (test_lanes(d, moved(0), moved(1), moved(2), shear_z, t_min, t_limit, &tested))
-        take_lanes(place, block, used, g, tested);
+      if (test_lanes(d, moved(0), moved(1), moved(2), r.shear_z, r.t_min, r.t_limit, &tested))
+        met(place, tested);
     }
   }
 
