@@ -27,16 +27,20 @@ struct DeviceStage {
   std::string floor_of;  ///< "bytes" or "operations"
 };
 
-/// One kind of rays. The triangles change before each run, so that the hierarchy is built anew.
+/// One kind of rays. The triangles change before each run, so that the hierarchy is built anew;
+/// then all of them move, so that it is refitted.
 struct DeviceBenchBatch {
   LabRays rays = LabRays::kShadow;
   std::uint64_t count = 0, hits = 0;
-  std::uint64_t different = 0;      ///< answers that are not the CPU's, bit for bit: a defect
+  std::uint64_t different = 0;      ///< answers that are not the CPU's, bit for bit: a defect;
+                                    ///< those of either hierarchy
   std::vector<DeviceStage> stages;  ///< copies between host and device apart: "copy: ..."
   double device_ms = 0;             ///< the stages' sum without copies
   double trace_ms = 0;              ///< without copies and the hierarchy: keys to hits
   double call_ms = 0;               ///< the whole call as the host sees it, with copies
   double frame_ms = 0;              ///< the call, and all triangles to the device before
+  double refit_ms = 0;              ///< the hierarchy's stages where it is refitted
+  double refit_frame_ms = 0;        ///< as `frame_ms`, where it is refitted
   double cpu_ms = 0;                ///< the same query on the CPU, the hierarchy built anew too
 };
 

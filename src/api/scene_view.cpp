@@ -1,6 +1,7 @@
 #include "api/scene_view.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace raysheaf {
 namespace {
@@ -20,6 +21,7 @@ void SceneView::refresh(const SceneRuns& scene) {
   if (same_runs && position_version_ == scene.position_version) return;
   structure_version_ = 0;  // until all is done: memory may run out
   device_is_behind_ = true;
+  device_refits_ = device_refits_ && same_runs;
   runs_.clear();
   ids_.clear();
   count_ = 0;
@@ -87,9 +89,11 @@ DeviceEngine& SceneView::device_engine(const Executor& executor, const DeviceBac
     std::vector<RunName> names;
     for (std::size_t r = 0; r < runs_.size(); ++r)
       names.push_back({runs_[r].first, ids_[r].mesh, ids_[r].instance});
-    device_engine_->set_triangles(executor, source());
+    const bool same_triangles = std::exchange(device_refits_, false);  // until all is there
+    device_engine_->set_triangles(executor, source(), same_triangles);
     device_engine_->set_names(names);
     device_is_behind_ = false;
+    device_refits_ = true;
   }
   return *device_engine_;
 }

@@ -73,6 +73,7 @@ class SceneView {
   std::uint64_t structure_version_ = 0, position_version_ = 0, mask_version_ = 0;
   std::unique_ptr<DeviceEngine> device_engine_;
   bool device_is_behind_ = true;  // it has other triangles than `source()`
+  bool device_refits_ = false;    // those that it has, only moved
 };
 
 /// The views of one scene. For any number of threads.

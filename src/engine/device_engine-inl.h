@@ -5,6 +5,7 @@
 
 #include "engine/device_engine.h"
 #include "engine/device_queries-inl.h"
+#include "engine/device_tree-inl.h"
 #include "engine/device_triangles-inl.h"
 #include "engine/report_times.h"
 #include "geom/ray_fault.h"
@@ -22,7 +23,6 @@ class DeviceEngineOn : public DeviceEngine {
         uplink_(device_),
         downlink_(device_),
         names_(device_.allocator()),
-        tree_(device_.allocator()),
         rays_(device_.allocator()),
         columns_(device_.allocator()),
         words_(device_.allocator()),
@@ -35,15 +35,16 @@ class DeviceEngineOn : public DeviceEngine {
         sums_(device_.allocator()),
         first_wrong_(device_.allocator()) {}
 
-  void set_triangles(const Executor& executor, const TriangleSource& source) override {
-    has_tree_ = false;
+  void set_triangles(const Executor& executor, const TriangleSource& source,
+                     bool same_triangles) override {
+    tree_.forget(same_triangles);
     triangles_.set(executor, source);
   }
   /// As `DeviceTriangles` has it.
   template <class Put>
   void set_triangles(const Executor& executor, std::uint32_t count, const std::uint8_t* flags,
-                     const Put& put) {
-    has_tree_ = false;
+                     bool same_triangles, const Put& put) {
+    tree_.forget(same_triangles);
     triangles_.set(executor, count, flags, put);
   }
 
@@ -191,11 +192,7 @@ class DeviceEngineOn : public DeviceEngine {
     batch.facing = query.facing;
     batch.brute = query.brute;
     batch.list = triangles_.list();
-    built_now_ = !query.brute && !has_tree_;
-    if (built_now_) {
-      tree_.build(device_, batch.list);
-      has_tree_ = true;
-    }
+    work_ = query.brute ? TreeWork::kKeep : tree_.prepare(batch.list);
     batch.tree = tree_.view();
     batch.scene = tree_.scene();
     if (query.count && query.report != nullptr && !query.brute) {
@@ -228,8 +225,11 @@ class DeviceEngineOn : public DeviceEngine {
                 static_cast<float>(batch.list.count()));
     }
     device_.synchronize("hits");
+    if (!batch.brute) tree_.learn_cost();
     if (query.report == nullptr) return;
     EngineReport& report = *query.report;
+    report.used_tree = !batch.brute;
+    report.tree = work_;
     if (batch.sums != nullptr) {
       const TestSums sums = device_.read("count", batch.sums);
       report.ray_bound_tests += sums.box_tests;
@@ -246,8 +246,14 @@ class DeviceEngineOn : public DeviceEngine {
 
   void explain(const DeviceBatch& batch, std::vector<std::string>* plan) const {
     if (batch.brute) return plan->push_back("brute force, as asked for");
-    plan->push_back(built_now_ ? "object tree: built along a curve, for the triangles have changed"
-                               : "object tree: kept, for the triangles have not changed");
+    if (work_ == TreeWork::kRebuild) {
+      plan->push_back(
+          "object tree: built along a curve, for the triangles are others or have moved far");
+    } else if (work_ == TreeWork::kRefit) {
+      plan->push_back("object tree: refitted, for the same triangles have moved");
+    } else {
+      plan->push_back("object tree: kept, for no triangle has moved");
+    }
     plan->push_back(batch.order != nullptr
                         ? "rays: sorted along a curve, one thread a ray"
                         : "rays: in the caller's order, for they are fewer than " +
@@ -259,7 +265,7 @@ class DeviceEngineOn : public DeviceEngine {
   BulkUplink<Device> uplink_;  ///< of rays
   BulkDownlink<Device> downlink_;
   DeviceBuffer<RunName> names_;
-  LinearTree tree_;
+  DeviceTree<Device> tree_{device_};
   DeviceBuffer<Ray> rays_;
   SortColumns<std::uint64_t> columns_;
   DeviceBuffer<std::uint64_t> words_;
@@ -271,7 +277,7 @@ class DeviceEngineOn : public DeviceEngine {
   DeviceBuffer<std::uint64_t> offsets_;
   DeviceBuffer<TestSums> sums_;
   DeviceBuffer<std::uint32_t> first_wrong_;
-  bool has_tree_ = false, built_now_ = false;
+  TreeWork work_ = TreeWork::kKeep;  ///< of the last query
   std::vector<StageTime> times_;
   Clock::time_point start_;
 };

@@ -1,8 +1,8 @@
 // Ray queries on a device: what engine/engine.h is on the CPU. The same hits, bit for bit.
 //
-//   triangles ─► upload ─► tree along a curve (object/linear_tree.h) ─┐
-//   rays ─► [upload] ─► keys ─► sort ─► each ray down the tree ◄──────┘─► hits in the caller's
-//   order
+//   triangles ─► upload ─► tree along a curve (object/linear_tree.h): built, refitted or kept ─┐
+//   rays ─► [upload] ─► keys ─► sort ─► each ray down the tree ◄───────────────────────────────┘
+//                                          └─► hits in the caller's order
 //
 // Rays and results may lie in the host's memory or in the device's.
 #pragma once
@@ -58,8 +58,10 @@ class DeviceEngine {
  public:
   virtual ~DeviceEngine() = default;
 
-  /// The triangles that there are from now on; they are copied.
-  virtual void set_triangles(const Executor& executor, const TriangleSource& source) = 0;
+  /// The triangles that there are from now on; they are copied. `same_triangles`: as many, with the
+  /// same indices, only moved since the last call, so that the tree may be refitted.
+  virtual void set_triangles(const Executor& executor, const TriangleSource& source,
+                             bool same_triangles) = 0;
   /// The names of their runs, by ascending `first`: for hits that are asked for as `Hit`.
   virtual void set_names(View<const RunName> names) = 0;
 

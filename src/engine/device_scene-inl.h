@@ -33,13 +33,17 @@ class SceneOnDevice {
     device_.synchronize("copy: scene");
   }
 
-  /// What they look like, and what is around them.
+  /// They look otherwise now.
+  void forget_looks() { has_looks_ = false; }
+  /// What they look like, and what is around them, unless it is there.
   void set_looks(const StagedScene& staged, const TextureTable& textures,
                  const EnvironmentView& environment) {
+    if (has_looks_) return;
     upload(device_, View<const PlacedMaterial>(staged.materials), &materials_);
     set_textures(textures);
     set_environment(environment);
     device_.synchronize("copy: scene");
+    has_looks_ = true;
   }
 
   [[nodiscard]] StagedSceneView view(View<const Vec3> corners) const {
@@ -109,6 +113,7 @@ class SceneOnDevice {
   DeviceBuffer<std::uint8_t> texels_{memory_};
   DeviceBuffer<float> decoding_{memory_};  ///< `from_srgb`, then `as_is`
   EnvironmentView environment_;
+  bool has_looks_ = false;
   DeviceBuffer<Vec3> radiance_{memory_};
   DeviceBuffer<float> row_ends_{memory_}, texel_ends_{memory_};
 };

@@ -32,9 +32,10 @@ class DeviceStagesOn : public DeviceStages {
         gl_reader_(device_),
         resolver_(device_) {}
 
-  void forget_scene(bool looks) override {
+  void forget_scene(const FlatUpdate& update) override {
     scene_ = nullptr;
-    has_looks_ = has_looks_ && !looks;
+    if (update.everything) surfaces_.forget_looks();
+    same_triangles_ = same_triangles_ && update.same_triangles;
   }
 
   void set_scene(const Executor& executor, const FlatScene& scene, const TextureSet& textures,
@@ -42,15 +43,14 @@ class DeviceStagesOn : public DeviceStages {
     scene_ = nullptr;
     const StagedScene staged = stage_scene(scene);
     engine_.set_triangles(executor, scene.triangle_count, scene.flags.data(),
+                          std::exchange(same_triangles_, false),
                           [&](std::size_t begin, std::size_t end, CornersOfOne* out) {
-                            for (std::size_t i = begin; i < end; ++i) {
-                              const auto t = static_cast<std::uint32_t>(i);
-                              *out++ = {scene.corner(t, 0), scene.corner(t, 1), scene.corner(t, 2)};
-                            }
+                            for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i)
+                              *out++ = {scene.corner(i, 0), scene.corner(i, 1), scene.corner(i, 2)};
                           });
     surfaces_.set_geometry(scene, staged);
-    if (!has_looks_) surfaces_.set_looks(staged, textures.table(), environment);
-    has_looks_ = true;
+    surfaces_.set_looks(staged, textures.table(), environment);
+    same_triangles_ = true;
     scene_ = &scene;
   }
 
@@ -281,7 +281,7 @@ class DeviceStagesOn : public DeviceStages {
   GlReader<Device> gl_reader_;
   ResolverOn<Device> resolver_;
   const FlatScene* scene_ = nullptr;
-  bool has_looks_ = false;
+  bool same_triangles_ = false;  ///< as the engine has, only moved
   std::optional<DeviceFrameInput> input_place_;
   const DeviceFrameInput* input_ = nullptr;
   SampleOf sample_;

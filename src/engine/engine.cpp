@@ -8,9 +8,6 @@
 namespace raysheaf {
 namespace {
 
-/// A tree whose expected cost has grown by this much is not worth refitting.
-constexpr float kSpoilt = 1.5f;
-
 /// Found rows, and whole batches, beyond are given back: rows with the next query.
 constexpr std::size_t kMostKeptBytes = std::size_t{64} << 20;
 

@@ -20,6 +20,7 @@
 #include "raysheaf/render.h"
 #include "scene/environment_body.h"
 #include "scene/flat_scene.h"
+#include "scene/flat_update.h"
 #include "scene/texture.h"
 #include "shade/shade.h"
 
@@ -157,9 +158,8 @@ struct DeviceFrameInput {
 /// until `film`.
 class DeviceStages : public FrameStages, public PathStages {
  public:
-  /// The scene's triangles are others, or elsewhere; `looks`: so are its materials, textures and
-  /// environment.
-  virtual void forget_scene(bool looks) = 0;
+  /// The scene has changed so.
+  virtual void forget_scene(const FlatUpdate& update) = 0;
   /// Until the next call; `scene` is read by `film`, too.
   virtual void set_scene(const Executor& executor, const FlatScene& scene,
                          const TextureSet& textures, const EnvironmentView& environment) = 0;

@@ -31,6 +31,9 @@ struct Coherence {
 /// What becomes of the object tree before the rays go through it.
 enum class TreeWork : std::uint8_t { kKeep, kRefit, kRebuild, kRebuildFinely };
 
+/// A tree whose expected cost has grown by this much since it was built is not refitted again.
+inline constexpr float kSpoilt = 1.5f;
+
 /// What the scene has been through.
 struct SceneHistory {
   std::uint32_t triangles = 0;

@@ -1,5 +1,7 @@
 #include "frame/device_tracer.h"
 
+#include <utility>
+
 #include "engine/frame_stages.h"
 #include "frame/dual_tracer.h"
 
@@ -23,8 +25,8 @@ DeviceEngine& DeviceTracer::engine(const Executor& executor) {
   source.count = scene_.triangle_count;
   source.flags = scene_.flags.data();
   if (engine_.made == nullptr) engine_.made = backend_.make_engine();
-  engine_.made->set_triangles(executor, source);
-  engine_.knows = true;
+  engine_.made->set_triangles(executor, source, std::exchange(same_triangles_, false));
+  engine_.knows = same_triangles_ = true;
   return *engine_.made;
 }
 

@@ -22,8 +22,11 @@ class DeviceTracer {
   DeviceTracer(const FlatScene& scene, const DeviceBackend& backend)
       : scene_(scene), backend_(backend) {}
 
-  /// The scene's triangles are others, or elsewhere.
-  void forget_scene() { pairs_.knows = packets_.knows = engine_.knows = false; }
+  /// The scene's triangles are others, or elsewhere; `same_triangles`: elsewhere alone.
+  void forget_scene(bool same_triangles) {
+    pairs_.knows = packets_.knows = engine_.knows = false;
+    same_triangles_ = same_triangles_ && same_triangles;
+  }
 
   /// As `DualTracer::trace`, or by brute force.
   [[nodiscard]] std::vector<RayHit> trace(const Executor& executor, const RayBatch& batch,
@@ -62,6 +65,7 @@ class DeviceTracer {
   Kept<PairTracer> pairs_;
   Kept<PacketTracer> packets_;
   Kept<DeviceEngine> engine_;
+  bool same_triangles_ = false;  ///< as the engine has
   Buffer<EngineHit> closest_;
   Buffer<std::uint8_t> occluded_;
 };

@@ -301,8 +301,8 @@ void TraceCache::update(const Executor& executor, const FlatScene& scene,
                         const FlatUpdate& update) {
   if (update.same_triangles && update.placed_meshes.empty()) return;
   bvh.reset();
-  if (device != nullptr) device->forget_scene();
-  if (stages != nullptr) stages->forget_scene(update.everything);
+  if (device != nullptr) device->forget_scene(update.same_triangles);
+  if (stages != nullptr) stages->forget_scene(update);
   if (dual != nullptr) dual->update(executor, scene, update);
 }
 

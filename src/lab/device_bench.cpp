@@ -23,6 +23,7 @@ constexpr Traffic kTraffic[] = {
     {"hierarchy: triangles", 8 + 36 + 48, false},
     {"hierarchy: nodes", 8 + 8 + 8, false},      // a key; two children, two parents
     {"hierarchy: boxes", 48 + 48, false},        // a triangle; two boxes
+    {"hierarchy: refit", 48 + 36 + 48, false},   // a triangle; its corners; itself
     {"order: keys", 32 + 12, true},              // a ray; a key and a number
     {"order: sort", 12 + 12, true},              // pairs, once
     {"trace: any hits", 4 + 32 + 1, true},       // a number, a ray; a flag
@@ -73,6 +74,12 @@ bool is_copy(const std::string& stage) {
   return stage.starts_with("copy:");
 }
 
+double hierarchy_ms(const std::vector<StageTime>& times) {
+  double ms = 0;
+  for (const StageTime& time : times) ms += time.stage.starts_with("hierarchy:") ? time.ms : 0;
+  return ms;
+}
+
 /// One scene's triangles, for the CPU's engine and the device's.
 class Bench {
  public:
@@ -101,8 +108,8 @@ class Bench {
     batch.count = rays.size();
     if (rays.empty()) return batch;
     const bool any = kind == LabRays::kShadow;
-    Answers here(rays.size()), there(rays.size());
-    std::vector<double> cpu_ms, call_ms, frame_ms, device_ms, trace_ms;
+    Answers here(rays.size()), there(rays.size()), refitted(rays.size());
+    std::vector<double> cpu_ms, call_ms, frame_ms, device_ms, trace_ms, refit_ms, refit_frame_ms;
     std::vector<std::string> names;
     std::vector<std::vector<double>> stage_ms;
     Work work{static_cast<double>(rays.size()), static_cast<double>(triangles())};
@@ -111,7 +118,7 @@ class Bench {
       here_.set_triangles(source_, false);
       ask_here(rays, any, &here);
       const double on_cpu = watch.lap_ms();
-      there_->set_triangles(executor_, source_);
+      there_->set_triangles(executor_, source_, false);
       EngineReport report;
       const double moving = watch.lap_ms();
       const bool counts = run == 0;  // which takes its time
@@ -137,6 +144,11 @@ class Bench {
       }
       device_ms.push_back(all);
       trace_ms.push_back(without_tree);
+      watch.lap_ms();
+      there_->set_triangles(executor_, source_, true);
+      ask_there(rays, any, false, &report, &refitted);
+      refit_frame_ms.push_back(watch.lap_ms());
+      refit_ms.push_back(hierarchy_ms(there_->stage_times()));
     }
     for (std::size_t s = 0; s < names.size(); ++s)
       batch.stages.push_back(stage_of(names[s], median(stage_ms[s]), work, rates_));
@@ -145,12 +157,11 @@ class Bench {
     batch.frame_ms = median(frame_ms);
     batch.device_ms = median(device_ms);
     batch.trace_ms = median(trace_ms);
-    for (std::size_t i = 0; i < rays.size(); ++i) {
+    batch.refit_ms = median(refit_ms);
+    batch.refit_frame_ms = median(refit_frame_ms);
+    for (std::size_t i = 0; i < rays.size(); ++i)
       batch.hits += any ? there.any[i] : there.closest[i].triangle != kInvalidId ? 1u : 0u;
-      batch.different +=
-          any ? here.any[i] != there.any[i]
-              : std::memcmp(&here.closest[i], &there.closest[i], sizeof(EngineHit)) != 0;
-    }
+    batch.different = differences(here, there, any) + differences(here, refitted, any);
     return batch;
   }
 
@@ -160,6 +171,14 @@ class Bench {
     std::vector<EngineHit> closest;
     std::vector<std::uint8_t> any;
   };
+
+  [[nodiscard]] static std::uint64_t differences(const Answers& a, const Answers& b, bool any) {
+    std::uint64_t count = 0;
+    for (std::size_t i = 0; i < a.any.size(); ++i)
+      count += any ? a.any[i] != b.any[i]
+                   : std::memcmp(&a.closest[i], &b.closest[i], sizeof(EngineHit)) != 0;
+    return count;
+  }
 
   void ask_here(const std::vector<Ray>& rays, bool any, Answers* answers) {
     if (any) {

@@ -1,7 +1,11 @@
-// The object hierarchy of `dual` on a device: built anew from triangles that lie there.
+// The object hierarchy of `dual` on a device: built from triangles that lie there, and refitted
+// where they move.
 //
-// Work O(M) beside the sort of 64-bit keys; memory 145 bytes a triangle. Nothing waits.
+// Work O(M), of a build beside the sort of 64-bit keys; memory 145 bytes a triangle. Nothing waits
+// but `cost`.
 #pragma once
+
+#include <numeric>
 
 #include "exec/device.h"
 #include "object/linear_tree_body.h"
@@ -19,11 +23,21 @@ class LinearTree {
         nodes_(allocator),
         triangles_(allocator),
         parents_(allocator),
-        arrived_(allocator) {}
+        arrived_(allocator),
+        surfaces_(allocator) {}
 
   /// Fewer than 2^31 triangles. Where it throws, the tree is empty.
   template <class Device>
   void build(Device& device, const TriangleList& source);
+  /// To as many triangles as it was built over, wherever they are now: the same nodes and leaves
+  /// with boxes that fit them.
+  template <class Device>
+  void refit(Device& device, const TriangleList& source);
+  /// Of a tree that is built or refitted: how many of its boxes a ray that meets the scene's is
+  /// expected to meet (J. Goldsmith, J. Salmon, "Automatic Creation of Object Hierarchies for Ray
+  /// Tracing", 1987). 0 where the scene has no surface. Waits.
+  template <class Device>
+  [[nodiscard]] double cost(Device& device) const;
 
   [[nodiscard]] LinearTreeView view() const {
     return {nodes_.data(), triangles_.data(), static_cast<std::uint32_t>(triangles_.size())};
@@ -32,16 +46,26 @@ class LinearTree {
   [[nodiscard]] const SharedBox* scene() const { return scene_.data(); }
   [[nodiscard]] std::size_t memory_bytes() const {
     return scene_.capacity_bytes() + columns_.capacity_bytes() + nodes_.capacity_bytes() +
-           triangles_.capacity_bytes() + parents_.capacity_bytes() + arrived_.capacity_bytes();
+           triangles_.capacity_bytes() + parents_.capacity_bytes() + arrived_.capacity_bytes() +
+           surfaces_.capacity_bytes();
   }
 
+  /// Not for others: nvcc wants functions with loops of a device in them to be public. New boxes
+  /// for all nodes from the triangles as they are in the leaves.
+  template <class Device>
+  void fit(Device& device);
+
  private:
+  /// Sums of surfaces, so that few threads wait for the same one.
+  static constexpr std::uint32_t kSurfaceSums = 64;
+
   DeviceBuffer<SharedBox> scene_;
   SortColumns<std::uint64_t> columns_;
   DeviceBuffer<LinearNode> nodes_;
   DeviceBuffer<LinearTriangle> triangles_;
   DeviceBuffer<std::uint32_t> parents_;  // of nodes, then of leaves
   DeviceBuffer<std::uint32_t> arrived_;
+  DeviceBuffer<std::uint64_t> surfaces_;
 };
 
 template <class Device>
@@ -55,6 +79,7 @@ void LinearTree::build(Device& device, const TriangleList& source) {
   nodes_.resize_uninitialized("hierarchy: nodes", count);
   parents_.resize_uninitialized("hierarchy: nodes", std::size_t{2} * count);
   arrived_.resize_uninitialized("hierarchy: boxes", count);
+  surfaces_.resize_uninitialized("hierarchy: boxes", kSurfaceSums);
 
   const Vec3* const corners = source.corners.data;
   SharedBox* const scene = scene_.data();
@@ -84,16 +109,60 @@ void LinearTree::build(Device& device, const TriangleList& source) {
   });
   if (count <= kLinearLeaf) return;
   device.fill("hierarchy: nodes", parents_.view(), 0xff);
-  device.fill("hierarchy: boxes", arrived_.view(), 0);
   LinearNode* const nodes = nodes_.data();
   const LinearParents parents{parents_.data(), parents_.data() + count};
   device.for_each("hierarchy: nodes", count - 1, [=] RAYSHEAF_HD(std::size_t i) {
     link_node(sorted, count, static_cast<std::uint32_t>(i), nodes, triangles, parents);
   });
-  std::uint32_t* const arrived = arrived_.data();
-  device.for_each("hierarchy: boxes", count, [=] RAYSHEAF_HD(std::size_t i) {
-    fit_boxes(triangles, static_cast<std::uint32_t>(i), parents, arrived, nodes);
+  fit(device);
+}
+
+template <class Device>
+void LinearTree::refit(Device& device, const TriangleList& source) {
+  device.fill("hierarchy: refit", scene_.view(), 0xff);
+  const Vec3* const corners = source.corners.data;
+  const View<const std::uint8_t> flags = source.flags;
+  SharedBox* const scene = scene_.data();
+  LinearTriangle* const triangles = triangles_.data();
+  device.for_each("hierarchy: refit", triangles_.size(), [=] RAYSHEAF_HD(std::size_t i) {
+    LinearTriangle& t = triangles[i];
+    const Vec3* const now = corners + std::size_t{3} * t.id;
+    t.a = now[0];
+    t.b = now[1];
+    t.c = now[2];
+    t.flags = flags.empty() ? 0u : flags.data[t.id];
+    enlarge(scene, triangle_box(t.a, t.b, t.c));
   });
+  if (triangles_.size() > kLinearLeaf) fit(device);
+}
+
+template <class Device>
+void LinearTree::fit(Device& device) {
+  const auto count = static_cast<std::uint32_t>(triangles_.size());
+  device.fill("hierarchy: boxes", arrived_.view(), 0);
+  device.fill("hierarchy: boxes", surfaces_.view(), 0);
+  const SharedBox* const scene = scene_.data();
+  const LinearTriangle* const triangles = triangles_.data();
+  const LinearParents parents{parents_.data(), parents_.data() + count};
+  LinearNode* const nodes = nodes_.data();
+  std::uint32_t* const arrived = arrived_.data();
+  std::uint64_t* const surfaces = surfaces_.data();
+  device.for_each("hierarchy: boxes", count, [=] RAYSHEAF_HD(std::size_t i) {
+    const std::uint64_t surface =
+        fit_boxes(triangles, static_cast<std::uint32_t>(i), *scene, parents, arrived, nodes);
+    if (surface != 0) add_to(&surfaces[i % kSurfaceSums], surface);
+  });
+}
+
+template <class Device>
+double LinearTree::cost(Device& device) const {
+  if (triangles_.size() <= kLinearLeaf) return 0;
+  std::uint64_t sums[kSurfaceSums];
+  device.copy("hierarchy: cost", sums, surfaces_.data(), sizeof sums);
+  const Box scene = box_of(device.read("hierarchy: cost", scene_.data()));
+  const std::uint64_t whole = surface_parts(scene, scene);
+  const std::uint64_t all = std::accumulate(sums, sums + kSurfaceSums, std::uint64_t{0});
+  return whole != 0 ? static_cast<double>(all) / static_cast<double>(whole) : 0;
 }
 
 }  // namespace raysheaf

@@ -12,6 +12,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <limits>
 
 #include "base/bits.h"
 #include "base/vec.h"
@@ -164,13 +165,28 @@ RAYSHEAF_HD inline void link_node(const std::uint64_t* keys, std::uint32_t count
   }
 }
 
+/// Half the surface of a box within the scene's, in parts that are the scene's longest side squared
+/// over 2^20: a ray that meets the scene meets its boxes as often as their surfaces are large, and
+/// sums of whole numbers are the same in any order. 0 where that side is 0, or no number.
+RAYSHEAF_HD inline std::uint64_t surface_parts(const Box& box, const Box& scene) {
+  const Vec3 sides = scene.max - scene.min;
+  const float longest = max_component(sides);
+  if (!(longest > 0 && longest <= std::numeric_limits<float>::max())) return 0;
+  const Vec3 d = (box.max - box.min) * (1 / longest);
+  const float half = d.x * d.y + d.y * d.z + d.z * d.x;
+  return half > 0 && half <= 4 ? static_cast<std::uint64_t>(half * 0x1p20f) : 0;
+}
+
 /// Where a leaf begins at `place`: its box to its parent, and on up until a node waits for its
-/// other child. `arrived` has a zero for each node.
-RAYSHEAF_HD inline void fit_boxes(const LinearTriangle* triangles, std::uint32_t place,
-                                  LinearParents parents, std::uint32_t* arrived,
-                                  LinearNode* nodes) {
+/// other child. `arrived` has a zero for each node. Returns the sum of `surface_parts` of the boxes
+/// that were found.
+RAYSHEAF_HD inline std::uint64_t fit_boxes(const LinearTriangle* triangles, std::uint32_t place,
+                                           const SharedBox& scene, LinearParents parents,
+                                           std::uint32_t* arrived, LinearNode* nodes) {
   std::uint32_t up = parents.of_leaf[place];
-  if (up == kInvalidId) return;
+  if (up == kInvalidId) return 0;
+  const Box whole = box_of(scene);
+  std::uint64_t surface = 0;
   Box box;
   for (bool more = true; more; ++place) {
     const LinearTriangle& t = triangles[place];
@@ -180,7 +196,8 @@ RAYSHEAF_HD inline void fit_boxes(const LinearTriangle* triangles, std::uint32_t
   for (;;) {
     LinearNode& node = nodes[up / 2];
     node.box[up & 1] = box;
-    if (arrive_at(&arrived[up / 2]) == 0 || up / 2 == 0) return;
+    surface += surface_parts(box, whole);
+    if (arrive_at(&arrived[up / 2]) == 0 || up / 2 == 0) return surface;
     box = box_union(node.box[0], node.box[1]);
     up = parents.of_node[up / 2];
   }

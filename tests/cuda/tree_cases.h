@@ -99,6 +99,8 @@ struct RayBoxCase {
     const float x = draws.between(-1, 1) * scale;
     out.put(ordered_word(x), float_of_word(ordered_word(x)), hit_word(std::fabs(x), 3));
     out.put(triangle_of_word(hit_word(std::fabs(x), draws.below(9))));
+    const Box part = triangle_box(draws.in_box(1) * scale, {0, 0, 0}, {scale, 0, scale});
+    out.put(surface_parts(part, box_union(part, scene)), surface_parts(scene, scene));
     const std::uint64_t keys[3] = {draws.below(9), 9, 9 + std::uint64_t{1 + draws.below(999)}};
     const LinearRun run = linear_run(keys, 3, draws.below(2));
     out.put(run.first, run.last, run.cut, static_cast<std::uint32_t>(shared_prefix(keys, 3, 0, 2)));

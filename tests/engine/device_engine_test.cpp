@@ -64,7 +64,7 @@ class OnDevice : public testing::TestWithParam<bool> {
   std::size_t expect_right(Heap heap, const std::vector<Ray>& rays, Facing facing = Facing::kBoth) {
     const HitRows rows = brute_force(heap, rays, facing);
     const std::unique_ptr<DeviceEngine> engine = backend_->make_engine();
-    engine->set_triangles(executor_, heap.source());
+    engine->set_triangles(executor_, heap.source(), false);
     EXPECT_TRUE(says(*engine, rows, rays, {true, false, facing})) << "brute force";
     EXPECT_TRUE(says(*engine, rows, rays, {false, false, facing}));
     return hit_count(rows);
@@ -166,10 +166,80 @@ TEST_P(OnDevice, TrianglesThatChange) {
     const Heap aim = make_heap(Shape::kLarge, 8, random);
     const std::vector<Ray> rays = any_rays(triangles > 0 ? heap : aim, 200, random);
     const HitRows rows = brute_force(heap, rays);
-    engine->set_triangles(executor_, heap.source());
+    engine->set_triangles(executor_, heap.source(), false);
     for (int round = 0; round < 2; ++round)
       EXPECT_TRUE(says(*engine, rows, rays, {})) << triangles << " triangles, round " << round;
   }
+}
+
+/// What the engine did with its tree for a query of 64 rays.
+TreeWork tree_work(DeviceEngine& engine, const std::vector<Ray>& rays) {
+  EngineReport report;
+  DeviceQuery query;
+  query.report = &report;
+  std::vector<EngineHit> hits(rays.size());
+  engine.closest_hit(View<const Ray>(rays), query, View<EngineHit>(hits));
+  EXPECT_TRUE(report.used_tree);
+  return report.tree;
+}
+
+TEST_P(OnDevice, TrianglesThatMoveLeaveTheTreeItsNodes) {
+  Random random(11);
+  for (const std::uint32_t triangles : {700u, 40u, 5u, 4u, 1u, 0u}) {
+    SCOPED_TRACE(triangles);
+    Heap heap = make_heap(Shape::kSmall, triangles, random);
+    for (std::uint32_t i = 0; i < triangles; ++i)
+      heap.flags.push_back(static_cast<std::uint8_t>(random.below(4)));
+    const Heap aim = make_heap(Shape::kLarge, 8, random);
+    const std::unique_ptr<DeviceEngine> engine = backend_->make_engine();
+    engine->set_triangles(executor_, heap.source(), true);
+    for (int frame = 0; frame < 6; ++frame) {
+      const std::vector<Ray> rays = any_rays(triangles > 0 ? heap : aim, 150, random);
+      EXPECT_EQ(tree_work(*engine, rays), frame == 0 ? TreeWork::kRebuild : TreeWork::kRefit);
+      for (const Facing facing : {Facing::kBoth, Facing::kSkipBackOfSingleSided})
+        EXPECT_TRUE(says(*engine, brute_force(heap, rays, facing), rays, {false, false, facing}));
+      EXPECT_EQ(tree_work(*engine, rays), TreeWork::kKeep);
+      const Vec3 step = random.in_box(0.3f);
+      for (Vec3& p : heap.positions) p = p * 1.02f + step + random.in_box(0.002f);
+      engine->set_triangles(executor_, heap.source(), true);
+      // A frame that asks for brute force alone, and one of other sides.
+      if (frame == 2) engine->set_triangles(executor_, heap.source(), true);
+      if (frame == 3) std::reverse(heap.flags.begin(), heap.flags.end());
+      if (frame == 3) engine->set_triangles(executor_, heap.source(), true);
+    }
+    // As many, but others.
+    engine->set_triangles(executor_, heap.source(), false);
+    EXPECT_EQ(tree_work(*engine, any_rays(aim, 9, random)), TreeWork::kRebuild);
+    // Others, though it is told that they are the same.
+    Heap more = make_heap(Shape::kSmall, triangles + 9, random);
+    engine->set_triangles(executor_, more.source(), true);
+    EXPECT_EQ(tree_work(*engine, any_rays(aim, 9, random)), TreeWork::kRebuild);
+    const std::vector<Ray> rays = any_rays(more, 150, random);
+    EXPECT_TRUE(says(*engine, brute_force(more, rays), rays, {}));
+  }
+}
+
+TEST_P(OnDevice, ATreeIsBuiltAgainWhereItsTrianglesHaveRunApart) {
+  Random random(12);
+  Heap heap = make_heap(Shape::kSmall, 600, random);
+  const std::vector<Ray> rays = any_rays(heap, 150, random);
+  const std::unique_ptr<DeviceEngine> engine = backend_->make_engine();
+  engine->set_triangles(executor_, heap.source(), false);
+  EXPECT_EQ(tree_work(*engine, rays), TreeWork::kRebuild);
+  // Each where another was: the boxes of all nodes are as large as the scene.
+  for (std::uint32_t i = heap.count(); --i > 0;) {
+    const std::uint32_t j = random.below(i + 1);
+    for (std::uint32_t k = 0; k < 3; ++k)
+      std::swap(heap.positions[3 * i + k], heap.positions[3 * j + k]);
+  }
+  engine->set_triangles(executor_, heap.source(), true);
+  EXPECT_EQ(tree_work(*engine, rays), TreeWork::kRefit) << "nobody knows yet";
+  EXPECT_EQ(tree_work(*engine, rays), TreeWork::kRebuild) << "though nothing has moved since";
+  EXPECT_EQ(tree_work(*engine, rays), TreeWork::kKeep);
+  engine->set_triangles(executor_, heap.source(), true);
+  EXPECT_EQ(tree_work(*engine, rays), TreeWork::kRefit);
+  EXPECT_EQ(tree_work(*engine, rays), TreeWork::kKeep);
+  EXPECT_TRUE(says(*engine, brute_force(heap, rays), rays, {}));
 }
 
 TEST_P(OnDevice, ReportsWhatItDid) {
@@ -177,7 +247,7 @@ TEST_P(OnDevice, ReportsWhatItDid) {
   Heap heap = make_heap(Shape::kSmall, 1000, random);
   const std::vector<Ray> rays = any_rays(heap, 5000, random);
   const std::unique_ptr<DeviceEngine> engine = backend_->make_engine();
-  engine->set_triangles(executor_, heap.source());
+  engine->set_triangles(executor_, heap.source(), false);
   std::vector<EngineHit> hits(rays.size());
   const auto ask = [&](bool brute, bool count) {
     EngineReport report;
@@ -223,7 +293,7 @@ TEST(DeviceEngine, MemoryThatRunsOutAnywhereLeavesTheEngineUsable) {
       bool failed = false;
       emulation.memory.let(allowed);
       try {
-        engine->set_triangles(emulation.executor, heap.source());
+        engine->set_triangles(emulation.executor, heap.source(), false);
         found = engine->all_hits(View<const Ray>(rays), query);
         engine->closest_hit(View<const Ray>(rays), query, View<EngineHit>(hits));
       } catch (const Error& error) {
@@ -233,7 +303,7 @@ TEST(DeviceEngine, MemoryThatRunsOutAnywhereLeavesTheEngineUsable) {
         EXPECT_NE(error.place().find(": "), std::string::npos) << "a stage: " << error.place();
       }
       emulation.memory.let(FailingAllocator::kAlways);
-      if (failed) engine->set_triangles(emulation.executor, heap.source());
+      if (failed) engine->set_triangles(emulation.executor, heap.source(), false);
       found = engine->all_hits(View<const Ray>(rays), query);
       EXPECT_EQ(found.hits.size(), hit_count(rows));
       engine->closest_hit(View<const Ray>(rays), query, View<EngineHit>(hits));
@@ -259,7 +329,7 @@ TEST(DeviceEngine, RaysAndResultsMayLieInTheDevicesMemory) {
   DeviceBuffer<EngineHit> hits(device.allocator());
   hits.resize_uninitialized("test", rays.size());
   const std::unique_ptr<DeviceEngine> engine = emulation.backend->make_engine();
-  engine->set_triangles(emulation.executor, heap.source());
+  engine->set_triangles(emulation.executor, heap.source(), false);
   DeviceQuery query;
   query.check = true;
   engine->closest_hit(there.view_const(), query, hits.view());

@@ -147,7 +147,12 @@ void expect_frames_of_a_change(const Context& context, Method method) {
   options.samples = 2;
   for (int frame = 0; frame < 6; ++frame) {
     SCOPED_TRACE(frame);
-    test::expect_same_picture(there.render(options), here.render(options));
+    const RenderResult result = there.render(options);
+    test::expect_same_picture(result, here.render(options));
+    if (method == Method::kDual) {
+      EXPECT_EQ(says(result, "object tree: built"), frame == 0 || frame == 3);
+      EXPECT_EQ(says(result, "object tree: refitted"), frame == 2 || frame == 4);
+    }
     SceneChanges changes;
     if (frame == 1 || frame == 3) {
       changes.moved = {2};

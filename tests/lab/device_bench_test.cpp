@@ -43,6 +43,8 @@ TEST(DeviceBench, TimesEachStageAndFindsTheCpusHits) {
     EXPECT_GT(batch.cpu_ms, 0);
     EXPECT_GT(batch.call_ms, 0);
     EXPECT_GT(batch.frame_ms, batch.call_ms);
+    EXPECT_GT(batch.refit_ms, 0);
+    EXPECT_GT(batch.refit_frame_ms, batch.refit_ms);
   }
   options.runs = 0;
   EXPECT_THROW(static_cast<void>(bench_device_on(*backend, scene, options)), Error);

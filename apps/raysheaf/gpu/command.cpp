@@ -38,10 +38,12 @@ std::string text_of(const SceneReport& scene) {
     text += fmt::format(
         "  {}: {} rays, {} hits, {} unlike the CPU's; ms: device {:.3f}, of that keys to hits "
         "{:.3f} "
-        "({:.3f} Grays/s), call {:.3f}, with moved triangles {:.3f}, CPU {:.3f}\n",
+        "({:.3f} Grays/s), call {:.3f}, with moved triangles {:.3f}, CPU {:.3f}; hierarchy "
+        "refitted "
+        "in {:.3f} instead of built, with moved triangles {:.3f}\n",
         to_string(batch.rays), batch.count, batch.hits, batch.different, batch.device_ms,
         batch.trace_ms, grays_per_s(batch.count, batch.trace_ms), batch.call_ms, batch.frame_ms,
-        batch.cpu_ms);
+        batch.cpu_ms, batch.refit_ms, batch.refit_frame_ms);
     for (const DeviceStage& stage : batch.stages)
       text +=
           fmt::format("    {:<24} {:>9.4f} ms{}\n", stage.name, stage.ms,
@@ -71,6 +73,8 @@ Json json_of(const SceneReport& scene) {
                        {"trace_ms", batch.trace_ms},
                        {"call_ms", batch.call_ms},
                        {"frame_ms", batch.frame_ms},
+                       {"refit_ms", batch.refit_ms},
+                       {"refit_frame_ms", batch.refit_frame_ms},
                        {"cpu_ms", batch.cpu_ms},
                        {"grays_per_s", grays_per_s(batch.count, batch.trace_ms)},
                        {"stages", stages}});
