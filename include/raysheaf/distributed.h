@@ -1,7 +1,8 @@
 // Several processes that work on one picture or on one batch of rays, on one machine or on many
 // (docs/mpi.md).
 //
-//   rays       every process has the scene; pieces of each batch go to whoever is free
+//   rays       every process has the scene; groups of first hits, or pieces of each batch, go to
+//              whoever is free
 //   geometry   every process streams its own blocks past all rays; the least hits are found
 //
 // Every process calls the same functions with the same arguments, in the same order, and gets the

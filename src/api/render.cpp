@@ -137,6 +137,7 @@ class Renderer::Impl {
                      rasters ? &*rasterizer_ : nullptr,
                      scene_->environment.empty() ? nullptr : &environment_->view(),
                      complete};
+    input.ranks = cache_.ranks;
     if (on_device) {
       input.device = &device_stages(executor);
       const Traversal traversal = settings_for(options).traversal;

@@ -54,6 +54,7 @@ PathStages::Set CpuPaths::see(std::size_t group) {
   group_ = group;
   Fragments& kept = frame_.kept[group];
   Fragments fragments = kept.empty() ? first_hits(group) : std::move(kept);
+  if (frame_.sharing != nullptr) frame_.sharing->note(fragments);
   frame_.film.see(executor_, fragments,
                   [this](std::uint32_t triangle) { return geometry_.ids(triangle); });
   statistics().raster_ms += watch_.lap_ms();

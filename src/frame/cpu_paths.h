@@ -2,8 +2,10 @@
 // triangles are.
 #pragma once
 
+#include <memory>
 #include <vector>
 
+#include "engine/shared_groups.h"
 #include "exec/stopwatch.h"
 #include "frame/film.h"
 #include "frame/frame.h"
@@ -14,12 +16,16 @@ namespace raysheaf {
 /// What those share that follow groups of one frame, perhaps side by side: each group has pixels of
 /// its own.
 struct CpuFrame {
-  explicit CpuFrame(const FrameInput& input, FrameTally* tally_of_all)
+  CpuFrame(const FrameInput& input, FrameTally* tally_of_all)
       : lights(input.lights),
         environment(input.environment),
         options(input.options),
         tally(*tally_of_all),
-        film(options.width, options.height, options.count_pixel_tests) {}
+        film(options.width, options.height, options.count_pixel_tests) {
+    if (input.ranks == nullptr || input.ranks->size() == 1 || !input.geometry.is_shared()) return;
+    const std::size_t pixels = std::size_t{options.width} * options.height;
+    sharing = std::make_unique<SharedGroups>(*input.ranks, options.bounces + 1, pixels);
+  }
 
   const View<const PlacedLight> lights;
   const EnvironmentView* const environment;
@@ -28,6 +34,7 @@ struct CpuFrame {
   Film film;
   SampleOf sample;
   std::vector<Fragments> kept;  ///< of each of the sample's groups: its first hits, or nothing
+  std::unique_ptr<SharedGroups> sharing;  ///< with other processes; null: there are none
 };
 
 class CpuPaths : public PathStages {

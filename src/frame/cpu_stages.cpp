@@ -67,6 +67,7 @@ class CpuStages : public FrameStages {
       paths.find_sky(group, group < std::max<std::size_t>(kept, 1), parts);
       meter_.advance(1);
     });
+    if (frame_.sharing != nullptr) frame_.sharing->unite(&parts);
     return sky_of_parts(parts);
   }
 
@@ -87,7 +88,11 @@ class CpuStages : public FrameStages {
     tell_of_shared();
   }
 
-  FilmSums film(bool taken) override { return taken ? frame_.film.taken() : frame_.film.sums(); }
+  FilmSums film(bool taken) override {
+    FilmSums sums = taken ? frame_.film.taken() : frame_.film.sums();
+    if (frame_.sharing != nullptr) frame_.sharing->unite(&sums);
+    return sums;
+  }
 
  private:
   [[nodiscard]] bool sends_rays() const {
@@ -108,6 +113,7 @@ class CpuStages : public FrameStages {
     for (BatchStatistics& batch : tally_.statistics.batches) {
       if (batch.bounce == 0 && rasterizer_ != nullptr) continue;  // rays before it was shared
       batch.times_ms.hierarchy += std::exchange(shared_.ms, 0);
+      if (!told_ && frame_.sharing != nullptr) shared_.plan.push_back(frame_.sharing->sentence());
       if (!told_) batch.plan.insert(batch.plan.begin(), shared_.plan.begin(), shared_.plan.end());
       told_ = true;
       return;
@@ -122,27 +128,40 @@ class CpuStages : public FrameStages {
       return;
     }
     const Stopwatch watch;
-    executor_.for_each(count, 1, [&](std::size_t group) {
+    const auto follow = [&](std::size_t group) {
       std::unique_ptr<Follower> follower = take_follower();
       body(follower->paths, follower->meter, group);
       follower->tally.keep_plans(frame_.sample.index * count + group);
       give_back(std::move(follower));
-    });
+    };
+    if (frame_.sharing == nullptr) {
+      executor_.for_each(count, 1, follow);
+    } else {
+      frame_.sharing->for_each(executor_, count, follow,
+                               [this](std::size_t others) { meter_.advance(others); });
+    }
+    take_tallies(watch.ms());
+  }
+
+  /// What followers counted in a loop that took so long.
+  void take_tallies(double loop_ms) {
     // Their times lie side by side: in all they took as long as the loop.
     double sum = 0;
-    std::uint64_t rays = 0;
     for (const auto& follower : free_) {
       const FrameStatistics& s = follower->tally.statistics;
       sum += s.raster_ms + s.shade_ms;
       for (const BatchStatistics& batch : s.batches) {
         const StageTimes& t = batch.times_ms;
-        rays += batch.rays;
         if (batch.bounce == 0) continue;  // a part of `raster_ms`
         sum += t.raygen + t.order + t.hierarchy + t.traverse + t.intersect;
       }
     }
-    for (const auto& follower : free_)
-      tally_.take(&follower->tally, sum > 0 ? watch.ms() / sum : 0);
+    FrameTally all(geometry_.triangle_count());
+    for (const auto& follower : free_) all.take(&follower->tally, sum > 0 ? loop_ms / sum : 0);
+    if (frame_.sharing != nullptr) frame_.sharing->add_up(&all);
+    std::uint64_t rays = 0;
+    for (const BatchStatistics& batch : all.statistics.batches) rays += batch.rays;
+    tally_.take(&all, 1);
     if (rays > 0) geometry_.add_rays(rays);
   }
 

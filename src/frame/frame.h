@@ -7,6 +7,7 @@
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
 #include "frame/geometry.h"
+#include "raysheaf/distributed.h"
 #include "raysheaf/render.h"
 #include "scene/environment_body.h"
 
@@ -27,6 +28,8 @@ struct FrameInput {
   Rasterize rasterize = nullptr;    ///< of its frames, where not by rays
   PairTracer* pairs = nullptr;      ///< where the device and the method have one
   PacketTracer* packets = nullptr;  ///< the same
+  /// Who else makes the frame, where threads follow groups of first hits; null: nobody.
+  Communicator* ranks = nullptr;
 };
 
 /// The method's settings with what was asked for in their place.

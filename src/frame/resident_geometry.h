@@ -21,7 +21,7 @@ class ResidentGeometry : public FrameGeometry, private HasLooks, public FlatGeom
   [[nodiscard]] std::size_t look(const Seeing& seeing, ProgressMeter* meter) override;
   [[nodiscard]] float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) override;
 
-  /// Those of `dual` on this process's CPU.
+  /// Those of `dual` on the CPU.
   [[nodiscard]] bool is_shared() const override { return asks_alone(options_); }
   [[nodiscard]] SharedWork share() override;
   [[nodiscard]] std::unique_ptr<PathGeometry> of_one_thread() override;

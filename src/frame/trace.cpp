@@ -328,8 +328,7 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
 }
 
 bool asks_alone(const TraceOptions& options) {
-  return options.method.traversal == Traversal::kDual && !runs_on_device(options) &&
-         (options.cache == nullptr || options.cache->ranks == nullptr);
+  return options.method.traversal == Traversal::kDual && !runs_on_device(options);
 }
 
 void find_occluded(const Executor& executor, const FlatScene& scene, const RayBatch& batch,

@@ -66,7 +66,7 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
                           View<float> ray_tests, ProgressMeter* meter);
 
 /// Whether rays gain little from the others of their batch, so that many are best traced in parts
-/// that stay in the caches: those of `dual` on this process's CPU.
+/// that stay in the caches: those of `dual` on the CPU.
 [[nodiscard]] bool asks_alone(const TraceOptions& options);
 
 /// The same of rays that ask for occlusion: occluded[i] = 1 where ray i meets anything, else 0.

@@ -2,6 +2,7 @@
 // is everyone's. The processes are threads here; tests/app/mpi_test.cpp starts real ones.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstring>
 #include <numeric>
 
@@ -79,7 +80,21 @@ bool same_picture(const RenderResult& a, const RenderResult& b) {
     return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(x[0])) == 0;
   };
   return same(a.beauty, b.beauty) && same(a.normal, b.normal) && same(a.shadow, b.shadow) &&
-         same(a.ids, b.ids) && a.exposure == b.exposure;
+         same(a.ids, b.ids) && same(a.position, b.position) && same(a.albedo, b.albedo) &&
+         same(a.specular, b.specular) && a.exposure == b.exposure;
+}
+
+/// Whether all processes together counted what one counts.
+void expect_same_counts(const FrameStatistics& shared, const FrameStatistics& alone) {
+  ASSERT_EQ(shared.batches.size(), alone.batches.size());
+  for (std::size_t i = 0; i < alone.batches.size(); ++i) {
+    const BatchStatistics &a = shared.batches[i], &b = alone.batches[i];
+    EXPECT_EQ(a.kind, b.kind);
+    EXPECT_EQ(a.bounce, b.bounce);
+    EXPECT_EQ(a.rays, b.rays);
+    EXPECT_EQ(a.hits, b.hits);
+    EXPECT_EQ(a.total_tests(), b.total_tests());
+  }
 }
 
 TEST(Ranks, PicturesByRaysHaveTheSameBits) {
@@ -103,6 +118,39 @@ TEST(Ranks, PicturesByRaysHaveTheSameBits) {
       EXPECT_GT(tests, 0);
     });
     EXPECT_EQ(errors, kNoErrors) << to_string(method);
+  }
+}
+
+/// Groups of first hits are followed to their ends, each by one process.
+TEST(Ranks, PicturesByGroupsHaveTheSameBitsAndCounts) {
+  RenderOptions options = small_frame(Method::kDual);
+  options.bounces = 2;
+  for (const bool first : {false, true}) {
+    options.width = first ? 320 : 333;  // tiles, or rows
+    options.height = first ? 256 : 200;
+    options.samples = first ? 1 : 3;
+    options.primary = first ? Primary::kRaster : Primary::kTrace;
+    if (first) options.ambient = Vec3{0.1f, 0.2f, 0.3f};
+    SceneDescription scene = builtin_scene("office");
+    if (!first) add_curtain(&scene, 0, 1);
+    const RenderResult alone = render(scene, options);
+    for (const std::uint32_t processes : {1u, 2u, 5u}) {
+      SCOPED_TRACE(processes);
+      std::atomic<std::uint64_t> looks{0}, most{0};
+      const auto errors = run_ranks(processes, [&](const auto& ranks) {
+        const auto threads = 1 + ranks->rank() % 2;
+        RenderOptions here = options;
+        here.on_sample = [&](const RenderResult& result) { return ++looks, result.samples < 9; };
+        here.progress = [&](const Progress& p) { return most = p.done, p.done <= p.total; };
+        const RenderResult shared =
+            render(distributed({Device::kCpu, threads}, ranks), scene, here);
+        EXPECT_TRUE(same_picture(shared, alone));
+        EXPECT_EQ(shared.tests, alone.tests);
+        expect_same_counts(shared.statistics, alone.statistics);
+      });
+      EXPECT_EQ(errors, std::vector<std::string>(processes));
+      EXPECT_EQ(looks, first ? 0u : 2 * processes);
+    }
   }
 }
 
