@@ -128,7 +128,7 @@ class Renderer::Impl {
       s->threads = executor.threads();
       s->total_ms = watch.ms();
     };
-    const bool on_device = cache_.backend != nullptr && cache_.ranks == nullptr;
+    const bool on_device = cache_.backend != nullptr;
     FrameInput input{geometry,
                      camera,
                      lights,
@@ -148,13 +148,25 @@ class Renderer::Impl {
             &cache_.device_tracer(flat_).packets(executor, cache_.hierarchy(executor, flat_));
       if (rasters)
         input.rasterize = [&](const CameraFrame& frame, const ReadSlots& read) {
-          return rasterizer_->visible_triangles(executor, flat_, frame, read);
+          return seen_by_opengl(executor, frame, read);
         };
     }
     RenderResult result = render_frame(executor, input);
     update_.tree = word_of(cache_.tree);
     update_.tree_ms = cache_.tree.ms;
     return result;
+  }
+
+  /// Of several processes rank 0's: that of others may be another one.
+  std::vector<std::uint32_t> seen_by_opengl(const Executor& executor, const CameraFrame& frame,
+                                            const ReadSlots& read) {
+    if (cache_.ranks == nullptr || cache_.ranks->size() == 1)
+      return rasterizer_->visible_triangles(executor, flat_, frame, read);
+    std::vector<std::uint32_t> seen(std::size_t{frame.width} * frame.height);
+    if (cache_.ranks->rank() == 0)
+      seen = rasterizer_->visible_triangles(executor, flat_, frame, {});
+    cache_.ranks->broadcast(std::as_writable_bytes(std::span(seen)));
+    return seen;
   }
 
   /// With the scene.

@@ -8,10 +8,11 @@
 
 #include "base/bits.h"
 #include "engine/device_cutouts-inl.h"
-#include "engine/device_scene-inl.h"
+#include "engine/device_sets-inl.h"
 #include "engine/gl_reader-inl.h"
 #include "engine/light_loops-inl.h"
 #include "engine/resolve_loops-inl.h"
+#include "engine/shared_groups.h"
 #include "exec/stopwatch.h"
 #include "scene/cutout.h"
 
@@ -25,6 +26,7 @@ class DeviceStagesOn : public DeviceStages {
   explicit DeviceStagesOn(Args&&... args)
       : engine_(std::forward<Args>(args)...),
         device_(engine_.device()),
+        sets_(device_),
         batches_(engine_),
         cutouts_(device_, batches_),
         surfaces_(device_),
@@ -61,6 +63,7 @@ class DeviceStagesOn : public DeviceStages {
     batches_.begin(*input_);
     upload(device_, input.lights, &lights_);
     film_.begin(input.options.width, input.options.height, input.options.count_pixel_tests);
+    sharing_ = SharedGroups::among(input.ranks, input.options);
     cutouts_.begin({scene_view(), has_cutouts(*scene_->description, input.blends), input.blends,
                     film_.tests()});
   }
@@ -92,21 +95,28 @@ class DeviceStagesOn : public DeviceStages {
       triangles_of_hits_on(device_, View<const EngineHit>(hits, pixels), triangles_seen_.data());
     }
     input_->meter.begin("surfaces", 1);
-    first_hits_ = make_set("surfaces: first", pixels);
+    first_hits_ = sets_.make("surfaces: first", pixels);
     first_fragments_on(device_, scene_view(), frame, triangles_seen_.data(),
                        first_hits_->fragments.view());
     film_.see(first_hits_->view());
     lap(&input_->tally.statistics.raster_ms);
-    return 1;
+    return sharing_ == nullptr ? 1 : sharing_->parts();
   }
 
-  /// There is one.
-  void follow_groups(std::size_t /*count*/, const FollowGroup& follow) override {
-    follow(*this, input_->meter, 0);
-    input_->tally.keep_plans(sample_.index);
+  void follow_groups(std::size_t count, const FollowGroup& follow) override {
+    const auto follow_one = [&](std::size_t group) {
+      follow(*this, input_->meter, group);
+      input_->tally.keep_plans(sample_.index * count + group);
+    };
+    if (sharing_ == nullptr) return follow_one(0);
+    sharing_->follow_parts(sample_.index, follow_one, &input_->tally);
   }
 
-  Set see(std::size_t /*group*/) override { return std::move(first_hits_); }
+  Set see(std::size_t group) override {
+    if (sharing_ == nullptr) return std::move(first_hits_);
+    const auto [begin, end] = sharing_->take_pixels(group);
+    return sets_.part("surfaces: first", *first_hits_, begin, end);
+  }
 
   Vec3 find_sky() override {
     const View<const Fragment> fragments = first_hits_->view();
@@ -173,7 +183,7 @@ class DeviceStagesOn : public DeviceStages {
     const EngineHit* const hits =
         cutouts_.closest({Facing::kBoth, kBounceKeyBits, s.view(), slots}, &statistics);
     watch_.lap_ms();
-    auto arrived = make_set("surfaces: bounce", count);
+    auto arrived = sets_.make("surfaces: bounce", count);
     arrived_on(device_, scene_view(), s.view(),
                {slots, rays, weights_.data(), hits, static_cast<std::uint32_t>(kind)},
                arrived->fragments.data());
@@ -182,30 +192,25 @@ class DeviceStagesOn : public DeviceStages {
   }
 
   Set merged(Set a, Set b) override {
-    const View<const Fragment> first = of(*a).view(), second = of(*b).view();
-    const std::size_t count = first.size + second.size;
-    check_item_count("order: fragments", count);
     watch_.lap_ms();
-    columns_.resize_uninitialized("order: fragments", count, true);
-    pixels_of_both_on(device_, first, second, columns_.keys.data(), columns_.values.data());
-    device_.sort_pairs("order: fragments", &columns_,
-                       {0, static_cast<std::uint32_t>(std::bit_width(pixel_count() - 1))});
-    auto all = make_set("order: fragments", count);
-    merge_on(device_, first, second, columns_.values.data(), all->fragments.data());
+    auto all =
+        sets_.merged(of(*a), of(*b), static_cast<std::uint32_t>(std::bit_width(pixel_count() - 1)));
     lap(&input_->tally.statistics.shade_ms);
     return all;
   }
 
   Set split_off(FragmentSet& set, std::size_t first) override {
     DeviceSet& s = of(set);
-    auto rest = make_set("order: fragments", s.count - first);
-    device_.copy("order: fragments", rest->fragments.data(), s.fragments.data() + first,
-                 rest->count * sizeof(Fragment));
+    auto rest = sets_.part("order: fragments", s, first, s.count);
     s.count = first;
     return rest;
   }
 
-  FilmSums film(bool /*taken*/) override { return film_.sums(input_->executor, *scene_); }
+  FilmSums film(bool /*taken*/) override {
+    FilmSums sums = film_.sums(input_->executor, *scene_);
+    if (sharing_ != nullptr) sharing_->unite(&sums);
+    return sums;
+  }
 
  private:
   static DeviceSet& of(FragmentSet& set) { return static_cast<DeviceSet&>(set); }
@@ -216,13 +221,6 @@ class DeviceStagesOn : public DeviceStages {
   }
   [[nodiscard]] StagedSceneView scene_view() const {
     return surfaces_.view(engine_.triangles().corners);
-  }
-
-  [[nodiscard]] std::unique_ptr<DeviceSet> make_set(const char* stage, std::size_t count) {
-    auto set = std::make_unique<DeviceSet>(device_.allocator());
-    set->fragments.resize_uninitialized(stage, count);
-    set->count = count;
-    return set;
   }
 
   /// Waits for the device, and adds the time since the last lap.
@@ -274,6 +272,7 @@ class DeviceStagesOn : public DeviceStages {
   DeviceEngineOn<Device> engine_;
   Device& device_;
   DeviceAllocator& memory_ = device_.allocator();
+  DeviceSets<Device> sets_;
   DeviceBatches<Device> batches_;
   DeviceCutouts<Device> cutouts_;
   SceneOnDevice<Device> surfaces_;
@@ -286,6 +285,7 @@ class DeviceStagesOn : public DeviceStages {
   const DeviceFrameInput* input_ = nullptr;
   SampleOf sample_;
   std::unique_ptr<DeviceSet> first_hits_;  ///< until they are seen
+  std::unique_ptr<SharedGroups> sharing_;  ///< with other processes; null: there are none
   Stopwatch watch_;
 
   DeviceBuffer<PlacedLight> lights_{memory_};
@@ -294,7 +294,6 @@ class DeviceStagesOn : public DeviceStages {
   DeviceBuffer<std::uint8_t> flags_{memory_}, visibility_{memory_};
   DeviceBuffer<Vec3> weights_{memory_};
   DeviceBuffer<SkyPart> sky_parts_{memory_};
-  SortColumns<std::uint32_t> columns_{memory_};
 };
 
 }  // namespace raysheaf

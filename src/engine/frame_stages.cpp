@@ -1,11 +1,19 @@
 #include "engine/frame_stages.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace raysheaf {
 
 namespace {
+
+constexpr std::uint64_t BatchStatistics::*kBatchCounts[] = {
+    &BatchStatistics::chunks, &BatchStatistics::mesh_sphere_tests, &BatchStatistics::bound_tests,
+    &BatchStatistics::ray_bound_tests, &BatchStatistics::final_tests};
+
+/// More than any hierarchy has.
+constexpr std::uint32_t kMostLevels = 64;
 
 void add(const StageTimes& more, double part, StageTimes* times) {
   times->raygen += part * more.raygen;
@@ -69,10 +77,11 @@ void FrameTally::take(FrameTally* other, double time_part) {
     BatchStatistics& more = from.batches[i];
     BatchStatistics& sum = batch(more.kind, more.bounce);
     sum.rays += more.rays;
-    sum.bound_tests += more.bound_tests;
-    sum.ray_bound_tests += more.ray_bound_tests;
-    sum.final_tests += more.final_tests;
     sum.hits += more.hits;
+    std::vector<std::uint64_t> numbers = numbers_of(sum);
+    const std::vector<std::uint64_t> added = numbers_of(more);
+    for (std::size_t n = 0; n < numbers.size(); ++n) numbers[n] += added[n];
+    set_numbers(numbers.data(), &sum);
     add(more.times_ms, time_part, &sum.times_ms);
     KeptPlan& kept = kept_plans_[place_of(more.kind, more.bounce)];
     if (other->kept_plans_[i].group >= kept.group) continue;
@@ -81,6 +90,40 @@ void FrameTally::take(FrameTally* other, double time_part) {
   }
   from = {};
   other->kept_plans_.clear();
+}
+
+void FrameTally::tell_first(std::string sentence) {
+  if (statistics.batches.empty()) return;
+  std::vector<std::string>& plan = statistics.batches.front().plan;
+  plan.insert(plan.begin(), std::move(sentence));
+  ++kept_plans_.front().sentences;
+}
+
+std::vector<std::uint64_t> numbers_of(const BatchStatistics& batch) {
+  std::vector<std::uint64_t> numbers;
+  numbers.reserve(number_count());
+  for (const auto field : kBatchCounts) numbers.push_back(batch.*field);
+  const std::size_t first = numbers.size();
+  numbers.resize(number_count());
+  for (const LevelStatistics& level : batch.levels) {
+    const std::size_t place = first + 2 * std::size_t{(level.level - 1) % kMostLevels};
+    numbers[place] += level.tests;
+    numbers[place + 1] += level.hits;
+  }
+  return numbers;
+}
+
+void set_numbers(const std::uint64_t* numbers, BatchStatistics* batch) {
+  for (const auto field : kBatchCounts) batch->*field = *numbers++;
+  batch->levels.clear();
+  for (std::uint32_t l = kMostLevels; l >= 1; --l) {
+    const LevelStatistics level{l, numbers[2 * (l - 1)], numbers[2 * (l - 1) + 1]};
+    if (level.tests > 0 || !batch->levels.empty()) batch->levels.push_back(level);
+  }
+}
+
+std::size_t number_count() {
+  return std::size(kBatchCounts) + 2 * kMostLevels;
 }
 
 PixelIds ids_of(const FlatScene& scene, std::uint32_t triangle) {

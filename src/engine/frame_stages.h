@@ -17,6 +17,7 @@
 #include "exec/progress_meter.h"
 #include "raster/slot_picture.h"
 #include "raygen/camera_body.h"
+#include "raysheaf/distributed.h"
 #include "raysheaf/render.h"
 #include "scene/environment_body.h"
 #include "scene/flat_scene.h"
@@ -32,6 +33,8 @@ class Rasterizer;
 class FrameTally {
  public:
   explicit FrameTally(std::uint64_t triangles) : triangles_(triangles) {}
+  /// One of the same scene that has counted nothing.
+  [[nodiscard]] FrameTally fresh() const { return FrameTally(triangles_); }
 
   /// Of all rays of a kind at a bounce; made where there are none yet. By bounces, then by kinds.
   [[nodiscard]] BatchStatistics& batch(RayKind kind, std::uint32_t bounce);
@@ -40,6 +43,8 @@ class FrameTally {
   void keep_plans(std::size_t group);
   /// Whether what the group says would stay.
   [[nodiscard]] bool wants_plan(RayKind kind, std::uint32_t bounce, std::size_t group) const;
+  /// A sentence about all batches: the first says it.
+  void tell_first(std::string sentence);
   /// Adds what another has, and leaves it nothing; of times `time_part`, where threads took them
   /// side by side.
   void take(FrameTally* other, double time_part);
@@ -56,6 +61,11 @@ class FrameTally {
   std::uint64_t triangles_;
   std::vector<KeptPlan> kept_plans_;  ///< of each batch
 };
+
+/// Tests of a batch as a row of numbers, which stand at the same places in every process.
+[[nodiscard]] std::vector<std::uint64_t> numbers_of(const BatchStatistics& batch);
+void set_numbers(const std::uint64_t* numbers, BatchStatistics* batch);
+[[nodiscard]] std::size_t number_count();
 
 /// Where rays ended, and the light that leaves there: sorted by pixel.
 class FragmentSet {
@@ -150,8 +160,9 @@ struct DeviceFrameInput {
   PairTracer* pairs = nullptr;      ///< of this scene, of `rah` and `crsh`; null: another method
   PacketTracer* packets = nullptr;  ///< the same of `gl10`
   PairQuery pair_query;
-  bool by_key = false;  ///< either sorts the rays
-  bool blends = false;  ///< there are several samples a pixel
+  bool by_key = false;            ///< either sorts the rays
+  bool blends = false;            ///< there are several samples a pixel
+  Communicator* ranks = nullptr;  ///< who else makes the frame; null: nobody
 };
 
 /// Of a scene is copied what was forgotten; fragments, rays, hits and light stay on the device

@@ -42,13 +42,15 @@ class GlReader {
     ReadSlots read;
     if (refusal_.empty()) read = [this](const SlotPicture& picture) { return take(picture); };
     const std::vector<std::uint32_t> seen = rasterize(frame, read);
-    if (!seen.empty()) device_.copy(kStage, pixels_.data(), seen.data(), pixels * sizeof seen[0]);
+    copied_ = !seen.empty();
+    if (copied_) device_.copy(kStage, pixels_.data(), seen.data(), pixels * sizeof seen[0]);
     return pixels_.view_const();
   }
 
   /// How the last picture came, in words.
   [[nodiscard]] std::string way() const {
-    return refusal_.empty() ? "read where it lies" : "copied there, for " + refusal_;
+    if (!copied_) return "read where it lies";
+    return "copied there, for " + (refusal_.empty() ? "it is another process's" : refusal_);
   }
 
  private:
@@ -83,6 +85,7 @@ class GlReader {
   Device& device_;
   DeviceAllocator& memory_ = device_.allocator();
   DeviceBuffer<std::uint32_t> pixels_{memory_}, names_{memory_};
+  bool copied_ = false;  ///< the last picture, through the host
   std::string refusal_;  ///< why nothing is read where it lies; empty: all is
 };
 

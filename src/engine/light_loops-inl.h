@@ -90,7 +90,7 @@ void visibility_on(Device& device, View<const std::uint32_t> slots, const std::u
   });
 }
 
-/// What the lights give, light after light. `counts`: fragments are pixels, whose lights
+/// What the lights give, light after light. `counts`: fragments are first hits, whose lights
 /// the film counts.
 template <class Device, class Lights>
 void lights_on(Device& device, View<const Fragment> fragments, Lights lights,
@@ -109,8 +109,8 @@ void lights_on(Device& device, View<const Fragment> fragments, Lights lights,
     }
     radiance[i] = sum;
     if (!counts) return;
-    film.faced[i] += faced;
-    film.arrived[i] += arrived;
+    film.faced[f.pixel] += faced;
+    film.arrived[f.pixel] += arrived;
   });
 }
 

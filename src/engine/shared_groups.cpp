@@ -9,19 +9,24 @@ namespace {
 
 /// A process takes this part of its share of what is left.
 constexpr std::size_t kPartOfShare = 2;
+/// A device is best at many rays at once.
+constexpr std::size_t kPartsARank = 4;
 
-constexpr std::uint64_t BatchStatistics::*kCounts[] = {
-    &BatchStatistics::rays, &BatchStatistics::hits, &BatchStatistics::bound_tests,
-    &BatchStatistics::ray_bound_tests, &BatchStatistics::final_tests};
-/// The counts of a batch, and whether it is there.
-constexpr std::size_t kNumbers = std::size(kCounts) + 1;
 constexpr std::size_t kKinds = static_cast<std::size_t>(RayKind::kAmbientOcclusion) + 1;
 
-std::size_t place_of(const BatchStatistics& batch) {
-  return (batch.bounce * kKinds + static_cast<std::size_t>(batch.kind)) * kNumbers;
+/// Of each batch: whether it is there, its rays, its hits, and its tests.
+constexpr std::size_t kTests = 3;
+std::size_t place_of(std::uint32_t bounce, RayKind kind) {
+  return (bounce * kKinds + static_cast<std::size_t>(kind)) * (kTests + number_count());
 }
 
 }  // namespace
+
+std::unique_ptr<SharedGroups> SharedGroups::among(Communicator* ranks,
+                                                  const RenderOptions& options) {
+  if (ranks == nullptr || ranks->size() == 1) return nullptr;
+  return std::unique_ptr<SharedGroups>(new SharedGroups(*ranks, options));
+}
 
 bool SharedGroups::take(std::uint32_t threads, std::size_t count,
                         std::vector<std::size_t>* taken) const {
@@ -62,20 +67,47 @@ void SharedGroups::note(View<const Fragment> first_hits) {
   for (const Fragment& f : first_hits) own_pixels_[f.pixel] = 1;
 }
 
+std::size_t SharedGroups::parts() const {
+  return std::min<std::size_t>(kPartsARank * ranks_.size(), own_pixels_.size());
+}
+
+std::pair<std::size_t, std::size_t> SharedGroups::take_pixels(std::size_t part) {
+  const std::size_t pixels = own_pixels_.size();
+  const std::size_t begin = pixels * part / parts(), end = pixels * (part + 1) / parts();
+  std::fill(own_pixels_.begin() + static_cast<std::ptrdiff_t>(begin),
+            own_pixels_.begin() + static_cast<std::ptrdiff_t>(end), std::uint8_t{1});
+  return {begin, end};
+}
+
+void SharedGroups::follow_parts(std::uint32_t sample, const Follow& follow, FrameTally* tally) {
+  FrameTally before = std::exchange(*tally, tally->fresh());
+  for_each(Executor::serial(), parts(), follow, [](std::size_t) {});
+  add_up(tally);
+  before.take(tally, 1);
+  *tally = std::move(before);
+  tally->keep_plans(sample * parts());
+  if (sample == 0) tally->tell_first(sentence());
+}
+
 void SharedGroups::add_up(FrameTally* tally) const {
-  std::vector<std::uint64_t> numbers((std::size_t{bounces_} + 1) * kKinds * kNumbers);
+  std::vector<std::uint64_t> numbers(place_of(bounces_ + 1, RayKind::kPrimary));
   for (const BatchStatistics& batch : tally->statistics.batches) {
-    std::uint64_t* at = &numbers[place_of(batch)];
-    for (const auto count : kCounts) *at++ = batch.*count;
-    *at = 1;
+    std::uint64_t* const at = &numbers[place_of(batch.bounce, batch.kind)];
+    at[0] = 1;
+    at[1] = batch.rays;
+    at[2] = batch.hits;
+    const std::vector<std::uint64_t> tests = numbers_of(batch);
+    std::copy(tests.begin(), tests.end(), at + kTests);
   }
   add(ranks_, std::span(numbers));
   for (std::uint32_t bounce = 0; bounce <= bounces_; ++bounce) {
     for (std::size_t kind = 0; kind < kKinds; ++kind) {
-      const std::uint64_t* at = &numbers[(bounce * kKinds + kind) * kNumbers];
-      if (at[kNumbers - 1] == 0) continue;
+      const std::uint64_t* const at = &numbers[place_of(bounce, static_cast<RayKind>(kind))];
+      if (at[0] == 0) continue;
       BatchStatistics& batch = tally->batch(static_cast<RayKind>(kind), bounce);
-      for (const auto count : kCounts) batch.*count = *at++;
+      batch.rays = at[1];
+      batch.hits = at[2];
+      set_numbers(at + kTests, &batch);
     }
   }
 }

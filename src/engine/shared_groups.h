@@ -3,7 +3,9 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/view.h"
@@ -17,9 +19,9 @@ namespace raysheaf {
 /// Of one frame. All processes call the same functions in the same order.
 class SharedGroups {
  public:
-  /// `ranks` outlives it. `bounces`: that rays are counted of, at most.
-  SharedGroups(Communicator& ranks, std::uint32_t bounces, std::size_t pixels)
-      : ranks_(ranks), bounces_(bounces), own_pixels_(pixels, 0) {}
+  /// Null where this process is the only one. `ranks` outlives it.
+  [[nodiscard]] static std::unique_ptr<SharedGroups> among(Communicator* ranks,
+                                                           const RenderOptions& options);
 
   using Follow = std::function<void(std::size_t group)>;
   /// Calls `follow(group)` for this process's of `count` groups, side by side. The first time,
@@ -32,6 +34,15 @@ class SharedGroups {
 
   /// This process follows what these pixels see. For several threads at once.
   void note(View<const Fragment> first_hits);
+
+  /// Where groups are parts of a picture, runs of pixels, that a device takes one by one: how many
+  /// there are.
+  [[nodiscard]] std::size_t parts() const;
+  /// The pixels [first, second) of a part, which this process follows.
+  [[nodiscard]] std::pair<std::size_t, std::size_t> take_pixels(std::size_t part);
+  /// Calls `follow(part)`, which adds to the tally, for this process's; the tally takes what all
+  /// have counted.
+  void follow_parts(std::uint32_t sample, const Follow& follow, FrameTally* tally);
 
   /// What each process counted becomes what all did; times stay its own.
   void add_up(FrameTally* tally) const;
@@ -47,12 +58,17 @@ class SharedGroups {
   [[nodiscard]] std::string sentence() const;
 
  private:
+  SharedGroups(Communicator& ranks, const RenderOptions& options)
+      : ranks_(ranks),
+        bounces_(options.bounces + 1),
+        own_pixels_(std::size_t{options.width} * options.height, 0) {}
+
   /// Takes the next groups, as many as are worth it. False: there are no more after them.
   [[nodiscard]] bool take(std::uint32_t threads, std::size_t count,
                           std::vector<std::size_t>* taken) const;
 
   Communicator& ranks_;
-  const std::uint32_t bounces_;
+  const std::uint32_t bounces_;  ///< that rays are counted of
   std::vector<std::uint8_t> own_pixels_;
   std::vector<std::size_t> own_groups_;
   std::size_t count_ = 0;  ///< of all groups; 0: none was taken yet

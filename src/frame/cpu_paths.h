@@ -22,9 +22,7 @@ struct CpuFrame {
         options(input.options),
         tally(*tally_of_all),
         film(options.width, options.height, options.count_pixel_tests) {
-    if (input.ranks == nullptr || input.ranks->size() == 1 || !input.geometry.is_shared()) return;
-    const std::size_t pixels = std::size_t{options.width} * options.height;
-    sharing = std::make_unique<SharedGroups>(*input.ranks, options.bounces + 1, pixels);
+    if (input.geometry.is_shared()) sharing = SharedGroups::among(input.ranks, options);
   }
 
   const View<const PlacedLight> lights;

@@ -62,62 +62,15 @@ PacketTracer& DeviceTracer::packets(const Executor& executor, const Bvh& bvh) {
   return *packets_.made;
 }
 
-template <class Tracer, class Query, class Outcome>
-std::vector<RayHit> DeviceTracer::trace_by(Tracer& tracer, const Executor& executor,
-                                           const RayBatch& batch, Query query, bool by_key,
-                                           Outcome* outcome) {
-  query.key_bits = batch.key_bits;
-  closest_.resize_uninitialized(batch.rays.size());
-  const View<const std::uint32_t> keys(batch.keys);
-  *outcome = tracer.trace(View<const Ray>(batch.rays), by_key ? keys : View<const std::uint32_t>(),
-                          query, View<EngineHit>(closest_));
-  std::vector<RayHit> hits(batch.rays.size());
-  executor.for_each(hits.size(), kCopyGrain, [&](std::size_t i) {
-    hits[i] = {closest_[i].t, closest_[i].triangle};
-  });
-  return hits;
-}
-
-std::vector<RayHit> DeviceTracer::trace_pairs(const Executor& executor, const RayBatch& batch,
-                                              PairQuery query, bool by_key, PairOutcome* outcome) {
-  return trace_by(pairs(executor), executor, batch, query, by_key, outcome);
-}
-
-std::vector<RayHit> DeviceTracer::trace_packets(const Executor& executor, const Bvh& bvh,
-                                                const RayBatch& batch, PacketQuery query,
-                                                bool by_key, PacketOutcome* outcome) {
-  return trace_by(packets(executor, bvh), executor, batch, query, by_key, outcome);
-}
-
 std::vector<RayHit> DeviceTracer::trace(const Executor& executor, const RayBatch& batch,
-                                        Facing facing, bool brute, BatchStatistics* statistics,
-                                        View<float> ray_tests) {
-  const View<const Ray> rays(batch.rays);
-  EngineReport report;
-  std::vector<float> tests(ray_tests.size);
+                                        Facing facing) {
   DeviceQuery query;
   query.facing = facing;
-  query.brute = brute;
-  query.count = true;
-  query.report = &report;
-  query.ray_tests = View<float>(tests);
   query.executor = &executor;
-  std::vector<RayHit> hits(rays.size);
-  if (!brute && asks_occlusion(batch)) {
-    occluded_.resize_uninitialized(rays.size);
-    engine(executor).any_hit(rays, query, View<std::uint8_t>(occluded_));
-    executor.for_each(hits.size(), kCopyGrain, [&](std::size_t i) {
-      if (occluded_[i] != 0) hits[i] = {0, kSomeTriangle};
-    });
-  } else {
-    closest_.resize_uninitialized(rays.size);
-    engine(executor).closest_hit(rays, query, View<EngineHit>(closest_));
-    executor.for_each(hits.size(), kCopyGrain, [&](std::size_t i) {
-      hits[i] = {closest_[i].t, closest_[i].triangle};
-    });
-  }
-  for (std::size_t i = 0; i < tests.size(); ++i) ray_tests[i] += tests[i];
-  add_engine_report(report, 0, statistics);
+  std::vector<EngineHit> found(batch.rays.size());
+  engine(executor).closest_hit(batch.rays, query, View<EngineHit>(found));
+  std::vector<RayHit> hits;
+  for (const EngineHit& hit : found) hits.push_back({hit.t, hit.triangle});
   return hits;
 }
 

@@ -1,5 +1,6 @@
-// The renderer's batches on a device: a DeviceEngine (engine/device_engine.h), a PairTracer
-// (engine/pair_tracer.h) or a PacketTracer (engine/packet_tracer.h) on a flat scene.
+// A flat scene on a device: the tracers of the methods that order rays (engine/pair_tracer.h,
+// engine/packet_tracer.h), which frames of theirs use there, and a DeviceEngine for rays that the
+// host asks for before a frame begins.
 #pragma once
 
 #include <memory>
@@ -14,11 +15,10 @@
 
 namespace raysheaf {
 
-/// One scene's, for any number of batches: the triangles are copied to the device once until they
-/// are forgotten, and its tree is built by the first batch that needs it.
+/// One scene's: its triangles are copied to each once until they are forgotten.
 class DeviceTracer {
  public:
-  /// Both must outlive it. Nothing is copied before a batch needs it.
+  /// Both must outlive it. Nothing is copied before it is needed.
   DeviceTracer(const FlatScene& scene, const DeviceBackend& backend)
       : scene_(scene), backend_(backend) {}
 
@@ -28,19 +28,9 @@ class DeviceTracer {
     same_triangles_ = same_triangles_ && same_triangles;
   }
 
-  /// As `DualTracer::trace`, or by brute force.
+  /// The closest hits of a few rays that the host asks for, whatever the method of the frame.
   [[nodiscard]] std::vector<RayHit> trace(const Executor& executor, const RayBatch& batch,
-                                          Facing facing, bool brute, BatchStatistics* statistics,
-                                          View<float> ray_tests);
-
-  /// By `rah` or `crsh`, as `query` says; `by_key`: sorted by the batch's keys before.
-  [[nodiscard]] std::vector<RayHit> trace_pairs(const Executor& executor, const RayBatch& batch,
-                                                PairQuery query, bool by_key, PairOutcome* outcome);
-
-  /// The same by `gl10`.
-  [[nodiscard]] std::vector<RayHit> trace_packets(const Executor& executor, const Bvh& bvh,
-                                                  const RayBatch& batch, PacketQuery query,
-                                                  bool by_key, PacketOutcome* outcome);
+                                          Facing facing);
 
   /// Of `rah` and `crsh`, with the scene.
   [[nodiscard]] PairTracer& pairs(const Executor& executor);
@@ -48,10 +38,6 @@ class DeviceTracer {
   [[nodiscard]] PacketTracer& packets(const Executor& executor, const Bvh& bvh);
 
  private:
-  template <class Tracer, class Query, class Outcome>
-  [[nodiscard]] std::vector<RayHit> trace_by(Tracer& tracer, const Executor& executor,
-                                             const RayBatch& batch, Query query, bool by_key,
-                                             Outcome* outcome);
   [[nodiscard]] DeviceEngine& engine(const Executor& executor);
   [[nodiscard]] Buffer<Vec3> corners(const Executor& executor) const;
 
@@ -66,8 +52,6 @@ class DeviceTracer {
   Kept<PacketTracer> packets_;
   Kept<DeviceEngine> engine_;
   bool same_triangles_ = false;  ///< as the engine has
-  Buffer<EngineHit> closest_;
-  Buffer<std::uint8_t> occluded_;
 };
 
 }  // namespace raysheaf

@@ -120,7 +120,7 @@ class Frame {
       const PairQuery pairs{method.levels, method.branching, method.mesh_culling};
       input.device->begin({executor, options_, input.lights, tally_, meter_, input.rasterize,
                            input.pairs, input.packets, pairs, method.key != RayKey::kRaster,
-                           sample_.count > 1});
+                           sample_.count > 1, input.ranks});
     } else {
       const Keys keys = sorts_by_keys(method) ? Keys::kMade : Keys::kNone;
       cpu_ = make_cpu_stages(executor, input, keys, &tally_, &meter_);

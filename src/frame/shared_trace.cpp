@@ -32,37 +32,6 @@ RayBatch piece_of(const RayBatch& batch, std::size_t begin, std::size_t end) {
   return piece;
 }
 
-constexpr std::uint64_t BatchStatistics::*kBatchCounts[] = {
-    &BatchStatistics::chunks, &BatchStatistics::mesh_sphere_tests, &BatchStatistics::bound_tests,
-    &BatchStatistics::ray_bound_tests, &BatchStatistics::final_tests};
-
-/// More than any hierarchy has.
-constexpr std::uint32_t kMostLevels = 64;
-
-/// Counts as a row of numbers, which stand at the same places in every process.
-std::vector<std::uint64_t> numbers_of(const BatchStatistics& batch) {
-  std::vector<std::uint64_t> numbers;
-  for (const auto field : kBatchCounts) numbers.push_back(batch.*field);
-  const std::size_t first = numbers.size();
-  numbers.resize(first + 2 * kMostLevels);
-  for (const LevelStatistics& level : batch.levels) {
-    const std::size_t place = first + 2 * std::size_t{(level.level - 1) % kMostLevels};
-    numbers[place] += level.tests;
-    numbers[place + 1] += level.hits;
-  }
-  return numbers;
-}
-
-void set_numbers(const std::vector<std::uint64_t>& numbers, BatchStatistics* batch) {
-  std::size_t next = 0;
-  for (const auto field : kBatchCounts) batch->*field = numbers[next++];
-  batch->levels.clear();
-  for (std::uint32_t l = kMostLevels; l >= 1; --l) {
-    const LevelStatistics level{l, numbers[next + 2 * (l - 1)], numbers[next + 2 * (l - 1) + 1]};
-    if (level.tests > 0 || !batch->levels.empty()) batch->levels.push_back(level);
-  }
-}
-
 void add_times(const StageTimes& more, StageTimes* sum) {
   for (const auto field : {&StageTimes::raygen, &StageTimes::order, &StageTimes::hierarchy,
                            &StageTimes::traverse, &StageTimes::intersect})
@@ -75,7 +44,7 @@ void add_up(Communicator& ranks, BatchStatistics own, BatchStatistics* statistic
   add(ranks, numbers);
   const std::vector<std::uint64_t> before = numbers_of(*statistics);
   for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] += before[i];
-  set_numbers(numbers, statistics);
+  set_numbers(numbers.data(), statistics);
   add_times(own.times_ms, &statistics->times_ms);
   std::move(own.plan.begin(), own.plan.end(), std::back_inserter(statistics->plan));
   std::move(own.bundles.begin(), own.bundles.end(), std::back_inserter(statistics->bundles));

@@ -169,49 +169,13 @@ std::vector<RayHit> trace_dual(const Executor& executor, const FlatScene& scene,
   return hits;
 }
 
-/// Of a device that ordered its rays.
-template <class Outcome>
-void add_ordered(const Outcome& outcome, const EngineReport& report, BatchStatistics* statistics) {
-  statistics->chunks += outcome.chunks;
-  add_counts(outcome.counts, statistics);
-  add_engine_report(report, 0, statistics);
-}
-
+/// Frames are a device's own; what is asked before they begin comes here.
 std::vector<RayHit> trace_on_device(const Executor& executor, const FlatScene& scene,
                                     const RayBatch& batch, const TraceOptions& options,
-                                    BatchStatistics* statistics, View<float> ray_tests,
+                                    BatchStatistics* /*statistics*/, View<float> /*ray_tests*/,
                                     ProgressMeter* meter) {
-  Stopwatch watch;
   meter->begin(stage_name(batch), 1);
-  statistics->plan.emplace_back(
-      "device: rays are made and hits are shaded on the CPU, and copied; so is what OpenGL sees");
-  TraceCache& cache = *options.cache;
-  DeviceTracer& device = cache.device_tracer(scene);
-  statistics->times_ms.hierarchy += watch.lap_ms();
-  const MethodSettings& method = options.method;
-  const bool by_key = method.key != RayKey::kRaster;
-  EngineReport report;
-  if (method.traversal == Traversal::kRayHierarchy) {
-    PairQuery query{method.levels, method.branching, method.mesh_culling, options.facing};
-    query.report = &report;
-    PairOutcome outcome;
-    std::vector<RayHit> hits = device.trace_pairs(executor, batch, query, by_key, &outcome);
-    add_ordered(outcome, report, statistics);
-    return hits;
-  }
-  if (method.traversal == Traversal::kPackets) {
-    PacketQuery query;
-    query.early_out = options.early_out;
-    query.facing = options.facing;
-    query.report = &report;
-    PacketOutcome outcome;
-    const Bvh& bvh = cache.hierarchy(executor, scene);
-    std::vector<RayHit> hits = device.trace_packets(executor, bvh, batch, query, by_key, &outcome);
-    add_ordered(outcome, report, statistics);
-    return hits;
-  }
-  const bool brute = method.traversal == Traversal::kBruteForce;
-  return device.trace(executor, batch, options.facing, brute, statistics, ray_tests);
+  return options.cache->device_tracer(scene).trace(executor, batch, options.facing);
 }
 
 bool runs_on_device(const TraceOptions& options) {

@@ -75,13 +75,22 @@ RenderOptions small_frame(Method method) {
   return options;
 }
 
-bool same_picture(const RenderResult& a, const RenderResult& b) {
-  const auto same = [](const auto& x, const auto& y) {
-    return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(x[0])) == 0;
+/// The layers in which they differ.
+std::string differing(const RenderResult& a, const RenderResult& b) {
+  std::string names = a.exposure == b.exposure ? "" : "exposure ";
+  const auto compare = [&](const char* name, const auto& x, const auto& y) {
+    const bool same =
+        x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(x[0])) == 0;
+    if (!same) names += std::string(name) + " ";
   };
-  return same(a.beauty, b.beauty) && same(a.normal, b.normal) && same(a.shadow, b.shadow) &&
-         same(a.ids, b.ids) && same(a.position, b.position) && same(a.albedo, b.albedo) &&
-         same(a.specular, b.specular) && a.exposure == b.exposure;
+  compare("beauty", a.beauty, b.beauty);
+  compare("position", a.position, b.position);
+  compare("normal", a.normal, b.normal);
+  compare("albedo", a.albedo, b.albedo);
+  compare("specular", a.specular, b.specular);
+  compare("shadow", a.shadow, b.shadow);
+  compare("ids", a.ids, b.ids);
+  return names;
 }
 
 /// Whether all processes together counted what one counts.
@@ -105,7 +114,7 @@ TEST(Ranks, PicturesByRaysHaveTheSameBits) {
     const RenderResult alone = render(scene, options);
     const auto errors = run_ranks(3, [&](const auto& ranks) {
       const RenderResult shared = render(distributed({Device::kCpu, 1}, ranks), scene, options);
-      EXPECT_TRUE(same_picture(shared, alone)) << to_string(method);
+      EXPECT_EQ(differing(shared, alone), "") << to_string(method);
       ASSERT_EQ(shared.statistics.batches.size(), alone.statistics.batches.size());
       for (std::size_t i = 0; i < alone.statistics.batches.size(); ++i) {
         const BatchStatistics &a = shared.statistics.batches[i], &b = alone.statistics.batches[i];
@@ -144,7 +153,7 @@ TEST(Ranks, PicturesByGroupsHaveTheSameBitsAndCounts) {
         here.progress = [&](const Progress& p) { return most = p.done, p.done <= p.total; };
         const RenderResult shared =
             render(distributed({Device::kCpu, threads}, ranks), scene, here);
-        EXPECT_TRUE(same_picture(shared, alone));
+        EXPECT_EQ(differing(shared, alone), "");
         EXPECT_EQ(shared.tests, alone.tests);
         expect_same_counts(shared.statistics, alone.statistics);
       });
@@ -154,22 +163,44 @@ TEST(Ranks, PicturesByGroupsHaveTheSameBitsAndCounts) {
   }
 }
 
-/// The CPU shades, whatever meets the triangles.
-TEST(Ranks, PicturesByRaysOnDevicesHaveTheSameBits) {
-  const SceneDescription scene = builtin_scene("cornell");
-  for (const Method method : {Method::kDual, Method::kRah, Method::kGl10}) {
+/// Each process's device has all of the frame, and follows parts of it.
+TEST(Ranks, PicturesOnDevicesHaveTheSameBits) {
+  SceneDescription scene = builtin_scene("cornell");
+  add_curtain(&scene, 0, 1);
+  for (const Method method :
+       {Method::kBrute, Method::kDual, Method::kRah, Method::kCrsh, Method::kGl10}) {
+    SCOPED_TRACE(to_string(method));
     RenderOptions options = small_frame(method);
-    options.count_pixel_tests = false;
+    options.width = 96;
+    options.height = 64;
+    options.bounces = 2;
+    options.count_pixel_tests = method == Method::kDual;
     options.early_out = method == Method::kGl10;
+    options.samples = method == Method::kDual ? 3 : 1;
+    if (method == Method::kCrsh) options.primary = Primary::kRaster;
     const RenderResult alone = render(scene, options);
-    const auto errors = run_ranks(2, [&](const auto& ranks) {
-      const Executor executor(1);
-      HostAllocator memory;
-      const Context context =
-          ContextAccess::with_backend({Device::kCuda, 1}, open_emulated(executor, memory), ranks);
-      EXPECT_TRUE(same_picture(render(context, scene, options), alone)) << to_string(method);
-    });
-    EXPECT_EQ(errors, std::vector<std::string>(2)) << to_string(method);
+    for (const std::uint32_t processes : {1u, 3u}) {
+      SCOPED_TRACE(processes);
+      const auto errors = run_ranks(processes, [&](const auto& ranks) {
+        const Executor executor(1);
+        HostAllocator memory;
+        const Context context =
+            ContextAccess::with_backend({Device::kCuda, 1}, open_emulated(executor, memory), ranks);
+        const RenderResult shared = render(context, scene, options);
+        EXPECT_EQ(differing(shared, alone), "");
+        ASSERT_EQ(shared.statistics.batches.size(), alone.statistics.batches.size());
+        std::size_t told = 0;
+        for (std::size_t i = 0; i < alone.statistics.batches.size(); ++i) {
+          const BatchStatistics& batch = shared.statistics.batches[i];
+          EXPECT_EQ(batch.rays, alone.statistics.batches[i].rays);
+          EXPECT_EQ(batch.hits, alone.statistics.batches[i].hits);
+          for (const std::string& sentence : batch.plan)
+            told += sentence.find("groups of first hits were followed here") != sentence.npos;
+        }
+        EXPECT_EQ(told, processes > 1 ? 1u : 0u);
+      });
+      EXPECT_EQ(errors, std::vector<std::string>(processes));
+    }
   }
 }
 
@@ -191,7 +222,7 @@ TEST(Ranks, PicturesByGeometryHaveTheSameBits) {
     part.exchange = exchange.get();
     part.statistics = &of_all;
     const RenderResult shared = render(blocks, options, part);
-    EXPECT_TRUE(same_picture(shared, alone));
+    EXPECT_EQ(differing(shared, alone), "");
     EXPECT_EQ(of_all.blocks, of_one.blocks);
     EXPECT_EQ(of_all.blocks, of_all.culled_blocks + of_all.hidden_blocks + of_all.read_blocks);
     std::uint64_t tests = 0;
