@@ -169,15 +169,6 @@ std::vector<RayHit> trace_dual(const Executor& executor, const FlatScene& scene,
   return hits;
 }
 
-/// Frames are a device's own; what is asked before they begin comes here.
-std::vector<RayHit> trace_on_device(const Executor& executor, const FlatScene& scene,
-                                    const RayBatch& batch, const TraceOptions& options,
-                                    BatchStatistics* /*statistics*/, View<float> /*ray_tests*/,
-                                    ProgressMeter* meter) {
-  meter->begin(stage_name(batch), 1);
-  return options.cache->device_tracer(scene).trace(executor, batch, options.facing);
-}
-
 bool runs_on_device(const TraceOptions& options) {
   return options.cache != nullptr && options.cache->backend != nullptr;
 }
@@ -275,8 +266,11 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
                           View<float> ray_tests, ProgressMeter* meter) {
   begin_batch(scene, batch, statistics);
   if (batch.rays.empty()) return {};
-  const TraceFunction method =
-      runs_on_device(options) ? trace_on_device : function_of(options.method.traversal);
+  if (runs_on_device(options)) {  // whose frames are its own: a ray that is asked for before
+    meter->begin(stage_name(batch), 1);
+    return options.cache->device_tracer(scene).trace(executor, batch, options.facing);
+  }
+  const TraceFunction method = function_of(options.method.traversal);
   const auto trace_all = [&](const RayBatch& rays, BatchStatistics* counted, View<float> tests,
                              ProgressMeter* progress) {
     return method(executor, scene, rays, options, counted, tests, progress);
