@@ -95,20 +95,32 @@ class StreamLists : protected StreamSingles<Mode> {
       hn::StoreU(hn::Set(d, end[-1]), d, end + g);
   }
 
-  /// The children from far to near along the stream's axis.
-  std::uint32_t sorted_children(const BvhNode& node, std::uint32_t* children) const {
-    float near[kBvhWidth];
-    const int z = stream_.axis_z;
-    for (std::uint32_t c = 0; c < node.children; ++c) {
-      const float at = stream_.mirrored ? -node.bound[z + 3][c] : node.bound[z][c];
-      std::uint32_t place = c;
-      for (; place > 0 && near[place - 1] < at; --place) {
-        near[place] = near[place - 1];
-        children[place] = children[place - 1];
-      }
-      near[place] = at;
-      children[place] = c;
+  /// The children from far to near along the stream's axis. A child's place is how many come before
+  /// it, found without a branch that nobody can foretell.
+  HWY_INLINE std::uint32_t sorted_children(const BvhNode& node, std::uint32_t* children) const {
+    const Boxes d;
+    const Numbers du;
+    alignas(32) static constexpr std::uint32_t kNumbers[kBvhWidth] = {0, 1, 2, 3, 4, 5, 6, 7};
+    alignas(32) float near[kBvhWidth];
+    alignas(32) std::uint32_t places[kBvhWidth];
+    const float* const row = node.bound[stream_.axis_z + (stream_.mirrored ? 3 : 0)];
+    for (std::size_t g = 0; g < kBvhWidth; g += hn::Lanes(d)) {
+      const BV at = hn::Load(d, row + g);
+      hn::Store(stream_.mirrored ? hn::Neg(at) : at, d, near + g);
     }
+    for (std::size_t g = 0; g < kBvhWidth; g += hn::Lanes(d)) {
+      const BV at = hn::Load(d, near + g);
+      const auto numbers = hn::Load(du, kNumbers + g);
+      auto place = hn::Zero(du);
+      for (std::uint32_t c = 0; c < node.children; ++c) {
+        const BV other = hn::Set(d, near[c]);
+        const auto earlier = hn::RebindMask(d, hn::Gt(numbers, hn::Set(du, c)));
+        const auto before = hn::Or(hn::Gt(other, at), hn::And(hn::Eq(other, at), earlier));
+        place = hn::Sub(place, hn::VecFromMask(du, hn::RebindMask(du, before)));
+      }
+      hn::Store(place, du, places + g);
+    }
+    for (std::uint32_t c = 0; c < node.children; ++c) children[places[c]] = c;
     return node.children;
   }
 
@@ -228,6 +240,7 @@ class StreamLists : protected StreamSingles<Mode> {
       boxes[k] = box_of(node, children[k]);
       out[k] = s.lists.data() + bottom + room * k;
     }
+    const RV nowhere = set(-std::numeric_limits<float>::infinity());
     const std::uint32_t* numbers = s.lists.data() + list.offset;
     for (std::uint32_t base = 0; base < list.size; base += kPacketWidth) {
       const std::uint32_t n = std::min(kPacketWidth, list.size - base);
@@ -240,11 +253,9 @@ class StreamLists : protected StreamSingles<Mode> {
         gather4(s.rays.data(), 0, block + g, rays.ox, rays.oy, rays.oz, unused);
         gather4(s.rays.data(), 2, block + g, rays.per_x, rays.per_y, rays.s_near, rays.s_far);
         if (s.mirrored) rays.oz = hn::Neg(rays.oz);
-        const RM some = lanes_of(used, g);
-        for (std::uint32_t k = 0; k < child_count; ++k) {
-          const RM met = hn::And(meeting(rays, boxes[k]), some);
-          out[k] = append_set(block + g, met, out[k]);
-        }
+        rays.s_far = hn::IfThenElse(lanes_of(used, g), rays.s_far, nowhere);
+        for (std::uint32_t k = 0; k < child_count; ++k)
+          out[k] = append_set(block + g, meeting(rays, boxes[k]), out[k]);
       }
     }
     for (std::uint32_t k = 0; k < child_count; ++k) {
