@@ -14,6 +14,7 @@
 #include "exec/stopwatch.h"
 #include "frame/frame.h"
 #include "frame/resident_geometry.h"
+#include "ranks/share.h"
 #include "raster/rasterizer.h"
 #include "raygen/light_body.h"
 #include "raysheaf/cameras.h"
@@ -162,11 +163,8 @@ class Renderer::Impl {
                                             const ReadSlots& read) {
     if (cache_.ranks == nullptr || cache_.ranks->size() == 1)
       return rasterizer_->visible_triangles(executor, flat_, frame, read);
-    std::vector<std::uint32_t> seen(std::size_t{frame.width} * frame.height);
-    if (cache_.ranks->rank() == 0)
-      seen = rasterizer_->visible_triangles(executor, flat_, frame, {});
-    cache_.ranks->broadcast(std::as_writable_bytes(std::span(seen)));
-    return seen;
+    return made_by_first(cache_.ranks, std::size_t{frame.width} * frame.height,
+                         [&] { return rasterizer_->visible_triangles(executor, flat_, frame); });
   }
 
   /// With the scene.

@@ -50,7 +50,7 @@ class GlReader {
   /// How the last picture came, in words.
   [[nodiscard]] std::string way() const {
     if (!copied_) return "read where it lies";
-    return "copied there, for " + (refusal_.empty() ? "it is another process's" : refusal_);
+    return "copied there, for " + (refusal_.empty() ? "processes share it" : refusal_);
   }
 
  private:

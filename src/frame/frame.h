@@ -28,7 +28,8 @@ struct FrameInput {
   Rasterize rasterize = nullptr;    ///< of its frames, where not by rays
   PairTracer* pairs = nullptr;      ///< where the device and the method have one
   PacketTracer* packets = nullptr;  ///< the same
-  /// Who else makes the frame, where threads follow groups of first hits; null: nobody.
+  /// Who else makes the frame, where groups of first hits are followed one by one, or by a device;
+  /// null: nobody.
   Communicator* ranks = nullptr;
 };
 

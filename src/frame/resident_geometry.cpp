@@ -1,12 +1,12 @@
 #include "frame/resident_geometry.h"
 
 #include <algorithm>
-#include <span>
 #include <utility>
 
 #include "frame/frame.h"
 #include "frame/primary.h"
 #include "frame/thread_geometry.h"
+#include "ranks/share.h"
 
 namespace raysheaf {
 
@@ -67,12 +67,8 @@ void ResidentGeometry::see_through(const Seeing& seeing, View<std::uint32_t> tri
 
 std::vector<std::uint32_t> ResidentGeometry::rasterize(Rasterizer& rasterizer,
                                                        const CameraFrame& frame) const {
-  Communicator* const ranks = options_.cache->ranks;
-  if (ranks == nullptr) return rasterize_primary(executor_, rasterizer, scene_, frame);
-  std::vector<std::uint32_t> triangles(std::size_t{frame.width} * frame.height);
-  if (ranks->rank() == 0) triangles = rasterize_primary(executor_, rasterizer, scene_, frame);
-  ranks->broadcast(std::as_writable_bytes(std::span(triangles)));
-  return triangles;
+  return made_by_first(options_.cache->ranks, std::size_t{frame.width} * frame.height,
+                       [&] { return rasterize_primary(executor_, rasterizer, scene_, frame); });
 }
 
 float ResidentGeometry::depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) {

@@ -173,6 +173,11 @@ bool runs_on_device(const TraceOptions& options) {
   return options.cache != nullptr && options.cache->backend != nullptr;
 }
 
+std::uint64_t hits_among(const std::vector<RayHit>& hits) {
+  return static_cast<std::uint64_t>(
+      std::count_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.found(); }));
+}
+
 void begin_batch(const FlatScene& scene, const RayBatch& batch, BatchStatistics* statistics) {
   statistics->kind = batch.kind;
   statistics->bounce = batch.bounce;
@@ -268,7 +273,10 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
   if (batch.rays.empty()) return {};
   if (runs_on_device(options)) {  // whose frames are its own: a ray that is asked for before
     meter->begin(stage_name(batch), 1);
-    return options.cache->device_tracer(scene).trace(executor, batch, options.facing);
+    std::vector<RayHit> hits =
+        options.cache->device_tracer(scene).trace(executor, batch, options.facing);
+    statistics->hits += hits_among(hits);
+    return hits;
   }
   const TraceFunction method = function_of(options.method.traversal);
   const auto trace_all = [&](const RayBatch& rays, BatchStatistics* counted, View<float> tests,
@@ -280,8 +288,7 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
   std::vector<RayHit> hits =
       ranks != nullptr ? trace_shared(*ranks, batch, statistics, ray_tests, meter, trace_all)
                        : trace_all(batch, statistics, ray_tests, meter);
-  statistics->hits += static_cast<std::uint64_t>(
-      std::count_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.found(); }));
+  statistics->hits += hits_among(hits);
   return hits;
 }
 

@@ -59,7 +59,8 @@ struct TraceOptions {
                                                    BatchStatistics* statistics);
 
 /// The hits of a batch, in the batch's order. Adds to `statistics`; where `ray_tests` is not empty,
-/// adds each ray's tests to it. `dual` does not name the triangles of rays that ask for occlusion
+/// adds each ray's tests to it; on a device, whose frames are its own, tests are not counted.
+/// `dual` does not name the triangles of rays that ask for occlusion
 /// (`asks_occlusion`): of those only `found()` may be used.
 std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
                           const TraceOptions& options, BatchStatistics* statistics,

@@ -23,7 +23,6 @@ constexpr Traffic kTraffic[] = {
     {"hierarchy: triangles", 8 + 36 + 48, false},
     {"hierarchy: nodes", 8 + 8 + 8, false},      // a key; two children, two parents
     {"hierarchy: boxes", 48 + 48, false},        // a triangle; two boxes
-    {"hierarchy: refit", 48 + 36 + 48, false},   // a triangle; its corners; itself
     {"order: keys", 32 + 12, true},              // a ray; a key and a number
     {"order: sort", 12 + 12, true},              // pairs, once
     {"trace: any hits", 4 + 32 + 1, true},       // a number, a ray; a flag

@@ -6,6 +6,7 @@
 #include <functional>
 #include <span>
 #include <type_traits>
+#include <vector>
 
 #include "raysheaf/distributed.h"
 
@@ -31,6 +32,17 @@ template <class T>
 void unite(Communicator& ranks, std::span<T> elements) {
   static_assert(std::is_trivially_copyable_v<T>);
   unite(ranks, std::as_writable_bytes(elements));
+}
+
+/// What rank 0 makes, `count` numbers, in every process; null: this process alone makes it.
+template <class Make>
+[[nodiscard]] std::vector<std::uint32_t> made_by_first(Communicator* ranks, std::size_t count,
+                                                       const Make& make) {
+  if (ranks == nullptr) return make();
+  std::vector<std::uint32_t> made(count);
+  if (ranks->rank() == 0) made = make();
+  ranks->broadcast(std::as_writable_bytes(std::span(made)));
+  return made;
 }
 
 /// Sums.

@@ -202,7 +202,7 @@ TEST_P(OnDevice, TrianglesThatMoveLeaveTheTreeItsNodes) {
       const Vec3 step = random.in_box(0.3f);
       for (Vec3& p : heap.positions) p = p * 1.02f + step + random.in_box(0.002f);
       engine->set_triangles(executor_, heap.source(), true);
-      // A frame that asks for brute force alone, and one of other sides.
+      // Moved twice before anything is asked, and other sides that show.
       if (frame == 2) engine->set_triangles(executor_, heap.source(), true);
       if (frame == 3) std::reverse(heap.flags.begin(), heap.flags.end());
       if (frame == 3) engine->set_triangles(executor_, heap.source(), true);

@@ -134,23 +134,23 @@ TEST(Ranks, PicturesByRaysHaveTheSameBits) {
 TEST(Ranks, PicturesByGroupsHaveTheSameBitsAndCounts) {
   RenderOptions options = small_frame(Method::kDual);
   options.bounces = 2;
-  for (const bool first : {false, true}) {
-    options.width = first ? 320 : 333;  // tiles, or rows
-    options.height = first ? 256 : 200;
-    options.samples = first ? 1 : 3;
-    options.primary = first ? Primary::kRaster : Primary::kTrace;
-    if (first) options.ambient = Vec3{0.1f, 0.2f, 0.3f};
+  for (const bool rasters : {false, true}) {
+    options.width = rasters ? 320 : 333;  // tiles, or rows
+    options.height = rasters ? 256 : 200;
+    options.samples = rasters ? 1 : 3;
+    options.primary = rasters ? Primary::kRaster : Primary::kTrace;
+    if (rasters) options.ambient = Vec3{0.1f, 0.2f, 0.3f};
     SceneDescription scene = builtin_scene("office");
-    if (!first) add_curtain(&scene, 0, 1);
+    if (!rasters) add_curtain(&scene, 0, 1);
     const RenderResult alone = render(scene, options);
     for (const std::uint32_t processes : {1u, 2u, 5u}) {
       SCOPED_TRACE(processes);
-      std::atomic<std::uint64_t> looks{0}, most{0};
+      std::atomic<std::uint64_t> looks{0};
       const auto errors = run_ranks(processes, [&](const auto& ranks) {
         const auto threads = 1 + ranks->rank() % 2;
         RenderOptions here = options;
         here.on_sample = [&](const RenderResult& result) { return ++looks, result.samples < 9; };
-        here.progress = [&](const Progress& p) { return most = p.done, p.done <= p.total; };
+        here.progress = [&](const Progress& p) { return p.done <= p.total; };
         const RenderResult shared =
             render(distributed({Device::kCpu, threads}, ranks), scene, here);
         EXPECT_EQ(differing(shared, alone), "");
@@ -158,7 +158,7 @@ TEST(Ranks, PicturesByGroupsHaveTheSameBitsAndCounts) {
         expect_same_counts(shared.statistics, alone.statistics);
       });
       EXPECT_EQ(errors, std::vector<std::string>(processes));
-      EXPECT_EQ(looks, first ? 0u : 2 * processes);
+      EXPECT_EQ(looks, rasters ? 0u : 2 * processes);
     }
   }
 }

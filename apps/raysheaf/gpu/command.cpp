@@ -37,10 +37,8 @@ std::string text_of(const SceneReport& scene) {
   for (const DeviceBenchBatch& batch : report.batches) {
     text += fmt::format(
         "  {}: {} rays, {} hits, {} unlike the CPU's; ms: device {:.3f}, of that keys to hits "
-        "{:.3f} "
-        "({:.3f} Grays/s), call {:.3f}, with moved triangles {:.3f}, CPU {:.3f}; hierarchy "
-        "refitted "
-        "in {:.3f} instead of built, with moved triangles {:.3f}\n",
+        "{:.3f} ({:.3f} Grays/s), call {:.3f}, with other triangles {:.3f}, CPU {:.3f}; hierarchy "
+        "refitted in {:.3f} instead of built, with moved triangles {:.3f}\n",
         to_string(batch.rays), batch.count, batch.hits, batch.different, batch.device_ms,
         batch.trace_ms, grays_per_s(batch.count, batch.trace_ms), batch.call_ms, batch.frame_ms,
         batch.cpu_ms, batch.refit_ms, batch.refit_frame_ms);
