@@ -65,11 +65,6 @@ class DualTracer {
   DualTracer(const DualTracer&) = delete;
   DualTracer& operator=(const DualTracer&) = delete;
 
-  /// occluded[i] = 1 where ray i of a batch meets anything, else 0. Adds as `trace` does.
-  void find_occluded(const Executor& executor, const RayBatch& batch, Facing facing,
-                     BatchStatistics* statistics, View<float> ray_tests,
-                     View<std::uint8_t> occluded);
-
   /// The hits of a batch, in its order; `kSomeTriangle` at t = 0 for rays that ask for occlusion.
   /// Adds counts, times and the plan to `statistics`, and each ray's tests to `ray_tests` unless
   /// that is empty.
@@ -87,6 +82,10 @@ class DualTracer {
                   BatchStatistics* statistics);
   /// All of `corners_`.
   [[nodiscard]] TriangleSource source_of(const FlatScene& scene);
+  /// occluded[i] = 1 where ray i of a batch meets anything, else 0.
+  void find_occluded(const Executor& executor, const RayBatch& batch, Facing facing,
+                     BatchStatistics* statistics, View<float> ray_tests,
+                     View<std::uint8_t> occluded);
   void find_closest(const Executor& executor, const RayBatch& batch, const EngineOptions& options,
                     BatchStatistics* statistics, View<float> ray_tests, View<RayHit> hits);
 

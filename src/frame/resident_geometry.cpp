@@ -91,8 +91,10 @@ void ResidentGeometry::meet_any(const RayBatch& batch, bool early_out, BatchStat
                                 View<std::uint8_t> occluded) {
   TraceOptions options = options_;
   options.early_out = early_out;
-  raysheaf::find_occluded(executor_, scene_, batch, options, statistics, ray_tests, meter,
-                          occluded);
+  const std::vector<RayHit> hits =
+      raysheaf::trace(executor_, scene_, batch, options, statistics, ray_tests, meter);
+  executor_.for_each(hits.size(), kCopyGrain,
+                     [&](std::size_t i) { occluded[i] = hits[i].found() ? 1 : 0; });
 }
 
 SharedWork ResidentGeometry::share() {

@@ -147,23 +147,16 @@ std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& sce
   return hits;
 }
 
-/// The tracer that batches share, and the meter told of this one.
-DualTracer& dual_of(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
-                    TraceCache& cache, BatchStatistics* statistics, ProgressMeter* meter) {
-  Stopwatch watch;
-  meter->begin(stage_name(batch), 1);
-  DualTracer& tracer = cache.dual_tracer(executor, scene);
-  statistics->times_ms.hierarchy += watch.lap_ms();
-  return tracer;
-}
-
 std::vector<RayHit> trace_dual(const Executor& executor, const FlatScene& scene,
                                const RayBatch& batch, const TraceOptions& options,
                                BatchStatistics* statistics, View<float> ray_tests,
                                ProgressMeter* meter) {
   TraceCache own;
   TraceCache& cache = options.cache != nullptr ? *options.cache : own;
-  DualTracer& tracer = dual_of(executor, scene, batch, cache, statistics, meter);
+  Stopwatch watch;
+  meter->begin(stage_name(batch), 1);
+  DualTracer& tracer = cache.dual_tracer(executor, scene);
+  statistics->times_ms.hierarchy += watch.lap_ms();
   std::vector<RayHit> hits = tracer.trace(executor, batch, options.facing, statistics, ray_tests);
   cache.tree.add(tracer.take_tree_report());
   return hits;
@@ -176,13 +169,6 @@ bool runs_on_device(const TraceOptions& options) {
 std::uint64_t hits_among(const std::vector<RayHit>& hits) {
   return static_cast<std::uint64_t>(
       std::count_if(hits.begin(), hits.end(), [](const RayHit& hit) { return hit.found(); }));
-}
-
-void begin_batch(const FlatScene& scene, const RayBatch& batch, BatchStatistics* statistics) {
-  statistics->kind = batch.kind;
-  statistics->bounce = batch.bounce;
-  statistics->triangles = scene.triangle_count;
-  statistics->rays += batch.rays.size();
 }
 
 using TraceFunction = decltype(&trace_packets);
@@ -269,7 +255,10 @@ void TraceCache::update(const Executor& executor, const FlatScene& scene,
 std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
                           const TraceOptions& options, BatchStatistics* statistics,
                           View<float> ray_tests, ProgressMeter* meter) {
-  begin_batch(scene, batch, statistics);
+  statistics->kind = batch.kind;
+  statistics->bounce = batch.bounce;
+  statistics->triangles = scene.triangle_count;
+  statistics->rays += batch.rays.size();
   if (batch.rays.empty()) return {};
   if (runs_on_device(options)) {  // whose frames are its own: a ray that is asked for before
     meter->begin(stage_name(batch), 1);
@@ -294,25 +283,6 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
 
 bool asks_alone(const TraceOptions& options) {
   return options.method.traversal == Traversal::kDual && !runs_on_device(options);
-}
-
-void find_occluded(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
-                   const TraceOptions& options, BatchStatistics* statistics, View<float> ray_tests,
-                   ProgressMeter* meter, View<std::uint8_t> occluded) {
-  const bool asks = options.method.traversal == Traversal::kDual && !runs_on_device(options) &&
-                    options.cache != nullptr && sharers(options.cache->ranks, batch) == nullptr;
-  if (!asks || batch.rays.empty()) {
-    const std::vector<RayHit> hits =
-        trace(executor, scene, batch, options, statistics, ray_tests, meter);
-    executor.for_each(hits.size(), kCopyGrain,
-                      [&](std::size_t i) { occluded[i] = hits[i].found() ? 1 : 0; });
-    return;
-  }
-  begin_batch(scene, batch, statistics);
-  DualTracer& tracer = dual_of(executor, scene, batch, *options.cache, statistics, meter);
-  tracer.find_occluded(executor, batch, options.facing, statistics, ray_tests, occluded);
-  options.cache->tree.add(tracer.take_tree_report());
-  statistics->hits += std::accumulate(occluded.begin(), occluded.end(), std::uint64_t{0});
 }
 
 }  // namespace raysheaf

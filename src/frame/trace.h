@@ -70,9 +70,4 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
 /// that stay in the caches: those of `dual` on the CPU.
 [[nodiscard]] bool asks_alone(const TraceOptions& options);
 
-/// The same of rays that ask for occlusion: occluded[i] = 1 where ray i meets anything, else 0.
-void find_occluded(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
-                   const TraceOptions& options, BatchStatistics* statistics, View<float> ray_tests,
-                   ProgressMeter* meter, View<std::uint8_t> occluded);
-
 }  // namespace raysheaf
