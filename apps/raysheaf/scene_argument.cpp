@@ -1,6 +1,6 @@
 #include "scene_argument.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 #include "ablation/page.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 

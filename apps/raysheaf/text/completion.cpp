@@ -1,5 +1,5 @@
 // Completions for the shells that people use.
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>

@@ -1,5 +1,5 @@
 // Manual pages, in the macros of man(7).
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <sstream>
