@@ -39,9 +39,10 @@ struct DeviceBenchBatch {
   double trace_ms = 0;              ///< without copies and the hierarchy: keys to hits
   double call_ms = 0;               ///< the whole call as the host sees it, with copies
   double frame_ms = 0;              ///< the call, and all triangles to the device before
-  double refit_ms = 0;              ///< the hierarchy's stages where it is refitted
-  double refit_frame_ms = 0;        ///< as `frame_ms`, where it is refitted
-  double cpu_ms = 0;                ///< the same query on the CPU, the hierarchy built anew too
+  std::vector<DeviceStage> refit_stages;  ///< the hierarchy's where it is refitted
+  double refit_ms = 0;                    ///< their sum
+  double refit_frame_ms = 0;              ///< as `frame_ms`, where it is refitted
+  double cpu_ms = 0;  ///< the same query on the CPU, the hierarchy built anew too
 };
 
 struct DeviceBenchReport {

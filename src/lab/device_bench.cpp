@@ -21,6 +21,7 @@ constexpr Traffic kTraffic[] = {
     {"hierarchy: keys", 36 + 8, false},  // corners; a key
     {"hierarchy: sort", 8 + 8, false},   // keys, once
     {"hierarchy: triangles", 8 + 36 + 48, false},
+    {"hierarchy: refit", 4 + 36 + 48, false},    // a number, its corners
     {"hierarchy: nodes", 8 + 8 + 8, false},      // a key; two children, two parents
     {"hierarchy: boxes", 48 + 48, false},        // a triangle; two boxes
     {"order: keys", 32 + 12, true},              // a ray; a key and a number
@@ -73,11 +74,30 @@ bool is_copy(const std::string& stage) {
   return stage.starts_with("copy:");
 }
 
-double hierarchy_ms(const std::vector<StageTime>& times) {
-  double ms = 0;
-  for (const StageTime& time : times) ms += time.stage.starts_with("hierarchy:") ? time.ms : 0;
-  return ms;
+bool is_of_hierarchy(const std::string& stage) {
+  return stage.starts_with("hierarchy:");
 }
+
+/// What the stages of several runs took.
+class StageTable {
+ public:
+  void add(const StageTime& time) {
+    const auto at = std::find(names_.begin(), names_.end(), time.stage);
+    const auto place = static_cast<std::size_t>(at - names_.begin());
+    if (at == names_.end()) names_.push_back(time.stage), ms_.emplace_back();
+    ms_[place].push_back(time.ms);
+  }
+  [[nodiscard]] std::vector<DeviceStage> medians(const Work& work, const Rates& rates) const {
+    std::vector<DeviceStage> stages;
+    for (std::size_t s = 0; s < names_.size(); ++s)
+      stages.push_back(stage_of(names_[s], median(ms_[s]), work, rates));
+    return stages;
+  }
+
+ private:
+  std::vector<std::string> names_;
+  std::vector<std::vector<double>> ms_;
+};
 
 /// One scene's triangles, for the CPU's engine and the device's.
 class Bench {
@@ -109,8 +129,7 @@ class Bench {
     const bool any = kind == LabRays::kShadow;
     Answers here(rays.size()), there(rays.size()), refitted(rays.size());
     std::vector<double> cpu_ms, call_ms, frame_ms, device_ms, trace_ms, refit_ms, refit_frame_ms;
-    std::vector<std::string> names;
-    std::vector<std::vector<double>> stage_ms;
+    StageTable stages, refit_stages;
     Work work{static_cast<double>(rays.size()), static_cast<double>(triangles())};
     for (std::uint32_t run = 0; run <= options_.runs; ++run) {
       Stopwatch watch;
@@ -133,13 +152,10 @@ class Bench {
       frame_ms.push_back(moving + call);
       double all = 0, without_tree = 0;
       for (const StageTime& time : there_->stage_times()) {
-        const auto at = std::find(names.begin(), names.end(), time.stage);
-        const auto place = static_cast<std::size_t>(at - names.begin());
-        if (at == names.end()) names.push_back(time.stage), stage_ms.emplace_back();
-        stage_ms[place].push_back(time.ms);
+        stages.add(time);
         if (is_copy(time.stage)) continue;
         all += time.ms;
-        if (!time.stage.starts_with("hierarchy:")) without_tree += time.ms;
+        if (!is_of_hierarchy(time.stage)) without_tree += time.ms;
       }
       device_ms.push_back(all);
       trace_ms.push_back(without_tree);
@@ -147,10 +163,16 @@ class Bench {
       there_->set_triangles(executor_, source_, true);
       ask_there(rays, any, false, &report, &refitted);
       refit_frame_ms.push_back(watch.lap_ms());
-      refit_ms.push_back(hierarchy_ms(there_->stage_times()));
+      double refit = 0;
+      for (const StageTime& time : there_->stage_times()) {
+        if (!is_of_hierarchy(time.stage)) continue;
+        refit_stages.add(time);
+        refit += time.ms;
+      }
+      refit_ms.push_back(refit);
     }
-    for (std::size_t s = 0; s < names.size(); ++s)
-      batch.stages.push_back(stage_of(names[s], median(stage_ms[s]), work, rates_));
+    batch.stages = stages.medians(work, rates_);
+    batch.refit_stages = refit_stages.medians(work, rates_);
     batch.cpu_ms = median(cpu_ms);
     batch.call_ms = median(call_ms);
     batch.frame_ms = median(frame_ms);

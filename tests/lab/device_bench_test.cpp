@@ -43,7 +43,14 @@ TEST(DeviceBench, TimesEachStageAndFindsTheCpusHits) {
     EXPECT_GT(batch.cpu_ms, 0);
     EXPECT_GT(batch.call_ms, 0);
     EXPECT_GT(batch.frame_ms, batch.call_ms);
+    double refit = 0;
+    for (const DeviceStage& stage : batch.refit_stages) {
+      EXPECT_TRUE(stage.name.starts_with("hierarchy:")) << stage.name;
+      EXPECT_EQ(stage.floor_ms > 0, stage.name != "hierarchy: cost") << stage.name;
+      refit += stage.ms;
+    }
     EXPECT_GT(batch.refit_ms, 0);
+    EXPECT_NEAR(batch.refit_ms, refit, 1e-6 * refit) << "one run: its own median";
     EXPECT_GT(batch.refit_frame_ms, batch.refit_ms);
   }
   options.runs = 0;

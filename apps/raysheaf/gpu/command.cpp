@@ -25,6 +25,27 @@ double grays_per_s(std::uint64_t rays, double ms) {
   return ms > 0 ? static_cast<double>(rays) / ms * 1e-6 : 0;
 }
 
+std::string text_of(const std::vector<DeviceStage>& stages) {
+  std::string text;
+  for (const DeviceStage& stage : stages)
+    text += fmt::format("    {:<24} {:>9.4f} ms{}\n", stage.name, stage.ms,
+                        stage.floor_ms > 0
+                            ? fmt::format(", {:.1f} times its floor of {:.4f} ms ({})",
+                                          stage.ms / stage.floor_ms, stage.floor_ms, stage.floor_of)
+                            : std::string());
+  return text;
+}
+
+Json json_of(const std::vector<DeviceStage>& stages) {
+  Json all = Json::array();
+  for (const DeviceStage& stage : stages)
+    all.push_back({{"stage", stage.name},
+                   {"ms", stage.ms},
+                   {"floor_ms", stage.floor_ms > 0 ? Json(stage.floor_ms) : Json(nullptr)},
+                   {"floor_of", stage.floor_of.empty() ? Json(nullptr) : Json(stage.floor_of)}});
+  return all;
+}
+
 std::string text_of(const SceneReport& scene) {
   const DeviceBenchReport& report = scene.report;
   std::string text = fmt::format(
@@ -42,13 +63,7 @@ std::string text_of(const SceneReport& scene) {
         to_string(batch.rays), batch.count, batch.hits, batch.different, batch.device_ms,
         batch.trace_ms, grays_per_s(batch.count, batch.trace_ms), batch.call_ms, batch.frame_ms,
         batch.cpu_ms, batch.refit_ms, batch.refit_frame_ms);
-    for (const DeviceStage& stage : batch.stages)
-      text +=
-          fmt::format("    {:<24} {:>9.4f} ms{}\n", stage.name, stage.ms,
-                      stage.floor_ms > 0
-                          ? fmt::format(", {:.1f} times its floor of {:.4f} ms ({})",
-                                        stage.ms / stage.floor_ms, stage.floor_ms, stage.floor_of)
-                          : std::string());
+    text += text_of(batch.stages) + "   refitted:\n" + text_of(batch.refit_stages);
   }
   return text;
 }
@@ -56,13 +71,6 @@ std::string text_of(const SceneReport& scene) {
 Json json_of(const SceneReport& scene) {
   Json batches = Json::array();
   for (const DeviceBenchBatch& batch : scene.report.batches) {
-    Json stages = Json::array();
-    for (const DeviceStage& stage : batch.stages)
-      stages.push_back(
-          {{"stage", stage.name},
-           {"ms", stage.ms},
-           {"floor_ms", stage.floor_ms > 0 ? Json(stage.floor_ms) : Json(nullptr)},
-           {"floor_of", stage.floor_of.empty() ? Json(nullptr) : Json(stage.floor_of)}});
     batches.push_back({{"rays", to_string(batch.rays)},
                        {"count", batch.count},
                        {"hits", batch.hits},
@@ -75,7 +83,8 @@ Json json_of(const SceneReport& scene) {
                        {"refit_frame_ms", batch.refit_frame_ms},
                        {"cpu_ms", batch.cpu_ms},
                        {"grays_per_s", grays_per_s(batch.count, batch.trace_ms)},
-                       {"stages", stages}});
+                       {"stages", json_of(batch.stages)},
+                       {"refit_stages", json_of(batch.refit_stages)}});
   }
   return {{"scene", scene.scene},
           {"triangles", scene.report.triangles},
