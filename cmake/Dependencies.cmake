@@ -6,11 +6,18 @@ pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)  # libepoxy-dev
 
 find_package(tinyobjloader REQUIRED CONFIG)  # libtinyobjloader-dev
 find_package(tinyexr REQUIRED CONFIG)        # libtinyexr-dev
+set(TINYEXR_LIBRARIES "-ltinyexr")
+if(RAYSHEAF_BARE_TINYEXR)
+  set(TINYEXR_LIBRARIES "")
+elseif(NOT TARGET tinyexr::tinyexr)  # vcpkg's
+  add_library(tinyexr::tinyexr ALIAS unofficial::tinyexr::tinyexr)
+  string(APPEND TINYEXR_LIBRARIES " -lminiz")
+endif()
 find_package(PNG REQUIRED)                   # libpng-dev
 find_package(JPEG REQUIRED)                  # libjpeg-dev, of libjpeg-turbo
 find_package(nlohmann_json REQUIRED CONFIG)  # nlohmann-json3-dev
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)      # libxxhash-dev
-find_path(STB_INCLUDE_DIR stb/stb_image.h REQUIRED)  # libstb-dev
+find_path(STB_HEADER_DIR stb_image.h PATH_SUFFIXES stb REQUIRED)  # libstb-dev
 
 pkg_check_modules(ZSTD QUIET IMPORTED_TARGET libzstd)  # libzstd-dev
 if(NOT ZSTD_FOUND)

@@ -30,7 +30,7 @@ function(check_headers name)
   add_library(${name} OBJECT ${ARGN})
   target_include_directories(${name} PRIVATE
     ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/apps/raysheaf
-    ${PROJECT_SOURCE_DIR}/apps/viewer ${STB_INCLUDE_DIR})
+    ${PROJECT_SOURCE_DIR}/apps/viewer ${STB_HEADER_DIR})
   target_compile_options(${name} PRIVATE -O0 -g0 -Wno-unused-function)
   target_link_libraries(${name} PRIVATE
     raysheaf raysheaf_options TBB::tbb hwy::hwy PkgConfig::EPOXY nlohmann_json::nlohmann_json)

@@ -3,6 +3,6 @@
 # io/image_decode.cpp includes it in the header's place. Where the text is another one, the header is taken
 # as it is.
 set(RAYSHEAF_STB_IMAGE_DIR ${PROJECT_BINARY_DIR}/stb_image)
-file(READ ${STB_INCLUDE_DIR}/stb/stb_image.h text)
+file(READ ${STB_HEADER_DIR}/stb_image.h text)
 string(REPLACE "   stbi_uc pal[256][4];\n   int psize" "   stbi_uc pal[256][4] = {{0}};\n   int psize" text "${text}")
-file(CONFIGURE OUTPUT ${RAYSHEAF_STB_IMAGE_DIR}/stb/stb_image.h CONTENT "${text}" @ONLY)
+file(CONFIGURE OUTPUT ${RAYSHEAF_STB_IMAGE_DIR}/stb_image.h CONTENT "${text}" @ONLY)

@@ -1,4 +1,4 @@
-// The translation unit of tinyexr.
+// The translation unit of tinyexr; with its implementation where there is no library of it.
 #include <tinyexr.h>
 
 #include <algorithm>

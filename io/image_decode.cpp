@@ -21,7 +21,7 @@ void* zeroed(std::size_t bytes) {
 #define STBI_FAILURE_USERMSG
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
-#include <stb/stb_image.h>
+#include <stb_image.h>
 #pragma GCC diagnostic pop
 
 #include <tbb/parallel_for.h>

@@ -39,7 +39,7 @@ unsigned int crc32_of(unsigned char* data, int size) {
 #define STBI_WRITE_NO_STDIO
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
-#include <stb/stb_image_write.h>
+#include <stb_image_write.h>
 #pragma GCC diagnostic pop
 
 #include "io/file.h"

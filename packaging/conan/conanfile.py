@@ -5,7 +5,7 @@ import os
 from conan import ConanFile
 from conan.tools.build import check_min_cppstd
 from conan.tools.cmake import CMake, CMakeDeps, CMakeToolchain, cmake_layout
-from conan.tools.files import copy
+from conan.tools.files import copy, rmdir
 from conan.tools.gnu import PkgConfigDeps
 
 ROOT = os.path.join("..", "..")
@@ -20,7 +20,12 @@ class Raysheaf(ConanFile):
     package_type = "library"
     settings = "os", "arch", "compiler", "build_type"
     options = {"shared": [True, False], "fPIC": [True, False], "tools": [True, False]}
-    default_options = {"shared": False, "fPIC": True, "tools": False}
+    # Of OpenGL the library asks for EGL alone: without a window system.
+    default_options = {
+        "shared": False, "fPIC": True, "tools": False,
+        "libepoxy/*:glx": False, "libepoxy/*:x11": False,
+    }
+    implements = ["auto_shared_fpic"]
 
     def export_sources(self):
         root = os.path.join(self.recipe_folder, ROOT)
@@ -37,34 +42,43 @@ class Raysheaf(ConanFile):
         check_min_cppstd(self, 20)
 
     def requirements(self):
-        self.requires("highway/1.0.7")
-        self.requires("libdeflate/1.19")
+        self.requires("highway/[>=1.0.7 <2]")
+        self.requires("libdeflate/[>=1.14 <2]")
         self.requires("libepoxy/1.5.10")
-        self.requires("libjpeg-turbo/3.0.2")
-        self.requires("libpng/1.6.43")
-        self.requires("draco/1.5.6")
-        self.requires("meshoptimizer/0.20")
-        self.requires("nlohmann_json/3.11.3")
-        self.requires("onetbb/2021.12.0")
-        self.requires("stb/cci.20230920")
+        self.requires("libjpeg-turbo/[>=3.0 <4]")
+        self.requires("libpng/[>=1.6.39 <2]")
+        self.requires("draco/[>=1.5.6 <2]")
+        self.requires("meshoptimizer/[>=0.18 <2]")
+        self.requires("nlohmann_json/[>=3.11.2 <4]")
+        self.requires("onetbb/[>=2021.8]")
+        self.requires("stb/cci.20240531")
         self.requires("tinyexr/1.0.7")
         self.requires("tinyobjloader/2.0.0-rc10")
-        self.requires("xxhash/0.8.2")
-        self.requires("zstd/1.5.5")
+        self.requires("xxhash/[>=0.8.1 <1]")
+        self.requires("zstd/[>=1.5 <2]")
         if self.options.tools:
-            self.requires("cli11/2.4.2")
-            self.requires("fmt/10.2.1")
+            self.requires("cli11/[>=2.3 <3]")
+            self.requires("fmt/[>=9.1 <13]")
             self.requires("kainjow-mustache/4.1")
 
+    def build_requirements(self):
+        self.tool_requires("pkgconf/[>=2.0 <3]")
+
     def generate(self):
-        CMakeDeps(self).generate()
-        PkgConfigDeps(self).generate()  # libepoxy is looked for by pkg-config
+        names = CMakeDeps(self)
+        names.set_property("highway", "cmake_file_name", "hwy")
+        names.set_property("highway::hwy", "cmake_target_name", "hwy::hwy")
+        names.set_property("highway::hwy_contrib", "cmake_target_name", "hwy::hwy_contrib")
+        names.generate()
+        PkgConfigDeps(self).generate()  # libepoxy, libdeflate and zstd are looked for by pkg-config
         toolchain = CMakeToolchain(self)
-        toolchain.variables["RAYSHEAF_APP"] = bool(self.options.tools)
-        for part in ("TESTS", "BENCH", "EXAMPLES"):
-            toolchain.variables[f"RAYSHEAF_{part}"] = False
+        toolchain.cache_variables["RAYSHEAF_BARE_TINYEXR"] = True
+        toolchain.cache_variables["RAYSHEAF_APP"] = bool(self.options.tools)
+        for part in ("TESTS", "BENCH", "EXAMPLES", "VIEWER"):
+            toolchain.cache_variables[f"RAYSHEAF_{part}"] = False
         for part in ("CUDA", "MPI", "PYTHON"):
-            toolchain.variables[f"RAYSHEAF_{part}"] = "OFF"
+            toolchain.cache_variables[f"RAYSHEAF_{part}"] = "OFF"
+        toolchain.cache_variables["CMAKE_DISABLE_FIND_PACKAGE_embree"] = True  # the system's
         toolchain.generate()
 
     def build(self):
@@ -75,9 +89,13 @@ class Raysheaf(ConanFile):
     def package(self):
         copy(self, "LICENSE", self.source_folder, os.path.join(self.package_folder, "licenses"))
         CMake(self).install()
+        for folder in ("cmake", "pkgconfig"):  # Conan writes its own for whoever asks
+            rmdir(self, os.path.join(self.package_folder, "lib", folder))
 
     def package_info(self):
         self.cpp_info.libs = ["raysheaf"]
+        if self.settings.os == "Linux":
+            self.cpp_info.system_libs = ["dl", "m", "pthread"]
         self.cpp_info.set_property("cmake_file_name", "raysheaf")
         self.cpp_info.set_property("cmake_target_name", "raysheaf::raysheaf")
         self.cpp_info.set_property("pkg_config_name", "raysheaf")
