@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "raysheaf/version.h"
 #include "tests/support/markdown.h"
 #include "tests/support/process.h"
 
@@ -94,6 +95,17 @@ TEST(Source, NothingBelowTheAppsPrintsOrExits) {
       }
     }
   }
+}
+
+TEST(Source, PackagesHaveTheProjectsVersion) {
+  const std::string version = RAYSHEAF_VERSION;
+  const std::pair<const char*, std::string> places[] = {
+      {"packaging/vcpkg/raysheaf/vcpkg.json", "\"version\": \"" + version + "\""},
+      {"packaging/conan/conanfile.py", "version = \"" + version + "\""},
+      {"CHANGELOG.md", "\n## " + version}};
+  for (const auto& [file, sentence] : places)
+    EXPECT_NE(read_file(kRoot / file).find(sentence), std::string::npos)
+        << file << " lacks " << sentence;
 }
 
 TEST(Source, HeadersAreIncludedOnce) {
