@@ -21,7 +21,7 @@ constexpr Traffic kTraffic[] = {
     {"hierarchy: keys", 36 + 8, false},  // corners; a key
     {"hierarchy: sort", 8 + 8, false},   // keys, once
     {"hierarchy: triangles", 8 + 36 + 48, false},
-    {"hierarchy: refit", 4 + 36 + 48, false},    // a number, its corners
+    {"hierarchy: refit", 4 + 36 + 48, false},    // a number, its corners; the triangle
     {"hierarchy: nodes", 8 + 8 + 8, false},      // a key; two children, two parents
     {"hierarchy: boxes", 48 + 48, false},        // a triangle; two boxes
     {"order: keys", 32 + 12, true},              // a ray; a key and a number
