@@ -19,8 +19,9 @@ constexpr std::size_t kMostItems = 0x7fffffff;
 bool copy_coordinates(const float* in, std::size_t count, float* out) {
   std::uint32_t wrong = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    wrong |= std::fabs(in[i]) <= kLargestCoordinate ? 0u : 1u;
-    out[i] = in[i] + 0.0f;
+    const float x = in[i];
+    wrong |= std::fabs(x) <= kLargestCoordinate ? 0u : 1u;
+    out[i] = x + 0.0f;
   }
   return wrong == 0;
 }
@@ -35,8 +36,9 @@ bool copy_indices(const std::uint32_t* in, std::size_t count, std::uint32_t limi
                   std::uint32_t* out) {
   std::uint32_t wrong = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    wrong |= in[i] < limit ? 0u : 1u;
-    out[i] = in[i];
+    const std::uint32_t index = in[i];
+    wrong |= index < limit ? 0u : 1u;
+    out[i] = index;
   }
   return wrong == 0;
 }
@@ -61,9 +63,19 @@ std::string element(const std::string& place, const char* field, std::size_t i) 
   return place + "." + field + "[" + std::to_string(i) + "]";
 }
 
+/// The first of `items` that is not `right`. One whose owner writes to it all the while may be
+/// right by now.
+template <class Item, class Right>
+std::size_t first_wrong(View<const Item> items, const std::string& place, const char* field,
+                        const Right& right) {
+  for (std::size_t i = 0; i < items.size; ++i)
+    if (!right(items[i])) return i;
+  throw Error(ErrorCode::kInvalidData, "the array changed while it was read", place + "." + field);
+}
+
 [[noreturn]] void throw_bad_position(View<const Vec3> positions, const std::string& place) {
-  std::size_t i = 0;
-  while (check_coordinates(&positions[i].x, 3)) ++i;
+  const std::size_t i = first_wrong(positions, place, "positions",
+                                    [](const Vec3& p) { return check_coordinates(&p.x, 3); });
   const Vec3 p = positions[i];
   const bool finite = std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
   throw Error(ErrorCode::kInvalidData,
@@ -74,11 +86,13 @@ std::string element(const std::string& place, const char* field, std::size_t i) 
 [[noreturn]] void throw_bad_triangle(View<const Triangle> triangles, std::size_t vertex_count,
                                      const std::string& place) {
   const auto limit = static_cast<std::uint32_t>(vertex_count);
-  std::size_t i = 0, k = 0;
-  while (check_indices(triangles[i].data(), 3, limit)) ++i;
-  while (triangles[i][k] < limit) ++k;
+  const auto right = [limit](const Triangle& t) { return check_indices(t.data(), 3, limit); };
+  const std::size_t i = first_wrong(triangles, place, "triangles", right);
+  const Triangle wrong = triangles[i];
+  std::size_t k = 0;
+  while (k < 2 && wrong[k] < limit) ++k;
   throw Error(ErrorCode::kInvalidData,
-              "index " + std::to_string(k) + " is " + std::to_string(triangles[i][k]) +
+              "index " + std::to_string(k) + " is " + std::to_string(wrong[k]) +
                   ", but the mesh has " + std::to_string(vertex_count) + " vertices",
               element(place, "triangles", i));
 }
@@ -137,7 +151,7 @@ void MeshArrays::take_positions(const Executor& executor, View<const Vec3> posit
     return copy ? copy_coordinates(in, floats, &next_positions_[begin].x)
                 : check_coordinates(in, floats);
   });
-  if (!good) throw_bad_position(positions, place);
+  if (!good) throw_bad_position(copy ? View<const Vec3>(next_positions_) : positions, place);
 }
 
 void MeshArrays::take_triangles(const Executor& executor, View<const Triangle> triangles,
@@ -151,7 +165,9 @@ void MeshArrays::take_triangles(const Executor& executor, View<const Triangle> t
     return copy ? copy_indices(in, indices, limit, next_triangles_[begin].data())
                 : check_indices(in, indices, limit);
   });
-  if (!good) throw_bad_triangle(triangles, vertex_count, place);
+  if (!good)
+    throw_bad_triangle(copy ? View<const Triangle>(next_triangles_) : triangles, vertex_count,
+                       place);
 }
 
 std::size_t MeshArrays::memory_bytes() const {
