@@ -80,6 +80,7 @@ class StreamBlocks : protected StreamLists<Mode> {
     stream_.waiting.clear();
     stream_.waiting.push_back({0, 0, offset, size, in_blocks});
     while (!stream_.waiting.empty()) {
+      this->job_.executor->check();
       const WaitingList next = stream_.waiting.back();
       stream_.waiting.pop_back();
       meet_list(next);

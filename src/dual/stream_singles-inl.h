@@ -49,6 +49,7 @@ class StreamSingles : protected StreamHits<Mode> {
           while (next != end && stream_.rays[next->ray].s_far < stream_.rays[next->ray].s_near)
             ++next;
           if (next == end) return false;
+          this->job_.executor->check();
           singles_.number[i] = next->ray;
           singles_.ray[i] = &stream_.rays[next->ray];
           singles_.start(i, next->first, next->count);

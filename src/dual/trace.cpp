@@ -49,6 +49,7 @@ void trace_all_tasks(const Executor& executor, const DualScene& scene, View<cons
   std::mutex mutex;
   StreamPool own;
   job.streams = scene.streams != nullptr ? scene.streams : &own;
+  job.executor = &executor;
   job.scene = scene;
   job.rays = rays.data;
   job.order = order.rays.data();
@@ -70,8 +71,8 @@ void trace_all_tasks(const Executor& executor, const DualScene& scene, View<cons
 
 }  // namespace
 
-void make_rows(const std::vector<RowHit>& found, std::uint32_t first, std::uint32_t end,
-               RowList* list) {
+void make_rows(const Executor& executor, const std::vector<RowHit>& found, std::uint32_t first,
+               std::uint32_t end, RowList* list) {
   list->first = first;
   list->ends.resize_uninitialized(end - first);
   list->hits.resize_uninitialized(found.size());
@@ -83,6 +84,7 @@ void make_rows(const std::vector<RowHit>& found, std::uint32_t first, std::uint3
   for (const RowHit& hit : found) list->hits[list->ends[hit.place - first]++] = hit.hit;
   begin = 0;
   for (const std::uint32_t row_end : list->ends) {
+    executor.check();
     std::sort(list->hits.begin() + begin, list->hits.begin() + row_end,
               [](const EngineHit& a, const EngineHit& b) {
                 return a.t < b.t || (a.t == b.t && a.triangle < b.triangle);

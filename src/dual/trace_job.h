@@ -5,6 +5,7 @@
 
 #include "dual/packet.h"
 #include "dual/stream.h"
+#include "exec/executor.h"
 
 namespace raysheaf {
 
@@ -19,6 +20,7 @@ struct TraceTask {
 };
 
 struct TraceJob {
+  const Executor* executor = nullptr;  ///< that runs the tasks, which ask it whether to go on
   DualScene scene;
   const Ray* rays = nullptr;
   const std::uint32_t* order = nullptr;
@@ -41,8 +43,8 @@ struct TraceJob {
 };
 
 /// What was found for the rays at places [first, end), in no order, as a list.
-void make_rows(const std::vector<RowHit>& found, std::uint32_t first, std::uint32_t end,
-               RowList* list);
+void make_rows(const Executor& executor, const std::vector<RowHit>& found, std::uint32_t first,
+               std::uint32_t end, RowList* list);
 
 void trace_closest_packets(const TraceJob& job, const TraceTask& task);
 void trace_any_packets(const TraceJob& job, const TraceTask& task);

@@ -26,7 +26,7 @@ HWY_NOINLINE void for_each_leaf(const ObjectTree& tree, const Body& body) {
 inline void hand_over_rows(const TraceJob& job, const TraceTask& task,
                            const std::vector<RowHit>& found) {
   const PacketRange last = job.packet(task.end - 1);
-  make_rows(found, job.packet(task.begin).first, last.first + last.count,
+  make_rows(*job.executor, found, job.packet(task.begin).first, last.first + last.count,
             &(*job.rows)[task.number]);
 }
 
@@ -38,6 +38,7 @@ class Walk {
   void run(const PacketRange& range) {
     RayPacket& p = packet_;
     first_ = range.first;
+    job_.executor->check();
     const DualCounts before = counts_;
     const std::uint32_t lanes = fill_packet(job_.rays, job_.order + range.first, range.count,
                                             range.quarter, tree_.bounds, &p);

@@ -60,6 +60,30 @@ TEST(Stop, BruteForceEndsSoon) {
   }
 }
 
+// One stream of rays that all meet everything: it would take a minute, and ten gigabytes.
+TEST(Stop, WithinOneTask) {
+  constexpr std::uint32_t kLayers = 200'000;
+  std::vector<Vec3> positions;
+  for (std::uint32_t i = 0; i < kLayers; ++i) {
+    const float z = 1 + 1e-5f * static_cast<float>(i);
+    positions.insert(positions.end(), {{-5, -5, z}, {5, -5, z}, {0, 5, z}});
+  }
+  std::vector<Ray> rays(1500);
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    rays[i] = {{1e-4f * static_cast<float>(i), 0, 0}, 0, {0, 0, 1}};
+  for (const std::uint32_t threads : {1u, 3u}) {
+    Scene scene(Context({.threads = threads}));
+    scene.add_soup(positions);
+    scene.commit();
+    constexpr std::chrono::milliseconds kDelay{100};
+    EXPECT_TRUE(
+        stopped(kDelay, {}, [&](const auto& options) { (void)all_hits(scene, rays, options); }));
+    std::vector<std::uint32_t> counts(rays.size());
+    EXPECT_TRUE(stopped(kDelay, {},
+                        [&](const auto& options) { hit_counts(scene, rays, counts, options); }));
+  }
+}
+
 // Wherever a query is stopped (in its tree, its order, its rays), the next one is answered as ever.
 TEST(Stop, TheSceneAnswersTheNextQuery) {
   RandomSoup moving(2'000, 4'000, 0.2f);
