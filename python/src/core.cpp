@@ -4,6 +4,8 @@
 
 NB_MODULE(_core, module) {
   using namespace raysheaf::python;
+  // What a process that ends in an exception leaves behind is no fault of its references.
+  nanobind::set_leak_warnings(false);
   module.doc() = "The compiled part of raysheaf: use `raysheaf` instead.";
   module.attr("version") = RAYSHEAF_VERSION;
   bind_errors(module);

@@ -2,50 +2,99 @@
 // waits.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <map>
 #include <mutex>
-#include <shared_mutex>
 
 namespace raysheaf::python {
 
-/// `Scene` refuses what comes at the wrong time; Python's threads expect to wait instead. A change
-/// that waits keeps later queries waiting behind it, so that it has its turn. While anyone waits,
-/// their `poll()` is called now and then: what it throws ends the wait.
+/// `Scene` refuses what comes at the wrong time; Python's threads expect to wait instead, in the
+/// order in which they came. While anyone waits, their `poll()` is called now and then: what it
+/// throws ends the wait. Meanwhile they hold no place in the row, so that whatever Python does in
+/// there (a handler of a signal, a finalizer) may come to the same door.
 class Door {
  public:
   class Reading {
    public:
     template <class Poll>
-    Reading(Door& door, const Poll& poll) : lock_(door.room_, std::defer_lock) {
-      door.wait_for(&lock_, poll);
+    Reading(Door& door, const Poll& poll) : door_(door) {
+      door_.enter(Visit::kReading, poll);
     }
+    ~Reading() { door_.leave(Visit::kReading); }
+    Reading(const Reading&) = delete;
+    Reading& operator=(const Reading&) = delete;
 
    private:
-    std::shared_lock<std::shared_timed_mutex> lock_;
+    Door& door_;
   };
 
   class Changing {
    public:
     template <class Poll>
-    Changing(Door& door, const Poll& poll) : lock_(door.room_, std::defer_lock) {
-      door.wait_for(&lock_, poll);
+    Changing(Door& door, const Poll& poll) : door_(door) {
+      door_.enter(Visit::kChanging, poll);
     }
+    ~Changing() { door_.leave(Visit::kChanging); }
+    Changing(const Changing&) = delete;
+    Changing& operator=(const Changing&) = delete;
 
    private:
-    std::unique_lock<std::shared_timed_mutex> lock_;
+    Door& door_;
   };
 
  private:
-  template <class Lock, class Poll>
-  void wait_for(Lock* lock, const Poll& poll) {
-    constexpr std::chrono::milliseconds kBetweenPolls{50};
-    std::unique_lock turn(turnstile_, std::defer_lock);
-    while (!turn.try_lock_for(kBetweenPolls)) poll();
-    while (!lock->try_lock_for(kBetweenPolls)) poll();
+  enum class Visit { kReading, kChanging };
+  using Number = std::uint64_t;
+
+  /// Whether the visitor with `number` may go in: a change once all before it are gone, a query
+  /// once all changes before it are.
+  bool may_enter(Visit visit, Number number) const {
+    if (is_changing_) return false;
+    const auto end = waiting_.lower_bound(number);
+    if (visit == Visit::kChanging) return readers_ == 0 && waiting_.begin() == end;
+    return std::none_of(waiting_.begin(), end,
+                        [](const auto& one) { return one.second == Visit::kChanging; });
   }
 
-  std::timed_mutex turnstile_;
-  std::shared_timed_mutex room_;
+  template <class Poll>
+  void enter(Visit visit, const Poll& poll) {
+    constexpr std::chrono::milliseconds kBetweenPolls{50};
+    std::unique_lock lock(mutex_);
+    const Number number = next_++;
+    while (!may_enter(visit, number)) {
+      waiting_[number] = visit;
+      const bool may =
+          left_.wait_for(lock, kBetweenPolls, [&] { return may_enter(visit, number); });
+      waiting_.erase(number);
+      if (may) break;
+      lock.unlock();
+      poll();
+      lock.lock();
+    }
+    if (visit == Visit::kReading)
+      ++readers_;
+    else
+      is_changing_ = true;
+  }
+
+  void leave(Visit visit) {
+    const std::lock_guard lock(mutex_);
+    if (visit == Visit::kReading)
+      --readers_;
+    else
+      is_changing_ = false;
+    if (readers_ == 0) left_.notify_all();
+  }
+
+  std::mutex mutex_;
+  std::condition_variable left_;  ///< that someone has gone out
+  std::map<Number, Visit> waiting_;
+  Number next_ = 0;
+  std::uint32_t readers_ = 0;
+  bool is_changing_ = false;
 };
 
 }  // namespace raysheaf::python

@@ -8,12 +8,14 @@
 #include <future>
 #include <optional>
 
+#include "gil.h"
+#include "raysheaf/error.h"
+
 namespace raysheaf::python {
 
-/// Throws what a handler of a signal raised. For a wait without the interpreter's lock.
-inline void check_signals() {
-  const nanobind::gil_scoped_acquire acquire;
-  if (PyErr_CheckSignals() != 0) throw nanobind::python_error();
+/// Throws once a long work is to stop. For a wait within `interruptible`.
+inline void give_up_if(const std::atomic<bool>& stop) {
+  if (stop) throw Error(ErrorCode::kCancelled, "the wait was stopped");
 }
 
 /// Runs `body(stop)` on a thread of its own, without the interpreter's lock, while this one
@@ -26,14 +28,15 @@ void interruptible(const Body& body) {
   constexpr std::chrono::milliseconds kBetweenLooks{50};
   std::optional<nb::python_error> raised;
   {
-    const nb::gil_scoped_release release;
+    const WithoutGil released;
     std::atomic<bool> stop = false;
     std::future<void> done = std::async(std::launch::async, [&] { body(stop); });
     while (done.wait_for(kBetweenLooks) != std::future_status::ready) {
       if (stop) continue;
-      const nb::gil_scoped_acquire acquire;
-      if (PyErr_CheckSignals() != 0) {
-        raised.emplace();
+      try {
+        released.check_signals();
+      } catch (nb::python_error& error) {
+        raised.emplace(std::move(error));
         stop = true;
       }
     }

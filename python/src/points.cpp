@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core.h"
+#include "gil.h"
 #include "raysheaf/large_vector.h"
 #include "raysheaf/types.h"
 
@@ -153,7 +154,7 @@ nb::tuple found_rows(const Context& context, const Found& found, std::size_t ray
   std::unique_ptr<Column<std::int64_t, 1>> face, ray;
   std::unique_ptr<Column<double, 3>> point;
   {
-    const nb::gil_scoped_release release;
+    const WithoutGil released;
     const std::size_t blocks = (rays + kRaysABlock - 1) / kRaysABlock;
     std::vector<std::vector<FoundRow>> rows(blocks);
     context.for_each_block(blocks, 1, [&](std::size_t begin, std::size_t end) {

@@ -9,6 +9,7 @@
 #include <nanobind/stl/array.h>
 
 #include "core.h"
+#include "gil.h"
 #include "raysheaf/types.h"
 
 namespace raysheaf::python {
@@ -64,7 +65,7 @@ bool pack_rays_in_frame(const Context& context, const Doubles3& origins, const D
   if (origins.shape(0) != count || directions.shape(0) != count)
     throw nb::type_error("pack_rays_in_frame: arrays of equal length expected");
   std::atomic<bool> good = true;
-  const nb::gil_scoped_release release;
+  const WithoutGil released;
   context.for_each_block(count, kRaysABlock, [&](std::size_t begin, std::size_t end) {
     bool all = true;
     for (std::size_t i = begin; i < end; ++i) {

@@ -4,11 +4,12 @@
 #include <nanobind/stl/vector.h>
 
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
 #include "core.h"
+#include "door.h"
+#include "gil.h"
 #include "interrupt.h"
 #include "raysheaf/animation.h"
 #include "raysheaf/builtin_scenes.h"
@@ -83,15 +84,15 @@ PictureWish wish_of(std::uint32_t width, std::uint32_t height, const std::string
 class Film {
  public:
   Film(const std::string& scene, bool moves) : moves_(moves) {
-    const nb::gil_scoped_release release;
+    const WithoutGil released;
     animation_ = animation_named(scene, moves);
   }
 
   /// What `body` says of the animation.
   template <class Body>
   auto at(const Body& body) {
-    const nb::gil_scoped_release release;
-    const std::lock_guard turn(mutex_);
+    const WithoutGil released;
+    const Door::Changing alone(door_, [&] { released.check_signals(); });
     return body(*animation_);
   }
 
@@ -99,7 +100,7 @@ class Film {
   [[nodiscard]] nb::dict render(PictureWish wish, const std::optional<double>& time) {
     auto rendered = std::make_unique<Rendered>();
     interruptible([&](const std::atomic<bool>& stop) {
-      const std::lock_guard turn(mutex_);
+      const Door::Changing alone(door_, [&stop] { give_up_if(stop); });
       light_by(wish.environment);
       choose(wish.device, wish.options.threads);
       if (time) {
@@ -148,7 +149,7 @@ class Film {
   }
 
   const bool moves_;
-  std::mutex mutex_;
+  Door door_;
   std::unique_ptr<Animation> animation_;
   Renderer renderer_;
   Device device_ = Device::kCpu;  ///< the renderer's

@@ -14,6 +14,7 @@
 
 #include "core.h"
 #include "door.h"
+#include "gil.h"
 #include "interrupt.h"
 #include "raysheaf/error.h"
 #include "raysheaf/query.h"
@@ -35,15 +36,15 @@ class SharedScene {
 
   template <class Body>
   auto change(const Body& body) {
-    const nb::gil_scoped_release release;
-    const Door::Changing alone(door_, check_signals);
+    const WithoutGil released;
+    const Door::Changing alone(door_, [&] { released.check_signals(); });
     return body(scene_);
   }
 
   template <class Body>
   auto look(const Body& body) {
-    const nb::gil_scoped_release release;
-    const Door::Reading inside(door_, check_signals);
+    const WithoutGil released;
+    const Door::Reading inside(door_, [&] { released.check_signals(); });
     return body(static_cast<const Scene&>(scene_));
   }
 
@@ -150,8 +151,9 @@ nb::ndarray<nb::numpy, float, nb::shape<3, 4>> transform(SharedScene& shared, In
 
 nb::tuple bounds(SharedScene& shared) {
   const Box box = [&] {
-    const nb::gil_scoped_release release;
-    return shared.look_committed([](const Scene& scene) { return scene.bounds(); }, check_signals);
+    const WithoutGil released;
+    return shared.look_committed([](const Scene& scene) { return scene.bounds(); },
+                                 [&] { released.check_signals(); });
   }();
   return nb::make_tuple(nb::make_tuple(box.min.x, box.min.y, box.min.z),
                         nb::make_tuple(box.max.x, box.max.y, box.max.z));
@@ -185,8 +187,9 @@ struct Wish {
   nb::object statistics;  // a dict, or None
 };
 
-/// Of rays with triangles, or of rays: below, a query is over before anyone could be tired of it.
-constexpr std::uint64_t kManyTests = 100'000'000, kManyRays = 100'000;
+/// A query of no more rays, and of no more tests or kept hits at the worst, is over before anyone
+/// could be tired of it.
+constexpr std::uint64_t kFewRays = 100'000, kFewTests = 100'000'000, kFewHits = 10'000'000;
 
 std::uint64_t size_of(std::span<const Ray> rays) {
   return rays.size();
@@ -197,7 +200,7 @@ std::uint64_t size_of(const RayParts& rays) {
 
 template <class Body>
 void ask(SharedScene& shared, const AskedRays& rays, void* stream, const Wish& wish,
-         const Body& body) {
+         std::uint64_t few, const Body& body) {
   QueryStatistics statistics;
   const bool counted = !wish.statistics.is_none();
   QueryOptions options{.method = wish.brute ? QueryMethod::kBrute : QueryMethod::kDual,
@@ -211,25 +214,23 @@ void ask(SharedScene& shared, const AskedRays& rays, void* stream, const Wish& w
   };
   const std::uint64_t count = with_rays(rays, [](const auto& given) { return size_of(given); });
   const std::uint64_t triangles = shared.look([](const Scene& s) { return s.triangle_count(); });
-  if (count >= kManyRays || (wish.brute && count * triangles >= kManyTests)) {
+  if (count > kFewRays || count * triangles > few) {
     interruptible([&](const std::atomic<bool>& stop) {
       options.stop = &stop;
-      answer([&stop] {
-        if (stop) throw Error(ErrorCode::kCancelled, "the wait was stopped");
-      });
+      answer([&stop] { give_up_if(stop); });
     });
   } else {
-    const nb::gil_scoped_release release;
-    answer(check_signals);
+    const WithoutGil released;
+    answer([&] { released.check_signals(); });
   }
   if (counted) write_statistics(statistics, nb::borrow<nb::dict>(wish.statistics));
 }
 
 template <class Item, class Array, class Query>
 void query_into(SharedScene& shared, const AskedRays& rays, const Anywhere<Array>& out,
-                const Wish& wish, const Query& query) {
+                const Wish& wish, std::uint64_t few, const Query& query) {
   const auto answers = items_of<Item>(out);
-  ask(shared, rays, stream_of(rays, out), wish,
+  ask(shared, rays, stream_of(rays, out), wish, few,
       [&](const Scene& scene, const QueryOptions& options) {
         with_rays(rays, [&](const auto& given) { query(scene, given, answers, options); });
       });
@@ -247,24 +248,26 @@ nb::ndarray<nb::numpy, float, nb::shape<-1, 6>> empty_hits(std::size_t count) {
 
 void query_closest_hit(SharedScene& shared, const AskedRays& rays,
                        const Anywhere<WritableHits>& out, const Wish& wish) {
-  query_into<Hit>(shared, rays, out, wish, [](const auto&... all) { closest_hit(all...); });
+  query_into<Hit>(shared, rays, out, wish, kFewTests,
+                  [](const auto&... all) { closest_hit(all...); });
 }
 
 void query_any_hit(SharedScene& shared, const AskedRays& rays, const Anywhere<WritableFlags>& out,
                    const Wish& wish) {
-  query_into<std::uint8_t>(shared, rays, out, wish, [](const auto&... all) { any_hit(all...); });
+  query_into<std::uint8_t>(shared, rays, out, wish, kFewTests,
+                           [](const auto&... all) { any_hit(all...); });
 }
 
 void query_hit_counts(SharedScene& shared, const AskedRays& rays,
                       const Anywhere<WritableCounts>& out, const Wish& wish) {
-  query_into<std::uint32_t>(shared, rays, out, wish,
+  query_into<std::uint32_t>(shared, rays, out, wish, kFewHits,
                             [](const auto&... all) { hit_counts(all...); });
 }
 
 /// Offsets and hits as arrays over the library's own memory.
 nb::tuple query_all_hits(SharedScene& shared, const AskedRays& rays, const Wish& wish) {
   auto found = std::make_unique<HitRows>();
-  ask(shared, rays, stream_of(rays, rays), wish,
+  ask(shared, rays, stream_of(rays, rays), wish, kFewHits,
       [&](const Scene& scene, const QueryOptions& options) {
         with_rays(rays, [&](const auto& given) { *found = all_hits(scene, given, options); });
       });
