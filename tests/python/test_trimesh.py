@@ -191,6 +191,51 @@ def test_no_rays_and_no_faces(mesh):
     assert empty.ray.intersects_location([[0, 0, 0]], [[0, 0, 1]])[0].shape == (0, 3)
 
 
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("scaled", [True, False])
+def test_faces_that_are_not_finite_are_never_hit(mesh, wrong, scaled):
+    origins, directions = rays_about(mesh)
+    ray = RayMeshIntersector(mesh, scaled)
+    expected = ray.intersects_id(origins, directions)
+    lost = expected[0][0]
+    kept = mesh.vertices.copy()
+    mesh.vertices[mesh.faces[lost, 1], 2] = wrong
+    gone = np.flatnonzero((mesh.faces == mesh.faces[lost, 1]).any(axis=1))
+    assert 0 < np.isin(expected[0], gone).sum() < len(expected[0]) / 2
+    found = ray.intersects_id(origins, directions)
+    fresh = RayMeshIntersector(mesh, scaled).intersects_id(origins, directions)
+    left = ~np.isin(expected[0], gone)
+    for column in range(2):
+        assert np.array_equal(found[column], expected[column][left])
+        assert np.array_equal(fresh[column], found[column])
+    mesh.vertices = kept
+    assert np.array_equal(ray.intersects_id(origins, directions)[0], expected[0])
+    mesh.vertices[:] = wrong
+    assert not ray.intersects_any(origins, directions).any()
+
+
+@pytest.mark.parametrize("far", [np.nan, np.inf, 1e12, 1e60])
+def test_vertices_of_no_face_do_not_count(far):
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    vertices = np.concatenate([[[far, 0, 0]], ball.vertices])
+    mesh = trimesh.Trimesh(vertices, ball.faces + 1, process=False)
+    origins, directions = rays_about(ball)
+    ours, expected = RayMeshIntersector(mesh), RayMeshIntersector(ball)
+    for _ in range(2):
+        found = ours.intersects_location(origins, directions)
+        for column, other in zip(found, expected.intersects_location(origins, directions)):
+            assert np.array_equal(column, other)
+        mesh.vertices[1:] *= 1.5
+        ball.vertices *= 1.5
+
+
+def test_wrong_indices_are_named():
+    for index in (7, -1):
+        mesh = trimesh.Trimesh(np.eye(3) * np.nan, [[0, 1, index]], process=False)
+        with pytest.raises(ValueError, match=f"triangles.*{index}"):
+            RayMeshIntersector(mesh).intersects_any([[0, 0, 0]], [[0, 0, 1]])
+
+
 def test_wrong_shapes(mesh):
     with pytest.raises(ValueError, match=r"ray_origins \(2, 3\), ray_directions \(1, 3\)"):
         mesh.ray.intersects_any(np.zeros((2, 3)), np.ones((1, 3)))
