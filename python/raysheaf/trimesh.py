@@ -27,10 +27,12 @@ from . import _core
 from ._device import Device
 from ._hits import Hits
 from ._mesh_space import Floats, Followed, Ints, followed
+from ._near_hits import apart, nearest
 from ._scene import Scene
 
 # Hits of one ray that are nearer to each other than this part of the mesh's size are one: a ray
-# through an edge meets both triangles at it. trimesh's other back end steps on by the same length.
+# through an edge meets both triangles at it. trimesh's other back end steps on by the same length
+# from each hit that it keeps.
 _SAME_PLACE = 1e-6
 # Rays that begin farther away than this many times the mesh's size are begun nearer, so that float32
 # has its digits left for the mesh.
@@ -154,9 +156,10 @@ class RayMeshIntersector:
         batch: _Batch,
         hits: Hits,
         ends: Optional[Ints] = None,
-        max_hits: Optional[int] = None,
+        same_place: float = -1.0,
     ) -> tuple[Ints, Ints, Floats]:
-        """Faces, rays and locations, in float64. `ends`: of each ray's hits; None: one a ray."""
+        """Faces, rays and locations, in float64. `ends`: of each ray's hits; None: one a ray. Of two
+        in a row that are no farther apart than `same_place` one counts; below 0: both."""
         return _core.found_rows(
             self._context(),
             mesh.vertices,
@@ -166,8 +169,8 @@ class RayMeshIntersector:
             batch.asked,
             ends,
             hits.array.view(np.float32).reshape(-1, 6),
-            _SAME_PLACE * mesh.size,
-            _MOST_HITS if max_hits is None else max_hits,
+            same_place,
+            _MOST_HITS,
         )
 
     def _first(self, mesh: Followed, batch: _Batch) -> tuple[Ints, Ints, Floats]:
@@ -176,8 +179,16 @@ class RayMeshIntersector:
     def _all(
         self, mesh: Followed, batch: _Batch, max_hits: Optional[int]
     ) -> tuple[Ints, Ints, Floats]:
-        rows = self._scene.all_hits(batch.rays)
-        return self._rows(mesh, batch, rows.hits, rows.offsets, max_hits)
+        rows, same_place = self._scene.all_hits(batch.rays), _SAME_PLACE * mesh.size
+        found = self._rows(mesh, batch, rows.hits, rows.offsets, same_place)
+        if rows.hits.size - len(found[0]) > 1:
+            # Each hit was compared with the one before, be that kept or not: three may be a chain.
+            counts = np.bincount(found[1], minlength=len(batch.origins))
+            lost = rows.counts - (counts if batch.asked is None else counts[batch.asked])
+            if lost.max() > 1:
+                found = self._rows(mesh, batch, rows.hits, rows.offsets)
+                found = apart(found, batch.origins, batch.directions, same_place)
+        return found if max_hits is None else nearest(found, max_hits)
 
     # trimesh's interface.
 

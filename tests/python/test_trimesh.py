@@ -229,6 +229,40 @@ def test_vertices_of_no_face_do_not_count(far):
         ball.vertices *= 1.5
 
 
+@pytest.mark.parametrize("gap, kept", [(2.0, 300), (1.2, 300), (0.8, 150), (0.4, 100), (0.01, 3)])
+def test_layers_near_to_each_other(gap, kept):
+    """One hit counts for what lies within a millionth of the mesh's size behind it, and no more."""
+    layers = np.zeros((300, 3, 3))
+    layers[:, 1, 0] = layers[:, 2, 1] = 0.6
+    size = np.linalg.norm([0.6, 0.6])
+    layers[:, :, 2] = (np.arange(300) * gap * 1e-6 * size)[:, None]
+    mesh = trimesh.Trimesh(layers.reshape(-1, 3), np.arange(900).reshape(-1, 3), process=False)
+    ray = RayMeshIntersector(mesh)
+    origins = np.array([[0.1, 0.2, -1], [0.1, 0.2, np.nan], [9, 9, -1], [0.2, 0.1, -1]])
+    directions = np.tile([0, 0, 2.0], (4, 1))
+    for use in ([0], [0, 2, 3], [0, 1, 2, 3]):
+        places, index_ray, index_tri = ray.intersects_location(origins[use], directions[use])
+        assert np.bincount(index_ray, minlength=len(use)).tolist() == [
+            kept * (row in (0, 3)) for row in use
+        ]
+        assert (np.diff(places[index_ray == 0, 2]) > 1e-6 * mesh.scale).all()
+        assert index_tri[0] == 0
+        for most in (0, 1, 40, 1000):
+            some = ray.intersects_id(origins[use], directions[use], max_hits=most)
+            first = np.concatenate([np.flatnonzero(index_ray == k)[:most] for k in range(len(use))])
+            assert np.array_equal(some[0], index_tri[first])
+            assert np.array_equal(some[1], index_ray[first])
+
+
+def test_a_vertex_of_many_faces_is_one_place(mesh):
+    ball = trimesh.creation.icosphere(subdivisions=2)
+    places, index_ray, _ = RayMeshIntersector(ball).intersects_location(
+        ball.vertices * 2, -ball.vertices
+    )
+    assert np.array_equal(index_ray, np.repeat(np.arange(len(ball.vertices)), 2))
+    assert np.allclose(places[::2], ball.vertices) and np.allclose(places[1::2], -ball.vertices)
+
+
 def test_wrong_indices_are_named():
     for index in (7, -1):
         mesh = trimesh.Trimesh(np.eye(3) * np.nan, [[0, 1, index]], process=False)
