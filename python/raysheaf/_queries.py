@@ -16,6 +16,7 @@ ALL = 0xFFFFFFFF
 
 Method = Literal["dual", "brute"]
 
+
 def _wish(mask: int, method: str, check: bool, statistics: Optional[dict[str, Any]]) -> _core.Wish:
     if method not in ("dual", "brute"):
         raise ValueError(f'method: {method!r} is given; "dual" or "brute" is expected')
@@ -131,7 +132,8 @@ class Queries:
         """Whether each ray meets anything: for shadows and visibility, faster than `closest_hit`.
 
         Parameters and exceptions are those of `closest_hit`. Returns booleans of the rays' shape:
-        an array of numpy, or `out`, an array of dtype bool or uint8 on a CUDA device.
+        a new array of numpy, or `out`, one of dtype bool or uint8 in C order, of numpy or on a
+        CUDA device.
 
         From one point to another: ``scene.any_hit(a, b - a, t_max=1)``.
 
@@ -142,12 +144,11 @@ class Queries:
         array([ True, False])
         """
         batch = batch_of(origins, directions, t_min, t_max)
-        occluded = np.empty(batch.count if out is None else 0, np.uint8)
-        room = _room(self._core, batch, out, occluded, ("bool", "uint8"))
+        room = _room(self._core, batch, out, ("bool", "uint8"))
         with batch.named():
             self._core.any_hit(batch.asked, room, _wish(mask, method, check, statistics))
-        given: NDArray[np.bool_] = out
-        return occluded.view(np.bool_).reshape(batch.shape) if out is None else given
+        given: NDArray[np.bool_] = room.view(np.bool_).reshape(batch.shape) if out is None else out
+        return given
 
     def all_hits(
         self,
@@ -198,31 +199,43 @@ class Queries:
     ) -> NDArray[np.uint32]:
         """How many triangles each ray meets: the lengths of the rows of `all_hits`.
 
-        Parameters and exceptions are those of `closest_hit`. Returns uint32 of the rays' shape: an
-        array of numpy, or `out`, an array of dtype uint32 or int32 on a CUDA device.
+        Parameters and exceptions are those of `closest_hit`. Returns uint32 of the rays' shape: a
+        new array of numpy, or `out`, one of dtype uint32 or int32 in C order, of numpy or on a CUDA
+        device.
         """
         batch = batch_of(origins, directions, t_min, t_max)
-        counts = np.empty(batch.count if out is None else 0, np.uint32)
-        room = _room(self._core, batch, out, counts, ("uint32", "int32"))
+        room = _room(self._core, batch, out, ("uint32", "int32"))
         with batch.named():
             self._core.hit_counts(batch.asked, room, _wish(mask, method, check, statistics))
-        given: NDArray[np.uint32] = out
-        return counts.reshape(batch.shape) if out is None else given
+        given: NDArray[np.uint32] = room.reshape(batch.shape) if out is None else out
+        return given
 
 
-def _room(
-    scene: _core.Scene, batch: RayBatch, out: Any, own: NDArray[Any], dtypes: tuple[str, ...]
-) -> Any:
-    """Where a number a ray goes: `own`, or `out`, which lies on a device."""
+def _room(scene: _core.Scene, batch: RayBatch, out: Any, dtypes: tuple[str, ...]) -> Any:
+    """Where a number a ray goes: new memory, or `out`, wherever that is. The dtypes are of one size,
+    and the extension takes unsigned integers of it."""
+    unsigned = f"u{np.dtype(dtypes[0]).itemsize}"
     there = device_array(out, "out")
     require_cuda(scene, batch.rays, there)
     if there is not None:
         return room_there(there, batch.shape, dtypes).place(())
-    if out is not None:
+    if out is None:
+        return np.empty(batch.count, unsigned)
+    if not isinstance(out, np.ndarray):
         raise TypeError(
-            f"out: {type(out).__name__} is given; an array on a CUDA device, or None, is expected"
+            f"out: {type(out).__name__} is given; an array of numpy or on a CUDA device, or None, "
+            "is expected"
         )
-    return own
+    flags = out.flags
+    fits = out.shape == batch.shape and out.dtype in map(np.dtype, dtypes)
+    if not (fits and flags.c_contiguous and flags.aligned and flags.writeable):
+        raise ValueError(
+            f"out: {'an' if flags.writeable else 'a read-only'} array of shape {out.shape} and dtype "
+            f"{out.dtype}{'' if flags.c_contiguous else ', not in C order,'}"
+            f"{'' if flags.aligned else ', not aligned,'} is given; a writable one of shape "
+            f"{batch.shape} and dtype {' or '.join(dtypes)} in C order is expected"
+        )
+    return np.asarray(out).reshape(-1).view(unsigned)
 
 
 def _check_out(out: Any, batch: RayBatch) -> None:

@@ -215,22 +215,6 @@ def test_no_triangles():
     assert scene.any_hit(*rays).all()
 
 
-def test_room_for_results_is_used(scene, expected):
-    out = raysheaf.Hits.empty(len(SETTING.origins))
-    hits = scene.closest_hit(SETTING.origins, SETTING.directions, out=out)
-    assert hits is out and np.array_equal(out.array, expected)
-    with pytest.raises(ValueError, match=r"out: .*shape \(3,\)"):
-        scene.closest_hit(SETTING.origins, SETTING.directions, out=raysheaf.Hits.empty(3))
-    with pytest.raises(ValueError, match="not in C order"):
-        strided = raysheaf.Hits.empty(2 * len(SETTING.origins))[::2]
-        scene.closest_hit(SETTING.origins, SETTING.directions, out=strided)
-    with pytest.raises(ValueError, match="out: read-only Hits"):
-        locked = raysheaf.Hits(_locked(out.array))
-        scene.closest_hit(SETTING.origins, SETTING.directions, out=locked)
-    with pytest.raises(TypeError, match="out: ndarray"):
-        scene.closest_hit(SETTING.origins, SETTING.directions, out=np.zeros(3))
-
-
 # Lifetimes.
 
 
