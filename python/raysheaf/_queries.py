@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _core
 from ._device import device_array, require_cuda, room_there
+from ._errors import OutOfMemoryError
 from ._hits import HIT_DTYPE, HitRows, Hits
 from ._rays import RayBatch, batch_of
 
@@ -106,7 +107,7 @@ class Queries:
             room = room_there(there, batch.shape + (6,), ("float32",)).place((6,))
         else:
             if out is None:
-                memory = _core.empty_hits(batch.count)
+                memory = _room_for_hits(batch.count)
                 out = Hits(memory.view(HIT_DTYPE).reshape(batch.shape))
             else:
                 _check_out(out, batch)
@@ -209,6 +210,13 @@ class Queries:
             self._core.hit_counts(batch.asked, room, _wish(mask, method, check, statistics))
         given: NDArray[np.uint32] = room.reshape(batch.shape) if out is None else out
         return given
+
+
+def _room_for_hits(count: int) -> NDArray[np.float32]:
+    try:
+        return _core.empty_hits(count)
+    except MemoryError:
+        raise OutOfMemoryError("out_of_memory", f"there is no room for {count} hits") from None
 
 
 def _room(scene: _core.Scene, batch: RayBatch, out: Any, dtypes: tuple[str, ...]) -> Any:
