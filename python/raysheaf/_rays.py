@@ -87,7 +87,11 @@ def _require_few(shape: tuple[int, ...]) -> None:
 
 
 def _spread(array: NDArray[Any], shape: tuple[int, ...], tail: tuple[int, ...]) -> NDArray[Any]:
-    """Broadcast to shape + tail, then all of shape in one axis."""
+    """Broadcast to shape + tail, then all of shape in one axis. That copies what repeats along some
+    axes only; as float32, which it becomes anyway."""
+    if len(shape) > 1 and 1 < array.size < math.prod(shape + tail):
+        with np.errstate(over="ignore"):
+            array = array.astype(np.float32)
     wide = np.broadcast_to(array, shape + tail)
     return wide if len(shape) == 1 else wide.reshape((-1,) + tail)
 
