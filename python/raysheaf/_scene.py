@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from typing import Optional
 
 import numpy as np
@@ -235,7 +236,11 @@ class Scene(Queries):
         return self._core.memory_bytes()
 
     def __contains__(self, mesh: object) -> bool:
-        return self._core.contains(_arrays.integer(mesh, "mesh"))
+        try:
+            number = operator.index(mesh)  # type: ignore[arg-type]
+        except TypeError:
+            return False
+        return 0 <= number <= ALL and self._core.contains(number)
 
     def __repr__(self) -> str:
         return (

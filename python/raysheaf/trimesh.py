@@ -15,6 +15,7 @@
 
 from __future__ import annotations
 
+import operator
 import threading
 from dataclasses import dataclass
 from typing import Any, Literal, Optional, Union, overload
@@ -23,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from trimesh.ray.ray_util import contains_points
 
-from . import _core
+from . import _arrays, _core
 from ._device import Device
 from ._hits import Hits
 from ._mesh_space import Floats, Followed, Ints, followed
@@ -40,6 +41,18 @@ _FAR = 4.0
 # Directions of lengths between these keep their digits in float32.
 _SHORT, _LONG = 1e-15, 1e15
 _MOST_HITS = 2**62
+
+
+def _most(max_hits: Optional[int]) -> Optional[int]:
+    """How many hits a ray may have; fewer than none are none, as with trimesh's other back end."""
+    if max_hits is None:
+        return None
+    try:
+        return max(0, min(operator.index(max_hits), _MOST_HITS))
+    except TypeError:
+        raise TypeError(
+            f"max_hits: {max_hits!r} is given; an integer or None is expected"
+        ) from None
 
 
 @dataclass(frozen=True)
@@ -117,8 +130,8 @@ class RayMeshIntersector:
     # Rays.
 
     def _batch(self, mesh: Followed, ray_origins: ArrayLike, ray_directions: ArrayLike) -> _Batch:
-        origins = np.ascontiguousarray(ray_origins, np.float64)
-        directions = np.ascontiguousarray(ray_directions, np.float64)
+        origins = _arrays.doubles(ray_origins, "ray_origins")
+        directions = _arrays.doubles(ray_directions, "ray_directions")
         if origins.size == 0 and directions.size == 0:
             origins = directions = np.zeros((0, 3))
         if origins.shape != directions.shape or origins.ndim != 2 or origins.shape[1] != 3:
@@ -274,10 +287,11 @@ class RayMeshIntersector:
         locations : (m, 3) float64
             Only where asked for.
         """
+        most = _most(max_hits)
         mesh = self._follow()
         batch = self._batch(mesh, ray_origins, ray_directions)
         if multiple_hits:
-            found = self._all(mesh, batch, max_hits)
+            found = self._all(mesh, batch, most)
         else:
             found = self._first(mesh, batch)
         return found if return_locations else found[:2]

@@ -90,3 +90,63 @@ def test_more_axes_than_numpy_goes_through(scene):
     ):
         with pytest.raises(ValueError, match=r"^rays: a batch of \d+ axes is given; 31 at most"):
             scene.any_hit(**rays)
+
+
+class Protocol:
+    """An array of somebody else's, one of whose methods fails."""
+
+    def __init__(self, failing, error, device=1):
+        self._failing, self._error, self._device = failing, error, device
+
+    def __dlpack_device__(self):
+        if self._failing == "device":
+            raise self._error
+        return self._device, 0
+
+    def __dlpack__(self, **options):
+        raise self._error
+
+    def __array__(self, dtype=None, copy=None):
+        if self._failing == "array":
+            raise self._error
+        return np.zeros(3)
+
+
+class NoArray:
+    def __dlpack_device__(self):
+        return 1, 0
+
+    def __dlpack__(self, **options):
+        raise ValueError("no memory to share")
+
+
+@pytest.mark.parametrize("error", [ValueError("broken"), KeyError("broken"), OSError("broken")])
+def test_what_protocols_raise_is_told_of_the_argument(scene, error):
+    for failing in ("device", "array"):
+        with pytest.raises(TypeError, match="^directions: cannot be read as an array: .*broken"):
+            scene.any_hit(UP, Protocol(failing, error))
+    scene.any_hit(Protocol("dlpack", error), UP)  # numpy knows another way
+    with pytest.raises(TypeError, match="^origins: cannot be read as an array: no memory to share"):
+        scene.any_hit(NoArray(), UP)
+    with pytest.raises(MemoryError):
+        scene.any_hit(UP, Protocol("array", MemoryError()))
+
+
+def test_masks_are_not_overlooked(scene):
+    origins = np.ma.array(np.zeros((4, 3)), mask=False)
+    assert scene.any_hit(origins, UP).shape == (4,)
+    origins[2, 1] = np.ma.masked
+    sentence = (
+        r"shape \(4, 3\) and dtype float64 is given, of which 1 elements are masked; .*filled"
+    )
+    with pytest.raises(TypeError, match="^origins: an array of " + sentence):
+        scene.any_hit(origins, UP)
+    with pytest.raises(TypeError, match="^vertices: an array of " + sentence):
+        scene.add(origins, [[0, 1, 2]])
+    assert scene.any_hit(origins.filled(0), UP).shape == (4,)
+
+
+def test_whether_a_scene_has_a_mesh(scene):
+    assert 0 in scene and np.uint8(0) in scene
+    for other in (1, -1, 2**32, 2**80, "x", None, 0.0, [0], np.zeros(2)):
+        assert other not in scene

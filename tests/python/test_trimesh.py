@@ -277,6 +277,30 @@ def test_wrong_shapes(mesh):
         mesh.ray.intersects_any([0, 0, 0], [0, 0, 1])
 
 
+@pytest.mark.parametrize(
+    "message, origins, options",
+    [
+        ("^ray_origins: .*dtype <U1 is given; one of .* real numbers", [["a", "b", "c"]], {}),
+        ("^ray_origins: .*complex128 is given", [[1j, 0, 0]], {}),
+        ("^ray_origins: .*object is given", [[{}, 0, 0]], {}),
+        ("^ray_origins: .*masked", np.ma.array([[0.0, 0, 0]], mask=True), {}),
+        ("^max_hits: 1.5 is given; an integer", [[0, 0, 9]], {"max_hits": 1.5}),
+        ("^max_hits: 'a' is given", [[0, 0, 9]], {"max_hits": "a", "multiple_hits": False}),
+    ],
+)
+def test_wrong_arguments_are_named(mesh, message, origins, options):
+    with pytest.raises(TypeError, match=message):
+        mesh.ray.intersects_id(origins, [[0, 0, 1]], **options)
+
+
+def test_any_number_of_hits(mesh):
+    ray = [[3, 0, 9]], [[0, 0, -1]]
+    for most, count in ((2**63, 2), (2**200, 2), (np.uint8(1), 1), (-1, 0), (-(2**80), 0)):
+        assert len(mesh.ray.intersects_id(*ray, max_hits=most)[0]) == count
+    objects = np.array(ray[0], object)
+    assert mesh.ray.intersects_any(objects, ray[1]).all()
+
+
 def test_contains_points(mesh):
     rng = np.random.default_rng(0)
     points = rng.uniform(-4.5, 4.5, (2000, 3))
