@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import concurrent.futures
 import json
+import os
 import struct
 import subprocess
 import sys
@@ -78,6 +79,25 @@ def test_a_file(tmp_path):
     assert decoded((tmp_path / "out.png").read_bytes()).shape == (32, 32, 3)
 
 
+def test_paths_of_every_kind(tmp_path):
+    path = tmp_path / "tri\xe4ngle.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    for name in (path, str(path), os.fsencode(path)):
+        assert raysheaf.render(name, width=8, height=8).image.shape == (8, 8, 3)
+        assert "ngle.obj" in repr(raysheaf.Animation(name))
+    raysheaf.write_png(os.fsencode(tmp_path / "a.png"), [[0.5]])
+    assert (tmp_path / "a.png").exists()
+    with pytest.raises(ValueError, match="^scene: .*null character"):
+        raysheaf.Animation("builtin:cornell\0x")
+    with pytest.raises(TypeError, match="^path: 3 is given"):
+        raysheaf.write_png(3, [[0.5]])
+    with pytest.raises(ValueError, match="^path: .*null character"):
+        raysheaf.write_png("a\0.png", [[0.5]])
+    with pytest.raises(TypeError, match="^image: cannot be read"):
+        raysheaf.write_png(tmp_path / "b.png", [[1, 2], [3]])
+    assert not (tmp_path / "b.png").exists()
+
+
 @pytest.mark.parametrize(
     "kind, message, given",
     [
@@ -88,6 +108,24 @@ def test_a_file(tmp_path):
         (ValueError, "width: .*0", dict(width=0)),
         (ValueError, "primary: 'magic' is given", dict(primary="magic")),
         (TypeError, "height: 1.5 is given", dict(height=1.5)),
+        (TypeError, "^camera: None is given; a str or an integer", dict(camera=None)),
+        (TypeError, "^camera: 1.5 is given", dict(camera=1.5)),
+        (LookupError, 'camera: .*"-1"', dict(camera=np.int64(-1))),
+        (ValueError, r"^camera: 'a\\udc80' is given, which UTF-8", dict(camera="a\udc80")),
+        (TypeError, "^method: None is given; a str", dict(method=None)),
+        (TypeError, "^exposure: '1' is given; a real number", dict(exposure="1")),
+        (TypeError, "^exposure: 'a' is given", dict(exposure="a")),
+        (TypeError, "^aperture: 1j is given", dict(aperture=1j)),
+        (TypeError, r"^focus: \[1\] is given", dict(focus=[1])),
+        (ValueError, "^focus: 10+ is given; a float", dict(focus=10**400)),
+        (TypeError, "^time: 'a' is given; a real number", dict(time="a")),
+        (TypeError, r"^time: \[1\] is given", dict(time=[1])),
+        (TypeError, "^environment: 3 is given; a str, bytes or os.PathLike", dict(environment=3)),
+        (LookupError, "sky.hdr: no such file", dict(environment=b"sky.hdr")),
+        (ValueError, r"^environment: 'a\\x00' has a null character", dict(environment="a\0")),
+        (TypeError, "^scene: None is given; a str, bytes or os.PathLike", dict(scene=None)),
+        (ValueError, r"^scene: 'a\\x00b' has a null character", dict(scene="a\0b")),
+        (ValueError, r"^scene: '\\udcff.obj' is given, which UTF-8", dict(scene=b"\xff.obj")),
     ],
 )
 def test_wrong_wishes(kind, message, given):
