@@ -7,7 +7,7 @@ import os
 import struct
 import zlib
 from dataclasses import dataclass
-from typing import Any, Literal, Optional, Union
+from typing import Any, Literal, NoReturn, Optional, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,13 +23,18 @@ Path = Union[str, bytes, os.PathLike[str], os.PathLike[bytes]]
 def png_bytes(image: Any) -> bytes:
     """An image as a PNG file: (h, w) grey, (h, w, 3) colours or (h, w, 4) with alpha.
 
-    uint8 is taken as it is; real numbers from 0 to 1 become 0 to 255, and what is beyond is clipped.
+    uint8 is taken as it is; real numbers from 0 to 1 become 0 to 255, and what is beyond is clipped;
+    of booleans what is true is white.
     """
     pixels = _arrays.as_numpy(image, "image")
-    if pixels.dtype.kind == "f":
+    if pixels.dtype == np.bool_:
+        pixels = pixels * np.uint8(255)
+    elif pixels.dtype.kind == "f":
         pixels = np.rint(np.clip(np.nan_to_num(pixels), 0, 1) * 255).astype(np.uint8)
     if pixels.dtype != np.uint8:
-        raise TypeError(f"image: dtype {pixels.dtype} is given; uint8 or real numbers are expected")
+        raise TypeError(
+            f"image: dtype {pixels.dtype} is given; uint8, real numbers or booleans are expected"
+        )
     channels = 1 if pixels.ndim == 2 else pixels.shape[-1]
     if pixels.ndim not in (2, 3) or channels not in (1, 3, 4) or 0 in pixels.shape:
         raise ValueError(
@@ -61,9 +66,12 @@ def write_png(path: Path, image: Any) -> None:
         file.write(data)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Picture:
-    """A rendered frame: arrays of h x w pixels, rows from the top. A notebook shows it by itself."""
+    """A rendered frame: arrays of h x w pixels, rows from the top. A notebook shows it by itself.
+
+    Two are equal where all their arrays and their exposures are.
+    """
 
     image: NDArray[np.uint8]
     """(h, w, 3), for people; exposed, tone-mapped, sRGB."""
@@ -85,6 +93,14 @@ class Picture:
     """(h, w), its triangle."""
     exposure: float
     """The factor from `beauty` to what was tone-mapped."""
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Picture):
+            return NotImplemented
+        mine, theirs = vars(self), vars(other)
+        return all(np.array_equal(mine[name], theirs[name], equal_nan=True) for name in mine)
+
+    __hash__ = None  # type: ignore[assignment]
 
     def _repr_png_(self) -> bytes:
         return png_bytes(self.image)
@@ -164,6 +180,9 @@ class Animation:
                 raise NotFoundError("not_found", f"there is no {clip!r}; there is {known}", "clip")
             clip = self.clips.index(clip)
         self._film.play(_arrays.integer(clip, "clip"))
+
+    def __getstate__(self) -> NoReturn:
+        raise TypeError("an animation can neither be copied nor pickled; make another of its file")
 
     def __repr__(self) -> str:
         return f"<raysheaf.Animation {self._name!r}, {self.start:g} to {self.end:g} s>"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from typing import Optional
+from typing import NoReturn, Optional
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -234,6 +234,11 @@ class Scene(Queries):
     def memory_bytes(self) -> int:
         """Arrays, hierarchies, and the room that queries keep for the next one."""
         return self._core.memory_bytes()
+
+    def __getstate__(self) -> NoReturn:
+        raise TypeError(
+            "a scene can neither be copied nor pickled; make another, and add the meshes to it"
+        )
 
     def __contains__(self, mesh: object) -> bool:
         try:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import base64
 import concurrent.futures
+import copy
+import dataclasses
 import json
 import os
+import pickle
 import struct
 import subprocess
 import sys
@@ -45,6 +48,23 @@ def test_png_files_hold_what_was_written(tmp_path, shape):
     raysheaf.write_png(tmp_path / "a.png", image)
     assert np.array_equal(decoded((tmp_path / "a.png").read_bytes()), image)
     assert np.array_equal(decoded(raysheaf.png_bytes(image / 255)), image)
+
+
+def test_masks_are_images():
+    mask = np.random.default_rng(0).random((3, 5)) < 0.5
+    assert np.array_equal(decoded(raysheaf.png_bytes(mask)), mask * 255)
+
+
+def test_pictures_are_equal_where_their_arrays_are():
+    first, again = (raysheaf.render("builtin:cornell", width=8, height=8) for _ in range(2))
+    assert (first == again) is True and (first != again) is False
+    assert first == pickle.loads(pickle.dumps(first)) == copy.deepcopy(first)
+    again.beauty[0, 0, 0] += 1
+    assert (first == again) is False and (first != again) is True
+    assert first != raysheaf.render("builtin:cornell", width=8, height=9)
+    assert first != dataclasses.replace(first, exposure=9) and first != 3
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(first)
 
 
 def test_wrong_images():
@@ -251,6 +271,13 @@ def test_animations_are_pictures_at_times(moving):
     assert not same(raysheaf.render(film, time=2, **size), pictures[2])
     film.play(0)
     assert same(raysheaf.render(film, time=2, **size), pictures[2])
+
+
+def test_animations_are_not_copied(moving):
+    film = raysheaf.Animation(moving)
+    for call in (copy.copy, copy.deepcopy, pickle.dumps):
+        with pytest.raises(TypeError, match="an animation can neither be copied nor pickled"):
+            call(film)
 
 
 def test_animations_refuse_what_is_wrong(moving, tmp_path):
