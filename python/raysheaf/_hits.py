@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from typing import Any, Iterator, Union, overload
+from typing import Any, Iterator, SupportsIndex, Union, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,7 +65,7 @@ class Hits:
         self.array = array
 
     @classmethod
-    def empty(cls, shape: int | tuple[int, ...]) -> Hits:
+    def empty(cls, shape: Union[SupportsIndex, tuple[SupportsIndex, ...]]) -> Hits:
         """Room for results, not initialised: for ``closest_hit(..., out=...)``."""
         return cls(np.empty(shape, HIT_DTYPE))
 
@@ -196,7 +196,7 @@ class HitRows:
             raise TypeError("the hits of a single ray have no length; use .hits")
         return self.shape[0]
 
-    def __getitem__(self, index: int | tuple[int, ...]) -> Hits:
+    def __getitem__(self, index: Union[SupportsIndex, tuple[SupportsIndex, ...]]) -> Hits:
         """The hits of one ray, by its index in the batch."""
         axes = index if isinstance(index, tuple) else (index,)
         if len(axes) != len(self.shape):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Optional, Union
+from typing import Any, Literal, Optional, SupportsIndex, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +18,9 @@ ALL = 0xFFFFFFFF
 Method = Literal["dual", "brute"]
 
 
-def _wish(mask: int, method: str, check: bool, statistics: Optional[dict[str, Any]]) -> _core.Wish:
+def _wish(
+    mask: SupportsIndex, method: str, check: bool, statistics: Optional[dict[str, Any]]
+) -> _core.Wish:
     if method not in ("dual", "brute"):
         raise ValueError(f'method: {method!r} is given; "dual" or "brute" is expected')
     if statistics is not None and not isinstance(statistics, dict):
@@ -38,7 +40,7 @@ class Queries:
         *,
         t_min: Optional[ArrayLike] = None,
         t_max: Optional[ArrayLike] = None,
-        mask: int = ALL,
+        mask: SupportsIndex = ALL,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
@@ -124,7 +126,7 @@ class Queries:
         *,
         t_min: Optional[ArrayLike] = None,
         t_max: Optional[ArrayLike] = None,
-        mask: int = ALL,
+        mask: SupportsIndex = ALL,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
@@ -158,7 +160,7 @@ class Queries:
         *,
         t_min: Optional[ArrayLike] = None,
         t_max: Optional[ArrayLike] = None,
-        mask: int = ALL,
+        mask: SupportsIndex = ALL,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
@@ -192,7 +194,7 @@ class Queries:
         *,
         t_min: Optional[ArrayLike] = None,
         t_max: Optional[ArrayLike] = None,
-        mask: int = ALL,
+        mask: SupportsIndex = ALL,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,

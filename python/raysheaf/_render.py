@@ -7,7 +7,7 @@ import os
 import struct
 import zlib
 from dataclasses import dataclass
-from typing import Any, Literal, NoReturn, Optional, Union
+from typing import Any, Literal, NoReturn, Optional, SupportsFloat, SupportsIndex, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from ._device import Device, is_cuda
 from ._errors import NotFoundError
 
 _MOST_THREADS = 1024
+Number = Union[SupportsFloat, SupportsIndex]
 Path = Union[str, bytes, os.PathLike[str], os.PathLike[bytes]]
 
 
@@ -166,7 +167,7 @@ class Animation:
         """What can be played, one at a time; clips that drive different things are one."""
         return self._film.clips
 
-    def play(self, clip: Union[str, int]) -> None:
+    def play(self, clip: Union[str, SupportsIndex]) -> None:
         """The clip that later pictures show, by name or number; `start` and `end` are then its.
 
         Raises
@@ -191,19 +192,19 @@ class Animation:
 def render(
     scene: Union[Path, Animation],
     *,
-    time: Optional[float] = None,
-    width: int = 512,
-    height: int = 512,
-    camera: Union[str, int] = "",
+    time: Optional[Number] = None,
+    width: SupportsIndex = 512,
+    height: SupportsIndex = 512,
+    camera: Union[str, SupportsIndex] = "",
     method: str = "dual",
     primary: Literal["trace", "raster"] = "trace",
-    bounces: int = 2,
-    threads: int = 0,
+    bounces: SupportsIndex = 2,
+    threads: SupportsIndex = 0,
     device: Device = "cpu",
-    exposure: Optional[float] = None,
-    samples: int = 0,
-    aperture: Optional[float] = None,
-    focus: Optional[float] = None,
+    exposure: Optional[Number] = None,
+    samples: SupportsIndex = 0,
+    aperture: Optional[Number] = None,
+    focus: Optional[Number] = None,
     environment: Optional[Path] = None,
 ) -> Picture:
     """Render a frame of a scene file or of a built-in scene.

@@ -18,7 +18,7 @@ from __future__ import annotations
 import operator
 import threading
 from dataclasses import dataclass
-from typing import Any, Literal, Optional, Union, overload
+from typing import Any, Literal, Optional, SupportsIndex, Union, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -43,7 +43,7 @@ _SHORT, _LONG = 1e-15, 1e15
 _MOST_HITS = 2**62
 
 
-def _most(max_hits: Optional[int]) -> Optional[int]:
+def _most(max_hits: Optional[SupportsIndex]) -> Optional[int]:
     """How many hits a ray may have; fewer than none are none, as with trimesh's other back end."""
     if max_hits is None:
         return None
@@ -92,7 +92,7 @@ class RayMeshIntersector:
         geometry: Any,
         scale_to_box: bool = True,
         *,
-        threads: int = 0,
+        threads: SupportsIndex = 0,
         device: Device = "cpu",
     ) -> None:
         self.mesh = geometry
@@ -244,7 +244,7 @@ class RayMeshIntersector:
         ray_origins: ArrayLike,
         ray_directions: ArrayLike,
         multiple_hits: bool = ...,
-        max_hits: Optional[int] = ...,
+        max_hits: Optional[SupportsIndex] = ...,
         *,
         return_locations: Literal[True],
     ) -> tuple[Ints, Ints, Floats]: ...
@@ -254,17 +254,37 @@ class RayMeshIntersector:
         self,
         ray_origins: ArrayLike,
         ray_directions: ArrayLike,
+        multiple_hits: bool,
+        max_hits: Optional[SupportsIndex],
+        return_locations: Literal[True],
+    ) -> tuple[Ints, Ints, Floats]: ...
+
+    @overload
+    def intersects_id(
+        self,
+        ray_origins: ArrayLike,
+        ray_directions: ArrayLike,
         multiple_hits: bool = ...,
-        max_hits: Optional[int] = ...,
+        max_hits: Optional[SupportsIndex] = ...,
         return_locations: Literal[False] = ...,
     ) -> tuple[Ints, Ints]: ...
+
+    @overload
+    def intersects_id(
+        self,
+        ray_origins: ArrayLike,
+        ray_directions: ArrayLike,
+        multiple_hits: bool = ...,
+        max_hits: Optional[SupportsIndex] = ...,
+        return_locations: bool = ...,
+    ) -> Union[tuple[Ints, Ints], tuple[Ints, Ints, Floats]]: ...
 
     def intersects_id(
         self,
         ray_origins: ArrayLike,
         ray_directions: ArrayLike,
         multiple_hits: bool = True,
-        max_hits: Optional[int] = None,
+        max_hits: Optional[SupportsIndex] = None,
         return_locations: bool = False,
     ) -> Union[tuple[Ints, Ints], tuple[Ints, Ints, Floats]]:
         """Which faces rays hit.
