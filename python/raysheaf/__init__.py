@@ -14,6 +14,9 @@ and of an `Animation` at any of its times.
 (1.0, 0)
 """
 
+import importlib
+from typing import TYPE_CHECKING
+
 from ._core import version as __version__
 from ._errors import Error, InvalidError, NotFoundError, OutOfMemoryError, UnsupportedError
 from ._hits import HIT_DTYPE, INVALID_ID, HitRows, Hits
@@ -38,3 +41,25 @@ __all__ = [
     "render",
     "write_png",
 ]
+
+# Imported when they are asked for: trimesh may not be there, and the benchmark is rarely wanted.
+_LATER = ("bench", "trimesh")
+
+if TYPE_CHECKING:
+    from . import bench as bench, trimesh as trimesh
+else:
+
+    def __getattr__(name):
+        if name not in _LATER:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        try:
+            return importlib.import_module(f"{__name__}.{name}")
+        except ModuleNotFoundError as error:
+            # An AttributeError: hasattr() and whoever looks at all that there is go on.
+            missing = (error.name or "").partition(".")[0]
+            raise AttributeError(
+                f"{__name__}.{name} needs {missing}, which is not installed"
+            ) from error
+
+    def __dir__():
+        return sorted([*__all__, *_LATER])

@@ -21,31 +21,52 @@ def _shape_of(array: NDArray[Any]) -> str:
     return f"an array of shape {array.shape} and dtype {array.dtype}"
 
 
-def _as_numpy(value: Any, name: str) -> NDArray[Any]:
-    """The value as an array, through whichever protocol it speaks: numpy's, DLPack's, a buffer."""
+def _unreadable(name: str, error: Exception) -> TypeError:
+    return TypeError(f"{name}: cannot be read as an array: {error}")
+
+
+def as_numpy(value: Any, name: str) -> NDArray[Any]:
+    """The value as an array, through whichever protocol it speaks: numpy's, DLPack's, a buffer.
+
+    Protocols are other people's code, and raise what they like.
+    """
     if isinstance(value, np.ndarray):
-        return value
+        if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+            raise TypeError(
+                f"{name}: {_shape_of(value)} is given, of which {np.count_nonzero(value.mask)} elements "
+                "are masked; one without a mask is expected, as its filled() gives"
+            )
+        return np.asarray(value)
     there = device_array(value, name)
     if there is not None:
         raise TypeError(f"{name}: {there} is given; an array in the memory of the CPU is expected")
+    refused: Optional[Exception] = None
     if hasattr(value, "__dlpack_device__"):
         try:
             kind, number = value.__dlpack_device__()
-        except (BufferError, TypeError, ValueError, RuntimeError) as error:
-            raise TypeError(f"{name}: cannot be read as an array: {error}") from error
-        if int(kind) not in _CPU:
+            kind = int(kind)
+        except Exception as error:
+            raise _unreadable(name, error) from error
+        if kind not in _CPU:
             raise TypeError(
-                f"{name}: lies on a device (DLPack device {int(kind)}, {number}); "
+                f"{name}: lies on a device (DLPack device {kind}, {number}); "
                 "an array in the memory of the CPU is expected"
             )
         try:
             return np.from_dlpack(value)
-        except (BufferError, TypeError, RuntimeError, AttributeError):
-            pass  # older protocols, read-only memory: numpy knows other ways
+        except MemoryError:
+            raise
+        except Exception as error:
+            refused = error  # older protocols, read-only memory: numpy knows other ways
     try:
-        return np.asarray(value)
-    except (TypeError, ValueError, RuntimeError) as error:
-        raise TypeError(f"{name}: cannot be read as an array: {error}") from error
+        array = np.asarray(value)
+    except MemoryError:
+        raise
+    except Exception as error:
+        raise _unreadable(name, error) from error
+    if refused is not None and array.dtype == object:
+        raise _unreadable(name, refused) from refused
+    return array
 
 
 def _is_handy(array: NDArray[Any]) -> bool:
@@ -55,7 +76,7 @@ def _is_handy(array: NDArray[Any]) -> bool:
 
 def floats(value: Any, name: str, expected: str) -> NDArray[Any]:
     """Numbers as native float32 or float64, of any shape and strides."""
-    array = _as_numpy(value, name)
+    array = as_numpy(value, name)
     if array.dtype.kind not in "fiu":
         if array.size == 0 and array.dtype.kind != "c":
             return np.zeros(array.shape, np.float32)
@@ -66,6 +87,19 @@ def floats(value: Any, name: str, expected: str) -> NDArray[Any]:
     with np.errstate(over="ignore"):
         array = np.asarray(array, wanted)
     return array if _is_handy(array) else array.copy()
+
+
+def doubles(value: Any, name: str) -> NDArray[np.float64]:
+    """Numbers as float64 in C order, of any shape."""
+    array = as_numpy(value, name)
+    if array.dtype.kind in "fiubO":
+        try:
+            return np.ascontiguousarray(array, np.float64)
+        except (TypeError, ValueError, OverflowError):
+            pass  # objects, not all of them numbers
+    raise TypeError(
+        f"{name}: {_shape_of(array)} is given; one of shape (n, 3) of real numbers is expected"
+    )
 
 
 def with_last_axis(value: Any, name: str, length: int, expected: str) -> NDArray[Any]:
@@ -94,7 +128,7 @@ def triangles(value: Any, name: str = "triangles") -> Optional[NDArray[np.uint32
     """(m, 3) uint32, C order; None stays None."""
     if value is None:
         return None
-    array = _as_numpy(value, name)
+    array = as_numpy(value, name)
     if array.size == 0 and array.shape in ((0,), (0, 3)):
         return np.zeros((0, 3), np.uint32)
     if array.dtype.kind not in "iu":

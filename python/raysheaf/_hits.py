@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from typing import Any, Iterator
+from typing import Any, Iterator, SupportsIndex, Union, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,11 +24,19 @@ HIT_DTYPE = np.dtype(
 """One hit, 24 bytes."""
 
 
+def _is_index(part: Any) -> bool:
+    """Whether numpy takes it as one index of an array, be it out of range."""
+    if part is None or part is Ellipsis or isinstance(part, slice):
+        return True
+    array = np.asarray(part)
+    return array.dtype.kind in "iub" or array.shape == (0,)
+
+
 class Hits:
     """Hits in an array of any shape, which is that of the rays.
 
     Each attribute is a view of one structured array, `array`, and writes through to it. Indexing
-    works as it does with arrays, and gives `Hits` again.
+    works as it does with arrays, and gives `Hits` again; by the name of a field, that field.
 
     >>> import numpy as np, raysheaf
     >>> scene = raysheaf.Scene()
@@ -48,12 +56,16 @@ class Hits:
     """The hits themselves, of dtype `HIT_DTYPE`."""
 
     def __init__(self, array: NDArray[np.void]) -> None:
+        if not isinstance(array, np.ndarray):
+            raise TypeError(
+                f"array: {type(array).__name__} is given; an array of dtype HIT_DTYPE is expected"
+            )
         if array.dtype != HIT_DTYPE:
             raise TypeError(f"array: dtype {array.dtype} is given; HIT_DTYPE is expected")
         self.array = array
 
     @classmethod
-    def empty(cls, shape: int | tuple[int, ...]) -> Hits:
+    def empty(cls, shape: Union[SupportsIndex, tuple[SupportsIndex, ...]]) -> Hits:
         """Room for results, not initialised: for ``closest_hit(..., out=...)``."""
         return cls(np.empty(shape, HIT_DTYPE))
 
@@ -104,8 +116,31 @@ class Hits:
     def __len__(self) -> int:
         return len(self.array)
 
-    def __getitem__(self, index: Any) -> Hits:
-        return Hits(np.asarray(self.array[index], HIT_DTYPE))
+    @overload
+    def __getitem__(self, index: Union[str, list[str]]) -> NDArray[Any]: ...
+
+    @overload
+    def __getitem__(self, index: Any) -> Hits: ...
+
+    def __getitem__(self, index: Any) -> Union[Hits, NDArray[Any]]:
+        try:
+            found: NDArray[Any] = self.array[index]
+        except IndexError:
+            if all(map(_is_index, index if isinstance(index, tuple) else (index,))):
+                raise
+            raise TypeError(
+                f"index: {index!r} is given; integers, slices, arrays of integers or booleans, "
+                "or names of fields are expected"
+            ) from None
+        return Hits(np.asarray(found)) if found.dtype == HIT_DTYPE else found
+
+    def __iter__(self) -> Iterator[Hits]:
+        if not self.array.ndim:
+            raise TypeError("the hit of a single ray has no items")
+        return (self[i] for i in range(len(self)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.array,)
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> NDArray[Any]:
         return np.array(self.array, dtype) if copy else np.asarray(self.array, dtype)
@@ -161,7 +196,7 @@ class HitRows:
             raise TypeError("the hits of a single ray have no length; use .hits")
         return self.shape[0]
 
-    def __getitem__(self, index: int | tuple[int, ...]) -> Hits:
+    def __getitem__(self, index: Union[SupportsIndex, tuple[SupportsIndex, ...]]) -> Hits:
         """The hits of one ray, by its index in the batch."""
         axes = index if isinstance(index, tuple) else (index,)
         if len(axes) != len(self.shape):
@@ -177,6 +212,9 @@ class HitRows:
         """The rows of all rays, in C order."""
         for begin, end in zip(self.offsets[:-1], self.offsets[1:]):
             yield self.hits[begin:end]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.offsets, self.hits, self.shape)
 
     def __repr__(self) -> str:
         return f"<raysheaf.HitRows of shape {self.shape}: {self.hits.size} hits>"

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Optional, Union
+from typing import Any, Literal, Optional, SupportsIndex, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays, _core
 from ._device import device_array, require_cuda, room_there
+from ._errors import OutOfMemoryError
 from ._hits import HIT_DTYPE, HitRows, Hits
 from ._rays import RayBatch, batch_of
 
@@ -16,7 +17,10 @@ ALL = 0xFFFFFFFF
 
 Method = Literal["dual", "brute"]
 
-def _wish(mask: int, method: str, check: bool, statistics: Optional[dict[str, Any]]) -> _core.Wish:
+
+def _wish(
+    mask: SupportsIndex, method: str, check: bool, statistics: Optional[dict[str, Any]]
+) -> _core.Wish:
     if method not in ("dual", "brute"):
         raise ValueError(f'method: {method!r} is given; "dual" or "brute" is expected')
     if statistics is not None and not isinstance(statistics, dict):
@@ -36,7 +40,7 @@ class Queries:
         *,
         t_min: Optional[ArrayLike] = None,
         t_max: Optional[ArrayLike] = None,
-        mask: int = ALL,
+        mask: SupportsIndex = ALL,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
@@ -105,7 +109,7 @@ class Queries:
             room = room_there(there, batch.shape + (6,), ("float32",)).place((6,))
         else:
             if out is None:
-                memory = _core.empty_hits(batch.count)
+                memory = _room_for_hits(batch.count)
                 out = Hits(memory.view(HIT_DTYPE).reshape(batch.shape))
             else:
                 _check_out(out, batch)
@@ -122,7 +126,7 @@ class Queries:
         *,
         t_min: Optional[ArrayLike] = None,
         t_max: Optional[ArrayLike] = None,
-        mask: int = ALL,
+        mask: SupportsIndex = ALL,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
@@ -131,7 +135,8 @@ class Queries:
         """Whether each ray meets anything: for shadows and visibility, faster than `closest_hit`.
 
         Parameters and exceptions are those of `closest_hit`. Returns booleans of the rays' shape:
-        an array of numpy, or `out`, an array of dtype bool or uint8 on a CUDA device.
+        a new array of numpy, or `out`, one of dtype bool or uint8 in C order, of numpy or on a
+        CUDA device.
 
         From one point to another: ``scene.any_hit(a, b - a, t_max=1)``.
 
@@ -142,12 +147,11 @@ class Queries:
         array([ True, False])
         """
         batch = batch_of(origins, directions, t_min, t_max)
-        occluded = np.empty(batch.count if out is None else 0, np.uint8)
-        room = _room(self._core, batch, out, occluded, ("bool", "uint8"))
+        room = _room(self._core, batch, out, ("bool", "uint8"))
         with batch.named():
             self._core.any_hit(batch.asked, room, _wish(mask, method, check, statistics))
-        given: NDArray[np.bool_] = out
-        return occluded.view(np.bool_).reshape(batch.shape) if out is None else given
+        given: NDArray[np.bool_] = room.view(np.bool_).reshape(batch.shape) if out is None else out
+        return given
 
     def all_hits(
         self,
@@ -156,7 +160,7 @@ class Queries:
         *,
         t_min: Optional[ArrayLike] = None,
         t_max: Optional[ArrayLike] = None,
-        mask: int = ALL,
+        mask: SupportsIndex = ALL,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
@@ -190,7 +194,7 @@ class Queries:
         *,
         t_min: Optional[ArrayLike] = None,
         t_max: Optional[ArrayLike] = None,
-        mask: int = ALL,
+        mask: SupportsIndex = ALL,
         method: Method = "dual",
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
@@ -198,31 +202,50 @@ class Queries:
     ) -> NDArray[np.uint32]:
         """How many triangles each ray meets: the lengths of the rows of `all_hits`.
 
-        Parameters and exceptions are those of `closest_hit`. Returns uint32 of the rays' shape: an
-        array of numpy, or `out`, an array of dtype uint32 or int32 on a CUDA device.
+        Parameters and exceptions are those of `closest_hit`. Returns uint32 of the rays' shape: a
+        new array of numpy, or `out`, one of dtype uint32 or int32 in C order, of numpy or on a CUDA
+        device.
         """
         batch = batch_of(origins, directions, t_min, t_max)
-        counts = np.empty(batch.count if out is None else 0, np.uint32)
-        room = _room(self._core, batch, out, counts, ("uint32", "int32"))
+        room = _room(self._core, batch, out, ("uint32", "int32"))
         with batch.named():
             self._core.hit_counts(batch.asked, room, _wish(mask, method, check, statistics))
-        given: NDArray[np.uint32] = out
-        return counts.reshape(batch.shape) if out is None else given
+        given: NDArray[np.uint32] = room.reshape(batch.shape) if out is None else out
+        return given
 
 
-def _room(
-    scene: _core.Scene, batch: RayBatch, out: Any, own: NDArray[Any], dtypes: tuple[str, ...]
-) -> Any:
-    """Where a number a ray goes: `own`, or `out`, which lies on a device."""
+def _room_for_hits(count: int) -> NDArray[np.float32]:
+    try:
+        return _core.empty_hits(count)
+    except MemoryError:
+        raise OutOfMemoryError("out_of_memory", f"there is no room for {count} hits") from None
+
+
+def _room(scene: _core.Scene, batch: RayBatch, out: Any, dtypes: tuple[str, ...]) -> Any:
+    """Where a number a ray goes: new memory, or `out`, wherever that is. The dtypes are of one size,
+    and the extension takes unsigned integers of it."""
+    unsigned = f"u{np.dtype(dtypes[0]).itemsize}"
     there = device_array(out, "out")
     require_cuda(scene, batch.rays, there)
     if there is not None:
         return room_there(there, batch.shape, dtypes).place(())
-    if out is not None:
+    if out is None:
+        return np.empty(batch.count, unsigned)
+    if not isinstance(out, np.ndarray):
         raise TypeError(
-            f"out: {type(out).__name__} is given; an array on a CUDA device, or None, is expected"
+            f"out: {type(out).__name__} is given; an array of numpy or on a CUDA device, or None, "
+            "is expected"
         )
-    return own
+    flags = out.flags
+    fits = out.shape == batch.shape and out.dtype in map(np.dtype, dtypes)
+    if not (fits and flags.c_contiguous and flags.aligned and flags.writeable):
+        raise ValueError(
+            f"out: {'an' if flags.writeable else 'a read-only'} array of shape {out.shape} and dtype "
+            f"{out.dtype}{'' if flags.c_contiguous else ', not in C order,'}"
+            f"{'' if flags.aligned else ', not aligned,'} is given; a writable one of shape "
+            f"{batch.shape} and dtype {' or '.join(dtypes)} in C order is expected"
+        )
+    return np.asarray(out).reshape(-1).view(unsigned)
 
 
 def _check_out(out: Any, batch: RayBatch) -> None:

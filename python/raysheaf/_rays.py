@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Iterator, Union
 
 import numpy as np
@@ -13,7 +13,10 @@ from numpy.typing import NDArray
 
 from . import _arrays, _core
 from ._device import DeviceArray, device_array, rays_there
-from ._errors import InvalidError
+from ._errors import InvalidError, UnsupportedError
+
+_MOST_RAYS = 2**31 - 1
+_MOST_AXES = 31  # of batches: numpy's iterators have 32, and rays an axis of their own
 
 _FIELDS = {"origin": "origins", "direction": "directions", "t_min": "t_min", "t_max": "t_max"}
 
@@ -26,6 +29,7 @@ class RayBatch:
     rays: Union[NDArray[np.float32], _core.Parts, DeviceArray]
     shape: tuple[int, ...]
     packed: bool  # came as eight numbers a ray, and not in four arguments
+    given: dict[str, tuple[int, ...]] = field(default_factory=dict)  # shapes of those arguments
 
     @property
     def asked(self) -> Union[NDArray[np.float32], _core.Parts, _core.Place]:
@@ -45,19 +49,49 @@ class RayBatch:
             match = re.fullmatch(r"rays\[(\d+)\]\.(\w+)", error.place)
             if match is None:
                 raise
-            index = (
-                [int(i) for i in np.unravel_index(int(match[1]), self.shape)] if self.shape else ""
-            )
-            field = match[2]
-            place = f"rays{index}.{field}" if self.packed else f"{_FIELDS[field]}{index}"
+            name = match[2]
             sentence = error.sentence
-            if field in ("origin", "direction"):
+            if sentence == "t_min is larger than t_max" and self._says_more("t_max", "t_min"):
+                name, sentence = "t_max", "t_max is smaller than t_min"
+            elif name in ("origin", "direction"):
                 sentence += " in float32"
+            place = self._place(name, int(match[1]))
             raise InvalidError(error.code, sentence, place) from None
+
+    def _says_more(self, name: str, other: str) -> bool:
+        """Whether that argument tells rays apart, and the other one does less, or was not given."""
+        if self.packed or name not in self.given:
+            return False
+        return other not in self.given or math.prod(self.given[name]) > math.prod(self.given[other])
+
+    def _place(self, name: str, ray: int) -> str:
+        """The argument, and the index that its element for this ray has there."""
+        index = [int(i) for i in np.unravel_index(ray, self.shape)] if self.shape else []
+        if self.packed:
+            return f"rays{index or ''}.{name}"
+        own = self.given.get(_FIELDS[name], ())
+        index = [0 if length == 1 else i for i, length in zip(index[len(index) - len(own) :], own)]
+        return f"{_FIELDS[name]}{index or ''}"
+
+
+def _require_few(shape: tuple[int, ...]) -> None:
+    """Raises before memory is taken for more rays than a query answers."""
+    if math.prod(shape) > _MOST_RAYS:
+        raise UnsupportedError(
+            "unsupported", f"{math.prod(shape)} rays are more than 2^31 - 1", "rays"
+        )
+    if len(shape) > _MOST_AXES:
+        raise ValueError(
+            f"rays: a batch of {len(shape)} axes is given; {_MOST_AXES} at most are expected"
+        )
 
 
 def _spread(array: NDArray[Any], shape: tuple[int, ...], tail: tuple[int, ...]) -> NDArray[Any]:
-    """Broadcast to shape + tail, then all of shape in one axis."""
+    """Broadcast to shape + tail, then all of shape in one axis. That copies what repeats along some
+    axes only; as float32, which it becomes anyway."""
+    if len(shape) > 1 and 1 < array.size < math.prod(shape + tail):
+        with np.errstate(over="ignore"):
+            array = array.astype(np.float32)
     wide = np.broadcast_to(array, shape + tail)
     return wide if len(shape) == 1 else wide.reshape((-1,) + tail)
 
@@ -65,22 +99,30 @@ def _spread(array: NDArray[Any], shape: tuple[int, ...], tail: tuple[int, ...]) 
 def _parts(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
     starts = _arrays.with_last_axis(origins, "origins", 3, "one of shape (..., 3)")
     ways = _arrays.with_last_axis(directions, "directions", 3, "one of shape (..., 3)")
-    least = _arrays.floats(t_min, "t_min", "a number or an array")
-    most = _arrays.floats(t_max, "t_max", "a number or an array")
+    least = _arrays.floats(0.0 if t_min is None else t_min, "t_min", "a number or an array")
+    most = _arrays.floats(np.inf if t_max is None else t_max, "t_max", "a number or an array")
+    given = {"origins": starts.shape[:-1], "directions": ways.shape[:-1]}
+    if t_min is not None:
+        given["t_min"] = least.shape
+    if t_max is not None:
+        given["t_max"] = most.shape
+    for one in given.values():
+        _require_few(one)
     try:
-        shape = np.broadcast_shapes(starts.shape[:-1], ways.shape[:-1], least.shape, most.shape)
+        shape = np.broadcast_shapes(*given.values())
     except ValueError:
         raise ValueError(
             f"origins {starts.shape}, directions {ways.shape}, t_min {least.shape}, "
             f"t_max {most.shape}: shapes that broadcast are expected"
         ) from None
+    _require_few(shape)
     parts = _core.Parts(
         _spread(starts, shape, (3,)),
         _spread(ways, shape, (3,)),
         _spread(least, shape, ()),
         _spread(most, shape, ()),
     )
-    return RayBatch(parts, shape, packed=False)
+    return RayBatch(parts, shape, packed=False, given=given)
 
 
 def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
@@ -92,12 +134,7 @@ def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
                 f"origins: {there} is given besides directions; on a device rays come whole, as one "
                 "array of shape (..., 8) and dtype float32"
             )
-        return _parts(
-            origins,
-            directions,
-            0.0 if t_min is None else t_min,
-            np.inf if t_max is None else t_max,
-        )
+        return _parts(origins, directions, t_min, t_max)
     if t_min is not None or t_max is not None:
         raise TypeError(
             "t_min, t_max: packed rays of shape (..., 8) have their own; None is expected"
@@ -108,6 +145,7 @@ def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
         origins, "rays", 8, "one of shape (..., 8), or directions besides origins,"
     )
     shape = rays.shape[:-1]
+    _require_few(shape)
     with np.errstate(over="ignore"):
         packed = np.ascontiguousarray(rays, np.float32).reshape(-1, 8)
     return RayBatch(packed, shape, packed=True)

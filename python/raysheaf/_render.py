@@ -7,28 +7,35 @@ import os
 import struct
 import zlib
 from dataclasses import dataclass
-from typing import Any, Literal, Optional, Union
+from typing import Any, Literal, NoReturn, Optional, SupportsFloat, SupportsIndex, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _arrays, _core
+from . import _arrays, _core, _values
 from ._device import Device, is_cuda
 from ._errors import NotFoundError
 
 _MOST_THREADS = 1024
+Number = Union[SupportsFloat, SupportsIndex]
+Path = Union[str, bytes, os.PathLike[str], os.PathLike[bytes]]
 
 
 def png_bytes(image: Any) -> bytes:
     """An image as a PNG file: (h, w) grey, (h, w, 3) colours or (h, w, 4) with alpha.
 
-    uint8 is taken as it is; real numbers from 0 to 1 become 0 to 255, and what is beyond is clipped.
+    uint8 is taken as it is; real numbers from 0 to 1 become 0 to 255, and what is beyond is clipped;
+    of booleans what is true is white.
     """
-    pixels = np.asarray(image)
-    if pixels.dtype.kind == "f":
+    pixels = _arrays.as_numpy(image, "image")
+    if pixels.dtype == np.bool_:
+        pixels = pixels * np.uint8(255)
+    elif pixels.dtype.kind == "f":
         pixels = np.rint(np.clip(np.nan_to_num(pixels), 0, 1) * 255).astype(np.uint8)
     if pixels.dtype != np.uint8:
-        raise TypeError(f"image: dtype {pixels.dtype} is given; uint8 or real numbers are expected")
+        raise TypeError(
+            f"image: dtype {pixels.dtype} is given; uint8, real numbers or booleans are expected"
+        )
     channels = 1 if pixels.ndim == 2 else pixels.shape[-1]
     if pixels.ndim not in (2, 3) or channels not in (1, 3, 4) or 0 in pixels.shape:
         raise ValueError(
@@ -53,16 +60,19 @@ def png_bytes(image: Any) -> bytes:
     )
 
 
-def write_png(path: Union[str, os.PathLike[str]], image: Any) -> None:
+def write_png(path: Path, image: Any) -> None:
     """Write an image as `png_bytes` makes it."""
-    data = png_bytes(image)
-    with open(path, "wb") as file:
+    name, data = _values.file_name(path, "path"), png_bytes(image)
+    with open(name, "wb") as file:
         file.write(data)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Picture:
-    """A rendered frame: arrays of h x w pixels, rows from the top. A notebook shows it by itself."""
+    """A rendered frame: arrays of h x w pixels, rows from the top. A notebook shows it by itself.
+
+    Two are equal where all their arrays and their exposures are.
+    """
 
     image: NDArray[np.uint8]
     """(h, w, 3), for people; exposed, tone-mapped, sRGB."""
@@ -85,10 +95,18 @@ class Picture:
     exposure: float
     """The factor from `beauty` to what was tone-mapped."""
 
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Picture):
+            return NotImplemented
+        mine, theirs = vars(self), vars(other)
+        return all(np.array_equal(mine[name], theirs[name], equal_nan=True) for name in mine)
+
+    __hash__ = None  # type: ignore[assignment]
+
     def _repr_png_(self) -> bytes:
         return png_bytes(self.image)
 
-    def save(self, path: Union[str, os.PathLike[str]]) -> None:
+    def save(self, path: Path) -> None:
         """Write `image` as a PNG file."""
         write_png(path, self.image)
 
@@ -104,7 +122,7 @@ class Animation:
 
     Parameters
     ----------
-    scene : str or path
+    scene : str, bytes or path
         A glTF or GLB file, a JSON file that describes a sequence, or a pattern of files such as
         ``"frame_*.obj"``; anything else that `render` reads stands still.
 
@@ -125,9 +143,9 @@ class Animation:
     <raysheaf.Picture 32x32>
     """
 
-    def __init__(self, scene: Union[str, os.PathLike[str]]) -> None:
-        self._film = _core.Film(os.fspath(scene), True)
-        self._name = os.fspath(scene)
+    def __init__(self, scene: Path) -> None:
+        self._name = _values.path_in_utf8(scene, "scene")
+        self._film = _core.Film(self._name, True)
 
     @property
     def start(self) -> float:
@@ -149,7 +167,7 @@ class Animation:
         """What can be played, one at a time; clips that drive different things are one."""
         return self._film.clips
 
-    def play(self, clip: Union[str, int]) -> None:
+    def play(self, clip: Union[str, SupportsIndex]) -> None:
         """The clip that later pictures show, by name or number; `start` and `end` are then its.
 
         Raises
@@ -164,27 +182,30 @@ class Animation:
             clip = self.clips.index(clip)
         self._film.play(_arrays.integer(clip, "clip"))
 
+    def __getstate__(self) -> NoReturn:
+        raise TypeError("an animation can neither be copied nor pickled; make another of its file")
+
     def __repr__(self) -> str:
         return f"<raysheaf.Animation {self._name!r}, {self.start:g} to {self.end:g} s>"
 
 
 def render(
-    scene: Union[str, os.PathLike[str], Animation],
+    scene: Union[Path, Animation],
     *,
-    time: Optional[float] = None,
-    width: int = 512,
-    height: int = 512,
-    camera: Union[str, int] = "",
+    time: Optional[Number] = None,
+    width: SupportsIndex = 512,
+    height: SupportsIndex = 512,
+    camera: Union[str, SupportsIndex] = "",
     method: str = "dual",
     primary: Literal["trace", "raster"] = "trace",
-    bounces: int = 2,
-    threads: int = 0,
+    bounces: SupportsIndex = 2,
+    threads: SupportsIndex = 0,
     device: Device = "cpu",
-    exposure: Optional[float] = None,
-    samples: int = 0,
-    aperture: Optional[float] = None,
-    focus: Optional[float] = None,
-    environment: Union[str, os.PathLike[str], None] = None,
+    exposure: Optional[Number] = None,
+    samples: SupportsIndex = 0,
+    aperture: Optional[Number] = None,
+    focus: Optional[Number] = None,
+    environment: Optional[Path] = None,
 ) -> Picture:
     """Render a frame of a scene file or of a built-in scene.
 
@@ -192,7 +213,7 @@ def render(
 
     Parameters
     ----------
-    scene : str, path or Animation
+    scene : str, bytes, path or Animation
         A glTF, GLB, OBJ, PLY or STL file; or ``"builtin:office"``, ``"builtin:cornell"``,
         ``"builtin:atrium"``. Where it has no camera or no light, one that shows all of it is added.
         For several pictures of one scene give an `Animation`: a path is loaded every time.
@@ -222,7 +243,7 @@ def render(
         Diameter of the lens; the camera's own by default, which mostly is 0: all is sharp.
     focus : float, optional
         The depth that is sharp; by default the camera's own, or that of what the middle shows.
-    environment : str or path, optional
+    environment : str, bytes or path, optional
         Light from all around: a ``.hdr`` or ``.exr`` file of all directions, +y up.
 
     Raises
@@ -244,28 +265,29 @@ def render(
     """
     if primary not in ("trace", "raster"):
         raise ValueError(f'primary: {primary!r} is given; "trace" or "raster" is expected')
-    if time is not None and math.isnan(time):
+    at = None if time is None else _values.number(time, "time")
+    if at is not None and math.isnan(at):
         raise ValueError("time: NaN is given; seconds are expected")
     wish = _core.PictureWish(
         _arrays.integer(width, "width"),
         _arrays.integer(height, "height"),
-        str(camera),
-        str(method),
+        _values.text_or_index(camera, "camera"),
+        _values.text(method, "method"),
         primary == "raster",
         _arrays.integer(bounces, "bounces"),
         _arrays.integer(threads, "threads", _MOST_THREADS),
         is_cuda(device),
-        None if exposure is None else float(exposure),
+        None if exposure is None else _values.number(exposure, "exposure"),
         _arrays.integer(samples, "samples"),
-        None if aperture is None else float(aperture),
-        None if focus is None else float(focus),
-        "" if environment is None else os.fspath(environment),
+        None if aperture is None else _values.number(aperture, "aperture"),
+        None if focus is None else _values.number(focus, "focus"),
+        "" if environment is None else _values.path_in_utf8(environment, "environment"),
     )
     if isinstance(scene, Animation):
-        made = scene._film.render(wish, scene.start if time is None else float(time))
+        made = scene._film.render(wish, scene.start if at is None else at)
     else:
-        film = _core.Film(os.fspath(scene), time is not None)
-        made = film.render(wish, None if time is None else float(time))
+        film = _core.Film(_values.path_in_utf8(scene, "scene"), at is not None)
+        made = film.render(wish, at)
     ids = made["ids"]
     return Picture(
         image=np.ascontiguousarray(made["rgba"][..., :3]),

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Optional
+import operator
+from typing import NoReturn, Optional, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -52,7 +53,7 @@ class Scene(Queries):
     4.0
     """
 
-    def __init__(self, *, threads: int = 0, device: Device = "cpu") -> None:
+    def __init__(self, *, threads: SupportsIndex = 0, device: Device = "cpu") -> None:
         self._core = _core.Scene(
             _arrays.integer(threads, "threads", _MOST_THREADS), is_cuda(device)
         )
@@ -65,7 +66,7 @@ class Scene(Queries):
         triangles: Optional[ArrayLike] = None,
         *,
         transform: Optional[ArrayLike] = None,
-        mask: int = ALL,
+        mask: SupportsIndex = ALL,
         place: bool = True,
     ) -> int:
         """Add a mesh, and a first instance of it.
@@ -106,7 +107,7 @@ class Scene(Queries):
         )
 
     def replace(
-        self, mesh: int, vertices: ArrayLike, triangles: Optional[ArrayLike] = None
+        self, mesh: SupportsIndex, vertices: ArrayLike, triangles: Optional[ArrayLike] = None
     ) -> None:
         """Other vertices and other triangles, any number of them; id and instances stay.
 
@@ -118,7 +119,7 @@ class Scene(Queries):
             _arrays.triangles(triangles),
         )
 
-    def update(self, mesh: int, vertices: ArrayLike) -> None:
+    def update(self, mesh: SupportsIndex, vertices: ArrayLike) -> None:
         """Move the vertices; the triangles stay. Made to be called in every frame.
 
         Parameters
@@ -137,11 +138,17 @@ class Scene(Queries):
         """
         self._core.update(_arrays.integer(mesh, "mesh"), _arrays.vertices(vertices, soup=True))
 
-    def remove(self, mesh: int) -> None:
+    def remove(self, mesh: SupportsIndex) -> None:
         """Take the mesh and all its instances away. Raises `NotFoundError` where it is not there."""
         self._core.remove(_arrays.integer(mesh, "mesh"))
 
-    def instance(self, mesh: int, transform: Optional[ArrayLike] = None, *, mask: int = ALL) -> int:
+    def instance(
+        self,
+        mesh: SupportsIndex,
+        transform: Optional[ArrayLike] = None,
+        *,
+        mask: SupportsIndex = ALL,
+    ) -> int:
         """Place the mesh once more; returns the instance's id, which hits show as `inst_id`.
 
         Ids of instances count over all meshes of the scene. Raises `NotFoundError` for the mesh and
@@ -153,17 +160,17 @@ class Scene(Queries):
             _arrays.integer(mask, "mask"),
         )
 
-    def remove_instance(self, instance: int) -> None:
+    def remove_instance(self, instance: SupportsIndex) -> None:
         """Take the instance away; its mesh stays."""
         self._core.remove_instance(_arrays.integer(instance, "instance"))
 
-    def set_transform(self, instance: int, transform: Optional[ArrayLike]) -> None:
+    def set_transform(self, instance: SupportsIndex, transform: Optional[ArrayLike]) -> None:
         """Move an instance: a (3, 4) or (4, 4) matrix from the mesh's space to the world."""
         self._core.set_transform(
             _arrays.integer(instance, "instance"), _arrays.transform(transform)
         )
 
-    def set_mask(self, instance: int, mask: int) -> None:
+    def set_mask(self, instance: SupportsIndex, mask: SupportsIndex) -> None:
         """Which queries see the instance: those where ``mask & query mask`` is not 0."""
         self._core.set_mask(_arrays.integer(instance, "instance"), _arrays.integer(mask, "mask"))
 
@@ -197,27 +204,27 @@ class Scene(Queries):
         """The ids of all meshes, ascending."""
         return self._core.meshes()
 
-    def instances(self, mesh: int) -> list[int]:
+    def instances(self, mesh: SupportsIndex) -> list[int]:
         """The ids of the mesh's instances, ascending."""
         return self._core.instances(_arrays.integer(mesh, "mesh"))
 
-    def mesh_of(self, instance: int) -> int:
+    def mesh_of(self, instance: SupportsIndex) -> int:
         """The mesh that the instance places."""
         return self._core.mesh_of(_arrays.integer(instance, "instance"))
 
-    def transform(self, instance: int) -> NDArray[np.float32]:
+    def transform(self, instance: SupportsIndex) -> NDArray[np.float32]:
         """The instance's matrix, (3, 4)."""
         return self._core.transform(_arrays.integer(instance, "instance"))
 
-    def mask(self, instance: int) -> int:
+    def mask(self, instance: SupportsIndex) -> int:
         """The instance's mask."""
         return self._core.mask(_arrays.integer(instance, "instance"))
 
-    def vertex_count(self, mesh: int) -> int:
+    def vertex_count(self, mesh: SupportsIndex) -> int:
         """How many vertices the mesh has."""
         return self._core.vertex_count(_arrays.integer(mesh, "mesh"))
 
-    def triangle_count(self, mesh: Optional[int] = None) -> int:
+    def triangle_count(self, mesh: Optional[SupportsIndex] = None) -> int:
         """How many triangles the mesh has; without one, all instances together."""
         if mesh is None:
             return self._core.total_triangle_count()
@@ -234,8 +241,17 @@ class Scene(Queries):
         """Arrays, hierarchies, and the room that queries keep for the next one."""
         return self._core.memory_bytes()
 
+    def __getstate__(self) -> NoReturn:
+        raise TypeError(
+            "a scene can neither be copied nor pickled; make another, and add the meshes to it"
+        )
+
     def __contains__(self, mesh: object) -> bool:
-        return self._core.contains(_arrays.integer(mesh, "mesh"))
+        try:
+            number = operator.index(mesh)  # type: ignore[arg-type]
+        except TypeError:
+            return False
+        return 0 <= number <= ALL and self._core.contains(number)
 
     def __repr__(self) -> str:
         return (

@@ -12,6 +12,7 @@ import argparse
 import importlib
 import importlib.util
 import json
+import math
 import platform
 import statistics
 import sys
@@ -22,7 +23,7 @@ from typing import Any, Callable, Optional
 import numpy as np
 from numpy.typing import NDArray
 
-from . import Scene, __version__
+from . import Error, Scene, __version__
 from ._device import Device
 
 Array = NDArray[Any]
@@ -221,19 +222,35 @@ def line_of(row: Row, rays: int) -> str:
     return f"{NAMES[row.kind]:<10} {'moving' if row.moving else 'static':<7}" + "".join(cells)
 
 
-def main(arguments: Optional[list[str]] = None) -> int:
+def whole(text: str) -> int:
+    """A whole number, which may be written as 1e6."""
+    try:
+        return int(text)
+    except ValueError:
+        pass
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if number.is_integer():
+        return int(number)
+    raise argparse.ArgumentTypeError(f"{text!r} is given; a whole number is expected")
+
+
+def arguments_of(arguments: Optional[list[str]]) -> argparse.Namespace:
+    """What is asked for. Whatever would stop the run later stops it here, with exit code 2."""
     parser = argparse.ArgumentParser(
         prog="python -m raysheaf.bench",
         description="Queries a second of raysheaf beside trimesh with Embree, in one run.",
     )
     parser.add_argument(
-        "--rays", type=int, default=1_000_000, help="rays a query (default: %(default)s)"
+        "--rays", type=whole, default=1_000_000, help="rays a query (default: %(default)s)"
     )
     parser.add_argument(
-        "--triangles", type=int, default=100_000, help="of the mesh (default: %(default)s)"
+        "--triangles", type=whole, default=100_000, help="of the mesh (default: %(default)s)"
     )
     parser.add_argument(
-        "--threads", type=int, default=0, help="of raysheaf; 0: all cores (default)"
+        "--threads", type=whole, default=0, help="of raysheaf; 0: all cores (default)"
     )
     parser.add_argument(
         "--batch",
@@ -248,14 +265,28 @@ def main(arguments: Optional[list[str]] = None) -> int:
         help="of raysheaf (default: %(default)s)",
     )
     parser.add_argument(
-        "--rounds", type=int, default=5, help="whose median is printed (default: %(default)s)"
+        "--rounds", type=whole, default=5, help="whose median is printed (default: %(default)s)"
     )
     parser.add_argument("--json", metavar="FILE", help="write the figures there, too")
     given = parser.parse_args(arguments)
     for name, least in (("rays", 1), ("triangles", 36), ("threads", 0), ("rounds", 1)):
         if getattr(given, name) < least:
             parser.error(f"--{name} must be at least {least}, not {getattr(given, name)}")
+    try:
+        Scene(threads=given.threads, device=given.device)
+    except (Error, ValueError) as error:
+        parser.error(str(error))
+    if given.json:
+        try:
+            with open(given.json, "a", encoding="utf-8"):
+                pass
+        except (OSError, ValueError) as error:
+            parser.error(f"--json: {error}")
+    return given
 
+
+def main(arguments: Optional[list[str]] = None) -> int:
+    given = arguments_of(arguments)
     where = Where(given.threads, given.device)
     who, notes = contenders(*wavy_ball(36), where)
     batch = BATCHES[given.batch](given.rays)

@@ -15,22 +15,25 @@
 
 from __future__ import annotations
 
-import math
+import operator
 import threading
 from dataclasses import dataclass
-from typing import Any, Literal, Optional, Union, overload
+from typing import Any, Literal, Optional, SupportsIndex, Union, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from trimesh.ray.ray_util import contains_points
 
-from . import _core
+from . import _arrays, _core
 from ._device import Device
 from ._hits import Hits
+from ._mesh_space import Floats, Followed, Ints, followed
+from ._near_hits import apart, nearest
 from ._scene import Scene
 
 # Hits of one ray that are nearer to each other than this part of the mesh's size are one: a ray
-# through an edge meets both triangles at it. trimesh's other back end steps on by the same length.
+# through an edge meets both triangles at it. trimesh's other back end steps on by the same length
+# from each hit that it keeps.
 _SAME_PLACE = 1e-6
 # Rays that begin farther away than this many times the mesh's size are begun nearer, so that float32
 # has its digits left for the mesh.
@@ -39,21 +42,17 @@ _FAR = 4.0
 _SHORT, _LONG = 1e-15, 1e15
 _MOST_HITS = 2**62
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
-
-@dataclass(frozen=True)
-class _Followed:
-    """The mesh as the scene has it."""
-
-    hash: int
-    vertices: Floats
-    faces: Ints
-    center: Floats  # of its box
-    size: float  # the diagonal of its box
-    origin: Floats  # what the scene has at 0
-    scale: float  # lengths of the scene in one of the mesh
+def _most(max_hits: Optional[SupportsIndex]) -> Optional[int]:
+    """How many hits a ray may have; fewer than none are none, as with trimesh's other back end."""
+    if max_hits is None:
+        return None
+    try:
+        return max(0, min(operator.index(max_hits), _MOST_HITS))
+    except TypeError:
+        raise TypeError(
+            f"max_hits: {max_hits!r} is given; an integer or None is expected"
+        ) from None
 
 
 @dataclass(frozen=True)
@@ -72,7 +71,7 @@ class RayMeshIntersector:
     Both sides of faces are met. A ray that meets several faces at one place, an edge or a vertex,
     hits one of them there. Results are sorted by ray, then from near to far, and locations are
     computed in float64. Directions need not be unit vectors; rays that are not finite, or whose
-    direction is zero, hit nothing.
+    direction is zero, hit nothing, and nothing hits faces with a vertex that is not finite.
 
     Parameters
     ----------
@@ -93,7 +92,7 @@ class RayMeshIntersector:
         geometry: Any,
         scale_to_box: bool = True,
         *,
-        threads: int = 0,
+        threads: SupportsIndex = 0,
         device: Device = "cpu",
     ) -> None:
         self.mesh = geometry
@@ -104,47 +103,35 @@ class RayMeshIntersector:
 
     def _begin(self) -> None:
         self._scene = Scene(threads=self._threads, device=self._device)
-        self._followed: Optional[_Followed] = None
+        self._followed: Optional[Followed] = None
         self._lock = threading.Lock()
 
     # The scene follows the mesh.
 
-    def _follow(self) -> _Followed:
+    def _follow(self) -> Followed:
         with self._lock:
             now, old = hash(self.mesh), self._followed
             if old is not None and now == old.hash:
                 return old
-            new = self._measured(now)
-            moved = (new.vertices - new.origin) * new.scale
+            vertices = np.array(self.mesh.vertices, np.float64).reshape(-1, 3)
+            faces = np.array(self.mesh.faces, np.int64).reshape(-1, 3)
+            new = followed(now, vertices, faces, self._scale_to_box, old)
             if old is None:
-                self._scene.add(moved, new.faces)
-            elif len(new.vertices) == len(old.vertices) and np.array_equal(new.faces, old.faces):
-                self._scene.update(0, moved)
+                self._scene.add(new.moved, new.met)
+            elif new.met is old.met or (
+                len(vertices) == len(old.vertices) and np.array_equal(new.met, old.met)
+            ):
+                self._scene.update(0, new.moved)
             else:
-                self._scene.replace(0, moved, new.faces)
+                self._scene.replace(0, new.moved, new.met)
             self._followed = new
             return new
 
-    def _measured(self, now: int) -> _Followed:
-        vertices = np.array(self.mesh.vertices, np.float64).reshape(-1, 3)
-        faces = np.array(self.mesh.faces, np.int64).reshape(-1, 3)
-        center, size = np.zeros(3), 0.0
-        if len(vertices):
-            least, most = vertices.min(axis=0), vertices.max(axis=0)
-            center, size = (least + most) / 2, float(np.linalg.norm(most - least))
-        if not self._scale_to_box:
-            return _Followed(now, vertices, faces, center, size, np.zeros(3), 1.0)
-        # A power of two rounds nothing.
-        scale = 2.0 ** -math.frexp(size)[1] if 0 < size < math.inf else 1.0
-        return _Followed(now, vertices, faces, center, size, center, scale)
-
     # Rays.
 
-    def _batch(
-        self, followed: _Followed, ray_origins: ArrayLike, ray_directions: ArrayLike
-    ) -> _Batch:
-        origins = np.ascontiguousarray(ray_origins, np.float64)
-        directions = np.ascontiguousarray(ray_directions, np.float64)
+    def _batch(self, mesh: Followed, ray_origins: ArrayLike, ray_directions: ArrayLike) -> _Batch:
+        origins = _arrays.doubles(ray_origins, "ray_origins")
+        directions = _arrays.doubles(ray_directions, "ray_directions")
         if origins.size == 0 and directions.size == 0:
             origins = directions = np.zeros((0, 3))
         if origins.shape != directions.shape or origins.ndim != 2 or origins.shape[1] != 3:
@@ -152,15 +139,13 @@ class RayMeshIntersector:
                 f"ray_origins {origins.shape}, ray_directions {directions.shape}: "
                 "two arrays of one shape (n, 3) are expected"
             )
-        middle = (followed.center - followed.origin) * followed.scale
-        reach = _FAR * followed.size * followed.scale
-        frame = _core.Frame(
-            followed.origin.tolist(), middle.tolist(), followed.scale, reach, _SHORT, _LONG
-        )
+        middle = (mesh.center - mesh.origin) * mesh.scale
+        reach = _FAR * mesh.size * mesh.scale
+        frame = _core.Frame(mesh.origin.tolist(), middle.tolist(), mesh.scale, reach, _SHORT, _LONG)
         rays = np.empty((len(origins), 8), np.float32)
         if _core.pack_rays_in_frame(self._context(), origins, directions, frame, rays):
             return _Batch(origins, directions, rays, None)
-        starts = (origins - followed.origin) * followed.scale
+        starts = (origins - mesh.origin) * mesh.scale
         with np.errstate(all="ignore"):
             # By the largest component first: squares over- and underflow.
             units = directions / np.abs(directions).max(axis=1, initial=0.0)[:, None]
@@ -180,34 +165,43 @@ class RayMeshIntersector:
 
     def _rows(
         self,
-        followed: _Followed,
+        mesh: Followed,
         batch: _Batch,
         hits: Hits,
         ends: Optional[Ints] = None,
-        max_hits: Optional[int] = None,
+        same_place: float = -1.0,
     ) -> tuple[Ints, Ints, Floats]:
-        """Faces, rays and locations, in float64. `ends`: of each ray's hits; None: one a ray."""
+        """Faces, rays and locations, in float64. `ends`: of each ray's hits; None: one a ray. Of two
+        in a row that are no farther apart than `same_place` one counts; below 0: both."""
         return _core.found_rows(
             self._context(),
-            followed.vertices,
-            followed.faces,
+            mesh.vertices,
+            mesh.faces,
             batch.origins,
             batch.directions,
             batch.asked,
             ends,
             hits.array.view(np.float32).reshape(-1, 6),
-            _SAME_PLACE * followed.size,
-            _MOST_HITS if max_hits is None else max_hits,
+            same_place,
+            _MOST_HITS,
         )
 
-    def _first(self, followed: _Followed, batch: _Batch) -> tuple[Ints, Ints, Floats]:
-        return self._rows(followed, batch, self._scene.closest_hit(batch.rays))
+    def _first(self, mesh: Followed, batch: _Batch) -> tuple[Ints, Ints, Floats]:
+        return self._rows(mesh, batch, self._scene.closest_hit(batch.rays))
 
     def _all(
-        self, followed: _Followed, batch: _Batch, max_hits: Optional[int]
+        self, mesh: Followed, batch: _Batch, max_hits: Optional[int]
     ) -> tuple[Ints, Ints, Floats]:
-        rows = self._scene.all_hits(batch.rays)
-        return self._rows(followed, batch, rows.hits, rows.offsets, max_hits)
+        rows, same_place = self._scene.all_hits(batch.rays), _SAME_PLACE * mesh.size
+        found = self._rows(mesh, batch, rows.hits, rows.offsets, same_place)
+        if rows.hits.size - len(found[0]) > 1:
+            # Each hit was compared with the one before, be that kept or not: three may be a chain.
+            counts = np.bincount(found[1], minlength=len(batch.origins))
+            lost = rows.counts - (counts if batch.asked is None else counts[batch.asked])
+            if lost.max() > 1:
+                found = self._rows(mesh, batch, rows.hits, rows.offsets)
+                found = apart(found, batch.origins, batch.directions, same_place)
+        return found if max_hits is None else nearest(found, max_hits)
 
     # trimesh's interface.
 
@@ -250,7 +244,7 @@ class RayMeshIntersector:
         ray_origins: ArrayLike,
         ray_directions: ArrayLike,
         multiple_hits: bool = ...,
-        max_hits: Optional[int] = ...,
+        max_hits: Optional[SupportsIndex] = ...,
         *,
         return_locations: Literal[True],
     ) -> tuple[Ints, Ints, Floats]: ...
@@ -260,17 +254,37 @@ class RayMeshIntersector:
         self,
         ray_origins: ArrayLike,
         ray_directions: ArrayLike,
+        multiple_hits: bool,
+        max_hits: Optional[SupportsIndex],
+        return_locations: Literal[True],
+    ) -> tuple[Ints, Ints, Floats]: ...
+
+    @overload
+    def intersects_id(
+        self,
+        ray_origins: ArrayLike,
+        ray_directions: ArrayLike,
         multiple_hits: bool = ...,
-        max_hits: Optional[int] = ...,
+        max_hits: Optional[SupportsIndex] = ...,
         return_locations: Literal[False] = ...,
     ) -> tuple[Ints, Ints]: ...
+
+    @overload
+    def intersects_id(
+        self,
+        ray_origins: ArrayLike,
+        ray_directions: ArrayLike,
+        multiple_hits: bool = ...,
+        max_hits: Optional[SupportsIndex] = ...,
+        return_locations: bool = ...,
+    ) -> Union[tuple[Ints, Ints], tuple[Ints, Ints, Floats]]: ...
 
     def intersects_id(
         self,
         ray_origins: ArrayLike,
         ray_directions: ArrayLike,
         multiple_hits: bool = True,
-        max_hits: Optional[int] = None,
+        max_hits: Optional[SupportsIndex] = None,
         return_locations: bool = False,
     ) -> Union[tuple[Ints, Ints], tuple[Ints, Ints, Floats]]:
         """Which faces rays hit.
@@ -293,12 +307,13 @@ class RayMeshIntersector:
         locations : (m, 3) float64
             Only where asked for.
         """
-        followed = self._follow()
-        batch = self._batch(followed, ray_origins, ray_directions)
+        most = _most(max_hits)
+        mesh = self._follow()
+        batch = self._batch(mesh, ray_origins, ray_directions)
         if multiple_hits:
-            found = self._all(followed, batch, max_hits)
+            found = self._all(mesh, batch, most)
         else:
-            found = self._first(followed, batch)
+            found = self._first(mesh, batch)
         return found if return_locations else found[:2]
 
     def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> Ints:

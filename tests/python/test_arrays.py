@@ -168,69 +168,6 @@ def test_soups():
         raysheaf.Scene().add(np.zeros((4, 3)))
 
 
-# Shapes.
-
-
-def test_broadcasting(scene):
-    origins = SETTING.origins[:12].reshape(3, 4, 3)
-    directions = SETTING.directions[:4]
-    hits = scene.closest_hit(origins, directions, t_max=np.full((3, 1), 2.0))
-    assert hits.shape == hits.t.shape == (3, 4)
-    for i in range(3):
-        for j in range(4):
-            one = scene.closest_hit(origins[i, j], directions[j], t_max=2)
-            assert one.shape == () and one.array == hits[i, j].array
-    rows = scene.all_hits(origins, directions)
-    assert rows.shape == rows.counts.shape == (3, 4) and len(rows) == 3
-    assert np.array_equal(rows[1, 2].array, scene.all_hits(origins[1, 2], directions[2]).hits.array)
-    assert np.array_equal(rows[-1, -1].array, rows[2, 3].array)
-    assert scene.any_hit(origins, directions).shape == (3, 4)
-    assert scene.hit_counts(origins, directions).dtype == np.uint32
-    with pytest.raises(IndexError):
-        rows[3, 0]
-    with pytest.raises(IndexError):
-        rows[0]
-
-
-@pytest.mark.parametrize("shape", [(0, 3), (2, 0, 3)])
-def test_no_rays(scene, shape):
-    assert scene.closest_hit(np.zeros(shape), [0, 0, 1]).shape == shape[:-1]
-    assert scene.any_hit(np.zeros(shape), [0, 0, 1]).shape == shape[:-1]
-    assert scene.hit_counts(np.zeros(shape), [0, 0, 1]).shape == shape[:-1]
-    rows = scene.all_hits(np.zeros(shape), [0, 0, 1])
-    assert rows.offsets.tolist() == [0] and rows.hits.size == 0
-    assert scene.closest_hit([], []).size == 0
-    assert scene.closest_hit(np.zeros((0, 8))).size == 0
-
-
-def test_no_triangles():
-    scene = raysheaf.Scene()
-    rays = ([0, 0, 0], [[0, 0, 1]])
-    assert not scene.any_hit(*rays).any() and scene.bounds is None
-    mesh = scene.add(np.zeros((0, 3)), np.zeros((0, 3), int))
-    scene.add([], [])
-    assert not scene.any_hit(*rays).any()
-    assert scene.all_hits(*rays).counts.tolist() == [0]
-    scene.replace(mesh, [[-1, -1, 1], [1, -1, 1], [0, 1, 1]], [[0, 1, 2]])
-    assert scene.any_hit(*rays).all()
-
-
-def test_room_for_results_is_used(scene, expected):
-    out = raysheaf.Hits.empty(len(SETTING.origins))
-    hits = scene.closest_hit(SETTING.origins, SETTING.directions, out=out)
-    assert hits is out and np.array_equal(out.array, expected)
-    with pytest.raises(ValueError, match=r"out: .*shape \(3,\)"):
-        scene.closest_hit(SETTING.origins, SETTING.directions, out=raysheaf.Hits.empty(3))
-    with pytest.raises(ValueError, match="not in C order"):
-        strided = raysheaf.Hits.empty(2 * len(SETTING.origins))[::2]
-        scene.closest_hit(SETTING.origins, SETTING.directions, out=strided)
-    with pytest.raises(ValueError, match="out: read-only Hits"):
-        locked = raysheaf.Hits(_locked(out.array))
-        scene.closest_hit(SETTING.origins, SETTING.directions, out=locked)
-    with pytest.raises(TypeError, match="out: ndarray"):
-        scene.closest_hit(SETTING.origins, SETTING.directions, out=np.zeros(3))
-
-
 # Lifetimes.
 
 

@@ -47,6 +47,15 @@ def test_it_says_what_is_missing(monkeypatch):
     ]
 
 
+def refused(arguments, capsys) -> str:
+    """What is said of these, before anything runs."""
+    with pytest.raises(SystemExit) as stopped:
+        bench.main(arguments)
+    printed = capsys.readouterr()
+    assert stopped.value.code == 2 and printed.out == ""
+    return printed.err
+
+
 @pytest.mark.parametrize("name", bench.BATCHES)
 def test_batches_meet_the_ball(name):
     origins, directions = bench.BATCHES[name](4000)
@@ -57,18 +66,28 @@ def test_batches_meet_the_ball(name):
     assert scene.any_hit(origins, directions).mean() > 0.6
 
 
-def test_a_device_that_is_not_there(monkeypatch):
+def test_a_device_that_is_not_there(capsys):
     try:
         raysheaf.Scene(device="cuda")
         pytest.skip("there is a CUDA device")
     except raysheaf.UnsupportedError:
         pass
-    with pytest.raises(raysheaf.UnsupportedError):
-        bench.main(["--device", "cuda", "--rays", "10", "--triangles", "36", "--rounds", "1"])
+    assert "CUDA" in refused(["--device", "cuda"], capsys)
 
 
 @pytest.mark.parametrize("wrong", [["--rays", "0"], ["--triangles", "3"], ["--rounds", "0"]])
 def test_wrong_sizes(wrong, capsys):
-    with pytest.raises(SystemExit) as stopped:
-        bench.main(wrong)
-    assert stopped.value.code == 2 and "must be at least" in capsys.readouterr().err
+    assert "must be at least" in refused(wrong, capsys)
+
+
+def test_what_would_stop_the_run_stops_it_before(tmp_path, capsys):
+    assert "threads: 5000 is given" in refused(["--threads", "5000"], capsys)
+    nowhere = tmp_path / "no folder" / "bench.json"
+    assert "--json: [Errno 2]" in refused(["--json", str(nowhere)], capsys)
+    assert "--json: [Errno 21]" in refused(["--json", str(tmp_path)], capsys)
+
+
+def test_numbers_may_be_written_shorter(capsys):
+    assert bench.arguments_of(["--rays", "1e6", "--triangles", "2.5e3"]).rays == 1_000_000
+    for wrong in ("1.5", "1e-3", "inf", "nan", "many"):
+        assert f"--rays: '{wrong}' is given; a whole number" in refused(["--rays", wrong], capsys)

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import base64
 import concurrent.futures
+import copy
+import dataclasses
 import json
+import os
+import pickle
 import struct
 import subprocess
 import sys
@@ -46,6 +50,23 @@ def test_png_files_hold_what_was_written(tmp_path, shape):
     assert np.array_equal(decoded(raysheaf.png_bytes(image / 255)), image)
 
 
+def test_masks_are_images():
+    mask = np.random.default_rng(0).random((3, 5)) < 0.5
+    assert np.array_equal(decoded(raysheaf.png_bytes(mask)), mask * 255)
+
+
+def test_pictures_are_equal_where_their_arrays_are():
+    first, again = (raysheaf.render("builtin:cornell", width=8, height=8) for _ in range(2))
+    assert (first == again) is True and (first != again) is False
+    assert first == pickle.loads(pickle.dumps(first)) == copy.deepcopy(first)
+    again.beauty[0, 0, 0] += 1
+    assert (first == again) is False and (first != again) is True
+    assert first != raysheaf.render("builtin:cornell", width=8, height=9)
+    assert first != dataclasses.replace(first, exposure=9) and first != 3
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(first)
+
+
 def test_wrong_images():
     assert decoded(raysheaf.png_bytes([[-1.0, 2.0, np.nan]])).tolist() == [[0, 255, 0]]
     with pytest.raises(ValueError, match=r"shape \(2, 2, 5\)"):
@@ -78,6 +99,25 @@ def test_a_file(tmp_path):
     assert decoded((tmp_path / "out.png").read_bytes()).shape == (32, 32, 3)
 
 
+def test_paths_of_every_kind(tmp_path):
+    path = tmp_path / "tri\xe4ngle.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    for name in (path, str(path), os.fsencode(path)):
+        assert raysheaf.render(name, width=8, height=8).image.shape == (8, 8, 3)
+        assert "ngle.obj" in repr(raysheaf.Animation(name))
+    raysheaf.write_png(os.fsencode(tmp_path / "a.png"), [[0.5]])
+    assert (tmp_path / "a.png").exists()
+    with pytest.raises(ValueError, match="^scene: .*null character"):
+        raysheaf.Animation("builtin:cornell\0x")
+    with pytest.raises(TypeError, match="^path: 3 is given"):
+        raysheaf.write_png(3, [[0.5]])
+    with pytest.raises(ValueError, match="^path: .*null character"):
+        raysheaf.write_png("a\0.png", [[0.5]])
+    with pytest.raises(TypeError, match="^image: cannot be read"):
+        raysheaf.write_png(tmp_path / "b.png", [[1, 2], [3]])
+    assert not (tmp_path / "b.png").exists()
+
+
 @pytest.mark.parametrize(
     "kind, message, given",
     [
@@ -88,6 +128,24 @@ def test_a_file(tmp_path):
         (ValueError, "width: .*0", dict(width=0)),
         (ValueError, "primary: 'magic' is given", dict(primary="magic")),
         (TypeError, "height: 1.5 is given", dict(height=1.5)),
+        (TypeError, "^camera: None is given; a str or an integer", dict(camera=None)),
+        (TypeError, "^camera: 1.5 is given", dict(camera=1.5)),
+        (LookupError, 'camera: .*"-1"', dict(camera=np.int64(-1))),
+        (ValueError, r"^camera: 'a\\udc80' is given, which UTF-8", dict(camera="a\udc80")),
+        (TypeError, "^method: None is given; a str", dict(method=None)),
+        (TypeError, "^exposure: '1' is given; a real number", dict(exposure="1")),
+        (TypeError, "^exposure: 'a' is given", dict(exposure="a")),
+        (TypeError, "^aperture: 1j is given", dict(aperture=1j)),
+        (TypeError, r"^focus: \[1\] is given", dict(focus=[1])),
+        (ValueError, "^focus: 10+ is given; a float", dict(focus=10**400)),
+        (TypeError, "^time: 'a' is given; a real number", dict(time="a")),
+        (TypeError, r"^time: \[1\] is given", dict(time=[1])),
+        (TypeError, "^environment: 3 is given; a str, bytes or os.PathLike", dict(environment=3)),
+        (LookupError, "sky.hdr: no such file", dict(environment=b"sky.hdr")),
+        (ValueError, r"^environment: 'a\\x00' has a null character", dict(environment="a\0")),
+        (TypeError, "^scene: None is given; a str, bytes or os.PathLike", dict(scene=None)),
+        (ValueError, r"^scene: 'a\\x00b' has a null character", dict(scene="a\0b")),
+        (ValueError, r"^scene: '\\udcff.obj' is given, which UTF-8", dict(scene=b"\xff.obj")),
     ],
 )
 def test_wrong_wishes(kind, message, given):
@@ -213,6 +271,13 @@ def test_animations_are_pictures_at_times(moving):
     assert not same(raysheaf.render(film, time=2, **size), pictures[2])
     film.play(0)
     assert same(raysheaf.render(film, time=2, **size), pictures[2])
+
+
+def test_animations_are_not_copied(moving):
+    film = raysheaf.Animation(moving)
+    for call in (copy.copy, copy.deepcopy, pickle.dumps):
+        with pytest.raises(TypeError, match="an animation can neither be copied nor pickled"):
+            call(film)
 
 
 def test_animations_refuse_what_is_wrong(moving, tmp_path):

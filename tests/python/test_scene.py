@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import threading
 import time
 
@@ -75,6 +77,25 @@ def test_what_is_in_a_scene():
     assert repr(scene) == "<raysheaf.Scene: 2 meshes, 3 instances, 5 triangles>"
     assert repr(scene.closest_hit(*UP)) == "<raysheaf.Hits of shape (): 1 of 1 hit>"
     assert repr(scene.all_hits([UP[0]], UP[1])) == "<raysheaf.HitRows of shape (1,): 3 hits>"
+
+
+def test_scenes_are_not_copied():
+    scene = raysheaf.Scene()
+    calls = [copy.copy, copy.deepcopy]
+    calls += [lambda s, p=p: pickle.dumps(s, p) for p in range(pickle.HIGHEST_PROTOCOL + 1)]
+    for call in calls:
+        with pytest.raises(
+            TypeError, match="a scene can neither be copied nor pickled; make another"
+        ):
+            call(scene)
+
+    class Named(raysheaf.Scene):
+        """Knows how it is made."""
+
+        def __reduce__(self):
+            return Named, ()
+
+    assert copy.copy(Named()) is not None
 
 
 def test_what_is_not_there():

@@ -191,11 +191,114 @@ def test_no_rays_and_no_faces(mesh):
     assert empty.ray.intersects_location([[0, 0, 0]], [[0, 0, 1]])[0].shape == (0, 3)
 
 
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("scaled", [True, False])
+def test_faces_that_are_not_finite_are_never_hit(mesh, wrong, scaled):
+    origins, directions = rays_about(mesh)
+    ray = RayMeshIntersector(mesh, scaled)
+    expected = ray.intersects_id(origins, directions)
+    lost = expected[0][0]
+    kept = mesh.vertices.copy()
+    mesh.vertices[mesh.faces[lost, 1], 2] = wrong
+    gone = np.flatnonzero((mesh.faces == mesh.faces[lost, 1]).any(axis=1))
+    assert 0 < np.isin(expected[0], gone).sum() < len(expected[0]) / 2
+    found = ray.intersects_id(origins, directions)
+    fresh = RayMeshIntersector(mesh, scaled).intersects_id(origins, directions)
+    left = ~np.isin(expected[0], gone)
+    for column in range(2):
+        assert np.array_equal(found[column], expected[column][left])
+        assert np.array_equal(fresh[column], found[column])
+    mesh.vertices = kept
+    assert np.array_equal(ray.intersects_id(origins, directions)[0], expected[0])
+    mesh.vertices[:] = wrong
+    assert not ray.intersects_any(origins, directions).any()
+
+
+@pytest.mark.parametrize("far", [np.nan, np.inf, 1e12, 1e60])
+def test_vertices_of_no_face_do_not_count(far):
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    vertices = np.concatenate([[[far, 0, 0]], ball.vertices])
+    mesh = trimesh.Trimesh(vertices, ball.faces + 1, process=False)
+    origins, directions = rays_about(ball)
+    ours, expected = RayMeshIntersector(mesh), RayMeshIntersector(ball)
+    for _ in range(2):
+        found = ours.intersects_location(origins, directions)
+        for column, other in zip(found, expected.intersects_location(origins, directions)):
+            assert np.array_equal(column, other)
+        mesh.vertices[1:] *= 1.5
+        ball.vertices *= 1.5
+
+
+@pytest.mark.parametrize("gap, kept", [(2.0, 300), (1.2, 300), (0.8, 150), (0.4, 100), (0.01, 3)])
+def test_layers_near_to_each_other(gap, kept):
+    """One hit counts for what lies within a millionth of the mesh's size behind it, and no more."""
+    layers = np.zeros((300, 3, 3))
+    layers[:, 1, 0] = layers[:, 2, 1] = 0.6
+    size = np.linalg.norm([0.6, 0.6])
+    layers[:, :, 2] = (np.arange(300) * gap * 1e-6 * size)[:, None]
+    mesh = trimesh.Trimesh(layers.reshape(-1, 3), np.arange(900).reshape(-1, 3), process=False)
+    ray = RayMeshIntersector(mesh)
+    origins = np.array([[0.1, 0.2, -1], [0.1, 0.2, np.nan], [9, 9, -1], [0.2, 0.1, -1]])
+    directions = np.tile([0, 0, 2.0], (4, 1))
+    for use in ([0], [0, 2, 3], [0, 1, 2, 3]):
+        places, index_ray, index_tri = ray.intersects_location(origins[use], directions[use])
+        assert np.bincount(index_ray, minlength=len(use)).tolist() == [
+            kept * (row in (0, 3)) for row in use
+        ]
+        assert (np.diff(places[index_ray == 0, 2]) > 1e-6 * mesh.scale).all()
+        assert index_tri[0] == 0
+        for most in (0, 1, 40, 1000):
+            some = ray.intersects_id(origins[use], directions[use], max_hits=most)
+            first = np.concatenate([np.flatnonzero(index_ray == k)[:most] for k in range(len(use))])
+            assert np.array_equal(some[0], index_tri[first])
+            assert np.array_equal(some[1], index_ray[first])
+
+
+def test_a_vertex_of_many_faces_is_one_place(mesh):
+    ball = trimesh.creation.icosphere(subdivisions=2)
+    places, index_ray, _ = RayMeshIntersector(ball).intersects_location(
+        ball.vertices * 2, -ball.vertices
+    )
+    assert np.array_equal(index_ray, np.repeat(np.arange(len(ball.vertices)), 2))
+    assert np.allclose(places[::2], ball.vertices) and np.allclose(places[1::2], -ball.vertices)
+
+
+def test_wrong_indices_are_named():
+    for index in (7, -1):
+        mesh = trimesh.Trimesh(np.eye(3) * np.nan, [[0, 1, index]], process=False)
+        with pytest.raises(ValueError, match=f"triangles.*{index}"):
+            RayMeshIntersector(mesh).intersects_any([[0, 0, 0]], [[0, 0, 1]])
+
+
 def test_wrong_shapes(mesh):
     with pytest.raises(ValueError, match=r"ray_origins \(2, 3\), ray_directions \(1, 3\)"):
         mesh.ray.intersects_any(np.zeros((2, 3)), np.ones((1, 3)))
     with pytest.raises(ValueError, match=r"ray_origins \(3,\)"):
         mesh.ray.intersects_any([0, 0, 0], [0, 0, 1])
+
+
+@pytest.mark.parametrize(
+    "message, origins, options",
+    [
+        ("^ray_origins: .*dtype <U1 is given; one of .* real numbers", [["a", "b", "c"]], {}),
+        ("^ray_origins: .*complex128 is given", [[1j, 0, 0]], {}),
+        ("^ray_origins: .*object is given", [[{}, 0, 0]], {}),
+        ("^ray_origins: .*masked", np.ma.array([[0.0, 0, 0]], mask=True), {}),
+        ("^max_hits: 1.5 is given; an integer", [[0, 0, 9]], {"max_hits": 1.5}),
+        ("^max_hits: 'a' is given", [[0, 0, 9]], {"max_hits": "a", "multiple_hits": False}),
+    ],
+)
+def test_wrong_arguments_are_named(mesh, message, origins, options):
+    with pytest.raises(TypeError, match=message):
+        mesh.ray.intersects_id(origins, [[0, 0, 1]], **options)
+
+
+def test_any_number_of_hits(mesh):
+    ray = [[3, 0, 9]], [[0, 0, -1]]
+    for most, count in ((2**63, 2), (2**200, 2), (np.uint8(1), 1), (-1, 0), (-(2**80), 0)):
+        assert len(mesh.ray.intersects_id(*ray, max_hits=most)[0]) == count
+    objects = np.array(ray[0], object)
+    assert mesh.ray.intersects_any(objects, ray[1]).all()
 
 
 def test_contains_points(mesh):

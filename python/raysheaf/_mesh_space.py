@@ -1,0 +1,87 @@
+"""A mesh in float64 as a scene in float32 has it: about its middle, at a size of about 1."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Optional
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Followed:
+    """The mesh, and how the scene has it."""
+
+    hash: int
+    vertices: Floats
+    faces: Ints
+    corners: Optional[Bools]  # which vertices are corners of faces; None: all
+    used: Optional[Bools]  # those of them whose faces rays may meet; None: all vertices
+    met: Ints  # the faces, where those that no ray may meet are points
+    center: Floats  # of its box
+    size: float  # the diagonal of its box
+    origin: Floats  # what the scene has at 0
+    scale: float  # lengths of the scene in one of the mesh
+
+    @property
+    def moved(self) -> Floats:
+        """The vertices in the scene; those that nothing uses lie at its origin."""
+        with np.errstate(invalid="ignore"):
+            moved: Floats = (self.vertices - self.origin) * self.scale
+        if self.used is not None:
+            moved[~self.used] = 0.0
+        return moved
+
+
+def _corners(faces: Ints, count: int) -> Optional[Bools]:
+    corners = np.zeros(count, np.bool_)
+    corners[faces] = True
+    return None if corners.all() else corners
+
+
+def _box(vertices: Floats, used: Optional[Bools]) -> tuple[Floats, Floats]:
+    some = vertices if used is None else vertices[used]
+    if not len(some):
+        return np.zeros(3), np.zeros(3)
+    with np.errstate(invalid="ignore"):
+        return some.min(axis=0), some.max(axis=0)
+
+
+def followed(
+    now: int, vertices: Floats, faces: Ints, centered: bool, old: Optional[Followed]
+) -> Followed:
+    """The mesh whose hash is `now`; `old` is the one before, which mostly had the same faces.
+
+    Faces that have a corner which is not finite are never met, and like vertices that no face has
+    they do not count for the box.
+    """
+    count = len(vertices)
+    corners: Optional[Bools]
+    if old is not None and count == len(old.vertices) and np.array_equal(faces, old.faces):
+        faces, corners = old.faces, old.corners
+    elif faces.size and (faces.min() < 0 or faces.max() >= count):
+        corners = np.zeros(count, np.bool_)  # the scene says which index is wrong
+    else:
+        corners = _corners(faces, count)
+    used, met = corners, faces
+    least, most = _box(vertices, used)
+    if not (np.isfinite(least).all() and np.isfinite(most).all()):
+        finite: Any = np.isfinite(vertices).all(axis=1)
+        good: Any = finite[faces].all(axis=1)
+        used = np.zeros(count, np.bool_)
+        used[faces[good]] = True
+        met = np.where(good[:, None], faces, 0)
+        least, most = _box(vertices, used)
+    center, size = (least + most) / 2, float(np.linalg.norm(most - least))
+    origin, scale = np.zeros(3), 1.0
+    if centered:
+        # A power of two rounds nothing.
+        scale = 2.0 ** -math.frexp(size)[1] if 0 < size < math.inf else 1.0
+        origin = center
+    return Followed(now, vertices, faces, corners, used, met, center, size, origin, scale)

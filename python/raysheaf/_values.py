@@ -1,0 +1,60 @@
+"""Names, numbers and paths that are told to the extension; or an exception that says why not."""
+
+from __future__ import annotations
+
+import operator
+import os
+from typing import Any
+
+
+def number(value: Any, name: str) -> float:
+    """A real number, numpy's included; no text that spells one."""
+    try:
+        if not isinstance(value, (str, bytes, bytearray)):
+            return float(value)
+    except OverflowError:
+        raise ValueError(f"{name}: {value!r} is given; a float is expected") from None
+    except (TypeError, ValueError):
+        pass
+    raise TypeError(f"{name}: {value!r} is given; a real number is expected")
+
+
+def text(value: Any, name: str) -> str:
+    """Text that UTF-8 can write."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name}: {value!r} is given; a str is expected")
+    try:
+        value.encode()
+    except UnicodeEncodeError:
+        raise ValueError(
+            f"{name}: {value!r} is given, which UTF-8 cannot write; a name in UTF-8 is expected"
+        ) from None
+    return value
+
+
+def text_or_index(value: Any, name: str) -> str:
+    """A name, or the digits of a number that stands for one."""
+    if isinstance(value, str):
+        return text(value, name)
+    try:
+        return str(operator.index(value))
+    except TypeError:
+        raise TypeError(f"{name}: {value!r} is given; a str or an integer is expected") from None
+
+
+def file_name(value: Any, name: str) -> str:
+    """The path of a file, as Python opens it."""
+    try:
+        path = os.fsdecode(value)
+    except TypeError:
+        raise TypeError(
+            f"{name}: {value!r} is given; a str, bytes or os.PathLike is expected"
+        ) from None
+    if "\0" in path:
+        raise ValueError(f"{name}: {path!r} has a null character in it; a path is expected")
+    return path
+
+
+def path_in_utf8(value: Any, name: str) -> str:
+    """The path of a file, as the extension opens it."""
+    return text(file_name(value, name), name)

@@ -1,0 +1,152 @@
+"""Errors name the argument that is wrong, and the element of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import raysheaf
+
+
+@pytest.fixture(scope="module")
+def scene():
+    scene = raysheaf.Scene()
+    scene.add([[0, 0, 1], [1, 0, 1], [0, 1, 1]], [[0, 1, 2]])
+    return scene
+
+
+FIVE, GRID, UP = np.zeros((5, 3)), np.zeros((2, 5, 3)), [0, 0, 1]
+ZERO = "the direction is zero in float32"
+WRONG_RAYS = [
+    # One for all rays has no index; one for some has that which it has in its own array.
+    (f"directions: {ZERO}", FIVE, [0, 0, 0], {}),
+    (f"directions[0]: {ZERO}", FIVE, [[0, 0, 0]], {}),
+    (f"directions[1]: {ZERO}", GRID, [UP, [0, 0, 0], UP, UP, UP], {}),
+    (f"directions[1, 0]: {ZERO}", GRID, [[UP], [[0, 0, 0]]], {}),
+    (
+        "origins[1]: the origin is not finite in float32",
+        [[0, 0, 0], [0, np.nan, 0]],
+        np.ones((4, 2, 3)),
+        {},
+    ),
+    ("t_min[2]: t_min is negative", GRID, UP, {"t_min": [1, 1, -1, 1, 1]}),
+    ("t_min: t_min is negative", GRID, UP, {"t_min": -1}),
+    ("t_max[1, 0]: t_max is not a number", GRID, UP, {"t_max": [[1], [np.nan]]}),
+    # Of an interval that is none, the end that was given, or that tells rays apart.
+    ("t_max: t_max is smaller than t_min", FIVE, UP, {"t_max": -1}),
+    ("t_max[3]: t_max is smaller than t_min", FIVE, UP, {"t_max": [1, 1, 1, -1, 1]}),
+    ("t_max[3]: t_max is smaller than t_min", FIVE, UP, {"t_min": 2, "t_max": [3, 3, 3, 1, 3]}),
+    ("t_min: t_min is larger than t_max", FIVE, UP, {"t_min": 2, "t_max": 1}),
+    ("t_min[1]: t_min is larger than t_max", FIVE, UP, {"t_min": [0, 2, 0, 0, 0], "t_max": 1}),
+]
+
+
+@pytest.mark.parametrize("message, origins, directions, interval", WRONG_RAYS)
+def test_the_element_of_the_argument_is_named(scene, message, origins, directions, interval):
+    with pytest.raises(raysheaf.InvalidError) as caught:
+        scene.any_hit(origins, directions, **interval)
+    assert str(caught.value) == message
+
+
+def test_packed_rays_have_their_own_names(scene):
+    rays = np.tile(np.float32([0, 0, 0, 0, 0, 0, 1, 9]), (2, 2, 1))
+    rays[1, 0, 7] = -1
+    with pytest.raises(ValueError, match=r"^rays\[1, 0\]\.t_min: t_min is larger than t_max$"):
+        scene.any_hit(rays)
+
+
+@pytest.mark.parametrize("kind", ["closest_hit", "any_hit", "hit_counts", "all_hits"])
+def test_more_rays_than_a_query_answers(scene, kind):
+    ask, many = getattr(scene, kind), np.broadcast_to(np.float32(1), (2**31,))
+    wide = np.broadcast_to(np.float32(1), (10**5, 1, 3))
+    for rays in (
+        {"origins": [0, 0, 0], "directions": UP, "t_max": many},
+        {"origins": wide, "directions": wide.reshape(1, -1, 3)},
+        {"origins": np.broadcast_to(np.float32(1), (2**31, 8))},
+    ):
+        with pytest.raises(raysheaf.UnsupportedError, match=r"^rays: \d+ rays are more than 2\^31"):
+            ask(**rays)
+
+
+def test_room_that_there_is_not(scene, monkeypatch):
+    def none(count):
+        raise MemoryError("std::bad_alloc")
+
+    monkeypatch.setattr(raysheaf._core, "empty_hits", none)
+    with pytest.raises(raysheaf.OutOfMemoryError, match="there is no room for 5 hits"):
+        scene.closest_hit(FIVE, UP)
+
+
+@pytest.mark.skipif(np.lib.NumpyVersion(np.__version__) < "2.0.0", reason="32 axes at most there")
+def test_more_axes_than_numpy_goes_through(scene):
+    def ones(axes, *tail):
+        return np.ones((1,) * axes + tail)
+
+    assert scene.any_hit(ones(31, 3), UP).ndim == 31
+    for rays in (
+        {"origins": ones(63, 3), "directions": UP},
+        {"origins": [0, 0, 0], "directions": UP, "t_max": ones(32)},
+        {"origins": ones(40, 8)},
+    ):
+        with pytest.raises(ValueError, match=r"^rays: a batch of \d+ axes is given; 31 at most"):
+            scene.any_hit(**rays)
+
+
+class Protocol:
+    """An array of somebody else's, one of whose methods fails."""
+
+    def __init__(self, failing, error, device=1):
+        self._failing, self._error, self._device = failing, error, device
+
+    def __dlpack_device__(self):
+        if self._failing == "device":
+            raise self._error
+        return self._device, 0
+
+    def __dlpack__(self, **options):
+        raise self._error
+
+    def __array__(self, dtype=None, copy=None):
+        if self._failing == "array":
+            raise self._error
+        return np.zeros(3)
+
+
+class NoArray:
+    def __dlpack_device__(self):
+        return 1, 0
+
+    def __dlpack__(self, **options):
+        raise ValueError("no memory to share")
+
+
+@pytest.mark.parametrize("error", [ValueError("broken"), KeyError("broken"), OSError("broken")])
+def test_what_protocols_raise_is_told_of_the_argument(scene, error):
+    for failing in ("device", "array"):
+        with pytest.raises(TypeError, match="^directions: cannot be read as an array: .*broken"):
+            scene.any_hit(UP, Protocol(failing, error))
+    scene.any_hit(Protocol("dlpack", error), UP)  # numpy knows another way
+    with pytest.raises(TypeError, match="^origins: cannot be read as an array: no memory to share"):
+        scene.any_hit(NoArray(), UP)
+    with pytest.raises(MemoryError):
+        scene.any_hit(UP, Protocol("array", MemoryError()))
+
+
+def test_masks_are_not_overlooked(scene):
+    origins = np.ma.array(np.zeros((4, 3)), mask=False)
+    assert scene.any_hit(origins, UP).shape == (4,)
+    origins[2, 1] = np.ma.masked
+    sentence = (
+        r"shape \(4, 3\) and dtype float64 is given, of which 1 elements are masked; .*filled"
+    )
+    with pytest.raises(TypeError, match="^origins: an array of " + sentence):
+        scene.any_hit(origins, UP)
+    with pytest.raises(TypeError, match="^vertices: an array of " + sentence):
+        scene.add(origins, [[0, 1, 2]])
+    assert scene.any_hit(origins.filled(0), UP).shape == (4,)
+
+
+def test_whether_a_scene_has_a_mesh(scene):
+    assert 0 in scene and np.uint8(0) in scene
+    for other in (1, -1, 2**32, 2**80, "x", None, 0.0, [0], np.zeros(2)):
+        assert other not in scene
