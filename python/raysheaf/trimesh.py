@@ -28,7 +28,6 @@ from . import _arrays, _core
 from ._device import Device
 from ._hits import Hits
 from ._mesh_space import Floats, Followed, Ints, followed
-from ._near_hits import apart, nearest
 from ._scene import Scene
 
 # Hits of one ray that are nearer to each other than this part of the mesh's size are one: a ray
@@ -169,10 +168,9 @@ class RayMeshIntersector:
         batch: _Batch,
         hits: Hits,
         ends: Optional[Ints] = None,
-        same_place: float = -1.0,
+        max_hits: Optional[int] = None,
     ) -> tuple[Ints, Ints, Floats]:
-        """Faces, rays and locations, in float64. `ends`: of each ray's hits; None: one a ray. Of two
-        in a row that are no farther apart than `same_place` one counts; below 0: both."""
+        """Faces, rays and locations, in float64. `ends`: of each ray's hits; None: one a ray."""
         return _core.found_rows(
             self._context(),
             mesh.vertices,
@@ -182,8 +180,8 @@ class RayMeshIntersector:
             batch.asked,
             ends,
             hits.array.view(np.float32).reshape(-1, 6),
-            same_place,
-            _MOST_HITS,
+            _SAME_PLACE * mesh.size,
+            _MOST_HITS if max_hits is None else max_hits,
         )
 
     def _first(self, mesh: Followed, batch: _Batch) -> tuple[Ints, Ints, Floats]:
@@ -192,16 +190,8 @@ class RayMeshIntersector:
     def _all(
         self, mesh: Followed, batch: _Batch, max_hits: Optional[int]
     ) -> tuple[Ints, Ints, Floats]:
-        rows, same_place = self._scene.all_hits(batch.rays), _SAME_PLACE * mesh.size
-        found = self._rows(mesh, batch, rows.hits, rows.offsets, same_place)
-        if rows.hits.size - len(found[0]) > 1:
-            # Each hit was compared with the one before, be that kept or not: three may be a chain.
-            counts = np.bincount(found[1], minlength=len(batch.origins))
-            lost = rows.counts - (counts if batch.asked is None else counts[batch.asked])
-            if lost.max() > 1:
-                found = self._rows(mesh, batch, rows.hits, rows.offsets)
-                found = apart(found, batch.origins, batch.directions, same_place)
-        return found if max_hits is None else nearest(found, max_hits)
+        rows = self._scene.all_hits(batch.rays)
+        return self._rows(mesh, batch, rows.hits, rows.offsets, max_hits)
 
     # trimesh's interface.
 

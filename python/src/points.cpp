@@ -84,7 +84,7 @@ struct Found {
   std::optional<RayIds> asked;  ///< which of the rays the scene was asked; none: all
   std::optional<RayIds> ends;   ///< hits [ends[i], ends[i + 1]) are those of ray i; none: the i-th
   Rows<Hit, HitArray> hits;
-  double same_place;      ///< of two hits nearer to each other one counts
+  double same_place;      ///< a hit no farther behind the last that counts does not count
   std::int64_t max_hits;  ///< of a ray
 };
 
@@ -126,10 +126,12 @@ void add_rows(const Found& found, std::size_t i, std::vector<Place3>* places,
   if (!std::is_sorted(places->begin(), places->end(), nearer))
     std::stable_sort(places->begin(), places->end(), nearer);
   std::int64_t kept = 0;
+  double last = 0;  // that was kept
   for (std::size_t k = 0; k < places->size() && kept < found.max_hits; ++k) {
     const Place3& place = (*places)[k];
-    if (k > 0 && !(place.distance - (*places)[k - 1].distance > found.same_place)) continue;
+    if (kept > 0 && !(place.distance - last > found.same_place)) continue;
     rows->push_back({place.face, ray, place.point});
+    last = place.distance;
     ++kept;
   }
 }
