@@ -29,7 +29,8 @@ struct ContextOptions {
 class Context {
  public:
   /// Throws `Error`: kInvalidArgument for the options, kUnsupported for a device that this build
-  /// or this machine does not have, in CUDA's own words.
+  /// or this machine does not have, in CUDA's own words, or for more threads than the system
+  /// starts.
   explicit Context(const ContextOptions& options = {});
 
   [[nodiscard]] Device device() const noexcept;

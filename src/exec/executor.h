@@ -18,7 +18,8 @@ inline constexpr std::size_t kWorkGrain = 1024, kCopyGrain = 4096;
 /// A handle: copies share their threads.
 class Executor {
  public:
-  /// `threads` = 0 takes all cores that the process may use.
+  /// `threads` = 0 takes all cores that the process may use, as far as the system starts threads.
+  /// Throws `Error` (kUnsupported) where it starts fewer than `threads`.
   explicit Executor(std::uint32_t threads = 0);
 
   /// Whoever calls does all the work: for loops within the body of another's.

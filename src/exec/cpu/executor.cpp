@@ -7,6 +7,12 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <latch>
+#include <mutex>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <vector>
 
 #include "raysheaf/error.h"
 
@@ -15,6 +21,37 @@ namespace {
 
 std::uint32_t cores() {
   return static_cast<std::uint32_t>(std::max(1, oneapi::tbb::info::default_concurrency()));
+}
+
+/// How many threads the system starts, `wanted` at most. oneTBB's workers begin one another, and
+/// where one of them cannot, the process ends.
+std::uint32_t startable(std::uint32_t wanted) {
+  static std::mutex mutex;
+  static std::uint32_t known = 1;
+  const std::lock_guard lock(mutex);
+  if (wanted <= known) return wanted;
+  std::vector<std::thread> threads;
+  std::latch end(1);
+  try {
+    while (threads.size() + 1 < wanted) threads.emplace_back([&] { end.wait(); });
+  } catch (const std::system_error&) {
+    // As many as there are.
+  }
+  end.count_down();
+  for (std::thread& thread : threads) thread.join();
+  known = std::max(known, static_cast<std::uint32_t>(threads.size() + 1));
+  return static_cast<std::uint32_t>(threads.size() + 1);
+}
+
+/// `asked`, if the system starts so many; of 0 as many of the cores as it does.
+std::uint32_t thread_count(std::uint32_t asked) {
+  const std::uint32_t count = startable(asked != 0 ? asked : cores());
+  if (count < asked)
+    throw Error(
+        ErrorCode::kUnsupported,
+        "the system starts no more than " + std::to_string(count) + " of " + std::to_string(asked),
+        "threads");
+  return count;
 }
 
 }  // namespace
@@ -29,7 +66,7 @@ struct Executor::Pool {
 };
 
 Executor::Executor(std::uint32_t threads)
-    : threads_(threads != 0 ? threads : cores()), pool_(std::make_shared<Pool>(threads_)) {}
+    : threads_(thread_count(threads)), pool_(std::make_shared<Pool>(threads_)) {}
 
 Executor::Executor(std::shared_ptr<Pool> pool) : threads_(1), pool_(std::move(pool)) {}
 
