@@ -7,6 +7,7 @@
 #include "raysheaf/error.h"
 #include "raysheaf/scene_changes.h"
 #include "raysheaf/stream.h"
+#include "scene/flat_scene.h"
 #include "scene/shown_name.h"
 
 namespace raysheaf {
@@ -129,8 +130,18 @@ void check_mesh_materials(const Item& item, const Mesh& mesh, std::size_t materi
   }
 }
 
+void check_positions(const Item& item, const Mesh& mesh) {
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const Vec3 p = mesh.positions[i];
+    if (finite(p) && max_component(abs(p)) <= kLargestCoordinate) continue;
+    const std::string field = element("positions", i);
+    item.fail(field, field + item.of_name() +
+                         (finite(p) ? " is farther out than 1e18" : " is not finite"));
+  }
+}
+
 void check(const Item& item, const Mesh& mesh, const SceneDescription& scene) {
-  check_all_finite(item, "positions", mesh.positions);
+  check_positions(item, mesh);
   check_attribute(item, "normals", mesh, mesh.normals);
   check_attribute(item, "uvs", mesh, mesh.uvs);
   check_attribute(item, "colors", mesh, mesh.colors);

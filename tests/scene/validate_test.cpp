@@ -50,6 +50,8 @@ const Defect kDefects[] = {
      }},
     {"meshes[0].positions[1]", [](auto& s) { s.meshes[0].positions[1].y = kNan; }, "is not finite"},
     {"meshes[0].positions[2]", [](auto& s) { s.meshes[0].positions[2].z = -kInf; }},
+    {"meshes[0].positions[2]", [](auto& s) { s.meshes[0].positions[2].z = -1.1e18f; },
+     "is farther out than 1e18"},
     {"meshes[0].normals", [](auto& s) { s.meshes[0].normals.pop_back(); },
      "has 2 normals, but 3 vertices"},
     {"meshes[0].normals[0]", [](auto& s) { s.meshes[0].normals[0].x = kNan; }},
