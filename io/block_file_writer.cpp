@@ -29,6 +29,7 @@ struct BlockFileWriter::Impl {
   io::FileWriter file;
   std::vector<io::BlockEntry> index;
   std::uint64_t triangles = 0;
+  std::uint32_t materials = 0;  ///< that the scene must have
 };
 
 BlockFileWriter::BlockFileWriter(const std::string& path, const BlockFileOptions& options) {
@@ -61,6 +62,8 @@ void BlockFileWriter::Impl::add(const TriangleBlock& block, const BlockShading& 
   entry.geometry = append(io::encode_geometry(block));
   entry.shading = append(io::encode_shading(shading));
   index.push_back(entry);
+  for (const std::uint32_t material : shading.materials)
+    if (material != kInvalidId) materials = std::max(materials, material + 1);
   triangles += entry.triangles;
 }
 
@@ -68,6 +71,11 @@ void BlockFileWriter::Impl::finish(const SceneDescription& scene) {
   validate_but_triangles(scene);
   if (!scene.environment.empty())
     throw Error(ErrorCode::kUnsupported, "block files hold no environment", path);
+  if (materials > scene.materials.size())
+    throw Error(ErrorCode::kInvalidData,
+                "a block names material " + std::to_string(materials - 1) + ", but the scene has " +
+                    std::to_string(scene.materials.size()),
+                path);
   if (index.empty()) throw Error(ErrorCode::kInvalidData, "the scene has no triangles", path);
   io::FileHead head{};
   std::memcpy(head.magic, io::kBlockMagic, sizeof head.magic);

@@ -55,6 +55,9 @@ class BlockSurfaces {
     }
     if (shading_.materials.size() == 1) t.material = shading_.materials[0];
     if (shading_.materials.size() > 1) t.material = element(shading_.materials, hit.triangle);
+    if (t.material != kInvalidId && t.material >= scene_.materials.size())
+      refuse("a triangle is of material " + std::to_string(t.material) + ", but the scene has " +
+             std::to_string(scene_.materials.size()));
     const Vec2 uv = clamped_barycentrics(ray, t.corner[0], t.corner[1], t.corner[2]);
     return surface_of(scene_, textures_, t, uv.x, uv.y, direction);
   }

@@ -205,7 +205,11 @@ Streamer::Streamer(const Executor& executor, const GeometrySource& source,
       reading_(slots),
       tracing_(slots) {
   BlockLimits limits{options.memory_bytes, slots, 1};
-  for (const BlockInfo& block : source.blocks()) {
+  for (std::size_t i = 0; i < source.blocks().size(); ++i) {
+    const BlockInfo& block = source.blocks()[i];
+    if (block.triangles != 0 && !(min_component(block.bounds.max - block.bounds.min) >= 0))
+      throw Error(ErrorCode::kInvalidData, "has triangles, but its bounds are empty",
+                  source.place(i));
     triangle_count_ += block.triangles;
     limits.most_triangles = std::clamp(block.triangles, limits.most_triangles, kBlockTriangles);
   }

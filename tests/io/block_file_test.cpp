@@ -104,6 +104,7 @@ class BlockFileTest : public IoTest {
     }
     SceneDescription scene;
     scene.meshes.resize(1);
+    scene.materials.resize(3);
     scene.cameras.emplace_back();
     file.finish(scene);
   }
@@ -123,6 +124,25 @@ std::optional<Error> error_of_reading(const std::string& path) {
     return error;
   }
   return std::nullopt;
+}
+
+TEST_F(BlockFileTest, MaterialsAreTheScenes) {
+  Random random(5);
+  const TriangleBlock block = some_block(random, 20, 10);
+  BlockShading shading = shading_of(block, random);
+  shading.materials = {2};
+  SceneDescription scene;
+  scene.meshes.resize(1);
+  scene.materials.resize(2);
+  BlockFileWriter file(path("a.rsb"));
+  file.add(block, shading);
+  try {
+    file.finish(scene);
+    ADD_FAILURE() << "a material that is none was written";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInvalidData);
+    EXPECT_EQ(error.sentence(), "a block names material 2, but the scene has 2");
+  }
 }
 
 TEST_F(BlockFileTest, WhatIsWrittenIsRead) {

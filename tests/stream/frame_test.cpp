@@ -110,6 +110,28 @@ TEST(StreamedFrame, ScenesOfOthersAreTheSame) {
   }
 }
 
+/// A scene's blocks, of which each names a material that the scene has not.
+class WrongMaterials : public BlockList {
+ public:
+  void read_shading(std::size_t block, BlockShading* out) const override {
+    BlockList::read_shading(block, out);
+    out->materials = {777};
+  }
+};
+
+TEST(StreamedFrame, MaterialsAreTheScenes) {
+  WrongMaterials blocks;
+  blocks.set_scene(cut_into_blocks(builtin_scene("cornell"), &blocks));
+  try {
+    static_cast<void>(render(blocks, small_picture()));
+    ADD_FAILURE() << "a material that is none was shown";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInvalidData);
+    EXPECT_EQ(error.place(), "block 0");
+    EXPECT_NE(error.sentence().find("material 777"), std::string::npos) << error.what();
+  }
+}
+
 TEST(StreamedFrame, AsksForWhatItCanDo) {
   BlockList blocks;
   blocks.set_scene(cut_into_blocks(builtin_scene("cornell"), &blocks));

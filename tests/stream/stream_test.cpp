@@ -249,6 +249,25 @@ TEST(Stream, BlocksAreLookedOver) {
             std::string::npos);
 }
 
+/// A source that says of its block that it is nowhere.
+class Nowhere : public Wrong {
+ public:
+  Nowhere() : infos_(Wrong::blocks().begin(), Wrong::blocks().end()) { infos_[0].bounds = {}; }
+  [[nodiscard]] std::span<const BlockInfo> blocks() const override { return infos_; }
+
+ private:
+  std::vector<BlockInfo> infos_;
+};
+
+TEST(Stream, BoundsAreLookedOver) {
+  const Nowhere source;
+  const std::vector<Ray> rays{{{0.2f, 0.2f, 1}, 0, {0, 0, -1}}};
+  std::vector<Hit> hits(1);
+  const Error error = error_of([&] { closest_hit(source, rays, hits); });
+  EXPECT_EQ(error.code(), ErrorCode::kInvalidData) << error.what();
+  EXPECT_EQ(error.place(), "wrong: block 0");
+}
+
 TEST(Stream, WhatIsAskedIsLookedOver) {
   const Wrong source;
   const std::vector<Ray> rays{{{0.2f, 0.2f, 1}, 0, {0, 0, -1}}};
