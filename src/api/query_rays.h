@@ -14,8 +14,8 @@ class QueryRays final : public RaySource {
  public:
   /// `check`: `take` looks the rays over.
   QueryRays(View<const Ray> rays, bool check) : RaySource(rays.size), rays_(rays), check_(check) {}
-  QueryRays(const RayParts& parts, bool check)
-      : RaySource(parts.count), parts_(parts), is_packed_(false), check_(check) {}
+  /// Throws `Error` (kInvalidArgument) where there are rays without origins or directions.
+  QueryRays(const RayParts& parts, bool check);
 
   [[nodiscard]] bool is_packed() const { return is_packed_; }
   [[nodiscard]] bool is_in_place() const override { return is_packed_; }

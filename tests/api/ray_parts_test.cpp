@@ -212,6 +212,20 @@ void expect_first_wrong_ray_named(const Scene& scene, const std::vector<Ray>& ra
                [&] { closest_hit(scene, kept.parts(), hits); });
 }
 
+TEST(RayParts, NumbersThatAreMissingAreNamed) {
+  const Scene scene = scene_of(RandomSoup(10, 0, 0.1f));
+  const std::vector<double> there(9, 1.0);
+  const NumberRows given(there.data());
+  std::vector<Hit> hits(3);
+  for (const NumberRows& none : {NumberRows(), NumberRows(static_cast<const double*>(nullptr))}) {
+    expect_error(ErrorCode::kInvalidArgument, "rays.origins", "none for 3 rays",
+                 [&] { closest_hit(scene, RayParts(3, none, given), hits); });
+    expect_error(ErrorCode::kInvalidArgument, "rays.directions", "none for 3 rays",
+                 [&] { closest_hit(scene, RayParts(3, given, none), hits); });
+    closest_hit(scene, RayParts(0, none, none), {});
+  }
+}
+
 TEST(RayParts, TheFirstWrongRayIsNamed) {
   const RandomSoup soup(5000, 0, 0.1f);
   const Scene scene = scene_of(soup);
