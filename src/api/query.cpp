@@ -21,12 +21,14 @@ void check_length(std::size_t rays, std::size_t size, const char* name) {
                 std::to_string(size) + " results for " + std::to_string(rays) + " rays", name);
 }
 
-/// Where nothing can be met. A device's memory is not written from here.
+/// Where nothing can be met. A device's memory is not written from here, and not before what the
+/// caller has asked for.
 template <class T>
 void clear(const Query& query, std::span<T> out) {
   if (out.empty()) return;
   if (query.is_on_device() && query.backend()->is_device_memory(out.data()))
-    return query.backend()->write(out.data(), std::vector<T>(out.size()).data(), out.size_bytes());
+    return query.backend()->write(out.data(), std::vector<T>(out.size()).data(), out.size_bytes(),
+                                  query.stream());
   std::fill(out.begin(), out.end(), T{});
 }
 
@@ -115,10 +117,11 @@ void name_rows(Query* query, HitRows* out) {
 }
 
 void count_hits(Query* query, std::span<std::uint32_t> counts) {
-  clear(*query, counts);
-  if (query->is_on_device() && !query->is_empty())
+  if (query->is_empty()) return clear(*query, counts);
+  if (query->is_on_device())
     return query->device_engine().count_hits(query->rays(), query->device_query(),
                                              View<std::uint32_t>(counts.data(), counts.size()));
+  std::fill(counts.begin(), counts.end(), 0u);
   find_rows(query, [&](const auto& rows) {
     rows.for_each(query->executor(), [&](std::size_t ray, View<const EngineHit> hits) {
       counts[ray] = static_cast<std::uint32_t>(hits.size);

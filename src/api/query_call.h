@@ -58,6 +58,8 @@ class Query {
     return ContextAccess::backend(state_.context);
   }
   [[nodiscard]] bool is_on_device() const { return backend() != nullptr; }
+  /// What was asked for on it comes before results are written.
+  [[nodiscard]] void* stream() const { return options_.stream; }
   [[nodiscard]] DeviceEngine& device_engine() {
     return view_->device_engine(state_.executor(), *backend());
   }

@@ -104,8 +104,9 @@ class DeviceBackend {
   /// Of frames (engine/frame_stages.h).
   [[nodiscard]] virtual std::unique_ptr<DeviceStages> make_stages() const = 0;
   [[nodiscard]] virtual bool is_device_memory(const void* pointer) const = 0;
-  /// Copies from the host's memory to the device's. For any number of threads.
-  virtual void write(void* to, const void* from, std::size_t bytes) const = 0;
+  /// Copies from the host's memory to the device's, after what was asked for on `stream`. For any
+  /// number of threads.
+  virtual void write(void* to, const void* from, std::size_t bytes, void* stream) const = 0;
   /// Measured: bytes read and written a millisecond, copying within the device's memory.
   [[nodiscard]] virtual double copy_bytes_per_ms() const = 0;
   /// Measured: multiplications and additions in binary32 a millisecond.

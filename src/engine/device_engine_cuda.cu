@@ -34,8 +34,9 @@ class CudaBackend : public DeviceBackend {
   [[nodiscard]] bool is_device_memory(const void* pointer) const override {
     return device_.is_device_memory(pointer);
   }
-  void write(void* to, const void* from, std::size_t bytes) const override {
+  void write(void* to, const void* from, std::size_t bytes, void* stream) const override {
     CudaDevice device;
+    device.wait_for("copy: hits", stream);
     device.copy("copy: hits", to, from, bytes);
   }
   [[nodiscard]] double copy_bytes_per_ms() const override {

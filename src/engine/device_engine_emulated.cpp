@@ -1,5 +1,3 @@
-#include <cstring>
-
 #include "engine/block_tracer.h"
 #include "engine/device_engine-inl.h"
 #include "engine/frame_stages.h"
@@ -37,8 +35,10 @@ class EmulatedBackend : public DeviceBackend {
   [[nodiscard]] bool is_device_memory(const void* pointer) const override {
     return memory_.owns(pointer);
   }
-  void write(void* to, const void* from, std::size_t bytes) const override {
-    std::memcpy(to, from, bytes);
+  void write(void* to, const void* from, std::size_t bytes, void* stream) const override {
+    EmulatedDevice device(executor_, memory_, allocator_);
+    device.wait_for("copy: hits", stream);
+    device.copy("copy: hits", to, from, bytes);
   }
   [[nodiscard]] double copy_bytes_per_ms() const override {
     EmulatedDevice device(executor_, memory_, allocator_);
