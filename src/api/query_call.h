@@ -106,7 +106,8 @@ class Query {
  private:
   void take_all() {
     // Rays in a device's memory are looked over there.
-    if (rays_.is_packed() && is_on_device() && backend()->is_device_memory(rays_.rays().data)) {
+    if (rays_.is_packed() && is_on_device() &&
+        backend()->is_device_memory(rays_.rays().data, "rays")) {
       whole_ = rays_.rays();
       return;
     }

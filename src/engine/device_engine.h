@@ -103,7 +103,8 @@ class DeviceBackend {
       const Executor& executor, const BlockLimits& limits) const = 0;
   /// Of frames (engine/frame_stages.h).
   [[nodiscard]] virtual std::unique_ptr<DeviceStages> make_stages() const = 0;
-  [[nodiscard]] virtual bool is_device_memory(const void* pointer) const = 0;
+  /// As the verb of exec/device.h.
+  [[nodiscard]] virtual bool is_device_memory(const void* pointer, const char* name) const = 0;
   /// Copies from the host's memory to the device's, after what was asked for on `stream`. For any
   /// number of threads.
   virtual void write(void* to, const void* from, std::size_t bytes, void* stream) const = 0;

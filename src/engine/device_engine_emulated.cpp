@@ -32,7 +32,7 @@ class EmulatedBackend : public DeviceBackend {
   [[nodiscard]] std::unique_ptr<DeviceStages> make_stages() const override {
     return make_emulated_stages(executor_, memory_, allocator_);
   }
-  [[nodiscard]] bool is_device_memory(const void* pointer) const override {
+  [[nodiscard]] bool is_device_memory(const void* pointer, const char* /*name*/) const override {
     return memory_.owns(pointer);
   }
   void write(void* to, const void* from, std::size_t bytes, void* stream) const override {

@@ -99,6 +99,25 @@ TEST(CudaDevice, QueriesTakePointersOfTheDeviceAndAStream) {
   EXPECT_EQ(cudaStreamDestroy(stream), cudaSuccess);
 }
 
+TEST(CudaDevice, RefusesTheMemoryOfAnother) {
+  cudaPointerAttributes said{};
+  said.type = cudaMemoryTypeDevice;
+  said.device = 2;
+  EXPECT_TRUE(may_follow(said, 2, "hits"));
+  try {
+    static_cast<void>(may_follow(said, 0, "hits"));
+    FAIL() << "a kernel would have followed it";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
+    EXPECT_STREQ(error.what(),
+                 "hits: lies in the memory of CUDA device 2, and the context is on CUDA device 0");
+  }
+  said.type = cudaMemoryTypeManaged;  // every device's
+  EXPECT_TRUE(may_follow(said, 0, "hits"));
+  said.type = cudaMemoryTypeHost;
+  EXPECT_FALSE(may_follow(said, 0, "hits"));
+}
+
 TEST(CudaError, NamesTheStageAndSaysWhatCudaSays) {
   EXPECT_NO_THROW(check_cuda(cudaSuccess, "a stage"));
   const std::pair<cudaError_t, ErrorCode> errors[] = {

@@ -98,7 +98,9 @@ class EmulatedDevice {
     return *place;
   }
   void synchronize(const char* /*stage*/) {}
-  [[nodiscard]] bool is_device_memory(const void* pointer) const { return memory_.owns(pointer); }
+  [[nodiscard]] bool is_device_memory(const void* pointer, const char* /*name*/) const {
+    return memory_.owns(pointer);
+  }
   /// `stream`: an EmulatedStream, or null.
   void wait_for(const char* /*stage*/, void* stream) {
     if (stream != nullptr) static_cast<EmulatedStream*>(stream)->finish();

@@ -16,7 +16,7 @@ class StreamAllocator : public DeviceAllocator {
     pooled_ = pooled != 0;
   }
   [[nodiscard]] void* allocate(const char* stage, std::size_t bytes) override {
-    check_cuda(cudaSetDevice(index_), stage);
+    const CurrentDevice current(index_, stage);
     void* memory = nullptr;
     check_cuda(pooled_ ? cudaMallocAsync(&memory, bytes, stream_) : cudaMalloc(&memory, bytes),
                stage);
@@ -24,7 +24,7 @@ class StreamAllocator : public DeviceAllocator {
   }
   void free(void* memory) noexcept override {
     // A device that has failed cannot take its memory back, and nobody could do anything about it.
-    static_cast<void>(cudaSetDevice(index_));
+    const CurrentDevice current(index_);
     static_cast<void>(pooled_ ? cudaFreeAsync(memory, stream_) : cudaFree(memory));
   }
 
@@ -41,6 +41,19 @@ std::string described(int index) {
          "." + std::to_string(properties.minor);
 }
 
+cudaPointerAttributes said_of(const void* pointer) {
+  cudaPointerAttributes said{};
+  if (cudaPointerGetAttributes(&said, pointer) == cudaSuccess) return said;
+  static_cast<void>(cudaGetLastError());
+  said.type = cudaMemoryTypeUnregistered;
+  return said;
+}
+
+bool lies_on_a_device(const void* pointer) {
+  const cudaMemoryType type = said_of(pointer).type;
+  return type == cudaMemoryTypeDevice || type == cudaMemoryTypeManaged;
+}
+
 struct Nothing {
   __host__ __device__ void operator()(std::size_t /*i*/) const {}
 };
@@ -48,7 +61,7 @@ struct Nothing {
 cudaStream_t new_stream(int index) {
   int count = 0;
   check_cuda(cudaGetDeviceCount(&count), kOpening);
-  check_cuda(cudaSetDevice(index), kOpening);
+  const CurrentDevice current(index, kOpening);
   cudaStream_t stream = nullptr;
   check_cuda(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), kOpening);
   return stream;
@@ -77,13 +90,13 @@ CudaDevice::CudaDevice(int index, DeviceAllocator* allocator)
 }
 
 CudaDevice::~CudaDevice() {
+  const CurrentDevice current(index_);
   for (const Mark& mark : marks_) {
     if (mark.begin != nullptr) static_cast<void>(cudaEventDestroy(mark.begin));
     if (mark.end != nullptr) static_cast<void>(cudaEventDestroy(mark.end));
   }
   scratch_.release();
   counter_.release();
-  static_cast<void>(cudaSetDevice(index_));
   static_cast<void>(cudaStreamSynchronize(static_cast<cudaStream_t>(stream_)));
   static_cast<void>(cudaStreamDestroy(static_cast<cudaStream_t>(stream_)));
 }
@@ -98,25 +111,29 @@ void CudaDevice::copy(const char* stage, void* to, const void* from, std::size_t
   if (bytes == 0) return;
   Verb verb(*this, stage);
   verb.finish(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDefault, verb.stream()));
-  if (!is_device_memory(to) || !is_device_memory(from)) synchronize(stage);
+  if (!lies_on_a_device(to) || !lies_on_a_device(from)) synchronize(stage);
 }
 
 void CudaDevice::synchronize(const char* stage) {
-  check_cuda(cudaSetDevice(index_), stage);
+  const CurrentDevice current(index_, stage);
   check_cuda(cudaStreamSynchronize(static_cast<cudaStream_t>(stream_)), stage);
 }
 
-bool CudaDevice::is_device_memory(const void* pointer) const {
-  cudaPointerAttributes attributes;
-  if (cudaPointerGetAttributes(&attributes, pointer) != cudaSuccess) {
-    static_cast<void>(cudaGetLastError());
-    return false;
-  }
-  return attributes.type == cudaMemoryTypeDevice || attributes.type == cudaMemoryTypeManaged;
+bool may_follow(const cudaPointerAttributes& said, int index, const char* name) {
+  if (said.type == cudaMemoryTypeDevice && said.device != index)
+    throw Error(ErrorCode::kInvalidArgument,
+                "lies in the memory of CUDA device " + std::to_string(said.device) +
+                    ", and the context is on CUDA device " + std::to_string(index),
+                name);
+  return said.type == cudaMemoryTypeDevice || said.type == cudaMemoryTypeManaged;
+}
+
+bool CudaDevice::is_device_memory(const void* pointer, const char* name) const {
+  return may_follow(said_of(pointer), index_, name);
 }
 
 void CudaDevice::wait_for(const char* stage, void* stream) {
-  check_cuda(cudaSetDevice(index_), stage);
+  const CurrentDevice current(index_, stage);
   cudaEvent_t event = nullptr;
   check_cuda(cudaEventCreateWithFlags(&event, cudaEventDisableTiming), stage);
   cudaError_t status = cudaEventRecord(event, static_cast<cudaStream_t>(stream));
@@ -126,12 +143,8 @@ void CudaDevice::wait_for(const char* stage, void* stream) {
   check_cuda(status, stage);
 }
 
-void CudaDevice::make_current(const char* stage) const {
-  check_cuda(cudaSetDevice(index_), stage);
-}
-
 std::uint64_t CudaDevice::free_bytes() const {
-  make_current("CUDA device: memory");
+  const CurrentDevice current(index_, "CUDA device: memory");
   std::size_t free = 0, total = 0;
   check_cuda(cudaMemGetInfo(&free, &total), "CUDA device: memory");
   return free;
@@ -158,6 +171,7 @@ void CudaDevice::keep_times(bool keep) {
 }
 
 std::vector<StageTime> CudaDevice::times() {
+  const CurrentDevice current(index_, "stage times");
   synchronize("stage times");
   std::vector<StageTime> times;
   for (const Mark& mark : marks_) {

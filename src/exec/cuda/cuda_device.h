@@ -1,5 +1,6 @@
 // A CUDA device: the verbs of exec/device.h as kernels and calls of CUB, one after another on a
-// stream of its own. One small .cu a primitive; loops are launched by exec/cuda/launch-inl.h.
+// stream of its own. One small .cu a primitive; loops are launched by exec/cuda/launch-inl.h. A
+// thread's current device is after each verb what it was before.
 #pragma once
 
 #include <cstdint>
@@ -53,7 +54,7 @@ class CudaDevice {
     return value;
   }
   void synchronize(const char* stage);
-  [[nodiscard]] bool is_device_memory(const void* pointer) const;
+  [[nodiscard]] bool is_device_memory(const void* pointer, const char* name) const;
   [[nodiscard]] DeviceAllocator& allocator() { return *allocator_; }
   [[nodiscard]] std::uint64_t free_bytes() const;
 
@@ -70,8 +71,6 @@ class CudaDevice {
   // For its links.
   [[nodiscard]] int index() const { return index_; }
   [[nodiscard]] void* stream() const { return stream_; }  ///< a cudaStream_t
-  /// What this thread asks CUDA for from now on is asked of this device.
-  void make_current(const char* stage) const;
 
  private:
   struct Mark;

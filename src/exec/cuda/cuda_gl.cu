@@ -1,13 +1,12 @@
 #include "exec/cuda/cuda_gl.h"
 
 #include <cuda_gl_interop.h>
-#include <cuda_runtime.h>
 
 #include <algorithm>
 #include <array>
 #include <string>
 
-#include "exec/cuda/cuda_error.h"
+#include "exec/cuda/cuda_device-inl.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf {
@@ -38,7 +37,7 @@ cudaGraphicsResource_t resource_of(void* resource) {
 }  // namespace
 
 CudaGlBuffer::CudaGlBuffer(CudaDevice& device, unsigned name) : index_(device.index()) {
-  device.make_current(kSharing);
+  const CurrentDevice current(index_, kSharing);
   std::array<int, 16> drawing{};
   unsigned count = 0;
   require(cudaGLGetDevices(&count, drawing.data(), static_cast<unsigned>(drawing.size()),
@@ -56,13 +55,13 @@ CudaGlBuffer::CudaGlBuffer(CudaDevice& device, unsigned name) : index_(device.in
 }
 
 CudaGlBuffer::~CudaGlBuffer() {
-  static_cast<void>(cudaSetDevice(index_));
+  const CurrentDevice current(index_);
   static_cast<void>(cudaGraphicsUnregisterResource(resource_of(resource_)));
 }
 
 void CudaGlBuffer::copy_to(const char* stage, CudaDevice& device, void* to,
                            std::size_t bytes) const {
-  device.make_current(stage);
+  const CurrentDevice current(index_, stage);
   const cudaStream_t stream = stream_of(device);
   cudaGraphicsResource_t resource = resource_of(resource_);
   check_cuda(cudaGraphicsMapResources(1, &resource, stream), stage);
