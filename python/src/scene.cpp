@@ -94,12 +94,21 @@ auto with_rays(const AskedRays& rays, const Body& body) {
   return body(items_of<const Ray>(rays));
 }
 
-/// The stream of whichever lies on a device; the rays', where both do.
+/// Of what lies on a device.
+struct Streams {
+  bool any_place = false;  ///< whether something does
+  void* stream = nullptr;  ///< the rays', where both have one
+};
+
 template <class... Arrays>
-void* stream_of(const AskedRays& rays, const std::variant<Arrays...>& out) {
-  for (const Place* place : {std::get_if<Place>(&rays), std::get_if<Place>(&out)})
-    if (place != nullptr && place->stream != nullptr) return place->stream;
-  return nullptr;
+Streams streams_of(const AskedRays& rays, const std::variant<Arrays...>& out) {
+  Streams streams;
+  for (const Place* place : {std::get_if<Place>(&out), std::get_if<Place>(&rays)}) {
+    if (place == nullptr) continue;
+    streams.any_place = true;
+    if (place->stream != nullptr) streams.stream = place->stream;
+  }
+  return streams;
 }
 
 Affine affine_of(const Matrix34& array) {
@@ -195,8 +204,10 @@ std::uint64_t size_of(const RayParts& rays) {
   return rays.count;
 }
 
+/// Where arrays lie on a device, the query stays on the thread that asks: to another one a stream's
+/// handle may mean another stream (cudaStreamPerThread).
 template <class Body>
-void ask(SharedScene& shared, const AskedRays& rays, void* stream, const Wish& wish,
+void ask(SharedScene& shared, const AskedRays& rays, const Streams& streams, const Wish& wish,
          const Body& body) {
   QueryStatistics statistics;
   const bool counted = !wish.statistics.is_none();
@@ -204,14 +215,15 @@ void ask(SharedScene& shared, const AskedRays& rays, void* stream, const Wish& w
                        .mask = wish.mask,
                        .check = wish.check,
                        .count_tests = counted,
-                       .stream = stream,
+                       .stream = streams.stream,
                        .statistics = counted ? &statistics : nullptr};
   const auto answer = [&](const auto& poll) {
     shared.look_committed([&](const Scene& scene) { body(scene, options); }, poll);
   };
   const std::uint64_t count = with_rays(rays, [](const auto& given) { return size_of(given); });
   const std::uint64_t triangles = shared.look([](const Scene& s) { return s.triangle_count(); });
-  if (count >= kManyRays || (wish.brute && count * triangles >= kManyTests)) {
+  const bool is_long = count >= kManyRays || (wish.brute && count * triangles >= kManyTests);
+  if (is_long && !streams.any_place) {
     interruptible([&](const std::atomic<bool>& stop) {
       options.stop = &stop;
       answer([&stop] {
@@ -229,7 +241,7 @@ template <class Item, class Array, class Query>
 void query_into(SharedScene& shared, const AskedRays& rays, const Anywhere<Array>& out,
                 const Wish& wish, const Query& query) {
   const auto answers = items_of<Item>(out);
-  ask(shared, rays, stream_of(rays, out), wish,
+  ask(shared, rays, streams_of(rays, out), wish,
       [&](const Scene& scene, const QueryOptions& options) {
         with_rays(rays, [&](const auto& given) { query(scene, given, answers, options); });
       });
@@ -264,7 +276,7 @@ void query_hit_counts(SharedScene& shared, const AskedRays& rays,
 /// Offsets and hits as arrays over the library's own memory.
 nb::tuple query_all_hits(SharedScene& shared, const AskedRays& rays, const Wish& wish) {
   auto found = std::make_unique<HitRows>();
-  ask(shared, rays, stream_of(rays, rays), wish,
+  ask(shared, rays, streams_of(rays, rays), wish,
       [&](const Scene& scene, const QueryOptions& options) {
         with_rays(rays, [&](const auto& given) { *found = all_hits(scene, given, options); });
       });

@@ -7,12 +7,13 @@ import ctypes
 
 import numpy as np
 import pytest
-from conftest import make_setting
+from conftest import interrupted_after, make_setting
 
 import raysheaf
 from raysheaf import _core, _device
 
 SETTING = make_setting(11)
+ALL = 0xFFFFFFFF
 
 
 def packed_rays() -> np.ndarray:
@@ -135,7 +136,7 @@ def place(array: np.ndarray) -> _core.Place:
 
 def test_pointers_are_handed_over():
     scene, rays = scene_of_the_cpu(), packed_rays()
-    wish = _core.Wish(0xFFFFFFFF, False, True, None)
+    wish = _core.Wish(ALL, False, True, None)
     hits = raysheaf.Hits.empty(len(rays))
     scene._core.closest_hit(place(rays), place(hits.array), wish)
     assert hits.array.tobytes() == scene.closest_hit(rays).array.tobytes()
@@ -147,6 +148,20 @@ def test_pointers_are_handed_over():
     assert (counts == scene.hit_counts(rays)).all() and counts.any()
     offsets, _ = scene._core.all_hits(place(rays), wish)
     assert offsets[-1] == counts.sum()
+
+
+def test_pointers_are_followed_on_the_thread_that_asks():
+    """On another one, a handle of the thread's own default stream would mean another stream. Who
+    only waits hears Ctrl-C, and ends the query; who works hears it when all is done."""
+    setting, scene = make_setting(12, 4000), raysheaf.Scene()
+    scene.add(setting.vertices, setting.triangles)
+    many = np.tile(packed_rays(), (400, 1))
+    assert len(many) >= 100_000  # of numpy's, so many would be followed elsewhere
+    hits = raysheaf.Hits.empty(len(many))
+    hits.array["t"] = -1
+    with interrupted_after(0.01):
+        scene._core.closest_hit(place(many), place(hits.array), _core.Wish(ALL, True, True, None))
+    assert (hits.t >= 0).all()
 
 
 class OnCuda:
