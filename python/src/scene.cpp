@@ -97,18 +97,15 @@ auto with_rays(const AskedRays& rays, const Body& body) {
 /// Of what lies on a device.
 struct Streams {
   bool any_place = false;  ///< whether something does
-  void* stream = nullptr;  ///< the rays', where both have one
+  void *rays = nullptr, *results = nullptr;
 };
 
 template <class... Arrays>
 Streams streams_of(const AskedRays& rays, const std::variant<Arrays...>& out) {
-  Streams streams;
-  for (const Place* place : {std::get_if<Place>(&out), std::get_if<Place>(&rays)}) {
-    if (place == nullptr) continue;
-    streams.any_place = true;
-    if (place->stream != nullptr) streams.stream = place->stream;
-  }
-  return streams;
+  const Place* const from = std::get_if<Place>(&rays);
+  const Place* const to = std::get_if<Place>(&out);
+  return {from != nullptr || to != nullptr, from != nullptr ? from->stream : nullptr,
+          to != nullptr ? to->stream : nullptr};
 }
 
 Affine affine_of(const Matrix34& array) {
@@ -215,7 +212,8 @@ void ask(SharedScene& shared, const AskedRays& rays, const Streams& streams, con
                        .mask = wish.mask,
                        .check = wish.check,
                        .count_tests = counted,
-                       .stream = streams.stream,
+                       .stream = streams.rays,
+                       .results_stream = streams.results,
                        .statistics = counted ? &statistics : nullptr};
   const auto answer = [&](const auto& poll) {
     shared.look_committed([&](const Scene& scene) { body(scene, options); }, poll);

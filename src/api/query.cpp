@@ -24,11 +24,11 @@ void check_length(std::size_t rays, std::size_t size, const char* name) {
 /// Where nothing can be met. A device's memory is not written from here, and not before what the
 /// caller has asked for.
 template <class T>
-void clear(const Query& query, std::span<T> out, const char* name) {
+void clear(Query* query, std::span<T> out, const char* name) {
   if (out.empty()) return;
-  if (query.is_on_device() && query.backend()->is_device_memory(out.data(), name))
-    return query.backend()->write(out.data(), std::vector<T>(out.size()).data(), out.size_bytes(),
-                                  query.stream());
+  if (query->is_on_device() && query->backend()->is_device_memory(out.data(), name))
+    return query->backend()->write(out.data(), std::vector<T>(out.size()).data(), out.size_bytes(),
+                                   query->device_query());
   std::fill(out.begin(), out.end(), T{});
 }
 
@@ -117,7 +117,7 @@ void name_rows(Query* query, HitRows* out) {
 }
 
 void count_hits(Query* query, std::span<std::uint32_t> counts) {
-  if (query->is_empty()) return clear(*query, counts, "counts");
+  if (query->is_empty()) return clear(query, counts, "counts");
   if (query->is_on_device())
     return query->device_engine().count_hits(query->rays(), query->device_query(),
                                              View<std::uint32_t>(counts.data(), counts.size()));
@@ -201,7 +201,7 @@ void closest_hit(const Scene& scene, const QueryRays& rays, std::span<Hit> hits,
          [&](const QueryRays& some, std::span<Hit> out, const QueryOptions& how) {
            Query query(scene, some, how, Passes::kInTiles);
            if (query.is_empty())
-             clear(query, out, kName);
+             clear(&query, out, kName);
            else
              closest_hits(&query, out);
            query.finish();
@@ -216,7 +216,7 @@ void any_hit(const Scene& scene, const QueryRays& rays, std::span<std::uint8_t> 
          [&](const QueryRays& some, std::span<std::uint8_t> out, const QueryOptions& how) {
            Query query(scene, some, how, Passes::kInTiles);
            if (query.is_empty())
-             clear(query, out, kName);
+             clear(&query, out, kName);
            else
              any_hits(&query, out);
            query.finish();

@@ -58,8 +58,6 @@ class Query {
     return ContextAccess::backend(state_.context);
   }
   [[nodiscard]] bool is_on_device() const { return backend() != nullptr; }
-  /// What was asked for on it comes before results are written.
-  [[nodiscard]] void* stream() const { return options_.stream; }
   [[nodiscard]] DeviceEngine& device_engine() {
     return view_->device_engine(state_.executor(), *backend());
   }
@@ -69,6 +67,7 @@ class Query {
     query.check = options_.check;
     query.count = options_.count_tests;
     query.stream = options_.stream;
+    query.results_stream = options_.results_stream;
     query.report = report();
     query.executor = &executor_;
     return query;

@@ -12,6 +12,13 @@
 
 namespace raysheaf {
 
+/// What the caller has asked for comes first.
+template <class Device>
+void wait_for_streams(Device& device, const DeviceQuery& query) {
+  device.wait_for("rays", query.stream);
+  if (query.results_stream != nullptr) device.wait_for("hits", query.results_stream);
+}
+
 template <class Device>
 class DeviceEngineOn : public DeviceEngine {
  public:
@@ -179,8 +186,9 @@ class DeviceEngineOn : public DeviceEngine {
     start_ = Clock::now();
     device_.keep_times(query.report != nullptr);
     const bool rays_are_there = device_.is_device_memory(rays.data, "rays");
-    if (rays_are_there || out_is_there || query.stream != nullptr)
-      device_.wait_for("rays", query.stream);
+    if (rays_are_there || out_is_there || query.stream != nullptr ||
+        query.results_stream != nullptr)
+      wait_for_streams(device_, query);
     if (!rays_are_there) {
       rays_.resize_uninitialized("copy: rays", rays.size);
       uplink_.copy("copy: rays", query.executor, rays, rays_.view());

@@ -34,9 +34,10 @@ class CudaBackend : public DeviceBackend {
   [[nodiscard]] bool is_device_memory(const void* pointer, const char* name) const override {
     return device_.is_device_memory(pointer, name);
   }
-  void write(void* to, const void* from, std::size_t bytes, void* stream) const override {
+  void write(void* to, const void* from, std::size_t bytes,
+             const DeviceQuery& query) const override {
     CudaDevice device;
-    device.wait_for("copy: hits", stream);
+    wait_for_streams(device, query);
     device.copy("copy: hits", to, from, bytes);
   }
   [[nodiscard]] double copy_bytes_per_ms() const override {

@@ -207,5 +207,27 @@ TEST(DeviceContext, WhatMeetsNothingIsWrittenAfterTheCallersStream) {
   expect_answers_after_the_stream(std::uint32_t{0}, [](const auto&... all) { hit_counts(all...); });
 }
 
+TEST(DeviceContext, RaysAndResultsMayBeOnTwoStreams) {
+  Emulation emulation;
+  const Filled there(emulation.context), here(Context{});
+  const std::vector<Ray> rays = rays_for(50);
+  DeviceBuffer<Ray> in(emulation.memory);
+  DeviceBuffer<std::uint32_t> out(emulation.memory);
+  in.resize_uninitialized("test", rays.size());
+  out.resize_uninitialized("test", rays.size());
+  std::fill_n(in.data(), rays.size(), Ray{});
+  EmulatedStream first, second;
+  first.ask([&] { std::copy(rays.begin(), rays.end(), in.data()); });
+  second.ask([&] { std::fill_n(out.data(), rays.size(), 77u); });
+  QueryOptions options;
+  options.stream = &first;
+  options.results_stream = &second;
+  hit_counts(there.scene, std::span<const Ray>(in.data(), rays.size()),
+             std::span<std::uint32_t>(out.data(), rays.size()), options);
+  second.finish();
+  EXPECT_EQ(std::vector<std::uint32_t>(out.data(), out.data() + rays.size()),
+            hit_counts(here.scene, rays));
+}
+
 }  // namespace
 }  // namespace raysheaf::test
