@@ -4,6 +4,8 @@ device, that the answers are those of the CPU."""
 from __future__ import annotations
 
 import ctypes
+import sys
+import types
 
 import numpy as np
 import pytest
@@ -127,6 +129,35 @@ def test_what_arrays_say():
     assert _device.device_array(Fake((1, 8), strides=(4, 4)), "rays") is not None
     for other in (None, 3.0, [1, 2], np.zeros(3)):
         assert _device.device_array(other, "rays") is None
+
+
+def test_streams_that_arrays_name():
+    def stream(**more):
+        return _device.device_array(Fake((5, 8), **more), "rays").stream
+
+    assert (stream(stream=1), stream(stream=2), stream(stream=4711)) == (1, 2, 4711)
+    assert stream(stream=None) == 0  # nothing to wait for
+    assert stream() == 0  # as before version 3 of the interface
+    assert stream(stream=0) == 1  # not allowed, and no less than the default stream
+
+
+def test_streams_of_tensors(monkeypatch):
+    class Tensor(Fake):
+        device = "cuda:3"
+
+    current = {"cuda:3": 4711}
+    torch = types.ModuleType("torch")
+    torch.Tensor = Tensor
+    torch.cuda = types.SimpleNamespace(
+        current_stream=lambda device: types.SimpleNamespace(cuda_stream=current[device])
+    )
+    monkeypatch.setitem(sys.modules, "torch", torch)
+    tensor = Tensor((5, 8), version=2)
+    assert _device.device_array(tensor, "rays").stream == 4711
+    current["cuda:3"] = 0  # PyTorch's word for the legacy default stream
+    assert _device.device_array(tensor, "rays").stream == 1
+    assert _device.device_array(Tensor((5, 8), stream=5), "rays").stream == 5
+    assert _device.device_array(Fake((5, 8)), "rays").stream == 0  # somebody else's
 
 
 def place(array: np.ndarray) -> _core.Place:
