@@ -138,5 +138,13 @@ TEST(CudaError, NamesTheStageAndSaysWhatCudaSays) {
   }
 }
 
+TEST(CudaError, WhatIsIgnoredIsForgotten) {
+  if (!there_is_a_device()) GTEST_SKIP() << "there is no CUDA device, which is never forgotten";
+  EXPECT_NE(cudaSetDevice(-1), cudaSuccess);
+  EXPECT_NE(cudaPeekAtLastError(), cudaSuccess);
+  ignore_cuda(cudaSetDevice(-1));
+  EXPECT_EQ(cudaPeekAtLastError(), cudaSuccess);
+}
+
 }  // namespace
 }  // namespace raysheaf::test

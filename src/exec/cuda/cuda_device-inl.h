@@ -16,12 +16,13 @@ class CurrentDevice {
     status_ = cudaGetDevice(&before_);
     if (status_ == cudaSuccess) status_ = cudaSetDevice(index);
     changed_ = status_ == cudaSuccess && before_ != index;
+    ignore_cuda(status_);
   }
   CurrentDevice(int index, const char* stage) : CurrentDevice(index) { check_cuda(status_, stage); }
   CurrentDevice(const CurrentDevice&) = delete;
   CurrentDevice& operator=(const CurrentDevice&) = delete;
   ~CurrentDevice() {
-    if (changed_) static_cast<void>(cudaSetDevice(before_));
+    if (changed_) ignore_cuda(cudaSetDevice(before_));
   }
 
  private:
@@ -43,6 +44,7 @@ class CudaDevice::Verb {
  public:
   Verb(CudaDevice& device, const char* stage)
       : device_(device), stage_(stage), current_(device.index_, stage) {
+    static_cast<void>(cudaGetLastError());  // what was refused before, of whomever, is not its own
     if (!device.keeps_times_) return;
     Mark mark{stage, nullptr, nullptr};
     check_cuda(cudaEventCreate(&mark.begin), stage);

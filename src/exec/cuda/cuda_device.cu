@@ -25,7 +25,7 @@ class StreamAllocator : public DeviceAllocator {
   void free(void* memory) noexcept override {
     // A device that has failed cannot take its memory back, and nobody could do anything about it.
     const CurrentDevice current(index_);
-    static_cast<void>(pooled_ ? cudaFreeAsync(memory, stream_) : cudaFree(memory));
+    ignore_cuda(pooled_ ? cudaFreeAsync(memory, stream_) : cudaFree(memory));
   }
 
  private:
@@ -84,7 +84,7 @@ CudaDevice::CudaDevice(int index, DeviceAllocator* allocator)
     for_each(kOpening, 1, Nothing{});
     synchronize(kOpening);
   } catch (...) {
-    static_cast<void>(cudaStreamDestroy(static_cast<cudaStream_t>(stream_)));
+    ignore_cuda(cudaStreamDestroy(static_cast<cudaStream_t>(stream_)));
     throw;
   }
 }
@@ -92,13 +92,13 @@ CudaDevice::CudaDevice(int index, DeviceAllocator* allocator)
 CudaDevice::~CudaDevice() {
   const CurrentDevice current(index_);
   for (const Mark& mark : marks_) {
-    if (mark.begin != nullptr) static_cast<void>(cudaEventDestroy(mark.begin));
-    if (mark.end != nullptr) static_cast<void>(cudaEventDestroy(mark.end));
+    if (mark.begin != nullptr) ignore_cuda(cudaEventDestroy(mark.begin));
+    if (mark.end != nullptr) ignore_cuda(cudaEventDestroy(mark.end));
   }
   scratch_.release();
   counter_.release();
-  static_cast<void>(cudaStreamSynchronize(static_cast<cudaStream_t>(stream_)));
-  static_cast<void>(cudaStreamDestroy(static_cast<cudaStream_t>(stream_)));
+  ignore_cuda(cudaStreamSynchronize(static_cast<cudaStream_t>(stream_)));
+  ignore_cuda(cudaStreamDestroy(static_cast<cudaStream_t>(stream_)));
 }
 
 void CudaDevice::fill_bytes(const char* stage, void* place, std::size_t bytes, std::uint8_t byte) {
@@ -139,7 +139,7 @@ void CudaDevice::wait_for(const char* stage, void* stream) {
   cudaError_t status = cudaEventRecord(event, static_cast<cudaStream_t>(stream));
   if (status == cudaSuccess)
     status = cudaStreamWaitEvent(static_cast<cudaStream_t>(stream_), event, 0);
-  static_cast<void>(cudaEventDestroy(event));
+  ignore_cuda(cudaEventDestroy(event));
   check_cuda(status, stage);
 }
 
@@ -179,8 +179,8 @@ std::vector<StageTime> CudaDevice::times() {
     if (mark.begin != nullptr && mark.end != nullptr &&
         cudaEventElapsedTime(&ms, mark.begin, mark.end) == cudaSuccess)
       add_stage_time(mark.stage, ms, &times);
-    if (mark.begin != nullptr) static_cast<void>(cudaEventDestroy(mark.begin));
-    if (mark.end != nullptr) static_cast<void>(cudaEventDestroy(mark.end));
+    if (mark.begin != nullptr) ignore_cuda(cudaEventDestroy(mark.begin));
+    if (mark.end != nullptr) ignore_cuda(cudaEventDestroy(mark.end));
   }
   static_cast<void>(cudaGetLastError());
   marks_.clear();

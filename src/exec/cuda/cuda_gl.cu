@@ -49,14 +49,14 @@ CudaGlBuffer::CudaGlBuffer(CudaDevice& device, unsigned name) : index_(device.in
   // What a driver refuses only now is refused here, too.
   cudaError_t status = cudaGraphicsMapResources(1, &resource, stream_of(device));
   if (status == cudaSuccess) status = cudaGraphicsUnmapResources(1, &resource, stream_of(device));
-  if (status != cudaSuccess) static_cast<void>(cudaGraphicsUnregisterResource(resource));
+  if (status != cudaSuccess) ignore_cuda(cudaGraphicsUnregisterResource(resource));
   require(status);
   resource_ = resource;
 }
 
 CudaGlBuffer::~CudaGlBuffer() {
   const CurrentDevice current(index_);
-  static_cast<void>(cudaGraphicsUnregisterResource(resource_of(resource_)));
+  ignore_cuda(cudaGraphicsUnregisterResource(resource_of(resource_)));
 }
 
 void CudaGlBuffer::copy_to(const char* stage, CudaDevice& device, void* to,

@@ -23,18 +23,18 @@ cudaEvent_t new_event() {
 }
 
 void destroy_event(void* event) {
-  if (event != nullptr) static_cast<void>(cudaEventDestroy(event_of(event)));
+  if (event != nullptr) ignore_cuda(cudaEventDestroy(event_of(event)));
 }
 
 }  // namespace
 
 LockedMemory::~LockedMemory() {
-  if (data_ != nullptr) static_cast<void>(cudaFreeHost(data_));
+  if (data_ != nullptr) ignore_cuda(cudaFreeHost(data_));
 }
 
 void LockedMemory::resize(const char* stage, std::size_t bytes) {
   if (bytes <= size_) return;
-  if (data_ != nullptr) static_cast<void>(cudaFreeHost(data_));
+  if (data_ != nullptr) ignore_cuda(cudaFreeHost(data_));
   data_ = nullptr;
   size_ = 0;
   check_cuda(cudaMallocHost(&data_, bytes), stage);
@@ -62,8 +62,8 @@ CudaUplink::~CudaUplink() {
 void CudaUplink::close() noexcept {
   const CurrentDevice current(device_.index());
   if (stream_ != nullptr) {
-    static_cast<void>(cudaStreamSynchronize(stream_of(stream_)));
-    static_cast<void>(cudaStreamDestroy(stream_of(stream_)));
+    ignore_cuda(cudaStreamSynchronize(stream_of(stream_)));
+    ignore_cuda(cudaStreamDestroy(stream_of(stream_)));
   }
   destroy_event(sent_);
   destroy_event(done_);
@@ -106,7 +106,7 @@ CudaDownlink::CudaDownlink(CudaDevice& device) : device_(device) {
 
 CudaDownlink::~CudaDownlink() {
   const CurrentDevice current(device_.index());
-  static_cast<void>(cudaEventSynchronize(event_of(arrived_)));  // nothing writes into the room
+  ignore_cuda(cudaEventSynchronize(event_of(arrived_)));  // nothing writes into the room
   destroy_event(arrived_);
 }
 
