@@ -40,10 +40,13 @@ CudaGlBuffer::CudaGlBuffer(CudaDevice& device, unsigned name) : index_(device.in
   const CurrentDevice current(index_, kSharing);
   std::array<int, 16> drawing{};
   unsigned count = 0;
-  require(cudaGLGetDevices(&count, drawing.data(), static_cast<unsigned>(drawing.size()),
-                           cudaGLDeviceListAll));
+  // Where CUDA cannot say which devices draw, the buffer's registration decides.
+  const cudaError_t said = cudaGLGetDevices(
+      &count, drawing.data(), static_cast<unsigned>(drawing.size()), cudaGLDeviceListAll);
+  ignore_cuda(said);
   const auto end = drawing.begin() + std::min<std::size_t>(count, drawing.size());
-  if (std::find(drawing.begin(), end, index_) == end) refuse("OpenGL draws on another device");
+  if (said == cudaSuccess && count > 0 && std::find(drawing.begin(), end, index_) == end)
+    refuse("OpenGL draws on another device");
   cudaGraphicsResource_t resource = nullptr;
   require(cudaGraphicsGLRegisterBuffer(&resource, name, cudaGraphicsRegisterFlagsReadOnly));
   // What a driver refuses only now is refused here, too.
