@@ -99,6 +99,25 @@ TEST(CudaDevice, QueriesTakePointersOfTheDeviceAndAStream) {
   EXPECT_EQ(cudaStreamDestroy(stream), cudaSuccess);
 }
 
+TEST(CudaDevice, DoesNotWaitForAStreamThatIsBeingCaptured) {
+  if (!there_is_a_device()) GTEST_SKIP() << "there is no CUDA device";
+  CudaDevice device;
+  cudaStream_t stream = nullptr;
+  ASSERT_EQ(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), cudaSuccess);
+  ASSERT_EQ(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal), cudaSuccess);
+  try {
+    device.wait_for("rays", stream);
+    ADD_FAILURE() << "it waited";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
+    EXPECT_EQ(error.place(), "stream");
+  }
+  cudaGraph_t graph = nullptr;
+  EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);  // it is as it was
+  EXPECT_EQ(cudaGraphDestroy(graph), cudaSuccess);
+  EXPECT_EQ(cudaStreamDestroy(stream), cudaSuccess);
+}
+
 TEST(CudaDevice, RefusesTheMemoryOfAnother) {
   cudaPointerAttributes said{};
   said.type = cudaMemoryTypeDevice;

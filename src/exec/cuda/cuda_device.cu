@@ -134,9 +134,15 @@ bool CudaDevice::is_device_memory(const void* pointer, const char* name) const {
 
 void CudaDevice::wait_for(const char* stage, void* stream) {
   const CurrentDevice current(index_, stage);
+  const auto other = static_cast<cudaStream_t>(stream);
+  cudaStreamCaptureStatus capture = cudaStreamCaptureStatusNone;
+  check_cuda(cudaStreamIsCapturing(other, &capture), stage);
+  if (capture != cudaStreamCaptureStatusNone)
+    throw Error(ErrorCode::kInvalidArgument,
+                "is being captured into a graph, which a query cannot become a part of", "stream");
   cudaEvent_t event = nullptr;
   check_cuda(cudaEventCreateWithFlags(&event, cudaEventDisableTiming), stage);
-  cudaError_t status = cudaEventRecord(event, static_cast<cudaStream_t>(stream));
+  cudaError_t status = cudaEventRecord(event, other);
   if (status == cudaSuccess)
     status = cudaStreamWaitEvent(static_cast<cudaStream_t>(stream_), event, 0);
   ignore_cuda(cudaEventDestroy(event));

@@ -63,7 +63,8 @@ class CudaDevice {
   [[nodiscard]] std::vector<StageTime> times();
 
   /// What was asked for on `stream` (a cudaStream_t, null: the default one) comes before what is
-  /// asked for here from now on.
+  /// asked for here from now on. Throws Error (kInvalidArgument) where that is being captured into
+  /// a graph.
   void wait_for(const char* stage, void* stream);
   /// The product's name and its compute capability.
   [[nodiscard]] const std::string& name() const { return name_; }
