@@ -71,6 +71,21 @@ struct Asked {
   }
 };
 
+TEST(CudaDevice, CountsWhatItKeepsAsFree) {
+  if (!there_is_a_device()) GTEST_SKIP() << "there is no CUDA device";
+  constexpr std::size_t kLarge = std::size_t{1} << 28;
+  CudaDevice device;
+  {
+    DeviceBuffer<std::uint8_t> large(device.allocator());
+    large.resize_uninitialized("a stage", kLarge);
+  }
+  device.synchronize("a stage");
+  const std::uint64_t kept = device.free_bytes();
+  DeviceBuffer<std::uint8_t> again(device.allocator());
+  again.resize_uninitialized("a stage", kLarge);
+  EXPECT_GE(kept, device.free_bytes() + kLarge / 2);  // others may take and give back meanwhile
+}
+
 TEST(CudaDevice, QueriesTakePointersOfTheDeviceAndAStream) {
   if (!there_is_a_device()) GTEST_SKIP() << "there is no CUDA device";
   const Asked asked;

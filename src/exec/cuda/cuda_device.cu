@@ -1,38 +1,12 @@
 #include "exec/cuda/cuda_device.h"
 
+#include "exec/cuda/cuda_memory-inl.h"
 #include "exec/cuda/launch-inl.h"
 
 namespace raysheaf {
 namespace {
 
 constexpr const char* kOpening = "CUDA device";
-
-/// In the order of a stream, from the device's pool.
-class StreamAllocator : public DeviceAllocator {
- public:
-  StreamAllocator(int index, cudaStream_t stream) : index_(index), stream_(stream) {
-    int pooled = 0;
-    check_cuda(cudaDeviceGetAttribute(&pooled, cudaDevAttrMemoryPoolsSupported, index), kOpening);
-    pooled_ = pooled != 0;
-  }
-  [[nodiscard]] void* allocate(const char* stage, std::size_t bytes) override {
-    const CurrentDevice current(index_, stage);
-    void* memory = nullptr;
-    check_cuda(pooled_ ? cudaMallocAsync(&memory, bytes, stream_) : cudaMalloc(&memory, bytes),
-               stage);
-    return memory;
-  }
-  void free(void* memory) noexcept override {
-    // A device that has failed cannot take its memory back, and nobody could do anything about it.
-    const CurrentDevice current(index_);
-    ignore_cuda(pooled_ ? cudaFreeAsync(memory, stream_) : cudaFree(memory));
-  }
-
- private:
-  int index_;
-  cudaStream_t stream_;
-  bool pooled_ = false;
-};
 
 std::string described(int index) {
   cudaDeviceProp properties;
@@ -153,7 +127,7 @@ std::uint64_t CudaDevice::free_bytes() const {
   const CurrentDevice current(index_, "CUDA device: memory");
   std::size_t free = 0, total = 0;
   check_cuda(cudaMemGetInfo(&free, &total), "CUDA device: memory");
-  return free;
+  return free + (own_allocator_ != nullptr ? own_allocator_->free_bytes() : 0);
 }
 
 void* CudaDevice::scratch(const char* stage, std::size_t bytes) {

@@ -16,6 +16,7 @@ namespace raysheaf {
 class CudaUplink;
 class CudaDownlink;
 class CudaGlBuffer;
+class StreamAllocator;
 
 class CudaDevice {
  public:
@@ -93,7 +94,7 @@ class CudaDevice {
   int index_;
   std::string name_;
   void* stream_ = nullptr;  // a cudaStream_t
-  std::unique_ptr<DeviceAllocator> own_allocator_;
+  std::unique_ptr<StreamAllocator> own_allocator_;
   DeviceAllocator* allocator_;
   DeviceBuffer<std::uint8_t> scratch_;
   DeviceBuffer<std::uint32_t> counter_;
