@@ -66,6 +66,8 @@ struct QueryOptions {
   /// this stream (a cudaStream_t; null: the default one) comes before the query. Results are there
   /// when it returns. Not used otherwise.
   void* stream = nullptr;
+  /// A second one that comes first, where results were last used on another than rays. Null: none.
+  void* results_stream = nullptr;
   /// Set by another thread (or a handler of signals), the query throws `Error` (kCancelled) within
   /// some milliseconds, and the scene answers the next. A device's queries look at it only before
   /// they begin.

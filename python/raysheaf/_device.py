@@ -7,6 +7,7 @@ They are read and written where they lie. All of these libraries say where that 
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import dataclass
 from typing import Any, Literal, Optional
 
@@ -54,6 +55,22 @@ _DTYPES = {
 }
 
 
+_LEGACY_DEFAULT = 1  # the interface's handle of CUDA's legacy default stream
+
+
+def _stream_of(value: Any, said: dict[str, Any]) -> int:
+    """Of the interface: a handle, 1 or 2 for a default stream, None where there is nothing to wait
+    for. 0 should not occur, and can only mean a default stream. PyTorch's tensors, of the
+    interface's version 2, have none: they are of the stream that is current."""
+    if "stream" in said:
+        stream = said["stream"]
+        return 0 if stream is None else int(stream) or _LEGACY_DEFAULT
+    torch = sys.modules.get("torch")
+    if torch is not None and isinstance(value, torch.Tensor):
+        return int(torch.cuda.current_stream(value.device).cuda_stream) or _LEGACY_DEFAULT
+    return 0
+
+
 def device_array(value: Any, name: str) -> Optional[DeviceArray]:
     """The array where it lies on a CUDA device; None for whatever else it is."""
     try:
@@ -70,7 +87,7 @@ def device_array(value: Any, name: str) -> Optional[DeviceArray]:
         tuple(said["shape"]),
         dtype,
         not read_only,
-        int(said.get("stream") or 0),
+        _stream_of(value, said),
     )
     item = int(said["typestr"][2:])
     strides, step = said.get("strides"), item

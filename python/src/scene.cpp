@@ -95,12 +95,18 @@ auto with_rays(const AskedRays& rays, const Body& body) {
   return body(items_of<const Ray>(rays));
 }
 
-/// The stream of whichever lies on a device; the rays', where both do.
+/// Of what lies on a device.
+struct Streams {
+  bool any_place = false;  ///< whether something does
+  void *rays = nullptr, *results = nullptr;
+};
+
 template <class... Arrays>
-void* stream_of(const AskedRays& rays, const std::variant<Arrays...>& out) {
-  for (const Place* place : {std::get_if<Place>(&rays), std::get_if<Place>(&out)})
-    if (place != nullptr && place->stream != nullptr) return place->stream;
-  return nullptr;
+Streams streams_of(const AskedRays& rays, const std::variant<Arrays...>& out) {
+  const Place* const from = std::get_if<Place>(&rays);
+  const Place* const to = std::get_if<Place>(&out);
+  return {from != nullptr || to != nullptr, from != nullptr ? from->stream : nullptr,
+          to != nullptr ? to->stream : nullptr};
 }
 
 Affine affine_of(const Matrix34& array) {
@@ -198,8 +204,10 @@ std::uint64_t size_of(const RayParts& rays) {
   return rays.count;
 }
 
+/// Where arrays lie on a device, the query stays on the thread that asks: to another one a stream's
+/// handle may mean another stream (cudaStreamPerThread).
 template <class Body>
-void ask(SharedScene& shared, const AskedRays& rays, void* stream, const Wish& wish,
+void ask(SharedScene& shared, const AskedRays& rays, const Streams& streams, const Wish& wish,
          std::uint64_t few, const Body& body) {
   QueryStatistics statistics;
   const bool counted = !wish.statistics.is_none();
@@ -207,14 +215,16 @@ void ask(SharedScene& shared, const AskedRays& rays, void* stream, const Wish& w
                        .mask = wish.mask,
                        .check = wish.check,
                        .count_tests = counted,
-                       .stream = stream,
+                       .stream = streams.rays,
+                       .results_stream = streams.results,
                        .statistics = counted ? &statistics : nullptr};
   const auto answer = [&](const auto& poll) {
     shared.look_committed([&](const Scene& scene) { body(scene, options); }, poll);
   };
   const std::uint64_t count = with_rays(rays, [](const auto& given) { return size_of(given); });
   const std::uint64_t triangles = shared.look([](const Scene& s) { return s.triangle_count(); });
-  if (count > kFewRays || count * triangles > few) {
+  const bool is_long = count > kFewRays || count * triangles > few;
+  if (is_long && !streams.any_place) {
     interruptible([&](const std::atomic<bool>& stop) {
       options.stop = &stop;
       answer([&stop] { give_up_if(stop); });
@@ -230,7 +240,7 @@ template <class Item, class Array, class Query>
 void query_into(SharedScene& shared, const AskedRays& rays, const Anywhere<Array>& out,
                 const Wish& wish, std::uint64_t few, const Query& query) {
   const auto answers = items_of<Item>(out);
-  ask(shared, rays, stream_of(rays, out), wish, few,
+  ask(shared, rays, streams_of(rays, out), wish, few,
       [&](const Scene& scene, const QueryOptions& options) {
         with_rays(rays, [&](const auto& given) { query(scene, given, answers, options); });
       });
@@ -267,7 +277,7 @@ void query_hit_counts(SharedScene& shared, const AskedRays& rays,
 /// Offsets and hits as arrays over the library's own memory.
 nb::tuple query_all_hits(SharedScene& shared, const AskedRays& rays, const Wish& wish) {
   auto found = std::make_unique<HitRows>();
-  ask(shared, rays, stream_of(rays, rays), wish, kFewHits,
+  ask(shared, rays, streams_of(rays, rays), wish, kFewHits,
       [&](const Scene& scene, const QueryOptions& options) {
         with_rays(rays, [&](const auto& given) { *found = all_hits(scene, given, options); });
       });

@@ -21,12 +21,14 @@ void check_length(std::size_t rays, std::size_t size, const char* name) {
                 std::to_string(size) + " results for " + std::to_string(rays) + " rays", name);
 }
 
-/// Where nothing can be met. A device's memory is not written from here.
+/// Where nothing can be met. A device's memory is not written from here, and not before what the
+/// caller has asked for.
 template <class T>
-void clear(const Query& query, std::span<T> out) {
+void clear(Query* query, std::span<T> out, const char* name) {
   if (out.empty()) return;
-  if (query.is_on_device() && query.backend()->is_device_memory(out.data()))
-    return query.backend()->write(out.data(), std::vector<T>(out.size()).data(), out.size_bytes());
+  if (query->is_on_device() && query->backend()->is_device_memory(out.data(), name))
+    return query->backend()->write(out.data(), std::vector<T>(out.size()).data(), out.size_bytes(),
+                                   query->device_query());
   std::fill(out.begin(), out.end(), T{});
 }
 
@@ -115,10 +117,11 @@ void name_rows(Query* query, HitRows* out) {
 }
 
 void count_hits(Query* query, std::span<std::uint32_t> counts) {
-  clear(*query, counts);
-  if (query->is_on_device() && !query->is_empty())
+  if (query->is_empty()) return clear(query, counts, "counts");
+  if (query->is_on_device())
     return query->device_engine().count_hits(query->rays(), query->device_query(),
                                              View<std::uint32_t>(counts.data(), counts.size()));
+  std::fill(counts.begin(), counts.end(), 0u);
   find_rows(query, [&](const auto& rows) {
     rows.for_each(query->executor(), [&](std::size_t ray, View<const EngineHit> hits) {
       counts[ray] = static_cast<std::uint32_t>(hits.size);
@@ -141,17 +144,17 @@ void add_counts(const QueryStatistics& piece, QueryStatistics* sum) {
 /// Calls `one(rays, answers, options)`, in pieces where processes share the scene's context. Counts
 /// are then those of all, times and the plan this process's. A device's own memory is not shared.
 template <class Answer, class One>
-void answer(const Scene& scene, const QueryRays& rays, std::span<Answer> answers,
+void answer(const Scene& scene, const QueryRays& rays, std::span<Answer> answers, const char* name,
             const QueryOptions& options, const One& one) {
   const Context& context = SceneAccess::state(scene).context;
   Communicator* const ranks = ContextAccess::ranks(context);
   const DeviceBackend* const backend = ContextAccess::backend(context);
-  const auto on_device = [backend](const void* data) {
-    return backend != nullptr && backend->is_device_memory(data);
+  const auto on_device = [backend](const void* data, const char* what) {
+    return backend != nullptr && backend->is_device_memory(data, what);
   };
   const Pieces pieces = pieces_of(rays.size(), ranks != nullptr ? ranks->size() : 1);
   if (ranks == nullptr || ranks->size() == 1 || pieces.number() <= 1 ||
-      (rays.is_packed() && on_device(rays.rays().data)) || on_device(answers.data()))
+      (rays.is_packed() && on_device(rays.rays().data, "rays")) || on_device(answers.data(), name))
     return one(rays, answers, options);
   Stopwatch watch;
   QueryStatistics sum, piece;
@@ -192,12 +195,13 @@ void with_rays(const Rays& given, const QueryOptions& options, const Ask& ask) {
 
 void closest_hit(const Scene& scene, const QueryRays& rays, std::span<Hit> hits,
                  const QueryOptions& options) {
-  check_length(rays.size(), hits.size(), "hits");
-  answer(scene, rays, hits, options,
+  constexpr const char* kName = "hits";
+  check_length(rays.size(), hits.size(), kName);
+  answer(scene, rays, hits, kName, options,
          [&](const QueryRays& some, std::span<Hit> out, const QueryOptions& how) {
            Query query(scene, some, how, Passes::kInTiles);
            if (query.is_empty())
-             clear(query, out);
+             clear(&query, out, kName);
            else
              closest_hits(&query, out);
            query.finish();
@@ -206,12 +210,13 @@ void closest_hit(const Scene& scene, const QueryRays& rays, std::span<Hit> hits,
 
 void any_hit(const Scene& scene, const QueryRays& rays, std::span<std::uint8_t> occluded,
              const QueryOptions& options) {
-  check_length(rays.size(), occluded.size(), "occluded");
-  answer(scene, rays, occluded, options,
+  constexpr const char* kName = "occluded";
+  check_length(rays.size(), occluded.size(), kName);
+  answer(scene, rays, occluded, kName, options,
          [&](const QueryRays& some, std::span<std::uint8_t> out, const QueryOptions& how) {
            Query query(scene, some, how, Passes::kInTiles);
            if (query.is_empty())
-             clear(query, out);
+             clear(&query, out, kName);
            else
              any_hits(&query, out);
            query.finish();

@@ -67,6 +67,7 @@ class Query {
     query.check = options_.check;
     query.count = options_.count_tests;
     query.stream = options_.stream;
+    query.results_stream = options_.results_stream;
     query.report = report();
     query.executor = &executor_;
     return query;
@@ -104,7 +105,8 @@ class Query {
  private:
   void take_all() {
     // Rays in a device's memory are looked over there.
-    if (rays_.is_packed() && is_on_device() && backend()->is_device_memory(rays_.rays().data)) {
+    if (rays_.is_packed() && is_on_device() &&
+        backend()->is_device_memory(rays_.rays().data, "rays")) {
       whole_ = rays_.rays();
       return;
     }

@@ -12,6 +12,13 @@
 
 namespace raysheaf {
 
+/// What the caller has asked for comes first.
+template <class Device>
+void wait_for_streams(Device& device, const DeviceQuery& query) {
+  device.wait_for("rays", query.stream);
+  if (query.results_stream != nullptr) device.wait_for("hits", query.results_stream);
+}
+
 template <class Device>
 class DeviceEngineOn : public DeviceEngine {
  public:
@@ -55,7 +62,7 @@ class DeviceEngineOn : public DeviceEngine {
 
   void closest_hit(View<const Ray> rays, const DeviceQuery& query, View<EngineHit> hits) override {
     if (rays.empty()) return;
-    DeviceBatch batch = begin(rays, query, device_.is_device_memory(hits.data));
+    DeviceBatch batch = begin(rays, query, device_.is_device_memory(hits.data, "hits"));
     EngineHit* const out = landing("trace: closest hits", hits, &hits_);
     find_closest(query, out, &batch);
     deliver("copy: hits", query, hits, out);
@@ -64,7 +71,7 @@ class DeviceEngineOn : public DeviceEngine {
 
   void closest_hit(View<const Ray> rays, const DeviceQuery& query, View<Hit> hits) override {
     if (rays.empty()) return;
-    DeviceBatch batch = begin(rays, query, device_.is_device_memory(hits.data));
+    DeviceBatch batch = begin(rays, query, device_.is_device_memory(hits.data, "hits"));
     hits_.resize_uninitialized("trace: closest hits", rays.size);
     Hit* const out = landing("trace: names", hits, &named_);
     find_closest(query, hits_.data(), &batch);
@@ -76,7 +83,7 @@ class DeviceEngineOn : public DeviceEngine {
   void any_hit(View<const Ray> rays, const DeviceQuery& query,
                View<std::uint8_t> occluded) override {
     if (rays.empty()) return;
-    DeviceBatch batch = begin(rays, query, device_.is_device_memory(occluded.data));
+    DeviceBatch batch = begin(rays, query, device_.is_device_memory(occluded.data, "occluded"));
     std::uint8_t* const out = landing("trace: any hits", occluded, &occluded_);
     if (query.brute) {
       words_.resize_uninitialized("trace: brute force", rays.size);
@@ -93,7 +100,7 @@ class DeviceEngineOn : public DeviceEngine {
   void count_hits(View<const Ray> rays, const DeviceQuery& query,
                   View<std::uint32_t> counts) override {
     if (rays.empty()) return;
-    DeviceBatch batch = begin(rays, query, device_.is_device_memory(counts.data));
+    DeviceBatch batch = begin(rays, query, device_.is_device_memory(counts.data, "counts"));
     std::uint32_t* const out = landing("trace: number of hits", counts, &counts_);
     if (!query.brute) order_rays_on(device_, &columns_, &batch);
     hit_counts_on(device_, batch, out);
@@ -178,9 +185,10 @@ class DeviceEngineOn : public DeviceEngine {
     check_item_count("rays", rays.size);
     start_ = Clock::now();
     device_.keep_times(query.report != nullptr);
-    const bool rays_are_there = device_.is_device_memory(rays.data);
-    if (rays_are_there || out_is_there || query.stream != nullptr)
-      device_.wait_for("rays", query.stream);
+    const bool rays_are_there = device_.is_device_memory(rays.data, "rays");
+    if (rays_are_there || out_is_there || query.stream != nullptr ||
+        query.results_stream != nullptr)
+      wait_for_streams(device_, query);
     if (!rays_are_there) {
       rays_.resize_uninitialized("copy: rays", rays.size);
       uplink_.copy("copy: rays", query.executor, rays, rays_.view());
@@ -208,7 +216,7 @@ class DeviceEngineOn : public DeviceEngine {
   /// Where the device writes what goes to `out`: there, or to a buffer of its own.
   template <class T>
   T* landing(const char* stage, View<T> out, DeviceBuffer<T>* buffer) {
-    if (device_.is_device_memory(out.data)) return out.data;
+    if (device_.is_device_memory(out.data, stage)) return out.data;
     buffer->resize_uninitialized(stage, out.size);
     return buffer->data();
   }

@@ -43,7 +43,8 @@ struct DeviceQuery {
   bool brute = false;      ///< every ray with every triangle
   bool check = false;      ///< refuse rays that are wrong
   bool count = false;      ///< fill the counts of `report`
-  void* stream = nullptr;  ///< what was asked for on it comes first
+  void* stream = nullptr;  ///< what was asked for on it comes first; null: on the default one
+  void* results_stream = nullptr;  ///< and on this, where it is not null
   EngineReport* report = nullptr;
   const Executor* executor = nullptr;  ///< copies large arrays of the host's; null: the caller does
   /// Of closest and any hits: takes the tests of each ray. May be empty; in the device's memory it
@@ -103,9 +104,12 @@ class DeviceBackend {
       const Executor& executor, const BlockLimits& limits) const = 0;
   /// Of frames (engine/frame_stages.h).
   [[nodiscard]] virtual std::unique_ptr<DeviceStages> make_stages() const = 0;
-  [[nodiscard]] virtual bool is_device_memory(const void* pointer) const = 0;
-  /// Copies from the host's memory to the device's. For any number of threads.
-  virtual void write(void* to, const void* from, std::size_t bytes) const = 0;
+  /// As the verb of exec/device.h.
+  [[nodiscard]] virtual bool is_device_memory(const void* pointer, const char* name) const = 0;
+  /// Copies from the host's memory to the device's, after what comes before `query`. For any number
+  /// of threads.
+  virtual void write(void* to, const void* from, std::size_t bytes,
+                     const DeviceQuery& query) const = 0;
   /// Measured: bytes read and written a millisecond, copying within the device's memory.
   [[nodiscard]] virtual double copy_bytes_per_ms() const = 0;
   /// Measured: multiplications and additions in binary32 a millisecond.

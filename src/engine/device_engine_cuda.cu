@@ -31,11 +31,13 @@ class CudaBackend : public DeviceBackend {
   [[nodiscard]] std::unique_ptr<DeviceStages> make_stages() const override {
     return make_cuda_stages();
   }
-  [[nodiscard]] bool is_device_memory(const void* pointer) const override {
-    return device_.is_device_memory(pointer);
+  [[nodiscard]] bool is_device_memory(const void* pointer, const char* name) const override {
+    return device_.is_device_memory(pointer, name);
   }
-  void write(void* to, const void* from, std::size_t bytes) const override {
+  void write(void* to, const void* from, std::size_t bytes,
+             const DeviceQuery& query) const override {
     CudaDevice device;
+    wait_for_streams(device, query);
     device.copy("copy: hits", to, from, bytes);
   }
   [[nodiscard]] double copy_bytes_per_ms() const override {

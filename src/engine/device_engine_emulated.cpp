@@ -1,5 +1,3 @@
-#include <cstring>
-
 #include "engine/block_tracer.h"
 #include "engine/device_engine-inl.h"
 #include "engine/frame_stages.h"
@@ -34,11 +32,14 @@ class EmulatedBackend : public DeviceBackend {
   [[nodiscard]] std::unique_ptr<DeviceStages> make_stages() const override {
     return make_emulated_stages(executor_, memory_, allocator_);
   }
-  [[nodiscard]] bool is_device_memory(const void* pointer) const override {
+  [[nodiscard]] bool is_device_memory(const void* pointer, const char* /*name*/) const override {
     return memory_.owns(pointer);
   }
-  void write(void* to, const void* from, std::size_t bytes) const override {
-    std::memcpy(to, from, bytes);
+  void write(void* to, const void* from, std::size_t bytes,
+             const DeviceQuery& query) const override {
+    EmulatedDevice device(executor_, memory_, allocator_);
+    wait_for_streams(device, query);
+    device.copy("copy: hits", to, from, bytes);
   }
   [[nodiscard]] double copy_bytes_per_ms() const override {
     EmulatedDevice device(executor_, memory_, allocator_);

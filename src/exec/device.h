@@ -23,7 +23,9 @@
 //                                           way; has happened on return where the host's is in it
 //   read(stage, place)                      the value there. Waits.
 //   synchronize(stage)                      until all that was asked for is done
-//   is_device_memory(pointer)               whether kernels may follow it
+//   is_device_memory(pointer, name)         whether kernels may follow it. Throws Error
+//                                           (kInvalidArgument, `name` as its place) where it is
+//                                           another device's.
 //   wait_for(stage, stream)                 what was asked for on another stream comes first
 //   allocator()                             of the device's memory
 //   free_bytes()                            of it that nobody has, as far as the machine knows

@@ -93,9 +93,9 @@ void VisibilityPass::begin(std::uint32_t width, std::uint32_t height, const Clip
   glBindFramebuffer(GL_FRAMEBUFFER, target);
   glViewport(0, 0, static_cast<GLsizei>(width), static_cast<GLsizei>(height));
   glScissor(0, 0, static_cast<GLsizei>(width), static_cast<GLsizei>(height));
-  const GLuint nothing = kInvalidId;
+  const GLuint nothing[4] = {kInvalidId, kInvalidId, kInvalidId, kInvalidId};  // four are read
   const GLfloat farthest = 0;
-  glClearNamedFramebufferuiv(target, GL_COLOR, 0, &nothing);
+  glClearNamedFramebufferuiv(target, GL_COLOR, 0, nothing);
   glClearNamedFramebufferfv(target, GL_DEPTH, 0, &farthest);
   glUniformMatrix4fv(kClip, 1, GL_FALSE, clip.data());
   gl::check("clearing the picture");

@@ -1,5 +1,7 @@
 // The library on a device: the same answers as on the CPU, bit for bit. On the CPU as a device, and
 // on the CUDA device where there is one.
+#include <cstring>
+
 #include "api/api_support.h"
 #include "api/context_impl.h"
 #include "raysheaf/builtin_scenes.h"
@@ -173,6 +175,58 @@ TEST(DeviceContext, SpansMayLieInTheDevicesMemory) {
   in.data()[5].t_max = kNaN;
   expect_error(ErrorCode::kInvalidData, "rays[5].t_max", "not a number",
                [&] { closest_hit(there.scene, asked, answered); });
+}
+
+/// Rays and results in the device's memory; on the caller's stream, results are still to be filled
+/// with rubbish, which must not come after the answers.
+template <class T, class Ask>
+void expect_answers_after_the_stream(const T& expected, const Ask& ask) {
+  Emulation emulation;
+  const std::vector<Ray> rays = rays_for(50);
+  DeviceBuffer<Ray> in(emulation.memory);
+  DeviceBuffer<T> out(emulation.memory);
+  in.resize_uninitialized("test", rays.size());
+  out.resize_uninitialized("test", rays.size());
+  std::copy(rays.begin(), rays.end(), in.data());
+  EmulatedStream stream;
+  stream.ask([&] { std::memset(static_cast<void*>(out.data()), 0x5a, rays.size() * sizeof(T)); });
+  QueryOptions options;
+  options.mask = 0;
+  options.stream = &stream;
+  const Filled there(emulation.context);
+  ask(there.scene, std::span<const Ray>(in.data(), rays.size()),
+      std::span<T>(out.data(), rays.size()), options);
+  stream.finish();
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    ASSERT_EQ(std::memcmp(out.data() + i, &expected, sizeof(T)), 0) << i;
+}
+
+TEST(DeviceContext, WhatMeetsNothingIsWrittenAfterTheCallersStream) {
+  expect_answers_after_the_stream(Hit{}, [](const auto&... all) { closest_hit(all...); });
+  expect_answers_after_the_stream(std::uint8_t{0}, [](const auto&... all) { any_hit(all...); });
+  expect_answers_after_the_stream(std::uint32_t{0}, [](const auto&... all) { hit_counts(all...); });
+}
+
+TEST(DeviceContext, RaysAndResultsMayBeOnTwoStreams) {
+  Emulation emulation;
+  const Filled there(emulation.context), here(Context{});
+  const std::vector<Ray> rays = rays_for(50);
+  DeviceBuffer<Ray> in(emulation.memory);
+  DeviceBuffer<std::uint32_t> out(emulation.memory);
+  in.resize_uninitialized("test", rays.size());
+  out.resize_uninitialized("test", rays.size());
+  std::fill_n(in.data(), rays.size(), Ray{});
+  EmulatedStream first, second;
+  first.ask([&] { std::copy(rays.begin(), rays.end(), in.data()); });
+  second.ask([&] { std::fill_n(out.data(), rays.size(), 77u); });
+  QueryOptions options;
+  options.stream = &first;
+  options.results_stream = &second;
+  hit_counts(there.scene, std::span<const Ray>(in.data(), rays.size()),
+             std::span<std::uint32_t>(out.data(), rays.size()), options);
+  second.finish();
+  EXPECT_EQ(std::vector<std::uint32_t>(out.data(), out.data() + rays.size()),
+            hit_counts(here.scene, rays));
 }
 
 }  // namespace

@@ -71,6 +71,21 @@ struct Asked {
   }
 };
 
+TEST(CudaDevice, CountsWhatItKeepsAsFree) {
+  if (!there_is_a_device()) GTEST_SKIP() << "there is no CUDA device";
+  constexpr std::size_t kLarge = std::size_t{1} << 28;
+  CudaDevice device;
+  {
+    DeviceBuffer<std::uint8_t> large(device.allocator());
+    large.resize_uninitialized("a stage", kLarge);
+  }
+  device.synchronize("a stage");
+  const std::uint64_t kept = device.free_bytes();
+  DeviceBuffer<std::uint8_t> again(device.allocator());
+  again.resize_uninitialized("a stage", kLarge);
+  EXPECT_GE(kept, device.free_bytes() + kLarge / 2);  // others may take and give back meanwhile
+}
+
 TEST(CudaDevice, QueriesTakePointersOfTheDeviceAndAStream) {
   if (!there_is_a_device()) GTEST_SKIP() << "there is no CUDA device";
   const Asked asked;
@@ -99,6 +114,44 @@ TEST(CudaDevice, QueriesTakePointersOfTheDeviceAndAStream) {
   EXPECT_EQ(cudaStreamDestroy(stream), cudaSuccess);
 }
 
+TEST(CudaDevice, DoesNotWaitForAStreamThatIsBeingCaptured) {
+  if (!there_is_a_device()) GTEST_SKIP() << "there is no CUDA device";
+  CudaDevice device;
+  cudaStream_t stream = nullptr;
+  ASSERT_EQ(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), cudaSuccess);
+  ASSERT_EQ(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal), cudaSuccess);
+  try {
+    device.wait_for("rays", stream);
+    ADD_FAILURE() << "it waited";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
+    EXPECT_EQ(error.place(), "stream");
+  }
+  cudaGraph_t graph = nullptr;
+  EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);  // it is as it was
+  EXPECT_EQ(cudaGraphDestroy(graph), cudaSuccess);
+  EXPECT_EQ(cudaStreamDestroy(stream), cudaSuccess);
+}
+
+TEST(CudaDevice, RefusesTheMemoryOfAnother) {
+  cudaPointerAttributes said{};
+  said.type = cudaMemoryTypeDevice;
+  said.device = 2;
+  EXPECT_TRUE(may_follow(said, 2, "hits"));
+  try {
+    static_cast<void>(may_follow(said, 0, "hits"));
+    FAIL() << "a kernel would have followed it";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
+    EXPECT_STREQ(error.what(),
+                 "hits: lies in the memory of CUDA device 2, and the context is on CUDA device 0");
+  }
+  said.type = cudaMemoryTypeManaged;  // every device's
+  EXPECT_TRUE(may_follow(said, 0, "hits"));
+  said.type = cudaMemoryTypeHost;
+  EXPECT_FALSE(may_follow(said, 0, "hits"));
+}
+
 TEST(CudaError, NamesTheStageAndSaysWhatCudaSays) {
   EXPECT_NO_THROW(check_cuda(cudaSuccess, "a stage"));
   const std::pair<cudaError_t, ErrorCode> errors[] = {
@@ -117,6 +170,14 @@ TEST(CudaError, NamesTheStageAndSaysWhatCudaSays) {
       EXPECT_NE(error.sentence().find(cudaGetErrorString(status)), std::string::npos);
     }
   }
+}
+
+TEST(CudaError, WhatIsIgnoredIsForgotten) {
+  if (!there_is_a_device()) GTEST_SKIP() << "there is no CUDA device, which is never forgotten";
+  EXPECT_NE(cudaSetDevice(-1), cudaSuccess);
+  EXPECT_NE(cudaPeekAtLastError(), cudaSuccess);
+  ignore_cuda(cudaSetDevice(-1));
+  EXPECT_EQ(cudaPeekAtLastError(), cudaSuccess);
 }
 
 }  // namespace

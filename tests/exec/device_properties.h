@@ -183,7 +183,7 @@ void expect_moved_memory(Device& device) {
   device.copy("copy", to.data() + 1, from.data(), sizeof in[0]);
   device.fill("fill", to.view().slice(2, 2), 0xab);
   EXPECT_EQ(to_host(device, to), (Words{in[4999], in[0], 0xababababu, 0xababababu}));
-  EXPECT_TRUE(device.is_device_memory(to.data()));
+  EXPECT_TRUE(device.is_device_memory(to.data(), "words"));
   device.copy("nothing", nullptr, nullptr, 0);
   device.fill("nothing", View<std::uint32_t>(), 0);
 }

@@ -4,15 +4,18 @@ device, that the answers are those of the CPU."""
 from __future__ import annotations
 
 import ctypes
+import sys
+import types
 
 import numpy as np
 import pytest
-from conftest import make_setting
+from conftest import interrupted_after, make_setting
 
 import raysheaf
 from raysheaf import _core, _device
 
 SETTING = make_setting(11)
+ALL = 0xFFFFFFFF
 
 
 def packed_rays() -> np.ndarray:
@@ -128,6 +131,35 @@ def test_what_arrays_say():
         assert _device.device_array(other, "rays") is None
 
 
+def test_streams_that_arrays_name():
+    def stream(**more):
+        return _device.device_array(Fake((5, 8), **more), "rays").stream
+
+    assert (stream(stream=1), stream(stream=2), stream(stream=4711)) == (1, 2, 4711)
+    assert stream(stream=None) == 0  # nothing to wait for
+    assert stream() == 0  # as before version 3 of the interface
+    assert stream(stream=0) == 1  # not allowed, and no less than the default stream
+
+
+def test_streams_of_tensors(monkeypatch):
+    class Tensor(Fake):
+        device = "cuda:3"
+
+    current = {"cuda:3": 4711}
+    torch = types.ModuleType("torch")
+    torch.Tensor = Tensor
+    torch.cuda = types.SimpleNamespace(
+        current_stream=lambda device: types.SimpleNamespace(cuda_stream=current[device])
+    )
+    monkeypatch.setitem(sys.modules, "torch", torch)
+    tensor = Tensor((5, 8), version=2)
+    assert _device.device_array(tensor, "rays").stream == 4711
+    current["cuda:3"] = 0  # PyTorch's word for the legacy default stream
+    assert _device.device_array(tensor, "rays").stream == 1
+    assert _device.device_array(Tensor((5, 8), stream=5), "rays").stream == 5
+    assert _device.device_array(Fake((5, 8)), "rays").stream == 0  # somebody else's
+
+
 def place(array: np.ndarray) -> _core.Place:
     """Of an array of numpy: a scene of the CPU follows the pointer."""
     return _core.Place(array.ctypes.data, len(array), 0)
@@ -135,7 +167,7 @@ def place(array: np.ndarray) -> _core.Place:
 
 def test_pointers_are_handed_over():
     scene, rays = scene_of_the_cpu(), packed_rays()
-    wish = _core.Wish(0xFFFFFFFF, False, True, None)
+    wish = _core.Wish(ALL, False, True, None)
     hits = raysheaf.Hits.empty(len(rays))
     scene._core.closest_hit(place(rays), place(hits.array), wish)
     assert hits.array.tobytes() == scene.closest_hit(rays).array.tobytes()
@@ -147,6 +179,20 @@ def test_pointers_are_handed_over():
     assert (counts == scene.hit_counts(rays)).all() and counts.any()
     offsets, _ = scene._core.all_hits(place(rays), wish)
     assert offsets[-1] == counts.sum()
+
+
+def test_pointers_are_followed_on_the_thread_that_asks():
+    """On another one, a handle of the thread's own default stream would mean another stream. Who
+    only waits hears Ctrl-C, and ends the query; who works hears it when all is done."""
+    setting, scene = make_setting(12, 4000), raysheaf.Scene()
+    scene.add(setting.vertices, setting.triangles)
+    many = np.tile(packed_rays(), (400, 1))
+    assert len(many) >= 100_000  # of numpy's, so many would be followed elsewhere
+    hits = raysheaf.Hits.empty(len(many))
+    hits.array["t"] = -1
+    with interrupted_after(0.01):
+        scene._core.closest_hit(place(many), place(hits.array), _core.Wish(ALL, True, True, None))
+    assert (hits.t >= 0).all()
 
 
 class OnCuda:

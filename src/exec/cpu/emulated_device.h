@@ -5,8 +5,10 @@
 
 #include <chrono>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "exec/device.h"
@@ -30,6 +32,18 @@ class HostAllocator : public DeviceAllocator {
   mutable std::mutex mutex_;
   std::uint64_t free_;
   std::map<const std::uint8_t*, std::size_t> sizes_;  // by where they begin
+};
+
+/// A stream of a caller's: nothing on it is done before somebody waits for it.
+class EmulatedStream {
+ public:
+  void ask(std::function<void()> work) { works_.push_back(std::move(work)); }
+  void finish() {
+    for (const std::function<void()>& work : std::exchange(works_, {})) work();
+  }
+
+ private:
+  std::vector<std::function<void()>> works_;
 };
 
 class EmulatedUplink;
@@ -84,8 +98,13 @@ class EmulatedDevice {
     return *place;
   }
   void synchronize(const char* /*stage*/) {}
-  [[nodiscard]] bool is_device_memory(const void* pointer) const { return memory_.owns(pointer); }
-  void wait_for(const char* /*stage*/, void* /*stream*/) {}
+  [[nodiscard]] bool is_device_memory(const void* pointer, const char* /*name*/) const {
+    return memory_.owns(pointer);
+  }
+  /// `stream`: an EmulatedStream, or null.
+  void wait_for(const char* /*stage*/, void* stream) {
+    if (stream != nullptr) static_cast<EmulatedStream*>(stream)->finish();
+  }
   [[nodiscard]] DeviceAllocator& allocator() { return allocator_; }
   [[nodiscard]] std::uint64_t free_bytes() const { return memory_.free_bytes(); }
 

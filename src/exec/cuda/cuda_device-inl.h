@@ -8,6 +8,33 @@
 
 namespace raysheaf {
 
+/// What this thread asks CUDA for is asked of device `index`, until this goes: then of the device
+/// that it was before.
+class CurrentDevice {
+ public:
+  explicit CurrentDevice(int index) noexcept {
+    status_ = cudaGetDevice(&before_);
+    if (status_ == cudaSuccess) status_ = cudaSetDevice(index);
+    changed_ = status_ == cudaSuccess && before_ != index;
+    ignore_cuda(status_);
+  }
+  CurrentDevice(int index, const char* stage) : CurrentDevice(index) { check_cuda(status_, stage); }
+  CurrentDevice(const CurrentDevice&) = delete;
+  CurrentDevice& operator=(const CurrentDevice&) = delete;
+  ~CurrentDevice() {
+    if (changed_) ignore_cuda(cudaSetDevice(before_));
+  }
+
+ private:
+  cudaError_t status_;
+  int before_ = 0;
+  bool changed_ = false;
+};
+
+/// Whether kernels of device `index` may follow a pointer of which CUDA says this. Throws as
+/// `is_device_memory` does.
+[[nodiscard]] bool may_follow(const cudaPointerAttributes& said, int index, const char* name);
+
 struct CudaDevice::Mark {
   const char* stage;
   cudaEvent_t begin, end;
@@ -15,8 +42,9 @@ struct CudaDevice::Mark {
 
 class CudaDevice::Verb {
  public:
-  Verb(CudaDevice& device, const char* stage) : device_(device), stage_(stage) {
-    check_cuda(cudaSetDevice(device.index_), stage);
+  Verb(CudaDevice& device, const char* stage)
+      : device_(device), stage_(stage), current_(device.index_, stage) {
+    static_cast<void>(cudaGetLastError());  // what was refused before, of whomever, is not its own
     if (!device.keeps_times_) return;
     Mark mark{stage, nullptr, nullptr};
     check_cuda(cudaEventCreate(&mark.begin), stage);
@@ -36,6 +64,7 @@ class CudaDevice::Verb {
  private:
   CudaDevice& device_;
   const char* stage_;
+  const CurrentDevice current_;
 };
 
 template <class Call>

@@ -1,5 +1,6 @@
 #include "exec/cuda/cuda_device.h"
 
+#include "exec/cuda/cuda_memory-inl.h"
 #include "exec/cuda/launch-inl.h"
 
 namespace raysheaf {
@@ -7,38 +8,24 @@ namespace {
 
 constexpr const char* kOpening = "CUDA device";
 
-/// In the order of a stream, from the device's pool.
-class StreamAllocator : public DeviceAllocator {
- public:
-  StreamAllocator(int index, cudaStream_t stream) : index_(index), stream_(stream) {
-    int pooled = 0;
-    check_cuda(cudaDeviceGetAttribute(&pooled, cudaDevAttrMemoryPoolsSupported, index), kOpening);
-    pooled_ = pooled != 0;
-  }
-  [[nodiscard]] void* allocate(const char* stage, std::size_t bytes) override {
-    check_cuda(cudaSetDevice(index_), stage);
-    void* memory = nullptr;
-    check_cuda(pooled_ ? cudaMallocAsync(&memory, bytes, stream_) : cudaMalloc(&memory, bytes),
-               stage);
-    return memory;
-  }
-  void free(void* memory) noexcept override {
-    // A device that has failed cannot take its memory back, and nobody could do anything about it.
-    static_cast<void>(cudaSetDevice(index_));
-    static_cast<void>(pooled_ ? cudaFreeAsync(memory, stream_) : cudaFree(memory));
-  }
-
- private:
-  int index_;
-  cudaStream_t stream_;
-  bool pooled_ = false;
-};
-
 std::string described(int index) {
   cudaDeviceProp properties;
   check_cuda(cudaGetDeviceProperties(&properties, index), kOpening);
   return std::string(properties.name) + ", compute capability " + std::to_string(properties.major) +
          "." + std::to_string(properties.minor);
+}
+
+cudaPointerAttributes said_of(const void* pointer) {
+  cudaPointerAttributes said{};
+  if (cudaPointerGetAttributes(&said, pointer) == cudaSuccess) return said;
+  static_cast<void>(cudaGetLastError());
+  said.type = cudaMemoryTypeUnregistered;
+  return said;
+}
+
+bool lies_on_a_device(const void* pointer) {
+  const cudaMemoryType type = said_of(pointer).type;
+  return type == cudaMemoryTypeDevice || type == cudaMemoryTypeManaged;
 }
 
 struct Nothing {
@@ -48,7 +35,7 @@ struct Nothing {
 cudaStream_t new_stream(int index) {
   int count = 0;
   check_cuda(cudaGetDeviceCount(&count), kOpening);
-  check_cuda(cudaSetDevice(index), kOpening);
+  const CurrentDevice current(index, kOpening);
   cudaStream_t stream = nullptr;
   check_cuda(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), kOpening);
   return stream;
@@ -71,21 +58,21 @@ CudaDevice::CudaDevice(int index, DeviceAllocator* allocator)
     for_each(kOpening, 1, Nothing{});
     synchronize(kOpening);
   } catch (...) {
-    static_cast<void>(cudaStreamDestroy(static_cast<cudaStream_t>(stream_)));
+    ignore_cuda(cudaStreamDestroy(static_cast<cudaStream_t>(stream_)));
     throw;
   }
 }
 
 CudaDevice::~CudaDevice() {
+  const CurrentDevice current(index_);
   for (const Mark& mark : marks_) {
-    if (mark.begin != nullptr) static_cast<void>(cudaEventDestroy(mark.begin));
-    if (mark.end != nullptr) static_cast<void>(cudaEventDestroy(mark.end));
+    if (mark.begin != nullptr) ignore_cuda(cudaEventDestroy(mark.begin));
+    if (mark.end != nullptr) ignore_cuda(cudaEventDestroy(mark.end));
   }
   scratch_.release();
   counter_.release();
-  static_cast<void>(cudaSetDevice(index_));
-  static_cast<void>(cudaStreamSynchronize(static_cast<cudaStream_t>(stream_)));
-  static_cast<void>(cudaStreamDestroy(static_cast<cudaStream_t>(stream_)));
+  ignore_cuda(cudaStreamSynchronize(static_cast<cudaStream_t>(stream_)));
+  ignore_cuda(cudaStreamDestroy(static_cast<cudaStream_t>(stream_)));
 }
 
 void CudaDevice::fill_bytes(const char* stage, void* place, std::size_t bytes, std::uint8_t byte) {
@@ -98,43 +85,49 @@ void CudaDevice::copy(const char* stage, void* to, const void* from, std::size_t
   if (bytes == 0) return;
   Verb verb(*this, stage);
   verb.finish(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDefault, verb.stream()));
-  if (!is_device_memory(to) || !is_device_memory(from)) synchronize(stage);
+  if (!lies_on_a_device(to) || !lies_on_a_device(from)) synchronize(stage);
 }
 
 void CudaDevice::synchronize(const char* stage) {
-  check_cuda(cudaSetDevice(index_), stage);
+  const CurrentDevice current(index_, stage);
   check_cuda(cudaStreamSynchronize(static_cast<cudaStream_t>(stream_)), stage);
 }
 
-bool CudaDevice::is_device_memory(const void* pointer) const {
-  cudaPointerAttributes attributes;
-  if (cudaPointerGetAttributes(&attributes, pointer) != cudaSuccess) {
-    static_cast<void>(cudaGetLastError());
-    return false;
-  }
-  return attributes.type == cudaMemoryTypeDevice || attributes.type == cudaMemoryTypeManaged;
+bool may_follow(const cudaPointerAttributes& said, int index, const char* name) {
+  if (said.type == cudaMemoryTypeDevice && said.device != index)
+    throw Error(ErrorCode::kInvalidArgument,
+                "lies in the memory of CUDA device " + std::to_string(said.device) +
+                    ", and the context is on CUDA device " + std::to_string(index),
+                name);
+  return said.type == cudaMemoryTypeDevice || said.type == cudaMemoryTypeManaged;
+}
+
+bool CudaDevice::is_device_memory(const void* pointer, const char* name) const {
+  return may_follow(said_of(pointer), index_, name);
 }
 
 void CudaDevice::wait_for(const char* stage, void* stream) {
-  check_cuda(cudaSetDevice(index_), stage);
+  const CurrentDevice current(index_, stage);
+  const auto other = static_cast<cudaStream_t>(stream);
+  cudaStreamCaptureStatus capture = cudaStreamCaptureStatusNone;
+  check_cuda(cudaStreamIsCapturing(other, &capture), stage);
+  if (capture != cudaStreamCaptureStatusNone)
+    throw Error(ErrorCode::kInvalidArgument,
+                "is being captured into a graph, which a query cannot become a part of", "stream");
   cudaEvent_t event = nullptr;
   check_cuda(cudaEventCreateWithFlags(&event, cudaEventDisableTiming), stage);
-  cudaError_t status = cudaEventRecord(event, static_cast<cudaStream_t>(stream));
+  cudaError_t status = cudaEventRecord(event, other);
   if (status == cudaSuccess)
     status = cudaStreamWaitEvent(static_cast<cudaStream_t>(stream_), event, 0);
-  static_cast<void>(cudaEventDestroy(event));
+  ignore_cuda(cudaEventDestroy(event));
   check_cuda(status, stage);
 }
 
-void CudaDevice::make_current(const char* stage) const {
-  check_cuda(cudaSetDevice(index_), stage);
-}
-
 std::uint64_t CudaDevice::free_bytes() const {
-  make_current("CUDA device: memory");
+  const CurrentDevice current(index_, "CUDA device: memory");
   std::size_t free = 0, total = 0;
   check_cuda(cudaMemGetInfo(&free, &total), "CUDA device: memory");
-  return free;
+  return free + (own_allocator_ != nullptr ? own_allocator_->free_bytes() : 0);
 }
 
 void* CudaDevice::scratch(const char* stage, std::size_t bytes) {
@@ -158,6 +151,7 @@ void CudaDevice::keep_times(bool keep) {
 }
 
 std::vector<StageTime> CudaDevice::times() {
+  const CurrentDevice current(index_, "stage times");
   synchronize("stage times");
   std::vector<StageTime> times;
   for (const Mark& mark : marks_) {
@@ -165,8 +159,8 @@ std::vector<StageTime> CudaDevice::times() {
     if (mark.begin != nullptr && mark.end != nullptr &&
         cudaEventElapsedTime(&ms, mark.begin, mark.end) == cudaSuccess)
       add_stage_time(mark.stage, ms, &times);
-    if (mark.begin != nullptr) static_cast<void>(cudaEventDestroy(mark.begin));
-    if (mark.end != nullptr) static_cast<void>(cudaEventDestroy(mark.end));
+    if (mark.begin != nullptr) ignore_cuda(cudaEventDestroy(mark.begin));
+    if (mark.end != nullptr) ignore_cuda(cudaEventDestroy(mark.end));
   }
   static_cast<void>(cudaGetLastError());
   marks_.clear();

@@ -1,5 +1,6 @@
 // A CUDA device: the verbs of exec/device.h as kernels and calls of CUB, one after another on a
-// stream of its own. One small .cu a primitive; loops are launched by exec/cuda/launch-inl.h.
+// stream of its own. One small .cu a primitive; loops are launched by exec/cuda/launch-inl.h. A
+// thread's current device is after each verb what it was before.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +16,7 @@ namespace raysheaf {
 class CudaUplink;
 class CudaDownlink;
 class CudaGlBuffer;
+class StreamAllocator;
 
 class CudaDevice {
  public:
@@ -53,7 +55,7 @@ class CudaDevice {
     return value;
   }
   void synchronize(const char* stage);
-  [[nodiscard]] bool is_device_memory(const void* pointer) const;
+  [[nodiscard]] bool is_device_memory(const void* pointer, const char* name) const;
   [[nodiscard]] DeviceAllocator& allocator() { return *allocator_; }
   [[nodiscard]] std::uint64_t free_bytes() const;
 
@@ -62,7 +64,8 @@ class CudaDevice {
   [[nodiscard]] std::vector<StageTime> times();
 
   /// What was asked for on `stream` (a cudaStream_t, null: the default one) comes before what is
-  /// asked for here from now on.
+  /// asked for here from now on. Throws Error (kInvalidArgument) where that is being captured into
+  /// a graph.
   void wait_for(const char* stage, void* stream);
   /// The product's name and its compute capability.
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -70,8 +73,6 @@ class CudaDevice {
   // For its links.
   [[nodiscard]] int index() const { return index_; }
   [[nodiscard]] void* stream() const { return stream_; }  ///< a cudaStream_t
-  /// What this thread asks CUDA for from now on is asked of this device.
-  void make_current(const char* stage) const;
 
  private:
   struct Mark;
@@ -93,7 +94,7 @@ class CudaDevice {
   int index_;
   std::string name_;
   void* stream_ = nullptr;  // a cudaStream_t
-  std::unique_ptr<DeviceAllocator> own_allocator_;
+  std::unique_ptr<StreamAllocator> own_allocator_;
   DeviceAllocator* allocator_;
   DeviceBuffer<std::uint8_t> scratch_;
   DeviceBuffer<std::uint32_t> counter_;

@@ -40,4 +40,8 @@ void check_cuda(int status, const char* stage) {
       stage);
 }
 
+void ignore_cuda(int status) noexcept {
+  if (status != cudaSuccess) static_cast<void>(cudaGetLastError());
+}
+
 }  // namespace raysheaf

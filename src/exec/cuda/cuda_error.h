@@ -8,4 +8,8 @@ namespace raysheaf {
 /// device or driver for this build, else kInternal. Clears what CUDA remembers of it.
 void check_cuda(int status, const char* stage);
 
+/// Where nobody could do anything about it. Clears what CUDA remembers of it, too, lest it be taken
+/// for an error of what is asked for next.
+void ignore_cuda(int status) noexcept;
+
 }  // namespace raysheaf

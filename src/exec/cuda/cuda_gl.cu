@@ -1,13 +1,12 @@
 #include "exec/cuda/cuda_gl.h"
 
 #include <cuda_gl_interop.h>
-#include <cuda_runtime.h>
 
 #include <algorithm>
 #include <array>
 #include <string>
 
-#include "exec/cuda/cuda_error.h"
+#include "exec/cuda/cuda_device-inl.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf {
@@ -38,31 +37,34 @@ cudaGraphicsResource_t resource_of(void* resource) {
 }  // namespace
 
 CudaGlBuffer::CudaGlBuffer(CudaDevice& device, unsigned name) : index_(device.index()) {
-  device.make_current(kSharing);
+  const CurrentDevice current(index_, kSharing);
   std::array<int, 16> drawing{};
   unsigned count = 0;
-  require(cudaGLGetDevices(&count, drawing.data(), static_cast<unsigned>(drawing.size()),
-                           cudaGLDeviceListAll));
+  // Where CUDA cannot say which devices draw, the buffer's registration decides.
+  const cudaError_t said = cudaGLGetDevices(
+      &count, drawing.data(), static_cast<unsigned>(drawing.size()), cudaGLDeviceListAll);
+  ignore_cuda(said);
   const auto end = drawing.begin() + std::min<std::size_t>(count, drawing.size());
-  if (std::find(drawing.begin(), end, index_) == end) refuse("OpenGL draws on another device");
+  if (said == cudaSuccess && count > 0 && std::find(drawing.begin(), end, index_) == end)
+    refuse("OpenGL draws on another device");
   cudaGraphicsResource_t resource = nullptr;
   require(cudaGraphicsGLRegisterBuffer(&resource, name, cudaGraphicsRegisterFlagsReadOnly));
   // What a driver refuses only now is refused here, too.
   cudaError_t status = cudaGraphicsMapResources(1, &resource, stream_of(device));
   if (status == cudaSuccess) status = cudaGraphicsUnmapResources(1, &resource, stream_of(device));
-  if (status != cudaSuccess) static_cast<void>(cudaGraphicsUnregisterResource(resource));
+  if (status != cudaSuccess) ignore_cuda(cudaGraphicsUnregisterResource(resource));
   require(status);
   resource_ = resource;
 }
 
 CudaGlBuffer::~CudaGlBuffer() {
-  static_cast<void>(cudaSetDevice(index_));
-  static_cast<void>(cudaGraphicsUnregisterResource(resource_of(resource_)));
+  const CurrentDevice current(index_);
+  ignore_cuda(cudaGraphicsUnregisterResource(resource_of(resource_)));
 }
 
 void CudaGlBuffer::copy_to(const char* stage, CudaDevice& device, void* to,
                            std::size_t bytes) const {
-  device.make_current(stage);
+  const CurrentDevice current(index_, stage);
   const cudaStream_t stream = stream_of(device);
   cudaGraphicsResource_t resource = resource_of(resource_);
   check_cuda(cudaGraphicsMapResources(1, &resource, stream), stage);

@@ -1,8 +1,6 @@
 #include "exec/cuda/cuda_links.h"
 
-#include <cuda_runtime.h>
-
-#include "exec/cuda/cuda_error.h"
+#include "exec/cuda/cuda_device-inl.h"
 
 namespace raysheaf {
 namespace {
@@ -25,18 +23,18 @@ cudaEvent_t new_event() {
 }
 
 void destroy_event(void* event) {
-  if (event != nullptr) static_cast<void>(cudaEventDestroy(event_of(event)));
+  if (event != nullptr) ignore_cuda(cudaEventDestroy(event_of(event)));
 }
 
 }  // namespace
 
 LockedMemory::~LockedMemory() {
-  if (data_ != nullptr) static_cast<void>(cudaFreeHost(data_));
+  if (data_ != nullptr) ignore_cuda(cudaFreeHost(data_));
 }
 
 void LockedMemory::resize(const char* stage, std::size_t bytes) {
   if (bytes <= size_) return;
-  if (data_ != nullptr) static_cast<void>(cudaFreeHost(data_));
+  if (data_ != nullptr) ignore_cuda(cudaFreeHost(data_));
   data_ = nullptr;
   size_ = 0;
   check_cuda(cudaMallocHost(&data_, bytes), stage);
@@ -44,7 +42,7 @@ void LockedMemory::resize(const char* stage, std::size_t bytes) {
 }
 
 CudaUplink::CudaUplink(CudaDevice& device) : device_(device) {
-  device_.make_current(kLinking);
+  const CurrentDevice current(device_.index(), kLinking);
   try {
     cudaStream_t stream = nullptr;
     check_cuda(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), kLinking);
@@ -62,17 +60,17 @@ CudaUplink::~CudaUplink() {
 }
 
 void CudaUplink::close() noexcept {
-  static_cast<void>(cudaSetDevice(device_.index()));
+  const CurrentDevice current(device_.index());
   if (stream_ != nullptr) {
-    static_cast<void>(cudaStreamSynchronize(stream_of(stream_)));
-    static_cast<void>(cudaStreamDestroy(stream_of(stream_)));
+    ignore_cuda(cudaStreamSynchronize(stream_of(stream_)));
+    ignore_cuda(cudaStreamDestroy(stream_of(stream_)));
   }
   destroy_event(sent_);
   destroy_event(done_);
 }
 
 std::byte* CudaUplink::room(const char* stage, std::size_t bytes) {
-  device_.make_current(stage);
+  const CurrentDevice current(device_.index(), stage);
   check_cuda(cudaEventSynchronize(event_of(sent_)), stage);  // at once where nothing was sent yet
   room_.resize(stage, bytes);
   return room_.data();
@@ -80,7 +78,7 @@ std::byte* CudaUplink::room(const char* stage, std::size_t bytes) {
 
 void CudaUplink::send(const char* stage, void* to, std::size_t bytes) {
   turns_.send(stage);
-  device_.make_current(stage);
+  const CurrentDevice current(device_.index(), stage);
   check_cuda(cudaStreamWaitEvent(stream_of(stream_), event_of(done_), 0), stage);
   if (bytes != 0) {
     check_cuda(cudaMemcpyAsync(to, room_.data(), bytes, cudaMemcpyHostToDevice, stream_of(stream_)),
@@ -91,29 +89,29 @@ void CudaUplink::send(const char* stage, void* to, std::size_t bytes) {
 
 void CudaUplink::see(const char* stage) {
   turns_.see(stage);
-  device_.make_current(stage);
+  const CurrentDevice current(device_.index(), stage);
   check_cuda(cudaStreamWaitEvent(stream_of(device_.stream()), event_of(sent_), 0), stage);
 }
 
 void CudaUplink::done_with(const char* stage) {
   turns_.done_with(stage);
-  device_.make_current(stage);
+  const CurrentDevice current(device_.index(), stage);
   check_cuda(cudaEventRecord(event_of(done_), stream_of(device_.stream())), stage);
 }
 
 CudaDownlink::CudaDownlink(CudaDevice& device) : device_(device) {
-  device_.make_current(kLinking);
+  const CurrentDevice current(device_.index(), kLinking);
   arrived_ = new_event();
 }
 
 CudaDownlink::~CudaDownlink() {
-  static_cast<void>(cudaSetDevice(device_.index()));
-  static_cast<void>(cudaEventSynchronize(event_of(arrived_)));  // nothing writes into the room
+  const CurrentDevice current(device_.index());
+  ignore_cuda(cudaEventSynchronize(event_of(arrived_)));  // nothing writes into the room
   destroy_event(arrived_);
 }
 
 void CudaDownlink::ask(const char* stage, const void* from, std::size_t bytes) {
-  device_.make_current(stage);
+  const CurrentDevice current(device_.index(), stage);
   check_cuda(cudaEventSynchronize(event_of(arrived_)), stage);
   room_.resize(stage, bytes);
   if (bytes != 0) {
@@ -125,7 +123,7 @@ void CudaDownlink::ask(const char* stage, const void* from, std::size_t bytes) {
 }
 
 const std::byte* CudaDownlink::wait(const char* stage) {
-  device_.make_current(stage);
+  const CurrentDevice current(device_.index(), stage);
   check_cuda(cudaEventSynchronize(event_of(arrived_)), stage);
   return room_.data();
 }
