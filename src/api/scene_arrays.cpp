@@ -1,5 +1,6 @@
 #include "api/scene_arrays.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <utility>
@@ -15,31 +16,9 @@ constexpr std::size_t kMostItems = 0x7fffffff;
 // The loops below have no branches, so that the compiler makes vectors of them; what is wrong is
 // found again by a second look.
 
-/// The sum makes -0 into +0, as the identity transform does (base/vec.h).
-bool copy_coordinates(const float* in, std::size_t count, float* out) {
-  std::uint32_t wrong = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const float x = in[i];
-    wrong |= std::fabs(x) <= kLargestCoordinate ? 0u : 1u;
-    out[i] = x + 0.0f;
-  }
-  return wrong == 0;
-}
-
 bool check_coordinates(const float* in, std::size_t count) {
   std::uint32_t wrong = 0;
   for (std::size_t i = 0; i < count; ++i) wrong |= std::fabs(in[i]) <= kLargestCoordinate ? 0u : 1u;
-  return wrong == 0;
-}
-
-bool copy_indices(const std::uint32_t* in, std::size_t count, std::uint32_t limit,
-                  std::uint32_t* out) {
-  std::uint32_t wrong = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t index = in[i];
-    wrong |= index < limit ? 0u : 1u;
-    out[i] = index;
-  }
   return wrong == 0;
 }
 
@@ -47,6 +26,35 @@ bool check_indices(const std::uint32_t* in, std::size_t count, std::uint32_t lim
   std::uint32_t wrong = 0;
   for (std::size_t i = 0; i < count; ++i) wrong |= in[i] < limit ? 0u : 1u;
   return wrong == 0;
+}
+
+/// Copies by `copied(item)`, and looks over what was copied, while it is in the first cache:
+/// another thread may write to `in` all the while. `check(out, count)`.
+template <class Item, class Copied, class Check>
+bool copy_checked(const Item* in, std::size_t count, Item* out, const Copied& copied,
+                  const Check& check) {
+  constexpr std::size_t kAtOnce = 2048;
+  bool good = true;
+  for (std::size_t begin = 0; begin < count; begin += kAtOnce) {
+    const std::size_t end = std::min(count, begin + kAtOnce);
+    for (std::size_t i = begin; i < end; ++i) out[i] = copied(in[i]);
+    std::atomic_signal_fence(std::memory_order_seq_cst);  // or the compiler may look at `in`
+    good = check(out + begin, end - begin) && good;
+  }
+  return good;
+}
+
+/// The sum makes -0 into +0, as the identity transform does (base/vec.h).
+bool copy_coordinates(const float* in, std::size_t count, float* out) {
+  return copy_checked(
+      in, count, out, [](float x) { return x + 0.0f; }, check_coordinates);
+}
+
+bool copy_indices(const std::uint32_t* in, std::size_t count, std::uint32_t limit,
+                  std::uint32_t* out) {
+  return copy_checked(
+      in, count, out, [](std::uint32_t index) { return index; },
+      [&](const std::uint32_t* some, std::size_t n) { return check_indices(some, n, limit); });
 }
 
 /// Whether `body(begin, end)` holds for all blocks of [0, count).
