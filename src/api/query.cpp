@@ -121,6 +121,10 @@ void count_hits(Query* query, std::span<std::uint32_t> counts) {
   if (query->is_on_device())
     return query->device_engine().count_hits(query->rays(), query->device_query(),
                                              View<std::uint32_t>(counts.data(), counts.size()));
+  if (!query->is_brute())
+    return query->view().engine.hit_counts(
+        query->executor(), query->rays(), query->engine_options(),
+        View<std::uint32_t>(counts.data(), counts.size()), query->report());
   std::fill(counts.begin(), counts.end(), 0u);
   find_rows(query, [&](const auto& rows) {
     rows.for_each(query->executor(), [&](std::size_t ray, View<const EngineHit> hits) {

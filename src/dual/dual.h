@@ -93,5 +93,8 @@ void trace_any(const Executor& executor, const DualScene& scene, View<const Ray>
 /// `rows`, whose memory is used again, takes the rows of all rays, in their order.
 void trace_all(const Executor& executor, const DualScene& scene, View<const Ray> rays,
                const RayOrder& order, RowLists* rows, View<float> ray_tests, DualCounts* counts);
+/// The lengths of these rows, of which nothing is kept.
+void trace_hit_counts(const Executor& executor, const DualScene& scene, View<const Ray> rays,
+                      const RayOrder& order, View<std::uint32_t> hit_counts, DualCounts* counts);
 
 }  // namespace raysheaf

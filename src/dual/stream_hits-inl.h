@@ -102,7 +102,10 @@ class StreamHits {
     const std::uint32_t id = id_at(tree_, place);
     if (one_side_ && !shows(job_.scene.facing, job_.scene.flags[id], hit.front)) return;
     if constexpr (Mode::kAll) {
-      s.rows.push_back({s.first + n, {hit.t, hit.u, hit.v, id}});
+      if (job_.hit_counts != nullptr)
+        ++job_.hit_counts[s.index[n]];
+      else
+        s.rows.push_back({s.first + n, {hit.t, hit.u, hit.v, id}});
     } else if (in_blocks_) {
       StreamBlock& b = block_of(n);
       const std::uint32_t i = n % kPacketWidth;

@@ -125,4 +125,13 @@ void trace_all(const Executor& executor, const DualScene& scene, View<const Ray>
   trace_all_tasks(executor, scene, rays, order, ray_tests, counts, job, trace_all_packets);
 }
 
+void trace_hit_counts(const Executor& executor, const DualScene& scene, View<const Ray> rays,
+                      const RayOrder& order, View<std::uint32_t> hit_counts, DualCounts* counts) {
+  std::fill(hit_counts.begin(), hit_counts.end(), 0u);
+  if (scene.tree->empty()) return;
+  TraceJob job;
+  job.hit_counts = hit_counts.data;
+  trace_all_tasks(executor, scene, rays, order, {}, counts, job, trace_all_packets);
+}
+
 }  // namespace raysheaf

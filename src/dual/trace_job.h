@@ -27,9 +27,10 @@ struct TraceJob {
   std::array<std::uint32_t, kQuarters + 1> ray_starts{}, packet_starts{};
   EngineHit* hits = nullptr;
   std::uint8_t* occluded = nullptr;
-  RowLists* rows = nullptr;      ///< one a task
-  float* ray_tests = nullptr;    ///< or null
-  DualCounts* counts = nullptr;  ///< under `mutex`
+  RowLists* rows = nullptr;             ///< one a task
+  std::uint32_t* hit_counts = nullptr;  ///< of each ray: instead of rows
+  float* ray_tests = nullptr;           ///< or null
+  DualCounts* counts = nullptr;         ///< under `mutex`
   std::mutex* mutex = nullptr;
   StreamPool* streams = nullptr;
 

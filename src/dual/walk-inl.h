@@ -25,6 +25,7 @@ HWY_NOINLINE void for_each_leaf(const ObjectTree& tree, const Body& body) {
 /// What was found for the rays of a task.
 inline void hand_over_rows(const TraceJob& job, const TraceTask& task,
                            const std::vector<RowHit>& found) {
+  if (job.rows == nullptr) return;
   const PacketRange last = job.packet(task.end - 1);
   make_rows(*job.executor, found, job.packet(task.begin).first, last.first + last.count,
             &(*job.rows)[task.number]);
@@ -206,7 +207,11 @@ class Walk {
         !shows(job_.scene.facing, job_.scene.flags[id], hit.front))
       return false;
     if constexpr (Mode::kAll) {
-      if (lane < p.count) rows_.push_back({first_ + lane, {hit.t, hit.u, hit.v, id}});
+      if (lane >= p.count) return false;
+      if (job_.hit_counts != nullptr)
+        ++job_.hit_counts[p.index[lane]];
+      else
+        rows_.push_back({first_ + lane, {hit.t, hit.u, hit.v, id}});
       return false;
     } else if constexpr (Mode::kAny) {
       done_ |= 1u << lane;

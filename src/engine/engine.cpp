@@ -290,22 +290,36 @@ void Engine::any_hit(const Executor& executor, const RaySource& rays, const Engi
   trace_any_hits(executor, all, plan, options, occluded, {}, report);
 }
 
+template <class Trace>
+void Engine::trace_every_hit(const Executor& executor, View<const Ray> rays, EngineReport* report,
+                             const Trace& trace) {
+  Plan plan = make_plan(history_, RaysInPlace(rays), false, report != nullptr);
+  prepare(executor, rays.size, &plan, report);
+  order(executor, rays, plan, report);
+  Reporter reporter(report);
+  DualCounts counts;
+  trace(plan, &counts);
+  reporter.lap(&EngineReport::trace_ms);
+  reporter.add(counts);
+}
+
 FoundRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
                            const EngineOptions& options, EngineReport* report) {
-  if (bytes_of(rows_) > kMostKeptBytes) rows_.clear();
-  if (!rays.empty()) {
-    Plan plan = make_plan(history_, RaysInPlace(rays), false, report != nullptr);
-    prepare(executor, rays.size, &plan, report);
-    order(executor, rays, plan, report);
-    Reporter reporter(report);
-    DualCounts counts;
-    trace_all(executor, dual_scene(plan, options), rays, order_, &rows_, {}, &counts);
-    reporter.lap(&EngineReport::trace_ms);
-    reporter.add(counts);
-  } else {
-    rows_.clear();
-  }
+  if (rays.empty() || bytes_of(rows_) > kMostKeptBytes) rows_.clear();
+  if (!rays.empty())
+    trace_every_hit(executor, rays, report, [&](const Plan& plan, DualCounts* counts) {
+      trace_all(executor, dual_scene(plan, options), rays, order_, &rows_, {}, counts);
+    });
   return {rows_, {order_.rays.data(), order_.rays.size()}};
+}
+
+void Engine::hit_counts(const Executor& executor, View<const Ray> rays,
+                        const EngineOptions& options, View<std::uint32_t> hit_counts,
+                        EngineReport* report) {
+  if (rays.empty()) return;
+  trace_every_hit(executor, rays, report, [&](const Plan& plan, DualCounts* counts) {
+    trace_hit_counts(executor, dual_scene(plan, options), rays, order_, hit_counts, counts);
+  });
 }
 
 std::size_t Engine::memory_bytes() const {

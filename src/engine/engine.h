@@ -114,6 +114,9 @@ class Engine {
   /// Every hit of every ray.
   [[nodiscard]] FoundRows all_hits(const Executor& executor, View<const Ray> rays,
                                    const EngineOptions& options, EngineReport* report);
+  /// How many they are, of which nothing is kept.
+  void hit_counts(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
+                  View<std::uint32_t> hit_counts, EngineReport* report);
 
   /// The tree, and the room that queries keep for the next one.
   [[nodiscard]] std::size_t memory_bytes() const;
@@ -133,6 +136,10 @@ class Engine {
   void trace_any_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
                       const EngineOptions& options, View<std::uint8_t> occluded,
                       View<float> ray_tests, EngineReport* report);
+  /// Prepares the tree and the order, and calls `trace(plan, counts)`.
+  template <class Trace>
+  void trace_every_hit(const Executor& executor, View<const Ray> rays, EngineReport* report,
+                       const Trace& trace);
   [[nodiscard]] View<const Ray> take_all_rays(const Executor& executor, const RaySource& rays,
                                               Buffer<Ray>* room, EngineReport* report);
   /// Takes the rays by quarter and calls `trace(quartered, counts)`.

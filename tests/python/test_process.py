@@ -106,7 +106,7 @@ def test_ctrl_c_ends_a_query_of_few_rays_and_many_hits(query: str):
     scene = raysheaf.Scene(threads=1)
     scene.add(stack(200_000))
     with interrupted_after(0.2):
-        getattr(scene, query)(np.zeros((1_500, 3)), [0, 0, 1])
+        getattr(scene, query)(np.zeros((6_000, 3)), [0, 0, 1])
     assert scene.any_hit([0, 0, 0], [0, 0, 1])
 
 
