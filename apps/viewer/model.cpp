@@ -39,11 +39,7 @@ HistoryEntry entry_of(const FrameStatistics& statistics) {
     entry.rays += static_cast<double>(batch.rays);
     entry.tests += static_cast<double>(batch.total_tests());
     if (batch.kind == RayKind::kPrimary) continue;  // its times are `raster_ms`
-    entry.stages.raygen += batch.times_ms.raygen;
-    entry.stages.order += batch.times_ms.order;
-    entry.stages.hierarchy += batch.times_ms.hierarchy;
-    entry.stages.traverse += batch.times_ms.traverse;
-    entry.stages.intersect += batch.times_ms.intersect;
+    entry.stages.add(batch.times_ms);
   }
   return entry;
 }

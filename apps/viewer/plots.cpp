@@ -133,8 +133,7 @@ void row_of(const BatchStatistics& batch) {
   number(static_cast<double>(batch.total_tests()) / rays);
   ImGui::TableNextColumn();
   ImGui::Text("%.3g %%", 100 * batch.relative());
-  const StageTimes& t = batch.times_ms;
-  number(t.raygen + t.order + t.hierarchy + t.traverse + t.intersect);
+  number(batch.times_ms.total());
 }
 
 void table_of(const FrameStatistics& statistics) {

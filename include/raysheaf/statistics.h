@@ -32,6 +32,16 @@ struct LevelStatistics {
 
 struct StageTimes {
   double raygen = 0, order = 0, hierarchy = 0, traverse = 0, intersect = 0;  ///< milliseconds
+
+  [[nodiscard]] double total() const { return raygen + order + hierarchy + traverse + intersect; }
+  /// `part` of another's.
+  void add(const StageTimes& other, double part = 1) {
+    raygen += part * other.raygen;
+    order += part * other.order;
+    hierarchy += part * other.hierarchy;
+    traverse += part * other.traverse;
+    intersect += part * other.intersect;
+  }
 };
 
 /// One bundle of rays as a method traces it, measured.

@@ -15,14 +15,6 @@ constexpr std::uint64_t BatchStatistics::*kBatchCounts[] = {
 /// More than any hierarchy has.
 constexpr std::uint32_t kMostLevels = 64;
 
-void add(const StageTimes& more, double part, StageTimes* times) {
-  times->raygen += part * more.raygen;
-  times->order += part * more.order;
-  times->hierarchy += part * more.hierarchy;
-  times->traverse += part * more.traverse;
-  times->intersect += part * more.intersect;
-}
-
 }  // namespace
 
 std::size_t FrameTally::place_of(RayKind kind, std::uint32_t bounce) const {
@@ -82,7 +74,7 @@ void FrameTally::take(FrameTally* other, double time_part) {
     const std::vector<std::uint64_t> added = numbers_of(more);
     for (std::size_t n = 0; n < numbers.size(); ++n) numbers[n] += added[n];
     set_numbers(numbers.data(), &sum);
-    add(more.times_ms, time_part, &sum.times_ms);
+    sum.times_ms.add(more.times_ms, time_part);
     KeptPlan& kept = kept_plans_[place_of(more.kind, more.bounce)];
     if (other->kept_plans_[i].group >= kept.group) continue;
     kept = other->kept_plans_[i];

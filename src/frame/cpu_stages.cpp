@@ -151,9 +151,7 @@ class CpuStages : public FrameStages {
       const FrameStatistics& s = follower->tally.statistics;
       sum += s.raster_ms + s.shade_ms;
       for (const BatchStatistics& batch : s.batches) {
-        const StageTimes& t = batch.times_ms;
-        if (batch.bounce == 0) continue;  // a part of `raster_ms`
-        sum += t.raygen + t.order + t.hierarchy + t.traverse + t.intersect;
+        if (batch.bounce != 0) sum += batch.times_ms.total();  // else a part of `raster_ms`
       }
     }
     FrameTally all(geometry_.triangle_count());

@@ -32,12 +32,6 @@ RayBatch piece_of(const RayBatch& batch, std::size_t begin, std::size_t end) {
   return piece;
 }
 
-void add_times(const StageTimes& more, StageTimes* sum) {
-  for (const auto field : {&StageTimes::raygen, &StageTimes::order, &StageTimes::hierarchy,
-                           &StageTimes::traverse, &StageTimes::intersect})
-    sum->*field += more.*field;
-}
-
 /// Adds the counts of all processes, and what else this one has.
 void add_up(Communicator& ranks, BatchStatistics own, BatchStatistics* statistics) {
   std::vector<std::uint64_t> numbers = numbers_of(own);
@@ -45,7 +39,7 @@ void add_up(Communicator& ranks, BatchStatistics own, BatchStatistics* statistic
   const std::vector<std::uint64_t> before = numbers_of(*statistics);
   for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] += before[i];
   set_numbers(numbers.data(), statistics);
-  add_times(own.times_ms, &statistics->times_ms);
+  statistics->times_ms.add(own.times_ms);
   std::move(own.plan.begin(), own.plan.end(), std::back_inserter(statistics->plan));
   std::move(own.bundles.begin(), own.bundles.end(), std::back_inserter(statistics->bundles));
 }

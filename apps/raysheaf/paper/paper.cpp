@@ -57,14 +57,6 @@ BatchStatistics brute_force_counts(LabRays rays, std::uint64_t ray_count, std::u
   return counts;
 }
 
-void add(const StageTimes& times, StageTimes* sum) {
-  sum->raygen += times.raygen;
-  sum->order += times.order;
-  sum->hierarchy += times.hierarchy;
-  sum->traverse += times.traverse;
-  sum->intersect += times.intersect;
-}
-
 void add(const BatchStatistics& batch, BatchStatistics* sum) {
   sum->rays += batch.rays;
   sum->chunks += batch.chunks;
@@ -73,7 +65,7 @@ void add(const BatchStatistics& batch, BatchStatistics* sum) {
   sum->ray_bound_tests += batch.ray_bound_tests;
   sum->final_tests += batch.final_tests;
   sum->hits += batch.hits;
-  add(batch.times_ms, &sum->times_ms);
+  sum->times_ms.add(batch.times_ms);
   for (std::size_t i = 0; i < std::min(sum->levels.size(), batch.levels.size()); ++i) {
     sum->levels[i].tests += batch.levels[i].tests;
     sum->levels[i].hits += batch.levels[i].hits;

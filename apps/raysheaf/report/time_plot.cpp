@@ -30,13 +30,7 @@ constexpr Stage kStages[] = {
 
 std::vector<double> stage_times(const FrameStatistics& s) {
   StageTimes sum;
-  for (const BatchStatistics& batch : s.batches) {
-    sum.raygen += batch.times_ms.raygen;
-    sum.order += batch.times_ms.order;
-    sum.hierarchy += batch.times_ms.hierarchy;
-    sum.traverse += batch.times_ms.traverse;
-    sum.intersect += batch.times_ms.intersect;
-  }
+  for (const BatchStatistics& batch : s.batches) sum.add(batch.times_ms);
   std::vector<double> all = {s.raster_ms,  sum.raygen,    sum.order, sum.hierarchy,
                              sum.traverse, sum.intersect, s.shade_ms};
   double known = 0;
