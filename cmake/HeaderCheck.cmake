@@ -37,9 +37,9 @@ function(check_headers name)
 endfunction()
 check_headers(raysheaf_public_headers ${public_sources})
 check_headers(raysheaf_headers ${header_sources})
+# Those that most of them include: what is precompiled takes time to load, too.
 target_precompile_headers(raysheaf_headers PRIVATE
-  <algorithm> <array> <atomic> <chrono> <cmath> <cstdint> <cstring> <filesystem> <functional> <future> <map>
-  <memory> <mutex> <optional> <span> <string> <thread> <unordered_map> <variant> <vector>)
+  <array> <cmath> <cstdint> <cstring> <functional> <memory> <optional> <span> <string> <vector>)
 if(RAYSHEAF_HAS_PYTHON)
   target_include_directories(raysheaf_headers SYSTEM PRIVATE ${NB_DIR}/include ${Python_INCLUDE_DIRS})
 endif()
