@@ -11,6 +11,7 @@
 #include "raysheaf/error.h"
 #include "raysheaf/pack.h"
 #include "render/frames_command.h"
+#include "stoppable_sink.h"
 #include "values.h"
 
 namespace raysheaf::app {
@@ -33,19 +34,6 @@ bool stands_still(const RenderCommand& command) {
   return !wants_frames(command) && !command.frames.time && command.frames.clip.empty() &&
          command.frames.sequence.empty();
 }
-
-/// Takes blocks until it is interrupted.
-class StoppableSink final : public BlockSink {
- public:
-  explicit StoppableSink(BlockSink* sink) : sink_(*sink) {}
-  void add(const TriangleBlock& block, const BlockShading& shading) override {
-    stop_if_interrupted();
-    sink_.add(block, shading);
-  }
-
- private:
-  BlockSink& sink_;
-};
 
 std::unique_ptr<GeometrySource> packed_beside(const RenderCommand& command) {
   std::string name = (std::filesystem::temp_directory_path() / "raysheaf").string();
