@@ -66,6 +66,10 @@ CLI::App* add_pack(CLI::App& app, PackCommand& command) {
   sub->callback([&command] {
     if (!has_ending(command.output, ".rsb"))
       throw CLI::ValidationError("-o", "'" + command.output + "' does not end in .rsb");
+    if (has_ending(command.scene, ".rsb") && command.block_triangles != kBlockTriangles)
+      throw CLI::ValidationError(
+          "--block-triangles",
+          "the blocks of a .rsb file stay as they are: pack the file that it was made of");
   });
   return sub;
 }
