@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <set>
 
 #include "console.h"
 #include "parse/ablation.h"
@@ -114,25 +113,17 @@ bool has_picture_ending(const std::string& path) {
 }
 
 void check_outputs(const RenderCommand& command) {
-  std::set<std::string> seen;
-  const auto once = [&seen](const std::string& option, const std::string& path) {
-    if (!path.empty() && !seen.insert(path).second) {
-      throw CLI::ValidationError(option, "'" + path + "' is written twice");
-    }
-  };
   for (const std::string& path : command.pictures) {
     if (!has_picture_ending(path)) {
       throw CLI::ValidationError("-o",
                                  "'" + path + "' ends neither in .png nor in .exr nor in .mp4");
     }
-    once("-o", path);
   }
-  once("--stats", command.stats_path);
-  once("--heatmap", command.heatmap_path);
   if (!command.heatmap_path.empty() && !has_ending(command.heatmap_path, ".png")) {
     throw CLI::ValidationError("--heatmap", "'" + command.heatmap_path + "' does not end in .png");
   }
-  if (seen.empty() && !command.explain) {
+  if (command.pictures.empty() && command.stats_path.empty() && command.heatmap_path.empty() &&
+      !command.explain) {
     throw CLI::ValidationError("render",
                                "nothing to write: give -o, --stats, --heatmap or --explain");
   }
@@ -177,11 +168,6 @@ CLI::App* add_info(CLI::App& app, InfoCommand& command) {
   return sub;
 }
 
-void check_bench_outputs(const BenchPaperCommand& command) {
-  if (!command.json_path.empty() && command.json_path == command.markdown_path)
-    throw CLI::ValidationError("--json", "'" + command.json_path + "' is written twice");
-}
-
 CLI::App* add_bench_paper(CLI::App& bench, BenchPaperCommand& command) {
   CLI::App* sub = bench.add_subcommand("paper", "Count tests as the paper's tables do");
   sub->add_option("--scenes", command.scenes,
@@ -214,7 +200,6 @@ CLI::App* add_bench_paper(CLI::App& bench, BenchPaperCommand& command) {
       "Examples:\n"
       "  raysheaf bench paper --size 64x64\n"
       "  raysheaf bench paper --scenes scenes/paper --as-published --markdown reproduction.md");
-  sub->callback([&command] { check_bench_outputs(command); });
   return sub;
 }
 

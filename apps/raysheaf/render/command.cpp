@@ -10,6 +10,7 @@
 #include "ranks/ranks.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
+#include "render/files.h"
 #include "render/frames_command.h"
 #include "render/light.h"
 #include "render/stage.h"
@@ -28,15 +29,12 @@ struct Targets {
 };
 
 Targets open_targets(const RenderCommand& command) {
-  const auto target = [&command](const std::string& path) {
-    if (path.empty()) return path;
-    refuse_scene_as_output(command.scene, path);
-    return writable_path(path);
-  };
+  OutputFiles files = output_files(command);
   Targets targets;
-  for (const std::string& path : command.pictures) targets.pictures.push_back(target(path));
-  targets.stats = target(command.stats_path);
-  targets.heatmap = target(command.heatmap_path);
+  for (const std::string& path : command.pictures) targets.pictures.push_back(files.open(path));
+  targets.stats = files.open(command.stats_path);
+  targets.heatmap = files.open(command.heatmap_path);
+  if (command.frames.resume && is_streamed(command)) files.claim(checkpoint_path(command, nullptr));
   return targets;
 }
 

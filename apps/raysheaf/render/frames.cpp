@@ -20,10 +20,7 @@ std::unique_ptr<Animation> load(const std::string& scene, const FramesOptions& o
                   "--sequence");
     SequenceFiles files;
     files.still = scene;
-    // A name without a folder is looked for beside the scene.
-    const bool beside = options.sequence.find('/') == std::string::npos;
-    const std::size_t folder = scene.rfind('/') + 1;
-    files.frames = files_like((beside ? scene.substr(0, folder) : "") + options.sequence);
+    files.frames = files_like(sequence_pattern(scene, options.sequence));
     return load_sequence(files, load);
   }
   if (scene.starts_with("builtin:")) return animate(scene_from_argument(scene, load));
@@ -74,6 +71,11 @@ std::uint64_t total_frames(const Animation& animation, const FramesOptions& opti
 }
 
 }  // namespace
+
+std::string sequence_pattern(const std::string& scene, const std::string& sequence) {
+  const bool beside = sequence.find('/') == std::string::npos;
+  return (beside ? scene.substr(0, scene.rfind('/') + 1) : "") + sequence;
+}
 
 std::unique_ptr<Animation> animation_from_argument(const std::string& scene,
                                                    const FramesOptions& options,

@@ -32,6 +32,9 @@ struct FramesOptions {
                                                                  const FramesOptions& options,
                                                                  const LoadOptions& load);
 
+/// `--sequence`: a pattern without a folder is looked for beside SCENE.
+[[nodiscard]] std::string sequence_pattern(const std::string& scene, const std::string& sequence);
+
 /// The frames of a run: which there are, when each is, and who looks.
 class FramePlan {
  public:
