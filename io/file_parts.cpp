@@ -73,6 +73,8 @@ FileWriter::FileWriter(const std::string& path) : path_(path), target_(where_lin
     file_ = ::open(temporary_.c_str(), O_WRONLY | O_CLOEXEC | O_CREAT | O_EXCL, 0666);
   }
   if (file_ < 0) throw system_error("written", path, errno);
+  // Who may read the old file may read the new one, and nobody else, from the first byte on.
+  if (replaces) static_cast<void>(::fchmod(file_, old.st_mode & 0777));
 }
 
 FileWriter::~FileWriter() {

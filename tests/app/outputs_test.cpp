@@ -103,5 +103,31 @@ TEST(Outputs, FilesOfTheSceneAreNotWrittenOver) {
                  kRead);
 }
 
+TEST(Outputs, KeepTheModeOfTheFileThatWasThere) {
+  const TemporaryFolder folder;
+  write_file(folder.file("a.png"), "old");
+  ASSERT_EQ(chmod(folder.file("a.png").c_str(), 0600), 0);
+  ASSERT_EQ(raysheaf_app(render("builtin:cornell", {"-o", "a.png"}), folder).code, 0);
+  struct stat now {};
+  ASSERT_EQ(stat(folder.file("a.png").c_str(), &now), 0);
+  EXPECT_EQ(now.st_mode & 0777, 0600u);
+  EXPECT_NE(read_file(folder.file("a.png")), "old");
+}
+
+TEST(Outputs, FollowLinks) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder.path() / "there");
+  fs::create_symlink("there/a.png", folder.path() / "a.png");
+  for (int turn = 0; turn < 2; ++turn) {  // to nothing, and to a file
+    ASSERT_EQ(raysheaf_app(render("builtin:cornell", {"-o", "a.png"}), folder).code, 0);
+    EXPECT_TRUE(fs::is_symlink(folder.path() / "a.png"));
+    EXPECT_TRUE(fs::is_regular_file(folder.path() / "there" / "a.png"));
+  }
+  fs::create_symlink("gone/b.png", folder.path() / "b.png");
+  const Finished finished = raysheaf_app(render("builtin:cornell", {"-o", "b.png"}), folder);
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_TRUE(finished.err.starts_with("raysheaf: b.png: cannot write here: ")) << finished.err;
+}
+
 }  // namespace
 }  // namespace raysheaf::test
