@@ -129,5 +129,17 @@ TEST(Outputs, FollowLinks) {
   EXPECT_TRUE(finished.err.starts_with("raysheaf: b.png: cannot write here: ")) << finished.err;
 }
 
+TEST(Outputs, AFrameThatIsRefusedKeepsNothing) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(raysheaf_app({"pack", "builtin:cornell", "-o", "c.rsb", "-q"}, folder).code, 0);
+  const Finished finished = raysheaf_app(
+      {"render", "c.rsb", "--memory", "64M", "--resume", "--size", "300x300", "-o", "rz.png"},
+      folder);
+  EXPECT_EQ(finished.code, 1) << finished.err;
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"c.rsb"});
+  expect_refused(folder, {"render", "c.rsb", "--resume", "-o", "a.png", "--stats", "a.png.resume"},
+                 "a.png.resume", kTwice);
+}
+
 }  // namespace
 }  // namespace raysheaf::test
