@@ -121,6 +121,8 @@ TEST(Errors, UnknownOptionsAndValues) {
   expect_usage_error({"render", "builtin:castle", "-o", "a.png"}, "castle");
   expect_usage_error({"scene", "castle", "-o", "a.glb"}, "castle");
   expect_usage_error({"scene", "cornell"}, "-o");
+  expect_usage_error({"scene", "cornell", "--triangles", "5K", "-o", "a.glb"}, "--triangles");
+  expect_usage_error({"scene", "hall", "--compress", "-o", "a.glb"}, "--compress");
 }
 
 TEST(Errors, NoDeviceInThisMachine) {

@@ -34,13 +34,17 @@ CLI::App* add_scene(CLI::App& app, SceneCommand& command) {
       "  raysheaf scene --list\n"
       "  raysheaf scene office -o office.glb\n"
       "  raysheaf scene hall --triangles 100M -o hall.rsb");
-  sub->callback([&command] {
+  sub->callback([sub, &command] {
     if (command.list) return;
     if (command.name.empty()) throw CLI::ValidationError("scene", "give a NAME or --list");
     if (command.output.empty()) throw CLI::ValidationError("scene", "give -o FILE.glb");
     if (!has_ending(command.output, ".glb") && !has_ending(command.output, ".rsb"))
       throw CLI::ValidationError("-o",
                                  "'" + command.output + "' does not end in .glb, nor in .rsb");
+    if (command.name != "hall" && sub->get_option("--triangles")->count() > 0)
+      throw CLI::ValidationError("--triangles", "it is of the hall: other scenes are as they are");
+    if (command.compress && has_ending(command.output, ".glb"))
+      throw CLI::ValidationError("--compress", "it is of blocks: give -o FILE.rsb");
   });
   return sub;
 }

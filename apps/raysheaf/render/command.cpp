@@ -8,6 +8,7 @@
 #include "outputs.h"
 #include "progress_bar.h"
 #include "ranks/ranks.h"
+#include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 #include "render/files.h"
@@ -145,6 +146,17 @@ void finish(const RenderCommand& command, const Targets& targets, const Rendered
   if (command.explain) explain(rendered.staged.picture.statistics);
 }
 
+/// A depth that is sharp is nothing to a pinhole. Cameras of a path are pinholes.
+void check_focus(const RenderCommand& command, const SceneDescription& scene) {
+  const RenderOptions& options = command.options;
+  if (!options.focus) return;
+  const bool on_path = !command.frames.camera_path.empty();
+  const float own = on_path ? 0 : find_camera(scene, options.camera).aperture;
+  if (options.aperture.value_or(own) > 0) return;
+  throw Error(ErrorCode::kInvalidArgument, "there is no lens, but a pinhole: give --aperture",
+              "--focus");
+}
+
 /// SCENE as it moves, with the light of the command line, at the time that it names.
 std::unique_ptr<Animation> open_scene(const RenderCommand& command, const GeometrySource* blocks) {
   std::unique_ptr<Animation> animation =
@@ -158,6 +170,7 @@ std::unique_ptr<Animation> open_scene(const RenderCommand& command, const Geomet
     add_missing_camera_and_light(scene);
   }
   set_light_size(command.light, scene);
+  check_focus(command, scene);
   if (command.frames.time) static_cast<void>(animation->seek(*command.frames.time));
   return animation;
 }
