@@ -107,8 +107,9 @@ void guard_streams() {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
-    if (fcntl(stream, F_GETFD) < 0)
-      static_cast<void>(open("/dev/null", O_RDWR));  // takes its place
+    if (fcntl(stream, F_GETFD) >= 0) continue;
+    // Takes its place. What is printed there is lost, which is an error; what is told is not.
+    static_cast<void>(open("/dev/null", stream == STDOUT_FILENO ? O_RDONLY : O_RDWR));
   }
 }
 

@@ -33,7 +33,7 @@ void stop_if_interrupted();
 
 /// At the start: a write to a closed pipe, or beyond the limit on a file's size, fails instead of
 /// ending the program; standard streams that are closed lead nowhere, so that no file which is
-/// opened later gets their place.
+/// opened later gets their place, and to print is an error then.
 void guard_streams();
 
 }  // namespace raysheaf::app

@@ -36,6 +36,8 @@ void check_name(const std::string& option, const std::string& name, bool many) {
   } catch (const Error& error) {
     refuse(option, "'" + name + "': " + error.sentence());
   }
+  if (has_frame_field(name) && has_ending(name, ".mp4"))
+    refuse(option, "'" + name + "' is one film of all frames, and has no number");
   if (many && !has_frame_field(name) && !has_ending(name, ".mp4")) {
     refuse(option, "'" + name + "' has no place for the frame's number, as frame_%04d.png has");
   }

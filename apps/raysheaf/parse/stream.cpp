@@ -53,7 +53,8 @@ CLI::App* add_pack(CLI::App& app, PackCommand& command) {
   CLI::App* sub = app.add_subcommand("pack", "Cut a scene into blocks that can be streamed");
   sub->add_option("SCENE", command.scene,
                   "A file (.gltf, .glb, .obj, .ply, .stl, .rsb) or builtin:NAME")
-      ->required();
+      ->required()
+      ->check(check_not_empty);
   sub->add_flag("--allow-external", command.load.allow_external,
                 "The scene may name files outside its folder");
   sub->add_option("-o,--output", command.output, "Where to write it")

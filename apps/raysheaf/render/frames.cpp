@@ -87,7 +87,7 @@ std::unique_ptr<Animation> animation_from_argument(const std::string& scene,
 
 FramePlan::FramePlan(Animation& animation, const Box& bounds, const FramesOptions& options,
                      const std::string& camera)
-    : fps_(options.fps), turntable_(options.turntable) {
+    : fps_(options.fps), turntable_(options.turntable), path_name_(options.camera_path) {
   if (!options.camera_path.empty()) path_ = load_camera_path(options.camera_path);
   if (turntable_ != 0) {
     turning_ = find_camera(animation.scene(), camera);
@@ -114,7 +114,11 @@ double FramePlan::time(const Animation& animation, std::uint64_t frame) const {
 
 std::optional<Camera> FramePlan::camera(std::uint64_t frame) const {
   if (path_) {
-    return camera_at(*path_, path_->keys.front().time + static_cast<double>(frame) / fps_);
+    try {
+      return camera_at(*path_, path_->keys.front().time + static_cast<double>(frame) / fps_);
+    } catch (const Error& error) {
+      throw Error(error.code(), error.sentence(), path_name_);
+    }
   }
   if (turntable_ == 0) return std::nullopt;
   return turned_camera(turning_, center_, static_cast<double>(frame) / turntable_);

@@ -61,6 +61,7 @@ class FramePlan {
   Camera turning_;
   Vec3 center_;
   std::optional<CameraPath> path_;
+  std::string path_name_;
 };
 
 /// Whether a name has a place for a frame's number: "%d", or "%04d" for leading zeros.
