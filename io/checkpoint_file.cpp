@@ -49,9 +49,11 @@ struct CheckpointFile::Impl {
 
   [[noreturn]] void fail(const char* verb) const { throw io::system_error(verb, path, errno); }
 
-  void open() {
-    file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (file < 0) fail("opened");
+  /// What is there, and the file where there is something to keep: a frame that is refused leaves
+  /// none.
+  void open(int flags) {
+    file = ::open(path.c_str(), O_RDWR | O_CLOEXEC | flags, 0666);
+    if (file < 0 && (errno != ENOENT || flags != 0)) fail("opened");
   }
   bool read(std::uint64_t offset, void* out, std::uint64_t size) const {
     auto* to = static_cast<char*>(out);
@@ -121,9 +123,9 @@ CheckpointFile::CheckpointFile(std::string path, std::string subject, double sec
   impl_->path = std::move(path);
   impl_->subject = std::move(subject);
   impl_->seconds = impl_->wait = seconds;
-  impl_->open();
+  impl_->open(0);
   try {
-    impl_->find_records();
+    if (impl_->file >= 0) impl_->find_records();
   } catch (...) {
     ::close(impl_->file);
     throw;
@@ -131,7 +133,7 @@ CheckpointFile::CheckpointFile(std::string path, std::string subject, double sec
 }
 
 CheckpointFile::~CheckpointFile() {
-  ::close(impl_->file);
+  if (impl_->file >= 0) ::close(impl_->file);
 }
 
 bool CheckpointFile::restore(const StreamBatch& batch, std::span<std::byte> answers,
@@ -163,6 +165,7 @@ void CheckpointFile::keep(const StreamBatch& batch, std::span<const std::byte> a
   std::vector<std::uint8_t> bytes(answers.size() + done.size());
   std::memcpy(bytes.data(), answers.data(), answers.size());
   std::memcpy(bytes.data() + answers.size(), done.data(), done.size());
+  if (impl_->file < 0) impl_->open(O_CREAT);
   const RecordHead head{key, answers.size(), done.size(), whole ? 1u : 0u, io::checksum(bytes)};
   impl_->write(impl_->end + sizeof head, bytes.data(), bytes.size());
   impl_->write(impl_->end, &head, sizeof head);

@@ -2,6 +2,7 @@
 #include <tinyexr.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -85,6 +86,8 @@ struct Freed {
 std::string taken_message(const char* message) {
   std::string text = message == nullptr ? "it is damaged" : message;
   if (message != nullptr) FreeEXRErrorMessage(message);
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0)
+    text.pop_back();
   return text;
 }
 

@@ -13,6 +13,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "io/file_parts.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 
@@ -44,8 +45,8 @@ class Descriptor {
 }
 
 /// 0, or the errno of the step that failed.
-int write_and_close(const std::string& path, int flags, std::span<const std::uint8_t> bytes) {
-  Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC | flags, 0666));
+int write_in_place(const std::string& path, std::span<const std::uint8_t> bytes) {
+  Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
   if (file.get() < 0) return errno;
   while (!bytes.empty()) {
     const ssize_t written = ::write(file.get(), bytes.data(), bytes.size());
@@ -83,6 +84,10 @@ bool changed(const struct stat& before, const struct stat& now) {
          before.st_mtim.tv_nsec != now.st_mtim.tv_nsec;
 }
 
+std::string own_link(int file) {
+  return "/proc/self/fd/" + std::to_string(file);
+}
+
 bool is_no_name(const std::string& name) {
   return name.empty() || name.find('\0') != std::string::npos ||
          name.find(':') != std::string::npos;
@@ -106,6 +111,33 @@ std::string temporary_name(const std::string& path) {
       std::to_string(std::chrono::system_clock::now().time_since_epoch().count());
   const std::string name = ".raysheaf." + own + "." + std::to_string(counter++) + ".part";
   return (fs::path(path).parent_path() / name).string();
+}
+
+int open_without_name(const std::string& beside, int flags) {
+#ifdef O_TMPFILE
+  const int file = ::open(folder_of(beside).c_str(), O_TMPFILE | O_CLOEXEC | flags, 0666);
+  // Its way to a name.
+  if (file >= 0 && ::access(own_link(file).c_str(), F_OK) == 0) return file;
+  if (file >= 0) ::close(file);
+#endif
+  return -1;
+}
+
+bool give_name(int file, const std::string& name) {
+  return ::linkat(AT_FDCWD, own_link(file).c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+}
+
+std::string where_links_end(const std::string& path) {
+  constexpr int kMostLinks = 40;  // as Linux follows
+  fs::path target = path;
+  std::error_code error;
+  for (int i = 0; fs::is_symlink(fs::symlink_status(target, error)); ++i) {
+    if (i == kMostLinks) throw system_error("written", path, ELOOP);
+    const fs::path next = fs::read_symlink(target, error);
+    if (error) throw system_error("written", path, error.value());
+    target = next.is_absolute() ? next : target.parent_path() / next;
+  }
+  return target.string();
 }
 
 Bytes read_file(const std::string& path) {
@@ -146,20 +178,14 @@ bool file_exists(const std::string& path) {
 void write_file(const std::string& path, std::span<const std::uint8_t> bytes) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
-  if (fs::is_directory(status)) fail("written", path, EISDIR);
-  if (fs::exists(status) && !fs::is_regular_file(status)) {
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) {
     // A device or a pipe: a rename would replace it by a file.
-    if (const int failure = write_and_close(path, 0, bytes)) fail("written", path, failure);
+    if (const int failure = write_in_place(path, bytes)) fail("written", path, failure);
     return;
   }
-  const bool link = fs::is_symlink(fs::symlink_status(path, error)) && fs::exists(status);
-  const std::string target = link ? fs::canonical(path, error).string() : path;
-  const std::string temporary = temporary_name(target);
-  int failure = write_and_close(temporary, O_CREAT | O_EXCL, bytes);
-  if (failure == 0 && std::rename(temporary.c_str(), target.c_str()) != 0) failure = errno;
-  if (failure == 0) return;
-  if (failure != EEXIST) ::unlink(temporary.c_str());
-  fail("written", path, failure);
+  FileWriter file(path);
+  file.append(bytes);
+  file.finish();
 }
 
 std::string ending_of(const std::string& path) {

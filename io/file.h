@@ -29,8 +29,7 @@ inline constexpr std::uint64_t kMaxFileBytes = 0xffffffff;
 
 [[nodiscard]] bool file_exists(const std::string& path);
 
-/// Writes beside `path` and renames: afterwards the old file stands or the whole new one. Throws
-/// kIo; the temporary file is gone in every case.
+/// Afterwards the old file stands or the whole new one, as `FileWriter` sees to. Throws kIo.
 void write_file(const std::string& path, std::span<const std::uint8_t> bytes);
 inline std::span<const std::uint8_t> as_bytes(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
@@ -40,6 +39,14 @@ inline std::span<const std::uint8_t> as_bytes(const std::string& text) {
 [[nodiscard]] Error system_error(const std::string& verb, const std::string& place, int error);
 /// A name in the same folder that nobody has, so that a rename stays within one file system.
 [[nodiscard]] std::string temporary_name(const std::string& path);
+/// A new file in the same folder that has no name, and is gone however the program ends; -1 where
+/// the system has no such files. `flags`: how it is opened.
+[[nodiscard]] int open_without_name(const std::string& beside, int flags);
+/// Gives it one that nobody has. False, and errno, where that fails.
+[[nodiscard]] bool give_name(int file, const std::string& name);
+/// `path`, or what stands behind the symbolic links there, be it missing. Throws kIo for links in a
+/// circle.
+[[nodiscard]] std::string where_links_end(const std::string& path);
 
 /// The ending of a name in lower case, without the dot: "glb".
 [[nodiscard]] std::string ending_of(const std::string& path);

@@ -6,15 +6,12 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <filesystem>
 #include <utility>
 
 #include "io/file.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
-
-namespace fs = std::filesystem;
 
 void read_at(int file, std::uint64_t offset, std::span<std::uint8_t> out,
              const std::string& place) {
@@ -63,23 +60,27 @@ void FileReader::read(std::uint64_t offset, std::span<std::uint8_t> out,
   read_at(file_, offset, out, place);
 }
 
-FileWriter::FileWriter(const std::string& path) : path_(path), target_(path) {
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (fs::is_directory(status)) throw system_error("written", path, EISDIR);
-  if (fs::exists(status) && !fs::is_regular_file(status))
+FileWriter::FileWriter(const std::string& path) : path_(path), target_(where_links_end(path)) {
+  struct stat old = {};
+  const bool replaces = ::stat(target_.c_str(), &old) == 0;
+  if (replaces && S_ISDIR(old.st_mode)) throw system_error("written", path, EISDIR);
+  if (replaces && !S_ISREG(old.st_mode))
     throw Error(ErrorCode::kIo, "cannot be written: is not a regular file", path);
-  if (fs::is_symlink(fs::symlink_status(path, error)) && fs::exists(status))
-    target_ = fs::canonical(path, error).string();
   temporary_ = temporary_name(target_);
-  file_ = ::open(temporary_.c_str(), O_WRONLY | O_CLOEXEC | O_CREAT | O_EXCL, 0666);
+  file_ = open_without_name(target_, O_WRONLY);
+  if (file_ < 0) {
+    is_named_ = true;
+    file_ = ::open(temporary_.c_str(), O_WRONLY | O_CLOEXEC | O_CREAT | O_EXCL, 0666);
+  }
   if (file_ < 0) throw system_error("written", path, errno);
+  // Who may read the old file may read the new one, and nobody else, from the first byte on.
+  if (replaces) static_cast<void>(::fchmod(file_, old.st_mode & 0777));
 }
 
 FileWriter::~FileWriter() {
   if (file_ < 0) return;
   ::close(file_);
-  ::unlink(temporary_.c_str());
+  if (is_named_) ::unlink(temporary_.c_str());
 }
 
 void FileWriter::append(std::span<const std::uint8_t> bytes) {
@@ -92,7 +93,8 @@ void FileWriter::overwrite(std::uint64_t offset, std::span<const std::uint8_t> b
 }
 
 void FileWriter::finish() {
-  int failure = ::close(std::exchange(file_, -1)) == 0 ? 0 : errno;
+  int failure = is_named_ || give_name(file_, temporary_) ? 0 : errno;
+  if (::close(std::exchange(file_, -1)) != 0 && failure == 0) failure = errno;
   if (failure == 0 && std::rename(temporary_.c_str(), target_.c_str()) != 0) failure = errno;
   if (failure == 0) return;
   ::unlink(temporary_.c_str());

@@ -32,8 +32,8 @@ class FileReader {
   std::uint64_t size_ = 0;
 };
 
-/// Written beside its name and renamed by `finish`: the old file stands until then. Without
-/// `finish` nothing is left. Throws kIo.
+/// Written without a name, or beside its own where the system has no files without one; `finish`
+/// renames it: the old file stands until then. Without `finish` nothing is left. Throws kIo.
 class FileWriter {
  public:
   explicit FileWriter(const std::string& path);
@@ -49,6 +49,7 @@ class FileWriter {
  private:
   std::string path_, target_, temporary_;
   int file_ = -1;
+  bool is_named_ = false;  // what is not whole
   std::uint64_t size_ = 0;
 };
 

@@ -7,6 +7,7 @@
 #include "io/gltf_draco.h"
 #include "io/gltf_json.h"
 #include "io/gltf_meshopt.h"
+#include "io/gltf_rules.h"
 #include "io/outer_mesh.h"
 #include "io/refuse.h"
 
@@ -150,6 +151,7 @@ class ModelReader {
       return result;
     }
     if (result.name.empty()) result.name = uri;
+    result.place += " \"" + printable(uri) + "\"";
     try {
       result.bytes = read_file(resolve(from_, uri, true, place));
     } catch (const Error&) {

@@ -326,8 +326,8 @@ class Checker {
 
 }  // namespace
 
-std::string printable(const std::string& text) {
-  std::string result = text.substr(0, 64);
+std::string printable(const std::string& text, std::size_t most) {
+  std::string result = text.substr(0, most);
   for (char& c : result) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
   }

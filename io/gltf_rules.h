@@ -37,6 +37,6 @@ struct JsonRule {
 void check_rules(const JsonValue& root);
 
 /// A field's path as errors print it: control characters replaced, long names cut.
-[[nodiscard]] std::string printable(const std::string& text);
+[[nodiscard]] std::string printable(const std::string& text, std::size_t most = 64);
 
 }  // namespace raysheaf::io

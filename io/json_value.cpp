@@ -52,10 +52,12 @@ class TreeBuilder {
 
   [[noreturn]] static bool parse_error(std::size_t, const std::string&,
                                        const nlohmann::json::exception& error) {
-    // The library's sentence follows its identifier in brackets.
+    // The library's sentence follows its identifier in brackets, and quotes what was read last.
+    constexpr std::size_t kMostWords = 300;
     const std::string_view what = error.what();
     const std::size_t start = what.find("] ");
-    refuse(printable(std::string(what.substr(start == what.npos ? 0 : start + 2))), "JSON");
+    refuse(printable(std::string(what.substr(start == what.npos ? 0 : start + 2)), kMostWords),
+           "JSON");
   }
 
  private:

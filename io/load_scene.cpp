@@ -27,13 +27,19 @@ Loader loader_for(const std::string& ending) {
   return nullptr;
 }
 
+const char* why_not(const std::string& ending) {
+  if (ending == "rsb") return "blocks stream, and are not read whole";
+  if (ending == "json") return "a sequence of files is no scene at rest";
+  return "the ending is none of .gltf, .glb, .obj, .ply and .stl, nor .rsb (blocks) or .json (a "
+         "sequence)";
+}
+
 io::GltfScene load_any(const std::string& path, const LoadOptions& options,
                        io::ImageCache* images = nullptr) {
   const std::string ending = io::ending_of(path);
   // Before the whole file is read, but not before it is known to be there.
   if (io::file_exists(path) && !is_gltf(ending) && loader_for(ending) == nullptr) {
-    throw Error(ErrorCode::kUnsupported, "the ending is none of .gltf, .glb, .obj, .ply and .stl",
-                path);
+    throw Error(ErrorCode::kUnsupported, why_not(ending), path);
   }
   const io::Bytes file = io::read_file(path);
   if (file.empty()) throw Error(ErrorCode::kInvalidData, "the file is empty", path);

@@ -10,7 +10,9 @@
 
 namespace raysheaf::io {
 
-OuterFile::OuterFile(const std::string& beside) : place_(temporary_name(beside)) {
+OuterFile::OuterFile(const std::string& beside)
+    : place_(temporary_name(beside)), file_(open_without_name(beside, O_RDWR | O_EXCL)) {
+  if (file_ >= 0) return;
   file_ = ::open(place_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (file_ < 0) throw system_error("written", place_, errno);
   ::unlink(place_.c_str());

@@ -3,21 +3,43 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 
 #include "raysheaf/error.h"
 
 namespace raysheaf::app {
 namespace {
 
-volatile std::sig_atomic_t interrupt_seen = 0;
+std::atomic<int> stop_signal{0};
+std::atomic<std::int64_t> stop_time{0};
+static_assert(std::atomic<int>::is_always_lock_free &&
+              std::atomic<std::int64_t>::is_always_lock_free);
 bool silent_process = false;
 
-extern "C" void on_interrupt(int) {
-  interrupt_seen = 1;
+std::int64_t monotonic_ms() {
+  struct timespec now {};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::int64_t{now.tv_sec} * 1000 + now.tv_nsec / 1'000'000;
+}
+
+extern "C" void on_stop(int signal) {
+  // One wish may come twice: to the process, and to its group.
+  constexpr std::int64_t kSameWishMs = 500;
+  const int error = errno;
+  if (stop_signal == 0) {
+    stop_time = monotonic_ms();
+    stop_signal = signal;
+  } else if (monotonic_ms() - stop_time > kSameWishMs) {
+    std::signal(signal, SIG_DFL);
+    raise(signal);
+  }
+  errno = error;
 }
 
 }  // namespace
@@ -60,13 +82,21 @@ std::string printable(std::string_view text) {
 
 void catch_interrupts() {
   struct sigaction action {};
-  action.sa_handler = on_interrupt;
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  action.sa_handler = on_stop;
   sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  struct sigaction before {};
+  sigaction(SIGHUP, nullptr, &before);
+  if (before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);  // nohup stays nohup
 }
 
 bool interrupted() {
-  return interrupt_seen != 0;
+  return stop_signal != 0;
+}
+
+int interrupted_code() {
+  const int signal = stop_signal;
+  return 128 + (signal != 0 ? signal : SIGINT);
 }
 
 void stop_if_interrupted() {
@@ -77,8 +107,9 @@ void guard_streams() {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
-    if (fcntl(stream, F_GETFD) < 0)
-      static_cast<void>(open("/dev/null", O_RDWR));  // takes its place
+    if (fcntl(stream, F_GETFD) >= 0) continue;
+    // Takes its place. What is printed there is lost, which is an error; what is told is not.
+    static_cast<void>(open("/dev/null", stream == STDOUT_FILENO ? O_RDONLY : O_RDWR));
   }
 }
 

@@ -19,12 +19,11 @@
 
 namespace raysheaf::app {
 
-/// Exit codes, as docs/command-line.md promises them.
+/// Exit codes, as docs/command-line.md promises them; that of an interrupt is `interrupted_code()`.
 enum ExitCode : int {
   kSuccess = 0,
   kFailed = 1,
   kUsage = 2,
-  kInterrupted = 130,
 };
 
 /// Changes to a scene's light; none where a field is empty.

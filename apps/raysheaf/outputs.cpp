@@ -9,6 +9,7 @@
 
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
+#include "scene_files.h"
 #include "values.h"
 
 namespace raysheaf::app {
@@ -18,6 +19,20 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& why) {
   throw Error(ErrorCode::kIo, "cannot write here: " + why, path);
+}
+
+/// `path`, or what stands behind the symbolic links there, be it missing.
+fs::path where_links_end(const std::string& path) {
+  constexpr int kMostLinks = 40;  // as Linux follows
+  fs::path target = path;
+  std::error_code failed;
+  for (int i = 0; fs::is_symlink(fs::symlink_status(target, failed)); ++i) {
+    if (i == kMostLinks) refuse(path, std::strerror(ELOOP));
+    const fs::path next = fs::read_symlink(target, failed);
+    if (failed) refuse(path, failed.message());
+    target = next.is_absolute() ? next : target.parent_path() / next;
+  }
+  return target;
 }
 
 // Makes a file beside the target and takes it away: the one question that root, read-only mounts,
@@ -60,21 +75,53 @@ void write_layers(const RenderResult& result, const std::string& path) {
 
 }  // namespace
 
-void refuse_scene_as_output(const std::string& scene, const std::string& output) {
+void OutputFiles::reads(const std::string& path) {
+  if (!path.empty()) read_.insert(file_of(path));
+}
+
+void OutputFiles::reads_scene(const std::string& scene) {
+  if (scene.empty()) return;
+  still_closed_ = scene;
+  scene_ = file_of(scene);
+}
+
+void OutputFiles::claim(const std::string& path) {
+  if (path.empty()) return;
+  const std::string file = file_of(path);
+  const auto refuse_name = [&path](const char* why) {
+    throw Error(ErrorCode::kInvalidArgument, why, path);
+  };
+  if (!written_.insert(file).second) refuse_name("this output is written twice");
+  if (file == scene_) refuse_name("this output is the scene itself");
   std::error_code ignored;
-  if (fs::equivalent(scene, output, ignored)) {
-    throw Error(ErrorCode::kInvalidArgument, "this output is the scene itself", output);
-  }
+  if (!still_closed_.empty() && fs::exists(file, ignored)) read_what_scene_names();
+  if (read_.contains(file)) refuse_name("this output is read, too");
+}
+
+std::string OutputFiles::open(const std::string& path) {
+  if (path.empty()) return path;
+  claim(path);
+  return writable_path(path);
+}
+
+std::string OutputFiles::file_of(const std::string& path) {
+  const fs::path target = where_links_end(path);
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  const auto [known, is_new] = folders_.try_emplace(folder.string());
+  std::error_code failed;
+  if (is_new) known->second = fs::weakly_canonical(fs::absolute(folder), failed).string();
+  return (fs::path(failed ? folder.string() : known->second) / target.filename()).string();
+}
+
+void OutputFiles::read_what_scene_names() {
+  for (const std::string& path : files_named_by(still_closed_)) reads(path);
+  still_closed_.clear();
 }
 
 std::string writable_path(const std::string& path) {
   if (path.empty()) refuse(path, "the name is empty");
   std::error_code failed;
-  fs::path target = path;
-  if (fs::is_symlink(target, failed)) {
-    target = fs::weakly_canonical(target, failed);
-    if (failed) refuse(path, failed.message());
-  }
+  const fs::path target = where_links_end(path);
   const fs::file_status status = fs::status(target, failed);
   if (fs::is_directory(status)) refuse(path, "it is a folder");
   if (fs::exists(status) && !fs::is_regular_file(status)) refuse(path, "it is not a plain file");

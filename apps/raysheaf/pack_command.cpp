@@ -7,6 +7,7 @@
 #include "raysheaf/pack.h"
 #include "render/stream.h"
 #include "scene_argument.h"
+#include "stoppable_sink.h"
 
 namespace raysheaf::app {
 namespace {
@@ -16,7 +17,6 @@ void copy_blocks(const BlockFile& from, BlockSink* to) {
   TriangleBlock block;
   BlockShading shading;
   for (std::size_t i = 0; i < from.blocks().size(); ++i) {
-    stop_if_interrupted();
     from.read(i, &block);
     from.read_shading(i, &shading);
     to->add(block, shading);
@@ -28,27 +28,36 @@ void tell_warnings(const PackCommand& command, const SceneDescription& scene) {
   for (const std::string& warning : scene.warnings) tell("warning: " + printable(warning));
 }
 
+/// All of the scene but its triangles, which go to the sink.
+SceneDescription pack(const PackCommand& command, BlockSink* sink) {
+  if (is_block_file(command.scene)) {
+    const BlockFile from(command.scene);
+    copy_blocks(from, sink);
+    return from.scene();
+  }
+  if (auto rest = pack_file(command.scene, sink,
+                            {.triangles_a_block = command.block_triangles,
+                             .beside = command.output,
+                             .allow_external = command.load.allow_external})) {
+    tell_warnings(command, *rest);
+    return std::move(*rest);
+  }
+  const SceneDescription scene = scene_from_argument(command.scene, command.load);
+  stop_if_interrupted();
+  SceneDescription rest = cut_into_blocks(scene, sink, command.block_triangles);
+  tell_warnings(command, rest);
+  return rest;
+}
+
 }  // namespace
 
 int run(const PackCommand& command) {
   catch_interrupts();
   BlockFileWriter file(writable_path(command.output), command.file);
-  if (is_block_file(command.scene)) {
-    const BlockFile from(command.scene);
-    copy_blocks(from, &file);
-    file.finish(from.scene());
-  } else if (const auto rest = pack_file(command.scene, &file,
-                                         {.triangles_a_block = command.block_triangles,
-                                          .beside = command.output,
-                                          .allow_external = command.load.allow_external})) {
-    tell_warnings(command, *rest);
-    file.finish(*rest);
-  } else {
-    const SceneDescription scene = scene_from_argument(command.scene, command.load);
-    const SceneDescription streamed = cut_into_blocks(scene, &file, command.block_triangles);
-    tell_warnings(command, streamed);
-    file.finish(streamed);
-  }
+  StoppableSink sink(&file);
+  const SceneDescription rest = pack(command, &sink);
+  stop_if_interrupted();
+  file.finish(rest);
   if (!command.quiet)
     tell(fmt::format("wrote {}: {} triangles in {} blocks, {:.1f} MB", printable(command.output),
                      file.triangle_count(), file.block_count(),

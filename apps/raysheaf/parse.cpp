@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <set>
+#include <span>
 
 #include "console.h"
 #include "parse/ablation.h"
@@ -114,25 +114,17 @@ bool has_picture_ending(const std::string& path) {
 }
 
 void check_outputs(const RenderCommand& command) {
-  std::set<std::string> seen;
-  const auto once = [&seen](const std::string& option, const std::string& path) {
-    if (!path.empty() && !seen.insert(path).second) {
-      throw CLI::ValidationError(option, "'" + path + "' is written twice");
-    }
-  };
   for (const std::string& path : command.pictures) {
     if (!has_picture_ending(path)) {
       throw CLI::ValidationError("-o",
                                  "'" + path + "' ends neither in .png nor in .exr nor in .mp4");
     }
-    once("-o", path);
   }
-  once("--stats", command.stats_path);
-  once("--heatmap", command.heatmap_path);
   if (!command.heatmap_path.empty() && !has_ending(command.heatmap_path, ".png")) {
     throw CLI::ValidationError("--heatmap", "'" + command.heatmap_path + "' does not end in .png");
   }
-  if (seen.empty() && !command.explain) {
+  if (command.pictures.empty() && command.stats_path.empty() && command.heatmap_path.empty() &&
+      !command.explain) {
     throw CLI::ValidationError("render",
                                "nothing to write: give -o, --stats, --heatmap or --explain");
   }
@@ -160,7 +152,7 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
       "  raysheaf render builtin:atrium --explain --quiet");
   sub->callback([sub, &command] {
     check_outputs(command);
-    check_frames(command);
+    check_frames(*sub, command);
     check_streaming(*sub, command);
   });
   return sub;
@@ -175,11 +167,6 @@ CLI::App* add_info(CLI::App& app, InfoCommand& command) {
       "  raysheaf info model.obj\n"
       "  raysheaf info builtin:cornell --json");
   return sub;
-}
-
-void check_bench_outputs(const BenchPaperCommand& command) {
-  if (!command.json_path.empty() && command.json_path == command.markdown_path)
-    throw CLI::ValidationError("--json", "'" + command.json_path + "' is written twice");
 }
 
 CLI::App* add_bench_paper(CLI::App& bench, BenchPaperCommand& command) {
@@ -214,7 +201,6 @@ CLI::App* add_bench_paper(CLI::App& bench, BenchPaperCommand& command) {
       "Examples:\n"
       "  raysheaf bench paper --size 64x64\n"
       "  raysheaf bench paper --scenes scenes/paper --as-published --markdown reproduction.md");
-  sub->callback([&command] { check_bench_outputs(command); });
   return sub;
 }
 
@@ -248,23 +234,38 @@ CLI::App* add_manual(CLI::App& app, ManualCommand& command) {
   return sub;
 }
 
-// Whether the first word is a command or an option; tells what there is where it is neither.
-bool starts_well(int argc, const char* const* argv, const CLI::App& app) {
-  const std::string first = argc > 1 ? argv[1] : "";
-  if (first.starts_with("-")) return true;
+// Whether the words begin with a command of `app`, and so on below it, or with an option; tells
+// what there is where they do not.
+bool starts_well(std::span<const char* const> words, const CLI::App& app,
+                 const std::string& above = "raysheaf") {
+  const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
+  const std::string first = words.empty() ? "" : words.front();
+  if (commands.empty() || first.starts_with("-")) return true;
   std::string names;
-  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
-    if (sub->get_name() == first) return true;
+  for (const CLI::App* sub : commands) {
+    if (sub->get_name() == first)
+      return starts_well(words.subspan(1), *sub, above + " " + sub->get_name());
     names += (names.empty() ? "" : ", ") + sub->get_name();
   }
   const std::string what = first.empty() ? "no command" : "'" + first + "' is no command";
-  tell_error(what + "; there are " + names + " (see raysheaf --help)");
+  const std::string of = app.get_parent() == nullptr ? "" : " of " + app.get_name();
+  tell_error(what + of + "; there are " + names + " (see " + above + " --help)");
   return false;
+}
+
+// CLI11 names them backwards.
+std::string unexpected(const CLI::App& app) {
+  const std::vector<std::string> words = app.remaining(true);
+  std::string sentence = words.size() > 1 ? "The following arguments were not expected:"
+                                          : "The following argument was not expected:";
+  for (const std::string& word : words) sentence += " " + word;
+  return sentence;
 }
 
 // CLI11's sentence on one line of ours. Its text has no full stop and may have line breaks.
 int tell_usage_error(const CLI::ParseError& error, const CLI::App& app) {
-  std::string sentence = error.what();
+  const bool extras = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+  std::string sentence = extras ? unexpected(app) : error.what();
   std::replace(sentence.begin(), sentence.end(), '\n', ' ');
   std::string help = "raysheaf";
   for (const CLI::App* sub = &app; !sub->get_subcommands().empty();) {
@@ -319,7 +320,8 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   const CLI::App* scale_app = add_bench_scale(*bench_app, scale);
   const CLI::App* completion_app = add_completion(app, completion);
   const CLI::App* manual_app = add_manual(app, manual);
-  if (!starts_well(argc, argv, app)) return kUsage;
+  const std::span<const char* const> words(argv, static_cast<std::size_t>(argc));
+  if (!starts_well(words.subspan(std::min<std::size_t>(words.size(), 1)), app)) return kUsage;
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& done) {

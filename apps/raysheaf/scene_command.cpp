@@ -7,6 +7,7 @@
 #include "raysheaf/io.h"
 #include "render/stream.h"
 #include "scene_argument.h"
+#include "stoppable_sink.h"
 
 namespace raysheaf::app {
 namespace {
@@ -24,16 +25,20 @@ SceneDescription scene_of(const SceneCommand& command) {
 std::pair<std::uint64_t, std::size_t> write_glb(const SceneCommand& command,
                                                 const std::string& target) {
   const SceneDescription scene = scene_of(command);
+  stop_if_interrupted();
   save_glb(scene, target);
+  stop_if_interrupted();  // the file is whole then
   return {scene.triangle_count(), scene.instances.size()};
 }
 
 std::pair<std::uint64_t, std::size_t> write_blocks(const SceneCommand& command,
                                                    const std::string& target) {
   BlockFileWriter file(target, {command.compress});
+  StoppableSink sink(&file);
   const SceneDescription rest = is_hall(command)
-                                    ? hall_in_blocks(command.triangles, &file, command.threads)
-                                    : cut_into_blocks(scene_of(command), &file);
+                                    ? hall_in_blocks(command.triangles, &sink, command.threads)
+                                    : cut_into_blocks(scene_of(command), &sink);
+  stop_if_interrupted();
   file.finish(rest);
   return {file.triangle_count(), rest.instances.size()};
 }
@@ -45,6 +50,7 @@ int run(const SceneCommand& command) {
     print(fmt::format("{}\n", fmt::join(builtin_scene_names(), "\n")));
     return kSuccess;
   }
+  catch_interrupts();
   const std::string target = writable_path(command.output);
   const auto [triangles, instances] =
       is_block_file(command.output) ? write_blocks(command, target) : write_glb(command, target);

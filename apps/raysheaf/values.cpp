@@ -28,6 +28,20 @@ std::optional<Number> whole(std::string_view text) {
   return number;
 }
 
+// Whether it is a number that `Number` is too small for, or too coarse.
+template <typename Number>
+bool is_beyond(std::string_view text) {
+  Number number{};
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc::result_out_of_range && stop == end;
+}
+
+template <typename Number>
+[[noreturn]] void refuse_number(const std::string& text, const std::string& why) {
+  refuse(text, is_beyond<Number>(text) ? "is beyond what a number can be here" : why);
+}
+
 std::uint64_t parse_scaled(const std::string& text, std::uint64_t step) {
   constexpr std::string_view kLetters = "KMG";
   std::string_view digits = text;
@@ -42,6 +56,7 @@ std::uint64_t parse_scaled(const std::string& text, std::uint64_t step) {
   }
   const auto number = whole<std::uint64_t>(digits);
   if (number && *number <= ~std::uint64_t{0} / factor) return *number * factor;
+  if (number || is_beyond<std::uint64_t>(digits)) refuse(text, "is too large");
   refuse(text, "is not a whole number, alone or with K, M or G behind it");
 }
 
@@ -92,19 +107,19 @@ std::uint64_t parse_bytes(const std::string& text) {
 float parse_positive(const std::string& text) {
   const auto number = whole<float>(text);
   if (number && std::isfinite(*number) && *number > 0) return *number;
-  refuse(text, "is not a number above 0");
+  refuse_number<float>(text, "is not a number above 0");
 }
 
 float parse_not_negative(const std::string& text) {
   const auto number = whole<float>(text);
   if (number && std::isfinite(*number) && *number >= 0) return *number;
-  refuse(text, "is not a number, 0 or more");
+  refuse_number<float>(text, "is not a number, 0 or more");
 }
 
 double parse_number(const std::string& text) {
   const auto number = whole<double>(text);
   if (number && std::isfinite(*number)) return *number;
-  refuse(text, "is not a number");
+  refuse_number<double>(text, "is not a number");
 }
 
 Vec3 parse_color(const std::string& text) {

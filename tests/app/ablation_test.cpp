@@ -249,7 +249,7 @@ TEST(Ablation, RefusesWhatItCannotDo) {
   refused({"--mesh-culling", "maybe"}, 2, "--mesh-culling");
   refused({"--repeat", "0"}, 2, "--repeat");
   refused({"--svg", "a.png"}, 2, "--svg");
-  refused({"--json", "a", "--csv", "a"}, 2, "'a'");
+  refused({"--json", "a", "--csv", "a"}, 2, "a: this output is written twice");
   refused({"builtin:cornell", "--scenes", "."}, 2, "--scenes");
   refused({"builtin:castle"}, 2, "castle");
   refused({"--scenes", "nowhere"}, 1, "nowhere");

@@ -51,6 +51,15 @@ void expect_case(const Json& c) {
   EXPECT_GE(c["peer_trials"].size(), 5u);
 }
 
+TEST(Compare, AHallOfNoNumberIsTheOptionsFault) {
+  if (!has_peer()) GTEST_SKIP() << "this build has no Embree";
+  const TemporaryFolder folder;
+  const Finished finished = raysheaf_app({"bench", "compare", "--scene", "hall:x"}, folder);
+  EXPECT_EQ(finished.code, 2);
+  EXPECT_TRUE(finished.err.starts_with("raysheaf: --scene: 'x' is not a whole number"))
+      << finished.err;
+}
+
 TEST(Compare, MeasuresEveryKindAndMode) {
   if (!has_peer()) GTEST_SKIP() << "this build has no Embree";
   const TemporaryFolder folder;

@@ -121,6 +121,38 @@ TEST(Errors, UnknownOptionsAndValues) {
   expect_usage_error({"render", "builtin:castle", "-o", "a.png"}, "castle");
   expect_usage_error({"scene", "castle", "-o", "a.glb"}, "castle");
   expect_usage_error({"scene", "cornell"}, "-o");
+  expect_usage_error({"scene", "cornell", "--triangles", "5K", "-o", "a.glb"}, "--triangles");
+  expect_usage_error({"scene", "hall", "--compress", "-o", "a.glb"}, "--compress");
+}
+
+TEST(Errors, SentencesSayWhatAndWhere) {
+  const std::string scene = "builtin:cornell";
+  expect_usage_error({"render", "", "-o", "a.png"}, "SCENE: the name is empty");
+  expect_usage_error({"pack", "", "-o", "a.rsb"}, "SCENE: the name is empty");
+  expect_usage_error({"report", scene, "-o", "a.html", "--samples", "2"}, "expected: --samples 2 ");
+  expect_usage_error({"bench", "foo"},
+                     "'foo' is no command of bench; there are paper, ablation, compare");
+  expect_usage_error({"bench"}, "no command of bench; there are paper");
+  expect_usage_error({"render", scene, "-o", "a.png", "--memory", "99999999999G"},
+                     "'99999999999G' is too large");
+  expect_usage_error({"render", scene, "-o", "a.png", "--exposure", "1e39"},
+                     "'1e39' is beyond what a number can be here");
+  expect_usage_error({"render", scene, "-o", "a.png", "--exposure", "bright"},
+                     "'bright' is not a number above 0");
+}
+
+TEST(Errors, JsonIsQuotedWhereItIsWrong) {
+  const TemporaryFolder folder;
+  write_file(folder.file("a.gltf"), R"({"asset": {"version": "2.0"}, x})");
+  expect_refused(folder, "a.gltf", "last read: '\"2.0\"}, x'; expected string literal");
+}
+
+TEST(Errors, AllEndingsAreNamed) {
+  const TemporaryFolder folder;
+  write_file(folder.file("a.txt"), "text");
+  write_file(folder.file("a.rsb"), "text");
+  expect_sentence(raysheaf_app({"info", "a.txt"}, folder), 1, ".rsb (blocks) or .json");
+  expect_sentence(raysheaf_app({"report", "a.rsb", "-o", "a.html"}, folder), 1, "blocks stream");
 }
 
 TEST(Errors, NoDeviceInThisMachine) {
@@ -188,6 +220,14 @@ TEST(Errors, FullStandardOutput) {
   expect_sentence(
       run_program({"sh", "-c", "'" + app + "' info builtin:cornell > /dev/full"}, folder.path()), 1,
       "standard output");
+}
+
+TEST(Errors, ClosedStandardOutput) {
+  const TemporaryFolder folder;
+  const std::string app = RAYSHEAF_APP;
+  for (const char* arguments : {"info builtin:cornell", "--help", "scene --list"})
+    expect_sentence(run_program({"sh", "-c", "'" + app + "' " + arguments + " >&-"}, folder.path()),
+                    1, "standard output");
 }
 
 TEST(Errors, AReaderThatGoesAwayIsNone) {

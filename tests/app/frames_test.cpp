@@ -175,6 +175,13 @@ TEST_F(Frames, FollowAPath) {
   const Finished finished = render({"floor.obj", "--camera-path", "floor.obj", "-o", "q_%d.png"});
   EXPECT_EQ(finished.code, 1);
   EXPECT_NE(finished.err.find("floor.obj: JSON"), std::string::npos) << finished.err;
+  write_file(folder_.path() / "over.json", R"({"keys": [
+    {"time": 0, "position": [0, 1, 3], "look_at": [0, 1, 0]},
+    {"time": 1, "position": [0, 1, -3], "look_at": [0, 1, 0]}]})");
+  const Finished over =
+      render({"floor.obj", "--camera-path", "over.json", "--fps", "2", "-o", "q_%d.png"});
+  EXPECT_EQ(over.code, 1);
+  EXPECT_NE(over.err.find("over.json: at 0.5"), std::string::npos) << over.err;
 }
 
 // What stands in for ffmpeg keeps what it is told and what it is fed.
@@ -191,6 +198,7 @@ TEST_F(Frames, BecomeAFilm) {
   ASSERT_EQ(finished.code, 0) << finished.err;
   EXPECT_EQ(content("film.mp4").size(), 6u * 24 * 24 * 4);
   EXPECT_NE(content("words").find("-s 24x24 -r 12"), std::string::npos) << content("words");
+  EXPECT_NE(content("words").find(" ./film.mp4"), std::string::npos) << content("words");
   EXPECT_EQ(count_of(".part"), 0u);
 
   write_file(bin / "ffmpeg", "#!/bin/sh\nexit 3\n");
@@ -221,11 +229,14 @@ TEST_F(Frames, WhatIsWrongIsSaidInASentence) {
   };
   refused({"-o", "f.png", "--frames", "0:3"}, 2, "no place for the frame's number");
   refused({"-o", "f_%d_%d.png"}, 2, "one place");
+  refused({"-o", "f_%03d.mp4"}, 2, "-o: 'f_%03d.mp4' is one film of all frames");
   refused({"-o", "f_%d.png", "--frames", "3:1"}, 2, "there are 6 frames, 0 to 5");
   refused({"-o", "f_%d.png", "--frames", "0:6"}, 2, "there are 6 frames, 0 to 5");
   refused({"-o", "f_%d.png", "--frames", "a:b"}, 2, "FIRST:LAST");
   refused({"-o", "f_%d.png", "--fps", "0"}, 2, "--fps");
   refused({"-o", "f_%d.png", "--time", "1"}, 2, "--time");
+  refused({"-o", "f.png", "--fps", "30"}, 2, "--fps: is of frames");
+  refused({"-o", "f.png", "--preload"}, 2, "--preload: is of frames");
   refused({"-o", "f.png", "--resume"}, 2, "--resume");
   refused({"-o", "f.mp4", "--resume"}, 2, "--resume");
   refused({"-o", "f_%d.png", "--turntable", "3", "--camera-path", "x"}, 2, "--turntable");

@@ -8,6 +8,7 @@
 #include "apps/raysheaf/report/bundles.h"
 #include "apps/raysheaf/report/commands.h"
 #include "apps/raysheaf/report/page.h"
+#include "apps/raysheaf/text/utf8.h"
 #include "tests/support/markdown.h"
 #include "tests/support/process.h"
 
@@ -124,6 +125,24 @@ TEST(Report, NamesFromFilesAreTextAndNothingElse) {
   const Json data = data_in(page);
   EXPECT_EQ(data["scene"]["triangles"], 1);
   EXPECT_NE(std::string(data["command"]).find(app::quoted(name)), std::string::npos);
+}
+
+TEST(ReportParts, TextIsUtf8) {
+  EXPECT_EQ(app::valid_utf8("Zo\xc3\xab \xe2\x82\xac \xf0\x9f\x8c\x8d"),
+            "Zo\xc3\xab \xe2\x82\xac \xf0\x9f\x8c\x8d");
+  const std::string bad = "\xef\xbf\xbd";
+  EXPECT_EQ(app::valid_utf8("c\xff.glb"), "c" + bad + ".glb");
+  EXPECT_EQ(app::valid_utf8("\xc0\xaf"), bad + bad);            // too long
+  EXPECT_EQ(app::valid_utf8("\xed\xa0\x80"), bad + bad + bad);  // half a pair
+  EXPECT_EQ(app::valid_utf8("\xf4\x90\x80\x80").size(), 12u);   // beyond the last
+  EXPECT_EQ(app::valid_utf8("\xe2\x82"), bad + bad);            // cut short
+  const TemporaryFolder folder;
+  const std::string name = "c\xff.glb";
+  ASSERT_EQ(raysheaf_app({"scene", "cornell", "-o", name}, folder).code, 0);
+  ASSERT_EQ(raysheaf_app({"report", name, "-o", "a.html", "--size", "16x16", "-q"}, folder).code,
+            0);
+  const std::string html = read_file(folder.file("a.html"));
+  EXPECT_EQ(app::valid_utf8(html), html);
 }
 
 TEST(Report, WhatGoesWrongIsOneSentenceAndNoFile) {

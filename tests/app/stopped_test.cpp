@@ -40,6 +40,52 @@ TEST(Stopped, InterruptLeavesTheOldPictureOrTheNewOne) {
   EXPECT_GE(new_ones, 3);
 }
 
+// `arguments`, which take seconds, once that signal has come after 0.3 s. As by `timeout`: to the
+// program and to its group, twice in a row.
+Finished stopped_by(const std::string& signal, const std::string& arguments,
+                    const TemporaryFolder& folder) {
+  return run_program(
+      {"bash", "-c",
+       "TMPDIR=. timeout --preserve-status -s " + signal + " 0.3 '" RAYSHEAF_APP "' " + arguments},
+      folder.path());
+}
+
+TEST(Stopped, WhateverStopsThoseThatWriteLeavesNothing) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(raysheaf_app({"scene", "hall", "--triangles", "3M", "-o", "h.glb"}, folder).code, 0);
+  const std::pair<const char*, int> signals[] = {{"INT", 130}, {"TERM", 143}, {"HUP", 129}};
+  for (const auto& [signal, code] : signals) {
+    for (const char* arguments :
+         {"pack h.glb -o s.rsb", "pack h.glb --compress -o s.rsb -q",
+          "scene hall --triangles 60M --threads 1 -o s.rsb",
+          "render h.glb --stream --memory 64M -o s.png", "bench scale --measured 16M -q"}) {
+      const Finished finished = stopped_by(signal, arguments, folder);
+      EXPECT_EQ(finished.code, code) << signal << ": " << arguments;
+      EXPECT_EQ(finished.err, "raysheaf: interrupted\n") << signal << ": " << arguments;
+      EXPECT_EQ(folder.names(), std::vector<std::string>{"h.glb"}) << signal << ": " << arguments;
+    }
+  }
+}
+
+TEST(Stopped, WhatCannotBeCaughtLeavesNothing) {
+  const TemporaryFolder folder;
+  const Finished finished =
+      stopped_by("KILL", "scene hall --triangles 60M --threads 1 -o s.rsb", folder);
+  EXPECT_EQ(finished.code, 137);
+  EXPECT_TRUE(folder.names().empty());
+}
+
+TEST(Stopped, NohupGoesOn) {
+  const TemporaryFolder folder;
+  const Finished finished = run_program(
+      {"bash", "-c",
+       "trap '' HUP; '" RAYSHEAF_APP "' scene hall --triangles 8M --threads 1 -o s.rsb & "
+       "sleep 0.1; kill -HUP $!; wait $!"},
+      folder.path());
+  EXPECT_EQ(finished.code, 0) << finished.err;
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"s.rsb"});
+}
+
 TEST(Stopped, ALimitOnFilesLeavesTheOldPicture) {
   const TemporaryFolder folder;
   write_file(folder.file("a.png"), "old");

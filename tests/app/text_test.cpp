@@ -104,6 +104,12 @@ TEST(Completion, BashOffersWhatFits) {
   EXPECT_EQ(bash_offers({"render", "--me"}, folder), "--method --mesh-culling --memory");
   EXPECT_EQ(bash_offers({"render", "--method", ""}, folder), "brute rah crsh gl10 dual");
   EXPECT_EQ(bash_offers({"render", "--size", ""}, folder), "");
+  EXPECT_EQ(bash_offers({"render", "--key", "two"}, folder), "two-point-morton two-point-hilbert");
+  EXPECT_EQ(bash_offers({"report", "--bound", ""}, folder),
+            "sphere-cone finite-cone shaft frustum shaft-cone");
+  EXPECT_EQ(bash_offers({"verify", "--only", ""}, folder),
+            "brute-force determinism watertight bounds accuracy");
+  EXPECT_EQ(bash_offers({"bench", "compare", "--mode", "re"}, folder), "rebuild refit");
   EXPECT_EQ(bash_offers({"bench", "comp"}, folder), "compare");
   EXPECT_EQ(bash_offers({"bench", "compare", "--gro"}, folder), "--growth");
   EXPECT_EQ(bash_offers({"completion", ""}, folder), "bash zsh fish");

@@ -1,6 +1,7 @@
 // Block files: what was written is read, and what has changed is noticed.
 #include "raysheaf/block_file.h"
 
+#include <fcntl.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -255,6 +256,17 @@ TEST_F(BlockFileTest, NothingIsLeftHalfWritten) {
   EXPECT_EQ(file_count(), 1u);
   EXPECT_EQ(read("old.rsb"), "old");
   EXPECT_THROW(BlockFileWriter(path("no/such/folder.rsb")), Error);
+}
+
+TEST_F(BlockFileTest, HasNoNameBeforeItIsWhole) {
+  const int nameless = ::open(path("").c_str(), O_TMPFILE | O_WRONLY, 0600);
+  if (nameless < 0) GTEST_SKIP() << "this file system has no files without a name";
+  ::close(nameless);
+  Random random(1);
+  BlockFileWriter file(path("a.rsb"));
+  const TriangleBlock block = some_block(random, 9, 4);
+  file.add(block, shading_of(block, random));
+  EXPECT_EQ(file_count(), 0u);
 }
 
 TEST_F(BlockFileTest, AFullDiskIsToldOf) {

@@ -128,6 +128,14 @@ TEST_F(EnvironmentFile, WhatIsWrongIsNamed) {
   expect_no_environment(path("sky.png"), kUnsupported, ".hdr or an .exr");
   write("damaged.exr", std::string("\x76\x2f\x31\x01\x02\0\0\0garbage", 15));
   expect_no_environment(path("damaged.exr"), kInvalidData, "");
+  write_exr(1, 1, {{"R", {1}}, {"G", {1}}, {"B", {1}}}, path("cut.exr"));
+  write("cut.exr", read("cut.exr").substr(0, 100));
+  try {
+    static_cast<void>(load_environment(path("cut.exr")));
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_TRUE(error.sentence().ends_with('.')) << error.sentence();
+  }
   expect_no_environment(path("nowhere.hdr"), kNotFound, "");
 }
 

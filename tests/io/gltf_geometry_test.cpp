@@ -255,7 +255,7 @@ TEST_F(GltfGeometry, ReadsTheCoordinatesThatTheBaseColourNames) {
   const SceneDescription scene = load_scene(write("a.gltf", file.text()));
   EXPECT_EQ(scene.meshes[0].uvs[1].x, 1);
   EXPECT_TRUE(warns(scene, "another set"));
-  EXPECT_TRUE(warns(scene, "images[0] is missing"));
+  EXPECT_TRUE(warns(scene, "images[0] \"missing.png\" is missing"));
   EXPECT_EQ(scene.materials[0].base_color_texture.texture, kInvalidId);
 }
 

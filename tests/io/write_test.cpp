@@ -337,6 +337,16 @@ TEST_F(Write, KeepsDevicesAndLinks) {
   EXPECT_EQ(read("a.json"), "new");
 }
 
+TEST_F(Write, FollowsLinksToWhatIsNotThereYet) {
+  std::filesystem::create_directory(path("there"));
+  std::filesystem::create_symlink("second.json", path("first.json"));
+  std::filesystem::create_symlink("there/a.json", path("second.json"));
+  write_text("new", path("first.json"));
+  EXPECT_TRUE(std::filesystem::is_symlink(path("first.json")));
+  EXPECT_TRUE(std::filesystem::is_symlink(path("second.json")));
+  EXPECT_EQ(read("there/a.json"), "new");
+}
+
 void expect_io_error(const std::string& path) {
   try {
     write_text("text", path);
@@ -357,6 +367,13 @@ TEST_F(Write, NamesTheFileThatCannotBeWritten) {
 }
 
 /// A limit on the size of files stands for a full disk: the write begins and then fails.
+TEST_F(Write, RefusesLinksInACircle) {
+  std::filesystem::create_symlink("b.json", path("a.json"));
+  std::filesystem::create_symlink("a.json", path("b.json"));
+  expect_io_error(path("a.json"));
+  EXPECT_EQ(file_count(), 2u);
+}
+
 TEST_F(Write, LeavesNothingHalfWrittenOnAFullDisk) {
   write("a.json", std::string("old"));
   rlimit before{};

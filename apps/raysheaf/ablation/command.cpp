@@ -18,10 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string target(const std::string& path) {
-  return path.empty() ? path : writable_path(path);
-}
-
 /// How the plots are reached from the page.
 std::string link_to_plots(const BenchAblationCommand& command) {
   if (command.svg_path.empty()) return "";
@@ -50,8 +46,10 @@ AblationReport measured(const BenchAblationCommand& command) {
 
 int run(const BenchAblationCommand& command) {
   catch_interrupts();
-  const std::string json = target(command.json_path), csv = target(command.csv_path);
-  const std::string page = target(command.markdown_path);
+  OutputFiles files;
+  files.reads_scene(command.scene);
+  const std::string json = files.open(command.json_path), csv = files.open(command.csv_path);
+  const std::string page = files.open(command.markdown_path);
   if (!command.svg_path.empty()) (void)writable_path(command.svg_path);
   const AblationReport report = measured(command);
   print(ablation_text(report));

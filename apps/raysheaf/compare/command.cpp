@@ -15,10 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string target(const std::string& path) {
-  return path.empty() ? path : writable_path(path);
-}
-
 /// How the plot is reached from the page.
 std::string link_to_plot(const BenchCompareCommand& command) {
   if (command.plot_path.empty()) return "";
@@ -39,8 +35,10 @@ CompareReport measured(const BenchCompareCommand& command) {
 
 int run(const BenchCompareCommand& command) {
   catch_interrupts();
-  const std::string json = target(command.json_path), page = target(command.markdown_path);
-  const std::string plot = target(command.plot_path);
+  OutputFiles files;
+  for (const std::string& scene : command.scene_names) files.reads(scene);
+  const std::string json = files.open(command.json_path), page = files.open(command.markdown_path);
+  const std::string plot = files.open(command.plot_path);
   const CompareReport report = measured(command);
   print(compare_text(report));
   if (!json.empty()) write_text(compare_json(report), json);

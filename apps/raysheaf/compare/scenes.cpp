@@ -117,6 +117,14 @@ CompareScene hall(std::uint64_t triangles) {
   return {hall_name(triangles), fmt::format("{}{}", kHall, triangles)};
 }
 
+CompareScene asked_hall(const std::string& triangles) {
+  try {
+    return hall(triangles_of_hall(triangles));
+  } catch (const Error& error) {
+    throw Error(error.code(), error.sentence(), "--scene");
+  }
+}
+
 std::uint64_t memory_of_machine() {
   const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
   return static_cast<std::uint64_t>(std::max(0L, pages)) *
@@ -162,8 +170,8 @@ std::vector<CompareScene> default_compare_scenes(const std::string& scenes,
 
 CompareScene compare_scene_from_string(const std::string& name, const std::string& scenes) {
   if (name.starts_with(kBuiltin)) return {name.substr(kBuiltin.size()), name};
-  if (name.starts_with(kHall)) return hall(triangles_of_hall(name.substr(kHall.size())));
-  if (name.starts_with("hall_")) return hall(triangles_of_hall(name.substr(5)));
+  for (const std::string_view start : {kHall, std::string_view("hall_")})
+    if (name.starts_with(start)) return asked_hall(name.substr(start.size()));
   const Known* known = known_scene(name);
   if (known == nullptr) return {fs::path(name).stem().string(), name};
   if (scenes.empty())

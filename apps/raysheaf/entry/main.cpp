@@ -19,7 +19,7 @@ int exit_code(ErrorCode code) {
     case ErrorCode::kInvalidArgument:
       return kUsage;
     case ErrorCode::kCancelled:
-      return kInterrupted;
+      return interrupted_code();
     default:
       return kFailed;
   }

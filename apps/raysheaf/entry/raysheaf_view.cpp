@@ -18,7 +18,11 @@ int run(const ViewCommand& command) {
   viewer::ViewOptions options;
   options.scene = command.scene;
   options.script = command.script_path;
-  if (!command.screenshot_path.empty()) options.screenshot = writable_path(command.screenshot_path);
+  OutputFiles files;
+  files.reads_scene(command.scene);
+  files.reads(command.script_path);
+  options.screenshot = files.open(command.screenshot_path);
+  files.claim(command.settings_path);
   options.settings = command.settings_path;
   options.width = command.width;
   options.height = command.height;

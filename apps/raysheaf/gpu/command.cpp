@@ -122,7 +122,9 @@ std::vector<SceneReport> measured(const BenchGpuCommand& command) {
 int run(const BenchGpuCommand& command) {
   const Context device({Device::kCuda, command.options.threads});  // or one sentence, at once
   catch_interrupts();
-  const std::string json = command.json_path.empty() ? "" : writable_path(command.json_path);
+  OutputFiles files;
+  for (const std::string& scene : command.scene_names) files.reads(scene);
+  const std::string json = files.open(command.json_path);
   Json all = Json::array();
   std::uint64_t different = 0;
   for (const SceneReport& scene : measured(command)) {

@@ -13,10 +13,6 @@
 namespace raysheaf::app {
 namespace {
 
-std::string target(const std::string& path) {
-  return path.empty() ? path : writable_path(path);
-}
-
 std::string text_of(const PaperReport& report, bool times) {
   std::string text =
       fmt::format("{} scenes, {}x{} pixels, two levels of branching 8\n",
@@ -30,7 +26,9 @@ std::string text_of(const PaperReport& report, bool times) {
 
 int run(const BenchPaperCommand& command) {
   catch_interrupts();
-  const std::string json = target(command.json_path), markdown = target(command.markdown_path);
+  OutputFiles files;
+  const std::string json = files.open(command.json_path);
+  const std::string markdown = files.open(command.markdown_path);
   if (command.scenes.empty() && !command.quiet)
     tell("no --scenes: these are the built-in scenes, of which nothing was published");
   PaperReport report;

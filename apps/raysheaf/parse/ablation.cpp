@@ -1,7 +1,6 @@
 #include "parse/ablation.h"
 
 #include <algorithm>
-#include <set>
 
 #include "ablation/ablation.h"
 #include "parse/parts.h"
@@ -75,10 +74,6 @@ void check_ablation(const BenchAblationCommand& command) {
     throw CLI::ValidationError("--scenes", "give a SCENE or a folder, not both");
   if (!command.svg_path.empty() && !has_ending(command.svg_path, ".svg"))
     throw CLI::ValidationError("--svg", "'" + command.svg_path + "' does not end in .svg");
-  std::set<std::string> seen;
-  for (const std::string& path : {command.json_path, command.csv_path, command.markdown_path})
-    if (!path.empty() && !seen.insert(path).second)
-      throw CLI::ValidationError("ablation", "'" + path + "' is written twice");
 }
 
 }  // namespace

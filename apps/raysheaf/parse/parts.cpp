@@ -4,12 +4,17 @@
 
 namespace raysheaf::app {
 
+std::string check_not_empty(const std::string& name) {
+  return name.empty() ? "the name is empty" : "";
+}
+
 void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load) {
   app.add_option(
          "SCENE", scene,
          "A file (.gltf, .glb, .obj, .ply, .stl, .rsb, .json), a pattern of files that are frames "
          "('f_*.ply'), or builtin:NAME")
-      ->required();
+      ->required()
+      ->check(check_not_empty);
   app.add_flag("--allow-external", load.allow_external,
                "The scene may name files outside its folder");
 }

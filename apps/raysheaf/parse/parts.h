@@ -24,6 +24,9 @@ std::function<void(const std::string&)> into(Parse parse, std::string option) {
   };
 }
 
+/// What is wrong with the name of a file; empty: nothing.
+std::string check_not_empty(const std::string& name);
+
 void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load);
 
 /// Of commands that show what moves.

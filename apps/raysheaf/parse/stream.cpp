@@ -34,13 +34,17 @@ CLI::App* add_scene(CLI::App& app, SceneCommand& command) {
       "  raysheaf scene --list\n"
       "  raysheaf scene office -o office.glb\n"
       "  raysheaf scene hall --triangles 100M -o hall.rsb");
-  sub->callback([&command] {
+  sub->callback([sub, &command] {
     if (command.list) return;
     if (command.name.empty()) throw CLI::ValidationError("scene", "give a NAME or --list");
     if (command.output.empty()) throw CLI::ValidationError("scene", "give -o FILE.glb");
     if (!has_ending(command.output, ".glb") && !has_ending(command.output, ".rsb"))
       throw CLI::ValidationError("-o",
                                  "'" + command.output + "' does not end in .glb, nor in .rsb");
+    if (command.name != "hall" && sub->get_option("--triangles")->count() > 0)
+      throw CLI::ValidationError("--triangles", "it is of the hall: other scenes are as they are");
+    if (command.compress && has_ending(command.output, ".glb"))
+      throw CLI::ValidationError("--compress", "it is of blocks: give -o FILE.rsb");
   });
   return sub;
 }
@@ -49,7 +53,8 @@ CLI::App* add_pack(CLI::App& app, PackCommand& command) {
   CLI::App* sub = app.add_subcommand("pack", "Cut a scene into blocks that can be streamed");
   sub->add_option("SCENE", command.scene,
                   "A file (.gltf, .glb, .obj, .ply, .stl, .rsb) or builtin:NAME")
-      ->required();
+      ->required()
+      ->check(check_not_empty);
   sub->add_flag("--allow-external", command.load.allow_external,
                 "The scene may name files outside its folder");
   sub->add_option("-o,--output", command.output, "Where to write it")
@@ -66,6 +71,10 @@ CLI::App* add_pack(CLI::App& app, PackCommand& command) {
   sub->callback([&command] {
     if (!has_ending(command.output, ".rsb"))
       throw CLI::ValidationError("-o", "'" + command.output + "' does not end in .rsb");
+    if (has_ending(command.scene, ".rsb") && command.block_triangles != kBlockTriangles)
+      throw CLI::ValidationError(
+          "--block-triangles",
+          "the blocks of a .rsb file stay as they are: pack the file that it was made of");
   });
   return sub;
 }

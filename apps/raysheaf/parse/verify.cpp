@@ -41,12 +41,14 @@ CLI::App* add_verify(CLI::App& app, VerifyCommand& command) {
       "  raysheaf verify\n"
       "  raysheaf verify --only watertight --long --json watertight.json\n"
       "  raysheaf verify --only bounds --seed 17 --rounds 1");
-  sub->callback([&command] {
+  sub->callback([sub, &command] {
     const std::vector<Promise>& all = command.options.promises;
     const bool has_rays =
         all.empty() || std::find(all.begin(), all.end(), Promise::kWatertight) != all.end();
     if (command.is_long && !has_rays)
       throw CLI::ValidationError("--long", "it is of watertight, which --only leaves out");
+    if (command.is_long && sub->get_option("--rounds")->count() > 0)
+      throw CLI::ValidationError("--rounds", "--long makes as many as it takes");
   });
   return sub;
 }

@@ -8,8 +8,10 @@
 #include "outputs.h"
 #include "progress_bar.h"
 #include "ranks/ranks.h"
+#include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
+#include "render/files.h"
 #include "render/frames_command.h"
 #include "render/light.h"
 #include "render/stage.h"
@@ -28,15 +30,12 @@ struct Targets {
 };
 
 Targets open_targets(const RenderCommand& command) {
-  const auto target = [&command](const std::string& path) {
-    if (path.empty()) return path;
-    refuse_scene_as_output(command.scene, path);
-    return writable_path(path);
-  };
+  OutputFiles files = output_files(command);
   Targets targets;
-  for (const std::string& path : command.pictures) targets.pictures.push_back(target(path));
-  targets.stats = target(command.stats_path);
-  targets.heatmap = target(command.heatmap_path);
+  for (const std::string& path : command.pictures) targets.pictures.push_back(files.open(path));
+  targets.stats = files.open(command.stats_path);
+  targets.heatmap = files.open(command.heatmap_path);
+  if (command.frames.resume && is_streamed(command)) files.claim(checkpoint_path(command, nullptr));
   return targets;
 }
 
@@ -147,6 +146,17 @@ void finish(const RenderCommand& command, const Targets& targets, const Rendered
   if (command.explain) explain(rendered.staged.picture.statistics);
 }
 
+/// A depth that is sharp is nothing to a pinhole. Cameras of a path are pinholes.
+void check_focus(const RenderCommand& command, const SceneDescription& scene) {
+  const RenderOptions& options = command.options;
+  if (!options.focus) return;
+  const bool on_path = !command.frames.camera_path.empty();
+  const float own = on_path ? 0 : find_camera(scene, options.camera).aperture;
+  if (options.aperture.value_or(own) > 0) return;
+  throw Error(ErrorCode::kInvalidArgument, "there is no lens, but a pinhole: give --aperture",
+              "--focus");
+}
+
 /// SCENE as it moves, with the light of the command line, at the time that it names.
 std::unique_ptr<Animation> open_scene(const RenderCommand& command, const GeometrySource* blocks) {
   std::unique_ptr<Animation> animation =
@@ -160,6 +170,7 @@ std::unique_ptr<Animation> open_scene(const RenderCommand& command, const Geomet
     add_missing_camera_and_light(scene);
   }
   set_light_size(command.light, scene);
+  check_focus(command, scene);
   if (command.frames.time) static_cast<void>(animation->seek(*command.frames.time));
   return animation;
 }

@@ -19,7 +19,8 @@ extern char** environ;
 namespace raysheaf::app {
 namespace {
 
-/// What ffmpeg reads from the pipe, and what it makes of it: sides are made even, as video wants.
+/// What ffmpeg reads from the pipe, and what it makes of it: sides are made even, as video wants. A
+/// name that begins with "-" or "pipe:" is that of a file all the same.
 std::vector<std::string> arguments(const std::string& ffmpeg, const std::string& output,
                                    std::uint32_t width, std::uint32_t height, double fps) {
   return {ffmpeg,
@@ -45,7 +46,7 @@ std::vector<std::string> arguments(const std::string& ffmpeg, const std::string&
           "+faststart",
           "-f",
           "mp4",
-          output};
+          output.starts_with('/') ? output : "./" + output};
 }
 
 }  // namespace
@@ -131,6 +132,9 @@ void Film::finish() {
   const int status = wait();
   if (status != 0) fail(fmt::format("ffmpeg failed with status {}", status));
   std::error_code failed;
+  const std::filesystem::file_status old = std::filesystem::status(path_, failed);
+  if (std::filesystem::exists(old))
+    std::filesystem::permissions(unfinished_, old.permissions(), failed);
   std::filesystem::rename(unfinished_, path_, failed);
   if (failed) fail("cannot be named so: " + failed.message());
 }

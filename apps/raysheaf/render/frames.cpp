@@ -20,10 +20,7 @@ std::unique_ptr<Animation> load(const std::string& scene, const FramesOptions& o
                   "--sequence");
     SequenceFiles files;
     files.still = scene;
-    // A name without a folder is looked for beside the scene.
-    const bool beside = options.sequence.find('/') == std::string::npos;
-    const std::size_t folder = scene.rfind('/') + 1;
-    files.frames = files_like((beside ? scene.substr(0, folder) : "") + options.sequence);
+    files.frames = files_like(sequence_pattern(scene, options.sequence));
     return load_sequence(files, load);
   }
   if (scene.starts_with("builtin:")) return animate(scene_from_argument(scene, load));
@@ -75,6 +72,11 @@ std::uint64_t total_frames(const Animation& animation, const FramesOptions& opti
 
 }  // namespace
 
+std::string sequence_pattern(const std::string& scene, const std::string& sequence) {
+  const bool beside = sequence.find('/') == std::string::npos;
+  return (beside ? scene.substr(0, scene.rfind('/') + 1) : "") + sequence;
+}
+
 std::unique_ptr<Animation> animation_from_argument(const std::string& scene,
                                                    const FramesOptions& options,
                                                    const LoadOptions& load_options) {
@@ -85,7 +87,7 @@ std::unique_ptr<Animation> animation_from_argument(const std::string& scene,
 
 FramePlan::FramePlan(Animation& animation, const Box& bounds, const FramesOptions& options,
                      const std::string& camera)
-    : fps_(options.fps), turntable_(options.turntable) {
+    : fps_(options.fps), turntable_(options.turntable), path_name_(options.camera_path) {
   if (!options.camera_path.empty()) path_ = load_camera_path(options.camera_path);
   if (turntable_ != 0) {
     turning_ = find_camera(animation.scene(), camera);
@@ -112,7 +114,11 @@ double FramePlan::time(const Animation& animation, std::uint64_t frame) const {
 
 std::optional<Camera> FramePlan::camera(std::uint64_t frame) const {
   if (path_) {
-    return camera_at(*path_, path_->keys.front().time + static_cast<double>(frame) / fps_);
+    try {
+      return camera_at(*path_, path_->keys.front().time + static_cast<double>(frame) / fps_);
+    } catch (const Error& error) {
+      throw Error(error.code(), error.sentence(), path_name_);
+    }
   }
   if (turntable_ == 0) return std::nullopt;
   return turned_camera(turning_, center_, static_cast<double>(frame) / turntable_);

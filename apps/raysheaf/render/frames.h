@@ -32,6 +32,9 @@ struct FramesOptions {
                                                                  const FramesOptions& options,
                                                                  const LoadOptions& load);
 
+/// `--sequence`: a pattern without a folder is looked for beside SCENE.
+[[nodiscard]] std::string sequence_pattern(const std::string& scene, const std::string& sequence);
+
 /// The frames of a run: which there are, when each is, and who looks.
 class FramePlan {
  public:
@@ -58,6 +61,7 @@ class FramePlan {
   Camera turning_;
   Vec3 center_;
   std::optional<CameraPath> path_;
+  std::string path_name_;
 };
 
 /// Whether a name has a place for a frame's number: "%d", or "%04d" for leading zeros.

@@ -19,6 +19,7 @@
 #include "ranks/ranks.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
+#include "render/files.h"
 #include "render/film.h"
 #include "render/frames_command.h"
 #include "render/stage.h"
@@ -133,7 +134,27 @@ class FrameRun {
            command_.share != Share::kGeometry && missing_.size() >= ranks_->size();
   }
 
+  /// Every name of a file that will be written is claimed. Films have one for all frames.
+  void claim_names() const {
+    OutputFiles files = output_files(command_);
+    for (const std::string& path : command_.pictures)
+      if (has_ending(path, ".mp4")) files.claim(with_frame(path, plan_.first()));
+    for (const std::uint64_t frame : missing_)
+      for (const std::string& path : frame_names(frame)) files.claim(path);
+  }
+
+  /// Of a frame's own files.
+  [[nodiscard]] std::vector<std::string> frame_names(std::uint64_t frame) const {
+    std::vector<std::string> names;
+    for (const std::string& path : command_.pictures)
+      if (!has_ending(path, ".mp4")) names.push_back(with_frame(path, frame));
+    for (const std::string& path : {command_.stats_path, command_.heatmap_path})
+      if (!path.empty()) names.push_back(with_frame(path, frame));
+    return names;
+  }
+
   void open_targets() {
+    claim_names();
     for (const std::string& path : command_.pictures) {
       const std::string target = first_target(path);
       if (has_ending(path, ".mp4")) start_film(path, target);
@@ -143,20 +164,16 @@ class FrameRun {
   }
 
   [[nodiscard]] bool is_there(std::uint64_t frame) const {
-    std::vector<std::string> names = command_.pictures;
-    names.push_back(command_.stats_path);
-    names.push_back(command_.heatmap_path);
-    return std::all_of(names.begin(), names.end(), [&](const std::string& name) {
+    const std::vector<std::string> names = frame_names(frame);
+    return std::all_of(names.begin(), names.end(), [](const std::string& name) {
       std::error_code failed;
-      return name.empty() || std::filesystem::is_regular_file(with_frame(name, frame), failed);
+      return std::filesystem::is_regular_file(name, failed);
     });
   }
 
   /// Of what is written for the first frame: known to be writable before the work starts.
   [[nodiscard]] std::string first_target(const std::string& path) const {
-    const std::string name = with_frame(path, plan_.first());
-    refuse_scene_as_output(command_.scene, name);
-    return writable_path(name);
+    return writable_path(with_frame(path, plan_.first()));
   }
 
   void start_film(const std::string& name, const std::string& target) {

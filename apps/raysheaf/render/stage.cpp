@@ -6,6 +6,7 @@
 #include "ranks/ranks.h"
 #include "raysheaf/context.h"
 #include "render/stream.h"
+#include "stoppable_sink.h"
 
 namespace raysheaf::app {
 namespace {
@@ -49,7 +50,8 @@ class StreamedStage final : public Stage {
       if (changes.everything) scene_ = scene;
     } else if (!changes.empty()) {
       cut_ = std::make_unique<BlockList>();
-      scene_ = cut_into_blocks(scene, cut_.get());
+      StoppableSink sink(cut_.get());
+      scene_ = cut_into_blocks(scene, &sink);
       if (changes.everything && !quiet_)
         for (std::size_t i = scene.warnings.size(); i < scene_.warnings.size(); ++i)
           tell("warning: " + printable(scene_.warnings[i]));

@@ -11,6 +11,7 @@
 #include "raysheaf/error.h"
 #include "raysheaf/pack.h"
 #include "render/frames_command.h"
+#include "stoppable_sink.h"
 #include "values.h"
 
 namespace raysheaf::app {
@@ -33,19 +34,6 @@ bool stands_still(const RenderCommand& command) {
   return !wants_frames(command) && !command.frames.time && command.frames.clip.empty() &&
          command.frames.sequence.empty();
 }
-
-/// Takes blocks until it is interrupted.
-class StoppableSink final : public BlockSink {
- public:
-  explicit StoppableSink(BlockSink* sink) : sink_(*sink) {}
-  void add(const TriangleBlock& block, const BlockShading& shading) override {
-    stop_if_interrupted();
-    sink_.add(block, shading);
-  }
-
- private:
-  BlockSink& sink_;
-};
 
 std::unique_ptr<GeometrySource> packed_beside(const RenderCommand& command) {
   std::string name = (std::filesystem::temp_directory_path() / "raysheaf").string();
@@ -83,9 +71,7 @@ std::unique_ptr<GeometrySource> open_blocks(const RenderCommand& command) {
   return command.stream && is_large && stands_still(command) ? packed_beside(command) : nullptr;
 }
 
-std::unique_ptr<CheckpointFile> open_checkpoint(const RenderCommand& command,
-                                                const Communicator* ranks) {
-  if (!command.frames.resume) return nullptr;
+std::string checkpoint_path(const RenderCommand& command, const Communicator* ranks) {
   std::vector<std::string> outputs = command.pictures;
   for (const std::string& path : {command.heatmap_path, command.stats_path})
     if (!path.empty()) outputs.push_back(path);
@@ -94,12 +80,19 @@ std::unique_ptr<CheckpointFile> open_checkpoint(const RenderCommand& command,
                 "--resume");
   std::string path = outputs.front();
   if (ranks != nullptr) path += fmt::format(".{}-of-{}", ranks->rank(), ranks->size());
+  return path + ".resume";
+}
+
+std::unique_ptr<CheckpointFile> open_checkpoint(const RenderCommand& command,
+                                                const Communicator* ranks) {
+  if (!command.frames.resume) return nullptr;
+  const std::string path = checkpoint_path(command, ranks);
   // A scene that was written anew is another one.
   std::error_code none;
   const auto size = std::filesystem::file_size(command.scene, none);
   const auto written = std::filesystem::last_write_time(command.scene, none).time_since_epoch();
   return std::make_unique<CheckpointFile>(
-      path + ".resume", fmt::format("{} {} {}", command.scene, size, written.count()));
+      path, fmt::format("{} {} {}", command.scene, size, written.count()));
 }
 
 std::string with_stream(std::string json, const StreamStatistics& s) {

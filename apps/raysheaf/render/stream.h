@@ -20,8 +20,9 @@ namespace raysheaf::app {
 [[nodiscard]] std::unique_ptr<GeometrySource> open_blocks(const RenderCommand& command);
 
 /// Where a streamed frame keeps what it has found, beside its first output: `hall.png.resume`, or
-/// `hall.png.1-of-4.resume` of rank 1. Null where the command does not ask for it. Throws `Error`
-/// (kInvalidArgument) where there is no output.
+/// `hall.png.1-of-4.resume` of rank 1. Throws `Error` (kInvalidArgument) where there is no output.
+[[nodiscard]] std::string checkpoint_path(const RenderCommand& command, const Communicator* ranks);
+/// Null where the command does not ask for it.
 [[nodiscard]] std::unique_ptr<CheckpointFile> open_checkpoint(const RenderCommand& command,
                                                               const Communicator* ranks);
 

@@ -13,6 +13,7 @@
 #include "report/commands.h"
 #include "report/fields.h"
 #include "report_page_files.h"
+#include "text/utf8.h"
 
 namespace raysheaf::app {
 namespace {
@@ -217,7 +218,7 @@ std::string to_html(const ReportPage& page) {
   fields.set("tests_plot",
              kainjow::mustache::partial{[] { return std::string(page_files::kTestsPlotHtml); }});
   kainjow::mustache::mustache html{std::string(page_files::kReportHtml)};
-  return html.render(fields);
+  return valid_utf8(html.render(fields));
 }
 
 std::string base64(const std::vector<std::uint8_t>& bytes) {

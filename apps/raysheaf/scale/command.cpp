@@ -9,10 +9,9 @@ namespace raysheaf::app {
 
 int run(const BenchScaleCommand& command) {
   catch_interrupts();
-  const auto target = [](const std::string& path) {
-    return path.empty() ? path : writable_path(path);
-  };
-  const std::string json = target(command.json_path), markdown = target(command.markdown_path);
+  OutputFiles files;
+  const std::string json = files.open(command.json_path);
+  const std::string markdown = files.open(command.markdown_path);
   ScaleReport report;
   {
     ProgressBar bar(stderr, !command.quiet);

@@ -10,6 +10,7 @@
 #include "raysheaf/block_file.h"
 #include "raysheaf/context.h"
 #include "raysheaf/error.h"
+#include "stoppable_sink.h"
 #include "timer.h"
 
 namespace raysheaf::app {
@@ -44,7 +45,8 @@ class WorkFolder {
 
 void write_hall(const std::string& path, std::uint64_t triangles, std::uint32_t threads) {
   BlockFileWriter file(path);
-  const SceneDescription rest = hall_in_blocks(triangles, &file, threads);
+  StoppableSink sink(&file);
+  const SceneDescription rest = hall_in_blocks(triangles, &sink, threads);
   file.finish(rest);
 }
 
@@ -56,6 +58,7 @@ ScaleSample measure(const BlockFile& file, std::uint32_t side, std::uint32_t thr
     options.width = options.height = side;
     options.threads = threads;
     options.primary = Primary::kTrace;
+    options.progress = [](const Progress&) { return !interrupted(); };
     StreamStatistics s;
     StreamOptions stream;
     stream.statistics = &s;
@@ -110,6 +113,7 @@ double bytes_of(const BlockFile& file, const std::vector<Ray>& rays, std::uint32
   options.statistics = &s;
   options.threads = threads;
   std::vector<Hit> hits(rays.size());
+  stop_if_interrupted();
   closest_hit(file, rays, hits, options);
   return static_cast<double>(s.read_bytes);
 }

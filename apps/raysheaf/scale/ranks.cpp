@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -53,8 +54,8 @@ int exit_code_of(std::vector<std::string> words, const std::string& said) {
   if (failed != 0)
     refuse_run(words.front(), std::string("cannot be started: ") + std::strerror(failed));
   int status = 0;
-  while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
-  }
+  while (waitpid(process, &status, 0) < 0 && errno == EINTR)
+    if (interrupted()) kill(process, SIGTERM);
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 

@@ -11,8 +11,9 @@ struct OptionText {
   std::string value;               ///< what stands behind it, as "FILE.json"; empty: nothing does
   std::string text;
   bool positional = false, required = false;
+  std::vector<std::string> words{};  ///< that it takes, where `value` does not list them
 
-  /// The words that it takes, where it says so: "cpu|cuda" is two.
+  /// The words that it takes, where they are known: "cpu|cuda" is two.
   [[nodiscard]] std::vector<std::string> choices() const;
   [[nodiscard]] bool takes_folder() const { return value == "DIR"; }
   [[nodiscard]] bool takes_file() const;

@@ -221,19 +221,20 @@ std::string fish_script(const CommandText& raysheaf) {
 }  // namespace
 
 std::vector<std::string> OptionText::choices() const {
+  if (!words.empty()) return words;
   const auto belongs = [](unsigned char c) {
     return std::islower(c) != 0 || std::isdigit(c) != 0 || c == '|' || c == '_' || c == '-';
   };
   if (value.find('|') == std::string::npos || !std::all_of(value.begin(), value.end(), belongs))
     return {};
-  std::vector<std::string> words{""};
+  std::vector<std::string> listed{""};
   for (const char c : value) {
     if (c == '|')
-      words.emplace_back();
+      listed.emplace_back();
     else
-      words.back() += c;
+      listed.back() += c;
   }
-  return words;
+  return listed;
 }
 
 bool OptionText::takes_file() const {

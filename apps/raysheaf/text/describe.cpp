@@ -2,8 +2,30 @@
 
 #include <CLI/CLI.hpp>
 
+#include "ablation/ablation.h"
+#include "compare/words.h"
+#include "raysheaf/verify.h"
+
 namespace raysheaf::app {
 namespace {
+
+template <typename Values>
+std::vector<std::string> names_of(const Values& values) {
+  std::vector<std::string> names;
+  for (const auto value : values) names.emplace_back(to_string(value));
+  return names;
+}
+
+/// Of options that are called NAME, and the like, for there are too many words to list.
+std::vector<std::string> words_for(const std::string& option) {
+  if (option == "--key" || option == "--keys") return names_of(all_keys());
+  if (option == "--bound" || option == "--bounds") return names_of(all_bounds());
+  if (option == "--rays") return names_of(all_lab_rays());
+  if (option == "--only") return names_of(kPromises);
+  if (option == "--kind") return names_of(all_compare_kinds());
+  if (option == "--mode") return names_of(all_compare_modes());
+  return {};
+}
 
 OptionText describe(const CLI::Option& option) {
   OptionText result;
@@ -18,6 +40,7 @@ OptionText describe(const CLI::Option& option) {
   for (const std::string& name : option.get_snames()) result.names.push_back("-" + name);
   for (const std::string& name : option.get_lnames()) result.names.push_back("--" + name);
   if (option.get_type_size_max() > 0) result.value = option.get_type_name();
+  result.words = words_for(result.names.back());
   return result;
 }
 

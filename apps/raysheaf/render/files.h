@@ -1,0 +1,12 @@
+// What `render` reads, so that it writes over none of it.
+#pragma once
+
+#include "options.h"
+#include "outputs.h"
+
+namespace raysheaf::app {
+
+/// Knows what the command reads; nothing is written yet.
+[[nodiscard]] OutputFiles output_files(const RenderCommand& command);
+
+}  // namespace raysheaf::app
