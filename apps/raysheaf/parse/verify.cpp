@@ -47,8 +47,8 @@ CLI::App* add_verify(CLI::App& app, VerifyCommand& command) {
         all.empty() || std::find(all.begin(), all.end(), Promise::kWatertight) != all.end();
     if (command.is_long && !has_rays)
       throw CLI::ValidationError("--long", "it is of watertight, which --only leaves out");
-    if (command.is_long && sub->get_option("--rounds")->count() > 0)
-      throw CLI::ValidationError("--rounds", "--long makes as many as it takes");
+    if (command.is_long && all.size() == 1 && sub->get_option("--rounds")->count() > 0)
+      throw CLI::ValidationError("--rounds", "--long makes as many of watertight as it takes");
   });
   return sub;
 }
