@@ -7,10 +7,10 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <exception>
 #include <latch>
 #include <mutex>
 #include <string>
-#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -31,11 +31,12 @@ std::uint32_t startable(std::uint32_t wanted) {
   const std::lock_guard lock(mutex);
   if (wanted <= known) return wanted;
   std::vector<std::thread> threads;
+  threads.reserve(wanted);
   std::latch end(1);
   try {
     while (threads.size() + 1 < wanted) threads.emplace_back([&] { end.wait(); });
-  } catch (const std::system_error&) {
-    // As many as there are.
+  } catch (const std::exception&) {
+    // As many as there are, whatever there is no more of.
   }
   end.count_down();
   for (std::thread& thread : threads) thread.join();
@@ -58,7 +59,8 @@ std::uint32_t thread_count(std::uint32_t asked) {
 
 struct Executor::Pool {
   explicit Pool(std::uint32_t count)
-      : workers(oneapi::tbb::global_control::max_allowed_parallelism, std::max(count, cores())),
+      : workers(oneapi::tbb::global_control::max_allowed_parallelism,
+                std::max(count, startable(cores()))),
         arena(static_cast<int>(count)) {}
 
   oneapi::tbb::global_control workers;  // lets there be more than cores, where asked for
