@@ -118,6 +118,7 @@ class StreamWalk : StreamPilots<Mode> {
     std::copy(unbounded_.begin(), unbounded_.end(), stream_.lists.begin());
     pad_list(0, size);
     for_each_leaf(tree_, [&](std::uint32_t quad, std::uint32_t n) {
+      job_.executor->check();
       const WaitingList list{quad, n, 0, size, in_blocks_};
       in_blocks_ ? meet_leaf_in_blocks(list) : meet_leaf(list);
     });
