@@ -10,6 +10,7 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <variant>
 
 #include "core.h"
@@ -105,8 +106,11 @@ template <class... Arrays>
 Streams streams_of(const AskedRays& rays, const std::variant<Arrays...>& out) {
   const Place* const from = std::get_if<Place>(&rays);
   const Place* const to = std::get_if<Place>(&out);
-  return {from != nullptr || to != nullptr, from != nullptr ? from->stream : nullptr,
-          to != nullptr ? to->stream : nullptr};
+  Streams streams{from != nullptr || to != nullptr, from != nullptr ? from->stream : nullptr,
+                  to != nullptr ? to->stream : nullptr};
+  // To the library none is CUDA's default one, for which nothing here asks.
+  if (streams.rays == nullptr) streams.rays = std::exchange(streams.results, nullptr);
+  return streams;
 }
 
 Affine affine_of(const Matrix34& array) {

@@ -184,7 +184,7 @@ def test_pointers_are_handed_over():
 def test_pointers_are_followed_on_the_thread_that_asks():
     """On another one, a handle of the thread's own default stream would mean another stream. Who
     only waits hears Ctrl-C, and ends the query; who works hears it when all is done."""
-    setting, scene = make_setting(12, 4000), raysheaf.Scene()
+    setting, scene = make_setting(12, 400), raysheaf.Scene(threads=1)
     scene.add(setting.vertices, setting.triangles)
     many = np.tile(packed_rays(), (400, 1))
     assert len(many) >= 100_000  # of numpy's, so many would be followed elsewhere
