@@ -54,12 +54,12 @@ else:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         try:
             return importlib.import_module(f"{__name__}.{name}")
-        except ModuleNotFoundError as error:
+        except ImportError as error:
             # An AttributeError: hasattr() and whoever looks at all that there is go on.
-            missing = (error.name or "").partition(".")[0]
-            raise AttributeError(
-                f"{__name__}.{name} needs {missing}, which is not installed"
-            ) from error
+            why = f"cannot be imported: {error}"
+            if isinstance(error, ModuleNotFoundError):
+                why = f"needs {(error.name or '').partition('.')[0]}, which is not installed"
+            raise AttributeError(f"{__name__}.{name} {why}") from error
 
     def __dir__():
         return sorted([*__all__, *_LATER])

@@ -56,6 +56,8 @@ class Hits:
     """The hits themselves, of dtype `HIT_DTYPE`."""
 
     def __init__(self, array: NDArray[np.void]) -> None:
+        if isinstance(array, np.void):
+            array = np.asarray(array)
         if not isinstance(array, np.ndarray):
             raise TypeError(
                 f"array: {type(array).__name__} is given; an array of dtype HIT_DTYPE is expected"
@@ -140,7 +142,7 @@ class Hits:
         return (self[i] for i in range(len(self)))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.array,)
+        return type(self), (self.array,), getattr(self, "__dict__", None)
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> NDArray[Any]:
         return np.array(self.array, dtype) if copy else np.asarray(self.array, dtype)
