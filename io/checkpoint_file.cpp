@@ -53,7 +53,10 @@ struct CheckpointFile::Impl {
   /// none.
   void open(int flags) {
     file = ::open(path.c_str(), O_RDWR | O_CLOEXEC | flags, 0666);
-    if (file < 0 && (errno != ENOENT || flags != 0)) fail("opened");
+    if (file >= 0) return;
+    if (errno != ENOENT || flags != 0) fail("opened");
+    // It can be made later.
+    if (::access(io::folder_of(path).c_str(), W_OK | X_OK) != 0) fail("opened");
   }
   bool read(std::uint64_t offset, void* out, std::uint64_t size) const {
     auto* to = static_cast<char*>(out);

@@ -61,11 +61,15 @@ void FileReader::read(std::uint64_t offset, std::span<std::uint8_t> out,
 }
 
 FileWriter::FileWriter(const std::string& path) : path_(path), target_(where_links_end(path)) {
-  struct stat old = {};
-  const bool replaces = ::stat(target_.c_str(), &old) == 0;
+  struct stat old = {}, target = {};
+  const bool replaces = ::stat(path.c_str(), &old) == 0;
   if (replaces && S_ISDIR(old.st_mode)) throw system_error("written", path, EISDIR);
   if (replaces && !S_ISREG(old.st_mode))
     throw Error(ErrorCode::kIo, "cannot be written: is not a regular file", path);
+  // What stands behind a link of /proc may have been removed, or be another file's name by now.
+  if (replaces && (::stat(target_.c_str(), &target) != 0 || target.st_dev != old.st_dev ||
+                   target.st_ino != old.st_ino))
+    throw Error(ErrorCode::kIo, "cannot be written: the file there has no name", path);
   temporary_ = temporary_name(target_);
   file_ = open_without_name(target_, O_WRONLY);
   if (file_ < 0) {

@@ -1,4 +1,5 @@
 // What is written is read back the same; what cannot be written leaves nothing behind.
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <tinyexr.h>
 
@@ -366,7 +367,6 @@ TEST_F(Write, NamesTheFileThatCannotBeWritten) {
   EXPECT_EQ(file_count(), 1u);
 }
 
-/// A limit on the size of files stands for a full disk: the write begins and then fails.
 TEST_F(Write, RefusesLinksInACircle) {
   std::filesystem::create_symlink("b.json", path("a.json"));
   std::filesystem::create_symlink("a.json", path("b.json"));
@@ -374,6 +374,18 @@ TEST_F(Write, RefusesLinksInACircle) {
   EXPECT_EQ(file_count(), 2u);
 }
 
+// Its link in /proc names a file that is gone.
+TEST_F(Write, RefusesAFileWithoutAName) {
+  write("a.json", std::string("old"));
+  const int file = ::open(path("a.json").c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_GE(file, 0);
+  std::filesystem::remove(path("a.json"));
+  expect_io_error("/proc/self/fd/" + std::to_string(file));
+  ::close(file);
+  EXPECT_EQ(file_count(), 0u);
+}
+
+/// A limit on the size of files stands for a full disk: the write begins and then fails.
 TEST_F(Write, LeavesNothingHalfWrittenOnAFullDisk) {
   write("a.json", std::string("old"));
   rlimit before{};

@@ -70,6 +70,16 @@ TEST_F(Checkpoint, WhatWasStoppedGoesOn) {
   EXPECT_EQ(run(-1, rays_), 1u) << "a batch that is done reads nothing";
 }
 
+TEST_F(Checkpoint, AFolderThatIsMissingIsNamedAtOnce) {
+  try {
+    const CheckpointFile file(folder_.file("no/such/kept"), "a frame");
+    ADD_FAILURE() << "nothing was said";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kIo);
+    EXPECT_EQ(error.place(), folder_.file("no/such/kept"));
+  }
+}
+
 TEST_F(Checkpoint, AFileThatIsWrongIsPassedOver) {
   const std::uint64_t all = run(-1, rays_);
   const std::string good = read_file(folder_.file("kept"));
