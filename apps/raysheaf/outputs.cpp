@@ -76,13 +76,22 @@ void write_layers(const RenderResult& result, const std::string& path) {
 }  // namespace
 
 void OutputFiles::reads(const std::string& path) {
-  if (!path.empty()) read_.insert(file_of(path));
+  if (path.empty()) return;
+  try {
+    read_.insert(file_of(path));
+  } catch (const Error&) {
+    // Links in a circle: whoever reads it says so.
+  }
 }
 
 void OutputFiles::reads_scene(const std::string& scene) {
   if (scene.empty()) return;
   still_closed_ = scene;
-  scene_ = file_of(scene);
+  try {
+    scene_ = file_of(scene);
+  } catch (const Error&) {
+    // As above.
+  }
 }
 
 void OutputFiles::claim(const std::string& path) {
@@ -108,9 +117,13 @@ std::string OutputFiles::file_of(const std::string& path) {
   const fs::path target = where_links_end(path);
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   const auto [known, is_new] = folders_.try_emplace(folder.string());
-  std::error_code failed;
-  if (is_new) known->second = fs::weakly_canonical(fs::absolute(folder), failed).string();
-  return (fs::path(failed ? folder.string() : known->second) / target.filename()).string();
+  if (is_new) {
+    std::error_code failed;
+    fs::path whole = fs::absolute(folder, failed);
+    if (!failed) whole = fs::weakly_canonical(whole, failed);
+    known->second = (failed ? folder : whole).string();
+  }
+  return (fs::path(known->second) / target.filename()).string();
 }
 
 void OutputFiles::read_what_scene_names() {

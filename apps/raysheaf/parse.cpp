@@ -152,7 +152,7 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
       "  raysheaf render builtin:atrium --explain --quiet");
   sub->callback([sub, &command] {
     check_outputs(command);
-    check_frames(*sub, command);
+    check_frames(command);
     check_streaming(*sub, command);
   });
   return sub;

@@ -7,7 +7,6 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string_view>
 
 #include "values.h"
@@ -23,8 +22,12 @@ std::string beside(const std::string& file, const std::string& name) {
 }
 
 std::string text_of_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file) return "";
+  std::string text(static_cast<std::size_t>(file.tellg()), ' ');
+  file.seekg(0);
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  return text;
 }
 
 /// The JSON of a .glb, which is its first chunk.
@@ -95,10 +98,11 @@ Names named_in_lines(const std::string& path, Wanted is_wanted) {
   Names names;
   std::ifstream file(path);
   for (std::string line; std::getline(file, line);) {
-    std::istringstream words(line);
-    std::string first, rest;
-    if (!(words >> first) || !is_wanted(first)) continue;
-    std::getline(words >> std::ws, rest);
+    const std::string_view all = line;
+    const std::size_t begin = std::min(all.find_first_not_of(" \t"), all.size());
+    const std::size_t end = std::min(all.find_first_of(" \t", begin), all.size());
+    if (!is_wanted(all.substr(begin, end - begin))) continue;
+    std::string rest = line.substr(std::min(all.find_first_not_of(" \t", end), all.size()));
     while (!rest.empty() && (rest.back() == '\r' || rest.back() == ' ')) rest.pop_back();
     if (rest.empty()) continue;
     names.push_back(beside(path, rest));
@@ -108,10 +112,10 @@ Names named_in_lines(const std::string& path, Wanted is_wanted) {
 }
 
 Names named_by_obj(const std::string& path) {
-  Names names = named_in_lines(path, [](const std::string& word) { return word == "mtllib"; });
+  Names names = named_in_lines(path, [](std::string_view word) { return word == "mtllib"; });
   const std::size_t libraries = names.size();
   for (std::size_t i = 0; i < libraries; ++i) {
-    const Names maps = named_in_lines(names[i], [](const std::string& word) {
+    const Names maps = named_in_lines(names[i], [](std::string_view word) {
       return word.starts_with("map_") || word == "bump" || word == "norm" || word == "disp" ||
              word == "decal" || word == "refl";
     });
@@ -126,6 +130,7 @@ Names named_by_sequence(const std::string& path) {
   for (const std::string& frame : strings_of(json, "file")) names.push_back(beside(path, frame));
   for (const std::string& still : strings_of(json, "static")) {
     names.push_back(beside(path, still));
+    if (has_ending(still, ".json")) continue;  // a sequence does not stand still
     const Names of_still = files_named_by(names.back());
     names.insert(names.end(), of_still.begin(), of_still.end());
   }

@@ -101,7 +101,6 @@ TEST(Light, WhatIsWrongIsOneSentence) {
   expect_sentence({scene, "--aperture", "nan"}, 2, "--aperture");
   expect_sentence({scene, "--focus", "0"}, 2, "--focus");
   expect_sentence({scene, "--focus", "3"}, 2, "--focus: there is no lens");
-  expect_sentence({scene, "--focus", "3", "--aperture", "0"}, 2, "--focus: there is no lens");
   expect_sentence({scene, "--env-intensity", "2"}, 2, "--env");
   expect_sentence({scene, "--env", "negative.exr", "--env-rotation", "inf"}, 2, "--env-rotation");
   expect_sentence({scene, "--env", "negative.exr"}, 1, "negative.exr: pixel (0, 0) is negative");

@@ -48,6 +48,16 @@ TEST(Outputs, NoneIsWrittenTwice) {
                  "./j.json", kTwice);
 }
 
+TEST(Outputs, FilesThatNameThemselvesAreReadOnce) {
+  const TemporaryFolder folder;
+  write_file(folder.file("s.json"), "{\"frames\": [], \"static\": \"s.json\"}");
+  write_file(folder.file("x.png"), "old");
+  const Finished finished = raysheaf_app(render("s.json", {"-o", "x.png"}), folder);
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_EQ(finished.err.find("raysheaf: s.json: "), 0u) << finished.err;
+  EXPECT_EQ(read_file(folder.file("x.png")), "old");
+}
+
 TEST(Outputs, FramesDoNotWriteOverEachOther) {
   const TemporaryFolder folder;
   const std::string scene = "builtin:cornell";

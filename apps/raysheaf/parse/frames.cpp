@@ -70,14 +70,11 @@ void add_frames(CLI::App& app, FramesOptions& frames, LoadOptions& load) {
                "that was stopped");
 }
 
-void check_frames(const CLI::App& app, const RenderCommand& command) {
+void check_frames(const RenderCommand& command) {
   const FramesOptions& f = command.frames;
   const bool many = wants_frames(command);
   if (!many && f.resume && !is_streamed(command))
     refuse("--resume", "is for the frames of a scene that moves, and for what streams");
-  for (const char* option : {"--fps", "--preload"})
-    if (!many && app.get_option(option)->count() > 0)
-      refuse(option, "is of frames, but a single picture is asked for");
   if (!many) return;
   if (f.time) refuse("--time", "is of a single picture, but frames are asked for");
   if (f.turntable != 0 && !f.camera_path.empty())

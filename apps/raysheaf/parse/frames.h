@@ -12,6 +12,6 @@ namespace raysheaf::app {
 void add_frames(CLI::App& app, FramesOptions& frames, LoadOptions& load);
 
 /// Throws `CLI::ValidationError` where options or names of outputs do not go together.
-void check_frames(const CLI::App& app, const RenderCommand& command);
+void check_frames(const RenderCommand& command);
 
 }  // namespace raysheaf::app

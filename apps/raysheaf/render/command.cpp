@@ -146,13 +146,13 @@ void finish(const RenderCommand& command, const Targets& targets, const Rendered
   if (command.explain) explain(rendered.staged.picture.statistics);
 }
 
-/// A depth that is sharp is nothing to a pinhole. Cameras of a path are pinholes.
+/// A depth that is sharp is nothing to a pinhole, unless one is asked for. Cameras of a path are.
 void check_focus(const RenderCommand& command, const SceneDescription& scene) {
   const RenderOptions& options = command.options;
-  if (!options.focus) return;
+  if (!options.focus || options.aperture) return;
   const bool on_path = !command.frames.camera_path.empty();
   const float own = on_path ? 0 : find_camera(scene, options.camera).aperture;
-  if (options.aperture.value_or(own) > 0) return;
+  if (own > 0) return;
   throw Error(ErrorCode::kInvalidArgument, "there is no lens, but a pinhole: give --aperture",
               "--focus");
 }
