@@ -56,7 +56,7 @@ class Hits:
     """The hits themselves, of dtype `HIT_DTYPE`."""
 
     def __init__(self, array: NDArray[np.void]) -> None:
-        if isinstance(array, np.void):
+        if isinstance(array, np.void) and array.dtype == HIT_DTYPE:
             array = np.asarray(array)
         if not isinstance(array, np.ndarray):
             raise TypeError(

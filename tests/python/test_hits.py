@@ -64,6 +64,10 @@ def test_what_is_no_array(wrong):
         raysheaf.Hits(wrong)
 
 
+def test_one_record_is_one_hit(hits):
+    assert raysheaf.Hits(hits.array[0]).shape == () and raysheaf.Hits(hits.array[0]).hit
+
+
 @pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))
 def test_they_travel(scene, hits, protocol):
     rows = scene.all_hits([[[0.25, 0.5, 0], [9, 9, 0]]], [0, 0, 1])
