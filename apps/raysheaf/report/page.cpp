@@ -13,7 +13,6 @@
 #include "report/commands.h"
 #include "report/fields.h"
 #include "report_page_files.h"
-#include "text/utf8.h"
 
 namespace raysheaf::app {
 namespace {

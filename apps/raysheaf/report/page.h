@@ -30,6 +30,9 @@ struct ReportPage {
 /// The JSON that docs/report.md describes, without "<": it may stand in a script element.
 [[nodiscard]] std::string to_json(const ReportPage& page);
 
+/// The text, with U+FFFD for bytes that are not UTF-8, as names of files may have.
+[[nodiscard]] std::string valid_utf8(const std::string& text);
+
 /// RFC 4648.
 [[nodiscard]] std::string base64(const std::vector<std::uint8_t>& bytes);
 

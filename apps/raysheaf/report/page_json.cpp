@@ -87,4 +87,8 @@ std::string to_json(const ReportPage& page) {
   return safe;
 }
 
+std::string valid_utf8(const std::string& text) {
+  return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
 }  // namespace raysheaf::app
