@@ -1,11 +1,12 @@
 #include "scene_files.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -21,24 +22,28 @@ std::string beside(const std::string& file, const std::string& name) {
   return (fs::path(file).parent_path() / name).string();
 }
 
+/// 0 of what is no file, as folders.
+std::uintmax_t size_of_file(const std::string& path) {
+  std::error_code failed;
+  const std::uintmax_t size = fs::file_size(path, failed);
+  return failed ? 0 : size;
+}
+
 std::string text_of_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (!file) return "";
-  std::string text(static_cast<std::size_t>(file.tellg()), ' ');
-  file.seekg(0);
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  std::string text(size_of_file(path), ' ');
+  std::ifstream(path, std::ios::binary)
+      .read(text.data(), static_cast<std::streamsize>(text.size()));
   return text;
 }
 
 /// The JSON of a .glb, which is its first chunk.
 std::string first_chunk(const std::string& path) {
-  constexpr std::uint32_t kMostBytes = 1u << 30;
   std::ifstream file(path, std::ios::binary);
   std::array<char, 20> head{};
   std::uint32_t size = 0;
   if (!file.read(head.data(), head.size())) return "";
   std::memcpy(&size, head.data() + 12, sizeof size);
-  if (size > kMostBytes) return "";
+  if (size > size_of_file(path)) return "";
   std::string text(size, ' ');
   file.read(text.data(), size);
   return text;

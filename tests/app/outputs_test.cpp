@@ -58,6 +58,17 @@ TEST(Outputs, FilesThatNameThemselvesAreReadOnce) {
   EXPECT_EQ(read_file(folder.file("x.png")), "old");
 }
 
+TEST(Outputs, AFolderNamesNothing) {
+  const TemporaryFolder folder;
+  write_file(folder.file("x.png"), "old");
+  for (const char* scene : {"s.gltf", "s.glb", "s.obj", "s.json"}) {
+    fs::create_directory(folder.path() / scene);
+    const Finished finished = raysheaf_app(render(scene, {"-o", "x.png"}), folder);
+    EXPECT_EQ(finished.code, 1);
+    EXPECT_EQ(finished.err, "raysheaf: " + std::string(scene) + ": is a folder, not a file\n");
+  }
+}
+
 TEST(Outputs, FramesDoNotWriteOverEachOther) {
   const TemporaryFolder folder;
   const std::string scene = "builtin:cornell";
