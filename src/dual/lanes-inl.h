@@ -37,8 +37,9 @@ HWY_INLINE std::uint32_t bits_of(D d, M mask) {
 
 HWY_INLINE RM lanes_of(std::uint32_t bits, std::size_t g) {
   const Rays d;
-  const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits >> g),
-                                 static_cast<std::uint8_t>(bits >> (g + 8 < 32 ? g + 8 : 31))};
+  const std::uint32_t from_g = bits >> g;
+  std::uint8_t bytes[8] = {};
+  hwy::CopyBytes<4>(&from_g, bytes);
   return hn::LoadMaskBits(d, bytes);
 }
 
