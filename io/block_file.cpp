@@ -129,6 +129,7 @@ struct BlockFile::Impl {
       refuse("its scene has changed: the checksum is another", path);
     try {
       scene = io::decode_scene(bytes);
+      scene.files = {path};
       validate_but_triangles(scene);
       if (scene.cameras.empty()) throw Error(ErrorCode::kInvalidData, "there is none", "cameras");
     } catch (const Error& error) {

@@ -201,6 +201,12 @@ std::string folder_of(const std::string& path) {
   return folder.empty() ? "." : folder;
 }
 
+std::vector<std::string> files_of(const SceneFile& file) {
+  std::vector<std::string> files{file.path};
+  if (file.names != nullptr) files.insert(files.end(), file.names->begin(), file.names->end());
+  return files;
+}
+
 std::string resolve(const SceneFile& from, const std::string& uri, bool is_uri,
                     const std::string& place) {
   const std::string name = is_uri ? decode_percent(uri) : uri;
@@ -212,7 +218,9 @@ std::string resolve(const SceneFile& from, const std::string& uri, bool is_uri,
     throw Error(ErrorCode::kUnsupported,
                 "\"" + uri.substr(0, 200) + "\" does not stay inside the file's folder", place);
   }
-  return (fs::path(folder_of(from.path)) / path).string();
+  const std::string resolved = (fs::path(folder_of(from.path)) / path).string();
+  if (from.names != nullptr) from.names->insert(resolved);
+  return resolved;
 }
 
 }  // namespace io

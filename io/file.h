@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,8 +17,9 @@ using Bytes = std::vector<std::uint8_t>;
 /// What a loader is told of the file whose bytes it gets.
 struct SceneFile {
   std::string path;
-  bool allow_external = false;   ///< files that it names may lie outside its folder
-  ImageCache* images = nullptr;  ///< of files that share pictures; none: there is but one
+  bool allow_external = false;             ///< files that it names may lie outside its folder
+  ImageCache* images = nullptr;            ///< of files that share pictures; none: there is but one
+  std::set<std::string>* names = nullptr;  ///< gets the paths that `resolve` gives
 };
 
 /// All bytes of a file, as they stood at one moment: where another file is renamed over it
@@ -57,5 +59,7 @@ inline std::span<const std::uint8_t> as_bytes(const std::string& text) {
 [[nodiscard]] std::string resolve(const SceneFile& from, const std::string& uri, bool is_uri,
                                   const std::string& place);
 [[nodiscard]] std::string folder_of(const std::string& path);
+/// Its own path and those in its `names`: SceneDescription::files.
+[[nodiscard]] std::vector<std::string> files_of(const SceneFile& file);
 
 }  // namespace raysheaf::io

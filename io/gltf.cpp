@@ -38,7 +38,8 @@ GltfScene load_gltf(const Bytes& file, const SceneFile& from) {
 
 std::optional<OuterScene> read_outer_gltf(const std::string& path, const PackOptions& options) {
   const GltfFile file(path, "");
-  const SceneFile from{path, options.allow_external};
+  std::set<std::string> names;
+  const SceneFile from{path, options.allow_external, nullptr, &names};
   const GltfModel model = parse_gltf(GltfBytes(file), from);
   if (model.file_bytes <= kSmallGltfBytes * options.triangles_at_once) return std::nullopt;
   OuterScene scene;
@@ -47,6 +48,7 @@ std::optional<OuterScene> read_outer_gltf(const std::string& path, const PackOpt
   GltfScene read = read_gltf(model, from, &outer);
   if (!read.rig.nodes.empty()) pose(read.rig, read.scene);
   scene.rest = std::move(read.scene);
+  scene.rest.files = files_of(from);
   return scene;
 }
 

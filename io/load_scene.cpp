@@ -43,9 +43,15 @@ io::GltfScene load_any(const std::string& path, const LoadOptions& options,
   }
   const io::Bytes file = io::read_file(path);
   if (file.empty()) throw Error(ErrorCode::kInvalidData, "the file is empty", path);
-  const io::SceneFile from{path, options.allow_external, images};
-  if (is_gltf(ending)) return io::load_gltf(file, from);
-  return {loader_for(ending)(file, from), {}};
+  std::set<std::string> names;
+  const io::SceneFile from{path, options.allow_external, images, &names};
+  io::GltfScene loaded;
+  if (is_gltf(ending))
+    loaded = io::load_gltf(file, from);
+  else
+    loaded.scene = loader_for(ending)(file, from);
+  loaded.scene.files = io::files_of(from);
+  return loaded;
 }
 
 SceneDescription load_at_rest(const std::string& path, const LoadOptions& options) {
@@ -68,7 +74,11 @@ std::unique_ptr<Animation> load_moving(const std::string& path, const LoadOption
   }
   if (io::ending_of(path) == "json") {
     const io::Bytes file = io::read_file(path);
-    return load_sequence(io::read_sequence_json(file, {path, options.allow_external}), options);
+    auto sequence =
+        load_sequence(io::read_sequence_json(file, {path, options.allow_external}), options);
+    std::vector<std::string>& files = sequence->scene().files;
+    files.insert(files.begin(), path);
+    return sequence;
   }
   io::GltfScene loaded = load_any(path, options);
   if (loaded.rig.nodes.empty()) return animate(std::move(loaded.scene));

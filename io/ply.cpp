@@ -282,6 +282,7 @@ std::optional<OuterScene> read_outer_ply(const std::string& path, const PackOpti
   if (mesh.triangles.size() >= kInvalidId) throw NeedsWholeFile{};
   if (!reader.has_normals()) add_missing_normals(mesh, options);
   scene.rest.meshes.emplace_back().name = mesh.name;
+  scene.rest.files = {path};
   return scene;
 }
 

@@ -161,6 +161,7 @@ class SequenceAnimation final : public Animation {
       : files_(std::move(files)), options_(options) {
     check();
     if (!files_.still.empty()) scene_ = io::load_part(files_.still, options_, &images_);
+    scene_.files.insert(scene_.files.end(), files_.frames.begin(), files_.frames.end());
     if (!files_.name.empty()) scene_.name = files_.name;
     if (!files_.lights.empty()) scene_.lights = files_.lights;
     if (!files_.cameras.empty()) {
@@ -300,8 +301,10 @@ class SequenceAnimation final : public Animation {
       scene_.cameras[0] = files_.cameras[index];
       scene_.cameras[0].name = "moving";
     }
-    if (shown_ == kNone)
+    if (shown_ == kNone) {
       scene_.warnings.insert(scene_.warnings.end(), frame.warnings.begin(), frame.warnings.end());
+      scene_.files.insert(scene_.files.end(), frame.files.begin() + 1, frame.files.end());
+    }
     read_ahead(index);
     shown_ = index;
     return changes;

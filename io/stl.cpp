@@ -245,6 +245,7 @@ std::optional<OuterScene> read_outer_stl(const std::string& path, const PackOpti
   mesh.materials.push_back(0);
   scene.rest.name = std::filesystem::path(path).stem().string();
   scene.rest.meshes.emplace_back();
+  scene.rest.files = {path};
   name_and_paint(scene.rest);
   return scene;
 }

@@ -9,7 +9,6 @@
 
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
-#include "scene_files.h"
 #include "values.h"
 
 namespace raysheaf::app {
@@ -19,6 +18,10 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& why) {
   throw Error(ErrorCode::kIo, "cannot write here: " + why, path);
+}
+
+[[noreturn]] void refuse_output(const std::string& path, const char* why) {
+  throw Error(ErrorCode::kInvalidArgument, std::string("this output is ") + why, path);
 }
 
 /// `path`, or what stands behind the symbolic links there, be it missing.
@@ -76,41 +79,41 @@ void write_layers(const RenderResult& result, const std::string& path) {
 }  // namespace
 
 void OutputFiles::reads(const std::string& path) {
-  if (path.empty()) return;
-  try {
-    read_.insert(file_of(path));
-  } catch (const Error&) {
-    // Links in a circle: whoever reads it says so.
-  }
+  const std::string file = file_that_is_read(path);
+  if (file.empty()) return;
+  const auto output = written_.find(file);
+  if (output != written_.end()) refuse_output(output->second, "read, too");
+  read_.insert(file);
 }
 
 void OutputFiles::reads_scene(const std::string& scene) {
-  if (scene.empty()) return;
-  still_closed_ = scene;
-  try {
-    scene_ = file_of(scene);
-  } catch (const Error&) {
-    // As above.
-  }
+  scene_ = file_that_is_read(scene);
+}
+
+void OutputFiles::reads(const std::vector<std::string>& files) {
+  for (const std::string& path : files) reads(path);
 }
 
 void OutputFiles::claim(const std::string& path) {
   if (path.empty()) return;
   const std::string file = file_of(path);
-  const auto refuse_name = [&path](const char* why) {
-    throw Error(ErrorCode::kInvalidArgument, why, path);
-  };
-  if (!written_.insert(file).second) refuse_name("this output is written twice");
-  if (file == scene_) refuse_name("this output is the scene itself");
-  std::error_code ignored;
-  if (!still_closed_.empty() && fs::exists(file, ignored)) read_what_scene_names();
-  if (read_.contains(file)) refuse_name("this output is read, too");
+  if (!written_.try_emplace(file, path).second) refuse_output(path, "written twice");
+  if (file == scene_) refuse_output(path, "the scene itself");
+  if (read_.contains(file)) refuse_output(path, "read, too");
 }
 
 std::string OutputFiles::open(const std::string& path) {
   if (path.empty()) return path;
   claim(path);
   return writable_path(path);
+}
+
+std::string OutputFiles::file_that_is_read(const std::string& path) {
+  try {
+    return path.empty() ? path : file_of(path);
+  } catch (const Error&) {
+    return "";  // links in a circle: whoever reads it says so
+  }
 }
 
 std::string OutputFiles::file_of(const std::string& path) {
@@ -124,11 +127,6 @@ std::string OutputFiles::file_of(const std::string& path) {
     known->second = (failed ? folder : whole).string();
   }
   return (fs::path(known->second) / target.filename()).string();
-}
-
-void OutputFiles::read_what_scene_names() {
-  for (const std::string& path : files_named_by(still_closed_)) reads(path);
-  still_closed_.clear();
 }
 
 std::string writable_path(const std::string& path) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "raysheaf/render.h"
 
@@ -15,26 +16,26 @@ namespace raysheaf::app {
 [[nodiscard]] std::string writable_path(const std::string& path);
 
 /// The files that a run writes: none of them twice, and none that it reads. Names are compared by
-/// the files that they lead to.
+/// the files that they lead to; an empty one is none. Whatever collides throws `Error`
+/// (kInvalidArgument), whose place is the output's name, whichever of the two is told first.
 class OutputFiles {
  public:
-  /// An empty name is none.
   void reads(const std::string& path);
-  /// SCENE, and the files that its own names.
+  /// Before anything is claimed.
   void reads_scene(const std::string& scene);
-  /// Throws `Error` (kInvalidArgument, place `path`) for a file that was claimed before, or is
-  /// read. An empty name is none.
+  /// What a scene that was loaded is made of: `SceneDescription::files`.
+  void reads(const std::vector<std::string>& files);
   void claim(const std::string& path);
   /// Claims it, and gives its `writable_path`.
   [[nodiscard]] std::string open(const std::string& path);
 
  private:
   [[nodiscard]] std::string file_of(const std::string& path);
-  void read_what_scene_names();
+  [[nodiscard]] std::string file_that_is_read(const std::string& path);
 
-  std::string scene_;         ///< its file
-  std::string still_closed_;  ///< SCENE, until what it names is looked for
-  std::set<std::string> read_, written_;
+  std::string scene_;  ///< its file
+  std::set<std::string> read_;
+  std::map<std::string, std::string> written_;  ///< the outputs' names, by their files
   std::map<std::string, std::string> folders_;
 };
 

@@ -217,6 +217,7 @@ SceneDescription without_triangles(const SceneDescription& scene) {
   rest.cameras = scene.cameras;
   rest.environment = scene.environment;
   rest.warnings = scene.warnings;
+  rest.files = scene.files;
   make_whole(&rest);
   for (const Mesh& mesh : scene.meshes) rest.meshes.emplace_back().name = mesh.name;
   return rest;

@@ -48,27 +48,6 @@ TEST(Outputs, NoneIsWrittenTwice) {
                  "./j.json", kTwice);
 }
 
-TEST(Outputs, FilesThatNameThemselvesAreReadOnce) {
-  const TemporaryFolder folder;
-  write_file(folder.file("s.json"), "{\"frames\": [], \"static\": \"s.json\"}");
-  write_file(folder.file("x.png"), "old");
-  const Finished finished = raysheaf_app(render("s.json", {"-o", "x.png"}), folder);
-  EXPECT_EQ(finished.code, 1);
-  EXPECT_EQ(finished.err.find("raysheaf: s.json: "), 0u) << finished.err;
-  EXPECT_EQ(read_file(folder.file("x.png")), "old");
-}
-
-TEST(Outputs, AFolderNamesNothing) {
-  const TemporaryFolder folder;
-  write_file(folder.file("x.png"), "old");
-  for (const char* scene : {"s.gltf", "s.glb", "s.obj", "s.json"}) {
-    fs::create_directory(folder.path() / scene);
-    const Finished finished = raysheaf_app(render(scene, {"-o", "x.png"}), folder);
-    EXPECT_EQ(finished.code, 1);
-    EXPECT_EQ(finished.err, "raysheaf: " + std::string(scene) + ": is a folder, not a file\n");
-  }
-}
-
 TEST(Outputs, FramesDoNotWriteOverEachOther) {
   const TemporaryFolder folder;
   const std::string scene = "builtin:cornell";
@@ -104,23 +83,32 @@ TEST(Outputs, WhatIsReadIsNotWrittenOver) {
 TEST(Outputs, FilesOfTheSceneAreNotWrittenOver) {
   const TemporaryFolder folder;
   ASSERT_EQ(raysheaf_app(render("builtin:cornell", {"-o", "a b.png"}), folder).code, 0);
-  write_file(folder.file("c.bin"), std::string(36, '\0'));
+  const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  write_file(folder.file("c.bin"), std::string(reinterpret_cast<const char*>(corners), 36));
   write_file(folder.file("c.gltf"), R"({"asset": {"version": "2.0"},
-    "buffers": [{"uri": "c.bin", "byteLength": 36}], "images": [ { "uri" : "a%20b.png" } ]})");
+    "buffers": [{"uri": "c.bin", "byteLength": 36}], "images": [ { "uri" : "a%20b.png" } ],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                   "min": [0, 0, 0], "max": [1, 1, 0]}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}],
+    "scenes": [{"nodes": [0]}]})");
   expect_refused(folder, render("c.gltf", {"-o", "./a b.png"}), "./a b.png", kRead);
   expect_refused(folder, render("c.gltf", {"--stats", "c.bin"}), "c.bin", kRead);
   expect_refused(folder, render("c.gltf", {"--stats", "c.gltf"}), "c.gltf", "the scene itself");
-  write_file(folder.file("o.obj"), "mtllib o.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
+  const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";
+  write_file(folder.file("o.obj"), "mtllib o.mtl\n" + triangle);
   write_file(folder.file("o.mtl"), "newmtl m\nmap_Kd -clamp on a b.png\nmap_d b.png\n");
-  write_file(folder.file("b.png"), "");
+  write_file(folder.file("b.png"), read_file(folder.file("a b.png")));
   expect_refused(folder, render("o.obj", {"--stats", "o.mtl"}), "o.mtl", kRead);
   expect_refused(folder, render("o.obj", {"-o", "b.png"}), "b.png", kRead);
-  write_file(folder.file("s.json"), R"({"static": "o.obj", "frames": [{"file": "f0.ply"}]})");
-  write_file(folder.file("f0.ply"), "");
-  expect_refused(folder, render("s.json", {"--stats", "f0.ply"}), "f0.ply", kRead);
-  expect_refused(folder, render("s.json", {"--stats", "o.mtl"}), "o.mtl", kRead);
-  expect_refused(folder, render("f*.ply", {"--stats", "f0.ply"}), "f0.ply", kRead);
-  expect_refused(folder, render("o.obj", {"--sequence", "f*.ply", "--stats", "f0.ply"}), "f0.ply",
+  write_file(folder.file("f0.obj"), triangle);
+  write_file(folder.file("s.json"), R"({"static": "o.obj", "frames": [{"file": "f0.obj"}]})");
+  for (const char* name : {"f0.obj", "o.mtl", "b.png"}) {
+    expect_refused(folder, render("s.json", {"--stats", name}), name, kRead);
+    expect_refused(folder, render("s.json", {"--stats", name, "--frames", "0"}), name, kRead);
+  }
+  expect_refused(folder, render("f*.obj", {"--stats", "f0.obj"}), "f0.obj", kRead);
+  expect_refused(folder, render("o.obj", {"--sequence", "f*.obj", "--stats", "f0.obj"}), "f0.obj",
                  kRead);
 }
 

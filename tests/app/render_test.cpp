@@ -306,6 +306,7 @@ TEST(Scene, ListedScenesCanBeWrittenAndReadBack) {
     for (const char* field : {"meshes", "materials", "lights", "cameras"}) {
       EXPECT_EQ(a.at(field).size(), b.at(field).size()) << name << " " << field;
     }
+    EXPECT_EQ(b.at("files"), Json::array({file}));
   }
 }
 

@@ -27,8 +27,10 @@ int run(const ViewCommand& command) {
   options.width = command.width;
   options.height = command.height;
   options.threads = command.threads;
-  options.load = [load = command.load](const std::string& scene) {
-    return animation_from_argument(scene, {}, load);
+  options.load = [load = command.load, files](const std::string& scene) mutable {
+    std::unique_ptr<Animation> animation = animation_from_argument(scene, {}, load);
+    files.reads(animation->scene().files);
+    return animation;
   };
   options.print = [](const std::string& text) { print(text); };
   options.tell = [](const std::string& line) { tell("raysheaf: " + printable(line)); };

@@ -99,7 +99,8 @@ std::string info_json(const SceneInfo& info) {
               {"images", list(scene.images, image_json)},
               {"lights", list(scene.lights, light_json)},
               {"cameras", list(scene.cameras, camera_json)},
-              {"warnings", scene.warnings}};
+              {"warnings", scene.warnings},
+              {"files", scene.files}};
   if (info.blocks != 0) {
     all["blocks"] = info.blocks;
     all["bytes"] = info.file_bytes;

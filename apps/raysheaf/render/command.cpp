@@ -27,11 +27,12 @@ namespace {
 struct Targets {
   std::vector<std::string> pictures;
   std::string stats, heatmap;
+  OutputFiles files;
 };
 
 Targets open_targets(const RenderCommand& command) {
-  OutputFiles files = output_files(command);
-  Targets targets;
+  Targets targets{{}, {}, {}, output_files(command)};
+  OutputFiles& files = targets.files;
   for (const std::string& path : command.pictures) targets.pictures.push_back(files.open(path));
   targets.stats = files.open(command.stats_path);
   targets.heatmap = files.open(command.heatmap_path);
@@ -198,10 +199,11 @@ void render_picture(const RenderCommand& command, const Targets& targets, const 
 /// What every process of the run does.
 void render_here(const RenderCommand& command, const std::shared_ptr<Communicator>& ranks) {
   const bool writes = is_first(ranks.get());
-  const Targets targets = wants_frames(command) || !writes ? Targets{} : open_targets(command);
+  Targets targets = wants_frames(command) || !writes ? Targets{} : open_targets(command);
   const Timer loading;
   const std::unique_ptr<GeometrySource> blocks = open_blocks(command);
   std::unique_ptr<Animation> animation = open_scene(command, blocks.get());
+  targets.files.reads(animation->scene().files);
   stop_if_interrupted();
   if (!command.quiet) {
     for (const std::string& warning : animation->scene().warnings)

@@ -6,7 +6,7 @@
 
 namespace raysheaf::app {
 
-/// Knows what the command reads; nothing is written yet.
+/// Knows what the command line names; the scene's other files are known once it is loaded.
 [[nodiscard]] OutputFiles output_files(const RenderCommand& command);
 
 }  // namespace raysheaf::app

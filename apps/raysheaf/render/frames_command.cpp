@@ -137,6 +137,7 @@ class FrameRun {
   /// Every name of a file that will be written is claimed. Films have one for all frames.
   void claim_names() const {
     OutputFiles files = output_files(command_);
+    files.reads(animation_.scene().files);
     for (const std::string& path : command_.pictures)
       if (has_ending(path, ".mp4")) files.claim(with_frame(path, plan_.first()));
     for (const std::uint64_t frame : missing_)

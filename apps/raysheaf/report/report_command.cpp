@@ -24,9 +24,7 @@ Report measured_with_progress(const SceneDescription& scene, const ReportCommand
 
 int run(const ReportCommand& command) {
   catch_interrupts();
-  OutputFiles files;
-  files.reads_scene(command.scene);
-  const std::string target = files.open(command.output);
+  const std::string target = writable_path(command.output);
   const auto start = std::chrono::steady_clock::now();
   SceneDescription scene = scene_from_argument(command.scene, command.load);
   add_missing_camera_and_light(scene);
