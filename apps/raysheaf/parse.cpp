@@ -132,7 +132,7 @@ void check_outputs(const RenderCommand& command) {
 
 CLI::App* add_render(CLI::App& app, RenderCommand& command) {
   CLI::App* sub = app.add_subcommand("render", "Render a scene to pictures and statistics");
-  add_scene_file(*sub, command.scene, command.load);
+  add_scene_file(*sub, command.scene, command.load, {.blocks = true, .sequences = true});
   add_outputs(*sub, command);
   add_view(*sub, command.options);
   add_rays(*sub, command.options);
@@ -160,7 +160,7 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
 
 CLI::App* add_info(CLI::App& app, InfoCommand& command) {
   CLI::App* sub = app.add_subcommand("info", "List what a scene holds");
-  add_scene_file(*sub, command.scene, command.load);
+  add_scene_file(*sub, command.scene, command.load, {.blocks = true});
   sub->add_flag("--json", command.json, "As JSON");
   sub->footer(
       "Examples:\n"
@@ -207,6 +207,13 @@ CLI::App* add_bench_paper(CLI::App& bench, BenchPaperCommand& command) {
 CLI::App* add_bench(CLI::App& app) {
   CLI::App* sub = app.add_subcommand("bench", "Measure: the laboratory's experiments");
   sub->require_subcommand(1);
+  sub->footer(
+      "Examples:\n"
+      "  raysheaf bench paper --size 64x64\n"
+      "  raysheaf bench ablation builtin:cornell --size 32x32\n"
+      "  raysheaf bench compare --kind mirror\n"
+      "\n"
+      "raysheaf bench COMMAND --help lists the options of a command.");
   return sub;
 }
 

@@ -1,8 +1,8 @@
 """A lidar turns while things about it move, and sees each of them at another moment.
 
 Every step of the sweep moves the boxes, then asks one column of beams: hundreds of small updates and
-queries a turn. The picture is what the sensor returns, from above; what moves towards its turn comes
-out longer than it is.
+queries a turn. The picture is what the sensor returns, from above; what moves with its turn comes out
+longer than it is, and what moves against it shorter.
 """
 
 import numpy as np

@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "raysheaf/error.h"  // IWYU pragma: export
 #include "raysheaf/large_vector.h"
 #include "raysheaf/ray_parts.h"
 #include "raysheaf/scene.h"

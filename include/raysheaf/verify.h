@@ -48,7 +48,7 @@ struct VerifyFailure {
 
 struct PromiseReport {
   Promise promise = Promise::kBruteForce;
-  std::string unit;  ///< what `cases` counts: "answers", "rays", "hits"
+  std::string unit;  ///< what `cases` counts: "answers", "pairs", "rays", "hits"
   std::uint64_t rounds = 0, cases = 0, failures = 0;
   std::vector<VerifyFailure> first_failures;  ///< 10 at most
   double seconds = 0;

@@ -8,13 +8,13 @@ std::string check_not_empty(const std::string& name) {
   return name.empty() ? "the name is empty" : "";
 }
 
-void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load) {
-  app.add_option(
-         "SCENE", scene,
-         "A file (.gltf, .glb, .obj, .ply, .stl, .rsb, .json), a pattern of files that are frames "
-         "('f_*.ply'), or builtin:NAME")
-      ->required()
-      ->check(check_not_empty);
+void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load, SceneKinds kinds) {
+  std::string text = "A file (.gltf, .glb, .obj, .ply, .stl";
+  if (kinds.blocks) text += ", .rsb";
+  if (kinds.sequences) text += ", .json";
+  text += ")";
+  if (kinds.sequences) text += ", a pattern of files that are frames ('f_*.ply'),";
+  app.add_option("SCENE", scene, text + " or builtin:NAME")->required()->check(check_not_empty);
   app.add_flag("--allow-external", load.allow_external,
                "The scene may name files outside its folder");
 }

@@ -27,7 +27,11 @@ std::function<void(const std::string&)> into(Parse parse, std::string option) {
 /// What is wrong with the name of a file; empty: nothing.
 std::string check_not_empty(const std::string& name);
 
-void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load);
+/// What a command takes besides scenes that are read whole and stand still.
+struct SceneKinds {
+  bool blocks = false, sequences = false;
+};
+void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load, SceneKinds kinds);
 
 /// Of commands that show what moves.
 void add_preload(CLI::App& app, LoadOptions& load);

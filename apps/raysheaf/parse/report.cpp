@@ -33,7 +33,7 @@ void add_methods(CLI::App& app, std::vector<Method>& methods) {
 CLI::App* add_report(CLI::App& app, ReportCommand& command) {
   CLI::App* sub = app.add_subcommand(
       "report", "Run every method on a scene and write a page about it that needs nothing else");
-  add_scene_file(*sub, command.scene, command.load);
+  add_scene_file(*sub, command.scene, command.load, {});
   sub->add_option("-o,--output", command.output, "The page")->type_name("FILE.html")->required();
   sub->add_flag("-q,--quiet", command.quiet, "No progress bar, warnings or summary");
   add_methods(*sub, command.methods);

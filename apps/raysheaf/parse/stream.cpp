@@ -51,12 +51,7 @@ CLI::App* add_scene(CLI::App& app, SceneCommand& command) {
 
 CLI::App* add_pack(CLI::App& app, PackCommand& command) {
   CLI::App* sub = app.add_subcommand("pack", "Cut a scene into blocks that can be streamed");
-  sub->add_option("SCENE", command.scene,
-                  "A file (.gltf, .glb, .obj, .ply, .stl, .rsb) or builtin:NAME")
-      ->required()
-      ->check(check_not_empty);
-  sub->add_flag("--allow-external", command.load.allow_external,
-                "The scene may name files outside its folder");
+  add_scene_file(*sub, command.scene, command.load, {.blocks = true});
   sub->add_option("-o,--output", command.output, "Where to write it")
       ->type_name("FILE.rsb")
       ->required();

@@ -9,7 +9,7 @@ namespace raysheaf::app {
 
 CLI::App* add_view_command(CLI::App& app, ViewCommand& command) {
   CLI::App* sub = app.add_subcommand("view", "Look at a scene, and at how its rays are traced");
-  add_scene_file(*sub, command.scene, command.load);
+  add_scene_file(*sub, command.scene, command.load, {.sequences = true});
   add_preload(*sub, command.load);
   sub->add_option("--script", command.script_path,
                   "Do what the lines of a file say, without hands, and end (docs/viewer.md)")

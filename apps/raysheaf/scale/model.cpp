@@ -8,8 +8,6 @@
 namespace raysheaf::app {
 namespace {
 
-/// A hit on its way between ranks.
-constexpr double kHitBytes = 96;
 /// A pixel's colour.
 constexpr double kPixelBytes = 12;
 

@@ -55,6 +55,9 @@ struct ScaleMachines {
   double latency_s = 20e-6;
 };
 
+/// A hit of what streams on its way between ranks.
+inline constexpr double kHitBytes = 84;
+
 /// What work takes on all cores of a rank (G. Amdahl 1967).
 [[nodiscard]] inline double clock_seconds(double core_s, const ScaleMachines& machines) {
   return core_s * (machines.serial + (1 - machines.serial) / machines.cores);

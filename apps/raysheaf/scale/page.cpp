@@ -298,10 +298,11 @@ std::string scale_page(const ScaleReport& report) {
   text += "## One machine\n\n" + growth_table(report, model, true) + "\n";
   text += fmt::format(
       "## Several machines\n\n{} triangles. *Geometry*: each machine streams its own blocks past "
-      "all the rays, and hits are combined after each of {:.0f} batches, 96 bytes a ray in a ring. "
+      "all the rays, and hits are combined after each of {:.0f} batches, {:.0f} bytes a ray in a "
+      "ring. "
       "*Rays*: each machine has its part of the picture, and streams what that may meet.\n\n{}\n"
       "## Where it saturates\n\n{}\n",
-      amount(triangles), batches_of(report), ranks_table(report, model, true),
+      amount(triangles), batches_of(report), kHitBytes, ranks_table(report, model, true),
       saturation(report, model));
   text +=
       "What is not modelled: machines of unequal speed, disks that are shared, hits that are "
