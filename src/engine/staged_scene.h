@@ -85,7 +85,7 @@ RAYSHEAF_HD inline Surface staged_surface(const StagedSceneView& scene, std::uin
   surface.normal = placed.normal;
   if (mesh.has_uvs && is_bumpy(material))
     surface.normal = textured_normal(material, scene.textures, corner, uv, u, v, placed);
-  surface.position_error = placed.position_error;
+  surface.clearance = placed.clearance;
   surface.front = placed.front;
   return surface;
 }

@@ -219,7 +219,7 @@ void SurfaceFetcher::give(Block* block) {
     surface.position = at(b.columns.position, lane);
     surface.geometric_normal = at(b.columns.geometric, lane);
     surface.normal = at(b.columns.shading, lane);
-    surface.position_error = b.columns.error[lane];
+    surface.clearance = b.columns.clearance[lane];
     surface.front = (b.front >> lane & 1) != 0;
   });
   for_each_lane(b.odd, [&](std::size_t lane) {

@@ -59,9 +59,7 @@ void MakeMirrorRays(View<const Fragment> fragments, View<const std::uint32_t> sl
     const V3 mirrored = Select(leaves, smooth, Reflected(incoming, outward));
     const V size = hn::Sqrt(Dot(mirrored, mirrored));
     const V3 direction = Divided(mirrored, size);
-    const V error = f.At<RAYSHEAF_SURFACE_WORD(position_error)>();
-    const V extent = hn::Add(hn::Add(hn::Abs(outward.x), hn::Abs(outward.y)), hn::Abs(outward.z));
-    const V step = hn::Add(hn::Mul(hn::Mul(hn::Set(d, kOffsetErrors), error), extent), zero);
+    const V step = f.At<RAYSHEAF_SURFACE_WORD(clearance)>();
     const M inward = hn::Lt(Dot(direction, outward), zero);
     const V3 origin = Add(f.At3<RAYSHEAF_SURFACE_WORD(position)>(),
                           Scale(outward, hn::IfThenElse(inward, hn::Neg(step), step)));

@@ -29,8 +29,8 @@ inline bool shines_from_point(const PlacedLight& light, SampleOf sample) {
 struct ShadowColumns {
   alignas(64) float position[3][kLightBlock];
   float normal[3][kLightBlock];
-  float outward[3][kLightBlock];    ///< the geometric normal
-  float step[kLightBlock];          ///< off the surface, but for what grows with the ray's length
+  float outward[3][kLightBlock];  ///< the geometric normal
+  float clearance[kLightBlock];
   std::uint16_t lit[kLightGroups];  ///< a bit a fragment: light falls on it
 };
 

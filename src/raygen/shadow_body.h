@@ -1,6 +1,8 @@
 // One shadow ray.
 #pragma once
 
+#include <limits>
+
 #include "raygen/fragment.h"
 #include "raygen/hash_body.h"
 #include "raygen/light_body.h"
@@ -8,14 +10,31 @@
 
 namespace raysheaf {
 
-/// The ball around the scene: parallel light comes from beyond it.
+/// The scene's box, beyond which parallel light comes from, and the ball around it.
 struct LightReach {
+  Box bounds;
   Vec3 center;
   float radius;
 };
 
 RAYSHEAF_HD inline LightReach light_reach(const Box& bounds) {
-  return {(bounds.min + bounds.max) * 0.5f, length(bounds.max - bounds.min) * 0.5f};
+  return {bounds, (bounds.min + bounds.max) * 0.5f, length(bounds.max - bounds.min) * 0.5f};
+}
+
+/// How far from a place inside the box it is to beyond it, whatever rounding does to either end and
+/// to a triangle in its wall.
+RAYSHEAF_HD inline float way_out(const Box& bounds, Vec3 from, Vec3 direction) {
+  float way = std::numeric_limits<float>::infinity();
+  const auto clip = [&](float low, float high, float at, float along) {
+    if (along == 0) return;
+    const float end = ((along < 0 ? low : high) - at) / along;
+    way = end < way ? end : way;
+  };
+  clip(bounds.min.x, bounds.max.x, from.x, direction.x);
+  clip(bounds.min.y, bounds.max.y, from.y, direction.y);
+  clip(bounds.min.z, bounds.max.z, from.z, direction.z);
+  const float size = max_component(max(abs(bounds.min), abs(bounds.max)));
+  return (way > 0 ? way : 0) * (1 + 64 * kUnitRoundoff) + 64 * kUnitRoundoff * size;
 }
 
 /// Whether there is a surface that light falls on.
@@ -58,11 +77,9 @@ RAYSHEAF_HD inline LightSample choose_on_light(const Fragment& f, const PlacedLi
 RAYSHEAF_HD inline Ray shadow_ray(const Fragment& f, const LightSample& sample,
                                   const LightReach& reach) {
   const bool parallel = !std::isfinite(sample.distance);
-  // Parallel rays start on one plane beyond the scene, so that neighbours have neighbouring
-  // origins.
+  // From just beyond the scene: the farther a ray comes from, the farther off its surface it ends.
   const float distance =
-      parallel ? reach.radius + dot(reach.center - f.surface.position, sample.to_light)
-               : sample.distance;
+      parallel ? way_out(reach.bounds, f.surface.position, sample.to_light) : sample.distance;
   const Vec3 target = offset_point(f.surface, sample.to_light, distance);
   const Vec3 origin = parallel ? target + sample.to_light * distance : sample.point;
   return {origin, 0, target - origin, 1};

@@ -24,13 +24,10 @@ void GatherShadowColumns(View<const Fragment> fragments, ShadowColumns* columns)
   std::memset(c.lit, 0, sizeof c.lit);
   for (std::size_t k = 0; k < fragments.size; k += hn::Lanes(d)) {
     const FragmentLanes f(fragments, k);
-    const V3 outward = f.At3<RAYSHEAF_SURFACE_WORD(geometric_normal)>();
     Store3(f.At3<RAYSHEAF_SURFACE_WORD(position)>(), c.position, k);
     Store3(f.At3<RAYSHEAF_SURFACE_WORD(normal)>(), c.normal, k);
-    Store3(outward, c.outward, k);
-    const V error = f.At<RAYSHEAF_SURFACE_WORD(position_error)>();
-    const V extent = hn::Add(hn::Add(hn::Abs(outward.x), hn::Abs(outward.y)), hn::Abs(outward.z));
-    hn::Store(hn::Mul(hn::Mul(hn::Set(d, kOffsetErrors), error), extent), d, c.step + k);
+    Store3(f.At3<RAYSHEAF_SURFACE_WORD(geometric_normal)>(), c.outward, k);
+    hn::Store(f.At<RAYSHEAF_SURFACE_WORD(clearance)>(), d, c.clearance + k);
     const M lit = hn::And(HasTriangle(f.At<RAYSHEAF_WORD(triangle)>()),
                           IsLit(f.At<RAYSHEAF_SURFACE_WORD(unlit)>()));
     const std::size_t left = fragments.size - k;
@@ -85,7 +82,7 @@ void MakePointRays(const ShadowColumns& c, const PlacedLight& light, View<const 
       const std::size_t k = group * kLightLanes + lane;
       const V3 position = Load3(c.position, k), outward = Load3(c.outward, k);
       const PointSeen seen = SeePoint(light, position);
-      const V step = hn::Add(hn::Load(d, c.step + k),
+      const V step = hn::Add(hn::Load(d, c.clearance + k),
                              hn::Mul(hn::Set(d, kOffsetRoundings * kUnitRoundoff), seen.distance));
       const M inward = hn::Lt(Dot(seen.to_light, outward), hn::Zero(d));
       const V3 target = Add(position, Scale(outward, hn::IfThenElse(inward, hn::Neg(step), step)));

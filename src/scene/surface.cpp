@@ -59,7 +59,7 @@ Surface SurfaceReader::at(float u, float v, Vec3 direction) const {
   surface.position = placed.position;
   surface.geometric_normal = placed.geometric_normal;
   surface.normal = placed.normal;
-  surface.position_error = placed.position_error;
+  surface.clearance = placed.clearance;
   surface.front = placed.front;
   if (t_.has_uvs && is_bumpy(material_))
     surface.normal = textured_normal(material_, textures_.table(), t_.corner, t_.uv, u, v, placed);

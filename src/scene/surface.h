@@ -15,13 +15,13 @@ struct Surface {
   Vec3 specular;  ///< reflectance along the normal
   Vec3 coat;      ///< the part of it that shades what lies below: without the metal's
   Vec3 transmission_color;
-  Vec3 emission;             ///< radiance
-  float roughness = 1;       ///< glTF's, before it is squared
-  float transmission = 0;    ///< the part of what is not reflected that goes through
-  float ior = 1.5f;          ///< at least 1, inside against outside
-  float position_error = 0;  ///< how far rounding moved any coordinate of `position`, at most
-  bool unlit = false;        ///< `emission` is all there is to see
-  bool front = true;         ///< the ray meets the front face
+  Vec3 emission;           ///< radiance
+  float roughness = 1;     ///< glTF's, before it is squared
+  float transmission = 0;  ///< the part of what is not reflected that goes through
+  float ior = 1.5f;        ///< at least 1, inside against outside
+  float clearance = 0;     ///< how far along the geometric normal rays that leave start, at least
+  bool unlit = false;      ///< `emission` is all there is to see
+  bool front = true;       ///< the ray meets the front face
   std::uint32_t material = kInvalidId;
 };
 

@@ -8,25 +8,6 @@
 
 namespace raysheaf {
 
-/// Corners mixed with weights (1 - u - v, u, v).
-struct MixedPoint {
-  Vec3 position;
-  float error = 0;  ///< bounds what rounding moved any coordinate by
-};
-
-/// The first weight is rounded twice: by at most eps (1 - u) and eps w, which moves the point by no
-/// more than eps (1 + w) |a|. Each product then passes one rounding and at most two sums: gamma(3)
-/// of the sum S of |w a|, |u b| and |v c|. Together at most gamma(4) S + gamma(1) |a|; a unit more
-/// of each covers the rounding of the bound itself, and 2^-147 products that underflow (J. Arvo's
-/// analysis, as in Pharr, Jakob and Humphreys, Physically Based Rendering, 2023, section 6.8.5).
-RAYSHEAF_HD inline MixedPoint mixed_point(Vec3 a, Vec3 b, Vec3 c, float u, float v) {
-  const float w = 1 - u - v;
-  const Vec3 from_a = a * w, from_b = b * u, from_c = c * v;
-  const Vec3 sum = abs(from_a) + abs(from_b) + abs(from_c);
-  const Vec3 error = sum * gamma(5) + abs(a) * gamma(2);
-  return {from_a + from_b + from_c, max_component(error) + 0x1p-147f};
-}
-
 /// A vector in double, for products that overflow or vanish in float.
 struct Wide {
   double x = 0, y = 0, z = 0;
@@ -43,6 +24,34 @@ RAYSHEAF_HD inline Wide cross(Wide a, Wide b) {
 }
 RAYSHEAF_HD inline double dot(Wide a, Wide b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/// Corners mixed with weights (1 - u - v, u, v), in binary64: each coordinate is off by one
+/// rounding to binary32.
+struct MixedPoint {
+  Vec3 position;
+  float reach = 0;  ///< the largest difference of a coordinate from a corner's
+};
+RAYSHEAF_HD inline MixedPoint mixed_point(Vec3 a, Vec3 b, Vec3 c, float u, float v) {
+  const double w = 1.0 - u - v;
+  const auto mix = [&](float x, float y, float z) {
+    return static_cast<float>(x * w + static_cast<double>(y) * u + static_cast<double>(z) * v);
+  };
+  const Vec3 p{mix(a.x, b.x, c.x), mix(a.y, b.y, c.y), mix(a.z, b.z, c.z)};
+  return {p, max_component(max(abs(a - p), max(abs(b - p), abs(c - p))))};
+}
+
+/// How far along its triangle's normal a ray that leaves a point must start, at least, so that it
+/// does not meet that triangle, nor one beside it in its plane. The point's coordinates and those
+/// of the start are off by a rounding each, of which the part along the normal counts. The test
+/// errs by roundings of the corners as seen from the start, so by some of `reach`: by up to 28 as
+/// it can be bounded (intersect/triangle_body.h), by up to 2 where tests/raygen looks for the
+/// worst.
+inline constexpr float kClearOfReach = 8;
+RAYSHEAF_HD inline float clearance(const MixedPoint& point, Vec3 normal) {
+  const Vec3 n = abs(normal), p = abs(point.position);
+  const float off = n.x * p.x + n.y * p.y + n.z * p.z;
+  return (2 * off + kClearOfReach * point.reach) * kUnitRoundoff + 0x1p-147f;
 }
 
 /// A unit vector along `a`, or `fallback` where `a` has no direction.
@@ -120,7 +129,7 @@ RAYSHEAF_HD inline Vec3 bumped_normal(const Vec3 (&corner)[3], const Vec2 (&uv)[
 /// Where a surface is and how it stands; as `Surface` has them.
 struct PlacedSurface {
   Vec3 position, geometric_normal, normal;
-  float position_error = 0;
+  float clearance = 0;
   bool front = true;
 };
 
@@ -132,9 +141,9 @@ RAYSHEAF_HD inline PlacedSurface placed_surface(const Vec3 (&corner)[3], Vec3 fr
   PlacedSurface placed;
   const MixedPoint point = mixed_point(corner[0], corner[1], corner[2], u, v);
   placed.position = point.position;
-  placed.position_error = point.error;
   const bool flat = front == Vec3{0, 0, 0};
   const Vec3 facing = flat ? unit(widened(-direction), {0, 0, 1}) : front;
+  placed.clearance = raysheaf::clearance(point, facing);
   placed.front = !(dot(widened(facing), widened(direction)) > 0);
   const Vec3 shading =
       normals != nullptr ? unit_normal(map, mixed(*normals, u, v), facing) : facing;

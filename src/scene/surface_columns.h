@@ -25,7 +25,7 @@ struct alignas(64) SurfaceColumns {
   SurfaceColumn uv[3][2];      ///< [corner][axis], the mesh's own
   // Found by the kernels.
   SurfaceColumn u, v;  ///< weights of the second and third corner
-  SurfaceColumn position[3], geometric[3], shading[3], error;
+  SurfaceColumn position[3], geometric[3], shading[3], clearance;
   SurfaceColumn color[3];  ///< of a texture
 };
 
@@ -46,9 +46,9 @@ struct InstanceLanes {
 /// `incoming` as `normalized` has `direction`; returns the lanes that are right.
 [[nodiscard]] LaneBits find_incoming(SurfaceColumns* columns);
 
-/// `placed_surface` of all lanes: position, error, both normals. `instances` have the lanes with
-/// normals of their own, which no two share; `mirrored`: lanes of instances that mirror. Returns
-/// the lanes that are right, and puts those that see the front into `front`.
+/// `placed_surface` of all lanes: position, clearance, both normals. `instances` have the lanes
+/// with normals of their own, which no two share; `mirrored`: lanes of instances that mirror.
+/// Returns the lanes that are right, and puts those that see the front into `front`.
 [[nodiscard]] LaneBits place_surfaces(const InstanceLanes* instances, std::size_t count,
                                       LaneBits mirrored, SurfaceColumns* columns, LaneBits* front);
 

@@ -129,6 +129,27 @@ LaneBits FindIncoming(SurfaceColumns* columns) {
   return right;
 }
 
+/// An axis of `mixed_point`: stores the position, returns the reach along it.
+HWY_INLINE F mix_corners(F a, F b, F c, SurfaceColumns& columns, std::size_t axis, std::size_t k) {
+  const Doubles d;
+  const D u = hn::PromoteTo(d, load(columns.u, k)), v = hn::PromoteTo(d, load(columns.v, k));
+  const D w = hn::Sub(hn::Sub(hn::Set(d, 1.0), u), v);
+  const D sum = hn::Add(hn::Add(hn::Mul(hn::PromoteTo(d, a), w), hn::Mul(hn::PromoteTo(d, b), u)),
+                        hn::Mul(hn::PromoteTo(d, c), v));
+  const F at = hn::DemoteTo(Floats(), sum);
+  store(at, columns.position[axis], k);
+  return larger(hn::Abs(hn::Sub(a, at)), larger(hn::Abs(hn::Sub(b, at)), hn::Abs(hn::Sub(c, at))));
+}
+
+/// `raysheaf::clearance`.
+HWY_INLINE F clearance(const F3& position, const F3& normal, F reach) {
+  const auto part = [](F n, F p) { return hn::Mul(hn::Abs(n), hn::Abs(p)); };
+  const F off = hn::Add(hn::Add(part(normal.x, position.x), part(normal.y, position.y)),
+                        part(normal.z, position.z));
+  const F roundings = hn::Add(hn::Mul(set(2), off), hn::Mul(set(kClearOfReach), reach));
+  return hn::Add(hn::Mul(roundings, set(kUnitRoundoff)), set(0x1p-147f));
+}
+
 /// The corners' normals mixed, and taken where the instance takes them.
 HWY_INLINE F3 mapped_normal(const SurfaceColumns& c, std::size_t k, const Weights& w,
                             const NormalMap& map, FM* known) {
@@ -166,18 +187,10 @@ LaneBits PlaceSurfaces(const InstanceLanes* instances, std::size_t count, LaneBi
         hn::And(hn::And(hn::Eq(facing.x, zero), hn::Eq(facing.y, zero)), hn::Eq(facing.z, zero));
     right |= bits_of(d, hn::AndNot(flat, known), k);
 
-    const Weights w = weights_at(c, k);
-    const auto point = [&](F x, F y, F z, SurfaceColumn& out) {
-      const F from_p = hn::Mul(x, w.first), from_q = hn::Mul(y, w.second);
-      const F from_r = hn::Mul(z, w.third);
-      const F sum = hn::Add(hn::Add(hn::Abs(from_p), hn::Abs(from_q)), hn::Abs(from_r));
-      store(hn::Add(hn::Add(from_p, from_q), from_r), out, k);
-      return hn::Add(hn::Mul(sum, set(gamma(5))), hn::Mul(hn::Abs(x), set(gamma(2))));
-    };
-    F error = point(p.x, q.x, r.x, c.position[0]);
-    error = larger(error, point(p.y, q.y, r.y, c.position[1]));
-    error = larger(error, point(p.z, q.z, r.z, c.position[2]));
-    store(hn::Add(error, set(0x1p-147f)), c.error, k);
+    const F reach =
+        larger(mix_corners(p.x, q.x, r.x, c, 0, k),
+               larger(mix_corners(p.y, q.y, r.y, c, 1, k), mix_corners(p.z, q.z, r.z, c, 2, k)));
+    store(clearance(load3(c.position, k), facing, reach), c.clearance, k);
 
     const D along = dot(widened(facing), widened(load3(c.incoming, k)));
     const FM behind = narrowed(hn::Gt(along, hn::Zero(dd)));
@@ -185,7 +198,7 @@ LaneBits PlaceSurfaces(const InstanceLanes* instances, std::size_t count, LaneBi
     for (std::size_t i = 0; i < count; ++i) {
       if ((instances[i].lanes >> k & ((1u << hn::Lanes(d)) - 1)) == 0) continue;
       FM has_direction;
-      const F3 mapped = mapped_normal(c, k, w, instances[i].map, &has_direction);
+      const F3 mapped = mapped_normal(c, k, weights_at(c, k), instances[i].map, &has_direction);
       shading = select(hn::And(mask_of(instances[i].lanes, k), has_direction), mapped, shading);
     }
     store3(select(behind, negated(facing), facing), c.geometric, k);

@@ -85,7 +85,7 @@ HWY_INLINE F3 negated(const F3& a) {
   return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z)};
 }
 
-/// Where a column of weights mixes corners' values: `mixed` and what `mixed_point` begins with.
+/// Where a column of weights mixes corners' values: `mixed`.
 struct Weights {
   F first, second, third;
 };

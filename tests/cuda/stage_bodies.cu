@@ -50,7 +50,7 @@ __global__ void run_others(const Light* lights, const Fragment* fragments, const
   const PlacedLight light = placed_light(lights[i]);
   const Fragment& f = fragments[i];
   const SpotEdge edge = spot_edge(lights[i]);
-  out[i].put(edge.cos_outer, edge.span, offset_extent(f.surface.normal));
+  out[i].put(edge.cos_outer, edge.span);
   out[i].put(std::uint32_t{rays_of(f, scatter(f))});
   out[i].put(transform_uv(placed_texture(slots[i]), {light.radius, light.range}));
 }

@@ -41,7 +41,8 @@ struct SurfaceCase {
     const float u = draws.unit(), v = draws.between(0, 1 - u);
     const MixedPoint point = mixed_point(a, b, c, u, v);
     const Wide normal = cross(difference(b, a), difference(c, a));
-    out.put(point.position, point.error, unit(normal, {0, 0, 1}), dot(normal, widened(a)));
+    out.put(point.position, point.reach, unit(normal, {0, 0, 1}), dot(normal, widened(a)));
+    out.put(clearance(point, unit(normal, {0, 0, 1})));
     out.put(unit_normal(normal_map(draws.map()), a, {0, 0, 1}));
   }
 };
@@ -143,7 +144,7 @@ struct StagedSurfaceCase {
     const Surface s = staged_surface(scene, 0, u, v, along);
     out.put(s.position, s.geometric_normal, s.normal, s.diffuse, s.specular, s.coat);
     out.put(s.transmission_color, s.emission, s.roughness, s.transmission, s.ior);
-    out.put(s.position_error, s.unlit, s.front, s.material);
+    out.put(s.clearance, s.unlit, s.front, s.material);
     const Ray ray{s.position - along * 2, 0, along, 9};
     out.put(staged_is_cut_away(scene, ray, 0, draws.below(2) == 0));
     const Vec3 front = front_normal(corners, false);
@@ -205,7 +206,7 @@ RAYSHEAF_HD inline Fragment random_fragment(Draws& draws) {
   f.surface.transmission_color = abs(draws.in_box(1));
   f.surface.roughness = draws.unit();
   f.surface.transmission = draws.below(2) == 0 ? 0 : draws.unit();
-  f.surface.position_error = 1e-6f;
+  f.surface.clearance = 1e-6f;
   f.surface.front = draws.below(2) == 0;
   f.surface.unlit = draws.below(16) == 0;
   return f;

@@ -177,7 +177,7 @@ void expect_same(const Fragment& a, const Fragment& b) {
   EXPECT_TRUE(same(s.roughness, t.roughness));
   EXPECT_TRUE(same(s.transmission, t.transmission));
   EXPECT_TRUE(same(s.ior, t.ior));
-  EXPECT_TRUE(same(s.position_error, t.position_error));
+  EXPECT_TRUE(same(s.clearance, t.clearance));
   EXPECT_EQ(s.unlit, t.unlit);
   EXPECT_EQ(s.front, t.front);
   EXPECT_EQ(s.material, t.material);

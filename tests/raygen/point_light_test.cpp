@@ -30,7 +30,7 @@ Fragments some_fragments(std::size_t count, View<const PlacedLight> lights) {
     if (random.below(20) == 0) s.position = s.position * 1e17f;
     s.normal = random.direction();
     s.geometric_normal = random.direction_near(s.normal, 0.3f);
-    s.position_error = 1e-6f * random.unit();
+    s.clearance = 1e-6f * random.unit();
   }
   return fragments;
 }

@@ -85,8 +85,9 @@ TEST(ShadowRays, StandWhereTheShadingNormalFacesTheLightAndKnowTheirSlots) {
     if (light.type == Light::Type::kPoint) {
       EXPECT_EQ(ray.origin, light.position);
     } else {
-      const Vec3 center = (seen.flat.bounds.min + seen.flat.bounds.max) * 0.5f;
-      EXPECT_GE(length(ray.origin - center), length(seen.flat.bounds.max - center) * 0.99f);
+      const Vec3 below = ray.origin - seen.flat.bounds.min,
+                 above = seen.flat.bounds.max - ray.origin;
+      EXPECT_LT(min_component(min(below, above)), 0);
     }
   }
   EXPECT_EQ(batch.rays.size(), expected);
@@ -250,7 +251,7 @@ Fragments some_bouncing(std::size_t count) {
     f.weight = random.in_box(0.5f) + Vec3{0.5f, 0.5f, 0.5f};
     Surface& s = f.surface;
     s.position = random.in_box(3);
-    s.position_error = 1e-6f * random.unit();
+    s.clearance = 1e-6f * random.unit();
     s.normal = random.direction();
     s.geometric_normal = random.direction_near(s.normal, 0.3f);
     if (dot(s.geometric_normal, f.incoming) > 0) s.geometric_normal = -s.geometric_normal;
