@@ -251,12 +251,13 @@ HWY_INLINE void Store3(const V3& a, float (&columns)[3][kLightBlock], std::size_
 }
 
 /// `fresnel_schlick`.
-HWY_INLINE V3 Schlick(const V3& at_normal, V cos_in) {
+HWY_INLINE V3 Schlick(const V3& at_normal, V at_edge, V cos_in) {
   const Floats d;
   const V one = hn::Set(d, 1.0f), zero = hn::Zero(d);
   const V m = Clamp(hn::Sub(one, cos_in), 0, 1), m2 = hn::Mul(m, m);
   const V rise = hn::Mul(hn::Mul(m2, m2), m);
-  const V3 rest{hn::Sub(one, at_normal.x), hn::Sub(one, at_normal.y), hn::Sub(one, at_normal.z)};
+  const V3 rest{hn::Sub(at_edge, at_normal.x), hn::Sub(at_edge, at_normal.y),
+                hn::Sub(at_edge, at_normal.z)};
   const V3 risen = Add(at_normal, Scale(rest, rise));
   const M none = hn::Le(MaxOf(at_normal), zero);
   return {hn::IfThenElse(none, zero, risen.x), hn::IfThenElse(none, zero, risen.y),

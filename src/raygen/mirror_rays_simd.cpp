@@ -52,7 +52,9 @@ void MakeMirrorRays(View<const Fragment> fragments, View<const std::uint32_t> sl
     const V3 incoming = f.At3<RAYSHEAF_WORD(incoming)>();
     const V3 normal = f.At3<RAYSHEAF_SURFACE_WORD(normal)>();
     const V3 outward = f.At3<RAYSHEAF_SURFACE_WORD(geometric_normal)>();
-    const V3 part = Schlick(f.At3<RAYSHEAF_SURFACE_WORD(specular)>(), CosArrival(incoming, normal));
+    const V3 part =
+        Schlick(f.At3<RAYSHEAF_SURFACE_WORD(specular)>(),
+                f.At<RAYSHEAF_SURFACE_WORD(specular_edge)>(), CosArrival(incoming, normal));
     Give3(Mul(f.At3<RAYSHEAF_WORD(weight)>(), part), left, weights + k);
     const V3 smooth = Reflected(incoming, normal);
     const M leaves = hn::Gt(Dot(smooth, outward), zero);

@@ -25,13 +25,13 @@ RAYSHEAF_HD inline float fresnel_dielectric(float cos_in, float eta) {
   return (parallel * parallel + across * across) * 0.5f;
 }
 
-/// C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", 1994. Where nothing is
-/// reflected along the normal, nothing is at grazing angles (KHR_materials_specular with a factor
-/// of 0).
-RAYSHEAF_HD inline Vec3 fresnel_schlick(Vec3 at_normal, float cos_in) {
+/// C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", 1994, with what is
+/// reflected at grazing angles, 1 but for KHR_materials_specular. Where nothing is reflected along
+/// the normal, nothing is at grazing angles.
+RAYSHEAF_HD inline Vec3 fresnel_schlick(Vec3 at_normal, float at_edge, float cos_in) {
   if (max_component(at_normal) <= 0) return {0, 0, 0};
   const float m = clamp(1 - cos_in, 0, 1), m2 = m * m;
-  return at_normal + (Vec3{1, 1, 1} - at_normal) * (m2 * m2 * m);
+  return at_normal + (Vec3{at_edge, at_edge, at_edge} - at_normal) * (m2 * m2 * m);
 }
 
 RAYSHEAF_HD inline Vec3 reflected(Vec3 incoming, Vec3 normal) {
@@ -60,7 +60,8 @@ RAYSHEAF_HD inline Vec3 mirror_direction(const Fragment& f) {
 
 /// Glass: Fresnel's split; the colour is taken where light enters. How far the exact reflectance
 /// has risen from its value along the normal to 1 stands in for Schlick's power, so that tinted,
-/// weakened and partly metallic surfaces rise the same way.
+/// weakened and partly metallic surfaces rise the same way; from within, where it ends in total
+/// reflection, to 1.
 RAYSHEAF_HD inline void split_at_glass(const Surface& surface, float cos_in, Scattering* s) {
   const float eta = surface.front ? surface.ior : 1 / surface.ior;
   const float along_normal = fresnel_dielectric(1, eta);
@@ -69,8 +70,10 @@ RAYSHEAF_HD inline void split_at_glass(const Surface& surface, float cos_in, Sca
       along_normal < 1 ? clamp((exact - along_normal) / (1 - along_normal), 0, 1) : 1;
   const Vec3 white{1, 1, 1};
   const Vec3 tint = surface.front ? surface.transmission_color : white;
-  s->reflected_part = lerp(surface.specular, white, rise);
-  s->diffuse_part = white - lerp(surface.coat, white, rise);
+  const Vec3 specular_edge = surface.front ? white * surface.specular_edge : white;
+  const Vec3 coat_edge = surface.front ? white * surface.coat_edge : white;
+  s->reflected_part = lerp(surface.specular, specular_edge, rise);
+  s->diffuse_part = white - lerp(surface.coat, coat_edge, rise);
   s->refracted_part = tint * s->diffuse_part * surface.transmission;
   s->mirror = true;
 }
@@ -95,8 +98,8 @@ RAYSHEAF_HD inline Scattering scattered_parts(const Fragment& f) {
   if (surface.transmission > 0) {
     split_at_glass(surface, cos_in, &s);
   } else {
-    s.reflected_part = fresnel_schlick(surface.specular, cos_in);
-    s.diffuse_part = Vec3{1, 1, 1} - fresnel_schlick(surface.coat, cos_in);
+    s.reflected_part = fresnel_schlick(surface.specular, surface.specular_edge, cos_in);
+    s.diffuse_part = Vec3{1, 1, 1} - fresnel_schlick(surface.coat, surface.coat_edge, cos_in);
     s.mirror = surface.roughness < kMirrorRoughness;
   }
   if (surface.unlit) s.reflected_part = s.refracted_part = s.diffuse_part = {0, 0, 0};

@@ -111,6 +111,8 @@ RAYSHEAF_HD inline void set_material(const PlacedMaterial& m, const TextureColor
   surface->diffuse = base * ((1 - metallic) * (1 - m.transmission));
   surface->specular = lerp(dielectric, base, metallic);
   surface->coat = dielectric;
+  surface->specular_edge = m.specular + (1 - m.specular) * metallic;
+  surface->coat_edge = m.specular;
   surface->emission = m.emission * colors.emission;
 }
 

@@ -14,6 +14,7 @@ struct Surface {
   Vec3 diffuse;   ///< reflectance
   Vec3 specular;  ///< reflectance along the normal
   Vec3 coat;      ///< the part of it that shades what lies below: without the metal's
+  float specular_edge = 1, coat_edge = 1;  ///< the same at grazing angles: glTF's F90
   Vec3 transmission_color;
   Vec3 emission;           ///< radiance
   float roughness = 1;     ///< glTF's, before it is squared

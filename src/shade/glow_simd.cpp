@@ -43,8 +43,10 @@ void FindGlow(View<const Fragment> fragments, const GlowLook& look, Vec3* radian
     const V3 emission = f.At3<RAYSHEAF_SURFACE_WORD(emission)>();
     const V cosine =
         CosArrival(f.At3<RAYSHEAF_WORD(incoming)>(), f.At3<RAYSHEAF_SURFACE_WORD(normal)>());
-    const V3 reflected = Schlick(f.At3<RAYSHEAF_SURFACE_WORD(specular)>(), cosine);
-    const V3 coat = Schlick(f.At3<RAYSHEAF_SURFACE_WORD(coat)>(), cosine);
+    const V3 reflected = Schlick(f.At3<RAYSHEAF_SURFACE_WORD(specular)>(),
+                                 f.At<RAYSHEAF_SURFACE_WORD(specular_edge)>(), cosine);
+    const V3 coat = Schlick(f.At3<RAYSHEAF_SURFACE_WORD(coat)>(),
+                            f.At<RAYSHEAF_SURFACE_WORD(coat_edge)>(), cosine);
     const V3 below{hn::Sub(one, coat.x), hn::Sub(one, coat.y), hn::Sub(one, coat.z)};
     const M mirror = hn::Lt(f.At<RAYSHEAF_SURFACE_WORD(roughness)>(), hn::Set(d, kMirrorRoughness));
     const M worth =

@@ -13,6 +13,7 @@ struct ShadingColumns {
   alignas(64) float position[3][kLightBlock];
   float normal[3][kLightBlock], incoming[3][kLightBlock];
   float diffuse[3][kLightBlock], specular[3][kLightBlock], coat[3][kLightBlock];
+  float specular_edge[kLightBlock], coat_edge[kLightBlock];
   // What `reflectance` says of a fragment whatever the light.
   float cos_view[kLightBlock], alpha2[kLightBlock], masking[kLightBlock];
   float coat_view[3][kLightBlock];

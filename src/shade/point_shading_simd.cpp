@@ -45,7 +45,10 @@ void GatherShading(View<const Fragment> fragments, const Vec3* radiance, Shading
     hn::Store(cosine, d, c.cos_view + k);
     hn::Store(alpha2, d, c.alpha2 + k);
     hn::Store(Masking(cosine, alpha2), d, c.masking + k);
-    Store3(Schlick(coat, cosine), c.coat_view, k);
+    const V coat_edge = f.At<RAYSHEAF_SURFACE_WORD(coat_edge)>();
+    hn::Store(f.At<RAYSHEAF_SURFACE_WORD(specular_edge)>(), d, c.specular_edge + k);
+    hn::Store(coat_edge, d, c.coat_edge + k);
+    Store3(Schlick(coat, coat_edge, cosine), c.coat_view, k);
   }
 }
 
@@ -75,8 +78,9 @@ HWY_INLINE V3 Reflectance(const ShadingColumns& c, std::size_t k, const V3& to_l
   *usual = hn::And(*usual, IsUsual(size));
   const V3 half = Divided(between, size);
   const V n_h = Clamp(Dot(normal, half), 0, 1), v_h = Clamp(hn::Neg(Dot(incoming, half)), 0, 1);
-  const V3 fresnel = Schlick(Load3(c.specular, k), v_h);
-  const V3 coat_half = Schlick(Load3(c.coat, k), v_h), coat_view = Load3(c.coat_view, k);
+  const V3 fresnel = Schlick(Load3(c.specular, k), hn::Load(d, c.specular_edge + k), v_h);
+  const V3 coat_half = Schlick(Load3(c.coat, k), hn::Load(d, c.coat_edge + k), v_h);
+  const V3 coat_view = Load3(c.coat_view, k);
   const V3 coat{Larger(coat_half.x, coat_view.x), Larger(coat_half.y, coat_view.y),
                 Larger(coat_half.z, coat_view.z)};
   const V n_v = hn::Load(d, c.cos_view + k), alpha2 = hn::Load(d, c.alpha2 + k);

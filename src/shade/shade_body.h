@@ -20,9 +20,10 @@ RAYSHEAF_HD inline Vec3 reflectance(const Fragment& f, Vec3 to_light) {
   const float n_l = dot(s.normal, to_light), n_v = cos_arrival(f);
   const Vec3 half = normalized(to_light - f.incoming, s.normal);
   const float n_h = clamp(dot(s.normal, half), 0, 1), v_h = clamp(-dot(f.incoming, half), 0, 1);
-  const Vec3 fresnel = fresnel_schlick(s.specular, v_h);
+  const Vec3 fresnel = fresnel_schlick(s.specular, s.specular_edge, v_h);
   // At grazing views the highlight takes more than its own Fresnel term says.
-  const Vec3 coat = max(fresnel_schlick(s.coat, v_h), fresnel_schlick(s.coat, n_v));
+  const Vec3 coat =
+      max(fresnel_schlick(s.coat, s.coat_edge, v_h), fresnel_schlick(s.coat, s.coat_edge, n_v));
   const float smoothest = s.roughness > kMirrorRoughness ? s.roughness : kMirrorRoughness;
   const float alpha = smoothest * smoothest, a2 = alpha * alpha;
   const float lobe = n_h * n_h * (a2 - 1) + 1;

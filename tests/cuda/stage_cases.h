@@ -144,7 +144,7 @@ struct StagedSurfaceCase {
     const Surface s = staged_surface(scene, 0, u, v, along);
     out.put(s.position, s.geometric_normal, s.normal, s.diffuse, s.specular, s.coat);
     out.put(s.transmission_color, s.emission, s.roughness, s.transmission, s.ior);
-    out.put(s.clearance, s.unlit, s.front, s.material);
+    out.put(s.specular_edge, s.coat_edge, s.clearance, s.unlit, s.front, s.material);
     const Ray ray{s.position - along * 2, 0, along, 9};
     out.put(staged_is_cut_away(scene, ray, 0, draws.below(2) == 0));
     const Vec3 front = front_normal(corners, false);
@@ -203,6 +203,8 @@ RAYSHEAF_HD inline Fragment random_fragment(Draws& draws) {
   f.surface.normal = normalized(f.surface.geometric_normal + draws.in_box(0.3f));
   f.surface.diffuse = abs(draws.in_box(1));
   f.surface.specular = draws.below(4) == 0 ? Vec3{0, 0, 0} : abs(draws.in_box(1));
+  f.surface.specular_edge = draws.unit();
+  f.surface.coat_edge = draws.unit();
   f.surface.transmission_color = abs(draws.in_box(1));
   f.surface.roughness = draws.unit();
   f.surface.transmission = draws.below(2) == 0 ? 0 : draws.unit();
@@ -221,7 +223,8 @@ struct ScatterCase {
     out.put(reflected(f.incoming, f.surface.normal), fresnel_dielectric(cos_arrival(f), 1.3f));
     Scattering parts = scattered_parts(f);
     split_at_glass(f.surface, 0.5f, &parts);
-    out.put(refracted(f, 0.5f), fresnel_schlick(f.surface.specular, 0.5f), parts.refracted_part);
+    out.put(refracted(f, 0.5f), fresnel_schlick(f.surface.specular, f.surface.specular_edge, 0.5f),
+            parts.refracted_part);
   }
 };
 

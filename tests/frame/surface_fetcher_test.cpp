@@ -172,6 +172,8 @@ void expect_same(const Fragment& a, const Fragment& b) {
   EXPECT_TRUE(same(s.diffuse, t.diffuse));
   EXPECT_TRUE(same(s.specular, t.specular));
   EXPECT_TRUE(same(s.coat, t.coat));
+  EXPECT_TRUE(same(s.specular_edge, t.specular_edge));
+  EXPECT_TRUE(same(s.coat_edge, t.coat_edge));
   EXPECT_TRUE(same(s.transmission_color, t.transmission_color));
   EXPECT_TRUE(same(s.emission, t.emission));
   EXPECT_TRUE(same(s.roughness, t.roughness));

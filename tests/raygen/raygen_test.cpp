@@ -230,6 +230,7 @@ TEST(Scatter, PartsNeverExceedTheWhole) {
     f.surface.diffuse = Vec3{1, 1, 1} * (1 - f.surface.transmission);
     const float f0 = random.unit();
     f.surface.specular = f.surface.coat = {f0, f0, f0};
+    f.surface.specular_edge = f.surface.coat_edge = f0 + (1 - f0) * random.unit();
     const Scattering s = scatter(f);
     const float whole =
         s.reflected_part.x + s.refracted_part.x + s.diffuse_part.x * f.surface.diffuse.x;
@@ -257,6 +258,8 @@ Fragments some_bouncing(std::size_t count) {
     if (dot(s.geometric_normal, f.incoming) > 0) s.geometric_normal = -s.geometric_normal;
     if (random.below(30) == 0) f.incoming = s.normal = s.geometric_normal = {0, 0, 0};
     s.specular = random.in_box(0.5f) + Vec3{0.5f, 0.5f, 0.5f};
+    s.specular_edge = random.unit();
+    s.coat_edge = random.unit();
     s.roughness = 0.05f * random.unit();
     if (random.below(3) == 0) s.transmission = random.unit();
     s.front = random.below(2) == 0;

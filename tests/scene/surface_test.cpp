@@ -161,6 +161,18 @@ TEST(Surface, SpecularColorIsBoundedBeforeItIsWeighed) {
   EXPECT_EQ(all.ior, 1);
 }
 
+TEST(Surface, SpecularFactorIsTheReflectanceAtGrazingAngles) {
+  Material material;
+  material.specular = 0.3f;
+  Surface s = seen(with_material(material), {0, 0, -1});
+  EXPECT_EQ(s.specular_edge, 0.3f);
+  EXPECT_EQ(s.coat_edge, 0.3f);
+  material.metallic = 0.5f;
+  s = seen(with_material(material), {0, 0, -1});
+  EXPECT_NEAR(s.specular_edge, 0.65f, 1e-6f);
+  EXPECT_EQ(s.coat_edge, 0.3f);
+}
+
 TEST(Surface, MetalsReflectTheirColor) {
   Material metal;
   metal.base_color = {0.9f, 0.6f, 0.3f, 1};

@@ -99,6 +99,8 @@ Fragments all_kinds_of_surfaces(std::size_t count, Vec3 light) {
     const float metal = random.unit();
     s.specular = random.below(3) == 0 ? Vec3{0, 0, 0} : Vec3{metal, 0.5f * metal, 0.04f};
     s.coat = random.below(3) == 0 ? s.specular : Vec3{0.04f, 0.04f, 0.04f};
+    s.specular_edge = random.unit();
+    s.coat_edge = random.unit();
     s.roughness = random.unit();
   }
   return fragments;
