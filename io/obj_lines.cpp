@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 
 #include "io/gltf_rules.h"
 #include "io/refuse.h"
@@ -23,17 +24,6 @@ std::size_t skip_digits(std::string_view text, std::size_t i) {
 }
 std::size_t skip_sign(std::string_view text, std::size_t i) {
   return i < text.size() && (text[i] == '+' || text[i] == '-') ? i + 1 : i;
-}
-
-/// Takes the first word off `text`.
-std::string_view take_word(std::string_view& text) {
-  std::size_t begin = 0;
-  while (begin < text.size() && is_blank(text[begin])) ++begin;
-  std::size_t end = begin;
-  while (end < text.size() && !is_blank(text[end])) ++end;
-  const std::string_view word = text.substr(begin, end - begin);
-  text.remove_prefix(end);
-  return word;
 }
 
 /// By hand: `find_first_of` calls a function for every letter.
@@ -64,16 +54,9 @@ Reference check_reference(std::string_view word) {
   return Reference::kMalformed;
 }
 
-/// Of a number, from 0 to 1; what is beyond a double is as its exponent says.
+/// From 0 to 1.
 float value_of(std::string_view number) {
-  if (number.starts_with('+')) number.remove_prefix(1);
-  double value = 0;
-  const auto end = std::from_chars(number.data(), number.data() + number.size(), value);
-  if (end.ec == std::errc::result_out_of_range) {
-    const bool tiny = number.find("e-") != number.npos || number.find("E-") != number.npos;
-    return tiny || number.starts_with('-') ? 0 : 1;
-  }
-  return static_cast<float>(std::clamp(value, 0.0, 1.0));
+  return static_cast<float>(std::clamp(number_of(number), 0.0, 1.0));
 }
 
 std::string quoted(std::string_view word) {
@@ -87,6 +70,24 @@ std::string_view text_of(std::span<const std::uint8_t> file) {
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
     refuse("the text is UTF-16; UTF-8 is read", {}, ErrorCode::kUnsupported);
   return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
+}
+
+std::string_view take_word(std::string_view& text) {
+  std::size_t begin = 0;
+  while (begin < text.size() && is_blank(text[begin])) ++begin;
+  std::size_t end = begin;
+  while (end < text.size() && !is_blank(text[end])) ++end;
+  const std::string_view word = text.substr(begin, end - begin);
+  text.remove_prefix(end);
+  return word;
+}
+
+std::string_view take_line(std::string_view& text) {
+  const std::size_t end = line_size(text);
+  const std::string_view line = text.substr(0, end);
+  const bool pair = text.substr(end, 2) == "\r\n";
+  text.remove_prefix(std::min(end + (pair ? 2 : 1), text.size()));
+  return line;
 }
 
 std::vector<std::string_view> words_of(std::string_view text) {
@@ -121,6 +122,15 @@ bool is_number(std::string_view text) {
   return i == text.size();
 }
 
+double number_of(std::string_view number) {
+  if (number.starts_with('+')) number.remove_prefix(1);
+  double value = 0;
+  const auto end = std::from_chars(number.data(), number.data() + number.size(), value);
+  if (end.ec != std::errc::result_out_of_range) return value;
+  if (number.find("e-") != number.npos || number.find("E-") != number.npos) return 0;
+  return number.starts_with('-') ? -HUGE_VAL : HUGE_VAL;
+}
+
 ObjLines::int_type ObjLines::underflow() {
   if (!next_line()) return traits_type::eof();
   check_line();
@@ -134,10 +144,7 @@ bool ObjLines::next_line() {
   current_.clear();
   line_ = next_line_;
   for (bool more = true; more && !text_.empty();) {
-    const std::size_t end = line_size(text_);
-    std::string_view part = text_.substr(0, end);
-    const bool pair = text_.substr(end, 2) == "\r\n";
-    text_.remove_prefix(std::min(end + (pair ? 2 : 1), text_.size()));
+    std::string_view part = take_line(text_);
     ++next_line_;
     more = part.ends_with('\\');
     if (more) part.remove_suffix(1);

@@ -49,10 +49,16 @@ class ObjLines : public std::streambuf {
 
 /// A file's text, without the mark that may begin UTF-8. Throws `Error` (kUnsupported) for UTF-16.
 [[nodiscard]] std::string_view text_of(std::span<const std::uint8_t> file);
+/// Takes the first line off `text`, which is not empty, with its end: "\n", "\r" or "\r\n".
+[[nodiscard]] std::string_view take_line(std::string_view& text);
+/// Takes the first word off a line.
+std::string_view take_word(std::string_view& text);
 /// The words of a line.
 [[nodiscard]] std::vector<std::string_view> words_of(std::string_view text);
 [[nodiscard]] std::string_view trim(std::string_view text);
 /// Whether the text is one decimal number ("-1.5e3", ".5", "2.").
 [[nodiscard]] bool is_number(std::string_view text);
+/// Of such a text; what is beyond a double is 0 or infinite, as its exponent says.
+[[nodiscard]] double number_of(std::string_view number);
 
 }  // namespace raysheaf::io

@@ -7,6 +7,7 @@
 
 #include "io/gltf_rules.h"
 #include "io/image.h"
+#include "io/mtl_lines.h"
 #include "io/obj.h"
 #include "io/obj_lines.h"
 #include "raysheaf/error.h"
@@ -190,7 +191,8 @@ void MtlLibrary::read(const std::string& name) {
                      "\" is left out: " + error.sentence() + ".");
   }
   std::replace(text.begin(), text.end(), '\0', ' ');
-  std::istringstream stream(std::move(text));
+  std::istringstream stream(
+      plain_mtl(text, [&](const std::string& sentence) { warn_once(sentence); }));
   std::map<std::string, int> by_name;
   std::vector<tinyobj::material_t> materials;
   std::string warning, error;

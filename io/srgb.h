@@ -1,13 +1,23 @@
-// sRGB's transfer curve.
+// sRGB's transfer curve and primaries (IEC 61966-2-1).
 #pragma once
 
 #include <cmath>
 
+#include "io/linear.h"
+
 namespace raysheaf::io {
 
-/// From 0 to 1 both (IEC 61966-2-1).
+/// From 0 to 1 both.
 inline double linear_of_srgb(double x) {
   return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+}
+
+/// Linear, of CIE 1931 XYZ in which (0.95047, 1, 1.08883) is white; below 0 where no display shows
+/// it.
+inline Double3 rgb_of_xyz(Double3 xyz) {
+  return {dot({3.2404542, -1.5371385, -0.4985314}, xyz),
+          dot({-0.9692660, 1.8760108, 0.0415560}, xyz),
+          dot({0.0556434, -0.2040259, 1.0572252}, xyz)};
 }
 
 }  // namespace raysheaf::io

@@ -1,0 +1,16 @@
+// MTL text as the parser takes it: what it would read wrongly without a word is written so that it
+// reads it rightly.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace raysheaf::io {
+
+/// The same materials, a line each. Colours have three linear parts: those left out are as the
+/// first, CIE XYZ is converted. `warn` is called with a sentence for what is left out.
+[[nodiscard]] std::string plain_mtl(std::string_view text,
+                                    const std::function<void(const std::string&)>& warn);
+
+}  // namespace raysheaf::io
