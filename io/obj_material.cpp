@@ -1,4 +1,4 @@
-// The translation unit of tinyobjloader's MTL parser: Phong's numbers into metallic-roughness.
+// The translation unit of tinyobjloader's MTL parser.
 #include <tiny_obj_loader.h>
 
 #include <algorithm>
@@ -8,70 +8,13 @@
 #include "io/gltf_rules.h"
 #include "io/image.h"
 #include "io/mtl_lines.h"
+#include "io/mtl_phong.h"
 #include "io/obj.h"
 #include "io/obj_lines.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
 namespace {
-
-float fraction(float x) {
-  return x > 0 ? std::min(x, 1.0f) : 0;
-}
-float positive(float x) {
-  return x > 0 && std::isfinite(x) ? x : 0;
-}
-Vec3 color(const float* c) {
-  return {positive(c[0]), positive(c[1]), positive(c[2])};
-}
-float largest(Vec3 c) {
-  return std::max({c.x, c.y, c.z});
-}
-
-/// A mirror: said by the illumination model, or by a highlight too sharp for anything else.
-bool is_mirror(const tinyobj::material_t& m) {
-  const float kd = largest(color(m.diffuse)), ks = largest(color(m.specular));
-  if (!m.diffuse_texname.empty() || ks < 0.5f) return false;
-  return ((m.illum == 3 || m.illum == 5) && ks > kd) || (m.shininess >= 500 && ks > 2 * kd);
-}
-
-bool is_glass(const tinyobj::material_t& m) {
-  const bool said = m.illum == 4 || m.illum == 6 || m.illum == 7 || m.illum == 9;
-  return said || (m.dissolve < 1 && m.ior > 1 && m.alpha_texname.empty());
-}
-
-void make_glass(const tinyobj::material_t& m, Material& material) {
-  const Vec3 filter = color(m.transmittance);
-  const Vec3 tint = largest(filter) > 0 ? filter : Vec3{1, 1, 1};
-  const bool said = m.illum == 4 || m.illum == 6 || m.illum == 7 || m.illum == 9;
-  material.base_color = {fraction(tint.x), fraction(tint.y), fraction(tint.z), 1};
-  material.transmission = said ? 1 : 1 - fraction(m.dissolve);
-  material.ior = m.ior > 1 && std::isfinite(m.ior) ? m.ior : 1.5f;
-  material.roughness = 0;
-}
-
-void make_mirror(const tinyobj::material_t& m, Material& material) {
-  const Vec3 ks = color(m.specular);
-  material.base_color = {ks.x, ks.y, ks.z, 1};
-  material.metallic = 1;
-  material.roughness = 0;
-}
-
-void make_glossy(const tinyobj::material_t& m, Material& material) {
-  const Vec3 kd = color(m.diffuse), ks = color(m.specular);
-  const bool black_map = largest(kd) == 0 && !m.diffuse_texname.empty();
-  material.base_color = black_map ? Vec4{1, 1, 1, 1} : Vec4{kd.x, kd.y, kd.z, 1};
-  material.base_color.w = fraction(m.dissolve);
-  // Walter et al., Microfacet Models for Refraction (2007): Blinn's exponent as Beckmann's width.
-  material.roughness = std::sqrt(2 / (positive(m.shininess) + 2));
-  const float strength = largest(ks);
-  material.specular = fraction(strength);
-  if (strength > 0) {
-    material.specular_color = {ks.x / strength, ks.y / strength, ks.z / strength};
-  }
-  if (m.metallic > 0) material.metallic = fraction(m.metallic);
-  if (m.roughness > 0) material.roughness = fraction(m.roughness);
-}
 
 /// OBJ scales and moves v upwards from the bottom row; here it points down from the top.
 TextureSlot slot_of(std::uint32_t texture, const tinyobj::texture_option_t& option) {
@@ -90,34 +33,28 @@ class MtlConverter {
   explicit MtlConverter(MtlLibrary& library) : library_(library) {}
 
   Material convert(const tinyobj::material_t& m, const std::string& place) {
-    Material material;
-    material.name = m.name;
-    material.double_sided = true;
-    if (is_glass(m))
-      make_glass(m, material);
-    else if (is_mirror(m))
-      make_mirror(m, material);
-    else
-      make_glossy(m, material);
-    material.emission = color(m.emission);
-    if (!m.diffuse_texname.empty() && material.transmission == 0) {
+    Material material = material_of(m);
+    const MtlLook look = look_of(m);
+    const bool clear = look == MtlLook::kGlass;
+    if (!clear && !m.diffuse_texname.empty())
       material.base_color_texture = slot(m.diffuse_texname, m.diffuse_texopt, place);
-    }
     if (!m.emissive_texname.empty()) {
       material.emission_texture = slot(m.emissive_texname, m.emissive_texopt, place);
-      if (largest(material.emission) == 0 && material.emission_texture.texture != kInvalidId) {
+      if (largest_part(material.emission) == 0 && material.emission_texture.texture != kInvalidId) {
         material.emission = {1, 1, 1};
       }
     }
     if (!m.normal_texname.empty())
       material.normal_texture = slot(m.normal_texname, m.normal_texopt, place);
-    if (!m.alpha_texname.empty() && material.transmission == 0) {
+    if (!clear && !m.alpha_texname.empty()) {
       material.base_color.w = 1;
       material.alpha_cutoff = 0.5f;
       library_.masks_.push_back({static_cast<std::uint32_t>(library_.scene_.materials.size()),
                                  slot(m.alpha_texname, m.alpha_texopt, place)});
     }
-    if (material.transmission == 0 && m.alpha_texname.empty()) blend(m, material);
+    const bool refracts = clear || look == MtlLook::kTinted;
+    if (!refracts && m.alpha_texname.empty()) blend(m, material);
+    warn_of_glass(m, look);
     warn_of_other_maps(m);
     return material;
   }
@@ -139,6 +76,13 @@ class MtlConverter {
   TextureSlot slot(const std::string& name, const tinyobj::texture_option_t& option,
                    const std::string& place) {
     return slot_of(library_.texture(name, option.clamp, place), option);
+  }
+  void warn_of_glass(const tinyobj::material_t& m, MtlLook look) {
+    if (look == MtlLook::kGlass && !(m.diffuse_texname.empty() && m.alpha_texname.empty()))
+      library_.warn_once("What is clear glass has no texture: its map_Kd and map_d are left out.");
+    if (look == MtlLook::kTinted && largest_part(mtl_color(m.specular)) > 0)
+      library_.warn_once(
+          "What d below 1 and Ni make glass reflects as Ni says: its Ks and Ns are left out.");
   }
   void warn_of_other_maps(const tinyobj::material_t& m) {
     const std::pair<const std::string*, const char*> kMaps[] = {

@@ -67,6 +67,46 @@ TEST_F(Mtl, LeavesOutSpectralCurves) {
   material("Kd 1 1 1\nKa spectral file.rfl\n", 0);
 }
 
+/// What goes through and what is diffuse are as d says, whatever the body's colour.
+TEST_F(Mtl, KeepsTheColourOfThinPlastic) {
+  struct Body {
+    Vec3 kd, tint;
+  };
+  for (const Body& body :
+       {Body{{0.8f, 0, 0}, {1, 0, 0}}, Body{{0.2f, 0.4f, 0.1f}, {0.5f, 1, 0.25f}},
+        Body{{1, 1, 1}, {1, 1, 1}}, Body{{0, 0, 0}, {1, 1, 1}}}) {
+    for (const float d : {0.0f, 0.25f, 0.9f}) {
+      const std::string lines = "Kd " + std::to_string(body.kd.x) + " " +
+                                std::to_string(body.kd.y) + " " + std::to_string(body.kd.z) +
+                                "\nd " + std::to_string(d) + "\nNi 1.45\nillum 2\nTf 1 1 1\n";
+      const Material m = material(lines);
+      const Vec3 base = base_of(m);
+      const auto part_of = [&](float part) {
+        return Vec3{base.x * part, base.y * part, base.z * part};
+      };
+      expect_color(part_of(m.transmission),
+                   {(1 - d) * body.tint.x, (1 - d) * body.tint.y, (1 - d) * body.tint.z}, lines);
+      expect_color(part_of(1 - m.transmission), {d * body.kd.x, d * body.kd.y, d * body.kd.z},
+                   lines);
+      EXPECT_EQ(m.ior, 1.45f);
+      EXPECT_EQ(m.base_color.w, 1);
+    }
+  }
+}
+
+TEST_F(Mtl, KeepsTheTextureOfThinPlasticAndNotOfClearGlass) {
+  write_png({"", 1, 1, {10, 20, 30, 255}}, path("t.png"));
+  const Material plastic = material("Kd 1\nmap_Kd t.png\nd .5\nNi 1.45\nillum 2\n");
+  EXPECT_NE(plastic.base_color_texture.texture, kInvalidId);
+  EXPECT_EQ(plastic.transmission, 0.5f);
+  for (const char* clear : {"illum 7\n", "d .5\nNi 1.5\nTf .5 1 1\n"}) {
+    const Material glass = material(std::string("Kd 1 0 0\nKs 1 1 1\nmap_Kd t.png\n") + clear, 1);
+    EXPECT_EQ(glass.base_color_texture.texture, kInvalidId);
+    EXPECT_EQ(glass.base_color.z, 1);
+  }
+  EXPECT_TRUE(warns(load("newmtl a\nKd 1 0 0\nKs .5 .5 .5\nd .5\nNi 1.5\n"), "Ks"));
+}
+
 TEST_F(Mtl, ReadsHalosAsEven) {
   const SceneDescription scene = load("newmtl a\nKd 1 0 0\nd -halo .3\nnewmtl b\nd -halo .3\n");
   EXPECT_EQ(scene.materials[0].base_color.w, 0.3f);

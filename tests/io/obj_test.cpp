@@ -282,8 +282,9 @@ TEST_F(Obj, CutsByMasks) {
             scene.materials[1].base_color_texture.texture);
   EXPECT_EQ(cutoffs(4), 0);
   EXPECT_EQ(cutoffs(5), 0);
-  EXPECT_EQ(scene.warnings.size(), 1u);
+  EXPECT_EQ(scene.warnings.size(), 2u);
   EXPECT_TRUE(warns(scene, "gone.png"));
+  EXPECT_TRUE(warns(scene, "glass"));
 }
 TEST_F(Obj, StandsInForWhatIsMissing) {
   const SceneDescription scene = load("mtllib gone.mtl\n" + kSquare +

@@ -1,0 +1,130 @@
+#include "io/mtl_phong.h"
+
+#include <tiny_obj_loader.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace raysheaf::io {
+namespace {
+
+float fraction(float x) {
+  return x > 0 ? std::min(x, 1.0f) : 0;
+}
+float positive(float x) {
+  return x > 0 && std::isfinite(x) ? x : 0;
+}
+void set_base(Vec3 rgb, Material& material) {
+  material.base_color = {rgb.x, rgb.y, rgb.z, 1};
+}
+
+/// A mirror: said by the illumination model, or by a highlight too sharp for anything else.
+bool is_mirror(const tinyobj::material_t& m) {
+  const float kd = largest_part(mtl_color(m.diffuse)), ks = largest_part(mtl_color(m.specular));
+  if (!m.diffuse_texname.empty() || ks < 0.5f) return false;
+  return ((m.illum == 3 || m.illum == 5) && ks > kd) || (m.shininess >= 500 && ks > 2 * kd);
+}
+
+/// What the illumination model calls so.
+bool is_called_glass(const tinyobj::material_t& m) {
+  return m.illum == 4 || m.illum == 6 || m.illum == 7 || m.illum == 9;
+}
+
+/// Programs that know no filters write white.
+bool has_filter(const tinyobj::material_t& m) {
+  const Vec3 filter = mtl_color(m.transmittance);
+  return largest_part(filter) > 0 && !(filter.x == 1 && filter.y == 1 && filter.z == 1);
+}
+
+/// Of the body; a black factor would hide its texture.
+Vec3 body_color(const tinyobj::material_t& m) {
+  const Vec3 kd = mtl_color(m.diffuse);
+  return largest_part(kd) == 0 && !m.diffuse_texname.empty() ? Vec3{1, 1, 1} : kd;
+}
+
+float ior_of(const tinyobj::material_t& m) {
+  return m.ior > 1 && std::isfinite(m.ior) ? m.ior : 1.5f;
+}
+
+void make_glass(const tinyobj::material_t& m, Material& material) {
+  const Vec3 filter = mtl_color(m.transmittance);
+  const Vec3 tint = largest_part(filter) > 0 ? filter : Vec3{1, 1, 1};
+  set_base({fraction(tint.x), fraction(tint.y), fraction(tint.z)}, material);
+  material.transmission = is_called_glass(m) ? 1 : 1 - fraction(m.dissolve);
+  material.ior = ior_of(m);
+  material.roughness = 0;
+}
+
+/// Of what is not reflected, the part d meets a body of colour Kd and the part 1 - d goes through,
+/// tinted by Kd over its largest part k: so a dark body does not make a thin pane dark. One base
+/// colour b and the transmission t have to say both: b (1 - t) = d Kd and b t = (1 - d) Kd / k.
+void make_tinted(const tinyobj::material_t& m, Material& material) {
+  const Vec3 kd = body_color(m);
+  const float k = largest_part(kd), d = fraction(m.dissolve), whole = 1 - d + d * k;
+  const Vec3 tint = k > 0 ? Vec3{kd.x / k, kd.y / k, kd.z / k} : Vec3{1, 1, 1};
+  set_base({tint.x * whole, tint.y * whole, tint.z * whole}, material);
+  material.transmission = (1 - d) / whole;
+  material.ior = ior_of(m);
+  material.roughness = 0;
+}
+
+void make_mirror(const tinyobj::material_t& m, Material& material) {
+  set_base(mtl_color(m.specular), material);
+  material.metallic = 1;
+  material.roughness = 0;
+}
+
+void make_glossy(const tinyobj::material_t& m, Material& material) {
+  const Vec3 ks = mtl_color(m.specular);
+  set_base(body_color(m), material);
+  material.base_color.w = fraction(m.dissolve);
+  // Walter et al., Microfacet Models for Refraction (2007): Blinn's exponent as Beckmann's width.
+  material.roughness = std::sqrt(2 / (positive(m.shininess) + 2));
+  const float strength = largest_part(ks);
+  material.specular = fraction(strength);
+  if (strength > 0) {
+    material.specular_color = {ks.x / strength, ks.y / strength, ks.z / strength};
+  }
+  if (m.metallic > 0) material.metallic = fraction(m.metallic);
+  if (m.roughness > 0) material.roughness = fraction(m.roughness);
+}
+
+}  // namespace
+
+Vec3 mtl_color(const float* rgb) {
+  return {positive(rgb[0]), positive(rgb[1]), positive(rgb[2])};
+}
+float largest_part(Vec3 color) {
+  return std::max({color.x, color.y, color.z});
+}
+
+MtlLook look_of(const tinyobj::material_t& m) {
+  if (is_called_glass(m)) return MtlLook::kGlass;
+  if (m.dissolve < 1 && m.ior > 1 && m.alpha_texname.empty())
+    return has_filter(m) ? MtlLook::kGlass : MtlLook::kTinted;
+  return is_mirror(m) ? MtlLook::kMirror : MtlLook::kGlossy;
+}
+
+Material material_of(const tinyobj::material_t& m) {
+  Material material;
+  material.name = m.name;
+  material.double_sided = true;
+  material.emission = mtl_color(m.emission);
+  switch (look_of(m)) {
+    case MtlLook::kGlass:
+      make_glass(m, material);
+      break;
+    case MtlLook::kTinted:
+      make_tinted(m, material);
+      break;
+    case MtlLook::kMirror:
+      make_mirror(m, material);
+      break;
+    case MtlLook::kGlossy:
+      make_glossy(m, material);
+      break;
+  }
+  return material;
+}
+
+}  // namespace raysheaf::io
