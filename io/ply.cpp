@@ -24,17 +24,21 @@ std::string stem_of(const std::string& path) {
   return std::filesystem::path(path).stem().string();
 }
 
-/// A colour's part; integers are codes of sRGB.
-float channel(double x, bool integer) {
-  static const std::vector<float> kOfCodes = [] {
-    std::vector<float> linear;
-    for (int code = 0; code < 256; ++code)
-      linear.push_back(static_cast<float>(linear_of_srgb(code / 255.0)));
-    return linear;
-  }();
-  if (!std::isfinite(x)) return 0;
-  if (!integer) return static_cast<float>(std::clamp(x, 0.0, 1.0));
-  return kOfCodes[static_cast<std::size_t>(std::clamp(x, 0.0, 255.0))];
+/// The largest code of a colour of this type. Bytes and words are used whole; programs that write
+/// wider ones, or bytes with a sign, mean bytes.
+std::size_t largest_code(PlyType type) {
+  if (type == PlyType::kUint16) return 65535;
+  return type == PlyType::kInt16 ? 32767 : 255;
+}
+
+/// What each code of sRGB is, of those up to `largest`.
+std::vector<float> linear_of_codes(std::size_t largest) {
+  std::vector<float> linear;
+  for (std::size_t code = 0; code <= largest; ++code) {
+    const double part = static_cast<double>(code) / static_cast<double>(largest);
+    linear.push_back(static_cast<float>(linear_of_srgb(part)));
+  }
+  return linear;
 }
 
 /// Fills a mesh, `Mesh` or `OuterMesh`, and the rest of its scene.
@@ -96,10 +100,11 @@ class PlyReader {
   void read_vertices(const PlyElement& element) {
     std::vector<int> roles;
     std::array<bool, kRoles> has{};
+    PlyType color_type = PlyType::kFloat32;
     for (const PlyProperty& property : element.properties) {
       roles.push_back(role_of(property));
       if (roles.back() >= 0) has[static_cast<std::size_t>(roles.back())] = true;
-      if (roles.back() == kRed) integer_colors_ = property.type < PlyType::kFloat32;
+      if (roles.back() == kRed) color_type = property.type;
     }
     if (!has[kX] || !has[kY] || !has[kZ]) {
       throw Error(ErrorCode::kInvalidData, "has no x, y and z", "element vertex");
@@ -109,6 +114,8 @@ class PlyReader {
     }
     has_normals_ = has[kNormalX] && has[kNormalY] && has[kNormalZ];
     has_colors_ = has[kRed] && has[kGreen] && has[kBlue];
+    if (has_colors_ && color_type < PlyType::kFloat32)
+      linear_of_code_ = linear_of_codes(largest_code(color_type));
     if constexpr (kHeld) mesh_.positions.reserve(element.count);
     std::array<double, kRoles> values{};
     for (std::uint64_t i = 0; i < element.count; ++i) {
@@ -135,10 +142,17 @@ class PlyReader {
     if (has_colors_) add_color({values[kRed], values[kGreen], values[kBlue]}, index);
   }
 
+  /// A colour's part; integers are codes of sRGB.
+  [[nodiscard]] float channel(double x) const {
+    if (!std::isfinite(x)) return 0;
+    if (linear_of_code_.empty()) return static_cast<float>(std::clamp(x, 0.0, 1.0));
+    const auto largest = static_cast<double>(linear_of_code_.size() - 1);
+    return linear_of_code_[static_cast<std::size_t>(std::clamp(x, 0.0, largest))];
+  }
+
   /// One for all becomes the material's, so that they are kept from the first that differs on.
   void add_color(Double3 raw, std::uint64_t index) {
-    const Vec3 color{channel(raw.x, integer_colors_), channel(raw.y, integer_colors_),
-                     channel(raw.z, integer_colors_)};
+    const Vec3 color{channel(raw.x), channel(raw.y), channel(raw.z)};
     if (index == 0) color_ = color;
     const bool same = color.x == color_.x && color.y == color_.y && color.z == color_.z;
     if (mesh_.colors.empty() && same) return;
@@ -247,9 +261,10 @@ class PlyReader {
   SceneDescription& scene_;
   std::uint64_t most_corners_ = 0;
   std::vector<bool> has_normal_;
-  bool has_normals_ = false, all_normals_ = true, has_colors_ = false, integer_colors_ = false;
+  bool has_normals_ = false, all_normals_ = true, has_colors_ = false;
   bool short_faces_ = false;
-  Vec3 color_;  ///< the first vertex's
+  std::vector<float> linear_of_code_;  ///< empty where colours are floats
+  Vec3 color_;                         ///< the first vertex's
   std::vector<std::uint32_t> corners_;
   std::vector<Vec3> points_;
 };

@@ -100,6 +100,27 @@ TEST_F(Ply, TakesTheColourThatAllVerticesHave) {
   EXPECT_TRUE(other.warnings.empty());
 }
 
+TEST_F(Ply, ReadsColoursOfEveryWidth) {
+  struct Width {
+    const char *type, *color;
+  };
+  for (const Width& width :
+       {Width{"uchar", "255 0 128"}, Width{"ushort", "65535 0 32896"}, Width{"int", "255 0 128"},
+        Width{"uint16", "99999 -1 32896"}, Width{"float", "1 0 0.2158605"}}) {
+    std::string text =
+        kAscii + "element vertex 3\nproperty float x\nproperty float y\n" + "property float z\n";
+    for (const char* name : {"red", "green", "blue"})
+      text += std::string("property ") + width.type + " " + name + "\n";
+    text += "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    for (const char* position : {"0 0 0 ", "1 0 0 ", "0 1 0 "})
+      text += std::string(position) + width.color + "\n";
+    const Vec4 color = load(text + "3 0 1 2\n").materials[0].base_color;
+    EXPECT_EQ(color.x, 1) << width.type;
+    EXPECT_EQ(color.y, 0) << width.type;
+    EXPECT_NEAR(color.z, 0.2158605f, 1e-6) << width.type;
+  }
+}
+
 TEST_F(Ply, NamesTheElementThatIsWrong) {
   expect(kAscii + kPlySquare + "4 0 1 2 4\n", {"face[0].vertex_indices[3]", "4 vertices"});
   expect(kAscii + kPlySquare + "3 0 1 -1\n", {"face[0].vertex_indices[2]"});
