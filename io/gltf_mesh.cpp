@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
 
 #include "io/gltf.h"
 #include "io/gltf_shape.h"
@@ -112,6 +113,15 @@ class MeshReader {
     const std::uint32_t base = vertices(attributes, source, count, uv_name);
     add_triangles(mode, indices, corners, base, any_normals_ && attributes[1] < 0);
     add_materials(static_cast<std::uint32_t>(material), triangle_count_of(mode, corners));
+    if (thin_colors_.count(attributes[3]) > 0 && looks_at_alpha(material))
+      warnings_.once("The alpha of COLOR_0 is left out: such surfaces are as their material says.");
+  }
+
+  bool looks_at_alpha(int material) const {
+    if (material < 0) return false;
+    const JsonValue& source = model_.list("materials")[static_cast<std::size_t>(material)];
+    const auto mode = source.get("alphaMode", std::string());
+    return mode == "MASK" || mode == "BLEND";
   }
 
   bool is_drawn(const JsonValue& primitive) {
@@ -241,10 +251,13 @@ class MeshReader {
     const auto part = [](float x) { return std::clamp(x, 0.0f, 1.0f); };
     if (accessor >= 0) {
       mesh_.colors.resize(mesh_.positions.size() - count, kWhite);
-      const int width = accessors_.components(accessor) == 4 ? 4 : 3;  // alpha is not looked at
+      bool thin = false;
+      const int width = accessors_.components(accessor) == 4 ? 4 : 3;
       accessors_.each_vertex(accessor, width, count, place, [&](const float* p) {
         mesh_.colors.push_back({part(p[0]), part(p[1]), part(p[2])});
+        thin = thin || (width == 4 && p[3] < 1);
       });
+      if (thin) thin_colors_.insert(accessor);
     } else if (!mesh_.colors.empty()) {
       mesh_.colors.resize(mesh_.positions.size(), kWhite);
     }
@@ -288,6 +301,7 @@ class MeshReader {
   std::string place_;
   bool any_normals_ = false, misses_normals_ = false, one_material_ = true;
   std::vector<bool> has_normal_;
+  std::set<int> thin_colors_;  ///< accessors with alpha below 1
   std::map<Attributes, std::uint32_t> first_vertex_;
 };
 

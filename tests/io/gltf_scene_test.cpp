@@ -237,6 +237,27 @@ TEST_F(GltfScene, WarnsOncePerKindOfWhatIsLeftOut) {
   EXPECT_EQ(scene.materials[0].alpha_cutoff, 0);
 }
 
+TEST_F(GltfScene, SaysThatTheAlphaOfColoursIsLeftOut) {
+  for (const char* mode : {"OPAQUE", "MASK", "BLEND"}) {
+    for (const std::uint8_t alpha : {std::uint8_t{254}, std::uint8_t{255}}) {
+      GltfFile file;
+      const std::vector<std::uint8_t> colors = {9, 9, 9, 255, 9, 9, 9, alpha, 9, 9, 9, 255};
+      const json attributes = {{"POSITION", file.positions({0, 0, 0, 1, 0, 0, 0, 1, 0})},
+                               {"COLOR_0", file.accessor(colors, "VEC4", 5121, 4, true)}};
+      file.add("materials", json::object());
+      file.add("materials", {{"alphaMode", mode}});
+      // The second one shares the vertices of the first.
+      file.add("meshes", {{"primitives",
+                           {{{"attributes", attributes}, {"material", 0}},
+                            {{"attributes", attributes}, {"material", 1}}}}});
+      file.node({{"mesh", 0}});
+      const SceneDescription scene = load_scene(write("a.gltf", file.text()));
+      const bool is_lost = alpha < 255 && std::string(mode) != "OPAQUE";
+      EXPECT_EQ(warns(scene, "alpha of COLOR_0"), is_lost) << mode << int{alpha};
+    }
+  }
+}
+
 TEST_F(GltfScene, SurvivesADeepChainOfNodes) {
   GltfFile file;
   file.show_triangle();
