@@ -15,6 +15,34 @@ bool is_color(std::string_view keyword) {
   return std::find(std::begin(kColors), std::end(kColors), keyword) != std::end(kColors);
 }
 
+bool is_map(std::string_view keyword) {
+  constexpr std::string_view kOthers[] = {"bump", "disp", "decal", "refl", "norm"};
+  return keyword.starts_with("map_") ||
+         std::find(std::begin(kOthers), std::end(kOthers), keyword) != std::end(kOthers);
+}
+
+/// An option of a map, with numbers of which the last may be left out.
+struct MapOption {
+  std::string_view name;
+  std::size_t count;
+  std::string_view fallback;
+};
+const MapOption* numbers_of(std::string_view option) {
+  static constexpr MapOption kOptions[] = {
+      {"-o", 3, "0"}, {"-s", 3, "1"}, {"-t", 3, "0"}, {"-mm", 2, "1"}};
+  const auto* const found =
+      std::find_if(std::begin(kOptions), std::end(kOptions),
+                   [&](const MapOption& known) { return known.name == option; });
+  return found == std::end(kOptions) ? nullptr : found;
+}
+/// Whether a word follows it.
+bool has_word(std::string_view option) {
+  constexpr std::string_view kOptions[] = {"-blendu", "-blendv", "-bm",         "-boost",
+                                           "-cc",     "-clamp",  "-colorspace", "-imfchan",
+                                           "-texres", "-type"};
+  return std::find(std::begin(kOptions), std::end(kOptions), option) != std::end(kOptions);
+}
+
 class MtlRewriter {
  public:
   explicit MtlRewriter(const std::function<void(const std::string&)>& warn) : warn_(warn) {}
@@ -32,6 +60,8 @@ class MtlRewriter {
       add_color(keyword, words_of(rest), line);
     else if (keyword == "d")
       add_dissolve(words_of(rest), line);
+    else if (is_map(keyword))
+      add_map(keyword, rest);
     else
       add_line(line);
   }
@@ -69,6 +99,34 @@ class MtlRewriter {
     if (words.size() < 2 || words[0] != "-halo") return add_line(line);
     warn_("Halos (d -halo) are left out: such materials are as thin from every side.");
     add_words({"d", words[1]});
+  }
+
+  /// Options and a name that may have blanks. Correction of colours (-cc) is for a display, and
+  /// the parser would take it for a part of the name.
+  void add_map(std::string_view keyword, std::string_view rest) {
+    (result_ += keyword) += ' ';
+    for (std::string_view after = rest; !after.empty(); rest = after) {
+      const std::string_view option = take_word(after);
+      if (const MapOption* numbers = numbers_of(option)) {
+        add_option(*numbers, &after);
+      } else if (has_word(option)) {
+        const std::string_view word = take_word(after);
+        if (option != "-cc") result_ += std::string(option) + " " + std::string(word) + " ";
+      } else {
+        break;
+      }
+    }
+    add_line(trim(rest));
+  }
+  void add_option(const MapOption& option, std::string_view* rest) {
+    (result_ += option.name) += ' ';
+    for (std::size_t i = 0; i < option.count; ++i) {
+      std::string_view after = *rest;
+      const std::string_view word = take_word(after);
+      const bool is_said = is_number(word);
+      if (is_said) *rest = after;
+      (result_ += is_said ? word : option.fallback) += ' ';
+    }
   }
 
   const std::function<void(const std::string&)>& warn_;

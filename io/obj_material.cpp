@@ -75,6 +75,10 @@ class MtlConverter {
   }
   TextureSlot slot(const std::string& name, const tinyobj::texture_option_t& option,
                    const std::string& place) {
+    if (option.brightness != 0 || option.contrast != 1)
+      library_.warn_once("The option -mm of maps is left out.");
+    if (std::any_of(option.turbulence, option.turbulence + 3, [](float t) { return t != 0; }))
+      library_.warn_once("The option -t of maps is left out.");
     return slot_of(library_.texture(name, option.clamp, place), option);
   }
   void warn_of_glass(const tinyobj::material_t& m, MtlLook look) {
@@ -96,6 +100,15 @@ class MtlConverter {
     for (const auto& [name, kind] : kMaps) {
       if (!name->empty()) library_.warn_once(std::string(kind) + " maps are left out.");
     }
+    // Much is written as both; the ambient one counts for nothing then.
+    if (!m.ambient_texname.empty() && m.ambient_texname != m.diffuse_texname)
+      library_.warn_once("Ambient maps are left out.");
+    const auto holds = [&](const char* keyword) { return m.unknown_parameter.count(keyword) > 0; };
+    if (holds("decal")) library_.warn_once("Decals are left out.");
+    if (m.sheen > 0 || !m.sheen_texname.empty()) library_.warn_once("Sheen is left out.");
+    if (m.clearcoat_thickness > 0 || holds("map_Pc") || holds("map_Pcr"))
+      library_.warn_once("Clear coats are left out.");
+    if (m.anisotropy > 0) library_.warn_once("Anisotropy is left out.");
   }
 
   MtlLibrary& library_;

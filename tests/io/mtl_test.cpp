@@ -107,6 +107,52 @@ TEST_F(Mtl, KeepsTheTextureOfThinPlasticAndNotOfClearGlass) {
   EXPECT_TRUE(warns(load("newmtl a\nKd 1 0 0\nKs .5 .5 .5\nd .5\nNi 1.5\n"), "Ks"));
 }
 
+TEST_F(Mtl, FindsTheNamesOfMapsBehindTheirOptions) {
+  write_png({"", 1, 1, {10, 20, 30, 255}}, path("a map.png"));
+  struct Line {
+    const char* text;
+    Vec2 scale, offset;
+  };
+  for (const Line& line :
+       {Line{"map_Kd -cc on a map.png", {1, 1}, {0, 0}},
+        Line{"map_Kd -blendu off\t-cc off -s 2 3 a map.png  ", {2, 3}, {0, -2}},
+        Line{"\tmap_Kd\t-o .25 -clamp off -s 2 a map.png", {2, 1}, {0.25f, 0}},
+        Line{"map_Kd -o .5 -.5 0 -type sphere a map.png\r", {1, 1}, {0.5f, 0.5f}},
+        Line{"map_Kd -texres 8 -boost 2 -imfchan r a map.png", {1, 1}, {0, 0}}}) {
+    const TextureSlot slot = material(std::string("Kd 1\n") + line.text).base_color_texture;
+    EXPECT_NE(slot.texture, kInvalidId) << line.text;
+    EXPECT_EQ(slot.scale.x, line.scale.x) << line.text;
+    EXPECT_EQ(slot.scale.y, line.scale.y) << line.text;
+    EXPECT_EQ(slot.offset.x, line.offset.x) << line.text;
+    EXPECT_EQ(slot.offset.y, line.offset.y) << line.text;
+  }
+  for (const char* line : {"map_Kd -mm 0 1 a map.png", "map_Kd -t 0 0 0 a map.png"}) material(line);
+  for (const char* line :
+       {"map_Kd -mm .2 .5 a map.png", "map_Ke -mm .2 a map.png", "map_Kd -t .1 a map.png"})
+    material(line, 1);
+}
+
+TEST_F(Mtl, NamesWhatIsLeftOut) {
+  write_png({"", 1, 1, {10, 20, 30, 255}}, path("t.png"));
+  struct Line {
+    const char *text, *word;
+  };
+  for (const Line& line :
+       {Line{"map_Ka t.png", "Ambient"}, Line{"map_Ka u.png\nmap_Kd t.png", "Ambient"},
+        Line{"decal t.png", "Decals"}, Line{"decal\tt.png", "Decals"},
+        Line{"map_Ps t.png", "Sheen"}, Line{"Ps .5", "Sheen"}, Line{"Pc 1", "Clear coats"},
+        Line{"map_Pc t.png", "Clear coats"}, Line{"aniso .5", "Anisotropy"}}) {
+    const SceneDescription scene =
+        load(std::string("newmtl a\n") + line.text + "\nnewmtl b\n" + line.text);
+    EXPECT_EQ(scene.warnings.size(), 1u) << line.text;
+    EXPECT_TRUE(warns(scene, line.word)) << line.text;
+  }
+  // What programs write that have nothing to say.
+  material(
+      "Ka 1 1 1\nKd 1 1 1\nmap_Kd t.png\nmap_Ka t.png\nPs 0\nPc 0\nPcr .03\naniso 0\nanisor 0\n"
+      "illum 2\n");
+}
+
 TEST_F(Mtl, ReadsHalosAsEven) {
   const SceneDescription scene = load("newmtl a\nKd 1 0 0\nd -halo .3\nnewmtl b\nd -halo .3\n");
   EXPECT_EQ(scene.materials[0].base_color.w, 0.3f);
