@@ -62,6 +62,8 @@ class MtlRewriter {
       add_dissolve(words_of(rest), line);
     else if (is_map(keyword))
       add_map(keyword, rest);
+    else if (keyword == "newmtl")
+      add_material(line);
     else
       add_line(line);
   }
@@ -70,6 +72,12 @@ class MtlRewriter {
   void add_words(std::initializer_list<std::string_view> words) {
     for (const std::string_view word : words) (result_ += word) += ' ';
     result_ += '\n';
+  }
+
+  /// The parser's 0 for what names no model is another model.
+  void add_material(std::string_view line) {
+    add_line(line);
+    add_line("illum 2");
   }
 
   /// "r g b", "xyz x y z" or "spectral file factor"; what is left out after the first number is

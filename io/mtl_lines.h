@@ -9,7 +9,8 @@
 namespace raysheaf::io {
 
 /// The same materials, a line each. Colours have three linear parts: those left out are as the
-/// first, CIE XYZ is converted. Options of maps have all of their numbers. `warn` is called with a
+/// first, CIE XYZ is converted. Options of maps have all of their numbers. What
+/// names no model of illumination has the second. `warn` is called with a
 /// sentence for what is left out.
 [[nodiscard]] std::string plain_mtl(std::string_view text,
                                     const std::function<void(const std::string&)>& warn);

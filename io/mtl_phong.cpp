@@ -20,7 +20,7 @@ void set_base(Vec3 rgb, Material& material) {
 
 /// A mirror: said by the illumination model, or by a highlight too sharp for anything else.
 bool is_mirror(const tinyobj::material_t& m) {
-  const float kd = largest_part(mtl_color(m.diffuse)), ks = largest_part(mtl_color(m.specular));
+  const float kd = largest_part(mtl_color(m.diffuse)), ks = largest_part(mtl_specular(m));
   if (!m.diffuse_texname.empty() || ks < 0.5f) return false;
   return ((m.illum == 3 || m.illum == 5) && ks > kd) || (m.shininess >= 500 && ks > 2 * kd);
 }
@@ -34,6 +34,11 @@ bool is_called_glass(const tinyobj::material_t& m) {
 bool has_filter(const tinyobj::material_t& m) {
   const Vec3 filter = mtl_color(m.transmittance);
   return largest_part(filter) > 0 && !(filter.x == 1 && filter.y == 1 && filter.z == 1);
+}
+
+/// Unless it glows: a constant colour has no place for that besides.
+bool is_constant(const tinyobj::material_t& m) {
+  return m.illum == 0 && largest_part(mtl_color(m.emission)) == 0 && m.emissive_texname.empty();
 }
 
 /// Of the body; a black factor would hide its texture.
@@ -75,7 +80,7 @@ void make_mirror(const tinyobj::material_t& m, Material& material) {
 }
 
 void make_glossy(const tinyobj::material_t& m, Material& material) {
-  const Vec3 ks = mtl_color(m.specular);
+  const Vec3 ks = mtl_specular(m);
   set_base(body_color(m), material);
   material.base_color.w = fraction(m.dissolve);
   // Walter et al., Microfacet Models for Refraction (2007): Blinn's exponent as Beckmann's width.
@@ -94,12 +99,16 @@ void make_glossy(const tinyobj::material_t& m, Material& material) {
 Vec3 mtl_color(const float* rgb) {
   return {positive(rgb[0]), positive(rgb[1]), positive(rgb[2])};
 }
+Vec3 mtl_specular(const tinyobj::material_t& m) {
+  return m.illum == 0 || m.illum == 1 ? Vec3{} : mtl_color(m.specular);
+}
 float largest_part(Vec3 color) {
   return std::max({color.x, color.y, color.z});
 }
 
 MtlLook look_of(const tinyobj::material_t& m) {
   if (is_called_glass(m)) return MtlLook::kGlass;
+  if (is_constant(m)) return MtlLook::kConstant;
   if (m.dissolve < 1 && m.ior > 1 && m.alpha_texname.empty())
     return has_filter(m) ? MtlLook::kGlass : MtlLook::kTinted;
   return is_mirror(m) ? MtlLook::kMirror : MtlLook::kGlossy;
@@ -120,6 +129,9 @@ Material material_of(const tinyobj::material_t& m) {
     case MtlLook::kMirror:
       make_mirror(m, material);
       break;
+    case MtlLook::kConstant:
+      material.unlit = true;
+      [[fallthrough]];
     case MtlLook::kGlossy:
       make_glossy(m, material);
       break;

@@ -13,7 +13,8 @@ enum class MtlLook {
   kGlass,   ///< clear, in the colour of its filter
   kTinted,  ///< glass by d and Ni alone: it has the colour of its body
   kMirror,
-  kGlossy,  ///< everything else
+  kConstant,  ///< its colour, whatever the light
+  kGlossy,    ///< everything else
 };
 [[nodiscard]] MtlLook look_of(const tinyobj::material_t& m);
 
@@ -22,6 +23,8 @@ enum class MtlLook {
 
 /// Three parts, those taken for 0 that are below it or not finite.
 [[nodiscard]] Vec3 mtl_color(const float* rgb);
+/// Ks; black in models 0 and 1, which have no highlights.
+[[nodiscard]] Vec3 mtl_specular(const tinyobj::material_t& m);
 [[nodiscard]] float largest_part(Vec3 color);
 
 }  // namespace raysheaf::io

@@ -84,7 +84,7 @@ class MtlConverter {
   void warn_of_glass(const tinyobj::material_t& m, MtlLook look) {
     if (look == MtlLook::kGlass && !(m.diffuse_texname.empty() && m.alpha_texname.empty()))
       library_.warn_once("What is clear glass has no texture: its map_Kd and map_d are left out.");
-    if (look == MtlLook::kTinted && largest_part(mtl_color(m.specular)) > 0)
+    if (look == MtlLook::kTinted && largest_part(mtl_specular(m)) > 0)
       library_.warn_once(
           "What d below 1 and Ni make glass reflects as Ni says: its Ks and Ns are left out.");
   }

@@ -153,6 +153,26 @@ TEST_F(Mtl, NamesWhatIsLeftOut) {
       "illum 2\n");
 }
 
+TEST_F(Mtl, HasHighlightsByModel) {
+  const std::string mirror = "Kd .1 .2 .3\nKs .9 .9 .9\nNs 1000\n";
+  EXPECT_EQ(material(mirror).metallic, 1) << "no model is named";
+  EXPECT_EQ(material(mirror + "illum 2\n").metallic, 1);
+  const Material matte = material("illum 1\n" + mirror);
+  EXPECT_EQ(matte.metallic, 0);
+  EXPECT_EQ(matte.specular, 0);
+  EXPECT_FALSE(matte.unlit);
+  const Material constant = material("illum 0\n" + mirror);
+  EXPECT_TRUE(constant.unlit);
+  expect_color(base_of(constant), {0.1f, 0.2f, 0.3f}, "constant");
+  const Material thin = material("illum 0\nKd 1 0 0\nd .5\nNi 1.45\n", 1);
+  EXPECT_TRUE(thin.unlit && thin.alpha_blend);
+  EXPECT_EQ(thin.transmission, 0) << "what has no light has no Fresnel";
+  const Material lamp = material("illum 0\nKd 0 0 0\nKe 5 5 5\nKs 1 1 1\n");
+  EXPECT_FALSE(lamp.unlit);
+  EXPECT_EQ(lamp.emission.x, 5);
+  EXPECT_EQ(lamp.specular, 0);
+}
+
 TEST_F(Mtl, ReadsHalosAsEven) {
   const SceneDescription scene = load("newmtl a\nKd 1 0 0\nd -halo .3\nnewmtl b\nd -halo .3\n");
   EXPECT_EQ(scene.materials[0].base_color.w, 0.3f);
