@@ -229,10 +229,19 @@ bool Engine::any_hit_in_fan(const Executor& executor, View<const Ray> rays,
                             const EngineOptions& options, View<std::uint8_t> occluded,
                             View<float> ray_tests, Plan* plan, EngineReport* report) {
   FanCounts counts;
-  const FanOptions fan{options.facing, options.count, &fan_memory_};
-  if (!occluded_in_fan(executor, source_, rays, fan, occluded, ray_tests, &counts)) return false;
-  if (source_.count != 0)
+  const FanOptions fan{options.facing, options.count, &fan_memory_, plan->most_fan_pairs};
+  const bool done = occluded_in_fan(executor, source_, rays, fan, occluded, ray_tests, &counts);
+  if (source_.count != 0 && (done || counts.pairs > 0))
     history_.fan_pairs = static_cast<double>(counts.pairs) / static_cast<double>(source_.count);
+  if (!done) {
+    plan->reasons.clear();
+    if (counts.pairs == 0) return false;
+    fan_memory_ = {};
+    if (report != nullptr)
+      plan->reasons.push_back("rays of one origin, but triangles meet too many of their cells: " +
+                              std::to_string(counts.pairs) + " pairs and more");
+    return false;
+  }
   ++history_.queries_since_change;
   if (report == nullptr) return true;
   report->plan = std::move(plan->reasons);
@@ -245,13 +254,19 @@ bool Engine::any_hit_in_fan(const Executor& executor, View<const Ray> rays,
   return true;
 }
 
+Plan Engine::plan_after_fan(Plan fan, const RaySource& rays, bool explain) const {
+  Plan plan = plan_without_fan(history_, rays, explain);
+  plan.reasons.insert(plan.reasons.begin(), fan.reasons.begin(), fan.reasons.end());
+  return plan;
+}
+
 void Engine::any_hit(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
                      View<std::uint8_t> occluded, View<float> ray_tests, EngineReport* report) {
   if (rays.empty()) return;
   Plan plan = make_plan(history_, RaysInPlace(rays), true, report != nullptr);
   if (plan.fan) {
     if (any_hit_in_fan(executor, rays, options, occluded, ray_tests, &plan, report)) return;
-    plan = plan_without_fan(history_, RaysInPlace(rays), report != nullptr);
+    plan = plan_after_fan(std::move(plan), RaysInPlace(rays), report != nullptr);
   }
   prepare(executor, rays.size, &plan, report);
   trace_any_hits(executor, rays, plan, options, occluded, ray_tests, report);
@@ -266,7 +281,7 @@ void Engine::any_hit(const Executor& executor, const RaySource& rays, const Engi
   if (plan.fan) {
     all = take_all_rays(executor, rays, &room, report);
     if (any_hit_in_fan(executor, all, options, occluded, {}, &plan, report)) return;
-    plan = plan_without_fan(history_, rays, report != nullptr);
+    plan = plan_after_fan(std::move(plan), rays, report != nullptr);
   }
   prepare(executor, rays.size(), &plan, report);
   if (goes_in_tiles(plan) && all.empty()) {

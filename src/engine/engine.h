@@ -146,10 +146,12 @@ class Engine {
   template <class Trace>
   void trace_quartered(const Executor& executor, const RaySource& rays, EngineReport* report,
                        const Trace& trace);
-  /// False, with nothing done, where the rays do not start at one point after all.
+  /// False, with nothing answered, where the rays do not start at one point after all, or triangles
+  /// meet too many of their cells, which the plan then says.
   [[nodiscard]] bool any_hit_in_fan(const Executor& executor, View<const Ray> rays,
                                     const EngineOptions& options, View<std::uint8_t> occluded,
                                     View<float> ray_tests, Plan* plan, EngineReport* report);
+  [[nodiscard]] Plan plan_after_fan(Plan fan, const RaySource& rays, bool explain) const;
   [[nodiscard]] DualScene dual_scene(const Plan& plan, const EngineOptions& options) const;
 
   TriangleSource source_;

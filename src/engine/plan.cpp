@@ -22,6 +22,7 @@ constexpr double kTraceRayLevel = 7;  // a ray, a doubling of the triangles
 // Where all rays start at one point.
 constexpr double kFanTriangle = 18, kFanPair = 90;
 constexpr double kFanRay = 19, kFanRayApart = 42;  // neighbours run alike, or do not
+constexpr double kFewFanPairs = 65536;             // take 6 MB, which nobody misses
 constexpr double kFanTake = 4;     // a ray that does not lie in memory: a tree needs it once
 constexpr double kPacketRay = 26;  // on a tree of few triangles
 constexpr double kSharedRay = 14, kSharedTriangle = 44;  // a ray, and one that has a triangle alone
@@ -123,6 +124,11 @@ bool chooses_fan(const SceneHistory& scene, const RaySource& rays, Plan* plan) {
   const double fan = a_ray * count + (kFanTriangle + kFanPair * scene.fan_pairs) * scene.triangles;
   const double tree = tree_cost(scene) + shared_ray_cost(scene, count, alike) * count;
   const bool chosen = fan < tree;
+  // Twice as many as would be worth it: what they cost is then not much more than what is lost.
+  const double worth = (tree - fan) / kFanPair + scene.fan_pairs * scene.triangles;
+  const double kept =
+      0.5 * count + 2.0 * scene.triangles;  // by their memory, as rays and triangles
+  plan->most_fan_pairs = static_cast<std::uint64_t>(std::min(2 * worth, kept) + kFewFanPairs);
   plan->reasons.push_back(figures(
       chosen ? "rays of one origin: triangles stream against cells over them, about %.2g ms "
                "of a core; an object tree about %.2g"

@@ -52,6 +52,7 @@ struct SceneHistory {
 
 struct Plan {
   bool fan = false;  ///< triangles stream against cells over the rays; there is no object tree
+  std::uint64_t most_fan_pairs = 0;  ///< of tiles and triangles; with more the tree is quicker
   TreeWork tree = TreeWork::kKeep;
   bool alike = false;  ///< rays that stand beside each other start close together and run alike
   Bundle bundle = Bundle::kPacket;
@@ -60,7 +61,8 @@ struct Plan {
 };
 
 /// `any`: an any-hit query. `explain`: write the reasons. A plan for a fan is made from a sample of
-/// the rays: where others start elsewhere, `plan_without_fan` is what remains.
+/// the rays, and from what an earlier fan has met: where others start elsewhere, and where there is
+/// far more to meet, `plan_without_fan` is what remains.
 [[nodiscard]] Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any,
                              bool explain);
 [[nodiscard]] Plan plan_without_fan(const SceneHistory& scene, const RaySource& rays, bool explain);

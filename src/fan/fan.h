@@ -31,7 +31,8 @@ namespace raysheaf {
 struct FanCounts {
   std::uint64_t bound_tests = 0;     ///< a cell with a triangle, or with a bound of triangles
   std::uint64_t triangle_tests = 0;  ///< a ray with a triangle
-  std::uint64_t pairs = 0;           ///< of tiles and triangles that meet; always filled
+  std::uint64_t pairs =
+      0;  ///< of tiles and triangles that meet, as far as was looked; always filled
   double order_ms = 0, hierarchy_ms = 0, traverse_ms = 0;
 };
 
@@ -56,12 +57,15 @@ struct FanOptions {
   Facing facing = Facing::kBoth;
   bool count = false;           ///< fill FanCounts' counts; times are always measured
   FanMemory* memory = nullptr;  ///< null: memory of the query's own
+  /// More pairs of tiles and triangles are too many. By then up to four times as many may be there.
+  std::uint64_t most_pairs = std::uint64_t{1} << 29;
 };
 
 /// occluded[i] = 1 where rays[i] meets any triangle in [t_min, t_max], else 0: what brute force
 /// says, bit for bit. `ray_tests` may be empty; else each ray's share of all tests is added to it.
-/// O(rays + triangles + pairs of cells and triangles that overlap). Where the rays do not start at
-/// the same point, bit for bit, it returns false, and nothing has been written.
+/// O(rays + triangles + pairs of cells and triangles that overlap). Returns false, with nothing
+/// answered, where the rays do not start at the same point, bit for bit, and where there are too
+/// many pairs.
 [[nodiscard]] bool occluded_in_fan(const Executor& executor, const TriangleSource& source,
                                    View<const Ray> rays, const FanOptions& options,
                                    View<std::uint8_t> occluded, View<float> ray_tests,

@@ -40,7 +40,9 @@ class Laps {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-void stream(const Executor& executor, const TriangleSource& source, FanMemory::Arrays* a) {
+/// Returns how many pairs there are; too many where a block is full.
+std::uint64_t stream(const Executor& executor, const TriangleSource& source,
+                     std::uint64_t most_pairs, FanMemory::Arrays* a) {
   const std::size_t count =
       std::clamp<std::size_t>(source.count / kTriangleBlockSize, 1, kMostBlocks);
   a->blocks.resize(count);
@@ -49,10 +51,18 @@ void stream(const Executor& executor, const TriangleSource& source, FanMemory::A
     block.pairs.clear();
     block.tile_pairs.assign(a->cells.tile_count, 0);
     block.bound_tests = 0;
+    block.most_pairs = 4 * most_pairs / count;
     const std::uint64_t n = source.count;
     fan_stream(a->cells, source, static_cast<std::uint32_t>(n * i / count),
                static_cast<std::uint32_t>(n * (i + 1) / count), &block);
   });
+  std::uint64_t pairs = 0;
+  bool full = false;
+  for (const FanBlock& block : a->blocks) {
+    pairs += block.pairs.size();
+    full = full || block.is_full();
+  }
+  return full ? std::max(pairs, most_pairs + 1) : pairs;
 }
 
 /// The blocks' pairs by tile; a tile's triangles stay in order.
@@ -126,13 +136,14 @@ bool occluded_in_fan(const Executor& executor, const TriangleSource& source, Vie
   if (!make_cells(executor, rays, &a.cells)) return false;
   for (std::size_t i = a.cells.live_rays; i < rays.size; ++i) occluded[a.cells.order[i]] = 0;
   counts->order_ms += watch.lap_ms();
-  stream(executor, source, &a);
+  const std::uint64_t pairs = stream(executor, source, options.most_pairs, &a);
+  counts->pairs += pairs;
+  if (pairs > options.most_pairs) return false;
   sort_pairs(executor, &a);
   counts->hierarchy_ms += watch.lap_ms();
   trace_tiles(executor, {a.cells, source, options.facing, occluded, ray_tests}, &a);
   if (!ray_tests.empty()) share_stream_tests(executor, a, ray_tests);
   counts->traverse_ms += watch.lap_ms();
-  counts->pairs += a.tile_begin[a.cells.tile_count];
   if (options.count) add_counts(a, counts);
   return true;
 }

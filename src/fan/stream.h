@@ -28,10 +28,14 @@ struct FanPair {
 struct FanBlock {
   std::vector<FanPair> pairs;             ///< by triangle
   std::vector<std::uint32_t> tile_pairs;  ///< how many, by tile
+  std::uint64_t most_pairs = 0;           ///< more of them are not worth their memory
   std::uint64_t bound_tests = 0;
+
+  [[nodiscard]] bool is_full() const { return pairs.size() > most_pairs; }
 };
 
-/// Triangles [begin, end) against faces, grid cells, groups and tiles. O(triangles + pairs).
+/// Triangles [begin, end) against faces, grid cells, groups and tiles, until the block is full.
+/// O(triangles + pairs).
 void fan_stream(const FanCells& cells, const TriangleSource& source, std::uint32_t begin,
                 std::uint32_t end, FanBlock* block);
 

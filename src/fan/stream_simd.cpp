@@ -286,7 +286,7 @@ void StreamTriangles(const FanCells& cells, const TriangleSource& source, std::u
   Stream stream(cells, block);
   source.for_each_part(begin, end,
                        [&](const TriangleRun& run, std::uint32_t first, std::uint32_t stop) {
-                         for (; first < stop; first += kPacketSlots)
+                         for (; first < stop && !block->is_full(); first += kPacketSlots)
                            stream.sixteen(run, first, std::min(stop - first, kPacketSlots));
                        });
 }

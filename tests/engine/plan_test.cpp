@@ -88,6 +88,19 @@ TEST(Plan, FanByWhatItMetLast) {
   EXPECT_FALSE(plan_of(scene, rays, true).fan);
 }
 
+TEST(Plan, FanUpToThePairsThatAreWorthIt) {
+  Random random(7);
+  const std::vector<Ray> rays = from_one_point(200000, random);
+  SceneHistory scene = history(200000);
+  const Plan plan = plan_of(scene, rays, true);
+  ASSERT_TRUE(plan.fan);
+  EXPECT_GE(plan.most_fan_pairs, scene.fan_pairs * scene.triangles);
+  EXPECT_LE(plan.most_fan_pairs, 600000u);
+  // With so many a triangle there would be no fan.
+  scene.fan_pairs = static_cast<double>(plan.most_fan_pairs) / scene.triangles;
+  EXPECT_FALSE(plan_of(scene, rays, true).fan);
+}
+
 TEST(Plan, BundlesByCoherence) {
   Random random(2);
   const Plan camera = plan_of(history(1000), picture(128));

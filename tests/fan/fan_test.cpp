@@ -247,6 +247,34 @@ TEST(Fan, MemoryIsKeptAndChangesNothing) {
   EXPECT_GT(memory.bytes(), 0u);
 }
 
+TEST(Fan, GivesUpWhereTrianglesMeetTooManyTiles) {
+  Random random(31);
+  Triangles t;
+  for (int i = 0; i < 20000; ++i) {
+    const float z = 1 + random.unit();
+    t.add({-9, -9, z}, {9, -9, z}, {0, 9, z});
+  }
+  std::vector<Ray> rays;
+  for (int i = 0; i < 100000; ++i)
+    rays.push_back(
+        {{0, 0, 0}, 0, normalized({random.between(-1, 1), random.between(-1, 1), 1}), 9});
+  FanMemory memory;
+  FanOptions options;
+  options.memory = &memory;
+  options.most_pairs = 50000;
+  std::vector<std::uint8_t> occluded(rays.size());
+  std::uint64_t pairs = 0;
+  for (const unsigned threads : {1u, 3u}) {
+    FanCounts counts;
+    const Executor executor(threads);
+    EXPECT_FALSE(occluded_in_fan(executor, t.source(), rays, options, occluded, {}, &counts));
+    EXPECT_GT(counts.pairs, options.most_pairs);
+    EXPECT_EQ(threads == 1 ? counts.pairs : pairs, counts.pairs);
+    pairs = counts.pairs;
+  }
+  EXPECT_LT(memory.bytes(), 100u << 20);
+}
+
 TEST(Fan, RefusesOtherOrigins) {
   Random random(10);
   Triangles t = make(Shape::kSoup, {}, 100, random);
