@@ -34,7 +34,8 @@ void put(Column& column, std::size_t i, const T& value) {
 template <class AnyMesh, class Numbers>
 class VertexSplitter {
  public:
-  /// Both empty. `newest` and `previous` hold a number for each vertex afterwards.
+  /// Both empty. `newest` and `previous` hold a number for each vertex afterwards: of a copy,
+  /// `previous` is the vertex or the copy of it that was made before.
   VertexSplitter(AnyMesh& mesh, Numbers& newest, Numbers& previous)
       : mesh_(mesh), newest_(newest), previous_(previous) {
     newest_.resize(mesh.positions.size(), kInvalidId);

@@ -312,7 +312,10 @@ GltfMesh read_mesh(const GltfModel& model, std::size_t index, std::size_t joint_
   GltfMesh result;
   MeshReader reader(model, accessors, uv_sets, joint_count, warnings, result.mesh);
   reader.read(index);
-  if (reader.misses_normals()) add_missing_normals(result.mesh, reader.has_normal());
+  if (reader.misses_normals()) {
+    for (const std::uint32_t v : add_missing_normals(result.mesh, reader.has_normal()))
+      reader.shape().repeat(v);
+  }
   result.shape = reader.shape().take(result.mesh);
   return result;
 }

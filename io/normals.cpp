@@ -94,8 +94,9 @@ void smooth_run(std::span<const Double3> faces, std::span<Vec3> normals) {
   }
 }
 
-void add_missing_normals(Mesh& mesh, const std::vector<bool>& has_normal) {
+std::vector<std::uint32_t> add_missing_normals(Mesh& mesh, const std::vector<bool>& has_normal) {
   const std::vector<Vec3> corners = corner_normals(mesh);
+  const auto before = static_cast<std::ptrdiff_t>(mesh.positions.size());
   mesh.normals.resize(mesh.positions.size(), Vec3{0, 0, 1});
   std::vector<std::uint32_t> newest, previous;
   VertexSplitter splitter(mesh, newest, previous);
@@ -104,6 +105,7 @@ void add_missing_normals(Mesh& mesh, const std::vector<bool>& has_normal) {
     if (vertex < has_normal.size() && has_normal[vertex]) continue;
     vertex = splitter.vertex_with(vertex, corners[c]);
   }
+  return {previous.begin() + before, previous.end()};
 }
 
 }  // namespace raysheaf::io

@@ -1,6 +1,7 @@
 // Vertex normals for files that have none.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "raysheaf/scene_description.h"
@@ -18,6 +19,8 @@ inline constexpr std::size_t kMaxFacesAtPosition = 512;
 /// form no crease with the face at hand. A vertex that needs several normals is split: the first
 /// keeps its place, the others are appended. Triangles keep their order and vertices their
 /// positions, uvs and colours. Indices must be in range. O(vertices log vertices + triangles).
-void add_missing_normals(Mesh& mesh, const std::vector<bool>& has_normal = {});
+/// Returns for each appended vertex one before it that is the same but for its normal.
+std::vector<std::uint32_t> add_missing_normals(Mesh& mesh,
+                                               const std::vector<bool>& has_normal = {});
 
 }  // namespace raysheaf::io

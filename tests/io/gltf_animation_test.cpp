@@ -151,6 +151,39 @@ TEST_F(GltfMoving, TargetsMoveVertices) {
   expect_near(mesh.positions[2], {0, 5, 2});
 }
 
+// Two squares that meet at a right angle along the y axis, without a normal anywhere: the two
+// vertices of the crease become four, and the copies move as those do.
+TEST_F(GltfMoving, VerticesThatAreSplitMoveAsTheyDid) {
+  const std::size_t positions =
+      file_.positions({0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0, 0, 1, 0, 1, 1});
+  const std::size_t none = file_.positions(std::vector<float>(18, 0.0f));
+  const std::size_t up = file_.positions({0, 0, 4, 0, 0, 4, 0, 0, 4, 0, 0, 4, 0, 0, 4, 0, 0, 4});
+  std::vector<std::uint8_t> joints(24, 0), weights(24, 0);
+  for (std::size_t v = 0; v < 6; ++v) weights[4 * v] = 255;
+  const std::size_t corners = file_.accessor(
+      std::vector<std::uint8_t>{0, 2, 3, 0, 3, 1, 0, 5, 4, 0, 1, 5}, "SCALAR", 5121, 1);
+  file_.show({{"attributes",
+               {{"POSITION", positions},
+                {"NORMAL", none},
+                {"JOINTS_0", file_.accessor(joints, "VEC4", 5121, 4)},
+                {"WEIGHTS_0", file_.accessor(weights, "VEC4", 5121, 4, true)}}},
+              {"indices", corners},
+              {"targets", {{{"POSITION", up}}}}});
+  file_.json["meshes"][0]["weights"] = {0.5};
+  file_.json["nodes"][0]["skin"] = 0;
+  file_.node({{"translation", {0, 7, 0}}});
+  file_.add("skins", {{"joints", {1}}});
+  const SceneDescription scene = load_scene(write("a.gltf", file_.text()));
+  const Mesh& mesh = scene.meshes[0];
+  ASSERT_EQ(mesh.positions.size(), 8u);
+  expect_near(mesh.positions[1], {0, 8, 2});
+  expect_near(mesh.positions[6], {0, 7, 2});
+  expect_near(mesh.positions[7], {0, 8, 2});
+  for (std::size_t t = 0; t < 4; ++t)
+    for (const std::uint32_t v : mesh.triangles[t])
+      EXPECT_NEAR(std::abs(t < 2 ? mesh.normals[v].z : mesh.normals[v].x), 1, 1e-6);
+}
+
 TEST_F(GltfMoving, NodesHaveWeightsOfTheirOwn) {
   show_morph();
   file_.node({{"mesh", 0}, {"weights", {1, 0}}});

@@ -42,8 +42,13 @@ TEST(Normals, SplitVerticesAtCreases) {
   for (const double degrees : {59.0, 61.0}) {
     Mesh mesh = roof(degrees * 3.14159265358979 / 180, 1);
     const Mesh before = mesh;
-    add_missing_normals(mesh);
+    const std::vector<std::uint32_t> copied = add_missing_normals(mesh);
     EXPECT_EQ(mesh.positions.size(), degrees < 60 ? 6u : 8u) << degrees;
+    ASSERT_EQ(copied.size(), mesh.positions.size() - before.positions.size());
+    for (std::size_t i = 0; i < copied.size(); ++i) {
+      ASSERT_LT(copied[i], before.positions.size() + i);
+      EXPECT_EQ(mesh.positions[copied[i]].y, mesh.positions[before.positions.size() + i].y);
+    }
     EXPECT_EQ(mesh.normals.size(), mesh.positions.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       for (std::size_t k = 0; k < 3; ++k) {
