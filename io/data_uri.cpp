@@ -2,12 +2,23 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 
 #include "io/gltf_rules.h"
 #include "io/refuse.h"
 
 namespace raysheaf::io {
 namespace {
+
+/// Between "data:" and the comma, in lower case: the kind, parameters, and how it is written.
+std::string head_of(std::string_view uri) {
+  std::string head(uri.substr(5, uri.find(',') - 5));
+  for (char& c : head) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return head;
+}
+bool is_base64(std::string_view head) {
+  return head.ends_with(";base64");
+}
 
 /// Behind the comma, without the padding.
 std::string_view base64_digits(std::string_view uri) {
@@ -35,7 +46,7 @@ constexpr std::array<std::uint8_t, 256> digit_values() {
 
 }  // namespace
 
-std::size_t data_uri_bytes(std::string_view uri, const std::string& place) {
+std::size_t buffer_uri_bytes(std::string_view uri, const std::string& place) {
   constexpr std::array<std::string_view, 7> kKinds = {"application/octet-stream",
                                                       "application/gltf-buffer",
                                                       "image/jpeg",
@@ -43,12 +54,9 @@ std::size_t data_uri_bytes(std::string_view uri, const std::string& place) {
                                                       "image/bmp",
                                                       "image/gif",
                                                       "text/plain"};
-  const std::size_t comma = uri.find(',');
-  const std::string head(uri.substr(5, std::min<std::size_t>(comma, 64) - 5));
-  const bool known = std::any_of(kKinds.begin(), kKinds.end(), [&](std::string_view kind) {
-    return head == std::string(kind) + ";base64";
-  });
-  if (comma == uri.npos || !known) {
+  const std::string head = head_of(uri);
+  const std::string_view kind = std::string_view(head).substr(0, head.find(';'));
+  if (!is_base64(head) || std::find(kKinds.begin(), kKinds.end(), kind) == kKinds.end()) {
     refuse("is a data URI of a kind that is not read: \"" + printable(head) + "\"", place,
            ErrorCode::kUnsupported);
   }
@@ -57,6 +65,7 @@ std::size_t data_uri_bytes(std::string_view uri, const std::string& place) {
 
 std::optional<Bytes> decode_data_uri(std::string_view uri) {
   static constexpr auto kValues = digit_values();
+  if (!is_base64(head_of(uri))) return std::nullopt;
   const std::string_view digits = base64_digits(uri);
   Bytes bytes;
   bytes.reserve(decoded_bytes(digits.size()));

@@ -14,11 +14,11 @@ namespace raysheaf::io {
   return uri.starts_with("data:");
 }
 
-/// How many bytes it stands for. Throws `Error` (kUnsupported) where it is of a kind that glTF does
-/// not know.
-[[nodiscard]] std::size_t data_uri_bytes(std::string_view uri, const std::string& place);
+/// How many bytes a buffer's URI stands for. Throws `Error` (kUnsupported) where it is of a kind
+/// that is not read for buffers.
+[[nodiscard]] std::size_t buffer_uri_bytes(std::string_view uri, const std::string& place);
 
-/// The bytes, or nothing where there is a character that is no digit of base 64.
+/// The bytes, of whatever kind; nothing where they are not in base 64, or with a wrong digit.
 [[nodiscard]] std::optional<Bytes> decode_data_uri(std::string_view uri);
 
 }  // namespace raysheaf::io

@@ -197,6 +197,27 @@ TEST_F(GltfScene, ReadsImagesFromEverywhere) {
   EXPECT_TRUE(warns(scene, "images[3] is too large or no picture"));
 }
 
+// The bytes say what a picture is, whatever its URI calls it; and what only an extension shows does
+// not spoil the rest.
+TEST_F(GltfScene, ReadsImagesOfAnyKindOfUri) {
+  const std::string png = base64(small_png(path("small.png")));
+  for (const char* kind :
+       {"image/jpg", "IMAGE/PNG", "image/png;charset=utf-8", "", "image/x-any"}) {
+    GltfFile file;
+    file.show_triangle();
+    file.add("images", {{"uri", std::string("data:") + kind + ";base64," + png}});
+    for (const char* uri : {"data:image/webp;base64,UklGRjEyMzRXRUJQ", "data:image/svg+xml,<svg/>"})
+      file.add("images", {{"uri", uri}});
+    file.add("textures", {{"source", 0}, {"extensions", {{"EXT_texture_webp", {{"source", 1}}}}}});
+    file.json["extensionsUsed"] = {"EXT_texture_webp"};
+    const SceneDescription scene = load_scene(write("a.gltf", file.text()));
+    EXPECT_EQ(scene.images.size(), 1u) << kind;
+    EXPECT_EQ(scene.textures.size(), 1u) << kind;
+    EXPECT_TRUE(warns(scene, "images[1] is too large or no picture"));
+    EXPECT_TRUE(warns(scene, "images[2] is missing"));
+  }
+}
+
 TEST_F(GltfScene, ReadsChunksThatFollowAtOnce) {
   GltfFile file;
   file.show_triangle();
