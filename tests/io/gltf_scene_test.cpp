@@ -218,6 +218,27 @@ TEST_F(GltfScene, ReadsImagesOfAnyKindOfUri) {
   }
 }
 
+TEST_F(GltfScene, ReadsBuffersOfAnyLengthAndSpelling) {
+  GltfFile file;
+  file.show_triangle();
+  file.json["buffers"][0]["byteLength"] = file.buffer.size();
+  Bytes longer = file.buffer;
+  longer.insert(longer.end(), 5, 0);
+  const std::string data = base64(longer);
+  for (const char* kind : {"application/octet-stream", "Application/Octet-Stream;charset=binary",
+                           "application/gltf-buffer"}) {
+    const std::string uri = std::string("data:") + kind + ";base64," + data;
+    EXPECT_EQ(load_scene(write("a.gltf", file.text(uri))).triangle_count(), 1u) << kind;
+  }
+  expect_refused(write("b.gltf", file.text("data:video/mp4;base64," + data)),
+                 ErrorCode::kUnsupported, {"buffers[0].uri", "video/mp4"});
+  expect_refused(write("c.gltf", file.text("data:text/plain,hello")), ErrorCode::kUnsupported,
+                 {"buffers[0].uri", "text/plain"});
+  file.json["buffers"][0]["byteLength"] = longer.size() + 1;
+  expect_refused(write("d.gltf", file.text("data:text/plain;base64," + data)),
+                 ErrorCode::kInvalidData, {"buffers[0].byteLength", "is 42", "only 41 bytes"});
+}
+
 TEST_F(GltfScene, ReadsChunksThatFollowAtOnce) {
   GltfFile file;
   file.show_triangle();
