@@ -7,8 +7,9 @@
 namespace raysheaf::io {
 namespace {
 
-/// Elements that may be read for each byte of the file, and besides.
-constexpr std::size_t kElementsPerByte = 16, kFreeElements = std::size_t{1} << 18;
+/// Bytes that may be made of accessors for each byte of the file, and besides: a crowd of small
+/// meshes that each have their own shape is read, and no kilobyte takes gigabytes.
+constexpr std::size_t kBytesPerByte = 256, kFreeBytes = std::size_t{1} << 27;
 
 /// For each of `triangles_at_once`, which a file and its buffers may have to be read whole.
 constexpr std::uint64_t kSmallGltfBytes = 16;
@@ -21,7 +22,7 @@ GltfScene read_gltf(const GltfModel& model, const SceneFile& from, const GltfOut
   for (const std::string& sentence : model.warnings) warnings.once(sentence);
   const GltfNodes nodes = read_nodes(model, scene, result.rig);
   const std::vector<int> uv_sets = read_materials(model, scene, warnings);
-  AccessorReader accessors(model, kFreeElements + kElementsPerByte * model.file_bytes);
+  AccessorReader accessors(model, kFreeBytes + kBytesPerByte * model.file_bytes);
   read_skins(model, nodes, accessors, result.rig);
   const std::vector<std::uint32_t> shape_of_node =
       read_meshes(model, nodes, uv_sets, accessors, outer, scene, result.rig, warnings);

@@ -54,13 +54,18 @@ std::uint32_t unsigned_component(const std::uint8_t* p, int type) {
 
 }  // namespace
 
-const GltfAccessor& AccessorReader::charge(int index, const std::string& place) {
-  const GltfAccessor& accessor = model_.accessors[static_cast<std::size_t>(index)];
-  if (accessor.count > budget_) {
+void AccessorReader::charge(std::size_t count, std::size_t bytes_each, const std::string& place) {
+  if (bytes_each > 0 && count > budget_ / bytes_each) {
     throw Error(ErrorCode::kOutOfMemory,
-                "the meshes have far more elements than the file has bytes", place);
+                "the meshes would take far more memory than the file has bytes", place);
   }
-  budget_ -= accessor.count;
+  budget_ -= count * bytes_each;
+}
+
+/// As the floats, or the indices, that its numbers become.
+const GltfAccessor& AccessorReader::charged(int index, const std::string& place) {
+  const GltfAccessor& accessor = model_.accessors[static_cast<std::size_t>(index)];
+  charge(accessor.count, accessor.components * sizeof(float), place);
   return accessor;
 }
 
@@ -122,7 +127,7 @@ std::vector<float> AccessorReader::finite_window(const GltfAccessor& accessor, s
 }
 
 const GltfAccessor& AccessorReader::floats_of(int index, int components, const std::string& place) {
-  const GltfAccessor& accessor = charge(index, place);
+  const GltfAccessor& accessor = charged(index, place);
   const auto width = static_cast<std::size_t>(components);
   // The columns of smaller matrices are padded.
   if (accessor.components != width || (accessor.is_matrix && width < 16)) {
@@ -160,7 +165,7 @@ std::vector<float> AccessorReader::attribute(int index, int components, std::siz
 }
 
 const GltfAccessor& AccessorReader::indices(int index, const std::string& place) {
-  const GltfAccessor& accessor = charge(index, place);
+  const GltfAccessor& accessor = charged(index, place);
   const int type = accessor.component_type;
   const bool is_unsigned =
       type == kGltfUnsignedByte || type == kGltfUnsignedShort || type == kGltfUnsignedInt;

@@ -13,9 +13,13 @@ namespace raysheaf::io {
 
 class AccessorReader {
  public:
-  /// Reads at most `budget` elements in all, so that a small file whose primitives share one large
-  /// accessor cannot fill the memory.
+  /// Reads until `budget` bytes have been made of it in all, so that a small file whose primitives
+  /// share one large accessor cannot fill the memory.
   AccessorReader(const GltfModel& model, std::size_t budget) : model_(model), budget_(budget) {}
+
+  /// Takes what else is made of the file off the budget, before it is allocated. Throws `Error`
+  /// (kOutOfMemory) where less is left.
+  void charge(std::size_t count, std::size_t bytes_each, const std::string& place);
 
   /// `components` floats an element. Throws where the accessor has another shape.
   [[nodiscard]] std::vector<float> floats(int accessor, int components, const std::string& place);
@@ -57,7 +61,7 @@ class AccessorReader {
  private:
   static constexpr std::size_t kWindow = std::size_t{1} << 14;
 
-  const GltfAccessor& charge(int accessor, const std::string& place);
+  const GltfAccessor& charged(int accessor, const std::string& place);
   const GltfAccessor& floats_of(int accessor, int components, const std::string& place);
   const GltfAccessor& attribute_of(int accessor, int components, std::size_t count,
                                    const std::string& place);

@@ -7,6 +7,7 @@
 #include "io/gltf_shape.h"
 #include "io/linear.h"
 #include "io/normals.h"
+#include "io/refuse.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
@@ -54,6 +55,11 @@ class TriangleAssembler {
   std::array<std::uint32_t, 2> last_{};
   Triangle triangle_{};
 };
+
+/// Position, normal, texture coordinates and colour.
+constexpr std::size_t kVertexBytes = 3 * sizeof(Vec3) + sizeof(Vec2);
+/// What `add_missing_normals` takes for a triangle, at most: its corners, their normals, copies.
+constexpr std::size_t kNormalsBytes = 96 + 3 * kVertexBytes;
 
 /// Concatenates the primitives of one mesh, `Mesh` or `OuterMesh`.
 template <class AnyMesh>
@@ -169,6 +175,8 @@ class MeshReader {
   void add_triangles(int mode, const GltfAccessor* indices, std::size_t corners, std::uint32_t base,
                      bool flat) {
     const std::size_t more = triangle_count_of(mode, corners);
+    accessors_.charge(
+        more, sizeof(Triangle) + sizeof(std::uint32_t) + (flat ? 3 * kVertexBytes : 0), place_);
     if (flat && mesh_.positions.size() + 3 * more >= kInvalidId) {
       throw Error(ErrorCode::kUnsupported, "the mesh has 2^32 vertices or more", place_);
     }
@@ -313,6 +321,7 @@ GltfMesh read_mesh(const GltfModel& model, std::size_t index, std::size_t joint_
   MeshReader reader(model, accessors, uv_sets, joint_count, warnings, result.mesh);
   reader.read(index);
   if (reader.misses_normals()) {
+    accessors.charge(result.mesh.triangles.size(), kNormalsBytes, element("meshes", index));
     for (const std::uint32_t v : add_missing_normals(result.mesh, reader.has_normal()))
       reader.shape().repeat(v);
   }

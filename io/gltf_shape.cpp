@@ -3,6 +3,12 @@
 #include "io/refuse.h"
 
 namespace raysheaf::io {
+namespace {
+
+/// Which, and how much it pulls.
+constexpr std::size_t kJointBytes = sizeof(std::uint32_t) + sizeof(float);
+
+}  // namespace
 
 ShapeSource ShapeReader::source(const JsonValue& primitive, const std::string& place) {
   ShapeSource source;
@@ -42,6 +48,9 @@ ShapeSource ShapeReader::source(const JsonValue& primitive, const std::string& p
 
 void ShapeReader::read(const ShapeSource& source, std::size_t base, std::size_t count, bool normals,
                        const std::string& place) {
+  place_ = place;
+  widen(static_cast<std::uint32_t>(2 * source.joints.size()));
+  charge(count);
   read_joints(source, base, count, place + ".attributes.");
   for (std::size_t t = 0; t < shape_.targets.size(); ++t) {
     const std::string target = place + ".targets[" + std::to_string(t) + "].";
@@ -60,7 +69,6 @@ void ShapeReader::read(const ShapeSource& source, std::size_t base, std::size_t 
 void ShapeReader::read_joints(const ShapeSource& source, std::size_t base, std::size_t count,
                               const std::string& place) {
   if (source.joints.empty()) return;
-  widen(static_cast<std::uint32_t>(2 * source.joints.size()));
   const std::size_t a_vertex = shape_.joints_per_vertex;
   shape_.joints.resize((base + count) * a_vertex, 0);
   shape_.joint_weights.resize((base + count) * a_vertex, 0);
@@ -97,6 +105,7 @@ void ShapeReader::widen(std::uint32_t joints_per_vertex) {
   if (joints_per_vertex <= before) return;
   shape_.joints_per_vertex = joints_per_vertex;
   const std::size_t vertices = before == 0 ? 0 : shape_.joints.size() / before;
+  accessors_.charge(vertices, kJointBytes * (joints_per_vertex - before), place_);
   std::vector<std::uint32_t> joints(vertices * joints_per_vertex, 0);
   std::vector<float> weights(joints.size(), 0);
   for (std::size_t i = 0; i < vertices * before; ++i) {
@@ -108,7 +117,17 @@ void ShapeReader::widen(std::uint32_t joints_per_vertex) {
   shape_.joint_weights = std::move(weights);
 }
 
+void ShapeReader::charge(std::size_t vertices) {
+  if (joint_count_ == 0 && shape_.targets.empty()) return;
+  constexpr std::size_t kPlaceAndNormal = 2 * sizeof(Vec3);  // of the rest, and of each target
+  accessors_.charge(
+      vertices,
+      kPlaceAndNormal * (1 + shape_.targets.size()) + kJointBytes * shape_.joints_per_vertex,
+      place_);
+}
+
 void ShapeReader::repeat(std::uint32_t v) {
+  charge(1);
   const auto repeat_last = [](auto& values, std::size_t from) {
     const auto value = values[from];
     values.push_back(value);

@@ -39,12 +39,15 @@ class ShapeReader {
   void check_joint(float joint, float weight, const std::string& place, std::size_t set,
                    std::size_t vertex) const;
   void widen(std::uint32_t joints_per_vertex);
+  /// What such vertices take beside the mesh.
+  void charge(std::size_t vertices);
 
   AccessorReader& accessors_;
   const std::size_t joint_count_;
   Warnings& warnings_;
   RigShape shape_;
   bool any_primitive_ = false;
+  std::string place_;  ///< of the primitive that was read last
 };
 
 }  // namespace raysheaf::io

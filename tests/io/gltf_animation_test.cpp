@@ -302,7 +302,7 @@ TEST_F(GltfMoving, RefusesMoreTargetsThanTheFileHasBytes) {
   for (int t = 0; t < 2000; ++t) targets.push_back({{"POSITION", accessor}});
   file_.show({{"attributes", {{"POSITION", accessor}}}, {"targets", targets}});
   const std::string file = write("many.gltf", file_.text());
-  expect_refused(file, kOutOfMemory, {"far more elements than the file has bytes"});
+  expect_refused(file, kOutOfMemory, {"far more memory than the file has bytes"});
 }
 
 }  // namespace

@@ -37,9 +37,50 @@ void expect_beyond_limit(const std::string& path, ErrorCode code, const std::str
 TEST_F(Limits, ElementsWithoutBytes) {
   expect_beyond_limit(write("a.gltf", unbacked((1 << 18) + 1, 1, 1)), ErrorCode::kOutOfMemory,
                       "accessors[0].count");
-  expect_beyond_limit(write("b.gltf", unbacked(1 << 18, 3, 3)), ErrorCode::kOutOfMemory,
-                      "far more elements");
+  expect_beyond_limit(write("b.gltf", unbacked(1 << 18, 40, 40)), ErrorCode::kOutOfMemory,
+                      "far more memory");
   EXPECT_NO_THROW(static_cast<void>(load_scene(write("c.gltf", unbacked(1 << 16, 2, 2)))));
+}
+
+/// What has no accessor of its own takes memory as well: targets that name none, vertices of flat
+/// triangles beside others, room for the joints of the one vertex that has many.
+TEST_F(Limits, VerticesWithoutAccessors) {
+  Json root = Json::parse(unbacked(1 << 18, 1, 1));
+  Json& primitives = root["meshes"][0]["primitives"];
+  const Json plain = primitives[0];
+  primitives[0]["targets"] = Json::array();
+  for (int t = 0; t < 100; ++t) primitives[0]["targets"].push_back(Json::object());
+  expect_beyond_limit(write("targets.gltf", root.dump()), ErrorCode::kOutOfMemory,
+                      "meshes[0].primitives[0]: the meshes would take far more memory");
+  root["accessors"].push_back({{"componentType", 5126}, {"count", 3}, {"type", "VEC3"}});
+  primitives = Json::array({plain, plain, plain, plain, plain});
+  primitives[0] = {{"attributes", {{"POSITION", 1}, {"NORMAL", 1}}}};
+  expect_beyond_limit(write("flat.gltf", root.dump()), ErrorCode::kOutOfMemory,
+                      "meshes[0].primitives[4]: the meshes would take far more memory");
+  root["accessors"].push_back({{"componentType", 5126}, {"count", 1 << 18}, {"type", "VEC4"}});
+  root["accessors"].push_back({{"componentType", 5126}, {"count", 3}, {"type", "VEC4"}});
+  root["skins"] = {{{"joints", {0}}}};
+  root["nodes"][0]["skin"] = 0;
+  primitives = Json::array({plain, plain});
+  primitives[0]["attributes"].update({{"JOINTS_0", 2}, {"WEIGHTS_0", 2}});
+  primitives[1]["attributes"]["POSITION"] = 1;
+  for (int set = 0; set < 50; ++set)
+    for (const char* name : {"JOINTS_", "WEIGHTS_"})
+      primitives[1]["attributes"][name + std::to_string(set)] = 3;
+  expect_beyond_limit(write("joints.gltf", root.dump()), ErrorCode::kOutOfMemory,
+                      "meshes[0].primitives[1]: the meshes would take far more memory");
+}
+
+/// A small mesh in a crowd, each with a shape of its own.
+TEST_F(Limits, CrowdsOfShapes) {
+  constexpr std::size_t kVertices = 2000;
+  GltfFile file;
+  std::vector<float> values(3 * kVertices, 0.5f);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] += static_cast<float>(i % 7);
+  const std::size_t positions = file.positions(values);
+  file.show({{"attributes", {{"POSITION", positions}}}, {"targets", {{{"POSITION", positions}}}}});
+  for (int n = 1; n < 800; ++n) file.node({{"mesh", 0}, {"weights", {n}}});
+  EXPECT_EQ(load_scene(write("a.gltf", file.text())).meshes.size(), 800u);
 }
 
 TEST_F(Limits, InstancesWithoutEnd) {
