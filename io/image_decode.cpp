@@ -121,9 +121,10 @@ DecodedImages decode_images(const std::vector<EncodedImage>& encoded,
   DecodedImages result;
   for (std::size_t i = 0; i < encoded.size(); ++i) {
     if (!decoded[i]) {
-      warnings.push_back(encoded[i].place + " is " +
-                         (encoded[i].bytes.empty() ? "missing" : "too large or no picture") +
-                         "; textures that show it are left out.");
+      warnings.push_back(
+          encoded[i].place + " is " +
+          (encoded[i].bytes.empty() ? "missing" : "cut short, too large or no picture") +
+          "; textures that show it are left out.");
       result.index_of.push_back(kInvalidId);
       continue;
     }

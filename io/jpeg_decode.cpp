@@ -30,7 +30,16 @@ struct JpegErrors {
   std::longjmp(errors.jump, 1);  // NOLINT(cert-err52-cpp): libjpeg has no other way
 }
 
-void jpeg_ignore(j_common_ptr /*jpeg*/, int /*level*/) {}
+/// What is told is no reason to stop, unless pixels are missing: they would be grey without a word.
+/// A file that lacks nothing but its end mark is whole, if it has one scan.
+void jpeg_tell(j_common_ptr jpeg, int level) {
+  if (level >= 0 || jpeg->is_decompressor == FALSE) return;
+  const int code = jpeg->err->msg_code;
+  const bool lost = code == JWRN_HIT_MARKER || code == JWRN_ARITH_BAD_CODE;
+  if (lost || (code == JWRN_JPEG_EOF &&
+               jpeg_has_multiple_scans(reinterpret_cast<j_decompress_ptr>(jpeg)) != FALSE))
+    jpeg_stop(jpeg);
+}
 
 void count_scans(j_common_ptr jpeg) {
   if (reinterpret_cast<j_decompress_ptr>(jpeg)->input_scan_number > kMostScans) jpeg_stop(jpeg);
@@ -42,7 +51,7 @@ class Decoder {
   Decoder() {
     jpeg_.err = jpeg_std_error(&errors_.manager);
     errors_.manager.error_exit = jpeg_stop;
-    errors_.manager.emit_message = jpeg_ignore;
+    errors_.manager.emit_message = jpeg_tell;
     progress_.progress_monitor = count_scans;
   }
   ~Decoder() { jpeg_destroy_decompress(&jpeg_); }

@@ -18,7 +18,7 @@ inline constexpr int kMostScans = 64;
 /// What its head says, or nothing where it has none. Throws `std::bad_alloc`.
 [[nodiscard]] std::optional<ImageSize> jpeg_size(std::span<const std::uint8_t> encoded);
 
-/// RGBA, or nothing where it is damaged beyond what the decoder fills in. Throws
+/// RGBA, or nothing where it is damaged or cut short so that pixels are missing. Throws
 /// `std::bad_alloc`. `size` is what `jpeg_size` says, and accepted.
 [[nodiscard]] std::optional<Image> decode_jpeg(std::span<const std::uint8_t> encoded,
                                                ImageSize size);

@@ -194,7 +194,7 @@ TEST_F(GltfScene, ReadsImagesFromEverywhere) {
   EXPECT_EQ(material.emission_texture.texture, kInvalidId);
   EXPECT_EQ(material.normal_texture.texture, 1u);
   EXPECT_EQ(material.normal_scale, 0.5f);
-  EXPECT_TRUE(warns(scene, "images[3] is too large or no picture"));
+  EXPECT_TRUE(warns(scene, "images[3] is cut short, too large or no picture"));
 }
 
 // The bytes say what a picture is, whatever its URI calls it; and what only an extension shows does
@@ -213,7 +213,7 @@ TEST_F(GltfScene, ReadsImagesOfAnyKindOfUri) {
     const SceneDescription scene = load_scene(write("a.gltf", file.text()));
     EXPECT_EQ(scene.images.size(), 1u) << kind;
     EXPECT_EQ(scene.textures.size(), 1u) << kind;
-    EXPECT_TRUE(warns(scene, "images[1] is too large or no picture"));
+    EXPECT_TRUE(warns(scene, "images[1] is cut short, too large or no picture"));
     EXPECT_TRUE(warns(scene, "images[2] is missing"));
   }
 }

@@ -259,6 +259,17 @@ TEST(Image, JpegOfTooManyScansIsNoPicture) {
   EXPECT_FALSE(io::decode_image(jpeg_of(grey, io::kMostScans + 1)).has_value());
 }
 
+TEST(Image, JpegThatIsCutShortIsNoPicture) {
+  for (const bool is_progressive : {false, true}) {
+    const ImageBytes jpeg = jpeg_of({JCS_RGB, 3, is_progressive});
+    // Behind the last pixel's bits there may be a byte of stuffing, and there is the end mark.
+    for (std::size_t length = 0; length < jpeg.size() - 3; ++length)
+      EXPECT_FALSE(io::decode_image({jpeg.data(), length}).has_value()) << length;
+    EXPECT_EQ(io::decode_image({jpeg.data(), jpeg.size() - 2}).has_value(), !is_progressive)
+        << "of one scan it is whole without its mark";
+  }
+}
+
 // Whatever a file lacks is the same colour each time: two decodings, between which memory is used.
 TEST(Image, CutShortIsTheSamePictureEachTime) {
   std::vector<ImageBytes> files = {jpeg_of({JCS_RGB, 3}), jpeg_of({JCS_RGB, 3, true})};
