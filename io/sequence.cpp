@@ -301,8 +301,11 @@ class SequenceAnimation final : public Animation {
       scene_.cameras[0] = files_.cameras[index];
       scene_.cameras[0].name = "moving";
     }
+    for (const std::string& sentence : frame.warnings) {
+      std::vector<std::string>& all = scene_.warnings;
+      if (std::find(all.begin(), all.end(), sentence) == all.end()) all.push_back(sentence);
+    }
     if (shown_ == kNone) {
-      scene_.warnings.insert(scene_.warnings.end(), frame.warnings.begin(), frame.warnings.end());
       scene_.files.insert(scene_.files.end(), frame.files.begin() + 1, frame.files.end());
     }
     read_ahead(index);

@@ -60,8 +60,9 @@ std::string progress_line(std::string_view stage, std::uint64_t done, std::uint6
 ProgressBar::ProgressBar(std::FILE* stream, bool wanted)
     : stream_(stream), active_(wanted && isatty(fileno(stream)) == 1) {}
 
-ProgressBar::~ProgressBar() {
+void ProgressBar::wipe() {
   if (!drawn_) return;
+  drawn_ = false;
   std::fputs("\r\033[K", stream_);
   std::fflush(stream_);
 }

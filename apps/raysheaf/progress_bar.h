@@ -20,11 +20,12 @@ class ProgressBar {
  public:
   /// Draws on `stream` where that is a terminal and `wanted`; nowhere else.
   ProgressBar(std::FILE* stream, bool wanted);
-  /// Wipes the line.
-  ~ProgressBar();
+  ~ProgressBar() { wipe(); }
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
+  /// Leaves an empty line, which others may write to, until the next update.
+  void wipe();
   void update(std::string_view stage, std::uint64_t done, std::uint64_t total);
 
  private:

@@ -93,8 +93,9 @@ struct SequenceFiles {
 
 /// Frames are read when they are sought, unless `options` has them preloaded; pictures that OBJ's
 /// materials share are decoded once. Meshes of a frame whose triangles are those of the frame
-/// before are taken as deformed; from the first other mesh on they are other ones. Throws `Error`
-/// as `load_scene` does.
+/// before are taken as deformed; from the first other mesh on they are other ones. The scene's
+/// warnings become more where a frame that is shown has others. Throws `Error` as `load_scene`
+/// does.
 [[nodiscard]] std::unique_ptr<Animation> load_sequence(const SequenceFiles& files,
                                                        const LoadOptions& options = {});
 

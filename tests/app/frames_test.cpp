@@ -164,6 +164,22 @@ TEST_F(Frames, ASinglePictureIsTakenAtATime) {
   EXPECT_EQ(count_of("b_"), 6u);
 }
 
+TEST_F(Frames, WhatIsLeftOutOfAnyOfThemIsSaidOnce) {
+  for (const int i : {2, 3, 5})
+    write_file(folder_.path() / ("box_" + std::to_string(i) + ".obj"), "usemtl zzz\n" + box_at(1));
+  const std::string warning = "warning: There is no material \"zzz\"";
+  for (const bool streamed : {false, true}) {
+    std::vector<std::string> arguments = {"-o", "w_%d.png"};
+    if (streamed) arguments.emplace_back("--stream");
+    const Finished finished = walk(arguments);
+    ASSERT_EQ(finished.code, 0) << finished.err;
+    const std::size_t at = finished.err.find(warning);
+    ASSERT_NE(at, std::string::npos) << finished.err;
+    EXPECT_EQ(finished.err.find("warning", at + 1), std::string::npos) << finished.err;
+  }
+  EXPECT_EQ(walk({"-o", "w_%d.png", "-q"}).err, "");
+}
+
 TEST_F(Frames, FollowAPath) {
   write_file(folder_.path() / "path.json", R"({"keys": [
       {"time": 0, "position": [0, 3, 9], "look_at": [1, 0, 0]},

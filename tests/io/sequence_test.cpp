@@ -84,6 +84,26 @@ TEST_F(Sequence, SaysWhatIsAnother) {
   validate_changes(scene, changes);
 }
 
+TEST_F(Sequence, SaysWhatEachFrameLeavesOutOnce) {
+  write("m.mtl", "newmtl red\nKd 1 0 0\n");
+  const std::string head = "mtllib m.mtl\n";
+  write("w_1.obj", head + triangles_at({0}, "red"));
+  write("w_2.obj", head + triangles_at({1}, "zzz"));
+  write("w_3.obj", head + triangles_at({2}, "zzz") + "p 1\n");
+  for (const bool preload : {false, true}) {
+    const auto animation = load_animation(path("w_*.obj"), {.preload = preload});
+    const std::vector<std::string>& warnings = animation->scene().warnings;
+    EXPECT_TRUE(warnings.empty());
+    for (const std::size_t frame : {1u, 2u, 1u, 0u, 2u}) {
+      static_cast<void>(animation->seek(animation->frame_times()[frame]));
+      EXPECT_GE(warnings.size(), frame);
+    }
+    ASSERT_EQ(warnings.size(), 2u);
+    EXPECT_TRUE(warns(animation->scene(), "zzz"));
+    EXPECT_TRUE(warns(animation->scene(), "Points"));
+  }
+}
+
 TEST_F(Sequence, KeepsMaterialsThatTheFramesShare) {
   write("m.mtl", "newmtl red\nKd 1 0 0\nmap_Kd red.png\n");
   write_png({"red", 1, 1, {255, 0, 0, 255}}, path("red.png"));

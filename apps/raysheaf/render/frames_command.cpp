@@ -90,6 +90,7 @@ class FrameRun {
         frames_(command.frames),
         animation_(animation),
         ranks_(ranks.get()),
+        told_warnings_(animation.scene().warnings.size()),
         plan_(animation, bounds_of(blocks, animation), command.frames, command.options.camera),
         options_(command.options),
         missing_(find_missing()),
@@ -199,6 +200,7 @@ class FrameRun {
       stop_if_interrupted();
       Drawn drawn = make_frame(*next);
       finish_writing();
+      tell_new_warnings(&bar);
       bar.update("frames", *next + 1, missing_.size());
       stop_if_interrupted();
       if (frame_each_ || is_first(ranks_))
@@ -208,6 +210,14 @@ class FrameRun {
     finish_writing();
     if (frame_each_)
       ranks_->combine(std::as_writable_bytes(std::span(frame_ms_)), sizeof(double), take_longer);
+  }
+
+  void tell_new_warnings(ProgressBar* bar) {
+    const std::vector<std::string>& warnings = animation_.scene().warnings;
+    if (command_.quiet || told_warnings_ == warnings.size()) return;
+    bar->wipe();
+    for (; told_warnings_ < warnings.size(); ++told_warnings_)
+      tell("warning: " + printable(warnings[told_warnings_]));
   }
 
   /// Waits for the frame before, whose pictures are written while the next one is rendered.
@@ -330,6 +340,7 @@ class FrameRun {
   const FramesOptions& frames_;
   Animation& animation_;
   Communicator* ranks_;
+  std::size_t told_warnings_;  ///< of the scene: a sequence has more as it goes on
   FramePlan plan_;
   RenderOptions options_;
   std::vector<std::uint64_t> missing_;

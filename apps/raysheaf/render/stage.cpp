@@ -1,5 +1,6 @@
 #include "render/stage.h"
 
+#include <set>
 #include <utility>
 
 #include "console.h"
@@ -52,8 +53,8 @@ class StreamedStage final : public Stage {
       cut_ = std::make_unique<BlockList>();
       StoppableSink sink(cut_.get());
       scene_ = cut_into_blocks(scene, &sink);
-      if (changes.everything && !quiet_)
-        for (std::size_t i = scene.warnings.size(); i < scene_.warnings.size(); ++i)
+      for (std::size_t i = scene.warnings.size(); i < scene_.warnings.size(); ++i)
+        if (told_.insert(scene_.warnings[i]).second && !quiet_)
           tell("warning: " + printable(scene_.warnings[i]));
     }
     scene_.cameras = scene.cameras;
@@ -80,6 +81,7 @@ class StreamedStage final : public Stage {
   const bool quiet_;
   std::unique_ptr<BlockList> cut_;  ///< where there is no file
   SceneDescription scene_;          ///< without triangles
+  std::set<std::string> told_;      ///< warnings of cutting
   std::unique_ptr<HitExchange> exchange_;
   StreamOptions stream_;
 };
