@@ -37,6 +37,13 @@ GltfScene load_gltf(const Bytes& file, const SceneFile& from) {
   return read_gltf(parse_gltf(GltfBytes(file), from), from, nullptr);
 }
 
+SceneDescription at_rest(GltfScene loaded) {
+  if (!loaded.rig.nodes.empty()) pose(loaded.rig, loaded.scene);
+  if (!loaded.rig.clips.empty())
+    loaded.scene.warnings.emplace_back("Animations are left out: the scene is shown at rest.");
+  return std::move(loaded.scene);
+}
+
 std::optional<OuterScene> read_outer_gltf(const std::string& path, const PackOptions& options) {
   const GltfFile file(path, "");
   std::set<std::string> names;
@@ -46,9 +53,7 @@ std::optional<OuterScene> read_outer_gltf(const std::string& path, const PackOpt
   OuterScene scene;
   scene.columns = std::make_unique<OuterColumns>(options);
   const GltfOuter outer{options, *scene.columns, scene.meshes};
-  GltfScene read = read_gltf(model, from, &outer);
-  if (!read.rig.nodes.empty()) pose(read.rig, read.scene);
-  scene.rest = std::move(read.scene);
+  scene.rest = at_rest(read_gltf(model, from, &outer));
   scene.rest.files = files_of(from);
   return scene;
 }

@@ -22,6 +22,9 @@ struct GltfScene {
 };
 [[nodiscard]] GltfScene load_gltf(const Bytes& file, const SceneFile& from);
 
+/// The scene at its places. Warns where clips are left out.
+[[nodiscard]] SceneDescription at_rest(GltfScene loaded);
+
 /// The same at rest, in memory that does not grow with the meshes. Nothing of files so small that
 /// they may be held. Throws `NeedsWholeFile` where meshes have skins, morph targets or sparse
 /// attributes.

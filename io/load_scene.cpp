@@ -55,10 +55,9 @@ io::GltfScene load_any(const std::string& path, const LoadOptions& options,
 }
 
 SceneDescription load_at_rest(const std::string& path, const LoadOptions& options) {
-  io::GltfScene loaded = load_any(path, options);
-  if (!loaded.rig.nodes.empty()) pose(loaded.rig, loaded.scene);
-  validate(loaded.scene);
-  return std::move(loaded.scene);
+  SceneDescription scene = io::at_rest(load_any(path, options));
+  validate(scene);
+  return scene;
 }
 
 /// Whether the name is a pattern, and not that of a file.
@@ -90,10 +89,9 @@ std::unique_ptr<Animation> load_moving(const std::string& path, const LoadOption
 SceneDescription io::load_part(const std::string& path, const LoadOptions& options,
                                ImageCache* images) {
   return naming(path, [&] {
-    GltfScene loaded = load_any(path, options, images);
-    if (!loaded.rig.nodes.empty()) pose(loaded.rig, loaded.scene);
-    if (loaded.scene.triangle_count() > 0) validate(loaded.scene);
-    return std::move(loaded.scene);
+    SceneDescription scene = at_rest(load_any(path, options, images));
+    if (scene.triangle_count() > 0) validate(scene);
+    return scene;
   });
 }
 

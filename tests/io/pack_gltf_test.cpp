@@ -1,6 +1,8 @@
 // glTF cut into blocks without being held.
+#include <algorithm>
 #include <array>
 
+#include "raysheaf/animation.h"
 #include "support/random.h"
 #include "tests/io/pack_support.h"
 
@@ -156,6 +158,26 @@ TEST_F(PackGltf, RefusesWhatLoadSceneRefuses) {
   expect_same_words(write("a.gltf", file.text("none.bin")), "none.bin");
   write("short.bin", Bytes(100));
   expect_same_words(write("a.gltf", file.text("short.bin")), "short.bin");
+}
+
+TEST_F(PackGltf, SaysThatAnimationsAreLeftOut) {
+  GltfFile file = scene_of_all_kinds(9);
+  const std::size_t times = file.accessor<float>({0, 1}, "SCALAR", kFloats, 1);
+  const std::size_t places = file.positions({0, 0, 0, 0, 9, 0});
+  file.add("animations",
+           {{"samplers", {{{"input", times}, {"output", places}}}},
+            {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}});
+  const std::string scene = write("moving.glb", file.glb());
+  expect_same(scene, 100, 50);
+  BlockList sink;
+  const auto rest = pack_file(scene, &sink, {.triangles_at_once = 50, .beside = path("out.rsb")});
+  ASSERT_TRUE(rest.has_value());
+  EXPECT_EQ(rest->warnings, cut_into_blocks(load_scene(scene), &sink).warnings);
+  EXPECT_EQ(
+      std::count_if(rest->warnings.begin(), rest->warnings.end(),
+                    [](const std::string& w) { return w.starts_with("Animations are left out"); }),
+      1);
+  EXPECT_FALSE(warns(load_animation(scene)->scene(), "Animations"));
 }
 
 TEST_F(PackGltf, LeavesOthersAlone) {
