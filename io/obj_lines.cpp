@@ -33,6 +33,11 @@ std::size_t line_size(std::string_view text) {
   return i;
 }
 
+/// In names a '#' is a letter; behind numbers it begins a comment.
+bool has_numbers(std::string_view keyword) {
+  return keyword == "v" || keyword == "vn" || keyword == "vt" || keyword == "f";
+}
+
 enum class Reference { kRight, kMalformed, kZero, kTooLarge };
 
 /// "7", "-1/2", "3//4" or "1/2/3".
@@ -139,6 +144,18 @@ ObjLines::int_type ObjLines::underflow() {
   return traits_type::to_int_type(current_[0]);
 }
 
+/// Whether the next line belongs to the one at hand. Comments end with their line. Names may end in
+/// a backslash, as those of folders do: behind them it must stand alone.
+bool ObjLines::goes_on() const {
+  if (!current_.ends_with('\\')) return false;
+  std::string_view rest = current_;
+  const std::string_view keyword = take_word(rest);
+  if (keyword.starts_with('#') || (has_numbers(keyword) && rest.find('#') != rest.npos))
+    return false;
+  const bool names = keyword == "g" || keyword == "o" || keyword == "usemtl" || keyword == "mtllib";
+  return !names || rest.ends_with(" \\") || rest.ends_with("\t\\");
+}
+
 bool ObjLines::next_line() {
   if (text_.empty()) return false;
   current_.clear();
@@ -146,10 +163,9 @@ bool ObjLines::next_line() {
   for (bool more = true; more && !text_.empty();) {
     std::string_view part = take_line(text_);
     ++next_line_;
-    more = part.ends_with('\\');
-    if (more) part.remove_suffix(1);
     current_ += part;
-    if (more) current_ += ' ';
+    more = goes_on();
+    if (more) current_.back() = ' ';
   }
   // The parser takes its lines for C strings, and knows no blanks but spaces and tabs: to it, any
   // other would be one more corner of a face.
@@ -162,11 +178,9 @@ bool ObjLines::next_line() {
 void ObjLines::check_line() {
   std::string_view rest = current_;
   const std::string_view keyword = take_word(rest);
-  const bool geometry = keyword == "v" || keyword == "vn" || keyword == "vt" || keyword == "f";
-  if (geometry) {
+  if (has_numbers(keyword)) {
     const bool face = keyword == "f";
     const std::size_t least = keyword == "vt" ? 1 : 3;
-    // In names a '#' is a letter; after numbers it begins a comment.
     const std::size_t comment = current_.find('#');
     if (comment != current_.npos) {
       current_.resize(comment);

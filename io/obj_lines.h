@@ -14,8 +14,9 @@
 
 namespace raysheaf::io {
 
-/// Hands out one logical line at a time (a backslash at the end joins two), so that in the parser's
-/// callbacks `line()` is the number of the line at hand. Throws `Error` with place "line 17".
+/// Hands out one logical line at a time (a backslash at the end joins two, but not in a comment,
+/// nor where it is the last letter of a name), so that in the parser's callbacks `line()` is the
+/// number of the line at hand. Throws `Error` with place "line 17".
 class ObjLines : public std::streambuf {
  public:
   explicit ObjLines(std::string_view text) : text_(text) {}
@@ -35,6 +36,7 @@ class ObjLines : public std::streambuf {
 
  private:
   bool next_line();
+  [[nodiscard]] bool goes_on() const;
   void check_line();
   void check_numbers(std::string_view rest, std::size_t least);
   void check_face(std::string_view rest);

@@ -128,6 +128,16 @@ TEST_F(Obj, UnderstandsOddLines) {
   EXPECT_EQ(load("v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r").triangle_count(), 1u) << "old line ends";
   EXPECT_EQ(load("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\f3 \v\n").triangle_count(), 1u) << "blanks";
 }
+TEST_F(Obj, JoinsNoLineToACommentOrAName) {
+  EXPECT_EQ(load("# from C:\\models\\\n" + kSquare + "f 1 2 3 # C:\\\nf 1 3 4\n").triangle_count(),
+            2u);
+  EXPECT_EQ(load(kSquare + "f 1 2 \\\n3 \\\n4\n # out\\\r\nf 1 2 3\n").triangle_count(), 3u);
+  const SceneDescription scene =
+      load(kSquare + "g C:\\dir\\\nf 1 2 3\no a\\\nusemtl b\\\ng left \\\nside\nf 1 3 4\n");
+  ASSERT_EQ(scene.meshes.size(), 2u);
+  EXPECT_EQ(scene.meshes[0].name, "C:\\dir\\");
+  EXPECT_EQ(scene.meshes[1].name, "a\\/left side");
+}
 TEST_F(Obj, WarnsOfWhatIsLeftOut) {
   const SceneDescription scene = load(kSquare + "l 1 2\np 1\nf 1 2\nf 1 2 3\n");
   EXPECT_TRUE(warns(scene, "Points and lines"));
