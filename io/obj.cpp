@@ -47,7 +47,7 @@ class ObjReader {
       static_cast<ObjReader*>(self)->add_position({x, y, z});
     };
     callbacks.normal_cb = [](void* self, float x, float y, float z) {
-      static_cast<ObjReader*>(self)->normals_.push_back({x, y, z});
+      static_cast<ObjReader*>(self)->add_normal({x, y, z});
     };
     // OBJ counts v from the bottom row up.
     callbacks.texcoord_cb = [](void* self, float x, float y, float) {
@@ -96,6 +96,12 @@ class ObjReader {
     colors_.resize(positions_.size() - 1, {1, 1, 1});
     const auto linear = [](float x) { return static_cast<float>(linear_of_srgb(x)); };
     colors_.push_back(Vec3{linear(color.x), linear(color.y), linear(color.z)});
+  }
+  void add_normal(Vec3 n) {
+    if (!std::isfinite(n.x) || !std::isfinite(n.y) || !std::isfinite(n.z)) {
+      throw Error(ErrorCode::kInvalidData, "the normal is not finite", lines_.place());
+    }
+    normals_.push_back(n);
   }
   void add_uv(Vec2 uv) {
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) {

@@ -163,6 +163,8 @@ TEST_F(Obj, NamesTheLineOfWhatIsWrong) {
   expect(kInvalidData, "v 0 0 inf\n", {"line 1", "finite"});
   expect(kInvalidData, "v 0 0 1e99\n", {"line 1", "finite"});
   expect(kInvalidData, "v 0 0 1e99999999999\n", {"line 1"});
+  expect(kInvalidData, kSquare + "vn 1e999 0 0\nf 1//1 2//1 3//1\n",
+         {"line 5", "normal", "finite"});
   expect(kInvalidData, "v 0 0\n", {"line 1", "2 numbers"});
   expect(kInvalidData, "v 0 0 1..2\n", {"line 1"});
   expect(kInvalidData, kSquare, {"triangle"});
