@@ -60,8 +60,11 @@ class Animation {
 /// The place of a frame in time: `frame_times()[frame]` where there are such; else `start` and
 /// further by 1 / `fps` each.
 [[nodiscard]] double frame_time(const Animation& animation, std::uint64_t frame, double fps);
-/// How many frames there are until the end, one at least.
+/// How many frames there are until the end, one at least. Throws `Error` (kUnsupported) where that
+/// is 2^32 or more.
 [[nodiscard]] std::uint64_t frame_count(const Animation& animation, double fps);
+/// The same of so many seconds.
+[[nodiscard]] std::uint64_t frame_count(double seconds, double fps);
 
 /// A few frames, evenly over all that there are: what is automatic is judged by them.
 [[nodiscard]] std::vector<std::uint64_t> sample_frames(std::uint64_t frame_count);

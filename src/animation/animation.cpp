@@ -49,6 +49,13 @@ double end_of(const RigClip& clip) {
   return end;
 }
 
+constexpr double kMostFrames = 0xffffffff;
+
+/// A clip of 2 s at 24 frames a second ends with frame 48, whatever 2 s came to in a float.
+double frames_in(double seconds, double fps) {
+  return 1 + std::floor(seconds * fps + 1e-3);
+}
+
 class RigAnimation final : public Animation {
  public:
   RigAnimation(SceneDescription scene, Rig rig, std::uint32_t threads)
@@ -113,12 +120,16 @@ double frame_time(const Animation& animation, std::uint64_t frame, double fps) {
   return times[std::min<std::uint64_t>(frame, times.size() - 1)];
 }
 
+std::uint64_t frame_count(double seconds, double fps) {
+  const double frames = frames_in(seconds, fps);
+  if (frames <= kMostFrames) return static_cast<std::uint64_t>(frames);
+  throw Error(ErrorCode::kUnsupported, "has more than 2^32 - 1 frames until its end", "animation");
+}
+
 std::uint64_t frame_count(const Animation& animation, double fps) {
   const std::vector<double>& times = animation.frame_times();
   if (!times.empty()) return times.size();
-  // A clip of 2 s at 24 frames a second ends with frame 48, whatever 2 s came to in a float.
-  const double frames = (animation.end() - animation.start()) * fps;
-  return 1 + static_cast<std::uint64_t>(std::floor(frames + 1e-3));
+  return frame_count(animation.end() - animation.start(), fps);
 }
 
 std::vector<std::uint64_t> sample_frames(std::uint64_t count) {
@@ -136,7 +147,11 @@ void add_missing_camera_and_light(Animation& animation) {
   SceneDescription whole;
   Mesh corners;
   constexpr double kRate = 24;
-  for (const std::uint64_t frame : sample_frames(frame_count(animation, kRate))) {
+  // A single picture of what has too many frames to count is made all the same.
+  const auto listed = static_cast<double>(animation.frame_times().size());
+  const double frames = listed > 0 ? listed : frames_in(animation.end() - animation.start(), kRate);
+  for (const std::uint64_t frame :
+       sample_frames(static_cast<std::uint64_t>(std::min(frames, kMostFrames)))) {
     static_cast<void>(animation.seek(frame_time(animation, frame, kRate)));
     const Box box = world_bounds(scene);
     const auto first = static_cast<std::uint32_t>(corners.positions.size());

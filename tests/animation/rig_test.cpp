@@ -79,6 +79,23 @@ TEST(Rig, CountsFrames) {
   const auto still = animate(arm.scene);
   EXPECT_EQ(frame_count(*still, 24), 1u);
   EXPECT_TRUE(still->seek(3).empty());
+  EXPECT_EQ(frame_count(0xfffffffe, 1), 0xffffffffu);
+  EXPECT_THROW(static_cast<void>(frame_count(0xffffffff, 1)), Error);
+}
+
+TEST(Rig, HasNoFramesWithoutEnd) {
+  Arm arm;
+  arm.rig.clips[0].curves[0].times.back() = 1e30f;
+  arm.scene.cameras.clear();
+  arm.rig.camera_nodes.clear();
+  const auto animation = animate(arm.scene, arm.rig);
+  try {
+    static_cast<void>(frame_count(*animation, 24));
+    ADD_FAILURE() << "were counted";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("more than 2^32 - 1 frames"), std::string::npos);
+  }
+  EXPECT_NO_THROW(add_missing_camera_and_light(*animation));
 }
 
 TEST(Rig, PlaysClipsApartOrTogether) {

@@ -256,6 +256,9 @@ TEST_F(Frames, WhatIsWrongIsSaidInASentence) {
   refused({"-o", "f_%d.png", "--turntable", "3", "--camera-path", "x"}, 2, "--turntable");
   refused({"-o", "f_%d.png", "--clip", "walk"}, 1, "no clip \"walk\"");
   refused({"-o", "no_folder/f_%d.png"}, 1, "no_folder");
+  write_file(folder_.path() / "far.json", R"({"keys": [{"time": 0, "position": [0, 0, 9],
+      "look_at": [0, 0, 0]}, {"time": 1e30, "position": [9, 0, 0], "look_at": [0, 0, 0]}]})");
+  refused({"-o", "f_%d.png", "--camera-path", "far.json"}, 1, "more than 2^32 - 1 frames");
   Finished finished = render({"floor.obj", "--sequence", "tree_*.obj", "-o", "f_%d.png"});
   EXPECT_EQ(finished.code, 1);
   EXPECT_NE(finished.err.find("tree_*.obj: no file has such a name"), std::string::npos)

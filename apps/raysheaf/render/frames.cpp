@@ -66,8 +66,7 @@ std::uint64_t total_frames(const Animation& animation, const FramesOptions& opti
                            const std::optional<CameraPath>& path) {
   if (options.turntable != 0) return options.turntable;
   if (!path) return frame_count(animation, options.fps);
-  const double seconds = path->keys.back().time - path->keys.front().time;
-  return 1 + static_cast<std::uint64_t>(std::floor(seconds * options.fps + 1e-3));
+  return frame_count(path->keys.back().time - path->keys.front().time, options.fps);
 }
 
 }  // namespace
