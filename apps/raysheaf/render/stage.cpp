@@ -6,15 +6,31 @@
 #include "console.h"
 #include "ranks/ranks.h"
 #include "raysheaf/context.h"
+#include "raysheaf/error.h"
 #include "render/stream.h"
 #include "stoppable_sink.h"
 
 namespace raysheaf::app {
 namespace {
 
+/// What `work` gives. Time may make a scene wrong that was right in its file: the file is named
+/// here too, before what is one of a list of the scene's.
+template <class Work>
+auto naming_scene(const std::string& name, const Work& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    const bool of_scene =
+        error.code() == ErrorCode::kInvalidData && error.place().find('[') != std::string::npos;
+    if (!of_scene) throw;
+    throw Error(error.code(), error.sentence(), name + ": " + error.place());
+  }
+}
+
 class ResidentStage final : public Stage {
  public:
-  explicit ResidentStage(const Context& context) : renderer_(context) {}
+  ResidentStage(const Context& context, std::string name)
+      : renderer_(context), name_(std::move(name)) {}
 
   void show(const SceneDescription& scene, const SceneChanges& changes) override {
     renderer_.show(scene, changes);
@@ -22,20 +38,26 @@ class ResidentStage final : public Stage {
 
   Staged render(const RenderOptions& options, const std::optional<Camera>& camera) override {
     Staged staged;
-    staged.picture = camera ? renderer_.render(options, *camera) : renderer_.render(options);
+    staged.picture = naming_scene(name_, [&] {
+      return camera ? renderer_.render(options, *camera) : renderer_.render(options);
+    });
     staged.update = renderer_.last_update();
     return staged;
   }
 
  private:
   Renderer renderer_;
+  std::string name_;  ///< of the scene
 };
 
 class StreamedStage final : public Stage {
  public:
   StreamedStage(const RenderCommand& command, Communicator* ranks, const GeometrySource* blocks,
                 StreamCheckpoint* checkpoint)
-      : context_({command.device, command.options.threads}), file_(blocks), quiet_(command.quiet) {
+      : context_({command.device, command.options.threads}),
+        file_(blocks),
+        name_(command.scene),
+        quiet_(command.quiet) {
     stream_.context = &context_;
     stream_.memory_bytes = command.memory_bytes;
     stream_.checkpoint = checkpoint;
@@ -52,7 +74,7 @@ class StreamedStage final : public Stage {
     } else if (!changes.empty()) {
       cut_ = std::make_unique<BlockList>();
       StoppableSink sink(cut_.get());
-      scene_ = cut_into_blocks(scene, &sink);
+      scene_ = naming_scene(name_, [&] { return cut_into_blocks(scene, &sink); });
       for (std::size_t i = scene.warnings.size(); i < scene_.warnings.size(); ++i)
         if (told_.insert(scene_.warnings[i]).second && !quiet_)
           tell("warning: " + printable(scene_.warnings[i]));
@@ -78,6 +100,7 @@ class StreamedStage final : public Stage {
  private:
   Context context_;
   const GeometrySource* file_;
+  const std::string name_;  ///< of the scene
   const bool quiet_;
   std::unique_ptr<BlockList> cut_;  ///< where there is no file
   SceneDescription scene_;          ///< without triangles
@@ -93,7 +116,7 @@ std::unique_ptr<Stage> make_stage(const RenderCommand& command,
                                   const GeometrySource* blocks, StreamCheckpoint* checkpoint) {
   if (is_streamed(command))
     return std::make_unique<StreamedStage>(command, ranks.get(), blocks, checkpoint);
-  return std::make_unique<ResidentStage>(context_of(command, ranks));
+  return std::make_unique<ResidentStage>(context_of(command, ranks), command.scene);
 }
 
 }  // namespace raysheaf::app
