@@ -2,6 +2,7 @@
 
 #include "io/gltf.h"
 #include "io/gltf_json.h"
+#include "io/refuse.h"
 
 namespace raysheaf::io {
 namespace {
@@ -72,11 +73,11 @@ class MaterialReader {
   MaterialReader(std::vector<std::uint32_t> textures, Warnings& warnings)
       : textures_(std::move(textures)), warnings_(warnings) {}
 
-  Material read(const JsonValue& source) {
+  Material read(const JsonValue& source, const std::string& place) {
     const JsonValue* pbr = source.find("pbrMetallicRoughness");
     const JsonValue nothing;
     read_base(source, pbr == nullptr ? nothing : *pbr);
-    read_extensions(source);
+    read_extensions(source, place + ".extensions.");
     read_alpha(source);
     if (source.contains("occlusionTexture")) warnings_.once("Occlusion textures are left out.");
     return std::move(material_);
@@ -150,13 +151,18 @@ class MaterialReader {
     }
   }
 
-  void read_extensions(const JsonValue& source) {
+  void read_extensions(const JsonValue& source, const std::string& place) {
     if (const JsonValue* x = extension(source, "KHR_materials_transmission")) {
       material_.transmission = x->get("transmissionFactor", 0.0f);
       if (x->contains("transmissionTexture")) warnings_.once("Transmission textures are left out.");
     }
-    if (const JsonValue* x = extension(source, "KHR_materials_ior"))
+    if (const JsonValue* x = extension(source, "KHR_materials_ior")) {
       material_.ior = x->get("ior", 1.5f);
+      if (material_.ior < 1 && material_.ior != 0)
+        refuse("is " + std::to_string(material_.ior) +
+                   ", but must be at least 1, or 0 for a surface that reflects all",
+               place + "KHR_materials_ior.ior");
+    }
     if (const JsonValue* x = extension(source, "KHR_materials_specular")) {
       material_.specular = x->get("specularFactor", 1.0f);
       material_.specular_color = vec3(*x, "specularColorFactor", 1);
@@ -184,7 +190,7 @@ std::vector<int> read_materials(const GltfModel& model, SceneDescription& scene,
   MaterialReader reader(read_textures(model, scene, warnings), warnings);
   std::vector<int> uv_sets;
   for (const JsonValue& source : model.list("materials")) {
-    scene.materials.push_back(reader.read(source));
+    scene.materials.push_back(reader.read(source, element("materials", uv_sets.size())));
     uv_sets.push_back(reader.uv_set());
   }
   return uv_sets;

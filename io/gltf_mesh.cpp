@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -215,6 +216,9 @@ class MeshReader {
       if (base == 0) mesh_.positions.reserve(count);
     }
     accessors_.each_vertex(attributes[0], 3, count, place + "POSITION", [&](const float* p) {
+      if (std::max({std::fabs(p[0]), std::fabs(p[1]), std::fabs(p[2])}) > kFarthest)
+        refuse("is farther out than 1e18",
+               element(place + "POSITION", mesh_.positions.size() - base));
       mesh_.positions.push_back({p[0], p[1], p[2]});
     });
     read_normals(attributes[1], count, place + "NORMAL");

@@ -114,61 +114,95 @@ Light::Type light_type(const std::string& type, const std::string& place) {
   refuse("is not point, spot or directional", place + ".type");
 }
 
+[[noreturn]] void refuse_number(double number, const char* must_be, const std::string& place) {
+  refuse("is " + std::to_string(number) + ", but must be " + must_be, place);
+}
+
 /// A number of an object's extras, or 0 where there is none.
-float extra_number(const JsonValue& object, const char* name) {
+float extra_number(const JsonValue& object, const char* name, const std::string& place) {
   const JsonValue* extras = object.find("extras");
-  const JsonValue* number = extras == nullptr ? nullptr : extras->find(name);
-  return number == nullptr || !number->is_number() ? 0 : number->get<float>();
+  const JsonValue* found = extras == nullptr ? nullptr : extras->find(name);
+  const float number = found == nullptr || !found->is_number() ? 0 : found->get<float>();
+  if (!(number >= 0 && std::isfinite(number)))
+    refuse_number(number, "0 or more", place + ".extras." + name);
+  return number;
 }
 
 /// A size, which KHR_lights_punctual knows nothing of: `extras.radius` of a point or a spot,
 /// `extras.width` and `extras.height` (along the node's x and y) of a spot (docs/light.md).
-void read_size(const JsonValue& source, Light& light) {
+void read_size(const JsonValue& source, const std::string& place, Light& light) {
   if (light.type == Light::Type::kDirectional) return;
-  light.radius = extra_number(source, "radius");
-  const float width = extra_number(source, "width");
-  const float height = extra_number(source, "height");
+  light.radius = extra_number(source, "radius", place);
+  const float width = extra_number(source, "width", place);
+  const float height = extra_number(source, "height", place);
   if (light.type != Light::Type::kSpot || (width == 0 && height == 0)) return;
+  if (width == 0 || height == 0)
+    refuse_number(0, "above 0", place + (width == 0 ? ".extras.width" : ".extras.height"));
   light.type = Light::Type::kRectangle;
   light.width = width;
   light.height = height;
+}
+
+void read_spot(const JsonValue& spot, const std::string& place, Light& light) {
+  constexpr float kRightAngle = std::numbers::pi_v<float> / 2;
+  light.inner_angle = spot.get("innerConeAngle", 0.0f);
+  light.outer_angle = spot.get("outerConeAngle", kRightAngle / 2);
+  if (!(light.outer_angle > 0 && light.outer_angle <= kRightAngle))
+    refuse_number(light.outer_angle, "above 0 and at most pi/2", place + ".outerConeAngle");
+  if (!(light.inner_angle >= 0 && light.inner_angle <= light.outer_angle))
+    refuse_number(light.inner_angle, "from 0 to outerConeAngle", place + ".innerConeAngle");
 }
 
 Light read_punctual_light(const GltfModel& model, std::size_t index) {
   const JsonValue& source = gltf_lights(model.root())[index];
   Light light;
   light.name = source.get("name", std::string());
-  light.type = light_type(source.at("type").get<std::string>(),
-                          "extensions.KHR_lights_punctual.lights[" + std::to_string(index) + "]");
+  const std::string place = element("extensions.KHR_lights_punctual.lights", index);
+  light.type = light_type(source.at("type").get<std::string>(), place);
   std::array<double, 3> color{1, 1, 1};
   read_numbers(source, "color", color);
-  light.intensity = narrow(Double3{color[0], color[1], color[2]} * source.get("intensity", 1.0));
+  for (const double part : color)
+    if (part < 0) refuse("is negative", place + ".color");
+  const auto intensity = source.get("intensity", 1.0);
+  light.intensity = narrow(Double3{color[0], color[1], color[2]} * intensity);
+  if (intensity < 0) refuse("is negative", place + ".intensity");
   const auto range = source.get("range", 0.0);
   if (range > 0) light.range = static_cast<float>(range);
-  const JsonValue nothing;
-  const JsonValue& spot = light.type == Light::Type::kSpot ? source.at("spot") : nothing;
-  light.inner_angle = spot.get("innerConeAngle", 0.0f);
-  light.outer_angle = spot.get("outerConeAngle", std::numbers::pi_v<float> / 4);
-  read_size(source, light);
+  if (light.type == Light::Type::kSpot) read_spot(source.at("spot"), place + ".spot", light);
+  read_size(source, place, light);
   return light;
 }
 
-Camera read_gltf_camera(const JsonValue& source) {
+/// `place`: of the lens, which is `source`.
+void read_planes(const JsonValue& source, const std::string& place, Camera& camera) {
+  camera.z_near = source.at("znear").get<float>();
+  const float far = source.get("zfar", 0.0f);
+  camera.z_far = far > 0 ? far : std::numeric_limits<float>::infinity();
+  if (camera.z_near < 0 || (camera.z_near == 0 && !camera.orthographic))
+    refuse_number(camera.z_near, camera.orthographic ? "0 or more" : "above 0", place + ".znear");
+  if (!(camera.z_far > camera.z_near))
+    refuse_number(camera.z_far, "farther than znear", place + ".zfar");
+}
+
+Camera read_gltf_camera(const GltfModel& model, std::size_t index) {
+  const JsonValue& source = model.list("cameras")[index];
+  const std::string place = element("cameras", index);
   Camera camera;
   camera.name = source.get("name", std::string());
-  const auto type = source.at("type").get<std::string_view>();
+  const auto type = source.at("type").get<std::string>();
   camera.orthographic = type == "orthographic";
   const JsonValue& lens = source.at(type);
-  const auto near = lens.at("znear").get<double>(), far = lens.get("zfar", 0.0);
   if (camera.orthographic) {
     camera.y_mag = std::fabs(lens.at("ymag").get<float>());
+    if (camera.y_mag == 0) refuse("is 0", place + ".orthographic.ymag");
   } else {
     camera.y_fov = lens.at("yfov").get<float>();
+    if (!(camera.y_fov > 0 && camera.y_fov < std::numbers::pi_v<float>))
+      refuse_number(camera.y_fov, "between 0 and pi", place + ".perspective.yfov");
   }
-  camera.aperture = extra_number(source, "aperture");
-  camera.focus = extra_number(source, "focus");
-  camera.z_near = static_cast<float>(near);
-  camera.z_far = far > 0 ? static_cast<float>(far) : std::numeric_limits<float>::infinity();
+  read_planes(lens, place + "." + type, camera);
+  camera.aperture = extra_number(source, "aperture", place);
+  camera.focus = extra_number(source, "focus", place);
   return camera;
 }
 
@@ -186,7 +220,7 @@ void read_loads(const GltfModel& model, int index, std::uint32_t place, SceneDes
     rig.instance_nodes.push_back(skin >= 0 ? kInvalidId : place);
   }
   if (const JsonValue* camera = node.find("camera")) {
-    scene.cameras.push_back(read_gltf_camera(model.list("cameras")[camera->get<std::size_t>()]));
+    scene.cameras.push_back(read_gltf_camera(model, camera->get<std::size_t>()));
     if (scene.cameras.back().name.empty()) scene.cameras.back().name = name;
     rig.camera_nodes.push_back(place);
   }

@@ -96,19 +96,19 @@ constexpr JsonRule kRules[] = {
     {"materials[].alphaMode", kString},
     {"materials[].alphaCutoff", kNumber},
     {"materials[].doubleSided", kBool},
-    {"materials[].emissiveFactor", kNumbers, false, 3},
+    {"materials[].emissiveFactor", kAmounts, false, 3},
     {"materials[].pbrMetallicRoughness", kObject},
-    {"materials[].pbrMetallicRoughness.baseColorFactor", kNumbers, false, 4},
-    {"materials[].pbrMetallicRoughness.metallicFactor", kNumber},
-    {"materials[].pbrMetallicRoughness.roughnessFactor", kNumber},
+    {"materials[].pbrMetallicRoughness.baseColorFactor", kAmounts, false, 4},
+    {"materials[].pbrMetallicRoughness.metallicFactor", kPart},
+    {"materials[].pbrMetallicRoughness.roughnessFactor", kPart},
     {"materials[].extensions", kObject},
     {"materials[].extensions.KHR_materials_transmission", kObject},
-    {"materials[].extensions.KHR_materials_transmission.transmissionFactor", kNumber},
+    {"materials[].extensions.KHR_materials_transmission.transmissionFactor", kPart},
     {"materials[].extensions.KHR_materials_ior", kObject},
     {"materials[].extensions.KHR_materials_ior.ior", kNumber},
     {"materials[].extensions.KHR_materials_specular", kObject},
-    {"materials[].extensions.KHR_materials_specular.specularFactor", kNumber},
-    {"materials[].extensions.KHR_materials_specular.specularColorFactor", kNumbers, false, 3},
+    {"materials[].extensions.KHR_materials_specular.specularFactor", kPart},
+    {"materials[].extensions.KHR_materials_specular.specularColorFactor", kAmounts, false, 3},
     {"materials[].extensions.KHR_materials_emissive_strength", kObject},
     {"materials[].extensions.KHR_materials_emissive_strength.emissiveStrength", kNumber},
     {"materials[].extensions.KHR_materials_unlit", kObject},
@@ -251,6 +251,8 @@ class Checker {
         return require(value.is_boolean(), "true or false", place);
       case kNumber:
         return check_number(value, place);
+      case kPart:
+        return check_part(value, place);
       case kSize:
         return check_integer(value, 0, kMaxSize, place);
       case kPositive:
@@ -275,7 +277,8 @@ class Checker {
     }
     for (std::size_t i = 0; i < items.size(); ++i) {
       const Place here{&place, {}, i};
-      if (rule.kind == kNumbers) check_number(items[i], here);
+      if (rule.kind == kNumbers || rule.kind == kAmounts) check_number(items[i], here);
+      if (rule.kind == kAmounts && items[i].get<float>() < 0) refuse("is negative", here.text());
       if (rule.kind == kStrings) require(items[i].is_string(), "a string", here);
       if (rule.kind == kIndices) check_index(items[i], here, rule.target);
       if (rule.kind == kIndexMaps) check_map(items[i], here, rule);
@@ -294,6 +297,12 @@ class Checker {
     require(value.is_number(), "a number", place);
     require(std::fabs(value.get<double>()) <= double{std::numeric_limits<float>::max()},
             "a number that a float can hold", place);
+  }
+  static void check_part(const JsonValue& value, const Place& place) {
+    check_number(value, place);
+    const auto part = value.get<float>();
+    if (part < 0 || part > 1)
+      refuse("is " + std::to_string(part) + ", but goes from 0 to 1", place.text());
   }
   static void check_integer(const JsonValue& value, double least, double most, const Place& place) {
     require(value.is_integer(), "an integer", place);

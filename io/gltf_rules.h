@@ -14,7 +14,9 @@ enum class JsonKind {
   kString,     ///< a string
   kBool,       ///< true or false
   kNumber,     ///< a number within the range of float
+  kPart,       ///< one from 0 to 1
   kNumbers,    ///< an array of `count` numbers; of any length where `count` is 0
+  kAmounts,    ///< the same of numbers that are not negative
   kSize,       ///< an integer from 0 to 2^53
   kPositive,   ///< an integer from 1 to 2^53
   kInt,        ///< an integer of 32 bits

@@ -8,6 +8,9 @@
 
 namespace raysheaf::io {
 
+/// No vertex may be farther out, on any axis: what `validate` refuses.
+inline constexpr float kFarthest = 1e18f;
+
 struct Double3 {
   double x = 0, y = 0, z = 0;
 };

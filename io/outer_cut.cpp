@@ -6,13 +6,13 @@
 #include <numeric>
 #include <utility>
 
+#include "io/linear.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
 namespace {
 
 constexpr std::uint32_t kDigitBits = 16;
-constexpr float kFarthest = 1e18f;
 
 /// A triangle on its way into a block. `number`: of the triangles of all instances, which come by
 /// their meshes.

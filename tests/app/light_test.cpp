@@ -106,7 +106,7 @@ TEST(Light, WhatIsWrongIsOneSentence) {
   expect_sentence({scene, "--env", "negative.exr"}, 1, "negative.exr: pixel (0, 0) is negative");
   expect_sentence({scene, "--env", "cut.hdr"}, 1, "cut.hdr: the file ends within row 0");
   expect_sentence({scene, "--env", "nowhere.hdr"}, 1, "nowhere.hdr");
-  expect_sentence({"lamp.gltf"}, 1, "lights[0].height");
+  expect_sentence({"lamp.gltf"}, 1, "lights[0].extras.height");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // What is wrong with a glTF file is named with its place.
 #include <limits>
+#include <tuple>
 
 #include "tests/io/io_support.h"
 
@@ -178,7 +179,57 @@ TEST_F(GltfBroken, LightOfUnknownKind) {
 }
 TEST_F(GltfBroken, MaterialBeyondItsRange) {
   file_.add("materials", {{"pbrMetallicRoughness", {{"metallicFactor", 2}}}});
-  expect(kInvalidData, {"materials[0].metallic"});
+  expect(kInvalidData, {"materials[0].pbrMetallicRoughness.metallicFactor", "is 2", "from 0 to 1"});
+}
+
+/// The file's own numbers and names, not those of the scene that is made of it.
+TEST_F(GltfBroken, FieldsOfTheFileAreNamed) {
+  const json good_camera = {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 1}}}};
+  file_.json["cameras"] = {good_camera, good_camera};
+  file_.node({{"camera", 1}});
+  json& lights = file_.json["extensions"]["KHR_lights_punctual"]["lights"];
+  lights = {{{"type", "point"}}, {{"type", "spot"}, {"spot", json::object()}}};
+  file_.node({{"extensions", {{"KHR_lights_punctual", {{"light", 1}}}}}});
+  file_.add("materials", {{"name", "first"}});
+  file_.add("materials", {{"name", "second"}});
+  const json ortho = {{"xmag", 1}, {"ymag", 0}, {"znear", 0}, {"zfar", 1}};
+  const std::vector<std::tuple<std::string, json, std::string>> kCases = {
+      {"/cameras/1/perspective/yfov", 9, "cameras[1].perspective.yfov"},
+      {"/cameras/1/perspective/znear", 0, "cameras[1].perspective.znear"},
+      {"/cameras/1/perspective/zfar", 0.5, "cameras[1].perspective.zfar"},
+      {"/cameras/1",
+       {{"type", "orthographic"}, {"orthographic", ortho}},
+       "cameras[1].orthographic.ymag"},
+      {"/cameras/1/extras", {{"aperture", -1}}, "cameras[1].extras.aperture"},
+      {"/extensions/KHR_lights_punctual/lights/1/spot/outerConeAngle", 2,
+       "extensions.KHR_lights_punctual.lights[1].spot.outerConeAngle"},
+      {"/extensions/KHR_lights_punctual/lights/1/spot/innerConeAngle", 1,
+       "extensions.KHR_lights_punctual.lights[1].spot.innerConeAngle"},
+      {"/extensions/KHR_lights_punctual/lights/1/color",
+       {1, -1, 1},
+       "extensions.KHR_lights_punctual.lights[1].color"},
+      {"/extensions/KHR_lights_punctual/lights/1/intensity", -1,
+       "extensions.KHR_lights_punctual.lights[1].intensity"},
+      {"/extensions/KHR_lights_punctual/lights/1/extras",
+       {{"width", 1}},
+       "extensions.KHR_lights_punctual.lights[1].extras.height"},
+      {"/materials/1/emissiveFactor", {0, 0, -1}, "materials[1].emissiveFactor[2]"},
+      {"/materials/1/pbrMetallicRoughness/roughnessFactor", -0.5,
+       "materials[1].pbrMetallicRoughness.roughnessFactor"},
+      {"/materials/1/extensions/KHR_materials_ior/ior", 0.5,
+       "materials[1].extensions.KHR_materials_ior.ior"}};
+  const json before = file_.json;
+  EXPECT_NO_THROW(static_cast<void>(load_scene(write("good.gltf", file_.text()))));
+  for (const auto& [pointer, value, place] : kCases) {
+    file_.json[json::json_pointer(pointer)] = value;
+    expect(kInvalidData, {": " + place + ": "});
+    file_.json = before;
+  }
+  file_.json["meshes"].insert(file_.json["meshes"].begin(), file_.json["meshes"][0]);
+  file_.json["nodes"][0]["mesh"] = 1;
+  file_.json["meshes"][1]["primitives"][0]["attributes"]["POSITION"] =
+      file_.positions({0, 0, 0, 0, 3e18f, 0, 0, 0, 0});
+  expect(kInvalidData, {"meshes[1].primitives[0].attributes.POSITION[1]", "farther out than 1e18"});
 }
 
 TEST_F(GltfRefusal, DeepNesting) {
