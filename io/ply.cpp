@@ -185,6 +185,11 @@ class PlyReader {
     if (corners < 0 || !element.properties[static_cast<std::size_t>(corners)].is_list) {
       throw Error(ErrorCode::kInvalidData, "has no list vertex_indices", "element " + element.name);
     }
+    if (element.count > 0 && mesh_.positions.empty()) {
+      throw Error(ErrorCode::kInvalidData,
+                  "there are no vertices before it; element vertex is first",
+                  "element " + element.name);
+    }
     for (std::uint64_t i = 0; i < element.count; ++i) {
       for (std::size_t p = 0; p < element.properties.size(); ++p) {
         const PlyProperty& property = element.properties[p];

@@ -143,6 +143,11 @@ TEST_F(Ply, NamesTheElementThatIsWrong) {
   expect("ply\nformat binary_middle_endian 1.0\nend_header\n", {"line 2", "binary_middle_endian"});
   expect("plyx\n", {"line 1"});
   expect(kAscii + "end_header\n", {"triangle"});
+  expect(kAscii +
+             "element face 1\nproperty list uchar int vertex_index\nelement vertex 3\n"
+             "property float x\nproperty float y\nproperty float z\nend_header\n"
+             "3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n",
+         {"element face", "no vertices before it"});
 }
 
 }  // namespace
