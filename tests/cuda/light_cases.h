@@ -66,7 +66,7 @@ struct ChosenLightCase {
     const Fragment f = random_fragment(draws);
     const std::uint32_t index = draws.below(9);
     const LightSample seen = choose_on_light(f, light, index, {index, index < 3 ? 1u : 16u});
-    const LightReach reach{{1, 2, 3}, 12};
+    const LightReach reach = light_reach({{-9, -9, -9}, {11, 13, 15}});
     const Ray ray = shadow_ray(f, seen, reach);
     out.put(takes_light(f), faces_light(f, seen), ray, shadow_place(light, ray, reach));
     out.put(lit_by(f, seen), sample_light(light, f.surface.position).irradiance);

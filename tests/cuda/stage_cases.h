@@ -235,7 +235,7 @@ struct OffsetCase {
     out.put(offset_point(f.surface, draws.direction(), distance));
     const Vec3 corner = draws.in_box(3);
     const LightReach reach = light_reach({corner, corner + abs(draws.in_box(3))});
-    out.put(reach.center, reach.radius);
+    out.put(reach.center, reach.radius, way_out(reach.bounds, reach.center, draws.direction()));
     out.put(faces_light(f, {draws.direction(), 1, {1, 1, 1}, {0, 0, 0}}));
   }
 };
