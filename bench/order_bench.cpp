@@ -80,7 +80,7 @@ void scan(benchmark::State& state) {
   const Executor executor = executor_of(state);
   const Words in(rays(state), 1u);
   Words out(in.size());
-  for (auto _ : state) benchmark::DoNotOptimize(inclusive_scan(executor, in, out));
+  for (auto _ : state) benchmark::DoNotOptimize(exclusive_scan(executor, in, out));
   count_rays(state);
 }
 

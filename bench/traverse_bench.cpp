@@ -117,6 +117,15 @@ std::uint32_t side_by_side(Vec2 place, std::uint32_t bits) {
   return quantized(place.x, bits) << bits | quantized(place.y, bits);
 }
 
+/// Sixteen bits moved apart, a zero above each: `...0d 0c 0b 0a`.
+std::uint32_t spread_by_2(std::uint32_t x) {
+  x &= 0x0000ffffu;
+  x = (x | (x << 8)) & 0x00ff00ffu;
+  x = (x | (x << 4)) & 0x0f0f0f0fu;
+  x = (x | (x << 2)) & 0x33333333u;
+  return (x | (x << 1)) & 0x55555555u;
+}
+
 enum class Key { kNone, kAngles5, kAngles8, kMorton8, kOwn };
 
 /// Below the light, which the upper sixteen bits of raygen's key tell: nothing, the angles with 5
@@ -132,7 +141,7 @@ std::uint32_t shadow_key_of(Key key, const Ray& ray, std::uint32_t own) {
     case Key::kAngles8:
       return light | side_by_side(azimuth_polar(ray.direction), 8);
     case Key::kMorton8:
-      return light | morton_2(quantized(square.x, 8), quantized(square.y, 8));
+      return light | spread_by_2(quantized(square.x, 8)) | spread_by_2(quantized(square.y, 8)) << 1;
     default:
       return own;
   }

@@ -18,13 +18,9 @@ namespace raysheaf {
 /// Items a task: 32 KiB of counts, which stay in the first cache between the two passes of a core.
 inline constexpr std::size_t kScanBlock = 8192;
 
-/// `out[i] = in[0] + ... + in[i]`. Returns the total, 0 for an empty input. `in` may be `out`;
-/// other overlaps may not. Throws Error, `out` untouched, if the sizes differ or the total is 2^32
-/// or more.
-std::uint32_t inclusive_scan(const Executor& executor, View<const std::uint32_t> in,
-                             View<std::uint32_t> out);
-
-/// `out[i] = in[0] + ... + in[i - 1]`, so `out[0] = 0`. Otherwise as `inclusive_scan`.
+/// `out[i] = in[0] + ... + in[i - 1]`, so `out[0] = 0`. Returns the total, 0 for an empty input.
+/// `in` may be `out`; other overlaps may not. Throws Error, `out` untouched, if the sizes differ or
+/// the total is 2^32 or more.
 std::uint32_t exclusive_scan(const Executor& executor, View<const std::uint32_t> in,
                              View<std::uint32_t> out);
 

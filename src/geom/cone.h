@@ -21,10 +21,6 @@ struct Cone {
   [[nodiscard]] RAYSHEAF_HD bool whole() const { return sin_angle > 1; }
 };
 
-RAYSHEAF_HD inline Cone whole_sphere() {
-  return {};
-}
-
 /// sqrt(1 - x^2) for x in [0, 1], without cancellation near 1.
 RAYSHEAF_HD inline float cosine_of_sine(float s) {
   const float square = (1 - s) * (1 + s);

@@ -38,7 +38,6 @@ struct BitsCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
     const std::uint32_t x = draws.bits(), y = draws.bits(), z = draws.bits();
     out.put(float_bits(bits_float(x & 0x7f7fffffu)), div_ceil(x, (y >> 8) + 1), bits_for(x));
-    out.put(spread_by_2(x), spread_by_3(x), morton_2(x, y), morton_3(x, y, z));
     out.put(gamma(static_cast<int>(x & 63)));
     const std::uint32_t row[4] = {x, y, z, 1};
     const View<const std::uint32_t> view(row, 4), middle = view.slice(1, 2);
@@ -80,7 +79,7 @@ struct ConeCase {
     const Vec3 r = draws.direction();
     const GrowingCone grown = extended({a.axis, cosine_of_sine(a.sin_angle), a.sin_angle}, r);
     out.put(grown.axis, grown.cos_angle, grown.sin_angle, farthest_sine(r, a), union_axis(a, b));
-    out.put(sine_grown(a.sin_angle), a.whole(), whole_sphere().sin_angle);
+    out.put(sine_grown(a.sin_angle), a.whole());
   }
 };
 

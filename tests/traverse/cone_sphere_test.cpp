@@ -125,7 +125,7 @@ TEST(NodeFilter, EveryTargetAcceptsWhatTheScalarTestAccepts) {
 }
 
 TEST(NodeFilter, ANodeOfAllDirectionsMeetsEverything) {
-  const ConeSphereTest node = make_cone_sphere_test({{{0, 0, 0}, 1}, whole_sphere()});
+  const ConeSphereTest node = make_cone_sphere_test({{{0, 0, 0}, 1}, Cone{}});
   const std::vector<float> zeros(20), far(20, 1e30f);
   std::vector<std::uint32_t> out(36);
   EXPECT_EQ(filter(node, {far.data(), zeros.data(), zeros.data(), zeros.data()}, 20, out.data()),

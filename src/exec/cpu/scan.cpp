@@ -35,9 +35,10 @@ std::uint32_t scan_blocks(std::vector<std::uint64_t>& sums) {
   return static_cast<std::uint32_t>(total);
 }
 
-template <bool kInclusive>
-std::uint32_t scan(const Executor& executor, View<const std::uint32_t> in,
-                   View<std::uint32_t> out) {
+}  // namespace
+
+std::uint32_t exclusive_scan(const Executor& executor, View<const std::uint32_t> in,
+                             View<std::uint32_t> out) {
   if (in.size != out.size) {
     throw Error(ErrorCode::kInvalidArgument, "input and output differ in size", "scan");
   }
@@ -50,22 +51,10 @@ std::uint32_t scan(const Executor& executor, View<const std::uint32_t> in,
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t before = sum;
       sum += in.data[i];
-      out.data[i] = kInclusive ? sum : before;
+      out.data[i] = before;
     }
   });
   return total;
-}
-
-}  // namespace
-
-std::uint32_t inclusive_scan(const Executor& executor, View<const std::uint32_t> in,
-                             View<std::uint32_t> out) {
-  return scan<true>(executor, in, out);
-}
-
-std::uint32_t exclusive_scan(const Executor& executor, View<const std::uint32_t> in,
-                             View<std::uint32_t> out) {
-  return scan<false>(executor, in, out);
 }
 
 }  // namespace raysheaf
