@@ -283,8 +283,9 @@ TEST(Stream, WhatIsAskedIsLookedOver) {
             ErrorCode::kInvalidArgument);
   options = {};
   options.progress = [](const Progress&) { return false; };
-  EXPECT_EQ(error_of([&] { closest_hit(source, rays, hits, options); }).code(),
-            ErrorCode::kCancelled);
+  const Error stopped = error_of([&] { closest_hit(source, rays, hits, options); });
+  EXPECT_EQ(stopped.code(), ErrorCode::kCancelled);
+  EXPECT_EQ(stopped.sentence(), "the caller asked to stop");
   std::vector<Hit> two(2);
   EXPECT_EQ(error_of([&] { closest_hit(source, rays, two); }).code(), ErrorCode::kInvalidArgument);
   const std::vector<Ray> bad{{{0, 0, 0}, 0, {0, 0, 0}}};

@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "raysheaf/error.h"
+#include "exec/cancelled.h"
 
 namespace raysheaf {
 namespace {
@@ -83,8 +83,11 @@ Executor Executor::until(const std::atomic<bool>& stop) const {
 }
 
 void Executor::check() const {
-  if (stop_ != nullptr && stop_->load(std::memory_order_relaxed))
-    throw Error(ErrorCode::kCancelled, "the caller asked to stop");
+  if (stop_ != nullptr && stop_->load(std::memory_order_relaxed)) throw cancelled();
+}
+
+void Executor::enter(void (*call)(const void* body), const void* body) const {
+  pool_->arena.execute([&] { call(body); });
 }
 
 void Executor::spread(std::size_t count, std::size_t grain, Block* block, const void* body) const {

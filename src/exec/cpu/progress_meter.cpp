@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "raysheaf/error.h"
+#include "exec/cancelled.h"
 
 namespace raysheaf {
 
@@ -28,7 +28,7 @@ void ProgressMeter::tell(std::uint64_t done) {
     next_ = done + std::max<std::uint64_t>(1, total_ / 100);
     if (!report_({stage_, std::min(done, total_), total_})) cancelled_ = true;
   }
-  if (cancelled_) throw Error(ErrorCode::kCancelled, "the render was cancelled");
+  if (cancelled_) throw cancelled();
 }
 
 }  // namespace raysheaf
