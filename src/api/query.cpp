@@ -197,18 +197,33 @@ void with_rays(const Rays& given, const QueryOptions& options, const Ask& ask) {
   });
 }
 
+/// `body(query)`, among the context's threads: others of them may wait for the view that it holds.
+/// Not on a device, where a stream may be the calling thread's own.
+template <class Body>
+void run_query(const Scene& scene, const QueryRays& rays, const QueryOptions& options,
+               Passes passes, const Body& body) {
+  const Context& context = SceneAccess::state(scene).context;
+  const auto work = [&] {
+    Query query(scene, rays, options, passes);
+    body(&query);
+    query.finish();
+  };
+  if (ContextAccess::backend(context) != nullptr) return work();
+  ContextAccess::executor(context).enter(work);
+}
+
 void closest_hit(const Scene& scene, const QueryRays& rays, std::span<Hit> hits,
                  const QueryOptions& options) {
   constexpr const char* kName = "hits";
   check_length(rays.size(), hits.size(), kName);
   answer(scene, rays, hits, kName, options,
          [&](const QueryRays& some, std::span<Hit> out, const QueryOptions& how) {
-           Query query(scene, some, how, Passes::kInTiles);
-           if (query.is_empty())
-             clear(&query, out, kName);
-           else
-             closest_hits(&query, out);
-           query.finish();
+           run_query(scene, some, how, Passes::kInTiles, [&](Query* query) {
+             if (query->is_empty())
+               clear(query, out, kName);
+             else
+               closest_hits(query, out);
+           });
          });
 }
 
@@ -218,29 +233,25 @@ void any_hit(const Scene& scene, const QueryRays& rays, std::span<std::uint8_t> 
   check_length(rays.size(), occluded.size(), kName);
   answer(scene, rays, occluded, kName, options,
          [&](const QueryRays& some, std::span<std::uint8_t> out, const QueryOptions& how) {
-           Query query(scene, some, how, Passes::kInTiles);
-           if (query.is_empty())
-             clear(&query, out, kName);
-           else
-             any_hits(&query, out);
-           query.finish();
+           run_query(scene, some, how, Passes::kInTiles, [&](Query* query) {
+             if (query->is_empty())
+               clear(query, out, kName);
+             else
+               any_hits(query, out);
+           });
          });
 }
 
 HitRows all_hits(const Scene& scene, const QueryRays& rays, const QueryOptions& options) {
-  Query query(scene, rays, options, Passes::kWhole);
   HitRows rows;
-  name_rows(&query, &rows);
-  query.finish();
+  run_query(scene, rays, options, Passes::kWhole, [&](Query* query) { name_rows(query, &rows); });
   return rows;
 }
 
 void hit_counts(const Scene& scene, const QueryRays& rays, std::span<std::uint32_t> counts,
                 const QueryOptions& options) {
   check_length(rays.size(), counts.size(), "counts");
-  Query query(scene, rays, options, Passes::kWhole);
-  count_hits(&query, counts);
-  query.finish();
+  run_query(scene, rays, options, Passes::kWhole, [&](Query* query) { count_hits(query, counts); });
 }
 
 }  // namespace

@@ -180,9 +180,13 @@ void Scene::Impl::require_committed() const {
 
 Box Scene::Impl::bounds() {
   require_committed();
-  const std::lock_guard lock(bounds_mutex_);
-  if (!bounds_) bounds_ = box_of(executor(), runs.runs);
-  return *bounds_;
+  Box box;
+  executor().enter([&] {
+    const std::lock_guard lock(bounds_mutex_);
+    if (!bounds_) bounds_ = box_of(executor(), runs.runs);
+    box = *bounds_;
+  });
+  return box;
 }
 
 std::size_t Scene::Impl::memory_bytes() {

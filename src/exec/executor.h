@@ -34,6 +34,14 @@ class Executor {
 
   [[nodiscard]] std::uint32_t threads() const { return threads_; }
 
+  /// Calls `body()` as one of the threads, which need not be the caller's. Loops within it wait for
+  /// no place among them: whoever has one may wait for what `body` holds.
+  template <class Body>
+  void enter(const Body& body) const {
+    if (threads_ == 1) return body();
+    enter([](const void* of) { (*static_cast<const Body*>(of))(); }, &body);
+  }
+
   /// Calls `body(i)` once for each i in [0, count), in any order, `grain` or more of them a task.
   /// An exception from a body ends the loop and is thrown here.
   template <class Body>
@@ -60,6 +68,7 @@ class Executor {
   struct Pool;  // oneTBB's, which is seen by executor.cpp alone
   using Block = void(const void* body, std::size_t begin, std::size_t end);
   explicit Executor(std::shared_ptr<Pool> pool);
+  void enter(void (*call)(const void* body), const void* body) const;
   void spread(std::size_t count, std::size_t grain, Block* block, const void* body) const;
 
   std::uint32_t threads_;

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdlib>
+#include <future>
 #include <stdexcept>
 #include <thread>
 
@@ -108,6 +110,48 @@ TEST(Threads, ChangesDuringAQueryAreRefused) {
   EXPECT_EQ(scene.mesh_count(), 0u);
   scene.commit();
   EXPECT_EQ(first_hit(scene, along_z()).prim_id, kInvalidId);
+}
+
+// A query holds the scene's engine: while it waits for its own loop, its thread begins no other
+// body, and one that comes from outside has a place among the threads before.
+TEST(Threads, BodiesOfALoopQueryOneScene) {
+  const RandomSoup soup(20'000, 40'000, 0.2f);
+  const Context context({.threads = 3});
+  Scene scene(context);
+  scene.add_soup(soup.positions);
+  scene.commit();
+  std::vector<Hit> expected(soup.rays.size());
+  closest_hit(scene, soup.rays, expected);
+  std::atomic<int> wrong = 0, bodies = 0;
+  std::atomic<bool> done = false;
+  std::thread outside([&] {
+    while (!done)
+      if (!std::ranges::equal(closest_hit(scene, soup.rays), expected, same)) ++wrong;
+  });
+  const auto all = std::async(std::launch::async, [&] {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(2);
+    for (std::size_t round = 0; std::chrono::steady_clock::now() < end; ++round) {
+      context.for_each_block(8, 1, [&](std::size_t begin, std::size_t last) {
+        for (std::size_t i = begin; i < last; ++i) {
+          // Of uneven work, so that some wait while others begin.
+          if ((i + round) % 2 == 0)
+            std::this_thread::sleep_for(std::chrono::microseconds((i + round) * 7919 % 3000));
+          std::vector<Hit> hits(soup.rays.size());
+          closest_hit(scene, soup.rays, hits);
+          if (!std::ranges::equal(hits, expected, same)) ++wrong;
+          ++bodies;
+        }
+      });
+    }
+  });
+  if (all.wait_for(std::chrono::seconds(120)) != std::future_status::ready) {
+    ADD_FAILURE() << "the threads wait for each other, after " << bodies << " bodies";
+    std::_Exit(1);  // nobody ends them
+  }
+  done = true;
+  outside.join();
+  EXPECT_EQ(wrong, 0);
+  EXPECT_GT(bodies, 8);
 }
 
 TEST(Threads, ScenesOfOneContextAreIndependent) {

@@ -100,10 +100,14 @@ void Executor::spread(std::size_t count, std::size_t grain, Block* block, const 
     }
   };
   if (pool_ == nullptr) return run(0, count);
+  // A thread that waits for this loop's end takes no part in others: a caller may hold what a body
+  // of theirs waits for.
   pool_->arena.execute([&] {
-    using Range = oneapi::tbb::blocked_range<std::size_t>;
-    oneapi::tbb::parallel_for(Range(0, count, grain),
-                              [&](const Range& r) { run(r.begin(), r.end()); });
+    oneapi::tbb::this_task_arena::isolate([&] {
+      using Range = oneapi::tbb::blocked_range<std::size_t>;
+      oneapi::tbb::parallel_for(Range(0, count, grain),
+                                [&](const Range& r) { run(r.begin(), r.end()); });
+    });
   });
 }
 
