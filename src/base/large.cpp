@@ -8,7 +8,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 #include <mutex>
+#include <new>
 #include <unordered_map>
 #include <vector>
 
@@ -19,6 +21,8 @@ namespace {
 
 constexpr std::size_t kLargePageBytes = std::size_t{2} << 20;
 constexpr std::size_t kFewestKeptBytes = std::size_t{64} << 10;
+/// So that rounded up to the double of a power of two it is still a size.
+constexpr std::size_t kMostBytes = std::numeric_limits<std::size_t>::max() / 4;
 
 bool is_large(std::size_t bytes) {
   return bytes >= kLargePageBytes;
@@ -161,6 +165,7 @@ LargeMemoryKeeper::~LargeMemoryKeeper() {
 }
 
 void* allocate_large(std::size_t bytes) {
+  if (bytes > kMostBytes) throw std::bad_alloc();
   return is_kept(bytes) ? spare_blocks().take(bytes) : allocate_fresh(bytes);
 }
 

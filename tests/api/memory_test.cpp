@@ -3,6 +3,9 @@
 #include <sys/resource.h>
 
 #include <cstdlib>
+#include <limits>
+#include <new>
+#include <optional>
 
 #include "api/api_support.h"
 
@@ -107,6 +110,20 @@ TEST(Memory, OfRowsThatAreGoneServesTheNext) {
   ASSERT_EQ(hits, 8 * rays.size());
   const LargeVector<Hit> again(hits);
   for (std::size_t i = 0; i < hits; ++i) ASSERT_EQ(again[i].t, 10.0f + static_cast<float>(i % 8));
+}
+
+// Also while blocks that are given back stay, which get room for twice as much.
+TEST(Memory, SizesBeyondAnyAreRefused) {
+  constexpr std::size_t kHalf = std::numeric_limits<std::size_t>::max() / 2;
+  for (const bool keeps : {false, true}) {
+    std::optional<Scene> keeper;
+    if (keeps) keeper.emplace(Context({.threads = 1}));
+    for (const std::size_t bytes : {kHalf / 2, kHalf / 2 + 2, kHalf - 1, kHalf, kHalf + 1,
+                                    kHalf + 2, 2 * kHalf - 4095, 2 * kHalf + 1})
+      EXPECT_THROW(static_cast<void>(allocate_large(bytes)), std::bad_alloc) << bytes;
+    LargeVector<Hit> hits;
+    EXPECT_THROW(hits.resize(std::size_t{300'000'000'000'000'000}), std::bad_alloc);
+  }
 }
 
 }  // namespace
