@@ -7,6 +7,7 @@
 #include <chrono>
 #include <future>
 #include <optional>
+#include <system_error>
 
 #include "gil.h"
 #include "raysheaf/error.h"
@@ -21,7 +22,7 @@ inline void give_up_if(const std::atomic<bool>& stop) {
 /// Runs `body(stop)` on a thread of its own, without the interpreter's lock, while this one
 /// listens: Python hands signals to its main thread alone. What a handler raises, KeyboardInterrupt
 /// for one, sets `stop`, and is thrown once `body` has ended, however it did. Else throws what
-/// `body` throws.
+/// `body` throws. Where the system starts no thread, `body` runs on this one, and signals wait.
 template <class Body>
 void interruptible(const Body& body) {
   namespace nb = nanobind;
@@ -30,8 +31,14 @@ void interruptible(const Body& body) {
   {
     const WithoutGil released;
     std::atomic<bool> stop = false;
-    std::future<void> done = std::async(std::launch::async, [&] { body(stop); });
-    while (done.wait_for(kBetweenLooks) != std::future_status::ready) {
+    const auto work = [&] { body(stop); };
+    std::future<void> done;
+    try {
+      done = std::async(std::launch::async, work);
+    } catch (const std::system_error&) {
+      done = std::async(std::launch::deferred, work);
+    }
+    while (done.wait_for(kBetweenLooks) == std::future_status::timeout) {
       if (stop) continue;
       try {
         released.check_signals();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "base/vec.h"
@@ -48,8 +49,14 @@ void BlockReader::start(std::vector<std::uint32_t> blocks, std::vector<TriangleB
   next_ = 0;
   errors_.assign(blocks_.size(), nullptr);
   ms_.assign(blocks_.size(), 0);
-  for (std::size_t i = 0; i < std::min(kThreads, blocks_.size()); ++i)
-    threads_.push_back(std::async(std::launch::async, [this] { read_some(); }));
+  const auto work = [this] { read_some(); };
+  try {
+    while (threads_.size() < std::min(kThreads, blocks_.size()))
+      threads_.push_back(std::async(std::launch::async, work));
+  } catch (const std::system_error&) {
+    // Where no thread can be started, who waits reads.
+    if (threads_.empty()) threads_.push_back(std::async(std::launch::deferred, work));
+  }
 }
 
 void BlockReader::read_some() {

@@ -2,10 +2,15 @@
 #include "raysheaf/stream.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
 #include <numeric>
+#include <system_error>
+#include <thread>
 
 #include "base/vec.h"
 #include "raysheaf/builtin_scenes.h"
@@ -293,6 +298,44 @@ TEST(Stream, WhatIsAskedIsLookedOver) {
   closest_hit(source, rays, hits);
   EXPECT_EQ(hits[0].prim_id, 0u);
   closest_hit(source, {}, {});
+}
+
+/// The exit code of a process that asks where no thread can be started.
+int ask_without_threads(const GeometrySource& source) {
+  constexpr uid_t kNobody = 65534;
+  const rlimit none{0, 0};
+  // Whoever is root has no limit.
+  if (::getuid() == 0 && ::setuid(kNobody) != 0) return 77;
+  if (::setrlimit(RLIMIT_NPROC, &none) != 0) return 77;
+  try {
+    std::thread([] {}).join();
+    return 77;
+  } catch (const std::system_error&) {
+  }
+  try {
+    std::vector<Ray> rays(1);
+    rays[0].direction = {0.1f, 0.2f, 1};
+    std::vector<Hit> hits(1);
+    StreamOptions options;
+    options.threads = 1;
+    closest_hit(source, rays, hits, options);
+    return hits[0].prim_id != kInvalidId ? 0 : 1;
+  } catch (...) {
+    return 2;
+  }
+}
+
+TEST(Stream, BlocksAreReadWhereNoThreadStarts) {
+  BlockList blocks;
+  blocks.set_scene(cut_into_blocks(builtin_scene("cornell"), &blocks, 10));
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) ::_exit(ask_without_threads(blocks));
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status)) << status;
+  if (WEXITSTATUS(status) == 77) GTEST_SKIP() << "this system starts threads whatever the limit";
+  EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
 }  // namespace
