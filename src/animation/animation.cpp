@@ -76,13 +76,16 @@ class RigAnimation final : public Animation {
     const double time = seconds > 0 ? std::min(seconds, end()) : 0;
     if (!fresh_ && time == time_) return {};
     fresh_ = true;  // where it fails, the next call does all of it
+    const bool is_told = std::exchange(is_told_, false);
     try {
       // Not kept: the least of all executors' threads is what all of them get.
       const Executor executor(threads_);
       state_.apply(executor, rig_.clips[clip_], time);
       SceneChanges changes = state_.write_moving(executor, scene_);
+      changes.everything = !is_told;
       time_ = time;
       fresh_ = false;
+      is_told_ = true;
       return changes;
     } catch (const std::bad_alloc&) {
       throw Error(ErrorCode::kOutOfMemory, "there is not enough memory", "animation");
@@ -109,7 +112,8 @@ class RigAnimation final : public Animation {
   std::vector<double> no_times_;
   std::uint32_t clip_ = 0;
   double time_ = 0;
-  bool fresh_ = true;  ///< the next call seeks, whatever the time
+  bool fresh_ = true;    ///< the next call seeks, whatever the time
+  bool is_told_ = true;  ///< what the calls have changed; not what one did that has failed
 };
 
 }  // namespace

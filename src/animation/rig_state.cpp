@@ -175,6 +175,7 @@ bool RigState::write_shape(const Executor& executor, std::uint32_t index, SceneD
   const bool stays = made.made && made.weights == weights &&
                      std::equal(joints.begin(), joints.end(), made.joints.begin(), same);
   if (stays) return false;
+  made.made = false;  // until it is whole: memory may run out
   deform(executor, shape, weights, joints, &scene.meshes[shape.mesh]);
   made = {true, weights, std::move(joints)};
   return true;
