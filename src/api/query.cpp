@@ -140,8 +140,6 @@ void add_counts(const QueryStatistics& piece, QueryStatistics* sum) {
   for (const auto field :
        {&QueryStatistics::order_ms, &QueryStatistics::hierarchy_ms, &QueryStatistics::trace_ms})
     sum->*field += piece.*field;
-  sum->triangles = piece.triangles;
-  sum->update_ms = piece.update_ms;
   if (sum->plan.empty()) sum->plan = piece.plan;
 }
 
@@ -150,7 +148,8 @@ void add_counts(const QueryStatistics& piece, QueryStatistics* sum) {
 template <class Answer, class One>
 void answer(const Scene& scene, const QueryRays& rays, std::span<Answer> answers, const char* name,
             const QueryOptions& options, const One& one) {
-  const Context& context = SceneAccess::state(scene).context;
+  SceneAccess::State& state = SceneAccess::state(scene);
+  const Context& context = state.context;
   Communicator* const ranks = ContextAccess::ranks(context);
   const DeviceBackend* const backend = ContextAccess::backend(context);
   const auto on_device = [backend](const void* data, const char* what) {
@@ -181,7 +180,12 @@ void answer(const Scene& scene, const QueryRays& rays, std::span<Answer> answers
   sum.ray_bound_tests = counts[1];
   sum.triangle_tests = counts[2];
   sum.total_ms = sum.check_ms + watch.lap_ms();
-  if (options.statistics != nullptr) *options.statistics = std::move(sum);
+  if (options.statistics == nullptr) return;
+  // Also where others took every piece.
+  const SceneGate::Reading reading(state.gate);
+  sum.triangles = visible_triangles(state.runs, options.mask);
+  sum.update_ms = state.update_ms;
+  *options.statistics = std::move(sum);
 }
 
 /// Calls `ask(rays)`; of wrong rays the first is named, whichever a thread has found.

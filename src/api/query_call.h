@@ -87,7 +87,7 @@ class Query {
     QueryStatistics& out = *options_.statistics;
     out = {};
     out.rays = rays_.size();
-    out.triangles = is_empty() ? 0 : view_->source().count;
+    out.triangles = visible_triangles(state_.runs, options_.mask);
     out.bound_tests = report_.bound_tests;
     out.ray_bound_tests = report_.ray_bound_tests;
     out.triangle_tests = report_.triangle_tests;

@@ -11,6 +11,15 @@ constexpr std::uint64_t kBlocksARun = 64;
 
 }  // namespace
 
+std::uint64_t visible_triangles(const SceneRuns& scene, std::uint32_t mask) {
+  const auto is_seen = [mask](std::uint32_t of_run) { return (of_run & mask) != 0; };
+  if (std::all_of(scene.masks.begin(), scene.masks.end(), is_seen)) return scene.triangle_count;
+  std::uint64_t count = 0;
+  for (const SceneRun& run : scene.runs)
+    if (is_seen(run.mask)) count += run.triangles.count;
+  return count;
+}
+
 bool SceneView::shows(std::uint32_t mask) const {
   return everything_ || std::binary_search(masks_.begin(), masks_.end(), mask);
 }

@@ -33,6 +33,9 @@ struct SceneRuns {
   std::uint64_t structure_version = 0, position_version = 0, mask_version = 0;
 };
 
+/// Those of its triangles that a query with this mask sees.
+[[nodiscard]] std::uint64_t visible_triangles(const SceneRuns& scene, std::uint32_t mask);
+
 class SceneView {
  public:
   /// Shows the runs that have one of `masks` (ascending), or every run.

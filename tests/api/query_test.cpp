@@ -305,6 +305,9 @@ TEST(Query, SaysWhatItDid) {
   EXPECT_EQ(statistics.update_ms, update_ms) << "nothing was committed";
   EXPECT_EQ(statistics.triangles, 0u);
   EXPECT_EQ(statistics.tests(), 0u);
+  (void)any_hit(scene, std::span<const Ray>{}, QueryOptions{.statistics = &statistics});
+  EXPECT_EQ(statistics.rays, 0u);
+  EXPECT_EQ(statistics.triangles, 4u);
 }
 
 }  // namespace

@@ -254,7 +254,8 @@ TEST(Ranks, QueriesHaveTheSameBits) {
     return scene;
   };
   const Scene own = filled(Context({Device::kCpu, 1}));
-  const std::vector<Hit> hits = closest_hit(own, rays);
+  QueryStatistics alone;
+  const std::vector<Hit> hits = closest_hit(own, rays, QueryOptions{.statistics = &alone});
   const std::vector<std::uint8_t> occluded = any_hit(own, rays);
   const auto errors = run_ranks(3, [&](const auto& ranks) {
     const Scene scene = filled(distributed({Device::kCpu, 1}, ranks));
@@ -265,6 +266,7 @@ TEST(Ranks, QueriesHaveTheSameBits) {
     const std::vector<Hit> shared = closest_hit(scene, rays, options);
     EXPECT_EQ(std::memcmp(shared.data(), hits.data(), hits.size() * sizeof(Hit)), 0);
     EXPECT_EQ(statistics.rays, rays.size());
+    EXPECT_EQ(statistics.triangles, alone.triangles);
     EXPECT_GT(statistics.tests(), rays.size());
     EXPECT_EQ(any_hit(scene, rays), occluded);
     std::vector<Ray> wrong = rays;
@@ -273,6 +275,36 @@ TEST(Ranks, QueriesHaveTheSameBits) {
   });
   for (const std::string& error : errors)
     EXPECT_NE(error.find("rays[29999]"), std::string::npos) << error;
+}
+
+/// The second of two, where the first took every piece.
+class Idle : public Communicator {
+ public:
+  [[nodiscard]] std::uint32_t rank() const override { return 1; }
+  [[nodiscard]] std::uint32_t size() const override { return 2; }
+  void broadcast(std::span<std::byte> /*bytes*/) override {}
+  void combine(std::span<std::byte> /*elements*/, std::size_t /*element_bytes*/,
+               Combine /*how*/) override {}
+  [[nodiscard]] std::optional<std::uint64_t> take(std::uint64_t /*items*/) override { return {}; }
+  [[nodiscard]] Error fail(const Error& error) noexcept override { return error; }
+};
+
+TEST(Ranks, WhoeverHasNothingToDoSeesTheTriangles) {
+  Scene scene(distributed({Device::kCpu, 1}, std::make_shared<Idle>()));
+  const std::vector<Vec3> corners{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
+  scene.add_soup(corners, {.mask = 1});
+  const MeshId mesh = scene.add_soup(corners, {.mask = 2});
+  scene.instance(mesh, {}, 2);
+  scene.commit();
+  const std::vector<Ray> rays = rays_into_cornell(100'000);
+  std::vector<Hit> hits(rays.size());
+  for (const std::uint32_t mask : {0u, 1u, 2u, 3u, ~0u}) {
+    QueryStatistics statistics;
+    closest_hit(scene, rays, hits, {.mask = mask, .statistics = &statistics});
+    EXPECT_EQ(statistics.rays, rays.size());
+    EXPECT_EQ(statistics.triangles, mask == ~0u ? 3 : mask);
+    EXPECT_GT(statistics.update_ms, 0);
+  }
 }
 
 }  // namespace
