@@ -154,6 +154,7 @@ bool CheckpointFile::restore(const StreamBatch& batch, std::span<std::byte> answ
     return false;
   std::memcpy(answers.data(), bytes.data(), answers.size());
   std::memcpy(done.data(), bytes.data() + answers.size(), done.size());
+  if (found->head.whole == 0) impl_->begun = batch.number;
   return true;
 }
 

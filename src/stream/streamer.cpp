@@ -50,6 +50,7 @@ class Sweep {
     find_candidates();
     request_.meter->begin(request_.stage, bytes_ahead_);
     std::vector<std::uint32_t> reading = next_round(), tracing;
+    if (reading.empty()) checkpoint_.keep({}, true);  // there is no last block
     start(reading);
     while (!reading.empty()) {
       watch_.lap_ms();

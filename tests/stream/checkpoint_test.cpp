@@ -1,6 +1,7 @@
 // Streamed batches that are stopped and go on: the same bits, whatever became of the file.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "raysheaf/builtin_scenes.h"
@@ -120,6 +121,70 @@ TEST_F(Checkpoint, PartsAndOcclusionToo) {
     if (time == 1) file.remove();
   }
   EXPECT_EQ(folder_.names().size(), 0u);
+}
+
+/// Of `all_done`, every block is.
+struct Log : StreamCheckpoint {
+  bool all_done = false;
+  std::vector<bool> kept;  ///< whether it was whole, of each call
+
+  bool restore(const StreamBatch& /*batch*/, std::span<std::byte> /*answers*/,
+               std::span<std::uint8_t> done) override {
+    if (all_done) std::ranges::fill(done, std::uint8_t{1});
+    return all_done;
+  }
+  void keep(const StreamBatch& batch, std::span<const std::byte> answers,
+            std::span<const std::uint8_t> done, bool whole) override {
+    EXPECT_EQ(answers.size(), batch.rays.size() * sizeof(StreamHit));
+    EXPECT_TRUE(!whole || std::ranges::count(done, 1) == std::ssize(batch.blocks));
+    kept.push_back(whole);
+  }
+};
+
+TEST_F(Checkpoint, EveryBatchIsKeptWholeOnce) {
+  std::vector<Ray> far = rays_;
+  for (Ray& ray : far) ray.origin = {1e6f, 1e6f, 1e6f}, ray.t_max = 1;
+  std::vector<Hit> hits(rays_.size());
+  for (const bool all_done : {false, true}) {
+    for (const std::vector<Ray>* rays : {&rays_, &far}) {
+      Log log;
+      log.all_done = all_done;
+      StreamOptions options;
+      options.checkpoint = &log;
+      closest_hit(blocks_, *rays, hits, options);
+      ASSERT_EQ(std::ranges::count(log.kept, true), 1);
+      EXPECT_TRUE(log.kept.back());
+      EXPECT_EQ(log.kept.size() == 1, all_done || rays == &far);
+    }
+  }
+}
+
+/// What was begun before a stop is ended at once, however long the wait: what comes after it would
+/// be written over it.
+TEST_F(Checkpoint, WhatIsTakenUpAgainIsEnded) {
+  constexpr double kLong = 1e6;
+  const std::vector<BlockInfo> infos(3);
+  StreamBatch batch{0, 0, 0, 1, rays_, infos};
+  std::vector<std::byte> answers(rays_.size(), std::byte{7});
+  std::vector<std::uint8_t> done{1, 1, 0};
+  CheckpointFile(folder_.file("kept"), "office", 0).keep(batch, answers, done, false);
+  {
+    CheckpointFile file(folder_.file("kept"), "office", kLong);
+    ASSERT_TRUE(file.restore(batch, answers, done));
+    EXPECT_EQ(done[2], 0);
+    done[2] = 1;
+    file.keep(batch, answers, done, true);
+  }
+  {
+    CheckpointFile file(folder_.file("kept"), "office", 0);
+    batch.number = 1;
+    file.keep(batch, answers, done, false);
+  }
+  CheckpointFile file(folder_.file("kept"), "office", kLong);
+  batch.number = 0;
+  done.assign(3, 0);
+  EXPECT_TRUE(file.restore(batch, answers, done));
+  EXPECT_EQ(done, std::vector<std::uint8_t>(3, 1));
 }
 
 }  // namespace
