@@ -127,14 +127,12 @@ struct BlockFile::Impl {
     file.read(head.scene_offset, bytes, path);
     if (io::checksum(bytes) != head.scene_checksum)
       refuse("its scene has changed: the checksum is another", path);
-    try {
+    io::naming(path, [&] {
       scene = io::decode_scene(bytes);
       scene.files = {path};
       validate_but_triangles(scene);
-      if (scene.cameras.empty()) throw Error(ErrorCode::kInvalidData, "there is none", "cameras");
-    } catch (const Error& error) {
-      throw Error(error.code(), error.sentence(), path + ": " + error.place());
-    }
+      if (scene.cameras.empty()) refuse("there is none", "cameras");
+    });
   }
 
   [[nodiscard]] std::string place(std::size_t number) const {

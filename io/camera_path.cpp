@@ -53,13 +53,10 @@ CameraPath read_path(const JsonValue& root) {
 }  // namespace
 
 CameraPath load_camera_path(const std::string& path) {
-  try {
+  return io::naming(path, [&] {
     return io::within_memory(
         path, [&] { return read_path(io::JsonDocument(io::read_file(path)).root()); });
-  } catch (const Error& error) {
-    if (error.place() == path) throw;
-    throw Error(error.code(), error.sentence(), path + ": " + error.place());
-  }
+  });
 }
 
 }  // namespace raysheaf

@@ -227,6 +227,30 @@ TEST_F(BlockFileTest, ErrorsNameTheBlock) {
   }
 }
 
+/// As another version may write it: the checksums are right.
+TEST_F(BlockFileTest, ErrorsOfTheSceneNameTheFile) {
+  {
+    BlockFileWriter file(path("a.rsb"));
+    file.finish(cut_into_blocks(builtin_scene("cornell"), &file));
+  }
+  std::string text = read("a.rsb");
+  io::FileHead head;
+  std::memcpy(&head, text.data(), sizeof head);
+  const std::string light = R"("type":")";
+  const std::size_t at = text.find(light, head.scene_offset);
+  ASSERT_NE(at, text.npos);
+  text[at + light.size()] = 'X';
+  const auto scene = io::as_bytes(text).subspan(head.scene_offset, head.scene_bytes);
+  head.scene_checksum = io::checksum(scene);
+  head.head_checksum =
+      io::checksum(io::bytes_of(head).first(sizeof head - sizeof head.head_checksum));
+  std::memcpy(text.data(), &head, sizeof head);
+  const auto error = error_of_reading(write("b.rsb", text));
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->code(), ErrorCode::kInvalidData);
+  EXPECT_EQ(error->place(), path("b.rsb"));
+}
+
 TEST_F(BlockFileTest, OtherFilesAreRefused) {
   EXPECT_EQ(error_of_reading(path("none.rsb"))->code(), ErrorCode::kNotFound);
   EXPECT_EQ(error_of_reading(folder_.string())->code(), ErrorCode::kIo);
