@@ -106,10 +106,12 @@ Error system_error(const std::string& verb, const std::string& place, int error)
 std::string temporary_name(const std::string& path) {
   static std::atomic<unsigned> counter{0};
   // Machines that share a folder may have processes of the same number.
-  static const std::string own =
-      std::to_string(::getpid()) + "." +
+  static const std::string began =
       std::to_string(std::chrono::system_clock::now().time_since_epoch().count());
-  const std::string name = ".raysheaf." + own + "." + std::to_string(counter++) + ".part";
+  // Not kept: a fork has another one, and the same of all else.
+  const std::string process = std::to_string(::getpid());
+  const std::string name =
+      ".raysheaf." + process + "." + began + "." + std::to_string(counter++) + ".part";
   return (fs::path(path).parent_path() / name).string();
 }
 

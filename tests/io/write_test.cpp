@@ -1,14 +1,17 @@
 // What is written is read back the same; what cannot be written leaves nothing behind.
 #include <fcntl.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <tinyexr.h>
 
+#include <array>
 #include <cmath>
 #include <csignal>
 #include <limits>
 #include <memory>
 #include <random>
 
+#include "io/file.h"
 #include "io/image.h"
 #include "tests/io/io_support.h"
 #include "tests/support/scenes.h"
@@ -400,6 +403,28 @@ TEST_F(Write, LeavesNothingHalfWrittenOnAFullDisk) {
   std::signal(SIGXFSZ, handler);
   EXPECT_EQ(read("a.json"), "old");
   EXPECT_EQ(file_count(), 1u);
+}
+
+/// Each would rename the other's file away.
+TEST_F(Write, ForkedProcessesHaveNamesOfTheirOwn) {
+  static_cast<void>(io::temporary_name("a"));
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe(ends.data()), 0);
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    const std::string name = io::temporary_name("a");
+    ::_exit(::write(ends[1], name.data(), name.size()) == std::ssize(name) ? 0 : 1);
+  }
+  const std::string own = io::temporary_name("a");
+  std::string others(own.size() + 20, ' ');
+  const ssize_t size = ::read(ends[0], others.data(), others.size());
+  ASSERT_GT(size, 0);
+  others.resize(static_cast<std::size_t>(size));
+  EXPECT_EQ(::waitpid(child, nullptr, 0), child);
+  ::close(ends[0]);
+  ::close(ends[1]);
+  EXPECT_NE(others, own);
 }
 
 TEST_F(Write, LeavesTheOldFileWhereTheFolderIsReadOnly) {
