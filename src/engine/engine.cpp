@@ -110,9 +110,7 @@ void Engine::prepare_tree(const Executor& executor, Plan* plan, EngineReport* re
     report->tree = plan->tree == TreeWork::kRefit && !refitted ? TreeWork::kRebuild : plan->tree;
   }
   if (plan->tree != TreeWork::kKeep && !refitted) {
-    // A fine tree that was spoilt is tried again, but not so soon.
-    if (history_.fine && plan->tree != TreeWork::kRebuildFinely)
-      history_.patience = history_.moves + 2 * history_.patience;
+    if (history_.fine && plan->tree != TreeWork::kRebuildFinely) history_.wait_longer();
     history_.fine = plan->tree == TreeWork::kRebuildFinely;
     cost_when_built_ = tree_.surface_area_cost;
   }

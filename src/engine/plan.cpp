@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 
 #include "base/vec.h"
 #include "dual/stream.h"
@@ -183,6 +184,11 @@ void choose_bundle(const SceneHistory& scene, const RaySource& rays, const Box* 
 }
 
 }  // namespace
+
+void SceneHistory::wait_longer() {
+  constexpr std::uint64_t kLongest = std::numeric_limits<std::uint32_t>::max();
+  patience = static_cast<std::uint32_t>(std::min(kLongest, moves + std::uint64_t{2} * patience));
+}
 
 Coherence sample_coherence(const RaySource& rays, const Box* whole) {
   constexpr std::size_t kGroup = 16;

@@ -48,6 +48,9 @@ struct SceneHistory {
   /// Of tiles of a fan and triangles, a triangle, when a fan was last used; other triangles at
   /// other places are expected to be alike.
   double fan_pairs = 0.25;
+
+  /// A fine tree was spoilt: it is tried again, but not so soon.
+  void wait_longer();
 };
 
 struct Plan {

@@ -216,5 +216,18 @@ TEST(Plan, ExtremeRays) {
   }
 }
 
+TEST(Plan, WaitsLongerForEveryFineTreeThatWasSpoilt) {
+  SceneHistory scene = history(1000);
+  scene.moves = 5;
+  scene.wait_longer();
+  EXPECT_EQ(scene.patience, 9u);
+  for (std::uint32_t last = scene.patience, i = 0; i < 40; ++i) {
+    scene.moves = scene.patience;
+    scene.wait_longer();
+    EXPECT_GE(scene.patience, last) << i;
+    last = scene.patience;
+  }
+}
+
 }  // namespace
 }  // namespace raysheaf::test
