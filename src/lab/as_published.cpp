@@ -76,7 +76,7 @@ template <class Item, class Make>
 std::vector<Node> level_over(const Executor& executor, View<const Item> below, std::size_t b,
                              const Make& make) {
   std::vector<Node> nodes((below.size + b - 1) / b);
-  executor.for_each(nodes.size(), kWorkGrain / b, [&](std::size_t i) {
+  executor.for_each(nodes.size(), std::max<std::size_t>(1, kWorkGrain / b), [&](std::size_t i) {
     nodes[i] = make(below.slice(i * b, std::min(b, below.size - i * b)));
   });
   return nodes;

@@ -204,8 +204,13 @@ TEST_F(AsPublished, DoesNotDependOnThreads) {
   const RayBatch batch = fan(3000);
   const Executor one(1);
   for (const Method method : {Method::kRah, Method::kCrsh}) {
-    const auto a = count_as_published(one, scene_, batch, method, {}, 1u << 20);
-    EXPECT_EQ(a.total_tests(), count(batch, method, {}).total_tests());
+    for (const std::uint32_t branching : {8u, 2000u}) {
+      const auto count_on = [&](const Executor& executor) {
+        return count_as_published(executor, scene_, batch, method, {}, 1u << 20, {2, branching})
+            .total_tests();
+      };
+      EXPECT_EQ(count_on(one), count_on(executor_)) << branching;
+    }
   }
 }
 

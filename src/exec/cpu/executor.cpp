@@ -7,6 +7,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <cassert>
 #include <exception>
 #include <latch>
 #include <mutex>
@@ -91,6 +92,7 @@ void Executor::enter(void (*call)(const void* body), const void* body) const {
 }
 
 void Executor::spread(std::size_t count, std::size_t grain, Block* block, const void* body) const {
+  assert(grain > 0);  // or a loop that can be stopped has no end
   const auto run = [&](std::size_t first, std::size_t last) {
     if (stop_ == nullptr) return block(body, first, last);
     // Ranges may be long.
