@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <new>
 #include <string>
 
 #include "raysheaf/error.h"
@@ -18,26 +17,20 @@ namespace raysheaf::io {
 /// What `work` gives. A lack of memory becomes an `Error` whose place is the file's name.
 template <class Work>
 auto within_memory(const std::string& path, const Work& work) {
-  try {
-    return work();
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for it", path);
-  }
+  return raysheaf::within_memory("there is not enough memory for it", path, work);
 }
 
 /// What `load` gives. Puts the file's name before what went wrong.
 template <class Load>
 auto naming(const std::string& path, const Load& load) {
   try {
-    return load();
+    return raysheaf::within_memory("there is not enough memory for this scene", path, load);
   } catch (const Error& error) {
     const bool named = error.place() == path || error.place().starts_with(path + ": ");
     const std::string place = named                   ? error.place()
                               : error.place().empty() ? path
                                                       : path + ": " + error.place();
     throw Error(error.code(), error.sentence(), place);
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for this scene", path);
   } catch (const std::exception& error) {
     throw Error(ErrorCode::kInvalidData, std::string("cannot be read: ") + error.what(), path);
   }

@@ -1,8 +1,10 @@
 // The one exception that leaves raysheaf.
 #pragma once
 
+#include <new>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace raysheaf {
 
@@ -38,5 +40,21 @@ class Error : public std::runtime_error {
   std::string sentence_;
   std::string place_;
 };
+
+/// What `work` gives. Throws an `Error` (kOutOfMemory) of this sentence and place where memory runs
+/// out, or a vector would get more elements than any can have: std::bad_alloc, std::length_error.
+template <class Work>
+decltype(auto) within_memory(std::string_view sentence, std::string_view place, const Work& work) {
+  const auto error = [&] {
+    return Error(ErrorCode::kOutOfMemory, std::string(sentence), std::string(place));
+  };
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    throw error();
+  } catch (const std::length_error&) {
+    throw error();
+  }
+}
 
 }  // namespace raysheaf

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <set>
 #include <utility>
 
@@ -77,7 +76,7 @@ class RigAnimation final : public Animation {
     if (!fresh_ && time == time_) return {};
     fresh_ = true;  // where it fails, the next call does all of it
     const bool is_told = std::exchange(is_told_, false);
-    try {
+    return within_memory("there is not enough memory", "animation", [&] {
       // Not kept: the least of all executors' threads is what all of them get.
       const Executor executor(threads_);
       state_.apply(executor, rig_.clips[clip_], time);
@@ -87,9 +86,7 @@ class RigAnimation final : public Animation {
       fresh_ = false;
       is_told_ = true;
       return changes;
-    } catch (const std::bad_alloc&) {
-      throw Error(ErrorCode::kOutOfMemory, "there is not enough memory", "animation");
-    }
+    });
   }
 
   [[nodiscard]] const std::vector<std::string>& clips() const override { return names_; }

@@ -2,7 +2,6 @@
 
 #include <hwy/highway.h>
 
-#include <new>
 #include <string>
 
 #include "api/context_impl.h"
@@ -43,12 +42,10 @@ Context::Context(const ContextOptions& options) {
 void ContextAccess::open(const ContextOptions& options, std::shared_ptr<Communicator> ranks,
                          Context* context) {
   check(options);
-  try {
+  within_memory("there is not enough memory", "context", [&] {
     context->impl_ = std::make_shared<const Context::Impl>(
         options, options.device == Device::kCuda ? open_cuda() : nullptr, std::move(ranks));
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory", "context");
-  }
+  });
 }
 
 Context distributed(const ContextOptions& options, std::shared_ptr<Communicator> ranks) {

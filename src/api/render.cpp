@@ -3,7 +3,6 @@
 #include "raysheaf/renderer.h"
 
 #include <algorithm>
-#include <new>
 #include <optional>
 #include <utility>
 
@@ -83,14 +82,12 @@ class Renderer::Impl {
       if (cache_.backend != nullptr) check_for_device(options);
       if (scene_ == nullptr)
         throw Error(ErrorCode::kWrongState, "no scene is shown yet: call show() first");
-      return render_checked(options, given);
+      return within_memory("there is not enough memory for this picture", "",
+                           [&] { return render_checked(options, given); });
     } catch (const Error& error) {
       // Who cancels finds everything whole: nothing that is kept is made where one can.
       if (error.code() != ErrorCode::kCancelled) pending_.everything = true;
       throw;
-    } catch (const std::bad_alloc&) {
-      pending_.everything = true;
-      throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for this picture");
     }
   }
 

@@ -94,16 +94,14 @@ RenderResult render_checked(const GeometrySource& source, const RenderOptions& o
 
 RenderResult render(const GeometrySource& source, const RenderOptions& options,
                     const StreamOptions& stream) {
-  try {
+  return within_memory("there is not enough memory for this picture", "", [&] {
     check(options);
     check_streamed(options, stream);
     validate_but_triangles(source.scene());
     if (source.scene().cameras.empty())
       throw Error(ErrorCode::kInvalidData, "what streams brings a camera", "cameras");
     return render_checked(source, options, stream);
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory for this picture");
-  }
+  });
 }
 
 }  // namespace raysheaf

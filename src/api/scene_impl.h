@@ -3,9 +3,7 @@
 #pragma once
 
 #include <map>
-#include <new>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <unordered_map>
 
@@ -21,13 +19,7 @@ namespace raysheaf {
 /// Memory that runs out is the caller's to handle, as all else is.
 template <class Body>
 decltype(auto) translated(const Body& body) {
-  try {
-    return body();
-  } catch (const std::bad_alloc&) {
-    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory", "scene");
-  } catch (const std::length_error&) {
-    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory", "scene");
-  }
+  return within_memory("there is not enough memory", "scene", body);
 }
 
 struct Placement;

@@ -1,4 +1,5 @@
 // A small file asks for little, and for nothing that lies elsewhere.
+#include "io/refuse.h"
 #include "io_support.h"
 
 namespace raysheaf::test {
@@ -147,6 +148,25 @@ TEST_F(Limits, BuffersThatLeaveTheFolder) {
   root["buffers"][0]["uri"] = path("corners.bin");
   write("inner/a.gltf", root.dump());
   EXPECT_THROW(static_cast<void>(load_scene(file, {.allow_external = true})), Error);
+}
+
+/// As a file may ask for by a count that is wrong.
+TEST(WithinMemory, MoreThanAnyVectorHoldsIsALackOfMemory) {
+  const auto reserve = [] {
+    std::vector<int> all;
+    all.reserve(all.max_size() + 1);
+  };
+  const auto expect_lack = [](const auto& body) {
+    try {
+      body();
+      ADD_FAILURE() << "nothing was thrown";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kOutOfMemory) << error.what();
+      EXPECT_EQ(error.place(), "a.file");
+    }
+  };
+  expect_lack([&] { io::within_memory("a.file", reserve); });
+  expect_lack([&] { io::naming("a.file", reserve); });
 }
 
 }  // namespace

@@ -300,6 +300,30 @@ TEST(Stream, WhatIsAskedIsLookedOver) {
   closest_hit(source, {}, {});
 }
 
+/// Whose blocks nobody has memory for.
+class Endless : public Shuffled {
+ public:
+  using Shuffled::Shuffled;
+  void read(std::size_t /*block*/, TriangleBlock* out) const override {
+    out->triangles.resize(out->triangles.max_size() + 1);
+  }
+};
+
+TEST(Stream, MoreThanAnyVectorHoldsIsALackOfMemory) {
+  Random random(1);
+  BlockList blocks;
+  blocks.set_scene(cut_into_blocks(builtin_scene("cornell"), &blocks, 100));
+  const Endless endless(blocks, random);
+  const std::vector<Ray> rays{{{0, 0, 0}, 0, {0.1f, 0.2f, 1}}};
+  std::vector<Hit> hits(1);
+  EXPECT_EQ(error_of([&] { closest_hit(endless, rays, hits); }).code(), ErrorCode::kOutOfMemory);
+  RenderOptions options;
+  options.primary = Primary::kTrace;
+  options.width = options.height = 32;
+  EXPECT_EQ(error_of([&] { static_cast<void>(render(endless, options)); }).code(),
+            ErrorCode::kOutOfMemory);
+}
+
 /// The exit code of a process that asks where no thread can be started.
 int ask_without_threads(const GeometrySource& source) {
   constexpr uid_t kNobody = 65534;
