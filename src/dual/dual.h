@@ -72,11 +72,11 @@ struct DualCounts {
 /// first + i, sorted by (t, triangle), and ends where ends[i] says.
 struct RowList {
   std::uint32_t first = 0;
-  Buffer<std::uint32_t> ends;
+  Buffer<std::uint64_t> ends;  ///< 64 bits: few rays may have many hits
   Buffer<EngineHit> hits;
 
   [[nodiscard]] View<const EngineHit> row(std::size_t i) const {
-    const std::uint32_t begin = i == 0 ? 0 : ends[i - 1];
+    const std::uint64_t begin = i == 0 ? 0 : ends[i - 1];
     return {hits.data() + begin, ends[i] - begin};
   }
 };

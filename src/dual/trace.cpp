@@ -76,14 +76,14 @@ void make_rows(const Executor& executor, const std::vector<RowHit>& found, std::
   list->first = first;
   list->ends.resize_uninitialized(end - first);
   list->hits.resize_uninitialized(found.size());
-  std::fill(list->ends.begin(), list->ends.end(), 0u);
+  std::fill(list->ends.begin(), list->ends.end(), std::uint64_t{0});
   // ends[i] is first the length of row i, then where it begins, then, filled, where it ends.
   for (const RowHit& hit : found) ++list->ends[hit.place - first];
-  std::uint32_t begin = 0;
-  for (std::uint32_t& at : list->ends) begin += std::exchange(at, begin);
+  std::uint64_t begin = 0;
+  for (std::uint64_t& at : list->ends) begin += std::exchange(at, begin);
   for (const RowHit& hit : found) list->hits[list->ends[hit.place - first]++] = hit.hit;
   begin = 0;
-  for (const std::uint32_t row_end : list->ends) {
+  for (const std::uint64_t row_end : list->ends) {
     executor.check();
     std::sort(list->hits.begin() + begin, list->hits.begin() + row_end,
               [](const EngineHit& a, const EngineHit& b) {
