@@ -9,6 +9,9 @@
 
 namespace raysheaf {
 
+class Communicator;
+class DeviceBackend;
+
 enum class Device : std::uint8_t {
   kCpu,   ///< SIMD at the width of the machine, on all threads
   kCuda,  ///< kernels on the first CUDA device
@@ -45,6 +48,8 @@ class Context {
  private:
   friend struct ContextAccess;
   struct Impl;
+  Context(const ContextOptions& options, std::unique_ptr<DeviceBackend> machine,
+          std::shared_ptr<Communicator> processes);
   std::shared_ptr<const Impl> impl_;
 };
 

@@ -18,6 +18,18 @@ void check(const ContextOptions& options) {
     throw Error(ErrorCode::kInvalidArgument, "is no device that there is", "device");
 }
 
+template <class Work>
+auto within_memory(const Work& work) {
+  return raysheaf::within_memory("there is not enough memory", "context", work);
+}
+
+/// The machine that the options ask for; null for the CPU.
+std::unique_ptr<DeviceBackend> machine_of(const ContextOptions& options) {
+  check(options);
+  if (options.device == Device::kCpu) return nullptr;
+  return within_memory([] { return open_cuda(); });
+}
+
 }  // namespace
 
 const char* to_string(Device device) {
@@ -35,23 +47,17 @@ std::string simd_target() {
   return hwy::TargetName(all & -all);  // Highway gives better targets lower bits
 }
 
-Context::Context(const ContextOptions& options) {
-  ContextAccess::open(options, nullptr, this);
-}
+Context::Context(const ContextOptions& options) : Context(options, machine_of(options), nullptr) {}
 
-void ContextAccess::open(const ContextOptions& options, std::shared_ptr<Communicator> ranks,
-                         Context* context) {
-  check(options);
-  within_memory("there is not enough memory", "context", [&] {
-    context->impl_ = std::make_shared<const Context::Impl>(
-        options, options.device == Device::kCuda ? open_cuda() : nullptr, std::move(ranks));
-  });
-}
+/// Options that have been checked.
+Context::Context(const ContextOptions& options, std::unique_ptr<DeviceBackend> machine,
+                 std::shared_ptr<Communicator> processes)
+    : impl_(within_memory([&] {
+        return std::make_shared<const Impl>(options, std::move(machine), std::move(processes));
+      })) {}
 
 Context distributed(const ContextOptions& options, std::shared_ptr<Communicator> ranks) {
-  Context context;
-  ContextAccess::open(options, std::move(ranks), &context);
-  return context;
+  return ContextAccess::with_backend(options, machine_of(options), std::move(ranks));
 }
 
 Device Context::device() const noexcept {

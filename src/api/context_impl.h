@@ -15,7 +15,7 @@ inline constexpr std::uint32_t kMostThreads = 1024;
 
 struct Context::Impl {
   Impl(const ContextOptions& options, std::unique_ptr<DeviceBackend> machine,
-       std::shared_ptr<Communicator> processes = nullptr)
+       std::shared_ptr<Communicator> processes)
       : device(options.device),
         executor(options.threads),
         backend(std::move(machine)),
@@ -35,16 +35,10 @@ struct ContextAccess {
   }
   /// Null for this process alone.
   static Communicator* ranks(const Context& context) { return context.impl_->ranks.get(); }
-  /// What `Context` does, for the processes of `ranks` if there are any.
-  static void open(const ContextOptions& options, std::shared_ptr<Communicator> ranks,
-                   Context* context);
-  /// On a machine that is handed in.
+  /// On a machine that is handed in, or the CPU; for the processes of `ranks` if there are any.
   static Context with_backend(const ContextOptions& options, std::unique_ptr<DeviceBackend> backend,
                               std::shared_ptr<Communicator> ranks = nullptr) {
-    Context context;
-    context.impl_ =
-        std::make_shared<const Context::Impl>(options, std::move(backend), std::move(ranks));
-    return context;
+    return Context(options, std::move(backend), std::move(ranks));
   }
 };
 
