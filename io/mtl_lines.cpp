@@ -74,10 +74,12 @@ class MtlRewriter {
     result_ += '\n';
   }
 
-  /// The parser's 0 for what names no model is another model.
+  /// The parser's 0 for what names no model is another model; and it takes a map_Kd without a Kd
+  /// for grey, but in materials behind one that has a Kd.
   void add_material(std::string_view line) {
     add_line(line);
     add_line("illum 2");
+    add_line("Kd 0 0 0");
   }
 
   /// "r g b", "xyz x y z" or "spectral file factor"; what is left out after the first number is

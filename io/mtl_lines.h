@@ -9,9 +9,9 @@
 namespace raysheaf::io {
 
 /// The same materials, a line each. Colours have three linear parts: those left out are as the
-/// first, CIE XYZ is converted. Options of maps have all of their numbers. What
-/// names no model of illumination has the second. `warn` is called with a
-/// sentence for what is left out.
+/// first, CIE XYZ is converted. Options of maps have all of their numbers. What names no model of
+/// illumination has the second, and what names no Kd is black. `warn` is called with a sentence for
+/// what is left out.
 [[nodiscard]] std::string plain_mtl(std::string_view text,
                                     const std::function<void(const std::string&)>& warn);
 

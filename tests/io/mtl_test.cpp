@@ -132,6 +132,14 @@ TEST_F(Mtl, FindsTheNamesOfMapsBehindTheirOptions) {
     material(line, 1);
 }
 
+TEST_F(Mtl, ShowsMapsWithoutAColourAsTheyAre) {
+  const std::string map = "map_Kd gone.png\n";
+  for (const char* before : {"", "newmtl b\nKd .2 .2 .2\n"}) {
+    const SceneDescription scene = load(before + ("newmtl a\n" + map));
+    expect_color(base_of(scene.materials.back()), {1, 1, 1}, before);
+  }
+}
+
 TEST_F(Mtl, NamesWhatIsLeftOut) {
   write_png({"", 1, 1, {10, 20, 30, 255}}, path("t.png"));
   struct Line {

@@ -10,8 +10,10 @@
 #include <cstring>
 #include <filesystem>
 #include <future>
+#include <memory>
 #include <numeric>
 #include <span>
+#include <system_error>
 
 #include "console.h"
 #include "outputs.h"
@@ -203,9 +205,7 @@ class FrameRun {
       tell_new_warnings(&bar);
       bar.update("frames", *next + 1, missing_.size());
       stop_if_interrupted();
-      if (frame_each_ || is_first(ranks_))
-        writing_ = std::async(std::launch::async,
-                              [this, drawn = std::move(drawn)]() mutable { write(drawn); });
+      if (frame_each_ || is_first(ranks_)) start_writing(std::make_shared<Drawn>(std::move(drawn)));
     }
     finish_writing();
     if (frame_each_)
@@ -220,7 +220,17 @@ class FrameRun {
       tell("warning: " + printable(warnings[told_warnings_]));
   }
 
-  /// Waits for the frame before, whose pictures are written while the next one is rendered.
+  /// While the next frame is rendered.
+  void start_writing(const std::shared_ptr<Drawn>& drawn) {
+    const auto work = [this, drawn] { write(*drawn); };
+    try {
+      writing_ = std::async(std::launch::async, work);
+    } catch (const std::system_error&) {
+      work();  // there is no thread to be had
+    }
+  }
+
+  /// Waits for the frame before.
   void finish_writing() {
     if (writing_.valid()) writing_.get();
   }
