@@ -1,9 +1,9 @@
 #include "engine/engine.h"
 
 #include <algorithm>
-#include <chrono>
 
 #include "exec/scan.h"
+#include "exec/stopwatch.h"
 
 namespace raysheaf {
 namespace {
@@ -24,9 +24,7 @@ class Reporter {
   explicit Reporter(EngineReport* report) : report_(report) {}
 
   void lap(double EngineReport::*field) {
-    const auto now = std::chrono::steady_clock::now();
-    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
-    last_ = now;
+    const double ms = watch_.lap_ms();
     if (report_ == nullptr) return;
     report_->*field += ms;
     report_->total_ms += ms;
@@ -44,7 +42,7 @@ class Reporter {
 
  private:
   EngineReport* report_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  Stopwatch watch_;
 };
 
 /// Of rays that run every way a tile has too few that go together.

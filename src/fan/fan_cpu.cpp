@@ -1,10 +1,10 @@
 #include "fan/fan.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "base/bits.h"
+#include "exec/stopwatch.h"
 #include "fan/cells.h"
 #include "fan/stream.h"
 
@@ -28,17 +28,6 @@ namespace {
 /// Triangles a block, and the most blocks: each has a counter for every tile.
 constexpr std::size_t kTriangleBlockSize = 1024;
 constexpr std::size_t kMostBlocks = 128;
-/// Milliseconds since the last lap.
-class Laps {
- public:
-  double lap_ms() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double, std::milli>(now - std::exchange(last_, now)).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 /// Returns how many pairs there are; too many where a block is full.
 std::uint64_t stream(const Executor& executor, const TriangleSource& source,
@@ -132,7 +121,7 @@ bool occluded_in_fan(const Executor& executor, const TriangleSource& source, Vie
   if (rays.empty()) return true;
   FanMemory own;
   FanMemory::Arrays& a = options.memory != nullptr ? options.memory->arrays() : own.arrays();
-  Laps watch;
+  Stopwatch watch;
   if (!make_cells(executor, rays, &a.cells)) return false;
   for (std::size_t i = a.cells.live_rays; i < rays.size; ++i) occluded[a.cells.order[i]] = 0;
   counts->order_ms += watch.lap_ms();
