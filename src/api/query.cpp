@@ -159,6 +159,7 @@ void answer(const Scene& scene, const QueryRays& rays, std::span<Answer> answers
   if (ranks == nullptr || ranks->size() == 1 || pieces.number() <= 1 ||
       (rays.is_packed() && on_device(rays.rays().data, "rays")) || on_device(answers.data(), name))
     return one(rays, answers, options);
+  const SceneGate::Reading reading(state.gate);  // for all pieces, and what is told of them
   Stopwatch watch;
   QueryStatistics sum, piece;
   sum.rays = rays.size();
@@ -182,7 +183,6 @@ void answer(const Scene& scene, const QueryRays& rays, std::span<Answer> answers
   sum.total_ms = sum.check_ms + watch.lap_ms();
   if (options.statistics == nullptr) return;
   // Also where others took every piece.
-  const SceneGate::Reading reading(state.gate);
   sum.triangles = visible_triangles(state.runs, options.mask);
   sum.update_ms = state.update_ms;
   *options.statistics = std::move(sum);

@@ -29,8 +29,8 @@ class Query {
         reading_(state_.gate),
         rays_(rays),
         options_(options),
-        executor_(options.stop != nullptr ? state_.executor().until(*options.stop)
-                                          : state_.executor()) {
+        executor_(options.stop != nullptr ? state_.executor().alone().until(*options.stop)
+                                          : state_.executor().alone()) {
     state_.require_committed();
     executor_.check();
     if (rays.size() > kMostRays)
@@ -59,7 +59,7 @@ class Query {
   }
   [[nodiscard]] bool is_on_device() const { return backend() != nullptr; }
   [[nodiscard]] DeviceEngine& device_engine() {
-    return view_->device_engine(state_.executor(), *backend());
+    return view_->device_engine(state_.executor().alone(), *backend());
   }
   [[nodiscard]] DeviceQuery device_query() {
     DeviceQuery query;

@@ -183,7 +183,7 @@ Box Scene::Impl::bounds() {
   Box box;
   executor().enter([&] {
     const std::lock_guard lock(bounds_mutex_);
-    if (!bounds_) bounds_ = box_of(executor(), runs.runs);
+    if (!bounds_) bounds_ = box_of(executor().alone(), runs.runs);
     box = *bounds_;
   });
   return box;

@@ -29,6 +29,10 @@ class Executor {
   /// which must outlive what is returned.
   [[nodiscard]] Executor until(const std::atomic<bool>& stop) const;
 
+  /// The same threads. Who waits for the end of a loop takes no part in others: for callers that
+  /// hold what bodies of others may wait for.
+  [[nodiscard]] Executor alone() const;
+
   /// Throws where `until`'s flag is set.
   void check() const;
 
@@ -74,6 +78,7 @@ class Executor {
   std::uint32_t threads_;
   std::shared_ptr<Pool> pool_;  ///< null: serial
   const std::atomic<bool>* stop_ = nullptr;
+  bool alone_ = false;
 };
 
 }  // namespace raysheaf

@@ -83,6 +83,12 @@ Executor Executor::until(const std::atomic<bool>& stop) const {
   return same;
 }
 
+Executor Executor::alone() const {
+  Executor same = *this;
+  same.alone_ = true;
+  return same;
+}
+
 void Executor::check() const {
   if (stop_ != nullptr && stop_->load(std::memory_order_relaxed)) throw cancelled();
 }
@@ -102,15 +108,12 @@ void Executor::spread(std::size_t count, std::size_t grain, Block* block, const 
     }
   };
   if (pool_ == nullptr) return run(0, count);
-  // A thread that waits for this loop's end takes no part in others: a caller may hold what a body
-  // of theirs waits for.
-  pool_->arena.execute([&] {
-    oneapi::tbb::this_task_arena::isolate([&] {
-      using Range = oneapi::tbb::blocked_range<std::size_t>;
-      oneapi::tbb::parallel_for(Range(0, count, grain),
-                                [&](const Range& r) { run(r.begin(), r.end()); });
-    });
-  });
+  const auto loop = [&] {
+    using Range = oneapi::tbb::blocked_range<std::size_t>;
+    oneapi::tbb::parallel_for(Range(0, count, grain),
+                              [&](const Range& r) { run(r.begin(), r.end()); });
+  };
+  pool_->arena.execute([&] { alone_ ? oneapi::tbb::this_task_arena::isolate(loop) : loop(); });
 }
 
 }  // namespace raysheaf
