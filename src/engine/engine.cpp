@@ -229,25 +229,26 @@ bool Engine::any_hit_in_fan(const Executor& executor, View<const Ray> rays,
   const bool done = occluded_in_fan(executor, source_, rays, fan, occluded, ray_tests, &counts);
   if (source_.count != 0 && (done || counts.pairs > 0))
     history_.fan_pairs = static_cast<double>(counts.pairs) / static_cast<double>(source_.count);
-  if (!done) {
-    plan->reasons.clear();
-    if (counts.pairs == 0) return false;
-    fan_memory_ = {};
-    if (report != nullptr)
-      plan->reasons.push_back("rays of one origin, but triangles meet too many of their cells: " +
-                              std::to_string(counts.pairs) + " pairs and more");
-    return false;
+  if (report != nullptr) {
+    report->bound_tests += counts.bound_tests;
+    report->triangle_tests += counts.triangle_tests;
+    report->order_ms += counts.order_ms;
+    report->hierarchy_ms += counts.hierarchy_ms;
+    report->trace_ms += counts.traverse_ms;
+    report->total_ms += counts.order_ms + counts.hierarchy_ms + counts.traverse_ms;
   }
-  ++history_.queries_since_change;
-  if (report == nullptr) return true;
-  report->plan = std::move(plan->reasons);
-  report->bound_tests += counts.bound_tests;
-  report->triangle_tests += counts.triangle_tests;
-  report->order_ms += counts.order_ms;
-  report->hierarchy_ms += counts.hierarchy_ms;
-  report->trace_ms += counts.traverse_ms;
-  report->total_ms += counts.order_ms + counts.hierarchy_ms + counts.traverse_ms;
-  return true;
+  if (done) {
+    ++history_.queries_since_change;
+    if (report != nullptr) report->plan = std::move(plan->reasons);
+    return true;
+  }
+  plan->reasons.clear();
+  if (counts.pairs == 0) return false;
+  fan_memory_ = {};
+  if (report != nullptr)
+    plan->reasons.push_back("rays of one origin, but triangles meet too many of their cells: " +
+                            std::to_string(counts.pairs) + " pairs and more");
+  return false;
 }
 
 Plan Engine::plan_after_fan(Plan fan, const RaySource& rays, bool explain) const {

@@ -24,6 +24,7 @@ constexpr double kTraceRayLevel = 7;  // a ray, a doubling of the triangles
 constexpr double kFanTriangle = 18, kFanPair = 90;
 constexpr double kFanRay = 19, kFanRayApart = 42;  // neighbours run alike, or do not
 constexpr double kFewFanPairs = 65536;             // take 6 MB, which nobody misses
+constexpr double kMostFanPairs = 1e9;              // they have numbers of 32 bits
 constexpr double kFanTake = 4;     // a ray that does not lie in memory: a tree needs it once
 constexpr double kPacketRay = 26;  // on a tree of few triangles
 constexpr double kSharedRay = 14, kSharedTriangle = 44;  // a ray, and one that has a triangle alone
@@ -129,7 +130,8 @@ bool chooses_fan(const SceneHistory& scene, const RaySource& rays, Plan* plan) {
   const double worth = (tree - fan) / kFanPair + scene.fan_pairs * scene.triangles;
   const double kept =
       0.5 * count + 2.0 * scene.triangles;  // by their memory, as rays and triangles
-  plan->most_fan_pairs = static_cast<std::uint64_t>(std::min(2 * worth, kept) + kFewFanPairs);
+  const double most = std::min({2 * worth, kept, kMostFanPairs}) + kFewFanPairs;
+  if (chosen) plan->most_fan_pairs = static_cast<std::uint64_t>(most);
   plan->reasons.push_back(figures(
       chosen ? "rays of one origin: triangles stream against cells over them, about %.2g ms "
                "of a core; an object tree about %.2g"

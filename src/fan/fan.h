@@ -57,7 +57,8 @@ struct FanOptions {
   Facing facing = Facing::kBoth;
   bool count = false;           ///< fill FanCounts' counts; times are always measured
   FanMemory* memory = nullptr;  ///< null: memory of the query's own
-  /// More pairs of tiles and triangles are too many. By then up to four times as many may be there.
+  /// More pairs of tiles and triangles are too many. By then up to four times as many may be there,
+  /// and one triangle's of each block of triangles.
   std::uint64_t most_pairs = std::uint64_t{1} << 29;
 };
 

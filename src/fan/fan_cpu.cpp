@@ -127,9 +127,9 @@ bool occluded_in_fan(const Executor& executor, const TriangleSource& source, Vie
   counts->order_ms += watch.lap_ms();
   const std::uint64_t pairs = stream(executor, source, options.most_pairs, &a);
   counts->pairs += pairs;
-  if (pairs > options.most_pairs) return false;
-  sort_pairs(executor, &a);
+  if (pairs <= options.most_pairs) sort_pairs(executor, &a);
   counts->hierarchy_ms += watch.lap_ms();
+  if (pairs > options.most_pairs) return false;
   trace_tiles(executor, {a.cells, source, options.facing, occluded, ray_tests}, &a);
   if (!ray_tests.empty()) share_stream_tests(executor, a, ray_tests);
   counts->traverse_ms += watch.lap_ms();

@@ -178,7 +178,7 @@ class Stream {
   void descend(std::uint32_t f, std::uint32_t in, const TriangleRun& run, std::uint32_t first) {
     if (std::popcount(in) >= kWorthALook && all_beyond(f, in)) return;
     bool has_edges = false;
-    for (; in != 0; in &= in - 1) {
+    for (; in != 0 && !block_.is_full(); in &= in - 1) {
       const auto lane = static_cast<std::uint32_t>(std::countr_zero(in));
       TileRange ranges[kMostCellsAcross * kMostCellsAcross];
       const bool one_cell = x0_[lane] == x1_[lane] && y0_[lane] == y1_[lane];

@@ -269,6 +269,7 @@ TEST(Fan, GivesUpWhereTrianglesMeetTooManyTiles) {
     const Executor executor(threads);
     EXPECT_FALSE(occluded_in_fan(executor, t.source(), rays, options, occluded, {}, &counts));
     EXPECT_GT(counts.pairs, options.most_pairs);
+    EXPECT_LT(counts.pairs, 4 * options.most_pairs + 20 * 1000);  // a triangle's tiles a block
     EXPECT_EQ(threads == 1 ? counts.pairs : pairs, counts.pairs);
     pairs = counts.pairs;
   }
