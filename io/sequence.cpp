@@ -196,7 +196,15 @@ class SequenceAnimation final : public Animation {
     const auto after = std::upper_bound(files_.times.begin(), files_.times.end(), seconds);
     const auto index =
         static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - files_.times.begin() - 1, 0));
-    return index == shown_ ? SceneChanges{} : show(index);
+    if (index == shown_ && is_told_) return {};
+    // Where it fails, the next one tells of everything.
+    const bool was_told = std::exchange(is_told_, false);
+    if (!was_told) look_ = kNone;  // it may have a part of another
+    SceneChanges changes =
+        within_memory("there is not enough memory", "animation", [&] { return show(index); });
+    changes.everything = changes.everything || !was_told;
+    is_told_ = true;
+    return changes;
   }
 
  private:
@@ -369,6 +377,7 @@ class SequenceAnimation final : public Animation {
   SceneDescription scene_;
   Counts still_;
   std::size_t shown_ = kNone;
+  bool is_told_ = true;                               ///< what the last `seek` has changed
   std::size_t frame_lights_ = 0, frame_cameras_ = 0;  ///< that the frame brought
   std::vector<std::string> names_{"sequence"};
   // Where frames were preloaded: all of them, without their looks, and which each has.

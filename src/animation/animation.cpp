@@ -122,7 +122,7 @@ double frame_time(const Animation& animation, std::uint64_t frame, double fps) {
 }
 
 std::uint64_t frame_count(double seconds, double fps) {
-  const double frames = frames_in(seconds, fps);
+  const double frames = frames_in(seconds < 0 ? 0 : seconds, fps);
   if (frames <= kMostFrames) return static_cast<std::uint64_t>(frames);
   throw Error(ErrorCode::kUnsupported, "has more than 2^32 - 1 frames until its end", "animation");
 }
