@@ -133,9 +133,10 @@ float extra_number(const JsonValue& object, const char* name, const std::string&
 void read_size(const JsonValue& source, const std::string& place, Light& light) {
   if (light.type == Light::Type::kDirectional) return;
   light.radius = extra_number(source, "radius", place);
+  if (light.type != Light::Type::kSpot) return;
   const float width = extra_number(source, "width", place);
   const float height = extra_number(source, "height", place);
-  if (light.type != Light::Type::kSpot || (width == 0 && height == 0)) return;
+  if (width == 0 && height == 0) return;
   if (width == 0 || height == 0)
     refuse_number(0, "above 0", place + (width == 0 ? ".extras.width" : ".extras.height"));
   light.type = Light::Type::kRectangle;
@@ -143,10 +144,12 @@ void read_size(const JsonValue& source, const std::string& place, Light& light) 
   light.height = height;
 }
 
+/// A rectangle has no cone.
 void read_spot(const JsonValue& spot, const std::string& place, Light& light) {
   constexpr float kRightAngle = std::numbers::pi_v<float> / 2;
   light.inner_angle = spot.get("innerConeAngle", 0.0f);
   light.outer_angle = spot.get("outerConeAngle", kRightAngle / 2);
+  if (light.type == Light::Type::kRectangle) return;
   if (!(light.outer_angle > 0 && light.outer_angle <= kRightAngle))
     refuse_number(light.outer_angle, "above 0 and at most pi/2", place + ".outerConeAngle");
   if (!(light.inner_angle >= 0 && light.inner_angle <= light.outer_angle))
@@ -168,8 +171,9 @@ Light read_punctual_light(const GltfModel& model, std::size_t index) {
   if (intensity < 0) refuse("is negative", place + ".intensity");
   const auto range = source.get("range", 0.0);
   if (range > 0) light.range = static_cast<float>(range);
-  if (light.type == Light::Type::kSpot) read_spot(source.at("spot"), place + ".spot", light);
+  const bool has_cone = light.type == Light::Type::kSpot;
   read_size(source, place, light);
+  if (has_cone) read_spot(source.at("spot"), place + ".spot", light);
   return light;
 }
 

@@ -1,6 +1,8 @@
 #include "io/mtl_lines.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <initializer_list>
 #include <vector>
 
@@ -43,6 +45,12 @@ bool has_word(std::string_view option) {
   return std::find(std::begin(kOptions), std::end(kOptions), option) != std::end(kOptions);
 }
 
+/// The same in every locale.
+std::string text_of(double number) {
+  std::array<char, 32> text;
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), number).ptr};
+}
+
 class MtlRewriter {
  public:
   explicit MtlRewriter(const std::function<void(const std::string&)>& warn) : warn_(warn) {}
@@ -62,7 +70,7 @@ class MtlRewriter {
       add_dissolve(words_of(rest), line);
     else if (is_map(keyword))
       add_map(keyword, rest);
-    else if (keyword == "newmtl")
+    else if (keyword == "newmtl" && !trim(rest).empty())
       add_material(line);
     else
       add_line(line);
@@ -95,7 +103,7 @@ class MtlRewriter {
     words.resize(std::max<std::size_t>(words.size(), 3), words[0]);
     if (space != "xyz") return add_words({keyword, words[0], words[1], words[2]});
     const Double3 rgb = rgb_of_xyz({number_of(words[0]), number_of(words[1]), number_of(words[2])});
-    add_words({keyword, std::to_string(rgb.x), std::to_string(rgb.y), std::to_string(rgb.z)});
+    add_words({keyword, text_of(rgb.x), text_of(rgb.y), text_of(rgb.z)});
   }
 
   void add_spectral(std::string_view keyword) {

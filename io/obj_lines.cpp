@@ -38,6 +38,33 @@ bool has_numbers(std::string_view keyword) {
   return keyword == "v" || keyword == "vn" || keyword == "vt" || keyword == "f";
 }
 
+/// What a line's first word says of a '#' and of a backslash at the end.
+enum class LineKind { kNone, kComment, kNames, kNumbers };
+
+/// `part`: a piece of the line; the backslash at its end is none of its words. Names of files,
+/// groups and materials may have both; behind all else '#' begins a comment.
+LineKind kind_of(std::string_view part) {
+  constexpr std::string_view kNamed[] = {"g",      "o",      "usemtl",     "mtllib",
+                                         "usemap", "maplib", "shadow_obj", "trace_obj"};
+  const bool cut = part.ends_with('\\');
+  if (cut) part.remove_suffix(1);
+  const std::string_view keyword = take_word(part);
+  if (keyword.empty()) return LineKind::kNone;
+  if (keyword.starts_with('#')) return LineKind::kComment;
+  const bool whole = !cut || !part.empty();
+  const bool named = std::find(std::begin(kNamed), std::end(kNamed), keyword) != std::end(kNamed);
+  return whole && named ? LineKind::kNames : LineKind::kNumbers;
+}
+
+/// Whether the next line belongs to one of this kind, whose last piece is `part`. Comments end with
+/// their line. Names may end in a backslash, as those of folders do: behind them it must stand
+/// alone.
+bool goes_on(LineKind kind, std::string_view part) {
+  if (!part.ends_with('\\') || kind == LineKind::kComment) return false;
+  if (kind == LineKind::kNumbers) return part.find('#') == part.npos;
+  return kind != LineKind::kNames || part.ends_with(" \\") || part.ends_with("\t\\");
+}
+
 enum class Reference { kRight, kMalformed, kZero, kTooLarge };
 
 /// "7", "-1/2", "3//4" or "1/2/3".
@@ -144,27 +171,17 @@ ObjLines::int_type ObjLines::underflow() {
   return traits_type::to_int_type(current_[0]);
 }
 
-/// Whether the next line belongs to the one at hand. Comments end with their line. Names may end in
-/// a backslash, as those of folders do: behind them it must stand alone.
-bool ObjLines::goes_on() const {
-  if (!current_.ends_with('\\')) return false;
-  std::string_view rest = current_;
-  const std::string_view keyword = take_word(rest);
-  if (keyword.starts_with('#') || (has_numbers(keyword) && rest.find('#') != rest.npos))
-    return false;
-  const bool names = keyword == "g" || keyword == "o" || keyword == "usemtl" || keyword == "mtllib";
-  return !names || rest.ends_with(" \\") || rest.ends_with("\t\\");
-}
-
 bool ObjLines::next_line() {
   if (text_.empty()) return false;
   current_.clear();
   line_ = next_line_;
+  LineKind kind = LineKind::kNone;
   for (bool more = true; more && !text_.empty();) {
-    std::string_view part = take_line(text_);
+    const std::string_view part = take_line(text_);
     ++next_line_;
+    if (kind == LineKind::kNone) kind = kind_of(part);
     current_ += part;
-    more = goes_on();
+    more = goes_on(kind, part);
     if (more) current_.back() = ' ';
   }
   // The parser takes its lines for C strings, and knows no blanks but spaces and tabs: to it, any

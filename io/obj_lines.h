@@ -36,7 +36,6 @@ class ObjLines : public std::streambuf {
 
  private:
   bool next_line();
-  [[nodiscard]] bool goes_on() const;
   void check_line();
   void check_numbers(std::string_view rest, std::size_t least);
   void check_face(std::string_view rest);

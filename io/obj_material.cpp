@@ -44,8 +44,10 @@ class MtlConverter {
         material.emission = {1, 1, 1};
       }
     }
-    if (!m.normal_texname.empty())
+    if (!m.normal_texname.empty()) {
       material.normal_texture = slot(m.normal_texname, m.normal_texopt, place);
+      material.normal_scale = m.normal_texopt.bump_multiplier;
+    }
     if (!clear && !m.alpha_texname.empty()) {
       material.base_color.w = 1;
       material.alpha_cutoff = 0.5f;
@@ -105,6 +107,10 @@ class MtlConverter {
       library_.warn_once("Ambient maps are left out.");
     const auto holds = [&](const char* keyword) { return m.unknown_parameter.count(keyword) > 0; };
     if (holds("decal")) library_.warn_once("Decals are left out.");
+    for (const auto& [keyword, value] : m.unknown_parameter)
+      if (keyword.starts_with("map_") && keyword != "map_aat" && keyword != "map_Pc" &&
+          keyword != "map_Pcr")
+        library_.warn_once("Maps of unknown kinds are left out.");
     if (m.sheen > 0 || !m.sheen_texname.empty()) library_.warn_once("Sheen is left out.");
     if (m.clearcoat_thickness > 0 || holds("map_Pc") || holds("map_Pcr"))
       library_.warn_once("Clear coats are left out.");

@@ -181,6 +181,11 @@ TEST_F(Mtl, HasHighlightsByModel) {
   EXPECT_EQ(lamp.specular, 0);
 }
 
+TEST_F(Mtl, LeavesTheMaterialBeforeANameThatIsMissing) {
+  const Material red = material("Kd 1 0 0\nillum 1\nnewmtl\nnewmtl \n");
+  expect_color(base_of(red), {1, 0, 0}, "newmtl");
+}
+
 TEST_F(Mtl, ReadsHalosAsEven) {
   const SceneDescription scene = load("newmtl a\nKd 1 0 0\nd -halo .3\nnewmtl b\nd -halo .3\n");
   EXPECT_EQ(scene.materials[0].base_color.w, 0.3f);

@@ -131,6 +131,7 @@ TEST_F(Obj, UnderstandsOddLines) {
 TEST_F(Obj, JoinsNoLineToACommentOrAName) {
   EXPECT_EQ(load("# from C:\\models\\\n" + kSquare + "f 1 2 3 # C:\\\nf 1 3 4\n").triangle_count(),
             2u);
+  EXPECT_EQ(load("l 1 2 # C:\\\n" + kSquare + "maplib C:\\maps\\\nf 1 2 3\n").triangle_count(), 1u);
   EXPECT_EQ(load(kSquare + "f 1 2 \\\n3 \\\n4\n # out\\\r\nf 1 2 3\n").triangle_count(), 3u);
   const SceneDescription scene =
       load(kSquare + "g C:\\dir\\\nf 1 2 3\no a\\\nusemtl b\\\ng left \\\nside\nf 1 3 4\n");
@@ -316,6 +317,10 @@ TEST_F(Obj, ReadsManyNamesAndFacesInLinearTime) {
             std::to_string(i) + "\nf 1//-1 2//-1 3//-1\n";
   }
   EXPECT_EQ(load(text).meshes.size(), 50000u);
+  std::string joined, polygon = kSquare + "f 1 2";
+  for (int i = 0; i < 500000; ++i) joined += "\\\n";
+  for (int i = 0; i < 100000; ++i) polygon += " \\\n";
+  EXPECT_EQ(load(joined + "\n" + polygon + " 3\n").triangle_count(), 1u);
 }
 
 }  // namespace
