@@ -135,7 +135,7 @@ struct SceneDescription {
   Environment environment;
   std::vector<std::string> warnings;  ///< a sentence for each thing a loader left out
   /// It was read from, its own first, and those that they name, be they there or not; of a sequence
-  /// all its frames. As paths from where we are.
+  /// all its frames, and what the first of them names. As paths from where we are.
   std::vector<std::string> files;
 
   /// Triangles counted once an instance.

@@ -52,7 +52,7 @@ class Draws {
 /// What a case computed, as bits. Every NaN counts as the same one: which of them an operation
 /// gives is the device's business.
 struct Words {
-  static constexpr std::uint32_t kRoom = 48;
+  static constexpr std::uint32_t kRoom = 56;
   std::uint32_t bits[kRoom]{};
   std::uint32_t count = 0;
 
