@@ -220,7 +220,7 @@ std::string resolve(const SceneFile& from, const std::string& uri, bool is_uri,
     throw Error(ErrorCode::kUnsupported,
                 "\"" + uri.substr(0, 200) + "\" does not stay inside the file's folder", place);
   }
-  const std::string resolved = (fs::path(folder_of(from.path)) / path).string();
+  std::string resolved = (fs::path(folder_of(from.path)) / path).string();
   if (from.names != nullptr) from.names->insert(resolved);
   return resolved;
 }
