@@ -12,7 +12,7 @@
 
 namespace raysheaf {
 
-/// Of the distance to a light: up to 5 where tests/raygen looks for the worst.
+/// Of the distance to a light; in tests/raygen half of them are enough.
 inline constexpr float kOffsetRoundings = 16;
 
 /// The point moved off the surface to the side that `direction` leaves to; `distance` is how far

@@ -45,8 +45,8 @@ RAYSHEAF_HD inline MixedPoint mixed_point(Vec3 a, Vec3 b, Vec3 c, float u, float
 /// does not meet that triangle, nor one of like size beside it in its plane. The point's
 /// coordinates and those of the start are off by a rounding each, of which the part along the
 /// normal counts. The test errs by roundings of the corners as seen from the start, so by some of
-/// `reach`: by up to 28 as it can be bounded (intersect/triangle_body.h), by up to 2 where
-/// tests/raygen looks for the worst.
+/// `reach`: by up to 28 as it can be bounded (intersect/triangle_body.h); in tests/raygen half of
+/// what is taken here is enough.
 inline constexpr float kClearOfReach = 8;
 RAYSHEAF_HD inline float clearance(const MixedPoint& point, Vec3 normal) {
   const Vec3 n = abs(normal), p = abs(point.position);
