@@ -44,8 +44,8 @@ std::vector<Block> blocks_of(std::uint32_t count) {
   return blocks;
 }
 
-Curve curve_through(const Box& centers, std::uint32_t count) {
-  Curve curve;
+MortonCurve curve_through(const Box& centers, std::uint32_t count) {
+  MortonCurve curve;
   curve.low = centers.min;
   curve.id_bits = std::max(1u, bits_for(count));
   curve.bits = std::min(16u, (64 - curve.id_bits) / 3);
@@ -159,7 +159,7 @@ std::uint32_t bucket_along_curve(const Executor& executor, const TriangleSource&
     bounds.max = max(bounds.max, block.centers.max);
     left_out->insert(left_out->end(), block.left_out.begin(), block.left_out.end());
   }
-  const Curve curve = curve_through(bounds, count);
+  const MortonCurve curve = curve_through(bounds, count);
   const std::uint32_t bucket_bits =
       std::min({kMostBucketBits, 3 * curve.bits, std::max(8u, curve.id_bits) - 8});
   const std::size_t buckets = std::size_t{1} << bucket_bits;

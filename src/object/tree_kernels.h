@@ -20,7 +20,7 @@ void measure_centers(const TriangleSource& source, std::uint32_t begin, std::uin
                      CenterColumns centers, Box* bounds, std::vector<std::uint32_t>* left_out);
 
 /// A Morton curve through cubic cells (Morton 1966): `bits` bits an axis, x lowest.
-struct Curve {
+struct MortonCurve {
   Vec3 low;
   float up = 1;     ///< a power of two that lifts tiny scenes off the smallest numbers
   float scale = 0;  ///< cells a unit of doubled centre, after `up`
@@ -30,16 +30,16 @@ struct Curve {
 
 /// Writes `key << id_bits | number` for the triangles of [begin, end) that have an area, one after
 /// the other, and counts the keys by their highest bits, `key >> bucket_shift`. Returns how many.
-std::uint32_t write_keys(CenterColumns centers, const Curve& curve, std::uint32_t begin,
+std::uint32_t write_keys(CenterColumns centers, const MortonCurve& curve, std::uint32_t begin,
                          std::uint32_t end, std::uint32_t bucket_shift, std::uint64_t* keys,
                          std::uint32_t* bucket_counts);
 
 /// Puts keys into the buckets of their highest bits, `key >> (id_bits + bucket_shift)`:
 /// `place[bucket]` is where the next one goes. With `records`, the triangles go to the same places
 /// there, and the low `id_bits` bits of what is `sorted` become that place.
-void scatter_keys(const TriangleSource& source, View<const std::uint64_t> keys, const Curve& curve,
-                  std::uint32_t bucket_shift, std::uint32_t* place, std::uint64_t* sorted,
-                  TriangleRecord* records);
+void scatter_keys(const TriangleSource& source, View<const std::uint64_t> keys,
+                  const MortonCurve& curve, std::uint32_t bucket_shift, std::uint32_t* place,
+                  std::uint64_t* sorted, TriangleRecord* records);
 
 /// Consecutive leaves of at most four triangles, one quad each. `sizes[i]` of the triangles go to
 /// `quads[i]`, and the box of their corners to `boxes[i]`, whose weight is their number. Triangles

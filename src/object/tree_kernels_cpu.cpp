@@ -40,9 +40,9 @@ void write_all(const std::uint8_t* sizes, std::uint32_t leaf_count, TriangleQuad
 
 }  // namespace
 
-void scatter_keys(const TriangleSource& source, View<const std::uint64_t> keys, const Curve& curve,
-                  std::uint32_t bucket_shift, std::uint32_t* place, std::uint64_t* sorted,
-                  TriangleRecord* records) {
+void scatter_keys(const TriangleSource& source, View<const std::uint64_t> keys,
+                  const MortonCurve& curve, std::uint32_t bucket_shift, std::uint32_t* place,
+                  std::uint64_t* sorted, TriangleRecord* records) {
   const std::uint32_t shift = curve.id_bits + bucket_shift;
   if (records == nullptr) {
     for (const std::uint64_t key : keys) sorted[place[key >> shift]++] = key;

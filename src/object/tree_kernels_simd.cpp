@@ -174,7 +174,7 @@ HWY_INLINE W spread_by_3(W x) {
 }
 
 /// The keys' low thirty bits and those above, for a batch of centres.
-HWY_INLINE void make_keys(CenterColumns centers, const Curve& curve, std::uint32_t first,
+HWY_INLINE void make_keys(CenterColumns centers, const MortonCurve& curve, std::uint32_t first,
                           std::uint32_t count, std::uint32_t* low, std::uint32_t* high) {
   const Floats d;
   const Words w;
@@ -199,7 +199,7 @@ HWY_INLINE void make_keys(CenterColumns centers, const Curve& curve, std::uint32
   }
 }
 
-std::uint32_t WriteKeys(CenterColumns centers, const Curve& curve, std::uint32_t begin,
+std::uint32_t WriteKeys(CenterColumns centers, const MortonCurve& curve, std::uint32_t begin,
                         std::uint32_t end, std::uint32_t bucket_shift, std::uint64_t* keys,
                         std::uint32_t* bucket_counts) {
   HWY_ALIGN std::uint32_t low[kBatch], high[kBatch];
@@ -232,7 +232,7 @@ void measure_centers(const TriangleSource& source, std::uint32_t begin, std::uin
   HWY_DYNAMIC_DISPATCH(MeasureCenters)(source, begin, end, centers, bounds, left_out);
 }
 
-std::uint32_t write_keys(CenterColumns centers, const Curve& curve, std::uint32_t begin,
+std::uint32_t write_keys(CenterColumns centers, const MortonCurve& curve, std::uint32_t begin,
                          std::uint32_t end, std::uint32_t bucket_shift, std::uint64_t* keys,
                          std::uint32_t* bucket_counts) {
   return HWY_DYNAMIC_DISPATCH(WriteKeys)(centers, curve, begin, end, bucket_shift, keys,
