@@ -1,9 +1,8 @@
-# raysheaf_unity(TARGET [ALONE REGEX...]): its sources are compiled about eight at a time, so that the
-# headers they share are read once: a build from nothing takes half as long. Sources include what they use
-# all the same: tools/tidy compiles each by itself. Sources meet only those of their own folder: a file that
-# is added moves no other folder's groups, and names of anonymous namespaces meet only where both can be
-# seen. Those that match a REGEX stand alone; so do those that Highway compiles once an instruction set
-# (*_simd.cpp). What not every build has must stand alone.
+# raysheaf_unity(TARGET [ALONE REGEX...]): its sources are compiled some sixteen at a time, in order, so
+# that the headers they share are read once: a build from nothing takes half as long. Sources include what
+# they use all the same: tools/tidy compiles each by itself. Those that match a REGEX stand alone; so do
+# those that Highway compiles once an instruction set (*_simd.cpp). What not every build has must stand
+# alone.
 option(RAYSHEAF_UNITY "Compile sources several at a time" ${PROJECT_IS_TOP_LEVEL})
 
 # Of the library's sources, wherever they are compiled.
@@ -22,21 +21,12 @@ function(raysheaf_unity target)
   get_target_property(sources ${target} SOURCES)
   list(FILTER sources INCLUDE REGEX "\\.cpp$")
   list(FILTER sources EXCLUDE REGEX "${alone}")
+  list(LENGTH sources count)
+  math(EXPR groups "(${count} + 15) / 16")
+  set(number 0)
   foreach(source IN LISTS sources)
-    cmake_path(GET source PARENT_PATH folder)
-    list(APPEND folders "${folder}")
-    list(APPEND "in:${folder}" "${source}")
-  endforeach()
-  list(REMOVE_DUPLICATES folders)
-  foreach(folder IN LISTS folders)
-    cmake_path(GET folder FILENAME name)
-    list(LENGTH "in:${folder}" count)
-    math(EXPR groups "(${count} + 7) / 8")
-    set(number 0)
-    foreach(source IN LISTS "in:${folder}")
-      math(EXPR group "${number} * ${groups} / ${count}")
-      set_source_files_properties("${source}" TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP "${name}_${group}")
-      math(EXPR number "${number} + 1")
-    endforeach()
+    math(EXPR group "${number} * ${groups} / ${count}")
+    set_source_files_properties("${source}" TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP ${group})
+    math(EXPR number "${number} + 1")
   endforeach()
 endfunction()

@@ -100,7 +100,7 @@ std::vector<std::uint32_t> scatter_to_buckets(const Executor& executor, const st
 }
 
 /// Neighbours that are looked at together: most run towards one quarter, and are moved at once.
-constexpr std::size_t kRun = 8;
+constexpr std::size_t kRayRun = 8;
 /// The same of a picture's.
 constexpr std::size_t kTileSide = 4, kTileRays = kTileSide * kTileSide;
 
@@ -147,12 +147,12 @@ class Sequence {
   static void for_each_run_in_line(const std::uint8_t* quarters, std::size_t begin, std::size_t end,
                                    const Run& run) {
     for (std::size_t i = begin; i < end;) {
-      if (i + kRun <= end && is_one_quarter(quarters + i)) {
-        run(quarters[i], kRun, [i](std::size_t k) { return i + k; });
-        i += kRun;
+      if (i + kRayRun <= end && is_one_quarter(quarters + i)) {
+        run(quarters[i], kRayRun, [i](std::size_t k) { return i + k; });
+        i += kRayRun;
         continue;
       }
-      for (const std::size_t stop = std::min(i + kRun, end); i < stop; ++i)
+      for (const std::size_t stop = std::min(i + kRayRun, end); i < stop; ++i)
         run(quarters[i], 1, [i](std::size_t) { return i; });
     }
   }

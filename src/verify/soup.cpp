@@ -10,9 +10,9 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kFarthest = 5e17f;  ///< of all coordinates: scenes take 1e18
 
-using Corners = std::vector<Vec3>;
+using CornerList = std::vector<Vec3>;
 
-void add(Vec3 a, Vec3 b, Vec3 c, Corners* out) {
+void add(Vec3 a, Vec3 b, Vec3 c, CornerList* out) {
   out->insert(out->end(), {a, b, c});
 }
 
@@ -23,46 +23,46 @@ Vec3 lattice_point(Random* random) {
   return {x, y, static_cast<float>(random->below(9)) - 4};
 }
 
-void add_small(Random* r, Corners* out) {
+void add_small(Random* r, CornerList* out) {
   const Vec3 p = r->in_box(10);
   add(p, p + r->in_box(1), p + r->in_box(1), out);
 }
-void add_large(Random* r, Corners* out) {
+void add_large(Random* r, CornerList* out) {
   add(r->in_box(15), r->in_box(15), r->in_box(15), out);
 }
-void add_needle(Random* r, Corners* out) {
+void add_needle(Random* r, CornerList* out) {
   const Vec3 p = r->in_box(10);
   add(p, p + r->in_box(8), p + r->in_box(1e-3f), out);
 }
-void add_sliver(Random* r, Corners* out) {
+void add_sliver(Random* r, CornerList* out) {
   const Vec3 p = r->in_box(10), along = r->in_box(9);
   add(p, p + along, p + along * 0.5f + r->in_box(1e-5f), out);
 }
-void add_coplanar(Random* r, Corners* out) {
+void add_coplanar(Random* r, CornerList* out) {
   const Vec3 p = r->in_box(10);
   const auto near = [&] { return Vec3{p.x + r->between(-3, 3), 1, p.z + r->between(-3, 3)}; };
   add({p.x, 1, p.z}, near(), near(), out);
 }
-void add_duplicate(Random* r, Corners* out) {
+void add_duplicate(Random* r, CornerList* out) {
   const Vec3 p{std::floor(r->between(-4, 4)), std::floor(r->between(-4, 4)), 0};
   add(p, p + Vec3{2, 0, 0}, p + Vec3{0, 2, 0}, out);
 }
-void add_lattice(Random* r, Corners* out) {
+void add_lattice(Random* r, CornerList* out) {
   add(lattice_point(r), lattice_point(r), lattice_point(r), out);
 }
-void add_without_area(Random* r, Corners* out) {
+void add_without_area(Random* r, CornerList* out) {
   const Vec3 p = lattice_point(r), q = lattice_point(r);
   if (r->one_in(3)) return add_small(r, out);
   if (r->one_in(2)) return add(p, q, q, out);
   add(p, p + q, p + q * 0.5f, out);
 }
-void add_any_size(Random* r, Corners* out) {
+void add_any_size(Random* r, CornerList* out) {
   const float size = r->magnitude(-6, 1);
   const Vec3 p = r->in_box(10);
   add(p, p + r->in_box(size), p + r->in_box(size), out);
 }
 /// Two triangles of a wavy sheet: neighbours share edges and corners.
-void add_sheet_cell(Random* r, Corners* out) {
+void add_sheet_cell(Random* r, CornerList* out) {
   const auto at = [](float x, float z) {
     return Vec3{x, std::sin(x * 0.7f) * std::cos(z * 0.9f), z};
   };
@@ -73,7 +73,7 @@ void add_sheet_cell(Random* r, Corners* out) {
 
 struct Kind {
   const char* name;
-  void (*add)(Random*, Corners*);
+  void (*add)(Random*, CornerList*);
 };
 constexpr Kind kKinds[] = {{"small triangles", add_small},
                            {"large triangles", add_large},
@@ -234,7 +234,7 @@ Soup make_soup(std::uint32_t most_triangles, const Reach& reach, Random* random)
   if (random->one_in(3))
     soup.offset =
         random->direction() * (soup.scale * random->magnitude(0, std::log10(reach.farthest)));
-  Corners corners;
+  CornerList corners;
   const std::uint32_t wanted =
       1 + random->below(random->one_in(4) ? most_triangles : most_triangles / 8 + 1);
   while (corners.size() < std::size_t{3} * wanted) kind.add(random, &corners);

@@ -11,11 +11,11 @@
 namespace raysheaf::checks {
 namespace {
 
-constexpr std::size_t kBatches = 4, kRays = 1 << 16;  ///< a round's batches, and rays of each
+constexpr std::size_t kBatches = 4, kBatchRays = 1 << 16;  ///< a round's batches, and rays of each
 constexpr float kNever = std::numeric_limits<float>::infinity();
 /// Roundings of the largest coordinate, as seen from the ray, that must fit between a point that is
 /// taken for inside and the surface. The test moves a surface by gamma(34) (geom/ray_end.h).
-constexpr float kRoundings = 256;
+constexpr float kInsideRoundings = 256;
 
 struct EdgePoint {
   Vec3 point, core;
@@ -57,7 +57,8 @@ Ray edge_ray(const ClosedMesh& mesh, std::uint64_t seed, std::uint64_t index) {
   Ray ray;
   float t = 1;
   if (!random.one_in(3)) {  // from inside, along the surface as often as not
-    const float least = std::min(kRoundings * kUnitRoundoff * coordinates / mesh.thickness, 1.0f);
+    const float least =
+        std::min(kInsideRoundings * kUnitRoundoff * coordinates / mesh.thickness, 1.0f);
     ray.origin = inside(from, least, &random);
     ray.direction = to.point - ray.origin;
     if (random.one_in(8)) {  // along an axis
@@ -71,7 +72,7 @@ Ray edge_ray(const ClosedMesh& mesh, std::uint64_t seed, std::uint64_t index) {
   // From outside to a point inside, by way of an edge point as near as rounding allows.
   const float away = random.magnitude(0, 2);
   const float least =
-      kRoundings * kUnitRoundoff * (coordinates + away * mesh.extent) / mesh.thickness;
+      kInsideRoundings * kUnitRoundoff * (coordinates + away * mesh.extent) / mesh.thickness;
   const Vec3 aim = inside(to, std::min(least, 1.0f), &random);
   const Vec3 out = to.point - aim;
   const float size = max_component(abs(out));
@@ -106,20 +107,20 @@ void check_watertight(const Subject& subject, std::uint64_t seed, Tally* tally) 
   Scene scene(threads.context);
   scene.add(mesh.positions, mesh.triangles);
   scene.commit();
-  std::vector<Ray> rays(kRays);
-  std::vector<std::uint8_t> met(kRays);
+  std::vector<Ray> rays(kBatchRays);
+  std::vector<std::uint8_t> met(kBatchRays);
   for (std::size_t batch = 0; batch < kBatches; ++batch) {
     const bool fan = batch + 1 == kBatches;  // rays of one origin go another way
-    threads.executor->for_each(kRays, 1024, [&](std::size_t i) {
-      rays[i] = (fan ? fan_ray : edge_ray)(mesh, seed, batch * kRays + i);
+    threads.executor->for_each(kBatchRays, 1024, [&](std::size_t i) {
+      rays[i] = (fan ? fan_ray : edge_ray)(mesh, seed, batch * kBatchRays + i);
     });
     if (fan || batch == 0) {
       met = subject.any_hit(scene, rays, {});
     } else {
       const std::vector<Hit> hits = subject.closest_hit(scene, rays, {});
-      for (std::size_t i = 0; i < kRays; ++i) met[i] = hits[i].prim_id != kInvalidId ? 1 : 0;
+      for (std::size_t i = 0; i < kBatchRays; ++i) met[i] = hits[i].prim_id != kInvalidId ? 1 : 0;
     }
-    tally->tried(kRays);
+    tally->tried(kBatchRays);
     const auto gaps = static_cast<std::uint64_t>(std::count(met.begin(), met.end(), 0));
     if (gaps == 0) continue;
     const auto first = static_cast<std::size_t>(std::find(met.begin(), met.end(), 0) - met.begin());

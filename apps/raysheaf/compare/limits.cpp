@@ -15,14 +15,14 @@ struct LimitRow {
   double shadow, mirror, ambient_occlusion, random;
 };
 
-constexpr std::uint64_t kAny = ~std::uint64_t{0};
+constexpr std::uint64_t kAnyCount = ~std::uint64_t{0};
 constexpr std::uint64_t kLarge = 900'000;  ///< halls of 1 M have a little less
 
 constexpr std::array<LimitRow, 4> kLimits = {{
     {CompareMode::kRebuild, 36'000, 300'000, 0.5, 0.8, 1.0, 1.2},
-    {CompareMode::kRebuild, kLarge, kAny, 0.25, 0.35, 0.4, 0.5},
-    {CompareMode::kRefit, 0, kAny, 0.8, 1.2, 1.5, 1.5},
-    {CompareMode::kStatic, 0, kAny, 1.0, 1.5, 2.0, 2.0},
+    {CompareMode::kRebuild, kLarge, kAnyCount, 0.25, 0.35, 0.4, 0.5},
+    {CompareMode::kRefit, 0, kAnyCount, 0.8, 1.2, 1.5, 1.5},
+    {CompareMode::kStatic, 0, kAnyCount, 1.0, 1.5, 2.0, 2.0},
 }};
 
 std::optional<double> limit_in(const LimitRow& row, CompareKind kind) {
