@@ -52,7 +52,7 @@ class CudaDevice::Verb {
     check_cuda(cudaEventCreate(&device.marks_.back().end), stage);
     check_cuda(cudaEventRecord(mark.begin, stream()), stage);
   }
-  [[nodiscard]] cudaStream_t stream() const { return static_cast<cudaStream_t>(device_.stream_); }
+  [[nodiscard]] cudaStream_t stream() const { return static_cast<cudaStream_t>(device_.stream()); }
   /// Whether it could be asked for, and the mark of its end.
   void finish(cudaError_t status) {
     check_cuda(status, stage_);

@@ -32,35 +32,35 @@ struct Nothing {
   __host__ __device__ void operator()(std::size_t /*i*/) const {}
 };
 
-cudaStream_t new_stream(int index) {
+}  // namespace
+
+CudaDevice::OwnStream::OwnStream(int of_device) : index(of_device) {
   int count = 0;
   check_cuda(cudaGetDeviceCount(&count), kOpening);
   const CurrentDevice current(index, kOpening);
   cudaStream_t stream = nullptr;
   check_cuda(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), kOpening);
-  return stream;
+  handle = stream;
 }
 
-}  // namespace
+CudaDevice::OwnStream::~OwnStream() {
+  const CurrentDevice current(index);
+  ignore_cuda(cudaStreamDestroy(static_cast<cudaStream_t>(handle)));
+}
 
 CudaDevice::CudaDevice(int index, DeviceAllocator* allocator)
     : index_(index),
-      stream_(new_stream(index)),
+      stream_(index),
       own_allocator_(allocator != nullptr
                          ? nullptr
-                         : new StreamAllocator(index, static_cast<cudaStream_t>(stream_))),
+                         : new StreamAllocator(index, static_cast<cudaStream_t>(stream()))),
       allocator_(allocator != nullptr ? allocator : own_allocator_.get()),
       scratch_(*allocator_),
       counter_(*allocator_) {
-  try {
-    name_ = described(index);
-    // Whether this build has code that the device can run shows when some is run.
-    for_each(kOpening, 1, Nothing{});
-    synchronize(kOpening);
-  } catch (...) {
-    ignore_cuda(cudaStreamDestroy(static_cast<cudaStream_t>(stream_)));
-    throw;
-  }
+  name_ = described(index);
+  // Whether this build has code that the device can run shows when some is run.
+  for_each(kOpening, 1, Nothing{});
+  synchronize(kOpening);
 }
 
 CudaDevice::~CudaDevice() {
@@ -71,8 +71,7 @@ CudaDevice::~CudaDevice() {
   }
   scratch_.release();
   counter_.release();
-  ignore_cuda(cudaStreamSynchronize(static_cast<cudaStream_t>(stream_)));
-  ignore_cuda(cudaStreamDestroy(static_cast<cudaStream_t>(stream_)));
+  ignore_cuda(cudaStreamSynchronize(static_cast<cudaStream_t>(stream())));
 }
 
 void CudaDevice::fill_bytes(const char* stage, void* place, std::size_t bytes, std::uint8_t byte) {
@@ -90,7 +89,7 @@ void CudaDevice::copy(const char* stage, void* to, const void* from, std::size_t
 
 void CudaDevice::synchronize(const char* stage) {
   const CurrentDevice current(index_, stage);
-  check_cuda(cudaStreamSynchronize(static_cast<cudaStream_t>(stream_)), stage);
+  check_cuda(cudaStreamSynchronize(static_cast<cudaStream_t>(stream())), stage);
 }
 
 bool may_follow(const cudaPointerAttributes& said, int index, const char* name) {
@@ -118,7 +117,7 @@ void CudaDevice::wait_for(const char* stage, void* stream) {
   check_cuda(cudaEventCreateWithFlags(&event, cudaEventDisableTiming), stage);
   cudaError_t status = cudaEventRecord(event, other);
   if (status == cudaSuccess)
-    status = cudaStreamWaitEvent(static_cast<cudaStream_t>(stream_), event, 0);
+    status = cudaStreamWaitEvent(static_cast<cudaStream_t>(stream_.handle), event, 0);
   ignore_cuda(cudaEventDestroy(event));
   check_cuda(status, stage);
 }

@@ -72,9 +72,18 @@ class CudaDevice {
 
   // For its links.
   [[nodiscard]] int index() const { return index_; }
-  [[nodiscard]] void* stream() const { return stream_; }  ///< a cudaStream_t
+  [[nodiscard]] void* stream() const { return stream_.handle; }  ///< a cudaStream_t
 
  private:
+  struct OwnStream {
+    explicit OwnStream(int of_device);
+    OwnStream(const OwnStream&) = delete;
+    OwnStream& operator=(const OwnStream&) = delete;
+    ~OwnStream();
+
+    int index;
+    void* handle = nullptr;  // a cudaStream_t
+  };
   struct Mark;
   /// A verb on its way: makes the device current, and marks its beginning and end where times are
   /// kept.
@@ -93,7 +102,7 @@ class CudaDevice {
 
   int index_;
   std::string name_;
-  void* stream_ = nullptr;  // a cudaStream_t
+  OwnStream stream_;
   std::unique_ptr<StreamAllocator> own_allocator_;
   DeviceAllocator* allocator_;
   DeviceBuffer<std::uint8_t> scratch_;
