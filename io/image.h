@@ -47,7 +47,7 @@ class PixelBuffer {
   std::unique_ptr<std::uint8_t[]> rgba_;
 };
 
-/// RGBA, or nothing where the bytes are no picture or one of too many pixels.
+/// RGBA, or nothing where the bytes are no picture, were cut short, or have too many pixels.
 [[nodiscard]] std::optional<Image> decode_image(std::span<const std::uint8_t> encoded);
 
 /// A picture that is still as it was in the file.

@@ -3,7 +3,7 @@
 
 namespace {
 
-/// A file that ends too early leaves the rest of a picture as it was allocated: black.
+/// What a file that ends too early leaves as it was allocated is the same each time.
 void* zeroed(std::size_t bytes) {
   return std::calloc(1, bytes);
 }
@@ -27,6 +27,7 @@ void* zeroed(std::size_t bytes) {
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 #include <memory>
 
@@ -39,28 +40,50 @@ namespace raysheaf::io {
 
 namespace {
 
+/// The most bytes that stb asks for at once: a row, or a palette.
+std::size_t most_at_once(ImageSize size) {
+  return std::max<std::size_t>(std::size_t{4} * size.width, std::size_t{4} << 16);
+}
+
 std::optional<ImageSize> unpacked_size(std::span<const std::uint8_t> encoded) {
   int width = 0, height = 0, channels = 0;
   if (encoded.empty() || encoded.size() > std::numeric_limits<int>::max()) return {};
   const int size = static_cast<int>(encoded.size());
   if (stbi_info_from_memory(encoded.data(), size, &width, &height, &channels) == 0) return {};
-  if (width <= 0 || height <= 0) return {};
-  return ImageSize{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
+  // A BMP from the top down says so by its sign.
+  if (width <= 0 || height == 0 || height == std::numeric_limits<int>::min()) return {};
+  return ImageSize{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(std::abs(height))};
 }
 
-std::optional<Image> decode_unpacked(std::span<const std::uint8_t> encoded, ImageSize size) {
+using UnpackedPixels = std::unique_ptr<stbi_uc, decltype(&stbi_image_free)>;
+
+/// RGBA, or null.
+UnpackedPixels unpacked_pixels(std::span<const std::uint8_t> encoded, ImageSize size) {
   int width = 0, height = 0, channels = 0;
-  const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(
-      stbi_load_from_memory(encoded.data(), static_cast<int>(encoded.size()), &width, &height,
-                            &channels, STBI_rgb_alpha),
-      &stbi_image_free);
+  UnpackedPixels pixels(stbi_load_from_memory(encoded.data(), static_cast<int>(encoded.size()),
+                                              &width, &height, &channels, STBI_rgb_alpha),
+                        &stbi_image_free);
   const ImageSize decoded{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
-  if (!pixels || decoded != size) return {};
-  Image image;
-  image.width = size.width;
-  image.height = size.height;
-  image.rgba.assign(pixels.get(), pixels.get() + std::size_t{4} * image.width * image.height);
-  return image;
+  if (decoded != size) pixels.reset();
+  return pixels;
+}
+
+/// stb takes what is missing for zeros. A picture that other bytes behind its end would change was
+/// cut short. (Of palettes, one byte may be as many pixels, and 255 no entry.)
+std::optional<Image> decode_unpacked(std::span<const std::uint8_t> encoded, ImageSize size) {
+  const std::size_t more = most_at_once(size);
+  if (encoded.size() + more > std::numeric_limits<int>::max()) return {};
+  const UnpackedPixels pixels = unpacked_pixels(encoded, size);
+  if (!pixels) return {};
+  const std::size_t bytes = std::size_t{4} * size.width * size.height;
+  Bytes longer(encoded.begin(), encoded.end());
+  for (const std::uint8_t behind : {std::uint8_t{255}, std::uint8_t{1}}) {
+    longer.resize(encoded.size());
+    longer.resize(encoded.size() + more, behind);
+    const UnpackedPixels others = unpacked_pixels(longer, size);
+    if (!others || std::memcmp(pixels.get(), others.get(), bytes) != 0) return {};
+  }
+  return Image{{}, size.width, size.height, {pixels.get(), pixels.get() + bytes}};
 }
 
 std::uint64_t pixels_of(ImageSize size) {
