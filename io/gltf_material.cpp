@@ -1,4 +1,5 @@
 #include <array>
+#include <cmath>
 
 #include "io/gltf.h"
 #include "io/gltf_json.h"
@@ -173,6 +174,9 @@ class MaterialReader {
       const float strength = x->get("emissiveStrength", 1.0f);
       Vec3& e = material_.emission;
       e = {e.x * strength, e.y * strength, e.z * strength};
+      if (!std::isfinite(e.x + e.y + e.z))
+        refuse("makes of emissiveFactor more than a float can hold",
+               place + "KHR_materials_emissive_strength.emissiveStrength");
     }
     material_.unlit = extension(source, "KHR_materials_unlit") != nullptr;
   }

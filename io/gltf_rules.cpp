@@ -94,7 +94,7 @@ constexpr JsonRule kRules[] = {
     {"materials", kArray},
     {"materials[].name", kString},
     {"materials[].alphaMode", kString},
-    {"materials[].alphaCutoff", kNumber},
+    {"materials[].alphaCutoff", kAmount},
     {"materials[].doubleSided", kBool},
     {"materials[].emissiveFactor", kAmounts, false, 3},
     {"materials[].pbrMetallicRoughness", kObject},
@@ -110,7 +110,7 @@ constexpr JsonRule kRules[] = {
     {"materials[].extensions.KHR_materials_specular.specularFactor", kPart},
     {"materials[].extensions.KHR_materials_specular.specularColorFactor", kAmounts, false, 3},
     {"materials[].extensions.KHR_materials_emissive_strength", kObject},
-    {"materials[].extensions.KHR_materials_emissive_strength.emissiveStrength", kNumber},
+    {"materials[].extensions.KHR_materials_emissive_strength.emissiveStrength", kAmount},
     {"materials[].extensions.KHR_materials_unlit", kObject},
     {"textures", kArray},
     {"textures[].name", kString},
@@ -253,6 +253,8 @@ class Checker {
         return check_number(value, place);
       case kPart:
         return check_part(value, place);
+      case kAmount:
+        return check_amount(value, place);
       case kSize:
         return check_integer(value, 0, kMaxSize, place);
       case kPositive:
@@ -277,8 +279,8 @@ class Checker {
     }
     for (std::size_t i = 0; i < items.size(); ++i) {
       const Place here{&place, {}, i};
-      if (rule.kind == kNumbers || rule.kind == kAmounts) check_number(items[i], here);
-      if (rule.kind == kAmounts && items[i].get<float>() < 0) refuse("is negative", here.text());
+      if (rule.kind == kNumbers) check_number(items[i], here);
+      if (rule.kind == kAmounts) check_amount(items[i], here);
       if (rule.kind == kStrings) require(items[i].is_string(), "a string", here);
       if (rule.kind == kIndices) check_index(items[i], here, rule.target);
       if (rule.kind == kIndexMaps) check_map(items[i], here, rule);
@@ -303,6 +305,10 @@ class Checker {
     const auto part = value.get<float>();
     if (part < 0 || part > 1)
       refuse("is " + std::to_string(part) + ", but goes from 0 to 1", place.text());
+  }
+  static void check_amount(const JsonValue& value, const Place& place) {
+    check_number(value, place);
+    if (value.get<float>() < 0) refuse("is negative", place.text());
   }
   static void check_integer(const JsonValue& value, double least, double most, const Place& place) {
     require(value.is_integer(), "an integer", place);

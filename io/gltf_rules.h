@@ -15,6 +15,7 @@ enum class JsonKind {
   kBool,       ///< true or false
   kNumber,     ///< a number within the range of float
   kPart,       ///< one from 0 to 1
+  kAmount,     ///< one that is not negative
   kNumbers,    ///< an array of `count` numbers; of any length where `count` is 0
   kAmounts,    ///< the same of numbers that are not negative
   kSize,       ///< an integer from 0 to 2^53

@@ -76,7 +76,7 @@ void make_tinted(const tinyobj::material_t& m, Material& material) {
 void make_mirror(const tinyobj::material_t& m, Material& material) {
   set_base(mtl_color(m.specular), material);
   material.metallic = 1;
-  material.roughness = 0;
+  material.roughness = fraction(m.roughness);
 }
 
 void make_glossy(const tinyobj::material_t& m, Material& material) {

@@ -45,6 +45,7 @@ class MtlLibrary {
   struct Mask {
     std::uint32_t material;
     TextureSlot slot;
+    char channel;  ///< of the picture, as -imfchan calls it
   };
 
   const SceneFile& from_;

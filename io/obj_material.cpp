@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <tuple>
 
 #include "io/gltf_rules.h"
 #include "io/image.h"
@@ -52,7 +53,10 @@ class MtlConverter {
       material.base_color.w = 1;
       material.alpha_cutoff = 0.5f;
       library_.masks_.push_back({static_cast<std::uint32_t>(library_.scene_.materials.size()),
-                                 slot(m.alpha_texname, m.alpha_texopt, place)});
+                                 slot(m.alpha_texname, m.alpha_texopt, place),
+                                 m.alpha_texopt.imfchan});
+      if (m.alpha_texopt.imfchan == 'z')
+        library_.warn_once("Pictures have no depth: -imfchan z of map_d is left out.");
     }
     const bool refracts = clear || look == MtlLook::kTinted;
     if (!refracts && m.alpha_texname.empty()) blend(m, material);
@@ -86,6 +90,8 @@ class MtlConverter {
   void warn_of_glass(const tinyobj::material_t& m, MtlLook look) {
     if (look == MtlLook::kGlass && !(m.diffuse_texname.empty() && m.alpha_texname.empty()))
       library_.warn_once("What is clear glass has no texture: its map_Kd and map_d are left out.");
+    if ((look == MtlLook::kGlass || look == MtlLook::kTinted) && m.roughness > 0)
+      library_.warn_once("Glass is smooth: its Pr is left out.");
     if (look == MtlLook::kTinted && largest_part(mtl_specular(m)) > 0)
       library_.warn_once(
           "What d below 1 and Ni make glass reflects as Ni says: its Ks and Ns are left out.");
@@ -253,20 +259,36 @@ bool has_alpha(const Image& image) {
   return false;
 }
 
-/// The mask's alpha where it has one, else its luminance (ITU-R BT.709), as the alpha of `image`,
-/// which keeps its size: of the nearest texel.
-void set_alpha(const Image& mask, Image* image) {
-  const bool by_alpha = has_alpha(mask);
+/// Red, green, blue, luminance (l; ITU-R BT.709), or alpha.
+std::uint8_t alpha_of(const std::uint8_t* texel, char channel) {
+  switch (channel) {
+    case 'r':
+      return texel[0];
+    case 'g':
+      return texel[1];
+    case 'b':
+      return texel[2];
+    case 'l':
+      return static_cast<std::uint8_t>(
+          std::lround(0.2126 * texel[0] + 0.7152 * texel[1] + 0.0722 * texel[2]));
+    default:
+      return texel[3];
+  }
+}
+
+/// The mask's channel, of the nearest texel, as the alpha of `image`, which keeps its size. What is
+/// not a colour or luminance is the mask's alpha where it has one, else its luminance.
+void set_alpha(const Image& mask, char channel, Image* image) {
+  const bool is_chosen = channel == 'r' || channel == 'g' || channel == 'b' || channel == 'l';
+  const char part = is_chosen ? channel : has_alpha(mask) ? 'm' : 'l';
   for (std::uint32_t y = 0; y < image->height; ++y) {
     const auto row = static_cast<std::uint32_t>((2 * std::uint64_t{y} + 1) * mask.height /
                                                 (2 * std::uint64_t{image->height}));
     for (std::uint32_t x = 0; x < image->width; ++x) {
       const auto column = static_cast<std::uint32_t>((2 * std::uint64_t{x} + 1) * mask.width /
                                                      (2 * std::uint64_t{image->width}));
-      const std::uint8_t* const c = &mask.rgba[4 * (std::size_t{row} * mask.width + column)];
-      const double luminance = 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
       image->rgba[4 * (std::size_t{y} * image->width + x) + 3] =
-          by_alpha ? c[3] : static_cast<std::uint8_t>(std::lround(luminance));
+          alpha_of(&mask.rgba[4 * (std::size_t{row} * mask.width + column)], part);
     }
   }
 }
@@ -274,7 +296,7 @@ void set_alpha(const Image& mask, Image* image) {
 }  // namespace
 
 void MtlLibrary::cut_out() {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> made;
+  std::map<std::tuple<std::uint32_t, std::uint32_t, char>, std::uint32_t> made;
   for (const Mask& mask : masks_) {
     Material& material = scene_.materials[mask.material];
     TextureSlot& base = material.base_color_texture;
@@ -284,16 +306,16 @@ void MtlLibrary::cut_out() {
     }
     const std::uint32_t mask_image = scene_.textures[mask.slot.texture].image;
     const bool is_plain = base.texture == kInvalidId;
-    if (!is_plain && scene_.textures[base.texture].image == mask_image &&
+    if (!is_plain && mask.channel == 'm' && scene_.textures[base.texture].image == mask_image &&
         has_alpha(scene_.images[mask_image]))
       continue;
-    const auto [it, fresh] = made.try_emplace({base.texture, mask.slot.texture},
+    const auto [it, fresh] = made.try_emplace({base.texture, mask.slot.texture, mask.channel},
                                               static_cast<std::uint32_t>(scene_.textures.size()));
     if (fresh) {
       Texture texture = scene_.textures[is_plain ? mask.slot.texture : base.texture];
       Image image = scene_.images[texture.image];
       if (is_plain) std::fill(image.rgba.begin(), image.rgba.end(), std::uint8_t{255});
-      set_alpha(scene_.images[mask_image], &image);
+      set_alpha(scene_.images[mask_image], mask.channel, &image);
       texture.image = static_cast<std::uint32_t>(scene_.images.size());
       scene_.images.push_back(std::move(image));
       scene_.textures.push_back(texture);

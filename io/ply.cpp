@@ -75,7 +75,7 @@ class PlyReader {
   [[nodiscard]] const std::vector<bool>& has_normal() const { return has_normal_; }
 
  private:
-  enum Role { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kRed, kGreen, kBlue, kRoles };
+  enum Role { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kRed, kGreen, kBlue, kAlpha, kRoles };
 
   static int role_of(const PlyProperty& property) {
     constexpr std::pair<std::string_view, Role> kNames[] = {{"x", kX},
@@ -89,7 +89,9 @@ class PlyReader {
                                                             {"blue", kBlue},
                                                             {"diffuse_red", kRed},
                                                             {"diffuse_green", kGreen},
-                                                            {"diffuse_blue", kBlue}};
+                                                            {"diffuse_blue", kBlue},
+                                                            {"alpha", kAlpha},
+                                                            {"diffuse_alpha", kAlpha}};
     if (property.is_list) return -1;
     for (const auto& [name, role] : kNames) {
       if (property.name == name) return role;
@@ -100,11 +102,12 @@ class PlyReader {
   void read_vertices(const PlyElement& element) {
     std::vector<int> roles;
     std::array<bool, kRoles> has{};
-    PlyType color_type = PlyType::kFloat32;
+    PlyType color_type = PlyType::kFloat32, alpha_type = PlyType::kFloat32;
     for (const PlyProperty& property : element.properties) {
       roles.push_back(role_of(property));
       if (roles.back() >= 0) has[static_cast<std::size_t>(roles.back())] = true;
       if (roles.back() == kRed) color_type = property.type;
+      if (roles.back() == kAlpha) alpha_type = property.type;
     }
     if (!has[kX] || !has[kY] || !has[kZ]) {
       throw Error(ErrorCode::kInvalidData, "has no x, y and z", "element vertex");
@@ -117,7 +120,11 @@ class PlyReader {
     if (has_colors_ && color_type < PlyType::kFloat32)
       linear_of_code_ = linear_of_codes(largest_code(color_type));
     if constexpr (kHeld) mesh_.positions.reserve(element.count);
+    const double opaque =
+        alpha_type < PlyType::kFloat32 ? static_cast<double>(largest_code(alpha_type)) : 1;
+    bool is_thin = false;
     std::array<double, kRoles> values{};
+    values[kAlpha] = opaque;
     for (std::uint64_t i = 0; i < element.count; ++i) {
       for (std::size_t p = 0; p < roles.size(); ++p) {
         const PlyProperty& property = element.properties[p];
@@ -127,7 +134,10 @@ class PlyReader {
           values[static_cast<std::size_t>(roles[p])] = numbers_.next(property.type, "vertex", i);
       }
       add_vertex(values, i);
+      is_thin |= values[kAlpha] < opaque;
     }
+    if (is_thin)
+      scene_.warnings.emplace_back("The alpha of vertices is left out: the surface is whole.");
   }
 
   void add_vertex(const std::array<double, kRoles>& values, std::uint64_t index) {

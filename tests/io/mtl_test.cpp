@@ -107,6 +107,16 @@ TEST_F(Mtl, KeepsTheTextureOfThinPlasticAndNotOfClearGlass) {
   EXPECT_TRUE(warns(load("newmtl a\nKd 1 0 0\nKs .5 .5 .5\nd .5\nNi 1.5\n"), "Ks"));
 }
 
+TEST_F(Mtl, MirrorsAreAsRoughAsPrSaysAndGlassIsSmooth) {
+  const Material mirror = material("illum 3\nKd 0\nKs .9\nPr .25\n", 0);
+  EXPECT_EQ(mirror.metallic, 1);
+  EXPECT_EQ(mirror.roughness, 0.25f);
+  EXPECT_EQ(material("illum 3\nKd 0\nKs .9\n", 0).roughness, 0);
+  for (const char* glass : {"illum 7\n", "Kd 1\nd .5\nNi 1.5\n"})
+    EXPECT_EQ(material(std::string(glass) + "Pr .25\n", 1).roughness, 0);
+  EXPECT_TRUE(warns(load("newmtl a\nillum 7\nPr .25\n"), "Pr"));
+}
+
 TEST_F(Mtl, FindsTheNamesOfMapsBehindTheirOptions) {
   write_png({"", 1, 1, {10, 20, 30, 255}}, path("a map.png"));
   struct Line {

@@ -299,6 +299,22 @@ TEST_F(Obj, CutsByMasks) {
   EXPECT_TRUE(warns(scene, "gone.png"));
   EXPECT_TRUE(warns(scene, "glass"));
 }
+TEST_F(Obj, CutsByTheChannelThatIsNamed) {
+  write_png({"", 1, 1, {10, 60, 200, 90}}, path("mask.png"));
+  std::string mtl;
+  const std::string channels = "rgblmz";
+  for (const char channel : channels)
+    mtl += std::string("newmtl ") + channel + "\nmap_d -imfchan " + channel + " mask.png\n";
+  write("a.mtl", mtl);
+  const SceneDescription scene = load("mtllib a.mtl\n" + kSquare + "f 1 2 3\n");
+  const std::uint8_t expected[] = {10, 60, 200, 59, 90, 90};
+  for (std::size_t m = 0; m < channels.size(); ++m) {
+    const TextureSlot& slot = scene.materials[m].base_color_texture;
+    EXPECT_EQ(scene.images[scene.textures[slot.texture].image].rgba[3], expected[m]) << channels[m];
+  }
+  EXPECT_EQ(scene.warnings.size(), 1u);
+  EXPECT_TRUE(warns(scene, "-imfchan z"));
+}
 TEST_F(Obj, StandsInForWhatIsMissing) {
   const SceneDescription scene = load("mtllib gone.mtl\n" + kSquare +
                                       "f 1 2 3\nusemtl nobody\nf 1 2 3\nusemtl none\nf 1 2 3\n");

@@ -121,6 +121,24 @@ TEST_F(Ply, ReadsColoursOfEveryWidth) {
   }
 }
 
+TEST_F(Ply, TellsOfAlphaThatIsNotWhole) {
+  struct Kind {
+    const char *type, *whole, *less;
+  };
+  for (const Kind& kind :
+       {Kind{"uchar", "255", "254"}, Kind{"ushort", "65535", "65534"}, Kind{"float", "1", "0.5"}}) {
+    const auto scene_with = [&](const std::string& alpha) {
+      return load(kAscii + "element vertex 3\nproperty float x\nproperty " + kind.type +
+                  " alpha\nproperty float y\nproperty float z\n" +
+                  "element face 1\nproperty list uchar int vertex_indices\nend_header\n" + "0 " +
+                  kind.whole + " 0 0\n1 " + alpha + " 0 0\n0 " + kind.whole + " 1 0\n3 0 1 2\n");
+    };
+    EXPECT_TRUE(scene_with(kind.whole).warnings.empty()) << kind.type;
+    EXPECT_TRUE(warns(scene_with(kind.less), "alpha")) << kind.type;
+    EXPECT_EQ(scene_with(kind.less).meshes[0].positions[2].y, 1) << kind.type;
+  }
+}
+
 TEST_F(Ply, NamesTheElementThatIsWrong) {
   expect(kAscii + kPlySquare + "4 0 1 2 4\n", {"face[0].vertex_indices[3]", "4 vertices"});
   expect(kAscii + kPlySquare + "3 0 1 -1\n", {"face[0].vertex_indices[2]"});
