@@ -2,7 +2,8 @@
 //
 //   head: key of the batch, bytes of its answers, blocks, checksum | answers | a byte a block
 //
-// The record of a batch that is not done is written over by the next one; whole ones stay.
+// The record of a batch that is not done is written over by the next one that this run writes;
+// whole ones stay, and so does what an earlier run has begun until its batch is taken up.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -95,7 +96,6 @@ struct CheckpointFile::Impl {
       if (record.head.answer_bytes > room || record.head.blocks > room - record.head.answer_bytes)
         break;
       records.push_back(record);
-      if (record.head.whole == 0) break;
       at = end = record.offset + record.head.answer_bytes + record.head.blocks;
     }
   }
@@ -118,6 +118,14 @@ struct CheckpointFile::Impl {
     return std::any_of(records.begin(), records.end(), [key](const Record& record) {
       return record.head.key == key && record.head.whole != 0;
     });
+  }
+
+  /// What the record holds, where nothing has become of it: all its bytes, else none.
+  [[nodiscard]] std::vector<std::uint8_t> bytes_of(const Record& record) const {
+    std::vector<std::uint8_t> bytes(record.head.answer_bytes + record.head.blocks);
+    const bool good = read(record.offset, bytes.data(), bytes.size()) &&
+                      io::checksum(bytes) == record.head.checksum;
+    return good ? bytes : std::vector<std::uint8_t>{};
   }
 };
 
@@ -142,20 +150,27 @@ CheckpointFile::~CheckpointFile() {
 bool CheckpointFile::restore(const StreamBatch& batch, std::span<std::byte> answers,
                              std::span<std::uint8_t> done) {
   const std::uint64_t key = impl_->key_of(batch);
-  const auto found =
-      std::find_if(impl_->records.begin(), impl_->records.end(), [&](const Record& record) {
-        return record.head.key == key && record.head.answer_bytes == answers.size() &&
-               record.head.blocks == done.size();
-      });
-  if (found == impl_->records.end()) return false;
-  std::vector<std::uint8_t> bytes(answers.size() + done.size());
-  if (!impl_->read(found->offset, bytes.data(), bytes.size()) ||
-      io::checksum(bytes) != found->head.checksum)
-    return false;
-  std::memcpy(answers.data(), bytes.data(), answers.size());
-  std::memcpy(done.data(), bytes.data() + answers.size(), done.size());
-  if (found->head.whole == 0) impl_->begun = batch.number;
-  return true;
+  std::vector<Record>& records = impl_->records;
+  // The last one: it goes on where those before it were stopped.
+  for (std::size_t i = records.size(); i-- > 0;) {
+    const Record record = records[i];
+    if (record.head.key != key || record.head.answer_bytes != answers.size() ||
+        record.head.blocks != done.size())
+      continue;
+    const std::vector<std::uint8_t> bytes = impl_->bytes_of(record);
+    if (bytes.empty() && !(answers.empty() && done.empty())) {
+      records[i].head.whole = 0;  // it is none: the batch is kept anew
+      continue;
+    }
+    std::memcpy(answers.data(), bytes.data(), answers.size());
+    std::memcpy(done.data(), bytes.data() + answers.size(), done.size());
+    if (record.head.whole != 0) return true;
+    impl_->begun = batch.number;
+    if (i + 1 == records.size() && record.offset + bytes.size() == impl_->end)
+      impl_->end = record.offset - sizeof(RecordHead);
+    return true;
+  }
+  return false;
 }
 
 void CheckpointFile::keep(const StreamBatch& batch, std::span<const std::byte> answers,

@@ -187,5 +187,49 @@ TEST_F(Checkpoint, WhatIsTakenUpAgainIsEnded) {
   EXPECT_EQ(done, std::vector<std::uint8_t>(3, 1));
 }
 
+/// A batch that was over too soon to be kept may take longer the next time.
+TEST_F(Checkpoint, WhatALaterBatchHasBegunStays) {
+  const std::vector<BlockInfo> infos(3);
+  StreamBatch batch{1, 0, 0, 1, rays_, infos};
+  std::vector<std::byte> answers(rays_.size(), std::byte{7});
+  const std::vector<std::uint8_t> begun{1, 1, 0}, all(3, 1);
+  CheckpointFile(folder_.file("kept"), "office", 0).keep(batch, answers, begun, false);
+  const auto restored = [&](std::uint32_t number, const std::vector<std::byte>& expected) {
+    CheckpointFile file(folder_.file("kept"), "office", 0);
+    batch.number = number;
+    std::vector<std::byte> found(rays_.size());
+    std::vector<std::uint8_t> done(3, 0);
+    if (file.restore(batch, found, done)) {
+      EXPECT_EQ(found, expected);
+    }
+    return done;
+  };
+  for (const bool whole : {false, true}) {
+    batch.number = 0;
+    CheckpointFile(folder_.file("kept"), "office", 0).keep(batch, answers, all, whole);
+    EXPECT_EQ(restored(1, answers), begun);
+  }
+  // It goes on, and is then found as it ended.
+  std::vector<std::byte> more(rays_.size(), std::byte{9});
+  {
+    CheckpointFile file(folder_.file("kept"), "office", 0);
+    std::vector<std::uint8_t> done(3, 0);
+    batch.number = 1;
+    ASSERT_TRUE(file.restore(batch, answers, done));
+    file.keep(batch, more, all, true);
+  }
+  EXPECT_EQ(restored(1, more), all);
+  EXPECT_EQ(restored(0, answers), all);
+}
+
+TEST_F(Checkpoint, WhatIsSpoiltIsKeptAnew) {
+  const std::uint64_t read = run(-1, rays_);
+  std::string bad = read_file(folder_.file("kept"));
+  bad[bad.size() - 2] = static_cast<char>(bad[bad.size() - 2] ^ 16);
+  write_file(folder_.file("kept"), bad);
+  EXPECT_EQ(run(-1, rays_), read);
+  EXPECT_EQ(run(-1, rays_), 1u) << "the second run has kept what it found";
+}
+
 }  // namespace
 }  // namespace raysheaf::test
