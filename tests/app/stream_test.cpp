@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <thread>
 
+#include "apps/raysheaf/render/stream.h"
 #include "support/process.h"
 #include "support/random.h"
 
@@ -150,6 +153,37 @@ TEST(StreamCommand, ResumesAndLeavesThePictureAlone) {
   EXPECT_EQ(read_file(folder.file("a.png")), read_file(folder.file("b.png")));
   EXPECT_EQ(folder.names().size(), 2u);
   EXPECT_EQ(render({"--explain", "--resume"}).code, 2);
+}
+
+TEST(StreamCommand, WhatIsResumedIsOfTheSameMomentAndFiles) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> files{folder.file("a.gltf"), folder.file("a.bin")};
+  for (const std::string& file : files) write_file(file, "of a scene");
+  app::RenderCommand command;
+  command.pictures = {folder.file("a.png")};
+  command.frames.resume = true;
+  command.frames.time = 1;
+  const StreamBatch batch;
+  std::vector<std::byte> answers(8);
+  std::vector<std::uint8_t> done(2);
+  const auto restored = [&] {
+    return app::open_checkpoint(command, nullptr, files)->restore(batch, answers, done);
+  };
+  {
+    const auto checkpoint = app::open_checkpoint(command, nullptr, files);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // what took less is not kept
+    checkpoint->keep(batch, answers, done, true);
+  }
+  EXPECT_TRUE(restored());
+  command.frames.time = 2;
+  EXPECT_FALSE(restored()) << "what moves is elsewhere";
+  command.frames.time = 1;
+  command.frames.clip = "walk";
+  EXPECT_FALSE(restored());
+  command.frames.clip.clear();
+  EXPECT_TRUE(restored());
+  write_file(files[1], "of a scene, otherwise");
+  EXPECT_FALSE(restored()) << "its buffer was written anew";
 }
 
 TEST(StreamCommand, AHallIsWrittenInBlocksAndAsGltf) {

@@ -180,7 +180,9 @@ void render_picture(const RenderCommand& command, const Targets& targets, const 
                     const GeometrySource* blocks, std::unique_ptr<Animation> animation,
                     const std::shared_ptr<Communicator>& ranks) {
   const bool streams = is_streamed(command);
-  const auto checkpoint = streams ? open_checkpoint(command, ranks.get()) : nullptr;
+  std::vector<std::string> files = animation->scene().files;
+  files.push_back(command.scene);
+  const auto checkpoint = streams ? open_checkpoint(command, ranks.get(), files) : nullptr;
   const auto stage = make_stage(command, ranks, blocks, checkpoint.get());
   stage->show(animation->scene());
   if (streams) animation.reset();  // its triangles are in the blocks

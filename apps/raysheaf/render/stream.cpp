@@ -84,15 +84,20 @@ std::string checkpoint_path(const RenderCommand& command, const Communicator* ra
 }
 
 std::unique_ptr<CheckpointFile> open_checkpoint(const RenderCommand& command,
-                                                const Communicator* ranks) {
+                                                const Communicator* ranks,
+                                                const std::vector<std::string>& files) {
   if (!command.frames.resume) return nullptr;
   const std::string path = checkpoint_path(command, ranks);
-  // A scene that was written anew is another one.
-  std::error_code none;
-  const auto size = std::filesystem::file_size(command.scene, none);
-  const auto written = std::filesystem::last_write_time(command.scene, none).time_since_epoch();
-  return std::make_unique<CheckpointFile>(
-      path, fmt::format("{} {} {}", command.scene, size, written.count()));
+  // A scene of which a file was written anew is another one, and so is what moves at another time.
+  const FramesOptions& frames = command.frames;
+  std::string subject = frames.time ? fmt::format("{} at {} ", frames.clip, *frames.time) : "";
+  for (const std::string& file : files) {
+    std::error_code none;
+    const auto size = std::filesystem::file_size(file, none);
+    const auto written = std::filesystem::last_write_time(file, none).time_since_epoch();
+    subject += fmt::format("{} {} {} ", file, size, written.count());
+  }
+  return std::make_unique<CheckpointFile>(path, subject);
 }
 
 std::string with_stream(std::string json, const StreamStatistics& s) {

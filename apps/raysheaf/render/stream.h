@@ -22,9 +22,9 @@ namespace raysheaf::app {
 /// Where a streamed frame keeps what it has found, beside its first output: `hall.png.resume`, or
 /// `hall.png.1-of-4.resume` of rank 1. Throws `Error` (kInvalidArgument) where there is no output.
 [[nodiscard]] std::string checkpoint_path(const RenderCommand& command, const Communicator* ranks);
-/// Null where the command does not ask for it.
-[[nodiscard]] std::unique_ptr<CheckpointFile> open_checkpoint(const RenderCommand& command,
-                                                              const Communicator* ranks);
+/// Null where the command does not ask for it. `files`: what the scene is made of.
+[[nodiscard]] std::unique_ptr<CheckpointFile> open_checkpoint(
+    const RenderCommand& command, const Communicator* ranks, const std::vector<std::string>& files);
 
 /// Puts what was read and what was not into the JSON of a frame's statistics.
 [[nodiscard]] std::string with_stream(std::string json, const StreamStatistics& statistics);
