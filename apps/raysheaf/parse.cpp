@@ -180,17 +180,8 @@ CLI::App* add_bench_paper(CLI::App& bench, BenchPaperCommand& command) {
   add_value(
       *sub, "--size", "WxH", "Size of the picture; the paper's is [512x512]",
       [&command](const auto& text) { std::tie(command.width, command.height) = parse_size(text); });
-  const std::string method = "--method";
-  sub->add_option_function<std::vector<std::string>>(
-         method,
-         [&command, method](const std::vector<std::string>& names) {
-           for (const std::string& name : names)
-             into([&](const auto& text) { command.methods.push_back(method_from_string(text)); },
-                  method)(name);
-         },
-         "A method; may be given more than once [all]")
-      ->type_name("NAME")
-      ->allow_extra_args(false);
+  add_words(*sub, "--method", "A method; may be given more than once [all]", "NAME",
+            command.methods, [](const std::string& name) { return method_from_string(name); });
   sub->add_flag("--as-published", command.as_published,
                 "Count what the published program tested, with and without each of its quirks");
   sub->add_flag("--check", command.check, "Run brute force too and compare every hit with it");

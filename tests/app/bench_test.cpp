@@ -63,6 +63,20 @@ TEST(Bench, MethodsAreChosen) {
     EXPECT_EQ(r["method"], "rah");
 }
 
+TEST(Bench, AMethodThatIsRepeatedCountsOnce) {
+  const TemporaryFolder folder;
+  const auto totals = [&](std::vector<std::string> methods) {
+    for (const char* word : {"--size", "16x16", "--json", "f.json", "--quiet"})
+      methods.emplace_back(word);
+    const Finished finished = bench(folder, methods);
+    EXPECT_EQ(finished.code, 0) << finished.err;
+    EXPECT_NE(finished.out.find("builtin:office"), std::string::npos) << finished.out;
+    EXPECT_EQ(finished.out.find("OFFICE"), std::string::npos) << "that is the paper's";
+    return Json::parse(read_file(folder.file("f.json")))["totals"];
+  };
+  EXPECT_EQ(totals({"--method", "rah", "--method", "rah"}), totals({"--method", "rah"}));
+}
+
 TEST(Bench, RefusesInOneSentence) {
   const TemporaryFolder folder;
   EXPECT_EQ(bench(folder, {"--size", "0x4"}).code, 2);

@@ -81,15 +81,21 @@ TEST(Scale, WhatOneCoreDoesAloneIsFoundAgain) {
 
 TEST(Scale, TheCommandMeasuresAndChecksItself) {
   const TemporaryFolder folder;
-  const Finished finished = raysheaf_app({"bench", "scale", "--measured", "400K", "--side", "64",
-                                          "--json", "s.json", "--markdown", "s.md", "-q"},
-                                         folder);
+  const Finished finished =
+      raysheaf_app({"bench", "scale", "--measured", "400K", "--side", "64", "--triangles", "5M",
+                    "--json", "s.json", "--markdown", "s.md", "-q"},
+                   folder);
   ASSERT_EQ(finished.code, 0) << finished.err;
   const auto json = nlohmann::json::parse(read_file(folder.file("s.json")));
   EXPECT_EQ(json["samples"].size(), 4u);
+  for (const char* field : {"triangles", "pixels", "rays", "blocks", "read", "batches", "seconds",
+                            "bytes", "decoding", "culling", "tracing", "shading", "rest"})
+    EXPECT_TRUE(json["samples"][0].contains(field)) << field;
+  EXPECT_EQ(json["samples"][0].size(), 13u) << "docs/command-line.md names them";
   EXPECT_GT(json["check"]["seconds"].get<double>(), 0);
   EXPECT_GT(json["geometry_bytes"].get<double>(), 8);
   const std::string page = read_file(folder.file("s.md"));
+  EXPECT_TRUE(page.starts_with("# Scale: what 5 M triangles would take\n")) << page.substr(0, 80);
   for (const char* heading : {"## Measured", "## Fitted", "## Processes", "## One machine",
                               "## Several machines", "## Where it saturates"})
     EXPECT_NE(page.find(heading), std::string::npos) << heading;

@@ -45,7 +45,7 @@ Sheet ratios_sheet(const PaperReport& report, Method method) {
   sheet.note += kDefaults;
   sheet.heading = {"combination"};
   for (const Measured& m : defaults.tables)
-    sheet.heading.push_back(shown_scene(m.scene) + " " + shown_rays(m.counts));
+    sheet.heading.push_back(shown_scene(m.scene, m.builtin) + " " + shown_rays(m.counts));
   sheet.heading.emplace_back("deviation");
   for (const Combination& c : report.combinations) {
     if (c.method != method) continue;
@@ -78,8 +78,8 @@ Sheet nearest_sheet(const PaperReport& report) {
       const Combination* best = nearest_of_table(report, method, i);
       if (best == nullptr) continue;
       const Measured& m = best->tables[i];
-      sheet.rows.push_back({shown_scene(m.scene) + " " + shown_rays(m.counts), to_string(method),
-                            name_of(best->quirks), shown_ratio(total_ratio(m)),
+      sheet.rows.push_back({shown_scene(m.scene, m.builtin) + " " + shown_rays(m.counts),
+                            to_string(method), name_of(best->quirks), shown_ratio(total_ratio(m)),
                             shown_ratio(deviation(m))});
     }
     const Combination* best = nearest(report, method);
@@ -92,9 +92,9 @@ Sheet nearest_sheet(const PaperReport& report) {
 void add_nearest_levels(const Measured& m, Sheet* sheet) {
   const auto add = [&](const std::string& level, std::uint64_t tests, double tests_ratio,
                        std::string hits, double hits_ratio) {
-    sheet->rows.push_back({shown_scene(m.scene), shown_rays(m.counts), to_string(m.method), level,
-                           std::to_string(tests), shown_ratio(tests_ratio), std::move(hits),
-                           shown_ratio(hits_ratio),
+    sheet->rows.push_back({shown_scene(m.scene, m.builtin), shown_rays(m.counts),
+                           to_string(m.method), level, std::to_string(tests),
+                           shown_ratio(tests_ratio), std::move(hits), shown_ratio(hits_ratio),
                            is_far(tests_ratio) || is_far(hits_ratio) ? "yes" : "no"});
   };
   for (const LevelStatistics& level : m.counts.levels) {
@@ -142,7 +142,7 @@ std::vector<std::string> phase_row(const PaperReport& report, Method method, std
                       : over(m.counts.levels[l].hits, first.counts.levels[l].hits));
     }
   }
-  std::vector<std::string> row{shown_scene(first.scene), shown_rays(first.counts),
+  std::vector<std::string> row{shown_scene(first.scene, first.builtin), shown_rays(first.counts),
                                to_string(method), shown_ratio(total.low), shown_ratio(total.high)};
   for (const Range& r : hits) {
     row.push_back(shown_ratio(r.low));

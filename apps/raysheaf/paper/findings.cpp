@@ -78,7 +78,7 @@ std::vector<Known> known_counts(const PaperReport& report) {
   std::vector<Known> all;
   for (const Method method : {Method::kRah, Method::kCrsh}) {
     for (const Measured& m : nearest(report, method)->tables) {
-      const std::string who = fmt::format("{}, {} rays, `{}`", shown_scene(m.scene),
+      const std::string who = fmt::format("{}, {} rays, `{}`", shown_scene(m.scene, m.builtin),
                                           shown_rays(m.counts), to_string(method));
       all.push_back({who + ": total", total_ratio(m)});
       for (const LevelStatistics& level : m.counts.levels) {

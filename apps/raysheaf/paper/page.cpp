@@ -23,7 +23,8 @@ std::string relatives(const PaperReport& report, Method method) {
   std::vector<std::string> parts;
   for (const SceneTotal& t : scene_totals(report.tables)) {
     if (t.method != method) continue;
-    parts.push_back(fmt::format("{} % in {}", shown_percent(t.relative()), shown_scene(t.scene)));
+    parts.push_back(
+        fmt::format("{} % in {}", shown_percent(t.relative()), shown_scene(t.scene, t.builtin)));
     if (t.published_total != 0)
       parts.back() += fmt::format(" (paper: {} %)", shown_percent(t.published_relative()));
   }

@@ -171,6 +171,7 @@ class PaperBench {
 
   void name(const std::string& scene, Method method, Measured* m) const {
     m->scene = scene;
+    m->builtin = report_.builtin;
     m->method = method;
     const PublishedTable* table = published_table(scene, method, m->counts.kind);
     if (table != nullptr && compares(m->counts.triangles, *table)) m->published = table;

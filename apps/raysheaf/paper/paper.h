@@ -15,6 +15,7 @@ namespace raysheaf::app {
 /// One batch, or the bounces of one kind together (`bounce` 0).
 struct Measured {
   std::string scene;
+  bool builtin = false;  ///< or the paper's of that name
   Method method = Method::kBrute;
   BatchStatistics counts;
   bool timed = true;                          ///< false: counted without running

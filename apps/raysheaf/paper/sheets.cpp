@@ -28,7 +28,7 @@ PublishedCount published_final(const Measured& m) {
 }
 
 void add_levels(const Measured& m, Sheet* sheet) {
-  const std::vector<std::string> who{shown_scene(m.scene), shown_rays(m.counts),
+  const std::vector<std::string> who{shown_scene(m.scene, m.builtin), shown_rays(m.counts),
                                      to_string(m.method)};
   const auto add = [&](std::vector<std::string> cells) {
     cells.insert(cells.begin(), who.begin(), who.end());
@@ -64,7 +64,7 @@ Sheet totals_sheet(const PaperReport& report) {
       {}};
   for (const SceneTotal& t : scene_totals(report.tables)) {
     const bool known = t.published_total != 0;
-    sheet.rows.push_back({shown_scene(t.scene), to_string(t.method), whole(t.total),
+    sheet.rows.push_back({shown_scene(t.scene, t.builtin), to_string(t.method), whole(t.total),
                           whole(t.brute_force), shown_percent(t.relative()),
                           known ? whole(t.published_total) : "-",
                           known ? shown_percent(t.published_relative()) : "-",
@@ -105,9 +105,9 @@ Sheet rays_sheet(const PaperReport& report) {
               {}};
   for (const Measured& m : report.batches) {
     const BatchStatistics& c = m.counts;
-    sheet.rows.push_back({shown_scene(m.scene), shown_rays(c), whole(c.rays), whole(c.triangles),
-                          to_string(m.method), whole(c.chunks), whole(c.mesh_sphere_tests),
-                          m.timed ? whole(c.hits) : "-"});
+    sheet.rows.push_back({shown_scene(m.scene, m.builtin), shown_rays(c), whole(c.rays),
+                          whole(c.triangles), to_string(m.method), whole(c.chunks),
+                          whole(c.mesh_sphere_tests), m.timed ? whole(c.hits) : "-"});
   }
   return sheet;
 }
@@ -125,12 +125,12 @@ Sheet times_sheet(const PaperReport& report) {
   for (const Measured& m : report.batches) {
     if (!m.timed) continue;
     const StageTimes& t = m.counts.times_ms;
-    sheet.rows.push_back({shown_scene(m.scene), shown_rays(m.counts), to_string(m.method),
-                          ms(t.raygen), ms(t.order), ms(t.hierarchy), ms(t.traverse),
-                          ms(t.intersect)});
+    sheet.rows.push_back({shown_scene(m.scene, m.builtin), shown_rays(m.counts),
+                          to_string(m.method), ms(t.raygen), ms(t.order), ms(t.hierarchy),
+                          ms(t.traverse), ms(t.intersect)});
     if (m.published == nullptr || !m.published->times_ms.hierarchy) continue;
     const PublishedTimes& p = m.published->times_ms;
-    sheet.rows.push_back({shown_scene(m.scene), shown_rays(m.counts),
+    sheet.rows.push_back({shown_scene(m.scene, m.builtin), shown_rays(m.counts),
                           std::string(to_string(m.method)) + ", authors", ms(p.raygen), ms(p.order),
                           ms(p.hierarchy), ms(p.traverse), ms(p.intersect)});
   }
@@ -145,7 +145,8 @@ bool is_text_column(const Sheet& sheet, std::size_t column) {
 
 }  // namespace
 
-std::string shown_scene(const std::string& scene) {
+std::string shown_scene(const std::string& scene, bool builtin) {
+  if (builtin) return "builtin:" + scene;
   std::string name = scene;
   for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   return name;
@@ -191,7 +192,7 @@ std::vector<SceneTotal> scene_totals(const std::vector<Measured>& tables) {
       return t.scene == m.scene && t.method == m.method;
     });
     if (at == all.end()) {
-      at = all.insert(all.end(), SceneTotal{m.scene, m.method, 0, 0, 0, 0});
+      at = all.insert(all.end(), SceneTotal{m.scene, m.builtin, m.method, 0, 0, 0, 0});
       known.push_back(true);
     }
     const auto place = static_cast<std::size_t>(at - all.begin());

@@ -23,8 +23,9 @@ struct Sheet {
 /// A heading of the second level and a table; whole numbers in groups of three digits.
 [[nodiscard]] std::string sheet_markdown(const Sheet& sheet);
 
-/// "OFFICE", "shadow", "reflection 1", "reflection 1 + 2".
-[[nodiscard]] std::string shown_scene(const std::string& scene);
+/// "OFFICE", as the paper writes its own, or "builtin:office".
+[[nodiscard]] std::string shown_scene(const std::string& scene, bool builtin);
+/// "shadow", "reflection 1", "reflection 1 + 2".
 [[nodiscard]] std::string shown_rays(const BatchStatistics& counts);
 
 /// "142 726 748".
@@ -40,6 +41,7 @@ struct Sheet {
 /// All kinds of rays of one scene by one method.
 struct SceneTotal {
   std::string scene;
+  bool builtin = false;
   Method method = Method::kBrute;
   std::uint64_t total = 0, brute_force = 0;
   std::uint64_t published_total = 0, published_brute_force = 0;  ///< 0 where a kind is unpublished

@@ -1,43 +1,19 @@
 #include "parse/compare.h"
 
-#include <algorithm>
-
 #include "parse/parts.h"
 #include "values.h"
 
 namespace raysheaf::app {
 namespace {
 
-/// An option that may be given more than once; repeated values count once.
-template <typename Value, typename Parse>
-void add_words(CLI::App& app, const std::string& option, const std::string& text,
-               std::vector<Value>& values, Parse parse) {
-  app.add_option_function<std::vector<std::string>>(
-         option,
-         [&values, option, parse](const std::vector<std::string>& names) {
-           for (const std::string& name : names) {
-             into(
-                 [&](const std::string& given) {
-                   const Value value = parse(given);
-                   if (std::find(values.begin(), values.end(), value) == values.end())
-                     values.push_back(value);
-                 },
-                 option)(name);
-           }
-         },
-         text)
-      ->type_name("NAME")
-      ->allow_extra_args(false);
-}
-
 void add_choice(CLI::App& app, BenchCompareCommand& command) {
   app.add_option("--scenes", command.scenes, "Folder of scenes [the built-in scenes]")
       ->type_name("DIR");
   add_words(app, "--scene", "A scene: a known name, builtin:NAME, hall:TRIANGLES or a file [all]",
-            command.scene_names, [](const std::string& name) { return name; });
-  add_words(app, "--kind", "shadow, mirror, second, ao or random [all]", command.kinds,
+            "NAME", command.scene_names, [](const std::string& name) { return name; });
+  add_words(app, "--kind", "shadow, mirror, second, ao or random [all]", "NAME", command.kinds,
             compare_kind_from_string);
-  add_words(app, "--mode", "rebuild, refit or static [all]", command.modes,
+  add_words(app, "--mode", "rebuild, refit or static [all]", "NAME", command.modes,
             compare_mode_from_string);
   app.add_flag("--growth", command.growth,
                "Time against triangles and against rays in generated halls, instead of scenes");

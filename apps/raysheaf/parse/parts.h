@@ -3,8 +3,10 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
@@ -41,6 +43,28 @@ void add_value(CLI::App& app, const std::string& option, const std::string& type
 
 void add_count(CLI::App& app, const std::string& option, std::uint32_t& value, std::uint32_t low,
                std::uint32_t high, const std::string& text);
+
+/// An option that may be given more than once; repeated values count once.
+template <typename Value, typename Parse>
+void add_words(CLI::App& app, const std::string& option, const std::string& text,
+               const std::string& type, std::vector<Value>& values, Parse parse) {
+  app.add_option_function<std::vector<std::string>>(
+         option,
+         [&values, option, parse](const std::vector<std::string>& names) {
+           for (const std::string& name : names) {
+             into(
+                 [&](const std::string& given) {
+                   const Value value = parse(given);
+                   if (std::find(values.begin(), values.end(), value) == values.end())
+                     values.push_back(value);
+                 },
+                 option)(name);
+           }
+         },
+         text)
+      ->type_name(type)
+      ->allow_extra_args(false);
+}
 
 void add_off_switch(CLI::App& app, const std::string& option, bool& value, const std::string& text);
 

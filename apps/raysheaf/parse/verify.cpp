@@ -9,24 +9,11 @@ namespace raysheaf::app {
 
 CLI::App* add_verify(CLI::App& app, VerifyCommand& command) {
   CLI::App* sub = app.add_subcommand("verify", "Check on this machine what raysheaf promises");
-  const std::string only = "--only";
-  sub->add_option_function<std::vector<std::string>>(
-         only,
-         [&command, only](const std::vector<std::string>& names) {
-           std::vector<Promise>& all = command.options.promises;
-           for (const std::string& name : names)
-             into(
-                 [&](const std::string& given) {
-                   const Promise promise = promise_from_string(given);
-                   if (std::find(all.begin(), all.end(), promise) == all.end())
-                     all.push_back(promise);
-                 },
-                 only)(name);
-         },
-         "brute-force, determinism, watertight, bounds or accuracy; may be given more than once "
-         "[all]")
-      ->type_name("PROMISE")
-      ->allow_extra_args(false);
+  add_words(*sub, "--only",
+            "brute-force, determinism, watertight, bounds or accuracy; may be given more than once "
+            "[all]",
+            "PROMISE", command.options.promises,
+            [](const std::string& name) { return promise_from_string(name); });
   add_value(*sub, "--seed", "N", "Seed of the first round [1]",
             [&command](const auto& text) { command.options.seed = parse_seed(text); });
   add_count(*sub, "--rounds", command.rounds, 0, 1000000,

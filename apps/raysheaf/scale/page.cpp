@@ -18,12 +18,13 @@ using Rows = std::vector<std::vector<std::string>>;
 struct Field {
   double ScaleCost::*of;
   const char* name;
+  const char* key;  ///< in JSON
 };
-constexpr std::array<Field, 5> kSeconds{{{&ScaleCost::decode_s, "decoding"},
-                                         {&ScaleCost::cull_s, "culling"},
-                                         {&ScaleCost::trace_s, "tracing"},
-                                         {&ScaleCost::shading_s, "shading"},
-                                         {&ScaleCost::rest_s, "the rest"}}};
+constexpr std::array<Field, 5> kSeconds{{{&ScaleCost::decode_s, "decoding", "decoding"},
+                                         {&ScaleCost::cull_s, "culling", "culling"},
+                                         {&ScaleCost::trace_s, "tracing", "tracing"},
+                                         {&ScaleCost::shading_s, "shading", "shading"},
+                                         {&ScaleCost::rest_s, "the rest", "rest"}}};
 
 std::string seconds(double s) {
   if (s < 1) return fmt::format("{:.3g} ms", 1e3 * s);
@@ -267,7 +268,9 @@ std::string scale_page(const ScaleReport& report) {
                                             machines_of(report, ranks));
   const ScaleForecast r = forecast_rays(model, triangles, pixels_of(report), report.sharing,
                                         machines_of(report, ranks));
-  std::string text = "# Scale: what a thousand million triangles would take\n\n";
+  const bool usual = report.asked.triangles == BenchScaleCommand{}.triangles;
+  std::string text = fmt::format("# Scale: what {} triangles would take\n\n",
+                                 usual ? "a thousand million" : amount(triangles));
   text += fmt::format(
       "`raysheaf bench scale` wrote this page. It renders generated halls that "
       "[stream](stream.md), fits a straight line to what each resource takes, holds the result "
@@ -317,7 +320,7 @@ std::string scale_json(const ScaleReport& report) {
     json j = {{"triangles", s.triangles}, {"pixels", s.pixels},    {"rays", s.rays},
               {"blocks", s.blocks},       {"read", s.read_blocks}, {"batches", s.batches},
               {"seconds", s.seconds},     {"bytes", s.cost.bytes}};
-    for (const Field& field : kSeconds) j[field.name] = s.cost.*field.of;
+    for (const Field& field : kSeconds) j[field.key] = s.cost.*field.of;
     return j;
   };
   json samples = json::array();
