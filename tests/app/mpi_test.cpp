@@ -185,6 +185,23 @@ TEST_F(Ranks, MakeFramesAndResumeThem) {
   EXPECT_EQ(count_of(".part"), 0u);
 }
 
+TEST_F(Ranks, WarningsOfEveryFrameAreToldOnce) {
+  const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  constexpr int kFrames = 40;
+  const auto name = [](int i) { return std::to_string(100 + i); };
+  for (int i = 0; i < kFrames; ++i)
+    write_file(folder_.file("f_" + name(i) + ".obj"), "usemtl m" + name(i) + "\n" + triangle);
+  const Finished finished = render(3, {"f_*.obj", "-o", "p_%d.png", "--size", "8x8", "--primary",
+                                       "trace", "--exposure", "1", "--ambient", "1"});
+  EXPECT_EQ(finished.code, 0) << finished.err;
+  for (int i = 0; i < kFrames; ++i) {
+    const std::string warning = "warning: There is no material \"m" + name(i) + "\"";
+    const std::size_t at = finished.err.find(warning);
+    ASSERT_NE(at, std::string::npos) << i << "\n" << finished.err;
+    EXPECT_EQ(finished.err.find(warning, at + 1), std::string::npos) << i;
+  }
+}
+
 TEST_F(Ranks, OneFailureIsOneSentence) {
   ASSERT_EQ(
       raysheaf_app({"pack", "builtin:cornell", "-o", "a.rsb", "--block-triangles", "50"}, folder_)

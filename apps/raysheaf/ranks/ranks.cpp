@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <exception>
 #include <new>
+#include <span>
 #include <string>
 
 #include "raysheaf/error.h"
@@ -22,6 +24,16 @@ std::optional<std::uint32_t> number_in(const char* variable) {
   } catch (const Error&) {
     return std::nullopt;
   }
+}
+
+void take_bits(const std::byte* from, std::byte* into, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) into[i] |= from[i];
+}
+
+/// Bytes of all, where the others have zeros.
+template <class T>
+void unite(Communicator& ranks, std::vector<T>* numbers) {
+  ranks.combine(std::as_writable_bytes(std::span(*numbers)), 1, take_bits);
 }
 
 /// Of whatever is caught.
@@ -65,6 +77,27 @@ void run_together(const RenderCommand& command,
 Context context_of(const RenderCommand& command, const std::shared_ptr<Communicator>& ranks) {
   const ContextOptions options{command.device, command.options.threads};
   return ranks == nullptr ? Context(options) : distributed(options, ranks);
+}
+
+std::vector<std::string> sentences_of_all(Communicator& ranks,
+                                          const std::vector<std::string>& own) {
+  std::string text;
+  for (const std::string& sentence : own) text += sentence + '\0';
+  std::vector<std::uint64_t> sizes(ranks.size());
+  sizes[ranks.rank()] = text.size();
+  unite(ranks, &sizes);
+  std::size_t before = 0, whole = 0;
+  for (std::uint32_t i = 0; i < ranks.size(); ++i) {
+    if (i < ranks.rank()) before += sizes[i];
+    whole += sizes[i];
+  }
+  std::vector<char> texts(whole);
+  std::copy(text.begin(), text.end(), texts.begin() + static_cast<std::ptrdiff_t>(before));
+  unite(ranks, &texts);
+  std::vector<std::string> all;
+  for (std::size_t at = 0; at < whole; at += all.back().size() + 1)
+    all.emplace_back(texts.data() + at);
+  return all;
 }
 
 std::string with_ranks(std::string json, const SharedBy& ranks) {

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "options.h"
 #include "raysheaf/distributed.h"
@@ -31,6 +32,10 @@ void run_together(const RenderCommand& command,
 /// Where the command's rays are traced.
 [[nodiscard]] Context context_of(const RenderCommand& command,
                                  const std::shared_ptr<Communicator>& ranks);
+
+/// Sentences of all processes, by rank. Collective.
+[[nodiscard]] std::vector<std::string> sentences_of_all(Communicator& ranks,
+                                                        const std::vector<std::string>& own);
 
 /// How many processes shared a frame, and what.
 struct SharedBy {

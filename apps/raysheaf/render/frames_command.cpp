@@ -12,6 +12,7 @@
 #include <future>
 #include <memory>
 #include <numeric>
+#include <set>
 #include <span>
 #include <system_error>
 
@@ -208,8 +209,20 @@ class FrameRun {
       if (frame_each_ || is_first(ranks_)) start_writing(std::make_shared<Drawn>(std::move(drawn)));
     }
     finish_writing();
-    if (frame_each_)
-      ranks_->combine(std::as_writable_bytes(std::span(frame_ms_)), sizeof(double), take_longer);
+    if (!frame_each_) return;
+    ranks_->combine(std::as_writable_bytes(std::span(frame_ms_)), sizeof(double), take_longer);
+    if (!command_.quiet) tell_others_warnings(&bar);
+  }
+
+  /// Each process has seen its own frames.
+  void tell_others_warnings(ProgressBar* bar) {
+    const std::vector<std::string>& own = animation_.scene().warnings;
+    std::set<std::string> told(own.begin(), own.end());
+    for (const std::string& warning : sentences_of_all(*ranks_, own)) {
+      if (!told.insert(warning).second) continue;
+      bar->wipe();
+      tell("warning: " + printable(warning));
+    }
   }
 
   void tell_new_warnings(ProgressBar* bar) {
