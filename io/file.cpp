@@ -129,19 +129,6 @@ bool give_name(int file, const std::string& name) {
   return ::linkat(AT_FDCWD, own_link(file).c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
 }
 
-std::string where_links_end(const std::string& path) {
-  constexpr int kMostLinks = 40;  // as Linux follows
-  fs::path target = path;
-  std::error_code error;
-  for (int i = 0; fs::is_symlink(fs::symlink_status(target, error)); ++i) {
-    if (i == kMostLinks) throw system_error("written", path, ELOOP);
-    const fs::path next = fs::read_symlink(target, error);
-    if (error) throw system_error("written", path, error.value());
-    target = next.is_absolute() ? next : target.parent_path() / next;
-  }
-  return target.string();
-}
-
 Bytes read_file(const std::string& path) {
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (file.get() < 0) {
@@ -226,6 +213,20 @@ std::string resolve(const SceneFile& from, const std::string& uri, bool is_uri,
 }
 
 }  // namespace io
+
+std::string where_links_end(const std::string& path) {
+  constexpr int kMostLinks = 40;  // as Linux follows
+  std::filesystem::path target = path;
+  std::error_code error;
+  for (int i = 0; std::filesystem::is_symlink(std::filesystem::symlink_status(target, error));
+       ++i) {
+    if (i == kMostLinks) throw io::system_error("written", path, ELOOP);
+    const std::filesystem::path next = std::filesystem::read_symlink(target, error);
+    if (error) throw io::system_error("written", path, error.value());
+    target = next.is_absolute() ? next : target.parent_path() / next;
+  }
+  return target.string();
+}
 
 void write_text(const std::string& text, const std::string& path) {
   io::write_file(path, io::as_bytes(text));

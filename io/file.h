@@ -46,9 +46,6 @@ inline std::span<const std::uint8_t> as_bytes(const std::string& text) {
 [[nodiscard]] int open_without_name(const std::string& beside, int flags);
 /// Gives it one that nobody has. False, and errno, where that fails.
 [[nodiscard]] bool give_name(int file, const std::string& name);
-/// `path`, or what stands behind the symbolic links there, be it missing. Throws kIo for links in a
-/// circle.
-[[nodiscard]] std::string where_links_end(const std::string& path);
 
 /// The ending of a name in lower case, without the dot: "glb".
 [[nodiscard]] std::string ending_of(const std::string& path);

@@ -10,6 +10,7 @@
 
 #include "io/file.h"
 #include "raysheaf/error.h"
+#include "raysheaf/io.h"
 
 namespace raysheaf::io {
 

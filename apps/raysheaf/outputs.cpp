@@ -24,20 +24,6 @@ namespace fs = std::filesystem;
   throw Error(ErrorCode::kInvalidArgument, std::string("this output is ") + why, path);
 }
 
-/// `path`, or what stands behind the symbolic links there, be it missing.
-fs::path where_links_end(const std::string& path) {
-  constexpr int kMostLinks = 40;  // as Linux follows
-  fs::path target = path;
-  std::error_code failed;
-  for (int i = 0; fs::is_symlink(fs::symlink_status(target, failed)); ++i) {
-    if (i == kMostLinks) refuse(path, std::strerror(ELOOP));
-    const fs::path next = fs::read_symlink(target, failed);
-    if (failed) refuse(path, failed.message());
-    target = next.is_absolute() ? next : target.parent_path() / next;
-  }
-  return target;
-}
-
 // Makes a file beside the target and takes it away: the one question that root, read-only mounts,
 // quotas and odd file systems all answer truthfully.
 void try_beside(const std::string& path, const fs::path& target) {

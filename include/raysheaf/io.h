@@ -53,6 +53,10 @@ struct ExrChannel {
 void write_exr(std::uint32_t width, std::uint32_t height, std::vector<ExrChannel> channels,
                const std::string& path);
 
+/// Whose file is replaced where `path` is written to: `path`, or what stands behind the symbolic
+/// links there, be it missing. Throws kIo for links in a circle.
+[[nodiscard]] std::string where_links_end(const std::string& path);
+
 /// Writes text (JSON statistics) the same careful way.
 void write_text(const std::string& text, const std::string& path);
 
