@@ -205,6 +205,15 @@ TEST_F(Frames, NameTheFileWhereTimeLeadsTooFar) {
   }
 }
 
+TEST_F(Frames, OneWithoutTrianglesIsNamed) {
+  write_file(folder_.path() / "box_2.obj", "v 0 0 0\n");
+  for (const char* option : {"--exposure=1", "--stream"}) {
+    const Finished finished = render({"box_?.obj", "-o", "e_%d.png", "-q", option});
+    EXPECT_EQ(finished.code, 1);
+    EXPECT_EQ(finished.err, "raysheaf: box_?.obj: the scene has no triangles\n");
+  }
+}
+
 TEST_F(Frames, FollowAPath) {
   write_file(folder_.path() / "path.json", R"({"keys": [
       {"time": 0, "position": [0, 3, 9], "look_at": [1, 0, 0]},

@@ -14,16 +14,17 @@ namespace raysheaf::app {
 namespace {
 
 /// What `work` gives. Time may make a scene wrong that was right in its file: the file is named
-/// here too, before what is one of a list of the scene's.
+/// here too, before what is one of a list of the scene's, or alone where it is all of it.
 template <class Work>
 auto naming_scene(const std::string& name, const Work& work) {
   try {
     return work();
   } catch (const Error& error) {
-    const bool of_scene =
-        error.code() == ErrorCode::kInvalidData && error.place().find('[') != std::string::npos;
+    const std::string& place = error.place();
+    const bool of_scene = error.code() == ErrorCode::kInvalidData &&
+                          (place.empty() || place.find('[') != std::string::npos);
     if (!of_scene) throw;
-    throw Error(error.code(), error.sentence(), name + ": " + error.place());
+    throw Error(error.code(), error.sentence(), place.empty() ? name : name + ": " + place);
   }
 }
 
