@@ -156,6 +156,23 @@ TEST(Ablation, EachSettingReachesTheLaboratory) {
   EXPECT_EQ(totals.size(), report.rows.size()) << "every combination counts something else";
 }
 
+TEST(Ablation, FilesOfOneNameAreTwoScenes) {
+  const TemporaryFolder folder;
+  write_file(folder.file("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  write_file(folder.file("a.stl"),
+             "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+             "vertex 0 1 0\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 1\n"
+             "vertex 1 0 1\nvertex 0 1 1\nendloop\nendfacet\nendsolid a\n");
+  BenchAblationCommand command = small_command();
+  command.scene.clear();
+  command.scenes = folder.path().string();
+  const AblationReport report = measured(command);
+  EXPECT_EQ(report.scenes, (std::vector<std::string>{"a.obj", "a.stl"}));
+  for (const AblationRow& row : report.rows)
+    EXPECT_EQ(row.counts.triangles, row.scene == "a.obj" ? 1u : 2u);
+  EXPECT_EQ(app::batches_of(report).size(), 2u);
+}
+
 TEST(Ablation, TablesTakeTheLeastOverTheRest) {
   const AblationReport report = measured(small_command());
   const app::Pivot keys = app::key_pivot(report, "cornell", LabRays::kShadow, app::percent_of);

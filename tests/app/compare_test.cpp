@@ -320,6 +320,12 @@ TEST(CompareScenes, KnownNamesAndHalls) {
   EXPECT_EQ(app::compare_scene_from_string("hall:4500", "").name, "hall_4500");
   EXPECT_EQ(app::compare_scene_from_string("sponza", "dir").source, "dir/paper/sponza.glb");
   EXPECT_EQ(app::compare_scene_from_string("a/model.glb", "").name, "model");
+  const auto apart = app::compare_scenes_from_strings(
+      {"office", "builtin:office", "builtin:cornell", "a/bunny.ply", "b/bunny.ply"}, "dir");
+  std::vector<std::string> names;
+  for (const app::CompareScene& scene : apart) names.push_back(scene.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"office", "builtin:office", "cornell", "a/bunny.ply",
+                                             "b/bunny.ply"}));
   std::vector<std::string> notes;
   const auto all = app::default_compare_scenes("", &notes);
   EXPECT_EQ(all.size() + notes.size(), builtin_scene_names().size() + 2);

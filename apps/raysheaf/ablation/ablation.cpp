@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include "median.h"
 #include "raysheaf/builtin_scenes.h"
@@ -20,6 +21,14 @@ struct Source {
   std::string name, argument;
 };
 
+/// Figures are looked up by the scene's name: bunny.obj and bunny.ply are two scenes.
+void name_apart(std::vector<Source>& all) {
+  std::set<std::string> names;
+  for (const Source& source : all) names.insert(source.name);
+  if (names.size() == all.size()) return;
+  for (Source& source : all) source.name = fs::path(source.argument).filename().string();
+}
+
 std::vector<Source> sources_in(const std::string& folder) {
   std::error_code failed;
   std::vector<Source> all;
@@ -32,6 +41,7 @@ std::vector<Source> sources_in(const std::string& folder) {
   if (all.empty()) throw Error(ErrorCode::kIo, "there is no scene in this folder", folder);
   std::sort(all.begin(), all.end(),
             [](const Source& a, const Source& b) { return a.argument < b.argument; });
+  name_apart(all);
   return all;
 }
 

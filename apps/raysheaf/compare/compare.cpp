@@ -25,10 +25,7 @@ std::uint64_t peak_bytes() {
 std::vector<CompareScene> chosen_scenes(const BenchCompareCommand& command,
                                         std::vector<std::string>* notes) {
   if (command.scene_names.empty()) return default_compare_scenes(command.scenes, notes);
-  std::vector<CompareScene> all;
-  for (const std::string& name : command.scene_names)
-    all.push_back(compare_scene_from_string(name, command.scenes));
-  return all;
+  return compare_scenes_from_strings(command.scene_names, command.scenes);
 }
 
 /// Counts measurements for the progress bar.

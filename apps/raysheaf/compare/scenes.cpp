@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string_view>
 
@@ -178,6 +179,19 @@ CompareScene compare_scene_from_string(const std::string& name, const std::strin
     throw Error(ErrorCode::kInvalidArgument,
                 "'" + name + "' is looked for in a folder of scenes: give --scenes DIR", "--scene");
   return {name, (fs::path(scenes) / known->file).string()};
+}
+
+std::vector<CompareScene> compare_scenes_from_strings(const std::vector<std::string>& names,
+                                                      const std::string& scenes) {
+  std::vector<CompareScene> all;
+  std::map<std::string, int> count;
+  for (const std::string& name : names) {
+    all.push_back(compare_scene_from_string(name, scenes));
+    ++count[all.back().name];
+  }
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (count[all[i].name] > 1) all[i].name = names[i];
+  return all;
 }
 
 SceneDescription load_compare_scene(const CompareScene& scene, std::uint32_t threads) {

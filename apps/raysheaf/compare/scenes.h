@@ -26,6 +26,10 @@ struct CompareScene {
 [[nodiscard]] CompareScene compare_scene_from_string(const std::string& name,
                                                      const std::string& scenes);
 
+/// Those of an option: by their whole names where two would be called the same.
+[[nodiscard]] std::vector<CompareScene> compare_scenes_from_strings(
+    const std::vector<std::string>& names, const std::string& scenes);
+
 /// With a camera that stands inside where the file has none and the scene is known.
 [[nodiscard]] SceneDescription load_compare_scene(const CompareScene& scene, std::uint32_t threads);
 

@@ -98,10 +98,7 @@ Json json_of(const SceneReport& scene) {
 std::vector<CompareScene> scenes_of(const BenchGpuCommand& command) {
   std::vector<std::string> notes;
   if (command.scene_names.empty()) return default_compare_scenes(command.scenes, &notes);
-  std::vector<CompareScene> all;
-  for (const std::string& name : command.scene_names)
-    all.push_back(compare_scene_from_string(name, command.scenes));
-  return all;
+  return compare_scenes_from_strings(command.scene_names, command.scenes);
 }
 
 std::vector<SceneReport> measured(const BenchGpuCommand& command) {
