@@ -232,6 +232,18 @@ CLI::App* add_manual(CLI::App& app, ManualCommand& command) {
   return sub;
 }
 
+// What a variable of the shell should have said must not pass for what was left out.
+void refuse_empty_words(const CLI::App& app) {
+  const auto check = [](const std::string& word) {
+    return std::string(word.empty() ? "it is empty" : "");
+  };
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
+    for (CLI::Option* option : const_cast<CLI::App*>(sub)->get_options())
+      if (option->get_items_expected_max() > 0) option->check(check);
+    refuse_empty_words(*sub);
+  }
+}
+
 // Whether the words begin with a command of `app`, and so on below it, or with an option; tells
 // what there is where they do not.
 bool starts_well(std::span<const char* const> words, const CLI::App& app,
@@ -318,6 +330,7 @@ std::variant<Command, int> parse(int argc, const char* const* argv) {
   const CLI::App* scale_app = add_bench_scale(*bench_app, scale);
   const CLI::App* completion_app = add_completion(app, completion);
   const CLI::App* manual_app = add_manual(app, manual);
+  refuse_empty_words(app);
   const std::span<const char* const> words(argv, static_cast<std::size_t>(argc));
   if (!starts_well(words.subspan(std::min<std::size_t>(words.size(), 1)), app)) return kUsage;
   try {

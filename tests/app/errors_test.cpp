@@ -127,8 +127,15 @@ TEST(Errors, UnknownOptionsAndValues) {
 
 TEST(Errors, SentencesSayWhatAndWhere) {
   const std::string scene = "builtin:cornell";
-  expect_usage_error({"render", "", "-o", "a.png"}, "SCENE: the name is empty");
-  expect_usage_error({"pack", "", "-o", "a.rsb"}, "SCENE: the name is empty");
+  expect_usage_error({"render", "", "-o", "a.png"}, "SCENE: it is empty");
+  expect_usage_error({"pack", "", "-o", "a.rsb"}, "SCENE: it is empty");
+  for (const char* option : {"--stats", "--heatmap", "--camera", "--env", "--clip", "--size"})
+    expect_usage_error({"render", scene, "-o", "a.png", option, ""},
+                       std::string(option) + ": it is empty");
+  expect_usage_error({"bench", "paper", "--scenes", ""}, "--scenes: it is empty");
+  expect_usage_error({"bench", "ablation", ""}, "SCENE: it is empty");
+  expect_usage_error({"manual", "-o", ""}, "--output: it is empty");
+  expect_usage_error({"bench", "compare", "--most", "10000"}, "--most: it is of --growth");
   expect_usage_error({"report", scene, "-o", "a.html", "--samples", "2"}, "expected: --samples 2 ");
   expect_usage_error({"bench", "foo"},
                      "'foo' is no command of bench; there are paper, ablation, compare");

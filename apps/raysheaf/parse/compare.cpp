@@ -28,11 +28,13 @@ void add_files(CLI::App& app, BenchCompareCommand& command) {
       ->type_name("FILE.svg");
 }
 
-void check_compare(const BenchCompareCommand& command) {
+void check_compare(const CLI::App& app, const BenchCompareCommand& command) {
   if (!command.plot_path.empty() && !has_ending(command.plot_path, ".svg"))
     throw CLI::ValidationError("--plot", "'" + command.plot_path + "' does not end in .svg");
   if (command.growth && !(command.scenes.empty() && command.scene_names.empty()))
     throw CLI::ValidationError("--growth", "it has scenes of its own: leave --scene(s) out");
+  if (!command.growth && app.get_option("--most")->count() > 0)
+    throw CLI::ValidationError("--most", "it is of --growth");
 }
 
 }  // namespace
@@ -52,7 +54,7 @@ CLI::App* add_bench_compare(CLI::App& bench, BenchCompareCommand& command) {
       "  raysheaf bench compare --scene builtin:office --mode rebuild\n"
       "  raysheaf bench compare --scenes DIR --json all.json --markdown all.md --plot all.svg\n"
       "  raysheaf bench compare --growth --kind mirror --mode rebuild --plot growth.svg");
-  sub->callback([&command] { check_compare(command); });
+  sub->callback([sub, &command] { check_compare(*sub, command); });
   return sub;
 }
 

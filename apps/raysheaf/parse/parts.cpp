@@ -4,17 +4,13 @@
 
 namespace raysheaf::app {
 
-std::string check_not_empty(const std::string& name) {
-  return name.empty() ? "the name is empty" : "";
-}
-
 void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load, SceneKinds kinds) {
   std::string text = "A file (.gltf, .glb, .obj, .ply, .stl";
   if (kinds.blocks) text += ", .rsb";
   if (kinds.sequences) text += ", .json";
   text += ")";
   if (kinds.sequences) text += ", a pattern of files that are frames ('f_*.ply'),";
-  app.add_option("SCENE", scene, text + " or builtin:NAME")->required()->check(check_not_empty);
+  app.add_option("SCENE", scene, text + " or builtin:NAME")->required();
   app.add_flag("--allow-external", load.allow_external,
                "The scene may name files outside its folder");
 }

@@ -26,9 +26,6 @@ std::function<void(const std::string&)> into(Parse parse, std::string option) {
   };
 }
 
-/// What is wrong with the name of a file; empty: nothing.
-std::string check_not_empty(const std::string& name);
-
 /// What a command takes besides scenes that are read whole and stand still.
 struct SceneKinds {
   bool blocks = false, sequences = false;
