@@ -79,18 +79,20 @@ class Laboratory {
   /// A batch as it is made: rows of pixels from the top, one light or occlusion sample after the
   /// other, each ray as `docs/raygen.md` says.
   [[nodiscard]] std::vector<Ray> rays(LabRays rays);
-  /// Counts and times. Throws `Error` (kInternal) where a hit differs from brute force's, which is
-  /// measured once a batch; `check` = false leaves that out.
+  /// Counts and times. Throws `Error`: kInternal where a hit differs from brute force's, which is
+  /// measured once a batch; `check` = false leaves that out. kInvalidArgument for settings out of
+  /// their range.
   [[nodiscard]] BatchStatistics measure(LabRays rays, const MethodSettings& settings,
                                         bool check = true);
   /// The bundle that holds the first ray of pixel (x, y), and what bounds it; none where the pixel
   /// has no ray in the batch. `brute` bundles nothing, and `dual` bounds nothing where it streams
-  /// rays: there is no volume then. Throws `Error` (kInvalidArgument) for a pixel that is outside.
+  /// rays: there is no volume then. Throws `Error` (kInvalidArgument) for a pixel that is outside,
+  /// and for settings out of their range.
   [[nodiscard]] std::optional<RayBundle> bundle(LabRays rays, const MethodSettings& settings,
                                                 std::uint32_t x, std::uint32_t y);
   /// Counts of the published program's algorithm. Final tests are counted, not executed; `hits`
-  /// stays 0. `levels` from 1, `branching` from 2. Throws `Error` (kInvalidArgument) for less, and
-  /// for other methods than `rah` and `crsh`.
+  /// stays 0. `levels` from 1 to 32, `branching` from 2. Throws `Error` (kInvalidArgument) for
+  /// others, and for other methods than `rah` and `crsh`.
   [[nodiscard]] BatchStatistics measure_as_published(LabRays rays, Method method,
                                                      const Quirks& quirks, std::uint32_t levels = 2,
                                                      std::uint32_t branching = 8);

@@ -29,6 +29,21 @@ PictureSize checked(PictureSize size) {
   return size;
 }
 
+void check_range(const char* field, std::uint32_t value, std::uint32_t low, std::uint32_t high) {
+  if (value >= low && value <= high) return;
+  throw Error(ErrorCode::kInvalidArgument,
+              "must be from " + std::to_string(low) + " to " + std::to_string(high) + ", not " +
+                  std::to_string(value),
+              field);
+}
+
+void check(const MethodSettings& settings) {
+  check_range("levels", settings.levels, 1, 8);
+  check_range("branching", settings.branching, 2, 64);
+  if (settings.key_bits != 32 && settings.key_bits != 64)
+    throw Error(ErrorCode::kInvalidArgument, "must be 32 or 64", "key_bits");
+}
+
 SceneDescription prepared(SceneDescription scene) {
   validate(scene);
   add_missing_camera_and_light(scene);
@@ -68,17 +83,19 @@ class Laboratory::Impl {
 
   const RayBatch& batch(LabRays rays) { return made(rays).batch; }
 
-  BatchStatistics measure(LabRays rays, const MethodSettings& settings, bool check) {
+  BatchStatistics measure(LabRays rays, const MethodSettings& settings, bool compares) {
+    check(settings);
     Made& m = made(rays);
     BatchStatistics statistics;
     statistics.times_ms.raygen = m.raygen_ms;
     const std::vector<RayHit> hits = traced(m.batch, settings, &statistics);
-    if (check) compare(hits, reference(m), m.batch);
+    if (compares) compare(hits, reference(m), m.batch);
     return statistics;
   }
 
   std::optional<RayBundle> bundle(LabRays rays, const MethodSettings& settings, std::uint32_t x,
                                   std::uint32_t y) {
+    check(settings);
     if (x >= size_.width || y >= size_.height)
       throw Error(ErrorCode::kInvalidArgument, "this pixel is outside the picture", "x, y");
     const RayBatch& batch = made(rays).batch;
@@ -92,8 +109,8 @@ class Laboratory::Impl {
                                PublishedShape shape) {
     if (method != Method::kRah && method != Method::kCrsh)
       throw Error(ErrorCode::kInvalidArgument, "rah and crsh alone were published", "method");
-    if (shape.levels < 1 || shape.branching < 2)
-      throw Error(ErrorCode::kInvalidArgument, "must be 1 and 2 at least", "levels, branching");
+    check_range("levels", shape.levels, 1, 32);
+    check_range("branching", shape.branching, 2, ~0u);
     return count_as_published(executor_, flat_, batch(rays), method, quirks, size_.width, shape);
   }
 
@@ -164,10 +181,11 @@ class Laboratory::Impl {
 
   const std::vector<RayHit>& reference(Made& m) {
     if (m.reference.size() != m.batch.rays.size()) {
-      m.reference.assign(m.batch.rays.size(), {});
+      std::vector<RayHit> hits(m.batch.rays.size());
       ProgressMeter meter;
-      intersect_brute_force(executor_, flat_.triangles(), m.batch.rays, Facing::kBoth, m.reference,
+      intersect_brute_force(executor_, flat_.triangles(), m.batch.rays, Facing::kBoth, hits,
                             &meter);
+      m.reference = std::move(hits);  // whole, or not at all: memory may run out
     }
     return m.reference;
   }

@@ -81,6 +81,19 @@ TEST(Laboratory, RefusesWhatCannotBeMeasured) {
   EXPECT_THROW((void)laboratory.measure_as_published(LabRays::kShadow, Method::kBrute, {}), Error);
   EXPECT_THROW((void)laboratory.measure_as_published(LabRays::kShadow, Method::kRah, {}, 0, 8),
                Error);
+  EXPECT_THROW((void)laboratory.measure_as_published(LabRays::kShadow, Method::kRah, {}, 33, 8),
+               Error);
+  const auto refused = [&](auto change) {
+    MethodSettings settings = method_settings(Method::kCrsh);
+    change(settings);
+    EXPECT_THROW((void)laboratory.measure(LabRays::kShadow, settings), Error);
+    EXPECT_THROW((void)laboratory.bundle(LabRays::kShadow, settings, 4, 4), Error);
+  };
+  for (const std::uint32_t branching : {0u, 1u, 65u})
+    refused([&](MethodSettings& s) { s.branching = branching; });
+  for (const std::uint32_t levels : {0u, 9u})
+    refused([&](MethodSettings& s) { s.levels = levels; });
+  refused([](MethodSettings& s) { s.key_bits = 16; });
 }
 
 TEST(Laboratory, ASceneWithoutCameraAndLightGetsThem) {
