@@ -72,7 +72,7 @@ void Engine::set_triangles(const TriangleSource& source, bool same_triangles) {
   }
   SceneHistory fresh;
   fresh.triangles = source.count;
-  fresh.fan_pairs = history_.fan_pairs;
+  fresh.fan_pairs = fresh.usual_fan_pairs = history_.usual_fan_pairs;
   history_ = fresh;
 }
 
@@ -229,6 +229,7 @@ bool Engine::any_hit_in_fan(const Executor& executor, View<const Ray> rays,
   const bool done = occluded_in_fan(executor, source_, rays, fan, occluded, ray_tests, &counts);
   if (source_.count != 0 && (done || counts.pairs > 0))
     history_.fan_pairs = static_cast<double>(counts.pairs) / static_cast<double>(source_.count);
+  if (done) history_.usual_fan_pairs = history_.fan_pairs;
   if (report != nullptr) {
     report->bound_tests += counts.bound_tests;
     report->triangle_tests += counts.triangle_tests;

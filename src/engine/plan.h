@@ -34,6 +34,9 @@ enum class TreeWork : std::uint8_t { kKeep, kRefit, kRebuild, kRebuildFinely };
 /// A tree whose expected cost has grown by this much since it was built is not refitted again.
 inline constexpr float kSpoilt = 1.5f;
 
+/// Of tiles of a fan and triangles, a triangle, before any fan was used.
+inline constexpr double kFanPairs = 0.25;
+
 /// What the scene has been through.
 struct SceneHistory {
   std::uint32_t triangles = 0;
@@ -45,9 +48,10 @@ struct SceneHistory {
   std::uint32_t patience = 2;  ///< moves before a fine tree is tried
   std::uint32_t queries_since_change = 0;
   std::uint64_t rays_since_change = 0;  ///< that went through the tree
-  /// Of tiles of a fan and triangles, a triangle, when a fan was last used; other triangles at
-  /// other places are expected to be alike.
-  double fan_pairs = 0.25;
+  /// Of tiles of a fan and triangles, a triangle, when a fan of these triangles was last used.
+  double fan_pairs = kFanPairs;
+  /// The same when one of any triangles was last used to its end: others are expected to be alike.
+  double usual_fan_pairs = kFanPairs;
 
   /// A fine tree was spoilt: it is tried again, but not so soon.
   void wait_longer();
