@@ -55,7 +55,8 @@ void into_pixels(benchmark::State& state) {
 void sky(benchmark::State& state) {
   const Input& in = input();
   const Executor executor;
-  for (auto _ : state) benchmark::DoNotOptimize(automatic_sky(executor, in.fragments, placed()));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(sky_of_parts(sky_parts(executor, in.fragments, placed())));
   finish(state);
 }
 

@@ -120,7 +120,6 @@ class DeviceStagesOn : public DeviceStages {
 
   Vec3 find_sky() override {
     const View<const Fragment> fragments = first_hits_->view();
-    if (lights_.size() == 0) return kWhiteSky;
     std::vector<SkyPart> parts(div_ceil(fragments.size, kSkyPart));
     sky_parts_.resize_uninitialized("shade: sky", parts.size());
     sky_parts_on(device_, fragments, lights_.view_const(), sky_parts_.view());

@@ -135,7 +135,7 @@ class FrameStages {
   /// Primary visibility of a sample; returns in how many groups, rows from the top, its fragments
   /// are followed.
   [[nodiscard]] virtual std::size_t look(const CameraFrame& frame) = 0;
-  /// As `automatic_sky` (shade/shade.h), of the sample. Before the first is seen.
+  /// `sky_of_parts` (shade/shade.h) of the sample, which has lights. Before the first is seen.
   [[nodiscard]] virtual Vec3 find_sky() = 0;
   /// Calls `follow` once for each of the sample's groups; from several threads at once where the
   /// stages are so made, each time with stages and a meter that nobody else uses meanwhile.

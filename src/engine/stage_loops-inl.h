@@ -73,7 +73,7 @@ void see_on(Device& device, View<const Fragment> first_hits, bool first, DeviceF
   });
 }
 
-/// The parts of `automatic_sky`.
+/// As `sky_parts` (shade/shade.h).
 template <class Device>
 void sky_parts_on(Device& device, View<const Fragment> fragments, View<const PlacedLight> lights,
                   View<SkyPart> parts) {

@@ -57,7 +57,6 @@ class CpuStages : public FrameStages {
   }
 
   Vec3 find_sky() override {
-    if (frame_.lights.empty()) return kWhiteSky;
     const std::size_t groups = frame_.kept.size();
     const std::size_t pixels = std::size_t{frame_.options.width} * frame_.options.height;
     const std::size_t kept = pixels <= kMostKept ? groups : groups * kMostKept / pixels;

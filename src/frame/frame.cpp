@@ -8,6 +8,7 @@
 #include "frame/cpu_stages.h"
 #include "frame/film.h"
 #include "raygen/filter.h"
+#include "shade/shade.h"
 
 namespace raysheaf {
 namespace {
@@ -177,7 +178,7 @@ class Frame {
   [[nodiscard]] Vec3 uniform_sky() {
     if (options_.ambient) return *options_.ambient;
     if (input_.environment != nullptr) return {0, 0, 0};
-    return stages().find_sky();
+    return lights_ == 0 ? kWhiteSky : stages().find_sky();
   }
 
   /// Of all batches so far.

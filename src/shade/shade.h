@@ -64,15 +64,12 @@ struct SkyPart {
 /// Shows what is there where no light does.
 inline constexpr Vec3 kWhiteSky{1, 1, 1};
 
-/// A little light from everywhere: a seventh of the mean radiance that the lights would give to
-/// white surfaces at the fragments, so that shadows are dark but not black whatever the lights'
-/// units; white where no light faces any of them.
-[[nodiscard]] Vec3 automatic_sky(const Executor& executor, View<const Fragment> fragments,
-                                 View<const PlacedLight> lights);
 [[nodiscard]] std::vector<SkyPart> sky_parts(const Executor& executor,
                                              View<const Fragment> fragments,
                                              View<const PlacedLight> lights);
-/// The same of the parts, where there are lights.
+/// A little light from everywhere: a seventh of the mean radiance that the lights would give to
+/// white surfaces at the fragments, so that shadows are dark but not black whatever the lights'
+/// units; white where no light faces any of them.
 [[nodiscard]] Vec3 sky_of_parts(View<const SkyPart> parts);
 
 /// The factor that brings the mean logarithm of the covered pixels' luminance to middle grey (E.

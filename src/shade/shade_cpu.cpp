@@ -135,12 +135,6 @@ void accumulate(const Executor& executor, View<const Fragment> fragments, View<c
   });
 }
 
-Vec3 automatic_sky(const Executor& executor, View<const Fragment> fragments,
-                   View<const PlacedLight> lights) {
-  if (lights.empty()) return kWhiteSky;
-  return sky_of_parts(sky_parts(executor, fragments, lights));
-}
-
 std::vector<SkyPart> sky_parts(const Executor& executor, View<const Fragment> fragments,
                                View<const PlacedLight> lights) {
   std::vector<SkyPart> parts(div_ceil(fragments.size, kSkyPart));

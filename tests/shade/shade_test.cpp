@@ -74,7 +74,7 @@ TEST(Shade, AutomaticSkyIsWhiteWhereNoLightFacesWhatIsSeen) {
   const Executor executor(1);
   const std::vector<Fragment> fragments{matte({0, 1, 0}, {0, -1, 0}), Fragment{}};
   const auto sky = [&](const std::vector<Light>& lights) {
-    return automatic_sky(executor, fragments, placed_lights(lights)).x;
+    return sky_of_parts(sky_parts(executor, fragments, placed_lights(lights))).x;
   };
   const Light above = test::point_light({0, 2, 0}, 4), below = test::point_light({0, -2, 0}, 4);
   EXPECT_NEAR(sky({above}), 1 / (7 * kPi), 1e-6);
@@ -82,7 +82,8 @@ TEST(Shade, AutomaticSkyIsWhiteWhereNoLightFacesWhatIsSeen) {
   EXPECT_EQ(sky({below}), 1);
   EXPECT_EQ(sky({}), 1);
   const std::vector<Fragment> nothing(2);
-  EXPECT_EQ(automatic_sky(executor, nothing, placed_lights(std::vector<Light>{above})).x, 0);
+  EXPECT_EQ(sky_of_parts(sky_parts(executor, nothing, placed_lights(std::vector<Light>{above}))).x,
+            0);
 }
 
 /// Surfaces of all kinds, some seen edge-on, some at the light's own place or against it.
