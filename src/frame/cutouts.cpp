@@ -10,13 +10,6 @@
 namespace raysheaf {
 namespace {
 
-template <class T>
-void pick(const LargeVector<T>& from, View<const std::uint32_t> places, LargeVector<T>* to) {
-  if (from.empty()) return;
-  to->resize(places.size);
-  for (std::size_t i = 0; i < places.size; ++i) (*to)[i] = from[places[i]];
-}
-
 std::uint32_t material_at(const FlatScene& scene, std::uint32_t triangle) {
   const FlatMesh& placed = scene.meshes[scene.mesh_of_triangle[triangle]];
   return material_of(scene.description->meshes[placed.geom_id], triangle - placed.first_triangle);
@@ -25,20 +18,11 @@ std::uint32_t material_at(const FlatScene& scene, std::uint32_t triangle) {
 }  // namespace
 
 RayBatch part_of(const RayBatch& batch, View<const std::uint32_t> places) {
-  RayBatch part;
-  part.kind = batch.kind;
-  part.bounce = batch.bounce;
-  part.key_bits = batch.key_bits;
-  part.width = batch.width;
-  part.names_hits = batch.names_hits;
-  pick(batch.rays, places, &part.rays);
-  pick(batch.slots, places, &part.slots);
-  pick(batch.weights, places, &part.weights);
-  pick(batch.keys, places, &part.keys);
-  pick(batch.pixels, places, &part.pixels);
-  pick(batch.lights, places, &part.lights);
-  pick(batch.places, places, &part.places);
-  return part;
+  return part_of_batch(batch, [places]<class T>(const LargeVector<T>& column) {
+    LargeVector<T> part(column.empty() ? 0 : places.size);
+    for (std::size_t i = 0; i < part.size(); ++i) part[i] = column[places[i]];
+    return part;
+  });
 }
 
 Cutouts::Cutouts(const Executor& executor, const FlatScene& scene, const TextureSet& textures,

@@ -9,26 +9,14 @@ namespace raysheaf {
 namespace {
 
 RayBatch piece_of(const RayBatch& batch, std::size_t begin, std::size_t end) {
-  const auto cut = [&](const auto& column) {
+  RayBatch piece = part_of_batch(batch, [begin, end]<class T>(const LargeVector<T>& column) {
     if (column.empty()) return column;
-    return std::decay_t<decltype(column)>(column.begin() + static_cast<std::ptrdiff_t>(begin),
-                                          column.begin() + static_cast<std::ptrdiff_t>(end));
-  };
-  RayBatch piece;
-  piece.kind = batch.kind;
-  piece.bounce = batch.bounce;
-  piece.key_bits = batch.key_bits;
-  piece.width = batch.width;
-  piece.names_hits = batch.names_hits;
+    return LargeVector<T>(column.begin() + static_cast<std::ptrdiff_t>(begin),
+                          column.begin() + static_cast<std::ptrdiff_t>(end));
+  });
   for (const std::size_t light_end : batch.light_ends)
     piece.light_ends.push_back(
         static_cast<std::uint32_t>(std::clamp(light_end, begin, end) - begin));
-  piece.slots = cut(batch.slots);
-  piece.rays = cut(batch.rays);
-  piece.keys = cut(batch.keys);
-  piece.pixels = cut(batch.pixels);
-  piece.lights = cut(batch.lights);
-  piece.places = cut(batch.places);
   return piece;
 }
 

@@ -47,6 +47,26 @@ struct RayBatch {
   bool names_hits = false;  ///< shadow rays alone: not only whether they meet something is asked
 };
 
+/// Some rays of a batch: `taken(column)` has what each column has of them, and nothing of one that
+/// is empty. Where the rays of each light end is left to the caller.
+template <class Taken>
+[[nodiscard]] RayBatch part_of_batch(const RayBatch& batch, const Taken& taken) {
+  RayBatch part;
+  part.kind = batch.kind;
+  part.bounce = batch.bounce;
+  part.key_bits = batch.key_bits;
+  part.width = batch.width;
+  part.names_hits = batch.names_hits;
+  part.slots = taken(batch.slots);
+  part.rays = taken(batch.rays);
+  part.weights = taken(batch.weights);
+  part.keys = taken(batch.keys);
+  part.pixels = taken(batch.pixels);
+  part.lights = taken(batch.lights);
+  part.places = taken(batch.places);
+  return part;
+}
+
 /// Rays from lights to fragments, `t` from 0 at the light (or beyond the scene, for parallel light)
 /// to 1 just before the fragment; only where the shading normal faces the light and the light
 /// reaches. Lights with a size are looked at where the sample says. Slot: light * fragments +
