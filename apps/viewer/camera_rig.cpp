@@ -30,6 +30,7 @@ CameraRig::CameraRig(const Camera& camera, const Box& bounds, UpAxis up)
   const float size = is_empty(bounds) ? 1 : std::max(length(bounds.max - bounds.min), 1e-12f);
   const Vec3 centre = is_empty(bounds) ? eye_ + ahead : mix(bounds.min, bounds.max, 0.5f);
   smallest_ = 1e-6f * size;
+  largest_ = 1e6f * size;
   distance_ = std::clamp(dot(centre - eye_, ahead), 0.05f * size, 100 * size);
 }
 
@@ -76,8 +77,8 @@ void CameraRig::pan(float right, float up) {
 
 void CameraRig::zoom(float factor) {
   const Vec3 pivot = this->pivot();
-  if (camera_.orthographic) camera_.y_mag = std::max(camera_.y_mag * factor, smallest_);
-  distance_ = std::max(distance_ * factor, smallest_);
+  if (camera_.orthographic) camera_.y_mag = std::clamp(camera_.y_mag * factor, smallest_, largest_);
+  distance_ = std::clamp(distance_ * factor, smallest_, largest_);
   eye_ = pivot - forward() * distance_;
   place();
 }

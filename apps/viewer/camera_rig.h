@@ -56,7 +56,7 @@ class CameraRig {
   UpAxis up_ = UpAxis::kY;
   Vec3 eye_;
   float yaw_ = 0, pitch_ = 0, roll_ = 0, distance_ = 1;
-  float smallest_ = 1e-6f;  ///< distance to the pivot
+  float smallest_ = 1e-6f, largest_ = 1e6f;  ///< distance to the pivot
 };
 
 }  // namespace raysheaf::viewer

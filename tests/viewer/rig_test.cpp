@@ -92,6 +92,17 @@ TEST(Rig, ZoomStopsBeforeThePivotAndPanFollowsTheHand) {
   for (int i = 0; i < 2000; ++i) rig.zoom(0.5f);
   EXPECT_GT(rig.distance(), 0);
   EXPECT_TRUE(is_finite(rig.eye()));
+  Camera parallel = looking({0, 0, 10}, {0, 0, 0}, {0, 1, 0});
+  parallel.orthographic = true;
+  for (const Camera& camera : {looking({0, 0, 10}, {0, 0, 0}, {0, 1, 0}), parallel}) {
+    CameraRig far(camera, kBounds, UpAxis::kY);
+    for (int i = 0; i < 2000; ++i) far.zoom(2);  // and back
+    EXPECT_TRUE(is_finite(far.eye()));
+    for (int i = 0; i < 60; ++i) far.zoom(0.5f);
+    EXPECT_LT(far.distance(), 10);
+    EXPECT_LT(far.camera().y_mag, 10);
+    expect_orthonormal(far.camera().to_world);
+  }
 }
 
 TEST(Rig, FrameShowsTheWholeBox) {
