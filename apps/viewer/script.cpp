@@ -1,6 +1,7 @@
 #include "script.h"
 
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -40,10 +41,11 @@ std::vector<std::string> split(const std::string& text) {
   return words;
 }
 
+/// That a float can be: what plays the script reads it as one.
 bool is_number(const std::string& text) {
-  double value = 0;
+  float value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size();
+  return error == std::errc{} && end == text.data() + text.size() && std::isfinite(value);
 }
 
 bool is_comparison(const std::string& word) {

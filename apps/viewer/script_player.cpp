@@ -1,5 +1,6 @@
 #include "script_player.h"
 
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 
@@ -11,8 +12,11 @@ namespace {
 
 constexpr int kDragFrames = 10;
 
+/// `parse_script` has found that it is one.
 float number(const std::string& text) {
-  return std::stof(text);
+  float value = 0;
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return value;
 }
 
 float radians(const std::string& text) {
