@@ -129,7 +129,10 @@ void Shell::turn(ScriptPlayer* player) {
   }
   handle_events();
   const Window::Pixels pixels = window_.framebuffer();
-  if (pixels.width < 1 || pixels.height < 1) return;  // minimised
+  if (pixels.width < 1 || pixels.height < 1) {  // minimised: the next look is as far off as a frame
+    last_frame_s_ = Window::now_s();
+    return;
+  }
   const Size size{static_cast<std::uint32_t>(pixels.width),
                   static_cast<std::uint32_t>(pixels.height)};
   if (size != model_.window()) wake();
