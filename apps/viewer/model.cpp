@@ -50,8 +50,7 @@ Model::Model(const ViewSettings& start, Tracer& tracer, std::string save_folder)
     : settings(start), tracer_(tracer), save_folder_(std::move(save_folder)) {}
 
 void Model::load(const std::string& path) {
-  ++loads_;
-  tracer_.load(path);
+  load_number_ = tracer_.load(path);
 }
 
 void Model::note(std::string text, bool failure) {
@@ -147,7 +146,7 @@ void Model::update(double now_s) {
 }
 
 void Model::take_all(double now_s) {
-  if (auto loaded = tracer_.take_scene()) take_scene(*std::move(loaded));
+  while (auto loaded = tracer_.take_scene()) take_scene(*std::move(loaded));
   if (auto picture = tracer_.take_picture()) take_picture(std::move(picture));
   if (auto answer = tracer_.take_answer()) {
     if (!answer->error.empty()) note(answer->error, true);
@@ -159,7 +158,7 @@ void Model::take_all(double now_s) {
 }
 
 void Model::take_scene(LoadedScene loaded) {
-  if (loads_ > 0) --loads_;
+  if (loaded.number == load_number_) load_number_ = 0;
   if (!loaded.facts) {
     note(loaded.error, true);
     return;

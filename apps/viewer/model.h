@@ -79,7 +79,7 @@ class Model {
   /// Of the clip.
   [[nodiscard]] double end_s() const;
   [[nodiscard]] bool quit() const { return quit_; }
-  [[nodiscard]] bool loading() const { return loads_ > 0; }
+  [[nodiscard]] bool loading() const { return load_number_ != 0; }
   [[nodiscard]] bool saving() const { return tracer_.saving(); }
   /// Whether the next frame differs by itself: something flies or plays.
   [[nodiscard]] bool moves() const;
@@ -134,7 +134,7 @@ class Model {
   bool wished_any_ = false;  ///< whether anything was, of this scene
   int stage_ = 0;            ///< 0: moving; 1: a larger picture while it stands; 2: refinement
   double last_change_s_ = 0, now_s_ = 0;
-  int loads_ = 0;
+  std::uint64_t load_number_ = 0;  ///< of the last scene that was asked for; 0: it has come
   double time_s_ = 0;
   std::uint32_t clip_ = 0;
   bool playing_ = false;

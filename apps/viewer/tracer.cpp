@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <new>
+#include <system_error>
 
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
@@ -61,12 +62,15 @@ Tracer::~Tracer() {
   if (saver_.joinable()) saver_.join();
 }
 
-void Tracer::load(const std::string& path) {
+std::uint64_t Tracer::load(const std::string& path) {
+  std::uint64_t number = 0;
   {
     const std::lock_guard lock(mutex_);
-    load_ = path;
+    number = ++last_number_;
+    load_ = {number, path, {}, {}};
   }
   wake_.notify_all();
+  return number;
 }
 
 std::uint64_t Tracer::submit(ViewRequest request) {
@@ -105,7 +109,10 @@ std::shared_ptr<const Picture> Tracer::take_picture() {
 }
 std::optional<LoadedScene> Tracer::take_scene() {
   const std::lock_guard lock(mutex_);
-  return taken(scene_);
+  if (scenes_.empty()) return std::nullopt;
+  std::optional<LoadedScene> first = std::move(scenes_.front());
+  scenes_.pop_front();
+  return first;
 }
 std::optional<BundleAnswer> Tracer::take_answer() {
   const std::lock_guard lock(mutex_);
@@ -144,25 +151,24 @@ void Tracer::publish(std::shared_ptr<const Picture> picture) {
   options_.notify();
 }
 
-void Tracer::do_load(const std::string& path, Work& work) {
-  LoadedScene loaded{path, {}, {}};
+void Tracer::do_load(LoadedScene loaded, Work& work) {
   const Watch watch;
   loaded.error = sentence_of([&] {
-    std::unique_ptr<Animation> animation = options_.load(path);
+    std::unique_ptr<Animation> animation = options_.load(loaded.path);
     validate(animation->scene());
     work.pictures.show(std::move(animation));
     work.forget_bundles();
     loaded.facts = work.pictures.facts();
-    if (loaded.facts->name.empty()) loaded.facts->name = path;
+    if (loaded.facts->name.empty()) loaded.facts->name = loaded.path;
     loaded.facts->load_ms = watch.ms();
   });
   {
     const std::lock_guard lock(mutex_);
-    scene_ = std::move(loaded);
-    if (scene_->facts) {  // what there is, and what was begun, is of another scene
+    if (loaded.facts) {  // what there is, and what was begun, is of another scene
       picture_ = nullptr;
       again_.reset();
     }
+    scenes_.push_back(std::move(loaded));
   }
   options_.notify();
 }
@@ -180,8 +186,13 @@ void Tracer::do_save(const SaveOrder& order, Work& work) {
     saves_ = failed.empty();
     if (!failed.empty()) saved_ = failed;
   }
-  if (failed.empty())
-    saver_ = std::thread([this, copy, order] { write_copy(std::move(*copy), order); });
+  if (failed.empty()) {
+    try {
+      saver_ = std::thread([this, copy, order] { write_copy(std::move(*copy), order); });
+    } catch (const std::system_error&) {
+      write_copy(std::move(*copy), order);  // there is no thread to be had
+    }
+  }
   options_.notify();
 }
 
@@ -242,7 +253,8 @@ void Tracer::do_trace(const ViewRequest& request, Work& work) {
 }
 
 void Tracer::do_answer(const BundleQuestion& question, Work& work) {
-  BundleAnswer answer = work.answer(question);
+  BundleAnswer answer{question, {}, {}};
+  answer.error = sentence_of([&] { answer.bundle = work.bundle(question); });
   {
     const std::lock_guard lock(mutex_);
     answer_ = std::move(answer);
@@ -257,8 +269,8 @@ void Tracer::next(Work& work, std::unique_lock<std::mutex>& lock) {
     body();
     lock.lock();
   };
-  if (const auto path = taken(load_)) {
-    without_lock([&] { do_load(*path, work); });
+  if (auto wanted = taken(load_)) {
+    without_lock([&] { do_load(*std::move(wanted), work); });
   } else if (const auto request = taken(request_)) {
     again_.reset();
     without_lock([&] { do_trace(*request, work); });

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -50,6 +51,7 @@ struct SaveOrder {
 };
 
 struct LoadedScene {
+  std::uint64_t number = 0;
   std::string path;
   std::optional<SceneFacts> facts;  ///< none: the scene that was there stays
   std::string error;
@@ -68,8 +70,8 @@ class Tracer {
   Tracer(const Tracer&) = delete;
   Tracer& operator=(const Tracer&) = delete;
 
-  void load(const std::string& path);
-  /// The number that the request got.
+  /// The number that the request got, as all of these: one that is dropped has no answer.
+  std::uint64_t load(const std::string& path);
   std::uint64_t submit(ViewRequest request);
   std::uint64_t ask(BundleQuestion question);
   void save(SaveOrder order);
@@ -97,7 +99,7 @@ class Tracer {
   void next(Work& work, std::unique_lock<std::mutex>& lock);
   void do_trace(const ViewRequest& request, Work& work);
   void do_answer(const BundleQuestion& question, Work& work);
-  void do_load(const std::string& path, Work& work);
+  void do_load(LoadedScene loaded, Work& work);
   void do_save(const SaveOrder& order, Work& work);
   void write_copy(SceneDescription scene, const SaveOrder& order);
 
@@ -106,12 +108,12 @@ class Tracer {
   std::condition_variable wake_;
   bool stop_ = false, works_ = false, saves_ = false;
   std::uint64_t last_number_ = 0;
-  std::optional<std::string> load_;
+  std::optional<LoadedScene> load_;  ///< that is asked for
   std::optional<ViewRequest> request_, again_;
   std::optional<BundleQuestion> question_;
   std::optional<SaveOrder> save_;
   std::shared_ptr<const Picture> picture_;
-  std::optional<LoadedScene> scene_;
+  std::deque<LoadedScene> scenes_;
   std::optional<BundleAnswer> answer_;
   std::optional<std::string> saved_;
   std::thread saver_;

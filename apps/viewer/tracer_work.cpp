@@ -188,26 +188,20 @@ std::shared_ptr<Picture> PictureMaker::picture(const ViewRequest& request, const
   return picture;
 }
 
-BundleAnswer Tracer::Work::answer(const BundleQuestion& question) {
-  BundleAnswer answer{question, {}, {}};
-  if (!pictures.has_scene()) return answer;
-  try {
-    if (laboratory_ == nullptr || !same_camera(asked_.camera, question.camera) ||
-        asked_.size != question.size || asked_.time_s != question.time_s ||
-        asked_.clip != question.clip) {
-      laboratory_.reset();
-      SceneDescription copy = pictures.scene();
-      copy.cameras = {question.camera};
-      laboratory_ = std::make_unique<Laboratory>(copy, question.size.width, question.size.height,
-                                                 question.threads);
-      asked_ = question;
-    }
-    answer.bundle = laboratory_->bundle(question.rays, method_settings_of(question.choice),
-                                        question.x, question.y);
-  } catch (const Error& error) {
-    answer.error = error.what();
+std::optional<RayBundle> Tracer::Work::bundle(const BundleQuestion& question) {
+  if (!pictures.has_scene()) return std::nullopt;
+  if (laboratory_ == nullptr || !same_camera(asked_.camera, question.camera) ||
+      asked_.size != question.size || asked_.time_s != question.time_s ||
+      asked_.clip != question.clip) {
+    laboratory_.reset();
+    SceneDescription copy = pictures.scene();
+    copy.cameras = {question.camera};
+    laboratory_ = std::make_unique<Laboratory>(copy, question.size.width, question.size.height,
+                                               question.threads);
+    asked_ = question;
   }
-  return answer;
+  return laboratory_->bundle(question.rays, method_settings_of(question.choice), question.x,
+                             question.y);
 }
 
 }  // namespace raysheaf::viewer

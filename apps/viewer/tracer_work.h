@@ -55,7 +55,8 @@ class Tracer::Work {
  public:
   PictureMaker pictures;
 
-  [[nodiscard]] BundleAnswer answer(const BundleQuestion& question);
+  /// None where there is no scene yet, or the pixel has no ray. Throws as `Laboratory` does.
+  [[nodiscard]] std::optional<RayBundle> bundle(const BundleQuestion& question);
   void forget_bundles() { laboratory_.reset(); }
 
  private:

@@ -144,6 +144,19 @@ TEST_F(ModelTest, ABadSceneLeavesTheGoodOne) {
   EXPECT_EQ(model.value("scene"), "office");
 }
 
+/// Dropped one after the other, faster than they can be read: those between are never begun.
+TEST_F(ModelTest, TheLastOfManyScenesIsShown) {
+  for (int round = 0; round < 5; ++round) {
+    for (const char* name : {"office", "cornell", "broken", "rising", "cornell", "office"})
+      model.load(name);
+    model.load("cornell");
+    EXPECT_TRUE(model.loading());
+    ASSERT_TRUE(until([this] { return !model.loading(); }, 20));
+    EXPECT_EQ(model.value("scene"), "cornell");
+    ASSERT_TRUE(until([this] { return model.shows_now(); }, 20));
+  }
+}
+
 TEST_F(ModelTest, ABadSceneDoesNotEndARefinement) {
   model.settings.samples = 40;
   ASSERT_TRUE(open("cornell"));
