@@ -15,8 +15,9 @@ namespace {
 
 /// What is sent at once: MPI takes as much again for what arrives.
 constexpr std::size_t kPieceBytes = std::size_t{4} << 20;
-/// Added to the counter, it leaves nothing to take.
-constexpr std::uint64_t kNoMoreWork = std::uint64_t{1} << 62;
+/// Added to the counter, it leaves nothing to take; 65 535 processes may add it before the sum
+/// begins anew.
+constexpr std::uint64_t kNoMoreWork = std::uint64_t{1} << 48;
 constexpr int kNobody = std::numeric_limits<int>::max();
 
 /// MPI's operations are functions without a context: the one at work. MPI is called by one thread.
