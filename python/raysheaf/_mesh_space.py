@@ -24,8 +24,9 @@ class Followed:
     corners: Optional[Bools]  # which vertices are corners of faces; None: all
     used: Optional[Bools]  # those of them whose faces rays may meet; None: all vertices
     met: Ints  # the faces, where those that no ray may meet are points
-    center: Floats  # of its box
-    size: float  # the diagonal of its box
+    bounds: Floats  # (2, 3), the box of the faces that rays may meet: least and largest
+    center: Floats  # of the box
+    size: float  # its diagonal
     origin: Floats  # what the scene has at 0
     scale: float  # lengths of the scene in one of the mesh
 
@@ -84,4 +85,5 @@ def followed(
         # A power of two rounds nothing.
         scale = 2.0 ** -math.frexp(size)[1] if 0 < size < math.inf else 1.0
         origin = center
-    return Followed(now, vertices, faces, corners, used, met, center, size, origin, scale)
+    bounds = np.stack([least, most])
+    return Followed(now, vertices, faces, corners, used, met, bounds, center, size, origin, scale)

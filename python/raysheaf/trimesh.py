@@ -18,6 +18,7 @@ from __future__ import annotations
 import operator
 import threading
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any, Literal, Optional, SupportsIndex, Union, overload
 
 import numpy as np
@@ -361,7 +362,15 @@ class RayMeshIntersector:
         -------
         (n,) bool
         """
-        contained: NDArray[np.bool_] = contains_points(self, points)
+        places = _arrays.doubles(points, "points")
+        if places.shape == (0,):
+            places = places.reshape(0, 3)
+        if places.ndim != 2 or places.shape[1] != 3:
+            raise ValueError(f"points {places.shape}: an array of shape (n, 3) is expected")
+        # What trimesh looks at of an engine; the mesh's own box is NaN for a vertex that is.
+        box = SimpleNamespace(bounds=self._follow().bounds)
+        asked = SimpleNamespace(mesh=box, intersects_location=self.intersects_location)
+        contained: NDArray[np.bool_] = contains_points(asked, places)
         return contained
 
     def __getstate__(self) -> dict[str, Any]:

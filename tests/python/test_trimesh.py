@@ -310,6 +310,38 @@ def test_contains_points(mesh):
     assert np.array_equal(mesh.contains(points)[sure], (depth > 0)[sure])
 
 
+@pytest.mark.parametrize("wrong", [np.nan, np.inf])
+def test_contains_points_beside_faces_that_are_not_finite(wrong):
+    ball = trimesh.creation.icosphere()
+    corners = [[5, 5, 5], [6, 5, wrong], [5, 6, 5]]
+    faces = np.vstack([ball.faces, [np.arange(3) + len(ball.vertices)]])
+    mesh = trimesh.Trimesh(np.vstack([ball.vertices, corners]), faces, process=False)
+    mesh.ray = RayMeshIntersector(mesh)
+    assert mesh.contains([[0, 0, 0], [0.3, 0.2, 0.1], [0, 0, 2]]).tolist() == [True, True, False]
+
+
+def test_contains_points_where_there_are_none(mesh):
+    empty = trimesh.Trimesh()
+    empty.ray = RayMeshIntersector(empty)
+    assert empty.contains(np.zeros((2, 3))).tolist() == [False, False]
+    for points in ([], np.zeros((0, 3))):
+        assert mesh.contains(points).shape == empty.contains(points).shape == (0,)
+
+
+@pytest.mark.parametrize(
+    "kind, message, points",
+    [
+        (ValueError, r"^points \(3,\): an array of shape \(n, 3\)", [0, 0, 0]),
+        (ValueError, r"^points \(1, 2\): ", [[0, 0]]),
+        (TypeError, "^points: .* is given; one of shape .* real numbers", [["a", "b", "c"]]),
+        (TypeError, "^points: .*masked", np.ma.array([[0.0, 0, 0]], mask=True)),
+    ],
+)
+def test_wrong_points_are_named(mesh, kind, message, points):
+    with pytest.raises(kind, match=message):
+        mesh.contains(points)
+
+
 def test_copies_and_pickles(mesh):
     ray = [[3, 0, 9]], [[0, 0, -1]]
     for other in (
