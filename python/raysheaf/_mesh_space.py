@@ -9,6 +9,8 @@ from typing import Any, Optional
 import numpy as np
 from numpy.typing import NDArray
 
+from ._scene import Scene
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
@@ -87,3 +89,16 @@ def followed(
         origin = center
     bounds = np.stack([least, most])
     return Followed(now, vertices, faces, corners, used, met, bounds, center, size, origin, scale)
+
+
+def hand_over(scene: Scene, new: Followed, old: Optional[Followed]) -> None:
+    """Makes the scene's only mesh `new`. It is `old` before; None: whatever it is, or there is none."""
+    if 0 not in scene:
+        scene.add(new.moved, new.met)
+    elif old is not None and (
+        new.met is old.met
+        or (len(new.vertices) == len(old.vertices) and np.array_equal(new.met, old.met))
+    ):
+        scene.update(0, new.moved)
+    else:
+        scene.replace(0, new.moved, new.met)

@@ -28,7 +28,7 @@ from trimesh.ray.ray_util import contains_points
 from . import _arrays, _core
 from ._device import Device
 from ._hits import Hits
-from ._mesh_space import Floats, Followed, Ints, followed
+from ._mesh_space import Floats, Followed, Ints, followed, hand_over
 from ._scene import Scene
 
 # Hits of one ray that are nearer to each other than this part of the mesh's size are one: a ray
@@ -104,7 +104,7 @@ class RayMeshIntersector:
     def _begin(self) -> None:
         self._scene = Scene(threads=self._threads, device=self._device)
         self._followed: Optional[Followed] = None
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()  # handlers of signals may ask within a query
 
     # The scene follows the mesh.
 
@@ -116,14 +116,10 @@ class RayMeshIntersector:
             vertices = np.array(self.mesh.vertices, np.float64).reshape(-1, 3)
             faces = np.array(self.mesh.faces, np.int64).reshape(-1, 3)
             new = followed(now, vertices, faces, self._scale_to_box, old)
-            if old is None:
-                self._scene.add(new.moved, new.met)
-            elif new.met is old.met or (
-                len(vertices) == len(old.vertices) and np.array_equal(new.met, old.met)
-            ):
-                self._scene.update(0, new.moved)
-            else:
-                self._scene.replace(0, new.moved, new.met)
+            # A handler of a signal may have asked meanwhile. Until the scene has the mesh, nothing
+            # is known of it: whatever ends this, the next query begins anew.
+            old, self._followed = self._followed, None
+            hand_over(self._scene, new, old)
             self._followed = new
             return new
 
