@@ -74,6 +74,13 @@ def _is_handy(array: NDArray[Any]) -> bool:
     return array.flags.aligned and all(s % array.itemsize == 0 for s in array.strides)
 
 
+def _packed(array: NDArray[Any], dtype: Any) -> NDArray[Any]:
+    """The elements as the dtype, one after another in C order, and aligned: bytes of a file or of a
+    message are in C order wherever they begin."""
+    packed = np.ascontiguousarray(array, dtype)
+    return packed if packed.flags.aligned else packed.copy()
+
+
 def floats(value: Any, name: str, expected: str) -> NDArray[Any]:
     """Numbers as native float32 or float64, of any shape and strides."""
     array = as_numpy(value, name)
@@ -94,7 +101,7 @@ def doubles(value: Any, name: str) -> NDArray[np.float64]:
     array = as_numpy(value, name)
     if array.dtype.kind in "fiubO":
         try:
-            return np.ascontiguousarray(array, np.float64)
+            return _packed(array, np.float64)
         except (TypeError, ValueError, OverflowError):
             pass  # objects, not all of them numbers
     raise TypeError(
@@ -145,7 +152,7 @@ def triangles(value: Any, name: str = "triangles") -> Optional[NDArray[np.uint32
                 f"{name}: [{row}, {corner}] of {_shape_of(array)} is {array[row, corner]}; "
                 "an index into the vertices is expected"
             )
-    return np.ascontiguousarray(array, np.uint32)
+    return _packed(array, np.uint32)
 
 
 def transform(value: Any, name: str = "transform") -> NDArray[np.float32]:

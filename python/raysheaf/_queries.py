@@ -252,9 +252,11 @@ def _check_out(out: Any, batch: RayBatch) -> None:
     if not isinstance(out, Hits):
         raise TypeError(f"out: {type(out).__name__} is given; Hits is expected")
     flags = out.array.flags
-    if out.shape != batch.shape or not flags.c_contiguous or not flags.writeable:
+    aligned = out.t.flags.aligned  # of records numpy asks no alignment
+    if out.shape != batch.shape or not (flags.c_contiguous and aligned and flags.writeable):
         raise ValueError(
             f"out: {'writable' if flags.writeable else 'read-only'} Hits of shape {out.shape} "
-            f"{'in C order' if flags.c_contiguous else 'not in C order'} are given; "
+            f"{'in C order' if flags.c_contiguous else 'not in C order'}"
+            f"{'' if aligned else ', not aligned,'} are given; "
             f"writable ones of shape {batch.shape} in C order are expected"
         )

@@ -11,6 +11,7 @@ import pytest
 from conftest import make_setting
 
 import raysheaf
+from raysheaf import _arrays
 
 SETTING = make_setting(7)
 FORMS = {
@@ -113,6 +114,20 @@ def test_meshes_of_any_layout(expected, form):
     scene.update(mesh, FORMS[form](SETTING.vertices * 0))
     scene.update(mesh, FORMS[form](SETTING.vertices))
     assert np.array_equal(scene.closest_hit(SETTING.origins, SETTING.directions).array, expected)
+
+
+def test_what_is_not_aligned_is_copied(scene):
+    """A processor may not mind that it reads elsewhere: the arrays are looked at."""
+    triangles, points = _unaligned(SETTING.triangles), _unaligned(np.ones((5, 3)))
+    for read, given in (
+        (_arrays.triangles(triangles), triangles),
+        (_arrays.doubles(points, ""), points),
+    ):
+        assert read.flags.aligned and read.flags.c_contiguous and np.array_equal(read, given)
+    n = len(SETTING.origins)
+    out = np.zeros(n * raysheaf.HIT_DTYPE.itemsize + 1, np.uint8)[1:].view(raysheaf.HIT_DTYPE)
+    with pytest.raises(ValueError, match=r"^out: writable Hits .* in C order, not aligned, are"):
+        scene.closest_hit(SETTING.origins, SETTING.directions, out=raysheaf.Hits(out))
 
 
 @pytest.mark.parametrize("dtype", ["u1", "i2", "u2", "i4", "u4", "i8", "u8", ">i4"])
