@@ -223,7 +223,7 @@ def render(
     width, height : int
         Pixels, 1 to 16384 each.
     camera : str or int
-        By name or number; the first by default.
+        By name or number; the first by default. An int is a number first, and a str a name.
     method : str
         ``"dual"``, ``"crsh"``, ``"rah"``, ``"gl10"`` or ``"brute"``; the picture is the same.
     primary : "trace" or "raster"
@@ -271,7 +271,7 @@ def render(
     wish = _core.PictureWish(
         _arrays.integer(width, "width"),
         _arrays.integer(height, "height"),
-        _values.text_or_index(camera, "camera"),
+        *_values.text_or_index(camera, "camera"),
         _values.text(method, "method"),
         primary == "raster",
         _arrays.integer(bounces, "bounces"),

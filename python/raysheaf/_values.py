@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 import os
-from typing import Any
+from typing import Any, Optional
 
 
 def number(value: Any, name: str) -> float:
@@ -32,14 +32,15 @@ def text(value: Any, name: str) -> str:
     return value
 
 
-def text_or_index(value: Any, name: str) -> str:
-    """A name, or the digits of a number that stands for one."""
+def text_or_index(value: Any, name: str) -> tuple[str, Optional[int]]:
+    """A name; or the digits of a number that stands for one, and the number if there can be so many."""
     if isinstance(value, str):
-        return text(value, name)
+        return text(value, name), None
     try:
-        return str(operator.index(value))
+        number = operator.index(value)
     except TypeError:
         raise TypeError(f"{name}: {value!r} is given; a str or an integer is expected") from None
+    return str(number), number if 0 <= number < 2**32 else None
 
 
 def file_name(value: Any, name: str) -> str:

@@ -52,20 +52,23 @@ nb::dict arrays_of(Rendered* rendered) {
 /// What each picture is told besides its time.
 struct PictureWish {
   RenderOptions options;
-  std::string environment;  // a path, or empty
+  std::optional<std::uint32_t> camera_number;  // where a number was given, and no name
+  std::string environment;                     // a path, or empty
   Device device = Device::kCpu;
 };
 
 PictureWish wish_of(std::uint32_t width, std::uint32_t height, const std::string& camera,
-                    const std::string& method, bool raster, std::uint32_t bounces,
-                    std::uint32_t threads, bool cuda, const std::optional<float>& exposure,
-                    std::uint32_t samples, const std::optional<float>& aperture,
-                    const std::optional<float>& focus, const std::string& environment) {
+                    const std::optional<std::uint32_t>& camera_number, const std::string& method,
+                    bool raster, std::uint32_t bounces, std::uint32_t threads, bool cuda,
+                    const std::optional<float>& exposure, std::uint32_t samples,
+                    const std::optional<float>& aperture, const std::optional<float>& focus,
+                    const std::string& environment) {
   PictureWish wish;
   RenderOptions& options = wish.options;
   options.width = width;
   options.height = height;
   options.camera = camera;
+  wish.camera_number = camera_number;
   options.method = method_from_string(method);
   options.primary = raster ? Primary::kRaster : Primary::kTrace;
   options.bounces = bounces;
@@ -111,13 +114,21 @@ class Film {
       if (!is_shown_) renderer_.show(animation_->scene());
       is_shown_ = true;
       wish.options.progress = [&](const Progress&) { return !stop; };
-      rendered->result = renderer_.render(wish.options);
+      rendered->result = result_of(wish);
       rendered->picture = tone_mapped(rendered->result);
     });
     return arrays_of(rendered.release());
   }
 
  private:
+  /// A number is that of a camera before it is the name of another one.
+  [[nodiscard]] RenderResult result_of(const PictureWish& wish) {
+    const std::vector<Camera>& cameras = animation_->scene().cameras;
+    const std::size_t number = wish.camera_number.value_or(cameras.size());
+    return number < cameras.size() ? renderer_.render(wish.options, cameras[number])
+                                   : renderer_.render(wish.options);
+  }
+
   /// The device of the pictures from now on; on the CPU each picture says how many threads.
   void choose(Device device, std::uint32_t threads) {
     if (device == device_ && (device == Device::kCpu || threads == threads_)) return;
@@ -174,9 +185,10 @@ auto asking() {
 void bind_render(nb::module_& module) {
   nb::class_<PictureWish>(module, "PictureWish")
       .def(nb::new_(&wish_of), nb::arg("width"), nb::arg("height"), nb::arg("camera"),
-           nb::arg("method"), nb::arg("raster"), nb::arg("bounces"), nb::arg("threads"),
-           nb::arg("cuda"), nb::arg("exposure").none(), nb::arg("samples"),
-           nb::arg("aperture").none(), nb::arg("focus").none(), nb::arg("environment"));
+           nb::arg("camera_number").none(), nb::arg("method"), nb::arg("raster"),
+           nb::arg("bounces"), nb::arg("threads"), nb::arg("cuda"), nb::arg("exposure").none(),
+           nb::arg("samples"), nb::arg("aperture").none(), nb::arg("focus").none(),
+           nb::arg("environment"));
   nb::class_<Film>(module, "Film")
       .def(nb::init<const std::string&, bool>(), nb::arg("scene"), nb::arg("moves"))
       .def_prop_ro("start", asking<&Animation::start>())

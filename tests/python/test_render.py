@@ -273,6 +273,25 @@ def test_animations_are_pictures_at_times(moving):
     assert same(raysheaf.render(film, time=2, **size), pictures[2])
 
 
+def test_numbers_of_cameras_come_before_names_that_are_digits(moving):
+    scene = json.loads(moving.read_text())
+    camera = scene["cameras"][0]
+    scene["cameras"] = [{**camera, "name": "1"}, {**camera, "name": "0"}]
+    scene["nodes"][2]["name"] = "1"
+    scene["nodes"].append({"camera": 1, "translation": [2, 0, 20], "name": "0"})
+    scene["scenes"][0]["nodes"].append(3)
+    moving.write_text(json.dumps(scene))
+    for shown in (moving, raysheaf.Animation(moving)):
+        first, second, named, other = (
+            raysheaf.render(shown, camera=camera, width=64, height=32, exposure=1)
+            for camera in (0, np.uint8(1), "1", "0")
+        )
+        assert same(first, named) and same(second, other) and not same(first, second)
+        assert same(first, raysheaf.render(shown, width=64, height=32, exposure=1))
+    with pytest.raises(LookupError, match='camera: .*"2"; it has 0 "1", 1 "0"'):
+        raysheaf.render(moving, camera=2)
+
+
 def test_animations_are_not_copied(moving):
     film = raysheaf.Animation(moving)
     for call in (copy.copy, copy.deepcopy, pickle.dumps):
