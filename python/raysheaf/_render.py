@@ -36,7 +36,7 @@ def png_bytes(image: Any) -> bytes:
         raise TypeError(
             f"image: dtype {pixels.dtype} is given; uint8, real numbers or booleans are expected"
         )
-    channels = 1 if pixels.ndim == 2 else pixels.shape[-1]
+    channels = pixels.shape[2] if pixels.ndim == 3 else 1
     if pixels.ndim not in (2, 3) or channels not in (1, 3, 4) or 0 in pixels.shape:
         raise ValueError(
             f"image: shape {pixels.shape} is given; (h, w), (h, w, 3) or (h, w, 4) is expected"

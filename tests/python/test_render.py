@@ -9,6 +9,7 @@ import dataclasses
 import json
 import os
 import pickle
+import re
 import struct
 import subprocess
 import sys
@@ -71,6 +72,9 @@ def test_wrong_images():
     assert decoded(raysheaf.png_bytes([[-1.0, 2.0, np.nan]])).tolist() == [[0, 255, 0]]
     with pytest.raises(ValueError, match=r"shape \(2, 2, 5\)"):
         raysheaf.png_bytes(np.zeros((2, 2, 5), np.uint8))
+    for shape in ((), (3,), (0, 3), (1, 1, 1, 1)):
+        with pytest.raises(ValueError, match=rf"^image: shape {re.escape(str(shape))} is given"):
+            raysheaf.png_bytes(np.zeros(shape))
     with pytest.raises(TypeError, match="int64"):
         raysheaf.png_bytes(np.zeros((2, 2), int))
 
