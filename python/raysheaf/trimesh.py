@@ -19,7 +19,7 @@ import operator
 import threading
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import Any, Literal, Optional, SupportsIndex, Union, overload
+from typing import Any, Literal, Optional, SupportsIndex, TypeVar, Union, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -41,6 +41,9 @@ _FAR = 4.0
 # Directions of lengths between these keep their digits in float32.
 _SHORT, _LONG = 1e-15, 1e15
 _MOST_HITS = 2**62
+# What an intersector makes for itself.
+_NOT_COPIED = ("_scene", "_followed", "_lock")
+_Own = TypeVar("_Own", bound="RayMeshIntersector")
 
 
 def _most(max_hits: Optional[SupportsIndex]) -> Optional[int]:
@@ -370,24 +373,16 @@ class RayMeshIntersector:
         return contained
 
     def __getstate__(self) -> dict[str, Any]:
-        return {
-            "mesh": self.mesh,
-            "scale_to_box": self._scale_to_box,
-            "threads": self._threads,
-            "device": self._device,
-        }
+        return {name: value for name, value in vars(self).items() if name not in _NOT_COPIED}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.mesh = state["mesh"]
-        self._scale_to_box = state["scale_to_box"]
-        self._threads = state["threads"]
-        self._device = state["device"]
+        vars(self).update(state)
         self._begin()
 
-    def __copy__(self) -> RayMeshIntersector:
-        return RayMeshIntersector(
-            self.mesh, self._scale_to_box, threads=self._threads, device=self._device
-        )
+    def __copy__(self: _Own) -> _Own:
+        copied = type(self).__new__(type(self))
+        copied.__setstate__(self.__getstate__())
+        return copied
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> RayMeshIntersector:
+    def __deepcopy__(self: _Own, memo: dict[int, Any]) -> _Own:
         return self.__copy__()  # as trimesh's other back ends: the mesh stays the same

@@ -352,6 +352,37 @@ def test_copies_and_pickles(mesh):
         assert np.array_equal(other.intersects_first(*ray), mesh.ray.intersects_first(*ray))
 
 
+class Counting(RayMeshIntersector):
+    def __init__(self, mesh):
+        super().__init__(mesh, scale_to_box=False, threads=1)
+        self.asked = 0
+
+    def intersects_any(self, *rays):
+        self.asked += 1
+        return super().intersects_any(*rays)
+
+
+def test_copies_of_an_engine_are_of_its_class(mesh):
+    mesh.ray = Counting(mesh)
+    ray = [[3, 0, 9]], [[0, 0, -1]]
+    mesh.ray.intersects_any(*ray)
+    for other in (
+        copy.copy(mesh.ray),
+        copy.deepcopy(mesh.ray),
+        pickle.loads(pickle.dumps(mesh.ray)),
+        pickle.loads(pickle.dumps(mesh)).ray,
+    ):
+        assert type(other) is Counting and other.asked == 1 and not other._scale_to_box
+        assert other.intersects_any(*ray).all() and other._scene.threads == 1
+        assert other._scene is not mesh.ray._scene
+
+
+def test_copies_of_a_mesh_have_an_engine_of_trimesh(mesh):
+    assert type(mesh.copy().ray) is type(trimesh.creation.box().ray)
+    pickled = pickle.loads(pickle.dumps(mesh))
+    assert type(pickled.ray) is RayMeshIntersector and pickled.ray.mesh is pickled
+
+
 def test_trimeshs_own_tests():
     folder = os.environ.get("RAYSHEAF_TRIMESH_TESTS")
     if not folder:
