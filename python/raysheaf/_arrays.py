@@ -74,10 +74,16 @@ def _is_handy(array: NDArray[Any]) -> bool:
     return array.flags.aligned and all(s % array.itemsize == 0 for s in array.strides)
 
 
+def rounding() -> np.errstate:
+    """What a dtype has no room for becomes inf or 0, whatever numpy was told to say about it."""
+    return np.errstate(over="ignore", under="ignore")
+
+
 def _packed(array: NDArray[Any], dtype: Any) -> NDArray[Any]:
     """The elements as the dtype, one after another in C order, and aligned: bytes of a file or of a
     message are in C order wherever they begin."""
-    packed = np.ascontiguousarray(array, dtype)
+    with rounding():
+        packed = np.ascontiguousarray(array, dtype)
     return packed if packed.flags.aligned else packed.copy()
 
 
@@ -91,7 +97,7 @@ def floats(value: Any, name: str, expected: str) -> NDArray[Any]:
             f"{name}: {_shape_of(array)} is given; {expected} of real numbers is expected"
         )
     wanted = np.float32 if array.dtype.kind == "f" and array.itemsize <= 4 else np.float64
-    with np.errstate(over="ignore"):
+    with rounding():
         array = np.asarray(array, wanted)
     return array if _is_handy(array) else array.copy()
 
@@ -127,7 +133,7 @@ def vertices(value: Any, name: str = "vertices", soup: bool = False) -> NDArray[
         array = array.reshape(-1, 3)
     if array.ndim != 2:
         raise ValueError(f"{name}: {_shape_of(array)} is given; {expected} is expected")
-    with np.errstate(over="ignore"):
+    with rounding():
         return np.ascontiguousarray(array, np.float32)
 
 
@@ -169,7 +175,7 @@ def transform(value: Any, name: str = "transform") -> NDArray[np.float32]:
         array = array[:3]
     if array.shape != (3, 4):
         raise ValueError(f"{name}: {_shape_of(array)} is given; {expected} is expected")
-    with np.errstate(over="ignore"):
+    with rounding():
         return np.ascontiguousarray(array, np.float32)
 
 

@@ -35,7 +35,7 @@ class Followed:
     @property
     def moved(self) -> Floats:
         """The vertices in the scene; those that nothing uses lie at its origin."""
-        with np.errstate(invalid="ignore"):
+        with np.errstate(all="ignore"):
             moved: Floats = (self.vertices - self.origin) * self.scale
         if self.used is not None:
             moved[~self.used] = 0.0
@@ -52,7 +52,7 @@ def _box(vertices: Floats, used: Optional[Bools]) -> tuple[Floats, Floats]:
     some = vertices if used is None else vertices[used]
     if not len(some):
         return np.zeros(3), np.zeros(3)
-    with np.errstate(invalid="ignore"):
+    with np.errstate(all="ignore"):
         return some.min(axis=0), some.max(axis=0)
 
 
@@ -81,7 +81,8 @@ def followed(
         used[faces[good]] = True
         met = np.where(good[:, None], faces, 0)
         least, most = _box(vertices, used)
-    center, size = (least + most) / 2, float(np.linalg.norm(most - least))
+    with np.errstate(all="ignore"):
+        center, size = (least + most) / 2, float(np.linalg.norm(most - least))
     origin, scale = np.zeros(3), 1.0
     if centered:
         # A power of two rounds nothing.

@@ -90,7 +90,7 @@ def _spread(array: NDArray[Any], shape: tuple[int, ...], tail: tuple[int, ...]) 
     """Broadcast to shape + tail, then all of shape in one axis. That copies what repeats along some
     axes only; as float32, which it becomes anyway."""
     if len(shape) > 1 and 1 < array.size < math.prod(shape + tail):
-        with np.errstate(over="ignore"):
+        with _arrays.rounding():
             array = array.astype(np.float32)
     wide = np.broadcast_to(array, shape + tail)
     return wide if len(shape) == 1 else wide.reshape((-1,) + tail)
@@ -146,6 +146,6 @@ def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
     )
     shape = rays.shape[:-1]
     _require_few(shape)
-    with np.errstate(over="ignore"):
+    with _arrays.rounding():
         packed = np.ascontiguousarray(rays, np.float32).reshape(-1, 8)
     return RayBatch(packed, shape, packed=True)

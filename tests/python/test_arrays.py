@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import pickle
 import threading
+import warnings
 
 import numpy as np
 import pytest
@@ -128,6 +129,26 @@ def test_what_is_not_aligned_is_copied(scene):
     out = np.zeros(n * raysheaf.HIT_DTYPE.itemsize + 1, np.uint8)[1:].view(raysheaf.HIT_DTYPE)
     with pytest.raises(ValueError, match=r"^out: writable Hits .* in C order, not aligned, are"):
         scene.closest_hit(SETTING.origins, SETTING.directions, out=raysheaf.Hits(out))
+
+
+@pytest.mark.parametrize("told", ["raise", "warn"])
+def test_what_float32_has_no_room_for_is_nothing_to_complain_about(told):
+    tiny, huge, beyond = 1e-60, 1e300, np.longdouble(2) ** 1020 * 64
+    corners = np.array([[tiny, 0, 5], [4, tiny, 5], [0, 4, 5]])
+    origins = np.array([[1, 1, tiny], [1, tiny, 0]])
+    matrix = np.eye(3, 4) + np.fliplr(np.eye(3, 4)) * tiny
+    packed = [[1, 1, tiny, tiny, 0, 0, 1, huge]] * 2
+    with np.errstate(all=told), warnings.catch_warnings():
+        warnings.simplefilter("error")
+        scene = raysheaf.Scene()
+        mesh = scene.add(corners, [[0, 1, 2]], transform=matrix)
+        scene.update(mesh, corners)
+        assert scene.any_hit(origins, [tiny, 0, 1], t_min=tiny, t_max=huge).all()
+        assert scene.any_hit(origins[:, None], np.array([[tiny, 0, 1]] * 3)).all()
+        assert scene.any_hit(packed).all()
+        with pytest.raises(raysheaf.InvalidError, match="not finite"):
+            scene.update(mesh, corners * huge)
+        assert _arrays.doubles(np.array([[beyond, 1, 2]]), "").max() > huge
 
 
 @pytest.mark.parametrize("dtype", ["u1", "i2", "u2", "i4", "u4", "i8", "u8", ">i4"])
