@@ -29,6 +29,7 @@ class Followed:
     bounds: Floats  # (2, 3), the box of the faces that rays may meet: least and largest
     center: Floats  # of the box
     size: float  # its diagonal
+    unit: float  # a power of two, about 1 / size: it rounds nothing
     origin: Floats  # what the scene has at 0
     scale: float  # lengths of the scene in one of the mesh
 
@@ -82,14 +83,13 @@ def followed(
         met = np.where(good[:, None], faces, 0)
         least, most = _box(vertices, used)
     with np.errstate(all="ignore"):
-        center, size = (least + most) / 2, float(np.linalg.norm(most - least))
-    origin, scale = np.zeros(3), 1.0
-    if centered:
-        # A power of two rounds nothing.
-        scale = 2.0 ** -math.frexp(size)[1] if 0 < size < math.inf else 1.0
-        origin = center
+        center, size = (least + most) / 2, math.hypot(*(most - least).tolist())
+    unit = math.ldexp(1.0, min(-math.frexp(size)[1], 1023)) if 0 < size < math.inf else 1.0
+    origin, scale = (center, unit) if centered else (np.zeros(3), 1.0)
     bounds = np.stack([least, most])
-    return Followed(now, vertices, faces, corners, used, met, bounds, center, size, origin, scale)
+    return Followed(
+        now, vertices, faces, corners, used, met, bounds, center, size, unit, origin, scale
+    )
 
 
 def hand_over(scene: Scene, new: Followed, old: Optional[Followed]) -> None:

@@ -180,6 +180,7 @@ class RayMeshIntersector:
             batch.asked,
             ends,
             hits.array.view(np.float32).reshape(-1, 6),
+            mesh.unit,
             _SAME_PLACE * mesh.size,
             _MOST_HITS if max_hits is None else max_hits,
         )

@@ -67,9 +67,10 @@ struct Rows {
   std::size_t count;
 };
 
-Double3 point_of(const Hit& hit, Double3 a, Double3 b, Double3 c, Double3 origin,
-                 Double3 direction) {
-  const Double3 normal = cross(b - a, c - a);
+/// `unit`: as `Found` has it.
+Double3 point_of(const Hit& hit, Double3 a, Double3 b, Double3 c, Double3 origin, Double3 direction,
+                 double unit) {
+  const Double3 normal = cross(unit * (b - a), unit * (c - a));
   const double slope = dot(normal, direction);
   if (std::abs(slope) > kFlat * length(normal) * length(direction))
     return origin + (dot(normal, a - origin) / slope) * direction;
@@ -84,6 +85,7 @@ struct Found {
   std::optional<RayIds> asked;  ///< which of the rays the scene was asked; none: all
   std::optional<RayIds> ends;   ///< hits [ends[i], ends[i + 1]) are those of ray i; none: the i-th
   Rows<Hit, HitArray> hits;
+  double unit;            ///< a power of two: by it the mesh is of size 1, and products have room
   double same_place;      ///< a hit no farther behind the last that counts does not count
   std::int64_t max_hits;  ///< of a ray
 };
@@ -97,7 +99,7 @@ struct Place3 {
 Place3 place_of(const Found& found, const Hit& hit, Double3 origin, Double3 direction) {
   const Face& face = found.faces[hit.prim_id];
   const auto at = [&](int k) { return found.corners[static_cast<std::uint64_t>(face.ids[k])]; };
-  const Double3 point = point_of(hit, at(0), at(1), at(2), origin, direction);
+  const Double3 point = point_of(hit, at(0), at(1), at(2), origin, direction, found.unit);
   return {dot(point - origin, direction) / length(direction), std::int64_t{hit.prim_id}, point};
 }
 
@@ -196,7 +198,7 @@ void bind_points(nb::module_& module) {
       "found_rows",
       [](const Context& context, const Doubles3& vertices, const Faces& faces,
          const Doubles3& origins, const Doubles3& directions, const std::optional<RayIds>& asked,
-         const std::optional<RayIds>& ends, const HitArray& hits, double same_place,
+         const std::optional<RayIds>& ends, const HitArray& hits, double unit, double same_place,
          std::int64_t max_hits) {
         const std::size_t rays = ends ? ends->shape(0) - 1 : hits.shape(0);
         if (asked && asked->shape(0) != rays)
@@ -208,6 +210,7 @@ void bind_points(nb::module_& module) {
                           asked,
                           ends,
                           Rows<Hit, HitArray>(hits),
+                          unit,
                           same_place,
                           max_hits};
         return found_rows(context, found, rays);
@@ -215,7 +218,7 @@ void bind_points(nb::module_& module) {
       nb::arg("context"), nb::arg("vertices").noconvert(), nb::arg("faces").noconvert(),
       nb::arg("origins").noconvert(), nb::arg("directions").noconvert(),
       nb::arg("asked").noconvert().none(), nb::arg("ends").noconvert().none(),
-      nb::arg("hits").noconvert(), nb::arg("same_place"), nb::arg("max_hits"));
+      nb::arg("hits").noconvert(), nb::arg("unit"), nb::arg("same_place"), nb::arg("max_hits"));
 }
 
 }  // namespace raysheaf::python
