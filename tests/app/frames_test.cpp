@@ -288,6 +288,7 @@ TEST_F(Frames, WhatIsWrongIsSaidInASentence) {
   refused({"-o", "f.png", "--resume"}, 2, "--resume");
   refused({"-o", "f.mp4", "--resume"}, 2, "--resume");
   refused({"-o", "f_%d.png", "--turntable", "3", "--camera-path", "x"}, 2, "--turntable");
+  refused({"-o", "f_%d.png", "--camera-path", "x", "--camera", "0"}, 2, "--camera");
   refused({"-o", "f_%d.png", "--clip", "walk"}, 1, "no clip \"walk\"");
   refused({"-o", "no_folder/f_%d.png"}, 1, "no_folder");
   write_file(folder_.path() / "far.json", R"({"keys": [{"time": 0, "position": [0, 0, 9],

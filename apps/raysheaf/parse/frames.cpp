@@ -79,6 +79,8 @@ void check_frames(const RenderCommand& command) {
   if (f.time) refuse("--time", "is of a single picture, but frames are asked for");
   if (f.turntable != 0 && !f.camera_path.empty())
     refuse("--turntable", "goes around the scene, and --camera-path another way");
+  if (!f.camera_path.empty() && !command.options.camera.empty())
+    refuse("--camera", "is one of the scene's, and --camera-path has its own");
   if (command.explain) refuse("--explain", "is of a single picture, but frames are asked for");
   const bool single = f.range && f.range->first && f.range->first == f.range->last;
   for (const std::string& path : command.pictures) {
