@@ -53,8 +53,8 @@ std::string text_of(const SceneReport& scene) {
       "beside it has "
       "{} "
       "threads\n",
-      scene.scene, report.triangles, report.device, report.copy_gb_per_s, report.gigaops_per_s,
-      report.threads);
+      printable(scene.scene), report.triangles, report.device, report.copy_gb_per_s,
+      report.gigaops_per_s, report.threads);
   for (const DeviceBenchBatch& batch : report.batches) {
     text += fmt::format(
         "  {}: {} rays, {} hits, {} unlike the CPU's; ms: device {:.3f}, of that keys to hits "
@@ -97,8 +97,12 @@ Json json_of(const SceneReport& scene) {
 
 std::vector<CompareScene> scenes_of(const BenchGpuCommand& command) {
   std::vector<std::string> notes;
-  if (command.scene_names.empty()) return default_compare_scenes(command.scenes, &notes);
-  return compare_scenes_from_strings(command.scene_names, command.scenes);
+  if (!command.scene_names.empty())
+    return compare_scenes_from_strings(command.scene_names, command.scenes);
+  std::vector<CompareScene> all = default_compare_scenes(command.scenes, &notes);
+  if (!command.quiet)
+    for (const std::string& note : notes) tell(printable(note));
+  return all;
 }
 
 std::vector<SceneReport> measured(const BenchGpuCommand& command) {
@@ -129,7 +133,8 @@ int run(const BenchGpuCommand& command) {
     all.push_back(json_of(scene));
     for (const DeviceBenchBatch& batch : scene.report.batches) different += batch.different;
   }
-  if (!json.empty()) write_text(all.dump(2) + "\n", json);
+  if (!json.empty())
+    write_text(all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n", json);
   if (different != 0)
     throw Error(ErrorCode::kInternal,
                 std::to_string(different) + " answers of the device are not the CPU's",
