@@ -163,6 +163,7 @@ TEST(Ablation, FilesOfOneNameAreTwoScenes) {
              "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
              "vertex 0 1 0\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 1\n"
              "vertex 1 0 1\nvertex 0 1 1\nendloop\nendfacet\nendsolid a\n");
+  std::filesystem::create_directory(folder.file("b.obj"));  // which is no scene
   BenchAblationCommand command = small_command();
   command.scene.clear();
   command.scenes = folder.path().string();

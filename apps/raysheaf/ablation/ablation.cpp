@@ -30,9 +30,10 @@ void name_apart(std::vector<Source>& all) {
 }
 
 std::vector<Source> sources_in(const std::string& folder) {
-  std::error_code failed;
+  std::error_code failed, ignored;
   std::vector<Source> all;
   for (fs::directory_iterator i(folder, failed), end; !failed && i != end; i.increment(failed)) {
+    if (i->is_directory(ignored)) continue;
     const std::string path = i->path().string();
     for (const char* ending : {".gltf", ".glb", ".obj", ".ply", ".stl"})
       if (has_ending(path, ending)) all.push_back({i->path().stem().string(), path});
