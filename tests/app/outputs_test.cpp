@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "tests/support/gltf_triangle.h"
 #include "tests/support/process.h"
 
 namespace raysheaf::test {
@@ -83,15 +84,8 @@ TEST(Outputs, WhatIsReadIsNotWrittenOver) {
 TEST(Outputs, FilesOfTheSceneAreNotWrittenOver) {
   const TemporaryFolder folder;
   ASSERT_EQ(raysheaf_app(render("builtin:cornell", {"-o", "a b.png"}), folder).code, 0);
-  const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-  write_file(folder.file("c.bin"), std::string(reinterpret_cast<const char*>(corners), 36));
-  write_file(folder.file("c.gltf"), R"({"asset": {"version": "2.0"},
-    "buffers": [{"uri": "c.bin", "byteLength": 36}], "images": [ { "uri" : "a%20b.png" } ],
-    "bufferViews": [{"buffer": 0, "byteLength": 36}],
-    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
-                   "min": [0, 0, 0], "max": [1, 1, 0]}],
-    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}],
-    "scenes": [{"nodes": [0]}]})");
+  write_file(folder.file("c.bin"), gltf_triangle_corners());
+  write_file(folder.file("c.gltf"), kGltfTriangle);
   expect_refused(folder, render("c.gltf", {"-o", "./a b.png"}), "./a b.png", kRead);
   expect_refused(folder, render("c.gltf", {"--stats", "c.bin"}), "c.bin", kRead);
   expect_refused(folder, render("c.gltf", {"--stats", "c.gltf"}), "c.gltf", "the scene itself");

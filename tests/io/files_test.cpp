@@ -4,6 +4,7 @@
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/pack.h"
 #include "tests/io/io_support.h"
+#include "tests/support/gltf_triangle.h"
 
 namespace raysheaf::test {
 namespace {
@@ -23,16 +24,8 @@ class Files : public IoTest {
   }
   /// A triangle whose buffer and picture are files of their own.
   std::string gltf() {
-    Bytes corners;
-    for (const float x : {0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f}) append(corners, x);
-    write("c.bin", corners);
-    return write("c.gltf", R"({"asset": {"version": "2.0"},
-        "buffers": [{"uri": "c.bin", "byteLength": 36}], "images": [{"uri": "a%20b.png"}],
-        "bufferViews": [{"buffer": 0, "byteLength": 36}],
-        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
-                       "min": [0, 0, 0], "max": [1, 1, 0]}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}],
-        "scenes": [{"nodes": [0]}]})");
+    write("c.bin", gltf_triangle_corners());
+    return write("c.gltf", kGltfTriangle);
   }
   [[nodiscard]] Names paths(const Names& names) const {
     Names paths;
