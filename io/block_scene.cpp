@@ -88,6 +88,7 @@ Json of(const Material& m) {
                     {"ior", number(m.ior)},
                     {"unlit", m.unlit},
                     {"double_sided", m.double_sided}};
+  if (m.thin) result.add("thin", true);
   if (m.normal_texture.texture != kInvalidId) {
     result.add("normal_texture", of(m.normal_texture));
     result.add("normal_scale", number(m.normal_scale));
@@ -110,6 +111,7 @@ Material material(const JsonValue& j) {
   m.ior = number_from(j.at("ior"));
   m.unlit = j.at("unlit").get<bool>();
   m.double_sided = j.at("double_sided").get<bool>();
+  m.thin = j.get("thin", false);
   if (j.contains("normal_texture")) {
     m.normal_texture = slot(j.at("normal_texture"));
     m.normal_scale = number_from(j.at("normal_scale"));

@@ -54,8 +54,10 @@ JsonObject extensions_of(const Material& m, float strength, GlbParts& parts) {
     result.add(name, value);
     parts.extensions.insert(name);
   };
-  if (m.transmission != 0)
+  if (m.transmission != 0 || m.thin)
     add("KHR_materials_transmission", {{"transmissionFactor", m.transmission}});
+  // Any thickness says that it is solid: whoever follows rays finds out how far it is through.
+  if (m.transmission != 0 && !m.thin) add("KHR_materials_volume", {{"thicknessFactor", 1}});
   if (m.ior != 1.5f) add("KHR_materials_ior", {{"ior", m.ior}});
   if (m.specular != 1 || !equal(m.specular_color, {1, 1, 1})) {
     add("KHR_materials_specular",

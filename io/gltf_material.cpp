@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -152,10 +153,22 @@ class MaterialReader {
     }
   }
 
+  /// Whether what transmits is solid, for which a thickness stands.
+  bool has_volume(const JsonValue& source) {
+    const JsonValue* x = extension(source, "KHR_materials_volume");
+    if (x == nullptr || x->get("thicknessFactor", 0.0f) == 0) return false;
+    if (x->contains("thicknessTexture")) warnings_.once("Thickness textures are left out.");
+    const Vec3 left = vec3(*x, "attenuationColor", 1);
+    if (x->contains("attenuationDistance") && std::min({left.x, left.y, left.z}) < 1)
+      warnings_.once("The attenuation of light inside glass is left out.");
+    return true;
+  }
+
   void read_extensions(const JsonValue& source, const std::string& place) {
     if (const JsonValue* x = extension(source, "KHR_materials_transmission")) {
       material_.transmission = x->get("transmissionFactor", 0.0f);
       if (x->contains("transmissionTexture")) warnings_.once("Transmission textures are left out.");
+      material_.thin = !has_volume(source);
     }
     if (const JsonValue* x = extension(source, "KHR_materials_ior")) {
       material_.ior = x->get("ior", 1.5f);

@@ -66,26 +66,13 @@ bool same_slot(const TextureSlot& a, const TextureSlot& b) {
 }
 bool same_material(const Material& a, const Material& b) {
   const auto numbers = [](const Material& m) {
-    return std::array<float, 20>{m.base_color.x,
-                                 m.base_color.y,
-                                 m.base_color.z,
-                                 m.base_color.w,
-                                 m.metallic,
-                                 m.roughness,
-                                 m.emission.x,
-                                 m.emission.y,
-                                 m.emission.z,
-                                 m.specular,
-                                 m.specular_color.x,
-                                 m.specular_color.y,
-                                 m.specular_color.z,
-                                 m.transmission,
-                                 m.ior,
-                                 m.unlit ? 1.0f : 0,
-                                 m.double_sided ? 1.0f : 0,
-                                 m.normal_scale,
-                                 m.alpha_cutoff,
-                                 m.alpha_blend ? 1.0f : 0};
+    return std::array<float, 21>{m.base_color.x,     m.base_color.y,     m.base_color.z,
+                                 m.base_color.w,     m.metallic,         m.roughness,
+                                 m.emission.x,       m.emission.y,       m.emission.z,
+                                 m.specular,         m.specular_color.x, m.specular_color.y,
+                                 m.specular_color.z, m.transmission,     m.ior,
+                                 m.thin ? 1.0f : 0,  m.unlit ? 1.0f : 0, m.double_sided ? 1.0f : 0,
+                                 m.normal_scale,     m.alpha_cutoff,     m.alpha_blend ? 1.0f : 0};
   };
   return a.name == b.name && numbers(a) == numbers(b) &&
          same_slot(a.base_color_texture, b.base_color_texture) &&

@@ -61,6 +61,9 @@ struct Material {
   Vec3 specular_color{1, 1, 1};
   float transmission = 0;
   float ior = 1.5f;
+  /// What transmits is a sheet without an inside: light goes straight through it, tinted once, from
+  /// either side. false: it bounds a solid body, whose front faces are its outside.
+  bool thin = false;
   bool unlit = false;
   bool double_sided = false;  ///< false: back faces are not drawn by primary visibility
 };

@@ -58,29 +58,37 @@ RAYSHEAF_HD inline Vec3 mirror_direction(const Fragment& f) {
   return normalized(reflected(f.incoming, f.surface.geometric_normal));
 }
 
+/// Whether a ray comes from outside. A thin sheet has no inside: both of its sides are outside.
+RAYSHEAF_HD inline bool meets_outside(const Surface& surface) {
+  return surface.front || surface.thin;
+}
+
 /// Glass: Fresnel's split; the colour is taken where light enters. How far the exact reflectance
 /// has risen from its value along the normal to 1 stands in for Schlick's power, so that tinted,
 /// weakened and partly metallic surfaces rise the same way; from within, where it ends in total
 /// reflection, to 1.
 RAYSHEAF_HD inline void split_at_glass(const Surface& surface, float cos_in, Scattering* s) {
-  const float eta = surface.front ? surface.ior : 1 / surface.ior;
+  const bool outside = meets_outside(surface);
+  const float eta = outside ? surface.ior : 1 / surface.ior;
   const float along_normal = fresnel_dielectric(1, eta);
   const float exact = fresnel_dielectric(cos_in, eta);
   const float rise =
       along_normal < 1 ? clamp((exact - along_normal) / (1 - along_normal), 0, 1) : 1;
   const Vec3 white{1, 1, 1};
-  const Vec3 tint = surface.front ? surface.transmission_color : white;
-  const Vec3 specular_edge = surface.front ? white * surface.specular_edge : white;
-  const Vec3 coat_edge = surface.front ? white * surface.coat_edge : white;
+  const Vec3 tint = outside ? surface.transmission_color : white;
+  const Vec3 specular_edge = outside ? white * surface.specular_edge : white;
+  const Vec3 coat_edge = outside ? white * surface.coat_edge : white;
   s->reflected_part = lerp(surface.specular, specular_edge, rise);
   s->diffuse_part = white - lerp(surface.coat, coat_edge, rise);
   s->refracted_part = tint * s->diffuse_part * surface.transmission;
   s->mirror = true;
 }
 
-/// Snell's law; nothing where all is reflected.
+/// Snell's law; nothing where all is reflected. Straight on through a thin sheet, which bends light
+/// back where it leaves.
 RAYSHEAF_HD inline Vec3 refracted(const Fragment& f, float cos_in) {
   const Surface& surface = f.surface;
+  if (surface.thin) return f.incoming;
   const float eta = surface.front ? surface.ior : 1 / surface.ior;
   const float sin2_out = (1 - cos_in * cos_in) / (eta * eta);
   if (sin2_out >= 1) return {0, 0, 0};

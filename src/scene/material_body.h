@@ -14,7 +14,7 @@ struct PlacedMaterial {
   float normal_scale = 1;
   float alpha = 1, alpha_cutoff = 0;
   float metallic = 0, roughness = 1, specular = 1, transmission = 0, ior = 1.5f;
-  bool unlit = false, alpha_blend = false;
+  bool unlit = false, alpha_blend = false, thin = false;
 };
 
 [[nodiscard]] inline PlacedMaterial placed_material(const Material& m) {
@@ -36,6 +36,7 @@ struct PlacedMaterial {
   placed.transmission = m.transmission;
   placed.ior = m.ior;
   placed.unlit = m.unlit;
+  placed.thin = m.thin;
   return placed;
 }
 
@@ -108,6 +109,7 @@ RAYSHEAF_HD inline void set_material(const PlacedMaterial& m, const TextureColor
   surface->transmission = m.transmission * (1 - metallic);
   surface->transmission_color = base;
   surface->ior = m.ior >= 1 ? m.ior : 1;
+  surface->thin = m.thin;
   surface->diffuse = base * ((1 - metallic) * (1 - m.transmission));
   surface->specular = lerp(dielectric, base, metallic);
   surface->coat = dielectric;

@@ -22,6 +22,7 @@ struct Surface {
   float ior = 1.5f;        ///< at least 1, inside against outside
   float clearance = 0;     ///< how far along the geometric normal rays that leave start, at least
   bool unlit = false;      ///< `emission` is all there is to see
+  bool thin = false;       ///< what transmits has no inside
   bool front = true;       ///< the ray meets the front face
   std::uint32_t material = kInvalidId;
 };

@@ -117,6 +117,7 @@ struct StagedSurfaceCase {
       m.metallic = draws.unit();
       m.transmission = draws.below(2) == 0 ? 0 : draws.unit();
       m.ior = draws.between(0, 2);
+      m.thin = draws.below(2) == 0;
       m.unlit = draws.below(8) == 0;
       m.alpha = draws.unit();
       m.alpha_cutoff = draws.below(2) == 0 ? 0 : draws.unit();
@@ -144,7 +145,8 @@ struct StagedSurfaceCase {
     const Surface s = staged_surface(scene, 0, u, v, along);
     out.put(s.position, s.geometric_normal, s.normal, s.diffuse, s.specular, s.coat);
     out.put(s.transmission_color, s.emission, s.roughness, s.transmission, s.ior);
-    out.put(s.specular_edge, s.coat_edge, s.clearance, s.unlit, s.front, s.material);
+    out.put(s.specular_edge, s.coat_edge, s.clearance, s.unlit, s.thin, s.front);
+    out.put(s.material);
     const Ray ray{s.position - along * 2, 0, along, 9};
     out.put(staged_is_cut_away(scene, ray, 0, draws.below(2) == 0));
     const Vec3 front = front_normal(corners, false);
@@ -210,6 +212,7 @@ RAYSHEAF_HD inline Fragment random_fragment(Draws& draws) {
   f.surface.transmission = draws.below(2) == 0 ? 0 : draws.unit();
   f.surface.clearance = 1e-6f;
   f.surface.front = draws.below(2) == 0;
+  f.surface.thin = draws.below(4) == 0;
   f.surface.unlit = draws.below(16) == 0;
   return f;
 }
@@ -219,7 +222,8 @@ struct ScatterCase {
     const Fragment f = random_fragment(draws);
     const Scattering s = scatter(f);
     out.put(s.reflection, s.refraction, s.reflected_part, s.refracted_part, s.diffuse_part);
-    out.put(s.mirror, worth_tracing(f.surface.diffuse * 0.002f), mirror_direction(f));
+    out.put(meets_outside(f.surface), s.mirror, worth_tracing(f.surface.diffuse * 0.002f),
+            mirror_direction(f));
     out.put(reflected(f.incoming, f.surface.normal), fresnel_dielectric(cos_arrival(f), 1.3f));
     Scattering parts = scattered_parts(f);
     split_at_glass(f.surface, 0.5f, &parts);

@@ -42,6 +42,7 @@ inline SceneDescription motley(std::uint32_t seed, bool soft = false) {
     material.metallic = i % 4 == 1 ? 1.0f : 0.0f;
     material.roughness = i % 4 == 1 ? 0.02f : unit(random);
     material.transmission = i == 2 || i == 6 ? 0.9f : 0.0f;
+    material.thin = i == 2;
     material.ior = i == 6 ? 0.0f : 1.4f;
     material.specular = unit(random);
     material.unlit = i == 7;

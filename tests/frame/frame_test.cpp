@@ -17,6 +17,36 @@ const BatchStatistics* find_batch(const RenderResult& result, RayKind kind, std:
   return nullptr;
 }
 
+/// Of checks, lit by a lamp before it, and seen through a pane between the lamp and the eye.
+SceneDescription checks_behind(const Material& pane, bool is_there, bool turned) {
+  SceneDescription scene;
+  Material board;
+  board.specular = 0;
+  board.base_color_texture.texture = 0;
+  scene.images.push_back({"checks", 2, 2, {}});
+  for (const int shade : {250, 60, 60, 250})
+    for (const int c : {shade, shade, shade, 255})
+      scene.images[0].rgba.push_back(static_cast<std::uint8_t>(c));
+  scene.textures.push_back({0, Wrap::kRepeat, Wrap::kRepeat, Filter::kLinear});
+  scene.materials = {board, pane};
+  scene.materials[1].double_sided = true;
+  const auto square = [](float half, float z, std::uint32_t material) {
+    Mesh mesh;
+    mesh.positions = {{-half, -half, z}, {half, -half, z}, {half, half, z}, {-half, half, z}};
+    mesh.uvs = {{0, 3}, {3, 3}, {3, 0}, {0, 0}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh.materials = {material};
+    return mesh;
+  };
+  test::add_mesh(&scene, square(6, -3, 0));
+  if (is_there) test::add_mesh(&scene, square(4, 0, 1));
+  if (is_there && turned)
+    for (auto& t : scene.meshes[1].triangles) std::swap(t[1], t[2]);
+  scene.lights.push_back(test::point_light({0.5f, 1, -0.5f}, 100));
+  scene.cameras.push_back(test::camera_at({1, 1, 4}, {0, 0, 0}));
+  return scene;
+}
+
 Material material(float metallic, float roughness, float transmission) {
   Material m;
   m.metallic = metallic;
@@ -26,10 +56,12 @@ Material material(float metallic, float roughness, float transmission) {
 }
 
 TEST(Frame, AWhiteFurnaceStaysWhite) {
+  Material thin = material(0, 0, 1);
+  thin.thin = true;
   for (const Material& m :
        {material(0, 1, 0), material(0, 0, 0), material(1, 0, 0), material(1, 0.5f, 0),
         material(0, 0, 1), material(0, 0.3f, 0.5f), material(0.5f, 0.4f, 0),
-        material(0.5f, 0, 0.5f), material(0.9f, 0, 1)}) {
+        material(0.5f, 0, 0.5f), material(0.9f, 0, 1), thin}) {
     for (const std::uint32_t bounces : {0u, 1u, 3u}) {
       SceneDescription scene = test::ball_on_floor(m);
       scene.lights[0].intensity = {0, 0, 0};
@@ -44,6 +76,35 @@ TEST(Frame, AWhiteFurnaceStaysWhite) {
       }
     }
   }
+}
+
+TEST(Frame, AThinPaneTintsAndBendsNothing) {
+  Material pane = material(0, 0, 1);
+  pane.base_color = {0.25f, 0.5f, 1, 1};
+  RenderOptions options = test::small_options();
+  options.ambient = Vec3{0, 0, 0};
+  const RenderResult bare = render(checks_behind(pane, false, false), options);
+  const auto least_and_most_through = [&](bool turned) {
+    const RenderResult seen = render(checks_behind(pane, true, turned), options);
+    float least = 2, most = 0;
+    for (std::size_t i = 0; i < bare.beauty.size(); ++i) {
+      const Vec3 through = seen.beauty[i], behind = bare.beauty[i];
+      least = std::min(least, through.z / behind.z);
+      most = std::max(most, through.z / behind.z);
+      if (!pane.thin) continue;
+      EXPECT_NEAR(through.x, 0.25f * through.z, 1e-4f * through.z);
+      EXPECT_NEAR(through.y, 0.5f * through.z, 1e-4f * through.z);
+    }
+    return std::pair(least, most);
+  };
+  pane.thin = true;
+  for (const bool turned : {false, true}) {
+    const auto [least, most] = least_and_most_through(turned);
+    EXPECT_GT(least, 0.93f) << turned << ": what is not reflected at this pane's angles";
+    EXPECT_LT(most, 0.961f) << turned << ": at least 0.04 is reflected";
+  }
+  pane.thin = false;
+  EXPECT_LT(least_and_most_through(false).first, 0.8f) << "solid glass shifts the checks";
 }
 
 class Methods : public testing::TestWithParam<std::string> {};

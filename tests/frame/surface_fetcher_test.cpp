@@ -48,6 +48,7 @@ Material any_material(Random& random, std::uint32_t textures) {
   m.metallic = random.unit();
   m.roughness = random.unit();
   m.transmission = random.below(3) == 0 ? random.unit() : 0;
+  m.thin = random.below(2) == 0;
   m.unlit = random.below(6) == 0;
   m.base_color_texture = any_slot(random, textures);
   m.metallic_roughness_texture = any_slot(random, textures);
@@ -181,6 +182,7 @@ void expect_same(const Fragment& a, const Fragment& b) {
   EXPECT_TRUE(same(s.ior, t.ior));
   EXPECT_TRUE(same(s.clearance, t.clearance));
   EXPECT_EQ(s.unlit, t.unlit);
+  EXPECT_EQ(s.thin, t.thin);
   EXPECT_EQ(s.front, t.front);
   EXPECT_EQ(s.material, t.material);
 }

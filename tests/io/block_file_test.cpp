@@ -89,6 +89,7 @@ SceneDescription furnished() {
       static_cast<std::uint32_t>(scene.textures.size() - 1), {0.3f, 0.7f}, {2, 3}, 0.1f};
   scene.materials[1].normal_texture = scene.materials[0].base_color_texture;
   scene.materials[1].normal_scale = 0.1f;
+  scene.materials[2].thin = true;
   return scene;
 }
 

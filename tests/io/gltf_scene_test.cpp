@@ -154,6 +154,53 @@ TEST_F(GltfScene, ReadsMaterialsAndTheirDefaults) {
   EXPECT_TRUE(scene.meshes[0].materials.empty()) << "no material: Material{}";
 }
 
+TEST_F(GltfScene, GlassIsThinUnlessItHasAThickness) {
+  const json sheet = {{"transmissionFactor", 1}};
+  struct Case {
+    json extensions;
+    bool thin;
+  };
+  const Case cases[] = {
+      {{{"KHR_materials_transmission", sheet}}, true},
+      {{{"KHR_materials_transmission", sheet}, {"KHR_materials_volume", json::object()}}, true},
+      {{{"KHR_materials_transmission", sheet}, {"KHR_materials_volume", {{"thicknessFactor", 0}}}},
+       true},
+      {{{"KHR_materials_transmission", sheet},
+        {"KHR_materials_volume", {{"thicknessFactor", 1e-3}}}},
+       false},
+      {{{"KHR_materials_ior", {{"ior", 1.25}}}}, false}};
+  GltfFile file;
+  file.show_triangle();
+  file.json["extensionsRequired"] =
+      file.json["extensionsUsed"] = {"KHR_materials_transmission", "KHR_materials_volume"};
+  for (const Case& one : cases) file.add("materials", {{"extensions", one.extensions}});
+  const SceneDescription scene = load_scene(write("a.gltf", file.text()));
+  ASSERT_EQ(scene.materials.size(), std::size(cases));
+  for (std::size_t i = 0; i < std::size(cases); ++i)
+    EXPECT_EQ(scene.materials[i].thin, cases[i].thin) << cases[i].extensions;
+  EXPECT_TRUE(scene.warnings.empty());
+}
+
+TEST_F(GltfScene, SaysThatTheAttenuationOfGlassIsLeftOut) {
+  const auto warnings_of = [&](const json& volume) {
+    GltfFile file;
+    file.show_triangle();
+    file.add(
+        "materials",
+        {{"extensions",
+          {{"KHR_materials_transmission", json::object()}, {"KHR_materials_volume", volume}}}});
+    return load_scene(write("a.gltf", file.text()));
+  };
+  json volume = {{"thicknessFactor", 1}, {"attenuationDistance", 2}};
+  EXPECT_TRUE(warnings_of(volume).warnings.empty()) << "white";
+  volume["attenuationColor"] = {1, 0.5, 1};
+  EXPECT_TRUE(warns(warnings_of(volume), "attenuation"));
+  volume["thicknessTexture"] = {{"index", 0}};
+  EXPECT_TRUE(warns(warnings_of(volume), "Thickness textures"));
+  volume["thicknessFactor"] = 0;
+  EXPECT_TRUE(warnings_of(volume).warnings.empty()) << "what is thin has no inside";
+}
+
 TEST_F(GltfScene, ReadsImagesFromEverywhere) {
   const Bytes png = small_png(path("ex ternal.png"));
   GltfFile file;

@@ -84,6 +84,21 @@ TEST_F(Sequence, SaysWhatIsAnother) {
   validate_changes(scene, changes);
 }
 
+TEST_F(Sequence, GlassThatBecomesThinIsAnother) {
+  for (const bool thin : {false, true}) {
+    GltfFile file;
+    file.show_triangle();
+    json& glass = file.json["materials"][0];
+    glass["extensions"]["KHR_materials_transmission"]["transmissionFactor"] = 1;
+    glass["extensions"]["KHR_materials_volume"]["thicknessFactor"] = thin ? 0 : 1;
+    write(thin ? "g_2.gltf" : "g_1.gltf", file.text());
+  }
+  const auto animation = load_animation(path("g_*.gltf"), {});
+  EXPECT_FALSE(animation->scene().materials.at(0).thin);
+  EXPECT_TRUE(animation->seek(animation->end()).everything);
+  EXPECT_TRUE(animation->scene().materials.at(0).thin);
+}
+
 TEST_F(Sequence, SaysWhatEachFrameLeavesOutOnce) {
   write("m.mtl", "newmtl red\nKd 1 0 0\n");
   const std::string head = "mtllib m.mtl\n";

@@ -82,6 +82,7 @@ SceneDescription random_scene(std::uint32_t seed) {
     material.emission = {1000 * unit(random), unit(random), 0};
     material.specular = unit(random), material.specular_color = {1, unit(random), 0};
     material.transmission = unit(random), material.ior = 1 + unit(random);
+    material.thin = m == 2;
     material.unlit = m == 1, material.double_sided = m != 1;
     scene.materials.push_back(material);
   }
@@ -130,6 +131,7 @@ void expect_same(const Material& a, const Material& b) {
   }
   EXPECT_EQ(std::memcmp(&a.emission, &b.emission, sizeof a.emission), 0);
   EXPECT_EQ(std::memcmp(&a.specular_color, &b.specular_color, sizeof(Vec3)), 0);
+  EXPECT_EQ(a.thin, b.thin);
   EXPECT_EQ(a.unlit, b.unlit);
   EXPECT_EQ(a.alpha_blend, b.alpha_blend);
   EXPECT_EQ(a.double_sided, b.double_sided);

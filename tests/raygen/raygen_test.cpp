@@ -207,6 +207,23 @@ TEST(Scatter, RefractionObeysSnell) {
   }
 }
 
+TEST(Scatter, AThinSheetLetsLightStraightThroughFromEitherSide) {
+  for (const float angle : {0.0f, 0.5f, 0.8f, 1.4f}) {
+    Fragment f = glass_fragment({std::sin(angle), -std::cos(angle), 0}, true);
+    f.surface.transmission_color = {0.25f, 0.5f, 1};
+    const Scattering solid = scatter(f);
+    f.surface.thin = true;
+    for (const bool front : {true, false}) {
+      f.surface.front = front;
+      const Scattering s = scatter(f);
+      EXPECT_EQ(s.refraction, f.incoming) << angle << front;
+      EXPECT_EQ(s.reflection, solid.reflection);
+      EXPECT_EQ(s.reflected_part, solid.reflected_part) << "Fresnel's, from outside";
+      EXPECT_EQ(s.refracted_part, solid.refracted_part) << "tinted";
+    }
+  }
+}
+
 TEST(Scatter, BeyondTheCriticalAngleEverythingIsReflected) {
   const Fragment f = glass_fragment({std::sin(0.8f), -std::cos(0.8f), 0}, false);
   const Scattering s = scatter(f);
@@ -227,6 +244,7 @@ TEST(Scatter, PartsNeverExceedTheWhole) {
     if (f.incoming.y > 0) f.incoming = -f.incoming;
     f.surface.normal = random.direction_near({0, 1, 0}, 0.5f);
     f.surface.transmission = random.below(2) == 0 ? 0 : random.unit();
+    f.surface.thin = random.below(2) == 0;
     f.surface.diffuse = Vec3{1, 1, 1} * (1 - f.surface.transmission);
     const float f0 = random.unit();
     f.surface.specular = f.surface.coat = {f0, f0, f0};
@@ -263,6 +281,7 @@ Fragments some_bouncing(std::size_t count) {
     s.roughness = 0.05f * random.unit();
     if (random.below(3) == 0) s.transmission = random.unit();
     s.front = random.below(2) == 0;
+    s.thin = random.below(3) == 0;
   }
   return fragments;
 }

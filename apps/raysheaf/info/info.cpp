@@ -51,6 +51,7 @@ std::string features(const Material& material) {
   add(material.emission.x > 0 || material.emission.y > 0 || material.emission.z > 0, "emitting");
   add(material.alpha_blend, "blended");
   add(material.alpha_cutoff > 0 && !material.alpha_blend, "cut out");
+  add(material.thin && material.transmission > 0, "thin");
   add(material.unlit, "unlit");
   add(material.double_sided, "double-sided");
   return words.empty() ? "-" : words;

@@ -41,6 +41,7 @@ Json material_json(const Material& m) {
           {"roughness", m.roughness},
           {"transmission", m.transmission},
           {"ior", m.ior},
+          {"thin", m.thin},
           {"emission", array_of(m.emission)},
           {"unlit", m.unlit},
           {"double_sided", m.double_sided}};
