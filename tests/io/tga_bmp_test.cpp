@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <bit>
 
 #include "io/image.h"
 
@@ -34,6 +35,11 @@ struct TgaKind {
   bool from_top = false;
 };
 
+/// A colour's five bits each, as 16-bit pictures have them.
+std::uint32_t packed_555(const Rgba& c) {
+  return static_cast<std::uint32_t>(c[0] >> 3 << 10 | c[1] >> 3 << 5 | c[2] >> 3);
+}
+
 /// As it stands in the file; with a palette, the number of its entry.
 PictureBytes tga_pixel(const TgaKind& kind, std::uint32_t x, std::uint32_t y) {
   const Rgba c = pattern(x, y);
@@ -43,6 +49,11 @@ PictureBytes tga_pixel(const TgaKind& kind, std::uint32_t x, std::uint32_t y) {
     case 3:
       return {c[0]};
     default:
+      if (kind.bits == 16) {
+        PictureBytes two;
+        put16(packed_555(c), &two);
+        return two;
+      }
       if (kind.bits == 24) return {c[2], c[1], c[0]};
       return {c[2], c[1], c[0], c[3]};
   }
@@ -113,9 +124,42 @@ PictureBytes bmp_of(std::uint32_t bits, bool from_top) {
   return out;
 }
 
+/// How a BMP with masks holds its pixels: by red, green, blue and alpha.
+struct BmpMasks {
+  std::uint32_t bits;
+  std::array<std::uint32_t, 4> mask;
+};
+
+/// From below. Its header is of version 4, which alone has a mask of alpha.
+PictureBytes masked_bmp(const BmpMasks& kind) {
+  constexpr std::uint32_t kBegin = 14 + 108;
+  PictureBytes out{'B', 'M'};
+  for (const std::uint32_t field : {0u, 0u, kBegin, 108u, kColumns, kRows}) put32(field, &out);
+  put16(1, &out);
+  put16(kind.bits, &out);
+  for (const std::uint32_t field : {3u, 0u, 2835u, 2835u, 0u, 0u}) put32(field, &out);
+  for (const std::uint32_t mask : kind.mask) put32(mask, &out);
+  out.resize(kBegin);
+  for (std::uint32_t row = 0; row < kRows; ++row) {
+    for (std::uint32_t x = 0; x < kColumns; ++x) {
+      const Rgba c = pattern(x, kRows - 1 - row);
+      std::uint32_t pixel = 0;
+      for (std::size_t i = 0; i < 4; ++i) {
+        const std::uint32_t mask = kind.mask[i];
+        if (mask == 0) continue;
+        const int lost = 8 - std::popcount(mask);
+        pixel |= static_cast<std::uint32_t>(c[i] >> lost) << std::countr_zero(mask);
+      }
+      kind.bits == 16 ? put16(pixel, &out) : put32(pixel, &out);
+    }
+    while ((out.size() - kBegin) % 4 != 0) out.push_back(0);
+  }
+  return out;
+}
+
 enum class Shows { kColor, kColorAndAlpha, kGrey };
 
-void expect_pattern(const PictureBytes& bytes, Shows shows) {
+void expect_pattern(const PictureBytes& bytes, Shows shows, int tolerance = 0) {
   const auto image = io::decode_image(bytes);
   ASSERT_TRUE(image.has_value());
   ASSERT_EQ(io::image_size(bytes), (io::ImageSize{kColumns, kRows}));
@@ -125,7 +169,8 @@ void expect_pattern(const PictureBytes& bytes, Shows shows) {
       if (shows != Shows::kColorAndAlpha) expected[3] = 255;
       if (shows == Shows::kGrey) expected[1] = expected[2] = expected[0];
       const std::uint8_t* const pixel = &image->rgba[4 * (std::size_t{y} * kColumns + x)];
-      EXPECT_EQ((Rgba{pixel[0], pixel[1], pixel[2], pixel[3]}), expected) << x << ", " << y;
+      for (std::size_t i = 0; i < 4; ++i)
+        EXPECT_NEAR(pixel[i], expected[i], tolerance) << x << ", " << y << "[" << i << "]";
     }
   }
 }
@@ -141,15 +186,17 @@ void expect_none_cut_short(const PictureBytes& bytes, std::size_t spare) {
 TEST(TgaBmp, TgaOfEveryKind) {
   for (const int type : {1, 2, 3, 9, 10, 11}) {
     for (const bool from_top : {false, true}) {
-      for (const int bits : {8, 24, 32}) {
+      for (const int bits : {8, 16, 24, 32}) {
         if ((bits == 8) != (type % 8 != 2)) continue;
         SCOPED_TRACE(::testing::Message() << "type " << type << ", " << bits << " bits, "
                                           << (from_top ? "from the top" : "from below"));
         PictureBytes tga =
             tga_of({static_cast<std::uint8_t>(type), static_cast<std::uint8_t>(bits), from_top});
-        expect_pattern(tga, type % 8 == 3 ? Shows::kGrey
-                            : bits == 32  ? Shows::kColorAndAlpha
-                                          : Shows::kColor);
+        expect_pattern(tga,
+                       type % 8 == 3 ? Shows::kGrey
+                       : bits == 32  ? Shows::kColorAndAlpha
+                                     : Shows::kColor,
+                       bits == 16 ? 7 : 0);
         expect_none_cut_short(tga, 0);
         tga.resize(tga.size() + 26, 'T');
         EXPECT_TRUE(io::decode_image(tga).has_value()) << "what follows is not looked at";
@@ -166,6 +213,21 @@ TEST(TgaBmp, BmpOfEveryKind) {
       expect_pattern(bmp, Shows::kColor);
       expect_none_cut_short(bmp, (4 - kColumns * bits / 8 % 4) % 4);
     }
+  }
+}
+
+TEST(TgaBmp, BmpWithMasks) {
+  const BmpMasks kinds[] = {{16, {0x7c00, 0x3e0, 0x1f, 0}},
+                            {16, {0xf800, 0x7e0, 0x1f, 0}},
+                            {32, {0xff0000, 0xff00, 0xff, 0}},
+                            {32, {0xff, 0xff00, 0xff0000, 0xff000000}}};
+  for (const BmpMasks& kind : kinds) {
+    SCOPED_TRACE(::testing::Message() << kind.bits << " bits, red " << kind.mask[0]);
+    const PictureBytes bmp = masked_bmp(kind);
+    expect_pattern(bmp, kind.mask[3] != 0 ? Shows::kColorAndAlpha : Shows::kColor,
+                   kind.bits == 16 ? 7 : 0);
+    for (std::size_t length = 0; length < bmp.size() - 3; length += 7)
+      EXPECT_FALSE(io::decode_image({bmp.data(), length}).has_value()) << length;
   }
 }
 
