@@ -258,10 +258,14 @@ TEST_F(Ranks, AnyRankMayFail) {
 }
 
 TEST_F(Ranks, AKilledRankLeavesWholeFramesAndTheRunGoesOn) {
-  // Rank 1 kills itself as hard as can be, after a while.
+  // Rank 1 kills itself as hard as can be, once there is a frame, or after a minute.
   write_file(folder_.file("run.sh"),
              "#!/bin/bash\n"
-             "[ \"$OMPI_COMM_WORLD_RANK\" = 1 ] && (sleep 1; kill -9 $$) &\n"
+             "wait_and_kill() {\n"
+             "  for ((i = 0; i < 600; ++i)); do compgen -G 't_*.png' && break; sleep 0.1; done\n"
+             "  kill -9 $$\n"
+             "}\n"
+             "[ \"$OMPI_COMM_WORLD_RANK\" = 1 ] && wait_and_kill >/dev/null 2>&1 &\n"
              "exec '" RAYSHEAF_APP "' \"$@\"\n");
   const Words turn{"builtin:cornell", "--turntable", "20000", "--size", "32x24",
                    "--primary",       "trace",       "-q",    "-o",     "t_%05d.png"};
