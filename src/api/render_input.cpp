@@ -8,22 +8,13 @@
 
 #include "api/context_impl.h"
 #include "base/vec.h"
+#include "frame/ranges.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf {
 namespace {
 
-constexpr std::uint32_t kLargestSide = 16384;
-constexpr std::uint32_t kMostBounces = 32, kMostLevels = 8, kMostBranching = 64,
-                        kMostSamples = 65536;
-
-void check_range(const char* option, std::uint32_t value, std::uint32_t least, std::uint32_t most) {
-  if (value < least || value > most)
-    throw Error(ErrorCode::kInvalidArgument,
-                "must be from " + std::to_string(least) + " to " + std::to_string(most) + ", not " +
-                    std::to_string(value),
-                option);
-}
+constexpr std::uint32_t kMostBounces = 32, kMostSamples = 65536;
 
 void check_length(const char* option, const std::optional<float>& value) {
   if (value && !(*value >= 0 && std::isfinite(*value)))
@@ -50,10 +41,7 @@ void check(const RenderOptions& options) {
   check_range("samples", options.samples, 0, kMostSamples);
   check_length("aperture", options.aperture);
   check_length("focus", options.focus);
-  check_range("levels", options.levels, 1, kMostLevels);
-  check_range("branching", options.branching, 2, kMostBranching);
-  if (options.key_bits && *options.key_bits != 32 && *options.key_bits != 64)
-    throw Error(ErrorCode::kInvalidArgument, "must be 32 or 64", "key_bits");
+  check_hierarchy(options.levels, options.branching, options.key_bits.value_or(32));
   check_range("threads", options.threads, 0, kMostThreads);
   if (options.exposure && !(*options.exposure > 0 && std::isfinite(*options.exposure)))
     throw Error(ErrorCode::kInvalidArgument, "must be a positive number", "exposure");

@@ -6,6 +6,7 @@
 
 #include "exec/stopwatch.h"
 #include "frame/primary.h"
+#include "frame/ranges.h"
 #include "frame/trace.h"
 #include "intersect/brute_force.h"
 #include "lab/as_published.h"
@@ -21,27 +22,14 @@ namespace {
 constexpr std::size_t kBatches = 4;
 constexpr float kOcclusionReach = 0.25f;  ///< of the scene's diagonal
 
-constexpr std::uint32_t kLargestSide = 16384;
-
 PictureSize checked(PictureSize size) {
   if (size.width < 1 || size.height < 1 || size.width > kLargestSide || size.height > kLargestSide)
     throw Error(ErrorCode::kInvalidArgument, "each side must be from 1 to 16384", "size");
   return size;
 }
 
-void check_range(const char* field, std::uint32_t value, std::uint32_t low, std::uint32_t high) {
-  if (value >= low && value <= high) return;
-  throw Error(ErrorCode::kInvalidArgument,
-              "must be from " + std::to_string(low) + " to " + std::to_string(high) + ", not " +
-                  std::to_string(value),
-              field);
-}
-
 void check(const MethodSettings& settings) {
-  check_range("levels", settings.levels, 1, 8);
-  check_range("branching", settings.branching, 2, 64);
-  if (settings.key_bits != 32 && settings.key_bits != 64)
-    throw Error(ErrorCode::kInvalidArgument, "must be 32 or 64", "key_bits");
+  check_hierarchy(settings.levels, settings.branching, settings.key_bits);
 }
 
 SceneDescription prepared(SceneDescription scene) {

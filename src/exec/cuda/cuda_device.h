@@ -75,6 +75,7 @@ class CudaDevice {
   [[nodiscard]] void* stream() const { return stream_.handle; }  ///< a cudaStream_t
 
  private:
+  /// Goes with the device, also where that cannot be made to its end.
   struct OwnStream {
     explicit OwnStream(int of_device);
     OwnStream(const OwnStream&) = delete;

@@ -1,0 +1,31 @@
+// What pictures and methods may be asked for; both the renderer and the laboratory look.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "raysheaf/error.h"
+
+namespace raysheaf {
+
+inline constexpr std::uint32_t kLargestSide = 16384;  ///< of a picture, in pixels
+
+/// Throws `Error` (kInvalidArgument) that names the field.
+inline void check_range(const char* field, std::uint32_t value, std::uint32_t least,
+                        std::uint32_t most) {
+  if (value < least || value > most)
+    throw Error(ErrorCode::kInvalidArgument,
+                "must be from " + std::to_string(least) + " to " + std::to_string(most) + ", not " +
+                    std::to_string(value),
+                field);
+}
+
+/// The same of what `MethodSettings` says of a ray hierarchy.
+inline void check_hierarchy(std::uint32_t levels, std::uint32_t branching, std::uint32_t key_bits) {
+  check_range("levels", levels, 1, 8);
+  check_range("branching", branching, 2, 64);
+  if (key_bits != 32 && key_bits != 64)
+    throw Error(ErrorCode::kInvalidArgument, "must be 32 or 64", "key_bits");
+}
+
+}  // namespace raysheaf
