@@ -12,15 +12,14 @@ from dataclasses import dataclass
 from typing import Any, Literal, Optional
 
 from . import _core
+from ._values import is_second
 
 Device = Literal["cpu", "cuda"]
 
 
 def is_cuda(device: str) -> bool:
     """Which of the devices it names."""
-    if device not in ("cpu", "cuda"):
-        raise ValueError(f'device: {device!r} is given; "cpu" or "cuda" is expected')
-    return device == "cuda"
+    return is_second(device, "device", "cpu", "cuda")
 
 
 @dataclass

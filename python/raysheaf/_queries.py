@@ -7,7 +7,7 @@ from typing import Any, Literal, Optional, SupportsIndex, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _arrays, _core
+from . import _arrays, _core, _values
 from ._device import device_array, require_cuda, room_there
 from ._errors import OutOfMemoryError
 from ._hits import HIT_DTYPE, HitRows, Hits
@@ -21,11 +21,10 @@ Method = Literal["dual", "brute"]
 def _wish(
     mask: SupportsIndex, method: str, check: bool, statistics: Optional[dict[str, Any]]
 ) -> _core.Wish:
-    if method not in ("dual", "brute"):
-        raise ValueError(f'method: {method!r} is given; "dual" or "brute" is expected')
+    is_brute = _values.is_second(method, "method", "dual", "brute")
     if statistics is not None and not isinstance(statistics, dict):
         raise TypeError(f"statistics: {type(statistics).__name__} is given; a dict is expected")
-    return _core.Wish(_arrays.integer(mask, "mask"), method == "brute", bool(check), statistics)
+    return _core.Wish(_arrays.integer(mask, "mask"), is_brute, bool(check), statistics)
 
 
 class Queries:
@@ -236,6 +235,8 @@ def _room(scene: _core.Scene, batch: RayBatch, out: Any, dtypes: tuple[str, ...]
             f"out: {type(out).__name__} is given; an array of numpy or on a CUDA device, or None, "
             "is expected"
         )
+    if np.ma.is_masked(out):
+        raise TypeError("out: an array with a mask is given; one without is expected")
     flags = out.flags
     fits = out.shape == batch.shape and out.dtype in map(np.dtype, dtypes)
     if not (fits and flags.c_contiguous and flags.aligned and flags.writeable):

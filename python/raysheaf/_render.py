@@ -263,8 +263,6 @@ def render(
     >>> picture.image.shape, picture.image.dtype
     ((32, 48, 3), dtype('uint8'))
     """
-    if primary not in ("trace", "raster"):
-        raise ValueError(f'primary: {primary!r} is given; "trace" or "raster" is expected')
     at = None if time is None else _values.number(time, "time")
     if at is not None and math.isnan(at):
         raise ValueError("time: NaN is given; seconds are expected")
@@ -273,7 +271,7 @@ def render(
         _arrays.integer(height, "height"),
         *_values.text_or_index(camera, "camera"),
         _values.text(method, "method"),
-        primary == "raster",
+        _values.is_second(primary, "primary", "trace", "raster"),
         _arrays.integer(bounces, "bounces"),
         _arrays.integer(threads, "threads", _MOST_THREADS),
         is_cuda(device),

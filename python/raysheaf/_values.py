@@ -32,6 +32,14 @@ def text(value: Any, name: str) -> str:
     return value
 
 
+def is_second(value: Any, name: str, first: str, second: str) -> bool:
+    """Which of two words it is."""
+    if not isinstance(value, str) or value not in (first, second):
+        wrong = ValueError if isinstance(value, str) else TypeError
+        raise wrong(f'{name}: {value!r} is given; "{first}" or "{second}" is expected')
+    return value == second
+
+
 def text_or_index(value: Any, name: str) -> tuple[str, Optional[int]]:
     """A name; or the digits of a number that stands for one, and the number if there can be so many."""
     if isinstance(value, str):

@@ -98,6 +98,10 @@ class RayMeshIntersector:
         threads: SupportsIndex = 0,
         device: Device = "cpu",
     ) -> None:
+        if not (hasattr(geometry, "vertices") and hasattr(geometry, "faces")):
+            raise TypeError(
+                f"geometry: {type(geometry).__name__} is given; a trimesh.Trimesh is expected"
+            )
         self.mesh = geometry
         self._scale_to_box = bool(scale_to_box)
         self._threads = threads

@@ -8,6 +8,7 @@
 
 #include "api/query_brute.h"
 #include "api/query_call.h"
+#include "api/query_check.h"
 #include "api/scene_impl.h"
 #include "exec/stopwatch.h"
 #include "ranks/share.h"
@@ -192,7 +193,7 @@ void answer(const Scene& scene, const QueryRays& rays, std::span<Answer> answers
 template <class Rays, class Ask>
 void with_rays(const Rays& given, const QueryOptions& options, const Ask& ask) {
   const QueryRays rays(given, options.check);
-  translated([&] {
+  answered([&] {
     try {
       ask(rays);
     } catch (const WrongRay&) {
@@ -272,7 +273,7 @@ void closest_hit(const Scene& scene, const RayParts& rays, std::span<Hit> hits,
 
 std::vector<Hit> closest_hit(const Scene& scene, std::span<const Ray> rays,
                              const QueryOptions& options) {
-  return translated([&] {
+  return answered([&] {
     std::vector<Hit> hits(rays.size());
     closest_hit(scene, rays, hits, options);
     return hits;
@@ -291,7 +292,7 @@ void any_hit(const Scene& scene, const RayParts& rays, std::span<std::uint8_t> o
 
 std::vector<std::uint8_t> any_hit(const Scene& scene, std::span<const Ray> rays,
                                   const QueryOptions& options) {
-  return translated([&] {
+  return answered([&] {
     std::vector<std::uint8_t> occluded(rays.size());
     any_hit(scene, rays, occluded, options);
     return occluded;
@@ -322,7 +323,7 @@ void hit_counts(const Scene& scene, const RayParts& rays, std::span<std::uint32_
 
 std::vector<std::uint32_t> hit_counts(const Scene& scene, std::span<const Ray> rays,
                                       const QueryOptions& options) {
-  return translated([&] {
+  return answered([&] {
     std::vector<std::uint32_t> counts(rays.size());
     hit_counts(scene, rays, counts, options);
     return counts;

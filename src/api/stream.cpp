@@ -57,7 +57,7 @@ void stream(const GeometrySource& source, std::span<const Ray> rays, const Strea
 
 void closest_hit(const GeometrySource& source, std::span<const Ray> rays, std::span<Hit> hits,
                  const StreamOptions& options) {
-  translated([&] {
+  answered([&] {
     check(options, rays.size(), hits.size(), "hits");
     std::vector<StreamHit> found(rays.size());
     stream(source, rays, options, [&](Streamer* s, const StreamRequest& request, auto* report) {
@@ -70,7 +70,7 @@ void closest_hit(const GeometrySource& source, std::span<const Ray> rays, std::s
 
 void any_hit(const GeometrySource& source, std::span<const Ray> rays,
              std::span<std::uint8_t> occluded, const StreamOptions& options) {
-  translated([&] {
+  answered([&] {
     check(options, rays.size(), occluded.size(), "occluded");
     stream(source, rays, options, [&](Streamer* s, const StreamRequest& request, auto* report) {
       s->any({rays.data(), rays.size()}, request, {occluded.data(), occluded.size()}, report);

@@ -320,6 +320,7 @@ TEST(CompareScenes, KnownNamesAndHalls) {
   EXPECT_EQ(app::compare_scene_from_string("hall:4500", "").name, "hall_4500");
   EXPECT_EQ(app::compare_scene_from_string("sponza", "dir").source, "dir/paper/sponza.glb");
   EXPECT_EQ(app::compare_scene_from_string("a/model.glb", "").name, "model");
+  EXPECT_EQ(app::compare_scene_from_string("hall_1m.obj", "").source, "hall_1m.obj");
   const auto apart = app::compare_scenes_from_strings(
       {"office", "builtin:office", "builtin:cornell", "a/bunny.ply", "b/bunny.ply"}, "dir");
   std::vector<std::string> names;

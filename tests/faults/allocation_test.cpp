@@ -165,6 +165,22 @@ TEST_P(Faults, TheSameSceneWorksAfterwards) {
   EXPECT_GT(failures, 20);
 }
 
+TEST_P(Faults, QueriesSpeakOfTheirRays) {
+  Scene scene(context());
+  scene.add_soup(corners(1, 400));
+  scene.commit();
+  const std::vector<Ray>& asked = mixed_rays();
+  const auto query = [&] {
+    try {
+      static_cast<void>(all_hits(scene, asked));
+    } catch (const Error& error) {
+      EXPECT_EQ(error.place(), "rays") << error.what();
+      throw;
+    }
+  };
+  EXPECT_GT(fail_each_allocation(query, [] {}), 3);
+}
+
 INSTANTIATE_TEST_SUITE_P(Threads, Faults, ::testing::Values(1u, 2u));
 
 /// What a load gives, in numbers: where it comes back although something failed, it must be whole.

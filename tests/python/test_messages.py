@@ -144,6 +144,18 @@ def test_masks_are_not_overlooked(scene):
     with pytest.raises(TypeError, match="^vertices: an array of " + sentence):
         scene.add(origins, [[0, 1, 2]])
     assert scene.any_hit(origins.filled(0), UP).shape == (4,)
+    with pytest.raises(TypeError, match="^out: an array with a mask is given"):
+        scene.hit_counts(UP, UP, out=np.ma.array(np.uint32(0), mask=True))
+
+
+def test_words_that_are_no_words(scene):
+    for wrong in (np.zeros(3), ["brute"], None, 1):
+        with pytest.raises(TypeError, match='^method: .* is given; "dual" or "brute" is expected'):
+            scene.any_hit(UP, UP, method=wrong)
+        with pytest.raises(TypeError, match="^device: "):
+            raysheaf.Scene(device=wrong)
+        with pytest.raises(TypeError, match="^primary: "):
+            raysheaf.render("builtin:cornell", primary=wrong)
 
 
 def test_whether_a_scene_has_a_mesh(scene):

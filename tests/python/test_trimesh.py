@@ -270,6 +270,13 @@ def test_wrong_indices_are_named():
             RayMeshIntersector(mesh).intersects_any([[0, 0, 0]], [[0, 0, 1]])
 
 
+def test_only_meshes():
+    for wrong in (5, None, trimesh.points.PointCloud([[0, 0, 0]]), trimesh.Scene()):
+        name = type(wrong).__name__
+        with pytest.raises(TypeError, match=f"^geometry: {name} is given; a trimesh.Trimesh is"):
+            RayMeshIntersector(wrong)
+
+
 def test_wrong_shapes(mesh):
     with pytest.raises(ValueError, match=r"ray_origins \(2, 3\), ray_directions \(1, 3\)"):
         mesh.ray.intersects_any(np.zeros((2, 3)), np.ones((1, 3)))

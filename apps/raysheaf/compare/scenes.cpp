@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <regex>
 #include <string_view>
 
 #include "raysheaf/builtin_scenes.h"
@@ -107,6 +108,12 @@ std::uint64_t triangles_of_hall(const std::string& text) {
   return factor * parse_count(digits, 1, 1'000'000'000);
 }
 
+/// Of what `hall_name` writes, the triangles; empty for another name, as of a file hall_x.obj.
+std::string triangles_in_hall_name(const std::string& name) {
+  std::smatch parts;
+  return std::regex_match(name, parts, std::regex("hall_([0-9]+[km]?)")) ? parts[1].str() : "";
+}
+
 /// "hall_1m"
 std::string hall_name(std::uint64_t triangles) {
   if (triangles % 1'000'000 == 0) return fmt::format("hall_{}m", triangles / 1'000'000);
@@ -171,8 +178,9 @@ std::vector<CompareScene> default_compare_scenes(const std::string& scenes,
 
 CompareScene compare_scene_from_string(const std::string& name, const std::string& scenes) {
   if (name.starts_with(kBuiltin)) return {name.substr(kBuiltin.size()), name};
-  for (const std::string_view start : {kHall, std::string_view("hall_")})
-    if (name.starts_with(start)) return asked_hall(name.substr(start.size()));
+  if (name.starts_with(kHall)) return asked_hall(name.substr(kHall.size()));
+  if (const std::string triangles = triangles_in_hall_name(name); !triangles.empty())
+    return asked_hall(triangles);
   const Known* known = known_scene(name);
   if (known == nullptr) return {fs::path(name).stem().string(), name};
   if (scenes.empty())
