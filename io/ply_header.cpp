@@ -26,6 +26,11 @@ PlyType type_named(std::string_view name, const std::string& place) {
               "\"" + printable(std::string(name)) + "\" is not a type of PLY", place);
 }
 
+/// Blender's exporter wrote "Created by ..." without "comment" before it (2.47).
+bool is_remark(std::string_view word) {
+  return word == "comment" || word == "obj_info" || word == "Created";
+}
+
 class HeaderReader {
  public:
   HeaderReader(std::span<const std::uint8_t> file, std::uint64_t file_bytes)
@@ -37,7 +42,7 @@ class HeaderReader {
     for (;;) {
       const std::string_view line = next_line();
       const std::vector<std::string_view> words = words_of(line);
-      if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
+      if (words.empty() || is_remark(words[0])) continue;
       if (words[0] == "end_header") break;
       if (words[0] == "format") {
         read_format(words);

@@ -21,8 +21,8 @@ const std::string kPlySquare =
     "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
 
 TEST_F(Ply, ReadsAsciiPolygons) {
-  const SceneDescription scene =
-      load(kAscii + "comment hello\nobj_info x\n" + kPlySquare + "4 0 1 2 3\n");
+  const SceneDescription scene = load(kAscii + "comment hello\nobj_info x\nCreated by a program\n" +
+                                      kPlySquare + "4 0 1 2 3\n");
   ASSERT_EQ(scene.triangle_count(), 2u);
   ASSERT_EQ(scene.meshes[0].normals.size(), 4u);
   EXPECT_EQ(scene.meshes[0].normals[0].z, 1);
