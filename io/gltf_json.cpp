@@ -15,10 +15,11 @@
 namespace raysheaf::io {
 namespace {
 
-constexpr std::array kSupported = {
-    "KHR_lights_punctual", "KHR_materials_transmission", "KHR_materials_volume",
-    "KHR_materials_ior",   "KHR_materials_specular",     "KHR_materials_emissive_strength",
-    "KHR_materials_unlit", "KHR_texture_transform",      "KHR_mesh_quantization"};
+constexpr std::array kSupported = {"KHR_lights_punctual",    "KHR_materials_transmission",
+                                   "KHR_materials_volume",   "KHR_materials_ior",
+                                   "KHR_materials_specular", "KHR_materials_emissive_strength",
+                                   "KHR_materials_unlit",    "KHR_texture_transform",
+                                   "KHR_mesh_quantization",  "KHR_materials_pbrSpecularGlossiness"};
 constexpr std::size_t kMaxStride = 252;
 
 /// Before anything else: what another version has may be of other types.

@@ -77,8 +77,14 @@ class MaterialReader {
 
   Material read(const JsonValue& source, const std::string& place) {
     const JsonValue* pbr = source.find("pbrMetallicRoughness");
+    const JsonValue* gloss = extension(source, "KHR_materials_pbrSpecularGlossiness");
     const JsonValue nothing;
-    read_base(source, pbr == nullptr ? nothing : *pbr);
+    if (pbr == nullptr && gloss != nullptr) {
+      read_base(source, gloss->find("diffuseTexture"), nullptr);
+      read_gloss(*gloss);
+    } else {
+      read_metallic(source, pbr == nullptr ? nothing : *pbr);
+    }
     read_extensions(source, place + ".extensions.");
     read_alpha(source);
     if (source.contains("occlusionTexture")) warnings_.once("Occlusion textures are left out.");
@@ -110,9 +116,9 @@ class MaterialReader {
     return slot;
   }
 
-  void read_base(const JsonValue& source, const JsonValue& pbr) {
-    const JsonValue* base = pbr.find("baseColorTexture");
-    const JsonValue* metallic_roughness = pbr.find("metallicRoughnessTexture");
+  /// What materials of either model have.
+  void read_base(const JsonValue& source, const JsonValue* base,
+                 const JsonValue* metallic_roughness) {
     const JsonValue* emission = source.find("emissiveTexture");
     const JsonValue* normal = source.find("normalTexture");
     // The base colour's set; where it has no texture, that of the first slot that has one.
@@ -122,15 +128,38 @@ class MaterialReader {
     material_ = {};
     material_.name = source.get("name", std::string());
     material_.double_sided = source.get("doubleSided", false);
-    material_.base_color = vec4(pbr, "baseColorFactor", 1);
     material_.emission = vec3(source, "emissiveFactor", 0);
-    material_.metallic = pbr.get("metallicFactor", 1.0f);
-    material_.roughness = pbr.get("roughnessFactor", 1.0f);
     material_.base_color_texture = slot(base, "base colour");
     material_.metallic_roughness_texture = slot(metallic_roughness, "metallic-roughness");
     material_.emission_texture = slot(emission, "emission");
     material_.normal_texture = slot(normal, "normal");
     if (normal != nullptr) material_.normal_scale = normal->get("scale", 1.0f);
+  }
+
+  void read_metallic(const JsonValue& source, const JsonValue& pbr) {
+    read_base(source, pbr.find("baseColorTexture"), pbr.find("metallicRoughnessTexture"));
+    material_.base_color = vec4(pbr, "baseColorFactor", 1);
+    material_.metallic = pbr.get("metallicFactor", 1.0f);
+    material_.roughness = pbr.get("roughnessFactor", 1.0f);
+  }
+
+  /// The older model, where a material has no other: what its surface reflects straight on is
+  /// `specularFactor`, and what does not reflects the diffuse colour.
+  void read_gloss(const JsonValue& gloss) {
+    material_.base_color = vec4(gloss, "diffuseFactor", 1);
+    material_.metallic = 0;
+    if (gloss.contains("specularGlossinessTexture")) {
+      warnings_.once("Specular-glossiness textures are left out: such surfaces are dull.");
+      material_.roughness = 1;
+      return;
+    }
+    material_.roughness = 1 - gloss.get("glossinessFactor", 1.0f);
+    material_.ior = 0;  // of KHR_materials_ior: the specular colour alone counts
+    material_.specular_color = vec3(gloss, "specularFactor", 1);
+    const Vec3 s = material_.specular_color;
+    const float rest = std::max(0.0f, 1 - std::max({s.x, s.y, s.z}));
+    Vec4& base = material_.base_color;
+    base = {base.x * rest, base.y * rest, base.z * rest, base.w};
   }
 
   void read_alpha(const JsonValue& source) {

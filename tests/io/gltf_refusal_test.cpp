@@ -223,6 +223,8 @@ TEST_F(GltfBroken, FieldsOfTheFileAreNamed) {
        "materials[1].extensions.KHR_materials_emissive_strength.emissiveStrength"},
       {"/materials/1/pbrMetallicRoughness/roughnessFactor", -0.5,
        "materials[1].pbrMetallicRoughness.roughnessFactor"},
+      {"/materials/1/extensions/KHR_materials_pbrSpecularGlossiness/glossinessFactor", 2,
+       "materials[1].extensions.KHR_materials_pbrSpecularGlossiness.glossinessFactor"},
       {"/materials/1/extensions/KHR_materials_volume/thicknessFactor", -1,
        "materials[1].extensions.KHR_materials_volume.thicknessFactor"},
       {"/materials/1/extensions/KHR_materials_ior/ior", 0.5,
