@@ -37,6 +37,7 @@ class HeaderReader {
       : text_(reinterpret_cast<const char*>(file.data()), file.size()), file_bytes_(file_bytes) {}
 
   PlyHeader read() {
+    find_line_end();
     if (next_line() != "ply") refuse("the file does not begin with \"ply\"");
     bool has_format = false;
     for (;;) {
@@ -67,9 +68,16 @@ class HeaderReader {
     throw Error(ErrorCode::kInvalidData, sentence, place());
   }
 
+  /// Rhinoceros ends lines as old Macintoshes did. What follows the header may be any byte, so that
+  /// the first line tells how all of them end.
+  void find_line_end() {
+    const std::size_t end = std::min(text_.find_first_of("\r\n"), text_.size());
+    if (text_.substr(end, 1) == "\r" && text_.substr(end, 2) != "\r\n") line_end_ = '\r';
+  }
+
   std::string_view next_line() {
     ++line_;
-    const std::size_t end = text_.find('\n', at_);
+    const std::size_t end = text_.find(line_end_, at_);
     if (end == text_.npos || end > kMaxPlyHeaderBytes) refuse("the header has no end_header line");
     std::string_view line = text_.substr(at_, end - at_);
     if (line.ends_with('\r')) line.remove_suffix(1);
@@ -142,6 +150,7 @@ class HeaderReader {
   std::string_view text_;
   std::uint64_t file_bytes_;
   std::size_t at_ = 0, line_ = 0;
+  char line_end_ = '\n';
   PlyHeader header_;
 };
 

@@ -166,7 +166,10 @@ class AsciiReader {
 
   std::string next_word() {
     while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_])) != 0) {
-      if (text_[at_++] == '\n') ++line_;
+      const bool ends =
+          text_[at_] == '\n' || (text_[at_] == '\r' && text_.substr(at_, 2) != "\r\n");
+      if (ends) ++line_;
+      ++at_;
     }
     std::string word;
     while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_])) == 0) {
@@ -175,10 +178,10 @@ class AsciiReader {
     return word;
   }
   std::string rest_of_line() {
-    const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+    const std::size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());
     std::string rest(text_.substr(at_, end - at_));
     at_ = end;
-    const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+    const auto blank = [](char c) { return c == ' ' || c == '\t'; };
     while (!rest.empty() && blank(rest.back())) rest.pop_back();
     rest.erase(0, std::min(rest.find_first_not_of(" \t"), rest.size()));
     return rest;

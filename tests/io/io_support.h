@@ -75,6 +75,13 @@ inline void expect_refused(const std::string& path, ErrorCode code,
   }
 }
 
+/// With `end` in place of every "\n".
+inline std::string with_line_ends(const std::string& text, const std::string& end) {
+  std::string changed;
+  for (const char c : text) changed += c == '\n' ? end : std::string(1, c);
+  return changed;
+}
+
 inline bool warns(const SceneDescription& scene, const std::string& word) {
   for (const std::string& warning : scene.warnings) {
     if (warning.find(word) != warning.npos) return true;

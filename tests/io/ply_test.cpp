@@ -1,4 +1,6 @@
 // PLY in its three formats.
+#include <bit>
+
 #include "tests/io/io_support.h"
 
 namespace raysheaf::test {
@@ -28,6 +30,26 @@ TEST_F(Ply, ReadsAsciiPolygons) {
   EXPECT_EQ(scene.meshes[0].normals[0].z, 1);
   EXPECT_TRUE(scene.materials[0].double_sided);
   EXPECT_EQ(scene.instances.size(), 1u);
+}
+
+/// Rhinoceros writes "\r" alone.
+TEST_F(Ply, ReadsAnyEndsOfLines) {
+  const std::string text = kAscii + kPlySquare + "4 0 1 2 3\n";
+  std::string head = text.substr(0, text.find("0 0 0"));
+  head.replace(head.find("ascii"), 5, "binary_little_endian");
+  const float first = std::bit_cast<float>(0x3f800d0au);  // its lowest bytes end lines
+  Bytes body;
+  for (const float x : {first, 0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 1.f, 0.f, 0.f, 1.f, 0.f})
+    append(body, x);
+  append(body, std::uint8_t{3});
+  for (const std::int32_t v : {0, 1, 2}) append(body, v);
+  for (const char* end : {"\n", "\r\n", "\r"}) {
+    EXPECT_EQ(load(with_line_ends(text, end)).triangle_count(), 2u);
+    const SceneDescription scene =
+        load(with_line_ends(head, end) + std::string(body.begin(), body.end()));
+    ASSERT_EQ(scene.triangle_count(), 1u);
+    EXPECT_EQ(scene.meshes[0].positions[0].x, first);
+  }
 }
 
 /// The same file in both byte orders: odd types, unknown properties, lists and elements between.

@@ -26,17 +26,20 @@ Bytes binary(const std::string& head, std::uint32_t said, std::uint32_t there) {
   return bytes;
 }
 
-TEST_F(Stl, ReadsAscii) {
-  const SceneDescription scene =
-      load_scene(write("a.stl", "solid one two\n" + kFacet + kFacet + "endsolid one two\nSOLID\n" +
-                                    kFacet + "endsolid\n"));
-  ASSERT_EQ(scene.meshes.size(), 2u);
-  EXPECT_EQ(scene.meshes[0].name, "one two");
-  EXPECT_EQ(scene.meshes[0].triangles.size(), 2u);
-  EXPECT_EQ(scene.meshes[0].positions.size(), 6u) << "nothing is welded";
-  EXPECT_TRUE(scene.meshes[0].normals.empty()) << "flat";
-  EXPECT_TRUE(scene.materials[0].double_sided);
+TEST_F(Stl, ReadsAsciiWithAnyEndsOfLines) {
+  const std::string text =
+      "solid one two\n" + kFacet + kFacet + "endsolid one two\nSOLID\n" + kFacet + "endsolid\n";
+  for (const char* end : {"\n", "\r\n", "\r"}) {
+    const SceneDescription scene = load_scene(write("a.stl", with_line_ends(text, end)));
+    ASSERT_EQ(scene.meshes.size(), 2u);
+    EXPECT_EQ(scene.meshes[0].name, "one two");
+    EXPECT_EQ(scene.meshes[0].triangles.size(), 2u);
+    EXPECT_EQ(scene.meshes[0].positions.size(), 6u) << "nothing is welded";
+    EXPECT_TRUE(scene.meshes[0].normals.empty()) << "flat";
+    EXPECT_TRUE(scene.materials[0].double_sided);
+  }
 }
+
 TEST_F(Stl, ReadsBinaryEvenIfItSaysSolid) {
   for (const char* head : {"", "solid looks like text"}) {
     const SceneDescription scene = load_scene(write("a.stl", binary(head, 5, 5)));
@@ -66,7 +69,9 @@ TEST_F(Stl, NamesWhatIsWrong) {
   text.replace(text.find("1 x 0"), 5, "1 nan 0");
   expect_refused(write("a.stl", text), kInvalidData, {"line 5", "not finite"});
   text.replace(text.find("1 nan 0"), 7, "1 1e99 0");
-  expect_refused(write("a.stl", text), kInvalidData, {"line 5", "not finite"});
+  for (const char* end : {"\n", "\r\n", "\r"})
+    expect_refused(write("a.stl", with_line_ends(text, end)), kInvalidData,
+                   {"line 5", "not finite"});
 }
 
 }  // namespace
