@@ -73,7 +73,7 @@ constexpr JsonRule kRules[] = {
     {"bufferViews[].name", kString},
     {"bufferViews[].buffer", kIndex, true, 0, "buffers"},
     {"bufferViews[].byteOffset", kSize},
-    {"bufferViews[].byteLength", kPositive, true},
+    {"bufferViews[].byteLength", kSize, true},
     {"bufferViews[].byteStride", kSize},
     {"bufferViews[].extensions", kObject},
     {"bufferViews[].extensions.EXT_meshopt_compression", kObject},

@@ -185,6 +185,7 @@ TEST_F(GltfScene, ReadsBuffersOfAnyLengthAndSpelling) {
   GltfFile file;
   file.show_triangle();
   file.json["buffers"][0]["byteLength"] = file.buffer.size();
+  file.json["bufferViews"].push_back({{"buffer", 0}, {"byteLength", 0}});  // of which nobody speaks
   Bytes longer = file.buffer;
   longer.insert(longer.end(), 5, 0);
   const std::string data = base64(longer);
@@ -200,6 +201,14 @@ TEST_F(GltfScene, ReadsBuffersOfAnyLengthAndSpelling) {
   file.json["buffers"][0]["byteLength"] = longer.size() + 1;
   expect_refused(write("d.gltf", file.text("data:text/plain;base64," + data)),
                  ErrorCode::kInvalidData, {"buffers[0].byteLength", "is 42", "only 41 bytes"});
+  file.json["buffers"][0]["byteLength"] = file.buffer.size();
+  file.json["accessors"][0]["bufferView"] = file.json["bufferViews"].size() - 1;
+  expect_refused(write("e.gltf", file.text()), ErrorCode::kInvalidData,
+                 {"accessors[0]", "do not fit into the 0 bytes"});
+  file.json["accessors"][0]["bufferView"] = 0;
+  file.add("images",
+           {{"bufferView", file.json["bufferViews"].size() - 1}, {"mimeType", "image/png"}});
+  EXPECT_EQ(load_scene(write("f.gltf", file.text())).triangle_count(), 1u);
 }
 
 TEST_F(GltfScene, ReadsChunksThatFollowAtOnce) {
