@@ -20,7 +20,7 @@ GltfScene read_gltf(const GltfModel& model, const SceneFile& from, const GltfOut
   scene.name = std::filesystem::path(from.path).stem().string();
   Warnings warnings;
   for (const std::string& sentence : model.warnings) warnings.once(sentence);
-  const GltfNodes nodes = read_nodes(model, scene, result.rig);
+  const GltfNodes nodes = read_nodes(model, scene, result.rig, warnings);
   const std::vector<int> uv_sets = read_materials(model, scene, warnings);
   AccessorReader accessors(model, kFreeBytes + kBytesPerByte * model.file_bytes);
   read_skins(model, nodes, accessors, result.rig);

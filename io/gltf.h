@@ -60,7 +60,8 @@ struct GltfNodes {
 };
 
 /// Fills the rig's nodes, instances without their meshes, lights and cameras.
-[[nodiscard]] GltfNodes read_nodes(const GltfModel& model, SceneDescription& scene, Rig& rig);
+[[nodiscard]] GltfNodes read_nodes(const GltfModel& model, SceneDescription& scene, Rig& rig,
+                                   Warnings& warnings);
 
 /// Fills the rig's skins: glTF's, under the same numbers.
 void read_skins(const GltfModel& model, const GltfNodes& nodes, AccessorReader& accessors,

@@ -84,7 +84,9 @@ void check_cycles(const std::vector<int>& parents) {
   }
 }
 
-std::vector<int> root_nodes(const GltfModel& model, const std::vector<int>& parents) {
+/// What the scene shows, each with all below it. Some exporters (UniGLTF) leave a node of their own
+/// above those that the scene names; these lose their parent then, as they do in viewers.
+std::vector<int> root_nodes(const GltfModel& model, std::vector<int>& parents, Warnings& warnings) {
   std::vector<int> roots;
   const auto scenes = model.list("scenes");
   if (scenes.empty()) {
@@ -94,15 +96,28 @@ std::vector<int> root_nodes(const GltfModel& model, const std::vector<int>& pare
     return roots;
   }
   const auto scene = model.root().get("scene", std::size_t{0});
-  std::vector<bool> seen(parents.size(), false);
+  std::vector<bool> named(parents.size(), false);
   for (const JsonValue& item : scenes[scene].items("nodes")) {
     const int node = item.get<int>();
-    const auto n = static_cast<std::size_t>(node);
-    const std::string place = "scenes[" + std::to_string(scene) + "].nodes";
-    if (parents[n] >= 0) refuse(node_place(node) + " is not a root: it has a parent", place);
-    if (seen[n]) refuse(node_place(node) + " is listed twice", place);
-    seen[n] = true;
+    if (named[static_cast<std::size_t>(node)])
+      refuse(node_place(node) + " is listed twice", "scenes[" + std::to_string(scene) + "].nodes");
+    named[static_cast<std::size_t>(node)] = true;
     roots.push_back(node);
+  }
+  const auto is_below_another = [&](int node) {
+    do {
+      node = parents[static_cast<std::size_t>(node)];
+    } while (node >= 0 && !named[static_cast<std::size_t>(node)]);
+    return node >= 0;
+  };
+  if (std::erase_if(roots, is_below_another) != 0)
+    warnings.once("The scene names nodes that are below others it names; they are shown once.");
+  for (const int node : roots) {
+    int& parent = parents[static_cast<std::size_t>(node)];
+    if (parent >= 0)
+      warnings.once(
+          "The scene names nodes whose parent it does not show; they are shown without it.");
+    parent = -1;
   }
   return roots;
 }
@@ -237,9 +252,10 @@ void read_loads(const GltfModel& model, int index, std::uint32_t place, SceneDes
 
 }  // namespace
 
-GltfNodes read_nodes(const GltfModel& model, SceneDescription& scene, Rig& rig) {
+GltfNodes read_nodes(const GltfModel& model, SceneDescription& scene, Rig& rig,
+                     Warnings& warnings) {
   const auto sources = model.list("nodes");
-  const std::vector<int> parents = parents_of(sources);
+  std::vector<int> parents = parents_of(sources);
   check_cycles(parents);
   GltfNodes nodes;
   nodes.place_of.assign(sources.size(), kInvalidId);
@@ -257,10 +273,13 @@ GltfNodes read_nodes(const GltfModel& model, SceneDescription& scene, Rig& rig) 
       nodes.place_of[n] = place;
       if (shown) read_loads(model, index, place, scene, rig, nodes);
       const auto children = sources[n].items("children");
-      for (std::size_t c = children.size(); c-- > 0;) stack.push_back(children[c].get<int>());
+      for (std::size_t c = children.size(); c-- > 0;) {
+        const int child = children[c].get<int>();
+        if (parents[static_cast<std::size_t>(child)] == index) stack.push_back(child);
+      }
     }
   };
-  walk(root_nodes(model, parents), true);
+  walk(root_nodes(model, parents, warnings), true);
   // Joints may stand outside the scene that is shown.
   std::vector<int> others;
   for (std::size_t n = 0; n < parents.size(); ++n) {

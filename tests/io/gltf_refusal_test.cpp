@@ -89,10 +89,6 @@ TEST_F(GltfBroken, TwoParents) {
   file_.node({{"children", {0}}});
   expect(kInvalidData, {"nodes[0]", "two parents, nodes[1] and nodes[2]"});
 }
-TEST_F(GltfBroken, RootWithAParent) {
-  file_.node({{"children", {0}}});
-  expect(kInvalidData, {"scenes[0].nodes", "nodes[0] is not a root"});
-}
 TEST_F(GltfBroken, RequiredExtension) {
   file_.json["extensionsRequired"] = {"KHR_texture_basisu"};
   expect(kUnsupported, {"KHR_texture_basisu"});

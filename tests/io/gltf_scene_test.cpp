@@ -36,6 +36,25 @@ TEST_F(GltfScene, ComposesTheTransformsOfItsNodes) {
   }
 }
 
+TEST_F(GltfScene, ShowsNodesThatItNamesWithoutTheirParents) {
+  GltfFile file;
+  file.show_triangle();  // nodes[0]
+  file.roots = {0};
+  file.add("nodes", {{"children", {0}}, {"translation", {5, 0, 0}}});
+  file.add("nodes", {{"children", {1}}});
+  SceneDescription scene = load_scene(write("a.gltf", file.text()));
+  ASSERT_EQ(scene.instances.size(), 1u);
+  EXPECT_EQ(scene.instances[0].to_world.m[0][3], 0);
+  EXPECT_TRUE(warns(scene, "without"));
+  for (const auto& both : {std::vector<std::size_t>{0, 2}, std::vector<std::size_t>{2, 0}}) {
+    file.roots = both;
+    scene = load_scene(write("a.gltf", file.text()));
+    ASSERT_EQ(scene.instances.size(), 1u);
+    EXPECT_EQ(scene.instances[0].to_world.m[0][3], 5);
+    EXPECT_TRUE(warns(scene, "once"));
+  }
+}
+
 TEST_F(GltfScene, ShowsTheDefaultSceneAlone) {
   GltfFile file;
   file.show_triangle();
