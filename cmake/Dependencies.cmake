@@ -29,6 +29,11 @@ if(NOT DEFLATE_FOUND)
   message(STATUS "libdeflate not found: PNG files are compressed by stb, which takes longer")
 endif()
 
+pkg_check_modules(WEBP QUIET IMPORTED_TARGET libwebp)  # libwebp-dev
+if(NOT WEBP_FOUND)
+  message(STATUS "libwebp not found: textures in WebP are not read")
+endif()
+
 find_package(meshoptimizer QUIET CONFIG)  # libmeshoptimizer-dev
 if(NOT meshoptimizer_FOUND)
   message(STATUS "meshoptimizer not found: glTF with EXT_meshopt_compression is not read")

@@ -10,6 +10,7 @@
 #include "io/gltf_meshopt.h"
 #include "io/gltf_rules.h"
 #include "io/refuse.h"
+#include "io/webp_decode.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
@@ -39,7 +40,8 @@ void check_version(const JsonValue& root, const char* field) {
 void check_extensions(const JsonValue& root, std::vector<std::string>& warnings) {
   const auto supported = [](const std::string& name) {
     return std::find(kSupported.begin(), kSupported.end(), name) != kSupported.end() ||
-           (name == kMeshopt && unpacks_meshopt()) || (name == kDraco && unpacks_draco());
+           (name == kMeshopt && unpacks_meshopt()) || (name == kDraco && unpacks_draco()) ||
+           (name == "EXT_texture_webp" && reads_webp());
   };
   for (const JsonValue& item : root.items("extensionsRequired")) {
     const auto name = item.get<std::string>();

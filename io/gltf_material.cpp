@@ -47,11 +47,15 @@ std::vector<std::uint32_t> read_textures(const GltfModel& model, SceneDescriptio
   scene.images = std::move(images.images);
   std::vector<std::uint32_t> index_of;
   for (const JsonValue& source : model.list("textures")) {
-    const JsonValue* number = source.find("source");
-    if (number == nullptr)
+    const JsonValue* webp = extension(source, "EXT_texture_webp");
+    std::uint32_t image = kInvalidId;
+    for (const JsonValue* from : {webp, &source}) {
+      const JsonValue* number = from == nullptr ? nullptr : from->find("source");
+      if (image == kInvalidId && number != nullptr)
+        image = images.index_of[number->get<std::size_t>()];
+    }
+    if (webp == nullptr && !source.contains("source"))
       warnings.once("Textures without an image that can be read are left out.");
-    const std::uint32_t image =
-        number == nullptr ? kInvalidId : images.index_of[number->get<std::size_t>()];
     if (image == kInvalidId) {
       index_of.push_back(kInvalidId);
       continue;

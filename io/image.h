@@ -1,4 +1,5 @@
-// Eight-bit pictures, in memory: PNG by libpng, JPEG by libjpeg-turbo, TGA and BMP by stb_image.
+// Eight-bit pictures, in memory: PNG by libpng, JPEG by libjpeg-turbo, WebP by libwebp, TGA and BMP
+// by stb_image.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +15,9 @@
 namespace raysheaf::io {
 
 /// A picture may have this many pixels, and all pictures of a scene together four times as many;
-/// and no more than their bytes account for: in PNG and JPEG, deflate packs at most 1032 of them
-/// into one, of which a pixel of one channel needs one or less; in all else a run of 128 takes two.
+/// and no more than their bytes account for: in PNG and JPEG (and, as if, in WebP), deflate packs
+/// at most 1032 of them into one, of which a pixel of one channel needs one or less; in all else a
+/// run of 128 takes two.
 inline constexpr std::uint64_t kMaxImagePixels = std::uint64_t{1} << 26;
 inline constexpr std::uint64_t kMaxScenePixels = 4 * kMaxImagePixels;
 inline constexpr std::uint64_t kFreePixels = std::uint64_t{1} << 24, kPixelsPerByte = 4096;

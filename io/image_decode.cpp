@@ -34,6 +34,7 @@ void* zeroed(std::size_t bytes) {
 #include "io/image.h"
 #include "io/jpeg_decode.h"
 #include "io/png_decode.h"
+#include "io/webp_decode.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
@@ -92,9 +93,9 @@ std::uint64_t pixels_of(ImageSize size) {
 
 /// stb reads on behind the end, where all is zero: a hundred bytes would be a picture of any size.
 std::uint64_t most_pixels(std::span<const std::uint8_t> encoded) {
-  const std::uint64_t accounted = is_png(encoded) || is_jpeg(encoded)
-                                      ? kFreePixels + kPixelsPerByte * encoded.size()
-                                      : kUnpackedPixelsPerByte * encoded.size();
+  const bool packed = is_png(encoded) || is_jpeg(encoded) || is_webp(encoded);
+  const std::uint64_t accounted = packed ? kFreePixels + kPixelsPerByte * encoded.size()
+                                         : kUnpackedPixelsPerByte * encoded.size();
   return std::min(kMaxImagePixels, accounted);
 }
 
@@ -103,6 +104,7 @@ std::uint64_t most_pixels(std::span<const std::uint8_t> encoded) {
 std::optional<ImageSize> image_size(std::span<const std::uint8_t> encoded) {
   if (is_png(encoded)) return png_size(encoded);
   if (is_jpeg(encoded)) return jpeg_size(encoded);
+  if (is_webp(encoded)) return webp_size(encoded);
   return unpacked_size(encoded);
 }
 
@@ -111,6 +113,7 @@ std::optional<Image> decode_image(std::span<const std::uint8_t> encoded) {
   if (!size || pixels_of(*size) > most_pixels(encoded)) return {};
   if (is_png(encoded)) return decode_png(encoded, *size);
   if (is_jpeg(encoded)) return decode_jpeg(encoded, *size);
+  if (is_webp(encoded)) return decode_webp(encoded, *size);
   return decode_unpacked(encoded, *size);
 }
 

@@ -47,6 +47,7 @@ class Raysheaf(ConanFile):
         self.requires("libepoxy/1.5.10")
         self.requires("libjpeg-turbo/[>=3.0 <4]")
         self.requires("libpng/[>=1.6.39 <2]")
+        self.requires("libwebp/[>=1.2 <2]")
         self.requires("draco/[>=1.5.6 <2]")
         self.requires("meshoptimizer/[>=0.18 <2]")
         self.requires("nlohmann_json/[>=3.11.2 <4]")
@@ -70,7 +71,7 @@ class Raysheaf(ConanFile):
         names.set_property("highway::hwy", "cmake_target_name", "hwy::hwy")
         names.set_property("highway::hwy_contrib", "cmake_target_name", "hwy::hwy_contrib")
         names.generate()
-        PkgConfigDeps(self).generate()  # libepoxy, libdeflate and zstd are looked for by pkg-config
+        PkgConfigDeps(self).generate()  # libepoxy, libdeflate, libwebp and zstd are looked for by pkg-config
         toolchain = CMakeToolchain(self)
         toolchain.cache_variables["RAYSHEAF_BARE_TINYEXR"] = True
         toolchain.cache_variables["RAYSHEAF_APP"] = bool(self.options.tools)
