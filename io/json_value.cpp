@@ -1,6 +1,7 @@
 #include "io/json_value.h"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -9,6 +10,16 @@
 
 namespace raysheaf::io {
 namespace {
+
+/// A whole number is an integer however it is written: 1.0, 1e0. But -0.0 keeps its sign.
+JsonValue whole_or_not(double value) {
+  constexpr double kMost = 0x1p53;
+  if (!(std::fabs(value) <= kMost) || std::trunc(value) != value ||
+      (value == 0 && std::signbit(value)))
+    return JsonValue(value);
+  if (value < 0) return JsonValue(static_cast<std::int64_t>(value));
+  return JsonValue(static_cast<std::uint64_t>(value));
+}
 
 /// Puts the tree together while nlohmann-json's parser walks over the text. What is open, and what
 /// it holds so far, stands on one stack; where it ends, its parts move into the arena side by side.
@@ -21,7 +32,7 @@ class TreeBuilder {
   bool boolean(bool value) { return add(JsonValue(value)); }
   bool number_integer(std::int64_t value) { return add(JsonValue(value)); }
   bool number_unsigned(std::uint64_t value) { return add(JsonValue(value)); }
-  bool number_float(double value, const std::string&) { return add(JsonValue(value)); }
+  bool number_float(double value, const std::string&) { return add(whole_or_not(value)); }
   bool string(const std::string& value) { return add(JsonValue(kept(value))); }
   bool binary(const nlohmann::json::binary_t&) { return false; }  // not in texts
   bool key(const std::string& name) {
