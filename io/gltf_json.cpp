@@ -68,9 +68,8 @@ void check_buffer(const JsonValue& buffer, std::size_t i, const GltfParts& parts
   const std::string place = element("buffers", i);
   const auto said = buffer.at("byteLength").get<std::size_t>();
   const auto uri = buffer.get("uri", std::string_view());
-  if (is_meshopt_fallback(buffer)) return;
+  if (!has_bytes(buffer, i, parts)) return;
   if (uri.empty()) {
-    if (i != 0 || !parts.is_glb) refuse("the buffer has no data: no uri", place);
     check_length(said, parts.binary.size(), place);
   } else if (is_data_uri(uri)) {
     check_length(said, buffer_uri_bytes(uri, place + ".uri"), place);
@@ -91,7 +90,14 @@ void check_image(const JsonValue& image, std::size_t i, const SceneFile& from) {
   if (!is_data_uri(uri)) static_cast<void>(resolve(from, std::string(uri), true, place + ".uri"));
 }
 
-void check_view(const JsonValue& root, const JsonValue& view, std::size_t i) {
+void require_bytes(const JsonValue& root, std::size_t buffer, const GltfParts& parts,
+                   const std::string& place) {
+  if (!has_bytes(root.at("buffers").at(buffer), buffer, parts))
+    refuse("is " + std::to_string(buffer) + ", a buffer without data", place);
+}
+
+void check_view(const JsonValue& root, const JsonValue& view, std::size_t i,
+                const GltfParts& parts) {
   const std::string place = element("bufferViews", i);
   const auto buffer = view.at("buffer").get<std::size_t>();
   const auto bytes = root.at("buffers").at(buffer).at("byteLength").get<std::size_t>();
@@ -102,10 +108,12 @@ void check_view(const JsonValue& root, const JsonValue& view, std::size_t i) {
                element("buffers", buffer) + " has " + std::to_string(bytes) + " bytes",
            place);
   }
-  if (meshopt_packing(view) != nullptr) {
+  if (const JsonValue* packing = meshopt_packing(view)) {
+    require_bytes(root, packing->at("buffer").get<std::size_t>(), parts,
+                  place + ".extensions." + kMeshopt + ".buffer");
     check_meshopt(root, view, place);
-  } else if (is_meshopt_fallback(root.at("buffers").at(buffer))) {
-    refuse("is a buffer without data", place + ".buffer");
+  } else {
+    require_bytes(root, buffer, parts, place + ".buffer");
   }
   const auto stride = view.get("byteStride", std::size_t{4});
   if (stride % 4 != 0 || stride > kMaxStride) {
@@ -227,6 +235,10 @@ void check_light(const JsonValue& light, std::size_t i) {
 
 }  // namespace
 
+bool has_bytes(const JsonValue& buffer, std::size_t index, const GltfParts& parts) {
+  return !buffer.get("uri", std::string_view()).empty() || (parts.is_glb && index == 0);
+}
+
 std::size_t component_bytes(int type) {
   switch (type) {
     case kGltfByte:
@@ -275,7 +287,7 @@ std::vector<std::string> check_gltf_json(const JsonValue& root, const GltfParts&
   using Item = const JsonValue&;
   each(root.items("buffers"), [&](Item x, std::size_t i) { check_buffer(x, i, parts, from); });
   each(root.items("images"), [&](Item x, std::size_t i) { check_image(x, i, from); });
-  each(root.items("bufferViews"), [&](Item x, std::size_t i) { check_view(root, x, i); });
+  each(root.items("bufferViews"), [&](Item x, std::size_t i) { check_view(root, x, i, parts); });
   const std::vector<bool> is_filled = check_draco(root);
   each(root.items("accessors"),
        [&](Item x, std::size_t i) { check_accessor(root, x, i, is_filled[i]); });

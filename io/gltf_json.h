@@ -31,6 +31,10 @@ struct GltfParts {
                                                        const GltfParts& parts,
                                                        const SceneFile& from);
 
+/// Whether a buffer has bytes of its own, in a file or in the GLB's chunk. Others stand for what
+/// packed views of them unpack to, or for nothing.
+[[nodiscard]] bool has_bytes(const JsonValue& buffer, std::size_t index, const GltfParts& parts);
+
 /// glTF's numbers for the types of components.
 enum GltfComponent : int {
   kGltfByte = 5120,

@@ -54,7 +54,7 @@ std::vector<std::uint32_t> read_textures(const GltfModel& model, SceneDescriptio
       if (image == kInvalidId && number != nullptr)
         image = images.index_of[number->get<std::size_t>()];
     }
-    if (webp == nullptr && !source.contains("source"))
+    if (!source.contains("source") && (webp == nullptr || !webp->contains("source")))
       warnings.once("Textures without an image that can be read are left out.");
     if (image == kInvalidId) {
       index_of.push_back(kInvalidId);

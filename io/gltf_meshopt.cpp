@@ -58,12 +58,6 @@ bool unpacks_meshopt() {
 #endif
 }
 
-bool is_meshopt_fallback(const JsonValue& buffer) {
-  const JsonValue* extensions = buffer.find("extensions");
-  const JsonValue* own = extensions == nullptr ? nullptr : extensions->find(kMeshopt);
-  return own != nullptr && own->get("fallback", false) && !buffer.contains("uri");
-}
-
 const JsonValue* meshopt_packing(const JsonValue& view) {
   const JsonValue* extensions = view.find("extensions");
   return extensions == nullptr || !unpacks_meshopt() ? nullptr : extensions->find(kMeshopt);
@@ -74,7 +68,6 @@ void check_meshopt(const JsonValue& root, const JsonValue& view, const std::stri
   const std::string here = place + ".extensions." + kMeshopt;
   const auto number = json.at("buffer").get<std::size_t>();
   const JsonValue& buffer = root.at("buffers").at(number);
-  if (is_meshopt_fallback(buffer)) refuse("is a buffer without data", here + ".buffer");
   const auto there = buffer.at("byteLength").get<std::size_t>();
   const auto offset = json.get("byteOffset", std::size_t{0});
   const auto packed = json.at("byteLength").get<std::size_t>();

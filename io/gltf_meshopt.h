@@ -15,9 +15,6 @@ inline constexpr const char* kMeshopt = "EXT_meshopt_compression";
 /// Whether this build unpacks them. Where it does not, they are as their own buffers have them.
 [[nodiscard]] bool unpacks_meshopt();
 
-/// Whether the buffer has no bytes of its own: they are what packed views of it unpack to.
-[[nodiscard]] bool is_meshopt_fallback(const JsonValue& buffer);
-
 /// What packs a view; nullptr where nothing does, or this build cannot unpack it.
 [[nodiscard]] const JsonValue* meshopt_packing(const JsonValue& view);
 

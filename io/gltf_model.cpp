@@ -25,7 +25,9 @@ class ModelReader {
   void read() {
     const auto buffers = model_.list("buffers");
     for (std::size_t i = 0; i < buffers.size(); ++i)
-      buffers_.push_back(buffer(buffers[i], element("buffers", i) + ".uri"));
+      buffers_.push_back(has_bytes(buffers[i], i, parts_)
+                             ? buffer(buffers[i], element("buffers", i) + ".uri")
+                             : GltfBytes());
     const auto views = model_.list("bufferViews");
     for (std::size_t i = 0; i < views.size(); ++i)
       model_.views.push_back(view(views[i], element("bufferViews", i)));
@@ -42,7 +44,6 @@ class ModelReader {
   GltfBytes buffer(const JsonValue& source, const std::string& place) {
     const auto said = source.at("byteLength").get<std::size_t>();
     const auto uri = source.get("uri", std::string_view());
-    if (is_meshopt_fallback(source)) return {};
     if (uri.empty()) return parts_.binary.subspan(0, said);
     if (is_data_uri(uri)) {
       std::optional<Bytes> bytes = decode_data_uri(uri);

@@ -128,7 +128,7 @@ constexpr JsonRule kRules[] = {
     {"textures[].source", kIndex, false, 0, "images"},
     {"textures[].extensions", kObject},
     {"textures[].extensions.EXT_texture_webp", kObject},
-    {"textures[].extensions.EXT_texture_webp.source", kIndex, true, 0, "images"},
+    {"textures[].extensions.EXT_texture_webp.source", kIndex, false, 0, "images"},
     {"samplers", kArray},
     {"samplers[].magFilter", kInt},
     {"samplers[].minFilter", kInt},

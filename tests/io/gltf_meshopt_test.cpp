@@ -170,6 +170,13 @@ TEST_F(Meshopt, PackedExponentsGivePositionsBack) {
     ASSERT_LT(length(scene.meshes[0].positions[i] - ball_.positions[i]), 1e-5f);
 }
 
+TEST_F(Meshopt, TheBufferThatTheyUnpackToNeedNotSayWhatItIs) {
+  show_ball();
+  json whole = json::parse(text());
+  whole["buffers"][1].erase("extensions");
+  EXPECT_EQ(load_scene(write("a.gltf", whole.dump())).triangle_count(), ball_.triangles.size());
+}
+
 TEST_F(Meshopt, WhatIsWrongIsNamed) {
   show_ball();
   const json good = packing();
