@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "tests/support/gltf_triangle.h"
 #include "tests/support/process.h"
 
 namespace raysheaf::test {
@@ -310,38 +309,6 @@ TEST(Scene, ListedScenesCanBeWrittenAndReadBack) {
     for (std::size_t i = 0; i < a.at("materials").size(); ++i)
       EXPECT_EQ(a["materials"][i].at("thin"), b["materials"][i].at("thin")) << name << i;
     EXPECT_EQ(b.at("files"), Json::array({file}));
-  }
-}
-
-TEST(Info, TextAndJsonAgree) {
-  const TemporaryFolder folder;
-  const Finished text = raysheaf_app({"info", "builtin:cornell"}, folder);
-  const Finished json = raysheaf_app({"info", "builtin:cornell", "--json"}, folder);
-  ASSERT_EQ(text.code, 0) << text.err;
-  const Json info = Json::parse(json.out);
-  EXPECT_EQ(info.at("triangles"), 792);
-  EXPECT_EQ(info.at("meshes").size(), 7u);
-  EXPECT_NE(text.out.find("triangles  792\n"), std::string::npos) << text.out;
-  EXPECT_NE(text.out.find("meshes     7\n"), std::string::npos) << text.out;
-  for (const char* word : {"materials", "lights", "cameras", "bounds"}) {
-    EXPECT_NE(text.out.find(word), std::string::npos) << word;
-  }
-}
-
-TEST(Info, SaysWhichGlassIsThin) {
-  const TemporaryFolder folder;
-  write_file(folder.file("c.bin"), gltf_triangle_corners());
-  for (const bool thin : {false, true}) {
-    Json gltf = Json::parse(kGltfTriangle);
-    gltf.erase("images");
-    Json& extensions = gltf["materials"][0]["extensions"];
-    extensions["KHR_materials_transmission"]["transmissionFactor"] = 1;
-    if (!thin) extensions["KHR_materials_volume"]["thicknessFactor"] = 1;
-    write_file(folder.file("c.gltf"), gltf.dump());
-    const Finished json = raysheaf_app({"info", "c.gltf", "--json"}, folder);
-    EXPECT_EQ(Json::parse(json.out).at("materials").at(0).at("thin"), thin) << json.err;
-    const Finished text = raysheaf_app({"info", "c.gltf"}, folder);
-    EXPECT_EQ(text.out.find(" thin ") != std::string::npos, thin) << text.out;
   }
 }
 

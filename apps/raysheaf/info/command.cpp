@@ -4,8 +4,8 @@
 #include "info/info.h"
 #include "options.h"
 #include "raysheaf/block_file.h"
+#include "render/frames.h"
 #include "render/stream.h"
-#include "scene_argument.h"
 
 namespace raysheaf::app {
 
@@ -35,8 +35,9 @@ int run(const InfoCommand& command) {
     print(command.json ? info_json(info) : info_text(info));
     return kSuccess;
   }
-  const SceneDescription scene = scene_from_argument(command.scene, command.load);
-  const SceneInfo info = gather_info(scene);
+  const std::unique_ptr<Animation> animation =
+      animation_from_argument(command.scene, {}, command.load);
+  const SceneInfo info = gather_info(*animation);
   print(command.json ? info_json(info) : info_text(info));
   return kSuccess;
 }

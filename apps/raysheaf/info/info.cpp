@@ -95,6 +95,17 @@ Table camera_table(const SceneDescription& scene) {
   return table;
 }
 
+Table clip_table(const SceneInfo& info) {
+  Table table({"animation", "from s", "to s", "frames", "name"});
+  for (std::size_t i = 0; i < info.clips.size(); ++i) {
+    const ClipInfo& clip = info.clips[i];
+    table.add({std::to_string(i), fmt::format("{:.4g}", clip.start),
+               fmt::format("{:.4g}", clip.end),
+               clip.frames == 0 ? "-" : std::to_string(clip.frames), shown_name(clip.name)});
+  }
+  return table;
+}
+
 std::string image_list(const SceneDescription& scene) {
   Table table({"image", "size", "name"});
   for (std::size_t i = 0; i < scene.images.size(); ++i) {
@@ -139,6 +150,16 @@ SceneInfo gather_info(const SceneDescription& scene) {
   return info;
 }
 
+SceneInfo gather_info(Animation& animation) {
+  SceneInfo info = gather_info(animation.scene());
+  for (std::uint32_t i = 0; i < animation.clips().size(); ++i) {
+    animation.play(i);
+    info.clips.push_back(
+        {animation.clips()[i], animation.start(), animation.end(), animation.frame_times().size()});
+  }
+  return info;
+}
+
 const char* type_name(Light::Type type) {
   switch (type) {
     case Light::Type::kPoint:
@@ -163,7 +184,7 @@ std::string info_text(const SceneInfo& info) {
   std::string text = totals(info);
   // How many triangles a mesh has is not known where they are in blocks.
   for (const Table& table : {info.blocks == 0 ? mesh_table(info) : Table({}), material_table(scene),
-                             light_table(scene), camera_table(scene)}) {
+                             light_table(scene), camera_table(scene), clip_table(info)}) {
     if (!table.empty()) text += "\n" + table.text();
   }
   text += image_list(scene);

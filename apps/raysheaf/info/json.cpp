@@ -71,6 +71,13 @@ Json camera_json(const Camera& camera) {
           {"focus", camera.focus}};
 }
 
+Json clip_json(const ClipInfo& clip) {
+  return {{"name", clip.name},
+          {"start", clip.start},
+          {"end", clip.end},
+          {"frames", clip.frames == 0 ? Json(nullptr) : Json(clip.frames)}};
+}
+
 Json image_json(const Image& image) {
   return {{"name", image.name}, {"width", image.width}, {"height", image.height}};
 }
@@ -100,6 +107,7 @@ std::string info_json(const SceneInfo& info) {
               {"images", list(scene.images, image_json)},
               {"lights", list(scene.lights, light_json)},
               {"cameras", list(scene.cameras, camera_json)},
+              {"animations", list(info.clips, clip_json)},
               {"warnings", scene.warnings},
               {"files", scene.files}};
   if (info.blocks != 0) {
