@@ -20,9 +20,9 @@ GltfScene read_gltf(const GltfModel& model, const SceneFile& from, const GltfOut
   scene.name = std::filesystem::path(from.path).stem().string();
   Warnings warnings;
   for (const std::string& sentence : model.warnings) warnings.once(sentence);
-  const GltfNodes nodes = read_nodes(model, scene, result.rig, warnings);
-  const std::vector<int> uv_sets = read_materials(model, scene, warnings);
   AccessorReader accessors(model, kFreeBytes + kBytesPerByte * model.file_bytes);
+  const GltfNodes nodes = read_nodes(model, accessors, scene, result.rig, warnings);
+  const std::vector<int> uv_sets = read_materials(model, scene, warnings);
   read_skins(model, nodes, accessors, result.rig);
   const std::vector<std::uint32_t> shape_of_node =
       read_meshes(model, nodes, uv_sets, accessors, outer, scene, result.rig, warnings);

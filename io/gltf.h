@@ -59,9 +59,16 @@ struct GltfNodes {
   std::vector<Use> uses;
 };
 
-/// Fills the rig's nodes, instances without their meshes, lights and cameras.
-[[nodiscard]] GltfNodes read_nodes(const GltfModel& model, SceneDescription& scene, Rig& rig,
-                                   Warnings& warnings);
+/// Fills the rig's nodes, instances without their meshes, lights and cameras. The places that a
+/// node shows its mesh at are nodes of the rig below it.
+[[nodiscard]] GltfNodes read_nodes(const GltfModel& model, AccessorReader& accessors,
+                                   SceneDescription& scene, Rig& rig, Warnings& warnings);
+
+inline constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
+
+/// Where a node shows its mesh, relative to itself; empty: once, where it is itself.
+[[nodiscard]] std::vector<RigNode> instances_of_node(const JsonValue& node, std::size_t index,
+                                                     AccessorReader& accessors);
 
 /// Fills the rig's skins: glTF's, under the same numbers.
 void read_skins(const GltfModel& model, const GltfNodes& nodes, AccessorReader& accessors,

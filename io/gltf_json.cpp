@@ -19,8 +19,9 @@ namespace {
 constexpr std::array kSupported = {"KHR_lights_punctual",    "KHR_materials_transmission",
                                    "KHR_materials_volume",   "KHR_materials_ior",
                                    "KHR_materials_specular", "KHR_materials_emissive_strength",
-                                   "KHR_materials_unlit",    "KHR_texture_transform",
-                                   "KHR_mesh_quantization",  "KHR_materials_pbrSpecularGlossiness"};
+                                   "KHR_materials_unlit",    "KHR_materials_pbrSpecularGlossiness",
+                                   "KHR_texture_transform",  "KHR_mesh_quantization",
+                                   "EXT_mesh_gpu_instancing"};
 constexpr std::size_t kMaxStride = 252;
 
 /// Before anything else: what another version has may be of other types.

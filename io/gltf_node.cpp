@@ -226,17 +226,27 @@ Camera read_gltf_camera(const GltfModel& model, std::size_t index) {
 }
 
 /// What hangs on a node: a mesh, a camera, a light.
-void read_loads(const GltfModel& model, int index, std::uint32_t place, SceneDescription& scene,
-                Rig& rig, GltfNodes& nodes) {
+void read_loads(const GltfModel& model, int index, std::uint32_t place, AccessorReader& accessors,
+                SceneDescription& scene, Rig& rig, GltfNodes& nodes) {
   const JsonValue& node = model.list("nodes")[static_cast<std::size_t>(index)];
   const auto name = node.get("name", std::string());
   if (const JsonValue* mesh = node.find("mesh")) {
     const JsonValue& shown = model.list("meshes")[mesh->get<std::size_t>()];
-    scene.instances.push_back({name.empty() ? shown.get("name", std::string()) : name, 0, {}});
     const int skin = node.get("skin", -1);
-    nodes.uses.push_back({mesh->get<int>(), skin, index});
+    const auto add = [&](std::uint32_t at) {
+      scene.instances.push_back({name.empty() ? shown.get("name", std::string()) : name, 0, {}});
+      nodes.uses.push_back({mesh->get<int>(), skin, index});
+      rig.instance_nodes.push_back(at);
+    };
+    std::vector<RigNode> places;
+    if (skin < 0) places = instances_of_node(node, static_cast<std::size_t>(index), accessors);
+    for (RigNode& one : places) {
+      one.parent = place;
+      add(static_cast<std::uint32_t>(rig.nodes.size()));
+      rig.nodes.push_back(std::move(one));
+    }
     // The joints alone say where a skinned mesh is (glTF 2.0, section 3.7.3.3).
-    rig.instance_nodes.push_back(skin >= 0 ? kInvalidId : place);
+    if (places.empty()) add(skin >= 0 ? kInvalidId : place);
   }
   if (const JsonValue* camera = node.find("camera")) {
     scene.cameras.push_back(read_gltf_camera(model, camera->get<std::size_t>()));
@@ -252,8 +262,8 @@ void read_loads(const GltfModel& model, int index, std::uint32_t place, SceneDes
 
 }  // namespace
 
-GltfNodes read_nodes(const GltfModel& model, SceneDescription& scene, Rig& rig,
-                     Warnings& warnings) {
+GltfNodes read_nodes(const GltfModel& model, AccessorReader& accessors, SceneDescription& scene,
+                     Rig& rig, Warnings& warnings) {
   const auto sources = model.list("nodes");
   std::vector<int> parents = parents_of(sources);
   check_cycles(parents);
@@ -271,7 +281,7 @@ GltfNodes read_nodes(const GltfModel& model, SceneDescription& scene, Rig& rig,
           parents[n] < 0 ? kInvalidId : nodes.place_of[static_cast<std::size_t>(parents[n])];
       rig.nodes.push_back(rig_node(sources[n], node_place(index), parent));
       nodes.place_of[n] = place;
-      if (shown) read_loads(model, index, place, scene, rig, nodes);
+      if (shown) read_loads(model, index, place, accessors, scene, rig, nodes);
       const auto children = sources[n].items("children");
       for (std::size_t c = children.size(); c-- > 0;) {
         const int child = children[c].get<int>();

@@ -36,6 +36,45 @@ TEST_F(GltfScene, ComposesTheTransformsOfItsNodes) {
   }
 }
 
+TEST_F(GltfScene, ShowsAMeshAtEveryPlaceOfItsNode) {
+  constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
+  GltfFile file;
+  file.show_triangle();
+  file.json["extensionsRequired"] = file.json["extensionsUsed"] = {kInstancing};
+  const std::vector<std::int16_t> turns = {0, 0, 0, 32767, 0, 0, 32767, 0};
+  json& attributes = file.json["nodes"][0]["extensions"][kInstancing]["attributes"];
+  attributes["TRANSLATION"] = file.positions({1, 0, 0, 0, 2, 0});
+  attributes["SCALE"] = file.positions({1, 1, 1, 3, 3, 3});
+  attributes["ROTATION"] = file.accessor(turns, "VEC4", 5122, 4, true);
+  attributes["_ID"] = file.accessor(std::vector<float>{7, 8}, "SCALAR", 5126, 1);
+  file.json["nodes"][0].update(json{{"name", "tree"}, {"translation", {0, 0, 5}}});
+  const SceneDescription scene = load_scene(write("a.gltf", file.text()));
+  EXPECT_TRUE(scene.warnings.empty());
+  ASSERT_EQ(scene.instances.size(), 2u);
+  ASSERT_EQ(scene.meshes.size(), 1u);
+  const float expected[2][3][4] = {{{1, 0, 0, 1}, {0, 1, 0, 0}, {0, 0, 1, 5}},
+                                   {{-3, 0, 0, 0}, {0, -3, 0, 2}, {0, 0, 3, 5}}};
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(scene.instances[i].name, "tree");
+    for (std::size_t r = 0; r < 3; ++r) {
+      for (std::size_t c = 0; c < 4; ++c)
+        EXPECT_NEAR(scene.instances[i].to_world.m[r][c], expected[i][r][c], 1e-5) << i << r << c;
+    }
+  }
+  const std::string place = std::string("nodes[0].extensions.") + kInstancing + ".attributes";
+  attributes["SCALE"] = file.positions({1, 1, 1});
+  expect_refused(write("b.gltf", file.text()), ErrorCode::kInvalidData, {place, "has 1 elements"});
+  attributes["SCALE"] = attributes["ROTATION"];
+  expect_refused(write("c.gltf", file.text()), ErrorCode::kInvalidData, {place + ".SCALE"});
+  attributes.erase("SCALE");
+  attributes["ROTATION"] =
+      file.accessor(std::vector<std::int16_t>{0, 0, 0, 1, 0, 0, 0, 0}, "VEC4", 5122, 4, true);
+  expect_refused(write("d.gltf", file.text()), ErrorCode::kInvalidData,
+                 {place + ".ROTATION[1]", "no length"});
+  attributes = json::object();
+  expect_refused(write("e.gltf", file.text()), ErrorCode::kInvalidData, {place, "no attribute"});
+}
+
 TEST_F(GltfScene, ShowsNodesThatItNamesWithoutTheirParents) {
   GltfFile file;
   file.show_triangle();  // nodes[0]
