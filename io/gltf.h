@@ -64,9 +64,8 @@ struct GltfNodes {
 [[nodiscard]] GltfNodes read_nodes(const GltfModel& model, AccessorReader& accessors,
                                    SceneDescription& scene, Rig& rig, Warnings& warnings);
 
-inline constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
-
-/// Where a node shows its mesh, relative to itself; empty: once, where it is itself.
+/// Where a node shows its mesh by EXT_mesh_gpu_instancing, relative to itself; empty: once, where
+/// it is itself.
 [[nodiscard]] std::vector<RigNode> instances_of_node(const JsonValue& node, std::size_t index,
                                                      AccessorReader& accessors);
 

@@ -1,11 +1,17 @@
 // Many instances of one node's mesh: EXT_mesh_gpu_instancing.
-#include <cmath>
+#include <string>
+#include <vector>
 
 #include "io/gltf.h"
 #include "io/gltf_json.h"
 #include "io/refuse.h"
 
 namespace raysheaf::io {
+namespace {
+
+constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
+
+}  // namespace
 
 std::vector<RigNode> instances_of_node(const JsonValue& node, std::size_t index,
                                        AccessorReader& accessors) {
@@ -19,10 +25,11 @@ std::vector<RigNode> instances_of_node(const JsonValue& node, std::size_t index,
     const std::size_t other = accessors.count(attribute.value.get<int>());
     if (other != count)
       refuse("has " + std::to_string(other) + " elements, but " +
-                 std::string(attributes.members()[0].name) + " has " + std::to_string(count),
+                 printable(std::string(attributes.members()[0].name)) + " has " +
+                 std::to_string(count),
              place + "." + printable(std::string(attribute.name)));
   }
-  accessors.charge(count, sizeof(RigNode) + sizeof(Instance), place);
+  accessors.charge(count, sizeof(RigNode), place);
   std::vector<RigNode> instances(count);
   // Calls `take(instance, its numbers)`.
   const auto each = [&](const char* name, int components, const auto& take) {

@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "io/gltf.h"
 #include "io/gltf_json.h"
@@ -104,11 +106,21 @@ std::vector<int> root_nodes(const GltfModel& model, std::vector<int>& parents, W
     named[static_cast<std::size_t>(node)] = true;
     roots.push_back(node);
   }
+  // Whether a node or something above it is named; known of those that a walk has come by, so that
+  // all walks together take a step a node.
+  std::vector<std::optional<bool>> known(parents.size());
   const auto is_below_another = [&](int node) {
-    do {
-      node = parents[static_cast<std::size_t>(node)];
-    } while (node >= 0 && !named[static_cast<std::size_t>(node)]);
-    return node >= 0;
+    std::vector<int> walk;
+    bool below = false;
+    for (int up = parents[static_cast<std::size_t>(node)]; up >= 0 && !below;
+         up = parents[static_cast<std::size_t>(up)]) {
+      const auto u = static_cast<std::size_t>(up);
+      below = named[u] || known[u].value_or(false);
+      if (known[u]) break;
+      walk.push_back(up);
+    }
+    for (const int passed : walk) known[static_cast<std::size_t>(passed)] = below;
+    return below;
   };
   if (std::erase_if(roots, is_below_another) != 0)
     warnings.once("The scene names nodes that are below others it names; they are shown once.");
@@ -233,13 +245,16 @@ void read_loads(const GltfModel& model, int index, std::uint32_t place, Accessor
   if (const JsonValue* mesh = node.find("mesh")) {
     const JsonValue& shown = model.list("meshes")[mesh->get<std::size_t>()];
     const int skin = node.get("skin", -1);
+    const std::string called = name.empty() ? shown.get("name", std::string()) : name;
     const auto add = [&](std::uint32_t at) {
-      scene.instances.push_back({name.empty() ? shown.get("name", std::string()) : name, 0, {}});
+      scene.instances.push_back({called, 0, {}});
       nodes.uses.push_back({mesh->get<int>(), skin, index});
       rig.instance_nodes.push_back(at);
     };
     std::vector<RigNode> places;
     if (skin < 0) places = instances_of_node(node, static_cast<std::size_t>(index), accessors);
+    accessors.charge(std::max<std::size_t>(1, places.size()), sizeof(Instance) + called.size(),
+                     node_place(index));
     for (RigNode& one : places) {
       one.parent = place;
       add(static_cast<std::uint32_t>(rig.nodes.size()));

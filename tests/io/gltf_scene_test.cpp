@@ -75,6 +75,27 @@ TEST_F(GltfScene, ShowsAMeshAtEveryPlaceOfItsNode) {
   expect_refused(write("e.gltf", file.text()), ErrorCode::kInvalidData, {place, "no attribute"});
 }
 
+// A chain with many below its end, all of them named: without the chain, and with its other end.
+TEST_F(GltfScene, ShowsManyNodesThatItNamesWithoutTheirParents) {
+  constexpr std::size_t kNodes = 2000;
+  GltfFile file;
+  file.show_triangle();
+  file.roots.clear();
+  json leaves = json::array();
+  for (std::size_t n = 0; n < kNodes; ++n) leaves.push_back(file.add("nodes", {{"mesh", 0}}));
+  file.roots = leaves.get<std::vector<std::size_t>>();
+  std::size_t top = file.add("nodes", {{"children", leaves}, {"translation", {5, 0, 0}}});
+  for (std::size_t n = 0; n < kNodes; ++n) top = file.add("nodes", {{"children", {top}}});
+  for (const bool whole : {false, true}) {
+    if (whole) file.roots.push_back(top);
+    const SceneDescription scene = load_scene(write("a.gltf", file.text()));
+    ASSERT_EQ(scene.instances.size(), kNodes);
+    for (const Instance& instance : scene.instances)
+      ASSERT_EQ(instance.to_world.m[0][3], whole ? 5 : 0);
+    EXPECT_TRUE(warns(scene, whole ? "once" : "without"));
+  }
+}
+
 TEST_F(GltfScene, ShowsNodesThatItNamesWithoutTheirParents) {
   GltfFile file;
   file.show_triangle();  // nodes[0]
