@@ -4,6 +4,7 @@
 #include <webp/decode.h>
 
 #include <cstring>
+#include <new>
 #endif
 
 namespace raysheaf::io {
@@ -29,10 +30,14 @@ std::optional<ImageSize> webp_size(std::span<const std::uint8_t> encoded) {
 std::optional<Image> decode_webp(std::span<const std::uint8_t> encoded, ImageSize size) {
   PixelBuffer pixels(size);
   const std::span<std::uint8_t> rgba = pixels.rgba();
-  const int stride = static_cast<int>(4 * size.width);  // of 16 383 pixels at most
-  if (WebPDecodeRGBAInto(encoded.data(), encoded.size(), rgba.data(), rgba.size(), stride) ==
-      nullptr)
-    return {};
+  WebPDecoderConfig config;
+  if (WebPInitDecoderConfig(&config) == 0) return {};  // another version than the header's
+  config.output.colorspace = MODE_RGBA;
+  config.output.is_external_memory = 1;
+  config.output.u.RGBA = {rgba.data(), static_cast<int>(4 * size.width), rgba.size()};
+  const VP8StatusCode status = WebPDecode(encoded.data(), encoded.size(), &config);
+  if (status == VP8_STATUS_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (status != VP8_STATUS_OK) return {};
   return pixels.image();
 }
 #else
