@@ -7,6 +7,7 @@
 
 #include "raysheaf/error.h"
 #include "render/frames.h"
+#include "tests/support/gltf_triangle.h"
 #include "tests/support/process.h"
 
 namespace raysheaf::test {
@@ -181,22 +182,8 @@ TEST_F(Frames, WhatIsLeftOutOfAnyOfThemIsSaidOnce) {
 }
 
 TEST_F(Frames, NameTheFileWhereTimeLeadsTooFar) {
-  // A triangle that is 1e30 away after a second.
-  write_file(
-      folder_.path() / "away.gltf",
-      R"({"asset": {"version": "2.0"},
-      "buffers": [{"byteLength": 68, "uri": "data:application/octet-stream;base64,)"
-      "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAgD8AAAAAAAAAAAAAAADK8klxAAAAAAAAAAA="
-      R"("}],
-      "bufferViews": [{"buffer": 0, "byteLength": 68}],
-      "accessors": [
-        {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
-        {"bufferView": 0, "byteOffset": 36, "componentType": 5126, "count": 2, "type": "SCALAR"},
-        {"bufferView": 0, "byteOffset": 44, "componentType": 5126, "count": 2, "type": "VEC3"}],
-      "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
-      "nodes": [{"mesh": 0}],
-      "animations": [{"samplers": [{"input": 1, "output": 2}],
-        "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}]})");
+  write_file(folder_.path() / "m.bin", moving_triangle_numbers(1, 1e30f));
+  write_file(folder_.path() / "away.gltf", kMovingGltfTriangle);
   for (const char* option : {"--exposure=1", "--stream"}) {
     const Finished finished = render({"away.gltf", "-o", "f.png", "--time", "0.5", "-q", option});
     EXPECT_EQ(finished.code, 1);

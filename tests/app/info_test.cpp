@@ -45,21 +45,8 @@ TEST(Info, SaysWhichGlassIsThin) {
 
 TEST(Info, ListsWhatCanBePlayed) {
   const TemporaryFolder folder;
-  // Corners, two times, two translations.
-  constexpr float kNumbers[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1.5, 0, 0, 0, 3, 0, 0};
-  write_file(folder.file("m.bin"), {reinterpret_cast<const char*>(kNumbers), sizeof kNumbers});
-  Json gltf = Json::parse(R"({"asset": {"version": "2.0"},
-      "buffers": [{"byteLength": 68, "uri": "m.bin"}],
-      "bufferViews": [{"buffer": 0, "byteLength": 68}],
-      "accessors": [
-        {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
-        {"bufferView": 0, "byteOffset": 36, "componentType": 5126, "count": 2, "type": "SCALAR"},
-        {"bufferView": 0, "byteOffset": 44, "componentType": 5126, "count": 2, "type": "VEC3"}],
-      "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
-      "nodes": [{"mesh": 0}],
-      "animations": [{"name": "Walk", "samplers": [{"input": 1, "output": 2}],
-        "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}]})");
-  write_file(folder.file("m.gltf"), gltf.dump());
+  write_file(folder.file("m.bin"), moving_triangle_numbers(1.5f, 3));
+  write_file(folder.file("m.gltf"), kMovingGltfTriangle);
   const Finished text = raysheaf_app({"info", "m.gltf"}, folder);
   EXPECT_NE(text.out.find("1.5       -  Walk\n"), std::string::npos) << text.out << text.err;
   EXPECT_EQ(text.out.find("warning"), std::string::npos) << text.out;

@@ -101,3 +101,14 @@ def brute_force(corners, origins, directions, t_min=0.0, t_max=np.inf) -> BruteF
     doubtful |= (np.abs(t_margin) < 1e-3) & (margin > -1e-3)
     doubtful |= ~np.isfinite(margin)
     return BruteForce(t, u, v, hit, doubtful)
+
+
+@pytest.fixture
+def mesh():
+    """A torus whose ray queries are raysheaf's."""
+    trimesh = pytest.importorskip("trimesh")
+    from raysheaf.trimesh import RayMeshIntersector
+
+    torus = trimesh.creation.torus(major_radius=3, minor_radius=1)
+    torus.ray = RayMeshIntersector(torus)
+    return torus

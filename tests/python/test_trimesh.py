@@ -25,13 +25,6 @@ def rays_about(mesh, count=500, seed=0):
     return origins, targets - origins
 
 
-@pytest.fixture
-def mesh():
-    mesh = trimesh.creation.torus(major_radius=3, minor_radius=1)
-    mesh.ray = RayMeshIntersector(mesh)
-    return mesh
-
-
 def test_the_whole_interface(mesh):
     from trimesh.ray import ray_triangle
 

@@ -13,13 +13,6 @@ trimesh = pytest.importorskip("trimesh")
 from raysheaf.trimesh import RayMeshIntersector  # noqa: E402
 
 
-@pytest.fixture
-def mesh():
-    mesh = trimesh.creation.torus(major_radius=3, minor_radius=1)
-    mesh.ray = RayMeshIntersector(mesh)
-    return mesh
-
-
 def test_handlers_of_signals_may_ask(mesh):
     if not hasattr(signal, "setitimer"):
         pytest.skip("the system has no timers")
