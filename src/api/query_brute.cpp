@@ -19,7 +19,7 @@ void for_each_hit(const TriangleSource& source, const Ray& ray, const Take& take
     for (std::uint32_t i = 0; i < run.count; ++i) {
       const auto [a, b, c] = run.corners(i);
       TriangleHit hit;
-      if (!intersect_triangle(setup, a, b, c, &hit) || has_no_area(a, b, c)) continue;
+      if (!intersect_triangle(setup, a, b, c, &hit)) continue;
       if (!take(EngineHit{hit.t, hit.u, hit.v, run.first + i})) return;
     }
   }

@@ -37,6 +37,12 @@ HWY_INLINE std::uint32_t rays_in_child(const RayPacket& p, const BvhNode& n, std
   return bits;
 }
 
+/// `raysheaf::past`, in lanes.
+HWY_INLINE RV past(RV t, RV along, float pad) {
+  return hn::Add(hn::Mul(hn::Mul(hn::Add(t, set(kLeastStep)), along), set(1 + 8 * kUnitRoundoff)),
+                 set(pad));
+}
+
 /// Rays in lanes, along a quarter's axes.
 struct RayLanes {
   RV ox, oy, oz, dx, dy, dz, t_min, t_limit;
@@ -178,10 +184,9 @@ HWY_INLINE std::uint32_t fill_packet(const Ray* rays, const std::uint32_t* order
         put(s.shear_x, p->shear_x), put(s.shear_y, p->shear_y), put(s.shear_z, p->shear_z);
         put(s.along, p->along), put(s.per_x, p->per_x), put(s.per_y, p->per_y);
         put(s.s_near, p->s_near), put(s.s_far, p->s_far);
-        put(set(std::numeric_limits<float>::infinity()), p->t);
-        put(hn::Zero(d), p->u), put(hn::Zero(d), p->v);
+        put(r.t_limit, p->t_low);
         const RayInts di;
-        hn::Store(hn::Set(di, kInvalidId), di, p->id + g);
+        hn::Store(hn::Set(di, kInvalidId), di, p->place + g);
       });
   p->pad = prepared.pad;
   p->bounded = prepared.bounded;

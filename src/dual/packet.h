@@ -70,8 +70,8 @@ struct alignas(64) RayPacket : QuarterAxes {
   float s_near[kPacketWidth], s_far[kPacketWidth];  ///< where boxes matter; done lanes: nowhere
   float zeta[kPacketWidth];                         ///< of the origin
   float along[kPacketWidth];                        ///< |d_z|
-  float t[kPacketWidth], u[kPacketWidth], v[kPacketWidth];
-  std::uint32_t id[kPacketWidth];
+  float t_low[kPacketWidth];          ///< the best hit's t is between this and t_limit
+  std::uint32_t place[kPacketWidth];  ///< its triangle's in the tree's quads; kInvalidId: none
   std::uint32_t index[kPacketWidth];  ///< the caller's number
   bool bounded = true;                ///< or else every triangle is tested with every ray
   std::uint32_t count = 0;

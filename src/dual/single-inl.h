@@ -142,12 +142,13 @@ HWY_INLINE std::uint32_t zeros_of(const std::uint32_t* numbers) {
 /// Rays through their subtrees, near boxes first, taking turns: while one waits for memory the
 /// others go on. A round has a loop for each thing that there is to do, over those that do it,
 /// instead of a branch for each ray that nobody can foretell: nodes, quads, hits, what is next.
-/// `start(i)` gives walk i its next ray, or says that there is none; `take(i, place, hit)` hands
-/// over a hit, after which the ray sees less far where `kShrinks`.
-template <bool kShrinks, class Start, class Take>
+/// `start(i)` gives walk i its next ray, or says that there is none; `take(i, place, t, front)`
+/// hands over a hit and `settle(i, place)` what may be one, after which the ray may see less far
+/// where `kShrinks`.
+template <bool kShrinks, class Start, class Take, class Settle>
 HWY_NOINLINE void walk_singles(const ObjectTree& tree, const SharedAxes& axes, SingleWalks* walks,
                                std::uint32_t count, const Start& start, const Take& take,
-                               DualCounts* tests) {
+                               const Settle& settle, DualCounts* tests) {
   QuadHits hits;
   std::uint32_t at[SingleWalks::kMost + kQuadRays];
   std::uint64_t boxes = 0, triangles = 0;
@@ -184,16 +185,12 @@ HWY_NOINLINE void walk_singles(const ObjectTree& tree, const SharedAxes& axes, S
       for (std::uint64_t turn = hits.hit & used; turn != 0; turn &= turn - 1) {
         const std::uint32_t b = first_of(turn), i = at[b / 4];
         met |= 1u << i;
-        take(i, 4 * walks->first[i] + b % 4, hits.at(b));
+        take(i, 4 * walks->first[i] + b % 4, hits.at(b), hits.is_front(b));
       }
       for (std::uint64_t turn = hits.unsettled & used; turn != 0; turn &= turn - 1) {
         const std::uint32_t b = first_of(turn), i = at[b / 4];
-        TriangleHit exact;
-        if (!settle_for_ray(axes, *walks->ray[i], tree.quads[walks->first[i]],
-                            static_cast<int>(b % 4), &exact))
-          continue;
         met |= 1u << i;
-        take(i, 4 * walks->first[i] + b % 4, exact);
+        settle(i, 4 * walks->first[i] + b % 4);
       }
     }
     for (; kShrinks && met != 0; met &= met - 1) {

@@ -19,6 +19,7 @@ HWY_INLINE void test_quads(const SharedAxes& a, const StreamRay* const* ray,
   }
 #if HWY_TARGET == HWY_SCALAR
   const auto corners = [&](const float* const* axis, int i) { return hn::Set(d, axis[0][12 * i]); };
+  const RV reach = set(quad[0]->reach[g]);
   const RV ox = set(ray[0]->ox), oy = set(ray[0]->oy), oz = set(ray[0]->oz);
   const RV shear_x = set(ray[0]->shear_x), shear_y = set(ray[0]->shear_y);
   const RV shear_z = set(ray[0]->shear_z), t_min = set(ray[0]->t_min);
@@ -28,6 +29,8 @@ HWY_INLINE void test_quads(const SharedAxes& a, const StreamRay* const* ray,
     return load_blocks([&](std::size_t k)
                            __attribute__((always_inline)) { return axis[k] + 12 * i; });
   };
+  const RV reach =
+      load_blocks([&](std::size_t i) __attribute__((always_inline)) { return quad[i]->reach + g; });
   const RV o =
       load_blocks([&](std::size_t i) __attribute__((always_inline)) { return &ray[i]->ox; });
   const RV s =
@@ -42,30 +45,27 @@ HWY_INLINE void test_quads(const SharedAxes& a, const StreamRay* const* ray,
                    hn::Sub(corners(z, i), oz), shear_x, shear_y);
   };
   const Corner<Rays> c0 = moved(0), c1 = moved(1), c2 = moved(2);
-  finish_lanes(d, c0, c1, c2, edges_of(d, c0, c1, c2), shear_z, t_min, t_limit, tested);
+  finish_lanes(d, c0, c1, c2, edges_of(d, c0, c1, c2, reach), reach, shear_z, t_min, t_limit,
+               tested);
 }
 
 /// Rays and a quad each. What they meet: bit 4 i + k of `hit` is ray i and triangle k, and those
-/// that the scalar test must settle are in `unsettled`.
+/// that stage 2 must settle are in `unsettled`.
 struct QuadHits {
-  alignas(64) float t[4 * SingleWalks::kMost];
-  alignas(64) float v[4 * SingleWalks::kMost];
-  alignas(64) float w[4 * SingleWalks::kMost];
-  alignas(64) float det[4 * SingleWalks::kMost];
-  std::uint64_t hit, unsettled;
+  alignas(64) float low[4 * SingleWalks::kMost];
+  alignas(64) float high[4 * SingleWalks::kMost];
+  std::uint64_t hit, unsettled, front;
 
   HWY_INLINE void keep(const Tested<Rays>& tested, std::size_t place) {
     const Rays d;
     hit |= std::uint64_t{bits_of(d, tested.hit)} << place;
     unsettled |= std::uint64_t{bits_of(d, tested.unsettled)} << place;
-    hn::Store(tested.t, d, t + place);
-    hn::Store(tested.v, d, v + place);
-    hn::Store(tested.w, d, w + place);
-    hn::Store(tested.det, d, det + place);
+    front |= std::uint64_t{bits_of(d, hn::Gt(tested.det, hn::Zero(d)))} << place;
+    hn::Store(tested.low, d, low + place);
+    hn::Store(tested.high, d, high + place);
   }
-  [[nodiscard]] HWY_INLINE TriangleHit at(std::uint32_t b) const {
-    return {t[b], v[b] / det[b], w[b] / det[b], det[b] > 0};
-  }
+  [[nodiscard]] HWY_INLINE Interval at(std::uint32_t b) const { return {low[b], high[b]}; }
+  [[nodiscard]] HWY_INLINE bool is_front(std::uint32_t b) const { return (front >> b & 1) != 0; }
 };
 static_assert(4 * SingleWalks::kMost <= 64);
 
@@ -74,7 +74,7 @@ static_assert(4 * SingleWalks::kMost <= 64);
 template <class RayAt, class QuadAt>
 HWY_INLINE void meet_quads(const SharedAxes& a, std::uint32_t count, const RayAt& ray_at,
                            const QuadAt& quad_at, QuadHits* hits) {
-  hits->hit = hits->unsettled = 0;
+  hits->hit = hits->unsettled = hits->front = 0;
   for (std::uint32_t base = 0; base < count; base += kQuadRays) {
     const StreamRay* ray[kQuadRays];
     const TriangleQuad* quad[kQuadRays];

@@ -27,26 +27,6 @@ struct SharedAxes {
         per_z(b.mirrored ? -1.0f : 1.0f) {}
 };
 
-/// The scalar test.
-HWY_NOINLINE bool settle_for_ray(const SharedAxes& a, const StreamRay& r, const TriangleQuad& q,
-                                 int k, TriangleHit* hit) {
-  float o[3];
-  o[a.axis_x] = r.ox;
-  o[a.axis_y] = r.oy;
-  o[a.axis_z] = r.oz;
-  const RaySetup setup{{o[0], o[1], o[2]}, r.shear_x, r.shear_y, r.shear_z, r.t_min,
-                       r.t_limit,          a.axis_x,  a.axis_y,  a.axis_z};
-  const auto corner = [&](int i) {
-    return Vec3{q.vertex[i][0][k], q.vertex[i][1][k], q.vertex[i][2][k]};
-  };
-  return intersect_triangle(setup, corner(0), corner(1), corner(2), hit);
-}
-
-/// The number of the triangle at a place: four a quad.
-inline std::uint32_t id_at(const ObjectTree& tree, std::uint32_t place) {
-  return tree.quads[place / 4].id[place % 4];
-}
-
 /// Rays on their way through subtrees, side by side: walk i goes on at `first[i]`, and what waits
 /// for it is on its stack, the nearest on top.
 struct SingleWalks {

@@ -98,7 +98,7 @@ class StreamWalk : StreamPilots<Mode> {
       store4(r.ox, r.oy, r.oz, r.t_limit, 0, rays);
       store4(slabs.shear_x, slabs.shear_y, slabs.shear_z, r.t_min, 1, rays);
       store4(slabs.per_x, slabs.per_y, slabs.s_near, slabs.s_far, 2, rays);
-      store4(slabs.along, hn::Zero(d), hn::Zero(d), none, 3, rays);
+      store4(slabs.along, r.t_limit, none, none, 3, rays);
       return;
     }
     StreamBlock& b = s.blocks[base / kPacketWidth];
@@ -108,8 +108,8 @@ class StreamWalk : StreamPilots<Mode> {
     put(r.t_min, b.t_min);
     put(slabs.per_x, b.per_x), put(slabs.per_y, b.per_y);
     put(slabs.s_near, b.s_near), put(slabs.s_far, b.s_far);
-    put(slabs.along, b.along), put(hn::Zero(d), b.u), put(hn::Zero(d), b.v);
-    hn::Store(hn::Set(di, kInvalidId), di, b.triangle + g);
+    put(slabs.along, b.along), put(r.t_limit, b.t_low);
+    hn::Store(hn::Set(di, kInvalidId), di, b.place + g);
   }
 
   /// With every triangle.

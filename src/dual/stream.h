@@ -30,12 +30,12 @@ inline constexpr std::uint32_t kStreamRays = 4096, kLongStreamRays = 65536;
 /// A ray on a cache line, four floats at a time: what triangles are tested with; with the origin,
 /// boxes; and what it has met. `s` and `along` as in dual/packet.h.
 struct alignas(64) StreamRay {
-  float ox, oy, oz, t_limit;  ///< where the best hit is, once there is one
+  float ox, oy, oz, t_limit;
   float shear_x, shear_y, shear_z, t_min;
   float per_x, per_y, s_near, s_far;
-  float along = 0, u = 0, v = 0;
-  std::uint32_t triangle =
-      kInvalidId;  ///< its number; for any-hit its place in the tree; kInvalidId: none
+  float along = 0, t_low = 0;        ///< the best hit's t is between t_low and t_limit
+  std::uint32_t place = kInvalidId;  ///< its triangle's in the tree's quads; kInvalidId: none
+  std::uint32_t unused = 0;
 };
 static_assert(sizeof(StreamRay) == 64);
 
@@ -44,13 +44,13 @@ struct alignas(64) StreamBlock {
   float ox[kPacketWidth], oy[kPacketWidth], oz[kPacketWidth], t_limit[kPacketWidth];
   float shear_x[kPacketWidth], shear_y[kPacketWidth], shear_z[kPacketWidth], t_min[kPacketWidth];
   float per_x[kPacketWidth], per_y[kPacketWidth], s_near[kPacketWidth], s_far[kPacketWidth];
-  float along[kPacketWidth], u[kPacketWidth], v[kPacketWidth];
-  std::uint32_t triangle[kPacketWidth];
+  float along[kPacketWidth], t_low[kPacketWidth];
+  std::uint32_t place[kPacketWidth];
 
   [[nodiscard]] StreamRay ray(std::uint32_t lane) const {
-    return {ox[lane],      oy[lane],    oz[lane],    t_limit[lane], shear_x[lane], shear_y[lane],
-            shear_z[lane], t_min[lane], per_x[lane], per_y[lane],   s_near[lane],  s_far[lane],
-            along[lane],   u[lane],     v[lane],     triangle[lane]};
+    return {ox[lane],      oy[lane],      oz[lane],    t_limit[lane], shear_x[lane],
+            shear_y[lane], shear_z[lane], t_min[lane], per_x[lane],   per_y[lane],
+            s_near[lane],  s_far[lane],   along[lane], t_low[lane],   place[lane]};
   }
 };
 

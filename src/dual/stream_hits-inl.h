@@ -26,17 +26,16 @@ class StreamHits {
   HWY_INLINE void take_each(std::uint32_t place, std::uint32_t hit, std::uint32_t unsettled,
                             const Tested<Rays>& tested, const Number& number) {
     const Rays d;
-    alignas(64) float t[kPacketWidth], u[kPacketWidth], v[kPacketWidth];
-    hn::Store(tested.t, d, t);
-    hn::Store(hn::Div(tested.v, tested.det), d, u);
-    hn::Store(hn::Div(tested.w, tested.det), d, v);
+    alignas(64) float low[kPacketWidth], high[kPacketWidth];
+    hn::Store(tested.low, d, low);
+    hn::Store(tested.high, d, high);
     const std::uint32_t front = bits_of(d, hn::Gt(tested.det, hn::Zero(d)));
     for (; hit != 0; hit &= hit - 1) {
       const auto i = static_cast<std::uint32_t>(__builtin_ctz(hit));
-      take(number(i), place, {t[i], u[i], v[i], (front >> i & 1) != 0});
+      take(number(i), place, {low[i], high[i]}, (front >> i & 1) != 0);
     }
     for (; unsettled != 0; unsettled &= unsettled - 1)
-      take_exactly(number(static_cast<std::uint32_t>(__builtin_ctz(unsettled))), place);
+      settle(number(static_cast<std::uint32_t>(__builtin_ctz(unsettled))), place);
   }
 
   HWY_NOINLINE void take_lanes(std::uint32_t place, const std::uint32_t* block, std::uint32_t used,
@@ -60,68 +59,70 @@ class StreamHits {
     if (Mode::kAll || one_side_) return take_each(place, hit, unsettled, tested, number);
     StreamBlock& b = stream_.blocks[rays.block];
     const RayInts di;
-    const RV best = load(b.t_limit + g), far = load(b.s_far + g);
-    const auto triangle = hn::Load(di, b.triangle + g);
-    RV t, end;
+    const RV limit = load(b.t_limit + g), far = load(b.s_far + g);
+    const auto best = hn::Load(di, b.place + g);
+    RV high, end;
     RM nearer = lanes_of(hit, 0);
-    hn::Vec<RayInts> met;
+    hn::Vec<RayInts> met = hn::Set(di, place);
+    std::uint32_t rest = unsettled;
     if constexpr (Mode::kAny) {
       // The least of a leaf's, whatever order a SIMD target finds them in.
-      met = hn::Min(triangle, hn::Set(di, place));
-      t = set(-1);
+      met = hn::Min(best, met);
+      high = set(-1);
       end = set(-std::numeric_limits<float>::infinity());
     } else {
-      met = hn::Set(di, id_at(tree_, place));
-      t = tested.t;
-      const RM first_of_two = hn::And(hn::Eq(t, best), hn::RebindMask(d, hn::Lt(met, triangle)));
-      nearer = hn::And(nearer, hn::Or(hn::Lt(t, best), first_of_two));
-      end = hn::Min(past(t, load(b.along + g), stream_.pad), far);
-      hn::Store(hn::IfThenElse(nearer, hn::Div(tested.v, tested.det), load(b.u + g)), d, b.u + g);
-      hn::Store(hn::IfThenElse(nearer, hn::Div(tested.w, tested.det), load(b.v + g)), d, b.v + g);
+      const RV low = load(b.t_low + g);
+      nearer = hn::And(nearer, hn::Lt(tested.high, low));
+      rest |= hit & ~bits_of(d, nearer);
+      high = tested.high;
+      end = hn::Min(past(high, load(b.along + g), stream_.pad), far);
+      hn::Store(hn::IfThenElse(nearer, tested.low, low), d, b.t_low + g);
     }
-    hn::Store(hn::IfThenElse(nearer, t, best), d, b.t_limit + g);
+    hn::Store(hn::IfThenElse(nearer, high, limit), d, b.t_limit + g);
     hn::Store(hn::IfThenElse(nearer, end, far), d, b.s_far + g);
-    hn::Store(hn::IfThenElse(hn::RebindMask(di, nearer), met, triangle), di, b.triangle + g);
+    hn::Store(hn::IfThenElse(hn::RebindMask(di, nearer), met, best), di, b.place + g);
     for (std::uint32_t turn = bits_of(d, nearer) & stream_.recorded[rays.block] >> g; turn != 0;
          turn &= turn - 1)
       tell_record(number(static_cast<std::uint32_t>(__builtin_ctz(turn))));
-    for (std::uint32_t turn = unsettled; turn != 0; turn &= turn - 1)
-      take_exactly(number(static_cast<std::uint32_t>(__builtin_ctz(turn))), place);
+    for (; rest != 0; rest &= rest - 1)
+      settle(number(static_cast<std::uint32_t>(__builtin_ctz(rest))), place);
   }
 
-  HWY_NOINLINE void take_exactly(std::uint32_t n, std::uint32_t place) {
-    const StreamRay ray = in_blocks_ ? block_of(n).ray(n % kPacketWidth) : stream_.rays[n];
+  /// A ray and a triangle that stage 1 cannot tell of, or whose hit it cannot tell from the ray's
+  /// best.
+  HWY_NOINLINE void settle(std::uint32_t n, std::uint32_t place) {
+    const Ray& ray = job_.rays[stream_.index[n]];
+    const Limits r = limits_of(n);
     TriangleHit hit;
-    if (settle_for_ray(SharedAxes(stream_), ray, tree_.quads[place / 4],
-                       static_cast<int>(place % 4), &hit))
-      take(n, place, hit);
+    if (!settle_at(tree_, ray, place, *r.best.high, &hit) || !is_shown(place, hit.front)) return;
+    if constexpr (Mode::kAll || Mode::kAny) {
+      keep(n, place, r);
+    } else {
+      if (r.best.take_settled(tree_, ray, place, hit.t)) shorten(n, r);
+    }
   }
 
-  void take(std::uint32_t n, std::uint32_t place, const TriangleHit& hit) {
-    Stream& s = stream_;
-    const std::uint32_t id = id_at(tree_, place);
-    if (one_side_ && !shows(job_.scene.facing, job_.scene.flags[id], hit.front)) return;
-    if constexpr (Mode::kAll) {
-      if (job_.hit_counts != nullptr)
-        ++job_.hit_counts[s.index[n]];
-      else
-        s.rows.push_back({s.first + n, {hit.t, hit.u, hit.v, id}});
-    } else if (in_blocks_) {
-      StreamBlock& b = block_of(n);
-      const std::uint32_t i = n % kPacketWidth;
-      if (improve(hit, place, id, b.along[i], &b.t_limit[i], &b.s_far[i], &b.u[i], &b.v[i],
-                  &b.triangle[i]))
-        tell_record(n);
-    } else {
-      StreamRay& r = s.rays[n];
-      improve(hit, place, id, r.along, &r.t_limit, &r.s_far, &r.u, &r.v, &r.triangle);
+  /// A hit within the ray's limits.
+  void take(std::uint32_t n, std::uint32_t place, Interval t, bool front) {
+    if (!is_shown(place, front)) return;
+    const Limits r = limits_of(n);
+    if constexpr (Mode::kAll || Mode::kAny) {
+      keep(n, place, r);
+    } else if (t.high < *r.best.low) {
+      *r.best.low = t.low;
+      *r.best.high = t.high;
+      *r.best.place = place;
+      shorten(n, r);
+    } else if (t.low <= *r.best.high) {
+      settle(n, place);
     }
   }
 
   HWY_INLINE void prefetch_ray(std::uint32_t n) const { hwy::Prefetch(stream_.rays.data() + n); }
 
   void write_back() {
-    if constexpr (!Mode::kAll) in_blocks_ ? write_back_blocks() : write_back_rays();
+    if constexpr (Mode::kAny) write_back_any();
+    if constexpr (!Mode::kAny && !Mode::kAll) write_back_closest();
   }
 
   const TraceJob& job_;
@@ -133,8 +134,27 @@ class StreamHits {
   DualCounts counts_;
 
  private:
+  /// Where a ray keeps what it looks for.
+  struct Limits {
+    BestHit best;
+    float* s_far;
+    float along;
+  };
+  [[nodiscard]] HWY_INLINE Limits limits_of(std::uint32_t n) const {
+    if (in_blocks_) {
+      StreamBlock& b = block_of(n);
+      const std::uint32_t i = n % kPacketWidth;
+      return {{&b.t_low[i], &b.t_limit[i], &b.place[i]}, &b.s_far[i], b.along[i]};
+    }
+    StreamRay& r = stream_.rays[n];
+    return {{&r.t_low, &r.t_limit, &r.place}, &r.s_far, r.along};
+  }
   [[nodiscard]] HWY_INLINE StreamBlock& block_of(std::uint32_t n) const {
     return stream_.blocks[n / kPacketWidth];
+  }
+
+  [[nodiscard]] HWY_INLINE bool is_shown(std::uint32_t place, bool front) const {
+    return !one_side_ || shows(job_.scene.facing, job_.scene.flags[id_at(tree_, place)], front);
   }
 
   /// A ray's record learns how far it looks.
@@ -144,69 +164,63 @@ class StreamHits {
     stream_.rays[n].s_far = b.s_far[n % kPacketWidth];
   }
 
-  /// Whether the hit is the ray's best so far, which is then kept.
-  HWY_INLINE bool improve(const TriangleHit& hit, std::uint32_t place, std::uint32_t id,
-                          float along, float* t_limit, float* s_far, float* u, float* v,
-                          std::uint32_t* triangle) const {
-    if constexpr (Mode::kAny) {
-      // The least of a leaf's, whatever order a SIMD target finds them in.
-      *triangle = std::min(*triangle, place);
-      *t_limit = -1;
-      *s_far = -std::numeric_limits<float>::infinity();
+  /// The ray looks no farther than its best hit.
+  HWY_INLINE void shorten(std::uint32_t n, const Limits& r) {
+    *r.s_far = std::min(*r.s_far, raysheaf::past(*r.best.high, r.along, stream_.pad));
+    if (in_blocks_) tell_record(n);
+  }
+
+  /// A hit where it matters only that there is one.
+  HWY_INLINE void keep(std::uint32_t n, std::uint32_t place, const Limits& r) {
+    if constexpr (Mode::kAll) {
+      if (job_.hit_counts != nullptr)
+        ++job_.hit_counts[stream_.index[n]];
+      else
+        stream_.rows.push_back({stream_.first + n, {0, 0, 0, place}});
     } else {
-      // The limit is the best so far, and at hand.
-      if (!(hit.t < *t_limit || (hit.t == *t_limit && id < *triangle))) return false;
-      *t_limit = hit.t;
-      *u = hit.u;
-      *v = hit.v;
-      *triangle = id;
-      *s_far = std::min(*s_far, raysheaf::past(hit.t, along, stream_.pad));
+      // The least of a leaf's, whatever order a SIMD target finds them in.
+      *r.best.place = std::min(*r.best.place, place);
+      *r.best.high = -1;
+      *r.s_far = -std::numeric_limits<float>::infinity();
+      if (in_blocks_) tell_record(n);
     }
-    return true;
   }
 
-  [[nodiscard]] static HWY_INLINE RV past(RV t, RV along, float pad) {
-    return hn::Add(hn::Mul(hn::Mul(hn::Add(t, set(kLeastStep)), along), set(1 + 8 * kUnitRoundoff)),
-                   set(pad));
-  }
-
-  void write_back_rays() {
+  void write_back_any() {
     const Stream& s = stream_;
     for (std::uint32_t i = 0; i < s.count; ++i) {
-      if constexpr (Mode::kAny) {
-        job_.occluded[s.index[i]] = s.rays[i].triangle != kInvalidId ? 1 : 0;
-      } else {
-        if (i + kWritesAhead < s.count)
-          __builtin_prefetch(job_.hits + s.index[i + kWritesAhead], 1);
-        const StreamRay& ray = s.rays[i];
-        const float t = ray.triangle != kInvalidId ? ray.t_limit : EngineHit().t;
-        job_.hits[s.index[i]] = {t, ray.u, ray.v, ray.triangle};
-      }
+      const std::uint32_t place =
+          in_blocks_ ? s.blocks[i / kPacketWidth].place[i % kPacketWidth] : s.rays[i].place;
+      job_.occluded[s.index[i]] = place != kInvalidId ? 1 : 0;
     }
   }
 
-  void write_back_blocks() {
+  /// The values of sixteen hits while the corners of the next sixteen are on their way.
+  void write_back_closest() {
     const Stream& s = stream_;
-    const Rays d;
-    const RayInts di;
-    const auto none = hn::Set(di, kInvalidId);
+    alignas(64) EngineHit hits[kPacketWidth];
+    if (s.count != 0) fill_values(0);
     for (std::uint32_t base = 0; base < s.count; base += kPacketWidth) {
-      const StreamBlock& b = s.blocks[base / kPacketWidth];
-      const std::uint32_t n = std::min(kPacketWidth, s.count - base);
-      const std::uint32_t* const index = s.index.data() + base;
-      if constexpr (Mode::kAny) {
-        for (std::uint32_t i = 0; i < n; ++i)
-          job_.occluded[index[i]] = b.triangle[i] != kInvalidId ? 1 : 0;
-      } else {
-        alignas(64) EngineHit hits[kPacketWidth];
-        for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-          const auto id = hn::Load(di, b.triangle + g);
-          const RV t = hn::IfThenElse(hn::RebindMask(d, hn::Eq(id, none)), set(EngineHit().t),
-                                      load(b.t_limit + g));
-          store4(t, load(b.u + g), load(b.v + g), hn::BitCast(d, id), 0, hits + g);
-        }
-        for (std::uint32_t i = 0; i < n; ++i) job_.hits[index[i]] = hits[i];
-      }
+      const std::uint32_t n = std::min(kPacketWidth, s.count - base), next = base + kPacketWidth;
+      if (next < s.count) fill_values(next);
+      values_[base / kPacketWidth % 2].store(tree_, hits);
+      for (std::uint32_t i = 0; i < n; ++i) job_.hits[s.index[base + i]] = hits[i];
     }
   }
+
+  HWY_INLINE void fill_values(std::uint32_t base) {
+    const Stream& s = stream_;
+    const std::uint32_t ahead = std::min(base + kWritesAhead, s.count);
+    for (std::uint32_t i = base + kWritesAhead - kPacketWidth; i < ahead; ++i)
+      __builtin_prefetch(job_.hits + s.index[i], 1);
+    alignas(64) std::uint32_t places[kPacketWidth];
+    if (in_blocks_) {
+      std::copy_n(s.blocks[base / kPacketWidth].place, kPacketWidth, places);
+    } else {
+      for (std::uint32_t i = 0; i < kPacketWidth; ++i) places[i] = s.rays[base + i].place;
+    }
+    values_[base / kPacketWidth % 2].fill(tree_, job_.rays, s.index.data() + base, places);
+  }
+
+  HitValues values_[2];
 };

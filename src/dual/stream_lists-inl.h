@@ -177,11 +177,11 @@ class StreamLists : protected StreamSingles<Mode> {
       const std::uint32_t place = 4 * list.first + n;
       for (std::uint64_t turn = hits.hit & used; turn != 0; turn &= turn - 1) {
         const std::uint32_t b = first_of(turn);
-        take(numbers[b / 4], place + b % 4, hits.at(b));
+        take(numbers[b / 4], place + b % 4, hits.at(b), hits.is_front(b));
       }
       for (std::uint64_t turn = hits.unsettled & used; turn != 0; turn &= turn - 1) {
         const std::uint32_t b = first_of(turn);
-        take_exactly(numbers[b / 4], place + b % 4);
+        settle(numbers[b / 4], place + b % 4);
       }
     }
   }
@@ -214,13 +214,14 @@ class StreamLists : protected StreamSingles<Mode> {
                        hn::Sub(set(z[12 * c]), r.oz), r.shear_x, r.shear_y);
       };
       Tested<Rays> tested;
-      if (test_lanes(d, moved(0), moved(1), moved(2), r.shear_z, r.t_min, r.t_limit, &tested))
+      if (test_lanes(d, moved(0), moved(1), moved(2), set(q.reach[k]), r.shear_z, r.t_min,
+                     r.t_limit, &tested))
         met(place, tested);
     }
   }
 
  private:
-  using StreamHits<Mode>::take, StreamHits<Mode>::take_exactly, StreamHits<Mode>::take_lanes;
+  using StreamHits<Mode>::take, StreamHits<Mode>::settle, StreamHits<Mode>::take_lanes;
   using StreamSingles<Mode>::is_for_singles, StreamSingles<Mode>::has_many_singles;
   using StreamSingles<Mode>::add_singles;
 

@@ -53,7 +53,7 @@ class StreamPilots : protected StreamBlocks<Mode> {
     places_.assign(blocks + std::size_t{2}, kInvalidId);
     for (std::uint32_t b = 0; b < blocks; ++b) {
       StreamRay& pilot = s.rays[s.lists[first + b * kPacketWidth + kPacketWidth / 2]];
-      places_[b + 1] = pilot.triangle;
+      places_[b + 1] = pilot.place;
       pilot.s_far = -std::numeric_limits<float>::infinity();  // done, hit or not
     }
     for (std::uint32_t b = 0; first + b * kPacketWidth < end; ++b) {

@@ -19,7 +19,7 @@ template <class Mode>
 class StreamSingles : protected StreamHits<Mode> {
  protected:
   using StreamHits<Mode>::tree_, StreamHits<Mode>::stream_, StreamHits<Mode>::counts_;
-  using StreamHits<Mode>::prefetch_ray, StreamHits<Mode>::take;
+  using StreamHits<Mode>::prefetch_ray, StreamHits<Mode>::take, StreamHits<Mode>::settle;
 
   explicit StreamSingles(const TraceJob& job) : StreamHits<Mode>(job) {}
 
@@ -56,10 +56,10 @@ class StreamSingles : protected StreamHits<Mode> {
           ++next;
           return true;
         },
-        [&](std::uint32_t i, std::uint32_t place, const TriangleHit& hit) {
-          take(singles_.number[i], place, hit);
+        [&](std::uint32_t i, std::uint32_t place, Interval t, bool front) {
+          take(singles_.number[i], place, t, front);
         },
-        &counts_);
+        [&](std::uint32_t i, std::uint32_t place) { settle(singles_.number[i], place); }, &counts_);
     pending_.clear();
   }
 

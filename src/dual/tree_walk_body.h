@@ -6,7 +6,6 @@
 #include "intersect/facing_body.h"
 #include "intersect/triangle_body.h"
 #include "object/linear_tree_body.h"
-#include "scene/flatten_body.h"
 
 namespace raysheaf {
 
@@ -27,7 +26,6 @@ RAYSHEAF_HD std::uint32_t meet_leaf(const LinearTreeView& tree, std::uint32_t pl
     TriangleHit hit;
     if (!intersect_triangle(setup, triangle.a, triangle.b, triangle.c, &hit)) continue;
     if (!shows(facing, static_cast<std::uint8_t>(triangle.flags), hit.front)) continue;
-    if (has_no_area(triangle.a, triangle.b, triangle.c)) continue;
     take(EngineHit{hit.t, hit.u, hit.v, triangle.id});
   }
   return place;

@@ -1,23 +1,9 @@
-// The ray-triangle test over the rays of a packet and over the triangles of a leaf: the operations
-// of `intersect_triangle` in its order. Included by dual/trace_simd.cpp, inside its namespace.
-
-inline RaySetup setup_of(const RayPacket& p, std::uint32_t lane) {
-  RaySetup r;
-  float o[3];
-  o[p.axis_x] = p.ox[lane];
-  o[p.axis_y] = p.oy[lane];
-  o[p.axis_z] = p.oz[lane];
-  r.origin = {o[0], o[1], o[2]};
-  r.shear_x = p.shear_x[lane];
-  r.shear_y = p.shear_y[lane];
-  r.shear_z = p.shear_z[lane];
-  r.t_min = p.t_min[lane];
-  r.t_max = p.t_limit[lane];
-  r.axis_x = p.axis_x;
-  r.axis_y = p.axis_y;
-  r.axis_z = p.axis_z;
-  return r;
-}
+// Stage 1 of the ray-triangle test (intersect/triangle_body.h), over rays in lanes or over the
+// triangles of a quad. Included by dual/trace_simd.cpp, inside its namespace.
+//
+// A lane that hits has an interval that holds t as rounded; what is neither surely a hit within the
+// ray's limits nor surely none goes to stage 2. No operation is fused, so that intervals, and with
+// them what rays visit, are the same on every target.
 
 template <class D>
 struct Corner {
@@ -34,100 +20,74 @@ template <class V>
 HWY_INLINE V edge_of(V px, V py, V qx, V qy) {
   return hn::Sub(hn::Mul(px, qy), hn::Mul(py, qx));
 }
-template <class V>
-HWY_INLINE V spread_of(V px, V py, V qx, V qy) {
-  return hn::Add(hn::Abs(hn::Mul(px, qy)), hn::Abs(hn::Mul(py, qx)));
-}
 
-/// Lanes that are hits, lanes that only the scalar test can settle, and the hits' values.
+/// What stage 1 says of lanes.
 template <class D>
 struct Tested {
   hn::Mask<D> hit, unsettled;
-  hn::Vec<D> t, v, w, det;
+  hn::Vec<D> low, high;  ///< of t, where hit
+  hn::Vec<D> det;        ///< its sign tells the side that is met
 };
 
-/// What the edge functions of lanes say.
+/// The edge functions of lanes and how far they may be off.
 template <class D>
 struct Edges {
-  hn::Vec<D> u, v, w;
-  hn::Mask<D> agree;  ///< in sign, or one is not a number and the scalar test settles it
+  hn::Vec<D> u, v, w, size, error, least, most;
+  hn::Mask<D> possible;  ///< not surely misses
 };
 template <class D>
-HWY_INLINE Edges<D> edges_of(D d, const Corner<D>& a, const Corner<D>& b, const Corner<D>& c) {
-  using hn::Max, hn::Min;
-  const auto u = edge_of(c.x, c.y, b.x, b.y);
-  const auto v = edge_of(a.x, a.y, c.x, c.y);
-  const auto w = edge_of(b.x, b.y, a.x, a.y);
-  const auto zero = hn::Zero(d);
-  return {u, v, w,
-          hn::Not(hn::And(hn::Lt(Min(Min(u, v), w), zero), hn::Gt(Max(Max(u, v), w), zero)))};
+HWY_INLINE Edges<D> edges_of(D d, const Corner<D>& a, const Corner<D>& b, const Corner<D>& c,
+                             hn::Vec<D> reach) {
+  using hn::Add, hn::Max, hn::Min, hn::Mul, hn::Set;
+  Edges<D> e;
+  e.u = edge_of(c.x, c.y, b.x, b.y);
+  e.v = edge_of(a.x, a.y, c.x, c.y);
+  e.w = edge_of(b.x, b.y, a.x, a.y);
+  e.size = Add(hn::Abs(a.z), reach);
+  e.error =
+      Mul(e.size, Add(Mul(Set(d, kErrorOfSquare), e.size), Mul(Set(d, kErrorOfReach), reach)));
+  e.least = Min(Min(e.u, e.v), e.w);
+  e.most = Max(Max(e.u, e.v), e.w);
+  e.possible = hn::Not(hn::Gt(Min(hn::Neg(e.least), e.most), e.error));
+  return e;
 }
 
 template <class D>
 HWY_INLINE void finish_lanes(D d, const Corner<D>& a, const Corner<D>& b, const Corner<D>& c,
-                             const Edges<D>& edges, hn::Vec<D> shear_z, hn::Vec<D> t_min,
-                             hn::Vec<D> t_limit, Tested<D>* out) {
-  using hn::Abs, hn::Add, hn::And, hn::AndNot, hn::Ge, hn::Le, hn::Mul;
+                             const Edges<D>& e, hn::Vec<D> reach, hn::Vec<D> shear_z,
+                             hn::Vec<D> t_min, hn::Vec<D> t_limit, Tested<D>* out) {
+  using hn::Abs, hn::Add, hn::And, hn::AndNot, hn::Ge, hn::Gt, hn::Le, hn::Lt, hn::Mul, hn::Or;
   using V = hn::Vec<D>;
-  const V u = edges.u, v = edges.v, w = edges.w, zero = hn::Zero(d);
-  const V det = Add(Add(u, v), w);
-  const V size = Abs(det);
-  const auto nonzero = And(And(hn::Ne(u, zero), hn::Ne(v, zero)), hn::Ne(w, zero));
-  const auto normal =
-      And(Ge(size, hn::Set(d, kSmallDeterminant)), Le(size, hn::Set(d, kLargeDeterminant)));
-  const V products = Add(Add(spread_of(c.x, c.y, b.x, b.y), spread_of(a.x, a.y, c.x, c.y)),
-                         spread_of(b.x, b.y, a.x, a.y));
-  const auto well_seen = Le(products, Mul(hn::Set(d, kLargestSpread), size));
-  const V distance =
-      Add(Add(Mul(u, Mul(shear_z, a.z)), Mul(v, Mul(shear_z, b.z))), Mul(w, Mul(shear_z, c.z)));
-  const V reach = Abs(distance);
-  const auto in_range =
-      And(Ge(reach, hn::Set(d, kSmallDistance)), Le(reach, hn::Set(d, kLargeDeterminant)));
-  const auto settled = And(And(nonzero, normal), And(well_seen, in_range));
-  out->t = hn::Div(distance, det);
-  const auto inside = And(Ge(out->t, t_min), Le(out->t, t_limit));
-  out->hit = And(And(edges.agree, settled), inside);
-  out->unsettled = AndNot(settled, edges.agree);
-  out->v = v;
-  out->w = w;
+  const auto all = [&](float x) { return hn::Set(d, x); };
+  const V det = Add(Add(e.u, e.v), e.w), size = Abs(det), per_det = hn::Div(all(1), det);
+  const V distance = Add(Add(Mul(e.u, Mul(shear_z, a.z)), Mul(e.v, Mul(shear_z, b.z))),
+                         Mul(e.w, Mul(shear_z, c.z)));
+  const V t = Mul(distance, per_det), far = Abs(distance);
+  const V of_weights = Mul(Mul(all(kErrorOfWeights), Mul(e.error, reach)), Abs(per_det));
+  const V half = Mul(Abs(shear_z), Add(of_weights, Mul(all(kErrorOfDepth), e.size)));
+  out->low = hn::Sub(t, half);
+  out->high = Add(t, half);
   out->det = det;
+  const auto around = Gt(hn::Max(e.least, hn::Neg(e.most)), e.error);
+  const auto normal = And(And(Ge(size, all(kSmallDeterminant)), Le(size, all(kLargeDeterminant))),
+                          And(And(Ge(far, all(kSmallDistance)), Le(far, all(kLargeDeterminant))),
+                              Ge(half, all(kSmallInterval))));
+  const auto sure = And(around, normal);
+  const auto beyond = Or(Lt(out->high, t_min), Gt(out->low, t_limit));
+  out->hit = And(sure, And(Ge(out->low, t_min), Le(out->high, t_limit)));
+  const auto settled = Or(Or(out->hit, And(sure, beyond)), Gt(t_min, t_limit));
+  out->unsettled = AndNot(settled, e.possible);
 }
 
 /// False where no lane can be a hit; `out` is then not written.
 template <class D>
 HWY_INLINE bool test_lanes(D d, const Corner<D>& a, const Corner<D>& b, const Corner<D>& c,
-                           hn::Vec<D> shear_z, hn::Vec<D> t_min, hn::Vec<D> t_limit,
-                           Tested<D>* out) {
-  const Edges<D> edges = edges_of(d, a, b, c);
-  if (HWY_LIKELY(hn::AllFalse(d, edges.agree))) return false;
-  finish_lanes(d, a, b, c, edges, shear_z, t_min, t_limit, out);
+                           hn::Vec<D> reach, hn::Vec<D> shear_z, hn::Vec<D> t_min,
+                           hn::Vec<D> t_limit, Tested<D>* out) {
+  const Edges<D> edges = edges_of(d, a, b, c, reach);
+  if (HWY_LIKELY(hn::AllFalse(d, edges.possible))) return false;
+  finish_lanes(d, a, b, c, edges, reach, shear_z, t_min, t_limit, out);
   return true;
-}
-
-/// 1 where the edge functions of any ray agree in sign, else 0: without a branch, so that a leaf's
-/// triangles are tested side by side.
-HWY_INLINE std::uint32_t agrees_in_packet(const RayPacket& p, const TriangleQuad& q,
-                                          std::uint32_t k) {
-  using hn::Max, hn::Min;
-  const Rays d;
-  std::uint32_t some = 0;
-  const float* ax = &q.vertex[0][p.axis_x][k];
-  const float* ay = &q.vertex[0][p.axis_y][k];
-  const float* az = &q.vertex[0][p.axis_z][k];
-  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
-    const RV ox = load(p.ox + g), oy = load(p.oy + g), oz = load(p.oz + g);
-    const RV sx = load(p.shear_x + g), sy = load(p.shear_y + g);
-    const auto moved = [&](int i) {
-      return sheared(d, hn::Sub(set(ax[12 * i]), ox), hn::Sub(set(ay[12 * i]), oy),
-                     hn::Sub(set(az[12 * i]), oz), sx, sy);
-    };
-    const Corner<Rays> a = moved(0), b = moved(1), c = moved(2);
-    const RV u = edge_of(c.x, c.y, b.x, b.y), v = edge_of(a.x, a.y, c.x, c.y);
-    const RV w = edge_of(b.x, b.y, a.x, a.y), zero = hn::Zero(d);
-    const RM apart = hn::And(hn::Lt(Min(Min(u, v), w), zero), hn::Gt(Max(Max(u, v), w), zero));
-    some |= hn::AllTrue(d, apart) ? 0u : 1u;
-  }
-  return some;
 }
 
 /// Calls `take(first lane, tested)` for the groups of lanes in which there may be a hit.
@@ -145,8 +105,110 @@ HWY_INLINE void triangle_in_packet(const RayPacket& p, const TriangleQuad& q, st
                      hn::Sub(set(corner[i][p.axis_z][k]), oz), sx, sy);
     };
     Tested<Rays> tested;
-    if (test_lanes(d, moved(0), moved(1), moved(2), load(p.shear_z + g), load(p.t_min + g),
-                   load(p.t_limit + g), &tested))
+    if (test_lanes(d, moved(0), moved(1), moved(2), set(q.reach[k]), load(p.shear_z + g),
+                   load(p.t_min + g), load(p.t_limit + g), &tested))
       take(g, tested);
   }
 }
+
+/// The corners of the triangle at a place in the tree's quads, four each.
+struct PlacedCorners {
+  Vec3 a, b, c;
+  PlacedCorners(const ObjectTree& tree, std::uint32_t place) {
+    const TriangleQuad& q = tree.quads[place / 4];
+    const std::uint32_t k = place % 4;
+    const auto corner = [&](int i) {
+      return Vec3{q.vertex[i][0][k], q.vertex[i][1][k], q.vertex[i][2][k]};
+    };
+    a = corner(0), b = corner(1), c = corner(2);
+  }
+};
+
+/// The number of the triangle at a place.
+inline std::uint32_t id_at(const ObjectTree& tree, std::uint32_t place) {
+  return tree.quads[place / 4].id[place % 4];
+}
+
+/// Where a hit's t lies; both ends are t itself once it is settled.
+struct Interval {
+  float low, high;
+};
+
+/// The best hit of a ray that looks for the closest, as far as it is known.
+struct BestHit {
+  float *low, *high;     ///< of its t; t_max of the ray where there is none
+  std::uint32_t* place;  ///< of its triangle; kInvalidId: none
+
+  /// Takes a hit of a triangle at `at`, whose t is `t`, if it is better; settles what is kept where
+  /// the two cannot be told apart. Returns whether it was taken.
+  bool take_settled(const ObjectTree& tree, const Ray& ray, std::uint32_t at, float t) const {
+    if (t > *high) return false;
+    if (!(t < *low) && *place != kInvalidId) {
+      if (*low != *high) {
+        const PlacedCorners p(tree, *place);
+        *low = *high = values_of_hit(ray.origin, ray.direction, p.a, p.b, p.c).t;
+      }
+      if (t > *high || (t == *high && id_at(tree, at) >= id_at(tree, *place))) return false;
+    }
+    *low = *high = t;
+    *place = at;
+    return true;
+  }
+};
+
+/// Stages 2 and 3 for a ray of the caller's and the triangle at a place, in [t_min, t_max].
+HWY_NOINLINE bool settle_at(const ObjectTree& tree, const Ray& ray, std::uint32_t place,
+                            float t_max, TriangleHit* hit) {
+  const PlacedCorners p(tree, place);
+  return line_meets_triangle(ray.origin, ray.direction, p.a, p.b, p.c, hit) &&
+         is_within(hit->t, ray.t_min, t_max);
+}
+
+/// The values of sixteen rays' hits, each with the triangle at its place; kInvalidId: none.
+class HitValues {
+ public:
+  /// `index`: of rays in `rays`, kPacketWidth of them.
+  HWY_INLINE void fill(const ObjectTree& tree, const Ray* rays, const std::uint32_t* index,
+                       const std::uint32_t* places) {
+    const Rays d;
+    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+      RV o[3], l[3], t_min, t_max;
+      gather4(rays, 0, index + g, o[0], o[1], o[2], t_min);
+      gather4(rays, 1, index + g, l[0], l[1], l[2], t_max);
+      for (int axis = 0; axis < 3; ++axis) {
+        hn::Store(o[axis], d, columns_.origin[axis] + g);
+        hn::Store(l[axis], d, columns_.direction[axis] + g);
+      }
+    }
+    hits_ = 0;
+    for (std::uint32_t i = 0; i < kPacketWidth; ++i) {
+      const std::uint32_t place = places[i] != kInvalidId ? places[i] : 0;
+      const float* const from = &tree.quads[place / 4].vertex[0][0][place % 4];
+      for (int k = 0; k < 9; ++k) columns_.corner[k / 3][k % 3][i] = from[4 * k];
+      hits_ |= (places[i] != kInvalidId ? 1u : 0u) << i;
+      places_[i] = places[i];
+    }
+  }
+  /// Writes `hits`, by number of triangle.
+  HWY_INLINE void store(const ObjectTree& tree, EngineHit* hits) {
+    settle_values(hits_, &columns_);
+    const Rays d;
+    const RayInts di;
+    alignas(64) std::uint32_t ids[kPacketWidth];
+    for (std::uint32_t i = 0; i < kPacketWidth; ++i)
+      ids[i] = places_[i] != kInvalidId ? id_at(tree, places_[i]) : kInvalidId;
+    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+      const auto id = hn::Load(di, ids + g);
+      const RM met = lanes_of(hits_, g);
+      store4(hn::IfThenElse(met, load(columns_.t + g), set(EngineHit().t)),
+             hn::IfThenElseZero(met, load(columns_.u + g)),
+             hn::IfThenElseZero(met, load(columns_.v + g)), hn::BitCast(d, id), 0, hits + g);
+    }
+  }
+
+ private:
+  ValueColumns columns_;
+  std::uint32_t places_[kPacketWidth];
+  std::uint32_t hits_ = 0;
+};
+static_assert(kValueLanes == kPacketWidth);

@@ -22,10 +22,24 @@ HWY_NOINLINE void for_each_leaf(const ObjectTree& tree, const Body& body) {
       if (node.is_leaf(c)) body(node.first[c], node.count[c]);
 }
 
-/// What was found for the rays of a task.
-inline void hand_over_rows(const TraceJob& job, const TraceTask& task,
-                           const std::vector<RowHit>& found) {
+/// What was found for the rays of a task, by places of triangles in the tree.
+inline void hand_over_rows(const TraceJob& job, const TraceTask& task, std::vector<RowHit>& found) {
   if (job.rows == nullptr) return;
+  const ObjectTree& tree = *job.scene.tree;
+  HitValues values;
+  for (std::size_t base = 0; base < found.size(); base += kPacketWidth) {
+    alignas(64) std::uint32_t index[kPacketWidth], places[kPacketWidth];
+    alignas(64) EngineHit hits[kPacketWidth];
+    const std::size_t count = std::min<std::size_t>(kPacketWidth, found.size() - base);
+    for (std::size_t i = 0; i < kPacketWidth; ++i) {
+      const RowHit& row = found[base + (i < count ? i : 0)];
+      index[i] = job.order[row.place];
+      places[i] = row.hit.triangle;
+    }
+    values.fill(tree, job.rays, index, places);
+    values.store(tree, hits);
+    for (std::size_t i = 0; i < count; ++i) found[base + i].hit = hits[i];
+  }
   const PacketRange last = job.packet(task.end - 1);
   make_rows(*job.executor, found, job.packet(task.begin).first, last.first + last.count,
             &(*job.rows)[task.number]);
@@ -124,43 +138,43 @@ class Walk {
         triangle_in_packet(
             packet_, q,
             k, [&](std::size_t g, const Tested<Rays>& tested) __attribute__((always_inline)) {
-              shortened |= take_lanes(q, k, g, tested);
+              shortened |= take_lanes(4 * quad + k, g, tested);
             });
     }
     return shortened;
   }
 
-  HWY_INLINE bool take_lanes(const TriangleQuad& q, std::uint32_t k, std::size_t g,
-                             const Tested<Rays>& tested) {
+  HWY_INLINE bool take_lanes(std::uint32_t place, std::size_t g, const Tested<Rays>& tested) {
     const Rays d;
-    alignas(64) float t[kPacketWidth], v[kPacketWidth], w[kPacketWidth], det[kPacketWidth];
     std::uint32_t hit = bits_of(d, tested.hit);
     std::uint32_t unsettled = bits_of(d, tested.unsettled);
     if ((hit | unsettled) == 0) return false;
-    if (unsettled == 0 && !Mode::kAll && job_.scene.facing == Facing::kBoth)
-      return take_at_once(q.id[k], g, tested);
-    hn::Store(tested.t, d, t);
-    hn::Store(tested.v, d, v);
-    hn::Store(tested.w, d, w);
-    hn::Store(tested.det, d, det);
     bool shortened = false;
-    for (; hit != 0; hit &= hit - 1) {
-      const auto i = static_cast<std::uint32_t>(__builtin_ctz(hit));
-      shortened |= take(static_cast<std::uint32_t>(g) + i, q.id[k],
-                        {t[i], v[i] / det[i], w[i] / det[i], det[i] > 0});
+    if (unsettled == 0 && !Mode::kAll && job_.scene.facing == Facing::kBoth) {
+      unsettled = take_at_once(place, g, tested);
+      shortened = true;
+    } else {
+      alignas(64) float low[kPacketWidth], high[kPacketWidth];
+      hn::Store(tested.low, d, low);
+      hn::Store(tested.high, d, high);
+      const std::uint32_t front = bits_of(d, hn::Gt(tested.det, hn::Zero(d)));
+      for (; hit != 0; hit &= hit - 1) {
+        const auto i = static_cast<std::uint32_t>(__builtin_ctz(hit));
+        shortened |= take(static_cast<std::uint32_t>(g) + i, place, {low[i], high[i]},
+                          (front >> i & 1) != 0);
+      }
     }
-    for (; unsettled != 0; unsettled &= unsettled - 1) {
-      const auto lane =
-          static_cast<std::uint32_t>(g) + static_cast<std::uint32_t>(__builtin_ctz(unsettled));
-      shortened |= take_exactly(lane, q, k);
-    }
+    for (; unsettled != 0; unsettled &= unsettled - 1)
+      shortened |= settle(
+          static_cast<std::uint32_t>(g) + static_cast<std::uint32_t>(__builtin_ctz(unsettled)),
+          place);
     return shortened;
   }
 
-  /// The usual case of `take_lanes`, in vectors, so that the next load of them does not wait. Hits
-  /// that are settled do without the step of `past`: where their t underflows, det is above 2^26
-  /// and the pad above 2^-5.
-  HWY_INLINE bool take_at_once(std::uint32_t id, std::size_t g, const Tested<Rays>& tested) {
+  /// The usual case of `take_lanes`, in vectors, so that the next load of them does not wait.
+  /// Returns the lanes whose best hit cannot be told from this one.
+  HWY_INLINE std::uint32_t take_at_once(std::uint32_t place, std::size_t g,
+                                        const Tested<Rays>& tested) {
     RayPacket& p = packet_;
     const Rays d;
     const auto put = [&](RM on, RV value, float* to) {
@@ -170,64 +184,80 @@ class Walk {
       done_ |= bits_of(d, tested.hit) << g;
       put(tested.hit, set(-1), p.t_limit);
       put(tested.hit, set(-std::numeric_limits<float>::infinity()), p.s_far);
-      return true;
+      return 0;
     } else {
       const RayInts di;
-      const auto best_id = hn::Load(di, p.id + g);
-      const RV best_t = load(p.t + g);
-      const RM earlier = hn::RebindMask(d, hn::Gt(best_id, hn::Set(di, id)));
-      const RM better = hn::And(
-          tested.hit, hn::Or(hn::Lt(tested.t, best_t), hn::And(hn::Eq(tested.t, best_t), earlier)));
-      const RV far = hn::Add(
-          hn::Mul(hn::Mul(tested.t, load(p.along + g)), set(1 + 8 * kUnitRoundoff)), set(p.pad));
-      put(better, tested.t, p.t);
-      put(better, tested.t, p.t_limit);
-      put(better, hn::Div(tested.v, tested.det), p.u);
-      put(better, hn::Div(tested.w, tested.det), p.v);
-      put(better, hn::Min(far, load(p.s_far + g)), p.s_far);
-      hn::Store(hn::IfThenElse(hn::RebindMask(di, better), hn::Set(di, id), best_id), di, p.id + g);
+      const RM nearer = hn::And(tested.hit, hn::Lt(tested.high, load(p.t_low + g)));
+      const RV far = past(tested.high, load(p.along + g), p.pad);
+      put(nearer, tested.low, p.t_low);
+      put(nearer, tested.high, p.t_limit);
+      put(nearer, hn::Min(far, load(p.s_far + g)), p.s_far);
+      hn::Store(
+          hn::IfThenElse(hn::RebindMask(di, nearer), hn::Set(di, place), hn::Load(di, p.place + g)),
+          di, p.place + g);
+      return bits_of(d, hn::AndNot(nearer, tested.hit));
+    }
+  }
+
+  /// A lane and a triangle that stage 1 cannot tell of. Whether the ray now ends earlier.
+  HWY_NOINLINE bool settle(std::uint32_t lane, std::uint32_t place) {
+    RayPacket& p = packet_;
+    const Ray& ray = job_.rays[p.index[lane]];
+    TriangleHit hit;
+    if (!settle_at(tree_, ray, place, p.t_limit[lane], &hit) || !is_shown(place, hit.front))
+      return false;
+    if constexpr (Mode::kAll || Mode::kAny) {
+      return keep(lane, place);
+    } else {
+      const BestHit best{&p.t_low[lane], &p.t_limit[lane], &p.place[lane]};
+      if (!best.take_settled(tree_, ray, place, hit.t)) return false;
+      shorten(lane);
       return true;
     }
   }
 
-  HWY_NOINLINE bool take_exactly(std::uint32_t lane, const TriangleQuad& q, std::uint32_t k) {
-    const auto corner = [&](int i) {
-      return Vec3{q.vertex[i][0][k], q.vertex[i][1][k], q.vertex[i][2][k]};
-    };
-    TriangleHit hit;
-    if (!intersect_triangle(setup_of(packet_, lane), corner(0), corner(1), corner(2), &hit))
-      return false;
-    return take(lane, q.id[k], hit);
+  /// A hit of a lane, in its range. Whether the ray now ends earlier.
+  bool take(std::uint32_t lane, std::uint32_t place, Interval t, bool front) {
+    RayPacket& p = packet_;
+    if (!is_shown(place, front)) return false;
+    if constexpr (Mode::kAll || Mode::kAny) {
+      return keep(lane, place);
+    } else {
+      if (!(t.high < p.t_low[lane])) return t.low <= p.t_limit[lane] && settle(lane, place);
+      p.t_low[lane] = t.low;
+      p.t_limit[lane] = t.high;
+      p.place[lane] = place;
+      shorten(lane);
+      return true;
+    }
   }
 
-  /// A hit of a lane, in its range. Whether the ray now ends earlier.
-  bool take(std::uint32_t lane, std::uint32_t id, const TriangleHit& hit) {
+  [[nodiscard]] bool is_shown(std::uint32_t place, bool front) const {
+    return job_.scene.facing == Facing::kBoth || job_.scene.flags == nullptr ||
+           shows(job_.scene.facing, job_.scene.flags[id_at(tree_, place)], front);
+  }
+
+  /// A hit where it matters only that there is one. Whether the ray now ends earlier.
+  bool keep(std::uint32_t lane, std::uint32_t place) {
     RayPacket& p = packet_;
-    if (job_.scene.facing != Facing::kBoth && job_.scene.flags != nullptr &&
-        !shows(job_.scene.facing, job_.scene.flags[id], hit.front))
-      return false;
     if constexpr (Mode::kAll) {
       if (lane >= p.count) return false;
       if (job_.hit_counts != nullptr)
         ++job_.hit_counts[p.index[lane]];
       else
-        rows_.push_back({first_ + lane, {hit.t, hit.u, hit.v, id}});
+        rows_.push_back({first_ + lane, {0, 0, 0, place}});
       return false;
-    } else if constexpr (Mode::kAny) {
+    } else {
       done_ |= 1u << lane;
       p.t_limit[lane] = -1;
       p.s_far[lane] = -std::numeric_limits<float>::infinity();
       return true;
-    } else {
-      if (!(hit.t < p.t[lane] || (hit.t == p.t[lane] && id < p.id[lane]))) return false;
-      p.t[lane] = p.t_limit[lane] = hit.t;
-      p.u[lane] = hit.u;
-      p.v[lane] = hit.v;
-      p.id[lane] = id;
-      const float far = past(hit.t, p.along[lane], p.pad);
-      p.s_far[lane] = far < p.s_far[lane] ? far : p.s_far[lane];
-      return true;
     }
+  }
+
+  void shorten(std::uint32_t lane) {
+    RayPacket& p = packet_;
+    p.s_far[lane] = std::min(p.s_far[lane], raysheaf::past(p.t_limit[lane], p.along[lane], p.pad));
   }
 
   /// Lane `lane` as a record: `rays_[i]`.
@@ -251,23 +281,32 @@ class Walk {
           lanes &= lanes - 1;
           return true;
         },
-        [&](std::uint32_t i, std::uint32_t place, const TriangleHit& hit) {
-          const std::uint32_t lane = singles_.number[i];
-          take(lane, id_at(tree_, place), hit);
-          rays_[i].s_far = packet_.s_far[lane];
-          rays_[i].t_limit = packet_.t_limit[lane];
+        [&](std::uint32_t i, std::uint32_t place, Interval t, bool front) {
+          take(singles_.number[i], place, t, front);
+          tell_record(i);
+        },
+        [&](std::uint32_t i, std::uint32_t place) {
+          settle(singles_.number[i], place);
+          tell_record(i);
         },
         &counts_);
   }
 
+  /// The record of walk `i` learns how far its lane looks.
+  void tell_record(std::uint32_t i) {
+    rays_[i].s_far = packet_.s_far[singles_.number[i]];
+    rays_[i].t_limit = packet_.t_limit[singles_.number[i]];
+  }
+
   void write_back() {
     const RayPacket& p = packet_;
-    for (std::uint32_t i = 0; i < p.count; ++i) {
-      if constexpr (Mode::kAny) {
-        job_.occluded[p.index[i]] = done_ >> i & 1;
-      } else if constexpr (!Mode::kAll) {
-        job_.hits[p.index[i]] = {p.t[i], p.u[i], p.v[i], p.id[i]};
-      }
+    if constexpr (Mode::kAny) {
+      for (std::uint32_t i = 0; i < p.count; ++i) job_.occluded[p.index[i]] = done_ >> i & 1;
+    } else if constexpr (!Mode::kAll) {
+      alignas(64) EngineHit hits[kPacketWidth];
+      values_.fill(tree_, job_.rays, p.index, p.place);
+      values_.store(tree_, hits);
+      for (std::uint32_t i = 0; i < p.count; ++i) job_.hits[p.index[i]] = hits[i];
     }
   }
 
@@ -281,5 +320,6 @@ class Walk {
   SingleWalks singles_;
   StreamRay rays_[kSingleRays];  ///< of the lanes that go on one by one
   std::uint32_t first_ = 0;      ///< the packet's place in the order
-  std::vector<RowHit> rows_;
+  HitValues values_;
+  std::vector<RowHit> rows_;  ///< by places of triangles
 };

@@ -6,7 +6,6 @@
 #include "intersect/hit_word_body.h"
 #include "intersect/triangle_body.h"
 #include "object/triangle_list.h"
-#include "scene/flatten_body.h"
 
 namespace raysheaf {
 
@@ -20,7 +19,6 @@ RAYSHEAF_HD void meet_list(const TriangleList& list, std::uint32_t first, std::u
     TriangleHit hit;
     if (!intersect_triangle(setup, a, b, c, &hit)) continue;
     if (!list.flags.empty() && !shows(facing, list.flags.data[id], hit.front)) continue;
-    if (has_no_area(a, b, c)) continue;
     take(EngineHit{hit.t, hit.u, hit.v, id});
   }
 }

@@ -130,7 +130,7 @@ bool occluded_in_fan(const Executor& executor, const TriangleSource& source, Vie
   if (pairs <= options.most_pairs) sort_pairs(executor, &a);
   counts->hierarchy_ms += watch.lap_ms();
   if (pairs > options.most_pairs) return false;
-  trace_tiles(executor, {a.cells, source, options.facing, occluded, ray_tests}, &a);
+  trace_tiles(executor, {a.cells, source, rays, options.facing, occluded, ray_tests}, &a);
   if (!ray_tests.empty()) share_stream_tests(executor, a, ray_tests);
   counts->traverse_ms += watch.lap_ms();
   if (options.count) add_counts(a, counts);

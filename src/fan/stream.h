@@ -47,6 +47,7 @@ struct FanTileCounts {
 struct FanTileTask {
   const FanCells& cells;
   const TriangleSource& source;
+  View<const Ray> rays;
   Facing facing;
   View<std::uint8_t> occluded;
   View<float> ray_tests;  ///< may be empty

@@ -1,15 +1,13 @@
 // The triangles of one tile against its packets, and against the rays of those that they overlap.
 // Compiled once a SIMD target and chosen at run time (Google Highway).
 //
-// The ray-triangle test is `intersect_triangle`, its operations in its order, for 16 rays at once;
-// rays that it would settle in binary64 are handed to it. Rays that were hit leave, and packets
-// that have none left.
+// Stage 1 of the ray-triangle test (intersect/triangle_body.h) for 16 rays at once; rays that it
+// does not settle go to stage 2. Rays that were hit leave, and packets that have none left.
 #include <algorithm>
 #include <bit>
 
 #include "intersect/facing_body.h"
 #include "intersect/triangle_body.h"
-#include "scene/flatten_body.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fan/tile_simd.cpp"
@@ -30,11 +28,8 @@ struct Corner {
 HWY_INLINE V Edge(const Corner& p, const Corner& q) {
   return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x));
 }
-HWY_INLINE V Spread(const Corner& p, const Corner& q) {
-  return hn::Add(hn::Abs(hn::Mul(p.x, q.y)), hn::Abs(hn::Mul(p.y, q.x)));
-}
 
-/// Lanes that are hit, by the side that is met, and those that only the scalar test can settle.
+/// Lanes that are hit, by the side that is met, and those that stage 2 must settle.
 struct Verdict {
   std::uint32_t front = 0, back = 0, unsettled = 0;
 };
@@ -103,6 +98,8 @@ class Tile {
         t_.corner[i][1][k] = p[face_.y] - o[1];
         t_.corner[i][2][k] = p[face_.z] - o[2];
       }
+      const auto& [a, b, c] = triangles_[k].corners;
+      reach_[k] = reach_of(a, b, c);
     }
     for (std::size_t k = 0; k < count; k += hn::Lanes(d)) {
       V x[3], y[3], z[3];
@@ -135,8 +132,6 @@ class Tile {
       const Verdict verdict = test(p, lane);
       const std::uint32_t any = (verdict.front | verdict.back | verdict.unsettled) & alive_[p];
       if (HWY_LIKELY(any == 0)) continue;
-      const auto [a, b, c] = triangles_[lane].corners;
-      if (has_no_area(a, b, c)) return;
       take(p, lane, verdict, single);
     }
   }
@@ -156,22 +151,13 @@ class Tile {
     if (alive_[p] == 0) packets_ &= ~(1u << p);
   }
 
-  /// The scalar test.
-  bool settle(std::uint32_t ray, std::uint32_t lane, bool single) const {
-    const FanRays& r = c_.rays;
-    const std::size_t at = slot_ + ray;
-    const RaySetup setup{c_.origin,
-                         r.shear_x[at],
-                         r.shear_y[at],
-                         r.shear_z[at],
-                         r.t_min[at],
-                         r.t_max[at],
-                         static_cast<int>(face_.x),
-                         static_cast<int>(face_.y),
-                         static_cast<int>(face_.z)};
+  /// Stages 2 and 3.
+  bool settle(std::uint32_t slot, std::uint32_t lane, bool single) const {
+    const Ray& ray = task_.rays[c_.rays.ray[slot_ + slot]];
     TriangleHit hit;
     const auto& [a, b, c] = triangles_[lane].corners;
-    return intersect_triangle(setup, a, b, c, &hit) &&
+    return line_meets_triangle(ray.origin, ray.direction, a, b, c, &hit) &&
+           is_within(hit.t, ray.t_min, ray.t_max) &&
            (!single || shows(task_.facing, task_.source.flags[triangles_[lane].id], hit.front));
   }
 
@@ -184,9 +170,13 @@ class Tile {
 
   /// The rays of a packet, whether they are left or not.
   HWY_INLINE Verdict test(std::uint32_t p, std::uint32_t lane) const {
-    using hn::Add, hn::And, hn::Ge, hn::Le, hn::Mul, hn::Or;
+    using hn::Abs, hn::Add, hn::And, hn::Ge, hn::Gt, hn::Le, hn::Lt, hn::Max, hn::Min, hn::Mul,
+        hn::Neg, hn::Or;
     const Floats d;
+    const auto all = [&](float x) { return hn::Set(d, x); };
     const FanRays& r = c_.rays;
+    const V reach = all(reach_[lane]);
+    const V edge_error = all(kErrorOfReach * reach_[lane]);
     Verdict verdict;
     for (std::size_t k = 0; k < kPacketSlots; k += hn::Lanes(d)) {
       const std::size_t at = slot_ + p * kPacketSlots + k;
@@ -194,30 +184,31 @@ class Tile {
       const Corner a = corner(0, lane, sx, sy), b = corner(1, lane, sx, sy),
                    c = corner(2, lane, sx, sy);
       const V u = Edge(c, b), v = Edge(a, c), w = Edge(b, a);
-      const V zero = hn::Zero(d);
-      const M agree = Or(Ge(hn::Min(hn::Min(u, v), w), zero), Le(hn::Max(hn::Max(u, v), w), zero));
-      const M reaches = Ge(hn::Load(d, r.reach.data() + at), hn::Set(d, t_.depth[lane]));
-      if (HWY_LIKELY((BitsOf(And(agree, reaches)) & alive_[p] >> k) == 0)) continue;
-      const V det = Add(Add(u, v), w);
-      const V size = hn::Abs(det);
-      const M nonzero = And(And(hn::Ne(u, zero), hn::Ne(v, zero)), hn::Ne(w, zero));
-      const M normal =
-          And(Ge(size, hn::Set(d, kSmallDeterminant)), Le(size, hn::Set(d, kLargeDeterminant)));
-      const V products = Add(Add(Spread(c, b), Spread(a, c)), Spread(b, a));
-      const M well_seen = Le(products, Mul(hn::Set(d, kLargestSpread), size));
+      const V extent = Add(Abs(a.z), reach);
+      const V error = Mul(extent, Add(Mul(all(kErrorOfSquare), extent), edge_error));
+      const V least = Min(Min(u, v), w), most = Max(Max(u, v), w);
+      const M possible = hn::Not(Gt(Min(Neg(least), most), error));
+      const M reaches = Ge(hn::Load(d, r.reach.data() + at), all(t_.depth[lane]));
+      const M asked = And(possible, reaches);
+      if (HWY_LIKELY((BitsOf(asked) & alive_[p] >> k) == 0)) continue;
+      const V det = Add(Add(u, v), w), size = Abs(det), per_det = hn::Div(all(1), det);
       const V sz = hn::Load(d, r.shear_z.data() + at);
       const V distance = Add(Add(Mul(u, Mul(sz, a.z)), Mul(v, Mul(sz, b.z))), Mul(w, Mul(sz, c.z)));
-      const V far = hn::Abs(distance);
-      const M in_range =
-          And(Ge(far, hn::Set(d, kSmallDistance)), Le(far, hn::Set(d, kLargeDeterminant)));
-      const M settled = And(And(nonzero, normal), And(well_seen, in_range));
-      const V t = hn::Div(distance, det);
-      const M inside =
-          And(Ge(t, hn::Load(d, r.t_min.data() + at)), Le(t, hn::Load(d, r.t_max.data() + at)));
-      const M hit = And(And(agree, settled), inside);
-      verdict.front |= BitsOf(And(hit, hn::Gt(det, zero))) << k;
-      verdict.back |= BitsOf(And(hit, hn::Lt(det, zero))) << k;
-      verdict.unsettled |= BitsOf(hn::AndNot(settled, And(agree, reaches))) << k;
+      const V t = Mul(distance, per_det), far = Abs(distance);
+      const V half =
+          Mul(Abs(sz), Add(Mul(Mul(all(kErrorOfWeights), Mul(error, reach)), Abs(per_det)),
+                           Mul(all(kErrorOfDepth), extent)));
+      const V low = hn::Sub(t, half), high = Add(t, half);
+      const M normal = And(And(Ge(size, all(kSmallDeterminant)), Le(size, all(kLargeDeterminant))),
+                           And(And(Ge(far, all(kSmallDistance)), Le(far, all(kLargeDeterminant))),
+                               Ge(half, all(kSmallInterval))));
+      const M sure = And(Gt(Max(least, Neg(most)), error), normal);
+      const V t_min = hn::Load(d, r.t_min.data() + at), t_max = hn::Load(d, r.t_max.data() + at);
+      const M hit = And(And(sure, reaches), And(Ge(low, t_min), Le(high, t_max)));
+      const M beyond = And(sure, Or(Lt(high, t_min), Gt(low, t_max)));
+      verdict.front |= BitsOf(And(hit, Gt(det, hn::Zero(d)))) << k;
+      verdict.back |= BitsOf(And(hit, Lt(det, hn::Zero(d)))) << k;
+      verdict.unsettled |= BitsOf(hn::AndNot(Or(hit, beyond), asked)) << k;
     }
     return verdict;
   }
@@ -262,6 +253,7 @@ class Tile {
   BoundColumns columns_;
   alignas(64) float du0_[kTilePackets], du1_[kTilePackets], dv0_[kTilePackets], dv1_[kTilePackets];
   TriangleLanes t_;
+  float reach_[kPacketSlots];  ///< of the triangles
 };
 
 FanTileCounts RunTile(const FanTileTask& task, std::uint32_t tile,

@@ -1,5 +1,6 @@
-// Compiled once a SIMD target and chosen at run time (Google Highway). The operations and their
-// order are those of `intersect_triangle`; lanes that it would settle in binary64 are handed to it.
+// Compiled once a SIMD target and chosen at run time (Google Highway). Stage 1 of the ray-triangle
+// test (intersect/triangle_body.h), one ray with as many triangles as a vector has lanes; those
+// that it does not reject go to stage 2.
 #include "intersect/facing_body.h"
 #include "intersect/intersect_list.h"
 
@@ -20,11 +21,14 @@ inline Vec3 corner(const TriangleArrays& a, int k, std::uint32_t i) {
   return {a.vertex[k][0][i], a.vertex[k][1][i], a.vertex[k][2][i]};
 }
 
-/// The scalar test, for one triangle.
+/// Stages 2 and 3, for one triangle.
 HWY_INLINE void intersect_one(const RaySetup& ray, const TriangleArrays& a, std::uint32_t i,
                               Facing facing, RayHit* best) {
   TriangleHit hit;
-  if (!intersect_triangle(ray, corner(a, 0, i), corner(a, 1, i), corner(a, 2, i), &hit)) return;
+  if (!line_meets_triangle(ray.origin, ray.direction, corner(a, 0, i), corner(a, 1, i),
+                           corner(a, 2, i), &hit) ||
+      !is_within(hit.t, ray.t_min, ray.t_max))
+    return;
   const std::uint32_t id = a.ids != nullptr ? a.ids[i] : a.first_id + i;
   if (facing != Facing::kBoth && !shows(facing, a.flags[id], hit.front)) return;
   best->take(hit.t, id);
@@ -61,41 +65,45 @@ HWY_INLINE V edge(const CornerLanes& p, const CornerLanes& q) {
   return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x));
 }
 
-HWY_INLINE V spread(const CornerLanes& p, const CornerLanes& q) {
-  return hn::Add(hn::Abs(hn::Mul(p.x, q.y)), hn::Abs(hn::Mul(p.y, q.x)));
+/// `reach_of`.
+HWY_INLINE V reach_of_lanes(const TriangleArrays& a, std::uint32_t i) {
+  const Floats d;
+  V extent = hn::Zero(d);
+  for (int axis = 0; axis < 3; ++axis) {
+    const V p = hn::LoadU(d, a.vertex[0][axis] + i), q = hn::LoadU(d, a.vertex[1][axis] + i);
+    const V r = hn::LoadU(d, a.vertex[2][axis] + i);
+    const V high = hn::Max(hn::Max(p, q), r), low = hn::Min(hn::Min(p, q), r);
+    extent = hn::Max(extent, hn::Sub(high, low));
+  }
+  const M usual =
+      hn::And(hn::Ge(extent, hn::Set(d, 0x1p-60f)), hn::Le(extent, hn::Set(d, 0x1p60f)));
+  return hn::IfThenElse(usual, hn::Mul(extent, hn::Set(d, 2 + 8 * 0x1p-24f)),
+                        hn::Set(d, std::numeric_limits<float>::infinity()));
 }
 
-/// Lanes that may be hits: settled ones that are, and those that only the scalar test can settle.
+/// Lanes that stage 1 leaves over, without those that surely are farther than `nearest`.
 HWY_INLINE M candidates(const RayLanes& r, const TriangleArrays& a, const RaySetup& ray,
-                        std::uint32_t i) {
-  using hn::Add, hn::And, hn::AndNot, hn::Div, hn::Ge, hn::Le, hn::Mul, hn::Or;
+                        std::uint32_t i, float nearest) {
+  using hn::Abs, hn::Add, hn::Gt, hn::Lt, hn::Max, hn::Min, hn::Mul, hn::Neg;
   const Floats d;
+  const auto all = [&](float x) { return hn::Set(d, x); };
   const int x = ray.axis_x, y = ray.axis_y, z = ray.axis_z;
   const CornerLanes pa = load_corner(r, a.vertex[0][x] + i, a.vertex[0][y] + i, a.vertex[0][z] + i);
   const CornerLanes pb = load_corner(r, a.vertex[1][x] + i, a.vertex[1][y] + i, a.vertex[1][z] + i);
   const CornerLanes pc = load_corner(r, a.vertex[2][x] + i, a.vertex[2][y] + i, a.vertex[2][z] + i);
   const V u = edge(pc, pb), v = edge(pa, pc), w = edge(pb, pa);
-  const V zero = hn::Zero(d);
-  const M negative = Or(Or(hn::Lt(u, zero), hn::Lt(v, zero)), hn::Lt(w, zero));
-  const M positive = Or(Or(hn::Gt(u, zero), hn::Gt(v, zero)), hn::Gt(w, zero));
-  const M agree = hn::Not(And(negative, positive));
-  if (hn::AllFalse(d, agree)) return agree;
-  const V det = Add(Add(u, v), w);
-  const V size = hn::Abs(det);
-  const M nonzero = And(And(hn::Ne(u, zero), hn::Ne(v, zero)), hn::Ne(w, zero));
-  const M normal =
-      And(Ge(size, hn::Set(d, kSmallDeterminant)), Le(size, hn::Set(d, kLargeDeterminant)));
-  const V products = Add(Add(spread(pc, pb), spread(pa, pc)), spread(pb, pa));
-  const M well_seen = Le(products, Mul(hn::Set(d, kLargestSpread), size));
-  const V distance =
-      Add(Add(Mul(u, Mul(r.sz, pa.z)), Mul(v, Mul(r.sz, pb.z))), Mul(w, Mul(r.sz, pc.z)));
-  const V reach = hn::Abs(distance);
-  const M in_range =
-      And(Ge(reach, hn::Set(d, kSmallDistance)), Le(reach, hn::Set(d, kLargeDeterminant)));
-  const M settled = And(And(nonzero, normal), And(well_seen, in_range));
-  const V t = Div(distance, det);
-  const M inside = And(Ge(t, r.t_min), Le(t, r.t_max));
-  return And(agree, Or(inside, hn::Not(settled)));
+  const V reach = reach_of_lanes(a, i), extent = Add(Abs(pa.z), reach);
+  const V error =
+      Mul(extent, Add(Mul(all(kErrorOfSquare), extent), Mul(all(kErrorOfReach), reach)));
+  const V least = Min(Min(u, v), w), most = Max(Max(u, v), w);
+  const M possible = hn::Not(Gt(Min(Neg(least), most), error));
+  if (HWY_LIKELY(hn::AllFalse(d, possible))) return possible;
+  // A hit's depth is within the triangle's extent of a corner's. Rounding errs by 4 u of either.
+  const V depth = Mul(r.sz, pa.z), room = Mul(Abs(r.sz), extent);
+  const V reached = Add(room, Mul(all(0x1p-20f), Add(Abs(depth), all(0x1p-120f))));
+  const M beyond = hn::Or(Lt(Add(depth, reached), r.t_min),
+                          Gt(hn::Sub(depth, reached), Min(r.t_max, all(nearest))));
+  return hn::AndNot(beyond, possible);
 }
 
 void IntersectList(const RaySetup& ray, const TriangleArrays& a, Facing facing, RayHit* best) {
@@ -104,7 +112,7 @@ void IntersectList(const RaySetup& ray, const TriangleArrays& a, Facing facing, 
   const RayLanes r(ray);
   std::uint32_t i = 0;
   for (; i + lanes <= a.count; i += lanes) {
-    const M mask = candidates(r, a, ray, i);
+    const M mask = candidates(r, a, ray, i, best->t);
     if (HWY_LIKELY(hn::AllFalse(d, mask))) continue;
     alignas(8) std::uint8_t bytes[8] = {};
     hn::StoreMaskBits(d, mask, bytes);
@@ -113,7 +121,9 @@ void IntersectList(const RaySetup& ray, const TriangleArrays& a, Facing facing, 
     for (; bits != 0; bits &= bits - 1)
       intersect_one(ray, a, i + static_cast<std::uint32_t>(__builtin_ctzll(bits)), facing, best);
   }
-  for (; i < a.count; ++i) intersect_one(ray, a, i, facing, best);
+  for (; i < a.count; ++i)
+    if (!surely_misses(ray, corner(a, 0, i), corner(a, 1, i), corner(a, 2, i)))
+      intersect_one(ray, a, i, facing, best);
 }
 
 }  // namespace raysheaf::HWY_NAMESPACE

@@ -1,44 +1,66 @@
-// The one ray-triangle test. Every method and device uses these operations in this order.
+// The one ray-triangle test. Every method and device gives its answers, bit for bit.
 //
-// S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Vertices
-// are moved to the ray's origin and sheared so that the ray runs along +z; the origin of the plane
-// is inside the triangle where the three edge functions agree in sign:
+// A ray o + t d meets the triangle a, b, c where exact arithmetic on the floats as given says so:
+// edges and corners belong to the triangle; a ray in its plane misses it; a triangle without area
+// is never met. t, u and v are rounded once, from values that are right to 2^-27, and t of a hit is
+// in [t_min, t_max] as rounded. So no ray passes between triangles that share an edge or a corner,
+// and of triangles that only one ray in a million distinguishes every method names the same.
 //
-//        C            U = C x B    V = A x C    W = B x A        (z of the cross products)
-//       / \           .
-//      / o \          U, V, W >= 0: seen from the front; all <= 0: from the back
-//     A --- B
+// With e = b - a, f = c - a, n = e x f, k = a - o all is a sign or a quotient of determinants:
 //
-// Watertight: an edge shared by two triangles has the same two sheared end points in both, and each
-// edge function is a difference of two rounded products. Rounding is monotonic, so its sign is
-// right or it is zero; where one is zero (or the determinant left the normal range), all three are
-// done again in binary64, where products of two binary32 numbers are exact and the sign of their
-// difference is therefore exact. So the signs are those of exact arithmetic on the sheared
-// vertices, edges belong to both their triangles, and no ray passes between two triangles that
-// share an edge or a vertex.
+//        c            det = n . d      t = n . k / det
+//       / \           u = (k x d) . f / det      the weight of b
+//      / o \          v = -(k x d) . e / det     the weight of c
+//     a --- b         w = 1 - u - v              the weight of a
 //
-// Where on the line the hit is, the bounds of ray bundles rely on (geom/ray_end.h). t is a mean of
-// the corners' depths with the edge functions as weights. Those are rounded, and where the triangle
-// is seen edge-on they are small differences of large products: the mean is then one of other
-// weights, at any depth that the triangle has. So all is done again in binary64 where the products'
-// magnitudes sum to more than kLargestSpread determinants. Where not, the weights' errors move the
-// mean by at most (kLargestSpread + 1) u times the range of depths, that is gamma(18) L, with L the
-// largest coordinate of a corner as seen from the origin; evaluating it errs by gamma(10) L.
+// Three stages, each for what the one before leaves over:
 //
-// Nothing is contracted into fused operations (docs/decisions/0001-no-contraction.md).
+// 1. Binary32 rejects (`surely_misses`): nearly all tests end here, and most of the rest are hits.
+// 2. Binary64 decides (`determinants`, with error bounds from the sums of the products' magnitudes;
+//    J. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+//    Predicates", 1997). Differences, products and sums of floats neither overflow nor underflow
+//    there: 2^-447 to 2^390.
+// 3. Integers (intersect/wide_body.h): rays through edges and corners, and grazing ones.
+//
+// Stage 1. Corners are moved to the origin and sheared, so that the ray runs along +z (S. Woop, C.
+// Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013); the edge functions
+// U = C x B, V = A x C, W = B x A (z of the cross products) agree in sign where it hits. Let
+// u = 2^-24, q be the largest extent of the triangle along an axis, Z >= |z| of all corners, and S
+// >= |x|, |y| of all sheared corners. Slopes are at most 1. A sheared coordinate errs by
+// u (S + Z) in the difference to the origin, 3 u Z in the product (slope, z, rounding), u S in the
+// last difference: E <= u (2 S + 6 Z), with room. An edge function errs by
+// 4 S E + 2 E^2 + 4 u (S + E)^2. If the ray meets the triangle, the exact S <= 2 q, for all points
+// of the sheared triangle, 0 among them, are no farther apart. With r >= 2 q and
+// Y = |z of a corner| + r, so that 4 q + 6 Z <= 6 Y - 2 q:
+//
+//    the error is at most 48 u q Y + 256 u^2 Y^2 < e = Y (1024 u^2 Y + 32 u r)
+//
+// So where one edge function is beyond e and another below -e the ray misses, however the triangle
+// lies. Conversely, where all are beyond e, or all below -e, it hits: the signs are those of the
+// computed corners exactly, for rounding is monotonic and nothing is fused (decision 1), so these
+// lie around the ray, S <= 2 q + 3 E, and the error is below 48 u q Y + 700 u^2 Y^2 < e.
+// `reach_of` is infinite where products of differences could underflow or overflow; then e is not
+// finite, and nothing is decided here; so too from Y = 2^83 on.
+//
+// Where stage 1 says that it hits, the computed t, a mean of the corners' depths with weights that
+// each err by e, is off by at most 3 e q / |det| for the weights, and 12 u Y for roundings, along z
+// (`depth_error`). SIMD kernels carry that interval for each ray and come to stage 2 only where two
+// intervals overlap; t, u and v are computed once, for the hit that remains.
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "base/host_device.h"
 #include "base/vec.h"
+#include "intersect/wide_body.h"
 
 namespace raysheaf {
 
 /// What a ray brings to every test: the axis it mostly runs along (z), the other two in the order
 /// that keeps the winding, and the shear.
 struct RaySetup {
-  Vec3 origin;
+  Vec3 origin, direction;
   float shear_x, shear_y, shear_z;
   float t_min, t_max;
   int axis_x, axis_y, axis_z;
@@ -49,14 +71,15 @@ struct TriangleHit {
   bool front;  ///< met from the side where the corners run counter-clockwise
 };
 
-/// Determinants beyond these, and distances times determinants, are computed again in binary64:
-/// products lost bits to underflow or became infinite. 2^-60 leaves three products of magnitudes
-/// down to 2^-126 their full precision.
-inline constexpr float kSmallDeterminant = 0x1p-60f;
-inline constexpr float kSmallDistance = 0x1p-100f;  ///< times the determinant
-inline constexpr float kLargeDeterminant = 0x1p120f;
-/// Triangles seen at up to 80 degrees or so are below.
-inline constexpr float kLargestSpread = 8;
+/// Of the error of edge functions: for Y^2, and for Y times the reach.
+inline constexpr float kErrorOfSquare = 0x1p-38f, kErrorOfReach = 0x1p-19f;
+/// Of the error of depths: for the error of edge functions times the reach, and for Y.
+inline constexpr float kErrorOfWeights = 1.6f, kErrorOfDepth = 0x1p-20f;
+/// Edge functions, and distances times them, beyond these lost bits to underflow or overflow.
+inline constexpr float kSmallDeterminant = 0x1p-60f, kLargeDeterminant = 0x1p120f;
+inline constexpr float kSmallDistance = 0x1p-100f;
+/// Intervals of t that are no wider may have lost something to underflow.
+inline constexpr float kSmallInterval = 0x1p-140f;
 
 RAYSHEAF_HD inline RaySetup make_ray_setup(const Ray& ray) {
   const Vec3 d = ray.direction, m = abs(d);
@@ -70,6 +93,7 @@ RAYSHEAF_HD inline RaySetup make_ray_setup(const Ray& ray) {
     y = other;
   }
   return {ray.origin,
+          d,
           component(d, x) / along,
           component(d, y) / along,
           1.0f / along,
@@ -80,70 +104,140 @@ RAYSHEAF_HD inline RaySetup make_ray_setup(const Ray& ray) {
           z};
 }
 
-/// The sheared corners and what follows from them; also the fallback of the SIMD kernels, which
-/// call it for the lanes whose edge functions do not settle the matter in binary32.
-struct ShearedTriangle {
-  float ax, ay, az, bx, by, bz, cx, cy, cz;  ///< z not yet scaled by shear_z
+/// r >= 2 q, or infinity. `extent` is q as computed.
+RAYSHEAF_HD inline float reach_of_extent(float extent) {
+  return extent >= 0x1p-60f && extent <= 0x1p60f ? extent * (2 + 8 * 0x1p-24f)
+                                                 : std::numeric_limits<float>::infinity();
+}
+RAYSHEAF_HD inline float reach_of(Vec3 a, Vec3 b, Vec3 c) {
+  return reach_of_extent(max_component(max(max(a, b), c) - min(min(a, b), c)));
+}
+
+/// Stage 1. False says nothing.
+RAYSHEAF_HD inline bool surely_misses(const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c) {
+  const Vec3 oa = a - ray.origin, ob = b - ray.origin, oc = c - ray.origin;
+  const float az = component(oa, ray.axis_z);
+  const float bz = component(ob, ray.axis_z);
+  const float cz = component(oc, ray.axis_z);
+  const float ax = component(oa, ray.axis_x) - ray.shear_x * az;
+  const float ay = component(oa, ray.axis_y) - ray.shear_y * az;
+  const float bx = component(ob, ray.axis_x) - ray.shear_x * bz;
+  const float by = component(ob, ray.axis_y) - ray.shear_y * bz;
+  const float cx = component(oc, ray.axis_x) - ray.shear_x * cz;
+  const float cy = component(oc, ray.axis_y) - ray.shear_y * cz;
+  const float u = cx * by - cy * bx;
+  const float v = ax * cy - ay * cx;
+  const float w = bx * ay - by * ax;
+  const float reach = reach_of(a, b, c), size = std::fabs(az) + reach;
+  const float error = size * (kErrorOfSquare * size + kErrorOfReach * reach);
+  return (u > error || v > error || w > error) && (u < -error || v < -error || w < -error);
+}
+
+/// det, and det times t, u and v, each with a bound of its error: half of what it is where none of
+/// 9 roundings cancels.
+struct Determinants {
+  double det, t, u, v;
+  double det_error, t_error, u_error, v_error;
+
+  /// Whether the quotients are right to 2^-27: t of its own size, u and v of 1.
+  [[nodiscard]] RAYSHEAF_HD bool give_values() const {
+    const double size = std::fabs(det);
+    return det_error <= 0x1p-28 * size && t_error <= 0x1p-28 * std::fabs(t) &&
+           u_error <= 0x1p-28 * size && v_error <= 0x1p-28 * size;
+  }
+  [[nodiscard]] RAYSHEAF_HD bool are_finite() const {
+    return det_error + t_error + u_error + v_error <= std::numeric_limits<double>::max();
+  }
 };
 
-RAYSHEAF_HD inline ShearedTriangle shear(const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c) {
-  const Vec3 oa = a - ray.origin, ob = b - ray.origin, oc = c - ray.origin;
-  ShearedTriangle s;
-  s.az = component(oa, ray.axis_z);
-  s.bz = component(ob, ray.axis_z);
-  s.cz = component(oc, ray.axis_z);
-  s.ax = component(oa, ray.axis_x) - ray.shear_x * s.az;
-  s.ay = component(oa, ray.axis_y) - ray.shear_y * s.az;
-  s.bx = component(ob, ray.axis_x) - ray.shear_x * s.bz;
-  s.by = component(ob, ray.axis_y) - ray.shear_y * s.bz;
-  s.cx = component(oc, ray.axis_x) - ray.shear_x * s.cz;
-  s.cy = component(oc, ray.axis_y) - ray.shear_y * s.cz;
-  return s;
+/// Stage 2. A difference has one rounding, so the terms of `det` have 7, of `t` 8, of `u` and `v`
+/// 7, of 2^-53 of their magnitudes each.
+RAYSHEAF_HD inline Determinants determinants(Vec3 origin, Vec3 direction, Vec3 a, Vec3 b, Vec3 c) {
+  const auto minus = [](float x, float y) {
+    return static_cast<double>(x) - static_cast<double>(y);
+  };
+  const double ex = minus(b.x, a.x), ey = minus(b.y, a.y), ez = minus(b.z, a.z);
+  const double fx = minus(c.x, a.x), fy = minus(c.y, a.y), fz = minus(c.z, a.z);
+  const double kx = minus(a.x, origin.x), ky = minus(a.y, origin.y), kz = minus(a.z, origin.z);
+  const double dx = direction.x, dy = direction.y, dz = direction.z;
+  struct Minor {
+    double value, size;
+  };
+  const auto minor = [](double p, double q, double r, double s) {
+    const double pq = p * q, rs = r * s;
+    return Minor{pq - rs, std::fabs(pq) + std::fabs(rs)};
+  };
+  const Minor nx = minor(ey, fz, ez, fy), ny = minor(ez, fx, ex, fz), nz = minor(ex, fy, ey, fx);
+  const Minor mx = minor(ky, dz, kz, dy), my = minor(kz, dx, kx, dz), mz = minor(kx, dy, ky, dx);
+  const auto value = [](Minor x, Minor y, Minor z, double p, double q, double r) {
+    return x.value * p + y.value * q + z.value * r;
+  };
+  const auto size = [](Minor x, Minor y, Minor z, double p, double q, double r) {
+    return x.size * std::fabs(p) + y.size * std::fabs(q) + z.size * std::fabs(r);
+  };
+  return {value(nx, ny, nz, dx, dy, dz),          value(nx, ny, nz, kx, ky, kz),
+          value(mx, my, mz, fx, fy, fz),          -value(mx, my, mz, ex, ey, ez),
+          0x1p-50 * size(nx, ny, nz, dx, dy, dz), 0x1p-49 * size(nx, ny, nz, kx, ky, kz),
+          0x1p-50 * size(mx, my, mz, fx, fy, fz), 0x1p-50 * size(mx, my, mz, ex, ey, ez)};
 }
 
-/// The test in binary64, from the same sheared corners.
-RAYSHEAF_HD inline bool intersect_exactly(const RaySetup& ray, const ShearedTriangle& s,
-                                          TriangleHit* hit) {
-  const double ax = s.ax, ay = s.ay, bx = s.bx, by = s.by, cx = s.cx, cy = s.cy;
-  const double u = cx * by - cy * bx;
-  const double v = ax * cy - ay * cx;
-  const double w = bx * ay - by * ax;
-  if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
-  const double det = u + v + w;
-  if (!(det != 0)) return false;
-  const double scale = ray.shear_z;
-  const double distance = u * (scale * s.az) + v * (scale * s.bz) + w * (scale * s.cz);
-  const float t = static_cast<float>(distance / det);
-  if (!(t >= ray.t_min && t <= ray.t_max)) return false;
-  *hit = {t, static_cast<float>(v / det), static_cast<float>(w / det), det > 0};
+/// The values of a hit, rounded once. u and v are in [0, 1]. t of a line that meets the triangle
+/// behind the ray's origin stays below zero, however near, and is never -0.
+RAYSHEAF_HD inline TriangleHit rounded_hit(double t, double u, double v, bool front) {
+  const auto weight = [](double x) {
+    const auto rounded = static_cast<float>(x);
+    return rounded > 0 ? (rounded < 1 ? rounded : 1.0f) : 0.0f;
+  };
+  const auto near_zero = t < 0 ? -std::numeric_limits<float>::denorm_min() : 0.0f;
+  const auto rounded = static_cast<float>(t);
+  return {rounded != 0 ? rounded : near_zero, weight(u), weight(v), front};
+}
+
+/// The values of a hit that stage 1, 2 or 3 has found.
+RAYSHEAF_HD inline TriangleHit values_of_hit(Vec3 origin, Vec3 direction, Vec3 a, Vec3 b, Vec3 c) {
+  const Determinants x = determinants(origin, direction, a, b, c);
+  if (x.give_values()) return rounded_hit(x.t / x.det, x.u / x.det, x.v / x.det, x.det < 0);
+  const WideAnswer answer = answer_in_integers(origin, direction, a, b, c);
+  return rounded_hit(answer.t, answer.u, answer.v, answer.front);
+}
+
+/// Stages 2 and 3: whether the ray's line meets the triangle, whatever t.
+RAYSHEAF_HD inline bool line_meets_triangle(Vec3 origin, Vec3 direction, Vec3 a, Vec3 b, Vec3 c,
+                                            TriangleHit* hit) {
+  const Determinants x = determinants(origin, direction, a, b, c);
+  if (!x.are_finite()) return false;
+  const double w = (x.det - x.u) - x.v;
+  const double w_error = 2 * (x.det_error + x.u_error + x.v_error);
+  const bool some_above = x.det > x.det_error || x.u > x.u_error || x.v > x.v_error || w > w_error;
+  const bool some_below =
+      x.det < -x.det_error || x.u < -x.u_error || x.v < -x.v_error || w < -w_error;
+  if (some_above && some_below) return false;
+  const bool settled = std::fabs(x.det) > x.det_error && std::fabs(x.u) > x.u_error &&
+                       std::fabs(x.v) > x.v_error && std::fabs(w) > w_error;
+  const bool valued = x.give_values();
+  if (settled && valued) {
+    *hit = rounded_hit(x.t / x.det, x.u / x.det, x.v / x.det, x.det < 0);
+    return true;
+  }
+  const WideAnswer answer = answer_in_integers(origin, direction, a, b, c);
+  if (!answer.meets) return false;
+  *hit = valued ? rounded_hit(x.t / x.det, x.u / x.det, x.v / x.det, x.det < 0)
+                : rounded_hit(answer.t, answer.u, answer.v, answer.front);
   return true;
 }
 
-/// Whether the ray meets the triangle with `t` in [t_min, t_max]. Zero-area triangles and NaNs are
-/// never met.
+/// Whether a hit at `t` counts: one beyond the largest float does not.
+RAYSHEAF_HD inline bool is_within(float t, float t_min, float t_max) {
+  return t >= t_min && t <= t_max && t < std::numeric_limits<float>::infinity();
+}
+
+/// Whether the ray meets the triangle with `t` in [t_min, t_max]. Triangles without area and what
+/// is not finite are never met.
 RAYSHEAF_HD inline bool intersect_triangle(const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c,
                                            TriangleHit* hit) {
-  const ShearedTriangle s = shear(ray, a, b, c);
-  const float u = s.cx * s.by - s.cy * s.bx;
-  const float v = s.ax * s.cy - s.ay * s.cx;
-  const float w = s.bx * s.ay - s.by * s.ax;
-  if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
-  const float det = u + v + w;
-  const float size = std::fabs(det);
-  const float spread = (std::fabs(s.cx * s.by) + std::fabs(s.cy * s.bx)) +
-                       (std::fabs(s.ax * s.cy) + std::fabs(s.ay * s.cx)) +
-                       (std::fabs(s.bx * s.ay) + std::fabs(s.by * s.ax));
-  const float distance =
-      u * (ray.shear_z * s.az) + v * (ray.shear_z * s.bz) + w * (ray.shear_z * s.cz);
-  const bool settled = u != 0 && v != 0 && w != 0 && size >= kSmallDeterminant &&
-                       size <= kLargeDeterminant && spread <= kLargestSpread * size &&
-                       std::fabs(distance) >= kSmallDistance &&
-                       std::fabs(distance) <= kLargeDeterminant;
-  if (!settled) return intersect_exactly(ray, s, hit);
-  const float t = distance / det;
-  if (!(t >= ray.t_min && t <= ray.t_max)) return false;
-  *hit = {t, v / det, w / det, det > 0};
-  return true;
+  return !surely_misses(ray, a, b, c) &&
+         line_meets_triangle(ray.origin, ray.direction, a, b, c, hit) &&
+         is_within(hit->t, ray.t_min, ray.t_max);
 }
 
 /// The weights of the second and third corner where the ray meets the triangle's plane, kept inside

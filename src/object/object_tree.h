@@ -20,11 +20,12 @@
 namespace raysheaf {
 
 /// Up to four triangles. Lanes without one repeat the first.
-struct alignas(32) TriangleQuad {
+struct alignas(64) TriangleQuad {
   float vertex[3][3][4];  ///< [corner][axis][lane]
   std::uint32_t id[4];    ///< numbers
+  float reach[4];         ///< `reach_of` (intersect/triangle_body.h)
 };
-static_assert(sizeof(TriangleQuad) == 160);
+static_assert(sizeof(TriangleQuad) == 192);
 
 inline constexpr std::uint32_t kQuadTriangles = 4;
 

@@ -51,6 +51,7 @@ void flatten(TriangleQuad* quad) {
       for (int axis = 0; axis < 3; ++axis)
         quad->vertex[k][axis][lane] = quad->vertex[0][axis][lane];
   }
+  store_reach(quad);
 }
 
 Box box_of(const TriangleQuad& quad) {

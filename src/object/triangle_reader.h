@@ -1,6 +1,7 @@
 // Corners of triangles by number, on their way into quads.
 #pragma once
 
+#include "intersect/triangle_body.h"
 #include "object/float4.h"
 #include "object/object_tree.h"
 
@@ -54,9 +55,22 @@ inline LoadedTriangle load_corners(const TriangleReader::Corners& c) {
   return {{load3(*c.p[0]), load3(*c.p[1]), load3(*c.p[2])}};
 }
 
+/// `reach_of` of a quad's triangles.
+inline void store_reach(TriangleQuad* quad) {
+  Float4 extent = all4(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    const Float4 a = load4(quad->vertex[0][axis]), b = load4(quad->vertex[1][axis]);
+    const Float4 c = load4(quad->vertex[2][axis]);
+    extent = max(extent, max(max(a, b), c) - min(min(a, b), c));
+  }
+  store4(extent, quad->reach);
+  for (float& reach : quad->reach) reach = reach_of_extent(reach);
+}
+
 inline void store_quad(const LoadedTriangle (&t)[4], TriangleQuad* quad) {
   for (int k = 0; k < 3; ++k)
     store_columns(t[0].corner[k], t[1].corner[k], t[2].corner[k], t[3].corner[k], quad->vertex[k]);
+  store_reach(quad);
 }
 
 }  // namespace raysheaf

@@ -3,17 +3,23 @@
 
 #include <cmath>
 
+#include "intersect/wide_body.h"
 #include "scene/mesh_bound_body.h"
 
 namespace raysheaf {
 
-/// Whether the area is zero, judged in double: differences and products of floats hardly round
-/// there.
+/// Whether the area of a triangle with finite corners is exactly zero. Binary64 settles it but
+/// where products are within four roundings of each other; integers settle the rest.
 RAYSHEAF_HD inline bool has_no_area(Vec3 a, Vec3 b, Vec3 c) {
   const double ux = static_cast<double>(b.x) - a.x, vx = static_cast<double>(c.x) - a.x;
   const double uy = static_cast<double>(b.y) - a.y, vy = static_cast<double>(c.y) - a.y;
   const double uz = static_cast<double>(b.z) - a.z, vz = static_cast<double>(c.z) - a.z;
-  return uy * vz == uz * vy && uz * vx == ux * vz && ux * vy == uy * vx;
+  const auto differ = [](double p, double q) {
+    return std::fabs(p - q) > 0x1p-51 * (std::fabs(p) + std::fabs(q));
+  };
+  if (differ(uy * vz, uz * vy) || differ(uz * vx, ux * vz) || differ(ux * vy, uy * vx))
+    return false;
+  return are_in_line(a, b, c);
 }
 
 RAYSHEAF_HD inline double squared_distance_in_double(Vec3 a, Vec3 b) {

@@ -9,6 +9,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "intersect/values-inl.h"
 #include "scene/surface_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -46,74 +47,24 @@ HWY_INLINE F3 unit(const D3& a, FM* known) {
           hn::DemoteTo(df, hn::Div(a.z, size))};
 }
 
-/// A ray's components as its triangle's test has them (intersect/triangle_body.h), but for the turn
-/// of x and y where a ray runs against its axis: that turns the sign of all three edge functions
-/// and of their sum, and so of no quotient.
-struct Sheared {
-  FM is_x, is_y;
-  F shear_x, shear_y;
-
-  HWY_INLINE F along(const F3& a) const {
-    return hn::IfThenElse(is_x, a.x, hn::IfThenElse(is_y, a.y, a.z));
-  }
-  HWY_INLINE F across(const F3& a) const {
-    return hn::IfThenElse(is_x, a.y, hn::IfThenElse(is_y, a.z, a.x));
-  }
-  HWY_INLINE F up(const F3& a) const {
-    return hn::IfThenElse(is_x, a.z, hn::IfThenElse(is_y, a.x, a.y));
-  }
-  /// x and y sheared, z as it is.
-  HWY_INLINE F3 operator()(const F3& a) const {
-    const F z = along(a);
-    return {hn::Sub(across(a), hn::Mul(shear_x, z)), hn::Sub(up(a), hn::Mul(shear_y, z)), z};
-  }
-};
-
 LaneBits FindWeights(SurfaceColumns* columns) {
+  static_assert(kValueLanes == kSurfaceLanes);
   SurfaceColumns& c = *columns;
+  ValueColumns values;
+  std::memcpy(values.origin, c.origin, sizeof values.origin);
+  std::memcpy(values.direction, c.direction, sizeof values.direction);
+  std::memcpy(values.corner, c.corner, sizeof values.corner);
+  const std::uint32_t met = find_values(&values).met;
   const Floats d;
-  const F zero = hn::Zero(d);
   LaneBits settled = 0;
   for (std::size_t k = 0; k < kSurfaceLanes; k += hn::Lanes(d)) {
-    const F3 direction = load3(c.direction, k), origin = load3(c.origin, k);
-    const F3 m{hn::Abs(direction.x), hn::Abs(direction.y), hn::Abs(direction.z)};
-    const FM x_over_y = hn::Gt(m.x, m.y);
-    Sheared s;
-    s.is_x = hn::And(x_over_y, hn::Gt(m.x, m.z));
-    s.is_y = hn::AndNot(x_over_y, hn::Gt(m.y, m.z));
-    const F along = s.along(direction);
-    s.shear_x = hn::Div(s.across(direction), along);
-    s.shear_y = hn::Div(s.up(direction), along);
-    const F shear_z = hn::Div(set(1), along);
-    const F3 p = s(minus(load3(c.corner[0], k), origin));
-    const F3 q = s(minus(load3(c.corner[1], k), origin));
-    const F3 r = s(minus(load3(c.corner[2], k), origin));
-    const F u0 = hn::Mul(r.x, q.y), u1 = hn::Mul(r.y, q.x);
-    const F v0 = hn::Mul(p.x, r.y), v1 = hn::Mul(p.y, r.x);
-    const F w0 = hn::Mul(q.x, p.y), w1 = hn::Mul(q.y, p.x);
-    const F u = hn::Sub(u0, u1), v = hn::Sub(v0, v1), w = hn::Sub(w0, w1);
-    const FM below = hn::And(hn::And(hn::Lt(u, zero), hn::Lt(v, zero)), hn::Lt(w, zero));
-    const FM above = hn::And(hn::And(hn::Gt(u, zero), hn::Gt(v, zero)), hn::Gt(w, zero));
-    const F det = hn::Add(hn::Add(u, v), w), size = hn::Abs(det);
-    const F spread =
-        hn::Add(hn::Add(hn::Add(hn::Abs(u0), hn::Abs(u1)), hn::Add(hn::Abs(v0), hn::Abs(v1))),
-                hn::Add(hn::Abs(w0), hn::Abs(w1)));
-    const F distance =
-        hn::Add(hn::Add(hn::Mul(u, hn::Mul(shear_z, p.z)), hn::Mul(v, hn::Mul(shear_z, q.z))),
-                hn::Mul(w, hn::Mul(shear_z, r.z)));
-    const F far = hn::Abs(distance);
-    FM good = hn::And(hn::Ge(size, set(kSmallDeterminant)), hn::Le(size, set(kLargeDeterminant)));
-    good = hn::And(good, hn::Le(spread, hn::Mul(set(kLargestSpread), size)));
-    good = hn::And(good,
-                   hn::And(hn::Ge(far, set(kSmallDistance)), hn::Le(far, set(kLargeDeterminant))));
-    const F t = hn::Div(distance, det);
-    good = hn::And(good, hn::And(hn::Ge(t, load(c.t_min, k)), hn::Le(t, load(c.t_max, k))));
-    good = hn::And(good, hn::Or(below, above));
-    store(hn::Div(v, det), c.u, k);
-    store(hn::Div(w, det), c.v, k);
-    settled |= bits_of(d, good, k);
+    const F t = hn::Load(d, values.t + k);
+    const FM within = hn::And(hn::Ge(t, load(c.t_min, k)), hn::Le(t, load(c.t_max, k)));
+    settled |= bits_of(d, within, k);
+    store(hn::Load(d, values.u + k), c.u, k);
+    store(hn::Load(d, values.v + k), c.v, k);
   }
-  return settled;
+  return settled & met;
 }
 
 LaneBits FindIncoming(SurfaceColumns* columns) {

@@ -275,7 +275,7 @@ struct ConeSphereCase {
   }
 };
 
-/// Aimed at the triangle, a third of them at an edge, so that the exact branch is taken too.
+/// Aimed at the triangle, a third of them at an edge, so that all stages of the test are taken.
 struct TriangleCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
     const float scale = draws.scale();
@@ -286,9 +286,10 @@ struct TriangleCase {
     const Vec3 origin = draws.in_box(3) * scale;
     const RaySetup ray = make_ray_setup({origin, 0, target - origin});
     TriangleHit hit{}, exact{};
-    const ShearedTriangle sheared = shear(ray, a, b, c);
-    out.put(intersect_triangle(ray, a, b, c, &hit), intersect_exactly(ray, sheared, &exact));
-    out.put(hit.t, hit.u, hit.v, hit.front, exact.t, exact.u, exact.v, exact.front, sheared.ax);
+    const WideAnswer wide = answer_in_integers(origin, target - origin, a, b, c);
+    out.put(intersect_triangle(ray, a, b, c, &hit), surely_misses(ray, a, b, c),
+            line_meets_triangle(origin, target - origin, a, b, c, &exact), wide.meets);
+    out.put(hit.t, hit.u, hit.v, hit.front, exact.t, exact.u, exact.v, exact.front);
     out.put(shows(Facing::kSkipBackOfSingleSided, kSingleSided, hit.front));
     RayHit best;
     best.take(hit.t, 3);

@@ -11,7 +11,6 @@
 #include "dual/dual.h"
 #include "intersect/facing_body.h"
 #include "intersect/triangle_body.h"
-#include "scene/flatten_body.h"
 
 namespace raysheaf::test {
 
@@ -61,7 +60,6 @@ inline HitRows brute_force(const Heap& heap, const std::vector<Ray>& rays,
   for (const Ray& ray : rays) setups.push_back(make_ray_setup(ray));
   for (std::uint32_t i = 0; i < heap.count(); ++i) {
     const auto [a, b, c] = heap.corners(i);
-    if (has_no_area(a, b, c)) continue;
     for (std::size_t r = 0; r < rays.size(); ++r) {
       TriangleHit hit;
       if (!intersect_triangle(setups[r], a, b, c, &hit)) continue;

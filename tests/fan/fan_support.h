@@ -6,7 +6,6 @@
 #include "fan/fan.h"
 #include "intersect/facing_body.h"
 #include "intersect/triangle_body.h"
-#include "scene/flatten_body.h"
 #include "support/random.h"
 
 namespace raysheaf::test {
@@ -46,7 +45,6 @@ inline std::vector<std::uint8_t> brute_force(const Triangles& triangles,
   std::vector<std::uint8_t> occluded(rays.size(), 0);
   for (std::uint32_t i = 0; i < triangles.count(); ++i) {
     const auto [a, b, c] = triangles.corners(i);
-    if (has_no_area(a, b, c)) continue;
     for (std::size_t r = 0; r < rays.size(); ++r) {
       TriangleHit hit;
       if (occluded[r] == 0 && intersect_triangle(make_ray_setup(rays[r]), a, b, c, &hit) &&

@@ -262,17 +262,18 @@ void expect_right(const ObjectTree& tree, const TriangleSource& source) {
   EXPECT_LE(walk.leaves(), tree.triangles);
 }
 
-bool same_bytes(const Buffer<TriangleQuad>& a, const Buffer<TriangleQuad>& b) {
-  return a.size() == b.size() &&
-         (a.size() == 0 || std::memcmp(a.data(), b.data(), a.size() * sizeof(TriangleQuad)) == 0);
-}
-
-/// All bytes but those that round a node's size up.
-bool same_bytes(const Buffer<BvhNode>& a, const Buffer<BvhNode>& b) {
-  constexpr std::size_t kUsed = offsetof(BvhNode, children) + sizeof(BvhNode::children);
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const BvhNode& x, const BvhNode& y) {
-    return std::memcmp(&x, &y, kUsed) == 0;
+/// All bytes but those that round a record's size up: `used` of each.
+template <class Record>
+bool same_bytes(const Buffer<Record>& a, const Buffer<Record>& b, std::size_t used) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](const Record& x, const Record& y) {
+    return std::memcmp(&x, &y, used) == 0;
   });
+}
+bool same_bytes(const Buffer<TriangleQuad>& a, const Buffer<TriangleQuad>& b) {
+  return same_bytes(a, b, offsetof(TriangleQuad, reach) + sizeof(TriangleQuad::reach));
+}
+bool same_bytes(const Buffer<BvhNode>& a, const Buffer<BvhNode>& b) {
+  return same_bytes(a, b, offsetof(BvhNode, children) + sizeof(BvhNode::children));
 }
 
 using Build = void (*)(const Executor&, const TriangleSource&, ObjectTree*);

@@ -10,7 +10,6 @@
 #include "base/vec.h"
 #include "intersect/triangle_body.h"
 #include "raysheaf/scene.h"
-#include "scene/flatten_body.h"
 
 namespace raysheaf::test {
 
@@ -42,7 +41,6 @@ struct SceneModel {
         for (int k = 0; k < 3; ++k)
           corner[k] = transform_point(instance.transform, mesh.positions[mesh.triangles[i][k]]);
         TriangleHit hit;
-        if (has_no_area(corner[0], corner[1], corner[2])) continue;
         if (!intersect_triangle(setup, corner[0], corner[1], corner[2], &hit)) continue;
         hits.push_back({hit.t, hit.u, hit.v, i, instance.mesh, id});
       }

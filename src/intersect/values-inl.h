@@ -1,0 +1,124 @@
+// t, u and v of hits, in lanes: `values_of_hit` operation by operation. Included once a SIMD
+// target.
+#if defined(RAYSHEAF_INTERSECT_VALUES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAYSHEAF_INTERSECT_VALUES_INL_H_
+#undef RAYSHEAF_INTERSECT_VALUES_INL_H_
+#else
+#define RAYSHEAF_INTERSECT_VALUES_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cstdint>
+
+#include "intersect/triangle_body.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raysheaf::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+inline constexpr std::size_t kValueLanes = 16;
+
+/// Rays and triangles in columns, a lane each, and what they have in common.
+struct alignas(64) ValueColumns {
+  float origin[3][kValueLanes], direction[3][kValueLanes];  ///< [axis]
+  float corner[3][3][kValueLanes];                          ///< [corner][axis]
+  float t[kValueLanes], u[kValueLanes], v[kValueLanes];
+
+  void put_triangle(std::size_t lane, Vec3 a, Vec3 b, Vec3 c) {
+    const Vec3 corners[3] = {a, b, c};
+    for (int k = 0; k < 3; ++k)
+      for (int axis = 0; axis < 3; ++axis) corner[k][axis][lane] = component(corners[k], axis);
+  }
+  [[nodiscard]] Vec3 point(const float (&p)[3][kValueLanes], std::size_t lane) const {
+    return {p[0][lane], p[1][lane], p[2][lane]};
+  }
+};
+
+/// The lanes that binary64 settles, and those of them that certainly hit, as bits.
+struct ValuedLanes {
+  std::uint32_t valued = 0, met = 0;
+};
+
+/// Fills t, u and v of the valued lanes; others hold anything.
+///
+/// The bounds of `Determinants` are sums of magnitudes; here they are taken from the largest
+/// coordinates, which costs less and gives more: with e, f <= q, k <= s and d <= l, the sums for
+/// det, u and v are at most 6 l q (q + s), for t 6 s q^2. So where these bounds suffice, those do.
+HWY_INLINE ValuedLanes find_values(ValueColumns* columns) {
+  using hn::Abs, hn::Add, hn::And, hn::Div, hn::Gt, hn::Le, hn::Lt, hn::Max, hn::Min, hn::Mul,
+      hn::Neg, hn::Sub;
+  using Doubles = hn::CappedTag<double, kValueLanes>;
+  const Doubles d;
+  const hn::Rebind<float, Doubles> df;
+  using V = hn::Vec<Doubles>;
+  ValueColumns& c = *columns;
+  ValuedLanes result;
+  const auto bits = [&](hn::Mask<Doubles> mask) {
+    std::uint8_t byte[8] = {};
+    hn::StoreMaskBits(d, mask, byte);
+    return std::uint32_t{byte[0]} & ((1u << hn::Lanes(d)) - 1);
+  };
+  for (std::size_t g = 0; g < kValueLanes; g += hn::Lanes(d)) {
+    const auto load = [&](const float* p) { return hn::PromoteTo(d, hn::Load(df, p + g)); };
+    V e[3], f[3], k[3], l[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const V a = load(c.corner[0][axis]);
+      e[axis] = Sub(load(c.corner[1][axis]), a);
+      f[axis] = Sub(load(c.corner[2][axis]), a);
+      k[axis] = Sub(a, load(c.origin[axis]));
+      l[axis] = load(c.direction[axis]);
+    }
+    const auto minor = [](V p, V q, V r, V s) { return Sub(Mul(p, q), Mul(r, s)); };
+    const V n[3] = {minor(e[1], f[2], e[2], f[1]), minor(e[2], f[0], e[0], f[2]),
+                    minor(e[0], f[1], e[1], f[0])};
+    const V m[3] = {minor(k[1], l[2], k[2], l[1]), minor(k[2], l[0], k[0], l[2]),
+                    minor(k[0], l[1], k[1], l[0])};
+    const auto dot = [](const V(&p)[3], const V(&q)[3]) {
+      return Add(Add(Mul(p[0], q[0]), Mul(p[1], q[1])), Mul(p[2], q[2]));
+    };
+    const auto largest = [](const V(&p)[3]) { return Max(Max(Abs(p[0]), Abs(p[1])), Abs(p[2])); };
+    const V det = dot(n, l), distance = dot(n, k), u = dot(m, f), v = Neg(dot(m, e));
+    const V size = Abs(det);
+    const V q = Max(largest(e), largest(f)), s = largest(k), q_s = Mul(q, Add(q, s));
+    // 8 in place of 6: these are rounded, too.
+    const V error = Mul(hn::Set(d, 0x1p-47), Mul(largest(l), q_s));
+    const V t_error = Mul(hn::Set(d, 0x1p-46), Mul(s, Mul(q, q)));
+    const auto settles = [&](V wrong, V right) {
+      return Le(wrong, Mul(hn::Set(d, 0x1p-28), right));
+    };
+    // Of a point, and where nothing is finite, all comparisons are false.
+    const auto valued =
+        And(And(settles(error, size), Gt(size, error)), settles(t_error, Abs(distance)));
+    const V w = Sub(Sub(det, u), v), slack = Mul(hn::Set(d, 6.0), error);
+    const V low = Min(Min(u, v), w), high = Max(Max(u, v), w);
+    const auto met = hn::Or(Gt(low, slack), Lt(high, Neg(slack)));
+    const auto rounded = [&](V x) { return hn::DemoteTo(df, Div(x, det)); };
+    const auto zero = hn::Zero(df), one = hn::Set(df, 1.0f);
+    const auto weight = [&](V x) { return hn::Min(hn::Max(rounded(x), zero), one); };
+    hn::Store(hn::Add(rounded(distance), zero), df, c.t + g);
+    hn::Store(weight(u), df, c.u + g);
+    hn::Store(weight(v), df, c.v + g);
+    result.valued |= bits(valued) << g;
+    result.met |= bits(And(valued, met)) << g;
+  }
+  return result;
+}
+
+/// The same for lanes that are hits, whatever it takes.
+inline void settle_values(std::uint32_t hits, ValueColumns* columns) {
+  ValueColumns& c = *columns;
+  for (std::uint32_t rest = hits & ~find_values(columns).valued; rest != 0; rest &= rest - 1) {
+    const auto lane = static_cast<std::size_t>(__builtin_ctz(rest));
+    const TriangleHit hit = values_of_hit(c.point(c.origin, lane), c.point(c.direction, lane),
+                                          c.point(c.corner[0], lane), c.point(c.corner[1], lane),
+                                          c.point(c.corner[2], lane));
+    c.t[lane] = hit.t, c.u[lane] = hit.u, c.v[lane] = hit.v;
+  }
+}
+
+}  // namespace raysheaf::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // the toggle
