@@ -38,7 +38,7 @@ double hermite(const float* key, std::size_t width, std::size_t i, const Moment&
          m.seconds * (t3 - t2) * next[i];
 }
 
-Quaternion normalized(Quaternion q) {
+Quaternion unit_quaternion(Quaternion q) {
   const double n = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   if (!(n > 0)) return {0, 0, 0, 1};
   for (double& x : q) x /= n;
@@ -47,7 +47,7 @@ Quaternion normalized(Quaternion q) {
 
 Quaternion key_rotation(const Curve& curve, std::size_t key) {
   const float* q = curve.values.data() + 4 * key;
-  return normalized({q[0], q[1], q[2], q[3]});
+  return unit_quaternion({q[0], q[1], q[2], q[3]});
 }
 
 /// Between unit quaternions, along the shorter of the two arcs (Shoemake 1985, "Animating Rotation
@@ -65,7 +65,7 @@ Quaternion slerp(const Quaternion& a, Quaternion b, double part) {
   const double of_b = near ? part : std::sin(part * angle) / sine;
   Quaternion q;
   for (std::size_t i = 0; i < 4; ++i) q[i] = of_a * a[i] + of_b * b[i];
-  return normalized(q);
+  return unit_quaternion(q);
 }
 
 }  // namespace
@@ -95,7 +95,7 @@ std::array<double, 4> sample_rotation(const Curve& curve, double time) {
   }
   Quaternion q;
   sample_curve(curve, time, q);
-  return normalized(q);
+  return unit_quaternion(q);
 }
 
 }  // namespace raysheaf

@@ -93,8 +93,8 @@ Ray ray_at(const RaySource& rays, std::size_t i) {
 
 /// In a sample: the fan itself looks at all.
 bool seem_to_share_origin(const RaySource& rays) {
-  constexpr std::size_t kSamples = 256;
-  const std::size_t stride = std::max<std::size_t>(1, rays.size() / kSamples);
+  constexpr std::size_t kOriginSamples = 256;
+  const std::size_t stride = std::max<std::size_t>(1, rays.size() / kOriginSamples);
   const Vec3 first = ray_at(rays, 0).origin;
   for (std::size_t i = 0; i < rays.size(); i += stride) {
     const Vec3 origin = ray_at(rays, i).origin;
