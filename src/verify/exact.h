@@ -1,4 +1,4 @@
-// Determinants in exact arithmetic on the floats as given, which `exact_answer` stands on.
+// Determinants in exact arithmetic on the floats as given, from which `exact_answer` follows.
 //
 // With a, b, c the corners as seen from the ray's origin and d its direction, all answers are signs
 // and quotients of determinants of third degree:
@@ -7,11 +7,11 @@
 //    det = their sum = [d, b - a, c - a]
 //    t = [a, b, c] / det,   u = [d, c, a] / det,   v = [d, a, b] / det
 //
-// Each is first computed in the widest type that there is with a bound of its error, and where that
-// does not settle sign and 40 bits, by expansions (J. Shewchuk, "Adaptive Precision Floating-Point
-// Arithmetic and Fast Robust Geometric Predicates", 1997): sums of binary64 numbers that hold the
-// value exactly. Floats are so short that nothing underflows: products of three are at least
-// 2^-447.
+// Each is first computed in binary64 with a bound of its error. Where that does not settle what is
+// asked, it is computed by expansions (J. Shewchuk, "Adaptive Precision Floating-Point Arithmetic
+// and Fast Robust Geometric Predicates", 1997): sums of binary64 numbers that hold the value
+// exactly. Neither overflows or underflows: a product of three coordinates, or of three differences
+// of coordinates, is a multiple of 2^-447 and below 2^387, and so are all rounding errors.
 #pragma once
 
 #include <array>
@@ -29,5 +29,10 @@ using Rows = std::array<Row, 3>;
 
 /// With the right sign, and to within 2^-40 relative.
 [[nodiscard]] double determinant(const Rows& rows);
+/// Only its sign: -1, 0 or 1.
+[[nodiscard]] int sign_of_determinant(const Rows& rows);
+
+/// `exact_answer` has `meets` and a `t` that is not negative. Faster: signs are enough.
+[[nodiscard]] bool meets_exactly(const Ray& ray, Vec3 a, Vec3 b, Vec3 c);
 
 }  // namespace raysheaf::checks

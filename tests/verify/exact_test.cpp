@@ -4,42 +4,118 @@
 
 #include <cmath>
 
-#include "verify/random.h"
+#include "tests/verify/big_integer.h"
+#include "verify/pairs.h"
 
 namespace raysheaf::checks {
 namespace {
 
-__extension__ using Wide = __int128;
+using test::BigInteger;
 
-Wide integer_determinant(const std::int64_t (&m)[3][3]) {
-  const auto minor = [&](int i, int k) {
-    return Wide{m[1][i]} * m[2][k] - Wide{m[1][k]} * m[2][i];
-  };
+BigInteger big_determinant(const Rows& rows) {
+  BigInteger m[3][3];
+  for (std::size_t i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k)
+      m[i][k] = BigInteger(component(rows[i].to, k)) - BigInteger(component(rows[i].from, k));
+  const auto minor = [&](int i, int k) { return m[1][i] * m[2][k] - m[1][k] * m[2][i]; };
   return m[0][0] * minor(1, 2) - m[0][1] * minor(0, 2) + m[0][2] * minor(0, 1);
 }
 
-/// Whole numbers, where 128 bits hold everything, at any power of two.
-TEST(Exact, DeterminantsOfWholeNumbersAreRight) {
+/// Three points as seen from a fourth.
+Rows some_rows(Random* random) {
+  const PairFamily& family =
+      pair_families()[random->below(static_cast<std::uint32_t>(pair_families().size()))];
+  const RayAndTriangle pair = family.make(random);
+  const auto& [a, b, c] = pair.corners;
+  const Vec3 o = pair.ray.origin, d = pair.ray.direction;
+  switch (random->below(4)) {
+    case 0:
+      return {Row{d, {}}, Row{b, a}, Row{c, a}};
+    case 1:
+      return {Row{d, {}}, Row{a, o}, Row{b, o}};
+    case 2:
+      return {Row{a, o}, Row{b, o}, Row{c, o}};
+    default:
+      return {Row{b, a}, Row{c, a}, Row{b, c}};  // singular
+  }
+}
+
+TEST(Exact, BigIntegersCalculate) {
+  const BigInteger two(0x1p-148f), three = two + BigInteger(0x1p-149f);
+  EXPECT_EQ((two * three - three - three).sign(), 0);
+  EXPECT_EQ((two - three).sign(), -1);
+  EXPECT_EQ(((two - three) * (two - three)).sign(), 1);
+  EXPECT_EQ((-three).value(0), -3);
+  for (const float x : {0.0f, -0.0f, 1.0f, -1.5f, 0x1p-149f, -0x1.8p-140f, 0x1.fffffep127f, 1e-30f})
+    EXPECT_EQ(BigInteger(x).value(-149), double{x}) << x;
+  const BigInteger most(0x1.fffffep127f), twice = most + most;
+  EXPECT_DOUBLE_EQ((twice * twice * twice).value(-447), std::pow(0x1.fffffep128, 3));
+}
+
+TEST(Exact, DeterminantsAreThoseOfBigIntegers) {
   Random random(1);
   int zeros = 0;
   for (int trial = 0; trial < 200000; ++trial) {
-    std::int64_t m[3][3];
-    const std::uint32_t most = random.one_in(2) ? 3 : 1u << 23;
-    for (auto& row : m)
-      for (std::int64_t& x : row) x = std::int64_t{random.below(2 * most)} - most;
-    if (random.one_in(3))  // nearly singular: the last row is the sum of the others, or one off
-      for (int k = 0; k < 3; ++k) m[2][k] = m[0][k] + m[1][k] + (random.one_in(6) ? 1 : 0);
-    const int power = static_cast<int>(random.below(200)) - 110;
-    const auto vector = [&](int i) {
-      const auto at = [&](int k) { return std::ldexp(static_cast<float>(m[i][k]), power); };
-      return Vec3{at(0), at(1), at(2)};
-    };
-    const double expected = std::ldexp(static_cast<double>(integer_determinant(m)), 3 * power);
-    const double found = determinant({Row{vector(0), {}}, Row{vector(1), {}}, Row{vector(2), {}}});
+    const Rows rows = some_rows(&random);
+    const BigInteger big = big_determinant(rows);
+    const double expected = big.value(-447), found = determinant(rows);
+    ASSERT_EQ(sign_of_determinant(rows), big.sign()) << trial;
+    ASSERT_EQ(found > 0 ? 1 : found < 0 ? -1 : 0, big.sign()) << trial;
     ASSERT_LE(std::fabs(found - expected), std::fabs(expected) * 0x1p-40) << trial;
-    zeros += expected == 0 ? 1 : 0;
+    zeros += big.sign() == 0 ? 1 : 0;
   }
-  EXPECT_GT(zeros, 1000);
+  EXPECT_GT(zeros, 50000);
+  EXPECT_LT(zeros, 150000);
+}
+
+/// Hit or miss from barycentric coordinates of big integers, in the plainest way: of another
+/// formula than the oracle's, by the point where the line meets the plane.
+struct BigAnswer {
+  bool meets = false;
+  double t = 0, u = 0, v = 0;
+
+  explicit BigAnswer(const RayAndTriangle& pair) {
+    const auto& [a, b, c] = pair.corners;
+    const Row d{pair.ray.direction, {}}, ab{b, a}, ac{c, a}, from{pair.ray.origin, a};
+    const auto reversed = [](const Row& row) { return Row{row.from, row.to}; };
+    // origin + t d = a + u ab + v ac, by Cramer's rule.
+    BigInteger det = big_determinant({ab, ac, reversed(d)});
+    if (det.sign() == 0) return;
+    BigInteger of_u = big_determinant({from, ac, reversed(d)});
+    BigInteger of_v = big_determinant({ab, from, reversed(d)});
+    BigInteger of_t = big_determinant({ab, ac, from});
+    if (det.sign() < 0) det = -det, of_u = -of_u, of_v = -of_v, of_t = -of_t;
+    meets = of_u.sign() >= 0 && of_v.sign() >= 0 && (det - of_u - of_v).sign() >= 0;
+    const double scale = det.value(-447);
+    t = of_t.value(-447) / scale;
+    u = of_u.value(-447) / scale;
+    v = of_v.value(-447) / scale;
+  }
+};
+
+TEST(Exact, AnswersAreThoseOfBigIntegers) {
+  for (const PairFamily& family : pair_families()) {
+    Random random(2);
+    int hits = 0, misses = 0;
+    for (int trial = 0; trial < 20000; ++trial) {
+      const RayAndTriangle pair = family.make(&random);
+      const auto& [a, b, c] = pair.corners;
+      const BigAnswer expected(pair);
+      const ExactAnswer found = exact_answer(pair.ray, a, b, c);
+      ASSERT_EQ(found.meets, expected.meets) << family.name << ", " << trial;
+      ASSERT_EQ(meets_exactly(pair.ray, a, b, c), expected.meets && expected.t >= 0)
+          << family.name << ", " << trial;
+      const auto near = [](double x, double y) {
+        return std::fabs(x - y) <= std::fabs(y) * 0x1p-38;
+      };
+      ASSERT_TRUE(near(found.t, expected.t) && near(found.u, expected.u) &&
+                  near(found.v, expected.v))
+          << family.name << ", " << trial;
+      (expected.meets && expected.t >= 0 ? hits : misses) += 1;
+    }
+    EXPECT_GT(hits, 500) << family.name;
+    EXPECT_GT(misses, &family == &pair_families().front() ? -1 : 500) << family.name;
+  }
 }
 
 /// Rows from one point to another: differences that no float holds.
@@ -73,6 +149,16 @@ TEST(Exact, AnswersForARayAndATriangle) {
   EXPECT_FALSE(meets(-1e-40f, 3));
   EXPECT_FALSE(meets(std::nextafter(2.0f, 3.0f), 2));
   EXPECT_FALSE(exact_answer({{1, 1, 2}, 0, {1, 0, 0}}, a, b, c).meets);  // in its plane
+  EXPECT_FALSE(exact_answer({{1, 1, 2}, 0, {0, 0, 1}}, a, b, b).meets);  // no area
+  EXPECT_FALSE(hit.front);
+  EXPECT_TRUE(exact_answer({{1, 2, 0}, 0, {0, 0, 4}}, a, c, b).front);
+  // Behind the origin by less than any float.
+  const Vec3 small = Vec3{1, 1, 1} * 0x1p-40f;
+  const Ray behind{{0, 0, std::nextafter(0x1p-39f, 1.0f)}, 0, {0, 0, 0x1p120f}};
+  EXPECT_LT(exact_answer(behind, a * small, b * small, c * small).t, 0);
+  EXPECT_EQ(static_cast<float>(exact_answer(behind, a * small, b * small, c * small).t), 0);
+  EXPECT_FALSE(meets_exactly(behind, a * small, b * small, c * small));
+  EXPECT_TRUE(meets_exactly({{1, 1, 2}, 0, {0, 0, 1}}, a, b, c));
 }
 
 }  // namespace
