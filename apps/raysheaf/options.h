@@ -139,7 +139,7 @@ struct BenchScaleCommand {
 };
 
 struct VerifyCommand {
-  VerifyOptions options;  ///< without `rounds`, `edge_rays` and `progress`
+  VerifyOptions options;  ///< without `rounds`, counts of rays and `progress`
   std::uint32_t rounds = 0;
   bool is_long = false, quiet = false;
   std::string json_path;

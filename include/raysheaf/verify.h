@@ -17,12 +17,12 @@ enum class Promise : std::uint8_t {
   kDeterminism,  ///< repeated, reordered, split, on changed scenes: the same bits
   kWatertight,   ///< no ray leaves a closed mesh through an edge or a vertex
   kBounds,       ///< no bound of rays or triangles loses a hit
-  kAccuracy,     ///< hits are those of exact arithmetic, to within the documented error
+  kExact,        ///< hit or miss is what exact arithmetic on the floats says; t within 2 ulp
 };
 inline constexpr std::array kPromises{Promise::kBruteForce, Promise::kDeterminism,
-                                      Promise::kWatertight, Promise::kBounds, Promise::kAccuracy};
+                                      Promise::kWatertight, Promise::kBounds, Promise::kExact};
 
-/// "brute-force", "determinism", "watertight", "bounds", "accuracy".
+/// "brute-force", "determinism", "watertight", "bounds", "exact".
 [[nodiscard]] const char* to_string(Promise promise);
 /// What is promised, as one sentence without a full stop.
 [[nodiscard]] const char* sentence_of(Promise promise);
@@ -34,9 +34,10 @@ struct VerifyOptions {
   /// Checks come in rounds. All that happens in one follows from its seed; the first has this one,
   /// each later one a seed larger by one.
   std::uint64_t seed = 1;
-  std::uint64_t rounds = 0;     ///< of each promise; 0: as many as take a minute or two in all
-  std::uint64_t edge_rays = 0;  ///< where not 0: of kWatertight, rounds until so many rays
-  std::uint32_t threads = 0;    ///< the most that are used, never more than cores; 0 is all
+  std::uint64_t rounds = 0;      ///< of each promise; 0: as many as take a minute or two in all
+  std::uint64_t edge_rays = 0;   ///< where not 0: of kWatertight, rounds until so many rays
+  std::uint64_t exact_rays = 0;  ///< where not 0: of kExact, rounds until so many rays
+  std::uint32_t threads = 0;     ///< the most that are used, never more than cores; 0 is all
   /// Called between rounds; false asks to stop (`Error` kCancelled).
   std::function<bool(const Progress&)> progress;
 };
@@ -48,7 +49,7 @@ struct VerifyFailure {
 
 struct PromiseReport {
   Promise promise = Promise::kBruteForce;
-  std::string unit;  ///< what `cases` counts: "answers", "pairs", "rays", "hits"
+  std::string unit;  ///< what `cases` counts: "answers", "rays", "hits"
   std::uint64_t rounds = 0, cases = 0, failures = 0;
   std::vector<VerifyFailure> first_failures;  ///< 10 at most
   double seconds = 0;
@@ -73,7 +74,7 @@ struct VerifyReport {
   std::vector<std::string> methods, simd_targets;
   std::vector<std::uint32_t> threads;
   std::vector<PromiseReport> promises;  ///< those that were asked for
-  std::vector<ErrorHistogram> errors;   ///< of kAccuracy
+  std::vector<ErrorHistogram> errors;   ///< of kExact
   [[nodiscard]] bool kept() const;      ///< whether nothing failed
 };
 

@@ -1,4 +1,4 @@
-// What each promise is called, and how often it is tried.
+// The name, the sentence and the number of rounds of each promise.
 #pragma once
 
 #include <cstdint>

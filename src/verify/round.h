@@ -64,10 +64,9 @@ void check_brute_force(const Subject& subject, std::uint64_t seed, Tally* tally)
 void check_determinism(const Subject& subject, std::uint64_t seed, Tally* tally);
 void check_watertight(const Subject& subject, std::uint64_t seed, Tally* tally);
 void check_bounds(const Subject& subject, std::uint64_t seed, Tally* tally);
-/// `errors`: t, u and v of ordinary triangles, then of adversarial ones, then the distance that the
-/// error bound limits.
-void check_accuracy(const Subject& subject, std::uint64_t seed, Tally* tally,
-                    std::vector<ErrorHistogram>* errors);
+/// `errors`: t, u and v of ordinary pairs, then of adversarial ones.
+void check_exact(const Subject& subject, std::uint64_t seed, Tally* tally,
+                 std::vector<ErrorHistogram>* errors);
 [[nodiscard]] std::vector<ErrorHistogram> empty_histograms();
 
 /// Runs the promises of `options` with `subject`; `verify` does so with the library itself.

@@ -71,14 +71,17 @@ class Run {
   std::vector<ErrorHistogram> errors() && { return std::move(errors_); }
 
  private:
-  [[nodiscard]] bool counts_rays(const PromiseReport& report) const {
-    return report.promise == Promise::kWatertight && options_.edge_rays != 0;
+  /// Where not 0, they are counted instead of rounds.
+  [[nodiscard]] std::uint64_t least_rays(Promise promise) const {
+    if (promise == Promise::kWatertight) return options_.edge_rays;
+    return promise == Promise::kExact ? options_.exact_rays : 0;
   }
   [[nodiscard]] std::uint64_t rounds_of(Promise promise) const {
     return options_.rounds != 0 ? options_.rounds : words_of(promise).rounds;
   }
   [[nodiscard]] bool is_done(const PromiseReport& report) const {
-    if (counts_rays(report)) return report.cases >= options_.edge_rays;
+    if (const std::uint64_t rays = least_rays(report.promise); rays != 0)
+      return report.cases >= rays;
     return report.rounds >= rounds_of(report.promise);
   }
 
@@ -86,8 +89,9 @@ class Run {
     if (!options_.progress) return;
     Progress progress;
     progress.stage = to_string(report.promise);
-    progress.done = counts_rays(report) ? report.cases : report.rounds;
-    progress.total = counts_rays(report) ? options_.edge_rays : rounds_of(report.promise);
+    const std::uint64_t rays = least_rays(report.promise);
+    progress.done = rays != 0 ? report.cases : report.rounds;
+    progress.total = rays != 0 ? rays : rounds_of(report.promise);
     if (!options_.progress(progress)) throw Error(ErrorCode::kCancelled, "stopped by the caller");
   }
 
@@ -101,8 +105,8 @@ class Run {
         return check_watertight(subject_, seed, tally);
       case Promise::kBounds:
         return check_bounds(subject_, seed, tally);
-      case Promise::kAccuracy:
-        return check_accuracy(subject_, seed, tally, &errors_);
+      case Promise::kExact:
+        return check_exact(subject_, seed, tally, &errors_);
     }
   }
 
@@ -127,10 +131,10 @@ VerifyReport verify_subject(const Subject& subject, const VerifyOptions& options
     if (asked.empty() || std::find(asked.begin(), asked.end(), promise) != asked.end())
       report.promises.push_back(run.check(promise));
   }
-  const auto has_accuracy =
+  const auto has_errors =
       std::any_of(report.promises.begin(), report.promises.end(),
-                  [](const PromiseReport& p) { return p.promise == Promise::kAccuracy; });
-  if (has_accuracy) report.errors = std::move(run).errors();
+                  [](const PromiseReport& p) { return p.promise == Promise::kExact; });
+  if (has_errors) report.errors = std::move(run).errors();
   return report;
 }
 

@@ -35,7 +35,7 @@ TEST(Verify, TellsWhatWasTried) {
 
 TEST(Verify, OnlySomeFromASeed) {
   const TemporaryFolder folder;
-  const Finished finished = raysheaf_app({"verify", "--only", "bounds", "--only", "accuracy",
+  const Finished finished = raysheaf_app({"verify", "--only", "bounds", "--only", "exact",
                                           "--rounds", "1", "--seed", "18446744073709551615"},
                                          folder);
   EXPECT_EQ(finished.code, 0) << finished.err;
@@ -77,6 +77,7 @@ TEST(Verify, RefusesWhatMakesNoSense) {
   refused({"--rounds", "many"}, "--rounds");
   refused({"--long", "--only", "bounds"}, "--long");
   refused({"--only", "watertight", "--long", "--rounds", "1"}, "--rounds: --long makes as many");
+  refused({"--only", "exact", "--long", "--rounds", "1"}, "--rounds: --long makes as many");
   EXPECT_TRUE(folder.names().empty());
 }
 

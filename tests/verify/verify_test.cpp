@@ -134,16 +134,32 @@ TEST(Verify, ATestWithoutTheLastBitsIsFound) {
   Subject subject(1);
   subject.intersect = [](const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c, TriangleHit* hit) {
     const bool met = intersect_triangle(ray, a, b, c, hit);
-    hit->t *= 1 + 0x1p-15f;
+    hit->t *= 1 + 0x1p-21f;
     return met;
   };
-  expect_found(subject, Promise::kAccuracy, 2, "roundings apart");
-  // A strip along an edge that belongs to nobody.
+  expect_found(subject, Promise::kExact, 2, "t is wrong by");
+  // An edge that belongs to no triangle.
   subject.intersect = [](const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c, TriangleHit* hit) {
-    const bool met = intersect_triangle(ray, a, b, c, hit);
-    return met && hit->u > 1e-3f;
+    return intersect_triangle(ray, a, b, c, hit) && hit->u > 0;
   };
-  expect_found(subject, Promise::kAccuracy, 2, "a hit is missed");
+  expect_found(subject, Promise::kExact, 2, "a hit is missed");
+  // A triangle that is larger than it is.
+  subject.intersect = [](const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c, TriangleHit* hit) {
+    return intersect_triangle(ray, a, b, c, hit) ||
+           intersect_triangle(ray, a, b + (b - a) * 0x1p-20f, c, hit);
+  };
+  expect_found(subject, Promise::kExact, 2, "a hit that is none");
+}
+
+TEST(Verify, AQueryThatLosesAnEdgeIsFound) {
+  Subject subject(1);
+  subject.any_hit = [](const Scene& scene, std::span<const Ray> rays, const QueryOptions& options) {
+    const std::vector<Hit> hits = closest_hit(scene, rays, options);
+    std::vector<std::uint8_t> any;
+    for (const Hit& hit : hits) any.push_back(hit.prim_id != kInvalidId && hit.v > 0 ? 1 : 0);
+    return any;
+  };
+  expect_found(subject, Promise::kExact, 2, "any_hit");
 }
 
 TEST(Verify, RaysAreCountedWhereAsked) {
@@ -154,6 +170,11 @@ TEST(Verify, RaysAreCountedWhereAsked) {
   EXPECT_TRUE(report.kept());
   EXPECT_GE(report.promises[0].cases, 300000u);
   EXPECT_EQ(report.promises[0].rounds, 2u);
+  options.promises = {Promise::kExact};
+  options.exact_rays = 6000;
+  const VerifyReport exact = raysheaf::verify(options);
+  EXPECT_GE(exact.promises[0].cases, 6000u);
+  EXPECT_EQ(exact.promises[0].rounds, 2u);
 }
 
 TEST(Verify, ProgressMayStop) {

@@ -9,16 +9,16 @@ namespace raysheaf::app {
 
 CLI::App* add_verify(CLI::App& app, VerifyCommand& command) {
   CLI::App* sub = app.add_subcommand("verify", "Check on this machine what raysheaf promises");
-  add_words(*sub, "--only",
-            "brute-force, determinism, watertight, bounds or accuracy; may be given more than once "
-            "[all]",
-            "PROMISE", command.options.promises,
-            [](const std::string& name) { return promise_from_string(name); });
+  add_words(
+      *sub, "--only",
+      "brute-force, determinism, watertight, bounds or exact; may be given more than once [all]",
+      "PROMISE", command.options.promises,
+      [](const std::string& name) { return promise_from_string(name); });
   add_value(*sub, "--seed", "N", "Seed of the first round [1]",
             [&command](const auto& text) { command.options.seed = parse_seed(text); });
   add_count(*sub, "--rounds", command.rounds, 0, 1000000,
             "Rounds of each promise, up to 1000000; 0 takes a minute or two in all [0]");
-  sub->add_flag("--long", command.is_long, "1 000 000 000 rays through edges and vertices");
+  sub->add_flag("--long", command.is_long, "1 000 000 000 rays of watertight, 10 000 000 of exact");
   add_count(*sub, "--threads", command.options.threads, 0, 1024,
             "The most threads, up to 1024 and no more than cores; 0 is all [0]");
   sub->add_option("--json", command.json_path, "The report as JSON")->type_name("FILE.json");
@@ -30,12 +30,15 @@ CLI::App* add_verify(CLI::App& app, VerifyCommand& command) {
       "  raysheaf verify --only bounds --seed 17 --rounds 1");
   sub->callback([sub, &command] {
     const std::vector<Promise>& all = command.options.promises;
-    const bool has_rays =
-        all.empty() || std::find(all.begin(), all.end(), Promise::kWatertight) != all.end();
-    if (command.is_long && !has_rays)
-      throw CLI::ValidationError("--long", "it is of watertight, which --only leaves out");
-    if (command.is_long && all.size() == 1 && sub->get_option("--rounds")->count() > 0)
-      throw CLI::ValidationError("--rounds", "--long makes as many of watertight as it takes");
+    const auto is_long = [](Promise p) {
+      return p == Promise::kWatertight || p == Promise::kExact;
+    };
+    if (command.is_long && !all.empty() && std::none_of(all.begin(), all.end(), is_long))
+      throw CLI::ValidationError("--long",
+                                 "it is for watertight and exact, which --only leaves out");
+    if (command.is_long && !all.empty() && std::all_of(all.begin(), all.end(), is_long) &&
+        sub->get_option("--rounds")->count() > 0)
+      throw CLI::ValidationError("--rounds", "--long makes as many as it takes");
   });
   return sub;
 }

@@ -8,12 +8,15 @@
 namespace raysheaf::app {
 namespace {
 
-constexpr std::uint64_t kLongRays = 1'000'000'000;
+constexpr std::uint64_t kLongEdgeRays = 1'000'000'000, kLongExactRays = 10'000'000;
 
 VerifyReport verified(const VerifyCommand& command) {
   VerifyOptions options = command.options;
   options.rounds = command.rounds;
-  if (command.is_long) options.edge_rays = kLongRays;
+  if (command.is_long) {
+    options.edge_rays = kLongEdgeRays;
+    options.exact_rays = kLongExactRays;
+  }
   ProgressBar bar(stderr, !command.quiet);
   options.progress = [&bar](const Progress& progress) {
     bar.update(progress.stage, progress.done, progress.total);
