@@ -1,0 +1,202 @@
+// Every way of querying gives the hits of exact arithmetic: rays through corners, edges and insides
+// of whole-number meshes, and exact fractions beside; and difficult soups at any scale.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "api/context_impl.h"
+#include "dual/dual_support.h"
+#include "fan/fan_support.h"
+#include "stream/stream_support.h"
+#include "verify/compare.h"
+#include "verify/exact.h"
+#include "verify/simd_target.h"
+
+namespace raysheaf::checks {
+namespace {
+
+constexpr std::uint64_t kProblems = 100;
+constexpr std::uint32_t kMostTriangles = 200;
+constexpr std::size_t kRays = 1000;
+
+const Subject& the_library() {
+  static const Subject subject(2);
+  return subject;
+}
+
+/// Calls `answer(problem, random, tally)` for problem after problem until one fails; a failure is
+/// one line, with the ray, the triangle, what was expected and what was got.
+template <class Answer>
+void for_each_problem(const Answer& answer) {
+  PromiseReport report;
+  Tally tally(&report);
+  std::uint64_t hits = 0;
+  for (std::uint64_t seed = 1; seed <= kProblems && report.failures == 0; ++seed) {
+    Random random(seed);
+    tally.begin_round(seed);
+    Problem problem;
+    make_exact_problem(kMostTriangles, kRays, &random, &problem);
+    solve_exactly(the_library(), &problem, &tally);
+    hits += problem.rows.hits.size();
+    answer(problem, &random, &tally);
+  }
+  for (const VerifyFailure& failure : report.first_failures)
+    ADD_FAILURE() << "problem " << failure.seed << ": " << failure.what;
+  EXPECT_GT(hits, report.failures == 0 ? kProblems * kRays : 0);
+}
+
+/// The same on every SIMD target.
+template <class Answer>
+void on_every_target(const Answer& answer) {
+  for_each_problem([&](const Problem& problem, Random* random, Tally* tally) {
+    for (const std::int64_t target : the_library().targets) {
+      const OnSimdTarget on(target);
+      answer(problem, target, random, tally);
+    }
+  });
+}
+
+test::Heap heap_of(const Problem& problem) {
+  test::Heap heap;
+  for (const std::vector<Vec3>& mesh : problem.soup.meshes)
+    heap.positions.insert(heap.positions.end(), mesh.begin(), mesh.end());
+  return heap;
+}
+
+Hit hit_of(const Problem& problem, const EngineHit& hit) {
+  return problem.hit_of(hit.triangle, hit.t, hit.u, hit.v);
+}
+
+void compare(const Problem& problem, const std::string& name, std::int64_t target,
+             const test::Answers& answers, Tally* tally) {
+  std::vector<Hit> closest;
+  HitRows rows;
+  rows.offsets.push_back(0);
+  for (const EngineHit& hit : answers.closest) closest.push_back(hit_of(problem, hit));
+  for (const auto& row : answers.all) {
+    for (const EngineHit& hit : row) rows.hits.push_back(hit_of(problem, hit));
+    rows.offsets.push_back(rows.hits.size());
+  }
+  Comparison comparison(problem, way(name, target, 1), tally);
+  comparison.closest(closest);
+  comparison.any(answers.any);
+  comparison.all(rows);
+}
+
+/// `brute` and `dual` of the library; brute, rah and crsh with all their bounds, gl10 and dual of
+/// the renderer.
+TEST(ExactQueries, EveryMethod) {
+  for_each_problem([](const Problem& problem, Random* random, Tally* tally) {
+    compare_every_way(the_library(), problem, ThreadCounts::kMost, random, tally);
+  });
+}
+
+TEST(ExactQueries, EveryTreeAndBundle) {
+  on_every_target([](const Problem& problem, std::int64_t target, Random* random, Tally* tally) {
+    test::Heap heap = heap_of(problem);
+    constexpr const char* kTrees[] = {"curve", "fine", "refitted"};
+    constexpr const char* kBundles[] = {"packets", "streams", "long streams"};
+    for (const test::Tree how : {test::Tree::kCurve, test::Tree::kFine, test::Tree::kRefitted}) {
+      ObjectTree tree;
+      test::make_tree(&heap, how, &tree);
+      for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream, Bundle::kLongStream}) {
+        DualScene scene;
+        scene.tree = &tree;
+        scene.bundle = bundle;
+        const Sorting sorting = random->one_in(2) ? Sorting::kCurve : Sorting::kByQuarter;
+        const std::string name = std::string(kBundles[static_cast<std::size_t>(bundle)]) +
+                                 " through a tree of kind " + kTrees[static_cast<std::size_t>(how)];
+        compare(problem, name, target, test::ask(test::one_thread(), scene, problem.rays, sorting),
+                tally);
+      }
+    }
+  });
+}
+
+TEST(ExactQueries, Fans) {
+  std::uint64_t fans = 0;
+  on_every_target([&](const Problem& problem, std::int64_t target, Random*, Tally* tally) {
+    const Vec3 origin = problem.rays.front().origin;
+    Problem fan;
+    fan.soup = problem.soup;
+    for (const Ray& ray : problem.rays) {
+      fan.rays.push_back(ray);
+      fan.rays.back().origin = origin;
+    }
+    const bool is_one = std::all_of(problem.rays.begin(), problem.rays.end(), [&](const Ray& ray) {
+      return std::memcmp(&ray.origin, &origin, 12) == 0;
+    });
+    if (is_one)
+      fan.rows = problem.rows;
+    else
+      solve_exactly(the_library(), &fan, tally);
+    test::Triangles triangles;
+    triangles.positions = heap_of(problem).positions;
+    fans += is_one ? 1 : 0;
+    Comparison(fan, way("a fan", target, 1), tally)
+        .any(test::fan(test::one_thread(), triangles.source(), fan.rays));
+  });
+  EXPECT_GT(fans, 0u);
+}
+
+TEST(ExactQueries, StreamedBlocks) {
+  on_every_target([](const Problem& problem, std::int64_t target, Random* random, Tally* tally) {
+    BlockList blocks;
+    static_cast<void>(cut_into_blocks(problem.soup.description(), &blocks, 1 + random->below(60)));
+    StreamOptions options;
+    options.threads = 2;
+    const test::Said said(blocks, problem.rays, options);
+    Comparison comparison(problem, way("streamed blocks", target, 2), tally);
+    comparison.closest(said.hits);
+    comparison.any(said.occluded);
+  });
+}
+
+TEST(ExactQueries, EmulatedDevice) {
+  const test::EmulatedMachine machine;
+  for_each_problem([&](const Problem& problem, Random* random, Tally* tally) {
+    Scene scene(machine.context);
+    problem.soup.add_to(&scene);
+    for (const QueryMethod method : {QueryMethod::kDual, QueryMethod::kBrute}) {
+      const bool brute = method == QueryMethod::kBrute;
+      Comparison comparison(problem, brute ? "brute on a device" : "dual on a device", tally);
+      const QueryOptions options{.method = method};
+      comparison.closest(closest_hit(scene, problem.rays, options));
+      comparison.any(any_hit(scene, problem.rays, options));
+      comparison.all(all_hits(scene, problem.rays, options));
+    }
+    BlockList blocks;
+    static_cast<void>(cut_into_blocks(problem.soup.description(), &blocks, 1 + random->below(60)));
+    StreamOptions options;
+    options.context = &machine.context;
+    const test::Said said(blocks, problem.rays, options);
+    Comparison comparison(problem, "streamed blocks on a device", tally);
+    comparison.closest(said.hits);
+    comparison.any(said.occluded);
+  });
+}
+
+/// A triangle has an area although differences and products in binary64 lose it.
+TEST(ExactQueries, TheThinnestTriangles) {
+  const std::vector<Vec3> corners{{0x1p-60f, 0, 0}, {1, 1, 0}, {2, 2, 0}};
+  const std::vector<Ray> rays{{{0x1p-60f, 0, 1}, 0, {0, 0, -1}, 9},
+                              {{1, 1, 1}, 0, {0, 0, -1}, 9},
+                              {{1.5f, 1.5f, 1}, 0, {0, 0, -1}, 9},
+                              {{0.5f, 0.5f, 1}, 0, {0, 0, -1}, 9}};
+  Problem problem;
+  problem.soup.meshes = {corners};
+  problem.rays = rays;
+  PromiseReport report;
+  Tally tally(&report);
+  solve_exactly(the_library(), &problem, &tally);
+  const std::vector<std::uint64_t> expected{0, 1, 2, 3, 3};
+  EXPECT_TRUE(std::equal(expected.begin(), expected.end(), problem.rows.offsets.begin(),
+                         problem.rows.offsets.end()));
+  Random random(1);
+  compare_every_way(the_library(), problem, ThreadCounts::kMost, &random, &tally);
+  for (const VerifyFailure& failure : report.first_failures) ADD_FAILURE() << failure.what;
+}
+
+}  // namespace
+}  // namespace raysheaf::checks
