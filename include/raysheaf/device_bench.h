@@ -15,6 +15,7 @@ struct DeviceBenchOptions {
   std::uint32_t width = 512, height = 512;  ///< of the picture that rays come from
   std::uint32_t runs = 9;                   ///< whose medians count, from 1; one more goes before
   std::uint32_t threads = 0;                ///< of the CPU beside it; 0: all cores
+  std::vector<LabRays> rays;                ///< the kinds that are measured; none: all
 };
 
 /// A stage's median, by the device's own clock (CUDA events).
@@ -35,9 +36,13 @@ struct DeviceBenchBatch {
   std::uint64_t different = 0;      ///< answers that are not the CPU's, bit for bit: a defect;
                                     ///< those of either hierarchy
   std::vector<DeviceStage> stages;  ///< copies between host and device apart: "copy: ..."
-  double device_ms = 0;             ///< the stages' sum without copies
-  double trace_ms = 0;              ///< without copies and the hierarchy: keys to hits
-  double call_ms = 0;               ///< the whole call as the host sees it, with copies
+  double device_ms = 0;             ///< the stages' sum without copies: without the gaps between
+                                    ///< them, and each with the launch before it
+  double trace_ms = 0;              ///< of that, without the hierarchy: keys to hits
+  double keys_to_hits_ms = 0;       ///< keys to hits by one pair of events, gaps and all, where
+                                    ///< rays, hierarchy and hits lie on the device
+  double call_ms = 0;               ///< the whole call as the host sees it, with copies, without
+                                    ///< events
   double frame_ms = 0;              ///< the call, and all triangles to the device before
   std::vector<DeviceStage> refit_stages;  ///< the hierarchy's where it is refitted
   double refit_ms = 0;                    ///< their sum
@@ -51,6 +56,9 @@ struct DeviceBenchReport {
   std::uint64_t triangles = 0;
   double copy_gb_per_s = 0;  ///< read and written, within the device's memory
   double gigaops_per_s = 0;  ///< multiplications and additions in binary32, not contracted
+  /// Whether its kernels may follow pointers to pageable memory of the host's: one that a kernel
+  /// was given by mistake then shows in no answer.
+  bool reads_host_memory = false;
   std::vector<DeviceBenchBatch> batches;
 };
 

@@ -7,8 +7,8 @@
 #include "engine/device_queries-inl.h"
 #include "engine/device_tree-inl.h"
 #include "engine/device_triangles-inl.h"
+#include "engine/ray_check-inl.h"
 #include "engine/report_times.h"
-#include "geom/ray_fault.h"
 
 namespace raysheaf {
 
@@ -85,14 +85,7 @@ class DeviceEngineOn : public DeviceEngine {
     if (rays.empty()) return;
     DeviceBatch batch = begin(rays, query, device_.is_device_memory(occluded.data, "occluded"));
     std::uint8_t* const out = landing("trace: any hits", occluded, &occluded_);
-    if (query.brute) {
-      words_.resize_uninitialized("trace: brute force", rays.size);
-      brute_force_on(device_, batch, words_.view());
-      mark_found(words_.view_const(), out);
-    } else {
-      order_rays_on(device_, &columns_, &batch);
-      any_hits_on(device_, batch, out);
-    }
+    find_any(query, out, &batch);
     deliver("copy: hits", query, occluded, out);
     finish(batch, query);
   }
@@ -131,6 +124,19 @@ class DeviceEngineOn : public DeviceEngine {
     return rows;
   }
 
+  [[nodiscard]] double keys_to_hits_ms(View<const Ray> rays, bool any) override {
+    if (rays.empty()) return 0;
+    const DeviceQuery query;
+    DeviceBatch batch = begin(rays, query, false);
+    hits_.resize_uninitialized("trace: closest hits", any ? 0 : rays.size);
+    occluded_.resize_uninitialized("trace: any hits", any ? rays.size : 0);
+    device_.start_clock("keys to hits");
+    any ? find_any(query, occluded_.data(), &batch) : find_closest(query, hits_.data(), &batch);
+    const double ms = device_.stop_clock("keys to hits");
+    finish(batch, query);
+    return ms;
+  }
+
   /// The device, and the triangles that lie there: for who has more to do with both.
   [[nodiscard]] Device& device() { return device_; }
   [[nodiscard]] TriangleList triangles() const { return triangles_.list(); }
@@ -151,20 +157,6 @@ class DeviceEngineOn : public DeviceEngine {
       occluded[i] = words.data[i] != kNoHitWord ? 1 : 0;
     });
   }
-  /// Nor this. Throws for the first ray that is wrong.
-  void check(View<const Ray> rays) {
-    first_wrong_.resize_uninitialized("check: rays", 1);
-    device_.fill("check: rays", first_wrong_.view(), 0xff);
-    std::uint32_t* const first = first_wrong_.data();
-    device_.for_each("check: rays", rays.size, [=] RAYSHEAF_HD(std::size_t i) {
-      if (!is_right(rays.data[i])) lower_to(first, static_cast<std::uint32_t>(i));
-    });
-    const std::uint32_t wrong = device_.read("check: rays", first);
-    if (wrong == kInvalidId) return;
-    const RayFault fault = fault_of(device_.read("check: rays", rays.data + wrong));
-    throw Error(ErrorCode::kInvalidData, fault.sentence,
-                "rays[" + std::to_string(wrong) + "]." + fault.field);
-  }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -177,6 +169,17 @@ class DeviceEngineOn : public DeviceEngine {
     } else {
       order_rays_on(device_, &columns_, batch);
       closest_hits_on(device_, *batch, out);
+    }
+  }
+
+  void find_any(const DeviceQuery& query, std::uint8_t* out, DeviceBatch* batch) {
+    if (query.brute) {
+      words_.resize_uninitialized("trace: brute force", batch->rays.size);
+      brute_force_on(device_, *batch, words_.view());
+      mark_found(words_.view_const(), out);
+    } else {
+      order_rays_on(device_, &columns_, batch);
+      any_hits_on(device_, *batch, out);
     }
   }
 
@@ -194,7 +197,7 @@ class DeviceEngineOn : public DeviceEngine {
       uplink_.copy("copy: rays", query.executor, rays, rays_.view());
       rays = rays_.view_const();
     }
-    if (query.check) check(rays);
+    if (query.check) check_rays_on(device_, rays, &first_wrong_);
     DeviceBatch batch;
     batch.rays = rays;
     batch.facing = query.facing;

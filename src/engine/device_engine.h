@@ -76,6 +76,10 @@ class DeviceEngine {
                           View<std::uint32_t> counts) = 0;
   [[nodiscard]] virtual DeviceHitRows all_hits(View<const Ray> rays, const DeviceQuery& query) = 0;
 
+  /// Measured by one clock of the device's, gaps between stages included: from the keys of rays to
+  /// their hits (`any`: of any hit, else the closest), where rays, tree and hits lie there.
+  [[nodiscard]] virtual double keys_to_hits_ms(View<const Ray> rays, bool any) = 0;
+
   /// Stages of the last query that had a report, in order.
   [[nodiscard]] virtual const std::vector<StageTime>& stage_times() const = 0;
   /// Of the device's memory.
@@ -110,6 +114,8 @@ class DeviceBackend {
   /// of threads.
   virtual void write(void* to, const void* from, std::size_t bytes,
                      const DeviceQuery& query) const = 0;
+  /// As the verb of exec/device.h.
+  [[nodiscard]] virtual bool reads_host_memory() const = 0;
   /// Measured: bytes read and written a millisecond, copying within the device's memory.
   [[nodiscard]] virtual double copy_bytes_per_ms() const = 0;
   /// Measured: multiplications and additions in binary32 a millisecond.

@@ -40,6 +40,7 @@ class CudaBackend : public DeviceBackend {
     wait_for_streams(device, query);
     device.copy("copy: hits", to, from, bytes);
   }
+  [[nodiscard]] bool reads_host_memory() const override { return device_.reads_host_memory(); }
   [[nodiscard]] double copy_bytes_per_ms() const override {
     CudaDevice device;
     return measure_copy(device, std::size_t{1} << 29);

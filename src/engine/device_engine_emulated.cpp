@@ -41,6 +41,7 @@ class EmulatedBackend : public DeviceBackend {
     wait_for_streams(device, query);
     device.copy("copy: hits", to, from, bytes);
   }
+  [[nodiscard]] bool reads_host_memory() const override { return true; }
   [[nodiscard]] double copy_bytes_per_ms() const override {
     EmulatedDevice device(executor_, memory_, allocator_);
     return measure_copy(device, std::size_t{1} << 22);

@@ -23,12 +23,19 @@
 //                                           way; has happened on return where the host's is in it
 //   read(stage, place)                      the value there. Waits.
 //   synchronize(stage)                      until all that was asked for is done
+//   start_clock(stage)                      what was asked for before is done, and the device's own
+//                                           clock starts. Waits.
+//   stop_clock(stage) -> ms                 from then until all that was asked for since is done,
+//                                           gaps included. Waits.
 //   is_device_memory(pointer, name)         whether kernels may follow it. Throws Error
 //                                           (kInvalidArgument, `name` as its place) where it is
 //                                           another device's.
 //   wait_for(stage, stream)                 what was asked for on another stream comes first
 //   allocator()                             of the device's memory
 //   free_bytes()                            of it that nobody has, as far as the machine knows
+//   reads_host_memory()                     whether loops may follow a pointer to any memory of the
+//                                           host's: one that they were given by mistake then shows
+//                                           in no answer
 //   Uplink, Downlink                        copies beside its work: exec/links.h
 //   GlBuffer                                what OpenGL has: exec/cuda/cuda_gl.h
 //

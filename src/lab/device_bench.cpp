@@ -128,58 +128,32 @@ class Bench {
     if (rays.empty()) return batch;
     const bool any = kind == LabRays::kShadow;
     Answers here(rays.size()), there(rays.size()), refitted(rays.size());
-    std::vector<double> cpu_ms, call_ms, frame_ms, device_ms, trace_ms, refit_ms, refit_frame_ms;
-    StageTable stages, refit_stages;
+    Times times, warming;
     Work work{static_cast<double>(rays.size()), static_cast<double>(triangles())};
     for (std::uint32_t run = 0; run <= options_.runs; ++run) {
-      Stopwatch watch;
-      here_.set_triangles(source_, false);
-      ask_here(rays, any, &here);
-      const double on_cpu = watch.lap_ms();
-      there_->set_triangles(executor_, source_, false);
+      // In the first, whatever is made once is made, kernels are loaded, and tests are counted.
+      const bool warms = run == 0;
+      Times& into = warms ? warming : times;
       EngineReport report;
-      const double moving = watch.lap_ms();
-      const bool counts = run == 0;  // which takes its time
-      ask_there(rays, any, counts, &report, &there);
-      const double call = watch.lap_ms();
-      if (run == 0) {  // whatever is made once was made
+      into.cpu_ms.push_back(time_here(rays, any, &here));
+      time_stages(rays, any, warms, &report, &there, &into);
+      into.keys_to_hits_ms.push_back(there_->keys_to_hits_ms(rays, any));
+      time_call(rays, any, &there, &into);
+      time_refit(rays, any, &refitted, &into);
+      if (warms)
         work.operations = kBoxOperations * static_cast<double>(report.ray_bound_tests) +
                           kTriangleOperations * static_cast<double>(report.triangle_tests);
-        continue;
-      }
-      cpu_ms.push_back(on_cpu);
-      call_ms.push_back(call);
-      frame_ms.push_back(moving + call);
-      double all = 0, without_tree = 0;
-      for (const StageTime& time : there_->stage_times()) {
-        stages.add(time);
-        if (is_copy(time.stage)) continue;
-        all += time.ms;
-        if (!is_of_hierarchy(time.stage)) without_tree += time.ms;
-      }
-      device_ms.push_back(all);
-      trace_ms.push_back(without_tree);
-      watch.lap_ms();
-      there_->set_triangles(executor_, source_, true);
-      ask_there(rays, any, false, &report, &refitted);
-      refit_frame_ms.push_back(watch.lap_ms());
-      double refit = 0;
-      for (const StageTime& time : there_->stage_times()) {
-        if (!is_of_hierarchy(time.stage)) continue;
-        refit_stages.add(time);
-        refit += time.ms;
-      }
-      refit_ms.push_back(refit);
     }
-    batch.stages = stages.medians(work, rates_);
-    batch.refit_stages = refit_stages.medians(work, rates_);
-    batch.cpu_ms = median(cpu_ms);
-    batch.call_ms = median(call_ms);
-    batch.frame_ms = median(frame_ms);
-    batch.device_ms = median(device_ms);
-    batch.trace_ms = median(trace_ms);
-    batch.refit_ms = median(refit_ms);
-    batch.refit_frame_ms = median(refit_frame_ms);
+    batch.stages = times.stages.medians(work, rates_);
+    batch.refit_stages = times.refit_stages.medians(work, rates_);
+    batch.cpu_ms = median(times.cpu_ms);
+    batch.call_ms = median(times.call_ms);
+    batch.frame_ms = median(times.frame_ms);
+    batch.device_ms = median(times.device_ms);
+    batch.trace_ms = median(times.trace_ms);
+    batch.keys_to_hits_ms = median(times.keys_to_hits_ms);
+    batch.refit_ms = median(times.refit_ms);
+    batch.refit_frame_ms = median(times.refit_frame_ms);
     for (std::size_t i = 0; i < rays.size(); ++i)
       batch.hits += any ? there.any[i] : there.closest[i].triangle != kInvalidId ? 1u : 0u;
     batch.different = differences(here, there, any) + differences(here, refitted, any);
@@ -199,6 +173,62 @@ class Bench {
       count += any ? a.any[i] != b.any[i]
                    : std::memcmp(&a.closest[i], &b.closest[i], sizeof(EngineHit)) != 0;
     return count;
+  }
+
+  /// What the runs of a batch took.
+  struct Times {
+    StageTable stages, refit_stages;
+    std::vector<double> cpu_ms, call_ms, frame_ms, device_ms, trace_ms, keys_to_hits_ms, refit_ms,
+        refit_frame_ms;
+  };
+
+  [[nodiscard]] double time_here(const std::vector<Ray>& rays, bool any, Answers* answers) {
+    Stopwatch watch;
+    here_.set_triangles(source_, false);
+    ask_here(rays, any, answers);
+    return watch.lap_ms();
+  }
+  /// Other triangles, and a call whose stages are timed, which takes its time.
+  void time_stages(const std::vector<Ray>& rays, bool any, bool counts, EngineReport* report,
+                   Answers* answers, Times* times) {
+    there_->set_triangles(executor_, source_, false);
+    ask_there(rays, any, counts, report, answers);
+    double all = 0, without_tree = 0;
+    for (const StageTime& time : there_->stage_times()) {
+      times->stages.add(time);
+      if (is_copy(time.stage)) continue;
+      all += time.ms;
+      if (!is_of_hierarchy(time.stage)) without_tree += time.ms;
+    }
+    times->device_ms.push_back(all);
+    times->trace_ms.push_back(without_tree);
+  }
+  /// Other triangles, and a call as anybody makes it.
+  void time_call(const std::vector<Ray>& rays, bool any, Answers* answers, Times* times) {
+    Stopwatch watch;
+    there_->set_triangles(executor_, source_, false);
+    const double moving = watch.lap_ms();
+    ask_there(rays, any, false, nullptr, answers);
+    const double call = watch.lap_ms();
+    times->call_ms.push_back(call);
+    times->frame_ms.push_back(moving + call);
+  }
+  /// The same triangles twice, which may have moved: as anybody asks, and with its stages timed.
+  void time_refit(const std::vector<Ray>& rays, bool any, Answers* answers, Times* times) {
+    Stopwatch watch;
+    there_->set_triangles(executor_, source_, true);
+    ask_there(rays, any, false, nullptr, answers);
+    times->refit_frame_ms.push_back(watch.lap_ms());
+    there_->set_triangles(executor_, source_, true);
+    EngineReport report;
+    ask_there(rays, any, false, &report, answers);
+    double refit = 0;
+    for (const StageTime& time : there_->stage_times()) {
+      if (!is_of_hierarchy(time.stage)) continue;
+      times->refit_stages.add(time);
+      refit += time.ms;
+    }
+    times->refit_ms.push_back(refit);
   }
 
   void ask_here(const std::vector<Ray>& rays, bool any, Answers* answers) {
@@ -245,8 +275,12 @@ DeviceBenchReport bench_device_on(const DeviceBackend& backend, const SceneDescr
   report.triangles = bench.triangles();
   report.copy_gb_per_s = bench.rates().bytes_per_ms * 1e-6;
   report.gigaops_per_s = bench.rates().operations_per_ms * 1e-6;
+  report.reads_host_memory = backend.reads_host_memory();
   for (const LabRays kind :
-       {LabRays::kShadow, LabRays::kReflection1, LabRays::kReflection2, LabRays::kAmbientOcclusion})
+       options.rays.empty()
+           ? std::vector<LabRays>{LabRays::kShadow, LabRays::kReflection1, LabRays::kReflection2,
+                                  LabRays::kAmbientOcclusion}
+           : options.rays)
     report.batches.push_back(bench.measure(kind, laboratory.rays(kind)));
   return report;
 }

@@ -207,6 +207,20 @@ void expect_named_times(Device& device) {
   EXPECT_TRUE(device.times().empty());
 }
 
+template <class Device>
+void expect_clock(Device& device) {
+  DeviceBuffer<std::uint32_t> words(device.allocator());
+  words.resize_uninitialized("clock", 1000);
+  for (int round = 0; round < 2; ++round) {
+    device.start_clock("clock");
+    const double nothing = device.stop_clock("clock");
+    EXPECT_GE(nothing, 0);
+    device.start_clock("clock");
+    for (int fill = 0; fill < 1000; ++fill) device.fill("clock", words.view(), 1);
+    EXPECT_GT(device.stop_clock("clock"), nothing) << "of a thousand stages";
+  }
+}
+
 /// What an uplink sends arrives where it is seen, and nowhere before it may: its place and its room
 /// are used again while all is under way. `exec/links.h` of the device is included by the caller.
 template <class Device>
@@ -297,6 +311,7 @@ void expect_all_verbs(Device& device) {
   expect_run_lengths(device);
   expect_moved_memory(device);
   expect_named_times(device);
+  expect_clock(device);
   expect_links(device);
   expect_bulk_links(device);
 }

@@ -40,6 +40,7 @@ TEST(DeviceBench, TimesEachStageAndFindsTheCpusHits) {
     EXPECT_GE(with_floors, 7) << "of hierarchy and trace, and of the order of large batches";
     EXPECT_NEAR(batch.device_ms, sum, 1e-6 * sum) << "one run: its own median";
     EXPECT_LT(batch.trace_ms, batch.device_ms);
+    EXPECT_GT(batch.keys_to_hits_ms, 0);
     EXPECT_GT(batch.cpu_ms, 0);
     EXPECT_GT(batch.call_ms, 0);
     EXPECT_GT(batch.frame_ms, batch.call_ms);
@@ -53,6 +54,10 @@ TEST(DeviceBench, TimesEachStageAndFindsTheCpusHits) {
     EXPECT_NEAR(batch.refit_ms, refit, 1e-6 * refit) << "one run: its own median";
     EXPECT_GT(batch.refit_frame_ms, batch.refit_ms);
   }
+  options.rays = {LabRays::kReflection1};
+  const DeviceBenchReport one = bench_device_on(*backend, scene, options);
+  ASSERT_EQ(one.batches.size(), 1u);
+  EXPECT_EQ(one.batches[0].rays, LabRays::kReflection1);
   options.runs = 0;
   EXPECT_THROW(static_cast<void>(bench_device_on(*backend, scene, options)), Error);
 }

@@ -49,20 +49,18 @@ Json json_of(const std::vector<DeviceStage>& stages) {
 std::string text_of(const SceneReport& scene) {
   const DeviceBenchReport& report = scene.report;
   std::string text = fmt::format(
-      "{}: {} triangles on {}; a copy within its memory moves {:.0f} GB/s, {:.0f} Gops/s; the CPU "
-      "beside it has "
-      "{} "
-      "threads\n",
+      "{}: {} triangles on {}; a copy within its memory moves {:.0f} GB/s, {:.0f} Gops/s; its "
+      "kernels {} read pageable memory of the host; the CPU beside it has {} threads\n",
       printable(scene.scene), report.triangles, report.device, report.copy_gb_per_s,
-      report.gigaops_per_s, report.threads);
+      report.gigaops_per_s, report.reads_host_memory ? "can" : "cannot", report.threads);
   for (const DeviceBenchBatch& batch : report.batches) {
     text += fmt::format(
-        "  {}: {} rays, {} hits, {} unlike the CPU's; ms: device {:.3f}, of that keys to hits "
-        "{:.3f} ({:.3f} Grays/s), call {:.3f}, with other triangles {:.3f}, CPU {:.3f}; hierarchy "
-        "refitted in {:.3f} instead of built, with moved triangles {:.3f}\n",
-        to_string(batch.rays), batch.count, batch.hits, batch.different, batch.device_ms,
-        batch.trace_ms, grays_per_s(batch.count, batch.trace_ms), batch.call_ms, batch.frame_ms,
-        batch.cpu_ms, batch.refit_ms, batch.refit_frame_ms);
+        "  {}: {} rays, {} hits, {} unlike the CPU's; ms: keys to hits {:.3f} ({:.3f} Grays/s), "
+        "sum of its stages {:.3f}, of all stages {:.3f}, call {:.3f}, with other triangles {:.3f}, "
+        "CPU {:.3f}; hierarchy refitted in {:.3f} instead of built, with moved triangles {:.3f}\n",
+        to_string(batch.rays), batch.count, batch.hits, batch.different, batch.keys_to_hits_ms,
+        grays_per_s(batch.count, batch.keys_to_hits_ms), batch.trace_ms, batch.device_ms,
+        batch.call_ms, batch.frame_ms, batch.cpu_ms, batch.refit_ms, batch.refit_frame_ms);
     text += text_of(batch.stages) + "   refitted:\n" + text_of(batch.refit_stages);
   }
   return text;
@@ -75,6 +73,7 @@ Json json_of(const SceneReport& scene) {
                        {"count", batch.count},
                        {"hits", batch.hits},
                        {"different", batch.different},
+                       {"keys_to_hits_ms", batch.keys_to_hits_ms},
                        {"device_ms", batch.device_ms},
                        {"trace_ms", batch.trace_ms},
                        {"call_ms", batch.call_ms},
@@ -82,7 +81,7 @@ Json json_of(const SceneReport& scene) {
                        {"refit_ms", batch.refit_ms},
                        {"refit_frame_ms", batch.refit_frame_ms},
                        {"cpu_ms", batch.cpu_ms},
-                       {"grays_per_s", grays_per_s(batch.count, batch.trace_ms)},
+                       {"grays_per_s", grays_per_s(batch.count, batch.keys_to_hits_ms)},
                        {"stages", json_of(batch.stages)},
                        {"refit_stages", json_of(batch.refit_stages)}});
   }
@@ -91,6 +90,7 @@ Json json_of(const SceneReport& scene) {
           {"device", scene.report.device},
           {"copy_gb_per_s", scene.report.copy_gb_per_s},
           {"gigaops_per_s", scene.report.gigaops_per_s},
+          {"reads_host_memory", scene.report.reads_host_memory},
           {"cpu_threads", scene.report.threads},
           {"batches", batches}};
 }

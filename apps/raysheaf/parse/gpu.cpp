@@ -1,5 +1,6 @@
 #include "parse/gpu.h"
 
+#include "ablation/ablation.h"
 #include "parse/parts.h"
 #include "values.h"
 
@@ -14,6 +15,8 @@ CLI::App* add_bench_gpu(CLI::App& bench, BenchGpuCommand& command) {
       ->type_name("NAME")
       ->allow_extra_args(false);
   DeviceBenchOptions& options = command.options;
+  add_words(*sub, "--rays", "shadow, reflection1, reflection2 or ao; may be repeated [all]", "NAME",
+            options.rays, lab_rays_from_string);
   add_value(
       *sub, "--size", "WxH", "Size of the picture that rays come from [512x512]",
       [&options](const auto& text) { std::tie(options.width, options.height) = parse_size(text); });

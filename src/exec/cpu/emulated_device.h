@@ -98,6 +98,8 @@ class EmulatedDevice {
     return *place;
   }
   void synchronize(const char* /*stage*/) {}
+  void start_clock(const char* /*stage*/) { clock_start_ = Clock::now(); }
+  [[nodiscard]] double stop_clock(const char* /*stage*/) { return ms_since(clock_start_); }
   [[nodiscard]] bool is_device_memory(const void* pointer, const char* /*name*/) const {
     return memory_.owns(pointer);
   }
@@ -107,6 +109,7 @@ class EmulatedDevice {
   }
   [[nodiscard]] DeviceAllocator& allocator() { return allocator_; }
   [[nodiscard]] std::uint64_t free_bytes() const { return memory_.free_bytes(); }
+  [[nodiscard]] bool reads_host_memory() const { return true; }
 
   /// Keeps times from now on, or no longer.
   void keep_times(bool keep) {
@@ -117,6 +120,11 @@ class EmulatedDevice {
   [[nodiscard]] std::vector<StageTime> times() { return times_; }
 
  private:
+  using Clock = std::chrono::steady_clock;
+  [[nodiscard]] static double ms_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  }
+
   /// Times a verb.
   class Lap {
    public:
@@ -124,13 +132,10 @@ class EmulatedDevice {
     Lap(const Lap&) = delete;
     Lap& operator=(const Lap&) = delete;
     ~Lap() {
-      if (!device_.keeps_times_) return;
-      const std::chrono::duration<double, std::milli> ms = Clock::now() - start_;
-      add_stage_time(stage_, ms.count(), &device_.times_);
+      if (device_.keeps_times_) add_stage_time(stage_, ms_since(start_), &device_.times_);
     }
 
    private:
-    using Clock = std::chrono::steady_clock;
     EmulatedDevice& device_;
     const char* stage_;
     Clock::time_point start_ = Clock::now();
@@ -145,6 +150,7 @@ class EmulatedDevice {
   std::uint32_t most_blocks_;
   bool keeps_times_ = false;
   std::vector<StageTime> times_;
+  Clock::time_point clock_start_ = Clock::now();
 };
 
 }  // namespace raysheaf

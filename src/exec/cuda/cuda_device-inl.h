@@ -31,6 +31,10 @@ class CurrentDevice {
   bool changed_ = false;
 };
 
+[[nodiscard]] inline cudaEvent_t event_of(void* event) {
+  return static_cast<cudaEvent_t>(event);
+}
+
 /// Whether kernels of device `index` may follow a pointer of which CUDA says this. Throws as
 /// `is_device_memory` does.
 [[nodiscard]] bool may_follow(const cudaPointerAttributes& said, int index, const char* name);
@@ -45,14 +49,18 @@ class CudaDevice::Verb {
   Verb(CudaDevice& device, const char* stage)
       : device_(device), stage_(stage), current_(device.index_, stage) {
     static_cast<void>(cudaGetLastError());  // what was refused before, of whomever, is not its own
-    if (!device.keeps_times_) return;
-    Mark mark{stage, nullptr, nullptr};
-    check_cuda(cudaEventCreate(&mark.begin), stage);
-    device.marks_.push_back(mark);
-    check_cuda(cudaEventCreate(&device.marks_.back().end), stage);
-    check_cuda(cudaEventRecord(mark.begin, stream()), stage);
   }
   [[nodiscard]] cudaStream_t stream() const { return static_cast<cudaStream_t>(device_.stream()); }
+  /// The mark of its beginning: the next thing that is asked for is its work. What the host does
+  /// after it, the stream waits for, and the stage's time holds.
+  void begin() {
+    if (!device_.keeps_times_) return;
+    Mark mark{stage_, nullptr, nullptr};
+    check_cuda(cudaEventCreate(&mark.begin), stage_);
+    device_.marks_.push_back(mark);
+    check_cuda(cudaEventCreate(&device_.marks_.back().end), stage_);
+    check_cuda(cudaEventRecord(mark.begin, stream()), stage_);
+  }
   /// Whether it could be asked for, and the mark of its end.
   void finish(cudaError_t status) {
     check_cuda(status, stage_);
@@ -73,6 +81,7 @@ void CudaDevice::run_cub(const char* stage, const Call& call) {
   std::size_t bytes = 0;
   check_cuda(call(nullptr, bytes, verb.stream()), stage);
   void* const room = scratch(stage, bytes);
+  verb.begin();
   verb.finish(call(room, bytes, verb.stream()));
 }
 

@@ -28,6 +28,16 @@ bool lies_on_a_device(const void* pointer) {
   return type == cudaMemoryTypeDevice || type == cudaMemoryTypeManaged;
 }
 
+/// Of this stream's work so far; made where there is none yet.
+void record(const char* stage, void** event, void* stream) {
+  if (*event == nullptr) {
+    cudaEvent_t made = nullptr;
+    check_cuda(cudaEventCreate(&made), stage);
+    *event = made;
+  }
+  check_cuda(cudaEventRecord(event_of(*event), static_cast<cudaStream_t>(stream)), stage);
+}
+
 struct Nothing {
   __host__ __device__ void operator()(std::size_t /*i*/) const {}
 };
@@ -69,6 +79,8 @@ CudaDevice::~CudaDevice() {
     if (mark.begin != nullptr) ignore_cuda(cudaEventDestroy(mark.begin));
     if (mark.end != nullptr) ignore_cuda(cudaEventDestroy(mark.end));
   }
+  if (clock_start_ != nullptr) ignore_cuda(cudaEventDestroy(event_of(clock_start_)));
+  if (clock_stop_ != nullptr) ignore_cuda(cudaEventDestroy(event_of(clock_stop_)));
   scratch_.release();
   counter_.release();
   ignore_cuda(cudaStreamSynchronize(static_cast<cudaStream_t>(stream())));
@@ -77,12 +89,14 @@ CudaDevice::~CudaDevice() {
 void CudaDevice::fill_bytes(const char* stage, void* place, std::size_t bytes, std::uint8_t byte) {
   if (bytes == 0) return;
   Verb verb(*this, stage);
+  verb.begin();
   verb.finish(cudaMemsetAsync(place, byte, bytes, verb.stream()));
 }
 
 void CudaDevice::copy(const char* stage, void* to, const void* from, std::size_t bytes) {
   if (bytes == 0) return;
   Verb verb(*this, stage);
+  verb.begin();
   verb.finish(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDefault, verb.stream()));
   if (!lies_on_a_device(to) || !lies_on_a_device(from)) synchronize(stage);
 }
@@ -90,6 +104,21 @@ void CudaDevice::copy(const char* stage, void* to, const void* from, std::size_t
 void CudaDevice::synchronize(const char* stage) {
   const CurrentDevice current(index_, stage);
   check_cuda(cudaStreamSynchronize(static_cast<cudaStream_t>(stream())), stage);
+}
+
+void CudaDevice::start_clock(const char* stage) {
+  const CurrentDevice current(index_, stage);
+  synchronize(stage);
+  record(stage, &clock_start_, stream());
+}
+
+double CudaDevice::stop_clock(const char* stage) {
+  const CurrentDevice current(index_, stage);
+  record(stage, &clock_stop_, stream());
+  check_cuda(cudaEventSynchronize(event_of(clock_stop_)), stage);
+  float ms = 0;
+  check_cuda(cudaEventElapsedTime(&ms, event_of(clock_start_), event_of(clock_stop_)), stage);
+  return ms;
 }
 
 bool may_follow(const cudaPointerAttributes& said, int index, const char* name) {
@@ -127,6 +156,13 @@ std::uint64_t CudaDevice::free_bytes() const {
   std::size_t free = 0, total = 0;
   check_cuda(cudaMemGetInfo(&free, &total), "CUDA device: memory");
   return free + (own_allocator_ != nullptr ? own_allocator_->free_bytes() : 0);
+}
+
+bool CudaDevice::reads_host_memory() const {
+  int reads = 0;
+  check_cuda(cudaDeviceGetAttribute(&reads, cudaDevAttrPageableMemoryAccess, index_),
+             "CUDA device: memory");
+  return reads != 0;
 }
 
 void* CudaDevice::scratch(const char* stage, std::size_t bytes) {

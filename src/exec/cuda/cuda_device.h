@@ -55,9 +55,12 @@ class CudaDevice {
     return value;
   }
   void synchronize(const char* stage);
+  void start_clock(const char* stage);
+  [[nodiscard]] double stop_clock(const char* stage);
   [[nodiscard]] bool is_device_memory(const void* pointer, const char* name) const;
   [[nodiscard]] DeviceAllocator& allocator() { return *allocator_; }
   [[nodiscard]] std::uint64_t free_bytes() const;
+  [[nodiscard]] bool reads_host_memory() const;
 
   void keep_times(bool keep);
   /// Waits.
@@ -95,7 +98,7 @@ class CudaDevice {
   /// What CUB counted.
   [[nodiscard]] std::uint32_t* counter(const char* stage);
   [[nodiscard]] std::uint32_t counted(const char* stage);
-  /// Runs `call(temporary, bytes)` of CUB twice: first to ask how much room it needs.
+  /// Runs `call(temporary, bytes, stream)` of CUB twice: first to ask how much room it needs.
   template <class Call>
   void run_cub(const char* stage, const Call& call);
   template <class Key>
@@ -110,6 +113,7 @@ class CudaDevice {
   DeviceBuffer<std::uint32_t> counter_;
   bool keeps_times_ = false;
   std::vector<Mark> marks_;
+  void *clock_start_ = nullptr, *clock_stop_ = nullptr;  // cudaEvent_t, made when first used
 };
 
 }  // namespace raysheaf

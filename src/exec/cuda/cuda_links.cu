@@ -1,5 +1,7 @@
 #include "exec/cuda/cuda_links.h"
 
+#include <chrono>
+
 #include "exec/cuda/cuda_device-inl.h"
 
 namespace raysheaf {
@@ -10,11 +12,24 @@ constexpr const char* kLinking = "CUDA device: links";
 cudaStream_t stream_of(void* stream) {
   return static_cast<cudaStream_t>(stream);
 }
-cudaEvent_t event_of(void* event) {
-  return static_cast<cudaEvent_t>(event);
+
+/// Longer than a part of a large array (exec/bulk_links.h) is on its way, tens of microseconds, and
+/// longer than it takes to wake a thread.
+constexpr std::chrono::microseconds kLongestSpin{200};
+
+/// Waits awake at first, for a part of a large array; then asleep, so that threads that read and
+/// decode have the processor.
+void wait_for_event(const char* stage, void* event) {
+  const auto end = std::chrono::steady_clock::now() + kLongestSpin;
+  cudaError_t status;
+  do status = cudaEventQuery(event_of(event));
+  while (status == cudaErrorNotReady && std::chrono::steady_clock::now() < end);
+  ignore_cuda(status);  // "not ready" is no error, and is not to be remembered
+  if (status == cudaErrorNotReady) status = cudaEventSynchronize(event_of(event));
+  check_cuda(status, stage);
 }
 
-/// Who waits for it sleeps, so that threads that read and decode have the processor.
+/// A thread that waits for it by `cudaEventSynchronize` sleeps.
 cudaEvent_t new_event() {
   cudaEvent_t event = nullptr;
   check_cuda(cudaEventCreateWithFlags(&event, cudaEventDisableTiming | cudaEventBlockingSync),
@@ -71,7 +86,7 @@ void CudaUplink::close() noexcept {
 
 std::byte* CudaUplink::room(const char* stage, std::size_t bytes) {
   const CurrentDevice current(device_.index(), stage);
-  check_cuda(cudaEventSynchronize(event_of(sent_)), stage);  // at once where nothing was sent yet
+  wait_for_event(stage, sent_);  // at once where nothing was sent yet
   room_.resize(stage, bytes);
   return room_.data();
 }
@@ -112,7 +127,7 @@ CudaDownlink::~CudaDownlink() {
 
 void CudaDownlink::ask(const char* stage, const void* from, std::size_t bytes) {
   const CurrentDevice current(device_.index(), stage);
-  check_cuda(cudaEventSynchronize(event_of(arrived_)), stage);
+  wait_for_event(stage, arrived_);
   room_.resize(stage, bytes);
   if (bytes != 0) {
     check_cuda(cudaMemcpyAsync(room_.data(), from, bytes, cudaMemcpyDeviceToHost,
@@ -124,7 +139,7 @@ void CudaDownlink::ask(const char* stage, const void* from, std::size_t bytes) {
 
 const std::byte* CudaDownlink::wait(const char* stage) {
   const CurrentDevice current(device_.index(), stage);
-  check_cuda(cudaEventSynchronize(event_of(arrived_)), stage);
+  wait_for_event(stage, arrived_);
   return room_.data();
 }
 

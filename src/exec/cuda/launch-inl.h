@@ -19,6 +19,7 @@ void CudaDevice::for_each(const char* stage, std::size_t count, const Body& body
   const LaunchShape shape = launch_shape(count, kMostBlocks);
   if (shape.blocks == 0) return;
   Verb verb(*this, stage);
+  verb.begin();
   run_items<<<shape.blocks, shape.threads, 0, verb.stream()>>>(count, body);
   verb.finish(cudaSuccess);
 }
