@@ -33,3 +33,10 @@ if(READELF AND TARGET raysheaf_app)
   add_test(NAME install/raysheaf_needs_no_window COMMAND ${CMAKE_COMMAND}
     -DPROGRAM=$<TARGET_FILE:raysheaf_app> -DREADELF=${READELF} -P ${CMAKE_CURRENT_LIST_DIR}/no_window.cmake)
 endif()
+
+# What tools/gpu packs for a bare machine runs from an empty root.
+if(RAYSHEAF_HAS_CUDA AND TARGET raysheaf_app AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+  add_test(NAME install/gpu_pack COMMAND ${CMAKE_CURRENT_LIST_DIR}/gpu_pack
+    ${PROJECT_BINARY_DIR} ${PROJECT_BINARY_DIR}/gpu_pack_test)
+  set_tests_properties(install/gpu_pack PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300)
+endif()
