@@ -1,6 +1,7 @@
 // The one door for scene files: looks at the ending, and puts the file's name before what went
 // wrong.
 #include "io/file.h"
+#include "io/float_spacing.h"
 #include "io/gltf.h"
 #include "io/load.h"
 #include "io/obj.h"
@@ -57,6 +58,7 @@ io::GltfScene load_any(const std::string& path, const LoadOptions& options,
 SceneDescription load_at_rest(const std::string& path, const LoadOptions& options) {
   SceneDescription scene = io::at_rest(load_any(path, options));
   validate(scene);
+  io::warn_of_spacing(world_bounds(scene), &scene);
   return scene;
 }
 
@@ -100,7 +102,11 @@ SceneDescription load_scene(const std::string& path, const LoadOptions& options)
 }
 
 std::unique_ptr<Animation> load_animation(const std::string& path, const LoadOptions& options) {
-  return io::naming(path, [&] { return load_moving(path, options); });
+  return io::naming(path, [&] {
+    auto animation = load_moving(path, options);
+    io::warn_of_spacing(world_bounds(animation->scene()), &animation->scene());
+    return animation;
+  });
 }
 
 }  // namespace raysheaf

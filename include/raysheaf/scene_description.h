@@ -145,7 +145,8 @@ struct SceneDescription {
   [[nodiscard]] std::uint64_t triangle_count() const;
 };
 
-/// The box of every instance's triangles, in world space; empty where there are none.
+/// The box of every instance's triangles, in world space; empty where there are none. Triangles
+/// without area, which nothing shows, count only where no triangle has an area.
 [[nodiscard]] Box world_bounds(const SceneDescription& scene);
 
 /// Throws `Error` that names the first field which cannot be rendered: indices out of range,

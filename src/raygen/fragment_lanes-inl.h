@@ -265,7 +265,7 @@ HWY_INLINE V3 Schlick(const V3& at_normal, V at_edge, V cos_in) {
 }
 /// `cos_arrival`.
 HWY_INLINE V CosArrival(const V3& incoming, const V3& normal) {
-  return Clamp(hn::Neg(Dot(incoming, normal)), 1e-4f, 1);
+  return Clamp(hn::Abs(Dot(incoming, normal)), 1e-4f, 1);
 }
 
 }  // namespace raysheaf::HWY_NAMESPACE

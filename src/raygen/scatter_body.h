@@ -45,9 +45,12 @@ struct Scattering {
   bool mirror = false;         ///< smooth enough to trace its reflection
 };
 
-/// The cosine under which a ray arrives at the shading normal; at least a little above 0.
+/// The cosine under which a ray arrives at the shading normal; at least a little above 0. A shading
+/// normal that leans away from the ray counts by how far it leans (S. Lagarde, C. de Rousiers,
+/// "Moving Frostbite to Physically Based Rendering", SIGGRAPH 2014, section 3.1): at 0, Schlick's
+/// power would make such a surface a mirror.
 RAYSHEAF_HD inline float cos_arrival(const Fragment& f) {
-  return clamp(-dot(f.incoming, f.surface.normal), 1e-4f, 1);
+  return clamp(std::fabs(dot(f.incoming, f.surface.normal)), 1e-4f, 1);
 }
 
 /// A mirror direction that leaves to the side the ray came from: by the shading normal, or by the

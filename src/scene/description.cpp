@@ -1,8 +1,17 @@
 // What can be told of a scene description by looking at it.
 #include "base/vec.h"
 #include "raysheaf/scene_description.h"
+#include "scene/flatten_body.h"
 
 namespace raysheaf {
+namespace {
+
+void enlarge(Box* box, Vec3 p) {
+  box->min = min(box->min, p);
+  box->max = max(box->max, p);
+}
+
+}  // namespace
 
 std::uint64_t SceneDescription::triangle_count() const {
   std::uint64_t count = 0;
@@ -13,21 +22,24 @@ std::uint64_t SceneDescription::triangle_count() const {
 }
 
 Box world_bounds(const SceneDescription& scene) {
-  Box box;
+  Box with_area, all;
   // Loaders ask before the scene is validated: what is out of range is left out.
   for (const Instance& instance : scene.instances) {
     if (instance.mesh >= scene.meshes.size()) continue;
     const Mesh& mesh = scene.meshes[instance.mesh];
     for (const auto& triangle : mesh.triangles) {
+      Vec3 corner[3];
+      std::size_t known = 0;
       for (const std::uint32_t vertex : triangle) {
         if (vertex >= mesh.positions.size()) continue;
-        const Vec3 p = transform_point(instance.to_world, mesh.positions[vertex]);
-        box.min = min(box.min, p);
-        box.max = max(box.max, p);
+        corner[known] = transform_point(instance.to_world, mesh.positions[vertex]);
+        enlarge(&all, corner[known++]);
       }
+      if (known < 3 || has_no_area(corner[0], corner[1], corner[2])) continue;
+      for (const Vec3 p : corner) enlarge(&with_area, p);
     }
   }
-  return box;
+  return with_area.min.x <= with_area.max.x ? with_area : all;
 }
 
 }  // namespace raysheaf

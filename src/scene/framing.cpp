@@ -9,7 +9,7 @@
 namespace raysheaf {
 namespace {
 
-/// What a camera has to show: a ball round the scene's box. A scene without extent gets some, so
+/// What a camera has to show: a sphere around the scene's box. A scene without extent gets some, so
 /// that planes and distances stay apart.
 struct Subject {
   Vec3 center{0, 0, 0};
@@ -29,8 +29,8 @@ Subject subject_of(const SceneDescription& scene) {
     half_squared += (high - low) * (high - low) / 4;
     farthest = std::max({farthest, std::fabs(low), std::fabs(high)});
   }
-  // Below this the camera's position would not resolve the scene.
-  constexpr double kLeastExtent = 1e-4;
+  // At least eight float32 spacings: in fewer, the camera's position would not resolve the scene.
+  constexpr double kLeastExtent = 1e-6;
   const double radius = std::max(std::sqrt(half_squared), kLeastExtent * farthest);
   if (radius > 0) subject.radius = static_cast<float>(radius);
   return subject;

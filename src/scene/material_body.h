@@ -57,8 +57,9 @@ RAYSHEAF_HD inline Vec3 textured_normal(const PlacedMaterial& m, const TextureTa
                                         const Vec3 (&corner)[3], const Vec2 (&uv)[3], float u,
                                         float v, const PlacedSurface& placed) {
   const Vec4 texel = look_up(table, m.normal_texture, table.as_is, mixed(uv, u, v));
+  // Textures that hold two channels have no blue: along the normal, the sign says nothing.
   const Vec3 bump{(2 * texel.x - 1) * m.normal_scale, (2 * texel.y - 1) * m.normal_scale,
-                  2 * texel.z - 1};
+                  std::fabs(2 * texel.z - 1)};
   const Vec2 of_texture[3] = {transform_uv(m.normal_texture, uv[0]),
                               transform_uv(m.normal_texture, uv[1]),
                               transform_uv(m.normal_texture, uv[2])};

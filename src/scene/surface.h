@@ -10,7 +10,9 @@ namespace raysheaf {
 struct Surface {
   Vec3 position;          ///< world; the triangle's corners, mixed
   Vec3 geometric_normal;  ///< unit, on the side that the ray came from
-  Vec3 normal;    ///< unit shading normal, turned with the geometric one; may lean behind the ray
+  /// Unit shading normal; without a normal texture, on the side of the geometric one. It may still
+  /// lean away from the ray.
+  Vec3 normal;
   Vec3 diffuse;   ///< reflectance
   Vec3 specular;  ///< reflectance along the normal
   Vec3 coat;      ///< the part of it that shades what lies below: without the metal's

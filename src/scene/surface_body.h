@@ -126,6 +126,12 @@ RAYSHEAF_HD inline Vec3 bumped_normal(const Vec3 (&corner)[3], const Vec2 (&uv)[
               normal);
 }
 
+/// A shading normal on the side of a geometric one. Normals that a file has may oppose the winding
+/// of their triangle; used as they are, every ray would seem to come from behind the surface.
+RAYSHEAF_HD inline Vec3 on_side_of(Vec3 geometric, Vec3 shading) {
+  return dot(widened(shading), widened(geometric)) < 0 ? -shading : shading;
+}
+
 /// Where a surface is and how it stands; as `Surface` has them.
 struct PlacedSurface {
   Vec3 position, geometric_normal, normal;
@@ -146,7 +152,9 @@ RAYSHEAF_HD inline PlacedSurface placed_surface(const Vec3 (&corner)[3], Vec3 fr
   placed.clearance = raysheaf::clearance(point, facing);
   placed.front = !(dot(widened(facing), widened(direction)) > 0);
   const Vec3 shading =
-      normals != nullptr ? unit_normal(map, mixed(*normals, u, v), facing) : facing;
+      normals != nullptr
+          ? on_side_of(facing, unit_normal(map, mixed(*normals, u, v), facing))
+          : facing;
   placed.geometric_normal = placed.front ? facing : -facing;
   placed.normal = placed.front ? shading : -shading;
   return placed;

@@ -152,6 +152,10 @@ LaneBits PlaceSurfaces(const InstanceLanes* instances, std::size_t count, LaneBi
       const F3 mapped = mapped_normal(c, k, weights_at(c, k), instances[i].map, &has_direction);
       shading = select(hn::And(mask_of(instances[i].lanes, k), has_direction), mapped, shading);
     }
+    // `on_side_of`.
+    const FM opposed =
+        narrowed(hn::Lt(dot(widened(shading), widened(facing)), hn::Zero(dd)));
+    shading = select(opposed, negated(shading), shading);
     store3(select(behind, negated(facing), facing), c.geometric, k);
     store3(select(behind, negated(shading), shading), c.shading, k);
     in_front |= bits_of(d, hn::Not(behind), k);
