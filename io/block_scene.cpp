@@ -63,14 +63,16 @@ Affine affine(const JsonValue& j) {
 }
 
 Json of(const TextureSlot& slot) {
-  return JsonObject{{"texture", index(slot.texture)},
+  JsonObject result{{"texture", index(slot.texture)},
                     {"offset", of(slot.offset)},
                     {"scale", of(slot.scale)},
                     {"rotation", number(slot.rotation)}};
+  if (slot.second_uvs) result.add("second_uvs", true);
+  return result;
 }
 TextureSlot slot(const JsonValue& j) {
   return {index_from(j.at("texture")), vec2(j.at("offset")), vec2(j.at("scale")),
-          number_from(j.at("rotation"))};
+          number_from(j.at("rotation")), j.get("second_uvs", false)};
 }
 
 Json of(const Material& m) {
@@ -183,7 +185,7 @@ Light light(const JsonValue& j) {
 }
 
 Json of(const Camera& c) {
-  return JsonObject{{"name", c.name},
+  JsonObject result{{"name", c.name},
                     {"to_world", of(c.to_world)},
                     {"orthographic", c.orthographic},
                     {"y_fov", number(c.y_fov)},
@@ -192,6 +194,8 @@ Json of(const Camera& c) {
                     {"z_far", number(c.z_far)},
                     {"aperture", number(c.aperture)},
                     {"focus", number(c.focus)}};
+  if (c.aspect_ratio > 0) result.add("aspect_ratio", number(c.aspect_ratio));
+  return result;
 }
 Camera camera(const JsonValue& j) {
   Camera c;
@@ -204,6 +208,7 @@ Camera camera(const JsonValue& j) {
   c.z_far = number_from(j.at("z_far"));
   c.aperture = number_from(j.at("aperture"));
   c.focus = number_from(j.at("focus"));
+  if (j.contains("aspect_ratio")) c.aspect_ratio = number_from(j.at("aspect_ratio"));
   return c;
 }
 

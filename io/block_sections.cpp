@@ -1,4 +1,5 @@
 // Blocks as bytes: a few counts, then one array after the other.
+#include <algorithm>
 #include <numeric>
 
 #include "io/block_format.h"
@@ -17,7 +18,8 @@ struct GeometryHead {
 struct IdRun {
   std::uint32_t first, count;
 };
-/// Colours come last: what is left of the section.
+/// Where a part's byte says that it has second texture coordinates, as many as `uvs` follow the
+/// parts. Colours come last: what is left of the section.
 struct ShadingHead {
   std::uint32_t normals, uvs, materials, parts;
 };
@@ -165,9 +167,10 @@ Bytes encode_shading(const BlockShading& shading) {
   const auto size = [](const auto& v) { return static_cast<std::uint32_t>(v.size()); };
   std::vector<std::uint8_t> has(shading.has_normals.size());
   for (std::size_t i = 0; i < has.size(); ++i)
-    has[i] =
-        static_cast<std::uint8_t>(shading.has_normals[i] | shading.has_uvs[i] << 1 |
-                                  (shading.has_colors.empty() ? 0 : shading.has_colors[i] << 2));
+    has[i] = static_cast<std::uint8_t>(
+        shading.has_normals[i] | shading.has_uvs[i] << 1 |
+        (shading.has_colors.empty() ? 0 : shading.has_colors[i] << 2) |
+        (shading.has_second_uvs.empty() ? 0 : shading.has_second_uvs[i] << 3));
   Writer out;
   out.put(
       ShadingHead{size(shading.normals), size(shading.uvs), size(shading.materials), size(has)});
@@ -175,6 +178,7 @@ Bytes encode_shading(const BlockShading& shading) {
   out.put(shading.uvs);
   out.put(shading.materials);
   out.put(has);
+  out.put(shading.second_uvs);
   out.put(shading.colors);
   return out.take();
 }
@@ -186,8 +190,14 @@ void decode_shading(std::span<const std::uint8_t> bytes, BlockShading* shading) 
   check_most(head.uvs, kBlockVertices, "texture coordinates");
   check_most(head.materials, kBlockTriangles, "materials");
   check_most(head.parts, kBlockTriangles, "parts");
-  const std::uint64_t known =
-      sizeof head + 12ull * head.normals + 8ull * head.uvs + 4ull * head.materials + head.parts;
+  const std::uint64_t before_parts =
+      sizeof head + 12ull * head.normals + 8ull * head.uvs + 4ull * head.materials;
+  if (bytes.size() < before_parts + head.parts) check_size(before_parts + head.parts, bytes.size());
+  const auto parts = bytes.subspan(before_parts, head.parts);
+  const bool has_second_uvs =
+      std::any_of(parts.begin(), parts.end(), [](std::uint8_t has) { return (has & 8) != 0; });
+  const std::uint32_t second_uvs = has_second_uvs ? head.uvs : 0;
+  const std::uint64_t known = before_parts + head.parts + 8ull * second_uvs;
   const std::uint64_t colors = bytes.size() > known ? (bytes.size() - known) / sizeof(Vec3) : 0;
   check_most(static_cast<std::uint32_t>(colors), kBlockVertices, "colours");
   check_size(known + sizeof(Vec3) * colors, bytes.size());
@@ -195,14 +205,19 @@ void decode_shading(std::span<const std::uint8_t> bytes, BlockShading* shading) 
   in.take(head.uvs, &shading->uvs);
   in.take(head.materials, &shading->materials);
   in.take(head.parts, &shading->has_normals);
+  in.take(second_uvs, &shading->second_uvs);
   in.take(colors, &shading->colors);
   shading->has_uvs.resize(head.parts);
   shading->has_colors.resize(colors != 0 ? head.parts : 0);
+  shading->has_second_uvs.resize(has_second_uvs ? head.parts : 0);
   for (std::size_t i = 0; i < head.parts; ++i) {
     const std::uint8_t has = shading->has_normals[i];
-    if (has > (colors != 0 ? 7 : 3)) refuse("it says of a part what cannot be");
+    const bool second_alone = (has & 8) != 0 && (has & 2) == 0;
+    if (has > 15 || (colors == 0 && (has & 4) != 0) || second_alone)
+      refuse("it says of a part what cannot be");
     shading->has_uvs[i] = has >> 1 & 1;
-    if (colors != 0) shading->has_colors[i] = has >> 2;
+    if (colors != 0) shading->has_colors[i] = has >> 2 & 1;
+    if (has_second_uvs) shading->has_second_uvs[i] = has >> 3;
     shading->has_normals[i] = has & 1;
   }
 }

@@ -29,6 +29,14 @@ void put(Column& column, std::size_t i, const T& value) {
   column.set(i, value);
 }
 
+/// Appends element `i` once more, where the column has any.
+template <class Column>
+void repeat(Column& column, std::uint64_t i) {
+  if (column.empty()) return;
+  const auto value = column[i];
+  column.push_back(value);
+}
+
 /// Finds, or makes, the copy of a vertex that has a given normal. The copies of a vertex are a list
 /// of which only the newest few are searched, so that many of them cost no more than memory.
 template <class AnyMesh, class Numbers>
@@ -72,14 +80,10 @@ class VertexSplitter {
     const Vec3 position = mesh_.positions[vertex];
     mesh_.positions.push_back(position);
     mesh_.normals.push_back(normal);
-    if (!mesh_.uvs.empty()) {
-      const Vec2 uv = mesh_.uvs[vertex];
-      mesh_.uvs.push_back(uv);
-    }
-    if (!mesh_.colors.empty()) {
-      const Vec3 color = mesh_.colors[vertex];
-      mesh_.colors.push_back(color);
-    }
+    repeat(mesh_.uvs, vertex);
+    repeat(mesh_.second_uvs, vertex);
+    repeat(mesh_.colors, vertex);
+    repeat(mesh_.alphas, vertex);
     const auto copy = static_cast<std::uint32_t>(index);
     previous_.push_back(newest_[vertex]);
     put(newest_, vertex, copy);

@@ -4,13 +4,11 @@
 #include <array>
 #include <cctype>
 
-#include "io/gltf_rules.h"
-#include "io/refuse.h"
-
 namespace raysheaf::io {
 namespace {
 
-/// Between "data:" and the comma, in lower case: the kind, parameters, and how it is written.
+/// Between "data:" and the comma, in lower case: the kind, parameters, and how it is written. The
+/// kind may be left out (RFC 2397), and is not looked at.
 std::string head_of(std::string_view uri) {
   std::string head(uri.substr(5, uri.find(',') - 5));
   for (char& c : head) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -20,16 +18,34 @@ bool is_base64(std::string_view head) {
   return head.ends_with(";base64");
 }
 
-/// Behind the comma, without the padding.
-std::string_view base64_digits(std::string_view uri) {
-  std::string_view digits = uri.substr(std::min(uri.find(','), uri.size() - 1) + 1);
-  while (digits.ends_with('=')) digits.remove_suffix(1);
-  return digits;
-}
-
 /// Of the last digits two make a byte and three make two; one alone makes none.
 std::size_t decoded_bytes(std::size_t digits) {
   return digits / 4 * 3 + (digits % 4 == 0 ? 0 : digits % 4 - 1);
+}
+
+int hex_value(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  const int lower = c | 0x20;
+  return lower >= 'a' && lower <= 'f' ? lower - 'a' + 10 : -1;
+}
+
+/// Characters as they stand, and "%20" as the byte 32. Nothing where no two hexadecimal digits
+/// follow a "%".
+std::optional<Bytes> decode_escaped(std::string_view text) {
+  Bytes bytes;
+  bytes.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '%') {
+      bytes.push_back(static_cast<std::uint8_t>(text[i]));
+      continue;
+    }
+    if (text.size() - i < 3) return std::nullopt;
+    const int high = hex_value(text[i + 1]), low = hex_value(text[i + 2]);
+    if (high < 0 || low < 0) return std::nullopt;
+    bytes.push_back(static_cast<std::uint8_t>(16 * high + low));
+    i += 2;
+  }
+  return bytes;
 }
 
 constexpr std::uint8_t kNoDigit = 0xff;
@@ -44,40 +60,44 @@ constexpr std::array<std::uint8_t, 256> digit_values() {
   return values;
 }
 
-}  // namespace
-
-std::size_t buffer_uri_bytes(std::string_view uri, const std::string& place) {
-  constexpr std::array<std::string_view, 7> kKinds = {"application/octet-stream",
-                                                      "application/gltf-buffer",
-                                                      "image/jpeg",
-                                                      "image/png",
-                                                      "image/bmp",
-                                                      "image/gif",
-                                                      "text/plain"};
-  const std::string head = head_of(uri);
-  const std::string_view kind = std::string_view(head).substr(0, head.find(';'));
-  if (!is_base64(head) || std::find(kKinds.begin(), kKinds.end(), kind) == kKinds.end()) {
-    refuse("is a data URI of a kind that is not read: \"" + printable(head) + "\"", place,
-           ErrorCode::kUnsupported);
-  }
-  return decoded_bytes(base64_digits(uri).size());
-}
-
-std::optional<Bytes> decode_data_uri(std::string_view uri) {
+/// Nothing where a character is no digit. Digits may be escaped, as any character of a URI.
+std::optional<Bytes> decode_base64(std::string_view text) {
   static constexpr auto kValues = digit_values();
-  if (!is_base64(head_of(uri))) return std::nullopt;
-  const std::string_view digits = base64_digits(uri);
+  std::string plain;
+  if (text.find('%') != text.npos) {
+    const std::optional<Bytes> bytes = decode_escaped(text);
+    if (!bytes) return std::nullopt;
+    plain.assign(bytes->begin(), bytes->end());
+    text = plain;
+  }
+  while (text.ends_with('=')) text.remove_suffix(1);
   Bytes bytes;
-  bytes.reserve(decoded_bytes(digits.size()));
+  bytes.reserve(decoded_bytes(text.size()));
   std::uint32_t bits = 0;
-  for (std::size_t i = 0; i < digits.size(); ++i) {
-    const std::uint8_t value = kValues[static_cast<std::uint8_t>(digits[i])];
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const std::uint8_t value = kValues[static_cast<std::uint8_t>(text[i])];
     if (value == kNoDigit) return std::nullopt;
     bits = bits << 6 | value;
     // Each digit but the first of four completes a byte.
     if (i % 4 != 0) bytes.push_back(static_cast<std::uint8_t>(bits >> (6 - 2 * (i % 4))));
   }
   return bytes;
+}
+
+}  // namespace
+
+bool is_data_uri(std::string_view uri) {
+  constexpr std::string_view kScheme = "data:";
+  return uri.size() >= kScheme.size() &&
+         std::equal(kScheme.begin(), kScheme.end(), uri.begin(), [](char a, char b) {
+           return a == std::tolower(static_cast<unsigned char>(b));
+         });
+}
+
+std::optional<Bytes> decode_data_uri(std::string_view uri) {
+  if (uri.find(',') == uri.npos) return std::nullopt;
+  const std::string_view data = uri.substr(uri.find(',') + 1);
+  return is_base64(head_of(uri)) ? decode_base64(data) : decode_escaped(data);
 }
 
 }  // namespace raysheaf::io

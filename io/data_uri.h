@@ -1,7 +1,6 @@
-// Bytes that stand in a URI: data:image/png;base64,... (RFC 2397, RFC 4648).
+// Bytes that stand in a URI (RFC 2397): data:image/png;base64,... (RFC 4648), or data:,...
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,15 +9,11 @@
 
 namespace raysheaf::io {
 
-[[nodiscard]] inline bool is_data_uri(std::string_view uri) {
-  return uri.starts_with("data:");
-}
+/// Schemes may be in capitals (RFC 3986).
+[[nodiscard]] bool is_data_uri(std::string_view uri);
 
-/// How many bytes a buffer's URI stands for. Throws `Error` (kUnsupported) where it is of a kind
-/// that is not read for buffers.
-[[nodiscard]] std::size_t buffer_uri_bytes(std::string_view uri, const std::string& place);
-
-/// The bytes, of whatever kind; nothing where they are not in base 64, or with a wrong digit.
+/// The bytes, of whatever kind; nothing where there is no comma, a character is no digit of base
+/// 64, or "%" begins no escape.
 [[nodiscard]] std::optional<Bytes> decode_data_uri(std::string_view uri);
 
 }  // namespace raysheaf::io

@@ -198,7 +198,10 @@ std::vector<std::string> files_of(const SceneFile& file) {
 
 std::string resolve(const SceneFile& from, const std::string& uri, bool is_uri,
                     const std::string& place) {
-  const std::string name = is_uri ? decode_percent(uri) : uri;
+  std::string name = is_uri ? decode_percent(uri) : uri;
+  const auto path_of = [&] { return fs::path(folder_of(from.path)) / fs::path(name); };
+  const bool turned = is_uri && name.find('\\') != name.npos && !file_exists(path_of().string());
+  if (turned) std::replace(name.begin(), name.end(), '\\', '/');
   const fs::path path(name);
   const bool leaves = is_no_name(name) ||
                       (path.is_absolute() && (is_uri || !from.allow_external)) ||
@@ -207,7 +210,8 @@ std::string resolve(const SceneFile& from, const std::string& uri, bool is_uri,
     throw Error(ErrorCode::kUnsupported,
                 "\"" + uri.substr(0, 200) + "\" does not stay inside the file's folder", place);
   }
-  std::string resolved = (fs::path(folder_of(from.path)) / path).string();
+  if (turned && from.turned != nullptr) from.turned->insert(uri);
+  std::string resolved = path_of().string();
   if (from.names != nullptr) from.names->insert(resolved);
   return resolved;
 }

@@ -20,6 +20,7 @@ struct SceneFile {
   bool allow_external = false;             ///< files that it names may lie outside its folder
   ImageCache* images = nullptr;            ///< of files that share pictures; none: there is but one
   std::set<std::string>* names = nullptr;  ///< gets the paths that `resolve` gives
+  std::set<std::string>* turned = nullptr;  ///< gets the URIs whose "\\" it read as "/"
 };
 
 /// All bytes of a file, as they stood at one moment: where another file is renamed over it
@@ -52,7 +53,8 @@ inline std::span<const std::uint8_t> as_bytes(const std::string& text) {
 
 /// `uri`, which a scene's file names, as a path from where we are. Where it `is_uri`, "%20" is
 /// decoded, and it must be relative. Throws kUnsupported where it has a scheme, and, unless
-/// external files are allowed, where it is absolute or climbs out by "..".
+/// external files are allowed, where it is absolute or climbs out by "..". A URI with "\\" that
+/// names no file is tried with "/" instead, as paths of Windows are written.
 [[nodiscard]] std::string resolve(const SceneFile& from, const std::string& uri, bool is_uri,
                                   const std::string& place);
 [[nodiscard]] std::string folder_of(const std::string& path);

@@ -28,6 +28,15 @@ Json numbers_of(Vec3 v) {
   return JsonArray{v.x, v.y, v.z};
 }
 
+std::vector<Vec4> colors_with_alpha(const Mesh& mesh) {
+  std::vector<Vec4> all;
+  for (std::size_t i = 0; i < mesh.alphas.size(); ++i) {
+    const Vec3 color = mesh.colors.empty() ? Vec3{1, 1, 1} : mesh.colors[i];
+    all.push_back({color.x, color.y, color.z, mesh.alphas[i]});
+  }
+  return all;
+}
+
 Json attributes_of(const Mesh& mesh, GlbParts& parts) {
   Vec3 low = mesh.positions[0], high = low;
   for (const Vec3& p : mesh.positions) {
@@ -38,7 +47,12 @@ Json attributes_of(const Mesh& mesh, GlbParts& parts) {
   JsonObject result{{"POSITION", add_vertices(parts, mesh.positions, "VEC3", bounds)}};
   if (!mesh.normals.empty()) result.add("NORMAL", add_vertices(parts, mesh.normals, "VEC3"));
   if (!mesh.uvs.empty()) result.add("TEXCOORD_0", add_vertices(parts, mesh.uvs, "VEC2"));
-  if (!mesh.colors.empty()) result.add("COLOR_0", add_vertices(parts, mesh.colors, "VEC3"));
+  if (!mesh.second_uvs.empty())
+    result.add("TEXCOORD_1", add_vertices(parts, mesh.second_uvs, "VEC2"));
+  if (!mesh.alphas.empty())
+    result.add("COLOR_0", add_vertices(parts, colors_with_alpha(mesh), "VEC4"));
+  else if (!mesh.colors.empty())
+    result.add("COLOR_0", add_vertices(parts, mesh.colors, "VEC3"));
   return result;
 }
 
@@ -126,12 +140,14 @@ Json camera_of(const Camera& camera) {
   const bool bounded = std::isfinite(camera.z_far);
   JsonObject lens{{"znear", camera.z_near}};
   if (camera.orthographic) {
-    lens.add("xmag", camera.y_mag);
+    // glTF demands a width; where the camera asks for none, the picture is square.
+    lens.add("xmag", camera.y_mag * (camera.aspect_ratio > 0 ? camera.aspect_ratio : 1));
     lens.add("ymag", camera.y_mag);
     // glTF demands a number here.
     lens.add("zfar", bounded ? camera.z_far : std::numeric_limits<float>::max());
   } else {
     lens.add("yfov", camera.y_fov);
+    if (camera.aspect_ratio > 0) lens.add("aspectRatio", camera.aspect_ratio);
     if (bounded) lens.add("zfar", camera.z_far);
   }
   const char* type = camera.orthographic ? "orthographic" : "perspective";

@@ -37,6 +37,7 @@ void write_slot(const TextureSlot& slot, const char* name, JsonObject& object, G
   if (slot.texture == kInvalidId) return;
   JsonObject info{{"index", slot.texture}}, transform;
   if (scale != 1) info.add("scale", scale);
+  if (slot.second_uvs) info.add("texCoord", 1);
   if (!equal(slot.offset, {0, 0})) transform.add("offset", numbers(slot.offset));
   if (!equal(slot.scale, {1, 1})) transform.add("scale", numbers(slot.scale));
   if (slot.rotation != 0) transform.add("rotation", slot.rotation);

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "io/gltf_rules.h"
 #include "raysheaf/animation.h"
 
 namespace raysheaf::io {
@@ -22,7 +23,7 @@ GltfScene read_gltf(const GltfModel& model, const SceneFile& from, const GltfOut
   for (const std::string& sentence : model.warnings) warnings.once(sentence);
   AccessorReader accessors(model, kFreeBytes + kBytesPerByte * model.file_bytes);
   const GltfNodes nodes = read_nodes(model, accessors, scene, result.rig, warnings);
-  const std::vector<int> uv_sets = read_materials(model, scene, warnings);
+  const std::vector<UvSets> uv_sets = read_materials(model, scene, warnings);
   read_skins(model, nodes, accessors, result.rig);
   const std::vector<std::uint32_t> shape_of_node =
       read_meshes(model, nodes, uv_sets, accessors, outer, scene, result.rig, warnings);
@@ -31,10 +32,21 @@ GltfScene read_gltf(const GltfModel& model, const SceneFile& from, const GltfOut
   return result;
 }
 
+/// `parse_gltf`, with a warning for URIs that are paths of Windows.
+GltfModel parse_any(const GltfBytes& file, SceneFile from) {
+  std::set<std::string> turned;
+  from.turned = &turned;
+  GltfModel model = parse_gltf(file, from);
+  for (const std::string& uri : turned)
+    model.warnings.push_back("\"" + printable(uri) +
+                             "\" is no URI: \"\\\" in it is read as \"/\".");
+  return model;
+}
+
 }  // namespace
 
 GltfScene load_gltf(const Bytes& file, const SceneFile& from) {
-  return read_gltf(parse_gltf(GltfBytes(file), from), from, nullptr);
+  return read_gltf(parse_any(GltfBytes(file), from), from, nullptr);
 }
 
 SceneDescription at_rest(GltfScene loaded) {
@@ -48,7 +60,7 @@ std::optional<OuterScene> read_outer_gltf(const std::string& path, const PackOpt
   const GltfFile file(path, "");
   std::set<std::string> names;
   const SceneFile from{path, options.allow_external, nullptr, &names};
-  const GltfModel model = parse_gltf(GltfBytes(file), from);
+  const GltfModel model = parse_any(GltfBytes(file), from);
   if (model.file_bytes <= kSmallGltfBytes * options.triangles_at_once) return std::nullopt;
   OuterScene scene;
   scene.columns = std::make_unique<OuterColumns>(options);

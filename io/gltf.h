@@ -44,10 +44,15 @@ class Warnings {
   std::vector<std::string> sentences_;
 };
 
-/// Fills images, textures and materials. Gives the set of texture coordinates that each material
-/// reads.
-[[nodiscard]] std::vector<int> read_materials(const GltfModel& model, SceneDescription& scene,
-                                              Warnings& warnings);
+/// The sets of texture coordinates that a material's textures read: TEXCOORD_n becomes a mesh's
+/// first or second set. `second` is -1 where there is one set.
+struct UvSets {
+  int first = 0, second = -1;
+};
+
+/// Fills images, textures and materials. Gives the sets that each material reads.
+[[nodiscard]] std::vector<UvSets> read_materials(const GltfModel& model, SceneDescription& scene,
+                                                 Warnings& warnings);
 
 /// glTF's nodes and what they show.
 struct GltfNodes {
@@ -80,12 +85,12 @@ struct GltfMesh {
 };
 /// `joint_count`: of the skin; 0: there is none.
 [[nodiscard]] GltfMesh read_mesh(const GltfModel& model, std::size_t index, std::size_t joint_count,
-                                 AccessorReader& accessors, const std::vector<int>& uv_sets,
+                                 AccessorReader& accessors, const std::vector<UvSets>& uv_sets,
                                  Warnings& warnings);
 
 /// The same, of one without a skin. Throws `NeedsWholeFile`.
 void read_outer_mesh(const GltfModel& model, std::size_t index, AccessorReader& accessors,
-                     const std::vector<int>& uv_sets, Warnings& warnings,
+                     const std::vector<UvSets>& uv_sets, Warnings& warnings,
                      const PackOptions& options, OuterMesh* mesh);
 
 /// Where meshes go that are not to be held.
@@ -99,7 +104,7 @@ struct GltfOuter {
 /// without triangles, and fills the rig's shapes. Returns the shape of each node, or kInvalidId.
 /// `outer`: null where they are held.
 [[nodiscard]] std::vector<std::uint32_t> read_meshes(const GltfModel& model, const GltfNodes& nodes,
-                                                     const std::vector<int>& uv_sets,
+                                                     const std::vector<UvSets>& uv_sets,
                                                      AccessorReader& accessors,
                                                      const GltfOuter* outer,
                                                      SceneDescription& scene, Rig& rig,

@@ -41,6 +41,19 @@ void check_times(const std::vector<float>& times, const std::string& place) {
   }
 }
 
+/// What is wrong with an animation spoils no picture at rest: it becomes a warning, which `rest`
+/// ends. A lack of memory stays an error.
+template <class Read>
+void within_animation(Warnings& warnings, const char* rest, const Read& read) {
+  try {
+    read();
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kOutOfMemory) throw;
+    const std::string place = error.place().empty() ? "" : error.place() + ": ";
+    warnings.once(place + error.sentence() + ". " + rest);
+  }
+}
+
 /// One animation of the file.
 class ClipReader {
  public:
@@ -59,7 +72,9 @@ class ClipReader {
   RigClip read() {
     clip_.name = source_.get("name", std::string());
     const auto channels = source_.items("channels");
-    for (std::size_t c = 0; c < channels.size(); ++c) read_channel(channels[c], c);
+    for (std::size_t c = 0; c < channels.size(); ++c)
+      within_animation(warnings_, "That channel is left at rest.",
+                       [&] { read_channel(channels[c], c); });
     return std::move(clip_);
   }
 
@@ -94,12 +109,13 @@ class ClipReader {
     if (result.path != RigPath::kWeights && rig_.nodes[result.target].matrix)
       refuse("the node has a matrix: nothing can drive it", place + ".target.node");
     if (width == 0) return;
-    if (!driven_.insert({result.path, result.target}).second) {
+    if (driven_.contains({result.path, result.target})) {
       refuse("drives the " + path + " of nodes[" + std::to_string(node) +
                  "], as an earlier channel does",
              place + ".target");
     }
     result.curve = curve_of(channel.at("sampler").get<std::size_t>(), components, width, place);
+    driven_.insert({result.path, result.target});
     clip_.channels.push_back(result);
   }
 
@@ -152,6 +168,17 @@ class ClipReader {
   std::map<std::tuple<std::size_t, int, std::size_t>, std::uint32_t> curves_;
 };
 
+/// `check_animation`, with the animation's place.
+void check_animation_at(const JsonValue& root, const JsonValue& animation,
+                        const std::string& place) {
+  try {
+    check_animation(root, animation);
+  } catch (const Error& error) {
+    throw Error(error.code(), error.sentence(),
+                error.place().empty() ? place : place + "." + error.place());
+  }
+}
+
 }  // namespace
 
 void read_skins(const GltfModel& model, const GltfNodes& nodes, AccessorReader& accessors,
@@ -189,9 +216,13 @@ void read_clips(const GltfModel& model, const GltfNodes& nodes,
                 Rig& rig, Warnings& warnings) {
   const auto animations = model.list("animations");
   for (std::size_t a = 0; a < animations.size(); ++a) {
-    RigClip clip = ClipReader(animations[a], element("animations", a), nodes, shape_of_node,
-                              accessors, rig, warnings)
-                       .read();
+    const std::string place = element("animations", a);
+    RigClip clip;
+    within_animation(warnings, "That animation is left out.", [&] {
+      check_animation_at(model.root(), animations[a], place);
+      clip =
+          ClipReader(animations[a], place, nodes, shape_of_node, accessors, rig, warnings).read();
+    });
     if (clip.name.empty()) clip.name = "animation " + std::to_string(a);
     if (!clip.channels.empty()) rig.clips.push_back(std::move(clip));
   }

@@ -1,4 +1,7 @@
+#include <algorithm>
 #include <cstring>
+#include <string_view>
+#include <utility>
 
 #include "io/gltf_json.h"
 #include "io/refuse.h"
@@ -7,7 +10,6 @@
 namespace raysheaf::io {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x46546c67;   // "glTF"
 constexpr std::uint32_t kJson = 0x4e4f534a;    // "JSON"
 constexpr std::uint32_t kBinary = 0x004e4942;  // "BIN"
 constexpr std::size_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
@@ -69,10 +71,74 @@ GltfParts split_glb(const GltfBytes& file) {
   return parts;
 }
 
+bool begins_with(const GltfBytes& file, std::string_view bytes) {
+  if (file.size() < bytes.size()) return false;
+  Bytes scratch;
+  const auto there = file.read(0, bytes.size(), scratch);
+  return std::equal(bytes.begin(), bytes.end(), there.begin(),
+                    [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+}
+
+/// What begins like this, where it is neither GLB nor JSON; or null.
+const char* known_kind(const GltfBytes& file) {
+  using namespace std::string_view_literals;
+  constexpr std::pair<std::string_view, const char*> kKinds[] = {
+      {"\xff\xfe"sv, "text in UTF-16; glTF is JSON in UTF-8"},
+      {"\xfe\xff"sv, "text in UTF-16; glTF is JSON in UTF-8"},
+      {"{\0"sv, "text in UTF-16; glTF is JSON in UTF-8"},
+      {"\0{"sv, "text in UTF-16; glTF is JSON in UTF-8"},
+      {"PK\x03\x04"sv, "a ZIP archive; unpack it first"},
+      {"\x1f\x8b"sv, "a gzip file; unpack it first"},
+      {"\x28\xb5\x2f\xfd"sv, "a Zstandard file; unpack it first"},
+      {"7z\xbc\xaf\x27\x1c"sv, "a 7-Zip archive; unpack it first"},
+      {"\x89PNG"sv, "a PNG image"},
+      {"\xff\xd8\xff"sv, "a JPEG image"},
+      {"RIFF"sv, "a RIFF file, such as a WebP image"},
+      {"\xabKTX"sv, "a KTX texture"},
+      {"%PDF"sv, "a PDF document"},
+      {"DRACO"sv, "a Draco mesh without glTF"},
+      {"Kaydara FBX"sv, "an FBX file"},
+      {"BLENDER"sv, "a Blender file"},
+      {"\x7f"
+       "ELF"sv,
+       "a program"},
+      {"solid"sv, "an STL file"},
+      {"ply\n"sv, "a PLY file"},
+      {"ply\r"sv, "a PLY file"},
+      {"#usda"sv, "a USD file"},
+      {"PXR-USDC"sv, "a USD file"},
+      {"version https://git-lfs"sv, "a Git LFS pointer; fetch the file itself with `git lfs pull`"},
+      {"<"sv, "XML or HTML"},
+      {"\0\0\0\0"sv, "zeros: it was not written to its end"}};
+  for (const auto& [bytes, kind] : kKinds) {
+    if (begins_with(file, bytes)) return kind;
+  }
+  return nullptr;
+}
+
+/// Whether it may be JSON: it begins, behind blanks and a byte order mark, with a brace.
+bool may_be_json(const GltfBytes& file) {
+  constexpr std::string_view kMark = "\xef\xbb\xbf";
+  constexpr std::uint64_t kMostBlanks = 4096;
+  Bytes scratch;
+  const auto head = file.read(0, std::min<std::uint64_t>(file.size(), kMostBlanks), scratch);
+  std::size_t i = begins_with(file, kMark) ? kMark.size() : 0;
+  while (i < head.size() &&
+         (head[i] == ' ' || head[i] == '\t' || head[i] == '\r' || head[i] == '\n'))
+    ++i;
+  return i == head.size() || head[i] == '{' || head[i] == '[';
+}
+
 }  // namespace
 
-GltfParts split_gltf(const GltfBytes& file) {
-  if (file.size() >= 4 && read_u32(file, 0) == kMagic) return split_glb(file);
+GltfParts split_gltf(const GltfBytes& file, bool is_glb) {
+  if (begins_with(file, "glTF")) return split_glb(file);
+  if (const char* kind = known_kind(file))
+    refuse(std::string("is no ") + (is_glb ? "GLB" : "glTF") + " file, but " + kind);
+  if (!may_be_json(file)) {
+    refuse(is_glb ? "is no GLB file: it begins neither with \"glTF\" nor as JSON"
+                  : "is no glTF file: it does not begin as JSON");
+  }
   return {file, {}, false};
 }
 

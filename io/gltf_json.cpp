@@ -23,6 +23,8 @@ constexpr std::array kSupported = {"KHR_lights_punctual",    "KHR_materials_tran
                                    "KHR_texture_transform",  "KHR_mesh_quantization",
                                    "EXT_mesh_gpu_instancing"};
 constexpr std::size_t kMaxStride = 252;
+constexpr const char* kConvertKtx =
+    "convert its KTX textures to PNG, as `gltf-transform ktxdecompress in.glb out.glb` does";
 
 /// Before anything else: what another version has may be of other types.
 void check_version(const JsonValue& root, const char* field) {
@@ -41,12 +43,18 @@ void check_version(const JsonValue& root, const char* field) {
 void check_extensions(const JsonValue& root, std::vector<std::string>& warnings) {
   const auto supported = [](const std::string& name) {
     return std::find(kSupported.begin(), kSupported.end(), name) != kSupported.end() ||
-           (name == kMeshopt && unpacks_meshopt()) || (name == kDraco && unpacks_draco()) ||
-           (name == "EXT_texture_webp" && reads_webp());
+           ((name == kMeshopt || name == kKhrMeshopt) && unpacks_meshopt()) ||
+           (name == kDraco && unpacks_draco()) || (name == "EXT_texture_webp" && reads_webp());
   };
   for (const JsonValue& item : root.items("extensionsRequired")) {
     const auto name = item.get<std::string>();
     if (supported(name)) continue;
+    if (name == "KHR_texture_basisu") {
+      refuse(std::string("the file requires the extension \"KHR_texture_basisu\", which is not "
+                         "supported: ") +
+                 kConvertKtx,
+             "extensionsRequired", ErrorCode::kUnsupported);
+    }
     refuse("the file requires the extension \"" + printable(name) + "\", which is not supported",
            "extensionsRequired", ErrorCode::kUnsupported);
   }
@@ -54,6 +62,11 @@ void check_extensions(const JsonValue& root, std::vector<std::string>& warnings)
   for (const JsonValue& item : root.items("extensionsUsed")) {
     const auto name = item.get<std::string>();
     if (supported(name) || !seen.insert(name).second) continue;
+    if (name == "KHR_texture_basisu") {
+      warnings.push_back(std::string("The extension \"KHR_texture_basisu\" is left out: ") +
+                         kConvertKtx + ".");
+      continue;
+    }
     warnings.push_back("The extension \"" + printable(name) + "\" is left out.");
   }
 }
@@ -73,7 +86,7 @@ void check_buffer(const JsonValue& buffer, std::size_t i, const GltfParts& parts
   if (uri.empty()) {
     check_length(said, parts.binary.size(), place);
   } else if (is_data_uri(uri)) {
-    check_length(said, buffer_uri_bytes(uri, place + ".uri"), place);
+    return;  // its length is known where it is decoded
   } else if (!file_exists(resolve(from, std::string(uri), true, place + ".uri"))) {
     refuse("no such file \"" + printable(std::string(uri)) + "\"", place + ".uri",
            ErrorCode::kNotFound);
@@ -109,9 +122,9 @@ void check_view(const JsonValue& root, const JsonValue& view, std::size_t i,
                element("buffers", buffer) + " has " + std::to_string(bytes) + " bytes",
            place);
   }
-  if (const JsonValue* packing = meshopt_packing(view)) {
-    require_bytes(root, packing->at("buffer").get<std::size_t>(), parts,
-                  place + ".extensions." + kMeshopt + ".buffer");
+  if (const MeshoptPacking packing = meshopt_packing(view); packing.json != nullptr) {
+    require_bytes(root, packing.json->at("buffer").get<std::size_t>(), parts,
+                  place + ".extensions." + packing.name + ".buffer");
     check_meshopt(root, view, place);
   } else {
     require_bytes(root, buffer, parts, place + ".buffer");

@@ -20,8 +20,9 @@ struct GltfParts {
 };
 
 /// Takes a .glb or .gltf apart (a file that begins with "glTF" is a GLB, whatever its name). Throws
-/// where the header, a chunk or the declared length does not fit the file.
-[[nodiscard]] GltfParts split_gltf(const GltfBytes& file);
+/// where the header, a chunk or the declared length does not fit the file, and where it is a file
+/// of another kind, which the error names. `is_glb`: it is called so.
+[[nodiscard]] GltfParts split_gltf(const GltfBytes& file, bool is_glb);
 
 /// Checks the JSON: types, ranges and indices of every field that is read; versions and required
 /// extensions; names of external files; that buffer views lie in their buffers and accessors in

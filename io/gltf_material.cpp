@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "io/gltf.h"
 #include "io/gltf_json.h"
@@ -94,7 +95,7 @@ class MaterialReader {
     if (source.contains("occlusionTexture")) warnings_.once("Occlusion textures are left out.");
     return std::move(material_);
   }
-  [[nodiscard]] int uv_set() const { return uv_set_; }
+  [[nodiscard]] UvSets uv_sets() const { return uv_sets_; }
 
  private:
   static int set_of(const JsonValue& info) {
@@ -106,10 +107,12 @@ class MaterialReader {
   TextureSlot slot(const JsonValue* info, const char* what) {
     TextureSlot slot;
     if (info == nullptr) return slot;
-    if (set_of(*info) != uv_set_) {
+    const int set = set_of(*info);
+    slot.second_uvs = set == uv_sets_.second;
+    if (set != uv_sets_.first && !slot.second_uvs) {
       warnings_.once(std::string("The ") + what +
-                     " texture uses another set of coordinates than the base colour; it is read "
-                     "with the base colour's.");
+                     " texture uses a third set of coordinates in its material; it is read with "
+                     "the first.");
     }
     slot.texture = textures_[info->at("index").get<std::size_t>()];
     if (const JsonValue* transform = extension(*info, "KHR_texture_transform")) {
@@ -125,10 +128,18 @@ class MaterialReader {
                  const JsonValue* metallic_roughness) {
     const JsonValue* emission = source.find("emissiveTexture");
     const JsonValue* normal = source.find("normalTexture");
-    // The base colour's set; where it has no texture, that of the first slot that has one.
-    uv_set_ = 0;
-    for (const JsonValue* info : {normal, emission, metallic_roughness, base})
-      if (info != nullptr) uv_set_ = set_of(*info);
+    // The base colour's set; where it has no texture, that of the first slot that has one. The next
+    // other one is the second.
+    uv_sets_ = {};
+    bool has_first = false;
+    for (const JsonValue* info : {base, metallic_roughness, emission, normal}) {
+      if (info == nullptr) continue;
+      const int set = set_of(*info);
+      if (!std::exchange(has_first, true))
+        uv_sets_.first = set;
+      else if (set != uv_sets_.first && uv_sets_.second < 0)
+        uv_sets_.second = set;
+    }
     material_ = {};
     material_.name = source.get("name", std::string());
     material_.double_sided = source.get("doubleSided", false);
@@ -230,18 +241,18 @@ class MaterialReader {
   std::vector<std::uint32_t> textures_;
   Warnings& warnings_;
   Material material_;
-  int uv_set_ = 0;
+  UvSets uv_sets_;
 };
 
 }  // namespace
 
-std::vector<int> read_materials(const GltfModel& model, SceneDescription& scene,
-                                Warnings& warnings) {
+std::vector<UvSets> read_materials(const GltfModel& model, SceneDescription& scene,
+                                   Warnings& warnings) {
   MaterialReader reader(read_textures(model, scene, warnings), warnings);
-  std::vector<int> uv_sets;
+  std::vector<UvSets> uv_sets;
   for (const JsonValue& source : model.list("materials")) {
     scene.materials.push_back(reader.read(source, element("materials", uv_sets.size())));
-    uv_sets.push_back(reader.uv_set());
+    uv_sets.push_back(reader.uv_sets());
   }
   return uv_sets;
 }

@@ -2,8 +2,8 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <set>
 
+#include "io/corner_normals.h"
 #include "io/gltf.h"
 #include "io/gltf_shape.h"
 #include "io/linear.h"
@@ -57,8 +57,8 @@ class TriangleAssembler {
   Triangle triangle_{};
 };
 
-/// Position, normal, texture coordinates and colour.
-constexpr std::size_t kVertexBytes = 3 * sizeof(Vec3) + sizeof(Vec2);
+/// Position, normal, both sets of texture coordinates, colour and alpha.
+constexpr std::size_t kVertexBytes = 3 * sizeof(Vec3) + 2 * sizeof(Vec2) + sizeof(float);
 /// What `add_missing_normals` takes for a triangle, at most: its corners, their normals, copies.
 constexpr std::size_t kNormalsBytes = 96 + 3 * kVertexBytes;
 
@@ -66,7 +66,7 @@ constexpr std::size_t kNormalsBytes = 96 + 3 * kVertexBytes;
 template <class AnyMesh>
 class MeshReader {
  public:
-  MeshReader(const GltfModel& model, AccessorReader& accessors, const std::vector<int>& uv_sets,
+  MeshReader(const GltfModel& model, AccessorReader& accessors, const std::vector<UvSets>& uv_sets,
              std::size_t joint_count, Warnings& warnings, AnyMesh& mesh)
       : model_(model),
         accessors_(accessors),
@@ -104,11 +104,17 @@ class MeshReader {
   void read_primitive(const JsonValue& primitive) {
     if (!is_drawn(primitive)) return;
     const int material = primitive.get("material", -1);
-    const int set = material < 0 ? 0 : uv_sets_[static_cast<std::size_t>(material)];
-    const std::string uv_name = "TEXCOORD_" + std::to_string(set);
+    const UvSets sets = material < 0 ? UvSets{} : uv_sets_[static_cast<std::size_t>(material)];
+    const UvNames uv_names{"TEXCOORD_" + std::to_string(sets.first),
+                           "TEXCOORD_" + std::to_string(sets.second)};
     const JsonValue& named = primitive.at("attributes");
-    Attributes attributes{named.get("POSITION", -1), named.get("NORMAL", -1),
-                          named.get(uv_name, -1), named.get("COLOR_0", -1)};
+    const bool thins = looks_at_alpha(material);
+    Attributes attributes{named.get("POSITION", -1),
+                          named.get("NORMAL", -1),
+                          named.get(uv_names.first, -1),
+                          named.get("COLOR_0", -1),
+                          sets.second < 0 ? -1 : named.get(uv_names.second, -1),
+                          thins ? 1 : 0};
     const ShapeSource source = shape_.source(primitive, place_);
     if (!kHeld && !(source.joints.empty() && source.targets.empty())) throw NeedsWholeFile{};
     attributes.insert(attributes.end(), source.joints.begin(), source.joints.end());
@@ -117,13 +123,17 @@ class MeshReader {
     const GltfAccessor* indices = checked_indices(primitive, count);
     const int mode = mode_of(primitive);
     const std::size_t corners = checked_corners(mode, indices == nullptr ? count : indices->count);
-    const std::uint32_t base = vertices(attributes, source, count, uv_name);
+    const std::uint32_t base = vertices(attributes, source, count, uv_names);
     add_triangles(mode, indices, corners, base, any_normals_ && attributes[1] < 0);
     add_materials(static_cast<std::uint32_t>(material), triangle_count_of(mode, corners));
-    if (thin_colors_.count(attributes[3]) > 0 && looks_at_alpha(material))
-      warnings_.once("The alpha of COLOR_0 is left out: such surfaces are as their material says.");
   }
 
+  /// Of the first and of the second set.
+  struct UvNames {
+    std::string first, second;
+  };
+
+  /// Whether the vertices' alpha counts.
   bool looks_at_alpha(int material) const {
     if (material < 0) return false;
     const JsonValue& source = model_.list("materials")[static_cast<std::size_t>(material)];
@@ -204,7 +214,7 @@ class MeshReader {
 
   /// The first vertex of these attributes, which are read unless an earlier primitive did.
   std::uint32_t vertices(const Attributes& attributes, const ShapeSource& source, std::size_t count,
-                         const std::string& uv_name) {
+                         const UvNames& uv_names) {
     const auto known = first_vertex_.find(attributes);
     if (known != first_vertex_.end()) return known->second;
     const std::size_t base = mesh_.positions.size();
@@ -222,8 +232,11 @@ class MeshReader {
       mesh_.positions.push_back({p[0], p[1], p[2]});
     });
     read_normals(attributes[1], count, place + "NORMAL");
-    read_uvs(attributes[2], count, place + uv_name);
-    read_colors(attributes[3], count, place + "COLOR_0");
+    read_uvs(mesh_.uvs, attributes[2], count, place + uv_names.first);
+    if (attributes[4] >= 0 && mesh_.uvs.empty()) mesh_.uvs.resize(mesh_.positions.size());
+    read_uvs(mesh_.second_uvs, attributes[4], count, place + uv_names.second);
+    if (attributes[4] < 0 && !mesh_.second_uvs.empty()) repeat_first_uvs(base);
+    read_colors(attributes[3], attributes[5] != 0, count, place + "COLOR_0");
     shape_.read(source, base, count, any_normals_, place_);
     first_vertex_[attributes] = static_cast<std::uint32_t>(base);
     return static_cast<std::uint32_t>(base);
@@ -246,32 +259,47 @@ class MeshReader {
     mesh_.normals.push_back(normal);
   }
 
-  void read_uvs(int accessor, std::size_t count, const std::string& place) {
+  template <class Column>
+  void read_uvs(Column& uvs, int accessor, std::size_t count, const std::string& place) {
     if (accessor >= 0) {
-      mesh_.uvs.resize(mesh_.positions.size() - count);
+      uvs.resize(mesh_.positions.size() - count);
       accessors_.each_vertex(accessor, 2, count, place, [&](const float* p) {
-        mesh_.uvs.push_back({p[0], p[1]});
+        uvs.push_back({p[0], p[1]});
       });
-    } else if (!mesh_.uvs.empty()) {
-      mesh_.uvs.resize(mesh_.positions.size());
+    } else if (!uvs.empty()) {
+      uvs.resize(mesh_.positions.size());
     }
   }
+  /// The second set, of the vertices from `base` on, is the first one where they have no other.
+  void repeat_first_uvs(std::size_t base) {
+    for (std::size_t i = base; i < mesh_.positions.size() && i < mesh_.uvs.size(); ++i)
+      put(mesh_.second_uvs, i, Vec2(mesh_.uvs[i]));
+  }
 
-  /// Primitives without any are white beside others.
-  void read_colors(int accessor, std::size_t count, const std::string& place) {
+  /// Primitives without any are white beside others. `thins`: their alpha counts.
+  void read_colors(int accessor, bool thins, std::size_t count, const std::string& place) {
     constexpr Vec3 kWhite{1, 1, 1};
     const auto part = [](float x) { return std::clamp(x, 0.0f, 1.0f); };
     if (accessor >= 0) {
       mesh_.colors.resize(mesh_.positions.size() - count, kWhite);
-      bool thin = false;
       const int width = accessors_.components(accessor) == 4 ? 4 : 3;
+      std::size_t vertex = mesh_.positions.size() - count;
       accessors_.each_vertex(accessor, width, count, place, [&](const float* p) {
         mesh_.colors.push_back({part(p[0]), part(p[1]), part(p[2])});
-        thin = thin || (width == 4 && p[3] < 1);
+        if (thins && width == 4 && p[3] < 1) add_alpha(vertex, part(p[3]));
+        ++vertex;
       });
-      if (thin) thin_colors_.insert(accessor);
     } else if (!mesh_.colors.empty()) {
       mesh_.colors.resize(mesh_.positions.size(), kWhite);
+    }
+    if (!mesh_.alphas.empty()) mesh_.alphas.resize(mesh_.positions.size(), 1.0f);
+  }
+  void add_alpha(std::size_t vertex, float alpha) {
+    if constexpr (kHeld) {
+      mesh_.alphas.resize(vertex, 1.0f);
+      mesh_.alphas.push_back(alpha);
+    } else {
+      warnings_.once("Triangles that stream past are whole, whatever alpha cuts away.");
     }
   }
 
@@ -283,21 +311,24 @@ class MeshReader {
     const Vec3 normal = narrow(normalized(cross(b - a, c - a), {0, 0, 1}));
     for (std::uint32_t& v : t) {
       const Vec3 position = mesh_.positions[v];
-      const Vec2 uv = mesh_.uvs.empty() ? Vec2{} : mesh_.uvs[v];
-      const Vec3 color = mesh_.colors.empty() ? Vec3{} : mesh_.colors[v];
-      shape_.repeat(v);
+      const std::uint32_t from = v;
+      shape_.repeat(from);
       v = static_cast<std::uint32_t>(mesh_.positions.size());
       mesh_.positions.push_back(position);
       mesh_.normals.push_back(normal);
       if constexpr (kHeld) has_normal_.push_back(true);
-      if (!mesh_.uvs.empty()) mesh_.uvs.push_back(uv);
-      if (!mesh_.colors.empty()) mesh_.colors.push_back(color);
+      repeat(mesh_.uvs, from);
+      repeat(mesh_.second_uvs, from);
+      repeat(mesh_.colors, from);
+      repeat(mesh_.alphas, from);
     }
     return t;
   }
 
   void finish() {
     if (!mesh_.uvs.empty()) mesh_.uvs.resize(mesh_.positions.size());
+    if (!mesh_.second_uvs.empty()) mesh_.second_uvs.resize(mesh_.positions.size());
+    if (!mesh_.alphas.empty()) mesh_.alphas.resize(mesh_.positions.size(), 1.0f);
     if (one_material_ && !mesh_.materials.empty())
       mesh_.materials.resize(mesh_.materials[0] == kInvalidId ? 0 : 1);
     if (misses_normals_)
@@ -306,21 +337,21 @@ class MeshReader {
 
   const GltfModel& model_;
   AccessorReader& accessors_;
-  const std::vector<int>& uv_sets_;
+  const std::vector<UvSets>& uv_sets_;
   Warnings& warnings_;
   AnyMesh& mesh_;
   ShapeReader shape_;
   std::string place_;
   bool any_normals_ = false, misses_normals_ = false, one_material_ = true;
   std::vector<bool> has_normal_;
-  std::set<int> thin_colors_;  ///< accessors with alpha below 1
   std::map<Attributes, std::uint32_t> first_vertex_;
 };
 
 }  // namespace
 
 GltfMesh read_mesh(const GltfModel& model, std::size_t index, std::size_t joint_count,
-                   AccessorReader& accessors, const std::vector<int>& uv_sets, Warnings& warnings) {
+                   AccessorReader& accessors, const std::vector<UvSets>& uv_sets,
+                   Warnings& warnings) {
   GltfMesh result;
   MeshReader reader(model, accessors, uv_sets, joint_count, warnings, result.mesh);
   reader.read(index);
@@ -334,7 +365,7 @@ GltfMesh read_mesh(const GltfModel& model, std::size_t index, std::size_t joint_
 }
 
 void read_outer_mesh(const GltfModel& model, std::size_t index, AccessorReader& accessors,
-                     const std::vector<int>& uv_sets, Warnings& warnings,
+                     const std::vector<UvSets>& uv_sets, Warnings& warnings,
                      const PackOptions& options, OuterMesh* mesh) {
   MeshReader reader(model, accessors, uv_sets, 0, warnings, *mesh);
   reader.read(index);

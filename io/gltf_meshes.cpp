@@ -16,9 +16,15 @@ std::vector<bool> driven_weights(const GltfModel& model) {
   std::vector<bool> driven(model.list("nodes").size(), false);
   for (const JsonValue& animation : model.list("animations")) {
     for (const JsonValue& channel : animation.items("channels")) {
-      const JsonValue& target = channel.at("target");
-      if (target.at("path").get<std::string_view>() == "weights" && target.contains("node"))
-        driven[target.at("node").get<std::size_t>()] = true;
+      // Not checked yet: an animation that is wrong is left out later.
+      const JsonValue* const target = channel.find("target");
+      const JsonValue* const path = target == nullptr ? nullptr : target->find("path");
+      const JsonValue* const node = target == nullptr ? nullptr : target->find("node");
+      if (path == nullptr || !path->is_string() || node == nullptr || !node->is_integer()) continue;
+      const double number = node->get<double>();
+      if (path->get<std::string_view>() == "weights" && number >= 0 &&
+          number < static_cast<double>(driven.size()))
+        driven[node->get<std::size_t>()] = true;
     }
   }
   return driven;
@@ -45,7 +51,7 @@ std::vector<float> rest_weights(const GltfModel& model, const GltfNodes::Use& us
 
 /// Whether it has triangles. `mesh` gets its name.
 bool add_outer(const GltfModel& model, std::size_t number, AccessorReader& accessors,
-               const std::vector<int>& uv_sets, Warnings& warnings, const GltfOuter& outer,
+               const std::vector<UvSets>& uv_sets, Warnings& warnings, const GltfOuter& outer,
                Mesh* mesh) {
   OuterMesh read(&outer.columns);
   read_outer_mesh(model, number, accessors, uv_sets, warnings, outer.options, &read);
@@ -66,9 +72,9 @@ std::uint64_t shown_triangles(const SceneDescription& scene, const GltfOuter* ou
 }  // namespace
 
 std::vector<std::uint32_t> read_meshes(const GltfModel& model, const GltfNodes& nodes,
-                                       const std::vector<int>& uv_sets, AccessorReader& accessors,
-                                       const GltfOuter* outer, SceneDescription& scene, Rig& rig,
-                                       Warnings& warnings) {
+                                       const std::vector<UvSets>& uv_sets,
+                                       AccessorReader& accessors, const GltfOuter* outer,
+                                       SceneDescription& scene, Rig& rig, Warnings& warnings) {
   const auto all_nodes = model.list("nodes");
   const std::vector<bool> driven = driven_weights(model);
   // Meshes are shared by what shows them in one shape: by glTF's mesh, skin, and by the node where

@@ -27,19 +27,20 @@ Packing packing_of(const JsonValue& json) {
 
 bool is_stride_of(const Packing& p) {
   if (p.mode != "ATTRIBUTES") return p.stride == 2 || p.stride == 4;
-  if (p.filter == "OCTAHEDRAL") return p.stride == 4 || p.stride == 8;
+  if (p.filter == "OCTAHEDRAL" || p.filter == "COLOR") return p.stride == 4 || p.stride == 8;
   if (p.filter == "QUATERNION") return p.stride == 8;
   return p.stride % 4 == 0 && p.stride <= 256;
 }
 
-void check_kinds(const Packing& p, const std::string& place) {
+void check_kinds(const Packing& p, bool is_khr, const std::string& place) {
+  const bool is_color = is_khr && p.filter == "COLOR";
   const auto none = [&](std::string_view what, const char* field) {
     refuse("is \"" + printable(std::string(what)) + "\", which there is not here", place + field);
   };
   const bool attributes = p.mode == "ATTRIBUTES";
   if (!attributes && p.mode != "TRIANGLES" && p.mode != "INDICES") none(p.mode, ".mode");
   const bool filters =
-      p.filter == "OCTAHEDRAL" || p.filter == "QUATERNION" || p.filter == "EXPONENTIAL";
+      p.filter == "OCTAHEDRAL" || p.filter == "QUATERNION" || p.filter == "EXPONENTIAL" || is_color;
   if (p.filter != "NONE" && !(attributes && filters)) none(p.filter, ".filter");
   if (!is_stride_of(p))
     refuse("is " + std::to_string(p.stride) + ", which no element of this mode and filter has",
@@ -58,14 +59,19 @@ bool unpacks_meshopt() {
 #endif
 }
 
-const JsonValue* meshopt_packing(const JsonValue& view) {
+MeshoptPacking meshopt_packing(const JsonValue& view) {
   const JsonValue* extensions = view.find("extensions");
-  return extensions == nullptr || !unpacks_meshopt() ? nullptr : extensions->find(kMeshopt);
+  if (extensions == nullptr || !unpacks_meshopt()) return {};
+  for (const char* name : {kKhrMeshopt, kMeshopt}) {
+    if (const JsonValue* json = extensions->find(name)) return {json, name};
+  }
+  return {};
 }
 
 void check_meshopt(const JsonValue& root, const JsonValue& view, const std::string& place) {
-  const JsonValue& json = *meshopt_packing(view);
-  const std::string here = place + ".extensions." + kMeshopt;
+  const MeshoptPacking packing = meshopt_packing(view);
+  const JsonValue& json = *packing.json;
+  const std::string here = place + ".extensions." + packing.name;
   const auto number = json.at("buffer").get<std::size_t>();
   const JsonValue& buffer = root.at("buffers").at(number);
   const auto there = buffer.at("byteLength").get<std::size_t>();
@@ -76,7 +82,7 @@ void check_meshopt(const JsonValue& root, const JsonValue& view, const std::stri
                element("buffers", number) + " has " + std::to_string(there) + " bytes",
            here);
   const Packing p = packing_of(json);
-  check_kinds(p, here);
+  check_kinds(p, packing.name == kKhrMeshopt, here);
   const auto length = view.at("byteLength").get<std::size_t>();
   if (length / p.stride != p.count || length % p.stride != 0)
     refuse(std::to_string(p.count) + " elements of " + std::to_string(p.stride) +
@@ -89,9 +95,30 @@ void check_meshopt(const JsonValue& root, const JsonValue& view, const std::stri
 }
 
 #ifdef RAYSHEAF_HAS_MESHOPT
-Bytes unpack_meshopt(const JsonValue& packing, std::span<const std::uint8_t> packed,
+namespace {
+
+/// What this build's meshoptimizer is too old for, by the version that came with it.
+void check_versions(const Packing& p, std::span<const std::uint8_t> packed,
+                    const std::string& place) {
+  const auto needs = [&](const char* what, const char* version) {
+    refuse(std::string(what) + " needs meshoptimizer " + version + " or newer; this build has " +
+               std::to_string(MESHOPTIMIZER_VERSION / 1000) + "." +
+               std::to_string(MESHOPTIMIZER_VERSION / 10 % 100),
+           place, ErrorCode::kUnsupported);
+  };
+  constexpr std::uint8_t kVertexFormat1 = 0xa1;
+  const bool is_new = p.mode == "ATTRIBUTES" && !packed.empty() && packed[0] == kVertexFormat1;
+  if (is_new && MESHOPTIMIZER_VERSION < 230) needs("version 1 of packed attributes", "0.23");
+  if (p.filter == "COLOR" && MESHOPTIMIZER_VERSION < 250) needs("the filter COLOR", "0.25");
+}
+
+}  // namespace
+
+Bytes unpack_meshopt(const MeshoptPacking& packing, std::span<const std::uint8_t> packed,
                      const std::string& place) {
-  const Packing p = packing_of(packing);
+  const Packing p = packing_of(*packing.json);
+  const std::string here = place + ".extensions." + packing.name;
+  check_versions(p, packed, here);
   Bytes bytes(p.count * p.stride);
   using Decode = int (*)(void*, std::size_t, std::size_t, const unsigned char*, std::size_t);
   const Decode vertices = meshopt_decodeVertexBuffer, triangles = meshopt_decodeIndexBuffer,
@@ -100,14 +127,17 @@ Bytes unpack_meshopt(const JsonValue& packing, std::span<const std::uint8_t> pac
                         : p.mode == "TRIANGLES" ? triangles
                                                 : indices;
   if (decode(bytes.data(), p.count, p.stride, packed.data(), packed.size()) != 0)
-    refuse("the packed bytes are damaged", place + ".extensions." + kMeshopt);
+    refuse("the packed bytes are damaged", here);
   if (p.filter == "OCTAHEDRAL") meshopt_decodeFilterOct(bytes.data(), p.count, p.stride);
   if (p.filter == "QUATERNION") meshopt_decodeFilterQuat(bytes.data(), p.count, p.stride);
   if (p.filter == "EXPONENTIAL") meshopt_decodeFilterExp(bytes.data(), p.count, p.stride);
+#if MESHOPTIMIZER_VERSION >= 250
+  if (p.filter == "COLOR") meshopt_decodeFilterColor(bytes.data(), p.count, p.stride);
+#endif
   return bytes;
 }
 #else
-Bytes unpack_meshopt(const JsonValue& /*packing*/, std::span<const std::uint8_t> /*packed*/,
+Bytes unpack_meshopt(const MeshoptPacking& /*packing*/, std::span<const std::uint8_t> /*packed*/,
                      const std::string& place) {
   refuse("this build has no meshoptimizer", place, ErrorCode::kUnsupported);
 }

@@ -47,7 +47,13 @@ class ModelReader {
     if (uri.empty()) return parts_.binary.subspan(0, said);
     if (is_data_uri(uri)) {
       std::optional<Bytes> bytes = decode_data_uri(uri);
-      if (!bytes) refuse("is a data URI with a character that is no digit of base 64", place);
+      if (!bytes)
+        refuse("is a data URI with a character that is no digit of base 64, or without a comma",
+               place);
+      if (bytes->size() < said)
+        refuse("has " + std::to_string(bytes->size()) + " bytes, but the buffer needs " +
+                   std::to_string(said),
+               place);
       return keep(std::move(*bytes)).subspan(0, said);
     }
     const std::string path = resolve(from_, std::string(uri), true, place);
@@ -74,12 +80,12 @@ class ModelReader {
 
   GltfView view(const JsonValue& source, const std::string& place) {
     const auto stride = source.get("byteStride", std::size_t{0});
-    const JsonValue* const packing = meshopt_packing(source);
-    if (packing == nullptr) return {range(source), stride};
+    const MeshoptPacking packing = meshopt_packing(source);
+    if (packing.json == nullptr) return {range(source), stride};
     if (!is_held_) throw NeedsWholeFile{};
     Bytes scratch;
-    const GltfBytes packed = range(*packing);
-    return {keep(unpack_meshopt(*packing, packed.read(0, packed.size(), scratch), place)), stride};
+    const GltfBytes packed = range(*packing.json);
+    return {keep(unpack_meshopt(packing, packed.read(0, packed.size(), scratch), place)), stride};
   }
   /// Fills the accessors of packed primitives; of those that share them, by the first.
   void unpack_primitives() {
@@ -172,7 +178,7 @@ class ModelReader {
 }  // namespace
 
 GltfModel parse_gltf(const GltfBytes& file, const SceneFile& from) {
-  const GltfParts parts = split_gltf(file);
+  const GltfParts parts = split_gltf(file, ending_of(from.path) == "glb");
   if (!file.is_held() && parts.json.size() > kMostOuterJson) throw NeedsWholeFile{};
   Bytes text;
   GltfModel model{JsonDocument(parts.json.read(0, parts.json.size(), text)),

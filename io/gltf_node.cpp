@@ -226,11 +226,14 @@ Camera read_gltf_camera(const GltfModel& model, std::size_t index) {
   if (camera.orthographic) {
     camera.y_mag = std::fabs(lens.at("ymag").get<float>());
     if (camera.y_mag == 0) refuse("is 0", place + ".orthographic.ymag");
+    camera.aspect_ratio = std::fabs(lens.at("xmag").get<float>()) / camera.y_mag;
   } else {
     camera.y_fov = lens.at("yfov").get<float>();
     if (!(camera.y_fov > 0 && camera.y_fov < std::numbers::pi_v<float>))
       refuse_number(camera.y_fov, "between 0 and pi", place + ".perspective.yfov");
+    camera.aspect_ratio = lens.get("aspectRatio", 0.0f);
   }
+  if (!(camera.aspect_ratio > 0 && std::isfinite(camera.aspect_ratio))) camera.aspect_ratio = 0;
   read_planes(lens, place + "." + type, camera);
   camera.aperture = extra_number(source, "aperture", place);
   camera.focus = extra_number(source, "focus", place);

@@ -86,6 +86,14 @@ constexpr JsonRule kRules[] = {
     {"bufferViews[].extensions.EXT_meshopt_compression.count", kPositive, true},
     {"bufferViews[].extensions.EXT_meshopt_compression.mode", kString, true},
     {"bufferViews[].extensions.EXT_meshopt_compression.filter", kString},
+    {"bufferViews[].extensions.KHR_meshopt_compression", kObject},
+    {"bufferViews[].extensions.KHR_meshopt_compression.buffer", kIndex, true, 0, "buffers"},
+    {"bufferViews[].extensions.KHR_meshopt_compression.byteOffset", kSize},
+    {"bufferViews[].extensions.KHR_meshopt_compression.byteLength", kPositive, true},
+    {"bufferViews[].extensions.KHR_meshopt_compression.byteStride", kPositive, true},
+    {"bufferViews[].extensions.KHR_meshopt_compression.count", kPositive, true},
+    {"bufferViews[].extensions.KHR_meshopt_compression.mode", kString, true},
+    {"bufferViews[].extensions.KHR_meshopt_compression.filter", kString},
     {"buffers", kArray},
     {"buffers[].name", kString},
     {"buffers[].uri", kString},
@@ -93,6 +101,8 @@ constexpr JsonRule kRules[] = {
     {"buffers[].extensions", kObject},
     {"buffers[].extensions.EXT_meshopt_compression", kObject},
     {"buffers[].extensions.EXT_meshopt_compression.fallback", kBool},
+    {"buffers[].extensions.KHR_meshopt_compression", kObject},
+    {"buffers[].extensions.KHR_meshopt_compression.fallback", kBool},
     {"materials", kArray},
     {"materials[].name", kString},
     {"materials[].alphaMode", kString},
@@ -155,16 +165,6 @@ constexpr JsonRule kRules[] = {
     {"cameras[].orthographic.znear", kNumber, true},
     {"cameras[].orthographic.zfar", kNumber, true},
     {"animations", kArray},
-    {"animations[].name", kString},
-    {"animations[].samplers", kArray, true},
-    {"animations[].samplers[].input", kIndex, true, 0, "accessors"},
-    {"animations[].samplers[].output", kIndex, true, 0, "accessors"},
-    {"animations[].samplers[].interpolation", kString},
-    {"animations[].channels", kArray, true},
-    {"animations[].channels[].sampler", kInt, true},
-    {"animations[].channels[].target", kObject, true},
-    {"animations[].channels[].target.node", kIndex, false, 0, "nodes"},
-    {"animations[].channels[].target.path", kString, true},
     {"skins", kArray},
     {"skins[].name", kString},
     {"skins[].joints", kIndices, true, 0, "nodes"},
@@ -181,6 +181,20 @@ constexpr JsonRule kRules[] = {
     {"extensions.KHR_lights_punctual.lights[].spot", kObject},
     {"extensions.KHR_lights_punctual.lights[].spot.innerConeAngle", kNumber},
     {"extensions.KHR_lights_punctual.lights[].spot.outerConeAngle", kNumber},
+};
+
+/// Of one animation.
+constexpr JsonRule kAnimationRules[] = {
+    {"name", kString},
+    {"samplers", kArray, true},
+    {"samplers[].input", kIndex, true, 0, "accessors"},
+    {"samplers[].output", kIndex, true, 0, "accessors"},
+    {"samplers[].interpolation", kString},
+    {"channels", kArray, true},
+    {"channels[].sampler", kInt, true},
+    {"channels[].target", kObject, true},
+    {"channels[].target.node", kIndex, false, 0, "nodes"},
+    {"channels[].target.path", kString, true},
 };
 
 /// Where a texture is named: the object, its index, its set and its transform.
@@ -225,6 +239,11 @@ class Checker {
   void check(const JsonRule& rule) const {
     if (!root_.is_object()) refuse("is not an object", "JSON root");
     descend(root_, rule.path, nullptr, rule);
+  }
+  /// Of an object below the root, whose path the rule's begins at.
+  void check(const JsonValue& value, const JsonRule& rule) const {
+    if (!value.is_object()) refuse("is not an object");
+    descend(value, rule.path, nullptr, rule);
   }
 
  private:
@@ -357,12 +376,9 @@ class Checker {
 
 }  // namespace
 
-std::string printable(const std::string& text, std::size_t most) {
-  std::string result = text.substr(0, most);
-  for (char& c : result) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  }
-  return result + (text.size() > result.size() ? "..." : "");
+void check_animation(const JsonValue& root, const JsonValue& animation) {
+  const Checker checker(root);
+  for (const JsonRule& rule : kAnimationRules) checker.check(animation, rule);
 }
 
 void check_rules(const JsonValue& root) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "io/json_value.h"
+#include "io/utf8.h"
 
 namespace raysheaf::io {
 
@@ -39,7 +40,8 @@ struct JsonRule {
 /// Throws `Error` at the first field of `root` that breaks a rule.
 void check_rules(const JsonValue& root);
 
-/// A field's path as errors print it: control characters replaced, long names cut.
-[[nodiscard]] std::string printable(const std::string& text, std::size_t most = 64);
+/// The same of one of the root's animations, which `check_rules` leaves out. The error's place
+/// begins at the animation.
+void check_animation(const JsonValue& root, const JsonValue& animation);
 
 }  // namespace raysheaf::io

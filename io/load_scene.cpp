@@ -52,6 +52,7 @@ io::GltfScene load_any(const std::string& path, const LoadOptions& options,
   else
     loaded.scene = loader_for(ending)(file, from);
   loaded.scene.files = io::files_of(from);
+  for (std::string& sentence : loaded.scene.warnings) sentence = io::whole_utf8(sentence);
   return loaded;
 }
 

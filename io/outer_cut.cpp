@@ -201,6 +201,7 @@ Mesh part_of_mesh(const OuterMesh& from, const std::vector<std::uint32_t>& prim_
   gather(from.positions, vertices, &mesh.positions);
   gather(from.normals, vertices, &mesh.normals);
   gather(from.uvs, vertices, &mesh.uvs);
+  gather(from.second_uvs, vertices, &mesh.second_uvs);
   gather(from.colors, vertices, &mesh.colors);
   if (from.materials.size() == 1)
     mesh.materials = {from.materials[0]};

@@ -22,17 +22,21 @@ struct OuterColumns {
       : positions(beside, held),
         normals(beside, held),
         uvs(beside, held),
+        second_uvs(beside, held),
         colors(beside, held),
+        alphas(beside, held),
         triangles(beside, held),
         materials(beside, held) {}
   void rest() {
-    positions.rest(), normals.rest(), uvs.rest(), colors.rest();
+    positions.rest(), normals.rest(), uvs.rest(), second_uvs.rest();
+    colors.rest(), alphas.rest();
     triangles.rest(), materials.rest();
   }
 
   OuterArray<Vec3> positions, normals;
-  OuterArray<Vec2> uvs;
+  OuterArray<Vec2> uvs, second_uvs;
   OuterArray<Vec3> colors;
+  OuterArray<float> alphas;
   OuterArray<std::array<std::uint32_t, 3>> triangles;
   OuterArray<std::uint32_t> materials;
 };
@@ -67,14 +71,17 @@ struct OuterMesh {
       : positions(&all->positions),
         normals(&all->normals),
         uvs(&all->uvs),
+        second_uvs(&all->second_uvs),
         colors(&all->colors),
+        alphas(&all->alphas),
         triangles(&all->triangles),
         materials(&all->materials) {}
 
   std::string name;
   OuterColumn<Vec3> positions, normals;
-  OuterColumn<Vec2> uvs;
+  OuterColumn<Vec2> uvs, second_uvs;
   OuterColumn<Vec3> colors;
+  OuterColumn<float> alphas;  ///< stays empty: what streams is whole
   OuterColumn<std::array<std::uint32_t, 3>> triangles;
   OuterColumn<std::uint32_t> materials;
 };

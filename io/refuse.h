@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <string>
 
+#include "io/utf8.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
@@ -20,7 +21,8 @@ auto within_memory(const std::string& path, const Work& work) {
   return raysheaf::within_memory("there is not enough memory for it", path, work);
 }
 
-/// What `load` gives. Puts the file's name before what went wrong.
+/// What `load` gives. Puts the file's name before what went wrong. The message is UTF-8, whatever
+/// the file and its name hold.
 template <class Load>
 auto naming(const std::string& path, const Load& load) {
   try {
@@ -30,9 +32,10 @@ auto naming(const std::string& path, const Load& load) {
     const std::string place = named                   ? error.place()
                               : error.place().empty() ? path
                                                       : path + ": " + error.place();
-    throw Error(error.code(), error.sentence(), place);
+    throw Error(error.code(), whole_utf8(error.sentence()), whole_utf8(place));
   } catch (const std::exception& error) {
-    throw Error(ErrorCode::kInvalidData, std::string("cannot be read: ") + error.what(), path);
+    throw Error(ErrorCode::kInvalidData, whole_utf8(std::string("cannot be read: ") + error.what()),
+                whole_utf8(path));
   }
 }
 

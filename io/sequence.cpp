@@ -37,7 +37,8 @@ bool same(const Affine& a, const Affine& b) {
 bool same_but_for_shape(const Mesh& a, const Mesh& b) {
   return a.positions.size() == b.positions.size() && a.normals.size() == b.normals.size() &&
          same_bytes(a.triangles, b.triangles) && same_bytes(a.materials, b.materials) &&
-         same_bytes(a.uvs, b.uvs) && same_bytes(a.colors, b.colors);
+         same_bytes(a.uvs, b.uvs) && same_bytes(a.second_uvs, b.second_uvs) &&
+         same_bytes(a.colors, b.colors) && same_bytes(a.alphas, b.alphas);
 }
 
 /// The part of a list from `first` on, replaced; whether that made a difference.

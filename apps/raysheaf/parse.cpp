@@ -44,15 +44,21 @@ void add_outputs(CLI::App& app, RenderCommand& command) {
 }  // namespace
 
 void add_view(CLI::App& app, RenderOptions& options) {
-  add_value(app, "--size", "WxH", "Size of the picture [512x512]", [&options](const auto& text) {
-    std::tie(options.width, options.height) = parse_size(text);
-  });
+  add_value(
+      app, "--size", "WxH",
+      "Size of the picture [512 along the longer side, in the shape of the camera's aspect "
+      "ratio; square where it has none]",
+      [&options](const auto& text) { std::tie(options.width, options.height) = parse_size(text); });
   app.add_option("--camera", options.camera, "Camera by name or by index from 0 [the first]")
       ->type_name("NAME|INDEX");
   add_value(app, "--exposure", "X", "Factor on radiance before tone mapping [automatic]",
             [&options](const auto& text) { options.exposure = parse_positive(text); });
   add_value(app, "--ambient", "R,G,B|X", "Radiance of a uniform sky [a little, from the lights]",
             [&options](const auto& text) { options.ambient = parse_color(text); });
+}
+
+void shape_as_camera(const CLI::App& app, RenderOptions* options) {
+  if (app.count("--size") == 0) options->width = options->height = 0;
 }
 
 void add_rays(CLI::App& app, RenderOptions& options) {
@@ -151,6 +157,7 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
       "  raysheaf render builtin:office --turntable 90 -o turn.mp4\n"
       "  raysheaf render builtin:atrium --explain --quiet");
   sub->callback([sub, &command] {
+    shape_as_camera(*sub, &command.options);
     check_outputs(command);
     check_frames(command);
     check_streaming(*sub, command);

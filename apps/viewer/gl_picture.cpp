@@ -50,7 +50,7 @@ constexpr std::array<Vec3, 4> kWindow = {Vec3{-1, 1, 0}, {1, 1, 0}, {-1, -1, 0},
 
 bool same_view(const Camera& a, const Camera& b) {
   return std::memcmp(&a.to_world, &b.to_world, sizeof a.to_world) == 0 && a.y_fov == b.y_fov &&
-         a.y_mag == b.y_mag;
+         a.y_mag == b.y_mag && a.aspect_ratio == b.aspect_ratio;
 }
 
 }  // namespace

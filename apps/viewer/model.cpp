@@ -22,7 +22,8 @@ constexpr std::uint32_t kBundleWidth = 320;
 
 bool same_camera(const Camera& a, const Camera& b) {
   return std::memcmp(&a.to_world, &b.to_world, sizeof a.to_world) == 0 &&
-         a.orthographic == b.orthographic && a.y_fov == b.y_fov && a.y_mag == b.y_mag;
+         a.orthographic == b.orthographic && a.y_fov == b.y_fov && a.y_mag == b.y_mag &&
+         a.aspect_ratio == b.aspect_ratio;
 }
 
 bool same_question(const BundleQuestion& a, const BundleQuestion& b) {
@@ -177,7 +178,7 @@ void Model::take_scene(LoadedScene loaded) {
   playing_ = false;
   set_camera(0);
   char text[200];
-  std::snprintf(text, sizeof text, "%.80s: %llu triangles in %llu meshes, loaded in %.0f ms",
+  std::snprintf(text, sizeof text, "%.80s: %llu triangles in %llu instances, loaded in %.0f ms",
                 facts_->name.c_str(), static_cast<unsigned long long>(facts_->triangles),
                 static_cast<unsigned long long>(facts_->instances), facts_->load_ms);
   note(text);

@@ -54,7 +54,7 @@ void heading(const char* text) {
 void scene_part(Model& model) {
   const SceneFacts& facts = *model.facts();
   ImGui::TextColored(kAccent, "%s", facts.name.empty() ? "scene" : facts.name.c_str());
-  ImGui::TextColored(kDim, "%s triangles, %s meshes, %llu lights",
+  ImGui::TextColored(kDim, "%s triangles, %s instances, %llu lights",
                      short_number(static_cast<double>(facts.triangles)).c_str(),
                      short_number(static_cast<double>(facts.instances)).c_str(),
                      static_cast<unsigned long long>(facts.lights));

@@ -21,6 +21,7 @@ struct Frame {
         half_width(0),
         half_height(camera.orthographic ? camera.y_mag : std::tan(camera.y_fov / 2)),
         parallel(camera.orthographic) {
+    if (aspect < camera.aspect_ratio) half_height *= camera.aspect_ratio / aspect;
     half_width = half_height * aspect;
   }
   [[nodiscard]] Vec3 seen(Vec3 p) const {

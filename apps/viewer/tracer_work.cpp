@@ -16,7 +16,7 @@ constexpr std::uint32_t kShowFirst = 4;
 
 bool same_camera(const Camera& a, const Camera& b) {
   return std::memcmp(&a.to_world, &b.to_world, sizeof a.to_world) == 0 && a.y_fov == b.y_fov &&
-         a.y_mag == b.y_mag && a.orthographic == b.orthographic;
+         a.y_mag == b.y_mag && a.orthographic == b.orthographic && a.aspect_ratio == b.aspect_ratio;
 }
 
 std::vector<Light> lit(const std::vector<Light>& own, const ViewRequest& request,

@@ -1,6 +1,7 @@
 // Cameras: found by name, turned around a scene, led along a path.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,13 @@ namespace raysheaf {
 /// A scene's camera by name, then by index; empty: the first, or one that frames the scene where it
 /// has none. Throws `Error` (kNotFound) naming the cameras that there are.
 [[nodiscard]] Camera find_camera(const SceneDescription& scene, const std::string& wanted);
+
+/// The size of a camera's picture where none is given: 512 pixels along the longer side, in the
+/// shape of its `aspect_ratio`, or square.
+struct DefaultSize {
+  std::uint32_t width = 512, height = 512;
+};
+[[nodiscard]] DefaultSize default_size(const Camera& camera);
 
 /// The camera after so many turns, counter-clockwise seen from above, about the vertical (+y)
 /// through `center`; after a whole number of turns, the same bits.

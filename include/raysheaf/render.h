@@ -32,8 +32,9 @@ struct Progress {
 };
 
 struct RenderOptions {
-  std::uint32_t width = 512, height = 512;  ///< 1 to 16384 each
-  std::string camera;                       ///< a name or an index; empty: the first
+  /// 1 to 16384 each; or both 0: as `default_size` (raysheaf/cameras.h) has it of the camera.
+  std::uint32_t width = 512, height = 512;
+  std::string camera;  ///< a name or an index; empty: the first
   Method method = Method::kDual;
   Primary primary = Primary::kRaster;
   std::uint32_t bounces = 2;  ///< reflections and refractions in a row, 0 to 32

@@ -30,13 +30,14 @@ struct Texture {
   Filter filter = Filter::kLinear;
 };
 
-/// Where a material reads a texture. The mesh's `uvs` are first scaled, then rotated
-/// counter-clockwise by `rotation`, then moved by `offset` (KHR_texture_transform); `v` points down
-/// from the top row.
+/// Where a material reads a texture. The mesh's `uvs`, or its `second_uvs`, are first scaled, then
+/// rotated counter-clockwise by `rotation`, then moved by `offset` (KHR_texture_transform); `v`
+/// points down from the top row.
 struct TextureSlot {
   std::uint32_t texture = kInvalidId;  ///< index into `SceneDescription::textures`, or none
   Vec2 offset{0, 0}, scale{1, 1};
   float rotation = 0;
+  bool second_uvs = false;  ///< read at the mesh's `second_uvs`, where it has any
 };
 
 /// glTF 2.0 metallic-roughness, with the transmission, ior, specular, emissive strength and unlit
@@ -74,7 +75,12 @@ struct Mesh {
   std::vector<Vec3> positions;
   std::vector<Vec3> normals;  ///< a unit vector a vertex, or empty: face normals are used
   std::vector<Vec2> uvs;      ///< one a vertex, or empty
-  std::vector<Vec3> colors;   ///< linear, one a vertex, or empty; they multiply the base colour
+  /// For textures that ask for them: one a vertex, or empty. Only beside `uvs`.
+  std::vector<Vec2> second_uvs;
+  std::vector<Vec3> colors;  ///< linear, one a vertex, or empty; they multiply the base colour
+  /// From 0 to 1, one a vertex, or empty; they multiply the base colour's alpha. Where a material
+  /// blends, alpha is a chance then with a single sample a pixel, too.
+  std::vector<float> alphas;
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices into the vertices
   std::vector<std::uint32_t> materials;  ///< one a triangle, or a single one for all of them
 };
@@ -101,13 +107,16 @@ struct Light {
   float width = 0, height = 0;  ///< rectangle: its sides, above 0; `position` is its centre
 };
 
-/// A camera looks along its own -z with +y up. The picture's shape sets the horizontal extent.
+/// A camera looks along its own -z with +y up. The picture's shape sets the horizontal extent;
+/// where that would show less of the width than `aspect_ratio` asks for, both extents grow until it
+/// does not (glTF 2.0, section 3.10.3).
 struct Camera {
   std::string name;
   Affine to_world;
   bool orthographic = false;
   float y_fov = 1.04719755f;  ///< perspective: full vertical angle
   float y_mag = 1;            ///< orthographic: half the height of what is seen
+  float aspect_ratio = 0;     ///< width over height of what is seen in any picture; 0: any
   float z_near = 0.01f;       ///< nothing nearer is drawn
   float z_far = std::numeric_limits<float>::infinity();
   float aperture = 0;  ///< diameter of a thin lens; 0: everything is sharp

@@ -63,6 +63,8 @@ struct BlockShading {
   std::vector<std::uint32_t> materials;  ///< one a triangle; or one for all
   std::vector<std::uint8_t> has_normals, has_uvs;  ///< 0 or 1, one a part
   std::vector<std::uint8_t> has_colors;            ///< the same; empty where no part has any
+  std::vector<Vec2> second_uvs;                    ///< one a vertex, beside `uvs`; or none
+  std::vector<std::uint8_t> has_second_uvs;        ///< as `has_colors`; of parts that have `uvs`
 };
 
 /// Triangle blocks that can be had one at a time, in any order and again. `read` and `read_shading`

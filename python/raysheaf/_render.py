@@ -189,12 +189,22 @@ class Animation:
         return f"<raysheaf.Animation {self._name!r}, {self.start:g} to {self.end:g} s>"
 
 
+def _size(width: Optional[SupportsIndex], height: Optional[SupportsIndex]) -> tuple[int, int]:
+    """Both 0 where neither is given: the core then asks the camera."""
+    if width is None and height is None:
+        return 0, 0
+    wide = _arrays.integer(512 if width is None else width, "width")
+    high = _arrays.integer(512 if height is None else height, "height")
+    # 0 by 0 is refused as 0 by 1 is, and not taken for a size that was not given.
+    return wide, max(high, 1) if wide == 0 else high
+
+
 def render(
     scene: Union[Path, Animation],
     *,
     time: Optional[Number] = None,
-    width: SupportsIndex = 512,
-    height: SupportsIndex = 512,
+    width: Optional[SupportsIndex] = None,
+    height: Optional[SupportsIndex] = None,
     camera: Union[str, SupportsIndex] = "",
     method: str = "dual",
     primary: Literal["trace", "raster"] = "trace",
@@ -220,8 +230,9 @@ def render(
     time : float, optional
         Seconds, kept between the animation's `start` and `end`. By default a file is at rest, an
         `Animation` at its start.
-    width, height : int
-        Pixels, 1 to 16384 each.
+    width, height : int, optional
+        Pixels, 1 to 16384 each. Where neither is given, 512 along the longer side, in the shape of
+        the camera's aspect ratio, or square; where one is given, the other is 512.
     camera : str or int
         By name or number; the first by default. An int is a number first, and a str a name.
     method : str
@@ -267,8 +278,7 @@ def render(
     if at is not None and math.isnan(at):
         raise ValueError("time: NaN is given; seconds are expected")
     wish = _core.PictureWish(
-        _arrays.integer(width, "width"),
-        _arrays.integer(height, "height"),
+        *_size(width, height),
         *_values.text_or_index(camera, "camera"),
         _values.text(method, "method"),
         _values.is_second(primary, "primary", "trace", "raster"),

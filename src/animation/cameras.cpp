@@ -1,5 +1,6 @@
 #include "raysheaf/cameras.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -61,7 +62,7 @@ std::string camera_names(const SceneDescription& scene) {
     names += (i == 0 ? "" : ", ") + std::to_string(i);
     if (!scene.cameras[i].name.empty()) names += " \"" + scene.cameras[i].name + "\"";
   }
-  return names.empty() ? "none of its own" : names;
+  return names;
 }
 
 }  // namespace
@@ -76,8 +77,21 @@ Camera find_camera(const SceneDescription& scene, const std::string& wanted) {
   if (error == std::errc{} && stop == end && index < scene.cameras.size())
     return scene.cameras[index];
   throw Error(ErrorCode::kNotFound,
-              "the scene has no camera \"" + wanted + "\"; it has " + camera_names(scene),
+              "the scene has no camera \"" + wanted + "\"; it has " +
+                  (scene.cameras.empty() ? "none of its own" : camera_names(scene)),
               "camera");
+}
+
+DefaultSize default_size(const Camera& camera) {
+  DefaultSize size;
+  const double shape = double{camera.aspect_ratio};
+  if (!(shape > 0)) return size;
+  const auto shorter = [](double part) {
+    return static_cast<std::uint32_t>(std::max(1.0, std::round(512 * std::min(part, 1.0))));
+  };
+  size.width = shorter(shape);
+  size.height = shorter(1 / shape);
+  return size;
 }
 
 Camera turned_camera(const Camera& camera, Vec3 center, double turns) {

@@ -76,8 +76,12 @@ class Renderer::Impl {
     scene_ = &scene;
   }
 
-  RenderResult render(const RenderOptions& options, const Camera* given) {
+  RenderResult render(const RenderOptions& wanted, const Camera* given) {
     try {
+      RenderOptions options = wanted;
+      if (options.width == 0 && options.height == 0 && scene_ != nullptr)
+        set_default_size(given != nullptr ? *given : find_camera(*scene_, options.camera),
+                         &options);
       check(options);
       if (cache_.backend != nullptr) check_for_device(options);
       if (scene_ == nullptr)

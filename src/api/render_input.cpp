@@ -9,6 +9,7 @@
 #include "api/context_impl.h"
 #include "base/vec.h"
 #include "frame/ranges.h"
+#include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf {
@@ -33,6 +34,12 @@ void check_memory(const RenderOptions& options) {
 }
 
 }  // namespace
+
+void set_default_size(const Camera& camera, RenderOptions* options) {
+  const DefaultSize size = default_size(camera);
+  options->width = size.width;
+  options->height = size.height;
+}
 
 void check(const RenderOptions& options) {
   check_range("width", options.width, 1, kLargestSide);

@@ -15,6 +15,8 @@ inline constexpr std::uint64_t kBytesPerPixel = 640;
 
 /// Throws `Error` that names the first option which is out of range.
 void check(const RenderOptions& options);
+/// `default_size` of the camera.
+void set_default_size(const Camera& camera, RenderOptions* options);
 
 /// The scene's, or one that shows it from where the camera stands. Where there is but one sample,
 /// balls shine from their centres: there is no choice to be made.

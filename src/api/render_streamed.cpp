@@ -92,9 +92,12 @@ RenderResult render_checked(const GeometrySource& source, const RenderOptions& o
 
 }  // namespace
 
-RenderResult render(const GeometrySource& source, const RenderOptions& options,
+RenderResult render(const GeometrySource& source, const RenderOptions& wanted,
                     const StreamOptions& stream) {
   return within_memory("there is not enough memory for this picture", "", [&] {
+    RenderOptions options = wanted;
+    if (options.width == 0 && options.height == 0)
+      set_default_size(find_camera(source.scene(), options.camera), &options);
     check(options);
     check_streamed(options, stream);
     validate_but_triangles(source.scene());

@@ -16,20 +16,25 @@ RAYSHEAF_HD inline bool staged_is_cut_away(const StagedSceneView& scene, const R
   const StagedMesh& mesh = scene.meshes.data[scene.mesh_of_triangle.data[triangle]];
   const PlacedMaterial& material =
       placed_material_of(scene, staged_material(scene, mesh, triangle));
-  if (!is_cutout(material, blends)) return false;
+  if (!is_cutout(material, blends, mesh.has_alphas)) return false;
   float alpha = material.alpha;
-  if (mesh.has_uvs) {
+  if (mesh.has_uvs || mesh.has_alphas) {
     const Vec3* const corner = scene.corners.data + std::uint64_t{3} * triangle;
     const Vec2 at = clamped_barycentrics(ray, corner[0], corner[1], corner[2]);
     const StagedTriangle vertices =
         scene.triangles.data[mesh.first_index + (triangle - mesh.first_triangle)];
-    Vec2 uv[3];
-    for (int k = 0; k < 3; ++k) uv[k] = scene.uvs.data[mesh.first_uv + vertices.vertex[k]];
-    alpha *= look_up(scene.textures, material.base_color_texture, scene.textures.as_is,
-                     mixed(uv, at.x, at.y))
-                 .w;
+    if (mesh.has_alphas) {
+      float alphas[3];
+      for (int k = 0; k < 3; ++k)
+        alphas[k] = scene.alphas.data[mesh.first_alpha + vertices.vertex[k]];
+      alpha *= mixed(alphas, at.x, at.y);
+    }
+    if (mesh.has_uvs)
+      alpha *= look_up(scene.textures, material.base_color_texture, scene.textures.as_is,
+                       mixed(staged_uv(scene, mesh, vertices), at.x, at.y))
+                   .w;
   }
-  return is_cut_away(material, alpha, blends, ray, triangle);
+  return is_cut_away(material, alpha, blends || mesh.has_alphas, ray, triangle);
 }
 
 template <class Device>

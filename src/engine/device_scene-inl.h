@@ -28,7 +28,9 @@ class SceneOnDevice {
     upload(device_, View<const StagedTriangle>(staged.triangles), &triangles_);
     upload(device_, View<const Vec3>(staged.normals), &normals_);
     upload(device_, View<const Vec2>(staged.uvs), &uvs_);
+    upload(device_, View<const Vec2>(staged.second_uvs), &second_uvs_);
     upload(device_, View<const Vec3>(staged.colors), &colors_);
+    upload(device_, View<const float>(staged.alphas), &alphas_);
     upload(device_, View<const std::uint32_t>(staged.material_numbers), &material_numbers_);
     device_.synchronize("copy: scene");
   }
@@ -53,7 +55,9 @@ class SceneOnDevice {
             triangles_.view_const(),
             normals_.view_const(),
             uvs_.view_const(),
+            second_uvs_.view_const(),
             colors_.view_const(),
+            alphas_.view_const(),
             material_numbers_.view_const(),
             materials_.view_const(),
             {textures_.view_const(), decoding_.data(), decoding_.data() + 256}};
@@ -105,8 +109,9 @@ class SceneOnDevice {
   DeviceBuffer<StagedMesh> meshes_{memory_};
   DeviceBuffer<StagedTriangle> triangles_{memory_};
   DeviceBuffer<Vec3> normals_{memory_};
-  DeviceBuffer<Vec2> uvs_{memory_};
+  DeviceBuffer<Vec2> uvs_{memory_}, second_uvs_{memory_};
   DeviceBuffer<Vec3> colors_{memory_};
+  DeviceBuffer<float> alphas_{memory_};
   DeviceBuffer<std::uint32_t> material_numbers_{memory_};
   DeviceBuffer<PlacedMaterial> materials_{memory_};
   DeviceBuffer<TextureView> textures_{memory_};

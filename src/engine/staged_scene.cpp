@@ -10,7 +10,7 @@ namespace {
 
 /// Where a mesh's own things begin in the arrays of all meshes.
 struct FirstPlaces {
-  std::uint32_t index = 0, normal = 0, uv = 0, color = 0, material = 0;
+  std::uint32_t index = 0, normal = 0, uv = 0, color = 0, second_uv = 0, alpha = 0, material = 0;
 };
 
 /// Appends what is each mesh's own.
@@ -26,12 +26,16 @@ std::vector<FirstPlaces> stage_meshes(const SceneDescription& description, Stage
   for (const Mesh& mesh : description.meshes) {
     places.push_back({place(staged->triangles.size()), place(staged->normals.size()),
                       place(staged->uvs.size()), place(staged->colors.size()),
+                      place(staged->second_uvs.size()), place(staged->alphas.size()),
                       place(staged->material_numbers.size())});
     for (const auto& vertices : mesh.triangles)
       staged->triangles.push_back({{vertices[0], vertices[1], vertices[2]}});
     staged->normals.insert(staged->normals.end(), mesh.normals.begin(), mesh.normals.end());
     staged->uvs.insert(staged->uvs.end(), mesh.uvs.begin(), mesh.uvs.end());
     staged->colors.insert(staged->colors.end(), mesh.colors.begin(), mesh.colors.end());
+    staged->second_uvs.insert(staged->second_uvs.end(), mesh.second_uvs.begin(),
+                              mesh.second_uvs.end());
+    staged->alphas.insert(staged->alphas.end(), mesh.alphas.begin(), mesh.alphas.end());
     staged->material_numbers.insert(staged->material_numbers.end(), mesh.materials.begin(),
                                     mesh.materials.end());
   }
@@ -53,11 +57,15 @@ StagedScene stage_scene(const FlatScene& scene) {
     out.first_normal = first.normal;
     out.first_uv = first.uv;
     out.first_color = first.color;
+    out.first_second_uv = first.second_uv;
+    out.first_alpha = first.alpha;
     out.first_material = first.material;
     out.material_count = static_cast<std::uint32_t>(mesh.materials.size());
     out.has_normals = !mesh.normals.empty();
     out.has_uvs = !mesh.uvs.empty();
     out.has_colors = !mesh.colors.empty();
+    out.has_second_uvs = !mesh.second_uvs.empty();
+    out.has_alphas = !mesh.alphas.empty();
     out.mirrored = placed.mirrored;
     out.normal_map = normal_map(description.instances[placed.inst_id].to_world);
   }

@@ -16,8 +16,10 @@ struct StagedMesh {
   std::uint32_t first_triangle = 0;  ///< of the flat scene
   std::uint32_t first_index = 0;     ///< of its geometry's first triangle
   std::uint32_t first_normal = 0, first_uv = 0, first_color = 0;
+  std::uint32_t first_second_uv = 0, first_alpha = 0;
   std::uint32_t first_material = 0, material_count = 0;  ///< one a triangle, or one for all
   bool has_normals = false, has_uvs = false, has_colors = false, mirrored = false;
+  bool has_second_uvs = false, has_alphas = false;
   NormalMap normal_map;
 };
 
@@ -32,8 +34,9 @@ struct StagedSceneView {
   View<const StagedMesh> meshes;
   View<const StagedTriangle> triangles;  ///< of all geometries
   View<const Vec3> normals;              ///< of vertices, in their geometry's own space
-  View<const Vec2> uvs;
+  View<const Vec2> uvs, second_uvs;
   View<const Vec3> colors;
+  View<const float> alphas;
   View<const std::uint32_t> material_numbers;
   View<const PlacedMaterial> materials;
   TextureTable textures;
@@ -54,6 +57,19 @@ RAYSHEAF_HD inline const PlacedMaterial& placed_material_of(const StagedSceneVie
   return scene.materials.data[number < last ? number : last];
 }
 
+/// Of a triangle whose mesh has texture coordinates.
+RAYSHEAF_HD inline TriangleUv staged_uv(const StagedSceneView& scene, const StagedMesh& mesh,
+                                        const StagedTriangle& vertices) {
+  TriangleUv uv;
+  for (int k = 0; k < 3; ++k) {
+    uv.first[k] = scene.uvs.data[mesh.first_uv + vertices.vertex[k]];
+    uv.second[k] = mesh.has_second_uvs
+                       ? scene.second_uvs.data[mesh.first_second_uv + vertices.vertex[k]]
+                       : uv.first[k];
+  }
+  return uv;
+}
+
 /// `surface_at` (scene/surface.h), bit for bit.
 RAYSHEAF_HD inline Surface staged_surface(const StagedSceneView& scene, std::uint32_t triangle,
                                           float u, float v, Vec3 direction) {
@@ -62,11 +78,11 @@ RAYSHEAF_HD inline Surface staged_surface(const StagedSceneView& scene, std::uin
       scene.triangles.data[mesh.first_index + (triangle - mesh.first_triangle)];
   const std::uint64_t first_corner = std::uint64_t{3} * triangle;
   Vec3 corner[3], normal[3], color[3];
-  Vec2 uv[3];
+  TriangleUv uv;
+  if (mesh.has_uvs) uv = staged_uv(scene, mesh, vertices);
   for (int k = 0; k < 3; ++k) {
     corner[k] = scene.corners.data[first_corner + static_cast<std::uint64_t>(k)];
     if (mesh.has_normals) normal[k] = scene.normals.data[mesh.first_normal + vertices.vertex[k]];
-    if (mesh.has_uvs) uv[k] = scene.uvs.data[mesh.first_uv + vertices.vertex[k]];
     if (mesh.has_colors) color[k] = scene.colors.data[mesh.first_color + vertices.vertex[k]];
   }
   Surface surface;
@@ -95,8 +111,9 @@ struct StagedScene {
   std::vector<StagedMesh> meshes;
   std::vector<StagedTriangle> triangles;
   std::vector<Vec3> normals;
-  std::vector<Vec2> uvs;
+  std::vector<Vec2> uvs, second_uvs;
   std::vector<Vec3> colors;
+  std::vector<float> alphas;
   std::vector<std::uint32_t> material_numbers;
   std::vector<PlacedMaterial> materials;
 };

@@ -4,15 +4,21 @@
 
 #include "intersect/triangle_body.h"
 #include "raygen/cutout_body.h"
+#include "scene/cutout.h"
 #include "scene/material_of.h"
 #include "scene/surface_reader.h"
 
 namespace raysheaf {
 namespace {
 
-std::uint32_t material_at(const FlatScene& scene, std::uint32_t triangle) {
+struct MaterialAt {
+  std::uint32_t number;
+  bool has_alphas;  ///< the mesh's vertices have alphas
+};
+MaterialAt material_at(const FlatScene& scene, std::uint32_t triangle) {
   const FlatMesh& placed = scene.meshes[scene.mesh_of_triangle[triangle]];
-  return material_of(scene.description->meshes[placed.geom_id], triangle - placed.first_triangle);
+  const Mesh& mesh = scene.description->meshes[placed.geom_id];
+  return {material_of(mesh, triangle - placed.first_triangle), !mesh.alphas.empty()};
 }
 
 }  // namespace
@@ -28,10 +34,9 @@ RayBatch part_of(const RayBatch& batch, View<const std::uint32_t> places) {
 Cutouts::Cutouts(const Executor& executor, const FlatScene& scene, const TextureSet& textures,
                  bool blends)
     : executor_(executor), scene_(scene), textures_(textures), blends_(blends) {
-  for (const Material& material : scene.description->materials) {
+  for (const Material& material : scene.description->materials)
     materials_.push_back(placed_material(material));
-    any_ = any_ || is_cutout(materials_.back(), blends);
-  }
+  any_ = has_cutouts(*scene.description, blends);
 }
 
 std::vector<std::uint32_t> Cutouts::cut_away(View<const Ray> rays,
@@ -42,13 +47,16 @@ std::vector<std::uint32_t> Cutouts::cut_away(View<const Ray> rays,
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t triangle = triangles[i];
       if (triangle == kInvalidId) continue;
-      const std::uint32_t material = material_at(scene_, triangle);
-      if (material >= materials_.size() || !is_cutout(materials_[material], blends_)) continue;
+      const MaterialAt at_hit = material_at(scene_, triangle);
+      if (at_hit.number >= materials_.size()) continue;
+      const PlacedMaterial& material = materials_[at_hit.number];
+      if (!is_cutout(material, blends_, at_hit.has_alphas)) continue;
       reader.hold(scene_, triangle);
       const Vec3(&corner)[3] = reader.held().corner;
       const Vec2 at = clamped_barycentrics(rays[i], corner[0], corner[1], corner[2]);
       const float alpha = reader.alpha_at(at.x, at.y);
-      away[i] = is_cut_away(materials_[material], alpha, blends_, rays[i], triangle) ? 1 : 0;
+      const bool blends = blends_ || at_hit.has_alphas;
+      away[i] = is_cut_away(material, alpha, blends, rays[i], triangle) ? 1 : 0;
     }
   });
   std::vector<std::uint32_t> places;

@@ -48,9 +48,12 @@ class BlockSurfaces {
     t.has_normals = of_part(shading_.has_normals, hit.part);
     t.has_uvs = of_part(shading_.has_uvs, hit.part);
     t.has_colors = !shading_.has_colors.empty() && of_part(shading_.has_colors, hit.part);
+    t.has_second_uvs =
+        !shading_.has_second_uvs.empty() && of_part(shading_.has_second_uvs, hit.part);
     for (std::size_t k = 0; k < 3; ++k) {
       if (t.has_normals) t.normal[k] = element(shading_.normals, hit.vertex[k]);
       if (t.has_uvs) t.uv[k] = element(shading_.uvs, hit.vertex[k]);
+      if (t.has_second_uvs) t.second_uv[k] = element(shading_.second_uvs, hit.vertex[k]);
       if (t.has_colors) t.color[k] = element(shading_.colors, hit.vertex[k]);
     }
     if (shading_.materials.size() == 1) t.material = shading_.materials[0];

@@ -53,8 +53,11 @@ std::vector<MaterialLook> material_looks(const SceneDescription& scene) {
   looks.push_back(look_of(material_or_default(scene, kInvalidId), kInvalidId));
   for (MaterialLook& look : looks) {
     const PlacedMaterial& m = look.placed;
-    look.is_odd = is_bumpy(m) || is_vast(m.base_color_texture) ||
-                  is_vast(m.metallic_roughness_texture) || is_vast(m.emission_texture);
+    const auto is_odd = [&](const PlacedTexture& slot) {
+      return is_vast(slot) || (slot.second_uvs && slot.texture != kInvalidId);
+    };
+    look.is_odd = is_bumpy(m) || is_odd(m.base_color_texture) ||
+                  is_odd(m.metallic_roughness_texture) || is_odd(m.emission_texture);
   }
   return looks;
 }

@@ -33,7 +33,8 @@ inline Vec3 unit_column(const Affine& a, int c) {
 }
 
 /// The linear part of `camera.to_world` must not be singular; its scale does not matter (glTF 2.0,
-/// section 3.10). The picture's shape sets the horizontal extent.
+/// section 3.10). The picture's shape sets the horizontal extent; both extents grow where that is
+/// narrower than the camera's own shape.
 inline CameraFrame make_camera_frame(const Camera& camera, std::uint32_t width,
                                      std::uint32_t height) {
   CameraFrame frame;
@@ -42,7 +43,9 @@ inline CameraFrame make_camera_frame(const Camera& camera, std::uint32_t width,
   frame.up = unit_column(camera.to_world, 1);
   frame.forward = -unit_column(camera.to_world, 2);
   frame.half_height = camera.orthographic ? camera.y_mag : std::tan(camera.y_fov * 0.5f);
-  frame.half_width = frame.half_height * (static_cast<float>(width) / static_cast<float>(height));
+  const float shape = static_cast<float>(width) / static_cast<float>(height);
+  if (shape < camera.aspect_ratio) frame.half_height *= camera.aspect_ratio / shape;
+  frame.half_width = frame.half_height * shape;
   frame.z_near = camera.z_near > 0 ? camera.z_near : 0;
   frame.z_far = camera.z_far;
   frame.width = width;

@@ -18,11 +18,11 @@ RAYSHEAF_HD inline float chance_of(const Ray& ray, std::uint32_t triangle) {
 }
 
 /// Whether there is nothing where the ray meets a triangle of the material. `alpha`: of the place;
-/// `blends`: there are several samples a pixel.
+/// `blends`: alpha may be a chance (`is_by_chance`).
 RAYSHEAF_HD inline bool is_cut_away(const PlacedMaterial& material, float alpha, bool blends,
                                     const Ray& ray, std::uint32_t triangle) {
-  const bool by_chance = blends && material.alpha_blend;
-  return alpha < (by_chance ? chance_of(ray, triangle) : material.alpha_cutoff);
+  return alpha <
+         (is_by_chance(material, blends) ? chance_of(ray, triangle) : material.alpha_cutoff);
 }
 
 /// The next number above a finite one: where a ray goes on that met nothing at `t`.

@@ -10,9 +10,11 @@ namespace raysheaf {
 
 /// `blends`: there are several samples a pixel.
 [[nodiscard]] inline bool has_cutouts(const SceneDescription& scene, bool blends) {
-  return std::any_of(
-      scene.materials.begin(), scene.materials.end(),
-      [blends](const Material& material) { return is_cutout(placed_material(material), blends); });
+  const bool has_alphas = std::any_of(scene.meshes.begin(), scene.meshes.end(),
+                                      [](const Mesh& mesh) { return !mesh.alphas.empty(); });
+  return std::any_of(scene.materials.begin(), scene.materials.end(), [&](const Material& material) {
+    return is_cutout(placed_material(material), blends, has_alphas);
+  });
 }
 
 }  // namespace raysheaf

@@ -40,10 +40,17 @@ struct PlacedMaterial {
   return placed;
 }
 
-/// Whether any place may be cut away. `blends`: there are several samples a pixel.
-RAYSHEAF_HD inline bool is_cutout(const PlacedMaterial& m, bool blends) {
-  const float whole = blends && m.alpha_blend ? 1 : m.alpha_cutoff;
-  const bool varies = m.base_color_texture.texture != kInvalidId;
+/// Whether alpha is a chance. `blends`: there are several samples a pixel, or the mesh's vertices
+/// have alphas.
+RAYSHEAF_HD inline bool is_by_chance(const PlacedMaterial& m, bool blends) {
+  return blends && m.alpha_blend;
+}
+
+/// Whether any place may be cut away. `blends`: there are several samples a pixel; `has_alphas`:
+/// the mesh's vertices have alphas.
+RAYSHEAF_HD inline bool is_cutout(const PlacedMaterial& m, bool blends, bool has_alphas) {
+  const float whole = is_by_chance(m, blends || has_alphas) ? 1 : m.alpha_cutoff;
+  const bool varies = has_alphas || m.base_color_texture.texture != kInvalidId;
   return whole > 0 && (varies || m.alpha < whole);
 }
 
@@ -52,11 +59,20 @@ RAYSHEAF_HD inline bool is_bumpy(const PlacedMaterial& m) {
   return m.normal_texture.texture != kInvalidId && !m.unlit;
 }
 
-/// The shading normal of a place by a bumpy material's texture. `uv`: the corners', the mesh's own.
+/// Texture coordinates of a triangle's corners, the mesh's own.
+struct TriangleUv {
+  Vec2 first[3], second[3];
+};
+RAYSHEAF_HD inline PlaceUv mixed(const TriangleUv& uv, float u, float v) {
+  return {mixed(uv.first, u, v), mixed(uv.second, u, v)};
+}
+
+/// The shading normal of a place by a bumpy material's texture. `all`: coordinates of the corners.
 RAYSHEAF_HD inline Vec3 textured_normal(const PlacedMaterial& m, const TextureTable& table,
-                                        const Vec3 (&corner)[3], const Vec2 (&uv)[3], float u,
+                                        const Vec3 (&corner)[3], const TriangleUv& all, float u,
                                         float v, const PlacedSurface& placed) {
-  const Vec4 texel = look_up(table, m.normal_texture, table.as_is, mixed(uv, u, v));
+  const Vec2(&uv)[3] = m.normal_texture.second_uvs ? all.second : all.first;
+  const Vec4 texel = look_up(table, m.normal_texture, table.as_is, mixed(all, u, v));
   // Textures that hold two channels have no blue: along the normal, the sign says nothing.
   const Vec3 bump{(2 * texel.x - 1) * m.normal_scale, (2 * texel.y - 1) * m.normal_scale,
                   std::fabs(2 * texel.z - 1)};
@@ -80,9 +96,8 @@ struct TextureColors {
   Vec3 base{1, 1, 1}, rough_metal{1, 1, 1}, emission{1, 1, 1};
 };
 
-/// `uv`: the mesh's.
 RAYSHEAF_HD inline TextureColors texture_colors(const PlacedMaterial& m, const TextureTable& table,
-                                                Vec2 uv) {
+                                                const PlaceUv& uv) {
   const auto rgb = [](Vec4 color) { return Vec3{color.x, color.y, color.z}; };
   TextureColors colors;
   colors.base = rgb(look_up(table, m.base_color_texture, table.from_srgb, uv));

@@ -5,6 +5,20 @@
 #include "scene/surface_reader.h"
 
 namespace raysheaf {
+namespace {
+
+/// The second set is the first one where there is no other.
+TriangleUv uv_of(const SurfaceTriangle& t) {
+  TriangleUv uv;
+  for (int k = 0; k < 3; ++k) {
+    uv.first[k] = t.uv[k];
+    uv.second[k] = t.has_second_uvs ? t.second_uv[k] : t.uv[k];
+  }
+  return uv;
+}
+
+}  // namespace
+
 void SurfaceReader::hold(const FlatScene& flat, std::uint32_t triangle) {
   if (triangle == triangle_) return;
   triangle_ = triangle;
@@ -15,7 +29,9 @@ void SurfaceReader::hold(const FlatScene& flat, std::uint32_t triangle) {
     has_material_ = false;  // its mesh may have other coordinates
     t_.has_normals = !mesh.normals.empty();
     t_.has_uvs = !mesh.uvs.empty();
+    t_.has_second_uvs = !mesh.second_uvs.empty();
     t_.has_colors = !mesh.colors.empty();
+    t_.has_alphas = !mesh.alphas.empty();
     t_.mirrored = placed.mirrored;
     t_.to_world = scene_.instances[placed.inst_id].to_world;
     normal_map_ = normal_map(t_.to_world);
@@ -26,7 +42,9 @@ void SurfaceReader::hold(const FlatScene& flat, std::uint32_t triangle) {
     t_.corner[k] = flat.corner(triangle, k);
     if (t_.has_normals) t_.normal[k] = mesh.normals[vertex];
     if (t_.has_uvs) t_.uv[k] = mesh.uvs[vertex];
+    if (t_.has_second_uvs) t_.second_uv[k] = mesh.second_uvs[vertex];
     if (t_.has_colors) t_.color[k] = mesh.colors[vertex];
+    if (t_.has_alphas) t_.alpha[k] = mesh.alphas[vertex];
   }
   front_ = front_normal(t_.corner, t_.mirrored);
   hold_material(material_of(mesh, prim_id));
@@ -62,20 +80,23 @@ Surface SurfaceReader::at(float u, float v, Vec3 direction) const {
   surface.clearance = placed.clearance;
   surface.front = placed.front;
   if (t_.has_uvs && is_bumpy(material_))
-    surface.normal = textured_normal(material_, textures_.table(), t_.corner, t_.uv, u, v, placed);
+    surface.normal =
+        textured_normal(material_, textures_.table(), t_.corner, uv_of(t_), u, v, placed);
   if (!textured_ && !t_.has_colors) return surface;
   TextureColors colors;
-  if (textured_) colors = texture_colors(material_, textures_.table(), mixed(t_.uv, u, v));
+  if (textured_) colors = texture_colors(material_, textures_.table(), mixed(uv_of(t_), u, v));
   if (t_.has_colors) colors.base = colors.base * mixed(t_.color, u, v);
   set_material(material_, colors, &surface);
   return surface;
 }
 
 float SurfaceReader::alpha_at(float u, float v) const {
-  if (!t_.has_uvs) return material_.alpha;
+  float alpha = material_.alpha;
+  if (t_.has_alphas) alpha *= mixed(t_.alpha, u, v);
+  if (!t_.has_uvs) return alpha;
   const TextureTable table = textures_.table();
-  const Vec2 uv = mixed(t_.uv, u, v);
-  return material_.alpha * look_up(table, material_.base_color_texture, table.as_is, uv).w;
+  const PlaceUv uv = mixed(uv_of(t_), u, v);
+  return alpha * look_up(table, material_.base_color_texture, table.as_is, uv).w;
 }
 
 Surface surface_of(const SceneDescription& scene, const TextureSet& textures,

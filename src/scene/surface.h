@@ -43,9 +43,11 @@ struct Surface {
 struct SurfaceTriangle {
   Vec3 corner[3];  ///< world
   Vec3 normal[3];  ///< in the instance's own space
-  Vec2 uv[3];
+  Vec2 uv[3], second_uv[3];
   Vec3 color[3];
-  bool has_normals = false, has_uvs = false, has_colors = false;
+  float alpha[3] = {1, 1, 1};
+  bool has_normals = false, has_uvs = false, has_second_uvs = false, has_colors = false;
+  bool has_alphas = false;
   bool mirrored = false;  ///< by the instance
   Affine to_world;        ///< of the instance
   std::uint32_t material = kInvalidId;

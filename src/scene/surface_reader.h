@@ -24,7 +24,7 @@ class SurfaceReader {
 
   /// At the weights of its second and third corner, for a ray along `direction`.
   [[nodiscard]] Surface at(float u, float v, Vec3 direction) const;
-  /// The base colour's alpha there, times the texture's.
+  /// The base colour's alpha there, times the texture's and the vertices'.
   [[nodiscard]] float alpha_at(float u, float v) const;
 
  private:

@@ -23,10 +23,11 @@ struct PlacedTexture {
   std::uint32_t texture = kInvalidId;
   Vec2 offset{0, 0}, scale{1, 1};
   float cosine = 1, sine = 0;
-  bool rotated = false;
+  bool rotated = false, second_uvs = false;
 };
 RAYSHEAF_HD inline PlacedTexture placed_texture(const TextureSlot& slot) {
-  PlacedTexture placed{slot.texture, slot.offset, slot.scale, 1, 0, slot.rotation != 0};
+  PlacedTexture placed{slot.texture,       slot.offset,    slot.scale, 1, 0,
+                       slot.rotation != 0, slot.second_uvs};
   if (!placed.rotated) return placed;
   placed.cosine = std::cos(slot.rotation);
   placed.sine = std::sin(slot.rotation);
@@ -108,11 +109,21 @@ struct TextureTable {
   const float* as_is = nullptr;
 };
 
-/// White where the slot is empty. `uv` is the mesh's.
+/// White where the slot is empty. `uv`: of the set that the slot reads.
 RAYSHEAF_HD inline Vec4 look_up(const TextureTable& table, const PlacedTexture& slot,
                                 const float* decode, Vec2 uv) {
   if (slot.texture >= table.textures.size) return {1, 1, 1, 1};
   return sample(table.textures.data[slot.texture], decode, transform_uv(slot, uv));
+}
+
+/// A place in both of the mesh's sets of texture coordinates; they are equal where it has one set.
+struct PlaceUv {
+  Vec2 first, second;
+  RAYSHEAF_HD Vec2 of(const PlacedTexture& slot) const { return slot.second_uvs ? second : first; }
+};
+RAYSHEAF_HD inline Vec4 look_up(const TextureTable& table, const PlacedTexture& slot,
+                                const float* decode, const PlaceUv& uv) {
+  return look_up(table, slot, decode, uv.of(slot));
 }
 
 }  // namespace raysheaf

@@ -98,9 +98,15 @@ void check_attribute(const Item& item, const char* field, const Mesh& mesh,
 }
 
 void check_colors(const Item& item, const Mesh& mesh) {
-  for (std::size_t i = 0; i < mesh.colors.size(); ++i) {
+  for (std::size_t i = 0; i < mesh.colors.size(); ++i)
     if (min_component(mesh.colors[i]) < 0)
       item.fail(element("colors", i), element("colors", i) + item.of_name() + " is negative");
+}
+
+void check_alphas(const Item& item, const Mesh& mesh) {
+  for (std::size_t i = 0; i < mesh.alphas.size(); ++i) {
+    if (!(mesh.alphas[i] >= 0 && mesh.alphas[i] <= 1))
+      item.fail(element("alphas", i), "alpha" + item.of_name() + " is not from 0 to 1");
   }
 }
 
@@ -144,8 +150,13 @@ void check(const Item& item, const Mesh& mesh, const SceneDescription& scene) {
   check_positions(item, mesh);
   check_attribute(item, "normals", mesh, mesh.normals);
   check_attribute(item, "uvs", mesh, mesh.uvs);
+  check_attribute(item, "second_uvs", mesh, mesh.second_uvs);
+  if (!mesh.second_uvs.empty() && mesh.uvs.empty())
+    item.fail("second_uvs", "the mesh" + item.of_name() + " has second_uvs, but no uvs");
   check_attribute(item, "colors", mesh, mesh.colors);
   check_colors(item, mesh);
+  check_attribute(item, "alphas", mesh, mesh.alphas);
+  check_alphas(item, mesh);
   check_triangles(item, mesh);
   check_mesh_materials(item, mesh, scene.materials.size());
 }
@@ -277,6 +288,7 @@ void check(const Item& item, const Camera& camera, const SceneDescription&) {
     item.fail("y_fov", "the field of view" + item.of_name() + " is " +
                            std::to_string(camera.y_fov) + ", but must be between 0 and pi");
   }
+  check_size(item, "aspect_ratio", camera.aspect_ratio, true);
   const bool near_is_right = camera.orthographic ? camera.z_near >= 0 : camera.z_near > 0;
   if (!near_is_right || !finite(camera.z_near)) {
     item.fail("z_near", "the near plane" + item.of_name() + " is at " +

@@ -82,6 +82,13 @@ void check_vertex_column(std::size_t count, std::size_t vertices, const char* fi
            field);
 }
 
+void check_coordinates(const std::vector<Vec2>& uvs, const char* field) {
+  for (std::size_t i = 0; i < uvs.size(); ++i) {
+    if (!is_finite({uvs[i].x, uvs[i].y, 0}))
+      refuse("the coordinate is not finite", element(field, i));
+  }
+}
+
 void check_part_column(const std::vector<std::uint8_t>& column, std::size_t parts, bool there,
                        const char* field) {
   if (column.size() != parts)
@@ -110,6 +117,7 @@ void validate(const TriangleBlock& block) {
 void validate(const TriangleBlock& block, const BlockShading& shading) {
   check_vertex_column(shading.normals.size(), block.positions.size(), "normals");
   check_vertex_column(shading.uvs.size(), block.positions.size(), "uvs");
+  check_vertex_column(shading.second_uvs.size(), block.positions.size(), "second_uvs");
   check_vertex_column(shading.colors.size(), block.positions.size(), "colors");
   check_column(shading.materials.size(), block.triangles.size(), "materials");
   check_part_column(shading.has_normals, block.parts.size(), !shading.normals.empty(),
@@ -118,13 +126,19 @@ void validate(const TriangleBlock& block, const BlockShading& shading) {
   if (!shading.has_colors.empty())
     check_part_column(shading.has_colors, block.parts.size(), !shading.colors.empty(),
                       "has_colors");
+  if (!shading.has_second_uvs.empty())
+    check_part_column(shading.has_second_uvs, block.parts.size(), !shading.second_uvs.empty(),
+                      "has_second_uvs");
+  for (std::size_t i = 0; i < shading.has_second_uvs.size(); ++i) {
+    if (shading.has_second_uvs[i] != 0 && shading.has_uvs[i] == 0)
+      refuse("the part has second texture coordinates, but no first ones",
+             element("has_second_uvs", i));
+  }
   for (std::size_t i = 0; i < shading.normals.size(); ++i) {
     if (!is_finite(shading.normals[i])) refuse("the normal is not finite", element("normals", i));
   }
-  for (std::size_t i = 0; i < shading.uvs.size(); ++i) {
-    if (!is_finite({shading.uvs[i].x, shading.uvs[i].y, 0}))
-      refuse("the coordinate is not finite", element("uvs", i));
-  }
+  check_coordinates(shading.uvs, "uvs");
+  check_coordinates(shading.second_uvs, "second_uvs");
   for (std::size_t i = 0; i < shading.colors.size(); ++i) {
     if (!is_finite(shading.colors[i]) || min_component(shading.colors[i]) < 0)
       refuse("the colour is negative or not finite", element("colors", i));
@@ -165,8 +179,9 @@ void BlockList::add(const TriangleBlock& block, const BlockShading& shading) {
   info.geometry_bytes = 12 * (block.positions.size() + block.triangles.size()) +
                         4 * block.prim_ids.size() + 16 * block.parts.size() + block.sides.size();
   info.shading_bytes = 12 * shading.normals.size() + 8 * shading.uvs.size() +
-                       12 * shading.colors.size() + 4 * shading.materials.size() +
-                       2 * shading.has_normals.size() + shading.has_colors.size();
+                       8 * shading.second_uvs.size() + 12 * shading.colors.size() +
+                       4 * shading.materials.size() + 2 * shading.has_normals.size() +
+                       shading.has_second_uvs.size() + shading.has_colors.size();
   infos_.push_back(info);
   blocks_.push_back(block);
   shading_.push_back(shading);

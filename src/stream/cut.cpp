@@ -166,10 +166,12 @@ class Cutter {
     shading_.has_normals.clear();
     shading_.has_uvs.clear();
     shading_.has_colors.clear();
+    shading_.has_second_uvs.clear();
     for (const BlockPart& part : block_.parts) {
       shading_.has_normals.push_back(scene_.meshes[part.geom_id].normals.empty() ? 0 : 1);
       shading_.has_uvs.push_back(scene_.meshes[part.geom_id].uvs.empty() ? 0 : 1);
       shading_.has_colors.push_back(scene_.meshes[part.geom_id].colors.empty() ? 0 : 1);
+      shading_.has_second_uvs.push_back(scene_.meshes[part.geom_id].second_uvs.empty() ? 0 : 1);
     }
     const auto any = [](const std::vector<std::uint8_t>& column) {
       return std::find(column.begin(), column.end(), 1) != column.end();
@@ -177,7 +179,9 @@ class Cutter {
     shading_.normals.assign(any(shading_.has_normals) ? vertices_.size() : 0, Vec3{});
     shading_.uvs.assign(any(shading_.has_uvs) ? vertices_.size() : 0, Vec2{});
     shading_.colors.assign(any(shading_.has_colors) ? vertices_.size() : 0, Vec3{});
+    shading_.second_uvs.assign(any(shading_.has_second_uvs) ? vertices_.size() : 0, Vec2{});
     if (shading_.colors.empty()) shading_.has_colors.clear();
+    if (shading_.second_uvs.empty()) shading_.has_second_uvs.clear();
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
       const auto rank = static_cast<std::uint32_t>(vertices_[i] >> 32);
       const auto vertex = static_cast<std::uint32_t>(vertices_[i]);
@@ -186,6 +190,7 @@ class Cutter {
       if (!from.normals.empty()) shading_.normals[i] = from.normals[vertex];
       if (!from.uvs.empty()) shading_.uvs[i] = from.uvs[vertex];
       if (!from.colors.empty()) shading_.colors[i] = from.colors[vertex];
+      if (!from.second_uvs.empty()) shading_.second_uvs[i] = from.second_uvs[vertex];
     }
   }
 
@@ -206,6 +211,16 @@ class Cutter {
   BlockShading shading_;
 };
 
+void show_whole(SceneDescription* scene) {
+  const char* const sentence = "Triangles that stream past are whole, whatever alpha cuts away.";
+  std::vector<std::string>& all = scene->warnings;
+  if (std::find(all.begin(), all.end(), sentence) == all.end()) all.emplace_back(sentence);
+  for (Material& material : scene->materials) {
+    material.alpha_cutoff = 0;
+    material.alpha_blend = false;
+  }
+}
+
 SceneDescription without_triangles(const SceneDescription& scene) {
   SceneDescription rest;
   rest.name = scene.name;
@@ -218,7 +233,7 @@ SceneDescription without_triangles(const SceneDescription& scene) {
   rest.environment = scene.environment;
   rest.warnings = scene.warnings;
   rest.files = scene.files;
-  make_whole(&rest);
+  if (has_cutouts(scene, true)) show_whole(&rest);
   for (const Mesh& mesh : scene.meshes) rest.meshes.emplace_back().name = mesh.name;
   return rest;
 }
@@ -226,12 +241,7 @@ SceneDescription without_triangles(const SceneDescription& scene) {
 }  // namespace
 
 void make_whole(SceneDescription* scene) {
-  if (!has_cutouts(*scene, true)) return;
-  scene->warnings.emplace_back("Triangles that stream past are whole, whatever alpha cuts away.");
-  for (Material& material : scene->materials) {
-    material.alpha_cutoff = 0;
-    material.alpha_blend = false;
-  }
+  if (has_cutouts(*scene, true)) show_whole(scene);
 }
 
 SceneDescription cut_into_blocks(const SceneDescription& scene, BlockSink* sink,

@@ -57,7 +57,7 @@ struct CutoutCase {
     m.base_color_texture.texture = draws.below(2) == 0 ? 0 : kInvalidId;
     const std::uint32_t triangle = draws.below(1000);
     const bool blends = draws.below(2) == 0;
-    out.put(chance_of(ray, triangle), is_cutout(m, blends));
+    out.put(chance_of(ray, triangle), is_cutout(m, blends, draws.below(2) == 0));
     out.put(is_cut_away(m, draws.unit(), blends, ray, triangle));
     out.put(just_behind(draws.between(-1, 1)), just_behind(0),
             just_behind(draws.unit() * 0x1p-140f));
@@ -89,11 +89,14 @@ struct TextureCase {
 struct StagedSurfaceCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
     Vec3 corners[3], normals[3], vertex_colors[3];
-    Vec2 uvs[3];
+    Vec2 uvs[3], second_uvs[3];
+    float alphas[3];
     for (int k = 0; k < 3; ++k) {
       corners[k] = draws.in_box(9);
       normals[k] = draws.direction();
       uvs[k] = {draws.between(-2, 2), draws.between(-2, 2)};
+      second_uvs[k] = {draws.between(-2, 2), draws.between(-2, 2)};
+      alphas[k] = draws.unit();
       vertex_colors[k] = abs(draws.in_box(1));
     }
     const std::uint32_t mesh_of[1] = {0};
@@ -103,7 +106,9 @@ struct StagedSurfaceCase {
     meshes[0].material_count = draws.below(2);
     meshes[0].has_normals = draws.below(2) == 0;
     meshes[0].has_uvs = draws.below(2) == 0;
+    meshes[0].has_second_uvs = draws.below(2) == 0;
     meshes[0].has_colors = draws.below(2) == 0;
+    meshes[0].has_alphas = draws.below(2) == 0;
     meshes[0].mirrored = draws.below(2) == 0;
     meshes[0].normal_map = normal_map(draws.map());
     std::uint8_t rgba[2 * 2 * 4];
@@ -128,6 +133,7 @@ struct StagedSurfaceCase {
       m.base_color_texture.texture = m.metallic_roughness_texture.texture = draws.below(2);
       m.base_color_texture.cosine = m.base_color_texture.sine = 0.70710678f;
       m.base_color_texture.rotated = draws.below(2) == 0;
+      m.base_color_texture.second_uvs = draws.below(2) == 0;
     }
     const TextureTable table{View<const TextureView>(textures, 1), decode, decode};
     const StagedSceneView scene{View<const Vec3>(corners, 3),
@@ -136,7 +142,9 @@ struct StagedSurfaceCase {
                                 View<const StagedTriangle>(triangles, 1),
                                 View<const Vec3>(normals, 3),
                                 View<const Vec2>(uvs, 3),
+                                View<const Vec2>(second_uvs, 3),
                                 View<const Vec3>(vertex_colors, 3),
+                                View<const float>(alphas, 3),
                                 View<const std::uint32_t>(numbers, 1),
                                 View<const PlacedMaterial>(materials, 3),
                                 table};
@@ -153,10 +161,11 @@ struct StagedSurfaceCase {
     const PlacedSurface placed =
         placed_surface(corners, front, &normals, meshes[0].normal_map, u, v, along);
     out.put(placed.normal, staged_material(scene, meshes[0], 0), is_plain(materials[0]));
+    const TriangleUv all = staged_uv(scene, meshes[0], triangles[0]);
     out.put(is_bumpy(materials[0])
-                ? textured_normal(materials[0], table, corners, uvs, u, v, placed)
+                ? textured_normal(materials[0], table, corners, all, u, v, placed)
                 : bumped_normal(corners, uvs, placed.normal, draws.in_box(1)));
-    const TextureColors colors = texture_colors(materials[0], table, mixed(uvs, u, v));
+    const TextureColors colors = texture_colors(materials[0], table, mixed(all, u, v));
     Surface look;
     set_material(materials[1], colors, &look);
     out.put(look.diffuse, look_up(table, materials[2].base_color_texture, decode, uvs[0]));

@@ -78,7 +78,11 @@ void expect_same(const BlockShading& a, const BlockShading& b) {
 /// All that a scene has beside its triangles.
 SceneDescription furnished() {
   SceneDescription scene = builtin_scene("office");
-  for (Mesh& mesh : scene.meshes) mesh = {mesh.name, {}, {}, {}, {}, {}, {}};
+  for (Mesh& mesh : scene.meshes) {
+    const std::string name = mesh.name;
+    mesh = {};
+    mesh.name = name;
+  }
   scene.name = "with \"quotes\" and a line\nfeed";
   scene.lights[0].range = 12.1f;
   scene.instances[0].to_world.m[0][3] = 0.1f;

@@ -211,6 +211,28 @@ TEST_F(Meshopt, WhatIsWrongIsNamed) {
   expect_broken({"bufferViews[1].buffer", "without data"});
 }
 
+TEST_F(Meshopt, TheSuccessorIsReadAsFarAsTheLibraryGoes) {
+  show_ball();
+  const auto as_khr = [&] {
+    std::string renamed = text();
+    for (std::size_t at; (at = renamed.find("EXT_meshopt")) != renamed.npos;)
+      renamed.replace(at, 3, "KHR");
+    return renamed;
+  };
+  const SceneDescription scene = load_scene(write("khr.gltf", as_khr()));
+  EXPECT_TRUE(scene.warnings.empty());
+  EXPECT_TRUE(same_bits(scene.meshes[0].positions, ball_.positions));
+  const json good = packing();
+  packing()["filter"] = "COLOR";
+  expect_broken({".filter", "COLOR"});  // of the older extension there is none
+  packing() = good;
+  if (MESHOPTIMIZER_VERSION < 230) {
+    file_.buffer[packing()["byteOffset"].get<std::size_t>()] = 0xa1;
+    expect_refused(write("new.gltf", as_khr()), kUnsupported,
+                   {"KHR_meshopt_compression", "meshoptimizer 0.23"});
+  }
+}
+
 TEST_F(Meshopt, DamagedBytesAreRefusedOrRead) {
   show_ball();
   Random random(5);

@@ -246,7 +246,7 @@ TEST_F(GltfRefusal, DeepNesting) {
                  kInvalidData, {"nested"});
 }
 TEST_F(GltfRefusal, TextThatIsNoJson) {
-  expect_refused(write("a.gltf", std::string("hello")), kInvalidData, {"JSON"});
+  expect_refused(write("a.gltf", std::string("hello")), kInvalidData, {"no glTF file"});
   expect_refused(write("b.gltf", std::string("{\"asset\":")), kInvalidData, {"JSON"});
   expect_refused(write("c.gltf", std::string("[]")), kInvalidData, {"object"});
 }

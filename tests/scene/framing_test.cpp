@@ -64,6 +64,37 @@ TEST(Framing, FlatAndPointScenesWork) {
   }
 }
 
+TEST(Framing, IsTheSameWhereverTheMeshLies) {
+  Random random(3);
+  for (const float away : {1e3f, 1e5f, 1e6f}) {
+    SceneDescription scene;
+    scene.meshes.push_back(test::random_mesh(random, 20, 100, 5));
+    scene.instances.resize(1);
+    const Camera at_origin = framing_camera(scene);
+    scene.instances[0].to_world = translation({away, -away, away});
+    const Camera there = framing_camera(scene);
+    const float spacing = away * 0x1p-22f;
+    EXPECT_NEAR(there.z_near, at_origin.z_near, 8 * spacing);
+    EXPECT_NEAR(there.z_far, at_origin.z_far, 16 * spacing);
+    const Vec3 moved = column(there.to_world, 3) - column(at_origin.to_world, 3);
+    EXPECT_NEAR(moved.x, away, 8 * spacing);
+    EXPECT_NEAR(moved.y, -away, 8 * spacing);
+    expect_seen(scene, there);
+  }
+}
+
+TEST(Framing, LeavesOutTrianglesWithoutArea) {
+  SceneDescription scene = one_triangle();
+  const Box before = world_bounds(scene);
+  Mesh& mesh = scene.meshes[0];
+  mesh.positions.insert(mesh.positions.end(), {{1e6f, 0, 0}, {2e6f, 0, 0}, {4e6f, 0, 0}});
+  mesh.triangles.insert(mesh.triangles.end(), {{3, 3, 3}, {3, 4, 4}, {3, 4, 5}});
+  EXPECT_EQ(world_bounds(scene).max, before.max);
+  EXPECT_EQ(world_bounds(scene).min, before.min);
+  mesh.triangles.erase(mesh.triangles.begin());
+  EXPECT_EQ(world_bounds(scene).max.x, 4e6f) << "nothing has an area";
+}
+
 TEST(Framing, AnEmptySceneStillHasACamera) {
   SceneDescription scene;
   EXPECT_TRUE(is_finite(column(framing_camera(scene).to_world, 3)));

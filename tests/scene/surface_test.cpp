@@ -91,6 +91,23 @@ TEST(Surface, ShadingNormalsMayLeanAway) {
   expect_near(s.normal, {0.8f, 0, 0.6f});
 }
 
+TEST(Surface, NormalsThatOpposeTheWindingAreTurned) {
+  Random random(7);
+  for (int round = 0; round < 1000; ++round) {
+    SceneDescription scene = one_triangle();
+    for (Vec3& p : scene.meshes[0].positions) p = test::random_point(random, 1);
+    for (int k = 0; k < 3; ++k)
+      scene.meshes[0].normals.push_back(normalized(test::random_point(random, 1)));
+    if (round % 2 == 0) scene.instances[0].to_world = scaling({-1, 1, 1});
+    const Vec3 along = normalized(test::random_point(random, 1));
+    const Surface s = seen(scene, along);
+    EXPECT_LE(dot(s.geometric_normal, along), 0);
+    EXPECT_GE(dot(s.geometric_normal, s.normal), -1e-6f);
+    for (Vec3& n : scene.meshes[0].normals) n = -n;
+    expect_near(seen(scene, along).normal, s.normal, 1e-5f);
+  }
+}
+
 TEST(Surface, InstancesCarryNormalsAlong) {
   // The normals of a sphere stay orthogonal to its image's tangents, on the outside, under any map.
   Random random(2);

@@ -65,6 +65,7 @@ Json camera_json(const Camera& camera) {
           {"position", array_of(position_of(camera))},
           {"y_fov", camera.orthographic ? Json(nullptr) : Json(camera.y_fov)},
           {"y_mag", camera.orthographic ? Json(camera.y_mag) : Json(nullptr)},
+          {"aspect_ratio", camera.aspect_ratio > 0 ? Json(camera.aspect_ratio) : Json(nullptr)},
           {"z_near", camera.z_near},
           {"z_far", number_or_null(camera.z_far)},
           {"aperture", camera.aperture},

@@ -69,6 +69,8 @@ void add_off_switch(CLI::App& app, const std::string& option, bool& value, const
 
 /// Size, camera, exposure, ambient light.
 void add_view(CLI::App& app, RenderOptions& options);
+/// Where there was no --size, 0 by 0: the camera's own.
+void shape_as_camera(const CLI::App& app, RenderOptions* options);
 /// Bounces, which rays there are, and how first hits are found.
 void add_rays(CLI::App& app, RenderOptions& options);
 /// What the methods but for `dual` are set by, and threads.

@@ -24,7 +24,8 @@ CLI::App* add_report(CLI::App& app, ReportCommand& command) {
       "  raysheaf report builtin:office -o office.html\n"
       "  raysheaf report model.glb -o model.html --size 1024x768 --camera 1 --bounces 1\n"
       "  raysheaf report builtin:atrium -o rah.html --method rah --method dual");
-  sub->callback([&command] {
+  sub->callback([sub, &command] {
+    shape_as_camera(*sub, &command.options);
     if (!has_ending(command.output, ".html") && !has_ending(command.output, ".htm"))
       throw CLI::ValidationError("-o", "'" + command.output + "' does not end in .html");
   });

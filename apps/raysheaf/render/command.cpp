@@ -86,9 +86,10 @@ void write_outputs(const RenderCommand& command, const Targets& targets, const R
 void tell_summary(const RenderCommand& command, const Rendered& rendered) {
   const FrameStatistics& statistics = rendered.staged.picture.statistics;
   const std::size_t samples = statistics.samples.size();
-  tell(fmt::format("{}: {} triangles in {} meshes, {}x{}{}, {} on {} threads",
+  tell(fmt::format("{}: {} triangles in {} {}, {}x{}{}, {} on {} threads",
                    printable(statistics.scene), statistics.triangles, statistics.meshes,
-                   statistics.width, statistics.height,
+                   statistics.meshes == 1 ? "instance" : "instances", statistics.width,
+                   statistics.height,
                    samples == 1 ? "" : fmt::format(", {} samples a pixel", samples),
                    statistics.method, statistics.threads));
   for (const BatchStatistics& batch : statistics.batches) {
@@ -176,6 +177,17 @@ std::unique_ptr<Animation> open_scene(const RenderCommand& command, const Geomet
   return animation;
 }
 
+/// Where there is no --size, the camera's own.
+RenderCommand with_size(RenderCommand command, const SceneDescription& scene) {
+  RenderOptions& options = command.options;
+  if (options.width != 0) return command;
+  const bool on_path = !command.frames.camera_path.empty();
+  const DefaultSize size = default_size(on_path ? Camera{} : find_camera(scene, options.camera));
+  options.width = size.width;
+  options.height = size.height;
+  return command;
+}
+
 void render_picture(const RenderCommand& command, const Targets& targets, const Timer& loading,
                     const GeometrySource* blocks, std::unique_ptr<Animation> animation,
                     const std::shared_ptr<Communicator>& ranks) {
@@ -211,8 +223,9 @@ void render_here(const RenderCommand& command, const std::shared_ptr<Communicato
     for (const std::string& warning : animation->scene().warnings)
       tell("warning: " + printable(warning));
   }
-  if (wants_frames(command)) return render_frames(command, blocks.get(), *animation, ranks);
-  render_picture(command, targets, loading, blocks.get(), std::move(animation), ranks);
+  const RenderCommand sized = with_size(command, animation->scene());
+  if (wants_frames(command)) return render_frames(sized, blocks.get(), *animation, ranks);
+  render_picture(sized, targets, loading, blocks.get(), std::move(animation), ranks);
 }
 
 }  // namespace

@@ -97,6 +97,11 @@ FramePlan::FramePlan(Animation& animation, const Box& bounds, const FramesOption
   const FrameRange range = options.range.value_or(FrameRange{});
   first_ = range.first.value_or(0);
   last_ = range.last.value_or(total_ - 1);
+  if (range.first && range.last && first_ > last_) {
+    throw Error(ErrorCode::kInvalidArgument,
+                fmt::format("{}:{} goes backwards: the first frame comes first", first_, last_),
+                "--frames");
+  }
   if (first_ > last_ || last_ >= total_) {
     throw Error(ErrorCode::kInvalidArgument,
                 total_ == 1 ? "nothing moves: there is one frame, 0"

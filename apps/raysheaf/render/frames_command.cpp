@@ -354,6 +354,7 @@ class FrameRun {
                        frame_each_             ? "frames"
                        : is_streamed(command_) ? "geometry"
                                                : "rays"));
+    if (missing_.empty()) return tell("nothing is left to render");
     for (const std::string& path : command_.pictures) tell("wrote " + printable(path));
     if (!command_.heatmap_path.empty()) tell("wrote " + printable(command_.heatmap_path));
     if (!command_.stats_path.empty()) tell("wrote " + printable(command_.stats_path));
