@@ -1,8 +1,11 @@
 // What scenes and queries need, a triangle and a ray. A few hundred thousand triangles, and ten
 // million with RAYSHEAF_LONG=1.
+#include <malloc.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <cstdlib>
+#include <fstream>
 #include <limits>
 #include <new>
 #include <optional>
@@ -21,6 +24,15 @@ double peak_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+/// Of the process, now, without what the allocator keeps for later.
+double resident_bytes() {
+  malloc_trim(0);
+  std::ifstream pages("/proc/self/statm");
+  double all = 0, resident = 0;
+  pages >> all >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
 /// Waves over a square, `side` by `side` quads.
@@ -127,6 +139,22 @@ TEST(Memory, SizesBeyondAnyAreRefused) {
     LargeVector<Hit> hits;
     EXPECT_THROW(hits.resize(std::size_t{300'000'000'000'000'000}), std::bad_alloc);
   }
+}
+
+/// Nothing is left of scenes that are gone, whatever number of threads answered their queries.
+TEST(Memory, TenThousandScenesLeaveNothing) {
+  std::vector<Ray> rays(4096);
+  for (Ray& ray : rays)
+    ray = {{0.3f, 0.2f, 5}, 0, {0, 0, -1}, std::numeric_limits<float>::infinity()};
+  const auto make = [&](std::uint32_t threads) {
+    Scene scene(Context({.threads = threads}));
+    add_waves(4, &scene);
+    EXPECT_EQ(any_hit(scene, rays)[7], 1);
+  };
+  for (int i = 0; i < 500; ++i) make(i % 2 == 0 ? 2 : 4);
+  const double before = resident_bytes();
+  for (int i = 0; i < 10'000; ++i) make(i % 2 == 0 ? 2 : 4);
+  EXPECT_LT(resident_bytes() - before, 1e6);
 }
 
 }  // namespace

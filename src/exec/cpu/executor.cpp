@@ -10,7 +10,10 @@
 #include <cassert>
 #include <exception>
 #include <latch>
+#include <map>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -59,17 +62,48 @@ std::uint32_t thread_count(std::uint32_t asked) {
 }  // namespace
 
 struct Executor::Pool {
-  explicit Pool(std::uint32_t count)
-      : workers(oneapi::tbb::global_control::max_allowed_parallelism,
-                std::max(count, startable(cores()))),
-        arena(static_cast<int>(count)) {}
+  explicit Pool(std::uint32_t count) : arena(static_cast<int>(count)) {}
 
-  oneapi::tbb::global_control workers;  // lets there be more than cores, where asked for
   oneapi::tbb::task_arena arena;
+  /// Lets there be more workers than cores, where asked for.
+  std::optional<oneapi::tbb::global_control> workers;
+
+  static std::shared_ptr<Pool> take(std::uint32_t count);
 };
 
+/// A pool that no executor has, or a new one. oneTBB 2021.8 keeps some memory of every arena that
+/// was used for as long as the process lives, so arenas are used again: there are as many of a size
+/// as were ever in use at once.
+std::shared_ptr<Executor::Pool> Executor::Pool::take(std::uint32_t count) {
+  struct Spares {
+    std::mutex mutex;
+    std::map<std::uint32_t, std::vector<std::unique_ptr<Pool>>> of_size;
+  };
+  static Spares* const spares = new Spares;  // outlives executors that are destroyed at exit
+  std::unique_ptr<Pool> pool;
+  {
+    const std::lock_guard lock(spares->mutex);
+    std::vector<std::unique_ptr<Pool>>& unused = spares->of_size[count];
+    if (!unused.empty()) {
+      pool = std::move(unused.back());
+      unused.pop_back();
+    } else {
+      unused.reserve(unused.capacity() + 1);  // so that giving back does not throw
+    }
+  }
+  if (pool == nullptr) pool = std::make_unique<Pool>(count);
+  pool->workers.emplace(oneapi::tbb::global_control::max_allowed_parallelism,
+                        std::max(count, startable(cores())));
+  const auto give_back = [count](Pool* given) {
+    given->workers.reset();
+    const std::lock_guard lock(spares->mutex);
+    spares->of_size[count].emplace_back(given);
+  };
+  return {pool.release(), give_back};
+}
+
 Executor::Executor(std::uint32_t threads)
-    : threads_(thread_count(threads)), pool_(std::make_shared<Pool>(threads_)) {}
+    : threads_(thread_count(threads)), pool_(Pool::take(threads_)) {}
 
 Executor::Executor(std::shared_ptr<Pool> pool) : threads_(1), pool_(std::move(pool)) {}
 
