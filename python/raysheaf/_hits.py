@@ -68,8 +68,17 @@ class Hits:
 
     @classmethod
     def empty(cls, shape: Union[SupportsIndex, tuple[SupportsIndex, ...]]) -> Hits:
-        """Room for results, not initialised: for ``closest_hit(..., out=...)``."""
-        return cls(np.empty(shape, HIT_DTYPE))
+        """Room for results: for ``closest_hit(..., out=...)``. All are misses until then.
+
+        >>> import raysheaf
+        >>> raysheaf.Hits.empty(3)
+        <raysheaf.Hits of shape (3,): 0 of 3 hit>
+        """
+        array = np.zeros(shape, HIT_DTYPE)
+        array["t"] = np.inf
+        for name in ("prim_id", "geom_id", "inst_id"):
+            array[name] = INVALID_ID
+        return cls(array)
 
     @property
     def t(self) -> NDArray[np.float32]:

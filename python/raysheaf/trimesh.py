@@ -146,22 +146,30 @@ class RayMeshIntersector:
         reach = _FAR * mesh.size * mesh.scale
         frame = _core.Frame(mesh.origin.tolist(), middle.tolist(), mesh.scale, reach, _SHORT, _LONG)
         rays = np.empty((len(origins), 8), np.float32)
-        if _core.pack_rays_in_frame(self._context(), origins, directions, frame, rays):
+        good = np.empty(len(origins), np.bool_)
+        if _core.pack_rays_in_frame(self._context(), origins, directions, frame, rays, good):
             return _Batch(origins, directions, rays, None)
-        starts = (origins - mesh.origin) * mesh.scale
+        # Only the others begin nearer, so that no ray's answer depends on the rest of the batch.
+        odd = np.flatnonzero(~good)
         with np.errstate(all="ignore"):
+            starts = (origins[odd] - mesh.origin) * mesh.scale
             # By the largest component first: squares over- and underflow.
-            units = directions / np.abs(directions).max(axis=1, initial=0.0)[:, None]
+            units = directions[odd] / np.abs(directions[odd]).max(axis=1, initial=0.0)[:, None]
             units /= np.linalg.norm(units, axis=1)[:, None]
             # How far a ray goes until it is as near to the middle as it gets; begin a reach before.
             ahead = np.einsum("ij,ij->i", middle - starts, units) - reach
             starts += np.maximum(ahead, 0.0)[:, None] * units
             usable = np.isfinite(starts).all(axis=1) & np.isfinite(units).all(axis=1)
             usable &= np.abs(starts).max(axis=1, initial=0.0) < np.finfo(np.float32).max
-        asked = np.flatnonzero(usable)
-        some = np.zeros((len(asked), 8), np.float32)
-        some[:, :3], some[:, 4:7], some[:, 7] = starts[asked], units[asked], np.inf
-        return _Batch(origins, units, some, asked)
+            rays[odd, :3], rays[odd, 4:7] = starts, units
+        rays[odd, 3], rays[odd, 7] = 0.0, np.inf
+        directions = directions.copy()
+        directions[odd] = units
+        if usable.all():
+            return _Batch(origins, directions, rays, None)
+        good[odd[usable]] = True
+        asked = np.flatnonzero(good)
+        return _Batch(origins, directions, rays[asked], asked)
 
     def _context(self) -> _core.Context:
         return self._scene._core.context()

@@ -17,6 +17,8 @@ namespace {
 
 using WritableRays = nb::ndarray<float, nb::shape<-1, 8>, nb::c_contig, nb::device::cpu>;
 
+using WritableFlags = nb::ndarray<bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
 constexpr std::size_t kFloatsPerRay = 8, kRaysABlock = 16384;
 static_assert(sizeof(Ray) == kFloatsPerRay * sizeof(float));
 
@@ -41,41 +43,45 @@ struct Frame {
   double scale, reach, shortest, longest;
 };
 
-/// Moves one ray into the frame; whether float32 keeps its digits there.
+/// Moves one ray into the frame; whether float32 keeps its digits there: where it begins near the
+/// middle, or rounds nothing.
 bool pack_ray(const Frame& frame, const double* origin, const double* direction, float* out) {
-  bool good = true;
+  bool near = true, exact = true;
   double squares = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     const double start = (origin[k] - frame.origin[k]) * frame.scale;
-    good = good && std::abs(start - frame.middle[k]) <= frame.reach;
+    near = near && std::abs(start - frame.middle[k]) <= frame.reach;
     squares += direction[k] * direction[k];
     out[k] = static_cast<float>(start);
+    exact = exact && std::isfinite(out[k]) && static_cast<double>(out[k]) == start;
     out[4 + k] = static_cast<float>(direction[k]);
   }
   out[3] = 0;
   out[7] = std::numeric_limits<float>::infinity();
   const double length = std::sqrt(squares);
-  return good && length > frame.shortest && length < frame.longest;
+  return (near || exact) && length > frame.shortest && length < frame.longest;
 }
 
-/// Whether float32 keeps the digits of all rays in the frame; if not, `out` means nothing.
+/// Sets good[i] to whether float32 keeps the digits of ray i in the frame; the other rays of `out`
+/// mean nothing. Returns whether all are good. What is said of a ray depends on no other ray.
 bool pack_rays_in_frame(const Context& context, const Doubles3& origins, const Doubles3& directions,
-                        const Frame& frame, const WritableRays& out) {
+                        const Frame& frame, const WritableRays& out, const WritableFlags& good) {
   const std::size_t count = out.shape(0);
-  if (origins.shape(0) != count || directions.shape(0) != count)
+  if (origins.shape(0) != count || directions.shape(0) != count || good.shape(0) != count)
     throw nb::type_error("pack_rays_in_frame: arrays of equal length expected");
-  std::atomic<bool> good = true;
+  std::atomic<bool> all_good = true;
   const WithoutGil released;
   context.for_each_block(count, kRaysABlock, [&](std::size_t begin, std::size_t end) {
     bool all = true;
     for (std::size_t i = begin; i < end; ++i) {
       const bool one = pack_ray(frame, origins.data() + 3 * i, directions.data() + 3 * i,
                                 out.data() + kFloatsPerRay * i);
+      good.data()[i] = one;
       all = all && one;
     }
-    if (!all) good = false;
+    if (!all) all_good = false;
   });
-  return good;
+  return all_good;
 }
 
 }  // namespace
@@ -106,7 +112,7 @@ void bind_rays(nb::module_& module) {
           nb::arg("shortest"), nb::arg("longest"));
   module.def("pack_rays_in_frame", pack_rays_in_frame, nb::arg("context"),
              nb::arg("origins").noconvert(), nb::arg("directions").noconvert(), nb::arg("frame"),
-             nb::arg("out").noconvert());
+             nb::arg("out").noconvert(), nb::arg("good").noconvert());
 }
 
 }  // namespace raysheaf::python

@@ -118,6 +118,22 @@ def test_any_size_and_place(scale, offset):
     assert (np.abs(radius - 0.995) < 0.01).all()
 
 
+def test_an_answer_does_not_depend_on_the_rest_of_the_batch():
+    rng = np.random.default_rng(0)
+    mesh = trimesh.creation.box()
+    ours = RayMeshIntersector(mesh)
+    # From a lattice to the corners, which edges and corners of faces decide.
+    origins = rng.integers(-3, 4, (2000, 3)) * 0.5
+    origins = origins[(np.abs(origins) > 0.5).any(axis=1)]
+    directions = mesh.vertices[rng.integers(0, 8, len(origins))] - origins
+    far, along = [[50.0, 60, 70]], [[1.0, 0, 0]]
+    alone = ours.intersects_first(origins, directions)
+    among = ours.intersects_first(np.vstack([origins, far]), np.vstack([directions, along]))
+    assert (alone >= 0).all()
+    assert np.array_equal(alone, among[:-1])
+    assert ours.intersects_any([[20.0, 30, 40]], [[-19.5, -29.5, -39.5]]).all()
+
+
 @pytest.mark.parametrize("distance", [1e2, 1e5, 1e8, 1e12])
 def test_rays_from_far_away(distance):
     mesh = trimesh.creation.box()
