@@ -5,13 +5,13 @@
 // `s` is the distance from a ray's origin along z, t = s |shear_z|; `zeta` the same from the
 // beam's first plane. A ray that runs against its axis is looked at from behind: z is mirrored.
 //
-// Conservative: what the ray-triangle test reports as a hit at t is, at s = t |d_z|, within
-// gamma(34) L of the triangle on every axis (geom/ray_end.h), L no larger than `size`, twice the
-// reach of the scene's box from the origins. The slab and beam tests evaluate three roundings of
-// differences that are no larger than `size`, and take coordinates themselves as rounded. Each
-// rounding moves a plane by u times `size` or u times the largest coordinate at most; slopes are at
-// most 1 because z is the dominant axis. `pad`, 128 u `size` and 8 u the largest coordinate, holds
-// all of it with room to spare; boxes grow by it on every side, in the rays' constants.
+// Conservative: a hit at t is, at s = t |d_z|, within gamma(2) L of the triangle on every axis
+// (geom/ray_end.h), L no larger than `size`, twice the reach of the scene's box from the origins.
+// The slab and beam tests evaluate three roundings of differences that are no larger than `size`,
+// and take coordinates themselves as rounded. Each rounding moves a plane by u times `size` or u
+// times the largest coordinate at most; slopes are at most 1 because z is the dominant axis. `pad`,
+// 128 u `size` and 8 u the largest coordinate, holds all of it with room to spare; boxes grow by it
+// on every side, in the rays' constants.
 //
 // A t that underflows is off by up to 2^-149 more, two halves of the least number, which a long
 // direction makes much of: `past` and its counterpart move t by twice that. A t that overflows is

@@ -212,3 +212,26 @@ class HitValues {
   std::uint32_t hits_ = 0;
 };
 static_assert(kValueLanes == kPacketWidth);
+
+/// What was found for the rays of a task, by places of triangles in the tree.
+inline void hand_over_rows(const TraceJob& job, const TraceTask& task, std::vector<RowHit>& found) {
+  if (job.rows == nullptr) return;
+  const ObjectTree& tree = *job.scene.tree;
+  HitValues values;
+  for (std::size_t base = 0; base < found.size(); base += kPacketWidth) {
+    alignas(64) std::uint32_t index[kPacketWidth], places[kPacketWidth];
+    alignas(64) EngineHit hits[kPacketWidth];
+    const std::size_t count = std::min<std::size_t>(kPacketWidth, found.size() - base);
+    for (std::size_t i = 0; i < kPacketWidth; ++i) {
+      const RowHit& row = found[base + (i < count ? i : 0)];
+      index[i] = job.order[row.place];
+      places[i] = row.hit.triangle;
+    }
+    values.fill(tree, job.rays, index, places);
+    values.store(tree, hits);
+    for (std::size_t i = 0; i < count; ++i) found[base + i].hit = hits[i];
+  }
+  const PacketRange last = job.packet(task.end - 1);
+  make_rows(*job.executor, found, job.packet(task.begin).first, last.first + last.count,
+            &(*job.rows)[task.number]);
+}

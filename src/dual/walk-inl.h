@@ -3,7 +3,7 @@
 /// Lanes at or below go on one by one.
 inline constexpr int kSingleRays = 3;
 
-/// What a query keeps of the hits it meets. `kShrinks`: hits end the search beyond them.
+/// What a query keeps of the hits it meets.
 struct ClosestMode {
   static constexpr bool kAny = false, kAll = false;
 };
@@ -20,29 +20,6 @@ HWY_NOINLINE void for_each_leaf(const ObjectTree& tree, const Body& body) {
   for (const BvhNode& node : tree.nodes)
     for (std::uint32_t c = 0; c < node.children; ++c)
       if (node.is_leaf(c)) body(node.first[c], node.count[c]);
-}
-
-/// What was found for the rays of a task, by places of triangles in the tree.
-inline void hand_over_rows(const TraceJob& job, const TraceTask& task, std::vector<RowHit>& found) {
-  if (job.rows == nullptr) return;
-  const ObjectTree& tree = *job.scene.tree;
-  HitValues values;
-  for (std::size_t base = 0; base < found.size(); base += kPacketWidth) {
-    alignas(64) std::uint32_t index[kPacketWidth], places[kPacketWidth];
-    alignas(64) EngineHit hits[kPacketWidth];
-    const std::size_t count = std::min<std::size_t>(kPacketWidth, found.size() - base);
-    for (std::size_t i = 0; i < kPacketWidth; ++i) {
-      const RowHit& row = found[base + (i < count ? i : 0)];
-      index[i] = job.order[row.place];
-      places[i] = row.hit.triangle;
-    }
-    values.fill(tree, job.rays, index, places);
-    values.store(tree, hits);
-    for (std::size_t i = 0; i < count; ++i) found[base + i].hit = hits[i];
-  }
-  const PacketRange last = job.packet(task.end - 1);
-  make_rows(*job.executor, found, job.packet(task.begin).first, last.first + last.count,
-            &(*job.rows)[task.number]);
 }
 
 template <class Mode>
@@ -132,11 +109,10 @@ class Walk {
     bool shortened = false;
     counts_.triangle_tests += std::uint64_t{count} * packet_.count;
     for (std::uint32_t done = 0; done < count; done += 4, ++quad) {
-      const TriangleQuad& q = tree_.quads[quad];
       const std::uint32_t used = std::min(4u, count - done);
       for (std::uint32_t k = 0; k < used; ++k)
         triangle_in_packet(
-            packet_, q,
+            packet_, tree_.quads[quad],
             k, [&](std::size_t g, const Tested<Rays>& tested) __attribute__((always_inline)) {
               shortened |= take_lanes(4 * quad + k, g, tested);
             });
@@ -149,10 +125,9 @@ class Walk {
     std::uint32_t hit = bits_of(d, tested.hit);
     std::uint32_t unsettled = bits_of(d, tested.unsettled);
     if ((hit | unsettled) == 0) return false;
-    bool shortened = false;
-    if (unsettled == 0 && !Mode::kAll && job_.scene.facing == Facing::kBoth) {
-      unsettled = take_at_once(place, g, tested);
-      shortened = true;
+    bool shortened = hit != 0;
+    if (!Mode::kAll && job_.scene.facing == Facing::kBoth) {
+      if (hit != 0) unsettled |= take_at_once(place, g, tested);
     } else {
       alignas(64) float low[kPacketWidth], high[kPacketWidth];
       hn::Store(tested.low, d, low);

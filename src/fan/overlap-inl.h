@@ -1,26 +1,25 @@
 // One triangle against the bounds of cells, SIMD over the cells. Included once a SIMD target.
 //
-// A hit means (intersect/triangle_body.h): with x, y, z a corner as seen from the origin along the
-// axes of the ray's face, and (s, r) the ray's shears, the computed corners
-// X = fl(x - fl(s z)), Y = fl(y - fl(r z)) make a triangle that holds the point (0, 0), in exact
-// arithmetic and with its edges. Let u be the unit roundoff.
+// A hit means, in exact arithmetic (intersect/triangle_body.h): with x, y, z a corner as seen from
+// the origin along the axes of the ray's face, and (s, r) the ray's slopes, the sheared corners
+// X = x - s z, Y = y - r z make a triangle that holds the point (0, 0), with its edges. Here
+// corners are rounded, and cells hold rounded slopes. Let u be the unit roundoff.
 //
-// Rectangle. So some X is >= 0 and some X is <= 0, and rounding keeps signs of differences: some
-// x >= fl(s z). Where every |z| is at least kSafeDepth and on the ray's side, s is at most the
-// largest quotient x / z, but for u |s| <= u, for u |x / z| in the quotient, and for underflow. A
-// quotient beyond 2 lies outside the face with or without that. kRectanglePad, 8 u, is more.
+// Rectangle. So some X is >= 0 and some X is <= 0. Where every |z| is at least kSafeDepth and on
+// the ray's side, s is at most the largest quotient x / z, but for u |s| <= u in the slope and 3 u
+// |x / z| in the quotient, and for underflow. A quotient beyond 2 lies outside the face with or
+// without that. kRectanglePad, 8 u, is more.
 //
-// Depth. The computed t is a mean of the corners' depths with weights that agree in sign, where all
-// depths are positive; so it is the nearest corner's at least, but for gamma(9) in the mean, the
-// quotient and the reach. kDepthScale takes off 16 u.
+// Depth. t is that of a point of the triangle, rounded once; so it is the nearest corner's at
+// least, but for gamma(5) in the rounding, the depth and the reach. kDepthScale takes off 16 u.
 //
 // Edges. Let S bound |X| and |Y| over the cells, M the corners' coordinates; S <= 2 M, and R M <= S
-// for cells that reach R from the point (s0, r0) that edges are written around. The computed
-// corners err by u (M + S) each, and an edge function of theirs by 4 S u (M + S) <= 12 u M S.
-// Evaluated here: 20 u M S for the value at (s0, r0), (2 M + 6 S) M R u for either slope (R <= 2)
-// <= 14 u M S, 36 u M S for the sums. That is 96 u M S; kEdgeSlack is 128 u. A hit's three edge
-// functions agree in sign, so no ray of a cell is hit where one of them is beyond this on one side
-// and another on the other side, for every ray in the cell.
+// for cells that reach R from the point (s0, r0) that edges are written around. Rounded corners and
+// slopes move a sheared corner by 3 u M, and an edge function by 12 u M S. Evaluated here: 20 u M S
+// for the value at (s0, r0), (2 M + 6 S) M R u for either slope (R <= 2) <= 14 u M S, 36 u M S for
+// the sums. That is 96 u M S; kEdgeSlack is 128 u. A hit's three edge functions agree in sign, so
+// no ray of a cell is hit where one of them is beyond this on one side and another on the other
+// side, for every ray in the cell.
 #if defined(RAYSHEAF_FAN_OVERLAP_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAYSHEAF_FAN_OVERLAP_INL_H_
 #undef RAYSHEAF_FAN_OVERLAP_INL_H_

@@ -4,15 +4,14 @@
 //     |    o---------------------------->[e]        [e]: the box that is returned
 //     +------------------------------------+
 //
-// What a hit says. With L the largest coordinate of a corner of the triangle as seen from the ray's
-// origin, a hit that the ray-triangle test reports at t means (intersect/triangle_body.h):
-//   - a point of the ray's line at a parameter s lies within gamma(6) L of the triangle on every
-//     axis: one rounding in the difference to the origin, three in the shear, two for its factor;
-//   - s is t but for gamma(28) L along the dominant axis, so the line's point at t lies within
-//     gamma(34) L of the triangle on every axis.
-// Every triangle lies in the scene's box, and L is at most `size` below but for a rounding. So the
-// line's point at s lies in the box grown by `pad`, and s is at most the parameter at which the ray
-// leaves that box. A ray that misses it has no hits, whatever is returned; its end is its origin.
+// What a hit says. The line of the ray meets the triangle in exact arithmetic, at a parameter s,
+// and t is s rounded once, to within 1.25 u (intersect/triangle_body.h). With L the largest
+// coordinate of a corner of the triangle as seen from the ray's origin, s |d| is no more than L
+// along any axis; so the line's point at t lies within gamma(2) L of the triangle on every axis.
+// Where t underflows it is off by 2^-149. Every triangle lies in the scene's box, and L is at most
+// `size` below but for a rounding. So the line's point at s lies in the box grown by `pad`, and s
+// is at most the parameter at which the ray leaves that box. A ray that misses it has no hits,
+// whatever is returned; its end is its origin.
 #pragma once
 
 #include <cmath>

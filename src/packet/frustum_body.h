@@ -16,16 +16,11 @@
 // inside the packet and to the triangle, not with the place in the world. Let |B| be the farthest
 // corner of a box or triangle from there, and R the farthest origin of a ray, both as sums of
 // components.
-//   1. The ray-triangle test accepts a ray whose line passes a triangle at a distance of up to
-//      sqrt(2) gamma(6) |A|, |A| <= |B| + R the farthest corner from the ray's origin (one rounding
-//      in the difference, three in the shear; intersect/triangle_body.h).
-//   2. Its t is a mean of the corners' depths. The weights are right for the sheared corners but
-//      for an error of about 2^-22 p^2 / D, where p is the extent of the sheared triangle and D its
-//      determinant; so the point at t is within 2^-22 p^3 / D of the triangle. Since p <= 2 |A|, a
-//      triangle seen so that D >= 2^-7 p^2 gives at most 2^-14 |A|. A ray through one seen more
-//      nearly edge-on may be told to meet it farther off, though at a depth that it has: if such a
-//      ray ends before the triangle, or starts behind it, the bound may pass the triangle over.
-//   3. Differences and products in `meets` err by at most gamma(4) (|B| + R) (1 + |m|).
+//   1. A ray's hit is a point of the triangle, and its t is rounded by 1.25 u: the line's point at
+//   t
+//      is within gamma(2) |A| of it, |A| <= |B| + R the farthest corner from the ray's origin
+//      (geom/ray_end.h).
+//   2. Differences and products in `meets` err by at most gamma(4) (|B| + R) (1 + |m|).
 // Together they stay below kFrustumSlack (|B| + R) (1 + |m|). The ends of rays err by gamma(8) of
 // what they were summed from; with gamma(16) of it the bounds grow as they are measured.
 #pragma once

@@ -73,9 +73,8 @@ struct Depths {
 
 /// A bound from below on t of any hit of the ray with triangles between two depths.
 ///
-/// t is a mean of the corners' scaled depths with weights of one sign, so it is at least the least
-/// of them, but for gamma(8) of the largest (intersect/triangle_body.h); depths that are seen from
-/// the frustum's origin err by two roundings more. gamma(64) is above both.
+/// A hit is a point of a triangle, so its t is at least the least of the corners' scaled depths,
+/// but for one rounding of it and gamma(5) in what is computed here. gamma(64) is above both.
 RAYSHEAF_HD inline float least_t(const RaySetup& ray, float ray_depth, Depths depths) {
   const float size =
       std::fmax(std::fabs(depths.begin), std::fabs(depths.end)) + std::fabs(ray_depth);

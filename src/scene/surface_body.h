@@ -151,10 +151,9 @@ RAYSHEAF_HD inline PlacedSurface placed_surface(const Vec3 (&corner)[3], Vec3 fr
   const Vec3 facing = flat ? unit(widened(-direction), {0, 0, 1}) : front;
   placed.clearance = raysheaf::clearance(point, facing);
   placed.front = !(dot(widened(facing), widened(direction)) > 0);
-  const Vec3 shading =
-      normals != nullptr
-          ? on_side_of(facing, unit_normal(map, mixed(*normals, u, v), facing))
-          : facing;
+  const Vec3 shading = normals != nullptr
+                           ? on_side_of(facing, unit_normal(map, mixed(*normals, u, v), facing))
+                           : facing;
   placed.geometric_normal = placed.front ? facing : -facing;
   placed.normal = placed.front ? shading : -shading;
   return placed;

@@ -153,8 +153,7 @@ LaneBits PlaceSurfaces(const InstanceLanes* instances, std::size_t count, LaneBi
       shading = select(hn::And(mask_of(instances[i].lanes, k), has_direction), mapped, shading);
     }
     // `on_side_of`.
-    const FM opposed =
-        narrowed(hn::Lt(dot(widened(shading), widened(facing)), hn::Zero(dd)));
+    const FM opposed = narrowed(hn::Lt(dot(widened(shading), widened(facing)), hn::Zero(dd)));
     shading = select(opposed, negated(shading), shading);
     store3(select(behind, negated(facing), facing), c.geometric, k);
     store3(select(behind, negated(shading), shading), c.shading, k);

@@ -13,8 +13,8 @@
 // moving box is convex, so that no other planes are needed.
 //
 // Rounding. L, the largest gap, is no less than any coordinate of a corner of B as seen from an
-// origin. A reported hit has a point of its ray before the end within gamma(34) L of B on every
-// axis (geom/ray_end.h), a frustum's scaled directions move that by gamma(2) L, a gap is rounded by
+// origin. A hit has a point of its ray before the end within gamma(2) L of B on every axis
+// (geom/ray_end.h), a frustum's scaled directions move that by gamma(2) L, a gap is rounded by
 // gamma(1) L and by as much when the slack is added: 64 u L is enough. kTinySlack is for underflow,
 // and leaves a gap that is open at a speed of zero wide enough for the reciprocal that stands for
 // infinity. Quotients err by gamma(4), which the last comparison allows for.

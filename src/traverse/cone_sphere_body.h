@@ -15,13 +15,12 @@
 // the line for the generator and so accepts balls behind the origins.
 //
 // Rounding. v has a relative error of u a component, a and b absolute errors below gamma(8)|v|, the
-// sine was measured with an error below gamma(16). The ray-triangle test itself accepts rays that
-// pass a triangle at a distance of up to sqrt(2) gamma(6) |A|, |A| <= |v| + R the farthest corner
-// from an origin, or that begin up to gamma(28) sqrt(3) |A| beyond it (geom/ray_end.h); the latter
-// meet the ball of origins, which |v| <= R, right to within gamma(4), finds. Both sides of each
-// comparison are therefore right to within gamma(40)(|v| + R), which R grows by; |v| is bounded by
-// the sum of its components. R also grows by 2^-60, so that its square is not lost to underflow;
-// where |v|^2 is not small against the largest float the ball is accepted.
+// sine was measured with an error below gamma(16). A ray's hit is a point of the triangle, whose t
+// is rounded: a ray that ends there has its end within sqrt(3) gamma(2) |A| of the triangle, |A| <=
+// |v| + R the farthest corner from an origin (geom/ray_end.h). Both sides of each comparison are
+// therefore right to within gamma(40)(|v| + R), which R grows by; |v| is bounded by the sum of its
+// components. R also grows by 2^-60, so that its square is not lost to underflow; where |v|^2 is
+// not small against the largest float the ball is accepted.
 #pragma once
 
 #include <cmath>

@@ -10,11 +10,10 @@
 //                                           or s <= 0 and |v| <= T + R )    before the cap
 //
 // Rounding. s and e err by less than gamma(20)|v|, like the sine and what is made of it; e - T
-// matters where T < e <= |v|, and errs by less than gamma(22)|v| there. A reported hit has a point
-// of its ray, at a parameter in [0, t_max], within gamma(6) L of the triangle on the two axes
-// across the ray's dominant one, and from there to t along the ray it is gamma(28) L on every axis
-// (geom/ray_end.h): sqrt(2) gamma(6) + sqrt(3) gamma(28) < gamma(58) times the farthest corner,
-// which is no farther than |v| + R. gamma(80)(|v| + R) covers both; the slack is 96 u.
+// matters where T < e <= |v|, and errs by less than gamma(22)|v| there. A hit has a point of its
+// ray, at a parameter in [0, t_max], within sqrt(3) gamma(2) of the farthest corner from the
+// triangle (geom/ray_end.h), and that corner is no farther than |v| + R. gamma(26)(|v| + R) covers
+// both; the slack is 96 u.
 #pragma once
 
 #include "geom/finite_cone.h"

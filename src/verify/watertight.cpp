@@ -14,7 +14,8 @@ namespace {
 constexpr std::size_t kBatches = 4, kBatchRays = 1 << 16;  ///< a round's batches, and rays of each
 constexpr float kNever = std::numeric_limits<float>::infinity();
 /// Roundings of the largest coordinate, as seen from the ray, that must fit between a point that is
-/// taken for inside and the surface. The test moves a surface by gamma(34) (geom/ray_end.h).
+/// taken for inside and the surface. A point that is nearer may lie in the surface as it is
+/// rounded.
 constexpr float kInsideRoundings = 256;
 
 struct EdgePoint {

@@ -4,6 +4,7 @@
 #include "cuda/light_cases.h"
 #include "cuda/resolve_cases.h"
 #include "cuda/stage_cases.h"
+#include "cuda/triangle_cases.h"
 #include "raygen/published_body.h"
 
 namespace raysheaf::test {
@@ -38,6 +39,7 @@ std::vector<CompiledCase> compiled_stage_cases() {
           compiled<OrderCase>("Order"),
           compiled<ConeSphereCase>("ConeSphere"),
           compiled<TriangleCase>("Triangle"),
+          compiled<WideCase>("Wide"),
           compiled<ResolveCase>("Resolve"),
           compiled<SilhouetteCase>("Silhouette")};
 }

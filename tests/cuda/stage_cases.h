@@ -284,27 +284,4 @@ struct ConeSphereCase {
   }
 };
 
-/// Aimed at the triangle, a third of them at an edge, so that all stages of the test are taken.
-struct TriangleCase {
-  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
-    const float scale = draws.scale();
-    const Vec3 a = draws.in_box(2) * scale, b = draws.in_box(2) * scale;
-    const Vec3 c = draws.in_box(2) * scale;
-    const float u = draws.below(3) == 0 ? 0 : draws.unit();
-    const Vec3 target = lerp(a, b, draws.unit()) * (1 - u) + c * u;
-    const Vec3 origin = draws.in_box(3) * scale;
-    const RaySetup ray = make_ray_setup({origin, 0, target - origin});
-    TriangleHit hit{}, exact{};
-    const WideAnswer wide = answer_in_integers(origin, target - origin, a, b, c);
-    out.put(intersect_triangle(ray, a, b, c, &hit), surely_misses(ray, a, b, c),
-            line_meets_triangle(origin, target - origin, a, b, c, &exact), wide.meets);
-    out.put(hit.t, hit.u, hit.v, hit.front, exact.t, exact.u, exact.v, exact.front);
-    out.put(shows(Facing::kSkipBackOfSingleSided, kSingleSided, hit.front));
-    RayHit best;
-    best.take(hit.t, 3);
-    best.take(exact.t, 2);
-    out.put(best.found(), best.t, best.triangle);
-  }
-};
-
 }  // namespace raysheaf::test
