@@ -62,9 +62,10 @@ class Scene {
 
   /// A mesh, and its first instance where `options.place` says so. `Hit::prim_id` counts its
   /// `triangles`. Meshes without triangles are legal, triangles without area too: nothing hits
-  /// them. Throws `Error`: kInvalidData that names the first vertex which is not finite or farther
-  /// out than 1e18, or the first index out of range; kUnsupported above 2^31 - 1 vertices or
-  /// triangles. O(vertices + triangles), at the speed of memory.
+  /// them. Vertices that no triangle uses may be anything, NaN too. Throws `Error`: kInvalidData
+  /// that names the first other vertex which is not finite or farther out than 1e18, or the first
+  /// index out of range; kUnsupported above 2^31 - 1 vertices or triangles. O(vertices +
+  /// triangles), at the speed of memory.
   MeshId add(std::span<const Vec3> positions, std::span<const Triangle> triangles,
              const MeshOptions& options = {});
   /// The same without indices: each three positions in a row are a triangle. Throws also where
@@ -94,9 +95,9 @@ class Scene {
 
   /// Makes the changes since the last commit visible to queries: O(what has changed), and next to
   /// nothing where nothing has. Vertices go to the world here, where their instance's transform is
-  /// not the identity. Throws `Error`: kInvalidData where a transform puts a vertex farther out
-  /// than 1e18, kUnsupported above 2^31 - 1 triangles in all instances; the changes then wait for a
-  /// later commit.
+  /// not the identity. Throws `Error`: kInvalidData where a transform puts a triangle's vertex
+  /// farther out than 1e18, kUnsupported above 2^31 - 1 triangles in all instances; the changes
+  /// then wait for a later commit.
   void commit();
   /// Whether there is nothing to commit. Queries are refused where there is.
   [[nodiscard]] bool is_committed() const;

@@ -74,8 +74,8 @@ class Scene(Queries):
         Parameters
         ----------
         vertices : (n, 3) array of real numbers
-            Finite, no farther out than 1e18. Without `triangles` each three in a row are one; then
-            shape (m, 3, 3) will do as well.
+            Finite, no farther out than 1e18; those that no triangle uses may be anything. Without
+            `triangles` each three in a row are one; then shape (m, 3, 3) will do as well.
         triangles : (m, 3) array of integers, optional
             Indices into `vertices`. Triangles without area are legal; nothing hits them.
         transform : (3, 4) or (4, 4) array, optional
@@ -132,7 +132,7 @@ class Scene(Queries):
         Raises
         ------
         InvalidError
-            For another number of vertices, or one that is not finite.
+            For another number of vertices, or a triangle's vertex that is not finite.
         NotFoundError
             For a mesh that is not there.
         """

@@ -71,6 +71,10 @@ std::string element(const std::string& place, const char* field, std::size_t i) 
   return place + "." + field + "[" + std::to_string(i) + "]";
 }
 
+[[noreturn]] void throw_changed(const std::string& place, const char* field) {
+  throw Error(ErrorCode::kInvalidData, "the array changed while it was read", place + "." + field);
+}
+
 /// The first of `items` that is not `right`. One whose owner writes to it all the while may be
 /// right by now.
 template <class Item, class Right>
@@ -78,12 +82,40 @@ std::size_t first_wrong(View<const Item> items, const std::string& place, const 
                         const Right& right) {
   for (std::size_t i = 0; i < items.size; ++i)
     if (!right(items[i])) return i;
-  throw Error(ErrorCode::kInvalidData, "the array changed while it was read", place + "." + field);
+  throw_changed(place, field);
 }
 
-[[noreturn]] void throw_bad_position(View<const Vec3> positions, const std::string& place) {
-  const std::size_t i = first_wrong(positions, place, "positions",
-                                    [](const Vec3& p) { return check_coordinates(&p.x, 3); });
+bool is_right(const Vec3& position) {
+  return check_coordinates(&position.x, 3);
+}
+
+/// Whether the corners that triangles have are right. Indices out of range are another error's.
+bool are_right(const Executor& executor, View<const Vec3> positions,
+               View<const Triangle> triangles) {
+  return all_blocks(executor, triangles.size, [&](std::size_t begin, std::size_t end) {
+    for (const Triangle& triangle : triangles.slice(begin, end - begin))
+      for (const std::size_t corner : triangle)
+        if (corner < positions.size && !is_right(positions[corner])) return false;
+    return true;
+  });
+}
+
+/// The first wrong corner; `triangles` = null: of a soup.
+std::size_t first_wrong_corner(View<const Vec3> positions, const View<const Triangle>* triangles,
+                               const std::string& place) {
+  if (triangles == nullptr) return first_wrong(positions, place, "positions", is_right);
+  std::size_t first = positions.size;
+  for (const Triangle& triangle : *triangles)
+    for (const std::size_t corner : triangle)
+      if (corner < first && !is_right(positions[corner])) first = corner;
+  if (first == positions.size) throw_changed(place, "positions");
+  return first;
+}
+
+[[noreturn]] void throw_bad_position(View<const Vec3> positions,
+                                     const View<const Triangle>* triangles,
+                                     const std::string& place) {
+  const std::size_t i = first_wrong_corner(positions, triangles, place);
   const Vec3 p = positions[i];
   const bool finite = std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
   throw Error(ErrorCode::kInvalidData,
@@ -121,8 +153,9 @@ void MeshArrays::set(const Executor& executor, View<const Vec3> positions,
     throw Error(ErrorCode::kInvalidArgument,
                 std::to_string(positions.size) + " vertices are not three a triangle",
                 place + ".positions");
-  take_positions(executor, positions, place);
-  if (triangles != nullptr) take_triangles(executor, *triangles, positions.size, place);
+  View<const Triangle> taken;
+  if (triangles != nullptr) taken = take_triangles(executor, *triangles, positions.size, place);
+  take_positions(executor, positions, triangles != nullptr ? &taken : nullptr, place);
 
   soup_ = triangles == nullptr;
   positions_ = positions;
@@ -142,7 +175,7 @@ void MeshArrays::move(const Executor& executor, View<const Vec3> positions,
                 std::to_string(positions.size) + " vertices are given, but the mesh has " +
                     std::to_string(positions_.size),
                 place + ".positions");
-  take_positions(executor, positions, place);
+  take_positions(executor, positions, soup_ ? nullptr : &triangles_, place);
   positions_ = positions;
   if (storage_ == Storage::kShare) return;
   std::swap(own_positions_, next_positions_);
@@ -150,7 +183,7 @@ void MeshArrays::move(const Executor& executor, View<const Vec3> positions,
 }
 
 void MeshArrays::take_positions(const Executor& executor, View<const Vec3> positions,
-                                const std::string& place) {
+                                const View<const Triangle>* triangles, const std::string& place) {
   const bool copy = storage_ == Storage::kCopy;
   if (copy) next_positions_.resize_uninitialized(positions.size);
   const bool good = all_blocks(executor, positions.size, [&](std::size_t begin, std::size_t end) {
@@ -159,11 +192,16 @@ void MeshArrays::take_positions(const Executor& executor, View<const Vec3> posit
     return copy ? copy_coordinates(in, floats, &next_positions_[begin].x)
                 : check_coordinates(in, floats);
   });
-  if (!good) throw_bad_position(copy ? View<const Vec3>(next_positions_) : positions, place);
+  if (good) return;
+  const View<const Vec3> taken = copy ? View<const Vec3>(next_positions_) : positions;
+  if (triangles != nullptr && are_right(executor, taken, *triangles)) return;
+  throw_bad_position(taken, triangles, place);
 }
 
-void MeshArrays::take_triangles(const Executor& executor, View<const Triangle> triangles,
-                                std::size_t vertex_count, const std::string& place) {
+View<const Triangle> MeshArrays::take_triangles(const Executor& executor,
+                                                View<const Triangle> triangles,
+                                                std::size_t vertex_count,
+                                                const std::string& place) {
   const bool copy = storage_ == Storage::kCopy;
   const auto limit = static_cast<std::uint32_t>(vertex_count);
   if (copy) next_triangles_.resize_uninitialized(triangles.size);
@@ -173,9 +211,14 @@ void MeshArrays::take_triangles(const Executor& executor, View<const Triangle> t
     return copy ? copy_indices(in, indices, limit, next_triangles_[begin].data())
                 : check_indices(in, indices, limit);
   });
-  if (!good)
-    throw_bad_triangle(copy ? View<const Triangle>(next_triangles_) : triangles, vertex_count,
-                       place);
+  const View<const Triangle> taken = copy ? View<const Triangle>(next_triangles_) : triangles;
+  if (!good) throw_bad_triangle(taken, vertex_count, place);
+  return taken;
+}
+
+bool MeshArrays::corners_are_right(const Executor& executor, View<const Vec3> positions) const {
+  if (!soup_) return are_right(executor, positions, triangles_);
+  return std::all_of(positions.begin(), positions.end(), is_right);
 }
 
 std::size_t MeshArrays::memory_bytes() const {

@@ -15,7 +15,7 @@ class MeshArrays {
   explicit MeshArrays(Storage storage) : storage_(storage) {}
 
   /// Takes or shares the arrays; `triangles` = null for a soup. `place` names the mesh in errors.
-  /// Changes nothing where it throws.
+  /// Vertices that no triangle uses may be anything. Changes nothing where it throws.
   void set(const Executor& executor, View<const Vec3> positions,
            const View<const Triangle>* triangles, const std::string& place);
   /// Other positions, as many.
@@ -27,13 +27,18 @@ class MeshArrays {
   [[nodiscard]] std::uint32_t triangle_count() const {
     return static_cast<std::uint32_t>(soup_ ? positions_.size / 3 : triangles_.size);
   }
+  /// Whether all vertices that triangles use would be finite and within 1e18 at `positions`.
+  [[nodiscard]] bool corners_are_right(const Executor& executor, View<const Vec3> positions) const;
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
   void take_positions(const Executor& executor, View<const Vec3> positions,
-                      const std::string& place);
-  void take_triangles(const Executor& executor, View<const Triangle> triangles,
-                      std::size_t vertex_count, const std::string& place);
+                      const View<const Triangle>* triangles, const std::string& place);
+  /// Returns them as they were checked.
+  [[nodiscard]] View<const Triangle> take_triangles(const Executor& executor,
+                                                    View<const Triangle> triangles,
+                                                    std::size_t vertex_count,
+                                                    const std::string& place);
 
   Storage storage_;
   bool soup_ = false;

@@ -13,17 +13,22 @@ namespace {
 constexpr std::uint64_t kMostTriangles = 0x7fffffff;
 
 struct Move {
-  InstanceId instance;
+  const Placement* placement;
   std::size_t first;  // of its vertices, counted over all moves
   View<const Vec3> from;
   const Affine* to_world;
   Vec3* to;
 };
 
+/// Whether a vertex that a triangle uses leaves the range.
+bool leaves_range(const Executor& executor, const Move& move) {
+  return !move.placement->mesh->arrays.corners_are_right(executor, {move.to, move.from.size});
+}
+
 /// The least instance that leaves the range, or kInvalidId. Tasks may span several instances, and
 /// several tasks one.
 InstanceId run_moves(const Executor& executor, const std::vector<Move>& moves, std::size_t count) {
-  std::atomic<InstanceId> refused{kInvalidId};
+  std::vector<std::uint8_t> is_doubtful(moves.size());
   executor.for_each_block(count, kCopyGrain, [&](std::size_t begin, std::size_t end) {
     const auto after =
         std::upper_bound(moves.begin(), moves.end(), begin,
@@ -35,11 +40,14 @@ InstanceId run_moves(const Executor& executor, const std::vector<Move>& moves, s
       if (transform_points(*move->to_world, move->from.data + first, stop - first,
                            move->to + first))
         continue;
-      InstanceId least = refused.load(std::memory_order_relaxed);
-      while (move->instance < least && !refused.compare_exchange_weak(least, move->instance)) {
-      }
+      std::atomic_ref(is_doubtful[static_cast<std::size_t>(move - moves.begin())])
+          .store(1, std::memory_order_relaxed);
     }
   });
+  InstanceId refused = kInvalidId;
+  for (std::size_t m = 0; m < moves.size(); ++m)
+    if (is_doubtful[m] != 0 && moves[m].placement->id < refused && leaves_range(executor, moves[m]))
+      refused = moves[m].placement->id;
   return refused;
 }
 
@@ -111,7 +119,7 @@ void Scene::Impl::move_to_world(const std::vector<Placement*>& moved) {
     const View<const Vec3> from = placement->mesh->arrays.positions();
     if (placement->is_identity || from.empty()) continue;
     placement->world.resize_uninitialized(from.size);
-    moves.push_back({placement->id, count, from, &placement->to_world, placement->world.data()});
+    moves.push_back({placement, count, from, &placement->to_world, placement->world.data()});
     count += from.size;
   }
   const InstanceId refused = run_moves(executor(), moves, count);

@@ -243,6 +243,51 @@ TEST(Scene, RefusalsNameThePlaceAndChangeNothing) {
   }
 }
 
+/// A square whose triangles use its vertices 1 to 4, among others that they do not use.
+struct SquareAmongOthers {
+  std::vector<Vec3> positions;
+  std::vector<Triangle> triangles{{1, 2, 3}, {1, 3, 4}};
+
+  explicit SquareAmongOthers(float z = 0) : positions(Square(z).positions) {
+    positions.insert(positions.begin(), {kNaN, 0, 0});
+    positions.insert(positions.end(), {{0, kInfinity, 0}, {0, 0, 2e18f}, {1e18f, 0, 0}});
+  }
+};
+
+TEST(Scene, VerticesThatNoTriangleUsesMayBeAnything) {
+  for (const Storage storage : {Storage::kCopy, Storage::kShare}) {
+    SCOPED_TRACE(storage == Storage::kShare ? "shared" : "copied");
+    const SquareAmongOthers first, moved(1), replaced(2);
+    std::vector<Vec3> wrong = SquareAmongOthers().positions;
+    wrong[4].x = kNaN;
+    Scene scene(Context({.threads = 2}));
+    const auto expect_hits = [&](float t) {
+      scene.commit();
+      EXPECT_EQ(first_hit(scene, along_z()).t, t);
+      EXPECT_EQ(scene.bounds().max.z, 2 * (t - 10));
+    };
+    const MeshId mesh = scene.add(first.positions, first.triangles, {.storage = storage});
+    scene.instance(mesh, scaling({2, 2, 2}));
+    expect_hits(10);
+    scene.update(mesh, moved.positions);
+    expect_hits(11);
+    expect_error(ErrorCode::kInvalidData, "meshes[0].positions[4]", "not finite",
+                 [&] { scene.update(mesh, wrong); });
+    expect_error(ErrorCode::kInvalidData, "meshes[0].positions[4]", "not finite",
+                 [&] { scene.replace(mesh, wrong, first.triangles); });
+    expect_error(ErrorCode::kInvalidData, "meshes[0].triangles[1]", "index 2 is 8", [&] {
+      scene.replace(mesh, first.positions, std::vector<Triangle>{{1, 2, 3}, {1, 3, 8}});
+    });
+    scene.replace(mesh, replaced.positions, replaced.triangles);
+    expect_hits(12);
+    const InstanceId far = scene.instance(mesh, scaling({2e18f, 1, 1}));
+    expect_error(ErrorCode::kInvalidData, "instances[2].transform", "1e18",
+                 [&] { scene.commit(); });
+    scene.remove_instance(far);
+    expect_hits(12);
+  }
+}
+
 TEST(Scene, RefusesTransformsThatLeaveTheWorldAtCommit) {
   Scene scene;
   const Square square;

@@ -115,6 +115,7 @@ def test_arrays_that_change_while_they_are_read(what: str):
     count = 30_000
     vertices = np.zeros((count, 3), np.float32)
     triangles = np.zeros((count, 3), np.uint32)
+    triangles[0, 0] = count - 1
     scene = raysheaf.Scene()
     mesh = scene.add(vertices, triangles)
     done = False
