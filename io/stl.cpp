@@ -12,11 +12,12 @@
 #include "io/file_parts.h"
 #include "io/gltf_rules.h"
 #include "io/refuse.h"
+#include "io/stl_colors.h"
 
 namespace raysheaf::io {
 namespace {
 
-constexpr std::size_t kHeadBytes = 84, kTriangleBytes = 50;
+constexpr std::size_t kTextBytes = 80, kHeadBytes = 84, kTriangleBytes = 50;
 
 std::uint32_t read_u32(const std::uint8_t* p) {
   return static_cast<std::uint32_t>(p[0]) | static_cast<std::uint32_t>(p[1]) << 8 |
@@ -43,8 +44,15 @@ void add_triangle(AnyMesh& mesh) {
   mesh.triangles.push_back({end - 3, end - 2, end - 1});
 }
 
+/// Some programs begin ASCII files with it, as text in UTF-8 may.
+constexpr std::string_view kMark = "\xef\xbb\xbf";
+
+bool begins_with_mark(std::span<const std::uint8_t> file) {
+  return file.size() >= kMark.size() && std::memcmp(file.data(), kMark.data(), kMark.size()) == 0;
+}
+
 bool begins_with_solid(std::span<const std::uint8_t> file) {
-  std::size_t i = 0;
+  std::size_t i = begins_with_mark(file) ? kMark.size() : 0;
   while (i < file.size() && std::isspace(file[i]) != 0) ++i;
   constexpr std::string_view kWord = "solid";
   for (std::size_t k = 0; k < kWord.size(); ++k) {
@@ -65,16 +73,18 @@ bool is_ascii(const Bytes& file) {
 
 /// A record of a binary file, the triangle `number`.
 template <class AnyMesh>
-void read_record(const std::uint8_t* record, std::uint64_t number, AnyMesh& mesh) {
+void read_record(const std::uint8_t* record, std::uint64_t number, AnyMesh& mesh,
+                 StlPainter<AnyMesh>& painter) {
   const std::uint8_t* p = record + 12;
   for (int k = 0; k < 3; ++k, p += 12) {
     add_vertex(mesh, {read_float(p), read_float(p + 4), read_float(p + 8)},
                [number] { return "triangle[" + std::to_string(number) + "]"; });
   }
   add_triangle(mesh);
+  painter.add(static_cast<std::uint16_t>(p[0] | p[1] << 8));
 }
 
-Mesh read_binary(const Bytes& file) {
+Mesh read_binary(const Bytes& file, Vec3* base_color) {
   if (file.size() < kHeadBytes) refuse("the file is truncated inside its header", "STL header");
   const std::uint64_t count = read_u32(file.data() + 80);
   if (count > (file.size() - kHeadBytes) / kTriangleBytes) {
@@ -86,9 +96,11 @@ Mesh read_binary(const Bytes& file) {
   Mesh mesh;
   mesh.positions.reserve(3 * count);
   mesh.triangles.reserve(count);
+  StlPainter<Mesh> painter({file.data(), kTextBytes}, mesh);
   for (std::uint64_t t = 0; t < count; ++t) {
-    read_record(file.data() + kHeadBytes + kTriangleBytes * t, t, mesh);
+    read_record(file.data() + kHeadBytes + kTriangleBytes * t, t, mesh, painter);
   }
+  *base_color = painter.base_color();
   return mesh;
 }
 
@@ -96,16 +108,18 @@ Mesh read_binary(const Bytes& file) {
 class AsciiReader {
  public:
   explicit AsciiReader(const Bytes& file)
-      : text_(reinterpret_cast<const char*>(file.data()), file.size()) {}
+      : text_(reinterpret_cast<const char*>(file.data()), file.size()),
+        at_(begins_with_mark(file) ? kMark.size() : 0) {}
 
   std::vector<Mesh> read() {
     std::vector<Mesh> meshes;
-    for (std::string word = next_word(); !word.empty(); word = next_word()) {
+    for (std::string word = next_keyword(); !word.empty(); word = next_keyword()) {
       if (word != "solid") refuse("\"" + printable(word) + "\" where a solid begins", place());
       meshes.push_back(read_solid());
     }
     return meshes;
   }
+  [[nodiscard]] bool had_colors() const { return had_colors_; }
 
  private:
   [[nodiscard]] std::string place() const { return "line " + std::to_string(line_); }
@@ -114,7 +128,7 @@ class AsciiReader {
     Mesh mesh;
     mesh.name = rest_of_line();
     for (;;) {
-      const std::string word = next_word();
+      const std::string word = next_keyword();
       if (word == "endsolid") break;
       if (word != "facet") {
         refuse(word.empty() ? "the file is truncated: the solid has no end"
@@ -141,8 +155,20 @@ class AsciiReader {
     add_triangle(mesh);
   }
 
+  /// The next word that may be one of the format's. Some programs write "end loop", "end facet" and
+  /// "end solid", and ANSA lines of "color" with three numbers anywhere.
+  std::string next_keyword() {
+    for (;;) {
+      const std::string word = next_word();
+      if (word == "end") return word + next_word();
+      if (word != "color" && word != "colour") return word;
+      had_colors_ = true;
+      rest_of_line();
+    }
+  }
+
   void expect(const char* wanted) {
-    const std::string word = next_word();
+    const std::string word = next_keyword();
     if (word == wanted) return;
     refuse(word.empty() ? "the file is truncated: it ends before \"" + std::string(wanted) + "\""
                         : "\"" + printable(word) + "\" where \"" + wanted + "\" is needed",
@@ -188,15 +214,16 @@ class AsciiReader {
   }
 
   std::string_view text_;
-  std::size_t at_ = 0, line_ = 1;
+  std::size_t at_, line_ = 1;
+  bool had_colors_ = false;
 };
 
 /// What is told of an STL beside its triangles.
-void name_and_paint(SceneDescription& scene) {
+void name_and_paint(SceneDescription& scene, Vec3 color) {
   Material material;
   material.name = "default";
   material.double_sided = true;
-  material.base_color = {0.8f, 0.8f, 0.8f, 1};
+  material.base_color = {color.x, color.y, color.z, 1};
   scene.materials.push_back(material);
   for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
     Mesh& mesh = scene.meshes[m];
@@ -211,12 +238,17 @@ void name_and_paint(SceneDescription& scene) {
 SceneDescription load_stl(const Bytes& file, const SceneFile& from) {
   SceneDescription scene;
   scene.name = std::filesystem::path(from.path).stem().string();
-  if (is_ascii(file))
-    scene.meshes = AsciiReader(file).read();
-  else
-    scene.meshes.push_back(read_binary(file));
+  Vec3 color = kStlGrey;
+  if (is_ascii(file)) {
+    AsciiReader reader(file);
+    scene.meshes = reader.read();
+    if (reader.had_colors())
+      scene.warnings.emplace_back("The color lines of an ASCII STL file are left out.");
+  } else {
+    scene.meshes.push_back(read_binary(file, &color));
+  }
   std::erase_if(scene.meshes, [](const Mesh& mesh) { return mesh.triangles.empty(); });
-  name_and_paint(scene);
+  name_and_paint(scene, color);
   return scene;
 }
 
@@ -236,6 +268,7 @@ std::optional<OuterScene> read_outer_stl(const std::string& path, const PackOpti
   OuterScene scene;
   scene.columns = std::make_unique<OuterColumns>(options);
   OuterMesh& mesh = scene.meshes.emplace_back(scene.columns.get());
+  StlPainter<OuterMesh> painter({some.data(), kTextBytes}, mesh);
   constexpr std::uint64_t kAtOnce = 1u << 14;
   for (std::uint64_t t = 0; t < count; ++t) {
     const std::uint64_t within = t % kAtOnce;
@@ -243,13 +276,13 @@ std::optional<OuterScene> read_outer_stl(const std::string& path, const PackOpti
       some.resize(kTriangleBytes * std::min(kAtOnce, count - t));
       file.read(kHeadBytes + kTriangleBytes * t, some, "");
     }
-    read_record(some.data() + kTriangleBytes * within, t, mesh);
+    read_record(some.data() + kTriangleBytes * within, t, mesh, painter);
   }
   mesh.materials.push_back(0);
   scene.rest.name = std::filesystem::path(path).stem().string();
   scene.rest.meshes.emplace_back();
   scene.rest.files = {path};
-  name_and_paint(scene.rest);
+  name_and_paint(scene.rest, painter.base_color());
   return scene;
 }
 

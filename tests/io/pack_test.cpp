@@ -7,7 +7,8 @@ namespace {
 
 class Pack : public PackTest {
  protected:
-  /// A binary STL of triangles of a few kinds; corners are on a coarse grid where `ties`.
+  /// A binary STL of triangles of a few kinds; corners are on a coarse grid where `ties`, and have
+  /// colours where not.
   std::string stl(const std::string& name, std::uint32_t count, bool ties) {
     Random random(count);
     Bytes bytes(80, ' ');
@@ -20,7 +21,7 @@ class Pack : public PackTest {
         for (const float x : {at.x + size.x, at.y + size.y, 0.1f * (at.z + size.z)})
           append(bytes, ties ? std::round(x) : x);
       }
-      append(bytes, std::uint16_t{0});
+      append(bytes, static_cast<std::uint16_t>(ties ? 0 : 0x8000 | t / 3 * 37));
     }
     return write(name, bytes);
   }

@@ -50,6 +50,79 @@ TEST_F(Stl, ReadsBinaryEvenIfItSaysSolid) {
   longer.push_back(0);
   EXPECT_EQ(load_scene(write("b.stl", longer)).triangle_count(), 2u);
 }
+
+/// A binary file whose triangles have these attributes.
+Bytes coloured(const std::string& head, const std::vector<std::uint16_t>& attributes) {
+  const auto count = static_cast<std::uint32_t>(attributes.size());
+  Bytes bytes = binary(head, count, count);
+  for (std::size_t t = 0; t < attributes.size(); ++t)
+    std::memcpy(bytes.data() + 84 + 50 * t + 48, &attributes[t], sizeof attributes[t]);
+  return bytes;
+}
+/// "COLOR=" and a body in orange, as Magics writes it.
+const std::string kMagics = "COLOR=\xff\x80" + std::string(1, '\0') + "\xff";
+constexpr float kLinear128 = 0.2158605f;
+
+void expect_colors(const SceneDescription& scene, const std::vector<Vec3>& expected) {
+  const Mesh& mesh = scene.meshes[0];
+  const Vec4 base = scene.materials[0].base_color;
+  for (std::size_t t = 0; t < expected.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 own = mesh.colors.empty() ? Vec3{1, 1, 1} : mesh.colors[mesh.triangles[t][k]];
+      EXPECT_NEAR(own.x * base.x, expected[t].x, 1e-6) << t;
+      EXPECT_NEAR(own.y * base.y, expected[t].y, 1e-6) << t;
+      EXPECT_NEAR(own.z * base.z, expected[t].z, 1e-6) << t;
+    }
+  }
+}
+
+TEST_F(Stl, ShowsTheColoursOfMagics) {
+  const Vec3 orange{1, kLinear128, 0};
+  expect_colors(load_scene(write("a.stl", coloured(kMagics, {0x001f, 0x03e0, 0x7c00, 0xffff}))),
+                {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, orange});
+  for (const std::uint16_t none : {std::uint16_t{0}, std::uint16_t{0x8000}}) {
+    const SceneDescription scene = load_scene(write("a.stl", coloured(kMagics, {none, none})));
+    expect_colors(scene, {orange, orange});
+    EXPECT_TRUE(scene.meshes[0].colors.empty()) << "one colour is the material's";
+  }
+  expect_colors(load_scene(write("a.stl", coloured(kMagics, {0, 0x001f}))), {{0, 0, 0}, {1, 0, 0}});
+}
+
+TEST_F(Stl, ShowsTheColoursOfViscam) {
+  const Vec3 grey{0.8f, 0.8f, 0.8f};
+  expect_colors(load_scene(write("a.stl", coloured("", {0x801f, 0xfc00, 0x03e0, 0x83e0}))),
+                {{0, 0, 1}, {1, 0, 0}, grey, {0, 1, 0}});
+  const SceneDescription red = load_scene(write("a.stl", coloured("", {0xfc00, 0xfc00})));
+  expect_colors(red, {{1, 0, 0}, {1, 0, 0}});
+  EXPECT_TRUE(red.meshes[0].colors.empty());
+  expect_colors(load_scene(write("a.stl", coloured("", {7, 7}))), {grey, grey});
+}
+
+TEST_F(Stl, ReadsTextBehindAByteOrderMark) {
+  const std::string text = "\xef\xbb\xbfsolid one\n" + kFacet + "endsolid\n";
+  const SceneDescription scene = load_scene(write("a.stl", text));
+  EXPECT_EQ(scene.triangle_count(), 1u);
+  EXPECT_EQ(scene.meshes[0].name, "one");
+}
+
+TEST_F(Stl, ReadsDialects) {
+  std::string facet = kFacet;
+  facet.replace(facet.find("endloop"), 7, "end  loop");
+  facet.replace(facet.find("endfacet"), 8, "End Facet");
+  const SceneDescription ends =
+      load_scene(write("a.stl", "solid a\n" + facet + facet + "end solid a\n"));
+  EXPECT_EQ(ends.triangle_count(), 2u);
+  EXPECT_TRUE(ends.warnings.empty());
+  for (const char* before : {"facet", " outer", "  vertex 1", " endloop", "endsolid"}) {
+    std::string text = "solid a\n" + kFacet + "endsolid a\n";
+    text.insert(text.find(before), "COLOR 0.5 0.5 1\n");
+    const SceneDescription scene = load_scene(write("a.stl", text));
+    EXPECT_EQ(scene.triangle_count(), 1u) << before;
+    EXPECT_EQ(scene.warnings.size(), 1u) << before;
+    EXPECT_TRUE(warns(scene, "color")) << before;
+  }
+}
+
 TEST_F(Stl, NamesWhatIsWrong) {
   expect_refused(write("a.stl", binary("", 6, 5)), kInvalidData, {"6 triangles", "for 5"});
   expect_refused(write("a.stl", binary("", 0xffffffff, 1)), kInvalidData, {"truncated"});
