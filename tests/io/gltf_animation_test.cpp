@@ -75,7 +75,8 @@ class GltfMoving : public IoTest {
 
   /// One warning has all of the words.
   void warned(const std::vector<std::string>& words) {
-    const SceneDescription& scene = load()->scene();
+    const std::unique_ptr<Animation> animation = load();
+    const SceneDescription& scene = animation->scene();
     const bool found =
         std::any_of(scene.warnings.begin(), scene.warnings.end(), [&](const std::string& sentence) {
           return std::all_of(words.begin(), words.end(), [&](const std::string& word) {
