@@ -63,7 +63,10 @@ void replace_part(std::vector<T>& list, std::size_t first, std::size_t* count,
 }
 
 bool same_slot(const TextureSlot& a, const TextureSlot& b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
+  const auto numbers = [](const TextureSlot& s) {
+    return std::array<float, 5>{s.offset.x, s.offset.y, s.scale.x, s.scale.y, s.rotation};
+  };
+  return a.texture == b.texture && a.second_uvs == b.second_uvs && numbers(a) == numbers(b);
 }
 bool same_material(const Material& a, const Material& b) {
   const auto numbers = [](const Material& m) {

@@ -122,7 +122,8 @@ void expect_same(const Material& a, const Material& b) {
   EXPECT_EQ(std::memcmp(&a.base_color, &b.base_color, sizeof a.base_color), 0);
   for (const auto slot : {&Material::base_color_texture, &Material::metallic_roughness_texture,
                           &Material::emission_texture, &Material::normal_texture}) {
-    EXPECT_EQ(std::memcmp(&(a.*slot), &(b.*slot), sizeof(TextureSlot)), 0);
+    EXPECT_EQ(std::memcmp(&(a.*slot), &(b.*slot), offsetof(TextureSlot, second_uvs)), 0);
+    EXPECT_EQ((a.*slot).second_uvs, (b.*slot).second_uvs);
   }
   for (const auto number :
        {&Material::metallic, &Material::roughness, &Material::specular, &Material::transmission,
