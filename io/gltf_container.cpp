@@ -3,6 +3,7 @@
 #include <string_view>
 #include <utility>
 
+#include "io/file_kind.h"
 #include "io/gltf_json.h"
 #include "io/refuse.h"
 #include "raysheaf/error.h"
@@ -79,41 +80,15 @@ bool begins_with(const GltfBytes& file, std::string_view bytes) {
                     [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
 }
 
-/// What begins like this, where it is neither GLB nor JSON; or null.
-const char* known_kind(const GltfBytes& file) {
+/// What the file is, where it is neither GLB nor JSON; or nothing.
+std::string foreign_kind(const GltfBytes& file) {
   using namespace std::string_view_literals;
-  constexpr std::pair<std::string_view, const char*> kKinds[] = {
-      {"\xff\xfe"sv, "text in UTF-16; glTF is JSON in UTF-8"},
-      {"\xfe\xff"sv, "text in UTF-16; glTF is JSON in UTF-8"},
-      {"{\0"sv, "text in UTF-16; glTF is JSON in UTF-8"},
-      {"\0{"sv, "text in UTF-16; glTF is JSON in UTF-8"},
-      {"PK\x03\x04"sv, "a ZIP archive; unpack it first"},
-      {"\x1f\x8b"sv, "a gzip file; unpack it first"},
-      {"\x28\xb5\x2f\xfd"sv, "a Zstandard file; unpack it first"},
-      {"7z\xbc\xaf\x27\x1c"sv, "a 7-Zip archive; unpack it first"},
-      {"\x89PNG"sv, "a PNG image"},
-      {"\xff\xd8\xff"sv, "a JPEG image"},
-      {"RIFF"sv, "a RIFF file, such as a WebP image"},
-      {"\xabKTX"sv, "a KTX texture"},
-      {"%PDF"sv, "a PDF document"},
-      {"DRACO"sv, "a Draco mesh without glTF"},
-      {"Kaydara FBX"sv, "an FBX file"},
-      {"BLENDER"sv, "a Blender file"},
-      {"\x7f"
-       "ELF"sv,
-       "a program"},
-      {"solid"sv, "an STL file"},
-      {"ply\n"sv, "a PLY file"},
-      {"ply\r"sv, "a PLY file"},
-      {"#usda"sv, "a USD file"},
-      {"PXR-USDC"sv, "a USD file"},
-      {"version https://git-lfs"sv, "a Git LFS pointer; fetch the file itself with `git lfs pull`"},
-      {"<"sv, "XML or HTML"},
-      {"\0\0\0\0"sv, "zeros: it was not written to its end"}};
-  for (const auto& [bytes, kind] : kKinds) {
-    if (begins_with(file, bytes)) return kind;
-  }
-  return nullptr;
+  for (const std::string_view bytes : {"\xff\xfe"sv, "\xfe\xff"sv, "{\0"sv, "\0{"sv})
+    if (begins_with(file, bytes)) return "text in UTF-16; glTF is JSON in UTF-8";
+  Bytes scratch;
+  const FileKind* kind =
+      kind_by_content(file.read(0, std::min<std::uint64_t>(file.size(), kKindBytes), scratch));
+  return kind == nullptr ? std::string() : described(*kind);
 }
 
 /// Whether it may be JSON: it begins, behind blanks and a byte order mark, with a brace.
@@ -133,7 +108,7 @@ bool may_be_json(const GltfBytes& file) {
 
 GltfParts split_gltf(const GltfBytes& file, bool is_glb) {
   if (begins_with(file, "glTF")) return split_glb(file);
-  if (const char* kind = known_kind(file))
+  if (const std::string kind = foreign_kind(file); !kind.empty())
     refuse(std::string("is no ") + (is_glb ? "GLB" : "glTF") + " file, but " + kind);
   if (!may_be_json(file)) {
     refuse(is_glb ? "is no GLB file: it begins neither with \"glTF\" nor as JSON"

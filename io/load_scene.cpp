@@ -1,6 +1,12 @@
 // The one door for scene files: looks at the ending, and puts the file's name before what went
 // wrong.
+#include <algorithm>
+#include <cctype>
+#include <string_view>
+
 #include "io/file.h"
+#include "io/file_kind.h"
+#include "io/file_parts.h"
 #include "io/float_spacing.h"
 #include "io/gltf.h"
 #include "io/load.h"
@@ -28,11 +34,27 @@ Loader loader_for(const std::string& ending) {
   return nullptr;
 }
 
-const char* why_not(const std::string& ending) {
+/// Why a file of this ending is no scene at rest.
+std::string why_not(const std::string& path, const std::string& ending) {
   if (ending == "rsb") return "blocks stream, and are not read whole";
   if (ending == "json") return "a sequence of files is no scene at rest";
+  const io::FileReader file(path);
+  io::Bytes head(std::min<std::uint64_t>(file.size(), io::kKindBytes));
+  file.read(0, head, path);
+  if (const io::FileKind* kind = io::kind_of(head, ending)) return "is " + described(*kind);
   return "the ending is none of .gltf, .glb, .obj, .ply and .stl, nor .rsb (blocks) or .json (a "
          "sequence)";
+}
+
+/// Refuses what its first bytes say is of another kind than its ending. A binary STL may begin with
+/// anything, and is known by its length.
+void check_kind(const io::Bytes& file, const std::string& ending, const std::string& path) {
+  const io::FileKind* kind = io::kind_by_content(file);
+  if (kind == nullptr || (ending == "stl" && io::may_be_stl(file))) return;
+  if (ending == "ply" && std::string_view(kind->name) == "a PLY file") return;
+  std::string upper = ending;
+  for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  throw Error(ErrorCode::kInvalidData, "is no " + upper + " file, but " + described(*kind), path);
 }
 
 io::GltfScene load_any(const std::string& path, const LoadOptions& options,
@@ -40,17 +62,19 @@ io::GltfScene load_any(const std::string& path, const LoadOptions& options,
   const std::string ending = io::ending_of(path);
   // Before the whole file is read, but not before it is known to be there.
   if (io::file_exists(path) && !is_gltf(ending) && loader_for(ending) == nullptr) {
-    throw Error(ErrorCode::kUnsupported, why_not(ending), path);
+    throw Error(ErrorCode::kUnsupported, why_not(path, ending), path);
   }
   const io::Bytes file = io::read_file(path);
   if (file.empty()) throw Error(ErrorCode::kInvalidData, "the file is empty", path);
   std::set<std::string> names;
   const io::SceneFile from{path, options.allow_external, images, &names};
   io::GltfScene loaded;
-  if (is_gltf(ending))
+  if (is_gltf(ending)) {
     loaded = io::load_gltf(file, from);
-  else
+  } else {
+    check_kind(file, ending, path);
     loaded.scene = loader_for(ending)(file, from);
+  }
   loaded.scene.files = io::files_of(from);
   for (std::string& sentence : loaded.scene.warnings) sentence = io::whole_utf8(sentence);
   return loaded;

@@ -61,13 +61,15 @@ bool begins_with_solid(std::span<const std::uint8_t> file) {
   return true;
 }
 
-/// Binary files may begin with "solid" too. Their length follows from their count; where it does
-/// not, text is what has no zero byte.
+/// The length of a binary file follows from its count.
+bool has_binary_length(const Bytes& file) {
+  return file.size() >= kHeadBytes &&
+         file.size() == kHeadBytes + kTriangleBytes * std::uint64_t{read_u32(file.data() + 80)};
+}
+/// Binary files may begin with "solid" too. Where the length does not tell, text is what has no
+/// zero byte.
 bool is_ascii(const Bytes& file) {
-  if (!begins_with_solid(file)) return false;
-  if (file.size() < kHeadBytes) return true;
-  const std::uint64_t count = read_u32(file.data() + 80);
-  if (file.size() == kHeadBytes + kTriangleBytes * count) return false;
+  if (!begins_with_solid(file) || has_binary_length(file)) return false;
   return std::find(file.begin(), file.end(), std::uint8_t{0}) == file.end();
 }
 
@@ -234,6 +236,14 @@ void name_and_paint(SceneDescription& scene, Vec3 color) {
 }
 
 }  // namespace
+
+bool may_be_stl(const Bytes& file) {
+  const bool is_blank =
+      std::all_of(file.begin(),
+                  file.begin() + static_cast<std::ptrdiff_t>(std::min(file.size(), std::size_t{4})),
+                  [](std::uint8_t byte) { return byte == 0; });
+  return begins_with_solid(file) || has_binary_length(file) || is_blank;
+}
 
 SceneDescription load_stl(const Bytes& file, const SceneFile& from) {
   SceneDescription scene;

@@ -9,7 +9,7 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kChannelGrain = 32, kNodeGrain = 256, kInstanceGrain = 1024;
+constexpr std::size_t kChannelGrain = 32, kRigNodeGrain = 256, kInstanceGrain = 1024;
 
 bool same(const Affine& a, const Affine& b) {
   return std::memcmp(&a, &b, sizeof a) == 0;
@@ -127,7 +127,7 @@ void RigState::apply(const Executor& executor, const RigClip& clip, double time)
 void RigState::place(const Executor& executor, const Levels& levels) {
   for (std::size_t level = 0; level + 1 < levels.starts.size(); ++level) {
     const std::size_t begin = levels.starts[level], count = levels.starts[level + 1] - begin;
-    executor.for_each(count, kNodeGrain, [&](std::size_t i) {
+    executor.for_each(count, kRigNodeGrain, [&](std::size_t i) {
       const std::uint32_t n = levels.nodes[begin + i], parent = rig_.nodes[n].parent;
       const Placement local = local_placement(local_[n]);
       to_world_[n] = parent == kInvalidId ? local : compose(to_world_[parent], local);

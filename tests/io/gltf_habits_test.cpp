@@ -106,7 +106,7 @@ TEST_F(GltfHabits, SaysWhatAFileIsThatIsNoGltf) {
     expect_refused(write(name, text), ErrorCode::kInvalidData, {kind});
   };
   is("a.glb", "PK\x03\x04 and so on", "no GLB file, but a ZIP archive");
-  is("b.glb", "<!DOCTYPE html>", "XML or HTML");
+  is("b.glb", "<!DOCTYPE html>", "a web page");
   is("c.glb", "hello", "no GLB file: it begins neither");
   is("d.gltf", std::string("\xff\xfe{\0\"\0", 6), "UTF-16");
   is("e.gltf", std::string("{\0\"\0a\0", 6), "UTF-16");

@@ -295,7 +295,7 @@ TEST_F(GltfRefusal, FilesThatAreNone) {
   std::filesystem::create_directory(path("folder.glb"));
   expect_refused(path("folder.glb"), kIo, {"folder"});
   expect_refused(write("empty.glb", std::string()), kInvalidData, {"empty"});
-  expect_refused(write("scene.xyz", std::string("a")), kUnsupported, {"ending"});
+  expect_refused(write("scene.xyzzy", std::string("a")), kUnsupported, {"ending"});
   expect_refused(write("scene", std::string("a")), kUnsupported, {"ending"});
   expect_refused(path(""), kIo, {});
 }
