@@ -57,6 +57,7 @@ struct EncodedImage {
   std::string name;   ///< the name that the scene shall see
   std::string place;  ///< for the warning: "images[3]"
   Bytes bytes;
+  bool is_data = false;  ///< of numbers rather than colours: EXR's stay linear
 };
 
 /// The pictures that could be decoded, and where each of the encoded ones went: `kInvalidId` where

@@ -26,6 +26,9 @@ struct Corner {
   bool operator==(const Corner&) const = default;
 };
 
+/// Of vertices without a colour: less than a colour's parts, which are not below 0.
+constexpr Vec3 kNoColor{-1, -1, -1};
+
 /// The faces of one object or group, cut into triangles.
 struct Group {
   std::string name;
@@ -66,10 +69,13 @@ class ObjReader {
       static_cast<ObjReader*>(self)->begin_object(name);
     };
     tinyobj::LoadObjWithCallback(stream, callbacks, this, nullptr, nullptr, nullptr);
-    read_libraries();
+    find_materials();
+    scale_colors();
   }
 
   [[nodiscard]] bool has_colors() const { return !colors_.empty(); }
+  /// Whether colours go to 255, not to 1.
+  [[nodiscard]] bool is_in_bytes() const { return is_in_bytes_; }
   /// Whether a face names normals or texture coordinates where there are none.
   [[nodiscard]] bool names_nothing() const { return names_nothing_; }
 
@@ -91,11 +97,24 @@ class ObjReader {
     positions_.push_back(p);
     if (lines_.color()) add_color(*lines_.color());
   }
-  /// Those before that have none are white.
+  /// Those before have none.
   void add_color(Vec3 color) {
-    colors_.resize(positions_.size() - 1, {1, 1, 1});
-    const auto linear = [](float x) { return static_cast<float>(linear_of_srgb(x)); };
-    colors_.push_back(Vec3{linear(color.x), linear(color.y), linear(color.z)});
+    colors_.resize(positions_.size() - 1, kNoColor);
+    colors_.push_back(color);
+    is_in_bytes_ = is_in_bytes_ || std::max({color.x, color.y, color.z}) > kMostUnitColor;
+  }
+  /// As they are written until all are known: programs that mean bytes write up to 255.
+  void scale_colors() {
+    const float largest = is_in_bytes_ ? 255.0f : 1.0f;
+    const auto linear = [&](float x) {
+      return static_cast<float>(linear_of_srgb(std::clamp(x / largest, 0.0f, 1.0f)));
+    };
+    for (Vec3& color : colors_) {
+      if (color.x == kNoColor.x)
+        color = {1, 1, 1};
+      else
+        color = {linear(color.x), linear(color.y), linear(color.z)};
+    }
   }
   void add_normal(Vec3 n) {
     if (!std::isfinite(n.x) || !std::isfinite(n.y) || !std::isfinite(n.z)) {
@@ -172,22 +191,26 @@ class ObjReader {
     group_ = kInvalidId;
   }
 
+  /// Names have numbers until all libraries are read: one may come behind the faces that use it.
   void use_material(const std::string& name) {
     material_name_ = trim(name);
     material_ = kInvalidId;
   }
   std::uint32_t current_material() {
-    read_libraries();
-    if (material_ == kInvalidId) {
-      material_ = material_name_.empty() ? materials_.fallback() : materials_.find(material_name_);
-    }
+    if (material_ != kInvalidId) return material_;
+    const auto [it, fresh] = number_of_name_.try_emplace(
+        material_name_, static_cast<std::uint32_t>(material_names_.size()));
+    if (fresh) material_names_.push_back(material_name_);
+    material_ = it->second;
     return material_;
   }
-  void read_libraries() {
-    for (const std::string& names : lines_.take_libraries()) {
-      materials_.add(names);
-      material_ = kInvalidId;
-    }
+  void find_materials() {
+    for (const std::string& names : lines_.take_libraries()) materials_.add(names);
+    std::vector<std::uint32_t> found;
+    for (const std::string& name : material_names_)
+      found.push_back(name.empty() ? materials_.fallback() : materials_.find(name));
+    for (Group& group : groups_)
+      for (std::uint32_t& material : group.materials) material = found[material];
   }
 
   /// Corners that refer to the same are one vertex. Only the newest few vertices of a position are
@@ -262,8 +285,11 @@ class ObjReader {
   std::vector<Group> groups_;
   std::unordered_map<std::string, std::size_t> group_of_;
   std::string object_name_, group_name_, material_name_;
-  std::uint32_t group_ = kInvalidId, material_ = kInvalidId;
-  bool names_nothing_ = false;
+  std::uint32_t group_ = kInvalidId;
+  std::uint32_t material_ = kInvalidId;  ///< the number of `material_name_`
+  std::vector<std::string> material_names_;
+  std::unordered_map<std::string, std::uint32_t> number_of_name_;
+  bool names_nothing_ = false, is_in_bytes_ = false;
   std::vector<Corner> face_;
   std::vector<Vec3> points_;
   std::optional<VertexMerger> merger_;
@@ -284,6 +310,7 @@ SceneDescription load_obj(const Bytes& file, const SceneFile& from) {
   }
   if (reader.has_colors()) materials.whiten_fallback();
   materials.finish();
+  if (reader.is_in_bytes()) scene.warnings.emplace_back(kBytesRemark);
   if (lines.had_lines_or_points()) scene.warnings.push_back("Points and lines are left out.");
   if (lines.had_curves()) scene.warnings.push_back("Curves and surfaces are left out.");
   if (reader.names_nothing()) {

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "io/file.h"
+#include "io/named_file.h"
+#include "io/texture_files.h"
 #include "raysheaf/scene_description.h"
 
 namespace raysheaf::io {
@@ -16,7 +18,8 @@ namespace raysheaf::io {
 /// The material libraries of an OBJ file: materials by name, and what they show.
 class MtlLibrary {
  public:
-  MtlLibrary(const SceneFile& from, SceneDescription& scene) : from_(from), scene_(scene) {}
+  MtlLibrary(const SceneFile& from, SceneDescription& scene)
+      : from_(from), scene_(scene), textures_(from, scene) {}
 
   /// Reads the files that an mtllib line names: one whose name may hold spaces, or several.
   void add(const std::string& names);
@@ -30,15 +33,13 @@ class MtlLibrary {
   void finish();
 
  private:
-  void read(const std::string& name);
-  std::uint32_t texture(const std::string& name, bool clamped, const std::string& place);
-  /// Decodes the pictures into the scene; where each path's went.
-  std::map<std::string, std::uint32_t> read_images();
+  void read(const std::string& name, const NamedFile& file);
+  void warn_of_library(const std::string& name, const Error& error);
   /// What masks say goes to the alpha of base colours: into pictures of their own, but where both
   /// are one.
   void cut_out();
   void warn_once(const std::string& sentence);
-  void warn_of_missing_materials();
+  void warn_of_names();
   friend class MtlConverter;
 
   /// What a material's map_d reads.
@@ -52,10 +53,9 @@ class MtlLibrary {
   SceneDescription& scene_;
   std::vector<Mask> masks_;
   std::map<std::string, std::uint32_t> by_name_;
-  std::map<std::string, std::uint32_t> texture_of_;
-  std::vector<std::string> image_paths_;  ///< one a texture, until `finish`
+  TextureFiles textures_;
   std::set<std::string> read_, warned_;
-  std::vector<std::string> missing_;
+  std::vector<std::string> missing_, twice_;
   std::uint32_t fallback_ = kInvalidId;
 };
 

@@ -86,9 +86,9 @@ Reference check_reference(std::string_view word) {
   return Reference::kMalformed;
 }
 
-/// From 0 to 1.
+/// A part of a colour, not below 0. What is beyond 255 is that.
 float value_of(std::string_view number) {
-  return static_cast<float>(std::clamp(number_of(number), 0.0, 1.0));
+  return static_cast<float>(std::clamp(number_of(number), 0.0, 255.0));
 }
 
 std::string quoted(std::string_view word) {

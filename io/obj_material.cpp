@@ -10,6 +10,7 @@
 #include "io/image.h"
 #include "io/mtl_lines.h"
 #include "io/mtl_phong.h"
+#include "io/named_file.h"
 #include "io/obj.h"
 #include "io/obj_lines.h"
 #include "raysheaf/error.h"
@@ -31,29 +32,31 @@ TextureSlot slot_of(std::uint32_t texture, const tinyobj::texture_option_t& opti
 /// One material of an MTL file.
 class MtlConverter {
  public:
-  explicit MtlConverter(MtlLibrary& library) : library_(library) {}
+  /// `path`: of the MTL file; `place` is what it is called.
+  MtlConverter(MtlLibrary& library, const std::string& path, const std::string& place)
+      : library_(library), path_(path), place_(place) {}
 
-  Material convert(const tinyobj::material_t& m, const std::string& place) {
+  Material convert(const tinyobj::material_t& m) {
     Material material = material_of(m);
     const MtlLook look = look_of(m);
     const bool clear = look == MtlLook::kGlass;
     if (!clear && !m.diffuse_texname.empty())
-      material.base_color_texture = slot(m.diffuse_texname, m.diffuse_texopt, place);
+      material.base_color_texture = slot(m.diffuse_texname, m.diffuse_texopt);
     if (!m.emissive_texname.empty()) {
-      material.emission_texture = slot(m.emissive_texname, m.emissive_texopt, place);
+      material.emission_texture = slot(m.emissive_texname, m.emissive_texopt);
       if (largest_part(material.emission) == 0 && material.emission_texture.texture != kInvalidId) {
         material.emission = {1, 1, 1};
       }
     }
     if (!m.normal_texname.empty()) {
-      material.normal_texture = slot(m.normal_texname, m.normal_texopt, place);
+      material.normal_texture = slot(m.normal_texname, m.normal_texopt, true);
       material.normal_scale = m.normal_texopt.bump_multiplier;
     }
     if (!clear && !m.alpha_texname.empty()) {
       material.base_color.w = 1;
       material.alpha_cutoff = 0.5f;
       library_.masks_.push_back({static_cast<std::uint32_t>(library_.scene_.materials.size()),
-                                 slot(m.alpha_texname, m.alpha_texopt, place),
+                                 slot(m.alpha_texname, m.alpha_texopt, true),
                                  m.alpha_texopt.imfchan});
       if (m.alpha_texopt.imfchan == 'z')
         library_.warn_once("Pictures have no depth: -imfchan z of map_d is left out.");
@@ -80,12 +83,13 @@ class MtlConverter {
     }
   }
   TextureSlot slot(const std::string& name, const tinyobj::texture_option_t& option,
-                   const std::string& place) {
+                   bool is_data = false) {
     if (option.brightness != 0 || option.contrast != 1)
       library_.warn_once("The option -mm of maps is left out.");
     if (std::any_of(option.turbulence, option.turbulence + 3, [](float t) { return t != 0; }))
       library_.warn_once("The option -t of maps is left out.");
-    return slot_of(library_.texture(name, option.clamp, place), option);
+    return slot_of(library_.textures_.add(unquoted(name), {option.clamp, is_data}, path_, place_),
+                   option);
   }
   void warn_of_glass(const tinyobj::material_t& m, MtlLook look) {
     if (look == MtlLook::kGlass && !(m.diffuse_texname.empty() && m.alpha_texname.empty()))
@@ -124,40 +128,63 @@ class MtlConverter {
   }
 
   MtlLibrary& library_;
+  std::string path_, place_;
 };
 
 void MtlLibrary::warn_once(const std::string& sentence) {
   if (warned_.insert(sentence).second) scene_.warnings.push_back(sentence);
 }
 
-void MtlLibrary::warn_of_missing_materials() {
-  if (missing_.empty()) return;
-  const std::size_t others = missing_.size() - 1;
-  warn_once("There is no material \"" + printable(missing_.front()) + "\"" +
-            (others == 0 ? "" : " and " + std::to_string(others) + " more") +
-            "; a grey one stands in.");
+namespace {
+
+/// "\"a\" and 2 more".
+std::string first_and_more(const std::vector<std::string>& names) {
+  const std::size_t others = names.size() - 1;
+  return "\"" + printable(names.front()) + "\"" +
+         (others == 0 ? "" : " and " + std::to_string(others) + " more");
+}
+
+}  // namespace
+
+void MtlLibrary::warn_of_names() {
+  if (!twice_.empty())
+    warn_once("Of materials that are defined more than once, as " + first_and_more(twice_) +
+              ", the first definition counts.");
+  if (!missing_.empty())
+    warn_once("There is no material " + first_and_more(missing_) + "; a grey one stands in.");
 }
 
 void MtlLibrary::add(const std::string& names) {
   if (names.empty()) return warn_once("An mtllib line names no file.");
   try {
-    if (file_exists(resolve(from_, names, false, "mtllib"))) return read(names);
+    const std::string whole = unquoted(names);
+    const NamedFile file = find_named(from_, whole, from_.path, "mtllib");
+    if (file.is_there) return read(whole, file);
   } catch (const Error&) {
     // Several names may look like one that leaves the folder.
   }
-  for (const std::string_view name : words_of(names)) read(std::string(name));
+  for (const std::string& name : names_on(names)) {
+    try {
+      read(name, find_named(from_, name, from_.path, "mtllib"));
+    } catch (const Error& error) {
+      warn_of_library(name, error);
+    }
+  }
 }
 
-void MtlLibrary::read(const std::string& name) {
-  if (!read_.insert(name).second) return;
-  std::string text_name = name;
-  std::replace(text_name.begin(), text_name.end(), '\\', '/');
+void MtlLibrary::warn_of_library(const std::string& name, const Error& error) {
+  warn_once("The material library \"" + printable(name) + "\" is left out: " + error.sentence() +
+            ".");
+}
+
+void MtlLibrary::read(const std::string& name, const NamedFile& file) {
+  if (!read_.insert(file.path).second) return;
+  if (!file.remark.empty()) warn_once(file.remark);
   std::string text;
   try {
-    text = text_of(read_file(resolve(from_, text_name, false, "mtllib")));
+    text = text_of(read_file(file.path));
   } catch (const Error& error) {
-    return warn_once("The material library \"" + printable(name) +
-                     "\" is left out: " + error.sentence() + ".");
+    return warn_of_library(name, error);
   }
   std::replace(text.begin(), text.end(), '\0', ' ');
   std::istringstream stream(
@@ -166,33 +193,18 @@ void MtlLibrary::read(const std::string& name) {
   std::vector<tinyobj::material_t> materials;
   std::string warning, error;
   tinyobj::LoadMtl(&by_name, &materials, &stream, &warning, &error);
-  MtlConverter converter(*this);
+  MtlConverter converter(*this, file.path, printable(name));
   for (const tinyobj::material_t& material : materials) {
     const std::string key(trim(material.name));
-    if (by_name_.count(key) > 0 || key.empty()) continue;
-    by_name_[key] = static_cast<std::uint32_t>(scene_.materials.size());
-    scene_.materials.push_back(converter.convert(material, printable(name)));
+    if (key.empty()) continue;
+    const auto index = static_cast<std::uint32_t>(scene_.materials.size());
+    if (!by_name_.try_emplace(key, index).second) {
+      twice_.push_back(key);
+      continue;
+    }
+    scene_.materials.push_back(converter.convert(material));
     scene_.materials.back().name = key;
   }
-}
-
-std::uint32_t MtlLibrary::texture(const std::string& name, bool clamped, const std::string& place) {
-  std::string path = name;
-  std::replace(path.begin(), path.end(), '\\', '/');
-  try {
-    path = resolve(from_, path, false, place);
-  } catch (const Error& error) {
-    warn_once("The texture " + error.sentence() + "; it is left out.");
-    return kInvalidId;
-  }
-  const auto [it, fresh] =
-      texture_of_.try_emplace((clamped ? "c" : "r") + path, scene_.textures.size());
-  if (fresh) {
-    const Wrap wrap = clamped ? Wrap::kClampToEdge : Wrap::kRepeat;
-    scene_.textures.push_back({kInvalidId, wrap, wrap, Filter::kLinear});
-    image_paths_.push_back(path);
-  }
-  return it->second;
 }
 
 std::uint32_t MtlLibrary::find(const std::string& name) {
@@ -216,38 +228,6 @@ std::uint32_t MtlLibrary::fallback() {
 
 void MtlLibrary::whiten_fallback() {
   if (fallback_ != kInvalidId) scene_.materials[fallback_].base_color = {1, 1, 1, 1};
-}
-
-std::map<std::string, std::uint32_t> MtlLibrary::read_images() {
-  ImageCache own;
-  ImageCache& cache = from_.images != nullptr ? *from_.images : own;
-  std::vector<EncodedImage> encoded;
-  std::vector<const std::string*> fresh;
-  std::set<std::string> seen;
-  for (const std::string& path : image_paths_) {
-    if (!seen.insert(path).second || cache.count(path) > 0) continue;
-    const std::string name = path.substr(path.rfind('/') + 1);
-    encoded.push_back({name, "The image \"" + printable(name) + "\"", {}});
-    if (file_exists(path)) encoded.back().bytes = read_file(path);
-    fresh.push_back(&path);
-  }
-  DecodedImages decoded = decode_images(encoded, scene_.warnings);
-  for (std::size_t i = 0; i < fresh.size(); ++i) {
-    const std::uint32_t image = decoded.index_of[i];
-    cache[*fresh[i]] = image == kInvalidId ? Image{} : std::move(decoded.images[image]);
-  }
-  std::map<std::string, std::uint32_t> index_of;
-  for (const std::string& path : image_paths_) {
-    Image& image = cache[path];
-    if (image.rgba.empty() || index_of.count(path) > 0) continue;
-    index_of[path] = static_cast<std::uint32_t>(scene_.images.size());
-    if (from_.images == nullptr) {
-      scene_.images.push_back(std::move(image));
-    } else {
-      scene_.images.push_back(image);
-    }
-  }
-  return index_of;
 }
 
 namespace {
@@ -326,19 +306,8 @@ void MtlLibrary::cut_out() {
 }
 
 void MtlLibrary::finish() {
-  warn_of_missing_materials();
-  const std::map<std::string, std::uint32_t> image_of = read_images();
-  std::vector<std::uint32_t> index_of;
-  std::vector<Texture> kept;
-  for (std::size_t t = 0; t < image_paths_.size(); ++t) {
-    const auto found = image_of.find(image_paths_[t]);
-    const std::uint32_t image = found == image_of.end() ? kInvalidId : found->second;
-    index_of.push_back(image == kInvalidId ? kInvalidId : static_cast<std::uint32_t>(kept.size()));
-    if (image == kInvalidId) continue;
-    kept.push_back(scene_.textures[t]);
-    kept.back().image = image;
-  }
-  scene_.textures = std::move(kept);
+  warn_of_names();
+  const std::vector<std::uint32_t> index_of = textures_.finish();
   for (Material& material : scene_.materials) {
     for (TextureSlot* slot :
          {&material.base_color_texture, &material.emission_texture, &material.normal_texture}) {

@@ -7,6 +7,12 @@
 
 namespace raysheaf::io {
 
+/// Where a colour of floats has a larger part, its file's colours go to 255, as bytes do. Above 1:
+/// what is only rounded up is still white.
+inline constexpr float kMostUnitColor = 1.001f;
+inline constexpr const char* kBytesRemark =
+    "Colours exceed 1; they are taken for bytes and divided by 255.";
+
 /// From 0 to 1 both.
 inline double linear_of_srgb(double x) {
   return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);

@@ -37,7 +37,7 @@ class Files : public IoTest {
 TEST_F(Files, OfOneFileAndOfThoseThatItNames) {
   EXPECT_EQ(load_scene(gltf()).files, paths({"c.gltf", "a b.png", "c.bin"}));
   EXPECT_EQ(load_scene(path("f_1.obj")).files, paths({"f_1.obj"}));
-  EXPECT_EQ(load_scene(path("o.obj")).files, paths({"o.obj", "gone.png", "m/o.mtl"}));
+  EXPECT_EQ(load_scene(path("o.obj")).files, paths({"o.obj", "m/gone.png", "m/o.mtl"}));
   EXPECT_TRUE(builtin_scene("cornell").files.empty());
 }
 
@@ -48,7 +48,7 @@ TEST_F(Files, OfASequenceAreThoseOfAllFrames) {
       {"file": "f_1.obj"}, {"file": "f_2.obj"}]})");
   for (const bool preload : {false, true})
     EXPECT_EQ(load_animation(json, {.preload = preload})->scene().files,
-              paths({"s.json", "o.obj", "gone.png", "m/o.mtl", "f_1.obj", "f_2.obj"}));
+              paths({"s.json", "o.obj", "m/gone.png", "m/o.mtl", "f_1.obj", "f_2.obj"}));
 }
 
 TEST_F(Files, StayWithAScenePackedOrCut) {

@@ -105,8 +105,8 @@ TEST_F(Obj, ReadsUtf8WithItsMarkAndNoUtf16) {
   expect(kUnsupported, std::string("\xfe\xff\0v\0 ", 6), {"UTF-16"});
 }
 TEST_F(Obj, ReadsColoursBehindVertices) {
-  const SceneDescription scene =
-      load("v 0 0 0 1 0 +0.5\nv 1 0 0 0 1 2\nv 1 1 0\nv 0 1 0 9e999 -1 1e-999\nf 1 2 3\nf 1 3 4\n");
+  const SceneDescription scene = load(
+      "v 0 0 0 1 0 +0.5\nv 1 0 0 0 1 1.0005\nv 1 1 0\nv 0 1 0 1 -1 1e-999\nf 1 2 3\nf 1 3 4\n");
   const Mesh& mesh = scene.meshes[0];
   ASSERT_EQ(mesh.colors.size(), 4u);
   EXPECT_EQ(mesh.colors[0].x, 1);
@@ -118,6 +118,17 @@ TEST_F(Obj, ReadsColoursBehindVertices) {
   EXPECT_EQ(mesh.colors[3].z, 0);
   EXPECT_EQ(scene.materials[0].base_color.x, 1) << "not grey besides";
   EXPECT_TRUE(load(kSquare + "f 1 2 3\n").meshes[0].colors.empty());
+}
+TEST_F(Obj, TakesColoursBeyondOneForBytes) {
+  const SceneDescription scene = load("v 0 0 0 255 0 1\nv 1 0 0 0 128 9e999\nv 1 1 0\nf 1 2 3\n");
+  const Mesh& mesh = scene.meshes[0];
+  EXPECT_EQ(mesh.colors[0].x, 1);
+  EXPECT_NEAR(mesh.colors[0].z, 1 / (255 * 12.92), 1e-7);
+  EXPECT_NEAR(mesh.colors[1].y, 0.2158605f, 1e-6);
+  EXPECT_EQ(mesh.colors[1].z, 1);
+  EXPECT_EQ(mesh.colors[2].x, 1) << "white where there is none";
+  EXPECT_EQ(scene.warnings.size(), 1u);
+  EXPECT_TRUE(warns(scene, "divided by 255"));
 }
 TEST_F(Obj, UnderstandsOddLines) {
   const SceneDescription scene = load(

@@ -1,0 +1,149 @@
+#include "io/named_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <optional>
+#include <system_error>
+
+#include "io/obj_lines.h"
+#include "io/refuse.h"
+
+namespace raysheaf::io {
+namespace {
+
+std::string with_slashes(std::string name) {
+  std::replace(name.begin(), name.end(), '\\', '/');
+  return name;
+}
+
+std::string last_part(const std::string& name) {
+  const std::string turned = with_slashes(name);
+  return turned.substr(turned.rfind('/') + 1);
+}
+
+bool same_but_for_case(const std::string& a, const std::string& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) {
+    return std::tolower(static_cast<unsigned char>(x)) ==
+           std::tolower(static_cast<unsigned char>(y));
+  });
+}
+
+/// The only entry of the folder that has this name in letters of any case.
+std::optional<std::filesystem::path> only_entry(const std::filesystem::path& folder,
+                                                const std::string& name) {
+  std::optional<std::filesystem::path> found;
+  std::error_code failed;
+  for (std::filesystem::directory_iterator entry(folder, failed), end; !failed && entry != end;
+       entry.increment(failed)) {
+    if (!same_but_for_case(entry->path().filename().string(), name)) continue;
+    if (found) return std::nullopt;
+    found = entry->path();
+  }
+  return found;
+}
+
+/// Looks in one folder after the other.
+class Finder {
+ public:
+  Finder(const SceneFile& from, const std::string& named_in)
+      : from_(from), root_(folder_of(from.path)), folders_{folder_of(named_in), root_} {}
+
+  /// Where the name would be, if it may be there.
+  [[nodiscard]] std::optional<std::string> place_of(const std::string& folder,
+                                                    const std::string& name) const {
+    if (name.empty() || name.find('\0') != name.npos || name.find(':') != name.npos)
+      return std::nullopt;
+    const std::filesystem::path path = (std::filesystem::path(folder) / name).lexically_normal();
+    const std::filesystem::path inside =
+        path.lexically_relative(std::filesystem::path(root_).lexically_normal());
+    const bool leaves =
+        std::filesystem::path(name).is_absolute() || inside.empty() || *inside.begin() == "..";
+    if (leaves && !from_.allow_external) return std::nullopt;
+    // The folder as the caller wrote it, where the name does not climb.
+    const std::string plain = (std::filesystem::path(folder) / name).string();
+    return name.find("..") == name.npos ? plain : path.string();
+  }
+  [[nodiscard]] std::optional<std::string> exact(const std::string& name) const {
+    for (const std::string& folder : folders_) {
+      const auto path = place_of(folder, name);
+      if (path && file_exists(*path)) return path;
+    }
+    return std::nullopt;
+  }
+  [[nodiscard]] std::optional<std::string> in_any_case(const std::string& name) const {
+    for (const std::string& folder : folders_) {
+      if (!place_of(folder, name)) continue;
+      std::optional<std::filesystem::path> path(folder);
+      for (const std::filesystem::path& part : std::filesystem::path(name)) {
+        const std::filesystem::path next = *path / part;
+        std::error_code failed;
+        path = std::filesystem::exists(next, failed) ? next : only_entry(*path, part.string());
+        if (!path) break;
+      }
+      if (path && file_exists(path->string())) return path->string();
+    }
+    return std::nullopt;
+  }
+  /// Where it is looked for first.
+  [[nodiscard]] std::optional<std::string> first_place(const std::string& name) const {
+    for (const std::string& folder : folders_)
+      if (auto path = place_of(folder, name)) return path;
+    return std::nullopt;
+  }
+
+ private:
+  const SceneFile& from_;
+  std::string root_;
+  std::vector<std::string> folders_;
+};
+
+NamedFile standing_in(const std::string& name, const std::string& path) {
+  return {path, true,
+          "There is no file \"" + printable(name) + "\"; \"" + printable(last_part(path)) +
+              "\" is read instead."};
+}
+
+NamedFile look_for(const Finder& finder, const std::string& name, const std::string& place) {
+  const std::string turned = with_slashes(name);
+  for (const std::string& spelling : {name, turned})
+    if (const auto path = finder.exact(spelling)) return {*path, true, {}};
+  if (const auto path = finder.in_any_case(turned)) return standing_in(name, *path);
+  if (const auto path = finder.first_place(turned)) return {*path, false, {}};
+  const std::string last = last_part(name);
+  if (const auto path = finder.exact(last)) return standing_in(name, *path);
+  if (const auto path = finder.in_any_case(last)) return standing_in(name, *path);
+  refuse("\"" + printable(name, 200) + "\" does not stay inside the file's folder", place,
+         ErrorCode::kUnsupported);
+}
+
+}  // namespace
+
+NamedFile find_named(const SceneFile& from, const std::string& name, const std::string& named_in,
+                     const std::string& place) {
+  NamedFile file = look_for(Finder(from, named_in), name, place);
+  if (from.names != nullptr) from.names->insert(file.path);
+  return file;
+}
+
+std::vector<std::string> names_on(std::string_view line) {
+  std::vector<std::string> names;
+  for (line = trim(line); !line.empty(); line = trim(line)) {
+    if (line.front() == '"') {
+      const std::size_t end = std::min(line.find('"', 1), line.size());
+      names.emplace_back(line.substr(1, end - 1));
+      line.remove_prefix(std::min(end + 1, line.size()));
+    } else {
+      names.emplace_back(take_word(line));
+    }
+  }
+  return names;
+}
+
+std::string unquoted(std::string_view line) {
+  line = trim(line);
+  const bool is_quoted = line.size() > 1 && line.front() == '"' && line.back() == '"';
+  return std::string(is_quoted ? trim(line.substr(1, line.size() - 2)) : line);
+}
+
+}  // namespace raysheaf::io
