@@ -7,10 +7,13 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <optional>
+#include <span>
 
+#include "io/exr_decode.h"
 #include "io/file.h"
-#include "io/image.h"
 #include "io/radiance_hdr.h"
+#include "io/srgb.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
 
@@ -92,7 +95,7 @@ std::string taken_message(const char* message) {
 }
 
 /// Before anything is allocated: sides that a picture of so many bytes can have.
-void check_exr(const io::Bytes& file, const std::string& path) {
+io::ImageSize check_exr(std::span<const std::uint8_t> file, const std::string& path) {
   EXRVersion version;
   if (ParseEXRVersionFromMemory(&version, file.data(), file.size()) != TINYEXR_SUCCESS)
     throw Error(ErrorCode::kInvalidData, "is no OpenEXR picture", path);
@@ -117,24 +120,47 @@ void check_exr(const io::Bytes& file, const std::string& path) {
                 "the picture would have " + std::to_string(width) + "x" + std::to_string(height) +
                     " pixels",
                 path);
+  return {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
 }
 
-Environment decode_exr(const io::Bytes& file, const std::string& path) {
-  check_exr(file, path);
+using ExrPixels = std::unique_ptr<float, Freed>;
+
+/// Red, green, blue and alpha of each pixel.
+ExrPixels read_exr(std::span<const std::uint8_t> file, const std::string& path,
+                   io::ImageSize* size) {
+  *size = check_exr(file, path);
   float* pixels = nullptr;
   int width = 0, height = 0;
   const char* message = nullptr;
   const int status =
       LoadEXRFromMemory(&pixels, &width, &height, file.data(), file.size(), &message);
-  const std::unique_ptr<float, Freed> owner(pixels);
+  ExrPixels owner(pixels);
   if (status != TINYEXR_SUCCESS || pixels == nullptr)
     throw Error(ErrorCode::kInvalidData, "cannot be read: " + taken_message(message), path);
+  *size = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
+  return owner;
+}
+
+Environment decode_exr(const io::Bytes& file, const std::string& path) {
+  io::ImageSize size;
+  const ExrPixels owner = read_exr(file, path, &size);
+  const float* pixels = owner.get();
   Environment map;
-  map.width = static_cast<std::uint32_t>(width);
-  map.height = static_cast<std::uint32_t>(height);
+  map.width = size.width;
+  map.height = size.height;
   for (std::size_t i = 0; i < std::size_t{map.width} * map.height; ++i)
     map.radiance.push_back({pixels[4 * i], pixels[4 * i + 1], pixels[4 * i + 2]});
   return map;
+}
+
+/// From 0 to 1; what is not finite is 0.
+float part_of_texel(float x, bool* exceeds_one) {
+  if (!std::isfinite(x) || x <= 0) return 0;
+  *exceeds_one = *exceeds_one || x > io::kMostUnitColor;
+  return std::min(x, 1.0f);
+}
+std::uint8_t code_of(double x) {
+  return static_cast<std::uint8_t>(std::lround(255 * x));
 }
 
 /// The loader's own: the place is the file.
@@ -151,6 +177,47 @@ void check_radiance(const Environment& map, const std::string& path) {
 }
 
 }  // namespace
+
+bool io::is_exr(std::span<const std::uint8_t> encoded) {
+  constexpr std::uint8_t kMagic[] = {'v', '/', '1', 1};
+  return encoded.size() > std::size(kMagic) &&
+         std::equal(std::begin(kMagic), std::end(kMagic), encoded.begin());
+}
+
+std::optional<io::ImageSize> io::exr_size(std::span<const std::uint8_t> encoded) {
+  try {
+    return check_exr(encoded, {});
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+std::optional<io::ExrImage> io::decode_exr_image(std::span<const std::uint8_t> encoded,
+                                                 bool is_data) {
+  ImageSize size;
+  ExrPixels pixels;
+  try {
+    pixels = read_exr(encoded, {}, &size);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+  ExrImage result;
+  PixelBuffer texels(size);
+  const std::span<std::uint8_t> rgba = texels.rgba();
+  bool ignored = false;
+  for (std::size_t i = 0; i < rgba.size(); i += 4) {
+    const float* from = pixels.get() + i;
+    const float alpha = part_of_texel(from[3], &ignored);
+    const float divisor = is_data || alpha == 0 ? 1 : alpha;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float part = part_of_texel(from[c] / divisor, &result.exceeds_one);
+      rgba[i + c] = code_of(is_data ? part : srgb_of_linear(part));
+    }
+    rgba[i + 3] = code_of(alpha);
+  }
+  result.image = texels.image();
+  return result;
+}
 
 Environment load_environment(const std::string& path) {
   const io::Bytes file = io::read_file(path);

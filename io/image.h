@@ -1,5 +1,5 @@
-// Eight-bit pictures, in memory: PNG by libpng, JPEG by libjpeg-turbo, WebP by libwebp, TGA and BMP
-// by stb_image.
+// Eight-bit pictures, in memory: PNG by libpng, JPEG by libjpeg-turbo, WebP by libwebp, EXR by
+// tinyexr, TGA and BMP by stb_image.
 #pragma once
 
 #include <cstdint>

@@ -31,6 +31,8 @@ void* zeroed(std::size_t bytes) {
 #include <limits>
 #include <memory>
 
+#include "io/exr_decode.h"
+#include "io/file_kind.h"
 #include "io/image.h"
 #include "io/jpeg_decode.h"
 #include "io/png_decode.h"
@@ -93,7 +95,7 @@ std::uint64_t pixels_of(ImageSize size) {
 
 /// stb reads on behind the end, where all is zero: a hundred bytes would be a picture of any size.
 std::uint64_t most_pixels(std::span<const std::uint8_t> encoded) {
-  const bool packed = is_png(encoded) || is_jpeg(encoded) || is_webp(encoded);
+  const bool packed = is_png(encoded) || is_jpeg(encoded) || is_webp(encoded) || is_exr(encoded);
   const std::uint64_t accounted = packed ? kFreePixels + kPixelsPerByte * encoded.size()
                                          : kUnpackedPixelsPerByte * encoded.size();
   return std::min(kMaxImagePixels, accounted);
@@ -105,6 +107,7 @@ std::optional<ImageSize> image_size(std::span<const std::uint8_t> encoded) {
   if (is_png(encoded)) return png_size(encoded);
   if (is_jpeg(encoded)) return jpeg_size(encoded);
   if (is_webp(encoded)) return webp_size(encoded);
+  if (is_exr(encoded)) return exr_size(encoded);
   return unpacked_size(encoded);
 }
 
@@ -114,10 +117,44 @@ std::optional<Image> decode_image(std::span<const std::uint8_t> encoded) {
   if (is_png(encoded)) return decode_png(encoded, *size);
   if (is_jpeg(encoded)) return decode_jpeg(encoded, *size);
   if (is_webp(encoded)) return decode_webp(encoded, *size);
+  if (is_exr(encoded)) {
+    auto exr = decode_exr_image(encoded, false);
+    return exr ? std::optional(std::move(exr->image)) : std::nullopt;
+  }
   return decode_unpacked(encoded, *size);
 }
 
 namespace {
+
+/// An image and what is to be said of it, each or none.
+struct Decoded {
+  std::optional<Image> image;
+  std::string fault, remark;
+};
+
+/// Why bytes are none of the images that are read.
+std::string fault_of(std::span<const std::uint8_t> encoded) {
+  if (encoded.empty()) return "is missing";
+  const bool is_read = is_png(encoded) || is_jpeg(encoded) || is_webp(encoded) || is_exr(encoded);
+  const FileKind* kind = is_read || unpacked_size(encoded) ? nullptr : kind_by_content(encoded);
+  if (kind == nullptr) return "is cut short, too large or no picture";
+  return std::string("is ") + kind->name +
+         "; PNG, JPEG, WebP and EXR are read, and TGA and BMP, too";
+}
+
+Decoded decode_one(const EncodedImage& encoded) {
+  Decoded result;
+  if (is_exr(encoded.bytes)) {
+    if (auto exr = decode_exr_image(encoded.bytes, encoded.is_data)) {
+      result.image = std::move(exr->image);
+      if (exr->exceeds_one) result.remark = "has numbers above 1; as a texture, they are 1.";
+    }
+  } else {
+    result.image = decode_image(encoded.bytes);
+  }
+  if (!result.image) result.fault = fault_of(encoded.bytes);
+  return result;
+}
 
 void check_total(const std::vector<EncodedImage>& encoded) {
   std::uint64_t pixels = 0, accounted = kFreePixels;
@@ -141,21 +178,20 @@ void check_total(const std::vector<EncodedImage>& encoded) {
 DecodedImages decode_images(const std::vector<EncodedImage>& encoded,
                             std::vector<std::string>& warnings) {
   check_total(encoded);
-  std::vector<std::optional<Image>> decoded(encoded.size());
+  std::vector<Decoded> decoded(encoded.size());
   tbb::parallel_for(std::size_t{0}, encoded.size(),
-                    [&](std::size_t i) { decoded[i] = decode_image(encoded[i].bytes); });
+                    [&](std::size_t i) { decoded[i] = decode_one(encoded[i]); });
   DecodedImages result;
   for (std::size_t i = 0; i < encoded.size(); ++i) {
-    if (!decoded[i]) {
-      warnings.push_back(
-          encoded[i].place + " is " +
-          (encoded[i].bytes.empty() ? "missing" : "cut short, too large or no picture") +
-          "; textures that show it are left out.");
+    if (!decoded[i].remark.empty()) warnings.push_back(encoded[i].place + " " + decoded[i].remark);
+    if (!decoded[i].image) {
+      warnings.push_back(encoded[i].place + " " + decoded[i].fault +
+                         "; textures that show it are left out.");
       result.index_of.push_back(kInvalidId);
       continue;
     }
     result.index_of.push_back(static_cast<std::uint32_t>(result.images.size()));
-    result.images.push_back(std::move(*decoded[i]));
+    result.images.push_back(std::move(*decoded[i].image));
     result.images.back().name = encoded[i].name;
   }
   return result;

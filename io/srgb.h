@@ -18,6 +18,11 @@ inline double linear_of_srgb(double x) {
   return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
 }
 
+/// The other way.
+inline double srgb_of_linear(double x) {
+  return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
+}
+
 /// Linear, of CIE 1931 XYZ in which (0.95047, 1, 1.08883) is white; below 0 where no display shows
 /// it.
 inline Double3 rgb_of_xyz(Double3 xyz) {
