@@ -4,12 +4,17 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <set>
+#include <type_traits>
+#include <utility>
 
 #include "io/linear.h"
 #include "io/normals.h"
 #include "io/ply_body.h"
+#include "io/ply_colors.h"
+#include "io/ply_corners.h"
+#include "io/ply_look.h"
 #include "io/polygon.h"
-#include "io/srgb.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf::io {
@@ -24,29 +29,24 @@ std::string stem_of(const std::string& path) {
   return std::filesystem::path(path).stem().string();
 }
 
-/// The largest code of a colour of this type. Bytes and words are used whole; programs that write
-/// wider ones, or bytes with a sign, mean bytes.
-std::size_t largest_code(PlyType type) {
-  if (type == PlyType::kUint16) return 65535;
-  return type == PlyType::kInt16 ? 32767 : 255;
-}
-
-/// What each code of sRGB is, of those up to `largest`.
-std::vector<float> linear_of_codes(std::size_t largest) {
-  std::vector<float> linear;
-  for (std::size_t code = 0; code <= largest; ++code) {
-    const double part = static_cast<double>(code) / static_cast<double>(largest);
-    linear.push_back(static_cast<float>(linear_of_srgb(part)));
-  }
-  return linear;
-}
-
 /// Fills a mesh, `Mesh` or `OuterMesh`, and the rest of its scene.
 template <class AnyMesh>
 class PlyReader {
  public:
-  PlyReader(PlyNumbers numbers, const PlyHeader& header, AnyMesh& mesh, SceneDescription& scene)
-      : header_(header), numbers_(std::move(numbers)), mesh_(mesh), scene_(scene) {}
+  using Numbers = std::conditional_t<std::is_same_v<AnyMesh, Mesh>, std::vector<std::uint32_t>,
+                                     OuterArray<std::uint32_t>>;
+
+  /// `newest` and `previous`: empty, for `CornerSplitter`.
+  PlyReader(PlyNumbers numbers, const PlyHeader& header, AnyMesh& mesh, SceneDescription& scene,
+            Numbers& newest, Numbers& previous)
+      : header_(header),
+        numbers_(std::move(numbers)),
+        mesh_(mesh),
+        scene_(scene),
+        splitter_(mesh, newest, previous) {}
+
+  /// Before `read`: where there are no images, colours are shown.
+  void read_textures(const SceneFile& from) { textures_.read(header_, from, scene_); }
 
   /// `most_corners`: of a list; more are not read.
   void read(const std::string& name, std::uint64_t most_corners) {
@@ -64,8 +64,10 @@ class PlyReader {
     if (short_faces_) {
       scene_.warnings.push_back("Faces with fewer than three vertices are left out.");
     }
-    scene_.materials.push_back(material());
-    mesh_.materials.push_back(0);
+    scale_colors();
+    if (mesh_.triangles.empty()) uses_plain_ = true;
+    textures_.add_materials(plain_color(), uses_plain_, scene_);
+    if (mesh_.materials.empty()) mesh_.materials.push_back(material_of_first_);
     mesh_.name = scene_.name = name;
     scene_.instances.push_back({name, 0, {}});
   }
@@ -75,30 +77,6 @@ class PlyReader {
   [[nodiscard]] const std::vector<bool>& has_normal() const { return has_normal_; }
 
  private:
-  enum Role { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kRed, kGreen, kBlue, kAlpha, kRoles };
-
-  static int role_of(const PlyProperty& property) {
-    constexpr std::pair<std::string_view, Role> kNames[] = {{"x", kX},
-                                                            {"y", kY},
-                                                            {"z", kZ},
-                                                            {"nx", kNormalX},
-                                                            {"ny", kNormalY},
-                                                            {"nz", kNormalZ},
-                                                            {"red", kRed},
-                                                            {"green", kGreen},
-                                                            {"blue", kBlue},
-                                                            {"diffuse_red", kRed},
-                                                            {"diffuse_green", kGreen},
-                                                            {"diffuse_blue", kBlue},
-                                                            {"alpha", kAlpha},
-                                                            {"diffuse_alpha", kAlpha}};
-    if (property.is_list) return -1;
-    for (const auto& [name, role] : kNames) {
-      if (property.name == name) return role;
-    }
-    return -1;
-  }
-
   void read_vertices(const PlyElement& element) {
     std::vector<int> roles;
     std::array<bool, kRoles> has{};
@@ -116,9 +94,9 @@ class PlyReader {
       throw Error(ErrorCode::kUnsupported, "has 2^32 vertices or more", "element vertex");
     }
     has_normals_ = has[kNormalX] && has[kNormalY] && has[kNormalZ];
-    has_colors_ = has[kRed] && has[kGreen] && has[kBlue];
-    if (has_colors_ && color_type < PlyType::kFloat32)
-      linear_of_code_ = linear_of_codes(largest_code(color_type));
+    has_uvs_ = textures_.any() && has[kU] && has[kV];
+    has_colors_ = has[kRed] && has[kGreen] && has[kBlue] && shows_colors();
+    if (has_colors_) colors_ = PlyColors(color_type);
     if constexpr (kHeld) mesh_.positions.reserve(element.count);
     const double opaque =
         alpha_type < PlyType::kFloat32 ? static_cast<double>(largest_code(alpha_type)) : 1;
@@ -149,25 +127,39 @@ class PlyReader {
     mesh_.positions.push_back(position);
     if (has_normals_)
       add_normal(narrow(Double3{values[kNormalX], values[kNormalY], values[kNormalZ]}));
-    if (has_colors_) add_color({values[kRed], values[kGreen], values[kBlue]}, index);
+    if (has_uvs_) mesh_.uvs.push_back(uv_of(values[kU], values[kV]));
+    if (has_colors_) add_color(colors_.color(values[kRed], values[kGreen], values[kBlue]), index);
   }
 
-  /// A colour's part; integers are codes of sRGB.
-  [[nodiscard]] float channel(double x) const {
-    if (!std::isfinite(x)) return 0;
-    if (linear_of_code_.empty()) return static_cast<float>(std::clamp(x, 0.0, 1.0));
-    const auto largest = static_cast<double>(linear_of_code_.size() - 1);
-    return linear_of_code_[static_cast<std::size_t>(std::clamp(x, 0.0, largest))];
+  /// `v` counts from the bottom row.
+  static Vec2 uv_of(double u, double v) {
+    const Vec2 uv{static_cast<float>(u), static_cast<float>(1 - v)};
+    return std::isfinite(uv.x) && std::isfinite(uv.y) ? uv : Vec2{};
+  }
+
+  /// Where there are textures they show what colours would.
+  bool shows_colors() {
+    if (textures_.any() && !std::exchange(warned_of_colors_, true))
+      scene_.warnings.emplace_back("Colours beside textures are left out.");
+    return !textures_.any();
   }
 
   /// One for all becomes the material's, so that they are kept from the first that differs on.
-  void add_color(Double3 raw, std::uint64_t index) {
-    const Vec3 color{channel(raw.x), channel(raw.y), channel(raw.z)};
+  void add_color(Vec3 color, std::uint64_t index) {
     if (index == 0) color_ = color;
     const bool same = color.x == color_.x && color.y == color_.y && color.z == color_.z;
     if (mesh_.colors.empty() && same) return;
     if (mesh_.colors.empty()) mesh_.colors.resize(index, color_);
     mesh_.colors.push_back(color);
+  }
+
+  /// When all are known.
+  void scale_colors() {
+    if (!colors_.needs_scale()) return;
+    if (colors_.is_in_bytes()) scene_.warnings.emplace_back(kBytesRemark);
+    color_ = colors_.scaled(color_);
+    for (std::uint64_t v = 0; v < mesh_.colors.size(); ++v)
+      put(mesh_.colors, v, colors_.scaled(mesh_.colors[v]));
   }
 
   void add_normal(Vec3 normal) {
@@ -190,6 +182,8 @@ class PlyReader {
   }
 
   void read_lists(const PlyElement& element, bool strips) {
+    vertex_count_ = static_cast<double>(
+        header_.find("vertex") == nullptr ? std::uint64_t{0} : header_.find("vertex")->count);
     const int plural = element.find("vertex_indices"), singular = element.find("vertex_index");
     const int corners = plural >= 0 ? plural : singular;
     if (corners < 0 || !element.properties[static_cast<std::size_t>(corners)].is_list) {
@@ -200,17 +194,71 @@ class PlyReader {
                   "there are no vertices before it; element vertex is first",
                   "element " + element.name);
     }
+    const bool is_plain = strips || !begin_faces(element);
     for (std::uint64_t i = 0; i < element.count; ++i) {
       for (std::size_t p = 0; p < element.properties.size(); ++p) {
         const PlyProperty& property = element.properties[p];
         if (p == static_cast<std::size_t>(corners))
           read_list(property, element.name, i, strips);
-        else
+        else if (is_plain)
           numbers_.skip(property, element.name, i);
+        else
+          read_of_face(property, element.name, i);
       }
+      if (strips) continue;
+      if (!is_plain) split_corners();
+      add_face();
     }
   }
 
+  /// Whether faces have something of their own that is shown.
+  bool begin_faces(const PlyElement& element) {
+    const auto has = [&](const char* name) { return element.find(name) >= 0; };
+    const int red = element.find("red");
+    faces_have_uvs_ = textures_.any() && has("texcoord");
+    const bool has_colors = red >= 0 && has("green") && has("blue");
+    faces_have_colors_ = has_colors && !has_colors_ && shows_colors();
+    if (has_colors && has_colors_)
+      scene_.warnings.emplace_back("The colours of vertices count, and not those of faces.");
+    if (faces_have_colors_)
+      colors_ = PlyColors(element.properties[static_cast<std::size_t>(red)].type);
+    if (faces_have_uvs_ || faces_have_colors_) splitter_.begin(faces_have_uvs_, faces_have_colors_);
+    return faces_have_uvs_ || faces_have_colors_ || (textures_.any() && has("texnumber"));
+  }
+
+  void read_of_face(const PlyProperty& property, const std::string& element, std::uint64_t index) {
+    const int role = role_of(property);
+    if (property.is_list && property.name == "texcoord" && faces_have_uvs_) {
+      const std::uint64_t count = numbers_.next_count(property, element, index);
+      if (count > 2 * most_corners_) throw NeedsWholeFile{};
+      face_uvs_.clear();
+      for (std::uint64_t i = 0; i < count; ++i)
+        face_uvs_.push_back(numbers_.next(property.type, element, index));
+    } else if (role >= 0) {
+      of_face_[static_cast<std::size_t>(role)] = numbers_.next(property.type, element, index);
+    } else {
+      numbers_.skip(property, element, index);
+    }
+  }
+
+  /// Gives the corners of a face vertices that have its colour and texture coordinates.
+  void split_corners() {
+    has_face_uvs_ = !faces_have_uvs_ || (face_uvs_.size() == 2 * corners_.size());
+    material_ =
+        has_face_uvs_ ? textures_.material_of(of_face_[kTexture]) : textures_.plain_material();
+    if (!faces_have_uvs_ && !faces_have_colors_) return;
+    const Vec3 color = colors_.color(of_face_[kRed], of_face_[kGreen], of_face_[kBlue]);
+    const auto copied = [this](std::uint32_t vertex) {
+      if (!has_normal_.empty()) has_normal_.push_back(has_normal_[vertex]);
+    };
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      const bool has_uv = faces_have_uvs_ && has_face_uvs_;
+      const Vec2 uv = has_uv ? uv_of(face_uvs_[2 * i], face_uvs_[2 * i + 1]) : Vec2{};
+      corners_[i] = splitter_.vertex_with(
+          corners_[i], {faces_have_uvs_ ? &uv : nullptr, faces_have_colors_ ? &color : nullptr},
+          copied);
+    }
+  }
   void read_list(const PlyProperty& list, const std::string& element, std::uint64_t index,
                  bool strip) {
     const std::uint64_t count = numbers_.next_count(list, element, index);
@@ -222,50 +270,50 @@ class PlyReader {
         add_strip();
         continue;
       }
-      if (!(vertex >= 0) || vertex >= static_cast<double>(mesh_.positions.size()) ||
-          vertex != std::floor(vertex)) {
+      if (!(vertex >= 0) || vertex >= vertex_count_ || vertex != std::floor(vertex)) {
         throw Error(ErrorCode::kInvalidData,
                     "the vertex index is out of range: there are " +
-                        std::to_string(mesh_.positions.size()) + " vertices",
+                        std::to_string(static_cast<std::uint64_t>(vertex_count_)) + " vertices",
                     element + "[" + std::to_string(index) + "]." + list.name + "[" +
                         std::to_string(i) + "]");
       }
       corners_.push_back(static_cast<std::uint32_t>(vertex));
     }
-    if (strip)
-      add_strip();
-    else
-      add_face();
+    if (strip) add_strip();
   }
 
+  /// One material for all is a single entry; each triangle has its own from the first that differs
+  /// on.
+  void add_triangle(const std::array<std::uint32_t, 3>& corners) {
+    if (mesh_.triangles.empty()) material_of_first_ = material_;
+    if (mesh_.materials.empty() && material_ != material_of_first_)
+      mesh_.materials.resize(mesh_.triangles.size(), material_of_first_);
+    mesh_.triangles.push_back(corners);
+    uses_plain_ = uses_plain_ || material_ == textures_.plain_material();
+    if (!mesh_.materials.empty()) mesh_.materials.push_back(material_);
+  }
   void add_strip() {
     for (std::size_t i = 0; i + 2 < corners_.size(); ++i) {
-      mesh_.triangles.push_back({corners_[i], corners_[i + 1 + i % 2], corners_[i + 2 - i % 2]});
+      add_triangle({corners_[i], corners_[i + 1 + i % 2], corners_[i + 2 - i % 2]});
     }
     corners_.clear();
   }
   void add_face() {
     short_faces_ = short_faces_ || corners_.size() < 3;
     if (corners_.size() == 3) {
-      mesh_.triangles.push_back({corners_[0], corners_[1], corners_[2]});
+      add_triangle({corners_[0], corners_[1], corners_[2]});
       return;
     }
     points_.clear();
     for (const std::uint32_t v : corners_) points_.push_back(mesh_.positions[v]);
     for (const auto& t : triangulate(points_)) {
-      mesh_.triangles.push_back({corners_[t[0]], corners_[t[1]], corners_[t[2]]});
+      add_triangle({corners_[t[0]], corners_[t[1]], corners_[t[2]]});
     }
   }
 
-  Material material() {
-    Material material;
-    material.name = "default";
-    material.double_sided = true;
-    material.base_color = {0.8f, 0.8f, 0.8f, 1};
-    if (!has_colors_ || mesh_.positions.empty()) return material;
-    const Vec3 color = mesh_.colors.empty() ? color_ : Vec3{1, 1, 1};
-    material.base_color = {color.x, color.y, color.z, 1};
-    return material;
+  [[nodiscard]] Vec3 plain_color() const {
+    if (!(has_colors_ || faces_have_colors_) || mesh_.positions.empty()) return {0.8f, 0.8f, 0.8f};
+    return mesh_.colors.empty() ? color_ : Vec3{1, 1, 1};
   }
 
   static constexpr bool kHeld = std::is_same_v<AnyMesh, Mesh>;
@@ -277,9 +325,17 @@ class PlyReader {
   std::uint64_t most_corners_ = 0;
   std::vector<bool> has_normal_;
   bool has_normals_ = false, all_normals_ = true, has_colors_ = false;
-  bool short_faces_ = false;
-  std::vector<float> linear_of_code_;  ///< empty where colours are floats
-  Vec3 color_;                         ///< the first vertex's
+  bool short_faces_ = false, has_uvs_ = false, warned_of_colors_ = false;
+  bool faces_have_uvs_ = false, faces_have_colors_ = false, has_face_uvs_ = true,
+       uses_plain_ = false;
+  PlyColors colors_;
+  Vec3 color_;  ///< the first vertex's
+  PlyTextures textures_;
+  std::uint32_t material_ = 0, material_of_first_ = 0;  ///< of the face, of the first triangle
+  CornerSplitter<AnyMesh, Numbers> splitter_;
+  std::array<double, kRoles> of_face_{};
+  std::vector<double> face_uvs_;
+  double vertex_count_ = 0;
   std::vector<std::uint32_t> corners_;
   std::vector<Vec3> points_;
 };
@@ -288,9 +344,12 @@ class PlyReader {
 
 SceneDescription load_ply(const Bytes& file, const SceneFile& from) {
   const PlyHeader header = read_ply_header(file, file.size());
+  check_faces(header);
   SceneDescription scene;
   Mesh& mesh = scene.meshes.emplace_back();
-  PlyReader reader(PlyNumbers(file, header), header, mesh, scene);
+  std::vector<std::uint32_t> newest, previous;
+  PlyReader<Mesh> reader(PlyNumbers(file, header), header, mesh, scene, newest, previous);
+  reader.read_textures(from);
   reader.read(stem_of(from.path), file.size());
   if (!reader.has_normals()) add_missing_normals(mesh, reader.has_normal());
   return scene;
@@ -303,16 +362,22 @@ std::optional<OuterScene> read_outer_ply(const std::string& path, const PackOpti
   file.read(0, head, "");
   const PlyHeader header = read_ply_header(head, file.size());
   head = {};
+  check_faces(header);
   if (header.format == PlyFormat::kAscii) return std::nullopt;
   OuterScene scene;
   scene.columns = std::make_unique<OuterColumns>(options);
   OuterMesh& mesh = scene.meshes.emplace_back(scene.columns.get());
-  PlyReader reader(PlyNumbers(file, header), header, mesh, scene.rest);
+  OuterArray<std::uint32_t> newest(options.beside, options.triangles_at_once / 4),
+      previous(options.beside, options.triangles_at_once / 4);
+  PlyReader<OuterMesh> reader(PlyNumbers(file, header), header, mesh, scene.rest, newest, previous);
+  std::set<std::string> names;
+  const SceneFile from{path, options.allow_external, nullptr, &names};
+  reader.read_textures(from);
   reader.read(stem_of(path), std::max(options.triangles_at_once, kAlwaysCorners));
   if (mesh.triangles.size() >= kInvalidId) throw NeedsWholeFile{};
   if (!reader.has_normals()) add_missing_normals(mesh, options);
   scene.rest.meshes.emplace_back().name = mesh.name;
-  scene.rest.files = {path};
+  scene.rest.files = files_of(from);
   return scene;
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "io/gltf_rules.h"
+#include "io/named_file.h"
 #include "io/obj_lines.h"
 #include "raysheaf/error.h"
 
@@ -31,6 +32,13 @@ bool is_remark(std::string_view word) {
   return word == "comment" || word == "obj_info" || word == "Created";
 }
 
+/// Gaussian splats, in their two usual forms.
+bool holds_splats(const PlyElement& vertices) {
+  const auto has = [&](const char* name) { return vertices.find(name) >= 0; };
+  return (has("f_dc_0") && has("scale_0") && has("rot_0")) ||
+         (has("packed_position") && has("packed_scale"));
+}
+
 class HeaderReader {
  public:
   HeaderReader(std::span<const std::uint8_t> file, std::uint64_t file_bytes)
@@ -43,7 +51,11 @@ class HeaderReader {
     for (;;) {
       const std::string_view line = next_line();
       const std::vector<std::string_view> words = words_of(line);
-      if (words.empty() || is_remark(words[0])) continue;
+      if (words.empty()) continue;
+      if (is_remark(words[0])) {
+        read_remark(line);
+        continue;
+      }
       if (words[0] == "end_header") break;
       if (words[0] == "format") {
         read_format(words);
@@ -83,6 +95,14 @@ class HeaderReader {
     if (line.ends_with('\r')) line.remove_suffix(1);
     at_ = end + 1;
     return trim(line);
+  }
+
+  /// MeshLab and others name images in comments.
+  void read_remark(std::string_view line) {
+    take_word(line);
+    if (take_word(line) != "TextureFile") return;
+    if (std::string name = unquoted(line); !name.empty())
+      header_.textures.push_back(std::move(name));
   }
 
   void read_format(const std::vector<std::string_view>& words) {
@@ -156,11 +176,31 @@ class HeaderReader {
 
 }  // namespace
 
+void check_faces(const PlyHeader& header) {
+  const PlyElement* vertices = header.find("vertex");
+  if (vertices == nullptr || vertices->count == 0) return;
+  for (const char* name : {"face", "tristrips"})
+    if (const PlyElement* faces = header.find(name); faces != nullptr && faces->count > 0) return;
+  const bool splats = holds_splats(*vertices);
+  const bool has_places =
+      vertices->find("x") >= 0 && vertices->find("y") >= 0 && vertices->find("z") >= 0;
+  if (!splats && !has_places) return;
+  throw Error(ErrorCode::kInvalidData, "holds " + std::to_string(vertices->count) +
+                                           (splats ? " Gaussian splats" : " points") +
+                                           " and no faces; raysheaf renders triangles");
+}
+
 int PlyElement::find(std::string_view property) const {
   for (std::size_t i = 0; i < properties.size(); ++i) {
     if (properties[i].name == property) return static_cast<int>(i);
   }
   return -1;
+}
+
+const PlyElement* PlyHeader::find(std::string_view element) const {
+  const auto found = std::find_if(elements.begin(), elements.end(),
+                                  [&](const PlyElement& one) { return one.name == element; });
+  return found == elements.end() ? nullptr : &*found;
 }
 
 std::size_t size_of(PlyType type) {

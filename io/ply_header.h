@@ -31,8 +31,15 @@ struct PlyElement {
 struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
   std::vector<PlyElement> elements;
-  std::size_t bytes = 0;  ///< where the body begins
+  std::vector<std::string> textures;  ///< what "comment TextureFile" lines name
+  std::size_t bytes = 0;              ///< where the body begins
+
+  /// The first element of this name, or null.
+  [[nodiscard]] const PlyElement* find(std::string_view element) const;
 };
+
+/// Refuses files that hold points and no faces, before these are read. Throws `Error`.
+void check_faces(const PlyHeader& header);
 
 [[nodiscard]] std::size_t size_of(PlyType type);
 
