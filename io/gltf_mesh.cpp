@@ -108,7 +108,7 @@ class MeshReader {
     const UvNames uv_names{"TEXCOORD_" + std::to_string(sets.first),
                            "TEXCOORD_" + std::to_string(sets.second)};
     const JsonValue& named = primitive.at("attributes");
-    const bool thins = looks_at_alpha(material);
+    const bool thins = has_alpha(named.get("COLOR_0", -1)) && looks_at_alpha(material);
     Attributes attributes{named.get("POSITION", -1),
                           named.get("NORMAL", -1),
                           named.get(uv_names.first, -1),
@@ -133,6 +133,9 @@ class MeshReader {
     std::string first, second;
   };
 
+  [[nodiscard]] bool has_alpha(int colors) const {
+    return colors >= 0 && model_.accessors[static_cast<std::size_t>(colors)].components == 4;
+  }
   /// Whether the vertices' alpha counts.
   bool looks_at_alpha(int material) const {
     if (material < 0) return false;

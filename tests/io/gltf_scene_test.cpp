@@ -256,7 +256,7 @@ TEST_F(GltfScene, ReadsImagesOfAnyKindOfUri) {
     EXPECT_EQ(scene.images.size(), 1u) << kind;
     EXPECT_EQ(scene.textures.size(), 1u) << kind;
     EXPECT_TRUE(warns(scene, "images[1] is cut short, too large or no picture"));
-    EXPECT_TRUE(warns(scene, "images[2] is missing"));
+    EXPECT_TRUE(warns(scene, "images[2] is an SVG image"));
   }
 }
 

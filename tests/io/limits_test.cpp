@@ -57,7 +57,7 @@ TEST_F(Limits, VerticesWithoutAccessors) {
   primitives = Json::array({plain, plain, plain, plain, plain});
   primitives[0] = {{"attributes", {{"POSITION", 1}, {"NORMAL", 1}}}};
   expect_beyond_limit(write("flat.gltf", root.dump()), ErrorCode::kOutOfMemory,
-                      "meshes[0].primitives[4]: the meshes would take far more memory");
+                      "meshes[0].primitives[3]: the meshes would take far more memory");
   root["accessors"].push_back({{"componentType", 5126}, {"count", 1 << 18}, {"type", "VEC4"}});
   root["accessors"].push_back({{"componentType", 5126}, {"count", 3}, {"type", "VEC4"}});
   root["skins"] = {{{"joints", {0}}}};
