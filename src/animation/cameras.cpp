@@ -76,9 +76,13 @@ Camera find_camera(const SceneDescription& scene, const std::string& wanted) {
   const auto [stop, error] = std::from_chars(wanted.data(), end, index);
   if (error == std::errc{} && stop == end && index < scene.cameras.size())
     return scene.cameras[index];
+  // As `framing_camera` names the one that scenes without cameras get.
+  const bool is_framed = scene.cameras.size() == 1 && scene.cameras[0].name == "framing";
   throw Error(ErrorCode::kNotFound,
-              "the scene has no camera \"" + wanted + "\"; it has " +
-                  (scene.cameras.empty() ? "none of its own" : camera_names(scene)),
+              scene.cameras.empty() || is_framed
+                  ? "there is no camera \"" + wanted +
+                        "\": the file has no cameras, and without this option one frames the scene"
+                  : "the scene has no camera \"" + wanted + "\"; it has " + camera_names(scene),
               "camera");
 }
 

@@ -93,6 +93,17 @@ TEST(FindCamera, ByNameThenByIndex) {
   expect_close(eye_of(find_camera(scene, "1")), {1, 1, 1});
   expect_close(eye_of(find_camera(scene, "")), eye_of(scene.cameras[0]));
   EXPECT_THROW(static_cast<void>(find_camera(scene, "2")), Error);
+  SceneDescription bare = test::ball_on_floor();
+  bare.cameras.clear();
+  for (const bool framed : {false, true}) {
+    if (framed) add_missing_camera_and_light(bare);
+    try {
+      static_cast<void>(find_camera(bare, "5"));
+      ADD_FAILURE() << framed;
+    } catch (const Error& error) {
+      EXPECT_NE(error.sentence().find("the file has no cameras"), std::string::npos);
+    }
+  }
 }
 
 }  // namespace
