@@ -148,8 +148,8 @@ std::string first_and_more(const std::vector<std::string>& names) {
 
 void MtlLibrary::warn_of_names() {
   if (!twice_.empty())
-    warn_once("Of materials that are defined more than once, as " + first_and_more(twice_) +
-              ", the first definition counts.");
+    warn_once("Materials are defined more than once (" + first_and_more(twice_) +
+              "); the first definition of each counts.");
   if (!missing_.empty())
     warn_once("There is no material " + first_and_more(missing_) + "; a grey one stands in.");
 }

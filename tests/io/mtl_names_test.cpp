@@ -103,7 +103,7 @@ TEST_F(MtlNames, OfMaterialsThatAreDefinedTwiceMeanTheFirst) {
   const SceneDescription scene = load("mtllib a.mtl b.mtl\n");
   EXPECT_EQ(scene.materials[scene.meshes[0].materials[0]].base_color.z, 1);
   EXPECT_EQ(scene.warnings.size(), 1u);
-  EXPECT_TRUE(warns(scene, "defined more than once, as \"m\" and 2 more, the first"));
+  EXPECT_TRUE(warns(scene, "defined more than once (\"m\" and 2 more); the first"));
 }
 
 }  // namespace
