@@ -43,12 +43,12 @@ io::Bytes bytes_of(Input input) {
   return {input.begin(), input.end()};
 }
 
-/// A folder for this process, gone at its end.
+/// A folder for this process and one target, gone at its end.
 class ProcessFolder {
  public:
-  ProcessFolder()
+  explicit ProcessFolder(const std::string& target)
       : path_(std::filesystem::temp_directory_path() /
-              ("raysheaf-fuzz-" + std::to_string(getpid()))) {
+              ("raysheaf-fuzz-" + target + "-" + std::to_string(getpid()))) {
     std::filesystem::create_directories(path_);
   }
   ~ProcessFolder() {
@@ -107,7 +107,11 @@ void run_obj(Input input) {
 }
 
 void run_ply(Input input) {
-  load([&] { return io::load_ply(bytes_of(input), {std::string(kNowhere) + "scene.ply"}); });
+  static const ProcessFolder folder("ply");
+  const std::string image = (folder.path() / "t.png").string();
+  static const bool written = (write_png({"", 1, 1, {1, 2, 3, 255}}, image), true);
+  if (!written) return;
+  load([&] { return io::load_ply(bytes_of(input), {(folder.path() / "scene.ply").string()}); });
 }
 
 void run_stl(Input input) {
@@ -115,7 +119,7 @@ void run_stl(Input input) {
 }
 
 void run_mtl(Input input) {
-  static const ProcessFolder folder;
+  static const ProcessFolder folder("mtl");
   std::ofstream(folder.path() / "scene.mtl", std::ios::binary)
       .write(reinterpret_cast<const char*>(input.data()), std::ssize(input));
   static constexpr std::string_view kScene =
