@@ -18,8 +18,8 @@ struct NamedFile {
 
 /// Looks for `name` beside the file at `named_in`, then beside the scene's file: as it is; with "/"
 /// for "\\"; in letters of another case, where a single file has such a name; and, of a name that
-/// leads out of the scene's folder (a drive, "..", an absolute path), its last part alone. Throws
-/// kUnsupported where it leads out and none of these is there.
+/// leads out of the scene's folder (a drive, "..", an absolute path), only its last part. Throws
+/// kUnsupported where it leads out and no such file exists.
 [[nodiscard]] NamedFile find_named(const SceneFile& from, const std::string& name,
                                    const std::string& named_in, const std::string& place);
 

@@ -12,7 +12,7 @@
 namespace raysheaf::io {
 
 /// Finds, or makes, the copy of a vertex that has given texture coordinates and a given colour. The
-/// first that a vertex is asked for become its own. Of its copies only the newest few are searched,
+/// first that a vertex is asked for become its own. Only the newest few of its copies are searched,
 /// so that many of them cost no more than memory. `Numbers`: as of `VertexSplitter`.
 template <class AnyMesh, class Numbers>
 class CornerSplitter {

@@ -86,7 +86,7 @@ class PlyTextures {
     const bool is_there = number >= 0 && number < static_cast<double>(textures_.size());
     return is_there ? static_cast<std::uint32_t>(number) : plain_material();
   }
-  /// Of faces that show no texture.
+  /// Index of the material of faces that show no texture.
   [[nodiscard]] std::uint32_t plain_material() const {
     return static_cast<std::uint32_t>(textures_.size());
   }

@@ -22,8 +22,8 @@ class StlPalette {
   /// 15 asks for the body's. VisCAM and SolidView: blue is lowest, and bit 15 says that there is a
   /// colour; `kStlGrey` stands in where there is none.
   [[nodiscard]] Vec3 color_of(std::uint16_t attribute) const;
-  /// The colour of a file all of whose triangles have this attribute: where it is 0, nobody has
-  /// given them any, and the body's counts.
+  /// The colour of a file whose triangles all have this attribute. 0 means in Magics that no
+  /// triangle was given a colour: the body's counts.
   [[nodiscard]] Vec3 common_color(std::uint16_t attribute) const;
 
  private:
