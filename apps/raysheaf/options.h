@@ -124,6 +124,7 @@ struct BenchGpuCommand {
   std::string scenes;                    ///< a folder; empty: the built-in scenes
   std::vector<std::string> scene_names;  ///< empty: all there are
   DeviceBenchOptions options;
+  bool counts = false;  ///< nothing is timed, and no device is needed
   bool quiet = false;
   std::string json_path;
 };

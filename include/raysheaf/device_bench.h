@@ -1,5 +1,5 @@
 // How long the stages of ray queries take on a CUDA device, beside what their memory traffic and
-// their arithmetic cost at least.
+// their arithmetic cost at least. And what its threads do in them, counted without a device.
 #pragma once
 
 #include <cstdint>
@@ -66,5 +66,31 @@ struct DeviceBenchReport {
 /// where there is no device, in CUDA's words; kInvalidArgument for the options; as `Laboratory`.
 [[nodiscard]] DeviceBenchReport bench_device(const SceneDescription& scene,
                                              const DeviceBenchOptions& options = {});
+
+/// How one kind of rays walks down the device's object tree: sums over all of them.
+struct DeviceWalks {
+  LabRays rays = LabRays::kShadow;
+  std::uint64_t count = 0, hits = 0;
+  std::uint64_t nodes = 0;      ///< visited, of two boxes each
+  std::uint64_t leaves = 0;     ///< visited
+  std::uint64_t triangles = 0;  ///< tested
+  /// Turns of the loop over nodes and leaves. The threads of a warp, one a ray, wait for the one
+  /// that turns most often: of each 32 rays in a row the most turns, summed.
+  std::uint64_t warp_turns = 0;
+  std::uint64_t sorted_warp_turns = 0;  ///< where rays are sorted before, as queries do
+
+  [[nodiscard]] std::uint64_t warps() const { return (count + 31) / 32; }
+};
+
+struct DeviceWalksReport {
+  std::uint64_t triangles = 0;
+  std::vector<DeviceWalks> batches;
+};
+
+/// Counts on the CPU, by the device's own functions: no device is needed, and the same rays give
+/// the same numbers on every machine. `DeviceBenchOptions::runs` does not matter. Throws `Error` as
+/// `Laboratory`.
+[[nodiscard]] DeviceWalksReport count_device_walks(const SceneDescription& scene,
+                                                   const DeviceBenchOptions& options = {});
 
 }  // namespace raysheaf

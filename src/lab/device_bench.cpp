@@ -264,6 +264,12 @@ class Bench {
 
 }  // namespace
 
+std::vector<LabRays> kinds_of_rays(const DeviceBenchOptions& options) {
+  if (!options.rays.empty()) return options.rays;
+  return {LabRays::kShadow, LabRays::kReflection1, LabRays::kReflection2,
+          LabRays::kAmbientOcclusion};
+}
+
 DeviceBenchReport bench_device_on(const DeviceBackend& backend, const SceneDescription& scene,
                                   const DeviceBenchOptions& options) {
   if (options.runs < 1) throw Error(ErrorCode::kInvalidArgument, "must be 1 at least", "runs");
@@ -276,11 +282,7 @@ DeviceBenchReport bench_device_on(const DeviceBackend& backend, const SceneDescr
   report.copy_gb_per_s = bench.rates().bytes_per_ms * 1e-6;
   report.gigaops_per_s = bench.rates().operations_per_ms * 1e-6;
   report.reads_host_memory = backend.reads_host_memory();
-  for (const LabRays kind :
-       options.rays.empty()
-           ? std::vector<LabRays>{LabRays::kShadow, LabRays::kReflection1, LabRays::kReflection2,
-                                  LabRays::kAmbientOcclusion}
-           : options.rays)
+  for (const LabRays kind : kinds_of_rays(options))
     report.batches.push_back(bench.measure(kind, laboratory.rays(kind)));
   return report;
 }

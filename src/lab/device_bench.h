@@ -6,6 +6,9 @@
 
 namespace raysheaf {
 
+/// The kinds of rays that are asked for: all of them where none is named.
+[[nodiscard]] std::vector<LabRays> kinds_of_rays(const DeviceBenchOptions& options);
+
 [[nodiscard]] DeviceBenchReport bench_device_on(const DeviceBackend& backend,
                                                 const SceneDescription& scene,
                                                 const DeviceBenchOptions& options);

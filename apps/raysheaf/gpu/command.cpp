@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "ablation/ablation.h"
 #include "compare/scenes.h"
 #include "console.h"
+#include "gpu/counts.h"
 #include "outputs.h"
 #include "progress_bar.h"
 #include "raysheaf/context.h"
@@ -105,27 +107,55 @@ std::vector<CompareScene> scenes_of(const BenchGpuCommand& command) {
   return all;
 }
 
-std::vector<SceneReport> measured(const BenchGpuCommand& command) {
+/// Calls `measure(name, description)` for each scene.
+template <class Measure>
+void for_each_scene(const BenchGpuCommand& command, const Measure& measure) {
   const std::vector<CompareScene> scenes = scenes_of(command);
   ProgressBar bar(stderr, !command.quiet);
-  std::vector<SceneReport> reports;
+  std::size_t done = 0;
   for (const CompareScene& scene : scenes) {
     stop_if_interrupted();
-    bar.update(scene.name, reports.size(), scenes.size());
-    const SceneDescription description = load_compare_scene(scene, command.options.threads);
-    reports.push_back({scene.name, bench_device(description, command.options)});
+    bar.update(scene.name, done++, scenes.size());
+    measure(scene.name, load_compare_scene(scene, command.options.threads));
   }
+}
+
+std::vector<SceneReport> measured(const BenchGpuCommand& command) {
+  std::vector<SceneReport> reports;
+  for_each_scene(command, [&](const std::string& name, const SceneDescription& scene) {
+    reports.push_back({name, bench_device(scene, command.options)});
+  });
   return reports;
+}
+
+std::vector<SceneWalks> counted(const BenchGpuCommand& command) {
+  std::vector<SceneWalks> walks;
+  for_each_scene(command, [&](const std::string& name, const SceneDescription& scene) {
+    walks.push_back({name, count_device_walks(scene, command.options)});
+  });
+  return walks;
+}
+
+void write(const Json& json, const std::string& path) {
+  if (!path.empty())
+    write_text(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n", path);
 }
 
 }  // namespace
 
 int run(const BenchGpuCommand& command) {
-  const Context device({Device::kCuda, command.options.threads});  // or one sentence, at once
+  std::optional<Context> device;  // or one sentence, at once
+  if (!command.counts) device.emplace(ContextOptions{Device::kCuda, command.options.threads});
   catch_interrupts();
   OutputFiles files;
   for (const std::string& scene : command.scene_names) files.reads(scene);
   const std::string json = files.open(command.json_path);
+  if (command.counts) {
+    const std::vector<SceneWalks> walks = counted(command);
+    print(counts_table(walks));
+    write(counts_json(walks), json);
+    return kSuccess;
+  }
   Json all = Json::array();
   std::uint64_t different = 0;
   for (const SceneReport& scene : measured(command)) {
@@ -133,8 +163,7 @@ int run(const BenchGpuCommand& command) {
     all.push_back(json_of(scene));
     for (const DeviceBenchBatch& batch : scene.report.batches) different += batch.different;
   }
-  if (!json.empty())
-    write_text(all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n", json);
+  write(all, json);
   if (different != 0)
     throw Error(ErrorCode::kInternal,
                 std::to_string(different) + " answers of the device are not the CPU's",

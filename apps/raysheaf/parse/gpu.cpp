@@ -23,12 +23,15 @@ CLI::App* add_bench_gpu(CLI::App& bench, BenchGpuCommand& command) {
   add_count(*sub, "--runs", options.runs, 1, 1000, "Runs whose median counts [9]");
   add_count(*sub, "--threads", options.threads, 0, 1024,
             "Of the CPU beside it, up to 1024; 0 is all cores [0]");
+  sub->add_flag("--counts", command.counts,
+                "Only count nodes, triangles and turns of warps a ray; needs no device");
   sub->add_option("--json", command.json_path, "All figures as JSON")->type_name("FILE.json");
   sub->add_flag("-q,--quiet", command.quiet, "No progress bar");
   sub->footer(
       "Examples:\n"
       "  raysheaf bench gpu --scene builtin:atrium\n"
-      "  raysheaf bench gpu --scenes DIR --size 2048x2048 --json gpu.json");
+      "  raysheaf bench gpu --scenes DIR --size 2048x2048 --json gpu.json\n"
+      "  raysheaf bench gpu --counts --scene builtin:office");
   return sub;
 }
 
