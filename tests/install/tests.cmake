@@ -40,3 +40,10 @@ if(RAYSHEAF_HAS_CUDA AND TARGET raysheaf_app AND NOT CMAKE_CXX_FLAGS MATCHES "-f
     ${PROJECT_BINARY_DIR} ${PROJECT_BINARY_DIR}/gpu_pack_test)
   set_tests_properties(install/gpu_pack PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300)
 endif()
+
+# What tools/gpu --static reads from the compiler, on text that was made up.
+find_program(PYTHON3 python3)
+if(PYTHON3)
+  add_test(NAME install/gpu_static COMMAND ${PYTHON3} ${CMAKE_CURRENT_LIST_DIR}/gpu_static.py)
+  set_tests_properties(install/gpu_static PROPERTIES TIMEOUT 60)
+endif()
