@@ -183,15 +183,20 @@ def _most_from_one_base(block):
 
 
 def inner_turn(blocks):
-    """The turn of the inner loop, or None where nothing in a loop reads global memory."""
-    by_bytes = sorted(((_most_from_one_base(b), -i) for i, b in enumerate(blocks)), reverse=True)
-    for (size, _), place in by_bytes:
-        if size == 0:
-            return None
-        way = shortest_turn(blocks, -place)
-        if way is not None:
-            return [instruction for block in way for instruction in blocks[block].instructions]
-    return None
+    """The turn of the inner loop, or None where nothing in a loop reads global memory. Of blocks that read
+    as much by as many loads it is the one whose turn is longest."""
+    most, longest = (0, 0), None
+    for reads, place in sorted(((_most_from_one_base(b), i) for i, b in enumerate(blocks)), reverse=True):
+        if reads < most or reads == (0, 0):
+            break
+        way = shortest_turn(blocks, place)
+        if way is None:
+            continue
+        most = reads
+        turn = [instruction for block in way for instruction in blocks[block].instructions]
+        if longest is None or len(turn) > len(longest):
+            longest = turn
+    return longest
 
 
 def count(instructions):
