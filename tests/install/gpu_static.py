@@ -107,6 +107,12 @@ class Sass(unittest.TestCase):
         self.assertIn("SEL", [i.opcode for i in turn])
         self.assertEqual(sass.count(turn), sass.Turn(17, 4, 56, 2, 6))
 
+    def test_a_call_that_is_a_jump(self):
+        jump = """@P1 CALL.REL.NOINC `(.L_pop) ;
+        /*01a8*/                   BRA `(.L_node) ;"""
+        self.functions = sass.functions(LISTING.replace("@!P1 BRA `(.L_node) ;", jump))
+        self.assertEqual(len(self.turn("_Zwalk")), 18)
+
     def test_nothing_in_a_loop_reads(self):
         self.assertIsNone(self.turn("_Zadd"))
 
@@ -120,6 +126,9 @@ class Sass(unittest.TestCase):
         self.assertTrue(branch("@P0 EXIT").goes_on())
         self.assertFalse(branch("EXIT").goes_on())
         self.assertTrue(branch("CALL.REL.NOINC `($f)").goes_on())
+        self.assertIsNone(branch("CALL.REL.NOINC `($f)").target)
+        self.assertEqual(branch("@P1 CALL.REL.NOINC `(.L_x_3)").target, ".L_x_3")
+        self.assertEqual(branch("@P1 CALL.REL.NOINC `(.L_x_3)").conditions, ["P1"])
         self.assertEqual(branch("@!P0 BRA `(.L_x_7)").target, ".L_x_7")
 
 
@@ -165,6 +174,11 @@ class Tool(unittest.TestCase):
         done = self.run_tool("--arch", "hopper")
         self.assertEqual(done.returncode, 2)
         self.assertIn("--arch wants numbers such as 75,90, not 'hopper'", done.stderr)
+
+    def test_patterns_are_checked(self):
+        done = self.run_tool("--match", "(")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("--match: missing )", done.stderr)
 
     def test_a_missing_compiler_is_one_sentence(self):
         done = self.run_tool("--only", "kernels", PATH="/nowhere", CUDA_HOME="/nowhere")

@@ -37,9 +37,11 @@ class Instruction:
     def __init__(self, guard, code, operands):
         self.opcode, *self.modifiers = code.split(".")
         self.operands = operands.split("(*")[0].strip()
-        self.is_branch = self.opcode in ("BRA", "JMP")
-        target = _TARGET.search(operands) if self.is_branch else None
-        self.target = target.group(1) if target else None
+        target = _TARGET.search(operands)
+        # The compiler also calls labels within a function, and nothing returns from there.
+        self.is_branch = self.opcode in ("BRA", "JMP") or (
+            self.opcode == "CALL" and target is not None and target.group(1).startswith(".L"))
+        self.target = target.group(1) if target and self.is_branch else None
         self.conditions = [guard] if guard else []
         if self.is_branch:
             self.conditions += _PREDICATE.findall(self.operands.split("`")[0])
@@ -71,10 +73,10 @@ class Instruction:
     def tell(self, known):
         """Changes {predicate: value} to what is known after it. A predicate that it names is not known
         any more, though it may only have been read."""
-        if self.opcode in ("CALL", "R2P", "R2UP"):
-            known.clear()
         if self.ends_block():
             return
+        if self.opcode in ("CALL", "R2P", "R2UP"):
+            known.clear()
         for predicate in _PREDICATE.findall(self.operands):
             known.pop(predicate.lstrip("!"), None)
         constant = _CONSTANT.match(self.operands) if self.opcode in ("PLOP3", "UPLOP3") else None
