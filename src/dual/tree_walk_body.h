@@ -12,7 +12,7 @@ namespace raysheaf {
 /// What a ray does on its way, counted.
 struct WalkCounts {
   std::uint32_t box_tests = 0, triangle_tests = 0;
-  std::uint32_t leaves = 0;  ///< visited; no kernel reads it, so none counts it
+  std::uint32_t leaves = 0;  ///< visited; counted on the host alone, for src/lab/walk_counts.h
 };
 
 /// Calls `take(hit)` for the hits of a ray with the triangles of a leaf; returns the place after
@@ -20,7 +20,9 @@ struct WalkCounts {
 template <class Take>
 RAYSHEAF_HD std::uint32_t meet_leaf(const LinearTreeView& tree, std::uint32_t place, Facing facing,
                                     const RaySetup& setup, WalkCounts* counts, const Take& take) {
+#ifndef __CUDA_ARCH__
   ++counts->leaves;
+#endif
   for (bool more = true; more; ++place) {
     const LinearTriangle triangle = tree.triangles[place];
     more = triangle.ends_leaf == 0;

@@ -159,7 +159,8 @@ class Kernels(unittest.TestCase):
 
     def test_the_table(self):
         rows = kernels.rows("90", kernels.resources_of(LOG), LISTING, {"_Zwalk": "walk", "_Zadd": "add"})
-        lines = kernels.table(rows).splitlines()
+        lines = kernels.table(rows + rows).splitlines()
+        self.assertEqual(len(lines), 4, "a kernel of two sources is shown once")
         self.assertEqual(lines[2], "| `add` | 90 | 8 | 0 | 0 | 0 | 4 | – | – | – | – | – |")
         self.assertEqual(lines[3], "| `walk` | 90 | 72 | 1024 | 44 | 12 | 36 | 17 | 4 | 56 | 2 | 6 |")
         self.assertEqual({line.count("|") for line in lines}, {13})

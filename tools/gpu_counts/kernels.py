@@ -111,12 +111,14 @@ def rows(architecture, resources, listing, demangled):
 
 
 def table(all_rows):
-    """Markdown: kernels by name, architectures ascending."""
+    """Markdown: kernels by name, architectures ascending. Several sources may have the same kernel."""
     text = ["| Kernel | sm | Registers | Stack, bytes | Spills, bytes | Spills of called functions "
             "| Instructions | Turn | Global loads | Bytes of these | Local accesses | Memory instructions |",
             "|---|" + "--:|" * 11]
-    for row in sorted(all_rows, key=lambda r: (r.kernel, int(re.sub(r"\D", "", r.architecture)))):
+    for row in sorted(all_rows, key=lambda r: (r.kernel, int(re.sub(r"\D", "", r.architecture)), str(r))):
         turn = row.turn or ("–",) * len(sass.Turn._fields)
         cells = [f"`{row.kernel}`", row.architecture, *row.resources, row.instructions, *turn]
-        text.append("| " + " | ".join(map(str, cells)) + " |")
+        line = "| " + " | ".join(map(str, cells)) + " |"
+        if line != text[-1]:
+            text.append(line)
     return "\n".join(text) + "\n"
