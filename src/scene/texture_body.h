@@ -119,11 +119,10 @@ RAYSHEAF_HD inline Vec4 look_up(const TextureTable& table, const PlacedTexture& 
 /// A place in both of the mesh's sets of texture coordinates; they are equal where it has one set.
 struct PlaceUv {
   Vec2 first, second;
-  RAYSHEAF_HD Vec2 of(const PlacedTexture& slot) const { return slot.second_uvs ? second : first; }
 };
 RAYSHEAF_HD inline Vec4 look_up(const TextureTable& table, const PlacedTexture& slot,
                                 const float* decode, const PlaceUv& uv) {
-  return look_up(table, slot, decode, uv.of(slot));
+  return look_up(table, slot, decode, slot.second_uvs ? uv.second : uv.first);
 }
 
 }  // namespace raysheaf

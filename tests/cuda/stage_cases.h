@@ -44,6 +44,7 @@ struct SurfaceCase {
     out.put(point.position, point.reach, unit(normal, {0, 0, 1}), dot(normal, widened(a)));
     out.put(clearance(point, unit(normal, {0, 0, 1})));
     out.put(unit_normal(normal_map(draws.map()), a, {0, 0, 1}));
+    out.put(on_side_of(draws.direction(), draws.direction()));
   }
 };
 
@@ -57,6 +58,7 @@ struct CutoutCase {
     m.base_color_texture.texture = draws.below(2) == 0 ? 0 : kInvalidId;
     const std::uint32_t triangle = draws.below(1000);
     const bool blends = draws.below(2) == 0;
+    out.put(is_by_chance(m, blends));
     out.put(chance_of(ray, triangle), is_cutout(m, blends, draws.below(2) == 0));
     out.put(is_cut_away(m, draws.unit(), blends, ray, triangle));
     out.put(just_behind(draws.between(-1, 1)), just_behind(0),
