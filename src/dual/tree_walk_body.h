@@ -20,9 +20,6 @@ struct WalkCounts {
 template <class Take>
 RAYSHEAF_HD std::uint32_t meet_leaf(const LinearTreeView& tree, std::uint32_t place, Facing facing,
                                     const RaySetup& setup, WalkCounts* counts, const Take& take) {
-#ifndef __CUDA_ARCH__
-  ++counts->leaves;
-#endif
   for (bool more = true; more; ++place) {
     const LinearTriangle triangle = tree.triangles[place];
     more = triangle.ends_leaf == 0;
@@ -35,40 +32,50 @@ RAYSHEAF_HD std::uint32_t meet_leaf(const LinearTreeView& tree, std::uint32_t pl
   return place;
 }
 
+/// A node or leaf that a walk comes back to, and where the ray enters its box.
+struct alignas(8) WalkStop {
+  float near;
+  std::uint32_t at;
+};
+
 /// Calls `leaf(place)` for the leaves whose boxes the ray meets, the nearer child of a node first.
 /// `leaf` may bring the ray's end nearer, and returns the place after its last triangle.
 template <class Leaf>
 RAYSHEAF_HD void walk_tree(const LinearTreeView& tree, BoxRay* ray, WalkCounts* counts,
                            const Leaf& leaf) {
   if (tree.count <= kLinearLeaf || !ray->bounded) {
+#ifndef __CUDA_ARCH__
+    ++counts->leaves;
+#endif
     for (std::uint32_t place = 0; place < tree.count;) place = leaf(place);
     return;
   }
-  std::uint32_t waiting[kLinearDepth];
-  float nears[kLinearDepth];
+  WalkStop waiting[kLinearDepth];
   std::uint32_t top = 0, next = 0;
   for (;;) {
     bool on = false;
     if ((next & kLeafBit) != 0) {
+#ifndef __CUDA_ARCH__
+      ++counts->leaves;
+#endif
       leaf(next & ~kLeafBit);
     } else {
-      const LinearNode& node = tree.nodes[next];
-      float near[2];
-      const bool meets_0 = enters(*ray, node.box[0], &near[0]);
-      const bool meets_1 = enters(*ray, node.box[1], &near[1]);
+      const LinearNode node = tree.nodes[next];  // as one: in words of 16 bytes
+      float near_0, near_1;
+      const bool meets_0 = enters(*ray, node.box[0], &near_0);
+      const bool meets_1 = enters(*ray, node.box[1], &near_1);
       counts->box_tests += 2;
       on = meets_0 || meets_1;
-      const std::uint32_t nearer = meets_0 && !(meets_1 && near[1] < near[0]) ? 0 : 1;
-      if (meets_0 && meets_1) {
-        waiting[top] = node.child[1 - nearer];
-        nears[top++] = near[1 - nearer];
-      }
-      if (on) next = node.child[nearer];
+      const bool first = meets_0 && !(meets_1 && near_1 < near_0);
+      next = first ? node.child[0] : node.child[1];
+      if (meets_0 && meets_1)
+        waiting[top++] = first ? WalkStop{near_1, node.child[1]} : WalkStop{near_0, node.child[0]};
     }
     while (!on) {
       if (top == 0) return;
-      next = waiting[--top];
-      on = nears[top] <= ray->s_far;
+      const WalkStop stop = waiting[--top];
+      next = stop.at;
+      on = stop.near <= ray->s_far;
     }
   }
 }
@@ -104,6 +111,69 @@ RAYSHEAF_HD inline bool any_in_tree(const LinearTreeView& tree, const Box& scene
     });
   });
   return met;
+}
+
+/// What a walk in binary32 has found: the best hit, whose t is in [low, high]. An unsure one is for
+/// `closest_in_tree` or `any_in_tree`.
+struct FloatWalk {
+  float low = 0, high = std::numeric_limits<float>::infinity();
+  std::uint32_t place = kInvalidId;  ///< of the hit's triangle
+  bool unsure = false;
+};
+
+/// Of the triangles from `place` to the end of the leaf.
+RAYSHEAF_HD inline std::uint32_t meet_leaf_in_floats(const LinearTreeView& tree,
+                                                     std::uint32_t place, Facing facing,
+                                                     const RaySetup& setup, bool any,
+                                                     WalkCounts* counts, FloatWalk* best) {
+  for (bool more = true; more; ++place) {
+    const LinearTriangle triangle = tree.triangles[place];
+    more = triangle.ends_leaf == 0;
+    ++counts->triangle_tests;
+    const FloatAnswer answer = answer_in_floats(setup, triangle.a, triangle.b, triangle.c);
+    if (answer.kind == FloatAnswer::kMiss) continue;
+    if (answer.kind == FloatAnswer::kUnsure) {
+      best->unsure = true;
+    } else if (shows(facing, static_cast<std::uint8_t>(triangle.flags), answer.front) &&
+               answer.low <= best->high) {
+      best->unsure =
+          best->unsure || (!any && answer.high >= best->low && best->place != kInvalidId);
+      best->low = answer.low;
+      best->high = answer.high;
+      best->place = place;
+    }
+  }
+  return place;
+}
+
+/// Few registers and no double: where it ends with an unsure answer, a slower walk does all anew.
+RAYSHEAF_HD inline FloatWalk closest_in_floats(const LinearTreeView& tree, const Box& scene,
+                                               const Ray& ray, Facing facing, WalkCounts* counts) {
+  FloatWalk best;
+  const RaySetup setup = make_ray_setup(ray);
+  BoxRay boxes = make_box_ray(ray, scene);
+  walk_tree(tree, &boxes, counts, [&](std::uint32_t place) {
+    place = meet_leaf_in_floats(tree, place, facing, setup, false, counts, &best);
+    shorten(&boxes, best.high);
+    if (best.unsure) boxes.s_far = -std::numeric_limits<float>::infinity();
+    return place;
+  });
+  return best;
+}
+
+/// The same for any hit; one that is sure is the answer.
+RAYSHEAF_HD inline FloatWalk any_in_floats(const LinearTreeView& tree, const Box& scene,
+                                           const Ray& ray, Facing facing, WalkCounts* counts) {
+  FloatWalk found;
+  const RaySetup setup = make_ray_setup(ray);
+  BoxRay boxes = make_box_ray(ray, scene);
+  walk_tree(tree, &boxes, counts, [&](std::uint32_t place) {
+    place = meet_leaf_in_floats(tree, place, facing, setup, true, counts, &found);
+    if (found.place != kInvalidId) boxes.s_far = -std::numeric_limits<float>::infinity();
+    return place;
+  });
+  found.unsure = found.unsure && found.place == kInvalidId;
+  return found;
 }
 
 /// Calls `take(hit)` for every hit, in no order.

@@ -79,7 +79,7 @@ template <class Device>
 void key_rays_on(Device& device, View<const Ray> rays, const Box& scene, std::uint64_t* keys,
                  std::uint32_t* numbers) {
   device.for_each("rays: keys", rays.size, [=] RAYSHEAF_HD(std::size_t i) {
-    keys[i] = device_ray_key(rays.data[i], scene);
+    keys[i] = device_ray_key(rays.data[i], scene, kRayKeyAxisBits);
     numbers[i] = static_cast<std::uint32_t>(i);
   });
 }

@@ -69,7 +69,8 @@ class DeviceBatches {
       find_closest({Facing::kBoth, key_bits, input_->options.early_out}, &report, statistics);
       occluded_by_hits_on(device_, hits_.view_const(), occluded_.data());
     } else {
-      engine_.any_hit(rays_.view_const(), query(Facing::kBoth, &report), occluded_.view());
+      engine_.any_hit(rays_.view_const(), query(Facing::kBoth, statistics->kind, &report),
+                      occluded_.view());
     }
     count_occluded_on(device_, occluded_.view_const(), found_.data());
     finish_batch(report, statistics);
@@ -96,7 +97,7 @@ class DeviceBatches {
   }
   [[nodiscard]] bool is_brute() const { return input_->options.method == Method::kBrute; }
 
-  [[nodiscard]] DeviceQuery query(Facing facing, EngineReport* report) {
+  [[nodiscard]] DeviceQuery query(Facing facing, RayKind kind, EngineReport* report) {
     DeviceQuery query;
     query.facing = facing;
     query.brute = is_brute();
@@ -105,6 +106,7 @@ class DeviceBatches {
       query.ray_tests = ray_tests_.view();
     }
     query.count = true;
+    query.in_order = kind == RayKind::kPrimary || kind == RayKind::kShadow;
     query.report = report;
     return query;
   }
@@ -118,7 +120,8 @@ class DeviceBatches {
   void find_closest(const Closest& ask, EngineReport* report, BatchStatistics* statistics) {
     hits_.resize_uninitialized("trace: closest hits", rays_.size());
     if (!orders_rays())
-      return engine_.closest_hit(rays_.view_const(), query(ask.facing, report), hits_.view());
+      return engine_.closest_hit(rays_.view_const(), query(ask.facing, statistics->kind, report),
+                                 hits_.view());
     device_.synchronize("trace: closest hits");  // the tracer's stream is another one
     if (input_->packets != nullptr) {
       PacketQuery packets;

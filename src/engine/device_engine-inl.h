@@ -95,7 +95,7 @@ class DeviceEngineOn : public DeviceEngine {
     if (rays.empty()) return;
     DeviceBatch batch = begin(rays, query, device_.is_device_memory(counts.data, "counts"));
     std::uint32_t* const out = landing("trace: number of hits", counts, &counts_);
-    if (!query.brute) order_rays_on(device_, &columns_, &batch);
+    if (!query.brute && !query.in_order) order_rays_on(device_, &columns_, &batch);
     hit_counts_on(device_, batch, out);
     deliver("copy: hits", query, counts, out);
     finish(batch, query);
@@ -106,7 +106,7 @@ class DeviceEngineOn : public DeviceEngine {
     rows.offsets.assign(rays.size + 1, 0);
     if (rays.empty()) return rows;
     DeviceBatch batch = begin(rays, query, false);
-    if (!query.brute) order_rays_on(device_, &columns_, &batch);
+    if (!query.brute && !query.in_order) order_rays_on(device_, &columns_, &batch);
     counts_.resize_uninitialized("trace: number of hits", rays.size);
     hit_counts_on(device_, batch, counts_.data());
     TestSums* const sums = std::exchange(batch.sums, nullptr);  // the second walk is the first
@@ -124,9 +124,11 @@ class DeviceEngineOn : public DeviceEngine {
     return rows;
   }
 
-  [[nodiscard]] double keys_to_hits_ms(View<const Ray> rays, bool any) override {
+  [[nodiscard]] double keys_to_hits_ms(View<const Ray> rays, const DeviceQuery& asked,
+                                       bool any) override {
     if (rays.empty()) return 0;
-    const DeviceQuery query;
+    DeviceQuery query = asked;
+    query.report = nullptr;
     DeviceBatch batch = begin(rays, query, false);
     hits_.resize_uninitialized("trace: closest hits", any ? 0 : rays.size);
     occluded_.resize_uninitialized("trace: any hits", any ? rays.size : 0);
@@ -167,7 +169,7 @@ class DeviceEngineOn : public DeviceEngine {
       brute_force_on(device_, *batch, words_.view());
       hits_of_words_on(device_, *batch, words_.view_const(), out);
     } else {
-      order_rays_on(device_, &columns_, batch);
+      if (!query.in_order) order_rays_on(device_, &columns_, batch);
       closest_hits_on(device_, *batch, out);
     }
   }
@@ -178,7 +180,7 @@ class DeviceEngineOn : public DeviceEngine {
       brute_force_on(device_, *batch, words_.view());
       mark_found(words_.view_const(), out);
     } else {
-      order_rays_on(device_, &columns_, batch);
+      if (!query.in_order) order_rays_on(device_, &columns_, batch);
       any_hits_on(device_, *batch, out);
     }
   }
@@ -252,10 +254,10 @@ class DeviceEngineOn : public DeviceEngine {
     device_.keep_times(false);
     add_times(times_, &report);
     report.total_ms += std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
-    explain(batch, &report.plan);
+    explain(batch, query.in_order, &report.plan);
   }
 
-  void explain(const DeviceBatch& batch, std::vector<std::string>* plan) const {
+  void explain(const DeviceBatch& batch, bool in_order, std::vector<std::string>* plan) const {
     if (batch.brute) return plan->push_back("brute force, as asked for");
     if (work_ == TreeWork::kRebuild) {
       plan->push_back(
@@ -265,10 +267,14 @@ class DeviceEngineOn : public DeviceEngine {
     } else {
       plan->push_back("object tree: kept, for no triangle has moved");
     }
-    plan->push_back(batch.order != nullptr
-                        ? "rays: sorted along a curve, one thread a ray"
-                        : "rays: in the caller's order, for they are fewer than " +
-                              std::to_string(kFewestSorted) + "; one thread a ray");
+    if (batch.order != nullptr) {
+      plan->push_back("rays: sorted along a curve, one thread a ray");
+    } else {
+      plan->push_back(
+          "rays: in the caller's order, for they " +
+          (in_order ? "come pixel by pixel" : "are fewer than " + std::to_string(kFewestSorted)) +
+          "; one thread a ray");
+    }
   }
 
   Device device_;
@@ -278,7 +284,7 @@ class DeviceEngineOn : public DeviceEngine {
   DeviceBuffer<RunName> names_;
   DeviceTree<Device> tree_{device_};
   DeviceBuffer<Ray> rays_;
-  SortColumns<std::uint64_t> columns_;
+  SortColumns<std::uint32_t> columns_;
   DeviceBuffer<std::uint64_t> words_;
   DeviceBuffer<EngineHit> hits_;
   DeviceBuffer<Hit> named_;

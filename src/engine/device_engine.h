@@ -40,9 +40,12 @@ struct DeviceHitRows {
 
 struct DeviceQuery {
   Facing facing = Facing::kBoth;
-  bool brute = false;      ///< every ray with every triangle
-  bool check = false;      ///< refuse rays that are wrong
-  bool count = false;      ///< fill the counts of `report`
+  bool brute = false;  ///< every ray with every triangle
+  bool check = false;  ///< refuse rays that are wrong
+  bool count = false;  ///< fill the counts of `report`
+  /// Rays of one place in the caller's order look along one way, as the camera's and those from one
+  /// light do, pixel by pixel: they are not sorted.
+  bool in_order = false;
   void* stream = nullptr;  ///< what was asked for on it comes first; null: on the default one
   void* results_stream = nullptr;  ///< and on this, where it is not null
   EngineReport* report = nullptr;
@@ -77,8 +80,10 @@ class DeviceEngine {
   [[nodiscard]] virtual DeviceHitRows all_hits(View<const Ray> rays, const DeviceQuery& query) = 0;
 
   /// Measured by one clock of the device's, gaps between stages included: from the keys of rays to
-  /// their hits (`any`: of any hit, else the closest), where rays, tree and hits lie there.
-  [[nodiscard]] virtual double keys_to_hits_ms(View<const Ray> rays, bool any) = 0;
+  /// their hits (`any`: of any hit, else the closest), where rays, tree and hits lie there. Nothing
+  /// is reported.
+  [[nodiscard]] virtual double keys_to_hits_ms(View<const Ray> rays, const DeviceQuery& query,
+                                               bool any) = 0;
 
   /// Stages of the last query that had a report, in order.
   [[nodiscard]] virtual const std::vector<StageTime>& stage_times() const = 0;

@@ -42,8 +42,8 @@ RAYSHEAF_HD inline void keep_counts(const DeviceBatch& batch, std::size_t ray,
   if (batch.ray_tests != nullptr)
     batch.ray_tests[ray] = static_cast<float>(counts.box_tests + counts.triangle_tests);
   if (batch.sums == nullptr) return;
-  add_to(&batch.sums->box_tests, counts.box_tests);
-  add_to(&batch.sums->triangle_tests, counts.triangle_tests);
+  add_to_common(&batch.sums->box_tests, counts.box_tests);
+  add_to_common(&batch.sums->triangle_tests, counts.triangle_tests);
 }
 
 /// Calls `take(hit)` for every hit of a ray.
@@ -60,43 +60,83 @@ RAYSHEAF_HD void meet_all(const DeviceBatch& batch, std::size_t number, const Ta
   keep_counts(batch, number, counts);
 }
 
-inline constexpr std::uint32_t kRayKeyAxisBits = 9;
+/// Bits an axis of the keys of rays that stay, and a tree stands over them; of a batch that is
+/// sorted for one walk, which fit a word.
+inline constexpr std::uint32_t kRayKeyAxisBits = 9, kBatchKeyAxisBits = 6;
 inline constexpr std::uint32_t kRayKeyBits = 5 * kRayKeyAxisBits;
+inline constexpr std::uint32_t kBatchKeyBits = 5 * kBatchKeyAxisBits;
 
 /// Rays of near origins and directions have near keys: a Morton curve through the octahedral map of
 /// directions and the cube of the scene, where a ray enters it.
-RAYSHEAF_HD inline std::uint64_t device_ray_key(const Ray& ray, const Box& scene) {
+RAYSHEAF_HD inline std::uint64_t device_ray_key(const Ray& ray, const Box& scene,
+                                                std::uint32_t axis_bits) {
   const KeyCube cube = key_cube(scene);
   const Vec3 start = ray_ends(scene, ray).start;
-  return morton_place(joined(square_cell(octahedral(normalized(ray.direction)), kRayKeyAxisBits),
-                             cube_cell(cube, start, kRayKeyAxisBits)));
+  return morton_place(joined(square_cell(octahedral(normalized(ray.direction)), axis_bits),
+                             cube_cell(cube, start, axis_bits)));
 }
 
 /// Sorts the batch's rays along the curve; `columns` keeps the order.
 template <class Device>
-void order_rays_on(Device& device, SortColumns<std::uint64_t>* columns, DeviceBatch* batch) {
+void order_rays_on(Device& device, SortColumns<std::uint32_t>* columns, DeviceBatch* batch) {
   const View<const Ray> rays = batch->rays;
   if (rays.size < kFewestSorted || batch->scene == nullptr) return;
   columns->resize_uninitialized("order: keys", rays.size, true);
-  std::uint64_t* const keys = columns->keys.data();
+  std::uint32_t* const keys = columns->keys.data();
   std::uint32_t* const numbers = columns->values.data();
   const SharedBox* const scene = batch->scene;
   device.for_each("order: keys", rays.size, [=] RAYSHEAF_HD(std::size_t i) {
-    keys[i] = device_ray_key(rays.data[i], box_of(*scene));
+    keys[i] =
+        static_cast<std::uint32_t>(device_ray_key(rays.data[i], box_of(*scene), kBatchKeyAxisBits));
     numbers[i] = static_cast<std::uint32_t>(i);
   });
-  device.sort_pairs("order: sort", columns, {0, kRayKeyBits});
+  device.sort_pairs("order: sort", columns, {0, kBatchKeyBits});
   batch->order = columns->values.data();
 }
 
+/// What the walk in binary32 leaves in the place of an answer that it does not settle.
+inline constexpr std::uint32_t kUnsurePlace = kInvalidId - 1;
+inline constexpr std::uint8_t kUnsureFlag = 2;
+
+/// Counts of a second walk of a ray.
+RAYSHEAF_HD inline void keep_more_counts(const DeviceBatch& batch, std::size_t ray,
+                                         const WalkCounts& counts) {
+  const float before = batch.ray_tests != nullptr ? batch.ray_tests[ray] : 0;
+  keep_counts(batch, ray, counts);
+  if (batch.ray_tests != nullptr) batch.ray_tests[ray] += before;
+}
+
+/// The hit with the triangle at a place of the tree, which is there.
+RAYSHEAF_HD inline EngineHit hit_at_place(const LinearTreeView& tree, std::uint32_t place,
+                                          const Ray& ray) {
+  const LinearTriangle t = tree.triangles[place];
+  const TriangleHit hit = values_of_hit(ray.origin, ray.direction, t.a, t.b, t.c);
+  return {hit.t, hit.u, hit.v, t.id};
+}
+
+/// All rays in binary32 alone; then the values of their hits, and what was left unsettled.
 template <class Device>
 void closest_hits_on(Device& device, const DeviceBatch& batch, EngineHit* hits) {
   device.for_each("trace: closest hits", batch.rays.size, [=] RAYSHEAF_HD(std::size_t i) {
     const std::size_t ray = batch.ray_at(i);
     WalkCounts counts;
-    hits[ray] = closest_in_tree(batch.tree, box_of(*batch.scene), batch.rays.data[ray],
-                                batch.facing, &counts);
+    const FloatWalk walk = closest_in_floats(batch.tree, box_of(*batch.scene), batch.rays.data[ray],
+                                             batch.facing, &counts);
+    hits[ray].triangle = walk.unsure ? kUnsurePlace : walk.place;
     keep_counts(batch, ray, counts);
+  });
+  device.for_each("trace: values", batch.rays.size, [=] RAYSHEAF_HD(std::size_t ray) {
+    const std::uint32_t place = hits[ray].triangle;
+    EngineHit hit;
+    if (place == kUnsurePlace) {
+      WalkCounts counts;
+      hit = closest_in_tree(batch.tree, box_of(*batch.scene), batch.rays.data[ray], batch.facing,
+                            &counts);
+      keep_more_counts(batch, ray, counts);
+    } else if (place != kInvalidId) {
+      hit = hit_at_place(batch.tree, place, batch.rays.data[ray]);
+    }
+    hits[ray] = hit;
   });
 }
 
@@ -105,10 +145,18 @@ void any_hits_on(Device& device, const DeviceBatch& batch, std::uint8_t* occlude
   device.for_each("trace: any hits", batch.rays.size, [=] RAYSHEAF_HD(std::size_t i) {
     const std::size_t ray = batch.ray_at(i);
     WalkCounts counts;
+    const FloatWalk walk = any_in_floats(batch.tree, box_of(*batch.scene), batch.rays.data[ray],
+                                         batch.facing, &counts);
+    occluded[ray] = walk.unsure ? kUnsureFlag : walk.place != kInvalidId ? 1 : 0;
+    keep_counts(batch, ray, counts);
+  });
+  device.for_each("trace: unsettled", batch.rays.size, [=] RAYSHEAF_HD(std::size_t ray) {
+    if (occluded[ray] != kUnsureFlag) return;
+    WalkCounts counts;
     const bool met =
         any_in_tree(batch.tree, box_of(*batch.scene), batch.rays.data[ray], batch.facing, &counts);
     occluded[ray] = met ? 1 : 0;
-    keep_counts(batch, ray, counts);
+    keep_more_counts(batch, ray, counts);
   });
 }
 

@@ -3,6 +3,13 @@
 
 #include <cstdint>
 
+#ifdef __CUDACC__
+#include <cooperative_groups.h>
+#include <cooperative_groups/reduce.h>
+
+#include <cuda/atomic>
+#endif
+
 #include "base/host_device.h"
 
 namespace raysheaf {
@@ -52,10 +59,8 @@ RAYSHEAF_HD inline void raise_flag(std::uint32_t* word) {
 /// later number.
 RAYSHEAF_HD inline std::uint32_t arrive_at(std::uint32_t* counter) {
 #ifdef __CUDA_ARCH__
-  __threadfence();
-  const std::uint32_t before = atomicAdd(counter, 1u);
-  __threadfence();
-  return before;
+  return cuda::atomic_ref<std::uint32_t, cuda::thread_scope_device>(*counter).fetch_add(
+      1u, cuda::memory_order_acq_rel);
 #else
   return __atomic_fetch_add(counter, 1u, __ATOMIC_ACQ_REL);
 #endif
@@ -67,6 +72,18 @@ RAYSHEAF_HD inline void add_to(std::uint64_t* sum, std::uint64_t value) {
   atomicAdd(reinterpret_cast<unsigned long long*>(sum), static_cast<unsigned long long>(value));
 #else
   __atomic_fetch_add(sum, value, __ATOMIC_RELAXED);
+#endif
+}
+
+/// The same for a sum to which most threads add: those of a warp that come here together add once.
+RAYSHEAF_HD inline void add_to_common(std::uint64_t* sum, std::uint64_t value) {
+#ifdef __CUDA_ARCH__
+  const auto here = cooperative_groups::coalesced_threads();
+  const std::uint64_t all =
+      cooperative_groups::reduce(here, value, cooperative_groups::plus<std::uint64_t>());
+  if (here.thread_rank() == 0) add_to(sum, all);
+#else
+  add_to(sum, value);
 #endif
 }
 

@@ -113,8 +113,24 @@ RAYSHEAF_HD inline float reach_of(Vec3 a, Vec3 b, Vec3 c) {
   return reach_of_extent(max_component(max(max(a, b), c) - min(min(a, b), c)));
 }
 
-/// Stage 1. False says nothing.
-RAYSHEAF_HD inline bool surely_misses(const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c) {
+/// The edge functions as rounded, the depths of the corners, and how far an edge function may be
+/// off.
+struct Edges {
+  float u, v, w;
+  float az, bz, cz;
+  float reach, size, error;
+
+  /// Stage 1. False says nothing.
+  [[nodiscard]] RAYSHEAF_HD bool surely_miss() const {
+    return (u > error || v > error || w > error) && (u < -error || v < -error || w < -error);
+  }
+  /// The same for hits of the ray's line.
+  [[nodiscard]] RAYSHEAF_HD bool surely_hit() const {
+    return (u > error && v > error && w > error) || (u < -error && v < -error && w < -error);
+  }
+};
+
+RAYSHEAF_HD inline Edges edges_of(const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c) {
   const Vec3 oa = a - ray.origin, ob = b - ray.origin, oc = c - ray.origin;
   const float az = component(oa, ray.axis_z);
   const float bz = component(ob, ray.axis_z);
@@ -125,12 +141,46 @@ RAYSHEAF_HD inline bool surely_misses(const RaySetup& ray, Vec3 a, Vec3 b, Vec3 
   const float by = component(ob, ray.axis_y) - ray.shear_y * bz;
   const float cx = component(oc, ray.axis_x) - ray.shear_x * cz;
   const float cy = component(oc, ray.axis_y) - ray.shear_y * cz;
-  const float u = cx * by - cy * bx;
-  const float v = ax * cy - ay * cx;
-  const float w = bx * ay - by * ax;
   const float reach = reach_of(a, b, c), size = std::fabs(az) + reach;
   const float error = size * (kErrorOfSquare * size + kErrorOfReach * reach);
-  return (u > error || v > error || w > error) && (u < -error || v < -error || w < -error);
+  return {cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax, az, bz, cz, reach, size, error};
+}
+
+RAYSHEAF_HD inline bool surely_misses(const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c) {
+  return edges_of(ray, a, b, c).surely_miss();
+}
+
+/// What binary32 says of a ray and a triangle: t of a hit, as rounded, is in [low, high].
+struct FloatAnswer {
+  enum Kind : std::uint8_t { kMiss, kHit, kUnsure } kind = kMiss;
+  bool front = false;
+  float low = 0, high = 0;
+};
+
+/// Stage 1 with the interval of t. A hit lies within [t_min, t_max] as a whole, and t_max may be
+/// brought nearer by hits.
+RAYSHEAF_HD inline FloatAnswer answer_in_floats(const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c) {
+  const Edges e = edges_of(ray, a, b, c);
+  FloatAnswer answer;
+  if (e.surely_miss()) return answer;
+  const float det = (e.u + e.v) + e.w, size = std::fabs(det), per_det = 1 / det;
+  const float distance =
+      (e.u * (ray.shear_z * e.az) + e.v * (ray.shear_z * e.bz)) + e.w * (ray.shear_z * e.cz);
+  const float t = distance * per_det, far = std::fabs(distance);
+  const float of_weights = (kErrorOfWeights * (e.error * e.reach)) * std::fabs(per_det);
+  const float half = std::fabs(ray.shear_z) * (of_weights + kErrorOfDepth * e.size);
+  answer.low = t - half;
+  answer.high = t + half;
+  answer.front = det > 0;
+  const bool normal = size >= kSmallDeterminant && size <= kLargeDeterminant &&
+                      far >= kSmallDistance && far <= kLargeDeterminant && half >= kSmallInterval;
+  const bool sure = e.surely_hit() && normal;
+  if (sure && answer.low >= ray.t_min && answer.high <= ray.t_max) {
+    answer.kind = FloatAnswer::kHit;
+  } else if (!(sure && (answer.high < ray.t_min || answer.low > ray.t_max))) {
+    answer.kind = FloatAnswer::kUnsure;
+  }
+  return answer;
 }
 
 /// det, and det times t, u and v, each with a bound of its error: half of what it is where none of

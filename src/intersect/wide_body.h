@@ -34,6 +34,7 @@ struct WideInt {
   /// -1, 0 or 1.
   [[nodiscard]] RAYSHEAF_HD int sign() const {
     if (is_negative()) return -1;
+    RAYSHEAF_ROLLED
     for (const std::uint64_t w : word)
       if (w != 0) return 1;
     return 0;
@@ -44,6 +45,7 @@ template <int kWords>
 RAYSHEAF_HD inline WideInt<kWords> operator-(const WideInt<kWords>& a, const WideInt<kWords>& b) {
   WideInt<kWords> result;
   std::uint64_t borrow = 0;
+  RAYSHEAF_ROLLED
   for (int i = 0; i < kWords; ++i) {
     const std::uint64_t less = a.word[i] - b.word[i];
     result.word[i] = less - borrow;
@@ -61,8 +63,10 @@ RAYSHEAF_HD inline WideInt<kWords> operator+(const WideInt<kWords>& a, const Wid
 template <int kA, int kB>
 RAYSHEAF_HD inline WideInt<kA + kB> operator*(const WideInt<kA>& a, const WideInt<kB>& b) {
   WideInt<kA + kB> result;
+  RAYSHEAF_ROLLED
   for (int i = 0; i < kA; ++i) {
     std::uint64_t carry = 0;
+    RAYSHEAF_ROLLED
     for (int j = 0; j < kB; ++j) {
       const DoubleWord sum = DoubleWord{a.word[i]} * b.word[j] + result.word[i + j] + carry;
       result.word[i + j] = static_cast<std::uint64_t>(sum);
@@ -73,6 +77,7 @@ RAYSHEAF_HD inline WideInt<kA + kB> operator*(const WideInt<kA>& a, const WideIn
   // So far both were taken as without a sign: a negative one was 2^64k too large.
   const auto take_from_above = [&](int first, const std::uint64_t* words, int count) {
     std::uint64_t borrow = 0;
+    RAYSHEAF_ROLLED
     for (int i = 0; i < count; ++i) {
       std::uint64_t& to = result.word[first + i];
       const std::uint64_t less = to - words[i];
@@ -176,8 +181,9 @@ struct WideAnswer {
 };
 
 template <int kWords>
-RAYSHEAF_HD inline WideAnswer answer_in_words(Vec3 origin, Vec3 direction, Vec3 a, Vec3 b, Vec3 c,
-                                              int position_unit, int direction_unit) {
+RAYSHEAF_HD_CALLED inline WideAnswer answer_in_words(Vec3 origin, Vec3 direction, Vec3 a, Vec3 b,
+                                                     Vec3 c, int position_unit,
+                                                     int direction_unit) {
   const WideVector<kWords> corner = to_wide<kWords>(a, position_unit);
   const WideVector<kWords> along = to_wide<kWords>(direction, direction_unit);
   const WideVector<kWords> to_b = to_wide<kWords>(b, position_unit) - corner;

@@ -78,7 +78,7 @@ DeviceWalks count_walks_on(EmulatedDevice& device, const TriangleList& list, Vie
   walks.leaves = sum_of(as_made.leaves);
   walks.triangles = sum_of(as_made.triangles);
   walks.warp_turns = warp_turns(as_made.turns);
-  SortColumns<std::uint64_t> columns(device.allocator());
+  SortColumns<std::uint32_t> columns(device.allocator());
   order_rays_on(device, &columns, &batch);
   walks.sorted_warp_turns = warp_turns(count_threads(device, batch, any).turns);
   return walks;

@@ -5,8 +5,12 @@
 
 namespace raysheaf {
 
+/// Of a multiprocessor at the same time: a thread takes 128 registers at most.
+inline constexpr std::uint32_t kLeastBlocks = 4;
+
 template <class Body>
-__global__ void __launch_bounds__(kBlockThreads) run_items(std::size_t count, const Body body) {
+__global__ void __launch_bounds__(kBlockThreads, kLeastBlocks)
+    run_items(std::size_t count, const Body body) {
   for_items_of_thread(std::size_t{blockIdx.x} * blockDim.x + threadIdx.x,
                       std::size_t{gridDim.x} * blockDim.x, count, body);
 }
