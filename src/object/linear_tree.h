@@ -51,9 +51,10 @@ class LinearTree {
   }
 
   /// Not for others: nvcc wants functions with loops of a device in them to be public. New boxes
-  /// for all nodes from the triangles as they are in the leaves.
+  /// for all nodes from the triangles as they are in the leaves. `turns`: on the way, children go
+  /// where boxes are smaller (`best_swap`).
   template <class Device>
-  void fit(Device& device);
+  void fit(Device& device, bool turns);
 
  private:
   /// Sums of surfaces, so that few threads wait for the same one.
@@ -114,7 +115,7 @@ void LinearTree::build(Device& device, const TriangleList& source) {
   device.for_each("hierarchy: nodes", count - 1, [=] RAYSHEAF_HD(std::size_t i) {
     link_node(sorted, count, static_cast<std::uint32_t>(i), nodes, triangles, parents);
   });
-  fit(device);
+  fit(device, true);
 }
 
 template <class Device>
@@ -133,11 +134,11 @@ void LinearTree::refit(Device& device, const TriangleList& source) {
     t.flags = flags.empty() ? 0u : flags.data[t.id];
     enlarge(scene, triangle_box(t.a, t.b, t.c));
   });
-  if (triangles_.size() > kLinearLeaf) fit(device);
+  if (triangles_.size() > kLinearLeaf) fit(device, false);
 }
 
 template <class Device>
-void LinearTree::fit(Device& device) {
+void LinearTree::fit(Device& device, bool turns) {
   const auto count = static_cast<std::uint32_t>(triangles_.size());
   device.fill("hierarchy: boxes", arrived_.view(), 0);
   device.fill("hierarchy: boxes", surfaces_.view(), 0);
@@ -149,7 +150,7 @@ void LinearTree::fit(Device& device) {
   std::uint64_t* const surfaces = surfaces_.data();
   device.for_each("hierarchy: boxes", count, [=] RAYSHEAF_HD(std::size_t i) {
     const std::uint64_t surface =
-        fit_boxes(triangles, static_cast<std::uint32_t>(i), *scene, parents, arrived, nodes);
+        fit_boxes(triangles, static_cast<std::uint32_t>(i), *scene, parents, arrived, nodes, turns);
     if (surface != 0) add_to(&surfaces[i % kSurfaceSums], surface);
   });
 }

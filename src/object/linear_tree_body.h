@@ -7,7 +7,8 @@
 //
 // T. Karras, "Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees", HPG
 // 2012, sections 3 and 4. A run of at most kLinearLeaf triangles is a leaf. Boxes come from below:
-// of two who arrive at a node, the second goes on.
+// of two who arrive at a node, the second goes on. When the tree is built, it first looks whether a
+// child and a child of the other had better change places.
 #pragma once
 
 #include <bit>
@@ -42,6 +43,7 @@ static_assert(sizeof(LinearTriangle) == 48);
 struct alignas(64) LinearNode {
   Box box[2];              ///< of the children
   std::uint32_t child[2];  ///< a node, or a place with kLeafBit
+  std::uint32_t height;    ///< of the nodes from here down to the farthest leaf
 };
 static_assert(sizeof(LinearNode) == 64);
 
@@ -177,12 +179,70 @@ RAYSHEAF_HD inline std::uint64_t surface_parts(const Box& box, const Box& scene)
   return half > 0 && half <= 4 ? static_cast<std::uint64_t>(half * 0x1p20f) : 0;
 }
 
+/// Where a node's children and their children may change places.
+struct LinearSwap {
+  std::uint32_t side = 0, grandchild = 0;  ///< the child that is opened, and which of its children
+  float gain = 0;                          ///< of half surfaces; 0: nothing is to be gained
+  std::uint32_t height = 0;                ///< of the child that is opened
+};
+
+RAYSHEAF_HD inline std::uint32_t height_of(const LinearNode* nodes, std::uint32_t child) {
+  return (child & kLeafBit) != 0 ? 0 : nodes[child].height;
+}
+RAYSHEAF_HD inline float half_surface(const Box& box) {
+  const Vec3 d = box.max - box.min;
+  return d.x * d.y + d.y * d.z + d.z * d.x;
+}
+
+/// The swap of a child with a child of the other that makes the other's box smallest (A. Kensler,
+/// "Tree Rotations for Improving Bounding Volume Hierarchies", 2008). No way down gets longer than
+/// the longest below the node was.
+RAYSHEAF_HD inline LinearSwap best_swap(const LinearNode* nodes, const LinearNode& node) {
+  LinearSwap best;
+  for (std::uint32_t side = 0; side < 2; ++side) {
+    if ((node.child[side] & kLeafBit) != 0) continue;
+    const LinearNode& opened = nodes[node.child[side]];
+    const std::uint32_t other_height = height_of(nodes, node.child[1 - side]);
+    const float now = half_surface(node.box[side]);
+    for (std::uint32_t k = 0; k < 2; ++k) {
+      const float then = half_surface(box_union(node.box[1 - side], opened.box[1 - k]));
+      const std::uint32_t kept_height = height_of(nodes, opened.child[1 - k]);
+      const std::uint32_t height = 1 + (other_height > kept_height ? other_height : kept_height);
+      if (now - then > best.gain && height < node.height) best = {side, k, now - then, height};
+    }
+  }
+  return best;
+}
+
+/// Swaps what `best_swap` found.
+RAYSHEAF_HD inline void swap_children(LinearNode* nodes, std::uint32_t at, const LinearSwap& swap,
+                                      LinearParents parents) {
+  const auto set_parent = [&](std::uint32_t child, std::uint32_t parent) {
+    ((child & kLeafBit) != 0 ? parents.of_leaf[child & ~kLeafBit] : parents.of_node[child]) =
+        parent;
+  };
+  LinearNode& node = nodes[at];
+  const std::uint32_t side = swap.side, other = 1 - side, k = swap.grandchild;
+  const std::uint32_t opened_at = node.child[side], down = node.child[other];
+  LinearNode& opened = nodes[opened_at];
+  const std::uint32_t up = opened.child[k];
+  const Box down_box = node.box[other];
+  node.child[other] = up;
+  node.box[other] = opened.box[k];
+  opened.child[k] = down;
+  opened.box[k] = down_box;
+  opened.height = swap.height;
+  node.box[side] = box_union(opened.box[0], opened.box[1]);
+  set_parent(up, 2 * at + other);
+  set_parent(down, 2 * opened_at + k);
+}
+
 /// Where a leaf begins at `place`: its box to its parent, and on up until a node waits for its
-/// other child. `arrived` has a zero for each node. Returns the sum of `surface_parts` of the boxes
-/// that were found.
+/// other child. `arrived` has a zero for each node. `turns`: children that would be better off
+/// elsewhere go there. Returns the sum of `surface_parts` of the boxes that were found.
 RAYSHEAF_HD inline std::uint64_t fit_boxes(const LinearTriangle* triangles, std::uint32_t place,
                                            const SharedBox& scene, LinearParents parents,
-                                           std::uint32_t* arrived, LinearNode* nodes) {
+                                           std::uint32_t* arrived, LinearNode* nodes, bool turns) {
   std::uint32_t up = parents.of_leaf[place];
   if (up == kInvalidId) return 0;
   const Box whole = box_of(scene);
@@ -194,12 +254,27 @@ RAYSHEAF_HD inline std::uint64_t fit_boxes(const LinearTriangle* triangles, std:
     more = t.ends_leaf == 0;
   }
   for (;;) {
-    LinearNode& node = nodes[up / 2];
+    const std::uint32_t at = up / 2;
+    LinearNode& node = nodes[at];
     node.box[up & 1] = box;
     surface += surface_parts(box, whole);
-    if (arrive_at(&arrived[up / 2]) == 0 || up / 2 == 0) return surface;
+    if (arrive_at(&arrived[at]) == 0) return surface;
+    if (turns) {
+      const std::uint32_t heights[2] = {height_of(nodes, node.child[0]),
+                                        height_of(nodes, node.child[1])};
+      node.height = 1 + (heights[0] > heights[1] ? heights[0] : heights[1]);
+      const LinearSwap swap = best_swap(nodes, node);
+      if (swap.gain > 0) {
+        surface -= surface_parts(node.box[swap.side], whole);
+        swap_children(nodes, at, swap, parents);
+        surface += surface_parts(node.box[swap.side], whole);
+        const std::uint32_t kept = height_of(nodes, node.child[1 - swap.side]);
+        node.height = 1 + (kept > swap.height ? kept : swap.height);
+      }
+    }
+    if (at == 0) return surface;
     box = box_union(node.box[0], node.box[1]);
-    up = parents.of_node[up / 2];
+    up = parents.of_node[at];
   }
 }
 

@@ -94,7 +94,8 @@ struct RayBoxCase {
     const Box scene = triangle_box(draws.in_box(4) * scale, {0, 0, 0}, {scale, scale, scale});
     BoxRay boxes = make_box_ray(ray, scene);
     float near = 0;
-    out.put(enters(boxes, scene, &near), near, boxes.s_near, boxes.s_far, boxes.pad, boxes.bounded);
+    out.put(enters(boxes, scene, &near), near + 0.0f, boxes.s_near, boxes.s_far, boxes.pad,
+            boxes.bounded);
     shorten(&boxes, draws.unit() * scale);
     out.put(boxes.s_far, end_beyond(1, scale, 0), distance_per_unit(ray.direction.x, boxes.along));
     const float x = draws.between(-1, 1) * scale;
@@ -105,6 +106,34 @@ struct RayBoxCase {
     const std::uint64_t keys[3] = {draws.below(9), 9, 9 + std::uint64_t{1 + draws.below(999)}};
     const LinearRun run = linear_run(keys, 3, draws.below(2));
     out.put(run.first, run.last, run.cut, static_cast<std::uint32_t>(shared_prefix(keys, 3, 0, 2)));
+  }
+};
+
+/// A node whose children may change places with their children.
+struct SwapCase {
+  RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
+    LinearNode nodes[4] = {};
+    std::uint32_t of_node[4] = {}, of_leaf[8] = {};
+    for (std::uint32_t i = 1; i < 4; ++i) {
+      for (std::uint32_t side = 0; side < 2; ++side) {
+        const Vec3 a = draws.in_box(4), b = draws.in_box(2);
+        nodes[i].box[side] = triangle_box(a, a + b, a - b * 0.5f);
+        nodes[i].child[side] = (2 * i + side) | kLeafBit;
+      }
+      nodes[i].height = 1;
+    }
+    nodes[2].child[1] = 3;
+    nodes[2].height = 2;
+    nodes[0].child[0] = 1;
+    nodes[0].child[1] = 2;
+    nodes[0].height = 3;
+    for (std::uint32_t side = 0; side < 2; ++side)
+      nodes[0].box[side] = box_union(nodes[side + 1].box[0], nodes[side + 1].box[1]);
+    const LinearSwap swap = best_swap(nodes, nodes[0]);
+    if (swap.gain > 0) swap_children(nodes, 0, swap, {of_node, of_leaf});
+    out.put(swap.side, swap.grandchild, swap.gain, height_of(nodes, nodes[0].child[1]));
+    out.put(half_surface(nodes[0].box[0]), half_surface(nodes[0].box[1]), nodes[0].child[0]);
+    out.put(of_node[1], of_node[2], of_node[3], of_leaf[2], of_leaf[3], of_leaf[4]);
   }
 };
 
@@ -120,6 +149,11 @@ struct MeetCase {
     std::uint32_t leaves = 0, hits = 0, all = 0, listed = 0;
     BoxRay boxes = make_box_ray(ray, tree.scene);
     const RaySetup setup = make_ray_setup(ray);
+    FloatWalk walk;
+    std::uint32_t after = 0;
+    for (std::uint32_t place = 0; place < TinyTree::kCount; place = after)
+      after = meet_leaf_in_floats(view, place, Facing::kBoth, setup, false, &counts, &walk);
+    out.put(walk.place, walk.unsure, walk.low, lesser(walk.low, 3), greater(walk.low, 3));
     walk_tree(view, &boxes, &counts, [&](std::uint32_t place) {
       ++leaves;
       return meet_leaf(view, place, Facing::kBoth, setup, &counts,

@@ -50,6 +50,10 @@ struct TriangleCase {
     out.put(again.t, again.u, behind.t, behind.u, behind.v, is_within(again.t, 0, 1));
     out.put(reach_of(a, b, c), reach_of_extent(scale), wide.t, wide.u, wide.v, wide.front);
     out.put(shows(Facing::kSkipBackOfSingleSided, kSingleSided, hit.front));
+    const Edges edges = edges_of(ray, a, b, c);
+    const FloatAnswer floats = answer_in_floats(ray, a, b, c);
+    out.put(edges.surely_miss(), edges.surely_hit(), floats.low, floats.high, floats.front,
+            static_cast<std::uint32_t>(floats.kind));
     RayHit best;
     best.take(hit.t, 3);
     best.take(exact.t, 2);

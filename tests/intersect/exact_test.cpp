@@ -48,6 +48,26 @@ TEST_P(ExactPairs, HitOrMissAndWhere) {
   EXPECT_GT(hits, wrong == 0 ? kPairsOfAFamily / 50 : 0);
 }
 
+/// Where binary32 is sure, exact arithmetic says the same.
+TEST_P(ExactPairs, FloatsAreSureOfNothingElse) {
+  checks::Random random(13);
+  for (int i = 0; i < kPairsOfAFamily; ++i) {
+    RayAndTriangle pair = family().make(&random);
+    if (random.one_in(3)) pair.ray.t_max = random.between(0, 3);
+    const auto& [a, b, c] = pair.corners;
+    const RaySetup setup = make_ray_setup(pair.ray);
+    const FloatAnswer floats = answer_in_floats(setup, a, b, c);
+    if (floats.kind == FloatAnswer::kUnsure) continue;
+    TriangleHit hit{};
+    const bool met = intersect_triangle(setup, a, b, c, &hit);
+    ASSERT_EQ(met, floats.kind == FloatAnswer::kHit) << "pair " << i << " of " << family().name;
+    if (!met) continue;
+    ASSERT_EQ(hit.front, floats.front) << "pair " << i << " of " << family().name;
+    ASSERT_LE(floats.low, hit.t) << "pair " << i << " of " << family().name;
+    ASSERT_GE(floats.high, hit.t) << "pair " << i << " of " << family().name;
+  }
+}
+
 /// [t_min, t_max] is decided by the t that is reported, ends included.
 TEST_P(ExactPairs, TheReportedTDecidesTheInterval) {
   constexpr float kFar = std::numeric_limits<float>::infinity();
