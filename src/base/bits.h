@@ -1,6 +1,7 @@
 // Integers as rows of bits.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <cstring>
 
@@ -17,6 +18,23 @@ RAYSHEAF_HD inline float bits_float(std::uint32_t bits) {
   float x;
   std::memcpy(&x, &bits, sizeof x);
   return x;
+}
+
+/// Of a number other than 0. On devices <bit> must not be used: nvcc 13.0 makes of std::countl_zero
+/// and std::countr_zero of libstdc++ 12 the constants 64 and 32.
+RAYSHEAF_HD inline int leading_zeros(std::uint64_t x) {
+#ifdef __CUDA_ARCH__
+  return __clzll(static_cast<long long>(x));
+#else
+  return std::countl_zero(x);
+#endif
+}
+RAYSHEAF_HD inline int trailing_zeros(std::uint32_t x) {
+#ifdef __CUDA_ARCH__
+  return __ffs(static_cast<int>(x)) - 1;
+#else
+  return std::countr_zero(x);
+#endif
 }
 
 RAYSHEAF_HD inline std::uint32_t div_ceil(std::uint64_t a, std::uint64_t b) {

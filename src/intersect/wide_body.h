@@ -13,7 +13,6 @@
 // magnitude, and integers, span less than 62 bits: one word holds those, in a tenth of the time.
 #pragma once
 
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <type_traits>
@@ -117,7 +116,8 @@ struct BitSpan {
     const auto exponent = static_cast<int>(bits >> 23);
     const std::uint32_t fraction = (bits & 0x7fffffu) | (exponent != 0 ? 0x800000u : 0);
     const int unit = (exponent != 0 ? exponent : 1) - 150;
-    const int lowest = unit + std::countr_zero(fraction), highest = unit + std::bit_width(fraction);
+    const int lowest = unit + trailing_zeros(fraction);
+    const int highest = unit + 64 - leading_zeros(fraction);
     low = lowest < low ? lowest : low;
     high = highest > high ? highest : high;
   }

@@ -11,7 +11,6 @@
 // child and a child of the other had better change places.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <limits>
 
@@ -109,7 +108,7 @@ RAYSHEAF_HD inline std::uint64_t linear_key(const LinearKeys& keys, const Box& s
 RAYSHEAF_HD inline int shared_prefix(const std::uint64_t* keys, std::int64_t count, std::int64_t i,
                                      std::int64_t j) {
   if (j < 0 || j >= count) return -1;
-  return std::countl_zero(keys[i] ^ keys[j]);
+  return leading_zeros(keys[i] ^ keys[j]);
 }
 
 struct LinearRun {

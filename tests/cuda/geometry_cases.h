@@ -39,6 +39,7 @@ struct BitsCase {
     const std::uint32_t x = draws.bits(), y = draws.bits(), z = draws.bits();
     out.put(float_bits(bits_float(x & 0x7f7fffffu)), div_ceil(x, (y >> 8) + 1), bits_for(x));
     out.put(gamma(static_cast<int>(x & 63)));
+    out.put(leading_zeros(1 + (std::uint64_t{x} << (y & 31))), trailing_zeros(z | 0x800000u));
     const std::uint32_t row[4] = {x, y, z, 1};
     const View<const std::uint32_t> view(row, 4), middle = view.slice(1, 2);
     out.put(view[3], middle.empty(), middle[0]);
