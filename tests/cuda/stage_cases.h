@@ -44,7 +44,8 @@ struct SurfaceCase {
     out.put(point.position, point.reach, unit(normal, {0, 0, 1}), dot(normal, widened(a)));
     out.put(clearance(point, unit(normal, {0, 0, 1})));
     out.put(unit_normal(normal_map(draws.map()), a, {0, 0, 1}));
-    out.put(on_side_of(draws.direction(), draws.direction()));
+    const Vec3 geometric = draws.direction(), shading = draws.direction();
+    out.put(on_side_of(geometric, shading));
   }
 };
 
@@ -61,8 +62,8 @@ struct CutoutCase {
     out.put(is_by_chance(m, blends));
     out.put(chance_of(ray, triangle), is_cutout(m, blends, draws.below(2) == 0));
     out.put(is_cut_away(m, draws.unit(), blends, ray, triangle));
-    out.put(just_behind(draws.between(-1, 1)), just_behind(0),
-            just_behind(draws.unit() * 0x1p-140f));
+    out.put(just_behind(draws.between(-1, 1)), just_behind(0));
+    out.put(just_behind(draws.unit() * 0x1p-140f));
   }
 };
 

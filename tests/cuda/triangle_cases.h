@@ -3,6 +3,7 @@
 
 #include "cuda/words.h"
 #include "intersect/facing_body.h"
+#include "intersect/float_answer_body.h"
 #include "intersect/intersect_list.h"
 #include "intersect/triangle_body.h"
 
@@ -11,8 +12,9 @@ namespace raysheaf::test {
 /// Integers of five words, from floats of all magnitudes, and of one.
 struct WideCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
-    const Vec3 a = draws.in_box(2) * draws.scale(), b = draws.in_box(2);
-    const Vec3 c = draws.below(2) == 0 ? a : draws.in_box(2) * draws.scale();
+    const float first = draws.scale(), second = draws.scale();
+    const Vec3 a = draws.in_box(2) * first, b = draws.in_box(2);
+    const Vec3 c = draws.below(2) == 0 ? a : draws.in_box(2) * second;
     BitSpan span;
     span.include(a);
     span.include(b);
