@@ -1,8 +1,11 @@
 #include "io/named_file.h"
 
+#include <dirent.h>
+
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <system_error>
 
@@ -29,16 +32,18 @@ bool same_but_for_case(const std::string& a, const std::string& b) {
   });
 }
 
-/// The only entry of the folder that has this name in letters of any case.
+/// The only entry of the folder that has this name in letters of any case. By POSIX: the iterator
+/// of libstdc++ 12 ends the program where memory runs out.
 std::optional<std::filesystem::path> only_entry(const std::filesystem::path& folder,
                                                 const std::string& name) {
   std::optional<std::filesystem::path> found;
-  std::error_code failed;
-  for (std::filesystem::directory_iterator entry(folder, failed), end; !failed && entry != end;
-       entry.increment(failed)) {
-    if (!same_but_for_case(entry->path().filename().string(), name)) continue;
+  const auto close = [](DIR* opened) { closedir(opened); };
+  const std::unique_ptr<DIR, decltype(close)> open(opendir(folder.c_str()), close);
+  if (open == nullptr) return std::nullopt;
+  while (const dirent* const entry = readdir(open.get())) {
+    if (!same_but_for_case(entry->d_name, name)) continue;
     if (found) return std::nullopt;
-    found = entry->path();
+    found = folder / entry->d_name;
   }
   return found;
 }
