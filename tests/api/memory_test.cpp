@@ -149,6 +149,7 @@ TEST(Memory, TenThousandScenesLeaveNothing) {
   const auto make = [&](std::uint32_t threads) {
     Scene scene(Context({.threads = threads}));
     add_waves(4, &scene);
+    scene.commit();
     EXPECT_EQ(any_hit(scene, rays)[7], 1);
   };
   for (int i = 0; i < 500; ++i) make(i % 2 == 0 ? 2 : 4);

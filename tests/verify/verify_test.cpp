@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include <algorithm>
 
 #include "raysheaf/error.h"
@@ -133,9 +135,12 @@ TEST(Verify, ABoundThatLosesAHitIsFound) {
 TEST(Verify, ATestWithoutTheLastBitsIsFound) {
   Subject subject(1);
   subject.intersect = [](const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c, TriangleHit* hit) {
-    const bool met = intersect_triangle(ray, a, b, c, hit);
+    RaySetup line = ray;
+    line.t_min = -std::numeric_limits<float>::infinity();
+    line.t_max = -line.t_min;
+    if (!intersect_triangle(line, a, b, c, hit)) return false;
     hit->t *= 1 + 0x1p-21f;
-    return met;
+    return is_within(hit->t, ray.t_min, ray.t_max);
   };
   expect_found(subject, Promise::kExact, 2, "t is wrong by");
   // An edge that belongs to no triangle.
