@@ -4,6 +4,7 @@
 #include "dual/dual.h"
 #include "dual/ray_box_body.h"
 #include "intersect/facing_body.h"
+#include "intersect/float_answer_body.h"
 #include "intersect/triangle_body.h"
 #include "object/linear_tree_body.h"
 

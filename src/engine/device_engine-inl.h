@@ -267,14 +267,11 @@ class DeviceEngineOn : public DeviceEngine {
     } else {
       plan->push_back("object tree: kept, for no triangle has moved");
     }
-    if (batch.order != nullptr) {
-      plan->push_back("rays: sorted along a curve, one thread a ray");
-    } else {
-      plan->push_back(
-          "rays: in the caller's order, for they " +
-          (in_order ? "come pixel by pixel" : "are fewer than " + std::to_string(kFewestSorted)) +
-          "; one thread a ray");
-    }
+    std::string order = "sorted along a curve";
+    if (batch.order == nullptr)
+      order = in_order ? "pixel by pixel, as they come"
+                       : "as they come, for they are fewer than " + std::to_string(kFewestSorted);
+    plan->push_back("rays: " + order + "; one thread a ray");
   }
 
   Device device_;

@@ -25,9 +25,13 @@ ThreadCounts count_threads(EmulatedDevice& device, const DeviceBatch& batch, boo
   device.for_each("count", batch.rays.size, [&](std::size_t i) {
     const Ray& ray = batch.rays[batch.ray_at(i)];
     WalkCounts walk;
-    counted.hits[i] =
-        any ? any_in_tree(batch.tree, scene, ray, batch.facing, &walk)
-            : closest_in_tree(batch.tree, scene, ray, batch.facing, &walk).triangle != kInvalidId;
+    const FloatWalk found = any ? any_in_floats(batch.tree, scene, ray, batch.facing, &walk)
+                                : closest_in_floats(batch.tree, scene, ray, batch.facing, &walk);
+    counted.hits[i] = found.place != kInvalidId;
+    if (found.unsure)
+      counted.hits[i] =
+          any ? any_in_tree(batch.tree, scene, ray, batch.facing, &walk)
+              : closest_in_tree(batch.tree, scene, ray, batch.facing, &walk).triangle != kInvalidId;
     counted.nodes[i] = walk.box_tests / 2;
     counted.leaves[i] = walk.leaves;
     counted.triangles[i] = walk.triangle_tests;

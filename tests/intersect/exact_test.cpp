@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "intersect/float_answer_body.h"
 #include "intersect/triangle_body.h"
 #include "verify/exact.h"
 #include "verify/fault.h"
