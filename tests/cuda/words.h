@@ -64,6 +64,7 @@ struct Words {
     put(static_cast<std::uint32_t>(x >> 32) * 31u + static_cast<std::uint32_t>(x));
   }
   RAYSHEAF_HD void put(bool x) { put(x ? 1u : 0u); }
+  RAYSHEAF_HD void put(int x) { put(static_cast<std::uint32_t>(x)); }
   RAYSHEAF_HD void put(float x) { put(x == x ? float_bits(x) : 0x7fc00000u); }
   RAYSHEAF_HD void put(double x) {
     std::uint64_t all = 0x7ff8000000000000u;
