@@ -78,7 +78,7 @@ inline std::uint32_t item_level(const RayLevels& levels, std::size_t boxes) {
 template <class Device>
 void key_rays_on(Device& device, View<const Ray> rays, const Box& scene, std::uint64_t* keys,
                  std::uint32_t* numbers) {
-  device.for_each("rays: keys", rays.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("rays: keys", rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     keys[i] = device_ray_key(rays.data[i], scene, kRayKeyAxisBits);
     numbers[i] = static_cast<std::uint32_t>(i);
   });
@@ -88,7 +88,7 @@ void key_rays_on(Device& device, View<const Ray> rays, const Box& scene, std::ui
 template <class Device>
 void bound_stream_leaves_on(Device& device, View<const Ray> rays, const Box& scene,
                             View<Shaft> shafts, BeamTest* tests) {
-  device.for_each("rays: leaves", shafts.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("rays: leaves", shafts.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t first = i * kRayBranching, left = rays.size - first;
     const std::size_t count = left < kRayBranching ? left : kRayBranching;
     bound_rays(View<const Ray>(rays.data + first, count), scene, &shafts.data[i]);
@@ -100,7 +100,7 @@ void bound_stream_leaves_on(Device& device, View<const Ray> rays, const Box& sce
 template <class Device>
 void bound_stream_level_on(Device& device, View<const Shaft> below, View<Shaft> shafts,
                            BeamTest* tests) {
-  device.for_each("rays: levels", shafts.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("rays: levels", shafts.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t first = i * kRayBranching, left = below.size - first;
     const std::size_t count = left < kRayBranching ? left : kRayBranching;
     bound_children(View<const Shaft>(below.data + first, count), &shafts.data[i]);
@@ -111,14 +111,14 @@ void bound_stream_level_on(Device& device, View<const Shaft> below, View<Shaft> 
 template <class Device>
 void miss_all_on(Device& device, View<StreamHit> hits) {
   device.for_each("rays: answers", hits.size,
-                  [=] RAYSHEAF_HD(std::size_t i) { hits.data[i] = StreamHit{}; });
+                  [=] RAYSHEAF_DEVICE(std::size_t i) { hits.data[i] = StreamHit{}; });
 }
 
 /// Rays end where an earlier run has met something. One of the answers is null.
 template <class Device>
 void resume_on(Device& device, const RayState& state, const StreamHit* hits,
                const std::uint8_t* occluded) {
-  device.for_each("rays: answers", state.rays.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("rays: answers", state.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::uint32_t number = state.numbers[i];
     if (hits != nullptr && hits[number].block != kInvalidId)
       state.rays.data[i].t_max = hits[number].hit.t;
@@ -131,7 +131,7 @@ void resume_on(Device& device, const RayState& state, const StreamHit* hits,
 
 template <class Device>
 void flag_left_on(Device& device, View<const std::uint32_t> numbers, std::uint8_t* left) {
-  device.for_each("rays: left", numbers.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("rays: left", numbers.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     left[i] = numbers.data[i] != kInvalidId ? 1 : 0;
   });
 }
@@ -146,7 +146,7 @@ void distances_on(Device& device, const RayState& state, View<const Shaft> leave
   device.fill("cull: distances", words, 0xff);
   const std::uint32_t level = item_level(state.levels, boxes.size);
   const std::size_t nodes = state.levels.size[level];
-  device.for_each("cull: distances", boxes.size * nodes, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("cull: distances", boxes.size * nodes, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t b = i / nodes;
     const Box box = boxes.data[b];
     for_leaves_met(state.levels, level, i % nodes, box, [&](std::size_t leaf) {
@@ -163,7 +163,7 @@ void meets_on(Device& device, const RayState& state, const BoxWindow& window, st
   device.fill("cull: boxes", View<std::uint32_t>(met, count), 0);
   const std::uint32_t level = item_level(state.levels, count);
   const std::size_t nodes = state.levels.size[level];
-  device.for_each("cull: boxes", count * nodes, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("cull: boxes", count * nodes, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t b = i / nodes;
     const Box box = window.box[b];
     for_leaves_met(state.levels, level, i % nodes, box, [&](std::size_t leaf) {
@@ -194,7 +194,7 @@ struct BlockPassage {
 template <class Device>
 void spread_triangles_on(Device& device, const BlockView& block, View<const std::uint8_t> sides,
                          Vec3* corners, std::uint8_t* flags) {
-  device.for_each("trace: triangles", block.count(), [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: triangles", block.count(), [=] RAYSHEAF_DEVICE(std::size_t i) {
     for (std::size_t k = 3 * i; k < 3 * i + 3; ++k)
       corners[k] = block.positions.data[block.corners[k]];
     if (!sides.empty()) flags[i] = sides.data[sides.size == 1 ? 0 : i];
@@ -221,7 +221,7 @@ RAYSHEAF_HD inline void add_counts(const BlockPassage& passage, std::uint32_t ra
 /// Rays down the block's tree, and their least hits.
 template <class Device>
 void closest_in_block_on(Device& device, const BlockPassage& passage) {
-  device.for_each("trace: blocks", passage.state.rays.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: blocks", passage.state.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const Box box = box_of(*passage.bounds);
     if (!comes_to(passage, i, box)) return;
     Ray& ray = passage.state.rays.data[i];
@@ -239,7 +239,7 @@ void closest_in_block_on(Device& device, const BlockPassage& passage) {
 /// The same for rays that are done when they meet anything.
 template <class Device>
 void any_in_block_on(Device& device, const BlockPassage& passage) {
-  device.for_each("trace: blocks", passage.state.rays.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: blocks", passage.state.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const Box box = box_of(*passage.bounds);
     if (!comes_to(passage, i, box)) return;
     Ray& ray = passage.state.rays.data[i];

@@ -40,7 +40,7 @@ RAYSHEAF_HD inline bool staged_is_cut_away(const StagedSceneView& scene, const R
 template <class Device>
 void flag_cut_away_on(Device& device, StagedSceneView scene, bool blends, View<const Ray> rays,
                       const std::uint32_t* triangles, std::uint8_t* flags) {
-  device.for_each("trace: holes", rays.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: holes", rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::uint32_t triangle = triangles[i];
     flags[i] =
         triangle != kInvalidId && staged_is_cut_away(scene, rays.data[i], triangle, blends) ? 1 : 0;
@@ -58,7 +58,7 @@ struct RaysOnWay {
 template <class Device>
 void pass_holes_on(Device& device, StagedSceneView scene, bool blends, RaysOnWay on_way,
                    EngineHit* all, std::uint8_t* flags) {
-  device.for_each("trace: holes", on_way.rays.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: holes", on_way.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const Ray ray = on_way.rays.data[i];
     const EngineHit hit = on_way.hits[i];
     flags[i] = 0;
@@ -72,7 +72,7 @@ void pass_holes_on(Device& device, StagedSceneView scene, bool blends, RaysOnWay
 template <class Device>
 void rays_behind_on(Device& device, RaysOnWay on_way, View<const std::uint32_t> kept, Ray* rays,
                     std::uint32_t* places) {
-  device.for_each("trace: holes", kept.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: holes", kept.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::uint32_t from = kept.data[i];
     Ray ray = on_way.rays.data[from];
     ray.t_min = just_behind(on_way.hits[from].t);
@@ -85,20 +85,21 @@ template <class Device>
 void place_hits_on(Device& device, View<const EngineHit> hits, const std::uint32_t* places,
                    EngineHit* all) {
   device.for_each("trace: holes", hits.size,
-                  [=] RAYSHEAF_HD(std::size_t i) { all[places[i]] = hits.data[i]; });
+                  [=] RAYSHEAF_DEVICE(std::size_t i) { all[places[i]] = hits.data[i]; });
 }
 
 template <class Device>
 void place_triangles_on(Device& device, View<const EngineHit> hits, const std::uint32_t* places,
                         std::uint32_t* triangles) {
-  device.for_each("trace: holes", hits.size,
-                  [=] RAYSHEAF_HD(std::size_t i) { triangles[places[i]] = hits.data[i].triangle; });
+  device.for_each("trace: holes", hits.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    triangles[places[i]] = hits.data[i].triangle;
+  });
 }
 
 template <class Device>
 void place_occluded_on(Device& device, View<const EngineHit> hits, const std::uint32_t* places,
                        std::uint8_t* occluded) {
-  device.for_each("trace: holes", hits.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: holes", hits.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     occluded[places[i]] = hits.data[i].triangle != kInvalidId ? 1 : 0;
   });
 }

@@ -155,7 +155,7 @@ class DeviceEngineOn : public DeviceEngine {
 
   /// Not for others: nvcc wants functions with loops of a device in them to be public.
   void mark_found(View<const std::uint64_t> words, std::uint8_t* occluded) {
-    device_.for_each("trace: found", words.size, [=] RAYSHEAF_HD(std::size_t i) {
+    device_.for_each("trace: found", words.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
       occluded[i] = words.data[i] != kNoHitWord ? 1 : 0;
     });
   }

@@ -85,7 +85,7 @@ void order_rays_on(Device& device, SortColumns<std::uint32_t>* columns, DeviceBa
   std::uint32_t* const keys = columns->keys.data();
   std::uint32_t* const numbers = columns->values.data();
   const SharedBox* const scene = batch->scene;
-  device.for_each("order: keys", rays.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("order: keys", rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     keys[i] =
         static_cast<std::uint32_t>(device_ray_key(rays.data[i], box_of(*scene), kBatchKeyAxisBits));
     numbers[i] = static_cast<std::uint32_t>(i);
@@ -117,7 +117,7 @@ RAYSHEAF_HD inline EngineHit hit_at_place(const LinearTreeView& tree, std::uint3
 /// All rays in binary32 alone; then the values of their hits, and what was left unsettled.
 template <class Device>
 void closest_hits_on(Device& device, const DeviceBatch& batch, EngineHit* hits) {
-  device.for_each("trace: closest hits", batch.rays.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: closest hits", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t ray = batch.ray_at(i);
     WalkCounts counts;
     const FloatWalk walk = closest_in_floats(batch.tree, box_of(*batch.scene), batch.rays.data[ray],
@@ -125,7 +125,7 @@ void closest_hits_on(Device& device, const DeviceBatch& batch, EngineHit* hits) 
     hits[ray].triangle = walk.unsure ? kUnsurePlace : walk.place;
     keep_counts(batch, ray, counts);
   });
-  device.for_each("trace: values", batch.rays.size, [=] RAYSHEAF_HD(std::size_t ray) {
+  device.for_each("trace: values", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t ray) {
     const std::uint32_t place = hits[ray].triangle;
     EngineHit hit;
     if (place == kUnsurePlace) {
@@ -142,7 +142,7 @@ void closest_hits_on(Device& device, const DeviceBatch& batch, EngineHit* hits) 
 
 template <class Device>
 void any_hits_on(Device& device, const DeviceBatch& batch, std::uint8_t* occluded) {
-  device.for_each("trace: any hits", batch.rays.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: any hits", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t ray = batch.ray_at(i);
     WalkCounts counts;
     const FloatWalk walk = any_in_floats(batch.tree, box_of(*batch.scene), batch.rays.data[ray],
@@ -150,7 +150,7 @@ void any_hits_on(Device& device, const DeviceBatch& batch, std::uint8_t* occlude
     occluded[ray] = walk.unsure ? kUnsureFlag : walk.place != kInvalidId ? 1 : 0;
     keep_counts(batch, ray, counts);
   });
-  device.for_each("trace: unsettled", batch.rays.size, [=] RAYSHEAF_HD(std::size_t ray) {
+  device.for_each("trace: unsettled", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t ray) {
     if (occluded[ray] != kUnsureFlag) return;
     WalkCounts counts;
     const bool met =
@@ -162,7 +162,7 @@ void any_hits_on(Device& device, const DeviceBatch& batch, std::uint8_t* occlude
 
 template <class Device>
 void hit_counts_on(Device& device, const DeviceBatch& batch, std::uint32_t* hits) {
-  device.for_each("trace: number of hits", batch.rays.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: number of hits", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t ray = batch.ray_at(i);
     std::uint32_t found = 0;
     meet_all(batch, ray, [&](const EngineHit&) { ++found; });
@@ -174,7 +174,7 @@ void hit_counts_on(Device& device, const DeviceBatch& batch, std::uint32_t* hits
 template <class Device>
 void hit_rows_on(Device& device, const DeviceBatch& batch, const std::uint64_t* offsets,
                  EngineHit* hits) {
-  device.for_each("trace: all hits", batch.rays.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: all hits", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t ray = batch.ray_at(i);
     EngineHit* const row = hits + offsets[ray];
     std::uint64_t found = 0;
@@ -191,7 +191,7 @@ void brute_force_on(Device& device, const DeviceBatch& batch, View<std::uint64_t
   const std::size_t rays = batch.rays.size;
   const std::uint32_t triangles = batch.list.count();
   const std::size_t chunks = div_ceil(triangles, kBruteChunk);
-  device.for_each("trace: brute force", rays * chunks, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: brute force", rays * chunks, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t ray = i % rays;
     const auto first = static_cast<std::uint32_t>(i / rays) * kBruteChunk;
     const std::uint32_t end = triangles - first < kBruteChunk ? triangles : first + kBruteChunk;
@@ -204,7 +204,7 @@ void brute_force_on(Device& device, const DeviceBatch& batch, View<std::uint64_t
 template <class Device>
 void hits_of_words_on(Device& device, const DeviceBatch& batch, View<const std::uint64_t> words,
                       EngineHit* hits) {
-  device.for_each("trace: hits of words", words.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: hits of words", words.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     hits[i] = hit_of_word(batch.list, words.data[i], batch.rays.data[i]);
   });
 }
@@ -231,7 +231,7 @@ RAYSHEAF_HD inline Hit named_hit(View<const RunName> names, const EngineHit& hit
 template <class Device>
 void name_hits_on(Device& device, View<const RunName> names, View<const EngineHit> hits, Hit* out) {
   device.for_each("trace: names", hits.size,
-                  [=] RAYSHEAF_HD(std::size_t i) { out[i] = named_hit(names, hits.data[i]); });
+                  [=] RAYSHEAF_DEVICE(std::size_t i) { out[i] = named_hit(names, hits.data[i]); });
 }
 
 }  // namespace raysheaf

@@ -18,7 +18,7 @@ namespace raysheaf {
 template <class Device>
 void name_triangles_on(Device& device, View<const std::uint32_t> names,
                        View<std::uint32_t> pixels) {
-  device.for_each("copy: names", pixels.size, [=] RAYSHEAF_HD(std::size_t pixel) {
+  device.for_each("copy: names", pixels.size, [=] RAYSHEAF_DEVICE(std::size_t pixel) {
     pixels.data[pixel] = triangle_of_slot(names, pixels.data[pixel]);
   });
 }

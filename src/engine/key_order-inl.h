@@ -12,7 +12,7 @@ namespace raysheaf {
 template <class Device>
 void decompress_on(Device& device, View<const std::uint32_t> chunks, const std::uint64_t* starts,
                    const std::uint64_t* bases, View<std::uint32_t> order) {
-  device.for_each("order: decompress", order.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("order: decompress", order.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::uint32_t run = chunk_at(starts, static_cast<std::uint32_t>(chunks.size), i);
     order.data[i] = static_cast<std::uint32_t>(bases[chunks.data[run]] + (i - starts[run]));
   });

@@ -59,7 +59,7 @@ template <class Device, class Lights>
 void facing_on(Device& device, View<const Fragment> fragments, Lights lights,
                std::uint8_t* facing) {
   const std::size_t count = fragments.size;
-  device.for_each("raygen: shadow", count * lights.size(), [=] RAYSHEAF_HD(std::size_t slot) {
+  device.for_each("raygen: shadow", count * lights.size(), [=] RAYSHEAF_DEVICE(std::size_t slot) {
     const Fragment& f = fragments.data[slot % count];
     facing[slot] = takes_light(f) && faces_light(f, lights.choose(f, slot / count)) ? 1 : 0;
   });
@@ -71,7 +71,7 @@ void shadow_rays_on(Device& device, View<const Fragment> fragments, Lights light
                     std::uint32_t* keys) {
   const std::size_t count = fragments.size;
   const ShadowKeyLayout layout = lights.layout();
-  device.for_each("raygen: shadow", slots.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("raygen: shadow", slots.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::uint32_t slot = slots.data[i];
     const Fragment& f = fragments.data[slot % count];
     const Ray ray = shadow_ray(f, lights.choose(f, slot / count), reach);
@@ -84,7 +84,7 @@ void shadow_rays_on(Device& device, View<const Fragment> fragments, Lights light
 template <class Device>
 void visibility_on(Device& device, View<const std::uint32_t> slots, const std::uint8_t* occluded,
                    std::uint8_t* visibility) {
-  device.for_each("shade: visibility", slots.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("shade: visibility", slots.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     visibility[slots.data[i]] =
         static_cast<std::uint8_t>(occluded[i] != 0 ? Visibility::kOccluded : Visibility::kVisible);
   });
@@ -96,7 +96,7 @@ template <class Device, class Lights>
 void lights_on(Device& device, View<const Fragment> fragments, Lights lights,
                const std::uint8_t* visibility, Vec3* radiance, bool counts, DeviceFilm film) {
   const std::size_t count = fragments.size, light_count = lights.size();
-  device.for_each("shade: lights", count, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("shade: lights", count, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const Fragment& f = fragments.data[i];
     Vec3 sum = radiance[i];
     std::uint32_t faced = 0, arrived = 0;

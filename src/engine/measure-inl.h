@@ -35,7 +35,7 @@ double measure_arithmetic(Device& device, std::size_t items) {
   double ms = 0;
   for (int run = 0; run <= kRuns; ++run) {
     device.keep_times(true);
-    device.for_each("arithmetic", items, [=] RAYSHEAF_HD(std::size_t i) {
+    device.for_each("arithmetic", items, [=] RAYSHEAF_DEVICE(std::size_t i) {
       float x[kChains];
       for (int c = 0; c < kChains; ++c) x[c] = static_cast<float>(i + static_cast<std::size_t>(c));
       for (int step = 0; step < kSteps; ++step)

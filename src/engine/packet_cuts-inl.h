@@ -22,7 +22,7 @@ template <class Device>
 void flag_cells_on(Device& device, const OrderedRays& rays, std::uint32_t most_rays,
                    std::uint8_t* begins) {
   const auto count = static_cast<std::uint32_t>(rays.order.size);
-  device.for_each("hierarchy: packets", count, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("hierarchy: packets", count, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const auto place = static_cast<std::uint32_t>(i);
     const Packet cell = packet_about(rays.keys, rays.key_bits, most_rays, count, place);
     begins[i] = cell.first == place ? 1 : 0;
@@ -40,7 +40,7 @@ RAYSHEAF_HD inline Packet cell_of(View<const std::uint32_t> starts, std::size_t 
 template <class Device>
 void part_cells_on(Device& device, const OrderedRays& rays, View<const std::uint32_t> starts,
                    SenseCounts* senses, std::uint32_t* packets, std::uint32_t* parted) {
-  device.for_each("hierarchy: packets", starts.size, [=] RAYSHEAF_HD(std::size_t c) {
+  device.for_each("hierarchy: packets", starts.size, [=] RAYSHEAF_DEVICE(std::size_t c) {
     const Packet cell = cell_of(starts, c, rays.order.size);
     const View<const std::uint32_t> members(rays.order.data + cell.first, cell.count);
     senses[c] = count_senses(rays.given, members);
@@ -52,7 +52,7 @@ void part_cells_on(Device& device, const OrderedRays& rays, View<const std::uint
 template <class Device>
 void write_packets_on(Device& device, View<const std::uint32_t> starts, const SenseCounts* senses,
                       const std::uint64_t* places, Packet* packets) {
-  device.for_each("hierarchy: packets", starts.size, [=] RAYSHEAF_HD(std::size_t c) {
+  device.for_each("hierarchy: packets", starts.size, [=] RAYSHEAF_DEVICE(std::size_t c) {
     write_packets(senses[c], starts.data[c], packets + places[c]);
   });
 }

@@ -30,7 +30,7 @@ struct PacketPairs {
 template <class Device>
 void bound_packets_on(Device& device, View<const Ray> rays, View<const Packet> packets, Box scene,
                       RayEnd* ends, PacketFrustum* frusta) {
-  device.for_each("hierarchy: packets", packets.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("hierarchy: packets", packets.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const Packet packet = packets.data[i];
     const View<const Ray> own(rays.data + packet.first, packet.count);
     const auto axis = static_cast<int>(dominant_sense(own.data[0].direction) / 2);
@@ -42,7 +42,7 @@ void bound_packets_on(Device& device, View<const Ray> rays, View<const Packet> p
 
 template <class Device>
 void begin_queue_on(Device& device, std::uint32_t first, std::size_t count, PacketPairs out) {
-  device.for_each("trace: queue", count, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: queue", count, [=] RAYSHEAF_DEVICE(std::size_t i) {
     out.packets[i] = first + static_cast<std::uint32_t>(i);
     out.places[i] = 0;
   });
@@ -56,7 +56,7 @@ struct PairCounts {
 template <class Device>
 void meet_nodes_on(Device& device, const PacketView& view, PacketPairs queue, std::size_t size,
                    Met* met, PairCounts counts) {
-  device.for_each("trace: boxes", size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: boxes", size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const BvhNode& node = view.nodes[queue.places[i]];
     met[i] = meet_children(view.frusta[queue.packets[i]], node);
     counts.boxes[i] = node.children;
@@ -70,7 +70,7 @@ template <class Device>
 void advance_on(Device& device, const PacketView& view, PacketPairs queue, std::size_t size,
                 const Met* met, const std::uint64_t* node_places, PacketPairs next,
                 const std::uint64_t* leaf_places, PacketPairs leaves) {
-  device.for_each("trace: queue", size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: queue", size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::uint32_t packet = queue.packets[i], place = queue.places[i];
     const BvhNode& node = view.nodes[place];
     std::uint64_t to_next = node_places[i], to_leaves = leaf_places[i];
@@ -110,7 +110,7 @@ RAYSHEAF_HD std::uint32_t meet_leaf_pair(const PacketView& view, PacketPairs lea
 template <class Device>
 void count_candidates_on(Device& device, const PacketView& view, PacketPairs leaves,
                          std::size_t size, std::uint32_t* tests, std::uint32_t* hits) {
-  device.for_each("trace: leaves", size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: leaves", size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     std::uint32_t met = 0;
     tests[i] = meet_leaf_pair(view, leaves, i, [&](std::uint32_t, std::uint32_t) { ++met; });
     hits[i] = met;
@@ -126,7 +126,7 @@ struct Candidates {
 template <class Device>
 void list_candidates_on(Device& device, const PacketView& view, PacketPairs leaves,
                         std::size_t size, const std::uint64_t* places, Candidates out) {
-  device.for_each("trace: leaves", size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: leaves", size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     std::uint64_t at = places[i];
     meet_leaf_pair(view, leaves, i, [&](std::uint32_t triangle, std::uint32_t begin) {
       out.triangles[at] = triangle;
@@ -146,7 +146,7 @@ struct SortedCandidates {
 template <class Device>
 void meet_candidates_on(Device& device, const PacketView& view, SortedCandidates sorted,
                         Packet range, RayHit* best, std::uint64_t* final_tests) {
-  device.for_each("trace: final tests", range.count, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: final tests", range.count, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t number = range.first + i;
     const auto packet_begin = [&](std::size_t p) { return view.packets.data[p].first; };
     const std::size_t packet =
@@ -190,14 +190,14 @@ void meet_candidates_on(Device& device, const PacketView& view, SortedCandidates
 template <class Device>
 void begin_hits_on(Device& device, View<RayHit> best) {
   device.for_each("trace: final tests", best.size,
-                  [=] RAYSHEAF_HD(std::size_t i) { best.data[i] = RayHit{}; });
+                  [=] RAYSHEAF_DEVICE(std::size_t i) { best.data[i] = RayHit{}; });
 }
 
 /// The hits of rays in the packets' order, to the caller's places.
 template <class Device>
 void scatter_best_on(Device& device, const PacketView& view, View<const RayHit> best,
                      const std::uint32_t* order, EngineHit* hits) {
-  device.for_each("trace: hits", best.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: hits", best.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const RayHit hit = best.data[i];
     const std::uint64_t word = hit.found() ? hit_word(hit.t, hit.triangle) : kNoHitWord;
     hits[order[i]] = hit_of_word(view.list, word, view.rays.data[i]);

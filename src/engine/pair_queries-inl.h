@@ -30,7 +30,7 @@ RAYSHEAF_HD inline bool meets_sphere(const RayBound& node, const Sphere& sphere)
 
 template <class Device>
 void bound_leaves_on(Device& device, const PairView& view, View<RayBound> nodes) {
-  device.for_each("hierarchy: leaves", nodes.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("hierarchy: leaves", nodes.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t first = i * view.branching, left = view.rays.size - first;
     const std::size_t count = left < view.branching ? left : view.branching;
     nodes.data[i] = bound_rays(View<const Ray>(view.rays.data + first, count));
@@ -40,7 +40,7 @@ void bound_leaves_on(Device& device, const PairView& view, View<RayBound> nodes)
 template <class Device>
 void bound_level_on(Device& device, std::uint32_t branching, View<const RayBound> below,
                     View<RayBound> nodes) {
-  device.for_each("hierarchy: levels", nodes.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("hierarchy: levels", nodes.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t first = i * branching, left = below.size - first;
     const std::size_t count = left < branching ? left : branching;
     nodes.data[i] = bound_children(View<const RayBound>(below.data + first, count));
@@ -51,7 +51,7 @@ void bound_level_on(Device& device, std::uint32_t branching, View<const RayBound
 template <class Device>
 void test_meshes_on(Device& device, const PairView& view, View<const RayBound> nodes,
                     std::uint32_t first_node, View<std::uint8_t> flags) {
-  device.for_each("trace: meshes", flags.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: meshes", flags.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const RayBound& node = nodes.data[first_node + i / view.meshes.size];
     const PairMesh& mesh = view.meshes.data[i % view.meshes.size];
     flags.data[i] = mesh.count != 0 && meets_sphere(node, mesh.bound) ? 1 : 0;
@@ -62,7 +62,7 @@ void test_meshes_on(Device& device, const PairView& view, View<const RayBound> n
 template <class Device>
 void count_triangles_on(Device& device, const PairView& view, View<const std::uint32_t> tests,
                         std::uint32_t* counts) {
-  device.for_each("trace: meshes", tests.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: meshes", tests.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     counts[i] = view.meshes.data[tests.data[i] % view.meshes.size].count;
   });
 }
@@ -94,7 +94,7 @@ RAYSHEAF_HD inline NodePair top_pair(const PairView& view, const TopTests& top,
 template <class Device>
 void test_top_on(Device& device, const PairView& view, const TopTests& top,
                  View<const RayBound> nodes, std::uint64_t first, View<std::uint8_t> flags) {
-  device.for_each("trace: top level", flags.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: top level", flags.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const NodePair pair = top_pair(view, top, first + i);
     flags.data[i] = meets_sphere(nodes.data[pair.node], view.spheres.data[pair.triangle]) ? 1 : 0;
   });
@@ -102,7 +102,7 @@ void test_top_on(Device& device, const PairView& view, const TopTests& top,
 template <class Device>
 void keep_top_on(Device& device, const PairView& view, const TopTests& top, std::uint64_t first,
                  View<const std::uint32_t> kept, NodePair* out) {
-  device.for_each("trace: top level", kept.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: top level", kept.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     out[i] = top_pair(view, top, first + kept.data[i]);
   });
 }
@@ -117,7 +117,7 @@ RAYSHEAF_HD inline NodePair child_pair(const NodePair* pairs, std::uint32_t bran
 template <class Device>
 void test_children_on(Device& device, const PairView& view, const NodePair* pairs,
                       View<const RayBound> nodes, std::uint64_t first, View<std::uint8_t> flags) {
-  device.for_each("trace: levels", flags.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: levels", flags.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const NodePair pair = child_pair(pairs, view.branching, first + i);
     flags.data[i] = pair.node < nodes.size &&
                             meets_sphere(nodes.data[pair.node], view.spheres.data[pair.triangle])
@@ -128,7 +128,7 @@ void test_children_on(Device& device, const PairView& view, const NodePair* pair
 template <class Device>
 void keep_children_on(Device& device, std::uint32_t branching, const NodePair* pairs,
                       std::uint64_t first, View<const std::uint32_t> kept, NodePair* out) {
-  device.for_each("trace: levels", kept.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: levels", kept.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     out[i] = child_pair(pairs, branching, first + kept.data[i]);
   });
 }
@@ -138,7 +138,7 @@ template <class Device>
 void final_tests_on(Device& device, const PairView& view, View<const NodePair> pairs,
                     View<std::uint64_t> words) {
   device.for_each(
-      "trace: final tests", pairs.size * view.branching, [=] RAYSHEAF_HD(std::size_t i) {
+      "trace: final tests", pairs.size * view.branching, [=] RAYSHEAF_DEVICE(std::size_t i) {
         const NodePair pair = child_pair(pairs.data, view.branching, i);
         if (pair.node >= words.size) return;
         const std::uint64_t word = best_of_list(view.list, pair.triangle, pair.triangle + 1,
@@ -151,7 +151,7 @@ void final_tests_on(Device& device, const PairView& view, View<const NodePair> p
 template <class Device>
 void scatter_hits_on(Device& device, const PairView& view, View<const std::uint64_t> words,
                      const std::uint32_t* order, EngineHit* hits) {
-  device.for_each("trace: hits of words", words.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: hits of words", words.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     hits[order[i]] = hit_of_word(view.list, words.data[i], view.rays.data[i]);
   });
 }

@@ -15,7 +15,7 @@ void check_rays_on(Device& device, View<const Ray> rays, DeviceBuffer<std::uint3
   first_wrong->resize_uninitialized("check: rays", 1);
   device.fill("check: rays", first_wrong->view(), 0xff);
   std::uint32_t* const first = first_wrong->data();
-  device.for_each("check: rays", rays.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("check: rays", rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     if (!is_right(rays.data[i])) lower_to(first, static_cast<std::uint32_t>(i));
   });
   const std::uint32_t wrong = device.read("check: rays", first);

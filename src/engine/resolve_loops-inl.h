@@ -23,7 +23,7 @@ struct TrianglesThere {
 /// `lost`: 1 for each pixel whose ray does not hit what it held, else 0.
 template <class Device>
 void look_at_borders_on(Device& device, Resolve<TrianglesThere> resolve, std::uint8_t* lost) {
-  device.for_each("resolve: borders", resolve.before.size, [=] RAYSHEAF_HD(std::size_t pixel) {
+  device.for_each("resolve: borders", resolve.before.size, [=] RAYSHEAF_DEVICE(std::size_t pixel) {
     lost[pixel] = look_at_border(resolve, pixel) ? 1 : 0;
   });
 }
@@ -32,14 +32,14 @@ template <class Device>
 void look_for_triangles_on(Device& device, Resolve<TrianglesThere> resolve,
                            View<const std::uint32_t> lost) {
   device.for_each("resolve: triangles", resolve.triangles.list.flags.size,
-                  [=] RAYSHEAF_HD(std::size_t triangle) {
+                  [=] RAYSHEAF_DEVICE(std::size_t triangle) {
                     look_for(resolve, lost, static_cast<std::uint32_t>(triangle));
                   });
 }
 
 template <class Device>
 void resolve_pixels_on(Device& device, Resolve<TrianglesThere> resolve, std::uint32_t* triangles) {
-  device.for_each("resolve: pixels", resolve.before.size, [=] RAYSHEAF_HD(std::size_t pixel) {
+  device.for_each("resolve: pixels", resolve.before.size, [=] RAYSHEAF_DEVICE(std::size_t pixel) {
     triangles[pixel] = resolved_pixel(resolve.before.data[pixel], resolve.sight[pixel]);
   });
 }

@@ -26,7 +26,7 @@ struct DeviceFilm {
 template <class Device>
 void camera_rays_on(Device& device, CameraFrame frame, Box bounds, Ray* rays, std::uint32_t* keys) {
   const std::size_t count = std::size_t{frame.width} * frame.height;
-  device.for_each("raygen: camera", count, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("raygen: camera", count, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const Ray ray = camera_ray(frame, static_cast<std::uint32_t>(i % frame.width),
                                static_cast<std::uint32_t>(i / frame.width));
     rays[i] = ray;
@@ -37,14 +37,14 @@ void camera_rays_on(Device& device, CameraFrame frame, Box bounds, Ray* rays, st
 template <class Device>
 void triangles_of_hits_on(Device& device, View<const EngineHit> hits, std::uint32_t* triangles) {
   device.for_each("surfaces: names", hits.size,
-                  [=] RAYSHEAF_HD(std::size_t i) { triangles[i] = hits.data[i].triangle; });
+                  [=] RAYSHEAF_DEVICE(std::size_t i) { triangles[i] = hits.data[i].triangle; });
 }
 
 /// What `fetch_fragments` (frame/primary.h) does.
 template <class Device>
 void first_fragments_on(Device& device, StagedSceneView scene, CameraFrame frame,
                         const std::uint32_t* triangles, View<Fragment> out) {
-  device.for_each("surfaces: first", out.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("surfaces: first", out.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     Fragment f;
     f.pixel = static_cast<std::uint32_t>(i);
     f.triangle = triangles[i];
@@ -62,7 +62,7 @@ void first_fragments_on(Device& device, StagedSceneView scene, CameraFrame frame
 /// What `Film::see` does.
 template <class Device>
 void see_on(Device& device, View<const Fragment> first_hits, bool first, DeviceFilm film) {
-  device.for_each("surfaces: film", first_hits.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("surfaces: film", first_hits.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const Fragment& f = first_hits.data[i];
     if (first) film.triangle[i] = f.triangle;
     if (f.triangle == kInvalidId) return;
@@ -77,7 +77,7 @@ void see_on(Device& device, View<const Fragment> first_hits, bool first, DeviceF
 template <class Device>
 void sky_parts_on(Device& device, View<const Fragment> fragments, View<const PlacedLight> lights,
                   View<SkyPart> parts) {
-  device.for_each("shade: sky", parts.size, [=] RAYSHEAF_HD(std::size_t p) {
+  device.for_each("shade: sky", parts.size, [=] RAYSHEAF_DEVICE(std::size_t p) {
     SkyPart part;
     const std::size_t end =
         (p + 1) * kSkyPart < fragments.size ? (p + 1) * kSkyPart : fragments.size;
@@ -97,7 +97,7 @@ void sky_parts_on(Device& device, View<const Fragment> fragments, View<const Pla
 template <class Device>
 void glow_on(Device& device, View<const Fragment> fragments, Vec3 sky, EnvironmentView environment,
              std::uint32_t kinds, Vec3* radiance, std::uint8_t* going_on) {
-  device.for_each("shade: glow", fragments.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("shade: glow", fragments.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const Fragment& f = fragments.data[i];
     if (f.triangle == kInvalidId) {
       radiance[i] =
@@ -119,7 +119,7 @@ void glow_on(Device& device, View<const Fragment> fragments, Vec3 sky, Environme
 template <class Device>
 void deposit_on(Device& device, View<const Fragment> fragments, const Vec3* radiance,
                 Vec3* pixels) {
-  device.for_each("shade: pixels", fragments.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("shade: pixels", fragments.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::uint32_t pixel = fragments.data[i].pixel;
     if (i > 0 && fragments.data[i - 1].pixel == pixel) return;
     Vec3 sum = pixels[pixel];
@@ -132,7 +132,7 @@ void deposit_on(Device& device, View<const Fragment> fragments, const Vec3* radi
 template <class Device>
 void flag_kind_on(Device& device, View<const std::uint8_t> going_on, std::uint32_t bit,
                   std::uint8_t* flags) {
-  device.for_each("raygen: bounce", going_on.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("raygen: bounce", going_on.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     flags[i] = (going_on.data[i] & bit) != 0 ? 1 : 0;
   });
 }
@@ -147,7 +147,7 @@ struct BounceRays {
 template <class Device>
 void bounce_rays_on(Device& device, View<const Fragment> fragments, View<const std::uint32_t> slots,
                     bool mirrors, Box bounds, BounceRays out) {
-  device.for_each("raygen: bounce", slots.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("raygen: bounce", slots.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const Fragment& f = fragments.data[slots.data[i]];
     const Scattering s = scatter(f);
     const Vec3 direction = mirrors ? s.reflection : s.refraction;
@@ -170,7 +170,7 @@ struct Bounced {
 template <class Device>
 void arrived_on(Device& device, StagedSceneView scene, View<const Fragment> fragments,
                 Bounced bounced, Fragment* out) {
-  device.for_each("surfaces: bounce", bounced.slots.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("surfaces: bounce", bounced.slots.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const Fragment& from = fragments.data[bounced.slots.data[i]];
     const EngineHit hit = bounced.hits[i];
     Fragment f;
@@ -189,7 +189,7 @@ void arrived_on(Device& device, StagedSceneView scene, View<const Fragment> frag
 template <class Device>
 void pixels_of_both_on(Device& device, View<const Fragment> a, View<const Fragment> b,
                        std::uint32_t* pixels, std::uint32_t* places) {
-  device.for_each("order: fragments", a.size + b.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("order: fragments", a.size + b.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     pixels[i] = i < a.size ? a.data[i].pixel : b.data[i - a.size].pixel;
     places[i] = static_cast<std::uint32_t>(i);
   });
@@ -198,7 +198,7 @@ void pixels_of_both_on(Device& device, View<const Fragment> a, View<const Fragme
 template <class Device>
 void merge_on(Device& device, View<const Fragment> a, View<const Fragment> b,
               const std::uint32_t* places, Fragment* out) {
-  device.for_each("order: fragments", a.size + b.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("order: fragments", a.size + b.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t from = places[i];
     out[i] = from < a.size ? a.data[from] : b.data[from - a.size];
   });
@@ -216,7 +216,7 @@ template <class Device>
 void add_tests_on(Device& device, View<const Fragment> fragments, View<const std::uint32_t> slots,
                   RayTests tests, View<std::uint64_t> pixels) {
   const std::size_t rays = slots.empty() ? pixels.size : slots.size;
-  device.for_each("count: pixels", rays, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("count: pixels", rays, [=] RAYSHEAF_DEVICE(std::size_t i) {
     std::size_t pixel = slots.empty() ? i : slots.data[i];
     if (!fragments.empty()) pixel = fragments.data[pixel % fragments.size].pixel;
     add_to(pixels.data + pixel,
@@ -227,7 +227,7 @@ void add_tests_on(Device& device, View<const Fragment> fragments, View<const std
 /// Adds to `*sum` how many of the hits are hits, sixty-four of them a thread.
 template <class Device>
 void count_found_on(Device& device, View<const EngineHit> hits, std::uint64_t* sum) {
-  device.for_each("count", (hits.size + 63) / 64, [=] RAYSHEAF_HD(std::size_t block) {
+  device.for_each("count", (hits.size + 63) / 64, [=] RAYSHEAF_DEVICE(std::size_t block) {
     std::uint64_t found = 0;
     for (std::size_t i = 64 * block; i < hits.size && i < 64 * (block + 1); ++i)
       found += hits.data[i].triangle != kInvalidId ? 1 : 0;
@@ -236,13 +236,13 @@ void count_found_on(Device& device, View<const EngineHit> hits, std::uint64_t* s
 }
 template <class Device>
 void occluded_by_hits_on(Device& device, View<const EngineHit> hits, std::uint8_t* occluded) {
-  device.for_each("trace: any hits", hits.size, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("trace: any hits", hits.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     occluded[i] = hits.data[i].triangle != kInvalidId ? 1 : 0;
   });
 }
 template <class Device>
 void count_occluded_on(Device& device, View<const std::uint8_t> occluded, std::uint64_t* sum) {
-  device.for_each("count", (occluded.size + 63) / 64, [=] RAYSHEAF_HD(std::size_t block) {
+  device.for_each("count", (occluded.size + 63) / 64, [=] RAYSHEAF_DEVICE(std::size_t block) {
     std::uint64_t found = 0;
     for (std::size_t i = 64 * block; i < occluded.size && i < 64 * (block + 1); ++i)
       found += occluded.data[i] != 0 ? 1 : 0;

@@ -8,7 +8,8 @@
 // device is.
 //
 //   for_each(stage, count, body)            body(i) for each i below count, in any order. `body` is
-//                                           copied to the device: it captures values and views.
+//                                           copied to the device: it captures values and views, and
+//                                           is marked RAYSHEAF_DEVICE.
 //   exclusive_scan(stage, in, out)          out[i] = in[0] + ... + in[i - 1], 64 bits, one place
 //                                           more than `in`: the last is the total. Not overlapping.
 //   select(stage, flags, out) -> count      the i with flags[i] != 0, ascending; `out` has a place
@@ -97,14 +98,15 @@ template <class Device, class T>
 void gather(Device& device, const char* stage, View<const T> in, View<const std::uint32_t> order,
             View<T> out) {
   device.for_each(stage, order.size,
-                  [=] RAYSHEAF_HD(std::size_t i) { out.data[i] = in.data[order.data[i]]; });
+                  [=] RAYSHEAF_DEVICE(std::size_t i) { out.data[i] = in.data[order.data[i]]; });
 }
 
 /// 0, 1, 2 ...
 template <class Device>
 void number(Device& device, const char* stage, View<std::uint32_t> out) {
-  device.for_each(stage, out.size,
-                  [=] RAYSHEAF_HD(std::size_t i) { out.data[i] = static_cast<std::uint32_t>(i); });
+  device.for_each(stage, out.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    out.data[i] = static_cast<std::uint32_t>(i);
+  });
 }
 
 }  // namespace raysheaf

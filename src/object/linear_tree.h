@@ -84,12 +84,12 @@ void LinearTree::build(Device& device, const TriangleList& source) {
 
   const Vec3* const corners = source.corners.data;
   SharedBox* const scene = scene_.data();
-  device.for_each("hierarchy: bounds", count, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("hierarchy: bounds", count, [=] RAYSHEAF_DEVICE(std::size_t i) {
     enlarge(scene, triangle_box(corners[3 * i], corners[3 * i + 1], corners[3 * i + 2]));
   });
   const LinearKeys made_up(count);
   std::uint64_t* const keys = columns_.keys.data();
-  device.for_each("hierarchy: keys", count, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("hierarchy: keys", count, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const Box box = triangle_box(corners[3 * i], corners[3 * i + 1], corners[3 * i + 2]);
     keys[i] = linear_key(made_up, box_of(*scene), box, static_cast<std::uint32_t>(i));
   });
@@ -101,7 +101,7 @@ void LinearTree::build(Device& device, const TriangleList& source) {
   const View<const std::uint8_t> flags = source.flags;
   triangles_.resize_uninitialized("hierarchy: triangles", count);
   LinearTriangle* const triangles = triangles_.data();
-  device.for_each("hierarchy: triangles", count, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("hierarchy: triangles", count, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const auto id = static_cast<std::uint32_t>(sorted[i] & id_mask);
     const std::size_t at = std::size_t{3} * id;
     const std::uint32_t set = flags.empty() ? 0u : flags.data[id];
@@ -112,7 +112,7 @@ void LinearTree::build(Device& device, const TriangleList& source) {
   device.fill("hierarchy: nodes", parents_.view(), 0xff);
   LinearNode* const nodes = nodes_.data();
   const LinearParents parents{parents_.data(), parents_.data() + count};
-  device.for_each("hierarchy: nodes", count - 1, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("hierarchy: nodes", count - 1, [=] RAYSHEAF_DEVICE(std::size_t i) {
     link_node(sorted, count, static_cast<std::uint32_t>(i), nodes, triangles, parents);
   });
   fit(device, true);
@@ -125,7 +125,7 @@ void LinearTree::refit(Device& device, const TriangleList& source) {
   const View<const std::uint8_t> flags = source.flags;
   SharedBox* const scene = scene_.data();
   LinearTriangle* const triangles = triangles_.data();
-  device.for_each("hierarchy: refit", triangles_.size(), [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("hierarchy: refit", triangles_.size(), [=] RAYSHEAF_DEVICE(std::size_t i) {
     LinearTriangle& t = triangles[i];
     const Vec3* const now = corners + std::size_t{3} * t.id;
     t.a = now[0];
@@ -148,7 +148,7 @@ void LinearTree::fit(Device& device, bool turns) {
   LinearNode* const nodes = nodes_.data();
   std::uint32_t* const arrived = arrived_.data();
   std::uint64_t* const surfaces = surfaces_.data();
-  device.for_each("hierarchy: boxes", count, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("hierarchy: boxes", count, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::uint64_t surface =
         fit_boxes(triangles, static_cast<std::uint32_t>(i), *scene, parents, arrived, nodes, turns);
     if (surface != 0) add_to(&surfaces[i % kSurfaceSums], surface);

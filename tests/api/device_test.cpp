@@ -6,6 +6,8 @@
 #include "api/context_impl.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/render_on_context.h"
+#include "support/guarded_memory.h"
+#include "tests/support/device_memory.h"
 
 namespace raysheaf::test {
 namespace {
@@ -88,7 +90,7 @@ void expect_cpu_answers(const Context& context) {
 
 struct Emulation {
   Executor executor{2};
-  HostAllocator memory;
+  test::GuardedMemory memory;
   Context context =
       ContextAccess::with_backend({.device = Device::kCuda}, open_emulated(executor, memory));
 };
@@ -158,21 +160,20 @@ TEST(DeviceContext, SpansMayLieInTheDevicesMemory) {
   const Filled there(emulation.context), here(Context{});
   const std::vector<Ray> rays = rays_for(300);
   EmulatedDevice device(emulation.executor, emulation.memory);
-  DeviceBuffer<Ray> in(emulation.memory);
+  const DeviceBuffer<Ray> in = test::to_device(device, rays);
   DeviceBuffer<Hit> out(emulation.memory);
-  in.resize_uninitialized("test", rays.size());
   out.resize_uninitialized("test", rays.size());
-  std::copy(rays.begin(), rays.end(), in.data());
   const std::span<const Ray> asked(in.data(), rays.size());
   const std::span<Hit> answered(out.data(), rays.size());
   closest_hit(there.scene, asked, answered);
+  const std::vector<Hit> found = test::to_host(device, out);
   const std::vector<Hit> expected = closest_hit(here.scene, rays);
-  for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_TRUE(same(answered[i], expected[i]));
+  for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_TRUE(same(found[i], expected[i]));
   QueryOptions nothing;
   nothing.mask = 0;
   closest_hit(there.scene, asked, answered, nothing);
-  EXPECT_TRUE(same(answered[7], Hit{}));
-  in.data()[5].t_max = kNaN;
+  EXPECT_TRUE(same(test::to_host(device, out)[7], Hit{}));
+  device.copy("test", &in.data()[5].t_max, &kNaN, sizeof kNaN);
   expect_error(ErrorCode::kInvalidData, "rays[5].t_max", "not a number",
                [&] { closest_hit(there.scene, asked, answered); });
 }
@@ -187,8 +188,8 @@ void expect_answers_after_the_stream(const T& expected, const Ask& ask) {
   DeviceBuffer<T> out(emulation.memory);
   in.resize_uninitialized("test", rays.size());
   out.resize_uninitialized("test", rays.size());
-  std::copy(rays.begin(), rays.end(), in.data());
   EmulatedStream stream;
+  stream.ask([&] { std::copy(rays.begin(), rays.end(), in.data()); });
   stream.ask([&] { std::memset(static_cast<void*>(out.data()), 0x5a, rays.size() * sizeof(T)); });
   QueryOptions options;
   options.mask = 0;
@@ -196,6 +197,7 @@ void expect_answers_after_the_stream(const T& expected, const Ask& ask) {
   const Filled there(emulation.context);
   ask(there.scene, std::span<const Ray>(in.data(), rays.size()),
       std::span<T>(out.data(), rays.size()), options);
+  const test::Reach reach(emulation.memory);
   stream.finish();
   for (std::size_t i = 0; i < rays.size(); ++i)
     ASSERT_EQ(std::memcmp(out.data() + i, &expected, sizeof(T)), 0) << i;
@@ -215,7 +217,6 @@ TEST(DeviceContext, RaysAndResultsMayBeOnTwoStreams) {
   DeviceBuffer<std::uint32_t> out(emulation.memory);
   in.resize_uninitialized("test", rays.size());
   out.resize_uninitialized("test", rays.size());
-  std::fill_n(in.data(), rays.size(), Ray{});
   EmulatedStream first, second;
   first.ask([&] { std::copy(rays.begin(), rays.end(), in.data()); });
   second.ask([&] { std::fill_n(out.data(), rays.size(), 77u); });
@@ -224,6 +225,7 @@ TEST(DeviceContext, RaysAndResultsMayBeOnTwoStreams) {
   options.results_stream = &second;
   hit_counts(there.scene, std::span<const Ray>(in.data(), rays.size()),
              std::span<std::uint32_t>(out.data(), rays.size()), options);
+  const test::Reach reach(emulation.memory);
   second.finish();
   EXPECT_EQ(std::vector<std::uint32_t>(out.data(), out.data() + rays.size()),
             hit_counts(here.scene, rays));

@@ -94,8 +94,8 @@ struct RayBoxCase {
     const Box scene = triangle_box(draws.in_box(4) * scale, {0, 0, 0}, {scale, scale, scale});
     BoxRay boxes = make_box_ray(ray, scene);
     float near = 0;
-    out.put(enters(boxes, scene, &near), near + 0.0f, boxes.s_near, boxes.s_far, boxes.pad,
-            boxes.bounded);
+    const bool entered = enters(boxes, scene, &near);
+    out.put(entered, near + 0.0f, boxes.s_near, boxes.s_far, boxes.pad, boxes.bounded);
     shorten(&boxes, draws.unit() * scale);
     out.put(boxes.s_far, end_beyond(1, scale, 0), distance_per_unit(ray.direction.x, boxes.along));
     const float x = draws.between(-1, 1) * scale;

@@ -5,13 +5,14 @@
 #include "dual/dual_scenes.h"
 #include "raysheaf/error.h"
 #include "tests/support/device_memory.h"
+#include "tests/support/guarded_memory.h"
 
 namespace raysheaf::test {
 namespace {
 
 struct Emulation {
   Executor executor{2};
-  HostAllocator heap;
+  test::GuardedMemory heap;
   FailingAllocator memory{heap};
   std::unique_ptr<DeviceBackend> backend = open_emulated(executor, heap, &memory);
 };
@@ -334,14 +335,16 @@ TEST(DeviceEngine, RaysAndResultsMayLieInTheDevicesMemory) {
   DeviceQuery query;
   query.check = true;
   engine->closest_hit(there.view_const(), query, hits.view());
+  const std::vector<EngineHit> found = to_host(device, hits);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const EngineHit least = rows[i].empty() ? EngineHit{} : rows[i].front();
-    ASSERT_TRUE(same_bits(hits.data()[i], least)) << i;
+    ASSERT_TRUE(same_bits(found[i], least)) << i;
   }
-  there.data()[77].t_min = -1;
-  there.data()[300].direction = {0, 0, 0};
+  rays[77].t_min = -1;
+  rays[300].direction = {0, 0, 0};
+  const DeviceBuffer<Ray> wrong = to_device(device, rays);
   try {
-    engine->closest_hit(there.view_const(), query, hits.view());
+    engine->closest_hit(wrong.view_const(), query, hits.view());
     FAIL() << "a wrong ray passed";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kInvalidData);

@@ -12,6 +12,7 @@
 #include "raysheaf/error.h"
 #include "support/soups.h"
 #include "tests/support/device_memory.h"
+#include "tests/support/guarded_memory.h"
 
 namespace raysheaf::test {
 namespace {
@@ -99,7 +100,7 @@ void expect_as_cpu(PacketTracer& tracer, const Packed& p, const PacketQuery& que
 
 struct PacketEmulation {
   Executor executor{2};
-  HostAllocator heap;
+  test::GuardedMemory heap;
   FailingAllocator memory{heap};
 
   std::unique_ptr<PacketTracer> tracer(std::uint32_t capacity) {

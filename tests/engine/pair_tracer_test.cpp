@@ -12,6 +12,7 @@
 #include "raysheaf/error.h"
 #include "support/soups.h"
 #include "tests/support/device_memory.h"
+#include "tests/support/guarded_memory.h"
 
 namespace raysheaf::test {
 namespace {
@@ -39,7 +40,7 @@ struct Copied {
 
 struct TracerEmulation {
   Executor executor{2};
-  HostAllocator heap;
+  test::GuardedMemory heap;
   FailingAllocator memory{heap};
 
   std::unique_ptr<PairTracer> tracer(std::uint32_t capacity) {

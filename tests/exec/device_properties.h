@@ -38,7 +38,7 @@ void expect_each_item_once(Device& device) {
   for (const std::size_t size : kDeviceSizes) {
     DeviceBuffer<std::uint32_t> seen = to_device(device, Words(size, 0u));
     const View<std::uint32_t> out = seen.view();
-    device.for_each("each", size, [=] RAYSHEAF_HD(std::size_t i) {
+    device.for_each("each", size, [=] RAYSHEAF_DEVICE(std::size_t i) {
       out.data[i] += static_cast<std::uint32_t>(i) + 1;
     });
     Words expected(size);
@@ -55,7 +55,7 @@ void expect_shared_words(Device& device) {
       to_device(device, std::vector<std::uint64_t>{~std::uint64_t{0}, 0});
   const View<std::uint32_t> words = low.view();
   const View<std::uint64_t> longs = wide.view();
-  device.for_each("shared", kCount, [=] RAYSHEAF_HD(std::size_t i) {
+  device.for_each("shared", kCount, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::uint64_t mixed = (i * 7919 + 13) % kCount;
     lower_to(&words.data[0], static_cast<std::uint32_t>(mixed + 5));
     lower_to(&longs.data[0], (mixed + 3) << 33);
@@ -194,7 +194,7 @@ void expect_named_times(Device& device) {
   DeviceBuffer<std::uint32_t> words(device.allocator());
   words.resize_uninitialized("first", 1000);
   for (int round = 0; round < 3; ++round) device.fill("first", words.view(), 1);
-  device.for_each("second", 10, [] RAYSHEAF_HD(std::size_t) {});
+  device.for_each("second", 10, [] RAYSHEAF_DEVICE(std::size_t) {});
   const std::vector<StageTime> times = device.times();
   device.keep_times(false);
   ASSERT_EQ(times.size(), 2u);
@@ -248,7 +248,7 @@ void expect_links(Device& device) {
       uplink.see("links");
       const View<std::uint32_t> sum = sums.view(), landed = landings[round % kLanes].view();
       device.for_each("links", kWords,
-                      [=] RAYSHEAF_HD(std::size_t i) { sum.data[i] += landed.data[i]; });
+                      [=] RAYSHEAF_DEVICE(std::size_t i) { sum.data[i] += landed.data[i]; });
       uplink.done_with("links");
       downlink.ask("links", sums.data(), kBytes);
       if (round % 3 != 0) continue;
@@ -282,7 +282,7 @@ void expect_bulk_links(Device& device) {
     uplink.send("bulk", executor, all, [&](std::size_t begin, std::size_t end, std::uint32_t* out) {
       for (std::size_t i = begin; i < end; ++i) *out++ = static_cast<std::uint32_t>(3 * i + count);
     });
-    device.for_each("bulk", count, [=] RAYSHEAF_HD(std::size_t i) { all.data[i] += 1; });
+    device.for_each("bulk", count, [=] RAYSHEAF_DEVICE(std::size_t i) { all.data[i] += 1; });
     Words here(count), expected(count);
     for (std::size_t i = 0; i < count; ++i)
       expected[i] = static_cast<std::uint32_t>(3 * i + count + 1);

@@ -1,6 +1,7 @@
 #include "tests/exec/device_properties.h"
 
 #include "exec/cpu/emulated_links.h"
+#include "support/guarded_memory.h"
 
 namespace raysheaf::test {
 namespace {
@@ -10,7 +11,7 @@ struct Emulated {
       : executor(threads), memory(heap), device(executor, heap, &memory, most_blocks) {}
 
   Executor executor;
-  HostAllocator heap;
+  test::GuardedMemory heap;
   FailingAllocator memory;
   EmulatedDevice device;
 };

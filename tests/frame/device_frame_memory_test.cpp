@@ -7,6 +7,7 @@
 #include "raysheaf/render_on_context.h"
 #include "raysheaf/renderer.h"
 #include "support/device_memory.h"
+#include "support/guarded_memory.h"
 
 namespace raysheaf {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 /// Whichever allocation fails: one sentence, nothing left, and the next frame is right.
 void expect_memory_may_run_out(const SceneDescription& scene, const RenderOptions& options) {
   const Executor executor(2);
-  HostAllocator memory;
+  test::GuardedMemory memory;
   test::FailingAllocator allocator(memory);
   const RenderResult here = render(scene, options);
   {

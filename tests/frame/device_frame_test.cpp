@@ -10,6 +10,7 @@
 #include "raysheaf/error.h"
 #include "raysheaf/render_on_context.h"
 #include "raysheaf/renderer.h"
+#include "support/guarded_memory.h"
 #include "support/pictures.h"
 #include "support/scenes.h"
 
@@ -188,7 +189,7 @@ class Frames : public ::testing::TestWithParam<bool> {
     }
   }
   const Executor executor_{2};
-  HostAllocator memory_;
+  test::GuardedMemory memory_;
   std::unique_ptr<Context> context_;
 };
 

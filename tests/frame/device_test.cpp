@@ -5,6 +5,7 @@
 #include "api/context_impl.h"
 #include "raysheaf/error.h"
 #include "raysheaf/render_on_context.h"
+#include "support/guarded_memory.h"
 #include "support/pictures.h"
 #include "support/scenes.h"
 
@@ -46,7 +47,7 @@ void expect_the_cpus_frame(const Context& context) {
 
 TEST(DeviceFrame, IsThatOfTheCpu) {
   const Executor executor(2);
-  HostAllocator memory;
+  test::GuardedMemory memory;
   expect_the_cpus_frame(
       ContextAccess::with_backend({.device = Device::kCuda}, open_emulated(executor, memory)));
 }

@@ -41,6 +41,15 @@ TEST(Device, EveryMarkedFunctionIsCompiledForDevices) {
   for (const std::string& name : marked) EXPECT_TRUE(words.contains(name)) << name;
 }
 
+/// base/host_device.h says why.
+TEST(Device, BodiesOfLoopsAreMarkedForDevicesAlone) {
+  std::vector<std::string> texts = texts_under("src");
+  for (std::string& text : texts_under("tests")) texts.push_back(std::move(text));
+  const std::vector<std::string> bodies = found_in(texts, R"((\[[=&]?\] RAYSHEAF_\w+)\()");
+  EXPECT_GT(bodies.size(), 80u);
+  for (const std::string& body : bodies) EXPECT_TRUE(body.ends_with("RAYSHEAF_DEVICE")) << body;
+}
+
 /// nvcc makes constants of them (base/bits.h), and no test without a device sees it.
 TEST(Device, NoMarkedFunctionCountsZerosByTheLibrary) {
   for (const std::string& text : texts_under("src")) {

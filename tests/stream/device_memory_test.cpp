@@ -8,6 +8,7 @@
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
 #include "stream/stream_support.h"
+#include "support/guarded_memory.h"
 #include "support/soups.h"
 
 namespace raysheaf::test {
@@ -78,7 +79,7 @@ TEST(StreamOnLittleDevices, MoreBlocksThanBuffers) {
   blocks.set_scene(cut_into_blocks(office, &blocks, 100));
   const std::vector<Ray> rays = rays_at(office, 1000, 8);
   const Executor executor(2);
-  HostAllocator heap;
+  test::GuardedMemory heap;
   for (const std::uint32_t buffers : {2u, 3u, 16u}) {
     BlockLimits limits;
     limits.memory_bytes = std::uint64_t{1} << 30;

@@ -10,6 +10,7 @@
 #include "raysheaf/query.h"
 #include "raysheaf/stream.h"
 #include "tests/support/device_memory.h"
+#include "tests/support/guarded_memory.h"
 
 namespace raysheaf::test {
 
@@ -54,7 +55,7 @@ struct EmulatedMachine {
                                             open_emulated(executor, heap, &memory))) {}
 
   Executor executor{2};
-  HostAllocator heap;
+  test::GuardedMemory heap;
   FailingAllocator memory{heap};
   Context context;
 };

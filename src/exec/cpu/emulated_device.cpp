@@ -13,10 +13,6 @@ namespace {
 /// Vectors of a device are loaded whole, and a warp's from one place.
 constexpr std::align_val_t kAlignment{256};
 
-struct Free {
-  void operator()(void* memory) const { ::operator delete(memory, kAlignment); }
-};
-
 template <class Key>
 Key bits_of(Key key, BitRange bits) {
   if (bits.begin >= bits.end) return 0;
@@ -31,11 +27,11 @@ void* HostAllocator::allocate(const char* stage, std::size_t bytes) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (bytes > free_) throw Error(ErrorCode::kOutOfMemory, "there is not enough memory", stage);
   try {
-    void* const memory = ::operator new(bytes, kAlignment);
-    std::unique_ptr<void, Free> kept(memory);
-    sizes_.emplace(static_cast<const std::uint8_t*>(memory), bytes);
+    const auto give = [&](void* memory) { give_back(memory, bytes); };
+    std::unique_ptr<void, decltype(give)> memory(take(bytes), give);
+    sizes_.emplace(static_cast<const std::uint8_t*>(memory.get()), bytes);
     free_ -= bytes;
-    return kept.release();
+    return memory.release();
   } catch (const std::bad_alloc&) {
     throw Error(ErrorCode::kOutOfMemory, "there is not enough memory", stage);
   }
@@ -45,8 +41,15 @@ void HostAllocator::free(void* memory) noexcept {
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto at = sizes_.find(static_cast<const std::uint8_t*>(memory));
   free_ += at->second;
+  give_back(memory, at->second);
   sizes_.erase(at);
-  Free()(memory);
+}
+
+void* HostAllocator::take(std::size_t bytes) {
+  return ::operator new(bytes, kAlignment);
+}
+void HostAllocator::give_back(void* memory, std::size_t /*bytes*/) noexcept {
+  ::operator delete(memory, kAlignment);
 }
 
 std::uint64_t HostAllocator::free_bytes() const {

@@ -21,12 +21,24 @@ namespace raysheaf {
 class HostAllocator : public DeviceAllocator {
  public:
   explicit HostAllocator(std::uint64_t capacity = std::uint64_t{1} << 40) : free_(capacity) {}
+  HostAllocator(const HostAllocator&) = delete;
+  HostAllocator& operator=(const HostAllocator&) = delete;
 
   [[nodiscard]] void* allocate(const char* stage, std::size_t bytes) override;
   void free(void* memory) noexcept override;
   /// Whether it handed out what is at `pointer`.
   [[nodiscard]] bool owns(const void* pointer) const;
   [[nodiscard]] std::uint64_t free_bytes() const;
+
+  /// A device begins and ends work that reaches the memory, from several threads at once. Nobody
+  /// else may reach it, which tests see to (tests/support/guarded_memory.h).
+  virtual void open() {}
+  virtual void close() noexcept {}
+
+ protected:
+  /// One thread at a time. Throws std::bad_alloc.
+  [[nodiscard]] virtual void* take(std::size_t bytes);
+  virtual void give_back(void* memory, std::size_t bytes) noexcept;
 
  private:
   mutable std::mutex mutex_;
@@ -94,7 +106,8 @@ class EmulatedDevice {
     if (bytes != 0) std::memcpy(to, from, bytes);
   }
   template <class T>
-  [[nodiscard]] T read(const char* /*stage*/, const T* place) {
+  [[nodiscard]] T read(const char* stage, const T* place) {
+    const Lap lap(*this, stage);
     return *place;
   }
   void synchronize(const char* /*stage*/) {}
@@ -104,7 +117,8 @@ class EmulatedDevice {
     return memory_.owns(pointer);
   }
   /// `stream`: an EmulatedStream, or null.
-  void wait_for(const char* /*stage*/, void* stream) {
+  void wait_for(const char* stage, void* stream) {
+    const Lap lap(*this, stage);
     if (stream != nullptr) static_cast<EmulatedStream*>(stream)->finish();
   }
   [[nodiscard]] DeviceAllocator& allocator() { return allocator_; }
@@ -125,13 +139,16 @@ class EmulatedDevice {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   }
 
-  /// Times a verb.
+  /// Of a verb, which reaches the memory meanwhile.
   class Lap {
    public:
-    Lap(EmulatedDevice& device, const char* stage) : device_(device), stage_(stage) {}
+    Lap(EmulatedDevice& device, const char* stage) : device_(device), stage_(stage) {
+      device_.memory_.open();
+    }
     Lap(const Lap&) = delete;
     Lap& operator=(const Lap&) = delete;
     ~Lap() {
+      device_.memory_.close();
       if (device_.keeps_times_) add_stage_time(stage_, ms_since(start_), &device_.times_);
     }
 
@@ -145,7 +162,7 @@ class EmulatedDevice {
   void sort(const char* stage, SortColumns<Key>* columns, BitRange bits);
 
   const Executor& executor_;
-  const HostAllocator& memory_;
+  HostAllocator& memory_;
   DeviceAllocator& allocator_;
   std::uint32_t most_blocks_;
   bool keeps_times_ = false;

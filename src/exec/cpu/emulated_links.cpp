@@ -1,6 +1,5 @@
 #include "exec/cpu/emulated_links.h"
 
-#include <cstring>
 #include <new>
 #include <utility>
 
@@ -18,7 +17,7 @@ void make_room(const char* stage, std::size_t bytes, std::vector<std::byte>* roo
 }  // namespace
 
 std::byte* EmulatedUplink::room(const char* stage, std::size_t bytes) {
-  arrive();
+  arrive(stage);
   make_room(stage, bytes, &room_);
   return room_.data();
 }
@@ -31,17 +30,17 @@ void EmulatedUplink::send(const char* stage, void* to, std::size_t bytes) {
 
 void EmulatedUplink::see(const char* stage) {
   turns_.see(stage);
-  arrive();
+  arrive(stage);
 }
 
-void EmulatedUplink::arrive() {
+void EmulatedUplink::arrive(const char* stage) {
   void* const to = std::exchange(to_, nullptr);
-  if (to != nullptr && bytes_ != 0) std::memcpy(to, room_.data(), bytes_);
+  if (to != nullptr) device_.copy(stage, to, room_.data(), bytes_);
 }
 
 void EmulatedDownlink::ask(const char* stage, const void* from, std::size_t bytes) {
   make_room(stage, bytes, &room_);
-  if (bytes != 0) std::memcpy(room_.data(), from, bytes);
+  device_.copy(stage, room_.data(), from, bytes);
 }
 
 }  // namespace raysheaf

@@ -12,7 +12,7 @@ namespace raysheaf {
 
 class EmulatedUplink {
  public:
-  explicit EmulatedUplink(EmulatedDevice& /*device*/) {}
+  explicit EmulatedUplink(EmulatedDevice& device) : device_(device) {}
   EmulatedUplink(const EmulatedUplink&) = delete;
   EmulatedUplink& operator=(const EmulatedUplink&) = delete;
 
@@ -22,8 +22,9 @@ class EmulatedUplink {
   void done_with(const char* stage) { turns_.done_with(stage); }
 
  private:
-  void arrive();
+  void arrive(const char* stage);
 
+  EmulatedDevice& device_;
   UplinkTurns turns_;
   std::vector<std::byte> room_;
   void* to_ = nullptr;  // null: nothing is under way
@@ -32,7 +33,7 @@ class EmulatedUplink {
 
 class EmulatedDownlink {
  public:
-  explicit EmulatedDownlink(EmulatedDevice& /*device*/) {}
+  explicit EmulatedDownlink(EmulatedDevice& device) : device_(device) {}
   EmulatedDownlink(const EmulatedDownlink&) = delete;
   EmulatedDownlink& operator=(const EmulatedDownlink&) = delete;
 
@@ -41,6 +42,7 @@ class EmulatedDownlink {
   [[nodiscard]] const std::byte* wait(const char* /*stage*/) const { return room_.data(); }
 
  private:
+  EmulatedDevice& device_;
   std::vector<std::byte> room_;
 };
 
