@@ -114,12 +114,23 @@ RAYSHEAF_HD inline bool any_in_tree(const LinearTreeView& tree, const Box& scene
   return met;
 }
 
-/// What a walk in binary32 has found: the best hit, whose t is in [low, high]. An unsure one is for
-/// `closest_in_tree` or `any_in_tree`.
+/// What a walk in binary32 has found. The answer is among the triangles at `place`, the nearest hit
+/// that is sure and whose t is in [low, high], and at `first` and `second`, of which binary32 does
+/// not know whether they are hits, or nearer ones: nearly always the one that the ray starts from.
 struct FloatWalk {
   float low = 0, high = std::numeric_limits<float>::infinity();
-  std::uint32_t place = kInvalidId;  ///< of the hit's triangle
-  bool unsure = false;
+  std::uint32_t place = kInvalidId, first = kInvalidId, second = kInvalidId;
+  bool unsure = false;  ///< there are more; `closest_in_tree` or `any_in_tree` does all anew
+
+  RAYSHEAF_HD void keep(std::uint32_t candidate) {
+    if (first == kInvalidId) {
+      first = candidate;
+    } else if (second == kInvalidId) {
+      second = candidate;
+    } else {
+      unsure = true;
+    }
+  }
 };
 
 /// Of the triangles from `place` to the end of the leaf.
@@ -134,20 +145,23 @@ RAYSHEAF_HD inline std::uint32_t meet_leaf_in_floats(const LinearTreeView& tree,
     const FloatAnswer answer = answer_in_floats(setup, triangle.a, triangle.b, triangle.c);
     if (answer.kind == FloatAnswer::kMiss) continue;
     if (answer.kind == FloatAnswer::kUnsure) {
-      best->unsure = true;
+      best->keep(place);
     } else if (shows(facing, static_cast<std::uint8_t>(triangle.flags), answer.front) &&
                answer.low <= best->high) {
-      best->unsure =
-          best->unsure || (!any && answer.high >= best->low && best->place != kInvalidId);
-      best->low = answer.low;
-      best->high = answer.high;
-      best->place = place;
+      if (!any && best->place != kInvalidId && answer.high >= best->low) {
+        best->keep(place);
+        best->high = answer.high < best->high ? answer.high : best->high;
+      } else {
+        best->low = answer.low;
+        best->high = answer.high;
+        best->place = place;
+      }
     }
   }
   return place;
 }
 
-/// Few registers and no double: where it ends with an unsure answer, a slower walk does all anew.
+/// Few registers and no double.
 RAYSHEAF_HD inline FloatWalk closest_in_floats(const LinearTreeView& tree, const Box& scene,
                                                const Ray& ray, Facing facing, WalkCounts* counts) {
   FloatWalk best;
@@ -162,7 +176,7 @@ RAYSHEAF_HD inline FloatWalk closest_in_floats(const LinearTreeView& tree, const
   return best;
 }
 
-/// The same for any hit; one that is sure is the answer.
+/// The same for any hit: one at `place` is the answer.
 RAYSHEAF_HD inline FloatWalk any_in_floats(const LinearTreeView& tree, const Box& scene,
                                            const Ray& ray, Facing facing, WalkCounts* counts) {
   FloatWalk found;
@@ -175,6 +189,21 @@ RAYSHEAF_HD inline FloatWalk any_in_floats(const LinearTreeView& tree, const Box
   });
   found.unsure = found.unsure && found.place == kInvalidId;
   return found;
+}
+
+/// Meets the triangle at a place, or none where it is `kInvalidId`, in binary64 alone. Returns
+/// whether that was sure.
+RAYSHEAF_HD inline bool meet_in_doubles(const LinearTreeView& tree, std::uint32_t place,
+                                        const Ray& ray, Facing facing, EngineHit* best) {
+  if (place == kInvalidId) return true;
+  const LinearTriangle t = tree.triangles[place];
+  TriangleHit hit;
+  const LineAnswer answer = answer_in_doubles(ray.origin, ray.direction, t.a, t.b, t.c, &hit);
+  if (answer == LineAnswer::kMeets && is_within(hit.t, ray.t_min, ray.t_max) &&
+      shows(facing, static_cast<std::uint8_t>(t.flags), hit.front) &&
+      (hit.t < best->t || (hit.t == best->t && t.id < best->triangle)))
+    *best = {hit.t, hit.u, hit.v, t.id};
+  return answer != LineAnswer::kUnsure;
 }
 
 /// Calls `take(hit)` for every hit, in no order.

@@ -181,7 +181,8 @@ class DeviceEngineOn : public DeviceEngine {
       mark_found(words_.view_const(), out);
     } else {
       if (!query.in_order) order_rays_on(device_, &columns_, batch);
-      any_hits_on(device_, *batch, out);
+      words_.resize_uninitialized("trace: any hits", batch->rays.size);
+      any_hits_on(device_, *batch, words_.data(), out);
     }
   }
 

@@ -1,6 +1,7 @@
 // The queries of a device as loops over rays; for the sources that know which device it is.
 #pragma once
 
+#include "base/bits.h"
 #include "dual/tree_walk_body.h"
 #include "engine/brute_force_body.h"
 #include "engine/device_engine.h"
@@ -94,10 +95,6 @@ void order_rays_on(Device& device, SortColumns<std::uint32_t>* columns, DeviceBa
   batch->order = columns->values.data();
 }
 
-/// What the walk in binary32 leaves in the place of an answer that it does not settle.
-inline constexpr std::uint32_t kUnsurePlace = kInvalidId - 1;
-inline constexpr std::uint8_t kUnsureFlag = 2;
-
 /// Counts of a second walk of a ray.
 RAYSHEAF_HD inline void keep_more_counts(const DeviceBatch& batch, std::size_t ray,
                                          const WalkCounts& counts) {
@@ -106,15 +103,15 @@ RAYSHEAF_HD inline void keep_more_counts(const DeviceBatch& batch, std::size_t r
   if (batch.ray_tests != nullptr) batch.ray_tests[ray] += before;
 }
 
-/// The hit with the triangle at a place of the tree, which is there.
-RAYSHEAF_HD inline EngineHit hit_at_place(const LinearTreeView& tree, std::uint32_t place,
-                                          const Ray& ray) {
-  const LinearTriangle t = tree.triangles[place];
-  const TriangleHit hit = values_of_hit(ray.origin, ray.direction, t.a, t.b, t.c);
-  return {hit.t, hit.u, hit.v, t.id};
-}
+// All rays walk in binary32 alone; what that has found binary64 decides, triangle by triangle; and
+// the few rays that are still unsettled walk again, with all that the test may need. What a loop
+// leaves for the next stands where the answer will.
 
-/// All rays in binary32 alone; then the values of their hits, and what was left unsettled.
+/// In the place of a hit's triangle: the ray is unsettled.
+inline constexpr std::uint32_t kUnsettledPlace = kInvalidId - 1;
+/// In the place of a flag: the ray is unsettled, or has candidates.
+inline constexpr std::uint8_t kUnsettledFlag = 2, kCandidatesFlag = 3;
+
 template <class Device>
 void closest_hits_on(Device& device, const DeviceBatch& batch, EngineHit* hits) {
   device.for_each("trace: closest hits", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
@@ -122,41 +119,72 @@ void closest_hits_on(Device& device, const DeviceBatch& batch, EngineHit* hits) 
     WalkCounts counts;
     const FloatWalk walk = closest_in_floats(batch.tree, box_of(*batch.scene), batch.rays.data[ray],
                                              batch.facing, &counts);
-    hits[ray].triangle = walk.unsure ? kUnsurePlace : walk.place;
+    hits[ray] = {bits_float(walk.first), bits_float(walk.second), 0,
+                 walk.unsure ? kUnsettledPlace : walk.place};
     keep_counts(batch, ray, counts);
   });
-  device.for_each("trace: values", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t ray) {
-    const std::uint32_t place = hits[ray].triangle;
-    EngineHit hit;
-    if (place == kUnsurePlace) {
-      WalkCounts counts;
-      hit = closest_in_tree(batch.tree, box_of(*batch.scene), batch.rays.data[ray], batch.facing,
-                            &counts);
-      keep_more_counts(batch, ray, counts);
-    } else if (place != kInvalidId) {
-      hit = hit_at_place(batch.tree, place, batch.rays.data[ray]);
+  device.for_each("trace: values", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    const EngineHit left = hits[i];
+    if (left.triangle == kUnsettledPlace) return;
+    const Ray ray = batch.rays.data[i];
+    EngineHit best;
+    bool sure = true;
+    RAYSHEAF_ROLLED
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t of_floats = float_bits(k == 0 ? left.t : left.u);
+      const std::uint32_t place = k == 2 ? left.triangle : of_floats;
+      sure = meet_in_doubles(batch.tree, place, ray, batch.facing, &best) && sure;
     }
-    hits[ray] = hit;
+    if (!sure) best.triangle = kUnsettledPlace;
+    hits[i] = best;
+  });
+  device.for_each("trace: unsettled", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    if (hits[i].triangle != kUnsettledPlace) return;
+    WalkCounts counts;
+    hits[i] = closest_in_tree(batch.tree, box_of(*batch.scene), batch.rays.data[i], batch.facing,
+                              &counts);
+    keep_more_counts(batch, i, counts);
   });
 }
 
+/// `candidates` has room for each ray's.
 template <class Device>
-void any_hits_on(Device& device, const DeviceBatch& batch, std::uint8_t* occluded) {
+void any_hits_on(Device& device, const DeviceBatch& batch, std::uint64_t* candidates,
+                 std::uint8_t* occluded) {
   device.for_each("trace: any hits", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t ray = batch.ray_at(i);
     WalkCounts counts;
     const FloatWalk walk = any_in_floats(batch.tree, box_of(*batch.scene), batch.rays.data[ray],
                                          batch.facing, &counts);
-    occluded[ray] = walk.unsure ? kUnsureFlag : walk.place != kInvalidId ? 1 : 0;
+    std::uint8_t flag = walk.place != kInvalidId ? 1 : 0;
+    if (flag == 0 && walk.first != kInvalidId) {
+      flag = walk.unsure ? kUnsettledFlag : kCandidatesFlag;
+      candidates[ray] = std::uint64_t{walk.second} << 32 | walk.first;
+    }
+    occluded[ray] = flag;
     keep_counts(batch, ray, counts);
   });
-  device.for_each("trace: unsettled", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t ray) {
-    if (occluded[ray] != kUnsureFlag) return;
+  device.for_each("trace: candidates", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    if (occluded[i] != kCandidatesFlag) return;
+    const Ray ray = batch.rays.data[i];
+    const std::uint64_t places = candidates[i];
+    EngineHit best;
+    bool sure = true;
+    RAYSHEAF_ROLLED
+    for (int k = 0; k < 2; ++k)
+      sure = meet_in_doubles(batch.tree, static_cast<std::uint32_t>(places >> 32 * k), ray,
+                             batch.facing, &best) &&
+             sure;
+    const bool met = best.triangle != kInvalidId;
+    occluded[i] = met ? 1 : sure ? 0 : kUnsettledFlag;
+  });
+  device.for_each("trace: unsettled", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    if (occluded[i] != kUnsettledFlag) return;
     WalkCounts counts;
     const bool met =
-        any_in_tree(batch.tree, box_of(*batch.scene), batch.rays.data[ray], batch.facing, &counts);
-    occluded[ray] = met ? 1 : 0;
-    keep_more_counts(batch, ray, counts);
+        any_in_tree(batch.tree, box_of(*batch.scene), batch.rays.data[i], batch.facing, &counts);
+    occluded[i] = met ? 1 : 0;
+    keep_more_counts(batch, i, counts);
   });
 }
 

@@ -218,28 +218,38 @@ RAYSHEAF_HD inline TriangleHit values_of_hit(Vec3 origin, Vec3 direction, Vec3 a
   return rounded_hit(answer.t, answer.u, answer.v, answer.front);
 }
 
-/// Stages 2 and 3: whether the ray's line meets the triangle, whatever t.
-RAYSHEAF_HD inline bool line_meets_triangle(Vec3 origin, Vec3 direction, Vec3 a, Vec3 b, Vec3 c,
-                                            TriangleHit* hit) {
+/// What a stage says of a ray's line and a triangle.
+enum class LineAnswer : std::uint8_t { kMisses, kMeets, kUnsure };
+
+/// Stage 2: whether the ray's line meets the triangle, whatever t. An unsure answer, which has no
+/// values, is for stage 3.
+RAYSHEAF_HD inline LineAnswer answer_in_doubles(Vec3 origin, Vec3 direction, Vec3 a, Vec3 b, Vec3 c,
+                                                TriangleHit* hit) {
   const Determinants x = determinants(origin, direction, a, b, c);
-  if (!x.are_finite()) return false;
+  if (!x.are_finite()) return LineAnswer::kMisses;
   const double w = (x.det - x.u) - x.v;
   const double w_error = 2 * (x.det_error + x.u_error + x.v_error);
   const bool some_above = x.det > x.det_error || x.u > x.u_error || x.v > x.v_error || w > w_error;
   const bool some_below =
       x.det < -x.det_error || x.u < -x.u_error || x.v < -x.v_error || w < -w_error;
-  if (some_above && some_below) return false;
+  if (some_above && some_below) return LineAnswer::kMisses;
   const bool settled = std::fabs(x.det) > x.det_error && std::fabs(x.u) > x.u_error &&
                        std::fabs(x.v) > x.v_error && std::fabs(w) > w_error;
-  const bool valued = x.give_values();
-  if (settled && valued) {
-    *hit = rounded_hit(x.t / x.det, x.u / x.det, x.v / x.det, x.det < 0);
-    return true;
-  }
+  if (!settled || !x.give_values()) return LineAnswer::kUnsure;
+  *hit = rounded_hit(x.t / x.det, x.u / x.det, x.v / x.det, x.det < 0);
+  return LineAnswer::kMeets;
+}
+
+/// Stages 2 and 3.
+RAYSHEAF_HD inline bool line_meets_triangle(Vec3 origin, Vec3 direction, Vec3 a, Vec3 b, Vec3 c,
+                                            TriangleHit* hit) {
+  const LineAnswer in_doubles = answer_in_doubles(origin, direction, a, b, c, hit);
+  if (in_doubles != LineAnswer::kUnsure) return in_doubles == LineAnswer::kMeets;
   const WideAnswer answer = answer_in_integers(origin, direction, a, b, c);
   if (!answer.meets) return false;
-  *hit = valued ? rounded_hit(x.t / x.det, x.u / x.det, x.v / x.det, x.det < 0)
-                : rounded_hit(answer.t, answer.u, answer.v, answer.front);
+  const Determinants x = determinants(origin, direction, a, b, c);
+  *hit = x.give_values() ? rounded_hit(x.t / x.det, x.u / x.det, x.v / x.det, x.det < 0)
+                         : rounded_hit(answer.t, answer.u, answer.v, answer.front);
   return true;
 }
 

@@ -21,14 +21,15 @@ constexpr Traffic kTraffic[] = {
     {"hierarchy: keys", 36 + 8, false},  // corners; a key
     {"hierarchy: sort", 8 + 8, false},   // keys, once
     {"hierarchy: triangles", 8 + 36 + 48, false},
-    {"hierarchy: refit", 4 + 36 + 48, false},   // a number, its corners; the triangle
-    {"hierarchy: nodes", 8 + 8 + 8, false},     // a key; two children, two parents
-    {"hierarchy: boxes", 48 + 48, false},       // a triangle; two boxes
-    {"order: keys", 32 + 8, true},              // a ray; a key and a number
-    {"order: sort", 8 + 8, true},               // pairs, once
-    {"trace: any hits", 4 + 32 + 1, true},      // a number, a ray; a flag
-    {"trace: closest hits", 4 + 32 + 4, true},  // the same; a place
-    {"trace: values", 4 + 32 + 48 + 16, true},  // a place, a ray, a triangle; a hit
+    {"hierarchy: refit", 4 + 36 + 48, false},          // a number, its corners; the triangle
+    {"hierarchy: nodes", 8 + 8 + 8, false},            // a key; two children, two parents
+    {"hierarchy: boxes", 48 + 48, false},              // a triangle; two boxes
+    {"order: keys", 32 + 8, true},                     // a ray; a key and a number
+    {"order: sort", 8 + 8, true},                      // pairs, once
+    {"trace: any hits", 4 + 32 + 1, true},             // a number, a ray; a flag
+    {"trace: closest hits", 4 + 32 + 4, true},         // the same; a place
+    {"trace: values", 16 + 32 + 48 + 16, true},        // places, a ray, a triangle; a hit
+    {"trace: candidates", 1 + 32 + 48 + 8 + 1, true},  // a flag, a ray, a triangle, places
 };
 
 /// Operations of the least that a test is: of a ray with a box (`enters`) six differences, six

@@ -27,11 +27,15 @@ ThreadCounts count_threads(EmulatedDevice& device, const DeviceBatch& batch, boo
     WalkCounts walk;
     const FloatWalk found = any ? any_in_floats(batch.tree, scene, ray, batch.facing, &walk)
                                 : closest_in_floats(batch.tree, scene, ray, batch.facing, &walk);
-    counted.hits[i] = found.place != kInvalidId;
-    if (found.unsure)
-      counted.hits[i] =
-          any ? any_in_tree(batch.tree, scene, ray, batch.facing, &walk)
-              : closest_in_tree(batch.tree, scene, ray, batch.facing, &walk).triangle != kInvalidId;
+    EngineHit best;
+    bool sure = !found.unsure;
+    for (const std::uint32_t place : {found.first, found.second, found.place})
+      sure = meet_in_doubles(batch.tree, place, ray, batch.facing, &best) && sure;
+    if (!sure && !(any && found.place != kInvalidId))
+      best.triangle =
+          any ? (any_in_tree(batch.tree, scene, ray, batch.facing, &walk) ? 0 : kInvalidId)
+              : closest_in_tree(batch.tree, scene, ray, batch.facing, &walk).triangle;
+    counted.hits[i] = best.triangle != kInvalidId;
     counted.nodes[i] = walk.box_tests / 2;
     counted.leaves[i] = walk.leaves;
     counted.triangles[i] = walk.triangle_tests;

@@ -153,7 +153,11 @@ struct MeetCase {
     std::uint32_t after = 0;
     for (std::uint32_t place = 0; place < TinyTree::kCount; place = after)
       after = meet_leaf_in_floats(view, place, Facing::kBoth, setup, false, &counts, &walk);
-    out.put(walk.place, walk.unsure, walk.low, lesser(walk.low, 3), greater(walk.low, 3));
+    walk.keep(draws.below(TinyTree::kCount));
+    EngineHit decided;
+    const bool sure = meet_in_doubles(view, walk.first, ray, Facing::kBoth, &decided);
+    out.put(walk.place, walk.first, walk.unsure, walk.low, sure, decided.t, decided.triangle);
+    out.put(lesser(walk.low, 3), greater(walk.low, 3));
     walk_tree(view, &boxes, &counts, [&](std::uint32_t place) {
       ++leaves;
       return meet_leaf(view, place, Facing::kBoth, setup, &counts,

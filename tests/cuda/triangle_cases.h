@@ -47,6 +47,9 @@ struct TriangleCase {
     out.put(hit.t, hit.u, hit.v, hit.front, exact.t, exact.u, exact.v, exact.front);
     const Determinants x = determinants(origin, target - origin, a, b, c);
     out.put(x.det, x.t, x.u, x.v, x.det_error, x.t_error, x.give_values(), x.are_finite());
+    TriangleHit doubled{};
+    const LineAnswer said = answer_in_doubles(origin, target - origin, a, b, c, &doubled);
+    out.put(static_cast<std::uint32_t>(said), doubled.t, doubled.u);
     const TriangleHit again = values_of_hit(origin, target - origin, a, b, c);
     const TriangleHit behind = rounded_hit(-1e-60, x.u, 2, true);
     out.put(again.t, again.u, behind.t, behind.u, behind.v, is_within(again.t, 0, 1));
