@@ -3,6 +3,8 @@
 
 /// Hits go back to rays that stand far apart.
 inline constexpr std::uint32_t kWritesAhead = 24;
+/// Fewer rays that stand apart are settled one by one.
+inline constexpr int kFewestTogether = 3;
 
 template <class Mode>
 class StreamHits {
@@ -34,16 +36,30 @@ class StreamHits {
       const auto i = static_cast<std::uint32_t>(__builtin_ctz(hit));
       take(number(i), place, {low[i], high[i]}, (front >> i & 1) != 0);
     }
-    for (; unsettled != 0; unsettled &= unsettled - 1)
-      settle(number(static_cast<std::uint32_t>(__builtin_ctz(unsettled))), place);
+    settle_lanes(place, unsettled, number);
   }
 
   HWY_NOINLINE void take_lanes(std::uint32_t place, const std::uint32_t* block, std::uint32_t used,
                                std::size_t g, const Tested<Rays>& tested) {
     const std::uint32_t hit = bits_of(Rays(), tested.hit) & used >> g;
-    const std::uint32_t unsettled = bits_of(Rays(), tested.unsettled) & used >> g;
+    std::uint32_t unsettled = bits_of(Rays(), tested.unsettled) & used >> g;
     if ((hit | unsettled) == 0) return;
+    if (__builtin_popcount(unsettled) >= kFewestTogether) unsettled &= ~beyond(place, block + g);
     take_each(place, hit, unsettled, tested, [&](std::uint32_t i) { return block[g + i]; });
+  }
+
+  [[nodiscard]] HWY_INLINE std::uint32_t beyond(std::uint32_t place,
+                                                const std::uint32_t* numbers) const {
+    const Rays d;
+    alignas(64) float column[8][kPacketWidth];
+    RV v[8];
+    for (std::size_t part = 0; part < 2; ++part)
+      gather4(stream_.rays.data(), part, numbers, v[4 * part], v[4 * part + 1], v[4 * part + 2],
+              v[4 * part + 3]);
+    for (int i = 0; i < 8; ++i) hn::Store(v[i], d, column[i]);
+    return lanes_beyond_plane(
+        tree_, stream_, place,
+        {column[0], column[1], column[2], column[4], column[5], column[6], column[7], column[3]});
   }
 
   /// The same for rays of a block, all at once.
@@ -52,7 +68,10 @@ class StreamHits {
     const Rays d;
     const std::uint32_t used = std::uint32_t{rays.rays} >> g;
     const std::uint32_t hit = bits_of(d, tested.hit) & used;
-    const std::uint32_t unsettled = bits_of(d, tested.unsettled) & used;
+    std::uint32_t unsettled = bits_of(d, tested.unsettled) & used;
+    if (unsettled != 0)
+      unsettled &=
+          ~lanes_beyond_plane(tree_, stream_, place, columns_from(stream_.blocks[rays.block], g));
     if ((hit | unsettled) == 0) return;
     const auto first = static_cast<std::uint32_t>(rays.block * kPacketWidth + g);
     const auto number = [first](std::uint32_t i) { return first + i; };
@@ -84,6 +103,11 @@ class StreamHits {
     for (std::uint32_t turn = bits_of(d, nearer) & stream_.recorded[rays.block] >> g; turn != 0;
          turn &= turn - 1)
       tell_record(number(static_cast<std::uint32_t>(__builtin_ctz(turn))));
+    settle_lanes(place, rest, number);
+  }
+
+  template <class Number>
+  HWY_INLINE void settle_lanes(std::uint32_t place, std::uint32_t rest, const Number& number) {
     for (; rest != 0; rest &= rest - 1)
       settle(number(static_cast<std::uint32_t>(__builtin_ctz(rest))), place);
   }
@@ -91,6 +115,8 @@ class StreamHits {
   /// A ray and a triangle that stage 1 cannot tell of, or whose hit it cannot tell from the ray's
   /// best.
   HWY_NOINLINE void settle(std::uint32_t n, std::uint32_t place) {
+    const PlacedCorners p(tree_, place, stream_);
+    if (Plane(p.a, p.b, p.c).surely_beyond(sloped(n), p.a)) return;
     const Ray& ray = job_.rays[stream_.index[n]];
     const Limits r = limits_of(n);
     TriangleHit hit;
@@ -148,6 +174,12 @@ class StreamHits {
     }
     StreamRay& r = stream_.rays[n];
     return {{&r.t_low, &r.t_limit, &r.place}, &r.s_far, r.along};
+  }
+  [[nodiscard]] HWY_INLINE SlopedRay sloped(std::uint32_t n) const {
+    const bool has_record =
+        !in_blocks_ || (stream_.recorded[n / kPacketWidth] >> n % kPacketWidth & 1) != 0;
+    const StreamRay r = has_record ? stream_.rays[n] : block_of(n).ray(n % kPacketWidth);
+    return {{r.ox, r.oy, r.oz}, r.shear_x, r.shear_y, r.shear_z, r.t_min, r.t_limit};
   }
   [[nodiscard]] HWY_INLINE StreamBlock& block_of(std::uint32_t n) const {
     return stream_.blocks[n / kPacketWidth];

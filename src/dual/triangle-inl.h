@@ -114,11 +114,18 @@ HWY_INLINE void triangle_in_packet(const RayPacket& p, const TriangleQuad& q, st
 /// The corners of the triangle at a place in the tree's quads, four each.
 struct PlacedCorners {
   Vec3 a, b, c;
-  PlacedCorners(const ObjectTree& tree, std::uint32_t place) {
+  PlacedCorners(const ObjectTree& tree, std::uint32_t place)
+      : PlacedCorners(tree, place, 0, 1, 2) {}
+  /// Along the axes of rays.
+  PlacedCorners(const ObjectTree& tree, std::uint32_t place, const QuarterAxes& axes)
+      : PlacedCorners(tree, place, axes.axis_x, axes.axis_y, axes.axis_z) {}
+
+ private:
+  PlacedCorners(const ObjectTree& tree, std::uint32_t place, int x, int y, int z) {
     const TriangleQuad& q = tree.quads[place / 4];
     const std::uint32_t k = place % 4;
     const auto corner = [&](int i) {
-      return Vec3{q.vertex[i][0][k], q.vertex[i][1][k], q.vertex[i][2][k]};
+      return Vec3{q.vertex[i][x][k], q.vertex[i][y][k], q.vertex[i][z][k]};
     };
     a = corner(0), b = corner(1), c = corner(2);
   }
@@ -128,6 +135,17 @@ struct PlacedCorners {
 inline std::uint32_t id_at(const ObjectTree& tree, std::uint32_t place) {
   return tree.quads[place / 4].id[place % 4];
 }
+
+/// What a query keeps of the hits it meets.
+struct ClosestMode {
+  static constexpr bool kAny = false, kAll = false;
+};
+struct AnyMode {
+  static constexpr bool kAny = true, kAll = false;
+};
+struct AllMode {
+  static constexpr bool kAny = false, kAll = true;
+};
 
 /// Where a hit's t lies; both ends are t itself once it is settled.
 struct Interval {
@@ -162,6 +180,19 @@ HWY_NOINLINE bool settle_at(const ObjectTree& tree, const Ray& ray, std::uint32_
   const PlacedCorners p(tree, place);
   return line_meets_triangle(ray.origin, ray.direction, p.a, p.b, p.c, hit) &&
          is_within(hit->t, ray.t_min, t_max);
+}
+
+/// Lanes whose interval ends before the plane of the triangle at a place, or begins beyond it.
+HWY_NOINLINE std::uint32_t lanes_beyond_plane(const ObjectTree& tree, const QuarterAxes& axes,
+                                              std::uint32_t place, const SetupColumns& rays) {
+  const PlacedCorners p(tree, place, axes);
+  return lanes_beyond(ray_lanes(), rays, p.a, p.b, p.c);
+}
+/// The columns of a packet's or a block's rays from lane `g` on.
+template <class Columns>
+HWY_INLINE SetupColumns columns_from(const Columns& r, std::size_t g) {
+  return {r.ox + g,      r.oy + g,      r.oz + g,    r.shear_x + g,
+          r.shear_y + g, r.shear_z + g, r.t_min + g, r.t_limit + g};
 }
 
 /// The values of sixteen rays' hits, each with the triangle at its place; kInvalidId: none.

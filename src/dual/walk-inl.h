@@ -3,17 +3,6 @@
 /// Lanes at or below go on one by one.
 inline constexpr int kSingleRays = 3;
 
-/// What a query keeps of the hits it meets.
-struct ClosestMode {
-  static constexpr bool kAny = false, kAll = false;
-};
-struct AnyMode {
-  static constexpr bool kAny = true, kAll = false;
-};
-struct AllMode {
-  static constexpr bool kAny = false, kAll = true;
-};
-
 /// Calls `body(first quad, triangles)`.
 template <class Body>
 HWY_NOINLINE void for_each_leaf(const ObjectTree& tree, const Body& body) {
@@ -139,6 +128,8 @@ class Walk {
                           (front >> i & 1) != 0);
       }
     }
+    if (unsettled != 0)
+      unsettled &= ~lanes_beyond_plane(tree_, packet_, place, columns_from(packet_, g));
     for (; unsettled != 0; unsettled &= unsettled - 1)
       shortened |= settle(
           static_cast<std::uint32_t>(g) + static_cast<std::uint32_t>(__builtin_ctz(unsettled)),

@@ -16,6 +16,7 @@
 
 #include "fan/overlap-inl.h"
 #include "fan/stream.h"
+#include "intersect/values-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
@@ -46,6 +47,8 @@ class Tile {
       alive_[p] = (1u << std::min(kPacketSlots, rays - p * kPacketSlots)) - 1;
       packets_ |= 1u << p;
     }
+    for (const auto& [axis, of_rays] : {std::pair{face_.x, 0}, {face_.y, 1}, {face_.z, 2}})
+      std::fill_n(origin_[of_rays], kPacketSlots, component(c_.origin, static_cast<int>(axis)));
     place(c_.tiles.at(tile), std::size_t{tile} * kTilePackets);
     if (!task_.ray_tests.empty()) {
       std::fill_n(packet_tests_, kTilePackets, 0u);
@@ -143,12 +146,31 @@ class Tile {
       hits = (shows(task_.facing, flags, true) ? verdict.front : 0) |
              (shows(task_.facing, flags, false) ? verdict.back : 0);
     }
-    for (std::uint32_t rest = verdict.unsettled & alive_[p]; rest != 0; rest &= rest - 1) {
+    std::uint32_t rest = verdict.unsettled & alive_[p];
+    if (rest != 0) rest &= ~beyond(p, lane);
+    for (; rest != 0; rest &= rest - 1) {
       const auto ray = static_cast<std::uint32_t>(std::countr_zero(rest));
       hits |= settle(p * kPacketSlots + ray, lane, single) ? 1u << ray : 0;
     }
     alive_[p] &= ~hits;
     if (alive_[p] == 0) packets_ &= ~(1u << p);
+  }
+
+  /// Rays of a packet that the triangle's plane meets outside their intervals: those that end on
+  /// it.
+  HWY_NOINLINE std::uint32_t beyond(std::uint32_t p, std::uint32_t lane) const {
+    const FanRays& r = c_.rays;
+    const std::size_t at = slot_ + p * kPacketSlots;
+    const auto along_axes = [&](const Vec3& v) {
+      const float* x = &v.x;
+      return Vec3{x[face_.x], x[face_.y], x[face_.z]};
+    };
+    const auto& [a, b, c] = triangles_[lane].corners;
+    return lanes_beyond(
+        kPacketSlots,
+        {origin_[0], origin_[1], origin_[2], r.shear_x.data() + at, r.shear_y.data() + at,
+         r.shear_z.data() + at, r.t_min.data() + at, r.t_max.data() + at},
+        along_axes(a), along_axes(b), along_axes(c));
   }
 
   /// Stages 2 and 3.
@@ -252,6 +274,7 @@ class Tile {
   std::uint32_t packet_tests_[kTilePackets], tests_[kTileSlots];  ///< where asked for
   BoundColumns columns_;
   alignas(64) float du0_[kTilePackets], du1_[kTilePackets], dv0_[kTilePackets], dv1_[kTilePackets];
+  alignas(64) float origin_[3][kPacketSlots];  ///< of all rays, along the face's axes
   TriangleLanes t_;
   float reach_[kPacketSlots];  ///< of the triangles
 };

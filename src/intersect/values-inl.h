@@ -1,5 +1,5 @@
-// t, u and v of hits, in lanes: `values_of_hit` operation by operation. Included once a SIMD
-// target.
+// Stage 2 of the ray-triangle test in lanes: t, u and v of hits, `values_of_hit` operation by
+// operation, and intersect/plane.h. Included once a SIMD target.
 #if defined(RAYSHEAF_INTERSECT_VALUES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAYSHEAF_INTERSECT_VALUES_INL_H_
 #undef RAYSHEAF_INTERSECT_VALUES_INL_H_
@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "intersect/plane.h"
 #include "intersect/triangle_body.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -116,6 +117,51 @@ inline void settle_values(std::uint32_t hits, ValueColumns* columns) {
                                           c.point(c.corner[2], lane));
     c.t[lane] = hit.t, c.u[lane] = hit.u, c.v[lane] = hit.v;
   }
+}
+
+/// Rays in columns, as `RaySetup` has them: x, y and z are its axes.
+struct SetupColumns {
+  const float *ox, *oy, *oz, *shear_x, *shear_y, *shear_z, *t_min, *t_max;
+};
+
+/// Bits of the first `lanes` rays, which fill vectors, that are `Plane::surely_beyond`.
+HWY_INLINE std::uint32_t lanes_beyond(std::size_t lanes, const SetupColumns& rays, Vec3 corner_a,
+                                      Vec3 corner_b, Vec3 corner_c) {
+  using hn::Abs, hn::Add, hn::And, hn::Ge, hn::Gt, hn::Lt, hn::Max, hn::Mul, hn::Neg, hn::Or,
+      hn::Sub;
+  using Doubles = hn::CappedTag<double, kValueLanes>;
+  const Doubles d;
+  const hn::Rebind<float, Doubles> df;
+  using V = hn::Vec<Doubles>;
+  const Plane plane(corner_a, corner_b, corner_c);
+  const auto all = [&](double x) { return hn::Set(d, x); };
+  const V det_off = all(plane.det_off), t_off = all(plane.t_off);
+  std::uint32_t beyond = 0;
+  for (std::size_t g = 0; g < lanes; g += hn::Lanes(d)) {
+    const auto load = [&](const float* p) { return hn::PromoteTo(d, hn::Load(df, p + g)); };
+    const V kx = Sub(all(corner_a.x), load(rays.ox)), ky = Sub(all(corner_a.y), load(rays.oy)),
+            kz = Sub(all(corner_a.z), load(rays.oz));
+    const V per_z = load(rays.shear_z), per_size = Abs(per_z);
+    const V det =
+        Add(Add(Mul(all(plane.nx), load(rays.shear_x)), Mul(all(plane.ny), load(rays.shear_y))),
+            all(plane.nz));
+    const V distance =
+        Add(Add(Mul(all(plane.nx), kx), Mul(all(plane.ny), ky)), Mul(all(plane.nz), kz));
+    const V size = Abs(det), over = Mul(distance, per_z);
+    const V along = hn::IfThenElse(Lt(det, hn::Zero(d)), Neg(over), over);
+    const V off = Add(Mul(Mul(t_off, per_size), Max(Max(Abs(kx), Abs(ky)), Abs(kz))),
+                      Mul(all(Plane::kRounding), Abs(over)));
+    const V tiny = all(0x1p-149);
+    const V least = Max(Sub(Mul(load(rays.t_min), all(1 - 0x1p-23)), tiny), hn::Zero(d));
+    const V most = Add(Mul(load(rays.t_max), all(1 + 0x1p-22)), tiny);
+    const auto outside = Or(Lt(Add(along, off), Mul(least, Sub(size, det_off))),
+                            Gt(Sub(along, off), Mul(most, Add(size, det_off))));
+    const auto sure = And(Gt(size, det_off), Ge(per_size, all(0x1p-100)));
+    std::uint8_t byte[8] = {};
+    hn::StoreMaskBits(d, And(sure, outside), byte);
+    beyond |= (std::uint32_t{byte[0]} & ((1u << hn::Lanes(d)) - 1)) << g;
+  }
+  return beyond;
 }
 
 }  // namespace raysheaf::HWY_NAMESPACE

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "intersect/float_answer_body.h"
+#include "intersect/plane.h"
 #include "intersect/triangle_body.h"
 #include "verify/exact.h"
 #include "verify/fault.h"
@@ -67,6 +68,35 @@ TEST_P(ExactPairs, FloatsAreSureOfNothingElse) {
     ASSERT_LE(floats.low, hit.t) << "pair " << i << " of " << family().name;
     ASSERT_GE(floats.high, hit.t) << "pair " << i << " of " << family().name;
   }
+}
+
+/// What the plane says of a ray and its interval, exact arithmetic says, too.
+TEST_P(ExactPairs, PlanesAreSureOfMissesAlone) {
+  checks::Random random(14);
+  int beyond = 0;
+  for (int i = 0; i < kPairsOfAFamily; ++i) {
+    RayAndTriangle pair = family().make(&random);
+    const auto& [a, b, c] = pair.corners;
+    TriangleHit line{};
+    if (line_meets_triangle(pair.ray.origin, pair.ray.direction, a, b, c, &line) && line.t >= 0) {
+      const float t = line.t, ulps = 1 + random.between(-4, 4) * 0x1p-23f;
+      if (random.one_in(2)) pair.ray.t_max = t * ulps;
+      if (random.one_in(4)) pair.ray.t_min = std::min(t * ulps, pair.ray.t_max);
+    }
+    const RaySetup setup = make_ray_setup(pair.ray);
+    const auto along = [&](Vec3 v) {
+      return Vec3{component(v, setup.axis_x), component(v, setup.axis_y),
+                  component(v, setup.axis_z)};
+    };
+    const SlopedRay sloped{along(setup.origin), setup.shear_x, setup.shear_y,
+                           setup.shear_z,       setup.t_min,   setup.t_max};
+    if (!Plane(along(a), along(b), along(c)).surely_beyond(sloped, along(a))) continue;
+    ++beyond;
+    TriangleHit hit{};
+    ASSERT_FALSE(intersect_triangle(setup, a, b, c, &hit))
+        << "pair " << i << " of " << family().name;
+  }
+  RecordProperty("beyond", beyond);
 }
 
 /// [t_min, t_max] is decided by the t that is reported, ends included.
