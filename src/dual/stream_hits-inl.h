@@ -53,7 +53,7 @@ class StreamHits {
     const Rays d;
     alignas(64) float column[8][kPacketWidth];
     RV v[8];
-    for (std::size_t part = 0; part < 2; ++part)
+    for (int part = 0; part < 2; ++part)
       gather4(stream_.rays.data(), part, numbers, v[4 * part], v[4 * part + 1], v[4 * part + 2],
               v[4 * part + 3]);
     for (int i = 0; i < 8; ++i) hn::Store(v[i], d, column[i]);

@@ -47,8 +47,10 @@ class Tile {
       alive_[p] = (1u << std::min(kPacketSlots, rays - p * kPacketSlots)) - 1;
       packets_ |= 1u << p;
     }
-    for (const auto& [axis, of_rays] : {std::pair{face_.x, 0}, {face_.y, 1}, {face_.z, 2}})
-      std::fill_n(origin_[of_rays], kPacketSlots, component(c_.origin, static_cast<int>(axis)));
+    const float* const origin = &c_.origin.x;
+    std::fill_n(origin_[0], kPacketSlots, origin[face_.x]);
+    std::fill_n(origin_[1], kPacketSlots, origin[face_.y]);
+    std::fill_n(origin_[2], kPacketSlots, origin[face_.z]);
     place(c_.tiles.at(tile), std::size_t{tile} * kTilePackets);
     if (!task_.ray_tests.empty()) {
       std::fill_n(packet_tests_, kTilePackets, 0u);

@@ -53,7 +53,7 @@ HWY_INLINE ValuedLanes find_values(ValueColumns* columns) {
   using Doubles = hn::CappedTag<double, kValueLanes>;
   const Doubles d;
   const hn::Rebind<float, Doubles> df;
-  using V = hn::Vec<Doubles>;
+  using Lanes = hn::Vec<Doubles>;
   ValueColumns& c = *columns;
   ValuedLanes result;
   const auto bits = [&](hn::Mask<Doubles> mask) {
@@ -63,41 +63,43 @@ HWY_INLINE ValuedLanes find_values(ValueColumns* columns) {
   };
   for (std::size_t g = 0; g < kValueLanes; g += hn::Lanes(d)) {
     const auto load = [&](const float* p) { return hn::PromoteTo(d, hn::Load(df, p + g)); };
-    V e[3], f[3], k[3], l[3];
+    Lanes e[3], f[3], k[3], l[3];
     for (int axis = 0; axis < 3; ++axis) {
-      const V a = load(c.corner[0][axis]);
+      const Lanes a = load(c.corner[0][axis]);
       e[axis] = Sub(load(c.corner[1][axis]), a);
       f[axis] = Sub(load(c.corner[2][axis]), a);
       k[axis] = Sub(a, load(c.origin[axis]));
       l[axis] = load(c.direction[axis]);
     }
-    const auto minor = [](V p, V q, V r, V s) { return Sub(Mul(p, q), Mul(r, s)); };
-    const V n[3] = {minor(e[1], f[2], e[2], f[1]), minor(e[2], f[0], e[0], f[2]),
-                    minor(e[0], f[1], e[1], f[0])};
-    const V m[3] = {minor(k[1], l[2], k[2], l[1]), minor(k[2], l[0], k[0], l[2]),
-                    minor(k[0], l[1], k[1], l[0])};
-    const auto dot = [](const V(&p)[3], const V(&q)[3]) {
+    const auto minor = [](Lanes p, Lanes q, Lanes r, Lanes s) { return Sub(Mul(p, q), Mul(r, s)); };
+    const Lanes n[3] = {minor(e[1], f[2], e[2], f[1]), minor(e[2], f[0], e[0], f[2]),
+                        minor(e[0], f[1], e[1], f[0])};
+    const Lanes m[3] = {minor(k[1], l[2], k[2], l[1]), minor(k[2], l[0], k[0], l[2]),
+                        minor(k[0], l[1], k[1], l[0])};
+    const auto dot = [](const Lanes(&p)[3], const Lanes(&q)[3]) {
       return Add(Add(Mul(p[0], q[0]), Mul(p[1], q[1])), Mul(p[2], q[2]));
     };
-    const auto largest = [](const V(&p)[3]) { return Max(Max(Abs(p[0]), Abs(p[1])), Abs(p[2])); };
-    const V det = dot(n, l), distance = dot(n, k), u = dot(m, f), v = Neg(dot(m, e));
-    const V size = Abs(det);
-    const V q = Max(largest(e), largest(f)), s = largest(k), q_s = Mul(q, Add(q, s));
+    const auto largest = [](const Lanes(&p)[3]) {
+      return Max(Max(Abs(p[0]), Abs(p[1])), Abs(p[2]));
+    };
+    const Lanes det = dot(n, l), distance = dot(n, k), u = dot(m, f), v = Neg(dot(m, e));
+    const Lanes size = Abs(det);
+    const Lanes q = Max(largest(e), largest(f)), s = largest(k), q_s = Mul(q, Add(q, s));
     // 8 in place of 6: these are rounded, too.
-    const V error = Mul(hn::Set(d, 0x1p-47), Mul(largest(l), q_s));
-    const V t_error = Mul(hn::Set(d, 0x1p-46), Mul(s, Mul(q, q)));
-    const auto settles = [&](V wrong, V right) {
+    const Lanes error = Mul(hn::Set(d, 0x1p-47), Mul(largest(l), q_s));
+    const Lanes t_error = Mul(hn::Set(d, 0x1p-46), Mul(s, Mul(q, q)));
+    const auto settles = [&](Lanes wrong, Lanes right) {
       return Le(wrong, Mul(hn::Set(d, 0x1p-28), right));
     };
     // Of a point, and where nothing is finite, all comparisons are false.
     const auto valued =
         And(And(settles(error, size), Gt(size, error)), settles(t_error, Abs(distance)));
-    const V w = Sub(Sub(det, u), v), slack = Mul(hn::Set(d, 6.0), error);
-    const V low = Min(Min(u, v), w), high = Max(Max(u, v), w);
+    const Lanes w = Sub(Sub(det, u), v), slack = Mul(hn::Set(d, 6.0), error);
+    const Lanes low = Min(Min(u, v), w), high = Max(Max(u, v), w);
     const auto met = hn::Or(Gt(low, slack), Lt(high, Neg(slack)));
-    const auto rounded = [&](V x) { return hn::DemoteTo(df, Div(x, det)); };
+    const auto rounded = [&](Lanes x) { return hn::DemoteTo(df, Div(x, det)); };
     const auto zero = hn::Zero(df), one = hn::Set(df, 1.0f);
-    const auto weight = [&](V x) { return hn::Min(hn::Max(rounded(x), zero), one); };
+    const auto weight = [&](Lanes x) { return hn::Min(hn::Max(rounded(x), zero), one); };
     hn::Store(hn::Add(rounded(distance), zero), df, c.t + g);
     hn::Store(weight(u), df, c.u + g);
     hn::Store(weight(v), df, c.v + g);
@@ -132,28 +134,28 @@ HWY_INLINE std::uint32_t lanes_beyond(std::size_t lanes, const SetupColumns& ray
   using Doubles = hn::CappedTag<double, kValueLanes>;
   const Doubles d;
   const hn::Rebind<float, Doubles> df;
-  using V = hn::Vec<Doubles>;
+  using Lanes = hn::Vec<Doubles>;
   const Plane plane(corner_a, corner_b, corner_c);
   const auto all = [&](double x) { return hn::Set(d, x); };
-  const V det_off = all(plane.det_off), t_off = all(plane.t_off);
+  const Lanes det_off = all(plane.det_off), t_off = all(plane.t_off);
   std::uint32_t beyond = 0;
   for (std::size_t g = 0; g < lanes; g += hn::Lanes(d)) {
     const auto load = [&](const float* p) { return hn::PromoteTo(d, hn::Load(df, p + g)); };
-    const V kx = Sub(all(corner_a.x), load(rays.ox)), ky = Sub(all(corner_a.y), load(rays.oy)),
-            kz = Sub(all(corner_a.z), load(rays.oz));
-    const V per_z = load(rays.shear_z), per_size = Abs(per_z);
-    const V det =
+    const Lanes kx = Sub(all(corner_a.x), load(rays.ox)), ky = Sub(all(corner_a.y), load(rays.oy)),
+                kz = Sub(all(corner_a.z), load(rays.oz));
+    const Lanes per_z = load(rays.shear_z), per_size = Abs(per_z);
+    const Lanes det =
         Add(Add(Mul(all(plane.nx), load(rays.shear_x)), Mul(all(plane.ny), load(rays.shear_y))),
             all(plane.nz));
-    const V distance =
+    const Lanes distance =
         Add(Add(Mul(all(plane.nx), kx), Mul(all(plane.ny), ky)), Mul(all(plane.nz), kz));
-    const V size = Abs(det), over = Mul(distance, per_z);
-    const V along = hn::IfThenElse(Lt(det, hn::Zero(d)), Neg(over), over);
-    const V off = Add(Mul(Mul(t_off, per_size), Max(Max(Abs(kx), Abs(ky)), Abs(kz))),
-                      Mul(all(Plane::kRounding), Abs(over)));
-    const V tiny = all(0x1p-149);
-    const V least = Max(Sub(Mul(load(rays.t_min), all(1 - 0x1p-23)), tiny), hn::Zero(d));
-    const V most = Add(Mul(load(rays.t_max), all(1 + 0x1p-22)), tiny);
+    const Lanes size = Abs(det), over = Mul(distance, per_z);
+    const Lanes along = hn::IfThenElse(Lt(det, hn::Zero(d)), Neg(over), over);
+    const Lanes off = Add(Mul(Mul(t_off, per_size), Max(Max(Abs(kx), Abs(ky)), Abs(kz))),
+                          Mul(all(Plane::kRounding), Abs(over)));
+    const Lanes tiny = all(0x1p-149);
+    const Lanes least = Max(Sub(Mul(load(rays.t_min), all(1 - 0x1p-23)), tiny), hn::Zero(d));
+    const Lanes most = Add(Mul(load(rays.t_max), all(1 + 0x1p-22)), tiny);
     const auto outside = Or(Lt(Add(along, off), Mul(least, Sub(size, det_off))),
                             Gt(Sub(along, off), Mul(most, Add(size, det_off))));
     const auto sure = And(Gt(size, det_off), Ge(per_size, all(0x1p-100)));

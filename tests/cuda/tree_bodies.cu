@@ -6,7 +6,8 @@
 namespace raysheaf::test {
 
 std::vector<CompiledCase> compiled_tree_cases() {
-  return {compiled<TreeCase>("Tree"), compiled<RayBoxCase>("RayBox"), compiled<MeetCase>("Meet"), compiled<SwapCase>("Swap"),
+  return {compiled<TreeCase>("Tree"),         compiled<RayBoxCase>("RayBox"),
+          compiled<MeetCase>("Meet"),         compiled<SwapCase>("Swap"),
           compiled<BlockHitCase>("BlockHit"), compiled<BlockRayCase>("BlockRay")};
 }
 
