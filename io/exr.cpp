@@ -6,9 +6,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "io/exr_decode.h"
 #include "io/file.h"
@@ -81,11 +82,6 @@ io::Bytes encode(std::uint32_t width, std::uint32_t height, std::vector<ExrChann
   return bytes;
 }
 
-/// Frees what tinyexr allocated.
-struct Freed {
-  void operator()(void* memory) const { std::free(memory); }
-};
-
 std::string taken_message(const char* message) {
   std::string text = message == nullptr ? "it is damaged" : message;
   if (message != nullptr) FreeEXRErrorMessage(message);
@@ -94,60 +90,135 @@ std::string taken_message(const char* message) {
   return text;
 }
 
-/// Before anything is allocated: sides that a picture of so many bytes can have.
-io::ImageSize check_exr(std::span<const std::uint8_t> file, const std::string& path) {
-  EXRVersion version;
-  if (ParseEXRVersionFromMemory(&version, file.data(), file.size()) != TINYEXR_SUCCESS)
-    throw Error(ErrorCode::kInvalidData, "is no OpenEXR picture", path);
-  if (version.multipart != 0 || version.non_image != 0)
-    throw Error(ErrorCode::kUnsupported, "several parts or deep pixels are not read", path);
-  EXRHeader header;
-  InitEXRHeader(&header);
-  const std::unique_ptr<EXRHeader, decltype(&FreeEXRHeader)> owner(&header, &FreeEXRHeader);
-  const char* message = nullptr;
-  if (ParseEXRHeaderFromMemory(&header, &version, file.data(), file.size(), &message) !=
-      TINYEXR_SUCCESS)
-    throw Error(ErrorCode::kInvalidData, "cannot be read: " + taken_message(message), path);
-  // tinyexr would lose what it allocates for none.
-  if (header.num_channels < 1)
-    throw Error(ErrorCode::kInvalidData, "cannot be read: it has no channels", path);
-  const std::int64_t width = std::int64_t{header.data_window.max_x} - header.data_window.min_x + 1;
-  const std::int64_t height = std::int64_t{header.data_window.max_y} - header.data_window.min_y + 1;
-  const auto most = static_cast<std::int64_t>(
-      std::min(io::kMaxImagePixels, io::kFreePixels + io::kPixelsPerByte * file.size()));
-  if (width < 1 || height < 1 || width > most || height > most / width)
-    throw Error(ErrorCode::kOutOfMemory,
-                "the picture would have " + std::to_string(width) + "x" + std::to_string(height) +
-                    " pixels",
-                path);
-  return {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
-}
+/// An OpenEXR file in memory; frees what tinyexr allocates.
+class ExrFile {
+ public:
+  /// Reads the header. Before anything large is allocated, refuses sides that a picture of so many
+  /// bytes cannot have.
+  ExrFile(std::span<const std::uint8_t> file, const std::string& path) : file_(file), path_(path) {
+    EXRVersion version;
+    if (ParseEXRVersionFromMemory(&version, file.data(), file.size()) != TINYEXR_SUCCESS)
+      throw Error(ErrorCode::kInvalidData, "is no OpenEXR picture", path);
+    if (version.multipart != 0 || version.non_image != 0)
+      throw Error(ErrorCode::kUnsupported, "several parts or deep pixels are not read", path);
+    const char* message = nullptr;
+    if (ParseEXRHeaderFromMemory(&owned_.header, &version, file.data(), file.size(), &message) !=
+        TINYEXR_SUCCESS)
+      refuse(taken_message(message));
+    // tinyexr would lose what it allocates for none.
+    if (header().num_channels < 1) refuse("it has no channels");
+    check_size();
+  }
 
-using ExrPixels = std::unique_ptr<float, Freed>;
+  [[nodiscard]] io::ImageSize size() const { return size_; }
 
-/// Red, green, blue and alpha of each pixel.
-ExrPixels read_exr(std::span<const std::uint8_t> file, const std::string& path,
-                   io::ImageSize* size) {
-  *size = check_exr(file, path);
-  float* pixels = nullptr;
-  int width = 0, height = 0;
-  const char* message = nullptr;
-  const int status =
-      LoadEXRFromMemory(&pixels, &width, &height, file.data(), file.size(), &message);
-  ExrPixels owner(pixels);
-  if (status != TINYEXR_SUCCESS || pixels == nullptr)
-    throw Error(ErrorCode::kInvalidData, "cannot be read: " + taken_message(message), path);
-  *size = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
-  return owner;
-}
+  /// Red, green, blue and alpha of each pixel. One channel alone is grey, whatever its name.
+  std::vector<float> read_pixels() {
+    for (int c = 0; c < header().num_channels; ++c)
+      if (header().pixel_types[c] == TINYEXR_PIXELTYPE_HALF)
+        header().requested_pixel_types[c] = TINYEXR_PIXELTYPE_FLOAT;
+    int channels[4] = {channel("R"), channel("G"), channel("B"), channel("A")};
+    if (header().num_channels == 1) {
+      std::fill_n(channels, 3, 0);
+      channels[3] = -1;
+    }
+    for (int c = 0; c < 3; ++c)
+      if (channels[c] < 0) refuse(std::string("it has no channel ") + "RGB"[c]);
+    EXRImage& image = owned_.image;
+    image.num_channels = header().num_channels;  // for tinyexr to free where it fails
+    const char* message = nullptr;
+    if (LoadEXRImageFromMemory(&image, &header(), file_.data(), file_.size(), &message) !=
+        TINYEXR_SUCCESS) {
+      InitEXRImage(&image);  // it has been freed
+      refuse(taken_message(message));
+    }
+    std::vector<float> pixels(std::size_t{4} * size_.width * size_.height, 1.0f);
+    for (std::size_t c = 0; c < 4; ++c)
+      if (channels[c] >= 0) copy_channel(channels[c], c, &pixels);
+    return pixels;
+  }
+
+ private:
+  struct Owned {
+    EXRHeader header;
+    EXRImage image;
+    Owned() { InitEXRHeader(&header), InitEXRImage(&image); }
+    ~Owned() { FreeEXRImage(&image), FreeEXRHeader(&header); }
+    Owned(const Owned&) = delete;
+    Owned& operator=(const Owned&) = delete;
+  };
+
+  EXRHeader& header() { return owned_.header; }
+
+  [[noreturn]] void refuse(const std::string& reason) const {
+    throw Error(ErrorCode::kInvalidData, "cannot be read: " + reason, path_);
+  }
+
+  void check_size() {
+    const EXRBox2i& window = header().data_window;
+    const std::int64_t width = std::int64_t{window.max_x} - window.min_x + 1;
+    const std::int64_t height = std::int64_t{window.max_y} - window.min_y + 1;
+    // As they are allocated: whole tiles.
+    std::int64_t columns = width, rows = height;
+    if (header().tiled != 0) {
+      const std::int64_t x = header().tile_size_x, y = header().tile_size_y;
+      if (x < 1 || y < 1) refuse("its tiles have no size");
+      columns = (width + x - 1) / x * x, rows = (height + y - 1) / y * y;
+    }
+    const auto most = static_cast<std::int64_t>(
+        std::min(io::kMaxImagePixels, io::kFreePixels + io::kPixelsPerByte * file_.size()));
+    if (width < 1 || height < 1 || columns > most || rows > most / columns)
+      throw Error(ErrorCode::kOutOfMemory,
+                  "the picture would have " + std::to_string(width) + "x" + std::to_string(height) +
+                      " pixels",
+                  path_);
+    size_ = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
+  }
+
+  /// -1 where there is none.
+  int channel(const char* name) {
+    for (int c = 0; c < header().num_channels; ++c)
+      if (std::strcmp(header().channels[c].name, name) == 0) return c;
+    return -1;
+  }
+
+  void copy_channel(int channel, std::size_t to, std::vector<float>* pixels) {
+    const bool whole = header().pixel_types[channel] == TINYEXR_PIXELTYPE_UINT;
+    const auto value = [&](unsigned char** images, std::size_t i) {
+      return whole ? static_cast<float>(reinterpret_cast<std::uint32_t**>(images)[channel][i])
+                   : reinterpret_cast<float**>(images)[channel][i];
+    };
+    const EXRImage& image = owned_.image;
+    if (header().tiled == 0) {
+      for (std::size_t i = 0; 4 * i < pixels->size(); ++i)
+        (*pixels)[4 * i + to] = value(image.images, i);
+      return;
+    }
+    const auto columns = static_cast<std::size_t>(header().tile_size_x);
+    const auto rows = static_cast<std::size_t>(header().tile_size_y);
+    for (int k = 0; k < image.num_tiles; ++k) {
+      const EXRTile& tile = image.tiles[k];
+      const std::size_t x0 = static_cast<std::size_t>(tile.offset_x) * columns;
+      const std::size_t y0 = static_cast<std::size_t>(tile.offset_y) * rows;
+      for (std::size_t y = 0; y < rows && y0 + y < size_.height; ++y)
+        for (std::size_t x = 0; x < columns && x0 + x < size_.width; ++x)
+          (*pixels)[4 * ((y0 + y) * size_.width + x0 + x) + to] =
+              value(tile.images, y * columns + x);
+    }
+  }
+
+  std::span<const std::uint8_t> file_;
+  std::string path_;
+  io::ImageSize size_;
+  Owned owned_;
+};
 
 Environment decode_exr(const io::Bytes& file, const std::string& path) {
-  io::ImageSize size;
-  const ExrPixels owner = read_exr(file, path, &size);
-  const float* pixels = owner.get();
+  ExrFile exr(file, path);
+  const std::vector<float> pixels = exr.read_pixels();
   Environment map;
-  map.width = size.width;
-  map.height = size.height;
+  map.width = exr.size().width;
+  map.height = exr.size().height;
   for (std::size_t i = 0; i < std::size_t{map.width} * map.height; ++i)
     map.radiance.push_back({pixels[4 * i], pixels[4 * i + 1], pixels[4 * i + 2]});
   return map;
@@ -186,7 +257,7 @@ bool io::is_exr(std::span<const std::uint8_t> encoded) {
 
 std::optional<io::ImageSize> io::exr_size(std::span<const std::uint8_t> encoded) {
   try {
-    return check_exr(encoded, {});
+    return ExrFile(encoded, {}).size();
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -195,9 +266,11 @@ std::optional<io::ImageSize> io::exr_size(std::span<const std::uint8_t> encoded)
 std::optional<io::ExrImage> io::decode_exr_image(std::span<const std::uint8_t> encoded,
                                                  bool is_data) {
   ImageSize size;
-  ExrPixels pixels;
+  std::vector<float> pixels;
   try {
-    pixels = read_exr(encoded, {}, &size);
+    ExrFile file(encoded, {});
+    size = file.size();
+    pixels = file.read_pixels();
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -206,7 +279,7 @@ std::optional<io::ExrImage> io::decode_exr_image(std::span<const std::uint8_t> e
   const std::span<std::uint8_t> rgba = texels.rgba();
   bool ignored = false;
   for (std::size_t i = 0; i < rgba.size(); i += 4) {
-    const float* from = pixels.get() + i;
+    const float* from = pixels.data() + i;
     const float alpha = part_of_texel(from[3], &ignored);
     const float divisor = is_data || alpha == 0 ? 1 : alpha;
     for (std::size_t c = 0; c < 3; ++c) {

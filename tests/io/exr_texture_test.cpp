@@ -56,6 +56,13 @@ TEST_F(ExrTexture, MayBeGreyAndBrighterThanWhite) {
   ASSERT_EQ(scene.images.size(), 1u);
   EXPECT_EQ(scene.images[0].rgba, (Texels{255, 255, 255, 255}));
   EXPECT_TRUE(warns(scene, "numbers above 1"));
+  write_exr(1, 1, {{"Y", {0.5f}}}, path("t.exr"));
+  EXPECT_EQ(texels("map_Kd t.exr"), (Texels{188, 188, 188, 255}));
+}
+
+TEST_F(ExrTexture, OfOtherColoursIsLeftOut) {
+  write_exr(1, 1, {{"Y", {1}}, {"Z", {2}}}, path("t.exr"));
+  EXPECT_TRUE(load("map_Kd t.exr").images.empty());
 }
 
 TEST_F(ExrTexture, ThatIsCutShortIsLeftOut) {
