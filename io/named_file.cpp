@@ -71,7 +71,7 @@ class Finder {
   }
   [[nodiscard]] std::optional<std::string> exact(const std::string& name) const {
     for (const std::string& folder : folders_) {
-      const auto path = place_of(folder, name);
+      auto path = place_of(folder, name);
       if (path && file_exists(*path)) return path;
     }
     return std::nullopt;

@@ -161,7 +161,7 @@ class AsciiReader {
   /// "end solid", and ANSA lines of "color" with three numbers anywhere.
   std::string next_keyword() {
     for (;;) {
-      const std::string word = next_word();
+      std::string word = next_word();
       if (word == "end") return word + next_word();
       if (word != "color" && word != "colour") return word;
       had_colors_ = true;

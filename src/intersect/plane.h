@@ -10,13 +10,14 @@
 
 namespace raysheaf {
 
-/// Where t lies outside [t_min, t_max], as rounded, whatever the rounding: below `least`, or above
-/// `most`. A negative t is never rounded to 0.
+/// A t below `least` or above `most` is outside [t_min, t_max] however it is rounded. A negative t
+/// is never rounded to 0.
 struct WideInterval {
   double least, most;
   WideInterval(float t_min, float t_max)
-      : least(t_min * (1 - 0x1p-23) - 0x1p-149), most(t_max * (1 + 0x1p-22) + 0x1p-149) {
-    least = least > 0 ? least : 0;
+      : least(t_min - 0x1p-22 * std::fabs(t_min) - 0x1p-149),
+        most(t_max + 0x1p-22 * std::fabs(t_max) + 0x1p-149) {
+    if (t_min >= 0 && least < 0) least = 0;
   }
 };
 
@@ -61,10 +62,10 @@ struct Plane {
     const double over = (nx * kx + ny * ky + nz * kz) * per_z;
     const double along = det < 0 ? -over : over;
     const double off = t_off * per_size * largest(kx, ky, kz) + kRounding * std::fabs(over);
-    const WideInterval interval(ray.t_min, ray.t_max);
+    const auto [least, most] = WideInterval(ray.t_min, ray.t_max);
     return size > det_off && per_size >= 0x1p-100 &&
-           (along + off < interval.least * (size - det_off) ||
-            along - off > interval.most * (size + det_off));
+           (along + off < least * size - std::fabs(least) * det_off ||
+            along - off > most * size + std::fabs(most) * det_off);
   }
 };
 

@@ -154,10 +154,12 @@ HWY_INLINE std::uint32_t lanes_beyond(std::size_t lanes, const SetupColumns& ray
     const Lanes off = Add(Mul(Mul(t_off, per_size), Max(Max(Abs(kx), Abs(ky)), Abs(kz))),
                           Mul(all(Plane::kRounding), Abs(over)));
     const Lanes tiny = all(0x1p-149);
-    const Lanes least = Max(Sub(Mul(load(rays.t_min), all(1 - 0x1p-23)), tiny), hn::Zero(d));
-    const Lanes most = Add(Mul(load(rays.t_max), all(1 + 0x1p-22)), tiny);
-    const auto outside = Or(Lt(Add(along, off), Mul(least, Sub(size, det_off))),
-                            Gt(Sub(along, off), Mul(most, Add(size, det_off))));
+    const Lanes t_min = load(rays.t_min), t_max = load(rays.t_max), part = all(0x1p-22);
+    const Lanes below = Sub(Sub(t_min, Mul(part, Abs(t_min))), tiny);
+    const Lanes least = hn::IfThenElse(Ge(t_min, hn::Zero(d)), Max(below, hn::Zero(d)), below);
+    const Lanes most = Add(Add(t_max, Mul(part, Abs(t_max))), tiny);
+    const auto outside = Or(Lt(Add(along, off), Sub(Mul(least, size), Mul(Abs(least), det_off))),
+                            Gt(Sub(along, off), Add(Mul(most, size), Mul(Abs(most), det_off))));
     const auto sure = And(Gt(size, det_off), Ge(per_size, all(0x1p-100)));
     std::uint8_t byte[8] = {};
     hn::StoreMaskBits(d, And(sure, outside), byte);

@@ -41,7 +41,8 @@ void add_field(std::uint32_t triangles, std::uint32_t rise, Random* random, Face
   const std::uint32_t side = side_of(triangles);
   std::vector<float> heights((side + 1) * (side + 1));
   for (float& height : heights) height = whole(rise, random);
-  const float middle = static_cast<float>(side / 2);
+  const std::uint32_t half = side / 2;
+  const auto middle = static_cast<float>(half);
   const auto at = [&](std::uint32_t x, std::uint32_t y) {
     return Vec3{static_cast<float>(x) - middle, static_cast<float>(y) - middle,
                 heights[y * (side + 1) + x]};

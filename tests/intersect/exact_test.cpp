@@ -82,6 +82,10 @@ TEST_P(ExactPairs, PlanesAreSureOfMissesAlone) {
       const float t = line.t, ulps = 1 + random.between(-4, 4) * 0x1p-23f;
       if (random.one_in(2)) pair.ray.t_max = t * ulps;
       if (random.one_in(4)) pair.ray.t_min = std::min(t * ulps, pair.ray.t_max);
+      if (random.one_in(4)) {
+        pair.ray.direction = pair.ray.direction * -1;
+        pair.ray = {pair.ray.origin, -pair.ray.t_max, pair.ray.direction, -pair.ray.t_min};
+      }
     }
     const RaySetup setup = make_ray_setup(pair.ray);
     const auto along = [&](Vec3 v) {
