@@ -8,7 +8,7 @@
 namespace raysheaf {
 namespace {
 
-/// Found rows, and whole batches, beyond are given back: rows with the next query.
+/// Found rows beyond are given back with the next query.
 constexpr std::size_t kMostKeptBytes = std::size_t{64} << 20;
 
 std::size_t bytes_of(const RowLists& lists) {
@@ -145,13 +145,15 @@ template <class Trace>
 void Engine::trace_quartered(const Executor& executor, const RaySource& rays, EngineReport* report,
                              const Trace& trace) {
   Reporter reporter(report);
-  DualCounts counts;
-  quartered_->take(executor, rays);
-  reporter.lap(&EngineReport::take_ms);
-  trace(*quartered_, &counts);
-  reporter.lap(&EngineReport::trace_ms);
-  reporter.add(counts);
-  if (quartered_->bytes() > kMostKeptBytes) quartered_ = std::make_unique<QuarteredRays>();
+  for (std::size_t begin = 0; begin < rays.size(); begin += QuarteredRays::kMostRays) {
+    DualCounts counts;
+    const std::size_t end = std::min(rays.size(), begin + QuarteredRays::kMostRays);
+    quartered_->take(executor, rays, begin, end);
+    reporter.lap(&EngineReport::take_ms);
+    trace(*quartered_, &counts);
+    reporter.lap(&EngineReport::trace_ms);
+    reporter.add(counts);
+  }
 }
 
 DualScene Engine::dual_scene(const Plan& plan, const EngineOptions& options) const {

@@ -142,7 +142,7 @@ class Engine {
                        const Trace& trace);
   [[nodiscard]] View<const Ray> take_all_rays(const Executor& executor, const RaySource& rays,
                                               Buffer<Ray>* room, EngineReport* report);
-  /// Takes the rays by quarter and calls `trace(quartered, counts)`.
+  /// Takes the rays by quarter, as many as go together, and calls `trace(quartered, counts)`.
   template <class Trace>
   void trace_quartered(const Executor& executor, const RaySource& rays, EngineReport* report,
                        const Trace& trace);

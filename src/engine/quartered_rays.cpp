@@ -15,15 +15,17 @@ void QuarteredRays::for_each_tile(const Executor& executor, const Body& body) co
   });
 }
 
-void QuarteredRays::take(const Executor& executor, const RaySource& rays) {
+void QuarteredRays::take(const Executor& executor, const RaySource& rays, std::size_t first,
+                         std::size_t last) {
   const Executor serial = Executor::serial();
-  rays_.resize_uninitialized(rays.size());
-  numbers_.resize_uninitialized(rays.size());
-  starts_.resize(div_ceil(rays.size(), kTile));
+  first_ = first;
+  rays_.resize_uninitialized(last - first);
+  numbers_.resize_uninitialized(last - first);
+  starts_.resize(div_ceil(last - first, kTile));
   for_each_tile(executor, [&](std::size_t begin, std::size_t end, std::size_t number) {
     const Borrowed<Tile> tile(spares_);
     tile->rays.resize_uninitialized(end - begin);
-    const View<const Ray> from = rays.take(begin, end, tile->rays.data());
+    const View<const Ray> from = rays.take(first + begin, first + end, tile->rays.data());
     order_rays(serial, from, Sorting::kByQuarter, &tile->order);
     starts_[number] = tile->order.starts;
     for (std::size_t i = begin; i < end; ++i) {
@@ -72,14 +74,14 @@ void QuarteredRays::hand_over_hits(const Executor& executor, const HitSink& sink
     const Borrowed<Tile> tile(spares_);
     tile->hits.resize_uninitialized(end - begin);
     for (std::size_t i = begin; i < end; ++i) tile->hits[numbers_[i]] = hits_[i];
-    sink(begin, tile->hits);
+    sink(first_ + begin, tile->hits);
   });
 }
 
 void QuarteredRays::hand_over_occluded(const Executor& executor,
                                        View<std::uint8_t> occluded) const {
   for_each_tile(executor, [&](std::size_t begin, std::size_t end, std::size_t /*number*/) {
-    for (std::size_t i = begin; i < end; ++i) occluded[begin + numbers_[i]] = occluded_[i];
+    for (std::size_t i = begin; i < end; ++i) occluded[first_ + begin + numbers_[i]] = occluded_[i];
   });
 }
 

@@ -1,5 +1,5 @@
-// A batch whose rays run every way, and that goes through the tree as a whole: taken tile by tile,
-// each tile in the order of quarters.
+// Rays that run every way, and go through the tree together: up to two million of a batch, taken tile
+// by tile, each tile in the order of quarters.
 //
 //   caller   0 1 2 3 | 4 5 6 7        rays of quarters a and b: a b b a | b a a b
 //   here     0 3 1 2 | 5 6 4 7        quarter a is 0 1 | 4 5 of these, quarter b is 2 3 | 6 7
@@ -20,8 +20,11 @@ namespace raysheaf {
 /// One engine's. For one query at a time.
 class QuarteredRays {
  public:
-  /// Takes all rays of the source. O(rays).
-  void take(const Executor& executor, const RaySource& rays);
+  /// More would not go down the tree in better company, but take more memory: 54 bytes a ray.
+  static constexpr std::size_t kMostRays = std::size_t{1} << 21;
+
+  /// Takes rays [begin, end) of the source, at most kMostRays. O(rays).
+  void take(const Executor& executor, const RaySource& rays, std::size_t begin, std::size_t end);
 
   [[nodiscard]] View<const Ray> rays() const { return {rays_.data(), rays_.size()}; }
   /// Of `rays()`, by quarter.
@@ -56,6 +59,7 @@ class QuarteredRays {
   /// Of all tiles', which are ordered.
   void make_order(const Executor& executor);
 
+  std::size_t first_ = 0;  ///< the caller's number of the first ray
   Buffer<Ray> rays_;
   Buffer<std::uint16_t> numbers_;  ///< the caller's, within the tile, of `rays_`
   std::vector<Starts> starts_;     ///< of the quarters in each tile

@@ -92,24 +92,26 @@ TEST(ExactQueries, EveryMethod) {
   });
 }
 
+/// Trees take turns.
 TEST(ExactQueries, EveryTreeAndBundle) {
-  on_every_target([](const Problem& problem, std::int64_t target, Random* random, Tally* tally) {
+  std::size_t turn = 0;
+  on_every_target([&](const Problem& problem, std::int64_t target, Random* random, Tally* tally) {
     test::Heap heap = heap_of(problem);
     constexpr const char* kTrees[] = {"curve", "fine", "refitted"};
+    constexpr test::Tree kHow[] = {test::Tree::kCurve, test::Tree::kFine, test::Tree::kRefitted};
     constexpr const char* kBundles[] = {"packets", "streams", "long streams"};
-    for (const test::Tree how : {test::Tree::kCurve, test::Tree::kFine, test::Tree::kRefitted}) {
-      ObjectTree tree;
-      test::make_tree(&heap, how, &tree);
-      for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream, Bundle::kLongStream}) {
-        DualScene scene;
-        scene.tree = &tree;
-        scene.bundle = bundle;
-        const Sorting sorting = random->one_in(2) ? Sorting::kCurve : Sorting::kByQuarter;
-        const std::string name = std::string(kBundles[static_cast<std::size_t>(bundle)]) +
-                                 " through a tree of kind " + kTrees[static_cast<std::size_t>(how)];
-        compare(problem, name, target, test::ask(test::one_thread(), scene, problem.rays, sorting),
-                tally);
-      }
+    const std::size_t how = turn++ % std::size(kHow);
+    ObjectTree tree;
+    test::make_tree(&heap, kHow[how], &tree);
+    for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream, Bundle::kLongStream}) {
+      DualScene scene;
+      scene.tree = &tree;
+      scene.bundle = bundle;
+      const Sorting sorting = random->one_in(2) ? Sorting::kCurve : Sorting::kByQuarter;
+      const std::string name = std::string(kBundles[static_cast<std::size_t>(bundle)]) +
+                               " through a tree of kind " + kTrees[how];
+      compare(problem, name, target, test::ask(test::one_thread(), scene, problem.rays, sorting),
+              tally);
     }
   });
 }
