@@ -16,6 +16,7 @@
 from __future__ import annotations
 
 import operator
+import os
 import threading
 from dataclasses import dataclass
 from types import SimpleNamespace
@@ -42,7 +43,7 @@ _FAR = 4.0
 _SHORT, _LONG = 1e-15, 1e15
 _MOST_HITS = 2**62
 # What an intersector makes for itself.
-_NOT_COPIED = ("_scene", "_followed", "_lock")
+_NOT_COPIED = ("_scene", "_followed", "_lock", "_process")
 _Own = TypeVar("_Own", bound="RayMeshIntersector")
 
 
@@ -112,10 +113,13 @@ class RayMeshIntersector:
         self._scene = Scene(threads=self._threads, device=self._device)
         self._followed: Optional[Followed] = None
         self._lock = threading.RLock()  # handlers of signals may ask within a query
+        self._process = os.getpid()
 
     # The scene follows the mesh.
 
     def _follow(self) -> Followed:
+        if self._process != os.getpid():  # a child of fork has none of the scene's threads
+            self._begin()
         with self._lock:
             now, old = hash(self.mesh), self._followed
             if old is not None and now == old.hash:

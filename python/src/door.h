@@ -2,12 +2,16 @@
 // waits.
 #pragma once
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <map>
 #include <mutex>
+
+#include "raysheaf/error.h"
 
 namespace raysheaf::python {
 
@@ -61,6 +65,11 @@ class Door {
 
   template <class Poll>
   void enter(Visit visit, const Poll& poll) {
+    if (made_ != ::getpid())
+      throw Error(ErrorCode::kWrongState,
+                  "it was made before this process was forked, and its threads are not here: make "
+                  "another one, or start processes by \"spawn\"",
+                  "scene");
     constexpr std::chrono::milliseconds kBetweenPolls{50};
     std::unique_lock lock(mutex_);
     const Number number = next_++;
@@ -95,6 +104,7 @@ class Door {
   Number next_ = 0;
   std::uint32_t readers_ = 0;
   bool is_changing_ = false;
+  const pid_t made_ = ::getpid();
 };
 
 }  // namespace raysheaf::python

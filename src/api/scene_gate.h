@@ -1,9 +1,11 @@
-// Many readers or one writer, and nobody waits: who comes at the wrong time is told so.
+// Many readers or one writer, and nobody waits: who comes at the wrong time is told so, and so is a
+// child of fork, in which a reader's thread may be missing.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 
+#include "base/forks.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf {
@@ -14,6 +16,7 @@ class SceneGate {
   class Reading {
    public:
     explicit Reading(SceneGate& gate) : gate_(gate) {
+      check_not_forked(gate_.made_, "scene");
       std::int32_t state = gate_.state_.load(std::memory_order_relaxed);
       do {
         if (state == kChanging)
@@ -33,6 +36,7 @@ class SceneGate {
   class Changing {
    public:
     explicit Changing(SceneGate& gate) : gate_(gate) {
+      check_not_forked(gate_.made_, "scene");
       std::int32_t state = 0;
       if (gate_.state_.compare_exchange_strong(state, kChanging, std::memory_order_acquire,
                                                std::memory_order_relaxed))
@@ -52,6 +56,7 @@ class SceneGate {
 
  private:
   static constexpr std::int32_t kChanging = -1;
+  const std::uint32_t made_ = fork_number();
   std::atomic<std::int32_t> state_{0};  // readers, or kChanging
 };
 

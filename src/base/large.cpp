@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/aligned.h"
+#include "base/forks.h"
 
 namespace raysheaf {
 namespace {
@@ -50,6 +51,8 @@ void free_now(void* memory, std::size_t bytes) noexcept {
 /// Blocks that wait for who needs them next.
 class SpareBlocks {
  public:
+  SpareBlocks() { hold_over_forks(&mutex_); }
+
   void add_keeper() {
     const std::lock_guard lock(mutex_);
     ++keepers_;

@@ -19,7 +19,9 @@ inline constexpr std::size_t kWorkGrain = 1024, kCopyGrain = 4096;
 class Executor {
  public:
   /// `threads` = 0 takes all cores that the process may use, as far as the system starts threads.
-  /// Throws `Error` (kUnsupported) where it starts fewer than `threads`.
+  /// Throws `Error` (kUnsupported) where it starts fewer than `threads`. In a child of fork whose
+  /// parent had threads, the caller does all the work; loops of the parent's executors throw
+  /// `Error` (kWrongState) there.
   explicit Executor(std::uint32_t threads = 0);
 
   /// Whoever calls does all the work: for loops within the body of another's.
@@ -69,7 +71,7 @@ class Executor {
   }
 
  private:
-  struct Pool;  // oneTBB's, which is seen by executor.cpp alone
+  struct Pool;  ///< oneTBB's, which is seen by executor.cpp alone
   using Block = void(const void* body, std::size_t begin, std::size_t end);
   explicit Executor(std::shared_ptr<Pool> pool);
   void enter(void (*call)(const void* body), const void* body) const;

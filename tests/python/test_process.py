@@ -149,3 +149,49 @@ def test_arrays_that_change_while_they_are_read(what: str):
             f"but the mesh has {count} vertices"
         )
     assert said <= {expected}
+
+
+def test_a_child_of_fork_is_told_and_may_have_scenes_of_its_own():
+    pytest.importorskip("trimesh")
+    program = """
+import os, signal, threading, warnings, numpy as np, raysheaf, trimesh
+from raysheaf.trimesh import RayMeshIntersector
+warnings.simplefilter("ignore")  # Python's own of fork where there are threads
+
+def ball():
+    scene = raysheaf.Scene(threads=2)
+    scene.add(np.random.default_rng(1).random((900, 3, 3)))
+    return scene
+
+origins, directions = np.zeros((50_000, 3)), np.random.default_rng(2).random((50_000, 3))
+scene, ends = ball(), False
+adapter = RayMeshIntersector(trimesh.creation.icosphere())
+expected, faces = scene.closest_hit(origins, directions), adapter.intersects_first(origins, directions)
+
+def ask():
+    while not ends:
+        scene.closest_hit(origins, directions)
+        adapter.intersects_first(origins[:100], directions[:100])
+
+asking = threading.Thread(target=ask)
+asking.start()
+for _ in range(5):
+    child = os.fork()
+    if child == 0:
+        signal.alarm(30)
+        code = 1
+        try:
+            scene.closest_hit(origins[:9], directions[:9])
+        except raysheaf.Error as error:
+            code = 0 if "forked" in str(error) else 2
+        if not np.array_equal(ball().closest_hit(origins, directions).array, expected.array):
+            code = 3
+        if not np.array_equal(adapter.intersects_first(origins, directions), faces):
+            code = 4
+        os._exit(code)
+    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    assert status == 0, status
+ends = True
+asking.join()
+"""
+    assert told_by(program) == (0, "")

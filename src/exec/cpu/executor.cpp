@@ -18,6 +18,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/forks.h"
 #include "exec/cancelled.h"
 
 namespace raysheaf {
@@ -31,6 +32,8 @@ std::uint32_t cores() {
 /// where one of them cannot, the process ends.
 std::uint32_t startable(std::uint32_t wanted) {
   static std::mutex mutex;
+  static const bool holds = (hold_over_forks(&mutex), true);
+  static_cast<void>(holds);
   static std::uint32_t known = 1;
   const std::lock_guard lock(mutex);
   if (wanted <= known) return wanted;
@@ -67,7 +70,9 @@ struct Executor::Pool {
   oneapi::tbb::task_arena arena;
   /// Lets there be more workers than cores, where asked for.
   std::optional<oneapi::tbb::global_control> workers;
+  const std::uint32_t made = fork_number();
 
+  /// Null in a child of fork whose parent had any: oneTBB counts on workers that are not there.
   static std::shared_ptr<Pool> take(std::uint32_t count);
 };
 
@@ -78,8 +83,11 @@ std::shared_ptr<Executor::Pool> Executor::Pool::take(std::uint32_t count) {
   struct Spares {
     std::mutex mutex;
     std::map<std::uint32_t, std::vector<std::unique_ptr<Pool>>> of_size;
+    const std::uint32_t made = fork_number();
+    Spares() { hold_over_forks(&mutex); }
   };
   static Spares* const spares = new Spares;  // outlives executors that are destroyed at exit
+  if (spares->made != fork_number()) return nullptr;
   std::unique_ptr<Pool> pool;
   {
     const std::lock_guard lock(spares->mutex);
@@ -95,6 +103,7 @@ std::shared_ptr<Executor::Pool> Executor::Pool::take(std::uint32_t count) {
   pool->workers.emplace(oneapi::tbb::global_control::max_allowed_parallelism,
                         std::max(count, startable(cores())));
   const auto give_back = [count](Pool* given) {
+    if (given->made != fork_number()) return;  // lost: its workers cannot be told
     given->workers.reset();
     const std::lock_guard lock(spares->mutex);
     spares->of_size[count].emplace_back(given);
@@ -128,6 +137,8 @@ void Executor::check() const {
 }
 
 void Executor::enter(void (*call)(const void* body), const void* body) const {
+  if (pool_ == nullptr) return call(body);
+  check_not_forked(pool_->made, "context");
   pool_->arena.execute([&] { call(body); });
 }
 
@@ -142,6 +153,7 @@ void Executor::spread(std::size_t count, std::size_t grain, Block* block, const 
     }
   };
   if (pool_ == nullptr) return run(0, count);
+  check_not_forked(pool_->made, "context");
   const auto loop = [&] {
     using Range = oneapi::tbb::blocked_range<std::size_t>;
     oneapi::tbb::parallel_for(Range(0, count, grain),

@@ -1,0 +1,66 @@
+#include "base/forks.h"
+
+#if defined(__unix__) || defined(__APPLE__)
+#include <pthread.h>
+#endif
+
+#include <atomic>
+#include <vector>
+
+#include "raysheaf/error.h"
+
+namespace raysheaf {
+namespace {
+
+/// Never destroyed: processes fork until their end.
+struct Forks {
+  std::atomic<std::uint32_t> number{0};
+  std::mutex mutex;
+  std::vector<std::mutex*> held;
+
+  Forks() {
+#if defined(__unix__) || defined(__APPLE__)
+    pthread_atfork([] { all().lock(); }, [] { all().unlock(); },
+                   [] {
+                     all().number.fetch_add(1, std::memory_order_relaxed);
+                     all().unlock();
+                   });
+#endif
+  }
+  static Forks& all() {
+    static Forks* const kForks = new Forks;
+    return *kForks;
+  }
+
+ private:
+  void lock() {
+    mutex.lock();
+    for (std::mutex* one : held) one->lock();
+  }
+  void unlock() {
+    for (std::mutex* one : held) one->unlock();
+    mutex.unlock();
+  }
+};
+
+}  // namespace
+
+std::uint32_t fork_number() noexcept {
+  return Forks::all().number.load(std::memory_order_relaxed);
+}
+
+void check_not_forked(std::uint32_t made, const char* place) {
+  if (made == fork_number()) return;
+  throw Error(ErrorCode::kWrongState,
+              "it was made before this process was forked, and its threads are not here: make "
+              "another one, or start processes without fork",
+              place);
+}
+
+void hold_over_forks(std::mutex* mutex) {
+  Forks& forks = Forks::all();
+  const std::lock_guard lock(forks.mutex);
+  forks.held.push_back(mutex);
+}
+
+}  // namespace raysheaf
