@@ -99,7 +99,9 @@ class RayMeshIntersector:
         threads: SupportsIndex = 0,
         device: Device = "cpu",
     ) -> None:
-        if not (hasattr(geometry, "vertices") and hasattr(geometry, "faces")):
+        # trimesh 5 makes the engine of a primitive before the primitive has data: properties of its
+        # class are not asked for.
+        if not all(hasattr(type(geometry), n) or hasattr(geometry, n) for n in ("vertices", "faces")):
             raise TypeError(
                 f"geometry: {type(geometry).__name__} is given; a trimesh.Trimesh is expected"
             )

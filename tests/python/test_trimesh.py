@@ -286,6 +286,14 @@ def test_only_meshes():
             RayMeshIntersector(wrong)
 
 
+def test_primitives(monkeypatch):
+    # trimesh makes their engine before they have data.
+    monkeypatch.setattr(trimesh.ray.ray_triangle, "RayMeshIntersector", RayMeshIntersector)
+    box = trimesh.primitives.Box()
+    assert isinstance(box.ray, RayMeshIntersector)
+    assert box.ray.intersects_any([[0, 0, -3], [0, 3, -3]], [[0, 0, 1]] * 2).tolist() == [True, False]
+
+
 def test_wrong_shapes(mesh):
     with pytest.raises(ValueError, match=r"ray_origins \(2, 3\), ray_directions \(1, 3\)"):
         mesh.ray.intersects_any(np.zeros((2, 3)), np.ones((1, 3)))
