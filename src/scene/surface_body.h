@@ -44,10 +44,9 @@ RAYSHEAF_HD inline MixedPoint mixed_point(Vec3 a, Vec3 b, Vec3 c, float u, float
 /// How far along its triangle's normal a ray that leaves a point must start, at least, so that it
 /// does not meet that triangle, nor one of like size beside it in its plane. The point's
 /// coordinates and those of the start are off by a rounding each, of which the part along the
-/// normal counts. The test errs by roundings of the corners as seen from the start, so by some of
-/// `reach`: by up to 28 as it can be bounded (intersect/triangle_body.h); in tests/raygen half of
-/// what is taken here is enough.
-inline constexpr float kClearOfReach = 8;
+/// normal counts. The test does not err: what is taken of `reach` is for the normal, which is
+/// rounded, and for the corners of what lies beside.
+inline constexpr float kClearOfReach = 1;
 RAYSHEAF_HD inline float clearance(const MixedPoint& point, Vec3 normal) {
   const Vec3 n = abs(normal), p = abs(point.position);
   const float off = n.x * p.x + n.y * p.y + n.z * p.z;

@@ -132,7 +132,7 @@ TEST(Offset, SmallThingsShadeLargeFloorsAndFarOnes) {
 
 TEST(Offset, GrowsWithRoundingsAlone) {
   const Corners floor{{-10, 0, -10}, {-10, 0, 10}, {10, 0, -10}};
-  EXPECT_LT(floor.at(0.25f, 0.25f).clearance, 1e-5f);
+  EXPECT_LT(floor.at(0.25f, 0.25f).clearance, 2e-6f);
   const Vec3 far{1e5f, 1e5f, 1e5f};
   const Corners there{floor.a + far, floor.b + far, floor.c + far};
   EXPECT_LT(there.at(0.25f, 0.25f).clearance, 0.013f);
