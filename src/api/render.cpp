@@ -144,10 +144,10 @@ class Renderer::Impl {
       input.device = &device_stages(executor);
       const Traversal traversal = settings_for(options).traversal;
       if (traversal == Traversal::kRayHierarchy)
-        input.pairs = &cache_.device_tracer(flat_).pairs(executor);
+        input.pairs = &cache_.device_tracer(flat_).pairs(input.device->triangles());
       if (traversal == Traversal::kPackets)
-        input.packets =
-            &cache_.device_tracer(flat_).packets(executor, cache_.hierarchy(executor, flat_));
+        input.packets = &cache_.device_tracer(flat_).packets(input.device->triangles(),
+                                                             cache_.hierarchy(executor, flat_));
       if (rasters)
         input.rasterize = [&](const CameraFrame& frame, const ReadSlots& read) {
           return seen_by_opengl(executor, frame, read);

@@ -57,6 +57,7 @@ class DeviceStagesOn : public DeviceStages {
   }
 
   [[nodiscard]] bool has_scene() const override { return scene_ != nullptr; }
+  [[nodiscard]] TriangleList triangles() const override { return engine_.triangles(); }
 
   void begin(const DeviceFrameInput& input) override {
     input_ = &input_place_.emplace(input);

@@ -56,4 +56,33 @@ class DeviceTriangles {
   DeviceBuffer<std::uint8_t> flags_{device_.allocator()};
 };
 
+/// A scene's triangles for a tracer: where they lie, if that is the device's memory, or copied.
+template <class Device>
+class GivenTriangles {
+ public:
+  explicit GivenTriangles(Device& device) : device_(device) {}
+
+  void set(const TriangleList& given) {
+    list_ = {};
+    const TriangleList list{there(given.corners, &corners_), there(given.flags, &flags_)};
+    list_ = list;
+  }
+  [[nodiscard]] const TriangleList& list() const { return list_; }
+
+ private:
+  template <class T>
+  View<const T> there(View<const T> given, DeviceBuffer<T>* room) {
+    constexpr const char* kStage = "copy: triangles";
+    if (given.empty() || device_.is_device_memory(given.data, "triangles")) return given;
+    room->resize_uninitialized(kStage, given.size);
+    device_.copy(kStage, room->data(), given.data, given.size * sizeof(T));
+    return room->view_const();
+  }
+
+  Device& device_;
+  DeviceBuffer<Vec3> corners_{device_.allocator()};
+  DeviceBuffer<std::uint8_t> flags_{device_.allocator()};
+  TriangleList list_;
+};
+
 }  // namespace raysheaf

@@ -175,6 +175,8 @@ class DeviceStages : public FrameStages, public PathStages {
   virtual void set_scene(const Executor& executor, const FlatScene& scene,
                          const TextureSet& textures, const EnvironmentView& environment) = 0;
   [[nodiscard]] virtual bool has_scene() const = 0;
+  /// The scene's, in the device's memory.
+  [[nodiscard]] virtual TriangleList triangles() const = 0;
   virtual void begin(const DeviceFrameInput& input) = 0;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "engine/device_triangles-inl.h"
 #include "engine/key_order-inl.h"
 #include "engine/packet_cuts-inl.h"
 #include "engine/packet_loops-inl.h"
@@ -21,8 +22,7 @@ class PacketTracerOn : public PacketTracer {
       : asked_capacity_(capacity), device_(std::forward<Args>(args)...) {}
 
   void set_scene(const PacketScene& scene) override {
-    upload("copy: triangles", scene.corners, &corners_);
-    upload("copy: triangles", scene.flags, &flags_);
+    scene_triangles_.set(scene.triangles);
     upload("copy: hierarchy", View<const BvhNode>(scene.bvh.nodes.data(), scene.bvh.nodes.size()),
            &nodes_);
     upload("copy: hierarchy", View<const std::uint32_t>(scene.bvh.triangles), &leaf_triangles_);
@@ -44,7 +44,7 @@ class PacketTracerOn : public PacketTracer {
     outcome.chunks = order_.sort(keys, rays.size, query.key_bits);
     view_ = {};
     view_.rays = given_.view_const();
-    view_.list = {corners_.view_const(), flags_.view_const()};
+    view_.list = scene_triangles_.list();
     best_.resize_uninitialized("trace: final tests", rays.size);
     begin_hits_on(device_, best_.view());
     View<const std::uint32_t> order = order_.order();
@@ -197,8 +197,7 @@ class PacketTracerOn : public PacketTracer {
   const std::uint32_t asked_capacity_;
   Device device_;
   DeviceAllocator& memory_ = device_.allocator();
-  DeviceBuffer<Vec3> corners_{memory_};
-  DeviceBuffer<std::uint8_t> flags_{memory_};
+  GivenTriangles<Device> scene_triangles_{device_};
   DeviceBuffer<BvhNode> nodes_{memory_};
   DeviceBuffer<std::uint32_t> leaf_triangles_{memory_};
   DeviceBuffer<Ray> given_{memory_}, rays_{memory_};

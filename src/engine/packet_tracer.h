@@ -9,16 +9,15 @@
 
 #include "engine/engine.h"
 #include "exec/cpu/emulated_device.h"
+#include "object/triangle_list.h"
 #include "packet/packet_traverse.h"
 
 namespace raysheaf {
 
-/// A scene as the CPU has it; copied.
 struct PacketScene {
-  View<const Vec3> corners;  ///< three a triangle
-  View<const std::uint8_t> flags;
+  TriangleList triangles;  ///< in the device's memory, where they stay as they are, or the host's
   Box bounds;
-  const Bvh& bvh;
+  const Bvh& bvh;  ///< copied
 };
 
 struct PacketQuery {

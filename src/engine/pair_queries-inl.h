@@ -6,6 +6,7 @@
 #include "exec/atomic.h"
 #include "exec/device.h"
 #include "order/order_body.h"
+#include "scene/flatten_body.h"
 #include "traverse/node_test.h"
 
 namespace raysheaf {
@@ -26,6 +27,14 @@ struct PairView {
 
 RAYSHEAF_HD inline bool meets_sphere(const RayBound& node, const Sphere& sphere) {
   return meets(make_node_test(node), sphere.center, sphere.radius);
+}
+
+template <class Device>
+void spheres_on(Device& device, const TriangleList& list, View<Sphere> spheres) {
+  device.for_each("hierarchy: spheres", spheres.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    const Vec3* const corner = list.corners.data + 3 * i;
+    spheres.data[i] = conservative_triangle_sphere(corner[0], corner[1], corner[2]);
+  });
 }
 
 template <class Device>

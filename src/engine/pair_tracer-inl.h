@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "engine/device_triangles-inl.h"
 #include "engine/key_order-inl.h"
 #include "engine/pair_queries-inl.h"
 #include "engine/report_times.h"
@@ -19,9 +20,8 @@ class PairTracerOn : public PairTracer {
       : capacity_(capacity), device_(std::forward<Args>(args)...) {}
 
   void set_scene(const PairScene& scene) override {
-    upload("copy: triangles", scene.corners, &corners_);
-    upload("copy: triangles", scene.flags, &flags_);
-    upload("copy: triangles", scene.spheres, &spheres_);
+    spheres_.resize_uninitialized("hierarchy: spheres", 0);
+    triangles_.set(scene.triangles);
     upload("copy: triangles", scene.meshes, &meshes_);
   }
 
@@ -38,9 +38,9 @@ class PairTracerOn : public PairTracer {
     outcome.chunks = order_.sort(keys, rays.size, query.key_bits);
     rays_.resize_uninitialized("order: rays", rays.size);
     gather(device_, "order: rays", given_.view_const(), order_.order(), rays_.view());
-    view_ = {rays_.view_const(),    {corners_.view_const(), flags_.view_const()},
-             spheres_.view_const(), meshes_.view_const(),
-             query.branching,       query.facing};
+    make_spheres();
+    view_ = {rays_.view_const(),   triangles_.list(), spheres_.view_const(),
+             meshes_.view_const(), query.branching,   query.facing};
     build_levels(query);
     words_.resize_uninitialized("trace: final tests", rays.size);
     device_.fill("trace: final tests", words_.view(), 0xff);
@@ -71,6 +71,14 @@ class PairTracerOn : public PairTracer {
   void upload(const char* stage, View<const T> from, DeviceBuffer<T>* to) {
     to->resize_uninitialized(stage, from.size);
     device_.copy(stage, to->data(), from.data, from.size * sizeof(T));
+  }
+
+  /// Once a scene: its triangles are there when rays come.
+  void make_spheres() {
+    const TriangleList& list = triangles_.list();
+    if (spheres_.size() == list.count()) return;
+    spheres_.resize_uninitialized("hierarchy: spheres", list.count());
+    spheres_on(device_, list, spheres_.view());
   }
 
   void build_levels(const PairQuery& query) {
@@ -188,8 +196,7 @@ class PairTracerOn : public PairTracer {
   const std::uint32_t capacity_;
   Device device_;
   DeviceAllocator& memory_ = device_.allocator();
-  DeviceBuffer<Vec3> corners_{memory_};
-  DeviceBuffer<std::uint8_t> flags_{memory_};
+  GivenTriangles<Device> triangles_{device_};
   DeviceBuffer<Sphere> spheres_{memory_};
   DeviceBuffer<PairMesh> meshes_{memory_};
   DeviceBuffer<Ray> given_{memory_}, rays_{memory_};

@@ -17,6 +17,7 @@
 #include "engine/engine.h"
 #include "exec/cpu/emulated_device.h"
 #include "geom/sphere.h"
+#include "object/triangle_list.h"
 #include "traverse/traverse.h"
 
 namespace raysheaf {
@@ -27,11 +28,8 @@ struct PairMesh {
   std::uint32_t first = 0, count = 0;
 };
 
-/// A scene as the CPU has it; copied.
 struct PairScene {
-  View<const Vec3> corners;  ///< three a triangle
-  View<const std::uint8_t> flags;
-  View<const Sphere> spheres;  ///< of each triangle
+  TriangleList triangles;  ///< in the device's memory, where they stay as they are, or the host's
   View<const PairMesh> meshes;
 };
 

@@ -1,5 +1,5 @@
-// Rays that run every way, and go through the tree together: up to two million of a batch, taken tile
-// by tile, each tile in the order of quarters.
+// Rays that run every way, and go through the tree together: up to two million of a batch, taken
+// tile by tile, each tile in the order of quarters.
 //
 //   caller   0 1 2 3 | 4 5 6 7        rays of quarters a and b: a b b a | b a a b
 //   here     0 3 1 2 | 5 6 4 7        quarter a is 0 1 | 4 5 of these, quarter b is 2 3 | 6 7

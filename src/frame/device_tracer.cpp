@@ -6,19 +6,15 @@
 #include "frame/dual_tracer.h"
 
 namespace raysheaf {
-Buffer<Vec3> DeviceTracer::corners(const Executor& executor) const {
+
+DeviceEngine& DeviceTracer::engine(const Executor& executor) {
+  if (engine_.knows) return *engine_.made;
   Buffer<Vec3> all;
   all.resize_uninitialized(std::size_t{3} * scene_.triangle_count);
   executor.for_each(scene_.triangle_count, kCopyGrain, [&](std::size_t i) {
     for (int k = 0; k < 3; ++k)
       all[3 * i + static_cast<std::size_t>(k)] = scene_.corner(static_cast<std::uint32_t>(i), k);
   });
-  return all;
-}
-
-DeviceEngine& DeviceTracer::engine(const Executor& executor) {
-  if (engine_.knows) return *engine_.made;
-  const Buffer<Vec3> all = corners(executor);
   const TriangleRun run{all.data(), nullptr, 0, scene_.triangle_count};
   TriangleSource source;
   source.runs = {&run, scene_.triangle_count > 0 ? std::size_t{1} : std::size_t{0}};
@@ -30,34 +26,21 @@ DeviceEngine& DeviceTracer::engine(const Executor& executor) {
   return *engine_.made;
 }
 
-PairTracer& DeviceTracer::pairs(const Executor& executor) {
+PairTracer& DeviceTracer::pairs(const TriangleList& there) {
   if (pairs_.knows) return *pairs_.made;
-  const std::uint32_t count = scene_.triangle_count;
-  const Buffer<Vec3> all = corners(executor);
-  Buffer<Sphere> spheres;
-  spheres.resize_uninitialized(count);
-  executor.for_each(count, kCopyGrain, [&](std::size_t i) {
-    spheres[i] = {{scene_.sphere[0][i], scene_.sphere[1][i], scene_.sphere[2][i]},
-                  scene_.sphere[3][i]};
-  });
   std::vector<PairMesh> meshes;
   for (const FlatMesh& mesh : scene_.meshes)
     meshes.push_back({mesh.bound, mesh.first_triangle, mesh.triangle_count});
   if (pairs_.made == nullptr) pairs_.made = backend_.make_pair_tracer();
-  pairs_.made->set_scene({View<const Vec3>(all),
-                          View<const std::uint8_t>(scene_.flags.data(), count),
-                          View<const Sphere>(spheres), View<const PairMesh>(meshes)});
+  pairs_.made->set_scene({there, View<const PairMesh>(meshes)});
   pairs_.knows = true;
   return *pairs_.made;
 }
 
-PacketTracer& DeviceTracer::packets(const Executor& executor, const Bvh& bvh) {
+PacketTracer& DeviceTracer::packets(const TriangleList& there, const Bvh& bvh) {
   if (packets_.knows) return *packets_.made;
-  const Buffer<Vec3> all = corners(executor);
   if (packets_.made == nullptr) packets_.made = backend_.make_packet_tracer();
-  packets_.made->set_scene({View<const Vec3>(all),
-                            View<const std::uint8_t>(scene_.flags.data(), scene_.triangle_count),
-                            scene_.bounds, bvh});
+  packets_.made->set_scene({there, scene_.bounds, bvh});
   packets_.knows = true;
   return *packets_.made;
 }

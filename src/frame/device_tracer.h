@@ -15,7 +15,7 @@
 
 namespace raysheaf {
 
-/// One scene's: its triangles are copied to each once until they are forgotten.
+/// One scene's, until it is forgotten.
 class DeviceTracer {
  public:
   /// Both must outlive it. Nothing is copied before it is needed.
@@ -32,14 +32,13 @@ class DeviceTracer {
   [[nodiscard]] std::vector<RayHit> trace(const Executor& executor, const RayBatch& batch,
                                           Facing facing);
 
-  /// Of `rah` and `crsh`, with the scene.
-  [[nodiscard]] PairTracer& pairs(const Executor& executor);
+  /// Of `rah` and `crsh`, with the scene, whose triangles lie there until they are forgotten.
+  [[nodiscard]] PairTracer& pairs(const TriangleList& there);
   /// Of `gl10`, with the scene; `bvh`: its hierarchy.
-  [[nodiscard]] PacketTracer& packets(const Executor& executor, const Bvh& bvh);
+  [[nodiscard]] PacketTracer& packets(const TriangleList& there, const Bvh& bvh);
 
  private:
   [[nodiscard]] DeviceEngine& engine(const Executor& executor);
-  [[nodiscard]] Buffer<Vec3> corners(const Executor& executor) const;
 
   const FlatScene& scene_;
   const DeviceBackend& backend_;

@@ -45,8 +45,10 @@ struct Packed {
     }
   }
   [[nodiscard]] PacketScene there() const {
-    return {View<const Vec3>(corners),
-            View<const std::uint8_t>(flat.flags.data(), flat.triangle_count), flat.bounds, bvh};
+    return {{View<const Vec3>(corners),
+             View<const std::uint8_t>(flat.flags.data(), flat.triangle_count)},
+            flat.bounds,
+            bvh};
   }
 };
 
@@ -157,7 +159,7 @@ TEST(PacketTracer, FewRaysFewTrianglesAndNone) {
   }
   const Packed packed(emulation.executor, soup(soup_kinds().front(), 1, 3), 9, 3);
   const Bvh none;
-  tracer->set_scene({{}, {}, {}, none});
+  tracer->set_scene({{}, {}, none});
   std::vector<EngineHit> hits(9, EngineHit{0, 0, 0, 1});
   static_cast<void>(tracer->trace(View<const Ray>(packed.rays),
                                   View<const std::uint32_t>(packed.keys), {},

@@ -20,21 +20,17 @@ namespace {
 /// What a device takes of a flat scene, kept alive.
 struct Copied {
   std::vector<Vec3> corners;
-  std::vector<Sphere> spheres;
   std::vector<PairMesh> meshes;
   PairScene scene;
 
   explicit Copied(const FlatScene& flat) {
-    for (std::uint32_t i = 0; i < flat.triangle_count; ++i) {
+    for (std::uint32_t i = 0; i < flat.triangle_count; ++i)
       for (int k = 0; k < 3; ++k) corners.push_back(flat.corner(i, k));
-      spheres.push_back(
-          {{flat.sphere[0][i], flat.sphere[1][i], flat.sphere[2][i]}, flat.sphere[3][i]});
-    }
     for (const FlatMesh& mesh : flat.meshes)
       meshes.push_back({mesh.bound, mesh.first_triangle, mesh.triangle_count});
-    scene = {View<const Vec3>(corners),
-             View<const std::uint8_t>(flat.flags.data(), flat.triangle_count),
-             View<const Sphere>(spheres), View<const PairMesh>(meshes)};
+    scene = {{View<const Vec3>(corners),
+              View<const std::uint8_t>(flat.flags.data(), flat.triangle_count)},
+             View<const PairMesh>(meshes)};
   }
 };
 
