@@ -149,8 +149,8 @@ class Renderer::Impl {
         input.packets = &cache_.device_tracer(flat_).packets(input.device->triangles(),
                                                              cache_.hierarchy(executor, flat_));
       if (rasters)
-        input.rasterize = [&](const CameraFrame& frame, const ReadSlots& read) {
-          return seen_by_opengl(executor, frame, read);
+        input.rasterize = [&](const CameraFrame& frame, SlotDevice* device) {
+          return seen_by_opengl(executor, frame, device);
         };
     }
     RenderResult result = render_frame(executor, input);
@@ -161,9 +161,9 @@ class Renderer::Impl {
 
   /// Of several processes rank 0's: that of others may be another one.
   std::vector<std::uint32_t> seen_by_opengl(const Executor& executor, const CameraFrame& frame,
-                                            const ReadSlots& read) {
+                                            SlotDevice* device) {
     if (cache_.ranks == nullptr || cache_.ranks->size() == 1)
-      return rasterizer_->visible_triangles(executor, flat_, frame, read);
+      return rasterizer_->visible_triangles(executor, flat_, frame, device);
     return made_by_first(cache_.ranks, std::size_t{frame.width} * frame.height,
                          [&] { return rasterizer_->visible_triangles(executor, flat_, frame); });
   }

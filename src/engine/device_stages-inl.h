@@ -9,7 +9,7 @@
 #include "base/bits.h"
 #include "engine/device_cutouts-inl.h"
 #include "engine/device_sets-inl.h"
-#include "engine/gl_reader-inl.h"
+#include "engine/gl_link-inl.h"
 #include "engine/light_loops-inl.h"
 #include "engine/resolve_loops-inl.h"
 #include "engine/shared_groups.h"
@@ -31,7 +31,7 @@ class DeviceStagesOn : public DeviceStages {
         cutouts_(device_, batches_),
         surfaces_(device_),
         film_(device_),
-        gl_reader_(device_),
+        gl_link_(device_),
         resolver_(device_) {}
 
   void forget_scene(const FlatUpdate& update) override {
@@ -76,9 +76,9 @@ class DeviceStagesOn : public DeviceStages {
     triangles_seen_.resize_uninitialized("surfaces: names", pixels);
     if (input_->rasterize) {
       input_->meter.begin("raster", 1);
-      const View<const std::uint32_t> seen = gl_reader_.see(input_->rasterize, frame, pixels);
-      batches_.tell("device: what OpenGL sees is " + gl_reader_.way() +
-                    "; rays, hits and light stay");
+      const View<const std::uint32_t> seen =
+          gl_link_.see(input_->rasterize, frame, pixels, engine_.triangles());
+      batches_.tell("device: " + gl_link_.way() + "; rays, hits and light stay");
       resolver_.resolve(engine_.triangles(), scene_->bounds, frame, seen, triangles_seen_.view());
       if (cutouts_.any()) {
         const auto of_rays = [this] { return &input_->tally.batch(RayKind::kPrimary, 0); };
@@ -277,7 +277,7 @@ class DeviceStagesOn : public DeviceStages {
   DeviceCutouts<Device> cutouts_;
   SceneOnDevice<Device> surfaces_;
   FilmOnDevice<Device> film_;
-  GlReader<Device> gl_reader_;
+  GlLink<Device> gl_link_;
   ResolverOn<Device> resolver_;
   const FlatScene* scene_ = nullptr;
   bool same_triangles_ = false;  ///< as the engine has, only moved

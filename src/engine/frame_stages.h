@@ -145,9 +145,9 @@ class FrameStages {
 };
 
 /// The triangle that each pixel sees by OpenGL, rows from the top, silhouettes not resolved yet;
-/// nothing where `read` took it (raster/rasterizer.h).
+/// nothing where `device` took it (raster/rasterizer.h).
 using Rasterize =
-    std::function<std::vector<std::uint32_t>(const CameraFrame& frame, const ReadSlots& read)>;
+    std::function<std::vector<std::uint32_t>(const CameraFrame& frame, SlotDevice* device)>;
 
 /// What a device's frame is made of; all outlive it.
 struct DeviceFrameInput {

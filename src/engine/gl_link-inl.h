@@ -1,4 +1,5 @@
-// What OpenGL saw, brought to a device; for the sources that know which device it is.
+// Triangles drawn by OpenGL from a device's memory, and what it saw brought back; for the sources
+// that know which device it is.
 #pragma once
 
 #include <any>
@@ -10,9 +11,35 @@
 
 #include "engine/frame_stages.h"
 #include "exec/device.h"
+#include "raster/pack_body.h"
 #include "raster/slot_picture.h"
 
 namespace raysheaf {
+
+/// Which of the triangles from `first` on a picture may show.
+template <class Device>
+void choose_shown_on(Device& device, const TriangleList& list, const PictureView& view,
+                     std::uint32_t first, View<std::uint8_t> shown) {
+  device.for_each("raster: choose", shown.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    const Vec3* const corner = list.corners.data + 3 * (first + i);
+    const Vec3 eye = view.frame.eye;
+    const std::uint8_t flags = list.flags.empty() ? 0 : list.flags.data[first + i];
+    shown.data[i] =
+        may_show(view, corner[0] - eye, corner[1] - eye, corner[2] - eye, flags) ? 1 : 0;
+  });
+}
+
+/// Corners of the chosen ones, relative to the eye; `names` takes their numbers.
+template <class Device>
+void pack_shown_on(Device& device, const TriangleList& list, Vec3 eye, std::uint32_t first,
+                   View<const std::uint32_t> chosen, std::uint32_t* names, Vec3* corners) {
+  device.for_each("raster: pack", chosen.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    const std::uint32_t triangle = first + chosen.data[i];
+    for (std::size_t k = 0; k < 3; ++k)
+      corners[3 * i + k] = list.corners.data[std::size_t{3} * triangle + k] - eye;
+    names[i] = triangle;
+  });
+}
 
 /// Slots become triangles, in place.
 template <class Device>
@@ -23,25 +50,24 @@ void name_triangles_on(Device& device, View<const std::uint32_t> names,
   });
 }
 
-/// Reads the picture where it lies, if the device can; else it is copied through the host. The
-/// variable RAYSHEAF_NO_INTEROP, set to anything but 0, has it copied at once.
+/// Shares OpenGL's memory, if the device can; else triangles and picture go through the host. The
+/// variable RAYSHEAF_NO_INTEROP, set to anything but 0, has them go so at once.
 template <class Device>
-class GlReader {
+class GlLink final : public SlotDevice {
  public:
-  explicit GlReader(Device& device) : device_(device) {
+  explicit GlLink(Device& device) : device_(device) {
     const char* const off = std::getenv("RAYSHEAF_NO_INTEROP");
     if (off != nullptr && *off != '\0' && std::string_view(off) != "0")
       refusal_ = "RAYSHEAF_NO_INTEROP is set";
   }
 
   /// The triangle that each of so many pixels sees, silhouettes not resolved yet; until the next
-  /// call.
+  /// call. `triangles`: those that are drawn, in the device's memory.
   [[nodiscard]] View<const std::uint32_t> see(const Rasterize& rasterize, const CameraFrame& frame,
-                                              std::size_t pixels) {
+                                              std::size_t pixels, const TriangleList& triangles) {
+    list_ = triangles;
     pixels_.resize_uninitialized(kStage, pixels);
-    ReadSlots read;
-    if (refusal_.empty()) read = [this](const SlotPicture& picture) { return take(picture); };
-    const std::vector<std::uint32_t> seen = rasterize(frame, read);
+    const std::vector<std::uint32_t> seen = rasterize(frame, refusal_.empty() ? this : nullptr);
     copied_ = !seen.empty();
     if (copied_) device_.copy(kStage, pixels_.data(), seen.data(), pixels * sizeof seen[0]);
     return pixels_.view_const();
@@ -49,32 +75,70 @@ class GlReader {
 
   /// How the last picture came, in words.
   [[nodiscard]] std::string way() const {
-    if (!copied_) return "read where it lies";
-    return "copied there, for " + (refusal_.empty() ? "processes share it" : refusal_);
+    if (copied_)
+      return "what OpenGL sees is copied there, for " +
+             (refusal_.empty() ? "processes share it" : refusal_);
+    return "OpenGL draws the triangles that lie there, and what it sees is read where it lies";
   }
 
- private:
-  using Buffer = typename Device::GlBuffer;
-  static constexpr const char* kStage = "copy: names";
+  [[nodiscard]] std::optional<std::uint32_t> pack(const PackedBatch& batch) override {
+    const Buffer* const buffer = leased(batch.corners, GlAccess::kWrite);
+    if (buffer == nullptr) return std::nullopt;
+    shown_.resize_uninitialized(kPack, batch.count);
+    chosen_.resize_uninitialized(kPack, batch.count);
+    if (batch.first_slot == 0) names_.resize_uninitialized(kPack, list_.count());
+    choose_shown_on(device_, list_, batch.view, batch.first, shown_.view());
+    const std::uint32_t count =
+        device_.select("raster: select", shown_.view_const(), chosen_.view());
+    if (count == 0) return 0;
+    const Mapped mapped(*buffer, device_, std::size_t{count} * 3 * sizeof(Vec3));
+    pack_shown_on(device_, list_, batch.view.frame.eye, batch.first,
+                  chosen_.view_const().slice(0, count), names_.data() + batch.first_slot,
+                  mapped.corners());
+    return count;
+  }
 
-  bool take(const SlotPicture& picture) {
-    const Buffer* const buffer = leased(picture);
+  [[nodiscard]] bool take(const SlotPicture& picture) override {
+    const Buffer* const buffer = leased(picture.memory, GlAccess::kRead);
     if (buffer == nullptr) return false;
-    names_.resize_uninitialized(kStage, picture.triangle_of_slot.size);
-    device_.copy(kStage, names_.data(), picture.triangle_of_slot.data,
-                 names_.size() * sizeof(std::uint32_t));
+    if (!picture.triangle_of_slot.empty()) {
+      names_.resize_uninitialized(kStage, picture.triangle_of_slot.size);
+      device_.copy(kStage, names_.data(), picture.triangle_of_slot.data,
+                   names_.size() * sizeof(std::uint32_t));
+    }
     buffer->copy_to(kStage, device_, pixels_.data(), pixels_.size() * sizeof(std::uint32_t));
     name_triangles_on(device_, names_.view_const(), pixels_.view());
     return true;
   }
 
-  /// Null where the device does not read what OpenGL has; `refusal_` says why.
-  [[nodiscard]] const Buffer* leased(const SlotPicture& picture) {
+ private:
+  using Buffer = typename Device::GlBuffer;
+  static constexpr const char *kStage = "copy: names", *kPack = "raster: pack";
+
+  class Mapped {
+   public:
+    Mapped(const Buffer& buffer, Device& device, std::size_t bytes)
+        : buffer_(buffer), device_(device), memory_(buffer.map(kPack, device, bytes)) {}
+    ~Mapped() { buffer_.unmap(kPack, device_); }
+    Mapped(const Mapped&) = delete;
+    Mapped& operator=(const Mapped&) = delete;
+    [[nodiscard]] Vec3* corners() const { return static_cast<Vec3*>(memory_); }
+
+   private:
+    const Buffer& buffer_;
+    Device& device_;
+    void* memory_;
+  };
+
+  /// Null where the device does not share what OpenGL has; `refusal_` says why.
+  [[nodiscard]] const Buffer* leased(const GlMemory& memory, GlAccess access) {
     using Lease = std::shared_ptr<const Buffer>;
-    if (const Lease* const old = std::any_cast<Lease>(picture.lease)) return old->get();
+    if (const Lease* const old = std::any_cast<Lease>(memory.lease)) return old->get();
     try {
-      picture.lease->reset();
-      return picture.lease->emplace<Lease>(std::make_shared<Buffer>(device_, picture.buffer)).get();
+      memory.lease->reset();
+      return memory.lease
+          ->template emplace<Lease>(std::make_shared<Buffer>(device_, memory.buffer, access))
+          .get();
     } catch (const Error& error) {
       if (error.code() != ErrorCode::kUnsupported) throw;
       refusal_ = error.sentence();
@@ -84,9 +148,12 @@ class GlReader {
 
   Device& device_;
   DeviceAllocator& memory_ = device_.allocator();
+  TriangleList list_;
+  DeviceBuffer<std::uint8_t> shown_{memory_};
+  DeviceBuffer<std::uint32_t> chosen_{memory_};
   DeviceBuffer<std::uint32_t> pixels_{memory_}, names_{memory_};
   bool copied_ = false;  ///< the last picture, through the host
-  std::string refusal_;  ///< why nothing is read where it lies; empty: all is
+  std::string refusal_;  ///< why nothing is shared; empty: all is
 };
 
 }  // namespace raysheaf

@@ -57,6 +57,9 @@
 
 namespace raysheaf {
 
+/// What a device does with a buffer of OpenGL's.
+enum class GlAccess : std::uint8_t { kRead, kWrite };
+
 struct BitRange {
   std::uint32_t begin = 0, end = 0;
 };

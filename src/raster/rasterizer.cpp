@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <optional>
 
 #include "exec/executor.h"
 #include "raster/egl_context.h"
@@ -52,11 +53,15 @@ class Rasterizer::Impl {
   [[nodiscard]] const std::string& description() const { return description_; }
 
   std::vector<std::uint32_t> visible_triangles(const Executor& executor, const FlatScene& scene,
-                                               const PictureView& view, const ReadSlots& read,
+                                               const PictureView& view, SlotDevice* device,
                                                std::vector<std::uint32_t>* drawn) {
     const std::lock_guard lock(mutex_);
     const EglContext::Current current(context_);
     const CameraFrame& frame = view.frame;
+    const std::size_t pixels = std::size_t{frame.width} * frame.height;
+    if (device != nullptr && drawn == nullptr && draw_there(*device, scene.triangle_count, view) &&
+        device->take({pass_->pack(), pixels, {}}))
+      return {};
     pass_->begin(frame.width, frame.height, view.clip);
     std::uint32_t slots = 0;
     for (std::uint32_t first = 0; first < scene.triangle_count;) {
@@ -64,10 +69,9 @@ class Rasterizer::Impl {
       slots += draw(executor, scene, view, first, count, slots);
       first += count;
     }
-    const std::size_t pixels = std::size_t{frame.width} * frame.height;
     const View<const std::uint32_t> names(triangle_of_slot_.data(), slots);
     if (drawn != nullptr) drawn->assign(names.begin(), names.end());
-    if (read && read({pass_->pack(), pixels, names, &pass_->lease()})) return {};
+    if (device != nullptr && device->take({pass_->pack(), pixels, names})) return {};
     std::vector<std::uint32_t> picture(pixels);
     pass_->read(picture);
     executor.for_each(pixels, kPixelGrain,
@@ -84,8 +88,25 @@ class Rasterizer::Impl {
     triangle_of_slot_.resize(std::max(triangle_of_slot_.size(), std::size_t{first_slot} + shown));
     const MappingGuard guard{*pass_};
     packer_.pack(executor, scene, view, pass_->map(shown), triangle_of_slot_.data() + first_slot);
-    pass_->draw(first_slot);
+    pass_->unmap();
+    pass_->draw(shown, first_slot);
     return shown;
+  }
+
+  /// The same of `triangles` that the device has; false where it does not write to OpenGL's memory.
+  bool draw_there(SlotDevice& device, std::uint32_t triangles, const PictureView& view) {
+    pass_->begin(view.frame.width, view.frame.height, view.clip);
+    std::uint32_t slots = 0;
+    for (std::uint32_t first = 0; first < triangles;) {
+      const std::uint32_t count = std::min(kBatch, triangles - first);
+      const GlMemory corners = pass_->corners(count);
+      const std::optional<std::uint32_t> shown = device.pack({corners, view, first, count, slots});
+      if (!shown) return false;
+      pass_->draw(*shown, slots);
+      slots += *shown;
+      first += count;
+    }
+    return true;
   }
 
   std::mutex mutex_;
@@ -108,7 +129,7 @@ std::string Rasterizer::description() const {
 std::vector<std::uint32_t> Rasterizer::visible_triangles(const Executor& executor,
                                                          const FlatScene& scene,
                                                          const CameraFrame& frame,
-                                                         const ReadSlots& read,
+                                                         SlotDevice* device,
                                                          std::vector<std::uint32_t>* drawn) {
   const std::uint32_t width = frame.width, height = frame.height;
   if (width == 0 || height == 0) {
@@ -121,7 +142,7 @@ std::vector<std::uint32_t> Rasterizer::visible_triangles(const Executor& executo
   }
   return impl_->visible_triangles(executor, scene,
                                   {frame, clip_matrix(frame, farthest_depth(frame, scene.bounds))},
-                                  read, drawn);
+                                  device, drawn);
 }
 
 }  // namespace raysheaf

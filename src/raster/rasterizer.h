@@ -36,14 +36,15 @@ class Rasterizer {
   /// same depth the least number wins, where OpenGL computes the same depth for them. OpenGL moves
   /// vertices to a grid of 1/256 pixel, so that along silhouettes a pixel may belong to a triangle
   /// which `camera_ray` misses by so much: `resolve_silhouettes` sets that right.
-  /// `read`, if there is one, may take the picture from OpenGL's memory: then nothing is returned.
+  /// `device`, if there is one, may draw its own triangles, which are the scene's, and take the
+  /// picture from OpenGL's memory: then nothing is returned.
   /// `drawn`, if there is one, takes the triangles that might show, ascending: those that face the
   /// eye as they want, have an area, and do not lie outside of one of the frustum's sides.
   /// O(triangles + pixels). Throws `Error`: kInvalidArgument for an empty picture, kUnsupported for
   /// one larger than the driver's targets, kOutOfMemory.
   [[nodiscard]] std::vector<std::uint32_t> visible_triangles(
       const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
-      const ReadSlots& read = nullptr, std::vector<std::uint32_t>* drawn = nullptr);
+      SlotDevice* device = nullptr, std::vector<std::uint32_t>* drawn = nullptr);
 
  private:
   class Impl;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "raster/pack.h"
 #include "raysheaf/error.h"
@@ -104,6 +105,7 @@ void VisibilityPass::begin(std::uint32_t width, std::uint32_t height, const Clip
 void VisibilityPass::fit_corners(std::uint32_t count) {
   if (count <= corner_capacity_) return;
   constexpr GLsizei kVertexBytes = 3 * sizeof(float);
+  corner_lease_.reset();
   corner_capacity_ = 0;
   corners_ = gl::make_buffer();
   glNamedBufferStorage(corners_.name(), GLsizeiptr{3} * kVertexBytes * count, nullptr,
@@ -122,23 +124,29 @@ float* VisibilityPass::map(std::uint32_t count) {
   if (memory == nullptr) {
     throw Error(ErrorCode::kOutOfMemory, "OpenGL lends no memory for the triangles' corners");
   }
-  mapped_ = count;
+  mapped_ = true;
   return static_cast<float*>(memory);
 }
 
 void VisibilityPass::discard() {
-  if (mapped_ != 0) glUnmapNamedBuffer(corners_.name());
-  mapped_ = 0;
+  if (std::exchange(mapped_, false)) glUnmapNamedBuffer(corners_.name());
 }
 
-void VisibilityPass::draw(std::uint32_t first_slot) {
-  const auto vertices = static_cast<GLsizei>(3 * mapped_);
-  mapped_ = 0;
+void VisibilityPass::unmap() {
+  mapped_ = false;
   if (glUnmapNamedBuffer(corners_.name()) != GL_TRUE) {
     throw Error(ErrorCode::kInternal, "OpenGL lost the triangles' corners");
   }
+}
+
+GlMemory VisibilityPass::corners(std::uint32_t count) {
+  fit_corners(count);
+  return {corners_.name(), &corner_lease_};
+}
+
+void VisibilityPass::draw(std::uint32_t count, std::uint32_t first_slot) {
   glUniform1ui(kFirstSlot, first_slot);
-  glDrawArrays(GL_TRIANGLES, 0, vertices);
+  glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(3 * count));
   gl::check("drawing");
 }
 
@@ -148,7 +156,7 @@ void VisibilityPass::read(View<std::uint32_t> slots) const {
   gl::check("reading the picture");
 }
 
-GLuint VisibilityPass::pack() {
+GlMemory VisibilityPass::pack() {
   const std::size_t pixels = std::size_t{size_[0]} * size_[1];
   if (pixels > packed_capacity_) {
     lease_.reset();
@@ -164,7 +172,7 @@ GLuint VisibilityPass::pack() {
                GL_UNSIGNED_INT, nullptr);
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   gl::check("copying the picture");
-  return packed_.name();
+  return {packed_.name(), &lease_};
 }
 
 }  // namespace raysheaf

@@ -8,6 +8,7 @@
 #include "base/view.h"
 #include "raster/gl_objects.h"
 #include "raster/projection.h"
+#include "raster/slot_picture.h"
 
 namespace raysheaf {
 
@@ -19,19 +20,21 @@ class VisibilityPass {
   void begin(std::uint32_t width, std::uint32_t height, const ClipMatrix& clip);
 
   /// Memory for the corners of `count` triangles, to be written and not read, by any thread, until
-  /// `draw` or `discard`.
+  /// `unmap` or `discard`.
   [[nodiscard]] float* map(std::uint32_t count);
+  void unmap();
   void discard();
+  /// The same memory for a device to write to, until the next call.
+  [[nodiscard]] GlMemory corners(std::uint32_t count);
 
-  /// Draws what was written; its first triangle is number `first_slot` in the picture.
-  void draw(std::uint32_t first_slot);
+  /// Draws the first `count` triangles that were written; the first of them is number `first_slot`
+  /// in the picture.
+  void draw(std::uint32_t count, std::uint32_t first_slot);
 
   /// The picture, rows from the top: a slot a pixel, or kInvalidId.
   void read(View<std::uint32_t> slots) const;
-  /// The same into a buffer of OpenGL's own; its name, until the next call. `lease`: what others
-  /// keep with the buffer, and goes with it.
-  [[nodiscard]] GLuint pack();
-  [[nodiscard]] std::any& lease() { return lease_; }
+  /// The same into a buffer of OpenGL's own, until the next call.
+  [[nodiscard]] GlMemory pack();
 
  private:
   void fit_targets();
@@ -44,10 +47,11 @@ class VisibilityPass {
   gl::Framebuffer framebuffer_;
   std::uint32_t max_size_[2] = {};
   std::uint32_t size_[2] = {}, target_size_[2] = {};
-  std::uint32_t corner_capacity_ = 0, mapped_ = 0;
+  std::uint32_t corner_capacity_ = 0;
+  bool mapped_ = false;
   gl::Buffer packed_;
   std::size_t packed_capacity_ = 0;
-  std::any lease_;  ///< goes before the buffer
+  std::any corner_lease_, lease_;  ///< go before the buffers
 };
 
 }  // namespace raysheaf

@@ -1,6 +1,5 @@
 #include "raster/rasterizer.h"
 
-#include <epoxy/gl.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -333,54 +332,6 @@ TEST_F(RasterizerTest, RefusesPicturesItCannotDraw) {
   EXPECT_EQ(code_for(5, 0), ErrorCode::kInvalidArgument);
   EXPECT_EQ(code_for(1u << 20, 1), ErrorCode::kUnsupported);
   EXPECT_EQ(rendered(*rasterizer_, scene, Camera{}, 4, 4).size(), 16u);  // and goes on
-}
-
-/// What a reader keeps with OpenGL's buffer.
-struct Lease {
-  unsigned buffer;
-  int* gone;
-  Lease(unsigned b, int* g) : buffer(b), gone(g) {}
-  Lease(const Lease&) = delete;
-  Lease& operator=(const Lease&) = delete;
-  ~Lease() {
-    EXPECT_EQ(glIsBuffer(buffer), GL_TRUE) << "the buffer went first";
-    ++*gone;
-  }
-};
-
-TEST_F(RasterizerTest, AReaderTakesThePictureWhereItIs) {
-  const Executor executor(2);
-  const FlatScene scene = soup(300, 0.5f, 7, {0, 0, -3});
-  int gone = 0, leases = 0;
-  std::vector<std::uint32_t> taken;
-  const auto take = [&](const SlotPicture& picture) {
-    if (const auto* lease = std::any_cast<std::shared_ptr<Lease>>(picture.lease)) {
-      EXPECT_EQ((*lease)->buffer, picture.buffer);
-    } else {
-      *picture.lease = std::make_shared<Lease>(picture.buffer, &gone);
-      ++leases;
-    }
-    taken.resize(picture.pixels);
-    glGetNamedBufferSubData(picture.buffer, 0, static_cast<GLsizeiptr>(4 * taken.size()),
-                            taken.data());
-    for (std::uint32_t& pixel : taken) pixel = triangle_of_slot(picture.triangle_of_slot, pixel);
-    return true;
-  };
-  const std::uint32_t sizes[] = {9, 40, 40, 17, 64};  // grows twice
-  for (const std::uint32_t size : sizes) {
-    const CameraFrame frame = make_camera_frame({}, size, size + 3);
-    const auto expected = rasterizer_->visible_triangles(executor, scene, frame);
-    EXPECT_TRUE(shows_something(expected));
-    EXPECT_EQ(rasterizer_->visible_triangles(executor, scene, frame, take),
-              std::vector<std::uint32_t>());
-    EXPECT_EQ(taken, expected);
-    const auto refuse = [](const SlotPicture& /*picture*/) { return false; };
-    EXPECT_EQ(rasterizer_->visible_triangles(executor, scene, frame, refuse), expected);
-  }
-  EXPECT_EQ(leases, 3);
-  EXPECT_EQ(gone, 2);
-  rasterizer_.reset();
-  EXPECT_EQ(gone, 3);
 }
 
 TEST(Rasterizer, SaysWhenThereIsNoGraphics) {

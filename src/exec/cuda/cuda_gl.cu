@@ -36,7 +36,8 @@ cudaGraphicsResource_t resource_of(void* resource) {
 
 }  // namespace
 
-CudaGlBuffer::CudaGlBuffer(CudaDevice& device, unsigned name) : index_(device.index()) {
+CudaGlBuffer::CudaGlBuffer(CudaDevice& device, unsigned name, GlAccess access)
+    : index_(device.index()) {
   const CurrentDevice current(index_, kSharing);
   std::array<int, 16> drawing{};
   unsigned count = 0;
@@ -48,7 +49,10 @@ CudaGlBuffer::CudaGlBuffer(CudaDevice& device, unsigned name) : index_(device.in
   if (said == cudaSuccess && count > 0 && std::find(drawing.begin(), end, index_) == end)
     refuse("OpenGL draws on another device");
   cudaGraphicsResource_t resource = nullptr;
-  require(cudaGraphicsGLRegisterBuffer(&resource, name, cudaGraphicsRegisterFlagsReadOnly));
+  require(cudaGraphicsGLRegisterBuffer(&resource, name,
+                                       access == GlAccess::kRead
+                                           ? cudaGraphicsRegisterFlagsReadOnly
+                                           : cudaGraphicsRegisterFlagsWriteDiscard));
   // What a driver refuses only now is refused here, too.
   cudaError_t status = cudaGraphicsMapResources(1, &resource, stream_of(device));
   if (status == cudaSuccess) status = cudaGraphicsUnmapResources(1, &resource, stream_of(device));
@@ -62,21 +66,34 @@ CudaGlBuffer::~CudaGlBuffer() {
   ignore_cuda(cudaGraphicsUnregisterResource(resource_of(resource_)));
 }
 
+void* CudaGlBuffer::map(const char* stage, CudaDevice& device, std::size_t bytes) const {
+  const CurrentDevice current(index_, stage);
+  cudaGraphicsResource_t resource = resource_of(resource_);
+  check_cuda(cudaGraphicsMapResources(1, &resource, stream_of(device)), stage);
+  void* memory = nullptr;
+  std::size_t room = 0;
+  cudaError_t status = cudaGraphicsResourceGetMappedPointer(&memory, &room, resource);
+  if (status == cudaSuccess && room < bytes) status = cudaErrorInvalidValue;
+  if (status != cudaSuccess)
+    ignore_cuda(cudaGraphicsUnmapResources(1, &resource, stream_of(device)));
+  check_cuda(status, stage);
+  return memory;
+}
+
+void CudaGlBuffer::unmap(const char* stage, CudaDevice& device) const {
+  const CurrentDevice current(index_, stage);
+  cudaGraphicsResource_t resource = resource_of(resource_);
+  check_cuda(cudaGraphicsUnmapResources(1, &resource, stream_of(device)), stage);
+}
+
 void CudaGlBuffer::copy_to(const char* stage, CudaDevice& device, void* to,
                            std::size_t bytes) const {
   const CurrentDevice current(index_, stage);
-  const cudaStream_t stream = stream_of(device);
-  cudaGraphicsResource_t resource = resource_of(resource_);
-  check_cuda(cudaGraphicsMapResources(1, &resource, stream), stage);
-  void* from = nullptr;
-  std::size_t room = 0;
-  cudaError_t status = cudaGraphicsResourceGetMappedPointer(&from, &room, resource);
-  if (status == cudaSuccess && room < bytes) status = cudaErrorInvalidValue;
-  if (status == cudaSuccess)
-    status = cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, stream);
-  const cudaError_t unmapped = cudaGraphicsUnmapResources(1, &resource, stream);
+  const void* const from = map(stage, device, bytes);
+  const cudaError_t status =
+      cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, stream_of(device));
+  unmap(stage, device);
   check_cuda(status, stage);
-  check_cuda(unmapped, stage);
 }
 
 }  // namespace raysheaf

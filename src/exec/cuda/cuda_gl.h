@@ -1,4 +1,4 @@
-// A buffer of OpenGL's, read by a CUDA device where it lies.
+// A buffer of OpenGL's, read or written by a CUDA device where it lies.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ class CudaGlBuffer {
  public:
   /// `name`: OpenGL's. Throws Error (kUnsupported), in CUDA's words, where the context is not this
   /// device's.
-  CudaGlBuffer(CudaDevice& device, unsigned name);
+  CudaGlBuffer(CudaDevice& device, unsigned name, GlAccess access);
   CudaGlBuffer(const CudaGlBuffer&) = delete;
   CudaGlBuffer& operator=(const CudaGlBuffer&) = delete;
   ~CudaGlBuffer();
@@ -21,6 +21,9 @@ class CudaGlBuffer {
   /// Its first bytes go to `to`, in the device's memory, in the order of the device's work: after
   /// what OpenGL was asked for before, and before what it is asked for from now on.
   void copy_to(const char* stage, CudaDevice& device, void* to, std::size_t bytes) const;
+  /// So many bytes in the device's memory, for its work from now on and until `unmap`.
+  [[nodiscard]] void* map(const char* stage, CudaDevice& device, std::size_t bytes) const;
+  void unmap(const char* stage, CudaDevice& device) const;
 
  private:
   int index_;
