@@ -3,8 +3,9 @@
 docs/ keeps its shape. What a header says at its head, for Doxygen no more than a remark, goes before
 its reference. A file elsewhere in the repository that a page links to becomes a page as well,
 `source/<its path>`: Markdown as it is, code as code, a folder as the list of what is in it. Links are
-turned to fit. Pages that the index forgets stand at its end, and so do headers in the reference. What
-has not changed is not written, so that Sphinx does not read it again.
+turned to fit. Pages that neither the index nor the developer guide lists are appended to the index,
+and headers that the reference does not list are appended to it. A page that has not changed is not
+written, so that Sphinx does not read it again.
 """
 
 from __future__ import annotations
@@ -122,10 +123,11 @@ class Stage:
         self.write(page_of(path), ("\n".join(lines) + "\n").encode())
 
     def add_forgotten(self) -> None:
-        """Pages of docs/ that no list of the index names get a list of their own."""
+        """Pages that no list of the index or of the developer guide names get their own list."""
         index = self.folder / "index.md"
         text = index.read_text(encoding="utf-8")
-        named = {line.strip() for line in text.splitlines()} | {"index"}
+        guide = (self.folder / "developer.md").read_text(encoding="utf-8")
+        named = {line.strip() for line in (text + guide).splitlines()} | {"index"}
         pages = sorted(p for p in (ROOT / DOCS).rglob("*.md"))
         names = [p.relative_to(ROOT / DOCS).with_suffix("").as_posix() for p in pages]
         forgotten = [name for name in names if name not in named]

@@ -141,5 +141,41 @@ TEST(Documents, LinksLeadSomewhere) {
   EXPECT_GE(links, 5);
 }
 
+// All string literals of the sources, those that the compiler joins as one.
+std::string messages_of_the_sources() {
+  static const std::regex kSeam("\"\\s*\n\\s*f?\"");
+  std::string all;
+  for (const std::string folder : {"include", "src", "io", "apps", "python", "cmake"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(kDocumentRoot / folder)) {
+      const fs::path ending = entry.path().extension();
+      if (ending == ".h" || ending == ".cpp" || ending == ".cu" || ending == ".py" ||
+          ending == ".sh")
+        all += std::regex_replace(read_file(entry.path()), kSeam, "");
+    }
+  }
+  return all;
+}
+
+TEST(Documents, MessagesAreThoseOfTheSources) {
+  const std::string sources = messages_of_the_sources();
+  int messages = 0;
+  for (const std::string& message : found_in(
+           read_document(kDocumentRoot / "docs/troubleshooting.md").prose, R"(^\| `([^`]+)` \|)")) {
+    std::string rest = message;
+    const std::string dots = "…";
+    while (!rest.empty()) {
+      const std::size_t end = rest.find(dots);
+      std::string part = rest.substr(0, end);
+      rest = end == std::string::npos ? "" : rest.substr(end + dots.size());
+      while (part.starts_with(' ')) part.erase(0, 1);
+      while (part.ends_with(' ')) part.pop_back();
+      EXPECT_NE(sources.find(part), std::string::npos)
+          << "docs/troubleshooting.md: no source says: " << part;
+    }
+    ++messages;
+  }
+  EXPECT_GE(messages, 20);
+}
+
 }  // namespace
 }  // namespace raysheaf::test

@@ -6,7 +6,7 @@ include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/code_blocks.cmake)
 file(REMOVE_RECURSE ${WORK_DIR}/blocks ${WORK_DIR}/build)
 write_code_blocks(${SOURCE_DIR}/README.md ${WORK_DIR}/blocks/readme)
-foreach(page get-started library cookbook)
+foreach(page index get-started library cookbook)
   write_code_blocks(${SOURCE_DIR}/docs/${page}.md ${WORK_DIR}/blocks/${page})
 endforeach()
 run(${CMAKE_COMMAND} -G Ninja -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK_DIR}/build
