@@ -48,11 +48,6 @@ if(RAYSHEAF_APP)
   find_package(CLI11 REQUIRED CONFIG)  # libcli11-dev
   find_package(fmt REQUIRED CONFIG)    # libfmt-dev
   find_path(MUSTACHE_INCLUDE_DIR kainjow/mustache.hpp REQUIRED)  # libkainjow-mustache-dev
-  find_package(embree 3 QUIET CONFIG)  # libembree-dev
-  set(RAYSHEAF_HAS_EMBREE ${embree_FOUND})
-  if(NOT RAYSHEAF_HAS_EMBREE)
-    message(STATUS "Embree 3 not found: `raysheaf bench compare` is left without its peer")
-  endif()
 endif()
 set(RAYSHEAF_HAS_VIEWER OFF)
 if(RAYSHEAF_APP AND RAYSHEAF_VIEWER)

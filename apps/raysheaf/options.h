@@ -109,12 +109,16 @@ struct BenchAblationCommand {
   std::string json_path, csv_path, svg_path, markdown_path;
 };
 
+/// Width and height.
+using ImageSize = std::pair<std::uint32_t, std::uint32_t>;
+
 struct BenchCompareCommand {
   std::string scenes;                    ///< a folder; empty: the built-in scenes
   std::vector<std::string> scene_names;  ///< empty: all there are
   std::vector<CompareKind> kinds;        ///< empty: all
   std::vector<CompareMode> modes;        ///< empty: all
-  std::uint32_t width = 512, height = 512, threads = 0, runs = 9;
+  std::vector<ImageSize> sizes;          ///< of the pictures that rays come from; empty: 512x512
+  std::uint32_t threads = 0, runs = 9;
   bool growth = false, quiet = false;
   std::uint32_t most = 10'000'000;  ///< rays and triangles that growth goes to
   std::string json_path, markdown_path, plot_path;

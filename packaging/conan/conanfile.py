@@ -79,7 +79,6 @@ class Raysheaf(ConanFile):
             toolchain.cache_variables[f"RAYSHEAF_{part}"] = False
         for part in ("CUDA", "MPI", "PYTHON"):
             toolchain.cache_variables[f"RAYSHEAF_{part}"] = "OFF"
-        toolchain.cache_variables["CMAKE_DISABLE_FIND_PACKAGE_embree"] = True  # the system's
         toolchain.generate()
 
     def build(self):

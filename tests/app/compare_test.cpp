@@ -10,11 +10,11 @@
 #include "compare/files.h"
 #include "compare/frames.h"
 #include "compare/page.h"
-#include "compare/peer.h"
 #include "compare/plots.h"
 #include "compare/scenes.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
+#include "tests/app/peers.h"
 #include "tests/support/process.h"
 
 namespace raysheaf::test {
@@ -26,10 +26,6 @@ using app::CompareFrames;
 using app::CompareKind;
 using app::CompareMode;
 using app::CompareReport;
-
-bool has_peer() {
-  return !app::peer_name().empty();
-}
 
 const std::vector<std::string> kTinyRun = {
     "bench", "compare", "--scene", "builtin:cornell", "--size", "16x16",  "--runs",
@@ -48,11 +44,22 @@ void expect_case(const Json& c) {
   EXPECT_GT(c["hits"]["compared"].get<int>(), 0);
   EXPECT_EQ(c["hits"]["brute_force_mismatches"], 0);
   EXPECT_TRUE(c["peer"].get<std::string>().starts_with("embree "));
+  EXPECT_EQ(c["peer_name"], "Embree");
   EXPECT_GE(c["peer_trials"].size(), 5u);
+  EXPECT_EQ(c["size"], "16x16");
+  EXPECT_FALSE(c["plan_short"].get<std::string>().empty());
+  double largest = 0;
+  std::set<std::string> versions;
+  for (const Json& peer : c["peers"]) {
+    largest = std::max(largest, peer["ratio"].get<double>());
+    versions.insert(peer["version"]);
+  }
+  EXPECT_EQ(c["ratio"], largest);
+  EXPECT_EQ(versions.count(c["peer_version"]), 1u);
 }
 
 TEST(Compare, AHallOfNoNumberIsTheOptionsFault) {
-  if (!has_peer()) GTEST_SKIP() << "this build has no Embree";
+  if (!has_peer()) GTEST_SKIP() << "there is no Embree";
   const TemporaryFolder folder;
   const Finished finished = raysheaf_app({"bench", "compare", "--scene", "hall:x"}, folder);
   EXPECT_EQ(finished.code, 2);
@@ -61,7 +68,7 @@ TEST(Compare, AHallOfNoNumberIsTheOptionsFault) {
 }
 
 TEST(Compare, MeasuresEveryKindAndMode) {
-  if (!has_peer()) GTEST_SKIP() << "this build has no Embree";
+  if (!has_peer()) GTEST_SKIP() << "there is no Embree";
   const TemporaryFolder folder;
   const Finished finished = raysheaf_app(kTinyRun, folder);
   ASSERT_EQ(finished.code, 0) << finished.err;
@@ -82,7 +89,7 @@ TEST(Compare, MeasuresEveryKindAndMode) {
 }
 
 TEST(Compare, GrowsInHalls) {
-  if (!has_peer()) GTEST_SKIP() << "this build has no Embree";
+  if (!has_peer()) GTEST_SKIP() << "there is no Embree";
   const TemporaryFolder folder;
   const Finished finished = raysheaf_app(
       {"bench", "compare", "--growth", "--most", "10000", "--size", "8x8", "--runs", "1", "--mode",
@@ -110,6 +117,8 @@ TEST(Compare, RefusesWhatIsWrong) {
   EXPECT_EQ(code({"--plot", "a.png"}), 2);
   EXPECT_EQ(code({"--json", "a.svg", "--plot", "a.svg"}), 2);
   EXPECT_EQ(code({"--growth", "--scene", "builtin:cornell"}), 2);
+  EXPECT_EQ(code({"--growth", "--size", "8x8", "--size", "16x16"}), 2);
+  EXPECT_EQ(code({"--size", "8x8", "--size", "0x16"}), 2);
   if (!has_peer()) return;
   EXPECT_EQ(code({"--scene", "sponza"}), 2);
   EXPECT_EQ(code({"--scene", "builtin:nowhere"}), 2);
@@ -118,15 +127,6 @@ TEST(Compare, RefusesWhatIsWrong) {
   EXPECT_EQ(code({"--scenes", folder.file("nothing")}), 1);
   EXPECT_EQ(code({"--scene", "nothing.glb"}), 1);
   EXPECT_TRUE(folder.names().empty());
-}
-
-TEST(Compare, SaysThatThereIsNoPeer) {
-  if (has_peer()) GTEST_SKIP() << "this build has Embree";
-  const TemporaryFolder folder;
-  const Finished finished =
-      raysheaf_app({"bench", "compare", "--scene", "builtin:cornell"}, folder);
-  EXPECT_EQ(finished.code, 1);
-  EXPECT_NE(finished.err.find("no peer"), std::string::npos);
 }
 
 TEST(CompareFrames, DifferInEveryMesh) {
@@ -226,37 +226,6 @@ TEST(CompareHits, OneInTenThousandMayDiffer) {
   EXPECT_FALSE(check.equal());
 }
 
-TEST(Compare, PeerAnswersAlikeInEveryWay) {
-  if (!has_peer()) GTEST_SKIP() << "this build has no Embree";
-  CompareFrames frames(builtin_scene("cornell"), true);
-  frames.make_rays({CompareKind::kMirror, CompareKind::kShadow}, 13, 11, 1);
-  app::PeerDevice device(2);
-  const std::vector<Ray>& mirror = frames.rays(1, CompareKind::kMirror);
-  const std::vector<Ray>& shadow = frames.rays(1, CompareKind::kShadow);
-  std::vector<Hit> expected;
-  std::vector<std::uint8_t> expected_flags;
-  for (const CompareMode mode : app::all_compare_modes()) {
-    for (const app::PeerBuild& build : app::peer_builds(mode)) {
-      app::PeerScene scene(device, build);
-      scene.set_meshes(frames.meshes(0, true));
-      scene.move_meshes(frames.meshes(1, true));
-      for (const app::PeerCall& call : app::peer_calls(false)) {
-        std::vector<Hit> hits(mirror.size());
-        scene.closest_hit(mirror, hits, call);
-        if (expected.empty()) expected = hits;
-        EXPECT_EQ(app::compare_hits(mirror, expected, hits, 1e-4f).mismatches, 0u)
-            << build.name << ", " << call.name;
-      }
-      for (const app::PeerCall& call : app::peer_calls(true)) {
-        std::vector<std::uint8_t> flags(shadow.size());
-        scene.any_hit(shadow, flags, call);
-        if (expected_flags.empty()) expected_flags = flags;
-        EXPECT_EQ(flags, expected_flags) << build.name << ", " << call.name;
-      }
-    }
-  }
-}
-
 CompareCase made_case(const std::string& scene, std::uint64_t triangles, CompareMode mode,
                       double ratio) {
   CompareCase c;
@@ -265,8 +234,8 @@ CompareCase made_case(const std::string& scene, std::uint64_t triangles, Compare
   c.rays = 1000;
   c.mode = mode;
   c.ours_ms.total = ratio;
-  c.peer_ms.total = 1;
-  c.ratio = ratio;
+  c.peer.ms.total = 1;
+  c.peer.ratio = ratio;
   return c;
 }
 
@@ -285,7 +254,7 @@ TEST(Compare, PageMarksWhatMisses) {
   report.threads = 2;
   report.cases = {made_case("a", 66'450, CompareMode::kRebuild, 0.4),
                   made_case("b", 66'450, CompareMode::kRebuild, 0.9)};
-  report.cases[0].hits.compared = report.cases[1].hits.compared = 1000;
+  for (CompareCase& c : report.cases) c.peer.hits.compared = 1000;
   const std::string page = app::compare_page(report, "plot.svg");
   EXPECT_NE(page.find("| a | 66450 | 0.400 |"), std::string::npos) << page;
   EXPECT_NE(page.find("| b | 66450 | **0.900** (0.5) |"), std::string::npos);
@@ -303,7 +272,7 @@ TEST(Compare, GrowthFindsTheSteepestStep) {
     CompareCase c =
         made_case("hall", static_cast<std::uint64_t>(triangles), CompareMode::kStatic, 1);
     c.ours_ms.total = ms;
-    c.peer_ms.total = 2;
+    c.peer.ms.total = 2;
     report.growth.push_back({"triangles", c});
   }
   const auto line =

@@ -1,26 +1,38 @@
-// The ways to ask Embree 3 about a block of rays.
+// The ways to ask Embree about a block of rays.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
+#include "compare/embree_api.h"
 #include "raysheaf/types.h"
-
-struct RTCSceneTy;
-struct RTCIntersectContext;
 
 namespace raysheaf::app {
 
 inline constexpr std::size_t kRaysATask = 1024;
 
+/// What goes with every query of a task: Embree 3 takes the context, Embree 4 the arguments.
+struct EmbreeQuestion {
+  EmbreeQuestion(const embree::Api& embree_api, embree::Scene of, bool coherent)
+      : api(embree_api), scene(of) {
+    context.flags = coherent ? embree::kContextCoherent : 0;
+    arguments.flags = coherent ? embree::kArgumentsCoherent : 0;
+  }
+
+  const embree::Api& api;
+  embree::Scene scene;
+  embree::Context context;
+  embree::Arguments arguments;
+};
+
 struct EmbreeCall {
   const char* closest_name;
   const char* any_name;
-  bool coherent;  ///< the flag of the context
-  void (*closest)(RTCSceneTy* scene, RTCIntersectContext& context, std::span<const Ray> rays,
-                  std::span<Hit> hits);
-  void (*any)(RTCSceneTy* scene, RTCIntersectContext& context, std::span<const Ray> rays,
+  bool coherent;  ///< whether rays are declared coherent
+  bool stream;    ///< Embree 4 has none
+  void (*closest)(EmbreeQuestion& question, std::span<const Ray> rays, std::span<Hit> hits);
+  void (*any)(EmbreeQuestion& question, std::span<const Ray> rays,
               std::span<std::uint8_t> occluded);
 };
 

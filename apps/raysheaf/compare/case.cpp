@@ -14,6 +14,7 @@ namespace raysheaf::app {
 namespace {
 
 constexpr std::uint64_t kManyTriangles = 2'000'000;
+constexpr std::size_t kManyRays = 1'500'000;
 
 /// The library with the verbs of `PeerScene`. It reads the caller's arrays where they lie, as the
 /// peer does, and neither looks the rays over.
@@ -86,12 +87,28 @@ struct Lap {
   double update = 0, trace = 0, total = 0;
 };
 
-/// The way of the peer that was the fastest for a kind of rays.
+/// The way of a peer that was the fastest for a kind of rays.
 struct Best {
   PeerBuild build;
   PeerCall call;
   double total = std::numeric_limits<double>::infinity();
-  std::vector<PeerTrial> trials;
+};
+
+/// One version of the peer.
+struct Peer {
+  explicit Peer(PeerDevice& its_device) : device(&its_device) {}
+
+  PeerDevice* device;
+  std::map<CompareKind, Best> best;
+  std::unique_ptr<PeerScene> scene;  ///< in a build that has won
+  std::uint32_t build = 0;
+};
+
+/// What the rounds measured of one version.
+struct PeerRounds {
+  std::vector<PeerTimes> ms;
+  std::vector<double> ratios;
+  Answers answers;
 };
 
 }  // namespace
@@ -106,26 +123,29 @@ class CompareBench::Impl {
         frame_count_(mode == CompareMode::kStatic ? 1 : frames.frame_count()) {
     for (std::size_t i = 0; i < frame_count_; ++i)
       views_.push_back(frames.meshes(i, mode == CompareMode::kRefit));
-    for (const PeerBuild& build : peer_builds(mode)) try_build(build, kinds);
+    for (PeerDevice* device : setting.peers) {
+      Peer& peer = peers_.emplace_back(*device);
+      for (const PeerBuild& build : peer_builds(mode)) try_build(peer, build, kinds);
+    }
     ours_.emplace(setting.context);
     ours_->set_meshes(views_[0]);
   }
 
   CompareCase measure(CompareKind kind) {
-    const Best& best = best_.at(kind);
-    PeerSide peer{peer_scene(best.build), best.call};
     CompareCase result;
     result.kind = kind;
     result.mode = mode_;
     result.triangles = frames_.triangle_count();
     result.rays = frames_.rays(0, kind).size();
     result.threads = setting_.context.threads();
-    result.peer = "embree " + best.build.name + ", " + best.call.name;
-    result.trials = best.trials;
-    run_pairs(kind, peer, result);
+    result.trials = trials_[kind];
+    for (Peer& peer : peers_) make_scene(peer, peer.best.at(kind).build);
+    run_rounds(kind, result);
+    result.peer = *std::max_element(
+        result.peers.begin(), result.peers.end(),
+        [](const PeerResult& a, const PeerResult& b) { return a.ratio < b.ratio; });
     result.plan = ours_->statistics().plan;
     result.our_bytes = ours_->scene().memory_bytes();
-    result.peer_bytes = setting_.peer->memory_bytes();
     return result;
   }
 
@@ -162,76 +182,108 @@ class CompareBench::Impl {
   }
 
   /// Of each way. The least time counts: what disturbs a short trial only ever adds to it.
-  [[nodiscard]] int trials() const { return frames_.triangle_count() > kManyTriangles ? 2 : 5; }
+  [[nodiscard]] int trials(std::size_t rays) const {
+    return frames_.triangle_count() > kManyTriangles || rays > kManyRays ? 2 : 5;
+  }
 
-  void try_build(const PeerBuild& build, const std::vector<CompareKind>& kinds) {
-    PeerScene scene(*setting_.peer, build);
+  void try_build(Peer& peer, const PeerBuild& build, const std::vector<CompareKind>& kinds) {
+    PeerScene scene(*peer.device, build);
     PeerSide any_way{scene, {}};
     scene.set_meshes(views_[0]);
     double build_ms = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < trials(); ++i)
+    const int count = trials(0);
+    for (int i = 0; i < count; ++i)
       build_ms =
           std::min(build_ms, update(any_way, (static_cast<std::size_t>(i) + 1) % frame_count_));
-    const std::size_t frame = static_cast<std::size_t>(trials()) % frame_count_;
+    const std::size_t frame = static_cast<std::size_t>(count) % frame_count_;
     for (const CompareKind kind : kinds) {
       if (frames_.rays(0, kind).empty()) continue;
-      for (const PeerCall& call : peer_calls(asks_for_any_hit(kind)))
-        try_call(build, call, scene, kind, frame, build_ms);
+      for (const PeerCall& call : peer.device->calls(asks_for_any_hit(kind)))
+        try_call(peer, {build, call}, scene, kind, frame, build_ms);
     }
   }
 
-  void try_call(const PeerBuild& build, const PeerCall& call, PeerScene& scene, CompareKind kind,
-                std::size_t frame, double build_ms) {
-    PeerSide side{scene, call};
+  /// A way whose first trial takes twice as long as the best one is not tried again.
+  void try_call(Peer& peer, const Best& way, PeerScene& scene, CompareKind kind, std::size_t frame,
+                double build_ms) {
+    PeerSide side{scene, way.call};
     Answers answers;
+    Best& best = peer.best[kind];
     double trace_ms = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < trials(); ++i)
+    const int count = trials(frames_.rays(frame, kind).size());
+    for (int i = 0; i < count; ++i) {
       trace_ms = std::min(trace_ms, trace(side, frame, kind, answers));
+      if (build_ms + trace_ms > 2 * best.total) break;
+    }
     const double total = build_ms + trace_ms;
-    Best& best = best_[kind];
-    best.trials.push_back({build.name + ", " + call.name, {build_ms, trace_ms, total}});
+    trials_[kind].push_back({way_name(way), peer.device->version(), {build_ms, trace_ms, total}});
     if (total >= best.total) return;
-    best.build = build;
-    best.call = call;
+    best = way;
     best.total = total;
   }
 
-  /// The peer's scene in a build that has won; one at a time, for the largest ones fill a machine.
-  PeerScene& peer_scene(const PeerBuild& build) {
-    if (peer_ && peer_build_ == build.index) return *peer_;
-    peer_.reset();
-    peer_ = std::make_unique<PeerScene>(*setting_.peer, build);
-    peer_build_ = build.index;
-    peer_->set_meshes(views_[0]);
-    return *peer_;
+  static std::string way_name(const Best& way) { return way.build.name + ", " + way.call.name; }
+
+  /// One scene a peer at a time, for the largest ones fill a machine.
+  void make_scene(Peer& peer, const PeerBuild& build) {
+    if (peer.scene && peer.build == build.index) return;
+    peer.scene.reset();
+    peer.scene = std::make_unique<PeerScene>(*peer.device, build);
+    peer.build = build.index;
+    peer.scene->set_meshes(views_[0]);
   }
 
-  /// Both orders and both frames come equally often, in all four combinations.
-  void run_pairs(CompareKind kind, PeerSide& peer, CompareCase& result) {
-    std::vector<OurTimes> ours;
-    std::vector<PeerTimes> theirs;
-    std::vector<double> ratios;
+  /// Which side runs as number `place` of a round: each begins equally often, and the sides follow
+  /// one another in both directions.
+  static std::size_t side_at(std::size_t place, std::size_t round, std::size_t sides) {
+    const bool backwards = (round / sides) % 2 == 1;
+    return (round + (backwards ? sides - place : place)) % sides;
+  }
+
+  /// Every order comes with both frames equally often. Side 0 is ours.
+  void run_rounds(CompareKind kind, CompareCase& result) {
     constexpr std::size_t kWarmUp = 2;
-    Answers our_answers, their_answers;
+    std::vector<OurTimes> ours;
+    std::vector<PeerRounds> theirs(peers_.size());
+    Answers our_answers;
+    result.peers.resize(peers_.size());
     std::size_t frame = 0;
     for (std::size_t i = 0; i < setting_.runs + kWarmUp; ++i) {
       frame = (i + 1) % frame_count_;
-      Lap our_lap, their_lap;
-      const bool we_begin = (i / frame_count_) % 2 == 0;
-      if (we_begin) our_lap = lap(*ours_, frame, kind, our_answers);
-      their_lap = lap(peer, frame, kind, their_answers);
-      if (!we_begin) our_lap = lap(*ours_, frame, kind, our_answers);
-      check(kind, frame, our_answers, their_answers, &result.hits);
+      std::vector<Lap> laps(1 + peers_.size());
+      for (std::size_t place = 0; place < laps.size(); ++place) {
+        const std::size_t side = side_at(place, i / frame_count_, laps.size());
+        if (side == 0) {
+          laps[0] = lap(*ours_, frame, kind, our_answers);
+        } else {
+          PeerSide peer{*peers_[side - 1].scene, peers_[side - 1].best.at(kind).call};
+          laps[side] = lap(peer, frame, kind, theirs[side - 1].answers);
+        }
+      }
+      for (std::size_t p = 0; p < peers_.size(); ++p)
+        check(kind, frame, our_answers, theirs[p].answers, &result.peers[p].hits);
       if (i < kWarmUp) continue;
       const QueryStatistics& s = ours_->statistics();
-      ours.push_back({our_lap.update, s.order_ms, s.hierarchy_ms, s.trace_ms, our_lap.total});
-      theirs.push_back({their_lap.update, their_lap.trace, their_lap.total});
-      ratios.push_back(our_lap.total / their_lap.total);
+      ours.push_back({laps[0].update, s.order_ms, s.hierarchy_ms, s.trace_ms, laps[0].total});
+      for (std::size_t p = 0; p < peers_.size(); ++p) {
+        const Lap& lap = laps[p + 1];
+        theirs[p].ms.push_back({lap.update, lap.trace, lap.total});
+        theirs[p].ratios.push_back(laps[0].total / lap.total);
+      }
     }
-    sample(kind, frame, our_answers, result.hits);
     result.ours_ms = medians(ours);
-    result.peer_ms = medians(theirs);
-    result.ratio = median(ratios);
+    HitCheck sampled;
+    sample(kind, frame, our_answers, sampled);
+    for (std::size_t p = 0; p < peers_.size(); ++p) {
+      PeerResult& peer = result.peers[p];
+      peer.version = peers_[p].device->version();
+      peer.way = way_name(peers_[p].best.at(kind));
+      peer.ms = medians(theirs[p].ms);
+      peer.ratio = median(theirs[p].ratios);
+      peer.bytes = peers_[p].device->memory_bytes();
+      peer.hits.sampled = sampled.sampled;
+      peer.hits.sample_mismatches = sampled.sample_mismatches;
+    }
   }
 
   template <class Times>
@@ -300,10 +352,9 @@ class CompareBench::Impl {
   const CompareMode mode_;
   const std::size_t frame_count_;
   std::vector<std::vector<MeshView>> views_;
-  std::map<CompareKind, Best> best_;
+  std::map<CompareKind, std::vector<PeerTrial>> trials_;
+  std::vector<Peer> peers_;
   std::optional<OurScene> ours_;
-  std::unique_ptr<PeerScene> peer_;
-  std::uint32_t peer_build_ = 0;
 };
 
 CompareBench::CompareBench(const CompareSetting& setting, const CompareFrames& frames,

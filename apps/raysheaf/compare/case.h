@@ -1,4 +1,4 @@
-// One scene in one mode: the peer's best way is found, then both sides run in turns.
+// One scene in one mode: the best way of each peer is found, then all sides alternate.
 #pragma once
 
 #include <memory>
@@ -12,20 +12,20 @@ namespace raysheaf::app {
 
 struct CompareSetting {
   Context context;
-  PeerDevice* peer = nullptr;
+  std::vector<PeerDevice*> peers;  ///< at least one
   std::uint32_t runs = 9;
 };
 
 class CompareBench {
  public:
-  /// Tries the ways of the peer for each of `kinds`. Everything referred to must outlive this.
+  /// Tries the ways of each peer for each of `kinds`. Everything referred to must outlive this.
   CompareBench(const CompareSetting& setting, const CompareFrames& frames, CompareMode mode,
                const std::vector<CompareKind>& kinds);
   ~CompareBench();
   CompareBench(const CompareBench&) = delete;
   CompareBench& operator=(const CompareBench&) = delete;
 
-  /// One of the kinds. Fills all but the scene's name.
+  /// One of the kinds. Fills everything except the scene's name and the size of its picture.
   [[nodiscard]] CompareCase measure(CompareKind kind);
 
  private:

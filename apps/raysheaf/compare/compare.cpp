@@ -48,24 +48,29 @@ class Session {
       : command_(command),
         kinds_(command.kinds.empty() ? all_compare_kinds() : command.kinds),
         modes_(command.modes.empty() ? all_compare_modes() : command.modes),
-        setting_{Context({Device::kCpu, command.threads}), nullptr, command.runs},
-        device_(setting_.context.threads()),
+        sizes_(command.sizes.empty() ? std::vector<ImageSize>{{512, 512}} : command.sizes),
+        setting_{Context({Device::kCpu, command.threads}), {}, command.runs},
+        peers_(open_peers(setting_.context.threads())),
         tell_(tell) {
-    setting_.peer = &device_;
+    for (const std::unique_ptr<PeerDevice>& peer : peers_) {
+      setting_.peers.push_back(peer.get());
+      report_.peer += (report_.peer.empty() ? "Embree " : " and Embree ") + peer->version();
+    }
     report_.command = command;
-    report_.peer = peer_name();
     report_.threads = setting_.context.threads();
   }
 
   CompareReport scenes() {
     const std::vector<CompareScene> scenes = chosen_scenes(command_, &report_.notes);
-    Progress progress(tell_, scenes.size() * modes_.size() * kinds_.size());
+    Progress progress(tell_, scenes.size() * sizes_.size() * modes_.size() * kinds_.size());
     for (const CompareScene& scene : scenes) {
       progress.prepare("preparing " + scene.name);
       CompareFrames frames(load_compare_scene(scene, report_.threads), moves());
-      frames.make_rays(kinds_, command_.width, command_.height, report_.threads);
-      for (const CompareMode mode : modes_)
-        measure(frames, scene.name, mode, progress, &report_.cases);
+      for (const ImageSize& size : sizes_) {
+        frames.make_rays(kinds_, size.first, size.second, report_.threads);
+        for (const CompareMode mode : modes_)
+          measure(frames, scene.name, size, mode, progress, &report_.cases);
+      }
     }
     return finished();
   }
@@ -75,11 +80,10 @@ class Session {
     const std::vector<double> triangles = decades(), rays = decades();
     Progress progress(tell_, (triangles.size() + rays.size()) * modes_.size() * kinds_.size());
     for (const double count : triangles)
-      grow("triangles", static_cast<std::uint64_t>(count), command_.width, command_.height,
-           progress);
+      grow("triangles", static_cast<std::uint64_t>(count), sizes_.front(), progress);
     for (const double count : rays) {
       const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(count)));
-      grow("rays", std::min(command_.most, kTrianglesForRays), side, side, progress);
+      grow("rays", std::min(command_.most, kTrianglesForRays), {side, side}, progress);
     }
     return finished();
   }
@@ -102,29 +106,35 @@ class Session {
     }
   }
 
-  void grow(const std::string& along, std::uint64_t triangles, std::uint32_t width,
-            std::uint32_t height, Progress& progress) {
+  void grow(const std::string& along, std::uint64_t triangles, ImageSize size, Progress& progress) {
     progress.prepare(fmt::format("preparing a hall of {} triangles", triangles));
     CompareFrames frames(hall_scene(triangles, report_.threads), moves());
-    frames.make_rays(kinds_, width, height, report_.threads);
+    frames.make_rays(kinds_, size.first, size.second, report_.threads);
     std::vector<CompareCase> cases;
-    for (const CompareMode mode : modes_) measure(frames, "hall", mode, progress, &cases);
+    for (const CompareMode mode : modes_) measure(frames, "hall", size, mode, progress, &cases);
     for (CompareCase& c : cases) report_.growth.push_back({along, std::move(c)});
   }
 
-  void measure(const CompareFrames& frames, const std::string& scene, CompareMode mode,
-               Progress& progress, std::vector<CompareCase>* cases) {
-    progress.prepare(fmt::format("{}, {}: trying the peer's ways", scene, to_string(mode)));
+  void measure(const CompareFrames& frames, const std::string& scene, ImageSize size,
+               CompareMode mode, Progress& progress, std::vector<CompareCase>* cases) {
+    CompareCase named;
+    named.scene = scene;
+    named.size = size;
+    named.one_of_sizes = sizes_.size() > 1;
+    const std::string label = label_of(named);
+    progress.prepare(fmt::format("{}, {}: trying the peers' ways", label, to_string(mode)));
     CompareBench bench(setting_, frames, mode, kinds_);
     for (const CompareKind kind : kinds_) {
-      progress.measure(fmt::format("{}, {}, {}", scene, to_string(mode), to_string(kind)));
+      progress.measure(fmt::format("{}, {}, {}", label, to_string(mode), to_string(kind)));
       if (has_no_rays(frames, kind)) {
         report_.notes.push_back(
-            fmt::format("{} has no {} rays at this size", scene, to_string(kind)));
+            fmt::format("{} has no {} rays at this size", label, to_string(kind)));
         continue;
       }
       cases->push_back(bench.measure(kind));
       cases->back().scene = scene;
+      cases->back().size = size;
+      cases->back().one_of_sizes = named.one_of_sizes;
     }
   }
 
@@ -145,8 +155,9 @@ class Session {
   const BenchCompareCommand& command_;
   const std::vector<CompareKind> kinds_;
   const std::vector<CompareMode> modes_;
+  const std::vector<ImageSize> sizes_;
   CompareSetting setting_;
-  PeerDevice device_;
+  std::vector<std::unique_ptr<PeerDevice>> peers_;
   const TellCompare& tell_;
   CompareReport report_;
 };

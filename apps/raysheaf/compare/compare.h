@@ -1,5 +1,5 @@
-// The comparison: the library beside a peer in one process, alternating, with the same threads, the
-// hits of both compared.
+// The comparison: the library beside its peers in one process, alternating, with the same threads,
+// the hits of all compared.
 #pragma once
 
 #include <cstdint>
@@ -38,28 +38,47 @@ struct HitCheck {
   }
 };
 
-/// A way that the peer was tried, and what it took.
+/// A way that a peer was tried, and what it took.
 struct PeerTrial {
-  std::string name;
+  std::string name, version;
   PeerTimes ms;
+};
+
+/// What one version of the peer took, in the way that was its fastest.
+struct PeerResult {
+  std::string version;  ///< "4.4.0"
+  std::string way;      ///< "LOW, intersect16 coherent"
+  PeerTimes ms;
+  double ratio = 0;  ///< the median over the rounds of ours / theirs
+  HitCheck hits;
+  std::uint64_t bytes = 0;
 };
 
 /// One kind of rays in one scene and mode. Times are medians.
 struct CompareCase {
   std::string scene;
+  ImageSize size;                         ///< of the picture that rays come from
+  bool one_of_sizes = false;              ///< several sizes were compared
   std::uint64_t triangles = 0, rays = 0;  ///< rays of the first frame
   CompareKind kind = CompareKind::kShadow;
   CompareMode mode = CompareMode::kRebuild;
   std::uint32_t threads = 0;
   OurTimes ours_ms;
-  std::string peer;  ///< "embree LOW, intersect16 coherent"
-  PeerTimes peer_ms;
-  double ratio = 0;  ///< the median over the pairs of ours / theirs
-  HitCheck hits;
+  PeerResult peer;                ///< the version that counts: the fastest, with the largest ratio
+  std::vector<PeerResult> peers;  ///< every version
   std::vector<PeerTrial> trials;
   std::vector<std::string> plan;  ///< of the library: what it chose and why
-  std::uint64_t our_bytes = 0, peer_bytes = 0;
+  std::uint64_t our_bytes = 0;
 };
+
+/// "2048x2048"
+[[nodiscard]] std::string size_text(ImageSize size);
+
+/// The scene, and the size of its picture where several were compared.
+[[nodiscard]] std::string label_of(const CompareCase& c);
+
+/// What a plan chose, without the reasons: "tree built, streams, tiles".
+[[nodiscard]] std::string short_plan(const std::vector<std::string>& plan);
 
 /// A point of the growth.
 struct GrowthCase {
@@ -69,7 +88,7 @@ struct GrowthCase {
 
 struct CompareReport {
   BenchCompareCommand command;
-  std::string peer;
+  std::string peer;  ///< "Embree 4.4.0 and Embree 3.13.5"
   std::uint32_t threads = 0;
   std::vector<CompareCase> cases;
   std::vector<GrowthCase> growth;
@@ -81,13 +100,14 @@ struct CompareReport {
 using TellCompare =
     std::function<void(const std::string& what, std::uint64_t done, std::uint64_t total)>;
 
-/// Throws `Error` (kUnsupported) where this build has no peer.
+/// Throws `Error` as `open_peers` does.
 [[nodiscard]] CompareReport measure_compare(const BenchCompareCommand& command,
                                             const TellCompare& tell);
 
 /// The ratio that issue and documents ask for, where they ask for one.
 [[nodiscard]] std::optional<double> limit_of(const CompareCase& c);
-/// The row of the table of limits: "rebuild", "rebuild_large", "refit", "static".
+/// The row of the table of limits: "rebuild", "rebuild_large", "refit", "static"; with the size
+/// behind it where several were compared: "refit_2048x2048".
 [[nodiscard]] std::string row_of(const CompareCase& c);
 [[nodiscard]] bool misses_limit(const CompareCase& c);
 

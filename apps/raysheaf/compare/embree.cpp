@@ -1,5 +1,4 @@
-// Embree 3: its device, its scenes and their builds.
-#include <embree3/rtcore.h>
+// Embree's devices, its scenes and their builds.
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
@@ -7,10 +6,12 @@
 #include <pmmintrin.h>
 #endif
 
+#include <algorithm>
 #include <atomic>
 #include <mutex>
 
 #include "compare/calls.h"
+#include "compare/embree_library.h"
 #include "compare/peer.h"
 #include "raysheaf/error.h"
 
@@ -42,37 +43,63 @@ class FlushedDenormals {
 /// one over them; the others have one over all triangles, where Embree has such a builder.
 struct EmbreeBuild {
   const char* name;
-  RTCBuildQuality scene, geometry;
+  embree::Quality scene, geometry;
   bool dynamic;
   CompareMode mode;
 };
 
+constexpr embree::Quality kLow = embree::Quality::kLow, kMedium = embree::Quality::kMedium,
+                          kHigh = embree::Quality::kHigh;
+
 constexpr EmbreeBuild kBuilds[] = {
-    {"LOW", RTC_BUILD_QUALITY_LOW, RTC_BUILD_QUALITY_LOW, false, CompareMode::kRebuild},
-    {"LOW dynamic", RTC_BUILD_QUALITY_LOW, RTC_BUILD_QUALITY_LOW, true, CompareMode::kRebuild},
-    {"MEDIUM", RTC_BUILD_QUALITY_MEDIUM, RTC_BUILD_QUALITY_MEDIUM, false, CompareMode::kRebuild},
-    {"MEDIUM dynamic", RTC_BUILD_QUALITY_MEDIUM, RTC_BUILD_QUALITY_MEDIUM, true,
-     CompareMode::kRebuild},
-    {"REFIT", RTC_BUILD_QUALITY_LOW, RTC_BUILD_QUALITY_REFIT, true, CompareMode::kRefit},
-    {"HIGH", RTC_BUILD_QUALITY_HIGH, RTC_BUILD_QUALITY_HIGH, false, CompareMode::kStatic},
+    {"LOW", kLow, kLow, false, CompareMode::kRebuild},
+    {"LOW dynamic", kLow, kLow, true, CompareMode::kRebuild},
+    {"MEDIUM", kMedium, kMedium, false, CompareMode::kRebuild},
+    {"MEDIUM dynamic", kMedium, kMedium, true, CompareMode::kRebuild},
+    {"REFIT", kLow, embree::Quality::kRefit, true, CompareMode::kRefit},
+    {"HIGH", kHigh, kHigh, false, CompareMode::kStatic},
+    {"MEDIUM", kMedium, kMedium, false, CompareMode::kStatic},
 };
+
+/// 40400 is "4.4.0".
+std::string version_text(ssize_t version) {
+  return std::to_string(version / 10'000) + "." + std::to_string(version / 100 % 100) + "." +
+         std::to_string(version % 100);
+}
 
 }  // namespace
 
 class PeerDevice::Impl {
  public:
-  explicit Impl(std::uint32_t threads)
-      : device_(rtcNewDevice(("threads=" + std::to_string(threads)).c_str())),
+  Impl(const EmbreeLibrary& library, std::uint32_t threads)
+      : api_(library.api),
+        device_(api_.new_device(("threads=" + std::to_string(threads)).c_str())),
         arena_(static_cast<int>(threads)) {
-    if (device_ == nullptr) throw Error(ErrorCode::kInternal, "Embree has no device", "Embree");
-    rtcSetDeviceErrorFunction(device_, remember, this);
-    rtcSetDeviceMemoryMonitorFunction(device_, count, this);
+    if (device_ == nullptr)
+      throw Error(ErrorCode::kInternal, "'" + library.file + "' has no device", "Embree");
+    const ssize_t version = api_.device_property(device_, embree::DeviceProperty::kVersion);
+    version_ = version_text(version);
+    api_.major_version = static_cast<int>(version / 10'000);
+    const bool known =
+        api_.major_version == 4 || (api_.major_version == 3 && api_.intersect.stream_3 != nullptr &&
+                                    api_.occluded.stream_3 != nullptr);
+    if (!known) {
+      api_.release_device(device_);
+      throw Error(ErrorCode::kUnsupported,
+                  "'" + library.file + "' is Embree " + version_ +
+                      ", and only Embree 3 and 4 can be compared with",
+                  "Embree");
+    }
+    api_.set_error_function(device_, remember, this);
+    api_.set_memory_function(device_, count, this);
   }
-  ~Impl() { rtcReleaseDevice(device_); }
+  ~Impl() { api_.release_device(device_); }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  [[nodiscard]] RTCDevice device() const { return device_; }
+  [[nodiscard]] const embree::Api& api() const { return api_; }
+  [[nodiscard]] embree::Device device() const { return device_; }
+  [[nodiscard]] const std::string& version() const { return version_; }
   [[nodiscard]] oneapi::tbb::task_arena& arena() { return arena_; }
   [[nodiscard]] std::uint64_t memory_bytes() const {
     return static_cast<std::uint64_t>(std::max<std::int64_t>(0, bytes_));
@@ -81,18 +108,18 @@ class PeerDevice::Impl {
   /// Throws what went wrong since the last call.
   void check() {
     const std::lock_guard lock(mutex_);
-    if (error_ == RTC_ERROR_NONE) return;
+    if (failure_ == embree::Failure::kNone) return;
     const ErrorCode code =
-        error_ == RTC_ERROR_OUT_OF_MEMORY ? ErrorCode::kOutOfMemory : ErrorCode::kInternal;
-    error_ = RTC_ERROR_NONE;
-    throw Error(code, message_, "Embree");
+        failure_ == embree::Failure::kOutOfMemory ? ErrorCode::kOutOfMemory : ErrorCode::kInternal;
+    failure_ = embree::Failure::kNone;
+    throw Error(code, message_, "Embree " + version_);
   }
 
  private:
-  static void remember(void* self, RTCError error, const char* message) {
+  static void remember(void* self, embree::Failure failure, const char* message) {
     auto& impl = *static_cast<Impl*>(self);
     const std::lock_guard lock(impl.mutex_);
-    impl.error_ = error;
+    impl.failure_ = failure;
     impl.message_ = message != nullptr ? message : "an error without a name";
   }
   static bool count(void* self, ssize_t bytes, bool) {
@@ -102,23 +129,28 @@ class PeerDevice::Impl {
 
   std::atomic<std::int64_t> bytes_ = 0;
   std::mutex mutex_;
-  RTCError error_ = RTC_ERROR_NONE;
-  std::string message_;
-  RTCDevice device_;
+  embree::Failure failure_ = embree::Failure::kNone;
+  std::string message_, version_;
+  embree::Api api_;
+  embree::Device device_;
   oneapi::tbb::task_arena arena_;
 };
 
 class PeerScene::Impl {
  public:
   Impl(PeerDevice::Impl& device, const EmbreeBuild& build)
-      : device_(device), build_(build), scene_(rtcNewScene(device.device())) {
-    rtcSetSceneBuildQuality(scene_, build.scene);
-    rtcSetSceneFlags(scene_, build.dynamic ? RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_NONE);
+      : device_(device),
+        api_(device.api()),
+        build_(build),
+        scene_(api_.new_scene(device.device())) {
+    api_.set_scene_quality(scene_, build.scene);
+    api_.set_scene_flags(scene_,
+                         build.dynamic ? embree::SceneFlag::kDynamic : embree::SceneFlag::kNone);
     device_.check();
   }
   ~Impl() {
-    for (RTCGeometry geometry : geometries_) rtcReleaseGeometry(geometry);
-    rtcReleaseScene(scene_);
+    for (embree::Geometry geometry : geometries_) api_.release_geometry(geometry);
+    api_.release_scene(scene_);
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -127,17 +159,16 @@ class PeerScene::Impl {
     const FlushedDenormals flushed;
     while (geometries_.size() < meshes.size()) add();
     for (std::size_t i = 0; i < meshes.size(); ++i) {
-      RTCGeometry geometry = geometries_[i];
-      rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                 meshes[i].positions.data(), 0, sizeof(Vec3),
-                                 meshes[i].positions.size());
+      embree::Geometry geometry = geometries_[i];
+      api_.share_buffer(geometry, embree::Buffer::kVertex, 0, embree::Format::kFloat3,
+                        meshes[i].positions.data(), 0, sizeof(Vec3), meshes[i].positions.size());
       if (indices_too)
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                   meshes[i].triangles.data(), 0, 3 * sizeof(std::uint32_t),
-                                   meshes[i].triangles.size());
-      rtcCommitGeometry(geometry);
+        api_.share_buffer(geometry, embree::Buffer::kIndex, 0, embree::Format::kUint3,
+                          meshes[i].triangles.data(), 0, 3 * sizeof(std::uint32_t),
+                          meshes[i].triangles.size());
+      api_.commit_geometry(geometry);
     }
-    rtcCommitScene(scene_);
+    api_.commit_scene(scene_);
     device_.check();
   }
 
@@ -148,14 +179,11 @@ class PeerScene::Impl {
       const std::size_t tasks = (rays.size() + kRaysATask - 1) / kRaysATask;
       oneapi::tbb::parallel_for(Range(0, tasks, 1), [&](const Range& range) {
         const FlushedDenormals flushed;
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
-        context.flags =
-            coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+        EmbreeQuestion question(api_, scene_, coherent);
         for (std::size_t task = range.begin(); task < range.end(); ++task) {
           const std::size_t first = task * kRaysATask;
           const std::size_t count = std::min(kRaysATask, rays.size() - first);
-          call(scene_, context, rays.subspan(first, count), out.subspan(first, count));
+          call(question, rays.subspan(first, count), out.subspan(first, count));
         }
       });
     });
@@ -164,21 +192,19 @@ class PeerScene::Impl {
 
  private:
   void add() {
-    RTCGeometry geometry = rtcNewGeometry(device_.device(), RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetGeometryBuildQuality(geometry, build_.geometry);
-    rtcAttachGeometryByID(scene_, geometry, static_cast<unsigned>(geometries_.size()));
+    embree::Geometry geometry =
+        api_.new_geometry(device_.device(), embree::GeometryType::kTriangle);
+    api_.set_geometry_quality(geometry, build_.geometry);
+    api_.attach(scene_, geometry, static_cast<unsigned>(geometries_.size()));
     geometries_.push_back(geometry);
   }
 
   PeerDevice::Impl& device_;
+  const embree::Api& api_;
   const EmbreeBuild& build_;
-  RTCScene scene_;
-  std::vector<RTCGeometry> geometries_;
+  embree::Scene scene_;
+  std::vector<embree::Geometry> geometries_;
 };
-
-std::string peer_name() {
-  return "Embree " RTC_VERSION_STRING;
-}
 
 std::vector<PeerBuild> peer_builds(CompareMode mode) {
   std::vector<PeerBuild> all;
@@ -187,16 +213,30 @@ std::vector<PeerBuild> peer_builds(CompareMode mode) {
   return all;
 }
 
-std::vector<PeerCall> peer_calls(bool any_hit) {
-  std::vector<PeerCall> all;
-  for (const EmbreeCall& call : embree_calls())
-    all.push_back(
-        {any_hit ? call.any_name : call.closest_name, static_cast<std::uint32_t>(all.size())});
+std::vector<std::unique_ptr<PeerDevice>> open_peers(std::uint32_t threads) {
+  std::vector<std::unique_ptr<PeerDevice>> all;
+  for (const EmbreeLibrary& library : find_embree())
+    all.push_back(std::make_unique<PeerDevice>(library, threads));
   return all;
 }
 
-PeerDevice::PeerDevice(std::uint32_t threads) : impl_(std::make_unique<Impl>(threads)) {}
+PeerDevice::PeerDevice(const EmbreeLibrary& library, std::uint32_t threads)
+    : impl_(std::make_unique<Impl>(library, threads)) {}
 PeerDevice::~PeerDevice() = default;
+
+const std::string& PeerDevice::version() const {
+  return impl_->version();
+}
+
+std::vector<PeerCall> PeerDevice::calls(bool any_hit) const {
+  std::vector<PeerCall> all;
+  for (std::uint32_t i = 0; i < embree_calls().size(); ++i) {
+    const EmbreeCall& call = embree_calls()[i];
+    if (call.stream && impl_->api().major_version != 3) continue;
+    all.push_back({any_hit ? call.any_name : call.closest_name, i});
+  }
+  return all;
+}
 
 std::uint64_t PeerDevice::memory_bytes() const {
   return impl_->memory_bytes();

@@ -25,13 +25,30 @@ Json hits_json(const HitCheck& hits) {
 Json trials_json(const std::vector<PeerTrial>& trials) {
   Json all = Json::array();
   for (const PeerTrial& trial : trials)
-    all.push_back({{"peer", trial.name}, {"peer_ms", peer_ms_json(trial.ms)}});
+    all.push_back({{"peer", trial.name},
+                   {"peer_version", trial.version},
+                   {"peer_ms", peer_ms_json(trial.ms)}});
+  return all;
+}
+
+Json peers_json(const std::vector<PeerResult>& peers) {
+  Json all = Json::array();
+  for (const PeerResult& peer : peers)
+    all.push_back({{"name", "Embree"},
+                   {"version", peer.version},
+                   {"way", peer.way},
+                   {"peer_ms", peer_ms_json(peer.ms)},
+                   {"ratio", peer.ratio},
+                   {"hits_equal", peer.hits.equal()},
+                   {"hits", hits_json(peer.hits)},
+                   {"bytes", peer.bytes}});
   return all;
 }
 
 Json case_json(const CompareCase& c) {
   const std::optional<double> limit = limit_of(c);
   return {{"scene", c.scene},
+          {"size", size_text(c.size)},
           {"triangles", c.triangles},
           {"kind", to_string(c.kind)},
           {"mode", to_string(c.mode)},
@@ -43,15 +60,19 @@ Json case_json(const CompareCase& c) {
             {"hierarchy", c.ours_ms.hierarchy},
             {"trace", c.ours_ms.trace},
             {"total", c.ours_ms.total}}},
-          {"peer", c.peer},
-          {"peer_ms", peer_ms_json(c.peer_ms)},
-          {"ratio", c.ratio},
+          {"peer", "embree " + c.peer.way},
+          {"peer_name", "Embree"},
+          {"peer_version", c.peer.version},
+          {"peer_ms", peer_ms_json(c.peer.ms)},
+          {"ratio", c.peer.ratio},
           {"limit", limit ? Json(*limit) : Json(nullptr)},
-          {"hits_equal", c.hits.equal()},
-          {"hits", hits_json(c.hits)},
+          {"hits_equal", c.peer.hits.equal()},
+          {"hits", hits_json(c.peer.hits)},
           {"ours_bytes", c.our_bytes},
-          {"peer_bytes", c.peer_bytes},
+          {"peer_bytes", c.peer.bytes},
           {"plan", c.plan},
+          {"plan_short", short_plan(c.plan)},
+          {"peers", peers_json(c.peers)},
           {"peer_trials", trials_json(c.trials)}};
 }
 

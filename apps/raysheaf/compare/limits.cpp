@@ -52,12 +52,13 @@ std::optional<double> limit_of(const CompareCase& c) {
 
 std::string row_of(const CompareCase& c) {
   const bool large = c.mode == CompareMode::kRebuild && c.triangles >= kLarge;
-  return std::string(to_string(c.mode)) + (large ? "_large" : "");
+  return std::string(to_string(c.mode)) + (large ? "_large" : "") +
+         (c.one_of_sizes ? "_" + size_text(c.size) : "");
 }
 
 bool misses_limit(const CompareCase& c) {
   const std::optional<double> limit = limit_of(c);
-  return limit && c.ratio > *limit;
+  return limit && c.peer.ratio > *limit;
 }
 
 double mean_ratio(const std::vector<CompareCase>& cases,
@@ -66,7 +67,7 @@ double mean_ratio(const std::vector<CompareCase>& cases,
   std::size_t count = 0;
   for (const CompareCase& c : cases) {
     if (!passes(c)) continue;
-    sum += std::log(c.ratio);
+    sum += std::log(c.peer.ratio);
     ++count;
   }
   return count == 0 ? 0 : std::exp(sum / static_cast<double>(count));

@@ -56,29 +56,44 @@ const char* mode_text(CompareMode mode) {
 std::vector<std::string> scenes_of(const CompareReport& report) {
   std::vector<std::string> names;
   for (const CompareCase& c : report.cases)
-    if (std::find(names.begin(), names.end(), c.scene) == names.end()) names.push_back(c.scene);
+    if (std::find(names.begin(), names.end(), label_of(c)) == names.end())
+      names.push_back(label_of(c));
   return names;
+}
+
+/// Where several were compared; otherwise one empty text.
+std::vector<std::string> sizes_of(const CompareReport& report) {
+  std::vector<std::string> sizes;
+  for (const CompareCase& c : report.cases) {
+    const std::string size = c.one_of_sizes ? size_text(c.size) : "";
+    if (std::find(sizes.begin(), sizes.end(), size) == sizes.end()) sizes.push_back(size);
+  }
+  return sizes;
 }
 
 const CompareCase* find_case(const CompareReport& report, const std::string& scene,
                              CompareMode mode, CompareKind kind) {
   for (const CompareCase& c : report.cases)
-    if (c.scene == scene && c.mode == mode && c.kind == kind) return &c;
+    if (label_of(c) == scene && c.mode == mode && c.kind == kind) return &c;
   return nullptr;
 }
 
 std::uint64_t triangles_of(const CompareReport& report, const std::string& scene) {
   for (const CompareCase& c : report.cases)
-    if (c.scene == scene) return c.triangles;
+    if (label_of(c) == scene) return c.triangles;
   return 0;
 }
 
 /// "0.42", "**0.62** (0.5)" above its limit, with "≠" where hits differ.
 std::string ratio_cell(const CompareCase* c) {
   if (c == nullptr) return "";
-  std::string text = three_digits(c->ratio);
+  std::string text = three_digits(c->peer.ratio);
   if (misses_limit(*c)) text = fmt::format("**{}** ({:g})", text, *limit_of(*c));
-  return c->hits.equal() ? text : text + " ≠";
+  return c->peer.hits.equal() ? text : text + " ≠";
+}
+
+std::string peer_text(const PeerResult& peer) {
+  return peer.version + " " + peer.way;
 }
 
 std::string heading(const CompareReport& report) {
@@ -90,7 +105,7 @@ std::string heading(const CompareReport& report) {
   return line + "\n" + rule + "\n";
 }
 
-std::string mean_row(const CompareReport& report, const std::string& row, const char* name) {
+std::string mean_row(const CompareReport& report, const std::string& row, const std::string& name) {
   std::string line = fmt::format("| *{}* | |", name);
   bool any = false;
   for (const CompareKind kind : kinds_of(report)) {
@@ -110,24 +125,30 @@ std::string ratio_table(const CompareReport& report, CompareMode mode) {
       text += fmt::format(" {} |", ratio_cell(find_case(report, scene, mode, kind)));
     text += "\n";
   }
-  text += mean_row(report, to_string(mode), "geometric mean");
-  if (mode == CompareMode::kRebuild)
-    text += mean_row(report, "rebuild_large", "geometric mean, 1 M triangles and more");
+  for (const std::string& size : sizes_of(report)) {
+    const std::string row = size.empty() ? "" : "_" + size, name = size.empty() ? "" : " " + size;
+    text += mean_row(report, to_string(mode) + row, "geometric mean" + name);
+    if (mode == CompareMode::kRebuild)
+      text +=
+          mean_row(report, "rebuild_large" + row, "geometric mean, 1 M triangles and more" + name);
+  }
   return text + "\n";
 }
 
 std::string time_table(const CompareReport& report, CompareMode mode) {
   std::string text =
-      "| Scene | Rays | Update | Order | Hierarchy | Trace | Ours, all | Peer's build | Trace | "
-      "Peer, all | Peer's way |\n|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---|\n";
+      "| Scene | Rays | Update | Order | Hierarchy | Trace | Ours, all | Plan | Peer's build | "
+      "Trace "
+      "| Peer, all | Peer's way |\n|---|---|---:|---:|---:|---:|---:|---|---:|---:|---:|---|\n";
   for (const CompareCase& c : report.cases) {
     if (c.mode != mode) continue;
-    text += fmt::format("| {} | {} {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
-                        printable(c.scene), c.rays, to_string(c.kind),
+    text += fmt::format("| {} | {} {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
+                        printable(label_of(c)), c.rays, to_string(c.kind),
                         three_digits(c.ours_ms.update), three_digits(c.ours_ms.order),
                         three_digits(c.ours_ms.hierarchy), three_digits(c.ours_ms.trace),
-                        three_digits(c.ours_ms.total), three_digits(c.peer_ms.build),
-                        three_digits(c.peer_ms.trace), three_digits(c.peer_ms.total), c.peer);
+                        three_digits(c.ours_ms.total), short_plan(c.plan),
+                        three_digits(c.peer.ms.build), three_digits(c.peer.ms.trace),
+                        three_digits(c.peer.ms.total), peer_text(c.peer));
   }
   return text + "\n";
 }
@@ -136,14 +157,14 @@ std::string hits_paragraph(const CompareReport& report) {
   std::uint64_t compared = 0, mismatches = 0, sampled = 0, wrong = 0, unequal = 0;
   std::uint64_t settled = 0, ours_right = 0, peer_right = 0;
   for (const CompareCase& c : report.cases) {
-    compared += c.hits.compared;
-    mismatches += c.hits.mismatches;
-    settled += c.hits.settled;
-    ours_right += c.hits.ours_right;
-    peer_right += c.hits.peer_right;
-    sampled += c.hits.sampled;
-    wrong += c.hits.sample_mismatches;
-    unequal += c.hits.equal() ? 0 : 1;
+    compared += c.peer.hits.compared;
+    mismatches += c.peer.hits.mismatches;
+    settled += c.peer.hits.settled;
+    ours_right += c.peer.hits.ours_right;
+    peer_right += c.peer.hits.peer_right;
+    sampled += c.peer.hits.sampled;
+    wrong += c.peer.hits.sample_mismatches;
+    unequal += c.peer.hits.equal() ? 0 : 1;
   }
   return fmt::format(
       "**Hits.** Of {} rays, {} are answered otherwise by the peer. Exact arithmetic on the floats "
@@ -174,9 +195,9 @@ std::string memory_table(const CompareReport& report) {
     for (const CompareMode mode : modes_of(report)) {
       std::uint64_t ours = 0, peer = 0;
       for (const CompareCase& c : report.cases) {
-        if (c.scene != scene || c.mode != mode) continue;
+        if (label_of(c) != scene || c.mode != mode) continue;
         ours = std::max(ours, c.our_bytes);
-        peer = std::max(peer, c.peer_bytes);
+        peer = std::max(peer, c.peer.bytes);
       }
       if (ours + peer == 0) continue;
       const double count = static_cast<double>(triangles_of(report, scene));
@@ -206,7 +227,7 @@ std::string growth_table(const CompareReport& report) {
             "| {} | {} | {} | {} | {} | {} to {} | {} to {} | {:.2f} | {:.2f} |\n", along,
             to_string(mode), kind_text(kind), count(line.front()), count(line.back()),
             three_digits(line.front()->ours_ms.total), three_digits(line.back()->ours_ms.total),
-            three_digits(line.front()->peer_ms.total), three_digits(line.back()->peer_ms.total),
+            three_digits(line.front()->peer.ms.total), three_digits(line.back()->peer.ms.total),
             steepest(line, along, false), steepest(line, along, true));
       }
     }
@@ -216,12 +237,13 @@ std::string growth_table(const CompareReport& report) {
 
 std::string introduction(const CompareReport& report) {
   return fmt::format(
-      "`raysheaf bench compare` runs the library and {} in one process, in turns, with {} threads "
-      "each, and writes this page. A ratio is the median over {} pairs of runs of the library's "
-      "time divided by the peer's; below 1 the library is ahead. Times are milliseconds, medians. "
-      "Everything that a frame needs is timed on both sides: what changes in the scene, "
+      "`raysheaf bench compare` runs the library and {} in one process, alternating, with {} "
+      "threads each, and writes this page. A ratio is the median over {} rounds of the library's "
+      "time divided by the peer's; below 1 the library is ahead. Where there are two versions of "
+      "the peer, the one that is faster in a case counts, and is named. Times are milliseconds, "
+      "medians. Everything that a frame needs is timed on all sides: what changes in the scene, "
       "hierarchies, the rays from the caller's array and the hits back into it, in the caller's "
-      "order. The peer was tried with every build and call that may be its fastest, and runs with "
+      "order. Each peer was tried with every build and call that may be its fastest, and runs with "
       "the one that was.\n\n",
       report.peer, report.threads, report.command.runs);
 }
@@ -234,7 +256,7 @@ std::string command_of(const CompareReport& report) {
   for (const CompareKind kind : c.kinds) text += fmt::format(" --kind {}", to_string(kind));
   for (const CompareMode mode : c.modes) text += fmt::format(" --mode {}", to_string(mode));
   if (c.growth) text += fmt::format(" --growth --most {}", c.most);
-  if (c.width != 512 || c.height != 512) text += fmt::format(" --size {}x{}", c.width, c.height);
+  for (const ImageSize& size : c.sizes) text += " --size " + size_text(size);
   return "<!-- not run -->\n```sh\n" + text + " --markdown FILE.md\n```\n\n";
 }
 
@@ -266,23 +288,26 @@ std::string compare_page(const CompareReport& report, const std::string& plot) {
     page += memory_table(report);
   }
   page += fmt::format(
-      "The process took at most {:.0f} MiB: both sides, the scene, and the preparation of rays.\n",
+      "The process took at most {:.0f} MiB: all sides, the scene, and the preparation of rays.\n",
       static_cast<double>(report.peak_bytes) / (1 << 20));
   return page;
 }
 
 std::string compare_text(const CompareReport& report) {
-  std::string text = fmt::format("beside {}, {} threads, medians of {} pairs; * misses its limit\n",
-                                 report.peer, report.threads, report.command.runs);
+  std::string text =
+      fmt::format("beside {}, {} threads, medians of {} rounds; * misses its limit\n", report.peer,
+                  report.threads, report.command.runs);
   Table table({"scene", "triangles", "mode", "kind", "rays", "ours ms", "peer ms", "ratio", "limit",
-               "hits", "peer"});
+               "hits", "peer", "plan"});
   const auto add = [&](const CompareCase& c) {
     const std::optional<double> limit = limit_of(c);
     table.add({printable(c.scene), std::to_string(c.triangles), to_string(c.mode),
                to_string(c.kind), std::to_string(c.rays), three_digits(c.ours_ms.total),
-               three_digits(c.peer_ms.total), three_digits(c.ratio) + (misses_limit(c) ? "*" : ""),
+               three_digits(c.peer.ms.total),
+               three_digits(c.peer.ratio) + (misses_limit(c) ? "*" : ""),
                limit ? fmt::format("{:g}", *limit) : "",
-               c.hits.equal() ? "equal" : fmt::format("{} differ", c.hits.mismatches), c.peer});
+               c.peer.hits.equal() ? "equal" : fmt::format("{} differ", c.peer.hits.mismatches),
+               peer_text(c.peer), short_plan(c.plan)});
   };
   for (const CompareCase& c : report.cases) add(c);
   for (const GrowthCase& g : report.growth) add(g.measured);

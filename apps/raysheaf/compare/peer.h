@@ -1,5 +1,5 @@
-// The peer of `bench compare`: Embree, at its best. A build without it has the functions too, and
-// no peer behind them (compare/no_peer.cpp).
+// The peer of `bench compare`: Embree 4 and Embree 3, each at its best. Both are loaded while the
+// program runs, where they are installed (compare/embree_library.h).
 #pragma once
 
 #include <array>
@@ -26,26 +26,30 @@ struct PeerBuild {
   std::uint32_t index = 0;
 };
 
-/// How the peer is asked: an index into `peer_calls`.
+/// How the peer is asked: an index that its own device understands.
 struct PeerCall {
   std::string name;
   std::uint32_t index = 0;
 };
 
-/// "Embree 3.13.5", or empty where this build has no peer.
-[[nodiscard]] std::string peer_name();
-
 /// What may be the fastest in a mode. Which one is has to be measured.
 [[nodiscard]] std::vector<PeerBuild> peer_builds(CompareMode mode);
-[[nodiscard]] std::vector<PeerCall> peer_calls(bool any_hit);
 
-/// A device with its threads. Throws `Error` (kUnsupported) where this build has no peer.
+struct EmbreeLibrary;
+
+/// A device of one of the versions, with its threads.
 class PeerDevice {
  public:
-  explicit PeerDevice(std::uint32_t threads);
+  /// Throws `Error` where the library has no device, or is neither Embree 3 nor 4.
+  PeerDevice(const EmbreeLibrary& library, std::uint32_t threads);
   ~PeerDevice();
   PeerDevice(const PeerDevice&) = delete;
   PeerDevice& operator=(const PeerDevice&) = delete;
+
+  /// "4.4.0"
+  [[nodiscard]] const std::string& version() const;
+  /// What may be the fastest.
+  [[nodiscard]] std::vector<PeerCall> calls(bool any_hit) const;
   /// What its scenes hold now.
   [[nodiscard]] std::uint64_t memory_bytes() const;
 
@@ -54,6 +58,9 @@ class PeerDevice {
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// A device for every Embree that `find_embree` finds; at least one. Throws as that does.
+[[nodiscard]] std::vector<std::unique_ptr<PeerDevice>> open_peers(std::uint32_t threads);
 
 /// One scene: a geometry a mesh, in their order, with the caller's buffers, which must live until
 /// others take their place. Every function throws `Error` where the peer reports one.

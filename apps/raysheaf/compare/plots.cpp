@@ -58,8 +58,8 @@ constexpr double kNames = 210, kRatios = 560, kRowHeight = 24, kPanelHead = 52, 
 std::vector<std::string> scenes_in(const CompareReport& report, CompareMode mode) {
   std::vector<std::string> names;
   for (const CompareCase& c : report.cases)
-    if (c.mode == mode && std::find(names.begin(), names.end(), c.scene) == names.end())
-      names.push_back(c.scene);
+    if (c.mode == mode && std::find(names.begin(), names.end(), label_of(c)) == names.end())
+      names.push_back(label_of(c));
   return names;
 }
 
@@ -85,7 +85,7 @@ std::string mode_title(CompareMode mode) {
 /// One axis for all panels, so that they can be compared. 1 is always on it.
 Axis ratio_axis(const CompareReport& report) {
   Axis axis{0.5, 2, kMargin + kNames, kMargin + kNames + kRatios};
-  for (const CompareCase& c : report.cases) include(axis, c.ratio);
+  for (const CompareCase& c : report.cases) include(axis, c.peer.ratio);
   axis.low /= 1.15;
   axis.high *= 1.15;
   return axis;
@@ -95,12 +95,12 @@ Axis ratio_axis(const CompareReport& report) {
 void draw_dot(SvgSheet& sheet, const Axis& x, double y, const CompareCase& c) {
   const char* color = color_of(c.kind);
   if (const std::optional<double> limit = limit_of(c); limit && misses_limit(c))
-    sheet.line(x.at(std::clamp(*limit, x.low, x.high)), y, x.at(c.ratio), y,
+    sheet.line(x.at(std::clamp(*limit, x.low, x.high)), y, x.at(c.peer.ratio), y,
                fmt::format("stroke=\"{}\" stroke-width=\"1.6\" stroke-opacity=\"0.45\"", color));
   sheet.raw(
       fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.6\" fill=\"{}\" "
                   "fill-opacity=\"{}\" stroke=\"{}\" stroke-width=\"1.4\"/>\n",
-                  x.at(c.ratio), y, color, misses_limit(c) ? "0.1" : "0.9", color));
+                  x.at(c.peer.ratio), y, color, misses_limit(c) ? "0.1" : "0.9", color));
 }
 
 void draw_panel(SvgSheet& sheet, const CompareReport& report, CompareMode mode, const Axis& x,
@@ -120,7 +120,7 @@ void draw_panel(SvgSheet& sheet, const CompareReport& report, CompareMode mode, 
     sheet.line(x.from, y, x.to, y, "stroke=\"#f0f0ec\" stroke-width=\"1\"");
     double triangles = 0;
     for (const CompareCase& c : report.cases) {
-      if (c.mode != mode || c.scene != scenes[i]) continue;
+      if (c.mode != mode || label_of(c) != scenes[i]) continue;
       draw_dot(sheet, x, y, c);
       triangles = shown(c.triangles);
     }
@@ -187,7 +187,7 @@ double our_time(const CompareCase& c) {
 }
 
 double their_time(const CompareCase& c) {
-  return std::max(c.peer_ms.total, 1e-4);
+  return std::max(c.peer.ms.total, 1e-4);
 }
 
 /// From our last point down, cut off where it leaves the plot.

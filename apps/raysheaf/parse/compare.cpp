@@ -33,6 +33,8 @@ void check_compare(const CLI::App& app, const BenchCompareCommand& command) {
     throw CLI::ValidationError("--plot", "'" + command.plot_path + "' does not end in .svg");
   if (command.growth && !(command.scenes.empty() && command.scene_names.empty()))
     throw CLI::ValidationError("--growth", "it has scenes of its own: leave --scene(s) out");
+  if (command.growth && command.sizes.size() > 1)
+    throw CLI::ValidationError("--size", "--growth takes one");
   if (!command.growth && app.get_option("--most")->count() > 0)
     throw CLI::ValidationError("--most", "it is of --growth");
 }
@@ -40,11 +42,11 @@ void check_compare(const CLI::App& app, const BenchCompareCommand& command) {
 }  // namespace
 
 CLI::App* add_bench_compare(CLI::App& bench, BenchCompareCommand& command) {
-  CLI::App* sub = bench.add_subcommand("compare", "Time the library beside Embree, in turns");
+  CLI::App* sub =
+      bench.add_subcommand("compare", "Time the library beside Embree 4 and Embree 3, alternating");
   add_choice(*sub, command);
-  add_value(
-      *sub, "--size", "WxH", "Size of the picture that rays come from [512x512]",
-      [&command](const auto& text) { std::tie(command.width, command.height) = parse_size(text); });
+  add_words(*sub, "--size", "Size of the picture that rays come from, once or more [512x512]",
+            "WxH", command.sizes, parse_size);
   add_count(*sub, "--threads", command.threads, 0, 1024, "Threads, up to 1024; 0 is all cores [0]");
   add_count(*sub, "--runs", command.runs, 1, 1000, "Pairs of runs whose median counts [9]");
   add_files(*sub, command);
@@ -52,6 +54,7 @@ CLI::App* add_bench_compare(CLI::App& bench, BenchCompareCommand& command) {
   sub->footer(
       "Examples:\n"
       "  raysheaf bench compare --scene builtin:office --mode rebuild\n"
+      "  raysheaf bench compare --scene builtin:office --size 512x512 --size 2048x2048\n"
       "  raysheaf bench compare --scenes DIR --json all.json --markdown all.md --plot all.svg\n"
       "  raysheaf bench compare --growth --kind mirror --mode rebuild --plot growth.svg");
   sub->callback([sub, &command] { check_compare(*sub, command); });

@@ -6,8 +6,7 @@ vcpkg_check_features(OUT_FEATURE_OPTIONS features FEATURES tools RAYSHEAF_APP)
 vcpkg_cmake_configure(
   SOURCE_PATH "${SOURCE_PATH}"
   OPTIONS ${features} -DRAYSHEAF_TESTS=OFF -DRAYSHEAF_BENCH=OFF -DRAYSHEAF_EXAMPLES=OFF
-          -DRAYSHEAF_VIEWER=OFF -DRAYSHEAF_CUDA=OFF -DRAYSHEAF_MPI=OFF -DRAYSHEAF_PYTHON=OFF
-          -DCMAKE_DISABLE_FIND_PACKAGE_embree=ON)
+          -DRAYSHEAF_VIEWER=OFF -DRAYSHEAF_CUDA=OFF -DRAYSHEAF_MPI=OFF -DRAYSHEAF_PYTHON=OFF)
 vcpkg_cmake_install()
 vcpkg_cmake_config_fixup(CONFIG_PATH lib/cmake/raysheaf)
 vcpkg_fixup_pkgconfig()

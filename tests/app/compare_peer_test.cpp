@@ -1,0 +1,210 @@
+// The peers of raysheaf bench compare: how they are found, that they agree, and batches of rays.
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "compare/case.h"
+#include "compare/compare.h"
+#include "compare/frames.h"
+#include "compare/page.h"
+#include "compare/peer.h"
+#include "raysheaf/builtin_scenes.h"
+#include "raysheaf/query.h"
+#include "raysheaf/scene.h"
+#include "tests/app/peers.h"
+#include "tests/support/process.h"
+
+namespace raysheaf::test {
+namespace {
+
+using Json = nlohmann::json;
+using app::CompareCase;
+using app::CompareFrames;
+using app::CompareKind;
+using app::CompareMode;
+
+/// A variable of the environment has another value, or none, while this lives.
+class Variable {
+ public:
+  Variable(const char* name, const std::optional<std::string>& value) : name_(name) {
+    if (const char* before = std::getenv(name)) before_ = before;
+    set(value);
+  }
+  ~Variable() { set(before_); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  void set(const std::optional<std::string>& value) {
+    if (value)
+      setenv(name_, value->c_str(), 1);
+    else
+      unsetenv(name_);
+  }
+
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+constexpr const char* kFiles = "RAYSHEAF_EMBREE";
+
+Finished comparison(const TemporaryFolder& folder) {
+  return raysheaf_app({"bench", "compare", "--scene", "builtin:cornell", "--size", "8x8", "--runs",
+                       "1", "--mode", "static", "--kind", "shadow"},
+                      folder);
+}
+
+TEST(ComparePeers, OneSentenceSaysThatThereIsNone) {
+  const Variable none(kFiles, "");
+  EXPECT_FALSE(has_peer());
+  const TemporaryFolder folder;
+  const Finished finished = comparison(folder);
+  EXPECT_EQ(finished.code, 1);
+  EXPECT_EQ(finished.err,
+            "raysheaf: bench compare: there is no peer to compare with: install Embree 4 or 3 or "
+            "the Python wheel embreex, or name the library's file in RAYSHEAF_EMBREE\n");
+}
+
+TEST(ComparePeers, OneSentenceRefusesAFileThatIsNotEmbree) {
+  const TemporaryFolder folder;
+  write_file(folder.file("text.so"), "not a library");
+  const auto refusal = [&](const std::string& file) {
+    const Variable wrong(kFiles, file);
+    const Finished finished = comparison(folder);
+    EXPECT_EQ(finished.code, 1);
+    EXPECT_EQ(std::count(finished.err.begin(), finished.err.end(), '\n'), 1) << finished.err;
+    return finished.err;
+  };
+  EXPECT_TRUE(refusal("/nowhere/libembree4.so.4")
+                  .starts_with("raysheaf: RAYSHEAF_EMBREE: '/nowhere/libembree4.so.4' cannot be "
+                               "loaded: cannot open"));
+  EXPECT_TRUE(refusal(folder.file("text.so")).find("text.so' cannot be loaded: ") !=
+              std::string::npos);
+  EXPECT_EQ(refusal("libc.so.6"),
+            "raysheaf: RAYSHEAF_EMBREE: 'libc.so.6' is not Embree 3 or 4: it lacks functions of "
+            "theirs\n");
+}
+
+TEST(ComparePeers, TheVariableNamesAllThereAre) {
+  if (!has_peer()) GTEST_SKIP() << "there is no Embree";
+  const std::string first = app::find_embree().front().file;
+  const Variable twice(kFiles, ":" + first + ":" + first);
+  const std::vector<app::EmbreeLibrary> found = app::find_embree();
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[1].file, first);
+}
+
+/// The file that a library was loaded from.
+std::string path_of(const app::EmbreeLibrary& library) {
+  Dl_info info{};
+  dladdr(reinterpret_cast<void*>(library.api.new_device), &info);
+  return info.dli_fname;
+}
+
+TEST(ComparePeers, AWheelOfTheVirtualEnvironmentIsFound) {
+  if (!has_peer()) GTEST_SKIP() << "there is no Embree";
+  const TemporaryFolder folder;
+  const std::filesystem::path libraries =
+      folder.path() / "lib" / "python3.11" / "site-packages" / "embreex.libs";
+  std::filesystem::create_directories(libraries);
+  write_file(libraries / "libembree4-0.so.4", "not a library");
+  const std::filesystem::path link = libraries / "libembree4-1.so.4";
+  std::filesystem::create_symlink(path_of(app::find_embree().front()), link);
+  const Variable no_files(kFiles, std::nullopt), environment("VIRTUAL_ENV", folder.path());
+  const std::string file = app::find_embree().front().file;
+  EXPECT_TRUE(file == link || file == "libembree4.so.4") << file;
+}
+
+TEST(ComparePeers, AllAnswerAlikeInEveryWay) {
+  if (!has_peer()) GTEST_SKIP() << "there is no Embree";
+  CompareFrames frames(builtin_scene("cornell"), true);
+  frames.make_rays({CompareKind::kMirror, CompareKind::kShadow}, 13, 11, 1);
+  const std::vector<Ray>& mirror = frames.rays(1, CompareKind::kMirror);
+  const std::vector<Ray>& shadow = frames.rays(1, CompareKind::kShadow);
+  std::vector<Hit> expected;
+  std::vector<std::uint8_t> expected_flags;
+  const auto expect_alike = [&](app::PeerDevice& device, const app::PeerBuild& build) {
+    app::PeerScene scene(device, build);
+    scene.set_meshes(frames.meshes(0, true));
+    scene.move_meshes(frames.meshes(1, true));
+    const std::string way = device.version() + " " + build.name + ", ";
+    for (const app::PeerCall& call : device.calls(false)) {
+      std::vector<Hit> hits(mirror.size());
+      scene.closest_hit(mirror, hits, call);
+      if (expected.empty()) expected = hits;
+      EXPECT_EQ(app::compare_hits(mirror, expected, hits, 1e-4f).mismatches, 0u)
+          << way << call.name;
+    }
+    for (const app::PeerCall& call : device.calls(true)) {
+      std::vector<std::uint8_t> flags(shadow.size());
+      scene.any_hit(shadow, flags, call);
+      if (expected_flags.empty()) expected_flags = flags;
+      EXPECT_EQ(flags, expected_flags) << way << call.name;
+    }
+    EXPECT_GT(device.memory_bytes(), 0u);
+  };
+  for (const std::unique_ptr<app::PeerDevice>& device : app::open_peers(2))
+    for (const CompareMode mode : app::all_compare_modes())
+      for (const app::PeerBuild& build : app::peer_builds(mode)) expect_alike(*device, build);
+}
+
+TEST(CompareSizes, EachHasItsRowsAndMeans) {
+  if (!has_peer()) GTEST_SKIP() << "there is no Embree";
+  const TemporaryFolder folder;
+  const Finished finished =
+      raysheaf_app({"bench", "compare", "--scene", "builtin:cornell", "--size", "8x8", "--size",
+                    "16x24", "--runs", "1", "--mode", "refit", "--kind", "random", "--json",
+                    "s.json", "--markdown", "s.md"},
+                   folder);
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  const Json all = Json::parse(read_file(folder.file("s.json")));
+  ASSERT_EQ(all["cases"].size(), 2u);
+  EXPECT_EQ(all["cases"][0]["size"], "8x8");
+  EXPECT_EQ(all["cases"][0]["rays"], 64);
+  EXPECT_EQ(all["cases"][1]["scene"], "cornell");
+  EXPECT_EQ(all["cases"][1]["size"], "16x24");
+  EXPECT_EQ(all["cases"][1]["rays"], 384);
+  EXPECT_EQ(all["geomean"].size(), 2u);
+  EXPECT_TRUE(all["geomean"].contains("refit_16x24"));
+  const std::string page = read_file(folder.file("s.md"));
+  EXPECT_NE(page.find("| cornell 16x24 | 792 |"), std::string::npos) << page;
+  EXPECT_NE(page.find("*geometric mean 8x8*"), std::string::npos) << page;
+  EXPECT_NE(page.find("--size 8x8 --size 16x24"), std::string::npos) << page;
+}
+
+TEST(ComparePlans, AreShortenedToWhatTheyChose) {
+  EXPECT_EQ(app::short_plan({}), "");
+  EXPECT_EQ(app::short_plan({"a sentence of another kind"}), "");
+  Scene scene;
+  const Vec3 corners[] = {{-1, -1, 4}, {1, -1, 4}, {0, 1, 4}};
+  scene.add(corners, std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}});
+  scene.commit();
+  std::vector<Ray> rays(1000);
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    rays[i].direction = {0.001f * static_cast<float>(i % 50), 0.001f * static_cast<float>(i / 50),
+                         1};
+  QueryStatistics statistics;
+  QueryOptions options;
+  options.statistics = &statistics;
+  (void)any_hit(scene, rays, options);
+  EXPECT_EQ(app::short_plan(statistics.plan), "fan") << statistics.plan.front();
+  (void)closest_hit(scene, rays, options);
+  EXPECT_EQ(app::short_plan(statistics.plan), "tree built, packets, tiles");
+  (void)closest_hit(scene, rays, options);
+  EXPECT_EQ(app::short_plan(statistics.plan), "tree built finely, packets, tiles");
+  EXPECT_EQ(
+      app::short_plan({"rays of one origin, but triangles meet too many of their cells: 9",
+                       "object tree: built finely, for so many", "rays: sixteen in a row",
+                       "bundles: long streams, for only 3 %", "order: tiles of four by four"}),
+      "fan given up, tree built finely, long streams, tiles");
+  EXPECT_EQ(app::short_plan({"rays of one origin, but streaming the triangles is about 9 ms",
+                             "object tree: refitted, for", "bundles: streams, for"}),
+            "tree refitted, streams");
+}
+
+}  // namespace
+}  // namespace raysheaf::test

@@ -1,0 +1,17 @@
+// Whether `bench compare` has anything to compare with on this machine.
+#pragma once
+
+#include "compare/embree_library.h"
+#include "raysheaf/error.h"
+
+namespace raysheaf::test {
+
+inline bool has_peer() {
+  try {
+    return !app::find_embree().empty();
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+}  // namespace raysheaf::test
