@@ -73,7 +73,7 @@ class PairTracerOn : public PairTracer {
     device_.copy(stage, to->data(), from.data, from.size * sizeof(T));
   }
 
-  /// Once a scene: its triangles are there when rays come.
+  /// Once for each scene: its triangles have been copied when rays come.
   void make_spheres() {
     const TriangleList& list = triangles_.list();
     if (spheres_.size() == list.count()) return;

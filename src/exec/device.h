@@ -57,7 +57,7 @@
 
 namespace raysheaf {
 
-/// What a device does with a buffer of OpenGL's.
+/// How a device uses a buffer of OpenGL's.
 enum class GlAccess : std::uint8_t { kRead, kWrite };
 
 struct BitRange {

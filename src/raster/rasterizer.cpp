@@ -93,7 +93,8 @@ class Rasterizer::Impl {
     return shown;
   }
 
-  /// The same of `triangles` that the device has; false where it does not write to OpenGL's memory.
+  /// Has the device write the corners of its `triangles` into OpenGL's memory, and draws them;
+  /// false where it does not write there.
   bool draw_there(SlotDevice& device, std::uint32_t triangles, const PictureView& view) {
     pass_->begin(view.frame.width, view.frame.height, view.clip);
     std::uint32_t slots = 0;

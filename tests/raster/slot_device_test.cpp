@@ -16,7 +16,7 @@
 namespace raysheaf::test {
 namespace {
 
-/// What a device keeps with OpenGL's buffer.
+/// Kept with OpenGL's buffer by a device.
 struct Lease {
   unsigned buffer;
   int* gone;
@@ -29,7 +29,7 @@ struct Lease {
   }
 };
 
-/// A device that is the host: it shares OpenGL's memory as far as it is told to.
+/// A device that is the host: it shares OpenGL's memory as `packs` and `takes` allow.
 class HostDevice final : public SlotDevice {
  public:
   HostDevice(const Executor& executor, const FlatScene& scene, bool packs, bool takes)

@@ -12,7 +12,7 @@ namespace raysheaf::app {
 
 inline constexpr std::size_t kRaysATask = 1024;
 
-/// What goes with every query of a task: Embree 3 takes the context, Embree 4 the arguments.
+/// The last argument of every query of a task: Embree 3 takes the context, Embree 4 the arguments.
 struct EmbreeQuestion {
   EmbreeQuestion(const embree::Api& embree_api, embree::Scene of, bool coherent)
       : api(embree_api), scene(of) {

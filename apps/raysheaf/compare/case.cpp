@@ -104,7 +104,7 @@ struct Peer {
   std::uint32_t build = 0;
 };
 
-/// What the rounds measured of one version.
+/// The measurements of one version over all rounds.
 struct PeerRounds {
   std::vector<PeerTimes> ms;
   std::vector<double> ratios;
@@ -181,7 +181,7 @@ class CompareBench::Impl {
     return result;
   }
 
-  /// Of each way. The least time counts: what disturbs a short trial only ever adds to it.
+  /// Times of each way. The least one counts: a disturbance of a short trial can only add to it.
   [[nodiscard]] int trials(std::size_t rays) const {
     return frames_.triangle_count() > kManyTriangles || rays > kManyRays ? 2 : 5;
   }

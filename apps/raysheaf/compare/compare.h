@@ -44,7 +44,7 @@ struct PeerTrial {
   PeerTimes ms;
 };
 
-/// What one version of the peer took, in the way that was its fastest.
+/// The time of one version of the peer, in the way that was its fastest.
 struct PeerResult {
   std::string version;  ///< "4.4.0"
   std::string way;      ///< "LOW, intersect16 coherent"
@@ -77,7 +77,7 @@ struct CompareCase {
 /// The scene, and the size of its picture where several were compared.
 [[nodiscard]] std::string label_of(const CompareCase& c);
 
-/// What a plan chose, without the reasons: "tree built, streams, tiles".
+/// The choices of a plan, without the reasons: "tree built, streams, tiles".
 [[nodiscard]] std::string short_plan(const std::vector<std::string>& plan);
 
 /// A point of the growth.

@@ -128,7 +128,7 @@ std::vector<EmbreeLibrary> named(const std::string& files) {
   return all;
 }
 
-/// What lies in `folder`, sorted; nothing where there is no such folder.
+/// The entries of `folder`, sorted; empty if it does not exist.
 std::vector<fs::path> content_of(const fs::path& folder) {
   std::vector<fs::path> all;
   std::error_code error;

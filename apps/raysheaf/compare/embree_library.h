@@ -18,8 +18,8 @@ struct EmbreeLibrary {
 /// Embree 3 where each is found: as a library of the system, or, for Embree 4, in the Python wheel
 /// `embreex` of the active virtual environment, of the user or of the system.
 ///
-/// Throws `Error` (kIo) for a file of RAYSHEAF_EMBREE that is not Embree, and (kUnsupported) where
-/// there is none at all.
+/// Throws `Error` (kIo) for a file of RAYSHEAF_EMBREE that is not Embree, and (kUnsupported) if
+/// no Embree is found.
 [[nodiscard]] std::vector<EmbreeLibrary> find_embree();
 
 }  // namespace raysheaf::app

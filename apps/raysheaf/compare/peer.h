@@ -48,7 +48,7 @@ class PeerDevice {
 
   /// "4.4.0"
   [[nodiscard]] const std::string& version() const;
-  /// What may be the fastest.
+  /// The ways that may be the fastest.
   [[nodiscard]] std::vector<PeerCall> calls(bool any_hit) const;
   /// What its scenes hold now.
   [[nodiscard]] std::uint64_t memory_bytes() const;
