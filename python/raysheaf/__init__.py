@@ -1,10 +1,9 @@
 """raysheaf: ray queries against triangles that move.
 
-Batches of rays against meshes that may change completely between any two batches: `Scene` with
-`closest_hit`, `any_hit`, `all_hits` and `hit_counts`. `render` makes pictures of scene files,
-and of an `Animation` at any of its times.
-`raysheaf.trimesh` gives trimesh's meshes these queries. ``python -m raysheaf`` is the command line,
-``python -m raysheaf.bench`` measures.
+`Scene` answers batches of rays against meshes that may change completely between any two
+batches, with `closest_hit`, `any_hit`, `all_hits` and `hit_counts`. `render` makes images of scene
+files, and of an `Animation` at any time. `raysheaf.trimesh` gives these queries to trimesh's
+meshes. ``python -m raysheaf`` is the command line, ``python -m raysheaf.bench`` a benchmark.
 
 >>> import raysheaf
 >>> scene = raysheaf.Scene()
@@ -42,7 +41,7 @@ __all__ = [
     "write_png",
 ]
 
-# Imported when they are asked for: trimesh may not be there, and the benchmark is rarely wanted.
+# Imported on first use: trimesh may be missing, and the benchmark is rarely used.
 _LATER = ("bench", "trimesh")
 
 if TYPE_CHECKING:
@@ -55,7 +54,7 @@ else:
         try:
             return importlib.import_module(f"{__name__}.{name}")
         except ImportError as error:
-            # An AttributeError: hasattr() and whoever looks at all that there is go on.
+            # An AttributeError, so that hasattr() and code that lists all attributes continue.
             why = f"cannot be imported: {error}"
             if isinstance(error, ModuleNotFoundError):
                 why = f"needs {(error.name or '').partition('.')[0]}, which is not installed"

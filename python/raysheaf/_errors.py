@@ -4,10 +4,10 @@ from __future__ import annotations
 
 
 class Error(Exception):
-    """What went wrong, where, in one sentence.
+    """An error of raysheaf: one sentence that states what is wrong, and a place.
 
-    All exceptions that raysheaf raises about its own doings are of this class. Those below are also
-    of the class that Python users expect: ``except ValueError`` catches an `InvalidError`.
+    All errors of the raysheaf library are of this class. Its subclasses also derive from the class
+    that Python users expect: ``except ValueError`` catches an `InvalidError`.
 
     Attributes
     ----------
@@ -31,19 +31,19 @@ class Error(Exception):
 
 
 class InvalidError(Error, ValueError):
-    """A value is wrong: a vertex that is not finite, an index out of range, a ray without direction."""
+    """A value is invalid: a vertex that is not finite, an index out of range, a zero direction."""
 
 
 class NotFoundError(Error, LookupError):
-    """There is no such mesh, instance, camera or built-in scene, or no longer."""
+    """A mesh, instance, camera, file or built-in scene does not exist, or no longer."""
 
 
 class OutOfMemoryError(Error, MemoryError):
-    """There is not enough memory. The scene is as it was."""
+    """There is not enough memory. The scene is unchanged."""
 
 
 class UnsupportedError(Error, NotImplementedError):
-    """Right, but more than this build can do."""
+    """Valid, but not supported by this build or this machine."""
 
 
 for _class in (Error, InvalidError, NotFoundError, OutOfMemoryError, UnsupportedError):

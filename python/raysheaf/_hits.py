@@ -1,4 +1,4 @@
-"""What queries return."""
+"""The results of queries."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def _is_index(part: Any) -> bool:
 
 
 class Hits:
-    """Hits in an array of any shape, which is that of the rays.
+    """Hits in an array of the shape of the rays.
 
     Each attribute is a view of one structured array, `array`, and writes through to it. Indexing
     works as it does with arrays, and gives `Hits` again; by the name of a field, that field.
@@ -68,7 +68,7 @@ class Hits:
 
     @classmethod
     def empty(cls, shape: Union[SupportsIndex, tuple[SupportsIndex, ...]]) -> Hits:
-        """Room for results: for ``closest_hit(..., out=...)``. All are misses until then.
+        """Memory for results, for ``closest_hit(..., out=...)``. All hits are misses until then.
 
         >>> import raysheaf
         >>> raysheaf.Hits.empty(3)
@@ -82,7 +82,7 @@ class Hits:
 
     @property
     def t(self) -> NDArray[np.float32]:
-        """How far, in lengths of the ray's direction; inf for a miss."""
+        """The position along the ray, in lengths of its direction; inf for a miss."""
         return self.array["t"]
 
     @property
@@ -97,12 +97,12 @@ class Hits:
 
     @property
     def prim_id(self) -> NDArray[np.uint32]:
-        """The triangle within its mesh; `INVALID_ID` for a miss, as the two below."""
+        """The triangle within its mesh; `INVALID_ID` for a miss, also for the next two."""
         return self.array["prim_id"]
 
     @property
     def geom_id(self) -> NDArray[np.uint32]:
-        """The mesh, as `Scene.add` returned it."""
+        """The mesh: the id that `Scene.add` returned."""
         return self.array["geom_id"]
 
     @property
@@ -112,7 +112,7 @@ class Hits:
 
     @property
     def hit(self) -> NDArray[np.bool_]:
-        """Whether there is a hit at all."""
+        """Whether the ray hits anything."""
         hit: NDArray[np.bool_] = self.array["prim_id"] != INVALID_ID
         return hit
 

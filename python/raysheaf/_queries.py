@@ -45,46 +45,46 @@ class Queries:
         statistics: Optional[dict[str, Any]] = None,
         out: Any = None,
     ) -> Hits:
-        """The first thing that each ray meets.
+        """The closest hit of each ray.
 
-        Ask many rays at once: one call with 100 000 of them is far faster than 100 000 calls.
+        Put many rays into one call: one call with 100 000 rays is far faster than 100 000 calls.
 
         Parameters
         ----------
         origins : (..., 3) array of real numbers
-            Or the whole rays, (..., 8), without `directions`: origin, t_min, direction, t_max. Those
-            are read where they lie if they are float32 in C order; with ``device="cuda"`` that may
-            be in the device's memory.
+            Or whole rays, (..., 8), without `directions`: origin, t_min, direction, t_max. They are
+            read in place if they are float32 in C order; with ``device="cuda"`` they may be in the
+            device's memory.
         directions : (..., 3) array of real numbers
-            Need not be unit vectors. Broadcast with `origins`, `t_min` and `t_max`.
+            They need not be unit vectors. They broadcast with `origins`, `t_min` and `t_max`.
         t_min, t_max : arrays of shape (...), optional
             Hits lie in [t_min, t_max], in lengths of the direction; 0 and inf by default.
         mask : int
-            Instances are seen where ``their mask & mask`` is not 0.
+            The query sees instances with ``their mask & mask`` not 0.
         method : "dual" or "brute"
-            "brute" looks at every triangle for every ray, to check against; the answers are the
-            same, bit for bit.
+            "brute" tests every ray with every triangle, to check against; the answers are the same,
+            bit for bit.
         check : bool
-            False: the rays are known to be right. A wrong one then makes all results unspecified.
+            False skips the validation of rays. An invalid ray then makes all results unspecified.
         statistics : dict, optional
-            Filled with what the query did: counts, times in milliseconds, and the plan.
+            Receives counts of tests, times in milliseconds, and the plan.
         out : Hits, or an array on a CUDA device, optional
-            Of the rays' shape, in C order: written and returned, so that no memory is taken. On a
-            device it has a last axis of 6 besides, and dtype float32: t, u, v, and the bits of
-            prim_id, geom_id and inst_id.
+            An array of the rays' shape in C order, which is written and returned, so that nothing
+            is allocated. On a device it has a last axis of 6 in addition, and dtype float32: t, u,
+            v, and the bits of prim_id, geom_id and inst_id.
 
         Returns
         -------
         Hits
-            Of the rays' shape. A miss has t = inf and ids `INVALID_ID`. Where hits are equally far,
-            that of the least (geom_id, inst_id, prim_id) counts. Both sides of triangles are met,
-            and no ray slips through an edge that two triangles share.
+            Of the rays' shape. A miss has t = inf and ids `INVALID_ID`. Of hits at the same t, the
+            one with the least (geom_id, inst_id, prim_id) counts. Rays hit both sides of triangles,
+            and none passes between two triangles that share an edge.
 
         Raises
         ------
         InvalidError
-            That names the first ray which is wrong: not finite, without direction, t_min negative
-            or larger than t_max. It is a `ValueError`.
+            Names the first invalid ray: not finite, a zero direction, t_min negative or larger than
+            t_max. It is a `ValueError`.
         TypeError, ValueError
             For arrays of a wrong dtype or of shapes that do not broadcast.
 
@@ -131,10 +131,10 @@ class Queries:
         statistics: Optional[dict[str, Any]] = None,
         out: Any = None,
     ) -> NDArray[np.bool_]:
-        """Whether each ray meets anything: for shadows and visibility, faster than `closest_hit`.
+        """Whether each ray hits anything: for shadows and visibility, faster than `closest_hit`.
 
         Parameters and exceptions are those of `closest_hit`. Returns booleans of the rays' shape:
-        a new array of numpy, or `out`, one of dtype bool or uint8 in C order, of numpy or on a
+        a new numpy array, or `out`, an array of dtype bool or uint8 in C order, of numpy or on a
         CUDA device.
 
         From one point to another: ``scene.any_hit(a, b - a, t_max=1)``.
@@ -164,11 +164,11 @@ class Queries:
         check: bool = True,
         statistics: Optional[dict[str, Any]] = None,
     ) -> HitRows:
-        """Everything that each ray meets, from near to far.
+        """All hits of each ray, from near to far.
 
         Parameters and exceptions are those of `closest_hit`. A ray through an edge or a vertex
-        meets all triangles that share it. The memory of rows that are gone is kept for the next
-        ones until a scene goes.
+        hits all triangles that share it. Memory of deleted rows is reused for the next ones until
+        a scene is deleted.
 
         >>> import raysheaf
         >>> scene = raysheaf.Scene()
@@ -199,11 +199,11 @@ class Queries:
         statistics: Optional[dict[str, Any]] = None,
         out: Any = None,
     ) -> NDArray[np.uint32]:
-        """How many triangles each ray meets: the lengths of the rows of `all_hits`.
+        """The number of triangles that each ray hits: the lengths of the rows of `all_hits`.
 
         Parameters and exceptions are those of `closest_hit`. Returns uint32 of the rays' shape: a
-        new array of numpy, or `out`, one of dtype uint32 or int32 in C order, of numpy or on a CUDA
-        device.
+        new numpy array, or `out`, an array of dtype uint32 or int32 in C order, of numpy or on a
+        CUDA device.
         """
         batch = batch_of(origins, directions, t_min, t_max)
         room = _room(self._core, batch, out, ("uint32", "int32"))

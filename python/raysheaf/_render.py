@@ -1,4 +1,4 @@
-"""Pictures: the renderer behind `python -m raysheaf render`, and PNG files of arrays."""
+"""Images: the renderer behind `python -m raysheaf render`, and PNG files of arrays."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ Path = Union[str, bytes, os.PathLike[str], os.PathLike[bytes]]
 def png_bytes(image: Any) -> bytes:
     """An image as a PNG file: (h, w) grey, (h, w, 3) colours or (h, w, 4) with alpha.
 
-    uint8 is taken as it is; real numbers from 0 to 1 become 0 to 255, and what is beyond is clipped;
-    of booleans what is true is white.
+    uint8 is written unchanged; real numbers from 0 to 1 become 0 to 255, and values outside are
+    clipped; booleans become white (true) and black.
     """
     pixels = _arrays.as_numpy(image, "image")
     if pixels.dtype == np.bool_:
@@ -69,31 +69,31 @@ def write_png(path: Path, image: Any) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """A rendered frame: arrays of h x w pixels, rows from the top. A notebook shows it by itself.
+    """A rendered frame: arrays of h x w pixels, rows from the top. A notebook displays it.
 
-    Two are equal where all their arrays and their exposures are.
+    Two pictures are equal if all their arrays and their exposures are equal.
     """
 
     image: NDArray[np.uint8]
-    """(h, w, 3), for people; exposed, tone-mapped, sRGB."""
+    """(h, w, 3), for display: exposed, tone-mapped, sRGB."""
     beauty: NDArray[np.float32]
     """(h, w, 3), linear radiance, Rec. 709 primaries."""
     position: NDArray[np.float32]
-    """(h, w, 3), what the pixel sees, in the world; 0 for nothing."""
+    """(h, w, 3), the visible point in world space; 0 if the pixel sees nothing."""
     normal: NDArray[np.float32]
-    """(h, w, 3), the shading normal there."""
+    """(h, w, 3), the shading normal at that point."""
     albedo: NDArray[np.float32]
-    """(h, w, 3), diffuse and specular reflectance there."""
+    """(h, w, 3), diffuse plus specular reflectance at that point."""
     shadow: NDArray[np.float32]
-    """(h, w), the part of the lights facing it that reaches it."""
+    """(h, w), the part of the lights in front of the surface that reaches it."""
     inst_id: NDArray[np.uint32]
-    """(h, w), its instance; `INVALID_ID` for nothing, as the two below."""
+    """(h, w), its instance; `INVALID_ID` if the pixel sees nothing, also for the next two."""
     geom_id: NDArray[np.uint32]
     """(h, w), its mesh."""
     prim_id: NDArray[np.uint32]
     """(h, w), its triangle."""
     exposure: float
-    """The factor from `beauty` to what was tone-mapped."""
+    """The factor on `beauty` before tone mapping."""
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Picture):
@@ -117,21 +117,21 @@ class Picture:
 class Animation:
     """A scene that moves: glTF with its nodes, skins and morph targets, or a sequence of files.
 
-    `render` makes its pictures; each costs what has changed since the one before. Python's threads
-    may share it, and take turns.
+    `render` makes its images; each costs only what has changed since the previous one. Python
+    threads may share an animation; one renders at a time.
 
     Parameters
     ----------
     scene : str, bytes or path
         A glTF or GLB file, a JSON file that describes a sequence, or a pattern of files such as
-        ``"frame_*.obj"``; anything else that `render` reads stands still.
+        ``"frame_*.obj"``; any other scene that `render` reads is static.
 
     Raises
     ------
     InvalidError
-        For what is wrong in the file.
+        For an invalid file.
     NotFoundError
-        For the file, and for a pattern that fits none.
+        For a missing file, and for a pattern that matches none.
 
     Examples
     --------
@@ -159,16 +159,16 @@ class Animation:
 
     @property
     def frame_times(self) -> list[float]:
-        """The times of the frames that there are, as of a sequence; empty where any time is one."""
+        """The times of the frames of a sequence; empty if every time has a frame."""
         return self._film.frame_times
 
     @property
     def clips(self) -> list[str]:
-        """What can be played, one at a time; clips that drive different things are one."""
+        """The clips. One plays at a time; clips that drive different things count as one."""
         return self._film.clips
 
     def play(self, clip: Union[str, SupportsIndex]) -> None:
-        """The clip that later pictures show, by name or number; `start` and `end` are then its.
+        """Choose the clip of later images, by name or number; `start` and `end` are then its times.
 
         Raises
         ------
@@ -219,53 +219,53 @@ def render(
 ) -> Picture:
     """Render a frame of a scene file or of a built-in scene.
 
-    Ctrl-C stops it: in brute force at once, else between batches of rays.
+    Ctrl-C stops it: immediately in brute force, otherwise between batches of rays.
 
     Parameters
     ----------
     scene : str, bytes, path or Animation
         A glTF, GLB, OBJ, PLY or STL file; or ``"builtin:office"``, ``"builtin:cornell"``,
-        ``"builtin:atrium"``. Where it has no camera or no light, one that shows all of it is added.
-        For several pictures of one scene give an `Animation`: a path is loaded every time.
+        ``"builtin:atrium"``. If the scene has no camera or no light, one that shows all of it is
+        added. For several images of one scene pass an `Animation`: a path is loaded every time.
     time : float, optional
-        Seconds, kept between the animation's `start` and `end`. By default a file is at rest, an
+        Seconds, clamped to the animation's `start` and `end`. By default a file is at rest, an
         `Animation` at its start.
     width, height : int, optional
-        Pixels, 1 to 16384 each. Where neither is given, 512 along the longer side, in the shape of
-        the camera's aspect ratio, or square; where one is given, the other is 512.
+        Pixels, 1 to 16384 each. Without both, 512 along the longer side, with the camera's aspect
+        ratio, or square; if one is given, the other is 512.
     camera : str or int
-        By name or number; the first by default. An int is a number first, and a str a name.
+        Name or number; the first by default. An int is tried as a number first, a str as a name.
     method : str
-        ``"dual"``, ``"crsh"``, ``"rah"``, ``"gl10"`` or ``"brute"``; the picture is the same.
+        ``"dual"``, ``"crsh"``, ``"rah"``, ``"gl10"`` or ``"brute"``; the image is the same.
     primary : "trace" or "raster"
-        How the camera sees: by rays, or by OpenGL, as the command line does.
+        How primary visibility is found: by rays, or by OpenGL, the command line's default.
     bounces : int
         Reflections and refractions in a row, 0 to 32.
     threads : int
-        0: all cores.
+        Number of threads; 0 uses all cores.
     device : "cpu" or "cuda"
-        Where rays meet triangles and pictures are made. The picture is the same.
+        Where the image is rendered. The image is the same.
     exposure : float, optional
-        A factor on radiance before tone mapping; found for each picture by itself by default:
-        give films one, such as their first picture's.
+        A factor on radiance before tone mapping; by default it is chosen for each image. For a film
+        pass one value, such as that of the first image.
     samples : int
         Rays a pixel, 1 to 65536; 0: 1, or 16 with an environment or a lens.
     aperture : float, optional
-        Diameter of the lens; the camera's own by default, which mostly is 0: all is sharp.
+        Diameter of the lens; by default the camera's own, mostly 0, which makes everything sharp.
     focus : float, optional
-        The depth that is sharp; by default the camera's own, or that of what the middle shows.
+        The depth that is sharp; by default the camera's own, or the depth at the image's centre.
     environment : str, bytes or path, optional
-        Light from all around: a ``.hdr`` or ``.exr`` file of all directions, +y up.
+        Light from the environment: an equirectangular ``.hdr`` or ``.exr`` file, +y up.
 
     Raises
     ------
     InvalidError
-        For options, and for what is wrong in the file.
+        For invalid options or files.
     NotFoundError
-        For the file, the camera or the built-in scene.
+        For a missing file, camera or built-in scene.
     Error
-        With code ``"io"`` for a file that cannot be read, ``"no_graphics"`` for "raster" where
-        there is no OpenGL, ``"unsupported"`` for "cuda" where there is no device.
+        With code ``"io"`` for a file that cannot be read, ``"no_graphics"`` for "raster" without
+        OpenGL, ``"unsupported"`` for "cuda" without a device.
 
     Examples
     --------

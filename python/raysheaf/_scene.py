@@ -16,25 +16,25 @@ _MOST_THREADS = 1024
 
 
 class Scene(Queries):
-    """Meshes of triangles, placed in the world by instances, and the queries that rays ask of them.
+    """Meshes of triangles, placed in the world by instances, and ray queries on them.
 
-    Changes show at the next query: it commits them. `commit` does it at a time that you choose.
+    A query sees all changes that were made before it began: the first query after a change commits
+    it. Call `commit` to choose that moment yourself.
 
-    Nothing is ever wrong for a while: a query sees all changes that were made before it began. Any
-    number of Python threads may use one scene. Queries and changes run without the interpreter's
-    lock; a change waits until running queries are done, and queries wait for changes.
+    Any number of Python threads may use one scene. Queries and changes release the interpreter's
+    lock; a change waits for running queries, and queries wait for changes.
 
-    Arrays are copied into the scene: what happens to yours afterwards does not matter to it.
-    Vertices and rays are float32 inside; float64 is rounded to it. Lengths are in any unit.
+    The scene copies arrays, so later changes of your arrays do not affect it. Vertices and rays are
+    float32 inside; float64 is rounded. Lengths are in any unit.
 
     Parameters
     ----------
     threads : int
-        How many threads queries use; 0 takes all cores that the process may use. 1024 at most.
+        Number of threads of queries, at most 1024; 0 uses all cores that the process may use.
     device : "cpu" or "cuda"
-        Where rays meet triangles. On "cuda" rays and results may lie in the device's memory, as
-        arrays of CuPy, PyTorch, Numba or JAX. Raises `UnsupportedError` where this build or this
-        machine has none.
+        Where queries run. On "cuda" rays and results may reside in the device's memory, as arrays
+        of CuPy, PyTorch, Numba or JAX. Raises `UnsupportedError` if this build or this machine has
+        no CUDA device.
 
     Examples
     --------
@@ -58,7 +58,7 @@ class Scene(Queries):
             _arrays.integer(threads, "threads", _MOST_THREADS), is_cuda(device)
         )
 
-    # What is in it.
+    # Changes.
 
     def add(
         self,
@@ -74,26 +74,26 @@ class Scene(Queries):
         Parameters
         ----------
         vertices : (n, 3) array of real numbers
-            Finite, no farther out than 1e18; those that no triangle uses may be anything. Without
-            `triangles` each three in a row are one; then shape (m, 3, 3) will do as well.
+            Finite, at most 1e18 in absolute value; vertices that no triangle uses may have any
+            value. Without `triangles`, each three rows are a triangle; (m, 3, 3) is then valid too.
         triangles : (m, 3) array of integers, optional
             Indices into `vertices`. Triangles without area are legal; nothing hits them.
         transform : (3, 4) or (4, 4) array, optional
             From the mesh's space to the world, for column vectors; the identity by default.
         mask : int
-            The instance is seen by queries where ``mask & query mask`` is not 0.
+            A query sees the instance if ``mask & query mask`` is not 0.
         place : bool
-            False: no instance yet; see `instance`.
+            False adds no instance yet; see `instance`.
 
         Returns
         -------
         int
-            The mesh's id, which hits show as `geom_id`. The first is 0; none is used again.
+            The mesh's id, the `geom_id` of hits. The first is 0; ids are never reused.
 
         Raises
         ------
         InvalidError
-            That names the first vertex, index or transform which is wrong. It is a `ValueError`.
+            Names the first vertex, index or transform that is invalid. It is a `ValueError`.
         TypeError, ValueError
             For arrays of a wrong dtype or shape.
         """
@@ -109,9 +109,9 @@ class Scene(Queries):
     def replace(
         self, mesh: SupportsIndex, vertices: ArrayLike, triangles: Optional[ArrayLike] = None
     ) -> None:
-        """Other vertices and other triangles, any number of them; id and instances stay.
+        """Give the mesh other vertices and triangles, any number; it keeps its id and instances.
 
-        Raises as `add` does, and `NotFoundError` (a `LookupError`) for a mesh that is not there.
+        Raises as `add` does, and `NotFoundError` (a `LookupError`) for a mesh that does not exist.
         """
         self._core.replace(
             _arrays.integer(mesh, "mesh"),
@@ -120,26 +120,26 @@ class Scene(Queries):
         )
 
     def update(self, mesh: SupportsIndex, vertices: ArrayLike) -> None:
-        """Move the vertices; the triangles stay. Made to be called in every frame.
+        """Move the vertices; the triangles stay. Call it in every frame.
 
         Parameters
         ----------
         mesh : int
-            As `add` returned it.
+            The id that `add` returned.
         vertices : (n, 3) array of real numbers
-            As many as the mesh has.
+            The same number of vertices as the mesh has.
 
         Raises
         ------
         InvalidError
-            For another number of vertices, or a triangle's vertex that is not finite.
+            For a different number of vertices, or a triangle's vertex that is not finite.
         NotFoundError
-            For a mesh that is not there.
+            For a mesh that does not exist.
         """
         self._core.update(_arrays.integer(mesh, "mesh"), _arrays.vertices(vertices, soup=True))
 
     def remove(self, mesh: SupportsIndex) -> None:
-        """Take the mesh and all its instances away. Raises `NotFoundError` where it is not there."""
+        """Remove the mesh and all its instances. Raises `NotFoundError` if it does not exist."""
         self._core.remove(_arrays.integer(mesh, "mesh"))
 
     def instance(
@@ -149,7 +149,7 @@ class Scene(Queries):
         *,
         mask: SupportsIndex = ALL,
     ) -> int:
-        """Place the mesh once more; returns the instance's id, which hits show as `inst_id`.
+        """Place the mesh once more; returns the instance's id, the `inst_id` of hits.
 
         Ids of instances count over all meshes of the scene. Raises `NotFoundError` for the mesh and
         `InvalidError` for a transform that is not finite.
@@ -161,7 +161,7 @@ class Scene(Queries):
         )
 
     def remove_instance(self, instance: SupportsIndex) -> None:
-        """Take the instance away; its mesh stays."""
+        """Remove the instance; its mesh stays."""
         self._core.remove_instance(_arrays.integer(instance, "instance"))
 
     def set_transform(self, instance: SupportsIndex, transform: Optional[ArrayLike]) -> None:
@@ -171,32 +171,32 @@ class Scene(Queries):
         )
 
     def set_mask(self, instance: SupportsIndex, mask: SupportsIndex) -> None:
-        """Which queries see the instance: those where ``mask & query mask`` is not 0."""
+        """Set which queries see the instance: those with ``mask & query mask`` not 0."""
         self._core.set_mask(_arrays.integer(instance, "instance"), _arrays.integer(mask, "mask"))
 
     def commit(self) -> None:
-        """Make changes visible now, rather than at the next query.
+        """Make changes visible now instead of at the next query.
 
-        Raises `InvalidError` where a transform puts a vertex farther out than 1e18. The changes
-        then wait for another commit, after the transform was set right.
+        Raises `InvalidError` if a transform moves a vertex farther out than 1e18. The changes then
+        wait for another commit, after you have corrected the transform.
         """
         self._core.commit()
 
-    # Looking at it.
+    # Contents.
 
     @property
     def committed(self) -> bool:
-        """Whether there is nothing for `commit` to do."""
+        """Whether no changes wait for `commit`."""
         return self._core.is_committed()
 
     @property
     def threads(self) -> int:
-        """How many threads queries use."""
+        """Number of threads of queries."""
         return self._core.threads()
 
     @property
     def device(self) -> Device:
-        """Where rays meet triangles."""
+        """Where queries run: "cpu" or "cuda"."""
         return "cuda" if self._core.is_on_cuda() else "cpu"
 
     @property
@@ -221,24 +221,24 @@ class Scene(Queries):
         return self._core.mask(_arrays.integer(instance, "instance"))
 
     def vertex_count(self, mesh: SupportsIndex) -> int:
-        """How many vertices the mesh has."""
+        """Number of vertices of the mesh."""
         return self._core.vertex_count(_arrays.integer(mesh, "mesh"))
 
     def triangle_count(self, mesh: Optional[SupportsIndex] = None) -> int:
-        """How many triangles the mesh has; without one, all instances together."""
+        """Number of triangles of the mesh; without `mesh`, of all instances together."""
         if mesh is None:
             return self._core.total_triangle_count()
         return self._core.triangle_count(_arrays.integer(mesh, "mesh"))
 
     @property
     def bounds(self) -> Optional[NDArray[np.float32]]:
-        """The box of all instances' triangles, (2, 3): least and largest; None where there are none."""
+        """The box of all instances' triangles, (2, 3): minimum, maximum; None without triangles."""
         box = np.array(self._core.bounds(), np.float32)
         return box if (box[0] <= box[1]).all() else None
 
     @property
     def memory_bytes(self) -> int:
-        """Arrays, hierarchies, and the room that queries keep for the next one."""
+        """Bytes of arrays, hierarchies, and memory that is kept for the next query."""
         return self._core.memory_bytes()
 
     def __getstate__(self) -> NoReturn:

@@ -1,9 +1,10 @@
-"""``python -m raysheaf.bench``: queries a second, beside trimesh with Embree (embreex) in one run.
+"""``python -m raysheaf.bench``: queries a second, compared with trimesh with Embree (embreex).
 
-Three columns answer the same rays on the same mesh: trimesh with embreex, trimesh with raysheaf, and
-`raysheaf.Scene` itself. They take turns; each figure is the median of the rounds. The mesh is a ball
-with waves on it. "moving": every vertex moves between any two queries, and what that costs each of
-them is in the time. Rays without order are the hardest; `--batch` has two that users have oftener.
+Three columns answer the same rays on the same mesh, interleaved in one process: trimesh with
+embreex, trimesh with raysheaf, and `raysheaf.Scene` itself. Each figure is the median of the
+rounds. The mesh is a sphere with waves. "moving": every vertex moves between any two queries, and
+the time includes the cost of the change. Incoherent rays are the hardest; `--batch` has two batches
+that are more common.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ class Where:
 
 
 def wavy_ball(triangles: int, phase: float = 0.0) -> tuple[Array, Array]:
-    """A closed mesh of about so many triangles, of radius 1 with waves of 0.1 on it."""
+    """A closed mesh of about `triangles` triangles, a sphere of radius 1 with waves of 0.1."""
     rings = max(3, round((triangles / 4) ** 0.5))
     columns = 2 * rings
     u = np.arange(columns) / columns * 2 * np.pi

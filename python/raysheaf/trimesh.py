@@ -70,25 +70,25 @@ class _Batch:
 
 
 class RayMeshIntersector:
-    """What `trimesh.ray.ray_pyembree.RayMeshIntersector` does, by raysheaf.
+    """The interface of `trimesh.ray.ray_pyembree.RayMeshIntersector`, implemented by raysheaf.
 
-    Both sides of faces are met. A ray that meets several faces at one place, an edge or a vertex,
-    hits one of them there. Results are sorted by ray, then from near to far, and locations are
+    Rays hit both sides of faces. A ray that hits several faces at one point, an edge or a vertex,
+    reports one of them. Results are sorted by ray, then from near to far, and locations are
     computed in float64. Directions need not be unit vectors; rays that are not finite, or whose
-    direction is zero, hit nothing, and nothing hits faces with a vertex that is not finite.
+    direction is zero, hit nothing, and faces with a vertex that is not finite are never hit.
 
     Parameters
     ----------
     geometry : trimesh.Trimesh
-        The mesh. It may change: the next query notices, and where the faces are the same it takes
-        the vertices over as an update.
+        The mesh. It may change: the next query notices, and if the faces are the same it updates
+        only the vertices.
     scale_to_box : bool
-        Query about the mesh's middle and at a size of about 1, so that float32 is as good as it can
-        be wherever the mesh lies. False: in the mesh's own coordinates.
+        Query relative to the mesh's centre and at a size of about 1, which gives float32 its best
+        precision wherever the mesh is. False: in the mesh's own coordinates.
     threads : int
-        How many threads queries use; 0 takes all cores.
+        Number of threads of queries; 0 uses all cores.
     device : "cpu" or "cuda"
-        Where rays meet triangles; arrays are numpy's on either.
+        Where queries run; arrays are numpy's on both.
     """
 
     def __init__(
