@@ -1,4 +1,4 @@
-// Where scenes live and queries run: a device and a number of threads.
+// A context: the device and the threads that scenes and queries use.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ enum class Device : std::uint8_t {
 
 [[nodiscard]] const char* to_string(Device device);
 
-/// The instructions that the CPU's kernels use on this machine, in Highway's word: "AVX2".
+/// The instruction set of the CPU's kernels on this machine, as Highway names it: "AVX2".
 [[nodiscard]] std::string simd_target();
 
 struct ContextOptions {
@@ -27,21 +27,21 @@ struct ContextOptions {
   std::uint32_t threads = 0;  ///< 0: all cores that the process may use; 1024 at most
 };
 
-/// A handle, cheap to copy: copies share their threads. Any number of scenes may stand on one, and
-/// any number of threads may use it.
+/// A handle that is cheap to copy: copies share their threads. Any number of scenes and threads may
+/// use one context.
 class Context {
  public:
   /// Throws `Error`: kInvalidArgument for the options, kUnsupported for a device that this build
-  /// or this machine does not have, in CUDA's own words, or for more threads than the system
-  /// starts.
+  /// or this machine does not have, with CUDA's message, or for more threads than the system can
+  /// start.
   explicit Context(const ContextOptions& options = {});
 
   [[nodiscard]] Device device() const noexcept;
   [[nodiscard]] std::uint32_t threads() const noexcept;
 
-  /// Calls `body(begin, end)` for disjoint ranges that make up [0, count), about `grain` items
-  /// or more each, in any order, on this context's threads: for making rays and reading hits. An
-  /// exception from a body ends the loop and is thrown here.
+  /// Calls `body(begin, end)` for disjoint ranges that cover [0, count), about `grain` items or
+  /// more each, in any order, on this context's threads; use it to make rays and read hits. An
+  /// exception from a body ends the loop and is rethrown here.
   void for_each_block(std::size_t count, std::size_t grain,
                       const std::function<void(std::size_t begin, std::size_t end)>& body) const;
 

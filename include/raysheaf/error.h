@@ -1,4 +1,4 @@
-// The one exception that leaves raysheaf.
+// The only exception class that raysheaf throws.
 #pragma once
 
 #include <new>
@@ -9,20 +9,20 @@
 namespace raysheaf {
 
 enum class ErrorCode {
-  kInvalidArgument,  ///< an option or a value handed in by the caller
-  kInvalidData,      ///< a file or a scene whose content is wrong
-  kUnsupported,      ///< right, but not something that this build can do
+  kInvalidArgument,  ///< an invalid option or value from the caller
+  kInvalidData,      ///< a file or a scene with invalid content
+  kUnsupported,      ///< valid, but not supported by this build or this machine
   kNotFound,         ///< no such file, camera, scene
   kIo,               ///< reading or writing failed
   kOutOfMemory,      ///< an allocation failed, or would exceed a stated limit
-  kNoGraphics,       ///< no OpenGL context can be had
-  kWrongState,       ///< right at another time: before commit(), or while a query runs
-  kCancelled,        ///< the caller asked to stop
+  kNoGraphics,       ///< no OpenGL context is available
+  kWrongState,       ///< not allowed now: before commit(), or while a query runs
+  kCancelled,        ///< the caller requested to stop
   kInternal,         ///< a defect of raysheaf
 };
 
 /// A code, one sentence, and the place: a file, a field (`meshes[3].triangles[17]`), an option.
-/// `what()` is "place: sentence", or the sentence alone where there is no place.
+/// `what()` is "place: sentence", or only the sentence if the place is empty.
 class Error : public std::runtime_error {
  public:
   Error(ErrorCode code, std::string sentence, std::string place = {})
@@ -41,8 +41,8 @@ class Error : public std::runtime_error {
   std::string place_;
 };
 
-/// What `work` gives. Throws an `Error` (kOutOfMemory) of this sentence and place where memory runs
-/// out, or a vector would get more elements than any can have: std::bad_alloc, std::length_error.
+/// Returns the result of `work`. Turns std::bad_alloc and std::length_error, which a vector throws
+/// if it would exceed its maximum size, into an `Error` (kOutOfMemory) of this sentence and place.
 template <class Work>
 decltype(auto) within_memory(std::string_view sentence, std::string_view place, const Work& work) {
   const auto error = [&] {

@@ -1,13 +1,13 @@
 // Batches of rays against a committed scene (raysheaf/scene.h).
 //
-// Rays may come in any order, and mixed; results stand at their ray's place. Large batches pay:
-// rays are answered together, so one call with 100 000 of them is far faster than 100 000 calls.
-// The answers depend on rays and triangles alone, bit for bit: not on threads, SIMD, method, the
-// order of the batch, nor on what the scene was before.
+// Rays may come in any order; each result has the index of its ray. Large batches pay: rays are
+// answered together, so one call with 100 000 rays is far faster than 100 000 calls. The answers
+// depend only on rays and triangles, bit for bit: not on threads, SIMD, the method, the order of
+// the batch, or earlier states of the scene.
 //
-// All functions throw `Error`: kInvalidData naming the first ray that is wrong, kInvalidArgument
-// for spans of unequal length, kWrongState where the scene has changes that were not committed or
-// is being changed by another thread, kCancelled, kOutOfMemory. Results are then unspecified.
+// All functions throw `Error`: kInvalidData naming the first invalid ray, kInvalidArgument for
+// spans of unequal length, kWrongState if the scene has uncommitted changes or another thread is
+// changing it, kCancelled, kOutOfMemory. Results are then unspecified.
 #pragma once
 
 #include <atomic>
@@ -30,24 +30,24 @@ enum class QueryMethod : std::uint8_t {
   kBrute,  ///< every ray with every triangle: to check against
 };
 
-/// What a query did. Counts are the same with any number of threads.
+/// Counts and times of a query. Counts are the same with any number of threads.
 struct QueryStatistics {
   std::uint64_t rays = 0;
-  std::uint64_t triangles = 0;  ///< that the query's mask shows, counted once an instance
-  // Filled where `QueryOptions::count_tests` says so.
-  std::uint64_t bound_tests = 0;      ///< a bundle of rays with a box or a triangle
-  std::uint64_t ray_bound_tests = 0;  ///< a ray with a box
-  std::uint64_t triangle_tests = 0;   ///< a ray with a triangle
+  std::uint64_t triangles = 0;  ///< visible to the query's mask, counted for each instance
+  // Counted only with `QueryOptions::count_tests`.
+  std::uint64_t bound_tests = 0;      ///< tests of a bundle of rays with a box or a triangle
+  std::uint64_t ray_bound_tests = 0;  ///< tests of a ray with a box
+  std::uint64_t triangle_tests = 0;   ///< tests of a ray with a triangle
   // Milliseconds.
-  double update_ms = 0;     ///< what changed the scene before its last commit, and that commit
-  double check_ms = 0;      ///< looking the rays over, packing those that come in parts, and, where
-                            ///< they go in long streams (docs/dual.md), putting them by quarter
-  double order_ms = 0;      ///< the order of the rays else: quarters, or keys and a sort
-  double hierarchy_ms = 0;  ///< over the triangles, where they have changed, and over the rays
-  double trace_ms = 0;      ///< bringing the two together
-  double total_ms = 0;      ///< the whole call, with writing results and what is not above; where
-                            ///< threads take batches piece by piece, stages share their time
-  std::vector<std::string> plan;  ///< what was chosen and why: a sentence a choice
+  double update_ms = 0;     ///< the changes before the last commit, and that commit
+  double check_ms = 0;      ///< validating rays, packing rays in parts, and sorting rays of long
+                            ///< streams (docs/dual.md) by quarter
+  double order_ms = 0;      ///< ordering all other rays: by quarter, or by keys
+  double hierarchy_ms = 0;  ///< building or refitting hierarchies over triangles and rays
+  double trace_ms = 0;      ///< traversal and intersection
+  double total_ms = 0;      ///< the whole call, including results and everything not listed above;
+                            ///< if threads take batches tile by tile, stages share their time
+  std::vector<std::string> plan;  ///< the choices of the plan and their reasons, a sentence each
 
   [[nodiscard]] std::uint64_t tests() const {
     return bound_tests + ray_bound_tests + triangle_tests;
@@ -56,24 +56,25 @@ struct QueryStatistics {
 
 struct QueryOptions {
   QueryMethod method = QueryMethod::kDual;
-  /// Instances are seen where (their mask & this) != 0.
+  /// The query sees an instance if (the instance's mask & this) != 0.
   std::uint32_t mask = 0xffffffff;
-  /// Refuse rays that are wrong: origins or directions that are not finite, directions of length
-  /// zero, `t_min` negative, `t_min` > `t_max`, NaN anywhere. Without, the caller vouches for them:
-  /// a wrong ray makes the results of its whole batch unspecified.
+  /// Validate rays, and refuse origins or directions that are not finite, directions of length
+  /// zero, `t_min` negative, `t_min` > `t_max`, NaN anywhere. Without validation, an invalid ray
+  /// makes the results of its whole batch unspecified.
   bool check = true;
-  bool count_tests = false;  ///< for `statistics`; costs a little
-  /// With Device::kCuda, rays and results may lie in the device's memory, and what was asked for on
-  /// this stream (a cudaStream_t; null: the default one) comes before the query. Results are there
+  bool count_tests = false;  ///< for `statistics`; has a small cost
+  /// With Device::kCuda, rays and results may reside in the device's memory. The query waits for
+  /// the work queued on this stream (a cudaStream_t; null: the default one); results are complete
   /// when it returns. Not used otherwise.
   void* stream = nullptr;
-  /// A second one that comes first, where results were last used on another than rays. Null: none.
+  /// Optional second stream to wait for, if the result buffer was last used on a different stream
+  /// than the rays. Null: none.
   void* results_stream = nullptr;
-  /// Set by another thread (or a handler of signals), the query throws `Error` (kCancelled) within
-  /// some milliseconds, and the scene answers the next. A device's queries look at it only before
-  /// they begin.
+  /// If another thread or a signal handler sets this flag, the query throws `Error` (kCancelled)
+  /// within milliseconds, and the scene answers the next query normally. Queries on a device read
+  /// the flag only before they begin.
   const std::atomic<bool>* stop = nullptr;
-  QueryStatistics* statistics = nullptr;  ///< written where it is not null
+  QueryStatistics* statistics = nullptr;  ///< written unless null
 };
 
 /// hits[i] is the hit of rays[i] with the least (t, geom_id, inst_id, prim_id), or `Hit{}` for
@@ -85,7 +86,7 @@ void closest_hit(const Scene& scene, const RayParts& rays, std::span<Hit> hits,
 [[nodiscard]] std::vector<Hit> closest_hit(const Scene& scene, std::span<const Ray> rays,
                                            const QueryOptions& options = {});
 
-/// occluded[i] is 1 where rays[i] meets anything in [t_min, t_max], else 0. Spans of equal length.
+/// occluded[i] is 1 if rays[i] hits anything in [t_min, t_max], else 0. Spans of equal length.
 void any_hit(const Scene& scene, std::span<const Ray> rays, std::span<std::uint8_t> occluded,
              const QueryOptions& options = {});
 void any_hit(const Scene& scene, const RayParts& rays, std::span<std::uint8_t> occluded,
@@ -93,9 +94,9 @@ void any_hit(const Scene& scene, const RayParts& rays, std::span<std::uint8_t> o
 [[nodiscard]] std::vector<std::uint8_t> any_hit(const Scene& scene, std::span<const Ray> rays,
                                                 const QueryOptions& options = {});
 
-/// Compressed rows: the hits of ray i are hits[offsets[i]] to before hits[offsets[i + 1]]. The
-/// memory of rows that are gone is kept for those to come until a scene goes: at most as much as
-/// was in use at once.
+/// Compressed rows: the hits of ray i are hits[offsets[i]] up to, excluding, hits[offsets[i + 1]].
+/// Memory of destroyed rows is reused for later ones until a scene is destroyed; it never exceeds
+/// the most that was in use at one time.
 struct HitRows {
   LargeVector<std::uint64_t> offsets;  ///< one more than rays; the first is 0
   LargeVector<Hit> hits;
@@ -107,7 +108,7 @@ struct HitRows {
 };
 
 /// Every hit of every ray, each row sorted by (t, geom_id, inst_id, prim_id). A ray through an edge
-/// or a vertex meets all triangles that share it.
+/// or a vertex hits all triangles that share it.
 [[nodiscard]] HitRows all_hits(const Scene& scene, std::span<const Ray> rays,
                                const QueryOptions& options = {});
 [[nodiscard]] HitRows all_hits(const Scene& scene, const RayParts& rays,

@@ -1,7 +1,7 @@
-// Rays whose parts lie apart, as simulations and arrays keep them: float or double, in any order.
+// Rays whose origins and directions are in separate arrays of float or double, with any strides.
 //
-// They are packed into rays where they are used, a few thousands at a time within a thread's
-// caches, which is faster than packing a batch beforehand.
+// The threads that trace them pack a few thousand rays at a time in their caches, which is faster
+// than packing a batch beforehand.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace raysheaf {
 
-/// Rows of numbers: the one at (row, column) lies `row * row_stride + column * column_stride`
-/// numbers behind `data`. Strides may be 0, the same for all, or negative.
+/// Rows of numbers: the number at (row, column) is `row * row_stride + column * column_stride`
+/// numbers after `data`. Strides may be negative, or 0 if all rows are the same.
 struct NumberRows {
   const void* data = nullptr;
   bool is_double = false;
@@ -32,7 +32,7 @@ struct NumberRows {
 struct RayParts {
   std::size_t count;
   NumberRows origins, directions;  ///< three numbers a row
-  NumberRows t_min, t_max;         ///< one; without data 0 and infinity
+  NumberRows t_min, t_max;         ///< one number a row; without data 0 and infinity
 
   RayParts(std::size_t rays, NumberRows origin_rows, NumberRows direction_rows,
            NumberRows t_min_rows = {}, NumberRows t_max_rows = {})

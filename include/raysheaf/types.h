@@ -1,5 +1,5 @@
-// Plain numbers that cross the front door: vectors, affine maps, rays and hits.
-// No operators here; the mathematics is behind the door, in src/base/vec.h.
+// Plain types of the public interface: vectors, affine maps, boxes, rays and hits. They have no
+// operators; the library's mathematics is in src/base/vec.h.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ struct Affine {
   std::array<std::array<float, 4>, 3> m = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 };
 
-/// An axis-aligned box; empty where `min > max` on any axis, as it is by default.
+/// An axis-aligned box; empty if `min > max` on any axis, which is the default.
 struct Box {
   Vec3 min{std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
            std::numeric_limits<float>::infinity()};
@@ -45,7 +45,7 @@ struct Ray {
 };
 static_assert(sizeof(Ray) == 32);
 
-/// What a ray met. A miss has `prim_id == kInvalidId` and `t == +inf`; `u` and `v` are the
+/// The hit of a ray. A miss has `prim_id == kInvalidId` and `t == +inf`; `u` and `v` are the
 /// barycentric weights of the triangle's second and third vertex.
 struct Hit {
   float t = std::numeric_limits<float>::infinity();

@@ -1,4 +1,4 @@
-"""What rays ask of a scene: the four queries of `Scene`."""
+"""The four ray queries of a scene: the base class of `Scene`."""
 
 from __future__ import annotations
 
@@ -76,9 +76,9 @@ class Queries:
         Returns
         -------
         Hits
-            Of the rays' shape. A miss has t = inf and ids `INVALID_ID`. Of hits at the same t, the
-            one with the least (geom_id, inst_id, prim_id) counts. Rays hit both sides of triangles,
-            and none passes between two triangles that share an edge.
+            Of the rays' shape. A miss has t = inf and ids `INVALID_ID`. Among hits at the same t,
+            the one with the least (geom_id, inst_id, prim_id) counts. Rays hit both sides of
+            triangles, and none passes between two triangles that share an edge.
 
         Raises
         ------
