@@ -1,4 +1,4 @@
-// Pictures of a scene that changes from one to the next.
+// Renders images of a scene that changes between them.
 //
 //   raysheaf::Renderer renderer;
 //   renderer.show(scene);
@@ -8,9 +8,9 @@
 //     renderer.show(scene, {.moved = {3}});
 //   }
 //
-// A frame costs what has changed: spheres of meshes follow their transforms, meshes that keep their
-// shape are not bounded again, triangles that stay are not placed again, and the object tree of
-// `dual` is refitted where the same triangles have moved.
+// An image costs only what has changed: bounding spheres of meshes follow their transforms, meshes
+// that keep their shape are not bounded again, triangles that stay are not transformed again, and
+// the object tree of `dual` is refitted for the triangles that have moved.
 #pragma once
 
 #include <cstdint>
@@ -23,50 +23,51 @@
 
 namespace raysheaf {
 
-/// What the scene's changes since the picture before cost. A first picture makes everything.
+/// The work that the scene's changes since the previous image caused. The first image computes
+/// everything.
 struct UpdateStatistics {
-  std::uint64_t moved_instances = 0;   ///< that have another transform
-  std::uint64_t deformed_meshes = 0;   ///< whose vertices moved
-  std::uint64_t replaced_meshes = 0;   ///< that are other ones
-  std::uint64_t rebound_meshes = 0;    ///< whose minimum ball was computed
-  std::uint64_t placed_triangles = 0;  ///< that went to world space
-  /// What became of the hierarchy over the triangles: "none" where the frame needed none, "kept",
+  std::uint64_t moved_instances = 0;   ///< with a different transform
+  std::uint64_t deformed_meshes = 0;   ///< with moved vertices
+  std::uint64_t replaced_meshes = 0;   ///< new meshes
+  std::uint64_t rebound_meshes = 0;    ///< whose minimum bounding sphere was computed
+  std::uint64_t placed_triangles = 0;  ///< transformed to world space
+  /// What happened to the hierarchy over the triangles: "none" if the image needed none, "kept",
   /// "refit", "rebuild" or "fine rebuild".
   std::string tree = "none";
-  double tree_ms = 0;   ///< within the batches' `hierarchy`
-  double bound_ms = 0;  ///< minimum balls
+  double tree_ms = 0;   ///< included in the batches' `hierarchy`
+  double bound_ms = 0;  ///< minimum bounding spheres
   double place_ms = 0;  ///< triangles to world space
 };
 
 /// The JSON object that docs/animation.md describes, on one line.
 [[nodiscard]] std::string to_json(const UpdateStatistics& update);
 
-/// Owns the OpenGL context, the hierarchies and all memory that pictures share. Movable, not
-/// copyable. One call at a time, from any thread.
+/// Owns the OpenGL context, the hierarchies and all memory that images share. Movable, not
+/// copyable. Any thread may call it, one at a time.
 class Renderer {
  public:
   Renderer();
-  /// On its threads and its device: as `render(context, ...)` of raysheaf/render_on_context.h.
+  /// Uses the context's threads and device, as `render(context, ...)` of
+  /// raysheaf/render_on_context.h.
   explicit Renderer(const Context& context);
   ~Renderer();
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
 
-  /// The scene from now on, of which nothing is known yet. It is read by each `render`, not copied:
-  /// it must stay where it is.
+  /// Sets a new scene. Each `render` reads it, without a copy: it must stay at its address.
   void show(const SceneDescription& scene);
-  /// The scene that is shown already, or a copy of it elsewhere, in which what `changes` names is
-  /// another since the last `show`, and nothing else but cameras and lights. Does no work: the next
-  /// picture does it. Where that one throws anything but kCancelled, the one after it makes
-  /// everything anew.
+  /// Sets the current scene again, or a copy of it at another address, in which since the last
+  /// `show` only the things that `changes` names, cameras and lights have changed. Does no work:
+  /// the next image does it. If that image throws anything except kCancelled, the one after it
+  /// computes everything again.
   void show(const SceneDescription& scene, const SceneChanges& changes);
 
-  /// The picture that `raysheaf::render` gives, bit for bit. Throws as `raysheaf::render` does, and
-  /// kWrongState where no scene is shown.
+  /// Returns the image of `raysheaf::render`, bit for bit. Throws as `raysheaf::render` does, and
+  /// kWrongState without a scene.
   [[nodiscard]] RenderResult render(const RenderOptions& options = {});
-  /// From another point of view than the scene's own; `RenderOptions::camera` does not count.
+  /// The same with a camera that need not be in the scene; `RenderOptions::camera` is ignored.
   [[nodiscard]] RenderResult render(const RenderOptions& options, const Camera& camera);
-  /// What the last picture made anew.
+  /// The work of the last image.
   [[nodiscard]] const UpdateStatistics& last_update() const;
 
  private:

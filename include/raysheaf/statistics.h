@@ -1,11 +1,11 @@
-// What a frame did, counted as the paper counts (Reis, Costa, Pereira 2017, tables 1-4).
+// The statistics of a frame. Tests are counted as in the paper (Reis, Costa, Pereira 2017, tables
+// 1-4).
 //
 // For N rays and M triangles, branching b, and levels numbered from the leaves (level 1 = nodes of
 // b rays): tests at the top are those of its nodes with the candidate triangles, tests at level l
 // are b times the hits of level l + 1, final ray-triangle tests b times the hits of level 1. The
-// last node of a level counts as if it were full. Mesh-sphere tests stand apart and are in no
-// total. `dual` has no such levels: each test of two bounds, of a ray with a bound and of a ray
-// with a triangle counts 1.
+// last node of a level counts as if it were full. Mesh-sphere tests are separate and in no total.
+// `dual` has no such levels: each test of a bundle or a ray with a box or a triangle counts 1.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ enum class RayKind : std::uint8_t {
   kShadow,
   kReflection,
   kRefraction,
-  kAmbientOcclusion,  ///< in the laboratory alone
+  kAmbientOcclusion,  ///< only in the laboratory
 };
 
 [[nodiscard]] const char* to_string(RayKind kind);
@@ -34,7 +34,7 @@ struct StageTimes {
   double raygen = 0, order = 0, hierarchy = 0, traverse = 0, intersect = 0;  ///< milliseconds
 
   [[nodiscard]] double total() const { return raygen + order + hierarchy + traverse + intersect; }
-  /// `part` of another's.
+  /// Adds `part` of another's times.
   void add(const StageTimes& other, double part = 1) {
     raygen += part * other.raygen;
     order += part * other.order;
@@ -50,11 +50,12 @@ struct BundleSample {
   std::uint32_t rays = 0;      ///< in the bundle
   float origin_spread = 0;     ///< the diagonal of the box of its origins, over the scene's
   float direction_spread = 0;  ///< degrees: the farthest that a ray turns away from their mean
-  std::uint64_t accepted = 0;  ///< triangles that the bundle's bound meets
-  std::uint64_t needed = 0;    ///< triangles whose bounding sphere a ray of the bundle meets
+  std::uint64_t accepted = 0;  ///< triangles that the bundle's bounding volume intersects
+  std::uint64_t needed = 0;    ///< triangles whose bounding sphere a ray of the bundle intersects
 
-  /// How many triangles the bound accepts for one that the best bound tested with spheres would:
-  /// from 1 up where the bound is tested with spheres. 0 where none is needed.
+  /// The number of triangles that the bounding volume accepts for each one that the tightest volume
+  /// tested with spheres would: at least 1 if the volume is tested with spheres. 0 if `needed` is
+  /// 0.
   [[nodiscard]] double looseness() const {
     return needed > 0 ? static_cast<double>(accepted) / static_cast<double>(needed) : 0;
   }
@@ -68,28 +69,29 @@ struct BatchStatistics {
   std::uint32_t bounce = 0;
   std::uint64_t rays = 0;
   std::uint64_t triangles = 0;
-  std::uint64_t chunks = 0;  ///< runs of equal keys that were sorted; 0 where nothing was
+  std::uint64_t chunks = 0;  ///< runs of equal keys that were sorted; 0 if nothing was sorted
   std::uint64_t mesh_sphere_tests = 0;
   std::vector<LevelStatistics> levels;  ///< from the top down
-  std::uint64_t bound_tests = 0;        ///< of `dual`: bundles of rays with boxes or triangles
-  std::uint64_t ray_bound_tests = 0;    ///< of `dual`: rays with boxes
+  std::uint64_t bound_tests = 0;        ///< by `dual`: bundles of rays with boxes or triangles
+  std::uint64_t ray_bound_tests = 0;    ///< by `dual`: rays with boxes
   std::uint64_t final_tests = 0;        ///< rays with triangles
-  std::uint64_t hits = 0;               ///< rays that met something
+  std::uint64_t hits = 0;               ///< rays that hit something
   StageTimes times_ms;
-  std::vector<BundleSample> bundles;  ///< where `RenderOptions::bundle_samples` asks for them
-  /// Of `dual`: what was chosen and why, a sentence a choice; of the first sample with such rays.
+  std::vector<BundleSample> bundles;  ///< if `RenderOptions::bundle_samples` requests them
+  /// The choices of `dual` and their reasons, one sentence each, for the first sample with such
+  /// rays.
   std::vector<std::string> plan;
 
   [[nodiscard]] std::uint64_t total_tests() const;
   [[nodiscard]] std::uint64_t brute_force_tests() const { return rays * triangles; }
-  /// total / brute force, a fraction; 0 where there was nothing to test.
+  /// total / brute force, a fraction; 0 if there was nothing to test.
   [[nodiscard]] double relative() const;
 };
 
-/// All rays of one sample of the picture.
+/// All rays of one sample of the image.
 struct SampleStatistics {
   std::uint64_t rays = 0, total_tests = 0, hits = 0;
-  double ms = 0;  ///< wall time, first hits and shading included
+  double ms = 0;  ///< wall time, including primary visibility and shading
 };
 
 struct FrameStatistics {
