@@ -75,7 +75,7 @@ class Picture:
     """
 
     image: NDArray[np.uint8]
-    """(h, w, 3), for display: exposed, tone-mapped, sRGB."""
+    """(h, w, 3), for people; exposed, tone-mapped, sRGB."""
     beauty: NDArray[np.float32]
     """(h, w, 3), linear radiance, Rec. 709 primaries."""
     position: NDArray[np.float32]
@@ -225,8 +225,8 @@ def render(
     ----------
     scene : str, bytes, path or Animation
         A glTF, GLB, OBJ, PLY or STL file; or ``"builtin:office"``, ``"builtin:cornell"``,
-        ``"builtin:atrium"``. If the scene has no camera or no light, one that shows all of it is
-        added. For several images of one scene pass an `Animation`: a path is loaded every time.
+        ``"builtin:atrium"``. Where it has no camera or no light, one that shows all of it is added.
+        For several pictures of one scene give an `Animation`: a path is loaded every time.
     time : float, optional
         Seconds, clamped to the animation's `start` and `end`. By default a file is at rest, an
         `Animation` at its start.
