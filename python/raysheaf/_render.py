@@ -255,7 +255,7 @@ def render(
     focus : float, optional
         The depth that is sharp; by default the camera's own, or the depth at the image's centre.
     environment : str, bytes or path, optional
-        Light from the environment: an equirectangular ``.hdr`` or ``.exr`` file, +y up.
+        Light from all around: a ``.hdr`` or ``.exr`` file of all directions, +y up.
 
     Raises
     ------
