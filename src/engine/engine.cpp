@@ -63,17 +63,10 @@ void Engine::set_triangles(const TriangleSource& source, bool same_triangles) {
   const bool keeps = same_triangles && source.count == source_.count;
   source_ = source;
   moved_.add_all();
-  if (keeps) {
-    history_.rays_since_change = 0;
-    history_.queries_since_change = 0;
-    history_.moved = true;
-    ++history_.moves;
-    return;
-  }
-  SceneHistory fresh;
-  fresh.triangles = source.count;
-  fresh.fan_pairs = fresh.usual_fan_pairs = history_.usual_fan_pairs;
-  history_ = fresh;
+  if (keeps)
+    history_.move();
+  else
+    history_ = history_.replaced(source.count);
 }
 
 void Engine::move_triangles(const TriangleSource& source, View<const TriangleRange> moved) {
@@ -232,6 +225,7 @@ bool Engine::any_hit_in_fan(const Executor& executor, View<const Ray> rays,
   if (source_.count != 0 && (done || counts.pairs > 0))
     history_.fan_pairs = static_cast<double>(counts.pairs) / static_cast<double>(source_.count);
   if (done) history_.usual_fan_pairs = history_.fan_pairs;
+  if (done) history_.fans.done = true;
   if (report != nullptr) {
     report->bound_tests += counts.bound_tests;
     report->triangle_tests += counts.triangle_tests;
@@ -247,6 +241,7 @@ bool Engine::any_hit_in_fan(const Executor& executor, View<const Ray> rays,
   }
   plan->reasons.clear();
   if (counts.pairs == 0) return false;
+  history_.fans.given_up = true;
   fan_memory_ = {};
   if (report != nullptr)
     plan->reasons.push_back("rays of one origin, but triangles meet too many of their cells: " +

@@ -120,6 +120,13 @@ bool chooses_fan(const SceneHistory& scene, const RaySource& rays, Plan* plan) {
   // Farther out, products of the fan's differences overflow.
   if (!(max_component(abs(ray_at(rays, 0).origin)) <= kLargestCoordinate)) return false;
   if (!seem_to_share_origin(rays)) return false;
+  if (scene.fans.waits) {
+    plan->reasons.push_back(
+        "rays of one origin, but their fans were given up before the triangles changed: changes "
+        "until the next attempt: " +
+        std::to_string(scene.fans.pause + 1));
+    return false;
+  }
   const auto count = static_cast<double>(rays.size());
   const bool alike = sample_coherence(rays).directions_alike();
   const double a_ray = (alike ? kFanRay : kFanRayApart) + (rays.is_in_place() ? 0 : kFanTake);
@@ -186,6 +193,36 @@ void choose_bundle(const SceneHistory& scene, const RaySource& rays, const Box* 
 }
 
 }  // namespace
+
+void FanHistory::change_triangles() {
+  if (given_up) {
+    pause = patience;
+    patience = std::min(kMostPatience, 2 * patience + 1);
+  } else if (done) {
+    patience /= 2;
+  }
+  done = given_up = false;
+  waits = pause > 0;
+  if (waits) --pause;
+}
+
+SceneHistory SceneHistory::replaced(std::uint32_t new_triangles) const {
+  SceneHistory fresh;
+  fresh.triangles = new_triangles;
+  fresh.fan_pairs = fresh.usual_fan_pairs = usual_fan_pairs;
+  fresh.fans = fans;
+  fresh.fans.change_triangles();
+  return fresh;
+}
+
+void SceneHistory::move() {
+  rays_since_change = 0;
+  queries_since_change = 0;
+  moved = true;
+  ++moves;
+  if (fans.given_up) fan_pairs = usual_fan_pairs;
+  fans.change_triangles();
+}
 
 void SceneHistory::wait_longer() {
   constexpr std::uint64_t kLongest = std::numeric_limits<std::uint32_t>::max();

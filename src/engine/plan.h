@@ -37,6 +37,21 @@ inline constexpr float kSpoilt = 1.5f;
 /// Of tiles of a fan and triangles, a triangle, before any fan was used.
 inline constexpr double kFanPairs = 0.25;
 
+/// What became of fans while triangles changed. A fan that is given up has cost its keys and its
+/// sort, and the tree is built after all. Where that happens after one change and after the next,
+/// twice as many changes pass before the next attempt.
+struct FanHistory {
+  /// Then one set in sixty-four pays for a fan that is given up.
+  static constexpr std::uint32_t kMostPatience = 63;
+
+  bool done = false, given_up = false;  ///< any fan, since the triangles last changed
+  bool waits = false;                   ///< there is no fan until they change again
+  std::uint32_t patience = 0;           ///< changes that pass after the next fan that is given up
+  std::uint32_t pause = 0;              ///< changes that have yet to pass
+
+  void change_triangles();
+};
+
 /// What the scene has been through.
 struct SceneHistory {
   std::uint32_t triangles = 0;
@@ -52,7 +67,12 @@ struct SceneHistory {
   double fan_pairs = kFanPairs;
   /// The same when one of any triangles was last used to its end: others are expected to be alike.
   double usual_fan_pairs = kFanPairs;
+  FanHistory fans;
 
+  /// Other triangles.
+  [[nodiscard]] SceneHistory replaced(std::uint32_t new_triangles) const;
+  /// The same triangles in other places.
+  void move();
   /// A fine tree was spoilt: it is tried again, but not so soon.
   void wait_longer();
 };

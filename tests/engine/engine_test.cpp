@@ -399,36 +399,5 @@ TEST(Engine, ManyRaysOnTrianglesThatStayGetAFineTree) {
   EXPECT_EQ(finely, 1u);
 }
 
-/// What a fan met of triangles for which it was given up says nothing of others.
-TEST(Engine, AFanThatWasGivenUpIsTriedOnOtherTriangles) {
-  Random random(17);
-  Heap dense = make_heap(Shape::kSmall, 3000, random);
-  for (std::size_t i = 0; i < dense.positions.size(); ++i) {  // each before all rays
-    constexpr Vec3 kCorners[] = {{-90, -90, 0}, {90, -90, 0}, {0, 120, 0}};
-    dense.positions[i] = kCorners[i % 3] + Vec3{0, 0, 10 + random.unit()};
-  }
-  for (std::size_t t = 0; t < dense.indices.size(); ++t)
-    for (std::uint32_t k = 0; k < 3; ++k)
-      dense.indices[t][k] = static_cast<std::uint32_t>(3 * (t % (dense.positions.size() / 3))) + k;
-  Heap sparse = make_heap(Shape::kSmall, 3000, random);
-  std::vector<Ray> rays(20000);
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const float x = static_cast<float>(i % 200) / 200 - 0.5f, y = static_cast<float>(i / 200) / 100;
-    rays[i] = {{0, 0, 0}, 0, {x, y - 0.5f, 1}, kInfinity};
-  }
-  std::vector<std::uint8_t> occluded(rays.size());
-  const auto ask = [&](Stage* stage) {
-    EngineReport report;
-    stage->engine.any_hit(two_threads(), View<const Ray>(rays), {}, occluded, {}, &report);
-    return report;
-  };
-  Stage stage;
-  stage.set(std::move(dense), false);
-  EXPECT_TRUE(said(ask(&stage), "meet too many of their cells"));
-  EXPECT_TRUE(said(ask(&stage), "but streaming the triangles is")) << "these are known";
-  stage.set(std::move(sparse), false);
-  EXPECT_FALSE(ask(&stage).used_tree);
-}
-
 }  // namespace
 }  // namespace raysheaf::test

@@ -101,6 +101,52 @@ TEST(Plan, FanUpToThePairsThatAreWorthIt) {
   EXPECT_FALSE(plan_of(scene, rays, true).fan);
 }
 
+/// Of `changes` sets of triangles in a row, those that a fan is tried on.
+std::vector<int> attempts(SceneHistory* scene, int changes, bool given_up) {
+  std::vector<int> tried;
+  for (int i = 0; i < changes; ++i) {
+    *scene = scene->replaced(200000);
+    if (scene->fans.waits) continue;
+    tried.push_back(i);
+    (given_up ? scene->fans.given_up : scene->fans.done) = true;
+  }
+  return tried;
+}
+
+TEST(Plan, FansThatAreGivenUpAreTriedEverMoreRarely) {
+  SceneHistory scene = history(200000);
+  EXPECT_EQ(attempts(&scene, 20, false).size(), 20u);
+  EXPECT_EQ(attempts(&scene, 256, true), (std::vector<int>{0, 1, 3, 7, 15, 31, 63, 127, 191, 255}));
+  // The way back: after the last pause each attempt succeeds, and there are no more pauses.
+  const std::vector<int> back = attempts(&scene, 200, false);
+  EXPECT_EQ(back.front(), 63);
+  EXPECT_EQ(back.size(), 200u - 63u);
+  // One failure among successes is soon forgotten.
+  EXPECT_EQ(attempts(&scene, 1, true).size(), 1u);
+  EXPECT_EQ(attempts(&scene, 10, false).front(), 0);
+}
+
+TEST(Plan, AMoveEndsThePauseOfFansToo) {
+  Random random(7);
+  const std::vector<Ray> rays = from_one_point(200000, random);
+  SceneHistory scene = history(200000);
+  ASSERT_TRUE(plan_of(scene, rays, true).fan);
+  for (const bool tried_again : {true, false, true, false, false, false, true}) {
+    const double usual = scene.usual_fan_pairs;
+    if (!scene.fans.waits) {
+      scene.fan_pairs = 9;
+      scene.fans.given_up = true;
+      EXPECT_FALSE(plan_of(scene, rays, true).fan) << "these are known";
+    }
+    scene.move();
+    scene.moves = 0;  // a tree would have to be built
+    const Plan plan = plan_of(scene, rays, true);
+    EXPECT_EQ(plan.fan, tried_again);
+    EXPECT_EQ(says(plan, "changes until the next attempt: "), !tried_again);
+    EXPECT_EQ(scene.usual_fan_pairs, usual);
+  }
+}
+
 TEST(Plan, BundlesByCoherence) {
   Random random(2);
   const Plan camera = plan_of(history(1000), picture(128));
