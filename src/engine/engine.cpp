@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/fan_cost.h"
 #include "exec/scan.h"
 #include "exec/stopwatch.h"
 
@@ -223,7 +224,8 @@ bool Engine::any_hit_in_fan(const Executor& executor, View<const Ray> rays,
   const FanOptions fan{options.facing, options.count, &fan_memory_, plan->most_fan_pairs};
   const bool done = occluded_in_fan(executor, source_, rays, fan, occluded, ray_tests, &counts);
   if (source_.count != 0 && (done || counts.pairs > 0))
-    history_.fan_pairs = static_cast<double>(counts.pairs) / static_cast<double>(source_.count);
+    history_.fan_pairs = static_cast<double>(counts.pairs) / static_cast<double>(source_.count) /
+                         fan_pair_growth(static_cast<double>(rays.size));
   if (done) history_.usual_fan_pairs = history_.fan_pairs;
   if (done) history_.fans.done = true;
   if (report != nullptr) {

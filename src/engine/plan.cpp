@@ -9,6 +9,7 @@
 
 #include "base/vec.h"
 #include "dual/stream.h"
+#include "engine/fan_cost.h"
 #include "engine/picture_rows.h"
 #include "scene/flat_scene.h"
 
@@ -130,11 +131,12 @@ bool chooses_fan(const SceneHistory& scene, const RaySource& rays, Plan* plan) {
   const auto count = static_cast<double>(rays.size());
   const bool alike = sample_coherence(rays).directions_alike();
   const double a_ray = (alike ? kFanRay : kFanRayApart) + (rays.is_in_place() ? 0 : kFanTake);
-  const double fan = a_ray * count + (kFanTriangle + kFanPair * scene.fan_pairs) * scene.triangles;
+  const double pairs = scene.fan_pairs * fan_pair_growth(count);  // a triangle
+  const double fan = a_ray * count + (kFanTriangle + kFanPair * pairs) * scene.triangles;
   const double tree = tree_cost(scene) + shared_ray_cost(scene, count, alike) * count;
   const bool chosen = fan < tree;
   // Twice as many as would be worth it: what they cost is then not much more than what is lost.
-  const double worth = (tree - fan) / kFanPair + scene.fan_pairs * scene.triangles;
+  const double worth = (tree - fan) / kFanPair + pairs * scene.triangles;
   const double kept =
       0.5 * count + 2.0 * scene.triangles;  // by their memory, as rays and triangles
   const double most = std::min({2 * worth, kept, kMostFanPairs}) + kFewFanPairs;

@@ -63,7 +63,7 @@ struct SceneHistory {
   std::uint32_t patience = 2;  ///< moves before a fine tree is tried
   std::uint32_t queries_since_change = 0;
   std::uint64_t rays_since_change = 0;  ///< that went through the tree
-  /// Of tiles of a fan and triangles, a triangle, when a fan of these triangles was last used.
+  /// Pairs of fan tiles and triangles, a triangle, in these triangles' last fan; for `kFanRays`.
   double fan_pairs = kFanPairs;
   /// The same when one of any triangles was last used to its end: others are expected to be alike.
   double usual_fan_pairs = kFanPairs;

@@ -2,6 +2,7 @@
 #include "engine/plan.h"
 
 #include "dual/dual_scenes.h"
+#include "engine/fan_cost.h"
 
 namespace raysheaf::test {
 namespace {
@@ -85,6 +86,20 @@ TEST(Plan, FanByWhatItMetLast) {
   scene.fan_pairs = 0.8;
   EXPECT_TRUE(plan_of(scene, rays, true).fan);
   scene.moves = scene.patience;
+  EXPECT_FALSE(plan_of(scene, rays, true).fan);
+}
+
+TEST(Plan, FewerRaysOfAFanMeetFewerTriangles) {
+  EXPECT_DOUBLE_EQ(fan_pair_growth(kFanRays), 1);
+  EXPECT_DOUBLE_EQ(fan_pair_growth(8 * kFanRays), 2);
+  Random random(7);
+  const std::vector<Ray> rays = from_one_point(200000, random);
+  const std::vector<Ray> few(rays.begin(), rays.begin() + 25000);
+  SceneHistory scene = history(200000);
+  scene.fan_pairs = 0.8;  // a model without the growth would refuse more than 0.5
+  EXPECT_TRUE(plan_of(scene, few, true).fan);
+  scene.fan_pairs = 1.1;  // and for all rays it would refuse more than 0.9
+  EXPECT_TRUE(plan_of(scene, few, true).fan);
   EXPECT_FALSE(plan_of(scene, rays, true).fan);
 }
 
