@@ -144,7 +144,6 @@ class CompareBench::Impl {
     result.peer = *std::max_element(
         result.peers.begin(), result.peers.end(),
         [](const PeerResult& a, const PeerResult& b) { return a.ratio < b.ratio; });
-    result.plan = ours_->statistics().plan;
     result.our_bytes = ours_->scene().memory_bytes();
     return result;
   }
@@ -240,10 +239,20 @@ class CompareBench::Impl {
     return (round + (backwards ? sides - place : place)) % sides;
   }
 
+  /// The one whose choices most rounds had.
+  static std::vector<std::string> usual_plan(const std::vector<std::vector<std::string>>& plans) {
+    std::map<std::string, int> count;
+    for (const auto& plan : plans) ++count[short_plan(plan)];
+    return *std::max_element(plans.begin(), plans.end(), [&](const auto& a, const auto& b) {
+      return count[short_plan(a)] < count[short_plan(b)];
+    });
+  }
+
   /// Every order comes with both frames equally often. Side 0 is ours.
   void run_rounds(CompareKind kind, CompareCase& result) {
     constexpr std::size_t kWarmUp = 2;
     std::vector<OurTimes> ours;
+    std::vector<std::vector<std::string>> plans;
     std::vector<PeerRounds> theirs(peers_.size());
     Answers our_answers;
     result.peers.resize(peers_.size());
@@ -264,6 +273,7 @@ class CompareBench::Impl {
         check(kind, frame, our_answers, theirs[p].answers, &result.peers[p].hits);
       if (i < kWarmUp) continue;
       const QueryStatistics& s = ours_->statistics();
+      plans.push_back(s.plan);
       ours.push_back({laps[0].update, s.order_ms, s.hierarchy_ms, s.trace_ms, laps[0].total});
       for (std::size_t p = 0; p < peers_.size(); ++p) {
         const Lap& lap = laps[p + 1];
@@ -272,6 +282,7 @@ class CompareBench::Impl {
       }
     }
     result.ours_ms = medians(ours);
+    result.plan = usual_plan(plans);
     HitCheck sampled;
     sample(kind, frame, our_answers, sampled);
     for (std::size_t p = 0; p < peers_.size(); ++p) {

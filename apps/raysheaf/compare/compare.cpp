@@ -106,7 +106,8 @@ class Session {
     }
   }
 
-  void grow(const std::string& along, std::uint64_t triangles, ImageSize size, Progress& progress) {
+  void grow(const std::string& along, std::uint64_t triangles, const ImageSize& size,
+            Progress& progress) {
     progress.prepare(fmt::format("preparing a hall of {} triangles", triangles));
     CompareFrames frames(hall_scene(triangles, report_.threads), moves());
     frames.make_rays(kinds_, size.first, size.second, report_.threads);
@@ -115,7 +116,7 @@ class Session {
     for (CompareCase& c : cases) report_.growth.push_back({along, std::move(c)});
   }
 
-  void measure(const CompareFrames& frames, const std::string& scene, ImageSize size,
+  void measure(const CompareFrames& frames, const std::string& scene, const ImageSize& size,
                CompareMode mode, Progress& progress, std::vector<CompareCase>* cases) {
     CompareCase named;
     named.scene = scene;

@@ -72,7 +72,7 @@ struct CompareCase {
 };
 
 /// "2048x2048"
-[[nodiscard]] std::string size_text(ImageSize size);
+[[nodiscard]] std::string size_text(const ImageSize& size);
 
 /// The scene, and the size of its picture where several were compared.
 [[nodiscard]] std::string label_of(const CompareCase& c);

@@ -1,6 +1,7 @@
 #include "compare/embree_library.h"
 
 #include <dlfcn.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -122,7 +123,7 @@ std::vector<EmbreeLibrary> named(const std::string& files) {
   for (const std::string& file : parts_of(files)) {
     std::string why;
     std::optional<EmbreeLibrary> library = load(file, &why);
-    if (!library) throw Error(ErrorCode::kIo, "'" + file + "' " + why, kVariable);
+    if (!library) throw Error(ErrorCode::kIo, fmt::format("'{}' {}", file, why), kVariable);
     all.push_back(std::move(*library));
   }
   return all;

@@ -38,7 +38,7 @@ std::string chosen_in(std::string_view sentence) {
 
 }  // namespace
 
-std::string size_text(ImageSize size) {
+std::string size_text(const ImageSize& size) {
   return fmt::format("{}x{}", size.first, size.second);
 }
 
