@@ -37,7 +37,7 @@ inline constexpr float kSpoilt = 1.5f;
 /// Of tiles of a fan and triangles, a triangle, before any fan was used.
 inline constexpr double kFanPairs = 0.25;
 
-/// What became of fans while triangles changed. A fan that is given up has cost its keys and its
+/// The fate of fans while triangles changed. A fan that is given up has cost its keys and its
 /// sort, and the tree is built after all. Where that happens after one change and after the next,
 /// twice as many changes pass before the next attempt.
 struct FanHistory {
@@ -45,7 +45,7 @@ struct FanHistory {
   static constexpr std::uint32_t kMostPatience = 63;
 
   bool done = false, given_up = false;  ///< any fan, since the triangles last changed
-  bool waits = false;                   ///< there is no fan until they change again
+  bool waits = false;                   ///< no fan is tried until they change again
   std::uint32_t patience = 0;           ///< changes that pass after the next fan that is given up
   std::uint32_t pause = 0;              ///< changes that have yet to pass
 
@@ -81,7 +81,7 @@ struct Plan {
   bool fan = false;  ///< triangles stream against cells over the rays; there is no object tree
   std::uint64_t most_fan_pairs = 0;  ///< of tiles and triangles; with more the tree is quicker
   TreeWork tree = TreeWork::kKeep;
-  bool alike = false;  ///< rays that stand beside each other start close together and run alike
+  bool alike = false;  ///< neighbouring rays start close together and are coherent
   Bundle bundle = Bundle::kPacket;
   std::size_t row = 0;               ///< rays of a row, of a picture (engine/picture_rows.h); or 0
   std::vector<std::string> reasons;  ///< a sentence a choice

@@ -33,7 +33,7 @@ std::vector<Ray> rays_from_one_point() {
   return rays;
 }
 
-/// What a fan met of triangles for which it was given up says nothing of others.
+/// The pairs of a fan that was given up predict nothing for other triangles.
 TEST(Engine, AFanThatWasGivenUpIsTriedOnOtherTriangles) {
   Random random(17);
   Heap dense = dense_heap(random), sparse = make_heap(Shape::kSmall, 3000, random);
