@@ -280,23 +280,9 @@ class OuterCutter {
   const PackOptions& options_;
 };
 
-/// As `world_bounds` judges it.
-bool has_area(const std::array<Vec3, 3>& corner) {
-  const Double3 a = widen(corner[1]) - widen(corner[0]), b = widen(corner[2]) - widen(corner[0]);
-  return a.y * b.z != a.z * b.y || a.z * b.x != a.x * b.z || a.x * b.y != a.y * b.x;
-}
-
-/// The boxes of all corners, and of the corners of triangles that have an area.
-struct CornerBoxes {
-  Box all, with_area;
-  [[nodiscard]] const Box& shown() const {
-    return with_area.min.x <= with_area.max.x ? with_area : all;
-  }
-};
-
-/// All triangles in the world, and the boxes of their corners; null where one is too far out.
+/// All triangles in the world, which `fit` is shown; null where one is too far out.
 std::unique_ptr<OuterTriangles> place_all(const OuterScene& scene, const OuterRanks& ranks,
-                                          const PackOptions& options, CornerBoxes* corners) {
+                                          const PackOptions& options, ViewFit* fit) {
   auto all = std::make_unique<OuterTriangles>(options.beside);
   for (std::size_t rank = 0; rank < ranks.count(); ++rank) {
     const Instance& instance = scene.rest.instances[ranks.instance(rank)];
@@ -309,11 +295,8 @@ std::unique_ptr<OuterTriangles> place_all(const OuterScene& scene, const OuterRa
         const float far = std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
         const bool is_near = far <= kFarthest && std::isfinite(p.x + p.y + p.z);
         if (!is_near) return nullptr;
-        enlarge_box(&corners->all, p);
       }
-      if (has_area(at)) {
-        for (const Vec3 p : at) enlarge_box(&corners->with_area, p);
-      }
+      fit->add(at);
       const auto number = static_cast<std::uint32_t>(ranks.first(rank) + t);
       all->add({sum_of(at[0], at[1], at[2]), number});
     }
@@ -323,15 +306,14 @@ std::unique_ptr<OuterTriangles> place_all(const OuterScene& scene, const OuterRa
   return all;
 }
 
-/// What cameras and lights are made from is the box alone.
-void add_camera_and_light(const Box& box, bool add_light, SceneDescription* rest) {
+void add_camera_and_light(const ViewFit& fit, const PackOptions& options, SceneDescription* rest) {
   SceneDescription of_box;
   of_box.meshes.emplace_back();
-  of_box.meshes[0].positions = {box.min, box.max};
+  of_box.meshes[0].positions = {fit.bounds().min, fit.bounds().max};
   of_box.meshes[0].triangles = {{0, 1, 1}};
   of_box.instances.emplace_back();
-  if (rest->cameras.empty()) rest->cameras.push_back(framing_camera(of_box));
-  if (add_light && needs_light(*rest))
+  if (options.add_camera || rest->cameras.empty()) rest->cameras.push_back(fit.camera());
+  if (options.add_light && needs_light(*rest))
     rest->lights.push_back(showing_light(of_box, rest->cameras.front()));
 }
 
@@ -341,12 +323,12 @@ std::optional<SceneDescription> cut_outer(OuterScene scene, BlockSink* sink,
                                           const PackOptions& options) {
   const OuterRanks ranks(scene);
   if (ranks.triangle_count() == 0 || ranks.triangle_count() >= kInvalidId) return std::nullopt;
-  CornerBoxes corners;
-  std::unique_ptr<OuterTriangles> all = place_all(scene, ranks, options, &corners);
+  ViewFit fit(options.viewpoint);
+  std::unique_ptr<OuterTriangles> all = place_all(scene, ranks, options, &fit);
   if (all == nullptr) return std::nullopt;
   OuterCutter(scene, ranks, sink, options).cut(std::move(all));
-  add_camera_and_light(corners.shown(), options.add_light, &scene.rest);
-  warn_of_spacing(corners.shown(), &scene.rest);
+  add_camera_and_light(fit, options, &scene.rest);
+  warn_of_spacing(fit.bounds(), &scene.rest);
   make_whole(&scene.rest);
   return std::move(scene.rest);
 }

@@ -14,6 +14,7 @@
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
 #include "raysheaf/verify.h"
+#include "raysheaf/viewpoint.h"
 #include "render/frames.h"
 #include "text/command_text.h"
 
@@ -31,6 +32,12 @@ struct LightOptions {
   std::optional<float> size;  ///< radius of points and spots
   std::string environment;    ///< a file
   std::optional<float> intensity, rotation_degrees;
+};
+
+/// From where the picture is seen.
+struct ViewOptions {
+  Viewpoint viewpoint;
+  bool is_own = false;  ///< the command line's camera counts, and none of the scene's
 };
 
 /// How the processes that mpirun started share a picture.
@@ -54,6 +61,7 @@ struct RenderCommand {
   FramesOptions frames;
   RenderOptions options;
   LightOptions light;
+  ViewOptions view;
 };
 
 struct ReportCommand {

@@ -18,6 +18,7 @@
 #include "parse/stream.h"
 #include "parse/verify.h"
 #include "parse/view.h"
+#include "parse/viewpoint.h"
 #include "raysheaf/error.h"
 #include "raysheaf/version.h"
 #include "text/describe.h"
@@ -141,6 +142,7 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
   add_scene_file(*sub, command.scene, command.load, {.blocks = true, .sequences = true});
   add_outputs(*sub, command);
   add_view(*sub, command.options);
+  add_viewpoint(*sub, command.view);
   add_rays(*sub, command.options);
   add_light(*sub, command);
   add_method(*sub, command);
@@ -161,6 +163,7 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
     check_outputs(command);
     check_frames(command);
     check_streaming(*sub, command);
+    check_viewpoint(*sub, command);
   });
   return sub;
 }

@@ -122,6 +122,17 @@ double parse_number(const std::string& text) {
   refuse_number<double>(text, "is not a number");
 }
 
+Vec3 parse_point(const std::string& text) {
+  const auto parts = split(text, ',');
+  std::vector<float> numbers;
+  for (const std::string_view part : parts) {
+    const auto number = whole<float>(part);
+    if (number && std::isfinite(*number)) numbers.push_back(*number);
+  }
+  if (parts.size() == 3 && numbers.size() == 3) return {numbers[0], numbers[1], numbers[2]};
+  refuse(text, "is not X,Y,Z, three finite numbers such as 1,2,0.5");
+}
+
 Vec3 parse_color(const std::string& text) {
   const auto parts = split(text, ',');
   std::vector<float> numbers;

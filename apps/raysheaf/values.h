@@ -33,6 +33,9 @@ namespace raysheaf::app {
 [[nodiscard]] float parse_not_negative(const std::string& text);
 [[nodiscard]] double parse_number(const std::string& text);
 
+/// "X,Y,Z"; finite.
+[[nodiscard]] Vec3 parse_point(const std::string& text);
+
 /// "R,G,B", or one number for all three; finite and not negative.
 [[nodiscard]] Vec3 parse_color(const std::string& text);
 

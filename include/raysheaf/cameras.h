@@ -20,9 +20,10 @@ struct DefaultSize {
 };
 [[nodiscard]] DefaultSize default_size(const Camera& camera);
 
-/// The camera after so many turns, counter-clockwise seen from above, about the vertical (+y)
-/// through `center`; after a whole number of turns, the same bits.
-[[nodiscard]] Camera turned_camera(const Camera& camera, Vec3 center, double turns);
+/// The camera after so many turns, counter-clockwise seen from above, about the vertical through
+/// `center`; after a whole number of turns, the same bits. `up`: the vertical, a unit vector.
+[[nodiscard]] Camera turned_camera(const Camera& camera, Vec3 center, double turns,
+                                   Vec3 up = {0, 1, 0});
 
 /// Where a camera is at a time, and where it looks.
 struct CameraKey {

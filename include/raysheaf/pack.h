@@ -6,6 +6,7 @@
 #include <string>
 
 #include "raysheaf/stream.h"
+#include "raysheaf/viewpoint.h"
 
 namespace raysheaf {
 
@@ -19,6 +20,9 @@ struct PackOptions {
   std::string beside;
   bool allow_external = false;  ///< as that of `LoadOptions`
   bool add_light = true;        ///< where the scene has none
+  /// The camera that is added: where the scene has none, or, with `add_camera`, behind its own.
+  Viewpoint viewpoint = {};
+  bool add_camera = false;
 };
 
 /// What `cut_into_blocks` gives of the scene that `load_scene` reads, the same blocks and the same

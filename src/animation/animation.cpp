@@ -9,6 +9,7 @@
 #include "animation/rig_state.h"
 #include "raysheaf/error.h"
 #include "raysheaf/stream.h"
+#include "raysheaf/viewpoint.h"
 
 namespace raysheaf {
 namespace {
@@ -141,12 +142,11 @@ std::vector<std::uint64_t> sample_frames(std::uint64_t count) {
   return frames;
 }
 
-void add_missing_camera_and_light(Animation& animation) {
-  SceneDescription& scene = animation.scene();
-  if (!scene.cameras.empty() && !needs_light(scene)) return;
-  // Two corners of all the boxes, as a scene that can be framed.
-  SceneDescription whole;
-  Mesh corners;
+namespace {
+
+/// Brings the animation to a few times, evenly over all that there are.
+template <class Look>
+void look_around(Animation& animation, const Look& look) {
   constexpr double kRate = 24;
   // A single picture of what has too many frames to count is made all the same.
   const auto listed = static_cast<double>(animation.frame_times().size());
@@ -154,15 +154,36 @@ void add_missing_camera_and_light(Animation& animation) {
   for (const std::uint64_t frame :
        sample_frames(static_cast<std::uint64_t>(std::min(frames, kMostFrames)))) {
     static_cast<void>(animation.seek(frame_time(animation, frame, kRate)));
-    const Box box = world_bounds(scene);
-    const auto first = static_cast<std::uint32_t>(corners.positions.size());
-    corners.positions.insert(corners.positions.end(), {box.min, box.max});
-    corners.triangles.push_back({first, first, first + 1});
+    look(animation.scene());
   }
-  whole.meshes.push_back(std::move(corners));
-  whole.instances.push_back({"", 0, {}});
-  if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(whole));
-  if (needs_light(scene)) scene.lights.push_back(showing_light(whole, scene.cameras.front()));
+}
+
+/// What fills a box.
+SceneDescription scene_of(const Box& box) {
+  SceneDescription whole;
+  whole.meshes.emplace_back();
+  whole.meshes[0].positions = {box.min, box.max};
+  whole.meshes[0].triangles = {{0, 0, 1}};
+  whole.instances.emplace_back();
+  return whole;
+}
+
+}  // namespace
+
+Camera framing_camera(Animation& animation, const Viewpoint& viewpoint) {
+  ViewFit fit(viewpoint);
+  look_around(animation, [&](const SceneDescription& scene) { fit.add(scene); });
+  return fit.camera();
+}
+
+void add_missing_camera_and_light(Animation& animation) {
+  SceneDescription& scene = animation.scene();
+  if (!scene.cameras.empty() && !needs_light(scene)) return;
+  ViewFit fit{Viewpoint{}};
+  look_around(animation, [&](const SceneDescription& shown) { fit.add(shown); });
+  if (scene.cameras.empty()) scene.cameras.push_back(fit.camera());
+  if (needs_light(scene))
+    scene.lights.push_back(showing_light(scene_of(fit.bounds()), scene.cameras.front()));
 }
 
 std::unique_ptr<Animation> animate(SceneDescription scene, Rig rig, std::uint32_t threads) {

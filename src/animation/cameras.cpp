@@ -98,10 +98,10 @@ DefaultSize default_size(const Camera& camera) {
   return size;
 }
 
-Camera turned_camera(const Camera& camera, Vec3 center, double turns) {
+Camera turned_camera(const Camera& camera, Vec3 center, double turns, Vec3 up) {
   const double part = turns - std::floor(turns);
   if (part == 0) return camera;
-  const Affine turn = rotation({0, 1, 0}, static_cast<float>(part * 2 * std::numbers::pi));
+  const Affine turn = rotation(up, static_cast<float>(part * 2 * std::numbers::pi));
   Camera turned = camera;
   turned.to_world =
       compose(translation(center), compose(turn, compose(translation(-center), camera.to_world)));

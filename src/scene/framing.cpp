@@ -1,13 +1,22 @@
 // A camera and a light for scenes that bring none.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "base/vec.h"
+#include "raysheaf/error.h"
 #include "raysheaf/scene_description.h"
+#include "raysheaf/viewpoint.h"
+#include "scene/flatten_body.h"
 
 namespace raysheaf {
 namespace {
+
+using FineVec3 = std::array<double, 3>;
+
+/// The part of the picture's sides that a model may take.
+constexpr double kFilledPart = 0.92;
 
 /// What a camera has to show: a sphere around the scene's box. A scene without extent gets some, so
 /// that planes and distances stay apart.
@@ -16,9 +25,8 @@ struct Subject {
   float radius = 1;
 };
 
-Subject subject_of(const SceneDescription& scene) {
+Subject subject_of(const Box& box) {
   constexpr double kLargest = 1e18;
-  const Box box = world_bounds(scene);
   Subject subject;
   double half_squared = 0, farthest = 0;
   float* const center[3] = {&subject.center.x, &subject.center.y, &subject.center.z};
@@ -36,26 +44,295 @@ Subject subject_of(const SceneDescription& scene) {
   return subject;
 }
 
+FineVec3 in_double(Vec3 v) {
+  return {double{v.x}, double{v.y}, double{v.z}};
+}
+Vec3 in_float(const FineVec3& v) {
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
+double dot3(const FineVec3& a, const FineVec3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+/// a + s b.
+FineVec3 moved_along(const FineVec3& a, double s, const FineVec3& b) {
+  return {a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]};
+}
+FineVec3 cross3(const FineVec3& a, const FineVec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+FineVec3 unit3(const FineVec3& v) {
+  const double n = std::sqrt(dot3(v, v));
+  return {v[0] / n, v[1] / n, v[2] / n};
+}
+
+/// Right, up and back of a camera that `back` leads to.
+std::array<FineVec3, 3> axes_from(const FineVec3& back, const FineVec3& up) {
+  const FineVec3 right = unit3(cross3(up, back));
+  return {right, cross3(back, right), back};
+}
+
+/// The model's right side, up and front.
+std::array<FineVec3, 3> model_axes(UpAxis up) {
+  switch (up) {
+    case UpAxis::kX:
+      return {{{0, -1, 0}, {1, 0, 0}, {0, 0, 1}}};
+    case UpAxis::kZ:
+      return {{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}};
+    case UpAxis::kMinusX:
+      return {{{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}};
+    case UpAxis::kMinusY:
+      return {{{-1, 0, 0}, {0, -1, 0}, {0, 0, 1}}};
+    case UpAxis::kMinusZ:
+      return {{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}};
+    case UpAxis::kY:
+      break;
+  }
+  return {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+}
+
+/// To the eye, and up in the picture, along `model_axes`.
+struct Sight {
+  FineVec3 back, up{0, 1, 0};
+};
+Sight sight_of(const std::optional<ViewSide>& view) {
+  if (!view) return {{0.6, 0.45, 1}};
+  switch (*view) {
+    case ViewSide::kFront:
+      return {{0, 0, 1}};
+    case ViewSide::kBack:
+      return {{0, 0, -1}};
+    case ViewSide::kLeft:
+      return {{-1, 0, 0}};
+    case ViewSide::kRight:
+      return {{1, 0, 0}};
+    case ViewSide::kTop:
+      return {{0, 1, 0}, {0, 0, -1}};
+    case ViewSide::kBottom:
+      return {{0, -1, 0}, {0, 0, 1}};
+    case ViewSide::kIso:
+      break;
+  }
+  return {{1, 1, 1}};
+}
+
+std::array<FineVec3, 3> viewing_axes(const Viewpoint& viewpoint) {
+  const std::array<FineVec3, 3> model = model_axes(viewpoint.up);
+  const auto in_world = [&](const FineVec3& v) {
+    FineVec3 sum{0, 0, 0};
+    for (std::size_t i = 0; i < 3; ++i) sum = moved_along(sum, v[i], model[i]);
+    return sum;
+  };
+  const Sight sight = sight_of(viewpoint.view);
+  return axes_from(unit3(in_world(sight.back)), in_world(sight.up));
+}
+
+Affine camera_frame_at(const std::array<FineVec3, 3>& axes, const FineVec3& eye) {
+  const Vec3 x = in_float(axes[0]), y = in_float(axes[1]), z = in_float(axes[2]);
+  const Vec3 at = in_float(eye);
+  Affine a;
+  a.m[0] = {x.x, y.x, z.x, at.x};
+  a.m[1] = {x.y, y.y, z.y, at.y};
+  a.m[2] = {x.z, y.z, z.z, at.z};
+  return a;
+}
+
+std::array<Vec3, 8> corners_of(const Box& box) {
+  std::array<Vec3, 8> corners;
+  for (std::size_t i = 0; i < 8; ++i) {
+    corners[i] = {(i & 1) != 0 ? box.max.x : box.min.x, (i & 2) != 0 ? box.max.y : box.min.y,
+                  (i & 4) != 0 ? box.max.z : box.min.z};
+  }
+  return corners;
+}
+
+/// The directions that limit a view: with x, y, z along right, up and back, and t the tangent of
+/// half an angle of view, a point p is in the view of an eye e where
+///
+///   |x_p - x_e| <= t_x (z_e - z_p)     that is     (+-x + t_x z) of p  <=  (+-x + t_x z) of e
+///
+/// and so along y. What limits most is known from the farthest points along each direction.
+/// An orthographic view is the case t = 0.
+std::array<FineVec3, 6> limits(const std::array<FineVec3, 3>& axes, double tan_x, double tan_y) {
+  const auto& [right, up, back] = axes;
+  const auto along = [&](const FineVec3& axis, double sign, double t) {
+    FineVec3 sum{0, 0, 0};
+    return moved_along(moved_along(sum, sign, axis), t, back);
+  };
+  return {along(right, 1, tan_x), along(right, -1, tan_x), along(up, 1, tan_y),
+          along(up, -1, tan_y),   along(back, 1, 0),       along(back, -1, 0)};
+}
+
 }  // namespace
 
-Camera framing_camera(const SceneDescription& scene) {
-  constexpr float kFieldOfView = std::numbers::pi_v<float> / 3;
-  constexpr float kMargin = 1.1f;
-  const Vec3 to_eye = normalized({0.6f, 0.45f, 1});
-  const Subject subject = subject_of(scene);
-  // The edge of the view touches a ball of radius r from a distance of r / sin(fov / 2).
-  const float distance = kMargin * subject.radius / std::sin(kFieldOfView / 2);
+ViewFit::Reach::Reach() {
+  along.fill(-std::numeric_limits<double>::infinity());
+}
+
+ViewFit::ViewFit(const Viewpoint& viewpoint) : viewpoint_(viewpoint) {
+  validate(viewpoint);
+  const double tan_half = std::tan(double{viewpoint.fov.value_or(kFramingFov)} / 2);
+  tan_y_ = viewpoint.orthographic ? 0 : kFilledPart * tan_half;
+  tan_x_ = tan_y_ * viewpoint.aspect_ratio;
+  axes_ = viewing_axes(viewpoint);
+  limits_ = limits(axes_, tan_x_, tan_y_);
+}
+
+void ViewFit::enlarge(Reach* reach, Vec3 point) const {
+  reach->box.min = min(reach->box.min, point);
+  reach->box.max = max(reach->box.max, point);
+  const FineVec3 p = in_double(point);
+  for (std::size_t i = 0; i < limits_.size(); ++i)
+    reach->along[i] = std::max(reach->along[i], dot3(limits_[i], p));
+}
+
+void ViewFit::add(const std::array<Vec3, 3>& triangle) {
+  const bool shows = !has_no_area(triangle[0], triangle[1], triangle[2]);
+  for (const Vec3 p : triangle) enlarge(shows ? &with_area_ : &all_, p);
+}
+
+void ViewFit::add(const SceneDescription& scene) {
+  for (const Instance& instance : scene.instances) {
+    if (instance.mesh >= scene.meshes.size()) continue;
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    for (const auto& t : mesh.triangles) {
+      if (std::max({t[0], t[1], t[2]}) >= mesh.positions.size()) continue;
+      add({transform_point(instance.to_world, mesh.positions[t[0]]),
+           transform_point(instance.to_world, mesh.positions[t[1]]),
+           transform_point(instance.to_world, mesh.positions[t[2]])});
+    }
+  }
+}
+
+void ViewFit::add(const Box& box) {
+  if (!(box.min.x <= box.max.x)) return;
+  for (const Vec3 p : corners_of(box)) enlarge(&with_area_, p);
+}
+
+const Box& ViewFit::bounds() const {
+  return with_area_.box.min.x <= with_area_.box.max.x ? with_area_.box : all_.box;
+}
+
+/// Each corner of the box goes around in a circle, which reaches along a direction d, from its
+/// centre, as far as the radius times the part of d that lies in its plane.
+ViewFit::Reach ViewFit::turned(const Reach& reach) const {
+  Reach around;
+  around.box = reach.box;
+  const FineVec3 axis = in_double(direction_of(viewpoint_.up));
+  const FineVec3 center = in_double(subject_of(reach.box).center);
+  for (const Vec3 corner : corners_of(reach.box)) {
+    const FineVec3 spoke = moved_along(in_double(corner), -1, center);
+    const double height = dot3(spoke, axis);
+    const FineVec3 level = moved_along(spoke, -height, axis);
+    const double radius = std::sqrt(dot3(level, level));
+    for (std::size_t i = 0; i < limits_.size(); ++i) {
+      const double slope = dot3(limits_[i], axis);
+      const FineVec3 flat = moved_along(limits_[i], -slope, axis);
+      around.along[i] = std::max(around.along[i], dot3(limits_[i], center) + height * slope +
+                                                      radius * std::sqrt(dot3(flat, flat)));
+    }
+  }
+  return around;
+}
+
+Camera ViewFit::camera() const {
+  Camera camera;
+  Reach reach = with_area_.box.min.x <= with_area_.box.max.x ? with_area_ : all_;
+  const Subject subject = subject_of(reach.box);
+  // Nothing, or something without bounds: the camera looks at a sphere about the origin.
+  if (!(length(reach.box.max - reach.box.min) <= 4 * subject.radius)) {
+    reach = Reach();
+    const Vec3 r{subject.radius, subject.radius, subject.radius};
+    for (const Vec3 p : corners_of({subject.center - r, subject.center + r})) enlarge(&reach, p);
+  }
+  if (viewpoint_.position) {
+    camera = placed(reach);
+  } else {
+    camera = automatic(viewpoint_.all_around ? turned(reach) : reach);
+  }
+  return zoomed(camera, viewpoint_.zoom);
+}
+
+Camera ViewFit::automatic(const Reach& reach) const {
+  // A rod that is seen end-on has to be somewhere before the eye, and no nearer than a float32
+  // position can resolve.
+  constexpr double kLeastPart = 1e-4, kLeastExtent = 1e-6;
+  const double radius = subject_of(reach.box).radius;
+  const Vec3 far = max(abs(reach.box.min), abs(reach.box.max));
+  const double least = std::max(kLeastPart * radius, kLeastExtent * double{max_component(far)});
+  const auto& [right_most, left_most, up_most, down_most, near_most, far_most] = reach.along;
+  const double wide = (right_most + left_most) / 2, high = (up_most + down_most) / 2;
   Camera camera;
   camera.name = "framing";
-  camera.to_world = look_at(subject.center + to_eye * distance, subject.center, {0, 1, 0});
-  camera.y_fov = kFieldOfView;
-  camera.z_near = (distance - subject.radius) / 8;
-  camera.z_far = (distance + subject.radius) * 2;
+  camera.orthographic = viewpoint_.orthographic;
+  camera.aspect_ratio = viewpoint_.aspect_ratio;
+  camera.y_fov = viewpoint_.fov.value_or(kFramingFov);
+  double z = near_most;  // of the eye
+  if (viewpoint_.orthographic) {
+    const double half = std::max({high, wide / viewpoint_.aspect_ratio, kLeastPart * radius});
+    camera.y_mag = static_cast<float>(half / kFilledPart);
+    z += 2 * radius;
+  } else {
+    z = std::max({wide / tan_x_, high / tan_y_, near_most + least});
+  }
+  const double x = (right_most - left_most) / 2, y = (up_most - down_most) / 2;
+  FineVec3 eye{0, 0, 0};
+  eye = moved_along(moved_along(moved_along(eye, x, axes_[0]), y, axes_[1]), z, axes_[2]);
+  camera.to_world = camera_frame_at(axes_, eye);
+  camera.z_near = static_cast<float>((z - near_most) / 2);
+  camera.z_far = static_cast<float>((z + far_most) * 2);
   return camera;
 }
 
+Camera ViewFit::placed(const Reach& reach) const {
+  const Subject subject = subject_of(reach.box);
+  const FineVec3 eye = in_double(*viewpoint_.position);
+  const FineVec3 back =
+      moved_along(eye, -1, in_double(viewpoint_.look_at.value_or(subject.center)));
+  const double distance = std::sqrt(dot3(back, back));
+  if (!(distance > 0)) {
+    throw Error(ErrorCode::kInvalidArgument,
+                "is the middle of the model: say by look_at where the camera looks",
+                "camera_position");
+  }
+  const FineVec3 up = in_double(direction_of(viewpoint_.up)), side = cross3(up, back);
+  if (!(std::sqrt(dot3(side, side)) > 1e-6 * distance)) {
+    throw Error(ErrorCode::kInvalidArgument, "runs along what the camera looks at: give another",
+                "up");
+  }
+  const std::array<FineVec3, 3> axes = axes_from(unit3(back), up);
+  double half = 1e-3 * subject.radius, nearest = std::numeric_limits<double>::infinity();
+  double farthest = 0;
+  for (const Vec3 corner : corners_of(reach.box)) {
+    const FineVec3 p = moved_along(in_double(corner), -1, eye);
+    half = std::max(
+        {half, std::fabs(dot3(p, axes[1])), std::fabs(dot3(p, axes[0])) / viewpoint_.aspect_ratio});
+    nearest = std::min(nearest, -dot3(p, axes[2]));
+    farthest = std::max(farthest, -dot3(p, axes[2]));
+  }
+  Camera camera;
+  camera.name = "framing";
+  camera.to_world = camera_frame_at(axes, eye);
+  camera.orthographic = viewpoint_.orthographic;
+  camera.y_fov = viewpoint_.fov.value_or(kFramingFov);
+  camera.y_mag = static_cast<float>(half / kFilledPart);
+  // An eye within the model sees what is close to it.
+  camera.z_near = static_cast<float>(std::max(nearest / 2, 1e-4 * subject.radius));
+  camera.z_far = static_cast<float>(std::max(2 * farthest, 4.0 * subject.radius));
+  return camera;
+}
+
+Camera framing_camera(const SceneDescription& scene, const Viewpoint& viewpoint) {
+  ViewFit fit(viewpoint);
+  fit.add(scene);
+  return fit.camera();
+}
+
+Camera framing_camera(const SceneDescription& scene) {
+  return framing_camera(scene, Viewpoint{});
+}
+
 Light showing_light(const SceneDescription& scene, const Camera& camera) {
-  const Subject subject = subject_of(scene);
+  const Subject subject = subject_of(world_bounds(scene));
   const Vec3 eye = column(camera.to_world, 3);
   const float distance = length(eye - subject.center);
   // A camera within the scene may have a wall near by: the light keeps close to it there.

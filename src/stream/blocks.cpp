@@ -6,6 +6,7 @@
 #include "engine/block_body.h"
 #include "raysheaf/error.h"
 #include "raysheaf/stream.h"
+#include "raysheaf/viewpoint.h"
 #include "scene/flat_scene.h"
 
 namespace raysheaf {
@@ -164,6 +165,12 @@ Box world_bounds(const GeometrySource& source) {
     box.max = max(box.max, block.bounds.max);
   }
   return box;
+}
+
+Camera framing_camera(const GeometrySource& source, const Viewpoint& viewpoint) {
+  ViewFit fit(viewpoint);
+  for (const BlockInfo& block : source.blocks()) fit.add(block.bounds);
+  return fit.camera();
 }
 
 bool precedes(const Hit& a, const Hit& b) {

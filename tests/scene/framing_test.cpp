@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "raysheaf/error.h"
+#include "raysheaf/viewpoint.h"
 #include "tests/scene/support.h"
 
 namespace raysheaf {
@@ -25,6 +27,194 @@ void expect_seen(const SceneDescription& scene, const Camera& camera) {
       ASSERT_LT(std::fabs(dot(p, column(m, 1))), slope * depth);
     }
   }
+}
+
+/// The larger of the parts of the picture's width and height that the vertices span, of those of
+/// triangles; all of them are in the picture.
+float spanned(const SceneDescription& scene, const Camera& camera, float aspect) {
+  const Affine& m = camera.to_world;
+  Vec3 low{1, 1, 0}, high{-1, -1, 0};
+  const double extent = camera.orthographic ? camera.y_mag : std::tan(camera.y_fov / 2.0);
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    for (const auto& triangle : mesh.triangles) {
+      for (const std::uint32_t v : triangle) {
+        const Vec3 p =
+            transform_point(instance.to_world, mesh.positions[v]) - column(camera.to_world, 3);
+        const double depth = -dot(p, column(m, 2));
+        EXPECT_GT(depth, camera.z_near);
+        EXPECT_LT(depth, camera.z_far);
+        const double half = camera.orthographic ? extent : extent * depth;
+        const Vec3 at{static_cast<float>(dot(p, column(m, 0)) / (half * aspect)),
+                      static_cast<float>(dot(p, column(m, 1)) / half), 0};
+        low = min(low, at);
+        high = max(high, at);
+      }
+    }
+  }
+  EXPECT_GT(std::min(low.x, low.y), -1);
+  EXPECT_LT(std::max(high.x, high.y), 1);
+  return std::max(high.x - low.x, high.y - low.y) / 2;
+}
+
+constexpr ViewSide kViews[] = {ViewSide::kFront, ViewSide::kBack, ViewSide::kLeft,
+                               ViewSide::kRight, ViewSide::kTop,  ViewSide::kBottom,
+                               ViewSide::kIso};
+constexpr UpAxis kAxes[] = {UpAxis::kX,      UpAxis::kY,      UpAxis::kZ,
+                            UpAxis::kMinusX, UpAxis::kMinusY, UpAxis::kMinusZ};
+
+/// From any side, in pictures of any shape.
+Viewpoint random_viewpoint(Random& random) {
+  Viewpoint view;
+  if (random() % 2 == 0) view.view = kViews[random() % std::size(kViews)];
+  view.up = kAxes[random() % std::size(kAxes)];
+  view.orthographic = random() % 3 == 0;
+  if (!view.orthographic && random() % 2 == 0) view.fov = test::uniform(random, 0.05f, 1.6f);
+  view.aspect_ratio = std::pow(10.0f, test::uniform(random, -0.6f, 0.6f));
+  return view;
+}
+
+TEST(Framing, FillsPicturesOfAnyShapeWithMeshesOfAnyShape) {
+  Random random(11);
+  for (int round = 0; round < 1000; ++round) {
+    SceneDescription scene;
+    const float scale = std::pow(10.0f, test::uniform(random, -9, 9));
+    scene.meshes.push_back(test::random_mesh(random, 20, 100, scale));
+    Vec3 shape{1, 1, 1};
+    for (float* side : {&shape.x, &shape.y, &shape.z})
+      if (random() % 3 == 0) *side = std::pow(10.0f, test::uniform(random, -1, 0));
+    scene.instances.resize(2);
+    const float away = std::pow(10.0f, test::uniform(random, -2, 2));
+    const Affine place = compose(translation(test::random_point(random, away * scale)),
+                                 compose(rotation({0, 0, 1}, 1), scaling(shape)));
+    scene.instances[0].to_world = place;
+    scene.instances[1].to_world = compose(translation(test::random_point(random, scale)), place);
+    const Viewpoint view = random_viewpoint(random);
+    const Camera camera = framing_camera(scene, view);
+    EXPECT_GT(spanned(scene, camera, view.aspect_ratio), 0.85f)
+        << round << " ortho " << view.orthographic << " fov " << view.fov.value_or(0) << " aspect "
+        << view.aspect_ratio << " shape " << shape.x << " " << shape.y << " " << shape.z << " away "
+        << away << " near " << camera.z_near / scale << " scale " << scale;
+    EXPECT_LT(spanned(scene, camera, view.aspect_ratio), 0.97f) << round;
+    scene.cameras.push_back(camera);
+    EXPECT_NO_THROW(validate(scene));
+  }
+}
+
+TEST(Framing, NothingLeavesThePictureOnATurntable) {
+  Random random(12);
+  for (int round = 0; round < 100; ++round) {
+    SceneDescription scene;
+    scene.meshes.push_back(test::random_mesh(random, 20, 40, 1));
+    scene.instances.resize(1);
+    scene.instances[0].to_world = compose(translation(test::random_point(random, 10)),
+                                          scaling({test::uniform(random, 0.1f, 20), 1, 1}));
+    Viewpoint view = random_viewpoint(random);
+    view.all_around = true;
+    const Camera camera = framing_camera(scene, view);
+    const Box box = world_bounds(scene);
+    const Vec3 center = (box.min + box.max) * 0.5f;
+    for (int turn = 0; turn < 16; ++turn) {
+      SceneDescription turned = scene;
+      const Affine around = rotation(direction_of(view.up), 0.4f * static_cast<float>(turn));
+      turned.instances[0].to_world =
+          compose(translation(center),
+                  compose(around, compose(translation(-center), scene.instances[0].to_world)));
+      static_cast<void>(spanned(turned, camera, view.aspect_ratio));
+    }
+  }
+}
+
+TEST(Framing, ViewsLookAtTheSideThatTheyName) {
+  struct Case {
+    ViewSide view;
+    UpAxis up;
+    Vec3 back, above;
+  };
+  const Case cases[] = {
+      {ViewSide::kFront, UpAxis::kY, {0, 0, 1}, {0, 1, 0}},
+      {ViewSide::kBack, UpAxis::kY, {0, 0, -1}, {0, 1, 0}},
+      {ViewSide::kLeft, UpAxis::kY, {-1, 0, 0}, {0, 1, 0}},
+      {ViewSide::kRight, UpAxis::kY, {1, 0, 0}, {0, 1, 0}},
+      {ViewSide::kTop, UpAxis::kY, {0, 1, 0}, {0, 0, -1}},
+      {ViewSide::kBottom, UpAxis::kY, {0, -1, 0}, {0, 0, 1}},
+      {ViewSide::kFront, UpAxis::kZ, {0, -1, 0}, {0, 0, 1}},
+      {ViewSide::kRight, UpAxis::kZ, {1, 0, 0}, {0, 0, 1}},
+      {ViewSide::kTop, UpAxis::kZ, {0, 0, 1}, {0, 1, 0}},
+      {ViewSide::kFront, UpAxis::kMinusZ, {0, 1, 0}, {0, 0, -1}},
+      {ViewSide::kFront, UpAxis::kX, {0, 0, 1}, {1, 0, 0}},
+      {ViewSide::kFront, UpAxis::kMinusX, {0, 0, 1}, {-1, 0, 0}},
+      {ViewSide::kFront, UpAxis::kMinusY, {0, 0, 1}, {0, -1, 0}},
+  };
+  for (const Case& c : cases) {
+    Viewpoint view;
+    view.view = c.view;
+    view.up = c.up;
+    const Affine m = framing_camera(one_triangle(), view).to_world;
+    EXPECT_LT(length(column(m, 2) - c.back), 1e-6f);
+    EXPECT_LT(length(column(m, 1) - c.above), 1e-6f);
+    EXPECT_LT(length(cross(column(m, 1), column(m, 2)) - column(m, 0)), 1e-6f);
+  }
+  Viewpoint iso;
+  iso.view = ViewSide::kIso;
+  const Vec3 back = column(framing_camera(one_triangle(), iso).to_world, 2);
+  EXPECT_FLOAT_EQ(back.x, back.y);
+  EXPECT_FLOAT_EQ(back.x, back.z);
+}
+
+TEST(Framing, ACameraWithAPlaceKeepsIt) {
+  Viewpoint view;
+  view.position = Vec3{3, 2, 5};
+  const Camera at_middle = framing_camera(one_triangle(), view);
+  EXPECT_EQ(column(at_middle.to_world, 3), *view.position);
+  EXPECT_LT(length(column(at_middle.to_world, 2) - normalized(Vec3{2.5f, 1.5f, 5})), 1e-6f);
+  view.look_at = Vec3{3, 2, -1};
+  view.fov = 0.5f;
+  view.zoom = 2;
+  const Camera ahead = framing_camera(one_triangle(), view);
+  EXPECT_LT(length(column(ahead.to_world, 2) - Vec3{0, 0, 1}), 1e-6f);
+  EXPECT_NEAR(std::tan(ahead.y_fov / 2), std::tan(0.25f) / 2, 1e-6f);
+  view.fov.reset();
+  view.orthographic = true;
+  view.zoom = 1;
+  view.look_at.reset();
+  EXPECT_LT(spanned(one_triangle(), framing_camera(one_triangle(), view), 1), 0.97f);
+}
+
+/// The field that is refused.
+std::string refused(const Viewpoint& view) {
+  try {
+    static_cast<void>(framing_camera(one_triangle(), view));
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kInvalidArgument);
+    return error.place();
+  }
+  return "";
+}
+
+TEST(Framing, RefusesViewpointsThatMakeNoSense) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const auto with = [](const auto& change) {
+    Viewpoint view;
+    change(view);
+    return refused(view);
+  };
+  EXPECT_EQ(with([](Viewpoint&) {}), "");
+  for (const float zoom : {0.0f, -1.0f, kNan, HUGE_VALF, 1e38f, 1e-38f})
+    EXPECT_EQ(with([&](Viewpoint& v) { v.zoom = zoom; }), "zoom") << zoom;
+  for (const float fov : {0.0f, -1.0f, kNan, 3.1416f, HUGE_VALF})
+    EXPECT_EQ(with([&](Viewpoint& v) { v.fov = fov; }), "fov") << fov;
+  EXPECT_EQ(with([](Viewpoint& v) { v.fov = 1.0f, v.orthographic = true; }), "fov");
+  EXPECT_EQ(with([](Viewpoint& v) { v.position = Vec3{kNan, 0, 0}; }), "camera_position");
+  EXPECT_EQ(with([](Viewpoint& v) { v.position = Vec3{0.5f, 0.5f, 0}; }), "camera_position");
+  EXPECT_EQ(with([](Viewpoint& v) { v.look_at = Vec3{0, 0, 0}; }), "look_at");
+  EXPECT_EQ(with([](Viewpoint& v) { v.position = v.look_at = Vec3{1, 2, 3}; }), "look_at");
+  EXPECT_EQ(with([](Viewpoint& v) {
+              v.position = Vec3{1, 1, 1}, v.view = ViewSide::kTop;
+            }),
+            "view");
+  EXPECT_EQ(with([](Viewpoint& v) { v.position = Vec3{0.5f, 9, 0}; }), "up");
+  EXPECT_EQ(with([](Viewpoint& v) { v.aspect_ratio = 0; }), "aspect_ratio");
 }
 
 TEST(Framing, SeesAllOfRandomScenes) {

@@ -83,11 +83,21 @@ Camera camera_at(const Place& place) {
   return camera;
 }
 
-/// Nearer than a picture would have it: what misses everything is no ray to compare.
+/// From the front, the right and above. What misses everything is no ray to compare: a sphere about
+/// the box is a little larger than the picture.
 void fill_picture(SceneDescription& scene) {
   if (!scene.cameras.empty()) return;
-  scene.cameras.push_back(framing_camera(scene));
-  scene.cameras.back().y_fov *= 0.6f;
+  const Box box = world_bounds(scene);
+  const Vec3 center{(box.min.x + box.max.x) / 2, (box.min.y + box.max.y) / 2,
+                    (box.min.z + box.max.z) / 2};
+  const Vec3 half = minus(box.max, center), way = of_unit_length({0.6f, 0.45f, 1});
+  const float distance = 2.2f * std::hypot(half.x, half.y, half.z);
+  Place place;
+  place.eye = {center.x + way.x * distance, center.y + way.y * distance,
+               center.z + way.z * distance};
+  place.target = center;
+  place.y_fov_degrees = 36;
+  scene.cameras.push_back(camera_at(place));
 }
 
 void stand_at(const Place& place, SceneDescription& scene) {

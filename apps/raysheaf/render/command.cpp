@@ -16,6 +16,7 @@
 #include "render/light.h"
 #include "render/stage.h"
 #include "render/stream.h"
+#include "render/viewpoint.h"
 #include "scene_argument.h"
 #include "timer.h"
 #include "values.h"
@@ -159,13 +160,16 @@ void check_focus(const RenderCommand& command, const SceneDescription& scene) {
               "--focus");
 }
 
-/// SCENE as it moves, with the light of the command line, at the time that it names.
-std::unique_ptr<Animation> open_scene(const RenderCommand& command, const GeometrySource* blocks) {
+/// SCENE as it moves, with the camera and the light of the command line, at the time that it names.
+/// `command` then names the camera.
+std::unique_ptr<Animation> open_scene(RenderCommand* given, const GeometrySource* blocks) {
+  const RenderCommand& command = *given;
   std::unique_ptr<Animation> animation =
       blocks != nullptr ? animate(*blocks)
                         : animation_from_argument(command.scene, command.frames, command.load);
   SceneDescription& scene = animation->scene();
   set_environment(command.light, scene);
+  set_camera(given, blocks, *animation);
   if (wants_frames(command) || command.frames.time) {
     add_missing_camera_and_light(*animation);
   } else {
@@ -211,12 +215,12 @@ void render_picture(const RenderCommand& command, const Targets& targets, const 
 }
 
 /// What every process of the run does.
-void render_here(const RenderCommand& command, const std::shared_ptr<Communicator>& ranks) {
+void render_here(RenderCommand command, const std::shared_ptr<Communicator>& ranks) {
   const bool writes = is_first(ranks.get());
   Targets targets = wants_frames(command) || !writes ? Targets{} : open_targets(command);
   const Timer loading;
   const std::unique_ptr<GeometrySource> blocks = open_blocks(command);
-  std::unique_ptr<Animation> animation = open_scene(command, blocks.get());
+  std::unique_ptr<Animation> animation = open_scene(&command, blocks.get());
   targets.files.reads(animation->scene().files);
   stop_if_interrupted();
   if (!command.quiet) {

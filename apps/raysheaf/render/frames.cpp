@@ -86,7 +86,10 @@ std::unique_ptr<Animation> animation_from_argument(const std::string& scene,
 
 FramePlan::FramePlan(Animation& animation, const Box& bounds, const FramesOptions& options,
                      const std::string& camera)
-    : fps_(options.fps), turntable_(options.turntable), path_name_(options.camera_path) {
+    : fps_(options.fps),
+      turntable_(options.turntable),
+      up_(options.up),
+      path_name_(options.camera_path) {
   if (!options.camera_path.empty()) path_ = load_camera_path(options.camera_path);
   if (turntable_ != 0) {
     turning_ = find_camera(animation.scene(), camera);
@@ -125,7 +128,7 @@ std::optional<Camera> FramePlan::camera(std::uint64_t frame) const {
     }
   }
   if (turntable_ == 0) return std::nullopt;
-  return turned_camera(turning_, center_, static_cast<double>(frame) / turntable_);
+  return turned_camera(turning_, center_, static_cast<double>(frame) / turntable_, up_);
 }
 
 bool has_frame_field(const std::string& name) {

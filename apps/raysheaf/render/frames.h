@@ -25,6 +25,7 @@ struct FramesOptions {
   std::uint32_t turntable = 0;  ///< pictures around; 0: none
   std::string camera_path;      ///< a file
   bool resume = false;
+  Vec3 up{0, 1, 0};  ///< what a turntable turns about
 };
 
 /// SCENE as it moves, at rest. Throws as `load_animation` does, and kNotFound for the clip.
@@ -59,7 +60,7 @@ class FramePlan {
   std::uint64_t first_ = 0, last_ = 0, total_ = 0;
   std::uint32_t turntable_ = 0;
   Camera turning_;
-  Vec3 center_;
+  Vec3 center_, up_;
   std::optional<CameraPath> path_;
   std::string path_name_;
 };

@@ -11,6 +11,7 @@
 #include "raysheaf/error.h"
 #include "raysheaf/pack.h"
 #include "render/frames_command.h"
+#include "render/viewpoint.h"
 #include "stoppable_sink.h"
 #include "values.h"
 
@@ -48,6 +49,9 @@ std::unique_ptr<GeometrySource> packed_beside(const RenderCommand& command) {
   options.beside = name;
   options.allow_external = command.load.allow_external;
   options.add_light = command.light.environment.empty();
+  options.viewpoint = viewpoint_of(command);
+  options.add_camera = command.view.is_own;
+  if (!options.add_camera) options.viewpoint.zoom = 1;  // as cameras of the file are
   BlockFileWriter file(name);
   StoppableSink sink(&file);
   const auto scene = pack_file(command.scene, &sink, options);

@@ -1,0 +1,71 @@
+#include "render/viewpoint.h"
+
+#include <algorithm>
+
+#include "raysheaf/scene_description.h"
+#include "render/frames_command.h"
+#include "render/stream.h"
+
+namespace raysheaf::app {
+namespace {
+
+Camera camera_for(const RenderCommand& command, const GeometrySource* blocks,
+                  Animation& animation) {
+  const Viewpoint viewpoint = viewpoint_of(command);
+  if (blocks != nullptr && is_block_file(command.scene)) return framing_camera(*blocks, viewpoint);
+  if (wants_frames(command) || command.frames.time) return framing_camera(animation, viewpoint);
+  return framing_camera(animation.scene(), viewpoint);
+}
+
+/// That no camera of the scene has.
+std::string new_camera_name(const SceneDescription& scene) {
+  std::string name = "viewpoint";
+  const auto is_taken = [&](const Camera& camera) { return camera.name == name; };
+  while (std::any_of(scene.cameras.begin(), scene.cameras.end(), is_taken)) name += "'";
+  return name;
+}
+
+}  // namespace
+
+Viewpoint viewpoint_of(const RenderCommand& command) {
+  Viewpoint viewpoint = command.view.viewpoint;
+  const RenderOptions& options = command.options;
+  if (options.width != 0)
+    viewpoint.aspect_ratio = static_cast<float>(options.width) / static_cast<float>(options.height);
+  viewpoint.all_around = command.frames.turntable != 0;
+  return viewpoint;
+}
+
+void set_camera(RenderCommand* command, const GeometrySource* blocks, Animation& animation) {
+  SceneDescription& scene = animation.scene();
+  try {
+    // Behind the others: what moves them knows them by their numbers. Packing has added it already.
+    if (command->view.is_own) {
+      const bool is_packed = blocks != nullptr && !is_block_file(command->scene);
+      if (!is_packed) scene.cameras.push_back(camera_for(*command, blocks, animation));
+      command->options.camera = scene.cameras.back().name = new_camera_name(scene);
+    } else if (scene.cameras.empty()) {
+      scene.cameras.push_back(camera_for(*command, blocks, animation));
+    } else if (command->view.viewpoint.zoom != 1) {
+      for (Camera& camera : scene.cameras) camera = zoomed(camera, command->view.viewpoint.zoom);
+    }
+  } catch (const Error& error) {
+    throw with_option_names(error);
+  }
+}
+
+Error with_option_names(const Error& error) {
+  if (error.code() != ErrorCode::kInvalidArgument || error.place().empty()) return error;
+  const auto spelt = [](std::string field) {
+    std::replace(field.begin(), field.end(), '_', '-');
+    return "--" + field;
+  };
+  std::string sentence = error.sentence();
+  for (const char* field : {"camera_position", "look_at"}) {
+    const std::size_t at = sentence.find(field);
+    if (at != sentence.npos) sentence.replace(at, std::string(field).size(), spelt(field));
+  }
+  return Error(error.code(), sentence, spelt(error.place()));
+}
+
+}  // namespace raysheaf::app
