@@ -45,6 +45,7 @@ unsigned int crc32_of(unsigned char* data, int size) {
 #include "io/file.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
+#include "raysheaf/jpeg.h"
 
 namespace raysheaf {
 namespace {
@@ -76,7 +77,9 @@ void append(void* context, void* data, int size) {
 
 }  // namespace
 
-Bytes encode_png(const Image& image) {
+namespace {
+
+void check_image(const Image& image) {
   const std::uint64_t pixels = std::uint64_t{image.width} * image.height;
   if (pixels == 0 || image.rgba.size() != 4 * pixels) {
     throw Error(ErrorCode::kInvalidArgument,
@@ -84,6 +87,39 @@ Bytes encode_png(const Image& image) {
                     " pixels cannot have " + std::to_string(image.rgba.size()) + " bytes",
                 "image \"" + image.name + "\"");
   }
+}
+
+/// `encode(image)`, whose errors name the file.
+template <class Encode>
+Bytes encoded_for(const std::string& path, const Image& image, const Encode& encode) {
+  try {
+    return encode(image);
+  } catch (const Error& error) {
+    throw Error(error.code(), error.sentence(), path);
+  }
+}
+
+Bytes encode_jpeg(const Image& image) {
+  constexpr int kQuality = 92, kMostSide = 65535;
+  check_image(image);
+  if (image.width > kMostSide || image.height > kMostSide) {
+    throw Error(ErrorCode::kUnsupported, "a JPEG has at most 65535 pixels a side",
+                "image \"" + image.name + "\"");
+  }
+  const Bytes rgb = without_alpha(image);
+  Bytes jpeg;
+  if (stbi_write_jpg_to_func(append, &jpeg, static_cast<int>(image.width),
+                             static_cast<int>(image.height), 3, rgb.data(), kQuality) == 0) {
+    throw Error(ErrorCode::kOutOfMemory, "there is no memory to compress the picture");
+  }
+  return jpeg;
+}
+
+}  // namespace
+
+Bytes encode_png(const Image& image) {
+  check_image(image);
+  const std::uint64_t pixels = std::uint64_t{image.width} * image.height;
   // stb counts bytes in an int.
   if (pixels * 4 + image.height > 0x7fffffff) {
     throw Error(ErrorCode::kUnsupported, "a PNG of more than 2^29 pixels is not written",
@@ -102,13 +138,11 @@ Bytes encode_png(const Image& image) {
 }
 
 void write_png(const Image& image, const std::string& path) {
-  Bytes png;
-  try {
-    png = encode_png(image);
-  } catch (const Error& error) {
-    throw Error(error.code(), error.sentence(), path);
-  }
-  io::write_file(path, png);
+  io::write_file(path, encoded_for(path, image, encode_png));
+}
+
+void write_jpeg(const Image& image, const std::string& path) {
+  io::write_file(path, encoded_for(path, image, encode_jpeg));
 }
 
 }  // namespace raysheaf

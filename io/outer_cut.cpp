@@ -9,6 +9,7 @@
 #include "io/float_spacing.h"
 #include "io/linear.h"
 #include "raysheaf/error.h"
+#include "raysheaf/studio.h"
 
 namespace raysheaf::io {
 namespace {
@@ -313,8 +314,8 @@ void add_camera_and_light(const ViewFit& fit, const PackOptions& options, SceneD
   of_box.meshes[0].triangles = {{0, 1, 1}};
   of_box.instances.emplace_back();
   if (options.add_camera || rest->cameras.empty()) rest->cameras.push_back(fit.camera());
-  if (options.add_light && needs_light(*rest))
-    rest->lights.push_back(showing_light(of_box, rest->cameras.front()));
+  const Camera& seen_by = options.add_camera ? rest->cameras.back() : rest->cameras.front();
+  if (options.add_light && needs_light(*rest)) rest->lights = studio_lights(of_box, seen_by);
 }
 
 }  // namespace

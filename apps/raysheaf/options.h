@@ -13,6 +13,7 @@
 #include "raysheaf/io.h"
 #include "raysheaf/lab.h"
 #include "raysheaf/render.h"
+#include "raysheaf/studio.h"
 #include "raysheaf/verify.h"
 #include "raysheaf/viewpoint.h"
 #include "render/frames.h"
@@ -62,6 +63,7 @@ struct RenderCommand {
   RenderOptions options;
   LightOptions light;
   ViewOptions view;
+  std::optional<Rgba> background;  ///< behind the scene, in place of the sky
 };
 
 struct ReportCommand {

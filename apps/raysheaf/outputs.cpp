@@ -7,8 +7,10 @@
 #include <cstring>
 #include <filesystem>
 
+#include "console.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
+#include "raysheaf/jpeg.h"
 #include "values.h"
 
 namespace raysheaf::app {
@@ -127,11 +129,21 @@ std::string writable_path(const std::string& path) {
   return target.string();
 }
 
-void write_picture(const RenderResult& result, const std::string& name, const std::string& path) {
-  if (has_ending(name, ".exr")) {
-    write_layers(result, path);
+Image shown_picture(const RenderResult& result, const std::optional<Backdrop>& backdrop) {
+  return backdrop ? backdrop->picture(result) : tone_mapped(result);
+}
+
+void write_picture(const RenderResult& result, const std::string& name, const std::string& path,
+                   const std::optional<Backdrop>& backdrop) {
+  if (has_ending(name, ".exr")) return write_layers(result, path);
+  const Image picture = shown_picture(result, backdrop);
+  if (name == kStandardOutput) {
+    const std::vector<std::uint8_t> png = encode_png(picture);
+    print({reinterpret_cast<const char*>(png.data()), png.size()});
+  } else if (has_ending(name, ".jpg") || has_ending(name, ".jpeg")) {
+    write_jpeg(picture, path);
   } else {
-    write_png(tone_mapped(result), path);
+    write_png(picture, path);
   }
 }
 

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "raysheaf/render.h"
+#include "raysheaf/studio.h"
 
 namespace raysheaf::app {
 
@@ -39,7 +41,19 @@ class OutputFiles {
   std::map<std::string, std::string> folders_;
 };
 
-/// PNG (tone-mapped) or OpenEXR (linear, with layers), by the ending of `name`.
-void write_picture(const RenderResult& result, const std::string& name, const std::string& path);
+/// sRGB and alpha.
+using Rgba = std::array<std::uint8_t, 4>;
+
+/// The picture for people.
+[[nodiscard]] Image shown_picture(const RenderResult& result,
+                                  const std::optional<Backdrop>& backdrop);
+
+/// The name of the picture on standard output.
+inline constexpr const char* kStandardOutput = "-";
+
+/// PNG and JPEG (tone-mapped) or OpenEXR (linear, with layers, without the backdrop), by the ending
+/// of `name`; PNG to standard output.
+void write_picture(const RenderResult& result, const std::string& name, const std::string& path,
+                   const std::optional<Backdrop>& backdrop);
 
 }  // namespace raysheaf::app

@@ -12,6 +12,7 @@
 #include "parse/frames.h"
 #include "parse/gpu.h"
 #include "parse/light.h"
+#include "parse/outputs.h"
 #include "parse/parts.h"
 #include "parse/report.h"
 #include "parse/scale.h"
@@ -25,25 +26,6 @@
 #include "values.h"
 
 namespace raysheaf::app {
-namespace {
-
-void add_outputs(CLI::App& app, RenderCommand& command) {
-  app.add_option("-o,--output", command.pictures,
-                 "Picture: .png (tone-mapped sRGB) or .exr (linear, with layers), with %d or %04d "
-                 "for a frame's number; film: .mp4; may be given more than once")
-      ->type_name("FILE")
-      ->take_all()
-      ->allow_extra_args(false);
-  app.add_option("--stats", command.stats_path, "Statistics as JSON")->type_name("FILE.json");
-  app.add_option("--heatmap", command.heatmap_path, "Tests per pixel as a picture with a legend")
-      ->type_name("FILE.png");
-  app.add_flag("--explain", command.explain,
-               "Print for each batch of rays what dual chose and why, and what it counted");
-  app.add_flag("-q,--quiet", command.quiet, "No progress bar, warnings or summary");
-}
-
-}  // namespace
-
 void add_view(CLI::App& app, RenderOptions& options) {
   add_value(
       app, "--size", "WxH",
@@ -116,33 +98,14 @@ void add_method(CLI::App& app, RenderCommand& command) {
             });
 }
 
-bool has_picture_ending(const std::string& path) {
-  return has_ending(path, ".png") || has_ending(path, ".exr") || has_ending(path, ".mp4");
-}
-
-void check_outputs(const RenderCommand& command) {
-  for (const std::string& path : command.pictures) {
-    if (!has_picture_ending(path)) {
-      throw CLI::ValidationError("-o",
-                                 "'" + path + "' ends neither in .png nor in .exr nor in .mp4");
-    }
-  }
-  if (!command.heatmap_path.empty() && !has_ending(command.heatmap_path, ".png")) {
-    throw CLI::ValidationError("--heatmap", "'" + command.heatmap_path + "' does not end in .png");
-  }
-  if (command.pictures.empty() && command.stats_path.empty() && command.heatmap_path.empty() &&
-      !command.explain) {
-    throw CLI::ValidationError("render",
-                               "nothing to write: give -o, --stats, --heatmap or --explain");
-  }
-}
-
 CLI::App* add_render(CLI::App& app, RenderCommand& command) {
   CLI::App* sub = app.add_subcommand("render", "Render a scene to pictures and statistics");
-  add_scene_file(*sub, command.scene, command.load, {.blocks = true, .sequences = true});
+  add_scene_file(*sub, command.scene, command.load,
+                 {.blocks = true, .sequences = true, .standard_input = true});
   add_outputs(*sub, command);
   add_view(*sub, command.options);
   add_viewpoint(*sub, command.view);
+  add_background(*sub, command);
   add_rays(*sub, command.options);
   add_light(*sub, command);
   add_method(*sub, command);
@@ -150,6 +113,8 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
   add_frames(*sub, command.frames, command.load);
   sub->footer(
       "Examples:\n"
+      "  raysheaf render model.stl --up z\n"
+      "  raysheaf render model.ply -o top.jpg --view top --orthographic --background white\n"
       "  raysheaf render builtin:office -o office.png\n"
       "  raysheaf render builtin:cornell -o cornell.png -o cornell.exr --bounces 4\n"
       "  raysheaf render model.glb -o model.png --size 1280x720 --camera 1 --stats model.json\n"
@@ -170,7 +135,7 @@ CLI::App* add_render(CLI::App& app, RenderCommand& command) {
 
 CLI::App* add_info(CLI::App& app, InfoCommand& command) {
   CLI::App* sub = app.add_subcommand("info", "List what a scene holds");
-  add_scene_file(*sub, command.scene, command.load, {.blocks = true});
+  add_scene_file(*sub, command.scene, command.load, {.blocks = true, .standard_input = true});
   sub->add_flag("--json", command.json, "As JSON");
   sub->footer(
       "Examples:\n"

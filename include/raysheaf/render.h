@@ -52,7 +52,7 @@ struct RenderOptions {
   bool early_out = false;
   /// Rays a pixel through the reconstruction filter (docs/light.md), 1 to 65536. One makes every
   /// choice in the middle: pixels' centres, lights' centres, a pinhole; two or more show lights'
-  /// sizes and lenses. 0: 1, or 16 where the scene has an environment or the camera a lens.
+  /// sizes and lenses. 0: 16 with an environment or a lens, 4 with `studio_lights`, else 1.
   std::uint32_t samples = 0;
   std::optional<float> aperture, focus;  ///< in place of the camera's own
   bool count_pixel_tests = false;        ///< fill `RenderResult::tests`

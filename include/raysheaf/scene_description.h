@@ -172,7 +172,7 @@ void validate(const SceneDescription& scene);
 /// material is unlit.
 [[nodiscard]] bool needs_light(const SceneDescription& scene);
 
-/// Adds `framing_camera` where there is no camera, and `showing_light` where `needs_light` says so.
+/// Adds `framing_camera` where there is no camera, `studio_lights` where `needs_light` says so.
 void add_missing_camera_and_light(SceneDescription& scene);
 
 }  // namespace raysheaf

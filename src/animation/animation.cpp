@@ -9,6 +9,7 @@
 #include "animation/rig_state.h"
 #include "raysheaf/error.h"
 #include "raysheaf/stream.h"
+#include "raysheaf/studio.h"
 #include "raysheaf/viewpoint.h"
 
 namespace raysheaf {
@@ -183,7 +184,7 @@ void add_missing_camera_and_light(Animation& animation) {
   look_around(animation, [&](const SceneDescription& shown) { fit.add(shown); });
   if (scene.cameras.empty()) scene.cameras.push_back(fit.camera());
   if (needs_light(scene))
-    scene.lights.push_back(showing_light(scene_of(fit.bounds()), scene.cameras.front()));
+    scene.lights = studio_lights(scene_of(fit.bounds()), scene.cameras.front());
 }
 
 std::unique_ptr<Animation> animate(SceneDescription scene, Rig rig, std::uint32_t threads) {

@@ -11,6 +11,7 @@
 #include "frame/ranges.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
+#include "raysheaf/studio.h"
 
 namespace raysheaf {
 namespace {
@@ -59,8 +60,8 @@ void check(const RenderOptions& options) {
 
 std::vector<PlacedLight> find_lights(const SceneDescription& scene, const Camera& camera,
                                      std::uint32_t samples) {
-  if (needs_light(scene)) return {placed_light(showing_light(scene, camera))};
-  std::vector<PlacedLight> lights = placed_lights(scene.lights);
+  std::vector<PlacedLight> lights =
+      placed_lights(needs_light(scene) ? studio_lights(scene, camera) : scene.lights);
   if (samples > 1) return lights;
   for (PlacedLight& light : lights) light.radius = 0;
   return lights;
@@ -68,9 +69,10 @@ std::vector<PlacedLight> find_lights(const SceneDescription& scene, const Camera
 
 std::uint32_t find_samples(const SceneDescription& scene, const Camera& camera,
                            const RenderOptions& options) {
-  constexpr std::uint32_t kEnough = 16;
+  constexpr std::uint32_t kOfAChance = 16, kOfAStudio = 4;
   if (options.samples > 0) return options.samples;
-  return scene.environment.empty() && camera.aperture == 0 ? 1 : kEnough;
+  if (!scene.environment.empty() || camera.aperture > 0) return kOfAChance;
+  return needs_light(scene) || has_studio_lights(scene) ? kOfAStudio : 1;
 }
 
 }  // namespace raysheaf

@@ -34,7 +34,9 @@ void check(const MethodSettings& settings) {
 
 SceneDescription prepared(SceneDescription scene) {
   validate(scene);
-  add_missing_camera_and_light(scene);
+  // One light, whatever else pictures have: what is counted is a batch of shadow rays a light.
+  if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(scene));
+  if (needs_light(scene)) scene.lights.push_back(showing_light(scene, scene.cameras.front()));
   return scene;
 }
 

@@ -1,14 +1,17 @@
-// A camera and a light for scenes that bring none.
+// A camera that fills a picture with a scene, and lights for scenes that bring none.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string_view>
 
 #include "base/vec.h"
 #include "raysheaf/error.h"
 #include "raysheaf/scene_description.h"
+#include "raysheaf/studio.h"
 #include "raysheaf/viewpoint.h"
 #include "scene/flatten_body.h"
+#include "scene/subject.h"
 
 namespace raysheaf {
 namespace {
@@ -17,32 +20,6 @@ using FineVec3 = std::array<double, 3>;
 
 /// The part of the picture's sides that a model may take.
 constexpr double kFilledPart = 0.92;
-
-/// What a camera has to show: a sphere around the scene's box. A scene without extent gets some, so
-/// that planes and distances stay apart.
-struct Subject {
-  Vec3 center{0, 0, 0};
-  float radius = 1;
-};
-
-Subject subject_of(const Box& box) {
-  constexpr double kLargest = 1e18;
-  Subject subject;
-  double half_squared = 0, farthest = 0;
-  float* const center[3] = {&subject.center.x, &subject.center.y, &subject.center.z};
-  for (int axis = 0; axis < 3; ++axis) {
-    const double low = component(box.min, axis), high = component(box.max, axis);
-    if (!(low >= -kLargest && low <= high && high <= kLargest)) return {};
-    *center[axis] = static_cast<float>((low + high) / 2);
-    half_squared += (high - low) * (high - low) / 4;
-    farthest = std::max({farthest, std::fabs(low), std::fabs(high)});
-  }
-  // At least eight float32 spacings: in fewer, the camera's position would not resolve the scene.
-  constexpr double kLeastExtent = 1e-6;
-  const double radius = std::max(std::sqrt(half_squared), kLeastExtent * farthest);
-  if (radius > 0) subject.radius = static_cast<float>(radius);
-  return subject;
-}
 
 FineVec3 in_double(Vec3 v) {
   return {double{v.x}, double{v.y}, double{v.z}};
@@ -349,6 +326,46 @@ Light showing_light(const SceneDescription& scene, const Camera& camera) {
   return light;
 }
 
+namespace {
+
+constexpr const char* kKeyLight = "studio key";
+constexpr const char* kFillLight = "studio fill";
+constexpr const char* kRimLight = "studio rim";
+constexpr const char* kInnerLight = "studio";
+
+}  // namespace
+
+std::vector<Light> studio_lights(const SceneDescription& scene, const Camera& camera) {
+  const Box box = world_bounds(scene);
+  const Vec3 eye = column(camera.to_world, 3);
+  if (!camera.orthographic && max(box.min, eye) == eye && min(box.max, eye) == eye) {
+    Light light = showing_light(scene, camera);
+    light.name = kInnerLight;
+    return {light};
+  }
+  const auto from = [&](const char* name, Vec3 place, float white) {
+    Light light;
+    light.name = name;
+    light.type = Light::Type::kDirectional;
+    light.direction = -normalized(transform_vector(camera.to_world, place));
+    // White that faces the light has this radiance.
+    const float lux = std::numbers::pi_v<float> * white;
+    light.intensity = {lux, lux, lux};
+    return light;
+  };
+  return {from(kKeyLight, {-0.6f, 0.8f, 0.8f}, 1), from(kFillLight, {0.9f, 0.1f, 0.7f}, 0.25f),
+          from(kRimLight, {0.4f, 0.7f, -0.8f}, 0.8f)};
+}
+
+bool has_studio_lights(const SceneDescription& scene) {
+  const auto is_ours = [](const Light& light) {
+    const std::string_view name = light.name;
+    return name == kKeyLight || name == kFillLight || name == kRimLight || name == kInnerLight;
+  };
+  return scene.environment.empty() && !scene.lights.empty() &&
+         std::all_of(scene.lights.begin(), scene.lights.end(), is_ours);
+}
+
 bool needs_light(const SceneDescription& scene) {
   if (!scene.lights.empty() || !scene.environment.empty()) return false;
   const auto unlit = [](const Material& material) { return material.unlit; };
@@ -358,7 +375,7 @@ bool needs_light(const SceneDescription& scene) {
 
 void add_missing_camera_and_light(SceneDescription& scene) {
   if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(scene));
-  if (needs_light(scene)) scene.lights.push_back(showing_light(scene, scene.cameras.front()));
+  if (needs_light(scene)) scene.lights = studio_lights(scene, scene.cameras.front());
 }
 
 }  // namespace raysheaf

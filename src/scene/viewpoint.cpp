@@ -16,12 +16,13 @@ constexpr std::array<std::string_view, 7> kViewNames{"front", "back",   "left", 
 constexpr std::array<std::string_view, 6> kAxisNames{"x", "y", "z", "-x", "-y", "-z"};
 
 template <class Name, std::size_t kCount>
-Name named(const std::array<std::string_view, kCount>& names, std::string_view name) {
+Name named(const std::array<std::string_view, kCount>& names, std::string_view name,
+           const char* field) {
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<Name>(found - names.begin());
   std::string sentence = "'" + std::string(name) + "' is none of ";
   for (std::size_t i = 0; i < kCount; ++i) sentence += (i == 0 ? "" : ", ") + std::string(names[i]);
-  throw Error(ErrorCode::kInvalidArgument, sentence);
+  throw Error(ErrorCode::kInvalidArgument, sentence, field);
 }
 
 [[noreturn]] void refuse_viewpoint(const char* field, const char* sentence) {
@@ -35,11 +36,11 @@ void check_zoom(float zoom) {
 }  // namespace
 
 ViewSide view_from_string(std::string_view name) {
-  return named<ViewSide>(kViewNames, name);
+  return named<ViewSide>(kViewNames, name, "view");
 }
 
 UpAxis up_axis_from_string(std::string_view name) {
-  return named<UpAxis>(kAxisNames, name);
+  return named<UpAxis>(kAxisNames, name, "up");
 }
 
 Vec3 direction_of(UpAxis up) {

@@ -6,6 +6,7 @@
 #include "base/bits.h"
 #include "base/vec.h"
 #include "raysheaf/render.h"
+#include "raysheaf/studio.h"
 
 namespace raysheaf {
 namespace {
@@ -76,10 +77,21 @@ class SrgbTable {
   std::array<std::uint32_t, kBuckets> step_{};
 };
 
+const SrgbTable& srgb_table() {
+  static const SrgbTable kTable;
+  return kTable;
+}
+
+/// Of sRGB.
+float linear_of(std::uint8_t code) {
+  const float encoded = static_cast<float>(code) / 255;
+  return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
+}
+
 }  // namespace
 
 Image tone_mapped(const RenderResult& result) {
-  static const SrgbTable kSrgb;
+  const SrgbTable& to_srgb = srgb_table();
   Image image;
   image.width = result.width;
   image.height = result.height;
@@ -87,10 +99,62 @@ Image tone_mapped(const RenderResult& result) {
   std::uint8_t* out = image.rgba.data();
   for (const Vec3& radiance : result.beauty) {
     const Vec3 c = neutral_curve(max(radiance * result.exposure, {0, 0, 0}));
-    *out++ = kSrgb(c.x);
-    *out++ = kSrgb(c.y);
-    *out++ = kSrgb(c.z);
+    *out++ = to_srgb(c.x);
+    *out++ = to_srgb(c.y);
+    *out++ = to_srgb(c.z);
     *out++ = 255;
+  }
+  return image;
+}
+
+Backdrop::Backdrop(Rgba color) : color_(color) {}
+
+void Backdrop::watch(RenderOptions* options) {
+  normal_sums_.clear();
+  covered_.clear();
+  options->on_sample = [this](const RenderResult& so_far) {
+    count(so_far, &normal_sums_, &covered_);
+    return true;
+  };
+}
+
+void Backdrop::count(const RenderResult& so_far, std::vector<Vec3>* normal_sums,
+                     std::vector<float>* covered) {
+  normal_sums->resize(so_far.normal.size());
+  covered->resize(so_far.normal.size());
+  // Normals are unit vectors, and 0 where nothing is seen: the mean tells the newest one.
+  constexpr float kSeen = 0.5f;
+  const auto samples = static_cast<float>(so_far.samples);
+  for (std::size_t i = 0; i < covered->size(); ++i) {
+    const Vec3 sum = so_far.normal[i] * samples;
+    if (length(sum - (*normal_sums)[i]) > kSeen) (*covered)[i] += 1;
+    (*normal_sums)[i] = sum;
+  }
+}
+
+Image Backdrop::picture(const RenderResult& result) const {
+  std::vector<Vec3> normal_sums = normal_sums_;
+  std::vector<float> covered = covered_;
+  count(result, &normal_sums, &covered);
+  const SrgbTable& to_srgb = srgb_table();
+  const Vec3 behind{linear_of(color_[0]), linear_of(color_[1]), linear_of(color_[2])};
+  const float opacity = static_cast<float>(color_[3]) / 255;
+  Image image;
+  image.width = result.width;
+  image.height = result.height;
+  image.rgba.reserve(result.beauty.size() * 4);
+  for (std::size_t i = 0; i < result.beauty.size(); ++i) {
+    const float part = covered[i] / static_cast<float>(result.samples);
+    if (!(part > 0)) {
+      image.rgba.insert(image.rgba.end(), color_.begin(), color_.end());
+      continue;
+    }
+    const Vec3 scene = (result.beauty[i] - result.ambient * (1 - part)) * (result.exposure / part);
+    const float shows = (1 - part) * opacity, alpha = part + shows;
+    const Vec3 mixed = neutral_curve(max(scene, {0, 0, 0})) * part + behind * shows;
+    const auto byte = static_cast<std::uint8_t>(std::min(alpha, 1.0f) * 255 + 0.5f);
+    image.rgba.insert(image.rgba.end(), {to_srgb(mixed.x / alpha), to_srgb(mixed.y / alpha),
+                                         to_srgb(mixed.z / alpha), byte});
   }
   return image;
 }

@@ -7,6 +7,7 @@
 #include "base/vec.h"
 #include "raysheaf/error.h"
 #include "raysheaf/stream.h"
+#include "raysheaf/studio.h"
 #include "scene/cutout.h"
 #include "scene/flat_scene.h"
 #include "scene/material_of.h"
@@ -255,7 +256,7 @@ SceneDescription cut_into_blocks(const SceneDescription& scene, BlockSink* sink,
   Cutter(scene, sink, triangles_a_block).run();
   SceneDescription rest = without_triangles(scene);
   if (rest.cameras.empty()) rest.cameras.push_back(framing_camera(scene));
-  if (needs_light(rest)) rest.lights.push_back(showing_light(scene, rest.cameras.front()));
+  if (needs_light(rest)) rest.lights = studio_lights(scene, rest.cameras.front());
   return rest;
 }
 

@@ -165,7 +165,7 @@ TEST_F(Sequence, KeepsWhatWasAddedToItsScene) {
   add_missing_camera_and_light(animation->scene());
   static_cast<void>(animation->seek(animation->end()));
   EXPECT_EQ(animation->scene().cameras.size(), 1u);
-  EXPECT_EQ(animation->scene().lights.size(), 1u);
+  EXPECT_EQ(animation->scene().lights.size(), 3u);
 }
 
 TEST_F(Sequence, ReadsNoFileWhereFramesArePreloaded) {

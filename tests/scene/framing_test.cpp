@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "raysheaf/error.h"
+#include "raysheaf/studio.h"
 #include "raysheaf/viewpoint.h"
 #include "tests/scene/support.h"
 
@@ -299,6 +300,42 @@ TEST(Framing, TheLightIsAboveAndLeftOfTheCamera) {
   EXPECT_LT(dot(from_eye, column(camera.to_world, 0)), 0);
 }
 
+TEST(Studio, KeyFillAndRimStandWhereTheCameraSaysThatTheyStand) {
+  Random random(21);
+  for (int round = 0; round < 50; ++round) {
+    SceneDescription scene = one_triangle();
+    const Camera camera = framing_camera(scene, random_viewpoint(random));
+    scene.lights = studio_lights(scene, camera);
+    ASSERT_EQ(scene.lights.size(), 3u);
+    EXPECT_TRUE(has_studio_lights(scene));
+    scene.cameras = {camera};
+    EXPECT_NO_THROW(validate(scene));
+    const auto toward = [&](int light, int axis) {
+      return -dot(scene.lights[light].direction, column(camera.to_world, axis));
+    };
+    EXPECT_LT(toward(0, 0), 0) << "key: left";
+    EXPECT_GT(toward(0, 1), 0) << "key: above";
+    EXPECT_GT(toward(0, 2), 0) << "key: before the model";
+    EXPECT_GT(toward(1, 0), 0) << "fill: right";
+    EXPECT_LT(toward(2, 2), 0) << "rim: behind the model";
+    EXPECT_LT(scene.lights[1].intensity.x, 0.5f * scene.lights[0].intensity.x);
+    scene.lights[1].name = "lamp";
+    EXPECT_FALSE(has_studio_lights(scene));
+  }
+}
+
+TEST(Studio, ACameraInsideHasALightBesideItself) {
+  SceneDescription scene;
+  Random random(22);
+  scene.meshes.push_back(test::random_mesh(random, 20, 100, 1));
+  scene.instances.resize(1);
+  Camera camera;
+  scene.lights = studio_lights(scene, camera);
+  ASSERT_EQ(scene.lights.size(), 1u);
+  EXPECT_EQ(scene.lights[0].type, Light::Type::kPoint);
+  EXPECT_TRUE(has_studio_lights(scene));
+}
+
 TEST(Framing, AddsOnlyWhatIsMissing) {
   SceneDescription scene = one_triangle();
   scene.cameras.resize(2);
@@ -312,7 +349,8 @@ TEST(Framing, AddsOnlyWhatIsMissing) {
   glowing.materials[0].emission = {0, 1, 0};
   add_missing_camera_and_light(glowing);
   EXPECT_EQ(glowing.cameras.size(), 1u);
-  EXPECT_EQ(glowing.lights.size(), 1u);  // what glows does not light the rest
+  EXPECT_EQ(glowing.lights.size(), 3u);  // what glows does not light the rest
+  EXPECT_TRUE(has_studio_lights(glowing));
 
   SceneDescription unlit = one_triangle();
   unlit.materials.resize(1);

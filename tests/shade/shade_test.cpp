@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
 #include "raygen/shadow_body.h"
+#include "raysheaf/studio.h"
 #include "shade/shade_body.h"
 #include "support/pictures.h"
 #include "support/simd_targets.h"
@@ -249,6 +253,53 @@ TEST(ToneMap, WhatIsNoNumberIsBlackAndWhatIsEndlessIsWhite) {
   EXPECT_EQ(image.rgba[0], 0);
   EXPECT_EQ(image.rgba[4], 0);
   EXPECT_EQ(image.rgba[8], 255);
+}
+
+TEST(Backdrop, ShowsWhereSamplesSeeNothing) {
+  RenderResult picture;
+  picture.width = 4;
+  picture.height = 1;
+  picture.ambient = {0.25f, 0.25f, 0.25f};
+  const Vec3 red{0.5f, 0, 0}, sky = picture.ambient, up{0, 1, 0}, none{0, 0, 0};
+  // Pixels of four samples that see nothing, the scene, and the scene by one sample or three.
+  const std::array<std::vector<bool>, 4> seen{{{false, false, false, false},
+                                               {true, true, true, true},
+                                               {false, false, true, false},
+                                               {true, false, true, true}}};
+  const auto after = [&](std::uint32_t samples) {
+    picture.samples = samples;
+    picture.beauty.assign(4, {});
+    picture.normal.assign(4, {});
+    for (std::size_t p = 0; p < 4; ++p) {
+      for (std::uint32_t s = 0; s < samples; ++s) {
+        picture.beauty[p] += (seen[p][s] ? red : sky) / static_cast<float>(samples);
+        picture.normal[p] += (seen[p][s] ? up : none) / static_cast<float>(samples);
+      }
+    }
+    return picture;
+  };
+  for (const Rgba color : {Rgba{255, 255, 255, 255}, Rgba{0, 0, 0, 0}, Rgba{12, 34, 56, 255}}) {
+    Backdrop backdrop(color);
+    RenderOptions options;
+    backdrop.watch(&options);
+    for (std::uint32_t s = 1; s < 4; ++s) EXPECT_TRUE(options.on_sample(after(s)));
+    const RenderResult whole = after(4);
+    const Image image = backdrop.picture(whole);
+    const Image plain = tone_mapped(whole);
+    EXPECT_TRUE(std::equal(color.begin(), color.end(), image.rgba.begin()));
+    EXPECT_TRUE(std::equal(image.rgba.begin() + 4, image.rgba.begin() + 8, plain.rgba.begin() + 4));
+    if (color[3] == 0) {
+      EXPECT_EQ(image.rgba[11], 64);
+      EXPECT_EQ(image.rgba[15], 191);
+      // The colour is the scene's, without any of the sky.
+      for (const std::size_t at : {8, 12})
+        EXPECT_TRUE(std::equal(image.rgba.begin() + at, image.rgba.begin() + at + 3,
+                               plain.rgba.begin() + 4));
+    } else {
+      EXPECT_EQ(image.rgba[11], 255);
+      EXPECT_GT(image.rgba[8 + 1], image.rgba[12 + 1]);
+    }
+  }
 }
 
 }  // namespace

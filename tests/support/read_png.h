@@ -7,7 +7,7 @@
 
 namespace raysheaf::test {
 
-/// Throws std::runtime_error where the file is not a picture.
+/// PNG or JPEG. Throws std::runtime_error where the file is not a picture.
 Image read_png(const std::string& path);
 
 }  // namespace raysheaf::test

@@ -7,6 +7,7 @@
 #include "raysheaf/block_file.h"
 #include "render/frames.h"
 #include "render/stream.h"
+#include "scene_input.h"
 
 namespace raysheaf::app {
 
@@ -27,19 +28,25 @@ SceneInfo info_of_blocks(const BlockFile& file) {
   return info;
 }
 
-}  // namespace
-
-int run(const InfoCommand& command) {
+void print_info(const InfoCommand& command) {
   if (is_block_file(command.scene)) {
     const BlockFile file(command.scene);
     const SceneInfo info = info_of_blocks(file);
     print(command.json ? info_json(info) : info_text(info));
-    return kSuccess;
+    return;
   }
   const std::unique_ptr<Animation> animation =
       animation_from_argument(command.scene, {}, command.load);
   const SceneInfo info = gather_info(*animation);
   print(command.json ? info_json(info) : info_text(info));
+}
+
+}  // namespace
+
+int run(const InfoCommand& given) {
+  InfoCommand command = given;
+  const SceneInput input(&command.scene);
+  input.naming([&] { print_info(command); });
   return kSuccess;
 }
 

@@ -8,8 +8,10 @@ namespace raysheaf::app {
 void add_light(CLI::App& app, RenderCommand& command) {
   RenderOptions& options = command.options;
   LightOptions& light = command.light;
-  add_value(app, "--samples", "N", "Rays a pixel, 1 to 65536 [1; 16 with an environment or a lens]",
-            [&options](const auto& text) { options.samples = parse_count(text, 1, 65536); });
+  add_value(
+      app, "--samples", "N",
+      "Rays a pixel, 1 to 65536 [1; 4 of scenes without lights; 16 with an environment or a lens]",
+      [&options](const auto& text) { options.samples = parse_count(text, 1, 65536); });
   add_value(app, "--light-size", "R",
             "Radius of the ball that points and spots shine from; 0 is a point [the scene's own]",
             [&light](const auto& text) { light.size = parse_not_negative(text); });

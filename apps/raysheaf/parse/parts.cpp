@@ -10,7 +10,10 @@ void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load, SceneK
   if (kinds.sequences) text += ", .json";
   text += ")";
   if (kinds.sequences) text += ", a pattern of files that are frames ('f_*.ply'),";
-  app.add_option("SCENE", scene, text + " or builtin:NAME")->required();
+  app.add_option("SCENE", scene,
+                 text + (kinds.standard_input ? ", builtin:NAME or - (standard input)"
+                                              : " or builtin:NAME"))
+      ->required();
   app.add_flag("--allow-external", load.allow_external,
                "The scene may name files outside its folder");
 }

@@ -28,7 +28,7 @@ std::function<void(const std::string&)> into(Parse parse, std::string option) {
 
 /// What a command takes besides scenes that are read whole and stand still.
 struct SceneKinds {
-  bool blocks = false, sequences = false;
+  bool blocks = false, sequences = false, standard_input = false;
 };
 void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load, SceneKinds kinds);
 

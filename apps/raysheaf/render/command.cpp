@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <memory>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
+#include "render/default_output.h"
 #include "render/files.h"
 #include "render/frames_command.h"
 #include "render/light.h"
@@ -18,6 +20,7 @@
 #include "render/stream.h"
 #include "render/viewpoint.h"
 #include "scene_argument.h"
+#include "scene_input.h"
 #include "timer.h"
 #include "values.h"
 
@@ -34,7 +37,8 @@ struct Targets {
 Targets open_targets(const RenderCommand& command) {
   Targets targets{{}, {}, {}, output_files(command)};
   OutputFiles& files = targets.files;
-  for (const std::string& path : command.pictures) targets.pictures.push_back(files.open(path));
+  for (const std::string& path : command.pictures)
+    targets.pictures.push_back(path == kStandardOutput ? path : files.open(path));
   targets.stats = files.open(command.stats_path);
   targets.heatmap = files.open(command.heatmap_path);
   if (command.frames.resume && is_streamed(command)) files.claim(checkpoint_path(command, nullptr));
@@ -51,10 +55,12 @@ bool wants_pixel_tests(const RenderCommand& command) {
 
 /// `render_it(options)` with a progress bar.
 template <class Render>
-Staged with_progress(const RenderCommand& command, const Render& render_it) {
+Staged with_progress(const RenderCommand& command, std::optional<Backdrop>* backdrop,
+                     const Render& render_it) {
   ProgressBar bar(stderr, !command.quiet && !is_silent());
   RenderOptions options = command.options;
   options.count_pixel_tests = wants_pixel_tests(command);
+  if (command.background) backdrop->emplace(*command.background).watch(&options);
   options.progress = [&bar](const Progress& progress) {
     bar.update(progress.stage, progress.done, progress.total);
     return !interrupted();
@@ -65,6 +71,7 @@ Staged with_progress(const RenderCommand& command, const Render& render_it) {
 /// A frame, and what came before it.
 struct Rendered {
   Staged staged;
+  std::optional<Backdrop> backdrop;
   double load_ms = 0;
   SharedBy ranks;
 };
@@ -73,7 +80,7 @@ void write_outputs(const RenderCommand& command, const Targets& targets, const R
   const RenderResult& result = rendered.staged.picture;
   for (std::size_t i = 0; i < targets.pictures.size(); ++i) {
     stop_if_interrupted();
-    write_picture(result, command.pictures[i], targets.pictures[i]);
+    write_picture(result, command.pictures[i], targets.pictures[i], rendered.backdrop);
   }
   stop_if_interrupted();
   if (!targets.heatmap.empty()) write_png(heatmap(result), targets.heatmap);
@@ -104,6 +111,7 @@ void tell_summary(const RenderCommand& command, const Rendered& rendered) {
   tell(fmt::format("  loaded in {:.0f} ms, rendered in {:.0f} ms", rendered.load_ms,
                    statistics.total_ms));
   const auto wrote = [](const std::string& path) {
+    if (path == kStandardOutput) return tell("wrote the picture to standard output");
     if (!path.empty()) tell("wrote " + printable(path));
   };
   for (const std::string& path : command.pictures) wrote(path);
@@ -205,8 +213,9 @@ void render_picture(const RenderCommand& command, const Targets& targets, const 
   Rendered rendered;
   rendered.load_ms = loading.ms();
   stop_if_interrupted();
-  rendered.staged = with_progress(
-      command, [&](const RenderOptions& options) { return stage->render(options, {}); });
+  rendered.staged = with_progress(command, &rendered.backdrop, [&](const RenderOptions& options) {
+    return stage->render(options, {});
+  });
   if (ranks != nullptr) rendered.ranks = {ranks->size(), streams ? "geometry" : "rays"};
   if (is_first(ranks.get())) finish(command, targets, rendered);
   if (checkpoint == nullptr) return;
@@ -234,9 +243,18 @@ void render_here(RenderCommand command, const std::shared_ptr<Communicator>& ran
 
 }  // namespace
 
-int run(const RenderCommand& command) {
+int run(const RenderCommand& given) {
   catch_interrupts();
-  run_together(command, [&](const auto& ranks) { render_here(command, ranks); });
+  RenderCommand command = given;
+  if (writes_nothing(command)) command.pictures = {default_picture(command.scene)};
+  for (const std::string& path : command.pictures) {
+    if (path == kStandardOutput && isatty(STDOUT_FILENO) != 0)
+      throw Error(ErrorCode::kInvalidArgument, "a picture is not for a terminal: give a file",
+                  "-o");
+  }
+  const SceneInput input(&command.scene);
+  input.naming(
+      [&] { run_together(command, [&](const auto& ranks) { render_here(command, ranks); }); });
   return kSuccess;
 }
 

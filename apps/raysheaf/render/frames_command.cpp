@@ -66,6 +66,7 @@ struct Drawn {
   double time = 0;
   FrameTimes times;
   Staged staged;
+  std::optional<Backdrop> backdrop;
 };
 
 std::string frame_json(const Drawn& drawn) {
@@ -309,7 +310,9 @@ class FrameRun {
   Drawn make_frame(std::uint64_t place) {
     Drawn drawn;
     drawn.frame = missing_[place];
-    drawn.staged = draw(drawn.frame, options_);
+    RenderOptions options = options_;
+    if (command_.background) drawn.backdrop.emplace(*command_.background).watch(&options);
+    drawn.staged = draw(drawn.frame, options);
     drawn.time = plan_.time(animation_, drawn.frame);
     drawn.times = times_;
     frame_ms_[place] = times_.seek + times_.render;
@@ -319,24 +322,25 @@ class FrameRun {
   /// All files of a frame, its statistics last.
   void write(Drawn& drawn) const {
     Lap lap;
-    write_pictures(drawn.frame, drawn.staged.picture);
+    write_pictures(drawn);
     drawn.times.write = lap.ms();
     if (command_.stats_path.empty()) return;
     write_text(frame_json(drawn), writable_path(with_frame(command_.stats_path, drawn.frame)));
   }
 
-  void write_pictures(std::uint64_t frame, const RenderResult& picture) const {
+  void write_pictures(const Drawn& drawn) const {
+    const RenderResult& picture = drawn.staged.picture;
     if (!films_.empty()) {
-      const Image image = tone_mapped(picture);
+      const Image image = shown_picture(picture, drawn.backdrop);
       for (const std::unique_ptr<Film>& film : films_) film->add(image);
     }
     for (const std::string& path : command_.pictures) {
       if (has_ending(path, ".mp4")) continue;
-      const std::string name = with_frame(path, frame);
-      write_picture(picture, name, writable_path(name));
+      const std::string name = with_frame(path, drawn.frame);
+      write_picture(picture, name, writable_path(name), drawn.backdrop);
     }
     if (!command_.heatmap_path.empty())
-      write_png(heatmap(picture), writable_path(with_frame(command_.heatmap_path, frame)));
+      write_png(heatmap(picture), writable_path(with_frame(command_.heatmap_path, drawn.frame)));
   }
 
   void tell_summary() {

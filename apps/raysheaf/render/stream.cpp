@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "console.h"
+#include "outputs.h"
 #include "raysheaf/block_file.h"
 #include "raysheaf/error.h"
 #include "raysheaf/pack.h"
@@ -40,7 +41,11 @@ std::unique_ptr<GeometrySource> packed_beside(const RenderCommand& command) {
   std::string name = (std::filesystem::temp_directory_path() / "raysheaf").string();
   for (const std::string& path : {command.heatmap_path, command.stats_path})
     if (!path.empty()) name = path;
-  if (!command.pictures.empty()) name = command.pictures.front();
+  for (const std::string& path : command.pictures) {
+    if (path == kStandardOutput) continue;
+    name = path;
+    break;
+  }
   name += fmt::format(".{}.rsb", getpid());
   constexpr std::uint64_t kBytesATriangle = 250;  // raysheaf/pack.h
   PackOptions options;
@@ -77,6 +82,7 @@ std::unique_ptr<GeometrySource> open_blocks(const RenderCommand& command) {
 
 std::string checkpoint_path(const RenderCommand& command, const Communicator* ranks) {
   std::vector<std::string> outputs = command.pictures;
+  std::erase(outputs, kStandardOutput);
   for (const std::string& path : {command.heatmap_path, command.stats_path})
     if (!path.empty()) outputs.push_back(path);
   if (outputs.empty())

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "raysheaf/scene_description.h"
+#include "raysheaf/studio.h"
 #include "render/frames_command.h"
 #include "render/stream.h"
 
@@ -44,6 +45,7 @@ void set_camera(RenderCommand* command, const GeometrySource* blocks, Animation&
       const bool is_packed = blocks != nullptr && !is_block_file(command->scene);
       if (!is_packed) scene.cameras.push_back(camera_for(*command, blocks, animation));
       command->options.camera = scene.cameras.back().name = new_camera_name(scene);
+      if (needs_light(scene)) scene.lights = studio_lights(scene, scene.cameras.back());
     } else if (scene.cameras.empty()) {
       scene.cameras.push_back(camera_for(*command, blocks, animation));
     } else if (command->view.viewpoint.zoom != 1) {

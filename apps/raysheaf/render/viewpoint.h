@@ -12,7 +12,8 @@ namespace raysheaf::app {
 [[nodiscard]] Viewpoint viewpoint_of(const RenderCommand& command);
 
 /// Gives the animation the camera of the command line, which `command` then names, or one that
-/// frames the scene where there is none; and magnifies what cameras see. `blocks`: those of a
+/// frames the scene where there is none; and magnifies what cameras see. A scene without lights is
+/// lit for the camera of the command line. `blocks`: those of a
 /// block file, or null. Throws `Error` (kInvalidArgument) whose place is the option.
 void set_camera(RenderCommand* command, const GeometrySource* blocks, Animation& animation);
 

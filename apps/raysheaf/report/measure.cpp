@@ -98,6 +98,7 @@ class Runs {
 
   RenderResult rendered(Method method, bool counts, const std::string& what) {
     RenderOptions options = command_.options;
+    options.samples = 1;
     options.method = method;
     options.count_pixel_tests = counts;
     options.bundle_samples = counts ? kBundleSamples : 0;

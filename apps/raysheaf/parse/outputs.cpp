@@ -1,0 +1,82 @@
+#include "parse/outputs.h"
+
+#include <algorithm>
+
+#include "parse/parts.h"
+#include "render/default_output.h"
+#include "render/files.h"
+#include "render/frames_command.h"
+#include "values.h"
+
+namespace raysheaf::app {
+namespace {
+
+bool is_jpeg_name(const std::string& path) {
+  return has_ending(path, ".jpg") || has_ending(path, ".jpeg");
+}
+
+bool has_picture_ending(const std::string& path) {
+  return has_ending(path, ".png") || has_ending(path, ".exr") || has_ending(path, ".mp4") ||
+         is_jpeg_name(path) || path == kStandardOutput;
+}
+
+[[noreturn]] void refuse_output_option(const std::string& option, const std::string& sentence) {
+  throw CLI::ValidationError(option, sentence);
+}
+
+void check_standard_output(const RenderCommand& command) {
+  const auto count = std::count(command.pictures.begin(), command.pictures.end(), kStandardOutput);
+  if (count == 0) return;
+  if (count > 1) refuse_output_option("-o", "'-' is given twice");
+  if (command.explain)
+    refuse_output_option("--explain", "would mix with the picture that -o - writes");
+  if (wants_frames(command))
+    refuse_output_option("-o", "'-' is a single picture, but frames are asked for");
+}
+
+}  // namespace
+
+void add_outputs(CLI::App& app, RenderCommand& command) {
+  app.add_option("-o,--output", command.pictures,
+                 "Picture: .png or .jpg (tone-mapped sRGB) or .exr (linear, with layers), with %d "
+                 "or %04d for a frame's number; film: .mp4; - writes a PNG to standard output; may "
+                 "be given more than once [the scene's name and .png, in this folder]")
+      ->type_name("FILE")
+      ->take_all()
+      ->allow_extra_args(false);
+  app.add_option("--stats", command.stats_path, "Statistics as JSON")->type_name("FILE.json");
+  app.add_option("--heatmap", command.heatmap_path, "Tests per pixel as a picture with a legend")
+      ->type_name("FILE.png");
+  app.add_flag("--explain", command.explain,
+               "Print for each batch of rays what dual chose and why, and what it counted");
+  app.add_flag("-q,--quiet", command.quiet, "No progress bar, warnings or summary");
+}
+
+void add_background(CLI::App& app, RenderCommand& command) {
+  add_value(app, "--background", "white|black|transparent|#RRGGBB",
+            "What stands behind the scene, in sRGB [the sky]",
+            [&command](const auto& text) { command.background = parse_background(text); });
+}
+
+void check_outputs(const RenderCommand& command) {
+  for (const std::string& path : command.pictures) {
+    if (!has_picture_ending(path)) {
+      refuse_output_option("-o", "'" + path +
+                                     "' ends in none of .png, .jpg, .exr and .mp4, and is not -, "
+                                     "which stands for standard output");
+    }
+    const bool is_opaque = is_jpeg_name(path) || has_ending(path, ".mp4");
+    if (is_opaque && command.background && command.background->back() == 0)
+      refuse_output_option("--background", "'" + path + "' cannot be transparent");
+  }
+  check_standard_output(command);
+  if (!command.heatmap_path.empty() && !has_ending(command.heatmap_path, ".png"))
+    refuse_output_option("--heatmap", "'" + command.heatmap_path + "' does not end in .png");
+  if (writes_nothing(command) && wants_frames(command)) {
+    refuse_output_option("render",
+                         "nothing to write: frames need -o, --stats or --heatmap with a place for "
+                         "their number, as in frame_%04d.png");
+  }
+}
+
+}  // namespace raysheaf::app

@@ -1,0 +1,31 @@
+#include "render/default_output.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <string_view>
+
+namespace raysheaf::app {
+
+bool writes_nothing(const RenderCommand& command) {
+  return command.pictures.empty() && command.stats_path.empty() && command.heatmap_path.empty() &&
+         !command.explain;
+}
+
+std::string default_picture(const std::string& scene) {
+  namespace fs = std::filesystem;
+  constexpr std::string_view kBuiltin = "builtin:";
+  std::string stem =
+      scene.starts_with(kBuiltin) ? scene.substr(kBuiltin.size()) : fs::path(scene).stem().string();
+  // Of patterns, and places of frames' numbers.
+  const auto is_no_letter = [](char c) { return c == '*' || c == '?' || c == '%'; };
+  stem.erase(std::remove_if(stem.begin(), stem.end(), is_no_letter), stem.end());
+  if (stem.empty() || stem.front() == '-') stem = "picture" + stem;
+  std::string name = stem + ".png";
+  std::error_code failed;
+  for (std::uint32_t n = 2; fs::symlink_status(name, failed).type() != fs::file_type::not_found;
+       ++n)
+    name = stem + "-" + std::to_string(n) + ".png";
+  return name;
+}
+
+}  // namespace raysheaf::app

@@ -1,0 +1,38 @@
+// What cameras and lights have to show.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/vec.h"
+#include "raysheaf/types.h"
+
+namespace raysheaf {
+
+/// A sphere around the scene's box. A scene without extent gets some, so that planes and distances
+/// stay apart.
+struct Subject {
+  Vec3 center{0, 0, 0};
+  float radius = 1;
+};
+
+inline Subject subject_of(const Box& box) {
+  constexpr double kLargest = 1e18;
+  Subject subject;
+  double half_squared = 0, farthest = 0;
+  float* const center[3] = {&subject.center.x, &subject.center.y, &subject.center.z};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = component(box.min, axis), high = component(box.max, axis);
+    if (!(low >= -kLargest && low <= high && high <= kLargest)) return {};
+    *center[axis] = static_cast<float>((low + high) / 2);
+    half_squared += (high - low) * (high - low) / 4;
+    farthest = std::max({farthest, std::fabs(low), std::fabs(high)});
+  }
+  // At least eight float32 spacings: in fewer, the camera's position would not resolve the scene.
+  constexpr double kLeastExtent = 1e-6;
+  const double radius = std::max(std::sqrt(half_squared), kLeastExtent * farthest);
+  if (radius > 0) subject.radius = static_cast<float>(radius);
+  return subject;
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,177 @@
+// What a picture is without a word about it: light, samples, background, a name; and streams.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/process.h"
+#include "tests/support/read_png.h"
+
+namespace raysheaf::test {
+namespace {
+
+constexpr const char* kCube =
+    "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
+    "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+
+Finished app(const TemporaryFolder& folder, std::vector<std::string> arguments) {
+  return raysheaf_app(arguments, folder);
+}
+
+/// With the shell's pipes and redirections; $APP is the program.
+Finished shell(const TemporaryFolder& folder, const std::string& line) {
+  return run_program({"sh", "-c", "APP='" + std::string(RAYSHEAF_APP) + "'; " + line},
+                     folder.path());
+}
+
+std::uint8_t brightness(const Image& picture, double x, double y) {
+  const auto column = static_cast<std::uint32_t>(x * picture.width);
+  const auto row = static_cast<std::uint32_t>(y * picture.height);
+  return picture.rgba[4 * (std::size_t{row} * picture.width + column)];
+}
+
+TEST(DefaultLook, AModelWithoutLightsShowsItsShapeFromEverySide) {
+  const TemporaryFolder folder;
+  write_file(folder.file("cube.obj"), kCube);
+  for (const std::string up : {"x", "y", "-z"}) {
+    const Finished finished = app(folder, {"render", "cube.obj", "--view", "iso", "--up", up,
+                                           "--size", "96x96", "-o", "a.png", "--stats", "a.json"});
+    ASSERT_EQ(finished.code, 0) << finished.err;
+    EXPECT_NE(finished.err.find("4 samples a pixel"), std::string::npos) << finished.err;
+    const auto statistics = nlohmann::json::parse(read_file(folder.file("a.json")));
+    EXPECT_EQ(statistics.at("samples").size(), 4u);
+    // The three faces that are seen, and what is behind them.
+    const Image picture = read_png(folder.file("a.png"));
+    std::vector<int> levels{brightness(picture, 0.5, 0.25), brightness(picture, 0.3, 0.65),
+                            brightness(picture, 0.7, 0.65), brightness(picture, 0.02, 0.02)};
+    EXPECT_LT(*std::max_element(levels.begin(), levels.end()), 250);
+    for (std::size_t face = 0; face < 3; ++face) EXPECT_GT(levels[face], 50);
+    std::sort(levels.begin(), levels.end());
+    for (std::size_t i = 1; i < levels.size(); ++i) EXPECT_GT(levels[i] - levels[i - 1], 8) << i;
+  }
+}
+
+TEST(DefaultLook, ScenesWithLightsHaveOneSample) {
+  const TemporaryFolder folder;
+  const Finished finished =
+      app(folder, {"render", "builtin:cornell", "--size", "16x16", "--stats", "a.json"});
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  const auto statistics = nlohmann::json::parse(read_file(folder.file("a.json")));
+  EXPECT_EQ(statistics.at("samples").size(), 1u);
+}
+
+TEST(DefaultLook, ABackgroundStandsBehindTheModel) {
+  const TemporaryFolder folder;
+  write_file(folder.file("cube.obj"), kCube);
+  const auto picture = [&](const std::string& background, const std::string& name) {
+    const Finished finished = app(folder, {"render", "cube.obj", "--size", "64x48", "-q", "-o",
+                                           name, "--background", background});
+    EXPECT_EQ(finished.code, 0) << finished.err;
+    return read_png(folder.file(name));
+  };
+  const Image grey = picture("#204060", "a.png");
+  EXPECT_EQ(std::vector<std::uint8_t>(grey.rgba.begin(), grey.rgba.begin() + 4),
+            (std::vector<std::uint8_t>{0x20, 0x40, 0x60, 255}));
+  const Image clear = picture("transparent", "b.png");
+  EXPECT_EQ(clear.rgba[3], 0);
+  EXPECT_EQ(clear.rgba[4 * (24 * 64 + 32) + 3], 255);
+  EXPECT_TRUE(std::any_of(clear.rgba.begin(), clear.rgba.end(),
+                          [](std::uint8_t byte) { return byte == 191; }));
+  const Image white = picture("white", "c.jpg");
+  EXPECT_GT(white.rgba[0], 250);
+  const Finished frames = app(folder, {"render", "cube.obj", "--size", "32x32", "-q", "--turntable",
+                                       "2", "-o", "f%d.png", "--background", "white"});
+  EXPECT_EQ(frames.code, 0) << frames.err;
+  EXPECT_EQ(read_png(folder.file("f1.png")).rgba[0], 255);
+}
+
+TEST(DefaultLook, AJpegIsThePictureOfThePng) {
+  const TemporaryFolder folder;
+  const Finished finished = app(folder, {"render", "builtin:cornell", "--size", "64x48", "-q", "-o",
+                                         "a.png", "-o", "a.jpg", "-o", "b.JPEG"});
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  EXPECT_TRUE(read_file(folder.file("a.jpg")).starts_with("\xff\xd8"));
+  EXPECT_EQ(read_file(folder.file("a.jpg")), read_file(folder.file("b.JPEG")));
+  const Image png = read_png(folder.file("a.png")), jpg = read_png(folder.file("a.jpg"));
+  ASSERT_EQ(png.rgba.size(), jpg.rgba.size());
+  double sum = 0;
+  for (std::size_t i = 0; i < png.rgba.size(); ++i) sum += std::abs(png.rgba[i] - jpg.rgba[i]);
+  EXPECT_LT(sum / static_cast<double>(png.rgba.size()), 4);
+}
+
+TEST(DefaultLook, APictureWithoutANameIsCalledAsItsScene) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / "models");
+  write_file(folder.file("models/cube.obj"), kCube);
+  for (int i = 0; i < 2; ++i) {
+    const Finished finished = app(folder, {"render", "models/cube.obj", "--size", "8x8"});
+    EXPECT_EQ(finished.code, 0) << finished.err;
+    EXPECT_NE(finished.err.find(i == 0 ? "wrote cube.png" : "wrote cube-2.png"), std::string::npos);
+  }
+  EXPECT_EQ(app(folder, {"render", "builtin:cornell", "--size", "8x8", "-q"}).code, 0);
+  EXPECT_EQ(folder.names(),
+            (std::vector<std::string>{"cornell.png", "cube-2.png", "cube.png", "models"}));
+}
+
+TEST(DefaultLook, APictureGoesThroughStandardOutput) {
+  const TemporaryFolder folder;
+  const Finished finished =
+      shell(folder, "$APP render builtin:cornell --size 32x32 -o a.png -o - > b.png");
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  EXPECT_NE(finished.err.find("wrote the picture to standard output"), std::string::npos);
+  EXPECT_EQ(read_file(folder.file("a.png")), read_file(folder.file("b.png")));
+  const auto expect_refused = [&](const std::string& words, const std::string& part) {
+    const Finished refused = shell(folder, "$APP render builtin:cornell --size 8x8 " + words);
+    EXPECT_EQ(refused.code, 2) << refused.err;
+    EXPECT_EQ(refused.out, "");
+    EXPECT_NE(refused.err.find(part), std::string::npos) << refused.err;
+  };
+  expect_refused("-o - -o -", "-o: '-' is given twice");
+  expect_refused("-o - --explain", "--explain: would mix");
+  expect_refused("-o - --turntable 2", "-o: '-' is a single picture");
+  expect_refused("--turntable 2", "nothing to write");
+  expect_refused("-o a.gif", "-o: 'a.gif' ends in none of");
+  expect_refused("-o a.jpg --background transparent", "--background: 'a.jpg' cannot be");
+  expect_refused("-o a.png --background mauve", "--background: 'mauve' is none of");
+  expect_refused("-o a.png --background '#12345g'", "--background: '#12345g' is none of");
+}
+
+TEST(DefaultLook, ASceneComesThroughStandardInput) {
+  const TemporaryFolder folder;
+  write_file(folder.file("cube.obj"), kCube);
+  ASSERT_EQ(app(folder, {"scene", "cornell", "-o", "cornell.glb"}).code, 0);
+  write_file(folder.file("a.ply"),
+             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+             "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+             "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  write_file(folder.file("a.stl"),
+             "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+             "endloop\nendfacet\nendsolid a\n");
+  std::string stl(84 + 50, '\0');
+  stl[80] = 1;
+  stl[96 + 14] = stl[96 + 15] = stl[96 + 28] = stl[96 + 29] = 0x3f;
+  write_file(folder.file("b.stl"), stl);
+  for (const std::string name : {"cube.obj", "cornell.glb", "a.ply", "a.stl", "b.stl"}) {
+    const Finished named = shell(folder, "$APP render " + name + " --size 16x16 -q -o a.png");
+    const Finished piped =
+        shell(folder, "cat " + name + " | $APP render - --size 16x16 -q -o b.png");
+    EXPECT_EQ(named.code, 0) << named.err;
+    EXPECT_EQ(piped.code, 0) << name << ": " << piped.err;
+    EXPECT_EQ(read_file(folder.file("a.png")), read_file(folder.file("b.png"))) << name;
+  }
+  EXPECT_EQ(shell(folder, "$APP info - < cube.obj").code, 0);
+  for (const auto& [words, part] : std::vector<std::pair<std::string, std::string>>{
+           {"</dev/null", "raysheaf: standard input: is empty\n"},
+           {"<b.png", "raysheaf: standard input: is none of glTF"}}) {
+    const Finished refused = shell(folder, "$APP render - -o c.png " + words);
+    EXPECT_EQ(refused.code, 1) << refused.err;
+    EXPECT_TRUE(refused.err.starts_with(part)) << refused.err;
+  }
+  const Finished wrong = shell(folder, "printf 'v 0 0 nan\\nf 1 1 1\\n' | $APP render - -o c.png");
+  EXPECT_EQ(wrong.code, 1);
+  EXPECT_TRUE(wrong.err.starts_with("raysheaf: standard input")) << wrong.err;
+}
+
+}  // namespace
+}  // namespace raysheaf::test
