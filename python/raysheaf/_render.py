@@ -7,7 +7,7 @@ import os
 import struct
 import zlib
 from dataclasses import dataclass
-from typing import Any, Literal, NoReturn, Optional, SupportsFloat, SupportsIndex, Union
+from typing import Any, Literal, NoReturn, Optional, Sequence, SupportsFloat, SupportsIndex, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,7 +75,7 @@ class Picture:
     """
 
     image: NDArray[np.uint8]
-    """(h, w, 3), for people; exposed, tone-mapped, sRGB."""
+    """(h, w, 3), for people; exposed, tone-mapped, sRGB. Before a transparent background (h, w, 4)."""
     beauty: NDArray[np.float32]
     """(h, w, 3), linear radiance, Rec. 709 primaries."""
     position: NDArray[np.float32]
@@ -199,6 +199,37 @@ def _size(width: Optional[SupportsIndex], height: Optional[SupportsIndex]) -> tu
     return wide, max(high, 1) if wide == 0 else high
 
 
+def _viewpoint(
+    wish: _core.PictureWish,
+    view: Optional[str],
+    up: Optional[str],
+    camera_position: Optional[Sequence[Number]],
+    look_at: Optional[Sequence[Number]],
+    fov: Optional[Number],
+    orthographic: bool,
+    zoom: Number,
+    camera: Any,
+) -> None:
+    """Tells the wish from where its picture is seen."""
+    given = {
+        "view": None if view is None else _values.text(view, "view"),
+        "up": None if up is None else _values.text(up, "up"),
+        "position": None
+        if camera_position is None
+        else _values.point(camera_position, "camera_position"),
+        "look_at": None if look_at is None else _values.point(look_at, "look_at"),
+        "fov": None if fov is None else math.radians(_values.number(fov, "fov")),
+        "orthographic": bool(orthographic),
+        "zoom": _values.number(zoom, "zoom"),
+    }
+    own = [name for name in list(given)[:6] if given[name] not in (None, False)]
+    if own and not (isinstance(camera, str) and camera == ""):
+        name = own[0].replace("position", "camera_position")
+        raise ValueError(f"{name}: camera is given, too; a camera of the scene has its own place")
+    wish.look_from(**given)
+    wish.seen_from = repr(given)
+
+
 def render(
     scene: Union[Path, Animation],
     *,
@@ -216,6 +247,14 @@ def render(
     aperture: Optional[Number] = None,
     focus: Optional[Number] = None,
     environment: Optional[Path] = None,
+    view: Optional[str] = None,
+    up: Optional[str] = None,
+    camera_position: Optional[Sequence[Number]] = None,
+    look_at: Optional[Sequence[Number]] = None,
+    fov: Optional[Number] = None,
+    orthographic: bool = False,
+    zoom: Number = 1,
+    background: Optional[str] = None,
 ) -> Picture:
     """Render a frame of a scene file or of a built-in scene.
 
@@ -225,7 +264,8 @@ def render(
     ----------
     scene : str, bytes, path or Animation
         A glTF, GLB, OBJ, PLY or STL file; or ``"builtin:office"``, ``"builtin:cornell"``,
-        ``"builtin:atrium"``. Where it has no camera or no light, one that shows all of it is added.
+        ``"builtin:atrium"``. Where it has no camera, one that fills the picture with it is added;
+        where it has no light, the three lights of a studio.
         For several pictures of one scene give an `Animation`: a path is loaded every time.
     time : float, optional
         Seconds, clamped to the animation's `start` and `end`. By default a file is at rest, an
@@ -249,13 +289,33 @@ def render(
         A factor on radiance before tone mapping; by default it is chosen for each image. For a film
         pass one value, such as that of the first image.
     samples : int
-        Rays a pixel, 1 to 65536; 0: 1, or 16 with an environment or a lens.
+        Rays a pixel, 1 to 65536; 0: 1, or 4 for a scene without lights, or 16 with an environment
+        or a lens.
     aperture : float, optional
         Diameter of the lens; by default the camera's own, mostly 0, which makes everything sharp.
     focus : float, optional
         The depth that is sharp; by default the camera's own, or the depth at the image's centre.
     environment : str, bytes or path, optional
         Light from all around: a ``.hdr`` or ``.exr`` file of all directions, +y up.
+    view : str, optional
+        The side that is seen: ``"front"``, ``"back"``, ``"left"``, ``"right"``, ``"top"``,
+        ``"bottom"`` or ``"iso"``. This argument and the five below replace the scene's cameras.
+    up : str, optional
+        The axis that points up: ``"x"``, ``"y"`` (the default), ``"z"``, ``"-x"``, ``"-y"`` or
+        ``"-z"``.
+    camera_position : three floats, optional
+        Where the camera is; by default as near as the whole scene can be seen from.
+    look_at : three floats, optional
+        Where the camera of `camera_position` looks; by default the middle of the scene.
+    fov : float, optional
+        The vertical field of view in degrees, between 0 and 180; 40 by default.
+    orthographic : bool
+        Parallel rays instead of a perspective.
+    zoom : float
+        Magnifies the picture about its middle, whichever camera it has.
+    background : str, optional
+        ``"white"``, ``"black"``, ``"transparent"`` or ``"#rrggbb"`` in sRGB, in the place of the
+        sky behind the scene.
 
     Raises
     ------
@@ -291,6 +351,9 @@ def render(
         None if focus is None else _values.number(focus, "focus"),
         "" if environment is None else _values.path_in_utf8(environment, "environment"),
     )
+    _viewpoint(wish, view, up, camera_position, look_at, fov, orthographic, zoom, camera)
+    if background is not None:
+        wish.background = _values.background(background, "background")
     if isinstance(scene, Animation):
         made = scene._film.render(wish, scene.start if at is None else at)
     else:
@@ -298,7 +361,7 @@ def render(
         made = film.render(wish, at)
     ids = made["ids"]
     return Picture(
-        image=np.ascontiguousarray(made["rgba"][..., :3]),
+        image=np.ascontiguousarray(made["rgba"][..., : 4 if background == "transparent" else 3]),
         beauty=made["beauty"],
         position=made["position"],
         normal=made["normal"],

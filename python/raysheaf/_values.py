@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 import os
+import re
 from typing import Any, Optional
 
 
@@ -49,6 +50,33 @@ def text_or_index(value: Any, name: str) -> tuple[str, Optional[int]]:
     except TypeError:
         raise TypeError(f"{name}: {value!r} is given; a str or an integer is expected") from None
     return str(number), number if 0 <= number < 2**32 else None
+
+
+def point(value: Any, name: str) -> tuple[float, float, float]:
+    """Three real numbers."""
+    if isinstance(value, (str, bytes, bytearray)):
+        raise TypeError(f"{name}: {value!r} is given; three real numbers are expected")
+    try:
+        x, y, z = value
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: {value!r} is given; three real numbers are expected") from None
+    return number(x, name), number(y, name), number(z, name)
+
+
+_COLOURS = {"white": (255, 255, 255, 255), "black": (0, 0, 0, 255), "transparent": (0, 0, 0, 0)}
+
+
+def background(value: Any, name: str) -> tuple[int, int, int, int]:
+    """sRGB and alpha, of a word or of "#rrggbb"."""
+    word = text(value, name)
+    if word in _COLOURS:
+        return _COLOURS[word]
+    if re.fullmatch("#[0-9a-fA-F]{6}", word):
+        red, green, blue = bytes.fromhex(word[1:])
+        return red, green, blue, 255
+    raise ValueError(
+        f"{name}: {value!r} is given; \"white\", \"black\", \"transparent\" or \"#rrggbb\" is expected"
+    )
 
 
 def file_name(value: Any, name: str) -> str:

@@ -1,4 +1,5 @@
 // `_core.Film`: a scene file or a built-in scene at any of its times, in arrays of pixels.
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -13,9 +14,12 @@
 #include "interrupt.h"
 #include "raysheaf/animation.h"
 #include "raysheaf/builtin_scenes.h"
+#include "raysheaf/cameras.h"
 #include "raysheaf/context.h"
 #include "raysheaf/io.h"
 #include "raysheaf/renderer.h"
+#include "raysheaf/studio.h"
+#include "raysheaf/viewpoint.h"
 
 namespace raysheaf::python {
 namespace {
@@ -55,7 +59,34 @@ struct PictureWish {
   std::optional<std::uint32_t> camera_number;  // where a number was given, and no name
   std::string environment;                     // a path, or empty
   Device device = Device::kCpu;
+  Viewpoint viewpoint;
+  bool has_viewpoint = false;  // a camera of its own counts, and none of the scene's
+  std::optional<std::array<std::uint8_t, 4>> background;
+  std::string seen_from;  // what the camera depends on: equal texts, equal cameras
 };
+
+using Triple = std::array<float, 3>;
+
+/// `fov` in radians.
+void look_from(PictureWish& wish, const std::optional<std::string>& view,
+               const std::optional<std::string>& up, const std::optional<Triple>& position,
+               const std::optional<Triple>& look_at, const std::optional<float>& fov,
+               bool orthographic, float zoom) {
+  Viewpoint& v = wish.viewpoint;
+  const auto point = [](const Triple& p) { return Vec3{p[0], p[1], p[2]}; };
+  if (view) v.view = view_from_string(*view);
+  if (up) v.up = up_axis_from_string(*up);
+  if (position) v.position = point(*position);
+  if (look_at) v.look_at = point(*look_at);
+  v.fov = fov;
+  v.orthographic = orthographic;
+  v.zoom = zoom;
+  const RenderOptions& options = wish.options;
+  if (options.width > 0 && options.height > 0)
+    v.aspect_ratio = static_cast<float>(options.width) / static_cast<float>(options.height);
+  validate(v);
+  wish.has_viewpoint = view || up || position || look_at || fov || orthographic;
+}
 
 PictureWish wish_of(std::uint32_t width, std::uint32_t height, const std::string& camera,
                     const std::optional<std::uint32_t>& camera_number, const std::string& method,
@@ -99,6 +130,13 @@ class Film {
     return body(*animation_);
   }
 
+  void play(std::uint32_t clip) {
+    at([&](Animation& animation) {
+      animation.play(clip);
+      framed_.reset();
+    });
+  }
+
   /// `time`: seconds; none: as it is.
   [[nodiscard]] nb::dict render(PictureWish wish, const std::optional<double>& time) {
     auto rendered = std::make_unique<Rendered>();
@@ -106,6 +144,7 @@ class Film {
       const Door::Changing alone(door_, [&stop] { give_up_if(stop); });
       light_by(wish.environment);
       choose(wish.device, wish.options.threads);
+      if (is_framed(wish)) frame(wish);
       if (time) {
         // Only once it is told is a change forgotten.
         const SceneChanges changes = animation_->seek(*time);
@@ -114,19 +153,59 @@ class Film {
       if (!is_shown_) renderer_.show(animation_->scene());
       is_shown_ = true;
       wish.options.progress = [&](const Progress&) { return !stop; };
+      std::optional<Backdrop> backdrop;
+      if (wish.background) backdrop.emplace(*wish.background).watch(&wish.options);
       rendered->result = result_of(wish);
-      rendered->picture = tone_mapped(rendered->result);
+      rendered->picture =
+          backdrop ? backdrop->picture(rendered->result) : tone_mapped(rendered->result);
     });
     return arrays_of(rendered.release());
   }
 
  private:
-  /// A number is that of a camera before it is the name of another one.
   [[nodiscard]] RenderResult result_of(const PictureWish& wish) {
+    const Camera camera = is_framed(wish) ? framed_->camera : own_camera(wish);
+    light_for(camera, wish);
+    return renderer_.render(wish.options, camera);
+  }
+
+  /// Whether the picture is seen from none of the scene's cameras.
+  [[nodiscard]] bool is_framed(const PictureWish& wish) {
+    const bool names_none = wish.options.camera.empty() && !wish.camera_number;
+    return wish.has_viewpoint || (animation_->scene().cameras.empty() && names_none);
+  }
+
+  /// A number is that of a camera before it is the name of another one.
+  [[nodiscard]] Camera own_camera(const PictureWish& wish) {
     const std::vector<Camera>& cameras = animation_->scene().cameras;
     const std::size_t number = wish.camera_number.value_or(cameras.size());
-    return number < cameras.size() ? renderer_.render(wish.options, cameras[number])
-                                   : renderer_.render(wish.options);
+    return zoomed(number < cameras.size() ? cameras[number]
+                                          : find_camera(animation_->scene(), wish.options.camera),
+                  wish.viewpoint.zoom);
+  }
+
+  /// Finds the camera that shows all that the scene comes to show.
+  void frame(const PictureWish& wish) {
+    const float aspect = wish.viewpoint.aspect_ratio;
+    if (framed_ && framed_->key == wish.seen_from && framed_->aspect == aspect) return;
+    Camera camera = moves_ ? framing_camera(*animation_, wish.viewpoint)
+                           : framing_camera(animation_->scene(), wish.viewpoint);
+    if (moves_) is_shown_ = false;  // it was brought to other times
+    framed_ = Framed{std::move(camera), wish.seen_from, aspect};
+  }
+
+  /// A scene without lights is lit for who looks; the lights then stay where they are.
+  void light_for(const Camera& camera, const PictureWish& wish) {
+    SceneDescription& scene = animation_->scene();
+    const std::string key =
+        wish.seen_from + wish.options.camera +
+        (wish.camera_number ? " " + std::to_string(*wish.camera_number) : std::string());
+    if (is_studio_ && key == lit_for_) return;
+    if (is_studio_) scene.lights.clear();
+    if (!needs_light(scene)) return;
+    scene.lights = studio_lights(scene, camera);
+    is_studio_ = true;
+    lit_for_ = key;
   }
 
   /// The device of the pictures from now on; on the CPU each picture says how many threads.
@@ -143,21 +222,19 @@ class Film {
   void light_by(const std::string& environment) {
     if (is_lit_ && environment == *environment_) return;
     SceneDescription& scene = animation_->scene();
-    if (!environment_) {
-      own_environment_ = scene.environment;
-      own_lights_ = scene.lights.size();
-    }
-    scene.lights.resize(own_lights_);  // without one that was missing
-    is_shown_ = is_lit_ = false;
+    if (!environment_) own_environment_ = scene.environment;
+    if (is_studio_) scene.lights.clear();
+    is_shown_ = is_lit_ = is_studio_ = false;
     scene.environment = environment.empty() ? own_environment_ : load_environment(environment);
     environment_ = environment;
-    if (moves_) {
-      add_missing_camera_and_light(*animation_);
-    } else {
-      add_missing_camera_and_light(scene);
-    }
     is_lit_ = true;
   }
+
+  struct Framed {
+    Camera camera;
+    std::string key;
+    float aspect = 1;
+  };
 
   const bool moves_;
   Door door_;
@@ -166,9 +243,10 @@ class Film {
   Device device_ = Device::kCpu;  ///< the renderer's
   std::uint32_t threads_ = 0;     ///< of a device's host
   Environment own_environment_;
-  std::size_t own_lights_ = 0;
   std::optional<std::string> environment_;
-  bool is_lit_ = false, is_shown_ = false;
+  std::optional<Framed> framed_;
+  std::string lit_for_;  ///< by whom the lights of a studio were asked for
+  bool is_lit_ = false, is_shown_ = false, is_studio_ = false;
 };
 
 template <auto kMember>
@@ -188,7 +266,17 @@ void bind_render(nb::module_& module) {
            nb::arg("camera_number").none(), nb::arg("method"), nb::arg("raster"),
            nb::arg("bounces"), nb::arg("threads"), nb::arg("cuda"), nb::arg("exposure").none(),
            nb::arg("samples"), nb::arg("aperture").none(), nb::arg("focus").none(),
-           nb::arg("environment"));
+           nb::arg("environment"))
+      .def("look_from", &look_from, nb::arg("view").none(), nb::arg("up").none(),
+           nb::arg("position").none(), nb::arg("look_at").none(), nb::arg("fov").none(),
+           nb::arg("orthographic"), nb::arg("zoom"))
+      .def_rw("seen_from", &PictureWish::seen_from)
+      .def_prop_rw(
+          "background", [](const PictureWish& wish) { return wish.background; },
+          [](PictureWish& wish, const std::optional<std::array<std::uint8_t, 4>>& rgba) {
+            wish.background = rgba;
+          },
+          nb::arg("rgba").none());
   nb::class_<Film>(module, "Film")
       .def(nb::init<const std::string&, bool>(), nb::arg("scene"), nb::arg("moves"))
       .def_prop_ro("start", asking<&Animation::start>())
@@ -196,9 +284,7 @@ void bind_render(nb::module_& module) {
       .def_prop_ro("frame_times", asking<&Animation::frame_times>())
       .def_prop_ro("clips", asking<&Animation::clips>())
       .def(
-          "play",
-          [](Film& film, std::uint32_t clip) { film.at([&](Animation& a) { a.play(clip); }); },
-          nb::arg("clip"))
+          "play", [](Film& film, std::uint32_t clip) { film.play(clip); }, nb::arg("clip"))
       .def("render", &Film::render, nb::arg("wish"), nb::arg("time").none());
 }
 
