@@ -42,7 +42,7 @@ struct Viewpoint {
   UpAxis up = UpAxis::kY;
   /// The camera's place; none: as near as the whole model can be seen from.
   std::optional<Vec3> position;
-  std::optional<Vec3> look_at;  ///< beside `position`; none: the middle of the model's box
+  std::optional<Vec3> look_at;  ///< with `position`; none: the middle of the model's box
   std::optional<float> fov;     ///< full vertical angle, radians; none: `kFramingFov`
   bool orthographic = false;
   float zoom = 1;  ///< magnifies the picture about its centre
@@ -77,11 +77,11 @@ class ViewFit {
   /// bounding box in the picture spans 92 % of its width or of its height. Cameras with a position
   /// keep it. Throws `Error` (kInvalidArgument) where the camera would look nowhere, or along `up`.
   [[nodiscard]] Camera camera() const;
-  /// Of what has been added; empty where that is nothing.
+  /// The bounds of all that has been added; empty before.
   [[nodiscard]] const Box& bounds() const;
 
  private:
-  /// Of points: their box, and how far they reach along the directions in which the view is
+  /// The box of some points, and how far they reach along the directions in which the view is
   /// limited.
   struct Reach {
     Box box;

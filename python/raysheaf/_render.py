@@ -210,7 +210,7 @@ def _viewpoint(
     zoom: Number,
     camera: Any,
 ) -> None:
-    """Tells the wish from where its picture is seen."""
+    """Sets the viewpoint of a picture."""
     given = {
         "view": None if view is None else _values.text(view, "view"),
         "up": None if up is None else _values.text(up, "up"),

@@ -159,7 +159,7 @@ void look_around(Animation& animation, const Look& look) {
   }
 }
 
-/// What fills a box.
+/// A scene that fills a box.
 SceneDescription scene_of(const Box& box) {
   SceneDescription whole;
   whole.meshes.emplace_back();

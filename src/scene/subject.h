@@ -1,4 +1,4 @@
-// What cameras and lights have to show.
+// The part of a scene that cameras and lights have to show.
 #pragma once
 
 #include <algorithm>

@@ -82,7 +82,7 @@ const SrgbTable& srgb_table() {
   return kTable;
 }
 
-/// Of sRGB.
+/// The linear value of an sRGB code.
 float linear_of(std::uint8_t code) {
   const float encoded = static_cast<float>(code) / 255;
   return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);

@@ -1,4 +1,4 @@
-// What a picture is without a word about it: light, samples, background, a name; and streams.
+// The defaults of a picture: light, samples, background, a name; and streams.
 #include <gtest/gtest.h>
 
 #include <algorithm>

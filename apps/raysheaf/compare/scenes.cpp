@@ -83,8 +83,8 @@ Camera camera_at(const Place& place) {
   return camera;
 }
 
-/// From the front, the right and above. What misses everything is no ray to compare: a sphere about
-/// the box is a little larger than the picture.
+/// From the front, the right and above. A ray that misses everything is not worth comparing: a
+/// sphere about the box is a little larger than the picture.
 void fill_picture(SceneDescription& scene) {
   if (!scene.cameras.empty()) return;
   const Box box = world_bounds(scene);

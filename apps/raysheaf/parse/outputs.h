@@ -1,4 +1,4 @@
-// What `render` writes, and before which background.
+// The files that `render` writes, and the background of their pictures.
 #pragma once
 
 #include <CLI/CLI.hpp>

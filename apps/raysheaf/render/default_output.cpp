@@ -16,7 +16,7 @@ std::string default_picture(const std::string& scene) {
   constexpr std::string_view kBuiltin = "builtin:";
   std::string stem =
       scene.starts_with(kBuiltin) ? scene.substr(kBuiltin.size()) : fs::path(scene).stem().string();
-  // Of patterns, and places of frames' numbers.
+  // Characters of patterns and of frame numbers.
   const auto is_no_letter = [](char c) { return c == '*' || c == '?' || c == '%'; };
   stem.erase(std::remove_if(stem.begin(), stem.end(), is_no_letter), stem.end());
   if (stem.empty() || stem.front() == '-') stem = "picture" + stem;

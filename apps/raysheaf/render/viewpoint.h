@@ -11,8 +11,8 @@ namespace raysheaf::app {
 /// The viewpoint of the command line, in the shape of its picture.
 [[nodiscard]] Viewpoint viewpoint_of(const RenderCommand& command);
 
-/// Gives the animation the camera of the command line, which `command` then names, or one that
-/// frames the scene where there is none; and magnifies what cameras see. A scene without lights is
+/// Gives the animation the camera of the command line, which `command` then names, or else one that
+/// frames the scene; and magnifies what cameras see. A scene without lights is
 /// lit for the camera of the command line. `blocks`: those of a
 /// block file, or null. Throws `Error` (kInvalidArgument) whose place is the option.
 void set_camera(RenderCommand* command, const GeometrySource* blocks, Animation& animation);
