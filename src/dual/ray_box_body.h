@@ -21,6 +21,7 @@
 #include <limits>
 
 #include "base/float.h"
+#include "base/lesser.h"
 #include "base/vec.h"
 #include "geom/ray_end.h"
 
@@ -36,22 +37,6 @@ inline constexpr float kRayLargeStart = 0x1p63f;
 /// The s from which on no hit is as near as t: `along` is |d_z|.
 [[nodiscard]] RAYSHEAF_HD inline float end_beyond(float t, float along, float pad) {
   return (t + kRayLeastStep) * along * (1 + 8 * kUnitRoundoff) + pad;
-}
-
-/// The less and the greater of two numbers: one instruction of a device each.
-RAYSHEAF_HD inline float lesser(float a, float b) {
-#ifdef __CUDA_ARCH__
-  return fminf(a, b);
-#else
-  return a < b ? a : b;
-#endif
-}
-RAYSHEAF_HD inline float greater(float a, float b) {
-#ifdef __CUDA_ARCH__
-  return fmaxf(a, b);
-#else
-  return a > b ? a : b;
-#endif
 }
 
 /// A ray made ready for boxes.

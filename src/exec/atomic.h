@@ -66,6 +66,17 @@ RAYSHEAF_HD inline std::uint32_t arrive_at(std::uint32_t* counter) {
 #endif
 }
 
+/// Leaves a word for who comes next; returns what was there. What the thread wrote before is seen
+/// by whoever is given its word.
+RAYSHEAF_HD inline std::uint32_t exchange_at(std::uint32_t* place, std::uint32_t word) {
+#ifdef __CUDA_ARCH__
+  return cuda::atomic_ref<std::uint32_t, cuda::thread_scope_device>(*place).exchange(
+      word, cuda::memory_order_acq_rel);
+#else
+  return __atomic_exchange_n(place, word, __ATOMIC_ACQ_REL);
+#endif
+}
+
 /// Adds to a sum that nobody reads before the loop has ended.
 RAYSHEAF_HD inline void add_to(std::uint64_t* sum, std::uint64_t value) {
 #ifdef __CUDA_ARCH__

@@ -22,7 +22,7 @@ constexpr Traffic kTraffic[] = {
     {"hierarchy: sort", 8 + 8, false},   // keys, once
     {"hierarchy: triangles", 8 + 36 + 48, false},
     {"hierarchy: refit", 4 + 36 + 48, false},          // a number, its corners; the triangle
-    {"hierarchy: nodes", 8 + 8 + 8, false},            // a key; two children, two parents
+    {"hierarchy: nodes", 8 + 48 + 64 + 8, false},      // a key, a triangle; a node, two parents
     {"hierarchy: boxes", 48 + 48, false},              // a triangle; two boxes
     {"order: keys", 32 + 8, true},                     // a ray; a key and a number
     {"order: sort", 8 + 8, true},                      // pairs, once

@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "exec/device.h"
-#include "object/linear_tree_body.h"
+#include "object/linear_build_body.h"
 #include "object/triangle_list.h"
 
 namespace raysheaf {
@@ -50,12 +50,6 @@ class LinearTree {
            surfaces_.capacity_bytes();
   }
 
-  /// Not for others: nvcc wants functions with loops of a device in them to be public. New boxes
-  /// for all nodes from the triangles as they are in the leaves. `turns`: on the way, children go
-  /// where boxes are smaller (`best_swap`).
-  template <class Device>
-  void fit(Device& device, bool turns);
-
  private:
   /// Sums of surfaces, so that few threads wait for the same one.
   static constexpr std::uint32_t kSurfaceSums = 64;
@@ -65,7 +59,7 @@ class LinearTree {
   DeviceBuffer<LinearNode> nodes_;
   DeviceBuffer<LinearTriangle> triangles_;
   DeviceBuffer<std::uint32_t> parents_;  // of nodes, then of leaves
-  DeviceBuffer<std::uint32_t> arrived_;
+  DeviceBuffer<std::uint32_t> arrived_;  // at nodes; while nodes are made, at borders of runs
   DeviceBuffer<std::uint64_t> surfaces_;
 };
 
@@ -110,12 +104,20 @@ void LinearTree::build(Device& device, const TriangleList& source) {
   });
   if (count <= kLinearLeaf) return;
   device.fill("hierarchy: nodes", parents_.view(), 0xff);
-  LinearNode* const nodes = nodes_.data();
-  const LinearParents parents{parents_.data(), parents_.data() + count};
-  device.for_each("hierarchy: nodes", count - 1, [=] RAYSHEAF_DEVICE(std::size_t i) {
-    link_node(sorted, count, static_cast<std::uint32_t>(i), nodes, triangles, parents);
+  device.fill("hierarchy: nodes", arrived_.view(), 0xff);
+  device.fill("hierarchy: nodes", surfaces_.view(), 0);
+  const LinearBuild parts{sorted,
+                          count,
+                          triangles,
+                          nodes_.data(),
+                          {parents_.data(), parents_.data() + count},
+                          arrived_.data(),
+                          columns_.spare_keys.data()};
+  std::uint64_t* const surfaces = surfaces_.data();
+  device.for_each("hierarchy: nodes", count, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    const std::uint64_t surface = grow_run(parts, static_cast<std::uint32_t>(i), box_of(*scene));
+    if (surface != 0) add_to(&surfaces[i % kSurfaceSums], surface);
   });
-  fit(device, true);
 }
 
 template <class Device>
@@ -134,23 +136,17 @@ void LinearTree::refit(Device& device, const TriangleList& source) {
     t.flags = flags.empty() ? 0u : flags.data[t.id];
     enlarge(scene, triangle_box(t.a, t.b, t.c));
   });
-  if (triangles_.size() > kLinearLeaf) fit(device, false);
-}
-
-template <class Device>
-void LinearTree::fit(Device& device, bool turns) {
   const auto count = static_cast<std::uint32_t>(triangles_.size());
+  if (count <= kLinearLeaf) return;
   device.fill("hierarchy: boxes", arrived_.view(), 0);
   device.fill("hierarchy: boxes", surfaces_.view(), 0);
-  const SharedBox* const scene = scene_.data();
-  const LinearTriangle* const triangles = triangles_.data();
   const LinearParents parents{parents_.data(), parents_.data() + count};
   LinearNode* const nodes = nodes_.data();
   std::uint32_t* const arrived = arrived_.data();
   std::uint64_t* const surfaces = surfaces_.data();
   device.for_each("hierarchy: boxes", count, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::uint64_t surface =
-        fit_boxes(triangles, static_cast<std::uint32_t>(i), *scene, parents, arrived, nodes, turns);
+        fit_boxes(triangles, static_cast<std::uint32_t>(i), *scene, parents, arrived, nodes);
     if (surface != 0) add_to(&surfaces[i % kSurfaceSums], surface);
   });
 }

@@ -1,14 +1,11 @@
-// A binary tree over triangles along a Morton curve, made by a loop over its nodes, all at once.
+// A binary tree over triangles along a Morton curve: its parts, and new boxes for its nodes. How
+// nodes come to be is in object/linear_build_body.h.
 //
-//   keys    0001  0010  0100  0101  1001 ...    ascending and all different: a cell, then a number
-//   node i  begins or ends at place i; its run is the longest about i whose keys share a prefix
-//   that
-//           the neighbour on its other side does not share; it is cut where they first differ
+//   keys   0001  0010  0100  0101  1001 ...   ascending and all different: a cell, then a number
+//   runs   those whose keys share a prefix that their neighbours do not share. A run of at most
+//          kLinearLeaf triangles that is no part of another such is a leaf
 //
-// T. Karras, "Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees", HPG
-// 2012, sections 3 and 4. A run of at most kLinearLeaf triangles is a leaf. Boxes come from below:
-// of two who arrive at a node, the second goes on. When the tree is built, it first looks whether a
-// child and a child of the other had better change places.
+// Boxes come from below: of two who arrive at a node, the second goes on.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +20,7 @@
 namespace raysheaf {
 
 inline constexpr std::uint32_t kLinearLeaf = 4;
-/// Keys have 64 bits, and each node on a way down shares more of them.
+/// No way down has more nodes (`join_runs`).
 inline constexpr std::uint32_t kLinearDepth = 64;
 /// A child that is a leaf: the place of its first triangle.
 inline constexpr std::uint32_t kLeafBit = 0x80000000u;
@@ -111,59 +108,15 @@ RAYSHEAF_HD inline int shared_prefix(const std::uint64_t* keys, std::int64_t cou
   return leading_zeros(keys[i] ^ keys[j]);
 }
 
-struct LinearRun {
-  std::uint32_t first, last;  ///< both are in it
-  std::uint32_t cut;          ///< the last place of its first part
-};
-
-/// The run of node `i`, one of count - 1; count from 2.
-RAYSHEAF_HD inline LinearRun linear_run(const std::uint64_t* keys, std::uint32_t count,
-                                        std::uint32_t i) {
-  const auto prefix = [&](std::int64_t j) { return shared_prefix(keys, count, i, j); };
-  const std::int64_t at = i, step = prefix(at + 1) > prefix(at - 1) ? 1 : -1;
-  const int outside = prefix(at - step);
-  std::int64_t most = 2;
-  while (prefix(at + most * step) > outside) most *= 2;
-  std::int64_t length = 0;
-  for (std::int64_t half = most / 2; half >= 1; half /= 2)
-    if (prefix(at + (length + half) * step) > outside) length += half;
-  const std::int64_t other = at + length * step;
-  // Where the run's prefix ends, from the end that is not i's own neighbour.
-  const std::int64_t first = at < other ? at : other, last = at < other ? other : at;
-  const int common = prefix(other);
-  std::int64_t low = first, high = last;  // low has the bit clear, high has it set
-  while (high - low > 1) {
-    const std::int64_t middle = low + (high - low) / 2;
-    if (shared_prefix(keys, count, first, middle) > common) {
-      low = middle;
-    } else {
-      high = middle;
-    }
-  }
-  return {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last),
-          static_cast<std::uint32_t>(low)};
-}
-
 /// A child's number and side, as its parent is remembered: 2 * node + side; kInvalidId: none.
 struct LinearParents {
   std::uint32_t* of_node;
   std::uint32_t* of_leaf;  ///< by the leaf's first place
 };
 
-/// Writes node `i`'s children and their parent, where its run is no part of a leaf.
-RAYSHEAF_HD inline void link_node(const std::uint64_t* keys, std::uint32_t count, std::uint32_t i,
-                                  LinearNode* nodes, LinearTriangle* triangles,
-                                  LinearParents parents) {
-  const LinearRun run = linear_run(keys, count, i);
-  if (run.last - run.first < kLinearLeaf) return;
-  const std::uint32_t first[2] = {run.first, run.cut + 1}, last[2] = {run.cut, run.last};
-  for (std::uint32_t side = 0; side < 2; ++side) {
-    const bool leaf = last[side] - first[side] < kLinearLeaf;
-    const std::uint32_t node = side == 0 ? run.cut : run.cut + 1;
-    nodes[i].child[side] = leaf ? first[side] | kLeafBit : node;
-    (leaf ? parents.of_leaf[first[side]] : parents.of_node[node]) = 2 * i + side;
-    if (leaf) triangles[last[side]].ends_leaf = 1;
-  }
+RAYSHEAF_HD inline void set_parent(LinearParents parents, std::uint32_t child,
+                                   std::uint32_t parent) {
+  ((child & kLeafBit) != 0 ? parents.of_leaf[child & ~kLeafBit] : parents.of_node[child]) = parent;
 }
 
 /// Half the surface of a box within the scene's, in parts that are the scene's longest side squared
@@ -178,100 +131,34 @@ RAYSHEAF_HD inline std::uint64_t surface_parts(const Box& box, const Box& scene)
   return half > 0 && half <= 4 ? static_cast<std::uint64_t>(half * 0x1p20f) : 0;
 }
 
-/// Where a node's children and their children may change places.
-struct LinearSwap {
-  std::uint32_t side = 0, grandchild = 0;  ///< the child that is opened, and which of its children
-  float gain = 0;                          ///< of half surfaces; 0: nothing is to be gained
-  std::uint32_t height = 0;                ///< of the child that is opened
-};
-
-RAYSHEAF_HD inline std::uint32_t height_of(const LinearNode* nodes, std::uint32_t child) {
-  return (child & kLeafBit) != 0 ? 0 : nodes[child].height;
-}
-RAYSHEAF_HD inline float half_surface(const Box& box) {
-  const Vec3 d = box.max - box.min;
-  return d.x * d.y + d.y * d.z + d.z * d.x;
-}
-
-/// The swap of a child with a child of the other that makes the other's box smallest (A. Kensler,
-/// "Tree Rotations for Improving Bounding Volume Hierarchies", 2008). No way down gets longer than
-/// the longest below the node was.
-RAYSHEAF_HD inline LinearSwap best_swap(const LinearNode* nodes, const LinearNode& node) {
-  LinearSwap best;
-  for (std::uint32_t side = 0; side < 2; ++side) {
-    if ((node.child[side] & kLeafBit) != 0) continue;
-    const LinearNode& opened = nodes[node.child[side]];
-    const std::uint32_t other_height = height_of(nodes, node.child[1 - side]);
-    const float now = half_surface(node.box[side]);
-    for (std::uint32_t k = 0; k < 2; ++k) {
-      const float then = half_surface(box_union(node.box[1 - side], opened.box[1 - k]));
-      const std::uint32_t kept_height = height_of(nodes, opened.child[1 - k]);
-      const std::uint32_t height = 1 + (other_height > kept_height ? other_height : kept_height);
-      if (now - then > best.gain && height < node.height) best = {side, k, now - then, height};
-    }
-  }
-  return best;
-}
-
-/// Swaps what `best_swap` found.
-RAYSHEAF_HD inline void swap_children(LinearNode* nodes, std::uint32_t at, const LinearSwap& swap,
-                                      LinearParents parents) {
-  const auto set_parent = [&](std::uint32_t child, std::uint32_t parent) {
-    ((child & kLeafBit) != 0 ? parents.of_leaf[child & ~kLeafBit] : parents.of_node[child]) =
-        parent;
-  };
-  LinearNode& node = nodes[at];
-  const std::uint32_t side = swap.side, other = 1 - side, k = swap.grandchild;
-  const std::uint32_t opened_at = node.child[side], down = node.child[other];
-  LinearNode& opened = nodes[opened_at];
-  const std::uint32_t up = opened.child[k];
-  const Box down_box = node.box[other];
-  node.child[other] = up;
-  node.box[other] = opened.box[k];
-  opened.child[k] = down;
-  opened.box[k] = down_box;
-  opened.height = swap.height;
-  node.box[side] = box_union(opened.box[0], opened.box[1]);
-  set_parent(up, 2 * at + other);
-  set_parent(down, 2 * opened_at + k);
-}
-
-/// Where a leaf begins at `place`: its box to its parent, and on up until a node waits for its
-/// other child. `arrived` has a zero for each node. `turns`: children that would be better off
-/// elsewhere go there. Returns the sum of `surface_parts` of the boxes that were found.
-RAYSHEAF_HD inline std::uint64_t fit_boxes(const LinearTriangle* triangles, std::uint32_t place,
-                                           const SharedBox& scene, LinearParents parents,
-                                           std::uint32_t* arrived, LinearNode* nodes, bool turns) {
-  std::uint32_t up = parents.of_leaf[place];
-  if (up == kInvalidId) return 0;
-  const Box whole = box_of(scene);
-  std::uint64_t surface = 0;
+/// Of the leaf that begins at `place`.
+RAYSHEAF_HD inline Box leaf_box(const LinearTriangle* triangles, std::uint32_t place) {
   Box box;
   for (bool more = true; more; ++place) {
     const LinearTriangle& t = triangles[place];
     box = box_union(box, triangle_box(t.a, t.b, t.c));
     more = t.ends_leaf == 0;
   }
+  return box;
+}
+
+/// Where a leaf begins at `place`: its box to its parent, and on up until a node waits for its
+/// other child. `arrived` has a zero for each node. Returns the sum of `surface_parts` of the boxes
+/// that were found.
+RAYSHEAF_HD inline std::uint64_t fit_boxes(const LinearTriangle* triangles, std::uint32_t place,
+                                           const SharedBox& scene, LinearParents parents,
+                                           std::uint32_t* arrived, LinearNode* nodes) {
+  std::uint32_t up = parents.of_leaf[place];
+  if (up == kInvalidId) return 0;
+  const Box whole = box_of(scene);
+  std::uint64_t surface = 0;
+  Box box = leaf_box(triangles, place);
   for (;;) {
     const std::uint32_t at = up / 2;
     LinearNode& node = nodes[at];
     node.box[up & 1] = box;
     surface += surface_parts(box, whole);
-    if (arrive_at(&arrived[at]) == 0) return surface;
-    if (turns) {
-      const std::uint32_t heights[2] = {height_of(nodes, node.child[0]),
-                                        height_of(nodes, node.child[1])};
-      node.height = 1 + (heights[0] > heights[1] ? heights[0] : heights[1]);
-      const LinearSwap swap = best_swap(nodes, node);
-      if (swap.gain > 0) {
-        surface -= surface_parts(node.box[swap.side], whole);
-        swap_children(nodes, at, swap, parents);
-        surface += surface_parts(node.box[swap.side], whole);
-        const std::uint32_t kept = height_of(nodes, node.child[1 - swap.side]);
-        node.height = 1 + (kept > swap.height ? kept : swap.height);
-      }
-    }
-    if (at == 0) return surface;
+    if (at == 0 || arrive_at(&arrived[at]) == 0) return surface;
     box = box_union(node.box[0], node.box[1]);
     up = parents.of_node[at];
   }

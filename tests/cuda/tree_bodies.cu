@@ -7,7 +7,7 @@ namespace raysheaf::test {
 
 std::vector<CompiledCase> compiled_tree_cases() {
   return {compiled<TreeCase>("Tree"),         compiled<RayBoxCase>("RayBox"),
-          compiled<MeetCase>("Meet"),         compiled<SwapCase>("Swap"),
+          compiled<MeetCase>("Meet"),         compiled<JoinCase>("Join"),
           compiled<BlockHitCase>("BlockHit"), compiled<BlockRayCase>("BlockRay")};
 }
 

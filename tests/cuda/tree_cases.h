@@ -5,6 +5,7 @@
 #include "dual/tree_walk_body.h"
 #include "engine/device_queries-inl.h"
 #include "geom/ray_fault.h"
+#include "object/linear_build_body.h"
 
 namespace raysheaf::test {
 
@@ -14,6 +15,7 @@ struct TinyTree {
   LinearTriangle triangles[kCount];
   LinearNode nodes[kCount];
   Box scene;
+  std::uint64_t surface = 0;
 
   RAYSHEAF_HD explicit TinyTree(Draws& draws) {
     for (std::uint32_t i = 0; i < kCount; ++i) {
@@ -32,19 +34,15 @@ struct TinyTree {
       for (; at > 0 && keys[at - 1] > key; --at) keys[at] = keys[at - 1];
       keys[at] = key;
     }
-    std::uint32_t of_node[kCount], of_leaf[kCount];
     for (std::uint32_t i = 0; i < kCount; ++i) {
       const auto id = static_cast<std::uint32_t>(keys[i] & ((1u << made_up.id_bits) - 1));
       triangles[i] = {corners[3 * id], id, corners[3 * id + 1], 0, corners[3 * id + 2], 0};
     }
-    for (std::uint32_t i = 0; i + 1 < kCount; ++i) {
-      link_node(keys, kCount, i, nodes, triangles, {of_node, of_leaf});
-      const LinearRun run = linear_run(keys, kCount, i);
-      for (std::uint32_t at = run.first; at <= run.last; ++at) {
-        Box& box = nodes[i].box[at <= run.cut ? 0 : 1];
-        box = box_union(box, triangle_box(triangles[at].a, triangles[at].b, triangles[at].c));
-      }
-    }
+    std::uint32_t of_node[kCount], of_leaf[kCount], far_ends[kCount];
+    std::uint64_t lists[kCount];
+    for (std::uint32_t& end : far_ends) end = kInvalidId;
+    const LinearBuild build{keys, kCount, triangles, nodes, {of_node, of_leaf}, far_ends, lists};
+    for (std::uint32_t i = 0; i < kCount; ++i) surface += grow_run(build, i, scene);
   }
 };
 
@@ -104,36 +102,39 @@ struct RayBoxCase {
     const Box part = triangle_box(draws.in_box(1) * scale, {0, 0, 0}, {scale, 0, scale});
     out.put(surface_parts(part, box_union(part, scene)), surface_parts(scene, scene));
     const std::uint64_t keys[3] = {draws.below(9), 9, 9 + std::uint64_t{1 + draws.below(999)}};
-    const LinearRun run = linear_run(keys, 3, draws.below(2));
-    out.put(run.first, run.last, run.cut, static_cast<std::uint32_t>(shared_prefix(keys, 3, 0, 2)));
+    for (const int beyond : {-1, 2, 3}) out.put(shared_prefix(keys, 3, 0, beyond));
   }
 };
 
-/// A node whose children may change places with their children.
-struct SwapCase {
+/// A tree that grows from its leaves, and a list of clusters.
+struct JoinCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
-    LinearNode nodes[4] = {};
-    std::uint32_t of_node[4] = {}, of_leaf[8] = {};
-    for (std::uint32_t i = 1; i < 4; ++i) {
-      for (std::uint32_t side = 0; side < 2; ++side) {
-        const Vec3 a = draws.in_box(4), b = draws.in_box(2);
-        nodes[i].box[side] = triangle_box(a, a + b, a - b * 0.5f);
-        nodes[i].child[side] = (2 * i + side) | kLeafBit;
-      }
-      nodes[i].height = 1;
-    }
-    nodes[2].child[1] = 3;
-    nodes[2].height = 2;
-    nodes[0].child[0] = 1;
-    nodes[0].child[1] = 2;
-    nodes[0].height = 3;
+    TinyTree tree(draws);
+    out.put(tree.surface, tree.nodes[0].height);
     for (std::uint32_t side = 0; side < 2; ++side)
-      nodes[0].box[side] = box_union(nodes[side + 1].box[0], nodes[side + 1].box[1]);
-    const LinearSwap swap = best_swap(nodes, nodes[0]);
-    if (swap.gain > 0) swap_children(nodes, 0, swap, {of_node, of_leaf});
-    out.put(swap.side, swap.grandchild, swap.gain, height_of(nodes, nodes[0].child[1]));
-    out.put(half_surface(nodes[0].box[0]), half_surface(nodes[0].box[1]), nodes[0].child[0]);
-    out.put(of_node[1], of_node[2], of_node[3], of_leaf[2], of_leaf[3], of_leaf[4]);
+      out.put(tree.nodes[0].child[side], tree.nodes[0].box[side].min, tree.nodes[0].box[side].max);
+    std::uint32_t of_node[TinyTree::kCount] = {}, of_leaf[TinyTree::kCount] = {};
+    std::uint64_t keys[TinyTree::kCount], lists[TinyTree::kCount] = {};
+    for (std::uint32_t i = 0; i < TinyTree::kCount; ++i) keys[i] = i;
+    const LinearBuild build{
+        keys, TinyTree::kCount, tree.triangles, tree.nodes, {of_node, of_leaf}, nullptr, lists};
+    for (LinearTriangle& triangle : tree.triangles) triangle.ends_leaf = 0;
+    out.put(join_runs(build, 0, 2, 5, tree.scene), lists[0], lists[1], lists[2]);
+    for (LinearTriangle& triangle : tree.triangles) triangle.ends_leaf = 1;
+    LinearClusters all;
+    add_clusters(build, 0, 0, &all);
+    for (std::uint32_t i = 1; i < kJoined; ++i)
+      all.at[all.count++] = cluster_of_word(build, cluster_word({{}, i | kLeafBit, i, 0}));
+    for (std::uint32_t i = 1; i < kJoined; ++i) measure_pairs(i, i, 1, &all);
+    const ClusterPair pair = closest_pair(all);
+    out.put(pair.a, pair.b, all.joint[0][1], surface_about(tree.scene, all.at[2].box));
+    join_pair(build, pair, pair.b, &all);
+    out.put(join_closest(build, kListed, 1 + draws.below(3), tree.scene, &all));
+    out.put(leaf_box(tree.triangles, kJoined).max);
+    set_parent({of_node, of_leaf}, all.at[1].child, 99);
+    for (std::uint32_t i = 0; i < all.count; ++i)
+      out.put(all.at[i].child, all.at[i].first, all.at[i].height, all.at[i].box.max.x);
+    for (std::uint32_t i = 0; i < kJoined; ++i) out.put(of_leaf[i]);
   }
 };
 

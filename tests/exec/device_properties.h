@@ -50,9 +50,9 @@ void expect_each_item_once(Device& device) {
 template <class Device>
 void expect_shared_words(Device& device) {
   constexpr std::size_t kCount = 50000;
-  DeviceBuffer<std::uint32_t> low = to_device(device, Words{~0u, 0u});
+  DeviceBuffer<std::uint32_t> low = to_device(device, Words{~0u, 0u, 0u});
   DeviceBuffer<std::uint64_t> wide =
-      to_device(device, std::vector<std::uint64_t>{~std::uint64_t{0}, 0});
+      to_device(device, std::vector<std::uint64_t>{~std::uint64_t{0}, 0, 0});
   const View<std::uint32_t> words = low.view();
   const View<std::uint64_t> longs = wide.view();
   device.for_each("shared", kCount, [=] RAYSHEAF_DEVICE(std::size_t i) {
@@ -61,11 +61,14 @@ void expect_shared_words(Device& device) {
     lower_to(&longs.data[0], (mixed + 3) << 33);
     add_to(&longs.data[1], mixed << 20);
     arrive_at(&words.data[1]);
+    add_to(&longs.data[2], exchange_at(&words.data[2], static_cast<std::uint32_t>(i) + 1));
   });
-  EXPECT_EQ(to_host(device, low), (Words{5, kCount}));
-  EXPECT_EQ(to_host(device, wide),
-            (std::vector<std::uint64_t>{std::uint64_t{3} << 33,
-                                        (std::uint64_t{kCount} * (kCount - 1) / 2) << 20}));
+  const Words seen = to_host(device, low);
+  const std::uint64_t sum = std::uint64_t{kCount} * (kCount - 1) / 2;
+  EXPECT_EQ(seen, (Words{5, kCount, seen[2]}));
+  // Who exchanges is given the word of the one before, and the last one's stays.
+  EXPECT_EQ(to_host(device, wide), (std::vector<std::uint64_t>{std::uint64_t{3} << 33, sum << 20,
+                                                               sum + kCount - seen[2]}));
 }
 
 template <class Device>
