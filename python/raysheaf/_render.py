@@ -211,7 +211,7 @@ def _viewpoint(
     camera: Any,
 ) -> None:
     """Sets the viewpoint of a picture."""
-    given = {
+    given: dict[str, Any] = {
         "view": None if view is None else _values.text(view, "view"),
         "up": None if up is None else _values.text(up, "up"),
         "position": None

@@ -103,7 +103,6 @@ TEST(Errors, UnknownOptionsAndValues) {
   expect_usage_error({"paint"}, "paint");
   expect_usage_error({"render", scene, "-o", "a.png", "--shiny"}, "--shiny");
   expect_usage_error({"render", "-o", "a.png"}, "SCENE");
-  expect_usage_error({"render", scene}, "-o");
   expect_usage_error({"render", scene, "-o", "a.gif"}, "a.gif");
   expect_usage_error({"render", scene, "-o", "a.png", "-o", "a.png"}, "a.png");
   expect_usage_error({"render", scene, "-o", "a.png", "--size", "0x0"}, "--size");
