@@ -1,6 +1,6 @@
 // The less and the greater of two numbers: one instruction of a device each, where `min` and `max`
-// of vectors (base/vec.h) are two. Which is given of 0 and -0, or of a number and NaN, is the
-// machine's business: for what is compared alone, and by rays that NaN does not reach.
+// of vectors (base/vec.h) are two. Which of 0 and -0, or of a number and NaN, is returned
+// depends on the machine: for numbers that are only compared, and for rays that NaN does not reach.
 #pragma once
 
 #include <cmath>

@@ -66,8 +66,8 @@ RAYSHEAF_HD inline std::uint32_t arrive_at(std::uint32_t* counter) {
 #endif
 }
 
-/// Leaves a word for who comes next; returns what was there. What the thread wrote before is seen
-/// by whoever is given its word.
+/// Stores a word for the next thread; returns the previous one. The thread that receives a word
+/// sees all writes that came before it.
 RAYSHEAF_HD inline std::uint32_t exchange_at(std::uint32_t* place, std::uint32_t word) {
 #ifdef __CUDA_ARCH__
   return cuda::atomic_ref<std::uint32_t, cuda::thread_scope_device>(*place).exchange(

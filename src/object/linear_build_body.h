@@ -1,11 +1,10 @@
 // The nodes of the tree along a curve, by a loop over its triangles, each of which is a run at
 // first.
 //
-//   runs    [. . . .][. . .]   two that touch are joined where the keys beside the border share
-//   more
+//   runs    [. . . .][. . .]   two neighbours are joined where the keys at their border share more
 //                              bits than those at their far ends (C. Apetrei, "Fast and Simple
-//                              Agglomerative LBVH Construction", CGVC 2014). Of two who arrive at a
-//                              border, the second goes on.
+//                              Agglomerative LBVH Construction", CGVC 2014). The second thread that
+//                              arrives at a border goes on.
 //   lists   a b c d  e f       a run of more than kLinearLeaf triangles has at most kListed
 //            \_|__|_/          clusters. Those of two runs become one list, in which the two with
 //              |  |            the smallest box about both become a node, until kListed are left.
@@ -13,7 +12,7 @@
 //
 // C. Benthin et al., "H-PLOC: Hierarchical Parallel Locally-Ordered Clustering for Bounding Volume
 // Hierarchy Construction", HPG 2024, by single threads instead of warps, with shorter lists. A
-// run's clusters depend on its triangles alone: in whatever order runs meet, the tree is the same.
+// run's clusters depend only on its triangles: in whatever order runs meet, the tree is the same.
 #pragma once
 
 #include "base/lesser.h"
@@ -27,7 +26,7 @@ static_assert(kListed <= kLinearLeaf + 1, "a run that has a list has as many pla
 inline constexpr std::uint32_t kRootLevels = 2;
 static_assert(1u << kRootLevels == kListed);
 
-/// What the threads of the loop share. A node's number is the first place of one of its leaves.
+/// Shared by the threads of the loop. A node's number is the first place of one of its leaves.
 struct LinearBuild {
   const std::uint64_t* keys;
   std::uint32_t count;

@@ -131,7 +131,7 @@ RAYSHEAF_HD inline std::uint64_t surface_parts(const Box& box, const Box& scene)
   return half > 0 && half <= 4 ? static_cast<std::uint64_t>(half * 0x1p20f) : 0;
 }
 
-/// Of the leaf that begins at `place`.
+/// The box of the leaf that begins at `place`.
 RAYSHEAF_HD inline Box leaf_box(const LinearTriangle* triangles, std::uint32_t place) {
   Box box;
   for (bool more = true; more; ++place) {

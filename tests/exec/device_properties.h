@@ -66,7 +66,7 @@ void expect_shared_words(Device& device) {
   const Words seen = to_host(device, low);
   const std::uint64_t sum = std::uint64_t{kCount} * (kCount - 1) / 2;
   EXPECT_EQ(seen, (Words{5, kCount, seen[2]}));
-  // Who exchanges is given the word of the one before, and the last one's stays.
+  // Each exchange returns the word of the one before, and the last word stays.
   EXPECT_EQ(to_host(device, wide), (std::vector<std::uint64_t>{std::uint64_t{3} << 33, sum << 20,
                                                                sum + kCount - seen[2]}));
 }

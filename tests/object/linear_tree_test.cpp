@@ -95,7 +95,7 @@ TEST(LinearTreeOf, NoWayDownIsLongerThanTheStackOfAWalk) {
         of_sizes(count, {1, 1, 1}, [](std::uint32_t i) { return static_cast<float>(i); }));
   }
   // Boxes within each other, whose centres are one point: what is joined with the smallest is the
-  // next, and would be one long way down. Keys differ in the triangles' numbers alone.
+  // next, and would be one long way down. Keys differ only in the triangles' numbers.
   const auto grows = [](std::uint32_t i) { return std::pow(1.0002f, static_cast<float>(i)); };
   EXPECT_LE(checked_height(of_sizes(70000, {-1, -1, -1}, grows)), bits_for(70000));
 }
@@ -144,7 +144,7 @@ TEST(LinearTreeOf, JoiningTheClosestMakesItCheaperThanItsRuns) {
   }
 }
 
-/// Of all nodes below the root, in the order of a walk.
+/// Lists all nodes below the root, in the order of a walk.
 void list_nodes(const LinearTreeView& tree, std::uint32_t at, std::vector<LinearNode>* out) {
   if ((at & kLeafBit) != 0) return;
   out->push_back(tree.nodes[at]);
