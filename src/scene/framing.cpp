@@ -130,7 +130,7 @@ std::array<Vec3, 8> corners_of(const Box& box) {
 /// and so along y. What limits most is known from the farthest points along each direction.
 /// An orthographic view is the case t = 0.
 std::array<FineVec3, 6> limits(const std::array<FineVec3, 3>& axes, double tan_x, double tan_y) {
-  const auto& [right, up, back] = axes;
+  const FineVec3 &right = axes[0], &up = axes[1], &back = axes[2];
   const auto along = [&](const FineVec3& axis, double sign, double t) {
     FineVec3 sum{0, 0, 0};
     return moved_along(moved_along(sum, sign, axis), t, back);

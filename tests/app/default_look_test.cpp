@@ -15,7 +15,7 @@ constexpr const char* kCube =
     "v -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\nv -1 1 1\nv 1 1 1\n"
     "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
 
-Finished app(const TemporaryFolder& folder, std::vector<std::string> arguments) {
+Finished app(const TemporaryFolder& folder, const std::vector<std::string>& arguments) {
   return raysheaf_app(arguments, folder);
 }
 
