@@ -20,9 +20,8 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME raysheaf)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION graphics)
-set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "Renders scenes with a hierarchy over the rays instead of the triangles,
- so that nothing is rebuilt when every triangle moves, and measures how
- it does so.")
+set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "Answers batches of rays against triangles that may change completely
+ between two batches, exactly, and renders scenes that move.")
 
 # OpenGL is loaded where there is one; this is Mesa's, which draws on the CPU where there is no driver.
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "libegl1, libopengl0, libgl1, libegl-mesa0, libgl1-mesa-dri")

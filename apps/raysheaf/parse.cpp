@@ -264,7 +264,7 @@ int tell_usage_error(const CLI::ParseError& error, const CLI::App& app) {
 }  // namespace
 
 std::variant<Command, int> parse(int argc, const char* const* argv) {
-  CLI::App app("Ray tracing through moving geometry with a hierarchy over the rays.", "raysheaf");
+  CLI::App app("Exact ray queries and rendering for triangles that move.", "raysheaf");
   app.set_version_flag("--version", std::string("raysheaf ") + RAYSHEAF_VERSION);
   app.require_subcommand(1);
   app.footer(

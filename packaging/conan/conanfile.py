@@ -15,7 +15,7 @@ class Raysheaf(ConanFile):
     name = "raysheaf"
     version = "0.1.0"
     license = "Apache-2.0"
-    description = "Ray tracing through moving geometry with a hierarchy over the rays"
+    description = "Exact ray queries and rendering for triangles that move"
     topics = ("ray-tracing", "rendering", "geometry")
     package_type = "library"
     settings = "os", "arch", "compiler", "build_type"
