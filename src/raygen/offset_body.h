@@ -2,9 +2,9 @@
 //
 // A ray starts off the surface, along the geometric normal, by its `clearance` (scene/surface.h)
 // and, where it comes from a light, by some roundings of that distance: one of each component of
-// its direction, and one of t. Both follow the size of the numbers; there is no constant in scene units
-// (C. Waechter, N. Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing
-// Gems, 2019, chapter 6; pbrt-v4, section 6.8.6).
+// its direction, and one of t. Both follow the size of the numbers; there is no constant in scene
+// units (C. Waechter, N. Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray
+// Tracing Gems, 2019, chapter 6; pbrt-v4, section 6.8.6).
 #pragma once
 
 #include "base/float.h"
