@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engine/frame_stages.h"
@@ -91,10 +92,11 @@ class GlLink final : public SlotDevice {
     const std::uint32_t count =
         device_.select("raster: select", shown_.view_const(), chosen_.view());
     if (count == 0) return 0;
-    const Mapped mapped(*buffer, device_, std::size_t{count} * 3 * sizeof(Vec3));
+    Mapped mapped(*buffer, device_, std::size_t{count} * 3 * sizeof(Vec3));
     pack_shown_on(device_, list_, batch.view.frame.eye, batch.first,
                   chosen_.view_const().slice(0, count), names_.data() + batch.first_slot,
                   mapped.corners());
+    mapped.unmap();
     return count;
   }
 
@@ -119,10 +121,19 @@ class GlLink final : public SlotDevice {
    public:
     Mapped(const Buffer& buffer, Device& device, std::size_t bytes)
         : buffer_(buffer), device_(device), memory_(buffer.map(kPack, device, bytes)) {}
-    ~Mapped() { buffer_.unmap(kPack, device_); }
+    /// After an error, whose words count.
+    ~Mapped() {
+      try {
+        unmap();
+      } catch (const Error&) {
+      }
+    }
     Mapped(const Mapped&) = delete;
     Mapped& operator=(const Mapped&) = delete;
     [[nodiscard]] Vec3* corners() const { return static_cast<Vec3*>(memory_); }
+    void unmap() {
+      if (std::exchange(memory_, nullptr) != nullptr) buffer_.unmap(kPack, device_);
+    }
 
    private:
     const Buffer& buffer_;
