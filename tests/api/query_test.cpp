@@ -310,5 +310,23 @@ TEST(Query, SaysWhatItDid) {
   EXPECT_EQ(statistics.triangles, 4u);
 }
 
+/// More rays that run every way than go through the tree at once (engine/quartered_rays.h).
+TEST(Query, LargeScatteredBatchesAreAnsweredAsSmallOnes) {
+  const RandomSoup soup(40, 5000);
+  Scene scene(Context({.threads = 2}));
+  scene.add_soup(soup.positions);
+  scene.commit();
+  std::vector<Ray> rays((std::size_t{1} << 21) + 7777);
+  for (std::size_t i = 0; i < rays.size(); ++i) rays[i] = soup.rays[i % soup.rays.size()];
+  const auto hits = closest_hit(scene, soup.rays), all_hits = closest_hit(scene, rays);
+  const auto occluded = any_hit(scene, soup.rays), all_occluded = any_hit(scene, rays);
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const std::size_t one = i % soup.rays.size();
+    wrong += same(all_hits[i], hits[one]) && all_occluded[i] == occluded[one] ? 0 : 1;
+  }
+  EXPECT_EQ(wrong, 0u);
+}
+
 }  // namespace
 }  // namespace raysheaf::test
