@@ -7,7 +7,7 @@
 
 #include "base/aligned.h"
 #include "geom/bounds.h"
-#include "traverse/node_test.h"
+#include "methods/ray_hierarchy/node_test.h"
 
 namespace raysheaf {
 namespace {

@@ -2,7 +2,7 @@
 // ambient occlusion, and rays from anywhere to anywhere. Arguments: the batch (0, 1, 2), then the
 // sorting (0: by quarter, 1: along the curve), or the bundle (0: packets, 1: streams) and whether
 // the tree is fine; threads (0: all cores) last.
-#include "dual/dual.h"
+#include "methods/dual/dual.h"
 
 #include <algorithm>
 #include <random>

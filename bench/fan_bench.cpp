@@ -3,7 +3,7 @@
 //
 // RAYSHEAF_BENCH_TRIANGLES=1000000 takes that many generated triangles in place of a scene: a bumpy
 // closed surface of small triangles seen from inside, with a forest of small ones before it.
-#include "fan/fan.h"
+#include "methods/fan/fan.h"
 
 #include <algorithm>
 #include <chrono>

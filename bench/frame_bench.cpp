@@ -1,7 +1,7 @@
 // A whole shadow batch by each method, and whole frames, flattening included. Argument: threads, 0
 // for all cores. Brute force runs on 64 x 64 pixels, all else on 512 x 512.
-#include "frame/frame.h"
-#include "frame/resident_geometry.h"
+#include "render/frame/frame.h"
+#include "render/geometry/resident_geometry.h"
 
 #include <sys/resource.h>
 

@@ -1,6 +1,6 @@
 // Ray bounds, bottom-up, over the shadow rays of a picture in the order of their keys. Arguments:
 // branching, levels, threads (0 for all cores).
-#include "hierarchy/hierarchy.h"
+#include "methods/ray_hierarchy/hierarchy.h"
 
 #include "support.h"
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "raygen/keys.h"
+#include "rays/keys.h"
 
 namespace raysheaf {
 namespace {

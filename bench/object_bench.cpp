@@ -8,7 +8,7 @@
 #include <map>
 #include <random>
 
-#include "object/object_tree.h"
+#include "object_tree/object_tree.h"
 
 #ifdef RAYSHEAF_BENCH_EMBREE
 #include <embree3/rtcore.h>

@@ -10,7 +10,7 @@
 
 #include "exec/radix_sort.h"
 #include "exec/scan.h"
-#include "order/order.h"
+#include "rays/order/order.h"
 
 namespace raysheaf {
 namespace {

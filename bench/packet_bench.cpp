@@ -5,13 +5,13 @@
 #include <numeric>
 #include <random>
 
-#include "hierarchy/hierarchy.h"
-#include "order/order.h"
-#include "packet/frustum_body.h"
-#include "packet/packet_traverse.h"
-#include "raygen/hash_body.h"
+#include "methods/packets/frustum_body.h"
+#include "methods/packets/packet_traverse.h"
+#include "methods/ray_hierarchy/hierarchy.h"
+#include "methods/ray_hierarchy/traverse.h"
+#include "rays/hash_body.h"
+#include "rays/order/order.h"
 #include "raysheaf/builtin_scenes.h"
-#include "traverse/traverse.h"
 
 namespace raysheaf {
 namespace {

@@ -6,10 +6,10 @@
 #include <random>
 
 #include "exec/executor.h"
-#include "raster/pack.h"
-#include "raster/rasterizer.h"
-#include "raster/resolve.h"
 #include "raysheaf/error.h"
+#include "render/raster/pack.h"
+#include "render/raster/rasterizer.h"
+#include "render/raster/resolve.h"
 #include "scene/flat_scene.h"
 
 namespace raysheaf {

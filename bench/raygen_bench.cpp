@@ -1,5 +1,5 @@
 // Rays and keys from fragments. Argument: threads, 0 for all cores.
-#include "raygen/hash_body.h"
+#include "rays/hash_body.h"
 #include "support.h"
 
 namespace raysheaf::bench {

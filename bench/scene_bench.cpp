@@ -8,7 +8,7 @@
 #include "exec/executor.h"
 #include "scene/flat_scene.h"
 #include "scene/mesh_bound_body.h"
-#include "scene/surface.h"
+#include "surface/surface.h"
 
 namespace raysheaf {
 namespace {

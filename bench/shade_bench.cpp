@@ -1,6 +1,6 @@
 // Light that leaves the first hits. Argument: threads, 0 for all cores; the automatic settings and
 // the tone curve run on one.
-#include "shade/shade.h"
+#include "render/shade/shade.h"
 
 #include "support.h"
 

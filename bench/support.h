@@ -11,15 +11,15 @@
 #include <vector>
 
 #include "exec/executor.h"
-#include "frame/primary.h"
-#include "order/order.h"
-#include "raster/rasterizer.h"
-#include "raygen/raygen.h"
+#include "rays/order/order.h"
+#include "rays/raygen.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
 #include "raysheaf/io.h"
+#include "render/frame/primary.h"
+#include "render/raster/rasterizer.h"
 #include "scene/flat_scene.h"
-#include "scene/texture.h"
+#include "surface/texture.h"
 
 namespace raysheaf::bench {
 

@@ -1,15 +1,15 @@
 // The node test, as a SIMD kernel and as a plain loop in the same run; the whole walk; and what the
 // walk counts under other keys than the ones that raygen makes.
-#include "traverse/traverse.h"
+#include "methods/ray_hierarchy/traverse.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "base/bits.h"
-#include "raygen/hash_body.h"
+#include "methods/ray_hierarchy/node_filter.h"
+#include "rays/hash_body.h"
 #include "support.h"
-#include "traverse/node_filter.h"
 
 namespace raysheaf::bench {
 namespace {

@@ -23,7 +23,7 @@ enum class Method : std::uint8_t {
 enum class RayKey : std::uint8_t {
   kRaster,            ///< nothing: trimmed raster order
   kPixelMorton,       ///< Morton order of the pixels: tiles instead of strips
-  kCrsh,              ///< the 32-bit hash of `crsh` (src/raygen/hash_body.h)
+  kCrsh,              ///< the 32-bit hash of `crsh` (src/rays/hash_body.h)
   kPublished,         ///< the published program's hash as it was coded
   kCorrected,         ///< the same with atan2(y, x)
   kSphericalMorton,   ///< light | azimuth and polar angle, interleaved

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "engine/device_engine.h"
+#include "device/device_queries.h"
 #include "exec/executor.h"
 #include "raysheaf/context.h"
 #include "raysheaf/distributed.h"

@@ -1,7 +1,7 @@
 // Every ray with every triangle of a view, one after the other: what all else is checked against.
 #pragma once
 
-#include "engine/engine.h"
+#include "queries/planned_queries.h"
 
 namespace raysheaf::brute {
 

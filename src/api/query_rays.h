@@ -1,8 +1,8 @@
 // The rays of a query: as they lie in memory, or packed from their parts where they are used.
 #pragma once
 
-#include "engine/ray_source.h"
 #include "exec/executor.h"
+#include "rays/ray_source.h"
 #include "raysheaf/ray_parts.h"
 
 namespace raysheaf {

@@ -11,16 +11,16 @@
 #include "base/large.h"
 #include "exec/executor.h"
 #include "exec/stopwatch.h"
-#include "frame/frame.h"
-#include "frame/resident_geometry.h"
 #include "ranks/share.h"
-#include "raster/rasterizer.h"
-#include "raygen/light_body.h"
+#include "rays/light_body.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "raysheaf/render_on_context.h"
-#include "scene/environment.h"
+#include "render/frame/frame.h"
+#include "render/geometry/resident_geometry.h"
+#include "render/raster/rasterizer.h"
 #include "scene/flat_update.h"
+#include "surface/environment.h"
 
 namespace raysheaf {
 namespace {

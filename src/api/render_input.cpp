@@ -8,10 +8,10 @@
 
 #include "api/context_impl.h"
 #include "base/vec.h"
-#include "frame/ranges.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "raysheaf/studio.h"
+#include "render/frame/ranges.h"
 
 namespace raysheaf {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "raygen/light_body.h"
+#include "rays/light_body.h"
 #include "raysheaf/render.h"
 
 namespace raysheaf {

@@ -5,13 +5,13 @@
 #include "api/context_impl.h"
 #include "api/render_input.h"
 #include "exec/stopwatch.h"
-#include "frame/frame.h"
-#include "frame/streamed_geometry.h"
 #include "raysheaf/cameras.h"
 #include "raysheaf/error.h"
 #include "raysheaf/stream.h"
-#include "scene/environment.h"
-#include "scene/texture.h"
+#include "render/frame/frame.h"
+#include "render/geometry/streamed_geometry.h"
+#include "surface/environment.h"
+#include "surface/texture.h"
 
 namespace raysheaf {
 namespace {

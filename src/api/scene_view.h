@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/device_engine.h"
-#include "engine/engine.h"
+#include "device/device_queries.h"
+#include "queries/planned_queries.h"
 #include "raysheaf/scene.h"
 
 namespace raysheaf {

@@ -6,8 +6,8 @@
 #include "api/context_impl.h"
 #include "api/query_check.h"
 #include "api/scene_impl.h"
+#include "out_of_core/streamer.h"
 #include "raysheaf/error.h"
-#include "stream/streamer.h"
 
 namespace raysheaf {
 namespace {

@@ -1,6 +1,6 @@
 // The verbs that every device has, and where their contract stands. Two classes have them:
 //
-//   EmulatedDevice   exec/cpu/emulated_device.h   the CPU as a device would see itself
+//   EmulatedDevice   emulated/emulated_device.h   the CPU as a device would see itself
 //   CudaDevice       exec/cuda/cuda_device.h      CUDA kernels, CUB, one stream
 //
 // What runs on a device is a template over the class, written once: `EmulatedDevice` runs the same

@@ -3,7 +3,7 @@
 // A bound is a plain struct with two functions:
 //   bound_rays(rays, scene, &bound)      round rays, none of which meets anything outside `scene`
 //   bound_children(children, &bound)     round bounds of the same kind
-// and, in traverse/node_test.h, the test of a triangle with it.
+// and, in methods/ray_hierarchy/node_test.h, the test of a triangle with it.
 #pragma once
 
 #include <type_traits>

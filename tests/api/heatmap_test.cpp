@@ -6,9 +6,9 @@
 #include <limits>
 #include <random>
 
-#include "api/bitmap_font.h"
 #include "raysheaf/error.h"
 #include "raysheaf/render.h"
+#include "render/picture/bitmap_font.h"
 
 namespace raysheaf {
 namespace {

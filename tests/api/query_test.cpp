@@ -310,7 +310,7 @@ TEST(Query, SaysWhatItDid) {
   EXPECT_EQ(statistics.triangles, 4u);
 }
 
-/// More rays that run every way than go through the tree at once (engine/quartered_rays.h).
+/// More rays that run every way than go through the tree at once (queries/quartered_rays.h).
 TEST(Query, LargeScatteredBatchesAreAnsweredAsSmallOnes) {
   const RandomSoup soup(40, 5000);
   Scene scene(Context({.threads = 2}));

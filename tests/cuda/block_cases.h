@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cuda/words.h"
-#include "engine/block_queries-inl.h"
+#include "out_of_core/block_queries_device.h"
 
 namespace raysheaf::test {
 

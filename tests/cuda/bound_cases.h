@@ -3,7 +3,7 @@
 
 #include "cuda/key_cases.h"
 #include "geom/bounds.h"
-#include "traverse/node_test.h"
+#include "methods/ray_hierarchy/node_test.h"
 
 namespace raysheaf::test {
 

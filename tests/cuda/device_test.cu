@@ -1,8 +1,8 @@
 // The verbs of a device, on the device that there is; and what is said where there is none.
 #include <cstring>
 
+#include "exec/cuda/cuda_launch.h"
 #include "exec/cuda/cuda_links.h"
-#include "exec/cuda/launch-inl.h"
 #include "raysheaf/query.h"
 #include "raysheaf/scene.h"
 #include "support/random.h"

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "cuda/words.h"
-#include "raygen/hash_body.h"
-#include "raygen/key_body.h"
+#include "rays/hash_body.h"
+#include "rays/key_body.h"
 
 namespace raysheaf::test {
 

@@ -3,7 +3,7 @@
 
 #include "base/trigonometry.h"
 #include "cuda/stage_cases.h"
-#include "raygen/sky_body.h"
+#include "rays/sky_body.h"
 
 namespace raysheaf::test {
 

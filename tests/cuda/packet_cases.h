@@ -2,12 +2,12 @@
 #pragma once
 
 #include "cuda/words.h"
-#include "engine/packet_cuts-inl.h"
-#include "object/bvh.h"
-#include "packet/cut_body.h"
-#include "packet/frustum_body.h"
-#include "packet/leaf_body.h"
-#include "packet/packets.h"
+#include "methods/packets/cut_body.h"
+#include "methods/packets/frustum_body.h"
+#include "methods/packets/leaf_body.h"
+#include "methods/packets/packet_cuts_device.h"
+#include "methods/packets/packets.h"
+#include "object_tree/bvh.h"
 
 namespace raysheaf::test {
 

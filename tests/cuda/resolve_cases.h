@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cuda/stage_cases.h"
-#include "raster/resolve_body.h"
+#include "render/raster/resolve_body.h"
 
 namespace raysheaf::test {
 

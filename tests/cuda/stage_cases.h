@@ -3,22 +3,22 @@
 #pragma once
 
 #include "cuda/geometry_cases.h"
-#include "engine/cutout_loops-inl.h"
-#include "engine/staged_scene.h"
 #include "intersect/facing_body.h"
 #include "intersect/intersect_list.h"
 #include "intersect/triangle_body.h"
-#include "order/order_body.h"
-#include "raygen/camera_body.h"
-#include "raygen/sample_body.h"
-#include "raygen/scatter_body.h"
-#include "raygen/shadow_body.h"
+#include "methods/ray_hierarchy/cone_sphere_body.h"
+#include "rays/camera_body.h"
+#include "rays/order/order_body.h"
+#include "rays/sample_body.h"
+#include "rays/scatter_body.h"
+#include "rays/shadow_body.h"
+#include "render/device/cutout_loops_device.h"
+#include "render/device/staged_scene.h"
+#include "render/shade/shade_body.h"
 #include "scene/flatten_body.h"
 #include "scene/mesh_bound_body.h"
-#include "scene/surface_body.h"
-#include "scene/texture_body.h"
-#include "shade/shade_body.h"
-#include "traverse/cone_sphere_body.h"
+#include "surface/surface_body.h"
+#include "surface/texture_body.h"
 
 namespace raysheaf::test {
 

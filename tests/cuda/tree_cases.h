@@ -2,10 +2,10 @@
 #pragma once
 
 #include "cuda/words.h"
-#include "dual/tree_walk_body.h"
-#include "engine/device_queries-inl.h"
+#include "device/walks_device.h"
 #include "geom/ray_fault.h"
-#include "object/linear_build_body.h"
+#include "methods/dual/tree_walk_body.h"
+#include "object_tree/linear_build_body.h"
 
 namespace raysheaf::test {
 

@@ -8,9 +8,9 @@
 #include <cstring>
 #include <vector>
 
-#include "dual/dual.h"
 #include "intersect/facing_body.h"
 #include "intersect/triangle_body.h"
+#include "methods/dual/dual.h"
 
 namespace raysheaf::test {
 

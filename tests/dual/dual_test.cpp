@@ -1,6 +1,6 @@
 // Every query of `dual` gives what a look at every triangle gives, bit for bit, whatever the
 // triangles, the tree and the bundles.
-#include "dual/dual.h"
+#include "methods/dual/dual.h"
 
 #include "dual/dual_scenes.h"
 

@@ -1,4 +1,4 @@
-#include "dual/ray_order.h"
+#include "methods/dual/ray_order.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,6 +1,6 @@
 #include "tests/exec/device_properties.h"
 
-#include "exec/cpu/emulated_links.h"
+#include "emulated/emulated_links.h"
 #include "support/guarded_memory.h"
 
 namespace raysheaf::test {

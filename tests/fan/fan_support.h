@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "fan/fan.h"
 #include "intersect/facing_body.h"
 #include "intersect/triangle_body.h"
+#include "methods/fan/fan.h"
 #include "support/random.h"
 
 namespace raysheaf::test {

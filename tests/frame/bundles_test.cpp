@@ -1,5 +1,5 @@
 // Bundles as they are measured for people: sizes that are sizes, bounds that hold what they must.
-#include "frame/bundles.h"
+#include "render/frame/bundles.h"
 
 #include <gtest/gtest.h>
 

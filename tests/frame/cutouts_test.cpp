@@ -1,18 +1,18 @@
 // What materials cut away is not there: for first hits, shadows, mirrors and lenses, by every
 // method.
-#include "frame/cutouts.h"
+#include "render/frame/cutouts.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numeric>
 
-#include "frame/resident_geometry.h"
 #include "intersect/triangle_body.h"
 #include "raysheaf/render.h"
-#include "scene/surface_body.h"
+#include "render/geometry/resident_geometry.h"
 #include "support/pictures.h"
 #include "support/random.h"
+#include "surface/surface_body.h"
 
 namespace raysheaf {
 namespace {

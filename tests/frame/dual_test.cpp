@@ -3,12 +3,12 @@
 // scenes set.
 #include <gtest/gtest.h>
 
-#include "frame/dual_tracer.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/io.h"
 #include "raysheaf/lab.h"
 #include "raysheaf/method.h"
 #include "raysheaf/render.h"
+#include "render/frame/dual_tracer.h"
 #include "support/pictures.h"
 #include "support/scenes.h"
 

@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "frame/primary.h"
 #include "raysheaf/render.h"
-#include "shade/shade.h"
+#include "render/frame/primary.h"
+#include "render/shade/shade.h"
 #include "support/pictures.h"
 #include "support/same_picture.h"
 

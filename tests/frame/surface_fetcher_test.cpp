@@ -1,6 +1,6 @@
 // Surfaces that are fetched sixteen at a time are those of `SurfaceReader`, bit for bit, whatever
 // the triangles, their maps, their materials and their textures, on every SIMD target.
-#include "frame/surface_fetcher.h"
+#include "render/frame/surface_fetcher.h"
 
 #include <gtest/gtest.h>
 

@@ -7,9 +7,9 @@
 #include "intersect/float_answer_body.h"
 #include "intersect/plane.h"
 #include "intersect/triangle_body.h"
-#include "verify/exact.h"
-#include "verify/fault.h"
-#include "verify/pairs.h"
+#include "lab/verify/exact.h"
+#include "lab/verify/fault.h"
+#include "lab/verify/pairs.h"
 
 namespace raysheaf {
 namespace {

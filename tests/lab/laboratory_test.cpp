@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "frame/primary.h"
 #include "lab/lab_rays.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"
+#include "render/frame/primary.h"
 
 namespace raysheaf {
 namespace {

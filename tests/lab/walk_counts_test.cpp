@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "engine/device_engine.h"
+#include "device/device_queries.h"
 #include "raysheaf/builtin_scenes.h"
 #include "support/random.h"
 

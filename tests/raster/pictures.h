@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "intersect/triangle_body.h"
-#include "raster/rasterizer.h"
-#include "raygen/camera_body.h"
+#include "rays/camera_body.h"
 #include "raysheaf/error.h"
+#include "render/raster/rasterizer.h"
 #include "scene/flat_scene.h"
 
 namespace raysheaf::test {

@@ -1,4 +1,4 @@
-#include "raster/projection.h"
+#include "render/raster/projection.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 
 #include "exec/executor.h"
 #include "pictures.h"
-#include "raster/pack.h"
-#include "raster/pixel_range.h"
+#include "render/raster/pack.h"
+#include "render/raster/pixel_range.h"
 
 namespace raysheaf::test {
 namespace {

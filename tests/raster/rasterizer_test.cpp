@@ -1,4 +1,4 @@
-#include "raster/rasterizer.h"
+#include "render/raster/rasterizer.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "exec/executor.h"
 #include "pictures.h"
-#include "raster/resolve.h"
+#include "render/raster/resolve.h"
 
 namespace raysheaf::test {
 namespace {

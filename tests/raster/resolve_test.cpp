@@ -1,4 +1,4 @@
-#include "raster/resolve.h"
+#include "render/raster/resolve.h"
 
 #include <gtest/gtest.h>
 

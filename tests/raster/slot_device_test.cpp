@@ -1,5 +1,5 @@
 // A device that shares OpenGL's memory: it draws its own triangles, and takes the picture.
-#include "raster/slot_picture.h"
+#include "render/raster/slot_picture.h"
 
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 
 #include "exec/executor.h"
 #include "pictures.h"
-#include "raster/pack.h"
-#include "raster/rasterizer.h"
+#include "render/raster/pack.h"
+#include "render/raster/rasterizer.h"
 
 namespace raysheaf::test {
 namespace {

@@ -1,13 +1,13 @@
-#include "shade/shade.h"
+#include "render/shade/shade.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 
-#include "raygen/shadow_body.h"
+#include "rays/shadow_body.h"
 #include "raysheaf/studio.h"
-#include "shade/shade_body.h"
+#include "render/shade/shade_body.h"
 #include "support/pictures.h"
 #include "support/simd_targets.h"
 

@@ -9,7 +9,7 @@
 #include <mutex>
 #include <new>
 
-#include "exec/cpu/emulated_device.h"
+#include "emulated/emulated_device.h"
 
 namespace raysheaf::test {
 

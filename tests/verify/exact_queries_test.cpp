@@ -8,10 +8,10 @@
 #include "api/context_impl.h"
 #include "dual/dual_support.h"
 #include "fan/fan_support.h"
-#include "stream/stream_support.h"
-#include "verify/compare.h"
-#include "verify/exact.h"
-#include "verify/simd_target.h"
+#include "lab/verify/compare.h"
+#include "lab/verify/exact.h"
+#include "lab/verify/simd_target.h"
+#include "out_of_core/stream_support.h"
 
 namespace raysheaf::checks {
 namespace {

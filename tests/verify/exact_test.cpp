@@ -1,11 +1,11 @@
-#include "verify/exact.h"
+#include "lab/verify/exact.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "lab/verify/pairs.h"
 #include "tests/verify/big_integer.h"
-#include "verify/pairs.h"
 
 namespace raysheaf::checks {
 namespace {

@@ -7,9 +7,9 @@
 
 #include <algorithm>
 
+#include "lab/verify/round.h"
+#include "lab/verify/watertight.h"
 #include "raysheaf/error.h"
-#include "verify/round.h"
-#include "verify/watertight.h"
 
 namespace raysheaf::checks {
 namespace {

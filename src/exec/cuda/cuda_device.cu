@@ -1,7 +1,7 @@
 #include "exec/cuda/cuda_device.h"
 
-#include "exec/cuda/cuda_memory-inl.h"
-#include "exec/cuda/launch-inl.h"
+#include "exec/cuda/cuda_launch.h"
+#include "exec/cuda/cuda_memory.h"
 
 namespace raysheaf {
 namespace {

@@ -1,5 +1,5 @@
 // A CUDA device: the verbs of exec/device.h as kernels and calls of CUB, one after another on a
-// stream of its own. One small .cu a primitive; loops are launched by exec/cuda/launch-inl.h. A
+// stream of its own. One small .cu a primitive; loops are launched by exec/cuda/cuda_launch.h. A
 // thread's current device is after each verb what it was before.
 #pragma once
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <string>
 
-#include "exec/cuda/cuda_device-inl.h"
+#include "exec/cuda/cuda_device_templates.h"
 #include "raysheaf/error.h"
 
 namespace raysheaf {

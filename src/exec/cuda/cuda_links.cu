@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "exec/cuda/cuda_device-inl.h"
+#include "exec/cuda/cuda_device_templates.h"
 
 namespace raysheaf {
 namespace {

@@ -1,10 +1,10 @@
-#include "exec/cuda/cuda_memory-inl.h"
+#include "exec/cuda/cuda_memory.h"
 
 #include <limits>
 #include <map>
 #include <mutex>
 
-#include "exec/cuda/cuda_device-inl.h"
+#include "exec/cuda/cuda_device_templates.h"
 
 namespace raysheaf {
 namespace {

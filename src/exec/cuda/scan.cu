@@ -7,7 +7,7 @@
 #include <cub/device/device_scan.cuh>
 #include <cub/device/device_select.cuh>
 
-#include "exec/cuda/cuda_device-inl.h"
+#include "exec/cuda/cuda_device_templates.h"
 
 namespace raysheaf {
 namespace {

@@ -2,7 +2,7 @@
 // them.
 #include <cub/device/device_radix_sort.cuh>
 
-#include "exec/cuda/cuda_device-inl.h"
+#include "exec/cuda/cuda_device_templates.h"
 
 namespace raysheaf {
 

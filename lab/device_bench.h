@@ -1,0 +1,16 @@
+// The measurements of raysheaf/device_bench.h on a machine that is handed in.
+#pragma once
+
+#include "device/device_queries.h"
+#include "raysheaf/device_bench.h"
+
+namespace raysheaf {
+
+/// The kinds of rays that are asked for: all of them where none is named.
+[[nodiscard]] std::vector<LabRays> kinds_of_rays(const DeviceBenchOptions& options);
+
+[[nodiscard]] DeviceBenchReport bench_device_on(const DeviceBackend& backend,
+                                                const SceneDescription& scene,
+                                                const DeviceBenchOptions& options);
+
+}  // namespace raysheaf

@@ -1,0 +1,73 @@
+// Every method on every SIMD target, compared with what is right.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "intersect/intersect_list.h"
+#include "lab/verify/round.h"
+#include "lab/verify/soup.h"
+
+namespace raysheaf::checks {
+
+/// Triangles, rays, and the hits that every method must report.
+struct Problem {
+  Soup soup;
+  std::vector<Ray> rays;
+  HitRows rows;  ///< sorted by (t, geom_id, inst_id, prim_id)
+
+  [[nodiscard]] Hit closest(std::size_t ray) const {
+    return rows[ray].empty() ? Hit{} : rows[ray].front();
+  }
+  /// Where triangles are numbered through: as the meshes come.
+  [[nodiscard]] Hit hit_of(std::uint32_t triangle, float t, float u, float v) const;
+};
+
+/// Whole-number meshes three times in four, or a soup of any kind and scale; without rows.
+void make_exact_problem(std::uint32_t most_triangles, std::size_t rays, Random* random,
+                        Problem* problem);
+
+/// The rows as the library's brute force gives them.
+void solve_by_brute_force(const Context& context, Problem* problem);
+
+/// The rows by exact arithmetic: which triangles are met; t, u and v are those of
+/// `subject.intersect`, and the test's where that misses. Fails `tally` where they are wrong.
+void solve_exactly(const Subject& subject, Problem* problem, Tally* tally);
+
+/// One way of answering a problem, which is named when it is wrong: one difference a call, with the
+/// ray, the triangles, what was expected and what was got.
+class Comparison {
+ public:
+  Comparison(const Problem& problem, std::string way, Tally* tally)
+      : problem_(problem), way_(std::move(way)), tally_(tally) {}
+
+  void closest(const std::vector<Hit>& hits);
+  void any(const std::vector<std::uint8_t>& occluded);
+  void all(const HitRows& rows);
+  /// By number, without u and v.
+  void closest(const std::vector<RayHit>& hits);
+
+ private:
+  [[nodiscard]] std::string text(const Hit& hit) const;
+  void fail(const char* question, std::size_t ray, const Hit& got);
+  void fail(const char* question, std::size_t ray, const std::string& got,
+            const std::string& expected);
+
+  const Problem& problem_;
+  std::string way_;
+  Tally* tally_;
+};
+
+/// "dual on AVX2, 2 threads"
+[[nodiscard]] std::string way(const std::string& method, std::int64_t target,
+                              std::uint32_t threads);
+
+enum class ThreadCounts : bool { kMost, kAll };
+
+/// Closest hits, any hits and all hits of the library's methods, and closest hits of the renderer's
+/// five. Names the first difference of each. Returns how many answers were compared.
+std::uint64_t compare_every_way(const Subject& subject, const Problem& problem, ThreadCounts counts,
+                                Random* random, Tally* tally);
+
+}  // namespace raysheaf::checks

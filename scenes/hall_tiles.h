@@ -1,0 +1,15 @@
+// A hall's patch cut into tiles, each made by itself: memory does not grow with the patch.
+#pragma once
+
+#include "raysheaf/stream.h"
+#include "scenes/hall_patch.h"
+
+namespace raysheaf::builtin {
+
+/// The triangles of `hall_mesh`, the same bits under the same numbers, as blocks of at most
+/// 180 x 180 cells of mesh and instance `id`. Handed to `sink` one after the other, the same way
+/// every time; some are made at once by all threads.
+void hall_tiles(const Executor& executor, const HallPatch& patch, PatchGrid grid, std::uint32_t id,
+                BlockSink* sink);
+
+}  // namespace raysheaf::builtin

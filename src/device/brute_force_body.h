@@ -1,0 +1,48 @@
+// Rays with every triangle of a list, as a device has it.
+#pragma once
+
+#include "intersect/facing_body.h"
+#include "intersect/hit_word_body.h"
+#include "intersect/triangle_body.h"
+#include "methods/dual/dual.h"
+#include "object_tree/triangle_list.h"
+
+namespace raysheaf {
+
+/// Calls `take(hit)` for the hits with the triangles from `first` to before `end`.
+template <class Take>
+RAYSHEAF_HD void meet_list(const TriangleList& list, std::uint32_t first, std::uint32_t end,
+                           Facing facing, const RaySetup& setup, const Take& take) {
+  for (std::uint32_t id = first; id < end; ++id) {
+    const Vec3* const corner = list.corners.data + std::size_t{3} * id;
+    const Vec3 a = corner[0], b = corner[1], c = corner[2];
+    TriangleHit hit;
+    if (!intersect_triangle(setup, a, b, c, &hit)) continue;
+    if (!list.flags.empty() && !shows(facing, list.flags.data[id], hit.front)) continue;
+    take(EngineHit{hit.t, hit.u, hit.v, id});
+  }
+}
+
+/// The best of them as a word.
+RAYSHEAF_HD inline std::uint64_t best_of_list(const TriangleList& list, std::uint32_t first,
+                                              std::uint32_t end, Facing facing, const Ray& ray) {
+  std::uint64_t best = kNoHitWord;
+  meet_list(list, first, end, facing, make_ray_setup(ray), [&](const EngineHit& hit) {
+    const std::uint64_t word = hit_word(hit.t, hit.triangle);
+    if (word < best) best = word;
+  });
+  return best;
+}
+
+/// The hit that a word stands for.
+RAYSHEAF_HD inline EngineHit hit_of_word(const TriangleList& list, std::uint64_t word,
+                                         const Ray& ray) {
+  EngineHit found;
+  if (word == kNoHitWord) return found;
+  const std::uint32_t id = triangle_of_word(word);
+  meet_list(list, id, id + 1, Facing::kBoth, make_ray_setup(ray),
+            [&](const EngineHit& hit) { found = hit; });
+  return found;
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,300 @@
+// An engine on a device of a known kind; for the sources that make one.
+#pragma once
+
+#include <chrono>
+
+#include "device/device_queries.h"
+#include "device/ray_check_device.h"
+#include "device/report_times.h"
+#include "device/tree_device.h"
+#include "device/triangles_device.h"
+#include "device/walks_device.h"
+
+namespace raysheaf {
+
+/// What the caller has asked for comes first.
+template <class Device>
+void wait_for_streams(Device& device, const DeviceQuery& query) {
+  device.wait_for("rays", query.stream);
+  if (query.results_stream != nullptr) device.wait_for("hits", query.results_stream);
+}
+
+template <class Device>
+class DeviceEngineOn : public DeviceEngine {
+ public:
+  /// What the device is made from.
+  template <class... Args>
+  explicit DeviceEngineOn(Args&&... args)
+      : device_(std::forward<Args>(args)...),
+        triangles_(device_),
+        uplink_(device_),
+        downlink_(device_),
+        names_(device_.allocator()),
+        rays_(device_.allocator()),
+        columns_(device_.allocator()),
+        words_(device_.allocator()),
+        hits_(device_.allocator()),
+        named_(device_.allocator()),
+        ray_tests_(device_.allocator()),
+        occluded_(device_.allocator()),
+        counts_(device_.allocator()),
+        offsets_(device_.allocator()),
+        sums_(device_.allocator()),
+        first_wrong_(device_.allocator()) {}
+
+  void set_triangles(const Executor& executor, const TriangleSource& source,
+                     bool same_triangles) override {
+    tree_.forget(same_triangles);
+    triangles_.set(executor, source);
+  }
+  /// As `DeviceTriangles` has it.
+  template <class Put>
+  void set_triangles(const Executor& executor, std::uint32_t count, const std::uint8_t* flags,
+                     bool same_triangles, const Put& put) {
+    tree_.forget(same_triangles);
+    triangles_.set(executor, count, flags, put);
+  }
+
+  void set_names(View<const RunName> names) override {
+    names_.resize_uninitialized("copy: names", names.size);
+    device_.copy("copy: names", names_.data(), names.data, names.size * sizeof(RunName));
+  }
+
+  void closest_hit(View<const Ray> rays, const DeviceQuery& query, View<EngineHit> hits) override {
+    if (rays.empty()) return;
+    DeviceBatch batch = begin(rays, query, device_.is_device_memory(hits.data, "hits"));
+    EngineHit* const out = landing("trace: closest hits", hits, &hits_);
+    find_closest(query, out, &batch);
+    deliver("copy: hits", query, hits, out);
+    finish(batch, query);
+  }
+
+  void closest_hit(View<const Ray> rays, const DeviceQuery& query, View<Hit> hits) override {
+    if (rays.empty()) return;
+    DeviceBatch batch = begin(rays, query, device_.is_device_memory(hits.data, "hits"));
+    hits_.resize_uninitialized("trace: closest hits", rays.size);
+    Hit* const out = landing("trace: names", hits, &named_);
+    find_closest(query, hits_.data(), &batch);
+    name_hits_on(device_, names_.view_const(), hits_.view_const(), out);
+    deliver("copy: hits", query, hits, out);
+    finish(batch, query);
+  }
+
+  void any_hit(View<const Ray> rays, const DeviceQuery& query,
+               View<std::uint8_t> occluded) override {
+    if (rays.empty()) return;
+    DeviceBatch batch = begin(rays, query, device_.is_device_memory(occluded.data, "occluded"));
+    std::uint8_t* const out = landing("trace: any hits", occluded, &occluded_);
+    find_any(query, out, &batch);
+    deliver("copy: hits", query, occluded, out);
+    finish(batch, query);
+  }
+
+  void count_hits(View<const Ray> rays, const DeviceQuery& query,
+                  View<std::uint32_t> counts) override {
+    if (rays.empty()) return;
+    DeviceBatch batch = begin(rays, query, device_.is_device_memory(counts.data, "counts"));
+    std::uint32_t* const out = landing("trace: number of hits", counts, &counts_);
+    if (!query.brute && !query.in_order) order_rays_on(device_, &columns_, &batch);
+    hit_counts_on(device_, batch, out);
+    deliver("copy: hits", query, counts, out);
+    finish(batch, query);
+  }
+
+  [[nodiscard]] DeviceHitRows all_hits(View<const Ray> rays, const DeviceQuery& query) override {
+    DeviceHitRows rows;
+    rows.offsets.assign(rays.size + 1, 0);
+    if (rays.empty()) return rows;
+    DeviceBatch batch = begin(rays, query, false);
+    if (!query.brute && !query.in_order) order_rays_on(device_, &columns_, &batch);
+    counts_.resize_uninitialized("trace: number of hits", rays.size);
+    hit_counts_on(device_, batch, counts_.data());
+    TestSums* const sums = std::exchange(batch.sums, nullptr);  // the second walk is the first
+    offsets_.resize_uninitialized("trace: offsets", rays.size + 1);
+    device_.exclusive_scan("trace: offsets", counts_.view_const(), offsets_.view());
+    device_.copy("copy: offsets", rows.offsets.data(), offsets_.data(),
+                 rows.offsets.size() * sizeof rows.offsets[0]);
+    device_.synchronize("copy: offsets");
+    rows.hits.resize(rows.offsets.back());
+    hits_.resize_uninitialized("trace: all hits", rows.hits.size());
+    hit_rows_on(device_, batch, offsets_.data(), hits_.data());
+    deliver("copy: hits", query, View<EngineHit>(rows.hits), hits_.data());
+    batch.sums = sums;
+    finish(batch, query);
+    return rows;
+  }
+
+  [[nodiscard]] double keys_to_hits_ms(View<const Ray> rays, const DeviceQuery& asked,
+                                       bool any) override {
+    if (rays.empty()) return 0;
+    DeviceQuery query = asked;
+    query.report = nullptr;
+    DeviceBatch batch = begin(rays, query, false);
+    hits_.resize_uninitialized("trace: closest hits", any ? 0 : rays.size);
+    occluded_.resize_uninitialized("trace: any hits", any ? rays.size : 0);
+    device_.start_clock("keys to hits");
+    any ? find_any(query, occluded_.data(), &batch) : find_closest(query, hits_.data(), &batch);
+    const double ms = device_.stop_clock("keys to hits");
+    finish(batch, query);
+    return ms;
+  }
+
+  /// The device, and the triangles that lie there: for who has more to do with both.
+  [[nodiscard]] Device& device() { return device_; }
+  [[nodiscard]] TriangleList triangles() const { return triangles_.list(); }
+
+  [[nodiscard]] const std::vector<StageTime>& stage_times() const override { return times_; }
+
+  [[nodiscard]] std::size_t memory_bytes() const override {
+    return triangles_.memory_bytes() + tree_.memory_bytes() + rays_.capacity_bytes() +
+           columns_.capacity_bytes() + words_.capacity_bytes() + hits_.capacity_bytes() +
+           occluded_.capacity_bytes() + counts_.capacity_bytes() + offsets_.capacity_bytes() +
+           names_.capacity_bytes() + named_.capacity_bytes() + ray_tests_.capacity_bytes() +
+           sums_.capacity_bytes() + first_wrong_.capacity_bytes();
+  }
+
+  /// Not for others: nvcc wants functions with loops of a device in them to be public.
+  void mark_found(View<const std::uint64_t> words, std::uint8_t* occluded) {
+    device_.for_each("trace: found", words.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+      occluded[i] = words.data[i] != kNoHitWord ? 1 : 0;
+    });
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void find_closest(const DeviceQuery& query, EngineHit* out, DeviceBatch* batch) {
+    if (query.brute) {
+      words_.resize_uninitialized("trace: brute force", batch->rays.size);
+      brute_force_on(device_, *batch, words_.view());
+      hits_of_words_on(device_, *batch, words_.view_const(), out);
+    } else {
+      if (!query.in_order) order_rays_on(device_, &columns_, batch);
+      closest_hits_on(device_, *batch, out);
+    }
+  }
+
+  void find_any(const DeviceQuery& query, std::uint8_t* out, DeviceBatch* batch) {
+    if (query.brute) {
+      words_.resize_uninitialized("trace: brute force", batch->rays.size);
+      brute_force_on(device_, *batch, words_.view());
+      mark_found(words_.view_const(), out);
+    } else {
+      if (!query.in_order) order_rays_on(device_, &columns_, batch);
+      words_.resize_uninitialized("trace: any hits", batch->rays.size);
+      any_hits_on(device_, *batch, words_.data(), out);
+    }
+  }
+
+  /// What every query begins with: rays to the device, and a tree where there is none.
+  DeviceBatch begin(View<const Ray> rays, const DeviceQuery& query, bool out_is_there) {
+    check_item_count("rays", rays.size);
+    start_ = Clock::now();
+    device_.keep_times(query.report != nullptr);
+    const bool rays_are_there = device_.is_device_memory(rays.data, "rays");
+    if (rays_are_there || out_is_there || query.stream != nullptr ||
+        query.results_stream != nullptr)
+      wait_for_streams(device_, query);
+    if (!rays_are_there) {
+      rays_.resize_uninitialized("copy: rays", rays.size);
+      uplink_.copy("copy: rays", query.executor, rays, rays_.view());
+      rays = rays_.view_const();
+    }
+    if (query.check) check_rays_on(device_, rays, &first_wrong_);
+    DeviceBatch batch;
+    batch.rays = rays;
+    batch.facing = query.facing;
+    batch.brute = query.brute;
+    batch.list = triangles_.list();
+    work_ = query.brute ? TreeWork::kKeep : tree_.prepare(batch.list);
+    batch.tree = tree_.view();
+    batch.scene = tree_.scene();
+    if (query.count && query.report != nullptr && !query.brute) {
+      sums_.resize_uninitialized("count", 1);
+      device_.fill("count", sums_.view(), 0);
+      batch.sums = sums_.data();
+    }
+    if (!query.ray_tests.empty() && !query.brute)
+      batch.ray_tests = landing("count", query.ray_tests, &ray_tests_);
+    return batch;
+  }
+
+  /// Where the device writes what goes to `out`: there, or to a buffer of its own.
+  template <class T>
+  T* landing(const char* stage, View<T> out, DeviceBuffer<T>* buffer) {
+    if (device_.is_device_memory(out.data, stage)) return out.data;
+    buffer->resize_uninitialized(stage, out.size);
+    return buffer->data();
+  }
+  template <class T>
+  void deliver(const char* stage, const DeviceQuery& query, View<T> out, const T* from) {
+    if (out.data != from) downlink_.copy(stage, query.executor, from, out);
+  }
+
+  void finish(const DeviceBatch& batch, const DeviceQuery& query) {
+    if (batch.ray_tests != nullptr) {
+      deliver("copy: tests of rays", query, query.ray_tests, batch.ray_tests);
+    } else {
+      std::fill(query.ray_tests.begin(), query.ray_tests.end(),
+                static_cast<float>(batch.list.count()));
+    }
+    device_.synchronize("hits");
+    if (!batch.brute) tree_.learn_cost();
+    if (query.report == nullptr) return;
+    EngineReport& report = *query.report;
+    report.used_tree = !batch.brute;
+    report.tree = work_;
+    if (batch.sums != nullptr) {
+      const TestSums sums = device_.read("count", batch.sums);
+      report.ray_bound_tests += sums.box_tests;
+      report.triangle_tests += sums.triangle_tests;
+    }
+    if (query.count && query.brute)
+      report.triangle_tests += std::uint64_t{batch.rays.size} * batch.list.count();
+    times_ = device_.times();
+    device_.keep_times(false);
+    add_times(times_, &report);
+    report.total_ms += std::chrono::duration<double, std::milli>(Clock::now() - start_).count();
+    explain(batch, query.in_order, &report.plan);
+  }
+
+  void explain(const DeviceBatch& batch, bool in_order, std::vector<std::string>* plan) const {
+    if (batch.brute) return plan->push_back("brute force, as asked for");
+    if (work_ == TreeWork::kRebuild) {
+      plan->push_back(
+          "object tree: built along a curve, for the triangles are others or have moved far");
+    } else if (work_ == TreeWork::kRefit) {
+      plan->push_back("object tree: refitted, for the same triangles have moved");
+    } else {
+      plan->push_back("object tree: kept, for no triangle has moved");
+    }
+    std::string order = "sorted along a curve";
+    if (batch.order == nullptr)
+      order = in_order ? "pixel by pixel, as they come"
+                       : "as they come, for they are fewer than " + std::to_string(kFewestSorted);
+    plan->push_back("rays: " + order + "; one thread a ray");
+  }
+
+  Device device_;
+  DeviceTriangles<Device> triangles_;
+  BulkUplink<Device> uplink_;  ///< of rays
+  BulkDownlink<Device> downlink_;
+  DeviceBuffer<RunName> names_;
+  DeviceTree<Device> tree_{device_};
+  DeviceBuffer<Ray> rays_;
+  SortColumns<std::uint32_t> columns_;
+  DeviceBuffer<std::uint64_t> words_;
+  DeviceBuffer<EngineHit> hits_;
+  DeviceBuffer<Hit> named_;
+  DeviceBuffer<float> ray_tests_;
+  DeviceBuffer<std::uint8_t> occluded_;
+  DeviceBuffer<std::uint32_t> counts_;
+  DeviceBuffer<std::uint64_t> offsets_;
+  DeviceBuffer<TestSums> sums_;
+  DeviceBuffer<std::uint32_t> first_wrong_;
+  TreeWork work_ = TreeWork::kKeep;  ///< of the last query
+  std::vector<StageTime> times_;
+  Clock::time_point start_;
+};
+
+}  // namespace raysheaf

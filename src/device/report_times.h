@@ -1,0 +1,22 @@
+// Where a device's time went, as reports have it.
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "exec/stage_clock.h"
+#include "queries/planned_queries.h"
+
+namespace raysheaf {
+
+/// By what the names of the stages begin with; copies are in the total alone, which is not here.
+inline void add_times(const std::vector<StageTime>& times, EngineReport* report) {
+  for (const StageTime& time : times) {
+    const std::string_view stage = time.stage;
+    if (stage.starts_with("order:")) report->order_ms += time.ms;
+    if (stage.starts_with("hierarchy:")) report->hierarchy_ms += time.ms;
+    if (stage.starts_with("trace:")) report->trace_ms += time.ms;
+  }
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,66 @@
+// The object tree of an engine on a device, and its age; for the sources that know which device it
+// is.
+#pragma once
+
+#include "object_tree/linear_tree.h"
+#include "queries/plan.h"
+
+namespace raysheaf {
+
+template <class Device>
+class DeviceTree {
+ public:
+  explicit DeviceTree(Device& device) : device_(device), tree_(device.allocator()) {}
+
+  /// The triangles change. `same_triangles`: they move, no more.
+  void forget(bool same_triangles) {
+    there_ = there_ && same_triangles;
+    moved_ = true;
+  }
+
+  /// Brings the tree to where the triangles are; returns how. It is refitted until its expected
+  /// cost has grown too much, and then built again, though nothing may have moved since.
+  TreeWork prepare(const TriangleList& list) {
+    if (!there_ || spoilt_ || list.count() != tree_.view().count) return build(list);
+    if (!moved_) return TreeWork::kKeep;
+    learn_cost();  // where the query that built it did not end
+    there_ = false;
+    tree_.refit(device_, list);
+    there_ = has_new_cost_ = true;
+    moved_ = false;
+    return TreeWork::kRefit;
+  }
+
+  /// Once what was asked for is done. Waits where the tree has changed, else does nothing.
+  void learn_cost() {
+    if (!has_new_cost_) return;
+    const double cost = tree_.cost(device_);
+    if (cost_when_built_ < 0) cost_when_built_ = cost;
+    spoilt_ = cost > double{kSpoilt} * cost_when_built_;
+    has_new_cost_ = false;
+  }
+
+  [[nodiscard]] LinearTreeView view() const { return tree_.view(); }
+  [[nodiscard]] const SharedBox* scene() const { return tree_.scene(); }
+  [[nodiscard]] std::size_t memory_bytes() const { return tree_.memory_bytes(); }
+
+ private:
+  TreeWork build(const TriangleList& list) {
+    there_ = spoilt_ = false;
+    cost_when_built_ = -1;
+    tree_.build(device_, list);
+    there_ = has_new_cost_ = true;
+    moved_ = false;
+    return TreeWork::kRebuild;
+  }
+
+  Device& device_;
+  LinearTree tree_;
+  bool there_ = false;           ///< of these triangles, at these places or at former ones
+  bool moved_ = false;           ///< at former ones
+  bool has_new_cost_ = false;    ///< which is not learnt yet
+  bool spoilt_ = false;          ///< refits have made it much worse than it was built
+  double cost_when_built_ = -1;  ///< below 0: not learnt yet
+};
+
+}  // namespace raysheaf

@@ -1,0 +1,265 @@
+// The queries of a device as loops over rays; for the sources that know which device it is.
+#pragma once
+
+#include "base/bits.h"
+#include "device/brute_force_body.h"
+#include "device/device_queries.h"
+#include "exec/device.h"
+#include "methods/dual/tree_walk_body.h"
+#include "object_tree/linear_tree.h"
+#include "rays/hash_body.h"
+
+namespace raysheaf {
+
+/// Triangles a piece of work in brute force: what a block of rays reads at the same time.
+inline constexpr std::uint32_t kBruteChunk = 256;
+/// Fewer rays are taken in the caller's order.
+inline constexpr std::size_t kFewestSorted = 4096;
+
+/// Sums of a query's tests.
+struct TestSums {
+  std::uint64_t box_tests, triangle_tests;
+};
+/// A batch on the device, and what it meets.
+struct DeviceBatch {
+  View<const Ray> rays;
+  const std::uint32_t* order = nullptr;  ///< the ray that each thread takes; null: its own
+  Facing facing = Facing::kBoth;
+  bool brute = false;
+  TriangleList list;
+  LinearTreeView tree;
+  const SharedBox* scene = nullptr;
+  TestSums* sums = nullptr;    ///< null: nothing is counted
+  float* ray_tests = nullptr;  ///< takes the tests of each ray, or null
+
+  [[nodiscard]] RAYSHEAF_HD std::size_t ray_at(std::size_t i) const {
+    return order != nullptr ? order[i] : i;
+  }
+};
+
+/// Where the batch keeps what a ray's walk counted.
+RAYSHEAF_HD inline void keep_counts(const DeviceBatch& batch, std::size_t ray,
+                                    const WalkCounts& counts) {
+  if (batch.ray_tests != nullptr)
+    batch.ray_tests[ray] = static_cast<float>(counts.box_tests + counts.triangle_tests);
+  if (batch.sums == nullptr) return;
+  add_to_common(&batch.sums->box_tests, counts.box_tests);
+  add_to_common(&batch.sums->triangle_tests, counts.triangle_tests);
+}
+
+/// Calls `take(hit)` for every hit of a ray.
+template <class Take>
+RAYSHEAF_HD void meet_all(const DeviceBatch& batch, std::size_t number, const Take& take) {
+  WalkCounts counts;
+  const Ray ray = batch.rays.data[number];
+  if (batch.brute) {
+    const auto end = static_cast<std::uint32_t>(batch.list.corners.size / 3);
+    meet_list(batch.list, 0, end, batch.facing, make_ray_setup(ray), take);
+  } else {
+    all_in_tree(batch.tree, box_of(*batch.scene), ray, batch.facing, &counts, take);
+  }
+  keep_counts(batch, number, counts);
+}
+
+/// Bits an axis of the keys of rays that stay, and a tree stands over them; of a batch that is
+/// sorted for one walk, which fit a word.
+inline constexpr std::uint32_t kRayKeyAxisBits = 9, kBatchKeyAxisBits = 6;
+inline constexpr std::uint32_t kRayKeyBits = 5 * kRayKeyAxisBits;
+inline constexpr std::uint32_t kBatchKeyBits = 5 * kBatchKeyAxisBits;
+
+/// Rays of near origins and directions have near keys: a Morton curve through the octahedral map of
+/// directions and the cube of the scene, where a ray enters it.
+RAYSHEAF_HD inline std::uint64_t device_ray_key(const Ray& ray, const Box& scene,
+                                                std::uint32_t axis_bits) {
+  const KeyCube cube = key_cube(scene);
+  const Vec3 start = ray_ends(scene, ray).start;
+  return morton_place(joined(square_cell(octahedral(normalized(ray.direction)), axis_bits),
+                             cube_cell(cube, start, axis_bits)));
+}
+
+/// Sorts the batch's rays along the curve; `columns` keeps the order.
+template <class Device>
+void order_rays_on(Device& device, SortColumns<std::uint32_t>* columns, DeviceBatch* batch) {
+  const View<const Ray> rays = batch->rays;
+  if (rays.size < kFewestSorted || batch->scene == nullptr) return;
+  columns->resize_uninitialized("order: keys", rays.size, true);
+  std::uint32_t* const keys = columns->keys.data();
+  std::uint32_t* const numbers = columns->values.data();
+  const SharedBox* const scene = batch->scene;
+  device.for_each("order: keys", rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    keys[i] =
+        static_cast<std::uint32_t>(device_ray_key(rays.data[i], box_of(*scene), kBatchKeyAxisBits));
+    numbers[i] = static_cast<std::uint32_t>(i);
+  });
+  device.sort_pairs("order: sort", columns, {0, kBatchKeyBits});
+  batch->order = columns->values.data();
+}
+
+/// Counts of a second walk of a ray.
+RAYSHEAF_HD inline void keep_more_counts(const DeviceBatch& batch, std::size_t ray,
+                                         const WalkCounts& counts) {
+  const float before = batch.ray_tests != nullptr ? batch.ray_tests[ray] : 0;
+  keep_counts(batch, ray, counts);
+  if (batch.ray_tests != nullptr) batch.ray_tests[ray] += before;
+}
+
+// All rays walk in binary32 alone; what that has found binary64 decides, triangle by triangle; and
+// the few rays that are still unsettled walk again, with all that the test may need. What a loop
+// leaves for the next stands where the answer will.
+
+/// In the place of a hit's triangle: the ray is unsettled.
+inline constexpr std::uint32_t kUnsettledPlace = kInvalidId - 1;
+/// In the place of a flag: the ray is unsettled, or has candidates.
+inline constexpr std::uint8_t kUnsettledFlag = 2, kCandidatesFlag = 3;
+
+template <class Device>
+void closest_hits_on(Device& device, const DeviceBatch& batch, EngineHit* hits) {
+  device.for_each("trace: closest hits", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    const std::size_t ray = batch.ray_at(i);
+    WalkCounts counts;
+    const FloatWalk walk = closest_in_floats(batch.tree, box_of(*batch.scene), batch.rays.data[ray],
+                                             batch.facing, &counts);
+    hits[ray] = {bits_float(walk.first), bits_float(walk.second), 0,
+                 walk.unsure ? kUnsettledPlace : walk.place};
+    keep_counts(batch, ray, counts);
+  });
+  device.for_each("trace: values", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    const EngineHit left = hits[i];
+    if (left.triangle == kUnsettledPlace) return;
+    const Ray ray = batch.rays.data[i];
+    EngineHit best;
+    bool sure = true;
+    RAYSHEAF_ROLLED
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t of_floats = float_bits(k == 0 ? left.t : left.u);
+      const std::uint32_t place = k == 2 ? left.triangle : of_floats;
+      sure = meet_in_doubles(batch.tree, place, ray, batch.facing, &best) && sure;
+    }
+    if (!sure) best.triangle = kUnsettledPlace;
+    hits[i] = best;
+  });
+  device.for_each("trace: unsettled", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    if (hits[i].triangle != kUnsettledPlace) return;
+    WalkCounts counts;
+    hits[i] = closest_in_tree(batch.tree, box_of(*batch.scene), batch.rays.data[i], batch.facing,
+                              &counts);
+    keep_more_counts(batch, i, counts);
+  });
+}
+
+/// `candidates` has room for each ray's.
+template <class Device>
+void any_hits_on(Device& device, const DeviceBatch& batch, std::uint64_t* candidates,
+                 std::uint8_t* occluded) {
+  device.for_each("trace: any hits", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    const std::size_t ray = batch.ray_at(i);
+    WalkCounts counts;
+    const FloatWalk walk = any_in_floats(batch.tree, box_of(*batch.scene), batch.rays.data[ray],
+                                         batch.facing, &counts);
+    std::uint8_t flag = walk.place != kInvalidId ? 1 : 0;
+    if (flag == 0 && walk.first != kInvalidId) {
+      flag = walk.unsure ? kUnsettledFlag : kCandidatesFlag;
+      candidates[ray] = std::uint64_t{walk.second} << 32 | walk.first;
+    }
+    occluded[ray] = flag;
+    keep_counts(batch, ray, counts);
+  });
+  device.for_each("trace: candidates", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    if (occluded[i] != kCandidatesFlag) return;
+    const Ray ray = batch.rays.data[i];
+    const std::uint64_t places = candidates[i];
+    EngineHit best;
+    bool sure = true;
+    RAYSHEAF_ROLLED
+    for (int k = 0; k < 2; ++k)
+      sure = meet_in_doubles(batch.tree, static_cast<std::uint32_t>(places >> 32 * k), ray,
+                             batch.facing, &best) &&
+             sure;
+    const bool met = best.triangle != kInvalidId;
+    occluded[i] = met ? 1 : sure ? 0 : kUnsettledFlag;
+  });
+  device.for_each("trace: unsettled", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    if (occluded[i] != kUnsettledFlag) return;
+    WalkCounts counts;
+    const bool met =
+        any_in_tree(batch.tree, box_of(*batch.scene), batch.rays.data[i], batch.facing, &counts);
+    occluded[i] = met ? 1 : 0;
+    keep_more_counts(batch, i, counts);
+  });
+}
+
+template <class Device>
+void hit_counts_on(Device& device, const DeviceBatch& batch, std::uint32_t* hits) {
+  device.for_each("trace: number of hits", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    const std::size_t ray = batch.ray_at(i);
+    std::uint32_t found = 0;
+    meet_all(batch, ray, [&](const EngineHit&) { ++found; });
+    hits[ray] = found;
+  });
+}
+
+/// Row i goes to hits[offsets[i]] and after, sorted.
+template <class Device>
+void hit_rows_on(Device& device, const DeviceBatch& batch, const std::uint64_t* offsets,
+                 EngineHit* hits) {
+  device.for_each("trace: all hits", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    const std::size_t ray = batch.ray_at(i);
+    EngineHit* const row = hits + offsets[ray];
+    std::uint64_t found = 0;
+    meet_all(batch, ray, [&](const EngineHit& hit) { row[found++] = hit; });
+    sort_row(row, found);
+  });
+}
+
+/// The best hits among all triangles as words. A piece of work is a ray and a chunk of the
+/// triangles; neighbouring threads have neighbouring rays.
+template <class Device>
+void brute_force_on(Device& device, const DeviceBatch& batch, View<std::uint64_t> words) {
+  device.fill("trace: brute force", words, 0xff);
+  const std::size_t rays = batch.rays.size;
+  const std::uint32_t triangles = batch.list.count();
+  const std::size_t chunks = div_ceil(triangles, kBruteChunk);
+  device.for_each("trace: brute force", rays * chunks, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    const std::size_t ray = i % rays;
+    const auto first = static_cast<std::uint32_t>(i / rays) * kBruteChunk;
+    const std::uint32_t end = triangles - first < kBruteChunk ? triangles : first + kBruteChunk;
+    const std::uint64_t best =
+        best_of_list(batch.list, first, end, batch.facing, batch.rays.data[ray]);
+    lower_to(&words.data[ray], best);
+  });
+}
+
+template <class Device>
+void hits_of_words_on(Device& device, const DeviceBatch& batch, View<const std::uint64_t> words,
+                      EngineHit* hits) {
+  device.for_each("trace: hits of words", words.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
+    hits[i] = hit_of_word(batch.list, words.data[i], batch.rays.data[i]);
+  });
+}
+
+/// Which run a triangle is of: the last that begins at or before it.
+RAYSHEAF_HD inline std::uint32_t run_of_triangle(const RunName* names, std::uint32_t count,
+                                                 std::uint32_t triangle) {
+  std::uint32_t first = 0;
+  while (count > 1) {
+    const std::uint32_t half = count / 2;
+    if (names[first + half].first <= triangle) first += half;
+    count -= half;
+  }
+  return first;
+}
+
+RAYSHEAF_HD inline Hit named_hit(View<const RunName> names, const EngineHit& hit) {
+  if (hit.triangle == kInvalidId) return {};
+  const auto count = static_cast<std::uint32_t>(names.size);
+  const RunName run = names.data[run_of_triangle(names.data, count, hit.triangle)];
+  return {hit.t, hit.u, hit.v, hit.triangle - run.first, run.geom_id, run.inst_id};
+}
+
+template <class Device>
+void name_hits_on(Device& device, View<const RunName> names, View<const EngineHit> hits, Hit* out) {
+  device.for_each("trace: names", hits.size,
+                  [=] RAYSHEAF_DEVICE(std::size_t i) { out[i] = named_hit(names, hits.data[i]); });
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,97 @@
+// A packet of rays as the kernels keep it: plain arrays, read as vectors.
+//
+// All rays run towards one quarter of a face, so they share the axes (x, y across, z along) of
+// `make_ray_setup` and which planes of a box are near.
+// `s` is the distance from a ray's origin along z, t = s |shear_z|; `zeta` the same from the
+// beam's first plane. A ray that runs against its axis is looked at from behind: z is mirrored.
+//
+// Conservative: a hit at t is, at s = t |d_z|, within gamma(2) L of the triangle on every axis
+// (geom/ray_end.h), L no larger than `size`, twice the reach of the scene's box from the origins.
+// The slab and beam tests evaluate three roundings of differences that are no larger than `size`,
+// and take coordinates themselves as rounded. Each rounding moves a plane by u times `size` or u
+// times the largest coordinate at most; slopes are at most 1 because z is the dominant axis. `pad`,
+// 128 u `size` and 8 u the largest coordinate, holds all of it with room to spare; boxes grow by it
+// on every side, in the rays' constants.
+//
+// A t that underflows is off by up to 2^-149 more, two halves of the least number, which a long
+// direction makes much of: `past` and its counterpart move t by twice that. A t that overflows is
+// infinite, and so is 1 / |d_z| below 2^-128: then s says less than t does, and from kLargeStart on
+// t_min bounds nothing; below, where 1 / |d_z| is infinite, it is no more than 2^-65 in s.
+#pragma once
+
+#include <cstdint>
+
+#include "base/float.h"
+#include "methods/dual/dual.h"
+
+namespace raysheaf {
+
+inline constexpr std::uint32_t kPacketWidth = 16;
+/// Coordinates and reaches beyond are not bounded: there the sums above overflow.
+inline constexpr float kLargestBounded = 1e30f;
+inline constexpr float kLeastStep = 0x1p-148f;
+inline constexpr float kLargeStart = 0x1p63f;
+
+/// What rays that run towards one quarter of a face (methods/dual/ray_order.h) share.
+struct QuarterAxes {
+  int axis_x = 0, axis_y = 0, axis_z = 0;
+  int near_x = 0, near_y = 0, near_z = 0;  ///< a node's rows of planes that are met first
+  int far_x = 0, far_y = 0, far_z = 0;
+  bool mirrored = false;
+
+  QuarterAxes() = default;
+  explicit QuarterAxes(std::uint32_t quarter) {
+    const int along = static_cast<int>(quarter / 8), next = along == 2 ? 0 : along + 1;
+    const int last = next == 2 ? 0 : next + 1;
+    mirrored = (quarter & 4) != 0;
+    axis_x = mirrored ? last : next;
+    axis_y = mirrored ? next : last;
+    axis_z = along;
+    const bool left = (quarter & (mirrored ? 1 : 2)) != 0;
+    const bool down = (quarter & (mirrored ? 2 : 1)) != 0;
+    near_x = axis_x + (left ? 3 : 0);
+    far_x = axis_x + (left ? 0 : 3);
+    near_y = axis_y + (down ? 3 : 0);
+    far_y = axis_y + (down ? 0 : 3);
+    near_z = along + (mirrored ? 3 : 0);
+    far_z = along + (mirrored ? 0 : 3);
+  }
+};
+
+struct alignas(64) RayPacket : QuarterAxes {
+  alignas(64) float ox[kPacketWidth];
+  float oy[kPacketWidth], oz[kPacketWidth];
+  float shear_x[kPacketWidth], shear_y[kPacketWidth], shear_z[kPacketWidth];
+  float t_min[kPacketWidth], t_limit[kPacketWidth];  ///< where hits count; unused lanes: nowhere
+  float x_near[kPacketWidth], x_far[kPacketWidth];   ///< origin, for near and far planes with pad
+  float y_near[kPacketWidth], y_far[kPacketWidth];
+  float z_near[kPacketWidth], z_far[kPacketWidth];
+  float per_x[kPacketWidth], per_y[kPacketWidth];   ///< distance along z a unit of x, of y
+  float s_near[kPacketWidth], s_far[kPacketWidth];  ///< where boxes matter; done lanes: nowhere
+  float zeta[kPacketWidth];                         ///< of the origin
+  float along[kPacketWidth];                        ///< |d_z|
+  float t_low[kPacketWidth];          ///< the best hit's t is between this and t_limit
+  std::uint32_t place[kPacketWidth];  ///< its triangle's in the tree's quads; kInvalidId: none
+  std::uint32_t index[kPacketWidth];  ///< the caller's number
+  bool bounded = true;                ///< or else every triangle is tested with every ray
+  std::uint32_t count = 0;
+  float pad = 0;
+};
+
+/// The s from which on no hit is as near as t: `along` is |d_z|.
+[[nodiscard]] inline float past(float t, float along, float pad) {
+  return (t + kLeastStep) * along * (1 + 8 * kUnitRoundoff) + pad;
+}
+
+/// One of the beam's four planes: x = at + zeta / inverse, grown outwards by the pad.
+struct BeamPlane {
+  float at, inverse;
+};
+
+struct alignas(64) Beam {
+  float z_low, z_high;  ///< the first plane's coordinate -+ pad
+  float start, end;     ///< in zeta
+  BeamPlane x_low, x_high, y_low, y_high;
+};
+
+}  // namespace raysheaf

@@ -1,0 +1,66 @@
+// Orders of a batch's rays: by the quarter of a cube's face that they run towards, in which `dual`
+// takes them; and then along a Morton curve through the five dimensions of rays, origin and slopes,
+// for hierarchies over rays (out_of_core/ray_tree.h).
+//
+// Rays of one quarter share the axis along which the ray-triangle test shears them, and which of a
+// box's planes they meet first: nothing has to be chosen lane by lane.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "base/buffer.h"
+#include "base/view.h"
+#include "exec/executor.h"
+#include "raysheaf/types.h"
+
+namespace raysheaf {
+
+/// Six faces of the cube, four quarters of each.
+inline constexpr std::uint32_t kQuarters = 24;
+
+/// 8 * axis, the one of `make_ray_setup`; plus 4 where the ray runs against it, 2 and 1 where it
+/// runs against the next axis and the one after that. Without a branch: nobody can foretell the
+/// axes of rays that come in no order.
+[[nodiscard]] inline std::uint32_t quarter_of(Vec3 d) {
+  const float x = std::fabs(d.x), y = std::fabs(d.y), z = std::fabs(d.z);
+  const std::uint32_t x_or_y = x > y ? 0 : 1, is_either = (x > y ? x : y) > z ? 1 : 0;
+  const std::uint32_t axis = 2 - (2 - x_or_y) * is_either;
+  const auto sign = [](float v) { return std::bit_cast<std::uint32_t>(v) >> 31; };
+  const std::uint32_t signs = 4 * sign(d.x) + 2 * sign(d.y) + sign(d.z);
+  return 8 * axis + ((signs << axis | signs >> (3 - axis)) & 7);
+}
+
+/// `quarter_of` of each ray's direction, as SIMD has it.
+void find_quarters(View<const Ray> rays, std::uint8_t* quarters);
+
+struct RayOrder {
+  Buffer<std::uint32_t> rays;                         ///< the caller's numbers, in the new order
+  std::array<std::uint32_t, kQuarters + 1> starts{};  ///< of the quarters
+  Buffer<std::uint64_t> keys, spare;                  ///< scratch
+  Buffer<std::uint8_t> quarters;                      ///< scratch
+
+  [[nodiscard]] std::size_t bytes() const {
+    return rays.capacity_bytes() + keys.capacity_bytes() + spare.capacity_bytes() +
+           quarters.capacity_bytes();
+  }
+};
+
+enum class Sorting : std::uint8_t {
+  kByQuarter,  ///< the caller's order within each quarter, or a picture's tiles
+  kCurve,
+};
+
+/// About so many rays, but at least one row of tiles, and whole ones.
+[[nodiscard]] std::size_t rows_of_tiles(std::size_t rays, std::size_t row);
+
+/// O(rays log rays), and O(rays) for kByQuarter. Ties keep the caller's order. At most 2^31 rays.
+/// `row`, for kByQuarter: where it is not 0, so many rays are a row of a picture, and of four rows
+/// each four columns follow each other, sixteen rays that resemble each other more than sixteen of
+/// a row.
+void order_rays(const Executor& executor, View<const Ray> rays, Sorting sorting, RayOrder* order,
+                std::size_t row = 0);
+
+}  // namespace raysheaf

@@ -1,0 +1,109 @@
+// A stream: thousands of rays towards one quarter of a face that go down the tree together.
+//
+//   node  [ a . b . . c . . ]        list of rays at the node: 5 9 12 40 41 77 ...
+//            |                       sixteen at a time they are tested with every child's box;
+//            v                       those that meet it are the child's list
+//   list of a: 9 40 77 ...
+//
+// While sixteen neighbours stay together, a list names them as a block: a beam that bounds them is
+// tested first, and no ray is gathered or moved. What is left of blocks goes on as rays.
+//
+// Every node is fetched once a stream, no branch depends on a single ray, and rays need not be
+// alike: what they share is the quarter, which tells the order of the children from near to far.
+// (I. Wald, C. Gribble, S. Boulos, A. Kensler, "SIMD Ray Stream Tracing", 2007; J. Tsakok,
+// "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG 2009.)
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+#include "base/buffer.h"
+#include "methods/dual/packet.h"
+
+namespace raysheaf {
+
+/// The most rays of a stream; of a long one, which has no blocks: the more rays go down the tree
+/// together, the more of them share what is deep in it.
+inline constexpr std::uint32_t kStreamRays = 4096, kLongStreamRays = 65536;
+
+/// A ray on a cache line, four floats at a time: what triangles are tested with; with the origin,
+/// boxes; and what it has met. `s` and `along` as in methods/dual/packet.h.
+struct alignas(64) StreamRay {
+  float ox, oy, oz, t_limit;
+  float shear_x, shear_y, shear_z, t_min;
+  float per_x, per_y, s_near, s_far;
+  float along = 0, t_low = 0;        ///< the best hit's t is between t_low and t_limit
+  std::uint32_t place = kInvalidId;  ///< its triangle's in the tree's quads; kInvalidId: none
+  std::uint32_t unused = 0;
+};
+static_assert(sizeof(StreamRay) == 64);
+
+/// Sixteen rays that follow each other, lane by lane: the fields of StreamRay.
+struct alignas(64) StreamBlock {
+  float ox[kPacketWidth], oy[kPacketWidth], oz[kPacketWidth], t_limit[kPacketWidth];
+  float shear_x[kPacketWidth], shear_y[kPacketWidth], shear_z[kPacketWidth], t_min[kPacketWidth];
+  float per_x[kPacketWidth], per_y[kPacketWidth], s_near[kPacketWidth], s_far[kPacketWidth];
+  float along[kPacketWidth], t_low[kPacketWidth];
+  std::uint32_t place[kPacketWidth];
+
+  [[nodiscard]] StreamRay ray(std::uint32_t lane) const {
+    return {ox[lane],      oy[lane],      oz[lane],    t_limit[lane], shear_x[lane],
+            shear_y[lane], shear_z[lane], t_min[lane], per_x[lane],   per_y[lane],
+            s_near[lane],  s_far[lane],   along[lane], t_low[lane],   place[lane]};
+  }
+};
+
+/// A block and those of its rays that are in a list: bit i is ray i of the block.
+struct BlockRays {
+  std::uint16_t block, rays;
+};
+/// As it stands in a list.
+[[nodiscard]] inline std::uint32_t word_of(std::uint32_t block, std::uint32_t rays) {
+  return std::bit_cast<std::uint32_t>(
+      BlockRays{static_cast<std::uint16_t>(block), static_cast<std::uint16_t>(rays)});
+}
+
+/// A child whose rays wait for their turn.
+struct WaitingList {
+  std::uint32_t first, count;  ///< as in BvhNode
+  std::uint32_t offset, size;  ///< of its list
+  bool in_blocks = false;      ///< a list of BlockRays, or else of rays
+};
+
+/// A hit of the ray at a place of the order.
+struct RowHit {
+  std::uint32_t place = 0;
+  EngineHit hit;
+};
+
+struct Stream : QuarterAxes {
+  Buffer<StreamRay> rays;       ///< where there are blocks, of those that have left them
+  Buffer<std::uint32_t> index;  ///< the caller's numbers
+  Buffer<StreamBlock> blocks;
+  Buffer<Beam> beams;              ///< of the blocks
+  Buffer<std::uint32_t> recorded;  ///< of each block those of its rays that are in `rays`, as bits
+  Buffer<std::uint32_t> lists;
+  std::vector<WaitingList> waiting;
+  std::vector<RowHit> rows;            ///< where all hits are asked for: of the task's rays
+  std::uint32_t first = 0, count = 0;  ///< places in the order
+  float pad = 0;                       ///< the largest of the packets'
+
+  Stream() {
+    fit(kStreamRays);
+    blocks.resize_uninitialized(kStreamRays / kPacketWidth);
+    beams.resize_uninitialized(kStreamRays / kPacketWidth);
+    recorded.resize_uninitialized(kStreamRays / kPacketWidth);
+  }
+  /// Room for so many rays; what was there is lost.
+  void fit(std::uint32_t size);
+  /// Room for `size` numbers in `lists`, what is there kept.
+  void grow_lists(std::size_t size);
+  [[nodiscard]] std::size_t bytes() const {
+    return rays.capacity_bytes() + index.capacity_bytes() + blocks.capacity_bytes() +
+           beams.capacity_bytes() + recorded.capacity_bytes() + lists.capacity_bytes() +
+           waiting.capacity() * sizeof(WaitingList) + rows.capacity() * sizeof(RowHit);
+  }
+};
+
+}  // namespace raysheaf

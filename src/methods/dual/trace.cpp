@@ -1,0 +1,137 @@
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "base/bits.h"
+#include "methods/dual/stream.h"
+#include "methods/dual/trace_job.h"
+
+namespace raysheaf {
+namespace {
+
+/// Packets a task: neighbours share the boxes and triangles that they meet. Of streams: two.
+constexpr std::size_t kPacketsATask = 64;
+constexpr std::size_t kStreamPacketsATask = 2 * kStreamRays / kPacketWidth;
+/// A long stream is no longer than this part of what is left, so that threads end together.
+constexpr std::size_t kPartOfRest = 4;
+
+/// Every quarter in as few long streams of one length as may be, a task each, and more towards the
+/// end (C. Polychronopoulos, D. Kuck, "Guided Self-Scheduling", 1987).
+void cut_into_long_streams(const TraceJob& job, std::vector<std::size_t>* starts) {
+  constexpr std::size_t kLeast = kStreamRays / kPacketWidth, kMost = kLongStreamRays / kPacketWidth;
+  for (std::uint32_t q = 0; q < kQuarters; ++q) {
+    const std::size_t first = job.packet_starts[q], count = job.packet_starts[q + 1] - first;
+    const std::size_t rest = job.packet_starts[kQuarters] - first;
+    const std::size_t parts = div_ceil(count, std::clamp(rest / kPartOfRest, kLeast, kMost));
+    for (std::size_t i = 0; i < parts; ++i) starts->push_back(first + i * count / parts);
+  }
+}
+
+/// The packets at which tasks begin, and the end.
+std::vector<std::size_t> cut_into_tasks(const TraceJob& job) {
+  const std::size_t packets = job.packet_starts[kQuarters];
+  std::vector<std::size_t> starts;
+  if (job.scene.bundle == Bundle::kLongStream) {
+    cut_into_long_streams(job, &starts);
+  } else {
+    const std::size_t a_task =
+        job.scene.bundle == Bundle::kStream ? kStreamPacketsATask : kPacketsATask;
+    for (std::size_t n = 0; n < packets; n += a_task) starts.push_back(n);
+  }
+  starts.push_back(packets);
+  return starts;
+}
+
+template <class Trace>
+void trace_all_tasks(const Executor& executor, const DualScene& scene, View<const Ray> rays,
+                     const RayOrder& order, View<float> ray_tests, DualCounts* counts, TraceJob job,
+                     const Trace& trace) {
+  std::mutex mutex;
+  StreamPool own;
+  job.streams = scene.streams != nullptr ? scene.streams : &own;
+  job.executor = &executor;
+  job.scene = scene;
+  job.rays = rays.data;
+  job.order = order.rays.data();
+  job.ray_starts = order.starts;
+  for (std::uint32_t q = 0; q < kQuarters; ++q) {
+    const std::uint32_t rays_in = order.starts[q + 1] - order.starts[q];
+    job.packet_starts[q + 1] = job.packet_starts[q] + div_ceil(rays_in, kPacketWidth);
+  }
+  job.ray_tests = ray_tests.empty() ? nullptr : ray_tests.data;
+  job.counts = counts;
+  job.mutex = &mutex;
+  const std::vector<std::size_t> starts = cut_into_tasks(job);
+  const std::size_t tasks = starts.size() - 1;
+  if (job.rows != nullptr) job.rows->resize(tasks);
+  executor.for_each(tasks, 1, [&](std::size_t n) {
+    trace(job, TraceTask{n, starts[n], starts[n + 1]});
+  });
+}
+
+}  // namespace
+
+void make_rows(const Executor& executor, const std::vector<RowHit>& found, std::uint32_t first,
+               std::uint32_t end, RowList* list) {
+  list->first = first;
+  list->ends.resize_uninitialized(end - first);
+  list->hits.resize_uninitialized(found.size());
+  std::fill(list->ends.begin(), list->ends.end(), std::uint64_t{0});
+  // ends[i] is first the length of row i, then where it begins, then, filled, where it ends.
+  for (const RowHit& hit : found) ++list->ends[hit.place - first];
+  std::uint64_t begin = 0;
+  for (std::uint64_t& at : list->ends) begin += std::exchange(at, begin);
+  for (const RowHit& hit : found) list->hits[list->ends[hit.place - first]++] = hit.hit;
+  begin = 0;
+  for (const std::uint64_t row_end : list->ends) {
+    executor.check();
+    std::sort(list->hits.begin() + begin, list->hits.begin() + row_end,
+              [](const EngineHit& a, const EngineHit& b) {
+                return a.t < b.t || (a.t == b.t && a.triangle < b.triangle);
+              });
+    begin = row_end;
+  }
+}
+
+void trace_closest(const Executor& executor, const DualScene& scene, View<const Ray> rays,
+                   const RayOrder& order, View<EngineHit> hits, View<float> ray_tests,
+                   DualCounts* counts) {
+  if (scene.tree->empty()) {
+    executor.for_each(hits.size, 4096, [&](std::size_t i) { hits[i] = {}; });
+    return;
+  }
+  TraceJob job;
+  job.hits = hits.data;
+  trace_all_tasks(executor, scene, rays, order, ray_tests, counts, job, trace_closest_packets);
+}
+
+void trace_any(const Executor& executor, const DualScene& scene, View<const Ray> rays,
+               const RayOrder& order, View<std::uint8_t> occluded, View<float> ray_tests,
+               DualCounts* counts) {
+  if (scene.tree->empty()) {
+    std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
+    return;
+  }
+  TraceJob job;
+  job.occluded = occluded.data;
+  trace_all_tasks(executor, scene, rays, order, ray_tests, counts, job, trace_any_packets);
+}
+
+void trace_all(const Executor& executor, const DualScene& scene, View<const Ray> rays,
+               const RayOrder& order, RowLists* rows, View<float> ray_tests, DualCounts* counts) {
+  if (scene.tree->empty()) return rows->clear();
+  TraceJob job;
+  job.rows = rows;
+  trace_all_tasks(executor, scene, rays, order, ray_tests, counts, job, trace_all_packets);
+}
+
+void trace_hit_counts(const Executor& executor, const DualScene& scene, View<const Ray> rays,
+                      const RayOrder& order, View<std::uint32_t> hit_counts, DualCounts* counts) {
+  std::fill(hit_counts.begin(), hit_counts.end(), 0u);
+  if (scene.tree->empty()) return;
+  TraceJob job;
+  job.hit_counts = hit_counts.data;
+  trace_all_tasks(executor, scene, rays, order, {}, counts, job, trace_all_packets);
+}
+
+}  // namespace raysheaf

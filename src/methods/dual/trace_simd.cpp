@@ -1,0 +1,131 @@
+// Compiled once a SIMD target and chosen at run time (Google Highway). No operation is fused, so
+// that every target makes the same tests and gives the same hits.
+#include <atomic>
+#include <cstring>
+#include <mutex>
+#include <utility>
+
+#include <hwy/cache_control.h>
+
+#include "base/float.h"
+#include "geom/ray_end.h"
+#include "intersect/facing_body.h"
+#include "intersect/triangle_body.h"
+#include "methods/dual/stream.h"
+#include "methods/dual/trace_job.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "methods/dual/trace_simd.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "intersect/values-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raysheaf::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Each stands on those before it.
+#include "methods/dual/lanes-inl.h"
+
+#include "methods/dual/packet-inl.h"
+
+#include "methods/dual/beam-inl.h"
+
+#include "methods/dual/triangle-inl.h"
+
+#include "methods/dual/single_walks-inl.h"
+
+#include "methods/dual/single_quads-inl.h"
+
+#include "methods/dual/single-inl.h"
+
+#include "methods/dual/walk-inl.h"
+
+#include "methods/dual/stream_hits-inl.h"
+
+#include "methods/dual/stream_singles-inl.h"
+
+#include "methods/dual/stream_lists-inl.h"
+
+#include "methods/dual/stream_blocks-inl.h"
+
+#include "methods/dual/stream_pilots-inl.h"
+
+#include "methods/dual/stream-inl.h"
+
+inline void prefetch_rays(const TraceJob& job, const PacketRange& range) {
+  for (std::uint32_t i = 0; i < range.count; ++i)
+    hwy::Prefetch(job.rays + job.order[range.first + i]);
+}
+
+template <class Mode>
+void walk_packets(const TraceJob& job, const TraceTask& task) {
+  Walk<Mode> walk(job);
+  for (std::size_t n = task.begin; n < task.end; ++n) {
+    if (n + 1 < task.end) prefetch_rays(job, job.packet(n + 1));
+    walk.run(job.packet(n));
+  }
+  walk.finish(task);
+}
+
+/// Packets that follow each other in one quarter make a stream.
+template <class Mode>
+void walk_streams(const TraceJob& job, const TraceTask& task) {
+  const std::uint32_t most =
+      job.scene.bundle == Bundle::kLongStream ? kLongStreamRays : kStreamRays;
+  StreamWalk<Mode> walk(job);
+  for (std::size_t n = task.begin; n < task.end;) {
+    const PacketRange first = job.packet(n);
+    std::uint32_t count = first.count;
+    for (++n; n < task.end && count + kPacketWidth <= most; ++n) {
+      const PacketRange next = job.packet(n);
+      if (next.quarter != first.quarter) break;
+      count += next.count;
+    }
+    walk.run(first.first, count, first.quarter);
+  }
+  walk.finish(task);
+}
+
+template <class Mode>
+void trace_packets(const TraceJob& job, const TraceTask& task) {
+  if (job.scene.bundle == Bundle::kPacket) {
+    walk_packets<Mode>(job, task);
+  } else {
+    walk_streams<Mode>(job, task);
+  }
+}
+
+void TraceClosest(const TraceJob& job, const TraceTask& task) {
+  trace_packets<ClosestMode>(job, task);
+}
+void TraceAny(const TraceJob& job, const TraceTask& task) {
+  trace_packets<AnyMode>(job, task);
+}
+void TraceAll(const TraceJob& job, const TraceTask& task) {
+  trace_packets<AllMode>(job, task);
+}
+
+}  // namespace raysheaf::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace raysheaf {
+
+HWY_EXPORT(TraceClosest);
+HWY_EXPORT(TraceAny);
+HWY_EXPORT(TraceAll);
+
+void trace_closest_packets(const TraceJob& job, const TraceTask& task) {
+  HWY_DYNAMIC_DISPATCH(TraceClosest)(job, task);
+}
+void trace_any_packets(const TraceJob& job, const TraceTask& task) {
+  HWY_DYNAMIC_DISPATCH(TraceAny)(job, task);
+}
+void trace_all_packets(const TraceJob& job, const TraceTask& task) {
+  HWY_DYNAMIC_DISPATCH(TraceAll)(job, task);
+}
+
+}  // namespace raysheaf
+#endif  // HWY_ONCE

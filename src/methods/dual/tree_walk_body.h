@@ -1,0 +1,247 @@
+// One ray down a tree of two boxes a node, the nearer first: what a thread of a device does.
+#pragma once
+
+#include "intersect/facing_body.h"
+#include "intersect/float_answer_body.h"
+#include "intersect/triangle_body.h"
+#include "methods/dual/dual.h"
+#include "methods/dual/ray_box_body.h"
+#include "object_tree/linear_tree_body.h"
+
+namespace raysheaf {
+
+/// What a ray does on its way, counted.
+struct WalkCounts {
+  std::uint32_t box_tests = 0, triangle_tests = 0;
+  std::uint32_t leaves = 0;  ///< visited; counted on the host alone, for lab/walk_counts.h
+};
+
+/// Calls `take(hit)` for the hits of a ray with the triangles of a leaf; returns the place after
+/// them. `setup` has where hits count, which `take` may bring nearer.
+template <class Take>
+RAYSHEAF_HD std::uint32_t meet_leaf(const LinearTreeView& tree, std::uint32_t place, Facing facing,
+                                    const RaySetup& setup, WalkCounts* counts, const Take& take) {
+  for (bool more = true; more; ++place) {
+    const LinearTriangle triangle = tree.triangles[place];
+    more = triangle.ends_leaf == 0;
+    ++counts->triangle_tests;
+    TriangleHit hit;
+    if (!intersect_triangle(setup, triangle.a, triangle.b, triangle.c, &hit)) continue;
+    if (!shows(facing, static_cast<std::uint8_t>(triangle.flags), hit.front)) continue;
+    take(EngineHit{hit.t, hit.u, hit.v, triangle.id});
+  }
+  return place;
+}
+
+/// A node or leaf that a walk comes back to, and where the ray enters its box.
+struct alignas(8) WalkStop {
+  float near;
+  std::uint32_t at;
+};
+
+/// Calls `leaf(place)` for the leaves whose boxes the ray meets, the nearer child of a node first.
+/// `leaf` may bring the ray's end nearer, and returns the place after its last triangle.
+template <class Leaf>
+RAYSHEAF_HD void walk_tree(const LinearTreeView& tree, BoxRay* ray, WalkCounts* counts,
+                           const Leaf& leaf) {
+  if (tree.count <= kLinearLeaf || !ray->bounded) {
+#ifndef __CUDA_ARCH__
+    ++counts->leaves;
+#endif
+    for (std::uint32_t place = 0; place < tree.count;) place = leaf(place);
+    return;
+  }
+  WalkStop waiting[kLinearDepth];
+  std::uint32_t top = 0, next = 0;
+  for (;;) {
+    bool on = false;
+    if ((next & kLeafBit) != 0) {
+#ifndef __CUDA_ARCH__
+      ++counts->leaves;
+#endif
+      leaf(next & ~kLeafBit);
+    } else {
+      const LinearNode node = tree.nodes[next];  // as one: in words of 16 bytes
+      float near_0, near_1;
+      const bool meets_0 = enters(*ray, node.box[0], &near_0);
+      const bool meets_1 = enters(*ray, node.box[1], &near_1);
+      counts->box_tests += 2;
+      on = meets_0 || meets_1;
+      const bool first = meets_0 && !(meets_1 && near_1 < near_0);
+      next = first ? node.child[0] : node.child[1];
+      if (meets_0 && meets_1)
+        waiting[top++] = first ? WalkStop{near_1, node.child[1]} : WalkStop{near_0, node.child[0]};
+    }
+    while (!on) {
+      if (top == 0) return;
+      const WalkStop stop = waiting[--top];
+      next = stop.at;
+      on = stop.near <= ray->s_far;
+    }
+  }
+}
+
+/// The hit of least (t, triangle).
+RAYSHEAF_HD inline EngineHit closest_in_tree(const LinearTreeView& tree, const Box& scene,
+                                             const Ray& ray, Facing facing, WalkCounts* counts) {
+  EngineHit best;
+  RaySetup setup = make_ray_setup(ray);
+  BoxRay boxes = make_box_ray(ray, scene);
+  walk_tree(tree, &boxes, counts, [&](std::uint32_t place) {
+    return meet_leaf(tree, place, facing, setup, counts, [&](const EngineHit& hit) {
+      if (!(hit.t < best.t || (hit.t == best.t && hit.triangle < best.triangle))) return;
+      best = hit;
+      setup.t_max = hit.t;
+      shorten(&boxes, hit.t);
+    });
+  });
+  return best;
+}
+
+/// Whether there is a hit.
+RAYSHEAF_HD inline bool any_in_tree(const LinearTreeView& tree, const Box& scene, const Ray& ray,
+                                    Facing facing, WalkCounts* counts) {
+  bool met = false;
+  RaySetup setup = make_ray_setup(ray);
+  BoxRay boxes = make_box_ray(ray, scene);
+  walk_tree(tree, &boxes, counts, [&](std::uint32_t place) {
+    return meet_leaf(tree, place, facing, setup, counts, [&](const EngineHit&) {
+      met = true;
+      setup.t_max = -1;
+      boxes.s_far = -std::numeric_limits<float>::infinity();
+    });
+  });
+  return met;
+}
+
+/// What a walk in binary32 has found. The answer is among the triangles at `place`, the nearest hit
+/// that is sure and whose t is in [low, high], and at `first` and `second`, of which binary32 does
+/// not know whether they are hits, or nearer ones: nearly always the one that the ray starts from.
+struct FloatWalk {
+  float low = 0, high = std::numeric_limits<float>::infinity();
+  std::uint32_t place = kInvalidId, first = kInvalidId, second = kInvalidId;
+  bool unsure = false;  ///< there are more; `closest_in_tree` or `any_in_tree` does all anew
+
+  RAYSHEAF_HD void keep(std::uint32_t candidate) {
+    if (first == kInvalidId) {
+      first = candidate;
+    } else if (second == kInvalidId) {
+      second = candidate;
+    } else {
+      unsure = true;
+    }
+  }
+};
+
+/// Of the triangles from `place` to the end of the leaf.
+RAYSHEAF_HD inline std::uint32_t meet_leaf_in_floats(const LinearTreeView& tree,
+                                                     std::uint32_t place, Facing facing,
+                                                     const RaySetup& setup, bool any,
+                                                     WalkCounts* counts, FloatWalk* best) {
+  for (bool more = true; more; ++place) {
+    const LinearTriangle triangle = tree.triangles[place];
+    more = triangle.ends_leaf == 0;
+    ++counts->triangle_tests;
+    const FloatAnswer answer = answer_in_floats(setup, triangle.a, triangle.b, triangle.c);
+    if (answer.kind == FloatAnswer::kMiss) continue;
+    if (answer.kind == FloatAnswer::kUnsure) {
+      best->keep(place);
+    } else if (shows(facing, static_cast<std::uint8_t>(triangle.flags), answer.front) &&
+               answer.low <= best->high) {
+      if (!any && best->place != kInvalidId && answer.high >= best->low) {
+        best->keep(place);
+        best->high = answer.high < best->high ? answer.high : best->high;
+      } else {
+        best->low = answer.low;
+        best->high = answer.high;
+        best->place = place;
+      }
+    }
+  }
+  return place;
+}
+
+/// Few registers and no double.
+RAYSHEAF_HD inline FloatWalk closest_in_floats(const LinearTreeView& tree, const Box& scene,
+                                               const Ray& ray, Facing facing, WalkCounts* counts) {
+  FloatWalk best;
+  const RaySetup setup = make_ray_setup(ray);
+  BoxRay boxes = make_box_ray(ray, scene);
+  walk_tree(tree, &boxes, counts, [&](std::uint32_t place) {
+    place = meet_leaf_in_floats(tree, place, facing, setup, false, counts, &best);
+    shorten(&boxes, best.high);
+    if (best.unsure) boxes.s_far = -std::numeric_limits<float>::infinity();
+    return place;
+  });
+  return best;
+}
+
+/// The same for any hit: one at `place` is the answer.
+RAYSHEAF_HD inline FloatWalk any_in_floats(const LinearTreeView& tree, const Box& scene,
+                                           const Ray& ray, Facing facing, WalkCounts* counts) {
+  FloatWalk found;
+  const RaySetup setup = make_ray_setup(ray);
+  BoxRay boxes = make_box_ray(ray, scene);
+  walk_tree(tree, &boxes, counts, [&](std::uint32_t place) {
+    place = meet_leaf_in_floats(tree, place, facing, setup, true, counts, &found);
+    if (found.place != kInvalidId) boxes.s_far = -std::numeric_limits<float>::infinity();
+    return place;
+  });
+  found.unsure = found.unsure && found.place == kInvalidId;
+  return found;
+}
+
+/// Meets the triangle at a place, or none where it is `kInvalidId`, in binary64 alone. Returns
+/// whether that was sure.
+RAYSHEAF_HD inline bool meet_in_doubles(const LinearTreeView& tree, std::uint32_t place,
+                                        const Ray& ray, Facing facing, EngineHit* best) {
+  if (place == kInvalidId) return true;
+  const LinearTriangle t = tree.triangles[place];
+  TriangleHit hit;
+  const LineAnswer answer = answer_in_doubles(ray.origin, ray.direction, t.a, t.b, t.c, &hit);
+  if (answer == LineAnswer::kMeets && is_within(hit.t, ray.t_min, ray.t_max) &&
+      shows(facing, static_cast<std::uint8_t>(t.flags), hit.front) &&
+      (hit.t < best->t || (hit.t == best->t && t.id < best->triangle)))
+    *best = {hit.t, hit.u, hit.v, t.id};
+  return answer != LineAnswer::kUnsure;
+}
+
+/// Calls `take(hit)` for every hit, in no order.
+template <class Take>
+RAYSHEAF_HD void all_in_tree(const LinearTreeView& tree, const Box& scene, const Ray& ray,
+                             Facing facing, WalkCounts* counts, const Take& take) {
+  const RaySetup setup = make_ray_setup(ray);
+  BoxRay boxes = make_box_ray(ray, scene);
+  walk_tree(tree, &boxes, counts, [&](std::uint32_t place) {
+    return meet_leaf(tree, place, facing, setup, counts, take);
+  });
+}
+
+/// Whether a stands before b in a row.
+RAYSHEAF_HD inline bool stands_before(const EngineHit& a, const EngineHit& b) {
+  return a.t < b.t || (a.t == b.t && a.triangle < b.triangle);
+}
+
+/// Sorts a ray's hits in place: a heap (J. W. J. Williams, "Algorithm 232: Heapsort", 1964), so
+/// that a long row takes O(n log n) and no memory.
+RAYSHEAF_HD inline void sort_row(EngineHit* hits, std::uint64_t count) {
+  const auto sink = [&](std::uint64_t at, std::uint64_t end) {
+    const EngineHit hit = hits[at];
+    for (std::uint64_t child = 2 * at + 1; child < end; child = 2 * at + 1) {
+      if (child + 1 < end && stands_before(hits[child], hits[child + 1])) ++child;
+      if (!stands_before(hit, hits[child])) break;
+      hits[at] = hits[child];
+      at = child;
+    }
+    hits[at] = hit;
+  };
+  for (std::uint64_t i = count / 2; i-- > 0;) sink(i, count);
+  for (std::uint64_t end = count; end-- > 1;) {
+    const EngineHit last = hits[end];
+    hits[end] = hits[0];
+    hits[0] = last;
+    sink(0, end);
+  }
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,268 @@
+// Stage 1 of the ray-triangle test (intersect/triangle_body.h), over rays in lanes or over the
+// triangles of a quad. Included by methods/dual/trace_simd.cpp, inside its namespace.
+//
+// A lane that hits has an interval that holds t as rounded; what is neither surely a hit within the
+// ray's limits nor surely none goes to stage 2. No operation is fused, so that intervals, and with
+// them what rays visit, are the same on every target.
+
+template <class D>
+struct Corner {
+  hn::Vec<D> x, y, z;
+};
+
+template <class D>
+HWY_INLINE Corner<D> sheared(D /*d*/, hn::Vec<D> x, hn::Vec<D> y, hn::Vec<D> z, hn::Vec<D> shear_x,
+                             hn::Vec<D> shear_y) {
+  return {hn::Sub(x, hn::Mul(shear_x, z)), hn::Sub(y, hn::Mul(shear_y, z)), z};
+}
+
+template <class V>
+HWY_INLINE V edge_of(V px, V py, V qx, V qy) {
+  return hn::Sub(hn::Mul(px, qy), hn::Mul(py, qx));
+}
+
+/// What stage 1 says of lanes.
+template <class D>
+struct Tested {
+  hn::Mask<D> hit, unsettled;
+  hn::Vec<D> low, high;  ///< of t, where hit
+  hn::Vec<D> det;        ///< its sign tells the side that is met
+};
+
+/// The edge functions of lanes and how far they may be off.
+template <class D>
+struct Edges {
+  hn::Vec<D> u, v, w, size, error, least, most;
+  hn::Mask<D> possible;  ///< not surely misses
+};
+template <class D>
+HWY_INLINE Edges<D> edges_of(D d, const Corner<D>& a, const Corner<D>& b, const Corner<D>& c,
+                             hn::Vec<D> reach) {
+  using hn::Add, hn::Max, hn::Min, hn::Mul, hn::Set;
+  Edges<D> e;
+  e.u = edge_of(c.x, c.y, b.x, b.y);
+  e.v = edge_of(a.x, a.y, c.x, c.y);
+  e.w = edge_of(b.x, b.y, a.x, a.y);
+  e.size = Add(hn::Abs(a.z), reach);
+  e.error =
+      Mul(e.size, Add(Mul(Set(d, kErrorOfSquare), e.size), Mul(Set(d, kErrorOfReach), reach)));
+  e.least = Min(Min(e.u, e.v), e.w);
+  e.most = Max(Max(e.u, e.v), e.w);
+  e.possible = hn::Not(hn::Gt(Min(hn::Neg(e.least), e.most), e.error));
+  return e;
+}
+
+template <class D>
+HWY_INLINE void finish_lanes(D d, const Corner<D>& a, const Corner<D>& b, const Corner<D>& c,
+                             const Edges<D>& e, hn::Vec<D> reach, hn::Vec<D> shear_z,
+                             hn::Vec<D> t_min, hn::Vec<D> t_limit, Tested<D>* out) {
+  using hn::Abs, hn::Add, hn::And, hn::AndNot, hn::Ge, hn::Gt, hn::Le, hn::Lt, hn::Mul, hn::Or;
+  using V = hn::Vec<D>;
+  const auto all = [&](float x) { return hn::Set(d, x); };
+  const V det = Add(Add(e.u, e.v), e.w), size = Abs(det), per_det = hn::Div(all(1), det);
+  const V distance = Add(Add(Mul(e.u, Mul(shear_z, a.z)), Mul(e.v, Mul(shear_z, b.z))),
+                         Mul(e.w, Mul(shear_z, c.z)));
+  const V t = Mul(distance, per_det), far = Abs(distance);
+  const V of_weights = Mul(Mul(all(kErrorOfWeights), Mul(e.error, reach)), Abs(per_det));
+  const V half = Mul(Abs(shear_z), Add(of_weights, Mul(all(kErrorOfDepth), e.size)));
+  out->low = hn::Sub(t, half);
+  out->high = Add(t, half);
+  out->det = det;
+  const auto around = Gt(hn::Max(e.least, hn::Neg(e.most)), e.error);
+  const auto normal = And(And(Ge(size, all(kSmallDeterminant)), Le(size, all(kLargeDeterminant))),
+                          And(And(Ge(far, all(kSmallDistance)), Le(far, all(kLargeDeterminant))),
+                              Ge(half, all(kSmallInterval))));
+  const auto sure = And(around, normal);
+  const auto beyond = Or(Lt(out->high, t_min), Gt(out->low, t_limit));
+  out->hit = And(sure, And(Ge(out->low, t_min), Le(out->high, t_limit)));
+  const auto settled = Or(Or(out->hit, And(sure, beyond)), Gt(t_min, t_limit));
+  out->unsettled = AndNot(settled, e.possible);
+}
+
+/// False where no lane can be a hit; `out` is then not written.
+template <class D>
+HWY_INLINE bool test_lanes(D d, const Corner<D>& a, const Corner<D>& b, const Corner<D>& c,
+                           hn::Vec<D> reach, hn::Vec<D> shear_z, hn::Vec<D> t_min,
+                           hn::Vec<D> t_limit, Tested<D>* out) {
+  const Edges<D> edges = edges_of(d, a, b, c, reach);
+  if (HWY_LIKELY(hn::AllFalse(d, edges.possible))) return false;
+  finish_lanes(d, a, b, c, edges, reach, shear_z, t_min, t_limit, out);
+  return true;
+}
+
+/// Calls `take(first lane, tested)` for the groups of lanes in which there may be a hit.
+template <class Take>
+HWY_INLINE void triangle_in_packet(const RayPacket& p, const TriangleQuad& q, std::uint32_t k,
+                                   const Take& take) {
+  const Rays d;
+  const float(*corner)[3][4] = &q.vertex[0];
+  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    const RV ox = load(p.ox + g), oy = load(p.oy + g), oz = load(p.oz + g);
+    const RV sx = load(p.shear_x + g), sy = load(p.shear_y + g);
+    const auto moved = [&](int i) {
+      return sheared(d, hn::Sub(set(corner[i][p.axis_x][k]), ox),
+                     hn::Sub(set(corner[i][p.axis_y][k]), oy),
+                     hn::Sub(set(corner[i][p.axis_z][k]), oz), sx, sy);
+    };
+    Tested<Rays> tested;
+    if (test_lanes(d, moved(0), moved(1), moved(2), set(q.reach[k]), load(p.shear_z + g),
+                   load(p.t_min + g), load(p.t_limit + g), &tested))
+      take(g, tested);
+  }
+}
+
+/// The corners of the triangle at a place in the tree's quads, four each.
+struct PlacedCorners {
+  Vec3 a, b, c;
+  PlacedCorners(const ObjectTree& tree, std::uint32_t place)
+      : PlacedCorners(tree, place, 0, 1, 2) {}
+  /// Along the axes of rays.
+  PlacedCorners(const ObjectTree& tree, std::uint32_t place, const QuarterAxes& axes)
+      : PlacedCorners(tree, place, axes.axis_x, axes.axis_y, axes.axis_z) {}
+
+ private:
+  PlacedCorners(const ObjectTree& tree, std::uint32_t place, int x, int y, int z) {
+    const TriangleQuad& q = tree.quads[place / 4];
+    const std::uint32_t k = place % 4;
+    const auto corner = [&](int i) {
+      return Vec3{q.vertex[i][x][k], q.vertex[i][y][k], q.vertex[i][z][k]};
+    };
+    a = corner(0), b = corner(1), c = corner(2);
+  }
+};
+
+/// The number of the triangle at a place.
+inline std::uint32_t id_at(const ObjectTree& tree, std::uint32_t place) {
+  return tree.quads[place / 4].id[place % 4];
+}
+
+/// What a query keeps of the hits it meets.
+struct ClosestMode {
+  static constexpr bool kAny = false, kAll = false;
+};
+struct AnyMode {
+  static constexpr bool kAny = true, kAll = false;
+};
+struct AllMode {
+  static constexpr bool kAny = false, kAll = true;
+};
+
+/// Where a hit's t lies; both ends are t itself once it is settled.
+struct Interval {
+  float low, high;
+};
+
+/// The best hit of a ray that looks for the closest, as far as it is known.
+struct BestHit {
+  float *low, *high;     ///< of its t; t_max of the ray where there is none
+  std::uint32_t* place;  ///< of its triangle; kInvalidId: none
+
+  /// Takes a hit of a triangle at `at`, whose t is `t`, if it is better; settles what is kept where
+  /// the two cannot be told apart. Returns whether it was taken.
+  bool take_settled(const ObjectTree& tree, const Ray& ray, std::uint32_t at, float t) const {
+    if (t > *high) return false;
+    if (!(t < *low) && *place != kInvalidId) {
+      if (*low != *high) {
+        const PlacedCorners p(tree, *place);
+        *low = *high = values_of_hit(ray.origin, ray.direction, p.a, p.b, p.c).t;
+      }
+      if (t > *high || (t == *high && id_at(tree, at) >= id_at(tree, *place))) return false;
+    }
+    *low = *high = t;
+    *place = at;
+    return true;
+  }
+};
+
+/// Stages 2 and 3 for a ray of the caller's and the triangle at a place, in [t_min, t_max].
+HWY_NOINLINE bool settle_at(const ObjectTree& tree, const Ray& ray, std::uint32_t place,
+                            float t_max, TriangleHit* hit) {
+  const PlacedCorners p(tree, place);
+  return line_meets_triangle(ray.origin, ray.direction, p.a, p.b, p.c, hit) &&
+         is_within(hit->t, ray.t_min, t_max);
+}
+
+/// Lanes whose interval ends before the plane of the triangle at a place, or begins beyond it.
+HWY_NOINLINE std::uint32_t lanes_beyond_plane(const ObjectTree& tree, const QuarterAxes& axes,
+                                              std::uint32_t place, const SetupColumns& rays) {
+  const PlacedCorners p(tree, place, axes);
+  return lanes_beyond(ray_lanes(), rays, p.a, p.b, p.c);
+}
+/// The columns of a packet's or a block's rays from lane `g` on.
+template <class Columns>
+HWY_INLINE SetupColumns columns_from(const Columns& r, std::size_t g) {
+  return {r.ox + g,      r.oy + g,      r.oz + g,    r.shear_x + g,
+          r.shear_y + g, r.shear_z + g, r.t_min + g, r.t_limit + g};
+}
+
+/// The values of sixteen rays' hits, each with the triangle at its place; kInvalidId: none.
+class HitValues {
+ public:
+  /// `index`: of rays in `rays`, kPacketWidth of them.
+  HWY_INLINE void fill(const ObjectTree& tree, const Ray* rays, const std::uint32_t* index,
+                       const std::uint32_t* places) {
+    const Rays d;
+    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+      RV o[3], l[3], t_min, t_max;
+      gather4(rays, 0, index + g, o[0], o[1], o[2], t_min);
+      gather4(rays, 1, index + g, l[0], l[1], l[2], t_max);
+      for (int axis = 0; axis < 3; ++axis) {
+        hn::Store(o[axis], d, columns_.origin[axis] + g);
+        hn::Store(l[axis], d, columns_.direction[axis] + g);
+      }
+    }
+    hits_ = 0;
+    for (std::uint32_t i = 0; i < kPacketWidth; ++i) {
+      const std::uint32_t place = places[i] != kInvalidId ? places[i] : 0;
+      const float* const from = &tree.quads[place / 4].vertex[0][0][place % 4];
+      for (int k = 0; k < 9; ++k) columns_.corner[k / 3][k % 3][i] = from[4 * k];
+      hits_ |= (places[i] != kInvalidId ? 1u : 0u) << i;
+      places_[i] = places[i];
+    }
+  }
+  /// Writes `hits`, by number of triangle.
+  HWY_INLINE void store(const ObjectTree& tree, EngineHit* hits) {
+    settle_values(hits_, &columns_);
+    const Rays d;
+    const RayInts di;
+    alignas(64) std::uint32_t ids[kPacketWidth];
+    for (std::uint32_t i = 0; i < kPacketWidth; ++i)
+      ids[i] = places_[i] != kInvalidId ? id_at(tree, places_[i]) : kInvalidId;
+    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+      const auto id = hn::Load(di, ids + g);
+      const RM met = lanes_of(hits_, g);
+      store4(hn::IfThenElse(met, load(columns_.t + g), set(EngineHit().t)),
+             hn::IfThenElseZero(met, load(columns_.u + g)),
+             hn::IfThenElseZero(met, load(columns_.v + g)), hn::BitCast(d, id), 0, hits + g);
+    }
+  }
+
+ private:
+  ValueColumns columns_;
+  std::uint32_t places_[kPacketWidth];
+  std::uint32_t hits_ = 0;
+};
+static_assert(kValueLanes == kPacketWidth);
+
+/// What was found for the rays of a task, by places of triangles in the tree.
+inline void hand_over_rows(const TraceJob& job, const TraceTask& task, std::vector<RowHit>& found) {
+  if (job.rows == nullptr) return;
+  const ObjectTree& tree = *job.scene.tree;
+  HitValues values;
+  for (std::size_t base = 0; base < found.size(); base += kPacketWidth) {
+    alignas(64) std::uint32_t index[kPacketWidth], places[kPacketWidth];
+    alignas(64) EngineHit hits[kPacketWidth];
+    const std::size_t count = std::min<std::size_t>(kPacketWidth, found.size() - base);
+    for (std::size_t i = 0; i < kPacketWidth; ++i) {
+      const RowHit& row = found[base + (i < count ? i : 0)];
+      index[i] = job.order[row.place];
+      places[i] = row.hit.triangle;
+    }
+    values.fill(tree, job.rays, index, places);
+    values.store(tree, hits);
+    for (std::size_t i = 0; i < count; ++i) found[base + i].hit = hits[i];
+  }
+  const PacketRange last = job.packet(task.end - 1);
+  make_rows(*job.executor, found, job.packet(task.begin).first, last.first + last.count,
+            &(*job.rows)[task.number]);
+}

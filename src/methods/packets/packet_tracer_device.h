@@ -1,0 +1,227 @@
+// A tracer of packets on a device of a known kind; for the sources that make one.
+#pragma once
+
+#include <algorithm>
+
+#include "device/key_order_device.h"
+#include "device/report_times.h"
+#include "device/triangles_device.h"
+#include "exec/stopwatch.h"
+#include "methods/packets/packet_cuts_device.h"
+#include "methods/packets/packet_loops_device.h"
+
+namespace raysheaf {
+
+template <class Device>
+class PacketTracerOn : public PacketTracer {
+ public:
+  /// `capacity`: of each list of pairs, but for the least that a packet may need; the rest is what
+  /// the device is made from.
+  template <class... Args>
+  explicit PacketTracerOn(std::uint32_t capacity, Args&&... args)
+      : asked_capacity_(capacity), device_(std::forward<Args>(args)...) {}
+
+  void set_scene(const PacketScene& scene) override {
+    scene_triangles_.set(scene.triangles);
+    upload("copy: hierarchy", View<const BvhNode>(scene.bvh.nodes.data(), scene.bvh.nodes.size()),
+           &nodes_);
+    upload("copy: hierarchy", View<const std::uint32_t>(scene.bvh.triangles), &leaf_triangles_);
+    device_.synchronize("copy: triangles");
+    bounds_ = scene.bounds;
+    depth_ = scene.bvh.depth();
+    capacity_ = std::max(
+        {std::size_t{asked_capacity_}, scene.bvh.nodes.size(), std::size_t{scene.bvh.leaf_count}});
+  }
+
+  PacketOutcome trace(View<const Ray> rays, View<const std::uint32_t> keys,
+                      const PacketQuery& query, View<EngineHit> hits) override {
+    PacketOutcome outcome;
+    if (rays.empty()) return outcome;
+    Stopwatch watch;
+    check_item_count("rays", std::size_t{2} * rays.size);
+    device_.keep_times(query.report != nullptr);
+    upload("copy: rays", rays, &given_);
+    outcome.chunks = order_.sort(keys, rays.size, query.key_bits);
+    view_ = {};
+    view_.rays = given_.view_const();
+    view_.list = scene_triangles_.list();
+    best_.resize_uninitialized("trace: final tests", rays.size);
+    begin_hits_on(device_, best_.view());
+    View<const std::uint32_t> order = order_.order();
+    if (nodes_.size() != 0) {
+      make_packets(query);
+      order = cuts_.order();
+      trace_packets(&outcome.counts);
+    }
+    hits_.resize_uninitialized("trace: hits", rays.size);
+    scatter_best_on(device_, view_, best_.view_const(), order.data, hits_.data());
+    device_.copy("copy: hits", hits.data, hits_.data(), hits.size * sizeof(EngineHit));
+    device_.synchronize("hits");
+    if (query.report != nullptr) {
+      add_times(device_.times(), query.report);
+      query.report->total_ms += watch.lap_ms();
+    }
+    device_.keep_times(false);
+    return outcome;
+  }
+
+ private:
+  template <class T>
+  void upload(const char* stage, View<const T> from, DeviceBuffer<T>* to) {
+    to->resize_uninitialized(stage, from.size);
+    if (!from.empty()) device_.copy(stage, to->data(), from.data, from.size * sizeof(T));
+  }
+  /// Of the ordered rays, their bounds, and room for pairs.
+  void make_packets(const PacketQuery& query) {
+    const std::size_t rays = given_.size();
+    sorted_keys_.resize_uninitialized("hierarchy: packets", order_.keys().size);
+    if (!order_.keys().empty())
+      gather(device_, "hierarchy: packets", order_.keys(), order_.order(), sorted_keys_.view());
+    cuts_.cut({given_.view_const(), order_.order(), sorted_keys_.view_const(), query.key_bits},
+              query.most_rays);
+    rays_.resize_uninitialized("order: rays", rays);
+    gather(device_, "order: rays", given_.view_const(), cuts_.order(), rays_.view());
+    ends_.resize_uninitialized("hierarchy: packets", std::size_t{2} * rays);
+    frusta_.resize_uninitialized("hierarchy: packets", cuts_.packets().size);
+    bound_packets_on(device_, rays_.view_const(), cuts_.packets(), bounds_, ends_.data(),
+                     frusta_.data());
+    for (List* list : {&queue_, &next_, &leaves_}) {
+      list->packets.resize_uninitialized("trace: queue", capacity_);
+      list->places.resize_uninitialized("trace: queue", capacity_);
+    }
+    met_.resize_uninitialized("trace: queue", capacity_);
+    for (DeviceBuffer<std::uint32_t>* column : {&boxes_, &node_counts_, &leaf_counts_})
+      column->resize_uninitialized("trace: queue", capacity_);
+    for (DeviceBuffer<std::uint64_t>* places : {&box_sums_, &node_places_, &leaf_places_})
+      places->resize_uninitialized("trace: queue", capacity_ + 1);
+    view_ = {rays_.view_const(), cuts_.packets(),        frusta_.data(), view_.list,
+             nodes_.data(),      leaf_triangles_.data(), query.facing,   query.early_out};
+  }
+
+  void trace_packets(PacketCounts* counts) {
+    counts->tests.resize(depth_ + 1);
+    counts->hits.resize(depth_ + 1);
+    counts_ = counts;
+    final_tests_.resize_uninitialized("trace: final tests", 1);
+    device_.fill("trace: final tests", final_tests_.view(), 0);
+    const std::size_t packets = view_.packets.size;
+    std::size_t size = std::max<std::size_t>(1, capacity_ / 256);
+    for (std::size_t first = 0; first < packets;) {
+      const std::size_t count = std::min(size, packets - first);
+      if (!descend(static_cast<std::uint32_t>(first), count)) {
+        size = std::max<std::size_t>(1, count / 2);
+        continue;
+      }
+      const Packet begin = device_.read("trace: queue", view_.packets.data + first);
+      const Packet last = device_.read("trace: queue", view_.packets.data + first + count - 1);
+      meet_leaves({begin.first, last.first + last.count - begin.first});
+      first += count;
+    }
+    counts->final_tests = device_.read("trace: final tests", final_tests_.data());
+  }
+
+  /// The sum of `count` numbers; `places` takes the sums before each.
+  std::uint64_t sum(const DeviceBuffer<std::uint32_t>& numbers, std::size_t count,
+                    const DeviceBuffer<std::uint64_t>& places) {
+    device_.exclusive_scan("trace: queue", numbers.view_const().slice(0, count),
+                           places.view().slice(0, count + 1));
+    return device_.read("trace: queue", places.data() + count);
+  }
+
+  /// Fills `leaves_` with those that the packets met; false, and nothing counted, where that takes
+  /// more than the capacity.
+  bool descend(std::uint32_t first, std::size_t count) {
+    std::vector<std::uint64_t> tests(depth_), hits(depth_);
+    leaf_pairs_ = 0;
+    begin_queue_on(device_, first, count, queue_.pairs());
+    for (std::uint32_t depth = 0; count != 0; ++depth) {
+      meet_nodes_on(device_, view_, queue_.pairs(), count, met_.data(),
+                    {boxes_.data(), node_counts_.data(), leaf_counts_.data()});
+      tests[depth] = sum(boxes_, count, box_sums_);
+      const std::uint64_t nodes = sum(node_counts_, count, node_places_);
+      const std::uint64_t leaves = sum(leaf_counts_, count, leaf_places_);
+      hits[depth] = nodes + leaves;
+      if (nodes > capacity_ || leaf_pairs_ + leaves > capacity_) return false;
+      advance_on(device_, view_, queue_.pairs(), count, met_.data(), node_places_.data(),
+                 next_.pairs(), leaf_places_.data(), leaves_.pairs_from(leaf_pairs_));
+      leaf_pairs_ += leaves;
+      std::swap(queue_, next_);
+      count = nodes;
+    }
+    for (std::uint32_t depth = 0; depth < depth_; ++depth) {
+      counts_->tests[depth_ - depth] += tests[depth];
+      counts_->hits[depth_ - depth] += hits[depth];
+    }
+    return true;
+  }
+
+  /// What is in the leaves, near ones first, with the rays of the range.
+  void meet_leaves(Packet range) {
+    const std::size_t pairs = leaf_pairs_;
+    if (pairs == 0) return;
+    count_candidates_on(device_, view_, leaves_.pairs(), pairs, boxes_.data(), node_counts_.data());
+    counts_->tests[0] += sum(boxes_, pairs, box_sums_);
+    const std::uint64_t count = sum(node_counts_, pairs, node_places_);
+    counts_->hits[0] += count;
+    if (count == 0) return;
+    check_item_count("trace: leaves", count);
+    by_triangle_.resize_uninitialized("trace: leaves", count, true);
+    by_begin_.resize_uninitialized("trace: leaves", count, true);
+    keys_.resize_uninitialized("trace: leaves", count);
+    triangles_.resize_uninitialized("trace: leaves", count);
+    list_candidates_on(device_, view_, leaves_.pairs(), pairs, node_places_.data(),
+                       {triangles_.data(), keys_.data()});
+    // By triangle, then, stable, by packet and begin.
+    device_.copy("trace: leaves", by_triangle_.keys.data(), triangles_.data(),
+                 count * sizeof(std::uint32_t));
+    number(device_, "trace: leaves", by_triangle_.values.view());
+    device_.sort_pairs("trace: leaves", &by_triangle_, {0, 32});
+    gather(device_, "trace: leaves", keys_.view_const(), by_triangle_.values.view_const(),
+           by_begin_.keys.view());
+    device_.copy("trace: leaves", by_begin_.values.data(), by_triangle_.keys.data(),
+                 count * sizeof(std::uint32_t));
+    device_.sort_pairs("trace: leaves", &by_begin_, {0, 64});
+    meet_candidates_on(device_, view_, {by_begin_.keys.view_const(), by_begin_.values.data()},
+                       range, best_.data(), final_tests_.data());
+  }
+
+  struct List {
+    explicit List(DeviceAllocator& allocator) : packets(allocator), places(allocator) {}
+    [[nodiscard]] PacketPairs pairs() const { return pairs_from(0); }
+    [[nodiscard]] PacketPairs pairs_from(std::size_t first) const {
+      return {packets.data() + first, places.data() + first};
+    }
+    DeviceBuffer<std::uint32_t> packets, places;
+  };
+
+  const std::uint32_t asked_capacity_;
+  Device device_;
+  DeviceAllocator& memory_ = device_.allocator();
+  GivenTriangles<Device> scene_triangles_{device_};
+  DeviceBuffer<BvhNode> nodes_{memory_};
+  DeviceBuffer<std::uint32_t> leaf_triangles_{memory_};
+  DeviceBuffer<Ray> given_{memory_}, rays_{memory_};
+  KeyOrderOn<Device> order_{device_};
+  DeviceBuffer<std::uint32_t> sorted_keys_{memory_};
+  PacketCutsOn<Device> cuts_{device_};
+  DeviceBuffer<RayEnd> ends_{memory_};
+  DeviceBuffer<PacketFrustum> frusta_{memory_};
+  DeviceBuffer<RayHit> best_{memory_};
+  DeviceBuffer<EngineHit> hits_{memory_};
+  DeviceBuffer<std::uint64_t> final_tests_{memory_};
+  List queue_{memory_}, next_{memory_}, leaves_{memory_};
+  DeviceBuffer<Met> met_{memory_};
+  DeviceBuffer<std::uint32_t> boxes_{memory_}, node_counts_{memory_}, leaf_counts_{memory_};
+  DeviceBuffer<std::uint64_t> box_sums_{memory_}, node_places_{memory_}, leaf_places_{memory_};
+  DeviceBuffer<std::uint32_t> triangles_{memory_};
+  DeviceBuffer<std::uint64_t> keys_{memory_};
+  SortColumns<std::uint32_t> by_triangle_{memory_};
+  SortColumns<std::uint64_t> by_begin_{memory_};
+  Box bounds_;
+  std::uint32_t depth_ = 0;
+  std::size_t capacity_ = 0, leaf_pairs_ = 0;
+  PacketView view_;
+  PacketCounts* counts_ = nullptr;
+};
+
+}  // namespace raysheaf

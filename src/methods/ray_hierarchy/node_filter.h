@@ -1,0 +1,46 @@
+// One node of the ray hierarchy against many triangles: the SIMD kernels of the traversal.
+//
+// A triangle is given as its ball (four arrays: centre x, y, z, radius), as its corners (nine:
+// corner 0 x, y, z, corner 1 x, ...), or as both (corners, then ball), whatever the test needs.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "methods/ray_hierarchy/beam_box_body.h"
+#include "methods/ray_hierarchy/cone_sphere_body.h"
+#include "methods/ray_hierarchy/finite_cone_body.h"
+
+namespace raysheaf {
+
+inline constexpr std::size_t kBallFields = 4;
+inline constexpr std::size_t kCornerFields = 9;
+
+template <std::size_t kFields>
+using FieldPointers = std::array<const float*, kFields>;
+
+/// Both must meet the triangle.
+struct ShaftConeTest {
+  BeamTest shaft;
+  FiniteConeTest cone;
+};
+
+/// Write the numbers (from 0) of the triangles that `meets` accepts, ascending, and return how many
+/// there are. `out` has room for `count` rounded up to 16. The same answers on every SIMD target.
+std::uint32_t filter(const ConeSphereTest& node, const FieldPointers<kBallFields>& fields,
+                     std::uint32_t count, std::uint32_t* out);
+std::uint32_t filter(const FiniteConeTest& node, const FieldPointers<kBallFields>& fields,
+                     std::uint32_t count, std::uint32_t* out);
+std::uint32_t filter(const BeamTest& node, const FieldPointers<kCornerFields>& fields,
+                     std::uint32_t count, std::uint32_t* out);
+std::uint32_t filter(const FrustumTest& node, const FieldPointers<kCornerFields>& fields,
+                     std::uint32_t count, std::uint32_t* out);
+std::uint32_t filter(const ShaftConeTest& node,
+                     const FieldPointers<kCornerFields + kBallFields>& fields, std::uint32_t count,
+                     std::uint32_t* out);
+
+/// out[i] = from[index[i]].
+void gather_floats(const float* from, const std::uint32_t* index, std::uint32_t count, float* out);
+
+}  // namespace raysheaf

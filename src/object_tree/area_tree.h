@@ -1,0 +1,71 @@
+// Trees over boxes by the surface area heuristic: over all triangles for the fine object tree, over
+// clusters of triangles for the one that is rebuilt each frame.
+//
+//   top            [ . . . . . . . . ]       few nodes, split one level after the other
+//   parts     [. . .]   [. . . .]   [. .]    each by one task, from the top down
+//   items      7 2 9 |   4 0 1 8 |   3 5     brought into the order of the leaves
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/view.h"
+#include "exec/executor.h"
+#include "object_tree/bvh.h"
+#include "raysheaf/types.h"
+
+namespace raysheaf {
+
+/// A box and what is in it.
+struct alignas(32) AreaItem {
+  Vec3 min;
+  std::uint32_t ref = 0;  ///< the caller's
+  Vec3 max;
+  std::uint32_t weight = 0;  ///< its cost, where a ray meets the box
+};
+static_assert(sizeof(AreaItem) == 32);
+
+/// What a child of a node is.
+struct AreaChild {
+  enum Kind : std::uint32_t { kItems, kNode, kPart };
+  Kind kind = kItems;
+  /// kItems: [first, first + count) of the items; kNode: a node of the same list; kPart: the root
+  /// of a part.
+  std::uint32_t first = 0, count = 0;
+};
+
+struct AreaNode {
+  Box box[kBvhWidth];
+  AreaChild child[kBvhWidth];
+  std::uint32_t children = 0;
+  std::uint32_t mark = 0;  ///< the caller's
+};
+
+/// Items [first, first + count), which more than one leaf must hold, and the nodes over them: [0]
+/// is the root, children stand after parents.
+struct AreaPart {
+  std::uint32_t first = 0, count = 0;
+  Box box;
+  std::vector<AreaNode> nodes;
+};
+
+struct AreaTree {
+  std::vector<AreaNode> top;  ///< none where `parts` has one
+  std::vector<AreaPart> parts;
+  std::size_t part_count = 0;  ///< how many of `parts` are in use
+
+  [[nodiscard]] std::size_t memory_bytes() const;
+};
+
+struct AreaOptions {
+  std::uint32_t leaf_items = 1;  ///< the most that a leaf holds
+  bool three_axes = false;       ///< look for cuts along all axes, not the widest alone
+};
+
+/// A node opens the child of largest surface until it has eight. Cuts are the best among bins of
+/// the centres (Goldsmith & Salmon 1987; Wald 2007, "On fast Construction of SAH-based Bounding
+/// Volume Hierarchies"). Items are reordered. O(n log n); the same with any number of threads.
+void build_area_tree(const Executor& executor, View<AreaItem> items, const AreaOptions& options,
+                     AreaTree* tree);
+
+}  // namespace raysheaf

@@ -1,0 +1,206 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "base/bits.h"
+#include "base/vec.h"
+#include "object_tree/curve_order.h"
+#include "object_tree/tree_kernels.h"
+
+namespace raysheaf {
+namespace {
+
+constexpr std::uint32_t kMinSortBlock = 8192, kMostSortBlocks = 32;
+constexpr std::uint32_t kMostBucketBits = 12;
+/// Buckets that follow each other share a task up to this many triangles.
+constexpr std::uint32_t kTaskTriangles = 1024;
+/// Fewer are sorted by comparison.
+constexpr std::uint32_t kFewItems = 64;
+/// More take digits of 11 bits, fewer of 8, whose counters are sooner cleared.
+constexpr std::uint32_t kManyItems = 16384;
+
+/// Where more than this part of the triangles begins another bucket than the triangle before, they
+/// are carried along instead of looked for afterwards.
+constexpr double kMostJumps = 0.3;
+/// Fewer are in a cache wherever they are.
+constexpr double kManyTriangles = 200000;
+
+/// Moves an item of a sort by insertion, above which digits are faster.
+constexpr std::uint32_t kMostMoves = 4;
+
+struct Block {
+  std::uint32_t begin, end, kept = 0, jumps = 0;
+  Box centers;
+  std::vector<std::uint32_t> left_out;
+};
+
+std::vector<Block> blocks_of(std::uint32_t count) {
+  std::vector<Block> blocks(std::clamp(count / kMinSortBlock, 1u, kMostSortBlocks));
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    blocks[b].begin = static_cast<std::uint32_t>(std::uint64_t{count} * b / blocks.size());
+    blocks[b].end = static_cast<std::uint32_t>(std::uint64_t{count} * (b + 1) / blocks.size());
+  }
+  return blocks;
+}
+
+MortonCurve curve_through(const Box& centers, std::uint32_t count) {
+  MortonCurve curve;
+  curve.low = centers.min;
+  curve.id_bits = std::max(1u, bits_for(count));
+  curve.bits = std::min(16u, (64 - curve.id_bits) / 3);
+  const float size = max_component(centers.max - centers.min);
+  if (!(size > 0)) return curve;
+  curve.up = size < 0x1p-60f ? 0x1p80f : 1;
+  curve.scale = static_cast<float>(1u << curve.bits) / (size * curve.up);
+  return curve;
+}
+
+/// Turns the blocks' counts of keys into the places of their first ones; returns the first place of
+/// every bucket.
+std::vector<std::uint32_t> count_to_place(std::size_t blocks, std::size_t buckets,
+                                          std::uint32_t* counters) {
+  std::vector<std::uint32_t> starts(buckets + 1);
+  for (std::size_t block = 0; block < blocks; ++block)
+    for (std::size_t b = 0; b < buckets; ++b) starts[b + 1] += counters[block * buckets + b];
+  for (std::size_t b = 0; b < buckets; ++b) starts[b + 1] += starts[b];
+  std::vector<std::uint32_t> place(starts.begin(), starts.end() - 1);
+  for (std::size_t block = 0; block < blocks; ++block)
+    for (std::size_t b = 0; b < buckets; ++b) {
+      const std::uint32_t count = counters[block * buckets + b];
+      counters[block * buckets + b] = place[b];
+      place[b] += count;
+    }
+  return starts;
+}
+
+/// How often the bucket changes, estimated from every eighth key.
+std::uint32_t jumps_between(View<const std::uint64_t> keys, std::uint32_t shift) {
+  std::uint32_t jumps = 0;
+  for (std::size_t i = 8; i < keys.size; i += 8) jumps += (keys[i] ^ keys[i - 1]) >> shift != 0;
+  return 8 * jumps;
+}
+
+bool in_no_order(const std::vector<Block>& blocks) {
+  double jumps = 0, kept = 0;
+  for (const Block& block : blocks) jumps += block.jumps, kept += block.kept;
+  return kept >= kManyTriangles && jumps > kMostJumps * kept;
+}
+
+/// Halves [begin, end) of the buckets, along the curve's own cells, until a task is small.
+void make_tasks(const std::vector<std::uint32_t>& starts, std::size_t begin, std::size_t end,
+                std::vector<CurveTask>* tasks) {
+  const std::uint32_t first = starts[begin], count = starts[end] - first;
+  if (count == 0) return;
+  if (count <= kTaskTriangles || end - begin == 1) {
+    tasks->push_back({first, count});
+    return;
+  }
+  const std::size_t middle = begin + (end - begin) / 2;
+  make_tasks(starts, begin, middle, tasks);
+  make_tasks(starts, middle, end, tasks);
+}
+
+template <std::uint32_t kBits>
+void sort_by_digits(std::uint64_t* items, std::uint64_t* spare, std::uint32_t count,
+                    std::uint64_t differing) {
+  constexpr std::uint32_t kBuckets = 1u << kBits;
+  std::uint64_t *from = items, *to = spare;
+  while (differing != 0) {
+    const auto shift = static_cast<std::uint32_t>(std::countr_zero(differing));
+    const auto digit = [&](std::uint64_t item) { return (item >> shift) & (kBuckets - 1); };
+    std::uint32_t place[kBuckets] = {};
+    for (std::uint32_t i = 0; i < count; ++i) ++place[digit(from[i])];
+    std::uint32_t sum = 0;
+    for (std::uint32_t& p : place) sum += std::exchange(p, sum);
+    for (std::uint32_t i = 0; i < count; ++i) to[place[digit(from[i])]++] = from[i];
+    std::swap(from, to);
+    differing = shift + kBits < 64 ? differing >> (shift + kBits) << (shift + kBits) : 0;
+  }
+  if (from != items) std::memcpy(items, from, count * sizeof *items);
+}
+
+/// Sorts by insertion what is all but sorted. Gives up, with the items in another order, where that
+/// takes more than a few moves an item.
+bool finish_sorting(std::uint64_t* items, std::uint32_t count, std::uint32_t id_bits) {
+  std::uint64_t moves = 0;
+  for (std::uint32_t i = 1; i < count; ++i) {
+    const std::uint64_t item = items[i];
+    std::uint32_t to = i;
+    for (; to > 0 && item >> id_bits < items[to - 1] >> id_bits; --to) items[to] = items[to - 1];
+    items[to] = item;
+    moves += i - to;
+    if (moves > kMostMoves * std::uint64_t{count}) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::uint32_t bucket_along_curve(const Executor& executor, const TriangleSource& source,
+                                 TreeScratch* scratch, std::vector<std::uint32_t>* left_out) {
+  const std::uint32_t count = source.count;
+  left_out->clear();
+  scratch->tasks.clear();
+  if (count == 0) return 0;
+  constexpr std::size_t kPadding = 64;
+  const std::size_t column = count + kPadding;
+  scratch->centers.resize_uninitialized(3 * column);
+  float* const x = scratch->centers.data();
+  const CenterColumns centers{{x, x + column, x + 2 * column}};
+  std::vector<Block> blocks = blocks_of(count);
+  executor.for_each(blocks.size(), 1, [&](std::size_t b) {
+    Block& block = blocks[b];
+    measure_centers(source, block.begin, block.end, centers, &block.centers, &block.left_out);
+  });
+  Box bounds;
+  for (const Block& block : blocks) {
+    bounds.min = min(bounds.min, block.centers.min);
+    bounds.max = max(bounds.max, block.centers.max);
+    left_out->insert(left_out->end(), block.left_out.begin(), block.left_out.end());
+  }
+  const MortonCurve curve = curve_through(bounds, count);
+  const std::uint32_t bucket_bits =
+      std::min({kMostBucketBits, 3 * curve.bits, std::max(8u, curve.id_bits) - 8});
+  const std::size_t buckets = std::size_t{1} << bucket_bits;
+  const std::uint32_t bucket_shift = 3 * curve.bits - bucket_bits;
+  scratch->keys.resize_uninitialized(count);
+  scratch->sorted.resize_uninitialized(count);
+  scratch->counters.resize_uninitialized(blocks.size() * buckets);
+  executor.for_each(blocks.size(), 1, [&](std::size_t b) {
+    std::uint32_t* counts = scratch->counters.data() + b * buckets;
+    std::fill_n(counts, buckets, 0u);
+    blocks[b].kept = write_keys(centers, curve, blocks[b].begin, blocks[b].end, bucket_shift,
+                                scratch->keys.data() + blocks[b].begin, counts);
+    blocks[b].jumps = jumps_between({scratch->keys.data() + blocks[b].begin, blocks[b].kept},
+                                    curve.id_bits + bucket_shift);
+  });
+  const std::vector<std::uint32_t> starts =
+      count_to_place(blocks.size(), buckets, scratch->counters.data());
+  scratch->records.resize_uninitialized(in_no_order(blocks) ? count : 0);
+  TriangleRecord* records = in_no_order(blocks) ? scratch->records.data() : nullptr;
+  executor.for_each(blocks.size(), 1, [&](std::size_t b) {
+    scatter_keys(source, {scratch->keys.data() + blocks[b].begin, blocks[b].kept}, curve,
+                 bucket_shift, scratch->counters.data() + b * buckets, scratch->sorted.data(),
+                 records);
+  });
+  make_tasks(starts, 0, buckets, &scratch->tasks);
+  return curve.id_bits;
+}
+
+void sort_run(std::uint64_t* items, std::uint64_t* spare, std::uint32_t count,
+              std::uint32_t id_bits) {
+  if (count <= kFewItems) return std::sort(items, items + count);
+  std::uint64_t differing = 0;
+  for (std::uint32_t i = 1; i < count; ++i) differing |= items[i] ^ items[0];
+  differing = differing >> id_bits << id_bits;
+  if (differing == 0) return;
+  if (count > kManyItems) return sort_by_digits<11>(items, spare, count, differing);
+  const auto width = static_cast<std::uint32_t>(std::bit_width(differing));
+  const std::uint32_t low = width > 16 ? width - 16 : 0;
+  sort_by_digits<8>(items, spare, count, differing >> low << low);
+  if (low > id_bits && !finish_sorting(items, count, id_bits))
+    sort_by_digits<8>(items, spare, count, differing);
+}
+
+}  // namespace raysheaf

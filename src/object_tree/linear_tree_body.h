@@ -1,0 +1,167 @@
+// A binary tree over triangles along a Morton curve: its parts, and new boxes for its nodes. How
+// nodes come to be is in object_tree/linear_build_body.h.
+//
+//   keys   0001  0010  0100  0101  1001 ...   ascending and all different: a cell, then a number
+//   runs   those whose keys share a prefix that their neighbours do not share. A run of at most
+//          kLinearLeaf triangles that is no part of another such is a leaf
+//
+// Boxes come from below: of two who arrive at a node, the second goes on.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "base/bits.h"
+#include "base/vec.h"
+#include "exec/atomic.h"
+#include "geom/ray_end.h"
+#include "rays/key_body.h"
+
+namespace raysheaf {
+
+inline constexpr std::uint32_t kLinearLeaf = 4;
+/// No way down has more nodes (`join_runs`).
+inline constexpr std::uint32_t kLinearDepth = 64;
+/// A child that is a leaf: the place of its first triangle.
+inline constexpr std::uint32_t kLeafBit = 0x80000000u;
+
+/// A triangle at its place along the curve.
+struct alignas(16) LinearTriangle {
+  Vec3 a;
+  std::uint32_t id = 0;  ///< its number
+  Vec3 b;
+  std::uint32_t flags = 0;  ///< TriangleFlag
+  Vec3 c;
+  std::uint32_t ends_leaf = 0;  ///< 1 where it is the last of its leaf
+};
+static_assert(sizeof(LinearTriangle) == 48);
+
+struct alignas(64) LinearNode {
+  Box box[2];              ///< of the children
+  std::uint32_t child[2];  ///< a node, or a place with kLeafBit
+  std::uint32_t height;    ///< of the nodes from here down to the farthest leaf
+};
+static_assert(sizeof(LinearNode) == 64);
+
+/// [0] is the root of more than kLinearLeaf triangles; of fewer, there are no nodes and one leaf.
+struct LinearTreeView {
+  const LinearNode* nodes = nullptr;
+  const LinearTriangle* triangles = nullptr;
+  std::uint32_t count = 0;
+};
+
+/// Floats as words in the same order: -0 just before +0.
+RAYSHEAF_HD inline std::uint32_t ordered_word(float x) {
+  const std::uint32_t bits = float_bits(x);
+  return (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
+}
+RAYSHEAF_HD inline float float_of_word(std::uint32_t word) {
+  return bits_float((word & 0x80000000u) != 0 ? word & 0x7fffffffu : ~word);
+}
+
+/// A box that many threads enlarge: what is lowered are its minimum and its maximum's opposite. All
+/// bits set is the empty one.
+struct SharedBox {
+  std::uint32_t word[6];
+};
+RAYSHEAF_HD inline SharedBox shared_box(const Box& box) {
+  return {{ordered_word(box.min.x), ordered_word(box.min.y), ordered_word(box.min.z),
+           ordered_word(-box.max.x), ordered_word(-box.max.y), ordered_word(-box.max.z)}};
+}
+RAYSHEAF_HD inline void enlarge(SharedBox* shared, const Box& box) {
+  const SharedBox words = shared_box(box);
+  for (int i = 0; i < 6; ++i) lower_to(&shared->word[i], words.word[i]);
+}
+RAYSHEAF_HD inline Box box_of(const SharedBox& shared) {
+  const auto low = [&](int i) { return float_of_word(shared.word[i]); };
+  return {{low(0), low(1), low(2)}, {-low(3), -low(4), -low(5)}};
+}
+
+RAYSHEAF_HD inline Box triangle_box(Vec3 a, Vec3 b, Vec3 c) {
+  return {min(min(a, b), c), max(max(a, b), c)};
+}
+
+/// How keys are made up.
+struct LinearKeys {
+  std::uint32_t id_bits = 1, axis_bits = 16;
+
+  RAYSHEAF_HD explicit LinearKeys(std::uint32_t count) {
+    const std::uint32_t needed = bits_for(count), most = (64 - needed) / 3;
+    id_bits = needed > 1 ? needed : 1;
+    axis_bits = most < 16 ? most : 16;
+  }
+  [[nodiscard]] std::uint32_t bits() const { return id_bits + 3 * axis_bits; }
+};
+
+/// The cell of a triangle's centre in the cube of the scene's box, above its number.
+RAYSHEAF_HD inline std::uint64_t linear_key(const LinearKeys& keys, const Box& scene,
+                                            const Box& box, std::uint32_t id) {
+  const Vec3 center = box.min * 0.5f + box.max * 0.5f;
+  const Cell<3> cell = cube_cell(key_cube(scene), center, keys.axis_bits);
+  return morton_place(cell) << keys.id_bits | id;
+}
+
+/// The number of leading bits that the keys at two places share; -1 beyond the ends.
+RAYSHEAF_HD inline int shared_prefix(const std::uint64_t* keys, std::int64_t count, std::int64_t i,
+                                     std::int64_t j) {
+  if (j < 0 || j >= count) return -1;
+  return leading_zeros(keys[i] ^ keys[j]);
+}
+
+/// A child's number and side, as its parent is remembered: 2 * node + side; kInvalidId: none.
+struct LinearParents {
+  std::uint32_t* of_node;
+  std::uint32_t* of_leaf;  ///< by the leaf's first place
+};
+
+RAYSHEAF_HD inline void set_parent(LinearParents parents, std::uint32_t child,
+                                   std::uint32_t parent) {
+  ((child & kLeafBit) != 0 ? parents.of_leaf[child & ~kLeafBit] : parents.of_node[child]) = parent;
+}
+
+/// Half the surface of a box within the scene's, in parts that are the scene's longest side squared
+/// over 2^20: a ray that meets the scene meets its boxes as often as their surfaces are large, and
+/// sums of whole numbers are the same in any order. 0 where that side is 0, or no number.
+RAYSHEAF_HD inline std::uint64_t surface_parts(const Box& box, const Box& scene) {
+  const Vec3 sides = scene.max - scene.min;
+  const float longest = max_component(sides);
+  if (!(longest > 0 && longest <= std::numeric_limits<float>::max())) return 0;
+  const Vec3 d = (box.max - box.min) * (1 / longest);
+  const float half = d.x * d.y + d.y * d.z + d.z * d.x;
+  return half > 0 && half <= 4 ? static_cast<std::uint64_t>(half * 0x1p20f) : 0;
+}
+
+/// The box of the leaf that begins at `place`.
+RAYSHEAF_HD inline Box leaf_box(const LinearTriangle* triangles, std::uint32_t place) {
+  Box box;
+  for (bool more = true; more; ++place) {
+    const LinearTriangle& t = triangles[place];
+    box = box_union(box, triangle_box(t.a, t.b, t.c));
+    more = t.ends_leaf == 0;
+  }
+  return box;
+}
+
+/// Where a leaf begins at `place`: its box to its parent, and on up until a node waits for its
+/// other child. `arrived` has a zero for each node. Returns the sum of `surface_parts` of the boxes
+/// that were found.
+RAYSHEAF_HD inline std::uint64_t fit_boxes(const LinearTriangle* triangles, std::uint32_t place,
+                                           const SharedBox& scene, LinearParents parents,
+                                           std::uint32_t* arrived, LinearNode* nodes) {
+  std::uint32_t up = parents.of_leaf[place];
+  if (up == kInvalidId) return 0;
+  const Box whole = box_of(scene);
+  std::uint64_t surface = 0;
+  Box box = leaf_box(triangles, place);
+  for (;;) {
+    const std::uint32_t at = up / 2;
+    LinearNode& node = nodes[at];
+    node.box[up & 1] = box;
+    surface += surface_parts(box, whole);
+    if (at == 0 || arrive_at(&arrived[at]) == 0) return surface;
+    box = box_union(node.box[0], node.box[1]);
+    up = parents.of_node[at];
+  }
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,142 @@
+#include <algorithm>
+#include <bit>
+
+#include "object_tree/curve_order.h"
+#include "object_tree/object_tree.h"
+#include "object_tree/tree_emission.h"
+#include "object_tree/tree_kernels.h"
+#include "object_tree/tree_scratch.h"
+
+namespace raysheaf {
+namespace {
+
+/// Of a run of the curve: more leaves than a node has children.
+constexpr std::uint32_t kClosed = kBvhWidth + 1;
+
+/// So few triangles become two leaves, wherever their cells meet: fuller quads, at a price in
+/// surface that rises with their number (docs/object.md).
+constexpr std::uint32_t kTwoLeaves = 6;
+
+/// Cuts a sorted run into leaves, and its leaves into clusters, at the highest bit in which keys
+/// differ: the cells of an octree, cut along one axis after the other.
+class CurveCutter {
+ public:
+  CurveCutter(const std::uint64_t* sorted, std::uint32_t id_bits, std::uint8_t* leaf_sizes,
+              std::uint8_t* cluster_sizes)
+      : sorted_(sorted), id_bits_(id_bits), leaf_(leaf_sizes), cluster_(cluster_sizes) {}
+
+  void cut(CurveTask* task) {
+    std::uint8_t *const leaves = leaf_, *const clusters = cluster_;
+    close(cut(0, task->count));
+    task->leaf_count = static_cast<std::uint32_t>(leaf_ - leaves);
+    task->cluster_count = static_cast<std::uint32_t>(cluster_ - clusters);
+  }
+
+ private:
+  /// How many leaves there are, or kClosed, where they are in clusters already.
+  std::uint32_t cut(std::uint32_t begin, std::uint32_t end) {
+    if (end - begin <= kQuadTriangles) {
+      *leaf_++ = static_cast<std::uint8_t>(end - begin);
+      return 1;
+    }
+    std::uint32_t middle = place_of_cut(begin, end);
+    if (end - begin <= kTwoLeaves)
+      middle = std::clamp(middle, end - kQuadTriangles, begin + kQuadTriangles);
+    const std::uint32_t left = cut(begin, middle);
+    // What is on the left closes before anything on the right does, so that clusters stay in order.
+    std::uint8_t* const after_left = cluster_;
+    const std::uint32_t right = cut(middle, end);
+    if (left + right <= kBvhWidth) return left + right;
+    if (left <= kBvhWidth) {
+      std::move_backward(after_left, cluster_, cluster_ + 1);
+      *after_left = static_cast<std::uint8_t>(left);
+      ++cluster_;
+    }
+    close(right);
+    return kClosed;
+  }
+
+  void close(std::uint32_t leaves) {
+    if (leaves <= kBvhWidth) *cluster_++ = static_cast<std::uint8_t>(leaves);
+  }
+
+  [[nodiscard]] std::uint32_t place_of_cut(std::uint32_t begin, std::uint32_t end) const {
+    const std::uint64_t differing = (sorted_[begin] ^ sorted_[end - 1]) >> id_bits_;
+    if (differing == 0) return begin + (end - begin) / 2;
+    const auto bit = static_cast<std::uint32_t>(std::bit_width(differing)) - 1 + id_bits_;
+    std::uint32_t length = end - begin, last_clear = begin;
+    while (length > 1) {
+      const std::uint32_t half = length / 2;
+      last_clear += (sorted_[last_clear + half] >> bit & 1) == 0 ? half : 0;
+      length -= half;
+    }
+    return last_clear + 1;
+  }
+
+  const std::uint64_t* sorted_;
+  std::uint32_t id_bits_;
+  std::uint8_t *leaf_, *cluster_;
+};
+
+void sort_and_cut(const Executor& executor, std::uint32_t id_bits, TreeScratch* scratch) {
+  executor.for_each(scratch->tasks.size(), 1, [&](std::size_t t) {
+    CurveTask& task = scratch->tasks[t];
+    std::uint64_t* items = scratch->sorted.data() + task.first;
+    sort_run(items, scratch->keys.data() + task.first, task.count, id_bits);
+    CurveCutter(items, id_bits, scratch->leaf_sizes.data() + task.first,
+                scratch->cluster_sizes.data() + task.first)
+        .cut(&task);
+  });
+}
+
+/// The leaves' quads and boxes, and the clusters' boxes.
+void write_quads(const Executor& executor, const TriangleSource& source, std::uint32_t id_bits,
+                 TreeScratch* scratch, ObjectTree* tree) {
+  const TriangleRecord* records = scratch->records.size() != 0 ? scratch->records.data() : nullptr;
+  executor.for_each(scratch->tasks.size(), 1, [&](std::size_t t) {
+    const CurveTask& task = scratch->tasks[t];
+    AreaItem* leaf = scratch->leaves.data() + task.first_leaf;
+    write_leaves(source, records, scratch->sorted.data() + task.first, id_bits,
+                 scratch->leaf_sizes.data() + task.first, task.leaf_count,
+                 tree->quads.data() + task.first_leaf, leaf);
+    for (std::uint32_t c = 0; c < task.cluster_count; ++c) {
+      const std::uint32_t size = scratch->cluster_sizes[task.first + c];
+      AreaItem cluster = *leaf;
+      for (std::uint32_t i = 1; i < size; ++i) {
+        cluster.min = min(cluster.min, leaf[i].min);
+        cluster.max = max(cluster.max, leaf[i].max);
+      }
+      cluster.ref = static_cast<std::uint32_t>(leaf - scratch->leaves.data());
+      cluster.weight = size;
+      scratch->clusters[task.first_cluster + c] = cluster;
+      leaf += size;
+    }
+  });
+}
+
+}  // namespace
+
+void build_object_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree) {
+  TreeScratch& scratch = tree->scratch;
+  const std::uint32_t id_bits = bucket_along_curve(executor, source, &scratch, &tree->left_out);
+  tree->triangles = source.count - static_cast<std::uint32_t>(tree->left_out.size());
+  scratch.leaf_sizes.resize_uninitialized(source.count);
+  scratch.cluster_sizes.resize_uninitialized(source.count);
+  sort_and_cut(executor, id_bits, &scratch);
+  std::uint32_t leaves = 0, clusters = 0;
+  for (CurveTask& task : scratch.tasks) {
+    task.first_leaf = leaves;
+    task.first_cluster = clusters;
+    leaves += task.leaf_count;
+    clusters += task.cluster_count;
+  }
+  tree->quads.resize_uninitialized(leaves);
+  scratch.leaves.resize_uninitialized(leaves);
+  scratch.clusters.resize_uninitialized(clusters);
+  write_quads(executor, source, id_bits, &scratch, tree);
+  build_area_tree(executor, {scratch.clusters.data(), clusters}, {}, &scratch.upper);
+  emit_nodes(executor, scratch.upper, {scratch.clusters.data(), clusters},
+             {scratch.leaves.data(), leaves}, tree);
+}
+
+}  // namespace raysheaf

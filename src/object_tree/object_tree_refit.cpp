@@ -1,0 +1,174 @@
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <iterator>
+
+#include "base/vec.h"
+#include "object_tree/object_tree.h"
+#include "object_tree/tree_emission.h"
+#include "object_tree/tree_kernels.h"
+#include "object_tree/triangle_reader.h"
+#include "scene/flatten_body.h"
+
+namespace raysheaf {
+namespace {
+
+bool gained_area(const Executor& executor, const TriangleSource& source,
+                 const MovedTriangles& moved, const std::vector<std::uint32_t>& left_out) {
+  std::atomic<bool> gained{false};
+  executor.for_each(left_out.size(), kWorkGrain, [&](std::size_t i) {
+    if (!moved.all() && !moved.has(left_out[i])) return;
+    const TriangleRun& run = source.runs[source.run_of(left_out[i])];
+    const std::array<Vec3, 3> c = run.corners(left_out[i] - run.first);
+    if (!has_no_area(c[0], c[1], c[2])) gained.store(true, std::memory_order_relaxed);
+  });
+  return gained;
+}
+
+/// Lanes whose triangle certainly has an area, as in tree_kernels_simd.cpp.
+unsigned surely_differ(Float4 p, Float4 q) {
+  return greater_lanes(abs(p - q), all4(0x1p-20f) * (abs(p) + abs(q)) + all4(0x1p-100f));
+}
+bool surely_have_area(const TriangleQuad& quad) {
+  Float4 u[3], v[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const Float4 a = load4(quad.vertex[0][axis]);
+    u[axis] = load4(quad.vertex[1][axis]) - a;
+    v[axis] = load4(quad.vertex[2][axis]) - a;
+  }
+  return (surely_differ(u[1] * v[2], u[2] * v[1]) | surely_differ(u[2] * v[0], u[0] * v[2]) |
+          surely_differ(u[0] * v[1], u[1] * v[0])) == 0xf;
+}
+
+/// Makes points of triangles that have no area.
+void flatten(TriangleQuad* quad) {
+  for (int lane = 0; lane < 4; ++lane) {
+    Vec3 p[3];
+    for (int k = 0; k < 3; ++k)
+      p[k] = {quad->vertex[k][0][lane], quad->vertex[k][1][lane], quad->vertex[k][2][lane]};
+    if (!has_no_area(p[0], p[1], p[2])) continue;
+    for (int k = 1; k < 3; ++k)
+      for (int axis = 0; axis < 3; ++axis)
+        quad->vertex[k][axis][lane] = quad->vertex[0][axis][lane];
+  }
+  store_reach(quad);
+}
+
+Box box_of(const TriangleQuad& quad) {
+  Box box;
+  for (const auto& corner : quad.vertex)
+    for (int lane = 0; lane < 4; ++lane) {
+      const Vec3 p{corner[0][lane], corner[1][lane], corner[2][lane]};
+      box = {min(box.min, p), max(box.max, p)};
+    }
+  return box;
+}
+
+/// New corners and the box of a quad that has its numbers.
+void refill(TriangleReader* reader, TriangleQuad* quad, AreaItem* leaf) {
+  LoadedTriangle t[4];
+  for (std::uint32_t i = 0; i < 4; ++i) t[i] = load_corners(reader->corners(quad->id[i]));
+  Float4 low = t[0].corner[0], high = low;
+  for (const LoadedTriangle& triangle : t)
+    for (const Float4 p : triangle.corner) low = min(low, p), high = max(high, p);
+  store_quad(t, quad);
+  store4(low, &leaf->min.x);
+  store4(high, &leaf->max.x);
+  if (surely_have_area(*quad)) return;
+  flatten(quad);
+  const Box box = box_of(*quad);
+  leaf->min = box.min;
+  leaf->max = box.max;
+}
+
+/// The quads [begin, end), and memory asked for ahead.
+void refill_quads(const TriangleSource& source, std::size_t begin, std::size_t end,
+                  const ObjectTree& tree) {
+  constexpr std::size_t kIndicesAhead = 10, kCornersAhead = 4;
+  TriangleReader reader(source);
+  for (std::size_t q = begin; q < end; ++q) {
+    if (q + kIndicesAhead < end)
+      for (const std::uint32_t id : tree.quads[q + kIndicesAhead].id) reader.prefetch_index(id);
+    if (q + kCornersAhead < end)
+      for (const std::uint32_t id : tree.quads[q + kCornersAhead].id) reader.prefetch_corners(id);
+    refill(&reader, &tree.quads[q], &tree.scratch.leaves[q]);
+  }
+}
+
+/// The same of those with a triangle that has moved.
+void refill_moved(const TriangleSource& source, const MovedTriangles& moved, std::size_t begin,
+                  std::size_t end, const ObjectTree& tree) {
+  TriangleReader reader(source);
+  for (std::size_t q = begin; q < end; ++q) {
+    TriangleQuad& quad = tree.quads[q];
+    const bool any = std::any_of(std::begin(quad.id), std::end(quad.id),
+                                 [&](std::uint32_t id) { return moved.has(id); });
+    tree.scratch.moved_quads[q] = any ? 1 : 0;
+    if (any) refill(&reader, &quad, &tree.scratch.leaves[q]);
+  }
+}
+
+void set_child_box(BvhNode* node, std::uint32_t c, const Box& box) {
+  for (int axis = 0; axis < 3; ++axis) {
+    node->bound[axis][c] = component(box.min, axis);
+    node->bound[3 + axis][c] = component(box.max, axis);
+  }
+}
+
+/// New boxes for the children of the nodes [begin, end) that have moved, from the last up; returns
+/// the sum of `cost_below`.
+double refit_nodes(std::uint32_t begin, std::uint32_t end, bool all, const ObjectTree& tree) {
+  const TreeScratch& scratch = tree.scratch;
+  double cost = 0;
+  for (std::uint32_t n = end; n-- > begin;) {
+    BvhNode& node = tree.nodes[n];
+    std::uint8_t moved = 0;
+    for (std::uint32_t c = 0; c < node.children; ++c) {
+      const std::uint32_t first = node.first[c];
+      if (!all && (node.is_leaf(c) ? scratch.moved_quads : scratch.moved_nodes)[first] == 0)
+        continue;
+      moved = 1;
+      Box box;
+      if (node.is_leaf(c)) {
+        const AreaItem& leaf = tree.scratch.leaves[node.first[c]];
+        box = {leaf.min, leaf.max};
+      } else {
+        node_box(tree.nodes[node.first[c]], &box);
+      }
+      set_child_box(&node, c, box);
+    }
+    if (!all) scratch.moved_nodes[n] = moved;
+    cost += cost_below(node);
+  }
+  return cost;
+}
+
+}  // namespace
+
+bool refit_object_tree(const Executor& executor, const TriangleSource& source,
+                       const MovedTriangles& moved, ObjectTree* tree) {
+  if (gained_area(executor, source, moved, tree->left_out)) return false;
+  if (tree->empty()) return true;
+  const bool all = moved.all();
+  tree->scratch.leaves.resize_uninitialized(tree->quads.size());
+  if (!all) {
+    tree->scratch.moved_quads.resize_uninitialized(tree->quads.size());
+    tree->scratch.moved_nodes.resize_uninitialized(tree->nodes.size());
+  }
+  executor.for_each_block(tree->quads.size(), kWorkGrain, [&](std::size_t begin, std::size_t end) {
+    if (all) return refill_quads(source, begin, end, *tree);
+    refill_moved(source, moved, begin, end, *tree);
+  });
+  const std::vector<std::uint32_t>& starts = tree->region_starts;
+  std::vector<double> costs(starts.size() - 1);
+  executor.for_each(costs.size() - 1, 1, [&](std::size_t r) {
+    costs[r + 1] = refit_nodes(starts[r + 1], starts[r + 2], all, *tree);
+  });
+  costs[0] = refit_nodes(starts[0], starts[1], all, *tree);
+  double below = 0;
+  for (const double cost : costs) below += cost;
+  finish_tree(below, tree);
+  return true;
+}
+
+}  // namespace raysheaf

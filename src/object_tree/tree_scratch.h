@@ -1,0 +1,50 @@
+// What a rebuild of the object tree needs besides the tree, kept from one frame to the next.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/buffer.h"
+#include "object_tree/area_tree.h"
+
+namespace raysheaf {
+
+/// A run of the curve that one task sorts and cuts into leaves and clusters.
+struct CurveTask {
+  std::uint32_t first = 0, count = 0;               ///< triangles, by place on the curve
+  std::uint32_t leaf_count = 0, cluster_count = 0;  ///< found by the task
+  std::uint32_t first_leaf = 0, first_cluster = 0;  ///< sums over the tasks before
+};
+
+/// A triangle, carried along.
+struct TriangleRecord {
+  Vec3 corner[3];
+  std::uint32_t id;
+};
+static_assert(sizeof(TriangleRecord) == 40);
+
+struct TreeScratch {
+  /// Doubled centres, three columns, which later make room for `sorted`.
+  Buffer<float> centers;
+  Buffer<std::uint64_t> keys;          ///< curve key above the triangle's number
+  Buffer<std::uint64_t> sorted;        ///< the same in the order of the curve
+  Buffer<TriangleRecord> records;      ///< in buckets, where the source is in no order; else none
+  Buffer<std::uint8_t> leaf_sizes;     ///< triangles of each leaf, from its task's first on
+  Buffer<std::uint8_t> cluster_sizes;  ///< leaves of each cluster, likewise
+  Buffer<std::uint32_t> counters;      ///< buckets of each block
+  Buffer<AreaItem> leaves;             ///< boxes of leaves, by number of their quad
+  Buffer<AreaItem> clusters;           ///< boxes of runs of leaves
+  Buffer<std::uint8_t> moved_quads, moved_nodes;  ///< of a refit
+  std::vector<CurveTask> tasks;
+  AreaTree upper;
+
+  [[nodiscard]] std::size_t memory_bytes() const {
+    return centers.capacity_bytes() + keys.capacity_bytes() + sorted.capacity_bytes() +
+           records.capacity_bytes() + leaf_sizes.capacity_bytes() + cluster_sizes.capacity_bytes() +
+           counters.capacity_bytes() + leaves.capacity_bytes() + clusters.capacity_bytes() +
+           moved_quads.capacity_bytes() + moved_nodes.capacity_bytes() +
+           tasks.capacity() * sizeof(CurveTask) + upper.memory_bytes();
+  }
+};
+
+}  // namespace raysheaf

@@ -1,0 +1,76 @@
+// Corners of triangles by number, on their way into quads.
+#pragma once
+
+#include "intersect/triangle_body.h"
+#include "object_tree/float4.h"
+#include "object_tree/object_tree.h"
+
+namespace raysheaf {
+
+/// Finds triangles' corners; remembers the run of the last.
+class TriangleReader {
+ public:
+  struct Corners {
+    const Vec3* p[3];
+  };
+
+  explicit TriangleReader(const TriangleSource& source) : source_(source), run_(source.runs.data) {}
+
+  Corners corners(std::uint32_t id) {
+    if (id - run_->first >= run_->count) run_ = &source_.runs[source_.run_of(id)];
+    return corners_in_run(id - run_->first);
+  }
+  /// Asks for the memory, where it belongs to the run of the last.
+  void prefetch_index(std::uint32_t id) const {
+    const std::uint32_t i = id - run_->first;
+    if (i < run_->count && run_->triangles != nullptr) __builtin_prefetch(&run_->triangles[i]);
+  }
+  /// The same; reads the indices.
+  void prefetch_corners(std::uint32_t id) const {
+    const std::uint32_t i = id - run_->first;
+    if (i >= run_->count) return;
+    const Corners c = corners_in_run(i);
+    for (const Vec3* p : c.p) __builtin_prefetch(p);
+  }
+
+ private:
+  [[nodiscard]] Corners corners_in_run(std::uint32_t i) const {
+    if (run_->triangles == nullptr) {
+      const Vec3* p = run_->positions + std::size_t{3} * i;
+      return {{p, p + 1, p + 2}};
+    }
+    const auto& t = run_->triangles[i];
+    return {{run_->positions + t[0], run_->positions + t[1], run_->positions + t[2]}};
+  }
+
+  const TriangleSource& source_;
+  const TriangleRun* run_;
+};
+
+struct LoadedTriangle {
+  Float4 corner[3];
+};
+
+inline LoadedTriangle load_corners(const TriangleReader::Corners& c) {
+  return {{load3(*c.p[0]), load3(*c.p[1]), load3(*c.p[2])}};
+}
+
+/// `reach_of` of a quad's triangles.
+inline void store_reach(TriangleQuad* quad) {
+  Float4 extent = all4(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    const Float4 a = load4(quad->vertex[0][axis]), b = load4(quad->vertex[1][axis]);
+    const Float4 c = load4(quad->vertex[2][axis]);
+    extent = max(extent, max(max(a, b), c) - min(min(a, b), c));
+  }
+  store4(extent, quad->reach);
+  for (float& reach : quad->reach) reach = reach_of_extent(reach);
+}
+
+inline void store_quad(const LoadedTriangle (&t)[4], TriangleQuad* quad) {
+  for (int k = 0; k < 3; ++k)
+    store_columns(t[0].corner[k], t[1].corner[k], t[2].corner[k], t[3].corner[k], quad->vertex[k]);
+  store_reach(quad);
+}
+
+}  // namespace raysheaf

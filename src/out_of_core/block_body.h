@@ -1,0 +1,102 @@
+// What a block of triangles that streams past rays does with one of them: on the CPU and on
+// devices.
+#pragma once
+
+#include "geom/ray_end.h"
+#include "geom/shaft.h"
+#include "methods/dual/dual.h"
+#include "methods/ray_hierarchy/beam_box_body.h"
+#include "raysheaf/stream.h"
+
+namespace raysheaf {
+
+/// Children of a node of the tree over the rays.
+inline constexpr std::uint32_t kRayBranching = 16;
+/// As many as rays of 32 bits can have.
+inline constexpr std::uint32_t kMostRayLevels = 8;
+
+/// The nodes of a level from those, or the rays, below it.
+RAYSHEAF_HD inline std::size_t nodes_above(std::size_t below) {
+  return (below + kRayBranching - 1) / kRayBranching;
+}
+
+/// Whether a hit of `ray` with a triangle in `box` may be reported, as geom/ray_end.h has it.
+//
+// The line's point at a hit's t lies in the box grown by the slack. Quotients and the differences
+// before them are rounded: gamma(4) of the parameters, as there.
+[[nodiscard]] RAYSHEAF_HD inline bool may_meet(const Ray& ray, const Box& box) {
+  const Vec3 lo = box.min - ray.origin, hi = box.max - ray.origin;
+  const float pad = kEndSlack * max_component(max(abs(lo), abs(hi))) + kTinySlack;
+  float enter = ray.t_min, exit = ray.t_max;
+  clip_to_slab(lo.x - pad, hi.x + pad, ray.direction.x, &enter, &exit);
+  clip_to_slab(lo.y - pad, hi.y + pad, ray.direction.y, &enter, &exit);
+  clip_to_slab(lo.z - pad, hi.z + pad, ray.direction.z, &enter, &exit);
+  return enter * (1 - gamma(4)) <= exit * (1 + gamma(4));
+}
+
+/// Between the nearest points of two boxes; a number, however far they are.
+RAYSHEAF_HD inline float squared_gap(const Box& a, const Box& b) {
+  const Vec3 gap = max(max(a.min - b.max, b.min - a.max), {0, 0, 0});
+  const float squared = dot(gap, gap);
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  return squared < kLargest ? squared : kLargest;
+}
+
+/// What `precedes` says.
+RAYSHEAF_HD inline bool comes_before(const Hit& a, const Hit& b) {
+  if (a.t != b.t) return a.t < b.t;
+  if (a.geom_id != b.geom_id) return a.geom_id < b.geom_id;
+  if (a.inst_id != b.inst_id) return a.inst_id < b.inst_id;
+  return a.prim_id < b.prim_id;
+}
+
+/// A block where its arrays lie.
+struct BlockView {
+  std::uint32_t number = 0;  ///< of the block
+  View<const Vec3> positions;
+  const std::uint32_t* corners = nullptr;  ///< three a triangle: places in `positions`
+  View<const std::uint32_t> prim_ids;
+  View<const BlockPart> parts;
+
+  [[nodiscard]] RAYSHEAF_HD std::uint32_t count() const {
+    return static_cast<std::uint32_t>(prim_ids.size);
+  }
+};
+
+/// The place among the parts of a triangle's.
+RAYSHEAF_HD inline std::uint32_t part_of_triangle(View<const BlockPart> parts,
+                                                  std::uint32_t triangle) {
+  std::uint32_t first = 0;
+  for (auto count = static_cast<std::uint32_t>(parts.size); count > 1;) {
+    const std::uint32_t half = count / 2;
+    if (parts.data[first + half].first <= triangle) first += half;
+    count -= half;
+  }
+  return first;
+}
+
+/// What a hit with a triangle of the block is called.
+RAYSHEAF_HD inline Hit hit_in_block(const BlockView& block, const EngineHit& found) {
+  const BlockPart& part = block.parts.data[part_of_triangle(block.parts, found.triangle)];
+  return {found.t,      found.u,     found.v, block.prim_ids.data[found.triangle],
+          part.geom_id, part.inst_id};
+}
+
+/// `best` becomes the block's hit where that comes before; returns whether it did.
+RAYSHEAF_HD inline bool take_least(const BlockView& block, const EngineHit& found,
+                                   StreamHit* best) {
+  const Hit hit = hit_in_block(block, found);
+  if (best->block != kInvalidId && !comes_before(hit, best->hit)) return false;
+  best->hit = hit;
+  best->block = block.number;
+  best->part = part_of_triangle(block.parts, found.triangle);
+  best->triangle = found.triangle;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t vertex = block.corners[std::size_t{3} * found.triangle + k];
+    best->vertex[k] = vertex;
+    best->corner[k] = block.positions.data[vertex];
+  }
+  return true;
+}
+
+}  // namespace raysheaf

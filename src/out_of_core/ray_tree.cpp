@@ -1,0 +1,112 @@
+#include "out_of_core/ray_tree.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "base/bits.h"
+#include "methods/ray_hierarchy/hierarchy.h"
+
+namespace raysheaf {
+namespace {
+
+/// As many levels as leave no more than `kRayBranching` nodes at the top.
+std::uint32_t level_count(std::size_t rays) {
+  std::uint32_t levels = 1;
+  for (std::size_t nodes = div_ceil(rays, kRayBranching); nodes > kRayBranching; ++levels)
+    nodes = div_ceil(nodes, kRayBranching);
+  return levels;
+}
+
+}  // namespace
+
+RayTree::RayTree(const Executor& executor, View<const Ray> rays, const Box& scene)
+    : scene_(scene), rays_(rays.size), numbers_(rays.size) {
+  RayOrder order;
+  order_rays(executor, rays, Sorting::kCurve, &order);
+  executor.for_each(rays.size, kWorkGrain, [&](std::size_t i) {
+    numbers_[i] = order.rays[i];
+    rays_[i] = rays[order.rays[i]];
+  });
+  build(executor);
+}
+
+void RayTree::build(const Executor& executor) {
+  levels_.clear();
+  if (rays_.empty()) return;
+  const RayHierarchy<Shaft> tree =
+      build_hierarchy<Shaft>(executor, rays_, scene_, kRayBranching, level_count(rays_.size()));
+  for (const std::vector<Shaft>& shafts : tree.levels) {
+    std::vector<BeamTest>& tests = levels_.emplace_back(shafts.size());
+    executor.for_each(shafts.size(), kWorkGrain,
+                      [&](std::size_t i) { tests[i] = make_node_test(shafts[i]); });
+  }
+}
+
+void RayTree::refresh(const Executor& executor) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < rays_.size(); ++i) {
+    if (numbers_[i] == kInvalidId) continue;
+    rays_[kept] = rays_[i];
+    numbers_[kept++] = numbers_[i];
+  }
+  rays_.resize(kept);
+  numbers_.resize(kept);
+  build(executor);
+}
+
+template <class Leaf>
+void RayTree::walk(const Box& box, const Leaf& leaf) const {
+  struct Node {
+    std::uint32_t level, index;
+  };
+  // A node's children replace it, on each of a handful of levels.
+  Node stack[kRayBranching * 9];
+  std::size_t top = 0;
+  if (levels_.empty()) return;
+  const auto level = static_cast<std::uint32_t>(levels_.size() - 1);
+  for (auto i = static_cast<std::uint32_t>(levels_.back().size()); i-- > 0;)
+    stack[top++] = {level, i};
+  while (top > 0) {
+    const Node node = stack[--top];
+    if (!raysheaf::meets(levels_[node.level][node.index], box)) continue;
+    const std::uint32_t first = node.index * kRayBranching;
+    if (node.level == 0) {
+      const auto end = std::min(first + kRayBranching, static_cast<std::uint32_t>(rays_.size()));
+      if (!leaf(node.index, first, end)) return;
+      continue;
+    }
+    const auto below = static_cast<std::uint32_t>(levels_[node.level - 1].size());
+    for (std::uint32_t i = std::min(first + kRayBranching, below); i-- > first;)
+      stack[top++] = {node.level - 1, i};
+  }
+}
+
+bool RayTree::meets(const Box& box) const {
+  bool found = false;
+  walk(box, [&](std::uint32_t /*node*/, std::uint32_t first, std::uint32_t end) {
+    for (std::uint32_t i = first; i < end && !found; ++i) found = may_meet(rays_[i], box);
+    return !found;
+  });
+  return found;
+}
+
+float RayTree::squared_distance(const Box& box) const {
+  float least = std::numeric_limits<float>::infinity();
+  walk(box, [&](std::uint32_t node, std::uint32_t /*first*/, std::uint32_t /*end*/) {
+    least = std::min(least, squared_gap(levels_[0][node].origins, box));
+    return least > 0;
+  });
+  return least < std::numeric_limits<float>::infinity() ? least : -1;
+}
+
+void RayTree::find(const Box& box, std::vector<std::uint32_t>* places) const {
+  places->clear();
+  walk(box, [&](std::uint32_t /*node*/, std::uint32_t first, std::uint32_t end) {
+    for (std::uint32_t i = first; i < end; ++i) {
+      if (may_meet(rays_[i], box)) places->push_back(i);
+    }
+    return true;
+  });
+}
+
+}  // namespace raysheaf

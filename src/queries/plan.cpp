@@ -1,0 +1,303 @@
+#include "queries/plan.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+
+#include "base/vec.h"
+#include "methods/dual/stream.h"
+#include "queries/fan_cost.h"
+#include "queries/picture_rows.h"
+#include "scene/flat_scene.h"
+
+namespace raysheaf {
+namespace {
+
+// Nanoseconds of one core.
+constexpr double kRefitTriangle = 20, kRebuildTriangle = 48, kFineTriangle = 380;
+constexpr double kRebuild = 2.5e6;    // whatever the triangles
+constexpr double kTraceRayLevel = 7;  // a ray, a doubling of the triangles
+
+// Where all rays start at one point.
+constexpr double kFanTriangle = 18, kFanPair = 90;
+constexpr double kFanRay = 19, kFanRayApart = 42;  // neighbours run alike, or do not
+constexpr double kFewFanPairs = 65536;             // take 6 MB, which nobody misses
+constexpr double kMostFanPairs = 1e9;              // they have numbers of 32 bits
+constexpr double kFanTake = 4;     // a ray that does not lie in memory: a tree needs it once
+constexpr double kPacketRay = 26;  // on a tree of few triangles
+constexpr double kSharedRay = 14, kSharedTriangle = 44;  // a ray, and one that has a triangle alone
+constexpr double kApartRay = 14, kApartRayLevel = 3.8;
+
+/// What a fine tree saves of the tracing.
+constexpr double kFineSaves = 0.1;
+
+constexpr std::size_t kGroups = 64, kFewestGroups = 8;
+
+std::string figures(const char* format, double a, double b = 0) {
+  char text[160];
+  std::snprintf(text, sizeof text, format, a, b);
+  return text;
+}
+
+/// The longest side; in binary64, where that of any box is finite.
+double extent(Vec3 low, Vec3 high) {
+  const double x = static_cast<double>(high.x) - low.x, y = static_cast<double>(high.y) - low.y;
+  return std::max({x, y, static_cast<double>(high.z) - low.z});
+}
+
+double trace_cost(const SceneHistory& scene, double rays) {
+  return rays * kTraceRayLevel * std::log2(2.0 + scene.triangles);
+}
+
+bool tries_fine_tree(const SceneHistory& scene) {
+  const double gain = kFineSaves * trace_cost(scene, static_cast<double>(scene.rays_since_change));
+  return gain > kFineTriangle * scene.triangles;
+}
+
+void choose_tree(const SceneHistory& scene, Plan* plan) {
+  const auto choose = [&](TreeWork work, std::string reason) {
+    plan->tree = work;
+    plan->reasons.push_back(std::move(reason));
+  };
+  if (!scene.built)
+    return choose(TreeWork::kRebuild, "object tree: built, for these triangles are new");
+  if (!scene.moved && (!scene.fine || scene.degraded) && tries_fine_tree(scene))
+    return choose(TreeWork::kRebuildFinely,
+                  "object tree: built finely, for so many rays have met triangles that stay");
+  if (scene.degraded)
+    return choose(TreeWork::kRebuild, "object tree: built again, for moves have spoilt it");
+  if (!scene.moved) return choose(TreeWork::kKeep, "object tree: kept, for no triangle has moved");
+  if (!scene.fine && scene.moves >= scene.patience)
+    return choose(TreeWork::kRebuildFinely,
+                  "object tree: built finely, to be refitted from now on, for the same triangles "
+                  "keep moving");
+  choose(TreeWork::kRefit, "object tree: refitted, for the same triangles have moved");
+}
+
+/// Of the tree before rays can go through it. Queries that this scene has had without a change say
+/// how many more may share it; moves that it will be refitted.
+double tree_cost(const SceneHistory& scene) {
+  if (scene.built && !scene.moved) return 0;
+  const bool refits = scene.built ? !scene.degraded : scene.moves >= scene.patience;
+  const double work =
+      refits ? kRefitTriangle * scene.triangles : kRebuild + kRebuildTriangle * scene.triangles;
+  return work / (1.0 + scene.queries_since_change);
+}
+
+Ray ray_at(const RaySource& rays, std::size_t i) {
+  Ray room;
+  return rays.peek(i, i + 1, &room)[0];
+}
+
+/// In a sample: the fan itself looks at all.
+bool seem_to_share_origin(const RaySource& rays) {
+  constexpr std::size_t kOriginSamples = 256;
+  const std::size_t stride = std::max<std::size_t>(1, rays.size() / kOriginSamples);
+  const Vec3 first = ray_at(rays, 0).origin;
+  for (std::size_t i = 0; i < rays.size(); i += stride) {
+    const Vec3 origin = ray_at(rays, i).origin;
+    if (std::memcmp(&origin, &first, sizeof(Vec3)) != 0) return false;
+  }
+  return true;
+}
+
+/// Below, packets of neighbours that run alike meet so few nodes that a stream's lists cost more.
+constexpr std::uint32_t kPacketTriangles = 4096;
+
+/// Of a ray through the tree, of `rays` that start at one point. Where neighbours run alike, the
+/// more rays there are for a triangle the more of them go down the tree together.
+double shared_ray_cost(const SceneHistory& scene, double rays, bool alike) {
+  const double apart = kApartRay + kApartRayLevel * std::log2(2.0 + scene.triangles);
+  if (!alike) return apart;
+  if (scene.triangles < kPacketTriangles) return kPacketRay;
+  return std::min(apart, kSharedRay + kSharedTriangle * std::sqrt(scene.triangles / rays));
+}
+
+/// Whether the rays fan out from a point and it pays to stream the triangles at them.
+bool chooses_fan(const SceneHistory& scene, const RaySource& rays, Plan* plan) {
+  // Farther out, products of the fan's differences overflow.
+  if (!(max_component(abs(ray_at(rays, 0).origin)) <= kLargestCoordinate)) return false;
+  if (!seem_to_share_origin(rays)) return false;
+  if (scene.fans.waits) {
+    plan->reasons.push_back(
+        "rays of one origin, but their fans were given up before the triangles changed: changes "
+        "until the next attempt: " +
+        std::to_string(scene.fans.pause + 1));
+    return false;
+  }
+  const auto count = static_cast<double>(rays.size());
+  const bool alike = sample_coherence(rays).directions_alike();
+  const double a_ray = (alike ? kFanRay : kFanRayApart) + (rays.is_in_place() ? 0 : kFanTake);
+  const double pairs = scene.fan_pairs * fan_pair_growth(count);  // a triangle
+  const double fan = a_ray * count + (kFanTriangle + kFanPair * pairs) * scene.triangles;
+  const double tree = tree_cost(scene) + shared_ray_cost(scene, count, alike) * count;
+  const bool chosen = fan < tree;
+  // Twice as many as would be worth it: what they cost is then not much more than what is lost.
+  const double worth = (tree - fan) / kFanPair + pairs * scene.triangles;
+  const double kept =
+      0.5 * count + 2.0 * scene.triangles;  // by their memory, as rays and triangles
+  const double most = std::min({2 * worth, kept, kMostFanPairs}) + kFewFanPairs;
+  if (chosen) plan->most_fan_pairs = static_cast<std::uint64_t>(most);
+  plan->reasons.push_back(figures(
+      chosen ? "rays of one origin: triangles stream against cells over them, about %.2g ms "
+               "of a core; an object tree about %.2g"
+             : "rays of one origin, but streaming the triangles is about %.2g ms of a core, "
+               "the object tree %.2g",
+      fan * 1e-6, tree * 1e-6));
+  return chosen;
+}
+
+void choose_bundle(const SceneHistory& scene, const RaySource& rays, const Box* whole, bool explain,
+                   Plan* plan) {
+  const Coherence found = sample_coherence(rays, whole);
+  const bool together = found.origins_alike(), tiny = scene.triangles < kPacketTriangles;
+  // Where rays start close together blocks are of some use; they are given up for longer streams.
+  const bool many = rays.size() > std::size_t{kQuarters} * kStreamRays;
+  plan->alike = together && found.directions_alike();
+  plan->bundle = plan->alike && tiny                  ? Bundle::kPacket
+                 : plan->alike || (together && !many) ? Bundle::kStream
+                                                      : Bundle::kLongStream;
+  if (plan->alike) plan->row = find_picture_row(rays);
+  if (!explain) return;
+  const std::string extent = whole != nullptr ? "scene's extent" : "batch's extent";
+  plan->reasons.push_back(
+      together
+          ? figures("rays: sixteen in a row start within %.2g %% of the ", 100 * found.origin) +
+                extent
+          : figures("rays: sixteen in a row start %.0f %% of the ", 100 * found.origin) + extent +
+                " apart");
+  const double alike = together ? 100 * found.direction : 0;
+  switch (plan->bundle) {
+    case Bundle::kPacket:
+      plan->reasons.push_back(
+          figures("bundles: packets of sixteen within beams, for triangles are few and %.0f %% of "
+                  "neighbours run alike",
+                  alike));
+      break;
+    case Bundle::kStream:
+      plan->reasons.push_back(
+          plan->alike ? figures("bundles: streams, for %.0f %% of neighbours run alike", alike)
+                      : figures("bundles: streams, for rays are no more than %.0f",
+                                kQuarters * kStreamRays));
+      break;
+    case Bundle::kLongStream:
+      plan->reasons.push_back(figures(
+          "bundles: long streams, for only %.0f %% of neighbours start and run alike", alike));
+      break;
+  }
+  if (plan->row == 0) return;
+  plan->reasons.push_back(
+      figures("order: tiles of four by four, for rows of %.0f rays lie beside each other",
+              static_cast<double>(plan->row)));
+}
+
+}  // namespace
+
+void FanHistory::change_triangles() {
+  if (given_up) {
+    pause = patience;
+    patience = std::min(kMostPatience, 2 * patience + 1);
+  } else if (done) {
+    patience /= 2;
+  }
+  done = given_up = false;
+  waits = pause > 0;
+  if (waits) --pause;
+}
+
+SceneHistory SceneHistory::replaced(std::uint32_t new_triangles) const {
+  SceneHistory fresh;
+  fresh.triangles = new_triangles;
+  fresh.fan_pairs = fresh.usual_fan_pairs = usual_fan_pairs;
+  fresh.fans = fans;
+  fresh.fans.change_triangles();
+  return fresh;
+}
+
+void SceneHistory::move() {
+  rays_since_change = 0;
+  queries_since_change = 0;
+  moved = true;
+  ++moves;
+  if (fans.given_up) fan_pairs = usual_fan_pairs;
+  fans.change_triangles();
+}
+
+void SceneHistory::wait_longer() {
+  constexpr std::uint64_t kLongest = std::numeric_limits<std::uint32_t>::max();
+  patience = static_cast<std::uint32_t>(std::min(kLongest, moves + std::uint64_t{2} * patience));
+}
+
+Coherence sample_coherence(const RaySource& rays, const Box* whole) {
+  constexpr std::size_t kGroup = 16;
+  // Of a small batch fewer: a look at it must not cost what going through it does.
+  const std::size_t groups =
+      std::min({kGroups, rays.size() / kGroup, kFewestGroups + rays.size() / 512});
+  if (groups == 0) return {};
+  const std::size_t stride = rays.size() / groups;
+  Vec3 low, high;
+  std::array<double, kGroups> extents{};
+  double alike = 0;
+  for (std::size_t g = 0; g < groups; ++g) {
+    Vec3 o0, o1, d0, d1;
+    std::uint32_t first = 0, same = 0;
+    std::array<Ray, kGroup> room;
+    const std::size_t begin = g * stride;
+    const View<const Ray> group = rays.peek(begin, begin + kGroup, room.data());
+    for (std::size_t i = 0; i < kGroup; ++i) {
+      const Ray& ray = group[i];
+      const Vec3 d = ray.direction / max_component(abs(ray.direction));
+      if (i == 0) first = quarter_of(d);
+      same += quarter_of(d) == first ? 1 : 0;
+      o0 = i == 0 ? ray.origin : min(o0, ray.origin);
+      o1 = i == 0 ? ray.origin : max(o1, ray.origin);
+      d0 = i == 0 ? d : min(d0, d);
+      d1 = i == 0 ? d : max(d1, d);
+    }
+    low = g == 0 ? o0 : min(low, o0);
+    high = g == 0 ? o1 : max(high, o1);
+    extents[g] = extent(o0, o1);
+    if (std::isnan(extents[g])) extents[g] = 0;
+    alike += same == kGroup && max_component(d1 - d0) < 0.5f ? 1 : 0;
+  }
+  // The middle one: a silhouette between neighbours is no sign of disorder.
+  std::nth_element(extents.begin(), extents.begin() + groups / 2, extents.begin() + groups);
+  const double size = whole != nullptr ? extent(whole->min, whole->max) : extent(low, high);
+  return {size > 0 ? extents[groups / 2] / size : 0, alike / static_cast<double>(groups)};
+}
+
+Plan make_plan(const SceneHistory& scene, const RaySource& rays, bool any, bool explain) {
+  Plan fan;
+  fan.fan = any && chooses_fan(scene, rays, &fan);
+  if (fan.fan) {
+    if (!explain) fan.reasons.clear();
+    return fan;
+  }
+  Plan plan = plan_without_fan(scene, rays, explain);
+  if (explain) plan.reasons.insert(plan.reasons.begin(), fan.reasons.begin(), fan.reasons.end());
+  return plan;
+}
+
+Plan plan_without_fan(const SceneHistory& scene, const RaySource& rays, bool explain) {
+  Plan plan = plan_tree(scene, explain);
+  choose_bundle(scene, rays, nullptr, explain, &plan);
+  return plan;
+}
+
+Plan plan_tree(const SceneHistory& scene, bool explain) {
+  Plan plan;
+  choose_tree(scene, &plan);
+  if (!explain) plan.reasons.clear();
+  return plan;
+}
+
+Plan plan_rays(const SceneHistory& scene, const RaySource& rays, const Box& whole, bool explain) {
+  Plan plan;
+  choose_bundle(scene, rays, &whole, explain, &plan);
+  return plan;
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,342 @@
+#include "queries/planned_queries.h"
+
+#include <algorithm>
+
+#include "exec/scan.h"
+#include "exec/stopwatch.h"
+#include "queries/fan_cost.h"
+
+namespace raysheaf {
+namespace {
+
+/// Found rows beyond are given back with the next query.
+constexpr std::size_t kMostKeptBytes = std::size_t{64} << 20;
+
+std::size_t bytes_of(const RowLists& lists) {
+  std::size_t bytes = 0;
+  for (const RowList& list : lists)
+    bytes += list.ends.capacity_bytes() + list.hits.capacity_bytes();
+  return bytes;
+}
+
+/// Adds to the report where there is one; times what was done since the last lap.
+class Reporter {
+ public:
+  explicit Reporter(EngineReport* report) : report_(report) {}
+
+  void lap(double EngineReport::*field) {
+    const double ms = watch_.lap_ms();
+    if (report_ == nullptr) return;
+    report_->*field += ms;
+    report_->total_ms += ms;
+  }
+  void add(const DualCounts& counts) {
+    if (report_ != nullptr) report_->add(counts);
+  }
+  void add(const TileTimes& times) {
+    if (report_ == nullptr) return;
+    report_->take_ms += times.take_ms;
+    report_->order_ms += times.order_ms;
+    report_->trace_ms += times.trace_ms;
+    report_->total_ms += times.take_ms + times.order_ms + times.trace_ms;
+  }
+
+ private:
+  EngineReport* report_;
+  Stopwatch watch_;
+};
+
+/// Of rays that run every way a tile has too few that go together.
+bool goes_in_tiles(const Plan& plan) {
+  return plan.alike;
+}
+
+void tell_of_tiles(std::size_t rays, const Plan& plan, EngineReport* report) {
+  if (report == nullptr) return;
+  const std::size_t size = RayTiles::tile_size(rays, plan.bundle, plan.row);
+  report->plan.push_back("stages: one after the other for tiles of " +
+                         std::to_string(std::min(rays, size)) + " rays, for neighbours are alike");
+}
+
+}  // namespace
+
+void Engine::set_triangles(const TriangleSource& source, bool same_triangles) {
+  const bool keeps = same_triangles && source.count == source_.count;
+  source_ = source;
+  moved_.add_all();
+  if (keeps)
+    history_.move();
+  else
+    history_ = history_.replaced(source.count);
+}
+
+void Engine::move_triangles(const TriangleSource& source, View<const TriangleRange> moved) {
+  MovedTriangles all_moved = std::exchange(moved_, {});
+  set_triangles(source, true);
+  for (const TriangleRange& range : moved) all_moved.add(range, source.count);
+  moved_ = std::move(all_moved);
+}
+
+void Engine::prepare_tree(const Executor& executor, EngineReport* report) {
+  Plan plan = plan_tree(history_, report != nullptr);
+  prepare_tree(executor, &plan, report);
+  if (report != nullptr) report->plan = std::move(plan.reasons);
+}
+
+void Engine::prepare_tree(const Executor& executor, Plan* plan, EngineReport* report) {
+  Reporter reporter(report);
+  // Until it is whole: memory may run out, and callers stop.
+  if (plan->tree != TreeWork::kKeep) history_.built = false;
+  const bool refitted =
+      plan->tree == TreeWork::kRefit && refit_object_tree(executor, source_, moved_, &tree_);
+  if (plan->tree == TreeWork::kRefit && !refitted && report != nullptr)
+    plan->reasons.emplace_back(
+        "object tree: built again after all, for triangles without area have gained an area");
+  if (plan->tree == TreeWork::kRebuildFinely) {
+    build_fine_object_tree(executor, source_, &tree_);
+  } else if (plan->tree != TreeWork::kKeep && !refitted) {
+    build_object_tree(executor, source_, &tree_);
+  }
+  if (report != nullptr) {
+    report->used_tree = true;
+    report->tree = plan->tree == TreeWork::kRefit && !refitted ? TreeWork::kRebuild : plan->tree;
+  }
+  if (plan->tree != TreeWork::kKeep && !refitted) {
+    if (history_.fine && plan->tree != TreeWork::kRebuildFinely) history_.wait_longer();
+    history_.fine = plan->tree == TreeWork::kRebuildFinely;
+    cost_when_built_ = tree_.surface_area_cost;
+  }
+  history_.built = true;
+  history_.moved = false;
+  moved_.clear();
+  history_.degraded = tree_.surface_area_cost > kSpoilt * cost_when_built_;
+  reporter.lap(&EngineReport::hierarchy_ms);
+}
+
+void Engine::prepare(const Executor& executor, std::size_t rays, Plan* plan, EngineReport* report) {
+  prepare_tree(executor, plan, report);
+  history_.rays_since_change += rays;
+  ++history_.queries_since_change;
+  if (report != nullptr) report->plan = std::move(plan->reasons);
+}
+
+void Engine::order(const Executor& executor, View<const Ray> rays, const Plan& plan,
+                   EngineReport* report) {
+  Reporter reporter(report);
+  order_rays(executor, rays, Sorting::kByQuarter, &order_, plan.row);
+  reporter.lap(&EngineReport::order_ms);
+}
+
+View<const Ray> Engine::take_all_rays(const Executor& executor, const RaySource& rays,
+                                      Buffer<Ray>* room, EngineReport* report) {
+  Reporter reporter(report);
+  const View<const Ray> all = take_all(executor, rays, room);
+  reporter.lap(&EngineReport::take_ms);
+  return all;
+}
+
+template <class Trace>
+void Engine::trace_quartered(const Executor& executor, const RaySource& rays, EngineReport* report,
+                             const Trace& trace) {
+  Reporter reporter(report);
+  for (std::size_t begin = 0; begin < rays.size(); begin += QuarteredRays::kMostRays) {
+    DualCounts counts;
+    const std::size_t end = std::min(rays.size(), begin + QuarteredRays::kMostRays);
+    quartered_->take(executor, rays, begin, end);
+    reporter.lap(&EngineReport::take_ms);
+    trace(*quartered_, &counts);
+    reporter.lap(&EngineReport::trace_ms);
+    reporter.add(counts);
+  }
+}
+
+DualScene Engine::dual_scene(const Plan& plan, const EngineOptions& options) const {
+  return {&tree_, source_.flags, options.facing, plan.bundle, streams_.get()};
+}
+
+void Engine::trace_closest_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
+                                const EngineOptions& options, View<EngineHit> hits,
+                                View<float> ray_tests, EngineReport* report) {
+  order(executor, rays, plan, report);
+  Reporter reporter(report);
+  DualCounts counts;
+  trace_closest(executor, dual_scene(plan, options), rays, order_, hits, ray_tests, &counts);
+  reporter.lap(&EngineReport::trace_ms);
+  reporter.add(counts);
+}
+
+void Engine::trace_any_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
+                            const EngineOptions& options, View<std::uint8_t> occluded,
+                            View<float> ray_tests, EngineReport* report) {
+  order(executor, rays, plan, report);
+  Reporter reporter(report);
+  DualCounts counts;
+  trace_any(executor, dual_scene(plan, options), rays, order_, occluded, ray_tests, &counts);
+  reporter.lap(&EngineReport::trace_ms);
+  reporter.add(counts);
+}
+
+void Engine::closest_hit(const Executor& executor, View<const Ray> rays,
+                         const EngineOptions& options, View<EngineHit> hits, View<float> ray_tests,
+                         EngineReport* report) {
+  if (rays.empty()) return;
+  Plan plan = make_plan(history_, RaysInPlace(rays), false, report != nullptr);
+  prepare(executor, rays.size, &plan, report);
+  trace_closest_hits(executor, rays, plan, options, hits, ray_tests, report);
+}
+
+void Engine::closest_hit(const Executor& executor, const RaySource& rays,
+                         const EngineOptions& options, const HitSink& sink, EngineReport* report) {
+  if (rays.size() == 0) return;
+  Plan plan = make_plan(history_, rays, false, report != nullptr);
+  prepare(executor, rays.size(), &plan, report);
+  if (goes_in_tiles(plan)) {
+    tell_of_tiles(rays.size(), plan, report);
+    Reporter reporter(report);
+    DualCounts counts;
+    reporter.add(
+        tiles_->closest_hit(executor, rays, plan.row, dual_scene(plan, options), sink, &counts));
+    reporter.add(counts);
+    return;
+  }
+  if (plan.bundle == Bundle::kLongStream) {
+    trace_quartered(executor, rays, report, [&](QuarteredRays& all, DualCounts* counts) {
+      trace_closest(executor, dual_scene(plan, options), all.rays(), all.order(), all.hits(), {},
+                    counts);
+      all.hand_over_hits(executor, sink);
+    });
+    return;
+  }
+  Buffer<Ray> room;
+  const View<const Ray> all = take_all_rays(executor, rays, &room, report);
+  Buffer<EngineHit> hits;
+  hits.resize_uninitialized(all.size);
+  trace_closest_hits(executor, all, plan, options, hits, {}, report);
+  executor.for_each_block(all.size, kCopyGrain, [&](std::size_t begin, std::size_t end) {
+    sink(begin, View<const EngineHit>(hits).slice(begin, end - begin));
+  });
+}
+
+bool Engine::any_hit_in_fan(const Executor& executor, View<const Ray> rays,
+                            const EngineOptions& options, View<std::uint8_t> occluded,
+                            View<float> ray_tests, Plan* plan, EngineReport* report) {
+  FanCounts counts;
+  const FanOptions fan{options.facing, options.count, &fan_memory_, plan->most_fan_pairs};
+  const bool done = occluded_in_fan(executor, source_, rays, fan, occluded, ray_tests, &counts);
+  if (source_.count != 0 && (done || counts.pairs > 0))
+    history_.fan_pairs = static_cast<double>(counts.pairs) / static_cast<double>(source_.count) /
+                         fan_pair_growth(static_cast<double>(rays.size));
+  if (done) history_.usual_fan_pairs = history_.fan_pairs;
+  if (done) history_.fans.done = true;
+  if (report != nullptr) {
+    report->bound_tests += counts.bound_tests;
+    report->triangle_tests += counts.triangle_tests;
+    report->order_ms += counts.order_ms;
+    report->hierarchy_ms += counts.hierarchy_ms;
+    report->trace_ms += counts.traverse_ms;
+    report->total_ms += counts.order_ms + counts.hierarchy_ms + counts.traverse_ms;
+  }
+  if (done) {
+    ++history_.queries_since_change;
+    if (report != nullptr) report->plan = std::move(plan->reasons);
+    return true;
+  }
+  plan->reasons.clear();
+  if (counts.pairs == 0) return false;
+  history_.fans.given_up = true;
+  fan_memory_ = {};
+  if (report != nullptr)
+    plan->reasons.push_back("rays of one origin, but triangles meet too many of their cells: " +
+                            std::to_string(counts.pairs) + " pairs and more");
+  return false;
+}
+
+Plan Engine::plan_after_fan(Plan fan, const RaySource& rays, bool explain) const {
+  Plan plan = plan_without_fan(history_, rays, explain);
+  plan.reasons.insert(plan.reasons.begin(), fan.reasons.begin(), fan.reasons.end());
+  return plan;
+}
+
+void Engine::any_hit(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
+                     View<std::uint8_t> occluded, View<float> ray_tests, EngineReport* report) {
+  if (rays.empty()) return;
+  Plan plan = make_plan(history_, RaysInPlace(rays), true, report != nullptr);
+  if (plan.fan) {
+    if (any_hit_in_fan(executor, rays, options, occluded, ray_tests, &plan, report)) return;
+    plan = plan_after_fan(std::move(plan), RaysInPlace(rays), report != nullptr);
+  }
+  prepare(executor, rays.size, &plan, report);
+  trace_any_hits(executor, rays, plan, options, occluded, ray_tests, report);
+}
+
+void Engine::any_hit(const Executor& executor, const RaySource& rays, const EngineOptions& options,
+                     View<std::uint8_t> occluded, EngineReport* report) {
+  if (rays.size() == 0) return;
+  Plan plan = make_plan(history_, rays, true, report != nullptr);
+  Buffer<Ray> room;
+  View<const Ray> all;
+  if (plan.fan) {
+    all = take_all_rays(executor, rays, &room, report);
+    if (any_hit_in_fan(executor, all, options, occluded, {}, &plan, report)) return;
+    plan = plan_after_fan(std::move(plan), rays, report != nullptr);
+  }
+  prepare(executor, rays.size(), &plan, report);
+  if (goes_in_tiles(plan) && all.empty()) {
+    tell_of_tiles(rays.size(), plan, report);
+    Reporter reporter(report);
+    DualCounts counts;
+    reporter.add(
+        tiles_->any_hit(executor, rays, plan.row, dual_scene(plan, options), occluded, &counts));
+    reporter.add(counts);
+    return;
+  }
+  if (plan.bundle == Bundle::kLongStream && all.empty()) {
+    trace_quartered(executor, rays, report, [&](QuarteredRays& quartered, DualCounts* counts) {
+      trace_any(executor, dual_scene(plan, options), quartered.rays(), quartered.order(),
+                quartered.occluded(), {}, counts);
+      quartered.hand_over_occluded(executor, occluded);
+    });
+    return;
+  }
+  if (all.empty()) all = take_all_rays(executor, rays, &room, report);
+  trace_any_hits(executor, all, plan, options, occluded, {}, report);
+}
+
+template <class Trace>
+void Engine::trace_every_hit(const Executor& executor, View<const Ray> rays, EngineReport* report,
+                             const Trace& trace) {
+  Plan plan = make_plan(history_, RaysInPlace(rays), false, report != nullptr);
+  prepare(executor, rays.size, &plan, report);
+  order(executor, rays, plan, report);
+  Reporter reporter(report);
+  DualCounts counts;
+  trace(plan, &counts);
+  reporter.lap(&EngineReport::trace_ms);
+  reporter.add(counts);
+}
+
+FoundRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
+                           const EngineOptions& options, EngineReport* report) {
+  if (rays.empty() || bytes_of(rows_) > kMostKeptBytes) rows_.clear();
+  if (!rays.empty())
+    trace_every_hit(executor, rays, report, [&](const Plan& plan, DualCounts* counts) {
+      trace_all(executor, dual_scene(plan, options), rays, order_, &rows_, {}, counts);
+    });
+  return {rows_, {order_.rays.data(), order_.rays.size()}};
+}
+
+void Engine::hit_counts(const Executor& executor, View<const Ray> rays,
+                        const EngineOptions& options, View<std::uint32_t> hit_counts,
+                        EngineReport* report) {
+  if (rays.empty()) return;
+  trace_every_hit(executor, rays, report, [&](const Plan& plan, DualCounts* counts) {
+    trace_hit_counts(executor, dual_scene(plan, options), rays, order_, hit_counts, counts);
+  });
+}
+
+std::size_t Engine::memory_bytes() const {
+  return tree_.memory_bytes() + order_.bytes() + streams_->bytes() + tiles_->bytes() +
+         quartered_->bytes() + fan_memory_.bytes() + bytes_of(rows_) + moved_.memory_bytes();
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,170 @@
+// Method `dual` from end to end: batches of ray queries against triangles that may move between any
+// two of them.
+//
+//   update ─► [plan] ─► order the rays ─► object tree ─► bundles of rays through the tree ─► hits
+//                 └───► rays of one origin, any hit: triangles through the tree of cells (fan/)
+//
+// The plan (queries/plan.h) chooses from the batch and the scene, and says why.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/view.h"
+#include "exec/executor.h"
+#include "methods/dual/dual.h"
+#include "methods/dual/stream.h"
+#include "methods/fan/fan.h"
+#include "object_tree/object_tree.h"
+#include "object_tree/triangle_source.h"
+#include "queries/plan.h"
+#include "queries/quartered_rays.h"
+#include "queries/ray_tiles.h"
+
+namespace raysheaf {
+
+struct EngineOptions {
+  Facing facing = Facing::kBoth;
+  bool count = false;  ///< fill the counts of `EngineReport`
+};
+
+/// What a query did, and why. Counts are the same with any number of threads.
+struct EngineReport {
+  std::uint64_t bound_tests = 0;      ///< bound with bound: bundles and cells with boxes, triangles
+  std::uint64_t ray_bound_tests = 0;  ///< ray with box
+  std::uint64_t triangle_tests = 0;   ///< ray with triangle
+  bool used_tree = false;             ///< false: a fan needs none
+  TreeWork tree = TreeWork::kKeep;    ///< what became of the tree
+  double take_ms = 0;                 ///< what a `RaySource` did
+  double order_ms = 0, hierarchy_ms = 0, trace_ms = 0, total_ms = 0;
+  std::vector<std::string> plan;  ///< a sentence a choice, with the figures that decided it
+
+  void add(const DualCounts& counts) {
+    bound_tests += counts.beam_box_tests;
+    ray_bound_tests += counts.ray_box_tests;
+    triangle_tests += counts.triangle_tests;
+  }
+  [[nodiscard]] std::uint64_t tests() const {
+    return bound_tests + ray_bound_tests + triangle_tests;
+  }
+};
+
+/// All hits of a batch, as its engine keeps them until it is asked again.
+class FoundRows {
+ public:
+  FoundRows(const RowLists& lists, View<const std::uint32_t> order)
+      : lists_(&lists), order_(order) {}
+
+  /// Calls `body(ray, hits)` for every ray that hits something, and perhaps for others, in any
+  /// order and from several threads; hits are sorted by (t, triangle). A body that has it is told
+  /// by `body.comes_soon(ray)`, for rays may stand far apart.
+  template <class Body>
+  void for_each(const Executor& executor, const Body& body) const {
+    constexpr std::size_t kSoon = 16;
+    executor.for_each(lists_->size(), 1, [&](std::size_t number) {
+      const RowList& list = (*lists_)[number];
+      for (std::size_t i = 0; i < list.ends.size(); ++i) {
+        if constexpr (requires { body.comes_soon(0); }) {
+          if (i + kSoon < list.ends.size()) body.comes_soon(order_[list.first + i + kSoon]);
+        }
+        body(order_[list.first + i], list.row(i));
+      }
+    });
+  }
+
+ private:
+  const RowLists* lists_;
+  View<const std::uint32_t> order_;
+};
+
+/// One scene's engine: the object tree and its age. Not for use by two threads at once; several
+/// threads may each have their own on the same triangles.
+class Engine {
+ public:
+  /// The triangles changed. `same_triangles`: as many, with the same indices, only moved, so that
+  /// the tree may be refitted. `source` and what it points to must live until the next call.
+  /// Nothing is built before a query needs it.
+  void set_triangles(const TriangleSource& source, bool same_triangles);
+  /// The same triangles, of which some have moved and no others.
+  void move_triangles(const TriangleSource& source, View<const TriangleRange> moved);
+
+  /// Brings the tree to where the triangles are, as queries do that need it. Then threads may ask
+  /// by `TreeQueries` (queries/tree_queries.h), and nobody by what follows here, until they have
+  /// told how many rays they had.
+  void prepare_tree(const Executor& executor, EngineReport* report);
+  void add_rays(std::uint64_t count) { history_.rays_since_change += count; }
+
+  /// hits[i] takes the least (t, triangle) of rays[i].
+  void closest_hit(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
+                   View<EngineHit> hits, View<float> ray_tests, EngineReport* report);
+
+  /// occluded[i] = 1 where rays[i] meets anything.
+  void any_hit(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
+               View<std::uint8_t> occluded, View<float> ray_tests, EngineReport* report);
+
+  /// The same of rays that need not lie in memory as such, which a tile of them at a time does
+  /// where it can (queries/ray_tiles.h).
+  void closest_hit(const Executor& executor, const RaySource& rays, const EngineOptions& options,
+                   const HitSink& sink, EngineReport* report);
+  void any_hit(const Executor& executor, const RaySource& rays, const EngineOptions& options,
+               View<std::uint8_t> occluded, EngineReport* report);
+
+  /// Every hit of every ray.
+  [[nodiscard]] FoundRows all_hits(const Executor& executor, View<const Ray> rays,
+                                   const EngineOptions& options, EngineReport* report);
+  /// How many they are, of which nothing is kept.
+  void hit_counts(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
+                  View<std::uint32_t> hit_counts, EngineReport* report);
+
+  /// The tree, and the room that queries keep for the next one.
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+ private:
+  friend class TreeQueries;
+
+  void prepare_tree(const Executor& executor, Plan* plan, EngineReport* report);
+  /// Does what the plan says of the tree, completes it, and puts its reasons into the report.
+  void prepare(const Executor& executor, std::size_t rays, Plan* plan, EngineReport* report);
+  void order(const Executor& executor, View<const Ray> rays, const Plan& plan,
+             EngineReport* report);
+  /// Through the tree, which is prepared.
+  void trace_closest_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
+                          const EngineOptions& options, View<EngineHit> hits, View<float> ray_tests,
+                          EngineReport* report);
+  void trace_any_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
+                      const EngineOptions& options, View<std::uint8_t> occluded,
+                      View<float> ray_tests, EngineReport* report);
+  /// Prepares the tree and the order, and calls `trace(plan, counts)`.
+  template <class Trace>
+  void trace_every_hit(const Executor& executor, View<const Ray> rays, EngineReport* report,
+                       const Trace& trace);
+  [[nodiscard]] View<const Ray> take_all_rays(const Executor& executor, const RaySource& rays,
+                                              Buffer<Ray>* room, EngineReport* report);
+  /// Takes the rays by quarter, as many as go together, and calls `trace(quartered, counts)`.
+  template <class Trace>
+  void trace_quartered(const Executor& executor, const RaySource& rays, EngineReport* report,
+                       const Trace& trace);
+  /// False, with nothing answered, where the rays do not start at one point after all, or triangles
+  /// meet too many of their cells, which the plan then says.
+  [[nodiscard]] bool any_hit_in_fan(const Executor& executor, View<const Ray> rays,
+                                    const EngineOptions& options, View<std::uint8_t> occluded,
+                                    View<float> ray_tests, Plan* plan, EngineReport* report);
+  [[nodiscard]] Plan plan_after_fan(Plan fan, const RaySource& rays, bool explain) const;
+  [[nodiscard]] DualScene dual_scene(const Plan& plan, const EngineOptions& options) const;
+
+  TriangleSource source_;
+  ObjectTree tree_;
+  MovedTriangles moved_;  ///< since the tree was built or refitted
+  SceneHistory history_;
+  float cost_when_built_ = 0;
+  RayOrder order_;
+  RowLists rows_;
+  std::unique_ptr<StreamPool> streams_ = std::make_unique<StreamPool>();
+  std::unique_ptr<RayTiles> tiles_ = std::make_unique<RayTiles>();
+  std::unique_ptr<QuarteredRays> quartered_ = std::make_unique<QuarteredRays>();
+  FanMemory fan_memory_;
+};
+
+}  // namespace raysheaf

@@ -1,0 +1,93 @@
+#include "queries/quartered_rays.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "base/bits.h"
+
+namespace raysheaf {
+
+template <class Body>
+void QuarteredRays::for_each_tile(const Executor& executor, const Body& body) const {
+  executor.for_each(div_ceil(rays_.size(), kTile), 1, [&](std::size_t number) {
+    const std::size_t begin = number * kTile;
+    body(begin, std::min(rays_.size(), begin + kTile), number);
+  });
+}
+
+void QuarteredRays::take(const Executor& executor, const RaySource& rays, std::size_t first,
+                         std::size_t last) {
+  const Executor serial = Executor::serial();
+  first_ = first;
+  rays_.resize_uninitialized(last - first);
+  numbers_.resize_uninitialized(last - first);
+  starts_.resize(div_ceil(last - first, kTile));
+  for_each_tile(executor, [&](std::size_t begin, std::size_t end, std::size_t number) {
+    const Borrowed<Tile> tile(spares_);
+    tile->rays.resize_uninitialized(end - begin);
+    const View<const Ray> from = rays.take(first + begin, first + end, tile->rays.data());
+    order_rays(serial, from, Sorting::kByQuarter, &tile->order);
+    starts_[number] = tile->order.starts;
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t n = tile->order.rays[i - begin];
+      numbers_[i] = static_cast<std::uint16_t>(n);
+      rays_[i] = from[n];
+    }
+  });
+  make_order(executor);
+}
+
+void QuarteredRays::make_order(const Executor& executor) {
+  order_.rays.resize_uninitialized(rays_.size());
+  std::vector<Starts> places(starts_.size());  // of each tile's rays of a quarter
+  std::uint32_t sum = 0;
+  for (std::uint32_t q = 0; q < kQuarters; ++q) {
+    order_.starts[q] = sum;
+    for (std::size_t tile = 0; tile < starts_.size(); ++tile) {
+      places[tile][q] = sum;
+      sum += starts_[tile][q + 1] - starts_[tile][q];
+    }
+  }
+  order_.starts[kQuarters] = sum;
+  for_each_tile(executor, [&](std::size_t begin, std::size_t /*end*/, std::size_t number) {
+    const Starts& starts = starts_[number];
+    for (std::uint32_t q = 0; q < kQuarters; ++q) {
+      std::uint32_t* const out = order_.rays.data() + places[number][q];
+      std::iota(out, out + (starts[q + 1] - starts[q]),
+                static_cast<std::uint32_t>(begin) + starts[q]);
+    }
+  });
+}
+
+View<EngineHit> QuarteredRays::hits() {
+  hits_.resize_uninitialized(rays_.size());
+  return hits_;
+}
+
+View<std::uint8_t> QuarteredRays::occluded() {
+  occluded_.resize_uninitialized(rays_.size());
+  return occluded_;
+}
+
+void QuarteredRays::hand_over_hits(const Executor& executor, const HitSink& sink) {
+  for_each_tile(executor, [&](std::size_t begin, std::size_t end, std::size_t /*number*/) {
+    const Borrowed<Tile> tile(spares_);
+    tile->hits.resize_uninitialized(end - begin);
+    for (std::size_t i = begin; i < end; ++i) tile->hits[numbers_[i]] = hits_[i];
+    sink(first_ + begin, tile->hits);
+  });
+}
+
+void QuarteredRays::hand_over_occluded(const Executor& executor,
+                                       View<std::uint8_t> occluded) const {
+  for_each_tile(executor, [&](std::size_t begin, std::size_t end, std::size_t /*number*/) {
+    for (std::size_t i = begin; i < end; ++i) occluded[first_ + begin + numbers_[i]] = occluded_[i];
+  });
+}
+
+std::size_t QuarteredRays::bytes() const {
+  return rays_.capacity_bytes() + numbers_.capacity_bytes() + starts_.capacity() * sizeof(Starts) +
+         order_.bytes() + hits_.capacity_bytes() + occluded_.capacity_bytes() + spares_.bytes();
+}
+
+}  // namespace raysheaf

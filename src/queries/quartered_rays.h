@@ -1,0 +1,72 @@
+// Rays that run every way, and go through the tree together: up to two million of a batch, taken
+// tile by tile, each tile in the order of quarters.
+//
+//   caller   0 1 2 3 | 4 5 6 7        rays of quarters a and b: a b b a | b a a b
+//   here     0 3 1 2 | 5 6 4 7        quarter a is 0 1 | 4 5 of these, quarter b is 2 3 | 6 7
+//
+// A quarter's rays are read, and their hits written, in runs of hundreds; in the caller's order
+// they would stand a cache line or more apart each, and every line be fetched once for each
+// quarter. Back in the caller's order hits are put within a tile, which stays in the caches.
+#pragma once
+
+#include "base/spares.h"
+#include "methods/dual/dual.h"
+#include "methods/dual/ray_order.h"
+#include "queries/ray_tiles.h"
+#include "rays/ray_source.h"
+
+namespace raysheaf {
+
+/// One engine's. For one query at a time.
+class QuarteredRays {
+ public:
+  /// More would not go down the tree in better company, but take more memory: 54 bytes a ray.
+  static constexpr std::size_t kMostRays = std::size_t{1} << 21;
+
+  /// Takes rays [begin, end) of the source, at most kMostRays. O(rays).
+  void take(const Executor& executor, const RaySource& rays, std::size_t begin, std::size_t end);
+
+  [[nodiscard]] View<const Ray> rays() const { return {rays_.data(), rays_.size()}; }
+  /// Of `rays()`, by quarter.
+  [[nodiscard]] const RayOrder& order() const { return order_; }
+
+  /// Room for what is found for `rays()`.
+  [[nodiscard]] View<EngineHit> hits();
+  [[nodiscard]] View<std::uint8_t> occluded();
+  /// The same in the caller's order.
+  void hand_over_hits(const Executor& executor, const HitSink& sink);
+  void hand_over_occluded(const Executor& executor, View<std::uint8_t> occluded) const;
+
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  static constexpr std::size_t kTile = 16384;  ///< rays: half a MiB
+
+  struct Tile {
+    Buffer<Ray> rays;
+    Buffer<EngineHit> hits;
+    RayOrder order;
+
+    [[nodiscard]] std::size_t bytes() const {
+      return rays.capacity_bytes() + hits.capacity_bytes() + order.bytes();
+    }
+  };
+  using Starts = std::array<std::uint32_t, kQuarters + 1>;
+
+  /// Calls `body(first ray, end, tile's number)` for all tiles.
+  template <class Body>
+  void for_each_tile(const Executor& executor, const Body& body) const;
+  /// Of all tiles', which are ordered.
+  void make_order(const Executor& executor);
+
+  std::size_t first_ = 0;  ///< the caller's number of the first ray
+  Buffer<Ray> rays_;
+  Buffer<std::uint16_t> numbers_;  ///< the caller's, within the tile, of `rays_`
+  std::vector<Starts> starts_;     ///< of the quarters in each tile
+  RayOrder order_;
+  Buffer<EngineHit> hits_;
+  Buffer<std::uint8_t> occluded_;
+  Spares<Tile> spares_;
+};
+
+}  // namespace raysheaf

@@ -1,0 +1,58 @@
+// Batches whose neighbours are alike go through the tree tile by tile: a thread takes a few
+// thousand rays, packs and orders them, traces them and hands over their hits, all within its
+// caches, where stage after stage of the whole batch would fetch every ray from memory once a
+// stage.
+#pragma once
+
+#include <functional>
+
+#include "base/spares.h"
+#include "methods/dual/dual.h"
+#include "methods/dual/ray_order.h"
+#include "rays/ray_source.h"
+
+namespace raysheaf {
+
+/// What was found: hits[i] is that of ray `begin` + i. Called by several threads.
+using HitSink = std::function<void(std::size_t begin, View<const EngineHit> hits)>;
+
+/// Milliseconds: those of the loop over all tiles, shared out as the threads' times were.
+struct TileTimes {
+  double take_ms = 0, order_ms = 0, trace_ms = 0;
+};
+
+/// One engine's. For one query at a time.
+class RayTiles {
+ public:
+  /// The rays of each tile of a batch but the last. `row` as `order_rays` has it.
+  [[nodiscard]] static std::size_t tile_size(std::size_t rays, Bundle bundle, std::size_t row);
+
+  /// `scene` as `trace_closest` has it. Adds to `counts`, which are the same with any number of
+  /// threads.
+  TileTimes closest_hit(const Executor& executor, const RaySource& rays, std::size_t row,
+                        const DualScene& scene, const HitSink& sink, DualCounts* counts);
+  TileTimes any_hit(const Executor& executor, const RaySource& rays, std::size_t row,
+                    const DualScene& scene, View<std::uint8_t> occluded, DualCounts* counts);
+
+  [[nodiscard]] std::size_t bytes() const { return spares_.bytes(); }
+
+ private:
+  struct Tile {
+    Buffer<Ray> rays;
+    Buffer<EngineHit> hits;
+    RayOrder order;
+
+    [[nodiscard]] std::size_t bytes() const {
+      return rays.capacity_bytes() + hits.capacity_bytes() + order.bytes();
+    }
+  };
+
+  /// Calls `trace(tile, begin, rays, serial, counts)` for all.
+  template <class Trace>
+  TileTimes run(const Executor& executor, const RaySource& rays, std::size_t row,
+                const DualScene& scene, DualCounts* counts, const Trace& trace);
+
+  Spares<Tile> spares_;
+};
+
+}  // namespace raysheaf

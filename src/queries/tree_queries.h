@@ -1,0 +1,30 @@
+// The queries of one thread on a tree that others ask at the same time: small batches, whose rays
+// stay in the thread's caches.
+#pragma once
+
+#include "queries/planned_queries.h"
+
+namespace raysheaf {
+
+/// Not for use by two threads at once; each has its own. Of an engine between its `prepare_tree`
+/// and its next change or query. Hits are the engine's own, bit for bit; there is no fan.
+class TreeQueries {
+ public:
+  /// `explain`: write the plan. Adds to the report.
+  void closest_hit(const Engine& engine, View<const Ray> rays, const EngineOptions& options,
+                   bool explain, View<EngineHit> hits, View<float> ray_tests, EngineReport* report);
+  void any_hit(const Engine& engine, View<const Ray> rays, const EngineOptions& options,
+               bool explain, View<std::uint8_t> occluded, View<float> ray_tests,
+               EngineReport* report);
+
+ private:
+  /// Orders the rays; returns what they go through.
+  DualScene prepare(const Engine& engine, View<const Ray> rays, const EngineOptions& options,
+                    bool explain, EngineReport* report);
+
+  const Executor executor_ = Executor::serial();
+  RayOrder order_;
+  StreamPool streams_;
+};
+
+}  // namespace raysheaf

@@ -1,0 +1,205 @@
+// One ray's sort key, for every RayKey that is a place on a curve.
+//
+//   kd+L-1 ....... kd kd-1 ................................ 0     k bits an axis, d axes
+//   | light, L bits  | place of the ray's cell in d axes   |
+//
+// Shadow rays alone have a light. The axes, d of them:
+//
+//   pixel        2   column and row of the pixel
+//   spherical    2   azimuth and polar angle of the direction; of parallel light that is noise
+//   octahedral   2   the octahedral map of the direction, or the place on a parallel light's disc
+//   end point    3   where the ray ends
+//   five         5   the octahedral map of the direction, as above; where it starts
+//   two points   6   where the ray starts; where it ends
+//
+// A ray starts where it enters the scene's box and ends where it leaves it, or at its own ends
+// where those come first.
+#pragma once
+
+#include <cassert>
+#include <cmath>
+#include <cstdint>
+
+#include "base/vec.h"
+#include "rays/curve_body.h"
+#include "rays/hash_body.h"
+#include "raysheaf/method.h"
+
+namespace raysheaf {
+
+/// What a float on [0, 1] can tell apart.
+inline constexpr std::uint32_t kMostAxisBits = 24;
+
+struct KeyLayout {
+  std::uint32_t light_bits = 0, axes = 2, axis_bits = 0;
+  [[nodiscard]] RAYSHEAF_HD std::uint32_t bits() const { return light_bits + axes * axis_bits; }
+};
+
+/// How many axes a key's cell has; 0 where it is no place on a curve.
+RAYSHEAF_HD inline std::uint32_t key_axes(RayKey key) {
+  switch (key) {
+    case RayKey::kPixelMorton:
+    case RayKey::kSphericalMorton:
+    case RayKey::kOctahedralMorton:
+    case RayKey::kOctahedralHilbert:
+      return 2;
+    case RayKey::kEndPointHilbert:
+      return 3;
+    case RayKey::kFiveMorton:
+    case RayKey::kFiveHilbert:
+      return 5;
+    case RayKey::kTwoPointMorton:
+    case RayKey::kTwoPointHilbert:
+      return 6;
+    default:
+      return 0;
+  }
+}
+
+RAYSHEAF_HD inline bool is_hilbert(RayKey key) {
+  return key == RayKey::kOctahedralHilbert || key == RayKey::kEndPointHilbert ||
+         key == RayKey::kFiveHilbert || key == RayKey::kTwoPointHilbert;
+}
+
+/// As many bits an axis as fit into `key_bits` beside the light, and no more than can matter.
+RAYSHEAF_HD inline KeyLayout key_layout(std::uint32_t lights, std::uint32_t axes,
+                                        std::uint32_t key_bits, std::uint32_t most_axis_bits) {
+  assert(axes > 0);
+  KeyLayout layout;
+  layout.light_bits = bits_for(lights);
+  layout.axes = axes;
+  const std::uint32_t room = (key_bits - layout.light_bits) / axes;
+  layout.axis_bits = room < most_axis_bits ? room : most_axis_bits;
+  return layout;
+}
+
+/// The scene's box made a cube from the same corner, so that its cells are cubes.
+struct KeyCube {
+  Box box;
+  float scale = 0;  ///< 1 / side; 0 for a scene without extent
+};
+
+RAYSHEAF_HD inline KeyCube key_cube(const Box& box) {
+  const float side = max_component(box.max - box.min);
+  return {box, side > 0 && std::isfinite(side) ? 1 / side : 0};
+}
+
+/// A number on [0, 1] to one of 2^bits cells; what lies outside, and NaN, to the nearest end.
+RAYSHEAF_HD inline std::uint32_t cell_of(float x, std::uint32_t bits) {
+  const std::uint32_t cells = 1u << bits;
+  if (!(x > 0)) return 0;
+  return x < 1 ? static_cast<std::uint32_t>(x * static_cast<float>(cells)) : cells - 1;
+}
+
+/// Narrows [*first, *last] to where `o + t d` is between `lo` and `hi`.
+RAYSHEAF_HD inline void clip_to_slab(float lo, float hi, float o, float d, float* first,
+                                     float* last) {
+  if (d == 0) return;
+  const float a = (lo - o) / d, b = (hi - o) / d;
+  const float near_side = a < b ? a : b, far_side = a < b ? b : a;
+  if (near_side > *first) *first = near_side;
+  if (far_side < *last) *last = far_side;
+}
+
+struct RayEnds {
+  Vec3 start, end;
+};
+
+/// Of a ray that misses the box, both are one point.
+RAYSHEAF_HD inline RayEnds ray_ends(const Box& box, const Ray& ray) {
+  float first = ray.t_min, last = ray.t_max;
+  clip_to_slab(box.min.x, box.max.x, ray.origin.x, ray.direction.x, &first, &last);
+  clip_to_slab(box.min.y, box.max.y, ray.origin.y, ray.direction.y, &first, &last);
+  clip_to_slab(box.min.z, box.max.z, ray.origin.z, ray.direction.z, &first, &last);
+  if (!(last < std::numeric_limits<float>::infinity())) last = first;
+  if (last < first) first = last = last > ray.t_min ? last : ray.t_min;
+  return {ray.origin + ray.direction * first, ray.origin + ray.direction * last};
+}
+
+RAYSHEAF_HD inline Vec2 spherical(Vec3 direction) {
+  constexpr float kHalfTurn = 3.14159265359f;
+  const Vec3 d = normalized(direction);
+  return {std::atan2(d.y, d.x) / (2 * kHalfTurn) + 0.5f, std::acos(clamp(d.z, -1, 1)) / kHalfTurn};
+}
+
+RAYSHEAF_HD inline Cell<2> square_cell(Vec2 p, std::uint32_t bits) {
+  return {{cell_of(p.x, bits), cell_of(p.y, bits)}};
+}
+
+RAYSHEAF_HD inline Cell<3> cube_cell(const KeyCube& cube, Vec3 p, std::uint32_t bits) {
+  const Vec3 q = (p - cube.box.min) * cube.scale;
+  return {{cell_of(q.x, bits), cell_of(q.y, bits), cell_of(q.z, bits)}};
+}
+
+template <int kA, int kB>
+RAYSHEAF_HD inline Cell<kA + kB> joined(const Cell<kA>& a, const Cell<kB>& b) {
+  Cell<kA + kB> cell;
+  for (int i = 0; i < kA; ++i) cell.axis[i] = a.axis[i];
+  for (int i = 0; i < kB; ++i) cell.axis[kA + i] = b.axis[i];
+  return cell;
+}
+
+/// What all rays of a batch have in common.
+struct KeyContext {
+  RayKey key = RayKey::kOctahedralHilbert;
+  KeyLayout layout;
+  KeyCube cube;
+  std::uint32_t width = 1;       ///< of the picture
+  std::uint32_t pixel_bits = 0;  ///< of a pixel's column and row
+};
+
+/// One ray of it.
+struct KeyedRay {
+  Ray ray;
+  Vec2 square;  ///< the direction on the unit square, or the place on a parallel light's disc
+  std::uint32_t pixel = 0, light = 0;  ///< lights count from the batch's first
+};
+
+template <int kDimensions>
+RAYSHEAF_HD inline std::uint64_t place_on_curve(const KeyContext& context,
+                                                const Cell<kDimensions>& cell) {
+  return is_hilbert(context.key) ? hilbert_place(cell, context.layout.axis_bits)
+                                 : morton_place(cell);
+}
+
+/// The coarse bits of a pixel's column and row.
+RAYSHEAF_HD inline Cell<2> pixel_cell(const KeyContext& context, std::uint32_t pixel) {
+  const std::uint32_t drop = context.pixel_bits - context.layout.axis_bits;
+  return {{(pixel / context.width) >> drop, (pixel % context.width) >> drop}};
+}
+
+RAYSHEAF_HD inline std::uint64_t curve_place(const KeyContext& context, const KeyedRay& r) {
+  const std::uint32_t bits = context.layout.axis_bits;
+  switch (context.key) {
+    case RayKey::kPixelMorton:
+      return place_on_curve(context, pixel_cell(context, r.pixel));
+    case RayKey::kSphericalMorton:
+      return place_on_curve(context, square_cell(spherical(r.ray.direction), bits));
+    case RayKey::kOctahedralMorton:
+    case RayKey::kOctahedralHilbert:
+      return place_on_curve(context, square_cell(r.square, bits));
+    case RayKey::kEndPointHilbert:
+      return place_on_curve(context,
+                            cube_cell(context.cube, ray_ends(context.cube.box, r.ray).end, bits));
+    case RayKey::kFiveMorton:
+    case RayKey::kFiveHilbert: {
+      const Vec3 start = ray_ends(context.cube.box, r.ray).start;
+      return place_on_curve(
+          context, joined(square_cell(r.square, bits), cube_cell(context.cube, start, bits)));
+    }
+    default: {
+      const RayEnds ends = ray_ends(context.cube.box, r.ray);
+      return place_on_curve(context, joined(cube_cell(context.cube, ends.start, bits),
+                                            cube_cell(context.cube, ends.end, bits)));
+    }
+  }
+}
+
+RAYSHEAF_HD inline std::uint64_t curve_key(const KeyContext& context, const KeyedRay& r) {
+  const std::uint32_t below = context.layout.axes * context.layout.axis_bits;
+  assert(below + context.layout.light_bits <= 64);
+  const std::uint64_t light = context.layout.light_bits == 0 ? 0 : std::uint64_t{r.light} << below;
+  return light | curve_place(context, r);
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,142 @@
+// Where light goes at a surface that reflects or refracts like a mirror or glass, and how much of
+// it.
+#pragma once
+
+#include <cmath>
+
+#include "rays/fragment.h"
+
+namespace raysheaf {
+
+/// Surfaces smoother than this reflect like mirrors; the others show highlights of the lights
+/// alone.
+inline constexpr float kMirrorRoughness = 0.1f;
+/// Rays that would add less than this part of their radiance to a pixel are not traced.
+inline constexpr float kLeastWeight = 1.0f / 1024;
+
+/// Fresnel's equations for unpolarised light (Fresnel 1823). `cos_in` in [0, 1]; `eta`: index of
+/// the side the light goes to over that of the side it comes from. 1 at total internal reflection.
+RAYSHEAF_HD inline float fresnel_dielectric(float cos_in, float eta) {
+  const float sin2_out = (1 - cos_in * cos_in) / (eta * eta);
+  if (sin2_out >= 1) return 1;
+  const float cos_out = std::sqrt(1 - sin2_out);
+  const float parallel = (eta * cos_in - cos_out) / (eta * cos_in + cos_out);
+  const float across = (cos_in - eta * cos_out) / (cos_in + eta * cos_out);
+  return (parallel * parallel + across * across) * 0.5f;
+}
+
+/// C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", 1994, with what is
+/// reflected at grazing angles, 1 but for KHR_materials_specular. Where nothing is reflected along
+/// the normal, nothing is at grazing angles.
+RAYSHEAF_HD inline Vec3 fresnel_schlick(Vec3 at_normal, float at_edge, float cos_in) {
+  if (max_component(at_normal) <= 0) return {0, 0, 0};
+  const float m = clamp(1 - cos_in, 0, 1), m2 = m * m;
+  return at_normal + (Vec3{at_edge, at_edge, at_edge} - at_normal) * (m2 * m2 * m);
+}
+
+RAYSHEAF_HD inline Vec3 reflected(Vec3 incoming, Vec3 normal) {
+  return incoming - normal * (2 * dot(incoming, normal));
+}
+
+struct Scattering {
+  Vec3 reflection, refraction;  ///< unit directions, of a mirror, and of glass
+  Vec3 reflected_part{0, 0, 0}, refracted_part{0, 0, 0};  ///< of the radiance along them
+  Vec3 diffuse_part{1, 1, 1};  ///< what the specular layer leaves to the body below
+  bool mirror = false;         ///< smooth enough to trace its reflection
+};
+
+/// The cosine under which a ray arrives at the shading normal; at least a little above 0. A shading
+/// normal that leans away from the ray counts by how far it leans (S. Lagarde, C. de Rousiers,
+/// "Moving Frostbite to Physically Based Rendering", SIGGRAPH 2014, section 3.1): at 0, Schlick's
+/// power would make such a surface a mirror.
+RAYSHEAF_HD inline float cos_arrival(const Fragment& f) {
+  return clamp(std::fabs(dot(f.incoming, f.surface.normal)), 1e-4f, 1);
+}
+
+/// A mirror direction that leaves to the side the ray came from: by the shading normal, or by the
+/// geometric one where the shading normal would send it into the surface.
+RAYSHEAF_HD inline Vec3 mirror_direction(const Fragment& f) {
+  const Vec3 smooth = reflected(f.incoming, f.surface.normal);
+  if (dot(smooth, f.surface.geometric_normal) > 0) return normalized(smooth);
+  return normalized(reflected(f.incoming, f.surface.geometric_normal));
+}
+
+/// Whether a ray comes from outside. A thin sheet has no inside: both of its sides are outside.
+RAYSHEAF_HD inline bool meets_outside(const Surface& surface) {
+  return surface.front || surface.thin;
+}
+
+/// Glass: Fresnel's split; the colour is taken where light enters. How far the exact reflectance
+/// has risen from its value along the normal to 1 stands in for Schlick's power, so that tinted,
+/// weakened and partly metallic surfaces rise the same way; from within, where it ends in total
+/// reflection, to 1.
+RAYSHEAF_HD inline void split_at_glass(const Surface& surface, float cos_in, Scattering* s) {
+  const bool outside = meets_outside(surface);
+  const float eta = outside ? surface.ior : 1 / surface.ior;
+  const float along_normal = fresnel_dielectric(1, eta);
+  const float exact = fresnel_dielectric(cos_in, eta);
+  const float rise =
+      along_normal < 1 ? clamp((exact - along_normal) / (1 - along_normal), 0, 1) : 1;
+  const Vec3 white{1, 1, 1};
+  const Vec3 tint = outside ? surface.transmission_color : white;
+  const Vec3 specular_edge = outside ? white * surface.specular_edge : white;
+  const Vec3 coat_edge = outside ? white * surface.coat_edge : white;
+  s->reflected_part = lerp(surface.specular, specular_edge, rise);
+  s->diffuse_part = white - lerp(surface.coat, coat_edge, rise);
+  s->refracted_part = tint * s->diffuse_part * surface.transmission;
+  s->mirror = true;
+}
+
+/// Snell's law; nothing where all is reflected. Straight on through a thin sheet, which bends light
+/// back where it leaves.
+RAYSHEAF_HD inline Vec3 refracted(const Fragment& f, float cos_in) {
+  const Surface& surface = f.surface;
+  if (surface.thin) return f.incoming;
+  const float eta = surface.front ? surface.ior : 1 / surface.ior;
+  const float sin2_out = (1 - cos_in * cos_in) / (eta * eta);
+  if (sin2_out >= 1) return {0, 0, 0};
+  const float cos_out = std::sqrt(1 - sin2_out);
+  const Vec3 direction =
+      normalized(f.incoming * (1 / eta) + surface.normal * (cos_in / eta - cos_out));
+  return dot(direction, surface.geometric_normal) >= 0 ? f.incoming : direction;
+}
+
+/// Who gets what, without the directions.
+RAYSHEAF_HD inline Scattering scattered_parts(const Fragment& f) {
+  const Surface& surface = f.surface;
+  Scattering s;
+  const float cos_in = cos_arrival(f);
+  if (surface.transmission > 0) {
+    split_at_glass(surface, cos_in, &s);
+  } else {
+    s.reflected_part = fresnel_schlick(surface.specular, surface.specular_edge, cos_in);
+    s.diffuse_part = Vec3{1, 1, 1} - fresnel_schlick(surface.coat, surface.coat_edge, cos_in);
+    s.mirror = surface.roughness < kMirrorRoughness;
+  }
+  if (surface.unlit) s.reflected_part = s.refracted_part = s.diffuse_part = {0, 0, 0};
+  return s;
+}
+
+/// Snell's law, Fresnel's split, and who gets what (T. Whitted, "An Improved Illumination Model for
+/// Shaded Display", 1980). The parts add up to at most 1.
+RAYSHEAF_HD inline Scattering scatter(const Fragment& f) {
+  Scattering s = scattered_parts(f);
+  if (f.surface.transmission > 0) s.refraction = refracted(f, cos_arrival(f));
+  if (s.mirror) s.reflection = mirror_direction(f);
+  return s;
+}
+
+RAYSHEAF_HD inline bool worth_tracing(Vec3 weight) {
+  return max_component(weight) >= kLeastWeight;
+}
+
+/// The rays that go on from a fragment, a bit each.
+enum GoingOn : std::uint8_t { kReflects = 1, kRefracts = 2 };
+
+RAYSHEAF_HD inline std::uint8_t rays_of(const Fragment& f, const Scattering& s) {
+  const bool reflects = s.mirror && worth_tracing(f.weight * s.reflected_part);
+  const bool refracts = worth_tracing(f.weight * s.refracted_part);
+  return static_cast<std::uint8_t>((reflects ? kReflects : 0) | (refracts ? kRefracts : 0));
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,101 @@
+// One shadow ray.
+#pragma once
+
+#include <limits>
+
+#include "rays/fragment.h"
+#include "rays/hash_body.h"
+#include "rays/light_body.h"
+#include "rays/offset_body.h"
+
+namespace raysheaf {
+
+/// The scene's box, beyond which parallel light comes from, and the ball around it.
+struct LightReach {
+  Box bounds;
+  Vec3 center;
+  float radius;
+};
+
+RAYSHEAF_HD inline LightReach light_reach(const Box& bounds) {
+  return {bounds, (bounds.min + bounds.max) * 0.5f, length(bounds.max - bounds.min) * 0.5f};
+}
+
+/// How far from a place inside the box it is to beyond it, whatever rounding does to either end and
+/// to a triangle in its wall.
+RAYSHEAF_HD inline float way_out(const Box& bounds, Vec3 from, Vec3 direction) {
+  float way = std::numeric_limits<float>::infinity();
+  const auto clip = [&](float low, float high, float at, float along) {
+    if (along == 0) return;
+    const float end = ((along < 0 ? low : high) - at) / along;
+    way = end < way ? end : way;
+  };
+  clip(bounds.min.x, bounds.max.x, from.x, direction.x);
+  clip(bounds.min.y, bounds.max.y, from.y, direction.y);
+  clip(bounds.min.z, bounds.max.z, from.z, direction.z);
+  const float size = max_component(max(abs(bounds.min), abs(bounds.max)));
+  return (way > 0 ? way : 0) * (1 + 64 * kUnitRoundoff) + 64 * kUnitRoundoff * size;
+}
+
+/// Whether there is a surface that light falls on.
+RAYSHEAF_HD inline bool takes_light(const Fragment& f) {
+  return f.triangle != kInvalidId && !f.surface.unlit;
+}
+
+/// n.l > 0 with the shading normal, as the paper decides it, and light that is not black.
+RAYSHEAF_HD inline bool faces_light(const Fragment& f, const LightSample& sample) {
+  return takes_light(f) && dot(f.surface.normal, sample.to_light) > 0 &&
+         max_component(sample.irradiance) > 0;
+}
+
+/// Whether no place on a light that has a size lies before the surface: then no sample of it faces
+/// the light, whatever rounding does to either. May be false where that is so.
+inline bool turned_away(const Surface& surface, const PlacedLight& light) {
+  const Vec3 to_center = light.position - surface.position, n = surface.normal;
+  float extent = light.radius;
+  if (light.is_rectangle) {
+    const Vec3 up = cross(light.right, light.direction);
+    extent = 0.5f *
+             (std::fabs(dot(n, light.right)) * light.width + std::fabs(dot(n, up)) * light.height);
+  }
+  const float size = length(to_center) + light.radius + light.width + light.height;
+  const float margin = 1e-4f * size + 1e-6f * max_component(abs(light.position));
+  return dot(n, to_center) + extent < -margin;
+}
+
+/// Where on light number `index` of the scene the fragment looks in this sample. A lone sample has
+/// no choice to make: a ball then shines from its centre, as a point does.
+RAYSHEAF_HD inline LightSample choose_on_light(const Fragment& f, const PlacedLight& light,
+                                               std::uint32_t index, SampleOf sample) {
+  if (!has_size(light)) return sample_light(light, f.surface.position);
+  if (sample.count == 1 && !light.is_rectangle) return sample_point(light, f.surface.position);
+  const std::uint32_t seed = choice_seed(Choice::kLight, f.pixel, f.path, index);
+  return sample_light(light, f.surface.position, sample_pair(sample, seed));
+}
+
+/// From the light to just before the fragment.
+RAYSHEAF_HD inline Ray shadow_ray(const Fragment& f, const LightSample& sample,
+                                  const LightReach& reach) {
+  const bool parallel = !std::isfinite(sample.distance);
+  // From just beyond the scene: the farther a ray comes from, the farther off its surface it ends.
+  const float distance =
+      parallel ? way_out(reach.bounds, f.surface.position, sample.to_light) : sample.distance;
+  const Vec3 target = offset_point(f.surface, sample.to_light, distance);
+  const Vec3 origin = parallel ? target + sample.to_light * distance : sample.point;
+  return {origin, 0, target - origin, 1};
+}
+
+/// Where the ray stands on the unit square that its key walks: the direction it leaves its light
+/// by, or, for parallel light, the place on the disc that the light shines through.
+RAYSHEAF_HD inline Vec2 shadow_place(const PlacedLight& light, const Ray& ray,
+                                     const LightReach& reach) {
+  if (!light.is_directional) return octahedral(ray.direction);
+  const Vec3 n = light.direction;
+  const Vec3 side = std::fabs(n.x) < 0.5f ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+  const Vec3 u = normalized(cross(n, side)), v = cross(n, u);
+  const Vec3 from_center = ray.origin - reach.center;
+  const float scale = reach.radius > 0 ? 0.5f / reach.radius : 0;
+  return {dot(from_center, u) * scale + 0.5f, dot(from_center, v) * scale + 0.5f};
+}
+
+}  // namespace raysheaf

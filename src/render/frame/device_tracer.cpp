@@ -1,0 +1,60 @@
+#include "render/frame/device_tracer.h"
+
+#include <utility>
+
+#include "render/device/frame_stages.h"
+#include "render/frame/dual_tracer.h"
+
+namespace raysheaf {
+
+DeviceEngine& DeviceTracer::engine(const Executor& executor) {
+  if (engine_.knows) return *engine_.made;
+  Buffer<Vec3> all;
+  all.resize_uninitialized(std::size_t{3} * scene_.triangle_count);
+  executor.for_each(scene_.triangle_count, kCopyGrain, [&](std::size_t i) {
+    for (int k = 0; k < 3; ++k)
+      all[3 * i + static_cast<std::size_t>(k)] = scene_.corner(static_cast<std::uint32_t>(i), k);
+  });
+  const TriangleRun run{all.data(), nullptr, 0, scene_.triangle_count};
+  TriangleSource source;
+  source.runs = {&run, scene_.triangle_count > 0 ? std::size_t{1} : std::size_t{0}};
+  source.count = scene_.triangle_count;
+  source.flags = scene_.flags.data();
+  if (engine_.made == nullptr) engine_.made = backend_.make_engine();
+  engine_.made->set_triangles(executor, source, std::exchange(same_triangles_, false));
+  engine_.knows = same_triangles_ = true;
+  return *engine_.made;
+}
+
+PairTracer& DeviceTracer::pairs(const TriangleList& there) {
+  if (pairs_.knows) return *pairs_.made;
+  std::vector<PairMesh> meshes;
+  for (const FlatMesh& mesh : scene_.meshes)
+    meshes.push_back({mesh.bound, mesh.first_triangle, mesh.triangle_count});
+  if (pairs_.made == nullptr) pairs_.made = backend_.make_pair_tracer();
+  pairs_.made->set_scene({there, View<const PairMesh>(meshes)});
+  pairs_.knows = true;
+  return *pairs_.made;
+}
+
+PacketTracer& DeviceTracer::packets(const TriangleList& there, const Bvh& bvh) {
+  if (packets_.knows) return *packets_.made;
+  if (packets_.made == nullptr) packets_.made = backend_.make_packet_tracer();
+  packets_.made->set_scene({there, scene_.bounds, bvh});
+  packets_.knows = true;
+  return *packets_.made;
+}
+
+std::vector<RayHit> DeviceTracer::trace(const Executor& executor, const RayBatch& batch,
+                                        Facing facing) {
+  DeviceQuery query;
+  query.facing = facing;
+  query.executor = &executor;
+  std::vector<EngineHit> found(batch.rays.size());
+  engine(executor).closest_hit(batch.rays, query, View<EngineHit>(found));
+  std::vector<RayHit> hits;
+  for (const EngineHit& hit : found) hits.push_back({hit.t, hit.triangle});
+  return hits;
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,143 @@
+#include "render/frame/dual_tracer.h"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+#include "exec/stopwatch.h"
+#include "render/device/frame_stages.h"
+
+namespace raysheaf {
+namespace {
+
+/// Fewer rays of one light than this share a query with their neighbours: a query of its own costs
+/// about as much as they do.
+constexpr std::size_t kFewestRays = 512;
+
+/// Whether the first and the last start at one point: so do then all of a point light.
+bool starts_at_one_point(View<const Ray> rays) {
+  return std::memcmp(&rays[0].origin, &rays[rays.size - 1].origin, sizeof(Vec3)) == 0;
+}
+
+}  // namespace
+
+std::vector<std::size_t> query_ends(const RayBatch& batch) {
+  const std::size_t count = batch.rays.size();
+  std::vector<std::size_t> ends{0};
+  std::vector<std::uint32_t> light_ends = batch.light_ends;
+  if (light_ends.empty()) light_ends.push_back(static_cast<std::uint32_t>(count));
+  bool joins = false;  // the query that ended last takes further rays
+  std::size_t begin = 0;
+  for (const std::uint32_t end : light_ends) {
+    if (begin == end) continue;
+    const View<const Ray> rays = View<const Ray>(batch.rays).slice(begin, end - begin);
+    const bool alone = rays.size >= kFewestRays && starts_at_one_point(rays);
+    if (joins && !alone) ends.pop_back();
+    ends.push_back(end);
+    joins = !alone;
+    begin = end;
+  }
+  return ends;
+}
+
+DualTracer::DualTracer(const Executor& executor, const FlatScene& scene) {
+  corners_.resize_uninitialized(std::size_t{3} * scene.triangle_count);
+  copy_corners(executor, scene, 0, scene.triangle_count);
+  engine_.set_triangles(source_of(scene), false);
+}
+
+void DualTracer::update(const Executor& executor, const FlatScene& scene,
+                        const FlatUpdate& update) {
+  std::vector<TriangleRange> moved;
+  if (update.same_triangles) {
+    for (const std::uint32_t i : update.placed_meshes) {
+      const FlatMesh& mesh = scene.meshes[i];
+      copy_corners(executor, scene, mesh.first_triangle, mesh.triangle_count);
+      moved.push_back({mesh.first_triangle, mesh.triangle_count});
+    }
+    engine_.move_triangles(source_of(scene), moved);
+  } else {
+    corners_.resize_uninitialized(std::size_t{3} * scene.triangle_count);
+    copy_corners(executor, scene, 0, scene.triangle_count);
+    engine_.set_triangles(source_of(scene), false);
+  }
+}
+
+void DualTracer::copy_corners(const Executor& executor, const FlatScene& scene, std::size_t first,
+                              std::size_t count) {
+  executor.for_each(count, kCopyGrain, [&](std::size_t n) {
+    const std::size_t i = first + n;
+    for (int k = 0; k < 3; ++k)
+      corners_[3 * i + static_cast<std::size_t>(k)] =
+          scene.corner(static_cast<std::uint32_t>(i), k);
+  });
+}
+
+TriangleSource DualTracer::source_of(const FlatScene& scene) {
+  const std::uint32_t count = scene.triangle_count;
+  run_ = {corners_.data(), nullptr, 0, count};
+  TriangleSource source;
+  source.runs = {&run_, count > 0 ? std::size_t{1} : std::size_t{0}};
+  source.count = count;
+  source.flags = scene.flags.data();
+  return source;
+}
+
+EngineReport DualTracer::prepare_tree(const Executor& executor) {
+  EngineReport report;
+  engine_.prepare_tree(executor, &report);
+  tree_.add({true, report.tree, report.hierarchy_ms});
+  return report;
+}
+
+/// `whole`: the report is of all rays of the batch, not of some of them.
+void DualTracer::add_report(const EngineReport& report, std::size_t rays, bool whole,
+                            BatchStatistics* statistics) {
+  tree_.add({report.used_tree, report.tree, report.used_tree ? report.hierarchy_ms : 0});
+  add_engine_report(report, whole ? 0 : rays, statistics);
+}
+
+void DualTracer::find_occluded(const Executor& executor, const RayBatch& batch, Facing facing,
+                               BatchStatistics* statistics, View<float> ray_tests,
+                               View<std::uint8_t> occluded) {
+  const EngineOptions options = counting_options(facing);
+  const std::vector<std::size_t> ends = query_ends(batch);
+  for (std::size_t q = 0; q + 1 < ends.size(); ++q) {
+    const std::size_t begin = ends[q], count = ends[q + 1] - begin;
+    EngineReport report;
+    engine_.any_hit(executor, View<const Ray>(batch.rays).slice(begin, count), options,
+                    occluded.slice(begin, count),
+                    ray_tests.empty() ? ray_tests : ray_tests.slice(begin, count), &report);
+    add_report(report, count, ends.size() == 2 && !batch.part, statistics);
+  }
+}
+
+void DualTracer::find_closest(const Executor& executor, const RayBatch& batch,
+                              const EngineOptions& options, BatchStatistics* statistics,
+                              View<float> ray_tests, View<RayHit> hits) {
+  closest_.resize_uninitialized(batch.rays.size());
+  EngineReport report;
+  engine_.closest_hit(executor, batch.rays, options, closest_, ray_tests, &report);
+  add_report(report, batch.rays.size(), !batch.part, statistics);
+  executor.for_each(hits.size, kCopyGrain, [&](std::size_t i) {
+    hits[i] = {closest_[i].t, closest_[i].triangle};
+  });
+}
+
+std::vector<RayHit> DualTracer::trace(const Executor& executor, const RayBatch& batch,
+                                      Facing facing, BatchStatistics* statistics,
+                                      View<float> ray_tests) {
+  std::vector<RayHit> hits(batch.rays.size());
+  if (!asks_occlusion(batch)) {
+    find_closest(executor, batch, counting_options(facing), statistics, ray_tests, hits);
+    return hits;
+  }
+  occluded_.resize_uninitialized(hits.size());
+  find_occluded(executor, batch, facing, statistics, ray_tests, occluded_);
+  executor.for_each(hits.size(), kCopyGrain, [&](std::size_t i) {
+    if (occluded_[i] != 0) hits[i] = {0, kSomeTriangle};
+  });
+  return hits;
+}
+
+}  // namespace raysheaf

@@ -1,0 +1,233 @@
+#include "render/frame/frame.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "exec/stopwatch.h"
+#include "rays/filter.h"
+#include "render/frame/cpu_stages.h"
+#include "render/picture/film.h"
+#include "render/shade/shade.h"
+
+namespace raysheaf {
+namespace {
+
+/// Secondary fragments that are worked on at once.
+constexpr std::size_t kMostFragments = std::size_t{1} << 22;
+
+/// `dual` plans each batch by itself (`BatchStatistics::plan`).
+constexpr const char* kPlanned = "plan";
+
+/// What rays are sorted by, in a word for the statistics.
+const char* key_name(const MethodSettings& settings) {
+  return settings.traversal == Traversal::kDual ? kPlanned : to_string(settings.key);
+}
+
+/// What bounds bundles of rays, in a word for the statistics.
+const char* bound_name(const MethodSettings& settings) {
+  switch (settings.traversal) {
+    case Traversal::kBruteForce:
+      return "none";
+    case Traversal::kPackets:
+      return to_string(BundleBound::kFrustum);
+    case Traversal::kDual:
+      return kPlanned;
+    case Traversal::kRayHierarchy:
+      break;
+  }
+  return to_string(settings.bound);
+}
+
+/// Whether rays are brought together by keys of theirs; `dual` finds its own way.
+bool sorts_by_keys(const MethodSettings& settings) {
+  return settings.traversal == Traversal::kRayHierarchy ||
+         settings.traversal == Traversal::kPackets;
+}
+
+/// Follows a group of first hits to the ends of their paths.
+class Paths {
+ public:
+  using Set = PathStages::Set;
+
+  Paths(PathStages& stages, ProgressMeter& meter, const RenderOptions& options,
+        std::uint32_t lights, Vec3 sky)
+      : stages_(stages), meter_(meter), options_(options), lights_(lights), sky_(sky) {}
+
+  /// The light of the fragments, then that of what their rays meet. Where paths split so often that
+  /// the next fragments are too many, they go on in groups, one after the other.
+  void follow_light(Set fragments, std::uint32_t bounce) {
+    const bool last = bounce > options_.bounces;
+    gather_light(*fragments, bounce, last);
+    if (last) return;
+    Set next = next_fragments(*fragments, bounce);
+    fragments = nullptr;
+    if (next == nullptr) return;
+    while (next->size() > kMostFragments)
+      follow_light(stages_.split_off(*next, next->size() - kMostFragments), bounce + 1);
+    follow_light(std::move(next), bounce + 1);
+  }
+
+ private:
+  /// Shadow rays, then the light that leaves the fragments, into the pixels.
+  void gather_light(FragmentSet& fragments, std::uint32_t bounce, bool last) {
+    const TracedParts traced{options_.reflections && !last, options_.refractions && !last};
+    meter_.begin("shading, bounce " + std::to_string(bounce), 1);
+    stages_.glow(fragments, {sky_, traced, last});
+    for (std::uint32_t light = 0; light < lights_;)
+      light += stages_.add_lights(fragments, bounce, light);
+    stages_.add_environment(fragments, bounce);
+    stages_.deposit(fragments);
+  }
+
+  /// Reflections and refractions: what they meet are the next fragments, sorted by pixel. What they
+  /// miss is sky.
+  Set next_fragments(const FragmentSet& fragments, std::uint32_t bounce) {
+    const auto follow = [&](bool asked, RayKind kind) -> Set {
+      if (!asked) return nullptr;
+      meter_.begin(std::string(to_string(kind)) + " rays, bounce " + std::to_string(bounce), 1);
+      return stages_.follow(fragments, kind, bounce);
+    };
+    Set reflected = follow(options_.reflections, RayKind::kReflection);
+    Set refracted = follow(options_.refractions, RayKind::kRefraction);
+    if (refracted == nullptr) return reflected;
+    if (reflected == nullptr) return refracted;
+    return stages_.merged(std::move(reflected), std::move(refracted));
+  }
+
+  PathStages& stages_;
+  ProgressMeter& meter_;
+  const RenderOptions& options_;
+  const std::uint32_t lights_;
+  const Vec3 sky_;
+};
+
+class Frame {
+ public:
+  Frame(const Executor& executor, const FrameInput& input)
+      : executor_(executor),
+        geometry_(input.geometry),
+        lights_(static_cast<std::uint32_t>(input.lights.size)),
+        input_(input),
+        options_(input.options),
+        sample_{0, input.samples},
+        camera_(make_camera_frame(input.camera, options_.width, options_.height)),
+        meter_([this](const Progress& of_stage) { return tell(of_stage); }),
+        tally_(geometry_.triangle_count()) {
+    const MethodSettings method = settings_for(options_);
+    tally_.statistics.key = key_name(method);
+    tally_.statistics.bound = bound_name(method);
+    if (input.device != nullptr) {
+      const PairQuery pairs{method.levels, method.branching, method.mesh_culling};
+      input.device->begin({executor, options_, input.lights, tally_, meter_, input.rasterize,
+                           input.pairs, input.packets, pairs, method.key != RayKey::kRaster,
+                           sample_.count > 1, input.ranks});
+    } else {
+      const Keys keys = sorts_by_keys(method) ? Keys::kMade : Keys::kNone;
+      cpu_ = make_cpu_stages(executor, input, keys, &tally_, &meter_);
+    }
+    if (sample_.count == 1 || input.camera.aperture == 0) return;
+    camera_.lens_radius = 0.5f * input.camera.aperture;
+    camera_.focus =
+        input.camera.focus > 0 ? input.camera.focus : geometry_.depth_of_middle(camera_, &meter_);
+  }
+
+  RenderResult run() {
+    while (true) {
+      take_sample();
+      if (++sample_.index == sample_.count) break;
+      if (options_.on_sample && !options_.on_sample(developed(false))) break;
+    }
+    return developed(true);
+  }
+
+ private:
+  [[nodiscard]] FrameStages& stages() const {
+    return input_.device != nullptr ? *input_.device : *cpu_;
+  }
+
+  /// The picture of the samples so far; `last`: there are no more.
+  RenderResult developed(bool last) {
+    RenderResult result = develop(executor_, stages().film(last), options_.exposure);
+    result.ambient = sky_;
+    result.statistics = tally_.statistics;
+    if (input_.complete) input_.complete(&result.statistics);
+    return result;
+  }
+
+  /// A picture of one ray a pixel, added to the film.
+  void take_sample() {
+    Stopwatch watch;
+    FrameStatistics& statistics = tally_.statistics;
+    const SampleStatistics before = totals();
+    CameraFrame frame = moved_by_pixels(camera_, filter_offset(sample_));
+    frame.sample = sample_;
+    const std::size_t groups = stages().look(frame);
+    if (sample_.index == 0) sky_ = uniform_sky();
+    stages().follow_groups(groups, [&](PathStages& paths, ProgressMeter& meter, std::size_t group) {
+      Paths(paths, meter, options_, lights_, sky_).follow_light(paths.see(group), 1);
+    });
+    SampleStatistics sample = totals();
+    sample.rays -= before.rays;
+    sample.total_tests -= before.total_tests;
+    sample.hits -= before.hits;
+    sample.ms = watch.lap_ms();
+    statistics.samples.push_back(sample);
+  }
+
+  [[nodiscard]] Vec3 uniform_sky() {
+    if (options_.ambient) return *options_.ambient;
+    if (input_.environment != nullptr) return {0, 0, 0};
+    return lights_ == 0 ? kWhiteSky : stages().find_sky();
+  }
+
+  /// Of all batches so far.
+  [[nodiscard]] SampleStatistics totals() const {
+    SampleStatistics sum;
+    for (const BatchStatistics& batch : tally_.statistics.batches) {
+      sum.rays += batch.rays;
+      sum.total_tests += batch.total_tests();
+      sum.hits += batch.hits;
+    }
+    return sum;
+  }
+
+  /// Whatever a stage tells of its own progress, the caller hears of samples where there are
+  /// several.
+  [[nodiscard]] bool tell(const Progress& of_stage) const {
+    if (!options_.progress) return true;
+    if (sample_.count > 1) return options_.progress({"samples", sample_.index, sample_.count});
+    return options_.progress(of_stage);
+  }
+
+  const Executor& executor_;
+  FrameGeometry& geometry_;
+  const std::uint32_t lights_;
+  const FrameInput& input_;
+  const RenderOptions& options_;
+  SampleOf sample_;
+  CameraFrame camera_;  ///< its rays go through the pixels' centres
+  ProgressMeter meter_;
+  FrameTally tally_;
+  std::unique_ptr<FrameStages> cpu_;  ///< unless the frame is a device's
+  Vec3 sky_;
+};
+
+}  // namespace
+
+MethodSettings settings_for(const RenderOptions& options) {
+  MethodSettings settings = method_settings(options.method);
+  settings.key = options.key.value_or(settings.key);
+  settings.key_bits = options.key_bits.value_or(settings.key_bits);
+  settings.bound = options.bound.value_or(settings.bound);
+  settings.mesh_culling = options.mesh_culling.value_or(settings.mesh_culling);
+  settings.levels = options.levels;
+  settings.branching = options.branching;
+  return settings;
+}
+
+RenderResult render_frame(const Executor& executor, const FrameInput& input) {
+  return Frame(executor, input).run();
+}
+
+}  // namespace raysheaf

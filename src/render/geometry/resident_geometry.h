@@ -1,0 +1,52 @@
+// Triangles in memory, met by any method, with all threads.
+#pragma once
+
+#include "render/geometry/flat_geometry.h"
+
+namespace raysheaf {
+
+/// A base, since the next one needs it.
+struct HasLooks {
+  std::vector<MaterialLook> looks;
+};
+
+class ResidentGeometry : public FrameGeometry, private HasLooks, public FlatGeometry {
+ public:
+  /// All must outlive it. `cache`: of the scene, kept from frame to frame; none: nothing is.
+  /// `samples`: of a pixel.
+  ResidentGeometry(const Executor& executor, const FlatScene& scene, const TextureSet& textures,
+                   const RenderOptions& options, TraceCache* cache = nullptr,
+                   std::uint32_t samples = 1);
+
+  [[nodiscard]] std::size_t look(const Seeing& seeing, ProgressMeter* meter) override;
+  [[nodiscard]] float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) override;
+
+  /// Those of `dual` on the CPU.
+  [[nodiscard]] bool is_shared() const override { return asks_alone(options_); }
+  [[nodiscard]] SharedWork share() override;
+  [[nodiscard]] std::unique_ptr<PathGeometry> of_one_thread() override;
+  void add_rays(std::uint64_t count) override;
+
+ protected:
+  [[nodiscard]] std::vector<RayHit> meet(const RayBatch& batch, Facing facing,
+                                         BatchStatistics* statistics, View<float> ray_tests,
+                                         ProgressMeter* meter) override;
+  void meet_any(const RayBatch& batch, bool early_out, BatchStatistics* statistics,
+                View<float> ray_tests, ProgressMeter* meter, View<std::uint8_t> occluded) override;
+
+ private:
+  /// What each pixel sees, by rays.
+  void find_triangles(const Seeing& seeing, ProgressMeter* meter);
+  /// What OpenGL of rank 0 shows: that of others may be another one.
+  [[nodiscard]] std::vector<std::uint32_t> rasterize(Rasterizer& rasterizer,
+                                                     const CameraFrame& frame) const;
+  /// Brings what OpenGL shows to what is there, by rays.
+  void see_through(const Seeing& seeing, View<std::uint32_t> triangles, ProgressMeter* meter);
+
+  const bool blends_;
+  TraceCache own_cache_;
+  TraceOptions options_;
+  SeenPixels seen_;  ///< by the last `look`
+};
+
+}  // namespace raysheaf

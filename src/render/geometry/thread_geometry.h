@@ -1,0 +1,42 @@
+// Triangles in memory as one thread's rays meet them, by method `dual`: through the object tree
+// that all threads share.
+#pragma once
+
+#include "base/buffer.h"
+#include "exec/executor.h"
+#include "queries/tree_queries.h"
+#include "render/geometry/flat_geometry.h"
+
+namespace raysheaf {
+
+class ThreadGeometry : public FlatGeometry {
+ public:
+  /// All must outlive it. The cache's tree is up to date when anything is traced.
+  ThreadGeometry(const SurfaceSource& source, bool blends, SeenPixels& seen,
+                 const TraceCache& cache)
+      : FlatGeometry(serial_, source, blends, seen), seen_(seen), cache_(cache) {}
+
+  /// By rays, where they are not known.
+  [[nodiscard]] Fragments first_hits(std::size_t group, const FirstHitTally& tally) override;
+
+  /// Every thread has as many.
+  [[nodiscard]] std::size_t most_shadow_rays() const override { return std::size_t{1} << 18; }
+
+ protected:
+  [[nodiscard]] std::vector<RayHit> meet(const RayBatch& batch, Facing facing,
+                                         BatchStatistics* statistics, View<float> ray_tests,
+                                         ProgressMeter* meter) override;
+  void meet_any(const RayBatch& batch, bool early_out, BatchStatistics* statistics,
+                View<float> ray_tests, ProgressMeter* meter, View<std::uint8_t> occluded) override;
+
+ private:
+  void find_first_hits(const PixelGroup& pixels, const FirstHitTally& tally);
+
+  SeenPixels& seen_;
+  const Executor serial_ = Executor::serial();
+  const TraceCache& cache_;
+  TreeQueries queries_;
+  Buffer<EngineHit> closest_;
+};
+
+}  // namespace raysheaf

@@ -1,0 +1,60 @@
+#include "render/raster/pack.h"
+
+#include <algorithm>
+
+#include "base/bits.h"
+#include "exec/executor.h"
+#include "render/raster/pack_body.h"
+
+namespace raysheaf {
+namespace {
+
+constexpr std::uint32_t kBlock = 2048;
+
+}  // namespace
+
+std::uint32_t TrianglePacker::choose(const Executor& executor, const FlatScene& scene,
+                                     const PictureView& view, std::uint32_t first,
+                                     std::uint32_t count) {
+  const std::uint32_t blocks = div_ceil(count, kBlock);
+  chosen_.resize(std::max<std::size_t>(chosen_.size(), count));
+  starts_.assign(blocks + std::size_t{1}, 0);
+  const Vec3 eye = view.frame.eye;
+  executor.for_each(blocks, 1, [&](std::size_t block) {
+    const auto begin = static_cast<std::uint32_t>(block) * kBlock;
+    const std::uint32_t end = std::min(begin + kBlock, count);
+    std::uint32_t kept = begin;
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const std::uint32_t t = first + i;
+      chosen_[kept] = t;
+      kept += may_show(view, scene.corner(t, 0) - eye, scene.corner(t, 1) - eye,
+                       scene.corner(t, 2) - eye, scene.flags[t])
+                  ? 1
+                  : 0;
+    }
+    starts_[block + 1] = kept - begin;
+  });
+  for (std::uint32_t block = 0; block < blocks; ++block) starts_[block + 1] += starts_[block];
+  return starts_.back();
+}
+
+void TrianglePacker::pack(const Executor& executor, const FlatScene& scene, const PictureView& view,
+                          float* corners, std::uint32_t* numbers) const {
+  const Vec3 eye = view.frame.eye;
+  executor.for_each(starts_.size() - 1, 1, [&](std::size_t block) {
+    const std::uint32_t start = starts_[block], kept = starts_[block + 1] - start;
+    for (std::uint32_t i = 0; i < kept; ++i) {
+      const std::uint32_t t = chosen_[block * kBlock + i];
+      float* const out = corners + std::size_t{kFloatsPerTriangle} * (start + i);
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 p = scene.corner(t, k) - eye;
+        out[3 * k] = p.x;
+        out[3 * k + 1] = p.y;
+        out[3 * k + 2] = p.z;
+      }
+      numbers[start + i] = t;
+    }
+  });
+}
+
+}  // namespace raysheaf

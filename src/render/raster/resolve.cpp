@@ -1,0 +1,71 @@
+#include "render/raster/resolve.h"
+
+#include <vector>
+
+#include "exec/executor.h"
+#include "render/raster/resolve_body.h"
+
+namespace raysheaf {
+namespace {
+
+constexpr std::size_t kTriangleGrain = 1024;
+
+struct FlatTriangles {
+  const FlatScene* scene;
+  [[nodiscard]] Vec3 corner(std::uint32_t triangle, int k) const {
+    return scene->corner(triangle, k);
+  }
+  [[nodiscard]] std::uint8_t flags_of(std::uint32_t triangle) const {
+    return scene->flags[triangle];
+  }
+};
+
+/// The pixels that are lost, row by row.
+std::vector<std::uint32_t> look_at_borders(const Executor& executor,
+                                           const Resolve<FlatTriangles>& resolve) {
+  const std::size_t width = resolve.view.frame.width;
+  std::vector<std::vector<std::uint32_t>> of_rows(resolve.view.frame.height);
+  executor.for_each(of_rows.size(), 1, [&](std::size_t y) {
+    for (std::size_t pixel = y * width; pixel < (y + 1) * width; ++pixel)
+      if (look_at_border(resolve, pixel)) of_rows[y].push_back(static_cast<std::uint32_t>(pixel));
+  });
+  std::vector<std::uint32_t> lost;
+  for (const auto& row : of_rows) lost.insert(lost.end(), row.begin(), row.end());
+  return lost;
+}
+
+/// `triangle_at(i)`, for i below `count`, are all that may show.
+template <class TriangleAt>
+void resolve(const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
+             std::size_t count, const TriangleAt& triangle_at, View<std::uint32_t> triangles) {
+  if (!(frame.z_far > frame.z_near)) return;
+  const std::vector<std::uint32_t> before(triangles.begin(), triangles.end());
+  std::vector<SightKey> sight(triangles.size, kNotLooked);
+  const Resolve<FlatTriangles> resolve{make_picture_view(frame, scene.bounds),
+                                       {&scene},
+                                       View<const std::uint32_t>(before),
+                                       sight.data()};
+  const std::vector<std::uint32_t> lost = look_at_borders(executor, resolve);
+  executor.for_each(count, kTriangleGrain, [&](std::size_t i) {
+    look_for(resolve, View<const std::uint32_t>(lost), triangle_at(i));
+  });
+  executor.for_each(triangles.size, kCopyGrain,
+                    [&](std::size_t i) { triangles[i] = resolved_pixel(before[i], sight[i]); });
+}
+
+}  // namespace
+
+void resolve_silhouettes(const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
+                         View<const std::uint32_t> drawn, View<std::uint32_t> triangles) {
+  resolve(
+      executor, scene, frame, drawn.size, [&](std::size_t i) { return drawn[i]; }, triangles);
+}
+
+void resolve_silhouettes(const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
+                         View<std::uint32_t> triangles) {
+  resolve(
+      executor, scene, frame, scene.triangle_count,
+      [](std::size_t i) { return static_cast<std::uint32_t>(i); }, triangles);
+}
+
+}  // namespace raysheaf

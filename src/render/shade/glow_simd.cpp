@@ -1,0 +1,82 @@
+// The glow of 16 fragments at a time: `scattered_parts`, `rays_of` and `glow`, their operations in
+// their order. Compiled once a SIMD target and chosen at run time (Google Highway).
+#include "render/shade/glow.h"
+
+#include <algorithm>
+
+#include "rays/scatter_body.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "render/shade/glow_simd.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "rays/fragment_lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raysheaf::HWY_NAMESPACE {
+namespace {
+
+/// A byte a lane, `yes` or 0, `count` of them.
+HWY_INLINE void GiveBytes(M lanes, std::uint8_t yes, std::size_t count, std::uint8_t* to) {
+  const hn::RebindToSigned<Floats> ints;
+  const hn::Rebind<std::uint8_t, Floats> bytes;
+  const auto values = hn::DemoteTo(
+      bytes, hn::IfThenElseZero(hn::RebindMask(ints, lanes), hn::Set(ints, std::int32_t{yes})));
+  alignas(64) std::uint8_t part[kLightLanes];
+  hn::Store(values, bytes, part);
+  std::memcpy(to, part, std::min(count, hn::Lanes(bytes)));
+}
+
+void FindGlow(View<const Fragment> fragments, const GlowLook& look, Vec3* radiance,
+              std::uint8_t* going_on, std::uint16_t* odd) {
+  const Floats d;
+  const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+  const V3 sky = Splat(look.sky);
+  const M traced = hn::Gt(hn::Set(d, (look.kinds & kReflects) != 0 ? 1.0f : 0), zero);
+  std::fill_n(odd, (fragments.size + kLightLanes - 1) / kLightLanes, std::uint16_t{0});
+  for (std::size_t k = 0; k < fragments.size; k += hn::Lanes(d)) {
+    const FragmentLanes f(fragments, k);
+    const std::size_t left = fragments.size - k;
+    const M is_there = HasTriangle(f.At<RAYSHEAF_WORD(triangle)>());
+    const M is_lit = IsLit(f.At<RAYSHEAF_SURFACE_WORD(unlit)>());
+    const V3 emission = f.At3<RAYSHEAF_SURFACE_WORD(emission)>();
+    const V cosine =
+        CosArrival(f.At3<RAYSHEAF_WORD(incoming)>(), f.At3<RAYSHEAF_SURFACE_WORD(normal)>());
+    const V3 reflected = Schlick(f.At3<RAYSHEAF_SURFACE_WORD(specular)>(),
+                                 f.At<RAYSHEAF_SURFACE_WORD(specular_edge)>(), cosine);
+    const V3 coat = Schlick(f.At3<RAYSHEAF_SURFACE_WORD(coat)>(),
+                            f.At<RAYSHEAF_SURFACE_WORD(coat_edge)>(), cosine);
+    const V3 below{hn::Sub(one, coat.x), hn::Sub(one, coat.y), hn::Sub(one, coat.z)};
+    const M mirror = hn::Lt(f.At<RAYSHEAF_SURFACE_WORD(roughness)>(), hn::Set(d, kMirrorRoughness));
+    const M worth =
+        hn::Ge(MaxOf(Mul(f.At3<RAYSHEAF_WORD(weight)>(), reflected)), hn::Set(d, kLeastWeight));
+    const M reflects = hn::And(hn::And(is_there, is_lit), hn::And(traced, hn::And(mirror, worth)));
+    const V3 diffuse = Mul(f.At3<RAYSHEAF_SURFACE_WORD(diffuse)>(), below);
+    // Nothing is refracted, which is added all the same: -0 becomes 0.
+    const V3 part = Add(Select(reflects, diffuse, Add(diffuse, reflected)), {zero, zero, zero});
+    const V3 lit = Select(is_lit, Add(emission, Mul(part, sky)), emission);
+    Give3(Select(is_there, lit, sky), left, radiance + k);
+    if (going_on != nullptr) GiveBytes(reflects, kReflects, left, going_on + k);
+    const M glass = hn::And(is_there, hn::Gt(f.At<RAYSHEAF_SURFACE_WORD(transmission)>(), zero));
+    const std::uint32_t there = left < kLightLanes ? (1u << left) - 1 : 0xffffu;
+    odd[k / kLightLanes] |= static_cast<std::uint16_t>((BitsOf(glass) & there) << k % kLightLanes);
+  }
+}
+
+}  // namespace
+}  // namespace raysheaf::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace raysheaf {
+
+HWY_EXPORT(FindGlow);
+
+void find_glow(View<const Fragment> fragments, const GlowLook& look, Vec3* radiance,
+               std::uint8_t* going_on, std::uint16_t* odd) {
+  HWY_DYNAMIC_DISPATCH(FindGlow)(fragments, look, radiance, going_on, odd);
+}
+
+}  // namespace raysheaf
+#endif  // HWY_ONCE

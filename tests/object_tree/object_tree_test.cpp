@@ -1,0 +1,444 @@
+// The object tree against what its contract says, on random and on adversarial triangles, however
+// it came about: rebuilt, built finely or refitted.
+#include "object_tree/object_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstring>
+#include <random>
+
+#include "base/bits.h"
+#include "scene/flatten_body.h"
+
+namespace raysheaf::test {
+namespace {
+
+using Index = std::array<std::uint32_t, 3>;
+
+/// Triangles of one run, or of several: every mesh has its own positions, indexed or not.
+struct Mesh {
+  std::vector<Vec3> positions;
+  std::vector<Index> indices;  ///< none: positions in threes
+};
+
+struct Case {
+  std::vector<Mesh> meshes;
+  std::vector<TriangleRun> runs;
+
+  TriangleSource source() {
+    runs.clear();
+    std::uint32_t first = 0;
+    for (const Mesh& m : meshes) {
+      const auto count =
+          static_cast<std::uint32_t>(m.indices.empty() ? m.positions.size() / 3 : m.indices.size());
+      if (count == 0) continue;
+      runs.push_back(
+          {m.positions.data(), m.indices.empty() ? nullptr : m.indices.data(), first, count});
+      first += count;
+    }
+    return {runs, first, nullptr};
+  }
+};
+
+class Random {
+ public:
+  explicit Random(unsigned seed) : engine_(seed) {}
+  float operator()(float lo, float hi) {
+    return lo + (hi - lo) * std::uniform_real_distribution<float>(0, 1)(engine_);
+  }
+  Vec3 in_box(float half) {
+    return {(*this)(-half, half), (*this)(-half, half), (*this)(-half, half)};
+  }
+  std::uint32_t below(std::uint32_t n) {
+    return std::uniform_int_distribution<std::uint32_t>(0, n - 1)(engine_);
+  }
+
+ private:
+  std::mt19937 engine_;
+};
+
+Mesh soup(std::uint32_t count, float half, float size, unsigned seed) {
+  Random random(seed);
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Vec3 at = random.in_box(half);
+    for (int k = 0; k < 3; ++k) mesh.positions.push_back(at + random.in_box(size));
+  }
+  return mesh;
+}
+
+Mesh grid(std::uint32_t side, float bump) {
+  Random random(side);
+  Mesh mesh;
+  for (std::uint32_t y = 0; y <= side; ++y)
+    for (std::uint32_t x = 0; x <= side; ++x)
+      mesh.positions.push_back({static_cast<float>(x), random(-bump, bump), static_cast<float>(y)});
+  for (std::uint32_t y = 0; y < side; ++y)
+    for (std::uint32_t x = 0; x < side; ++x) {
+      const std::uint32_t a = y * (side + 1) + x, b = a + side + 1;
+      mesh.indices.push_back({a, a + 1, b});
+      mesh.indices.push_back({b, a + 1, b + 1});
+    }
+  return mesh;
+}
+
+Mesh copies(std::uint32_t count) {
+  Mesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}};
+  mesh.indices.assign(count, {0, 1, 2});
+  return mesh;
+}
+
+Mesh points(std::uint32_t count) {
+  Mesh mesh = soup(count, 10, 0, 4);
+  return mesh;
+}
+
+Mesh moved(Mesh mesh, Vec3 by, float scale) {
+  for (Vec3& p : mesh.positions) p = p * scale + by;
+  return mesh;
+}
+
+/// Every second triangle loses its area: two equal corners, or three in a row.
+Mesh half_flat(Mesh mesh) {
+  for (std::size_t i = 0; i + 5 < mesh.positions.size(); i += 6) {
+    Vec3* p = &mesh.positions[i];
+    if (i % 12 == 0) {
+      p[1] = p[0];
+    } else {
+      p[0] = {1, 2, 3}, p[1] = {2, 4, 6}, p[2] = {4, 8, 12};
+    }
+  }
+  return mesh;
+}
+
+Mesh slivers(std::uint32_t count) {
+  Random random(9);
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Vec3 a = random.in_box(100), b = random.in_box(100);
+    mesh.positions.insert(mesh.positions.end(), {a, b, a + random.in_box(1e-3f)});
+  }
+  return mesh;
+}
+
+std::vector<Case> cases() {
+  std::vector<Case> all(18);
+  all[0].meshes = {soup(1, 1, 1, 1)};
+  all[1].meshes = {soup(2, 1, 1, 2)};
+  all[2].meshes = {soup(9, 1, 1, 3)};
+  all[3].meshes = {soup(3000, 10, 0.3f, 5)};
+  all[4].meshes = {grid(40, 0.2f), soup(700, 30, 2, 6), copies(3)};
+  all[5].meshes = {copies(1000)};
+  all[6].meshes = {points(100)};
+  all[7].meshes = {};
+  all[8].meshes = {half_flat(soup(2000, 1, 1, 7)), grid(10, 0)};
+  all[9].meshes = {slivers(2000)};
+  all[10].meshes = {soup(2000, 1e6f, 1e-1f, 8),
+                    moved(soup(2000, 1, 1e-2f, 9), {5e5f, 0, 0}, 1e-3f)};
+  all[11].meshes = {moved(soup(2000, 1, 0.1f, 10), {}, 1e-20f)};
+  all[12].meshes = {moved(soup(2000, 1, 0.1f, 11), {}, 4e17f)};
+  all[13].meshes = {soup(1, 1, 1e5f, 12), soup(5000, 1, 1e-3f, 13)};
+  all[14].meshes = {moved(soup(500, 1, 0.1f, 14), {}, 1e-42f), moved(copies(20), {0, 0, 0}, 1e-3f)};
+  all[15].meshes = {grid(3, 0), soup(20000, 10, 0.1f, 15)};
+  all[16].meshes = {moved(soup(600, 1, 0.1f, 14), {}, 1e-3f),
+                    moved(soup(600, 1, 0.1f, 14), {1e15f, 1e15f, 0}, 1)};
+  all[17].meshes = {soup(110000, 10, 0.05f, 16), half_flat(soup(120000, 10, 0.05f, 17))};
+  return all;
+}
+
+Box box_of(const std::array<Vec3, 3>& c) {
+  return {min(min(c[0], c[1]), c[2]), max(max(c[0], c[1]), c[2])};
+}
+
+void grow(Box* box, const Box& other) {
+  box->min = min(box->min, other.min);
+  box->max = max(box->max, other.max);
+}
+
+Box child_box(const BvhNode& node, std::uint32_t c) {
+  return {{node.bound[0][c], node.bound[1][c], node.bound[2][c]},
+          {node.bound[3][c], node.bound[4][c], node.bound[5][c]}};
+}
+
+/// Follows the tree from its root and checks all that it passes.
+class Walk {
+ public:
+  Walk(const ObjectTree& tree, const TriangleSource& source)
+      : tree_(tree), source_(source), seen_(source.count) {
+    if (tree.empty()) return;
+    expect_same(visit(0, 0), tree.bounds);
+    EXPECT_EQ(tree.triangles,
+              static_cast<std::uint32_t>(std::count(seen_.begin(), seen_.end(), 1)));
+  }
+
+  [[nodiscard]] bool seen(std::uint32_t triangle) const { return seen_[triangle] != 0; }
+  [[nodiscard]] std::uint32_t depth() const { return depth_; }
+  [[nodiscard]] std::uint32_t leaves() const { return leaves_; }
+
+ private:
+  static void expect_same(const Box& a, const Box& b) {
+    EXPECT_TRUE(a.min == b.min && a.max == b.max);
+  }
+
+  Box visit(std::uint32_t n, std::uint32_t depth) {
+    Box whole;
+    if (n >= tree_.nodes.size() || depth > 200) {
+      ADD_FAILURE() << "node " << n << " at depth " << depth;
+      return whole;
+    }
+    depth_ = std::max(depth_, depth + 1);
+    const BvhNode& node = tree_.nodes[n];
+    EXPECT_LE(node.children, kBvhWidth);
+    EXPECT_GE(node.children, n == 0 ? 1u : 2u);
+    for (std::uint32_t c = 0; c < kBvhWidth; ++c) {
+      if (c >= node.children) {
+        expect_same(child_box(node, c), Box{});
+        EXPECT_EQ(node.first[c], 0u);
+        EXPECT_EQ(node.count[c], 0u);
+        continue;
+      }
+      EXPECT_TRUE(node.is_leaf(c) || node.first[c] > n);
+      const Box below =
+          node.is_leaf(c) ? leaf(node.first[c], node.count[c]) : visit(node.first[c], depth + 1);
+      expect_same(child_box(node, c), below);
+      grow(&whole, below);
+    }
+    return whole;
+  }
+
+  Box leaf(std::uint32_t first, std::uint32_t count) {
+    ++leaves_;
+    Box box;
+    EXPECT_LE(count, kLeafTriangles);
+    for (std::uint32_t i = 0; i < 4 * div_ceil(count, 4); ++i) {
+      if (first + i / 4 >= tree_.quads.size()) {
+        ADD_FAILURE() << "quad " << first + i / 4;
+        return box;
+      }
+      const TriangleQuad& quad = tree_.quads[first + i / 4];
+      const std::uint32_t id = quad.id[i % 4];
+      std::array<Vec3, 3> held;
+      for (std::size_t k = 0; k < 3; ++k)
+        held[k] = {quad.vertex[k][0][i % 4], quad.vertex[k][1][i % 4], quad.vertex[k][2][i % 4]};
+      const std::array<Vec3, 3> wanted = corners(id);
+      EXPECT_TRUE(held == wanted) << "triangle " << id;
+      grow(&box, box_of(held));
+      if (i >= count) {
+        EXPECT_EQ(id, tree_.quads[first].id[0]);
+      } else if (id < seen_.size()) {
+        EXPECT_EQ(seen_[id]++, 0) << "triangle " << id << " twice";
+      }
+    }
+    return box;
+  }
+
+  [[nodiscard]] std::array<Vec3, 3> corners(std::uint32_t id) const {
+    const TriangleRun& run = source_.runs[source_.run_of(id)];
+    std::array<Vec3, 3> c = run.corners(id - run.first);
+    if (has_no_area(c[0], c[1], c[2])) c[1] = c[2] = c[0];
+    return c;
+  }
+
+  const ObjectTree& tree_;
+  const TriangleSource& source_;
+  std::vector<std::uint8_t> seen_;
+  std::uint32_t depth_ = 0, leaves_ = 0;
+};
+
+bool flat(const TriangleSource& source, std::uint32_t id) {
+  const TriangleRun& run = source.runs[source.run_of(id)];
+  const std::array<Vec3, 3> c = run.corners(id - run.first);
+  return has_no_area(c[0], c[1], c[2]);
+}
+
+void expect_right(const ObjectTree& tree, const TriangleSource& source) {
+  const Walk walk(tree, source);
+  for (std::uint32_t id = 0; id < source.count; ++id)
+    ASSERT_EQ(walk.seen(id), !flat(source, id)) << "triangle " << id;
+  EXPECT_EQ(tree.empty(), tree.triangles == 0);
+  EXPECT_EQ(tree.surface_area_cost > 0, tree.triangles > 0);
+  EXPECT_LE(walk.depth(), 60u);
+  EXPECT_LE(walk.leaves(), tree.triangles);
+}
+
+/// All bytes but those that round a record's size up: `used` of each.
+template <class Record>
+bool same_bytes(const Buffer<Record>& a, const Buffer<Record>& b, std::size_t used) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](const Record& x, const Record& y) {
+    return std::memcmp(&x, &y, used) == 0;
+  });
+}
+bool same_bytes(const Buffer<TriangleQuad>& a, const Buffer<TriangleQuad>& b) {
+  return same_bytes(a, b, offsetof(TriangleQuad, reach) + sizeof(TriangleQuad::reach));
+}
+bool same_bytes(const Buffer<BvhNode>& a, const Buffer<BvhNode>& b) {
+  return same_bytes(a, b, offsetof(BvhNode, children) + sizeof(BvhNode::children));
+}
+
+using Build = void (*)(const Executor&, const TriangleSource&, ObjectTree*);
+
+class ObjectTreeOf : public testing::TestWithParam<Build> {};
+INSTANTIATE_TEST_SUITE_P(, ObjectTreeOf,
+                         testing::Values(&build_object_tree, &build_fine_object_tree),
+                         [](const auto& of) { return of.index == 0 ? "Rebuild" : "Fine"; });
+
+TEST_P(ObjectTreeOf, HoldsEveryTriangleWithAreaOnceInExactBoxes) {
+  const Executor executor(2);
+  ObjectTree used;
+  std::vector<Case> all = cases();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    SCOPED_TRACE(i);
+    const TriangleSource source = all[i].source();
+    GetParam()(executor, source, &used);
+    expect_right(used, source);
+  }
+}
+
+TEST_P(ObjectTreeOf, IsTheSameWithAnyNumberOfThreadsAndInUsedMemory) {
+  std::vector<Case> all = cases();
+  ObjectTree used;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    SCOPED_TRACE(i);
+    const TriangleSource source = all[i].source();
+    ObjectTree one;
+    GetParam()(Executor(1), source, &one);
+    GetParam()(Executor(3), source, &used);
+    EXPECT_TRUE(same_bytes(one.nodes, used.nodes));
+    EXPECT_TRUE(same_bytes(one.quads, used.quads));
+    EXPECT_EQ(one.left_out, used.left_out);
+    EXPECT_EQ(one.surface_area_cost, used.surface_area_cost);
+  }
+}
+
+TEST_P(ObjectTreeOf, RefittedHoldsTheNewCorners) {
+  const Executor executor(2);
+  std::vector<Case> all = cases();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    SCOPED_TRACE(i);
+    ObjectTree tree;
+    GetParam()(executor, all[i].source(), &tree);
+    for (Mesh& mesh : all[i].meshes)
+      for (Vec3& p : mesh.positions) p = p * 0.5f;
+    ASSERT_TRUE(refit_object_tree(executor, all[i].source(), MovedTriangles::everything(), &tree));
+    if (i != 14) expect_right(tree, all[i].source());  // halves of subnormal numbers round
+  }
+}
+
+TEST_P(ObjectTreeOf, RefittedToTheSameCornersIsTheSame) {
+  const Executor executor(2);
+  std::vector<Case> all = cases();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    SCOPED_TRACE(i);
+    ObjectTree built, refitted;
+    GetParam()(executor, all[i].source(), &built);
+    GetParam()(executor, all[i].source(), &refitted);
+    ASSERT_TRUE(
+        refit_object_tree(executor, all[i].source(), MovedTriangles::everything(), &refitted));
+    EXPECT_TRUE(same_bytes(built.nodes, refitted.nodes));
+    EXPECT_TRUE(same_bytes(built.quads, refitted.quads));
+    EXPECT_FLOAT_EQ(built.surface_area_cost, refitted.surface_area_cost);
+  }
+}
+
+/// Halves some of a case's triangles, a mesh as a whole where they share corners; says which.
+MovedTriangles some_halved(Case* one, Random* random) {
+  MovedTriangles moved;
+  const TriangleSource source = one->source();
+  for (std::size_t m = 0, r = 0; m < one->meshes.size(); ++m) {
+    std::vector<Vec3>& positions = one->meshes[m].positions;
+    if (r == source.runs.size || source.runs[r].positions != positions.data()) continue;
+    const TriangleRun& run = source.runs[r++];
+    TriangleRange range{run.first, run.count};
+    std::size_t begin = 0, end = positions.size();
+    if (run.triangles == nullptr) {
+      const std::uint32_t first = random->below(run.count);
+      range = {run.first + first,
+               1 + random->below(std::min(run.count - first, run.count / 9 + 1))};
+      begin = std::size_t{3} * first, end = begin + std::size_t{3} * range.count;
+    } else if (random->below(2) == 0) {
+      continue;
+    }
+    for (std::size_t i = begin; i < end; ++i) positions[i] = positions[i] * 0.5f;
+    moved.add(range, source.count);
+  }
+  return moved;
+}
+
+TEST_P(ObjectTreeOf, RefittedWhereTrianglesMovedIsAsRefittedWhole) {
+  const Executor executor(2);
+  Random random(3);
+  std::vector<Case> all = cases();
+  std::size_t in_part = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    SCOPED_TRACE(i);
+    ObjectTree whole, part;
+    GetParam()(executor, all[i].source(), &whole);
+    GetParam()(executor, all[i].source(), &part);
+    for (int turn = 0; turn < 3; ++turn) {
+      const MovedTriangles moved = some_halved(&all[i], &random);
+      in_part += moved.all() ? 0 : 1;
+      const TriangleSource source = all[i].source();
+      const bool refitted =
+          refit_object_tree(executor, source, MovedTriangles::everything(), &whole);
+      ASSERT_EQ(refit_object_tree(executor, source, moved, &part), refitted);
+      if (!refitted) break;
+      EXPECT_TRUE(same_bytes(whole.nodes, part.nodes));
+      EXPECT_TRUE(same_bytes(whole.quads, part.quads));
+      EXPECT_EQ(whole.surface_area_cost, part.surface_area_cost);
+    }
+  }
+  EXPECT_GT(in_part, all.size());
+}
+
+TEST(MovedTriangles, HoldWhatWasAdded) {
+  Random random(4);
+  for (const std::uint32_t count : {1u, 63u, 64u, 65u, 1000u}) {
+    MovedTriangles moved;
+    std::vector<bool> expected(count);
+    std::uint32_t sum = 0;
+    for (int i = 0; i < 4 && !moved.all(); ++i) {
+      const std::uint32_t first = random.below(count);
+      const TriangleRange range{first, random.below(count - first + 1) / 8};
+      moved.add(range, count);
+      sum += range.count;
+      for (std::uint32_t t = first; t < first + range.count; ++t) expected[t] = true;
+      for (std::uint32_t t = 0; t < count && !moved.all(); ++t)
+        ASSERT_EQ(moved.has(t), expected[t]) << t << " of " << count;
+    }
+    EXPECT_EQ(moved.all(), sum > 0 && sum >= count / 2);
+    moved.clear();
+    EXPECT_FALSE(moved.all() || moved.has(0));
+  }
+}
+
+TEST_P(ObjectTreeOf, RefittedKeepsTrianglesThatLostTheirArea) {
+  const Executor executor(2);
+  Case one;
+  one.meshes = {soup(3000, 10, 0.5f, 20)};
+  ObjectTree tree;
+  GetParam()(executor, one.source(), &tree);
+  one.meshes[0] = half_flat(one.meshes[0]);
+  ASSERT_TRUE(refit_object_tree(executor, one.source(), MovedTriangles::everything(), &tree));
+  const TriangleSource source = one.source();
+  const Walk walk(tree, source);
+  for (std::uint32_t id = 0; id < source.count; ++id) EXPECT_TRUE(walk.seen(id));
+  one.meshes = {soup(3000, 10, 0.5f, 21)};
+  ASSERT_TRUE(refit_object_tree(executor, one.source(), MovedTriangles::everything(), &tree));
+  expect_right(tree, one.source());
+}
+
+TEST_P(ObjectTreeOf, RefittedSaysWhenATriangleGainsArea) {
+  const Executor executor(2);
+  Case one;
+  one.meshes = {half_flat(soup(3000, 10, 0.5f, 20))};
+  ObjectTree tree;
+  GetParam()(executor, one.source(), &tree);
+  EXPECT_EQ(tree.left_out.size(), 1500u);
+  EXPECT_TRUE(refit_object_tree(executor, one.source(), MovedTriangles::everything(), &tree));
+  one.meshes[0].positions[6 * 1499 + 1] = {100, 3, 5};
+  EXPECT_FALSE(refit_object_tree(executor, one.source(), MovedTriangles::everything(), &tree));
+}
+
+}  // namespace
+}  // namespace raysheaf::test

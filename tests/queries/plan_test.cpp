@@ -1,0 +1,294 @@
+// What the plan chooses for which rays and scenes.
+#include "queries/plan.h"
+
+#include "dual/dual_scenes.h"
+#include "queries/fan_cost.h"
+
+namespace raysheaf::test {
+namespace {
+
+std::vector<Ray> from_one_point(std::size_t count, Random& random) {
+  std::vector<Ray> rays;
+  for (std::size_t i = 0; i < count; ++i) rays.push_back({{1, 2, 3}, 0, random.direction(), 9});
+  return rays;
+}
+
+/// A picture's worth, row by row, from nearly one point.
+std::vector<Ray> picture(std::uint32_t side) {
+  std::vector<Ray> rays;
+  for (std::uint32_t y = 0; y < side; ++y)
+    for (std::uint32_t x = 0; x < side; ++x) {
+      const float u = static_cast<float>(x) / static_cast<float>(side);
+      const float v = static_cast<float>(y) / static_cast<float>(side);
+      rays.push_back({{u, v, 0}, 0, {u - 0.5f, v - 0.5f, 1}, kInfinity});
+    }
+  return rays;
+}
+
+std::vector<Ray> disorder(std::size_t count, Random& random) {
+  std::vector<Ray> rays;
+  for (std::size_t i = 0; i < count; ++i)
+    rays.push_back({random.in_box(5), 0, random.direction(), kInfinity});
+  return rays;
+}
+
+/// Origins along rows, directions anywhere: ambient occlusion.
+std::vector<Ray> scattered(std::uint32_t side, Random& random) {
+  std::vector<Ray> rays = picture(side);
+  for (Ray& ray : rays) ray.direction = random.direction();
+  return rays;
+}
+
+SceneHistory history(std::uint32_t triangles) {
+  SceneHistory scene;
+  scene.triangles = triangles;
+  return scene;
+}
+
+Plan plan_of(const SceneHistory& scene, const std::vector<Ray>& rays, bool any = false) {
+  return make_plan(scene, RaysInPlace(View<const Ray>(rays)), any, true);
+}
+
+bool says(const Plan& plan, const std::string& text) {
+  return std::any_of(plan.reasons.begin(), plan.reasons.end(), [&](const std::string& reason) {
+    return reason.find(text) != std::string::npos;
+  });
+}
+
+TEST(Plan, FanForRaysOfOneOrigin) {
+  Random random(1);
+  std::vector<Ray> rays = from_one_point(10000, random);
+  const Plan fan = plan_of(history(100000), rays, true);
+  EXPECT_TRUE(fan.fan);
+  EXPECT_TRUE(says(fan, "rays of one origin: triangles stream"));
+  EXPECT_FALSE(plan_of(history(100000), rays, false).fan);
+  // A tree that stands is cheaper for few rays.
+  SceneHistory standing = history(1000000);
+  standing.built = true;
+  const std::vector<Ray> few(rays.begin(), rays.begin() + 100);
+  const Plan tree = plan_of(standing, few, true);
+  EXPECT_FALSE(tree.fan);
+  EXPECT_TRUE(says(tree, "rays of one origin, but"));
+  for (std::size_t i = 5000; i < 6000; ++i) rays[i].origin.y = std::nextafter(2.0f, 3.0f);
+  const Plan other = plan_of(history(100000), rays, true);
+  EXPECT_FALSE(other.fan);
+  EXPECT_FALSE(says(other, "one origin"));
+}
+
+TEST(Plan, FanByWhatItMetLast) {
+  Random random(7);
+  const std::vector<Ray> rays = from_one_point(200000, random);
+  SceneHistory scene = history(200000);
+  EXPECT_TRUE(plan_of(scene, rays, true).fan);
+  scene.fan_pairs = 5;
+  EXPECT_FALSE(plan_of(scene, rays, true).fan);
+  // A tree that would be built for one frame does not pay where one that is refitted does.
+  scene.fan_pairs = 0.8;
+  EXPECT_TRUE(plan_of(scene, rays, true).fan);
+  scene.moves = scene.patience;
+  EXPECT_FALSE(plan_of(scene, rays, true).fan);
+}
+
+TEST(Plan, FewerRaysOfAFanMeetFewerTriangles) {
+  EXPECT_DOUBLE_EQ(fan_pair_growth(kFanRays), 1);
+  EXPECT_DOUBLE_EQ(fan_pair_growth(8 * kFanRays), 2);
+  Random random(7);
+  const std::vector<Ray> rays = from_one_point(200000, random);
+  const std::vector<Ray> few(rays.begin(), rays.begin() + 25000);
+  SceneHistory scene = history(200000);
+  scene.fan_pairs = 0.8;  // a model without the growth would refuse more than 0.5
+  EXPECT_TRUE(plan_of(scene, few, true).fan);
+  scene.fan_pairs = 1.1;  // and for all rays it would refuse more than 0.9
+  EXPECT_TRUE(plan_of(scene, few, true).fan);
+  EXPECT_FALSE(plan_of(scene, rays, true).fan);
+}
+
+TEST(Plan, FanUpToThePairsThatAreWorthIt) {
+  Random random(7);
+  const std::vector<Ray> rays = from_one_point(200000, random);
+  SceneHistory scene = history(200000);
+  const Plan plan = plan_of(scene, rays, true);
+  ASSERT_TRUE(plan.fan);
+  EXPECT_GE(plan.most_fan_pairs, scene.fan_pairs * scene.triangles);
+  EXPECT_LE(plan.most_fan_pairs, 600000u);
+  // With so many a triangle there would be no fan.
+  scene.fan_pairs = static_cast<double>(plan.most_fan_pairs) / scene.triangles;
+  EXPECT_FALSE(plan_of(scene, rays, true).fan);
+}
+
+/// Of `changes` sets of triangles in a row, those that a fan is tried on.
+std::vector<int> attempts(SceneHistory* scene, int changes, bool given_up) {
+  std::vector<int> tried;
+  for (int i = 0; i < changes; ++i) {
+    *scene = scene->replaced(200000);
+    if (scene->fans.waits) continue;
+    tried.push_back(i);
+    (given_up ? scene->fans.given_up : scene->fans.done) = true;
+  }
+  return tried;
+}
+
+TEST(Plan, FansThatAreGivenUpAreTriedEverMoreRarely) {
+  SceneHistory scene = history(200000);
+  EXPECT_EQ(attempts(&scene, 20, false).size(), 20u);
+  EXPECT_EQ(attempts(&scene, 256, true), (std::vector<int>{0, 1, 3, 7, 15, 31, 63, 127, 191, 255}));
+  // The way back: after the last pause each attempt succeeds, and there are no more pauses.
+  const std::vector<int> back = attempts(&scene, 200, false);
+  EXPECT_EQ(back.front(), 63);
+  EXPECT_EQ(back.size(), 200u - 63u);
+  // One failure among successes is soon forgotten.
+  EXPECT_EQ(attempts(&scene, 1, true).size(), 1u);
+  EXPECT_EQ(attempts(&scene, 10, false).front(), 0);
+}
+
+TEST(Plan, AMoveEndsThePauseOfFansToo) {
+  Random random(7);
+  const std::vector<Ray> rays = from_one_point(200000, random);
+  SceneHistory scene = history(200000);
+  ASSERT_TRUE(plan_of(scene, rays, true).fan);
+  for (const bool tried_again : {true, false, true, false, false, false, true}) {
+    const double usual = scene.usual_fan_pairs;
+    if (!scene.fans.waits) {
+      scene.fan_pairs = 9;
+      scene.fans.given_up = true;
+      EXPECT_FALSE(plan_of(scene, rays, true).fan) << "these are known";
+    }
+    scene.move();
+    scene.moves = 0;  // a tree would have to be built
+    const Plan plan = plan_of(scene, rays, true);
+    EXPECT_EQ(plan.fan, tried_again);
+    EXPECT_EQ(says(plan, "changes until the next attempt: "), !tried_again);
+    EXPECT_EQ(scene.usual_fan_pairs, usual);
+  }
+}
+
+TEST(Plan, BundlesByCoherence) {
+  Random random(2);
+  const Plan camera = plan_of(history(1000), picture(128));
+  EXPECT_EQ(camera.bundle, Bundle::kPacket);
+  EXPECT_EQ(plan_of(history(100000), picture(128)).bundle, Bundle::kStream);
+  EXPECT_TRUE(says(camera, "start within"));
+  EXPECT_TRUE(says(camera, "packets"));
+  EXPECT_TRUE(camera.alike);
+  const Plan any = plan_of(history(1000), disorder(10000, random));
+  EXPECT_FALSE(any.alike);
+  EXPECT_EQ(any.bundle, Bundle::kLongStream);
+  EXPECT_TRUE(says(any, "extent apart"));
+  EXPECT_TRUE(says(any, "long streams"));
+  const Plan occlusion = plan_of(history(1000), scattered(128, random));
+  EXPECT_FALSE(occlusion.alike);
+  EXPECT_EQ(occlusion.bundle, Bundle::kStream);
+  EXPECT_TRUE(says(occlusion, "no more than 98304"));
+  EXPECT_EQ(plan_of(history(1000), scattered(320, random)).bundle, Bundle::kLongStream);
+}
+
+TEST(Plan, CoherenceOfOrders) {
+  Random random(3);
+  const std::vector<Ray> rays = disorder(50000, random);
+  RayOrder order;
+  order_rays(one_thread(), View<const Ray>(rays), Sorting::kCurve, &order);
+  std::vector<Ray> ordered;
+  for (const std::uint32_t number : order.rays) ordered.push_back(rays[number]);
+  const Coherence before = sample_coherence(RaysInPlace(View<const Ray>(rays)));
+  const Coherence after = sample_coherence(RaysInPlace(View<const Ray>(ordered)));
+  EXPECT_GT(before.origin, 0.5);
+  EXPECT_EQ(before.direction, 0);
+  EXPECT_LT(after.origin, before.origin);
+  EXPECT_GT(after.direction, before.direction);
+  EXPECT_EQ(sample_coherence(RaysInPlace({})).origin, 0);
+  for (const std::size_t few : {1, 15, 16, 17, 1023})
+    EXPECT_LE(sample_coherence(RaysInPlace({rays.data(), few})).direction, 1);
+}
+
+TEST(Plan, SaysWhichRaysAreAlike) {
+  Random random(5);
+  EXPECT_TRUE(plan_of(history(100000), picture(128)).alike);
+  EXPECT_FALSE(plan_of(history(100000), scattered(128, random)).alike);
+  EXPECT_FALSE(plan_of(history(100000), disorder(20000, random)).alike);
+}
+
+TEST(Plan, TreeByHistory) {
+  Random random(4);
+  const std::vector<Ray> rays = disorder(1000, random);
+  SceneHistory scene = history(5000);
+  const auto expect = [&](TreeWork work, const char* text) {
+    const Plan plan = plan_of(scene, rays);
+    EXPECT_EQ(plan.tree, work) << text;
+    EXPECT_TRUE(says(plan, text)) << text;
+  };
+  expect(TreeWork::kRebuild, "new");
+  scene.built = true;
+  expect(TreeWork::kKeep, "no triangle has moved");
+  scene.rays_since_change = 1000000000;
+  expect(TreeWork::kRebuildFinely, "so many rays");
+  scene.fine = true;
+  expect(TreeWork::kKeep, "no triangle has moved");
+  scene.fine = false;
+  scene.rays_since_change = 0;
+  scene.moved = true;
+  scene.moves = 1;
+  expect(TreeWork::kRefit, "refitted");
+  scene.moves = scene.patience;
+  expect(TreeWork::kRebuildFinely, "keep moving");
+  scene.fine = true;
+  expect(TreeWork::kRefit, "refitted");
+  scene.degraded = true;
+  expect(TreeWork::kRebuild, "spoilt");
+  scene.moved = false;  // spoilt, but needed again
+  expect(TreeWork::kRebuild, "spoilt");
+  scene.rays_since_change = 1000000000;
+  expect(TreeWork::kRebuildFinely, "so many rays");
+  scene.rays_since_change = 0;
+  scene.moved = true;
+  scene.patience = scene.moves + 10;
+  scene.fine = scene.degraded = false;
+  expect(TreeWork::kRefit, "refitted");
+}
+
+TEST(Plan, ReasonsWhereAsked) {
+  Random random(5);
+  const std::vector<Ray> rays = disorder(1000, random);
+  const Plan told = plan_of(history(100), rays);
+  EXPECT_EQ(told.reasons.size(), 3u);
+  for (const std::string& reason : told.reasons) {
+    EXPECT_NE(reason.find(": "), std::string::npos) << reason;
+    EXPECT_EQ(reason.find("nan"), std::string::npos) << reason;
+  }
+  const Plan silent = make_plan(history(100), RaysInPlace(View<const Ray>(rays)), false, false);
+  EXPECT_TRUE(silent.reasons.empty());
+  EXPECT_EQ(silent.tree, told.tree);
+  EXPECT_EQ(silent.bundle, told.bundle);
+}
+
+/// Directions and origins at the ends of the range leave no figure that is not a number.
+TEST(Plan, ExtremeRays) {
+  Random random(6);
+  for (const float scale : {1e-44f, 1e-20f, 1e20f, 3e38f}) {
+    std::vector<Ray> rays = disorder(500, random);
+    for (Ray& ray : rays) {
+      ray.origin = ray.origin * (0.2f * scale);
+      ray.direction = ray.direction * scale;
+      if (!(max_component(abs(ray.direction)) > 0)) ray.direction = {0, 0, 1e-45f};
+    }
+    for (const std::string& reason : plan_of(history(10), rays).reasons) {
+      EXPECT_EQ(reason.find("nan"), std::string::npos) << reason;
+      EXPECT_EQ(reason.find("inf"), std::string::npos) << reason;
+    }
+  }
+}
+
+TEST(Plan, WaitsLongerForEveryFineTreeThatWasSpoilt) {
+  SceneHistory scene = history(1000);
+  scene.moves = 5;
+  scene.wait_longer();
+  EXPECT_EQ(scene.patience, 9u);
+  for (std::uint32_t last = scene.patience, i = 0; i < 40; ++i) {
+    scene.moves = scene.patience;
+    scene.wait_longer();
+    EXPECT_GE(scene.patience, last) << i;
+    last = scene.patience;
+  }
+}
+
+}  // namespace
+}  // namespace raysheaf::test

@@ -1,0 +1,403 @@
+// The engine through a scene's life: triangles that come, move and go, and queries in between.
+#include "queries/planned_queries.h"
+
+#include <memory>
+#include <numeric>
+
+#include "dual/dual_scenes.h"
+
+namespace raysheaf::test {
+namespace {
+
+/// A scene whose arrays are spoilt and freed before the engine hears of the next.
+class Stage {
+ public:
+  void set(Heap heap, bool same) {
+    if (heap_ != nullptr) {
+      for (Vec3& p : heap_->positions) p = {kInfinity, -kInfinity, kInfinity};
+      for (auto& triangle : heap_->indices) triangle = {0x7fffffff, 0x7fffffff, 0x7fffffff};
+      for (TriangleRun& run : heap_->runs) run = {nullptr, nullptr, 0x7fffffff, 0};
+    }
+    heap_ = std::make_unique<Heap>(std::move(heap));
+    engine.set_triangles(heap_->source(), same);
+  }
+  [[nodiscard]] const Heap& heap() const { return *heap_; }
+
+  Engine engine;
+
+ private:
+  std::unique_ptr<Heap> heap_;
+};
+
+struct Batch {
+  std::vector<EngineHit> closest;
+  std::vector<std::uint8_t> any;
+  HitRows all;  ///< by ray
+  EngineReport reports[3];
+};
+
+Batch ask_engine(const Executor& executor, Engine* engine, std::vector<Ray> rays,
+                 Facing facing = Facing::kBoth) {
+  const EngineOptions options{facing, true};
+  const View<const Ray> view(rays);
+  Batch b;
+  b.closest.assign(rays.size(), {-1, -1, -1, 7});
+  b.any.assign(rays.size(), 7);
+  engine->any_hit(executor, view, options, b.any, {}, &b.reports[1]);
+  engine->closest_hit(executor, view, options, b.closest, {}, &b.reports[0]);
+  b.all.resize(rays.size());
+  const FoundRows found = engine->all_hits(executor, view, options, &b.reports[2]);
+  found.for_each(executor, [&](std::size_t ray, View<const EngineHit> hits) {
+    b.all[ray].assign(hits.begin(), hits.end());
+  });
+  return b;
+}
+
+testing::AssertionResult right(const HitRows& rows, const Batch& b, const std::vector<Ray>& rays) {
+  Answers a;
+  a.closest = b.closest;
+  a.any = b.any;
+  a.all = b.all;  // sorted as they should be, or not right
+  return test::right(rows, a, rays);
+}
+
+void expect_engine_right(Stage* stage, const std::vector<Ray>& rays,
+                         Facing facing = Facing::kBoth) {
+  const HitRows rows = brute_force(stage->heap(), rays, facing);
+  EXPECT_TRUE(right(rows, ask_engine(two_threads(), &stage->engine, rays, facing), rays));
+}
+
+bool said(const EngineReport& report, const std::string& text) {
+  return std::any_of(report.plan.begin(), report.plan.end(), [&](const std::string& reason) {
+    return reason.find(text) != std::string::npos;
+  });
+}
+
+Heap moved(Heap heap, float by, Random& random) {
+  for (Vec3& p : heap.positions) p += random.in_box(by);
+  return heap;
+}
+
+/// Rays of one origin, of a picture, of none of these.
+std::vector<Ray> some_rays(const Heap& heap, Random& random) {
+  if (heap.count() == 0) return {{{}, 0, {0, 0, 1}, kInfinity}};
+  std::vector<Ray> rays = any_rays(heap, 20 + random.below(400), random);
+  const std::uint32_t kind = random.below(3);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (kind == 0) rays[i].origin = rays[0].origin;
+    if (kind == 1) {
+      const float x = static_cast<float>(i) / static_cast<float>(rays.size());
+      rays[i] = {{x, 0, 30}, 0, {x - 0.5f, random.between(-0.2f, 0.2f), -1}, kInfinity};
+    }
+  }
+  return rays;
+}
+
+TEST(Engine, ALifeOfMovesAndReplacements) {
+  std::uint32_t fan = 0, refitted = 0, finely = 0, built = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Random random(seed);
+    Stage stage;
+    for (int step = 0; step < 40; ++step) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed << " step " << step);
+      const std::uint32_t what = step == 0 ? 0 : random.below(8);
+      if (what == 0) {
+        const Shape shape = kShapes[random.below(std::size(kShapes))];
+        stage.set(make_heap(shape, 1 + random.below(200), random), false);
+      } else if (what < 5) {
+        stage.set(moved(stage.heap(), random.below(4) == 0 ? 10 : 0.1f, random), true);
+      } else if (what == 5) {
+        // Says that they are the same, but there are more.
+        Heap more = stage.heap();
+        add_random(Shape::kSmall, random, &more);
+        stage.set(more, true);
+      }
+      if (random.below(3) == 0) continue;
+      const std::vector<Ray> rays = some_rays(stage.heap(), random);
+      const HitRows rows = brute_force(stage.heap(), rays);
+      const Batch b = ask_engine(two_threads(), &stage.engine, rays);
+      ASSERT_TRUE(right(rows, b, rays));
+      for (const EngineReport& report : b.reports) {
+        fan += said(report, "stream against") ? 1 : 0;
+        refitted += said(report, "refitted,") ? 1 : 0;
+        finely += said(report, "built finely") ? 1 : 0;
+        built += said(report, "are new") ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(fan, 3u);
+  EXPECT_GT(refitted, 6u);
+  EXPECT_GT(built, 6u);
+  EXPECT_GT(finely, 6u);
+}
+
+TEST(Engine, NoTrianglesAndNoRays) {
+  Random random(7);
+  Stage stage;
+  stage.set({}, false);
+  expect_engine_right(&stage, {});
+  const std::vector<Ray> rays{{{}, 0, {1, 0, 0}, kInfinity}, {{1, 2, 3}, 0, {0, 1, 0}, 1}};
+  expect_engine_right(&stage, rays);
+  Heap flat;
+  flat.add({1, 2, 3}, {2, 4, 6}, {3, 6, 9});
+  stage.set(flat, false);
+  expect_engine_right(&stage, rays);
+  // A triangle without area gains one where it is only said to have moved, and loses it.
+  for (int i = 0; i < 4; ++i) {
+    stage.set(make_heap(Shape::kSingle, 1, random), true);
+    expect_engine_right(&stage, any_rays(stage.heap(), 50, random));
+    stage.set(flat, true);
+    expect_engine_right(&stage, rays);
+  }
+  stage.set({}, true);
+  expect_engine_right(&stage, rays);
+}
+
+TEST(Engine, Facing) {
+  Random random(8);
+  Stage stage;
+  for (int frame = 0; frame < 6; ++frame) {
+    Heap heap = make_heap(Shape::kSmall, 150, random);
+    for (std::uint32_t i = 0; i < heap.count(); ++i)
+      heap.flags.push_back(static_cast<std::uint8_t>(random.below(4)));
+    stage.set(heap, frame % 3 != 0);
+    const std::vector<Ray> rays = some_rays(heap, random);
+    expect_engine_right(&stage, rays, Facing::kSkipBackOfSingleSided);
+    expect_engine_right(&stage, rays, Facing::kBoth);
+  }
+}
+
+TEST(Engine, RowsWithTies) {
+  Random random(9);
+  Stage stage;
+  stage.set(make_heap(Shape::kDuplicates, 300, random), false);
+  std::vector<Ray> rays;
+  for (int i = 0; i < 300; ++i)
+    rays.push_back({lattice_point(random), 0, {0, 0, i % 2 == 0 ? 1.0f : -1.0f}, kInfinity});
+  std::size_t ties = 0;
+  const View<const Ray> view(rays);
+  stage.engine.all_hits(one_thread(), view, {}, nullptr)
+      .for_each(one_thread(), [&](std::size_t, View<const EngineHit> hits) {
+        for (std::size_t i = 1; i < hits.size; ++i) {
+          EXPECT_TRUE(precedes(hits[i - 1], hits[i]));
+          ties += hits[i - 1].t == hits[i].t ? 1 : 0;
+        }
+      });
+  EXPECT_GT(ties, 100u);
+  expect_engine_right(&stage, rays);
+}
+
+/// A sample that seems to share an origin, and one ray that starts elsewhere.
+TEST(Engine, AlmostOneOrigin) {
+  Random random(21);
+  Stage stage;
+  stage.set(make_heap(Shape::kSmall, 2000, random), false);
+  for (const std::size_t other : {1u, 1001u, 4999u}) {
+    std::vector<Ray> rays = any_rays(stage.heap(), 5000, random);
+    const Vec3 elsewhere = rays[other].origin;
+    for (Ray& ray : rays) ray.origin = {};
+    rays[other].origin = elsewhere;
+    std::vector<std::uint8_t> occluded(rays.size(), 7);
+    EngineReport report;
+    stage.engine.any_hit(two_threads(), View<const Ray>(rays), {Facing::kBoth, true}, occluded, {},
+                         &report);
+    EXPECT_FALSE(said(report, "stream against"));
+    EXPECT_TRUE(said(report, "object tree"));
+    const HitRows rows = brute_force(stage.heap(), rays, Facing::kBoth);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      ASSERT_EQ(occluded[i] != 0, !rows[i].empty()) << "ray " << i;
+  }
+}
+
+TEST(Engine, SharesAddUp) {
+  Random random(10);
+  for (const bool one_origin : {false, true}) {
+    Stage stage;
+    stage.set(make_heap(Shape::kSmall, 2000, random), false);
+    std::vector<Ray> rays = any_rays(stage.heap(), 2000, random);
+    for (Ray& ray : rays)
+      if (one_origin) ray.origin = {};
+    const View<const Ray> view(rays);
+    const EngineOptions options{Facing::kBoth, true};
+    std::vector<EngineHit> hits(rays.size());
+    std::vector<std::uint8_t> occluded(rays.size());
+    EngineReport closest, any;
+    std::vector<float> a(rays.size(), 0), b(rays.size(), 0);
+    stage.engine.any_hit(one_thread(), view, options, occluded, b, &any);
+    stage.engine.closest_hit(one_thread(), view, options, hits, a, &closest);
+    EXPECT_EQ(said(any, "stream against"), one_origin);
+    const auto sum = [](const std::vector<float>& v) {
+      return std::accumulate(v.begin(), v.end(), 0.0);
+    };
+    const auto tests = static_cast<double>(closest.tests());
+    EXPECT_GT(tests, 0);
+    EXPECT_NEAR(sum(a), tests, 1e-4 * tests);
+    EXPECT_GT(any.tests(), 0u);
+    EXPECT_NEAR(sum(b), static_cast<double>(any.tests()), 1e-3 * static_cast<double>(any.tests()));
+  }
+}
+
+TEST(Engine, SameWithAnyThreads) {
+  Random random(11);
+  Stage a, b;
+  Heap heap = make_heap(Shape::kSmall, 3000, random);
+  for (int frame = 0; frame < 8; ++frame) {
+    a.set(heap, frame > 0);
+    b.set(heap, frame > 0);
+    const std::vector<Ray> rays = some_rays(heap, random);
+    const Batch one = ask_engine(one_thread(), &a.engine, rays);
+    const Batch two = ask_engine(two_threads(), &b.engine, rays);
+    for (int q = 0; q < 3; ++q) {
+      EXPECT_EQ(one.reports[q].plan, two.reports[q].plan);
+      EXPECT_EQ(one.reports[q].bound_tests, two.reports[q].bound_tests);
+      EXPECT_EQ(one.reports[q].ray_bound_tests, two.reports[q].ray_bound_tests);
+      EXPECT_EQ(one.reports[q].triangle_tests, two.reports[q].triangle_tests);
+    }
+    EXPECT_TRUE(std::equal(one.closest.begin(), one.closest.end(), two.closest.begin(), same_bits));
+    EXPECT_EQ(one.any, two.any);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      EXPECT_TRUE(std::equal(one.all[i].begin(), one.all[i].end(), two.all[i].begin(),
+                             two.all[i].end(), same_bits));
+    heap = moved(heap, 0.05f, random);
+  }
+}
+
+/// Closest hits of a hundred rays, one frame after the other; how often a text was a reason.
+class Frames {
+ public:
+  void frame(const Heap& heap, bool same, Random& random) {
+    stage_.set(heap, same);
+    const std::vector<Ray> rays = any_rays(heap, 100, random);
+    std::vector<EngineHit> hits(rays.size());
+    EngineReport report;
+    stage_.engine.closest_hit(one_thread(), View<const Ray>(rays), {}, hits, {}, &report);
+    reports_.push_back(report);
+    memory_.push_back(stage_.engine.memory_bytes());
+  }
+  [[nodiscard]] std::size_t count(const std::string& text) const {
+    return static_cast<std::size_t>(std::count_if(
+        reports_.begin(), reports_.end(), [&](const EngineReport& r) { return said(r, text); }));
+  }
+  [[nodiscard]] const EngineReport& last() const { return reports_.back(); }
+  [[nodiscard]] const std::vector<std::size_t>& memory() const { return memory_; }
+
+ private:
+  Stage stage_;
+  std::vector<EngineReport> reports_;
+  std::vector<std::size_t> memory_;
+};
+
+TEST(Engine, TrianglesThatKeepMovingGetAFineTreeOnce) {
+  Random random(12);
+  Frames frames;
+  Heap heap = make_heap(Shape::kSmall, 500, random);
+  for (int i = 0; i < 60; ++i) {
+    frames.frame(heap, i > 0, random);
+    heap = moved(heap, 1e-3f, random);
+  }
+  EXPECT_EQ(frames.count("are new"), 1u);
+  EXPECT_EQ(frames.count("built finely"), 1u);
+  EXPECT_EQ(frames.count("refitted"), 59u - 1 + 1);  // "to be refitted from now on" is one
+  EXPECT_EQ(frames.count("spoilt"), 0u);
+  frames.frame(make_heap(Shape::kSmall, 500, random), false, random);
+  EXPECT_TRUE(said(frames.last(), "are new"));
+}
+
+/// Triangles that change places with each other at every step: no tree can be refitted, and fine
+/// ones are tried less and less often.
+TEST(Engine, SpoiltTreesAreBuiltAgainAndFineOnesRarely) {
+  Random random(13);
+  Frames frames;
+  for (int i = 0; i < 200; ++i) frames.frame(make_heap(Shape::kSmall, 500, random), i > 0, random);
+  EXPECT_GT(frames.count("spoilt"), 60u);
+  EXPECT_GE(frames.count("built finely"), 1u);
+  EXPECT_LE(frames.count("built finely"), 8u);
+}
+
+/// What one great move has spoilt is not kept for good where triangles then stay.
+TEST(Engine, ASpoiltTreeOfTrianglesThatStayIsBuiltAgain) {
+  Random random(17);
+  for (const int moves : {1, 9}) {
+    Stage stage;
+    Heap heap = make_heap(Shape::kSmall, 500, random);
+    const auto ask = [&] {
+      const std::vector<Ray> rays = any_rays(stage.heap(), 50, random);
+      std::vector<EngineHit> hits(rays.size());
+      EngineReport report;
+      stage.engine.closest_hit(one_thread(), View<const Ray>(rays), {}, hits, {}, &report);
+      return report;
+    };
+    stage.set(heap, false);
+    ask();
+    for (int i = 1; i < moves; ++i) {
+      stage.set(moved(heap, 1e-3f, random), true);
+      ask();
+    }
+    stage.set(make_heap(Shape::kSmall, 500, random), true);
+    EXPECT_TRUE(said(ask(), "refitted"));
+    EXPECT_TRUE(said(ask(), "spoilt"));
+    EXPECT_TRUE(said(ask(), "kept"));
+  }
+}
+
+/// Fine trees are as rare where refits fail, for triangles gain an area.
+TEST(Engine, FlickeringTrianglesDoNotBuildFineTreesForEver) {
+  Random random(14);
+  Frames frames;
+  const Heap heap = make_heap(Shape::kSmall, 500, random);
+  for (int i = 0; i < 200; ++i) {
+    Heap now = heap;
+    for (std::uint32_t t = 0; t < heap.count(); ++t)
+      if ((t + static_cast<std::uint32_t>(i)) % 3 == 0)
+        now.positions[3 * t + 1] = now.positions[3 * t];
+    frames.frame(now, i > 0, random);
+  }
+  EXPECT_LE(frames.count("built finely"), 8u);
+  EXPECT_GT(frames.count("gained an area"), 50u);
+}
+
+TEST(Engine, MemoryStaysOverFrames) {
+  Random random(15);
+  Frames moving, changing;
+  Heap heap = make_heap(Shape::kSmall, 1000, random);
+  for (int i = 0; i < 200; ++i) {
+    moving.frame(heap, i > 0, random);
+    heap = moved(heap, 0.01f, random);
+    changing.frame(make_heap(Shape::kSmall, 1000, random), false, random);
+  }
+  EXPECT_LE(moving.memory()[199], moving.memory()[50] * 101 / 100);
+  EXPECT_GT(moving.memory()[199], 1000u * 40);
+  EXPECT_LT(changing.memory()[199], changing.memory()[50] * 11 / 10);
+  // Shadow rays of one light: the fan's memory is used again too.
+  Stage stage;
+  std::vector<std::size_t> memory;
+  for (int i = 0; i < 100; ++i) {
+    stage.set(heap, i > 0);
+    std::vector<Ray> rays(3000);
+    for (Ray& ray : rays) ray = {{0.1f, 0.2f, 0.3f}, 0, random.direction() * 20, 1};
+    std::vector<std::uint8_t> occluded(rays.size());
+    stage.engine.any_hit(two_threads(), View<const Ray>(rays), {}, occluded, {}, nullptr);
+    memory.push_back(stage.engine.memory_bytes());
+  }
+  EXPECT_LE(memory[99], memory[30] * 11 / 10);
+}
+
+TEST(Engine, ManyRaysOnTrianglesThatStayGetAFineTree) {
+  Random random(16);
+  Stage stage;
+  stage.set(make_heap(Shape::kSmall, 50, random), false);
+  const std::vector<Ray> rays = any_rays(stage.heap(), 20000, random);
+  std::vector<EngineHit> hits(rays.size()), first(rays.size());
+  std::uint32_t finely = 0;
+  for (int i = 0; i < 10; ++i) {
+    EngineReport report;
+    stage.engine.closest_hit(one_thread(), View<const Ray>(rays), {}, hits, {}, &report);
+    if (i == 0) first = hits;
+    EXPECT_TRUE(std::equal(hits.begin(), hits.end(), first.begin(), same_bits));
+    finely += said(report, "built finely") ? 1 : 0;
+  }
+  EXPECT_EQ(finely, 1u);
+}
+
+}  // namespace
+}  // namespace raysheaf::test
