@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "emulated/emulated_device.h"
 #include "exec/stage_clock.h"
 #include "queries/planned_queries.h"
 
@@ -91,51 +90,5 @@ class DeviceEngine {
   /// Of the device's memory.
   [[nodiscard]] virtual std::size_t memory_bytes() const = 0;
 };
-
-class PairTracer;
-class PacketTracer;
-class BlockTracer;
-class DeviceStages;
-struct BlockLimits;
-
-/// A machine that engines can be made on.
-class DeviceBackend {
- public:
-  virtual ~DeviceBackend() = default;
-  /// "NVIDIA ..., compute capability 9.0".
-  [[nodiscard]] virtual const std::string& name() const = 0;
-  [[nodiscard]] virtual std::unique_ptr<DeviceEngine> make_engine() const = 0;
-  /// Of `rah` and `crsh` (methods/ray_hierarchy/pair_tracer.h).
-  [[nodiscard]] virtual std::unique_ptr<PairTracer> make_pair_tracer() const = 0;
-  /// Of `gl10` (methods/packets/packet_tracer.h).
-  [[nodiscard]] virtual std::unique_ptr<PacketTracer> make_packet_tracer() const = 0;
-  /// Of what streams (out_of_core/block_tracer.h). `executor` outlives it.
-  [[nodiscard]] virtual std::unique_ptr<BlockTracer> make_block_tracer(
-      const Executor& executor, const BlockLimits& limits) const = 0;
-  /// Of frames (render/device/frame_stages.h).
-  [[nodiscard]] virtual std::unique_ptr<DeviceStages> make_stages() const = 0;
-  /// As the verb of exec/device.h.
-  [[nodiscard]] virtual bool is_device_memory(const void* pointer, const char* name) const = 0;
-  /// Copies from the host's memory to the device's, after what comes before `query`. For any number
-  /// of threads.
-  virtual void write(void* to, const void* from, std::size_t bytes,
-                     const DeviceQuery& query) const = 0;
-  /// As the verb of exec/device.h.
-  [[nodiscard]] virtual bool reads_host_memory() const = 0;
-  /// Measured: bytes read and written a millisecond, copying within the device's memory.
-  [[nodiscard]] virtual double copy_bytes_per_ms() const = 0;
-  /// Measured: multiplications and additions in binary32 a millisecond.
-  [[nodiscard]] virtual double operations_per_ms() const = 0;
-};
-
-/// The first CUDA device. Throws Error (kUnsupported) where this build has no CUDA, or in CUDA's
-/// words where the machine has none that it can use.
-[[nodiscard]] std::unique_ptr<DeviceBackend> open_cuda();
-
-/// The CPU as a device would see itself (emulated/emulated_device.h), for tests: with a device's
-/// memory, which `allocator`, if there is one, takes from it.
-[[nodiscard]] std::unique_ptr<DeviceBackend> open_emulated(const Executor& executor,
-                                                           HostAllocator& memory,
-                                                           DeviceAllocator* allocator = nullptr);
 
 }  // namespace raysheaf

@@ -5,7 +5,7 @@
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
 #include "intersect/intersect_list.h"
-#include "scene/flat_scene.h"
+#include "intersect/triangle_view.h"
 
 namespace raysheaf {
 

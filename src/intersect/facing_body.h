@@ -2,7 +2,7 @@
 #pragma once
 
 #include "intersect/intersect_list.h"
-#include "scene/flat_scene.h"
+#include "intersect/triangle_view.h"
 
 namespace raysheaf {
 

@@ -83,16 +83,4 @@ struct BlockLimits {
   std::uint32_t most_triangles = kBlockTriangles;
 };
 
-/// On the first CUDA device; errors as `open_cuda`, and kOutOfMemory with one sentence where no
-/// buffers and rays fit.
-[[nodiscard]] std::unique_ptr<BlockTracer> make_cuda_block_tracer(const Executor& executor,
-                                                                  const BlockLimits& limits);
-
-class HostAllocator;
-class DeviceAllocator;
-/// As `open_emulated`.
-[[nodiscard]] std::unique_ptr<BlockTracer> make_emulated_block_tracer(
-    const Executor& executor, const BlockLimits& limits, HostAllocator& memory,
-    DeviceAllocator* allocator = nullptr);
-
 }  // namespace raysheaf

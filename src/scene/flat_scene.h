@@ -11,16 +11,12 @@
 #include "base/aligned.h"
 #include "base/view.h"
 #include "geom/sphere.h"
+#include "intersect/triangle_view.h"
 #include "raysheaf/scene_description.h"
 
 namespace raysheaf {
 
 class Executor;
-
-inline constexpr std::uint32_t kTriangleBlock = 16;
-
-/// No sum of this and another radius is positive.
-inline constexpr float kPaddingRadius = -1e30f;
 
 /// No world coordinate is larger, so that no squared distance overflows.
 inline constexpr float kLargestCoordinate = 1e18f;
@@ -32,19 +28,6 @@ struct FlatMesh {
   bool mirrored = false;  ///< the transform turns the winding
   Sphere bound;           ///< holds every vertex that a triangle uses, in world space
   Box box;                ///< of those vertices
-};
-
-enum TriangleFlag : std::uint8_t {
-  kSingleSided = 1,  ///< its material does not show back faces
-  kMirrored = 2,     ///< its instance mirrors: the front is clockwise
-};
-
-/// Read-only pointers to the arrays that traversal and intersection stream through.
-struct TriangleView {
-  std::uint32_t count = 0;      ///< without padding
-  const float* vertex[3][3]{};  ///< [corner][axis]
-  const float* sphere[4]{};     ///< centre x, y, z and radius
-  const std::uint8_t* flags{};
 };
 
 struct FlatScene {

@@ -7,7 +7,6 @@
 
 #include <memory>
 
-#include "emulated/emulated_device.h"
 #include "methods/packets/packet_traverse.h"
 #include "object_tree/triangle_list.h"
 #include "queries/planned_queries.h"
@@ -44,12 +43,5 @@ class PacketTracer {
   virtual PacketOutcome trace(View<const Ray> rays, View<const std::uint32_t> keys,
                               const PacketQuery& query, View<EngineHit> hits) = 0;
 };
-
-/// On the first CUDA device; errors as `open_cuda`. `capacity`: of each list of pairs.
-[[nodiscard]] std::unique_ptr<PacketTracer> make_cuda_packet_tracer(std::uint32_t capacity);
-/// As `open_emulated`.
-[[nodiscard]] std::unique_ptr<PacketTracer> make_emulated_packet_tracer(
-    std::uint32_t capacity, const Executor& executor, HostAllocator& memory,
-    DeviceAllocator* allocator = nullptr);
 
 }  // namespace raysheaf

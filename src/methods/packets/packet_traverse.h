@@ -25,7 +25,7 @@
 #include "intersect/intersect_list.h"
 #include "methods/packets/packets.h"
 #include "object_tree/bvh.h"
-#include "scene/flat_scene.h"
+#include "intersect/triangle_view.h"
 
 namespace raysheaf {
 

@@ -5,7 +5,7 @@
 
 #include "geom/shaft_cone.h"
 #include "methods/ray_hierarchy/node_filter.h"
-#include "scene/flat_scene.h"
+#include "intersect/triangle_view.h"
 
 namespace raysheaf {
 

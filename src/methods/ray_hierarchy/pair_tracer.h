@@ -14,7 +14,6 @@
 
 #include <memory>
 
-#include "emulated/emulated_device.h"
 #include "geom/sphere.h"
 #include "methods/ray_hierarchy/traverse.h"
 #include "object_tree/triangle_list.h"
@@ -60,12 +59,5 @@ class PairTracer {
 
 /// Pairs that a level's list holds.
 inline constexpr std::uint32_t kPairListCapacity = 1u << 22;
-
-/// On the first CUDA device; errors as `open_cuda`.
-[[nodiscard]] std::unique_ptr<PairTracer> make_cuda_pair_tracer(std::uint32_t capacity);
-/// As `open_emulated`.
-[[nodiscard]] std::unique_ptr<PairTracer> make_emulated_pair_tracer(
-    std::uint32_t capacity, const Executor& executor, HostAllocator& memory,
-    DeviceAllocator* allocator = nullptr);
 
 }  // namespace raysheaf

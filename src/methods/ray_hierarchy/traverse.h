@@ -19,7 +19,7 @@
 #include "exec/progress_meter.h"
 #include "intersect/intersect_list.h"
 #include "methods/ray_hierarchy/hierarchy.h"
-#include "scene/flat_scene.h"
+#include "intersect/triangle_view.h"
 
 namespace raysheaf {
 

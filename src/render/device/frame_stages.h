@@ -182,12 +182,6 @@ class DeviceStages : public FrameStages, public PathStages {
   virtual void begin(const DeviceFrameInput& input) = 0;
 };
 
-/// The device's stages. `make_emulated_stages`: as `open_emulated` has it.
-[[nodiscard]] std::unique_ptr<DeviceStages> make_cuda_stages();
-[[nodiscard]] std::unique_ptr<DeviceStages> make_emulated_stages(const Executor& executor,
-                                                                 HostAllocator& memory,
-                                                                 DeviceAllocator* allocator);
-
 /// The names of a triangle, or none.
 [[nodiscard]] PixelIds ids_of(const FlatScene& scene, std::uint32_t triangle);
 

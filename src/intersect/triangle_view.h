@@ -1,0 +1,26 @@
+// Flat arrays of triangles as kernels read them (scene/flat_scene.h holds them).
+#pragma once
+
+#include <cstdint>
+
+namespace raysheaf {
+
+inline constexpr std::uint32_t kTriangleBlock = 16;
+
+/// No sum of this and another radius is positive.
+inline constexpr float kPaddingRadius = -1e30f;
+
+enum TriangleFlag : std::uint8_t {
+  kSingleSided = 1,  ///< its material does not show back faces
+  kMirrored = 2,     ///< its instance mirrors: the front is clockwise
+};
+
+/// Read-only pointers to the arrays that traversal and intersection stream through.
+struct TriangleView {
+  std::uint32_t count = 0;      ///< without padding
+  const float* vertex[3][3]{};  ///< [corner][axis]
+  const float* sphere[4]{};     ///< centre x, y, z and radius
+  const std::uint8_t* flags{};
+};
+
+}  // namespace raysheaf
