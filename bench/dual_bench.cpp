@@ -1,6 +1,6 @@
-// The order of rays, and rays through the object tree, as packets and as streams: mirror rays,
+// The order of rays, and rays through the object tree, as bundles and as streams: mirror rays,
 // ambient occlusion, and rays from anywhere to anywhere. Arguments: the batch (0, 1, 2), then the
-// sorting (0: by quarter, 1: along the curve), or the bundle (0: packets, 1: streams) and whether
+// sorting (0: by quarter, 1: along the curve), or the bundle (0: bundles, 1: streams) and whether
 // the tree is fine; threads (0: all cores) last.
 #include "methods/dual/dual.h"
 
@@ -99,13 +99,13 @@ void time_query(benchmark::State& state, const Query& query) {
 }
 
 void closest(benchmark::State& state) {
-  std::vector<EngineHit> hits(rays_of(state).size());
+  std::vector<IndexedHit> hits(rays_of(state).size());
   time_query(state, [&](const Executor& executor, const DualScene& scene, View<const Ray> rays,
                         const RayOrder& order, DualCounts* counts) {
     trace_closest(executor, scene, rays, order, hits, {}, counts);
   });
-  const auto found = std::count_if(hits.begin(), hits.end(),
-                                   [](const EngineHit& hit) { return hit.triangle != kInvalidId; });
+  const auto found = std::count_if(
+      hits.begin(), hits.end(), [](const IndexedHit& hit) { return hit.triangle != kInvalidId; });
   state.counters["found"] = static_cast<double>(found) / static_cast<double>(hits.size());
 }
 BENCHMARK(closest)

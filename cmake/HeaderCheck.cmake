@@ -4,6 +4,7 @@
 # are left out.
 file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
   ${PROJECT_SOURCE_DIR}/include/*.h ${PROJECT_SOURCE_DIR}/src/*.h ${PROJECT_SOURCE_DIR}/io/*.h
+  ${PROJECT_SOURCE_DIR}/emulated/*.h ${PROJECT_SOURCE_DIR}/lab/*.h ${PROJECT_SOURCE_DIR}/scenes/*.h
   ${PROJECT_SOURCE_DIR}/apps/raysheaf/*.h ${PROJECT_SOURCE_DIR}/apps/viewer/*.h)
 if(NOT RAYSHEAF_HAS_VIEWER)
   list(FILTER headers EXCLUDE REGEX "apps/viewer/theme\\.h$")  # it shows Dear ImGui
@@ -13,7 +14,7 @@ if(RAYSHEAF_HAS_PYTHON)
     ${PROJECT_SOURCE_DIR}/python/src/*.h)
   list(APPEND headers ${python_headers})
 endif()
-list(FILTER headers EXCLUDE REGEX "-inl\\.h$")
+list(FILTER headers EXCLUDE REGEX "-inl\\.h$|/exec/cuda/cuda_(device_templates|launch|memory)\\.h$")
 set(header_sources "")
 set(public_sources "")
 foreach(header ${headers})

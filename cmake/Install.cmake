@@ -4,9 +4,10 @@
 include(CMakePackageConfigHelpers)
 
 # Shared and static: the same objects.
-set_target_properties(raysheaf PROPERTIES DEFINE_SYMBOL "")
+set(libraries raysheaf raysheaf_scenes raysheaf_lab)
+set_target_properties(${libraries} PROPERTIES DEFINE_SYMBOL "")
 # Shared: releases of one minor version may stand in for each other, and the program finds its library.
-set_target_properties(raysheaf PROPERTIES
+set_target_properties(${libraries} PROPERTIES
   VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 if(TARGET raysheaf_app AND BUILD_SHARED_LIBS)
   file(RELATIVE_PATH lib_from_bin /p/${CMAKE_INSTALL_BINDIR} /p/${CMAKE_INSTALL_LIBDIR})
@@ -15,7 +16,7 @@ endif()
 
 # Two components: `runtime` is what runs, `development` what programs are built with.
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/raysheaf)
-install(TARGETS raysheaf EXPORT raysheafTargets
+install(TARGETS ${libraries} EXPORT raysheafTargets
   ARCHIVE COMPONENT development
   LIBRARY COMPONENT runtime NAMELINK_COMPONENT development)
 install(DIRECTORY include/raysheaf DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development

@@ -1,4 +1,5 @@
 #include "emulated/emulated_links.h"
+#include "emulated/open_emulated.h"
 #include "out_of_core/block_tracer_device.h"
 
 namespace raysheaf {

@@ -1,4 +1,5 @@
 #include "emulated/emulated_device.h"
+#include "emulated/open_emulated.h"
 #include "methods/packets/packet_tracer_device.h"
 
 namespace raysheaf {

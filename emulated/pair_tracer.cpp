@@ -1,4 +1,5 @@
 #include "emulated/emulated_device.h"
+#include "emulated/open_emulated.h"
 #include "methods/ray_hierarchy/pair_tracer_device.h"
 
 namespace raysheaf {

@@ -2,6 +2,7 @@
 #include "device/queries_device.h"
 #include "emulated/emulated_device.h"
 #include "emulated/emulated_links.h"
+#include "emulated/open_emulated.h"
 #include "methods/packets/packet_tracer.h"
 #include "methods/ray_hierarchy/pair_tracer.h"
 #include "out_of_core/block_tracer.h"
@@ -16,8 +17,8 @@ class EmulatedBackend : public DeviceBackend {
       : executor_(executor), memory_(memory), allocator_(allocator) {}
 
   [[nodiscard]] const std::string& name() const override { return name_; }
-  [[nodiscard]] std::unique_ptr<DeviceEngine> make_engine() const override {
-    return std::make_unique<DeviceEngineOn<EmulatedDevice>>(executor_, memory_, allocator_);
+  [[nodiscard]] std::unique_ptr<DeviceQueries> make_queries() const override {
+    return std::make_unique<DeviceQueriesOn<EmulatedDevice>>(executor_, memory_, allocator_);
   }
   [[nodiscard]] std::unique_ptr<PairTracer> make_pair_tracer() const override {
     return make_emulated_pair_tracer(kPairListCapacity, executor_, memory_, allocator_);

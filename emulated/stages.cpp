@@ -1,6 +1,7 @@
 #include "emulated/emulated_device.h"
 #include "emulated/emulated_gl.h"
 #include "emulated/emulated_links.h"
+#include "emulated/open_emulated.h"
 #include "render/device/stages_device.h"
 
 namespace raysheaf {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "geom/bounds.h"
-#include "methods/dual/packet.h"
+#include "methods/dual/bundle16.h"
 #include "methods/dual/ray_order.h"
 #include "methods/fan/cells.h"
 #include "methods/packets/frustum_body.h"
@@ -205,11 +205,11 @@ std::optional<RayBundle> fan_bundle(const Executor& executor, View<const Ray> ra
     const std::uint32_t count = cells.rays_of_tile[tile];
     const std::size_t slot = place_of({numbers, count}, ray);
     if (slot == count) continue;
-    const std::size_t first = slot / kPacketSlots * kPacketSlots;
+    const std::size_t first = slot / kBundleSlots * kBundleSlots;
     RayBundle bundle =
-        taken(rays, numbers, first, std::min<std::size_t>(kPacketSlots, count - first), ray);
+        taken(rays, numbers, first, std::min<std::size_t>(kBundleSlots, count - first), ray);
     const FanFace face = fan_face(cells.face_of_tile[tile]);
-    const std::size_t packet = std::size_t{tile} * kTilePackets + slot / kPacketSlots;
+    const std::size_t packet = std::size_t{tile} * kTileBundles + slot / kBundleSlots;
     describe(cells.packets.at(packet), cells.origin, face, &bundle.volumes.emplace_back());
     describe(cells.tiles.at(tile), cells.origin, face, &bundle.volumes.emplace_back());
     bundle.volumes[0].ray_count = bundle.rays.size();

@@ -1,4 +1,7 @@
 #include "lab/device_bench.h"
+#include "backends/cuda.h"
+#include "device/device_queries.h"
+#include "queries/planned_queries.h"
 
 #include <algorithm>
 #include <cstring>
@@ -109,7 +112,7 @@ class Bench {
       : options_(options),
         executor_(options.threads),
         flat_(flatten(executor_, scene, mesh_bounds(executor_, scene))),
-        there_(backend.make_engine()),
+        there_(backend.make_queries()),
         rates_{backend.copy_bytes_per_ms(), backend.operations_per_ms()} {
     corners_.reserve(std::size_t{3} * flat_.triangle_count);
     for (std::uint32_t i = 0; i < flat_.triangle_count; ++i)
@@ -136,7 +139,7 @@ class Bench {
       // In the first, whatever is made once is made, kernels are loaded, and tests are counted.
       const bool warms = run == 0;
       Times& into = warms ? warming : times;
-      EngineReport report;
+      QueryReport report;
       into.cpu_ms.push_back(time_here(rays, any, &here));
       time_stages(rays, any, warms, &report, &there, &into);
       into.keys_to_hits_ms.push_back(there_->keys_to_hits_ms(rays, query_of(any), any));
@@ -165,7 +168,7 @@ class Bench {
  private:
   struct Answers {
     explicit Answers(std::size_t count) : closest(count), any(count) {}
-    std::vector<EngineHit> closest;
+    std::vector<IndexedHit> closest;
     std::vector<std::uint8_t> any;
   };
 
@@ -173,7 +176,7 @@ class Bench {
     std::uint64_t count = 0;
     for (std::size_t i = 0; i < a.any.size(); ++i)
       count += any ? a.any[i] != b.any[i]
-                   : std::memcmp(&a.closest[i], &b.closest[i], sizeof(EngineHit)) != 0;
+                   : std::memcmp(&a.closest[i], &b.closest[i], sizeof(IndexedHit)) != 0;
     return count;
   }
 
@@ -191,7 +194,7 @@ class Bench {
     return watch.lap_ms();
   }
   /// Other triangles, and a call whose stages are timed, which takes its time.
-  void time_stages(const std::vector<Ray>& rays, bool any, bool counts, EngineReport* report,
+  void time_stages(const std::vector<Ray>& rays, bool any, bool counts, QueryReport* report,
                    Answers* answers, Times* times) {
     there_->set_triangles(executor_, source_, false);
     ask_there(rays, any, counts, report, answers);
@@ -222,7 +225,7 @@ class Bench {
     ask_there(rays, any, false, nullptr, answers);
     times->refit_frame_ms.push_back(watch.lap_ms());
     there_->set_triangles(executor_, source_, true);
-    EngineReport report;
+    QueryReport report;
     ask_there(rays, any, false, &report, answers);
     double refit = 0;
     for (const StageTime& time : there_->stage_times()) {
@@ -246,7 +249,7 @@ class Bench {
     query.in_order = shadow;
     return query;
   }
-  void ask_there(const std::vector<Ray>& rays, bool any, bool counts, EngineReport* report,
+  void ask_there(const std::vector<Ray>& rays, bool any, bool counts, QueryReport* report,
                  Answers* answers) {
     DeviceQuery query = query_of(any);
     query.count = counts;
@@ -255,7 +258,7 @@ class Bench {
     if (any) {
       there_->any_hit(rays, query, View<std::uint8_t>(answers->any));
     } else {
-      there_->closest_hit(rays, query, View<EngineHit>(answers->closest));
+      there_->closest_hit(rays, query, View<IndexedHit>(answers->closest));
     }
   }
 
@@ -265,8 +268,8 @@ class Bench {
   std::vector<Vec3> corners_;
   TriangleRun run_;
   TriangleSource source_;
-  Engine here_;
-  const std::unique_ptr<DeviceEngine> there_;
+  PlannedQueries here_;
+  const std::unique_ptr<DeviceQueries> there_;
   const Rates rates_;
 };
 

@@ -1,7 +1,7 @@
 // The measurements of raysheaf/device_bench.h on a machine that is handed in.
 #pragma once
 
-#include "device/device_queries.h"
+#include "device/backend.h"
 #include "raysheaf/device_bench.h"
 
 namespace raysheaf {

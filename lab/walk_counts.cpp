@@ -27,7 +27,7 @@ ThreadCounts count_threads(EmulatedDevice& device, const DeviceBatch& batch, boo
     WalkCounts walk;
     const FloatWalk found = any ? any_in_floats(batch.tree, scene, ray, batch.facing, &walk)
                                 : closest_in_floats(batch.tree, scene, ray, batch.facing, &walk);
-    EngineHit best;
+    IndexedHit best;
     bool sure = !found.unsure;
     for (const std::uint32_t place : {found.first, found.second, found.place})
       sure = meet_in_doubles(batch.tree, place, ray, batch.facing, &best) && sure;

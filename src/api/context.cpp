@@ -1,4 +1,5 @@
 #include "raysheaf/context.h"
+#include "backends/cuda.h"
 
 #include <hwy/highway.h>
 

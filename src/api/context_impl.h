@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "device/device_queries.h"
+#include "device/backend.h"
 #include "exec/executor.h"
 #include "raysheaf/context.h"
 #include "raysheaf/distributed.h"

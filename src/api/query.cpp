@@ -36,11 +36,11 @@ void clear(Query* query, std::span<T> out, const char* name) {
 void closest_hits(Query* query, std::span<Hit> hits) {
   SceneView& view = query->view();
   if (query->is_on_device())
-    return query->device_engine().closest_hit(query->rays(), query->device_query(),
-                                              View<Hit>(hits.data(), hits.size()));
+    return query->device_queries().closest_hit(query->rays(), query->device_query(),
+                                               View<Hit>(hits.data(), hits.size()));
   if (query->is_brute()) {
     Stopwatch watch;
-    Buffer<EngineHit> found;
+    Buffer<IndexedHit> found;
     found.resize_uninitialized(hits.size());
     brute::closest_hit(query->executor(), view.source(), query->rays(), found);
     query->traced_by_brute_force(&watch);
@@ -49,7 +49,7 @@ void closest_hits(Query* query, std::span<Hit> hits) {
   }
   view.engine.closest_hit(
       query->executor(), query->source(), query->engine_options(),
-      [&](std::size_t begin, View<const EngineHit> found) {
+      [&](std::size_t begin, View<const IndexedHit> found) {
         view.name_hits(found, hits.data() + begin);
       },
       query->report());
@@ -58,7 +58,7 @@ void closest_hits(Query* query, std::span<Hit> hits) {
 void any_hits(Query* query, std::span<std::uint8_t> occluded) {
   const View<std::uint8_t> out(occluded.data(), occluded.size());
   if (query->is_on_device())
-    return query->device_engine().any_hit(query->rays(), query->device_query(), out);
+    return query->device_queries().any_hit(query->rays(), query->device_query(), out);
   if (query->is_brute()) {
     Stopwatch watch;
     brute::any_hit(query->executor(), query->view().source(), query->rays(), out);
@@ -74,7 +74,7 @@ template <class Take>
 void find_rows(Query* query, const Take& take) {
   if (query->is_empty()) return take(brute::Rows{});
   if (query->is_on_device())
-    return take(query->device_engine().all_hits(query->rays(), query->device_query()));
+    return take(query->device_queries().all_hits(query->rays(), query->device_query()));
   if (!query->is_brute())
     return take(query->view().engine.all_hits(query->executor(), query->rays(),
                                               query->engine_options(), query->report()));
@@ -89,7 +89,7 @@ void find_rows(Query* query, const Take& take) {
 struct MeasureRow {
   std::uint64_t* lengths;
 
-  void operator()(std::size_t ray, View<const EngineHit> hits) const { lengths[ray] = hits.size; }
+  void operator()(std::size_t ray, View<const IndexedHit> hits) const { lengths[ray] = hits.size; }
   void comes_soon(std::size_t ray) const { __builtin_prefetch(lengths + ray, 1); }
 };
 
@@ -99,7 +99,7 @@ struct NameRow {
   const std::uint64_t* begins;
   Hit* out;
 
-  void operator()(std::size_t ray, View<const EngineHit> hits) const {
+  void operator()(std::size_t ray, View<const IndexedHit> hits) const {
     query->view().name_hits(hits, out + begins[ray]);
   }
   void comes_soon(std::size_t ray) const { __builtin_prefetch(out + begins[ray], 1); }
@@ -120,15 +120,15 @@ void name_rows(Query* query, HitRows* out) {
 void count_hits(Query* query, std::span<std::uint32_t> counts) {
   if (query->is_empty()) return clear(query, counts, "counts");
   if (query->is_on_device())
-    return query->device_engine().count_hits(query->rays(), query->device_query(),
-                                             View<std::uint32_t>(counts.data(), counts.size()));
+    return query->device_queries().count_hits(query->rays(), query->device_query(),
+                                              View<std::uint32_t>(counts.data(), counts.size()));
   if (!query->is_brute())
     return query->view().engine.hit_counts(
         query->executor(), query->rays(), query->engine_options(),
         View<std::uint32_t>(counts.data(), counts.size()), query->report());
   std::fill(counts.begin(), counts.end(), 0u);
   find_rows(query, [&](const auto& rows) {
-    rows.for_each(query->executor(), [&](std::size_t ray, View<const EngineHit> hits) {
+    rows.for_each(query->executor(), [&](std::size_t ray, View<const IndexedHit> hits) {
       counts[ray] = static_cast<std::uint32_t>(hits.size);
     });
   });

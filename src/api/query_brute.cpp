@@ -20,7 +20,7 @@ void for_each_hit(const TriangleSource& source, const Ray& ray, const Take& take
       const auto [a, b, c] = run.corners(i);
       TriangleHit hit;
       if (!intersect_triangle(setup, a, b, c, &hit)) continue;
-      if (!take(EngineHit{hit.t, hit.u, hit.v, run.first + i})) return;
+      if (!take(IndexedHit{hit.t, hit.u, hit.v, run.first + i})) return;
     }
   }
 }
@@ -28,10 +28,10 @@ void for_each_hit(const TriangleSource& source, const Ray& ray, const Take& take
 }  // namespace
 
 void closest_hit(const Executor& executor, const TriangleSource& source, View<const Ray> rays,
-                 View<EngineHit> hits) {
+                 View<IndexedHit> hits) {
   executor.for_each(rays.size, kBruteGrain, [&](std::size_t i) {
-    EngineHit best;
-    for_each_hit(source, rays[i], [&](const EngineHit& hit) {
+    IndexedHit best;
+    for_each_hit(source, rays[i], [&](const IndexedHit& hit) {
       if (hit.t < best.t || best.triangle == kInvalidId) best = hit;
       return true;
     });
@@ -43,7 +43,7 @@ void any_hit(const Executor& executor, const TriangleSource& source, View<const 
              View<std::uint8_t> occluded) {
   executor.for_each(rays.size, kBruteGrain, [&](std::size_t i) {
     bool met = false;
-    for_each_hit(source, rays[i], [&](const EngineHit&) {
+    for_each_hit(source, rays[i], [&](const IndexedHit&) {
       met = true;
       return false;
     });
@@ -54,14 +54,14 @@ void any_hit(const Executor& executor, const TriangleSource& source, View<const 
 Rows all_hits(const Executor& executor, const TriangleSource& source, View<const Ray> rays) {
   Rows found;
   found.rows.resize(rays.size);
-  std::vector<std::vector<EngineHit>>& rows = found.rows;
+  std::vector<std::vector<IndexedHit>>& rows = found.rows;
   executor.for_each(rays.size, kBruteGrain, [&](std::size_t i) {
-    for_each_hit(source, rays[i], [&](const EngineHit& hit) {
+    for_each_hit(source, rays[i], [&](const IndexedHit& hit) {
       rows[i].push_back(hit);
       return true;
     });
     std::stable_sort(rows[i].begin(), rows[i].end(),
-                     [](const EngineHit& a, const EngineHit& b) { return a.t < b.t; });
+                     [](const IndexedHit& a, const IndexedHit& b) { return a.t < b.t; });
   });
   return found;
 }

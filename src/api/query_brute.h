@@ -5,20 +5,20 @@
 
 namespace raysheaf::brute {
 
-/// As the queries of `Engine`.
+/// As the queries of `PlannedQueries`.
 void closest_hit(const Executor& executor, const TriangleSource& source, View<const Ray> rays,
-                 View<EngineHit> hits);
+                 View<IndexedHit> hits);
 void any_hit(const Executor& executor, const TriangleSource& source, View<const Ray> rays,
              View<std::uint8_t> occluded);
 /// All hits by ray, each row by (t, triangle).
 struct Rows {
-  std::vector<std::vector<EngineHit>> rows;
+  std::vector<std::vector<IndexedHit>> rows;
 
   /// As `FoundRows` has it.
   template <class Body>
   void for_each(const Executor& executor, const Body& body) const {
     executor.for_each(rows.size(), 1024,
-                      [&](std::size_t ray) { body(ray, View<const EngineHit>(rows[ray])); });
+                      [&](std::size_t ray) { body(ray, View<const IndexedHit>(rows[ray])); });
   }
 };
 [[nodiscard]] Rows all_hits(const Executor& executor, const TriangleSource& source,

@@ -8,6 +8,7 @@
 
 #include "api/query_rays.h"
 #include "api/scene_impl.h"
+#include "device/device_queries.h"
 #include "exec/stopwatch.h"
 #include "raysheaf/query.h"
 
@@ -58,8 +59,8 @@ class Query {
     return ContextAccess::backend(state_.context);
   }
   [[nodiscard]] bool is_on_device() const { return backend() != nullptr; }
-  [[nodiscard]] DeviceEngine& device_engine() {
-    return view_->device_engine(state_.executor().alone(), *backend());
+  [[nodiscard]] DeviceQueries& device_queries() {
+    return view_->device_queries(state_.executor().alone(), *backend());
   }
   [[nodiscard]] DeviceQuery device_query() {
     DeviceQuery query;
@@ -73,10 +74,10 @@ class Query {
     return query;
   }
   [[nodiscard]] SceneView& view() { return *view_; }
-  [[nodiscard]] EngineOptions engine_options() const {
+  [[nodiscard]] PlannedOptions engine_options() const {
     return {Facing::kBoth, options_.statistics != nullptr && options_.count_tests};
   }
-  [[nodiscard]] EngineReport* report() {
+  [[nodiscard]] QueryReport* report() {
     return options_.statistics != nullptr ? &report_ : nullptr;
   }
 
@@ -131,7 +132,7 @@ class Query {
   double check_ms_ = 0;
   std::shared_ptr<SceneView> view_;
   std::unique_lock<std::mutex> lock_;
-  EngineReport report_;
+  QueryReport report_;
 };
 
 }  // namespace raysheaf

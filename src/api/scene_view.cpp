@@ -66,11 +66,11 @@ void SceneView::note_first_runs() {
   }
 }
 
-void SceneView::name_hits(View<const EngineHit> hits, Hit* out) const {
+void SceneView::name_hits(View<const IndexedHit> hits, Hit* out) const {
   // Neighbours often hit what the one before hit.
   std::uint32_t first = 0, count = 0;
   Ids ids{};
-  for (const EngineHit& hit : hits) {
+  for (const IndexedHit& hit : hits) {
     if (hit.triangle == kInvalidId) {
       *out++ = Hit{};
       continue;
@@ -86,14 +86,14 @@ void SceneView::name_hits(View<const EngineHit> hits, Hit* out) const {
   }
 }
 
-void SceneView::name_hits(const Executor& executor, View<const EngineHit> hits, Hit* out) const {
+void SceneView::name_hits(const Executor& executor, View<const IndexedHit> hits, Hit* out) const {
   executor.for_each_block(hits.size, kCopyGrain, [&](std::size_t begin, std::size_t end) {
     name_hits({hits.data + begin, end - begin}, out + begin);
   });
 }
 
-DeviceEngine& SceneView::device_engine(const Executor& executor, const DeviceBackend& backend) {
-  if (device_engine_ == nullptr) device_engine_ = backend.make_engine();
+DeviceQueries& SceneView::device_queries(const Executor& executor, const DeviceBackend& backend) {
+  if (device_engine_ == nullptr) device_engine_ = backend.make_queries();
   if (device_is_behind_) {
     std::vector<RunName> names;
     for (std::size_t r = 0; r < runs_.size(); ++r)

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "device/backend.h"
 #include "device/device_queries.h"
 #include "queries/planned_queries.h"
 #include "raysheaf/scene.h"
@@ -48,15 +49,16 @@ class SceneView {
   void refresh(const SceneRuns& scene);
   [[nodiscard]] TriangleSource source() const { return {runs_, count_, nullptr}; }
   /// Hits by ids; `out` has room for as many.
-  void name_hits(View<const EngineHit> hits, Hit* out) const;
-  void name_hits(const Executor& executor, View<const EngineHit> hits, Hit* out) const;
+  void name_hits(View<const IndexedHit> hits, Hit* out) const;
+  void name_hits(const Executor& executor, View<const IndexedHit> hits, Hit* out) const;
   /// The engine on a device, with the triangles of `source()`; made and filled where it must be.
-  [[nodiscard]] DeviceEngine& device_engine(const Executor& executor, const DeviceBackend& backend);
+  [[nodiscard]] DeviceQueries& device_queries(const Executor& executor,
+                                              const DeviceBackend& backend);
   /// Of the host's memory, and of a device's.
   [[nodiscard]] std::size_t memory_bytes() const;
 
-  std::mutex mutex;  ///< held by whoever calls any of these or uses what is below
-  Engine engine;     ///< over `source()`
+  std::mutex mutex;       ///< held by whoever calls any of these or uses what is below
+  PlannedQueries engine;  ///< over `source()`
 
  private:
   struct Ids {
@@ -74,7 +76,7 @@ class SceneView {
   std::uint32_t block_bits_ = 0;           // of the numbers in a block
   std::uint32_t count_ = 0;
   std::uint64_t structure_version_ = 0, position_version_ = 0, mask_version_ = 0;
-  std::unique_ptr<DeviceEngine> device_engine_;
+  std::unique_ptr<DeviceQueries> device_engine_;
   bool device_is_behind_ = true;  // it has other triangles than `source()`
   bool device_refits_ = false;    // those that it has, only moved
 };

@@ -47,7 +47,7 @@ void stream(const GeometrySource& source, std::span<const Ray> rays, const Strea
   request.stage = "rays";
   request.meter = &meter;
   request.count = options.statistics != nullptr;
-  EngineReport report;
+  QueryReport report;
   body(&streamer, request, &report);
   const StreamStatistics all = of_all(streamer.statistics(), options.exchange);
   if (options.statistics != nullptr) add(all, options.statistics);

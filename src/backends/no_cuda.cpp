@@ -1,5 +1,5 @@
 // What stands for CUDA in a build without nvcc; left out where there is one.
-#include "device/device_queries.h"
+#include "backends/cuda.h"
 
 #include "raysheaf/error.h"
 

@@ -1,3 +1,4 @@
+#include "backends/cuda.h"
 #include "exec/cuda/cuda_launch.h"
 #include "methods/packets/packet_tracer_device.h"
 

@@ -1,3 +1,4 @@
+#include "backends/cuda.h"
 #include "exec/cuda/cuda_launch.h"
 #include "methods/ray_hierarchy/pair_tracer_device.h"
 

@@ -1,3 +1,4 @@
+#include "backends/cuda.h"
 #include "device/measure_device.h"
 #include "device/queries_device.h"
 #include "exec/cuda/cuda_launch.h"
@@ -15,8 +16,8 @@ class CudaBackend : public DeviceBackend {
   CudaBackend() : name_(device_.name()) {}
 
   [[nodiscard]] const std::string& name() const override { return name_; }
-  [[nodiscard]] std::unique_ptr<DeviceEngine> make_engine() const override {
-    return std::make_unique<DeviceEngineOn<CudaDevice>>();
+  [[nodiscard]] std::unique_ptr<DeviceQueries> make_queries() const override {
+    return std::make_unique<DeviceQueriesOn<CudaDevice>>();
   }
   [[nodiscard]] std::unique_ptr<PairTracer> make_pair_tracer() const override {
     return make_cuda_pair_tracer(kPairListCapacity);

@@ -1,3 +1,4 @@
+#include "backends/cuda.h"
 #include "exec/cuda/cuda_gl.h"
 #include "exec/cuda/cuda_launch.h"
 #include "exec/cuda/cuda_links.h"

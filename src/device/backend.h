@@ -7,7 +7,7 @@
 
 namespace raysheaf {
 
-class DeviceEngine;
+class DeviceQueries;
 class Executor;
 struct DeviceQuery;
 class PairTracer;
@@ -22,7 +22,7 @@ class DeviceBackend {
   virtual ~DeviceBackend() = default;
   /// "NVIDIA ..., compute capability 9.0".
   [[nodiscard]] virtual const std::string& name() const = 0;
-  [[nodiscard]] virtual std::unique_ptr<DeviceEngine> make_engine() const = 0;
+  [[nodiscard]] virtual std::unique_ptr<DeviceQueries> make_queries() const = 0;
   /// Of `rah` and `crsh` (methods/ray_hierarchy/pair_tracer.h).
   [[nodiscard]] virtual std::unique_ptr<PairTracer> make_pair_tracer() const = 0;
   /// Of `gl10` (methods/packets/packet_tracer.h).

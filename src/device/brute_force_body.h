@@ -3,6 +3,7 @@
 
 #include "intersect/facing_body.h"
 #include "intersect/hit_word_body.h"
+#include "intersect/indexed_hit.h"
 #include "intersect/triangle_body.h"
 #include "methods/dual/dual.h"
 #include "object_tree/triangle_list.h"
@@ -19,7 +20,7 @@ RAYSHEAF_HD void meet_list(const TriangleList& list, std::uint32_t first, std::u
     TriangleHit hit;
     if (!intersect_triangle(setup, a, b, c, &hit)) continue;
     if (!list.flags.empty() && !shows(facing, list.flags.data[id], hit.front)) continue;
-    take(EngineHit{hit.t, hit.u, hit.v, id});
+    take(IndexedHit{hit.t, hit.u, hit.v, id});
   }
 }
 
@@ -27,7 +28,7 @@ RAYSHEAF_HD void meet_list(const TriangleList& list, std::uint32_t first, std::u
 RAYSHEAF_HD inline std::uint64_t best_of_list(const TriangleList& list, std::uint32_t first,
                                               std::uint32_t end, Facing facing, const Ray& ray) {
   std::uint64_t best = kNoHitWord;
-  meet_list(list, first, end, facing, make_ray_setup(ray), [&](const EngineHit& hit) {
+  meet_list(list, first, end, facing, make_ray_setup(ray), [&](const IndexedHit& hit) {
     const std::uint64_t word = hit_word(hit.t, hit.triangle);
     if (word < best) best = word;
   });
@@ -35,13 +36,13 @@ RAYSHEAF_HD inline std::uint64_t best_of_list(const TriangleList& list, std::uin
 }
 
 /// The hit that a word stands for.
-RAYSHEAF_HD inline EngineHit hit_of_word(const TriangleList& list, std::uint64_t word,
-                                         const Ray& ray) {
-  EngineHit found;
+RAYSHEAF_HD inline IndexedHit hit_of_word(const TriangleList& list, std::uint64_t word,
+                                          const Ray& ray) {
+  IndexedHit found;
   if (word == kNoHitWord) return found;
   const std::uint32_t id = triangle_of_word(word);
   meet_list(list, id, id + 1, Facing::kBoth, make_ray_setup(ray),
-            [&](const EngineHit& hit) { found = hit; });
+            [&](const IndexedHit& hit) { found = hit; });
   return found;
 }
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "exec/stage_clock.h"
-#include "queries/planned_queries.h"
+#include "queries/query_report.h"
 
 namespace raysheaf {
 
@@ -27,13 +27,14 @@ struct RunName {
 /// hits[offsets[i + 1]].
 struct DeviceHitRows {
   std::vector<std::uint64_t> offsets;
-  std::vector<EngineHit> hits;
+  std::vector<IndexedHit> hits;
 
   /// As `FoundRows` has it.
   template <class Body>
   void for_each(const Executor& executor, const Body& body) const {
     executor.for_each(offsets.size() - 1, 1024, [&](std::size_t ray) {
-      body(ray, View<const EngineHit>(hits.data() + offsets[ray], offsets[ray + 1] - offsets[ray]));
+      body(ray,
+           View<const IndexedHit>(hits.data() + offsets[ray], offsets[ray + 1] - offsets[ray]));
     });
   }
 };
@@ -48,7 +49,7 @@ struct DeviceQuery {
   bool in_order = false;
   void* stream = nullptr;  ///< what was asked for on it comes first; null: on the default one
   void* results_stream = nullptr;  ///< and on this, where it is not null
-  EngineReport* report = nullptr;
+  QueryReport* report = nullptr;
   const Executor* executor = nullptr;  ///< copies large arrays of the host's; null: the caller does
   /// Of closest and any hits: takes the tests of each ray. May be empty; in the device's memory it
   /// is not for brute force, of which the tests are known.
@@ -58,9 +59,9 @@ struct DeviceQuery {
 /// One scene's, on one device. Not for use by two threads at once. Results are there on return.
 /// Throws Error: kOutOfMemory, kInternal with the device's words and the stage's name; kInvalidData
 /// for a ray that is refused. What was asked for before and after is not affected.
-class DeviceEngine {
+class DeviceQueries {
  public:
-  virtual ~DeviceEngine() = default;
+  virtual ~DeviceQueries() = default;
 
   /// The triangles that there are from now on; they are copied. `same_triangles`: as many, with the
   /// same indices, only moved since the last call, so that the tree may be refitted.
@@ -69,9 +70,9 @@ class DeviceEngine {
   /// The names of their runs, by ascending `first`: for hits that are asked for as `Hit`.
   virtual void set_names(View<const RunName> names) = 0;
 
-  /// As those of `Engine`.
+  /// As those of `PlannedQueries`.
   virtual void closest_hit(View<const Ray> rays, const DeviceQuery& query,
-                           View<EngineHit> hits) = 0;
+                           View<IndexedHit> hits) = 0;
   virtual void closest_hit(View<const Ray> rays, const DeviceQuery& query, View<Hit> hits) = 0;
   virtual void any_hit(View<const Ray> rays, const DeviceQuery& query,
                        View<std::uint8_t> occluded) = 0;

@@ -20,11 +20,11 @@ void wait_for_streams(Device& device, const DeviceQuery& query) {
 }
 
 template <class Device>
-class DeviceEngineOn : public DeviceEngine {
+class DeviceQueriesOn : public DeviceQueries {
  public:
   /// What the device is made from.
   template <class... Args>
-  explicit DeviceEngineOn(Args&&... args)
+  explicit DeviceQueriesOn(Args&&... args)
       : device_(std::forward<Args>(args)...),
         triangles_(device_),
         uplink_(device_),
@@ -60,10 +60,10 @@ class DeviceEngineOn : public DeviceEngine {
     device_.copy("copy: names", names_.data(), names.data, names.size * sizeof(RunName));
   }
 
-  void closest_hit(View<const Ray> rays, const DeviceQuery& query, View<EngineHit> hits) override {
+  void closest_hit(View<const Ray> rays, const DeviceQuery& query, View<IndexedHit> hits) override {
     if (rays.empty()) return;
     DeviceBatch batch = begin(rays, query, device_.is_device_memory(hits.data, "hits"));
-    EngineHit* const out = landing("trace: closest hits", hits, &hits_);
+    IndexedHit* const out = landing("trace: closest hits", hits, &hits_);
     find_closest(query, out, &batch);
     deliver("copy: hits", query, hits, out);
     finish(batch, query);
@@ -118,7 +118,7 @@ class DeviceEngineOn : public DeviceEngine {
     rows.hits.resize(rows.offsets.back());
     hits_.resize_uninitialized("trace: all hits", rows.hits.size());
     hit_rows_on(device_, batch, offsets_.data(), hits_.data());
-    deliver("copy: hits", query, View<EngineHit>(rows.hits), hits_.data());
+    deliver("copy: hits", query, View<IndexedHit>(rows.hits), hits_.data());
     batch.sums = sums;
     finish(batch, query);
     return rows;
@@ -163,7 +163,7 @@ class DeviceEngineOn : public DeviceEngine {
  private:
   using Clock = std::chrono::steady_clock;
 
-  void find_closest(const DeviceQuery& query, EngineHit* out, DeviceBatch* batch) {
+  void find_closest(const DeviceQuery& query, IndexedHit* out, DeviceBatch* batch) {
     if (query.brute) {
       words_.resize_uninitialized("trace: brute force", batch->rays.size);
       brute_force_on(device_, *batch, words_.view());
@@ -241,7 +241,7 @@ class DeviceEngineOn : public DeviceEngine {
     device_.synchronize("hits");
     if (!batch.brute) tree_.learn_cost();
     if (query.report == nullptr) return;
-    EngineReport& report = *query.report;
+    QueryReport& report = *query.report;
     report.used_tree = !batch.brute;
     report.tree = work_;
     if (batch.sums != nullptr) {
@@ -284,7 +284,7 @@ class DeviceEngineOn : public DeviceEngine {
   DeviceBuffer<Ray> rays_;
   SortColumns<std::uint32_t> columns_;
   DeviceBuffer<std::uint64_t> words_;
-  DeviceBuffer<EngineHit> hits_;
+  DeviceBuffer<IndexedHit> hits_;
   DeviceBuffer<Hit> named_;
   DeviceBuffer<float> ray_tests_;
   DeviceBuffer<std::uint8_t> occluded_;

@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "exec/stage_clock.h"
-#include "queries/planned_queries.h"
+#include "queries/query_report.h"
 
 namespace raysheaf {
 
 /// By what the names of the stages begin with; copies are in the total alone, which is not here.
-inline void add_times(const std::vector<StageTime>& times, EngineReport* report) {
+inline void add_times(const std::vector<StageTime>& times, QueryReport* report) {
   for (const StageTime& time : times) {
     const std::string_view stage = time.stage;
     if (stage.starts_with("order:")) report->order_ms += time.ms;

@@ -113,7 +113,7 @@ inline constexpr std::uint32_t kUnsettledPlace = kInvalidId - 1;
 inline constexpr std::uint8_t kUnsettledFlag = 2, kCandidatesFlag = 3;
 
 template <class Device>
-void closest_hits_on(Device& device, const DeviceBatch& batch, EngineHit* hits) {
+void closest_hits_on(Device& device, const DeviceBatch& batch, IndexedHit* hits) {
   device.for_each("trace: closest hits", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t ray = batch.ray_at(i);
     WalkCounts counts;
@@ -124,10 +124,10 @@ void closest_hits_on(Device& device, const DeviceBatch& batch, EngineHit* hits) 
     keep_counts(batch, ray, counts);
   });
   device.for_each("trace: values", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
-    const EngineHit left = hits[i];
+    const IndexedHit left = hits[i];
     if (left.triangle == kUnsettledPlace) return;
     const Ray ray = batch.rays.data[i];
-    EngineHit best;
+    IndexedHit best;
     bool sure = true;
     RAYSHEAF_ROLLED
     for (int k = 0; k < 3; ++k) {
@@ -168,7 +168,7 @@ void any_hits_on(Device& device, const DeviceBatch& batch, std::uint64_t* candid
     if (occluded[i] != kCandidatesFlag) return;
     const Ray ray = batch.rays.data[i];
     const std::uint64_t places = candidates[i];
-    EngineHit best;
+    IndexedHit best;
     bool sure = true;
     RAYSHEAF_ROLLED
     for (int k = 0; k < 2; ++k)
@@ -193,7 +193,7 @@ void hit_counts_on(Device& device, const DeviceBatch& batch, std::uint32_t* hits
   device.for_each("trace: number of hits", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t ray = batch.ray_at(i);
     std::uint32_t found = 0;
-    meet_all(batch, ray, [&](const EngineHit&) { ++found; });
+    meet_all(batch, ray, [&](const IndexedHit&) { ++found; });
     hits[ray] = found;
   });
 }
@@ -201,12 +201,12 @@ void hit_counts_on(Device& device, const DeviceBatch& batch, std::uint32_t* hits
 /// Row i goes to hits[offsets[i]] and after, sorted.
 template <class Device>
 void hit_rows_on(Device& device, const DeviceBatch& batch, const std::uint64_t* offsets,
-                 EngineHit* hits) {
+                 IndexedHit* hits) {
   device.for_each("trace: all hits", batch.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const std::size_t ray = batch.ray_at(i);
-    EngineHit* const row = hits + offsets[ray];
+    IndexedHit* const row = hits + offsets[ray];
     std::uint64_t found = 0;
-    meet_all(batch, ray, [&](const EngineHit& hit) { row[found++] = hit; });
+    meet_all(batch, ray, [&](const IndexedHit& hit) { row[found++] = hit; });
     sort_row(row, found);
   });
 }
@@ -231,7 +231,7 @@ void brute_force_on(Device& device, const DeviceBatch& batch, View<std::uint64_t
 
 template <class Device>
 void hits_of_words_on(Device& device, const DeviceBatch& batch, View<const std::uint64_t> words,
-                      EngineHit* hits) {
+                      IndexedHit* hits) {
   device.for_each("trace: hits of words", words.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     hits[i] = hit_of_word(batch.list, words.data[i], batch.rays.data[i]);
   });
@@ -249,7 +249,7 @@ RAYSHEAF_HD inline std::uint32_t run_of_triangle(const RunName* names, std::uint
   return first;
 }
 
-RAYSHEAF_HD inline Hit named_hit(View<const RunName> names, const EngineHit& hit) {
+RAYSHEAF_HD inline Hit named_hit(View<const RunName> names, const IndexedHit& hit) {
   if (hit.triangle == kInvalidId) return {};
   const auto count = static_cast<std::uint32_t>(names.size);
   const RunName run = names.data[run_of_triangle(names.data, count, hit.triangle)];
@@ -257,7 +257,8 @@ RAYSHEAF_HD inline Hit named_hit(View<const RunName> names, const EngineHit& hit
 }
 
 template <class Device>
-void name_hits_on(Device& device, View<const RunName> names, View<const EngineHit> hits, Hit* out) {
+void name_hits_on(Device& device, View<const RunName> names, View<const IndexedHit> hits,
+                  Hit* out) {
   device.for_each("trace: names", hits.size,
                   [=] RAYSHEAF_DEVICE(std::size_t i) { out[i] = named_hit(names, hits.data[i]); });
 }

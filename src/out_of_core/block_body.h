@@ -76,14 +76,14 @@ RAYSHEAF_HD inline std::uint32_t part_of_triangle(View<const BlockPart> parts,
 }
 
 /// What a hit with a triangle of the block is called.
-RAYSHEAF_HD inline Hit hit_in_block(const BlockView& block, const EngineHit& found) {
+RAYSHEAF_HD inline Hit hit_in_block(const BlockView& block, const IndexedHit& found) {
   const BlockPart& part = block.parts.data[part_of_triangle(block.parts, found.triangle)];
   return {found.t,      found.u,     found.v, block.prim_ids.data[found.triangle],
           part.geom_id, part.inst_id};
 }
 
 /// `best` becomes the block's hit where that comes before; returns whether it did.
-RAYSHEAF_HD inline bool take_least(const BlockView& block, const EngineHit& found,
+RAYSHEAF_HD inline bool take_least(const BlockView& block, const IndexedHit& found,
                                    StreamHit* best) {
   const Hit hit = hit_in_block(block, found);
   if (best->block != kInvalidId && !comes_before(hit, best->hit)) return false;

@@ -227,7 +227,7 @@ void closest_in_block_on(Device& device, const BlockPassage& passage) {
     Ray& ray = passage.state.rays.data[i];
     const std::uint32_t number = passage.state.numbers[i];
     WalkCounts counts;
-    const EngineHit found = closest_in_tree(passage.tree, box, ray, passage.facing, &counts);
+    const IndexedHit found = closest_in_tree(passage.tree, box, ray, passage.facing, &counts);
     add_counts(passage, number, counts);
     if (found.triangle == kInvalidId) return;
     if (!take_least(passage.block, found, &passage.hits[number])) return;

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "queries/planned_queries.h"
+#include "queries/query_report.h"
 #include "raysheaf/stream.h"
 
 namespace raysheaf {

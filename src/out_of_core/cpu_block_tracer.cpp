@@ -10,15 +10,15 @@ constexpr std::size_t kStaleDivisor = 16;
 
 /// A block that is traced, and what that takes.
 struct CpuBlockTracer::Slot {
-  Engine engine;
+  PlannedQueries engine;
   TriangleRun run;
   std::vector<std::uint8_t> flags;
   std::vector<std::uint32_t> places, numbers;  ///< of the rays that may meet the block
   Buffer<Ray> rays;
-  Buffer<EngineHit> closest;
+  Buffer<IndexedHit> closest;
   Buffer<std::uint8_t> occluded;
   std::vector<float> tests;
-  EngineReport report;
+  QueryReport report;
 
   void set_triangles(const TriangleBlock& block, Facing facing) {
     const auto count = static_cast<std::uint32_t>(block.triangles.size());
@@ -101,7 +101,7 @@ void CpuBlockTracer::trace_block(const TriangleBlock& block, Slot* slot) {
   }
   slot->tests.assign(batch_.ray_tests.empty() ? 0 : count, 0.0f);
   slot->set_triangles(block, batch_.facing);
-  const EngineOptions options{batch_.facing, batch_.count};
+  const PlannedOptions options{batch_.facing, batch_.count};
   const View<const Ray> rays(slot->rays.data(), count);
   if (is_any()) {
     slot->occluded.resize_uninitialized(count);
@@ -142,7 +142,7 @@ bool CpuBlockTracer::take_occluded(const Slot& slot, std::size_t i) {
 }
 
 bool CpuBlockTracer::take_hit(const BlockView& block, const Slot& slot, std::size_t i) {
-  const EngineHit& found = slot.closest[i];
+  const IndexedHit& found = slot.closest[i];
   if (found.triangle == kInvalidId) return false;
   if (!take_least(block, found, &batch_.hits[slot.numbers[i]])) return false;
   tree_->shorten(slot.places[i], found.t);

@@ -36,7 +36,7 @@ class Sweep {
  public:
   /// One of `hits` and `occluded` is empty.
   Sweep(Streamer* streamer, const BlockBatch& batch, const StreamRequest& request,
-        EngineReport* report)
+        QueryReport* report)
       : s_(*streamer),
         batch_(batch),
         request_(request),
@@ -188,7 +188,7 @@ class Sweep {
   Streamer& s_;
   BlockBatch batch_;
   const StreamRequest& request_;
-  EngineReport& report_;
+  QueryReport& report_;
   Stopwatch watch_;
   BatchCheckpoint checkpoint_;
   std::vector<Candidate> candidates_;
@@ -224,21 +224,21 @@ Streamer::Streamer(const Executor& executor, const GeometrySource& source,
 Streamer::~Streamer() = default;
 
 void Streamer::closest(View<const Ray> rays, const StreamRequest& request, View<StreamHit> hits,
-                       EngineReport* report) {
+                       QueryReport* report) {
   std::fill(hits.begin(), hits.end(), StreamHit{});
   sweep(rays, request, hits, {}, report);
   if (options_.exchange != nullptr) options_.exchange->closest({hits.data, hits.size});
 }
 
 void Streamer::any(View<const Ray> rays, const StreamRequest& request, View<std::uint8_t> occluded,
-                   EngineReport* report) {
+                   QueryReport* report) {
   std::fill(occluded.begin(), occluded.end(), std::uint8_t{0});
   sweep(rays, request, {}, occluded, report);
   if (options_.exchange != nullptr) options_.exchange->unite({occluded.data, occluded.size});
 }
 
 void Streamer::sweep(View<const Ray> rays, const StreamRequest& request, View<StreamHit> hits,
-                     View<std::uint8_t> occluded, EngineReport* report) {
+                     View<std::uint8_t> occluded, QueryReport* report) {
   const StreamStatistics before = statistics_;
   HitExchange* const exchange = options_.exchange;
   StreamRequest own = request;
@@ -266,7 +266,7 @@ void Streamer::sweep(View<const Ray> rays, const StreamRequest& request, View<St
 }
 
 void Streamer::sweep_part(View<const Ray> rays, std::size_t first, const StreamRequest& request,
-                          View<StreamHit> hits, View<std::uint8_t> occluded, EngineReport* report) {
+                          View<StreamHit> hits, View<std::uint8_t> occluded, QueryReport* report) {
   BlockBatch batch;
   batch.rays = rays;
   batch.scene = triangle_count_ != 0 ? bounds_ : Box{{0, 0, 0}, {0, 0, 0}};

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "device/device_queries.h"
+#include "device/backend.h"
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
 #include "out_of_core/block_reader.h"
@@ -60,19 +60,19 @@ class Streamer {
   /// hits[i] takes the least hit of rays[i]; occluded[i] is 1 where it meets anything. Rays have
   /// been checked. The report takes counts, times and a sentence.
   void closest(View<const Ray> rays, const StreamRequest& request, View<StreamHit> hits,
-               EngineReport* report);
+               QueryReport* report);
   void any(View<const Ray> rays, const StreamRequest& request, View<std::uint8_t> occluded,
-           EngineReport* report);
+           QueryReport* report);
 
  private:
   friend class Sweep;
 
   /// One of `hits` and `occluded` is empty.
   void sweep(View<const Ray> rays, const StreamRequest& request, View<StreamHit> hits,
-             View<std::uint8_t> occluded, EngineReport* report);
+             View<std::uint8_t> occluded, QueryReport* report);
   /// Of rays from `first` on, as many as the tracer takes at once.
   void sweep_part(View<const Ray> rays, std::size_t first, const StreamRequest& request,
-                  View<StreamHit> hits, View<std::uint8_t> occluded, EngineReport* report);
+                  View<StreamHit> hits, View<std::uint8_t> occluded, QueryReport* report);
 
   const GeometrySource& source_;
   const StreamOptions& options_;

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "base/vec.h"
-#include "methods/dual/stream.h"
+#include "methods/dual/ray_stream.h"
 #include "queries/fan_cost.h"
 #include "queries/picture_rows.h"
 #include "scene/flat_scene.h"
@@ -104,7 +104,7 @@ bool seem_to_share_origin(const RaySource& rays) {
   return true;
 }
 
-/// Below, packets of neighbours that run alike meet so few nodes that a stream's lists cost more.
+/// Below, bundles of neighbours that run alike meet so few nodes that a stream's lists cost more.
 constexpr std::uint32_t kPacketTriangles = 4096;
 
 /// Of a ray through the tree, of `rays` that start at one point. Where neighbours run alike, the
@@ -157,7 +157,7 @@ void choose_bundle(const SceneHistory& scene, const RaySource& rays, const Box* 
   // Where rays start close together blocks are of some use; they are given up for longer streams.
   const bool many = rays.size() > std::size_t{kQuarters} * kStreamRays;
   plan->alike = together && found.directions_alike();
-  plan->bundle = plan->alike && tiny                  ? Bundle::kPacket
+  plan->bundle = plan->alike && tiny                  ? Bundle::kSixteen
                  : plan->alike || (together && !many) ? Bundle::kStream
                                                       : Bundle::kLongStream;
   if (plan->alike) plan->row = find_picture_row(rays);
@@ -171,9 +171,9 @@ void choose_bundle(const SceneHistory& scene, const RaySource& rays, const Box* 
                 " apart");
   const double alike = together ? 100 * found.direction : 0;
   switch (plan->bundle) {
-    case Bundle::kPacket:
+    case Bundle::kSixteen:
       plan->reasons.push_back(
-          figures("bundles: packets of sixteen within beams, for triangles are few and %.0f %% of "
+          figures("bundles: bundles of sixteen within beams, for triangles are few and %.0f %% of "
                   "neighbours run alike",
                   alike));
       break;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "methods/dual/dual.h"
+#include "queries/query_report.h"
 #include "rays/ray_source.h"
 
 namespace raysheaf {
@@ -27,9 +28,6 @@ struct Coherence {
 /// `whole`: what they may start in; null: the batch's own extent. O(1): a sample. Rays that are
 /// wrong do no harm.
 [[nodiscard]] Coherence sample_coherence(const RaySource& rays, const Box* whole = nullptr);
-
-/// What becomes of the object tree before the rays go through it.
-enum class TreeWork : std::uint8_t { kKeep, kRefit, kRebuild, kRebuildFinely };
 
 /// A tree whose expected cost has grown by this much since it was built is not refitted again.
 inline constexpr float kSpoilt = 1.5f;
@@ -82,7 +80,7 @@ struct Plan {
   std::uint64_t most_fan_pairs = 0;  ///< of tiles and triangles; with more the tree is quicker
   TreeWork tree = TreeWork::kKeep;
   bool alike = false;  ///< neighbouring rays start close together and are coherent
-  Bundle bundle = Bundle::kPacket;
+  Bundle bundle = Bundle::kSixteen;
   std::size_t row = 0;               ///< rays of a row, of a picture (queries/picture_rows.h); or 0
   std::vector<std::string> reasons;  ///< a sentence a choice
 };

@@ -22,9 +22,9 @@ std::size_t bytes_of(const RowLists& lists) {
 /// Adds to the report where there is one; times what was done since the last lap.
 class Reporter {
  public:
-  explicit Reporter(EngineReport* report) : report_(report) {}
+  explicit Reporter(QueryReport* report) : report_(report) {}
 
-  void lap(double EngineReport::*field) {
+  void lap(double QueryReport::*field) {
     const double ms = watch_.lap_ms();
     if (report_ == nullptr) return;
     report_->*field += ms;
@@ -42,7 +42,7 @@ class Reporter {
   }
 
  private:
-  EngineReport* report_;
+  QueryReport* report_;
   Stopwatch watch_;
 };
 
@@ -51,7 +51,7 @@ bool goes_in_tiles(const Plan& plan) {
   return plan.alike;
 }
 
-void tell_of_tiles(std::size_t rays, const Plan& plan, EngineReport* report) {
+void tell_of_tiles(std::size_t rays, const Plan& plan, QueryReport* report) {
   if (report == nullptr) return;
   const std::size_t size = RayTiles::tile_size(rays, plan.bundle, plan.row);
   report->plan.push_back("stages: one after the other for tiles of " +
@@ -60,7 +60,7 @@ void tell_of_tiles(std::size_t rays, const Plan& plan, EngineReport* report) {
 
 }  // namespace
 
-void Engine::set_triangles(const TriangleSource& source, bool same_triangles) {
+void PlannedQueries::set_triangles(const TriangleSource& source, bool same_triangles) {
   const bool keeps = same_triangles && source.count == source_.count;
   source_ = source;
   moved_.add_all();
@@ -70,20 +70,20 @@ void Engine::set_triangles(const TriangleSource& source, bool same_triangles) {
     history_ = history_.replaced(source.count);
 }
 
-void Engine::move_triangles(const TriangleSource& source, View<const TriangleRange> moved) {
+void PlannedQueries::move_triangles(const TriangleSource& source, View<const TriangleRange> moved) {
   MovedTriangles all_moved = std::exchange(moved_, {});
   set_triangles(source, true);
   for (const TriangleRange& range : moved) all_moved.add(range, source.count);
   moved_ = std::move(all_moved);
 }
 
-void Engine::prepare_tree(const Executor& executor, EngineReport* report) {
+void PlannedQueries::prepare_tree(const Executor& executor, QueryReport* report) {
   Plan plan = plan_tree(history_, report != nullptr);
   prepare_tree(executor, &plan, report);
   if (report != nullptr) report->plan = std::move(plan.reasons);
 }
 
-void Engine::prepare_tree(const Executor& executor, Plan* plan, EngineReport* report) {
+void PlannedQueries::prepare_tree(const Executor& executor, Plan* plan, QueryReport* report) {
   Reporter reporter(report);
   // Until it is whole: memory may run out, and callers stop.
   if (plan->tree != TreeWork::kKeep) history_.built = false;
@@ -110,83 +110,87 @@ void Engine::prepare_tree(const Executor& executor, Plan* plan, EngineReport* re
   history_.moved = false;
   moved_.clear();
   history_.degraded = tree_.surface_area_cost > kSpoilt * cost_when_built_;
-  reporter.lap(&EngineReport::hierarchy_ms);
+  reporter.lap(&QueryReport::hierarchy_ms);
 }
 
-void Engine::prepare(const Executor& executor, std::size_t rays, Plan* plan, EngineReport* report) {
+void PlannedQueries::prepare(const Executor& executor, std::size_t rays, Plan* plan,
+                             QueryReport* report) {
   prepare_tree(executor, plan, report);
   history_.rays_since_change += rays;
   ++history_.queries_since_change;
   if (report != nullptr) report->plan = std::move(plan->reasons);
 }
 
-void Engine::order(const Executor& executor, View<const Ray> rays, const Plan& plan,
-                   EngineReport* report) {
+void PlannedQueries::order(const Executor& executor, View<const Ray> rays, const Plan& plan,
+                           QueryReport* report) {
   Reporter reporter(report);
   order_rays(executor, rays, Sorting::kByQuarter, &order_, plan.row);
-  reporter.lap(&EngineReport::order_ms);
+  reporter.lap(&QueryReport::order_ms);
 }
 
-View<const Ray> Engine::take_all_rays(const Executor& executor, const RaySource& rays,
-                                      Buffer<Ray>* room, EngineReport* report) {
+View<const Ray> PlannedQueries::take_all_rays(const Executor& executor, const RaySource& rays,
+                                              Buffer<Ray>* room, QueryReport* report) {
   Reporter reporter(report);
   const View<const Ray> all = take_all(executor, rays, room);
-  reporter.lap(&EngineReport::take_ms);
+  reporter.lap(&QueryReport::take_ms);
   return all;
 }
 
 template <class Trace>
-void Engine::trace_quartered(const Executor& executor, const RaySource& rays, EngineReport* report,
-                             const Trace& trace) {
+void PlannedQueries::trace_quartered(const Executor& executor, const RaySource& rays,
+                                     QueryReport* report, const Trace& trace) {
   Reporter reporter(report);
   for (std::size_t begin = 0; begin < rays.size(); begin += QuarteredRays::kMostRays) {
     DualCounts counts;
     const std::size_t end = std::min(rays.size(), begin + QuarteredRays::kMostRays);
     quartered_->take(executor, rays, begin, end);
-    reporter.lap(&EngineReport::take_ms);
+    reporter.lap(&QueryReport::take_ms);
     trace(*quartered_, &counts);
-    reporter.lap(&EngineReport::trace_ms);
+    reporter.lap(&QueryReport::trace_ms);
     reporter.add(counts);
   }
 }
 
-DualScene Engine::dual_scene(const Plan& plan, const EngineOptions& options) const {
+DualScene PlannedQueries::dual_scene(const Plan& plan, const PlannedOptions& options) const {
   return {&tree_, source_.flags, options.facing, plan.bundle, streams_.get()};
 }
 
-void Engine::trace_closest_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
-                                const EngineOptions& options, View<EngineHit> hits,
-                                View<float> ray_tests, EngineReport* report) {
+void PlannedQueries::trace_closest_hits(const Executor& executor, View<const Ray> rays,
+                                        const Plan& plan, const PlannedOptions& options,
+                                        View<IndexedHit> hits, View<float> ray_tests,
+                                        QueryReport* report) {
   order(executor, rays, plan, report);
   Reporter reporter(report);
   DualCounts counts;
   trace_closest(executor, dual_scene(plan, options), rays, order_, hits, ray_tests, &counts);
-  reporter.lap(&EngineReport::trace_ms);
+  reporter.lap(&QueryReport::trace_ms);
   reporter.add(counts);
 }
 
-void Engine::trace_any_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
-                            const EngineOptions& options, View<std::uint8_t> occluded,
-                            View<float> ray_tests, EngineReport* report) {
+void PlannedQueries::trace_any_hits(const Executor& executor, View<const Ray> rays,
+                                    const Plan& plan, const PlannedOptions& options,
+                                    View<std::uint8_t> occluded, View<float> ray_tests,
+                                    QueryReport* report) {
   order(executor, rays, plan, report);
   Reporter reporter(report);
   DualCounts counts;
   trace_any(executor, dual_scene(plan, options), rays, order_, occluded, ray_tests, &counts);
-  reporter.lap(&EngineReport::trace_ms);
+  reporter.lap(&QueryReport::trace_ms);
   reporter.add(counts);
 }
 
-void Engine::closest_hit(const Executor& executor, View<const Ray> rays,
-                         const EngineOptions& options, View<EngineHit> hits, View<float> ray_tests,
-                         EngineReport* report) {
+void PlannedQueries::closest_hit(const Executor& executor, View<const Ray> rays,
+                                 const PlannedOptions& options, View<IndexedHit> hits,
+                                 View<float> ray_tests, QueryReport* report) {
   if (rays.empty()) return;
   Plan plan = make_plan(history_, RaysInPlace(rays), false, report != nullptr);
   prepare(executor, rays.size, &plan, report);
   trace_closest_hits(executor, rays, plan, options, hits, ray_tests, report);
 }
 
-void Engine::closest_hit(const Executor& executor, const RaySource& rays,
-                         const EngineOptions& options, const HitSink& sink, EngineReport* report) {
+void PlannedQueries::closest_hit(const Executor& executor, const RaySource& rays,
+                                 const PlannedOptions& options, const HitSink& sink,
+                                 QueryReport* report) {
   if (rays.size() == 0) return;
   Plan plan = make_plan(history_, rays, false, report != nullptr);
   prepare(executor, rays.size(), &plan, report);
@@ -209,17 +213,17 @@ void Engine::closest_hit(const Executor& executor, const RaySource& rays,
   }
   Buffer<Ray> room;
   const View<const Ray> all = take_all_rays(executor, rays, &room, report);
-  Buffer<EngineHit> hits;
+  Buffer<IndexedHit> hits;
   hits.resize_uninitialized(all.size);
   trace_closest_hits(executor, all, plan, options, hits, {}, report);
   executor.for_each_block(all.size, kCopyGrain, [&](std::size_t begin, std::size_t end) {
-    sink(begin, View<const EngineHit>(hits).slice(begin, end - begin));
+    sink(begin, View<const IndexedHit>(hits).slice(begin, end - begin));
   });
 }
 
-bool Engine::any_hit_in_fan(const Executor& executor, View<const Ray> rays,
-                            const EngineOptions& options, View<std::uint8_t> occluded,
-                            View<float> ray_tests, Plan* plan, EngineReport* report) {
+bool PlannedQueries::any_hit_in_fan(const Executor& executor, View<const Ray> rays,
+                                    const PlannedOptions& options, View<std::uint8_t> occluded,
+                                    View<float> ray_tests, Plan* plan, QueryReport* report) {
   FanCounts counts;
   const FanOptions fan{options.facing, options.count, &fan_memory_, plan->most_fan_pairs};
   const bool done = occluded_in_fan(executor, source_, rays, fan, occluded, ray_tests, &counts);
@@ -251,14 +255,15 @@ bool Engine::any_hit_in_fan(const Executor& executor, View<const Ray> rays,
   return false;
 }
 
-Plan Engine::plan_after_fan(Plan fan, const RaySource& rays, bool explain) const {
+Plan PlannedQueries::plan_after_fan(Plan fan, const RaySource& rays, bool explain) const {
   Plan plan = plan_without_fan(history_, rays, explain);
   plan.reasons.insert(plan.reasons.begin(), fan.reasons.begin(), fan.reasons.end());
   return plan;
 }
 
-void Engine::any_hit(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
-                     View<std::uint8_t> occluded, View<float> ray_tests, EngineReport* report) {
+void PlannedQueries::any_hit(const Executor& executor, View<const Ray> rays,
+                             const PlannedOptions& options, View<std::uint8_t> occluded,
+                             View<float> ray_tests, QueryReport* report) {
   if (rays.empty()) return;
   Plan plan = make_plan(history_, RaysInPlace(rays), true, report != nullptr);
   if (plan.fan) {
@@ -269,8 +274,9 @@ void Engine::any_hit(const Executor& executor, View<const Ray> rays, const Engin
   trace_any_hits(executor, rays, plan, options, occluded, ray_tests, report);
 }
 
-void Engine::any_hit(const Executor& executor, const RaySource& rays, const EngineOptions& options,
-                     View<std::uint8_t> occluded, EngineReport* report) {
+void PlannedQueries::any_hit(const Executor& executor, const RaySource& rays,
+                             const PlannedOptions& options, View<std::uint8_t> occluded,
+                             QueryReport* report) {
   if (rays.size() == 0) return;
   Plan plan = make_plan(history_, rays, true, report != nullptr);
   Buffer<Ray> room;
@@ -303,20 +309,20 @@ void Engine::any_hit(const Executor& executor, const RaySource& rays, const Engi
 }
 
 template <class Trace>
-void Engine::trace_every_hit(const Executor& executor, View<const Ray> rays, EngineReport* report,
-                             const Trace& trace) {
+void PlannedQueries::trace_every_hit(const Executor& executor, View<const Ray> rays,
+                                     QueryReport* report, const Trace& trace) {
   Plan plan = make_plan(history_, RaysInPlace(rays), false, report != nullptr);
   prepare(executor, rays.size, &plan, report);
   order(executor, rays, plan, report);
   Reporter reporter(report);
   DualCounts counts;
   trace(plan, &counts);
-  reporter.lap(&EngineReport::trace_ms);
+  reporter.lap(&QueryReport::trace_ms);
   reporter.add(counts);
 }
 
-FoundRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
-                           const EngineOptions& options, EngineReport* report) {
+FoundRows PlannedQueries::all_hits(const Executor& executor, View<const Ray> rays,
+                                   const PlannedOptions& options, QueryReport* report) {
   if (rays.empty() || bytes_of(rows_) > kMostKeptBytes) rows_.clear();
   if (!rays.empty())
     trace_every_hit(executor, rays, report, [&](const Plan& plan, DualCounts* counts) {
@@ -325,16 +331,16 @@ FoundRows Engine::all_hits(const Executor& executor, View<const Ray> rays,
   return {rows_, {order_.rays.data(), order_.rays.size()}};
 }
 
-void Engine::hit_counts(const Executor& executor, View<const Ray> rays,
-                        const EngineOptions& options, View<std::uint32_t> hit_counts,
-                        EngineReport* report) {
+void PlannedQueries::hit_counts(const Executor& executor, View<const Ray> rays,
+                                const PlannedOptions& options, View<std::uint32_t> hit_counts,
+                                QueryReport* report) {
   if (rays.empty()) return;
   trace_every_hit(executor, rays, report, [&](const Plan& plan, DualCounts* counts) {
     trace_hit_counts(executor, dual_scene(plan, options), rays, order_, hit_counts, counts);
   });
 }
 
-std::size_t Engine::memory_bytes() const {
+std::size_t PlannedQueries::memory_bytes() const {
   return tree_.memory_bytes() + order_.bytes() + streams_->bytes() + tiles_->bytes() +
          quartered_->bytes() + fan_memory_.bytes() + bytes_of(rows_) + moved_.memory_bytes();
 }

@@ -15,40 +15,20 @@
 #include "base/view.h"
 #include "exec/executor.h"
 #include "methods/dual/dual.h"
-#include "methods/dual/stream.h"
+#include "methods/dual/ray_stream.h"
 #include "methods/fan/fan.h"
 #include "object_tree/object_tree.h"
 #include "object_tree/triangle_source.h"
 #include "queries/plan.h"
 #include "queries/quartered_rays.h"
+#include "queries/query_report.h"
 #include "queries/ray_tiles.h"
 
 namespace raysheaf {
 
-struct EngineOptions {
+struct PlannedOptions {
   Facing facing = Facing::kBoth;
-  bool count = false;  ///< fill the counts of `EngineReport`
-};
-
-/// What a query did, and why. Counts are the same with any number of threads.
-struct EngineReport {
-  std::uint64_t bound_tests = 0;      ///< bound with bound: bundles and cells with boxes, triangles
-  std::uint64_t ray_bound_tests = 0;  ///< ray with box
-  std::uint64_t triangle_tests = 0;   ///< ray with triangle
-  bool used_tree = false;             ///< false: a fan needs none
-  TreeWork tree = TreeWork::kKeep;    ///< what became of the tree
-  double take_ms = 0;                 ///< what a `RaySource` did
-  double order_ms = 0, hierarchy_ms = 0, trace_ms = 0, total_ms = 0;
-  std::vector<std::string> plan;  ///< a sentence a choice, with the figures that decided it
-
-  void add(const DualCounts& counts) {
-    bound_tests += counts.beam_box_tests;
-    ray_bound_tests += counts.ray_box_tests;
-    triangle_tests += counts.triangle_tests;
-  }
-  [[nodiscard]] std::uint64_t tests() const {
-    return bound_tests + ray_bound_tests + triangle_tests;
-  }
+  bool count = false;  ///< fill the counts of `QueryReport`
 };
 
 /// All hits of a batch, as its engine keeps them until it is asked again.
@@ -81,7 +61,7 @@ class FoundRows {
 
 /// One scene's engine: the object tree and its age. Not for use by two threads at once; several
 /// threads may each have their own on the same triangles.
-class Engine {
+class PlannedQueries {
  public:
   /// The triangles changed. `same_triangles`: as many, with the same indices, only moved, so that
   /// the tree may be refitted. `source` and what it points to must live until the next call.
@@ -93,30 +73,30 @@ class Engine {
   /// Brings the tree to where the triangles are, as queries do that need it. Then threads may ask
   /// by `TreeQueries` (queries/tree_queries.h), and nobody by what follows here, until they have
   /// told how many rays they had.
-  void prepare_tree(const Executor& executor, EngineReport* report);
+  void prepare_tree(const Executor& executor, QueryReport* report);
   void add_rays(std::uint64_t count) { history_.rays_since_change += count; }
 
   /// hits[i] takes the least (t, triangle) of rays[i].
-  void closest_hit(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
-                   View<EngineHit> hits, View<float> ray_tests, EngineReport* report);
+  void closest_hit(const Executor& executor, View<const Ray> rays, const PlannedOptions& options,
+                   View<IndexedHit> hits, View<float> ray_tests, QueryReport* report);
 
   /// occluded[i] = 1 where rays[i] meets anything.
-  void any_hit(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
-               View<std::uint8_t> occluded, View<float> ray_tests, EngineReport* report);
+  void any_hit(const Executor& executor, View<const Ray> rays, const PlannedOptions& options,
+               View<std::uint8_t> occluded, View<float> ray_tests, QueryReport* report);
 
   /// The same of rays that need not lie in memory as such, which a tile of them at a time does
   /// where it can (queries/ray_tiles.h).
-  void closest_hit(const Executor& executor, const RaySource& rays, const EngineOptions& options,
-                   const HitSink& sink, EngineReport* report);
-  void any_hit(const Executor& executor, const RaySource& rays, const EngineOptions& options,
-               View<std::uint8_t> occluded, EngineReport* report);
+  void closest_hit(const Executor& executor, const RaySource& rays, const PlannedOptions& options,
+                   const HitSink& sink, QueryReport* report);
+  void any_hit(const Executor& executor, const RaySource& rays, const PlannedOptions& options,
+               View<std::uint8_t> occluded, QueryReport* report);
 
   /// Every hit of every ray.
   [[nodiscard]] FoundRows all_hits(const Executor& executor, View<const Ray> rays,
-                                   const EngineOptions& options, EngineReport* report);
+                                   const PlannedOptions& options, QueryReport* report);
   /// How many they are, of which nothing is kept.
-  void hit_counts(const Executor& executor, View<const Ray> rays, const EngineOptions& options,
-                  View<std::uint32_t> hit_counts, EngineReport* report);
+  void hit_counts(const Executor& executor, View<const Ray> rays, const PlannedOptions& options,
+                  View<std::uint32_t> hit_counts, QueryReport* report);
 
   /// The tree, and the room that queries keep for the next one.
   [[nodiscard]] std::size_t memory_bytes() const;
@@ -124,35 +104,34 @@ class Engine {
  private:
   friend class TreeQueries;
 
-  void prepare_tree(const Executor& executor, Plan* plan, EngineReport* report);
+  void prepare_tree(const Executor& executor, Plan* plan, QueryReport* report);
   /// Does what the plan says of the tree, completes it, and puts its reasons into the report.
-  void prepare(const Executor& executor, std::size_t rays, Plan* plan, EngineReport* report);
-  void order(const Executor& executor, View<const Ray> rays, const Plan& plan,
-             EngineReport* report);
+  void prepare(const Executor& executor, std::size_t rays, Plan* plan, QueryReport* report);
+  void order(const Executor& executor, View<const Ray> rays, const Plan& plan, QueryReport* report);
   /// Through the tree, which is prepared.
   void trace_closest_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
-                          const EngineOptions& options, View<EngineHit> hits, View<float> ray_tests,
-                          EngineReport* report);
+                          const PlannedOptions& options, View<IndexedHit> hits,
+                          View<float> ray_tests, QueryReport* report);
   void trace_any_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
-                      const EngineOptions& options, View<std::uint8_t> occluded,
-                      View<float> ray_tests, EngineReport* report);
+                      const PlannedOptions& options, View<std::uint8_t> occluded,
+                      View<float> ray_tests, QueryReport* report);
   /// Prepares the tree and the order, and calls `trace(plan, counts)`.
   template <class Trace>
-  void trace_every_hit(const Executor& executor, View<const Ray> rays, EngineReport* report,
+  void trace_every_hit(const Executor& executor, View<const Ray> rays, QueryReport* report,
                        const Trace& trace);
   [[nodiscard]] View<const Ray> take_all_rays(const Executor& executor, const RaySource& rays,
-                                              Buffer<Ray>* room, EngineReport* report);
+                                              Buffer<Ray>* room, QueryReport* report);
   /// Takes the rays by quarter, as many as go together, and calls `trace(quartered, counts)`.
   template <class Trace>
-  void trace_quartered(const Executor& executor, const RaySource& rays, EngineReport* report,
+  void trace_quartered(const Executor& executor, const RaySource& rays, QueryReport* report,
                        const Trace& trace);
   /// False, with nothing answered, where the rays do not start at one point after all, or triangles
   /// meet too many of their cells, which the plan then says.
   [[nodiscard]] bool any_hit_in_fan(const Executor& executor, View<const Ray> rays,
-                                    const EngineOptions& options, View<std::uint8_t> occluded,
-                                    View<float> ray_tests, Plan* plan, EngineReport* report);
+                                    const PlannedOptions& options, View<std::uint8_t> occluded,
+                                    View<float> ray_tests, Plan* plan, QueryReport* report);
   [[nodiscard]] Plan plan_after_fan(Plan fan, const RaySource& rays, bool explain) const;
-  [[nodiscard]] DualScene dual_scene(const Plan& plan, const EngineOptions& options) const;
+  [[nodiscard]] DualScene dual_scene(const Plan& plan, const PlannedOptions& options) const;
 
   TriangleSource source_;
   ObjectTree tree_;
@@ -161,7 +140,7 @@ class Engine {
   float cost_when_built_ = 0;
   RayOrder order_;
   RowLists rows_;
-  std::unique_ptr<StreamPool> streams_ = std::make_unique<StreamPool>();
+  std::unique_ptr<RayStreamPool> streams_ = std::make_unique<RayStreamPool>();
   std::unique_ptr<RayTiles> tiles_ = std::make_unique<RayTiles>();
   std::unique_ptr<QuarteredRays> quartered_ = std::make_unique<QuarteredRays>();
   FanMemory fan_memory_;

@@ -59,7 +59,7 @@ void QuarteredRays::make_order(const Executor& executor) {
   });
 }
 
-View<EngineHit> QuarteredRays::hits() {
+View<IndexedHit> QuarteredRays::hits() {
   hits_.resize_uninitialized(rays_.size());
   return hits_;
 }

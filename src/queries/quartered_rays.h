@@ -31,7 +31,7 @@ class QuarteredRays {
   [[nodiscard]] const RayOrder& order() const { return order_; }
 
   /// Room for what is found for `rays()`.
-  [[nodiscard]] View<EngineHit> hits();
+  [[nodiscard]] View<IndexedHit> hits();
   [[nodiscard]] View<std::uint8_t> occluded();
   /// The same in the caller's order.
   void hand_over_hits(const Executor& executor, const HitSink& sink);
@@ -44,7 +44,7 @@ class QuarteredRays {
 
   struct Tile {
     Buffer<Ray> rays;
-    Buffer<EngineHit> hits;
+    Buffer<IndexedHit> hits;
     RayOrder order;
 
     [[nodiscard]] std::size_t bytes() const {
@@ -64,7 +64,7 @@ class QuarteredRays {
   Buffer<std::uint16_t> numbers_;  ///< the caller's, within the tile, of `rays_`
   std::vector<Starts> starts_;     ///< of the quarters in each tile
   RayOrder order_;
-  Buffer<EngineHit> hits_;
+  Buffer<IndexedHit> hits_;
   Buffer<std::uint8_t> occluded_;
   Spares<Tile> spares_;
 };

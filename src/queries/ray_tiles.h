@@ -14,7 +14,7 @@
 namespace raysheaf {
 
 /// What was found: hits[i] is that of ray `begin` + i. Called by several threads.
-using HitSink = std::function<void(std::size_t begin, View<const EngineHit> hits)>;
+using HitSink = std::function<void(std::size_t begin, View<const IndexedHit> hits)>;
 
 /// Milliseconds: those of the loop over all tiles, shared out as the threads' times were.
 struct TileTimes {
@@ -39,7 +39,7 @@ class RayTiles {
  private:
   struct Tile {
     Buffer<Ray> rays;
-    Buffer<EngineHit> hits;
+    Buffer<IndexedHit> hits;
     RayOrder order;
 
     [[nodiscard]] std::size_t bytes() const {

@@ -7,7 +7,7 @@
 namespace raysheaf {
 namespace {
 
-void add(const DualCounts& counts, double ms, EngineReport* report) {
+void add(const DualCounts& counts, double ms, QueryReport* report) {
   report->add(counts);
   report->trace_ms += ms;
   report->total_ms += ms;
@@ -15,8 +15,8 @@ void add(const DualCounts& counts, double ms, EngineReport* report) {
 
 }  // namespace
 
-DualScene TreeQueries::prepare(const Engine& engine, View<const Ray> rays,
-                               const EngineOptions& options, bool explain, EngineReport* report) {
+DualScene TreeQueries::prepare(const PlannedQueries& engine, View<const Ray> rays,
+                               const PlannedOptions& options, bool explain, QueryReport* report) {
   const Stopwatch watch;
   Plan plan = plan_rays(engine.history_, RaysInPlace(rays), engine.tree_.bounds, explain);
   order_rays(executor_, rays, Sorting::kByQuarter, &order_, plan.row);
@@ -27,9 +27,9 @@ DualScene TreeQueries::prepare(const Engine& engine, View<const Ray> rays,
   return {&engine.tree_, engine.source_.flags, options.facing, plan.bundle, &streams_};
 }
 
-void TreeQueries::closest_hit(const Engine& engine, View<const Ray> rays,
-                              const EngineOptions& options, bool explain, View<EngineHit> hits,
-                              View<float> ray_tests, EngineReport* report) {
+void TreeQueries::closest_hit(const PlannedQueries& engine, View<const Ray> rays,
+                              const PlannedOptions& options, bool explain, View<IndexedHit> hits,
+                              View<float> ray_tests, QueryReport* report) {
   if (rays.empty()) return;
   const DualScene scene = prepare(engine, rays, options, explain, report);
   const Stopwatch watch;
@@ -38,9 +38,9 @@ void TreeQueries::closest_hit(const Engine& engine, View<const Ray> rays,
   add(counts, watch.ms(), report);
 }
 
-void TreeQueries::any_hit(const Engine& engine, View<const Ray> rays, const EngineOptions& options,
-                          bool explain, View<std::uint8_t> occluded, View<float> ray_tests,
-                          EngineReport* report) {
+void TreeQueries::any_hit(const PlannedQueries& engine, View<const Ray> rays,
+                          const PlannedOptions& options, bool explain, View<std::uint8_t> occluded,
+                          View<float> ray_tests, QueryReport* report) {
   if (rays.empty()) return;
   const DualScene scene = prepare(engine, rays, options, explain, report);
   const Stopwatch watch;

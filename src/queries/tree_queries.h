@@ -11,20 +11,21 @@ namespace raysheaf {
 class TreeQueries {
  public:
   /// `explain`: write the plan. Adds to the report.
-  void closest_hit(const Engine& engine, View<const Ray> rays, const EngineOptions& options,
-                   bool explain, View<EngineHit> hits, View<float> ray_tests, EngineReport* report);
-  void any_hit(const Engine& engine, View<const Ray> rays, const EngineOptions& options,
+  void closest_hit(const PlannedQueries& engine, View<const Ray> rays,
+                   const PlannedOptions& options, bool explain, View<IndexedHit> hits,
+                   View<float> ray_tests, QueryReport* report);
+  void any_hit(const PlannedQueries& engine, View<const Ray> rays, const PlannedOptions& options,
                bool explain, View<std::uint8_t> occluded, View<float> ray_tests,
-               EngineReport* report);
+               QueryReport* report);
 
  private:
   /// Orders the rays; returns what they go through.
-  DualScene prepare(const Engine& engine, View<const Ray> rays, const EngineOptions& options,
-                    bool explain, EngineReport* report);
+  DualScene prepare(const PlannedQueries& engine, View<const Ray> rays,
+                    const PlannedOptions& options, bool explain, QueryReport* report);
 
   const Executor executor_ = Executor::serial();
   RayOrder order_;
-  StreamPool streams_;
+  RayStreamPool streams_;
 };
 
 }  // namespace raysheaf

@@ -4,6 +4,7 @@
 
 #include "api/api_support.h"
 #include "api/context_impl.h"
+#include "emulated/open_emulated.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/render_on_context.h"
 #include "support/guarded_memory.h"

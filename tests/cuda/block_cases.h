@@ -35,7 +35,7 @@ struct BlockHitCase {
     const TinyBlock block(draws);
     StreamHit best;
     for (int i = 0; i < 4; ++i) {
-      EngineHit found;
+      IndexedHit found;
       found.t = static_cast<float>(draws.below(3));
       found.triangle = draws.below(TinyBlock::kCount);
       const Hit named = hit_in_block(block.view(), found);

@@ -60,19 +60,19 @@ struct TreeCase {
     ray.direction = lerp(tree.corners[0], tree.corners[5], draws.unit()) - ray.origin;
     batch.rays = View<const Ray>(&ray, 1);
     WalkCounts counts;
-    const EngineHit hit = closest_in_tree(batch.tree, tree.scene, ray, batch.facing, &counts);
+    const IndexedHit hit = closest_in_tree(batch.tree, tree.scene, ray, batch.facing, &counts);
     out.put(hit.t, hit.u, hit.v, hit.triangle, counts.box_tests, counts.triangle_tests);
     out.put(any_in_tree(batch.tree, tree.scene, ray, batch.facing, &counts), batch.ray_at(7));
-    EngineHit row[TinyTree::kCount];
+    IndexedHit row[TinyTree::kCount];
     std::uint32_t found = 0;
-    meet_all(batch, 0, [&](const EngineHit& one) { row[found++] = one; });
+    meet_all(batch, 0, [&](const IndexedHit& one) { row[found++] = one; });
     sort_row(row, found);
     for (std::uint32_t i = 0; i < found && i < 4; ++i) out.put(row[i].t, row[i].triangle);
     keep_counts(batch, 0, counts);
     out.put(found, device_ray_key(ray, tree.scene, kRayKeyAxisBits), box_of(scene).min,
             box_of(scene).max);
     const std::uint64_t word = best_of_list(batch.list, 0, TinyTree::kCount, batch.facing, ray);
-    const EngineHit again = hit_of_word(batch.list, word, ray);
+    const IndexedHit again = hit_of_word(batch.list, word, ray);
     out.put(word, again.t, again.triangle, stands_before(hit, row[0]), is_right(ray));
     const RunName names[3] = {{0, 4, 1}, {3, 4, 2}, {9, 5, 3}};
     const Hit named = named_hit(View<const RunName>(names, 3), hit);
@@ -155,18 +155,19 @@ struct MeetCase {
     for (std::uint32_t place = 0; place < TinyTree::kCount; place = after)
       after = meet_leaf_in_floats(view, place, Facing::kBoth, setup, false, &counts, &walk);
     walk.keep(draws.below(TinyTree::kCount));
-    EngineHit decided;
+    IndexedHit decided;
     const bool sure = meet_in_doubles(view, walk.first, ray, Facing::kBoth, &decided);
     out.put(walk.place, walk.first, walk.unsure, walk.low, sure, decided.t, decided.triangle);
     out.put(lesser(walk.low, 3), greater(walk.low, 3));
     walk_tree(view, &boxes, &counts, [&](std::uint32_t place) {
       ++leaves;
       return meet_leaf(view, place, Facing::kBoth, setup, &counts,
-                       [&](const EngineHit&) { ++hits; });
+                       [&](const IndexedHit&) { ++hits; });
     });
-    all_in_tree(view, tree.scene, ray, Facing::kBoth, &counts, [&](const EngineHit&) { ++all; });
+    all_in_tree(view, tree.scene, ray, Facing::kBoth, &counts, [&](const IndexedHit&) { ++all; });
     const TriangleList list{View<const Vec3>(tree.corners, 36), {}};
-    meet_list(list, 0, TinyTree::kCount, Facing::kBoth, setup, [&](const EngineHit&) { ++listed; });
+    meet_list(list, 0, TinyTree::kCount, Facing::kBoth, setup,
+              [&](const IndexedHit&) { ++listed; });
     out.put(leaves, hits, all, listed, counts.box_tests, counts.triangle_tests);
     out.put(ray);
   }

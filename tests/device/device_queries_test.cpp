@@ -1,6 +1,7 @@
 // Queries on a device give what a look at every triangle gives, bit for bit: on the CPU as a
 // device, and on the CUDA device where there is one.
 #include "device/device_queries.h"
+#include "emulated/open_emulated.h"
 
 #include "dual/dual_scenes.h"
 #include "raysheaf/error.h"
@@ -12,9 +13,9 @@ namespace {
 
 struct Emulation {
   Executor executor{2};
-  test::GuardedMemory heap;
-  FailingAllocator memory{heap};
-  std::unique_ptr<DeviceBackend> backend = open_emulated(executor, heap, &memory);
+  test::GuardedMemory soup;
+  FailingAllocator memory{soup};
+  std::unique_ptr<DeviceBackend> backend = open_emulated(executor, soup, &memory);
 };
 
 /// The backends of this machine, by turns.
@@ -39,7 +40,7 @@ class OnDevice : public testing::TestWithParam<bool> {
   };
 
   /// Whether an engine's four queries say what `rows` say.
-  static testing::AssertionResult says(DeviceEngine& engine, const HitRows& rows,
+  static testing::AssertionResult says(DeviceQueries& engine, const HitRows& rows,
                                        const std::vector<Ray>& rays, const Asked& asked) {
     Answers a;
     DeviceQuery query;
@@ -48,7 +49,7 @@ class OnDevice : public testing::TestWithParam<bool> {
     const View<const Ray> view(rays);
     a.closest.assign(rays.size(), {-1, -1, -1, 7});
     a.any.assign(rays.size(), 7);
-    engine.closest_hit(view, query, View<EngineHit>(a.closest));
+    engine.closest_hit(view, query, View<IndexedHit>(a.closest));
     engine.any_hit(view, query, View<std::uint8_t>(a.any));
     std::vector<std::uint32_t> counts(rays.size(), 99);
     engine.count_hits(view, query, View<std::uint32_t>(counts));
@@ -63,10 +64,10 @@ class OnDevice : public testing::TestWithParam<bool> {
   }
 
   /// Returns the number of hits.
-  std::size_t expect_right(Heap heap, const std::vector<Ray>& rays, Facing facing = Facing::kBoth) {
-    const HitRows rows = brute_force(heap, rays, facing);
-    const std::unique_ptr<DeviceEngine> engine = backend_->make_engine();
-    engine->set_triangles(executor_, heap.source(), false);
+  std::size_t expect_right(Soup soup, const std::vector<Ray>& rays, Facing facing = Facing::kBoth) {
+    const HitRows rows = brute_force(soup, rays, facing);
+    const std::unique_ptr<DeviceQueries> engine = backend_->make_queries();
+    engine->set_triangles(executor_, soup.source(), false);
     EXPECT_TRUE(says(*engine, rows, rays, {true, false, facing})) << "brute force";
     EXPECT_TRUE(says(*engine, rows, rays, {false, false, facing}));
     return hit_count(rows);
@@ -81,11 +82,11 @@ TEST_P(OnDevice, AllShapes) {
   Random random(1);
   for (const Shape shape : kShapes) {
     SCOPED_TRACE(static_cast<int>(shape));
-    const Heap heap = make_heap(shape, 300, random);
-    EXPECT_GT(expect_right(heap, any_rays(heap, 600, random)), 20u);
-    std::vector<Ray> rays = any_rays(heap, 200, random);
-    keep_one_hit(heap, &rays, random);
-    expect_right(heap, rays);
+    const Soup soup = make_soup(shape, 300, random);
+    EXPECT_GT(expect_right(soup, any_rays(soup, 600, random)), 20u);
+    std::vector<Ray> rays = any_rays(soup, 200, random);
+    keep_one_hit(soup, &rays, random);
+    expect_right(soup, rays);
   }
 }
 
@@ -93,20 +94,20 @@ TEST_P(OnDevice, FewTrianglesAndManyRays) {
   Random random(2);
   for (const std::uint32_t triangles : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u, 9u, 17u, 33u}) {
     SCOPED_TRACE(triangles);
-    const Heap heap = make_heap(Shape::kLarge, triangles, random);
-    const Heap aim = make_heap(Shape::kLarge, 8, random);
-    expect_right(heap, any_rays(triangles > 0 ? heap : aim, 300, random));
+    const Soup soup = make_soup(Shape::kLarge, triangles, random);
+    const Soup aim = make_soup(Shape::kLarge, 8, random);
+    expect_right(soup, any_rays(triangles > 0 ? soup : aim, 300, random));
   }
-  const Heap heap = make_heap(Shape::kSmall, 40, random);
+  const Soup soup = make_soup(Shape::kSmall, 40, random);
   for (const std::size_t rays : {std::size_t{0}, std::size_t{1}, std::size_t{5000}}) {
-    expect_right(heap, any_rays(heap, rays, random));  // 5000 are sorted
+    expect_right(soup, any_rays(soup, rays, random));  // 5000 are sorted
   }
 }
 
 TEST_P(OnDevice, ManyTriangles) {
   Random random(3);
-  const Heap heap = make_heap(Shape::kSmall, 6000, random);
-  EXPECT_GT(expect_right(heap, any_rays(heap, 200, random)), 20u);
+  const Soup soup = make_soup(Shape::kSmall, 6000, random);
+  EXPECT_GT(expect_right(soup, any_rays(soup, 200, random)), 20u);
 }
 
 TEST_P(OnDevice, ScalesPlacesAndLengths) {
@@ -114,73 +115,73 @@ TEST_P(OnDevice, ScalesPlacesAndLengths) {
   for (const float scale : {1e-15f, 1e-9f, 1e-4f, 1e4f, 1e9f, 1e15f, 1e25f, 1e36f}) {
     SCOPED_TRACE(scale);
     const Shape shape = kShapes[random.below(7)];
-    const Heap heap = make_heap(shape, 60, random, scale);
-    expect_right(heap, any_rays(heap, 100, random, scale));
+    const Soup soup = make_soup(shape, 60, random, scale);
+    expect_right(soup, any_rays(soup, 100, random, scale));
   }
   for (const float far : {1e3f, 1e6f, 1e7f, 1e12f}) {
     SCOPED_TRACE(far);
     const Vec3 offset{far, -0.7f * far, 0.3f * far};
-    const Heap heap = make_heap(kShapes[random.below(7)], 60, random, 0.3f, offset);
-    expect_right(heap, any_rays(heap, 100, random, 0.3f, offset));
+    const Soup soup = make_soup(kShapes[random.below(7)], 60, random, 0.3f, offset);
+    expect_right(soup, any_rays(soup, 100, random, 0.3f, offset));
   }
   for (const float length : {1e-44f, 1e-41f, 3e-39f, 1e-37f, 1e-30f, 1e-15f, 1e15f, 1e30f, 1e37f}) {
     SCOPED_TRACE(length);
-    const Heap heap = make_heap(kShapes[random.below(7)], 60, random);
-    std::vector<Ray> rays = any_rays(heap, 200, random);
+    const Soup soup = make_soup(kShapes[random.below(7)], 60, random);
+    std::vector<Ray> rays = any_rays(soup, 200, random);
     for (Ray& ray : rays) {
       ray.direction = ray.direction * (1 / max_component(abs(ray.direction))) * length;
       if (!(max_component(abs(ray.direction)) > 0)) ray.direction = {0, length, 0};
       if (ray.t_max == 1) ray.t_max = 1 / length;
       if (ray.t_min == 1) ray.t_min = std::min(ray.t_max, 1 / length);
     }
-    expect_right(heap, rays);
-    keep_one_hit(heap, &rays, random);
-    expect_right(heap, rays);
+    expect_right(soup, rays);
+    keep_one_hit(soup, &rays, random);
+    expect_right(soup, rays);
   }
 }
 
 TEST_P(OnDevice, EqualTrianglesAndNoArea) {
   Random random(5);
-  Heap heap = make_heap(Shape::kLarge, 30, random);
-  const std::vector<Vec3> once = heap.positions;
+  Soup soup = make_soup(Shape::kLarge, 30, random);
+  const std::vector<Vec3> once = soup.positions;
   for (int copy = 0; copy < 5; ++copy)  // keys that differ in the number alone
-    heap.positions.insert(heap.positions.end(), once.begin(), once.end());
-  for (int i = 0; i < 20; ++i) heap.add({1, 2, 3}, {1, 2, 3}, {1, 2, 3});
-  for (int i = 0; i < 20; ++i) heap.add({0, 0, 0}, {1, 1, 1}, {2, 2, 2});
-  EXPECT_GT(expect_right(heap, any_rays(heap, 400, random)), 100u);
+    soup.positions.insert(soup.positions.end(), once.begin(), once.end());
+  for (int i = 0; i < 20; ++i) soup.add({1, 2, 3}, {1, 2, 3}, {1, 2, 3});
+  for (int i = 0; i < 20; ++i) soup.add({0, 0, 0}, {1, 1, 1}, {2, 2, 2});
+  EXPECT_GT(expect_right(soup, any_rays(soup, 400, random)), 100u);
 }
 
 TEST_P(OnDevice, SidesThatDoNotShow) {
   Random random(6);
-  Heap heap = make_heap(Shape::kSmall, 200, random);
-  for (std::uint32_t i = 0; i < heap.count(); ++i)
-    heap.flags.push_back(static_cast<std::uint8_t>(random.below(4)));
-  const std::vector<Ray> rays = any_rays(heap, 400, random);
-  const std::size_t both = expect_right(heap, rays);
-  EXPECT_LT(expect_right(heap, rays, Facing::kSkipBackOfSingleSided), both);
+  Soup soup = make_soup(Shape::kSmall, 200, random);
+  for (std::uint32_t i = 0; i < soup.count(); ++i)
+    soup.flags.push_back(static_cast<std::uint8_t>(random.below(4)));
+  const std::vector<Ray> rays = any_rays(soup, 400, random);
+  const std::size_t both = expect_right(soup, rays);
+  EXPECT_LT(expect_right(soup, rays, Facing::kSkipBackOfSingleSided), both);
 }
 
 TEST_P(OnDevice, TrianglesThatChange) {
   Random random(7);
-  const std::unique_ptr<DeviceEngine> engine = backend_->make_engine();
+  const std::unique_ptr<DeviceQueries> engine = backend_->make_queries();
   for (const std::uint32_t triangles : {50u, 500u, 3u, 0u, 120u}) {
-    Heap heap = make_heap(Shape::kLarge, triangles, random);
-    const Heap aim = make_heap(Shape::kLarge, 8, random);
-    const std::vector<Ray> rays = any_rays(triangles > 0 ? heap : aim, 200, random);
-    const HitRows rows = brute_force(heap, rays);
-    engine->set_triangles(executor_, heap.source(), false);
+    Soup soup = make_soup(Shape::kLarge, triangles, random);
+    const Soup aim = make_soup(Shape::kLarge, 8, random);
+    const std::vector<Ray> rays = any_rays(triangles > 0 ? soup : aim, 200, random);
+    const HitRows rows = brute_force(soup, rays);
+    engine->set_triangles(executor_, soup.source(), false);
     for (int round = 0; round < 2; ++round)
       EXPECT_TRUE(says(*engine, rows, rays, {})) << triangles << " triangles, round " << round;
   }
 }
 
 /// What the engine did with its tree for a query of 64 rays.
-TreeWork tree_work(DeviceEngine& engine, const std::vector<Ray>& rays) {
-  EngineReport report;
+TreeWork tree_work(DeviceQueries& engine, const std::vector<Ray>& rays) {
+  QueryReport report;
   DeviceQuery query;
   query.report = &report;
-  std::vector<EngineHit> hits(rays.size());
-  engine.closest_hit(View<const Ray>(rays), query, View<EngineHit>(hits));
+  std::vector<IndexedHit> hits(rays.size());
+  engine.closest_hit(View<const Ray>(rays), query, View<IndexedHit>(hits));
   EXPECT_TRUE(report.used_tree);
   return report.tree;
 }
@@ -189,31 +190,31 @@ TEST_P(OnDevice, TrianglesThatMoveLeaveTheTreeItsNodes) {
   Random random(11);
   for (const std::uint32_t triangles : {700u, 40u, 5u, 4u, 1u, 0u}) {
     SCOPED_TRACE(triangles);
-    Heap heap = make_heap(Shape::kSmall, triangles, random);
+    Soup soup = make_soup(Shape::kSmall, triangles, random);
     for (std::uint32_t i = 0; i < triangles; ++i)
-      heap.flags.push_back(static_cast<std::uint8_t>(random.below(4)));
-    const Heap aim = make_heap(Shape::kLarge, 8, random);
-    const std::unique_ptr<DeviceEngine> engine = backend_->make_engine();
-    engine->set_triangles(executor_, heap.source(), true);
+      soup.flags.push_back(static_cast<std::uint8_t>(random.below(4)));
+    const Soup aim = make_soup(Shape::kLarge, 8, random);
+    const std::unique_ptr<DeviceQueries> engine = backend_->make_queries();
+    engine->set_triangles(executor_, soup.source(), true);
     for (int frame = 0; frame < 6; ++frame) {
-      const std::vector<Ray> rays = any_rays(triangles > 0 ? heap : aim, 150, random);
+      const std::vector<Ray> rays = any_rays(triangles > 0 ? soup : aim, 150, random);
       EXPECT_EQ(tree_work(*engine, rays), frame == 0 ? TreeWork::kRebuild : TreeWork::kRefit);
       for (const Facing facing : {Facing::kBoth, Facing::kSkipBackOfSingleSided})
-        EXPECT_TRUE(says(*engine, brute_force(heap, rays, facing), rays, {false, false, facing}));
+        EXPECT_TRUE(says(*engine, brute_force(soup, rays, facing), rays, {false, false, facing}));
       EXPECT_EQ(tree_work(*engine, rays), TreeWork::kKeep);
       const Vec3 step = random.in_box(0.3f);
-      for (Vec3& p : heap.positions) p = p * 1.02f + step + random.in_box(0.002f);
-      engine->set_triangles(executor_, heap.source(), true);
+      for (Vec3& p : soup.positions) p = p * 1.02f + step + random.in_box(0.002f);
+      engine->set_triangles(executor_, soup.source(), true);
       // Moved twice before anything is asked, and other sides that show.
-      if (frame == 2) engine->set_triangles(executor_, heap.source(), true);
-      if (frame == 3) std::reverse(heap.flags.begin(), heap.flags.end());
-      if (frame == 3) engine->set_triangles(executor_, heap.source(), true);
+      if (frame == 2) engine->set_triangles(executor_, soup.source(), true);
+      if (frame == 3) std::reverse(soup.flags.begin(), soup.flags.end());
+      if (frame == 3) engine->set_triangles(executor_, soup.source(), true);
     }
     // As many, but others.
-    engine->set_triangles(executor_, heap.source(), false);
+    engine->set_triangles(executor_, soup.source(), false);
     EXPECT_EQ(tree_work(*engine, any_rays(aim, 9, random)), TreeWork::kRebuild);
     // Others, though it is told that they are the same.
-    Heap more = make_heap(Shape::kSmall, triangles + 9, random);
+    Soup more = make_soup(Shape::kSmall, triangles + 9, random);
     engine->set_triangles(executor_, more.source(), true);
     EXPECT_EQ(tree_work(*engine, any_rays(aim, 9, random)), TreeWork::kRebuild);
     const std::vector<Ray> rays = any_rays(more, 150, random);
@@ -223,44 +224,44 @@ TEST_P(OnDevice, TrianglesThatMoveLeaveTheTreeItsNodes) {
 
 TEST_P(OnDevice, ATreeIsBuiltAgainWhereItsTrianglesHaveRunApart) {
   Random random(12);
-  Heap heap = make_heap(Shape::kSmall, 600, random);
-  const std::vector<Ray> rays = any_rays(heap, 150, random);
-  const std::unique_ptr<DeviceEngine> engine = backend_->make_engine();
-  engine->set_triangles(executor_, heap.source(), false);
+  Soup soup = make_soup(Shape::kSmall, 600, random);
+  const std::vector<Ray> rays = any_rays(soup, 150, random);
+  const std::unique_ptr<DeviceQueries> engine = backend_->make_queries();
+  engine->set_triangles(executor_, soup.source(), false);
   EXPECT_EQ(tree_work(*engine, rays), TreeWork::kRebuild);
   // Each where another was: the boxes of all nodes are as large as the scene.
-  for (std::uint32_t i = heap.count(); --i > 0;) {
+  for (std::uint32_t i = soup.count(); --i > 0;) {
     const std::uint32_t j = random.below(i + 1);
     for (std::uint32_t k = 0; k < 3; ++k)
-      std::swap(heap.positions[3 * i + k], heap.positions[3 * j + k]);
+      std::swap(soup.positions[3 * i + k], soup.positions[3 * j + k]);
   }
-  engine->set_triangles(executor_, heap.source(), true);
+  engine->set_triangles(executor_, soup.source(), true);
   EXPECT_EQ(tree_work(*engine, rays), TreeWork::kRefit) << "nobody knows yet";
   EXPECT_EQ(tree_work(*engine, rays), TreeWork::kRebuild) << "though nothing has moved since";
   EXPECT_EQ(tree_work(*engine, rays), TreeWork::kKeep);
-  engine->set_triangles(executor_, heap.source(), true);
+  engine->set_triangles(executor_, soup.source(), true);
   EXPECT_EQ(tree_work(*engine, rays), TreeWork::kRefit);
   EXPECT_EQ(tree_work(*engine, rays), TreeWork::kKeep);
-  EXPECT_TRUE(says(*engine, brute_force(heap, rays), rays, {}));
+  EXPECT_TRUE(says(*engine, brute_force(soup, rays), rays, {}));
 }
 
 TEST_P(OnDevice, ReportsWhatItDid) {
   Random random(8);
-  Heap heap = make_heap(Shape::kSmall, 1000, random);
-  const std::vector<Ray> rays = any_rays(heap, 5000, random);
-  const std::unique_ptr<DeviceEngine> engine = backend_->make_engine();
-  engine->set_triangles(executor_, heap.source(), false);
-  std::vector<EngineHit> hits(rays.size());
+  Soup soup = make_soup(Shape::kSmall, 1000, random);
+  const std::vector<Ray> rays = any_rays(soup, 5000, random);
+  const std::unique_ptr<DeviceQueries> engine = backend_->make_queries();
+  engine->set_triangles(executor_, soup.source(), false);
+  std::vector<IndexedHit> hits(rays.size());
   const auto ask = [&](bool brute, bool count) {
-    EngineReport report;
+    QueryReport report;
     DeviceQuery query;
     query.brute = brute;
     query.count = count;
     query.report = &report;
-    engine->closest_hit(View<const Ray>(rays), query, View<EngineHit>(hits));
+    engine->closest_hit(View<const Ray>(rays), query, View<IndexedHit>(hits));
     return report;
   };
-  const EngineReport first = ask(false, true), second = ask(false, true);
+  const QueryReport first = ask(false, true), second = ask(false, true);
   EXPECT_NE(first.plan[0], second.plan[0]) << "the second keeps the tree";
   EXPECT_GT(first.hierarchy_ms, 0);
   EXPECT_EQ(second.hierarchy_ms, 0);
@@ -271,33 +272,33 @@ TEST_P(OnDevice, ReportsWhatItDid) {
   EXPECT_EQ(first.tests(), second.tests());
   EXPECT_LT(first.tests(), rays.size() * 100) << "the tree does not prune";
   EXPECT_EQ(ask(false, false).tests(), 0u);
-  EXPECT_EQ(ask(true, true).triangle_tests, std::uint64_t{5000} * heap.count());
+  EXPECT_EQ(ask(true, true).triangle_tests, std::uint64_t{5000} * soup.count());
   EXPECT_FALSE(engine->stage_times().empty());
 }
 
 INSTANTIATE_TEST_SUITE_P(Emulated, OnDevice, testing::Values(false));
 INSTANTIATE_TEST_SUITE_P(Cuda, OnDevice, testing::Values(true));
 
-TEST(DeviceEngine, MemoryThatRunsOutAnywhereLeavesTheEngineUsable) {
+TEST(DeviceQueries, MemoryThatRunsOutAnywhereLeavesTheEngineUsable) {
   Random random(9);
-  Heap heap = make_heap(Shape::kSmall, 200, random);
-  const std::vector<Ray> rays = any_rays(heap, 4500, random);
-  const HitRows rows = brute_force(heap, rays);
+  Soup soup = make_soup(Shape::kSmall, 200, random);
+  const std::vector<Ray> rays = any_rays(soup, 4500, random);
+  const HitRows rows = brute_force(soup, rays);
   Emulation emulation;
   std::uint64_t failures = 0;
   for (const bool brute : {false, true}) {
     for (std::uint64_t allowed = 0;; ++allowed) {
-      const std::unique_ptr<DeviceEngine> engine = emulation.backend->make_engine();
+      const std::unique_ptr<DeviceQueries> engine = emulation.backend->make_queries();
       DeviceQuery query;
       query.brute = brute;
       DeviceHitRows found;
-      std::vector<EngineHit> hits(rays.size());
+      std::vector<IndexedHit> hits(rays.size());
       bool failed = false;
       emulation.memory.let(allowed);
       try {
-        engine->set_triangles(emulation.executor, heap.source(), false);
+        engine->set_triangles(emulation.executor, soup.source(), false);
         found = engine->all_hits(View<const Ray>(rays), query);
-        engine->closest_hit(View<const Ray>(rays), query, View<EngineHit>(hits));
+        engine->closest_hit(View<const Ray>(rays), query, View<IndexedHit>(hits));
       } catch (const Error& error) {
         failed = true;
         ++failures;
@@ -305,12 +306,12 @@ TEST(DeviceEngine, MemoryThatRunsOutAnywhereLeavesTheEngineUsable) {
         EXPECT_NE(error.place().find(": "), std::string::npos) << "a stage: " << error.place();
       }
       emulation.memory.let(FailingAllocator::kAlways);
-      if (failed) engine->set_triangles(emulation.executor, heap.source(), false);
+      if (failed) engine->set_triangles(emulation.executor, soup.source(), false);
       found = engine->all_hits(View<const Ray>(rays), query);
       EXPECT_EQ(found.hits.size(), hit_count(rows));
-      engine->closest_hit(View<const Ray>(rays), query, View<EngineHit>(hits));
+      engine->closest_hit(View<const Ray>(rays), query, View<IndexedHit>(hits));
       for (std::size_t i = 0; i < rays.size(); ++i) {
-        const EngineHit least = rows[i].empty() ? EngineHit{} : rows[i].front();
+        const IndexedHit least = rows[i].empty() ? IndexedHit{} : rows[i].front();
         ASSERT_TRUE(same_bits(hits[i], least)) << i;
       }
       if (!failed) break;
@@ -320,24 +321,24 @@ TEST(DeviceEngine, MemoryThatRunsOutAnywhereLeavesTheEngineUsable) {
   EXPECT_GT(failures, 15u);
 }
 
-TEST(DeviceEngine, RaysAndResultsMayLieInTheDevicesMemory) {
+TEST(DeviceQueries, RaysAndResultsMayLieInTheDevicesMemory) {
   Random random(10);
-  Heap heap = make_heap(Shape::kSmall, 200, random);
-  std::vector<Ray> rays = any_rays(heap, 500, random);
-  const HitRows rows = brute_force(heap, rays);
+  Soup soup = make_soup(Shape::kSmall, 200, random);
+  std::vector<Ray> rays = any_rays(soup, 500, random);
+  const HitRows rows = brute_force(soup, rays);
   Emulation emulation;
-  EmulatedDevice device(emulation.executor, emulation.heap);
+  EmulatedDevice device(emulation.executor, emulation.soup);
   const DeviceBuffer<Ray> there = to_device(device, rays);
-  DeviceBuffer<EngineHit> hits(device.allocator());
+  DeviceBuffer<IndexedHit> hits(device.allocator());
   hits.resize_uninitialized("test", rays.size());
-  const std::unique_ptr<DeviceEngine> engine = emulation.backend->make_engine();
-  engine->set_triangles(emulation.executor, heap.source(), false);
+  const std::unique_ptr<DeviceQueries> engine = emulation.backend->make_queries();
+  engine->set_triangles(emulation.executor, soup.source(), false);
   DeviceQuery query;
   query.check = true;
   engine->closest_hit(there.view_const(), query, hits.view());
-  const std::vector<EngineHit> found = to_host(device, hits);
+  const std::vector<IndexedHit> found = to_host(device, hits);
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    const EngineHit least = rows[i].empty() ? EngineHit{} : rows[i].front();
+    const IndexedHit least = rows[i].empty() ? IndexedHit{} : rows[i].front();
     ASSERT_TRUE(same_bits(found[i], least)) << i;
   }
   rays[77].t_min = -1;

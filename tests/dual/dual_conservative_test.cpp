@@ -16,19 +16,19 @@ TEST(DualConservative, FindsEveryHit) {
     const float scale = std::ldexp(1.0f, static_cast<int>(random.below(80)) - 40);
     const float far = random.below(3) == 0 ? scale * std::pow(10.0f, random.between(0, 7)) : 0;
     const Vec3 offset = random.in_box(far);
-    Heap heap = make_heap(shape, random.below(4) == 0 ? 1000 : 30, random, scale, offset);
+    Soup soup = make_soup(shape, random.below(4) == 0 ? 1000 : 30, random, scale, offset);
     if (random.below(2) == 0) {
-      const Heap more = make_heap(Shape::kLarge, heap.count(), random, scale, offset);
-      heap.positions.insert(heap.positions.end(), more.positions.begin(), more.positions.end());
+      const Soup more = make_soup(Shape::kLarge, soup.count(), random, scale, offset);
+      soup.positions.insert(soup.positions.end(), more.positions.begin(), more.positions.end());
     }
     std::vector<Ray> rays =
-        any_rays(heap, random.below(4) == 0 ? 3000 : 300, random, scale, offset);
+        any_rays(soup, random.below(4) == 0 ? 3000 : 300, random, scale, offset);
     if (random.below(2) == 0) turn_into_one_quarter(&rays);
-    const HitRows rows = brute_force(heap, rays);
+    const HitRows rows = brute_force(soup, rays);
     pairs += hit_count(rows) + 1;
     ObjectTree tree;
-    make_tree(&heap, static_cast<Tree>(round % 3), &tree);
-    for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream, Bundle::kLongStream}) {
+    make_tree(&soup, static_cast<Tree>(round % 3), &tree);
+    for (const Bundle bundle : {Bundle::kSixteen, Bundle::kStream, Bundle::kLongStream}) {
       const DualScene scene{&tree, nullptr, Facing::kBoth, bundle};
       const Sorting sorting = random.below(2) == 0 ? Sorting::kCurve : Sorting::kByQuarter;
       ASSERT_TRUE(right(rows, ask(one_thread(), scene, rays, sorting), rays))

@@ -11,8 +11,8 @@ struct Setting {
   Bundle bundle;
   Sorting sorting;
 };
-constexpr Setting kSettings[] = {{Tree::kCurve, Bundle::kPacket, Sorting::kCurve},
-                                 {Tree::kFine, Bundle::kPacket, Sorting::kByQuarter},
+constexpr Setting kSettings[] = {{Tree::kCurve, Bundle::kSixteen, Sorting::kCurve},
+                                 {Tree::kFine, Bundle::kSixteen, Sorting::kByQuarter},
                                  {Tree::kCurve, Bundle::kStream, Sorting::kByQuarter},
                                  {Tree::kFine, Bundle::kStream, Sorting::kCurve},
                                  {Tree::kFine, Bundle::kLongStream, Sorting::kByQuarter}};
@@ -32,17 +32,17 @@ std::vector<Ray> camera_rays(std::uint32_t side) {
 TEST(DualCounts, SameOnEverySimdTargetAndThreads) {
   Random random(21);
   for (const Shape shape : kShapes) {
-    Heap heap = make_heap(shape, 250, random);
-    std::vector<Ray> rays = any_rays(heap, 500, random);
+    Soup soup = make_soup(shape, 250, random);
+    std::vector<Ray> rays = any_rays(soup, 500, random);
     const std::vector<Ray> alike = camera_rays(24);
     rays.insert(rays.end(), alike.begin(), alike.end());
     std::vector<Ray> turned(rays.begin(), rays.begin() + 300);
     turn_into_one_quarter(&turned);
     rays.insert(rays.end(), turned.begin(), turned.end());
-    const HitRows rows = brute_force(heap, rays);
+    const HitRows rows = brute_force(soup, rays);
     for (const Setting& s : kSettings) {
       ObjectTree tree;
-      make_tree(&heap, s.tree, &tree);
+      make_tree(&soup, s.tree, &tree);
       const DualScene scene{&tree, nullptr, Facing::kBoth, s.bundle};
       const Answers first = ask(one_thread(), scene, rays, s.sorting);
       EXPECT_TRUE(right(rows, first, rays));
@@ -58,17 +58,17 @@ TEST(DualCounts, SameOnEverySimdTargetAndThreads) {
 TEST(DualCounts, SameOnEverySimdTargetAtTheEndsOfTheRange) {
   Random random(22);
   for (const float scale : {1e-15f, 1e15f, 1e35f}) {
-    Heap heap = make_heap(Shape::kSmall, 150, random, scale);
-    std::vector<Ray> rays = any_rays(heap, 300, random, scale);
+    Soup soup = make_soup(Shape::kSmall, 150, random, scale);
+    std::vector<Ray> rays = any_rays(soup, 300, random, scale);
     for (std::size_t i = 0; i < rays.size(); i += 7) {
       rays[i].direction = rays[i].direction * (1e-40f / max_component(abs(rays[i].direction)));
       if (!(max_component(abs(rays[i].direction)) > 0)) rays[i].direction = {0, 1e-42f, 0};
       rays[i].t_max = kInfinity;
     }
-    const HitRows rows = brute_force(heap, rays);
+    const HitRows rows = brute_force(soup, rays);
     for (const Setting& s : kSettings) {
       ObjectTree tree;
-      make_tree(&heap, s.tree, &tree);
+      make_tree(&soup, s.tree, &tree);
       const DualScene scene{&tree, nullptr, Facing::kBoth, s.bundle};
       const Answers first = ask(one_thread(), scene, rays, s.sorting);
       EXPECT_TRUE(right(rows, first, rays));
@@ -82,11 +82,11 @@ TEST(DualCounts, SameOnEverySimdTargetAtTheEndsOfTheRange) {
 /// Many tasks, so that threads take them in another order.
 TEST(DualCounts, SameWithAnyThreads) {
   Random random(23);
-  Heap heap = make_heap(Shape::kSmall, 3000, random);
-  const std::vector<Ray> rays = any_rays(heap, 30000, random);
+  Soup soup = make_soup(Shape::kSmall, 3000, random);
+  const std::vector<Ray> rays = any_rays(soup, 30000, random);
   for (const Setting& s : kSettings) {
     ObjectTree tree;
-    make_tree(&heap, s.tree, &tree);
+    make_tree(&soup, s.tree, &tree);
     const DualScene scene{&tree, nullptr, Facing::kBoth, s.bundle};
     EXPECT_TRUE(same(ask(one_thread(), scene, rays, s.sorting),
                      ask(two_threads(), scene, rays, s.sorting)));
@@ -95,23 +95,23 @@ TEST(DualCounts, SameWithAnyThreads) {
 
 TEST(DualCounts, WithinBounds) {
   Random random(24);
-  Heap heap = make_heap(Shape::kSmall, 2000, random);
-  const std::vector<Ray> rays = any_rays(heap, 3000, random);
+  Soup soup = make_soup(Shape::kSmall, 2000, random);
+  const std::vector<Ray> rays = any_rays(soup, 3000, random);
   for (const Setting& s : kSettings) {
     ObjectTree tree;
-    make_tree(&heap, s.tree, &tree);
+    make_tree(&soup, s.tree, &tree);
     std::uint64_t children = 0;
     for (const BvhNode& node : tree.nodes) children += node.children;
     const DualScene scene{&tree, nullptr, Facing::kBoth, s.bundle};
     const Answers a = ask(one_thread(), scene, rays, s.sorting);
-    const std::uint64_t packets = div_ceil(rays.size(), 16) + kQuarters;
+    const std::uint64_t bundles = div_ceil(rays.size(), 16) + kQuarters;
     for (std::size_t q = 0; q < 3; ++q) {
       const DualCounts& c = a.counts[q];
       EXPECT_GE(c.ray_box_tests, rays.size());
       EXPECT_LE(c.ray_box_tests, rays.size() * (1 + children));
       EXPECT_LE(c.triangle_tests, rays.size() * tree.triangles);
-      EXPECT_LE(c.beam_box_tests, packets * children);
-      if (s.bundle == Bundle::kPacket) {
+      EXPECT_LE(c.beam_box_tests, bundles * children);
+      if (s.bundle == Bundle::kSixteen) {
         EXPECT_GT(c.beam_box_tests, 0u);
       }
       // A tree that is worth its name.
@@ -123,7 +123,7 @@ TEST(DualCounts, WithinBounds) {
     EXPECT_GE(a.counts[0].triangle_tests,
               static_cast<std::uint64_t>(
                   std::count_if(a.closest.begin(), a.closest.end(),
-                                [](const EngineHit& h) { return h.triangle != kInvalidId; })));
+                                [](const IndexedHit& h) { return h.triangle != kInvalidId; })));
     EXPECT_GE(a.counts[2].triangle_tests, hit_count(a.all));
     EXPECT_GE(a.counts[2].sum(), a.counts[0].sum());
     EXPECT_GE(a.counts[0].triangle_tests, a.counts[1].triangle_tests);
@@ -132,13 +132,13 @@ TEST(DualCounts, WithinBounds) {
 
 TEST(DualCounts, ABeamSparesRaysTheirTests) {
   Random random(25);
-  Heap heap = make_heap(Shape::kSmall, 3000, random);
+  Soup soup = make_soup(Shape::kSmall, 3000, random);
   const std::vector<Ray> rays = camera_rays(64);
   std::vector<Ray> apart(rays.size());  // with neighbours from everywhere
   for (std::size_t i = 0; i < rays.size(); ++i) apart[i * 1021 % rays.size()] = rays[i];
   ObjectTree tree;
-  make_tree(&heap, Tree::kFine, &tree);
-  for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream}) {
+  make_tree(&soup, Tree::kFine, &tree);
+  for (const Bundle bundle : {Bundle::kSixteen, Bundle::kStream}) {
     const DualScene scene{&tree, nullptr, Facing::kBoth, bundle};
     const DualCounts alike = ask(one_thread(), scene, rays, Sorting::kByQuarter).counts[0];
     const DualCounts mixed = ask(one_thread(), scene, apart, Sorting::kByQuarter).counts[0];
@@ -149,9 +149,9 @@ TEST(DualCounts, ABeamSparesRaysTheirTests) {
 /// First hits and any hits of a fan, by long streams, behind so many large triangles.
 Answers ask_behind(std::uint32_t screens) {
   Random random(28);
-  Heap heap = screened_heap(screens, 3000, random);
+  Soup soup = screened_soup(screens, 3000, random);
   ObjectTree tree;
-  make_tree(&heap, Tree::kCurve, &tree);
+  make_tree(&soup, Tree::kCurve, &tree);
   const DualScene scene{&tree, nullptr, Facing::kBoth, Bundle::kLongStream};
   return ask(one_thread(), scene, fan_rays(128), Sorting::kByQuarter);
 }
@@ -169,10 +169,10 @@ TEST(DualCounts, PilotsThatSpareNobodyStayFew) {
 /// Cut where a quarter has many rays, and towards the batch's end, whoever takes them.
 TEST(DualCounts, LongStreamsAreTheSameOnAnyThreads) {
   Random random(29);
-  Heap heap = make_heap(Shape::kSmall, 2000, random);
+  Soup soup = make_soup(Shape::kSmall, 2000, random);
   ObjectTree tree;
-  make_tree(&heap, Tree::kFine, &tree);
-  std::vector<Ray> rays = any_rays(heap, 60000, random);
+  make_tree(&soup, Tree::kFine, &tree);
+  std::vector<Ray> rays = any_rays(soup, 60000, random);
   std::vector<Ray> turned(rays.begin(), rays.begin() + 40000);
   turn_into_one_quarter(
       &turned);  // more of them than the quarters' share, in streams of one length
@@ -189,15 +189,15 @@ TEST(DualCounts, LongStreamsAreTheSameOnAnyThreads) {
 /// Shares are added to what there is; no room for them and no counts are fine too.
 TEST(DualCounts, AreOptional) {
   Random random(26);
-  Heap heap = make_heap(Shape::kSmall, 100, random);
-  const std::vector<Ray> rays = any_rays(heap, 100, random);
+  Soup soup = make_soup(Shape::kSmall, 100, random);
+  const std::vector<Ray> rays = any_rays(soup, 100, random);
   ObjectTree tree;
-  make_tree(&heap, Tree::kCurve, &tree);
+  make_tree(&soup, Tree::kCurve, &tree);
   RayOrder order;
   order_rays(one_thread(), View<const Ray>(rays), Sorting::kCurve, &order);
-  for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream, Bundle::kLongStream}) {
+  for (const Bundle bundle : {Bundle::kSixteen, Bundle::kStream, Bundle::kLongStream}) {
     const DualScene scene{&tree, nullptr, Facing::kBoth, bundle};
-    std::vector<EngineHit> with(rays.size()), without(rays.size());
+    std::vector<IndexedHit> with(rays.size()), without(rays.size());
     std::vector<float> tests(rays.size(), 1000);
     DualCounts counts;
     trace_closest(one_thread(), scene, View<const Ray>(rays), order, with, tests, &counts);

@@ -10,8 +10,8 @@ TEST(DualRange, Scales) {
     for (const Shape shape : {Shape::kSmall, Shape::kLarge, Shape::kSlivers, Shape::kLattice,
                               Shape::kAxisAligned, Shape::kClosed}) {
       SCOPED_TRACE(testing::Message() << scale << " " << static_cast<int>(shape));
-      const Heap heap = make_heap(shape, 80, random, scale);
-      expect_right(heap, any_rays(heap, 150, random, scale));
+      const Soup soup = make_soup(shape, 80, random, scale);
+      expect_right(soup, any_rays(soup, 150, random, scale));
     }
   }
 }
@@ -22,8 +22,8 @@ TEST(DualRange, OffTheOrigin) {
     for (const Shape shape : kShapes) {
       SCOPED_TRACE(testing::Message() << far << " " << static_cast<int>(shape));
       const Vec3 offset{far, -0.7f * far, 0.3f * far};
-      const Heap heap = make_heap(shape, 80, random, 0.3f, offset);
-      expect_right(heap, any_rays(heap, 150, random, 0.3f, offset));
+      const Soup soup = make_soup(shape, 80, random, 0.3f, offset);
+      expect_right(soup, any_rays(soup, 150, random, 0.3f, offset));
     }
   }
 }
@@ -35,8 +35,8 @@ TEST(DualRange, LengthsOfDirections) {
          {1e-44f, 1e-41f, 3e-39f, 1e-37f, 1e-30f, 1e-15f, 1e15f, 1e30f, 1e37f}) {
       SCOPED_TRACE(testing::Message() << scale << " " << length);
       const Shape shape = kShapes[random.below(7)];
-      const Heap heap = make_heap(shape, 60, random, scale);
-      std::vector<Ray> rays = any_rays(heap, 200, random, scale);
+      const Soup soup = make_soup(shape, 60, random, scale);
+      std::vector<Ray> rays = any_rays(soup, 200, random, scale);
       for (Ray& ray : rays) {
         ray.direction = ray.direction * (1 / max_component(abs(ray.direction))) * length;
         if (!(max_component(abs(ray.direction)) > 0)) ray.direction = {0, length, 0};
@@ -46,44 +46,44 @@ TEST(DualRange, LengthsOfDirections) {
         if (random.below(8) == 0) ray.t_min = std::min(ray.t_max, 1e36f);
         if (random.below(8) == 0) ray.t_min = std::min(ray.t_max, 1e25f);
       }
-      expect_right(heap, rays);
-      keep_one_hit(heap, &rays, random);
-      expect_right(heap, rays);
+      expect_right(soup, rays);
+      keep_one_hit(soup, &rays, random);
+      expect_right(soup, rays);
     }
   }
 }
 
 TEST(DualRange, NowhereToLook) {
   Random random(14);
-  const Heap heap = make_heap(Shape::kLarge, 50, random);
-  std::vector<Ray> rays = any_rays(heap, 200, random);
+  const Soup soup = make_soup(Shape::kLarge, 50, random);
+  std::vector<Ray> rays = any_rays(soup, 200, random);
   for (Ray& ray : rays) ray.t_min = ray.t_max = random.below(2) == 0 ? kInfinity : 3e38f;
-  EXPECT_EQ(expect_right(heap, rays), 0u);
+  EXPECT_EQ(expect_right(soup, rays), 0u);
 }
 
 /// A hit whose parameter overflows is none.
 TEST(DualRange, ParametersThatOverflow) {
   Random random(15);
-  const Heap heap = make_heap(Shape::kLarge, 50, random);
-  std::vector<Ray> rays = any_rays(heap, 300, random);
+  const Soup soup = make_soup(Shape::kLarge, 50, random);
+  std::vector<Ray> rays = any_rays(soup, 300, random);
   for (Ray& ray : rays) {
     ray.direction = ray.direction * (1e-39f / max_component(abs(ray.direction)));
     ray.t_min = 1e38f;
     ray.t_max = kInfinity;
   }
   for (std::size_t i = 0; i < rays.size(); i += 2) rays[i].t_min = kInfinity;
-  EXPECT_LT(expect_right(heap, rays), 20u);
+  EXPECT_LT(expect_right(soup, rays), 20u);
 }
 
 TEST(DualRange, OriginsFarAway) {
   Random random(16);
   const float far[] = {1e4f, 1e7f, 1e10f, 1e15f, 1e20f, 1e29f, 3e30f, 1e36f, 3.4e38f};
   for (const Shape shape : {Shape::kSmall, Shape::kLarge, Shape::kLattice, Shape::kClosed}) {
-    const Heap heap = make_heap(shape, 100, random);
-    std::vector<Ray> rays = any_rays(heap, 200, random);
+    const Soup soup = make_soup(shape, 100, random);
+    std::vector<Ray> rays = any_rays(soup, 200, random);
     for (const float distance : far) {
       for (int i = 0; i < 60; ++i) {
-        const auto t = heap.corners(random.below(heap.count()));
+        const auto t = soup.corners(random.below(soup.count()));
         Vec3 o = random.direction() * distance, d = t[0] - o;
         if (i % 3 == 0) {
           o = {i % 2 == 0 ? distance : -distance, t[1].y, t[1].z};
@@ -93,26 +93,26 @@ TEST(DualRange, OriginsFarAway) {
         rays.push_back({o, 0, d, kInfinity});
       }
     }
-    // Beside near ones in packets and streams, and by themselves.
-    expect_right(heap, rays);
+    // Beside near ones in bundles and streams, and by themselves.
+    expect_right(soup, rays);
     const std::vector<Ray> mixed = [&] {
       std::vector<Ray> r = rays;
       for (std::size_t i = r.size(); i > 1; --i)
         std::swap(r[i - 1], r[random.below(static_cast<std::uint32_t>(i))]);
       return r;
     }();
-    EXPECT_GT(expect_right(heap, mixed), 200u);
+    EXPECT_GT(expect_right(soup, mixed), 200u);
   }
 }
 
 TEST(DualRange, SceneOfAllThatIsFinite) {
   Random random(17);
-  Heap heap = make_heap(Shape::kLarge, 60, random, 2e37f);
-  const Heap small = make_heap(Shape::kSmall, 60, random);
-  heap.positions.insert(heap.positions.end(), small.positions.begin(), small.positions.end());
-  std::vector<Ray> rays = any_rays(heap, 200, random, 2e37f);
+  Soup soup = make_soup(Shape::kLarge, 60, random, 2e37f);
+  const Soup small = make_soup(Shape::kSmall, 60, random);
+  soup.positions.insert(soup.positions.end(), small.positions.begin(), small.positions.end());
+  std::vector<Ray> rays = any_rays(soup, 200, random, 2e37f);
   for (const Ray& ray : any_rays(small, 200, random)) rays.push_back(ray);
-  EXPECT_GT(expect_right(heap, rays), 50u);
+  EXPECT_GT(expect_right(soup, rays), 50u);
 }
 
 }  // namespace

@@ -33,52 +33,52 @@ inline Vec3 lattice_point(Random& random) {
   return {c(), c(), c()};
 }
 
-inline void add_random(Shape shape, Random& random, Heap* heap) {
+inline void add_random(Shape shape, Random& random, Soup* soup) {
   const Vec3 p = random.in_box(10);
   switch (shape) {
     case Shape::kSingle:
     case Shape::kLarge:
-      return heap->add(p, random.in_box(15), random.in_box(15));
+      return soup->add(p, random.in_box(15), random.in_box(15));
     case Shape::kSlivers: {
       const Vec3 along = random.in_box(9);
-      return heap->add(p, p + along, p + along * 0.5f + random.in_box(1e-5f));
+      return soup->add(p, p + along, p + along * 0.5f + random.in_box(1e-5f));
     }
     case Shape::kNeedles:
-      return heap->add(p, p + random.in_box(8), p + random.in_box(1e-3f));
+      return soup->add(p, p + random.in_box(8), p + random.in_box(1e-3f));
     case Shape::kCoplanar: {
       const auto at = [&] { return Vec3{p.x + random.between(-3, 3), 1, p.z + random.unit()}; };
-      return heap->add(at(), at(), at());
+      return soup->add(at(), at(), at());
     }
     case Shape::kDuplicates: {
       const Vec3 q{std::floor(p.x * 0.3f), std::floor(p.y * 0.3f), 0};
-      return heap->add(q, q + Vec3{2, 0, 0}, q + Vec3{0, 2, 0});
+      return soup->add(q, q + Vec3{2, 0, 0}, q + Vec3{0, 2, 0});
     }
     case Shape::kLattice:
-      return heap->add(lattice_point(random), lattice_point(random), lattice_point(random));
+      return soup->add(lattice_point(random), lattice_point(random), lattice_point(random));
     case Shape::kAxisAligned: {
       const Vec3 q = lattice_point(random);
       const Vec3 unit[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
       const std::uint32_t axis = random.below(3);
-      return heap->add(q, q + unit[axis] * 2, q + unit[(axis + 1) % 3] * 3);
+      return soup->add(q, q + unit[axis] * 2, q + unit[(axis + 1) % 3] * 3);
     }
     case Shape::kZeroArea: {
       const Vec3 along = random.in_box(4);
-      if (random.below(3) == 0) return heap->add(p, p + along, p + along);
-      if (random.below(2) == 0) return heap->add({1, 2, 3}, {3, 6, 9}, {2, 4, 6});
-      return heap->add(p, p + along, p + random.in_box(4));
+      if (random.below(3) == 0) return soup->add(p, p + along, p + along);
+      if (random.below(2) == 0) return soup->add({1, 2, 3}, {3, 6, 9}, {2, 4, 6});
+      return soup->add(p, p + along, p + random.in_box(4));
     }
     case Shape::kManySizes: {
       const float size = std::ldexp(1.0f, static_cast<int>(random.below(40)) - 30);
       const Vec3 at = random.below(2) == 0 ? p * size : p;
-      return heap->add(at, at + random.in_box(size), at + random.in_box(size));
+      return soup->add(at, at + random.in_box(size), at + random.in_box(size));
     }
     default:
-      return heap->add(p, p + random.in_box(1.5f), p + random.in_box(1.5f));
+      return soup->add(p, p + random.in_box(1.5f), p + random.in_box(1.5f));
   }
 }
 
 /// A sphere of a longitude and latitude grid, closed.
-inline void add_closed(std::uint32_t side, Heap* heap) {
+inline void add_closed(std::uint32_t side, Soup* soup) {
   const auto at = [&](std::uint32_t i, std::uint32_t k) {
     if (i == 0 || i == side) return Vec3{0, i == 0 ? 7.0f : -7.0f, 0};
     const float a = 3.14159265f * static_cast<float>(i) / static_cast<float>(side);
@@ -87,23 +87,23 @@ inline void add_closed(std::uint32_t side, Heap* heap) {
   };
   for (std::uint32_t i = 0; i < side; ++i)
     for (std::uint32_t k = 0; k < side; ++k) {
-      if (i > 0) heap->add(at(i, k), at(i, k + 1), at(i + 1, k));
-      if (i + 1 < side) heap->add(at(i + 1, k), at(i, k + 1), at(i + 1, k + 1));
+      if (i > 0) soup->add(at(i, k), at(i, k + 1), at(i + 1, k));
+      if (i + 1 < side) soup->add(at(i + 1, k), at(i, k + 1), at(i + 1, k + 1));
     }
 }
 
 /// p * scale + offset for every corner.
-inline Heap make_heap(Shape shape, std::uint32_t count, Random& random, float scale = 1,
+inline Soup make_soup(Shape shape, std::uint32_t count, Random& random, float scale = 1,
                       Vec3 offset = {}) {
-  Heap heap;
+  Soup soup;
   if (shape == Shape::kSingle) count = 1;
   if (shape == Shape::kClosed) {
-    add_closed(std::max(3u, static_cast<std::uint32_t>(std::sqrt(count / 2))), &heap);
+    add_closed(std::max(3u, static_cast<std::uint32_t>(std::sqrt(count / 2))), &soup);
   } else {
-    while (heap.count() < count) add_random(shape, random, &heap);
+    while (soup.count() < count) add_random(shape, random, &soup);
   }
-  for (Vec3& p : heap.positions) p = p * scale + offset;
-  return heap;
+  for (Vec3& p : soup.positions) p = p * scale + offset;
+  return soup;
 }
 
 inline Vec3 any_direction(Random& random) {
@@ -133,8 +133,8 @@ inline Vec3 any_direction(Random& random) {
 }
 
 /// From anywhere, vertices, planes; at vertices, edges, edge-on, along axes; from `scale` and
-/// `offset` as the heap.
-inline Ray any_ray(const Heap& heap, Random& random, float scale = 1, Vec3 offset = {}) {
+/// `offset` as the soup.
+inline Ray any_ray(const Soup& soup, Random& random, float scale = 1, Vec3 offset = {}) {
   const auto point_of = [&](const std::array<Vec3, 3>& t) {
     switch (random.below(4)) {
       case 0:
@@ -147,7 +147,7 @@ inline Ray any_ray(const Heap& heap, Random& random, float scale = 1, Vec3 offse
         return t[0] * 0.25f + t[1] * 0.25f + t[2] * 0.5f;
     }
   };
-  const auto some = [&] { return heap.corners(random.below(heap.count())); };
+  const auto some = [&] { return soup.corners(random.below(soup.count())); };
   Vec3 o = random.in_box(14) * scale + offset;
   const std::uint32_t from = random.below(8);
   if (from == 0) o = point_of(some());
@@ -186,11 +186,11 @@ inline Ray any_ray(const Heap& heap, Random& random, float scale = 1, Vec3 offse
   return ray;
 }
 
-inline std::vector<Ray> any_rays(const Heap& heap, std::size_t count, Random& random,
+inline std::vector<Ray> any_rays(const Soup& soup, std::size_t count, Random& random,
                                  float scale = 1, Vec3 offset = {}) {
   std::vector<Ray> rays;
   while (rays.size() < count) {
-    Ray ray = any_ray(heap, random, scale, offset);
+    Ray ray = any_ray(soup, random, scale, offset);
     rays.push_back(ray);
     // Now and then a bunch of neighbours.
     if (random.below(40) != 0) continue;
@@ -222,11 +222,11 @@ inline void turn_into_one_quarter(std::vector<Ray>* rays) {
 }
 
 /// Leaves each ray with one of its hits: at t_min = t_max.
-inline void keep_one_hit(const Heap& heap, std::vector<Ray>* rays, Random& random) {
-  const HitRows rows = brute_force(heap, *rays);
+inline void keep_one_hit(const Soup& soup, std::vector<Ray>* rays, Random& random) {
+  const HitRows rows = brute_force(soup, *rays);
   for (std::size_t r = 0; r < rays->size(); ++r) {
     if (rows[r].empty()) continue;
-    const EngineHit& hit = rows[r][random.below(static_cast<std::uint32_t>(rows[r].size()))];
+    const IndexedHit& hit = rows[r][random.below(static_cast<std::uint32_t>(rows[r].size()))];
     (*rays)[r].t_min = (*rays)[r].t_max = hit.t;
   }
 }
@@ -245,16 +245,16 @@ inline std::vector<Ray> fan_rays(std::uint32_t side) {
 }
 
 /// Large triangles before many small ones, as such rays see them.
-inline Heap screened_heap(std::uint32_t large, std::uint32_t small, Random& random) {
-  Heap heap;
+inline Soup screened_soup(std::uint32_t large, std::uint32_t small, Random& random) {
+  Soup soup;
   for (std::uint32_t i = 0; i < large + small; ++i) {
     const float depth = i < large ? 2.0f : 6.0f, size = i < large ? 1.2f : 0.2f;
     const Vec3 middle =
         Vec3{depth, 0.5f * depth, 0.5f * depth} + random.in_box(0.5f * depth) * Vec3{0.2f, 1, 1};
-    heap.add(middle + random.in_box(size), middle + random.in_box(size),
+    soup.add(middle + random.in_box(size), middle + random.in_box(size),
              middle + random.in_box(size));
   }
-  return heap;
+  return soup;
 }
 
 }  // namespace raysheaf::test

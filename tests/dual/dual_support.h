@@ -17,7 +17,7 @@ namespace raysheaf::test {
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// Corners in threes. Runs alternate between those with indices and those without.
-struct Heap {
+struct Soup {
   std::vector<Vec3> positions;
   std::vector<std::uint8_t> flags;
   std::vector<std::array<std::uint32_t, 3>> indices;
@@ -47,27 +47,27 @@ struct Heap {
 };
 
 /// By ray, sorted by (t, triangle).
-using HitRows = std::vector<std::vector<EngineHit>>;
+using HitRows = std::vector<std::vector<IndexedHit>>;
 
-inline bool precedes(const EngineHit& a, const EngineHit& b) {
+inline bool precedes(const IndexedHit& a, const IndexedHit& b) {
   return a.t < b.t || (a.t == b.t && a.triangle < b.triangle);
 }
 
-inline HitRows brute_force(const Heap& heap, const std::vector<Ray>& rays,
+inline HitRows brute_force(const Soup& soup, const std::vector<Ray>& rays,
                            Facing facing = Facing::kBoth) {
   HitRows rows(rays.size());
   std::vector<RaySetup> setups;
   for (const Ray& ray : rays) setups.push_back(make_ray_setup(ray));
-  for (std::uint32_t i = 0; i < heap.count(); ++i) {
-    const auto [a, b, c] = heap.corners(i);
+  for (std::uint32_t i = 0; i < soup.count(); ++i) {
+    const auto [a, b, c] = soup.corners(i);
     for (std::size_t r = 0; r < rays.size(); ++r) {
       TriangleHit hit;
       if (!intersect_triangle(setups[r], a, b, c, &hit)) continue;
-      if (!heap.flags.empty() && !shows(facing, heap.flags[i], hit.front)) continue;
+      if (!soup.flags.empty() && !shows(facing, soup.flags[i], hit.front)) continue;
       rows[r].push_back({hit.t, hit.u, hit.v, i});
     }
   }
-  for (std::vector<EngineHit>& row : rows) std::sort(row.begin(), row.end(), precedes);
+  for (std::vector<IndexedHit>& row : rows) std::sort(row.begin(), row.end(), precedes);
   return rows;
 }
 
@@ -77,7 +77,7 @@ inline std::size_t hit_count(const HitRows& rows) {
   return count;
 }
 
-inline bool same_bits(const EngineHit& a, const EngineHit& b) {
+inline bool same_bits(const IndexedHit& a, const IndexedHit& b) {
   return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
@@ -88,7 +88,7 @@ inline bool operator==(const DualCounts& a, const DualCounts& b) {
 
 /// What the three queries say, in the caller's order.
 struct Answers {
-  std::vector<EngineHit> closest;
+  std::vector<IndexedHit> closest;
   std::vector<std::uint8_t> any;
   HitRows all;
   std::array<DualCounts, 3> counts;
@@ -111,7 +111,7 @@ inline Answers ask(const Executor& executor, const DualScene& scene, std::vector
   a.all.resize(rays.size());
   for (const RowList& list : lists)
     for (std::size_t i = 0; i < list.ends.size(); ++i) {
-      const View<const EngineHit> row = list.row(i);
+      const View<const IndexedHit> row = list.row(i);
       a.all[order.rays[list.first + i]].assign(row.begin(), row.end());
     }
   return a;
@@ -129,7 +129,7 @@ inline testing::AssertionResult right(const HitRows& rows, const Answers& a,
                                       const std::vector<Ray>& rays) {
   for (std::size_t r = 0; r < rays.size(); ++r) {
     const auto& row = rows[r];
-    const EngineHit least = row.empty() ? EngineHit{} : row.front();
+    const IndexedHit least = row.empty() ? IndexedHit{} : row.front();
     const auto fail = [&](const char* what) {
       auto failure = testing::AssertionFailure();
       failure << what << ", ray " << r << ": " << words(rays[r]) << "; " << row.size() << " hits";
@@ -171,28 +171,28 @@ inline const Executor& two_threads() {
   return executor;
 }
 
-inline void make_tree(Heap* heap, Tree how, ObjectTree* tree) {
+inline void make_tree(Soup* soup, Tree how, ObjectTree* tree) {
   const Executor& executor = one_thread();
-  if (how == Tree::kCurve) return build_object_tree(executor, heap->source(), tree);
-  if (how == Tree::kFine) return build_fine_object_tree(executor, heap->source(), tree);
+  if (how == Tree::kCurve) return build_object_tree(executor, soup->source(), tree);
+  if (how == Tree::kFine) return build_fine_object_tree(executor, soup->source(), tree);
   // Powers of two leave flat what is flat.
-  Heap former = *heap;
+  Soup former = *soup;
   for (Vec3& p : former.positions) p = p * Vec3{-0.5f, 0.25f, 0.125f};
   build_object_tree(executor, former.source(), tree);
-  ASSERT_TRUE(refit_object_tree(executor, heap->source(), MovedTriangles::everything(), tree));
+  ASSERT_TRUE(refit_object_tree(executor, soup->source(), MovedTriangles::everything(), tree));
 }
 
 /// Every kind of tree and bundle gives what brute force gives. Returns the hits there were.
-inline std::size_t expect_right(Heap heap, const std::vector<Ray>& rays,
+inline std::size_t expect_right(Soup soup, const std::vector<Ray>& rays,
                                 Facing facing = Facing::kBoth) {
-  const HitRows rows = brute_force(heap, rays, facing);
+  const HitRows rows = brute_force(soup, rays, facing);
   for (const Tree how : {Tree::kCurve, Tree::kFine, Tree::kRefitted}) {
     ObjectTree tree;
-    make_tree(&heap, how, &tree);
-    for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream, Bundle::kLongStream}) {
-      const DualScene scene{&tree, heap.flags.empty() ? nullptr : heap.flags.data(), facing,
+    make_tree(&soup, how, &tree);
+    for (const Bundle bundle : {Bundle::kSixteen, Bundle::kStream, Bundle::kLongStream}) {
+      const DualScene scene{&tree, soup.flags.empty() ? nullptr : soup.flags.data(), facing,
                             bundle};
-      const bool sorted = (how == Tree::kFine) == (bundle == Bundle::kPacket);
+      const bool sorted = (how == Tree::kFine) == (bundle == Bundle::kSixteen);
       const Answers a =
           ask(one_thread(), scene, rays, sorted ? Sorting::kCurve : Sorting::kByQuarter);
       EXPECT_TRUE(right(rows, a, rays))

@@ -11,11 +11,11 @@ TEST(Dual, AllShapes) {
   Random random(1);
   for (const Shape shape : kShapes) {
     SCOPED_TRACE(static_cast<int>(shape));
-    const Heap heap = make_heap(shape, 300, random);
-    std::vector<Ray> rays = any_rays(heap, 700, random);
-    EXPECT_GT(expect_right(heap, rays), 20u);
+    const Soup soup = make_soup(shape, 300, random);
+    std::vector<Ray> rays = any_rays(soup, 700, random);
+    EXPECT_GT(expect_right(soup, rays), 20u);
     turn_into_one_quarter(&rays);
-    EXPECT_GT(expect_right(heap, rays), 20u);
+    EXPECT_GT(expect_right(soup, rays), 20u);
   }
 }
 
@@ -23,16 +23,16 @@ TEST(Dual, HitsAtTheirLimits) {
   Random random(2);
   for (const Shape shape : kShapes) {
     SCOPED_TRACE(static_cast<int>(shape));
-    const Heap heap = make_heap(shape, 200, random);
-    std::vector<Ray> rays = any_rays(heap, 400, random);
-    keep_one_hit(heap, &rays, random);
-    expect_right(heap, rays);
+    const Soup soup = make_soup(shape, 200, random);
+    std::vector<Ray> rays = any_rays(soup, 400, random);
+    keep_one_hit(soup, &rays, random);
+    expect_right(soup, rays);
   }
 }
 
 TEST(Dual, AllQuarters) {
   Random random(3);
-  const Heap heap = make_heap(Shape::kLarge, 100, random);
+  const Soup soup = make_soup(Shape::kLarge, 100, random);
   std::vector<Ray> rays;
   for (std::uint32_t q = 0; q < kQuarters; ++q) {
     for (std::uint32_t i = 0; i < 20 + q; ++i) {
@@ -46,31 +46,31 @@ TEST(Dual, AllQuarters) {
       rays.push_back({random.in_box(12), 0, d, kInfinity});
     }
   }
-  EXPECT_GT(expect_right(heap, rays), rays.size());
+  EXPECT_GT(expect_right(soup, rays), rays.size());
 }
 
 TEST(Dual, Sizes) {
   Random random(4);
   for (const std::size_t rays : {0, 1, 15, 16, 17, 4095, 4097, 10000}) {
     SCOPED_TRACE(rays);
-    const Heap heap = make_heap(Shape::kSmall, rays < 1000 ? 100 : 20, random);
-    expect_right(heap, any_rays(heap, rays, random));
+    const Soup soup = make_soup(Shape::kSmall, rays < 1000 ? 100 : 20, random);
+    expect_right(soup, any_rays(soup, rays, random));
     // All of one quarter: whole streams.
-    std::vector<Ray> alike = any_rays(heap, rays, random);
+    std::vector<Ray> alike = any_rays(soup, rays, random);
     for (Ray& ray : alike) ray.direction = Vec3{2, 1, 1} + random.in_box(0.5f);
-    expect_right(heap, alike);
+    expect_right(soup, alike);
   }
 }
 
 TEST(Dual, Facing) {
   Random random(5);
   for (const Shape shape : {Shape::kSmall, Shape::kLarge, Shape::kLattice, Shape::kClosed}) {
-    Heap heap = make_heap(shape, 200, random);
-    for (std::uint32_t i = 0; i < heap.count(); ++i)
-      heap.flags.push_back(static_cast<std::uint8_t>(random.below(4)));
-    const std::vector<Ray> rays = any_rays(heap, 500, random);
-    const std::size_t some = expect_right(heap, rays, Facing::kSkipBackOfSingleSided);
-    EXPECT_LT(some, expect_right(heap, rays, Facing::kBoth));
+    Soup soup = make_soup(shape, 200, random);
+    for (std::uint32_t i = 0; i < soup.count(); ++i)
+      soup.flags.push_back(static_cast<std::uint8_t>(random.below(4)));
+    const std::vector<Ray> rays = any_rays(soup, 500, random);
+    const std::size_t some = expect_right(soup, rays, Facing::kSkipBackOfSingleSided);
+    EXPECT_LT(some, expect_right(soup, rays, Facing::kBoth));
   }
 }
 
@@ -78,17 +78,17 @@ TEST(Dual, Facing) {
 TEST(Dual, RaysThatStopWhereTheirNeighboursDo) {
   Random random(27);
   const std::vector<Ray> rays = fan_rays(100);
-  Heap heap = screened_heap(12, 300, random);
-  for (std::uint32_t i = 0; i < heap.count(); ++i)
-    heap.flags.push_back(static_cast<std::uint8_t>(random.below(4)));
-  const std::size_t some = expect_right(heap, rays, Facing::kSkipBackOfSingleSided);
+  Soup soup = screened_soup(12, 300, random);
+  for (std::uint32_t i = 0; i < soup.count(); ++i)
+    soup.flags.push_back(static_cast<std::uint8_t>(random.below(4)));
+  const std::size_t some = expect_right(soup, rays, Facing::kSkipBackOfSingleSided);
   EXPECT_GT(some, rays.size() / 4);
-  EXPECT_LT(some, expect_right(heap, rays, Facing::kBoth));
+  EXPECT_LT(some, expect_right(soup, rays, Facing::kBoth));
 }
 
 TEST(Dual, NoTriangles) {
   Random random(6);
-  Heap none, flat;
+  Soup none, flat;
   flat.add({1, 2, 3}, {2, 4, 6}, {3, 6, 9});
   const std::vector<Ray> rays = any_rays(flat, 100, random);
   EXPECT_EQ(expect_right(none, rays), 0u);
@@ -98,28 +98,28 @@ TEST(Dual, NoTriangles) {
 /// From inside a closed surface every ray gets out, through edges and vertices too.
 TEST(Dual, Watertight) {
   Random random(7);
-  Heap heap;
-  add_closed(12, &heap);
+  Soup soup;
+  add_closed(12, &soup);
   std::vector<Ray> rays;
   for (std::uint32_t i = 0; i < 1000; ++i) {
-    const auto t = heap.corners(random.below(heap.count()));
+    const auto t = soup.corners(random.below(soup.count()));
     const Vec3 o = random.in_box(2), at = i % 2 == 0 ? t[i % 3] : (t[0] + t[1]) * 0.5f;
     rays.push_back({o, 0, at - o, kInfinity});
   }
-  for (const auto& row : brute_force(heap, rays)) EXPECT_FALSE(row.empty());
-  expect_right(heap, rays);
+  for (const auto& row : brute_force(soup, rays)) EXPECT_FALSE(row.empty());
+  expect_right(soup, rays);
 }
 
-/// More triangles than caches hold: rays left alone wait for each other longer. Streams and packets
+/// More triangles than caches hold: rays left alone wait for each other longer. Streams and bundles
 /// know nothing of each other.
 TEST(Dual, TreeFarFromCache) {
   Random random(11);
-  Heap heap;
-  while (heap.count() < 450'000) {
+  Soup soup;
+  while (soup.count() < 450'000) {
     const Vec3 p = random.in_box(10);
-    heap.add(p, p + random.in_box(0.1f), p + random.in_box(0.1f));
+    soup.add(p, p + random.in_box(0.1f), p + random.in_box(0.1f));
   }
-  const TriangleSource source = heap.source(5000);
+  const TriangleSource source = soup.source(5000);
   const Executor& executor = one_thread();
   ObjectTree tree;
   build_object_tree(executor, source, &tree);
@@ -128,21 +128,21 @@ TEST(Dual, TreeFarFromCache) {
   std::vector<Ray> rays;
   for (int i = 0; i < 6000; ++i)
     rays.push_back({random.in_box(12), 0, random.direction(), kInfinity});
-  DualScene scene{.tree = &tree, .bundle = Bundle::kPacket};
-  const Answers packets = ask(executor, scene, rays, Sorting::kByQuarter);
+  DualScene scene{.tree = &tree, .bundle = Bundle::kSixteen};
+  const Answers bundles = ask(executor, scene, rays, Sorting::kByQuarter);
   scene.bundle = Bundle::kStream;
   const Answers streams = ask(executor, scene, rays, Sorting::kCurve);
-  EXPECT_GT(hit_count(packets.all), rays.size() / 2);
-  EXPECT_TRUE(right(packets.all, packets, rays));
-  EXPECT_TRUE(right(packets.all, streams, rays));
+  EXPECT_GT(hit_count(bundles.all), rays.size() / 2);
+  EXPECT_TRUE(right(bundles.all, bundles, rays));
+  EXPECT_TRUE(right(bundles.all, streams, rays));
   const std::vector<Ray> few(rays.begin(), rays.begin() + 30);
-  EXPECT_TRUE(right(brute_force(heap, few), ask(executor, scene, few, Sorting::kCurve), few));
+  EXPECT_TRUE(right(brute_force(soup, few), ask(executor, scene, few, Sorting::kCurve), few));
 }
 
 /// Nodes of seven leaves and a deeper node that comes first: what waits outgrows any fixed stack.
 TEST(Dual, DeepTree) {
   constexpr std::uint32_t kDepth = 150;
-  Heap heap;
+  Soup soup;
   ObjectTree tree;
   tree.nodes.resize_uninitialized(kDepth);
   tree.quads.resize_uninitialized(7 * kDepth);
@@ -168,8 +168,8 @@ TEST(Dual, DeepTree) {
         for (int lane = 0; lane < 4; ++lane)
           for (int axis = 0; axis < 3; ++axis)
             quad.vertex[k][axis][lane] = component(corner[k], axis);
-      for (std::uint32_t& id : quad.id) id = heap.count();
-      heap.add(corner[0], corner[1], corner[2]);
+      for (std::uint32_t& id : quad.id) id = soup.count();
+      soup.add(corner[0], corner[1], corner[2]);
     }
   }
   // Sixteen together and few, along the axis; rays that start beyond all nodes but the first.
@@ -180,9 +180,9 @@ TEST(Dual, DeepTree) {
                     0,
                     {random.between(-1e-3f, 1e-3f), random.between(-1e-3f, 1e-3f), 1},
                     kInfinity});
-  const HitRows rows = brute_force(heap, rays);
+  const HitRows rows = brute_force(soup, rays);
   EXPECT_GT(hit_count(rows), 50000u);
-  for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream, Bundle::kLongStream}) {
+  for (const Bundle bundle : {Bundle::kSixteen, Bundle::kStream, Bundle::kLongStream}) {
     const DualScene scene{&tree, nullptr, Facing::kBoth, bundle};
     EXPECT_TRUE(right(rows, ask(one_thread(), scene, rays, Sorting::kByQuarter), rays));
     const std::vector<Ray> few(rays.begin(), rays.begin() + 3);
@@ -192,16 +192,16 @@ TEST(Dual, DeepTree) {
 
 TEST(Dual, PositionsInGeometricSequence) {
   Random random(9);
-  Heap heap;
+  Soup soup;
   for (int i = 0; i < 900; ++i) {
     const float at = std::pow(1.06f, static_cast<float>(i - 450));
-    heap.add(Vec3{at, at, 0}, Vec3{at, -at, at * 0.1f}, Vec3{at * 1.01f, 0, -at});
+    soup.add(Vec3{at, at, 0}, Vec3{at, -at, at * 0.1f}, Vec3{at * 1.01f, 0, -at});
   }
-  std::vector<Ray> rays = any_rays(heap, 300, random);
+  std::vector<Ray> rays = any_rays(soup, 300, random);
   for (int i = 0; i < 100; ++i)
     rays.push_back(
         {{}, 0, {1, random.between(-0.5f, 0.5f), random.between(-0.1f, 0.1f)}, kInfinity});
-  EXPECT_GT(expect_right(heap, rays), 5000u);
+  EXPECT_GT(expect_right(soup, rays), 5000u);
 }
 
 }  // namespace

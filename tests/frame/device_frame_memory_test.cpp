@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "api/context_impl.h"
+#include "emulated/open_emulated.h"
 #include "frame/device_scenes.h"
 #include "raysheaf/error.h"
 #include "raysheaf/render_on_context.h"

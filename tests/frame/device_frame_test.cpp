@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "api/context_impl.h"
+#include "emulated/open_emulated.h"
 #include "frame/device_scenes.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/error.h"

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "api/context_impl.h"
+#include "emulated/open_emulated.h"
 #include "raysheaf/error.h"
 #include "raysheaf/render_on_context.h"
 #include "support/guarded_memory.h"

@@ -1,5 +1,6 @@
 // The bench of a device, on the CPU as a device.
 #include "lab/device_bench.h"
+#include "emulated/open_emulated.h"
 
 #include <gtest/gtest.h>
 

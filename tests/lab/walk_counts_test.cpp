@@ -1,5 +1,6 @@
 // How rays walk down the device's object tree, counted in warps.
 #include "lab/walk_counts.h"
+#include "emulated/open_emulated.h"
 
 #include <gtest/gtest.h>
 
@@ -73,24 +74,24 @@ TEST(WalkCounts, WithoutRaysAllIsZero) {
 TEST(WalkCounts, TestsAreThoseOfTheDevicesQueries) {
   const Executor executor(2);
   HostAllocator memory;
-  const std::unique_ptr<DeviceEngine> engine = open_emulated(executor, memory)->make_engine();
+  const std::unique_ptr<DeviceQueries> engine = open_emulated(executor, memory)->make_queries();
   const std::vector<Vec3> corners = small_triangles(2000);
   const std::vector<Ray> rays = upward_rays(70);
   const TriangleRun run{corners.data(), nullptr, 0, 2000};
   engine->set_triangles(executor, {{&run, 1}, 2000}, false);
   for (const bool any : {false, true}) {
-    EngineReport report;
+    QueryReport report;
     DeviceQuery query;
     query.count = true;
     query.report = &report;
-    std::vector<EngineHit> closest(rays.size());
+    std::vector<IndexedHit> closest(rays.size());
     std::vector<std::uint8_t> occluded(rays.size());
     any ? engine->any_hit(rays, query, View<std::uint8_t>(occluded))
-        : engine->closest_hit(rays, query, View<EngineHit>(closest));
-    const auto hits = any ? std::count(occluded.begin(), occluded.end(), 1)
-                          : std::count_if(closest.begin(), closest.end(), [](const EngineHit& hit) {
-                              return hit.triangle != kInvalidId;
-                            });
+        : engine->closest_hit(rays, query, View<IndexedHit>(closest));
+    const auto hits =
+        any ? std::count(occluded.begin(), occluded.end(), 1)
+            : std::count_if(closest.begin(), closest.end(),
+                            [](const IndexedHit& hit) { return hit.triangle != kInvalidId; });
     Emulation emulation(2);
     const DeviceWalks walks = count_walks_on(emulation.device, {corners, {}}, rays, any);
     EXPECT_EQ(2 * walks.nodes, report.ray_bound_tests);

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "base/vec.h"
+#include "emulated/open_emulated.h"
 #include "out_of_core/block_tracer.h"
 #include "out_of_core/stream_support.h"
 #include "raysheaf/builtin_scenes.h"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "api/context_impl.h"
+#include "emulated/open_emulated.h"
 #include "raysheaf/query.h"
 #include "raysheaf/stream.h"
 #include "tests/support/device_memory.h"

@@ -5,15 +5,15 @@
 namespace raysheaf::test {
 namespace {
 
-bool told(const EngineReport& report, const std::string& text) {
+bool told(const QueryReport& report, const std::string& text) {
   return std::any_of(report.plan.begin(), report.plan.end(), [&](const std::string& reason) {
     return reason.find(text) != std::string::npos;
   });
 }
 
 /// Each triangle stands before all rays of `rays_from_one_point`.
-Heap dense_heap(Random& random) {
-  Heap dense = make_heap(Shape::kSmall, 3000, random);
+Soup dense_soup(Random& random) {
+  Soup dense = make_soup(Shape::kSmall, 3000, random);
   for (std::size_t i = 0; i < dense.positions.size(); ++i) {  // each before all rays
     constexpr Vec3 kCorners[] = {{-90, -90, 0}, {90, -90, 0}, {0, 120, 0}};
     dense.positions[i] = kCorners[i % 3] + Vec3{0, 0, 10 + random.unit()};
@@ -34,14 +34,14 @@ std::vector<Ray> rays_from_one_point() {
 }
 
 /// The pairs of a fan that was given up predict nothing for other triangles.
-TEST(Engine, AFanThatWasGivenUpIsTriedOnOtherTriangles) {
+TEST(PlannedQueries, AFanThatWasGivenUpIsTriedOnOtherTriangles) {
   Random random(17);
-  Heap dense = dense_heap(random), sparse = make_heap(Shape::kSmall, 3000, random);
+  Soup dense = dense_soup(random), sparse = make_soup(Shape::kSmall, 3000, random);
   const std::vector<Ray> rays = rays_from_one_point();
   std::vector<std::uint8_t> occluded(rays.size());
-  Engine engine;
+  PlannedQueries engine;
   const auto ask = [&] {
-    EngineReport report;
+    QueryReport report;
     engine.any_hit(two_threads(), View<const Ray>(rays), {}, occluded, {}, &report);
     return report;
   };
@@ -54,17 +54,17 @@ TEST(Engine, AFanThatWasGivenUpIsTriedOnOtherTriangles) {
 
 /// Where one set of triangles after another is too much for a fan, it is seldom tried; and it comes
 /// back where they no longer are. Answers are the same.
-TEST(Engine, FansThatAreGivenUpAgainAndAgainAreTriedRarelyAndComeBack) {
+TEST(PlannedQueries, FansThatAreGivenUpAgainAndAgainAreTriedRarelyAndComeBack) {
   Random random(17);
-  Heap dense = dense_heap(random), sparse = make_heap(Shape::kSmall, 3000, random);
+  Soup dense = dense_soup(random), sparse = make_soup(Shape::kSmall, 3000, random);
   const std::vector<Ray> rays = rays_from_one_point();
-  Engine engine;
+  PlannedQueries engine;
   std::uint32_t given_up = 0, waited = 0, fans = 0;
-  const auto frames = [&](Heap& heap, int count) {
+  const auto frames = [&](Soup& soup, int count) {
     std::vector<std::uint8_t> expected;
     for (int i = 0; i < count; ++i) {
-      engine.set_triangles(heap.source(), false);
-      EngineReport report;
+      engine.set_triangles(soup.source(), false);
+      QueryReport report;
       std::vector<std::uint8_t> occluded(rays.size());
       engine.any_hit(two_threads(), View<const Ray>(rays), {}, occluded, {}, &report);
       if (i == 0) expected = occluded;

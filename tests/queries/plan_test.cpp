@@ -165,10 +165,10 @@ TEST(Plan, AMoveEndsThePauseOfFansToo) {
 TEST(Plan, BundlesByCoherence) {
   Random random(2);
   const Plan camera = plan_of(history(1000), picture(128));
-  EXPECT_EQ(camera.bundle, Bundle::kPacket);
+  EXPECT_EQ(camera.bundle, Bundle::kSixteen);
   EXPECT_EQ(plan_of(history(100000), picture(128)).bundle, Bundle::kStream);
   EXPECT_TRUE(says(camera, "start within"));
-  EXPECT_TRUE(says(camera, "packets"));
+  EXPECT_TRUE(says(camera, "bundles"));
   EXPECT_TRUE(camera.alike);
   const Plan any = plan_of(history(1000), disorder(10000, random));
   EXPECT_FALSE(any.alike);

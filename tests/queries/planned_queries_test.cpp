@@ -12,33 +12,33 @@ namespace {
 /// A scene whose arrays are spoilt and freed before the engine hears of the next.
 class Stage {
  public:
-  void set(Heap heap, bool same) {
-    if (heap_ != nullptr) {
-      for (Vec3& p : heap_->positions) p = {kInfinity, -kInfinity, kInfinity};
-      for (auto& triangle : heap_->indices) triangle = {0x7fffffff, 0x7fffffff, 0x7fffffff};
-      for (TriangleRun& run : heap_->runs) run = {nullptr, nullptr, 0x7fffffff, 0};
+  void set(Soup soup, bool same) {
+    if (soup_ != nullptr) {
+      for (Vec3& p : soup_->positions) p = {kInfinity, -kInfinity, kInfinity};
+      for (auto& triangle : soup_->indices) triangle = {0x7fffffff, 0x7fffffff, 0x7fffffff};
+      for (TriangleRun& run : soup_->runs) run = {nullptr, nullptr, 0x7fffffff, 0};
     }
-    heap_ = std::make_unique<Heap>(std::move(heap));
-    engine.set_triangles(heap_->source(), same);
+    soup_ = std::make_unique<Soup>(std::move(soup));
+    engine.set_triangles(soup_->source(), same);
   }
-  [[nodiscard]] const Heap& heap() const { return *heap_; }
+  [[nodiscard]] const Soup& soup() const { return *soup_; }
 
-  Engine engine;
+  PlannedQueries engine;
 
  private:
-  std::unique_ptr<Heap> heap_;
+  std::unique_ptr<Soup> soup_;
 };
 
 struct Batch {
-  std::vector<EngineHit> closest;
+  std::vector<IndexedHit> closest;
   std::vector<std::uint8_t> any;
   HitRows all;  ///< by ray
-  EngineReport reports[3];
+  QueryReport reports[3];
 };
 
-Batch ask_engine(const Executor& executor, Engine* engine, std::vector<Ray> rays,
+Batch ask_engine(const Executor& executor, PlannedQueries* engine, std::vector<Ray> rays,
                  Facing facing = Facing::kBoth) {
-  const EngineOptions options{facing, true};
+  const PlannedOptions options{facing, true};
   const View<const Ray> view(rays);
   Batch b;
   b.closest.assign(rays.size(), {-1, -1, -1, 7});
@@ -47,7 +47,7 @@ Batch ask_engine(const Executor& executor, Engine* engine, std::vector<Ray> rays
   engine->closest_hit(executor, view, options, b.closest, {}, &b.reports[0]);
   b.all.resize(rays.size());
   const FoundRows found = engine->all_hits(executor, view, options, &b.reports[2]);
-  found.for_each(executor, [&](std::size_t ray, View<const EngineHit> hits) {
+  found.for_each(executor, [&](std::size_t ray, View<const IndexedHit> hits) {
     b.all[ray].assign(hits.begin(), hits.end());
   });
   return b;
@@ -63,25 +63,25 @@ testing::AssertionResult right(const HitRows& rows, const Batch& b, const std::v
 
 void expect_engine_right(Stage* stage, const std::vector<Ray>& rays,
                          Facing facing = Facing::kBoth) {
-  const HitRows rows = brute_force(stage->heap(), rays, facing);
+  const HitRows rows = brute_force(stage->soup(), rays, facing);
   EXPECT_TRUE(right(rows, ask_engine(two_threads(), &stage->engine, rays, facing), rays));
 }
 
-bool said(const EngineReport& report, const std::string& text) {
+bool said(const QueryReport& report, const std::string& text) {
   return std::any_of(report.plan.begin(), report.plan.end(), [&](const std::string& reason) {
     return reason.find(text) != std::string::npos;
   });
 }
 
-Heap moved(Heap heap, float by, Random& random) {
-  for (Vec3& p : heap.positions) p += random.in_box(by);
-  return heap;
+Soup moved(Soup soup, float by, Random& random) {
+  for (Vec3& p : soup.positions) p += random.in_box(by);
+  return soup;
 }
 
 /// Rays of one origin, of a picture, of none of these.
-std::vector<Ray> some_rays(const Heap& heap, Random& random) {
-  if (heap.count() == 0) return {{{}, 0, {0, 0, 1}, kInfinity}};
-  std::vector<Ray> rays = any_rays(heap, 20 + random.below(400), random);
+std::vector<Ray> some_rays(const Soup& soup, Random& random) {
+  if (soup.count() == 0) return {{{}, 0, {0, 0, 1}, kInfinity}};
+  std::vector<Ray> rays = any_rays(soup, 20 + random.below(400), random);
   const std::uint32_t kind = random.below(3);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (kind == 0) rays[i].origin = rays[0].origin;
@@ -93,7 +93,7 @@ std::vector<Ray> some_rays(const Heap& heap, Random& random) {
   return rays;
 }
 
-TEST(Engine, ALifeOfMovesAndReplacements) {
+TEST(PlannedQueries, ALifeOfMovesAndReplacements) {
   std::uint32_t fan = 0, refitted = 0, finely = 0, built = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     Random random(seed);
@@ -103,21 +103,21 @@ TEST(Engine, ALifeOfMovesAndReplacements) {
       const std::uint32_t what = step == 0 ? 0 : random.below(8);
       if (what == 0) {
         const Shape shape = kShapes[random.below(std::size(kShapes))];
-        stage.set(make_heap(shape, 1 + random.below(200), random), false);
+        stage.set(make_soup(shape, 1 + random.below(200), random), false);
       } else if (what < 5) {
-        stage.set(moved(stage.heap(), random.below(4) == 0 ? 10 : 0.1f, random), true);
+        stage.set(moved(stage.soup(), random.below(4) == 0 ? 10 : 0.1f, random), true);
       } else if (what == 5) {
         // Says that they are the same, but there are more.
-        Heap more = stage.heap();
+        Soup more = stage.soup();
         add_random(Shape::kSmall, random, &more);
         stage.set(more, true);
       }
       if (random.below(3) == 0) continue;
-      const std::vector<Ray> rays = some_rays(stage.heap(), random);
-      const HitRows rows = brute_force(stage.heap(), rays);
+      const std::vector<Ray> rays = some_rays(stage.soup(), random);
+      const HitRows rows = brute_force(stage.soup(), rays);
       const Batch b = ask_engine(two_threads(), &stage.engine, rays);
       ASSERT_TRUE(right(rows, b, rays));
-      for (const EngineReport& report : b.reports) {
+      for (const QueryReport& report : b.reports) {
         fan += said(report, "stream against") ? 1 : 0;
         refitted += said(report, "refitted,") ? 1 : 0;
         finely += said(report, "built finely") ? 1 : 0;
@@ -131,21 +131,21 @@ TEST(Engine, ALifeOfMovesAndReplacements) {
   EXPECT_GT(finely, 6u);
 }
 
-TEST(Engine, NoTrianglesAndNoRays) {
+TEST(PlannedQueries, NoTrianglesAndNoRays) {
   Random random(7);
   Stage stage;
   stage.set({}, false);
   expect_engine_right(&stage, {});
   const std::vector<Ray> rays{{{}, 0, {1, 0, 0}, kInfinity}, {{1, 2, 3}, 0, {0, 1, 0}, 1}};
   expect_engine_right(&stage, rays);
-  Heap flat;
+  Soup flat;
   flat.add({1, 2, 3}, {2, 4, 6}, {3, 6, 9});
   stage.set(flat, false);
   expect_engine_right(&stage, rays);
   // A triangle without area gains one where it is only said to have moved, and loses it.
   for (int i = 0; i < 4; ++i) {
-    stage.set(make_heap(Shape::kSingle, 1, random), true);
-    expect_engine_right(&stage, any_rays(stage.heap(), 50, random));
+    stage.set(make_soup(Shape::kSingle, 1, random), true);
+    expect_engine_right(&stage, any_rays(stage.soup(), 50, random));
     stage.set(flat, true);
     expect_engine_right(&stage, rays);
   }
@@ -153,31 +153,31 @@ TEST(Engine, NoTrianglesAndNoRays) {
   expect_engine_right(&stage, rays);
 }
 
-TEST(Engine, Facing) {
+TEST(PlannedQueries, Facing) {
   Random random(8);
   Stage stage;
   for (int frame = 0; frame < 6; ++frame) {
-    Heap heap = make_heap(Shape::kSmall, 150, random);
-    for (std::uint32_t i = 0; i < heap.count(); ++i)
-      heap.flags.push_back(static_cast<std::uint8_t>(random.below(4)));
-    stage.set(heap, frame % 3 != 0);
-    const std::vector<Ray> rays = some_rays(heap, random);
+    Soup soup = make_soup(Shape::kSmall, 150, random);
+    for (std::uint32_t i = 0; i < soup.count(); ++i)
+      soup.flags.push_back(static_cast<std::uint8_t>(random.below(4)));
+    stage.set(soup, frame % 3 != 0);
+    const std::vector<Ray> rays = some_rays(soup, random);
     expect_engine_right(&stage, rays, Facing::kSkipBackOfSingleSided);
     expect_engine_right(&stage, rays, Facing::kBoth);
   }
 }
 
-TEST(Engine, RowsWithTies) {
+TEST(PlannedQueries, RowsWithTies) {
   Random random(9);
   Stage stage;
-  stage.set(make_heap(Shape::kDuplicates, 300, random), false);
+  stage.set(make_soup(Shape::kDuplicates, 300, random), false);
   std::vector<Ray> rays;
   for (int i = 0; i < 300; ++i)
     rays.push_back({lattice_point(random), 0, {0, 0, i % 2 == 0 ? 1.0f : -1.0f}, kInfinity});
   std::size_t ties = 0;
   const View<const Ray> view(rays);
   stage.engine.all_hits(one_thread(), view, {}, nullptr)
-      .for_each(one_thread(), [&](std::size_t, View<const EngineHit> hits) {
+      .for_each(one_thread(), [&](std::size_t, View<const IndexedHit> hits) {
         for (std::size_t i = 1; i < hits.size; ++i) {
           EXPECT_TRUE(precedes(hits[i - 1], hits[i]));
           ties += hits[i - 1].t == hits[i].t ? 1 : 0;
@@ -188,40 +188,40 @@ TEST(Engine, RowsWithTies) {
 }
 
 /// A sample that seems to share an origin, and one ray that starts elsewhere.
-TEST(Engine, AlmostOneOrigin) {
+TEST(PlannedQueries, AlmostOneOrigin) {
   Random random(21);
   Stage stage;
-  stage.set(make_heap(Shape::kSmall, 2000, random), false);
+  stage.set(make_soup(Shape::kSmall, 2000, random), false);
   for (const std::size_t other : {1u, 1001u, 4999u}) {
-    std::vector<Ray> rays = any_rays(stage.heap(), 5000, random);
+    std::vector<Ray> rays = any_rays(stage.soup(), 5000, random);
     const Vec3 elsewhere = rays[other].origin;
     for (Ray& ray : rays) ray.origin = {};
     rays[other].origin = elsewhere;
     std::vector<std::uint8_t> occluded(rays.size(), 7);
-    EngineReport report;
+    QueryReport report;
     stage.engine.any_hit(two_threads(), View<const Ray>(rays), {Facing::kBoth, true}, occluded, {},
                          &report);
     EXPECT_FALSE(said(report, "stream against"));
     EXPECT_TRUE(said(report, "object tree"));
-    const HitRows rows = brute_force(stage.heap(), rays, Facing::kBoth);
+    const HitRows rows = brute_force(stage.soup(), rays, Facing::kBoth);
     for (std::size_t i = 0; i < rays.size(); ++i)
       ASSERT_EQ(occluded[i] != 0, !rows[i].empty()) << "ray " << i;
   }
 }
 
-TEST(Engine, SharesAddUp) {
+TEST(PlannedQueries, SharesAddUp) {
   Random random(10);
   for (const bool one_origin : {false, true}) {
     Stage stage;
-    stage.set(make_heap(Shape::kSmall, 2000, random), false);
-    std::vector<Ray> rays = any_rays(stage.heap(), 2000, random);
+    stage.set(make_soup(Shape::kSmall, 2000, random), false);
+    std::vector<Ray> rays = any_rays(stage.soup(), 2000, random);
     for (Ray& ray : rays)
       if (one_origin) ray.origin = {};
     const View<const Ray> view(rays);
-    const EngineOptions options{Facing::kBoth, true};
-    std::vector<EngineHit> hits(rays.size());
+    const PlannedOptions options{Facing::kBoth, true};
+    std::vector<IndexedHit> hits(rays.size());
     std::vector<std::uint8_t> occluded(rays.size());
-    EngineReport closest, any;
+    QueryReport closest, any;
     std::vector<float> a(rays.size(), 0), b(rays.size(), 0);
     stage.engine.any_hit(one_thread(), view, options, occluded, b, &any);
     stage.engine.closest_hit(one_thread(), view, options, hits, a, &closest);
@@ -237,14 +237,14 @@ TEST(Engine, SharesAddUp) {
   }
 }
 
-TEST(Engine, SameWithAnyThreads) {
+TEST(PlannedQueries, SameWithAnyThreads) {
   Random random(11);
   Stage a, b;
-  Heap heap = make_heap(Shape::kSmall, 3000, random);
+  Soup soup = make_soup(Shape::kSmall, 3000, random);
   for (int frame = 0; frame < 8; ++frame) {
-    a.set(heap, frame > 0);
-    b.set(heap, frame > 0);
-    const std::vector<Ray> rays = some_rays(heap, random);
+    a.set(soup, frame > 0);
+    b.set(soup, frame > 0);
+    const std::vector<Ray> rays = some_rays(soup, random);
     const Batch one = ask_engine(one_thread(), &a.engine, rays);
     const Batch two = ask_engine(two_threads(), &b.engine, rays);
     for (int q = 0; q < 3; ++q) {
@@ -258,82 +258,82 @@ TEST(Engine, SameWithAnyThreads) {
     for (std::size_t i = 0; i < rays.size(); ++i)
       EXPECT_TRUE(std::equal(one.all[i].begin(), one.all[i].end(), two.all[i].begin(),
                              two.all[i].end(), same_bits));
-    heap = moved(heap, 0.05f, random);
+    soup = moved(soup, 0.05f, random);
   }
 }
 
 /// Closest hits of a hundred rays, one frame after the other; how often a text was a reason.
 class Frames {
  public:
-  void frame(const Heap& heap, bool same, Random& random) {
-    stage_.set(heap, same);
-    const std::vector<Ray> rays = any_rays(heap, 100, random);
-    std::vector<EngineHit> hits(rays.size());
-    EngineReport report;
+  void frame(const Soup& soup, bool same, Random& random) {
+    stage_.set(soup, same);
+    const std::vector<Ray> rays = any_rays(soup, 100, random);
+    std::vector<IndexedHit> hits(rays.size());
+    QueryReport report;
     stage_.engine.closest_hit(one_thread(), View<const Ray>(rays), {}, hits, {}, &report);
     reports_.push_back(report);
     memory_.push_back(stage_.engine.memory_bytes());
   }
   [[nodiscard]] std::size_t count(const std::string& text) const {
     return static_cast<std::size_t>(std::count_if(
-        reports_.begin(), reports_.end(), [&](const EngineReport& r) { return said(r, text); }));
+        reports_.begin(), reports_.end(), [&](const QueryReport& r) { return said(r, text); }));
   }
-  [[nodiscard]] const EngineReport& last() const { return reports_.back(); }
+  [[nodiscard]] const QueryReport& last() const { return reports_.back(); }
   [[nodiscard]] const std::vector<std::size_t>& memory() const { return memory_; }
 
  private:
   Stage stage_;
-  std::vector<EngineReport> reports_;
+  std::vector<QueryReport> reports_;
   std::vector<std::size_t> memory_;
 };
 
-TEST(Engine, TrianglesThatKeepMovingGetAFineTreeOnce) {
+TEST(PlannedQueries, TrianglesThatKeepMovingGetAFineTreeOnce) {
   Random random(12);
   Frames frames;
-  Heap heap = make_heap(Shape::kSmall, 500, random);
+  Soup soup = make_soup(Shape::kSmall, 500, random);
   for (int i = 0; i < 60; ++i) {
-    frames.frame(heap, i > 0, random);
-    heap = moved(heap, 1e-3f, random);
+    frames.frame(soup, i > 0, random);
+    soup = moved(soup, 1e-3f, random);
   }
   EXPECT_EQ(frames.count("are new"), 1u);
   EXPECT_EQ(frames.count("built finely"), 1u);
   EXPECT_EQ(frames.count("refitted"), 59u - 1 + 1);  // "to be refitted from now on" is one
   EXPECT_EQ(frames.count("spoilt"), 0u);
-  frames.frame(make_heap(Shape::kSmall, 500, random), false, random);
+  frames.frame(make_soup(Shape::kSmall, 500, random), false, random);
   EXPECT_TRUE(said(frames.last(), "are new"));
 }
 
 /// Triangles that change places with each other at every step: no tree can be refitted, and fine
 /// ones are tried less and less often.
-TEST(Engine, SpoiltTreesAreBuiltAgainAndFineOnesRarely) {
+TEST(PlannedQueries, SpoiltTreesAreBuiltAgainAndFineOnesRarely) {
   Random random(13);
   Frames frames;
-  for (int i = 0; i < 200; ++i) frames.frame(make_heap(Shape::kSmall, 500, random), i > 0, random);
+  for (int i = 0; i < 200; ++i) frames.frame(make_soup(Shape::kSmall, 500, random), i > 0, random);
   EXPECT_GT(frames.count("spoilt"), 60u);
   EXPECT_GE(frames.count("built finely"), 1u);
   EXPECT_LE(frames.count("built finely"), 8u);
 }
 
 /// What one great move has spoilt is not kept for good where triangles then stay.
-TEST(Engine, ASpoiltTreeOfTrianglesThatStayIsBuiltAgain) {
+TEST(PlannedQueries, ASpoiltTreeOfTrianglesThatStayIsBuiltAgain) {
   Random random(17);
   for (const int moves : {1, 9}) {
     Stage stage;
-    Heap heap = make_heap(Shape::kSmall, 500, random);
+    Soup soup = make_soup(Shape::kSmall, 500, random);
     const auto ask = [&] {
-      const std::vector<Ray> rays = any_rays(stage.heap(), 50, random);
-      std::vector<EngineHit> hits(rays.size());
-      EngineReport report;
+      const std::vector<Ray> rays = any_rays(stage.soup(), 50, random);
+      std::vector<IndexedHit> hits(rays.size());
+      QueryReport report;
       stage.engine.closest_hit(one_thread(), View<const Ray>(rays), {}, hits, {}, &report);
       return report;
     };
-    stage.set(heap, false);
+    stage.set(soup, false);
     ask();
     for (int i = 1; i < moves; ++i) {
-      stage.set(moved(heap, 1e-3f, random), true);
+      stage.set(moved(soup, 1e-3f, random), true);
       ask();
     }
-    stage.set(make_heap(Shape::kSmall, 500, random), true);
+    stage.set(make_soup(Shape::kSmall, 500, random), true);
     EXPECT_TRUE(said(ask(), "refitted"));
     EXPECT_TRUE(said(ask(), "spoilt"));
     EXPECT_TRUE(said(ask(), "kept"));
@@ -341,13 +341,13 @@ TEST(Engine, ASpoiltTreeOfTrianglesThatStayIsBuiltAgain) {
 }
 
 /// Fine trees are as rare where refits fail, for triangles gain an area.
-TEST(Engine, FlickeringTrianglesDoNotBuildFineTreesForEver) {
+TEST(PlannedQueries, FlickeringTrianglesDoNotBuildFineTreesForEver) {
   Random random(14);
   Frames frames;
-  const Heap heap = make_heap(Shape::kSmall, 500, random);
+  const Soup soup = make_soup(Shape::kSmall, 500, random);
   for (int i = 0; i < 200; ++i) {
-    Heap now = heap;
-    for (std::uint32_t t = 0; t < heap.count(); ++t)
+    Soup now = soup;
+    for (std::uint32_t t = 0; t < soup.count(); ++t)
       if ((t + static_cast<std::uint32_t>(i)) % 3 == 0)
         now.positions[3 * t + 1] = now.positions[3 * t];
     frames.frame(now, i > 0, random);
@@ -356,14 +356,14 @@ TEST(Engine, FlickeringTrianglesDoNotBuildFineTreesForEver) {
   EXPECT_GT(frames.count("gained an area"), 50u);
 }
 
-TEST(Engine, MemoryStaysOverFrames) {
+TEST(PlannedQueries, MemoryStaysOverFrames) {
   Random random(15);
   Frames moving, changing;
-  Heap heap = make_heap(Shape::kSmall, 1000, random);
+  Soup soup = make_soup(Shape::kSmall, 1000, random);
   for (int i = 0; i < 200; ++i) {
-    moving.frame(heap, i > 0, random);
-    heap = moved(heap, 0.01f, random);
-    changing.frame(make_heap(Shape::kSmall, 1000, random), false, random);
+    moving.frame(soup, i > 0, random);
+    soup = moved(soup, 0.01f, random);
+    changing.frame(make_soup(Shape::kSmall, 1000, random), false, random);
   }
   EXPECT_LE(moving.memory()[199], moving.memory()[50] * 101 / 100);
   EXPECT_GT(moving.memory()[199], 1000u * 40);
@@ -372,7 +372,7 @@ TEST(Engine, MemoryStaysOverFrames) {
   Stage stage;
   std::vector<std::size_t> memory;
   for (int i = 0; i < 100; ++i) {
-    stage.set(heap, i > 0);
+    stage.set(soup, i > 0);
     std::vector<Ray> rays(3000);
     for (Ray& ray : rays) ray = {{0.1f, 0.2f, 0.3f}, 0, random.direction() * 20, 1};
     std::vector<std::uint8_t> occluded(rays.size());
@@ -382,15 +382,15 @@ TEST(Engine, MemoryStaysOverFrames) {
   EXPECT_LE(memory[99], memory[30] * 11 / 10);
 }
 
-TEST(Engine, ManyRaysOnTrianglesThatStayGetAFineTree) {
+TEST(PlannedQueries, ManyRaysOnTrianglesThatStayGetAFineTree) {
   Random random(16);
   Stage stage;
-  stage.set(make_heap(Shape::kSmall, 50, random), false);
-  const std::vector<Ray> rays = any_rays(stage.heap(), 20000, random);
-  std::vector<EngineHit> hits(rays.size()), first(rays.size());
+  stage.set(make_soup(Shape::kSmall, 50, random), false);
+  const std::vector<Ray> rays = any_rays(stage.soup(), 20000, random);
+  std::vector<IndexedHit> hits(rays.size()), first(rays.size());
   std::uint32_t finely = 0;
   for (int i = 0; i < 10; ++i) {
-    EngineReport report;
+    QueryReport report;
     stage.engine.closest_hit(one_thread(), View<const Ray>(rays), {}, hits, {}, &report);
     if (i == 0) first = hits;
     EXPECT_TRUE(std::equal(hits.begin(), hits.end(), first.begin(), same_bits));

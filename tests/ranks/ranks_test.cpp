@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "api/context_impl.h"
+#include "emulated/open_emulated.h"
 #include "ranks/share.h"
 #include "raysheaf/builtin_scenes.h"
 #include "raysheaf/query.h"

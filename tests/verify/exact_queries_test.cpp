@@ -57,14 +57,14 @@ void on_every_target(const Answer& answer) {
   });
 }
 
-test::Heap heap_of(const Problem& problem) {
-  test::Heap heap;
+test::Soup soup_of(const Problem& problem) {
+  test::Soup soup;
   for (const std::vector<Vec3>& mesh : problem.soup.meshes)
-    heap.positions.insert(heap.positions.end(), mesh.begin(), mesh.end());
-  return heap;
+    soup.positions.insert(soup.positions.end(), mesh.begin(), mesh.end());
+  return soup;
 }
 
-Hit hit_of(const Problem& problem, const EngineHit& hit) {
+Hit hit_of(const Problem& problem, const IndexedHit& hit) {
   return problem.hit_of(hit.triangle, hit.t, hit.u, hit.v);
 }
 
@@ -73,9 +73,9 @@ void compare(const Problem& problem, const std::string& name, std::int64_t targe
   std::vector<Hit> closest;
   HitRows rows;
   rows.offsets.push_back(0);
-  for (const EngineHit& hit : answers.closest) closest.push_back(hit_of(problem, hit));
+  for (const IndexedHit& hit : answers.closest) closest.push_back(hit_of(problem, hit));
   for (const auto& row : answers.all) {
-    for (const EngineHit& hit : row) rows.hits.push_back(hit_of(problem, hit));
+    for (const IndexedHit& hit : row) rows.hits.push_back(hit_of(problem, hit));
     rows.offsets.push_back(rows.hits.size());
   }
   Comparison comparison(problem, way(name, target, 1), tally);
@@ -96,13 +96,13 @@ TEST(ExactQueries, EveryMethod) {
 TEST(ExactQueries, EveryTreeAndBundle) {
   std::size_t turn = 0;
   on_every_target([&](const Problem& problem, std::int64_t target, Random* random, Tally* tally) {
-    test::Heap heap = heap_of(problem);
+    test::Soup soup = soup_of(problem);
     constexpr const char* kTrees[] = {"curve", "fine", "refitted"};
     constexpr test::Tree kHow[] = {test::Tree::kCurve, test::Tree::kFine, test::Tree::kRefitted};
     constexpr const char* kBundles[] = {"packets", "streams", "long streams"};
     const std::size_t how = turn++ % std::size(kHow);
     ObjectTree tree;
-    test::make_tree(&heap, kHow[how], &tree);
+    test::make_tree(&soup, kHow[how], &tree);
     for (const Bundle bundle : {Bundle::kPacket, Bundle::kStream, Bundle::kLongStream}) {
       DualScene scene;
       scene.tree = &tree;
@@ -134,7 +134,7 @@ TEST(ExactQueries, Fans) {
     else
       solve_exactly(the_library(), &fan, tally);
     test::Triangles triangles;
-    triangles.positions = heap_of(problem).positions;
+    triangles.positions = soup_of(problem).positions;
     fans += is_one ? 1 : 0;
     Comparison(fan, way("a fan", target, 1), tally)
         .any(test::fan(test::one_thread(), triangles.source(), fan.rays));

@@ -1,4 +1,4 @@
-// The beam of a packet: made, and tested with boxes. Included once a SIMD target by
+// The beam of a bundle: made, and tested with boxes. Included once a SIMD target by
 // methods/dual/trace_simd.cpp, inside its namespace.
 
 /// A subtree that waits. In two words, each written and read whole: a load of what was stored in
@@ -33,7 +33,7 @@ struct Waiting {
 };
 
 /// The children whose boxes the beam meets, as bits; `near` takes where it enters them. `Bundle`:
-/// RayPacket or Stream.
+/// RayBundle or RayStream.
 template <class Bundle>
 HWY_INLINE std::uint32_t children_in_beam(const Bundle& p, const Beam& b, const BvhNode& n,
                                           float* HWY_RESTRICT near) {
@@ -65,10 +65,10 @@ HWY_INLINE std::uint32_t children_in_beam(const Bundle& p, const Beam& b, const 
 }
 
 /// The farthest zeta at which any ray still looks for something.
-HWY_INLINE float farthest_zeta(const RayPacket& p) {
+HWY_INLINE float farthest_zeta(const RayBundle& p) {
   const Rays d;
   RV far = hn::Set(d, -std::numeric_limits<float>::infinity());
-  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
+  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes())
     far = hn::Max(far, hn::Add(load(p.zeta + g), load(p.s_far + g)));
   return hn::GetLane(hn::MaxOfLanes(d, far));
 }
@@ -125,7 +125,7 @@ HWY_INLINE Spread spread_of(std::uint32_t lanes, const float* o, const float* sh
                             const float* zetas, float length) {
   const RV infinity = set(std::numeric_limits<float>::infinity());
   Spread s{infinity, hn::Neg(infinity), infinity, hn::Neg(infinity)};
-  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
     const RM on = lanes_of(lanes, g);
     const RV across = load(shear + g), slope = mirrored ? hn::Neg(across) : across;
     const RV zeta = load(zetas + g);
@@ -139,7 +139,7 @@ HWY_INLINE Spread spread_of(std::uint32_t lanes, const float* o, const float* sh
   return s;
 }
 
-/// The beam of the lanes that are set: at least one. `Bundle`: RayPacket or StreamBlock. `zetas`
+/// The beam of the lanes that are set: at least one. `Bundle`: RayBundle or StreamBlock. `zetas`
 /// takes the origins' zeta.
 template <class Bundle>
 HWY_INLINE Beam make_beam(std::uint32_t lanes, const Bundle& p, bool mirrored, float pad,
@@ -149,14 +149,14 @@ HWY_INLINE Beam make_beam(std::uint32_t lanes, const Bundle& p, bool mirrored, f
   const float first = p.oz[__builtin_ctz(lanes)];
   const RV infinity = set(std::numeric_limits<float>::infinity());
   RV nearest = infinity;
-  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
     const RV start =
         hn::Add(hn::Mul(set(sign), hn::Sub(load(p.oz + g), set(first))), load(p.s_near + g));
     nearest = hn::Min(nearest, hn::IfThenElse(lanes_of(lanes, g), start, infinity));
   }
   const float plane = first + sign * least(nearest);
   RV start = infinity, end = hn::Neg(infinity);
-  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
     const RM on = lanes_of(lanes, g);
     const RV zeta = hn::Mul(set(sign), hn::Sub(load(p.oz + g), set(plane)));
     hn::Store(zeta, d, zetas + g);

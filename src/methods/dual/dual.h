@@ -1,6 +1,6 @@
 // Rays in bundles through the object tree: the heart of `dual`.
 //
-//   packet: 16 rays towards one face        beam: what all of them stay in
+//   bundle: 16 rays towards one face        beam: what all of them stay in
 //
 //        x ^      . - ' |                   at two planes across the axis the smallest and the
 //          |  . '       |  . - '            largest x (and y) of the rays; in between, straight
@@ -22,28 +22,22 @@
 #include "base/spares.h"
 #include "base/view.h"
 #include "exec/executor.h"
+#include "intersect/indexed_hit.h"
 #include "intersect/intersect_list.h"
 #include "methods/dual/ray_order.h"
 #include "object_tree/object_tree.h"
 
 namespace raysheaf {
 
-/// A hit by the triangle's number; `u` and `v` are the weights of the second and third corner.
-struct EngineHit {
-  float t = std::numeric_limits<float>::infinity();
-  float u = 0, v = 0;
-  std::uint32_t triangle = kInvalidId;
-};
-
-/// Streams that are not in use (methods/dual/stream.h): a thread takes one and gives it back.
-struct Stream;
-using StreamPool = Spares<Stream>;
+/// Streams that are not in use (methods/dual/ray_stream.h): a thread takes one and gives it back.
+struct RayStream;
+using RayStreamPool = Spares<RayStream>;
 
 /// How rays go down the tree together.
 enum class Bundle : std::uint8_t {
-  kPacket,      ///< sixteen, bounded by a beam: for rays that resemble their neighbours
-  kStream,      ///< thousands, in lists of sixteen at once or of rays (methods/dual/stream.h): for
-                ///< such, too
+  kSixteen,  ///< sixteen, bounded by a beam: for rays that resemble their neighbours
+  kStream,   ///< thousands, in lists of sixteen at once or of rays (methods/dual/ray_stream.h): for
+             ///< such, too
   kLongStream,  ///< tens of thousands, in lists of rays: for all others
 };
 
@@ -51,8 +45,8 @@ struct DualScene {
   const ObjectTree* tree = nullptr;
   const std::uint8_t* flags = nullptr;  ///< TriangleFlag by number, or null
   Facing facing = Facing::kBoth;
-  Bundle bundle = Bundle::kPacket;
-  StreamPool* streams = nullptr;  ///< kept from query to query; null: the query's own
+  Bundle bundle = Bundle::kSixteen;
+  RayStreamPool* streams = nullptr;  ///< kept from query to query; null: the query's own
 };
 
 /// The same with any number of threads and on every SIMD target.
@@ -74,9 +68,9 @@ struct DualCounts {
 struct RowList {
   std::uint32_t first = 0;
   Buffer<std::uint64_t> ends;  ///< 64 bits: few rays may have many hits
-  Buffer<EngineHit> hits;
+  Buffer<IndexedHit> hits;
 
-  [[nodiscard]] View<const EngineHit> row(std::size_t i) const {
+  [[nodiscard]] View<const IndexedHit> row(std::size_t i) const {
     const std::uint64_t begin = i == 0 ? 0 : ends[i - 1];
     return {hits.data() + begin, ends[i] - begin};
   }
@@ -86,7 +80,7 @@ using RowLists = std::vector<RowList>;
 /// All in the caller's order; `ray_tests` may be empty, else each ray's share is added to it. What
 /// `rays` are must have been checked: finite, with a direction, 0 <= t_min <= t_max.
 void trace_closest(const Executor& executor, const DualScene& scene, View<const Ray> rays,
-                   const RayOrder& order, View<EngineHit> hits, View<float> ray_tests,
+                   const RayOrder& order, View<IndexedHit> hits, View<float> ray_tests,
                    DualCounts* counts);
 void trace_any(const Executor& executor, const DualScene& scene, View<const Ray> rays,
                const RayOrder& order, View<std::uint8_t> occluded, View<float> ray_tests,

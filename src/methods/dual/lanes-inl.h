@@ -1,7 +1,7 @@
 // Lanes of rays and lanes of boxes, and how records come into them. Included once a SIMD target by
 // methods/dual/trace_simd.cpp, inside its namespace.
 
-using Rays = hn::CappedTag<float, kPacketWidth>;
+using Rays = hn::CappedTag<float, kBundleWidth>;
 using RayInts = hn::RebindToUnsigned<Rays>;
 using RV = hn::Vec<Rays>;
 using RM = hn::Mask<Rays>;

@@ -1,4 +1,4 @@
-// One ray with boxes, where neither SIMD nor a packet is.
+// One ray with boxes, where neither SIMD nor a bundle is.
 //
 //   lo_x - pad      hi_x + pad        s: distance from the origin along the ray's longest axis,
 //      |      _ - '    |                 t = s / |d_z|
@@ -6,7 +6,7 @@
 //   _ -+---------------+------> s     in the slab from s0 to s1; in the box where all slabs overlap
 //      s0              s1
 //
-// Conservative as packets are, with the same pad (methods/dual/packet.h). Along an axis s is
+// Conservative as bundles are, with the same pad (methods/dual/bundle16.h). Along an axis s is
 // fma(plane, per, from), where `from` is -(origin -+ pad) per, so what is rounded is:
 //
 //   origin -+ pad, and that times `per`      u times the largest coordinate each
@@ -28,8 +28,8 @@
 namespace raysheaf {
 
 /// For one ray: coordinates and reaches beyond are not bounded, or products with slopes' inverses
-/// would overflow. As for packets (methods/dual/packet.h): what a t that underflows may be off by;
-/// from where t_min bounds nothing.
+/// would overflow. As for bundles (methods/dual/bundle16.h): what a t that underflows may be off
+/// by; from where t_min bounds nothing.
 inline constexpr float kRayLargestBounded = 0x1p60f, kRayLeastSlope = 0x1p-67f;
 inline constexpr float kRayLeastStep = 0x1p-148f;
 inline constexpr float kRayLargeStart = 0x1p63f;

@@ -1,14 +1,14 @@
 // What rays that go on alone share, and where each of them is. Included once a SIMD target by
 // methods/dual/trace_simd.cpp, inside its namespace.
 
-/// What the rays of a packet or of a stream share.
+/// What the rays of a bundle or of a stream share.
 struct SharedAxes {
   int axis_x, axis_y, axis_z;
   int near_x, far_x, near_y, far_y, near_z, far_z;
   float pad_x, pad_y, pad_z;  ///< added to an origin for near planes, taken from it for far ones
   float per_z;
 
-  /// `Bundle`: RayPacket or Stream.
+  /// `Bundle`: RayBundle or RayStream.
   template <class Bundle>
   explicit SharedAxes(const Bundle& b)
       : axis_x(b.axis_x),

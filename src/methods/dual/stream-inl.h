@@ -40,7 +40,7 @@ class StreamWalk : StreamPilots<Mode> {
   /// The stream's rays, and the list of those that meet the scene's box, or of their blocks: how
   /// many they are.
   std::uint32_t fill(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
-    Stream& s = stream_;
+    RayStream& s = stream_;
     s.fit(count);
     static_cast<QuarterAxes&>(s) = QuarterAxes(quarter);
     std::uint32_t* end = s.lists.data();
@@ -49,12 +49,12 @@ class StreamWalk : StreamPilots<Mode> {
     s.pad = 0;
     counts_.ray_box_tests += count;
     const std::uint32_t* order = job_.order + first;
-    for (std::uint32_t base = 0; base < count; base += kPacketWidth) {
-      const std::uint32_t n = std::min(kPacketWidth, count - base);
-      const std::uint32_t ahead = base + 8 * kPacketWidth;
-      if (ahead + kPacketWidth <= count &&
-          order[ahead + kPacketWidth - 1] - order[ahead] != kPacketWidth - 1) {
-        for (std::uint32_t i = 0; i < kPacketWidth; ++i)
+    for (std::uint32_t base = 0; base < count; base += kBundleWidth) {
+      const std::uint32_t n = std::min(kBundleWidth, count - base);
+      const std::uint32_t ahead = base + 8 * kBundleWidth;
+      if (ahead + kBundleWidth <= count &&
+          order[ahead + kBundleWidth - 1] - order[ahead] != kBundleWidth - 1) {
+        for (std::uint32_t i = 0; i < kBundleWidth; ++i)
           hwy::Prefetch(job_.rays + order[ahead + i]);
       }
       copy_numbers(order + base, n, s.index.data() + base);
@@ -62,7 +62,7 @@ class StreamWalk : StreamPilots<Mode> {
           prepare_lanes(job_.rays, s.index.data() + base, n, tree_.bounds, s,
                         [&](std::size_t g, const RayLanes& r, const SlabLanes& slabs)
                             HWY_ATTR { keep_lanes(base, g, r, slabs); });
-      const std::uint32_t block = base / kPacketWidth;
+      const std::uint32_t block = base / kBundleWidth;
       if (HWY_LIKELY(prepared.bounded)) {
         s.pad = std::max(s.pad, prepared.pad);
       } else if (in_blocks_) {
@@ -73,7 +73,7 @@ class StreamWalk : StreamPilots<Mode> {
       if (in_blocks_) {
         s.recorded[block] = 0;
         if (prepared.lanes == 0) continue;
-        alignas(64) float zetas[kPacketWidth];
+        alignas(64) float zetas[kBundleWidth];
         s.beams[block] =
             make_beam(prepared.lanes, s.blocks[block], s.mirrored, prepared.pad, zetas);
         *end++ = word_of(block, prepared.lanes);
@@ -89,7 +89,7 @@ class StreamWalk : StreamPilots<Mode> {
   /// As rays `base` + `g` and those after it.
   HWY_INLINE void keep_lanes(std::uint32_t base, std::size_t g, const RayLanes& r,
                              const SlabLanes& slabs) {
-    Stream& s = stream_;
+    RayStream& s = stream_;
     const Rays d;
     const RayInts di;
     if (!in_blocks_) {
@@ -101,7 +101,7 @@ class StreamWalk : StreamPilots<Mode> {
       store4(slabs.along, r.t_limit, none, none, 3, rays);
       return;
     }
-    StreamBlock& b = s.blocks[base / kPacketWidth];
+    StreamBlock& b = s.blocks[base / kBundleWidth];
     const auto put = [&](RV v, float* to) HWY_ATTR { hn::Store(v, d, to + g); };
     put(r.ox, b.ox), put(r.oy, b.oy), put(r.oz, b.oz), put(r.t_limit, b.t_limit);
     put(slabs.shear_x, b.shear_x), put(slabs.shear_y, b.shear_y), put(slabs.shear_z, b.shear_z);
@@ -125,5 +125,5 @@ class StreamWalk : StreamPilots<Mode> {
     unbounded_.clear();
   }
 
-  std::vector<std::uint32_t> unbounded_;  ///< of packets that have no bounds: rays, or blocks
+  std::vector<std::uint32_t> unbounded_;  ///< of bundles that have no bounds: rays, or blocks
 };

@@ -34,7 +34,7 @@ struct BeamLanes {
   HWY_INLINE BeamLanes(const Beam* beams, const std::uint32_t* words) {
     static_assert(sizeof(BlockRays) == 4);
     const RayInts d;
-    alignas(64) std::uint32_t blocks[kPacketWidth];
+    alignas(64) std::uint32_t blocks[kBundleWidth];
     hn::Store(hn::And(hn::Load(d, words), hn::Set(d, 0xffff)), d, blocks);
     gather4(beams, 0, blocks, z_low, z_high, start, end);
     gather4(beams, 1, blocks, x_low.at, x_low.inverse, x_high.at, x_high.inverse);
@@ -44,7 +44,7 @@ struct BeamLanes {
   }
 
   /// Those that meet a child: `children_in_beam`, operation by operation.
-  HWY_INLINE RM meeting(const Stream& s, const BvhNode& node, std::uint32_t c) const {
+  HWY_INLINE RM meeting(const RayStream& s, const BvhNode& node, std::uint32_t c) const {
     using hn::Max, hn::Min, hn::Mul, hn::Sub;
     const RV z0 = set(node.bound[s.near_z][c]), z1 = set(node.bound[s.far_z][c]);
     RV lo = Max(s.mirrored ? Sub(z_low, z0) : Sub(z0, z_high), start);
@@ -108,7 +108,7 @@ class StreamBlocks : protected StreamLists<Mode> {
   /// Triangles from a place on with rays of a block.
   HWY_INLINE void meet_block(std::uint32_t first, std::uint32_t count, BlockRays rays) {
     const StreamBlock& b = stream_.blocks[rays.block];
-    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
       const LeafRays r{load(b.ox + g),      load(b.oy + g),      load(b.oz + g),
                        load(b.t_limit + g), load(b.shear_x + g), load(b.shear_y + g),
                        load(b.shear_z + g), load(b.t_min + g)};
@@ -132,11 +132,11 @@ class StreamBlocks : protected StreamLists<Mode> {
   using StreamLists<Mode>::box_of, StreamLists<Mode>::meet;
   using StreamLists<Mode>::sorted_children, StreamLists<Mode>::subtrees_;
 
-  static constexpr std::uint32_t kMostBlocks = kStreamRays / kPacketWidth;
+  static constexpr std::uint32_t kMostBlocks = kStreamRays / kBundleWidth;
 
   HWY_NOINLINE void make_records(std::uint32_t block, std::uint32_t leave) {
     const StreamBlock& b = stream_.blocks[block];
-    StreamRay* const rays = stream_.rays.data() + std::size_t{block} * kPacketWidth;
+    StreamRay* const rays = stream_.rays.data() + std::size_t{block} * kBundleWidth;
     if (__builtin_popcount(leave) <= kFewRecords) {
       stream_.recorded[block] |= leave;
       for (; leave != 0; leave &= leave - 1) {
@@ -146,7 +146,7 @@ class StreamBlocks : protected StreamLists<Mode> {
       return;
     }
     stream_.recorded[block] = 0xffff;
-    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
       const auto put = [&](int quad, const float* f0, const float* f1, const float* f2,
                            const float* f3) HWY_ATTR {
         store4(load(f0 + g), load(f1 + g), load(f2 + g), load(f3 + g), quad, rays + g);
@@ -157,26 +157,26 @@ class StreamBlocks : protected StreamLists<Mode> {
     }
   }
 
-  /// Room for kPacketWidth more is needed.
+  /// Room for kBundleWidth more is needed.
   void keep_blocks(std::uint32_t c, std::uint32_t blocks, std::uint32_t offset) {
     std::memcpy(stream_.lists.data() + offset, found_[c], blocks * sizeof(BlockRays));
     pad_list(offset, blocks);
   }
 
-  /// The same as a list of rays; room for kPacketWidth more is needed.
+  /// The same as a list of rays; room for kBundleWidth more is needed.
   void keep_rays(std::uint32_t c, std::uint32_t blocks, std::uint32_t offset) {
     std::uint32_t* out = stream_.lists.data() + offset;
     for (std::uint32_t i = 0; i < blocks; ++i) {
       const BlockRays from = found_[c][i];
       leave_block(from.block, from.rays);
-      out = append_lanes(from.block * kPacketWidth, from.rays, out);
+      out = append_lanes(from.block * kBundleWidth, from.rays, out);
     }
   }
 
   /// What of a block's rays meets a box.
   HWY_INLINE std::uint32_t rays_in_box(const StreamBlock& b, const SeenBox& box) const {
     std::uint32_t met = 0;
-    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
       const RV oz = load(b.oz + g);
       const SlabRays rays{load(b.ox + g),    load(b.oy + g),    stream_.mirrored ? hn::Neg(oz) : oz,
                           load(b.per_x + g), load(b.per_y + g), load(b.s_near + g),
@@ -231,7 +231,7 @@ class StreamBlocks : protected StreamLists<Mode> {
   }
 
   void open_blocks(const WaitingList& list) {
-    Stream& s = stream_;
+    RayStream& s = stream_;
     const BvhNode& node = tree_.nodes[list.first];
     std::uint32_t children[kBvhWidth], found[kBvhWidth];
     const std::uint32_t child_count = sorted_children(node, children);
@@ -255,7 +255,7 @@ class StreamBlocks : protected StreamLists<Mode> {
       if (blocks == 0) continue;
       const bool together = rays >= (node.is_leaf(c) ? kRaysOfBlockAtLeaf : kRaysOfBlock) * blocks;
       const std::uint32_t size = together ? blocks : rays;
-      s.grow_lists(std::size_t{end} + size + 2 * kPacketWidth);
+      s.grow_lists(std::size_t{end} + size + 2 * kBundleWidth);
       if (together) {
         keep_blocks(c, blocks, end);
       } else {
@@ -264,9 +264,9 @@ class StreamBlocks : protected StreamLists<Mode> {
       }
       s.waiting.push_back({node.first[c], node.count[c], end, size, together});
       subtrees_.prefetch(node.first[c], node.count[c]);
-      end += (size + kPacketWidth + 15) / 16 * 16;
+      end += (size + kBundleWidth + 15) / 16 * 16;
     }
   }
 
-  alignas(64) BlockRays found_[kBvhWidth][kMostBlocks + kPacketWidth];  ///< by child
+  alignas(64) BlockRays found_[kBvhWidth][kMostBlocks + kBundleWidth];  ///< by child
 };

@@ -28,7 +28,7 @@ class StreamHits {
   HWY_INLINE void take_each(std::uint32_t place, std::uint32_t hit, std::uint32_t unsettled,
                             const Tested<Rays>& tested, const Number& number) {
     const Rays d;
-    alignas(64) float low[kPacketWidth], high[kPacketWidth];
+    alignas(64) float low[kBundleWidth], high[kBundleWidth];
     hn::Store(tested.low, d, low);
     hn::Store(tested.high, d, high);
     const std::uint32_t front = bits_of(d, hn::Gt(tested.det, hn::Zero(d)));
@@ -51,7 +51,7 @@ class StreamHits {
   [[nodiscard]] HWY_INLINE std::uint32_t beyond(std::uint32_t place,
                                                 const std::uint32_t* numbers) const {
     const Rays d;
-    alignas(64) float column[8][kPacketWidth];
+    alignas(64) float column[8][kBundleWidth];
     RV v[8];
     for (int part = 0; part < 2; ++part)
       gather4(stream_.rays.data(), part, numbers, v[4 * part], v[4 * part + 1], v[4 * part + 2],
@@ -73,7 +73,7 @@ class StreamHits {
       unsettled &=
           ~lanes_beyond_plane(tree_, stream_, place, columns_from(stream_.blocks[rays.block], g));
     if ((hit | unsettled) == 0) return;
-    const auto first = static_cast<std::uint32_t>(rays.block * kPacketWidth + g);
+    const auto first = static_cast<std::uint32_t>(rays.block * kBundleWidth + g);
     const auto number = [first](std::uint32_t i) { return first + i; };
     if (Mode::kAll || one_side_) return take_each(place, hit, unsettled, tested, number);
     StreamBlock& b = stream_.blocks[rays.block];
@@ -155,8 +155,8 @@ class StreamHits {
   const ObjectTree& tree_;
   const bool in_blocks_;  ///< neighbours are expected to stay together for a while
   const bool one_side_;   ///< hits of some triangles' other side do not count
-  std::unique_ptr<Stream> own_;
-  Stream& stream_;
+  std::unique_ptr<RayStream> own_;
+  RayStream& stream_;
   DualCounts counts_;
 
  private:
@@ -169,7 +169,7 @@ class StreamHits {
   [[nodiscard]] HWY_INLINE Limits limits_of(std::uint32_t n) const {
     if (in_blocks_) {
       StreamBlock& b = block_of(n);
-      const std::uint32_t i = n % kPacketWidth;
+      const std::uint32_t i = n % kBundleWidth;
       return {{&b.t_low[i], &b.t_limit[i], &b.place[i]}, &b.s_far[i], b.along[i]};
     }
     StreamRay& r = stream_.rays[n];
@@ -177,12 +177,12 @@ class StreamHits {
   }
   [[nodiscard]] HWY_INLINE SlopedRay sloped(std::uint32_t n) const {
     const bool has_record =
-        !in_blocks_ || (stream_.recorded[n / kPacketWidth] >> n % kPacketWidth & 1) != 0;
-    const StreamRay r = has_record ? stream_.rays[n] : block_of(n).ray(n % kPacketWidth);
+        !in_blocks_ || (stream_.recorded[n / kBundleWidth] >> n % kBundleWidth & 1) != 0;
+    const StreamRay r = has_record ? stream_.rays[n] : block_of(n).ray(n % kBundleWidth);
     return {{r.ox, r.oy, r.oz}, r.shear_x, r.shear_y, r.shear_z, r.t_min, r.t_limit};
   }
   [[nodiscard]] HWY_INLINE StreamBlock& block_of(std::uint32_t n) const {
-    return stream_.blocks[n / kPacketWidth];
+    return stream_.blocks[n / kBundleWidth];
   }
 
   [[nodiscard]] HWY_INLINE bool is_shown(std::uint32_t place, bool front) const {
@@ -192,8 +192,8 @@ class StreamHits {
   /// A ray's record learns how far it looks.
   HWY_INLINE void tell_record(std::uint32_t n) {
     const StreamBlock& b = block_of(n);
-    stream_.rays[n].t_limit = b.t_limit[n % kPacketWidth];
-    stream_.rays[n].s_far = b.s_far[n % kPacketWidth];
+    stream_.rays[n].t_limit = b.t_limit[n % kBundleWidth];
+    stream_.rays[n].s_far = b.s_far[n % kBundleWidth];
   }
 
   /// The ray looks no farther than its best hit.
@@ -219,39 +219,39 @@ class StreamHits {
   }
 
   void write_back_any() {
-    const Stream& s = stream_;
+    const RayStream& s = stream_;
     for (std::uint32_t i = 0; i < s.count; ++i) {
       const std::uint32_t place =
-          in_blocks_ ? s.blocks[i / kPacketWidth].place[i % kPacketWidth] : s.rays[i].place;
+          in_blocks_ ? s.blocks[i / kBundleWidth].place[i % kBundleWidth] : s.rays[i].place;
       job_.occluded[s.index[i]] = place != kInvalidId ? 1 : 0;
     }
   }
 
   /// The values of sixteen hits while the corners of the next sixteen are on their way.
   void write_back_closest() {
-    const Stream& s = stream_;
-    alignas(64) EngineHit hits[kPacketWidth];
+    const RayStream& s = stream_;
+    alignas(64) IndexedHit hits[kBundleWidth];
     if (s.count != 0) fill_values(0);
-    for (std::uint32_t base = 0; base < s.count; base += kPacketWidth) {
-      const std::uint32_t n = std::min(kPacketWidth, s.count - base), next = base + kPacketWidth;
+    for (std::uint32_t base = 0; base < s.count; base += kBundleWidth) {
+      const std::uint32_t n = std::min(kBundleWidth, s.count - base), next = base + kBundleWidth;
       if (next < s.count) fill_values(next);
-      values_[base / kPacketWidth % 2].store(tree_, hits);
+      values_[base / kBundleWidth % 2].store(tree_, hits);
       for (std::uint32_t i = 0; i < n; ++i) job_.hits[s.index[base + i]] = hits[i];
     }
   }
 
   HWY_INLINE void fill_values(std::uint32_t base) {
-    const Stream& s = stream_;
+    const RayStream& s = stream_;
     const std::uint32_t ahead = std::min(base + kWritesAhead, s.count);
-    for (std::uint32_t i = base + kWritesAhead - kPacketWidth; i < ahead; ++i)
+    for (std::uint32_t i = base + kWritesAhead - kBundleWidth; i < ahead; ++i)
       __builtin_prefetch(job_.hits + s.index[i], 1);
-    alignas(64) std::uint32_t places[kPacketWidth];
+    alignas(64) std::uint32_t places[kBundleWidth];
     if (in_blocks_) {
-      std::copy_n(s.blocks[base / kPacketWidth].place, kPacketWidth, places);
+      std::copy_n(s.blocks[base / kBundleWidth].place, kBundleWidth, places);
     } else {
-      for (std::uint32_t i = 0; i < kPacketWidth; ++i) places[i] = s.rays[base + i].place;
+      for (std::uint32_t i = 0; i < kBundleWidth; ++i) places[i] = s.rays[base + i].place;
     }
-    values_[base / kPacketWidth % 2].fill(tree_, job_.rays, s.index.data() + base, places);
+    values_[base / kBundleWidth % 2].fill(tree_, job_.rays, s.index.data() + base, places);
   }
 
   HitValues values_[2];

@@ -1,7 +1,7 @@
 // Lists of a stream's rays, from node to node. Included once a SIMD target by
 // methods/dual/trace_simd.cpp, inside its namespace.
 
-/// Appends the numbers of a group's lanes that are set; room for kPacketWidth is needed. Returns
+/// Appends the numbers of a group's lanes that are set; room for kBundleWidth is needed. Returns
 /// the new end.
 HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
                                      std::uint32_t* out) {
@@ -18,17 +18,17 @@ HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
 #endif
 }
 
-/// Appends `first` + the number of each of a packet's lanes that are set; room for kPacketWidth
+/// Appends `first` + the number of each of a bundle's lanes that are set; room for kBundleWidth
 /// more is needed. Returns the new end.
 HWY_INLINE std::uint32_t* append_lanes(std::uint32_t first, std::uint32_t lanes,
                                        std::uint32_t* out) {
-  alignas(64) static constexpr std::uint32_t kLanes[kPacketWidth] = {0, 1, 2,  3,  4,  5,  6,  7,
+  alignas(64) static constexpr std::uint32_t kLanes[kBundleWidth] = {0, 1, 2,  3,  4,  5,  6,  7,
                                                                      8, 9, 10, 11, 12, 13, 14, 15};
   const RayInts d;
-  alignas(64) std::uint32_t numbers[kPacketWidth];
-  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
+  alignas(64) std::uint32_t numbers[kBundleWidth];
+  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes())
     hn::Store(hn::Add(hn::Set(d, first), hn::Load(d, kLanes + g)), d, numbers + g);
-  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
+  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes())
     out = append_set(numbers + g, lanes_of(lanes, g), out);
   return out;
 }
@@ -91,7 +91,7 @@ class StreamLists : protected StreamSingles<Mode> {
   void pad_list(std::uint32_t offset, std::uint32_t size) {
     std::uint32_t* end = stream_.lists.data() + offset + size;
     const RayInts d;
-    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
+    for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes())
       hn::StoreU(hn::Set(d, end[-1]), d, end + g);
   }
 
@@ -126,7 +126,7 @@ class StreamLists : protected StreamSingles<Mode> {
 
   /// A child's, grown by the pad.
   [[nodiscard]] HWY_INLINE SeenBox box_of(const BvhNode& node, std::uint32_t c) const {
-    const Stream& s = stream_;
+    const RayStream& s = stream_;
     const auto grown = [&](int row) { return node.bound[row][c] + (row < 3 ? -s.pad : s.pad); };
     SeenBox box{grown(s.near_x), grown(s.far_x),  grown(s.near_y),
                 grown(s.far_y),  grown(s.near_z), grown(s.far_z)};
@@ -140,22 +140,22 @@ class StreamLists : protected StreamSingles<Mode> {
   /// Rays of the block after the next; at a list's beginning of the next, too.
   HWY_INLINE void prefetch_rays(const WaitingList& list, std::uint32_t base) const {
     const std::uint32_t* const numbers = stream_.lists.data() + list.offset;
-    const std::uint32_t end = std::min(base + 3 * kPacketWidth, list.size);
-    for (std::uint32_t i = base + (base == 0 ? 1 : 2) * kPacketWidth; i < end; ++i)
+    const std::uint32_t end = std::min(base + 3 * kBundleWidth, list.size);
+    for (std::uint32_t i = base + (base == 0 ? 1 : 2) * kBundleWidth; i < end; ++i)
       prefetch_ray(numbers[i]);
   }
 
   void meet_leaf(const WaitingList& list) {
-    const Stream& s = stream_;
+    const RayStream& s = stream_;
     counts_.triangle_tests += std::uint64_t{list.size} * list.count;
     if (list.size <= kFewAtQuads) return meet_leaf_by_quads(list);
     const std::uint32_t* numbers = s.lists.data() + list.offset;
-    for (std::uint32_t base = 0; base < list.size; base += kPacketWidth) {
-      const std::uint32_t n = std::min(kPacketWidth, list.size - base);
+    for (std::uint32_t base = 0; base < list.size; base += kBundleWidth) {
+      const std::uint32_t n = std::min(kBundleWidth, list.size - base);
       const std::uint32_t* block = numbers + base;
-      const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
+      const std::uint32_t used = n == kBundleWidth ? 0xffffu : (1u << n) - 1;
       prefetch_rays(list, base);
-      for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes())
+      for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes())
         meet_group(4 * list.first, list.count, block, used, g);
     }
   }
@@ -202,7 +202,7 @@ class StreamLists : protected StreamSingles<Mode> {
   HWY_INLINE void meet_triangles(std::uint32_t first, std::uint32_t count, const LeafRays& r,
                                  const Met& met) const {
     const Rays d;
-    const Stream& s = stream_;
+    const RayStream& s = stream_;
     for (std::uint32_t place = first; place < first + count; ++place) {
       const TriangleQuad& q = tree_.quads[place / 4];
       const std::uint32_t k = place % 4;
@@ -226,14 +226,14 @@ class StreamLists : protected StreamSingles<Mode> {
   using StreamSingles<Mode>::add_singles;
 
   void open(const WaitingList& list) {
-    Stream& s = stream_;
+    RayStream& s = stream_;
     const BvhNode& node = tree_.nodes[list.first];
     std::uint32_t children[kBvhWidth];
     const std::uint32_t child_count = sorted_children(node, children);
     counts_.ray_box_tests += std::uint64_t{list.size} * child_count;
-    const std::uint32_t room = (list.size + kPacketWidth + 15) / 16 * 16;
+    const std::uint32_t room = (list.size + kBundleWidth + 15) / 16 * 16;
     const std::uint32_t bottom = (list.offset + list.size + 15) / 16 * 16;
-    const std::size_t needed = bottom + std::size_t{room} * child_count + 2 * kPacketWidth;
+    const std::size_t needed = bottom + std::size_t{room} * child_count + 2 * kBundleWidth;
     s.grow_lists(needed);
     SeenBox boxes[kBvhWidth];
     std::uint32_t* out[kBvhWidth];
@@ -243,12 +243,12 @@ class StreamLists : protected StreamSingles<Mode> {
     }
     const RV nowhere = set(-std::numeric_limits<float>::infinity());
     const std::uint32_t* numbers = s.lists.data() + list.offset;
-    for (std::uint32_t base = 0; base < list.size; base += kPacketWidth) {
-      const std::uint32_t n = std::min(kPacketWidth, list.size - base);
+    for (std::uint32_t base = 0; base < list.size; base += kBundleWidth) {
+      const std::uint32_t n = std::min(kBundleWidth, list.size - base);
       const std::uint32_t* block = numbers + base;
-      const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
+      const std::uint32_t used = n == kBundleWidth ? 0xffffu : (1u << n) - 1;
       prefetch_rays(list, base);
-      for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+      for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
         SlabRays rays;
         RV unused;
         gather4(s.rays.data(), 0, block + g, rays.ox, rays.oy, rays.oz, unused);

@@ -23,8 +23,8 @@ class StreamPilots : protected StreamBlocks<Mode> {
   std::uint32_t follow_pilots(std::uint32_t alive) {
     if (alive < kFewestPiloted) return alive;
     std::uint32_t left = 0, first = 0;
-    while (first + kPacketWidth <= alive) {
-      const std::uint32_t end = std::min(alive, first + kPilots * kPacketWidth);
+    while (first + kBundleWidth <= alive) {
+      const std::uint32_t end = std::min(alive, first + kPilots * kBundleWidth);
       const std::uint32_t rest = follow_some(first, end, alive, left);
       const bool worth = 2 * (rest - left) < end - first;
       left = rest;
@@ -43,22 +43,22 @@ class StreamPilots : protected StreamBlocks<Mode> {
   /// the place after them.
   std::uint32_t follow_some(std::uint32_t first, std::uint32_t end, std::uint32_t alive,
                             std::uint32_t left) {
-    Stream& s = stream_;
-    const std::uint32_t blocks = (end - first) / kPacketWidth, pilots = (alive + 31) / 16 * 16;
-    s.grow_lists(pilots + blocks + std::size_t{2} * kPacketWidth);
+    RayStream& s = stream_;
+    const std::uint32_t blocks = (end - first) / kBundleWidth, pilots = (alive + 31) / 16 * 16;
+    s.grow_lists(pilots + blocks + std::size_t{2} * kBundleWidth);
     for (std::uint32_t b = 0; b < blocks; ++b)
-      s.lists[pilots + b] = s.lists[first + b * kPacketWidth + kPacketWidth / 2];
+      s.lists[pilots + b] = s.lists[first + b * kBundleWidth + kBundleWidth / 2];
     pad_list(pilots, blocks);
     walk(pilots, blocks, false);
     places_.assign(blocks + std::size_t{2}, kInvalidId);
     for (std::uint32_t b = 0; b < blocks; ++b) {
-      StreamRay& pilot = s.rays[s.lists[first + b * kPacketWidth + kPacketWidth / 2]];
+      StreamRay& pilot = s.rays[s.lists[first + b * kBundleWidth + kBundleWidth / 2]];
       places_[b + 1] = pilot.place;
       pilot.s_far = -std::numeric_limits<float>::infinity();  // done, hit or not
     }
-    for (std::uint32_t b = 0; first + b * kPacketWidth < end; ++b) {
-      std::uint32_t* const block = s.lists.data() + first + b * kPacketWidth;
-      const std::uint32_t n = std::min(kPacketWidth, end - first - b * kPacketWidth);
+    for (std::uint32_t b = 0; first + b * kBundleWidth < end; ++b) {
+      std::uint32_t* const block = s.lists.data() + first + b * kBundleWidth;
+      const std::uint32_t n = std::min(kBundleWidth, end - first - b * kBundleWidth);
       const std::uint32_t before = places_[b], middle = b < blocks ? places_[b + 1] : before;
       const std::uint32_t after = b < blocks ? places_[b + 2] : before;
       if (middle != kInvalidId) try_on(middle, block, n);
@@ -74,9 +74,9 @@ class StreamPilots : protected StreamBlocks<Mode> {
   }
 
   void try_on(std::uint32_t place, const std::uint32_t* rays, std::uint32_t n) {
-    const std::uint32_t used = n == kPacketWidth ? 0xffffu : (1u << n) - 1;
+    const std::uint32_t used = n == kBundleWidth ? 0xffffu : (1u << n) - 1;
     counts_.triangle_tests += n;
-    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) meet_group(place, 1, rays, used, g);
+    for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) meet_group(place, 1, rays, used, g);
   }
 
   std::vector<std::uint32_t> places_;  ///< what pilots met, between two that are nothing

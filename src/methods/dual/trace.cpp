@@ -3,42 +3,42 @@
 #include <vector>
 
 #include "base/bits.h"
-#include "methods/dual/stream.h"
+#include "methods/dual/ray_stream.h"
 #include "methods/dual/trace_job.h"
 
 namespace raysheaf {
 namespace {
 
-/// Packets a task: neighbours share the boxes and triangles that they meet. Of streams: two.
-constexpr std::size_t kPacketsATask = 64;
-constexpr std::size_t kStreamPacketsATask = 2 * kStreamRays / kPacketWidth;
+/// Bundles a task: neighbours share the boxes and triangles that they meet. Of streams: two.
+constexpr std::size_t kBundlesATask = 64;
+constexpr std::size_t kStreamBundlesATask = 2 * kStreamRays / kBundleWidth;
 /// A long stream is no longer than this part of what is left, so that threads end together.
 constexpr std::size_t kPartOfRest = 4;
 
 /// Every quarter in as few long streams of one length as may be, a task each, and more towards the
 /// end (C. Polychronopoulos, D. Kuck, "Guided Self-Scheduling", 1987).
 void cut_into_long_streams(const TraceJob& job, std::vector<std::size_t>* starts) {
-  constexpr std::size_t kLeast = kStreamRays / kPacketWidth, kMost = kLongStreamRays / kPacketWidth;
+  constexpr std::size_t kLeast = kStreamRays / kBundleWidth, kMost = kLongStreamRays / kBundleWidth;
   for (std::uint32_t q = 0; q < kQuarters; ++q) {
-    const std::size_t first = job.packet_starts[q], count = job.packet_starts[q + 1] - first;
-    const std::size_t rest = job.packet_starts[kQuarters] - first;
+    const std::size_t first = job.bundle_starts[q], count = job.bundle_starts[q + 1] - first;
+    const std::size_t rest = job.bundle_starts[kQuarters] - first;
     const std::size_t parts = div_ceil(count, std::clamp(rest / kPartOfRest, kLeast, kMost));
     for (std::size_t i = 0; i < parts; ++i) starts->push_back(first + i * count / parts);
   }
 }
 
-/// The packets at which tasks begin, and the end.
+/// The bundles at which tasks begin, and the end.
 std::vector<std::size_t> cut_into_tasks(const TraceJob& job) {
-  const std::size_t packets = job.packet_starts[kQuarters];
+  const std::size_t bundles = job.bundle_starts[kQuarters];
   std::vector<std::size_t> starts;
   if (job.scene.bundle == Bundle::kLongStream) {
     cut_into_long_streams(job, &starts);
   } else {
     const std::size_t a_task =
-        job.scene.bundle == Bundle::kStream ? kStreamPacketsATask : kPacketsATask;
-    for (std::size_t n = 0; n < packets; n += a_task) starts.push_back(n);
+        job.scene.bundle == Bundle::kStream ? kStreamBundlesATask : kBundlesATask;
+    for (std::size_t n = 0; n < bundles; n += a_task) starts.push_back(n);
   }
-  starts.push_back(packets);
+  starts.push_back(bundles);
   return starts;
 }
 
@@ -47,7 +47,7 @@ void trace_all_tasks(const Executor& executor, const DualScene& scene, View<cons
                      const RayOrder& order, View<float> ray_tests, DualCounts* counts, TraceJob job,
                      const Trace& trace) {
   std::mutex mutex;
-  StreamPool own;
+  RayStreamPool own;
   job.streams = scene.streams != nullptr ? scene.streams : &own;
   job.executor = &executor;
   job.scene = scene;
@@ -56,7 +56,7 @@ void trace_all_tasks(const Executor& executor, const DualScene& scene, View<cons
   job.ray_starts = order.starts;
   for (std::uint32_t q = 0; q < kQuarters; ++q) {
     const std::uint32_t rays_in = order.starts[q + 1] - order.starts[q];
-    job.packet_starts[q + 1] = job.packet_starts[q] + div_ceil(rays_in, kPacketWidth);
+    job.bundle_starts[q + 1] = job.bundle_starts[q] + div_ceil(rays_in, kBundleWidth);
   }
   job.ray_tests = ray_tests.empty() ? nullptr : ray_tests.data;
   job.counts = counts;
@@ -86,7 +86,7 @@ void make_rows(const Executor& executor, const std::vector<RowHit>& found, std::
   for (const std::uint64_t row_end : list->ends) {
     executor.check();
     std::sort(list->hits.begin() + begin, list->hits.begin() + row_end,
-              [](const EngineHit& a, const EngineHit& b) {
+              [](const IndexedHit& a, const IndexedHit& b) {
                 return a.t < b.t || (a.t == b.t && a.triangle < b.triangle);
               });
     begin = row_end;
@@ -94,7 +94,7 @@ void make_rows(const Executor& executor, const std::vector<RowHit>& found, std::
 }
 
 void trace_closest(const Executor& executor, const DualScene& scene, View<const Ray> rays,
-                   const RayOrder& order, View<EngineHit> hits, View<float> ray_tests,
+                   const RayOrder& order, View<IndexedHit> hits, View<float> ray_tests,
                    DualCounts* counts) {
   if (scene.tree->empty()) {
     executor.for_each(hits.size, 4096, [&](std::size_t i) { hits[i] = {}; });
@@ -102,7 +102,7 @@ void trace_closest(const Executor& executor, const DualScene& scene, View<const 
   }
   TraceJob job;
   job.hits = hits.data;
-  trace_all_tasks(executor, scene, rays, order, ray_tests, counts, job, trace_closest_packets);
+  trace_all_tasks(executor, scene, rays, order, ray_tests, counts, job, trace_closest_bundles);
 }
 
 void trace_any(const Executor& executor, const DualScene& scene, View<const Ray> rays,
@@ -114,7 +114,7 @@ void trace_any(const Executor& executor, const DualScene& scene, View<const Ray>
   }
   TraceJob job;
   job.occluded = occluded.data;
-  trace_all_tasks(executor, scene, rays, order, ray_tests, counts, job, trace_any_packets);
+  trace_all_tasks(executor, scene, rays, order, ray_tests, counts, job, trace_any_bundles);
 }
 
 void trace_all(const Executor& executor, const DualScene& scene, View<const Ray> rays,
@@ -122,7 +122,7 @@ void trace_all(const Executor& executor, const DualScene& scene, View<const Ray>
   if (scene.tree->empty()) return rows->clear();
   TraceJob job;
   job.rows = rows;
-  trace_all_tasks(executor, scene, rays, order, ray_tests, counts, job, trace_all_packets);
+  trace_all_tasks(executor, scene, rays, order, ray_tests, counts, job, trace_all_bundles);
 }
 
 void trace_hit_counts(const Executor& executor, const DualScene& scene, View<const Ray> rays,
@@ -131,7 +131,7 @@ void trace_hit_counts(const Executor& executor, const DualScene& scene, View<con
   if (scene.tree->empty()) return;
   TraceJob job;
   job.hit_counts = hit_counts.data;
-  trace_all_tasks(executor, scene, rays, order, {}, counts, job, trace_all_packets);
+  trace_all_tasks(executor, scene, rays, order, {}, counts, job, trace_all_bundles);
 }
 
 }  // namespace raysheaf

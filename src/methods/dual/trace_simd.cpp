@@ -11,7 +11,7 @@
 #include "geom/ray_end.h"
 #include "intersect/facing_body.h"
 #include "intersect/triangle_body.h"
-#include "methods/dual/stream.h"
+#include "methods/dual/ray_stream.h"
 #include "methods/dual/trace_job.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -28,7 +28,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // Each stands on those before it.
 #include "methods/dual/lanes-inl.h"
 
-#include "methods/dual/packet-inl.h"
+#include "methods/dual/bundle16-inl.h"
 
 #include "methods/dual/beam-inl.h"
 
@@ -54,32 +54,32 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #include "methods/dual/stream-inl.h"
 
-inline void prefetch_rays(const TraceJob& job, const PacketRange& range) {
+inline void prefetch_rays(const TraceJob& job, const BundleRange& range) {
   for (std::uint32_t i = 0; i < range.count; ++i)
     hwy::Prefetch(job.rays + job.order[range.first + i]);
 }
 
 template <class Mode>
-void walk_packets(const TraceJob& job, const TraceTask& task) {
+void walk_bundles(const TraceJob& job, const TraceTask& task) {
   Walk<Mode> walk(job);
   for (std::size_t n = task.begin; n < task.end; ++n) {
-    if (n + 1 < task.end) prefetch_rays(job, job.packet(n + 1));
-    walk.run(job.packet(n));
+    if (n + 1 < task.end) prefetch_rays(job, job.bundle(n + 1));
+    walk.run(job.bundle(n));
   }
   walk.finish(task);
 }
 
-/// Packets that follow each other in one quarter make a stream.
+/// Bundles that follow each other in one quarter make a stream.
 template <class Mode>
 void walk_streams(const TraceJob& job, const TraceTask& task) {
   const std::uint32_t most =
       job.scene.bundle == Bundle::kLongStream ? kLongStreamRays : kStreamRays;
   StreamWalk<Mode> walk(job);
   for (std::size_t n = task.begin; n < task.end;) {
-    const PacketRange first = job.packet(n);
+    const BundleRange first = job.bundle(n);
     std::uint32_t count = first.count;
-    for (++n; n < task.end && count + kPacketWidth <= most; ++n) {
-      const PacketRange next = job.packet(n);
+    for (++n; n < task.end && count + kBundleWidth <= most; ++n) {
+      const BundleRange next = job.bundle(n);
       if (next.quarter != first.quarter) break;
       count += next.count;
     }
@@ -89,22 +89,22 @@ void walk_streams(const TraceJob& job, const TraceTask& task) {
 }
 
 template <class Mode>
-void trace_packets(const TraceJob& job, const TraceTask& task) {
-  if (job.scene.bundle == Bundle::kPacket) {
-    walk_packets<Mode>(job, task);
+void trace_bundles(const TraceJob& job, const TraceTask& task) {
+  if (job.scene.bundle == Bundle::kSixteen) {
+    walk_bundles<Mode>(job, task);
   } else {
     walk_streams<Mode>(job, task);
   }
 }
 
 void TraceClosest(const TraceJob& job, const TraceTask& task) {
-  trace_packets<ClosestMode>(job, task);
+  trace_bundles<ClosestMode>(job, task);
 }
 void TraceAny(const TraceJob& job, const TraceTask& task) {
-  trace_packets<AnyMode>(job, task);
+  trace_bundles<AnyMode>(job, task);
 }
 void TraceAll(const TraceJob& job, const TraceTask& task) {
-  trace_packets<AllMode>(job, task);
+  trace_bundles<AllMode>(job, task);
 }
 
 }  // namespace raysheaf::HWY_NAMESPACE
@@ -117,13 +117,13 @@ HWY_EXPORT(TraceClosest);
 HWY_EXPORT(TraceAny);
 HWY_EXPORT(TraceAll);
 
-void trace_closest_packets(const TraceJob& job, const TraceTask& task) {
+void trace_closest_bundles(const TraceJob& job, const TraceTask& task) {
   HWY_DYNAMIC_DISPATCH(TraceClosest)(job, task);
 }
-void trace_any_packets(const TraceJob& job, const TraceTask& task) {
+void trace_any_bundles(const TraceJob& job, const TraceTask& task) {
   HWY_DYNAMIC_DISPATCH(TraceAny)(job, task);
 }
-void trace_all_packets(const TraceJob& job, const TraceTask& task) {
+void trace_all_bundles(const TraceJob& job, const TraceTask& task) {
   HWY_DYNAMIC_DISPATCH(TraceAll)(job, task);
 }
 

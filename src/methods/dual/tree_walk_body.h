@@ -28,7 +28,7 @@ RAYSHEAF_HD std::uint32_t meet_leaf(const LinearTreeView& tree, std::uint32_t pl
     TriangleHit hit;
     if (!intersect_triangle(setup, triangle.a, triangle.b, triangle.c, &hit)) continue;
     if (!shows(facing, static_cast<std::uint8_t>(triangle.flags), hit.front)) continue;
-    take(EngineHit{hit.t, hit.u, hit.v, triangle.id});
+    take(IndexedHit{hit.t, hit.u, hit.v, triangle.id});
   }
   return place;
 }
@@ -82,13 +82,13 @@ RAYSHEAF_HD void walk_tree(const LinearTreeView& tree, BoxRay* ray, WalkCounts* 
 }
 
 /// The hit of least (t, triangle).
-RAYSHEAF_HD inline EngineHit closest_in_tree(const LinearTreeView& tree, const Box& scene,
-                                             const Ray& ray, Facing facing, WalkCounts* counts) {
-  EngineHit best;
+RAYSHEAF_HD inline IndexedHit closest_in_tree(const LinearTreeView& tree, const Box& scene,
+                                              const Ray& ray, Facing facing, WalkCounts* counts) {
+  IndexedHit best;
   RaySetup setup = make_ray_setup(ray);
   BoxRay boxes = make_box_ray(ray, scene);
   walk_tree(tree, &boxes, counts, [&](std::uint32_t place) {
-    return meet_leaf(tree, place, facing, setup, counts, [&](const EngineHit& hit) {
+    return meet_leaf(tree, place, facing, setup, counts, [&](const IndexedHit& hit) {
       if (!(hit.t < best.t || (hit.t == best.t && hit.triangle < best.triangle))) return;
       best = hit;
       setup.t_max = hit.t;
@@ -105,7 +105,7 @@ RAYSHEAF_HD inline bool any_in_tree(const LinearTreeView& tree, const Box& scene
   RaySetup setup = make_ray_setup(ray);
   BoxRay boxes = make_box_ray(ray, scene);
   walk_tree(tree, &boxes, counts, [&](std::uint32_t place) {
-    return meet_leaf(tree, place, facing, setup, counts, [&](const EngineHit&) {
+    return meet_leaf(tree, place, facing, setup, counts, [&](const IndexedHit&) {
       met = true;
       setup.t_max = -1;
       boxes.s_far = -std::numeric_limits<float>::infinity();
@@ -194,7 +194,7 @@ RAYSHEAF_HD inline FloatWalk any_in_floats(const LinearTreeView& tree, const Box
 /// Meets the triangle at a place, or none where it is `kInvalidId`, in binary64 alone. Returns
 /// whether that was sure.
 RAYSHEAF_HD inline bool meet_in_doubles(const LinearTreeView& tree, std::uint32_t place,
-                                        const Ray& ray, Facing facing, EngineHit* best) {
+                                        const Ray& ray, Facing facing, IndexedHit* best) {
   if (place == kInvalidId) return true;
   const LinearTriangle t = tree.triangles[place];
   TriangleHit hit;
@@ -218,15 +218,15 @@ RAYSHEAF_HD void all_in_tree(const LinearTreeView& tree, const Box& scene, const
 }
 
 /// Whether a stands before b in a row.
-RAYSHEAF_HD inline bool stands_before(const EngineHit& a, const EngineHit& b) {
+RAYSHEAF_HD inline bool stands_before(const IndexedHit& a, const IndexedHit& b) {
   return a.t < b.t || (a.t == b.t && a.triangle < b.triangle);
 }
 
 /// Sorts a ray's hits in place: a heap (J. W. J. Williams, "Algorithm 232: Heapsort", 1964), so
 /// that a long row takes O(n log n) and no memory.
-RAYSHEAF_HD inline void sort_row(EngineHit* hits, std::uint64_t count) {
+RAYSHEAF_HD inline void sort_row(IndexedHit* hits, std::uint64_t count) {
   const auto sink = [&](std::uint64_t at, std::uint64_t end) {
-    const EngineHit hit = hits[at];
+    const IndexedHit hit = hits[at];
     for (std::uint64_t child = 2 * at + 1; child < end; child = 2 * at + 1) {
       if (child + 1 < end && stands_before(hits[child], hits[child + 1])) ++child;
       if (!stands_before(hit, hits[child])) break;
@@ -237,7 +237,7 @@ RAYSHEAF_HD inline void sort_row(EngineHit* hits, std::uint64_t count) {
   };
   for (std::uint64_t i = count / 2; i-- > 0;) sink(i, count);
   for (std::uint64_t end = count; end-- > 1;) {
-    const EngineHit last = hits[end];
+    const IndexedHit last = hits[end];
     hits[end] = hits[0];
     hits[0] = last;
     sink(0, end);

@@ -92,11 +92,11 @@ HWY_INLINE bool test_lanes(D d, const Corner<D>& a, const Corner<D>& b, const Co
 
 /// Calls `take(first lane, tested)` for the groups of lanes in which there may be a hit.
 template <class Take>
-HWY_INLINE void triangle_in_packet(const RayPacket& p, const TriangleQuad& q, std::uint32_t k,
+HWY_INLINE void triangle_in_bundle(const RayBundle& p, const TriangleQuad& q, std::uint32_t k,
                                    const Take& take) {
   const Rays d;
   const float(*corner)[3][4] = &q.vertex[0];
-  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
     const RV ox = load(p.ox + g), oy = load(p.oy + g), oz = load(p.oz + g);
     const RV sx = load(p.shear_x + g), sy = load(p.shear_y + g);
     const auto moved = [&](int i) {
@@ -188,7 +188,7 @@ HWY_NOINLINE std::uint32_t lanes_beyond_plane(const ObjectTree& tree, const Quar
   const PlacedCorners p(tree, place, axes);
   return lanes_beyond(ray_lanes(), rays, p.a, p.b, p.c);
 }
-/// The columns of a packet's or a block's rays from lane `g` on.
+/// The columns of a bundle's or a block's rays from lane `g` on.
 template <class Columns>
 HWY_INLINE SetupColumns columns_from(const Columns& r, std::size_t g) {
   return {r.ox + g,      r.oy + g,      r.oz + g,    r.shear_x + g,
@@ -198,11 +198,11 @@ HWY_INLINE SetupColumns columns_from(const Columns& r, std::size_t g) {
 /// The values of sixteen rays' hits, each with the triangle at its place; kInvalidId: none.
 class HitValues {
  public:
-  /// `index`: of rays in `rays`, kPacketWidth of them.
+  /// `index`: of rays in `rays`, kBundleWidth of them.
   HWY_INLINE void fill(const ObjectTree& tree, const Ray* rays, const std::uint32_t* index,
                        const std::uint32_t* places) {
     const Rays d;
-    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
       RV o[3], l[3], t_min, t_max;
       gather4(rays, 0, index + g, o[0], o[1], o[2], t_min);
       gather4(rays, 1, index + g, l[0], l[1], l[2], t_max);
@@ -212,7 +212,7 @@ class HitValues {
       }
     }
     hits_ = 0;
-    for (std::uint32_t i = 0; i < kPacketWidth; ++i) {
+    for (std::uint32_t i = 0; i < kBundleWidth; ++i) {
       const std::uint32_t place = places[i] != kInvalidId ? places[i] : 0;
       const float* const from = &tree.quads[place / 4].vertex[0][0][place % 4];
       for (int k = 0; k < 9; ++k) columns_.corner[k / 3][k % 3][i] = from[4 * k];
@@ -221,17 +221,17 @@ class HitValues {
     }
   }
   /// Writes `hits`, by number of triangle.
-  HWY_INLINE void store(const ObjectTree& tree, EngineHit* hits) {
+  HWY_INLINE void store(const ObjectTree& tree, IndexedHit* hits) {
     settle_values(hits_, &columns_);
     const Rays d;
     const RayInts di;
-    alignas(64) std::uint32_t ids[kPacketWidth];
-    for (std::uint32_t i = 0; i < kPacketWidth; ++i)
+    alignas(64) std::uint32_t ids[kBundleWidth];
+    for (std::uint32_t i = 0; i < kBundleWidth; ++i)
       ids[i] = places_[i] != kInvalidId ? id_at(tree, places_[i]) : kInvalidId;
-    for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+    for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
       const auto id = hn::Load(di, ids + g);
       const RM met = lanes_of(hits_, g);
-      store4(hn::IfThenElse(met, load(columns_.t + g), set(EngineHit().t)),
+      store4(hn::IfThenElse(met, load(columns_.t + g), set(IndexedHit().t)),
              hn::IfThenElseZero(met, load(columns_.u + g)),
              hn::IfThenElseZero(met, load(columns_.v + g)), hn::BitCast(d, id), 0, hits + g);
     }
@@ -239,21 +239,21 @@ class HitValues {
 
  private:
   ValueColumns columns_;
-  std::uint32_t places_[kPacketWidth];
+  std::uint32_t places_[kBundleWidth];
   std::uint32_t hits_ = 0;
 };
-static_assert(kValueLanes == kPacketWidth);
+static_assert(kValueLanes == kBundleWidth);
 
 /// What was found for the rays of a task, by places of triangles in the tree.
 inline void hand_over_rows(const TraceJob& job, const TraceTask& task, std::vector<RowHit>& found) {
   if (job.rows == nullptr) return;
   const ObjectTree& tree = *job.scene.tree;
   HitValues values;
-  for (std::size_t base = 0; base < found.size(); base += kPacketWidth) {
-    alignas(64) std::uint32_t index[kPacketWidth], places[kPacketWidth];
-    alignas(64) EngineHit hits[kPacketWidth];
-    const std::size_t count = std::min<std::size_t>(kPacketWidth, found.size() - base);
-    for (std::size_t i = 0; i < kPacketWidth; ++i) {
+  for (std::size_t base = 0; base < found.size(); base += kBundleWidth) {
+    alignas(64) std::uint32_t index[kBundleWidth], places[kBundleWidth];
+    alignas(64) IndexedHit hits[kBundleWidth];
+    const std::size_t count = std::min<std::size_t>(kBundleWidth, found.size() - base);
+    for (std::size_t i = 0; i < kBundleWidth; ++i) {
       const RowHit& row = found[base + (i < count ? i : 0)];
       index[i] = job.order[row.place];
       places[i] = row.hit.triangle;
@@ -262,7 +262,7 @@ inline void hand_over_rows(const TraceJob& job, const TraceTask& task, std::vect
     values.store(tree, hits);
     for (std::size_t i = 0; i < count; ++i) found[base + i].hit = hits[i];
   }
-  const PacketRange last = job.packet(task.end - 1);
-  make_rows(*job.executor, found, job.packet(task.begin).first, last.first + last.count,
+  const BundleRange last = job.bundle(task.end - 1);
+  make_rows(*job.executor, found, job.bundle(task.begin).first, last.first + last.count,
             &(*job.rows)[task.number]);
 }

@@ -1,4 +1,4 @@
-// One packet's way through the tree. Included by methods/dual/trace_simd.cpp, inside its namespace.
+// One bundle's way through the tree. Included by methods/dual/trace_simd.cpp, inside its namespace.
 
 /// Lanes at or below go on one by one.
 inline constexpr int kSingleRays = 3;
@@ -16,12 +16,12 @@ class Walk {
  public:
   explicit Walk(const TraceJob& job) : job_(job), tree_(*job.scene.tree) { waiting_.resize(256); }
 
-  void run(const PacketRange& range) {
-    RayPacket& p = packet_;
+  void run(const BundleRange& range) {
+    RayBundle& p = bundle_;
     first_ = range.first;
     job_.executor->check();
     const DualCounts before = counts_;
-    const std::uint32_t lanes = fill_packet(job_.rays, job_.order + range.first, range.count,
+    const std::uint32_t lanes = fill_bundle(job_.rays, job_.order + range.first, range.count,
                                             range.quarter, tree_.bounds, &p);
     done_ = 0;
     if (HWY_UNLIKELY(!p.bounded)) {
@@ -56,10 +56,10 @@ class Walk {
       waiting_[--top].copy_to(&next);
       if (next.near() > beam_.end) continue;
       if (next.count() != 0) {
-        if (meet_leaf(next.first(), next.count())) beam_.end = farthest_zeta(packet_) + packet_.pad;
+        if (meet_leaf(next.first(), next.count())) beam_.end = farthest_zeta(bundle_) + bundle_.pad;
       } else if (__builtin_popcount(next.lanes()) <= kSingleRays) {
         walk_lanes(next.lanes(), next.first());
-        beam_.end = farthest_zeta(packet_) + packet_.pad;
+        beam_.end = farthest_zeta(bundle_) + bundle_.pad;
       } else {
         top = open(next.first(), top);
       }
@@ -73,13 +73,13 @@ class Walk {
     const BvhNode& node = tree_.nodes[number];
     alignas(64) float near[kBvhWidth];
     counts_.beam_box_tests += node.children;
-    std::uint32_t met = children_in_beam(packet_, beam_, node, near);
-    counts_.ray_box_tests += static_cast<std::uint32_t>(__builtin_popcount(met)) * packet_.count;
+    std::uint32_t met = children_in_beam(bundle_, beam_, node, near);
+    counts_.ray_box_tests += static_cast<std::uint32_t>(__builtin_popcount(met)) * bundle_.count;
     Waiting* const bottom = waiting_.data() + top;
     Waiting* end = bottom;
     for (; met != 0; met &= met - 1) {
       const auto c = static_cast<std::uint32_t>(__builtin_ctz(met));
-      const std::uint32_t lanes = rays_in_child(packet_, node, c);
+      const std::uint32_t lanes = rays_in_child(bundle_, node, c);
       Waiting(near[c], lanes, node.first[c], node.count[c]).copy_to(end);
       end += lanes != 0 ? 1 : 0;
     }
@@ -96,12 +96,12 @@ class Walk {
   /// Whether any ray now ends earlier.
   bool meet_leaf(std::uint32_t quad, std::uint32_t count) {
     bool shortened = false;
-    counts_.triangle_tests += std::uint64_t{count} * packet_.count;
+    counts_.triangle_tests += std::uint64_t{count} * bundle_.count;
     for (std::uint32_t done = 0; done < count; done += 4, ++quad) {
       const std::uint32_t used = std::min(4u, count - done);
       for (std::uint32_t k = 0; k < used; ++k)
-        triangle_in_packet(
-            packet_, tree_.quads[quad],
+        triangle_in_bundle(
+            bundle_, tree_.quads[quad],
             k, [&](std::size_t g, const Tested<Rays>& tested) __attribute__((always_inline)) {
               shortened |= take_lanes(4 * quad + k, g, tested);
             });
@@ -118,7 +118,7 @@ class Walk {
     if (!Mode::kAll && job_.scene.facing == Facing::kBoth) {
       if (hit != 0) unsettled |= take_at_once(place, g, tested);
     } else {
-      alignas(64) float low[kPacketWidth], high[kPacketWidth];
+      alignas(64) float low[kBundleWidth], high[kBundleWidth];
       hn::Store(tested.low, d, low);
       hn::Store(tested.high, d, high);
       const std::uint32_t front = bits_of(d, hn::Gt(tested.det, hn::Zero(d)));
@@ -129,7 +129,7 @@ class Walk {
       }
     }
     if (unsettled != 0)
-      unsettled &= ~lanes_beyond_plane(tree_, packet_, place, columns_from(packet_, g));
+      unsettled &= ~lanes_beyond_plane(tree_, bundle_, place, columns_from(bundle_, g));
     for (; unsettled != 0; unsettled &= unsettled - 1)
       shortened |= settle(
           static_cast<std::uint32_t>(g) + static_cast<std::uint32_t>(__builtin_ctz(unsettled)),
@@ -141,7 +141,7 @@ class Walk {
   /// Returns the lanes whose best hit cannot be told from this one.
   HWY_INLINE std::uint32_t take_at_once(std::uint32_t place, std::size_t g,
                                         const Tested<Rays>& tested) {
-    RayPacket& p = packet_;
+    RayBundle& p = bundle_;
     const Rays d;
     const auto put = [&](RM on, RV value, float* to) {
       hn::Store(hn::IfThenElse(on, value, load(to + g)), d, to + g);
@@ -167,7 +167,7 @@ class Walk {
 
   /// A lane and a triangle that stage 1 cannot tell of. Whether the ray now ends earlier.
   HWY_NOINLINE bool settle(std::uint32_t lane, std::uint32_t place) {
-    RayPacket& p = packet_;
+    RayBundle& p = bundle_;
     const Ray& ray = job_.rays[p.index[lane]];
     TriangleHit hit;
     if (!settle_at(tree_, ray, place, p.t_limit[lane], &hit) || !is_shown(place, hit.front))
@@ -184,7 +184,7 @@ class Walk {
 
   /// A hit of a lane, in its range. Whether the ray now ends earlier.
   bool take(std::uint32_t lane, std::uint32_t place, Interval t, bool front) {
-    RayPacket& p = packet_;
+    RayBundle& p = bundle_;
     if (!is_shown(place, front)) return false;
     if constexpr (Mode::kAll || Mode::kAny) {
       return keep(lane, place);
@@ -205,7 +205,7 @@ class Walk {
 
   /// A hit where it matters only that there is one. Whether the ray now ends earlier.
   bool keep(std::uint32_t lane, std::uint32_t place) {
-    RayPacket& p = packet_;
+    RayBundle& p = bundle_;
     if constexpr (Mode::kAll) {
       if (lane >= p.count) return false;
       if (job_.hit_counts != nullptr)
@@ -222,20 +222,20 @@ class Walk {
   }
 
   void shorten(std::uint32_t lane) {
-    RayPacket& p = packet_;
+    RayBundle& p = bundle_;
     p.s_far[lane] = std::min(p.s_far[lane], raysheaf::past(p.t_limit[lane], p.along[lane], p.pad));
   }
 
   /// Lane `lane` as a record: `rays_[i]`.
   void keep_lane(std::uint32_t lane, std::size_t i) {
-    const RayPacket& p = packet_;
+    const RayBundle& p = bundle_;
     rays_[i] = {p.ox[lane],      p.oy[lane],      p.oz[lane],      p.t_limit[lane],
                 p.shear_x[lane], p.shear_y[lane], p.shear_z[lane], p.t_min[lane],
                 p.per_x[lane],   p.per_y[lane],   p.s_near[lane],  p.s_far[lane]};
   }
 
   void walk_lanes(std::uint32_t lanes, std::uint32_t root) {
-    const SharedAxes axes(packet_);
+    const SharedAxes axes(bundle_);
     walk_singles<!Mode::kAll>(
         tree_, axes, &singles_, kSingleRays,
         [&](std::uint32_t i) {
@@ -260,16 +260,16 @@ class Walk {
 
   /// The record of walk `i` learns how far its lane looks.
   void tell_record(std::uint32_t i) {
-    rays_[i].s_far = packet_.s_far[singles_.number[i]];
-    rays_[i].t_limit = packet_.t_limit[singles_.number[i]];
+    rays_[i].s_far = bundle_.s_far[singles_.number[i]];
+    rays_[i].t_limit = bundle_.t_limit[singles_.number[i]];
   }
 
   void write_back() {
-    const RayPacket& p = packet_;
+    const RayBundle& p = bundle_;
     if constexpr (Mode::kAny) {
       for (std::uint32_t i = 0; i < p.count; ++i) job_.occluded[p.index[i]] = done_ >> i & 1;
     } else if constexpr (!Mode::kAll) {
-      alignas(64) EngineHit hits[kPacketWidth];
+      alignas(64) IndexedHit hits[kBundleWidth];
       values_.fill(tree_, job_.rays, p.index, p.place);
       values_.store(tree_, hits);
       for (std::uint32_t i = 0; i < p.count; ++i) job_.hits[p.index[i]] = hits[i];
@@ -278,14 +278,14 @@ class Walk {
 
   const TraceJob& job_;
   const ObjectTree& tree_;
-  RayPacket packet_;
+  RayBundle bundle_;
   Beam beam_;
   std::uint32_t done_ = 0;
   DualCounts counts_;
   std::vector<Waiting> waiting_;
   SingleWalks singles_;
   StreamRay rays_[kSingleRays];  ///< of the lanes that go on one by one
-  std::uint32_t first_ = 0;      ///< the packet's place in the order
+  std::uint32_t first_ = 0;      ///< the bundle's place in the order
   HitValues values_;
   std::vector<RowHit> rows_;  ///< by places of triangles
 };

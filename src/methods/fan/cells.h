@@ -1,8 +1,8 @@
 // The rays of a fan in sorted order, and the cells over them.
 //
 //   rays of a face, along a Hilbert curve      . . . . | . . . . | . . . . | . . . .
-//   packet: 16 of them                         +-----+   +-----+   +-----+   +-----+
-//   tile:   16 packets                         +---------------+   +---------------+
+//   bundle: 16 of them                         +-----+   +-----+   +-----+   +-----+
+//   tile:   16 bundles                         +---------------+   +---------------+
 //   group:  16 tiles                           +-----------------------------------+
 //
 // A bound is the rectangle of the shears that its rays have, no larger, and how far along the
@@ -24,9 +24,9 @@
 namespace raysheaf {
 
 inline constexpr std::uint32_t kFanFaces = 6;
-inline constexpr std::uint32_t kPacketSlots = 16;  ///< rays a packet
-inline constexpr std::uint32_t kTilePackets = 16;
-inline constexpr std::uint32_t kTileSlots = kPacketSlots * kTilePackets;
+inline constexpr std::uint32_t kBundleSlots = 16;  ///< rays a bundle
+inline constexpr std::uint32_t kTileBundles = 16;
+inline constexpr std::uint32_t kTileSlots = kBundleSlots * kTileBundles;
 inline constexpr std::uint32_t kGroupTiles = 16;
 
 /// The axes of a face as `make_ray_setup` numbers them; rays run along sign * z.
@@ -122,7 +122,7 @@ struct FanCells {
   std::vector<std::uint8_t> face_of_tile;
   std::vector<std::uint32_t> rays_of_tile;
   FanRays rays;  ///< kTileSlots a tile
-  FanBounds packets, tiles, groups;
+  FanBounds bundles, tiles, groups;
   Buffer<FanCell> cells;  ///< all levels, the coarsest first
   Buffer<std::uint32_t> keys, counters, order;
 
@@ -151,7 +151,7 @@ struct FanSeam {
   FanCell cell[2];
 };
 
-/// Fills slots, packets, tiles of [begin_tile, end_tile) and their cells of the finest grid.
+/// Fills slots, bundles, tiles of [begin_tile, end_tile) and their cells of the finest grid.
 void fan_gather(const Ray* rays, FanCells* cells, std::uint32_t begin_tile, std::uint32_t end_tile,
                 FanSeam* seam);
 

@@ -14,7 +14,7 @@ constexpr std::uint32_t kGatherTiles = 32;  ///< a task
 /// Finer cells and a triangle meets more of them, coarser and they tell less: rays evenly over one
 /// face would be some sixty a cell.
 constexpr std::uint32_t kMostLevel = 7;
-/// The keys are finer than the grid, so that packets are small squares, too.
+/// The keys are finer than the grid, so that bundles are small squares, too.
 constexpr std::uint32_t kBitsBelowGrid = 1;
 
 std::uint32_t grid_level(std::size_t rays) {
@@ -114,10 +114,10 @@ void lay_out_tiles(FanCells* c) {
   }
   c->tile_count = tiles;
   c->rays.resize(std::size_t{tiles} * kTileSlots);
-  c->packets.resize(std::size_t{tiles} * kTilePackets);
+  c->bundles.resize(std::size_t{tiles} * kTileBundles);
   // SIMD loads may start at the last one.
-  c->tiles.resize(tiles + std::size_t{kPacketSlots});
-  c->groups.resize(tiles / kGroupTiles + std::size_t{kPacketSlots});
+  c->tiles.resize(tiles + std::size_t{kBundleSlots});
+  c->groups.resize(tiles / kGroupTiles + std::size_t{kBundleSlots});
 }
 
 void clear_cells(const Executor& executor, FanCells* c) {

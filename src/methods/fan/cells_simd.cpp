@@ -16,7 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Floats = hn::CappedTag<float, kPacketSlots>;
+using Floats = hn::CappedTag<float, kBundleSlots>;
 using Ints = hn::RebindToSigned<Floats>;
 using V = hn::Vec<Floats>;
 using I = hn::Vec<Ints>;
@@ -132,8 +132,8 @@ void Keys(const Ray* rays, std::size_t begin, std::size_t end, std::uint32_t bit
   for (; i + lanes <= end; i += lanes)
     hn::StoreU(KeysOf(LoadRays(rays + i), bits, &state), di, out + i);
   if (i < end) {
-    Ray rest[kPacketSlots];
-    std::int32_t rest_keys[kPacketSlots];
+    Ray rest[kBundleSlots];
+    std::int32_t rest_keys[kBundleSlots];
     for (std::size_t k = 0; k < lanes; ++k) rest[k] = rays[std::min(i + k, end - 1)];
     hn::StoreU(KeysOf(LoadRays(rest), bits, &state), di, rest_keys);
     std::copy_n(rest_keys, end - i, out + i);
@@ -190,14 +190,14 @@ HWY_INLINE V ReachOf(V along, V t_max) {
   return hn::IfThenElse(known, reach, hn::Set(d, std::numeric_limits<float>::infinity()));
 }
 
-/// One packet: `count` of its slots have rays, `order` says which; the others repeat the last.
+/// One bundle: `count` of its slots have rays, `order` says which; the others repeat the last.
 HWY_INLINE FanBound GatherPacket(const Ray* rays, const std::uint32_t* order, std::uint32_t count,
                                  const FanFace& face, std::size_t slot, FanCells* c,
                                  std::int32_t* cell) {
   const Floats d;
   const Ints di;
-  alignas(64) float x[kPacketSlots], y[kPacketSlots], z[kPacketSlots];
-  for (std::uint32_t k = 0; k < kPacketSlots; ++k) {
+  alignas(64) float x[kBundleSlots], y[kBundleSlots], z[kBundleSlots];
+  for (std::uint32_t k = 0; k < kBundleSlots; ++k) {
     const std::uint32_t ray = order[std::min(k, count - 1)];
     const float* direction = &rays[ray].direction.x;
     x[k] = direction[face.x], y[k] = direction[face.y], z[k] = direction[face.z];
@@ -209,7 +209,7 @@ HWY_INLINE FanBound GatherPacket(const Ray* rays, const std::uint32_t* order, st
   const auto last = static_cast<float>((1u << c->axis_bits) - 1);
   const int shift = static_cast<int>(c->axis_bits - c->level);
   FanBound bound;
-  for (std::size_t k = 0; k < kPacketSlots; k += hn::Lanes(d)) {
+  for (std::size_t k = 0; k < kBundleSlots; k += hn::Lanes(d)) {
     const V along = hn::Load(d, z + k);
     const V u = hn::Div(hn::Load(d, x + k), along), v = hn::Div(hn::Load(d, y + k), along);
     hn::Store(u, d, c->rays.shear_x.data() + slot + k);
@@ -230,15 +230,15 @@ HWY_INLINE FanBound GatherPacket(const Ray* rays, const std::uint32_t* order, st
 /// How many slots ahead rays are asked for: they come from all over the batch.
 constexpr std::uint32_t kPrefetch = 64;
 
-/// Of `left` slots from `order` on, the packet that stands that far ahead.
+/// Of `left` slots from `order` on, the bundle that stands that far ahead.
 HWY_INLINE void Prefetch(const Ray* rays, const std::uint32_t* order, std::uint32_t left) {
-  const std::uint32_t end = std::min(left, kPrefetch + kPacketSlots);
+  const std::uint32_t end = std::min(left, kPrefetch + kBundleSlots);
   for (std::uint32_t k = kPrefetch; k < end; ++k) hwy::Prefetch(rays + order[k]);
 }
 
 void Gather(const Ray* rays, FanCells* c, std::uint32_t begin_tile, std::uint32_t end_tile,
             FanSeam* seam) {
-  alignas(64) std::int32_t cell[kPacketSlots];
+  alignas(64) std::int32_t cell[kBundleSlots];
   CellRuns runs(c, seam);
   for (std::uint32_t tile = begin_tile; tile < end_tile; ++tile) {
     const std::uint32_t f = c->face_of_tile[tile], count = c->rays_of_tile[tile];
@@ -249,9 +249,9 @@ void Gather(const Ray* rays, FanCells* c, std::uint32_t begin_tile, std::uint32_
         count > 0 ? face.ray_count - (tile - face.first_tile) * kTileSlots : 0;
     const std::uint32_t* order = c->order.data() + face.first_ray + face.ray_count - left;
     FanBound tile_bound;
-    for (std::uint32_t p = 0; p < kTilePackets; ++p) {
-      const std::uint32_t first = p * kPacketSlots;
-      const std::uint32_t n = first < count ? std::min(count - first, kPacketSlots) : 0;
+    for (std::uint32_t p = 0; p < kTileBundles; ++p) {
+      const std::uint32_t first = p * kBundleSlots;
+      const std::uint32_t n = first < count ? std::min(count - first, kBundleSlots) : 0;
       FanBound bound;
       if (n > 0) {
         Prefetch(rays, order + first, left - first);
@@ -265,7 +265,7 @@ void Gather(const Ray* rays, FanCells* c, std::uint32_t begin_tile, std::uint32_
             runs.add(grid + static_cast<std::uint32_t>(cell[k]), reach[k], tile);
         }
       }
-      c->packets.set(std::size_t{tile} * kTilePackets + p, bound);
+      c->bundles.set(std::size_t{tile} * kTileBundles + p, bound);
       tile_bound.include(bound);
     }
     c->tiles.set(tile, tile_bound);

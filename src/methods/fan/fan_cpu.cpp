@@ -104,7 +104,7 @@ void share_stream_tests(const Executor& executor, const FanMemory::Arrays& a,
 
 std::size_t FanMemory::bytes() const {
   const FanCells& c = arrays_->cells;
-  std::size_t bytes = 7 * c.rays.ray.capacity_bytes() + c.packets.bytes() + c.tiles.bytes() +
+  std::size_t bytes = 7 * c.rays.ray.capacity_bytes() + c.bundles.bytes() + c.tiles.bytes() +
                       c.groups.bytes() + c.cells.capacity_bytes() + c.keys.capacity_bytes() +
                       c.counters.capacity_bytes() + c.order.capacity_bytes() +
                       arrays_->triangles.capacity_bytes();

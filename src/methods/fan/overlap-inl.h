@@ -39,7 +39,7 @@ HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Floats = hn::CappedTag<float, kPacketSlots>;
+using Floats = hn::CappedTag<float, kBundleSlots>;
 using V = hn::Vec<Floats>;
 using M = hn::Mask<Floats>;
 
@@ -51,11 +51,11 @@ constexpr float kEdgeTiny = 0x1p-120f;
 
 /// 16 triangles in columns, a lane each.
 struct alignas(64) TriangleLanes {
-  float corner[3][3][kPacketSlots];  ///< [corner][axis]: from the origin, axes as the face has them
-  float u0[kPacketSlots], u1[kPacketSlots], v0[kPacketSlots], v1[kPacketSlots];
-  float depth[kPacketSlots];  ///< of the nearest corner; -infinity where not all are before it
-  float edge[3][kPacketSlots], slope_u[3][kPacketSlots], slope_v[3][kPacketSlots];
-  float slack[kPacketSlots];
+  float corner[3][3][kBundleSlots];  ///< [corner][axis]: from the origin, axes as the face has them
+  float u0[kBundleSlots], u1[kBundleSlots], v0[kBundleSlots], v1[kBundleSlots];
+  float depth[kBundleSlots];  ///< of the nearest corner; -infinity where not all are before it
+  float edge[3][kBundleSlots], slope_u[3][kBundleSlots], slope_v[3][kBundleSlots];
+  float slack[kBundleSlots];
 };
 
 HWY_INLINE V Min3(V a, V b, V c) {

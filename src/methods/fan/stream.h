@@ -53,7 +53,7 @@ struct FanTileTask {
   View<float> ray_tests;  ///< may be empty
 };
 
-/// The triangles of one tile against its packets and rays.
+/// The triangles of one tile against its bundles and rays.
 FanTileCounts fan_tile(const FanTileTask& task, std::uint32_t tile,
                        View<const FanTriangle> triangles);
 

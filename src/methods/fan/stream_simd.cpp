@@ -44,7 +44,7 @@ class Stream {
   }
 
   void sixteen(const TriangleRun& run, std::uint32_t first, std::uint32_t count) {
-    for (std::uint32_t k = 0; k < kPacketSlots; ++k) {
+    for (std::uint32_t k = 0; k < kBundleSlots; ++k) {
       const std::array<Vec3, 3> corners = run.corners(first + std::min(k, count - 1));
       for (int i = 0; i < 3; ++i) {
         const Vec3 p = corners[static_cast<std::size_t>(i)] - c_.origin;
@@ -93,7 +93,7 @@ class Stream {
     const FanFace axes = fan_face(f);
     const FanBound& bound = c_.faces[f].bound;
     std::uint32_t in = 0;
-    for (std::size_t k = 0; k < kPacketSlots; k += hn::Lanes(d)) {
+    for (std::size_t k = 0; k < kBundleSlots; k += hn::Lanes(d)) {
       V x[3], y[3], z[3];
       load(axes, k, x, y, z);
       const V side = hn::Set(d, axes.sign);
@@ -137,7 +137,7 @@ class Stream {
     constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
     I low_x = hn::Set(di, kMost), low_y = low_x, high_x = hn::Zero(di), high_y = high_x;
     V depth = hn::Set(d, std::numeric_limits<float>::infinity());
-    for (std::size_t k = 0; k < kPacketSlots; k += hn::Lanes(d)) {
+    for (std::size_t k = 0; k < kBundleSlots; k += hn::Lanes(d)) {
       const std::uint8_t bits[8] = {static_cast<std::uint8_t>(in >> k),
                                     static_cast<std::uint8_t>(in >> k >> 8)};
       const M some = hn::LoadMaskBits(d, bits);
@@ -194,7 +194,7 @@ class Stream {
 
   HWY_INLINE void make_edges(std::uint32_t f) {
     const FanFace axes = fan_face(f);
-    for (std::size_t k = 0; k < kPacketSlots; k += hn::Lanes(Floats())) {
+    for (std::size_t k = 0; k < kBundleSlots; k += hn::Lanes(Floats())) {
       V x[3], y[3], z[3];
       load(axes, k, x, y, z);
       MakeEdges(x, y, z, 0, 0, 1, k, &lanes_);
@@ -275,10 +275,10 @@ class Stream {
   const FanCells& c_;
   FanBlock& block_;
   BoundColumns tiles_, groups_;
-  alignas(64) float from_origin_[3][3][kPacketSlots];  ///< [corner][axis]
+  alignas(64) float from_origin_[3][3][kBundleSlots];  ///< [corner][axis]
   TriangleLanes lanes_;
-  alignas(64) std::int32_t x0_[kPacketSlots], x1_[kPacketSlots], y0_[kPacketSlots],
-      y1_[kPacketSlots];
+  alignas(64) std::int32_t x0_[kBundleSlots], x1_[kBundleSlots], y0_[kBundleSlots],
+      y1_[kBundleSlots];
 };
 
 void StreamTriangles(const FanCells& cells, const TriangleSource& source, std::uint32_t begin,
@@ -286,8 +286,8 @@ void StreamTriangles(const FanCells& cells, const TriangleSource& source, std::u
   Stream stream(cells, block);
   source.for_each_part(begin, end,
                        [&](const TriangleRun& run, std::uint32_t first, std::uint32_t stop) {
-                         for (; first < stop && !block->is_full(); first += kPacketSlots)
-                           stream.sixteen(run, first, std::min(stop - first, kPacketSlots));
+                         for (; first < stop && !block->is_full(); first += kBundleSlots)
+                           stream.sixteen(run, first, std::min(stop - first, kBundleSlots));
                        });
 }
 

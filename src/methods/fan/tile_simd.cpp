@@ -1,8 +1,8 @@
-// The triangles of one tile against its packets, and against the rays of those that they overlap.
+// The triangles of one tile against its bundles, and against the rays of those that they overlap.
 // Compiled once a SIMD target and chosen at run time (Google Highway).
 //
 // Stage 1 of the ray-triangle test (intersect/triangle_body.h) for 16 rays at once; rays that it
-// does not settle go to stage 2. Rays that were hit leave, and packets that have none left.
+// does not settle go to stage 2. Rays that were hit leave, and bundles that have none left.
 #include <algorithm>
 #include <bit>
 
@@ -43,48 +43,48 @@ class Tile {
         face_(fan_face(c_.face_of_tile[tile])),
         slot_(std::size_t{tile} * kTileSlots) {
     const std::uint32_t rays = c_.rays_of_tile[tile];
-    for (std::uint32_t p = 0; p * kPacketSlots < rays; ++p) {
-      alive_[p] = (1u << std::min(kPacketSlots, rays - p * kPacketSlots)) - 1;
-      packets_ |= 1u << p;
+    for (std::uint32_t p = 0; p * kBundleSlots < rays; ++p) {
+      alive_[p] = (1u << std::min(kBundleSlots, rays - p * kBundleSlots)) - 1;
+      bundles_ |= 1u << p;
     }
     const float* const origin = &c_.origin.x;
-    std::fill_n(origin_[0], kPacketSlots, origin[face_.x]);
-    std::fill_n(origin_[1], kPacketSlots, origin[face_.y]);
-    std::fill_n(origin_[2], kPacketSlots, origin[face_.z]);
-    place(c_.tiles.at(tile), std::size_t{tile} * kTilePackets);
+    std::fill_n(origin_[0], kBundleSlots, origin[face_.x]);
+    std::fill_n(origin_[1], kBundleSlots, origin[face_.y]);
+    std::fill_n(origin_[2], kBundleSlots, origin[face_.z]);
+    place(c_.tiles.at(tile), std::size_t{tile} * kTileBundles);
     if (!task_.ray_tests.empty()) {
-      std::fill_n(packet_tests_, kTilePackets, 0u);
+      std::fill_n(bundle_tests_, kTileBundles, 0u);
       std::fill_n(tests_, kTileSlots, 0u);
     }
   }
 
   FanTileCounts run(View<const FanTriangle> triangles) {
-    for (std::size_t i = 0; i < triangles.size && packets_ != 0; i += kPacketSlots) {
+    for (std::size_t i = 0; i < triangles.size && bundles_ != 0; i += kBundleSlots) {
       triangles_ = triangles.data + i;
       const auto count =
-          static_cast<std::uint32_t>(std::min<std::size_t>(triangles.size - i, kPacketSlots));
+          static_cast<std::uint32_t>(std::min<std::size_t>(triangles.size - i, kBundleSlots));
       prepare(count);
-      for (std::uint32_t lane = 0; lane < count && packets_ != 0; ++lane) meet(lane);
+      for (std::uint32_t lane = 0; lane < count && bundles_ != 0; ++lane) meet(lane);
     }
     finish();
     return counts_;
   }
 
  private:
-  /// Packets' rectangles less the tile's middle, which edges are written around.
-  void place(const FanBound& bound, std::size_t packet) {
+  /// Bundles' rectangles less the tile's middle, which edges are written around.
+  void place(const FanBound& bound, std::size_t bundle) {
     s0_ = (bound.u0 + bound.u1) * 0.5f, r0_ = (bound.v0 + bound.v1) * 0.5f;
     radius_ = std::max(bound.u1 - bound.u0, bound.v1 - bound.v0);  // more than enough
-    const FanBounds& b = c_.packets;
-    for (std::uint32_t p = 0; p < kTilePackets; ++p) {
-      du0_[p] = b.u0[packet + p] - s0_, du1_[p] = b.u1[packet + p] - s0_;
-      dv0_[p] = b.v0[packet + p] - r0_, dv1_[p] = b.v1[packet + p] - r0_;
+    const FanBounds& b = c_.bundles;
+    for (std::uint32_t p = 0; p < kTileBundles; ++p) {
+      du0_[p] = b.u0[bundle + p] - s0_, du1_[p] = b.u1[bundle + p] - s0_;
+      dv0_[p] = b.v0[bundle + p] - r0_, dv1_[p] = b.v1[bundle + p] - r0_;
     }
-    columns_ = {b.u0.data() + packet,
-                b.u1.data() + packet,
-                b.v0.data() + packet,
-                b.v1.data() + packet,
-                b.reach.data() + packet,
+    columns_ = {b.u0.data() + bundle,
+                b.u1.data() + bundle,
+                b.v0.data() + bundle,
+                b.v1.data() + bundle,
+                b.reach.data() + bundle,
                 du0_,
                 du1_,
                 dv0_,
@@ -118,19 +118,19 @@ class Tile {
     }
   }
 
-  /// One triangle with all packets that have rays left.
+  /// One triangle with all bundles that have rays left.
   HWY_INLINE void meet(std::uint32_t lane) {
     const Floats d;
     std::uint32_t met = 0;
-    for (std::size_t p = 0; p < kTilePackets; p += hn::Lanes(d)) {
+    for (std::size_t p = 0; p < kTileBundles; p += hn::Lanes(d)) {
       const M mask = RectanglesMeet(columns_, p, t_, lane);
       if (hn::AllFalse(d, mask)) continue;
       met |= BitsOf(hn::And(mask, EdgesMeet(columns_, p, t_, lane))) << p;
     }
-    counts_.bound_tests += static_cast<std::uint32_t>(std::popcount(packets_));
-    if (!task_.ray_tests.empty()) count_packets();
+    counts_.bound_tests += static_cast<std::uint32_t>(std::popcount(bundles_));
+    if (!task_.ray_tests.empty()) count_bundles();
     const bool single = task_.facing != Facing::kBoth && task_.source.flags != nullptr;
-    for (met &= packets_; met != 0; met &= met - 1) {
+    for (met &= bundles_; met != 0; met &= met - 1) {
       const auto p = static_cast<std::uint32_t>(std::countr_zero(met));
       if (!task_.ray_tests.empty()) count_rays(p);
       counts_.triangle_tests += static_cast<std::uint32_t>(std::popcount(alive_[p]));
@@ -152,24 +152,24 @@ class Tile {
     if (rest != 0) rest &= ~beyond(p, lane);
     for (; rest != 0; rest &= rest - 1) {
       const auto ray = static_cast<std::uint32_t>(std::countr_zero(rest));
-      hits |= settle(p * kPacketSlots + ray, lane, single) ? 1u << ray : 0;
+      hits |= settle(p * kBundleSlots + ray, lane, single) ? 1u << ray : 0;
     }
     alive_[p] &= ~hits;
-    if (alive_[p] == 0) packets_ &= ~(1u << p);
+    if (alive_[p] == 0) bundles_ &= ~(1u << p);
   }
 
-  /// Rays of a packet that the triangle's plane meets outside their intervals: those that end on
+  /// Rays of a bundle that the triangle's plane meets outside their intervals: those that end on
   /// it.
   HWY_NOINLINE std::uint32_t beyond(std::uint32_t p, std::uint32_t lane) const {
     const FanRays& r = c_.rays;
-    const std::size_t at = slot_ + p * kPacketSlots;
+    const std::size_t at = slot_ + p * kBundleSlots;
     const auto along_axes = [&](const Vec3& v) {
       const float* x = &v.x;
       return Vec3{x[face_.x], x[face_.y], x[face_.z]};
     };
     const auto& [a, b, c] = triangles_[lane].corners;
     return lanes_beyond(
-        kPacketSlots,
+        kBundleSlots,
         {origin_[0], origin_[1], origin_[2], r.shear_x.data() + at, r.shear_y.data() + at,
          r.shear_z.data() + at, r.t_min.data() + at, r.t_max.data() + at},
         along_axes(a), along_axes(b), along_axes(c));
@@ -192,7 +192,7 @@ class Tile {
             hn::Sub(hn::Set(d, t_.corner[i][1][lane]), hn::Mul(shear_y, z)), z};
   }
 
-  /// The rays of a packet, whether they are left or not.
+  /// The rays of a bundle, whether they are left or not.
   HWY_INLINE Verdict test(std::uint32_t p, std::uint32_t lane) const {
     using hn::Abs, hn::Add, hn::And, hn::Ge, hn::Gt, hn::Le, hn::Lt, hn::Max, hn::Min, hn::Mul,
         hn::Neg, hn::Or;
@@ -202,8 +202,8 @@ class Tile {
     const V reach = all(reach_[lane]);
     const V edge_error = all(kErrorOfReach * reach_[lane]);
     Verdict verdict;
-    for (std::size_t k = 0; k < kPacketSlots; k += hn::Lanes(d)) {
-      const std::size_t at = slot_ + p * kPacketSlots + k;
+    for (std::size_t k = 0; k < kBundleSlots; k += hn::Lanes(d)) {
+      const std::size_t at = slot_ + p * kBundleSlots + k;
       const V sx = hn::Load(d, r.shear_x.data() + at), sy = hn::Load(d, r.shear_y.data() + at);
       const Corner a = corner(0, lane, sx, sy), b = corner(1, lane, sx, sy),
                    c = corner(2, lane, sx, sy);
@@ -237,30 +237,30 @@ class Tile {
     return verdict;
   }
 
-  void count_packets() {
-    for (std::uint32_t rest = packets_; rest != 0; rest &= rest - 1)
-      ++packet_tests_[std::countr_zero(rest)];
+  void count_bundles() {
+    for (std::uint32_t rest = bundles_; rest != 0; rest &= rest - 1)
+      ++bundle_tests_[std::countr_zero(rest)];
   }
 
   void count_rays(std::uint32_t p) {
     for (std::uint32_t rest = alive_[p]; rest != 0; rest &= rest - 1)
-      ++tests_[p * kPacketSlots + static_cast<std::uint32_t>(std::countr_zero(rest))];
+      ++tests_[p * kBundleSlots + static_cast<std::uint32_t>(std::countr_zero(rest))];
   }
 
   void finish() {
     const std::uint32_t count = c_.rays_of_tile[slot_ / kTileSlots];
     const std::uint32_t* rays = c_.rays.ray.data() + slot_;
     for (std::uint32_t k = 0; k < count; ++k) {
-      const std::uint32_t alive = alive_[k / kPacketSlots] >> (k % kPacketSlots) & 1;
+      const std::uint32_t alive = alive_[k / kBundleSlots] >> (k % kBundleSlots) & 1;
       task_.occluded.data[rays[k]] = static_cast<std::uint8_t>(alive ^ 1);
     }
     if (task_.ray_tests.empty()) return;
     for (std::uint32_t k = 0; k < count; ++k) {
-      const std::uint32_t p = k / kPacketSlots;
-      const std::uint32_t sharers = std::min(kPacketSlots, count - p * kPacketSlots);
+      const std::uint32_t p = k / kBundleSlots;
+      const std::uint32_t sharers = std::min(kBundleSlots, count - p * kBundleSlots);
       task_.ray_tests[rays[k]] +=
           static_cast<float>(tests_[k]) +
-          static_cast<float>(packet_tests_[p]) / static_cast<float>(sharers);
+          static_cast<float>(bundle_tests_[p]) / static_cast<float>(sharers);
     }
   }
 
@@ -270,15 +270,15 @@ class Tile {
   const std::size_t slot_;
   float s0_, r0_, radius_;
   const FanTriangle* triangles_ = nullptr;  ///< up to 16, a lane each
-  std::uint32_t alive_[kTilePackets] = {};
-  std::uint32_t packets_ = 0;  ///< those with rays left
+  std::uint32_t alive_[kTileBundles] = {};
+  std::uint32_t bundles_ = 0;  ///< those with rays left
   FanTileCounts counts_;
-  std::uint32_t packet_tests_[kTilePackets], tests_[kTileSlots];  ///< where asked for
+  std::uint32_t bundle_tests_[kTileBundles], tests_[kTileSlots];  ///< where asked for
   BoundColumns columns_;
-  alignas(64) float du0_[kTilePackets], du1_[kTilePackets], dv0_[kTilePackets], dv1_[kTilePackets];
-  alignas(64) float origin_[3][kPacketSlots];  ///< of all rays, along the face's axes
+  alignas(64) float du0_[kTileBundles], du1_[kTileBundles], dv0_[kTileBundles], dv1_[kTileBundles];
+  alignas(64) float origin_[3][kBundleSlots];  ///< of all rays, along the face's axes
   TriangleLanes t_;
-  float reach_[kPacketSlots];  ///< of the triangles
+  float reach_[kBundleSlots];  ///< of the triangles
 };
 
 FanTileCounts RunTile(const FanTileTask& task, std::uint32_t tile,

@@ -178,7 +178,7 @@ void meet_candidates_on(Device& device, const PacketView& view, SortedCandidates
       if (least > nearest.t || least > setup.t_max) continue;
       for (std::size_t k = chunk; k < chunk_end; ++k)
         meet_list(view.list, sorted.triangles[k], sorted.triangles[k] + 1, view.facing, setup,
-                  [&](const EngineHit& hit) { nearest.take(hit.t, hit.triangle); });
+                  [&](const IndexedHit& hit) { nearest.take(hit.t, hit.triangle); });
       tests += chunk_end - chunk;
     }
     best[number] = nearest;
@@ -196,7 +196,7 @@ void begin_hits_on(Device& device, View<RayHit> best) {
 /// The hits of rays in the packets' order, to the caller's places.
 template <class Device>
 void scatter_best_on(Device& device, const PacketView& view, View<const RayHit> best,
-                     const std::uint32_t* order, EngineHit* hits) {
+                     const std::uint32_t* order, IndexedHit* hits) {
   device.for_each("trace: hits", best.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const RayHit hit = best.data[i];
     const std::uint64_t word = hit.found() ? hit_word(hit.t, hit.triangle) : kNoHitWord;

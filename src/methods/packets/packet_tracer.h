@@ -9,7 +9,7 @@
 
 #include "methods/packets/packet_traverse.h"
 #include "object_tree/triangle_list.h"
-#include "queries/planned_queries.h"
+#include "queries/query_report.h"
 
 namespace raysheaf {
 
@@ -24,7 +24,7 @@ struct PacketQuery {
   bool early_out = false;                 ///< rays that met something are tested no more
   Facing facing = Facing::kBoth;
   std::uint32_t key_bits = 32;
-  EngineReport* report = nullptr;
+  QueryReport* report = nullptr;
 };
 
 struct PacketOutcome {
@@ -41,7 +41,7 @@ class PacketTracer {
   /// packets are cells of; empty: packets are runs of rays as they are. Each in the host's memory
   /// or the device's, where what writes it is done.
   virtual PacketOutcome trace(View<const Ray> rays, View<const std::uint32_t> keys,
-                              const PacketQuery& query, View<EngineHit> hits) = 0;
+                              const PacketQuery& query, View<IndexedHit> hits) = 0;
 };
 
 }  // namespace raysheaf

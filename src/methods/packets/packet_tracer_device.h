@@ -34,7 +34,7 @@ class PacketTracerOn : public PacketTracer {
   }
 
   PacketOutcome trace(View<const Ray> rays, View<const std::uint32_t> keys,
-                      const PacketQuery& query, View<EngineHit> hits) override {
+                      const PacketQuery& query, View<IndexedHit> hits) override {
     PacketOutcome outcome;
     if (rays.empty()) return outcome;
     Stopwatch watch;
@@ -55,7 +55,7 @@ class PacketTracerOn : public PacketTracer {
     }
     hits_.resize_uninitialized("trace: hits", rays.size);
     scatter_best_on(device_, view_, best_.view_const(), order.data, hits_.data());
-    device_.copy("copy: hits", hits.data, hits_.data(), hits.size * sizeof(EngineHit));
+    device_.copy("copy: hits", hits.data, hits_.data(), hits.size * sizeof(IndexedHit));
     device_.synchronize("hits");
     if (query.report != nullptr) {
       add_times(device_.times(), query.report);
@@ -207,7 +207,7 @@ class PacketTracerOn : public PacketTracer {
   DeviceBuffer<RayEnd> ends_{memory_};
   DeviceBuffer<PacketFrustum> frusta_{memory_};
   DeviceBuffer<RayHit> best_{memory_};
-  DeviceBuffer<EngineHit> hits_{memory_};
+  DeviceBuffer<IndexedHit> hits_{memory_};
   DeviceBuffer<std::uint64_t> final_tests_{memory_};
   List queue_{memory_}, next_{memory_}, leaves_{memory_};
   DeviceBuffer<Met> met_{memory_};

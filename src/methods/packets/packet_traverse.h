@@ -23,9 +23,9 @@
 #include "exec/executor.h"
 #include "exec/progress_meter.h"
 #include "intersect/intersect_list.h"
+#include "intersect/triangle_view.h"
 #include "methods/packets/packets.h"
 #include "object_tree/bvh.h"
-#include "intersect/triangle_view.h"
 
 namespace raysheaf {
 

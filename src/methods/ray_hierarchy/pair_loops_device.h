@@ -159,7 +159,7 @@ void final_tests_on(Device& device, const PairView& view, View<const NodePair> p
 /// The hits of rays in the order of the hierarchy, to the caller's places.
 template <class Device>
 void scatter_hits_on(Device& device, const PairView& view, View<const std::uint64_t> words,
-                     const std::uint32_t* order, EngineHit* hits) {
+                     const std::uint32_t* order, IndexedHit* hits) {
   device.for_each("trace: hits of words", words.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     hits[order[i]] = hit_of_word(view.list, words.data[i], view.rays.data[i]);
   });

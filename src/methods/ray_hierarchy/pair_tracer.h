@@ -17,7 +17,7 @@
 #include "geom/sphere.h"
 #include "methods/ray_hierarchy/traverse.h"
 #include "object_tree/triangle_list.h"
-#include "queries/planned_queries.h"
+#include "queries/query_report.h"
 
 namespace raysheaf {
 
@@ -37,7 +37,7 @@ struct PairQuery {
   bool mesh_culling = true;
   Facing facing = Facing::kBoth;
   std::uint32_t key_bits = 32;
-  EngineReport* report = nullptr;
+  QueryReport* report = nullptr;
 };
 
 struct PairOutcome {
@@ -54,7 +54,7 @@ class PairTracer {
   /// they stay in their order. Each in the host's memory or the device's, where what writes it is
   /// done.
   virtual PairOutcome trace(View<const Ray> rays, View<const std::uint32_t> keys,
-                            const PairQuery& query, View<EngineHit> hits) = 0;
+                            const PairQuery& query, View<IndexedHit> hits) = 0;
 };
 
 /// Pairs that a level's list holds.

@@ -26,7 +26,7 @@ class PairTracerOn : public PairTracer {
   }
 
   PairOutcome trace(View<const Ray> rays, View<const std::uint32_t> keys, const PairQuery& query,
-                    View<EngineHit> hits) override {
+                    View<IndexedHit> hits) override {
     PairOutcome outcome;
     outcome.counts.tests.resize(query.levels);
     outcome.counts.hits.resize(query.levels);
@@ -48,7 +48,7 @@ class PairTracerOn : public PairTracer {
     if (spheres_.size() != 0) meet_top(query);
     hits_.resize_uninitialized("trace: hits of words", rays.size);
     scatter_hits_on(device_, view_, words_.view_const(), order_.order().data, hits_.data());
-    device_.copy("copy: hits", hits.data, hits_.data(), hits.size * sizeof(EngineHit));
+    device_.copy("copy: hits", hits.data, hits_.data(), hits.size * sizeof(IndexedHit));
     device_.synchronize("hits");
     if (query.report != nullptr) {
       add_times(device_.times(), query.report);
@@ -208,7 +208,7 @@ class PairTracerOn : public PairTracer {
   DeviceBuffer<std::uint8_t> met_{memory_}, mesh_met_{memory_};
   DeviceBuffer<std::uint32_t> kept_{memory_}, mesh_tests_{memory_};
   DeviceBuffer<std::uint64_t> words_{memory_};
-  DeviceBuffer<EngineHit> hits_{memory_};
+  DeviceBuffer<IndexedHit> hits_{memory_};
   PairView view_;
   TraverseCounts* counts_ = nullptr;
 };

@@ -15,7 +15,7 @@ template <class Device>
 class DeviceBatches {
  public:
   /// `engine` outlives it, and brings its triangles.
-  explicit DeviceBatches(DeviceEngineOn<Device>& engine)
+  explicit DeviceBatches(DeviceQueriesOn<Device>& engine)
       : engine_(engine), device_(engine.device()) {}
 
   /// `input` stays until the next call.
@@ -51,9 +51,9 @@ class DeviceBatches {
   }
 
   /// The first hits of the rays, until the next batch.
-  const EngineHit* closest(Facing facing, std::uint32_t key_bits, BatchStatistics* statistics) {
+  const IndexedHit* closest(Facing facing, std::uint32_t key_bits, BatchStatistics* statistics) {
     begin_batch(statistics);
-    EngineReport report;
+    QueryReport report;
     find_closest({facing, key_bits}, &report, statistics);
     count_found_on(device_, hits_.view_const(), found_.data());
     finish_batch(report, statistics);
@@ -64,7 +64,7 @@ class DeviceBatches {
   std::uint8_t* occluded(std::uint32_t key_bits, BatchStatistics* statistics) {
     begin_batch(statistics);
     occluded_.resize_uninitialized("trace: any hits", rays_.size());
-    EngineReport report;
+    QueryReport report;
     if (orders_rays()) {
       find_closest({Facing::kBoth, key_bits, input_->options.early_out}, &report, statistics);
       occluded_by_hits_on(device_, hits_.view_const(), occluded_.data());
@@ -97,7 +97,7 @@ class DeviceBatches {
   }
   [[nodiscard]] bool is_brute() const { return input_->options.method == Method::kBrute; }
 
-  [[nodiscard]] DeviceQuery query(Facing facing, RayKind kind, EngineReport* report) {
+  [[nodiscard]] DeviceQuery query(Facing facing, RayKind kind, QueryReport* report) {
     DeviceQuery query;
     query.facing = facing;
     query.brute = is_brute();
@@ -117,7 +117,7 @@ class DeviceBatches {
     bool early_out = false;  ///< any hit will do
   };
 
-  void find_closest(const Closest& ask, EngineReport* report, BatchStatistics* statistics) {
+  void find_closest(const Closest& ask, QueryReport* report, BatchStatistics* statistics) {
     hits_.resize_uninitialized("trace: closest hits", rays_.size());
     if (!orders_rays())
       return engine_.closest_hit(rays_.view_const(), query(ask.facing, statistics->kind, report),
@@ -155,20 +155,20 @@ class DeviceBatches {
     found_.resize_uninitialized("count", 1);
     device_.fill("count", found_.view(), 0);
   }
-  void finish_batch(const EngineReport& report, BatchStatistics* statistics) {
+  void finish_batch(const QueryReport& report, BatchStatistics* statistics) {
     statistics->hits += device_.read("count", found_.data());
     statistics->plan.push_back(where_all_is_);
     add_engine_report(report, 0, statistics);
   }
 
-  DeviceEngineOn<Device>& engine_;
+  DeviceQueriesOn<Device>& engine_;
   Device& device_;
   DeviceAllocator& memory_ = device_.allocator();
   const DeviceFrameInput* input_ = nullptr;
   std::string where_all_is_;
   DeviceBuffer<Ray> rays_{memory_};
   DeviceBuffer<std::uint32_t> keys_{memory_};
-  DeviceBuffer<EngineHit> hits_{memory_};
+  DeviceBuffer<IndexedHit> hits_{memory_};
   DeviceBuffer<std::uint8_t> occluded_{memory_};
   DeviceBuffer<std::uint64_t> found_{memory_};
   DeviceBuffer<float> ray_tests_{memory_};

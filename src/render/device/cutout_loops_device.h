@@ -50,20 +50,20 @@ void flag_cut_away_on(Device& device, StagedSceneView scene, bool blends, View<c
 /// Rays on their way through the holes of a scene, what they met last, and their places among all.
 struct RaysOnWay {
   View<const Ray> rays;
-  const EngineHit* hits;
+  const IndexedHit* hits;
   const std::uint32_t* places;
 };
 
 /// Hits in holes are none, in `all`; flags the rays of which something is left behind them.
 template <class Device>
 void pass_holes_on(Device& device, StagedSceneView scene, bool blends, RaysOnWay on_way,
-                   EngineHit* all, std::uint8_t* flags) {
+                   IndexedHit* all, std::uint8_t* flags) {
   device.for_each("trace: holes", on_way.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const Ray ray = on_way.rays.data[i];
-    const EngineHit hit = on_way.hits[i];
+    const IndexedHit hit = on_way.hits[i];
     flags[i] = 0;
     if (hit.triangle == kInvalidId || !staged_is_cut_away(scene, ray, hit.triangle, blends)) return;
-    all[on_way.places[i]] = EngineHit{};
+    all[on_way.places[i]] = IndexedHit{};
     flags[i] = just_behind(hit.t) <= ray.t_max ? 1 : 0;
   });
 }
@@ -82,14 +82,14 @@ void rays_behind_on(Device& device, RaysOnWay on_way, View<const std::uint32_t> 
 }
 
 template <class Device>
-void place_hits_on(Device& device, View<const EngineHit> hits, const std::uint32_t* places,
-                   EngineHit* all) {
+void place_hits_on(Device& device, View<const IndexedHit> hits, const std::uint32_t* places,
+                   IndexedHit* all) {
   device.for_each("trace: holes", hits.size,
                   [=] RAYSHEAF_DEVICE(std::size_t i) { all[places[i]] = hits.data[i]; });
 }
 
 template <class Device>
-void place_triangles_on(Device& device, View<const EngineHit> hits, const std::uint32_t* places,
+void place_triangles_on(Device& device, View<const IndexedHit> hits, const std::uint32_t* places,
                         std::uint32_t* triangles) {
   device.for_each("trace: holes", hits.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     triangles[places[i]] = hits.data[i].triangle;
@@ -97,7 +97,7 @@ void place_triangles_on(Device& device, View<const EngineHit> hits, const std::u
 }
 
 template <class Device>
-void place_occluded_on(Device& device, View<const EngineHit> hits, const std::uint32_t* places,
+void place_occluded_on(Device& device, View<const IndexedHit> hits, const std::uint32_t* places,
                        std::uint8_t* occluded) {
   device.for_each("trace: holes", hits.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     occluded[places[i]] = hits.data[i].triangle != kInvalidId ? 1 : 0;

@@ -35,8 +35,8 @@ class DeviceCutouts {
 
   /// The first of what is there for each of the batch's rays, until the next call; their tests go
   /// to their pixels. The rays are the same afterwards.
-  const EngineHit* closest(const BatchOnDevice& batch, BatchStatistics* statistics) {
-    const EngineHit* const hits = traced(batch, batch.slots, statistics);
+  const IndexedHit* closest(const BatchOnDevice& batch, BatchStatistics* statistics) {
+    const IndexedHit* const hits = traced(batch, batch.slots, statistics);
     return any() ? pass(batch, hits, statistics) : hits;
   }
 
@@ -54,7 +54,7 @@ class DeviceCutouts {
     gather(device_, kStage, batch.slots, stopped, stopped_slots_.view());
     BatchOnDevice again = batch;
     again.slots = stopped_slots_.view_const();
-    const View<const EngineHit> hits(closest(again, statistics), stopped.size);
+    const View<const IndexedHit> hits(closest(again, statistics), stopped.size);
     place_occluded_on(device_, hits, stopped.data, occluded);
     return occluded;
   }
@@ -70,17 +70,17 @@ class DeviceCutouts {
     const View<const std::uint32_t> away = flagged(flags_.view_const(), &chosen_);
     if (away.empty()) return;
     keep(away);
-    const View<const EngineHit> hits(closest({facing, key_bits, {}, away}, statistics()),
-                                     away.size);
+    const View<const IndexedHit> hits(closest({facing, key_bits, {}, away}, statistics()),
+                                      away.size);
     place_triangles_on(device_, hits, away.data, triangles);
   }
 
  private:
   static constexpr const char* kStage = "trace: holes";
 
-  const EngineHit* traced(const BatchOnDevice& batch, View<const std::uint32_t> slots,
-                          BatchStatistics* statistics) {
-    const EngineHit* const hits = batches_.closest(batch.facing, batch.key_bits, statistics);
+  const IndexedHit* traced(const BatchOnDevice& batch, View<const std::uint32_t> slots,
+                           BatchStatistics* statistics) {
+    const IndexedHit* const hits = batches_.closest(batch.facing, batch.key_bits, statistics);
     add_tests(batch, slots);
     return hits;
   }
@@ -100,12 +100,12 @@ class DeviceCutouts {
   }
 
   /// `hits` of the batch's rays, brought to what is there.
-  const EngineHit* pass(const BatchOnDevice& batch, const EngineHit* hits,
-                        BatchStatistics* statistics) {
+  const IndexedHit* pass(const BatchOnDevice& batch, const IndexedHit* hits,
+                         BatchStatistics* statistics) {
     const std::size_t rays = batches_.all_rays().size;
     all_.resize_uninitialized(kStage, rays);
     places_.resize_uninitialized(kStage, rays);
-    device_.copy(kStage, all_.data(), hits, rays * sizeof(EngineHit));
+    device_.copy(kStage, all_.data(), hits, rays * sizeof(IndexedHit));
     number(device_, kStage, places_.view());
     bool goes_on = false;
     while (true) {
@@ -126,7 +126,7 @@ class DeviceCutouts {
         goes_on = true;
       }
       hits = traced(batch, slots_at(batch, places_.view_const()), statistics);
-      place_hits_on(device_, View<const EngineHit>(hits, kept.size), places_.data(), all_.data());
+      place_hits_on(device_, View<const IndexedHit>(hits, kept.size), places_.data(), all_.data());
     }
     if (goes_on) batches_.swap(&first_rays_, &first_keys_);
     return all_.data();
@@ -155,7 +155,7 @@ class DeviceCutouts {
   DeviceBatches<Device>& batches_;
   DeviceAllocator& memory_ = device_.allocator();
   FrameOnDevice frame_;
-  DeviceBuffer<EngineHit> all_{memory_};
+  DeviceBuffer<IndexedHit> all_{memory_};
   DeviceBuffer<std::uint8_t> flags_{memory_};
   DeviceBuffer<std::uint32_t> chosen_{memory_}, kept_{memory_};
   DeviceBuffer<std::uint32_t> slots_{memory_}, stopped_slots_{memory_};

@@ -124,7 +124,7 @@ PixelIds ids_of(const FlatScene& scene, std::uint32_t triangle) {
   return {mesh.inst_id, mesh.geom_id, triangle - mesh.first_triangle};
 }
 
-void add_engine_report(const EngineReport& report, std::size_t part, BatchStatistics* statistics) {
+void add_engine_report(const QueryReport& report, std::size_t part, BatchStatistics* statistics) {
   statistics->bound_tests += report.bound_tests;
   statistics->ray_bound_tests += report.ray_bound_tests;
   statistics->final_tests += report.triangle_tests;

@@ -187,7 +187,7 @@ class DeviceStages : public FrameStages, public PathStages {
 
 /// Adds what an engine did for a batch, or for `part` of its rays, as its plan then says; 0: for
 /// all of them.
-void add_engine_report(const EngineReport& report, std::size_t part, BatchStatistics* statistics);
+void add_engine_report(const QueryReport& report, std::size_t part, BatchStatistics* statistics);
 
 /// Adds the tests of a hierarchy of rays; not their times.
 void add_counts(const TraverseCounts& counts, BatchStatistics* statistics);

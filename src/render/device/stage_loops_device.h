@@ -35,7 +35,7 @@ void camera_rays_on(Device& device, CameraFrame frame, Box bounds, Ray* rays, st
 }
 
 template <class Device>
-void triangles_of_hits_on(Device& device, View<const EngineHit> hits, std::uint32_t* triangles) {
+void triangles_of_hits_on(Device& device, View<const IndexedHit> hits, std::uint32_t* triangles) {
   device.for_each("surfaces: names", hits.size,
                   [=] RAYSHEAF_DEVICE(std::size_t i) { triangles[i] = hits.data[i].triangle; });
 }
@@ -163,7 +163,7 @@ struct Bounced {
   View<const std::uint32_t> slots;
   const Ray* rays;
   const Vec3* weights;
-  const EngineHit* hits;
+  const IndexedHit* hits;
   std::uint32_t kind;
 };
 
@@ -172,7 +172,7 @@ void arrived_on(Device& device, StagedSceneView scene, View<const Fragment> frag
                 Bounced bounced, Fragment* out) {
   device.for_each("surfaces: bounce", bounced.slots.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     const Fragment& from = fragments.data[bounced.slots.data[i]];
-    const EngineHit hit = bounced.hits[i];
+    const IndexedHit hit = bounced.hits[i];
     Fragment f;
     f.weight = bounced.weights[i];
     f.pixel = from.pixel;
@@ -226,7 +226,7 @@ void add_tests_on(Device& device, View<const Fragment> fragments, View<const std
 
 /// Adds to `*sum` how many of the hits are hits, sixty-four of them a thread.
 template <class Device>
-void count_found_on(Device& device, View<const EngineHit> hits, std::uint64_t* sum) {
+void count_found_on(Device& device, View<const IndexedHit> hits, std::uint64_t* sum) {
   device.for_each("count", (hits.size + 63) / 64, [=] RAYSHEAF_DEVICE(std::size_t block) {
     std::uint64_t found = 0;
     for (std::size_t i = 64 * block; i < hits.size && i < 64 * (block + 1); ++i)
@@ -235,7 +235,7 @@ void count_found_on(Device& device, View<const EngineHit> hits, std::uint64_t* s
   });
 }
 template <class Device>
-void occluded_by_hits_on(Device& device, View<const EngineHit> hits, std::uint8_t* occluded) {
+void occluded_by_hits_on(Device& device, View<const IndexedHit> hits, std::uint8_t* occluded) {
   device.for_each("trace: any hits", hits.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
     occluded[i] = hits.data[i].triangle != kInvalidId ? 1 : 0;
   });

@@ -91,9 +91,9 @@ class DeviceStagesOn : public DeviceStages {
       BatchStatistics& statistics = input_->tally.batch(RayKind::kPrimary, 0);
       batches_.make_camera_rays(frame, scene_->bounds);
       lap(&statistics.times_ms.raygen);
-      const EngineHit* const hits =
+      const IndexedHit* const hits =
           cutouts_.closest({Facing::kSkipBackOfSingleSided, kBounceKeyBits, {}, {}}, &statistics);
-      triangles_of_hits_on(device_, View<const EngineHit>(hits, pixels), triangles_seen_.data());
+      triangles_of_hits_on(device_, View<const IndexedHit>(hits, pixels), triangles_seen_.data());
     }
     input_->meter.begin("surfaces", 1);
     first_hits_ = sets_.make("surfaces: first", pixels);
@@ -180,7 +180,7 @@ class DeviceStagesOn : public DeviceStages {
                    {rays, weights_.data(), batches_.keys("raygen: bounce")});
     BatchStatistics& statistics = input_->tally.batch(kind, bounce);
     lap(&statistics.times_ms.raygen);
-    const EngineHit* const hits =
+    const IndexedHit* const hits =
         cutouts_.closest({Facing::kBoth, kBounceKeyBits, s.view(), slots}, &statistics);
     watch_.lap_ms();
     auto arrived = sets_.make("surfaces: bounce", count);
@@ -269,7 +269,7 @@ class DeviceStagesOn : public DeviceStages {
     return occluded;
   }
 
-  DeviceEngineOn<Device> engine_;
+  DeviceQueriesOn<Device> engine_;
   Device& device_;
   DeviceAllocator& memory_ = device_.allocator();
   DeviceSets<Device> sets_;

@@ -7,7 +7,7 @@
 
 namespace raysheaf {
 
-DeviceEngine& DeviceTracer::engine(const Executor& executor) {
+DeviceQueries& DeviceTracer::engine(const Executor& executor) {
   if (engine_.knows) return *engine_.made;
   Buffer<Vec3> all;
   all.resize_uninitialized(std::size_t{3} * scene_.triangle_count);
@@ -20,7 +20,7 @@ DeviceEngine& DeviceTracer::engine(const Executor& executor) {
   source.runs = {&run, scene_.triangle_count > 0 ? std::size_t{1} : std::size_t{0}};
   source.count = scene_.triangle_count;
   source.flags = scene_.flags.data();
-  if (engine_.made == nullptr) engine_.made = backend_.make_engine();
+  if (engine_.made == nullptr) engine_.made = backend_.make_queries();
   engine_.made->set_triangles(executor, source, std::exchange(same_triangles_, false));
   engine_.knows = same_triangles_ = true;
   return *engine_.made;
@@ -50,10 +50,10 @@ std::vector<RayHit> DeviceTracer::trace(const Executor& executor, const RayBatch
   DeviceQuery query;
   query.facing = facing;
   query.executor = &executor;
-  std::vector<EngineHit> found(batch.rays.size());
-  engine(executor).closest_hit(batch.rays, query, View<EngineHit>(found));
+  std::vector<IndexedHit> found(batch.rays.size());
+  engine(executor).closest_hit(batch.rays, query, View<IndexedHit>(found));
   std::vector<RayHit> hits;
-  for (const EngineHit& hit : found) hits.push_back({hit.t, hit.triangle});
+  for (const IndexedHit& hit : found) hits.push_back({hit.t, hit.triangle});
   return hits;
 }
 

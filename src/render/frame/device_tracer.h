@@ -1,11 +1,12 @@
 // A flat scene on a device: the tracers of the methods that order rays
 // (methods/ray_hierarchy/pair_tracer.h, methods/packets/packet_tracer.h), which frames of theirs
-// use there, and a DeviceEngine for rays that the host asks for before a frame begins.
+// use there, and a DeviceQueries for rays that the host asks for before a frame begins.
 #pragma once
 
 #include <memory>
 #include <vector>
 
+#include "device/backend.h"
 #include "device/device_queries.h"
 #include "methods/packets/packet_tracer.h"
 #include "methods/ray_hierarchy/pair_tracer.h"
@@ -38,7 +39,7 @@ class DeviceTracer {
   [[nodiscard]] PacketTracer& packets(const TriangleList& there, const Bvh& bvh);
 
  private:
-  [[nodiscard]] DeviceEngine& engine(const Executor& executor);
+  [[nodiscard]] DeviceQueries& engine(const Executor& executor);
 
   const FlatScene& scene_;
   const DeviceBackend& backend_;
@@ -49,7 +50,7 @@ class DeviceTracer {
   };
   Kept<PairTracer> pairs_;
   Kept<PacketTracer> packets_;
-  Kept<DeviceEngine> engine_;
+  Kept<DeviceQueries> engine_;
   bool same_triangles_ = false;  ///< as the engine has
 };
 

@@ -83,15 +83,15 @@ TriangleSource DualTracer::source_of(const FlatScene& scene) {
   return source;
 }
 
-EngineReport DualTracer::prepare_tree(const Executor& executor) {
-  EngineReport report;
+QueryReport DualTracer::prepare_tree(const Executor& executor) {
+  QueryReport report;
   engine_.prepare_tree(executor, &report);
   tree_.add({true, report.tree, report.hierarchy_ms});
   return report;
 }
 
 /// `whole`: the report is of all rays of the batch, not of some of them.
-void DualTracer::add_report(const EngineReport& report, std::size_t rays, bool whole,
+void DualTracer::add_report(const QueryReport& report, std::size_t rays, bool whole,
                             BatchStatistics* statistics) {
   tree_.add({report.used_tree, report.tree, report.used_tree ? report.hierarchy_ms : 0});
   add_engine_report(report, whole ? 0 : rays, statistics);
@@ -100,11 +100,11 @@ void DualTracer::add_report(const EngineReport& report, std::size_t rays, bool w
 void DualTracer::find_occluded(const Executor& executor, const RayBatch& batch, Facing facing,
                                BatchStatistics* statistics, View<float> ray_tests,
                                View<std::uint8_t> occluded) {
-  const EngineOptions options = counting_options(facing);
+  const PlannedOptions options = counting_options(facing);
   const std::vector<std::size_t> ends = query_ends(batch);
   for (std::size_t q = 0; q + 1 < ends.size(); ++q) {
     const std::size_t begin = ends[q], count = ends[q + 1] - begin;
-    EngineReport report;
+    QueryReport report;
     engine_.any_hit(executor, View<const Ray>(batch.rays).slice(begin, count), options,
                     occluded.slice(begin, count),
                     ray_tests.empty() ? ray_tests : ray_tests.slice(begin, count), &report);
@@ -113,10 +113,10 @@ void DualTracer::find_occluded(const Executor& executor, const RayBatch& batch, 
 }
 
 void DualTracer::find_closest(const Executor& executor, const RayBatch& batch,
-                              const EngineOptions& options, BatchStatistics* statistics,
+                              const PlannedOptions& options, BatchStatistics* statistics,
                               View<float> ray_tests, View<RayHit> hits) {
   closest_.resize_uninitialized(batch.rays.size());
-  EngineReport report;
+  QueryReport report;
   engine_.closest_hit(executor, batch.rays, options, closest_, ray_tests, &report);
   add_report(report, batch.rays.size(), !batch.part, statistics);
   executor.for_each(hits.size, kCopyGrain, [&](std::size_t i) {

@@ -30,7 +30,7 @@ inline constexpr std::uint32_t kSomeTriangle = kInvalidId - 1;
 }
 
 /// What a frame asks its engine for beside hits.
-[[nodiscard]] inline EngineOptions counting_options(Facing facing) {
+[[nodiscard]] inline PlannedOptions counting_options(Facing facing) {
   return {facing, true};
 }
 
@@ -60,8 +60,8 @@ class DualTracer {
   void update(const Executor& executor, const FlatScene& scene, const FlatUpdate& update);
   /// Brings the object tree up to date, for `TreeQueries` of several threads
   /// (queries/planned_queries.h). Returns what it took and why.
-  EngineReport prepare_tree(const Executor& executor);
-  [[nodiscard]] Engine& engine() { return engine_; }
+  QueryReport prepare_tree(const Executor& executor);
+  [[nodiscard]] PlannedQueries& engine() { return engine_; }
   DualTracer(const DualTracer&) = delete;
   DualTracer& operator=(const DualTracer&) = delete;
 
@@ -78,7 +78,7 @@ class DualTracer {
  private:
   void copy_corners(const Executor& executor, const FlatScene& scene, std::size_t first,
                     std::size_t count);
-  void add_report(const EngineReport& report, std::size_t rays, bool whole,
+  void add_report(const QueryReport& report, std::size_t rays, bool whole,
                   BatchStatistics* statistics);
   /// All of `corners_`.
   [[nodiscard]] TriangleSource source_of(const FlatScene& scene);
@@ -86,14 +86,14 @@ class DualTracer {
   void find_occluded(const Executor& executor, const RayBatch& batch, Facing facing,
                      BatchStatistics* statistics, View<float> ray_tests,
                      View<std::uint8_t> occluded);
-  void find_closest(const Executor& executor, const RayBatch& batch, const EngineOptions& options,
+  void find_closest(const Executor& executor, const RayBatch& batch, const PlannedOptions& options,
                     BatchStatistics* statistics, View<float> ray_tests, View<RayHit> hits);
 
   Buffer<Vec3> corners_;  ///< three a triangle
   TriangleRun run_;       ///< all of them
-  Engine engine_;
+  PlannedQueries engine_;
   TreeReport tree_;
-  Buffer<EngineHit> closest_;
+  Buffer<IndexedHit> closest_;
   Buffer<std::uint8_t> occluded_;
 };
 

@@ -224,10 +224,10 @@ DualTracer& TraceCache::dual_tracer(const Executor& executor, const FlatScene& s
   return *dual;
 }
 
-EngineReport TraceCache::prepare_tree(const Executor& executor, const FlatScene& scene) {
+QueryReport TraceCache::prepare_tree(const Executor& executor, const FlatScene& scene) {
   Stopwatch watch;
   DualTracer& tracer = dual_tracer(executor, scene);
-  EngineReport report = tracer.prepare_tree(executor);
+  QueryReport report = tracer.prepare_tree(executor);
   tree.add(tracer.take_tree_report());
   report.hierarchy_ms = watch.lap_ms();
   return report;

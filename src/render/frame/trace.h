@@ -38,7 +38,7 @@ struct TraceCache {
   [[nodiscard]] const Bvh& hierarchy(const Executor& executor, const FlatScene& scene);
   [[nodiscard]] DualTracer& dual_tracer(const Executor& executor, const FlatScene& scene);
   /// Brings the tree of `dual` up to date; what it took, and why.
-  EngineReport prepare_tree(const Executor& executor, const FlatScene& scene);
+  QueryReport prepare_tree(const Executor& executor, const FlatScene& scene);
   /// The scene's triangles are others, or elsewhere.
   void update(const Executor& executor, const FlatScene& scene, const FlatUpdate& update);
 };

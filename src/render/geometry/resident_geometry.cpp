@@ -98,7 +98,7 @@ void ResidentGeometry::meet_any(const RayBatch& batch, bool early_out, BatchStat
 }
 
 SharedWork ResidentGeometry::share() {
-  EngineReport report = options_.cache->prepare_tree(executor_, scene_);
+  QueryReport report = options_.cache->prepare_tree(executor_, scene_);
   return {report.hierarchy_ms, std::move(report.plan)};
 }
 

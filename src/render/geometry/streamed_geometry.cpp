@@ -19,7 +19,7 @@ namespace {
 /// A process tells the others of so many at a time: 8 MB.
 constexpr std::size_t kSurfacesAtOnce = 65536;
 
-void add_stream_report(const EngineReport& report, BatchStatistics* statistics) {
+void add_stream_report(const QueryReport& report, BatchStatistics* statistics) {
   statistics->bound_tests += report.bound_tests;
   statistics->ray_bound_tests += report.ray_bound_tests;
   statistics->final_tests += report.triangle_tests;
@@ -155,7 +155,7 @@ std::vector<RayHit> StreamedGeometry::traced(const RayBatch& batch, Facing facin
 std::vector<RayHit> StreamedGeometry::closest(const RayBatch& batch, const StreamRequest& request,
                                               BatchStatistics* statistics) {
   hits_.resize(batch.rays.size());
-  EngineReport report;
+  QueryReport report;
   streamer_.closest(batch.rays, request, hits_, &report);
   add_stream_report(report, statistics);
   std::vector<RayHit> hits(hits_.size());
@@ -170,7 +170,7 @@ void StreamedGeometry::find_occluded(const RayBatch& batch, bool /*early_out*/,
                                      ProgressMeter* meter, View<std::uint8_t> occluded) {
   StreamRequest request = begin(batch, statistics, ray_tests, meter);
   request.facing = Facing::kBoth;
-  EngineReport report;
+  QueryReport report;
   streamer_.any(batch.rays, request, occluded, &report);
   add_stream_report(report, statistics);
   statistics->hits += std::accumulate(occluded.begin(), occluded.end(), std::uint64_t{0});

@@ -9,7 +9,7 @@
 namespace raysheaf {
 namespace {
 
-void add_part(const EngineReport& report, std::size_t rays, BatchStatistics* statistics) {
+void add_part(const QueryReport& report, std::size_t rays, BatchStatistics* statistics) {
   add_engine_report(report, rays, statistics);
   statistics->rays += rays;
 }
@@ -41,7 +41,7 @@ std::vector<RayHit> ThreadGeometry::meet(const RayBatch& batch, Facing facing,
                                          ProgressMeter* /*meter*/) {
   std::vector<RayHit> hits(batch.rays.size());
   closest_.resize_uninitialized(hits.size());
-  EngineReport report;
+  QueryReport report;
   queries_.closest_hit(cache_.dual->engine(), batch.rays, counting_options(facing),
                        batch.tells_plan, closest_, ray_tests, &report);
   add_part(report, hits.size(), statistics);
@@ -55,7 +55,7 @@ std::vector<RayHit> ThreadGeometry::meet(const RayBatch& batch, Facing facing,
 void ThreadGeometry::meet_any(const RayBatch& batch, bool /*early_out*/,
                               BatchStatistics* statistics, View<float> ray_tests,
                               ProgressMeter* /*meter*/, View<std::uint8_t> occluded) {
-  EngineReport report;
+  QueryReport report;
   queries_.any_hit(cache_.dual->engine(), batch.rays, counting_options(Facing::kBoth),
                    batch.tells_plan, occluded, ray_tests, &report);
   add_part(report, batch.rays.size(), statistics);

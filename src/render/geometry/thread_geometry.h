@@ -36,7 +36,7 @@ class ThreadGeometry : public FlatGeometry {
   const Executor serial_ = Executor::serial();
   const TraceCache& cache_;
   TreeQueries queries_;
-  Buffer<EngineHit> closest_;
+  Buffer<IndexedHit> closest_;
 };
 
 }  // namespace raysheaf

@@ -1,4 +1,4 @@
-// A packet of rays as the kernels keep it: plain arrays, read as vectors.
+// A bundle of rays as the kernels keep it: plain arrays, read as vectors.
 //
 // All rays run towards one quarter of a face, so they share the axes (x, y across, z along) of
 // `make_ray_setup` and which planes of a box are near.
@@ -26,7 +26,7 @@
 
 namespace raysheaf {
 
-inline constexpr std::uint32_t kPacketWidth = 16;
+inline constexpr std::uint32_t kBundleWidth = 16;
 /// Coordinates and reaches beyond are not bounded: there the sums above overflow.
 inline constexpr float kLargestBounded = 1e30f;
 inline constexpr float kLeastStep = 0x1p-148f;
@@ -58,21 +58,21 @@ struct QuarterAxes {
   }
 };
 
-struct alignas(64) RayPacket : QuarterAxes {
-  alignas(64) float ox[kPacketWidth];
-  float oy[kPacketWidth], oz[kPacketWidth];
-  float shear_x[kPacketWidth], shear_y[kPacketWidth], shear_z[kPacketWidth];
-  float t_min[kPacketWidth], t_limit[kPacketWidth];  ///< where hits count; unused lanes: nowhere
-  float x_near[kPacketWidth], x_far[kPacketWidth];   ///< origin, for near and far planes with pad
-  float y_near[kPacketWidth], y_far[kPacketWidth];
-  float z_near[kPacketWidth], z_far[kPacketWidth];
-  float per_x[kPacketWidth], per_y[kPacketWidth];   ///< distance along z a unit of x, of y
-  float s_near[kPacketWidth], s_far[kPacketWidth];  ///< where boxes matter; done lanes: nowhere
-  float zeta[kPacketWidth];                         ///< of the origin
-  float along[kPacketWidth];                        ///< |d_z|
-  float t_low[kPacketWidth];          ///< the best hit's t is between this and t_limit
-  std::uint32_t place[kPacketWidth];  ///< its triangle's in the tree's quads; kInvalidId: none
-  std::uint32_t index[kPacketWidth];  ///< the caller's number
+struct alignas(64) RayBundle : QuarterAxes {
+  alignas(64) float ox[kBundleWidth];
+  float oy[kBundleWidth], oz[kBundleWidth];
+  float shear_x[kBundleWidth], shear_y[kBundleWidth], shear_z[kBundleWidth];
+  float t_min[kBundleWidth], t_limit[kBundleWidth];  ///< where hits count; unused lanes: nowhere
+  float x_near[kBundleWidth], x_far[kBundleWidth];   ///< origin, for near and far planes with pad
+  float y_near[kBundleWidth], y_far[kBundleWidth];
+  float z_near[kBundleWidth], z_far[kBundleWidth];
+  float per_x[kBundleWidth], per_y[kBundleWidth];   ///< distance along z a unit of x, of y
+  float s_near[kBundleWidth], s_far[kBundleWidth];  ///< where boxes matter; done lanes: nowhere
+  float zeta[kBundleWidth];                         ///< of the origin
+  float along[kBundleWidth];                        ///< |d_z|
+  float t_low[kBundleWidth];          ///< the best hit's t is between this and t_limit
+  std::uint32_t place[kBundleWidth];  ///< its triangle's in the tree's quads; kInvalidId: none
+  std::uint32_t index[kBundleWidth];  ///< the caller's number
   bool bounded = true;                ///< or else every triangle is tested with every ray
   std::uint32_t count = 0;
   float pad = 0;

@@ -1,4 +1,4 @@
-// Packets of rays: filled, and tested with boxes. Included once a SIMD target by
+// Bundles of rays: filled, and tested with boxes. Included once a SIMD target by
 // methods/dual/trace_simd.cpp, inside its namespace.
 
 /// Two planes of a box, the one that rays of a quarter meet first and the other.
@@ -6,9 +6,9 @@ struct PlanePair {
   float near, far;
 };
 
-/// Where the packet's lanes from `g` on are inside a box: from `near` to `far`, clipped to what
+/// Where the bundle's lanes from `g` on are inside a box: from `near` to `far`, clipped to what
 /// they look for.
-HWY_INLINE void clip_to_box(const RayPacket& p, std::size_t g, PlanePair x, PlanePair y,
+HWY_INLINE void clip_to_box(const RayBundle& p, std::size_t g, PlanePair x, PlanePair y,
                             PlanePair z, RV* near, RV* far) {
   using hn::Max, hn::Min, hn::Mul, hn::Sub;
   const RV per_x = load(p.per_x + g), per_y = load(p.per_y + g);
@@ -23,11 +23,11 @@ HWY_INLINE void clip_to_box(const RayPacket& p, std::size_t g, PlanePair x, Plan
   *far = Min(Min(x1, y1), Min(z1, load(p.s_far + g)));
 }
 
-/// The rays of `packet` that meet a child's box within [s_near, s_far], as bits.
-HWY_INLINE std::uint32_t rays_in_child(const RayPacket& p, const BvhNode& n, std::uint32_t c) {
+/// The rays of `bundle` that meet a child's box within [s_near, s_far], as bits.
+HWY_INLINE std::uint32_t rays_in_child(const RayBundle& p, const BvhNode& n, std::uint32_t c) {
   const Rays d;
   std::uint32_t bits = 0;
-  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
     RV near, far;
     clip_to_box(p, g, {n.bound[p.near_x][c], n.bound[p.far_x][c]},
                 {n.bound[p.near_y][c], n.bound[p.far_y][c]},
@@ -65,7 +65,7 @@ HWY_INLINE RV least_step_of(RV along) {
   return hn::Mul(hn::Mul(hn::Max(along, set(0x1p23f)), set(0x1p-100f)), set(0x1p-48f));
 }
 
-/// What follows from rays in lanes, as in RayPacket.
+/// What follows from rays in lanes, as in RayBundle.
 struct SlabLanes {
   RV shear_x, shear_y, shear_z, along, per_x, per_y, s_near, s_far;
 
@@ -119,7 +119,7 @@ struct PreparedLanes {
   bool bounded;
 };
 
-/// Prepares the rays of a packet, of which `index` has kPacketWidth and `count` are used. Calls
+/// Prepares the rays of a bundle, of which `index` has kBundleWidth and `count` are used. Calls
 /// `keep(g, rays, slabs)` for the lanes from g on.
 template <class Keep>
 HWY_INLINE PreparedLanes prepare_lanes(const Ray* rays, const std::uint32_t* index,
@@ -127,7 +127,7 @@ HWY_INLINE PreparedLanes prepare_lanes(const Ray* rays, const std::uint32_t* ind
                                        const QuarterAxes& axes, const Keep& keep) {
   using hn::Abs, hn::Max, hn::Sub;
   const Rays d;
-  constexpr std::size_t kGroups = kPacketWidth / hn::MaxLanes(Rays());
+  constexpr std::size_t kGroups = kBundleWidth / hn::MaxLanes(Rays());
   RayLanes groups[kGroups];
   RV reach = hn::Zero(d), coordinate = hn::Zero(d);
   const auto grow = [&](RV o, int axis) HWY_ATTR {
@@ -138,7 +138,7 @@ HWY_INLINE PreparedLanes prepare_lanes(const Ray* rays, const std::uint32_t* ind
   for (std::size_t n = 0; n < kGroups; ++n) {
     const std::size_t g = n * ray_lanes();
     groups[n] = gather_lanes(rays, index + g,
-                             lanes_of(count < kPacketWidth ? (1u << count) - 1 : 0xffffu, g), axes);
+                             lanes_of(count < kBundleWidth ? (1u << count) - 1 : 0xffffu, g), axes);
     grow(groups[n].ox, axes.axis_x);
     grow(groups[n].oy, axes.axis_y);
     grow(groups[n].oz, axes.axis_z);
@@ -157,20 +157,20 @@ HWY_INLINE PreparedLanes prepare_lanes(const Ray* rays, const std::uint32_t* ind
   return prepared;
 }
 
-/// `count` numbers; missing ones of kPacketWidth repeat the first.
+/// `count` numbers; missing ones of kBundleWidth repeat the first.
 HWY_INLINE void copy_numbers(const std::uint32_t* from, std::uint32_t count, std::uint32_t* to) {
-  if (HWY_LIKELY(count == kPacketWidth)) {
-    std::memcpy(to, from, kPacketWidth * sizeof *to);
+  if (HWY_LIKELY(count == kBundleWidth)) {
+    std::memcpy(to, from, kBundleWidth * sizeof *to);
   } else {
-    for (std::uint32_t i = 0; i < kPacketWidth; ++i) to[i] = from[i < count ? i : 0];
+    for (std::uint32_t i = 0; i < kBundleWidth; ++i) to[i] = from[i < count ? i : 0];
   }
 }
 
-/// Fills a packet with `count` rays of the order; missing ones repeat the first. Returns the lanes
+/// Fills a bundle with `count` rays of the order; missing ones repeat the first. Returns the lanes
 /// that meet the scene's box.
-HWY_INLINE std::uint32_t fill_packet(const Ray* rays, const std::uint32_t* order,
+HWY_INLINE std::uint32_t fill_bundle(const Ray* rays, const std::uint32_t* order,
                                      std::uint32_t count, std::uint32_t quarter, const Box& scene,
-                                     RayPacket* p) {
+                                     RayBundle* p) {
   static_cast<QuarterAxes&>(*p) = QuarterAxes(quarter);
   p->count = count;
   copy_numbers(order, count, p->index);
@@ -191,7 +191,7 @@ HWY_INLINE std::uint32_t fill_packet(const Ray* rays, const std::uint32_t* order
   p->pad = prepared.pad;
   p->bounded = prepared.bounded;
   const RV pad = set(p->pad);
-  for (std::size_t g = 0; g < kPacketWidth; g += ray_lanes()) {
+  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
     const Rays d;
     const auto widen = [&](const float* o, int near_row, float* near, float* far) HWY_ATTR {
       const RV grown = near_row < 3 ? pad : hn::Neg(pad);

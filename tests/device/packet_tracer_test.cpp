@@ -1,6 +1,7 @@
 // `gl10` as a device does it: brute force's hits, and the CPU's counts, with packets of any size
 // and lists of any capacity.
 #include "methods/packets/packet_tracer.h"
+#include "emulated/open_emulated.h"
 
 #include <gtest/gtest.h>
 
@@ -78,9 +79,9 @@ PacketOutcome trace_here(const Packed& p, const PacketQuery& query, std::vector<
 }
 
 void expect_as_cpu(PacketTracer& tracer, const Packed& p, const PacketQuery& query) {
-  std::vector<EngineHit> there(p.rays.size(), EngineHit{-1, -1, -1, 7});
+  std::vector<IndexedHit> there(p.rays.size(), IndexedHit{-1, -1, -1, 7});
   const PacketOutcome outcome = tracer.trace(
-      View<const Ray>(p.rays), View<const std::uint32_t>(p.keys), query, View<EngineHit>(there));
+      View<const Ray>(p.rays), View<const std::uint32_t>(p.keys), query, View<IndexedHit>(there));
   std::vector<RayHit> here, brute(p.rays.size());
   const PacketOutcome expected = trace_here(p, query, &here);
   for (std::size_t i = 0; i < here.size(); ++i) {
@@ -160,11 +161,11 @@ TEST(PacketTracer, FewRaysFewTrianglesAndNone) {
   const Packed packed(emulation.executor, soup(soup_kinds().front(), 1, 3), 9, 3);
   const Bvh none;
   tracer->set_scene({{}, {}, none});
-  std::vector<EngineHit> hits(9, EngineHit{0, 0, 0, 1});
+  std::vector<IndexedHit> hits(9, IndexedHit{0, 0, 0, 1});
   static_cast<void>(tracer->trace(View<const Ray>(packed.rays),
                                   View<const std::uint32_t>(packed.keys), {},
-                                  View<EngineHit>(hits)));
-  for (const EngineHit& hit : hits) EXPECT_EQ(hit.triangle, kInvalidId);
+                                  View<IndexedHit>(hits)));
+  for (const IndexedHit& hit : hits) EXPECT_EQ(hit.triangle, kInvalidId);
 }
 
 TEST(PacketTracer, MemoryThatRunsOutAnywhereLeavesItUsable) {

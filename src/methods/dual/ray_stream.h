@@ -10,8 +10,8 @@
 //
 // Every node is fetched once a stream, no branch depends on a single ray, and rays need not be
 // alike: what they share is the quarter, which tells the order of the children from near to far.
-// (I. Wald, C. Gribble, S. Boulos, A. Kensler, "SIMD Ray Stream Tracing", 2007; J. Tsakok,
-// "Faster Incoherent Rays: Multi-BVH Ray Stream Tracing", HPG 2009.)
+// (I. Wald, C. Gribble, S. Boulos, A. Kensler, "SIMD Ray RayStream Tracing", 2007; J. Tsakok,
+// "Faster Incoherent Rays: Multi-BVH Ray RayStream Tracing", HPG 2009.)
 #pragma once
 
 #include <bit>
@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "base/buffer.h"
-#include "methods/dual/packet.h"
+#include "methods/dual/bundle16.h"
 
 namespace raysheaf {
 
@@ -28,7 +28,7 @@ namespace raysheaf {
 inline constexpr std::uint32_t kStreamRays = 4096, kLongStreamRays = 65536;
 
 /// A ray on a cache line, four floats at a time: what triangles are tested with; with the origin,
-/// boxes; and what it has met. `s` and `along` as in methods/dual/packet.h.
+/// boxes; and what it has met. `s` and `along` as in methods/dual/bundle16.h.
 struct alignas(64) StreamRay {
   float ox, oy, oz, t_limit;
   float shear_x, shear_y, shear_z, t_min;
@@ -41,11 +41,11 @@ static_assert(sizeof(StreamRay) == 64);
 
 /// Sixteen rays that follow each other, lane by lane: the fields of StreamRay.
 struct alignas(64) StreamBlock {
-  float ox[kPacketWidth], oy[kPacketWidth], oz[kPacketWidth], t_limit[kPacketWidth];
-  float shear_x[kPacketWidth], shear_y[kPacketWidth], shear_z[kPacketWidth], t_min[kPacketWidth];
-  float per_x[kPacketWidth], per_y[kPacketWidth], s_near[kPacketWidth], s_far[kPacketWidth];
-  float along[kPacketWidth], t_low[kPacketWidth];
-  std::uint32_t place[kPacketWidth];
+  float ox[kBundleWidth], oy[kBundleWidth], oz[kBundleWidth], t_limit[kBundleWidth];
+  float shear_x[kBundleWidth], shear_y[kBundleWidth], shear_z[kBundleWidth], t_min[kBundleWidth];
+  float per_x[kBundleWidth], per_y[kBundleWidth], s_near[kBundleWidth], s_far[kBundleWidth];
+  float along[kBundleWidth], t_low[kBundleWidth];
+  std::uint32_t place[kBundleWidth];
 
   [[nodiscard]] StreamRay ray(std::uint32_t lane) const {
     return {ox[lane],      oy[lane],      oz[lane],    t_limit[lane], shear_x[lane],
@@ -74,10 +74,10 @@ struct WaitingList {
 /// A hit of the ray at a place of the order.
 struct RowHit {
   std::uint32_t place = 0;
-  EngineHit hit;
+  IndexedHit hit;
 };
 
-struct Stream : QuarterAxes {
+struct RayStream : QuarterAxes {
   Buffer<StreamRay> rays;       ///< where there are blocks, of those that have left them
   Buffer<std::uint32_t> index;  ///< the caller's numbers
   Buffer<StreamBlock> blocks;
@@ -87,13 +87,13 @@ struct Stream : QuarterAxes {
   std::vector<WaitingList> waiting;
   std::vector<RowHit> rows;            ///< where all hits are asked for: of the task's rays
   std::uint32_t first = 0, count = 0;  ///< places in the order
-  float pad = 0;                       ///< the largest of the packets'
+  float pad = 0;                       ///< the largest of the bundles'
 
-  Stream() {
+  RayStream() {
     fit(kStreamRays);
-    blocks.resize_uninitialized(kStreamRays / kPacketWidth);
-    beams.resize_uninitialized(kStreamRays / kPacketWidth);
-    recorded.resize_uninitialized(kStreamRays / kPacketWidth);
+    blocks.resize_uninitialized(kStreamRays / kBundleWidth);
+    beams.resize_uninitialized(kStreamRays / kBundleWidth);
+    recorded.resize_uninitialized(kStreamRays / kBundleWidth);
   }
   /// Room for so many rays; what was there is lost.
   void fit(std::uint32_t size);

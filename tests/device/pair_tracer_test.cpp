@@ -1,6 +1,7 @@
 // `rah` and `crsh` as a device does them: brute force's hits, and the CPU's counts, with lists of
 // any capacity.
 #include "methods/ray_hierarchy/pair_tracer.h"
+#include "emulated/open_emulated.h"
 
 #include <gtest/gtest.h>
 
@@ -70,9 +71,9 @@ TraverseCounts counts_of_cpu(const Executor& executor, const Case& c, std::uint6
 }
 
 void expect_as_cpu(PairTracer& tracer, const Executor& executor, const Case& c) {
-  std::vector<EngineHit> hits(c.rays.size(), EngineHit{-1, -1, -1, 7});
+  std::vector<IndexedHit> hits(c.rays.size(), IndexedHit{-1, -1, -1, 7});
   const PairOutcome outcome = tracer.trace(
-      View<const Ray>(c.rays), View<const std::uint32_t>(c.keys), c.query, View<EngineHit>(hits));
+      View<const Ray>(c.rays), View<const std::uint32_t>(c.keys), c.query, View<IndexedHit>(hits));
   std::vector<RayHit> expected(c.rays.size());
   ProgressMeter meter;
   intersect_brute_force(executor, c.flat.triangles(), c.rays, c.query.facing, expected, &meter);
@@ -135,9 +136,9 @@ TEST(PairTracer, FewRaysFewTrianglesAndNone) {
   }
   tracer->set_scene({});
   const std::vector<Ray> rays = rays_at(scene, 9, 5);
-  std::vector<EngineHit> hits(9, EngineHit{0, 0, 0, 1});
-  static_cast<void>(tracer->trace(View<const Ray>(rays), {}, {}, View<EngineHit>(hits)));
-  for (const EngineHit& hit : hits) EXPECT_EQ(hit.triangle, kInvalidId);
+  std::vector<IndexedHit> hits(9, IndexedHit{0, 0, 0, 1});
+  static_cast<void>(tracer->trace(View<const Ray>(rays), {}, {}, View<IndexedHit>(hits)));
+  for (const IndexedHit& hit : hits) EXPECT_EQ(hit.triangle, kInvalidId);
 }
 
 TEST(PairTracer, MemoryThatRunsOutAnywhereLeavesItUsable) {

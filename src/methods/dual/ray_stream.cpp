@@ -1,4 +1,4 @@
-#include "methods/dual/stream.h"
+#include "methods/dual/ray_stream.h"
 
 #include <algorithm>
 #include <cstring>
@@ -7,15 +7,15 @@
 
 namespace raysheaf {
 
-void Stream::fit(std::uint32_t size) {
+void RayStream::fit(std::uint32_t size) {
   if (size <= rays.size()) return;
-  const std::size_t room = div_ceil(size, kPacketWidth) * kPacketWidth;
+  const std::size_t room = div_ceil(size, kBundleWidth) * kBundleWidth;
   rays.resize_uninitialized(room);
   index.resize_uninitialized(room);
   lists.resize_uninitialized(16 * room);
 }
 
-void Stream::grow_lists(std::size_t size) {
+void RayStream::grow_lists(std::size_t size) {
   if (size <= lists.size()) return;
   Buffer<std::uint32_t> larger;
   larger.resize_uninitialized(std::max(size, 2 * lists.size()));

@@ -1,0 +1,19 @@
+// What a query inside the library answers for one ray: `Hit` with the triangle's number for its
+// ids.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "raysheaf/types.h"
+
+namespace raysheaf {
+
+/// A hit by the triangle's number; `u` and `v` are the weights of the second and third corner.
+struct IndexedHit {
+  float t = std::numeric_limits<float>::infinity();
+  float u = 0, v = 0;
+  std::uint32_t triangle = kInvalidId;
+};
+
+}  // namespace raysheaf
