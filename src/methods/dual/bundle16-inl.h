@@ -1,5 +1,195 @@
-// Bundles of rays: filled, and tested with boxes. Included once a SIMD target by
-// methods/dual/trace_simd.cpp, inside its namespace.
+// Lanes of rays, bundles of sixteen rays and their beams: filled, and tested with boxes. Included
+// once a SIMD target by methods/dual/trace_simd.cpp, inside its namespace.
+
+using Rays = hn::CappedTag<float, kBundleWidth>;
+using RayInts = hn::RebindToUnsigned<Rays>;
+using RV = hn::Vec<Rays>;
+using RM = hn::Mask<Rays>;
+using Boxes = hn::CappedTag<float, kBvhWidth>;
+using BV = hn::Vec<Boxes>;
+
+HWY_INLINE std::size_t ray_lanes() {
+  return hn::Lanes(Rays());
+}
+
+HWY_INLINE RV load(const float* p) {
+  return hn::Load(Rays(), p);
+}
+HWY_INLINE RV set(float x) {
+  return hn::Set(Rays(), x);
+}
+
+/// Reads no more bytes than were written, so that the load is forwarded from the store.
+template <class D, class M>
+HWY_INLINE std::uint32_t bits_of(D d, M mask) {
+  if constexpr (hn::MaxLanes(D()) <= 8) {
+    std::uint8_t bits;
+    hn::StoreMaskBits(d, mask, &bits);
+    return bits;
+  } else {
+    std::uint8_t bytes[2];
+    hn::StoreMaskBits(d, mask, bytes);
+    std::uint16_t bits;
+    hwy::CopyBytes<2>(bytes, &bits);
+    return bits;
+  }
+}
+
+HWY_INLINE RM lanes_of(std::uint32_t bits, std::size_t g) {
+  const Rays d;
+  const std::uint32_t from_g = bits >> g;
+  std::uint8_t bytes[8] = {};
+  hwy::CopyBytes<4>(&from_g, bytes);
+  return hn::LoadMaskBits(d, bytes);
+}
+
+#if HWY_MAX_BYTES >= 32 && HWY_TARGET != HWY_SCALAR
+#if HWY_TARGET == HWY_AVX2
+/// For each choice of eight lanes their numbers, four bits each: first those that are chosen.
+struct ChosenFirst {
+  std::uint32_t lanes[256] = {};
+  constexpr ChosenFirst() {
+    for (std::uint32_t chosen = 0; chosen < 256; ++chosen) {
+      std::uint32_t shift = 0;
+      for (const std::uint32_t turn : {1u, 0u}) {
+        for (std::uint32_t lane = 0; lane < 8; ++lane) {
+          if ((chosen >> lane & 1) != turn) continue;
+          lanes[chosen] |= lane << shift;
+          shift += 4;
+        }
+      }
+    }
+  }
+};
+inline constexpr ChosenFirst kChosenFirst;
+#endif
+
+/// Moves chosen lanes to the front, in their order. Lanes behind them are the others or 0. Returns
+/// how many were chosen.
+template <class D>
+HWY_INLINE std::uint32_t compress(D d, hn::Mask<D> chosen, hn::Vec<D>* v) {
+#if HWY_TARGET == HWY_AVX2
+  // As hn::Compress does it, with a table that stays where it is: gcc 12 copies that of Highway 1.0
+  // to the stack for each call.
+  static_assert(hn::MaxLanes(D()) == 8 && sizeof(hn::TFromD<D>) == 4);
+  alignas(32) static constexpr std::uint32_t kShifts[8] = {0, 4, 8, 12, 16, 20, 24, 28};
+  const std::uint32_t bits = bits_of(d, chosen);
+  const hn::RebindToUnsigned<D> du;
+  const auto lanes = hn::Set(du, kChosenFirst.lanes[bits]) >> hn::Load(du, kShifts);
+  *v = hn::TableLookupLanes(*v, hn::IndicesFromVec(d, hn::And(lanes, hn::Set(du, 7))));
+  return static_cast<std::uint32_t>(__builtin_popcount(bits));
+#else
+  *v = hn::Compress(*v, chosen);
+  return static_cast<std::uint32_t>(hn::CountTrue(d, chosen));
+#endif
+}
+#endif
+
+/// Clamps away from zero, keeping the sign, so that the inverse is finite.
+HWY_INLINE RV inverse_slope(RV slope) {
+  const RV tiny = set(1e-20f);
+  const RV safe = hn::Max(hn::Abs(slope), tiny);
+  return hn::Div(hn::CopySign(set(1), slope), safe);
+}
+inline float inverse_slope(float slope) {
+  const float size = std::fabs(slope) > 1e-20f ? std::fabs(slope) : 1e-20f;
+  return std::copysign(1.0f, slope) / size;
+}
+#if HWY_TARGET != HWY_SCALAR
+/// Blocks of four lanes that a vector has, block k from the four floats at `at(k)`.
+inline constexpr std::size_t kBlocks = hn::MaxLanes(Rays()) / 4;
+template <class At>
+HWY_INLINE RV load_blocks(const At& at) {
+  const Rays d;
+  if constexpr (kBlocks == 4) {
+    const hn::Half<Rays> d8;
+    const hn::Half<hn::Half<Rays> > d4;
+    return hn::Combine(d, hn::Combine(d8, hn::LoadU(d4, at(3)), hn::LoadU(d4, at(2))),
+                       hn::Combine(d8, hn::LoadU(d4, at(1)), hn::LoadU(d4, at(0))));
+  } else if constexpr (kBlocks == 2) {
+    const hn::Half<Rays> d4;
+    return hn::Combine(d, hn::LoadU(d4, at(1)), hn::LoadU(d4, at(0)));
+  } else {
+    return hn::LoadU(d, at(0));
+  }
+}
+#endif
+
+/// Four floats of a record each for as many records as a vector has lanes: field k of list[i] comes
+/// to lane i of fk. In registers: what was stored in parts cannot be loaded whole at once.
+template <class Record>
+HWY_INLINE void gather4(const Record* records, int quad, const std::uint32_t* list, RV& f0, RV& f1,
+                        RV& f2, RV& f3) {
+  static_assert(sizeof(Record) % 16 == 0);
+  const Rays d;
+  const auto at = [&](std::size_t i) {
+    return reinterpret_cast<const float*>(records + list[i]) + 4 * quad;
+  };
+#if HWY_TARGET == HWY_SCALAR
+  const float* from = at(0);
+  f0 = hn::Set(d, from[0]);
+  f1 = hn::Set(d, from[1]);
+  f2 = hn::Set(d, from[2]);
+  f3 = hn::Set(d, from[3]);
+#else
+  // Vector j has the records j, 4 + j, 8 + j, ... in its blocks of four lanes.
+  const auto blocks = [&](std::size_t j) __attribute__((always_inline)) {
+    return load_blocks([&](std::size_t k) __attribute__((always_inline)) { return at(4 * k + j); });
+  };
+  const RV a = blocks(0), b = blocks(1), c = blocks(2), e = blocks(3);
+  const hn::Repartition<std::uint64_t, Rays> d64;
+  const auto low = [&](RV x, RV y) { return hn::BitCast(d64, hn::InterleaveLower(x, y)); };
+  const auto high = [&](RV x, RV y) { return hn::BitCast(d64, hn::InterleaveUpper(d, x, y)); };
+  f0 = hn::BitCast(d, hn::InterleaveLower(low(a, b), low(c, e)));
+  f1 = hn::BitCast(d, hn::InterleaveUpper(d64, low(a, b), low(c, e)));
+  f2 = hn::BitCast(d, hn::InterleaveLower(high(a, b), high(c, e)));
+  f3 = hn::BitCast(d, hn::InterleaveUpper(d64, high(a, b), high(c, e)));
+#endif
+}
+
+/// The opposite for records that stand together: lane i of fk goes to field k of records[i].
+template <class Record>
+HWY_INLINE void store4(RV f0, RV f1, RV f2, RV f3, int quad, Record* records) {
+  static_assert(sizeof(Record) % 16 == 0);
+  const Rays d;
+  const auto at = [&](std::size_t i) { return reinterpret_cast<float*>(records + i) + 4 * quad; };
+#if HWY_TARGET == HWY_SCALAR
+  float* to = at(0);
+  to[0] = hn::GetLane(f0);
+  to[1] = hn::GetLane(f1);
+  to[2] = hn::GetLane(f2);
+  to[3] = hn::GetLane(f3);
+  static_cast<void>(d);
+#else
+  const auto store_blocks = [&](RV v, std::size_t j) __attribute__((always_inline)) {
+    if constexpr (hn::MaxLanes(Rays()) == 16) {
+      const hn::Half<Rays> d8;
+      const hn::Half<hn::Half<Rays> > d4;
+      const auto low = hn::LowerHalf(d8, v), high = hn::UpperHalf(d8, v);
+      hn::Store(hn::LowerHalf(d4, low), d4, at(j));
+      hn::Store(hn::UpperHalf(d4, low), d4, at(4 + j));
+      hn::Store(hn::LowerHalf(d4, high), d4, at(8 + j));
+      hn::Store(hn::UpperHalf(d4, high), d4, at(12 + j));
+    } else if constexpr (hn::MaxLanes(Rays()) == 8) {
+      const hn::Half<Rays> d4;
+      hn::Store(hn::LowerHalf(d4, v), d4, at(j));
+      hn::Store(hn::UpperHalf(d4, v), d4, at(4 + j));
+    } else {
+      hn::Store(v, d, at(j));
+    }
+  };
+  const hn::Repartition<std::uint64_t, Rays> d64;
+  const auto as64 = [&](RV v) { return hn::BitCast(d64, v); };
+  const auto a = as64(hn::InterleaveLower(f0, f1)), b = as64(hn::InterleaveLower(f2, f3));
+  const auto c = as64(hn::InterleaveUpper(d, f0, f1)), e = as64(hn::InterleaveUpper(d, f2, f3));
+  store_blocks(hn::BitCast(d, hn::InterleaveLower(a, b)), 0);
+  store_blocks(hn::BitCast(d, hn::InterleaveUpper(d64, a, b)), 1);
+  store_blocks(hn::BitCast(d, hn::InterleaveLower(c, e)), 2);
+  store_blocks(hn::BitCast(d, hn::InterleaveUpper(d64, c, e)), 3);
+#endif
+}
+
+// Bundles of rays.
 
 /// Two planes of a box, the one that rays of a quarter meet first and the other.
 struct PlanePair {
@@ -203,4 +393,192 @@ HWY_INLINE std::uint32_t fill_bundle(const Ray* rays, const std::uint32_t* order
     widen(p->oz, p->near_z, p->z_near, p->z_far);
   }
   return prepared.lanes;
+}
+
+// The beam of a bundle.
+
+/// A subtree that waits. In two words, each written and read whole: a load of what was stored in
+/// smaller parts waits until they have reached the cache.
+struct Waiting {
+  std::uint64_t near_and_lanes, subtree;
+
+  Waiting() = default;
+  /// `near`: where the beam, or the ray, enters the box; `lanes`: that met it; `first` and `count`
+  /// as in BvhNode.
+  HWY_INLINE Waiting(float near, std::uint32_t lanes, std::uint32_t first, std::uint32_t count)
+      : near_and_lanes(std::bit_cast<std::uint32_t>(near) | std::uint64_t{lanes} << 32),
+        subtree(first | std::uint64_t{count} << 32) {}
+
+  [[nodiscard]] HWY_INLINE float near() const {
+    return std::bit_cast<float>(static_cast<std::uint32_t>(near_and_lanes));
+  }
+  [[nodiscard]] HWY_INLINE std::uint32_t lanes() const {
+    return static_cast<std::uint32_t>(near_and_lanes >> 32);
+  }
+  [[nodiscard]] HWY_INLINE std::uint32_t first() const {
+    return static_cast<std::uint32_t>(subtree);
+  }
+  [[nodiscard]] HWY_INLINE std::uint32_t count() const {
+    return static_cast<std::uint32_t>(subtree >> 32);
+  }
+  HWY_INLINE void copy_to(Waiting* to) const {
+    const std::uint64_t a = near_and_lanes, b = subtree;
+    to->near_and_lanes = a;
+    to->subtree = b;
+  }
+};
+
+/// The children whose boxes the beam meets, as bits; `near` takes where it enters them. `Bundle`:
+/// RayBundle or RayStream.
+template <class Bundle>
+HWY_INLINE std::uint32_t children_in_beam(const Bundle& p, const Beam& b, const BvhNode& n,
+                                          float* HWY_RESTRICT near) {
+  using hn::Max, hn::Min, hn::Mul, hn::Sub;
+  const Boxes d;
+  std::uint32_t bits = 0;
+  const auto row = [&](int r, std::size_t g) { return hn::Load(d, n.bound[r] + g); };
+  for (std::size_t g = 0; g < kBvhWidth; g += hn::Lanes(d)) {
+    const BV z_low = hn::Set(d, b.z_low), z_high = hn::Set(d, b.z_high);
+    const BV z0 = row(p.near_z, g), z1 = row(p.far_z, g);
+    BV lo = Max(p.mirrored ? Sub(z_low, z0) : Sub(z0, z_high), hn::Set(d, b.start));
+    BV hi = Min(p.mirrored ? Sub(z_high, z1) : Sub(z1, z_low), hn::Set(d, b.end));
+    const auto clip = [&](const BeamPlane& plane, BV bound, bool low) {
+      const BV zeta = Mul(Sub(bound, hn::Set(d, plane.at)), hn::Set(d, plane.inverse));
+      if ((plane.inverse > 0) == low) {
+        hi = Min(hi, zeta);
+      } else {
+        lo = Max(lo, zeta);
+      }
+    };
+    clip(b.x_low, row(p.axis_x + 3, g), true);
+    clip(b.x_high, row(p.axis_x, g), false);
+    clip(b.y_low, row(p.axis_y + 3, g), true);
+    clip(b.y_high, row(p.axis_y, g), false);
+    hn::StoreU(lo, d, near + g);
+    bits |= bits_of(d, hn::Le(lo, hi)) << g;
+  }
+  return bits;
+}
+
+/// The farthest zeta at which any ray still looks for something.
+HWY_INLINE float farthest_zeta(const RayBundle& p) {
+  const Rays d;
+  RV far = hn::Set(d, -std::numeric_limits<float>::infinity());
+  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes())
+    far = hn::Max(far, hn::Add(load(p.zeta + g), load(p.s_far + g)));
+  return hn::GetLane(hn::MaxOfLanes(d, far));
+}
+HWY_INLINE float least(RV v) {
+  return hn::GetLane(hn::MinOfLanes(Rays(), v));
+}
+
+struct FourLanes {
+  alignas(16) float lane[4];
+};
+/// What `pick` leaves of the lanes of four vectors each, in a third of the steps.
+template <class Pick>
+HWY_INLINE FourLanes of_lanes4(RV a, RV b, RV c, RV e, const Pick& pick) {
+  FourLanes four;
+#if HWY_TARGET == HWY_SCALAR
+  const RV all[4] = {a, b, c, e};
+  for (int i = 0; i < 4; ++i) four.lane[i] = hn::GetLane(all[i]);
+  static_cast<void>(pick);
+#else
+  const Rays d;
+  const hn::Repartition<std::uint64_t, Rays> d64;
+  // a b a b, and of their two halves a b c e, in each block of four lanes.
+  const auto ab = hn::BitCast(d64, pick(hn::InterleaveLower(a, b), hn::InterleaveUpper(d, a, b)));
+  const auto ce = hn::BitCast(d64, pick(hn::InterleaveLower(c, e), hn::InterleaveUpper(d, c, e)));
+  const auto in_blocks = pick(hn::BitCast(d, hn::InterleaveLower(ab, ce)),
+                              hn::BitCast(d, hn::InterleaveUpper(d64, ab, ce)));
+  const auto fold = [&](auto half, auto v)
+                        HWY_ATTR { return pick(hn::LowerHalf(half, v), hn::UpperHalf(half, v)); };
+  if constexpr (kBlocks == 4) {
+    const hn::Half<Rays> d8;
+    const hn::Half<hn::Half<Rays> > d4;
+    hn::Store(fold(d4, fold(d8, in_blocks)), d4, four.lane);
+  } else if constexpr (kBlocks == 2) {
+    const hn::Half<Rays> d4;
+    hn::Store(fold(d4, in_blocks), d4, four.lane);
+  } else {
+    hn::Store(in_blocks, d, four.lane);
+  }
+#endif
+  return four;
+}
+HWY_INLINE FourLanes least4(RV a, RV b, RV c, RV e) {
+  return of_lanes4(a, b, c, e, [](auto x, auto y) HWY_ATTR { return hn::Min(x, y); });
+}
+HWY_INLINE FourLanes greatest4(RV a, RV b, RV c, RV e) {
+  return of_lanes4(a, b, c, e, [](auto x, auto y) HWY_ATTR { return hn::Max(x, y); });
+}
+
+/// The range of x over the lanes that are set, where zeta = 0 and where it is `length`.
+struct Spread {
+  RV low, high, low_end, high_end;
+};
+HWY_INLINE Spread spread_of(std::uint32_t lanes, const float* o, const float* shear, bool mirrored,
+                            const float* zetas, float length) {
+  const RV infinity = set(std::numeric_limits<float>::infinity());
+  Spread s{infinity, hn::Neg(infinity), infinity, hn::Neg(infinity)};
+  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
+    const RM on = lanes_of(lanes, g);
+    const RV across = load(shear + g), slope = mirrored ? hn::Neg(across) : across;
+    const RV zeta = load(zetas + g);
+    const RV a = hn::Sub(load(o + g), hn::Mul(slope, zeta));
+    const RV b = hn::Add(load(o + g), hn::Mul(slope, hn::Sub(set(length), zeta)));
+    s.low = hn::Min(s.low, hn::IfThenElse(on, a, infinity));
+    s.low_end = hn::Min(s.low_end, hn::IfThenElse(on, b, infinity));
+    s.high = hn::Max(s.high, hn::IfThenElse(on, a, hn::Neg(infinity)));
+    s.high_end = hn::Max(s.high_end, hn::IfThenElse(on, b, hn::Neg(infinity)));
+  }
+  return s;
+}
+
+/// The beam of the lanes that are set: at least one. `Bundle`: RayBundle or StreamBlock. `zetas`
+/// takes the origins' zeta.
+template <class Bundle>
+HWY_INLINE Beam make_beam(std::uint32_t lanes, const Bundle& p, bool mirrored, float pad,
+                          float* zetas) {
+  const Rays d;
+  const float sign = mirrored ? -1.0f : 1.0f;
+  const float first = p.oz[__builtin_ctz(lanes)];
+  const RV infinity = set(std::numeric_limits<float>::infinity());
+  RV nearest = infinity;
+  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
+    const RV start =
+        hn::Add(hn::Mul(set(sign), hn::Sub(load(p.oz + g), set(first))), load(p.s_near + g));
+    nearest = hn::Min(nearest, hn::IfThenElse(lanes_of(lanes, g), start, infinity));
+  }
+  const float plane = first + sign * least(nearest);
+  RV start = infinity, end = hn::Neg(infinity);
+  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
+    const RM on = lanes_of(lanes, g);
+    const RV zeta = hn::Mul(set(sign), hn::Sub(load(p.oz + g), set(plane)));
+    hn::Store(zeta, d, zetas + g);
+    const RV from = hn::Add(zeta, load(p.s_near + g)), to = hn::Add(zeta, load(p.s_far + g));
+    start = hn::Min(start, hn::IfThenElse(on, from, infinity));
+    end = hn::Max(end, hn::IfThenElse(on, to, hn::Neg(infinity)));
+  }
+  Beam beam;
+  beam.z_low = plane - pad;
+  beam.z_high = plane + pad;
+  const FourLanes ends = least4(start, hn::Neg(end), start, hn::Neg(end));
+  beam.start = ends.lane[0] - pad;
+  beam.end = pad - ends.lane[1];
+  const float length = beam.end > 0 ? beam.end : 0;
+  const Spread x = spread_of(lanes, p.ox, p.shear_x, mirrored, zetas, length);
+  const Spread y = spread_of(lanes, p.oy, p.shear_y, mirrored, zetas, length);
+  const FourLanes low = least4(x.low, x.low_end, y.low, y.low_end);
+  const FourLanes high = greatest4(x.high, x.high_end, y.high, y.high_end);
+  const float per_length = length > 0 ? 1 / length : 0;
+  const auto plane_of = [&](const FourLanes& f, int axis, float grown) {
+    const float at = f.lane[2 * axis], last = f.lane[2 * axis + 1];
+    return BeamPlane{at + grown, inverse_slope((last - at) * per_length)};
+  };
+  beam.x_low = plane_of(low, 0, -pad);
+  beam.x_high = plane_of(high, 0, pad);
+  beam.y_low = plane_of(low, 1, -pad);
+  beam.y_high = plane_of(high, 1, pad);
+  return beam;
 }

@@ -5,8 +5,8 @@
 //            v                       those that meet it are the child's list
 //   list of a: 9 40 77 ...
 //
-// While sixteen neighbours stay together, a list names them as a block: a beam that bounds them is
-// tested first, and no ray is gathered or moved. What is left of blocks goes on as rays.
+// While sixteen neighbours stay together, a list names them as a bundle: a beam that bounds them is
+// tested first, and no ray is gathered or moved. What is left of bundles goes on as rays.
 //
 // Every node is fetched once a stream, no branch depends on a single ray, and rays need not be
 // alike: what they share is the quarter, which tells the order of the children from near to far.
@@ -23,7 +23,7 @@
 
 namespace raysheaf {
 
-/// The most rays of a stream; of a long one, which has no blocks: the more rays go down the tree
+/// The most rays of a stream; of a long one, which has no bundles: the more rays go down the tree
 /// together, the more of them share what is deep in it.
 inline constexpr std::uint32_t kStreamRays = 4096, kLongStreamRays = 65536;
 
@@ -40,7 +40,7 @@ struct alignas(64) StreamRay {
 static_assert(sizeof(StreamRay) == 64);
 
 /// Sixteen rays that follow each other, lane by lane: the fields of StreamRay.
-struct alignas(64) StreamBlock {
+struct alignas(64) StreamBundle {
   float ox[kBundleWidth], oy[kBundleWidth], oz[kBundleWidth], t_limit[kBundleWidth];
   float shear_x[kBundleWidth], shear_y[kBundleWidth], shear_z[kBundleWidth], t_min[kBundleWidth];
   float per_x[kBundleWidth], per_y[kBundleWidth], s_near[kBundleWidth], s_far[kBundleWidth];
@@ -54,21 +54,21 @@ struct alignas(64) StreamBlock {
   }
 };
 
-/// A block and those of its rays that are in a list: bit i is ray i of the block.
-struct BlockRays {
-  std::uint16_t block, rays;
+/// A bundle and those of its rays that are in a list: bit i is ray i of the bundle.
+struct BundleRays {
+  std::uint16_t bundle, rays;
 };
 /// As it stands in a list.
-[[nodiscard]] inline std::uint32_t word_of(std::uint32_t block, std::uint32_t rays) {
+[[nodiscard]] inline std::uint32_t word_of(std::uint32_t bundle, std::uint32_t rays) {
   return std::bit_cast<std::uint32_t>(
-      BlockRays{static_cast<std::uint16_t>(block), static_cast<std::uint16_t>(rays)});
+      BundleRays{static_cast<std::uint16_t>(bundle), static_cast<std::uint16_t>(rays)});
 }
 
 /// A child whose rays wait for their turn.
 struct WaitingList {
   std::uint32_t first, count;  ///< as in BvhNode
   std::uint32_t offset, size;  ///< of its list
-  bool in_blocks = false;      ///< a list of BlockRays, or else of rays
+  bool in_bundles = false;     ///< a list of BundleRays, or else of rays
 };
 
 /// A hit of the ray at a place of the order.
@@ -78,11 +78,11 @@ struct RowHit {
 };
 
 struct RayStream : QuarterAxes {
-  Buffer<StreamRay> rays;       ///< where there are blocks, of those that have left them
+  Buffer<StreamRay> rays;       ///< where there are bundles, of those that have left them
   Buffer<std::uint32_t> index;  ///< the caller's numbers
-  Buffer<StreamBlock> blocks;
-  Buffer<Beam> beams;              ///< of the blocks
-  Buffer<std::uint32_t> recorded;  ///< of each block those of its rays that are in `rays`, as bits
+  Buffer<StreamBundle> bundles;
+  Buffer<Beam> beams;              ///< of the bundles
+  Buffer<std::uint32_t> recorded;  ///< of each bundle those of its rays that are in `rays`, as bits
   Buffer<std::uint32_t> lists;
   std::vector<WaitingList> waiting;
   std::vector<RowHit> rows;            ///< where all hits are asked for: of the task's rays
@@ -91,7 +91,7 @@ struct RayStream : QuarterAxes {
 
   RayStream() {
     fit(kStreamRays);
-    blocks.resize_uninitialized(kStreamRays / kBundleWidth);
+    bundles.resize_uninitialized(kStreamRays / kBundleWidth);
     beams.resize_uninitialized(kStreamRays / kBundleWidth);
     recorded.resize_uninitialized(kStreamRays / kBundleWidth);
   }
@@ -100,7 +100,7 @@ struct RayStream : QuarterAxes {
   /// Room for `size` numbers in `lists`, what is there kept.
   void grow_lists(std::size_t size);
   [[nodiscard]] std::size_t bytes() const {
-    return rays.capacity_bytes() + index.capacity_bytes() + blocks.capacity_bytes() +
+    return rays.capacity_bytes() + index.capacity_bytes() + bundles.capacity_bytes() +
            beams.capacity_bytes() + recorded.capacity_bytes() + lists.capacity_bytes() +
            waiting.capacity() * sizeof(WaitingList) + rows.capacity() * sizeof(RowHit);
   }

@@ -26,33 +26,15 @@ namespace raysheaf::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Each stands on those before it.
-#include "methods/dual/lanes-inl.h"
-
 #include "methods/dual/bundle16-inl.h"
 
-#include "methods/dual/beam-inl.h"
-
 #include "methods/dual/triangle-inl.h"
-
-#include "methods/dual/single_walks-inl.h"
-
-#include "methods/dual/single_quads-inl.h"
 
 #include "methods/dual/single-inl.h"
 
 #include "methods/dual/walk-inl.h"
 
-#include "methods/dual/stream_hits-inl.h"
-
-#include "methods/dual/stream_singles-inl.h"
-
-#include "methods/dual/stream_lists-inl.h"
-
-#include "methods/dual/stream_blocks-inl.h"
-
-#include "methods/dual/stream_pilots-inl.h"
-
-#include "methods/dual/stream-inl.h"
+#include "methods/dual/stream_walk-inl.h"
 
 inline void prefetch_rays(const TraceJob& job, const BundleRange& range) {
   for (std::uint32_t i = 0; i < range.count; ++i)

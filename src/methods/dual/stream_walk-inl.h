@@ -1,0 +1,1105 @@
+// Streams of rays through the tree (methods/dual/ray_stream.h): included once a SIMD target by
+// methods/dual/trace_simd.cpp, inside its namespace.
+//
+//   StreamWalk      fills a stream, sends it down the tree, hands over what it met
+//     StreamBundles    sixteen neighbours at a time, as long as most of them stay together
+//     StreamLists     lists of rays from node to node
+//     StreamSingles   rays that share a subtree with few others, one by one
+//     StreamHits      what each ray has met so far
+
+/// What the parts of a walk share.
+struct StreamState {
+  explicit StreamState(const TraceJob& given)
+      : job(given),
+        tree(*given.scene.tree),
+        in_bundles(given.scene.bundle == Bundle::kStream),
+        own(given.streams->take()) {
+    stream.rows.clear();
+  }
+  ~StreamState() { job.streams->give(std::move(own)); }
+  StreamState(const StreamState&) = delete;
+  StreamState& operator=(const StreamState&) = delete;
+
+  const TraceJob& job;
+  const ObjectTree& tree;
+  const Subtrees subtrees{tree};
+  const bool in_bundles;  ///< neighbours are expected to stay together for a while
+  std::unique_ptr<RayStream> own;
+  RayStream& stream{*own};
+  DualCounts counts;
+};
+
+/// Hits go back to rays that stand far apart.
+inline constexpr std::uint32_t kWritesAhead = 24;
+/// Fewer rays that stand apart are settled one by one.
+inline constexpr int kFewestTogether = 3;
+
+template <class Mode>
+class StreamHits {
+ public:
+  explicit StreamHits(StreamState& state)
+      : job_(state.job),
+        tree_(state.tree),
+        stream_(state.stream),
+        in_bundles_(state.in_bundles),
+        one_side_(job_.scene.facing != Facing::kBoth && job_.scene.flags != nullptr) {}
+
+  /// What lanes [g, g + ray_lanes()) of rays met: lane i is ray `number(i)`. `place`: of a triangle
+  /// in the tree's quads, four each; so for all that take hits.
+  template <class Number>
+  HWY_INLINE void take_each(std::uint32_t place, std::uint32_t hit, std::uint32_t unsettled,
+                            const Tested<Rays>& tested, const Number& number) {
+    const Rays d;
+    alignas(64) float low[kBundleWidth], high[kBundleWidth];
+    hn::Store(tested.low, d, low);
+    hn::Store(tested.high, d, high);
+    const std::uint32_t front = bits_of(d, hn::Gt(tested.det, hn::Zero(d)));
+    for (; hit != 0; hit &= hit - 1) {
+      const auto i = static_cast<std::uint32_t>(__builtin_ctz(hit));
+      take(number(i), place, {low[i], high[i]}, (front >> i & 1) != 0);
+    }
+    settle_lanes(place, unsettled, number);
+  }
+
+  HWY_NOINLINE void take_lanes(std::uint32_t place, const std::uint32_t* bundle, std::uint32_t used,
+                               std::size_t g, const Tested<Rays>& tested) {
+    const std::uint32_t hit = bits_of(Rays(), tested.hit) & used >> g;
+    std::uint32_t unsettled = bits_of(Rays(), tested.unsettled) & used >> g;
+    if ((hit | unsettled) == 0) return;
+    if (__builtin_popcount(unsettled) >= kFewestTogether) unsettled &= ~beyond(place, bundle + g);
+    take_each(place, hit, unsettled, tested, [&](std::uint32_t i) { return bundle[g + i]; });
+  }
+
+  [[nodiscard]] HWY_INLINE std::uint32_t beyond(std::uint32_t place,
+                                                const std::uint32_t* numbers) const {
+    const Rays d;
+    alignas(64) float column[8][kBundleWidth];
+    RV v[8];
+    for (int part = 0; part < 2; ++part)
+      gather4(stream_.rays.data(), part, numbers, v[4 * part], v[4 * part + 1], v[4 * part + 2],
+              v[4 * part + 3]);
+    for (int i = 0; i < 8; ++i) hn::Store(v[i], d, column[i]);
+    return lanes_beyond_plane(
+        tree_, stream_, place,
+        {column[0], column[1], column[2], column[4], column[5], column[6], column[7], column[3]});
+  }
+
+  /// The same for rays of a bundle, all at once.
+  HWY_NOINLINE void take_in_bundle(std::uint32_t place, BundleRays rays, std::size_t g,
+                                   const Tested<Rays>& tested) {
+    const Rays d;
+    const std::uint32_t used = std::uint32_t{rays.rays} >> g;
+    const std::uint32_t hit = bits_of(d, tested.hit) & used;
+    std::uint32_t unsettled = bits_of(d, tested.unsettled) & used;
+    if (unsettled != 0)
+      unsettled &=
+          ~lanes_beyond_plane(tree_, stream_, place, columns_from(stream_.bundles[rays.bundle], g));
+    if ((hit | unsettled) == 0) return;
+    const auto first = static_cast<std::uint32_t>(rays.bundle * kBundleWidth + g);
+    const auto number = [first](std::uint32_t i) { return first + i; };
+    if (Mode::kAll || one_side_) return take_each(place, hit, unsettled, tested, number);
+    StreamBundle& b = stream_.bundles[rays.bundle];
+    const RayInts di;
+    const RV limit = load(b.t_limit + g), far = load(b.s_far + g);
+    const auto best = hn::Load(di, b.place + g);
+    RV high, end;
+    RM nearer = lanes_of(hit, 0);
+    hn::Vec<RayInts> met = hn::Set(di, place);
+    std::uint32_t rest = unsettled;
+    if constexpr (Mode::kAny) {
+      // The least of a leaf's, whatever order a SIMD target finds them in.
+      met = hn::Min(best, met);
+      high = set(-1);
+      end = set(-std::numeric_limits<float>::infinity());
+    } else {
+      const RV low = load(b.t_low + g);
+      nearer = hn::And(nearer, hn::Lt(tested.high, low));
+      rest |= hit & ~bits_of(d, nearer);
+      high = tested.high;
+      end = hn::Min(past(high, load(b.along + g), stream_.pad), far);
+      hn::Store(hn::IfThenElse(nearer, tested.low, low), d, b.t_low + g);
+    }
+    hn::Store(hn::IfThenElse(nearer, high, limit), d, b.t_limit + g);
+    hn::Store(hn::IfThenElse(nearer, end, far), d, b.s_far + g);
+    hn::Store(hn::IfThenElse(hn::RebindMask(di, nearer), met, best), di, b.place + g);
+    for (std::uint32_t turn = bits_of(d, nearer) & stream_.recorded[rays.bundle] >> g; turn != 0;
+         turn &= turn - 1)
+      tell_record(number(static_cast<std::uint32_t>(__builtin_ctz(turn))));
+    settle_lanes(place, rest, number);
+  }
+
+  template <class Number>
+  HWY_INLINE void settle_lanes(std::uint32_t place, std::uint32_t rest, const Number& number) {
+    for (; rest != 0; rest &= rest - 1)
+      settle(number(static_cast<std::uint32_t>(__builtin_ctz(rest))), place);
+  }
+
+  /// A ray and a triangle that stage 1 cannot tell of, or whose hit it cannot tell from the ray's
+  /// best.
+  HWY_NOINLINE void settle(std::uint32_t n, std::uint32_t place) {
+    const PlacedCorners p(tree_, place, stream_);
+    if (Plane(p.a, p.b, p.c).surely_beyond(sloped(n), p.a)) return;
+    const Ray& ray = job_.rays[stream_.index[n]];
+    const Limits r = limits_of(n);
+    TriangleHit hit;
+    if (!settle_at(tree_, ray, place, *r.best.high, &hit) || !is_shown(place, hit.front)) return;
+    if constexpr (Mode::kAll || Mode::kAny) {
+      keep(n, place, r);
+    } else {
+      if (r.best.take_settled(tree_, ray, place, hit.t)) shorten(n, r);
+    }
+  }
+
+  /// A hit within the ray's limits.
+  void take(std::uint32_t n, std::uint32_t place, Interval t, bool front) {
+    if (!is_shown(place, front)) return;
+    const Limits r = limits_of(n);
+    if constexpr (Mode::kAll || Mode::kAny) {
+      keep(n, place, r);
+    } else if (t.high < *r.best.low) {
+      *r.best.low = t.low;
+      *r.best.high = t.high;
+      *r.best.place = place;
+      shorten(n, r);
+    } else if (t.low <= *r.best.high) {
+      settle(n, place);
+    }
+  }
+
+  HWY_INLINE void prefetch_ray(std::uint32_t n) const { hwy::Prefetch(stream_.rays.data() + n); }
+
+  void write_back() {
+    if constexpr (Mode::kAny) write_back_any();
+    if constexpr (!Mode::kAny && !Mode::kAll) write_back_closest();
+  }
+
+ private:
+  /// Where a ray keeps what it looks for.
+  struct Limits {
+    BestHit best;
+    float* s_far;
+    float along;
+  };
+  [[nodiscard]] HWY_INLINE Limits limits_of(std::uint32_t n) const {
+    if (in_bundles_) {
+      StreamBundle& b = bundle_of(n);
+      const std::uint32_t i = n % kBundleWidth;
+      return {{&b.t_low[i], &b.t_limit[i], &b.place[i]}, &b.s_far[i], b.along[i]};
+    }
+    StreamRay& r = stream_.rays[n];
+    return {{&r.t_low, &r.t_limit, &r.place}, &r.s_far, r.along};
+  }
+  [[nodiscard]] HWY_INLINE SlopedRay sloped(std::uint32_t n) const {
+    const bool has_record =
+        !in_bundles_ || (stream_.recorded[n / kBundleWidth] >> n % kBundleWidth & 1) != 0;
+    const StreamRay r = has_record ? stream_.rays[n] : bundle_of(n).ray(n % kBundleWidth);
+    return {{r.ox, r.oy, r.oz}, r.shear_x, r.shear_y, r.shear_z, r.t_min, r.t_limit};
+  }
+  [[nodiscard]] HWY_INLINE StreamBundle& bundle_of(std::uint32_t n) const {
+    return stream_.bundles[n / kBundleWidth];
+  }
+
+  [[nodiscard]] HWY_INLINE bool is_shown(std::uint32_t place, bool front) const {
+    return !one_side_ || shows(job_.scene.facing, job_.scene.flags[id_at(tree_, place)], front);
+  }
+
+  /// A ray's record learns how far it looks.
+  HWY_INLINE void tell_record(std::uint32_t n) {
+    const StreamBundle& b = bundle_of(n);
+    stream_.rays[n].t_limit = b.t_limit[n % kBundleWidth];
+    stream_.rays[n].s_far = b.s_far[n % kBundleWidth];
+  }
+
+  /// The ray looks no farther than its best hit.
+  HWY_INLINE void shorten(std::uint32_t n, const Limits& r) {
+    *r.s_far = std::min(*r.s_far, raysheaf::past(*r.best.high, r.along, stream_.pad));
+    if (in_bundles_) tell_record(n);
+  }
+
+  /// A hit where it matters only that there is one.
+  HWY_INLINE void keep(std::uint32_t n, std::uint32_t place, const Limits& r) {
+    if constexpr (Mode::kAll) {
+      if (job_.hit_counts != nullptr)
+        ++job_.hit_counts[stream_.index[n]];
+      else
+        stream_.rows.push_back({stream_.first + n, {0, 0, 0, place}});
+    } else {
+      // The least of a leaf's, whatever order a SIMD target finds them in.
+      *r.best.place = std::min(*r.best.place, place);
+      *r.best.high = -1;
+      *r.s_far = -std::numeric_limits<float>::infinity();
+      if (in_bundles_) tell_record(n);
+    }
+  }
+
+  void write_back_any() {
+    const RayStream& s = stream_;
+    for (std::uint32_t i = 0; i < s.count; ++i) {
+      const std::uint32_t place =
+          in_bundles_ ? s.bundles[i / kBundleWidth].place[i % kBundleWidth] : s.rays[i].place;
+      job_.occluded[s.index[i]] = place != kInvalidId ? 1 : 0;
+    }
+  }
+
+  /// The values of sixteen hits while the corners of the next sixteen are on their way.
+  void write_back_closest() {
+    const RayStream& s = stream_;
+    alignas(64) IndexedHit hits[kBundleWidth];
+    if (s.count != 0) fill_values(0);
+    for (std::uint32_t base = 0; base < s.count; base += kBundleWidth) {
+      const std::uint32_t n = std::min(kBundleWidth, s.count - base), next = base + kBundleWidth;
+      if (next < s.count) fill_values(next);
+      values_[base / kBundleWidth % 2].store(tree_, hits);
+      for (std::uint32_t i = 0; i < n; ++i) job_.hits[s.index[base + i]] = hits[i];
+    }
+  }
+
+  HWY_INLINE void fill_values(std::uint32_t base) {
+    const RayStream& s = stream_;
+    const std::uint32_t ahead = std::min(base + kWritesAhead, s.count);
+    for (std::uint32_t i = base + kWritesAhead - kBundleWidth; i < ahead; ++i)
+      __builtin_prefetch(job_.hits + s.index[i], 1);
+    alignas(64) std::uint32_t places[kBundleWidth];
+    if (in_bundles_) {
+      std::copy_n(s.bundles[base / kBundleWidth].place, kBundleWidth, places);
+    } else {
+      for (std::uint32_t i = 0; i < kBundleWidth; ++i) places[i] = s.rays[base + i].place;
+    }
+    values_[base / kBundleWidth % 2].fill(tree_, job_.rays, s.index.data() + base, places);
+  }
+
+  const TraceJob& job_;
+  const ObjectTree& tree_;
+  RayStream& stream_;
+  const bool in_bundles_;
+  const bool one_side_;  ///< hits of some triangles' other side do not count
+  HitValues values_[2];
+};
+
+// Rays of a stream that nobody shares a subtree with any longer: they wait until there are enough
+// of them, and then take turns.
+
+/// Lists as long or shorter go on ray by ray.
+inline constexpr std::uint32_t kFewRays = 24;
+/// The same of lists at a leaf.
+inline constexpr std::uint32_t kFewRaysAtLeaf = 2;
+/// Rays that take turns, and those that wait to. More of them leave fewer turns empty; but what
+/// comes after them in the stream cannot know yet what they will hit.
+inline constexpr std::uint32_t kSingleWalks = SingleWalks::kMost;
+inline constexpr std::size_t kLeastPending = 64, kMostPending = 256;
+
+struct PendingRay {
+  std::uint32_t ray, first, count;  ///< where it goes on, as in BvhNode
+};
+
+template <class Mode>
+class StreamSingles {
+ public:
+  StreamSingles(StreamState& state, StreamHits<Mode>& hits)
+      : job_(state.job),
+        tree_(state.tree),
+        stream_(state.stream),
+        counts_(state.counts),
+        hits_(hits) {}
+
+  [[nodiscard]] bool is_for_singles(const WaitingList& list) const {
+    return list.size <= (list.count == 0 ? kFewRays : kFewRaysAtLeaf);
+  }
+  [[nodiscard]] bool has_many_singles() const { return pending_.size() >= kLeastPending; }
+
+  void add_singles(const WaitingList& list) {
+    if (pending_.size() + list.size > kMostPending) walk_all();
+    for (std::uint32_t i = 0; i < list.size; ++i) {
+      const std::uint32_t ray = stream_.lists[list.offset + i];
+      hits_.prefetch_ray(ray);
+      pending_.push_back({ray, list.first, list.count});
+    }
+  }
+
+  void walk_all() {
+    if (pending_.empty()) return;
+    const SharedAxes axes(stream_);
+    const PendingRay* next = pending_.data();
+    const PendingRay* const end = next + pending_.size();
+    walk_singles<!Mode::kAll>(
+        tree_, axes, &singles_, kSingleWalks,
+        [&](std::uint32_t i) {
+          // Those that were hit since are done, or see no farther.
+          while (next != end && stream_.rays[next->ray].s_far < stream_.rays[next->ray].s_near)
+            ++next;
+          if (next == end) return false;
+          job_.executor->check();
+          singles_.number[i] = next->ray;
+          singles_.ray[i] = &stream_.rays[next->ray];
+          singles_.start(i, next->first, next->count);
+          ++next;
+          return true;
+        },
+        [&](std::uint32_t i, std::uint32_t place, Interval t, bool front) {
+          hits_.take(singles_.number[i], place, t, front);
+        },
+        [&](std::uint32_t i, std::uint32_t place) { hits_.settle(singles_.number[i], place); },
+        &counts_);
+    pending_.clear();
+  }
+
+ private:
+  const TraceJob& job_;
+  const ObjectTree& tree_;
+  RayStream& stream_;
+  DualCounts& counts_;
+  StreamHits<Mode>& hits_;
+  SingleWalks singles_;
+  std::vector<PendingRay> pending_;
+};
+
+// Lists of a stream's rays, from node to node.
+
+/// Appends the numbers of a group's lanes that are set; room for kBundleWidth is needed. Returns
+/// the new end.
+HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
+                                     std::uint32_t* out) {
+#if HWY_MAX_BYTES >= 32 && HWY_TARGET != HWY_SCALAR
+  const RayInts d;
+  auto kept = hn::Load(d, numbers);
+  const std::uint32_t count = compress(d, hn::RebindMask(d, set_lanes), &kept);
+  hn::StoreU(kept, d, out);
+  return out + count;
+#else
+  std::uint32_t bits = bits_of(Rays(), set_lanes);
+  for (; bits != 0; bits &= bits - 1) *out++ = numbers[__builtin_ctz(bits)];
+  return out;
+#endif
+}
+
+/// Appends `first` + the number of each of a bundle's lanes that are set; room for kBundleWidth
+/// more is needed. Returns the new end.
+HWY_INLINE std::uint32_t* append_lanes(std::uint32_t first, std::uint32_t lanes,
+                                       std::uint32_t* out) {
+  alignas(64) static constexpr std::uint32_t kLanes[kBundleWidth] = {0, 1, 2,  3,  4,  5,  6,  7,
+                                                                     8, 9, 10, 11, 12, 13, 14, 15};
+  const RayInts d;
+  alignas(64) std::uint32_t numbers[kBundleWidth];
+  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes())
+    hn::Store(hn::Add(hn::Set(d, first), hn::Load(d, kLanes + g)), d, numbers + g);
+  for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes())
+    out = append_set(numbers + g, lanes_of(lanes, g), out);
+  return out;
+}
+
+/// A box as the rays of a stream see it: the planes that they meet first, and the others.
+struct SeenBox {
+  float x_near, x_far, y_near, y_far, z_near, z_far;
+};
+
+/// What boxes are tested with, of as many rays as a vector has lanes.
+struct SlabRays {
+  RV ox, oy, oz, per_x, per_y, s_near, s_far;
+};
+
+/// What triangles are tested with, of as many rays.
+struct LeafRays {
+  RV ox, oy, oz, t_limit, shear_x, shear_y, shear_z, t_min;
+};
+
+/// The lanes that meet the box within [s_near, s_far].
+HWY_INLINE RM meeting(const SlabRays& r, const SeenBox& box) {
+  using hn::Max, hn::Min, hn::Mul, hn::Sub;
+  const RV x0 = Mul(Sub(set(box.x_near), r.ox), r.per_x);
+  const RV x1 = Mul(Sub(set(box.x_far), r.ox), r.per_x);
+  const RV y0 = Mul(Sub(set(box.y_near), r.oy), r.per_y);
+  const RV y1 = Mul(Sub(set(box.y_far), r.oy), r.per_y);
+  const RV near = Max(Max(x0, y0), Max(Sub(set(box.z_near), r.oz), r.s_near));
+  const RV far = Min(Min(x1, y1), Min(Sub(set(box.z_far), r.oz), r.s_far));
+  return hn::Le(near, far);
+}
+
+/// Lists at a leaf that are no longer take some rays with four triangles at once, instead of as
+/// many rays as there are lanes with one.
+inline constexpr std::uint32_t kFewAtQuads = 8;
+
+template <class Mode>
+class StreamLists {
+ public:
+  StreamLists(StreamState& state, StreamHits<Mode>& hits, StreamSingles<Mode>& singles)
+      : tree_(state.tree),
+        subtrees_(state.subtrees),
+        stream_(state.stream),
+        counts_(state.counts),
+        hits_(hits),
+        singles_(singles) {}
+
+  /// What comes next for the rays of a list.
+  void meet(const WaitingList& list) {
+    if (singles_.is_for_singles(list)) {
+      singles_.add_singles(list);
+      return;
+    }
+    if (singles_.has_many_singles()) singles_.walk_all();
+    if (list.count != 0) {
+      meet_leaf(list);
+    } else {
+      open(list);
+    }
+  }
+
+  /// Numbers beyond a list's end, so that its last bundle is read like the others.
+  void pad_list(std::uint32_t offset, std::uint32_t size) {
+    std::uint32_t* end = stream_.lists.data() + offset + size;
+    const RayInts d;
+    for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes())
+      hn::StoreU(hn::Set(d, end[-1]), d, end + g);
+  }
+
+  /// The children from far to near along the stream's axis. A child's place is how many come before
+  /// it, found without a branch that nobody can foretell.
+  HWY_INLINE std::uint32_t sorted_children(const BvhNode& node, std::uint32_t* children) const {
+    const Boxes d;
+    const Numbers du;
+    alignas(32) static constexpr std::uint32_t kNumbers[kBvhWidth] = {0, 1, 2, 3, 4, 5, 6, 7};
+    alignas(32) float near[kBvhWidth];
+    alignas(32) std::uint32_t places[kBvhWidth];
+    const float* const row = node.bound[stream_.axis_z + (stream_.mirrored ? 3 : 0)];
+    for (std::size_t g = 0; g < kBvhWidth; g += hn::Lanes(d)) {
+      const BV at = hn::Load(d, row + g);
+      hn::Store(stream_.mirrored ? hn::Neg(at) : at, d, near + g);
+    }
+    for (std::size_t g = 0; g < kBvhWidth; g += hn::Lanes(d)) {
+      const BV at = hn::Load(d, near + g);
+      const auto numbers = hn::Load(du, kNumbers + g);
+      auto place = hn::Zero(du);
+      for (std::uint32_t c = 0; c < node.children; ++c) {
+        const BV other = hn::Set(d, near[c]);
+        const auto earlier = hn::RebindMask(d, hn::Gt(numbers, hn::Set(du, c)));
+        const auto before = hn::Or(hn::Gt(other, at), hn::And(hn::Eq(other, at), earlier));
+        place = hn::Sub(place, hn::VecFromMask(du, hn::RebindMask(du, before)));
+      }
+      hn::Store(place, du, places + g);
+    }
+    for (std::uint32_t c = 0; c < node.children; ++c) children[places[c]] = c;
+    return node.children;
+  }
+
+  /// A child's, grown by the pad.
+  [[nodiscard]] HWY_INLINE SeenBox box_of(const BvhNode& node, std::uint32_t c) const {
+    const RayStream& s = stream_;
+    const auto grown = [&](int row) { return node.bound[row][c] + (row < 3 ? -s.pad : s.pad); };
+    SeenBox box{grown(s.near_x), grown(s.far_x),  grown(s.near_y),
+                grown(s.far_y),  grown(s.near_z), grown(s.far_z)};
+    if (s.mirrored) {
+      box.z_near = -box.z_near;
+      box.z_far = -box.z_far;
+    }
+    return box;
+  }
+
+  /// Rays of the bundle after the next; at a list's beginning of the next, too.
+  HWY_INLINE void prefetch_rays(const WaitingList& list, std::uint32_t base) const {
+    const std::uint32_t* const numbers = stream_.lists.data() + list.offset;
+    const std::uint32_t end = std::min(base + 3 * kBundleWidth, list.size);
+    for (std::uint32_t i = base + (base == 0 ? 1 : 2) * kBundleWidth; i < end; ++i)
+      hits_.prefetch_ray(numbers[i]);
+  }
+
+  void meet_leaf(const WaitingList& list) {
+    const RayStream& s = stream_;
+    counts_.triangle_tests += std::uint64_t{list.size} * list.count;
+    if (list.size <= kFewAtQuads) return meet_leaf_by_quads(list);
+    const std::uint32_t* numbers = s.lists.data() + list.offset;
+    for (std::uint32_t base = 0; base < list.size; base += kBundleWidth) {
+      const std::uint32_t n = std::min(kBundleWidth, list.size - base);
+      const std::uint32_t* bundle = numbers + base;
+      const std::uint32_t used = n == kBundleWidth ? 0xffffu : (1u << n) - 1;
+      prefetch_rays(list, base);
+      for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes())
+        meet_group(4 * list.first, list.count, bundle, used, g);
+    }
+  }
+
+  /// The same, some rays with four triangles at once.
+  HWY_NOINLINE void meet_leaf_by_quads(const WaitingList& list) {
+    const SharedAxes axes(stream_);
+    const std::uint32_t* numbers = stream_.lists.data() + list.offset;
+    QuadHits hits;
+    for (std::uint32_t n = 0; n < list.count; n += kQuadTriangles) {
+      const TriangleQuad* const quad = &tree_.quads[list.first + n / kQuadTriangles];
+      meet_quads(
+          axes, list.size,
+          [&](std::uint32_t i) HWY_ATTR { return stream_.rays.data() + numbers[i]; },
+          [&](std::uint32_t) HWY_ATTR { return quad; }, &hits);
+      const std::uint32_t here = std::min(kQuadTriangles, list.count - n);
+      const std::uint64_t used = ((std::uint64_t{1} << here) - 1) * 0x1111111111111111u &
+                                 ((std::uint64_t{1} << 4 * list.size) - 1);
+      const std::uint32_t place = 4 * list.first + n;
+      for (std::uint64_t turn = hits.hit & used; turn != 0; turn &= turn - 1) {
+        const std::uint32_t b = first_of(turn);
+        hits_.take(numbers[b / 4], place + b % 4, hits.at(b), hits.is_front(b));
+      }
+      for (std::uint64_t turn = hits.unsettled & used; turn != 0; turn &= turn - 1) {
+        const std::uint32_t b = first_of(turn);
+        hits_.settle(numbers[b / 4], place + b % 4);
+      }
+    }
+  }
+
+  /// Triangles from a place on with the lanes of a bundle from `g` on.
+  HWY_INLINE void meet_group(std::uint32_t first, std::uint32_t count, const std::uint32_t* bundle,
+                             std::uint32_t used, std::size_t g) {
+    LeafRays r;
+    gather4(stream_.rays.data(), 0, bundle + g, r.ox, r.oy, r.oz, r.t_limit);
+    gather4(stream_.rays.data(), 1, bundle + g, r.shear_x, r.shear_y, r.shear_z, r.t_min);
+    meet_triangles(first, count, r, [&](std::uint32_t place, const Tested<Rays>& tested) HWY_ATTR {
+      hits_.take_lanes(place, bundle, used, g, tested);
+    });
+  }
+
+  /// Calls `met(place, tested)` for those of the triangles that some ray may hit.
+  template <class Met>
+  HWY_INLINE void meet_triangles(std::uint32_t first, std::uint32_t count, const LeafRays& r,
+                                 const Met& met) const {
+    const Rays d;
+    const RayStream& s = stream_;
+    for (std::uint32_t place = first; place < first + count; ++place) {
+      const TriangleQuad& q = tree_.quads[place / 4];
+      const std::uint32_t k = place % 4;
+      const float* x = &q.vertex[0][s.axis_x][k];
+      const float* y = &q.vertex[0][s.axis_y][k];
+      const float* z = &q.vertex[0][s.axis_z][k];
+      const auto moved = [&](int c) {
+        return sheared(d, hn::Sub(set(x[12 * c]), r.ox), hn::Sub(set(y[12 * c]), r.oy),
+                       hn::Sub(set(z[12 * c]), r.oz), r.shear_x, r.shear_y);
+      };
+      Tested<Rays> tested;
+      if (test_lanes(d, moved(0), moved(1), moved(2), set(q.reach[k]), r.shear_z, r.t_min,
+                     r.t_limit, &tested))
+        met(place, tested);
+    }
+  }
+
+ private:
+  void open(const WaitingList& list) {
+    RayStream& s = stream_;
+    const BvhNode& node = tree_.nodes[list.first];
+    std::uint32_t children[kBvhWidth];
+    const std::uint32_t child_count = sorted_children(node, children);
+    counts_.ray_box_tests += std::uint64_t{list.size} * child_count;
+    const std::uint32_t room = (list.size + kBundleWidth + 15) / 16 * 16;
+    const std::uint32_t bottom = (list.offset + list.size + 15) / 16 * 16;
+    const std::size_t needed = bottom + std::size_t{room} * child_count + 2 * kBundleWidth;
+    s.grow_lists(needed);
+    SeenBox boxes[kBvhWidth];
+    std::uint32_t* out[kBvhWidth];
+    for (std::uint32_t k = 0; k < child_count; ++k) {
+      boxes[k] = box_of(node, children[k]);
+      out[k] = s.lists.data() + bottom + room * k;
+    }
+    const RV nowhere = set(-std::numeric_limits<float>::infinity());
+    const std::uint32_t* numbers = s.lists.data() + list.offset;
+    for (std::uint32_t base = 0; base < list.size; base += kBundleWidth) {
+      const std::uint32_t n = std::min(kBundleWidth, list.size - base);
+      const std::uint32_t* bundle = numbers + base;
+      const std::uint32_t used = n == kBundleWidth ? 0xffffu : (1u << n) - 1;
+      prefetch_rays(list, base);
+      for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
+        SlabRays rays;
+        RV unused;
+        gather4(s.rays.data(), 0, bundle + g, rays.ox, rays.oy, rays.oz, unused);
+        gather4(s.rays.data(), 2, bundle + g, rays.per_x, rays.per_y, rays.s_near, rays.s_far);
+        if (s.mirrored) rays.oz = hn::Neg(rays.oz);
+        rays.s_far = hn::IfThenElse(lanes_of(used, g), rays.s_far, nowhere);
+        for (std::uint32_t k = 0; k < child_count; ++k)
+          out[k] = append_set(bundle + g, meeting(rays, boxes[k]), out[k]);
+      }
+    }
+    for (std::uint32_t k = 0; k < child_count; ++k) {
+      const std::uint32_t offset = bottom + room * k;
+      const auto size = static_cast<std::uint32_t>(out[k] - (s.lists.data() + offset));
+      if (size == 0) continue;
+      pad_list(offset, size);
+      const std::uint32_t c = children[k];
+      s.waiting.push_back({node.first[c], node.count[c], offset, size});
+      subtrees_.prefetch(node.first[c], node.count[c]);
+    }
+  }
+
+  const ObjectTree& tree_;
+  const Subtrees& subtrees_;
+  RayStream& stream_;
+  DualCounts& counts_;
+  StreamHits<Mode>& hits_;
+  StreamSingles<Mode>& singles_;
+};
+
+// Bundles of a stream's rays, from node to node, while most rays of a bundle stay together.
+//
+//   list    5: 1111111111111111   6: 1111111111110000   7: ...     bundles and their rays
+//             | |                     a bundle's beam is tested with a node's eight boxes at once,
+//             v v                     and its rays with those boxes only that the beam meets
+//   child   5: 0000001111111111   6: 1111000000000000
+//
+// Rays are read where they stand, neither gathered nor moved. Where bundles have lost too many,
+// what is left goes on as a list of rays.
+
+/// Bundles that keep fewer rays each, on average, go on as rays.
+inline constexpr std::uint32_t kRaysOfBundle = 6;
+/// The same of bundles at a leaf.
+inline constexpr std::uint32_t kRaysOfBundleAtLeaf = 4;
+
+/// So many rays of a bundle get records one by one, more of them all at once.
+inline constexpr int kFewRecords = 3;
+
+/// Fewer beams than these are tested with all children at a time, instead of with each other.
+inline constexpr std::uint32_t kFewBundles = 4;
+
+/// The beams of as many bundles as a vector has lanes.
+struct BeamLanes {
+  RV z_low, z_high, start, end;
+  struct Planes {
+    RV at, inverse;
+    RM opens;  ///< the plane recedes from its axis's lower end
+  };
+  Planes x_low, x_high, y_low, y_high;
+
+  /// `words`: BundleRays.
+  HWY_INLINE BeamLanes(const Beam* beams, const std::uint32_t* words) {
+    static_assert(sizeof(BundleRays) == 4);
+    const RayInts d;
+    alignas(64) std::uint32_t bundles[kBundleWidth];
+    hn::Store(hn::And(hn::Load(d, words), hn::Set(d, 0xffff)), d, bundles);
+    gather4(beams, 0, bundles, z_low, z_high, start, end);
+    gather4(beams, 1, bundles, x_low.at, x_low.inverse, x_high.at, x_high.inverse);
+    gather4(beams, 2, bundles, y_low.at, y_low.inverse, y_high.at, y_high.inverse);
+    for (Planes* planes : {&x_low, &x_high, &y_low, &y_high})
+      planes->opens = hn::Gt(planes->inverse, hn::Zero(Rays()));
+  }
+
+  /// Those that meet a child: `children_in_beam`, operation by operation.
+  HWY_INLINE RM meeting(const RayStream& s, const BvhNode& node, std::uint32_t c) const {
+    using hn::Max, hn::Min, hn::Mul, hn::Sub;
+    const RV z0 = set(node.bound[s.near_z][c]), z1 = set(node.bound[s.far_z][c]);
+    RV lo = Max(s.mirrored ? Sub(z_low, z0) : Sub(z0, z_high), start);
+    RV hi = Min(s.mirrored ? Sub(z_high, z1) : Sub(z1, z_low), end);
+    const auto clip = [&](const Planes& planes, float bound, bool low) HWY_ATTR {
+      const RV zeta = Mul(Sub(set(bound), planes.at), planes.inverse);
+      const RV less = Min(hi, zeta), more = Max(lo, zeta);
+      hi = low ? hn::IfThenElse(planes.opens, less, hi) : hn::IfThenElse(planes.opens, hi, less);
+      lo = low ? hn::IfThenElse(planes.opens, lo, more) : hn::IfThenElse(planes.opens, more, lo);
+    };
+    clip(x_low, node.bound[s.axis_x + 3][c], true);
+    clip(x_high, node.bound[s.axis_x][c], false);
+    clip(y_low, node.bound[s.axis_y + 3][c], true);
+    clip(y_high, node.bound[s.axis_y][c], false);
+    return hn::Le(lo, hi);
+  }
+};
+
+template <class Mode>
+class StreamBundles {
+ public:
+  StreamBundles(StreamState& state, StreamHits<Mode>& hits, StreamLists<Mode>& lists)
+      : tree_(state.tree),
+        subtrees_(state.subtrees),
+        stream_(state.stream),
+        counts_(state.counts),
+        hits_(hits),
+        lists_(lists) {}
+
+  /// Those of a bundle's rays that are `some` have records of their own from now on.
+  HWY_INLINE void leave_bundle(std::uint32_t bundle, std::uint32_t some) {
+    const std::uint32_t leave = some & ~stream_.recorded[bundle];
+    if (leave != 0) make_records(bundle, leave);
+  }
+
+  /// Triangles from a place on with rays of a bundle.
+  HWY_INLINE void meet_bundle(std::uint32_t first, std::uint32_t count, BundleRays rays) {
+    const StreamBundle& b = stream_.bundles[rays.bundle];
+    for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
+      const LeafRays r{load(b.ox + g),      load(b.oy + g),      load(b.oz + g),
+                       load(b.t_limit + g), load(b.shear_x + g), load(b.shear_y + g),
+                       load(b.shear_z + g), load(b.t_min + g)};
+      lists_.meet_triangles(first, count, r,
+                            [&](std::uint32_t place, const Tested<Rays>& tested)
+                                HWY_ATTR { hits_.take_in_bundle(place, rays, g, tested); });
+    }
+  }
+
+  void meet_leaf(const WaitingList& list) {
+    const auto* from = reinterpret_cast<const BundleRays*>(stream_.lists.data() + list.offset);
+    std::uint32_t rays = 0;
+    for (std::uint32_t i = 0; i < list.size; ++i) {
+      rays += static_cast<std::uint32_t>(__builtin_popcount(from[i].rays));
+      meet_bundle(4 * list.first, list.count, from[i]);
+    }
+    counts_.triangle_tests += std::uint64_t{rays} * list.count;
+  }
+
+  void open(const WaitingList& list) {
+    RayStream& s = stream_;
+    const BvhNode& node = tree_.nodes[list.first];
+    std::uint32_t children[kBvhWidth], found[kBvhWidth];
+    const std::uint32_t child_count = lists_.sorted_children(node, children);
+    counts_.beam_box_tests += std::uint64_t{list.size} * child_count;
+    meet_beams(node, list, found);
+    std::uint32_t end = list.offset;
+    for (std::uint32_t k = 0; k < child_count; ++k) {
+      const std::uint32_t c = children[k];
+      const auto box = lists_.box_of(node, c);
+      BundleRays* const rows = found_[c];
+      std::uint32_t bundles = 0, tests = 0, rays = 0;
+      for (std::uint32_t i = 0; i < found[c]; ++i) {
+        const BundleRays before = rows[i];
+        const std::uint32_t met = rays_in_box(s.bundles[before.bundle], box) & before.rays;
+        tests += static_cast<std::uint32_t>(__builtin_popcount(before.rays));
+        rays += static_cast<std::uint32_t>(__builtin_popcount(met));
+        rows[bundles] = {before.bundle, static_cast<std::uint16_t>(met)};
+        bundles += met != 0 ? 1 : 0;
+      }
+      counts_.ray_box_tests += tests;
+      if (bundles == 0) continue;
+      const bool together =
+          rays >= (node.is_leaf(c) ? kRaysOfBundleAtLeaf : kRaysOfBundle) * bundles;
+      const std::uint32_t size = together ? bundles : rays;
+      s.grow_lists(std::size_t{end} + size + 2 * kBundleWidth);
+      if (together) {
+        keep_bundles(c, bundles, end);
+      } else {
+        keep_rays(c, bundles, end);
+        lists_.pad_list(end, size);
+      }
+      s.waiting.push_back({node.first[c], node.count[c], end, size, together});
+      subtrees_.prefetch(node.first[c], node.count[c]);
+      end += (size + kBundleWidth + 15) / 16 * 16;
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t kMostBundles = kStreamRays / kBundleWidth;
+
+  HWY_NOINLINE void make_records(std::uint32_t bundle, std::uint32_t leave) {
+    const StreamBundle& b = stream_.bundles[bundle];
+    StreamRay* const rays = stream_.rays.data() + std::size_t{bundle} * kBundleWidth;
+    if (__builtin_popcount(leave) <= kFewRecords) {
+      stream_.recorded[bundle] |= leave;
+      for (; leave != 0; leave &= leave - 1) {
+        const auto lane = static_cast<std::uint32_t>(__builtin_ctz(leave));
+        rays[lane] = b.ray(lane);
+      }
+      return;
+    }
+    stream_.recorded[bundle] = 0xffff;
+    for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
+      const auto put = [&](int quad, const float* f0, const float* f1, const float* f2,
+                           const float* f3) HWY_ATTR {
+        store4(load(f0 + g), load(f1 + g), load(f2 + g), load(f3 + g), quad, rays + g);
+      };
+      put(0, b.ox, b.oy, b.oz, b.t_limit);
+      put(1, b.shear_x, b.shear_y, b.shear_z, b.t_min);
+      put(2, b.per_x, b.per_y, b.s_near, b.s_far);
+    }
+  }
+
+  /// Room for kBundleWidth more is needed.
+  void keep_bundles(std::uint32_t c, std::uint32_t bundles, std::uint32_t offset) {
+    std::memcpy(stream_.lists.data() + offset, found_[c], bundles * sizeof(BundleRays));
+    lists_.pad_list(offset, bundles);
+  }
+
+  /// The same as a list of rays; room for kBundleWidth more is needed.
+  void keep_rays(std::uint32_t c, std::uint32_t bundles, std::uint32_t offset) {
+    std::uint32_t* out = stream_.lists.data() + offset;
+    for (std::uint32_t i = 0; i < bundles; ++i) {
+      const BundleRays from = found_[c][i];
+      leave_bundle(from.bundle, from.rays);
+      out = append_lanes(from.bundle * kBundleWidth, from.rays, out);
+    }
+  }
+
+  /// What of a bundle's rays meets a box.
+  HWY_INLINE std::uint32_t rays_in_box(const StreamBundle& b, const SeenBox& box) const {
+    std::uint32_t met = 0;
+    for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
+      const RV oz = load(b.oz + g);
+      const SlabRays rays{load(b.ox + g),    load(b.oy + g),    stream_.mirrored ? hn::Neg(oz) : oz,
+                          load(b.per_x + g), load(b.per_y + g), load(b.s_near + g),
+                          load(b.s_far + g)};
+      met |= bits_of(Rays(), meeting(rays, box)) << g;
+    }
+    return met;
+  }
+
+  /// Bundles whose beams meet a child, for each child: how many there are.
+  void meet_beams(const BvhNode& node, const WaitingList& list, std::uint32_t* found) {
+    if (list.size <= kFewBundles) {
+      meet_beams_one_by_one(node, list, found);
+    } else {
+      meet_beams_together(node, list, found);
+    }
+  }
+
+  HWY_INLINE void meet_beams_one_by_one(const BvhNode& node, const WaitingList& list,
+                                        std::uint32_t* found) {
+    const auto* from = reinterpret_cast<const BundleRays*>(stream_.lists.data() + list.offset);
+    alignas(64) float near[kBvhWidth];
+    std::uint32_t ends[kBvhWidth] = {};
+    for (std::uint32_t i = 0; i < list.size; ++i) {
+      const BundleRays rays = from[i];
+      const std::uint32_t met = children_in_beam(stream_, stream_.beams[rays.bundle], node, near);
+      for (std::uint32_t c = 0; c < kBvhWidth; ++c) {
+        found_[c][ends[c]] = rays;
+        ends[c] += met >> c & 1;
+      }
+    }
+    std::copy_n(ends, kBvhWidth, found);
+  }
+
+  /// As many beams as there are lanes with a child at a time.
+  HWY_NOINLINE void meet_beams_together(const BvhNode& node, const WaitingList& list,
+                                        std::uint32_t* found) {
+    std::uint32_t* out[kBvhWidth];
+    for (std::uint32_t c = 0; c < node.children; ++c)
+      out[c] = reinterpret_cast<std::uint32_t*>(found_[c]);
+    const std::uint32_t* const words = stream_.lists.data() + list.offset;
+    const auto lanes = static_cast<std::uint32_t>(ray_lanes());
+    for (std::uint32_t base = 0; base < list.size; base += lanes) {
+      const std::uint32_t n = std::min(lanes, list.size - base);
+      const RM some = lanes_of((1u << n) - 1, 0);
+      const BeamLanes beams(stream_.beams.data(), words + base);
+      for (std::uint32_t c = 0; c < node.children; ++c)
+        out[c] = append_set(words + base, hn::And(beams.meeting(stream_, node, c), some), out[c]);
+    }
+    for (std::uint32_t c = 0; c < node.children; ++c)
+      found[c] = static_cast<std::uint32_t>(out[c] - reinterpret_cast<std::uint32_t*>(found_[c]));
+  }
+
+  const ObjectTree& tree_;
+  const Subtrees& subtrees_;
+  RayStream& stream_;
+  DualCounts& counts_;
+  StreamHits<Mode>& hits_;
+  StreamLists<Mode>& lists_;
+  alignas(64) BundleRays found_[kBvhWidth][kMostBundles + kBundleWidth];  ///< by child
+};
+
+/// Fewer rays send no pilots: they would go alone.
+inline constexpr std::uint32_t kFewestPiloted = 512;
+/// As many go ahead before it is seen whether they are of use.
+inline constexpr std::uint32_t kPilots = 64;
+
+template <class Mode>
+class StreamWalk {
+ public:
+  explicit StreamWalk(const TraceJob& job) : state_(job) {}
+
+  /// Rays [first, first + count) of the order, of one quarter.
+  void run(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
+    const DualCounts before = state_.counts;
+    std::uint32_t alive = fill(first, count, quarter);
+    if constexpr (Mode::kAny) {
+      if (!state_.in_bundles) alive = follow_pilots(alive);
+    }
+    walk(0, alive, state_.in_bundles);
+    if (HWY_UNLIKELY(!unbounded_.empty())) test_unbounded();
+    hits_.write_back();
+    if (state_.job.ray_tests != nullptr) {
+      const float share =
+          static_cast<float>(state_.counts.sum() - before.sum()) / static_cast<float>(count);
+      for (std::uint32_t i = 0; i < count; ++i)
+        state_.job.ray_tests[state_.stream.index[i]] += share;
+    }
+  }
+
+  /// Hands over what was counted and found.
+  void finish(const TraceTask& task) {
+    if constexpr (Mode::kAll) hand_over_rows(state_.job, task, state_.stream.rows);
+    const std::lock_guard<std::mutex> lock(*state_.job.mutex);
+    if (state_.job.counts != nullptr) state_.job.counts->add(state_.counts);
+  }
+
+ private:
+  /// What stands from `offset` on in the lists, `size` rays or bundles, the least first, through
+  /// the tree; what stands there is lost.
+  void walk(std::uint32_t offset, std::uint32_t size, bool in_bundles) {
+    if (size == 0) return;
+    state_.stream.waiting.clear();
+    state_.stream.waiting.push_back({0, 0, offset, size, in_bundles});
+    while (!state_.stream.waiting.empty()) {
+      state_.job.executor->check();
+      const WaitingList next = state_.stream.waiting.back();
+      state_.stream.waiting.pop_back();
+      meet_list(next);
+    }
+    singles_.walk_all();
+  }
+
+  /// What comes next for the rays of a list.
+  HWY_INLINE void meet_list(const WaitingList& list) {
+    if (!list.in_bundles) {
+      lists_.meet(list);
+    } else if (list.count != 0) {
+      bundles_.meet_leaf(list);
+    } else {
+      bundles_.open(list);
+    }
+  }
+
+  /// The stream's rays, and the list of those that meet the scene's box, or of their bundles: how
+  /// many they are.
+  std::uint32_t fill(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
+    RayStream& s = state_.stream;
+    s.fit(count);
+    static_cast<QuarterAxes&>(s) = QuarterAxes(quarter);
+    std::uint32_t* end = s.lists.data();
+    s.first = first;
+    s.count = count;
+    s.pad = 0;
+    state_.counts.ray_box_tests += count;
+    const std::uint32_t* order = state_.job.order + first;
+    for (std::uint32_t base = 0; base < count; base += kBundleWidth) {
+      const std::uint32_t n = std::min(kBundleWidth, count - base);
+      const std::uint32_t ahead = base + 8 * kBundleWidth;
+      if (ahead + kBundleWidth <= count &&
+          order[ahead + kBundleWidth - 1] - order[ahead] != kBundleWidth - 1) {
+        for (std::uint32_t i = 0; i < kBundleWidth; ++i)
+          hwy::Prefetch(state_.job.rays + order[ahead + i]);
+      }
+      copy_numbers(order + base, n, s.index.data() + base);
+      const PreparedLanes prepared =
+          prepare_lanes(state_.job.rays, s.index.data() + base, n, state_.tree.bounds, s,
+                        [&](std::size_t g, const RayLanes& r, const SlabLanes& slabs)
+                            HWY_ATTR { keep_lanes(base, g, r, slabs); });
+      const std::uint32_t bundle = base / kBundleWidth;
+      if (HWY_LIKELY(prepared.bounded)) {
+        s.pad = std::max(s.pad, prepared.pad);
+      } else if (state_.in_bundles) {
+        unbounded_.push_back(word_of(bundle, (1u << n) - 1));
+      } else {
+        for (std::uint32_t i = 0; i < n; ++i) unbounded_.push_back(base + i);
+      }
+      if (state_.in_bundles) {
+        s.recorded[bundle] = 0;
+        if (prepared.lanes == 0) continue;
+        alignas(64) float zetas[kBundleWidth];
+        s.beams[bundle] =
+            make_beam(prepared.lanes, s.bundles[bundle], s.mirrored, prepared.pad, zetas);
+        *end++ = word_of(bundle, prepared.lanes);
+      } else {
+        end = append_lanes(base, prepared.lanes, end);
+      }
+    }
+    const auto alive = static_cast<std::uint32_t>(end - s.lists.data());
+    if (alive != 0) lists_.pad_list(0, alive);
+    return alive;
+  }
+
+  /// As rays `base` + `g` and those after it.
+  HWY_INLINE void keep_lanes(std::uint32_t base, std::size_t g, const RayLanes& r,
+                             const SlabLanes& slabs) {
+    RayStream& s = state_.stream;
+    const Rays d;
+    const RayInts di;
+    if (!state_.in_bundles) {
+      StreamRay* const rays = s.rays.data() + base + g;
+      const RV none = hn::BitCast(d, hn::Set(di, kInvalidId));
+      store4(r.ox, r.oy, r.oz, r.t_limit, 0, rays);
+      store4(slabs.shear_x, slabs.shear_y, slabs.shear_z, r.t_min, 1, rays);
+      store4(slabs.per_x, slabs.per_y, slabs.s_near, slabs.s_far, 2, rays);
+      store4(slabs.along, r.t_limit, none, none, 3, rays);
+      return;
+    }
+    StreamBundle& b = s.bundles[base / kBundleWidth];
+    const auto put = [&](RV v, float* to) HWY_ATTR { hn::Store(v, d, to + g); };
+    put(r.ox, b.ox), put(r.oy, b.oy), put(r.oz, b.oz), put(r.t_limit, b.t_limit);
+    put(slabs.shear_x, b.shear_x), put(slabs.shear_y, b.shear_y), put(slabs.shear_z, b.shear_z);
+    put(r.t_min, b.t_min);
+    put(slabs.per_x, b.per_x), put(slabs.per_y, b.per_y);
+    put(slabs.s_near, b.s_near), put(slabs.s_far, b.s_far);
+    put(slabs.along, b.along), put(r.t_limit, b.t_low);
+    hn::Store(hn::Set(di, kInvalidId), di, b.place + g);
+  }
+
+  /// With every triangle.
+  HWY_NOINLINE void test_unbounded() {
+    const auto size = static_cast<std::uint32_t>(unbounded_.size());
+    std::copy(unbounded_.begin(), unbounded_.end(), state_.stream.lists.begin());
+    lists_.pad_list(0, size);
+    for_each_leaf(state_.tree, [&](std::uint32_t quad, std::uint32_t n) {
+      state_.job.executor->check();
+      const WaitingList list{quad, n, 0, size, state_.in_bundles};
+      state_.in_bundles ? bundles_.meet_leaf(list) : lists_.meet_leaf(list);
+    });
+    unbounded_.clear();
+  }
+
+  // Pilots: what stops a ray often stops those beside it (E. Haines, D. Greenberg, "The Light
+  // Buffer", 1986, keep the last occluder). Of sixteen rays of the list one goes ahead, and the
+  // triangles that stopped it and its neighbours' are tried on the sixteen; so part by part of the
+  // list, while that stops most. In bundles rays share so much of the tree that it saves nothing.
+
+  /// Returns how many of the first `alive` rays of the list are left.
+  std::uint32_t follow_pilots(std::uint32_t alive) {
+    if (alive < kFewestPiloted) return alive;
+    std::uint32_t left = 0, first = 0;
+    while (first + kBundleWidth <= alive) {
+      const std::uint32_t end = std::min(alive, first + kPilots * kBundleWidth);
+      const std::uint32_t rest = follow_some(first, end, alive, left);
+      const bool worth = 2 * (rest - left) < end - first;
+      left = rest;
+      first = end;
+      if (!worth) break;
+    }
+    std::uint32_t* const numbers = state_.stream.lists.data();
+    std::copy(numbers + first, numbers + alive, numbers + left);
+    left += alive - first;
+    if (left != 0) lists_.pad_list(0, left);
+    return left;
+  }
+
+  /// Of rays [first, end) of the list; those that are left go to `left` and what follows. Returns
+  /// the place after them.
+  std::uint32_t follow_some(std::uint32_t first, std::uint32_t end, std::uint32_t alive,
+                            std::uint32_t left) {
+    RayStream& s = state_.stream;
+    const std::uint32_t bundles = (end - first) / kBundleWidth, pilots = (alive + 31) / 16 * 16;
+    s.grow_lists(pilots + bundles + std::size_t{2} * kBundleWidth);
+    for (std::uint32_t b = 0; b < bundles; ++b)
+      s.lists[pilots + b] = s.lists[first + b * kBundleWidth + kBundleWidth / 2];
+    lists_.pad_list(pilots, bundles);
+    walk(pilots, bundles, false);
+    places_.assign(bundles + std::size_t{2}, kInvalidId);
+    for (std::uint32_t b = 0; b < bundles; ++b) {
+      StreamRay& pilot = s.rays[s.lists[first + b * kBundleWidth + kBundleWidth / 2]];
+      places_[b + 1] = pilot.place;
+      pilot.s_far = -std::numeric_limits<float>::infinity();  // done, hit or not
+    }
+    for (std::uint32_t b = 0; first + b * kBundleWidth < end; ++b) {
+      std::uint32_t* const bundle = s.lists.data() + first + b * kBundleWidth;
+      const std::uint32_t n = std::min(kBundleWidth, end - first - b * kBundleWidth);
+      const std::uint32_t before = places_[b], middle = b < bundles ? places_[b + 1] : before;
+      const std::uint32_t after = b < bundles ? places_[b + 2] : before;
+      if (middle != kInvalidId) try_on(middle, bundle, n);
+      if (before != kInvalidId && before != middle) try_on(before, bundle, n);
+      if (after != kInvalidId && after != middle && after != before) try_on(after, bundle, n);
+      for (std::uint32_t i = 0; i < n; ++i) {
+        const std::uint32_t number = bundle[i];
+        s.lists[left] = number;
+        left += s.rays[number].s_far >= s.rays[number].s_near ? 1 : 0;
+      }
+    }
+    return left;
+  }
+
+  void try_on(std::uint32_t place, const std::uint32_t* rays, std::uint32_t n) {
+    const std::uint32_t used = n == kBundleWidth ? 0xffffu : (1u << n) - 1;
+    state_.counts.triangle_tests += n;
+    for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes())
+      lists_.meet_group(place, 1, rays, used, g);
+  }
+
+  StreamState state_;
+  StreamHits<Mode> hits_{state_};
+  StreamSingles<Mode> singles_{state_, hits_};
+  StreamLists<Mode> lists_{state_, hits_, singles_};
+  StreamBundles<Mode> bundles_{state_, hits_, lists_};
+  std::vector<std::uint32_t> unbounded_;  ///< of bundles that have no bounds: rays, or bundles
+  std::vector<std::uint32_t> places_;     ///< what pilots met, between two that are nothing
+};
