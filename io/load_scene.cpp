@@ -1,6 +1,7 @@
 // The one door for scene files: looks at the ending, and puts the file's name before what went
 // wrong.
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <string_view>
 
@@ -21,17 +22,30 @@
 namespace raysheaf {
 namespace {
 
-bool is_gltf(const std::string& ending) {
-  return ending == "gltf" || ending == "glb";
+/// Of formats that hold nothing that moves.
+template <SceneDescription (*kLoad)(const io::Bytes&, const io::SceneFile&)>
+io::GltfScene load_still(const io::Bytes& file, const io::SceneFile& from) {
+  io::GltfScene loaded;
+  loaded.scene = kLoad(file, from);
+  return loaded;
 }
 
-using Loader = SceneDescription (*)(const io::Bytes&, const io::SceneFile&);
+/// What is read, by the ending of the name: the one list of formats.
+struct Format {
+  std::string_view ending;
+  io::GltfScene (*load)(const io::Bytes& file, const io::SceneFile& from);
+};
+constexpr std::array kFormats{Format{".gltf", io::load_gltf}, Format{".glb", io::load_gltf},
+                              Format{".obj", load_still<io::load_obj>},
+                              Format{".ply", load_still<io::load_ply>},
+                              Format{".stl", load_still<io::load_stl>}};
 
-Loader loader_for(const std::string& ending) {
-  if (ending == "obj") return io::load_obj;
-  if (ending == "ply") return io::load_ply;
-  if (ending == "stl") return io::load_stl;
-  return nullptr;
+/// Null for an ending that is not read. Without its dot.
+const Format* format_of(const std::string& ending) {
+  const auto* const at = std::find_if(kFormats.begin(), kFormats.end(), [&](const Format& format) {
+    return format.ending.substr(1) == ending;
+  });
+  return at == kFormats.end() ? nullptr : at;
 }
 
 /// Why a file of this ending is no scene at rest.
@@ -42,8 +56,8 @@ std::string why_not(const std::string& path, const std::string& ending) {
   io::Bytes head(std::min<std::uint64_t>(file.size(), io::kKindBytes));
   file.read(0, head, path);
   if (const io::FileKind* kind = io::kind_of(head, ending)) return "is " + described(*kind);
-  return "the ending is none of .gltf, .glb, .obj, .ply and .stl, nor .rsb (blocks) or .json (a "
-         "sequence)";
+  return "the ending is none of " + scene_file_endings_text() +
+         ", nor .rsb (blocks) or .json (a sequence)";
 }
 
 /// Refuses what its first bytes say is of another kind than its ending. A binary STL may begin with
@@ -61,20 +75,15 @@ io::GltfScene load_any(const std::string& path, const LoadOptions& options,
                        io::ImageCache* images = nullptr) {
   const std::string ending = io::ending_of(path);
   // Before the whole file is read, but not before it is known to be there.
-  if (io::file_exists(path) && !is_gltf(ending) && loader_for(ending) == nullptr) {
+  const Format* const format = format_of(ending);
+  if (format == nullptr && io::file_exists(path))
     throw Error(ErrorCode::kUnsupported, why_not(path, ending), path);
-  }
   const io::Bytes file = io::read_file(path);
   if (file.empty()) throw Error(ErrorCode::kInvalidData, "the file is empty", path);
   std::set<std::string> names;
   const io::SceneFile from{path, options.allow_external, images, &names};
-  io::GltfScene loaded;
-  if (is_gltf(ending)) {
-    loaded = io::load_gltf(file, from);
-  } else {
-    check_kind(file, ending, path);
-    loaded.scene = loader_for(ending)(file, from);
-  }
+  if (format->load != io::load_gltf) check_kind(file, ending, path);
+  io::GltfScene loaded = format->load(file, from);
   loaded.scene.files = io::files_of(from);
   for (std::string& sentence : loaded.scene.warnings) sentence = io::whole_utf8(sentence);
   return loaded;
@@ -112,6 +121,22 @@ std::unique_ptr<Animation> load_moving(const std::string& path, const LoadOption
 }
 
 }  // namespace
+
+std::span<const std::string_view> scene_file_endings() {
+  static const auto endings = [] {
+    std::array<std::string_view, kFormats.size()> all;
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = kFormats[i].ending;
+    return all;
+  }();
+  return endings;
+}
+
+std::string scene_file_endings_text() {
+  std::string text;
+  for (const Format& format : kFormats)
+    text += (text.empty() ? "" : ", ") + std::string(format.ending);
+  return text;
+}
 
 SceneDescription io::load_part(const std::string& path, const LoadOptions& options,
                                ImageCache* images) {

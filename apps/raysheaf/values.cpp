@@ -174,7 +174,7 @@ bool parse_switch(const std::string& text) {
   return text == "on";
 }
 
-bool has_ending(const std::string& path, const std::string& ending) {
+bool has_ending(std::string_view path, std::string_view ending) {
   if (path.size() < ending.size()) return false;
   return std::equal(ending.rbegin(), ending.rend(), path.rbegin(), [](char a, char b) {
     return a == std::tolower(static_cast<unsigned char>(b));

@@ -50,6 +50,6 @@ namespace raysheaf::app {
 [[nodiscard]] bool parse_switch(const std::string& text);
 
 /// Whether `path` ends in `ending` (lower case, with its dot), in any case.
-[[nodiscard]] bool has_ending(const std::string& path, const std::string& ending);
+[[nodiscard]] bool has_ending(std::string_view path, std::string_view ending);
 
 }  // namespace raysheaf::app

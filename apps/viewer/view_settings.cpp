@@ -42,8 +42,7 @@ constexpr const char* kOwn = "own";  ///< of the method
 
 std::vector<std::string> key_words() {
   std::vector<std::string> words = {kOwn};
-  for (int k = 0; k <= static_cast<int>(RayKey::kTwoPointHilbert); ++k)
-    words.emplace_back(to_string(static_cast<RayKey>(k)));
+  for (const RayKeyEntry& entry : kRayKeys) words.emplace_back(entry.name);
   return words;
 }
 

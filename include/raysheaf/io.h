@@ -4,7 +4,9 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -26,6 +28,11 @@ struct LoadOptions {
 /// `validate`. Memory and time are bounded by the sizes of the files: what a file of a kilobyte
 /// describes is refused (kOutOfMemory) where it would take gigabytes.
 [[nodiscard]] SceneDescription load_scene(const std::string& path, const LoadOptions& options = {});
+
+/// The endings of the files that `load_scene` reads, each with its dot.
+[[nodiscard]] std::span<const std::string_view> scene_file_endings();
+/// The same for people: ".gltf, .glb, .obj, ...".
+[[nodiscard]] std::string scene_file_endings_text();
 
 /// Reads a picture of all directions: Radiance (.hdr) or OpenEXR (.exr, channels R, G, B), by its
 /// ending. Refuses pixels that are negative or not finite.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <iterator>
 #include <string_view>
 
 namespace raysheaf {
@@ -34,7 +35,57 @@ enum class RayKey : std::uint8_t {
   kFiveHilbert,
   kTwoPointMorton,  ///< origin and exit from the scene's box (or end), six dimensions
   kTwoPointHilbert,
+  kCount,  ///< how many there are; no key
 };
+inline constexpr auto kRayKeyCount = static_cast<std::size_t>(RayKey::kCount);
+
+/// What a key is the place of, on a curve through cells.
+enum class KeyCell : std::uint8_t {
+  kNone,                ///< there is no curve: raster order, or a hash
+  kPixel,               ///< column and row of the pixel
+  kSpherical,           ///< azimuth and polar angle of the direction
+  kOctahedral,          ///< the octahedral map of the direction
+  kEnd,                 ///< where the ray ends in the scene's box
+  kOctahedralAndStart,  ///< the direction as above, and where the ray starts
+  kStartAndEnd,
+};
+
+struct RayKeyEntry {
+  RayKey key;
+  const char* name;  ///< as `--key` has it
+  KeyCell cell = KeyCell::kNone;
+  std::uint8_t axes = 0;  ///< of the cell
+  bool hilbert = false;   ///< the curve is Hilbert's, or else Morton's
+};
+
+/// All keys, in the order of `RayKey`: what names, lists and sort keys are read from.
+inline constexpr RayKeyEntry kRayKeys[] = {
+    {RayKey::kRaster, "raster"},
+    {RayKey::kPixelMorton, "pixel-morton", KeyCell::kPixel, 2},
+    {RayKey::kCrsh, "crsh"},
+    {RayKey::kPublished, "published"},
+    {RayKey::kCorrected, "corrected"},
+    {RayKey::kSphericalMorton, "spherical-morton", KeyCell::kSpherical, 2},
+    {RayKey::kOctahedralMorton, "octahedral-morton", KeyCell::kOctahedral, 2},
+    {RayKey::kOctahedralHilbert, "octahedral-hilbert", KeyCell::kOctahedral, 2, true},
+    {RayKey::kEndPointHilbert, "end-point-hilbert", KeyCell::kEnd, 3, true},
+    {RayKey::kFiveMorton, "five-morton", KeyCell::kOctahedralAndStart, 5},
+    {RayKey::kFiveHilbert, "five-hilbert", KeyCell::kOctahedralAndStart, 5, true},
+    {RayKey::kTwoPointMorton, "two-point-morton", KeyCell::kStartAndEnd, 6},
+    {RayKey::kTwoPointHilbert, "two-point-hilbert", KeyCell::kStartAndEnd, 6, true},
+};
+static_assert(std::size(kRayKeys) == kRayKeyCount, "a key has no entry");
+static_assert(
+    [] {
+      for (std::size_t i = 0; i < kRayKeyCount; ++i)
+        if (kRayKeys[i].key != static_cast<RayKey>(i)) return false;
+      return true;
+    }(),
+    "the entries are not in the order of the keys");
+
+[[nodiscard]] constexpr const RayKeyEntry& entry_of(RayKey key) {
+  return kRayKeys[static_cast<std::size_t>(key)];
+}
 
 /// What bounds a bundle of rays.
 enum class BundleBound : std::uint8_t {

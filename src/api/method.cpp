@@ -18,19 +18,6 @@ constexpr Named<Method> kMethods[]{{Method::kBrute, "brute"},
                                    {Method::kCrsh, "crsh"},
                                    {Method::kGl10, "gl10"},
                                    {Method::kDual, "dual"}};
-constexpr Named<RayKey> kKeys[]{{RayKey::kRaster, "raster"},
-                                {RayKey::kPixelMorton, "pixel-morton"},
-                                {RayKey::kCrsh, "crsh"},
-                                {RayKey::kPublished, "published"},
-                                {RayKey::kCorrected, "corrected"},
-                                {RayKey::kSphericalMorton, "spherical-morton"},
-                                {RayKey::kOctahedralMorton, "octahedral-morton"},
-                                {RayKey::kOctahedralHilbert, "octahedral-hilbert"},
-                                {RayKey::kEndPointHilbert, "end-point-hilbert"},
-                                {RayKey::kFiveMorton, "five-morton"},
-                                {RayKey::kFiveHilbert, "five-hilbert"},
-                                {RayKey::kTwoPointMorton, "two-point-morton"},
-                                {RayKey::kTwoPointHilbert, "two-point-hilbert"}};
 constexpr Named<BundleBound> kBounds[]{{BundleBound::kSphereCone, "sphere-cone"},
                                        {BundleBound::kFiniteCone, "finite-cone"},
                                        {BundleBound::kShaft, "shaft"},
@@ -44,11 +31,19 @@ const char* name_in(const List& list, Value value) {
   return "unknown";
 }
 
+template <class Value>
+Value value_of(const Named<Value>& entry) {
+  return entry.value;
+}
+RayKey value_of(const RayKeyEntry& entry) {
+  return entry.key;
+}
+
 template <class List>
 auto value_in(const List& list, const char* what, std::string_view name) {
   std::string names;
   for (const auto& entry : list) {
-    if (name == entry.name) return entry.value;
+    if (name == entry.name) return value_of(entry);
     names += (names.empty() ? "" : ", ") + std::string(entry.name);
   }
   throw Error(
@@ -63,7 +58,7 @@ const char* to_string(Method method) {
   return name_in(kMethods, method);
 }
 const char* to_string(RayKey key) {
-  return name_in(kKeys, key);
+  return key < RayKey::kCount ? entry_of(key).name : "unknown";
 }
 const char* to_string(BundleBound bound) {
   return name_in(kBounds, bound);
@@ -73,7 +68,7 @@ Method method_from_string(std::string_view name) {
   return value_in(kMethods, "method", name);
 }
 RayKey key_from_string(std::string_view name) {
-  return value_in(kKeys, "key", name);
+  return value_in(kRayKeys, "key", name);
 }
 BundleBound bound_from_string(std::string_view name) {
   return value_in(kBounds, "bound", name);

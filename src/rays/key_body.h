@@ -35,32 +35,6 @@ struct KeyLayout {
   [[nodiscard]] RAYSHEAF_HD std::uint32_t bits() const { return light_bits + axes * axis_bits; }
 };
 
-/// How many axes a key's cell has; 0 where it is no place on a curve.
-RAYSHEAF_HD inline std::uint32_t key_axes(RayKey key) {
-  switch (key) {
-    case RayKey::kPixelMorton:
-    case RayKey::kSphericalMorton:
-    case RayKey::kOctahedralMorton:
-    case RayKey::kOctahedralHilbert:
-      return 2;
-    case RayKey::kEndPointHilbert:
-      return 3;
-    case RayKey::kFiveMorton:
-    case RayKey::kFiveHilbert:
-      return 5;
-    case RayKey::kTwoPointMorton:
-    case RayKey::kTwoPointHilbert:
-      return 6;
-    default:
-      return 0;
-  }
-}
-
-RAYSHEAF_HD inline bool is_hilbert(RayKey key) {
-  return key == RayKey::kOctahedralHilbert || key == RayKey::kEndPointHilbert ||
-         key == RayKey::kFiveHilbert || key == RayKey::kTwoPointHilbert;
-}
-
 /// As many bits an axis as fit into `key_bits` beside the light, and no more than can matter.
 RAYSHEAF_HD inline KeyLayout key_layout(std::uint32_t lights, std::uint32_t axes,
                                         std::uint32_t key_bits, std::uint32_t most_axis_bits) {
@@ -141,7 +115,8 @@ RAYSHEAF_HD inline Cell<kA + kB> joined(const Cell<kA>& a, const Cell<kB>& b) {
 
 /// What all rays of a batch have in common.
 struct KeyContext {
-  RayKey key = RayKey::kOctahedralHilbert;
+  KeyCell cell = KeyCell::kOctahedral;
+  bool hilbert = true;
   KeyLayout layout;
   KeyCube cube;
   std::uint32_t width = 1;       ///< of the picture
@@ -158,8 +133,7 @@ struct KeyedRay {
 template <int kDimensions>
 RAYSHEAF_HD inline std::uint64_t place_on_curve(const KeyContext& context,
                                                 const Cell<kDimensions>& cell) {
-  return is_hilbert(context.key) ? hilbert_place(cell, context.layout.axis_bits)
-                                 : morton_place(cell);
+  return context.hilbert ? hilbert_place(cell, context.layout.axis_bits) : morton_place(cell);
 }
 
 /// The coarse bits of a pixel's column and row.
@@ -170,29 +144,30 @@ RAYSHEAF_HD inline Cell<2> pixel_cell(const KeyContext& context, std::uint32_t p
 
 RAYSHEAF_HD inline std::uint64_t curve_place(const KeyContext& context, const KeyedRay& r) {
   const std::uint32_t bits = context.layout.axis_bits;
-  switch (context.key) {
-    case RayKey::kPixelMorton:
+  switch (context.cell) {
+    case KeyCell::kNone:
+      break;
+    case KeyCell::kPixel:
       return place_on_curve(context, pixel_cell(context, r.pixel));
-    case RayKey::kSphericalMorton:
+    case KeyCell::kSpherical:
       return place_on_curve(context, square_cell(spherical(r.ray.direction), bits));
-    case RayKey::kOctahedralMorton:
-    case RayKey::kOctahedralHilbert:
+    case KeyCell::kOctahedral:
       return place_on_curve(context, square_cell(r.square, bits));
-    case RayKey::kEndPointHilbert:
+    case KeyCell::kEnd:
       return place_on_curve(context,
                             cube_cell(context.cube, ray_ends(context.cube.box, r.ray).end, bits));
-    case RayKey::kFiveMorton:
-    case RayKey::kFiveHilbert: {
+    case KeyCell::kOctahedralAndStart: {
       const Vec3 start = ray_ends(context.cube.box, r.ray).start;
       return place_on_curve(
           context, joined(square_cell(r.square, bits), cube_cell(context.cube, start, bits)));
     }
-    default: {
+    case KeyCell::kStartAndEnd: {
       const RayEnds ends = ray_ends(context.cube.box, r.ray);
       return place_on_curve(context, joined(cube_cell(context.cube, ends.start, bits),
                                             cube_cell(context.cube, ends.end, bits)));
     }
   }
+  return 0;
 }
 
 RAYSHEAF_HD inline std::uint64_t curve_key(const KeyContext& context, const KeyedRay& r) {

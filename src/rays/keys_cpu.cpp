@@ -20,11 +20,12 @@ KeyedRay keyed_ray(const RayBatch& batch, std::size_t i) {
 KeyContext context_for(const RayBatch& batch, RayKey key, std::uint32_t key_bits,
                        const Box& scene_bounds) {
   KeyContext context;
-  context.key = key;
+  context.cell = entry_of(key).cell;
+  context.hilbert = entry_of(key).hilbert;
   context.cube = key_cube(scene_bounds);
   context.width = batch.width;
   std::uint32_t most_axis_bits = kMostAxisBits;
-  if (key == RayKey::kPixelMorton) {
+  if (context.cell == KeyCell::kPixel) {
     const std::uint32_t last = *std::max_element(batch.pixels.begin(), batch.pixels.end());
     context.pixel_bits = bits_for(std::max(batch.width, last / batch.width + 1));
     most_axis_bits = context.pixel_bits;
@@ -32,7 +33,7 @@ KeyContext context_for(const RayBatch& batch, RayKey key, std::uint32_t key_bits
   // Slots ascend with the light first, so the first and the last ray have the first and last light.
   const std::uint32_t lights =
       batch.lights.empty() ? 1 : batch.lights.back() - batch.lights.front() + 1;
-  context.layout = key_layout(lights, key_axes(key), key_bits, most_axis_bits);
+  context.layout = key_layout(lights, entry_of(key).axes, key_bits, most_axis_bits);
   return context;
 }
 

@@ -57,24 +57,30 @@ struct CurveCase {
   }
 };
 
-/// A key that no library's function takes part in.
-RAYSHEAF_HD inline RayKey random_ray_key(Draws& draws) {
-  const RayKey keys[8] = {RayKey::kPixelMorton,       RayKey::kOctahedralMorton,
-                          RayKey::kOctahedralHilbert, RayKey::kEndPointHilbert,
-                          RayKey::kFiveMorton,        RayKey::kFiveHilbert,
-                          RayKey::kTwoPointMorton,    RayKey::kTwoPointHilbert};
-  return keys[draws.below(8)];
+/// A cell that no library's function takes part in: not the spherical one.
+RAYSHEAF_HD inline KeyCell random_key_cell(Draws& draws) {
+  const KeyCell cells[5] = {KeyCell::kPixel, KeyCell::kOctahedral, KeyCell::kEnd,
+                            KeyCell::kOctahedralAndStart, KeyCell::kStartAndEnd};
+  return cells[draws.below(5)];
 }
 
-RAYSHEAF_HD inline KeyContext random_key_context(Draws& draws, RayKey key, std::uint32_t lights) {
-  const bool pixel = key == RayKey::kPixelMorton;
+RAYSHEAF_HD inline std::uint32_t axes_of(KeyCell cell) {
+  return cell == KeyCell::kEnd                  ? 3
+         : cell == KeyCell::kOctahedralAndStart ? 5
+         : cell == KeyCell::kStartAndEnd        ? 6
+                                                : 2;
+}
+
+RAYSHEAF_HD inline KeyContext random_key_context(Draws& draws, KeyCell cell, std::uint32_t lights) {
+  const bool pixel = cell == KeyCell::kPixel;
   const std::uint32_t key_bits = draws.below(2) == 0 ? 32 : 64;
   KeyContext context;
-  context.key = key;
+  context.cell = cell;
+  context.hilbert = !pixel && draws.below(2) == 0;
   context.width = 640;
   context.pixel_bits = pixel ? bits_for(context.width) : 0;
   context.layout =
-      key_layout(lights, key_axes(key), key_bits, pixel ? context.pixel_bits : kMostAxisBits);
+      key_layout(lights, axes_of(cell), key_bits, pixel ? context.pixel_bits : kMostAxisBits);
   context.cube = key_cube(random_box(draws));
   return context;
 }
@@ -92,13 +98,13 @@ RAYSHEAF_HD inline Ray random_ray(Draws& draws) {
 struct RayKeyCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
     const std::uint32_t lights = 1 + draws.below(20);
-    const KeyContext context = random_key_context(draws, random_ray_key(draws), lights);
+    const KeyContext context = random_key_context(draws, random_key_cell(draws), lights);
     KeyedRay keyed;
     keyed.ray = random_ray(draws);
     keyed.square = octahedral(keyed.ray.direction);
     keyed.pixel = draws.below(640 * 480);
     keyed.light = draws.below(lights);
-    out.put(context.layout.bits(), context.layout.axis_bits, is_hilbert(context.key));
+    out.put(context.layout.bits(), context.layout.axis_bits, context.hilbert);
     out.put(context.cube.scale, curve_place(context, keyed), curve_key(context, keyed));
   }
 };
@@ -109,8 +115,7 @@ struct KeyCellCase {
     for (const std::uint32_t x : cell.axis) out.put(x);
   }
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
-    const RayKey key = RayKey::kPixelMorton;
-    const KeyContext context = random_key_context(draws, key, 1 + draws.below(4));
+    const KeyContext context = random_key_context(draws, KeyCell::kPixel, 1 + draws.below(4));
     const Ray ray = random_ray(draws);
     const RayEnds ends = ray_ends(context.cube.box, ray);
     float first = 0, last = draws.between(0, 9);

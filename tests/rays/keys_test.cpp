@@ -18,13 +18,6 @@ namespace {
 
 using test::Random;
 
-constexpr RayKey kAllKeys[] = {
-    RayKey::kRaster,           RayKey::kPixelMorton,       RayKey::kCrsh,
-    RayKey::kPublished,        RayKey::kCorrected,         RayKey::kSphericalMorton,
-    RayKey::kOctahedralMorton, RayKey::kOctahedralHilbert, RayKey::kEndPointHilbert,
-    RayKey::kFiveMorton,       RayKey::kFiveHilbert,       RayKey::kTwoPointMorton,
-    RayKey::kTwoPointHilbert};
-
 /// The cell with a number below 2^(bits * kDimensions).
 template <int kDimensions>
 Cell<kDimensions> numbered_cell(std::uint64_t number, std::uint32_t bits) {
@@ -138,7 +131,8 @@ TEST(Keys, FitTheBitsTheyUse) {
   for (const RayKind kind : {RayKind::kShadow, RayKind::kReflection, RayKind::kRefraction}) {
     for (const std::uint32_t lights : {1u, 2u, 37u}) {
       const KeyedRays b = random_rays(kind, lights, lights);
-      for (const RayKey key : kAllKeys) {
+      for (const RayKeyEntry& entry : kRayKeys) {
+        const RayKey key = entry.key;
         for (const std::uint32_t bits : {32u, 64u}) {
           std::uint32_t used = 99;
           const auto keys = make_keys(executor, b.batch, key, bits, b.box, &used);
@@ -164,8 +158,9 @@ TEST(Keys, FitTheBitsTheyUse) {
 TEST(Keys, SixtyFourBitsTellMoreRaysApart) {
   const Executor executor(2);
   const KeyedRays b = random_rays(RayKind::kShadow, 37, 5);
-  for (const RayKey key : kAllKeys) {
-    if (key_axes(key) == 0 || key == RayKey::kPixelMorton) continue;
+  for (const RayKeyEntry& entry : kRayKeys) {
+    const RayKey key = entry.key;
+    if (entry.axes == 0 || entry.cell == KeyCell::kPixel) continue;
     std::uint32_t low = 0, high = 0;
     const auto coarse = make_keys(executor, b.batch, key, 32, b.box, &low);
     const auto fine = make_keys(executor, b.batch, key, 64, b.box, &high);
@@ -179,8 +174,9 @@ TEST(Keys, SixtyFourBitsTellMoreRaysApart) {
 TEST(Keys, KeepTheLightAboveEverythingElse) {
   const Executor executor(2);
   const KeyedRays b = random_rays(RayKind::kShadow, 37, 6);
-  for (const RayKey key : kAllKeys) {
-    if (key_axes(key) == 0) continue;
+  for (const RayKeyEntry& entry : kRayKeys) {
+    const RayKey key = entry.key;
+    if (entry.axes == 0) continue;
     for (const std::uint32_t bits : {32u, 64u}) {
       std::uint32_t used = 0;
       const auto keys = make_keys(executor, b.batch, key, bits, b.box, &used);
@@ -193,7 +189,8 @@ TEST(Keys, KeepTheLightAboveEverythingElse) {
 TEST(Keys, DoNotDependOnTheNumberOfThreads) {
   for (const RayKind kind : {RayKind::kShadow, RayKind::kReflection}) {
     const KeyedRays b = random_rays(kind, 9, 7);
-    for (const RayKey key : kAllKeys) {
+    for (const RayKeyEntry& entry : kRayKeys) {
+      const RayKey key = entry.key;
       std::uint32_t one_used = 0, three_used = 0;
       const auto one = make_keys(Executor(1), b.batch, key, 64, b.box, &one_used);
       EXPECT_EQ(one, make_keys(Executor(3), b.batch, key, 64, b.box, &three_used));
@@ -214,7 +211,8 @@ TEST(Keys, BearDegenerateRaysAndBoxes) {
   const Executor executor(1);
   for (const Box& box : {Box{}, Box{{0, 0, 0}, {0, 0, 0}}, Box{{-1, 0, -1}, {1, 0, 1}},
                          Box{{-3e38f, -1, -1}, {3e38f, 1, 1}}}) {
-    for (const RayKey key : kAllKeys) {
+    for (const RayKeyEntry& entry : kRayKeys) {
+      const RayKey key = entry.key;
       for (const std::uint32_t bits : {32u, 64u}) {
         std::uint32_t used = 0;
         for (const std::uint64_t k : make_keys(executor, batch, key, bits, box, &used))
@@ -298,7 +296,8 @@ TEST_P(RenderedKeys, GiveTheSameBitsAsBruteForce) {
   options.method = Method::kBrute;
   const RenderResult brute = render(scene, options);
   options.method = Method::kCrsh;
-  for (const RayKey key : kAllKeys) {
+  for (const RayKeyEntry& entry : kRayKeys) {
+    const RayKey key = entry.key;
     for (const std::uint32_t bits : {32u, 64u}) {
       options.key = key;
       options.key_bits = bits;

@@ -35,7 +35,7 @@ std::vector<Source> sources_in(const std::string& folder) {
   for (fs::directory_iterator i(folder, failed), end; !failed && i != end; i.increment(failed)) {
     if (i->is_directory(ignored)) continue;
     const std::string path = i->path().string();
-    for (const char* ending : {".gltf", ".glb", ".obj", ".ply", ".stl"})
+    for (const std::string_view ending : scene_file_endings())
       if (has_ending(path, ending)) all.push_back({i->path().stem().string(), path});
   }
   if (failed) throw Error(ErrorCode::kIo, "cannot read this folder: " + failed.message(), folder);

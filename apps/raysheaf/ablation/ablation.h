@@ -23,6 +23,13 @@ namespace raysheaf::app {
 /// Whether `MethodSettings::key_bits` changes this key.
 [[nodiscard]] bool comes_in_both_widths(RayKey key);
 
+/// Of a key, for people: what it has in common with others, and why it does well where it does.
+struct KeyWords {
+  const char* family;
+  const char* reason;
+};
+[[nodiscard]] KeyWords words_of(RayKey key);
+
 /// One combination on one batch. The times are medians over the repetitions.
 struct AblationRow {
   std::string scene;

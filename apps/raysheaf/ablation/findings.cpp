@@ -83,28 +83,7 @@ double against_sphere_cone(const std::vector<Pairing>& all, BundleBound bound,
 }
 
 std::string reason(RayKey key) {
-  switch (key) {
-    case RayKey::kRaster:
-    case RayKey::kPixelMorton:
-      return "neighbours in the picture are neighbours in the scene, and nothing is sorted twice";
-    case RayKey::kCrsh:
-    case RayKey::kPublished:
-    case RayKey::kCorrected:
-      return "the hash knows of each kind of rays what differs in it";
-    case RayKey::kSphericalMorton:
-    case RayKey::kOctahedralMorton:
-    case RayKey::kOctahedralHilbert:
-      return "rays that start together differ in direction alone, and all bits are spent on it";
-    case RayKey::kEndPointHilbert:
-      return "rays that start together and end together make a thin bundle";
-    case RayKey::kFiveMorton:
-    case RayKey::kFiveHilbert:
-      return "direction and origin say all that a ray is, and a leaf's rays agree in both";
-    case RayKey::kTwoPointMorton:
-    case RayKey::kTwoPointHilbert:
-      break;
-  }
-  return "a leaf's rays start in one small box and leave the scene in another";
+  return words_of(key).reason;
 }
 
 std::string reason(BundleBound bound) {

@@ -10,11 +10,9 @@ std::vector<LabRays> all_lab_rays() {
 }
 
 std::vector<RayKey> all_keys() {
-  return {RayKey::kRaster,           RayKey::kPixelMorton,       RayKey::kCrsh,
-          RayKey::kPublished,        RayKey::kCorrected,         RayKey::kSphericalMorton,
-          RayKey::kOctahedralMorton, RayKey::kOctahedralHilbert, RayKey::kEndPointHilbert,
-          RayKey::kFiveMorton,       RayKey::kFiveHilbert,       RayKey::kTwoPointMorton,
-          RayKey::kTwoPointHilbert};
+  std::vector<RayKey> keys;
+  for (const RayKeyEntry& entry : kRayKeys) keys.push_back(entry.key);
+  return keys;
 }
 
 std::vector<BundleBound> all_bounds() {
@@ -46,7 +44,32 @@ LabRays lab_rays_from_string(const std::string& name) {
 }
 
 bool comes_in_both_widths(RayKey key) {
-  return key >= RayKey::kSphericalMorton;
+  return entry_of(key).cell != KeyCell::kNone && entry_of(key).cell != KeyCell::kPixel;
+}
+
+KeyWords words_of(RayKey key) {
+  switch (entry_of(key).cell) {
+    case KeyCell::kNone:
+      if (key == RayKey::kRaster) break;
+      return {key == RayKey::kCrsh ? "key crsh" : "published hashes",
+              "the hash knows of each kind of rays what differs in it"};
+    case KeyCell::kPixel:
+      break;
+    case KeyCell::kSpherical:
+    case KeyCell::kOctahedral:
+      return {"direction",
+              "rays that start together differ in direction alone, and all bits are spent on it"};
+    case KeyCell::kEnd:
+      return {"end point", "rays that start together and end together make a thin bundle"};
+    case KeyCell::kOctahedralAndStart:
+      return {"direction and origin",
+              "direction and origin say all that a ray is, and a leaf's rays agree in both"};
+    case KeyCell::kStartAndEnd:
+      return {"origin and exit",
+              "a leaf's rays start in one small box and leave the scene in another"};
+  }
+  return {"pixel order",
+          "neighbours in the picture are neighbours in the scene, and nothing is sorted twice"};
 }
 
 }  // namespace raysheaf::app

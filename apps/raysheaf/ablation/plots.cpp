@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
+#include <string_view>
 
 #include "ablation/pivot.h"
 #include "console.h"
@@ -13,34 +15,14 @@
 namespace raysheaf::app {
 namespace {
 
-constexpr const char* kFamilies[] = {"pixel order",    "published hashes", "key crsh",
-                                     "direction",      "end point",        "direction and origin",
-                                     "origin and exit"};
+constexpr std::string_view kFamilies[] = {
+    "pixel order", "published hashes",     "key crsh",       "direction",
+    "end point",   "direction and origin", "origin and exit"};
 
 std::size_t family_of(RayKey key) {
-  switch (key) {
-    case RayKey::kRaster:
-    case RayKey::kPixelMorton:
-      return 0;
-    case RayKey::kPublished:
-    case RayKey::kCorrected:
-      return 1;
-    case RayKey::kCrsh:
-      return 2;
-    case RayKey::kSphericalMorton:
-    case RayKey::kOctahedralMorton:
-    case RayKey::kOctahedralHilbert:
-      return 3;
-    case RayKey::kEndPointHilbert:
-      return 4;
-    case RayKey::kFiveMorton:
-    case RayKey::kFiveHilbert:
-      return 5;
-    case RayKey::kTwoPointMorton:
-    case RayKey::kTwoPointHilbert:
-      break;
-  }
-  return 6;
+  const auto* const at =
+      std::find(std::begin(kFamilies), std::end(kFamilies), std::string_view(words_of(key).family));
+  return static_cast<std::size_t>(at - std::begin(kFamilies));
 }
 
 std::string capital(std::string text) {
@@ -123,7 +105,7 @@ std::string ablation_tests_svg(const AblationReport& report, const std::string& 
 std::string ablation_time_svg(const AblationReport& report, const std::string& scene) {
   ScatterKey key{"tests, per cent of brute force", "order, hierarchy and trace, ms", {}, {}};
   for (const BundleBound bound : report.command.bounds) key.colors.emplace_back(to_string(bound));
-  for (const char* family : kFamilies) key.shapes.emplace_back(family);
+  for (const std::string_view family : kFamilies) key.shapes.emplace_back(family);
   const std::string trees = has_several_trees(report)
                                 ? "all levels, branchings and kinds of mesh culling"
                                 : trees_text(report);

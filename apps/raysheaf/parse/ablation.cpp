@@ -83,8 +83,9 @@ CLI::App* add_bench_ablation(CLI::App& bench, BenchAblationCommand& command) {
   command.keys = all_keys();
   command.bounds = all_bounds();
   CLI::App* sub = bench.add_subcommand("ablation", "Count and time keys and bounds of every kind");
-  sub->add_option("SCENE", command.scene,
-                  "A file (.gltf, .glb, .obj, .ply, .stl) or builtin:NAME [the built-in scenes]");
+  sub->add_option(
+      "SCENE", command.scene,
+      "A file (" + scene_file_endings_text() + ") or builtin:NAME [the built-in scenes]");
   sub->add_option("--scenes", command.scenes, "Every scene in a folder")->type_name("DIR");
   add_axes(*sub, command);
   add_value(*sub, "--size", "WxH", "Size of the picture [512x512]", [&command](const auto& text) {

@@ -5,7 +5,7 @@
 namespace raysheaf::app {
 
 void add_scene_file(CLI::App& app, std::string& scene, LoadOptions& load, SceneKinds kinds) {
-  std::string text = "A file (.gltf, .glb, .obj, .ply, .stl";
+  std::string text = "A file (" + scene_file_endings_text();
   if (kinds.blocks) text += ", .rsb";
   if (kinds.sequences) text += ", .json";
   text += ")";
