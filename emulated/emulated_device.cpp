@@ -10,7 +10,8 @@
 namespace raysheaf {
 namespace {
 
-/// Vectors of a device are loaded whole, and a warp's from one place.
+/// The alignment of CUDA's allocations: devices load whole vectors, and the threads of a warp load
+/// from one aligned segment.
 constexpr std::align_val_t kAlignment{256};
 
 template <class Key>
@@ -88,8 +89,8 @@ std::uint32_t EmulatedDevice::select(const char* stage, View<const std::uint8_t>
   return count;
 }
 
-/// As CUB does it, so that whoever looks at the wrong column finds the wrong numbers: sorted into
-/// the spare columns, which then change places.
+/// Sorts into the spare columns and then swaps them, as CUB does, so that code that reads the wrong
+/// column gets wrong numbers here, too.
 template <class Key>
 void EmulatedDevice::sort(const char* stage, SortColumns<Key>* columns, BitRange bits) {
   const Lap lap(*this, stage);

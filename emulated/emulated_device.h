@@ -1,6 +1,7 @@
-// The CPU as a device: what exec/device.h says, by the CPU's threads in the CPU's memory.
+// The CPU as a device: implements exec/device.h with the CPU's threads in the CPU's memory.
 //
-// Loops are cut into the threads that a grid would have, few enough for each to take several items.
+// Loops are divided among the threads that a grid would have, few enough that each takes several
+// items.
 #pragma once
 
 #include <chrono>
@@ -17,7 +18,7 @@
 
 namespace raysheaf {
 
-/// From the machine's heap, as if that had `capacity` bytes. For any number of threads.
+/// Allocates from the heap, with a limit of `capacity` bytes. Thread-safe.
 class HostAllocator : public DeviceAllocator {
  public:
   explicit HostAllocator(std::uint64_t capacity = std::uint64_t{1} << 40) : free_(capacity) {}
@@ -26,27 +27,27 @@ class HostAllocator : public DeviceAllocator {
 
   [[nodiscard]] void* allocate(const char* stage, std::size_t bytes) override;
   void free(void* memory) noexcept override;
-  /// Whether it handed out what is at `pointer`.
+  /// Whether `pointer` points into memory of this allocator.
   [[nodiscard]] bool owns(const void* pointer) const;
   [[nodiscard]] std::uint64_t free_bytes() const;
 
-  /// A device begins and ends work that reaches the memory, from several threads at once. Nobody
-  /// else may reach it, which tests see to (tests/support/guarded_memory.h).
+  /// Called when a device begins and ends work that accesses the memory, from several threads at
+  /// once. No other code may access the memory, which tests check (tests/support/guarded_memory.h).
   virtual void open() {}
   virtual void close() noexcept {}
 
  protected:
-  /// One thread at a time. Throws std::bad_alloc.
+  /// Called from one thread at a time. Throws std::bad_alloc.
   [[nodiscard]] virtual void* take(std::size_t bytes);
   virtual void give_back(void* memory, std::size_t bytes) noexcept;
 
  private:
   mutable std::mutex mutex_;
   std::uint64_t free_;
-  std::map<const std::uint8_t*, std::size_t> sizes_;  // by where they begin
+  std::map<const std::uint8_t*, std::size_t> sizes_;  // by the allocation's first byte
 };
 
-/// A stream of a caller's: nothing on it is done before somebody waits for it.
+/// A stream of a caller: its work runs only when somebody waits for it.
 class EmulatedStream {
  public:
   void ask(std::function<void()> work) { works_.push_back(std::move(work)); }
@@ -68,8 +69,8 @@ class EmulatedDevice {
   using Downlink = EmulatedDownlink;
   using GlBuffer = EmulatedGlBuffer;
 
-  /// All outlive it. `allocator` takes from `memory`, and stands in for it. `most_blocks`: of a
-  /// loop.
+  /// All arguments outlive the device. `allocator` takes its memory from `memory`, and replaces it.
+  /// `most_blocks`: the maximum per loop.
   EmulatedDevice(const Executor& executor, HostAllocator& memory,
                  DeviceAllocator* allocator = nullptr, std::uint32_t most_blocks = 64)
       : executor_(executor),
@@ -125,12 +126,12 @@ class EmulatedDevice {
   [[nodiscard]] std::uint64_t free_bytes() const { return memory_.free_bytes(); }
   [[nodiscard]] bool reads_host_memory() const { return true; }
 
-  /// Keeps times from now on, or no longer.
+  /// Starts or stops keeping times.
   void keep_times(bool keep) {
     keeps_times_ = keep;
     times_.clear();
   }
-  /// Of what was asked for since `keep_times`.
+  /// The times of the stages since `keep_times`.
   [[nodiscard]] std::vector<StageTime> times() { return times_; }
 
  private:
@@ -139,7 +140,7 @@ class EmulatedDevice {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   }
 
-  /// Of a verb, which reaches the memory meanwhile.
+  /// Measures a verb and marks the memory as accessed meanwhile.
   class Lap {
    public:
     Lap(EmulatedDevice& device, const char* stage) : device_(device), stage_(stage) {

@@ -1,4 +1,4 @@
-// A buffer of OpenGL's, read or written by an emulated device (exec/cuda/cuda_gl.h).
+// An OpenGL buffer that an emulated device reads or writes (exec/cuda/cuda_gl.h).
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@ class EmulatedGlBuffer {
  public:
   EmulatedGlBuffer(EmulatedDevice& /*device*/, unsigned name, GlAccess /*access*/) : name_(name) {}
 
-  /// `to`: of the device's memory.
+  /// `to`: an address in the device's memory.
   void copy_to(const char* stage, EmulatedDevice& device, void* to, std::size_t bytes) const;
   [[nodiscard]] void* map(const char* stage, EmulatedDevice& device, std::size_t bytes) const;
   void unmap(const char* stage, EmulatedDevice& device) const;

@@ -1,5 +1,5 @@
-// The links of an emulated device (exec/links.h). A copy happens as late as it may: who does not
-// wait for it finds what was there before.
+// The links of an emulated device (exec/links.h). Each copy happens as late as allowed, so that
+// code that does not wait for it finds the old content.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ class EmulatedUplink {
   EmulatedDevice& device_;
   UplinkTurns turns_;
   std::vector<std::byte> room_;
-  void* to_ = nullptr;  // null: nothing is under way
+  void* to_ = nullptr;  // null: no copy is pending
   std::size_t bytes_ = 0;
 };
 
@@ -37,7 +37,7 @@ class EmulatedDownlink {
   EmulatedDownlink(const EmulatedDownlink&) = delete;
   EmulatedDownlink& operator=(const EmulatedDownlink&) = delete;
 
-  /// The device's work is done when it returns: so is this.
+  /// The emulated device has finished its work when a verb returns, so this copies at once.
   void ask(const char* stage, const void* from, std::size_t bytes);
   [[nodiscard]] const std::byte* wait(const char* /*stage*/) const { return room_.data(); }
 

@@ -1,4 +1,4 @@
-// A device that is the CPU, and what a backend makes on it: for tests and counts.
+// Opens the CPU as an emulated device, for tests and counts.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,13 @@
 
 namespace raysheaf {
 
-/// The CPU as a device would see itself (emulated/emulated_device.h), with a device's memory, which
-/// `allocator`, if there is one, takes from `memory`.
+/// The CPU emulating a device (emulated/emulated_device.h), with `memory` as the device's memory,
+/// from which `allocator`, if given, allocates.
 [[nodiscard]] std::unique_ptr<DeviceBackend> open_emulated(const Executor& executor,
                                                            HostAllocator& memory,
                                                            DeviceAllocator* allocator = nullptr);
 
-// Each as `open_emulated`. `capacity`: of each list of pairs.
+// Each with the arguments of `open_emulated`. `capacity`: of each list of pairs.
 [[nodiscard]] std::unique_ptr<PairTracer> make_emulated_pair_tracer(
     std::uint32_t capacity, const Executor& executor, HostAllocator& memory,
     DeviceAllocator* allocator = nullptr);

@@ -94,7 +94,7 @@ Levels build(const Executor& executor, const RayBatch& batch, View<const std::ui
   return levels;
 }
 
-/// Balls in four arrays.
+/// Spheres in four arrays.
 struct Balls {
   std::vector<float> x, y, z, radius;
 
@@ -166,7 +166,7 @@ void mark_chunk(ConeTest test, const ReadyNode& node, const Balls& balls, std::s
   }
 }
 
-/// Calls `take(i)` for the balls in [first, first + count) that the node meets.
+/// Calls `take(i)` for the spheres in [first, first + count) that the node intersects.
 template <class Take>
 void for_each_met(ConeTest test, const Node& node, const Balls& balls, std::size_t first,
                   std::size_t count, const Take& take) {
@@ -186,7 +186,7 @@ void for_each_met(ConeTest test, const Node& node, const Balls& balls, std::size
   }
 }
 
-/// Balls that a node met, as many as there is room for.
+/// Spheres that a node intersects, up to the capacity.
 struct MetList {
   Balls balls;
   std::size_t count = 0;
@@ -219,7 +219,7 @@ class Counter {
     for (MetList& list : lists_) list.balls.resize(triangles.size());
   }
 
-  /// `culls`: the top node meets mesh spheres first.
+  /// `culls`: the top node is tested with mesh spheres first.
   void run(std::size_t top_node, bool culls) {
     const std::size_t top = levels_.size() - 1;
     const Node& node = levels_[top][top_node];
@@ -250,7 +250,8 @@ class Counter {
     counts_.hits[level] += met.count - before;
   }
 
-  /// What the node of `level` met goes to each of its children, or rays. Missing ones count.
+  /// Tests what the node of `level` intersects with each of its children, or rays. Missing ones
+  /// count.
   void descend(std::size_t level, std::size_t node) {
     const MetList& met = lists_[level];
     const std::size_t b = shape_.branching, first = node * b;

@@ -1,6 +1,6 @@
-// Everything that the published program (Reis, Costa, Pereira 2017) does its own way stands here
-// and nowhere else: its hash, equations 1-9, its spheres. Its bounds are not conservative: no hit
-// may ever be taken from them.
+// The computations in which the published program (Reis, Costa, Pereira 2017) differs from
+// raysheaf, all in this file: its hash, equations 1-9, its spheres. Its bounds are not
+// conservative: never compute hits with them.
 #pragma once
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace raysheaf::as_published {
 inline constexpr float kHalfPi = std::numbers::pi_v<float> / 2;
 using ConeTest = Quirks::ConeTest;
 
-/// The device's conversion to unsigned sends negative numbers and NaN to 0.
+/// The device's conversion to unsigned turns negative numbers and NaN into 0.
 inline std::uint32_t field(float value, std::uint32_t most) {
   if (!(value > 0)) return 0;
   return value < static_cast<float>(most) ? static_cast<std::uint32_t>(value) : most;
@@ -37,7 +37,8 @@ inline std::uint32_t shadow_hash(std::uint32_t light, Vec3 d, bool as_coded) {
   return key + 1;
 }
 
-/// The origin as seen from the world's, then the direction. The ranges overlap their fields.
+/// The direction from the world's origin to the ray's origin, then the ray's direction. The ranges
+/// are larger than their fields.
 inline std::uint32_t reflection_hash(Vec3 o, Vec3 d, bool as_coded) {
   const float distance = length(o);
   std::uint32_t key = field(azimuth(o, as_coded) * 20, 128);
@@ -54,7 +55,7 @@ struct Node {
   float spread = 0;  ///< half angle, from 0 to pi / 2
 };
 
-/// Equations 7 and 8, unless one ball holds the other.
+/// Equations 7 and 8, unless one sphere contains the other.
 inline void merge_sphere(Node& node, Vec3 center, float radius) {
   const float between = length(center - node.center);
   if (between + radius <= node.radius) return;
@@ -67,7 +68,7 @@ inline void merge_sphere(Node& node, Vec3 center, float radius) {
   node.radius = between * 0.5f + std::fmax(node.radius, radius);
 }
 
-/// Equations 1 to 4: a cone grows by a direction.
+/// Equations 1 to 4: extends a cone by a direction.
 inline void extend_cone(Node& node, Vec3 r) {
   const float c = dot(node.axis, r);
   if (c >= std::cos(node.spread)) return;
@@ -77,7 +78,7 @@ inline void extend_cone(Node& node, Vec3 r) {
   node.spread = std::fmin(polar(dot(node.axis, r)), kHalfPi);
 }
 
-/// Equations 5 and 6, the angle read as half of that between the axes and the larger spread.
+/// Equations 5 and 6, with the angle taken as half of that between the axes plus the larger spread.
 inline void merge_cone(Node& node, const Node& other) {
   const float between = polar(dot(node.axis, other.axis));
   const float spread = between * 0.5f + std::fmax(node.spread, other.spread);
@@ -85,8 +86,8 @@ inline void merge_cone(Node& node, const Node& other) {
   node.spread = std::fmin(spread, kHalfPi);
 }
 
-/// The factor that should say whether the circumcentre lies beyond AC is always 0, so that the
-/// sphere over AC is taken; below an eighth of a hundredth of squared area, that over the longest
+/// The factor that should tell whether the circumcentre lies beyond AC is always 0, so the sphere
+/// over AC is used; if the squared area is below an eighth of a hundredth, that over the longest
 /// edge.
 inline Sphere undersized_sphere(Vec3 a, Vec3 b, Vec3 c) {
   const Vec3 ab = b - a, ac = c - a, bc = c - b;
@@ -97,14 +98,15 @@ inline Sphere undersized_sphere(Vec3 a, Vec3 b, Vec3 c) {
   return {(b + c) * 0.5f, std::sqrt(bc2) * 0.5f};
 }
 
-/// The centre moved by the translation alone, the radius scaled by the largest diagonal entry.
+/// The centre is moved only by the translation, and the radius is scaled by the largest diagonal
+/// entry.
 inline Sphere unrotated(const Sphere& object, const Affine& map) {
   const float scale =
       max_component({std::fabs(map.m[0][0]), std::fabs(map.m[1][1]), std::fabs(map.m[2][2])});
   return {object.center + column(map, 3), object.radius * scale};
 }
 
-/// A node made ready for many balls.
+/// A node prepared for many spheres.
 struct ReadyNode {
   Vec3 center, axis;
   float radius, sin, cos, tan, secant;
@@ -121,7 +123,8 @@ struct ReadyNode {
         all(n.spread >= kHalfPi) {}
 };
 
-/// `along`: of the ball's centre on the axis; `aside2`: its squared distance from the axis.
+/// `along`: position of the sphere's centre along the axis; `aside2`: its squared distance from the
+/// axis.
 template <ConeTest kTest>
 bool meets(const ReadyNode& node, float along, float aside2, float reach) {
   if constexpr (kTest == ConeTest::kExact) {

@@ -22,7 +22,7 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr Box kEverywhere{{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
 
-// The bounds of the family, in words that everyone understands.
+// Describes the bounds of all methods as `BundleVolume`.
 
 void describe(const RayBound& bound, BundleVolume* volume) {
   volume->has_cone = true;
@@ -61,7 +61,7 @@ Vec3 with(Vec3 v, int axis, float value) {
   return v;
 }
 
-/// Its planes at both ends of its box.
+/// The planes at both ends of its box.
 void describe(const PacketFrustum& f, BundleVolume* volume) {
   const auto across = [&f](float along) {
     Box box;
@@ -80,7 +80,7 @@ void describe(const PacketFrustum& f, BundleVolume* volume) {
                 volume);
 }
 
-/// A beam of `dual`: what its rays cross at the two ends of what they may meet along the axis.
+/// A beam of `dual`: the cross-sections of its rays at the two ends of their extent along the axis.
 void describe_beam(View<const Ray> rays, const Box& scene, int axis, BundleVolume* volume) {
   float low = kInfinity, high = -kInfinity;
   for (const Ray& ray : rays) {
@@ -101,12 +101,12 @@ void describe_beam(View<const Ray> rays, const Box& scene, int axis, BundleVolum
   describe_hull(across(low), across(high), kEverywhere, volume);
 }
 
-/// Cells of a fan: the origin, and a rectangle of shears where the farthest ray ends.
+/// Cells of a fan: the origin, and a rectangle of shears at the farthest ray's end.
 void describe(const FanBound& bound, Vec3 origin, const FanFace& face, BundleVolume* volume) {
   const auto corner = [&](float u, float v) {
     Vec3 at = with(origin, static_cast<int>(face.z),
                    component(origin, static_cast<int>(face.z)) + face.sign * bound.reach);
-    // A shear is d_x / d_z, whatever the sign of d_z.
+    // A shear is d_x / d_z, for any sign of d_z.
     const float along = face.sign * bound.reach;
     at = with(at, static_cast<int>(face.x), component(at, static_cast<int>(face.x)) + u * along);
     return with(at, static_cast<int>(face.y), component(at, static_cast<int>(face.y)) + v * along);
@@ -195,7 +195,8 @@ RayBundle packet_bundle(const Executor& executor, const FlatScene& scene, const 
   return bundle;
 }
 
-/// The cells over the rays of one origin; nothing where there is none, or nothing can meet the ray.
+/// The cells over the rays of one origin; none if the rays have several origins, or if the ray
+/// cannot hit anything.
 std::optional<RayBundle> fan_bundle(const Executor& executor, View<const Ray> rays,
                                     std::size_t ray) {
   FanCells cells;
@@ -261,7 +262,7 @@ RayBundle find_bundle(const Executor& executor, const FlatScene& scene, const Ra
                       std::size_t ray, const MethodSettings& settings) {
   switch (settings.traversal) {
     case Traversal::kBruteForce:
-      return alone(batch.rays[ray], "1 ray: brute force bundles nothing");
+      return alone(batch.rays[ray], "1 ray: brute force makes no bundles");
     case Traversal::kRayHierarchy:
       return hierarchy_bundle(executor, scene, batch, ray, settings);
     case Traversal::kPackets:

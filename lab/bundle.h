@@ -1,4 +1,4 @@
-// Which rays a method takes together, and what bounds them: to be looked at.
+// The bundles of a method and their bounds, for display.
 #pragma once
 
 #include "exec/executor.h"
@@ -9,7 +9,7 @@
 namespace raysheaf {
 
 /// The bundle of ray number `ray` of a batch, as `trace` (render/frame/trace.h) would make it. Rays
-/// are sorted and bounded as there, so it takes as long as tracing does without its tests.
+/// are sorted and bounded as there, so it takes as long as tracing without its tests.
 [[nodiscard]] RayBundle find_bundle(const Executor& executor, const FlatScene& scene,
                                     const RayBatch& batch, std::size_t ray,
                                     const MethodSettings& settings);

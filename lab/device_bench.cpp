@@ -13,41 +13,44 @@
 namespace raysheaf {
 namespace {
 
-/// Bytes that a stage must read and write, whatever it does in between, for each of its items.
+/// The bytes that a stage must at least read and write for each of its items.
 struct Traffic {
   const char* stage;
   double bytes;
-  bool of_rays;  ///< or of triangles
+  bool of_rays;  ///< false: of triangles
 };
 constexpr Traffic kTraffic[] = {
-    {"hierarchy: bounds", 36, false},    // three corners
-    {"hierarchy: keys", 36 + 8, false},  // corners; a key
+    {"hierarchy: bounds", 36, false},    // reads three corners
+    {"hierarchy: keys", 36 + 8, false},  // reads corners; writes a key
     {"hierarchy: sort", 8 + 8, false},   // keys, once
     {"hierarchy: triangles", 8 + 36 + 48, false},
-    {"hierarchy: refit", 4 + 36 + 48, false},          // a number, its corners; the triangle
-    {"hierarchy: nodes", 8 + 48 + 64 + 8, false},      // a key, a triangle; a node, two parents
-    {"hierarchy: boxes", 48 + 48, false},              // a triangle; two boxes
-    {"order: keys", 32 + 8, true},                     // a ray; a key and a number
+    {"hierarchy: refit", 4 + 36 + 48, false},          // reads a number and its corners; writes the
+                                                       // triangle
+    {"hierarchy: nodes", 8 + 48 + 64 + 8, false},      // reads a key and a triangle; writes a node
+                                                       // and two parents
+    {"hierarchy: boxes", 48 + 48, false},              // reads a triangle; writes two boxes
+    {"order: keys", 32 + 8, true},                     // reads a ray; writes a key and a number
     {"order: sort", 8 + 8, true},                      // pairs, once
-    {"trace: any hits", 4 + 32 + 1, true},             // a number, a ray; a flag
-    {"trace: closest hits", 4 + 32 + 4, true},         // the same; a place
-    {"trace: values", 16 + 32 + 48 + 16, true},        // places, a ray, a triangle; a hit
-    {"trace: candidates", 1 + 32 + 48 + 8 + 1, true},  // a flag, a ray, a triangle, places
+    {"trace: any hits", 4 + 32 + 1, true},             // reads a number and a ray; writes a flag
+    {"trace: closest hits", 4 + 32 + 4, true},         // reads a number and a ray; writes a place
+    {"trace: values", 16 + 32 + 48 + 16, true},        // reads places, a ray and a triangle; writes
+                                                       // a hit
+    {"trace: candidates", 1 + 32 + 48 + 8 + 1, true},  // reads a flag, a ray, a triangle and places
 };
 
-/// Operations of the least that a test is: of a ray with a box (`enters`) six differences, six
-/// products, thirteen minima, maxima and comparisons; of a ray with a triangle that it misses,
-/// nine differences, the shear's six products and six differences, three edge functions of three
-/// each, and the comparison of their signs.
+/// The minimum operations of a test: of a ray with a box (`enters`) six differences, six products,
+/// thirteen minima, maxima and comparisons; of a ray with a triangle that it misses, nine
+/// differences, the shear's six products and six differences, three edge functions of three each,
+/// and the comparison of their signs.
 constexpr double kBoxOperations = 25, kTriangleOperations = 36;
 
-/// What one batch asks of a device.
+/// The work of one batch.
 struct Work {
   double rays, triangles;
   double operations = 0;  ///< of tracing
 };
 
-/// What the device was measured to do.
+/// The device's measured speed.
 struct Rates {
   double bytes_per_ms, operations_per_ms;
 };
@@ -83,7 +86,7 @@ bool is_of_hierarchy(const std::string& stage) {
   return stage.starts_with("hierarchy:");
 }
 
-/// What the stages of several runs took.
+/// Times of the stages over several runs.
 class StageTable {
  public:
   void add(const StageTime& time) {
@@ -136,7 +139,7 @@ class Bench {
     Times times, warming;
     Work work{static_cast<double>(rays.size()), static_cast<double>(triangles())};
     for (std::uint32_t run = 0; run <= options_.runs; ++run) {
-      // In the first, whatever is made once is made, kernels are loaded, and tests are counted.
+      // The first run creates what is created once, loads kernels, and counts tests.
       const bool warms = run == 0;
       Times& into = warms ? warming : times;
       QueryReport report;
@@ -180,7 +183,7 @@ class Bench {
     return count;
   }
 
-  /// What the runs of a batch took.
+  /// Times of a batch's runs.
   struct Times {
     StageTable stages, refit_stages;
     std::vector<double> cpu_ms, call_ms, frame_ms, device_ms, trace_ms, keys_to_hits_ms, refit_ms,
@@ -193,7 +196,7 @@ class Bench {
     ask_here(rays, any, answers);
     return watch.lap_ms();
   }
-  /// Other triangles, and a call whose stages are timed, which takes its time.
+  /// Changes the triangles, and makes a call whose stages are timed, which slows it down.
   void time_stages(const std::vector<Ray>& rays, bool any, bool counts, QueryReport* report,
                    Answers* answers, Times* times) {
     there_->set_triangles(executor_, source_, false);
@@ -208,7 +211,7 @@ class Bench {
     times->device_ms.push_back(all);
     times->trace_ms.push_back(without_tree);
   }
-  /// Other triangles, and a call as anybody makes it.
+  /// Changes the triangles, and makes an ordinary call.
   void time_call(const std::vector<Ray>& rays, bool any, Answers* answers, Times* times) {
     Stopwatch watch;
     there_->set_triangles(executor_, source_, false);
@@ -218,7 +221,7 @@ class Bench {
     times->call_ms.push_back(call);
     times->frame_ms.push_back(moving + call);
   }
-  /// The same triangles twice, which may have moved: as anybody asks, and with its stages timed.
+  /// Moves the same triangles twice, for an ordinary call and for one with timed stages.
   void time_refit(const std::vector<Ray>& rays, bool any, Answers* answers, Times* times) {
     Stopwatch watch;
     there_->set_triangles(executor_, source_, true);
@@ -243,7 +246,7 @@ class Bench {
       here_.closest_hit(executor_, rays, {}, answers->closest, {}, nullptr);
     }
   }
-  /// Shadow rays come pixel by pixel, from one light after the other.
+  /// Shadow rays are in the order of pixels, one light after the other.
   [[nodiscard]] static DeviceQuery query_of(bool shadow) {
     DeviceQuery query;
     query.in_order = shadow;
@@ -283,7 +286,7 @@ std::vector<LabRays> kinds_of_rays(const DeviceBenchOptions& options) {
 
 DeviceBenchReport bench_device_on(const DeviceBackend& backend, const SceneDescription& scene,
                                   const DeviceBenchOptions& options) {
-  if (options.runs < 1) throw Error(ErrorCode::kInvalidArgument, "must be 1 at least", "runs");
+  if (options.runs < 1) throw Error(ErrorCode::kInvalidArgument, "must be at least 1", "runs");
   Laboratory laboratory(scene, options.width, options.height, options.threads);
   Bench bench(backend, scene, options);
   DeviceBenchReport report;

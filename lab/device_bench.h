@@ -1,4 +1,4 @@
-// The measurements of raysheaf/device_bench.h on a machine that is handed in.
+// The measurements of raysheaf/device_bench.h on a given device.
 #pragma once
 
 #include "device/backend.h"
@@ -6,7 +6,7 @@
 
 namespace raysheaf {
 
-/// The kinds of rays that are asked for: all of them where none is named.
+/// The requested kinds of rays, or all if none is named.
 [[nodiscard]] std::vector<LabRays> kinds_of_rays(const DeviceBenchOptions& options);
 
 [[nodiscard]] DeviceBenchReport bench_device_on(const DeviceBackend& backend,

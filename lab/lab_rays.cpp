@@ -11,8 +11,8 @@
 namespace raysheaf {
 namespace {
 
-/// Trims slots whose fragment has no surface, then fills the rest: `direction(fragment, slot)` is
-/// of unit length.
+/// Removes slots whose fragment has no surface, then fills the rest: `direction(fragment, slot)` is
+/// a unit vector.
 template <class Direction>
 RayBatch make_rays(const Executor& executor, View<const Fragment> fragments, std::uint32_t samples,
                    const Box& scene_bounds, float length, const Direction& direction) {
@@ -45,13 +45,13 @@ std::uint32_t hashed(std::uint32_t x) {
   return (word >> 22) ^ word;
 }
 
-/// [0, 1), from the upper bits that a float has room for.
+/// [0, 1), from the upper bits, as many as a float has.
 float unit_interval(std::uint32_t bits) {
   return static_cast<float>(bits >> 8) * 0x1p-24f;
 }
 
-/// A point of the unit disc, evenly, lifted to the hemisphere (Malley's method). Where a shading
-/// normal leans, a direction below the surface is mirrored out of it.
+/// A uniform point of the unit disc, lifted to the hemisphere (Malley's method). If the shading
+/// normal is tilted, a direction below the surface is mirrored above it.
 Vec3 cosine_direction(const Surface& surface, float u, float v) {
   const float radius = std::sqrt(u), angle = 2 * std::numbers::pi_v<float> * v;
   const Vec3 n = surface.normal;

@@ -1,21 +1,21 @@
-// The laboratory's own batches: rays that a picture does not trace, because there every surface is
-// a mirror and light comes from everywhere.
+// The laboratory's own batches, which rendering does not use: every surface is a mirror, and light
+// comes from everywhere.
 #pragma once
 
 #include "rays/raygen.h"
 
 namespace raysheaf {
 
-inline constexpr std::uint32_t kOcclusionRays = 4;  ///< a fragment
+inline constexpr std::uint32_t kOcclusionRays = 4;  ///< per fragment
 
-/// One ray a fragment that has a surface, about the shading normal as `mirror_direction` does it.
-/// Slot: the fragment.
+/// One ray for each fragment that has a surface, reflected at the shading normal as in
+/// `mirror_direction`. Slot: the fragment.
 [[nodiscard]] RayBatch make_mirror_rays(const Executor& executor, View<const Fragment> fragments,
                                         const Box& scene_bounds, std::uint32_t bounce);
 
-/// `kOcclusionRays` a fragment that has a surface, `length` long, cosine-distributed about the
-/// shading normal: one in each quarter of the unit square, jittered by a hash of the pixel, so that
-/// the batch is the same on every machine. Slot: sample * fragments + fragment.
+/// `kOcclusionRays` for each fragment that has a surface, `length` long, cosine-distributed around
+/// the shading normal: one in each quarter of the unit square, jittered by a hash of the pixel, so
+/// that the batch is the same on every machine. Slot: sample * fragments + fragment.
 [[nodiscard]] RayBatch make_occlusion_rays(const Executor& executor, View<const Fragment> fragments,
                                            const Box& scene_bounds, float length);
 

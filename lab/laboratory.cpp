@@ -1,4 +1,4 @@
-// Batches of one scene, made once; measurements on them.
+// Batches of one scene, made once, and measurements with them.
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -34,13 +34,13 @@ void check(const MethodSettings& settings) {
 
 SceneDescription prepared(SceneDescription scene) {
   validate(scene);
-  // One light, whatever else pictures have: what is counted is a batch of shadow rays a light.
+  // Adds only one light, because each light adds a batch of shadow rays to the counts.
   if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(scene));
   if (needs_light(scene)) scene.lights.push_back(showing_light(scene, scene.cameras.front()));
   return scene;
 }
 
-/// By OpenGL, or by rays where there is none.
+/// By OpenGL, or by rays if OpenGL is not available.
 std::vector<std::uint32_t> visible_triangles(const Executor& executor, const FlatScene& scene,
                                              const CameraFrame& frame) {
   try {
@@ -87,7 +87,7 @@ class Laboratory::Impl {
                                   std::uint32_t y) {
     check(settings);
     if (x >= size_.width || y >= size_.height)
-      throw Error(ErrorCode::kInvalidArgument, "this pixel is outside the picture", "x, y");
+      throw Error(ErrorCode::kInvalidArgument, "this pixel is outside the image", "x, y");
     const RayBatch& batch = made(rays).batch;
     const auto found = std::find(batch.pixels.begin(), batch.pixels.end(), y * size_.width + x);
     if (found == batch.pixels.end()) return std::nullopt;
@@ -98,7 +98,7 @@ class Laboratory::Impl {
   BatchStatistics as_published(LabRays rays, Method method, const Quirks& quirks,
                                PublishedShape shape) {
     if (method != Method::kRah && method != Method::kCrsh)
-      throw Error(ErrorCode::kInvalidArgument, "rah and crsh alone were published", "method");
+      throw Error(ErrorCode::kInvalidArgument, "only rah and crsh were published", "method");
     check_range("levels", shape.levels, 1, 32);
     check_range("branching", shape.branching, 2, ~0u);
     return count_as_published(executor_, flat_, batch(rays), method, quirks, size_.width, shape);
@@ -108,7 +108,7 @@ class Laboratory::Impl {
   struct Made {
     RayBatch batch;
     double raygen_ms = 0;
-    std::vector<RayHit> reference;  ///< brute force's hits, once they were asked for
+    std::vector<RayHit> reference;  ///< brute force's hits, once requested
   };
 
   std::vector<RayHit> traced(const RayBatch& batch, const MethodSettings& settings,
@@ -149,7 +149,7 @@ class Laboratory::Impl {
     return make_occlusion_rays(executor_, fragments_, flat_.bounds, reach);
   }
 
-  /// What the mirror rays of the primary hits meet.
+  /// The hits of the primary hits' mirror rays.
   Fragments mirrored_fragments() {
     const RayBatch& first = batch(LabRays::kReflection1);
     BatchStatistics not_kept;
@@ -175,12 +175,12 @@ class Laboratory::Impl {
       ProgressMeter meter;
       intersect_brute_force(executor_, flat_.triangles(), m.batch.rays, Facing::kBoth, hits,
                             &meter);
-      m.reference = std::move(hits);  // whole, or not at all: memory may run out
+      m.reference = std::move(hits);  // complete or not at all, because memory may run out
     }
     return m.reference;
   }
 
-  /// Of a hit with some triangle only matters that there is one.
+  /// For an unnamed triangle, only the existence of a hit is compared.
   static bool same(const RayHit& hit, const RayHit& expected) {
     if (hit.triangle == kSomeTriangle) return expected.found();
     return hit.t == expected.t && hit.triangle == expected.triangle;

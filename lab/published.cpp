@@ -1,8 +1,9 @@
-// Sources. Totals, the tests at the top of `rah`, and every count of CORNELL's shadow rays: tables
-// 1 to 4, and the authors' own log, which agrees with them to the count. Hits of `rah` in OFFICE
-// and SPONZA: the tables, in units of ten thousand. `crsh` in SPONZA: one mesh, so that its tests
-// at the top are those of `rah`. `crsh` in OFFICE: half of the total is level 1, 43 % the final
-// tests, and 92.5 % of the tests at the top hit, each to half a percent. Times: the log.
+// Sources. Totals, the tests at the top of `rah`, and every count of CORNELL's shadow rays are from
+// tables 1 to 4, and from the authors' own log, which agrees with them exactly. Hits of `rah` in
+// OFFICE and SPONZA are from the tables, in units of ten thousand. `crsh` in SPONZA has one mesh,
+// so its tests at the top are those of `rah`. For `crsh` in OFFICE, half of the total is level 1,
+// 43 % are the final tests, and 92.5 % of the tests at the top hit, each to half a percent. Times
+// are from the log.
 #include "raysheaf/published.h"
 
 #include <utility>
@@ -18,7 +19,7 @@ constexpr PublishedCount about(std::uint64_t count) {
 }
 constexpr PublishedCount kUnknown{};
 
-/// The tests of a level are eight times the hits of the one above.
+/// The number of tests of a level is eight times the hits of the level above.
 std::vector<PublishedLevel> two_levels(std::uint64_t top_tests, std::uint64_t top_hits,
                                        std::uint64_t leaf_hits) {
   return {{2, exact(top_tests), about(top_hits)}, {1, about(8 * top_hits), about(leaf_hits)}};

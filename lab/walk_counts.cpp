@@ -10,7 +10,7 @@
 namespace raysheaf {
 namespace {
 
-/// What threads count, by the threads' numbers.
+/// Counts of threads, by the threads' numbers.
 struct ThreadCounts {
   std::vector<std::uint32_t> nodes, leaves, triangles, turns;
   std::vector<std::uint8_t> hits;

@@ -1,4 +1,4 @@
-// A courtyard with arcades on two storeys, in the manner of the palaces of the Adriatic.
+// A courtyard with arcades on two storeys, in the style of palaces at the Adriatic.
 #include "scenes/atrium.h"
 
 #include <array>

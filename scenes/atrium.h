@@ -1,4 +1,4 @@
-// The courtyard's parts, all added to one mesh. Metres; y = 0 is the court's paving.
+// The courtyard's parts, all added to one mesh. In metres; y = 0 is the court's paving.
 #pragma once
 
 #include "scenes/builder.h"
@@ -15,8 +15,8 @@ inline constexpr float kPlinth = 0.15f, kFloorHeight = 4.4f, kSlab = 0.3f, kEave
 inline constexpr float kWallHalf = 0.2f;  ///< half the thickness of an arcade
 inline constexpr float kArchRadius = 0.78f;
 
-/// One of the four sides of the court: its frame stands in the middle of the arcade, x runs along
-/// it and z points into the court.
+/// One of the four sides of the court. The origin of its frame is the middle of the arcade, x
+/// points along it and z into the court.
 struct Side {
   Affine frame;
   int bays;
@@ -29,7 +29,7 @@ struct Storey {
   bool is_upper;
 };
 
-// atrium_columns.cpp; each stands on y = 0 about the y axis of `frame`.
+// atrium_columns.cpp; each column rises from y = 0 around the y axis of `frame`.
 void add_fluted_column(MeshBuilder& builder, const AtriumMaterials& m, const Affine& frame,
                        float height);
 void add_slender_column(MeshBuilder& builder, const AtriumMaterials& m, const Affine& frame,

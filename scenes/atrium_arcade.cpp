@@ -8,8 +8,8 @@ namespace {
 
 constexpr int kArchSteps = 12;
 
-/// A wall's side between an arch and a level top: `z` is its depth, `front` says which way it
-/// looks.
+/// A wall's side between an arch and a horizontal top: `z` is its depth, `front` tells which way it
+/// faces.
 void add_spandrel(MeshBuilder& builder, std::span<const Vec3> curve, float top, float z,
                   bool front) {
   const Vec3 n{0, 0, front ? 1.0f : -1.0f};
@@ -42,12 +42,12 @@ void add_soffit(MeshBuilder& builder, std::span<const Vec3> curve, Vec3 center) 
   }
 }
 
-/// The moulding that runs round an arch on the court's side.
+/// The moulding around an arch on the court's side.
 void add_archivolt(MeshBuilder& builder, Vec3 center) {
   Path path;
   for (int i = 0; i <= kArchSteps; ++i) {
     const float angle = radians(180 - 180 * static_cast<float>(i) / kArchSteps);
-    // The outline's plane: x is the distance from the centre, y the height over the wall's middle.
+    // The outline's plane: x is the distance from the centre, y the height above the wall's middle.
     const Affine upright = rotation({1, 0, 0}, radians(90));
     path.push_back(compose(translation(center), compose(rotation({0, 0, 1}, angle), upright)));
   }
@@ -124,7 +124,7 @@ void add_cornice(MeshBuilder& builder, const AtriumMaterials& m, const Side& sid
                                         {0, 0}}};
   const float half = side.length() / 2 - kWallHalf;
   builder.use(m.limestone).at(compose(side.frame, translation({0, y, kWallHalf})));
-  // In the outline's plane x points into the court; the ends are mitred against the other sides.
+  // In the outline's plane x points into the court; the ends are mitred to fit the other sides.
   std::vector<Affine> ends(2);
   for (int i = 0; i < 2; ++i) {
     const float sign = i == 0 ? 1.0f : -1.0f;

@@ -1,4 +1,4 @@
-// What lies behind and over the arcades.
+// The building behind and above the arcades.
 #include <array>
 
 #include "scenes/atrium.h"
@@ -9,7 +9,7 @@ namespace {
 
 constexpr float kOuterX = kHalfWidth + kGalleryDepth, kOuterZ = kHalfLength + kGalleryDepth;
 
-/// A level rectangle that looks up or down, with coordinates in metres.
+/// A horizontal rectangle that faces up or down, with coordinates in metres.
 void add_level(MeshBuilder& builder, float x0, float x1, float z0, float z1, float y, bool up) {
   const Vec3 x{x1 - x0, 0, 0}, z{0, 0, z1 - z0};
   if (up) {
@@ -50,7 +50,7 @@ void add_door(MeshBuilder& builder, const AtriumMaterials& m, const Affine& foot
 
 constexpr float kOverhang = 0.55f, kSlope = 0.3f, kRun = kGalleryDepth + kOverhang;
 
-/// Half the length of the eaves, which shut off the corners that the other sides cover.
+/// Half the length of the eaves, without the corners that the other sides cover.
 float half_eaves(const Side& side) {
   return side.length() / 2 - kOverhang;
 }
@@ -60,13 +60,13 @@ Vec3 on_roof(float x, float back, float lift = 0) {
   return {x, kEaves + 0.02f + kSlope * back + lift, kOverhang - back};
 }
 
-/// The frame whose -z runs up the roof.
+/// The frame whose -z points up the roof.
 Affine up_the_roof(const Side& side, Vec3 foot) {
   const Affine slope = rotation({1, 0, 0}, std::atan(kSlope));
   return compose(side.frame, compose(translation(foot), slope));
 }
 
-/// Seen from above or from below; the hips widen it towards the back.
+/// Visible from above or from below; the hips widen it towards the back.
 void add_roof_plane(MeshBuilder& builder, const Side& side, float lift, bool from_above) {
   const float half = half_eaves(side);
   const std::array<Vec3, 4> corners = {on_roof(-half, 0, lift), on_roof(half, 0, lift),
@@ -91,7 +91,7 @@ void add_rafters(MeshBuilder& builder, const Side& side) {
   }
 }
 
-/// Half tubes, of which the court sees the ends.
+/// Half tubes, whose ends are visible from the court.
 void add_barrel_tiles(MeshBuilder& builder, const Side& side) {
   constexpr float kPitch = 0.26f;
   std::vector<Vec2> barrel;

@@ -6,7 +6,7 @@
 namespace raysheaf::builtin {
 namespace {
 
-/// Two rings with a hollow between them, on a square plinth: the Attic base.
+/// The Attic base: two rings with a hollow between them, on a square plinth.
 void add_base(MeshBuilder& builder, float radius) {
   const float r = radius;
   add_box(builder, {-1.45f * r, 0, -1.45f * r}, {1.45f * r, 0.35f * r, 1.45f * r});

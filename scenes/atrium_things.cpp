@@ -6,7 +6,7 @@
 
 namespace raysheaf::builtin {
 
-/// Hangs from y = 0 downwards in front of z = 0, and ends in a point.
+/// Hangs down from y = 0 in front of z = 0, and ends in a point.
 void add_banner(MeshBuilder& builder, std::uint32_t cloth, std::uint32_t rod, const Affine& frame) {
   constexpr float kWide = 0.9f, kLong = 2.3f;
   builder.use(rod).at(compose(frame, compose(translation({-kWide / 2 - 0.08f, 0, 0.1f}),

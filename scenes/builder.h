@@ -1,4 +1,4 @@
-// What the built-in scenes are made with: a mesh that grows, kits of meshes, and repeatable chance.
+// Tools for the built-in scenes: a mesh builder, kits of meshes, and reproducible random numbers.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ inline constexpr float kPi = 3.14159265358979f;
 /// Turned about +y by `degrees` (counter-clockwise from above), then moved to `position`.
 [[nodiscard]] Affine placed(Vec3 position, float degrees = 0);
 
-/// Linear colour of an sRGB number such as 0xff8000.
+/// The linear colour of an sRGB number such as 0xff8000.
 [[nodiscard]] Vec4 srgb(std::uint32_t rgb);
 
 /// PCG32 (O'Neill 2014): the same numbers on every machine.
@@ -37,9 +37,8 @@ class Random {
   std::uint64_t state_;
 };
 
-/// A mesh that grows. What is added stands in the current frame and is made of the current
-/// material; shapes are added with outward counter-clockwise faces, and a mirroring frame keeps
-/// them so.
+/// Builds a mesh. Everything is added in the current frame and with the current material; shapes
+/// have outward counter-clockwise faces, also in a mirroring frame.
 class MeshBuilder {
  public:
   explicit MeshBuilder(std::string_view name) { mesh_.name = name; }
@@ -63,7 +62,7 @@ class MeshBuilder {
   std::uint32_t material_ = 0;
 };
 
-/// One mesh of a piece of furniture, where it stands in the piece.
+/// One mesh of a piece of furniture, with its position in the piece.
 struct Part {
   std::uint32_t mesh = 0;
   Affine to_kit;
@@ -75,7 +74,7 @@ struct Kit {
   std::vector<Part> parts;
 };
 
-/// A scene that grows.
+/// Builds a scene.
 class Stage {
  public:
   explicit Stage(std::string_view name) { scene.name = name; }
@@ -83,7 +82,7 @@ class Stage {
   std::uint32_t add(const Material& material);
   /// Drops texture coordinates that no material of the mesh reads.
   std::uint32_t add(Mesh mesh);
-  /// A texture that repeats, of an image of its own.
+  /// Adds a repeating texture with its own image.
   [[nodiscard]] TextureSlot add(Image image);
   void place(std::uint32_t mesh, const Affine& to_world, std::string_view name);
   void place(const Kit& kit, const Affine& to_world);

@@ -1,4 +1,4 @@
-// The test scene of Reis, Costa and Pereira 2017 in spirit: six mirrors round a sphere.
+// A scene like the test scene of Reis, Costa and Pereira 2017: six mirrors around a sphere.
 #include <array>
 
 #include "scenes/scenes.h"

@@ -1,9 +1,9 @@
-// A closed hall with columns and balls, of as many triangles as asked for: the same shapes, cut
-// finer. What grows is the detail, as it does where scenes grow.
+// A closed hall with columns and spheres and any requested number of triangles: the shapes are the
+// same, tessellated more finely. As in real scenes, larger numbers add detail.
 //
 //      +--------------------------------+
 //      |  o    o    o    o    o    o    |     o  columns, in two rows
-//      |     (  )      (  )    (  )     |   ( )  balls on the floor and in the air
+//      |     (  )      (  )    (  )     |   ( )  spheres on the floor and in the air
 //      |  o    o    o    o    o    o    |
 //      +--------------------------------+
 #include <cmath>
@@ -23,7 +23,7 @@ namespace {
 using builtin::HallPatch;
 
 constexpr float kHallLength = 40, kHallWidth = 20,
-                kHallHeight = 10;  ///< metres, about the origin's floor
+                kHallHeight = 10;  ///< metres; the origin is on the floor
 constexpr int kColumnsARow = 8, kBalls = 24;
 constexpr std::uint64_t kFewest = 4000, kMost = 200'000'000, kMostInBlocks = 2'000'000'000;
 
@@ -70,7 +70,7 @@ std::uint64_t triangles_at(const std::vector<HallPatch>& patches, float cells_a_
   return sum;
 }
 
-/// The finest cut of no more than `triangles`, found by bisection.
+/// The finest tessellation with at most `triangles`, found by bisection.
 float cells_a_metre(const std::vector<HallPatch>& patches, std::uint64_t triangles) {
   float low = 0.01f, high = 1000;
   for (int i = 0; i < 40; ++i) {
@@ -110,7 +110,7 @@ std::vector<HallPatch> patches_of_hall() {
   return patches;
 }
 
-/// All but meshes and instances.
+/// Everything except meshes and instances.
 SceneDescription furnished_hall() {
   SceneDescription scene;
   scene.name = "hall";

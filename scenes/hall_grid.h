@@ -1,5 +1,4 @@
-// The vertices and cells of a hall's patch, each by its number: nothing has to be there to make
-// one.
+// The vertices and cells of a hall's patch, computed from their numbers without storing others.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +13,8 @@ namespace raysheaf::builtin {
 /// The point at u and v in [0, 1] of a patch, moved along its normal.
 [[nodiscard]] Vec3 displaced(const HallPatch& patch, float u, float v);
 
-/// The vertices of a grid. Round shapes have no last column of their own, and balls no first and
-/// last row: their poles are the first and the last vertex.
+/// The vertices of a grid. Round shapes share the last column with the first, and spheres have no
+/// first and last row: their poles are the first and the last vertex.
 class Grid {
  public:
   Grid(const HallPatch& patch, PatchGrid grid)
@@ -52,8 +51,8 @@ class Grid {
                      static_cast<float>(row) / static_cast<float>(rows_));
   }
 
-  /// From the neighbours on the grid; at a pole, along the axis. `position(column, row)` knows
-  /// them.
+  /// From the neighbours on the grid; at a pole, along the axis. `position(column, row)` returns
+  /// their positions.
   template <class Position>
   [[nodiscard]] Vec3 normal(std::uint32_t i, const Position& position) const {
     const auto [column, row] = place(i);
@@ -66,7 +65,7 @@ class Grid {
     return normalized(cross(along, up));
   }
 
-  /// Two triangles of a cell, one at the poles of a ball. Counter-clockwise about u x v.
+  /// Two triangles of a cell, one at the poles of a sphere. Counter-clockwise about u x v.
   void add_cells(std::uint32_t row, std::array<std::uint32_t, 3>* out) const {
     for (std::uint32_t c = 0; c < columns_; ++c) {
       const std::uint32_t p = vertex(c, row), q = vertex(c + 1, row);

@@ -10,8 +10,9 @@
 namespace raysheaf::builtin {
 namespace {
 
-/// [0, 1), of a corner of the lattice. The factors are those of Teschner et al., "Optimized Spatial
-/// Hashing for Collision Detection of Deformable Objects", 2003; the last step is PCG's output.
+/// A value in [0, 1) at a corner of the lattice. The factors are those of Teschner et al.,
+/// "Optimized Spatial Hashing for Collision Detection of Deformable Objects", 2003; the last step
+/// is PCG's output permutation.
 float lattice_value(std::int32_t x, std::int32_t y, std::int32_t z) {
   const std::uint32_t state = static_cast<std::uint32_t>(x) * 73856093u ^
                               static_cast<std::uint32_t>(y) * 19349663u ^

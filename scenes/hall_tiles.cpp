@@ -11,7 +11,7 @@ namespace {
 
 /// 2 * 180 * 180 triangles and 181 * 181 vertices fit into a block.
 constexpr std::uint32_t kCells = 180;
-/// Tiles that are made at once.
+/// Number of tiles that are made at once.
 constexpr std::size_t kTogether = 16;
 
 struct Tile {
@@ -23,7 +23,7 @@ struct Made {
   BlockShading shading;
 };
 
-/// The cells [0, count) in parts of `kCells` at most, as alike as can be: where each begins.
+/// Divides the cells [0, count) into nearly equal parts of at most `kCells`: where each begins.
 std::vector<std::uint32_t> cuts(std::uint32_t count) {
   const std::uint32_t parts = div_ceil(count, kCells);
   std::vector<std::uint32_t> starts;
@@ -47,8 +47,8 @@ class TileMaker {
   }
 
  private:
-  /// Corners of the tile's cells; normals need those around them too. Columns of round patches go
-  /// on where they began.
+  /// Corners of the tile's cells; normals also need the cells around them. Columns of round patches
+  /// wrap around.
   void add_vertices() {
     const std::uint32_t turn = grid_.columns();
     const bool round = grid_.is_round();
@@ -78,7 +78,8 @@ class TileMaker {
     }
   }
 
-  /// Poles have one vertex, and a tile that goes all round has no last column of its own.
+  /// Poles have one vertex, and a tile that spans the whole circumference shares the last column
+  /// with the first.
   [[nodiscard]] bool is_pole(std::uint32_t row) const {
     return grid_.is_ball() && (row == 0 || row == grid_.rows());
   }

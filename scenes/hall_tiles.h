@@ -1,4 +1,4 @@
-// A hall's patch cut into tiles, each made by itself: memory does not grow with the patch.
+// A hall's patch cut into tiles, each made separately: memory does not grow with the patch.
 #pragma once
 
 #include "raysheaf/stream.h"
@@ -6,9 +6,9 @@
 
 namespace raysheaf::builtin {
 
-/// The triangles of `hall_mesh`, the same bits under the same numbers, as blocks of at most
-/// 180 x 180 cells of mesh and instance `id`. Handed to `sink` one after the other, the same way
-/// every time; some are made at once by all threads.
+/// The triangles of `hall_mesh`, the same bits with the same numbers, as blocks of at most 180 x
+/// 180 cells of mesh and instance `id`. Passed to `sink` one after the other, always in the same
+/// order; all threads make several at once.
 void hall_tiles(const Executor& executor, const HallPatch& patch, PatchGrid grid, std::uint32_t id,
                 BlockSink* sink);
 

@@ -1,4 +1,4 @@
-// An office on a sunny morning: where everything stands.
+// An office on a sunny morning: the positions of its furniture.
 #include "scenes/office.h"
 
 #include "scenes/scenes.h"
@@ -9,7 +9,7 @@ namespace {
 
 constexpr float kDeskTop = 0.75f;
 
-/// What is needed more than once, made once.
+/// Furniture that is used several times and made once.
 struct Furniture {
   Kit desk, monitor, keyboard, blue_chair, orange_chair, lamp, white_mug, red_mug, pens, papers;
   Kit plant, tall_plant, bin, ball, drop;
@@ -105,7 +105,7 @@ void light_up(Stage& stage) {
   lamp.name = "ceiling lamp";
   lamp.position = {0.35f, 2.46f, -0.75f};
   lamp.intensity = {11.5f, 10.8f, 9.6f};
-  lamp.radius = 0.08f;  // under the bowl that glows
+  lamp.radius = 0.08f;  // below the glowing bowl
   Light sun;
   sun.name = "sun";
   sun.type = Light::Type::kDirectional;

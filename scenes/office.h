@@ -1,4 +1,4 @@
-// The furniture of the office. Everything stands on y = 0, in metres, and faces +z.
+// The furniture of the office, in metres. The floor is y = 0; the front faces +z.
 #pragma once
 
 #include "scenes/builder.h"

@@ -19,7 +19,7 @@ std::uint32_t seat(Stage& stage, const OfficeMaterials& m, std::uint32_t fabric)
   return stage.add(builder.take());
 }
 
-/// A cushion bent round the sitter: an outline swept along an arc, smaller at both ends.
+/// A cushion that curves around the sitter: an outline swept along an arc, smaller at both ends.
 std::uint32_t back(Stage& stage, std::uint32_t fabric) {
   MeshBuilder builder("chair back");
   constexpr int kSteps = 16;
@@ -40,7 +40,7 @@ std::uint32_t back(Stage& stage, std::uint32_t fabric) {
   return stage.add(builder.take());
 }
 
-/// What carries the back: a flat bar from under the seat.
+/// The support of the back: a flat bar from under the seat.
 std::uint32_t spine(Stage& stage, const OfficeMaterials& m) {
   MeshBuilder builder("chair spine");
   builder.use(m.black);

@@ -89,7 +89,7 @@ std::uint32_t monitor_screen(Stage& stage, const OfficeMaterials& m) {
   return stage.add(screen.take());
 }
 
-/// A key without its unseen bottom: a flat top on four slanting sides.
+/// A key without its invisible bottom: a flat top on four slanting sides.
 void add_key(MeshBuilder& builder, float x, float z, float width) {
   constexpr float kHalf = 0.0078f, kBevel = 0.0022f, kHigh = 0.006f;
   const float half = width / 2 - 0.0012f;

@@ -1,4 +1,4 @@
-// The room itself and what hangs on its walls.
+// The room itself and the things on its walls.
 #include <array>
 
 #include "scenes/office.h"
@@ -29,7 +29,7 @@ void build_floor_and_walls(Stage& stage, const OfficeMaterials& m) {
   stage.place(plane(stage, "front wall", m.white_wall, right + z, -x, y), {}, "front wall");
 }
 
-/// Four pieces round the opening, and the opening's own four sides.
+/// Four pieces around the opening, and the opening's own four sides.
 void build_window_wall(Stage& stage, const OfficeMaterials& m) {
   MeshBuilder wall("window wall");
   wall.use(m.accent_wall).at(translation({0, 0, kRoomBack}));
@@ -121,7 +121,7 @@ void build_radiator(Stage& stage, const OfficeMaterials& m) {
   }
 }
 
-/// A picture or a mirror in a frame, standing on z = 0 about the origin.
+/// A picture or a mirror in a frame, in front of z = 0 and centred at the origin.
 Kit framed(Stage& stage, std::string_view name, std::uint32_t surface, std::uint32_t wood,
            float width, float height, float frame_width) {
   MeshBuilder panel("panel");

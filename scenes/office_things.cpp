@@ -1,4 +1,4 @@
-// What stands about on desks and on the floor, and the lamp over them.
+// Things on desks and on the floor, and the lamp above them.
 #include <algorithm>
 #include <array>
 
@@ -8,7 +8,7 @@
 namespace raysheaf::builtin {
 namespace {
 
-/// A profile with its inside: along `outer`, and back along the same points moved inwards.
+/// A hollow profile: along `outer`, and back along the same points moved inwards.
 std::vector<Vec2> shell(std::span<const Vec2> outer, float thickness) {
   std::vector<Vec2> profile(outer.begin(), outer.end());
   for (std::size_t i = outer.size(); i-- > 0;) {

@@ -1,4 +1,4 @@
-// Plane lines: their normals, smooth where they bend little, and a few common ones.
+// Plane polylines: their normals, smooth at small angles, and a few common ones.
 #pragma once
 
 #include <span>
@@ -17,13 +17,13 @@ struct LineNormals {
 /// share one.
 [[nodiscard]] std::vector<LineNormals> line_normals(std::span<const Vec2> points, bool closed);
 
-/// The mean direction of two unit normals, or `own` where they are more than 40 degrees apart.
+/// The mean direction of two unit normals, or `own` if they are more than 40 degrees apart.
 [[nodiscard]] Vec2 blended_normal(Vec2 own, Vec2 neighbour);
 
-/// How far along the line each point is; one more entry for the way back where it is closed.
+/// Each point's distance along the polyline; one more entry for the closing line of a closed one.
 [[nodiscard]] std::vector<float> distances(std::span<const Vec2> points, bool closed);
 
-/// Counter-clockwise about the origin.
+/// Counter-clockwise around the origin.
 [[nodiscard]] std::vector<Vec2> circle(float radius, int sides);
 [[nodiscard]] std::vector<Vec2> rounded_rectangle(float width, float height, float radius,
                                                   int steps);

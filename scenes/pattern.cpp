@@ -12,13 +12,13 @@
 namespace raysheaf::builtin {
 namespace {
 
-/// A colour as the picture stores it: sRGB in [0, 1].
+/// A colour as the image stores it: sRGB in [0, 1].
 Vec3 colour(std::uint32_t rgb) {
   const auto channel = [rgb](int shift) { return static_cast<float>((rgb >> shift) & 0xff) / 255; };
   return {channel(16), channel(8), channel(0)};
 }
 
-/// `f` is called with the middle of each pixel, v downwards.
+/// Calls `f` with the middle of each pixel, v downwards.
 template <typename F>
 Image paint(std::string_view name, std::uint32_t width, std::uint32_t height, F f) {
   Image image;
@@ -55,7 +55,7 @@ float step_between(float low, float high, float x) {
   return smooth(clamp((x - low) / (high - low), 0, 1));
 }
 
-/// Value noise in [0, 1) with `nx` by `ny` cells in the unit square, where it repeats.
+/// Value noise in [0, 1) with `nx` by `ny` cells in the unit square, which repeats.
 float noise(float u, float v, int nx, int ny) {
   const float x = u * static_cast<float>(nx), y = v * static_cast<float>(ny);
   const int i = static_cast<int>(std::floor(x)), j = static_cast<int>(std::floor(y));
@@ -80,7 +80,7 @@ float grain(float u, float v) {
   return 0.45f * rings + 0.35f * noise(u, v + bend, 4, 64) + 0.2f * noise(u, v, 24, 128);
 }
 
-/// One of the stones or boards that cover a unit square in rows, and where the point lies in it.
+/// One of the stones or boards that cover a unit square in rows, and the point's position in it.
 struct Cell {
   int row = 0, column = 0;
   float u = 0, v = 0;  ///< in [0, 1) within the cell

@@ -1,4 +1,4 @@
-// Small pictures, painted by formula. Those that cover surfaces repeat without a seam.
+// Small procedural images. Those for surfaces repeat without a seam.
 #pragma once
 
 #include "raysheaf/scene_description.h"

@@ -1,4 +1,4 @@
-// The built-in scenes, each in files of its own.
+// The built-in scenes, each in separate files.
 #pragma once
 
 #include "raysheaf/scene_description.h"

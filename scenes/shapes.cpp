@@ -36,7 +36,7 @@ std::vector<std::uint32_t> add_ring(MeshBuilder& builder, Vec2 p, Vec2 n, float 
 }
 
 /// A ring of vertices on the axis, each with the normal halfway to the next. They share a normal
-/// along the axis where the surface is nearly flat.
+/// along the axis if the surface is nearly flat.
 std::vector<std::uint32_t> add_pole(MeshBuilder& builder, Vec2 p, Vec2 n, float v, int segments) {
   n = blended_normal(n, {-n.x, n.y});
   std::vector<std::uint32_t> ring;
@@ -48,7 +48,7 @@ std::vector<std::uint32_t> add_pole(MeshBuilder& builder, Vec2 p, Vec2 n, float 
   return ring;
 }
 
-/// A vertical line of a rounded box: the middle of its corner, and which way it lies from there.
+/// A vertical line of a rounded box: the centre of its corner, and the direction from there.
 struct Column {
   float cx, cz;
   Turn direction;
@@ -70,13 +70,14 @@ std::vector<Column> rounded_columns(Vec3 half, float radius, int steps) {
   return result;
 }
 
-/// Texture coordinates as on a box: seen along the axis that `n` is nearest to.
+/// Texture coordinates of a box: seen along the axis closest to `n`.
 Vec2 box_uv(Vec3 p, Vec3 n) {
   if (std::fabs(n.y) > 0.7f) return {p.x, p.z};
   return std::fabs(n.x) > 0.7f ? Vec2{p.z, p.y} : Vec2{p.x, p.y};
 }
 
-/// A level line of a rounded box: the middle of its corners, and how steep it lies above there.
+/// A horizontal line of a rounded box: the height of its corners' centres, and the steepness above
+/// there.
 struct Row {
   float cy;
   Turn slope;
@@ -136,7 +137,7 @@ void add_rounded_box(MeshBuilder& builder, Vec3 min, Vec3 max, float radius, int
   for (std::size_t i = 0; i < top; ++i) {
     for (std::size_t j = 0; j < n; ++j) {
       const auto a = id(i, j), b = id(i, j + 1), c = id(i + 1, j + 1), d = id(i + 1, j);
-      // The columns of a corner meet in one point below and above.
+      // The columns of a corner meet in one point at the bottom and the top.
       const bool same_corner = (j + 1) % corner != 0;
       if (!same_corner || i != 0) builder.add_triangle(a, b, same_corner && i + 1 == top ? d : c);
       if (!same_corner || i + 1 != top) builder.add_triangle(a, c, d);

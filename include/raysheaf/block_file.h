@@ -1,4 +1,4 @@
-// Scenes in blocks as files: `.rsb` (docs/stream.md describes every byte).
+// Block files (`.rsb`): scenes stored as blocks of triangles. docs/stream.md describes every byte.
 #pragma once
 
 #include <cstdint>
@@ -9,19 +9,19 @@
 
 namespace raysheaf {
 
-/// A block file, opened. Takes memory for the list of blocks, 112 bytes each, and for the scene
-/// without its triangles. Blocks are read with one system call each; nothing is mapped, so that
-/// memory is what the caller holds.
+/// An open block file. Memory: 112 bytes for each block, and the scene without its triangles. Each
+/// block is read with one system call; nothing is memory-mapped, so only the caller's buffers hold
+/// triangles.
 class BlockFile : public GeometrySource {
  public:
-  /// Reads and checks all but the blocks. Throws `Error` whose place is the file: kNotFound, kIo,
-  /// kUnsupported for a newer version, kInvalidData for anything else.
+  /// Reads and validates everything except the blocks. Throws `Error` whose place is the file:
+  /// kNotFound, kIo, kUnsupported for a newer version, kInvalidData for anything else.
   explicit BlockFile(const std::string& path);
   ~BlockFile() override;
 
   [[nodiscard]] std::span<const BlockInfo> blocks() const override;
-  /// Throw `Error`: kIo where the file cannot be read or has become shorter, kInvalidData where
-  /// bytes have changed; the place is the file and the block.
+  /// Throw `Error` whose place is the file and the block: kIo if the file cannot be read or has
+  /// been truncated, kInvalidData if its bytes have changed.
   void read(std::size_t block, TriangleBlock* out) const override;
   void read_shading(std::size_t block, BlockShading* out) const override;
   [[nodiscard]] const SceneDescription& scene() const override;
@@ -29,7 +29,7 @@ class BlockFile : public GeometrySource {
 
   [[nodiscard]] std::uint64_t triangle_count() const;
   [[nodiscard]] std::uint64_t file_bytes() const;
-  [[nodiscard]] bool compressed() const;  ///< any block of it
+  [[nodiscard]] bool compressed() const;  ///< whether any block is compressed
 
  private:
   struct Impl;
@@ -37,25 +37,25 @@ class BlockFile : public GeometrySource {
 };
 
 struct BlockFileOptions {
-  bool compress = false;  ///< by Zstandard, where that makes a block smaller
+  bool compress = false;  ///< by Zstandard, for each block that this makes smaller
 };
 
 /// Whether this build reads and writes compressed blocks.
 [[nodiscard]] bool can_compress_blocks();
 
-/// Writes a block file as blocks come, beside its name; `finish` renames it. Without `finish`
-/// nothing is left behind. Memory: a block, and 80 bytes for each that was written.
+/// Writes blocks to a temporary file in the same folder, which `finish` renames. Without `finish`
+/// no file remains. Memory: one block, and 80 bytes for each block written.
 class BlockFileWriter : public BlockSink {
  public:
-  /// Throws `Error`: kIo where nothing can be written there, kUnsupported for compression in a
-  /// build without it.
+  /// Throws `Error`: kIo if the file cannot be created, kUnsupported for compression in a build
+  /// without it.
   explicit BlockFileWriter(const std::string& path, const BlockFileOptions& options = {});
   ~BlockFileWriter() override;
 
-  /// From one thread at a time. Throws `Error`: kInvalidData for a block that is not as
-  /// `TriangleBlock` and `BlockShading` say, kIo.
+  /// Call it from one thread at a time. Throws `Error`: kInvalidData for a block that violates the
+  /// rules of `TriangleBlock` and `BlockShading`, kIo.
   void add(const TriangleBlock& block, const BlockShading& shading) override;
-  /// `scene`: what `GeometrySource::scene` shall give. Throws `Error` as `validate`
+  /// `scene`: the scene that `GeometrySource::scene` will return. Throws `Error` as `validate`
   /// does, kUnsupported for an environment, and kIo.
   void finish(const SceneDescription& scene);
 

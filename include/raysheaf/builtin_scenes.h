@@ -16,10 +16,10 @@ namespace raysheaf {
 /// A built-in scene by name, the same bits every time. Throws `Error` (kNotFound) for other names.
 [[nodiscard]] SceneDescription builtin_scene(std::string_view name);
 
-/// A closed hall with rough walls, columns and balls, a camera and a lamp inside: the finest cut of
-/// at most `triangles`, of which 4 000 to 200 000 000 may be asked for (`Error`, kInvalidArgument,
-/// for others). 52 bytes of memory a triangle at most. `threads` = 0 takes all cores; the scene
-/// does not depend on it.
+/// A closed hall with rough walls, columns and spheres, and with a camera and a lamp inside. It has
+/// the finest tessellation of at most `triangles`, which must lie between 4 000 and 200 000 000
+/// (otherwise `Error`, kInvalidArgument). Takes at most 52 bytes of memory per triangle. The scene
+/// does not depend on `threads`; 0 uses all cores.
 [[nodiscard]] SceneDescription hall_scene(std::uint64_t triangles, std::uint32_t threads = 0);
 
 }  // namespace raysheaf

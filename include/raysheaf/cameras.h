@@ -1,4 +1,4 @@
-// Cameras: found by name, turned around a scene, led along a path.
+// Cameras: finding them by name, turning them around a scene, moving them along a path.
 #pragma once
 
 #include <cstdint>
@@ -9,43 +9,44 @@
 
 namespace raysheaf {
 
-/// A scene's camera by name, then by index; empty: the first, or one that frames the scene where it
-/// has none. Throws `Error` (kNotFound) naming the cameras that there are.
+/// Finds a scene's camera by name, then by index. If `wanted` is empty, returns the first camera,
+/// or one that frames the scene if it has none. Throws `Error` (kNotFound) naming the scene's
+/// cameras.
 [[nodiscard]] Camera find_camera(const SceneDescription& scene, const std::string& wanted);
 
-/// The size of a camera's picture where none is given: 512 pixels along the longer side, in the
-/// shape of its `aspect_ratio`, or square.
+/// The default size of a camera's image: 512 pixels along the longer side, with the camera's
+/// `aspect_ratio`, or square.
 struct DefaultSize {
   std::uint32_t width = 512, height = 512;
 };
 [[nodiscard]] DefaultSize default_size(const Camera& camera);
 
-/// The camera after so many turns, counter-clockwise seen from above, about the vertical through
-/// `center`; after a whole number of turns, the same bits. `up`: the vertical, a unit vector.
+/// Turns the camera about the vertical axis through `center`, counter-clockwise seen from above;
+/// whole numbers of turns return the same bits. `up`: the vertical, a unit vector.
 [[nodiscard]] Camera turned_camera(const Camera& camera, Vec3 center, double turns,
                                    Vec3 up = {0, 1, 0});
 
-/// Where a camera is at a time, and where it looks.
+/// A camera's position and target at a time.
 struct CameraKey {
   double time = 0;  ///< seconds
   Vec3 position, look_at;
   Vec3 up{0, 1, 0};
-  float y_fov = 1.04719755f;  ///< full vertical angle
+  float y_fov = 1.04719755f;  ///< full vertical angle, radians
 };
 
 struct CameraPath {
-  /// Whether the camera glides through its keys, with the velocity that its neighbours have between
-  /// them (Catmull & Rom 1974), or runs straight from one to the next.
+  /// Whether the camera follows a smooth curve through its keys, whose velocity at a key is that
+  /// between the neighbouring keys (Catmull & Rom 1974), or moves straight from key to key.
   bool smooth = true;
-  std::vector<CameraKey> keys;  ///< one at least; times ascend
+  std::vector<CameraKey> keys;  ///< at least one; times ascend
 };
 
-/// Throws `Error` (kInvalidData) that names the first field with which there is no picture.
+/// Throws `Error` (kInvalidData) naming the first invalid field.
 void validate(const CameraPath& path);
 
-/// The camera at a time; before the first key and after the last it stands. The path has passed
-/// `validate`. Throws `Error` (kInvalidData, place `camera path`) where the camera, between two
-/// keys, comes to look at itself or along `up`.
+/// The camera at a time; it stands still before the first key and after the last. The path must
+/// have passed `validate`. Throws `Error` (kInvalidData, place `camera path`) if between two keys
+/// the camera and its target coincide, or the camera looks along `up`.
 [[nodiscard]] Camera camera_at(const CameraPath& path, double time);
 
 /// Reads the JSON that docs/animation.md describes. Throws `Error` whose place is the file and the

@@ -1,4 +1,4 @@
-// Streamed frames that were stopped, and go on (docs/stream.md).
+// Checkpoints: streamed frames that continue after an interruption (docs/stream.md).
 #pragma once
 
 #include <cstddef>
@@ -11,16 +11,16 @@
 
 namespace raysheaf {
 
-/// A batch of rays on its way past the blocks. The same batch has the same answers.
+/// Identifies a batch of rays that the blocks stream past. The same batch has the same answers.
 struct StreamBatch {
-  std::uint32_t number = 0;    ///< in the frame, from 0
-  std::uint32_t question = 0;  ///< which hits are asked for
+  std::uint32_t number = 0;    ///< its number in the frame, from 0
+  std::uint32_t question = 0;  ///< which kind of hits the rays ask for
   std::uint32_t part = 0, parts = 1;
   std::span<const Ray> rays;
   std::span<const BlockInfo> blocks;
 };
 
-/// Keeps what the batches of a frame have found. `StreamOptions::checkpoint`.
+/// Stores the intermediate answers of a frame's batches. See `StreamOptions::checkpoint`.
 class StreamCheckpoint {
  public:
   StreamCheckpoint() = default;
@@ -28,22 +28,23 @@ class StreamCheckpoint {
   StreamCheckpoint& operator=(const StreamCheckpoint&) = delete;
   virtual ~StreamCheckpoint() = default;
 
-  /// What was kept of this very batch: its answers after the blocks that are `done`, where it is 1.
-  /// False, and nothing changed, where nothing was.
+  /// Restores the answers of exactly this batch, after the blocks whose `done` is 1. Returns false
+  /// and changes nothing if none are stored.
   [[nodiscard]] virtual bool restore(const StreamBatch& batch, std::span<std::byte> answers,
                                      std::span<std::uint8_t> done) = 0;
-  /// Called after every few blocks, and `whole` after the last one.
+  /// Called after every few blocks, and with `whole` after the last one.
   virtual void keep(const StreamBatch& batch, std::span<const std::byte> answers,
                     std::span<const std::uint8_t> done, bool whole) = 0;
 };
 
-/// One in a file, which grows by what each batch has found: 84 bytes a ray, or 1 a shadow ray.
-/// What was written last and is not whole, or does not fit the batch, is passed over.
+/// A checkpoint in a file, which grows by the answers of each batch: 84 bytes per ray, 1 per shadow
+/// ray. Reading skips an incomplete last entry and entries that do not fit the batch.
 class CheckpointFile : public StreamCheckpoint {
  public:
-  /// Reads what is there. `subject`: what the frame is of, beyond its rays and its blocks' bounds,
-  /// such as the date of its file; what was kept under another one is passed over. Writes where
-  /// the last time is `seconds` ago, or 50 times as long as that took. Throws `Error` (kIo).
+  /// Reads the existing file, if any. `subject` identifies the frame beyond its rays and its
+  /// blocks' bounds, for example by the date of the scene's file; entries of a different subject
+  /// are skipped. Writes when the last write was `seconds` ago, or 50 times as long ago as that
+  /// write took, whichever is later. Throws `Error` (kIo).
   CheckpointFile(std::string path, std::string subject, double seconds = 1);
   ~CheckpointFile() override;
 
@@ -51,7 +52,7 @@ class CheckpointFile : public StreamCheckpoint {
                              std::span<std::uint8_t> done) override;
   void keep(const StreamBatch& batch, std::span<const std::byte> answers,
             std::span<const std::uint8_t> done, bool whole) override;
-  /// The frame is done: the file goes.
+  /// Deletes the file when the frame is complete.
   void remove();
 
  private:

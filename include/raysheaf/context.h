@@ -24,7 +24,7 @@ enum class Device : std::uint8_t {
 
 struct ContextOptions {
   Device device = Device::kCpu;
-  std::uint32_t threads = 0;  ///< 0: all cores that the process may use; 1024 at most
+  std::uint32_t threads = 0;  ///< 0: all cores that the process may use; at most 1024
 };
 
 /// A handle that is cheap to copy: copies share their threads. Any number of scenes and threads may

@@ -12,7 +12,7 @@ enum class ErrorCode {
   kInvalidArgument,  ///< an invalid option or value from the caller
   kInvalidData,      ///< a file or a scene with invalid content
   kUnsupported,      ///< valid, but not supported by this build or this machine
-  kNotFound,         ///< no such file, camera, scene
+  kNotFound,         ///< no such file, camera or scene
   kIo,               ///< reading or writing failed
   kOutOfMemory,      ///< an allocation failed, or would exceed a stated limit
   kNoGraphics,       ///< no OpenGL context is available

@@ -1,4 +1,4 @@
-// JPEG files out; all else that is written is in raysheaf/io.h.
+// Writing JPEG files. raysheaf/io.h writes all other formats.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace raysheaf {
 
-/// Writes an eight-bit image as JPEG of quality 92, as carefully as `write_png` writes; alpha is
-/// left out.
+/// Writes an eight-bit image as JPEG of quality 92, to a temporary file that is then renamed; omits
+/// alpha.
 void write_jpeg(const Image& image, const std::string& path);
 
 }  // namespace raysheaf

@@ -1,4 +1,4 @@
-// A vector for results by the million.
+// A vector for millions of results.
 #pragma once
 
 #include <cstddef>
@@ -9,13 +9,13 @@
 
 namespace raysheaf {
 
-/// What `LargeAllocator` stands on. Throws std::bad_alloc.
+/// Allocates memory for `LargeAllocator`. Throws std::bad_alloc.
 [[nodiscard]] void* allocate_large(std::size_t bytes);
 void free_large(void* memory, std::size_t bytes) noexcept;
 
-/// Allocates on cache lines; 2 MiB or more on large pages, where the system has them: memory that
-/// is written once and read once costs most when its pages are first touched. Elements that are
-/// given no value have none: `resize` touches nothing. Throws std::bad_alloc.
+/// Allocates on cache lines; 2 MiB or more on large pages if the system has them, because for
+/// memory that is written once and read once the first access to each page costs most. Elements
+/// without an initial value stay uninitialized: `resize` touches no memory. Throws std::bad_alloc.
 template <class T>
 class LargeAllocator {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -1,5 +1,5 @@
-// The processes of an MPI run. In a library of its own, raysheaf::mpi, which is there where
-// raysheaf was built with MPI: who links it needs MPI, who does not links raysheaf::raysheaf alone.
+// The processes of an MPI run. The separate library raysheaf::mpi exists if raysheaf was built with
+// MPI: only programs that link it need MPI; others link raysheaf::raysheaf.
 #pragma once
 
 #include <memory>
@@ -8,14 +8,14 @@
 
 namespace raysheaf {
 
-/// Those of MPI_COMM_WORLD. Starts MPI where the program has not, and then ends it with the
-/// communicator, which all processes let go of after their last collective call. MPI is called on
-/// the caller's thread alone (MPI_THREAD_FUNNELED is enough). Failures of MPI itself end the run,
-/// as MPI does unless it is told otherwise.
+/// The processes of MPI_COMM_WORLD. Starts MPI if the program has not, and then finalizes it when
+/// the communicator is destroyed, which all processes do after their last collective call. Calls
+/// MPI only on the caller's thread (MPI_THREAD_FUNNELED is enough). Errors of MPI itself abort the
+/// run, unless the program sets a different error handler.
 [[nodiscard]] std::shared_ptr<Communicator> mpi_communicator();
 
-/// The same of other processes: `communicator` is what MPI_Comm_c2f gives, so that this header
-/// needs no mpi.h. Collective over them. MPI has been started, and is ended by the program.
+/// The processes of another communicator, passed as the result of MPI_Comm_c2f so that this header
+/// does not need mpi.h. Collective over them. The program starts and finalizes MPI.
 [[nodiscard]] std::shared_ptr<Communicator> mpi_communicator(int communicator);
 
 }  // namespace raysheaf

@@ -1,6 +1,6 @@
-// What the paper and its authors' logs say, as data: Reis, Costa, Pereira, "Coherent Ray-Space
-// Hierarchy via Ray Hashing and Sorting", 2017, arXiv 2312.06538, tables 1 to 4, 512x512 pixels,
-// two levels, branching 8.
+// The counts and times that the paper and its authors' logs report, as data: Reis, Costa, Pereira,
+// "Coherent Ray-Space Hierarchy via Ray Hashing and Sorting", 2017, arXiv 2312.06538, tables 1 to
+// 4, 512x512 pixels, two levels, branching 8.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace raysheaf {
 
-/// Absent where it is not known; `rounded` where three or four digits are all that is.
+/// Absent if unknown; `rounded` if only three or four digits are known.
 struct PublishedCount {
   std::optional<std::uint64_t> value;
   bool rounded = false;
@@ -24,8 +24,8 @@ struct PublishedLevel {
   PublishedCount tests, hits;
 };
 
-/// Milliseconds on the authors' GTX TITAN (Kepler); absent where their log is cut or there is no
-/// such stage.
+/// Milliseconds on the authors' GTX TITAN (Kepler); absent if their log is truncated or the method
+/// has no such stage.
 struct PublishedTimes {
   std::optional<double> raygen, order, hierarchy, traverse, intersect;
 };
@@ -49,10 +49,10 @@ struct PublishedTable {
 
 [[nodiscard]] const std::vector<PublishedTable>& published_tables();
 
-/// The authors' log: CORNELL's shadow rays with other depths and branchings, tables of their own.
+/// Tables from the authors' log: CORNELL's shadow rays with other depths and branchings.
 [[nodiscard]] const std::vector<PublishedTable>& published_sweep();
 
-/// Null where nothing was published.
+/// Null if nothing was published.
 [[nodiscard]] const PublishedTable* published_table(std::string_view scene, Method method,
                                                     RayKind kind);
 

@@ -27,7 +27,7 @@ namespace raysheaf {
 
 enum class QueryMethod : std::uint8_t {
   kDual,   ///< bundles of rays against a hierarchy over the triangles
-  kBrute,  ///< every ray with every triangle: to check against
+  kBrute,  ///< every ray with every triangle: the reference for checks
 };
 
 /// Counts and times of a query. Counts are the same with any number of threads.

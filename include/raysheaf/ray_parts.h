@@ -31,8 +31,8 @@ struct NumberRows {
 /// A batch of `count` rays. Doubles are rounded to float.
 struct RayParts {
   std::size_t count;
-  NumberRows origins, directions;  ///< three numbers a row
-  NumberRows t_min, t_max;         ///< one number a row; without data 0 and infinity
+  NumberRows origins, directions;  ///< three numbers per row
+  NumberRows t_min, t_max;         ///< one number per row; without data 0 and infinity
 
   RayParts(std::size_t rays, NumberRows origin_rows, NumberRows direction_rows,
            NumberRows t_min_rows = {}, NumberRows t_max_rows = {})

@@ -6,9 +6,9 @@
 
 namespace raysheaf {
 
-/// As `render(scene, options)`, and the same picture; `options.threads` is not used. With
-/// Device::kCuda it is made there, from the first hits on (docs/cuda.md). Throws `Error`: as that;
-/// kUnsupported for what the device does not know.
+/// Renders the same image as `render(scene, options)`; ignores `options.threads`. With
+/// Device::kCuda the device renders everything after primary visibility (docs/cuda.md). Throws
+/// `Error` as that function, and kUnsupported for features that the device does not support.
 [[nodiscard]] RenderResult render(const Context& context, const SceneDescription& scene,
                                   const RenderOptions& options = {});
 

@@ -3,14 +3,14 @@
 //   raysheaf::Renderer renderer;
 //   renderer.show(scene);
 //   for (;;) {
-//     raysheaf::RenderResult picture = renderer.render(options);
+//     raysheaf::RenderResult image = renderer.render(options);
 //     scene.instances[3].to_world = ...;
 //     renderer.show(scene, {.moved = {3}});
 //   }
 //
 // An image costs only what has changed: bounding spheres of meshes follow their transforms, meshes
-// that keep their shape are not bounded again, triangles that stay are not transformed again, and
-// the object tree of `dual` is refitted for the triangles that have moved.
+// that keep their shape are not bounded again, triangles that do not move are not transformed
+// again, and the object tree of `dual` is refitted for the triangles that have moved.
 #pragma once
 
 #include <cstdint>

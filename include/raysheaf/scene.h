@@ -48,7 +48,8 @@ struct MeshOptions {
   Storage storage = Storage::kCopy;
   bool place = true;                ///< add a first instance, with the next two fields
   Affine transform = {};            ///< from the mesh's space to the world
-  std::uint32_t mask = 0xffffffff;  ///< a query sees it where (mask & QueryOptions::mask) != 0
+  std::uint32_t mask = 0xffffffff;  ///< a query sees the instance if (mask & QueryOptions::mask) !=
+                                    ///< 0
 };
 
 /// Movable, not copyable; a moved-from scene may only be destroyed or assigned to.
@@ -59,8 +60,8 @@ class Scene {
   Scene(Scene&&) noexcept;
   Scene& operator=(Scene&&) noexcept;
 
-  /// Adds a mesh, and with `options.place` its first instance. `Hit::prim_id` counts its
-  /// `triangles`. Meshes without triangles and triangles without area are legal: nothing hits them.
+  /// Adds a mesh, and with `options.place` its first instance. `Hit::prim_id` is an index into its
+  /// `triangles`. Meshes without triangles and triangles without area are legal: no ray hits them.
   /// Vertices that no triangle uses may have any value, including NaN. Throws `Error`: kInvalidData
   /// naming the first other vertex that is not finite or farther out than 1e18, or the first index
   /// out of range; kUnsupported above 2^31 - 1 vertices or triangles. O(vertices + triangles), at

@@ -1,5 +1,5 @@
-// What is another in a scene description since it was last shown: what lets a renderer keep all
-// that it has made of the rest.
+// The differences of a scene description since it was last shown. They let a renderer keep
+// everything that it has computed for the rest.
 #pragma once
 
 #include <cstdint>
@@ -9,27 +9,27 @@
 
 namespace raysheaf {
 
-/// Cameras and lights are not named: they are read anew for each picture. Lists ascend, without
-/// repetition.
+/// Cameras and lights are not listed: they are read for every image. Lists are ascending, without
+/// duplicates.
 struct SceneChanges {
-  bool everything = false;  ///< anything may have changed, and nothing below counts
-  /// Instances whose `to_world` is another one.
+  bool everything = false;  ///< anything may have changed; the fields below are ignored
+  /// Instances whose `to_world` has changed.
   std::vector<std::uint32_t> moved;
-  /// Meshes whose positions and normals are others, as many as before; all else stays.
+  /// Meshes whose positions and normals have changed, but not their number or anything else.
   std::vector<std::uint32_t> deformed;
-  /// Meshes and instances from these numbers on are other ones, and there may be another number of
-  /// them. `kInvalidId`: none.
+  /// Meshes and instances from these numbers on have been replaced, and their number may differ.
+  /// `kInvalidId`: none.
   std::uint32_t other_meshes_from = kInvalidId, other_instances_from = kInvalidId;
 
   [[nodiscard]] bool empty() const;
-  /// What has changed where first `*this` and then `later` happened.
+  /// The union of these changes and of `later` ones.
   void add(const SceneChanges& later);
 };
 
-/// `validate` for what has changed alone; cameras and lights too.
+/// `validate` for the changed parts only, and for cameras and lights.
 void validate_changes(const SceneDescription& scene, const SceneChanges& changes);
 
-/// `validate` for a camera that is in no scene.
+/// `validate` for a camera that is not part of a scene.
 void validate_camera(const Camera& camera);
 
 }  // namespace raysheaf

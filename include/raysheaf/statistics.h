@@ -34,7 +34,7 @@ struct StageTimes {
   double raygen = 0, order = 0, hierarchy = 0, traverse = 0, intersect = 0;  ///< milliseconds
 
   [[nodiscard]] double total() const { return raygen + order + hierarchy + traverse + intersect; }
-  /// Adds `part` of another's times.
+  /// Adds a fraction `part` of another batch's times.
   void add(const StageTimes& other, double part = 1) {
     raygen += part * other.raygen;
     order += part * other.order;
@@ -102,7 +102,7 @@ struct FrameStatistics {
   std::uint32_t threads = 0;
   std::vector<BatchStatistics> batches;              ///< summed over the samples
   std::vector<SampleStatistics> samples;             ///< each by itself, in order
-  double raster_ms = 0, shade_ms = 0, total_ms = 0;  ///< `total_ms` leaves loading out
+  double raster_ms = 0, shade_ms = 0, total_ms = 0;  ///< `total_ms` excludes loading
 };
 
 /// The JSON that docs/statistics.md describes, indented; `load_ms` is the caller's own measurement.

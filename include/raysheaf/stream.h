@@ -58,14 +58,18 @@ struct TriangleBlock {
 
 /// Shading data of a block, read only for blocks that contain hits.
 struct BlockShading {
-  std::vector<Vec3> normals;             ///< one a vertex, in its instance's own space; or none
-  std::vector<Vec2> uvs;                 ///< one a vertex; or none
-  std::vector<Vec3> colors;              ///< one a vertex, as a mesh has them; or none
-  std::vector<std::uint32_t> materials;  ///< one a triangle; or one for all
-  std::vector<std::uint8_t> has_normals, has_uvs;  ///< 0 or 1, one a part
-  std::vector<std::uint8_t> has_colors;            ///< the same; empty if no part has any
-  std::vector<Vec2> second_uvs;                    ///< one a vertex, in addition to `uvs`; or none
-  std::vector<std::uint8_t> has_second_uvs;        ///< as `has_colors`; of parts that have `uvs`
+  std::vector<Vec3> normals;             ///< one for each vertex, in its instance's local space; or
+                                         ///< none
+  std::vector<Vec2> uvs;                 ///< one for each vertex; or none
+  std::vector<Vec3> colors;              ///< one for each vertex, as `Mesh::colors`; or none
+  std::vector<std::uint32_t> materials;  ///< one for each triangle; or one for all
+  std::vector<std::uint8_t> has_normals, has_uvs;  ///< 0 or 1, one for each part
+  std::vector<std::uint8_t> has_colors;            ///< 0 or 1, one for each part; empty if no part
+                                                   ///< has colours
+  std::vector<Vec2> second_uvs;                    ///< one for each vertex, in addition to `uvs`;
+                                                   ///< or none
+  std::vector<std::uint8_t> has_second_uvs;        ///< as `has_colors`; only for parts that have
+                                                   ///< `uvs`
 };
 
 /// Yields blocks of triangles one at a time, in any order and repeatedly. Several threads call
@@ -161,8 +165,8 @@ void make_whole(SceneDescription* scene);
 /// along the longest side until each part fits into `triangles_a_block` (1 to `kBlockTriangles`).
 /// Meshes without triangles make no block. Returns the scene without its vertices and triangles,
 /// after `make_whole`, with a camera and a light added if it has none. The blocks are the same
-/// every time. Memory in addition to the scene: 20 bytes a triangle. O(M log(M / B)). Throws
-/// `Error` as `render`.
+/// every time. Memory in addition to the scene: 20 bytes per triangle. O(M log(M / B)) for M
+/// triangles and B per block. Throws `Error` as `render`.
 [[nodiscard]] SceneDescription cut_into_blocks(const SceneDescription& scene, BlockSink* sink,
                                                std::uint32_t triangles_a_block = kBlockTriangles);
 
@@ -234,7 +238,7 @@ struct StreamOptions {
   /// the CPU, with `threads` threads (for a frame: `RenderOptions::threads`).
   const Context* context = nullptr;
   std::uint32_t threads = 0;  ///< of `closest_hit` and `any_hit`; 0: all cores
-  bool check = true;          ///< of the same: validate rays (raysheaf/query.h)
+  bool check = true;          ///< for `closest_hit` and `any_hit`: validate rays (raysheaf/query.h)
   bool front_to_back = true;  ///< blocks near the rays' origins first; false: in their order
   /// This process streams the blocks b with b % parts == part; `exchange` combines the hits.
   std::uint32_t part = 0, parts = 1;

@@ -1,4 +1,4 @@
-// What raysheaf promises, checked on the machine that it runs on (docs/verify.md).
+// Checks raysheaf's promises on the current machine (docs/verify.md).
 #pragma once
 
 #include <array>
@@ -16,52 +16,52 @@ enum class Promise : std::uint8_t {
   kBruteForce,   ///< every method answers as brute force does, bit for bit
   kDeterminism,  ///< repeated, reordered, split, on changed scenes: the same bits
   kWatertight,   ///< no ray leaves a closed mesh through an edge or a vertex
-  kBounds,       ///< no bound of rays or triangles loses a hit
-  kExact,        ///< hit or miss is what exact arithmetic on the floats says; t within 2 ulp
+  kBounds,       ///< no bounding volume of rays or triangles loses a hit
+  kExact,        ///< hits and misses are those of exact arithmetic on the floats; t within 2 ulp
 };
 inline constexpr std::array kPromises{Promise::kBruteForce, Promise::kDeterminism,
                                       Promise::kWatertight, Promise::kBounds, Promise::kExact};
 
 /// "brute-force", "determinism", "watertight", "bounds", "exact".
 [[nodiscard]] const char* to_string(Promise promise);
-/// What is promised, as one sentence without a full stop.
+/// The promise as one sentence without a full stop.
 [[nodiscard]] const char* sentence_of(Promise promise);
-/// Throws `Error` (kInvalidArgument) naming the ones there are.
+/// Throws `Error` (kInvalidArgument) naming the valid names.
 [[nodiscard]] Promise promise_from_string(std::string_view name);
 
 struct VerifyOptions {
   std::vector<Promise> promises;  ///< empty: all
-  /// Checks come in rounds. All that happens in one follows from its seed; the first has this one,
-  /// each later one a seed larger by one.
+  /// Checks run in rounds. A round depends only on its seed; the first has this seed, each later
+  /// one a seed larger by one.
   std::uint64_t seed = 1;
-  std::uint64_t rounds = 0;      ///< of each promise; 0: as many as take a minute or two in all
-  std::uint64_t edge_rays = 0;   ///< where not 0: of kWatertight, rounds until so many rays
-  std::uint64_t exact_rays = 0;  ///< where not 0: of kExact, rounds until so many rays
-  std::uint32_t threads = 0;     ///< the most that are used, never more than cores; 0 is all
-  /// Called between rounds; false asks to stop (`Error` kCancelled).
+  std::uint64_t rounds = 0;      ///< of each promise; 0: as many as take a minute or two in total
+  std::uint64_t edge_rays = 0;   ///< if not 0: kWatertight runs rounds until this many rays
+  std::uint64_t exact_rays = 0;  ///< if not 0: kExact runs rounds until this many rays
+  std::uint32_t threads = 0;     ///< the maximum used, never more than cores; 0: all cores
+  /// Called between rounds; false requests to stop (`Error` kCancelled).
   std::function<bool(const Progress&)> progress;
 };
 
 struct VerifyFailure {
-  std::uint64_t seed = 0;  ///< of the round: verify with it and `rounds` = 1 shows it again
-  std::string what;        ///< who answered, what it was asked, and the two answers
+  std::uint64_t seed = 0;  ///< of the round: `verify` with this seed and `rounds` = 1 reproduces it
+  std::string what;        ///< the configuration, the query, and the two answers
 };
 
 struct PromiseReport {
   Promise promise = Promise::kBruteForce;
   std::string unit;  ///< what `cases` counts: "answers", "rays", "hits"
   std::uint64_t rounds = 0, cases = 0, failures = 0;
-  std::vector<VerifyFailure> first_failures;  ///< 10 at most
+  std::vector<VerifyFailure> first_failures;  ///< at most 10
   double seconds = 0;
 };
 
-/// How far a number is from what exact arithmetic gives.
+/// Errors of a number compared with exact arithmetic.
 struct ErrorHistogram {
   static constexpr std::size_t kBins = 26;
   std::string what;  ///< "t, ordinary", ...
   std::string unit;  ///< of the errors
-  /// [0]: at most half a unit. [i]: more than the one before, and at most 2^(i - 1) units. The last
-  /// one holds all that are larger.
+  /// [0]: at most half a unit. [i]: more than the previous bin, and at most 2^(i - 1) units. The
+  /// last bin holds all larger errors.
   std::array<std::uint64_t, kBins> counts{};
   double largest = 0;
 
@@ -73,14 +73,15 @@ struct VerifyReport {
   std::uint64_t seed = 0;
   std::vector<std::string> methods, simd_targets;
   std::vector<std::uint32_t> threads;
-  std::vector<PromiseReport> promises;  ///< those that were asked for
+  std::vector<PromiseReport> promises;  ///< those that were requested
   std::vector<ErrorHistogram> errors;   ///< of kExact
   [[nodiscard]] bool kept() const;      ///< whether nothing failed
 };
 
-/// Checks promises on this machine. Cases and failures depend on the options and on the machine's
-/// SIMD and cores alone. Meanwhile the whole process runs on one SIMD target after another: nothing
-/// else may query in it. Throws `Error`: kCancelled; kInvalidArgument for `threads` above 1024.
+/// Checks promises on this machine. Cases and failures depend only on the options and on the
+/// machine's SIMD and cores. Meanwhile the whole process switches from one SIMD target to the next,
+/// so nothing else in the process may run queries. Throws `Error`: kCancelled; kInvalidArgument for
+/// `threads` above 1024.
 [[nodiscard]] VerifyReport verify(const VerifyOptions& options = {});
 
 }  // namespace raysheaf

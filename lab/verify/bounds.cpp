@@ -1,5 +1,5 @@
-// Bounds against the hits that they must not lose: of the bundles of the ray hierarchy one by one,
-// of everything else by rays that have a single hit left to be found.
+// Checks that bounds do not lose hits: bundles of the ray hierarchy one by one, all other bounds by
+// rays that can only have a single hit.
 #include <algorithm>
 #include <numeric>
 
@@ -28,7 +28,7 @@ struct Situation {
   std::vector<Ray> rays;
   SceneDescription description;
   FlatScene flat;
-  std::vector<Pair> hits;  ///< all there are
+  std::vector<Pair> hits;  ///< all hits
 
   [[nodiscard]] bool meets(const Ray& ray, std::uint32_t triangle, TriangleHit* hit) const {
     return intersect_triangle(make_ray_setup(ray), flat.corner(triangle, 0),
@@ -40,7 +40,7 @@ Situation make_situation(const Executor& executor, Random* random) {
   Situation s;
   s.soup = make_soup(kBoundTriangles, {}, random);
   s.rays = random->one_in(3) ? make_fan(s.soup, kRays, random) : make_rays(s.soup, kRays, random);
-  if (random->one_in(2)) {  // leaves of one ray: bounds as thin as can be
+  if (random->one_in(2)) {  // leaves of one ray have the tightest bounds
     for (std::size_t i = 0; i < kRays; ++i) s.rays[i] = s.rays[i - i % kBranching];
   }
   s.description = s.soup.description();
@@ -54,10 +54,11 @@ Situation make_situation(const Executor& executor, Random* random) {
 
 std::string lost(const Situation& s, const Pair& pair) {
   return s.soup.text() + ", a " + text_of(s.rays[pair.ray]) + " loses triangle " +
-         std::to_string(pair.triangle) + ", which it meets";
+         std::to_string(pair.triangle) + ", which it hits";
 }
 
-/// Which triangles each node of a level meets, and whether it meets all meshes that it must.
+/// Finds the triangles that each node of a level accepts, and checks that it accepts all meshes
+/// that it must.
 template <class Bound>
 void check_level(const Situation& s, const std::vector<Bound>& nodes, std::uint32_t width,
                  const std::string& name, Tally* tally) {
@@ -99,7 +100,7 @@ void check_bundles(const Situation& s, const Executor& executor, std::int64_t ta
   }
 }
 
-/// A ray for each of some hits, its interval that one point.
+/// A ray for each of some hits, whose interval is only the hit's t.
 std::vector<Ray> rays_of_one_hit(const Situation& s, std::vector<Pair>* pairs) {
   std::vector<Ray> rays;
   for (const Pair& pair : *pairs) {
@@ -117,11 +118,11 @@ void expect_all_met(const Situation& s, const std::vector<Pair>& pairs, const st
     if (!is_met(i)) return tally->fail(who + ": " + lost(s, pairs[i]));
 }
 
-/// The trees and beams of the library, and the frusta of `gl10`.
+/// Checks the trees and beams of the library, and the frusta of `gl10`.
 void check_single_hits(const Situation& s, const Subject& subject, const Subject::Threads& threads,
                        std::int64_t target, Tally* tally) {
   std::vector<Pair> pairs = s.hits;
-  // Triangles without area are in no scene.
+  // Scenes contain no triangles without area.
   const std::vector<Ray> rays = rays_of_one_hit(s, &pairs);
   Scene scene(threads.context);
   s.soup.add_to(&scene);

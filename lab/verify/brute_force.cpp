@@ -1,4 +1,4 @@
-// Every method on every SIMD target with every number of threads against brute force.
+// Compares every method on every SIMD target and with every number of threads with brute force.
 #include "lab/verify/compare.h"
 
 namespace raysheaf::checks {

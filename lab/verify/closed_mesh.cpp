@@ -19,7 +19,7 @@ void push(Vec3 p, Vec3 core, ClosedMesh* mesh) {
   mesh->cores.push_back(core);
 }
 
-/// Each triangle in four, new vertices pushed out to the unit sphere.
+/// Splits each triangle into four, and moves new vertices to the unit sphere.
 void refine(ClosedMesh* mesh) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
   const auto middle = [&](std::uint32_t a, std::uint32_t b) {
@@ -46,7 +46,7 @@ void make_ball(Random* random, ClosedMesh* mesh) {
   mesh->thickness = 0.3f;
 }
 
-/// A grid of whole numbers on the sides of a cube: rays meet edges and vertices exactly.
+/// A grid of integers on the sides of a cube: rays hit edges and vertices exactly.
 void make_box(Random* random, ClosedMesh* mesh) {
   mesh->kind = "box";
   const int cells = 1 << random->below(5);
@@ -98,7 +98,7 @@ void make_torus(Random* random, ClosedMesh* mesh) {
   mesh->thickness = 0.05f;
 }
 
-/// Two cones on one rim: each pole is a corner of every triangle of its side.
+/// Two cones with a common rim: each pole is a corner of every triangle of its side.
 void make_spindle(Random* random, ClosedMesh* mesh) {
   mesh->kind = "spindle";
   const std::uint32_t rim = 3 + random->below(400);
@@ -119,7 +119,7 @@ void make_spindle(Random* random, ClosedMesh* mesh) {
 void roughen(Random* random, ClosedMesh* mesh) {
   for (std::size_t i = 0; i < mesh->positions.size(); ++i)
     mesh->positions[i] = lerp(mesh->cores[i], mesh->positions[i], random->between(0.7f, 1));
-  mesh->thickness *= 0.05f;  // faces may lean steeply
+  mesh->thickness *= 0.05f;  // faces may be steep
   mesh->kind = "rough " + mesh->kind;
 }
 
@@ -132,7 +132,7 @@ void stretch(Random* random, ClosedMesh* mesh) {
   mesh->kind += " of needles";
 }
 
-/// Turned, so that nothing is aligned with the axes; scaled; moved.
+/// Rotates the mesh so that nothing is aligned with the axes, scales and moves it.
 void place(Random* random, ClosedMesh* mesh) {
   const bool turned = random->one_in(2);
   const Affine turn = turned ? rotation(random->direction(), random->between(0, kTurn)) : Affine{};
@@ -140,7 +140,7 @@ void place(Random* random, ClosedMesh* mesh) {
   mesh->extent = 2 * scale;
   mesh->thickness *= scale;
   if (random->one_in(2)) {
-    // Not so far that roundings of the coordinates would fill the mesh.
+    // Limited so that roundings of the coordinates do not fill the mesh.
     const float farthest = std::min(mesh->thickness / (kRoundings * kUnitRoundoff), 4e17f);
     mesh->offset = random->direction() * (farthest * random->magnitude(-4, -0.5f));
   }

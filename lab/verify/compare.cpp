@@ -119,7 +119,7 @@ MethodSettings some_settings(Method method, Random* random) {
   return settings;
 }
 
-/// The renderer's methods, on the flat scene that it makes.
+/// Compares the renderer's methods, on its flat scene.
 std::uint64_t compare_renderer(const Problem& problem, const Subject::Threads& threads,
                                std::int64_t target, Random* random, Tally* tally) {
   const Executor& executor = *threads.executor;
@@ -143,7 +143,7 @@ std::uint64_t compare_renderer(const Problem& problem, const Subject::Threads& t
   return answers;
 }
 
-/// The ray-triangle test, and what was wrong with it.
+/// The ray-triangle test, and its error.
 struct Tested {
   const Subject& subject;
   std::uint64_t faults = 0;

@@ -1,4 +1,4 @@
-// Every method on every SIMD target, compared with what is right.
+// Compares every method on every SIMD target with the correct answers.
 #pragma once
 
 #include <cstdint>
@@ -20,23 +20,24 @@ struct Problem {
   [[nodiscard]] Hit closest(std::size_t ray) const {
     return rows[ray].empty() ? Hit{} : rows[ray].front();
   }
-  /// Where triangles are numbered through: as the meshes come.
+  /// For methods that number triangles consecutively, in the order of the meshes.
   [[nodiscard]] Hit hit_of(std::uint32_t triangle, float t, float u, float v) const;
 };
 
-/// Whole-number meshes three times in four, or a soup of any kind and scale; without rows.
+/// Integer meshes in three of four cases, or a soup of any kind and scale; without rows.
 void make_exact_problem(std::uint32_t most_triangles, std::size_t rays, Random* random,
                         Problem* problem);
 
-/// The rows as the library's brute force gives them.
+/// Computes the rows by the library's brute force.
 void solve_by_brute_force(const Context& context, Problem* problem);
 
-/// The rows by exact arithmetic: which triangles are met; t, u and v are those of
-/// `subject.intersect`, and the test's where that misses. Fails `tally` where they are wrong.
+/// Computes the rows by exact arithmetic, which decides which triangles are hit; t, u and v are
+/// those of `subject.intersect`, or of the test if that misses. Adds failures to `tally` if they
+/// are wrong.
 void solve_exactly(const Subject& subject, Problem* problem, Tally* tally);
 
-/// One way of answering a problem, which is named when it is wrong: one difference a call, with the
-/// ray, the triangles, what was expected and what was got.
+/// Compares one way of answering a problem, and reports one difference per call, with the ray, the
+/// triangles, the expected and the actual answer.
 class Comparison {
  public:
   Comparison(const Problem& problem, std::string way, Tally* tally)
@@ -66,7 +67,7 @@ class Comparison {
 enum class ThreadCounts : bool { kMost, kAll };
 
 /// Closest hits, any hits and all hits of the library's methods, and closest hits of the renderer's
-/// five. Names the first difference of each. Returns how many answers were compared.
+/// five. Reports the first difference of each. Returns how many answers were compared.
 std::uint64_t compare_every_way(const Subject& subject, const Problem& problem, ThreadCounts counts,
                                 Random* random, Tally* tally);
 

@@ -1,4 +1,5 @@
-// The same rays, asked again, in another order, in pieces, of a scene with another past.
+// Repeats queries with the same rays, in another order, in pieces, and on a scene with another
+// history.
 #include <algorithm>
 #include <numeric>
 
@@ -23,7 +24,7 @@ Answers ask(const Subject& subject, const Scene& scene, std::span<const Ray> ray
           subject.all_hits(scene, rays, {})};
 }
 
-/// What everything is compared with: one thread, the first SIMD target, a new scene.
+/// The reference for all comparisons: one thread, the first SIMD target, a new scene.
 class Reference {
  public:
   Reference(const Soup& soup, const std::vector<Ray>& rays, Answers answers, Tally* tally)
@@ -81,7 +82,8 @@ void compare_pieces(const Subject& subject, const Scene& scene, const std::vecto
   }
 }
 
-/// The soup, by way of other vertices, other triangles, another place and queries in between.
+/// The soup as a scene that had other vertices, other triangles and another position before, with
+/// queries in between.
 Scene scene_with_a_past(const Soup& soup, const Context& context, std::span<const Ray> rays,
                         const Subject& subject, Random* random) {
   Scene scene(context);

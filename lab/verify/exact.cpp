@@ -96,9 +96,9 @@ struct Rounded {
     const double magnitude = std::fabs(a.x) * (std::fabs(yz) + std::fabs(zy)) +
                              std::fabs(a.y) * (std::fabs(zx) + std::fabs(xz)) +
                              std::fabs(a.z) * (std::fabs(xy) + std::fabs(yx));
-    // A term goes through three differences of coordinates, two products, a difference and two
-    // sums: 8 roundings of at most 2^-53. `magnitude` and its product here are rounded as often,
-    // which is far less than the rest of 10.
+    // A term passes through three differences of coordinates, two products, a difference and two
+    // sums: 8 roundings of at most 2^-53. `magnitude` and its product here have as many roundings,
+    // which are far less than the remaining 2 of 10.
     error = magnitude * (10 * 0x1p-53);
   }
 };
@@ -126,9 +126,9 @@ std::array<Rows, 3> edge_rows(const Ray& ray, Vec3 a, Vec3 b, Vec3 c) {
   return {Rows{d, ob, oc}, Rows{d, oc, oa}, Rows{d, oa, ob}};
 }
 
-/// The sign that those of the edge functions share, zeros aside: that of their sum, det. 0 where
-/// two are opposite, and where all are zero: the line then lies in the triangle's plane, or the
-/// triangle has no area.
+/// The sign that the nonzero edge functions share, which is that of their sum, det. 0 if two are
+/// opposite, and if all are zero: the line then lies in the triangle's plane, or the triangle has
+/// no area.
 int shared_sign(int w, int u, int v) {
   const bool some_positive = w > 0 || u > 0 || v > 0, some_negative = w < 0 || u < 0 || v < 0;
   return static_cast<int>(some_positive) - static_cast<int>(some_negative);

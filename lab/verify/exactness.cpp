@@ -1,4 +1,4 @@
-// Queries and the ray-triangle test against exact arithmetic (docs/verify.md).
+// Checks queries and the ray-triangle test by exact arithmetic (docs/verify.md).
 #include <cmath>
 
 #include "lab/verify/compare.h"
@@ -35,7 +35,7 @@ class Judge {
   }
 
  private:
-  /// The interval is decided by the t that is reported.
+  /// The reported t decides whether a hit is in the interval.
   [[nodiscard]] std::string fault_of_interval(const RayAndTriangle& pair,
                                               const TriangleHit& hit) const {
     constexpr float kFar = std::numeric_limits<float>::infinity();
@@ -53,7 +53,7 @@ class Judge {
       const bool met = subject_.intersect(make_ray_setup(ray), pair.corners[0], pair.corners[1],
                                           pair.corners[2], &again);
       if (met != inside || (met && again.t != hit.t))
-        return "the interval does not decide by the reported t: " + text_of(ray, pair.corners) +
+        return "the reported t does not decide about the interval: " + text_of(ray, pair.corners) +
                ": expected " + (inside ? "a hit" : "a miss") + ", got " +
                (met ? "a hit" : "a miss");
     }

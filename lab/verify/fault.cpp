@@ -21,7 +21,7 @@ bool is_weight(float reported, double exact) {
          std::fabs(double{reported} - exact) <= kMostErrorOfWeights;
 }
 
-/// Of a hit that is one.
+/// For a correctly reported hit.
 std::string what_is_wrong(const ExactAnswer& exact, const TriangleHit& hit) {
   if (const double error = error_in_ulps(hit.t, exact.t); !(error <= kMostUlpsOfT)) {
     char text[80];
@@ -56,15 +56,15 @@ std::string fault_of(const Ray& ray, const std::array<Vec3, 3>& corners, const E
                      bool met, const TriangleHit& hit) {
   const bool expected = is_hit(exact);
   if (!met && !expected) return {};
-  // A reported t that is 2 ulp off may be infinite where the right one is finite, and conversely.
+  // A reported t with an error of 2 ulp may be infinite although the exact one is finite, and
+  // conversely.
   const double largest = std::numeric_limits<float>::max();
   if (met != expected && exact.meets && std::fabs(exact.t - largest) <= largest * 0x1p-22)
     return {};
-  std::string what =
-      met ? expected ? what_is_wrong(exact, hit) : "a hit that is none" : "a hit is missed";
+  std::string what = met ? expected ? what_is_wrong(exact, hit) : "a false hit" : "a missed hit";
   if (what.empty()) return {};
-  const std::string right = numbers(expected ? "a hit" : "a miss, the line being", exact.t, exact.u,
-                                    exact.v, exact.front);
+  const std::string right =
+      numbers(expected ? "a hit" : "a miss, with the line", exact.t, exact.u, exact.v, exact.front);
   const std::string got = met ? numbers("a hit", hit.t, hit.u, hit.v, hit.front) : "a miss";
   return what + ": " + text_of(ray, corners) + ": expected " + right + ", got " + got;
 }

@@ -21,7 +21,7 @@ bool is_usable(const RayAndTriangle& pair) {
   return max_component(abs(ray.direction)) > 0;
 }
 
-/// Numbers whose sums and small multiples are exact: from -most to most.
+/// Numbers from -most to most whose sums and small multiples are exact.
 Vec3 whole_point(std::uint32_t most, Random* random) {
   const auto some = [&] {
     return static_cast<float>(random->below(2 * most + 1)) - static_cast<float>(most);
@@ -37,7 +37,7 @@ Vec3 whole_direction(std::uint32_t most, Random* random) {
   }
 }
 
-/// A corner, a point of an edge, or inside: with weights of quarters.
+/// A corner, a point of an edge, or an inner point: with weights in quarters.
 Vec3 quarter_point(const Corners& t, Random* random) {
   const std::uint32_t i = random->below(5), j = random->below(5 - i);
   return (t[0] * static_cast<float>(i) + t[1] * static_cast<float>(j) +
@@ -45,7 +45,7 @@ Vec3 quarter_point(const Corners& t, Random* random) {
          0.25f;
 }
 
-/// A corner, or nearly: a point of an edge, or inside.
+/// A corner, or approximately a point of an edge or an inner point.
 Vec3 rounded_point(const Corners& t, Random* random) {
   switch (random->below(3)) {
     case 0:
@@ -59,7 +59,7 @@ Vec3 rounded_point(const Corners& t, Random* random) {
   }
 }
 
-/// By an ulp or so, or by a small fraction.
+/// By about an ulp, or by a small fraction.
 float nudged(float x, Random* random) {
   if (random->one_in(2)) return std::nextafter(x, random->one_in(2) ? 1e38f : -1e38f);
   return x + std::ldexp(random->one_in(2) ? 1.0f : -1.0f, -static_cast<int>(random->below(24)));
@@ -92,8 +92,8 @@ RayAndTriangle aimed(Random* random) {
   return pair_of(origin, rounded_point(t, random) - origin, t);
 }
 
-/// All exact: the ray is at a quarter point after `steps` of its direction, and its direction is
-/// then taken as often again, so that t is a fraction.
+/// All numbers are exact: the ray reaches a quarter point after `steps` of its direction. The
+/// direction is then multiplied by the same number, so that t is a fraction.
 RayAndTriangle whole_numbers(Random* random) {
   const std::uint32_t sizes[] = {2, 9, 300, 20000};
   const std::uint32_t most = sizes[random->below(4)];
@@ -196,7 +196,7 @@ RayAndTriangle raw_bits(Random* random) {
   return pair_of(origin, direction, t);
 }
 
-/// Other families at other scales: denormals, 1e18, 1e30; the direction at a scale of its own.
+/// Other families at other scales: denormals, 1e18, 1e30; the direction has its own scale.
 RayAndTriangle scaled(Random* random) {
   RayAndTriangle pair = random->one_in(2) ? whole_numbers(random) : aimed(random);
   const int power = static_cast<int>(random->below(255)) - 150;
@@ -210,7 +210,7 @@ RayAndTriangle scaled(Random* random) {
   return pair;
 }
 
-/// Exactly (t = 0), or a rounding before or behind.
+/// Exactly (t = 0), or a rounding in front or behind.
 RayAndTriangle starts_on_it(Random* random) {
   const bool exactly = random->one_in(2);
   const auto point = [&] { return exactly ? whole_point(50, random) * 4 : random->in_box(5); };
@@ -253,7 +253,7 @@ RayAndTriangle short_directions(Random* random) {
   return pair;
 }
 
-/// Thin triangles, and triangles without area, which nothing meets.
+/// Thin triangles, and triangles without area, which no ray hits.
 RayAndTriangle slivers(Random* random) {
   const bool exactly = random->one_in(2);
   const Vec3 a = exactly ? whole_point(30, random) * 4 : random->in_box(5);

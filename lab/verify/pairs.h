@@ -1,4 +1,4 @@
-// Pairs of a ray and a triangle whose answer is hard to get right, by families.
+// Pairs of a ray and a triangle that are hard to answer correctly, in families.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace raysheaf::checks {
 
-/// The ray's interval is [0, infinity]; all is finite, and the direction is not zero.
+/// The ray's interval is [0, infinity]; all numbers are finite, and the direction is not zero.
 struct RayAndTriangle {
   Ray ray;
   std::array<Vec3, 3> corners;
@@ -20,9 +20,9 @@ struct PairFamily {
   RayAndTriangle (*make)(Random*);
 };
 
-/// The first is of ordinary pairs: triangles seen at more than 6 degrees, neither small nor thin,
-/// from a few of their sizes away. The others are adversarial: they aim at corners, edges and
-/// planes, with coordinates of all magnitudes.
+/// The first family has ordinary pairs: triangles seen at more than 6 degrees, neither small nor
+/// thin, from a distance of a few of their sizes. The others are adversarial: they aim at corners,
+/// edges and planes, with coordinates of all magnitudes.
 [[nodiscard]] std::span<const PairFamily> pair_families();
 
 }  // namespace raysheaf::checks

@@ -8,12 +8,12 @@ namespace checks {
 const PromiseWords& words_of(Promise promise) {
   static constexpr PromiseWords kWords[] = {
       {"brute-force", "every method answers as brute force does, bit for bit", "answers", 200},
-      {"determinism", "asked again, reordered, in pieces, of a changed scene: the same bits",
+      {"determinism", "repeated, reordered, in pieces, on a changed scene: the same bits",
        "answers", 100},
       {"watertight", "no ray leaves a closed mesh through an edge or a vertex", "rays", 120},
       {"bounds", "no bound of rays or triangles loses a hit", "hits", 1000},
-      {"exact", "hit or miss is what exact arithmetic on the floats says; t within 2 ulp", "rays",
-       200}};
+      {"exact", "hits and misses are those of exact arithmetic on the floats; t within 2 ulp",
+       "rays", 200}};
   return kWords[static_cast<std::size_t>(promise)];
 }
 
@@ -34,7 +34,7 @@ Promise promise_from_string(std::string_view name) {
     names += (names.empty() ? "" : ", ") + std::string(to_string(promise));
   }
   throw Error(ErrorCode::kInvalidArgument,
-              "'" + std::string(name) + "' is no promise; there are " + names);
+              "'" + std::string(name) + "' is not a promise; the promises are " + names);
 }
 
 }  // namespace raysheaf

@@ -1,5 +1,5 @@
-// Random numbers with the same values everywhere, from seeds that cost nothing: one for each round,
-// and one for each ray of it, so that rays can be made on all threads.
+// Random numbers with the same values on every machine. Seeding is cheap: each round and each ray
+// has its own seed, so that rays can be made by all threads.
 #pragma once
 
 #include <cmath>
@@ -14,11 +14,11 @@ namespace raysheaf::checks {
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(mixed(seed)) {}
-  /// The `index`th of a family of independent generators.
+  /// Number `index` of a family of independent generators.
   Random(std::uint64_t seed, std::uint64_t index) : Random(seed ^ mixed(~index)) {}
 
   std::uint64_t bits() { return mixed(state_ += 0x9e3779b97f4a7c15u); }
-  /// [0, n); n is not 0.
+  /// In [0, n); n must not be 0.
   std::uint32_t below(std::uint32_t n) {
     return static_cast<std::uint32_t>(((bits() >> 32) * n) >> 32);
   }
@@ -26,7 +26,7 @@ class Random {
   /// [0, 1)
   float unit() { return static_cast<float>(bits() >> 40) * 0x1p-24f; }
   float between(float lo, float hi) { return lo + (hi - lo) * unit(); }
-  /// 10^x for x evenly between the two.
+  /// 10^x for x uniformly between the two.
   float magnitude(float lo, float hi) { return std::pow(10.0f, between(lo, hi)); }
   Vec3 in_box(float half) {
     const float x = between(-half, half), y = between(-half, half);

@@ -1,7 +1,7 @@
-// What the checks share: the machine's ways of answering, and the count of what was tried.
+// The data that the checks share: the ways of answering on this machine, and the count of cases.
 //
-// A check is a function of a subject, a seed and a tally: one round, in which everything follows
-// from the seed.
+// A check is a function of a subject, a seed and a tally: one round, which depends only on the
+// seed.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,8 @@
 
 namespace raysheaf::checks {
 
-/// Who is asked, on which SIMD targets and threads. Tests put wrong answers in its place.
+/// The functions to check, and the SIMD targets and threads on which they run. Tests replace the
+/// functions by wrong ones.
 struct Subject {
   /// `most_threads` = 0: all cores; never more.
   explicit Subject(std::uint32_t most_threads);
@@ -50,7 +51,7 @@ class Tally {
   }
   void tried(std::uint64_t cases) { report_->cases += cases; }
   void fail(std::string what);
-  /// For what is found on several threads: failures are many, the first one is named.
+  /// For failures found by several threads: counts them, and keeps the first.
   void fail(std::uint64_t count, std::string first);
 
  private:
@@ -69,12 +70,12 @@ void check_exact(const Subject& subject, std::uint64_t seed, Tally* tally,
                  std::vector<ErrorHistogram>* errors);
 [[nodiscard]] std::vector<ErrorHistogram> empty_histograms();
 
-/// Runs the promises of `options` with `subject`; `verify` does so with the library itself.
+/// Checks the promises of `options` with `subject`; `verify` does so with the library itself.
 [[nodiscard]] VerifyReport verify_subject(const Subject& subject, const VerifyOptions& options);
 
 /// Bit for bit.
 [[nodiscard]] bool same(const Hit& a, const Hit& b);
-/// For sentences; nine digits name a float.
+/// For messages; nine digits identify a float.
 [[nodiscard]] std::string text_of(const Hit& hit);
 [[nodiscard]] std::string text_of(const Ray& ray);
 [[nodiscard]] std::string text_of(Vec3 v);

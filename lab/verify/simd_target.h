@@ -1,4 +1,4 @@
-// The SIMD targets of this machine, and running on one of them.
+// The SIMD targets of this machine, and how to run on one of them.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace raysheaf::checks {
 [[nodiscard]] std::vector<std::int64_t> simd_targets();
 [[nodiscard]] std::string name_of(std::int64_t simd_target);
 
-/// While it lives, all kernels of the process run on that target.
+/// During its lifetime, all kernels of the process run on that target.
 class OnSimdTarget {
  public:
   explicit OnSimdTarget(std::int64_t target);

@@ -8,7 +8,7 @@ namespace raysheaf::checks {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kFarthest = 5e17f;  ///< of all coordinates: scenes take 1e18
+constexpr float kFarthest = 5e17f;  ///< of all coordinates: scenes accept 1e18
 
 using CornerList = std::vector<Vec3>;
 
@@ -16,7 +16,7 @@ void add(Vec3 a, Vec3 b, Vec3 c, CornerList* out) {
   out->insert(out->end(), {a, b, c});
 }
 
-/// Small whole numbers: rays meet edges and corners exactly.
+/// Small integers: rays hit edges and corners exactly.
 Vec3 lattice_point(Random* random) {
   const float x = static_cast<float>(random->below(9)) - 4;
   const float y = static_cast<float>(random->below(9)) - 4;
@@ -91,7 +91,7 @@ Vec3 nearer(Vec3 p) {
           clamp(p.z, -kFarthest, kFarthest)};
 }
 
-/// A corner, on an edge, inside.
+/// A corner, a point on an edge, or an inner point.
 Vec3 point_of(const std::array<Vec3, 3>& t, Random* random) {
   switch (random->below(4)) {
     case 0:
@@ -112,12 +112,12 @@ Vec3 some_direction(Random* random) {
       const std::uint32_t axis = random->below(3);
       return {axis == 0 ? one : zero, axis == 1 ? one : -zero, axis == 2 ? one : zero};
     }
-    case 1: {  // nearly
+    case 1: {  // nearly along an axis
       Vec3 d = random->in_box(1e-12f);
       (random->one_in(2) ? d.x : d.z) = one;
       return d;
     }
-    case 2: {  // where two or three axes are as long
+    case 2: {  // two or three components are equally long
       const Vec3 d{one, random->one_in(2) ? one : -one, random->one_in(2) ? zero : one};
       return random->one_in(2) ? d : Vec3{d.z, d.x, d.y};
     }
@@ -227,7 +227,7 @@ Soup make_soup(std::uint32_t most_triangles, const Reach& reach, Random* random)
   Soup soup;
   const Kind& kind = kKinds[random->below(std::size(kKinds))];
   soup.kind = kind.name;
-  // Half of all at scales that scenes have.
+  // Half of all soups have scales that are usual for scenes.
   const float lo = random->one_in(2) ? 1e-3f : reach.smallest;
   const float hi = lo == 1e-3f ? 1e3f : reach.largest;
   soup.scale = random->magnitude(std::log10(lo), std::log10(hi));
@@ -256,7 +256,7 @@ std::vector<Ray> make_rays(const Soup& soup, std::size_t count, Random* random) 
     rays.push_back(ray);
     if (!random->one_in(40)) continue;
     const float size = max_component(abs(ray.direction));
-    for (int i = 0; i < 30 && rays.size() < count; ++i) {  // a bunch of neighbours
+    for (int i = 0; i < 30 && rays.size() < count; ++i) {  // a group of neighbouring rays
       Ray neighbour = ray;
       neighbour.direction += random->in_box(0.01f * size);
       if (random->one_in(2))

@@ -1,4 +1,4 @@
-// Triangles and rays that no artist would make, at any scale and place.
+// Unusual triangles and rays, at any scale and position.
 #pragma once
 
 #include <string>
@@ -14,18 +14,18 @@ struct Soup {
   std::string kind;
   float scale = 1;
   Vec3 offset;
-  std::vector<std::vector<Vec3>> meshes;  ///< three corners a triangle; none is empty
+  std::vector<std::vector<Vec3>> meshes;  ///< three corners per triangle; no mesh is empty
 
   [[nodiscard]] std::uint32_t triangle_count() const;
   [[nodiscard]] std::array<Vec3, 3> some_triangle(Random* random) const;
   /// "300 needles, scale 1e-05, at (0, 0, 0)"
   [[nodiscard]] std::string text() const;
-  /// Meshes numbered as in `meshes`, each placed once and not transformed.
+  /// Adds the meshes, numbered as in `meshes`, each placed once and not transformed.
   void add_to(Scene* scene) const;
   [[nodiscard]] SceneDescription description() const;
 };
 
-/// What a soup's scale and place may be.
+/// The range of a soup's scale and position.
 struct Reach {
   float smallest = 1e-20f, largest = 1e17f;  ///< scales
   float farthest = 1e7f;                     ///< from the world's origin, in scales
@@ -34,11 +34,11 @@ struct Reach {
 /// 1 to `most_triangles` of one kind.
 [[nodiscard]] Soup make_soup(std::uint32_t most_triangles, const Reach& reach, Random* random);
 
-/// Rays at vertices, along edges, in planes, along axes, from inside and from far away, alone and
-/// in bunches, with all kinds of intervals. Legal ones.
+/// Rays at vertices, along edges, in planes, along axes, from inside and from far away,
+/// individually and in groups, with all kinds of intervals. All are valid.
 [[nodiscard]] std::vector<Ray> make_rays(const Soup& soup, std::size_t count, Random* random);
 
-/// All from one point, with intervals of their own.
+/// Rays from one point, each with its own interval.
 [[nodiscard]] std::vector<Ray> make_fan(const Soup& soup, std::size_t count, Random* random);
 
 }  // namespace raysheaf::checks

@@ -1,4 +1,4 @@
-// The front door of the checks: which promises, how many rounds, what is reported.
+// Implements the public checks: selects promises and rounds, and makes the report.
 #include "raysheaf/verify.h"
 
 #include <algorithm>
@@ -71,7 +71,7 @@ class Run {
   std::vector<ErrorHistogram> errors() && { return std::move(errors_); }
 
  private:
-  /// Where not 0, they are counted instead of rounds.
+  /// If not 0, rays are counted instead of rounds.
   [[nodiscard]] std::uint64_t least_rays(Promise promise) const {
     if (promise == Promise::kWatertight) return options_.edge_rays;
     return promise == Promise::kExact ? options_.exact_rays : 0;

@@ -11,11 +11,11 @@
 namespace raysheaf::checks {
 namespace {
 
-constexpr std::size_t kBatches = 4, kBatchRays = 1 << 16;  ///< a round's batches, and rays of each
+constexpr std::size_t kBatches = 4, kBatchRays = 1 << 16;  ///< batches per round, and rays per
+                                                           ///< batch
 constexpr float kNever = std::numeric_limits<float>::infinity();
-/// Roundings of the largest coordinate, as seen from the ray, that must fit between a point that is
-/// taken for inside and the surface. A point that is nearer may lie in the surface as it is
-/// rounded.
+/// Roundings of the largest coordinate, relative to the ray's origin, that must fit between an
+/// interior point and the surface. A nearer point may lie in the rounded surface.
 constexpr float kInsideRoundings = 256;
 
 struct EdgePoint {
@@ -32,14 +32,14 @@ EdgePoint some_edge_point(const ClosedMesh& mesh, Random* random) {
   return {lerp(mesh.positions[a], mesh.positions[b], s), lerp(mesh.cores[a], mesh.cores[b], s)};
 }
 
-/// Somewhere between an edge point and its core; `least` is the least part of the way.
+/// A point between an edge point and its core; `least` is the smallest fraction of the way.
 Vec3 inside(const EdgePoint& e, float least, Random* random) {
   const float most = std::min(4 * least, 1.0f);
   const float part = random->one_in(2) ? random->between(least, most) : random->between(least, 1);
   return lerp(e.point, e.core, part);
 }
 
-/// A power of two, so that the direction's line stays; t = 1 becomes `t`.
+/// Multiplies by a power of two, so that the direction's line does not change; t = 1 becomes `t`.
 void change_length(Random* random, Ray* ray, float* t) {
   const float size = max_component(abs(ray->direction));
   const int now = std::ilogb(size);
@@ -57,7 +57,7 @@ Ray edge_ray(const ClosedMesh& mesh, std::uint64_t seed, std::uint64_t index) {
   const float coordinates = max_component(abs(mesh.offset)) + 2 * mesh.extent;
   Ray ray;
   float t = 1;
-  if (!random.one_in(3)) {  // from inside, along the surface as often as not
+  if (!random.one_in(3)) {  // from inside, in half of the cases along the surface
     const float least =
         std::min(kInsideRoundings * kUnitRoundoff * coordinates / mesh.thickness, 1.0f);
     ray.origin = inside(from, least, &random);
@@ -70,7 +70,7 @@ Ray edge_ray(const ClosedMesh& mesh, std::uint64_t seed, std::uint64_t index) {
     change_length(&random, &ray, &t);
     return ray;
   }
-  // From outside to a point inside, by way of an edge point as near as rounding allows.
+  // From outside to an interior point, through an edge point as exactly as rounding allows.
   const float away = random.magnitude(0, 2);
   const float least =
       kInsideRoundings * kUnitRoundoff * (coordinates + away * mesh.extent) / mesh.thickness;
@@ -84,12 +84,12 @@ Ray edge_ray(const ClosedMesh& mesh, std::uint64_t seed, std::uint64_t index) {
     return ray;
   }
   change_length(&random, &ray, &t);
-  // A mesh too thin to be surely inside of, seen from so far away: the ray goes in and out.
+  // From so far away, no point of the mesh is certainly inside: the ray enters and leaves.
   if (least > 1) return ray;
   if (random.one_in(2))
-    ray.t_max = t;  // in
+    ray.t_max = t;  // enters
   else
-    ray.t_min = t;  // and out again
+    ray.t_min = t;  // leaves
   return ray;
 }
 
@@ -111,7 +111,7 @@ void check_watertight(const Subject& subject, std::uint64_t seed, Tally* tally) 
   std::vector<Ray> rays(kBatchRays);
   std::vector<std::uint8_t> met(kBatchRays);
   for (std::size_t batch = 0; batch < kBatches; ++batch) {
-    const bool fan = batch + 1 == kBatches;  // rays of one origin go another way
+    const bool fan = batch + 1 == kBatches;  // rays of one origin use a different method
     threads.executor->for_each(kBatchRays, 1024, [&](std::size_t i) {
       rays[i] = (fan ? fan_ray : edge_ray)(mesh, seed, batch * kBatchRays + i);
     });

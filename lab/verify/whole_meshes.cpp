@@ -7,7 +7,7 @@
 namespace raysheaf::checks {
 namespace {
 
-constexpr float kUnit = 4;  ///< of coordinates: quarter points are whole numbers
+constexpr float kUnit = 4;  ///< of coordinates: quarter points are integers
 
 using Face = std::array<Vec3, 3>;
 using Faces = std::vector<Face>;
@@ -60,7 +60,8 @@ void add_heights(std::uint32_t triangles, Random* random, Faces* out) {
   add_field(triangles, 1 + random->below(5), random, out);
 }
 
-/// Where cells of two sizes meet, every other corner of the small ones is on an edge of the large.
+/// Where cells of two sizes meet, every other corner of the small ones is on an edge of the large
+/// one.
 void add_junctions(std::uint32_t triangles, Random* random, Faces* out) {
   const auto rows = static_cast<int>(side_of(triangles / 3));
   const auto square = [&](float x, float y, float size) {
@@ -76,7 +77,7 @@ void add_junctions(std::uint32_t triangles, Random* random, Faces* out) {
     }
 }
 
-/// Round a hub, in order of their angle.
+/// Around a hub, in the order of their angles.
 void add_whole_fan(std::uint32_t triangles, Random* random, Faces* out) {
   const std::uint32_t side = std::max(1u, triangles / 8);
   std::vector<Vec3> rim;
@@ -106,7 +107,7 @@ void add_boxes(std::uint32_t triangles, Random* random, Faces* out) {
   }
 }
 
-/// One in eight without area.
+/// One in eight has no area.
 void add_any(std::uint32_t triangles, Random* random, Faces* out) {
   const std::uint32_t most = random->one_in(2) ? 3 : 40;
   while (out->size() < triangles) {
@@ -125,7 +126,7 @@ constexpr WholeKind kWholeKinds[] = {
     {"triangles of a fan", add_whole_fan},          {"triangles of whole-number boxes", add_boxes},
     {"triangles of a height field", add_heights},   {"whole-number triangles", add_any}};
 
-/// Axes in another order and direction.
+/// Permutes the axes and reverses some.
 Vec3 turned(Vec3 p, std::uint32_t turn) {
   for (std::uint32_t i = 0; i < turn % 3; ++i) p = {p.y, p.z, p.x};
   return turn >= 3 ? Vec3{-p.y, p.x, p.z} : p;
@@ -138,7 +139,7 @@ Vec3 quarter_point_of(const Face& t, Random* random) {
          t[2] * (0.25f * static_cast<float>(4 - i - j));
 }
 
-/// In the triangle's plane, now and then.
+/// Sometimes in the triangle's plane.
 Vec3 step_of(const Face& t, float unit, Random* random) {
   Vec3 step = whole_vertex(random->one_in(2) ? 2 : 9, random) * unit;
   if (random->one_in(10))
@@ -194,7 +195,7 @@ Soup make_whole_meshes(std::uint32_t most_triangles, Random* random) {
   soup.scale = std::ldexp(1.0f, power);
   if (random->one_in(4)) soup.offset = whole_vertex(25000, random) * (kUnit * soup.scale);
   const std::uint32_t turn = random->below(6);
-  // Neighbours come together, or not.
+  // Neighbours are consecutive, or in random order.
   if (random->one_in(2))
     for (std::size_t i = faces.size(); i > 1; --i)
       std::swap(faces[i - 1], faces[random->below(static_cast<std::uint32_t>(i))]);

@@ -1,4 +1,4 @@
-// What moves by its rig, and what all animations share.
+// Animation by a rig, and functions for all animations.
 #include "raysheaf/animation.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 namespace raysheaf {
 namespace {
 
-/// Whether no two clips drive the same thing.
+/// Whether no two clips drive the same target.
 bool go_together(const std::vector<RigClip>& clips) {
   std::set<std::pair<RigPath, std::uint32_t>> driven;
   for (const RigClip& clip : clips) {
@@ -25,8 +25,8 @@ bool go_together(const std::vector<RigClip>& clips) {
   return true;
 }
 
-/// Clips that go together, as files have them where each object was animated by itself, become
-/// one.
+/// Joins clips that drive different targets, as in files in which each object was animated
+/// separately, into one.
 void join(std::vector<RigClip>& clips) {
   if (clips.size() < 2 || !go_together(clips)) return;
   RigClip all = std::move(clips.front());
@@ -52,7 +52,8 @@ double end_of(const RigClip& clip) {
 
 constexpr double kMostFrames = 0xffffffff;
 
-/// A clip of 2 s at 24 frames a second ends with frame 48, whatever 2 s came to in a float.
+/// A clip of 2 s at 24 frames per second ends with frame 48, although its length is a rounded
+/// float.
 double frames_in(double seconds, double fps) {
   return 1 + std::floor(seconds * fps + 1e-3);
 }
@@ -76,10 +77,10 @@ class RigAnimation final : public Animation {
     if (rig_.clips.empty()) return {};
     const double time = seconds > 0 ? std::min(seconds, end()) : 0;
     if (!fresh_ && time == time_) return {};
-    fresh_ = true;  // where it fails, the next call does all of it
+    fresh_ = true;  // if this fails, the next call repeats all of it
     const bool is_told = std::exchange(is_told_, false);
     return within_memory("there is not enough memory", "animation", [&] {
-      // Not kept: the least of all executors' threads is what all of them get.
+      // Not a member: oneTBB gives all executors the least number of threads of any that exists.
       const Executor executor(threads_);
       state_.apply(executor, rig_.clips[clip_], time);
       SceneChanges changes = state_.write_moving(executor, scene_);
@@ -111,8 +112,8 @@ class RigAnimation final : public Animation {
   std::vector<double> no_times_;
   std::uint32_t clip_ = 0;
   double time_ = 0;
-  bool fresh_ = true;    ///< the next call seeks, whatever the time
-  bool is_told_ = true;  ///< what the calls have changed; not what one did that has failed
+  bool fresh_ = true;    ///< the next call seeks even if the time is the same
+  bool is_told_ = true;  ///< false: a call has failed, and its changes have not been returned
 };
 
 }  // namespace
@@ -145,11 +146,11 @@ std::vector<std::uint64_t> sample_frames(std::uint64_t count) {
 
 namespace {
 
-/// Brings the animation to a few times, evenly over all that there are.
+/// Seeks a few evenly spaced times.
 template <class Look>
 void look_around(Animation& animation, const Look& look) {
   constexpr double kRate = 24;
-  // A single picture of what has too many frames to count is made all the same.
+  // A single image of an animation with too many frames to count is rendered nevertheless.
   const auto listed = static_cast<double>(animation.frame_times().size());
   const double frames = listed > 0 ? listed : frames_in(animation.end() - animation.start(), kRate);
   for (const std::uint64_t frame :
@@ -159,7 +160,7 @@ void look_around(Animation& animation, const Look& look) {
   }
 }
 
-/// A scene that fills a box.
+/// A scene with a degenerate triangle that spans a box.
 SceneDescription scene_of(const Box& box) {
   SceneDescription whole;
   whole.meshes.emplace_back();

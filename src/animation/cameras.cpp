@@ -21,7 +21,7 @@ KeyNumbers numbers_of(const CameraKey& key) {
           key.look_at.z,  key.up.x,       key.up.y,       key.up.z,      key.y_fov};
 }
 
-/// The velocity between the neighbours of a key; at the ends that of the only one.
+/// The velocity between the neighbours of a key; at the ends, to the only neighbour.
 KeyNumbers tangent(const std::vector<CameraKey>& keys, std::size_t k) {
   const std::size_t before = k == 0 ? 0 : k - 1, after = k + 1 == keys.size() ? k : k + 1;
   const KeyNumbers a = numbers_of(keys[before]), b = numbers_of(keys[after]);
@@ -31,7 +31,7 @@ KeyNumbers tangent(const std::vector<CameraKey>& keys, std::size_t k) {
   return t;
 }
 
-/// Times count from the first key, so that a float holds them.
+/// Times count from the first key, to keep precision in float.
 Curve curve_of(const CameraPath& path) {
   Curve curve;
   curve.interpolation = path.smooth ? Interpolation::kCubicSpline : Interpolation::kLinear;
@@ -76,7 +76,7 @@ Camera find_camera(const SceneDescription& scene, const std::string& wanted) {
   const auto [stop, error] = std::from_chars(wanted.data(), end, index);
   if (error == std::errc{} && stop == end && index < scene.cameras.size())
     return scene.cameras[index];
-  // As `framing_camera` names the one that scenes without cameras get.
+  // The name of the camera that `framing_camera` makes for scenes without cameras.
   const bool is_framed = scene.cameras.size() == 1 && scene.cameras[0].name == "framing";
   throw Error(ErrorCode::kNotFound,
               scene.cameras.empty() || is_framed
@@ -112,15 +112,15 @@ void validate(const CameraPath& path) {
   const auto fail = [](std::size_t k, const char* field, const char* sentence) {
     throw Error(ErrorCode::kInvalidData, sentence, "keys[" + std::to_string(k) + "]." + field);
   };
-  if (path.keys.empty()) throw Error(ErrorCode::kInvalidData, "there are none", "keys");
+  if (path.keys.empty()) throw Error(ErrorCode::kInvalidData, "has no keys", "keys");
   for (std::size_t k = 0; k < path.keys.size(); ++k) {
     const CameraKey& key = path.keys[k];
     if (!std::isfinite(key.time)) fail(k, "time", "is not finite");
-    // As floats, which is what is looked up.
+    // As floats, because the curve stores floats.
     const double first = path.keys[0].time;
     if (k > 0 &&
         !(static_cast<float>(key.time - first) > static_cast<float>(path.keys[k - 1].time - first)))
-      fail(k, "time", "is not later than that of the key before");
+      fail(k, "time", "is not later than that of the previous key");
     if (!is_finite(key.position)) fail(k, "position", "is not finite");
     if (!is_finite(key.look_at)) fail(k, "look_at", "is not finite");
     if (!is_finite(key.up)) fail(k, "up", "is not finite");
@@ -128,9 +128,9 @@ void validate(const CameraPath& path) {
     if (fault == nullptr) continue;
     const std::string field = fault;
     fail(k, fault,
-         field == "look_at" ? "is where the camera is"
-         : field == "up"    ? "runs along what the camera looks at"
-                            : "must be between 0 and a half turn");
+         field == "look_at" ? "is the same point as the position"
+         : field == "up"    ? "is parallel to the viewing direction"
+                            : "must be above 0 and below 180 degrees");
   }
 }
 
@@ -145,7 +145,7 @@ Camera camera_at(const CameraPath& path, double time) {
   if (fault_of(key) != nullptr) {
     throw Error(ErrorCode::kInvalidData,
                 "at " + std::to_string(time) +
-                    " s, between two keys, the camera looks along its own up, or nowhere",
+                    " s, between two keys, the camera looks along its up, or is at its look_at",
                 "camera path");
   }
   Camera camera;

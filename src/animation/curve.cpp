@@ -8,7 +8,8 @@ namespace {
 
 using Quaternion = std::array<double, 4>;
 
-/// Where a time lies among the keys: `part` of the way from `key` to the next one.
+/// The position of a time among the keys: the fraction `part` of the way from `key` to the next
+/// one.
 struct Moment {
   std::size_t key = 0;
   double part = 0, seconds = 0;  ///< `seconds`: between the two keys
@@ -18,7 +19,7 @@ Moment moment_of(const Curve& curve, double time) {
   const auto& times = curve.times;
   if (!(time > times.front())) return {};
   if (time >= times.back()) return {times.size() - 1, 0, 0};
-  // A key's own time finds this key: the one before its successor.
+  // The time of a key finds this key, the one before its successor.
   const auto after = std::upper_bound(times.begin(), times.end(), time,
                                       [](double t, float key) { return t < key; });
   Moment m;
@@ -28,8 +29,8 @@ Moment moment_of(const Curve& curve, double time) {
   return m;
 }
 
-/// Hermite's cubic between two keys: in curve.values each key has its arriving tangent, its value
-/// and its leaving tangent.
+/// Hermite's cubic between two keys: in curve.values each key has its incoming tangent, its value
+/// and its outgoing tangent.
 double hermite(const float* key, std::size_t width, std::size_t i, const Moment& m) {
   const float* next = key + 3 * width;
   const double t = m.part, t2 = t * t, t3 = t2 * t;
@@ -50,8 +51,8 @@ Quaternion key_rotation(const Curve& curve, std::size_t key) {
   return unit_quaternion({q[0], q[1], q[2], q[3]});
 }
 
-/// Between unit quaternions, along the shorter of the two arcs (Shoemake 1985, "Animating Rotation
-/// with Quaternion Curves").
+/// Interpolates unit quaternions along the shorter arc (Shoemake 1985, "Animating Rotation with
+/// Quaternion Curves").
 Quaternion slerp(const Quaternion& a, Quaternion b, double part) {
   double cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
   if (cosine < 0) {
@@ -59,7 +60,7 @@ Quaternion slerp(const Quaternion& a, Quaternion b, double part) {
     for (double& x : b) x = -x;
   }
   const double angle = std::acos(std::min(cosine, 1.0)), sine = std::sin(angle);
-  // So near to each other, the chord is the arc.
+  // For such small angles the chord equals the arc.
   const bool near = sine < 1e-9;
   const double of_a = near ? 1 - part : std::sin((1 - part) * angle) / sine;
   const double of_b = near ? part : std::sin(part * angle) / sine;

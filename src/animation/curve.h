@@ -7,11 +7,10 @@
 
 namespace raysheaf {
 
-/// Fills `value`, whose size is what the curve's keys have numbers. `time` is finite.
+/// Fills `value`, whose size is the number of numbers per key. `time` must be finite.
 void sample_curve(const Curve& curve, double time, std::span<double> value);
 
-/// The same for rotations: quaternions, between two keys along the shorter great arc, of unit
-/// length.
+/// The same for rotations: unit quaternions, interpolated along the shorter great arc.
 [[nodiscard]] std::array<double, 4> sample_rotation(const Curve& curve, double time);
 
 }  // namespace raysheaf

@@ -1,5 +1,5 @@
-// Where things stand, in double precision: chains of nodes are long, and what hangs on them is
-// rounded once.
+// Transforms in double precision: chains of nodes are long, and only the final transform is
+// rounded.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ inline double dot(Double3 a, Double3 b) {
 inline Double3 cross(Double3 a, Double3 b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-/// A unit vector along `a`, or `fallback` where `a` has no direction.
+/// A unit vector along `a`, or `fallback` if `a` has no direction.
 inline Double3 normalized(Double3 a, Double3 fallback) {
   const double n = std::sqrt(dot(a, a));
   return n > 0 && std::isfinite(n) ? a * (1 / n) : fallback;
@@ -65,11 +65,12 @@ inline Placement widened(const Affine& a) {
   return result;
 }
 
-/// A node's place within its parent's.
+/// A node's transform relative to its parent.
 [[nodiscard]] Placement local_placement(const RigNode& node);
 
-/// What stands at a place: a camera's frame without scale, right-handed and orthonormal, -z where
-/// the place's -z points; the direction of a light, and where a rectangle of light has its width.
+/// Attributes of objects with a transform: a camera's frame without scale, right-handed and
+/// orthonormal, whose -z axis is along the transform's -z; the direction of a light; and the axis
+/// of a rectangle's width.
 [[nodiscard]] Affine camera_frame(const Placement& to_world);
 [[nodiscard]] Vec3 light_direction(const Placement& to_world);
 [[nodiscard]] Vec3 light_right(const Placement& to_world);

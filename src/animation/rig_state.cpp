@@ -15,7 +15,7 @@ bool same(const Affine& a, const Affine& b) {
   return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
-/// Those of [0, count) whose node is chosen, or all that have one.
+/// The indices in [0, count) whose node is chosen, or all that have a node.
 std::vector<std::uint32_t> carried(const std::vector<std::uint32_t>& nodes,
                                    const std::vector<char>& chosen, bool all) {
   std::vector<std::uint32_t> list;
@@ -175,7 +175,7 @@ bool RigState::write_shape(const Executor& executor, std::uint32_t index, SceneD
   const bool stays = made.made && made.weights == weights &&
                      std::equal(joints.begin(), joints.end(), made.joints.begin(), same);
   if (stays) return false;
-  made.made = false;  // until it is whole: memory may run out
+  made.made = false;  // until it is complete, because memory may run out
   deform(executor, shape, weights, joints, &scene.meshes[shape.mesh]);
   made = {true, weights, std::move(joints)};
   return true;

@@ -1,4 +1,4 @@
-// A rig at a time: where its nodes stand, and what that makes of its scene.
+// A rig at a time: the transforms of its nodes, and their effect on the scene.
 #pragma once
 
 #include <vector>
@@ -10,27 +10,27 @@
 
 namespace raysheaf {
 
-/// `rig` has passed `validate` with the scene, and outlives this.
+/// `rig` must have passed `validate` with the scene, and outlive this object.
 class RigState {
  public:
   explicit RigState(const Rig& rig);
 
-  /// Every node and every weight as it is without a curve.
+  /// Resets every node and every weight to its value without a curve.
   void rest();
-  /// The clip's curves at a time; what none of them drives stays.
+  /// Evaluates the clip's curves at a time; targets without a curve keep their values.
   void apply(const Executor& executor, const RigClip& clip, double time);
-  /// Brings the scene to where the nodes stand: all of it, or what any clip can move. Returns what
-  /// is another.
+  /// Updates the scene to the nodes' transforms: all of it, or what any clip can move. Returns what
+  /// has changed.
   SceneChanges write_all(const Executor& executor, SceneDescription& scene);
   SceneChanges write_moving(const Executor& executor, SceneDescription& scene);
 
  private:
-  /// Numbers of the nodes that can move, those of one depth in a row, and where the depths begin.
+  /// Numbers of the nodes that can move, sorted by depth, and where each depth begins.
   struct Levels {
     std::vector<std::uint32_t> nodes;
     std::vector<std::size_t> starts;
   };
-  /// What hangs on nodes that can move.
+  /// Objects attached to nodes that can move.
   struct Loads {
     std::vector<std::uint32_t> instances, cameras, lights, shapes;
   };
@@ -46,7 +46,7 @@ class RigState {
   std::vector<RigNode> local_;  ///< without names
   std::vector<Placement> to_world_;
   std::vector<std::vector<float>> weights_;  ///< of each shape
-  /// What each shape was last made from; no joints and no weights before the first time.
+  /// The joints and weights from which each shape was last computed; empty before the first time.
   struct Made {
     bool made = false;
     std::vector<float> weights;

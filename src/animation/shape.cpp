@@ -15,7 +15,7 @@ Vec3 morphed(const std::vector<Vec3>& rest, std::vector<Vec3> MorphTarget::*fiel
   return sum;
 }
 
-/// The mean of the joints' maps, weighted. A vertex that no joint pulls stays.
+/// The weighted mean of the joints' maps. A vertex without joints does not move.
 Affine blended(const RigShape& shape, std::span<const Affine> joints, std::size_t vertex) {
   const std::size_t first = vertex * shape.joints_per_vertex;
   float total = 0;

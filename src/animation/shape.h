@@ -8,9 +8,9 @@
 
 namespace raysheaf {
 
-/// Writes the positions and normals of `mesh`: those of the shape at rest, moved by its targets
-/// times `weights` and pulled by `joints`, one map a joint of its skin, from the mesh at rest to
-/// where its instances take it up. Each vertex by itself, O(vertices (targets + joints)).
+/// Computes the positions and normals of `mesh`: those of the shape at rest, displaced by its
+/// targets times `weights` and transformed by `joints`. There is one map for each joint of its
+/// skin, from the mesh at rest to the space of its instances. O(vertices (targets + joints)).
 void deform(const Executor& executor, const RigShape& shape, std::span<const float> weights,
             std::span<const Affine> joints, Mesh* mesh);
 

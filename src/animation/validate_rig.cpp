@@ -1,4 +1,4 @@
-// What a rig must be before anything is moved by it.
+// Validates a rig before anything is moved by it.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -45,7 +45,8 @@ void check_index(const std::string& place, std::size_t index, std::size_t count,
 void check_node(const RigNode& node, std::size_t i) {
   const std::string place = element("nodes", i);
   if (node.parent != kInvalidId && node.parent >= i)
-    fail(place + ".parent", "is " + std::to_string(node.parent) + ", but parents stand before");
+    fail(place + ".parent",
+         "is " + std::to_string(node.parent) + ", but parents must precede their children");
   check_finite(place + ".translation", node.translation);
   check_finite(place + ".rotation", node.rotation);
   check_finite(place + ".scale", node.scale);
@@ -56,7 +57,7 @@ void check_node(const RigNode& node, std::size_t i) {
   for (const auto& row : *node.matrix) check_finite(place + ".matrix", row);
 }
 
-/// One entry an item, each a node or none.
+/// One entry for each item: a node or none.
 void check_carried(const char* list, const std::vector<std::uint32_t>& nodes, std::size_t items,
                    std::size_t node_count) {
   if (nodes.size() != items) {
@@ -135,7 +136,7 @@ void check_curve(const Curve& curve, const std::string& place, std::size_t width
     if (curve.times[k] < 0) fail(element(place + ".times", k), "is negative");
     if (k > 0 && !(curve.times[k] > curve.times[k - 1])) {
       fail(element(place + ".times", k), "is " + std::to_string(curve.times[k]) +
-                                             ", not later than the key before, " +
+                                             ", not later than the previous key, " +
                                              std::to_string(curve.times[k - 1]));
     }
   }
@@ -160,7 +161,7 @@ void check_channel(const RigChannel& channel, const std::string& place, const Ri
     check_index(place + ".target", channel.target, rig.nodes.size(), "nodes");
     if (rig.nodes[channel.target].matrix)
       fail(place + ".target",
-           element("nodes", channel.target) + " has a matrix: nothing drives it");
+           element("nodes", channel.target) + " has a matrix, so no curve can drive it");
   }
   check_curve(clip.curves[channel.curve],
               place.substr(0, place.find('.')) + "." + element("curves", channel.curve), width);
@@ -190,7 +191,7 @@ void validate(const Rig& rig, const SceneDescription& scene) {
       const std::string place = element(element("clips", c) + ".channels", i);
       check_channel(channel, place, clip, rig);
       if (!driven.insert({channel.path, channel.target}).second)
-        fail(place, "drives what an earlier channel drives");
+        fail(place, "drives the same target as an earlier channel");
     }
   }
 }

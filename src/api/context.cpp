@@ -16,7 +16,7 @@ void check(const ContextOptions& options) {
     throw Error(ErrorCode::kInvalidArgument,
                 "must be from 0 to 1024, not " + std::to_string(options.threads), "threads");
   if (options.device != Device::kCpu && options.device != Device::kCuda)
-    throw Error(ErrorCode::kInvalidArgument, "is no device that there is", "device");
+    throw Error(ErrorCode::kInvalidArgument, "is not a valid device", "device");
 }
 
 template <class Work>
@@ -24,7 +24,7 @@ auto within_memory(const Work& work) {
   return raysheaf::within_memory("there is not enough memory", "context", work);
 }
 
-/// The machine that the options ask for; null for the CPU.
+/// The device that the options request; null for the CPU.
 std::unique_ptr<DeviceBackend> machine_of(const ContextOptions& options) {
   check(options);
   if (options.device == Device::kCpu) return nullptr;
@@ -50,7 +50,7 @@ std::string simd_target() {
 
 Context::Context(const ContextOptions& options) : Context(options, machine_of(options), nullptr) {}
 
-/// Options that have been checked.
+/// With options that have been validated.
 Context::Context(const ContextOptions& options, std::unique_ptr<DeviceBackend> machine,
                  std::shared_ptr<Communicator> processes)
     : impl_(within_memory([&] {

@@ -1,4 +1,4 @@
-// What is behind `Context`.
+// The implementation of `Context`.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@
 
 namespace raysheaf {
 
-/// That options may ask for.
+/// The most that options may request.
 inline constexpr std::uint32_t kMostThreads = 1024;
 
 struct Context::Impl {
@@ -23,8 +23,8 @@ struct Context::Impl {
 
   Device device;
   Executor executor;
-  std::unique_ptr<DeviceBackend> backend;  ///< none: the CPU
-  std::shared_ptr<Communicator> ranks;     ///< none: this process alone
+  std::unique_ptr<DeviceBackend> backend;  ///< null: the CPU
+  std::shared_ptr<Communicator> ranks;     ///< null: this process only
 };
 
 struct ContextAccess {
@@ -33,9 +33,9 @@ struct ContextAccess {
   static const DeviceBackend* backend(const Context& context) {
     return context.impl_->backend.get();
   }
-  /// Null for this process alone.
+  /// Null for a single process.
   static Communicator* ranks(const Context& context) { return context.impl_->ranks.get(); }
-  /// On a machine that is handed in, or the CPU; for the processes of `ranks` if there are any.
+  /// On a given device, or the CPU; for the processes of `ranks`, if any.
   static Context with_backend(const ContextOptions& options, std::unique_ptr<DeviceBackend> backend,
                               std::shared_ptr<Communicator> ranks = nullptr) {
     return Context(options, std::move(backend), std::move(ranks));

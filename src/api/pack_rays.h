@@ -1,4 +1,4 @@
-// Rays from their parts.
+// Packs rays from separate arrays.
 #pragma once
 
 #include "raysheaf/ray_parts.h"
@@ -6,7 +6,7 @@
 
 namespace raysheaf {
 
-/// Rays [begin, end) of `parts`, to `out`. Numbers that float has no room for become infinite.
+/// Writes rays [begin, end) of `parts` to `out`. Numbers outside float's range become infinite.
 void pack_rays(const RayParts& parts, std::size_t begin, std::size_t end, Ray* out);
 
 }  // namespace raysheaf

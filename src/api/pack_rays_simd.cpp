@@ -1,4 +1,4 @@
-// Compiled once a SIMD target and chosen at run time (Google Highway).
+// Compiled once for each SIMD target and chosen at run time (Google Highway).
 #include <algorithm>
 #include <cstring>
 #include <limits>
@@ -23,8 +23,8 @@ const Number* row_of(const NumberRows& rows, std::size_t i) {
   return static_cast<const Number*>(rows.data) + static_cast<std::ptrdiff_t>(i) * rows.row_stride;
 }
 
-/// Three numbers of rows [begin, end) to every eighth of `out` and the two after it, and `limit`
-/// after them.
+/// Writes the three numbers of rows [begin, end) and `limit` as four consecutive floats of `out`,
+/// with a stride of eight floats.
 template <class Number>
 void copy_triples(const NumberRows& rows, std::size_t begin, std::size_t end, float limit,
                   float* out) {
@@ -52,8 +52,7 @@ HWY_INLINE hn::Vec<hn::Full128<float>> four(const double* from) {
 #endif
 }
 
-/// The same of numbers that stand together, and `limit` after the three. Four are read: row `end`
-/// is there, too.
+/// The same for contiguous rows. Reads four numbers at a time, so row `end` must exist.
 template <class Number>
 void copy_tight(const NumberRows& rows, std::size_t begin, std::size_t end, float limit,
                 float* out) {
@@ -101,7 +100,7 @@ void copy_limits(const NumberRows& rows, std::size_t begin, std::size_t end, flo
     copy_limits<float>(rows, begin, end, out);
 }
 
-/// Whether all rays have one limit.
+/// Whether all rays have the same limit.
 bool is_one(const NumberRows& rows) {
   return rows.data == nullptr || rows.row_stride == 0;
 }
@@ -111,7 +110,8 @@ float first_of(const NumberRows& rows, float otherwise) {
 }
 
 void PackRays(const RayParts& parts, std::size_t begin, std::size_t end, Ray* out) {
-  constexpr std::size_t kStep = 512;  // rays that stay in the first cache while parts are added
+  constexpr std::size_t kStep = 512;  // rays that stay in the first-level cache while their parts
+                                      // are written
   if (begin == end) return;
   const float t_min = first_of(parts.t_min, 0);
   const float t_max = first_of(parts.t_max, std::numeric_limits<float>::infinity());
@@ -119,7 +119,7 @@ void PackRays(const RayParts& parts, std::size_t begin, std::size_t end, Ray* ou
     const std::size_t stop = std::min(end, begin + kStep);
     const bool more_follow = stop < parts.count;
     float* const numbers = &out->origin.x;
-    // Limits of each ray's own after what writes where they stand.
+    // Individual limits are written after the triples, which overwrite their places.
     copy_triples(parts.origins, begin, stop, more_follow, t_min, numbers);
     copy_triples(parts.directions, begin, stop, more_follow, t_max, numbers + 4);
     if (!is_one(parts.t_min)) copy_limits(parts.t_min, begin, stop, numbers + 3);

@@ -1,4 +1,4 @@
-// The front door of queries: the view that the mask shows, the engine, names for the hits.
+// Implements the public queries: the view for the mask, the engine, and the ids of hits.
 #include "raysheaf/query.h"
 
 #include <algorithm>
@@ -22,8 +22,8 @@ void check_length(std::size_t rays, std::size_t size, const char* name) {
                 std::to_string(size) + " results for " + std::to_string(rays) + " rays", name);
 }
 
-/// Where nothing can be met. A device's memory is not written from here, and not before what the
-/// caller has asked for.
+/// The answer if nothing can be hit. The caller's earlier work must be complete before, and a
+/// device's memory is not written by the host.
 template <class T>
 void clear(Query* query, std::span<T> out, const char* name) {
   if (out.empty()) return;
@@ -69,7 +69,7 @@ void any_hits(Query* query, std::span<std::uint8_t> occluded) {
                                query->report());
 }
 
-/// Calls `take(rows)` with what was found, which has a `for_each` as `FoundRows` has.
+/// Calls `take(rows)` with the found rows, which have a `for_each` like `FoundRows`.
 template <class Take>
 void find_rows(Query* query, const Take& take) {
   if (query->is_empty()) return take(brute::Rows{});
@@ -85,7 +85,7 @@ void find_rows(Query* query, const Take& take) {
   take(rows);
 }
 
-/// The lengths of rows.
+/// Stores the lengths of rows.
 struct MeasureRow {
   std::uint64_t* lengths;
 
@@ -93,9 +93,9 @@ struct MeasureRow {
   void comes_soon(std::size_t ray) const { __builtin_prefetch(lengths + ray, 1); }
 };
 
-/// Rows where they begin.
+/// Writes the hits of rows, with ids, to the rows' places.
 struct NameRow {
-  Query* query;  ///< where nothing can be hit it has no view
+  Query* query;  ///< without a view if nothing can be hit
   const std::uint64_t* begins;
   Hit* out;
 
@@ -144,8 +144,9 @@ void add_counts(const QueryStatistics& piece, QueryStatistics* sum) {
   if (sum->plan.empty()) sum->plan = piece.plan;
 }
 
-/// Calls `one(rays, answers, options)`, in pieces where processes share the scene's context. Counts
-/// are then those of all, times and the plan this process's. A device's own memory is not shared.
+/// Calls `one(rays, answers, options)`, in pieces if processes share the scene's context. Counts
+/// are then those of all processes, times and plan those of this one. Rays in a device's memory are
+/// not shared.
 template <class Answer, class One>
 void answer(const Scene& scene, const QueryRays& rays, std::span<Answer> answers, const char* name,
             const QueryOptions& options, const One& one) {
@@ -160,7 +161,7 @@ void answer(const Scene& scene, const QueryRays& rays, std::span<Answer> answers
   if (ranks == nullptr || ranks->size() == 1 || pieces.number() <= 1 ||
       (rays.is_packed() && on_device(rays.rays().data, "rays")) || on_device(answers.data(), name))
     return one(rays, answers, options);
-  const SceneGate::Reading reading(state.gate);  // for all pieces, and what is told of them
+  const SceneGate::Reading reading(state.gate);  // covers all pieces and their statistics
   Stopwatch watch;
   QueryStatistics sum, piece;
   sum.rays = rays.size();
@@ -183,13 +184,13 @@ void answer(const Scene& scene, const QueryRays& rays, std::span<Answer> answers
   sum.triangle_tests = counts[2];
   sum.total_ms = sum.check_ms + watch.lap_ms();
   if (options.statistics == nullptr) return;
-  // Also where others took every piece.
+  // Also if other processes took every piece.
   sum.triangles = visible_triangles(state.runs, options.mask);
   sum.update_ms = state.update_ms;
   *options.statistics = std::move(sum);
 }
 
-/// Calls `ask(rays)`; of wrong rays the first is named, whichever a thread has found.
+/// Calls `ask(rays)`; if rays are invalid, names the first, no matter which one a thread has found.
 template <class Rays, class Ask>
 void with_rays(const Rays& given, const QueryOptions& options, const Ask& ask) {
   const QueryRays rays(given, options.check);
@@ -202,8 +203,9 @@ void with_rays(const Rays& given, const QueryOptions& options, const Ask& ask) {
   });
 }
 
-/// `body(query)`, among the context's threads: others of them may wait for the view that it holds.
-/// Not on a device, where a stream may be the calling thread's own.
+/// Calls `body(query)` on one of the context's threads, because others of them may wait for the
+/// view that it holds. On a device it stays on the calling thread, because the stream may belong to
+/// that thread.
 template <class Body>
 void run_query(const Scene& scene, const QueryRays& rays, const QueryOptions& options,
                Passes passes, const Body& body) {

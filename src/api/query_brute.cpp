@@ -8,10 +8,11 @@
 namespace raysheaf::brute {
 namespace {
 
-/// Rays a task.
+/// Rays per task.
 constexpr std::size_t kBruteGrain = 16;
 
-/// Calls `take(hit)`, which says whether to go on, for the hits of a ray by ascending number.
+/// Calls `take(hit)`, which returns whether to continue, for the hits of a ray by ascending
+/// triangle number.
 template <class Take>
 void for_each_hit(const TriangleSource& source, const Ray& ray, const Take& take) {
   const RaySetup setup = make_ray_setup(ray);

@@ -1,4 +1,4 @@
-// Every ray with every triangle of a view, one after the other: what all else is checked against.
+// Brute force: tests every ray with every triangle of a view, as the reference for all methods.
 #pragma once
 
 #include "queries/planned_queries.h"
@@ -10,11 +10,11 @@ void closest_hit(const Executor& executor, const TriangleSource& source, View<co
                  View<IndexedHit> hits);
 void any_hit(const Executor& executor, const TriangleSource& source, View<const Ray> rays,
              View<std::uint8_t> occluded);
-/// All hits by ray, each row by (t, triangle).
+/// All hits by ray, each row sorted by (t, triangle).
 struct Rows {
   std::vector<std::vector<IndexedHit>> rows;
 
-  /// As `FoundRows` has it.
+  /// As `FoundRows::for_each`.
   template <class Body>
   void for_each(const Executor& executor, const Body& body) const {
     executor.for_each(rows.size(), 1024,

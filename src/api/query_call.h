@@ -1,4 +1,4 @@
-// One call of a query: the scene as it is, the rays looked over, and what is counted.
+// One call of a query: the committed scene, the validated rays, and the statistics.
 #pragma once
 
 #include <memory>
@@ -16,13 +16,13 @@ namespace raysheaf {
 
 inline constexpr std::size_t kMostRays = 0x7fffffff;
 
-/// How a query goes through its rays.
+/// How a query processes its rays.
 enum class Passes {
-  kWhole,    ///< through all of them stage by stage
-  kInTiles,  ///< as the engine likes: where it is the CPU's, and not asked for brute force
+  kWhole,    ///< all of them stage by stage
+  kInTiles,  ///< as the engine chooses, if it runs on the CPU and not by brute force
 };
 
-/// One call: holds the scene as it is, and counts what is done.
+/// One call: prevents changes of the scene, and collects statistics.
 class Query {
  public:
   Query(const Scene& scene, const QueryRays& rays, const QueryOptions& options, Passes passes)
@@ -42,17 +42,17 @@ class Query {
     if (view_ == nullptr) return;
     lock_ = std::unique_lock(view_->mutex);
     view_->refresh(state_.runs);
-    // Brute force reads the triangles alone, which stay while `reading_` is there.
+    // Brute force only reads the triangles, which do not change during `reading_`.
     if (is_brute() && !is_on_device()) lock_.unlock();
   }
 
-  /// Until the caller asks to stop.
+  /// Stops when the caller requests it.
   [[nodiscard]] const Executor& executor() const { return executor_; }
-  /// All of them, looked over; none where they go in tiles.
+  /// All rays, validated; empty if they are processed in tiles.
   [[nodiscard]] View<const Ray> rays() const { return whole_; }
-  /// What an engine takes in tiles.
+  /// The rays for an engine that processes tiles.
   [[nodiscard]] const RaySource& source() const { return rays_; }
-  /// Whether nothing can be met: no rays, or no triangles that they see.
+  /// Whether nothing can be hit: there are no rays, or no triangles visible to the mask.
   [[nodiscard]] bool is_empty() const { return view_ == nullptr; }
   [[nodiscard]] bool is_brute() const { return options_.method == QueryMethod::kBrute; }
   [[nodiscard]] const DeviceBackend* backend() const {
@@ -81,7 +81,6 @@ class Query {
     return options_.statistics != nullptr ? &report_ : nullptr;
   }
 
-  /// Writes the statistics.
   void finish() {
     if (options_.statistics == nullptr) return;
     if (!is_empty() && is_brute() && !is_on_device()) report_of_brute_force();
@@ -105,7 +104,7 @@ class Query {
 
  private:
   void take_all() {
-    // Rays in a device's memory are looked over there.
+    // Rays in a device's memory are validated there.
     if (rays_.is_packed() && is_on_device() &&
         backend()->is_device_memory(rays_.rays().data, "rays")) {
       whole_ = rays_.rays();
@@ -118,7 +117,7 @@ class Query {
   void report_of_brute_force() {
     if (options_.count_tests)
       report_.triangle_tests = std::uint64_t{rays_.size()} * view_->source().count;
-    report_.plan = {"brute force, as asked for"};
+    report_.plan = {"brute force, as requested"};
   }
 
   Stopwatch watch_;

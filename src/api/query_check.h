@@ -1,4 +1,4 @@
-// What may be wrong with the rays of a query, or with answering them.
+// Validation of a query's rays, and translation of its errors.
 #pragma once
 
 #include "base/view.h"
@@ -8,16 +8,16 @@
 
 namespace raysheaf {
 
-/// Whether none is wrong.
+/// Whether all rays are valid.
 [[nodiscard]] bool are_right(View<const Ray> rays);
-/// Throws `Error` (kInvalidData) that names the first wrong one of `rays`, if there is one, and its
-/// field; `first` is the number of rays[0].
+/// Throws `Error` (kInvalidData) naming the first invalid one of `rays`, if any, and its field;
+/// `first` is the number of rays[0].
 void throw_fault(View<const Ray> rays, std::size_t first);
 
 /// Throws as `throw_fault` does.
 void check_rays(const Executor& executor, View<const Ray> rays);
 
-/// Memory that runs out while rays are answered is the caller's to handle, as all else is.
+/// Reports exhausted memory during a query as `Error`.
 template <class Body>
 decltype(auto) answered(const Body& body) {
   return within_memory("there is not enough memory to answer them", "rays", body);

@@ -1,4 +1,4 @@
-// Compiled once a SIMD target and chosen at run time (Google Highway).
+// Compiled once for each SIMD target and chosen at run time (Google Highway).
 #include <atomic>
 #include <cmath>
 #include <string>
@@ -16,7 +16,8 @@ HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Whether the first `count` rays are right, as far as they fill vectors; `done` says how far.
+/// Whether the first `count` rays are valid, as far as they fill vectors; `done` returns how many
+/// were tested.
 ///
 /// A ray is two quads of floats, x y z t: origin and t_min, direction and t_max. They are loaded
 /// field by field, with origins in the even lanes and directions in the odd ones.
@@ -54,7 +55,7 @@ namespace {
 
 HWY_EXPORT(CheckRays);
 
-/// Items a task: 256 KiB.
+/// Items per task: 256 KiB.
 constexpr std::size_t kGrain = 8192;
 
 }  // namespace

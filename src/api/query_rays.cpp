@@ -15,7 +15,7 @@ QueryRays::QueryRays(const RayParts& parts, bool check)
   const auto require = [&](const NumberRows& rows, const char* place) {
     if (rows.data == nullptr && parts.count != 0)
       throw Error(ErrorCode::kInvalidArgument,
-                  "there are none for " + std::to_string(parts.count) + " rays", place);
+                  "there is no array for " + std::to_string(parts.count) + " rays", place);
   };
   require(parts.origins, "rays.origins");
   require(parts.directions, "rays.directions");
@@ -37,7 +37,7 @@ void QueryRays::throw_first_fault() const {
   Ray room[64];
   for (std::size_t begin = 0; begin < size(); begin += std::size(room))
     throw_fault(peek(begin, std::min(size(), begin + std::size(room)), room), begin);
-  throw Error(ErrorCode::kInternal, "rays are right one by one, but not together", "rays");
+  throw Error(ErrorCode::kInternal, "the invalid ray was not found again", "rays");
 }
 
 }  // namespace raysheaf

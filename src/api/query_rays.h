@@ -1,4 +1,4 @@
-// The rays of a query: as they lie in memory, or packed from their parts where they are used.
+// The rays of a query: in place, or packed from their parts by the threads that use them.
 #pragma once
 
 #include "exec/executor.h"
@@ -7,25 +7,25 @@
 
 namespace raysheaf {
 
-/// Thrown where a thread takes a wrong ray, of which there may be more before it.
+/// Thrown by a thread that finds an invalid ray, which need not be the first.
 struct WrongRay {};
 
 class QueryRays final : public RaySource {
  public:
-  /// `check`: `take` looks the rays over.
+  /// `check`: `take` validates the rays.
   QueryRays(View<const Ray> rays, bool check) : RaySource(rays.size), rays_(rays), check_(check) {}
-  /// Throws `Error` (kInvalidArgument) where there are rays without origins or directions.
+  /// Throws `Error` (kInvalidArgument) if there are rays without origins or directions.
   QueryRays(const RayParts& parts, bool check);
 
   [[nodiscard]] bool is_packed() const { return is_packed_; }
   [[nodiscard]] bool is_in_place() const override { return is_packed_; }
-  /// All of them; only where they are packed.
+  /// All of them; only if they are stored as `Ray`.
   [[nodiscard]] View<const Ray> rays() const { return rays_; }
 
   [[nodiscard]] View<const Ray> peek(std::size_t begin, std::size_t end, Ray* room) const override;
   /// Throws `WrongRay`.
   [[nodiscard]] View<const Ray> take(std::size_t begin, std::size_t end, Ray* room) const override;
-  /// Throws `Error` (kInvalidData) that names the first wrong ray and its field; there is one.
+  /// Throws `Error` (kInvalidData) naming the first invalid ray and its field; there must be one.
   [[noreturn]] void throw_first_fault() const;
 
  private:

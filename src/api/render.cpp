@@ -1,5 +1,5 @@
-// The renderer: checks what the caller hands in, brings what it has made of the scene up to date,
-// runs a frame. The one place where errors of the layers below become `Error`.
+// The renderer: validates the input, updates what it has computed for the scene, and renders a
+// frame. Only this file turns errors of lower layers into `Error`.
 #include "raysheaf/renderer.h"
 
 #include <algorithm>
@@ -25,7 +25,7 @@
 namespace raysheaf {
 namespace {
 
-/// What a device does not know.
+/// Features that devices do not support.
 void check_for_device(const RenderOptions& options) {
   const auto refuse = [](const char* sentence, const char* option) {
     throw Error(ErrorCode::kUnsupported, sentence, option);
@@ -33,8 +33,8 @@ void check_for_device(const RenderOptions& options) {
   if (options.method == Method::kDual || options.method == Method::kBrute) return;
   if (options.count_pixel_tests)
     refuse(
-        "rah, crsh and gl10 do not count the tests of pixels on a CUDA device, which heat maps and "
-        "OpenEXR show",
+        "rah, crsh and gl10 do not count tests per pixel on a CUDA device, which heat maps and "
+        "OpenEXR need",
         "tests");
   const RayKey key = options.key.value_or(RayKey::kCrsh);
   if (key != RayKey::kCrsh && key != RayKey::kRaster)
@@ -43,7 +43,7 @@ void check_for_device(const RenderOptions& options) {
     refuse("bundles of rays are not measured on a CUDA device", "bundle_samples");
   if (options.method == Method::kGl10) return;
   if (options.bound.value_or(BundleBound::kSphereCone) != BundleBound::kSphereCone)
-    refuse("a CUDA device bounds rays by sphere-cone alone", "bound");
+    refuse("a CUDA device bounds rays only by sphere-cone", "bound");
 }
 
 const char* word_of(const TreeReport& tree) {
@@ -86,10 +86,10 @@ class Renderer::Impl {
       if (cache_.backend != nullptr) check_for_device(options);
       if (scene_ == nullptr)
         throw Error(ErrorCode::kWrongState, "no scene is shown yet: call show() first");
-      return within_memory("there is not enough memory for this picture", "",
+      return within_memory("there is not enough memory for this image", "",
                            [&] { return render_checked(options, given); });
     } catch (const Error& error) {
-      // Who cancels finds everything whole: nothing that is kept is made where one can.
+      // Cancellation leaves all caches valid: nothing cached is built at a cancellation point.
       if (error.code() != ErrorCode::kCancelled) pending_.everything = true;
       throw;
     }
@@ -159,7 +159,7 @@ class Renderer::Impl {
     return result;
   }
 
-  /// Of several processes rank 0's: that of others may be another one.
+  /// With several processes, rank 0's image, because that of other ranks may differ.
   std::vector<std::uint32_t> seen_by_opengl(const Executor& executor, const CameraFrame& frame,
                                             SlotDevice* device) {
     if (cache_.ranks == nullptr || cache_.ranks->size() == 1)
@@ -168,7 +168,7 @@ class Renderer::Impl {
                          [&] { return rasterizer_->visible_triangles(executor, flat_, frame); });
   }
 
-  /// With the scene.
+  /// Returns the device's stages with the current scene.
   DeviceStages& device_stages(const Executor& executor) {
     if (cache_.stages == nullptr) cache_.stages = cache_.backend->make_stages();
     if (!cache_.stages->has_scene())
@@ -182,7 +182,7 @@ class Renderer::Impl {
     return *executor_;
   }
 
-  /// Does what is pending; an exception leaves everything pending.
+  /// Applies the pending changes; an exception leaves all of them pending.
   UpdateStatistics update_scene(const Executor& executor) {
     Stopwatch watch;
     SceneChanges changes = std::exchange(pending_, {});
@@ -212,7 +212,7 @@ class Renderer::Impl {
   }
 
   const LargeMemoryKeeper memory_;
-  const std::optional<Context> context_;  // keeps the device
+  const std::optional<Context> context_;  // keeps the device alive
   const SceneDescription* scene_ = nullptr;
   SceneChanges pending_;
   std::optional<Executor> executor_;

@@ -1,4 +1,4 @@
-// Options of a frame, and what of the scene they ask for.
+// Options of a frame, and the camera and lights that they select.
 #include "api/render_input.h"
 
 #include <unistd.h>
@@ -29,7 +29,7 @@ void check_memory(const RenderOptions& options) {
   const auto page_bytes = static_cast<std::uint64_t>(std::max(0L, sysconf(_SC_PAGESIZE)));
   if (pages * page_bytes != 0 && needed > pages * page_bytes)
     throw Error(ErrorCode::kOutOfMemory,
-                "a picture of this size needs about " + std::to_string(needed >> 30) +
+                "an image of this size needs about " + std::to_string(needed >> 30) +
                     " GiB, more than this machine has",
                 "size");
 }

@@ -1,4 +1,4 @@
-// What a caller asks of a frame, looked over.
+// Validates and completes the options of a frame.
 #pragma once
 
 #include <cstdint>
@@ -9,21 +9,21 @@
 
 namespace raysheaf {
 
-/// What a frame needs a pixel, with room for a batch of secondary rays beside the primary
+/// The memory of a frame per pixel, including a batch of secondary rays in addition to the primary
 /// fragments.
 inline constexpr std::uint64_t kBytesPerPixel = 640;
 
-/// Throws `Error` that names the first option which is out of range.
+/// Throws `Error` naming the first option that is out of range.
 void check(const RenderOptions& options);
 /// `default_size` of the camera.
 void set_default_size(const Camera& camera, RenderOptions* options);
 
-/// The scene's, or one that shows it from where the camera stands. Where there is but one sample,
-/// balls shine from their centres: there is no choice to be made.
+/// The scene's lights, or one that illuminates what the camera sees. With a single sample, spheres
+/// emit light from their centres, because there is nothing to sample.
 [[nodiscard]] std::vector<PlacedLight> find_lights(const SceneDescription& scene,
                                                    const Camera& camera, std::uint32_t samples);
 
-/// Those asked for, or as many as the scene's light and the lens want.
+/// The requested number, or the default for the scene's lights and the lens.
 [[nodiscard]] std::uint32_t find_samples(const SceneDescription& scene, const Camera& camera,
                                          const RenderOptions& options);
 

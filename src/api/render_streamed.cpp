@@ -1,4 +1,4 @@
-// render() of what streams.
+// render() of a streamed scene.
 #include <algorithm>
 #include <string>
 
@@ -16,9 +16,9 @@
 namespace raysheaf {
 namespace {
 
-/// What the process has beside the picture and the blocks.
+/// The process's memory in addition to the image and the blocks.
 constexpr std::uint64_t kFrameBaseBytes = std::uint64_t{48} << 20;
-/// The caller's, and what `EnvironmentMap` keeps of it.
+/// The caller's, and that of `EnvironmentMap`.
 constexpr std::uint64_t kBytesPerTexelOfSky = sizeof(Vec3) + sizeof(float);
 constexpr std::uint64_t kBytesPerShadowRay = 128 + kStreamRayBytes;
 
@@ -27,12 +27,13 @@ void refuse(const std::string& sentence, const char* option) {
 }
 
 void check_streamed(const RenderOptions& options, const StreamOptions& stream) {
-  if (options.method != Method::kDual) refuse("what streams is met by dual alone", "method");
-  if (options.primary != Primary::kTrace) refuse("what streams is seen by rays alone", "primary");
+  if (options.method != Method::kDual) refuse("streaming supports only the method dual", "method");
+  if (options.primary != Primary::kTrace)
+    refuse("streaming finds primary hits only by trace", "primary");
   check_parts(stream);
 }
 
-/// What streams brings its light, or shines by itself.
+/// The scene's lights. None is added here: `cut_into_blocks` adds one to a scene that needs it.
 std::vector<PlacedLight> lights_of(const SceneDescription& scene, std::uint32_t samples) {
   if (scene.lights.empty()) return {};
   return find_lights(scene, scene.cameras.front(), samples);
@@ -94,7 +95,7 @@ RenderResult render_checked(const GeometrySource& source, const RenderOptions& o
 
 RenderResult render(const GeometrySource& source, const RenderOptions& wanted,
                     const StreamOptions& stream) {
-  return within_memory("there is not enough memory for this picture", "", [&] {
+  return within_memory("there is not enough memory for this image", "", [&] {
     RenderOptions options = wanted;
     if (options.width == 0 && options.height == 0)
       set_default_size(find_camera(source.scene(), options.camera), &options);
@@ -102,7 +103,7 @@ RenderResult render(const GeometrySource& source, const RenderOptions& wanted,
     check_streamed(options, stream);
     validate_but_triangles(source.scene());
     if (source.scene().cameras.empty())
-      throw Error(ErrorCode::kInvalidData, "what streams brings a camera", "cameras");
+      throw Error(ErrorCode::kInvalidData, "a streamed scene needs a camera", "cameras");
     return render_checked(source, options, stream);
   });
 }

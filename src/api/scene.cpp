@@ -1,5 +1,4 @@
-// The front door of a scene: every call passes the gate, and says in raysheaf's words what went
-// wrong.
+// Implements the public scene: every call passes the gate, and reports errors as `Error`.
 #include "raysheaf/scene.h"
 
 #include "api/scene_impl.h"
@@ -8,7 +7,7 @@
 namespace raysheaf {
 namespace {
 
-/// `body(state)`, alone; its time counts as the next commit's.
+/// Calls `body(state)` with exclusive access; its time is added to the next commit's.
 template <class Body>
 auto change(Scene& scene, const Body& body) {
   auto& state = SceneAccess::state(scene);

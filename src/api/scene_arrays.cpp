@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t kMostItems = 0x7fffffff;
 
-// The loops below have no branches, so that the compiler makes vectors of them; what is wrong is
-// found again by a second look.
+// The loops below have no branches, so that the compiler vectorizes them; a second pass locates an
+// error.
 
 bool check_coordinates(const float* in, std::size_t count) {
   std::uint32_t wrong = 0;
@@ -28,8 +28,8 @@ bool check_indices(const std::uint32_t* in, std::size_t count, std::uint32_t lim
   return wrong == 0;
 }
 
-/// Copies by `copied(item)`, and looks over what was copied, while it is in the first cache:
-/// another thread may write to `in` all the while. `check(out, count)`.
+/// Copies by `copied(item)`, and validates the copy by `check(out, count)` while it is in the
+/// first-level cache, because another thread may write to `in` at any time.
 template <class Item, class Copied, class Check>
 bool copy_checked(const Item* in, std::size_t count, Item* out, const Copied& copied,
                   const Check& check) {
@@ -38,13 +38,14 @@ bool copy_checked(const Item* in, std::size_t count, Item* out, const Copied& co
   for (std::size_t begin = 0; begin < count; begin += kAtOnce) {
     const std::size_t end = std::min(count, begin + kAtOnce);
     for (std::size_t i = begin; i < end; ++i) out[i] = copied(in[i]);
-    std::atomic_signal_fence(std::memory_order_seq_cst);  // or the compiler may look at `in`
+    std::atomic_signal_fence(std::memory_order_seq_cst);  // prevents the compiler from reading `in`
+                                                          // again
     good = check(out + begin, end - begin) && good;
   }
   return good;
 }
 
-/// The sum makes -0 into +0, as the identity transform does (base/vec.h).
+/// Adding 0 turns -0 into +0, as the identity transform does (base/vec.h).
 bool copy_coordinates(const float* in, std::size_t count, float* out) {
   return copy_checked(
       in, count, out, [](float x) { return x + 0.0f; }, check_coordinates);
@@ -57,7 +58,7 @@ bool copy_indices(const std::uint32_t* in, std::size_t count, std::uint32_t limi
       [&](const std::uint32_t* some, std::size_t n) { return check_indices(some, n, limit); });
 }
 
-/// Whether `body(begin, end)` holds for all blocks of [0, count).
+/// Whether `body(begin, end)` returns true for all blocks of [0, count).
 template <class Body>
 bool all_blocks(const Executor& executor, std::size_t count, const Body& body) {
   std::atomic<bool> good{true};
@@ -75,8 +76,8 @@ std::string element(const std::string& place, const char* field, std::size_t i) 
   throw Error(ErrorCode::kInvalidData, "the array changed while it was read", place + "." + field);
 }
 
-/// The first of `items` that is not `right`. One whose owner writes to it all the while may be
-/// right by now.
+/// The first of `items` that is not `right`. If the owner is writing to the array, it may have
+/// become valid.
 template <class Item, class Right>
 std::size_t first_wrong(View<const Item> items, const std::string& place, const char* field,
                         const Right& right) {
@@ -89,7 +90,7 @@ bool is_right(const Vec3& position) {
   return check_coordinates(&position.x, 3);
 }
 
-/// Whether the corners that triangles have are right. Indices out of range are another error's.
+/// Whether the corners that triangles use are valid. Indices out of range are reported elsewhere.
 bool are_right(const Executor& executor, View<const Vec3> positions,
                View<const Triangle> triangles) {
   return all_blocks(executor, triangles.size, [&](std::size_t begin, std::size_t end) {
@@ -100,7 +101,7 @@ bool are_right(const Executor& executor, View<const Vec3> positions,
   });
 }
 
-/// The first wrong corner; `triangles` = null: of a soup.
+/// The first invalid corner; `triangles` = null for a soup.
 std::size_t first_wrong_corner(View<const Vec3> positions, const View<const Triangle>* triangles,
                                const std::string& place) {
   if (triangles == nullptr) return first_wrong(positions, place, "positions", is_right);
@@ -151,7 +152,7 @@ void MeshArrays::set(const Executor& executor, View<const Vec3> positions,
   if (triangles != nullptr) check_count(triangles->size, place, "triangles");
   if (triangles == nullptr && positions.size % 3 != 0)
     throw Error(ErrorCode::kInvalidArgument,
-                std::to_string(positions.size) + " vertices are not three a triangle",
+                std::to_string(positions.size) + " vertices are not a multiple of three",
                 place + ".positions");
   View<const Triangle> taken;
   if (triangles != nullptr) taken = take_triangles(executor, *triangles, positions.size, place);

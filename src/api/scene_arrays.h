@@ -1,4 +1,4 @@
-// The vertices and triangles of one mesh, looked over on their way in.
+// The vertices and triangles of one mesh, validated when they are set.
 #pragma once
 
 #include <string>
@@ -14,11 +14,11 @@ class MeshArrays {
  public:
   explicit MeshArrays(Storage storage) : storage_(storage) {}
 
-  /// Takes or shares the arrays; `triangles` = null for a soup. `place` names the mesh in errors.
-  /// Vertices that no triangle uses may be anything. Changes nothing where it throws.
+  /// Copies or shares the arrays; `triangles` = null for a soup. `place` names the mesh in errors.
+  /// Vertices that no triangle uses may have any value. Changes nothing if it throws.
   void set(const Executor& executor, View<const Vec3> positions,
            const View<const Triangle>* triangles, const std::string& place);
-  /// Other positions, as many.
+  /// Sets other positions, the same number.
   void move(const Executor& executor, View<const Vec3> positions, const std::string& place);
 
   [[nodiscard]] View<const Vec3> positions() const { return positions_; }
@@ -27,14 +27,14 @@ class MeshArrays {
   [[nodiscard]] std::uint32_t triangle_count() const {
     return static_cast<std::uint32_t>(soup_ ? positions_.size / 3 : triangles_.size);
   }
-  /// Whether all vertices that triangles use would be finite and within 1e18 at `positions`.
+  /// Whether all vertices that triangles use are finite and within 1e18 in `positions`.
   [[nodiscard]] bool corners_are_right(const Executor& executor, View<const Vec3> positions) const;
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
   void take_positions(const Executor& executor, View<const Vec3> positions,
                       const View<const Triangle>* triangles, const std::string& place);
-  /// Returns them as they were checked.
+  /// Returns them as they were validated.
   [[nodiscard]] View<const Triangle> take_triangles(const Executor& executor,
                                                     View<const Triangle> triangles,
                                                     std::size_t vertex_count,
@@ -44,7 +44,7 @@ class MeshArrays {
   bool soup_ = false;
   View<const Vec3> positions_;
   View<const Triangle> triangles_;
-  // Copies are made beside the ones in use, which are whole until the new ones are.
+  // Copies are made next to the arrays in use, which stay valid until the new ones are complete.
   Buffer<Vec3> own_positions_, next_positions_;
   Buffer<Triangle> own_triangles_, next_triangles_;
 };

@@ -1,4 +1,4 @@
-// Changes to a scene: what is wrong is found before anything changes.
+// Changes of a scene: errors are found before anything changes.
 #include <algorithm>
 #include <cmath>
 
@@ -22,14 +22,14 @@ void check(const Affine& transform, const std::string& place) {
                     place + ".transform");
 }
 
-/// `reserve` alone would make each of many additions a copy.
+/// `reserve` by itself would copy the list at each of many additions.
 template <class T>
 void make_room(std::vector<T>* list, std::size_t more) {
   if (list->capacity() - list->size() < more)
     list->reserve(std::max(2 * list->size(), list->size() + more));
 }
 
-/// Looks an id up; those that are gone are not mistaken for those that never were.
+/// Finds an id; distinguishes removed ids from ids that never existed.
 template <class Map>
 auto& found_in(Map& map, std::uint32_t id, std::uint32_t next_id, const char* what,
                const std::string& place) {
@@ -80,7 +80,7 @@ MeshId Scene::Impl::add(View<const Vec3> positions, const View<const Triangle>* 
   return id;
 }
 
-/// Room first, then the change, which cannot fail.
+/// Reserves memory first; then the change cannot fail.
 void Scene::Impl::place(MeshEntry* mesh, const Affine& transform, std::uint32_t mask) {
   make_room(&mesh->instances, 1);
   make_room(&stale_, 1);
@@ -149,7 +149,7 @@ void Scene::Impl::remove_instance(InstanceId id) {
 void Scene::Impl::set_transform(InstanceId id, const Affine& transform) {
   Placement& placement = find_instance(id);
   check(transform, instance_name(id));
-  mark_moved(&placement);  // first: it may throw
+  mark_moved(&placement);  // first, because it may throw
   placement.to_world = transform;
   placement.is_identity = transform.m == Affine().m;
   committed = false;

@@ -1,4 +1,4 @@
-// From changes to what queries see.
+// Applies the changes of a scene to what queries see.
 #include <algorithm>
 #include <atomic>
 #include <mutex>
@@ -20,13 +20,13 @@ struct Move {
   Vec3* to;
 };
 
-/// Whether a vertex that a triangle uses leaves the range.
+/// Whether a vertex that a triangle uses leaves the valid range.
 bool leaves_range(const Executor& executor, const Move& move) {
   return !move.placement->mesh->arrays.corners_are_right(executor, {move.to, move.from.size});
 }
 
-/// The least instance that leaves the range, or kInvalidId. Tasks may span several instances, and
-/// several tasks one.
+/// The smallest instance that leaves the range, or kInvalidId. Tasks may span several instances,
+/// and instances several tasks.
 InstanceId run_moves(const Executor& executor, const std::vector<Move>& moves, std::size_t count) {
   std::vector<std::uint8_t> is_doubtful(moves.size());
   executor.for_each_block(count, kCopyGrain, [&](std::size_t begin, std::size_t end) {
@@ -69,7 +69,8 @@ Box box_of(const Executor& executor, const std::vector<SceneRun>& runs) {
       box.max = max(box.max, part.max);
     });
   }
-  // The sum makes -0 into +0, which tasks may otherwise deliver in any order.
+  // Adding 0 turns -0 into +0. Which of the two the box gets would depend on the order of the
+  // tasks.
   box.min += {0, 0, 0};
   box.max += {0, 0, 0};
   return box;
@@ -100,7 +101,7 @@ void Scene::Impl::commit() {
   committed = true;
 }
 
-/// Those of `stale_` that are still there.
+/// Those of `stale_` that still exist.
 std::vector<Placement*> Scene::Impl::moved_placements() {
   std::vector<Placement*> moved;
   moved.reserve(stale_.size());
@@ -111,7 +112,8 @@ std::vector<Placement*> Scene::Impl::moved_placements() {
   return moved;
 }
 
-/// World positions of the instances that have moved, where they are not their mesh's own.
+/// Computes world positions of the instances that have moved, unless they share those of their
+/// mesh.
 void Scene::Impl::move_to_world(const std::vector<Placement*>& moved) {
   std::vector<Move> moves;
   std::size_t count = 0;
@@ -130,7 +132,7 @@ void Scene::Impl::move_to_world(const std::vector<Placement*>& moved) {
               "instances[" + std::to_string(refused) + "].transform");
 }
 
-/// All runs anew, by (mesh, instance). The old ones stay where there are too many.
+/// Makes all runs again, sorted by (mesh, instance). If there are too many, the old ones stay.
 void Scene::Impl::list_runs() {
   std::uint64_t count = 0;
   for (const auto& [id, mesh] : meshes)
@@ -160,7 +162,7 @@ void Scene::Impl::list_runs() {
   runs.triangle_count = count;
 }
 
-/// The same runs, elsewhere.
+/// Updates the positions of the same runs.
 void Scene::Impl::move_runs(const std::vector<Placement*>& moved) {
   for (const Placement* placement : moved) {
     if (placement->run == Placement::kNoRun) continue;
@@ -174,7 +176,7 @@ void Scene::Impl::list_masks() {
   runs.masks.clear();
   for (SceneRun& run : runs.runs) {
     run.mask = placements.at(run.instance).mask;
-    // Mostly there are a few masks, many times over.
+    // Usually there are few distinct masks.
     if (runs.masks.empty() || runs.masks.back() != run.mask) runs.masks.push_back(run.mask);
   }
   std::sort(runs.masks.begin(), runs.masks.end());

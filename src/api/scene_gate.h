@@ -1,5 +1,5 @@
-// Many readers or one writer, and nobody waits: who comes at the wrong time is told so, and so is a
-// child of fork, in which a reader's thread may be missing.
+// Admits many readers or one writer, without waiting: a call at the wrong time throws. A child of
+// fork is also refused, because a reader's thread may not exist there.
 #pragma once
 
 #include <atomic>
@@ -12,7 +12,7 @@ namespace raysheaf {
 
 class SceneGate {
  public:
-  /// Held while a query or a look at the scene goes on.
+  /// Held during a query or another read access to the scene.
   class Reading {
    public:
     explicit Reading(SceneGate& gate) : gate_(gate) {
@@ -57,7 +57,7 @@ class SceneGate {
  private:
   static constexpr std::int32_t kChanging = -1;
   const std::uint32_t made_ = fork_number();
-  std::atomic<std::int32_t> state_{0};  // readers, or kChanging
+  std::atomic<std::int32_t> state_{0};  // number of readers, or kChanging
 };
 
 }  // namespace raysheaf

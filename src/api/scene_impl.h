@@ -1,5 +1,5 @@
-// What is behind `Scene`: meshes and instances by id, what of them waits for a commit, and the runs
-// of triangles that queries see.
+// The implementation of `Scene`: meshes and instances by id, their changes that wait for a commit,
+// and the runs of triangles that queries see.
 #pragma once
 
 #include <map>
@@ -16,7 +16,7 @@
 
 namespace raysheaf {
 
-/// Memory that runs out is the caller's to handle, as all else is.
+/// Reports exhausted memory as `Error`.
 template <class Body>
 decltype(auto) translated(const Body& body) {
   return within_memory("there is not enough memory", "scene", body);
@@ -34,14 +34,14 @@ struct Placement {
   InstanceId id = 0;
   MeshEntry* mesh = nullptr;
   Affine to_world;
-  bool is_identity = true;  // then the mesh's own positions are those in the world
+  bool is_identity = true;  // the mesh's own positions are then those in the world
   std::uint32_t mask = 0;
   Buffer<Vec3> world;
   bool stale = false;        // moved since the last commit; listed in `stale_`
-  std::size_t run = kNoRun;  // its place in SceneRuns::runs
+  std::size_t run = kNoRun;  // its index in SceneRuns::runs
   static constexpr std::size_t kNoRun = ~std::size_t{0};
 
-  /// In the world, as of the last commit.
+  /// In world space, as of the last commit.
   [[nodiscard]] const Vec3* positions() const {
     return is_identity ? mesh->arrays.positions().data : world.data();
   }
@@ -71,15 +71,17 @@ class Scene::Impl {
 
   const Context context;
   SceneGate gate;
-  // Their elements stay where they are, and point at each other.
+  // The elements of these maps have stable addresses, and point to each other.
   std::map<MeshId, MeshEntry> meshes;
   std::unordered_map<InstanceId, Placement> placements;
   SceneRuns runs;  // as committed
   SceneViews views;
   bool committed = false;
   double pending_ms = 0;            // spent on changes since the last commit
-  double update_ms = 0;             // and on those of the last commit, with itself
-  const LargeMemoryKeeper results;  // of all hits, which the caller has given back
+  double update_ms = 0;             // spent on the changes before the last commit, and on that
+                                    // commit
+  const LargeMemoryKeeper results;  // reuses memory of results of `all_hits` that the caller has
+                                    // destroyed
 
  private:
   MeshEntry& find(MeshId id);
@@ -96,8 +98,8 @@ class Scene::Impl {
 
   MeshId next_mesh_ = 0;
   InstanceId next_instance_ = 0;
-  std::vector<InstanceId> stale_;  // may name instances that are gone
-  bool structure_changed_ = true;  // other triangles than committed
+  std::vector<InstanceId> stale_;  // may include instances that were removed
+  bool structure_changed_ = true;  // triangles differ from the committed ones
   bool masks_changed_ = false;
   std::mutex bounds_mutex_;
   std::optional<Box> bounds_;  // since the last commit

@@ -1,4 +1,4 @@
-// Vertices on their way to the world.
+// Transforms vertices to world space.
 #pragma once
 
 #include <cstddef>
@@ -7,8 +7,8 @@
 
 namespace raysheaf {
 
-/// to[i] = `transform_point(to_world, from[i])`, bit for bit. Returns
-/// whether all coordinates are numbers and within `kLargestCoordinate`. `to` is not `from`.
+/// to[i] = `transform_point(to_world, from[i])`, bit for bit. Returns whether all coordinates are
+/// numbers and within `kLargestCoordinate`. `to` must not be `from`.
 bool transform_points(const Affine& to_world, const Vec3* from, std::size_t count, Vec3* to);
 
 }  // namespace raysheaf

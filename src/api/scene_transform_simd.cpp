@@ -1,5 +1,5 @@
-// Compiled once a SIMD target and chosen at run time (Google Highway). The operations and their
-// order are those of `transform_point`.
+// Compiled once for each SIMD target and chosen at run time (Google Highway). The operations and
+// their order are those of `transform_point`.
 #include "api/scene_transform.h"
 #include "base/vec.h"
 #include "scene/flat_scene.h"

@@ -6,7 +6,7 @@
 namespace raysheaf {
 namespace {
 
-/// So many that most blocks of numbers lie within a run: a look, and no search.
+/// So many that most blocks of numbers lie within one run, which then needs no search.
 constexpr std::uint64_t kBlocksARun = 64;
 
 }  // namespace
@@ -28,7 +28,7 @@ void SceneView::refresh(const SceneRuns& scene) {
   const bool same_runs = structure_version_ == scene.structure_version &&
                          (everything_ || mask_version_ == scene.mask_version);
   if (same_runs && position_version_ == scene.position_version) return;
-  structure_version_ = 0;  // until all is done: memory may run out
+  structure_version_ = 0;  // until it is complete, because memory may run out
   device_is_behind_ = true;
   device_refits_ = device_refits_ && same_runs;
   runs_.clear();
@@ -67,7 +67,7 @@ void SceneView::note_first_runs() {
 }
 
 void SceneView::name_hits(View<const IndexedHit> hits, Hit* out) const {
-  // Neighbours often hit what the one before hit.
+  // Consecutive hits are often in the same run.
   std::uint32_t first = 0, count = 0;
   Ids ids{};
   for (const IndexedHit& hit : hits) {
@@ -98,7 +98,7 @@ DeviceQueries& SceneView::device_queries(const Executor& executor, const DeviceB
     std::vector<RunName> names;
     for (std::size_t r = 0; r < runs_.size(); ++r)
       names.push_back({runs_[r].first, ids_[r].mesh, ids_[r].instance});
-    const bool same_triangles = std::exchange(device_refits_, false);  // until all is there
+    const bool same_triangles = std::exchange(device_refits_, false);  // until it is complete
     device_engine_->set_triangles(executor, source(), same_triangles);
     device_engine_->set_names(names);
     device_is_behind_ = false;

@@ -1,8 +1,8 @@
-// The triangles that a query sees: those of the instances whose masks it shares a bit with.
+// The triangles that a query sees: those of the instances whose mask shares a bit with the query's.
 //
-// Most scenes have one mask and one view, which shows everything. Any other set of masks has a view
-// of its own, with an engine of its own over the triangles of that set alone, so that what is not
-// seen costs nothing and hides nothing. A few of them are kept.
+// Most scenes have one mask and one view, which shows everything. Every other set of masks has a
+// view of its own, with its own engine over only the triangles of that set, so that invisible
+// triangles cost nothing and hide nothing. A few such views are kept.
 #pragma once
 
 #include <memory>
@@ -17,24 +17,24 @@
 
 namespace raysheaf {
 
-/// The triangles of one instance, all numbers counted over the whole scene.
+/// The triangles of one instance, numbered over the whole scene.
 struct SceneRun {
   TriangleRun triangles;
   MeshId mesh = 0;
   InstanceId instance = 0;
   std::uint32_t mask = 0;
-  std::uint64_t moved_at = 0;  ///< `SceneRuns::position_version` since it last moved
+  std::uint64_t moved_at = 0;  ///< `SceneRuns::position_version` of its last move
 };
 
-/// The scene as it was committed. Versions tell a view what has changed since it looked.
+/// The scene as committed. Versions tell a view what has changed since its last refresh.
 struct SceneRuns {
-  std::vector<SceneRun> runs;        ///< by (mesh, instance); none empty
-  std::vector<std::uint32_t> masks;  ///< those of `runs`, each once, ascending
+  std::vector<SceneRun> runs;        ///< sorted by (mesh, instance); none empty
+  std::vector<std::uint32_t> masks;  ///< the distinct masks of `runs`, ascending
   std::uint64_t triangle_count = 0;
   std::uint64_t structure_version = 0, position_version = 0, mask_version = 0;
 };
 
-/// Those of its triangles that a query with this mask sees.
+/// The number of the scene's triangles that a query with this mask sees.
 [[nodiscard]] std::uint64_t visible_triangles(const SceneRuns& scene, std::uint32_t mask);
 
 class SceneView {
@@ -45,19 +45,19 @@ class SceneView {
       : everything_(false), masks_(std::move(masks)) {}
 
   [[nodiscard]] const std::vector<std::uint32_t>& masks() const { return masks_; }
-  /// Takes over what has changed; next to nothing where nothing has.
+  /// Applies changes of the scene; takes almost no time if nothing has changed.
   void refresh(const SceneRuns& scene);
   [[nodiscard]] TriangleSource source() const { return {runs_, count_, nullptr}; }
-  /// Hits by ids; `out` has room for as many.
+  /// Converts triangle numbers of hits to ids; `out` has room for as many.
   void name_hits(View<const IndexedHit> hits, Hit* out) const;
   void name_hits(const Executor& executor, View<const IndexedHit> hits, Hit* out) const;
-  /// The engine on a device, with the triangles of `source()`; made and filled where it must be.
+  /// The engine on a device with the triangles of `source()`; created and updated on demand.
   [[nodiscard]] DeviceQueries& device_queries(const Executor& executor,
                                               const DeviceBackend& backend);
-  /// Of the host's memory, and of a device's.
+  /// The host's memory plus the device's.
   [[nodiscard]] std::size_t memory_bytes() const;
 
-  std::mutex mutex;       ///< held by whoever calls any of these or uses what is below
+  std::mutex mutex;       ///< hold it to call any of these functions or to use the members below
   PlannedQueries engine;  ///< over `source()`
 
  private:
@@ -72,21 +72,22 @@ class SceneView {
   std::vector<std::uint32_t> masks_;
   std::vector<TriangleRun> runs_;
   std::vector<Ids> ids_;                   // of `runs_`
-  std::vector<std::uint32_t> first_runs_;  // where to look from for a block of numbers' runs
+  std::vector<std::uint32_t> first_runs_;  // for each block of numbers, the run at which to start
+                                           // searching
   std::uint32_t block_bits_ = 0;           // of the numbers in a block
   std::uint32_t count_ = 0;
   std::uint64_t structure_version_ = 0, position_version_ = 0, mask_version_ = 0;
   std::unique_ptr<DeviceQueries> device_engine_;
-  bool device_is_behind_ = true;  // it has other triangles than `source()`
-  bool device_refits_ = false;    // those that it has, only moved
+  bool device_is_behind_ = true;  // its triangles are not those of `source()`
+  bool device_refits_ = false;    // they are the same triangles, only moved
 };
 
-/// The views of one scene. For any number of threads.
+/// The views of one scene. Thread-safe.
 class SceneViews {
  public:
-  /// The view of a query; null where it sees nothing at all.
+  /// The view for a query; null if it sees no triangle.
   [[nodiscard]] std::shared_ptr<SceneView> view_for(const SceneRuns& scene, std::uint32_t mask);
-  /// Drops the views of masks that the scene has no longer.
+  /// Drops the views of masks that the scene no longer has.
   void forget_old_masks(const SceneRuns& scene);
   [[nodiscard]] std::size_t memory_bytes();
 
@@ -95,7 +96,7 @@ class SceneViews {
 
   std::mutex mutex_;
   std::shared_ptr<SceneView> everything_ = std::make_shared<SceneView>();
-  std::vector<std::shared_ptr<SceneView>> masked_;  // latest use first, kMostViews at most
+  std::vector<std::shared_ptr<SceneView>> masked_;  // most recently used first, at most kMostViews
 };
 
 }  // namespace raysheaf

@@ -103,7 +103,7 @@ std::string to_json(const FrameStatistics& statistics, double load_ms) {
                         {"raster", statistics.raster_ms},
                         {"shade", statistics.shade_ms},
                         {"total", statistics.total_ms}}}};
-  // A scene's name comes from a file: bytes that are not UTF-8 become U+FFFD instead of an
+  // A scene's name comes from a file: bytes that are not UTF-8 become U+FFFD instead of causing an
   // exception.
   return frame.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

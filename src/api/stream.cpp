@@ -1,4 +1,4 @@
-// The front door of streamed queries.
+// Implements the public streamed queries.
 #include <algorithm>
 #include <optional>
 #include <string>
@@ -13,7 +13,7 @@ namespace raysheaf {
 namespace {
 
 constexpr std::size_t kMostRays = 0x7fffffff;
-/// What the process has beside the rays and the blocks.
+/// The process's memory in addition to the rays and the blocks.
 constexpr std::uint64_t kQueryBaseBytes = std::uint64_t{32} << 20;
 
 void check(const StreamOptions& options, std::size_t rays, std::size_t answers, const char* name) {
@@ -29,7 +29,7 @@ void check(const StreamOptions& options, std::size_t rays, std::size_t answers, 
   check_parts(options);
 }
 
-/// `body(streamer, request, report)` on what the options ask for.
+/// Calls `body(streamer, request, report)` as the options require.
 template <class Body>
 void stream(const GeometrySource& source, std::span<const Ray> rays, const StreamOptions& options,
             const Body& body) {

@@ -1,4 +1,4 @@
-// What opens a CUDA device, and makes on it what a backend is asked for.
+// Opens the CUDA device, and creates the tracers and stages that its backend hands out.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +8,16 @@
 
 namespace raysheaf {
 
-/// The first CUDA device. Throws Error (kUnsupported) where this build has no CUDA, or in CUDA's
-/// words where the machine has none that it can use.
+/// The first CUDA device. Throws Error (kUnsupported) if this build has no CUDA or, with CUDA's
+/// message, if the machine has no usable device.
 [[nodiscard]] std::unique_ptr<DeviceBackend> open_cuda();
 
-/// On the first CUDA device, as what follows; errors as `open_cuda`. `capacity`: of each list of
-/// pairs.
+// Each is created on the first CUDA device, and throws as `open_cuda`. `capacity`: of each list of
+// pairs.
 [[nodiscard]] std::unique_ptr<PairTracer> make_cuda_pair_tracer(std::uint32_t capacity);
 [[nodiscard]] std::unique_ptr<PacketTracer> make_cuda_packet_tracer(std::uint32_t capacity);
 [[nodiscard]] std::unique_ptr<DeviceStages> make_cuda_stages();
-/// Throws as well kOutOfMemory with one sentence where no buffers and rays fit.
+/// Throws also kOutOfMemory with one sentence if the buffers and rays do not fit.
 [[nodiscard]] std::unique_ptr<BlockTracer> make_cuda_block_tracer(const Executor& executor,
                                                                   const BlockLimits& limits);
 

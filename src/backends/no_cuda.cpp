@@ -1,4 +1,4 @@
-// What stands for CUDA in a build without nvcc; left out where there is one.
+// Replaces CUDA in a build without nvcc; not compiled in others.
 #include "backends/cuda.h"
 
 #include "raysheaf/error.h"

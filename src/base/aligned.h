@@ -1,4 +1,4 @@
-// Vectors whose first element stands on a cache line, for SIMD kernels.
+// Vectors whose first element is aligned to a cache line, for SIMD kernels.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Integers as rows of bits.
+// Operations on the bits of integers.
 #pragma once
 
 #include <bit>
@@ -20,8 +20,8 @@ RAYSHEAF_HD inline float bits_float(std::uint32_t bits) {
   return x;
 }
 
-/// Of a number other than 0. On devices <bit> must not be used: nvcc 13.0 makes of std::countl_zero
-/// and std::countr_zero of libstdc++ 12 the constants 64 and 32.
+/// `x` must not be 0. Device code must not use <bit>: nvcc 13.0 compiles std::countl_zero and
+/// std::countr_zero of libstdc++ 12 to the constants 64 and 32.
 RAYSHEAF_HD inline int leading_zeros(std::uint64_t x) {
 #ifdef __CUDA_ARCH__
   return __clzll(static_cast<long long>(x));
@@ -41,7 +41,7 @@ RAYSHEAF_HD inline std::uint32_t div_ceil(std::uint64_t a, std::uint64_t b) {
   return static_cast<std::uint32_t>((a + b - 1) / b);
 }
 
-/// How many bits number `count` things: the least b with `2^b >= count`.
+/// The number of bits that number `count` things: the least b with `2^b >= count`.
 RAYSHEAF_HD inline std::uint32_t bits_for(std::uint32_t count) {
   std::uint32_t bits = 0;
   while (bits < 32 && (std::uint64_t{1} << bits) < count) ++bits;

@@ -1,4 +1,4 @@
-// Memory for plain data that is written before it is read, and used again frame after frame.
+// Memory for plain data that is written before it is read, and reused frame after frame.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,8 @@
 
 namespace raysheaf {
 
-/// On a cache line, or large pages; grows and never shrinks; elements are not initialised.
+/// Aligned to a cache line, or on large pages. It grows and never shrinks; elements are not
+/// initialised.
 template <class T>
 class Buffer {
   static_assert(std::is_trivially_copyable_v<T>);

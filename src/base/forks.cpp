@@ -12,7 +12,7 @@
 namespace raysheaf {
 namespace {
 
-/// Never destroyed: processes fork until their end.
+/// Never destroyed, because a process may fork until its end.
 struct Forks {
   std::atomic<std::uint32_t> number{0};
   std::mutex mutex;

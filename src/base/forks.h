@@ -1,4 +1,5 @@
-// Children of fork: they have memory as their parent's threads had it, and none of the threads.
+// Detects child processes of fork. They have a copy of their parent's memory, but none of its other
+// threads.
 #pragma once
 
 #include <cstdint>
@@ -6,13 +7,15 @@
 
 namespace raysheaf {
 
-/// Another number than the parent's in a child of fork, once this was called in the parent.
+/// Returns a different number in a child of fork than in its parent, if the parent called this
+/// before.
 [[nodiscard]] std::uint32_t fork_number() noexcept;
 
-/// Throws `Error` (kWrongState) with this place where `made` is not this process's fork number.
+/// Throws `Error` (kWrongState) with this place if `made` is not this process's fork number.
 void check_not_forked(std::uint32_t made, const char* place);
 
-/// A process forks while nobody holds `mutex`, which lasts as long as the process does.
+/// Holds `mutex` during every fork, so that no other thread holds it at that moment. The mutex must
+/// exist until the process ends.
 void hold_over_forks(std::mutex* mutex);
 
 }  // namespace raysheaf

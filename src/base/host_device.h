@@ -1,4 +1,4 @@
-// Marks functions that run on the host and on the device. The one place that asks for __CUDACC__.
+// Marks functions that run on the host and on the device. No other file reads __CUDACC__.
 #pragma once
 
 #ifdef __CUDACC__
@@ -7,17 +7,17 @@
 #define RAYSHEAF_HD
 #endif
 
-// Marks the lambda that is the body of a device's loop (exec/device.h). Not RAYSHEAF_HD: nvcc
-// copies a lambda of the host and the device by a pointer to a function that each source file has
-// of its own. The loop that the linker keeps may be another file's, whose pointer is null.
+// Marks the lambda that is the body of a device's loop (exec/device.h). RAYSHEAF_HD does not work
+// here: nvcc copies a lambda for host and device through a pointer to a function that each source
+// file defines for itself. The linker may keep the loop of another file, whose pointer is null.
 #ifdef __CUDACC__
 #define RAYSHEAF_DEVICE __device__
 #else
 #define RAYSHEAF_DEVICE
 #endif
 
-// What few items of a loop come to: kernels call it, and the loops in it stay loops, so that it
-// takes few registers and little code.
+// Marks functions that only few items of a loop call. Kernels call them instead of inlining them,
+// which saves registers and code.
 #ifdef __CUDA_ARCH__
 #define RAYSHEAF_HD_CALLED __host__ __device__ __noinline__
 #define RAYSHEAF_ROLLED _Pragma("unroll 1")

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kLargePageBytes = std::size_t{2} << 20;
 constexpr std::size_t kFewestKeptBytes = std::size_t{64} << 10;
-/// So that rounded up to the double of a power of two it is still a size.
+/// Small enough that twice the number, rounded up to a power of two, still is a std::size_t.
 constexpr std::size_t kMostBytes = std::numeric_limits<std::size_t>::max() / 4;
 
 bool is_large(std::size_t bytes) {
@@ -39,7 +39,7 @@ std::align_val_t alignment_of(std::size_t bytes) {
 void* allocate_fresh(std::size_t bytes) {
   void* memory = ::operator new(bytes, alignment_of(bytes));
 #if defined(__linux__)
-  // A wish: nothing depends on whether it is granted.
+  // Only a hint: nothing depends on its success.
   if (is_large(bytes)) static_cast<void>(madvise(memory, bytes, MADV_HUGEPAGE));
 #endif
   return memory;
@@ -48,7 +48,7 @@ void free_now(void* memory, std::size_t bytes) noexcept {
   ::operator delete(memory, alignment_of(bytes));
 }
 
-/// Blocks that wait for who needs them next.
+/// Unused blocks of memory, kept for the next allocation.
 class SpareBlocks {
  public:
   SpareBlocks() { hold_over_forks(&mutex_); }
@@ -98,7 +98,7 @@ class SpareBlocks {
   void give_back(void* memory, std::size_t bytes) noexcept {
     const std::lock_guard lock(mutex_);
     const auto lent = lent_.find(memory);
-    if (lent == lent_.end()) return free_now(memory, bytes);  // from before there was a keeper
+    if (lent == lent_.end()) return free_now(memory, bytes);  // allocated before a keeper existed
     const Block block = lent->second;
     lent_.erase(lent);
     lent_bytes_ -= block.used;
@@ -112,31 +112,33 @@ class SpareBlocks {
   }
 
  private:
-  /// Pages cost when they are first touched, not when they are asked for.
+  /// Pages cost time when they are first touched, not when they are allocated.
   struct Block {
     void* memory = nullptr;
     std::size_t room = 0;
-    std::size_t used = 0;  ///< from its beginning, by any that had it
+    std::size_t used = 0;  ///< bytes from the beginning that any owner has touched
   };
 
-  /// Of its kind: who gives a block back knows what was asked for, not where it came from.
+  /// A large block replaces only large ones, because `give_back` receives the number of bytes
+  /// requested, which must yield the alignment with which the block was allocated.
   static bool has_room(const Block& block, std::size_t bytes) {
     return block.room >= bytes && is_large(block.room) == is_large(bytes);
   }
-  /// Of two with room: the least that takes no new pages, or else the one that takes the fewest.
+  /// Prefers the smallest block that needs no new pages, or else the one that needs the fewest.
   static bool suits_better(const Block& a, const Block& b, std::size_t bytes) {
     const bool a_is_warm = a.used >= bytes, b_is_warm = b.used >= bytes;
     if (a_is_warm != b_is_warm) return a_is_warm;
     return a_is_warm ? a.used < b.used : a.used > b.used;
   }
-  /// The next frame may want more: with room, it takes new pages for what is more alone.
+  /// Allocates room for growth: a frame that needs more memory than the previous one then touches
+  /// new pages only for the difference.
   static Block fresh_block(std::size_t bytes) {
     const std::size_t twice = std::bit_ceil(2 * bytes);
     const std::size_t room = is_large(bytes) ? twice : std::min(twice, kLargePageBytes - 1);
     try {
       return {allocate_fresh(room), room, 0};
     } catch (const std::bad_alloc&) {
-      return {allocate_fresh(bytes), bytes, 0};  // addresses may be limited, too
+      return {allocate_fresh(bytes), bytes, 0};  // the address space may be limited
     }
   }
   void release_oldest() {
@@ -147,12 +149,12 @@ class SpareBlocks {
 
   std::mutex mutex_;
   int keepers_ = 0;
-  std::vector<Block> spare_;  ///< the oldest first
+  std::vector<Block> spare_;  ///< oldest first
   std::unordered_map<void*, Block> lent_;
   std::size_t spare_bytes_ = 0, lent_bytes_ = 0, most_lent_ = 0;
 };
 
-/// Never destroyed: memory is given back until the very end of a program.
+/// Never destroyed: memory may be freed until the very end of the program.
 SpareBlocks& spare_blocks() {
   static SpareBlocks* const kBlocks = new SpareBlocks;
   return *kBlocks;

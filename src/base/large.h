@@ -1,11 +1,11 @@
-// Large memory that comes and goes with every picture, every batch.
+// Large memory that is allocated and freed for every image or batch.
 #pragma once
 
 namespace raysheaf {
 
-/// While there is one, blocks of 64 KiB or more that are given back (raysheaf/large_vector.h)
-/// stay to be taken again: fresh pages of a frame cost a seventh of it. What stays unused is never
-/// more than what was in use at once; each one that goes gives all of it back.
+/// While a keeper exists, freed blocks of 64 KiB or more (raysheaf/large_vector.h) are kept for
+/// reuse: touching fresh pages takes a seventh of a frame's time. The unused blocks never exceed
+/// the memory that was in use at one time. Destroying any keeper frees all unused blocks.
 class LargeMemoryKeeper {
  public:
   LargeMemoryKeeper();

@@ -1,6 +1,6 @@
-// The less and the greater of two numbers: one instruction of a device each, where `min` and `max`
-// of vectors (base/vec.h) are two. Which of 0 and -0, or of a number and NaN, is returned
-// depends on the machine: for numbers that are only compared, and for rays that NaN does not reach.
+// The lesser and the greater of two numbers, each one instruction on a device; `min` and `max` of
+// vectors (base/vec.h) take two. If the arguments are 0 and -0, or one of them is NaN, the result
+// depends on the machine. Use them only for numbers that are compared, and for rays without NaN.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Binary search in what a function gives, on the host and on a device.
+// Binary search in the values of a function, on the host and on a device.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 
 namespace raysheaf {
 
-/// The first place in [0, count) whose number is not below `value`; `count` where there is none.
-/// The numbers ascend.
+/// The first index in [0, count) whose number is not below `value`; `count` if there is none. The
+/// numbers ascend.
 template <class Number>
 RAYSHEAF_HD std::size_t first_not_below(const Number& number, std::size_t count,
                                         std::uint64_t value) {

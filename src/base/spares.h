@@ -1,4 +1,4 @@
-// What threads need while they work, kept for the next that needs one.
+// Working memory of threads, kept for reuse by the next thread that needs it.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace raysheaf {
 
-/// `T` has `bytes()`, the memory that it holds. For any number of threads.
+/// `T` has `bytes()`, the memory that it holds. Thread-safe.
 template <class T>
 class Spares {
  public:
@@ -29,7 +29,8 @@ class Spares {
     try {
       spare_.push_back(std::move(one));
     } catch (const std::bad_alloc&) {
-      // Destructors give back: without room to keep it, it goes.
+      // Destructors call this, so it must not throw: if the list cannot grow, the object is
+      // destroyed.
     }
   }
   [[nodiscard]] std::size_t bytes() const {

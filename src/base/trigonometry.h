@@ -1,6 +1,6 @@
-// Sines, cosines and their inverses from sums, products, quotients and roots alone: the same bits
-// on every machine, which no two libraries promise. Within a few units in the last place of
-// binary64.
+// Sines, cosines and their inverses, computed only by sums, products, quotients and square roots.
+// Every machine gets the same bits, which different standard libraries do not guarantee. Errors are
+// a few units in the last place of binary64.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@ namespace raysheaf::portable {
 
 inline constexpr double kPi = 3.14159265358979323846;
 
-/// By Horner's rule: the constant first, then the factors of z, of z squared and so on.
+/// Horner's rule: the constant term first, then the coefficients of z, z^2 and so on.
 RAYSHEAF_HD constexpr double polynomial(double /*z*/, double last) {
   return last;
 }
@@ -21,7 +21,7 @@ RAYSHEAF_HD constexpr double polynomial(double z, double first, More... more) {
   return first + z * polynomial(z, more...);
 }
 
-/// Of angles up to pi / 4, by Taylor's series as far as binary64 sees it.
+/// For angles up to pi / 4, by a Taylor series to the precision of binary64.
 RAYSHEAF_HD inline double small_sine(double x) {
   const double z = x * x;  // 3!, 5! and so on
   return x + x * z *
@@ -39,10 +39,10 @@ RAYSHEAF_HD inline double small_cosine(double x) {
 struct SineCosine {
   double sine, cosine;
 };
-/// Of angles up to a million.
+/// For angles up to a million radians.
 RAYSHEAF_HD inline SineCosine sine_cosine(double angle) {
-  // The quarter turn in two parts; the first has 33 bits, so that its multiples are exact (W. Cody,
-  // W. Waite, "Software Manual for the Elementary Functions", 1980).
+  // Half pi in two parts; the first has 33 bits, so that its multiples are exact (W. Cody, W.
+  // Waite, "Software Manual for the Elementary Functions", 1980).
   constexpr double kLarge = 0x1.921fb544p+0, kSmall = 0x1.0b4611a626331p-34;
   const double quarters = std::floor(angle * (2 / kPi) + 0.5);
   const double rest = (angle - quarters * kLarge) - quarters * kSmall;
@@ -59,14 +59,14 @@ RAYSHEAF_HD inline SineCosine sine_cosine(double angle) {
   }
 }
 
-/// The angle of (x, y) with the x axis, in [-pi, pi]; 0 at the origin.
+/// The angle between (x, y) and the x axis, in [-pi, pi]; 0 at the origin.
 RAYSHEAF_HD inline double angle_of(double y, double x) {
   constexpr double kEighth = 0.41421356237309503;  // tan(pi / 8)
   const double height = std::fabs(y), width = std::fabs(x);
   const bool steep = height > width;
   const double high = steep ? height : width, low = steep ? width : height;
   const double tangent = high == 0 ? 0 : low / high;
-  // From [0, 1] to a small angle, which is then halved.
+  // Reduces [0, 1] to a small tangent, and then halves its angle.
   const bool large = tangent > kEighth;
   const double t = large ? (tangent - 1) / (tangent + 1) : tangent;
   const double half = t / (1 + std::sqrt(1 + t * t));

@@ -1,4 +1,4 @@
-// Mathematics on the vectors and affine maps of the front door.
+// Mathematics on the vectors and affine maps of the public interface.
 //
 // Nothing here is contracted into fused multiply-adds: the project is compiled with contraction
 // off, so that every expression has the same bits on every device (docs/decisions/0001).
@@ -58,8 +58,8 @@ RAYSHEAF_HD inline Vec3 cross(Vec3 a, Vec3 b) {
 RAYSHEAF_HD inline float length(Vec3 a) {
   return std::sqrt(dot(a, a));
 }
-/// A unit vector along `a`, or `fallback` where `a` has no direction. Any length will do: squares
-/// that would leave the range of a float are avoided.
+/// A unit vector along `a`, or `fallback` if `a` has no direction. Works for every length: it
+/// avoids squares outside the range of a float.
 RAYSHEAF_HD inline Vec3 normalized(Vec3 a, Vec3 fallback = {0, 0, 1}) {
   const float n = length(a);
   if (n > 1e-15f && n < 1e15f) return a / n;
@@ -101,7 +101,7 @@ RAYSHEAF_HD inline bool is_finite(Vec3 a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 
-/// The image of a point; of a direction (no translation); of a normal (inverse transpose, to
+/// The image of a point; of a direction (no translation); of a normal (inverse transpose, up to
 /// scale).
 RAYSHEAF_HD inline Vec3 transform_vector(const Affine& a, Vec3 v) {
   return {a.m[0][0] * v.x + a.m[0][1] * v.y + a.m[0][2] * v.z,
@@ -119,8 +119,8 @@ RAYSHEAF_HD inline Vec3 column(const Affine& a, int c) {
 RAYSHEAF_HD inline float determinant(const Affine& a) {
   return dot(column(a, 0), cross(column(a, 1), column(a, 2)));
 }
-/// Normals go by the cofactor matrix, which is the inverse transpose times the determinant: no
-/// division, and right for singular maps too. A mirroring map turns them, hence the sign.
+/// Transforms normals by the cofactor matrix, which is the inverse transpose times the determinant:
+/// this needs no division and also works for singular maps. The sign accounts for maps that mirror.
 RAYSHEAF_HD inline Vec3 transform_normal(const Affine& a, Vec3 n) {
   const Vec3 x = column(a, 0), y = column(a, 1), z = column(a, 2);
   const Vec3 image = cross(y, z) * n.x + cross(z, x) * n.y + cross(x, y) * n.z;
@@ -146,7 +146,8 @@ inline Affine scaling(Vec3 s) {
   a.m[0][0] = s.x, a.m[1][1] = s.y, a.m[2][2] = s.z;
   return a;
 }
-/// Rotation about a unit axis, counter-clockwise for who looks against the axis (Rodrigues 1840).
+/// Rotation about a unit axis, counter-clockwise for a viewer who looks against the axis (Rodrigues
+/// 1840).
 inline Affine rotation(Vec3 axis, float radians) {
   const float c = std::cos(radians), s = std::sin(radians), k = 1 - c;
   Affine a;
@@ -158,7 +159,8 @@ inline Affine rotation(Vec3 axis, float radians) {
             c + axis.z * axis.z * k, 0};
   return a;
 }
-/// A camera frame: its -z axis looks from `eye` to `target`, +y is as near to `up` as can be.
+/// A camera frame: its -z axis points from `eye` to `target`, and +y is as close to `up` as
+/// possible.
 inline Affine look_at(Vec3 eye, Vec3 target, Vec3 up) {
   const Vec3 z = normalized(eye - target);
   const Vec3 x = normalized(cross(up, z), {1, 0, 0});

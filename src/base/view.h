@@ -1,4 +1,4 @@
-// A span that devices understand too: a pointer and a length, nothing owned.
+// A non-owning span, a pointer and a length, that device code can use.
 #pragma once
 
 #include <cassert>
@@ -17,7 +17,7 @@ struct View {
 
   View() = default;
   RAYSHEAF_HD View(T* first, std::size_t count) : data(first), size(count) {}
-  /// Any contiguous container. A temporary one lives until the end of the full expression.
+  /// Accepts any contiguous container. A temporary one lives until the end of the full expression.
   template <class Container, class = std::enable_if_t<std::is_convertible_v<
                                  decltype(std::declval<Container&>().data()), T*>>>
   View(Container&& container)  // NOLINT: a view

@@ -1,4 +1,4 @@
-// A machine that queries and frames can run on: it makes what runs there.
+// A machine on which queries and frames can be computed, and what it creates for them.
 #pragma once
 
 #include <cstddef>
@@ -16,33 +16,33 @@ class BlockTracer;
 class DeviceStages;
 struct BlockLimits;
 
-/// A machine that engines can be made on.
+/// A machine on which queries and frames can be computed.
 class DeviceBackend {
  public:
   virtual ~DeviceBackend() = default;
   /// "NVIDIA ..., compute capability 9.0".
   [[nodiscard]] virtual const std::string& name() const = 0;
   [[nodiscard]] virtual std::unique_ptr<DeviceQueries> make_queries() const = 0;
-  /// Of `rah` and `crsh` (methods/ray_hierarchy/pair_tracer.h).
+  /// For `rah` and `crsh` (methods/ray_hierarchy/pair_tracer.h).
   [[nodiscard]] virtual std::unique_ptr<PairTracer> make_pair_tracer() const = 0;
-  /// Of `gl10` (methods/packets/packet_tracer.h).
+  /// For `gl10` (methods/packets/packet_tracer.h).
   [[nodiscard]] virtual std::unique_ptr<PacketTracer> make_packet_tracer() const = 0;
-  /// Of what streams (out_of_core/block_tracer.h). `executor` outlives it.
+  /// For streaming (out_of_core/block_tracer.h). `executor` must outlive it.
   [[nodiscard]] virtual std::unique_ptr<BlockTracer> make_block_tracer(
       const Executor& executor, const BlockLimits& limits) const = 0;
-  /// Of frames (render/device/frame_stages.h).
+  /// For frames (render/device/frame_stages.h).
   [[nodiscard]] virtual std::unique_ptr<DeviceStages> make_stages() const = 0;
   /// As the verb of exec/device.h.
   [[nodiscard]] virtual bool is_device_memory(const void* pointer, const char* name) const = 0;
-  /// Copies from the host's memory to the device's, after what comes before `query`. For any number
-  /// of threads.
+  /// Copies from the host's memory to the device's, after the streams that `query` names.
+  /// Thread-safe.
   virtual void write(void* to, const void* from, std::size_t bytes,
                      const DeviceQuery& query) const = 0;
   /// As the verb of exec/device.h.
   [[nodiscard]] virtual bool reads_host_memory() const = 0;
-  /// Measured: bytes read and written a millisecond, copying within the device's memory.
+  /// Measured bytes read plus written per millisecond, when copying within the device's memory.
   [[nodiscard]] virtual double copy_bytes_per_ms() const = 0;
-  /// Measured: multiplications and additions in binary32 a millisecond.
+  /// Measured multiplications and additions in binary32 per millisecond.
   [[nodiscard]] virtual double operations_per_ms() const = 0;
 };
 

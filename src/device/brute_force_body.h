@@ -1,4 +1,4 @@
-// Rays with every triangle of a list, as a device has it.
+// Tests rays with every triangle of a list, on a device.
 #pragma once
 
 #include "intersect/facing_body.h"
@@ -10,7 +10,7 @@
 
 namespace raysheaf {
 
-/// Calls `take(hit)` for the hits with the triangles from `first` to before `end`.
+/// Calls `take(hit)` for the hits with the triangles [first, end).
 template <class Take>
 RAYSHEAF_HD void meet_list(const TriangleList& list, std::uint32_t first, std::uint32_t end,
                            Facing facing, const RaySetup& setup, const Take& take) {
@@ -24,7 +24,7 @@ RAYSHEAF_HD void meet_list(const TriangleList& list, std::uint32_t first, std::u
   }
 }
 
-/// The best of them as a word.
+/// The best hit of these triangles, encoded as a word.
 RAYSHEAF_HD inline std::uint64_t best_of_list(const TriangleList& list, std::uint32_t first,
                                               std::uint32_t end, Facing facing, const Ray& ray) {
   std::uint64_t best = kNoHitWord;
@@ -35,7 +35,7 @@ RAYSHEAF_HD inline std::uint64_t best_of_list(const TriangleList& list, std::uin
   return best;
 }
 
-/// The hit that a word stands for.
+/// Decodes a word to a hit.
 RAYSHEAF_HD inline IndexedHit hit_of_word(const TriangleList& list, std::uint64_t word,
                                           const Ray& ray) {
   IndexedHit found;

@@ -1,11 +1,11 @@
-// Ray queries on a device: what queries/planned_queries.h is on the CPU. The same hits, bit for
-// bit.
+// Ray queries on a device: the counterpart of queries/planned_queries.h. Its hits are the same, bit
+// for bit.
 //
 //   triangles ─► upload ─► tree along a curve (object_tree/linear_tree.h): built, refitted or kept
 //   ─┐ rays ─► [upload] ─► keys ─► sort ─► each ray down the tree ◄───────────────────────────────┘
 //                                          └─► hits in the caller's order
 //
-// Rays and results may lie in the host's memory or in the device's.
+// Rays and results may be in the host's or in the device's memory.
 #pragma once
 
 #include <memory>
@@ -17,19 +17,19 @@
 
 namespace raysheaf {
 
-/// What the hits of a run of triangles are called.
+/// The ids for hits of a run of triangles.
 struct RunName {
   std::uint32_t first = 0;  ///< the number of its first triangle
   std::uint32_t geom_id = 0, inst_id = 0;
 };
 
-/// All hits by ray, each row by (t, triangle): those of ray i are hits[offsets[i]] to before
-/// hits[offsets[i + 1]].
+/// All hits by ray, each row sorted by (t, triangle): those of ray i are hits[offsets[i]] up to,
+/// excluding, hits[offsets[i + 1]].
 struct DeviceHitRows {
   std::vector<std::uint64_t> offsets;
   std::vector<IndexedHit> hits;
 
-  /// As `FoundRows` has it.
+  /// As `FoundRows::for_each`.
   template <class Body>
   void for_each(const Executor& executor, const Body& body) const {
     executor.for_each(offsets.size() - 1, 1024, [&](std::size_t ray) {
@@ -42,32 +42,32 @@ struct DeviceHitRows {
 struct DeviceQuery {
   Facing facing = Facing::kBoth;
   bool brute = false;  ///< every ray with every triangle
-  bool check = false;  ///< refuse rays that are wrong
+  bool check = false;  ///< refuse invalid rays
   bool count = false;  ///< fill the counts of `report`
-  /// Rays of one place in the caller's order look along one way, as the camera's and those from one
-  /// light do, pixel by pixel: they are not sorted.
+  /// Rays are in the caller's order with coherent directions, as primary rays and those of one
+  /// light are, pixel by pixel: they are not sorted.
   bool in_order = false;
-  void* stream = nullptr;  ///< what was asked for on it comes first; null: on the default one
-  void* results_stream = nullptr;  ///< and on this, where it is not null
+  void* stream = nullptr;  ///< the query waits for the work queued on it; null: the default one
+  void* results_stream = nullptr;  ///< a second stream to wait for, unless null
   QueryReport* report = nullptr;
-  const Executor* executor = nullptr;  ///< copies large arrays of the host's; null: the caller does
-  /// Of closest and any hits: takes the tests of each ray. May be empty; in the device's memory it
-  /// is not for brute force, of which the tests are known.
+  const Executor* executor = nullptr;  ///< copies large arrays of the host; null: the caller does
+  /// For closest and any hits: receives the number of tests of each ray. May be empty. If it is in
+  /// the device's memory, brute force does not fill it, because every ray then tests all triangles.
   View<float> ray_tests;
 };
 
-/// One scene's, on one device. Not for use by two threads at once. Results are there on return.
-/// Throws Error: kOutOfMemory, kInternal with the device's words and the stage's name; kInvalidData
-/// for a ray that is refused. What was asked for before and after is not affected.
+/// The engine of one scene on one device. Not for two threads at once. Results are complete on
+/// return. Throws Error: kOutOfMemory, kInternal with the device's message and the stage's name;
+/// kInvalidData for an invalid ray. Earlier and later queries are not affected.
 class DeviceQueries {
  public:
   virtual ~DeviceQueries() = default;
 
-  /// The triangles that there are from now on; they are copied. `same_triangles`: as many, with the
-  /// same indices, only moved since the last call, so that the tree may be refitted.
+  /// Sets the triangles, which are copied. `same_triangles`: as many, with the same indices, only
+  /// moved since the last call, so that the tree may be refitted.
   virtual void set_triangles(const Executor& executor, const TriangleSource& source,
                              bool same_triangles) = 0;
-  /// The names of their runs, by ascending `first`: for hits that are asked for as `Hit`.
+  /// Sets the ids of the runs, by ascending `first`, for queries that return `Hit`.
   virtual void set_names(View<const RunName> names) = 0;
 
   /// As those of `PlannedQueries`.
@@ -80,15 +80,15 @@ class DeviceQueries {
                           View<std::uint32_t> counts) = 0;
   [[nodiscard]] virtual DeviceHitRows all_hits(View<const Ray> rays, const DeviceQuery& query) = 0;
 
-  /// Measured by one clock of the device's, gaps between stages included: from the keys of rays to
-  /// their hits (`any`: of any hit, else the closest), where rays, tree and hits lie there. Nothing
-  /// is reported.
+  /// The time by a clock of the device, including gaps between stages, from the keys of rays to
+  /// their hits (`any`: any hit, else the closest). Rays, tree and hits must be resident on the
+  /// device. Fills no report.
   [[nodiscard]] virtual double keys_to_hits_ms(View<const Ray> rays, const DeviceQuery& query,
                                                bool any) = 0;
 
-  /// Stages of the last query that had a report, in order.
+  /// The stages of the last query that had a report, in order.
   [[nodiscard]] virtual const std::vector<StageTime>& stage_times() const = 0;
-  /// Of the device's memory.
+  /// The device's memory in use.
   [[nodiscard]] virtual std::size_t memory_bytes() const = 0;
 };
 

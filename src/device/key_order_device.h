@@ -1,6 +1,6 @@
-// Rays ordered by their keys on a device, as rays/order/order.h does it: runs of equal keys are
-// compressed, sorted and decompressed (Garanzha & Loop 2010; Reis, Costa, Pereira 2017, sections
-// 3.1 and 3.2). For the sources that know which device it is.
+// Orders rays by their keys on a device, as rays/order/order.h does on the CPU: compresses runs of
+// equal keys, sorts and decompresses them (Garanzha & Loop 2010; Reis, Costa, Pereira 2017,
+// sections 3.1 and 3.2). For sources that include a device.
 #pragma once
 
 #include "exec/device.h"
@@ -8,7 +8,7 @@
 
 namespace raysheaf {
 
-/// Place p of the order is of chunk r, the last that starts at or before it
+/// Place p of the order belongs to chunk r, the last that starts at or before it
 /// (rays/order/order_body.h).
 template <class Device>
 void decompress_on(Device& device, View<const std::uint32_t> chunks, const std::uint64_t* starts,
@@ -24,9 +24,9 @@ class KeyOrderOn {
  public:
   explicit KeyOrderOn(Device& device) : device_(device) {}
 
-  /// The stable order of `count` rays by the low `key_bits` bits of their keys, in the host's
-  /// memory or the device's; none: as they are. Returns the number of runs of equal keys, 0 without
-  /// keys.
+  /// Computes the stable order of `count` rays by the low `key_bits` bits of their keys, which may
+  /// be in the host's or the device's memory; without keys, the order is the identity. Returns the
+  /// number of runs of equal keys, 0 without keys.
   std::uint64_t sort(View<const std::uint32_t> keys, std::size_t count, std::uint32_t key_bits) {
     order_.resize_uninitialized("order: numbers", count);
     if (keys.empty()) {
@@ -55,9 +55,9 @@ class KeyOrderOn {
     return runs;
   }
 
-  /// order()[place] is a ray.
+  /// order()[place] is the number of a ray.
   [[nodiscard]] View<const std::uint32_t> order() const { return order_.view_const(); }
-  /// Of the rays as they were given; empty without.
+  /// In the order in which the rays were given; empty without keys.
   [[nodiscard]] View<const std::uint32_t> keys() const { return keys_.view_const(); }
 
  private:

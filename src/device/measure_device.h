@@ -1,4 +1,5 @@
-// What floors of stages are reckoned with; for the sources that know which device it is.
+// Measures a device's speed, from which lower bounds of stages are computed. For sources that
+// include a device.
 #pragma once
 
 #include "exec/device.h"
@@ -6,7 +7,7 @@
 
 namespace raysheaf {
 
-/// Bytes read and written a millisecond in copies of `bytes`, by the device's clock.
+/// Bytes read plus written per millisecond in copies of `bytes`, by the device's clock.
 template <class Device>
 double measure_copy(Device& device, std::size_t bytes) {
   constexpr int kCopies = 16;
@@ -24,8 +25,8 @@ double measure_copy(Device& device, std::size_t bytes) {
   return 2.0 * kCopies * static_cast<double>(bytes) / ms;
 }
 
-/// Multiplications and additions in binary32 a millisecond, which nothing contracts, by `items`
-/// threads that wait for nothing but their own.
+/// Multiplications and additions in binary32 per millisecond, not contracted, by `items`
+/// independent threads.
 template <class Device>
 double measure_arithmetic(Device& device, std::size_t items) {
   constexpr int kRuns = 8, kChains = 4, kSteps = 256;

@@ -1,4 +1,4 @@
-// An engine on a device of a known kind; for the sources that make one.
+// An engine on a given type of device; for the sources that create one.
 #pragma once
 
 #include <chrono>
@@ -12,7 +12,7 @@
 
 namespace raysheaf {
 
-/// What the caller has asked for comes first.
+/// Orders the query after the caller's earlier work.
 template <class Device>
 void wait_for_streams(Device& device, const DeviceQuery& query) {
   device.wait_for("rays", query.stream);
@@ -22,7 +22,7 @@ void wait_for_streams(Device& device, const DeviceQuery& query) {
 template <class Device>
 class DeviceQueriesOn : public DeviceQueries {
  public:
-  /// What the device is made from.
+  /// The arguments construct the device.
   template <class... Args>
   explicit DeviceQueriesOn(Args&&... args)
       : device_(std::forward<Args>(args)...),
@@ -47,7 +47,7 @@ class DeviceQueriesOn : public DeviceQueries {
     tree_.forget(same_triangles);
     triangles_.set(executor, source);
   }
-  /// As `DeviceTriangles` has it.
+  /// As `DeviceTriangles::set`.
   template <class Put>
   void set_triangles(const Executor& executor, std::uint32_t count, const std::uint8_t* flags,
                      bool same_triangles, const Put& put) {
@@ -109,7 +109,7 @@ class DeviceQueriesOn : public DeviceQueries {
     if (!query.brute && !query.in_order) order_rays_on(device_, &columns_, &batch);
     counts_.resize_uninitialized("trace: number of hits", rays.size);
     hit_counts_on(device_, batch, counts_.data());
-    TestSums* const sums = std::exchange(batch.sums, nullptr);  // the second walk is the first
+    TestSums* const sums = std::exchange(batch.sums, nullptr);  // do not count the second pass
     offsets_.resize_uninitialized("trace: offsets", rays.size + 1);
     device_.exclusive_scan("trace: offsets", counts_.view_const(), offsets_.view());
     device_.copy("copy: offsets", rows.offsets.data(), offsets_.data(),
@@ -139,7 +139,7 @@ class DeviceQueriesOn : public DeviceQueries {
     return ms;
   }
 
-  /// The device, and the triangles that lie there: for who has more to do with both.
+  /// For callers that use the device and its triangles for other work.
   [[nodiscard]] Device& device() { return device_; }
   [[nodiscard]] TriangleList triangles() const { return triangles_.list(); }
 
@@ -153,7 +153,7 @@ class DeviceQueriesOn : public DeviceQueries {
            sums_.capacity_bytes() + first_wrong_.capacity_bytes();
   }
 
-  /// Not for others: nvcc wants functions with loops of a device in them to be public.
+  /// Public only because nvcc requires it for device loops.
   void mark_found(View<const std::uint64_t> words, std::uint8_t* occluded) {
     device_.for_each("trace: found", words.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
       occluded[i] = words.data[i] != kNoHitWord ? 1 : 0;
@@ -186,7 +186,7 @@ class DeviceQueriesOn : public DeviceQueries {
     }
   }
 
-  /// What every query begins with: rays to the device, and a tree where there is none.
+  /// The beginning of every query: copies rays to the device, and prepares a tree if necessary.
   DeviceBatch begin(View<const Ray> rays, const DeviceQuery& query, bool out_is_there) {
     check_item_count("rays", rays.size);
     start_ = Clock::now();
@@ -219,7 +219,7 @@ class DeviceQueriesOn : public DeviceQueries {
     return batch;
   }
 
-  /// Where the device writes what goes to `out`: there, or to a buffer of its own.
+  /// Where the device writes the results for `out`: there, or to a buffer of its own.
   template <class T>
   T* landing(const char* stage, View<T> out, DeviceBuffer<T>* buffer) {
     if (device_.is_device_memory(out.data, stage)) return out.data;
@@ -259,25 +259,25 @@ class DeviceQueriesOn : public DeviceQueries {
   }
 
   void explain(const DeviceBatch& batch, bool in_order, std::vector<std::string>* plan) const {
-    if (batch.brute) return plan->push_back("brute force, as asked for");
+    if (batch.brute) return plan->push_back("brute force, as requested");
     if (work_ == TreeWork::kRebuild) {
       plan->push_back(
-          "object tree: built along a curve, for the triangles are others or have moved far");
+          "object tree: built along a curve, because the triangles are new or have moved far");
     } else if (work_ == TreeWork::kRefit) {
-      plan->push_back("object tree: refitted, for the same triangles have moved");
+      plan->push_back("object tree: refitted, because the same triangles have moved");
     } else {
-      plan->push_back("object tree: kept, for no triangle has moved");
+      plan->push_back("object tree: kept, because no triangle has moved");
     }
     std::string order = "sorted along a curve";
     if (batch.order == nullptr)
       order = in_order ? "pixel by pixel, as they come"
-                       : "as they come, for they are fewer than " + std::to_string(kFewestSorted);
-    plan->push_back("rays: " + order + "; one thread a ray");
+                       : "as they come, fewer than " + std::to_string(kFewestSorted);
+    plan->push_back("rays: " + order + "; one thread per ray");
   }
 
   Device device_;
   DeviceTriangles<Device> triangles_;
-  BulkUplink<Device> uplink_;  ///< of rays
+  BulkUplink<Device> uplink_;  ///< for rays
   BulkDownlink<Device> downlink_;
   DeviceBuffer<RunName> names_;
   DeviceTree<Device> tree_{device_};

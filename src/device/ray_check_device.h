@@ -1,4 +1,4 @@
-// Refuses wrong rays on a device; for the sources that know which device it is.
+// Refuses invalid rays on a device. For sources that include a device.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace raysheaf {
 
-/// Throws for the first ray that is wrong. `first_wrong` is scratch.
+/// Throws for the first invalid ray. `first_wrong` is scratch memory.
 template <class Device>
 void check_rays_on(Device& device, View<const Ray> rays, DeviceBuffer<std::uint32_t>* first_wrong) {
   first_wrong->resize_uninitialized("check: rays", 1);

@@ -1,4 +1,4 @@
-// Where a device's time went, as reports have it.
+// Assigns the times of a device's stages to the fields of a report.
 #pragma once
 
 #include <string_view>
@@ -9,7 +9,8 @@
 
 namespace raysheaf {
 
-/// By what the names of the stages begin with; copies are in the total alone, which is not here.
+/// Assigns by the prefix of the stage's name. Copies are only part of the total, which is not set
+/// here.
 inline void add_times(const std::vector<StageTime>& times, QueryReport* report) {
   for (const StageTime& time : times) {
     const std::string_view stage = time.stage;

@@ -1,5 +1,4 @@
-// The object tree of an engine on a device, and its age; for the sources that know which device it
-// is.
+// The object tree of an engine on a device, and its age. For sources that include a device.
 #pragma once
 
 #include "object_tree/linear_tree.h"
@@ -12,18 +11,18 @@ class DeviceTree {
  public:
   explicit DeviceTree(Device& device) : device_(device), tree_(device.allocator()) {}
 
-  /// The triangles change. `same_triangles`: they move, no more.
+  /// The triangles change. `same_triangles`: they only move.
   void forget(bool same_triangles) {
     there_ = there_ && same_triangles;
     moved_ = true;
   }
 
-  /// Brings the tree to where the triangles are; returns how. It is refitted until its expected
-  /// cost has grown too much, and then built again, though nothing may have moved since.
+  /// Updates the tree to the triangles' positions; returns how. The tree is refitted until its
+  /// expected cost has grown too much, and then rebuilt, even if nothing has moved since.
   TreeWork prepare(const TriangleList& list) {
     if (!there_ || spoilt_ || list.count() != tree_.view().count) return build(list);
     if (!moved_) return TreeWork::kKeep;
-    learn_cost();  // where the query that built it did not end
+    learn_cost();  // if the query that built the tree did not finish
     there_ = false;
     tree_.refit(device_, list);
     there_ = has_new_cost_ = true;
@@ -31,7 +30,8 @@ class DeviceTree {
     return TreeWork::kRefit;
   }
 
-  /// Once what was asked for is done. Waits where the tree has changed, else does nothing.
+  /// Reads the tree's cost after its work is done. Waits if the tree has changed, else does
+  /// nothing.
   void learn_cost() {
     if (!has_new_cost_) return;
     const double cost = tree_.cost(device_);
@@ -56,11 +56,11 @@ class DeviceTree {
 
   Device& device_;
   LinearTree tree_;
-  bool there_ = false;           ///< of these triangles, at these places or at former ones
-  bool moved_ = false;           ///< at former ones
-  bool has_new_cost_ = false;    ///< which is not learnt yet
-  bool spoilt_ = false;          ///< refits have made it much worse than it was built
-  double cost_when_built_ = -1;  ///< below 0: not learnt yet
+  bool there_ = false;           ///< a tree of these triangles, at these or at former positions
+  bool moved_ = false;           ///< the tree is for former positions
+  bool has_new_cost_ = false;    ///< the cost was not read yet
+  bool spoilt_ = false;          ///< refits have made the tree much worse than when it was built
+  double cost_when_built_ = -1;  ///< negative: unknown
 };
 
 }  // namespace raysheaf

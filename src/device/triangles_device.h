@@ -1,4 +1,4 @@
-// The triangles of an engine in a device's memory; for the sources that know which device it is.
+// The triangles of an engine in a device's memory. For sources that include a device.
 #pragma once
 
 #include "exec/bulk_links.h"
@@ -27,8 +27,8 @@ class DeviceTriangles {
         });
   }
 
-  /// Of triangles that lie otherwise: `put(begin, end, out)` writes those of these numbers from
-  /// `out` on, for several threads at once. `flags` may be null.
+  /// For triangles in another layout: `put(begin, end, out)` writes triangles [begin, end) to
+  /// `out`, in several threads at once. `flags` may be null.
   template <class Put>
   void set(const Executor& executor, std::uint32_t count, const std::uint8_t* flags,
            const Put& put) {
@@ -56,7 +56,7 @@ class DeviceTriangles {
   DeviceBuffer<std::uint8_t> flags_{device_.allocator()};
 };
 
-/// A scene's triangles for a tracer: where they lie, if that is the device's memory, or copied.
+/// A scene's triangles for a tracer: in place if they are in the device's memory, otherwise copied.
 template <class Device>
 class GivenTriangles {
  public:

@@ -1,4 +1,4 @@
-// The queries of a device as loops over rays; for the sources that know which device it is.
+// The queries of a device as loops over rays. For sources that include a device.
 #pragma once
 
 #include "base/bits.h"
@@ -11,33 +11,33 @@
 
 namespace raysheaf {
 
-/// Triangles a piece of work in brute force: what a block of rays reads at the same time.
+/// Triangles per item of brute force: those that the threads of a block read at the same time.
 inline constexpr std::uint32_t kBruteChunk = 256;
-/// Fewer rays are taken in the caller's order.
+/// Fewer rays are processed in the caller's order.
 inline constexpr std::size_t kFewestSorted = 4096;
 
 /// Sums of a query's tests.
 struct TestSums {
   std::uint64_t box_tests, triangle_tests;
 };
-/// A batch on the device, and what it meets.
+/// A batch on the device, and the scene that it is tested with.
 struct DeviceBatch {
   View<const Ray> rays;
-  const std::uint32_t* order = nullptr;  ///< the ray that each thread takes; null: its own
+  const std::uint32_t* order = nullptr;  ///< the ray of each thread; null: its own number
   Facing facing = Facing::kBoth;
   bool brute = false;
   TriangleList list;
   LinearTreeView tree;
   const SharedBox* scene = nullptr;
   TestSums* sums = nullptr;    ///< null: nothing is counted
-  float* ray_tests = nullptr;  ///< takes the tests of each ray, or null
+  float* ray_tests = nullptr;  ///< receives the tests of each ray, or null
 
   [[nodiscard]] RAYSHEAF_HD std::size_t ray_at(std::size_t i) const {
     return order != nullptr ? order[i] : i;
   }
 };
 
-/// Where the batch keeps what a ray's walk counted.
+/// Stores the counts of a ray's traversal.
 RAYSHEAF_HD inline void keep_counts(const DeviceBatch& batch, std::size_t ray,
                                     const WalkCounts& counts) {
   if (batch.ray_tests != nullptr)
@@ -61,14 +61,14 @@ RAYSHEAF_HD void meet_all(const DeviceBatch& batch, std::size_t number, const Ta
   keep_counts(batch, number, counts);
 }
 
-/// Bits an axis of the keys of rays that stay, and a tree stands over them; of a batch that is
-/// sorted for one walk, which fit a word.
+/// Bits per axis of the sort keys of rays: for rays that stay resident with a tree over them, and
+/// for a batch that is sorted for one traversal, whose keys fit into a word.
 inline constexpr std::uint32_t kRayKeyAxisBits = 9, kBatchKeyAxisBits = 6;
 inline constexpr std::uint32_t kRayKeyBits = 5 * kRayKeyAxisBits;
 inline constexpr std::uint32_t kBatchKeyBits = 5 * kBatchKeyAxisBits;
 
-/// Rays of near origins and directions have near keys: a Morton curve through the octahedral map of
-/// directions and the cube of the scene, where a ray enters it.
+/// Rays with similar origins and directions have similar keys: a Morton curve through the
+/// octahedral map of directions and the scene's cube, at the point where a ray enters it.
 RAYSHEAF_HD inline std::uint64_t device_ray_key(const Ray& ray, const Box& scene,
                                                 std::uint32_t axis_bits) {
   const KeyCube cube = key_cube(scene);
@@ -77,7 +77,7 @@ RAYSHEAF_HD inline std::uint64_t device_ray_key(const Ray& ray, const Box& scene
                              cube_cell(cube, start, axis_bits)));
 }
 
-/// Sorts the batch's rays along the curve; `columns` keeps the order.
+/// Sorts the batch's rays along the curve; `columns` holds the order.
 template <class Device>
 void order_rays_on(Device& device, SortColumns<std::uint32_t>* columns, DeviceBatch* batch) {
   const View<const Ray> rays = batch->rays;
@@ -95,7 +95,7 @@ void order_rays_on(Device& device, SortColumns<std::uint32_t>* columns, DeviceBa
   batch->order = columns->values.data();
 }
 
-/// Counts of a second walk of a ray.
+/// Adds the counts of a second traversal of a ray.
 RAYSHEAF_HD inline void keep_more_counts(const DeviceBatch& batch, std::size_t ray,
                                          const WalkCounts& counts) {
   const float before = batch.ray_tests != nullptr ? batch.ray_tests[ray] : 0;
@@ -103,13 +103,13 @@ RAYSHEAF_HD inline void keep_more_counts(const DeviceBatch& batch, std::size_t r
   if (batch.ray_tests != nullptr) batch.ray_tests[ray] += before;
 }
 
-// All rays walk in binary32 alone; what that has found binary64 decides, triangle by triangle; and
-// the few rays that are still unsettled walk again, with all that the test may need. What a loop
-// leaves for the next stands where the answer will.
+// First all rays are traced in binary32 only. Then binary64 decides the remaining candidates,
+// triangle by triangle. The few rays that are still unsettled are traced again with the complete
+// test. Intermediate results are stored where the answer will be.
 
-/// In the place of a hit's triangle: the ray is unsettled.
+/// In place of a hit's triangle: the ray is unsettled.
 inline constexpr std::uint32_t kUnsettledPlace = kInvalidId - 1;
-/// In the place of a flag: the ray is unsettled, or has candidates.
+/// In place of a flag: the ray is unsettled, or has candidates.
 inline constexpr std::uint8_t kUnsettledFlag = 2, kCandidatesFlag = 3;
 
 template <class Device>
@@ -147,7 +147,7 @@ void closest_hits_on(Device& device, const DeviceBatch& batch, IndexedHit* hits)
   });
 }
 
-/// `candidates` has room for each ray's.
+/// `candidates` has room for those of each ray.
 template <class Device>
 void any_hits_on(Device& device, const DeviceBatch& batch, std::uint64_t* candidates,
                  std::uint8_t* occluded) {
@@ -198,7 +198,7 @@ void hit_counts_on(Device& device, const DeviceBatch& batch, std::uint32_t* hits
   });
 }
 
-/// Row i goes to hits[offsets[i]] and after, sorted.
+/// Row i goes to hits[offsets[i]] and following, sorted.
 template <class Device>
 void hit_rows_on(Device& device, const DeviceBatch& batch, const std::uint64_t* offsets,
                  IndexedHit* hits) {
@@ -211,8 +211,8 @@ void hit_rows_on(Device& device, const DeviceBatch& batch, const std::uint64_t* 
   });
 }
 
-/// The best hits among all triangles as words. A piece of work is a ray and a chunk of the
-/// triangles; neighbouring threads have neighbouring rays.
+/// The best hits among all triangles as words. An item is a ray and a chunk of the triangles;
+/// neighbouring threads have neighbouring rays.
 template <class Device>
 void brute_force_on(Device& device, const DeviceBatch& batch, View<std::uint64_t> words) {
   device.fill("trace: brute force", words, 0xff);
@@ -237,7 +237,7 @@ void hits_of_words_on(Device& device, const DeviceBatch& batch, View<const std::
   });
 }
 
-/// Which run a triangle is of: the last that begins at or before it.
+/// The run of a triangle: the last that begins at or before it.
 RAYSHEAF_HD inline std::uint32_t run_of_triangle(const RunName* names, std::uint32_t count,
                                                  std::uint32_t triangle) {
   std::uint32_t first = 0;

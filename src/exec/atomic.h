@@ -1,4 +1,4 @@
-// What threads of one loop may do to a word that they share.
+// Atomic operations on words that the threads of one loop share.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,8 @@
 
 namespace raysheaf {
 
-/// Looks first: where most items do not lower the word, few of them wait for each other.
+/// Reads before the atomic operation: if most items do not lower the word, few threads wait for
+/// each other.
 template <class Word>
 RAYSHEAF_HD inline void lower_to(Word* word, Word value) {
   static_assert(sizeof(Word) == 4 || sizeof(Word) == 8);
@@ -35,7 +36,7 @@ RAYSHEAF_HD inline void lower_to(Word* word, Word value) {
 #endif
 }
 
-/// What other threads of the loop may be lowering.
+/// Reads a word that other threads of the loop may be lowering.
 template <class Word>
 RAYSHEAF_HD inline Word seen_now(const Word* word) {
 #ifdef __CUDA_ARCH__
@@ -45,7 +46,8 @@ RAYSHEAF_HD inline Word seen_now(const Word* word) {
 #endif
 }
 
-/// Makes the word 1, which is 0 or 1 and which nobody reads before the loop has ended. Looks first.
+/// Sets the word, which is 0 or 1, to 1. No thread may read it before the loop has ended. Reads it
+/// first to avoid needless writes.
 RAYSHEAF_HD inline void raise_flag(std::uint32_t* word) {
 #ifdef __CUDA_ARCH__
   volatile std::uint32_t* const at = word;
@@ -55,8 +57,8 @@ RAYSHEAF_HD inline void raise_flag(std::uint32_t* word) {
 #endif
 }
 
-/// Adds one; returns what was there. What the thread wrote before is seen by whoever is given a
-/// later number.
+/// Adds one and returns the previous value. A thread that gets a later number sees everything that
+/// this thread wrote before.
 RAYSHEAF_HD inline std::uint32_t arrive_at(std::uint32_t* counter) {
 #ifdef __CUDA_ARCH__
   return cuda::atomic_ref<std::uint32_t, cuda::thread_scope_device>(*counter).fetch_add(
@@ -77,7 +79,7 @@ RAYSHEAF_HD inline std::uint32_t exchange_at(std::uint32_t* place, std::uint32_t
 #endif
 }
 
-/// Adds to a sum that nobody reads before the loop has ended.
+/// Adds to a sum that no thread reads before the loop has ended.
 RAYSHEAF_HD inline void add_to(std::uint64_t* sum, std::uint64_t value) {
 #ifdef __CUDA_ARCH__
   atomicAdd(reinterpret_cast<unsigned long long*>(sum), static_cast<unsigned long long>(value));
@@ -86,7 +88,8 @@ RAYSHEAF_HD inline void add_to(std::uint64_t* sum, std::uint64_t value) {
 #endif
 }
 
-/// The same for a sum to which most threads add: those of a warp that come here together add once.
+/// Adds to a sum to which most threads add: the threads of a warp that arrive here together add
+/// once.
 RAYSHEAF_HD inline void add_to_common(std::uint64_t* sum, std::uint64_t value) {
 #ifdef __CUDA_ARCH__
   const auto here = cooperative_groups::coalesced_threads();

@@ -1,6 +1,6 @@
-// Large arrays between the host and a device, in parts: while one is on its way, all threads write
-// or read the next, in memory of the host that the device reaches by itself. Who includes it
-// includes the device's links, too (exec/links.h).
+// Copies large arrays between the host and a device in parts: while one part is copied, all threads
+// write or read the next, in host memory that the device accesses directly. Include the device's
+// links (exec/links.h), too.
 #pragma once
 
 #include <algorithm>
@@ -13,9 +13,9 @@
 
 namespace raysheaf {
 
-/// The host's memory that a link holds is never more.
+/// The most host memory that a link allocates.
 inline constexpr std::size_t kPartBytes = std::size_t{4} << 20;
-/// Less goes as fast by the device's own copy.
+/// Smaller arrays are as fast by the device's own copy.
 inline constexpr std::size_t kFewBulkBytes = std::size_t{1} << 20;
 
 template <class T>
@@ -29,11 +29,11 @@ class BulkUplink {
   explicit BulkUplink(Device& device, std::size_t part_bytes = kPartBytes)
       : device_(device), part_bytes_(part_bytes) {}
 
-  /// `put(begin, end, out)` writes the items of those numbers from `out` on. Items are there for
-  /// what the device is asked for from now on.
+  /// `put(begin, end, out)` writes items [begin, end) to `out`. The device's work that is queued
+  /// from now on sees the items.
   template <class T, class Put>
   void send(const char* stage, const Executor& executor, View<T> to, const Put& put) {
-    device_.synchronize(stage);  // there is memory for what is sent
+    device_.synchronize(stage);  // ensures that the destination is allocated
     const std::size_t part = items_of_part<T>(part_bytes_);
     for (std::size_t first = 0; first < to.size; first += part) {
       Lane& lane = lanes_[turn_ ^= 1];
@@ -49,7 +49,7 @@ class BulkUplink {
     }
   }
 
-  /// What lies together. Without an executor, and where it is little, the device copies.
+  /// Copies contiguous items. Small arrays, and all without an executor, use the device's own copy.
   template <class T>
   void copy(const char* stage, const Executor* executor, View<const T> from, View<T> to) {
     if (executor == nullptr || from.size * sizeof(T) < kFewBulkBytes)
@@ -77,7 +77,7 @@ class BulkDownlink {
   explicit BulkDownlink(Device& device, std::size_t part_bytes = kPartBytes)
       : device_(device), part_bytes_(part_bytes), links_{Link(device), Link(device)} {}
 
-  /// What is at `from` when the device's work gets here.
+  /// Fetches the values that `from` has when the device's queue reaches this point.
   template <class T>
   void fetch(const char* stage, const Executor& executor, const T* from, View<T> to) {
     const std::size_t part = items_of_part<T>(part_bytes_);
@@ -94,7 +94,7 @@ class BulkDownlink {
     }
   }
 
-  /// As the uplink's.
+  /// As `copy` of the uplink.
   template <class T>
   void copy(const char* stage, const Executor* executor, const T* from, View<T> to) {
     if (executor == nullptr || to.size * sizeof(T) < kFewBulkBytes)

@@ -1,4 +1,4 @@
-// What ends long work that its caller gave up.
+// The exception that ends long work that its caller cancelled.
 #pragma once
 
 #include "raysheaf/error.h"

@@ -1,49 +1,50 @@
-// The verbs that every device has, and where their contract stands. Two classes have them:
+// The verbs (operations) of every device, and their contract. Two classes implement them:
 //
-//   EmulatedDevice   emulated/emulated_device.h   the CPU as a device would see itself
+//   EmulatedDevice   emulated/emulated_device.h   the CPU, emulating a device
 //   CudaDevice       exec/cuda/cuda_device.h      CUDA kernels, CUB, one stream
 //
-// What runs on a device is a template over the class, written once: `EmulatedDevice` runs the same
-// functions over the same items, cut into the same threads, and is what tests look at where no
-// device is.
+// Code for devices is a template over the class, written once: `EmulatedDevice` runs the same
+// functions over the same items, divided among the same threads. Tests use it on machines without a
+// device.
 //
 //   for_each(stage, count, body)            body(i) for each i below count, in any order. `body` is
 //                                           copied to the device: it captures values and views, and
 //                                           is marked RAYSHEAF_DEVICE.
-//   exclusive_scan(stage, in, out)          out[i] = in[0] + ... + in[i - 1], 64 bits, one place
-//                                           more than `in`: the last is the total. Not overlapping.
+//   exclusive_scan(stage, in, out)          out[i] = in[0] + ... + in[i - 1], 64 bits. `out` has
+//   one
+//                                           element more than `in`: the total. Must not overlap.
 //   select(stage, flags, out) -> count      the i with flags[i] != 0, ascending; `out` has a place
 //                                           for each flag. Waits.
-//   sort_pairs(stage, keys, values, bits)   stable, by the bits [bits.begin, bits.end) of the keys,
-//                                           32 or 64 of them
-//   sort_keys(stage, keys, bits)            the same without values; 64 bits
-//   run_lengths(stage, keys, out) -> count  runs of equal keys, in order: their keys, and how many.
+//   sort_pairs(stage, keys, values, bits)   stable, by the bits [bits.begin, bits.end) of the keys
+//                                           of 32 or 64 bits
+//   sort_keys(stage, keys, bits)            as sort_pairs, without values; keys of 64 bits
+//   run_lengths(stage, keys, out) -> count  runs of equal keys, in order: their keys and lengths.
 //                                           Waits.
-//   fill(stage, view, byte)                 every byte of the view
-//   copy(stage, to, from, bytes)            between memories of the device and of the host, either
-//                                           way; has happened on return where the host's is in it
-//   read(stage, place)                      the value there. Waits.
-//   synchronize(stage)                      until all that was asked for is done
-//   start_clock(stage)                      what was asked for before is done, and the device's own
-//                                           clock starts. Waits.
-//   stop_clock(stage) -> ms                 from then until all that was asked for since is done,
-//                                           gaps included. Waits.
-//   is_device_memory(pointer, name)         whether kernels may follow it. Throws Error
-//                                           (kInvalidArgument, `name` as its place) where it is
-//                                           another device's.
-//   wait_for(stage, stream)                 what was asked for on another stream comes first
-//   allocator()                             of the device's memory
-//   free_bytes()                            of it that nobody has, as far as the machine knows
-//   reads_host_memory()                     whether loops may follow a pointer to any memory of the
-//                                           host's: one that they were given by mistake then shows
-//                                           in no answer
-//   Uplink, Downlink                        copies beside its work: exec/links.h
-//   GlBuffer                                what OpenGL has: exec/cuda/cuda_gl.h
+//   fill(stage, view, byte)                 sets every byte of the view
+//   copy(stage, to, from, bytes)            between memories of the device and of the host, in any
+//                                           direction; complete on return if one is the host's
+//   read(stage, place)                      returns the value there. Waits.
+//   synchronize(stage)                      waits until all queued work is done
+//   start_clock(stage)                      waits for all queued work, and starts the device's own
+//                                           clock.
+//   stop_clock(stage) -> ms                 the time from then until all work queued since is done,
+//                                           including gaps. Waits.
+//   is_device_memory(pointer, name)         whether kernels may access it. Throws Error
+//                                           (kInvalidArgument, `name` as its place) for memory of
+//                                           another device.
+//   wait_for(stage, stream)                 orders later work after the work of another stream
+//   allocator()                             allocator of the device's memory
+//   free_bytes()                            free device memory, as far as the machine knows
+//   reads_host_memory()                     whether loops can access any memory of the host. If so,
+//                                           a host pointer passed by mistake does not change
+//                                           answers
+//   Uplink, Downlink                        copies that overlap other work: exec/links.h
+//   GlBuffer                                OpenGL's buffers: exec/cuda/cuda_gl.h
 //
-// All is done in the order in which it was asked for, and all but what waits may still be under way
-// on return. `stage` names who asked: it is the place of the `Error` that is thrown where something
-// fails (kOutOfMemory, kInternal with the machine's own words), and what `times()` is kept by.
-// Fewer than 2^31 items in all verbs but `for_each`, which takes any number.
+// All work is done in the order in which it was queued; work of verbs that do not wait may still be
+// in progress on return. `stage` names the caller: it is the place of an `Error` (kOutOfMemory,
+// kInternal with the machine's own message), and the key of the times in `times()`. All verbs
+// except `for_each` take fewer than 2^31 items.
 #pragma once
 
 #include <cstddef>
@@ -57,15 +58,15 @@
 
 namespace raysheaf {
 
-/// How a device uses a buffer of OpenGL's.
+/// How a device accesses an OpenGL buffer.
 enum class GlAccess : std::uint8_t { kRead, kWrite };
 
 struct BitRange {
   std::uint32_t begin = 0, end = 0;
 };
 
-/// Two columns that take turns: what is sorted from one into the other. `keys` and `values` have
-/// what is to be sorted, and take what is; the spare ones, of the same sizes, are scratch.
+/// Double buffers for sorting: `keys` and `values` hold the input and, after the sort, the output;
+/// the spare ones, of the same sizes, are scratch.
 template <class Key>
 struct SortColumns {
   DeviceBuffer<Key> keys, spare_keys;
@@ -85,15 +86,15 @@ struct SortColumns {
   }
 };
 
-/// Runs of equal keys, places for as many as there are keys.
+/// Runs of equal keys, with as many places as there are keys.
 struct RunColumns {
   View<std::uint32_t> keys, lengths;
 };
 
-/// Throws for what CUB could not count.
+/// Throws if CUB could not count the items.
 inline void check_item_count(const char* stage, std::size_t count) {
   if (count > std::size_t{std::numeric_limits<std::int32_t>::max()})
-    throw Error(ErrorCode::kUnsupported, "2^31 items or more at once", stage);
+    throw Error(ErrorCode::kUnsupported, "2^31 items or more at once are not supported", stage);
 }
 
 /// out[i] = in[order[i]].

@@ -1,5 +1,5 @@
-// Memory of a device: taken through an allocator that is handed in, so that tests can make it run
-// out, and given back by whoever holds it.
+// Memory of a device. It is allocated through an allocator that is passed in, so that tests can
+// make it run out, and freed by its owner.
 #pragma once
 
 #include <cstddef>
@@ -10,20 +10,20 @@
 
 namespace raysheaf {
 
-/// Where a device's memory comes from.
+/// The source of a device's memory.
 class DeviceAllocator {
  public:
   virtual ~DeviceAllocator() = default;
 
-  /// `bytes` from 1, aligned for any vector of a device. Throws Error (kOutOfMemory) in the words
-  /// of whoever has no more, with `stage` as its place.
+  /// Allocates `bytes`, at least 1, aligned for any vector of a device. Throws Error (kOutOfMemory)
+  /// with the message of the source that is exhausted, and with `stage` as its place.
   [[nodiscard]] virtual void* allocate(const char* stage, std::size_t bytes) = 0;
-  /// Memory that work already given to the device may still use: it is not handed out before.
+  /// Frees memory that queued work may still use: it is reused only after that work.
   virtual void free(void* memory) noexcept = 0;
 };
 
-/// Grows and never shrinks; elements are not initialised, and are lost when it grows. The allocator
-/// outlives it.
+/// It grows and never shrinks; elements are not initialised, and are lost when it grows. The
+/// allocator must outlive it.
 template <class T>
 class DeviceBuffer {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -48,8 +48,8 @@ class DeviceBuffer {
     std::swap(capacity_, other.capacity_);
   }
 
-  /// `count` elements of unknown content. Where there is no memory for them: as the allocator says,
-  /// and the buffer is empty.
+  /// `count` elements of unknown content. If memory runs out, throws as the allocator does, and the
+  /// buffer is empty.
   void resize_uninitialized(const char* stage, std::size_t count) {
     size_ = 0;
     if (count > capacity_) {

@@ -1,7 +1,7 @@
-// Where stages run: a number of threads, and the verbs that spread work over them.
+// An executor: a number of threads, and the operations that distribute work over them.
 //
-// The verbs are the same on every device: `for_each`, scans (exec/scan.h), radix sort
-// (exec/radix_sort.h). Nothing that goes through them depends on the number of threads.
+// The operations are the same on every device: `for_each`, scans (exec/scan.h), radix sort
+// (exec/radix_sort.h). Their results do not depend on the number of threads.
 #pragma once
 
 #include <atomic>
@@ -11,45 +11,46 @@
 
 namespace raysheaf {
 
-/// Items a task: where each takes tens of nanoseconds or more, and where each is read or written
-/// once.
+/// Minimum items per task: `kWorkGrain` for items of tens of nanoseconds or more, `kCopyGrain` for
+/// items that are read or written once.
 inline constexpr std::size_t kWorkGrain = 1024, kCopyGrain = 4096;
 
 /// A handle: copies share their threads.
 class Executor {
  public:
-  /// `threads` = 0 takes all cores that the process may use, as far as the system starts threads.
-  /// Throws `Error` (kUnsupported) where it starts fewer than `threads`. In a child of fork whose
-  /// parent had threads, the caller does all the work; loops of the parent's executors throw
+  /// `threads` = 0 uses all cores that the process may use, or as many threads as the system can
+  /// start. Throws `Error` (kUnsupported) if it can start fewer than `threads`. In a child of fork
+  /// whose parent had threads, the caller does all the work; loops of the parent's executors throw
   /// `Error` (kWrongState) there.
   explicit Executor(std::uint32_t threads = 0);
 
-  /// Whoever calls does all the work: for loops within the body of another's.
+  /// The caller does all the work: for loops within the body of another loop.
   [[nodiscard]] static Executor serial();
 
-  /// The same threads. Loops throw `Error` (kCancelled) soon after another thread has set `stop`,
-  /// which must outlive what is returned.
+  /// Returns an executor with the same threads, whose loops throw `Error` (kCancelled) soon after
+  /// another thread has set `stop`, which must outlive the result.
   [[nodiscard]] Executor until(const std::atomic<bool>& stop) const;
 
-  /// The same threads. Who waits for the end of a loop takes no part in others: for callers that
-  /// hold what bodies of others may wait for.
+  /// Returns an executor with the same threads. A caller that waits for the end of its loop does
+  /// not work on other loops meanwhile: for callers that hold a lock for which bodies of other
+  /// loops may wait.
   [[nodiscard]] Executor alone() const;
 
-  /// Throws where `until`'s flag is set.
+  /// Throws if the flag of `until` is set.
   void check() const;
 
   [[nodiscard]] std::uint32_t threads() const { return threads_; }
 
-  /// Calls `body()` as one of the threads, which need not be the caller's. Loops within it wait for
-  /// no place among them: whoever has one may wait for what `body` holds.
+  /// Calls `body()` on one of the threads, which need not be the caller's. Loops within it do not
+  /// wait for a free thread, because the threads may all be waiting for a lock that `body` holds.
   template <class Body>
   void enter(const Body& body) const {
     if (threads_ == 1) return body();
     enter([](const void* of) { (*static_cast<const Body*>(of))(); }, &body);
   }
 
-  /// Calls `body(i)` once for each i in [0, count), in any order, `grain` or more of them a task.
-  /// An exception from a body ends the loop and is thrown here.
+  /// Calls `body(i)` once for each i in [0, count), in any order, at least `grain` items per task.
+  /// An exception from a body ends the loop and is rethrown here.
   template <class Body>
   void for_each(std::size_t count, std::size_t grain, const Body& body) const {
     for_each_block(count, grain, [&](std::size_t begin, std::size_t end) {
@@ -57,7 +58,7 @@ class Executor {
     });
   }
 
-  /// Calls `body(begin, end)` for disjoint ranges that make up [0, count), in any order.
+  /// Calls `body(begin, end)` for disjoint ranges that cover [0, count), in any order.
   template <class Body>
   void for_each_block(std::size_t count, std::size_t grain, const Body& body) const {
     if (count == 0) return;
@@ -71,7 +72,7 @@ class Executor {
   }
 
  private:
-  struct Pool;  ///< oneTBB's, which is seen by executor.cpp alone
+  struct Pool;  ///< oneTBB's; only executor.cpp includes oneTBB
   using Block = void(const void* body, std::size_t begin, std::size_t end);
   explicit Executor(std::shared_ptr<Pool> pool);
   void enter(void (*call)(const void* body), const void* body) const;

@@ -1,5 +1,5 @@
-// Copies that go on beside a device's own work, so that what is computed, what is copied and what
-// the program does next overlap. Every device has two classes, made from it and outlived by it:
+// Copies that overlap a device's own work, so that computing, copying and the program's next steps
+// run in parallel. Every device has two classes, made from it and outlived by it:
 //
 //   Device::Uplink     from the host, on a stream of its own
 //
@@ -7,20 +7,20 @@
 //     the uplink                          [ copy ]──────┐
 //     the device     [ earlier work ]            see ─► [ work ] ─► done_with
 //
-//     room(stage, bytes) -> place   in memory of the host that the device reads by itself; waits
-//                                   until what was sent from there has left it
-//     send(stage, to, bytes)        the first bytes of the room go to `to`, on the device, once all
-//                                   that was asked for before `done_with` is done
-//     see(stage)                    what the device is asked for from now on comes after the copy
-//     done_with(stage)              all that looks at the copy has been asked for
+//     room(stage, bytes) -> place   returns host memory that the device accesses directly; waits
+//                                   until the previous copy from there is done
+//     send(stage, to, bytes)        copies the room's first bytes to `to`, on the device, after
+//                                   all work that was queued before `done_with`
+//     see(stage)                    the device's work queued from now on comes after the copy
+//     done_with(stage)              all work that reads the copy has been queued
 //
 //   Device::Downlink   to the host, in the order of the device's work
 //
-//     ask(stage, from, bytes)       what is there when the device's work gets here
-//     wait(stage) -> place          the bytes, until the next `ask`
+//     ask(stage, from, bytes)       requests the content at this point of the device's queue
+//     wait(stage) -> place          returns the bytes, which are valid until the next `ask`
 //
-// `to` was allocated before the device was waited for last. What was asked for may still be under
-// way when a link goes: it waits.
+// `to` must have been allocated before the last wait for the device. A link's destructor waits for
+// pending copies.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,7 @@
 
 namespace raysheaf {
 
-/// `send`, `see` and `done_with` come by turns: throws where they do not.
+/// Checks that `send`, `see` and `done_with` are called in this order, and throws otherwise.
 class UplinkTurns {
  public:
   void send(const char* stage) { go(kFree, kSent, stage); }
@@ -40,7 +40,9 @@ class UplinkTurns {
   enum Turn : std::uint8_t { kFree, kSent, kSeen };
 
   void go(Turn from, Turn to, const char* stage) {
-    if (turn_ != from) throw Error(ErrorCode::kInternal, "an uplink was used out of turn", stage);
+    if (turn_ != from)
+      throw Error(ErrorCode::kInternal, "the functions of an uplink were called in the wrong order",
+                  stage);
     turn_ = to;
   }
 

@@ -1,4 +1,4 @@
-// How far a long stage is, told to the caller now and then, and the caller's wish to stop.
+// Reports the progress of a long stage to the caller, and forwards the caller's request to stop.
 #pragma once
 
 #include <atomic>
@@ -11,8 +11,8 @@
 
 namespace raysheaf {
 
-/// Stages call `begin` once and `advance` from any thread; the caller's function runs on one thread
-/// at a time, at most a hundred times a stage. Throws `Error` (kCancelled) once it has returned
+/// Stages call `begin` once and `advance` from any thread. The caller's function runs on one thread
+/// at a time, at most a hundred times per stage. Throws `Error` (kCancelled) once it has returned
 /// false.
 class ProgressMeter {
  public:
@@ -30,7 +30,7 @@ class ProgressMeter {
   std::string stage_;
   std::uint64_t total_ = 0;
   std::atomic<std::uint64_t> done_{0};
-  std::atomic<std::uint64_t> next_{0};  // tell when `done_` gets here
+  std::atomic<std::uint64_t> next_{0};  // report when `done_` reaches this
   std::atomic<bool> cancelled_{false};
   std::mutex mutex_;
 };

@@ -1,8 +1,8 @@
-// Prefix sums over 32-bit counts, and over flags that are computed as they are needed.
+// Prefix sums over 32-bit counts, and over flags that are computed on demand.
 //
 // Two passes over blocks of a fixed size: sums of the blocks, then every block from its own base
-// (Blelloch 1990, "Prefix Sums and Their Applications", section 1.3). Work O(n); the input is read
-// twice. Nothing depends on the number of threads.
+// (Blelloch 1990, "Prefix Sums and Their Applications", section 1.3). O(n) work; the input is read
+// twice. The results do not depend on the number of threads.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,8 @@
 
 namespace raysheaf {
 
-/// Items a task: 32 KiB of counts, which stay in the first cache between the two passes of a core.
+/// Items per task: 32 KiB of counts, which stay in a core's first-level cache between the two
+/// passes.
 inline constexpr std::size_t kScanBlock = 8192;
 
 /// `out[i] = in[0] + ... + in[i - 1]`, so `out[0] = 0`. Returns the total, 0 for an empty input.
@@ -30,7 +31,7 @@ struct FlagCounts {
   std::uint32_t total = 0;
 };
 
-/// Counts the i in [0, count) where `flag(i)` holds; count < 2^32.
+/// Counts the i in [0, count) for which `flag(i)` is true; count < 2^32.
 template <class Flag>
 FlagCounts count_flags(const Executor& executor, std::size_t count, const Flag& flag) {
   FlagCounts counts;
@@ -47,7 +48,8 @@ FlagCounts count_flags(const Executor& executor, std::size_t count, const Flag& 
 }
 
 /// The second pass: calls `body(i, flag(i), s)` for each i, in any order, where `s` is the
-/// inclusive scan of the flags at i. The flags are those that were counted; they are never stored.
+/// inclusive scan of the flags at i. `flag` must return the same values as in the first pass; they
+/// are not stored.
 template <class Flag, class Body>
 void for_each_scanned(const Executor& executor, const FlagCounts& counts, std::size_t count,
                       const Flag& flag, const Body& body) {

@@ -1,4 +1,4 @@
-// How long a device's stages took, by the names that their verbs were given.
+// The times of a device's stages, by the stage names passed to its verbs.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ struct StageTime {
   std::uint64_t calls = 0;
 };
 
-/// Stages in the order in which they first came.
+/// Stages in the order in which they first occurred.
 inline void add_stage_time(const char* stage, double ms, std::vector<StageTime>* times) {
   for (StageTime& time : *times) {
     if (time.stage != stage) continue;

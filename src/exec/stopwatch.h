@@ -1,4 +1,4 @@
-// Milliseconds since the last look.
+// Measures milliseconds between successive laps.
 #pragma once
 
 #include <chrono>
@@ -7,7 +7,7 @@ namespace raysheaf {
 
 class Stopwatch {
  public:
-  /// Without a new start.
+  /// Does not restart the stopwatch.
   [[nodiscard]] double ms() const {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - last_)
         .count();

@@ -1,9 +1,9 @@
-// The family of bounds of ray bundles, and the one place that chooses among them.
+// The kinds of bounds of ray bundles, and the function that chooses among them.
 //
 // A bound is a plain struct with two functions:
-//   bound_rays(rays, scene, &bound)      round rays, none of which meets anything outside `scene`
-//   bound_children(children, &bound)     round bounds of the same kind
-// and, in methods/ray_hierarchy/node_test.h, the test of a triangle with it.
+//   bound_rays(rays, scene, &bound)      bounds rays that hit nothing outside `scene`
+//   bound_children(children, &bound)     bounds the volumes of bounds of the same kind
+// and with the test of a triangle in methods/ray_hierarchy/node_test.h.
 #pragma once
 
 #include <type_traits>
@@ -15,7 +15,7 @@
 
 namespace raysheaf {
 
-/// Unbounded: the scene does not matter.
+/// Unbounded: `scene` is not used.
 RAYSHEAF_HD inline void bound_rays(View<const Ray> rays, const Box& /*scene*/, RayBound* bound) {
   *bound = bound_rays(rays);
 }
@@ -23,7 +23,7 @@ RAYSHEAF_HD inline void bound_children(View<const RayBound> children, RayBound* 
   *bound = bound_children(children);
 }
 
-/// Calls `body(std::type_identity<Bound>())` with the type of bound that is asked for.
+/// Calls `body(std::type_identity<Bound>())` with the requested type of bound.
 template <class Body>
 decltype(auto) with_bound(BundleBound bound, const Body& body) {
   switch (bound) {

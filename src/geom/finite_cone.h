@@ -1,5 +1,5 @@
-// The paper's bound, with an end: no ray of the bundle has a hit farther than `reach` from its
-// origin.
+// The paper's bound with a finite length: every hit of the bundle's rays lies within `reach` of its
+// ray's origin.
 #pragma once
 
 #include "geom/ray_bound.h"

@@ -1,13 +1,12 @@
-// A beam: a box of origins that spreads by intervals of slopes, cut off at a reach, and the box
-// round all of it.
+// A frustum: a box of origins, intervals of slopes by which it spreads, a reach that ends it, and
+// the box that contains all of it.
 //
-//          /|       Directions are scaled so that their largest component is 1. Where all rays of a
+//          /|       Directions are scaled so that their largest component is 1. If all rays of a
 //     +--+/ |       bundle have one dominant axis, that component's interval is a point, and the
 //     |O |  |       other two span four planes (J. Arvo, D. Kirk, "Fast Ray Tracing by Ray
 //     +--+\ |       Classification", SIGGRAPH 1987; K. Garanzha, C. Loop, "Fast Ray Sorting and
-//          \|       Breadth-First Packet Traversal", 2010). Where not, the three intervals bound
-//          the
-//                   bundle all the same, less tightly.
+//          \|       Breadth-First Packet Traversal", 2010). Otherwise the three intervals bound
+//                   the bundle less tightly.
 #pragma once
 
 #include "base/view.h"
@@ -21,7 +20,7 @@ struct Frustum {
 };
 static_assert(sizeof(Frustum) == 76);
 
-/// Scaled directions are right to a rounding, which counts as one at the place of the hit.
+/// Each scaled direction has one rounding error, which is accounted for at the hit's position.
 RAYSHEAF_HD inline void bound_rays(View<const Ray> rays, const Box& scene, Frustum* bound) {
   *bound = {};
   for (const Ray& ray : rays) {

@@ -29,7 +29,8 @@ double squared_distance(const Point& a, const Point& b) {
   return inner(d, d);
 }
 
-/// The least ball with up to four given points on its boundary, its centre in their affine hull.
+/// The smallest sphere with up to four given points on its boundary and with its centre in their
+/// affine hull.
 ///
 /// A point p outside is added by moving the centre c along d, the part of p - q0 that is orthogonal
 /// to the hull: all points of the boundary stay equally far, and |p - c - f d|^2 = r^2 + f^2 |d|^2
@@ -44,8 +45,8 @@ class Boundary {
     return squared_distance(p, center()) - squared_radius();
   }
 
-  /// False where `p` lies so near the hull that rounding would choose the direction; nothing is
-  /// changed.
+  /// Returns false and changes nothing if `p` is so close to the hull that rounding errors would
+  /// determine the direction.
   bool push(const Point& p) {
     State& next = states_[size_ + 1];
     if (size_ == 0) {
@@ -80,16 +81,18 @@ class Boundary {
   std::array<State, 5> states_;
 };
 
-/// The ball of a few points: the support of the ball so far, and the farthest point of all.
+/// The smallest sphere of a few points: the support of the current sphere, and the farthest of all
+/// points.
 ///
-/// The paper keeps all points in one list, but between two pivots its move to front only ever looks
-/// at the support, which stands before all others: the list here is that part.
+/// The paper keeps all points in one list. Between two pivots its move to front only reads the
+/// support, which precedes all other points; this list holds only that part.
 class SupportSolver {
  public:
   [[nodiscard]] const Point& center() const { return center_; }
   [[nodiscard]] double squared_radius() const { return squared_radius_; }
 
-  /// The ball of the support and `p`, with `p` on its boundary (`pivot_mb` of the paper).
+  /// The smallest sphere of the support and `p`, with `p` on its boundary (`pivot_mb` of the
+  /// paper).
   void add(const Point& p) {
     boundary_ = {};
     boundary_.push(p);
@@ -103,8 +106,8 @@ class SupportSolver {
   }
 
  private:
-  /// The ball of the first `count` points that has the boundary's on its own (`mtf_mb` of the
-  /// paper).
+  /// The smallest sphere of the first `count` points that has the points of the boundary on its
+  /// surface (`mtf_mb` of the paper).
   void move_to_front(int count) {
     support_ = 0;
     if (boundary_.size() == 4) return;
@@ -147,8 +150,8 @@ Farthest farthest(View<const Vec3> points, const Point& from) {
   return result;
 }
 
-/// The centre from which the farthest point is nearest, of those that the pivots lead through. In
-/// exact arithmetic that is the last one; rounding may go one step too far.
+/// Among the centres of all pivots, the one with the nearest farthest point. In exact arithmetic it
+/// is the last one; with rounding errors the last pivot may make it worse.
 Point best_center(View<const Vec3> points) {
   constexpr int kMostPivots = 1000;
   SupportSolver solver;

@@ -1,4 +1,4 @@
-// The minimum enclosing ball of points.
+// The minimum enclosing sphere of points.
 #pragma once
 
 #include "base/view.h"
@@ -6,14 +6,13 @@
 
 namespace raysheaf {
 
-/// The least ball that holds every point, empty where there is none. Expected O(points): B.
+/// The smallest sphere that contains every point, empty for no points. Expected O(points): B.
 /// Gärtner, "Fast and robust smallest enclosing balls", ESA 1999, in double, with its pivoting and
 /// move to front.
 ///
-/// The centre is rounded to float and the radius measured from there, upwards: every point is
-/// inside in exact arithmetic, and the radius exceeds the least one by no more than the rounding of
-/// the centre and about 1e-7 of itself. Duplicate, collinear, coplanar and cospherical points are
-/// welcome.
+/// The centre is rounded to float and the radius is measured from there and rounded up: every point
+/// is inside in exact arithmetic, and the radius exceeds the minimum by at most the rounding of the
+/// centre and about 1e-7 of itself. Points may be duplicate, collinear, coplanar or cospherical.
 [[nodiscard]] Sphere miniball(View<const Vec3> points);
 
 }  // namespace raysheaf

@@ -1,5 +1,5 @@
-// The bound of a bundle of rays that the paper uses: a ball around the origins and a cone around
-// the directions, eight floats.
+// The paper's bound of a bundle of rays: a sphere around the origins and a cone around the
+// directions, eight floats.
 //
 //          \        /
 //           \  .   /      { o + t d : |o - center| <= radius,
@@ -19,8 +19,8 @@ struct RayBound {
 };
 static_assert(sizeof(RayBound) == 32);
 
-/// Around rays: Szecsi's cone for the axis, then the angle as measured from it, so that rounding in
-/// the growth of the axis cannot leave a direction outside. O(rays).
+/// Bounds rays: Szecsi's cone determines the axis, then the angle is measured from it, so that
+/// rounding errors of the axis cannot exclude a direction. O(rays).
 RAYSHEAF_HD inline RayBound bound_rays(View<const Ray> rays) {
   RayBound bound;
   GrowingCone cone{normalized(rays[0].direction)};
@@ -41,7 +41,7 @@ RAYSHEAF_HD inline RayBound bound_rays(View<const Ray> rays) {
   return bound;
 }
 
-/// Around bounds, `of(item)` each: unions for the centre and the axis, then both extents as
+/// Bounds the bounds `of(item)`: unions determine the centre and the axis, then both extents are
 /// measured.
 template <class Item, class Of>
 RAYSHEAF_HD RayBound bound_some(View<const Item> items, const Of& of) {

@@ -1,4 +1,4 @@
-// What can be wrong with a ray.
+// Validation of a ray.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace raysheaf {
 
-/// Whether all promises about rays hold: finite, with a direction, 0 <= t_min <= t_max.
+/// Whether the ray is valid: finite, with a direction, 0 <= t_min <= t_max.
 RAYSHEAF_HD inline bool is_right(const Ray& ray) {
   const Vec3 d = ray.direction;
   return is_finite(ray.origin) && is_finite(d) && !(d.x == 0 && d.y == 0 && d.z == 0) &&
@@ -15,7 +15,7 @@ RAYSHEAF_HD inline bool is_right(const Ray& ray) {
 }
 
 struct RayFault {
-  const char* field = nullptr;  ///< null: nothing is wrong
+  const char* field = nullptr;  ///< null: the ray is valid
   const char* sentence = nullptr;
 };
 

@@ -1,4 +1,4 @@
-// From double to float where it matters on which side the float lies.
+// Conversions from double to float with a chosen direction of rounding.
 #pragma once
 
 #include <cmath>
@@ -8,8 +8,8 @@
 
 namespace raysheaf {
 
-/// The nearest float, as a value that may be compared with `x` in double. GCC 12 vectorises pairs
-/// of conversions to float and back, and then drops both; it does not see through a volatile.
+/// The nearest float, as a value that may be compared with `x` in double. The volatile is needed
+/// because GCC 12 vectorises pairs of conversions to float and back, and then removes both.
 RAYSHEAF_HD inline float rounded(double x) {
   const volatile float stored = static_cast<float>(x);
   return stored;

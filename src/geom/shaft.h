@@ -1,13 +1,13 @@
-// The hull of a box of origins and a box of ends: { (1 - t) o + t e : o in O, e in E, 0 <= t <= 1
-// }.
+// The convex hull of a box of origins and a box of ends:
+// { (1 - t) o + t e : o in O, e in E, 0 <= t <= 1 }.
 //
 //        +-----------------------+
-//     +--+                       |      For a fixed t that is the box between O and E, so that the
-//     |O |                       E      shaft is swept by one moving box (E. Haines, J. Wallace,
-//     +--+                       |      "Shaft Culling for Efficient Ray-Traced Radiosity", 1994,
-//        +-----------------------+      describe it by planes).
+//     +--+                       |      For a fixed t this is a box between O and E, so the shaft
+//     |O |                       E      is the volume that one moving box sweeps (E. Haines,
+//     +--+                       |      J. Wallace, "Shaft Culling for Efficient Ray-Traced
+//        +-----------------------+      Radiosity", 1994, describe it by planes).
 //
-// Unions are exact, and a child's shaft lies in its parent's.
+// Unions are exact, and a child's shaft is contained in its parent's.
 #pragma once
 
 #include "base/view.h"

@@ -1,5 +1,5 @@
-// A shaft and a finite cone: what both hold. The shaft is narrow where the rays' origins and ends
-// are near each other, the cone where their directions are.
+// The intersection of a shaft and a finite cone. The shaft is narrow if the rays' origins and ends
+// are near each other, the cone if their directions are.
 #pragma once
 
 #include "geom/finite_cone.h"

@@ -6,21 +6,22 @@
 
 namespace raysheaf {
 
-/// A ball. Empty where `radius < 0`.
+/// A sphere. Empty if `radius < 0`.
 struct Sphere {
   Vec3 center;
   float radius = -1;
 };
 
-/// What a radius grows by so that rounding in the distances it was measured by cannot leave a point
-/// outside: sqrt of a sum of three squares of differences errs by at most gamma(4) of the distance.
+/// Enlarges a radius so that rounding errors in the measured distance cannot exclude a point: the
+/// square root of a sum of three squares of differences has a relative error of at most gamma(4).
 RAYSHEAF_HD inline float radius_grown(float distance) {
   return distance * (1 + 2 * gamma(4));
 }
 
-/// The minimum ball of a triangle: its circumscribed one, or the diametral one of its longest edge
-/// where it is obtuse (Ericson, Real-Time Collision Detection, 2005, section 4.3, with the factor
-/// of `s` as algebra gives it). Whatever the centre, the radius reaches all three vertices.
+/// The minimum enclosing sphere of a triangle: its circumscribed sphere or, if the triangle is
+/// obtuse, the diametral sphere of its longest edge (Ericson, Real-Time Collision Detection, 2005,
+/// section 4.3, with the factor of `s` corrected). For any rounding of the centre, the radius
+/// reaches all three vertices.
 RAYSHEAF_HD inline Sphere triangle_sphere(Vec3 a, Vec3 b, Vec3 c) {
   const Vec3 ab = b - a, ac = c - a;
   const float ab_ab = dot(ab, ab), ab_ac = dot(ab, ac), ac_ac = dot(ac, ac);
@@ -42,7 +43,7 @@ RAYSHEAF_HD inline Sphere triangle_sphere(Vec3 a, Vec3 b, Vec3 c) {
   return {center, radius_grown(std::sqrt(r2))};
 }
 
-/// The minimum ball around two balls, one of which may be empty.
+/// The minimum enclosing sphere of two spheres, one of which may be empty.
 RAYSHEAF_HD inline Sphere sphere_union(Sphere a, Sphere b) {
   if (a.radius < 0) return b;
   if (b.radius < 0) return a;
@@ -51,7 +52,7 @@ RAYSHEAF_HD inline Sphere sphere_union(Sphere a, Sphere b) {
   if (b.radius >= radius_grown(distance + a.radius)) return b;
   if (a.radius >= radius_grown(distance + b.radius)) return a;
   const float radius = (distance + a.radius + b.radius) * 0.5f;
-  // Where one ball all but holds the other, the centre may not pass the larger one's.
+  // If one sphere almost contains the other, the centre must not pass the larger sphere's centre.
   const float along = distance > 0 ? clamp((radius - a.radius) / distance, 0, 1) : 0;
   const Vec3 center = a.center + d * along;
   const float to_a = length(a.center - center) + a.radius;

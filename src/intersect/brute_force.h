@@ -1,4 +1,4 @@
-// Every ray with every triangle: the ground truth, and `--method brute`.
+// Tests every ray with every triangle: the ground truth, and `--method brute`.
 #pragma once
 
 #include "base/view.h"
@@ -9,12 +9,12 @@
 
 namespace raysheaf {
 
-/// best[i] takes the hits of rays[i]. N * M tests. `meter` advances by rays.
+/// best[i] receives the hit of rays[i]. N * M tests. `meter` advances by rays.
 void intersect_brute_force(const Executor& executor, const TriangleView& triangles,
                            View<const Ray> rays, Facing facing, View<RayHit> best,
                            ProgressMeter* meter);
 
-/// A run of a scene's triangles as the kernels take them.
+/// A run of a scene's triangles in the kernels' format.
 [[nodiscard]] TriangleArrays triangle_run(const TriangleView& triangles, std::uint32_t first,
                                           std::uint32_t count);
 

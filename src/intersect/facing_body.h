@@ -1,4 +1,4 @@
-// Which sides of a triangle a ray may meet.
+// From which sides a ray may hit a triangle.
 #pragma once
 
 #include "intersect/intersect_list.h"
@@ -6,7 +6,7 @@
 
 namespace raysheaf {
 
-/// `front` is told by the order of the corners, which a mirroring transform turns.
+/// The order of the corners determines `front`; a mirroring transform reverses it.
 RAYSHEAF_HD inline bool shows(Facing facing, std::uint8_t flags, bool front) {
   if (facing == Facing::kBoth || (flags & kSingleSided) == 0) return true;
   return front != ((flags & kMirrored) != 0);

@@ -1,19 +1,20 @@
-// Stage 1 of the ray-triangle test by itself, for one ray and one triangle: what devices walk with.
+// Stage 1 of the ray-triangle test by itself, for one ray and one triangle; devices use it during
+// traversal.
 #pragma once
 
 #include "intersect/triangle_body.h"
 
 namespace raysheaf {
 
-/// What binary32 says of a ray and a triangle: t of a hit, as rounded, is in [low, high].
+/// The result of binary32 for a ray and a triangle: the rounded t of a hit is in [low, high].
 struct FloatAnswer {
   enum Kind : std::uint8_t { kMiss, kHit, kUnsure } kind = kMiss;
   bool front = false;
   float low = 0, high = 0;
 };
 
-/// Stage 1 with the interval of t. A hit lies within [t_min, t_max] as a whole, and t_max may be
-/// brought nearer by hits.
+/// Stage 1 with the interval of t. Only a hit whose whole interval is within [t_min, t_max] is
+/// certain; hits may reduce t_max.
 RAYSHEAF_HD inline FloatAnswer answer_in_floats(const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c) {
   const Edges e = edges_of(ray, a, b, c);
   FloatAnswer answer;

@@ -1,7 +1,7 @@
-// Hits as words, so that a device keeps the best of many by an atomic minimum.
+// Hits encoded as words, so that a device keeps the best of many by an atomic minimum.
 //
 //   63                 32 31                 0
-//   | t, as ordered bits | triangle's number |      all bits set: none
+//   | t, as ordered bits | triangle's number |      all bits set: no hit
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace raysheaf {
 
 inline constexpr std::uint64_t kNoHitWord = ~std::uint64_t{0};
 
-/// Ascending by (t, triangle), t from 0; -0 is 0.
+/// Ascending by (t, triangle), for t >= 0; -0 is encoded as 0.
 RAYSHEAF_HD inline std::uint64_t hit_word(float t, std::uint32_t triangle) {
   return std::uint64_t{float_bits(t + 0.0f)} << 32 | triangle;
 }

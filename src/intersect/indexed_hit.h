@@ -9,7 +9,7 @@
 
 namespace raysheaf {
 
-/// A hit by the triangle's number; `u` and `v` are the weights of the second and third corner.
+/// A hit, with the triangle's number; `u` and `v` are the weights of the second and third corner.
 struct IndexedHit {
   float t = std::numeric_limits<float>::infinity();
   float u = 0, v = 0;

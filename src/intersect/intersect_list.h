@@ -1,4 +1,4 @@
-// One ray against many triangles: the SIMD kernel of the final tests and of brute force.
+// Tests one ray with many triangles: the SIMD kernel of the final tests and of brute force.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 
 namespace raysheaf {
 
-/// Corners in nine arrays, [corner][axis]. Triangle i is number `ids[i]`, or `first_id + i` where
-/// there is no `ids`; `flags` (TriangleFlag) is indexed by that number and may be null.
+/// Corners in nine arrays, [corner][axis]. The number of triangle i is `ids[i]`, or `first_id + i`
+/// if `ids` is null; `flags` (TriangleFlag) is indexed by that number and may be null.
 struct TriangleArrays {
   const float* vertex[3][3]{};
   const std::uint32_t* ids = nullptr;
@@ -31,11 +31,11 @@ struct RayHit {
   }
 };
 
-/// Whether a side of a triangle is passed over: the back of single-sided ones, where asked.
+/// Which sides of triangles are skipped: none, or the back of single-sided ones.
 enum class Facing : std::uint8_t { kBoth, kSkipBackOfSingleSided };
 
-/// Takes every hit among the triangles into `best`. The same answers on every SIMD target and in
-/// any order.
+/// Updates `best` with every hit among the triangles. The result is the same on every SIMD target
+/// and in any order.
 void intersect_list(const RaySetup& ray, const TriangleArrays& triangles, Facing facing,
                     RayHit* best);
 

@@ -1,6 +1,6 @@
-// Compiled once a SIMD target and chosen at run time (Google Highway). Stage 1 of the ray-triangle
-// test (intersect/triangle_body.h), one ray with as many triangles as a vector has lanes; those
-// that it does not reject go to stage 2.
+// Compiled once for each SIMD target and chosen at run time (Google Highway). Stage 1 of the
+// ray-triangle test (intersect/triangle_body.h) for one ray with as many triangles as a vector has
+// lanes; triangles that it does not reject go to stage 2.
 #include "intersect/facing_body.h"
 #include "intersect/intersect_list.h"
 
@@ -65,7 +65,7 @@ HWY_INLINE V edge(const CornerLanes& p, const CornerLanes& q) {
   return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x));
 }
 
-/// `reach_of`.
+/// SIMD version of `reach_of`.
 HWY_INLINE V reach_of_lanes(const TriangleArrays& a, std::uint32_t i) {
   const Floats d;
   V extent = hn::Zero(d);
@@ -81,7 +81,7 @@ HWY_INLINE V reach_of_lanes(const TriangleArrays& a, std::uint32_t i) {
                         hn::Set(d, std::numeric_limits<float>::infinity()));
 }
 
-/// Lanes that stage 1 leaves over, without those that surely are farther than `nearest`.
+/// Lanes that stage 1 does not reject, without those that are certainly farther than `nearest`.
 HWY_INLINE M candidates(const RayLanes& r, const TriangleArrays& a, const RaySetup& ray,
                         std::uint32_t i, float nearest) {
   using hn::Abs, hn::Add, hn::Gt, hn::Lt, hn::Max, hn::Min, hn::Mul, hn::Neg;
@@ -98,7 +98,8 @@ HWY_INLINE M candidates(const RayLanes& r, const TriangleArrays& a, const RaySet
   const V least = Min(Min(u, v), w), most = Max(Max(u, v), w);
   const M possible = hn::Not(Gt(Min(Neg(least), most), error));
   if (HWY_LIKELY(hn::AllFalse(d, possible))) return possible;
-  // A hit's depth is within the triangle's extent of a corner's. Rounding errs by 4 u of either.
+  // The depth of a hit differs from a corner's by at most the triangle's extent. Rounding errors
+  // are 4 u of either.
   const V depth = Mul(r.sz, pa.z), room = Mul(Abs(r.sz), extent);
   const V reached = Add(room, Mul(all(0x1p-20f), Add(Abs(depth), all(0x1p-120f))));
   const M beyond = hn::Or(Lt(Add(depth, reached), r.t_min),

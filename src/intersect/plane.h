@@ -1,6 +1,6 @@
-// Whether a ray meets the plane of a triangle outside its interval, in binary64: by a third of the
-// work of stage 2 (intersect/triangle_body.h). Most of what stage 1 leaves are rays that start or
-// end on the triangle, which this settles.
+// Decides in binary64 whether a ray intersects the plane of a triangle outside the ray's interval,
+// with a third of the work of stage 2 (intersect/triangle_body.h). Most rays that stage 1 does not
+// decide start or end on the triangle; this test rejects them.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 
 namespace raysheaf {
 
-/// A t below `least` or above `most` is outside [t_min, t_max] however it is rounded. A negative t
-/// is never rounded to 0.
+/// A t below `least` or above `most` is outside [t_min, t_max] for any rounding. A negative t is
+/// never rounded to 0.
 struct WideInterval {
   double least, most;
   WideInterval(float t_min, float t_max)
@@ -27,21 +27,21 @@ struct SlopedRay {
   float x, y, per_z, t_min, t_max;
 };
 
-/// The plane of a triangle, whose corners are along the rays' axes.
+/// The plane of a triangle whose corners are given in the rays' axes.
 struct Plane {
   [[nodiscard]] static double largest(double x, double y, double z) {
     return std::max(std::max(std::fabs(x), std::fabs(y)), std::fabs(z));
   }
-  /// u, a little more than which is one rounding to binary32.
+  /// Slightly more than u, the error of one rounding to binary32.
   static constexpr double kRounding = 0x1.01p-24;
 
   double nx, ny, nz;      ///< n
-  double det_off, t_off;  ///< how far n . (x, y, 1) may be off, and n . k for each unit of k
+  double det_off, t_off;  ///< error bounds of n . (x, y, 1), and of n . k per unit of k
 
-  /// Errors are those of `determinants`, with sums of at most 6 products of the largest extent q.
-  /// t = n . k (1 / d_z) / (n . (x, y, 1)), where x, y and 1 / d_z have been rounded once, to
-  /// binary32: the second sum is off by u (|n_x| + |n_y|) more, and what is above the line by u of
-  /// itself.
+  /// The errors are those of `determinants`, with sums of at most 6 products of the largest extent
+  /// q. t is n . k (1 / d_z) / (n . (x, y, 1)), where x, y and 1 / d_z have been rounded once, to
+  /// binary32: the second sum has an additional error of u (|n_x| + |n_y|), and the numerator one
+  /// of u times itself.
   Plane(Vec3 a, Vec3 b, Vec3 c) {
     const double ex = double{b.x} - double{a.x}, fx = double{c.x} - double{a.x};
     const double ey = double{b.y} - double{a.y}, fy = double{c.y} - double{a.y};
@@ -52,8 +52,8 @@ struct Plane {
     t_off = 0x1.03p-46 * (q * q);
   }
 
-  /// Whether the ray's line, if it meets the triangle at all, does so surely outside the interval.
-  /// `a`: the triangle's first corner. False says nothing.
+  /// Whether the ray's line, if it intersects the triangle at all, certainly does so outside the
+  /// interval. `a`: the triangle's first corner. False means undecided.
   [[nodiscard]] bool surely_beyond(const SlopedRay& ray, Vec3 a) const {
     const double kx = double{a.x} - double{ray.origin.x}, ky = double{a.y} - double{ray.origin.y},
                  kz = double{a.z} - double{ray.origin.z};

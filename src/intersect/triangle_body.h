@@ -1,19 +1,21 @@
-// The one ray-triangle test. Every method and device gives its answers, bit for bit.
+// The ray-triangle test. Every method and device gives its answers, bit for bit.
 //
-// A ray o + t d meets the triangle a, b, c where exact arithmetic on the floats as given says so:
+// Exact arithmetic on the given floats defines whether a ray o + t d hits the triangle a, b, c:
 // edges and corners belong to the triangle; a ray in its plane misses it; a triangle without area
-// is never met. t, u and v are rounded once, from values that are right to 2^-27, and t of a hit is
-// in [t_min, t_max] as rounded. So no ray passes between triangles that share an edge or a corner,
-// and of triangles that only one ray in a million distinguishes every method names the same.
+// is never hit. t, u and v are rounded once, from values that are accurate to 2^-27, and the
+// rounded t of a hit is in [t_min, t_max]. Consequently no ray passes between triangles that share
+// an edge or a corner, and all methods report the same triangle even if only one ray in a million
+// distinguishes two triangles.
 //
-// With e = b - a, f = c - a, n = e x f, k = a - o all is a sign or a quotient of determinants:
+// With e = b - a, f = c - a, n = e x f, k = a - o, the test needs only signs and quotients of
+// determinants:
 //
 //        c            det = n . d      t = n . k / det
 //       / \           u = (k x d) . f / det      the weight of b
 //      / o \          v = -(k x d) . e / det     the weight of c
 //     a --- b         w = 1 - u - v              the weight of a
 //
-// Three stages, each for what the one before leaves over:
+// There are three stages, each for the cases that the previous one does not decide:
 //
 // 1. Binary32 rejects (`surely_misses`): nearly all tests end here, and most of the rest are hits.
 // 2. Binary64 decides (`determinants`, with error bounds from the sums of the products' magnitudes;
@@ -22,30 +24,30 @@
 //    there: 2^-447 to 2^390.
 // 3. Integers (intersect/wide_body.h): rays through edges and corners, and grazing ones.
 //
-// Stage 1. Corners are moved to the origin and sheared, so that the ray runs along +z (S. Woop, C.
-// Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013); the edge functions
-// U = C x B, V = A x C, W = B x A (z of the cross products) agree in sign where it hits. Let
-// u = 2^-24, q be the largest extent of the triangle along an axis, Z >= |z| of all corners, and S
-// >= |x|, |y| of all sheared corners. Slopes are at most 1. A sheared coordinate errs by
-// u (S + Z) in the difference to the origin, 3 u Z in the product (slope, z, rounding), u S in the
-// last difference: E <= u (2 S + 6 Z), with room. An edge function errs by
-// 4 S E + 2 E^2 + 4 u (S + E)^2. If the ray meets the triangle, the exact S <= 2 q, for all points
-// of the sheared triangle, 0 among them, are no farther apart. With r >= 2 q and
-// Y = |z of a corner| + r, so that 4 q + 6 Z <= 6 Y - 2 q:
+// Stage 1. Corners are moved to the origin and sheared, so that the ray points along +z (S. Woop,
+// C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013); for a hit, the
+// edge functions U = C x B, V = A x C, W = B x A (z of the cross products) agree in sign. Let u =
+// 2^-24, q be the largest extent of the triangle along an axis, Z >= |z| of all corners, and S >=
+// |x|, |y| of all sheared corners. Slopes are at most 1. The error of a sheared coordinate is u (S
+// + Z) in the difference to the origin, 3 u Z in the product (slope, z, rounding), u S in the last
+// difference: E <= u (2 S + 6 Z), rounded up. The error of an edge function is 4 S E + 2 E^2 + 4 u
+// (S + E)^2. If the ray hits the triangle, the exact S <= 2 q, because the distances between all
+// points of the sheared triangle, including 0, are at most that. With r >= 2 q and Y = |z of a
+// corner| + r, so that 4 q + 6 Z <= 6 Y - 2 q:
 //
 //    the error is at most 48 u q Y + 256 u^2 Y^2 < e = Y (1024 u^2 Y + 32 u r)
 //
-// So where one edge function is beyond e and another below -e the ray misses, however the triangle
-// lies. Conversely, where all are beyond e, or all below -e, it hits: the signs are those of the
-// computed corners exactly, for rounding is monotonic and nothing is fused (decision 1), so these
-// lie around the ray, S <= 2 q + 3 E, and the error is below 48 u q Y + 700 u^2 Y^2 < e.
-// `reach_of` is infinite where products of differences could underflow or overflow; then e is not
-// finite, and nothing is decided here; so too from Y = 2^83 on.
+// Therefore the ray misses if one edge function is beyond e and another below -e, for any triangle.
+// Conversely, if all are beyond e, or all below -e, the ray hits: the signs are exactly those of
+// the computed corners, because rounding is monotonic and nothing is fused (decision 1). These
+// corners surround the ray, S <= 2 q + 3 E, and the error is below 48 u q Y + 700 u^2 Y^2 < e.
+// `reach_of` is infinite if products of differences could underflow or overflow; then e is not
+// finite, and this stage decides nothing. The same holds from Y = 2^83 on.
 //
-// Where stage 1 says that it hits, the computed t, a mean of the corners' depths with weights that
-// each err by e, is off by at most 3 e q / |det| for the weights, and 12 u Y for roundings, along z
-// (`depth_error`). SIMD kernels carry that interval for each ray and come to stage 2 only where two
-// intervals overlap; t, u and v are computed once, for the hit that remains.
+// For a hit of stage 1, the computed t is a mean of the corners' depths with weights that have an
+// error of e each. Along z, its error is at most 3 e q / |det| for the weights, and 12 u Y for
+// roundings (`depth_error`). SIMD kernels keep that interval for each ray and need stage 2 only if
+// two intervals overlap; t, u and v are computed once, for the final hit.
 #pragma once
 
 #include <cmath>
@@ -57,8 +59,8 @@
 
 namespace raysheaf {
 
-/// What a ray brings to every test: the axis it mostly runs along (z), the other two in the order
-/// that keeps the winding, and the shear.
+/// Data of a ray for all its tests: its dominant axis (z), the other two in the order that
+/// preserves the winding, and the shear.
 struct RaySetup {
   Vec3 origin, direction;
   float shear_x, shear_y, shear_z;
@@ -68,17 +70,18 @@ struct RaySetup {
 
 struct TriangleHit {
   float t, u, v;
-  bool front;  ///< met from the side where the corners run counter-clockwise
+  bool front;  ///< hit from the side from which the corners are counter-clockwise
 };
 
-/// Of the error of edge functions: for Y^2, and for Y times the reach.
+/// Error of edge functions: coefficients of Y^2, and of Y times the reach.
 inline constexpr float kErrorOfSquare = 0x1p-38f, kErrorOfReach = 0x1p-19f;
-/// Of the error of depths: for the error of edge functions times the reach, and for Y.
+/// Error of depths: coefficients of the edge functions' error times the reach, and of Y.
 inline constexpr float kErrorOfWeights = 1.6f, kErrorOfDepth = 0x1p-20f;
-/// Edge functions, and distances times them, beyond these lost bits to underflow or overflow.
+/// Outside these limits, edge functions, and distances times them, may have lost bits to underflow
+/// or overflow.
 inline constexpr float kSmallDeterminant = 0x1p-60f, kLargeDeterminant = 0x1p120f;
 inline constexpr float kSmallDistance = 0x1p-100f;
-/// Intervals of t that are no wider may have lost something to underflow.
+/// Intervals of t up to this width may have lost bits to underflow.
 inline constexpr float kSmallInterval = 0x1p-140f;
 
 RAYSHEAF_HD inline RaySetup make_ray_setup(const Ray& ray) {
@@ -104,7 +107,7 @@ RAYSHEAF_HD inline RaySetup make_ray_setup(const Ray& ray) {
           z};
 }
 
-/// r >= 2 q, or infinity. `extent` is q as computed.
+/// r >= 2 q, or infinity. `extent` is the computed q.
 RAYSHEAF_HD inline float reach_of_extent(float extent) {
   return extent >= 0x1p-60f && extent <= 0x1p60f ? extent * (2 + 8 * 0x1p-24f)
                                                  : std::numeric_limits<float>::infinity();
@@ -113,14 +116,13 @@ RAYSHEAF_HD inline float reach_of(Vec3 a, Vec3 b, Vec3 c) {
   return reach_of_extent(max_component(max(max(a, b), c) - min(min(a, b), c)));
 }
 
-/// The edge functions as rounded, the depths of the corners, and how far an edge function may be
-/// off.
+/// The rounded edge functions, the depths of the corners, and an error bound of the edge functions.
 struct Edges {
   float u, v, w;
   float az, bz, cz;
   float reach, size, error;
 
-  /// Stage 1. False says nothing.
+  /// Stage 1. False means undecided.
   [[nodiscard]] RAYSHEAF_HD bool surely_miss() const {
     return (u > error || v > error || w > error) && (u < -error || v < -error || w < -error);
   }
@@ -150,13 +152,13 @@ RAYSHEAF_HD inline bool surely_misses(const RaySetup& ray, Vec3 a, Vec3 b, Vec3 
   return edges_of(ray, a, b, c).surely_miss();
 }
 
-/// det, and det times t, u and v, each with a bound of its error: half of what it is where none of
+/// det, and det times t, u and v, each with an error bound, which is half the value if none of the
 /// 9 roundings cancels.
 struct Determinants {
   double det, t, u, v;
   double det_error, t_error, u_error, v_error;
 
-  /// Whether the quotients are right to 2^-27: t of its own size, u and v of 1.
+  /// Whether the quotients are accurate to 2^-27: t relative to itself, u and v relative to 1.
   [[nodiscard]] RAYSHEAF_HD bool give_values() const {
     const double size = std::fabs(det);
     return det_error <= 0x1p-28 * size && t_error <= 0x1p-28 * std::fabs(t) &&
@@ -167,8 +169,8 @@ struct Determinants {
   }
 };
 
-/// Stage 2. A difference has one rounding, so the terms of `det` have 7, of `t` 8, of `u` and `v`
-/// 7, of 2^-53 of their magnitudes each.
+/// Stage 2. A difference has one rounding, so the terms of `det` have 7, of `t` 8, of `u` and `v` 7
+/// roundings, each 2^-53 of their magnitudes.
 RAYSHEAF_HD inline Determinants determinants(Vec3 origin, Vec3 direction, Vec3 a, Vec3 b, Vec3 c) {
   const auto minus = [](float x, float y) {
     return static_cast<double>(x) - static_cast<double>(y);
@@ -198,8 +200,8 @@ RAYSHEAF_HD inline Determinants determinants(Vec3 origin, Vec3 direction, Vec3 a
           0x1p-50 * size(mx, my, mz, fx, fy, fz), 0x1p-50 * size(mx, my, mz, ex, ey, ez)};
 }
 
-/// The values of a hit, rounded once. u and v are in [0, 1]. t of a line that meets the triangle
-/// behind the ray's origin stays below zero, however near, and is never -0.
+/// The values of a hit, rounded once. u and v are in [0, 1]. If the line hits the triangle behind
+/// the ray's origin, t stays negative, however small, and is never -0.
 RAYSHEAF_HD inline TriangleHit rounded_hit(double t, double u, double v, bool front) {
   const auto weight = [](double x) {
     const auto rounded = static_cast<float>(x);
@@ -218,11 +220,11 @@ RAYSHEAF_HD inline TriangleHit values_of_hit(Vec3 origin, Vec3 direction, Vec3 a
   return rounded_hit(answer.t, answer.u, answer.v, answer.front);
 }
 
-/// What a stage says of a ray's line and a triangle.
+/// The answer of a stage for a ray's line and a triangle.
 enum class LineAnswer : std::uint8_t { kMisses, kMeets, kUnsure };
 
-/// Stage 2: whether the ray's line meets the triangle, whatever t. An unsure answer, which has no
-/// values, is for stage 3.
+/// Stage 2: whether the ray's line hits the triangle, at any t. An unsure answer has no values and
+/// needs stage 3.
 RAYSHEAF_HD inline LineAnswer answer_in_doubles(Vec3 origin, Vec3 direction, Vec3 a, Vec3 b, Vec3 c,
                                                 TriangleHit* hit) {
   const Determinants x = determinants(origin, direction, a, b, c);
@@ -253,13 +255,13 @@ RAYSHEAF_HD inline bool line_meets_triangle(Vec3 origin, Vec3 direction, Vec3 a,
   return true;
 }
 
-/// Whether a hit at `t` counts: one beyond the largest float does not.
+/// Whether a hit at `t` is in the interval; a t beyond the largest float is not.
 RAYSHEAF_HD inline bool is_within(float t, float t_min, float t_max) {
   return t >= t_min && t <= t_max && t < std::numeric_limits<float>::infinity();
 }
 
-/// Whether the ray meets the triangle with `t` in [t_min, t_max]. Triangles without area and what
-/// is not finite are never met.
+/// Whether the ray hits the triangle with `t` in [t_min, t_max]. Triangles without area or with
+/// non-finite corners are never hit.
 RAYSHEAF_HD inline bool intersect_triangle(const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c,
                                            TriangleHit* hit) {
   return !surely_misses(ray, a, b, c) &&
@@ -267,8 +269,8 @@ RAYSHEAF_HD inline bool intersect_triangle(const RaySetup& ray, Vec3 a, Vec3 b, 
          is_within(hit->t, ray.t_min, ray.t_max);
 }
 
-/// The weights of the second and third corner where the ray meets the triangle's plane, kept inside
-/// the triangle: at silhouettes OpenGL's pixel may lie a hair outside.
+/// The weights of the second and third corner where the ray intersects the triangle's plane,
+/// clamped to the triangle: at silhouettes, OpenGL's pixel may be slightly outside.
 RAYSHEAF_HD inline Vec2 clamped_barycentrics(const Ray& ray, Vec3 a, Vec3 b, Vec3 c) {
   TriangleHit hit;
   if (intersect_triangle(make_ray_setup(ray), a, b, c, &hit)) return {hit.u, hit.v};

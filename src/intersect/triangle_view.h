@@ -7,7 +7,7 @@ namespace raysheaf {
 
 inline constexpr std::uint32_t kTriangleBlock = 16;
 
-/// No sum of this and another radius is positive.
+/// The sum of this and any other radius is negative.
 inline constexpr float kPaddingRadius = -1e30f;
 
 enum TriangleFlag : std::uint8_t {
@@ -15,7 +15,7 @@ enum TriangleFlag : std::uint8_t {
   kMirrored = 2,     ///< its instance mirrors: the front is clockwise
 };
 
-/// Read-only pointers to the arrays that traversal and intersection stream through.
+/// Read-only pointers to the arrays that traversal and intersection read.
 struct TriangleView {
   std::uint32_t count = 0;      ///< without padding
   const float* vertex[3][3]{};  ///< [corner][axis]

@@ -1,5 +1,5 @@
-// Stage 2 of the ray-triangle test in lanes: t, u and v of hits, `values_of_hit` operation by
-// operation, and intersect/plane.h. Included once a SIMD target.
+// Stage 2 of the ray-triangle test in vectors: t, u and v of hits, `values_of_hit` operation by
+// operation, and intersect/plane.h. Included once for each SIMD target.
 #if defined(RAYSHEAF_INTERSECT_VALUES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAYSHEAF_INTERSECT_VALUES_INL_H_
 #undef RAYSHEAF_INTERSECT_VALUES_INL_H_
@@ -21,7 +21,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 inline constexpr std::size_t kValueLanes = 16;
 
-/// Rays and triangles in columns, a lane each, and what they have in common.
+/// Rays and triangles in columns, one lane each, and their shared values.
 struct alignas(64) ValueColumns {
   float origin[3][kValueLanes], direction[3][kValueLanes];  ///< [axis]
   float corner[3][3][kValueLanes];                          ///< [corner][axis]
@@ -37,16 +37,17 @@ struct alignas(64) ValueColumns {
   }
 };
 
-/// The lanes that binary64 settles, and those of them that certainly hit, as bits.
+/// The lanes that binary64 decides, and those of them that certainly hit, as bits.
 struct ValuedLanes {
   std::uint32_t valued = 0, met = 0;
 };
 
-/// Fills t, u and v of the valued lanes; others hold anything.
+/// Computes t, u and v of the valued lanes; other lanes get arbitrary values.
 ///
-/// The bounds of `Determinants` are sums of magnitudes; here they are taken from the largest
-/// coordinates, which costs less and gives more: with e, f <= q, k <= s and d <= l, the sums for
-/// det, u and v are at most 6 l q (q + s), for t 6 s q^2. So where these bounds suffice, those do.
+/// The bounds of `Determinants` are sums of magnitudes. Here they are computed from the largest
+/// coordinates, which is faster and less tight: with e, f <= q, k <= s and d <= l, the sums for
+/// det, u and v are at most 6 l q (q + s), for t 6 s q^2. If these bounds suffice, those of
+/// `Determinants` do.
 HWY_INLINE ValuedLanes find_values(ValueColumns* columns) {
   using hn::Abs, hn::Add, hn::And, hn::Div, hn::Gt, hn::Le, hn::Lt, hn::Max, hn::Min, hn::Mul,
       hn::Neg, hn::Sub;
@@ -85,13 +86,14 @@ HWY_INLINE ValuedLanes find_values(ValueColumns* columns) {
     const Lanes det = dot(n, l), distance = dot(n, k), u = dot(m, f), v = Neg(dot(m, e));
     const Lanes size = Abs(det);
     const Lanes q = Max(largest(e), largest(f)), s = largest(k), q_s = Mul(q, Add(q, s));
-    // 8 in place of 6: these are rounded, too.
+    // 8 instead of 6, because these are rounded, too.
     const Lanes error = Mul(hn::Set(d, 0x1p-47), Mul(largest(l), q_s));
     const Lanes t_error = Mul(hn::Set(d, 0x1p-46), Mul(s, Mul(q, q)));
     const auto settles = [&](Lanes wrong, Lanes right) {
       return Le(wrong, Mul(hn::Set(d, 0x1p-28), right));
     };
-    // Of a point, and where nothing is finite, all comparisons are false.
+    // For a triangle that is a point, and for values that are not finite, all comparisons are
+    // false.
     const auto valued =
         And(And(settles(error, size), Gt(size, error)), settles(t_error, Abs(distance)));
     const Lanes w = Sub(Sub(det, u), v), slack = Mul(hn::Set(d, 6.0), error);
@@ -109,7 +111,7 @@ HWY_INLINE ValuedLanes find_values(ValueColumns* columns) {
   return result;
 }
 
-/// The same for lanes that are hits, whatever it takes.
+/// Computes the values of lanes that are known hits, by any stage.
 inline void settle_values(std::uint32_t hits, ValueColumns* columns) {
   ValueColumns& c = *columns;
   for (std::uint32_t rest = hits & ~find_values(columns).valued; rest != 0; rest &= rest - 1) {
@@ -121,12 +123,12 @@ inline void settle_values(std::uint32_t hits, ValueColumns* columns) {
   }
 }
 
-/// Rays in columns, as `RaySetup` has them: x, y and z are its axes.
+/// Rays in columns, as in `RaySetup`: x, y and z are its axes.
 struct SetupColumns {
   const float *ox, *oy, *oz, *shear_x, *shear_y, *shear_z, *t_min, *t_max;
 };
 
-/// Bits of the first `lanes` rays, which fill vectors, that are `Plane::surely_beyond`.
+/// Bits of the first `lanes` rays, which fill vectors, for which `Plane::surely_beyond` is true.
 HWY_INLINE std::uint32_t lanes_beyond(std::size_t lanes, const SetupColumns& rays, Vec3 corner_a,
                                       Vec3 corner_b, Vec3 corner_c) {
   using hn::Abs, hn::Add, hn::And, hn::Ge, hn::Gt, hn::Lt, hn::Max, hn::Mul, hn::Neg, hn::Or,

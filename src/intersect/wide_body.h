@@ -1,16 +1,18 @@
-// The determinants of a ray and a triangle without any rounding: integers of a fixed number of
-// words, for the few pairs that binary64 does not settle (intersect/triangle_body.h).
+// The determinants of a ray and a triangle without rounding: integers of a fixed number of words,
+// for the few pairs that binary64 does not decide (intersect/triangle_body.h).
 //
 // All coordinates are multiples of a power of two, the unit of positions, and components of the
-// direction of another. So every determinant is an integer, of 3 * kWords words:
+// direction are multiples of another. Therefore every determinant is an integer of 3 * kWords
+// words:
 //
 //   corners and origin   | span |            kWords      differences: one bit more
 //   direction            | span |            kWords
 //   edge x edge          | 2 (span + 1) + 1  | 2 kWords
 //   determinant          | 3 span + 6                   | 3 kWords
 //
-// Floats span 277 bits at most, from 2^-149 to 2^128: five words hold them. Coordinates of one
-// magnitude, and integers, span less than 62 bits: one word holds those, in a tenth of the time.
+// Floats span at most 277 bits, from 2^-149 to 2^128, which fit into five words. Coordinates of
+// similar magnitude, and integers, span less than 62 bits and fit into one word, which takes a
+// tenth of the time.
 #pragma once
 
 #include <cmath>
@@ -24,7 +26,7 @@ namespace raysheaf {
 
 __extension__ using DoubleWord = unsigned __int128;
 
-/// Two's complement, the lowest word first. Operations wrap; their callers leave room.
+/// Two's complement, lowest word first. Operations wrap around; callers provide enough words.
 template <int kWords>
 struct WideInt {
   std::uint64_t word[kWords] = {};
@@ -73,7 +75,7 @@ RAYSHEAF_HD inline WideInt<kA + kB> operator*(const WideInt<kA>& a, const WideIn
     }
     result.word[i + kB] = carry;
   }
-  // So far both were taken as without a sign: a negative one was 2^64k too large.
+  // So far both factors were treated as unsigned: a negative one was 2^64k too large.
   const auto take_from_above = [&](int first, const std::uint64_t* words, int count) {
     std::uint64_t borrow = 0;
     RAYSHEAF_ROLLED
@@ -90,7 +92,7 @@ RAYSHEAF_HD inline WideInt<kA + kB> operator*(const WideInt<kA>& a, const WideIn
   return result;
 }
 
-/// The nearest double but for 2^-52 of it.
+/// The nearest double, with a relative error of 2^-52.
 template <int kWords>
 RAYSHEAF_HD inline double to_double(WideInt<kWords> a) {
   const bool negative = a.is_negative();
@@ -103,10 +105,10 @@ RAYSHEAF_HD inline double to_double(WideInt<kWords> a) {
   return negative ? -value : value;
 }
 
-/// Coordinates that span no more bits need one word.
+/// Coordinates that span at most this many bits need one word.
 inline constexpr int kOneWord = 61;
 
-/// The powers of two that floats lie between: multiples of 2^low, below 2^high.
+/// The powers of two between which floats lie: multiples of 2^low, below 2^high.
 struct BitSpan {
   int low = 1024, high = -1024;
 
@@ -129,7 +131,7 @@ struct BitSpan {
   [[nodiscard]] RAYSHEAF_HD int bits() const { return high > low ? high - low : 0; }
 };
 
-/// x / 2^low, which is an integer of the words.
+/// x / 2^low, which must be an integer that fits.
 template <int kWords>
 RAYSHEAF_HD inline WideInt<kWords> to_wide(float x, int low) {
   WideInt<kWords> result;
@@ -172,8 +174,8 @@ RAYSHEAF_HD inline WideInt<kA + kB> dot(const WideVector<kA>& a, const WideVecto
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/// Whether the ray's line meets the closed triangle in one point, and where, to within 2^-49 of
-/// each value.
+/// Whether the ray's line intersects the closed triangle in one point, and where, with a relative
+/// error of 2^-49.
 struct WideAnswer {
   bool meets;
   double t, u, v;
@@ -201,7 +203,7 @@ RAYSHEAF_HD_CALLED inline WideAnswer answer_in_words(Vec3 origin, Vec3 direction
           to_double(v) / size, side < 0};
 }
 
-/// Of finite floats. A tenth of a microsecond, or a few where magnitudes lie far apart.
+/// For finite floats. Takes a tenth of a microsecond, or a few if magnitudes differ greatly.
 RAYSHEAF_HD inline WideAnswer answer_in_integers(Vec3 origin, Vec3 direction, Vec3 a, Vec3 b,
                                                  Vec3 c) {
   BitSpan positions, directions;
@@ -212,7 +214,7 @@ RAYSHEAF_HD inline WideAnswer answer_in_integers(Vec3 origin, Vec3 direction, Ve
   return answer_in_words<5>(origin, direction, a, b, c, positions.low, directions.low);
 }
 
-/// Whether three points lie in a line.
+/// Whether three points lie on a line.
 RAYSHEAF_HD inline bool are_in_line(Vec3 a, Vec3 b, Vec3 c) {
   BitSpan span;
   for (const Vec3 p : {a, b, c}) span.include(p);

@@ -3,7 +3,7 @@
 //
 //   top            [ . . . . . . . . ]       few nodes, split one level after the other
 //   parts     [. . .]   [. . . .]   [. .]    each by one task, from the top down
-//   items      7 2 9 |   4 0 1 8 |   3 5     brought into the order of the leaves
+//   items      7 2 9 |   4 0 1 8 |   3 5     sorted into the order of the leaves
 #pragma once
 
 #include <cstdint>
@@ -16,16 +16,16 @@
 
 namespace raysheaf {
 
-/// A box and what is in it.
+/// A box with a reference to its content.
 struct alignas(32) AreaItem {
   Vec3 min;
-  std::uint32_t ref = 0;  ///< the caller's
+  std::uint32_t ref = 0;  ///< the caller's number
   Vec3 max;
-  std::uint32_t weight = 0;  ///< its cost, where a ray meets the box
+  std::uint32_t weight = 0;  ///< its cost for a ray that intersects the box
 };
 static_assert(sizeof(AreaItem) == 32);
 
-/// What a child of a node is.
+/// The kind of a node's child.
 struct AreaChild {
   enum Kind : std::uint32_t { kItems, kNode, kPart };
   Kind kind = kItems;
@@ -38,11 +38,11 @@ struct AreaNode {
   Box box[kBvhWidth];
   AreaChild child[kBvhWidth];
   std::uint32_t children = 0;
-  std::uint32_t mark = 0;  ///< the caller's
+  std::uint32_t mark = 0;  ///< set by the caller
 };
 
-/// Items [first, first + count), which more than one leaf must hold, and the nodes over them: [0]
-/// is the root, children stand after parents.
+/// Items [first, first + count), which are too many for one leaf, and the nodes over them: [0] is
+/// the root, children follow their parents.
 struct AreaPart {
   std::uint32_t first = 0, count = 0;
   Box box;
@@ -50,21 +50,22 @@ struct AreaPart {
 };
 
 struct AreaTree {
-  std::vector<AreaNode> top;  ///< none where `parts` has one
+  std::vector<AreaNode> top;  ///< empty if `parts` has a single part
   std::vector<AreaPart> parts;
-  std::size_t part_count = 0;  ///< how many of `parts` are in use
+  std::size_t part_count = 0;  ///< number of `parts` in use
 
   [[nodiscard]] std::size_t memory_bytes() const;
 };
 
 struct AreaOptions {
   std::uint32_t leaf_items = 1;  ///< the most that a leaf holds
-  bool three_axes = false;       ///< look for cuts along all axes, not the widest alone
+  bool three_axes = false;       ///< search cuts along all axes, not only the widest
 };
 
-/// A node opens the child of largest surface until it has eight. Cuts are the best among bins of
-/// the centres (Goldsmith & Salmon 1987; Wald 2007, "On fast Construction of SAH-based Bounding
-/// Volume Hierarchies"). Items are reordered. O(n log n); the same with any number of threads.
+/// A node splits the child with the largest surface until it has eight children. Cuts are the best
+/// among bins of the centres (Goldsmith & Salmon 1987; Wald 2007, "On fast Construction of
+/// SAH-based Bounding Volume Hierarchies"). Reorders the items. O(n log n); the same tree with any
+/// number of threads.
 void build_area_tree(const Executor& executor, View<AreaItem> items, const AreaOptions& options,
                      AreaTree* tree);
 

@@ -10,10 +10,10 @@ namespace raysheaf {
 namespace {
 
 constexpr std::uint32_t kBins = 16;
-/// Items of a part at most.
+/// The most items of a part.
 constexpr std::uint32_t kPartItems = 1024;
 
-/// A box as two vectors. The fourth lanes hold what an item has there: nothing looks at them.
+/// A box as two vectors. The fourth lanes hold the item's other fields, which are not used.
 struct Box4 {
   Float4 min = all4(std::numeric_limits<float>::infinity());
   Float4 max = all4(-std::numeric_limits<float>::infinity());
@@ -38,7 +38,8 @@ Float4 item_max(const AreaItem& item) {
   return load4(&item.max.x);
 }
 
-/// Half the surface, 0 of an empty box; in binary64, where the largest coordinates cannot overflow.
+/// Half the surface, 0 for an empty box; in binary64, so that the largest coordinates do not
+/// overflow.
 double half_area(const Box4& box) {
   alignas(16) float size[4];
   store4(raysheaf::max(box.max - box.min, all4(0)), size);
@@ -58,7 +59,7 @@ struct Bins {
   std::array<std::uint32_t, kBins> weight{}, count{};
 };
 
-/// Which bin a centre falls into, along one axis.
+/// The bin of a centre along one axis.
 struct Binning {
   int axis = 0;
   float low = 0, scale = 0;
@@ -87,7 +88,7 @@ int widest_axis(const Box& centers) {
 struct Cut {
   double cost = std::numeric_limits<double>::infinity();
   int axis = 0;
-  std::uint32_t bin = 0;  ///< the first one on the right; 0: there is no cut
+  std::uint32_t bin = 0;  ///< the first bin on the right; 0: there is no cut
 };
 
 /// Keeps the cheapest cut between two bins.
@@ -132,7 +133,7 @@ class Splitter {
     return run;
   }
 
-  /// Whether a node has room for every item: cuts would only find their order.
+  /// Whether a node has room for every item, so that cuts would only determine their order.
   [[nodiscard]] bool fits_node(const Run& run) const {
     return options_.leaf_items == 1 && run.count <= kBvhWidth;
   }
@@ -145,7 +146,7 @@ class Splitter {
     }
   }
 
-  /// Splits a run into up to kBvhWidth, in the order of their items; returns how many.
+  /// Splits a run into up to kBvhWidth runs, in the order of their items; returns how many.
   std::uint32_t open(const Run& whole, std::array<Run, kBvhWidth>* children) const {
     std::uint32_t count = 1;
     (*children)[0] = whole;
@@ -196,8 +197,8 @@ class Splitter {
     return bins;
   }
 
-  /// Moves the items of the bins before `cut` to the front; returns how many. Without a branch that
-  /// depends on the items, which no processor could predict.
+  /// Moves the items of the bins before `cut` to the front; returns how many. Has no branch that
+  /// depends on the items, which would be unpredictable.
   [[nodiscard]] std::uint32_t partition(const Run& run, const Binning& binning,
                                         std::uint32_t cut) const {
     AreaItem* const items = items_.data + run.first;
@@ -215,7 +216,7 @@ class Splitter {
   AreaOptions options_;
 };
 
-/// The nodes of one part, depth first.
+/// Builds the nodes of one part, depth first.
 class PartBuilder {
  public:
   PartBuilder(const Splitter& splitter, std::vector<AreaNode>* nodes)

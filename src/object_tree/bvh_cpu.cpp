@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t kBins = 16;
 
-/// A triangle's box and number, which move together.
+/// A triangle's box and number, which are moved together.
 struct Item {
   Vec3 min;
   std::uint32_t id;
@@ -26,7 +26,7 @@ void grow(Box* box, Vec3 lo, Vec3 hi) {
   box->max = max(box->max, hi);
 }
 
-/// Half the surface; in binary64, where the largest coordinates cannot overflow it.
+/// Half the surface, in binary64, so that the largest coordinates do not overflow.
 double half_area_if_any(const Box& box) {
   if (!(box.min.x <= box.max.x)) return 0;
   const double x = double{box.max.x} - box.min.x, y = double{box.max.y} - box.min.y,
@@ -57,7 +57,7 @@ struct Bins {
   }
 };
 
-/// Which bin a centre falls into, along the widest axis of all centres of a run.
+/// The bin of a centre along the widest axis of all centres of a run.
 struct Binning {
   int axis;
   float low, scale;
@@ -76,7 +76,7 @@ struct Binning {
   }
 };
 
-/// The number of bins on the left of the cheapest cut; 0 where all items share a bin.
+/// The number of bins on the left of the cheapest cut; 0 if all items share a bin.
 std::uint32_t cheapest_cut(const Bins& bins) {
   std::array<double, kBins> right_cost{};
   Box box;
@@ -133,7 +133,8 @@ class Builder {
  private:
   using Children = std::array<Run, kBvhWidth>;
 
-  /// One node a run; the runs of the next level are their children that are no leaves.
+  /// Builds one node per run; returns their children that are not leaves, as the runs of the next
+  /// level.
   std::vector<Run> build_level(const std::vector<Run>& level, Bvh* bvh) {
     const std::uint32_t first = bvh->level_starts.back();
     bvh->nodes.resize(first + level.size());
@@ -171,7 +172,7 @@ class Builder {
     node->count[c] = static_cast<std::uint8_t>(run.count <= kLeafTriangles ? run.count : 0);
   }
 
-  /// Splits a run into up to kBvhWidth; returns how many there are.
+  /// Splits a run into up to kBvhWidth; returns how many.
   std::uint32_t open(const Run& whole, Children* children) {
     std::uint32_t count = 1;
     (*children)[0] = whole;
@@ -190,7 +191,7 @@ class Builder {
     return count;
   }
 
-  /// Brings the items of the left part to the front; returns how many there are, never none or all.
+  /// Moves the items of the left part to the front; returns how many, never none or all.
   std::uint32_t split(const Run& run) {
     const Binning bin(run.centers);
     const std::uint32_t cut = cheapest_cut(fill_bins(run, bin));

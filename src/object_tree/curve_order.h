@@ -1,4 +1,4 @@
-// Triangles along a Morton curve through the cells of their centres.
+// Sorts triangles along a Morton curve through the cells of their centres.
 #pragma once
 
 #include "object_tree/object_tree.h"
@@ -6,13 +6,13 @@
 
 namespace raysheaf {
 
-/// Fills `scratch->sorted`, not yet in order, with keys above numbers, and `scratch->tasks`: runs
-/// of it that follow each other along the curve, each in no order in itself. Lists the triangles
-/// without area, ascending. Returns the number of bits that numbers take. Work O(count).
+/// Fills `scratch->sorted`, not yet sorted, with keys above numbers, and `scratch->tasks`: runs of
+/// it that are in the order of the curve, each unsorted internally. Lists the triangles without
+/// area, ascending. Returns the number of bits of the numbers. O(count) work.
 std::uint32_t bucket_along_curve(const Executor& executor, const TriangleSource& source,
                                  TreeScratch* scratch, std::vector<std::uint32_t>* left_out);
 
-/// Sorts what a task has, by key, then number. `spare` is as long. O(count).
+/// Sorts the items of a task by key, then number. `spare` has the same length. O(count).
 void sort_run(std::uint64_t* items, std::uint64_t* spare, std::uint32_t count,
               std::uint32_t id_bits);
 

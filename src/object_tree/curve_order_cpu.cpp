@@ -13,20 +13,20 @@ namespace {
 
 constexpr std::uint32_t kMinSortBlock = 8192, kMostSortBlocks = 32;
 constexpr std::uint32_t kMostBucketBits = 12;
-/// Buckets that follow each other share a task up to this many triangles.
+/// Consecutive buckets share a task up to this many triangles.
 constexpr std::uint32_t kTaskTriangles = 1024;
-/// Fewer are sorted by comparison.
+/// Up to this many items are sorted by comparison.
 constexpr std::uint32_t kFewItems = 64;
-/// More take digits of 11 bits, fewer of 8, whose counters are sooner cleared.
+/// More items than this use digits of 11 bits, fewer use 8, whose counters are cleared faster.
 constexpr std::uint32_t kManyItems = 16384;
 
-/// Where more than this part of the triangles begins another bucket than the triangle before, they
-/// are carried along instead of looked for afterwards.
+/// If more than this fraction of the triangles has a different bucket than the preceding triangle,
+/// the triangles are moved with their keys instead of being fetched afterwards.
 constexpr double kMostJumps = 0.3;
-/// Fewer are in a cache wherever they are.
+/// Fewer triangles fit into a cache in any order.
 constexpr double kManyTriangles = 200000;
 
-/// Moves an item of a sort by insertion, above which digits are faster.
+/// Moves per item of an insertion sort, above which sorting by digits is faster.
 constexpr std::uint32_t kMostMoves = 4;
 
 struct Block {
@@ -56,7 +56,7 @@ MortonCurve curve_through(const Box& centers, std::uint32_t count) {
   return curve;
 }
 
-/// Turns the blocks' counts of keys into the places of their first ones; returns the first place of
+/// Turns the blocks' counts of keys into the places of their first keys; returns the first place of
 /// every bucket.
 std::vector<std::uint32_t> count_to_place(std::size_t blocks, std::size_t buckets,
                                           std::uint32_t* counters) {
@@ -87,7 +87,7 @@ bool in_no_order(const std::vector<Block>& blocks) {
   return kept >= kManyTriangles && jumps > kMostJumps * kept;
 }
 
-/// Halves [begin, end) of the buckets, along the curve's own cells, until a task is small.
+/// Halves the buckets [begin, end), along the curve's own cells, until a task is small.
 void make_tasks(const std::vector<std::uint32_t>& starts, std::size_t begin, std::size_t end,
                 std::vector<CurveTask>* tasks) {
   const std::uint32_t first = starts[begin], count = starts[end] - first;
@@ -120,8 +120,8 @@ void sort_by_digits(std::uint64_t* items, std::uint64_t* spare, std::uint32_t co
   if (from != items) std::memcpy(items, from, count * sizeof *items);
 }
 
-/// Sorts by insertion what is all but sorted. Gives up, with the items in another order, where that
-/// takes more than a few moves an item.
+/// Sorts nearly sorted items by insertion. Gives up, with the items in another order, after a few
+/// moves per item.
 bool finish_sorting(std::uint64_t* items, std::uint32_t count, std::uint32_t id_bits) {
   std::uint64_t moves = 0;
   for (std::uint32_t i = 1; i < count; ++i) {

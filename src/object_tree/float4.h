@@ -1,6 +1,6 @@
-// Four floats at once: three coordinates and a lane that nobody looks at, or a coordinate of four
-// points. SSE2 is part of every x86-64, so this needs no dispatch; elsewhere plain loops, which
-// compilers turn into what there is.
+// Four floats at once: three coordinates and an unused lane, or one coordinate of four points. SSE2
+// is part of every x86-64, so this needs no dispatch; on other machines these are plain loops,
+// which compilers vectorize.
 #pragma once
 
 #include "raysheaf/types.h"
@@ -53,13 +53,13 @@ inline Float4 max(Float4 a, Float4 b) {
   return {_mm_max_ps(a.v, b.v)};
 }
 
-/// The fourth lane is 0; reads no more than the three floats.
+/// The fourth lane is 0; reads only the three floats.
 inline Float4 load3(const Vec3& p) {
   const __m128 xy = _mm_loadl_pi(_mm_setzero_ps(), reinterpret_cast<const __m64*>(&p.x));
   return {_mm_movelh_ps(xy, _mm_load_ss(&p.z))};
 }
 
-/// The columns x, y, z of four points.
+/// Stores the columns x, y, z of four points.
 inline void store_columns(Float4 a, Float4 b, Float4 c, Float4 d, float (*out)[4]) {
   const __m128 ab = _mm_unpacklo_ps(a.v, b.v), cd = _mm_unpacklo_ps(c.v, d.v);
   const __m128 ab_z = _mm_unpackhi_ps(a.v, b.v), cd_z = _mm_unpackhi_ps(c.v, d.v);

@@ -1,18 +1,19 @@
-// The nodes of the tree along a curve, by a loop over its triangles, each of which is a run at
-// first.
+// Builds the nodes of the tree along a curve by a loop over its triangles, each of which is a run
+// at first.
 //
-//   runs    [. . . .][. . .]   two neighbours are joined where the keys at their border share more
+//   runs    [. . . .][. . .]   two neighbours are joined if the keys at their border share more
 //                              bits than those at their far ends (C. Apetrei, "Fast and Simple
 //                              Agglomerative LBVH Construction", CGVC 2014). The second thread that
-//                              arrives at a border goes on.
+//                              arrives at a border continues.
 //   lists   a b c d  e f       a run of more than kLinearLeaf triangles has at most kListed
-//            \_|__|_/          clusters. Those of two runs become one list, in which the two with
-//              |  |            the smallest box about both become a node, until kListed are left.
-//           a be  d cf         At last one is, the root.
+//            \_|__|_/          clusters. The lists of two runs become one list, in which the pair
+//              |  |            with the smallest common box becomes a node, until kListed are left.
+//           a be  d cf         Finally a single cluster is left, the root.
 //
 // C. Benthin et al., "H-PLOC: Hierarchical Parallel Locally-Ordered Clustering for Bounding Volume
 // Hierarchy Construction", HPG 2024, by single threads instead of warps, with shorter lists. A
-// run's clusters depend only on its triangles: in whatever order runs meet, the tree is the same.
+// run's clusters depend only on its triangles, so the tree is the same for any order in which runs
+// are joined.
 #pragma once
 
 #include "base/lesser.h"
@@ -22,32 +23,33 @@ namespace raysheaf {
 
 inline constexpr std::uint32_t kListed = 4, kJoined = 2 * kListed;
 static_assert(kListed <= kLinearLeaf + 1, "a run that has a list has as many places");
-/// kListed clusters become the root in as many halvings.
+/// Number of halvings in which kListed clusters become the root.
 inline constexpr std::uint32_t kRootLevels = 2;
 static_assert(1u << kRootLevels == kListed);
 
-/// Shared by the threads of the loop. A node's number is the first place of one of its leaves.
+/// Data shared by the threads of the loop. A node's number is the first place of one of its leaves.
 struct LinearBuild {
   const std::uint64_t* keys;
   std::uint32_t count;
   LinearTriangle* triangles;
   LinearNode* nodes;
   LinearParents parents;
-  /// By the last place before a border: the far end of the run that arrived first; before, all bits
-  /// set.
+  /// Indexed by the last place before a border: the far end of the run that arrived first;
+  /// initially all bits set.
   std::uint32_t* far_ends;
   std::uint64_t* lists;  ///< by the run's first place: `cluster_word`, kListed of them
 };
 
 struct alignas(16) LinearCluster {
   Box box;
-  std::uint32_t child = 0;   ///< as a node has it
-  std::uint32_t first = 0;   ///< the first of its places, which is no number of its nodes
+  std::uint32_t child = 0;   ///< as in LinearNode
+  std::uint32_t first = 0;   ///< the first of its places, which is not the number of any of its
+                             ///< nodes
   std::uint32_t height = 0;  ///< 0: a leaf
 };
 
-/// Clusters to be joined, and of each two half the surface of the box about both; infinite where
-/// the node would be too high.
+/// Clusters to be joined, and for each pair half the surface of their common box; infinite if the
+/// node would be too high.
 struct LinearClusters {
   LinearCluster at[kJoined];
   float joint[kJoined][kJoined];
@@ -66,7 +68,7 @@ RAYSHEAF_HD inline LinearCluster cluster_of_word(const LinearBuild& build, std::
   return {box_union(node.box[0], node.box[1]), child, first, node.height};
 }
 
-/// The clusters of the run [first, last]: a leaf, or its list.
+/// Adds the clusters of the run [first, last]: a leaf, or its list.
 RAYSHEAF_HD inline void add_clusters(const LinearBuild& build, std::uint32_t first,
                                      std::uint32_t last, LinearClusters* all) {
   if (last - first < kLinearLeaf) {
@@ -78,7 +80,7 @@ RAYSHEAF_HD inline void add_clusters(const LinearBuild& build, std::uint32_t fir
     all->at[all->count++] = cluster_of_word(build, build.lists[first + i]);
 }
 
-/// Half the surface of the box about two.
+/// Half the surface of the common box.
 RAYSHEAF_HD inline float surface_about(const Box& a, const Box& b) {
   const float x = greater(a.max.x, b.max.x) - lesser(a.min.x, b.min.x);
   const float y = greater(a.max.y, b.max.y) - lesser(a.min.y, b.min.y);
@@ -86,11 +88,11 @@ RAYSHEAF_HD inline float surface_about(const Box& a, const Box& b) {
   return x * y + y * z + z * x;
 }
 
-/// Fills what `joint` has of cluster `i` and those before it, up to `count`. Nodes are no higher
-/// than `limit`.
+/// Fills `joint` for the pairs of cluster `i` with those before it, up to `count`. Nodes are at
+/// most `limit` high.
 RAYSHEAF_HD inline void measure_pairs(std::uint32_t i, std::uint32_t count, std::uint32_t limit,
                                       LinearClusters* all) {
-  const LinearCluster a = all->at[i];  // as one: in words of 16 bytes
+  const LinearCluster a = all->at[i];  // copied as a whole, in words of 16 bytes
   for (std::uint32_t j = 0; j < count; ++j) {
     const LinearCluster b = all->at[j];
     const bool fits = a.height < limit && b.height < limit;
@@ -103,7 +105,7 @@ struct ClusterPair {
   std::uint32_t a = 0, b = 1;  ///< a < b
 };
 
-/// The first of those with the least surface.
+/// The first of the pairs with the least surface.
 RAYSHEAF_HD inline ClusterPair closest_pair(const LinearClusters& all) {
   ClusterPair best;
   float least = std::numeric_limits<float>::infinity();
@@ -116,8 +118,8 @@ RAYSHEAF_HD inline ClusterPair closest_pair(const LinearClusters& all) {
   return best;
 }
 
-/// Makes node `number` of two clusters; it takes the place of the first, and the last cluster that
-/// of the second.
+/// Makes node `number` of two clusters; it replaces the first, and the last cluster replaces the
+/// second.
 RAYSHEAF_HD inline void join_pair(const LinearBuild& build, ClusterPair pair, std::uint32_t number,
                                   LinearClusters* all) {
   const LinearCluster a = all->at[pair.a], b = all->at[pair.b];
@@ -133,8 +135,8 @@ RAYSHEAF_HD inline void join_pair(const LinearBuild& build, ClusterPair pair, st
     all->joint[pair.b][j] = all->joint[j][pair.b] = all->joint[last][j];
 }
 
-/// Until `kept` clusters are left; the root is made where that is 1. Returns the sum of
-/// `surface_parts` of those that got a parent.
+/// Joins clusters until `kept` are left; 1 makes the root. Returns the sum of `surface_parts` of
+/// the clusters that got a parent.
 RAYSHEAF_HD inline std::uint64_t join_closest(const LinearBuild& build, std::uint32_t kept,
                                               std::uint32_t limit, const Box& scene,
                                               LinearClusters* all) {
@@ -145,7 +147,7 @@ RAYSHEAF_HD inline std::uint64_t join_closest(const LinearBuild& build, std::uin
     const ClusterPair pair = closest_pair(*all);
     const LinearCluster &a = all->at[pair.a], &b = all->at[pair.b];
     surface += surface_parts(a.box, scene) + surface_parts(b.box, scene);
-    // The other number is free.
+    // The other number stays unused.
     const std::uint32_t number = a.first > b.first ? a.first : b.first;
     join_pair(build, pair, kept == 1 ? 0 : number, all);
     measure_pairs(pair.a, all->count, limit, all);
@@ -155,10 +157,11 @@ RAYSHEAF_HD inline std::uint64_t join_closest(const LinearBuild& build, std::uin
 
 /// Joins the runs [first, cut] and [cut + 1, last], which have more than kLinearLeaf triangles.
 ///
-/// Heights: a run whose keys share b bits has clusters no higher than kLinearDepth - kRootLevels -
-/// b, which is 1 or more, since five keys differ in three bits. Those of its parts share more, so
-/// theirs are lower, and two of them can be joined. They always can while more than kListed are
-/// left: each that is full is of two or more of the up to 2 kListed, so two are not full.
+/// Heights: a run whose keys share b bits has clusters with a height of at most kLinearDepth -
+/// kRootLevels - b, which is at least 1, because five keys differ in three bits. The keys of its
+/// parts share more bits, so their heights are smaller, and two of them can be joined. This is
+/// always possible while more than kListed are left: each cluster of maximum height consists of two
+/// or more of the up to 2 kListed clusters, so two others are lower.
 RAYSHEAF_HD inline std::uint64_t join_runs(const LinearBuild& build, std::uint32_t first,
                                            std::uint32_t cut, std::uint32_t last,
                                            const Box& scene) {
@@ -178,8 +181,8 @@ RAYSHEAF_HD inline std::uint64_t join_runs(const LinearBuild& build, std::uint32
   return surface;
 }
 
-/// From the triangle at `place` up, until a run waits for its neighbour; more than kLinearLeaf
-/// triangles. Returns the sum of `surface_parts` of the boxes that were found.
+/// Joins runs from the triangle at `place` upwards, until a run waits for its neighbour; for more
+/// than kLinearLeaf triangles. Returns the sum of `surface_parts` of the computed boxes.
 RAYSHEAF_HD inline std::uint64_t grow_run(const LinearBuild& build, std::uint32_t place,
                                           const Box& scene) {
   std::uint64_t surface = 0;

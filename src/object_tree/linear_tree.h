@@ -1,8 +1,8 @@
-// The object hierarchy of `dual` on a device: built from triangles that lie there, and refitted
-// where they move.
+// The object hierarchy of `dual` on a device: built from triangles in the device's memory, and
+// refitted when they move.
 //
-// Work O(M), of a build beside the sort of 64-bit keys; memory 145 bytes a triangle. Nothing waits
-// but `cost`.
+// O(M) work, for a build in addition to the sort of 64-bit keys; 145 bytes of memory per triangle.
+// Only `cost` waits for the device.
 #pragma once
 
 #include <numeric>
@@ -13,8 +13,8 @@
 
 namespace raysheaf {
 
-/// On a device. Nodes hold every corner of the triangles below them, bit for bit; triangles without
-/// area are among them, to be passed over when they are hit.
+/// A tree on a device. Nodes contain every corner of the triangles below them exactly. Triangles
+/// without area are included, and skipped when they are tested.
 class LinearTree {
  public:
   explicit LinearTree(DeviceAllocator& allocator)
@@ -26,23 +26,23 @@ class LinearTree {
         arrived_(allocator),
         surfaces_(allocator) {}
 
-  /// Fewer than 2^31 triangles. Where it throws, the tree is empty.
+  /// Fewer than 2^31 triangles. If it throws, the tree is empty.
   template <class Device>
   void build(Device& device, const TriangleList& source);
-  /// To as many triangles as it was built over, wherever they are now: the same nodes and leaves
-  /// with boxes that fit them.
+  /// Refits to the same number of triangles at their current positions: nodes and leaves stay,
+  /// boxes are recomputed.
   template <class Device>
   void refit(Device& device, const TriangleList& source);
-  /// Of a tree that is built or refitted: how many of its boxes a ray that meets the scene's is
-  /// expected to meet (J. Goldsmith, J. Salmon, "Automatic Creation of Object Hierarchies for Ray
-  /// Tracing", 1987). 0 where the scene has no surface. Waits.
+  /// The number of boxes that a ray through the scene's box is expected to intersect (J. Goldsmith,
+  /// J. Salmon, "Automatic Creation of Object Hierarchies for Ray Tracing", 1987), for a tree that
+  /// is built or refitted. 0 if the scene has no surface. Waits.
   template <class Device>
   [[nodiscard]] double cost(Device& device) const;
 
   [[nodiscard]] LinearTreeView view() const {
     return {nodes_.data(), triangles_.data(), static_cast<std::uint32_t>(triangles_.size())};
   }
-  /// The box of all triangles, on the device, once it was built; not numbers where there are none.
+  /// The box of all triangles, on the device, valid after a build; NaN without triangles.
   [[nodiscard]] const SharedBox* scene() const { return scene_.data(); }
   [[nodiscard]] std::size_t memory_bytes() const {
     return scene_.capacity_bytes() + columns_.capacity_bytes() + nodes_.capacity_bytes() +
@@ -51,7 +51,7 @@ class LinearTree {
   }
 
  private:
-  /// Sums of surfaces, so that few threads wait for the same one.
+  /// Several sums of surfaces, so that few threads wait for the same one.
   static constexpr std::uint32_t kSurfaceSums = 64;
 
   DeviceBuffer<SharedBox> scene_;
@@ -59,7 +59,7 @@ class LinearTree {
   DeviceBuffer<LinearNode> nodes_;
   DeviceBuffer<LinearTriangle> triangles_;
   DeviceBuffer<std::uint32_t> parents_;  // of nodes, then of leaves
-  DeviceBuffer<std::uint32_t> arrived_;  // at nodes; while nodes are made, at borders of runs
+  DeviceBuffer<std::uint32_t> arrived_;  // at nodes; during a build, at borders of runs
   DeviceBuffer<std::uint64_t> surfaces_;
 };
 
@@ -87,7 +87,7 @@ void LinearTree::build(Device& device, const TriangleList& source) {
     const Box box = triangle_box(corners[3 * i], corners[3 * i + 1], corners[3 * i + 2]);
     keys[i] = linear_key(made_up, box_of(*scene), box, static_cast<std::uint32_t>(i));
   });
-  // Numbers ascend below the cells: a stable sort by the cells alone sorts both.
+  // Numbers ascend below the cells: a stable sort by the cells sorts both.
   device.sort_keys("hierarchy: sort", &columns_, {made_up.id_bits, made_up.bits()});
 
   const std::uint64_t* const sorted = columns_.keys.data();

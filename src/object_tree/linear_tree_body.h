@@ -1,11 +1,11 @@
-// A binary tree over triangles along a Morton curve: its parts, and new boxes for its nodes. How
-// nodes come to be is in object_tree/linear_build_body.h.
+// A binary tree over triangles along a Morton curve: its data structures, and the refit of its
+// boxes. object_tree/linear_build_body.h builds its nodes.
 //
 //   keys   0001  0010  0100  0101  1001 ...   ascending and all different: a cell, then a number
 //   runs   those whose keys share a prefix that their neighbours do not share. A run of at most
-//          kLinearLeaf triangles that is no part of another such is a leaf
+//          kLinearLeaf triangles that is not part of another such run is a leaf
 //
-// Boxes come from below: of two who arrive at a node, the second goes on.
+// Boxes are computed bottom-up: of the two threads that arrive at a node, the second continues.
 #pragma once
 
 #include <cstdint>
@@ -20,9 +20,9 @@
 namespace raysheaf {
 
 inline constexpr std::uint32_t kLinearLeaf = 4;
-/// No way down has more nodes (`join_runs`).
+/// No path from the root has more nodes (`join_runs`).
 inline constexpr std::uint32_t kLinearDepth = 64;
-/// A child that is a leaf: the place of its first triangle.
+/// Marks a child that is a leaf, given by the place of its first triangle.
 inline constexpr std::uint32_t kLeafBit = 0x80000000u;
 
 /// A triangle at its place along the curve.
@@ -32,18 +32,18 @@ struct alignas(16) LinearTriangle {
   Vec3 b;
   std::uint32_t flags = 0;  ///< TriangleFlag
   Vec3 c;
-  std::uint32_t ends_leaf = 0;  ///< 1 where it is the last of its leaf
+  std::uint32_t ends_leaf = 0;  ///< 1 for the last of its leaf
 };
 static_assert(sizeof(LinearTriangle) == 48);
 
 struct alignas(64) LinearNode {
   Box box[2];              ///< of the children
   std::uint32_t child[2];  ///< a node, or a place with kLeafBit
-  std::uint32_t height;    ///< of the nodes from here down to the farthest leaf
+  std::uint32_t height;    ///< number of nodes from here down to the farthest leaf
 };
 static_assert(sizeof(LinearNode) == 64);
 
-/// [0] is the root of more than kLinearLeaf triangles; of fewer, there are no nodes and one leaf.
+/// [0] is the root of more than kLinearLeaf triangles; fewer have no nodes and one leaf.
 struct LinearTreeView {
   const LinearNode* nodes = nullptr;
   const LinearTriangle* triangles = nullptr;
@@ -59,8 +59,8 @@ RAYSHEAF_HD inline float float_of_word(std::uint32_t word) {
   return bits_float((word & 0x80000000u) != 0 ? word & 0x7fffffffu : ~word);
 }
 
-/// A box that many threads enlarge: what is lowered are its minimum and its maximum's opposite. All
-/// bits set is the empty one.
+/// A box that many threads enlarge: atomic minima lower its minimum and its negated maximum. It is
+/// empty if all bits are set.
 struct SharedBox {
   std::uint32_t word[6];
 };
@@ -81,7 +81,7 @@ RAYSHEAF_HD inline Box triangle_box(Vec3 a, Vec3 b, Vec3 c) {
   return {min(min(a, b), c), max(max(a, b), c)};
 }
 
-/// How keys are made up.
+/// The format of keys.
 struct LinearKeys {
   std::uint32_t id_bits = 1, axis_bits = 16;
 
@@ -108,7 +108,7 @@ RAYSHEAF_HD inline int shared_prefix(const std::uint64_t* keys, std::int64_t cou
   return leading_zeros(keys[i] ^ keys[j]);
 }
 
-/// A child's number and side, as its parent is remembered: 2 * node + side; kInvalidId: none.
+/// For each child, its parent's number and its side: 2 * node + side; kInvalidId: none.
 struct LinearParents {
   std::uint32_t* of_node;
   std::uint32_t* of_leaf;  ///< by the leaf's first place
@@ -119,9 +119,9 @@ RAYSHEAF_HD inline void set_parent(LinearParents parents, std::uint32_t child,
   ((child & kLeafBit) != 0 ? parents.of_leaf[child & ~kLeafBit] : parents.of_node[child]) = parent;
 }
 
-/// Half the surface of a box within the scene's, in parts that are the scene's longest side squared
-/// over 2^20: a ray that meets the scene meets its boxes as often as their surfaces are large, and
-/// sums of whole numbers are the same in any order. 0 where that side is 0, or no number.
+/// Half the surface of a box within the scene's, in units of the scene's longest side squared over
+/// 2^20. A ray through the scene intersects boxes with probabilities in proportion to their
+/// surfaces, and sums of integers are the same in any order. 0 if that side is 0 or NaN.
 RAYSHEAF_HD inline std::uint64_t surface_parts(const Box& box, const Box& scene) {
   const Vec3 sides = scene.max - scene.min;
   const float longest = max_component(sides);
@@ -142,9 +142,9 @@ RAYSHEAF_HD inline Box leaf_box(const LinearTriangle* triangles, std::uint32_t p
   return box;
 }
 
-/// Where a leaf begins at `place`: its box to its parent, and on up until a node waits for its
-/// other child. `arrived` has a zero for each node. Returns the sum of `surface_parts` of the boxes
-/// that were found.
+/// If a leaf begins at `place`, passes its box to its parent, and continues upwards until a node
+/// waits for its other child. `arrived` must have a zero for each node. Returns the sum of
+/// `surface_parts` of the computed boxes.
 RAYSHEAF_HD inline std::uint64_t fit_boxes(const LinearTriangle* triangles, std::uint32_t place,
                                            const SharedBox& scene, LinearParents parents,
                                            std::uint32_t* arrived, LinearNode* nodes) {

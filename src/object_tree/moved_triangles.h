@@ -1,4 +1,4 @@
-// Which triangles have moved since the object tree was where they are.
+// The triangles that have moved since the object tree was updated.
 #pragma once
 
 #include <algorithm>
@@ -13,11 +13,11 @@ struct TriangleRange {
   std::uint32_t first = 0, count = 0;
 };
 
-/// A set of triangles, a bit each; all of them where they are many.
+/// A set of triangles as bits; all of them if they are many.
 class MovedTriangles {
  public:
   [[nodiscard]] bool all() const { return all_; }
-  /// Not to be asked where `all()` is true.
+  /// Must not be called if `all()` is true.
   [[nodiscard]] bool has(std::uint32_t triangle) const {
     const std::size_t word = triangle / kBits;
     return word < words_.size() && (words_[word] >> triangle % kBits & 1) != 0;
@@ -38,7 +38,7 @@ class MovedTriangles {
     clear();
     all_ = true;
   }
-  /// Of so many triangles altogether.
+  /// `triangles`: the total number.
   void add(TriangleRange range, std::uint32_t triangles) {
     if (all_ || range.count == 0) return;
     sum_ += range.count;
@@ -60,7 +60,7 @@ class MovedTriangles {
  private:
   static constexpr std::size_t kBits = 64;
   std::vector<std::uint64_t> words_;
-  std::uint64_t sum_ = 0;  ///< of what was added
+  std::uint64_t sum_ = 0;  ///< of the added ranges
   bool all_ = false;
 };
 

@@ -1,10 +1,10 @@
-// The object hierarchy of `dual`: built anew, or refitted, in the time that a frame has for it.
+// The object hierarchy of `dual`: rebuilt or refitted for each frame.
 //
-//   nodes   [ . . . . . . . . ]  eight boxes each; the root is [0], children stand after parents
+//   nodes   [ . . . . . . . . ]  eight boxes each; the root is [0], children follow their parents
 //   quads   | 7 2 9 - | 4 0 - - | ...   the corners of a leaf's triangles, four to a block
 //
-// Quads are laid out so that a packet of rays broadcasts one triangle from a cache line or two, and
-// a single ray loads four triangles (two quads: eight) as vectors.
+// The layout of quads lets a packet of rays broadcast one triangle from a cache line or two, and a
+// single ray load four triangles (two quads: eight) as vectors.
 #pragma once
 
 #include <cstdint>
@@ -19,32 +19,32 @@
 
 namespace raysheaf {
 
-/// Up to four triangles. Lanes without one repeat the first.
+/// Up to four triangles. Unused lanes repeat the first.
 struct alignas(64) TriangleQuad {
   float vertex[3][3][4];  ///< [corner][axis][lane]
-  std::uint32_t id[4];    ///< numbers
+  std::uint32_t id[4];    ///< triangle numbers
   float reach[4];         ///< `reach_of` (intersect/triangle_body.h)
 };
 static_assert(sizeof(TriangleQuad) == 192);
 
 inline constexpr std::uint32_t kQuadTriangles = 4;
 
-/// `BvhNode` with, for leaves, `first` the place of their first quad and `count` their triangles,
-/// 1 to 8, which fill div_ceil(count, 4) quads. Boxes of lanes beyond `children` are empty (+inf,
-/// -inf), so that no test of all eight lanes meets them.
+/// A `BvhNode`; for leaves, `first` is the place of their first quad and `count` the number of
+/// their triangles, 1 to 8, which fill div_ceil(count, 4) quads. Boxes of lanes beyond `children`
+/// are empty (+inf, -inf), so that no test of all eight lanes accepts them.
 struct ObjectTree {
-  Buffer<BvhNode> nodes;  ///< none where no triangle has an area
+  Buffer<BvhNode> nodes;  ///< empty if no triangle has an area
   Buffer<TriangleQuad> quads;
   Box bounds;                   ///< of all triangles that have an area
   std::uint32_t triangles = 0;  ///< that have an area
-  /// Expected tests of a long random ray: of nodes, eight boxes each, and of quads.
+  /// Expected tests of a long random ray: with nodes, eight boxes each, and with quads.
   float surface_area_cost = 0;
 
-  /// Numbers of the triangles without area, ascending: `refit_object_tree` looks whether they have
-  /// still none.
+  /// Numbers of the triangles without area, ascending: `refit_object_tree` checks that they still
+  /// have none.
   std::vector<std::uint32_t> left_out;
-  /// Where regions of `nodes` begin, and their end. Regions but the first hold whole subtrees, so
-  /// that they can be worked on at once; the first is above them.
+  /// The starts of the regions of `nodes`, and their end. All regions except the first contain
+  /// whole subtrees, so that they can be processed in parallel; the first is above them.
   std::vector<std::uint32_t> region_starts;
   TreeScratch scratch;  ///< of the rebuild
 
@@ -55,21 +55,21 @@ struct ObjectTree {
   }
 };
 
-/// Replaces `tree`, whose memory is used again, by one along a Morton curve (Lauterbach et al.
-/// 2009, "Fast BVH Construction on GPUs", section 4; Karras 2012, "Maximizing Parallelism in the
-/// Construction of BVHs, Octrees, and k-d Trees"). Triangles without area (`has_no_area`) are left
-/// out. O(M). The same tree with any number of threads.
+/// Replaces `tree`, whose memory is reused, by one along a Morton curve (Lauterbach et al. 2009,
+/// "Fast BVH Construction on GPUs", section 4; Karras 2012, "Maximizing Parallelism in the
+/// Construction of BVHs, Octrees, and k-d Trees"). Omits triangles without area (`has_no_area`).
+/// O(M). The same tree with any number of threads.
 void build_object_tree(const Executor& executor, const TriangleSource& source, ObjectTree* tree);
 
 /// The same by the surface area heuristic: slower to build, faster to trace. O(M log M).
 void build_fine_object_tree(const Executor& executor, const TriangleSource& source,
                             ObjectTree* tree);
 
-/// New corners for those of the triangles that `tree` was built from which have moved: same count
-/// and, normally, same indices. A triangle that has lost its area stays in its leaf as a point that
-/// nothing hits; returns false, with the tree left unusable, where one that had none has gained it,
-/// so that the tree must be built again. The same tree as where all count as moved. O(M), with a
-/// look at those that stayed.
+/// Updates the corners of the triangles that have moved since `tree` was built: same number and,
+/// normally, same indices. A triangle that has lost its area stays in its leaf as a point that no
+/// ray hits. Returns false, and leaves the tree unusable, if a triangle has gained an area; the
+/// tree must then be rebuilt. The result is the same as if all triangles had moved. O(M), because
+/// unmoved triangles are checked.
 [[nodiscard]] bool refit_object_tree(const Executor& executor, const TriangleSource& source,
                                      const MovedTriangles& moved, ObjectTree* tree);
 

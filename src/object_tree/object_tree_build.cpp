@@ -10,11 +10,11 @@
 namespace raysheaf {
 namespace {
 
-/// Of a run of the curve: more leaves than a node has children.
+/// For a run of the curve: more leaves than a node has children.
 constexpr std::uint32_t kClosed = kBvhWidth + 1;
 
-/// So few triangles become two leaves, wherever their cells meet: fuller quads, at a price in
-/// surface that rises with their number (docs/object.md).
+/// Up to this many triangles become two leaves, regardless of their cells: this fills quads better,
+/// at a cost in surface that increases with the number (docs/object.md).
 constexpr std::uint32_t kTwoLeaves = 6;
 
 /// Cuts a sorted run into leaves, and its leaves into clusters, at the highest bit in which keys
@@ -33,7 +33,7 @@ class CurveCutter {
   }
 
  private:
-  /// How many leaves there are, or kClosed, where they are in clusters already.
+  /// The number of leaves, or kClosed if they already are in clusters.
   std::uint32_t cut(std::uint32_t begin, std::uint32_t end) {
     if (end - begin <= kQuadTriangles) {
       *leaf_++ = static_cast<std::uint8_t>(end - begin);
@@ -43,7 +43,7 @@ class CurveCutter {
     if (end - begin <= kTwoLeaves)
       middle = std::clamp(middle, end - kQuadTriangles, begin + kQuadTriangles);
     const std::uint32_t left = cut(begin, middle);
-    // What is on the left closes before anything on the right does, so that clusters stay in order.
+    // The left part is closed before anything on the right, so that clusters stay in order.
     std::uint8_t* const after_left = cluster_;
     const std::uint32_t right = cut(middle, end);
     if (left + right <= kBvhWidth) return left + right;
@@ -89,7 +89,7 @@ void sort_and_cut(const Executor& executor, std::uint32_t id_bits, TreeScratch* 
   });
 }
 
-/// The leaves' quads and boxes, and the clusters' boxes.
+/// Writes the leaves' quads and boxes, and the clusters' boxes.
 void write_quads(const Executor& executor, const TriangleSource& source, std::uint32_t id_bits,
                  TreeScratch* scratch, ObjectTree* tree) {
   const TriangleRecord* records = scratch->records.size() != 0 ? scratch->records.data() : nullptr;

@@ -40,7 +40,7 @@ bool surely_have_area(const TriangleQuad& quad) {
           surely_differ(u[0] * v[1], u[1] * v[0])) == 0xf;
 }
 
-/// Makes points of triangles that have no area.
+/// Turns triangles without area into points.
 void flatten(TriangleQuad* quad) {
   for (int lane = 0; lane < 4; ++lane) {
     Vec3 p[3];
@@ -64,7 +64,7 @@ Box box_of(const TriangleQuad& quad) {
   return box;
 }
 
-/// New corners and the box of a quad that has its numbers.
+/// Updates the corners and the box of a quad, whose triangle numbers stay.
 void refill(TriangleReader* reader, TriangleQuad* quad, AreaItem* leaf) {
   LoadedTriangle t[4];
   for (std::uint32_t i = 0; i < 4; ++i) t[i] = load_corners(reader->corners(quad->id[i]));
@@ -81,7 +81,7 @@ void refill(TriangleReader* reader, TriangleQuad* quad, AreaItem* leaf) {
   leaf->max = box.max;
 }
 
-/// The quads [begin, end), and memory asked for ahead.
+/// Updates the quads [begin, end), and prefetches memory.
 void refill_quads(const TriangleSource& source, std::size_t begin, std::size_t end,
                   const ObjectTree& tree) {
   constexpr std::size_t kIndicesAhead = 10, kCornersAhead = 4;
@@ -95,7 +95,7 @@ void refill_quads(const TriangleSource& source, std::size_t begin, std::size_t e
   }
 }
 
-/// The same of those with a triangle that has moved.
+/// Updates those that contain a moved triangle.
 void refill_moved(const TriangleSource& source, const MovedTriangles& moved, std::size_t begin,
                   std::size_t end, const ObjectTree& tree) {
   TriangleReader reader(source);
@@ -115,8 +115,8 @@ void set_child_box(BvhNode* node, std::uint32_t c, const Box& box) {
   }
 }
 
-/// New boxes for the children of the nodes [begin, end) that have moved, from the last up; returns
-/// the sum of `cost_below`.
+/// Updates the boxes of the children of the nodes [begin, end) that have moved, from the last to
+/// the first; returns the sum of `cost_below`.
 double refit_nodes(std::uint32_t begin, std::uint32_t end, bool all, const ObjectTree& tree) {
   const TreeScratch& scratch = tree.scratch;
   double cost = 0;

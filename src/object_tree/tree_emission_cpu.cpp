@@ -32,8 +32,8 @@ void clear_unused(BvhNode* node) {
   }
 }
 
-/// Chooses, from the widest on, the clusters whose leaves have room in the node itself: bit c of
-/// `mark` for child c. Returns how many clusters have none.
+/// Chooses the clusters, from the widest on, whose leaves fit into the node itself: bit c of `mark`
+/// for child c. Returns how many clusters do not.
 std::uint32_t place_clusters(View<const AreaItem> clusters, AreaNode* node) {
   std::uint32_t open = 0, children = 0, all = 0;
   const auto weight = [&](std::uint32_t c) { return clusters[node->child[c].first].weight; };
@@ -69,13 +69,13 @@ std::uint32_t place_clusters(View<const AreaItem> clusters, AreaNode* node) {
   return left;
 }
 
-/// One region: the nodes of a part or of the top, and behind them those of clusters.
+/// One region: the nodes of a part or of the top, followed by those of clusters.
 class Region {
  public:
   Region(std::vector<AreaNode>& from, View<const AreaItem> clusters, View<const AreaItem> leaves)
       : from_(from), clusters_(clusters), leaves_(leaves) {}
 
-  /// Decides which clusters have nodes; returns how many nodes there are in all.
+  /// Decides which clusters have nodes; returns the total number of nodes.
   [[nodiscard]] std::uint32_t plan() const {
     auto count = static_cast<std::uint32_t>(from_.size());
     for (AreaNode& node : from_) count += place_clusters(clusters_, &node);

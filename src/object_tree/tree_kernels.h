@@ -1,4 +1,4 @@
-// The loops of the object tree that run over all triangles, as SIMD.
+// The loops of the object tree over all triangles, by SIMD.
 #pragma once
 
 #include <cstdint>
@@ -9,41 +9,43 @@
 
 namespace raysheaf {
 
-/// Columns of doubled centres, by number. Triangles without area have an x that is not a number.
+/// Columns of doubled centres, by number. The x of triangles without area is NaN.
 struct CenterColumns {
   float* axis[3];
 };
 
-/// The centres of [begin, end), and the box of those that have an area. The numbers of the others
-/// are appended to `left_out`.
+/// Computes the centres of [begin, end), and the box of those that have an area. Appends the
+/// numbers of the others to `left_out`.
 void measure_centers(const TriangleSource& source, std::uint32_t begin, std::uint32_t end,
                      CenterColumns centers, Box* bounds, std::vector<std::uint32_t>* left_out);
 
-/// A Morton curve through cubic cells (Morton 1966): `bits` bits an axis, x lowest.
+/// A Morton curve through cubic cells (Morton 1966): `bits` bits per axis, x lowest.
 struct MortonCurve {
   Vec3 low;
-  float up = 1;     ///< a power of two that lifts tiny scenes off the smallest numbers
-  float scale = 0;  ///< cells a unit of doubled centre, after `up`
+  float up = 1;     ///< a power of two that scales tiny scenes out of the subnormal numbers
+  float scale = 0;  ///< cells per unit of doubled centre, after `up`
   std::uint32_t bits = 0;
   std::uint32_t id_bits = 0;
 };
 
-/// Writes `key << id_bits | number` for the triangles of [begin, end) that have an area, one after
-/// the other, and counts the keys by their highest bits, `key >> bucket_shift`. Returns how many.
+/// Writes `key << id_bits | number` for the triangles of [begin, end) that have an area,
+/// consecutively, and counts the keys by their highest bits, `key >> bucket_shift`. Returns how
+/// many.
 std::uint32_t write_keys(CenterColumns centers, const MortonCurve& curve, std::uint32_t begin,
                          std::uint32_t end, std::uint32_t bucket_shift, std::uint64_t* keys,
                          std::uint32_t* bucket_counts);
 
-/// Puts keys into the buckets of their highest bits, `key >> (id_bits + bucket_shift)`:
-/// `place[bucket]` is where the next one goes. With `records`, the triangles go to the same places
-/// there, and the low `id_bits` bits of what is `sorted` become that place.
+/// Moves keys to the buckets of their highest bits, `key >> (id_bits + bucket_shift)`:
+/// `place[bucket]` is the next free place. With `records`, the triangles move to the same places
+/// there, and the low `id_bits` bits of the items in `sorted` become that place.
 void scatter_keys(const TriangleSource& source, View<const std::uint64_t> keys,
                   const MortonCurve& curve, std::uint32_t bucket_shift, std::uint32_t* place,
                   std::uint64_t* sorted, TriangleRecord* records);
 
-/// Consecutive leaves of at most four triangles, one quad each. `sizes[i]` of the triangles go to
-/// `quads[i]`, and the box of their corners to `boxes[i]`, whose weight is their number. Triangles
-/// are the low `id_bits` bits of `sorted`: numbers, or places in `records`, if not null.
+/// Writes consecutive leaves of at most four triangles, one quad each: `sizes[i]` of the triangles
+/// go to `quads[i]`, and the box of their corners, with their number as its weight, to `boxes[i]`.
+/// Triangles are given by the low `id_bits` bits of `sorted`: numbers, or places in `records`, if
+/// not null.
 void write_leaves(const TriangleSource& source, const TriangleRecord* records,
                   const std::uint64_t* sorted, std::uint32_t id_bits, const std::uint8_t* sizes,
                   std::uint32_t leaf_count, TriangleQuad* quads, AreaItem* boxes);

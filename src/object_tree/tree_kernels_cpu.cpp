@@ -6,10 +6,10 @@
 namespace raysheaf {
 namespace {
 
-/// How far ahead, in triangles, memory is asked for: indices, then the corners that they name.
+/// Prefetch distances in triangles: indices, then the corners to which they refer.
 constexpr std::uint32_t kIndexAhead = 32, kCornerAhead = 16;
 
-/// Quads and boxes of leaves whose i-th triangle is `fetch(i, &id)`.
+/// Writes quads and boxes of leaves whose i-th triangle is `fetch(i, &id)`.
 template <class Fetch>
 void write_all(const std::uint8_t* sizes, std::uint32_t leaf_count, TriangleQuad* quads,
                AreaItem* boxes, const Fetch& fetch) {

@@ -1,4 +1,4 @@
-// Compiled once a SIMD target and chosen at run time (Google Highway).
+// Compiled once for each SIMD target and chosen at run time (Google Highway).
 #include "object_tree/tree_kernels.h"
 
 #include <cstring>
@@ -21,14 +21,15 @@ using Words = hn::RebindToUnsigned<Floats>;
 using V = hn::Vec<Floats>;
 using M = hn::Mask<Floats>;
 
-/// Triangles a batch of `measure_centers`.
+/// Triangles per batch of `measure_centers`.
 constexpr std::uint32_t kBatch = 64;
 
 struct Batch {
   alignas(64) float corner[9][kBatch];  ///< a.x, a.y, a.z, b.x, ...
 };
 
-/// Corners of [first, first + count) of a run; the rest of the batch repeats the last.
+/// Loads the corners of [first, first + count) of a run, and repeats the last up to the batch's
+/// size.
 HWY_INLINE void load_batch(const TriangleRun& run, std::uint32_t first, std::uint32_t count,
                            Batch* batch) {
   for (std::uint32_t i = 0; i < kBatch; ++i) {
@@ -43,10 +44,10 @@ HWY_INLINE void load_batch(const TriangleRun& run, std::uint32_t first, std::uin
   }
 }
 
-/// Whether one component of a cross product is certainly not what `has_no_area` takes for zero. The
-/// two products, of differences, and their difference err by at most gamma(4) of the products'
-/// magnitudes together, and by 2^-148 where they underflow; a sixteenth of the second or more of
-/// the first would have to be wrong. What is infinite or not a number is not certain.
+/// Whether one component of a cross product is certainly not zero in the sense of `has_no_area`.
+/// The two products of differences, and their difference, have errors of at most gamma(4) of the
+/// sum of the products' magnitudes, and of 2^-148 if they underflow; the thresholds are at least
+/// sixteen times these errors. Infinite values and NaN are not certain.
 template <class D, class Vec>
 HWY_INLINE hn::Mask<D> surely_differ(D d, Vec p, Vec q) {
   const Vec margin = hn::Add(hn::Mul(hn::Set(d, 0x1p-20f), hn::Add(hn::Abs(p), hn::Abs(q))),
@@ -54,7 +55,7 @@ HWY_INLINE hn::Mask<D> surely_differ(D d, Vec p, Vec q) {
   return hn::Gt(hn::Abs(hn::Sub(p, q)), margin);
 }
 
-/// Lanes whose triangle has an area for certain.
+/// Lanes whose triangle certainly has an area.
 template <class D, class Vec>
 HWY_INLINE hn::Mask<D> surely_has_area(D d, const Vec (&c)[9]) {
   using hn::Mul, hn::Sub;
@@ -79,7 +80,7 @@ class CenterPass {
     }
   }
 
-  /// The first `count` lanes of a batch whose first triangle has the number `id`.
+  /// Takes the first `count` lanes of a batch whose first triangle has the number `id`.
   HWY_INLINE void take(const Batch& batch, std::uint32_t count, std::uint32_t id) {
     const Floats d;
     const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
@@ -121,7 +122,7 @@ class CenterPass {
     }
   }
 
-  /// The lanes [begin, end) as `has_no_area` judges them, where SIMD could not tell.
+  /// The lanes [begin, end), decided by `has_no_area` where SIMD is not certain.
   HWY_NOINLINE M settled(const Batch& batch, std::uint32_t begin, std::uint32_t end,
                          std::uint32_t id, M certain) {
     const Floats d;

@@ -1,4 +1,5 @@
-// What a rebuild of the object tree needs besides the tree, kept from one frame to the next.
+// Memory that a rebuild of the object tree needs in addition to the tree, kept from one frame to
+// the next.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +13,11 @@ namespace raysheaf {
 /// A run of the curve that one task sorts and cuts into leaves and clusters.
 struct CurveTask {
   std::uint32_t first = 0, count = 0;               ///< triangles, by place on the curve
-  std::uint32_t leaf_count = 0, cluster_count = 0;  ///< found by the task
-  std::uint32_t first_leaf = 0, first_cluster = 0;  ///< sums over the tasks before
+  std::uint32_t leaf_count = 0, cluster_count = 0;  ///< computed by the task
+  std::uint32_t first_leaf = 0, first_cluster = 0;  ///< sums over the preceding tasks
 };
 
-/// A triangle, carried along.
+/// A triangle that is moved with its key.
 struct TriangleRecord {
   Vec3 corner[3];
   std::uint32_t id;
@@ -24,13 +25,14 @@ struct TriangleRecord {
 static_assert(sizeof(TriangleRecord) == 40);
 
 struct TreeScratch {
-  /// Doubled centres, three columns, which later make room for `sorted`.
+  /// Doubled centres in three columns; `sorted` later reuses their memory.
   Buffer<float> centers;
   Buffer<std::uint64_t> keys;          ///< curve key above the triangle's number
   Buffer<std::uint64_t> sorted;        ///< the same in the order of the curve
-  Buffer<TriangleRecord> records;      ///< in buckets, where the source is in no order; else none
+  Buffer<TriangleRecord> records;      ///< in buckets, if the source is not ordered; otherwise
+                                       ///< empty
   Buffer<std::uint8_t> leaf_sizes;     ///< triangles of each leaf, from its task's first on
-  Buffer<std::uint8_t> cluster_sizes;  ///< leaves of each cluster, likewise
+  Buffer<std::uint8_t> cluster_sizes;  ///< leaves of each cluster, from its task's first on
   Buffer<std::uint32_t> counters;      ///< buckets of each block
   Buffer<AreaItem> leaves;             ///< boxes of leaves, by number of their quad
   Buffer<AreaItem> clusters;           ///< boxes of runs of leaves

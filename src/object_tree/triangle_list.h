@@ -1,4 +1,4 @@
-// Triangles as a device has them.
+// Triangles in a device's format.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace raysheaf {
 
-/// Corners, three each, by the triangles' numbers, and TriangleFlags, or none.
+/// Corners, three per triangle, by the triangles' numbers, and TriangleFlags, or none.
 struct TriangleList {
   View<const Vec3> corners;
   View<const std::uint8_t> flags;

@@ -1,4 +1,4 @@
-// Corners of triangles by number, on their way into quads.
+// Reads the corners of triangles by number, for quads.
 #pragma once
 
 #include "intersect/triangle_body.h"
@@ -7,7 +7,7 @@
 
 namespace raysheaf {
 
-/// Finds triangles' corners; remembers the run of the last.
+/// Finds triangles' corners; remembers the run of the last triangle.
 class TriangleReader {
  public:
   struct Corners {
@@ -20,12 +20,12 @@ class TriangleReader {
     if (id - run_->first >= run_->count) run_ = &source_.runs[source_.run_of(id)];
     return corners_in_run(id - run_->first);
   }
-  /// Asks for the memory, where it belongs to the run of the last.
+  /// Prefetches the indices, if the triangle is in the last triangle's run.
   void prefetch_index(std::uint32_t id) const {
     const std::uint32_t i = id - run_->first;
     if (i < run_->count && run_->triangles != nullptr) __builtin_prefetch(&run_->triangles[i]);
   }
-  /// The same; reads the indices.
+  /// Prefetches the corners; reads the indices.
   void prefetch_corners(std::uint32_t id) const {
     const std::uint32_t i = id - run_->first;
     if (i >= run_->count) return;
@@ -55,7 +55,7 @@ inline LoadedTriangle load_corners(const TriangleReader::Corners& c) {
   return {{load3(*c.p[0]), load3(*c.p[1]), load3(*c.p[2])}};
 }
 
-/// `reach_of` of a quad's triangles.
+/// Stores `reach_of` of a quad's triangles.
 inline void store_reach(TriangleQuad* quad) {
   Float4 extent = all4(0);
   for (int axis = 0; axis < 3; ++axis) {

@@ -1,5 +1,5 @@
-// Triangles in world space where they lie, by number: what the object tree and the fan of cells
-// read. Nothing is copied.
+// Triangles in world space, by number, without a copy: the input of the object tree and of the
+// fan's cells.
 //
 // Numbers run through the meshes' instances in the order (geom_id, inst_id, prim_id), as in
 // scene/flat_scene.h, so that comparing two numbers compares the ids that break ties between hits.
@@ -19,7 +19,7 @@ struct TriangleRun {
   const Vec3* positions = nullptr;  ///< world space
   /// Corners, as indices into `positions`; null: 3i, 3i + 1, 3i + 2.
   const std::array<std::uint32_t, 3>* triangles = nullptr;
-  std::uint32_t first = 0, count = 0;  ///< the numbers it has: [first, first + count)
+  std::uint32_t first = 0, count = 0;  ///< its numbers: [first, first + count)
 
   [[nodiscard]] std::array<Vec3, 3> corners(std::uint32_t i) const {
     if (triangles == nullptr) {
@@ -32,11 +32,11 @@ struct TriangleRun {
 };
 
 struct TriangleSource {
-  View<const TriangleRun> runs;         ///< ascending and without gaps; none of them empty
+  View<const TriangleRun> runs;         ///< ascending and without gaps; none is empty
   std::uint32_t count = 0;              ///< below 2^31
   const std::uint8_t* flags = nullptr;  ///< TriangleFlag, by number; null: none is set
 
-  /// The place in `runs` of a triangle's run. O(log runs).
+  /// The index in `runs` of a triangle's run. O(log runs).
   [[nodiscard]] std::size_t run_of(std::uint32_t triangle) const {
     const TriangleRun* after =
         std::upper_bound(runs.begin(), runs.end(), triangle,
@@ -44,8 +44,8 @@ struct TriangleSource {
     return static_cast<std::size_t>(after - runs.begin()) - 1;
   }
 
-  /// Calls `body(run, begin, end)`, numbers counted within the run, for the parts of the runs that
-  /// make up the numbers [begin, end).
+  /// Calls `body(run, begin, end)`, with numbers relative to the run, for the parts of the runs
+  /// that cover the numbers [begin, end).
   template <class Body>
   void for_each_part(std::uint32_t begin, std::uint32_t end, const Body& body) const {
     for (std::size_t r = begin < end ? run_of(begin) : 0; begin < end; ++r) {

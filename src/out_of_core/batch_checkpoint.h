@@ -1,4 +1,4 @@
-// What a batch of rays that blocks stream past keeps for a later run.
+// Stores the state of a batch of rays that blocks stream past, for a later run.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace raysheaf {
 
-/// Does nothing where `file` is null. `answers` are the batch's, as they become.
+/// Does nothing if `file` is null. `answers` are the batch's, and change during the run.
 class BatchCheckpoint {
  public:
   BatchCheckpoint(const StreamBatch& batch, StreamCheckpoint* file, std::span<std::byte> answers)
@@ -17,7 +17,7 @@ class BatchCheckpoint {
         answers_(answers),
         done_(file != nullptr ? batch.blocks.size() : 0) {}
 
-  /// Whether there were answers.
+  /// Returns whether there were stored answers.
   bool restore() { return file_ != nullptr && file_->restore(batch_, answers_, done_); }
   [[nodiscard]] bool is_done(std::size_t block) const {
     return !done_.empty() && done_[block] != 0;

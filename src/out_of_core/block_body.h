@@ -1,5 +1,4 @@
-// What a block of triangles that streams past rays does with one of them: on the CPU and on
-// devices.
+// Processes one triangle of a block that streams past rays, on the CPU and on devices.
 #pragma once
 
 #include "geom/ray_end.h"
@@ -10,20 +9,19 @@
 
 namespace raysheaf {
 
-/// Children of a node of the tree over the rays.
+/// Children per node of the tree over the rays.
 inline constexpr std::uint32_t kRayBranching = 16;
-/// As many as rays of 32 bits can have.
+/// The largest number of levels for rays with 32-bit numbers.
 inline constexpr std::uint32_t kMostRayLevels = 8;
 
-/// The nodes of a level from those, or the rays, below it.
+/// The number of nodes of a level, from the number of nodes or rays below it.
 RAYSHEAF_HD inline std::size_t nodes_above(std::size_t below) {
   return (below + kRayBranching - 1) / kRayBranching;
 }
 
-/// Whether a hit of `ray` with a triangle in `box` may be reported, as geom/ray_end.h has it.
-//
-// The line's point at a hit's t lies in the box grown by the slack. Quotients and the differences
-// before them are rounded: gamma(4) of the parameters, as there.
+/// Whether a hit of `ray` with a triangle in `box` may be reported, according to geom/ray_end.h.
+// The line's point at a hit's t lies in the box grown by the slack. The quotients and the
+// differences before them are rounded: gamma(4) of the parameters, as in ray_end.h.
 [[nodiscard]] RAYSHEAF_HD inline bool may_meet(const Ray& ray, const Box& box) {
   const Vec3 lo = box.min - ray.origin, hi = box.max - ray.origin;
   const float pad = kEndSlack * max_component(max(abs(lo), abs(hi))) + kTinySlack;
@@ -34,7 +32,8 @@ RAYSHEAF_HD inline std::size_t nodes_above(std::size_t below) {
   return enter * (1 - gamma(4)) <= exit * (1 + gamma(4));
 }
 
-/// Between the nearest points of two boxes; a number, however far they are.
+/// The squared distance between the nearest points of two boxes; finite even for very distant
+/// boxes.
 RAYSHEAF_HD inline float squared_gap(const Box& a, const Box& b) {
   const Vec3 gap = max(max(a.min - b.max, b.min - a.max), {0, 0, 0});
   const float squared = dot(gap, gap);
@@ -42,7 +41,7 @@ RAYSHEAF_HD inline float squared_gap(const Box& a, const Box& b) {
   return squared < kLargest ? squared : kLargest;
 }
 
-/// What `precedes` says.
+/// Same as `precedes`.
 RAYSHEAF_HD inline bool comes_before(const Hit& a, const Hit& b) {
   if (a.t != b.t) return a.t < b.t;
   if (a.geom_id != b.geom_id) return a.geom_id < b.geom_id;
@@ -50,11 +49,11 @@ RAYSHEAF_HD inline bool comes_before(const Hit& a, const Hit& b) {
   return a.prim_id < b.prim_id;
 }
 
-/// A block where its arrays lie.
+/// A block, with pointers to its arrays.
 struct BlockView {
   std::uint32_t number = 0;  ///< of the block
   View<const Vec3> positions;
-  const std::uint32_t* corners = nullptr;  ///< three a triangle: places in `positions`
+  const std::uint32_t* corners = nullptr;  ///< three per triangle: indices into `positions`
   View<const std::uint32_t> prim_ids;
   View<const BlockPart> parts;
 
@@ -63,7 +62,7 @@ struct BlockView {
   }
 };
 
-/// The place among the parts of a triangle's.
+/// The index of a triangle's part.
 RAYSHEAF_HD inline std::uint32_t part_of_triangle(View<const BlockPart> parts,
                                                   std::uint32_t triangle) {
   std::uint32_t first = 0;
@@ -75,14 +74,14 @@ RAYSHEAF_HD inline std::uint32_t part_of_triangle(View<const BlockPart> parts,
   return first;
 }
 
-/// What a hit with a triangle of the block is called.
+/// Converts a hit with a triangle of the block to the scene's ids.
 RAYSHEAF_HD inline Hit hit_in_block(const BlockView& block, const IndexedHit& found) {
   const BlockPart& part = block.parts.data[part_of_triangle(block.parts, found.triangle)];
   return {found.t,      found.u,     found.v, block.prim_ids.data[found.triangle],
           part.geom_id, part.inst_id};
 }
 
-/// `best` becomes the block's hit where that comes before; returns whether it did.
+/// Replaces `best` by the block's hit if that comes before it; returns whether it did.
 RAYSHEAF_HD inline bool take_least(const BlockView& block, const IndexedHit& found,
                                    StreamHit* best) {
   const Hit hit = hit_in_block(block, found);

@@ -1,5 +1,5 @@
-// A batch of rays that stays on a device, and blocks that pass it, as loops; for the sources that
-// know which device it is.
+// Loops for a batch of rays that stays on a device while blocks stream past it. For sources that
+// include a device.
 #pragma once
 
 #include "device/walks_device.h"
@@ -7,32 +7,32 @@
 
 namespace raysheaf {
 
-/// The tree over the rays, [0] the leaves.
+/// The tree over the rays; [0] are the leaves.
 struct RayLevels {
   const BeamTest* level[kMostRayLevels] = {};
   std::uint32_t size[kMostRayLevels] = {};
   std::uint32_t count = 0;
 };
 
-/// Rays in the order of the tree, with the ends that they have now.
+/// Rays in the order of the tree, with their current ends.
 struct RayState {
   View<Ray> rays;
   std::uint32_t* numbers = nullptr;  ///< the caller's; kInvalidId: done
   RayLevels levels;
 };
 
-/// Boxes that are asked about together travel with the kernel.
+/// Boxes that are tested together are passed by value with the kernel.
 inline constexpr std::uint32_t kMetWindow = 64;
 struct BoxWindow {
   Box box[kMetWindow];
 };
-/// What the host reads between two rounds.
+/// Counters that the host reads between two rounds.
 struct BlockMail {
-  std::uint64_t changed;  ///< rays that became shorter or were done, since `begin`
+  std::uint64_t changed;  ///< rays that became shorter or were done since `begin`
   std::uint32_t met[kMetWindow];
 };
 
-/// Whether a node of a level, and all above it, meet the box.
+/// Whether a node of a level and all its ancestors intersect the box.
 RAYSHEAF_HD inline bool is_reached(const RayLevels& levels, std::uint32_t level, std::size_t node,
                                    const Box& box) {
   constexpr std::uint32_t kBits = 4;
@@ -42,7 +42,7 @@ RAYSHEAF_HD inline bool is_reached(const RayLevels& levels, std::uint32_t level,
   return true;
 }
 
-/// Calls `leaf(number)` for the leaves under a node of level 0 or 1 that are met, until it returns
+/// Calls `leaf(number)` for the intersected leaves under a node of level 0 or 1, until it returns
 /// false.
 template <class Leaf>
 RAYSHEAF_HD void for_leaves_met(const RayLevels& levels, std::uint32_t level, std::size_t node,
@@ -58,7 +58,7 @@ RAYSHEAF_HD void for_leaves_met(const RayLevels& levels, std::uint32_t level, st
     if (meets(levels.level[0][i], box) && !leaf(i)) return;
 }
 
-/// Whether a ray of a leaf may meet the box.
+/// Whether a ray of a leaf may intersect the box.
 RAYSHEAF_HD inline bool leaf_meets(const RayState& state, std::size_t leaf, const Box& box) {
   const std::size_t first = leaf * kRayBranching, last = first + kRayBranching;
   const std::size_t end = last < state.rays.size ? last : state.rays.size;
@@ -67,14 +67,15 @@ RAYSHEAF_HD inline bool leaf_meets(const RayState& state, std::size_t leaf, cons
   return false;
 }
 
-/// The level whose nodes are the items of a loop over `boxes` of them: few enough, and alike.
+/// The level whose nodes are the items of a loop over `boxes` boxes, chosen so that there are not
+/// too many items and their work is similar.
 inline std::uint32_t item_level(const RayLevels& levels, std::size_t boxes) {
   return levels.count > 1 && boxes * levels.size[0] > (std::size_t{1} << 23) ? 1 : 0;
 }
 
 // --- rays
 
-/// The keys that rays are sorted by, and their numbers.
+/// Computes the rays' sort keys and numbers.
 template <class Device>
 void key_rays_on(Device& device, View<const Ray> rays, const Box& scene, std::uint64_t* keys,
                  std::uint32_t* numbers) {
@@ -84,7 +85,7 @@ void key_rays_on(Device& device, View<const Ray> rays, const Box& scene, std::ui
   });
 }
 
-/// The leaves' shafts, and the tests of them.
+/// Computes the leaves' shafts and their tests.
 template <class Device>
 void bound_stream_leaves_on(Device& device, View<const Ray> rays, const Box& scene,
                             View<Shaft> shafts, BeamTest* tests) {
@@ -96,7 +97,7 @@ void bound_stream_leaves_on(Device& device, View<const Ray> rays, const Box& sce
   });
 }
 
-/// Those of the level above `below`.
+/// Computes those of the level above `below`.
 template <class Device>
 void bound_stream_level_on(Device& device, View<const Shaft> below, View<Shaft> shafts,
                            BeamTest* tests) {
@@ -114,7 +115,7 @@ void miss_all_on(Device& device, View<StreamHit> hits) {
                   [=] RAYSHEAF_DEVICE(std::size_t i) { hits.data[i] = StreamHit{}; });
 }
 
-/// Rays end where an earlier run has met something. One of the answers is null.
+/// Shortens rays that hit something in an earlier run. One of the answers is null.
 template <class Device>
 void resume_on(Device& device, const RayState& state, const StreamHit* hits,
                const std::uint8_t* occluded) {
@@ -138,8 +139,8 @@ void flag_left_on(Device& device, View<const std::uint32_t> numbers, std::uint8_
 
 // --- boxes
 
-/// words[b]: the least squared gap between boxes[b] and the origins of a leaf that meets it, as a
-/// word; all bits set where none does.
+/// words[b]: the least squared distance between boxes[b] and the origins of a leaf that intersects
+/// it, as a word; all bits are set if no leaf does.
 template <class Device>
 void distances_on(Device& device, const RayState& state, View<const Shaft> leaves,
                   View<const Box> boxes, View<std::uint32_t> words) {
@@ -156,7 +157,7 @@ void distances_on(Device& device, const RayState& state, View<const Shaft> leave
   });
 }
 
-/// met[b] becomes 1 where a ray may meet a box of the window's first `count`.
+/// Sets met[b] to 1 if a ray may intersect box b of the window's first `count`.
 template <class Device>
 void meets_on(Device& device, const RayState& state, const BoxWindow& window, std::size_t count,
               std::uint32_t* met) {
@@ -176,7 +177,7 @@ void meets_on(Device& device, const RayState& state, const BoxWindow& window, st
 
 // --- blocks
 
-/// One block that passes, and what it is met with.
+/// One block that streams past, and the data that it is tested with.
 struct BlockPassage {
   RayState state;
   BlockView block;
@@ -185,12 +186,12 @@ struct BlockPassage {
   Facing facing = Facing::kBoth;
   StreamHit* hits = nullptr;  ///< by the caller's numbers
   std::uint8_t* occluded = nullptr;
-  WalkCounts* counts = nullptr;      ///< likewise; null: nothing is counted
-  std::uint64_t* changed = nullptr;  ///< rays
-  std::uint32_t* met = nullptr;      ///< becomes 1 where a ray comes as far as the block's tree
+  WalkCounts* counts = nullptr;      ///< by the caller's numbers; null: nothing is counted
+  std::uint64_t* changed = nullptr;  ///< number of changed rays
+  std::uint32_t* met = nullptr;      ///< becomes 1 if a ray reaches the block's tree
 };
 
-/// Three corners a triangle, and flags where there are any: one for all, or one each.
+/// Writes three corners per triangle, and the flags, if any: one for all, or one each.
 template <class Device>
 void spread_triangles_on(Device& device, const BlockView& block, View<const std::uint8_t> sides,
                          Vec3* corners, std::uint8_t* flags) {
@@ -201,7 +202,7 @@ void spread_triangles_on(Device& device, const BlockView& block, View<const std:
   });
 }
 
-/// Whether the ray at a place may meet the block.
+/// Whether the ray at a place may intersect the block.
 RAYSHEAF_HD inline bool comes_to(const BlockPassage& passage, std::size_t place, const Box& box) {
   const RayState& state = passage.state;
   if (state.numbers[place] == kInvalidId) return false;
@@ -218,7 +219,7 @@ RAYSHEAF_HD inline void add_counts(const BlockPassage& passage, std::uint32_t ra
   passage.counts[ray].triangle_tests += counts.triangle_tests;
 }
 
-/// Rays down the block's tree, and their least hits.
+/// Traces rays through the block's tree, and updates their least hits.
 template <class Device>
 void closest_in_block_on(Device& device, const BlockPassage& passage) {
   device.for_each("trace: blocks", passage.state.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
@@ -236,7 +237,7 @@ void closest_in_block_on(Device& device, const BlockPassage& passage) {
   });
 }
 
-/// The same for rays that are done when they meet anything.
+/// The same for rays that are done after any hit.
 template <class Device>
 void any_in_block_on(Device& device, const BlockPassage& passage) {
   device.for_each("trace: blocks", passage.state.rays.size, [=] RAYSHEAF_DEVICE(std::size_t i) {

@@ -1,5 +1,4 @@
-// The rays of a batch where they stay: on a device, in the order of a curve, under a tree of
-// shafts.
+// The rays of a batch that stay on a device, in the order of a curve, under a tree of shafts.
 #pragma once
 
 #include <vector>
@@ -8,7 +7,7 @@
 
 namespace raysheaf {
 
-/// The tree over the rays, and what it is made from.
+/// The rays, and the tree over them.
 template <class Device>
 class DeviceRays {
  public:
@@ -21,7 +20,8 @@ class DeviceRays {
         left_(device.allocator()),
         kept_(device.allocator()) {}
 
-  /// Copies and orders them. `scene` holds all that they may meet. Without a tree until `build`.
+  /// Copies and orders the rays. `scene` contains everything that they may hit. Has no tree until
+  /// `build`.
   void take(View<const Ray> rays, const Box& scene) {
     scene_ = scene;
     DeviceBuffer<Ray> given(device_.allocator());
@@ -37,7 +37,7 @@ class DeviceRays {
     state_ = {rays_.view(), numbers_.data(), {}};
   }
 
-  /// Rays that are done leave their places; the tree is gone until `build`. Waits.
+  /// Removes rays that are done; removes the tree until `build`. Waits.
   void drop_done() {
     left_.resize_uninitialized("rays: left", rays_.size());
     kept_.resize_uninitialized("rays: left", rays_.size());
@@ -53,7 +53,7 @@ class DeviceRays {
     state_ = {rays_.view(), numbers_.data(), {}};
   }
 
-  /// The tree over the rays as they are now.
+  /// Builds the tree over the current rays.
   void build() {
     state_.levels = {};
     std::size_t count = rays_.size();
@@ -91,7 +91,7 @@ class DeviceRays {
   DeviceBuffer<std::uint32_t> numbers_, spare_numbers_;
   DeviceBuffer<std::uint8_t> left_;
   DeviceBuffer<std::uint32_t> kept_;
-  std::vector<DeviceBuffer<Shaft>> shafts_;  // a level each
+  std::vector<DeviceBuffer<Shaft>> shafts_;  // one for each level
   std::vector<DeviceBuffer<BeamTest>> tests_;
   RayState state_;
 };

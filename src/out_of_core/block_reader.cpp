@@ -13,7 +13,7 @@
 namespace raysheaf {
 namespace {
 
-/// One waits for the disk while the other decodes.
+/// One thread waits for the disk while the other decodes.
 constexpr std::size_t kThreads = 2;
 
 bool lies_in(const Box& inner, const Box& outer) {
@@ -34,7 +34,7 @@ void check_block(const GeometrySource& source, std::size_t number, const Triangl
   }
   if (block.triangles.size() != info.triangles)
     refuse("has " + std::to_string(block.triangles.size()) + " triangles, not " +
-           std::to_string(info.triangles) + " as it was said to have");
+           std::to_string(info.triangles) + " as listed for it");
   if (!lies_in(bounds_of(block), info.bounds)) refuse("a vertex lies outside the block's bounds");
 }
 
@@ -54,7 +54,7 @@ void BlockReader::start(std::vector<std::uint32_t> blocks, std::vector<TriangleB
     while (threads_.size() < std::min(kThreads, blocks_.size()))
       threads_.push_back(std::async(std::launch::async, work));
   } catch (const std::system_error&) {
-    // Where no thread can be started, who waits reads.
+    // If no thread can be started, the waiting thread reads.
     if (threads_.empty()) threads_.push_back(std::async(std::launch::deferred, work));
   }
 }

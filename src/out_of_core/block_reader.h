@@ -1,4 +1,4 @@
-// Blocks read, decoded and looked over while others are traced.
+// Reads, decodes and validates blocks while others are traced.
 #pragma once
 
 #include <atomic>
@@ -17,10 +17,11 @@ class BlockReader {
   BlockReader(const BlockReader&) = delete;
   BlockReader& operator=(const BlockReader&) = delete;
 
-  /// Begins to read `blocks` into the first of `out`, which has as many at least, and must stay
-  /// until `wait` or as long as this does. Nothing else may be under way.
+  /// Starts reading `blocks` into the first elements of `out`, which must have at least as many,
+  /// and must exist until `wait` returns or this object is destroyed. No other read may be in
+  /// progress.
   void start(std::vector<std::uint32_t> blocks, std::vector<TriangleBlock>* out);
-  /// Until all of them are there. Throws what the first of them that failed did. Gives the
+  /// Waits until all of them are read. Throws the error of the first that failed. Returns the
   /// milliseconds that the reading threads worked.
   double wait();
 
@@ -32,12 +33,13 @@ class BlockReader {
   std::vector<std::uint32_t> blocks_;
   std::vector<TriangleBlock>* out_ = nullptr;
   std::atomic<std::size_t> next_{0};
-  std::vector<std::exception_ptr> errors_;  ///< a block each
-  std::vector<double> ms_;                  ///< a block each
+  std::vector<std::exception_ptr> errors_;  ///< one for each block
+  std::vector<double> ms_;                  ///< one for each block
   std::vector<std::future<void>> threads_;
 };
 
-/// Throws `Error` (kInvalidData) with the block's place where it is not as `GeometrySource` says.
+/// Throws `Error` (kInvalidData) with the block's place if it violates the rules of
+/// `GeometrySource`.
 void check_block(const GeometrySource& source, std::size_t number, const TriangleBlock& block);
 
 }  // namespace raysheaf

@@ -1,4 +1,4 @@
-// A tracer of blocks on a device of a known kind; for the sources that make one.
+// A tracer of blocks on a given type of device; for the sources that create one.
 #pragma once
 
 #include <algorithm>
@@ -14,13 +14,13 @@
 
 namespace raysheaf {
 
-/// The tree is made anew when this part of the rays has become shorter or is done.
+/// The tree is rebuilt after 1 / kStaleRays of the rays have become shorter or are done.
 inline constexpr std::size_t kStaleRays = 16;
 
 template <class Device>
 class BlockTracerOn : public BlockTracer {
  public:
-  /// All but the first two are what the device is made from.
+  /// The arguments after the first two construct the device.
   template <class... Args>
   BlockTracerOn(const Executor& executor, const BlockLimits& limits, Args&&... args)
       : executor_(executor),
@@ -50,8 +50,8 @@ class BlockTracerOn : public BlockTracer {
 
   void explain(std::vector<std::string>* plan) const override {
     plan->push_back(
-        "device: rays, the tree over them and their hits stay there; blocks come through " +
-        std::to_string(lanes_.size()) + " buffers, one thread a ray");
+        "device: rays, the tree over them and their hits stay in its memory; blocks come through " +
+        std::to_string(lanes_.size()) + " buffers, one thread per ray");
   }
 
   void begin(const BlockBatch& batch) override {
@@ -89,7 +89,7 @@ class BlockTracerOn : public BlockTracer {
       const BlockMail mail = read_mail();
       for (std::size_t i = 0; i < count; ++i) met[first + i] = mail.met[i] != 0 ? 1 : 0;
     }
-    // All is done that was asked for: the time to look at clocks, and to make the tree anew.
+    // All queued work is done now: read the clocks, and rebuild the tree if necessary.
     keep_times();
     refresh();
   }
@@ -140,7 +140,8 @@ class BlockTracerOn : public BlockTracer {
  private:
   static constexpr std::uint32_t kNoWord = 0xffffffffu;
 
-  /// What a block comes through. The link goes first: what it copies to must be there.
+  /// A device buffer for a block, and the link that fills it. The link is destroyed first, because
+  /// its pending copy needs the memory.
   struct Lane {
     Lane(Device& device, std::uint64_t bytes) : memory(device.allocator()), link(device) {
       memory.resize_uninitialized("copy: blocks", bytes);
@@ -152,7 +153,7 @@ class BlockTracerOn : public BlockTracer {
 
   [[nodiscard]] bool is_any() const { return !batch_.occluded.empty(); }
   [[nodiscard]] bool counts_rays() const { return batch_.count || !batch_.ray_tests.empty(); }
-  /// The lane of the round's i-th block: they take turns over all rounds.
+  /// The lane of the round's i-th block: all rounds use the lanes cyclically.
   [[nodiscard]] Lane& lane(std::size_t i) { return *lanes_[(rounds_ + i) % lanes_.size()]; }
   [[nodiscard]] BlockUpload upload(std::size_t i) const {
     return BlockUpload(*round_[i].block, batch_.facing);
@@ -184,7 +185,7 @@ class BlockTracerOn : public BlockTracer {
     }
   }
 
-  /// Makes the tree fit the rays where many have changed.
+  /// Rebuilds the tree after many rays have changed.
   void refresh() {
     const std::uint64_t changed = mail_read_.changed - changed_before_;
     if (changed == 0 || changed * kStaleRays < rays_.size()) return;
@@ -193,7 +194,7 @@ class BlockTracerOn : public BlockTracer {
     rays_.build();
   }
 
-  /// What rays counted, to the report and to the batch.
+  /// Adds the rays' counts to the report and to the batch.
   void take_counts() {
     std::vector<WalkCounts> counts(counts_.size());
     device_.copy("count", counts.data(), counts_.data(), counts.size() * sizeof counts[0]);
@@ -256,11 +257,11 @@ class BlockTracerOn : public BlockTracer {
   BlockBatch batch_;
   BlockReport report_;
   View<const TracedBlock> round_;
-  std::size_t rounds_ = 0;  ///< blocks of the rounds before
+  std::size_t rounds_ = 0;  ///< blocks of earlier rounds
   std::size_t loaded_ = 0, traced_ = 0;
-  std::uint64_t changed_before_ = 0;  ///< when the tree was made
+  std::uint64_t changed_before_ = 0;  ///< when the tree was built
 
-  DeviceBuffer<Vec3> corners_;  // of the block that is traced, and its tree
+  DeviceBuffer<Vec3> corners_;  // of the traced block, and its tree
   DeviceBuffer<std::uint8_t> flags_;
   LinearTree tree_;
   DeviceRays<Device> rays_;

@@ -9,18 +9,19 @@
 namespace raysheaf {
 namespace {
 
-/// Vectors of a device are loaded whole.
+/// Devices load whole vectors, which must be aligned.
 constexpr std::size_t kArrayAlignment = 256;
 
 constexpr std::uint64_t aligned_up(std::uint64_t bytes) {
   return (bytes + kArrayAlignment - 1) / kArrayAlignment * kArrayAlignment;
 }
 
-/// Beside the buffers: corners, flags and the tree (object_tree/linear_tree.h) of one block, what
-/// its sort takes, and what does not grow.
+/// Device memory per triangle in addition to the buffers: corners, flags and the tree
+/// (object_tree/linear_tree.h) of one block, and its sort's scratch memory. kDeviceBaseBytes is a
+/// constant part.
 constexpr std::uint64_t kDeviceTriangleBytes = 36 + 1 + 145 + 16;
 constexpr std::uint64_t kDeviceBaseBytes = std::uint64_t{1} << 20;
-/// Fewer rays at once are not worth a stream.
+/// Streaming for fewer rays at once is too slow.
 constexpr std::uint64_t kFewestRays = 1024;
 constexpr std::uint32_t kFewestBuffers = 2;
 
@@ -74,7 +75,7 @@ BlockBudget budget_for(const BlockLimits& limits, std::uint64_t free_bytes) {
   if (room < least)
     throw Error(ErrorCode::kOutOfMemory,
                 "blocks of " + std::to_string(limits.most_triangles) + " triangles take at least " +
-                    mebibytes(least) + " of it, and there are " + std::to_string(room >> 20),
+                    mebibytes(least) + ", but there are " + std::to_string(room >> 20) + " MiB",
                 "the device's memory");
   BlockBudget budget;
   budget.buffers = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(

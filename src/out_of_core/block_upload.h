@@ -1,5 +1,5 @@
-// A block on its way to a device: its arrays one after another, and what a device's memory has room
-// for.
+// The upload of a block to a device: the layout of its arrays, and how many blocks and rays fit
+// into a device's memory.
 #pragma once
 
 #include "out_of_core/block_body.h"
@@ -7,7 +7,7 @@
 
 namespace raysheaf {
 
-/// Where the arrays of a block lie in its upload. Sides are left out where both show.
+/// The positions of a block's arrays in its upload. Omits sides if both are visible.
 class BlockUpload {
  public:
   BlockUpload(const TriangleBlock& block, Facing facing)
@@ -20,11 +20,11 @@ class BlockUpload {
   }
 
   [[nodiscard]] std::size_t bytes() const { return end_; }
-  /// Writes `bytes()`.
+  /// Writes `bytes()` bytes.
   void pack(std::byte* to) const;
-  /// The arrays of what was packed, once it is at `at`.
+  /// The arrays of a packed block that was copied to `at`.
   [[nodiscard]] BlockView view(const std::byte* at, std::uint32_t number) const;
-  /// Empty, one for all, or one a triangle.
+  /// Empty, one for all, or one for each triangle.
   [[nodiscard]] View<const std::uint8_t> sides(const std::byte* at) const {
     return {reinterpret_cast<const std::uint8_t*>(at + first_[kSides]), side_count()};
   }
@@ -41,18 +41,19 @@ class BlockUpload {
   std::size_t end_ = 0;
 };
 
-/// What a block of so many triangles takes at most.
+/// The most bytes for a block of this many triangles.
 [[nodiscard]] std::uint64_t most_upload_bytes(std::uint32_t triangles);
 
-/// Bytes of a device that a ray takes at most: what is sorted beside what is given, then its hit.
+/// The most bytes of device memory per ray: while sorting, in addition to the input, and for its
+/// hit.
 inline constexpr std::uint64_t kDeviceRayBytes = 160;
 
-/// What fits into a device.
+/// The sizes that fit into a device.
 struct BlockBudget {
-  std::uint32_t buffers = 0;  ///< from 2
+  std::uint32_t buffers = 0;  ///< at least 2
   std::size_t rays = 0;       ///< at once
 };
-/// Throws Error (kOutOfMemory) where that is nothing to speak of.
+/// Throws Error (kOutOfMemory) if too little fits.
 [[nodiscard]] BlockBudget budget_for(const BlockLimits& limits, std::uint64_t free_bytes);
 
 }  // namespace raysheaf

@@ -1,4 +1,4 @@
-// What a block must be, whoever gives it.
+// Validation of blocks of any source.
 #include <algorithm>
 #include <string>
 
@@ -22,12 +22,12 @@ std::string element(const char* field, std::size_t i) {
 
 void check_count(std::size_t count, std::size_t least, std::size_t most, const char* field) {
   if (count < least || count > most)
-    refuse("a block has from " + std::to_string(least) + " to " + std::to_string(most) +
+    refuse("a block must have from " + std::to_string(least) + " to " + std::to_string(most) +
                " of them, not " + std::to_string(count),
            field);
 }
 
-/// None, one for all, or one each.
+/// Empty, one for all, or one each.
 void check_column(std::size_t count, std::size_t each, const char* field) {
   if (count > 1 && count != each)
     refuse("there are " + std::to_string(count) + " for " + std::to_string(each) + " triangles",
@@ -57,23 +57,24 @@ void check_order(const TriangleBlock& block) {
   for (std::size_t p = 0; p < block.parts.size(); ++p) {
     const BlockPart& part = block.parts[p];
     if (part.first != next || part.count == 0 || part.count > block.triangles.size() - next)
-      refuse("the part does not begin where the one before it ends, or has too many triangles",
+      refuse("the part does not begin where the previous one ends, or has no or too many triangles",
              element("parts", p));
     next += part.count;
     if (p > 0) {
       const BlockPart& last = block.parts[p - 1];
       if (last.geom_id > part.geom_id ||
           (last.geom_id == part.geom_id && last.inst_id >= part.inst_id))
-        refuse("the part's ids do not come after those before them", element("parts", p));
+        refuse("the part's ids are not greater than those of the previous part",
+               element("parts", p));
     }
     for (std::size_t i = part.first + std::size_t{1}; i < next; ++i) {
       if (block.prim_ids[i - 1] >= block.prim_ids[i])
-        refuse("the id does not come after the one before it", element("prim_ids", i));
+        refuse("the id is not greater than the previous one", element("prim_ids", i));
     }
   }
   if (next != block.triangles.size())
-    refuse("they hold " + std::to_string(next) + " of " + std::to_string(block.triangles.size()) +
-               " triangles",
+    refuse("the parts cover " + std::to_string(next) + " of " +
+               std::to_string(block.triangles.size()) + " triangles",
            "parts");
 }
 
@@ -97,7 +98,7 @@ void check_part_column(const std::vector<std::uint8_t>& column, std::size_t part
         "there are " + std::to_string(column.size()) + " for " + std::to_string(parts) + " parts",
         field);
   if (!there && std::any_of(column.begin(), column.end(), [](std::uint8_t x) { return x != 0; }))
-    refuse("a part has what the block has not", field);
+    refuse("a part has an attribute that the block does not have", field);
 }
 
 }  // namespace
@@ -152,7 +153,7 @@ Box bounds_of(const TriangleBlock& block) {
     box.min = min(box.min, p);
     box.max = max(box.max, p);
   }
-  // The sum makes -0 into +0, so that a union does not depend on the order of its parts.
+  // Adding 0 turns -0 into +0, so that a union does not depend on the order of its parts.
   box.min += {0, 0, 0};
   box.max += {0, 0, 0};
   return box;

@@ -3,17 +3,17 @@
 namespace raysheaf {
 namespace {
 
-/// The tree is made anew when this part of the rays has become shorter or is done.
+/// The tree is rebuilt after this fraction of the rays has become shorter or is done.
 constexpr std::size_t kStaleDivisor = 16;
 
 }  // namespace
 
-/// A block that is traced, and what that takes.
+/// A block that is being traced, and its working memory.
 struct CpuBlockTracer::Slot {
   PlannedQueries engine;
   TriangleRun run;
   std::vector<std::uint8_t> flags;
-  std::vector<std::uint32_t> places, numbers;  ///< of the rays that may meet the block
+  std::vector<std::uint32_t> places, numbers;  ///< of the rays that may intersect the block
   Buffer<Ray> rays;
   Buffer<IndexedHit> closest;
   Buffer<std::uint8_t> occluded;
@@ -51,7 +51,7 @@ void CpuBlockTracer::begin(const BlockBatch& batch) {
   report_.cull_ms += watch_.lap_ms();
 }
 
-/// Rays end where an earlier run has met something.
+/// Shortens rays that hit something in an earlier run.
 void CpuBlockTracer::resume() {
   executor_.for_each(tree_->size(), kWorkGrain, [&](std::size_t i) {
     const auto place = static_cast<std::uint32_t>(i);
@@ -112,7 +112,7 @@ void CpuBlockTracer::trace_block(const TriangleBlock& block, Slot* slot) {
   }
 }
 
-/// What a block gave, into the answers. A ray stands in a slot once.
+/// Copies the hits of a block to the answers. A ray occurs at most once in a slot.
 void CpuBlockTracer::take(const TracedBlock& traced, Slot* slot) {
   if (slot->places.empty()) ++report_.wasted_blocks;
   report_.bound_tests += slot->report.bound_tests;

@@ -1,5 +1,5 @@
-// Blocks against the rays of a batch on the CPU: each is taken as `dual` takes a scene, by the rays
-// that may meet it; a round of blocks at once.
+// Traces the rays of a batch through blocks on the CPU: each block is a scene for `dual`, with the
+// rays that may intersect it; the blocks of a round run in parallel.
 #pragma once
 
 #include <atomic>
@@ -15,7 +15,7 @@ namespace raysheaf {
 
 class CpuBlockTracer : public BlockTracer {
  public:
-  /// `slots`: blocks of a round at most.
+  /// `slots`: the most blocks of a round.
   CpuBlockTracer(const Executor& executor, std::uint32_t slots);
   ~CpuBlockTracer() override;
 
@@ -48,7 +48,7 @@ class CpuBlockTracer : public BlockTracer {
   BlockReport report_;
   std::optional<RayTree> tree_;
   View<const TracedBlock> round_;
-  std::atomic<std::size_t> changed_{0};  ///< rays, since the tree was made
+  std::atomic<std::size_t> changed_{0};  ///< number of rays, since the tree was built
   Stopwatch watch_;
 };
 

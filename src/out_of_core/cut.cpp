@@ -1,4 +1,4 @@
-// A scene in memory, cut into blocks of neighbours.
+// Cuts a scene in memory into blocks of neighbouring triangles.
 #include <algorithm>
 #include <numeric>
 #include <span>
@@ -17,7 +17,8 @@
 namespace raysheaf {
 namespace {
 
-/// A triangle on its way into a block. `rank`: of its instance by (geom_id, inst_id).
+/// A triangle that is being moved into a block. `rank`: of its instance in the order (geom_id,
+/// inst_id).
 struct Loose {
   Vec3 center;  ///< times three
   std::uint32_t rank = 0, prim_id = 0;
@@ -37,8 +38,8 @@ std::vector<std::uint32_t> instances_by_rank(const SceneDescription& scene) {
   return order;
 }
 
-/// The first `left` of them are those with the smaller centres on the axis along which all of them
-/// are farthest apart.
+/// Moves the triangles with the smaller centres, on the axis of their largest extent, to the first
+/// `left` places.
 void halve(std::span<Loose> triangles, std::size_t left) {
   Box box;
   for (const Loose& t : triangles) {
@@ -127,7 +128,8 @@ class Cutter {
     sink_.add(block_, shading_);
   }
 
-  /// Each vertex that the triangles use, once: its instance's rank and its number, ascending.
+  /// Collects each vertex that the triangles use, once: its instance's rank and its number,
+  /// ascending.
   void collect_vertices(std::span<const Loose> triangles) {
     vertices_.clear();
     for (const Loose& t : triangles) {
@@ -195,7 +197,7 @@ class Cutter {
     }
   }
 
-  /// One for all, where they are alike.
+  /// Replaces equal values by one for all.
   template <class T>
   static void shrink(std::vector<T>* column) {
     const T first = column->front();
@@ -207,13 +209,14 @@ class Cutter {
   BlockSink& sink_;
   const std::size_t most_;
   const std::vector<std::uint32_t> ranks_;  ///< instances, by rank
-  std::vector<std::uint64_t> vertices_;     ///< of the block in the making
+  std::vector<std::uint64_t> vertices_;     ///< of the current block
   TriangleBlock block_;
   BlockShading shading_;
 };
 
 void show_whole(SceneDescription* scene) {
-  const char* const sentence = "Triangles that stream past are whole, whatever alpha cuts away.";
+  const char* const sentence =
+      "Streamed triangles are opaque: holes and blending by alpha are not shown.";
   std::vector<std::string>& all = scene->warnings;
   if (std::find(all.begin(), all.end(), sentence) == all.end()) all.emplace_back(sentence);
   for (Material& material : scene->materials) {

@@ -9,7 +9,7 @@
 namespace raysheaf {
 namespace {
 
-/// As many levels as leave no more than `kRayBranching` nodes at the top.
+/// The number of levels that leaves at most `kRayBranching` nodes at the top.
 std::uint32_t level_count(std::size_t rays) {
   std::uint32_t levels = 1;
   for (std::size_t nodes = div_ceil(rays, kRayBranching); nodes > kRayBranching; ++levels)
@@ -59,7 +59,7 @@ void RayTree::walk(const Box& box, const Leaf& leaf) const {
   struct Node {
     std::uint32_t level, index;
   };
-  // A node's children replace it, on each of a handful of levels.
+  // A node is replaced by its children, on each of a few levels.
   Node stack[kRayBranching * 9];
   std::size_t top = 0;
   if (levels_.empty()) return;

@@ -1,4 +1,4 @@
-// Sums of what was read and what did not have to be.
+// Sums of the blocks that were read or culled.
 #include <vector>
 
 #include "out_of_core/streamer.h"

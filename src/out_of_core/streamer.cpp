@@ -17,21 +17,21 @@ std::string megabytes(std::uint64_t bytes) {
   return std::to_string((bytes + 500'000) / 1'000'000) + " MB";
 }
 
-/// What became of `now` since `before`.
+/// Describes the blocks counted between `before` and `now`.
 std::string sentence_of(const StreamStatistics& before, const StreamStatistics& now) {
   const auto grown = [&](std::uint64_t StreamStatistics::*field) {
     return std::to_string(now.*field - before.*field);
   };
   return "stream: of " + grown(&StreamStatistics::blocks) + " blocks " +
-         grown(&StreamStatistics::culled_blocks) + " meet no ray's bound and " +
-         grown(&StreamStatistics::hidden_blocks) + " lie behind hits; " +
+         grown(&StreamStatistics::culled_blocks) + " are outside all rays' bounds and " +
+         grown(&StreamStatistics::hidden_blocks) + " are behind hits; " +
          grown(&StreamStatistics::read_blocks) + " read, " +
          megabytes(now.read_bytes - before.read_bytes);
 }
 
 }  // namespace
 
-/// One batch on its way through the blocks.
+/// One batch that blocks stream past.
 class Sweep {
  public:
   /// One of `hits` and `occluded` is empty.
@@ -82,7 +82,7 @@ class Sweep {
   [[nodiscard]] bool is_any() const { return !batch_.occluded.empty(); }
 
   [[nodiscard]] StreamBatch identity() const {
-    // Which hits are asked for, as a number.
+    // The kind of query as a number.
     const auto question = (is_any() ? 2u : 0u) + (batch_.facing == Facing::kBoth ? 1u : 0u);
     return {s_.batches_,
             question,
@@ -97,7 +97,7 @@ class Sweep {
     return std::as_writable_bytes(std::span(batch_.hits.data, batch_.hits.size));
   }
 
-  /// Blocks that some ray's bound meets, near ones first.
+  /// Finds the blocks that some ray's bound intersects, and sorts near ones first.
   void find_candidates() {
     const std::size_t count = s_.source_.blocks().size();
     std::vector<std::uint32_t> asked;
@@ -127,7 +127,7 @@ class Sweep {
                      });
   }
 
-  /// The next blocks that a ray still may meet, as far as is known.
+  /// The next blocks that a ray may still intersect, given the hits so far.
   std::vector<std::uint32_t> next_round() {
     std::vector<std::uint32_t> round;
     std::uint64_t passed = 0;
@@ -148,7 +148,7 @@ class Sweep {
     return round;
   }
 
-  /// Whether the next `count` candidates are met.
+  /// Whether rays may intersect the next `count` candidates.
   std::vector<std::uint8_t> ask(std::size_t count) {
     std::vector<Box> boxes;
     for (std::size_t i = next_; i < next_ + count; ++i)
@@ -167,7 +167,7 @@ class Sweep {
     reader_.start(round, &s_.reading_);
   }
 
-  /// To the tracer, which needs what is returned until it has traced.
+  /// Loads blocks into the tracer, which uses the result until it has traced.
   std::vector<TracedBlock> load(const std::vector<std::uint32_t>& numbers) {
     std::vector<TracedBlock> round;
     for (std::size_t i = 0; i < numbers.size(); ++i) round.push_back({numbers[i], &s_.tracing_[i]});
@@ -192,9 +192,9 @@ class Sweep {
   Stopwatch watch_;
   BatchCheckpoint checkpoint_;
   std::vector<Candidate> candidates_;
-  std::size_t next_ = 0;  ///< of them
+  std::size_t next_ = 0;  ///< of the candidates
   std::uint64_t bytes_ahead_ = 0;
-  BlockReader reader_;  ///< last: it stops before all else goes
+  BlockReader reader_;  ///< last, because it must stop before the other members are destroyed
 };
 
 Streamer::Streamer(const Executor& executor, const GeometrySource& source,
@@ -252,7 +252,7 @@ void Streamer::sweep(View<const Ray> rays, const StreamRequest& request, View<St
   tracer_->explain(&report->plan);
   if (most < rays.size)
     report->plan.push_back("device: the blocks stream again for every " + std::to_string(most) +
-                           " rays, for it has no room for more");
+                           " rays, because it has no memory for more");
   report->plan.push_back(sentence_of(before, statistics_));
   if (exchange == nullptr) return;
   std::array<std::uint64_t, 3> counts{report->bound_tests, report->ray_bound_tests,
@@ -282,7 +282,7 @@ void Streamer::sweep_part(View<const Ray> rays, std::size_t first, const StreamR
 void check_parts(const StreamOptions& options) {
   if (options.part < options.parts) return;
   throw Error(ErrorCode::kInvalidArgument,
-              "part " + std::to_string(options.part) + " is not among " +
+              "part " + std::to_string(options.part) + " is not one of " +
                   std::to_string(options.parts) + " parts",
               "part");
 }
@@ -291,8 +291,8 @@ std::uint32_t slots_for(std::uint64_t memory_bytes, std::uint64_t taken, std::ui
   const std::uint64_t slot = kStreamBlockBytes + rays * 64;
   if (memory_bytes < taken + slot)
     throw Error(ErrorCode::kOutOfMemory,
-                "this takes at least " + std::to_string(((taken + slot) >> 20) + 1) + " MiB, not " +
-                    std::to_string(memory_bytes >> 20),
+                "this takes at least " + std::to_string(((taken + slot) >> 20) + 1) +
+                    " MiB, but the limit is " + std::to_string(memory_bytes >> 20) + " MiB",
                 "memory");
   return static_cast<std::uint32_t>(
       std::min<std::uint64_t>((memory_bytes - taken) / slot, kMostSlots));

@@ -1,12 +1,12 @@
 // Batches of rays against blocks that stream past them.
 //
-//   blocks that a ray may meet, near ones first
-//        │ a round of them                          ┌─ cull again: what is behind the hits is left
+//   blocks that a ray may hit, near ones first
+//        │ a round of them                          ┌─ cull again: skip blocks behind the hits
 //        ▼                                          ▼
-//   [ read, decode, check ]  while the last one's  [ rays that meet it ] ─► least hits
+//   [ read, decode, check ]  during the last one's [ rays that may hit it ] ─► least hits
 //
-// What happens depends on the rays, the blocks and the size of a round alone, not on threads nor on
-// how fast anything is read: so do counts and bytes.
+// The work, counts and bytes depend only on the rays, the blocks and the size of a round, not on
+// threads or on the speed of reading.
 #pragma once
 
 #include <memory>
@@ -22,24 +22,25 @@
 
 namespace raysheaf {
 
-/// What a batch wants beside its answers.
+/// Requests of a batch in addition to its answers.
 struct StreamRequest {
-  std::string stage;  ///< of the meter, which counts bytes
+  std::string stage;  ///< name for the meter, which counts bytes
   ProgressMeter* meter = nullptr;
   Facing facing = Facing::kBoth;
   View<float> ray_tests;  ///< may be empty
-  bool count = true;      ///< tests, and a device's times
+  bool count = true;      ///< count tests, and measure a device's times
 };
 
-/// Bytes that a ray takes here, and a block that is read and traced.
+/// Memory per ray, and per block that is read and traced.
 inline constexpr std::uint64_t kStreamRayBytes = 256, kStreamBlockBytes = std::uint64_t{24} << 20;
 inline constexpr std::uint32_t kMostSlots = 16;
 
 class Streamer {
  public:
-  /// `slots`: blocks that are traced at once, while as many are read. `options`: `front_to_back`,
-  /// `part`, `parts`, `exchange`, `checkpoint`, `statistics` and, for what a device may take,
-  /// `memory_bytes` are used. `device`: where rays and blocks meet; null: here. All outlive it.
+  /// `slots`: the number of blocks that are traced at once, while as many are read. Uses from
+  /// `options`: `front_to_back`, `part`, `parts`, `exchange`, `checkpoint`, `statistics` and, as a
+  /// device's limit, `memory_bytes`. `device`: the one that traces; null: the CPU. All must outlive
+  /// this object.
   Streamer(const Executor& executor, const GeometrySource& source, const StreamOptions& options,
            std::uint32_t slots, const DeviceBackend* device = nullptr);
   Streamer(const Streamer&) = delete;
@@ -47,9 +48,9 @@ class Streamer {
   ~Streamer();
 
   [[nodiscard]] const GeometrySource& source() const { return source_; }
-  /// That joins this process with others; null: alone.
+  /// Combines this process's hits with others'; null: a single process.
   [[nodiscard]] HitExchange* exchange() const { return options_.exchange; }
-  /// Whether a block is this process's.
+  /// Whether a block belongs to this process.
   [[nodiscard]] bool is_own(std::size_t block) const {
     return block % options_.parts == options_.part;
   }
@@ -57,8 +58,8 @@ class Streamer {
   [[nodiscard]] std::uint64_t triangle_count() const { return triangle_count_; }
   [[nodiscard]] const StreamStatistics& statistics() const { return statistics_; }
 
-  /// hits[i] takes the least hit of rays[i]; occluded[i] is 1 where it meets anything. Rays have
-  /// been checked. The report takes counts, times and a sentence.
+  /// hits[i] receives the least hit of rays[i]; occluded[i] is 1 if it hits anything. Rays must
+  /// have been validated. The report receives counts, times and a sentence.
   void closest(View<const Ray> rays, const StreamRequest& request, View<StreamHit> hits,
                QueryReport* report);
   void any(View<const Ray> rays, const StreamRequest& request, View<std::uint8_t> occluded,
@@ -70,7 +71,7 @@ class Streamer {
   /// One of `hits` and `occluded` is empty.
   void sweep(View<const Ray> rays, const StreamRequest& request, View<StreamHit> hits,
              View<std::uint8_t> occluded, QueryReport* report);
-  /// Of rays from `first` on, as many as the tracer takes at once.
+  /// Processes rays from `first` on, as many as the tracer takes at once.
   void sweep_part(View<const Ray> rays, std::size_t first, const StreamRequest& request,
                   View<StreamHit> hits, View<std::uint8_t> occluded, QueryReport* report);
 
@@ -85,15 +86,15 @@ class Streamer {
   std::vector<TriangleBlock> reading_, tracing_;
 };
 
-/// Throws `Error` (kInvalidArgument) where `part` is not among `parts`.
+/// Throws `Error` (kInvalidArgument) if `part` is not below `parts`.
 void check_parts(const StreamOptions& options);
 
 void add(const StreamStatistics& more, StreamStatistics* sum);
-/// The sum over the processes that `exchange` joins; null: those of this one.
+/// The sum over the processes of `exchange`; null: those of this one.
 [[nodiscard]] StreamStatistics of_all(StreamStatistics own, HitExchange* exchange);
 
-/// How many slots `memory_bytes` have room for beside what is `taken`, for batches of `rays`.
-/// Throws `Error` (kOutOfMemory) where that is not even one.
+/// The number of slots that fit into `memory_bytes` in addition to what is `taken`, for batches of
+/// `rays`. Throws `Error` (kOutOfMemory) if not even one fits.
 [[nodiscard]] std::uint32_t slots_for(std::uint64_t memory_bytes, std::uint64_t taken,
                                       std::uint64_t rays);
 

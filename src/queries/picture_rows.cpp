@@ -8,16 +8,16 @@ namespace raysheaf {
 namespace {
 
 constexpr std::size_t kShortestRow = 32, kRows = 8, kPiece = 512;
-/// From a row's last ray to the next one's first it is farther than this times any step within the
-/// row, and from there to the ray above no farther than that times a step as they are on average.
+/// A row ends where the distance to the next ray is more than kJump times the longest step within
+/// the row, and the next ray is within kStepDown average steps of the row's first ray.
 constexpr float kJump = 8, kStepDown = 2;
 
-/// How far rays that follow each other lie from each other.
+/// Distances between consecutive rays.
 struct Steps {
   float longest = 0, sum = 0;
 };
 
-/// How far apart two rays are, in no unit.
+/// The distance between two rays, without a unit.
 float distance(const Ray& a, const Ray& b) {
   const auto far = [](Vec3 p, Vec3 q) {
     return std::fabs(p.x - q.x) + std::fabs(p.y - q.y) + std::fabs(p.z - q.z);
@@ -30,8 +30,8 @@ float distance(const RaySource& rays, std::size_t a, std::size_t b) {
   return distance(rays.peek(a, a + 1, &first)[0], rays.peek(b, b + 1, &second)[0]);
 }
 
-/// The first ray that lies far from the one before it, with a row behind it; or `end`. `steps`
-/// takes those before it.
+/// The first ray that is far from its predecessor and may begin a new row; or `end`. `steps`
+/// receives the steps before it.
 std::size_t find_jump(const RaySource& rays, std::size_t end, Steps* steps) {
   std::array<Ray, kPiece> room;
   for (std::size_t begin = 0; begin + 1 < end; begin += kPiece - 1) {

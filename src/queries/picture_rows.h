@@ -1,5 +1,5 @@
-// Batches that are pictures: rays row after row, each beside those of its row and above and below
-// others.
+// Detects batches that are images: rays row after row, each next to its neighbours in the row,
+// above and below.
 #pragma once
 
 #include <cstddef>
@@ -8,12 +8,12 @@
 
 namespace raysheaf {
 
-/// The longest rows that are looked for.
+/// The longest rows that are detected.
 inline constexpr std::size_t kLongestRow = 8192;
 
-/// The rays of a row where the batch begins with rows, of at least eight, that lie beside each
-/// other; or else 0. A guess from a few rows: what is built on it must be right for any rays.
-/// O(the first row). Rays that are wrong do no harm.
+/// The length of a row if the batch begins with rows of at least eight rays that lie next to each
+/// other; otherwise 0. This is a guess from a few rays: code that uses it must be correct for any
+/// rays. O(the first row). Invalid rays do no harm.
 [[nodiscard]] std::size_t find_picture_row(const RaySource& rays);
 
 }  // namespace raysheaf

@@ -16,22 +16,24 @@
 namespace raysheaf {
 namespace {
 
-// Nanoseconds of one core.
+// Costs in nanoseconds of one core.
 constexpr double kRefitTriangle = 20, kRebuildTriangle = 48, kFineTriangle = 380;
-constexpr double kRebuild = 2.5e6;    // whatever the triangles
-constexpr double kTraceRayLevel = 7;  // a ray, a doubling of the triangles
+constexpr double kRebuild = 2.5e6;    // independent of the triangles
+constexpr double kTraceRayLevel = 7;  // per ray and doubling of the triangles
 
-// Where all rays start at one point.
+// If all rays start at one point.
 constexpr double kFanTriangle = 18, kFanPair = 90;
-constexpr double kFanRay = 19, kFanRayApart = 42;  // neighbours run alike, or do not
-constexpr double kFewFanPairs = 65536;             // take 6 MB, which nobody misses
-constexpr double kMostFanPairs = 1e9;              // they have numbers of 32 bits
-constexpr double kFanTake = 4;     // a ray that does not lie in memory: a tree needs it once
-constexpr double kPacketRay = 26;  // on a tree of few triangles
-constexpr double kSharedRay = 14, kSharedTriangle = 44;  // a ray, and one that has a triangle alone
+constexpr double kFanRay = 19, kFanRayApart = 42;  // coherent neighbours, or not
+constexpr double kFewFanPairs = 65536;             // take 6 MB, which is negligible
+constexpr double kMostFanPairs = 1e9;              // their numbers have 32 bits
+constexpr double kFanTake = 4;     // for a ray that is not stored as such: the fan reads it once
+                                   // more than a tree
+constexpr double kPacketRay = 26;  // in a tree of few triangles
+constexpr double kSharedRay = 14, kSharedTriangle = 44;  // per ray, and for a ray that shares a
+                                                         // triangle with no other
 constexpr double kApartRay = 14, kApartRayLevel = 3.8;
 
-/// What a fine tree saves of the tracing.
+/// The fraction of the tracing time that a fine tree saves.
 constexpr double kFineSaves = 0.1;
 
 constexpr std::size_t kGroups = 64, kFewestGroups = 8;
@@ -42,7 +44,7 @@ std::string figures(const char* format, double a, double b = 0) {
   return text;
 }
 
-/// The longest side; in binary64, where that of any box is finite.
+/// The longest side, in binary64, where that of any box is finite.
 double extent(Vec3 low, Vec3 high) {
   const double x = static_cast<double>(high.x) - low.x, y = static_cast<double>(high.y) - low.y;
   return std::max({x, y, static_cast<double>(high.z) - low.z});
@@ -63,22 +65,24 @@ void choose_tree(const SceneHistory& scene, Plan* plan) {
     plan->reasons.push_back(std::move(reason));
   };
   if (!scene.built)
-    return choose(TreeWork::kRebuild, "object tree: built, for these triangles are new");
+    return choose(TreeWork::kRebuild, "object tree: built, because these triangles are new");
   if (!scene.moved && (!scene.fine || scene.degraded) && tries_fine_tree(scene))
-    return choose(TreeWork::kRebuildFinely,
-                  "object tree: built finely, for so many rays have met triangles that stay");
+    return choose(
+        TreeWork::kRebuildFinely,
+        "object tree: built finely, because so many rays have met triangles that do not move");
   if (scene.degraded)
-    return choose(TreeWork::kRebuild, "object tree: built again, for moves have spoilt it");
-  if (!scene.moved) return choose(TreeWork::kKeep, "object tree: kept, for no triangle has moved");
+    return choose(TreeWork::kRebuild, "object tree: built again, because moves have degraded it");
+  if (!scene.moved)
+    return choose(TreeWork::kKeep, "object tree: kept, because no triangle has moved");
   if (!scene.fine && scene.moves >= scene.patience)
     return choose(TreeWork::kRebuildFinely,
-                  "object tree: built finely, to be refitted from now on, for the same triangles "
-                  "keep moving");
-  choose(TreeWork::kRefit, "object tree: refitted, for the same triangles have moved");
+                  "object tree: built finely, to be refitted from now on, because the same "
+                  "triangles keep moving");
+  choose(TreeWork::kRefit, "object tree: refitted, because the same triangles have moved");
 }
 
-/// Of the tree before rays can go through it. Queries that this scene has had without a change say
-/// how many more may share it; moves that it will be refitted.
+/// The cost of preparing the tree. It is divided by the expected number of queries, estimated from
+/// the scene's queries without a change; the number of moves decides whether it is a refit.
 double tree_cost(const SceneHistory& scene) {
   if (scene.built && !scene.moved) return 0;
   const bool refits = scene.built ? !scene.degraded : scene.moves >= scene.patience;
@@ -92,7 +96,7 @@ Ray ray_at(const RaySource& rays, std::size_t i) {
   return rays.peek(i, i + 1, &room)[0];
 }
 
-/// In a sample: the fan itself looks at all.
+/// Tests a sample of the rays: the fan itself tests all.
 bool seem_to_share_origin(const RaySource& rays) {
   constexpr std::size_t kOriginSamples = 256;
   const std::size_t stride = std::max<std::size_t>(1, rays.size() / kOriginSamples);
@@ -104,11 +108,11 @@ bool seem_to_share_origin(const RaySource& rays) {
   return true;
 }
 
-/// Below, bundles of neighbours that run alike meet so few nodes that a stream's lists cost more.
+/// Below this, bundles of coherent neighbours visit so few nodes that a stream's lists cost more.
 constexpr std::uint32_t kPacketTriangles = 4096;
 
-/// Of a ray through the tree, of `rays` that start at one point. Where neighbours run alike, the
-/// more rays there are for a triangle the more of them go down the tree together.
+/// The cost of a ray through the tree, for `rays` rays that start at one point. With coherent
+/// neighbours, more rays per triangle mean that more of them traverse the tree together.
 double shared_ray_cost(const SceneHistory& scene, double rays, bool alike) {
   const double apart = kApartRay + kApartRayLevel * std::log2(2.0 + scene.triangles);
   if (!alike) return apart;
@@ -116,9 +120,10 @@ double shared_ray_cost(const SceneHistory& scene, double rays, bool alike) {
   return std::min(apart, kSharedRay + kSharedTriangle * std::sqrt(scene.triangles / rays));
 }
 
-/// Whether the rays fan out from a point and it pays to stream the triangles at them.
+/// Whether the rays fan out from a point and streaming the triangles past them is the faster
+/// choice.
 bool chooses_fan(const SceneHistory& scene, const RaySource& rays, Plan* plan) {
-  // Farther out, products of the fan's differences overflow.
+  // For more distant origins, products of the fan's differences overflow.
   if (!(max_component(abs(ray_at(rays, 0).origin)) <= kLargestCoordinate)) return false;
   if (!seem_to_share_origin(rays)) return false;
   if (scene.fans.waits) {
@@ -131,14 +136,15 @@ bool chooses_fan(const SceneHistory& scene, const RaySource& rays, Plan* plan) {
   const auto count = static_cast<double>(rays.size());
   const bool alike = sample_coherence(rays).directions_alike();
   const double a_ray = (alike ? kFanRay : kFanRayApart) + (rays.is_in_place() ? 0 : kFanTake);
-  const double pairs = scene.fan_pairs * fan_pair_growth(count);  // a triangle
+  const double pairs = scene.fan_pairs * fan_pair_growth(count);  // per triangle
   const double fan = a_ray * count + (kFanTriangle + kFanPair * pairs) * scene.triangles;
   const double tree = tree_cost(scene) + shared_ray_cost(scene, count, alike) * count;
   const bool chosen = fan < tree;
-  // Twice as many as would be worth it: what they cost is then not much more than what is lost.
+  // Twice the number at which the tree would be as fast: a fan that is given up then costs little
+  // more than it could have saved.
   const double worth = (tree - fan) / kFanPair + pairs * scene.triangles;
-  const double kept =
-      0.5 * count + 2.0 * scene.triangles;  // by their memory, as rays and triangles
+  const double kept = 0.5 * count + 2.0 * scene.triangles;  // limits their memory, in proportion to
+                                                            // rays and triangles
   const double most = std::min({2 * worth, kept, kMostFanPairs}) + kFewFanPairs;
   if (chosen) plan->most_fan_pairs = static_cast<std::uint64_t>(most);
   plan->reasons.push_back(figures(
@@ -154,7 +160,7 @@ void choose_bundle(const SceneHistory& scene, const RaySource& rays, const Box* 
                    Plan* plan) {
   const Coherence found = sample_coherence(rays, whole);
   const bool together = found.origins_alike(), tiny = scene.triangles < kPacketTriangles;
-  // Where rays start close together blocks are of some use; they are given up for longer streams.
+  // Blocks help somewhat if rays start close together, but longer streams help more.
   const bool many = rays.size() > std::size_t{kQuarters} * kStreamRays;
   plan->alike = together && found.directions_alike();
   plan->bundle = plan->alike && tiny                  ? Bundle::kSixteen
@@ -173,24 +179,25 @@ void choose_bundle(const SceneHistory& scene, const RaySource& rays, const Box* 
   switch (plan->bundle) {
     case Bundle::kSixteen:
       plan->reasons.push_back(
-          figures("bundles: bundles of sixteen within beams, for triangles are few and %.0f %% of "
-                  "neighbours run alike",
+          figures("bundles: bundles of sixteen within beams, because triangles are few and %.0f %% "
+                  "of neighbours are coherent",
                   alike));
       break;
     case Bundle::kStream:
       plan->reasons.push_back(
-          plan->alike ? figures("bundles: streams, for %.0f %% of neighbours run alike", alike)
-                      : figures("bundles: streams, for rays are no more than %.0f",
-                                kQuarters * kStreamRays));
+          plan->alike
+              ? figures("bundles: streams, because %.0f %% of neighbours are coherent", alike)
+              : figures("bundles: streams, because rays are no more than %.0f",
+                        kQuarters * kStreamRays));
       break;
     case Bundle::kLongStream:
-      plan->reasons.push_back(figures(
-          "bundles: long streams, for only %.0f %% of neighbours start and run alike", alike));
+      plan->reasons.push_back(
+          figures("bundles: long streams, because only %.0f %% of neighbours are coherent", alike));
       break;
   }
   if (plan->row == 0) return;
   plan->reasons.push_back(
-      figures("order: tiles of four by four, for rows of %.0f rays lie beside each other",
+      figures("order: tiles of four by four, because rows of %.0f rays are adjacent",
               static_cast<double>(plan->row)));
 }
 
@@ -233,7 +240,7 @@ void SceneHistory::wait_longer() {
 
 Coherence sample_coherence(const RaySource& rays, const Box* whole) {
   constexpr std::size_t kGroup = 16;
-  // Of a small batch fewer: a look at it must not cost what going through it does.
+  // Fewer groups for a small batch: sampling it must cost less than tracing it.
   const std::size_t groups =
       std::min({kGroups, rays.size() / kGroup, kFewestGroups + rays.size() / 512});
   if (groups == 0) return {};
@@ -263,7 +270,7 @@ Coherence sample_coherence(const RaySource& rays, const Box* whole) {
     if (std::isnan(extents[g])) extents[g] = 0;
     alike += same == kGroup && max_component(d1 - d0) < 0.5f ? 1 : 0;
   }
-  // The middle one: a silhouette between neighbours is no sign of disorder.
+  // The median, because a silhouette between neighbours does not make rays incoherent.
   std::nth_element(extents.begin(), extents.begin() + groups / 2, extents.begin() + groups);
   const double size = whole != nullptr ? extent(whole->min, whole->max) : extent(low, high);
   return {size > 0 ? extents[groups / 2] / size : 0, alike / static_cast<double>(groups)};

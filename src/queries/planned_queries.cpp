@@ -9,7 +9,7 @@
 namespace raysheaf {
 namespace {
 
-/// Found rows beyond are given back with the next query.
+/// Larger memory of found rows is freed at the next query.
 constexpr std::size_t kMostKeptBytes = std::size_t{64} << 20;
 
 std::size_t bytes_of(const RowLists& lists) {
@@ -19,7 +19,7 @@ std::size_t bytes_of(const RowLists& lists) {
   return bytes;
 }
 
-/// Adds to the report where there is one; times what was done since the last lap.
+/// Adds to the report, if there is one; measures the time since the last lap.
 class Reporter {
  public:
   explicit Reporter(QueryReport* report) : report_(report) {}
@@ -46,7 +46,7 @@ class Reporter {
   Stopwatch watch_;
 };
 
-/// Of rays that run every way a tile has too few that go together.
+/// With long streams, a tile has too few rays that traverse the tree together.
 bool goes_in_tiles(const Plan& plan) {
   return plan.alike;
 }
@@ -55,7 +55,8 @@ void tell_of_tiles(std::size_t rays, const Plan& plan, QueryReport* report) {
   if (report == nullptr) return;
   const std::size_t size = RayTiles::tile_size(rays, plan.bundle, plan.row);
   report->plan.push_back("stages: one after the other for tiles of " +
-                         std::to_string(std::min(rays, size)) + " rays, for neighbours are alike");
+                         std::to_string(std::min(rays, size)) +
+                         " rays, because neighbours are coherent");
 }
 
 }  // namespace
@@ -85,13 +86,13 @@ void PlannedQueries::prepare_tree(const Executor& executor, QueryReport* report)
 
 void PlannedQueries::prepare_tree(const Executor& executor, Plan* plan, QueryReport* report) {
   Reporter reporter(report);
-  // Until it is whole: memory may run out, and callers stop.
+  // Marked as built only after it is complete: memory may run out, or the caller may cancel.
   if (plan->tree != TreeWork::kKeep) history_.built = false;
   const bool refitted =
       plan->tree == TreeWork::kRefit && refit_object_tree(executor, source_, moved_, &tree_);
   if (plan->tree == TreeWork::kRefit && !refitted && report != nullptr)
     plan->reasons.emplace_back(
-        "object tree: built again after all, for triangles without area have gained an area");
+        "object tree: built again after all, because triangles without area have gained an area");
   if (plan->tree == TreeWork::kRebuildFinely) {
     build_fine_object_tree(executor, source_, &tree_);
   } else if (plan->tree != TreeWork::kKeep && !refitted) {

@@ -1,10 +1,10 @@
-// Method `dual` from end to end: batches of ray queries against triangles that may move between any
-// two of them.
+// The method `dual` from end to end: batches of ray queries against triangles that may move between
+// any two batches.
 //
 //   update ─► [plan] ─► order the rays ─► object tree ─► bundles of rays through the tree ─► hits
 //                 └───► rays of one origin, any hit: triangles through the tree of cells (fan/)
 //
-// The plan (queries/plan.h) chooses from the batch and the scene, and says why.
+// The plan (queries/plan.h) depends on the batch and the scene, and states its reasons.
 #pragma once
 
 #include <cstdint>
@@ -31,15 +31,15 @@ struct PlannedOptions {
   bool count = false;  ///< fill the counts of `QueryReport`
 };
 
-/// All hits of a batch, as its engine keeps them until it is asked again.
+/// All hits of a batch, stored until the next query of its `PlannedQueries`.
 class FoundRows {
  public:
   FoundRows(const RowLists& lists, View<const std::uint32_t> order)
       : lists_(&lists), order_(order) {}
 
-  /// Calls `body(ray, hits)` for every ray that hits something, and perhaps for others, in any
-  /// order and from several threads; hits are sorted by (t, triangle). A body that has it is told
-  /// by `body.comes_soon(ray)`, for rays may stand far apart.
+  /// Calls `body(ray, hits)` for every ray that hits something, and possibly for others, in any
+  /// order and from several threads; hits are sorted by (t, triangle). If the body has
+  /// `comes_soon(ray)`, it is called ahead of time for prefetching, because rays may be scattered.
   template <class Body>
   void for_each(const Executor& executor, const Body& body) const {
     constexpr std::size_t kSoon = 16;
@@ -59,33 +59,33 @@ class FoundRows {
   View<const std::uint32_t> order_;
 };
 
-/// One scene's engine: the object tree and its age. Not for use by two threads at once; several
-/// threads may each have their own on the same triangles.
+/// The engine of one scene: the object tree and its age. Not for two threads at once; several
+/// threads may each have their own engine for the same triangles.
 class PlannedQueries {
  public:
-  /// The triangles changed. `same_triangles`: as many, with the same indices, only moved, so that
-  /// the tree may be refitted. `source` and what it points to must live until the next call.
-  /// Nothing is built before a query needs it.
+  /// Sets the triangles. `same_triangles`: as many, with the same indices, only moved, so that the
+  /// tree may be refitted. `source` and the arrays to which it points must live until the next
+  /// call. Builds nothing; queries build what they need.
   void set_triangles(const TriangleSource& source, bool same_triangles);
-  /// The same triangles, of which some have moved and no others.
+  /// The same triangles, of which only the ranges `moved` have moved.
   void move_triangles(const TriangleSource& source, View<const TriangleRange> moved);
 
-  /// Brings the tree to where the triangles are, as queries do that need it. Then threads may ask
-  /// by `TreeQueries` (queries/tree_queries.h), and nobody by what follows here, until they have
-  /// told how many rays they had.
+  /// Updates the tree to the triangles' positions, as queries do when they need it. Afterwards
+  /// threads may query through `TreeQueries` (queries/tree_queries.h). Call none of the members
+  /// below until every such thread has called `add_rays`.
   void prepare_tree(const Executor& executor, QueryReport* report);
   void add_rays(std::uint64_t count) { history_.rays_since_change += count; }
 
-  /// hits[i] takes the least (t, triangle) of rays[i].
+  /// hits[i] receives the hit of rays[i] with the least (t, triangle).
   void closest_hit(const Executor& executor, View<const Ray> rays, const PlannedOptions& options,
                    View<IndexedHit> hits, View<float> ray_tests, QueryReport* report);
 
-  /// occluded[i] = 1 where rays[i] meets anything.
+  /// Sets occluded[i] to 1 if rays[i] hits anything.
   void any_hit(const Executor& executor, View<const Ray> rays, const PlannedOptions& options,
                View<std::uint8_t> occluded, View<float> ray_tests, QueryReport* report);
 
-  /// The same of rays that need not lie in memory as such, which a tile of them at a time does
-  /// where it can (queries/ray_tiles.h).
+  /// The same for rays that need not be stored as `Ray`; if possible, they are processed in tiles
+  /// (queries/ray_tiles.h).
   void closest_hit(const Executor& executor, const RaySource& rays, const PlannedOptions& options,
                    const HitSink& sink, QueryReport* report);
   void any_hit(const Executor& executor, const RaySource& rays, const PlannedOptions& options,
@@ -94,21 +94,22 @@ class PlannedQueries {
   /// Every hit of every ray.
   [[nodiscard]] FoundRows all_hits(const Executor& executor, View<const Ray> rays,
                                    const PlannedOptions& options, QueryReport* report);
-  /// How many they are, of which nothing is kept.
+  /// The number of hits, without storing them.
   void hit_counts(const Executor& executor, View<const Ray> rays, const PlannedOptions& options,
                   View<std::uint32_t> hit_counts, QueryReport* report);
 
-  /// The tree, and the room that queries keep for the next one.
+  /// The tree, and the memory that is kept for the next query.
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
   friend class TreeQueries;
 
   void prepare_tree(const Executor& executor, Plan* plan, QueryReport* report);
-  /// Does what the plan says of the tree, completes it, and puts its reasons into the report.
+  /// Updates the tree according to the plan, completes the plan, and adds its reasons to the
+  /// report.
   void prepare(const Executor& executor, std::size_t rays, Plan* plan, QueryReport* report);
   void order(const Executor& executor, View<const Ray> rays, const Plan& plan, QueryReport* report);
-  /// Through the tree, which is prepared.
+  /// Traces through the prepared tree.
   void trace_closest_hits(const Executor& executor, View<const Ray> rays, const Plan& plan,
                           const PlannedOptions& options, View<IndexedHit> hits,
                           View<float> ray_tests, QueryReport* report);
@@ -121,12 +122,13 @@ class PlannedQueries {
                        const Trace& trace);
   [[nodiscard]] View<const Ray> take_all_rays(const Executor& executor, const RaySource& rays,
                                               Buffer<Ray>* room, QueryReport* report);
-  /// Takes the rays by quarter, as many as go together, and calls `trace(quartered, counts)`.
+  /// Sorts the rays by quarter, as many as are traced together, and calls `trace(quartered,
+  /// counts)`.
   template <class Trace>
   void trace_quartered(const Executor& executor, const RaySource& rays, QueryReport* report,
                        const Trace& trace);
-  /// False, with nothing answered, where the rays do not start at one point after all, or triangles
-  /// meet too many of their cells, which the plan then says.
+  /// Returns false without answers if the rays do not start at one point, or if triangles overlap
+  /// too many of their cells; the plan then states the reason.
   [[nodiscard]] bool any_hit_in_fan(const Executor& executor, View<const Ray> rays,
                                     const PlannedOptions& options, View<std::uint8_t> occluded,
                                     View<float> ray_tests, Plan* plan, QueryReport* report);

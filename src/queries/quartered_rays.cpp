@@ -39,7 +39,7 @@ void QuarteredRays::take(const Executor& executor, const RaySource& rays, std::s
 
 void QuarteredRays::make_order(const Executor& executor) {
   order_.rays.resize_uninitialized(rays_.size());
-  std::vector<Starts> places(starts_.size());  // of each tile's rays of a quarter
+  std::vector<Starts> places(starts_.size());  // of the rays of each tile and quarter
   std::uint32_t sum = 0;
   for (std::uint32_t q = 0; q < kQuarters; ++q) {
     order_.starts[q] = sum;

@@ -1,4 +1,4 @@
-// What a query reports of itself, whatever method and machine answered it.
+// The report of a query, from any method and any machine.
 #pragma once
 
 #include <cstdint>
@@ -9,19 +9,20 @@
 
 namespace raysheaf {
 
-/// What becomes of the object tree before the rays go through it.
+/// How the object tree is prepared for the rays.
 enum class TreeWork : std::uint8_t { kKeep, kRefit, kRebuild, kRebuildFinely };
 
-/// What a query did, and why. Counts are the same with any number of threads.
+/// The work of a query, and the reasons for it. Counts are the same with any number of threads.
 struct QueryReport {
-  std::uint64_t bound_tests = 0;      ///< bound with bound: bundles and cells with boxes, triangles
-  std::uint64_t ray_bound_tests = 0;  ///< ray with box
-  std::uint64_t triangle_tests = 0;   ///< ray with triangle
-  bool used_tree = false;             ///< false: a fan needs none
-  TreeWork tree = TreeWork::kKeep;    ///< what became of the tree
-  double take_ms = 0;                 ///< what a `RaySource` did
+  /// Tests of bounds with bounds: bundles and cells with boxes or triangles.
+  std::uint64_t bound_tests = 0;
+  std::uint64_t ray_bound_tests = 0;  ///< rays with boxes
+  std::uint64_t triangle_tests = 0;   ///< rays with triangles
+  bool used_tree = false;             ///< false for a fan
+  TreeWork tree = TreeWork::kKeep;    ///< how the tree was prepared
+  double take_ms = 0;                 ///< time of the `RaySource`
   double order_ms = 0, hierarchy_ms = 0, trace_ms = 0, total_ms = 0;
-  std::vector<std::string> plan;  ///< a sentence a choice, with the figures that decided it
+  std::vector<std::string> plan;  ///< a sentence for each choice, with the numbers that decided it
 
   void add(const DualCounts& counts) {
     bound_tests += counts.beam_box_tests;

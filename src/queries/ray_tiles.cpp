@@ -9,8 +9,8 @@
 namespace raysheaf {
 namespace {
 
-/// Rays of a tile. Of streams: rays of several quarters should fill a stream each; but a small
-/// batch is for many threads, too.
+/// Rays per tile. With streams, the rays of each of several quarters should fill a stream; but a
+/// small batch must also be divided among many threads.
 constexpr std::size_t kPacketTile = 1024, kLeastTile = 8192, kMostTile = 32768, kTiles = 64;
 
 }  // namespace

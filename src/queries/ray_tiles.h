@@ -1,7 +1,6 @@
-// Batches whose neighbours are alike go through the tree tile by tile: a thread takes a few
-// thousand rays, packs and orders them, traces them and hands over their hits, all within its
-// caches, where stage after stage of the whole batch would fetch every ray from memory once a
-// stage.
+// Traces batches of coherent rays through the tree tile by tile. A thread takes a few thousand
+// rays, packs and orders them, traces them and passes on their hits, all within its caches. Running
+// each stage for the whole batch would fetch every ray from memory once for each stage.
 #pragma once
 
 #include <functional>
@@ -13,21 +12,21 @@
 
 namespace raysheaf {
 
-/// What was found: hits[i] is that of ray `begin` + i. Called by several threads.
+/// Receives results: hits[i] is that of ray `begin` + i. Called by several threads.
 using HitSink = std::function<void(std::size_t begin, View<const IndexedHit> hits)>;
 
-/// Milliseconds: those of the loop over all tiles, shared out as the threads' times were.
+/// Milliseconds of the loop over all tiles, divided in proportion to the threads' times.
 struct TileTimes {
   double take_ms = 0, order_ms = 0, trace_ms = 0;
 };
 
-/// One engine's. For one query at a time.
+/// Belongs to one engine. For one query at a time.
 class RayTiles {
  public:
-  /// The rays of each tile of a batch but the last. `row` as `order_rays` has it.
+  /// The number of rays of each tile of a batch except the last. `row` as in `order_rays`.
   [[nodiscard]] static std::size_t tile_size(std::size_t rays, Bundle bundle, std::size_t row);
 
-  /// `scene` as `trace_closest` has it. Adds to `counts`, which are the same with any number of
+  /// `scene` as in `trace_closest`. Adds to `counts`, which are the same with any number of
   /// threads.
   TileTimes closest_hit(const Executor& executor, const RaySource& rays, std::size_t row,
                         const DualScene& scene, const HitSink& sink, DualCounts* counts);
@@ -47,7 +46,7 @@ class RayTiles {
     }
   };
 
-  /// Calls `trace(tile, begin, rays, serial, counts)` for all.
+  /// Calls `trace(tile, begin, rays, serial, counts)` for all tiles.
   template <class Trace>
   TileTimes run(const Executor& executor, const RaySource& rays, std::size_t row,
                 const DualScene& scene, DualCounts* counts, const Trace& trace);

@@ -1,13 +1,13 @@
-// The queries of one thread on a tree that others ask at the same time: small batches, whose rays
-// stay in the thread's caches.
+// The queries of one thread on a tree that other threads query at the same time: small batches,
+// whose rays stay in the thread's caches.
 #pragma once
 
 #include "queries/planned_queries.h"
 
 namespace raysheaf {
 
-/// Not for use by two threads at once; each has its own. Of an engine between its `prepare_tree`
-/// and its next change or query. Hits are the engine's own, bit for bit; there is no fan.
+/// Not for two threads at once; each thread has its own. Valid between an engine's `prepare_tree`
+/// and its next change or query. Hits are those of the engine, bit for bit; fans are not used.
 class TreeQueries {
  public:
   /// `explain`: write the plan. Adds to the report.
@@ -19,7 +19,7 @@ class TreeQueries {
                QueryReport* report);
 
  private:
-  /// Orders the rays; returns what they go through.
+  /// Orders the rays; returns the scene and the bundles for tracing.
   DualScene prepare(const PlannedQueries& engine, View<const Ray> rays,
                     const PlannedOptions& options, bool explain, QueryReport* report);
 

@@ -1,4 +1,4 @@
-// Hits of processes that stream a part of the blocks each: the least of all.
+// Combines the hits of processes that each stream a part of the blocks: the least of all.
 #include <cstring>
 #include <type_traits>
 

@@ -6,7 +6,7 @@
 namespace raysheaf {
 namespace {
 
-/// A piece of fewer rays is not worth the two messages that it takes.
+/// A piece with fewer rays is not worth its two messages.
 constexpr std::size_t kFewestOfAPiece = 8192;
 constexpr std::size_t kPiecesARank = 4;
 

@@ -1,4 +1,4 @@
-// What processes do together (raysheaf/distributed.h), in the words of those who share work.
+// Sharing work among processes (raysheaf/distributed.h).
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@
 
 namespace raysheaf {
 
-/// The pieces that [0, count) is cut into: few enough that each is worth a batch, many enough that
-/// nobody waits long for the last one.
+/// The pieces of [0, count): few enough that each is an efficient batch, many enough that no
+/// process waits long for the last one.
 struct Pieces {
   std::size_t count = 0, size = 1;
 
@@ -21,12 +21,12 @@ struct Pieces {
 };
 [[nodiscard]] Pieces pieces_of(std::size_t count, std::uint32_t ranks);
 
-/// Calls `work(begin, end)` for the pieces that this process gets; all of them together get each
-/// piece once. A collective call must follow.
+/// Calls `work(begin, end)` for this process's pieces; every piece goes to one process. A
+/// collective call must follow.
 void share_out(Communicator& ranks, const Pieces& pieces,
                const std::function<void(std::size_t begin, std::size_t end)>& work);
 
-/// Bitwise or: of arrays that are zero wherever another process's are not.
+/// Bitwise or, for arrays of which each process has a part and zeros elsewhere.
 void unite(Communicator& ranks, std::span<std::byte> bytes);
 template <class T>
 void unite(Communicator& ranks, std::span<T> elements) {
@@ -34,7 +34,7 @@ void unite(Communicator& ranks, std::span<T> elements) {
   unite(ranks, std::as_writable_bytes(elements));
 }
 
-/// What rank 0 makes, `count` numbers, in every process; null: this process alone makes it.
+/// Computes `count` numbers in rank 0 and sends them to every process; null: a single process.
 template <class Make>
 [[nodiscard]] std::vector<std::uint32_t> made_by_first(Communicator* ranks, std::size_t count,
                                                        const Make& make) {
@@ -45,7 +45,7 @@ template <class Make>
   return made;
 }
 
-/// Sums.
+/// Replaces numbers by their sums over all processes.
 void add(Communicator& ranks, std::span<std::uint64_t> counts);
 void add(Communicator& ranks, std::span<double> sums);
 void add(Communicator& ranks, std::span<float> sums);

@@ -10,22 +10,23 @@
 
 namespace raysheaf {
 
-/// A camera made ready for one picture size. The axes are of unit length and stand at right
-/// angles unless the camera's map shears, or the picture was moved.
+/// A camera prepared for one image size. The axes have unit length and are orthogonal unless the
+/// camera's map shears, or the image was moved.
 struct CameraFrame {
   Vec3 eye, right, up;
-  Vec3 forward;  ///< the way to the picture's centre; a unit of depth long
+  Vec3 forward;  ///< towards the image's centre, at unit depth
   float half_width = 1,
-        half_height = 1;  ///< of what is seen, at depth 1; orthographic: at any depth
+        half_height = 1;  ///< half of the visible extent at depth 1; orthographic: at any depth
   float z_near = 0, z_far = std::numeric_limits<float>::infinity();
   std::uint32_t width = 1, height = 1;
   bool orthographic = false;
-  // A thin lens around the eye; which point of it a pixel's ray goes through, its sample says.
-  float lens_radius = 0, focus = 1;  ///< the depth that is sharp; not looked at without a lens
+  // A thin lens around the eye; the sample determines the point of the lens through which a pixel's
+  // ray passes.
+  float lens_radius = 0, focus = 1;  ///< the depth in focus; not used without a lens
   SampleOf sample;
 };
 
-/// `column(a, c)` with unit length, measured in binary64: no scale of the map under- or overflows.
+/// `column(a, c)` normalized in binary64, so that no scale of the map under- or overflows.
 inline Vec3 unit_column(const Affine& a, int c) {
   const double x = a.m[0][c], y = a.m[1][c], z = a.m[2][c];
   const double n = std::sqrt(x * x + y * y + z * z);
@@ -33,8 +34,8 @@ inline Vec3 unit_column(const Affine& a, int c) {
 }
 
 /// The linear part of `camera.to_world` must not be singular; its scale does not matter (glTF 2.0,
-/// section 3.10). The picture's shape sets the horizontal extent; both extents grow where that is
-/// narrower than the camera's own shape.
+/// section 3.10). The image's shape sets the horizontal extent; both extents grow if that is
+/// narrower than the camera's aspect ratio.
 inline CameraFrame make_camera_frame(const Camera& camera, std::uint32_t width,
                                      std::uint32_t height) {
   CameraFrame frame;
@@ -54,9 +55,9 @@ inline CameraFrame make_camera_frame(const Camera& camera, std::uint32_t width,
   return frame;
 }
 
-/// The same camera with every ray moved by `pixels` of the picture, x to the right and y down:
-/// perspective shears the view, orthographic moves the eye. The axes need not stand at right
-/// angles, so that everything made for a frame is right for this one.
+/// The same camera with every ray moved by `pixels` of the image, x to the right and y down:
+/// perspective shears the view, orthographic moves the eye. Everything computed from a frame also
+/// works for this one, because the axes need not be orthogonal.
 inline CameraFrame moved_by_pixels(CameraFrame frame, Vec2 pixels) {
   if (pixels.x == 0 && pixels.y == 0) return frame;
   const float x = 2 * pixels.x / static_cast<float>(frame.width) * frame.half_width;
@@ -66,13 +67,13 @@ inline CameraFrame moved_by_pixels(CameraFrame frame, Vec2 pixels) {
   return frame;
 }
 
-/// Where the centre of pixel `i` of `count` lies between the picture's edges at -1 and 1.
+/// The position of the centre of pixel `i` of `count` between the image's edges at -1 and 1.
 RAYSHEAF_HD inline float pixel_center(std::uint32_t i, std::uint32_t count) {
   const auto twice = 2 * static_cast<std::int64_t>(i) + 1 - static_cast<std::int64_t>(count);
   return static_cast<float>(twice) / static_cast<float>(count);
 }
 
-/// The unit square onto the unit disc, keeping parts of the area (P. Shirley, K. Chiu, "A Low
+/// Maps the unit square to the unit disc and preserves ratios of areas (P. Shirley, K. Chiu, "A Low
 /// Distortion Map Between Disk and Square", JGT 2(3), 1997).
 RAYSHEAF_HD inline Vec2 on_disc(Vec2 square) {
   const float x = 2 * square.x - 1, y = 2 * square.y - 1;
@@ -83,9 +84,9 @@ RAYSHEAF_HD inline Vec2 on_disc(Vec2 square) {
   return {radius * place.x, radius * place.y};
 }
 
-/// The ray that leaves another point of the lens and meets the first one where it is sharp. All
-/// rays through a thin lens which come from one point in focus go on to one point behind it (R.
-/// Cook, T. Porter, L. Carpenter, "Distributed Ray Tracing", SIGGRAPH 1984).
+/// The ray from another point of the lens that intersects the given ray at the focus. All rays
+/// through a thin lens that come from one point in focus continue to one point behind it (R. Cook,
+/// T. Porter, L. Carpenter, "Distributed Ray Tracing", SIGGRAPH 1984).
 RAYSHEAF_HD inline Ray through_lens(const CameraFrame& frame, Ray ray, Vec2 chosen) {
   const Vec2 place = on_disc(chosen) * frame.lens_radius;
   const Vec3 aside = frame.right * place.x + frame.up * place.y;
@@ -94,8 +95,8 @@ RAYSHEAF_HD inline Ray through_lens(const CameraFrame& frame, Ray ray, Vec2 chos
   return ray;
 }
 
-/// How far a column of pixels is to the right of the picture's middle, and a row above it, at depth
-/// 1; orthographic: at any depth.
+/// The offset of a column of pixels to the right of the image's middle, and of a row above it, at
+/// depth 1; orthographic: at any depth.
 RAYSHEAF_HD inline Vec3 column_right(const CameraFrame& frame, std::uint32_t x) {
   return frame.right * (pixel_center(x, frame.width) * frame.half_width);
 }
@@ -103,13 +104,13 @@ RAYSHEAF_HD inline Vec3 row_up(const CameraFrame& frame, std::uint32_t y) {
   return frame.up * (pixel_center(y, frame.height) * frame.half_height);
 }
 
-/// From the eye, whatever the lens. `aside`: from the picture's middle to the pixel.
+/// From the eye, ignoring the lens. `aside`: from the image's middle to the pixel.
 RAYSHEAF_HD inline Ray pinhole_ray(const CameraFrame& frame, Vec3 aside) {
   if (frame.orthographic) return {frame.eye + aside, frame.z_near, frame.forward, frame.z_far};
   return {frame.eye, frame.z_near, frame.forward + aside, frame.z_far};
 }
 
-/// `camera_ray`, where it is known how far the pixel is from the picture's middle.
+/// `camera_ray` for a known offset of the pixel from the image's middle.
 RAYSHEAF_HD inline Ray camera_ray(const CameraFrame& frame, std::uint32_t x, std::uint32_t y,
                                   Vec3 aside) {
   const Ray ray = pinhole_ray(frame, aside);
@@ -119,7 +120,7 @@ RAYSHEAF_HD inline Ray camera_ray(const CameraFrame& frame, std::uint32_t x, std
 }
 
 /// The ray through the centre of a pixel; (0, 0) is the top left one. Its direction has length 1
-/// along the camera's axis, so that `t` is the depth, and runs from z_near to z_far.
+/// along the camera's axis, so that `t` is the depth, and ranges from z_near to z_far.
 RAYSHEAF_HD inline Ray camera_ray(const CameraFrame& frame, std::uint32_t x, std::uint32_t y) {
   return camera_ray(frame, x, y, column_right(frame, x) - row_up(frame, y));
 }

@@ -1,4 +1,4 @@
-// Primary rays of a whole picture.
+// Primary rays of a whole image.
 #pragma once
 
 #include <vector>
@@ -7,8 +7,8 @@
 
 namespace raysheaf {
 
-/// `camera_ray` of any pixel, bit for bit: what the pixels of a column share, and of a row, is
-/// found once.
+/// `camera_ray` of any pixel, bit for bit; values shared by the pixels of a column or a row are
+/// computed once.
 class CameraRays {
  public:
   CameraRays() = default;

@@ -1,5 +1,5 @@
-// Rays through what materials cut away (surface/cutout.h): whether something is there, and where a
-// ray goes on. For the CPU's stages (render/frame/cutouts.h) and a device's.
+// Rays through holes of materials (surface/cutout.h): whether a hit is in a hole, and where a ray
+// continues. Used by the CPU's stages (render/frame/cutouts.h) and a device's.
 #pragma once
 
 #include "base/bits.h"
@@ -9,7 +9,7 @@
 
 namespace raysheaf {
 
-/// Above 0 and below 1, of a ray whatever its interval.
+/// A random number between 0 and 1, exclusive, that does not depend on the ray's interval.
 RAYSHEAF_HD inline float chance_of(const Ray& ray, std::uint32_t triangle) {
   std::uint32_t seed = triangle;
   for (const Vec3 v : {ray.origin, ray.direction})
@@ -17,15 +17,15 @@ RAYSHEAF_HD inline float chance_of(const Ray& ray, std::uint32_t triangle) {
   return (static_cast<float>(seed >> 8) + 0.5f) * 0x1p-24f;
 }
 
-/// Whether there is nothing where the ray meets a triangle of the material. `alpha`: of the place;
-/// `blends`: alpha may be a chance (`is_by_chance`).
+/// Whether the ray's hit with a triangle of the material is in a hole. `alpha`: at the hit;
+/// `blends`: alpha may be a probability (`is_by_chance`).
 RAYSHEAF_HD inline bool is_cut_away(const PlacedMaterial& material, float alpha, bool blends,
                                     const Ray& ray, std::uint32_t triangle) {
   return alpha <
          (is_by_chance(material, blends) ? chance_of(ray, triangle) : material.alpha_cutoff);
 }
 
-/// The next number above a finite one: where a ray goes on that met nothing at `t`.
+/// The next number above a finite one: where a ray continues after a hole at `t`.
 RAYSHEAF_HD inline float just_behind(float t) {
   const std::uint32_t bits = float_bits(t);
   if (t == 0) return bits_float(1);

@@ -1,4 +1,4 @@
-// A place where light is gathered: what a primary or a secondary ray met.
+// A point where light is gathered: a hit of a primary or a secondary ray.
 #pragma once
 
 #include "raysheaf/large_vector.h"
@@ -8,18 +8,18 @@ namespace raysheaf {
 
 struct Fragment {
   Surface surface;
-  Vec3 incoming;         ///< unit direction of the ray that arrived
-  Vec3 weight{1, 1, 1};  ///< what the pixel receives of the radiance that leaves here
+  Vec3 incoming;         ///< unit direction of the arriving ray
+  Vec3 weight{1, 1, 1};  ///< factor with which the radiance from here is added to the pixel
   std::uint32_t pixel = 0;
-  std::uint32_t path = 0;  ///< 0 at the first hit; then a number for the bounces that led here
+  std::uint32_t path = 0;  ///< 0 at the primary hit; then a number for the bounces that led here
   std::uint32_t triangle = kInvalidId;
 };
 
-/// `resize` touches none: who makes fragments assigns each whole.
+/// `resize` leaves elements uninitialized: code that makes fragments assigns each as a whole.
 using Fragments = LargeVector<Fragment>;
 
-/// A fragment before its surface is fetched, which only those without a triangle have by then.
-/// `incoming`: of a first hit it is fetched, too.
+/// Initializes a fragment before its surface is fetched; without a triangle it has none. `incoming`
+/// of a primary hit is also set later.
 inline void begin_fragment(Fragment* fragment, std::uint32_t triangle, std::uint32_t pixel) {
   if (triangle == kInvalidId) {
     *fragment = {};

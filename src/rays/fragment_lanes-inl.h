@@ -1,4 +1,4 @@
-// Fragments in lanes, and vectors of three. Included once a SIMD target.
+// Fragments as SIMD vectors, and vectors of three. Included once for each SIMD target.
 #if defined(RAYSHEAF_RAYGEN_FRAGMENT_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAYSHEAF_RAYGEN_FRAGMENT_LANES_INL_H_
 #undef RAYSHEAF_RAYGEN_FRAGMENT_LANES_INL_H_
@@ -27,7 +27,7 @@ struct V3 {
   V x, y, z;
 };
 
-/// Bits of a mask, lane 0 lowest.
+/// The bits of a mask, lane 0 lowest.
 HWY_INLINE std::uint32_t BitsOf(M mask) {
   const Floats d;
   alignas(8) std::uint8_t bytes[8] = {};
@@ -64,7 +64,7 @@ HWY_INLINE V3 Scale(const V3& a, V s) {
 HWY_INLINE V Dot(const V3& a, const V3& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
-/// As `max` has it of a NaN.
+/// Treats NaN like `max`.
 HWY_INLINE V Larger(V a, V b) {
   return hn::IfThenElse(hn::Gt(a, b), a, b);
 }
@@ -77,7 +77,7 @@ HWY_INLINE V Clamp(V x, float lo, float hi) {
   return hn::IfThenElse(hn::Lt(x, low), low, hn::IfThenElse(hn::Gt(x, high), high, x));
 }
 
-/// `normalized` of a vector of this length is a division where this holds.
+/// Whether `normalized` of a vector of this length is a plain division.
 HWY_INLINE M IsUsual(V length) {
   const Floats d;
   return hn::And(hn::Gt(length, hn::Set(d, 1e-15f)), hn::Lt(length, hn::Set(d, 1e15f)));
@@ -91,8 +91,8 @@ HWY_INLINE const float* WordsOf(const Fragment& fragment) {
   return reinterpret_cast<const float*>(&fragment);
 }
 
-/// As many fragments that follow each other as there are lanes, `k` the first; lanes behind the
-/// last are as the first of all.
+/// Consecutive fragments from `k` on, as many as there are lanes; lanes after the last repeat the
+/// first fragment of all.
 class FragmentRow {
  public:
   HWY_INLINE FragmentRow(View<const Fragment> fragments, std::size_t k)
@@ -105,7 +105,7 @@ class FragmentRow {
     words_ = padded_;
   }
 
-  FragmentRow(const FragmentRow&) = delete;  // which may name its own memory
+  FragmentRow(const FragmentRow&) = delete;  // it may point to its own memory
   FragmentRow& operator=(const FragmentRow&) = delete;
 
   [[nodiscard]] HWY_INLINE const float* WordsAt(std::size_t lane) const {
@@ -117,7 +117,7 @@ class FragmentRow {
   alignas(64) float padded_[kLightLanes * kFragmentWords];
 };
 
-/// The same of fragments wherever they stand: those of `slots` from `k` on.
+/// The same for arbitrary fragments: those of `slots` from `k` on.
 class FragmentList {
  public:
   HWY_INLINE FragmentList(View<const Fragment> fragments, View<const std::uint32_t> slots,
@@ -132,11 +132,11 @@ class FragmentList {
   const float* words_[kLightLanes];
 };
 
-/// What the lanes' fragments have, a vector for each word of them. `Place`: where they are.
+/// The fields of the lanes' fragments, a vector for each word. `Place`: where the fragments are.
 template <class Place>
 class LanesOf {
  public:
-  /// As `Place` takes them.
+  /// With the arguments of `Place`.
   template <class... From>
   HWY_INLINE explicit LanesOf(const From&... from) : place_(from...) {}
 
@@ -147,7 +147,7 @@ class LanesOf {
         kWord / 4 * 4 + 4 <= kFragmentWords ? kWord / 4 * 4 : kFragmentWords - 4;
     return Four<kFirst>().word[kWord - kFirst];
   }
-  /// From `kWord` on, three words each.
+  /// Three words each, from `kWord` on.
   template <std::size_t kWord>
   [[nodiscard]] HWY_INLINE V3 At3() const {
     return {At<kWord>(), At<kWord + 1>(), At<kWord + 2>()};
@@ -158,8 +158,8 @@ class LanesOf {
     V word[4];
   };
 
-  /// Words that follow each other, as whole vectors of memory that are turned in registers: one by
-  /// one costs twice as much. What is not used of them, the compiler leaves out.
+  /// Consecutive words, loaded as whole vectors and transposed in registers: loading them one by
+  /// one takes twice as long. The compiler removes unused ones.
   template <std::size_t kFirst>
   [[nodiscard]] HWY_INLINE FourWords Four() const {
     const Floats d;
@@ -168,7 +168,7 @@ class LanesOf {
     const float* const from = at(0);
     return {{hn::Set(d, from[0]), hn::Set(d, from[1]), hn::Set(d, from[2]), hn::Set(d, from[3])}};
 #else
-    // Vector j has the fragments j, 4 + j, 8 + j, ... in its blocks of four lanes.
+    // Vector j holds the fragments j, 4 + j, 8 + j, ... in its blocks of four lanes.
     const auto blocks = [&](std::size_t j) HWY_ATTR {
       constexpr std::size_t kBlocks = hn::MaxLanes(Floats()) / 4;
       if constexpr (kBlocks == 4) {
@@ -200,12 +200,12 @@ class LanesOf {
 using FragmentLanes = LanesOf<FragmentRow>;
 using ListedLanes = LanesOf<FragmentList>;
 
-/// Where a field of a fragment begins, in words.
+/// The offset of a fragment's field, in words.
 #define RAYSHEAF_WORD(field) (offsetof(Fragment, field) / sizeof(float))
 #define RAYSHEAF_SURFACE_WORD(field) \
   (RAYSHEAF_WORD(surface) + offsetof(Surface, field) / sizeof(float))
 
-/// Lanes with a surface: their `triangle` is none that is not there.
+/// Lanes with a surface, whose `triangle` is valid.
 HWY_INLINE M HasTriangle(V triangle) {
   const hn::RebindToUnsigned<Floats> du;
   return hn::RebindMask(Floats(), hn::Ne(hn::BitCast(du, triangle), hn::Set(du, kInvalidId)));
@@ -222,7 +222,7 @@ HWY_INLINE M IsLit(V word) {
       Floats(), hn::Eq(hn::And(hn::BitCast(du, word), hn::Set(du, kFirstByte)), hn::Zero(du)));
 }
 
-/// Three values a lane to memory where each fragment has its three together, `count` of them.
+/// Stores three values per lane interleaved, for `count` fragments.
 HWY_INLINE void Give3(const V3& a, std::size_t count, Vec3* to) {
   const Floats d;
   if (count >= hn::Lanes(d)) return hn::StoreInterleaved3(a.x, a.y, a.z, d, &to->x);
@@ -230,7 +230,7 @@ HWY_INLINE void Give3(const V3& a, std::size_t count, Vec3* to) {
   hn::StoreInterleaved3(a.x, a.y, a.z, d, &part[0].x);
   std::memcpy(static_cast<void*>(to), part, count * sizeof(Vec3));
 }
-/// The opposite; lanes behind the last are 0.
+/// The reverse; lanes after the last are 0.
 HWY_INLINE V3 Take3(const Vec3* from, std::size_t count) {
   const Floats d;
   alignas(64) Vec3 part[kLightLanes] = {};
@@ -250,7 +250,7 @@ HWY_INLINE void Store3(const V3& a, float (&columns)[3][kLightBlock], std::size_
   hn::Store(a.z, d, columns[2] + k);
 }
 
-/// `fresnel_schlick`.
+/// SIMD version of `fresnel_schlick`.
 HWY_INLINE V3 Schlick(const V3& at_normal, V at_edge, V cos_in) {
   const Floats d;
   const V one = hn::Set(d, 1.0f), zero = hn::Zero(d);
@@ -263,7 +263,7 @@ HWY_INLINE V3 Schlick(const V3& at_normal, V at_edge, V cos_in) {
   return {hn::IfThenElse(none, zero, risen.x), hn::IfThenElse(none, zero, risen.y),
           hn::IfThenElse(none, zero, risen.z)};
 }
-/// `cos_arrival`.
+/// SIMD version of `cos_arrival`.
 HWY_INLINE V CosArrival(const V3& incoming, const V3& normal) {
   return Clamp(hn::Abs(Dot(incoming, normal)), 1e-4f, 1);
 }

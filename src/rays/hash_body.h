@@ -7,13 +7,13 @@
 //   refraction    | 0  | u5 v5 x5 y5 z5 u4 v4 x4 y4 z4 ... u0 v0 x0 y0 z0 |
 //
 // The paper's hash (Reis, Costa, Pereira 2017, section 3.2) puts the light's index above the
-// spherical direction of a shadow ray, and combines origin and direction for the others. Its
-// azimuth and polar angle have a seam and two poles, and side by side they make long thin cells;
-// here the sphere is unfolded to a square by the octahedral map, and the square is walked along a
-// Hilbert curve, so that equal keys are compact cells and successive keys are neighbours. The
-// light's index counts L = bits_for(lights) bits and k is kDirectionBits, or less where the lights
-// leave less. The second key interleaves six bits each of the direction (u, v) and of the origin in
-// the scene's box (x, y, z).
+// spherical direction of a shadow ray, and combines origin and direction for other rays. Its
+// azimuth and polar angle have a seam and two poles, and their concatenation makes long thin cells.
+// Here the octahedral map unfolds the sphere to a square, and a Hilbert curve traverses the square,
+// so that equal keys are compact cells and successive keys are neighbours. The light's index has L
+// = bits_for(lights) bits, and k is kDirectionBits, or less if the lights leave less. The second
+// key interleaves six bits each of the direction (u, v) and of the origin in the scene's box (x, y,
+// z).
 #pragma once
 
 #include <cmath>
@@ -27,14 +27,14 @@ namespace raysheaf {
 inline constexpr std::uint32_t kDirectionBits = 8;
 inline constexpr std::uint32_t kBounceKeyBits = 30;
 
-/// [0, 1] to a cell of 2^bits; what is below, or no number, to the first.
+/// Maps [0, 1] to one of 2^bits cells; smaller numbers and NaN to the first.
 RAYSHEAF_HD inline std::uint32_t quantized(float x, std::uint32_t bits) {
   const float cells = static_cast<float>(1u << bits);
   return x > 0 ? static_cast<std::uint32_t>(clamp(x * cells, 0, cells - 1)) : 0;
 }
 
-/// The sphere of directions on the unit square (octahedral map: Q. Meyer et al., "On Floating-Point
-/// Normal Vectors", EGSR 2010). The direction need not be a unit vector.
+/// Maps directions to the unit square (octahedral map: Q. Meyer et al., "On Floating-Point Normal
+/// Vectors", EGSR 2010). The direction need not be a unit vector.
 RAYSHEAF_HD inline Vec2 octahedral(Vec3 d) {
   const float norm = std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z);
   if (!(norm > 0)) return {0.5f, 0.5f};
@@ -47,7 +47,8 @@ RAYSHEAF_HD inline Vec2 octahedral(Vec3 d) {
   return {u * 0.5f + 0.5f, v * 0.5f + 0.5f};
 }
 
-/// The place of cell (x, y) of a 2^bits square along the Hilbert curve (Hilbert 1891).
+/// The position of cell (x, y) of a square with 2^bits cells per side along the Hilbert curve
+/// (Hilbert 1891).
 RAYSHEAF_HD inline std::uint32_t hilbert_2(std::uint32_t x, std::uint32_t y, std::uint32_t bits) {
   std::uint32_t place = 0;
   for (std::uint32_t bit = bits; bit-- > 0;) {
@@ -69,7 +70,7 @@ RAYSHEAF_HD inline std::uint32_t hilbert_2(std::uint32_t x, std::uint32_t y, std
   return place;
 }
 
-/// What the bits of a shadow key mean, for a number of lights.
+/// The layout of a shadow key for a number of lights.
 struct ShadowKeyLayout {
   std::uint32_t light_bits = 0, direction_bits = kDirectionBits;
   [[nodiscard]] RAYSHEAF_HD std::uint32_t key_bits() const {
@@ -85,7 +86,8 @@ RAYSHEAF_HD inline ShadowKeyLayout shadow_key_layout(std::uint32_t lights) {
   return layout;
 }
 
-/// `place` on the unit square: octahedral(direction), or where a ray of a parallel light starts.
+/// `place` on the unit square: octahedral(direction), or the start point of a ray of a directional
+/// light.
 RAYSHEAF_HD inline std::uint32_t shadow_key(const ShadowKeyLayout& layout, std::uint32_t light,
                                             Vec2 place) {
   const std::uint32_t bits = layout.direction_bits;
@@ -93,7 +95,7 @@ RAYSHEAF_HD inline std::uint32_t shadow_key(const ShadowKeyLayout& layout, std::
   return layout.light_bits == 0 ? cell : (light << (2 * bits)) | cell;
 }
 
-/// Six bits moved apart, four zeros above each.
+/// Six bits spread apart, with four zeros above each.
 RAYSHEAF_HD inline std::uint32_t spread_by_5(std::uint32_t x) {
   std::uint32_t spread = 0;
   for (std::uint32_t bit = 0; bit < 6; ++bit) spread |= ((x >> bit) & 1u) << (5 * bit);

@@ -1,19 +1,20 @@
-// One ray's sort key, for every RayKey that is a place on a curve.
+// One ray's sort key, for every RayKey that is a position on a curve.
 //
-//   kd+L-1 ....... kd kd-1 ................................ 0     k bits an axis, d axes
+//   kd+L-1 ....... kd kd-1 ................................ 0     k bits per axis, d axes
 //   | light, L bits  | place of the ray's cell in d axes   |
 //
-// Shadow rays alone have a light. The axes, d of them:
+// Only shadow rays have a light. The axes, d of them:
 //
 //   pixel        2   column and row of the pixel
-//   spherical    2   azimuth and polar angle of the direction; of parallel light that is noise
-//   octahedral   2   the octahedral map of the direction, or the place on a parallel light's disc
+//   spherical    2   azimuth and polar angle of the direction; noise for directional lights
+//   octahedral   2   the octahedral map of the direction, or the place on a directional light's
+//   disc
 //   end point    3   where the ray ends
 //   five         5   the octahedral map of the direction, as above; where it starts
 //   two points   6   where the ray starts; where it ends
 //
-// A ray starts where it enters the scene's box and ends where it leaves it, or at its own ends
-// where those come first.
+// A ray starts where it enters the scene's box and ends where it leaves it, or at its own ends if
+// they are inside.
 #pragma once
 
 #include <cassert>
@@ -27,7 +28,7 @@
 
 namespace raysheaf {
 
-/// What a float on [0, 1] can tell apart.
+/// The resolution of a float in [0, 1].
 inline constexpr std::uint32_t kMostAxisBits = 24;
 
 struct KeyLayout {
@@ -35,7 +36,7 @@ struct KeyLayout {
   [[nodiscard]] RAYSHEAF_HD std::uint32_t bits() const { return light_bits + axes * axis_bits; }
 };
 
-/// As many bits an axis as fit into `key_bits` beside the light, and no more than can matter.
+/// As many bits per axis as fit into `key_bits` next to the light, and no more than are useful.
 RAYSHEAF_HD inline KeyLayout key_layout(std::uint32_t lights, std::uint32_t axes,
                                         std::uint32_t key_bits, std::uint32_t most_axis_bits) {
   assert(axes > 0);
@@ -47,7 +48,7 @@ RAYSHEAF_HD inline KeyLayout key_layout(std::uint32_t lights, std::uint32_t axes
   return layout;
 }
 
-/// The scene's box made a cube from the same corner, so that its cells are cubes.
+/// The scene's box, enlarged to a cube from the same corner, so that its cells are cubes.
 struct KeyCube {
   Box box;
   float scale = 0;  ///< 1 / side; 0 for a scene without extent
@@ -58,14 +59,14 @@ RAYSHEAF_HD inline KeyCube key_cube(const Box& box) {
   return {box, side > 0 && std::isfinite(side) ? 1 / side : 0};
 }
 
-/// A number on [0, 1] to one of 2^bits cells; what lies outside, and NaN, to the nearest end.
+/// Maps a number in [0, 1] to one of 2^bits cells; numbers outside and NaN to the nearest end.
 RAYSHEAF_HD inline std::uint32_t cell_of(float x, std::uint32_t bits) {
   const std::uint32_t cells = 1u << bits;
   if (!(x > 0)) return 0;
   return x < 1 ? static_cast<std::uint32_t>(x * static_cast<float>(cells)) : cells - 1;
 }
 
-/// Narrows [*first, *last] to where `o + t d` is between `lo` and `hi`.
+/// Clips [*first, *last] to where `o + t d` is between `lo` and `hi`.
 RAYSHEAF_HD inline void clip_to_slab(float lo, float hi, float o, float d, float* first,
                                      float* last) {
   if (d == 0) return;
@@ -79,7 +80,7 @@ struct RayEnds {
   Vec3 start, end;
 };
 
-/// Of a ray that misses the box, both are one point.
+/// For a ray that misses the box, both ends are one point.
 RAYSHEAF_HD inline RayEnds ray_ends(const Box& box, const Ray& ray) {
   float first = ray.t_min, last = ray.t_max;
   clip_to_slab(box.min.x, box.max.x, ray.origin.x, ray.direction.x, &first, &last);
@@ -113,20 +114,20 @@ RAYSHEAF_HD inline Cell<kA + kB> joined(const Cell<kA>& a, const Cell<kB>& b) {
   return cell;
 }
 
-/// What all rays of a batch have in common.
+/// Data shared by all rays of a batch.
 struct KeyContext {
   KeyCell cell = KeyCell::kOctahedral;
   bool hilbert = true;
   KeyLayout layout;
   KeyCube cube;
-  std::uint32_t width = 1;       ///< of the picture
+  std::uint32_t width = 1;       ///< of the image
   std::uint32_t pixel_bits = 0;  ///< of a pixel's column and row
 };
 
-/// One ray of it.
+/// One ray of the batch.
 struct KeyedRay {
   Ray ray;
-  Vec2 square;  ///< the direction on the unit square, or the place on a parallel light's disc
+  Vec2 square;  ///< the direction on the unit square, or the place on a directional light's disc
   std::uint32_t pixel = 0, light = 0;  ///< lights count from the batch's first
 };
 
@@ -136,7 +137,7 @@ RAYSHEAF_HD inline std::uint64_t place_on_curve(const KeyContext& context,
   return context.hilbert ? hilbert_place(cell, context.layout.axis_bits) : morton_place(cell);
 }
 
-/// The coarse bits of a pixel's column and row.
+/// The upper bits of a pixel's column and row.
 RAYSHEAF_HD inline Cell<2> pixel_cell(const KeyContext& context, std::uint32_t pixel) {
   const std::uint32_t drop = context.pixel_bits - context.layout.axis_bits;
   return {{(pixel / context.width) >> drop, (pixel % context.width) >> drop}};

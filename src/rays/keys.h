@@ -1,7 +1,7 @@
-// Stage 3 begins: a sort key for each ray of a batch, of any kind that RayKey names.
+// Stage 3, first part: a sort key for each ray of a batch, of any RayKey.
 //
-// What a key is made of stands in rays/key_body.h, the published program's in
-// rays/published_body.h, that of `crsh` in rays/hash_body.h. Compared in docs/keys.md.
+// rays/key_body.h defines the keys, rays/published_body.h that of the published program, and
+// rays/hash_body.h that of `crsh`. docs/keys.md compares them.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +14,9 @@ namespace raysheaf {
 
 /// A key for each ray, in the batch's order; all are below 2^*used_bits.
 ///
-/// `key_bits` is 32 or 64. Keys of `published`, `corrected` and `crsh` have 32 bits at most however
-/// many are allowed, and `raster` gives zeros of no bits. All others hold a shadow ray's light
-/// above everything else. O(rays).
+/// `key_bits` is 32 or 64. Keys of `published`, `corrected` and `crsh` have at most 32 bits even if
+/// more are allowed, and `raster` gives zeros of no bits. All others hold a shadow ray's light in
+/// the upper bits. O(rays).
 [[nodiscard]] std::vector<std::uint64_t> make_keys(const Executor& executor, const RayBatch& batch,
                                                    RayKey key, std::uint32_t key_bits,
                                                    const Box& scene_bounds,

@@ -7,7 +7,7 @@
 namespace raysheaf {
 namespace {
 
-/// Ray `i` of the batch with what its key may need.
+/// Ray `i` of the batch with the data for its key.
 KeyedRay keyed_ray(const RayBatch& batch, std::size_t i) {
   KeyedRay r;
   r.ray = batch.rays[i];
@@ -30,7 +30,7 @@ KeyContext context_for(const RayBatch& batch, RayKey key, std::uint32_t key_bits
     context.pixel_bits = bits_for(std::max(batch.width, last / batch.width + 1));
     most_axis_bits = context.pixel_bits;
   }
-  // Slots ascend with the light first, so the first and the last ray have the first and last light.
+  // Slots are sorted by light, so the first and the last ray have the first and last light.
   const std::uint32_t lights =
       batch.lights.empty() ? 1 : batch.lights.back() - batch.lights.front() + 1;
   context.layout = key_layout(lights, entry_of(key).axes, key_bits, most_axis_bits);

@@ -1,7 +1,7 @@
-// Lights as fragments see them: KHR_lights_punctual, and balls and rectangles that shine.
+// Lights seen from fragments: KHR_lights_punctual, and spheres and rectangles that emit light.
 //
-// What has a size is sampled by the solid angle that it fills: a sample's irradiance is then the
-// light's radiance times that angle, whatever the direction, and shadows converge fast.
+// Lights with a size are sampled by the solid angle that they cover: a sample's irradiance is then
+// the light's radiance times that angle, for every direction, and shadows converge fast.
 #pragma once
 
 #include <cmath>
@@ -19,11 +19,12 @@ namespace raysheaf {
 struct LightSample {
   Vec3 to_light;       ///< unit
   float distance = 0;  ///< infinite for directional lights
-  Vec3 irradiance;     ///< on a surface that faces the light; black where the light does not reach
-  Vec3 point;          ///< where the light leaves; not of directional lights
+  Vec3 irradiance;     ///< on a surface that faces the light; black if the light does not reach the
+                       ///< point
+  Vec3 point;          ///< where the light is emitted; not used by directional lights
 };
 
-/// The cosine at the edge of a spot's cone, and how much it grows from there to full light.
+/// The cosine at the edge of a spot's cone, and its increase from there to full light.
 struct SpotEdge {
   float cos_outer, span;
 };
@@ -32,7 +33,7 @@ RAYSHEAF_HD inline SpotEdge spot_edge(const Light& light) {
   return {cos_outer, std::fmax(cos_inner - cos_outer, 1e-3f)};
 }
 
-/// A light made ready for many places, on any machine: what costs a cosine is found once.
+/// A light prepared for many points, on any machine: cosines are computed once.
 struct PlacedLight {
   Vec3 position, direction, right, intensity;
   float range = 0, cos_outer = 0, span = 1;
@@ -67,7 +68,7 @@ inline std::vector<PlacedLight> placed_lights(View<const Light> lights) {
   return placed;
 }
 
-/// The part of a light's intensity that its range and its cone leave (the extension's own
+/// The fraction of a light's intensity that its range and its cone leave (the extension's
 /// recommendation).
 RAYSHEAF_HD inline float light_window(const PlacedLight& light, Vec3 from_light, float distance) {
   float window = 1;
@@ -83,19 +84,19 @@ RAYSHEAF_HD inline float light_window(const PlacedLight& light, Vec3 from_light,
   return window;
 }
 
-/// Whether there is a choice where on the light to look.
+/// Whether there is a choice of points on the light.
 RAYSHEAF_HD inline bool has_size(const PlacedLight& light) {
   return light.is_rectangle || (!light.is_directional && light.radius > 0);
 }
 
-/// A little off the light's surface along its `normal`, so that geometry which lies in it does not
-/// shade it: 64 roundings of the numbers at hand.
+/// A point slightly off the light's surface along its `normal`, so that geometry in that surface
+/// does not shade it: 64 roundings of the coordinates and the distance.
 RAYSHEAF_HD inline Vec3 off_light(Vec3 point, Vec3 normal, float distance) {
   const float size = max_component(abs(point)) + distance;
   return point + normal * (64 * kUnitRoundoff * size);
 }
 
-/// Two unit vectors square to `n` and to each other (T. Duff et al., "Building an Orthonormal
+/// Two unit vectors orthogonal to `n` and to each other (T. Duff et al., "Building an Orthonormal
 /// Basis, Revisited", JCGT 6(1), 2017).
 struct Tangents {
   Vec3 s, t;
@@ -106,9 +107,10 @@ RAYSHEAF_HD inline Tangents tangents(Vec3 n) {
   return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}};
 }
 
-/// A ball of radius r at distance d fills a cone with sin(half angle) = r / d, in which directions
-/// are chosen evenly (pbrt-v4, section 6.2.4). Radiance I / (pi r^2) times the solid angle
-/// 2 pi (1 - cos) is 2 I / (d^2 (1 + cos)): a point's I / d^2 as r goes to 0. Black inside.
+/// A sphere of radius r at distance d covers a cone with sin(half angle) = r / d, in which
+/// directions are chosen uniformly (pbrt-v4, section 6.2.4). Radiance I / (pi r^2) times the solid
+/// angle 2 pi (1 - cos) is 2 I / (d^2 (1 + cos)), which approaches a point's I / d^2 as r goes to
+/// 0. Black inside.
 RAYSHEAF_HD inline LightSample sample_ball(const PlacedLight& light, Vec3 position, Vec2 chosen) {
   const Vec3 to_center = light.position - position;
   const float distance = length(to_center), radius = light.radius;
@@ -122,7 +124,7 @@ RAYSHEAF_HD inline LightSample sample_ball(const PlacedLight& light, Vec3 positi
   const Tangents side = tangents(axis);
   const Vec3 to_light =
       normalized(axis * (1 - away) + side.s * (aside * around.x) + side.t * (aside * around.y));
-  // The nearer of the two points where the direction meets the ball.
+  // The nearer of the two points where the direction intersects the sphere.
   const float middle = dot(to_center, to_light);
   const Vec3 across = to_center - to_light * middle;
   const float half_chord = std::sqrt(std::fmax(radius * radius - dot(across, across), 0.0f));
@@ -134,30 +136,30 @@ RAYSHEAF_HD inline LightSample sample_ball(const PlacedLight& light, Vec3 positi
           off_light(on_ball, normal, distance)};
 }
 
-/// A rectangle as seen from a point, in a frame whose z axis points away from it: corners at x0 or
-/// x1, y0 or y1, and z < 0.
+/// A rectangle seen from a point, in a frame whose z axis points away from it: corners at x0 or x1,
+/// y0 or y1, and z < 0.
 struct SeenRectangle {
   double x0 = 0, y0 = 0, x1 = 0, y1 = 0, z = 0;
 };
 
-/// A place on a rectangle, such that directions to it are spread evenly over the solid angle that
-/// the rectangle fills.
+/// A point on a rectangle, chosen so that directions to it are uniform over the solid angle that
+/// the rectangle covers.
 struct RectanglePlace {
   double x = 0, y = 0;
-  double solid_angle = 0;  ///< of the whole
+  double solid_angle = 0;  ///< of the whole rectangle
 };
 
 /// C. Urena, M. Fajardo, A. King, "An Area-Preserving Parametrization for Spherical Rectangles",
-/// EGSR 2013, sections 3 and 4. In binary64, as the angles' sum cancels.
+/// EGSR 2013, sections 3 and 4. In binary64, because the angles' sum cancels.
 RAYSHEAF_HD inline RectanglePlace place_by_solid_angle(const SeenRectangle& r, Vec2 chosen) {
-  // z components of the unit normals of the four planes through the eye and an edge; the x or the y
-  // component is the other one that is not 0.
+  // z components of the unit normals of the four planes through the eye and an edge; the other
+  // nonzero component is x or y.
   const double zz = r.z * r.z;
   const double below = -r.y0 / std::sqrt(zz + r.y0 * r.y0);
   const double right = r.x1 / std::sqrt(zz + r.x1 * r.x1);
   const double above = r.y1 / std::sqrt(zz + r.y1 * r.y1);
   const double left = -r.x0 / std::sqrt(zz + r.x0 * r.x0);
-  // Neighbours' normals have z alone in common: the inner angles between their planes.
+  // Normals of adjacent planes share only the z axis: the inner angles between the planes.
   const double angle_br = portable::arc_cosine(-below * right),
                angle_ra = portable::arc_cosine(-right * above);
   const double angle_al = portable::arc_cosine(-above * left),
@@ -165,7 +167,7 @@ RAYSHEAF_HD inline RectanglePlace place_by_solid_angle(const SeenRectangle& r, V
   const double rest = 2 * portable::kPi - angle_al - angle_lb;
   RectanglePlace place;
   place.solid_angle = angle_br + angle_ra - rest;
-  // The column up to which the chosen part of the solid angle lies.
+  // The column up to which the chosen part of the solid angle extends.
   const double part = static_cast<double>(chosen.x) * place.solid_angle + rest;
   const portable::SineCosine turn = portable::sine_cosine(part);
   const double f = (turn.cosine * below - above) / turn.sine;
@@ -174,7 +176,7 @@ RAYSHEAF_HD inline RectanglePlace place_by_solid_angle(const SeenRectangle& r, V
   c = c < -1 ? -1 : c > 1 ? 1 : c;
   place.x = -c * r.z / std::sqrt(std::fmax(1 - c * c, 1e-300));
   place.x = place.x < r.x0 ? r.x0 : place.x > r.x1 ? r.x1 : place.x;
-  // Along the column, heights on the unit sphere are spread evenly (Archimedes).
+  // Along the column, heights on the unit sphere are uniform (Archimedes).
   const double d2 = place.x * place.x + zz;
   const double h0 = r.y0 / std::sqrt(d2 + r.y0 * r.y0), h1 = r.y1 / std::sqrt(d2 + r.y1 * r.y1);
   const double h = h0 + static_cast<double>(chosen.y) * (h1 - h0);
@@ -183,9 +185,9 @@ RAYSHEAF_HD inline RectanglePlace place_by_solid_angle(const SeenRectangle& r, V
   return place;
 }
 
-/// Shines to one side, with radiance intensity / area. Where it fills next to nothing of the view,
-/// places are spread over its area instead, which is then as good: the solid angle would be lost in
-/// the rounding of its four angles.
+/// Emits to one side, with radiance intensity / area. If it covers a tiny part of the view, points
+/// are chosen uniformly over its area instead, which is equally good then: the solid angle would be
+/// lost in the rounding of its four angles.
 RAYSHEAF_HD inline LightSample sample_rectangle(const PlacedLight& light, Vec3 position,
                                                 Vec2 chosen) {
   constexpr double kLeastSolidAngle = 1e-6;
@@ -218,7 +220,7 @@ RAYSHEAF_HD inline LightSample sample_rectangle(const PlacedLight& light, Vec3 p
   return sample;
 }
 
-/// As if it shone from its place alone; directional lights shine from everywhere.
+/// As if it emitted only from its position; directional lights have none.
 RAYSHEAF_HD inline LightSample sample_point(const PlacedLight& light, Vec3 position) {
   if (light.is_directional)
     return {-light.direction, std::numeric_limits<float>::infinity(), light.intensity, {0, 0, 0}};
@@ -230,7 +232,7 @@ RAYSHEAF_HD inline LightSample sample_point(const PlacedLight& light, Vec3 posit
   return {unit, distance, light.intensity * falloff, light.position};
 }
 
-/// `chosen`: where on the light, both in [0, 1); lights without a size do not look at it.
+/// `chosen`: the choice of a point on the light, both in [0, 1); lights without a size ignore it.
 RAYSHEAF_HD inline LightSample sample_light(const PlacedLight& light, Vec3 position,
                                             Vec2 chosen = {0.5f, 0.5f}) {
   if (light.is_rectangle) return sample_rectangle(light, position, chosen);

@@ -9,10 +9,10 @@
 
 namespace raysheaf {
 
-/// The reflections that leave fragments[slots[i]], 1 to `kLightBlock` of them, and what their
-/// pixels receive of the radiance along them. A bit of `odd`, which has a word for `kLightLanes`
-/// rays each, is set where nothing of a ray is right: glass, and vectors of odd lengths, are for
-/// the scalar functions. Chosen at run time.
+/// Makes the reflections that leave fragments[slots[i]], 1 to `kLightBlock` of them, and the
+/// factors with which their radiance is added to their pixels. Sets a bit in `odd`, which has a
+/// word for `kLightLanes` rays each, for each ray whose result is invalid: glass, and vectors of
+/// unusual lengths, need the scalar functions. Chosen at run time.
 void make_mirror_rays(View<const Fragment> fragments, View<const std::uint32_t> slots, Ray* rays,
                       Vec3* weights, std::uint16_t* odd);
 

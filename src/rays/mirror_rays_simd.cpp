@@ -1,5 +1,6 @@
-// 16 mirror rays at a time: `scattered_parts`, `mirror_direction` and `offset_point`, their
-// operations in their order. Compiled once a SIMD target and chosen at run time (Google Highway).
+// Makes 16 mirror rays at a time: `scattered_parts`, `mirror_direction` and `offset_point`, with
+// the same operations in the same order. Compiled once for each SIMD target and chosen at run time
+// (Google Highway).
 #include "rays/mirror_rays.h"
 
 #include <algorithm>
@@ -19,13 +20,13 @@ HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
 namespace {
 
-/// `reflected`.
+/// SIMD version of `reflected`.
 HWY_INLINE V3 Reflected(const V3& incoming, const V3& normal) {
   const V twice = hn::Mul(hn::Set(Floats(), 2.0f), Dot(incoming, normal));
   return Sub(incoming, Scale(normal, twice));
 }
 
-/// Both halves of rays from `origin`, `count` of them.
+/// Stores both halves of `count` rays from `origin`.
 HWY_INLINE void GiveRays(const V3& origin, const V3& direction, std::size_t count, Ray* to) {
   const Floats d;
   static_assert(sizeof(Ray) == 8 * sizeof(float));

@@ -1,5 +1,5 @@
-// A light that shines from a point, seen from many places at once: `sample_point` of light_body.h,
-// its operations in its order. Included once a SIMD target.
+// A point light seen from many fragments at once: `sample_point` of light_body.h, with the same
+// operations in the same order. Included once for each SIMD target.
 #if defined(RAYSHEAF_RAYGEN_POINT_LIGHT_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAYSHEAF_RAYGEN_POINT_LIGHT_INL_H_
 #undef RAYSHEAF_RAYGEN_POINT_LIGHT_INL_H_
@@ -16,7 +16,7 @@ struct PointSeen {
   V3 to_light;
   V distance;
   V3 irradiance;
-  M usual;  ///< the other lanes are for `sample_point` itself
+  M usual;  ///< the other lanes need `sample_point` itself
 };
 
 HWY_INLINE PointSeen SeePoint(const PlacedLight& light, const V3& position) {

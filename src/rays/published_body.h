@@ -1,17 +1,17 @@
-// The published program's ray hash (Reis, Costa, Pereira 2017), quirks included; nothing else uses
-// it.
+// The published program's ray hash (Reis, Costa, Pereira 2017), including its errors; only the key
+// `published` uses it.
 //
 //   shadow       31 30 29 ...... 20 19 .. 15 14 ....... 5 4 .... 0
 //                |light|     0     | azimuth|      0     | polar |      + 1
 //
 //   reflection   azimuth and polar angle of the origin, then of the direction: fields of 7, 7, 7
 //                and 5 bits from bit 19 down to bit 0; + 1
-//   refraction   the same under the origin's distance from (0, 0, 0), at bit 26
+//   refraction   the same below the origin's distance from (0, 0, 0), at bit 26
 //
-// The light counts from 1 in two bits, so that the fourth light wraps to 0. `as_coded` takes the
-// azimuth as the program does, atan2(x, x), which knows the sign of x alone; otherwise it is
-// atan2(y, x). Azimuths below -90 degrees become 0 either way. Origins count from the world's, not
-// from the scene's box.
+// The light counts from 1 in two bits, so the fourth light wraps to 0. `as_coded` computes the
+// azimuth as the program does, atan2(x, x), which depends only on the sign of x; otherwise it is
+// atan2(y, x). Azimuths below -90 degrees become 0 in both cases. Origins are relative to the
+// world's origin, not to the scene's box.
 #pragma once
 
 #include <cmath>
@@ -22,8 +22,8 @@
 
 namespace raysheaf {
 
-/// A float made an unsigned number that is `most` at most, negative ones and NaN 0: CUDA's
-/// conversion, which the program relies on.
+/// Converts a float to an unsigned number of at most `most`; negative numbers and NaN become 0.
+/// This is CUDA's conversion, on which the program relies.
 RAYSHEAF_HD inline std::uint32_t saturated(float x, std::uint32_t most) {
   if (!(x > 0)) return 0;
   return x < static_cast<float>(most) ? static_cast<std::uint32_t>(x) : most;

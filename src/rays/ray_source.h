@@ -1,4 +1,4 @@
-// Where a query's rays come from: not all lie in memory as rays.
+// The source of a query's rays, which need not be stored as `Ray`.
 #pragma once
 
 #include "base/buffer.h"
@@ -8,21 +8,19 @@
 
 namespace raysheaf {
 
-/// For any number of threads.
+/// Thread-safe.
 class RaySource {
  public:
   explicit RaySource(std::size_t size) : size_(size) {}
   virtual ~RaySource() = default;
 
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// Whether they lie in memory as rays.
+  /// Whether the rays are stored as `Ray`.
   [[nodiscard]] virtual bool is_in_place() const { return false; }
-  /// Rays [begin, end): where they lie, or in `room`, which has room for as many. They may be
-  /// wrong.
+  /// Rays [begin, end): in place, or in `room`, which has room for as many. They may be invalid.
   [[nodiscard]] virtual View<const Ray> peek(std::size_t begin, std::size_t end,
                                              Ray* room) const = 0;
-  /// The same, looked over: what a source throws for wrong ones comes from here. Each ray is taken
-  /// once.
+  /// The same, validated: a source throws here for invalid rays. Each ray is taken once.
   [[nodiscard]] virtual View<const Ray> take(std::size_t begin, std::size_t end, Ray* room) const {
     return peek(begin, end, room);
   }
@@ -35,7 +33,7 @@ class RaySource {
   std::size_t size_;
 };
 
-/// Rays in memory, which nobody looks over.
+/// Rays in memory, which are not validated.
 class RaysInPlace final : public RaySource {
  public:
   explicit RaysInPlace(View<const Ray> rays) : RaySource(rays.size), rays_(rays) {}
@@ -49,7 +47,7 @@ class RaysInPlace final : public RaySource {
   View<const Ray> rays_;
 };
 
-/// All of them in a row, taken by several threads; in `room` unless they lie so.
+/// All rays in one array, filled by several threads; in `room` unless they are stored so.
 [[nodiscard]] View<const Ray> take_all(const Executor& executor, const RaySource& rays,
                                        Buffer<Ray>* room);
 

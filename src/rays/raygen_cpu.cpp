@@ -13,14 +13,14 @@
 namespace raysheaf {
 namespace {
 
-/// Trims the slots for which `has_ray(slot)` is false, and makes room for the others' rays, and for
-/// keys where they are made.
+/// Removes the slots for which `has_ray(slot)` is false, and makes room for the others' rays, and
+/// for keys if requested.
 template <class HasRay>
 void take_slots(const Executor& executor, std::size_t slot_count, Keys keys, const HasRay& has_ray,
                 RayBatch* batch) {
   LargeVector<std::uint8_t> empty(slot_count);
   executor.for_each_block(slot_count, kWorkGrain, [&](std::size_t begin, std::size_t end) {
-    const HasRay has_one = has_ray;  // which no byte that is written can be part of
+    const HasRay has_one = has_ray;  // a local copy, which cannot alias the written bytes
     std::uint8_t* const out = empty.data();
     for (std::size_t slot = begin; slot < end; ++slot) out[slot] = has_one(slot) ? 0 : 1;
   });
@@ -74,7 +74,7 @@ RayBatch make_sky_rays(const Executor& executor, View<const Fragment> fragments,
   const ShadowKeyLayout layout = shadow_key_layout(kSkyStrategies);
   batch.key_bits = layout.key_bits();
   const std::size_t slot_count = fragments.size * kSkyStrategies;
-  LargeVector<Ray> chosen(slot_count);  // those of slots that have one
+  LargeVector<Ray> chosen(slot_count);  // for the slots that have a ray
   const auto has_ray = [&](std::size_t slot) {
     const Fragment& f = fragments[slot % fragments.size];
     if (!takes_light(f)) return false;

@@ -1,15 +1,15 @@
-// The numbers between 0 and 1 that a sample of the picture takes its choices by: where in the
-// pixel, where on the lens, where on each light.
+// The numbers in [0, 1) from which a sample of the image makes its choices: the position in the
+// pixel, on the lens and on each light.
 //
 //   index of the sample ──► shuffled ──► two dimensions of Sobol' ──► scrambled ──► [0, 1)^2
 //                              ▲                                         ▲
 //                              └───────────── seed of the choice ────────┘
 //
-// Each choice of each pixel draws a (0,2)-sequence of its own (I. M. Sobol', 1967; the first two
-// dimensions), shuffled and scrambled in Owen's way by hashing (A. Owen, "Randomly Permuted
-// (t,m,s)- Nets and (t,s)-Sequences", 1995; B. Burley, "Practical Hash-based Owen Scrambling", JCGT
-// 9(4), 2020): of every 2^k successive samples each elementary interval of the square holds its
-// share. Nothing depends on threads, order or method: a number follows from (sample, seed) alone.
+// Each choice of each pixel has its own (0,2)-sequence (I. M. Sobol', 1967; the first two
+// dimensions), with Owen shuffling and scrambling by hashes (A. Owen, "Randomly Permuted
+// (t,m,s)-Nets and (t,s)-Sequences", 1995; B. Burley, "Practical Hash-based Owen Scrambling", JCGT
+// 9(4), 2020): among every 2^k successive samples, each elementary interval of the square contains
+// its share. A number depends only on (sample, seed), not on threads, order or method.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,8 @@
 
 namespace raysheaf {
 
-/// Which of how many samples. A picture of one sample makes every choice in the middle: rays
-/// through the centres of pixels and of the lens, to the centres of lights.
+/// The index of a sample, and the number of samples. An image with one sample makes every choice in
+/// the middle: rays through the centres of pixels and of the lens, to the centres of lights.
 struct SampleOf {
   std::uint32_t index = 0, count = 1;
 };
@@ -34,7 +34,8 @@ RAYSHEAF_HD inline std::uint32_t reversed_bits(std::uint32_t x) {
   return ((x & 0xaaaaaaaau) >> 1) | ((x & 0x55555555u) << 1);
 }
 
-/// A seed that depends on both in every bit (the finaliser of A. Appleby's MurmurHash3, 2011).
+/// A seed every bit of which depends on both arguments (the finaliser of A. Appleby's MurmurHash3,
+/// 2011).
 RAYSHEAF_HD inline std::uint32_t mixed_seed(std::uint32_t seed, std::uint32_t with) {
   std::uint32_t h = seed ^ (with * 0x9e3779b9u + 0x7f4a7c15u);
   h = (h ^ (h >> 16)) * 0x85ebca6bu;
@@ -42,9 +43,9 @@ RAYSHEAF_HD inline std::uint32_t mixed_seed(std::uint32_t seed, std::uint32_t wi
   return h ^ (h >> 16);
 }
 
-/// Flips each bit by a hash of the bits above it: Owen's scrambling. Multiplying by even numbers
-/// carries upwards alone, so the work is done on the reversed number (Burley 2020, section 3, after
-/// S. Laine and T. Karras, "Stratified Sampling for Stochastic Transparency", EGSR 2011).
+/// Flips each bit by a hash of the bits above it: Owen's scrambling. Multiplications by even
+/// numbers only carry upwards, so it works on the reversed number (Burley 2020, section 3, after S.
+/// Laine and T. Karras, "Stratified Sampling for Stochastic Transparency", EGSR 2011).
 RAYSHEAF_HD inline std::uint32_t owen_scrambled(std::uint32_t x, std::uint32_t seed) {
   x = reversed_bits(x) + seed;
   x ^= x * 0x6c50b47cu;
@@ -80,24 +81,24 @@ RAYSHEAF_HD inline FractionPair scrambled_sobol(std::uint32_t index, std::uint32
           owen_scrambled(sobol_second(shuffled), mixed_seed(seed, 2))};
 }
 
-/// What a sample decides by chance; each has sequences of its own.
+/// The random choices of a sample; each kind has its own sequences.
 enum class Choice : std::uint32_t { kPixel, kLens, kLight, kSky };
 
-/// `pixel`, and the `path` from there, say who chooses; `which` counts choices of one kind.
+/// `pixel` and `path` identify the fragment that chooses; `which` numbers choices of one kind.
 RAYSHEAF_HD inline std::uint32_t choice_seed(Choice choice, std::uint32_t pixel, std::uint32_t path,
                                              std::uint32_t which) {
   const std::uint32_t kind = mixed_seed(static_cast<std::uint32_t>(choice), which);
   return mixed_seed(mixed_seed(kind, pixel), path);
 }
 
-/// Two numbers in [0, 1), or the middle where there is but one sample.
+/// Two numbers in [0, 1), or the middle if there is only one sample.
 RAYSHEAF_HD inline Vec2 sample_pair(SampleOf sample, std::uint32_t seed) {
   if (sample.count == 1) return {0.5f, 0.5f};
   const FractionPair bits = scrambled_sobol(sample.index, seed);
   return {unit_fraction(bits.x), unit_fraction(bits.y)};
 }
 
-/// The place on the unit circle that is this part of the way round.
+/// The point on the unit circle at this fraction of a turn.
 RAYSHEAF_HD inline Vec2 on_circle(float part) {
   const portable::SineCosine angle =
       portable::sine_cosine(2 * portable::kPi * static_cast<double>(part));

@@ -1,5 +1,4 @@
-// Where light goes at a surface that reflects or refracts like a mirror or glass, and how much of
-// it.
+// Reflection and refraction at mirrors and glass: the directions of the light and its parts.
 #pragma once
 
 #include <cmath>
@@ -8,14 +7,14 @@
 
 namespace raysheaf {
 
-/// Surfaces smoother than this reflect like mirrors; the others show highlights of the lights
-/// alone.
+/// Smoother surfaces reflect like mirrors; others only show highlights of the lights.
 inline constexpr float kMirrorRoughness = 0.1f;
-/// Rays that would add less than this part of their radiance to a pixel are not traced.
+/// Rays that would add less than this fraction of their radiance to a pixel are not traced.
 inline constexpr float kLeastWeight = 1.0f / 1024;
 
-/// Fresnel's equations for unpolarised light (Fresnel 1823). `cos_in` in [0, 1]; `eta`: index of
-/// the side the light goes to over that of the side it comes from. 1 at total internal reflection.
+/// Fresnel's equations for unpolarised light (Fresnel 1823). `cos_in` in [0, 1]; `eta`: the index
+/// of refraction of the side to which the light goes over that of the side from which it comes. 1
+/// at total internal reflection.
 RAYSHEAF_HD inline float fresnel_dielectric(float cos_in, float eta) {
   const float sin2_out = (1 - cos_in * cos_in) / (eta * eta);
   if (sin2_out >= 1) return 1;
@@ -25,9 +24,9 @@ RAYSHEAF_HD inline float fresnel_dielectric(float cos_in, float eta) {
   return (parallel * parallel + across * across) * 0.5f;
 }
 
-/// C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", 1994, with what is
-/// reflected at grazing angles, 1 but for KHR_materials_specular. Where nothing is reflected along
-/// the normal, nothing is at grazing angles.
+/// C. Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", 1994, with the
+/// reflectance at grazing angles, which is 1 except with KHR_materials_specular. If nothing is
+/// reflected along the normal, nothing is at grazing angles.
 RAYSHEAF_HD inline Vec3 fresnel_schlick(Vec3 at_normal, float at_edge, float cos_in) {
   if (max_component(at_normal) <= 0) return {0, 0, 0};
   const float m = clamp(1 - cos_in, 0, 1), m2 = m * m;
@@ -41,20 +40,20 @@ RAYSHEAF_HD inline Vec3 reflected(Vec3 incoming, Vec3 normal) {
 struct Scattering {
   Vec3 reflection, refraction;  ///< unit directions, of a mirror, and of glass
   Vec3 reflected_part{0, 0, 0}, refracted_part{0, 0, 0};  ///< of the radiance along them
-  Vec3 diffuse_part{1, 1, 1};  ///< what the specular layer leaves to the body below
+  Vec3 diffuse_part{1, 1, 1};  ///< what the specular layer transmits to the body below
   bool mirror = false;         ///< smooth enough to trace its reflection
 };
 
-/// The cosine under which a ray arrives at the shading normal; at least a little above 0. A shading
-/// normal that leans away from the ray counts by how far it leans (S. Lagarde, C. de Rousiers,
-/// "Moving Frostbite to Physically Based Rendering", SIGGRAPH 2014, section 3.1): at 0, Schlick's
-/// power would make such a surface a mirror.
+/// The cosine between the arriving ray and the shading normal, slightly above 0. If the shading
+/// normal points away from the ray, the absolute value is used (S. Lagarde, C. de Rousiers, "Moving
+/// Frostbite to Physically Based Rendering", SIGGRAPH 2014, section 3.1): with 0, Schlick's power
+/// would turn such a surface into a mirror.
 RAYSHEAF_HD inline float cos_arrival(const Fragment& f) {
   return clamp(std::fabs(dot(f.incoming, f.surface.normal)), 1e-4f, 1);
 }
 
-/// A mirror direction that leaves to the side the ray came from: by the shading normal, or by the
-/// geometric one where the shading normal would send it into the surface.
+/// A mirror direction that leaves to the ray's side: by the shading normal, or by the geometric one
+/// if the shading normal would reflect into the surface.
 RAYSHEAF_HD inline Vec3 mirror_direction(const Fragment& f) {
   const Vec3 smooth = reflected(f.incoming, f.surface.normal);
   if (dot(smooth, f.surface.geometric_normal) > 0) return normalized(smooth);
@@ -66,10 +65,10 @@ RAYSHEAF_HD inline bool meets_outside(const Surface& surface) {
   return surface.front || surface.thin;
 }
 
-/// Glass: Fresnel's split; the colour is taken where light enters. How far the exact reflectance
-/// has risen from its value along the normal to 1 stands in for Schlick's power, so that tinted,
-/// weakened and partly metallic surfaces rise the same way; from within, where it ends in total
-/// reflection, to 1.
+/// Glass: Fresnel's split; the colour applies where light enters. The rise of the exact reflectance
+/// from its value along the normal to 1 replaces Schlick's power, so that tinted, weakened and
+/// partly metallic surfaces rise in the same way; from inside, where it ends in total reflection,
+/// to 1.
 RAYSHEAF_HD inline void split_at_glass(const Surface& surface, float cos_in, Scattering* s) {
   const bool outside = meets_outside(surface);
   const float eta = outside ? surface.ior : 1 / surface.ior;
@@ -87,8 +86,8 @@ RAYSHEAF_HD inline void split_at_glass(const Surface& surface, float cos_in, Sca
   s->mirror = true;
 }
 
-/// Snell's law; nothing where all is reflected. Straight on through a thin sheet, which bends light
-/// back where it leaves.
+/// Snell's law; zero if all light is reflected. Straight on through a thin sheet, which refracts
+/// light back on leaving.
 RAYSHEAF_HD inline Vec3 refracted(const Fragment& f, float cos_in) {
   const Surface& surface = f.surface;
   if (surface.thin) return f.incoming;
@@ -101,7 +100,7 @@ RAYSHEAF_HD inline Vec3 refracted(const Fragment& f, float cos_in) {
   return dot(direction, surface.geometric_normal) >= 0 ? f.incoming : direction;
 }
 
-/// Who gets what, without the directions.
+/// The parts of the light, without the directions.
 RAYSHEAF_HD inline Scattering scattered_parts(const Fragment& f) {
   const Surface& surface = f.surface;
   Scattering s;
@@ -117,8 +116,8 @@ RAYSHEAF_HD inline Scattering scattered_parts(const Fragment& f) {
   return s;
 }
 
-/// Snell's law, Fresnel's split, and who gets what (T. Whitted, "An Improved Illumination Model for
-/// Shaded Display", 1980). The parts add up to at most 1.
+/// Snell's law, Fresnel's split, and the parts of the light (T. Whitted, "An Improved Illumination
+/// Model for Shaded Display", 1980). The parts sum to at most 1.
 RAYSHEAF_HD inline Scattering scatter(const Fragment& f) {
   Scattering s = scattered_parts(f);
   if (f.surface.transmission > 0) s.refraction = refracted(f, cos_arrival(f));
@@ -130,7 +129,7 @@ RAYSHEAF_HD inline bool worth_tracing(Vec3 weight) {
   return max_component(weight) >= kLeastWeight;
 }
 
-/// The rays that go on from a fragment, a bit each.
+/// The rays that continue from a fragment, one bit each.
 enum GoingOn : std::uint8_t { kReflects = 1, kRefracts = 2 };
 
 RAYSHEAF_HD inline std::uint8_t rays_of(const Fragment& f, const Scattering& s) {

@@ -1,4 +1,4 @@
-// One shadow ray.
+// Makes one shadow ray.
 #pragma once
 
 #include <limits>
@@ -10,7 +10,7 @@
 
 namespace raysheaf {
 
-/// The scene's box, beyond which parallel light comes from, and the ball around it.
+/// The scene's box, outside which directional light starts, and the sphere around it.
 struct LightReach {
   Box bounds;
   Vec3 center;
@@ -21,8 +21,8 @@ RAYSHEAF_HD inline LightReach light_reach(const Box& bounds) {
   return {bounds, (bounds.min + bounds.max) * 0.5f, length(bounds.max - bounds.min) * 0.5f};
 }
 
-/// How far from a place inside the box it is to beyond it, whatever rounding does to either end and
-/// to a triangle in its wall.
+/// A distance from a point inside the box to outside it, with room for the rounding of both ends
+/// and of a triangle in the box's wall.
 RAYSHEAF_HD inline float way_out(const Box& bounds, Vec3 from, Vec3 direction) {
   float way = std::numeric_limits<float>::infinity();
   const auto clip = [&](float low, float high, float at, float along) {
@@ -37,19 +37,19 @@ RAYSHEAF_HD inline float way_out(const Box& bounds, Vec3 from, Vec3 direction) {
   return (way > 0 ? way : 0) * (1 + 64 * kUnitRoundoff) + 64 * kUnitRoundoff * size;
 }
 
-/// Whether there is a surface that light falls on.
+/// Whether there is a surface on which light falls.
 RAYSHEAF_HD inline bool takes_light(const Fragment& f) {
   return f.triangle != kInvalidId && !f.surface.unlit;
 }
 
-/// n.l > 0 with the shading normal, as the paper decides it, and light that is not black.
+/// n.l > 0 with the shading normal, as in the paper, and light that is not black.
 RAYSHEAF_HD inline bool faces_light(const Fragment& f, const LightSample& sample) {
   return takes_light(f) && dot(f.surface.normal, sample.to_light) > 0 &&
          max_component(sample.irradiance) > 0;
 }
 
-/// Whether no place on a light that has a size lies before the surface: then no sample of it faces
-/// the light, whatever rounding does to either. May be false where that is so.
+/// Whether all points of a light with a size are behind the surface: then no sample of it faces the
+/// light, with any rounding. False means undecided.
 inline bool turned_away(const Surface& surface, const PlacedLight& light) {
   const Vec3 to_center = light.position - surface.position, n = surface.normal;
   float extent = light.radius;
@@ -63,8 +63,8 @@ inline bool turned_away(const Surface& surface, const PlacedLight& light) {
   return dot(n, to_center) + extent < -margin;
 }
 
-/// Where on light number `index` of the scene the fragment looks in this sample. A lone sample has
-/// no choice to make: a ball then shines from its centre, as a point does.
+/// The point on light number `index` of the scene that the fragment chooses in this sample. A
+/// single sample has no choice: a sphere then emits light from its centre, like a point.
 RAYSHEAF_HD inline LightSample choose_on_light(const Fragment& f, const PlacedLight& light,
                                                std::uint32_t index, SampleOf sample) {
   if (!has_size(light)) return sample_light(light, f.surface.position);
@@ -77,7 +77,7 @@ RAYSHEAF_HD inline LightSample choose_on_light(const Fragment& f, const PlacedLi
 RAYSHEAF_HD inline Ray shadow_ray(const Fragment& f, const LightSample& sample,
                                   const LightReach& reach) {
   const bool parallel = !std::isfinite(sample.distance);
-  // From just beyond the scene: the farther a ray comes from, the farther off its surface it ends.
+  // From just outside the scene: the longer the ray, the farther from the surface it ends.
   const float distance =
       parallel ? way_out(reach.bounds, f.surface.position, sample.to_light) : sample.distance;
   const Vec3 target = offset_point(f.surface, sample.to_light, distance);
@@ -85,8 +85,8 @@ RAYSHEAF_HD inline Ray shadow_ray(const Fragment& f, const LightSample& sample,
   return {origin, 0, target - origin, 1};
 }
 
-/// Where the ray stands on the unit square that its key walks: the direction it leaves its light
-/// by, or, for parallel light, the place on the disc that the light shines through.
+/// The ray's place on the unit square of its key: the direction in which it leaves its light or,
+/// for directional lights, the place on the disc through which the light shines.
 RAYSHEAF_HD inline Vec2 shadow_place(const PlacedLight& light, const Ray& ray,
                                      const LightReach& reach) {
   if (!light.is_directional) return octahedral(ray.direction);

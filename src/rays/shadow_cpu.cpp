@@ -1,4 +1,5 @@
-// make_shadow_rays(): which fragments face which lights, a scan over them, and the rays.
+// make_shadow_rays(): finds which fragments face which lights, scans the results, and makes the
+// rays.
 #include <algorithm>
 #include <bit>
 
@@ -14,14 +15,14 @@
 namespace raysheaf {
 namespace {
 
-/// The rays of a batch, light by light, and of each in the order of the fragments:
+/// The rays of a batch, light by light, and for each light in the order of the fragments:
 ///
 ///             block 0   block 1   ...          16 fragments a word of `facing_`
 ///   light 0  | 1101.. | 0110.. |
-///   light 1  | 0001.. | 1111.. |     counts -> scan -> where the rays of (light, block) stand
+///   light 1  | 0001.. | 1111.. |     counts -> scan -> where the rays of (light, block) begin
 ///
-/// What a point sends is found twice: to write a ray elsewhere first costs more. Not so where a
-/// place on a light is chosen: those rays wait in `chosen_` until it is known where they stand.
+/// Rays of point lights are computed twice, because storing them temporarily is slower. Rays to a
+/// chosen point on a light are stored in `chosen_` until their places are known.
 class ShadowRays {
  public:
   ShadowRays(const Executor& executor, View<const Fragment> fragments,
@@ -79,7 +80,7 @@ class ShadowRays {
                            sample_);
   }
 
-  /// Which fragments of a block face which lights.
+  /// Finds which fragments of a block face which lights.
   void look(std::size_t block) {
     const View<const Fragment> fragments = block_of(block);
     ShadowColumns& columns = columns_[block];
@@ -168,7 +169,7 @@ class ShadowRays {
   std::vector<std::uint32_t> begin_;  ///< of (light, block): counts, then places
   Buffer<std::uint16_t> facing_;
   LargeVector<ShadowColumns> columns_;    ///< of each block
-  LargeVector<Ray> chosen_;               ///< of (light, fragment), of lights that are no points
+  LargeVector<Ray> chosen_;               ///< of (light, fragment), for lights that are not points
   std::vector<std::size_t> chosen_from_;  ///< of each light
 };
 

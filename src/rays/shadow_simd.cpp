@@ -1,6 +1,6 @@
-// Shadow rays to points that shine, 16 fragments at a time: `faces_light` and `shadow_ray` of
-// shadow_body.h, their operations in their order. Compiled once a SIMD target and chosen at run
-// time (Google Highway).
+// Makes shadow rays of point lights, 16 fragments at a time: `faces_light` and `shadow_ray` of
+// shadow_body.h, with the same operations in the same order. Compiled once for each SIMD target and
+// chosen at run time (Google Highway).
 #include <bit>
 #include <cstddef>
 #include <cstring>
@@ -67,7 +67,7 @@ void MakePointRays(const ShadowColumns& c, const PlacedLight& light, View<const 
                    const std::uint16_t* facing, Ray* rays) {
   const Floats d;
   const V3 origin = Splat(light.position);
-  // Both halves of a ray, moved whole.
+  // Half of a ray, copied as a whole.
   struct alignas(16) HalfRay {
     Vec3 xyz;
     float t;

@@ -1,9 +1,10 @@
-// Where in an environment a fragment looks for light.
+// The directions in which a fragment samples an environment.
 //
-// Two rays a fragment: one towards what is bright, one towards where the surface looks most. Each
-// is weighed by how often either would have chosen its direction (the balance heuristic of E.
-// Veach, L. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH
-// 1995), so that a small sun on matte stone and a plain sky in dull metal are both smooth.
+// There are two rays per fragment: one is chosen in proportion to the map's brightness, one in
+// proportion to the surface's reflectance. Each is weighted by the probabilities with which both
+// strategies choose its direction (the balance heuristic of E. Veach, L. Guibas, "Optimally
+// Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995), so that both a small
+// sun on matte stone and a uniform sky in dull metal have little noise.
 #pragma once
 
 #include <cmath>
@@ -17,16 +18,16 @@ namespace raysheaf {
 /// 0: by the map; 1: by the surface.
 inline constexpr std::uint32_t kSkyStrategies = 2;
 
-/// How an opaque surface that is no mirror looks around: Lambert's lobe, and that of GGX as seen
-/// from where the ray came (E. Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT
-/// 7(4), 2018). In the frame of the shading normal.
+/// The reflection lobes of an opaque surface that is not a mirror: Lambert's lobe, and that of GGX
+/// for the arriving ray (E. Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT 7(4),
+/// 2018). In the frame of the shading normal.
 struct SurfaceLobes {
   Vec3 normal;
   Tangents side;
   Vec3 view;         ///< to the eye, along (s, t, normal); above the surface
   float alpha = 1;   ///< of GGX
   float matte = 0;   ///< reflectance of Lambert's lobe, as luminance
-  float glossy = 0;  ///< of the other
+  float glossy = 0;  ///< of the glossy lobe
   Vec3 matte_color, glossy_color;
 };
 
@@ -40,14 +41,14 @@ RAYSHEAF_HD inline SurfaceLobes surface_lobes(const Fragment& f) {
                            std::fmax(dot(to_eye, lobes.normal), 1e-3f)});
   lobes.alpha = f.surface.roughness * f.surface.roughness;
   lobes.matte_color = f.surface.diffuse * s.diffuse_part;
-  // Mirrors and glass have rays of their own for what they show.
+  // Mirrors and glass have separate rays for their reflections.
   lobes.glossy_color = s.mirror || f.surface.unlit ? Vec3{0, 0, 0} : s.reflected_part;
   lobes.matte = f.surface.unlit ? 0 : luminance(lobes.matte_color);
   lobes.glossy = luminance(lobes.glossy_color);
   return lobes;
 }
 
-/// The density a steradian of mirror directions about visible normals: D G1 / (4 n.v).
+/// The probability per steradian of mirror directions at visible normals: D G1 / (4 n.v).
 RAYSHEAF_HD inline float glossy_density(const SurfaceLobes& lobes, Vec3 to_light) {
   const Vec3 light{dot(to_light, lobes.side.s), dot(to_light, lobes.side.t),
                    dot(to_light, lobes.normal)};
@@ -60,8 +61,9 @@ RAYSHEAF_HD inline float glossy_density(const SurfaceLobes& lobes, Vec3 to_light
   return distribution * visible / (4 * n_v);
 }
 
-/// A mirror direction about a normal that shows, in the world (Heitz 2018, section 3.2: the
-/// hemisphere is stretched until all normals are alike, and a disc seen by `view` picks one).
+/// A mirror direction at a visible normal, in world space (Heitz 2018, section 3.2: stretching the
+/// hemisphere makes all normals equally likely, and a point of the disc seen by `view` selects
+/// one).
 RAYSHEAF_HD inline Vec3 glossy_direction(const SurfaceLobes& lobes, Vec2 chosen) {
   const float a = lobes.alpha;
   const Vec3 v = normalized({a * lobes.view.x, a * lobes.view.y, lobes.view.z});
@@ -81,7 +83,7 @@ RAYSHEAF_HD inline Vec3 glossy_direction(const SurfaceLobes& lobes, Vec2 chosen)
   return lobes.side.s * light.x + lobes.side.t * light.y + lobes.normal * light.z;
 }
 
-/// Lambert's lobe: the disc below, lifted to the hemisphere.
+/// Lambert's lobe: a point of the disc below, lifted to the hemisphere.
 RAYSHEAF_HD inline Vec3 matte_direction(const SurfaceLobes& lobes, Vec2 chosen) {
   const float radius = std::sqrt(chosen.x);
   const Vec2 around = on_circle(chosen.y);
@@ -90,7 +92,7 @@ RAYSHEAF_HD inline Vec3 matte_direction(const SurfaceLobes& lobes, Vec2 chosen) 
          lobes.normal * height;
 }
 
-/// The density of `surface_direction`. 0 where the surface reflects nothing.
+/// The probability density of `surface_direction`. 0 if the surface reflects nothing.
 RAYSHEAF_HD inline float surface_density(const SurfaceLobes& lobes, Vec3 to_light) {
   const float all = lobes.matte + lobes.glossy, cosine = dot(lobes.normal, to_light);
   if (!(all > 0 && cosine > 0)) return 0;
@@ -98,16 +100,16 @@ RAYSHEAF_HD inline float surface_density(const SurfaceLobes& lobes, Vec3 to_ligh
   return (lobes.matte * cosine * 0.318309886f + glossy) / all;
 }
 
-/// By either lobe, as often as it reflects.
+/// Chooses one of the lobes in proportion to its reflectance.
 RAYSHEAF_HD inline Vec3 surface_direction(const SurfaceLobes& lobes, Vec2 chosen) {
   const float all = lobes.matte + lobes.glossy, matte = all > 0 ? lobes.matte / all : 1;
   if (chosen.x < matte) return matte_direction(lobes, {chosen.x / matte, chosen.y});
   return glossy_direction(lobes, {clamp((chosen.x - matte) / (1 - matte), 0, 1), chosen.y});
 }
 
-/// What `strategy` chose, as light from infinitely far: its irradiance on a surface that faces it
-/// is radiance over both strategies' densities. Chosen by chance even where there is but one
-/// sample: no direction stands for all.
+/// The choice of `strategy`, as light from infinitely far: its irradiance on a surface that faces
+/// it is the radiance over both strategies' densities. It is random even with a single sample,
+/// because no direction is representative.
 RAYSHEAF_HD inline LightSample choose_in_sky(const Fragment& f, const EnvironmentView& sky,
                                              std::uint32_t strategy, SampleOf sample) {
   LightSample light{{0, 0, 1}, std::numeric_limits<float>::infinity(), {0, 0, 0}, {0, 0, 0}};
@@ -124,8 +126,8 @@ RAYSHEAF_HD inline LightSample choose_in_sky(const Fragment& f, const Environmen
   return light;
 }
 
-/// What of that goes on to the eye. A uniform sky gives what `glow` gives without rays, but for the
-/// part of the glossy lobe that points into the surface.
+/// The reflected part of this light towards the eye. A uniform sky gives the result of `glow`
+/// without rays, except for the part of the glossy lobe that points into the surface.
 RAYSHEAF_HD inline Vec3 lit_by_sky(const Fragment& f, const LightSample& light) {
   const SurfaceLobes lobes = surface_lobes(f);
   const float cosine = dot(lobes.normal, light.to_light);

@@ -1,4 +1,4 @@
-// What can be told of a scene description by looking at it.
+// Queries about a scene description.
 #include "base/vec.h"
 #include "raysheaf/scene_description.h"
 #include "scene/flatten_body.h"
@@ -23,7 +23,7 @@ std::uint64_t SceneDescription::triangle_count() const {
 
 Box world_bounds(const SceneDescription& scene) {
   Box with_area, all;
-  // Loaders ask before the scene is validated: what is out of range is left out.
+  // Loaders call this before the scene is validated: indices out of range are skipped.
   for (const Instance& instance : scene.instances) {
     if (instance.mesh >= scene.meshes.size()) continue;
     const Mesh& mesh = scene.meshes[instance.mesh];

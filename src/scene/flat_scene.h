@@ -1,8 +1,9 @@
-// A scene as the stages want it: every instance's triangles in world space, in flat arrays.
+// A scene in the form that the stages use: every instance's triangles in world space, in flat
+// arrays.
 //
 // Triangles are numbered by (geom_id, inst_id, prim_id), so that comparing two numbers compares the
 // three ids in the order that breaks ties between hits. Arrays are padded to a whole number of SIMD
-// blocks with triangles that nothing hits: a point each, in a sphere of radius `kPaddingRadius`.
+// blocks with triangles that no ray hits: each is a point in a sphere of radius `kPaddingRadius`.
 #pragma once
 
 #include <cstdint>
@@ -18,15 +19,16 @@ namespace raysheaf {
 
 class Executor;
 
-/// No world coordinate is larger, so that no squared distance overflows.
+/// The largest world coordinate, so that no squared distance overflows.
 inline constexpr float kLargestCoordinate = 1e18f;
 
-/// The triangles of one instance of one mesh, contiguous. Instances without triangles have none.
+/// The triangles of one instance of one mesh, contiguous. An instance without triangles has no
+/// FlatMesh.
 struct FlatMesh {
   std::uint32_t first_triangle = 0, triangle_count = 0;
   std::uint32_t geom_id = 0, inst_id = 0;
-  bool mirrored = false;  ///< the transform turns the winding
-  Sphere bound;           ///< holds every vertex that a triangle uses, in world space
+  bool mirrored = false;  ///< the transform reverses the winding
+  Sphere bound;           ///< contains every vertex that a triangle uses, in world space
   Box box;                ///< of those vertices
 };
 
@@ -47,15 +49,15 @@ struct FlatScene {
   }
 };
 
-/// The minimum enclosing ball of the vertices that each mesh's triangles use, in the mesh's own
-/// space; empty where there are none. Once a mesh: moving an instance needs `transformed` alone
-/// (scene/mesh_bound_body.h).
+/// The minimum enclosing sphere of the vertices that each mesh's triangles use, in the mesh's own
+/// space; empty without triangles. Computed once for each mesh: moving an instance needs only
+/// `transformed` (scene/mesh_bound_body.h).
 [[nodiscard]] std::vector<Sphere> mesh_bounds(const Executor& executor,
                                               const SceneDescription& scene);
 
 /// O(triangles). `description` must outlive the result and have passed `validate`; `object_bounds`
-/// is what `mesh_bounds` gave for it. Throws `Error`: kUnsupported above 2^31 - 64 triangles,
-/// kInvalidData where an instance puts a vertex farther out than `kLargestCoordinate`.
+/// is the result of `mesh_bounds` for it. Throws `Error`: kUnsupported above 2^31 - 64 triangles,
+/// kInvalidData if an instance moves a vertex farther out than `kLargestCoordinate`.
 [[nodiscard]] FlatScene flatten(const Executor& executor, const SceneDescription& description,
                                 const std::vector<Sphere>& object_bounds);
 

@@ -1,4 +1,4 @@
-// A flat scene that follows its description, without making anew what has not changed.
+// Updates a flat scene after changes of its description, without recomputing what has not changed.
 #pragma once
 
 #include <cstdint>
@@ -9,28 +9,27 @@
 
 namespace raysheaf {
 
-/// The ball of one mesh, as `mesh_bounds` has it.
+/// The sphere of one mesh, as computed by `mesh_bounds`.
 [[nodiscard]] Sphere mesh_bound(const Mesh& mesh);
 
-/// Brings the balls to what `changes` made of `scene`: those of meshes that keep their shape stay.
+/// Updates the spheres after `changes` of `scene`: those of meshes that keep their shape stay.
 /// Returns how many were computed.
 std::uint32_t update_bounds(const Executor& executor, const SceneDescription& scene,
                             const SceneChanges& changes, std::vector<Sphere>* bounds);
 
-/// What `update_flat` made anew.
+/// The work of `update_flat`.
 struct FlatUpdate {
-  /// Places in `FlatScene::meshes` of those whose triangles were placed again, ascending.
+  /// Indices in `FlatScene::meshes` of those whose triangles were transformed again, ascending.
   std::vector<std::uint32_t> placed_meshes;
   std::uint64_t placed_triangles = 0;
-  /// Every number means the triangle that it meant before, moved or not.
+  /// Every number still denotes the same triangle, moved or not.
   bool same_triangles = false;
-  bool everything = false;  ///< materials, images and what is around them may be others, too
+  bool everything = false;  ///< materials, images and everything else may have changed, too
 };
 
-/// Brings `flat`, made by `flatten` or by this, to what `changes` made of `description`: the same,
-/// bit for bit, as from scratch. Triangles that stay where they are stay as they are. O(what has
-/// changed + instances). Throws as `flatten` does; `flat` is then good for nothing but
-/// `changes.everything`.
+/// Updates `flat`, made by `flatten` or by this function, after `changes` of `description`, to the
+/// same bits as `flatten`. Triangles that do not move are not recomputed. O(changes + instances).
+/// Throws as `flatten` does; `flat` may then only be used with `changes.everything`.
 [[nodiscard]] FlatUpdate update_flat(const Executor& executor, const SceneDescription& description,
                                      const SceneChanges& changes,
                                      const std::vector<Sphere>& object_bounds, FlatScene* flat);

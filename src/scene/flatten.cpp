@@ -1,4 +1,4 @@
-// From a scene description to flat arrays of world-space triangles.
+// Converts a scene description to flat arrays of world-space triangles.
 #include <algorithm>
 #include <atomic>
 #include <mutex>
@@ -16,7 +16,7 @@
 namespace raysheaf {
 namespace {
 
-/// The instances that have triangles, by (geom_id, inst_id).
+/// The instances that have triangles, sorted by (geom_id, inst_id).
 std::vector<std::uint32_t> ordered_instances(const SceneDescription& scene) {
   std::vector<std::uint32_t> order(scene.instances.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -39,8 +39,8 @@ FlatMesh flat_mesh(const SceneDescription& scene, std::uint32_t inst_id, const S
   mesh.inst_id = inst_id;
   mesh.mirrored = mirrors(instance.to_world);
   mesh.bound = transformed(object_bound, instance.to_world);
-  // Where a mesh is huge in a direction that its instance flattens, the stretch alone says too
-  // much: no two points of the scene are farther apart than this.
+  // If a mesh is huge in a direction that its instance flattens, the largest stretch overestimates
+  // the radius. No two points of the scene are farther apart than this.
   mesh.bound.radius = std::min(mesh.bound.radius, 4 * kLargestCoordinate);
   return mesh;
 }
@@ -73,10 +73,11 @@ void store(FlatScene& flat, std::size_t i, const Vec3 (&corners)[3], const Spher
   flat.sphere[3][i] = sphere.radius;
 }
 
-/// Fills the triangles of some meshes; says which mesh cannot be placed, and where the others lie.
+/// Fills the triangles of some meshes, and computes the meshes' boxes. Records a mesh that cannot
+/// be placed.
 class Filler {
  public:
-  /// `places` in `flat.meshes`, ascending. Their boxes start empty.
+  /// `places`: indices in `flat.meshes`, ascending. Their boxes start empty.
   Filler(FlatScene& flat, const std::vector<std::uint32_t>& places) : flat_(flat), places_(places) {
     starts_.reserve(places.size() + 1);
     starts_.push_back(0);
@@ -88,7 +89,7 @@ class Filler {
 
   [[nodiscard]] std::size_t triangle_count() const { return starts_.back(); }
 
-  /// Triangles [begin, end), counted over these meshes.
+  /// Fills triangles [begin, end), counted over these meshes.
   void fill(std::size_t begin, std::size_t end) {
     const auto after = std::upper_bound(starts_.begin(), starts_.end(), begin);
     for (auto i = static_cast<std::size_t>(after - starts_.begin() - 1); begin < end; ++i) {
@@ -104,7 +105,7 @@ class Filler {
     }
   }
 
-  /// The least index of a mesh that cannot be placed, or `kInvalidId`.
+  /// The smallest index of a mesh that cannot be placed, or `kInvalidId`.
   [[nodiscard]] std::uint32_t refused() const { return refused_; }
 
  private:
@@ -144,7 +145,8 @@ class Filler {
 
   FlatScene& flat_;
   const std::vector<std::uint32_t>& places_;
-  std::vector<std::size_t> starts_;  ///< of each, and the end, counted over these meshes
+  std::vector<std::size_t> starts_;  ///< the first triangle of each mesh, and the end, counted over
+                                     ///< these meshes
   std::mutex mutex_;
   std::atomic<std::uint32_t> refused_{kInvalidId};
 };
@@ -167,7 +169,7 @@ void pad(FlatScene& flat) {
               "instances[" + std::to_string(inst_id) + "].to_world");
 }
 
-/// The triangles that all instances have; no more than can be numbered.
+/// The number of triangles of all instances; throws if it is too large.
 std::uint32_t checked_count(const SceneDescription& description) {
   constexpr std::uint64_t kMostTriangles = (std::uint64_t{1} << 31) - 64;
   const std::uint64_t count = description.triangle_count();
@@ -178,7 +180,7 @@ std::uint32_t checked_count(const SceneDescription& description) {
   return static_cast<std::uint32_t>(count);
 }
 
-/// Which triangles stand where: ids and ranges, and nothing else yet.
+/// The range of triangles of each instance, with its ids; everything else is filled later.
 std::vector<FlatMesh> layout(const SceneDescription& description) {
   std::vector<FlatMesh> meshes;
   std::uint32_t first_triangle = 0;
@@ -195,7 +197,7 @@ std::vector<FlatMesh> layout(const SceneDescription& description) {
   return meshes;
 }
 
-/// Fills what `places` in `flat->meshes` name, and the box of all.
+/// Fills the meshes at the indices `places` in `flat->meshes`, and the box of the scene.
 void place(const Executor& executor, const std::vector<Sphere>& object_bounds,
            const std::vector<std::uint32_t>& places, FlatScene* flat) {
   const SceneDescription& description = *flat->description;
@@ -212,7 +214,8 @@ void place(const Executor& executor, const std::vector<Sphere>& object_bounds,
     throw_refused(description, flat->meshes[filler.refused()].inst_id);
   flat->bounds = {};
   for (FlatMesh& mesh : flat->meshes) {
-    // The sum makes -0 into +0, which tasks may otherwise deliver in any order.
+    // Adding 0 turns -0 into +0. Which of the two a box gets would depend on the order of the
+    // tasks.
     mesh.box.min += {0, 0, 0};
     mesh.box.max += {0, 0, 0};
     grow(&flat->bounds, mesh.box);
@@ -220,7 +223,7 @@ void place(const Executor& executor, const std::vector<Sphere>& object_bounds,
   pad(*flat);
 }
 
-/// [from, count) as flags, and those that are listed.
+/// Flags for the indices [from, count) and the listed ones.
 std::vector<char> marked(const std::vector<std::uint32_t>& listed, std::uint32_t from,
                          std::size_t count) {
   std::vector<char> marks(count, 0);
@@ -234,7 +237,7 @@ bool stands(const FlatMesh& a, const FlatMesh& b) {
          a.geom_id == b.geom_id && a.inst_id == b.inst_id;
 }
 
-/// Lays the meshes out as they are now; returns the places of those to be filled.
+/// Lays out the meshes after the changes; returns the indices of those that must be filled.
 std::vector<std::uint32_t> lay_out_again(const SceneDescription& description,
                                          const SceneChanges& changes, FlatScene* flat) {
   const std::uint32_t mesh_from = changes.everything ? 0 : changes.other_meshes_from;

@@ -1,4 +1,4 @@
-// One triangle on its way into the flat arrays.
+// The computation for one triangle of the flat arrays.
 #pragma once
 
 #include <cmath>
@@ -8,8 +8,8 @@
 
 namespace raysheaf {
 
-/// Whether the area of a triangle with finite corners is exactly zero. Binary64 settles it but
-/// where products are within four roundings of each other; integers settle the rest.
+/// Whether the area of a triangle with finite corners is exactly zero. Binary64 decides it unless
+/// products are within four roundings of each other; integers decide the rest.
 RAYSHEAF_HD inline bool has_no_area(Vec3 a, Vec3 b, Vec3 c) {
   const double ux = static_cast<double>(b.x) - a.x, vx = static_cast<double>(c.x) - a.x;
   const double uy = static_cast<double>(b.y) - a.y, vy = static_cast<double>(c.y) - a.y;
@@ -29,8 +29,9 @@ RAYSHEAF_HD inline double squared_distance_in_double(Vec3 a, Vec3 b) {
 }
 
 /// The triangle's sphere at any scale: `triangle_sphere` loses squares of lengths below 1e-19 and
-/// fourth powers above 1e9. The centre is its, or the first corner where it has none; the radius
-/// reaches every corner, measured in double, whose error of 2^-50 at most is added.
+/// fourth powers above 1e9. The centre is that of `triangle_sphere`, or the first corner if it has
+/// none. The radius reaches every corner: it is measured in double, and that error of at most 2^-50
+/// is added.
 RAYSHEAF_HD inline Sphere conservative_triangle_sphere(Vec3 a, Vec3 b, Vec3 c) {
   Vec3 center = triangle_sphere(a, b, c).center;
   if (!is_finite(center)) center = a;

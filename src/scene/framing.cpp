@@ -1,4 +1,4 @@
-// A camera that fills a picture with a scene, and lights for scenes that bring none.
+// A camera that fills an image with a scene, and lights for scenes without lights.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,7 +18,7 @@ namespace {
 
 using FineVec3 = std::array<double, 3>;
 
-/// The part of the picture's sides that a model may take.
+/// The fraction of the image's width or height that a model may fill.
 constexpr double kFilledPart = 0.92;
 
 FineVec3 in_double(Vec3 v) {
@@ -42,13 +42,13 @@ FineVec3 unit3(const FineVec3& v) {
   return {v[0] / n, v[1] / n, v[2] / n};
 }
 
-/// Right, up and back of a camera that `back` leads to.
+/// The directions right, up and back of a camera whose back is along `back`.
 std::array<FineVec3, 3> axes_from(const FineVec3& back, const FineVec3& up) {
   const FineVec3 right = unit3(cross3(up, back));
   return {right, cross3(back, right), back};
 }
 
-/// The model's right side, up and front.
+/// The directions of the model's right side, up and front.
 std::array<FineVec3, 3> model_axes(UpAxis up) {
   switch (up) {
     case UpAxis::kX:
@@ -67,7 +67,7 @@ std::array<FineVec3, 3> model_axes(UpAxis up) {
   return {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 }
 
-/// To the eye, and up in the picture, along `model_axes`.
+/// The direction to the eye, and up in the image, along `model_axes`.
 struct Sight {
   FineVec3 back, up{0, 1, 0};
 };
@@ -123,11 +123,11 @@ std::array<Vec3, 8> corners_of(const Box& box) {
 }
 
 /// The directions that limit a view: with x, y, z along right, up and back, and t the tangent of
-/// half an angle of view, a point p is in the view of an eye e where
+/// half an angle of view, a point p is in the view of an eye e if
 ///
 ///   |x_p - x_e| <= t_x (z_e - z_p)     that is     (+-x + t_x z) of p  <=  (+-x + t_x z) of e
 ///
-/// and so along y. What limits most is known from the farthest points along each direction.
+/// and the same along y. The strongest limits follow from the farthest points along each direction.
 /// An orthographic view is the case t = 0.
 std::array<FineVec3, 6> limits(const std::array<FineVec3, 3>& axes, double tan_x, double tan_y) {
   const FineVec3 &right = axes[0], &up = axes[1], &back = axes[2];
@@ -189,8 +189,8 @@ const Box& ViewFit::bounds() const {
   return with_area_.box.min.x <= with_area_.box.max.x ? with_area_.box : all_.box;
 }
 
-/// Each corner of the box goes around in a circle, which reaches along a direction d, from its
-/// centre, as far as the radius times the part of d that lies in its plane.
+/// Each corner of the box moves on a circle. From its centre, the circle extends along a direction
+/// d by the radius times the part of d that lies in the circle's plane.
 ViewFit::Reach ViewFit::turned(const Reach& reach) const {
   Reach around;
   around.box = reach.box;
@@ -215,7 +215,7 @@ Camera ViewFit::camera() const {
   Camera camera;
   Reach reach = with_area_.box.min.x <= with_area_.box.max.x ? with_area_ : all_;
   const Subject subject = subject_of(reach.box);
-  // Nothing, or something without bounds: the camera looks at a sphere about the origin.
+  // The scene is empty or unbounded: the camera looks at a sphere around the origin.
   if (!(length(reach.box.max - reach.box.min) <= 4 * subject.radius)) {
     reach = Reach();
     const Vec3 r{subject.radius, subject.radius, subject.radius};
@@ -230,8 +230,8 @@ Camera ViewFit::camera() const {
 }
 
 Camera ViewFit::automatic(const Reach& reach) const {
-  // A rod that is seen end-on has to be somewhere before the eye, and no nearer than a float32
-  // position can resolve.
+  // A rod seen end-on must be in front of the eye, and not nearer than a float32 position can
+  // resolve.
   constexpr double kLeastPart = 1e-4, kLeastExtent = 1e-6;
   const double radius = subject_of(reach.box).radius;
   const Vec3 far = max(abs(reach.box.min), abs(reach.box.max));
@@ -268,12 +268,11 @@ Camera ViewFit::placed(const Reach& reach) const {
   const double distance = std::sqrt(dot3(back, back));
   if (!(distance > 0)) {
     throw Error(ErrorCode::kInvalidArgument,
-                "is the middle of the model: say by look_at where the camera looks",
-                "camera_position");
+                "is the middle of the model: set look_at to another point", "camera_position");
   }
   const FineVec3 up = in_double(direction_of(viewpoint_.up)), side = cross3(up, back);
   if (!(std::sqrt(dot3(side, side)) > 1e-6 * distance)) {
-    throw Error(ErrorCode::kInvalidArgument, "runs along what the camera looks at: give another",
+    throw Error(ErrorCode::kInvalidArgument, "is parallel to the viewing direction: choose another",
                 "up");
   }
   const std::array<FineVec3, 3> axes = axes_from(unit3(back), up);
@@ -292,7 +291,7 @@ Camera ViewFit::placed(const Reach& reach) const {
   camera.orthographic = viewpoint_.orthographic;
   camera.y_fov = viewpoint_.fov.value_or(kFramingFov);
   camera.y_mag = static_cast<float>(half / kFilledPart);
-  // An eye within the model sees what is close to it.
+  // An eye inside the model must see surfaces close to it.
   camera.z_near = static_cast<float>(std::max(nearest / 2, 1e-4 * subject.radius));
   camera.z_far = static_cast<float>(std::max(2 * farthest, 4.0 * subject.radius));
   return camera;
@@ -312,7 +311,7 @@ Light showing_light(const SceneDescription& scene, const Camera& camera) {
   const Subject subject = subject_of(world_bounds(scene));
   const Vec3 eye = column(camera.to_world, 3);
   const float distance = length(eye - subject.center);
-  // A camera within the scene may have a wall near by: the light keeps close to it there.
+  // A camera inside the scene may be close to a wall: there the light stays close to the camera.
   const float offset = distance > subject.radius ? 0.5f * distance : 0.05f * subject.radius;
   const Vec3 up = normalized(column(camera.to_world, 1), {0, 1, 0});
   const Vec3 left = -normalized(column(camera.to_world, 0), {1, 0, 0});

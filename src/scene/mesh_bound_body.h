@@ -1,4 +1,4 @@
-// Moving a mesh's bounding sphere with its instance, without looking at a vertex.
+// Transforms a mesh's bounding sphere with its instance, without reading the vertices.
 #pragma once
 
 #include <cmath>
@@ -9,10 +9,11 @@
 
 namespace raysheaf {
 
-/// The largest singular value of the linear part, from above: what the map stretches lengths by at
-/// most. Jacobi rotations all but diagonalise the Gram matrix; the discs of Gershgorin then hold
-/// its eigenvalues however far the rotations came. Their rounding errors are a few dozen units of
-/// 2^-53 of the trace, which is at most three times the largest eigenvalue: 1e-12 covers them.
+/// An upper bound of the largest singular value of the linear part: the factor by which the map
+/// stretches lengths at most. Jacobi rotations nearly diagonalise the Gram matrix; Gershgorin's
+/// discs then contain its eigenvalues, however far the rotations have converged. Their rounding
+/// errors are a few dozen units of 2^-53 of the trace, which is at most three times the largest
+/// eigenvalue: 1e-12 covers them.
 RAYSHEAF_HD inline double largest_stretch(const Affine& map) {
   double g[3][3];
   for (int i = 0; i < 3; ++i) {
@@ -45,15 +46,15 @@ RAYSHEAF_HD inline double largest_stretch(const Affine& map) {
   return std::sqrt(largest) * (1 + 1e-12);
 }
 
-/// A sphere that holds `transform_point(map, p)`, as rounded to float, for every p in `sphere`.
+/// A sphere that contains `transform_point(map, p)`, as rounded to float, for every p in `sphere`.
 ///
-/// With no rounding the image of the ball lies in the ball round M c of radius sigma r, where sigma
-/// is the largest stretch. Two things are added to each axis i:
-///   - the centre is rounded: its distance to M c, known to 2^-51 in double;
-///   - so is the vertex: a sum of three products and a fourth term errs by at most
+/// Without rounding, the image of the sphere lies in the sphere around M c of radius sigma r, where
+/// sigma is the largest stretch. Rounding adds two errors on each axis i:
+///   - the centre is rounded: its distance to M c is known to 2^-51 in double;
+///   - the vertex is rounded: a sum of three products and a fourth term errs by at most
 ///     gamma(4) (sum_j |m_ij| |p_j| + |m_i3|), where |p_j| <= |c_j| + r, and by 2^-150 for each
-///     product that underflows. gamma(5) leaves 2^-24 of that sum for what double loses here.
-/// The length of that vector of errors is what the radius grows by.
+///     product that underflows. gamma(5) leaves 2^-24 of that sum for the errors of double here.
+/// The radius grows by the length of that vector of errors.
 RAYSHEAF_HD inline Sphere transformed(const Sphere& sphere, const Affine& map) {
   if (sphere.radius < 0) return sphere;
   constexpr double kUnderflow = 0x1p-147;

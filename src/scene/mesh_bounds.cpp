@@ -1,4 +1,4 @@
-// Once a mesh: the ball that its instances carry with them.
+// The bounding sphere of each mesh, computed once and transformed with its instances.
 #include <algorithm>
 
 #include "exec/executor.h"

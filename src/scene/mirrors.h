@@ -1,11 +1,11 @@
-// Which transforms turn the winding of triangles.
+// Which transforms reverse the winding of triangles.
 #pragma once
 
 #include "raysheaf/types.h"
 
 namespace raysheaf {
 
-/// The determinant's sign, which in float may underflow.
+/// Tests the determinant's sign in double, because in float it may underflow.
 inline bool mirrors(const Affine& a) {
   const auto minor = [&](int i, int j) {
     return static_cast<double>(a.m[1][i]) * a.m[2][j] - static_cast<double>(a.m[1][j]) * a.m[2][i];

@@ -26,7 +26,7 @@ void SceneChanges::add(const SceneChanges& later) {
   other_instances_from = std::min(other_instances_from, later.other_instances_from);
   unite(moved, later.moved);
   unite(deformed, later.deformed);
-  // What stands from there on is other anyway, and there may be fewer of it.
+  // Items from there on have changed anyway, and there may be fewer of them.
   std::erase_if(moved, [&](std::uint32_t i) { return i >= other_instances_from; });
   std::erase_if(deformed, [&](std::uint32_t m) { return m >= other_meshes_from; });
   if (!everything) return;

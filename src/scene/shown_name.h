@@ -1,12 +1,12 @@
-// Names from files, in sentences for people.
+// Names from files, shortened and cleaned for messages.
 #pragma once
 
 #include <string>
 
 namespace raysheaf {
 
-/// ` of "Chair"`, or nothing where there is no name. A file's name may hold anything: it is cut
-/// short, and control characters are not shown.
+/// ` of "Chair"`, or nothing for an empty name. A file's name may contain anything: it is
+/// truncated, and control characters are removed.
 inline std::string of_name(const std::string& name) {
   constexpr std::size_t kLongest = 64;
   if (name.empty()) return {};

@@ -1,4 +1,4 @@
-// The part of a scene that cameras and lights have to show.
+// The part of a scene that cameras and lights must show.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace raysheaf {
 
-/// A sphere around the scene's box. A scene without extent gets some, so that planes and distances
-/// stay apart.
+/// A sphere around the scene's box. A scene without extent gets a small one, so that planes and
+/// distances stay distinct.
 struct Subject {
   Vec3 center{0, 0, 0};
   float radius = 1;
@@ -28,7 +28,7 @@ inline Subject subject_of(const Box& box) {
     half_squared += (high - low) * (high - low) / 4;
     farthest = std::max({farthest, std::fabs(low), std::fabs(high)});
   }
-  // At least eight float32 spacings: in fewer, the camera's position would not resolve the scene.
+  // At least eight float32 spacings: with fewer, the camera's position would not resolve the scene.
   constexpr double kLeastExtent = 1e-6;
   const double radius = std::max(std::sqrt(half_squared), kLeastExtent * farthest);
   if (radius > 0) subject.radius = static_cast<float>(radius);

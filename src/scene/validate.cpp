@@ -1,4 +1,4 @@
-// What a scene must be before any stage sees it.
+// Validates a scene before any stage uses it.
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -13,7 +13,7 @@
 namespace raysheaf {
 namespace {
 
-/// Where in the scene a check stands. Words are made of it only when something is wrong.
+/// The place of a check in the scene. Its text is made only for an error.
 struct Item {
   const char* list;
   std::size_t index;
@@ -69,7 +69,7 @@ void check_not_negative(const Item& item, const char* field, Vec3 value) {
 void check_fraction(const Item& item, const char* field, float value) {
   if (!(value >= 0 && value <= 1)) {
     item.fail(field, std::string("the ") + field + item.of_name() + " is " + std::to_string(value) +
-                         ", but goes from 0 to 1");
+                         ", but must be from 0 to 1");
   }
 }
 void check_index(const Item& item, const std::string& field, std::uint32_t value, std::size_t count,
@@ -86,7 +86,7 @@ void check_all_finite(const Item& item, const char* field, const std::vector<T>&
       item.fail(element(field, i), element(field, i) + item.of_name() + " is not finite");
   }
 }
-/// One entry a vertex, or none at all.
+/// One entry for each vertex, or none at all.
 template <class T>
 void check_attribute(const Item& item, const char* field, const Mesh& mesh,
                      const std::vector<T>& values) {
@@ -211,7 +211,7 @@ void check(const Item& item, const Image& image, const SceneDescription&) {
   const std::uint64_t pixels = std::uint64_t{image.width} * image.height;
   if (image.rgba.size() % 4 != 0 || image.rgba.size() / 4 != pixels) {
     item.fail("rgba", "the image" + item.of_name() + " has " + size + " pixels, but " +
-                          std::to_string(image.rgba.size()) + " bytes of them");
+                          std::to_string(image.rgba.size()) + " bytes");
   }
 }
 
@@ -225,7 +225,7 @@ void check_spot_angles(const Item& item, const Light& light) {
   if (!(light.inner_angle >= 0 && light.inner_angle <= light.outer_angle)) {
     item.fail("inner_angle",
               "the inner angle" + item.of_name() + " is " + std::to_string(light.inner_angle) +
-                  ", but goes from 0 to the outer angle, " + std::to_string(light.outer_angle));
+                  ", but must be from 0 to the outer angle, " + std::to_string(light.outer_angle));
   }
 }
 
@@ -243,7 +243,7 @@ void check_rectangle(const Item& item, const Light& light) {
   if (!(std::fabs(dot(light.right, light.right) - 1) <= kTolerance) ||
       !(std::fabs(dot(light.right, light.direction)) <= kTolerance)) {
     item.fail("right", "the width's direction" + item.of_name() +
-                           " is not a unit vector square to the light's direction");
+                           " is not a unit vector perpendicular to the light's direction");
   }
 }
 
@@ -266,7 +266,7 @@ void check(const Item& item, const Light& light, const SceneDescription&) {
   }
 }
 
-/// In double, so that the frame of a tiny scene is not taken for a flat one.
+/// Computed in double, so that the transform of a tiny scene does not count as singular.
 bool singular(const Affine& a) {
   const auto m = [&](int r, int c) { return static_cast<double>(a.m[r][c]); };
   return m(0, 0) * (m(1, 1) * m(2, 2) - m(1, 2) * m(2, 1)) -
@@ -343,14 +343,14 @@ void check_list(const char* list, const std::vector<T>& items, const SceneDescri
   for (std::size_t i = from; i < items.size(); ++i) check_item(list, items, i, scene);
 }
 
-/// Those of a list of numbers; the numbers themselves too.
+/// Checks the items of a list of numbers, and the numbers themselves.
 template <class T>
 void check_listed(const char* list, const std::vector<T>& items, const char* field,
                   const std::vector<std::uint32_t>& numbers, const SceneDescription& scene) {
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     if (numbers[k] >= items.size() || (k > 0 && numbers[k] <= numbers[k - 1])) {
       throw Error(ErrorCode::kInvalidArgument,
-                  "is " + std::to_string(numbers[k]) + ", but numbers ascend below the scene's " +
+                  "is " + std::to_string(numbers[k]) + ", but must ascend, below the scene's " +
                       std::to_string(items.size()) + " " + list,
                   "changes." + element(field, k));
     }

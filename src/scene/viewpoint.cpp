@@ -1,4 +1,4 @@
-// Names of views and axes, and what a viewpoint may not be.
+// Names of views and axes, and the validation of viewpoints.
 #include "raysheaf/viewpoint.h"
 
 #include <algorithm>
@@ -72,11 +72,11 @@ void validate(const Viewpoint& v) {
   if (v.position && !is_finite(*v.position)) refuse_viewpoint("camera_position", "must be finite");
   if (v.look_at && !is_finite(*v.look_at)) refuse_viewpoint("look_at", "must be finite");
   if (v.view && v.position)
-    refuse_viewpoint("view", "and camera_position both say from where the camera looks: give one");
+    refuse_viewpoint("view", "and camera_position both set the camera's position: give only one");
   if (v.look_at && !v.position)
     refuse_viewpoint("look_at", "needs camera_position: without it the camera looks at the model");
   if (v.position && v.look_at && *v.position == *v.look_at)
-    refuse_viewpoint("look_at", "is where the camera is");
+    refuse_viewpoint("look_at", "is the same point as camera_position");
 }
 
 Camera zoomed(Camera camera, float zoom) {

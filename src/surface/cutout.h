@@ -1,4 +1,4 @@
-// Materials whose alpha says where there is nothing.
+// Materials whose alpha cuts holes into surfaces.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace raysheaf {
 
-/// `blends`: there are several samples a pixel.
+/// `blends`: there are several samples per pixel.
 [[nodiscard]] inline bool has_cutouts(const SceneDescription& scene, bool blends) {
   const bool has_alphas = std::any_of(scene.meshes.begin(), scene.meshes.end(),
                                       [](const Mesh& mesh) { return !mesh.alphas.empty(); });

@@ -8,8 +8,8 @@
 namespace raysheaf {
 namespace {
 
-/// The integral of a bilinear function over the cell of its middle value: 1/8, 6/8 and 1/8 of the
-/// values along each axis.
+/// The integral of a bilinear function over the cell around its middle value: 1/8, 6/8 and 1/8 of
+/// the values along each axis.
 double mean_luminance(const EnvironmentView& map, std::int64_t x, std::int64_t y) {
   constexpr double kPart[3] = {0.125, 0.75, 0.125};
   double sum = 0;
@@ -21,8 +21,8 @@ double mean_luminance(const EnvironmentView& map, std::int64_t x, std::int64_t y
   return sum;
 }
 
-/// Weights to the distribution function that ends at 1; all parts alike where there is no weight.
-/// Returns their sum.
+/// Converts weights to a distribution function that ends at 1, with equal parts if all weights are
+/// 0. Returns the sum of the weights.
 double accumulate_ends(const std::vector<double>& weights, float* ends) {
   double sum = 0, total = 0;
   for (const double weight : weights) total += weight;
@@ -53,11 +53,11 @@ EnvironmentMap::EnvironmentMap(const Executor& executor, const Environment& envi
           mean_luminance(view_, static_cast<std::int64_t>(x), static_cast<std::int64_t>(y));
     const double top = std::numbers::pi * static_cast<double>(y) / static_cast<double>(height);
     const double end = std::numbers::pi * static_cast<double>(y + 1) / static_cast<double>(height);
-    const double ring = std::cos(top) - std::cos(end);  // part of the sphere, times two
+    const double ring = std::cos(top) - std::cos(end);  // fraction of the sphere, times two
     rows[y] = ring * accumulate_ends(weights, &texel_ends_[y * width]);
   });
   row_ends_.resize(height);
-  if (!(accumulate_ends(rows, row_ends_.data()) > 0)) return;  // black: nothing to choose
+  if (!(accumulate_ends(rows, row_ends_.data()) > 0)) return;  // black: no texel to choose
   view_.row_ends = row_ends_.data();
   view_.texel_ends = texel_ends_.data();
 }

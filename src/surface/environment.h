@@ -1,4 +1,4 @@
-// An environment made ready to be chosen from.
+// An environment prepared for importance sampling.
 #pragma once
 
 #include <vector>
@@ -10,9 +10,9 @@ namespace raysheaf {
 
 class Executor;
 
-/// Made once a scene, O(texels), and 4 bytes a texel: the radiance stays where the description has
-/// it, which must outlive this. A texel is chosen in proportion to its solid angle and the mean
-/// luminance that bilinear interpolation gives it, so that nothing bright is never chosen.
+/// Made once for each scene, O(texels), 4 bytes per texel: the radiance stays in the description,
+/// which must outlive this. A texel is chosen in proportion to its solid angle and to the mean
+/// luminance of its bilinear interpolation, so that no bright texel has probability 0.
 class EnvironmentMap {
  public:
   EnvironmentMap(const Executor& executor, const Environment& environment);

@@ -1,7 +1,7 @@
-// Light from all around, looked up by direction and chosen from by brightness.
+// Light from an environment: look-up by direction, and choice of directions by brightness.
 //
-//   v = 0 +---------------------------+ +y       u = 1/2: towards -z; u grows to the right
-//         |            -z             |          of who looks there, towards +x
+//   v = 0 +---------------------------+ +y       u = 1/2: towards -z; u increases to the right
+//         |            -z             |          for a viewer who looks there, towards +x
 //   v = 1 +---------------------------+ -y
 #pragma once
 
@@ -13,24 +13,24 @@
 
 namespace raysheaf {
 
-/// A map of radiance, bilinear between its texels' centres, and how bright its texels are.
-/// Read-only pointers.
+/// A map of radiance, bilinear between its texels' centres, and the texels' brightness. Read-only
+/// pointers.
 struct EnvironmentView {
   const Vec3* radiance = nullptr;  ///< rows from the top
   /// Distribution functions: up to each row's end, and up to each texel's end within its row. The
-  /// last is 1. Null where all is black.
+  /// last value is 1. Null if the map is black.
   const float* row_ends = nullptr;
   const float* texel_ends = nullptr;
   std::uint32_t width = 0, height = 0;
   float intensity = 1, cos_rotation = 1, sin_rotation = 0;
 };
 
-/// Turned about +y.
+/// A direction rotated about +y.
 RAYSHEAF_HD inline Vec3 turned(Vec3 d, float cosine, float sine) {
   return {cosine * d.x + sine * d.z, d.y, cosine * d.z - sine * d.x};
 }
 
-/// Where in the map a unit direction lies, both in [0, 1].
+/// The place in the map of a unit direction, both coordinates in [0, 1].
 RAYSHEAF_HD inline Vec2 map_place(const EnvironmentView& map, Vec3 direction) {
   const Vec3 d = turned(direction, map.cos_rotation, -map.sin_rotation);
   const double around = portable::angle_of(static_cast<double>(d.x), static_cast<double>(-d.z));
@@ -48,7 +48,7 @@ RAYSHEAF_HD inline Vec3 map_direction(const EnvironmentView& map, Vec2 place) {
   return turned(d, map.cos_rotation, map.sin_rotation);
 }
 
-/// Columns go round; rows end at the poles.
+/// Columns wrap around; rows end at the poles.
 RAYSHEAF_HD inline Vec3 environment_texel(const EnvironmentView& map, std::int64_t x,
                                           std::int64_t y) {
   const std::int64_t column = x < 0 ? x + map.width : x >= map.width ? x - map.width : x;
@@ -56,7 +56,7 @@ RAYSHEAF_HD inline Vec3 environment_texel(const EnvironmentView& map, std::int64
   return map.radiance[row * map.width + column];
 }
 
-/// What comes from a unit direction.
+/// The radiance from a unit direction.
 RAYSHEAF_HD inline Vec3 environment_radiance(const EnvironmentView& map, Vec3 direction) {
   const Vec2 place = map_place(map, direction);
   const float x = place.x * static_cast<float>(map.width) - 0.5f;
@@ -70,11 +70,11 @@ RAYSHEAF_HD inline Vec3 environment_radiance(const EnvironmentView& map, Vec3 di
   return lerp(upper, lower, y - above) * map.intensity;
 }
 
-/// The first of `count` ends that lies above `chosen`, and where in its part that falls.
+/// The first of `count` ends that is above `chosen`, and the position of `chosen` within its part.
 struct ChosenPart {
   std::uint32_t index = 0;
   float within = 0;  ///< [0, 1]
-  float size = 0;    ///< of the part, of the whole
+  float size = 0;    ///< the part's fraction of the whole
 };
 RAYSHEAF_HD inline ChosenPart choose_part(const float* ends, std::uint32_t count, float chosen) {
   std::uint32_t first = 0, last = count - 1;
@@ -90,8 +90,8 @@ RAYSHEAF_HD inline ChosenPart choose_part(const float* ends, std::uint32_t count
   return {first, size > 0 ? clamp((chosen - begin) / size, 0, 1) : 0.5f, size};
 }
 
-/// How large a part of the whole, a steradian, is chosen from a texel that `part` of all choices
-/// fall into: a texel at v covers 2 pi^2 sin(pi v) / texels.
+/// The probability per steradian of a direction in a texel that is chosen with probability `part`:
+/// a texel at v covers 2 pi^2 sin(pi v) / texels.
 RAYSHEAF_HD inline float density_of_part(const EnvironmentView& map, float part, float v) {
   const auto ring =
       static_cast<float>(portable::sine_cosine(portable::kPi * static_cast<double>(v)).sine);
@@ -101,11 +101,11 @@ RAYSHEAF_HD inline float density_of_part(const EnvironmentView& map, float part,
 
 struct ChosenDirection {
   Vec3 direction;
-  float density = 0;  ///< a steradian
+  float density = 0;  ///< per steradian
 };
 
-/// A direction, chosen as bright ones are: a row, then a texel of it (J. Pharr, W. Jakob, G.
-/// Humphreys, "Physically Based Rendering", 2023, sections A.4.7 and 12.5).
+/// Chooses a direction in proportion to brightness: a row, then a texel of it (J. Pharr, W. Jakob,
+/// G. Humphreys, "Physically Based Rendering", 2023, sections A.4.7 and 12.5).
 RAYSHEAF_HD inline ChosenDirection choose_direction(const EnvironmentView& map, Vec2 chosen) {
   if (map.row_ends == nullptr) return {};
   const ChosenPart row = choose_part(map.row_ends, map.height, chosen.y);
@@ -116,7 +116,7 @@ RAYSHEAF_HD inline ChosenDirection choose_direction(const EnvironmentView& map, 
   return {map_direction(map, place), density_of_part(map, row.size * texel.size, place.y)};
 }
 
-/// That density for any direction.
+/// The probability per steradian with which `choose_direction` chooses a direction.
 RAYSHEAF_HD inline float direction_density(const EnvironmentView& map, Vec3 direction) {
   if (map.row_ends == nullptr) return 0;
   const Vec2 place = map_place(map, direction);

@@ -1,4 +1,4 @@
-// What a material makes of a place on its surface.
+// Evaluates a material at a point of its surface.
 #pragma once
 
 #include "surface/surface.h"
@@ -7,7 +7,7 @@
 
 namespace raysheaf {
 
-/// A material as surfaces are made from it.
+/// A material in the form from which surfaces are computed.
 struct PlacedMaterial {
   Vec3 base_color{1, 1, 1}, emission{0, 0, 0}, specular_color{1, 1, 1};
   PlacedTexture base_color_texture, metallic_roughness_texture, emission_texture, normal_texture;
@@ -40,13 +40,13 @@ struct PlacedMaterial {
   return placed;
 }
 
-/// Whether alpha is a chance. `blends`: there are several samples a pixel, or the mesh's vertices
-/// have alphas.
+/// Whether alpha is a probability. `blends`: there are several samples per pixel, or the mesh's
+/// vertices have alphas.
 RAYSHEAF_HD inline bool is_by_chance(const PlacedMaterial& m, bool blends) {
   return blends && m.alpha_blend;
 }
 
-/// Whether any place may be cut away. `blends`: there are several samples a pixel; `has_alphas`:
+/// Whether any point may be a hole. `blends`: there are several samples per pixel; `has_alphas`:
 /// the mesh's vertices have alphas.
 RAYSHEAF_HD inline bool is_cutout(const PlacedMaterial& m, bool blends, bool has_alphas) {
   const float whole = is_by_chance(m, blends || has_alphas) ? 1 : m.alpha_cutoff;
@@ -54,12 +54,12 @@ RAYSHEAF_HD inline bool is_cutout(const PlacedMaterial& m, bool blends, bool has
   return whole > 0 && (varies || m.alpha < whole);
 }
 
-/// Whether its normal texture says how surfaces stand, where there are coordinates.
+/// Whether its normal texture changes shading normals, if there are texture coordinates.
 RAYSHEAF_HD inline bool is_bumpy(const PlacedMaterial& m) {
   return m.normal_texture.texture != kInvalidId && !m.unlit;
 }
 
-/// Texture coordinates of a triangle's corners, the mesh's own.
+/// Texture coordinates of a triangle's corners, those of the mesh.
 struct TriangleUv {
   Vec2 first[3], second[3];
 };
@@ -67,13 +67,14 @@ RAYSHEAF_HD inline PlaceUv mixed(const TriangleUv& uv, float u, float v) {
   return {mixed(uv.first, u, v), mixed(uv.second, u, v)};
 }
 
-/// The shading normal of a place by a bumpy material's texture. `all`: coordinates of the corners.
+/// The shading normal at a point, from a bumpy material's texture. `all`: coordinates of the
+/// corners.
 RAYSHEAF_HD inline Vec3 textured_normal(const PlacedMaterial& m, const TextureTable& table,
                                         const Vec3 (&corner)[3], const TriangleUv& all, float u,
                                         float v, const PlacedSurface& placed) {
   const Vec2(&uv)[3] = m.normal_texture.second_uvs ? all.second : all.first;
   const Vec4 texel = look_up(table, m.normal_texture, table.as_is, mixed(all, u, v));
-  // Textures that hold two channels have no blue: along the normal, the sign says nothing.
+  // Textures with two channels have no blue, so only the magnitude along the normal is used.
   const Vec3 bump{(2 * texel.x - 1) * m.normal_scale, (2 * texel.y - 1) * m.normal_scale,
                   std::fabs(2 * texel.z - 1)};
   const Vec2 of_texture[3] = {transform_uv(m.normal_texture, uv[0]),
@@ -84,14 +85,14 @@ RAYSHEAF_HD inline Vec3 textured_normal(const PlacedMaterial& m, const TextureTa
   return placed.front ? bumped : -bumped;
 }
 
-/// Whether it has the same colours everywhere.
+/// Whether its colours are the same everywhere.
 RAYSHEAF_HD inline bool is_plain(const PlacedMaterial& m) {
   return m.base_color_texture.texture == kInvalidId &&
          m.metallic_roughness_texture.texture == kInvalidId &&
          m.emission_texture.texture == kInvalidId;
 }
 
-/// What textures, and colours of vertices, multiply a material's factors with.
+/// The factors from textures and vertex colours for a material.
 struct TextureColors {
   Vec3 base{1, 1, 1}, rough_metal{1, 1, 1}, emission{1, 1, 1};
 };
@@ -107,8 +108,8 @@ RAYSHEAF_HD inline TextureColors texture_colors(const PlacedMaterial& m, const T
   return colors;
 }
 
-/// The material's part of a surface, but for its number. A mesh without texture coordinates and
-/// colours shows the factors alone.
+/// Sets the material's part of a surface, except for the material's number. A mesh without texture
+/// coordinates and colours uses only the material's factors.
 RAYSHEAF_HD inline void set_material(const PlacedMaterial& m, const TextureColors& colors,
                                      Surface* surface) {
   const Vec3 base = m.base_color * colors.base;

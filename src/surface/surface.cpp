@@ -7,7 +7,7 @@
 namespace raysheaf {
 namespace {
 
-/// The second set is the first one where there is no other.
+/// The second set of coordinates is the first if the mesh has only one.
 TriangleUv uv_of(const SurfaceTriangle& t) {
   TriangleUv uv;
   for (int k = 0; k < 3; ++k) {
@@ -26,7 +26,7 @@ void SurfaceReader::hold(const FlatScene& flat, std::uint32_t triangle) {
   const Mesh& mesh = scene_.meshes[placed.geom_id];
   if (flat.mesh_of_triangle[triangle] != mesh_) {
     mesh_ = flat.mesh_of_triangle[triangle];
-    has_material_ = false;  // its mesh may have other coordinates
+    has_material_ = false;  // the next mesh may have different coordinates
     t_.has_normals = !mesh.normals.empty();
     t_.has_uvs = !mesh.uvs.empty();
     t_.has_second_uvs = !mesh.second_uvs.empty();

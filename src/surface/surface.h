@@ -1,4 +1,4 @@
-// What stands where a ray hits: place, normals, reflectances.
+// The surface at a hit: position, normals, reflectances.
 #pragma once
 
 #include "scene/flat_scene.h"
@@ -6,26 +6,28 @@
 
 namespace raysheaf {
 
-/// A point of a surface, as the one who came along a ray meets it.
+/// A point of a surface, seen along a ray.
 struct Surface {
-  Vec3 position;          ///< world; the triangle's corners, mixed
-  Vec3 geometric_normal;  ///< unit, on the side that the ray came from
+  Vec3 position;          ///< world space; interpolated from the triangle's corners
+  Vec3 geometric_normal;  ///< unit, on the ray's side
   /// Unit shading normal; without a normal texture, on the side of the geometric one. It may still
-  /// lean away from the ray.
+  /// point away from the ray.
   Vec3 normal;
   Vec3 diffuse;   ///< reflectance
   Vec3 specular;  ///< reflectance along the normal
-  Vec3 coat;      ///< the part of it that shades what lies below: without the metal's
+  Vec3 coat;      ///< the part of `specular` that reduces the diffuse light below: without the
+                  ///< metal's
   float specular_edge = 1, coat_edge = 1;  ///< the same at grazing angles: glTF's F90
   Vec3 transmission_color;
   Vec3 emission;           ///< radiance
   float roughness = 1;     ///< glTF's, before it is squared
-  float transmission = 0;  ///< the part of what is not reflected that goes through
-  float ior = 1.5f;        ///< at least 1, inside against outside
-  float clearance = 0;     ///< how far along the geometric normal rays that leave start, at least
-  bool unlit = false;      ///< `emission` is all there is to see
-  bool thin = false;       ///< what transmits has no inside
-  bool front = true;       ///< the ray meets the front face
+  float transmission = 0;  ///< the fraction of the unreflected light that is transmitted
+  float ior = 1.5f;        ///< at least 1, of the inside relative to the outside
+  float clearance = 0;     ///< minimum distance along the geometric normal at which rays that leave
+                           ///< the surface start
+  bool unlit = false;      ///< `emission` is the only visible part
+  bool thin = false;       ///< a transmitting surface without an interior
+  bool front = true;       ///< the ray hits the front face
   std::uint32_t material = kInvalidId;
 };
 
@@ -34,14 +36,14 @@ struct Surface {
 /// allocation.
 ///
 /// Reflectances follow glTF 2.0 (appendix B) with KHR_materials_ior, _specular and _transmission.
-/// An ior of 0, which says "reflect all", is 1 here, with the reflectance that it means in
-/// `specular`.
+/// An ior of 0, which means "reflect everything", becomes 1, and `specular` holds the reflectance
+/// that it implies.
 [[nodiscard]] Surface surface_at(const FlatScene& scene, const TextureSet& textures,
                                  std::uint32_t triangle, float u, float v, Vec3 direction);
 
-/// All that a surface needs to know of its triangle, wherever that is.
+/// All data of a triangle that its surface needs, independent of where it is stored.
 struct SurfaceTriangle {
-  Vec3 corner[3];  ///< world
+  Vec3 corner[3];  ///< world space
   Vec3 normal[3];  ///< in the instance's own space
   Vec2 uv[3], second_uv[3];
   Vec3 color[3];
@@ -53,7 +55,7 @@ struct SurfaceTriangle {
   std::uint32_t material = kInvalidId;
 };
 
-/// The same of a triangle by itself; `scene` is asked for its materials.
+/// As `surface_at`, for a single triangle; `scene` provides its materials.
 [[nodiscard]] Surface surface_of(const SceneDescription& scene, const TextureSet& textures,
                                  const SurfaceTriangle& triangle, float u, float v, Vec3 direction);
 

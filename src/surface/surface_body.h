@@ -1,4 +1,4 @@
-// The arithmetic of a point on a triangle.
+// Arithmetic for points on triangles.
 #pragma once
 
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace raysheaf {
 
-/// A vector in double, for products that overflow or vanish in float.
+/// A vector in double, for products that overflow or underflow in float.
 struct Wide {
   double x = 0, y = 0, z = 0;
 };
@@ -26,8 +26,8 @@ RAYSHEAF_HD inline double dot(Wide a, Wide b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/// Corners mixed with weights (1 - u - v, u, v), in binary64: each coordinate is off by one
-/// rounding to binary32.
+/// Corners interpolated with weights (1 - u - v, u, v), in binary64: each coordinate has an error
+/// of one rounding to binary32.
 struct MixedPoint {
   Vec3 position;
   float reach = 0;  ///< the largest difference of a coordinate from a corner's
@@ -41,11 +41,11 @@ RAYSHEAF_HD inline MixedPoint mixed_point(Vec3 a, Vec3 b, Vec3 c, float u, float
   return {p, max_component(max(abs(a - p), max(abs(b - p), abs(c - p))))};
 }
 
-/// How far along its triangle's normal a ray that leaves a point must start, at least, so that it
-/// does not meet that triangle, nor one of like size beside it in its plane. The point's
-/// coordinates and those of the start are off by a rounding each, of which the part along the
-/// normal counts. The test does not err: what is taken of `reach` is for the normal, which is
-/// rounded, and for the corners of what lies beside.
+/// The minimum distance along its triangle's normal at which a ray that leaves a point must start,
+/// so that it hits neither that triangle nor a coplanar neighbour of similar size. The point's
+/// coordinates and those of the start have a rounding error each, of which the component along the
+/// normal matters. The intersection test is exact: the part from `reach` covers the rounding of the
+/// normal and of the neighbour's corners.
 inline constexpr float kClearOfReach = 1;
 RAYSHEAF_HD inline float clearance(const MixedPoint& point, Vec3 normal) {
   const Vec3 n = abs(normal), p = abs(point.position);
@@ -53,7 +53,7 @@ RAYSHEAF_HD inline float clearance(const MixedPoint& point, Vec3 normal) {
   return (2 * off + kClearOfReach * point.reach) * kUnitRoundoff + 0x1p-147f;
 }
 
-/// A unit vector along `a`, or `fallback` where `a` has no direction.
+/// A unit vector along `a`, or `fallback` if `a` has no direction.
 RAYSHEAF_HD inline Vec3 unit(Wide a, Vec3 fallback) {
   const double size = std::sqrt(dot(a, a));
   if (!(size > 0 && std::isfinite(size))) return fallback;
@@ -61,7 +61,7 @@ RAYSHEAF_HD inline Vec3 unit(Wide a, Vec3 fallback) {
           static_cast<float>(a.z / size)};
 }
 
-/// Where a map takes the normals of surfaces: its cofactors, and the side that they end up on.
+/// How a map transforms normals: its cofactors, and the sign of its determinant.
 struct NormalMap {
   Wide yz, zx, xy;
   double side = 1;
@@ -72,14 +72,14 @@ RAYSHEAF_HD inline NormalMap normal_map(const Affine& map) {
   return {yz, cross(z, x), cross(x, y), dot(x, yz) < 0 ? -1.0 : 1.0};
 }
 
-/// Corners' values with the weights of a place.
+/// The corners' values, interpolated at a point.
 template <class T>
 RAYSHEAF_HD T mixed(const T (&of_corner)[3], float u, float v) {
   return of_corner[0] * (1 - u - v) + of_corner[1] * u + of_corner[2] * v;
 }
 
-/// Unit, on the front side: counter-clockwise, clockwise where the instance mirrors. Nothing where
-/// the triangle has no area.
+/// Unit normal of the front side, from which the corners are counter-clockwise; clockwise if the
+/// instance mirrors. Zero if the triangle has no area.
 RAYSHEAF_HD inline Vec3 front_normal(const Vec3 (&corner)[3], bool mirrored) {
   const Wide along = cross(difference(corner[1], corner[0]), difference(corner[2], corner[0]));
   const Vec3 normal = unit(along, {0, 0, 0});
@@ -95,9 +95,10 @@ RAYSHEAF_HD inline Vec3 unit_normal(const NormalMap& map, Vec3 normal, Vec3 fall
               fallback);
 }
 
-/// A normal of the front side, turned to what `bump` is in the frame of the triangle's texture
-/// coordinates: along u, against v, along the normal. The frame is square: it begins with u's
-/// direction as far as that is square to the normal. As it was where there is no such frame.
+/// Replaces a front normal by `bump`, given in the frame of the triangle's texture coordinates:
+/// along u, against v, along the normal. The frame is orthogonal: its first axis is the component
+/// of u's direction perpendicular to the normal. Returns the normal unchanged if there is no such
+/// frame.
 RAYSHEAF_HD inline Vec3 bumped_normal(const Vec3 (&corner)[3], const Vec2 (&uv)[3], Vec3 normal,
                                       Vec3 bump) {
   const Wide n = widened(normal);
@@ -125,20 +126,20 @@ RAYSHEAF_HD inline Vec3 bumped_normal(const Vec3 (&corner)[3], const Vec2 (&uv)[
               normal);
 }
 
-/// A shading normal on the side of a geometric one. Normals that a file has may oppose the winding
-/// of their triangle; used as they are, every ray would seem to come from behind the surface.
+/// Flips a shading normal to the side of a geometric one. Normals from a file may oppose the
+/// winding of their triangle; without this, every ray would seem to come from behind the surface.
 RAYSHEAF_HD inline Vec3 on_side_of(Vec3 geometric, Vec3 shading) {
   return dot(widened(shading), widened(geometric)) < 0 ? -shading : shading;
 }
 
-/// Where a surface is and how it stands; as `Surface` has them.
+/// Position and normals of a surface, as in `Surface`.
 struct PlacedSurface {
   Vec3 position, geometric_normal, normal;
   float clearance = 0;
   bool front = true;
 };
 
-/// At the weights `u`, `v` of corners 1 and 2, for a ray along `direction`. `front`: of
+/// At the weights `u`, `v` of corners 1 and 2, for a ray along `direction`. `front`: from
 /// `front_normal`; `normals`: of the corners, in the instance's own space, or null.
 RAYSHEAF_HD inline PlacedSurface placed_surface(const Vec3 (&corner)[3], Vec3 front,
                                                 const Vec3 (*normals)[3], const NormalMap& map,

@@ -1,5 +1,5 @@
-// Compiled once a SIMD target and chosen at run time (Google Highway). No operation is fused, so
-// that every target gives the bits of the scalar functions.
+// Compiled once for each SIMD target and chosen at run time (Google Highway). No operation is
+// fused, so that every target gives the bits of the scalar functions.
 #include "base/float.h"
 #include "intersect/triangle_body.h"
 #include "surface/surface_columns.h"
@@ -36,7 +36,7 @@ HWY_INLINE FM narrowed(DM mask) {
   const Floats df;
   return hn::Ne(hn::DemoteTo(df, hn::IfThenElseZero(mask, hn::Set(d, 1.0))), hn::Zero(df));
 }
-/// `unit`; `known`: the lanes that have a direction, others hold anything.
+/// `unit`; `known`: the lanes that have a direction; others hold arbitrary values.
 HWY_INLINE F3 unit(const D3& a, FM* known) {
   const Doubles d;
   const Floats df;
@@ -80,7 +80,7 @@ LaneBits FindIncoming(SurfaceColumns* columns) {
   return right;
 }
 
-/// An axis of `mixed_point`: stores the position, returns the reach along it.
+/// One axis of `mixed_point`: stores the position, returns the reach along it.
 HWY_INLINE F mix_corners(F a, F b, F c, SurfaceColumns& columns, std::size_t axis, std::size_t k) {
   const Doubles d;
   const D u = hn::PromoteTo(d, load(columns.u, k)), v = hn::PromoteTo(d, load(columns.v, k));
@@ -92,7 +92,7 @@ HWY_INLINE F mix_corners(F a, F b, F c, SurfaceColumns& columns, std::size_t axi
   return larger(hn::Abs(hn::Sub(a, at)), larger(hn::Abs(hn::Sub(b, at)), hn::Abs(hn::Sub(c, at))));
 }
 
-/// `raysheaf::clearance`.
+/// SIMD version of `raysheaf::clearance`.
 HWY_INLINE F clearance(const F3& position, const F3& normal, F reach) {
   const auto part = [](F n, F p) { return hn::Mul(hn::Abs(n), hn::Abs(p)); };
   const F off = hn::Add(hn::Add(part(normal.x, position.x), part(normal.y, position.y)),
@@ -101,7 +101,7 @@ HWY_INLINE F clearance(const F3& position, const F3& normal, F reach) {
   return hn::Add(hn::Mul(roundings, set(kUnitRoundoff)), set(0x1p-147f));
 }
 
-/// The corners' normals mixed, and taken where the instance takes them.
+/// The corners' normals, interpolated and transformed by the instance.
 HWY_INLINE F3 mapped_normal(const SurfaceColumns& c, std::size_t k, const Weights& w,
                             const NormalMap& map, FM* known) {
   const Doubles d;
@@ -132,7 +132,7 @@ LaneBits PlaceSurfaces(const InstanceLanes* instances, std::size_t count, LaneBi
     FM known;
     const F3 normal = unit(cross(difference(q, p), difference(r, p)), &known);
     const F3 facing = select(mask_of(mirrored, k), negated(normal), normal);
-    // Nothing of it may have vanished.
+    // None of the products may have underflowed.
     const F zero = hn::Zero(d);
     const FM flat =
         hn::And(hn::And(hn::Eq(facing.x, zero), hn::Eq(facing.y, zero)), hn::Eq(facing.z, zero));
@@ -152,7 +152,7 @@ LaneBits PlaceSurfaces(const InstanceLanes* instances, std::size_t count, LaneBi
       const F3 mapped = mapped_normal(c, k, weights_at(c, k), instances[i].map, &has_direction);
       shading = select(hn::And(mask_of(instances[i].lanes, k), has_direction), mapped, shading);
     }
-    // `on_side_of`.
+    // SIMD version of `on_side_of`.
     const FM opposed = narrowed(hn::Lt(dot(widened(shading), widened(facing)), hn::Zero(dd)));
     shading = select(opposed, negated(shading), shading);
     store3(select(behind, negated(facing), facing), c.geometric, k);

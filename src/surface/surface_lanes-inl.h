@@ -1,4 +1,4 @@
-// Columns of surfaces in lanes. Included once a SIMD target.
+// Columns of surfaces as SIMD vectors. Included once for each SIMD target.
 #if defined(RAYSHEAF_SCENE_SURFACE_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAYSHEAF_SCENE_SURFACE_LANES_INL_H_
 #undef RAYSHEAF_SCENE_SURFACE_LANES_INL_H_
@@ -17,7 +17,7 @@ namespace raysheaf::HWY_NAMESPACE {
 namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// As many floats as a vector has doubles: the two go side by side.
+/// As many floats as a vector has doubles, so that both have the same lanes.
 using Doubles = hn::CappedTag<double, kSurfaceLanes>;
 using Floats = hn::Rebind<float, Doubles>;
 using Ints = hn::RebindToSigned<Floats>;
@@ -59,7 +59,7 @@ HWY_INLINE LaneBits bits_of(Tag d, Mask mask, std::size_t k) {
   std::memcpy(&bits, bytes, sizeof bits);
   return (bits & ((1u << hn::Lanes(d)) - 1)) << k;
 }
-/// The lanes of `bits` from `k` on.
+/// The lanes of `bits` from lane `k` on.
 HWY_INLINE FM mask_of(LaneBits bits, std::size_t k) {
   const Ints d;
   const I bit = hn::Shl(hn::Set(d, 1), hn::Iota(d, 0));
@@ -85,7 +85,7 @@ HWY_INLINE F3 negated(const F3& a) {
   return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z)};
 }
 
-/// Where a column of weights mixes corners' values: `mixed`.
+/// The weights of a column, for `mixed`.
 struct Weights {
   F first, second, third;
 };

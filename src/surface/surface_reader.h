@@ -1,7 +1,8 @@
-// Surfaces of triangles that are asked for one after the other, as pixels ask.
+// Surfaces of triangles that are requested one after the other, as by pixels.
 //
-// Neighbours often lie on one triangle, oftener on one mesh, and oftenest on one material: what
-// follows from either is worked out where it changes, and not for every point.
+// Neighbouring pixels often see the same triangle, more often the same mesh, and most often the
+// same material: values that depend only on these are computed when they change, not for every
+// point.
 #pragma once
 
 #include "surface/material_body.h"
@@ -10,19 +11,19 @@
 
 namespace raysheaf {
 
-/// `surface_at` and `surface_of` (surface/surface.h), bit for bit. Not for several threads at once.
+/// `surface_at` and `surface_of` (surface/surface.h), bit for bit. Not thread-safe.
 class SurfaceReader {
  public:
-  /// Both must outlive it, and stay as they are.
+  /// Both must outlive it and not change.
   SurfaceReader(const SceneDescription& scene, const TextureSet& textures)
       : scene_(scene), textures_(textures) {}
 
-  /// The triangle that `at` is about, of always the same flat scene or of any place.
+  /// Sets the triangle for `at`: one of a flat scene, always the same one, or any single triangle.
   void hold(const FlatScene& flat, std::uint32_t triangle);
   void hold(const SurfaceTriangle& triangle);
   [[nodiscard]] const SurfaceTriangle& held() const { return t_; }
 
-  /// At the weights of its second and third corner, for a ray along `direction`.
+  /// The surface at the weights of the second and third corner, for a ray along `direction`.
   [[nodiscard]] Surface at(float u, float v, Vec3 direction) const;
   /// The base colour's alpha there, times the texture's and the vertices'.
   [[nodiscard]] float alpha_at(float u, float v) const;
@@ -33,13 +34,14 @@ class SurfaceReader {
   const SceneDescription& scene_;
   const TextureSet& textures_;
   SurfaceTriangle t_;
-  std::uint32_t triangle_ = kInvalidId, mesh_ = kInvalidId;  ///< of the flat scene
+  std::uint32_t triangle_ = kInvalidId, mesh_ = kInvalidId;  ///< in the flat scene
   NormalMap normal_map_;
-  Vec3 front_;  ///< of the front side; nothing where there is no area
+  Vec3 front_;  ///< of the front side; zero if there is no area
   PlacedMaterial material_;
   bool has_material_ = false;
   bool textured_ = false;
-  Surface look_;  ///< the material's part of every surface; of one that looks the same everywhere
+  Surface look_;  ///< the material's part of every surface, if the material looks the same
+                  ///< everywhere
 };
 
 }  // namespace raysheaf

@@ -1,4 +1,4 @@
-// The textures of a scene, ready to be looked up.
+// The textures of a scene, prepared for look-ups.
 #pragma once
 
 #include <array>
@@ -8,17 +8,16 @@
 
 namespace raysheaf {
 
-/// Made once a scene, O(textures): pixels stay where the description has them, which must outlive
-/// this.
+/// Made once for each scene, O(textures): pixels stay in the description, which must outlive this.
 class TextureSet {
  public:
   explicit TextureSet(const SceneDescription& scene);
 
-  /// A colour stored as sRGB, made linear. White where the slot is empty. `uv` is the mesh's.
+  /// Converts a colour stored as sRGB to linear. White if the slot is empty. `uv`: of the mesh.
   [[nodiscard]] Vec4 color(const TextureSlot& slot, Vec2 uv) const {
     return look_up(table(), placed_texture(slot), from_srgb_.data(), uv);
   }
-  /// Numbers stored as they are, from 0 to 1. Ones where the slot is empty.
+  /// Returns numbers as stored, from 0 to 1. Ones if the slot is empty.
   [[nodiscard]] Vec4 numbers(const TextureSlot& slot, Vec2 uv) const {
     return look_up(table(), placed_texture(slot), as_is_.data(), uv);
   }

@@ -1,4 +1,4 @@
-// One look-up in one texture.
+// The look-up of one texel value in one texture.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,7 @@
 
 namespace raysheaf {
 
-/// A texture as the look-up wants it.
+/// A texture in the form that the look-up uses.
 struct TextureView {
   const std::uint8_t* rgba{};
   std::uint32_t width = 0, height = 0;
@@ -18,7 +18,7 @@ struct TextureView {
   Filter filter = Filter::kLinear;
 };
 
-/// A slot as the look-up wants it: what costs a sine is found once.
+/// A slot in the form that the look-up uses: the sine and cosine of its rotation are computed once.
 struct PlacedTexture {
   std::uint32_t texture = kInvalidId;
   Vec2 offset{0, 0}, scale{1, 1};
@@ -34,8 +34,8 @@ RAYSHEAF_HD inline PlacedTexture placed_texture(const TextureSlot& slot) {
   return placed;
 }
 
-/// Scaled, then rotated, then moved. `v` points down, so that counter-clockwise for who looks at
-/// the image takes +u towards -v.
+/// Scales, then rotates, then moves. Because `v` points down, counter-clockwise for a viewer of the
+/// image takes +u towards -v.
 RAYSHEAF_HD inline Vec2 transform_uv(const PlacedTexture& slot, Vec2 uv) {
   const float u = uv.x * slot.scale.x, v = uv.y * slot.scale.y;
   if (!slot.rotated) return {u + slot.offset.x, v + slot.offset.y};
@@ -43,7 +43,7 @@ RAYSHEAF_HD inline Vec2 transform_uv(const PlacedTexture& slot, Vec2 uv) {
           slot.cosine * v - slot.sine * u + slot.offset.y};
 }
 
-/// A coordinate brought to [0, 1]; 0 where it is not finite.
+/// Wraps a coordinate to [0, 1]; 0 if it is not finite.
 RAYSHEAF_HD inline float wrapped(Wrap wrap, float x) {
   if (!std::isfinite(x)) return 0;
   if (wrap == Wrap::kClampToEdge) return clamp(x, 0, 1);
@@ -52,8 +52,8 @@ RAYSHEAF_HD inline float wrapped(Wrap wrap, float x) {
   return in_period <= 1 ? in_period : 2 - in_period;
 }
 
-/// The texel of index -1 or `count` is that of the far side where the texture repeats, and the
-/// texel at the border where it mirrors or is clamped.
+/// Wraps the texel index -1 or `count`: to the opposite side if the texture repeats, to the border
+/// texel if it mirrors or is clamped.
 RAYSHEAF_HD inline std::uint32_t wrapped_texel(Wrap wrap, std::int64_t i, std::uint32_t count) {
   const std::int64_t last = static_cast<std::int64_t>(count) - 1;
   if (i < 0) i = wrap == Wrap::kRepeat ? last : 0;
@@ -74,7 +74,7 @@ RAYSHEAF_HD inline Vec4 mix(Vec4 a, Vec4 b, float t) {
 
 /// The texture at `uv`, which is already transformed, at full resolution. Texel (i, j) has its
 /// centre at ((i + 1/2) / width, (j + 1/2) / height). `decode` has 256 entries, the linear values
-/// of the bytes of red, green and blue: they are looked up before texels are mixed.
+/// of the bytes of red, green and blue: texels are decoded before they are interpolated.
 RAYSHEAF_HD inline Vec4 sample(const TextureView& texture, const float* decode, Vec2 uv) {
   const float x = wrapped(texture.wrap_u, uv.x) * static_cast<float>(texture.width);
   const float y = wrapped(texture.wrap_v, uv.y) * static_cast<float>(texture.height);
@@ -85,7 +85,7 @@ RAYSHEAF_HD inline Vec4 sample(const TextureView& texture, const float* decode, 
     return wrapped_texel(texture.wrap_v, i, texture.height);
   };
   if (texture.filter == Filter::kNearest) {
-    // The very edge of a repeating texture, where rounding reaches 1, is still its last texel.
+    // The edge of a repeating texture, where rounding reaches 1, still belongs to its last texel.
     const std::int64_t i = static_cast<std::int64_t>(x), j = static_cast<std::int64_t>(y);
     const std::uint32_t column =
         i < texture.width ? static_cast<std::uint32_t>(i) : texture.width - 1;
@@ -105,18 +105,19 @@ RAYSHEAF_HD inline Vec4 sample(const TextureView& texture, const float* decode, 
 /// The textures of a scene. Read-only pointers.
 struct TextureTable {
   View<const TextureView> textures;
-  const float* from_srgb = nullptr;  ///< 256 each
+  const float* from_srgb = nullptr;  ///< 256 entries each
   const float* as_is = nullptr;
 };
 
-/// White where the slot is empty. `uv`: of the set that the slot reads.
+/// White if the slot is empty. `uv`: of the set that the slot reads.
 RAYSHEAF_HD inline Vec4 look_up(const TextureTable& table, const PlacedTexture& slot,
                                 const float* decode, Vec2 uv) {
   if (slot.texture >= table.textures.size) return {1, 1, 1, 1};
   return sample(table.textures.data[slot.texture], decode, transform_uv(slot, uv));
 }
 
-/// A place in both of the mesh's sets of texture coordinates; they are equal where it has one set.
+/// A point in both of the mesh's sets of texture coordinates; they are equal if the mesh has one
+/// set.
 struct PlaceUv {
   Vec2 first, second;
 };

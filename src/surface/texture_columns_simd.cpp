@@ -1,5 +1,5 @@
-// Textures at the places of columns. Compiled once a SIMD target and chosen at run time (Google
-// Highway); the bits of texture_body.h.
+// Texture look-ups for columns. Compiled once for each SIMD target and chosen at run time (Google
+// Highway); computes the bits of texture_body.h.
 #include <hwy/cache_control.h>
 
 #include "surface/surface_columns.h"
@@ -15,7 +15,7 @@ HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
 namespace {
 
-/// `wrapped`.
+/// SIMD version of `wrapped`.
 HWY_INLINE F wrapped_places(Wrap wrap, F x) {
   const Floats d;
   const F one = set(1), two = set(2);
@@ -33,7 +33,7 @@ HWY_INLINE F wrapped_places(Wrap wrap, F x) {
   return hn::IfThenElseZero(finite, place);
 }
 
-/// `wrapped_texel`.
+/// SIMD version of `wrapped_texel`.
 HWY_INLINE I wrapped_texels(Wrap wrap, I i, std::int32_t count) {
   const Ints d;
   const I first = hn::Zero(d), last = hn::Set(d, count - 1);
@@ -42,7 +42,7 @@ HWY_INLINE I wrapped_texels(Wrap wrap, I i, std::int32_t count) {
   return hn::IfThenElse(hn::Lt(i, first), below, hn::IfThenElse(hn::Gt(i, last), above, i));
 }
 
-/// Red, green and blue of texels at their places in the image.
+/// Red, green and blue of the texels at these indices of the image.
 HWY_INLINE F3 texels(const TextureView& texture, const float* decode, I place) {
   const Floats d;
   const Ints di;
@@ -57,7 +57,7 @@ HWY_INLINE F3 between(const F3& a, const F3& b, F t) {
           hn::Add(a.z, hn::Mul(hn::Sub(b.z, a.z), t))};
 }
 
-/// Where the lanes see the texture: `transform_uv`, and where `wrapped` brings it, in texels.
+/// The lanes' places in the texture: `transform_uv`, then `wrapped`, in texels.
 struct TexturePlace {
   F x, y;
 };
@@ -80,7 +80,7 @@ HWY_INLINE TexturePlace texture_place(const SurfaceColumns& c, std::size_t k,
           hn::Mul(y, set(static_cast<float>(texture.height)))};
 }
 
-/// The texels that `sample` mixes, and how; of the nearest filter the first alone.
+/// The texels that `sample` interpolates, and their weights; for the nearest filter only the first.
 struct TexelMix {
   I x0, x1, y0, y1;
   F right_part, bottom_part;

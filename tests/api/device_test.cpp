@@ -85,7 +85,7 @@ void expect_cpu_answers(const Context& context) {
   static_cast<void>(closest_hit(there.scene, rays, options));
   EXPECT_EQ(statistics.rays, rays.size());
   EXPECT_GT(statistics.tests(), 0u);
-  EXPECT_EQ(statistics.plan.at(0), "object tree: refitted, for the same triangles have moved");
+  EXPECT_EQ(statistics.plan.at(0), "object tree: refitted, because the same triangles have moved");
   EXPECT_GT(there.scene.memory_bytes(), before);  // with what lies on the device
 }
 

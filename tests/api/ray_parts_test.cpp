@@ -168,7 +168,7 @@ TEST(RayParts, TilesAnswerAsBruteForceDoes) {
   const RandomSoup soup(5000, 0, 0.1f);
   const Scene scene = scene_of(soup);
   for (const Batch& batch : batches(40001)) expect_right(scene, batch);
-  expect_right(scene, {picture(40001), "order: tiles of four by four, for rows of 300 rays"});
+  expect_right(scene, {picture(40001), "order: tiles of four by four, because rows of 300 rays"});
 }
 
 /// Memory that is kept from query to query fits them all.

@@ -198,11 +198,11 @@ TEST(ComparePlans, AreShortenedToWhatTheyChose) {
   EXPECT_EQ(app::short_plan(statistics.plan), "tree built finely, packets, tiles");
   EXPECT_EQ(
       app::short_plan({"rays of one origin, but triangles meet too many of their cells: 9",
-                       "object tree: built finely, for so many", "rays: sixteen in a row",
-                       "bundles: long streams, for only 3 %", "order: tiles of four by four"}),
+                       "object tree: built finely, because so many", "rays: sixteen in a row",
+                       "bundles: long streams, because only 3 %", "order: tiles of four by four"}),
       "fan given up, tree built finely, long streams, tiles");
   EXPECT_EQ(app::short_plan({"rays of one origin, but streaming the triangles is about 9 ms",
-                             "object tree: refitted, for", "bundles: streams, for"}),
+                             "object tree: refitted, because", "bundles: streams, because"}),
             "tree refitted, streams");
 }
 

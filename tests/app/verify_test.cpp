@@ -72,7 +72,8 @@ TEST(Verify, RefusesWhatMakesNoSense) {
     EXPECT_EQ(finished.code, 2);
     EXPECT_NE(finished.err.find(words), std::string::npos) << finished.err;
   };
-  refused({"--only", "speed"}, "'speed' is no promise; there are brute-force, determinism");
+  refused({"--only", "speed"},
+          "'speed' is not a promise; the promises are brute-force, determinism");
   refused({"--seed", "-1"}, "--seed: '-1' is not a whole number");
   refused({"--rounds", "many"}, "--rounds");
   refused({"--long", "--only", "bounds"}, "--long");

@@ -142,7 +142,7 @@ TEST(Viewpoint, NonsenseIsOneSentence) {
   expect_sentence({"--view", "top", "--camera-position", "9,9,9"}, 2,
                   "--view: and --camera-position both say");
   expect_sentence({"--camera-position", "1,2,3", "--look-at", "1,2,3"}, 2,
-                  "--look-at: is where the camera is");
+                  "--look-at: is the same point as camera_position");
   expect_sentence({"--camera-position", "1,9,1", "--look-at", "1,2,1"}, 2, "--up: runs along");
   expect_sentence({"--camera", "0", "--view", "top"}, 2, "--view: makes a camera of its own");
   expect_sentence({"--zoom", "1e38"}, 2, "--zoom: is too large");

@@ -200,7 +200,7 @@ def test_soups():
     scenes[2].update(mesh, corners)
     answers = [s.closest_hit(SETTING.origins, SETTING.directions).array.tobytes() for s in scenes]
     assert answers[0] == answers[1] == answers[2]
-    with pytest.raises(raysheaf.InvalidError, match="4 vertices are not three a triangle"):
+    with pytest.raises(raysheaf.InvalidError, match="4 vertices are not a multiple of three"):
         raysheaf.Scene().add(np.zeros((4, 3)))
 
 

@@ -233,9 +233,9 @@ TEST(Plan, TreeByHistory) {
   scene.fine = true;
   expect(TreeWork::kRefit, "refitted");
   scene.degraded = true;
-  expect(TreeWork::kRebuild, "spoilt");
+  expect(TreeWork::kRebuild, "degraded");
   scene.moved = false;  // spoilt, but needed again
-  expect(TreeWork::kRebuild, "spoilt");
+  expect(TreeWork::kRebuild, "degraded");
   scene.rays_since_change = 1000000000;
   expect(TreeWork::kRebuildFinely, "so many rays");
   scene.rays_since_change = 0;

@@ -196,7 +196,7 @@ TEST(Ranks, PicturesOnDevicesHaveTheSameBits) {
           EXPECT_EQ(batch.rays, alone.statistics.batches[i].rays);
           EXPECT_EQ(batch.hits, alone.statistics.batches[i].hits);
           for (const std::string& sentence : batch.plan)
-            told += sentence.find("groups of first hits were followed here") != sentence.npos;
+            told += sentence.find("groups of primary hits were followed here") != sentence.npos;
         }
         EXPECT_EQ(told, processes > 1 ? 1u : 0u);
       });

@@ -147,14 +147,14 @@ TEST(Verify, ATestWithoutTheLastBitsIsFound) {
   subject.intersect = [](const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c, TriangleHit* hit) {
     return intersect_triangle(ray, a, b, c, hit) && hit->u > 0;
   };
-  expect_found(subject, Promise::kExact, 2, "a hit is missed");
+  expect_found(subject, Promise::kExact, 2, "a missed hit");
   // A triangle that is larger than it is.
   subject.intersect = [](const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c, TriangleHit* hit) {
     if (line_meets_triangle(ray.origin, ray.direction, a, b, c, hit))
       return is_within(hit->t, ray.t_min, ray.t_max);
     return intersect_triangle(ray, a, b + (b - a) * 0x1p-20f, c, hit);
   };
-  expect_found(subject, Promise::kExact, 2, "a hit that is none");
+  expect_found(subject, Promise::kExact, 2, "a false hit");
 }
 
 TEST(Verify, AQueryThatLosesAnEdgeIsFound) {

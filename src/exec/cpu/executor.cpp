@@ -28,8 +28,8 @@ std::uint32_t cores() {
   return static_cast<std::uint32_t>(std::max(1, oneapi::tbb::info::default_concurrency()));
 }
 
-/// How many threads the system starts, `wanted` at most. oneTBB's workers begin one another, and
-/// where one of them cannot, the process ends.
+/// How many threads the system can start, at most `wanted`. This must be known before oneTBB is
+/// used: its workers start one another, and if one cannot be started, the process is terminated.
 std::uint32_t startable(std::uint32_t wanted) {
   static std::mutex mutex;
   static const bool holds = (hold_over_forks(&mutex), true);
@@ -43,7 +43,7 @@ std::uint32_t startable(std::uint32_t wanted) {
   try {
     while (threads.size() + 1 < wanted) threads.emplace_back([&] { end.wait(); });
   } catch (const std::exception&) {
-    // As many as there are, whatever there is no more of.
+    // The system's limit is reached; the threads started so far count.
   }
   end.count_down();
   for (std::thread& thread : threads) thread.join();
@@ -51,7 +51,7 @@ std::uint32_t startable(std::uint32_t wanted) {
   return static_cast<std::uint32_t>(threads.size() + 1);
 }
 
-/// `asked`, if the system starts so many; of 0 as many of the cores as it does.
+/// Returns `asked` if the system can start that many threads; for 0, up to the number of cores.
 std::uint32_t thread_count(std::uint32_t asked) {
   const std::uint32_t count = startable(asked != 0 ? asked : cores());
   if (count < asked)
@@ -68,17 +68,18 @@ struct Executor::Pool {
   explicit Pool(std::uint32_t count) : arena(static_cast<int>(count)) {}
 
   oneapi::tbb::task_arena arena;
-  /// Lets there be more workers than cores, where asked for.
+  /// Permits more workers than cores, if requested.
   std::optional<oneapi::tbb::global_control> workers;
   const std::uint32_t made = fork_number();
 
-  /// Null in a child of fork whose parent had any: oneTBB counts on workers that are not there.
+  /// Returns null in a child of fork whose parent had a pool: oneTBB counts on workers that do not
+  /// exist there.
   static std::shared_ptr<Pool> take(std::uint32_t count);
 };
 
-/// A pool that no executor has, or a new one. oneTBB 2021.8 keeps some memory of every arena that
-/// was used for as long as the process lives, so arenas are used again: there are as many of a size
-/// as were ever in use at once.
+/// Takes a pool that no executor uses, or makes a new one. oneTBB 2021.8 keeps some memory of every
+/// arena until the process ends, so arenas are reused: for each size there are as many as were ever
+/// in use at once.
 std::shared_ptr<Executor::Pool> Executor::Pool::take(std::uint32_t count) {
   struct Spares {
     std::mutex mutex;
@@ -96,14 +97,16 @@ std::shared_ptr<Executor::Pool> Executor::Pool::take(std::uint32_t count) {
       pool = std::move(unused.back());
       unused.pop_back();
     } else {
-      unused.reserve(unused.capacity() + 1);  // so that giving back does not throw
+      unused.reserve(unused.capacity() + 1);  // so that returning a pool does not throw
     }
   }
   if (pool == nullptr) pool = std::make_unique<Pool>(count);
   pool->workers.emplace(oneapi::tbb::global_control::max_allowed_parallelism,
                         std::max(count, startable(cores())));
   const auto give_back = [count](Pool* given) {
-    if (given->made != fork_number()) return;  // lost: its workers cannot be told
+    if (given->made != fork_number())
+      return;  // leaked, because its workers exist only in the
+               // parent
     given->workers.reset();
     const std::lock_guard lock(spares->mutex);
     spares->of_size[count].emplace_back(given);
@@ -143,10 +146,10 @@ void Executor::enter(void (*call)(const void* body), const void* body) const {
 }
 
 void Executor::spread(std::size_t count, std::size_t grain, Block* block, const void* body) const {
-  assert(grain > 0);  // or a loop that can be stopped has no end
+  assert(grain > 0);  // otherwise a loop that can be stopped would not end
   const auto run = [&](std::size_t first, std::size_t last) {
     if (stop_ == nullptr) return block(body, first, last);
-    // Ranges may be long.
+    // The range of a task may be long: check for cancellation after every `grain` items.
     for (std::size_t begin = first; begin < last; begin += grain) {
       check();
       block(body, begin, std::min(begin + grain, last));

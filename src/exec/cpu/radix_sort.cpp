@@ -17,13 +17,13 @@ constexpr std::uint32_t kDigitBits = 11;
 constexpr std::uint32_t kSmallDigitBits = 8;
 constexpr std::size_t kSmall = 4096;
 
-/// Blocks are for balance: a few a thread, each long enough to outweigh its row of counters.
+/// Blocks balance the load: a few per thread, each long enough to outweigh its row of counters.
 constexpr std::size_t kBlocksAThread = 4;
 constexpr std::size_t kMinBlock = 8192;
-/// Buckets a task when counters are summed over the blocks.
+/// Minimum buckets per task when counters are summed over the blocks.
 constexpr std::size_t kBucketGrain = 512;
 
-/// `bits` bits of a key from `shift` up.
+/// The `bits` bits of a key from bit `shift` up.
 struct Digit {
   std::uint32_t shift;
   std::uint32_t bits;
@@ -41,7 +41,7 @@ struct Pair {
   std::uint32_t value;
 };
 
-/// Pairs as the caller has them: two columns.
+/// Pairs as the caller stores them: two columns.
 template <class Key>
 struct Columns {
   Key* keys;
@@ -91,7 +91,8 @@ Key unsorted_bits(const Executor& executor, Columns<Key> in, Blocks blocks, Key 
   return sorted.load() ? 0 : differing.load();
 }
 
-/// The fewest digits that cover the set bits, lowest first. None reaches above the highest.
+/// The fewest digits that cover the set bits, lowest first. No digit extends above the highest set
+/// bit.
 template <class Key>
 std::vector<Digit> digits_over(Key bits, std::uint32_t most_bits) {
   std::vector<Digit> digits;
@@ -117,8 +118,8 @@ struct Counters {
   [[nodiscard]] std::uint32_t* row(std::size_t block) { return rows.data() + block * buckets; }
 };
 
-/// Turns counts into places: `rows` into the number of such keys in blocks before, `starts` into
-/// the first place of a bucket.
+/// Turns counts into positions: `rows` into the number of such keys in earlier blocks, `starts`
+/// into the first position of a bucket.
 void count_to_place(const Executor& executor, Counters& counters) {
   executor.for_each_block(counters.buckets, kBucketGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t first = 0; first < counters.rows.size(); first += counters.buckets) {
@@ -133,7 +134,7 @@ void count_to_place(const Executor& executor, Counters& counters) {
   for (std::uint32_t& count : counters.starts) start += std::exchange(count, start);
 }
 
-/// One stable pass: count the digits of each block, find the places, put the pairs there.
+/// One stable pass: counts the digits of each block, computes the positions, moves the pairs there.
 template <class Source, class Sink>
 void sort_digit(const Executor& executor, Source in, Sink out, Blocks blocks, Digit digit,
                 Counters& counters) {
@@ -177,8 +178,8 @@ template <class Key>
 void sort_pairs(const Executor& executor, std::vector<Key>& keys,
                 std::vector<std::uint32_t>& values, std::uint32_t key_bits) {
   if (keys.size() != values.size() || keys.size() > std::numeric_limits<std::uint32_t>::max()) {
-    throw Error(ErrorCode::kInvalidArgument,
-                "keys and values must be equally many, fewer than 2^32", "radix sort");
+    throw Error(ErrorCode::kInvalidArgument, "keys and values must have the same size, below 2^32",
+                "radix sort");
   }
   if (keys.size() < 2 || key_bits == 0) return;
   const std::uint32_t width = std::numeric_limits<Key>::digits;

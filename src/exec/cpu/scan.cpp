@@ -21,7 +21,7 @@ std::vector<std::uint64_t> block_sums(const Executor& executor, View<const std::
   return sums;
 }
 
-/// Replaces the sums by the sum of all blocks before; returns the total.
+/// Replaces each sum by the sum of all earlier blocks; returns the total.
 std::uint32_t scan_blocks(std::vector<std::uint64_t>& sums) {
   std::uint64_t total = 0;
   for (std::uint64_t& sum : sums) {

@@ -28,7 +28,7 @@ bool lies_on_a_device(const void* pointer) {
   return type == cudaMemoryTypeDevice || type == cudaMemoryTypeManaged;
 }
 
-/// Of this stream's work so far; made where there is none yet.
+/// Records an event after this stream's work so far; creates it first if necessary.
 void record(const char* stage, void** event, void* stream) {
   if (*event == nullptr) {
     cudaEvent_t made = nullptr;
@@ -68,7 +68,7 @@ CudaDevice::CudaDevice(int index, DeviceAllocator* allocator)
       scratch_(*allocator_),
       counter_(*allocator_) {
   name_ = described(index);
-  // Whether this build has code that the device can run shows when some is run.
+  // Launches an empty kernel: only this shows whether the build contains code for the device.
   for_each(kOpening, 1, Nothing{});
   synchronize(kOpening);
 }
@@ -141,7 +141,7 @@ void CudaDevice::wait_for(const char* stage, void* stream) {
   check_cuda(cudaStreamIsCapturing(other, &capture), stage);
   if (capture != cudaStreamCaptureStatusNone)
     throw Error(ErrorCode::kInvalidArgument,
-                "is being captured into a graph, which a query cannot become a part of", "stream");
+                "is being captured into a graph, but a query cannot be part of a graph", "stream");
   cudaEvent_t event = nullptr;
   check_cuda(cudaEventCreateWithFlags(&event, cudaEventDisableTiming), stage);
   cudaError_t status = cudaEventRecord(event, other);

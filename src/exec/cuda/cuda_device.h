@@ -1,6 +1,6 @@
-// A CUDA device: the verbs of exec/device.h as kernels and calls of CUB, one after another on a
-// stream of its own. One small .cu a primitive; loops are launched by exec/cuda/cuda_launch.h. A
-// thread's current device is after each verb what it was before.
+// A CUDA device: the verbs of exec/device.h as kernels and calls of CUB, in sequence on a stream of
+// its own. Each primitive has a small .cu file; exec/cuda/cuda_launch.h launches loops. Each verb
+// restores the thread's current device.
 #pragma once
 
 #include <cstdint>
@@ -24,9 +24,9 @@ class CudaDevice {
   using Downlink = CudaDownlink;
   using GlBuffer = CudaGlBuffer;
 
-  /// Device `index` of this process. `allocator`, which outlives it, replaces the device's own.
-  /// Throws Error in CUDA's words where there is no such device, or none that this build has code
-  /// for.
+  /// Device `index` of this process. `allocator`, which must outlive it, replaces the device's own.
+  /// Throws Error with CUDA's message if the device does not exist or if this build has no code for
+  /// it.
   explicit CudaDevice(int index = 0, DeviceAllocator* allocator = nullptr);
   CudaDevice(const CudaDevice&) = delete;
   CudaDevice& operator=(const CudaDevice&) = delete;
@@ -63,22 +63,22 @@ class CudaDevice {
   [[nodiscard]] bool reads_host_memory() const;
 
   void keep_times(bool keep);
-  /// Waits.
+  /// Waits for the device.
   [[nodiscard]] std::vector<StageTime> times();
 
-  /// What was asked for on `stream` (a cudaStream_t, null: the default one) comes before what is
-  /// asked for here from now on. Throws Error (kInvalidArgument) where that is being captured into
-  /// a graph.
+  /// Orders the work that is queued here from now on after the work already queued on `stream` (a
+  /// cudaStream_t, null: the default one). Throws Error (kInvalidArgument) if that stream is being
+  /// captured into a graph.
   void wait_for(const char* stage, void* stream);
   /// The product's name and its compute capability.
   [[nodiscard]] const std::string& name() const { return name_; }
 
-  // For its links.
+  // The device's index, for its links.
   [[nodiscard]] int index() const { return index_; }
   [[nodiscard]] void* stream() const { return stream_.handle; }  ///< a cudaStream_t
 
  private:
-  /// Goes with the device, also where that cannot be made to its end.
+  /// Destroyed with the device, also if the device's constructor throws.
   struct OwnStream {
     explicit OwnStream(int of_device);
     OwnStream(const OwnStream&) = delete;
@@ -89,16 +89,17 @@ class CudaDevice {
     void* handle = nullptr;  // a cudaStream_t
   };
   struct Mark;
-  /// A verb on its way: makes the device current, and marks its beginning and end where times are
+  /// A verb in progress: makes the device current, and marks its beginning and end if times are
   /// kept.
   class Verb;
 
   void fill_bytes(const char* stage, void* place, std::size_t bytes, std::uint8_t byte);
   [[nodiscard]] void* scratch(const char* stage, std::size_t bytes);
-  /// What CUB counted.
+  /// Memory for a count by CUB.
   [[nodiscard]] std::uint32_t* counter(const char* stage);
   [[nodiscard]] std::uint32_t counted(const char* stage);
-  /// Runs `call(temporary, bytes, stream)` of CUB twice: first to ask how much room it needs.
+  /// Runs `call(temporary, bytes, stream)` of CUB twice; the first call returns how much temporary
+  /// memory it needs.
   template <class Call>
   void run_cub(const char* stage, const Call& call);
   template <class Key>
@@ -113,7 +114,7 @@ class CudaDevice {
   DeviceBuffer<std::uint32_t> counter_;
   bool keeps_times_ = false;
   std::vector<Mark> marks_;
-  void *clock_start_ = nullptr, *clock_stop_ = nullptr;  // cudaEvent_t, made when first used
+  void *clock_start_ = nullptr, *clock_stop_ = nullptr;  // cudaEvent_t, created on first use
 };
 
 }  // namespace raysheaf

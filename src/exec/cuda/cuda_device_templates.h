@@ -1,4 +1,4 @@
-// The inside of CudaDevice, for the CUDA sources beside it.
+// Internals of CudaDevice, for the CUDA sources in this folder.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -8,8 +8,8 @@
 
 namespace raysheaf {
 
-/// What this thread asks CUDA for is asked of device `index`, until this goes: then of the device
-/// that it was before.
+/// Makes device `index` current for this thread, and restores the previous device at the end of the
+/// scope.
 class CurrentDevice {
  public:
   explicit CurrentDevice(int index) noexcept {
@@ -35,7 +35,7 @@ class CurrentDevice {
   return static_cast<cudaEvent_t>(event);
 }
 
-/// Whether kernels of device `index` may follow a pointer of which CUDA says this. Throws as
+/// Whether kernels of device `index` may access a pointer with these attributes. Throws as
 /// `is_device_memory` does.
 [[nodiscard]] bool may_follow(const cudaPointerAttributes& said, int index, const char* name);
 
@@ -48,11 +48,12 @@ class CudaDevice::Verb {
  public:
   Verb(CudaDevice& device, const char* stage)
       : device_(device), stage_(stage), current_(device.index_, stage) {
-    static_cast<void>(cudaGetLastError());  // what was refused before, of whomever, is not its own
+    static_cast<void>(cudaGetLastError());  // clears errors of earlier calls, which do not belong
+                                            // to this verb
   }
   [[nodiscard]] cudaStream_t stream() const { return static_cast<cudaStream_t>(device_.stream()); }
-  /// The mark of its beginning: the next thing that is asked for is its work. What the host does
-  /// after it, the stream waits for, and the stage's time holds.
+  /// Marks the beginning of the verb's work; call it right before queuing the work. The stage's
+  /// time includes any host work after this that the stream waits for.
   void begin() {
     if (!device_.keeps_times_) return;
     Mark mark{stage_, nullptr, nullptr};
@@ -61,7 +62,7 @@ class CudaDevice::Verb {
     check_cuda(cudaEventCreate(&device_.marks_.back().end), stage_);
     check_cuda(cudaEventRecord(mark.begin, stream()), stage_);
   }
-  /// Whether it could be asked for, and the mark of its end.
+  /// Checks that the work was queued, and marks its end.
   void finish(cudaError_t status) {
     check_cuda(status, stage_);
     check_cuda(cudaGetLastError(), stage_);

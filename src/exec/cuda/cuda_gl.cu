@@ -18,7 +18,7 @@ constexpr const char* kSharing = "CUDA device: OpenGL";
   throw Error(ErrorCode::kUnsupported, why, kSharing);
 }
 
-/// Whatever CUDA has against it, the picture can be copied instead.
+/// Reports every refusal as unsupported, because the image can be copied instead.
 void require(cudaError_t status) {
   try {
     check_cuda(status, kSharing);
@@ -41,7 +41,7 @@ CudaGlBuffer::CudaGlBuffer(CudaDevice& device, unsigned name, GlAccess access)
   const CurrentDevice current(index_, kSharing);
   std::array<int, 16> drawing{};
   unsigned count = 0;
-  // Where CUDA cannot say which devices draw, the buffer's registration decides.
+  // If CUDA cannot list the devices that draw, registering the buffer decides.
   const cudaError_t said = cudaGLGetDevices(
       &count, drawing.data(), static_cast<unsigned>(drawing.size()), cudaGLDeviceListAll);
   ignore_cuda(said);
@@ -53,7 +53,7 @@ CudaGlBuffer::CudaGlBuffer(CudaDevice& device, unsigned name, GlAccess access)
                                        access == GlAccess::kRead
                                            ? cudaGraphicsRegisterFlagsReadOnly
                                            : cudaGraphicsRegisterFlagsWriteDiscard));
-  // What a driver refuses only now is refused here, too.
+  // Maps the buffer once, so that a driver that refuses only now is reported here, too.
   cudaError_t status = cudaGraphicsMapResources(1, &resource, stream_of(device));
   if (status == cudaSuccess) status = cudaGraphicsUnmapResources(1, &resource, stream_of(device));
   if (status != cudaSuccess) ignore_cuda(cudaGraphicsUnregisterResource(resource));

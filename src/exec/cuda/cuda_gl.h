@@ -1,4 +1,4 @@
-// A buffer of OpenGL's, read or written by a CUDA device where it lies.
+// An OpenGL buffer that a CUDA device reads or writes in place.
 #pragma once
 
 #include <cstddef>
@@ -7,21 +7,21 @@
 
 namespace raysheaf {
 
-/// The context that owns the buffer is current wherever anything is called, the destructor
-/// included. It may outlive the device that it was made with.
+/// The context that owns the buffer must be current in every call, including the destructor. This
+/// object may outlive the device with which it was made.
 class CudaGlBuffer {
  public:
-  /// `name`: OpenGL's. Throws Error (kUnsupported), in CUDA's words, where the context is not this
-  /// device's.
+  /// `name`: OpenGL's name of the buffer. Throws Error (kUnsupported) with CUDA's message if the
+  /// context does not belong to this device.
   CudaGlBuffer(CudaDevice& device, unsigned name, GlAccess access);
   CudaGlBuffer(const CudaGlBuffer&) = delete;
   CudaGlBuffer& operator=(const CudaGlBuffer&) = delete;
   ~CudaGlBuffer();
 
-  /// Its first bytes go to `to`, in the device's memory, in the order of the device's work: after
-  /// what OpenGL was asked for before, and before what it is asked for from now on.
+  /// Copies the buffer's first bytes to `to`, in the device's memory, in the order of the device's
+  /// work: after OpenGL's earlier commands and before its later ones.
   void copy_to(const char* stage, CudaDevice& device, void* to, std::size_t bytes) const;
-  /// So many bytes in the device's memory, for its work from now on and until `unmap`.
+  /// Maps this many bytes in the device's memory, for its work from now on until `unmap`.
   [[nodiscard]] void* map(const char* stage, CudaDevice& device, std::size_t bytes) const;
   void unmap(const char* stage, CudaDevice& device) const;
 

@@ -5,7 +5,7 @@
 
 namespace raysheaf {
 
-/// Of a multiprocessor at the same time: a thread takes 128 registers at most.
+/// Minimum resident blocks per multiprocessor, which limits a thread to 128 registers.
 inline constexpr std::uint32_t kLeastBlocks = 4;
 
 template <class Body>
@@ -15,7 +15,7 @@ __global__ void __launch_bounds__(kBlockThreads, kLeastBlocks)
                       std::size_t{gridDim.x} * blockDim.x, count, body);
 }
 
-/// Many more than any machine runs at once: whichever is done first takes the next.
+/// Many more than any device runs at once: blocks that finish early make room for the next.
 inline constexpr std::uint32_t kMostBlocks = 1u << 20;
 
 template <class Body>

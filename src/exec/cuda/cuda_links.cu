@@ -13,23 +13,23 @@ cudaStream_t stream_of(void* stream) {
   return static_cast<cudaStream_t>(stream);
 }
 
-/// Longer than a part of a large array (exec/bulk_links.h) is on its way, tens of microseconds, and
-/// longer than it takes to wake a thread.
+/// Longer than the copy of one part of a large array (exec/bulk_links.h), which takes tens of
+/// microseconds, and longer than waking a thread.
 constexpr std::chrono::microseconds kLongestSpin{200};
 
-/// Waits awake at first, for a part of a large array; then asleep, so that threads that read and
-/// decode have the processor.
+/// Spins at first, long enough for a part of a large array; then sleeps, so that threads that read
+/// and decode can use the processor.
 void wait_for_event(const char* stage, void* event) {
   const auto end = std::chrono::steady_clock::now() + kLongestSpin;
   cudaError_t status;
   do status = cudaEventQuery(event_of(event));
   while (status == cudaErrorNotReady && std::chrono::steady_clock::now() < end);
-  ignore_cuda(status);  // "not ready" is no error, and is not to be remembered
+  ignore_cuda(status);  // clears "not ready", which is not an error
   if (status == cudaErrorNotReady) status = cudaEventSynchronize(event_of(event));
   check_cuda(status, stage);
 }
 
-/// A thread that waits for it by `cudaEventSynchronize` sleeps.
+/// A thread that waits for this event by `cudaEventSynchronize` sleeps.
 cudaEvent_t new_event() {
   cudaEvent_t event = nullptr;
   check_cuda(cudaEventCreateWithFlags(&event, cudaEventDisableTiming | cudaEventBlockingSync),
@@ -86,7 +86,7 @@ void CudaUplink::close() noexcept {
 
 std::byte* CudaUplink::room(const char* stage, std::size_t bytes) {
   const CurrentDevice current(device_.index(), stage);
-  wait_for_event(stage, sent_);  // at once where nothing was sent yet
+  wait_for_event(stage, sent_);  // returns at once if nothing was sent yet
   room_.resize(stage, bytes);
   return room_.data();
 }
@@ -121,7 +121,8 @@ CudaDownlink::CudaDownlink(CudaDevice& device) : device_(device) {
 
 CudaDownlink::~CudaDownlink() {
   const CurrentDevice current(device_.index());
-  ignore_cuda(cudaEventSynchronize(event_of(arrived_)));  // nothing writes into the room
+  ignore_cuda(cudaEventSynchronize(event_of(arrived_)));  // so that no copy still writes to the
+                                                          // memory
   destroy_event(arrived_);
 }
 

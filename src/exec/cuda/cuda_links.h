@@ -1,5 +1,5 @@
-// The links of a CUDA device (exec/links.h): page-locked memory, a stream for each uplink, events
-// between it and the device's own.
+// The links of a CUDA device (exec/links.h): page-locked memory, a stream for each uplink, and
+// events that order it and the device's own stream.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace raysheaf {
 
-/// Memory of the host that stays where it is; grows, and forgets what it has when it does.
+/// Page-locked host memory. It grows, and loses its content when it does.
 class LockedMemory {
  public:
   LockedMemory() = default;

@@ -47,7 +47,7 @@ CudaPool::~CudaPool() {
 cudaError_t CudaPool::allocate(void** memory, std::size_t bytes, cudaStream_t stream) {
   cudaError_t status = cudaMallocFromPoolAsync(memory, bytes, pool_, stream);
   if (status != cudaErrorMemoryAllocation) return status;
-  // What is kept in pieces may do once it is given back.
+  // The pool's free memory may be fragmented: retry after returning it to the device.
   ignore_cuda(status);
   ignore_cuda(cudaStreamSynchronize(stream));
   ignore_cuda(cudaMemPoolTrimTo(pool_, 0));
@@ -75,7 +75,8 @@ void* StreamAllocator::allocate(const char* stage, std::size_t bytes) {
 }
 
 void StreamAllocator::free(void* memory) noexcept {
-  // A device that has failed cannot take its memory back, and nobody could do anything about it.
+  // Errors are ignored: a device that has failed cannot free memory, and the caller could not
+  // handle that.
   const CurrentDevice current(index_);
   ignore_cuda(pool_ != nullptr ? cudaFreeAsync(memory, stream_) : cudaFree(memory));
 }

@@ -1,4 +1,4 @@
-// A CUDA device's memory: of a pool that all streams of this process share. For CUDA sources.
+// A CUDA device's memory, from a pool that all streams of this process share. For CUDA sources.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -10,34 +10,34 @@
 
 namespace raysheaf {
 
-/// Memory that is given back is kept for whoever is next, until the pool goes: the device's own
-/// pool would unmap it whenever somebody waits, which is at each stage.
+/// Keeps freed memory for reuse until the pool is destroyed: the device's default pool would unmap
+/// it at every synchronization, that is at each stage.
 class CudaPool {
  public:
-  /// That of device `index`, which goes with the last of its holders; null where the device has no
-  /// pools. Throws Error in CUDA's words.
+  /// The pool of device `index`, destroyed with its last holder; null if the device does not
+  /// support pools. Throws Error with CUDA's message.
   [[nodiscard]] static std::shared_ptr<CudaPool> of(int index);
   explicit CudaPool(int index);
   CudaPool(const CudaPool&) = delete;
   CudaPool& operator=(const CudaPool&) = delete;
   ~CudaPool();
 
-  /// In the order of the stream.
+  /// In the order of the stream's work.
   [[nodiscard]] cudaError_t allocate(void** memory, std::size_t bytes, cudaStream_t stream);
-  /// What it has and nobody uses.
+  /// Bytes that are reserved but not in use.
   [[nodiscard]] std::uint64_t free_bytes() const;
 
  private:
   cudaMemPool_t pool_ = nullptr;
 };
 
-/// In the order of a stream.
+/// Allocates in the order of a stream's work.
 class StreamAllocator : public DeviceAllocator {
  public:
   StreamAllocator(int index, cudaStream_t stream);
   [[nodiscard]] void* allocate(const char* stage, std::size_t bytes) override;
   void free(void* memory) noexcept override;
-  /// Of its pool.
+  /// Free bytes of its pool.
   [[nodiscard]] std::uint64_t free_bytes() const;
 
  private:

@@ -1,5 +1,5 @@
-// Scans by CUB and what is made of them, together: to read its headers takes longer than to compile
-// what is used of them.
+// Scans by CUB and operations based on them share one file, because reading CUB's headers takes
+// longer than compiling what is used of them.
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 
@@ -12,7 +12,7 @@
 namespace raysheaf {
 namespace {
 
-/// The counts, and a zero behind the last, before which their total then stands.
+/// The counts, followed by a zero, in whose position the scan writes the total.
 struct CountOrZero {
   const std::uint32_t* counts;
   std::size_t size;

@@ -1,5 +1,5 @@
-// Radix sorts by CUB, together: to read its headers takes longer than to compile what is used of
-// them.
+// Radix sorts by CUB share one file, because reading CUB's headers takes longer than compiling what
+// is used of them.
 #include <cub/device/device_radix_sort.cuh>
 
 #include "exec/cuda/cuda_device_templates.h"

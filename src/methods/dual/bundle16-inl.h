@@ -1,5 +1,5 @@
-// Lanes of rays, bundles of sixteen rays and their beams: filled, and tested with boxes. Included
-// once a SIMD target by methods/dual/trace_simd.cpp, inside its namespace.
+// SIMD lanes of rays, bundles of sixteen rays and their beams: filled, and tested with boxes.
+// Included once for each SIMD target by methods/dual/trace_simd.cpp, inside its namespace.
 
 using Rays = hn::CappedTag<float, kBundleWidth>;
 using RayInts = hn::RebindToUnsigned<Rays>;
@@ -19,7 +19,7 @@ HWY_INLINE RV set(float x) {
   return hn::Set(Rays(), x);
 }
 
-/// Reads no more bytes than were written, so that the load is forwarded from the store.
+/// Reads no more bytes than were written, so that the processor forwards the store to the load.
 template <class D, class M>
 HWY_INLINE std::uint32_t bits_of(D d, M mask) {
   if constexpr (hn::MaxLanes(D()) <= 8) {
@@ -45,7 +45,7 @@ HWY_INLINE RM lanes_of(std::uint32_t bits, std::size_t g) {
 
 #if HWY_MAX_BYTES >= 32 && HWY_TARGET != HWY_SCALAR
 #if HWY_TARGET == HWY_AVX2
-/// For each choice of eight lanes their numbers, four bits each: first those that are chosen.
+/// For each selection of eight lanes: the lanes' numbers, four bits each, selected ones first.
 struct ChosenFirst {
   std::uint32_t lanes[256] = {};
   constexpr ChosenFirst() {
@@ -64,13 +64,13 @@ struct ChosenFirst {
 inline constexpr ChosenFirst kChosenFirst;
 #endif
 
-/// Moves chosen lanes to the front, in their order. Lanes behind them are the others or 0. Returns
-/// how many were chosen.
+/// Moves selected lanes to the front, in order. The lanes after them hold the others or 0. Returns
+/// how many were selected.
 template <class D>
 HWY_INLINE std::uint32_t compress(D d, hn::Mask<D> chosen, hn::Vec<D>* v) {
 #if HWY_TARGET == HWY_AVX2
-  // As hn::Compress does it, with a table that stays where it is: gcc 12 copies that of Highway 1.0
-  // to the stack for each call.
+  // Works like hn::Compress, with a static table: gcc 12 copies the table of Highway 1.0 to the
+  // stack for each call.
   static_assert(hn::MaxLanes(D()) == 8 && sizeof(hn::TFromD<D>) == 4);
   alignas(32) static constexpr std::uint32_t kShifts[8] = {0, 4, 8, 12, 16, 20, 24, 28};
   const std::uint32_t bits = bits_of(d, chosen);
@@ -85,7 +85,7 @@ HWY_INLINE std::uint32_t compress(D d, hn::Mask<D> chosen, hn::Vec<D>* v) {
 }
 #endif
 
-/// Clamps away from zero, keeping the sign, so that the inverse is finite.
+/// Clamps away from zero and keeps the sign, so that the inverse is finite.
 HWY_INLINE RV inverse_slope(RV slope) {
   const RV tiny = set(1e-20f);
   const RV safe = hn::Max(hn::Abs(slope), tiny);
@@ -96,7 +96,7 @@ inline float inverse_slope(float slope) {
   return std::copysign(1.0f, slope) / size;
 }
 #if HWY_TARGET != HWY_SCALAR
-/// Blocks of four lanes that a vector has, block k from the four floats at `at(k)`.
+/// Loads the vector's blocks of four lanes: block k from the four floats at `at(k)`.
 inline constexpr std::size_t kBlocks = hn::MaxLanes(Rays()) / 4;
 template <class At>
 HWY_INLINE RV load_blocks(const At& at) {
@@ -115,8 +115,9 @@ HWY_INLINE RV load_blocks(const At& at) {
 }
 #endif
 
-/// Four floats of a record each for as many records as a vector has lanes: field k of list[i] comes
-/// to lane i of fk. In registers: what was stored in parts cannot be loaded whole at once.
+/// Loads four floats of a record, for as many records as a vector has lanes: field k of list[i]
+/// goes to lane i of fk. Uses registers only, because memory that was stored in parts cannot be
+/// loaded as a whole without waiting.
 template <class Record>
 HWY_INLINE void gather4(const Record* records, int quad, const std::uint32_t* list, RV& f0, RV& f1,
                         RV& f2, RV& f3) {
@@ -132,7 +133,7 @@ HWY_INLINE void gather4(const Record* records, int quad, const std::uint32_t* li
   f2 = hn::Set(d, from[2]);
   f3 = hn::Set(d, from[3]);
 #else
-  // Vector j has the records j, 4 + j, 8 + j, ... in its blocks of four lanes.
+  // Vector j holds the records j, 4 + j, 8 + j, ... in its blocks of four lanes.
   const auto blocks = [&](std::size_t j) __attribute__((always_inline)) {
     return load_blocks([&](std::size_t k) __attribute__((always_inline)) { return at(4 * k + j); });
   };
@@ -147,7 +148,7 @@ HWY_INLINE void gather4(const Record* records, int quad, const std::uint32_t* li
 #endif
 }
 
-/// The opposite for records that stand together: lane i of fk goes to field k of records[i].
+/// The reverse, for consecutive records: lane i of fk goes to field k of records[i].
 template <class Record>
 HWY_INLINE void store4(RV f0, RV f1, RV f2, RV f3, int quad, Record* records) {
   static_assert(sizeof(Record) % 16 == 0);
@@ -191,13 +192,13 @@ HWY_INLINE void store4(RV f0, RV f1, RV f2, RV f3, int quad, Record* records) {
 
 // Bundles of rays.
 
-/// Two planes of a box, the one that rays of a quarter meet first and the other.
+/// Two planes of a box: the one that rays of a quarter intersect first, and the other.
 struct PlanePair {
   float near, far;
 };
 
-/// Where the bundle's lanes from `g` on are inside a box: from `near` to `far`, clipped to what
-/// they look for.
+/// Computes where the bundle's lanes from `g` on are inside a box: from `near` to `far`, clipped to
+/// the rays' intervals.
 HWY_INLINE void clip_to_box(const RayBundle& p, std::size_t g, PlanePair x, PlanePair y,
                             PlanePair z, RV* near, RV* far) {
   using hn::Max, hn::Min, hn::Mul, hn::Sub;
@@ -213,7 +214,7 @@ HWY_INLINE void clip_to_box(const RayBundle& p, std::size_t g, PlanePair x, Plan
   *far = Min(Min(x1, y1), Min(z1, load(p.s_far + g)));
 }
 
-/// The rays of `bundle` that meet a child's box within [s_near, s_far], as bits.
+/// The rays of `bundle` that intersect a child's box within [s_near, s_far], as bits.
 HWY_INLINE std::uint32_t rays_in_child(const RayBundle& p, const BvhNode& n, std::uint32_t c) {
   const Rays d;
   std::uint32_t bits = 0;
@@ -227,18 +228,18 @@ HWY_INLINE std::uint32_t rays_in_child(const RayBundle& p, const BvhNode& n, std
   return bits;
 }
 
-/// `raysheaf::past`, in lanes.
+/// SIMD version of `raysheaf::past`.
 HWY_INLINE RV past(RV t, RV along, float pad) {
   return hn::Add(hn::Mul(hn::Mul(hn::Add(t, set(kLeastStep)), along), set(1 + 8 * kUnitRoundoff)),
                  set(pad));
 }
 
-/// Rays in lanes, along a quarter's axes.
+/// Rays as vectors, along a quarter's axes.
 struct RayLanes {
   RV ox, oy, oz, dx, dy, dz, t_min, t_limit;
 };
 
-/// Unused lanes look for nothing.
+/// Unused lanes get an empty interval.
 HWY_INLINE RayLanes gather_lanes(const Ray* rays, const std::uint32_t* index, RM used,
                                  const QuarterAxes& axes) {
   RV o[3], d[3], t_min, t_max;
@@ -248,14 +249,14 @@ HWY_INLINE RayLanes gather_lanes(const Ray* rays, const std::uint32_t* index, RM
           d[axes.axis_y], d[axes.axis_z], t_min,          hn::IfThenElse(used, t_max, set(-1))};
 }
 
-/// No less than kLeastStep times |d_z|, and always a normal number: processors take a hundred
-/// cycles and more for a product that is not, and where t_min is 0 there would be one in every ray.
+/// At least kLeastStep times |d_z|, and always a normal number: processors take a hundred cycles or
+/// more for a product with a subnormal number, and with t_min = 0 every ray would have one.
 HWY_INLINE RV least_step_of(RV along) {
   static_assert(kLeastStep == 0x1p-148f);
   return hn::Mul(hn::Mul(hn::Max(along, set(0x1p23f)), set(0x1p-100f)), set(0x1p-48f));
 }
 
-/// What follows from rays in lanes, as in RayBundle.
+/// Values derived from rays, as in RayBundle.
 struct SlabLanes {
   RV shear_x, shear_y, shear_z, along, per_x, per_y, s_near, s_far;
 
@@ -278,13 +279,15 @@ struct SlabLanes {
                            set(-std::numeric_limits<float>::infinity()), far);
   }
 
-  /// Clips each ray to the scene's box; returns the lanes that meet it. The others look no further.
+  /// Clips each ray to the scene's box; returns the lanes that intersect it. The others get an
+  /// empty interval.
   HWY_INLINE RM clip(const Box& scene, const RayLanes& r, const QuarterAxes& a, float slack) {
     using hn::Max, hn::Min, hn::Mul, hn::Sub;
     const float bound[6] = {scene.min.x, scene.min.y, scene.min.z,
                             scene.max.x, scene.max.y, scene.max.z};
     const RV pad = set(slack);
-    // Lower planes move down as the origin moves up; which are near, the rows say.
+    // Lower planes, rows 0 to 2, move down by the pad if the origin moves up; upper planes are the
+    // opposite.
     const auto from = [&](RV o, int row)
                           HWY_ATTR { return row < 3 ? hn::Add(o, pad) : Sub(o, pad); };
     const auto at = [&](RV o, int row) HWY_ATTR { return Sub(set(bound[row]), from(o, row)); };
@@ -294,7 +297,7 @@ struct SlabLanes {
     const RV far = Min(Min(Mul(at(r.ox, a.far_x), per_x), Mul(at(r.oy, a.far_y), per_y)),
                        Min(a.mirrored ? hn::Neg(z1) : z1, s_far));
     const RM meets = hn::Le(near, far);
-    // The quotients' three roundings, and those of the additions to come.
+    // Three roundings of the quotients, and those of later additions.
     const RV rounding = set(8 * kUnitRoundoff);
     s_near = Sub(near, Mul(hn::Abs(near), rounding));
     s_far = hn::IfThenElse(meets, hn::Add(far, Mul(hn::Abs(far), rounding)),
@@ -304,13 +307,13 @@ struct SlabLanes {
 };
 
 struct PreparedLanes {
-  std::uint32_t lanes;  ///< those that meet the scene's box
+  std::uint32_t lanes;  ///< those that intersect the scene's box
   float pad;
   bool bounded;
 };
 
-/// Prepares the rays of a bundle, of which `index` has kBundleWidth and `count` are used. Calls
-/// `keep(g, rays, slabs)` for the lanes from g on.
+/// Prepares the rays of a bundle; `index` has kBundleWidth entries, of which `count` are used.
+/// Calls `keep(g, rays, slabs)` for the lanes from g on.
 template <class Keep>
 HWY_INLINE PreparedLanes prepare_lanes(const Ray* rays, const std::uint32_t* index,
                                        std::uint32_t count, const Box& scene,
@@ -347,7 +350,7 @@ HWY_INLINE PreparedLanes prepare_lanes(const Ray* rays, const std::uint32_t* ind
   return prepared;
 }
 
-/// `count` numbers; missing ones of kBundleWidth repeat the first.
+/// Copies `count` numbers, and repeats the first one up to kBundleWidth.
 HWY_INLINE void copy_numbers(const std::uint32_t* from, std::uint32_t count, std::uint32_t* to) {
   if (HWY_LIKELY(count == kBundleWidth)) {
     std::memcpy(to, from, kBundleWidth * sizeof *to);
@@ -356,8 +359,8 @@ HWY_INLINE void copy_numbers(const std::uint32_t* from, std::uint32_t count, std
   }
 }
 
-/// Fills a bundle with `count` rays of the order; missing ones repeat the first. Returns the lanes
-/// that meet the scene's box.
+/// Fills a bundle with `count` rays of the order, and repeats the first one up to kBundleWidth.
+/// Returns the lanes that intersect the scene's box.
 HWY_INLINE std::uint32_t fill_bundle(const Ray* rays, const std::uint32_t* order,
                                      std::uint32_t count, std::uint32_t quarter, const Box& scene,
                                      RayBundle* p) {
@@ -397,14 +400,14 @@ HWY_INLINE std::uint32_t fill_bundle(const Ray* rays, const std::uint32_t* order
 
 // The beam of a bundle.
 
-/// A subtree that waits. In two words, each written and read whole: a load of what was stored in
-/// smaller parts waits until they have reached the cache.
+/// A subtree on the stack. It consists of two words, each written and read as a whole: a load of
+/// data that was stored in smaller parts waits until the stores have reached the cache.
 struct Waiting {
   std::uint64_t near_and_lanes, subtree;
 
   Waiting() = default;
-  /// `near`: where the beam, or the ray, enters the box; `lanes`: that met it; `first` and `count`
-  /// as in BvhNode.
+  /// `near`: where the beam or the ray enters the box; `lanes`: the rays that intersect it; `first`
+  /// and `count` as in BvhNode.
   HWY_INLINE Waiting(float near, std::uint32_t lanes, std::uint32_t first, std::uint32_t count)
       : near_and_lanes(std::bit_cast<std::uint32_t>(near) | std::uint64_t{lanes} << 32),
         subtree(first | std::uint64_t{count} << 32) {}
@@ -428,8 +431,8 @@ struct Waiting {
   }
 };
 
-/// The children whose boxes the beam meets, as bits; `near` takes where it enters them. `Bundle`:
-/// RayBundle or RayStream.
+/// The children whose boxes the beam intersects, as bits; `near` receives where it enters them.
+/// `Bundle`: RayBundle or RayStream.
 template <class Bundle>
 HWY_INLINE std::uint32_t children_in_beam(const Bundle& p, const Beam& b, const BvhNode& n,
                                           float* HWY_RESTRICT near) {
@@ -460,7 +463,7 @@ HWY_INLINE std::uint32_t children_in_beam(const Bundle& p, const Beam& b, const 
   return bits;
 }
 
-/// The farthest zeta at which any ray still looks for something.
+/// The largest zeta up to which any ray still searches.
 HWY_INLINE float farthest_zeta(const RayBundle& p) {
   const Rays d;
   RV far = hn::Set(d, -std::numeric_limits<float>::infinity());
@@ -475,7 +478,7 @@ HWY_INLINE float least(RV v) {
 struct FourLanes {
   alignas(16) float lane[4];
 };
-/// What `pick` leaves of the lanes of four vectors each, in a third of the steps.
+/// Reduces the lanes of four vectors by `pick` in a third of the steps of four separate reductions.
 template <class Pick>
 HWY_INLINE FourLanes of_lanes4(RV a, RV b, RV c, RV e, const Pick& pick) {
   FourLanes four;
@@ -486,7 +489,7 @@ HWY_INLINE FourLanes of_lanes4(RV a, RV b, RV c, RV e, const Pick& pick) {
 #else
   const Rays d;
   const hn::Repartition<std::uint64_t, Rays> d64;
-  // a b a b, and of their two halves a b c e, in each block of four lanes.
+  // a b a b, and of their halves a b c e, in each block of four lanes.
   const auto ab = hn::BitCast(d64, pick(hn::InterleaveLower(a, b), hn::InterleaveUpper(d, a, b)));
   const auto ce = hn::BitCast(d64, pick(hn::InterleaveLower(c, e), hn::InterleaveUpper(d, c, e)));
   const auto in_blocks = pick(hn::BitCast(d, hn::InterleaveLower(ab, ce)),
@@ -513,7 +516,7 @@ HWY_INLINE FourLanes greatest4(RV a, RV b, RV c, RV e) {
   return of_lanes4(a, b, c, e, [](auto x, auto y) HWY_ATTR { return hn::Max(x, y); });
 }
 
-/// The range of x over the lanes that are set, where zeta = 0 and where it is `length`.
+/// The range of x over the selected lanes, at zeta = 0 and at zeta = `length`.
 struct Spread {
   RV low, high, low_end, high_end;
 };
@@ -535,8 +538,8 @@ HWY_INLINE Spread spread_of(std::uint32_t lanes, const float* o, const float* sh
   return s;
 }
 
-/// The beam of the lanes that are set: at least one. `Bundle`: RayBundle or StreamBlock. `zetas`
-/// takes the origins' zeta.
+/// The beam of the selected lanes, at least one. `Bundle`: RayBundle or StreamBlock. `zetas`
+/// receives the origins' zeta.
 template <class Bundle>
 HWY_INLINE Beam make_beam(std::uint32_t lanes, const Bundle& p, bool mirrored, float pad,
                           float* zetas) {

@@ -1,22 +1,23 @@
-// A bundle of rays as the kernels keep it: plain arrays, read as vectors.
+// A bundle of rays in the layout of the kernels: plain arrays, read as vectors.
 //
-// All rays run towards one quarter of a face, so they share the axes (x, y across, z along) of
-// `make_ray_setup` and which planes of a box are near.
-// `s` is the distance from a ray's origin along z, t = s |shear_z|; `zeta` the same from the
-// beam's first plane. A ray that runs against its axis is looked at from behind: z is mirrored.
+// All rays point towards one quarter of a face, so they share the axes (x, y across, z along) of
+// `make_ray_setup` and which planes of a box are near. `s` is the distance from a ray's origin
+// along z, t = s |shear_z|; `zeta` is the distance from the beam's first plane. For rays that point
+// against their axis, z is mirrored.
 //
-// Conservative: a hit at t is, at s = t |d_z|, within gamma(2) L of the triangle on every axis
-// (geom/ray_end.h), L no larger than `size`, twice the reach of the scene's box from the origins.
-// The slab and beam tests evaluate three roundings of differences that are no larger than `size`,
-// and take coordinates themselves as rounded. Each rounding moves a plane by u times `size` or u
-// times the largest coordinate at most; slopes are at most 1 because z is the dominant axis. `pad`,
-// 128 u `size` and 8 u the largest coordinate, holds all of it with room to spare; boxes grow by it
-// on every side, in the rays' constants.
+// Tests are conservative: a hit at t is, at s = t |d_z|, within gamma(2) L of the triangle on every
+// axis (geom/ray_end.h), where L is at most `size`, twice the reach of the scene's box from the
+// origins. The slab and beam tests have three roundings of differences that are at most `size`, and
+// use rounded coordinates. Each rounding moves a plane by at most u times `size` or u times the
+// largest coordinate; slopes are at most 1 because z is the dominant axis. `pad`, 128 u `size` and
+// 8 u the largest coordinate, is more than the sum of these errors. Boxes grow by it on every side,
+// through the rays' constants.
 //
-// A t that underflows is off by up to 2^-149 more, two halves of the least number, which a long
-// direction makes much of: `past` and its counterpart move t by twice that. A t that overflows is
-// infinite, and so is 1 / |d_z| below 2^-128: then s says less than t does, and from kLargeStart on
-// t_min bounds nothing; below, where 1 / |d_z| is infinite, it is no more than 2^-65 in s.
+// A t that underflows has an additional error of up to 2^-149, two halves of the least number,
+// which a long direction magnifies: `past` and its counterpart move t by twice that. A t that
+// overflows is infinite, and so is 1 / |d_z| below 2^-128: then s is smaller than t implies, and
+// from kLargeStart on t_min does not bound s. Below kLargeStart, if 1 / |d_z| is infinite, t_min is
+// at most 2^-65 in s.
 #pragma once
 
 #include <cstdint>
@@ -27,15 +28,16 @@
 namespace raysheaf {
 
 inline constexpr std::uint32_t kBundleWidth = 16;
-/// Coordinates and reaches beyond are not bounded: there the sums above overflow.
+/// Larger coordinates and reaches are not bounded, because the sums above would overflow.
 inline constexpr float kLargestBounded = 1e30f;
 inline constexpr float kLeastStep = 0x1p-148f;
 inline constexpr float kLargeStart = 0x1p63f;
 
-/// What rays that run towards one quarter of a face (methods/dual/ray_order.h) share.
+/// The axes that all rays towards one quarter of a face (methods/dual/ray_order.h) share.
 struct QuarterAxes {
   int axis_x = 0, axis_y = 0, axis_z = 0;
-  int near_x = 0, near_y = 0, near_z = 0;  ///< a node's rows of planes that are met first
+  int near_x = 0, near_y = 0, near_z = 0;  ///< a node's rows of the planes that rays intersect
+                                           ///< first
   int far_x = 0, far_y = 0, far_z = 0;
   bool mirrored = false;
 
@@ -62,28 +64,32 @@ struct alignas(64) RayBundle : QuarterAxes {
   alignas(64) float ox[kBundleWidth];
   float oy[kBundleWidth], oz[kBundleWidth];
   float shear_x[kBundleWidth], shear_y[kBundleWidth], shear_z[kBundleWidth];
-  float t_min[kBundleWidth], t_limit[kBundleWidth];  ///< where hits count; unused lanes: nowhere
-  float x_near[kBundleWidth], x_far[kBundleWidth];   ///< origin, for near and far planes with pad
+  float t_min[kBundleWidth], t_limit[kBundleWidth];  ///< valid interval of hits; empty for unused
+                                                     ///< lanes
+  float x_near[kBundleWidth], x_far[kBundleWidth];   ///< origin, for near and far planes, including
+                                                     ///< the pad
   float y_near[kBundleWidth], y_far[kBundleWidth];
   float z_near[kBundleWidth], z_far[kBundleWidth];
-  float per_x[kBundleWidth], per_y[kBundleWidth];   ///< distance along z a unit of x, of y
-  float s_near[kBundleWidth], s_far[kBundleWidth];  ///< where boxes matter; done lanes: nowhere
+  float per_x[kBundleWidth], per_y[kBundleWidth];   ///< distance along z per unit of x, of y
+  float s_near[kBundleWidth], s_far[kBundleWidth];  ///< interval in which boxes matter; empty for
+                                                    ///< finished lanes
   float zeta[kBundleWidth];                         ///< of the origin
   float along[kBundleWidth];                        ///< |d_z|
   float t_low[kBundleWidth];          ///< the best hit's t is between this and t_limit
-  std::uint32_t place[kBundleWidth];  ///< its triangle's in the tree's quads; kInvalidId: none
+  std::uint32_t place[kBundleWidth];  ///< place of its triangle in the tree's quads; kInvalidId:
+                                      ///< none
   std::uint32_t index[kBundleWidth];  ///< the caller's number
-  bool bounded = true;                ///< or else every triangle is tested with every ray
+  bool bounded = true;                ///< false: every triangle is tested with every ray
   std::uint32_t count = 0;
   float pad = 0;
 };
 
-/// The s from which on no hit is as near as t: `along` is |d_z|.
+/// The s beyond which no hit is as near as t: `along` is |d_z|.
 [[nodiscard]] inline float past(float t, float along, float pad) {
   return (t + kLeastStep) * along * (1 + 8 * kUnitRoundoff) + pad;
 }
 
-/// One of the beam's four planes: x = at + zeta / inverse, grown outwards by the pad.
+/// One of the beam's four planes: x = at + zeta / inverse, moved outwards by the pad.
 struct BeamPlane {
   float at, inverse;
 };

@@ -1,17 +1,18 @@
-// Rays in bundles through the object tree: the heart of `dual`.
+// Traces bundles of rays through the object tree: the core of `dual`.
 //
-//   bundle: 16 rays towards one face        beam: what all of them stay in
+//   bundle: 16 rays towards one face        beam: the region that contains them
 //
-//        x ^      . - ' |                   at two planes across the axis the smallest and the
-//          |  . '       |  . - '            largest x (and y) of the rays; in between, straight
-//          lines | |   . - ' '| | |.-'_ _ _ _|_                  a box is met where there is a z at
-//          which the beam's
-//          +--------------------> z         rectangle overlaps it: an interval of z, whose near end
-//           start      end                  says which box comes first
+//        x ^      . - ' |                   at two planes across the axis, the smallest and the
+//          |  . '       |  . - '            largest x (and y) of the rays; straight lines between
+//          |    |   . - '                   them. A box intersects the beam if at some z the beam's
+//          | .- '_ _ _ _|_                  rectangle overlaps it: an interval of z, whose near end
+//          +--------------------> z         determines which box comes first
+//           start      end
 //
-// A node's eight boxes are tested with the beam at once; a box that the beam meets waits, nearest
-// first, and is tested with the rays themselves when its turn comes and hits have shortened them.
-// Where few rays are left in a box they go on one by one, eight boxes at a time.
+// A node's eight boxes are tested with the beam at once. Boxes that the beam intersects go on a
+// stack, nearest on top; when such a box is popped, it is tested with the rays themselves, which
+// hits may have shortened. If only few rays intersect a box, they continue one by one, testing
+// eight boxes at a time.
 #pragma once
 
 #include <cstdint>
@@ -29,27 +30,27 @@
 
 namespace raysheaf {
 
-/// Streams that are not in use (methods/dual/ray_stream.h): a thread takes one and gives it back.
+/// Streams that are not in use (methods/dual/ray_stream.h): a thread takes one and returns it.
 struct RayStream;
 using RayStreamPool = Spares<RayStream>;
 
-/// How rays go down the tree together.
+/// How rays traverse the tree together.
 enum class Bundle : std::uint8_t {
-  kSixteen,  ///< sixteen, bounded by a beam: for rays that resemble their neighbours
-  kStream,   ///< thousands, in lists of sixteen at once or of rays (methods/dual/ray_stream.h): for
-             ///< such, too
-  kLongStream,  ///< tens of thousands, in lists of rays: for all others
+  kSixteen,  ///< sixteen rays, bounded by a beam: for rays that are coherent with their neighbours
+  kStream,   ///< thousands of rays, in lists of blocks of sixteen or of single rays
+            ///< (methods/dual/ray_stream.h): also for coherent rays
+  kLongStream,  ///< tens of thousands of rays, in lists of single rays: for all others
 };
 
 struct DualScene {
   const ObjectTree* tree = nullptr;
-  const std::uint8_t* flags = nullptr;  ///< TriangleFlag by number, or null
+  const std::uint8_t* flags = nullptr;  ///< TriangleFlag by triangle number, or null
   Facing facing = Facing::kBoth;
   Bundle bundle = Bundle::kSixteen;
-  RayStreamPool* streams = nullptr;  ///< kept from query to query; null: the query's own
+  RayStreamPool* streams = nullptr;  ///< kept from query to query; null: the query makes its own
 };
 
-/// The same with any number of threads and on every SIMD target.
+/// Counts are the same with any number of threads and on every SIMD target.
 struct DualCounts {
   std::uint64_t beam_box_tests = 0, ray_box_tests = 0, triangle_tests = 0;
 
@@ -63,11 +64,11 @@ struct DualCounts {
   }
 };
 
-/// Every hit of rays that follow each other in a `RayOrder`: row i is that of the ray at place
-/// first + i, sorted by (t, triangle), and ends where ends[i] says.
+/// All hits of consecutive rays of a `RayOrder`: row i is that of the ray at place first + i,
+/// sorted by (t, triangle), and ends at ends[i].
 struct RowList {
   std::uint32_t first = 0;
-  Buffer<std::uint64_t> ends;  ///< 64 bits: few rays may have many hits
+  Buffer<std::uint64_t> ends;  ///< 64 bits, because few rays may have many hits
   Buffer<IndexedHit> hits;
 
   [[nodiscard]] View<const IndexedHit> row(std::size_t i) const {
@@ -77,18 +78,19 @@ struct RowList {
 };
 using RowLists = std::vector<RowList>;
 
-/// All in the caller's order; `ray_tests` may be empty, else each ray's share is added to it. What
-/// `rays` are must have been checked: finite, with a direction, 0 <= t_min <= t_max.
+/// All arrays are in the caller's order. If `ray_tests` is not empty, each ray's share of the tests
+/// is added to it. The rays must have been validated: finite, with a direction, 0 <= t_min <=
+/// t_max.
 void trace_closest(const Executor& executor, const DualScene& scene, View<const Ray> rays,
                    const RayOrder& order, View<IndexedHit> hits, View<float> ray_tests,
                    DualCounts* counts);
 void trace_any(const Executor& executor, const DualScene& scene, View<const Ray> rays,
                const RayOrder& order, View<std::uint8_t> occluded, View<float> ray_tests,
                DualCounts* counts);
-/// `rows`, whose memory is used again, takes the rows of all rays, in their order.
+/// `rows` receives the rows of all rays, in their order; its memory is reused.
 void trace_all(const Executor& executor, const DualScene& scene, View<const Ray> rays,
                const RayOrder& order, RowLists* rows, View<float> ray_tests, DualCounts* counts);
-/// The lengths of these rows, of which nothing is kept.
+/// Counts the hits of each ray without storing them.
 void trace_hit_counts(const Executor& executor, const DualScene& scene, View<const Ray> rays,
                       const RayOrder& order, View<std::uint32_t> hit_counts, DualCounts* counts);
 

@@ -1,4 +1,4 @@
-// One ray with boxes, where neither SIMD nor a bundle is.
+// Tests one ray with boxes, in code without SIMD or bundles.
 //
 //   lo_x - pad      hi_x + pad        s: distance from the origin along the ray's longest axis,
 //      |      _ - '    |                 t = s / |d_z|
@@ -6,15 +6,15 @@
 //   _ -+---------------+------> s     in the slab from s0 to s1; in the box where all slabs overlap
 //      s0              s1
 //
-// Conservative as bundles are, with the same pad (methods/dual/bundle16.h). Along an axis s is
-// fma(plane, per, from), where `from` is -(origin -+ pad) per, so what is rounded is:
+// Conservative like bundles, with the same pad (methods/dual/bundle16.h). Along an axis s is
+// fma(plane, per, from), where `from` is -(origin -+ pad) per, with these rounding errors:
 //
 //   origin -+ pad, and that times `per`      u times the largest coordinate each
 //   the fused product and sum                u times `size`
-//   a slope and its inverse, in `per`        u times the difference, which is no larger than `size`
+//   a slope and its inverse, in `per`        u times the difference, which is at most `size`
 //
-// The pad has room for 128 u `size` and 8 u the largest coordinate. Nothing overflows: coordinates
-// are no larger than 2^60 and `per` no larger than 2^67.
+// The pad covers 128 u `size` and 8 u the largest coordinate. Nothing overflows: coordinates are at
+// most 2^60 and `per` is at most 2^67.
 #pragma once
 
 #include <cmath>
@@ -27,25 +27,25 @@
 
 namespace raysheaf {
 
-/// For one ray: coordinates and reaches beyond are not bounded, or products with slopes' inverses
-/// would overflow. As for bundles (methods/dual/bundle16.h): what a t that underflows may be off
-/// by; from where t_min bounds nothing.
+/// For single rays: larger coordinates and reaches are not bounded, because products with inverse
+/// slopes would overflow. The other constants are as for bundles (methods/dual/bundle16.h): the
+/// error of a t that underflows, and the t_min from which on it bounds nothing.
 inline constexpr float kRayLargestBounded = 0x1p60f, kRayLeastSlope = 0x1p-67f;
 inline constexpr float kRayLeastStep = 0x1p-148f;
 inline constexpr float kRayLargeStart = 0x1p63f;
 
-/// The s from which on no hit is as near as t: `along` is |d_z|.
+/// The s beyond which no hit is as near as t: `along` is |d_z|.
 [[nodiscard]] RAYSHEAF_HD inline float end_beyond(float t, float along, float pad) {
   return (t + kRayLeastStep) * along * (1 + 8 * kUnitRoundoff) + pad;
 }
 
-/// A ray made ready for boxes.
+/// A ray prepared for tests with boxes.
 struct BoxRay {
-  Vec3 per;                  ///< s for a unit of x, y, z
+  Vec3 per;                  ///< s per unit of x, y, z
   Vec3 from_low, from_high;  ///< s of the coordinate 0, for lower and upper planes
-  float s_near, s_far;       ///< where boxes matter
+  float s_near, s_far;       ///< interval in which boxes matter
   float along, pad;
-  bool bounded;  ///< or else every triangle is tested
+  bool bounded;  ///< false: every triangle is tested
 };
 
 RAYSHEAF_HD inline float distance_per_unit(float direction, float along) {
@@ -54,7 +54,7 @@ RAYSHEAF_HD inline float distance_per_unit(float direction, float along) {
   return slope < 0 ? -per : per;
 }
 
-/// `scene` has all boxes that it will meet.
+/// `scene` must contain all boxes that the ray is tested with.
 RAYSHEAF_HD inline BoxRay make_box_ray(const Ray& ray, const Box& scene) {
   const Vec3 o = ray.origin, d = ray.direction;
   const float reach = max_component(max(abs(o - scene.min), abs(o - scene.max)));
@@ -74,7 +74,7 @@ RAYSHEAF_HD inline BoxRay make_box_ray(const Ray& ray, const Box& scene) {
   return r;
 }
 
-/// Whether the ray may meet something in the box; where it enters it.
+/// Whether the ray may intersect anything in the box, and where it enters the box.
 RAYSHEAF_HD inline bool enters(const BoxRay& ray, const Box& box, float* near) {
   const float x0 = std::fma(box.min.x, ray.per.x, ray.from_low.x);
   const float y0 = std::fma(box.min.y, ray.per.y, ray.from_low.y);
@@ -88,7 +88,7 @@ RAYSHEAF_HD inline bool enters(const BoxRay& ray, const Box& box, float* near) {
   return *near <= lesser(leave, lesser(greater(z0, z1), ray.s_far));
 }
 
-/// A hit at `t`: what lies beyond does not matter any more.
+/// Shortens the ray after a hit at `t`.
 RAYSHEAF_HD inline void shorten(BoxRay* ray, float t) {
   const float far = end_beyond(t, ray->along, ray->pad);
   if (far < ray->s_far) ray->s_far = far;

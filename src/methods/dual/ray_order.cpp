@@ -13,14 +13,14 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::uint32_t kOriginBits = 9;  // a dimension, and as many for each slope
+constexpr std::uint32_t kOriginBits = 9;  // per dimension, and as many for each slope
 constexpr std::uint32_t kQuarterBits = 5;
 constexpr std::uint32_t kKeyBits = kQuarterBits + 5 * kOriginBits;
 constexpr std::uint32_t kBucketBits = 12;
 constexpr std::size_t kBlock = 16384;
 constexpr std::size_t kSamples = 512;
 
-/// Bit i of the place goes to bit 5 i.
+/// Spreads bits: bit i of the position goes to bit 5 i.
 struct SpreadTable {
   std::array<std::uint64_t, 1u << kOriginBits> bits{};
   constexpr SpreadTable() {
@@ -34,7 +34,7 @@ constexpr SpreadTable kSpread;
 struct KeyMaker {
   Vec3 low, scale;
 
-  /// The box of some of the origins: those outside are moved to its border.
+  /// Uses the box of some of the origins; origins outside are clamped to it.
   explicit KeyMaker(View<const Ray> rays) {
     Box box;
     const std::size_t stride = std::max<std::size_t>(1, rays.size / kSamples);
@@ -69,7 +69,8 @@ struct KeyMaker {
   }
 };
 
-/// Moves every key to its bucket, by its highest bits, stable; returns where the buckets begin.
+/// Moves every key to its bucket, given by its highest bits, in stable order; returns where the
+/// buckets begin.
 std::vector<std::uint32_t> scatter_to_buckets(const Executor& executor, const std::uint64_t* from,
                                               std::uint64_t* to, std::size_t count,
                                               std::uint32_t shift, std::size_t buckets) {
@@ -99,9 +100,9 @@ std::vector<std::uint32_t> scatter_to_buckets(const Executor& executor, const st
   return starts;
 }
 
-/// Neighbours that are looked at together: most run towards one quarter, and are moved at once.
+/// Neighbours that are tested together: usually all are in one quarter, and are moved at once.
 constexpr std::size_t kRayRun = 8;
-/// The same of a picture's.
+/// The same for the tiles of an image.
 constexpr std::size_t kTileSide = 4, kTileRays = kTileSide * kTileSide;
 
 bool is_one_quarter(const std::uint8_t* quarters) {
@@ -110,7 +111,7 @@ bool is_one_quarter(const std::uint8_t* quarters) {
   return all == *quarters * std::uint64_t{0x0101010101010101};
 }
 
-/// Of a tile of which `quarters` is the first ray's.
+/// The same for a tile; `quarters` points to that of its first ray.
 bool is_one_quarter(const std::uint8_t* quarters, std::size_t row) {
   std::uint32_t differ = 0;
   for (std::size_t y = 0; y < kTileSide; ++y) {
@@ -121,18 +122,18 @@ bool is_one_quarter(const std::uint8_t* quarters, std::size_t row) {
   return differ == 0;
 }
 
-/// How rays follow each other that run towards one quarter.
+/// The order of rays of the same quarter.
 class Sequence {
  public:
   explicit Sequence(std::size_t row) : row_(row) {}
 
-  /// Rays that a thread takes: whole rows of tiles.
+  /// Rays per task: whole rows of tiles.
   [[nodiscard]] std::size_t block() const {
     return row_ == 0 ? kBlock : rows_of_tiles(kBlock, row_);
   }
 
-  /// Calls `run(quarter, count, number)` where `count` rays, the k-th of them `number(k)`, are of
-  /// one quarter. `begin` is a block's.
+  /// Calls `run(quarter, count, number)` for runs of `count` rays of one quarter, whose k-th ray is
+  /// `number(k)`. `begin` is the first ray of a block.
   template <class Run>
   void for_each_run(const std::uint8_t* quarters, std::size_t begin, std::size_t end,
                     const Run& run) const {
@@ -179,7 +180,8 @@ class Sequence {
   std::size_t row_;
 };
 
-/// A counting sort of bytes: what a batch that stands well needs is little beside a pass over it.
+/// A counting sort of bytes. A batch that is already in order needs little more than a pass over
+/// the bytes.
 void order_by_quarter(const Executor& executor, View<const Ray> rays, std::size_t row,
                       RayOrder* order) {
   const Sequence sequence(row);
@@ -191,7 +193,7 @@ void order_by_quarter(const Executor& executor, View<const Ray> rays, std::size_
     std::array<std::uint32_t, kQuarters> counts{};
     const std::size_t begin = b * block, end = std::min(count, begin + block);
     find_quarters(rays.slice(begin, end - begin), order->quarters.data() + begin);
-    // In whatever order.
+    // The order within a quarter does not matter here.
     Sequence(0).for_each_run(quarters, begin, end,
                              [&](std::uint8_t quarter, std::uint32_t n, const auto& /*number*/) {
                                counts[quarter] += n;
@@ -222,7 +224,7 @@ void order_along_curve(const Executor& executor, View<const Ray> rays, RayOrder*
   const std::size_t count = rays.size;
   order->keys.resize_uninitialized(count);
   order->spare.resize_uninitialized(count);
-  // A key and the ray's number in one word: all words differ, so that any sort is a stable one.
+  // A key and the ray's number in one word: all words differ, so any sort is stable.
   const auto index_bits = std::max(1u, static_cast<std::uint32_t>(std::bit_width(count - 1)));
   const std::uint32_t kept = std::min(kKeyBits, 64 - index_bits);
   const std::uint32_t word_bits = kept + index_bits;

@@ -1,9 +1,9 @@
-// Orders of a batch's rays: by the quarter of a cube's face that they run towards, in which `dual`
-// takes them; and then along a Morton curve through the five dimensions of rays, origin and slopes,
-// for hierarchies over rays (out_of_core/ray_tree.h).
+// Orders of a batch's rays: by the quarter of a cube's face towards which they point, as `dual`
+// processes them; and additionally along a Morton curve through the five dimensions of rays, origin
+// and slopes, for hierarchies over rays (out_of_core/ray_tree.h).
 //
-// Rays of one quarter share the axis along which the ray-triangle test shears them, and which of a
-// box's planes they meet first: nothing has to be chosen lane by lane.
+// Rays of one quarter share the axis along which the ray-triangle test shears them, and the planes
+// of a box that they intersect first, so no choice is needed for each lane.
 #pragma once
 
 #include <array>
@@ -21,9 +21,9 @@ namespace raysheaf {
 /// Six faces of the cube, four quarters of each.
 inline constexpr std::uint32_t kQuarters = 24;
 
-/// 8 * axis, the one of `make_ray_setup`; plus 4 where the ray runs against it, 2 and 1 where it
-/// runs against the next axis and the one after that. Without a branch: nobody can foretell the
-/// axes of rays that come in no order.
+/// 8 * axis, the axis of `make_ray_setup`; plus 4 if the ray points against it, plus 2 and 1 if it
+/// points against the next axis and the one after that. Has no branches, because the processor
+/// cannot predict the axes of incoherent rays.
 [[nodiscard]] inline std::uint32_t quarter_of(Vec3 d) {
   const float x = std::fabs(d.x), y = std::fabs(d.y), z = std::fabs(d.z);
   const std::uint32_t x_or_y = x > y ? 0 : 1, is_either = (x > y ? x : y) > z ? 1 : 0;
@@ -33,7 +33,7 @@ inline constexpr std::uint32_t kQuarters = 24;
   return 8 * axis + ((signs << axis | signs >> (3 - axis)) & 7);
 }
 
-/// `quarter_of` of each ray's direction, as SIMD has it.
+/// `quarter_of` of each ray's direction, by SIMD.
 void find_quarters(View<const Ray> rays, std::uint8_t* quarters);
 
 struct RayOrder {
@@ -49,17 +49,17 @@ struct RayOrder {
 };
 
 enum class Sorting : std::uint8_t {
-  kByQuarter,  ///< the caller's order within each quarter, or a picture's tiles
+  kByQuarter,  ///< the caller's order within each quarter, or an image's tiles
   kCurve,
 };
 
-/// About so many rays, but at least one row of tiles, and whole ones.
+/// About this many rays, rounded to whole rows of tiles, at least one row.
 [[nodiscard]] std::size_t rows_of_tiles(std::size_t rays, std::size_t row);
 
 /// O(rays log rays), and O(rays) for kByQuarter. Ties keep the caller's order. At most 2^31 rays.
-/// `row`, for kByQuarter: where it is not 0, so many rays are a row of a picture, and of four rows
-/// each four columns follow each other, sixteen rays that resemble each other more than sixteen of
-/// a row.
+/// `row`, for kByQuarter: if not 0, the number of rays in a row of an image; the order then takes
+/// tiles of four rows and four columns, because sixteen rays of a tile are more coherent than
+/// sixteen of a row.
 void order_rays(const Executor& executor, View<const Ray> rays, Sorting sorting, RayOrder* order,
                 std::size_t row = 0);
 

@@ -1,5 +1,5 @@
-// `quarter_of`, as many rays at a time as a vector has lanes. Compiled once a SIMD target and
-// chosen at run time (Google Highway).
+// `quarter_of` for as many rays at a time as a vector has lanes. Compiled once for each SIMD target
+// and chosen at run time (Google Highway).
 #include "methods/dual/ray_order.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -17,7 +17,7 @@ using V = hn::Vec<Floats>;
 
 #if HWY_TARGET != HWY_SCALAR
 /// The directions of as many rays as there are lanes. A ray is two quads of floats, origin and
-/// direction, so that half a vector's rays fill four vectors: origins are their even lanes.
+/// direction, so half a vector's rays fill four vectors, whose even lanes are origins.
 HWY_INLINE void LoadDirections(const Ray* rays, V* x, V* y, V* z) {
   const Floats d;
   V x0, y0, z0, t0, x1, y1, z1, t1;

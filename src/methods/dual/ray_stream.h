@@ -1,16 +1,17 @@
-// A stream: thousands of rays towards one quarter of a face that go down the tree together.
+// A stream: thousands of rays towards one quarter of a face that traverse the tree together.
 //
 //   node  [ a . b . . c . . ]        list of rays at the node: 5 9 12 40 41 77 ...
 //            |                       sixteen at a time they are tested with every child's box;
-//            v                       those that meet it are the child's list
+//            v                       those that intersect it are the child's list
 //   list of a: 9 40 77 ...
 //
 // While sixteen neighbours stay together, a list names them as a bundle: a beam that bounds them is
-// tested first, and no ray is gathered or moved. What is left of bundles goes on as rays.
+// tested first, and no ray is gathered or moved. The remaining rays of sparse bundles continue as
+// single rays.
 //
-// Every node is fetched once a stream, no branch depends on a single ray, and rays need not be
-// alike: what they share is the quarter, which tells the order of the children from near to far.
-// (I. Wald, C. Gribble, S. Boulos, A. Kensler, "SIMD Ray RayStream Tracing", 2007; J. Tsakok,
+// Every node is fetched once per stream, no branch depends on a single ray, and rays need not be
+// coherent: they share only the quarter, which determines the order of the children from near to
+// far. (I. Wald, C. Gribble, S. Boulos, A. Kensler, "SIMD Ray RayStream Tracing", 2007; J. Tsakok,
 // "Faster Incoherent Rays: Multi-BVH Ray RayStream Tracing", HPG 2009.)
 #pragma once
 
@@ -23,23 +24,25 @@
 
 namespace raysheaf {
 
-/// The most rays of a stream; of a long one, which has no bundles: the more rays go down the tree
-/// together, the more of them share what is deep in it.
+/// The maximum number of rays of a stream, and of a long one, which has no bundles: the more rays
+/// traverse the tree together, the more of them share its deep nodes.
 inline constexpr std::uint32_t kStreamRays = 4096, kLongStreamRays = 65536;
 
-/// A ray on a cache line, four floats at a time: what triangles are tested with; with the origin,
-/// boxes; and what it has met. `s` and `along` as in methods/dual/bundle16.h.
+/// A ray on a cache line, in groups of four floats: the first two are for tests with triangles, the
+/// third (with the origin) for tests with boxes, the last for the result. `s` and `along` as in
+/// methods/dual/bundle16.h.
 struct alignas(64) StreamRay {
   float ox, oy, oz, t_limit;
   float shear_x, shear_y, shear_z, t_min;
   float per_x, per_y, s_near, s_far;
   float along = 0, t_low = 0;        ///< the best hit's t is between t_low and t_limit
-  std::uint32_t place = kInvalidId;  ///< its triangle's in the tree's quads; kInvalidId: none
+  std::uint32_t place = kInvalidId;  ///< place of its triangle in the tree's quads; kInvalidId:
+                                     ///< none
   std::uint32_t unused = 0;
 };
 static_assert(sizeof(StreamRay) == 64);
 
-/// Sixteen rays that follow each other, lane by lane: the fields of StreamRay.
+/// Sixteen consecutive rays in columns: the fields of StreamRay.
 struct alignas(64) StreamBundle {
   float ox[kBundleWidth], oy[kBundleWidth], oz[kBundleWidth], t_limit[kBundleWidth];
   float shear_x[kBundleWidth], shear_y[kBundleWidth], shear_z[kBundleWidth], t_min[kBundleWidth];
@@ -54,21 +57,21 @@ struct alignas(64) StreamBundle {
   }
 };
 
-/// A bundle and those of its rays that are in a list: bit i is ray i of the bundle.
+/// A bundle, and its rays that are in a list: bit i is ray i of the bundle.
 struct BundleRays {
   std::uint16_t bundle, rays;
 };
-/// As it stands in a list.
+/// The encoding in a list.
 [[nodiscard]] inline std::uint32_t word_of(std::uint32_t bundle, std::uint32_t rays) {
   return std::bit_cast<std::uint32_t>(
       BundleRays{static_cast<std::uint16_t>(bundle), static_cast<std::uint16_t>(rays)});
 }
 
-/// A child whose rays wait for their turn.
+/// A child whose list of rays is on the stack.
 struct WaitingList {
   std::uint32_t first, count;  ///< as in BvhNode
   std::uint32_t offset, size;  ///< of its list
-  bool in_bundles = false;     ///< a list of BundleRays, or else of rays
+  bool in_bundles = false;     ///< a list of BundleRays; false: of rays
 };
 
 /// A hit of the ray at a place of the order.
@@ -78,14 +81,15 @@ struct RowHit {
 };
 
 struct RayStream : QuarterAxes {
-  Buffer<StreamRay> rays;       ///< where there are bundles, of those that have left them
+  Buffer<StreamRay> rays;       ///< with bundles: only the rays that have left them
   Buffer<std::uint32_t> index;  ///< the caller's numbers
   Buffer<StreamBundle> bundles;
   Buffer<Beam> beams;              ///< of the bundles
-  Buffer<std::uint32_t> recorded;  ///< of each bundle those of its rays that are in `rays`, as bits
+  Buffer<std::uint32_t> recorded;  ///< for each bundle, those of its rays that are in `rays`, as
+                                   ///< bits
   Buffer<std::uint32_t> lists;
   std::vector<WaitingList> waiting;
-  std::vector<RowHit> rows;            ///< where all hits are asked for: of the task's rays
+  std::vector<RowHit> rows;            ///< if all hits are requested: those of the task's rays
   std::uint32_t first = 0, count = 0;  ///< places in the order
   float pad = 0;                       ///< the largest of the bundles'
 
@@ -95,9 +99,9 @@ struct RayStream : QuarterAxes {
     beams.resize_uninitialized(kStreamRays / kBundleWidth);
     recorded.resize_uninitialized(kStreamRays / kBundleWidth);
   }
-  /// Room for so many rays; what was there is lost.
+  /// Makes room for this many rays; loses the content.
   void fit(std::uint32_t size);
-  /// Room for `size` numbers in `lists`, what is there kept.
+  /// Makes room for `size` numbers in `lists`; keeps the content.
   void grow_lists(std::size_t size);
   [[nodiscard]] std::size_t bytes() const {
     return rays.capacity_bytes() + index.capacity_bytes() + bundles.capacity_bytes() +

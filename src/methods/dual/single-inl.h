@@ -1,11 +1,11 @@
-// Rays that go on alone through subtrees, eight boxes at a time: where few are left to share one.
-// Included once a SIMD target by methods/dual/trace_simd.cpp, inside its namespace.
+// Traces single rays through subtrees, eight boxes at a time: where few rays share one. Included
+// once for each SIMD target by methods/dual/trace_simd.cpp, inside its namespace.
 
-/// What the rays of a bundle or of a stream share.
+/// Data that the rays of a bundle or of a stream share.
 struct SharedAxes {
   int axis_x, axis_y, axis_z;
   int near_x, far_x, near_y, far_y, near_z, far_z;
-  float pad_x, pad_y, pad_z;  ///< added to an origin for near planes, taken from it for far ones
+  float pad_x, pad_y, pad_z;  ///< added to an origin for near planes, subtracted for far ones
   float per_z;
 
   /// `Bundle`: RayBundle or RayStream.
@@ -20,22 +20,23 @@ struct SharedAxes {
         far_y(b.far_y),
         near_z(b.near_z),
         far_z(b.far_z),
-        // A lower plane moves down by the pad as the origin moves up, an upper plane up.
+        // A lower plane moves down by the pad if the origin moves up; an upper plane is the
+        // opposite.
         pad_x(b.near_x < 3 ? b.pad : -b.pad),
         pad_y(b.near_y < 3 ? b.pad : -b.pad),
         pad_z(b.near_z < 3 ? b.pad : -b.pad),
         per_z(b.mirrored ? -1.0f : 1.0f) {}
 };
 
-/// Rays on their way through subtrees, side by side: walk i goes on at `first[i]`, and what waits
-/// for it is on its stack, the nearest on top.
+/// Interleaved rays on their way through subtrees: walk i continues at `first[i]`, and its stack
+/// holds its other subtrees, the nearest on top.
 struct SingleWalks {
   static constexpr std::uint32_t kMost = 16;
 
   const StreamRay* ray[kMost];
-  std::uint32_t number[kMost];  ///< the caller's name for the ray
-  alignas(64) std::uint32_t first[kMost] = {}, count[kMost] = {};  ///< next, as in BvhNode
-  alignas(64) std::uint32_t top[kMost] = {};                       ///< how many wait
+  std::uint32_t number[kMost];  ///< the caller's number of the ray
+  alignas(64) std::uint32_t first[kMost] = {}, count[kMost] = {};  ///< next subtree, as in BvhNode
+  alignas(64) std::uint32_t top[kMost] = {};                       ///< size of the stack
 
   void start(std::uint32_t i, std::uint32_t begin, std::uint32_t triangles) {
     first[i] = begin;
@@ -66,7 +67,7 @@ struct SingleWalks {
     first[i] = firsts(i)[last];
     count[i] = counts(i)[last];
   }
-  /// Without what the ray no longer reaches, in the same order.
+  /// Removes subtrees that the ray no longer reaches, and keeps the order.
   void drop_beyond(std::uint32_t i, float s_far) {
     float* const near = nears(i);
     std::uint32_t* const next = firsts(i);
@@ -90,12 +91,12 @@ struct SingleWalks {
 
 // Rays with a quad of triangles each, several rays at once.
 
-/// Rays at once: as many as a vector has blocks of four lanes, and on short vectors one, a part of
-/// its quad at a time.
+/// Number of rays at once: as many as a vector has blocks of four lanes; on short vectors one ray,
+/// with a part of its quad at a time.
 inline constexpr std::uint32_t kQuadRays = std::max<std::uint32_t>(1, hn::MaxLanes(Rays()) / 4);
 
-/// kQuadRays rays and a quad each, its triangles from `g` on: lane 4 i + k is ray i and triangle
-/// g + k.
+/// Tests kQuadRays rays with a quad each, with its triangles from `g` on: lane 4 i + k is ray i and
+/// triangle g + k.
 HWY_INLINE void test_quads(const SharedAxes& a, const StreamRay* const* ray,
                            const TriangleQuad* const* quad, std::size_t g, Tested<Rays>* tested) {
   const Rays d;
@@ -138,8 +139,8 @@ HWY_INLINE void test_quads(const SharedAxes& a, const StreamRay* const* ray,
                tested);
 }
 
-/// Rays and a quad each. What they meet: bit 4 i + k of `hit` is ray i and triangle k, and those
-/// that stage 2 must settle are in `unsettled`.
+/// The results of rays with a quad each: bit 4 i + k of `hit` is ray i and triangle k; `unsettled`
+/// has the bits that stage 2 must decide.
 struct QuadHits {
   alignas(64) float low[4 * SingleWalks::kMost];
   alignas(64) float high[4 * SingleWalks::kMost];
@@ -158,8 +159,9 @@ struct QuadHits {
 };
 static_assert(4 * SingleWalks::kMost <= 64);
 
-/// `count` rays, kMost at most, without a branch: whether a ray meets any of its quad, nobody can
-/// foretell. `ray_at(i)` and `quad_at(i)`: of those and of kQuadRays - 1 more.
+/// Tests `count` rays, at most kMost, without a branch, because it is unpredictable whether a ray
+/// hits any triangle of its quad. `ray_at(i)` and `quad_at(i)` must also be valid for kQuadRays - 1
+/// more rays.
 template <class RayAt, class QuadAt>
 HWY_INLINE void meet_quads(const SharedAxes& a, std::uint32_t count, const RayAt& ray_at,
                            const QuadAt& quad_at, QuadHits* hits) {
@@ -181,8 +183,8 @@ HWY_INLINE void meet_quads(const SharedAxes& a, std::uint32_t count, const RayAt
 
 // One ray, or sixteen interleaved, down a subtree.
 
-/// Where subtrees stand, so that what comes next is prefetched without a branch that nobody can
-/// foretell: a node has four cache lines, a quad three.
+/// Addresses of subtrees, so that the next one is prefetched without an unpredictable branch: a
+/// node has four cache lines, a quad three.
 class Subtrees {
  public:
   explicit Subtrees(const ObjectTree& tree)
@@ -209,8 +211,8 @@ class Subtrees {
 using Numbers = hn::RebindToUnsigned<Boxes>;
 
 #if HWY_MAX_BYTES >= 32 && HWY_TARGET != HWY_SCALAR
-/// Eight numbers, the largest first, by a bitonic network: which of a node's boxes a ray meets, and
-/// in which order, no branch can foretell. `few`: the last four are 0.
+/// Sorts eight numbers, largest first, by a bitonic network, because no branch predictor knows
+/// which boxes a ray intersects and in which order. `few`: the last four are 0.
 HWY_INLINE hn::Vec<Numbers> sorted_down(hn::Vec<Numbers> v, bool few) {
   const Numbers d;
   const hn::Repartition<std::uint64_t, Numbers> d64;
@@ -234,13 +236,14 @@ HWY_INLINE hn::Vec<Numbers> sorted_down(hn::Vec<Numbers> v, bool few) {
 }
 #endif
 
-/// Tests the boxes of the node that is next and puts those that are met on the stack: `kSorted`:
-/// the nearest on top, to within a part in 2^19. Returns the boxes tested.
+/// Tests the boxes of the next node and pushes the intersected ones on the stack. `kSorted`: with
+/// the nearest on top, to a precision of 1 in 2^19. Returns the number of boxes tested.
 template <bool kSorted>
 HWY_INLINE std::uint32_t open_for_ray(const ObjectTree& tree, const SharedAxes& a,
                                       SingleWalks* walks, std::uint32_t i) {
   using hn::Max, hn::Min, hn::Mul, hn::Sub;
-  // A key: where the box is entered, and its number in the bits below. Of boxes not met: 0.
+  // A key consists of where the ray enters the box and, in the bits below, the box's number. It is
+  // 0 for boxes that the ray misses.
   constexpr std::uint32_t kNearBits = 0x7ffffff0, kMet = 8, kChild = 7;
   const Boxes d;
   const Numbers du;
@@ -305,12 +308,12 @@ HWY_INLINE std::uint32_t open_for_ray(const ObjectTree& tree, const SharedAxes& 
   return node.children;
 }
 
-/// The lowest bit that is set.
+/// The index of the lowest set bit.
 HWY_INLINE std::uint32_t first_of(std::uint64_t bits) {
   return static_cast<std::uint32_t>(__builtin_ctzll(bits));
 }
 
-/// Bit i: numbers[i] is 0.
+/// Bit i is set if numbers[i] is 0.
 HWY_INLINE std::uint32_t zeros_of(const std::uint32_t* numbers) {
   const hn::CappedTag<std::uint32_t, SingleWalks::kMost> d;
   std::uint32_t zeros = 0;
@@ -319,12 +322,12 @@ HWY_INLINE std::uint32_t zeros_of(const std::uint32_t* numbers) {
   return zeros;
 }
 
-/// Rays through their subtrees, near boxes first, taking turns: while one waits for memory the
-/// others go on. A round has a loop for each thing that there is to do, over those that do it,
-/// instead of a branch for each ray that nobody can foretell: nodes, quads, hits, what is next.
-/// `start(i)` gives walk i its next ray, or says that there is none; `take(i, place, t, front)`
-/// hands over a hit and `settle(i, place)` what may be one, after which the ray may see less far
-/// where `kShrinks`.
+/// Traces rays through their subtrees, near boxes first, interleaved: while one waits for memory,
+/// the others continue. Each round has one loop for each kind of work (nodes, quads, hits, next
+/// subtree), over the rays that need it, instead of an unpredictable branch for each ray.
+/// `start(i)` gives walk i its next ray, or returns that there is none; `take(i, place, t, front)`
+/// receives a hit and `settle(i, place)` a possible hit, after which the ray may be shorter if
+/// `kShrinks`.
 template <bool kShrinks, class Start, class Take, class Settle>
 HWY_NOINLINE void walk_singles(const ObjectTree& tree, const SharedAxes& axes, SingleWalks* walks,
                                std::uint32_t count, const Start& start, const Take& take,

@@ -1,13 +1,13 @@
-// Streams of rays through the tree (methods/dual/ray_stream.h): included once a SIMD target by
-// methods/dual/trace_simd.cpp, inside its namespace.
+// Traces streams of rays through the tree (methods/dual/ray_stream.h). Included once for each SIMD
+// target by methods/dual/trace_simd.cpp, inside its namespace.
 //
-//   StreamWalk      fills a stream, sends it down the tree, hands over what it met
-//     StreamBundles    sixteen neighbours at a time, as long as most of them stay together
+//   StreamWalk      fills a stream, traces it through the tree, stores its hits
+//     StreamBundles    sixteen neighbours at a time, while most of them stay together
 //     StreamLists     lists of rays from node to node
 //     StreamSingles   rays that share a subtree with few others, one by one
-//     StreamHits      what each ray has met so far
+//     StreamHits      the best hit of each ray so far
 
-/// What the parts of a walk share.
+/// What the parts of a `StreamWalk` share.
 struct StreamState {
   explicit StreamState(const TraceJob& given)
       : job(given),
@@ -29,9 +29,9 @@ struct StreamState {
   DualCounts counts;
 };
 
-/// Hits go back to rays that stand far apart.
+/// Prefetch distance: results are written to scattered rays.
 inline constexpr std::uint32_t kWritesAhead = 24;
-/// Fewer rays that stand apart are settled one by one.
+/// If fewer lanes than this are set, they are settled one by one.
 inline constexpr int kFewestTogether = 3;
 
 template <class Mode>
@@ -44,8 +44,9 @@ class StreamHits {
         in_bundles_(state.in_bundles),
         one_side_(job_.scene.facing != Facing::kBoth && job_.scene.flags != nullptr) {}
 
-  /// What lanes [g, g + ray_lanes()) of rays met: lane i is ray `number(i)`. `place`: of a triangle
-  /// in the tree's quads, four each; so for all that take hits.
+  /// Handles the hits of lanes [g, g + ray_lanes()) of rays: lane i is ray `number(i)`. `place` is
+  /// that of a triangle in the tree's quads, four each; this holds for all functions that take
+  /// hits.
   template <class Number>
   HWY_INLINE void take_each(std::uint32_t place, std::uint32_t hit, std::uint32_t unsettled,
                             const Tested<Rays>& tested, const Number& number) {
@@ -84,7 +85,7 @@ class StreamHits {
         {column[0], column[1], column[2], column[4], column[5], column[6], column[7], column[3]});
   }
 
-  /// The same for rays of a bundle, all at once.
+  /// The same for all rays of a bundle at once.
   HWY_NOINLINE void take_in_bundle(std::uint32_t place, BundleRays rays, std::size_t g,
                                    const Tested<Rays>& tested) {
     const Rays d;
@@ -107,7 +108,7 @@ class StreamHits {
     hn::Vec<RayInts> met = hn::Set(di, place);
     std::uint32_t rest = unsettled;
     if constexpr (Mode::kAny) {
-      // The least of a leaf's, whatever order a SIMD target finds them in.
+      // Keeps the smallest place of a leaf, whatever the order in which a SIMD target finds them.
       met = hn::Min(best, met);
       high = set(-1);
       end = set(-std::numeric_limits<float>::infinity());
@@ -134,8 +135,8 @@ class StreamHits {
       settle(number(static_cast<std::uint32_t>(__builtin_ctz(rest))), place);
   }
 
-  /// A ray and a triangle that stage 1 cannot tell of, or whose hit it cannot tell from the ray's
-  /// best.
+  /// Decides the test of a ray and a triangle that stage 1 cannot decide, or whose hit it cannot
+  /// distinguish from the ray's best.
   HWY_NOINLINE void settle(std::uint32_t n, std::uint32_t place) {
     const PlacedCorners p(tree_, place, stream_);
     if (Plane(p.a, p.b, p.c).surely_beyond(sloped(n), p.a)) return;
@@ -150,7 +151,7 @@ class StreamHits {
     }
   }
 
-  /// A hit within the ray's limits.
+  /// Takes a hit within the ray's limits.
   void take(std::uint32_t n, std::uint32_t place, Interval t, bool front) {
     if (!is_shown(place, front)) return;
     const Limits r = limits_of(n);
@@ -174,7 +175,7 @@ class StreamHits {
   }
 
  private:
-  /// Where a ray keeps what it looks for.
+  /// The fields that store a ray's best hit and limits.
   struct Limits {
     BestHit best;
     float* s_far;
@@ -203,20 +204,20 @@ class StreamHits {
     return !one_side_ || shows(job_.scene.facing, job_.scene.flags[id_at(tree_, place)], front);
   }
 
-  /// A ray's record learns how far it looks.
+  /// Copies a ray's limits from its bundle to its record.
   HWY_INLINE void tell_record(std::uint32_t n) {
     const StreamBundle& b = bundle_of(n);
     stream_.rays[n].t_limit = b.t_limit[n % kBundleWidth];
     stream_.rays[n].s_far = b.s_far[n % kBundleWidth];
   }
 
-  /// The ray looks no farther than its best hit.
+  /// Shortens the ray to its best hit.
   HWY_INLINE void shorten(std::uint32_t n, const Limits& r) {
     *r.s_far = std::min(*r.s_far, raysheaf::past(*r.best.high, r.along, stream_.pad));
     if (in_bundles_) tell_record(n);
   }
 
-  /// A hit where it matters only that there is one.
+  /// Takes a hit whose distance does not matter.
   HWY_INLINE void keep(std::uint32_t n, std::uint32_t place, const Limits& r) {
     if constexpr (Mode::kAll) {
       if (job_.hit_counts != nullptr)
@@ -224,7 +225,7 @@ class StreamHits {
       else
         stream_.rows.push_back({stream_.first + n, {0, 0, 0, place}});
     } else {
-      // The least of a leaf's, whatever order a SIMD target finds them in.
+      // Keeps the smallest place of a leaf, whatever the order in which a SIMD target finds them.
       *r.best.place = std::min(*r.best.place, place);
       *r.best.high = -1;
       *r.s_far = -std::numeric_limits<float>::infinity();
@@ -241,7 +242,7 @@ class StreamHits {
     }
   }
 
-  /// The values of sixteen hits while the corners of the next sixteen are on their way.
+  /// Computes the values of sixteen hits while the corners of the next sixteen are being fetched.
   void write_back_closest() {
     const RayStream& s = stream_;
     alignas(64) IndexedHit hits[kBundleWidth];
@@ -272,24 +273,24 @@ class StreamHits {
   const ObjectTree& tree_;
   RayStream& stream_;
   const bool in_bundles_;
-  const bool one_side_;  ///< hits of some triangles' other side do not count
+  const bool one_side_;  ///< some triangles are hit only from one side
   HitValues values_[2];
 };
 
-// Rays of a stream that nobody shares a subtree with any longer: they wait until there are enough
-// of them, and then take turns.
+// Rays of a stream that share a subtree with few others: they are collected until there are enough
+// of them, and then traced interleaved.
 
-/// Lists as long or shorter go on ray by ray.
+/// Lists up to this length continue ray by ray.
 inline constexpr std::uint32_t kFewRays = 24;
-/// The same of lists at a leaf.
+/// The same limit for lists at a leaf.
 inline constexpr std::uint32_t kFewRaysAtLeaf = 2;
-/// Rays that take turns, and those that wait to. More of them leave fewer turns empty; but what
-/// comes after them in the stream cannot know yet what they will hit.
+/// Number of interleaved rays, and of those that are collected. Larger numbers leave fewer slots
+/// idle, but the rest of the stream does not know the hits of collected rays.
 inline constexpr std::uint32_t kSingleWalks = SingleWalks::kMost;
 inline constexpr std::size_t kLeastPending = 64, kMostPending = 256;
 
 struct PendingRay {
-  std::uint32_t ray, first, count;  ///< where it goes on, as in BvhNode
+  std::uint32_t ray, first, count;  ///< where it continues, as in BvhNode
 };
 
 template <class Mode>
@@ -324,7 +325,7 @@ class StreamSingles {
     walk_singles<!Mode::kAll>(
         tree_, axes, &singles_, kSingleWalks,
         [&](std::uint32_t i) {
-          // Those that were hit since are done, or see no farther.
+          // Skips rays that later hits have finished or shortened.
           while (next != end && stream_.rays[next->ray].s_far < stream_.rays[next->ray].s_near)
             ++next;
           if (next == end) return false;
@@ -355,8 +356,7 @@ class StreamSingles {
 
 // Lists of a stream's rays, from node to node.
 
-/// Appends the numbers of a group's lanes that are set; room for kBundleWidth is needed. Returns
-/// the new end.
+/// Appends the numbers of a group's set lanes; needs room for kBundleWidth. Returns the new end.
 HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
                                      std::uint32_t* out) {
 #if HWY_MAX_BYTES >= 32 && HWY_TARGET != HWY_SCALAR
@@ -372,8 +372,8 @@ HWY_INLINE std::uint32_t* append_set(const std::uint32_t* numbers, RM set_lanes,
 #endif
 }
 
-/// Appends `first` + the number of each of a bundle's lanes that are set; room for kBundleWidth
-/// more is needed. Returns the new end.
+/// Appends `first` + the number of each of a bundle's set lanes; needs room for kBundleWidth more.
+/// Returns the new end.
 HWY_INLINE std::uint32_t* append_lanes(std::uint32_t first, std::uint32_t lanes,
                                        std::uint32_t* out) {
   alignas(64) static constexpr std::uint32_t kLanes[kBundleWidth] = {0, 1, 2,  3,  4,  5,  6,  7,
@@ -387,22 +387,22 @@ HWY_INLINE std::uint32_t* append_lanes(std::uint32_t first, std::uint32_t lanes,
   return out;
 }
 
-/// A box as the rays of a stream see it: the planes that they meet first, and the others.
+/// A box seen by the rays of a stream: the planes that they intersect first, and the others.
 struct SeenBox {
   float x_near, x_far, y_near, y_far, z_near, z_far;
 };
 
-/// What boxes are tested with, of as many rays as a vector has lanes.
+/// The fields for tests with boxes, of as many rays as a vector has lanes.
 struct SlabRays {
   RV ox, oy, oz, per_x, per_y, s_near, s_far;
 };
 
-/// What triangles are tested with, of as many rays.
+/// The fields for tests with triangles, of as many rays.
 struct LeafRays {
   RV ox, oy, oz, t_limit, shear_x, shear_y, shear_z, t_min;
 };
 
-/// The lanes that meet the box within [s_near, s_far].
+/// The lanes that intersect the box within [s_near, s_far].
 HWY_INLINE RM meeting(const SlabRays& r, const SeenBox& box) {
   using hn::Max, hn::Min, hn::Mul, hn::Sub;
   const RV x0 = Mul(Sub(set(box.x_near), r.ox), r.per_x);
@@ -414,8 +414,8 @@ HWY_INLINE RM meeting(const SlabRays& r, const SeenBox& box) {
   return hn::Le(near, far);
 }
 
-/// Lists at a leaf that are no longer take some rays with four triangles at once, instead of as
-/// many rays as there are lanes with one.
+/// Lists at a leaf up to this length test some rays with four triangles at once, instead of as many
+/// rays as there are lanes with one triangle.
 inline constexpr std::uint32_t kFewAtQuads = 8;
 
 template <class Mode>
@@ -429,7 +429,7 @@ class StreamLists {
         hits_(hits),
         singles_(singles) {}
 
-  /// What comes next for the rays of a list.
+  /// Processes the node or leaf of a list.
   void meet(const WaitingList& list) {
     if (singles_.is_for_singles(list)) {
       singles_.add_singles(list);
@@ -443,7 +443,7 @@ class StreamLists {
     }
   }
 
-  /// Numbers beyond a list's end, so that its last bundle is read like the others.
+  /// Appends numbers to a list, so that its last bundle is read like the others.
   void pad_list(std::uint32_t offset, std::uint32_t size) {
     std::uint32_t* end = stream_.lists.data() + offset + size;
     const RayInts d;
@@ -451,8 +451,8 @@ class StreamLists {
       hn::StoreU(hn::Set(d, end[-1]), d, end + g);
   }
 
-  /// The children from far to near along the stream's axis. A child's place is how many come before
-  /// it, found without a branch that nobody can foretell.
+  /// Sorts the children from far to near along the stream's axis. A child's position is the number
+  /// of children before it, computed without unpredictable branches.
   HWY_INLINE std::uint32_t sorted_children(const BvhNode& node, std::uint32_t* children) const {
     const Boxes d;
     const Numbers du;
@@ -480,7 +480,7 @@ class StreamLists {
     return node.children;
   }
 
-  /// A child's, grown by the pad.
+  /// A child's box, grown by the pad.
   [[nodiscard]] HWY_INLINE SeenBox box_of(const BvhNode& node, std::uint32_t c) const {
     const RayStream& s = stream_;
     const auto grown = [&](int row) { return node.bound[row][c] + (row < 3 ? -s.pad : s.pad); };
@@ -493,7 +493,8 @@ class StreamLists {
     return box;
   }
 
-  /// Rays of the bundle after the next; at a list's beginning of the next, too.
+  /// Prefetches the rays of the bundle after the next; at a list's beginning also those of the
+  /// next.
   HWY_INLINE void prefetch_rays(const WaitingList& list, std::uint32_t base) const {
     const std::uint32_t* const numbers = stream_.lists.data() + list.offset;
     const std::uint32_t end = std::min(base + 3 * kBundleWidth, list.size);
@@ -516,7 +517,7 @@ class StreamLists {
     }
   }
 
-  /// The same, some rays with four triangles at once.
+  /// The same, with some rays and four triangles at once.
   HWY_NOINLINE void meet_leaf_by_quads(const WaitingList& list) {
     const SharedAxes axes(stream_);
     const std::uint32_t* numbers = stream_.lists.data() + list.offset;
@@ -542,7 +543,7 @@ class StreamLists {
     }
   }
 
-  /// Triangles from a place on with the lanes of a bundle from `g` on.
+  /// Tests triangles from a place on with the lanes of a bundle from `g` on.
   HWY_INLINE void meet_group(std::uint32_t first, std::uint32_t count, const std::uint32_t* bundle,
                              std::uint32_t used, std::size_t g) {
     LeafRays r;
@@ -553,7 +554,7 @@ class StreamLists {
     });
   }
 
-  /// Calls `met(place, tested)` for those of the triangles that some ray may hit.
+  /// Calls `met(place, tested)` for the triangles that some ray may hit.
   template <class Met>
   HWY_INLINE void meet_triangles(std::uint32_t first, std::uint32_t count, const LeafRays& r,
                                  const Met& met) const {
@@ -630,25 +631,28 @@ class StreamLists {
   StreamSingles<Mode>& singles_;
 };
 
-// Bundles of a stream's rays, from node to node, while most rays of a bundle stay together.
+// Traces bundles of a stream's rays from node to node, while most rays of a bundle stay together.
 //
-//   list    5: 1111111111111111   6: 1111111111110000   7: ...     bundles and their rays
+//
+//   list    5: 1111111111111111   6: 1111111111110000   7: ...     bundles, and their rays in it
 //             | |                     a bundle's beam is tested with a node's eight boxes at once,
-//             v v                     and its rays with those boxes only that the beam meets
+//             v v                     and its rays only with the boxes that the beam intersects
 //   child   5: 0000001111111111   6: 1111000000000000
 //
-// Rays are read where they stand, neither gathered nor moved. Where bundles have lost too many,
-// what is left goes on as a list of rays.
+// Rays are read in place, neither gathered nor moved. When bundles have lost too many rays, the
+// rest continues as a list of rays.
+/// Bundles with fewer rays each, on average, continue as rays.
 
-/// Bundles that keep fewer rays each, on average, go on as rays.
+/// Bundles with fewer rays each, on average, continue as rays.
 inline constexpr std::uint32_t kRaysOfBundle = 6;
-/// The same of bundles at a leaf.
+/// The same limit for bundles at a leaf.
 inline constexpr std::uint32_t kRaysOfBundleAtLeaf = 4;
 
-/// So many rays of a bundle get records one by one, more of them all at once.
+/// Up to this many rays of a bundle get records one by one; more of them all at once.
 inline constexpr int kFewRecords = 3;
 
-/// Fewer beams than these are tested with all children at a time, instead of with each other.
+/// Fewer beams than this are each tested with all children at once, instead of many beams with one
+/// child at a time.
 inline constexpr std::uint32_t kFewBundles = 4;
 
 /// The beams of as many bundles as a vector has lanes.
@@ -673,7 +677,7 @@ struct BeamLanes {
       planes->opens = hn::Gt(planes->inverse, hn::Zero(Rays()));
   }
 
-  /// Those that meet a child: `children_in_beam`, operation by operation.
+  /// The lanes that intersect a child: `children_in_beam`, operation by operation.
   HWY_INLINE RM meeting(const RayStream& s, const BvhNode& node, std::uint32_t c) const {
     using hn::Max, hn::Min, hn::Mul, hn::Sub;
     const RV z0 = set(node.bound[s.near_z][c]), z1 = set(node.bound[s.far_z][c]);
@@ -704,13 +708,13 @@ class StreamBundles {
         hits_(hits),
         lists_(lists) {}
 
-  /// Those of a bundle's rays that are `some` have records of their own from now on.
+  /// Gives the rays `some` of a bundle their own records.
   HWY_INLINE void leave_bundle(std::uint32_t bundle, std::uint32_t some) {
     const std::uint32_t leave = some & ~stream_.recorded[bundle];
     if (leave != 0) make_records(bundle, leave);
   }
 
-  /// Triangles from a place on with rays of a bundle.
+  /// Tests triangles from a place on with rays of a bundle.
   HWY_INLINE void meet_bundle(std::uint32_t first, std::uint32_t count, BundleRays rays) {
     const StreamBundle& b = stream_.bundles[rays.bundle];
     for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
@@ -798,13 +802,13 @@ class StreamBundles {
     }
   }
 
-  /// Room for kBundleWidth more is needed.
+  /// Needs room for kBundleWidth more.
   void keep_bundles(std::uint32_t c, std::uint32_t bundles, std::uint32_t offset) {
     std::memcpy(stream_.lists.data() + offset, found_[c], bundles * sizeof(BundleRays));
     lists_.pad_list(offset, bundles);
   }
 
-  /// The same as a list of rays; room for kBundleWidth more is needed.
+  /// Converts the bundles to a list of rays; needs room for kBundleWidth more.
   void keep_rays(std::uint32_t c, std::uint32_t bundles, std::uint32_t offset) {
     std::uint32_t* out = stream_.lists.data() + offset;
     for (std::uint32_t i = 0; i < bundles; ++i) {
@@ -814,7 +818,7 @@ class StreamBundles {
     }
   }
 
-  /// What of a bundle's rays meets a box.
+  /// The rays of a bundle that intersect a box.
   HWY_INLINE std::uint32_t rays_in_box(const StreamBundle& b, const SeenBox& box) const {
     std::uint32_t met = 0;
     for (std::size_t g = 0; g < kBundleWidth; g += ray_lanes()) {
@@ -827,7 +831,7 @@ class StreamBundles {
     return met;
   }
 
-  /// Bundles whose beams meet a child, for each child: how many there are.
+  /// Finds the bundles whose beams intersect each child, and how many they are.
   void meet_beams(const BvhNode& node, const WaitingList& list, std::uint32_t* found) {
     if (list.size <= kFewBundles) {
       meet_beams_one_by_one(node, list, found);
@@ -852,7 +856,7 @@ class StreamBundles {
     std::copy_n(ends, kBvhWidth, found);
   }
 
-  /// As many beams as there are lanes with a child at a time.
+  /// Tests as many beams as there are lanes with one child at a time.
   HWY_NOINLINE void meet_beams_together(const BvhNode& node, const WaitingList& list,
                                         std::uint32_t* found) {
     std::uint32_t* out[kBvhWidth];
@@ -880,9 +884,9 @@ class StreamBundles {
   alignas(64) BundleRays found_[kBvhWidth][kMostBundles + kBundleWidth];  ///< by child
 };
 
-/// Fewer rays send no pilots: they would go alone.
+/// Streams with fewer rays have no pilots: single rays are slower.
 inline constexpr std::uint32_t kFewestPiloted = 512;
-/// As many go ahead before it is seen whether they are of use.
+/// Number of pilots traced before their benefit is evaluated.
 inline constexpr std::uint32_t kPilots = 64;
 
 template <class Mode>
@@ -890,7 +894,7 @@ class StreamWalk {
  public:
   explicit StreamWalk(const TraceJob& job) : state_(job) {}
 
-  /// Rays [first, first + count) of the order, of one quarter.
+  /// Traces rays [first, first + count) of the order, all of one quarter.
   void run(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
     const DualCounts before = state_.counts;
     std::uint32_t alive = fill(first, count, quarter);
@@ -908,7 +912,7 @@ class StreamWalk {
     }
   }
 
-  /// Hands over what was counted and found.
+  /// Stores counts and results.
   void finish(const TraceTask& task) {
     if constexpr (Mode::kAll) hand_over_rows(state_.job, task, state_.stream.rows);
     const std::lock_guard<std::mutex> lock(*state_.job.mutex);
@@ -916,8 +920,8 @@ class StreamWalk {
   }
 
  private:
-  /// What stands from `offset` on in the lists, `size` rays or bundles, the least first, through
-  /// the tree; what stands there is lost.
+  /// Traces `size` rays or bundles, ascending, from `offset` on in the lists, through the tree;
+  /// overwrites them.
   void walk(std::uint32_t offset, std::uint32_t size, bool in_bundles) {
     if (size == 0) return;
     state_.stream.waiting.clear();
@@ -931,7 +935,7 @@ class StreamWalk {
     singles_.walk_all();
   }
 
-  /// What comes next for the rays of a list.
+  /// Processes the node or leaf of a list.
   HWY_INLINE void meet_list(const WaitingList& list) {
     if (!list.in_bundles) {
       lists_.meet(list);
@@ -942,8 +946,8 @@ class StreamWalk {
     }
   }
 
-  /// The stream's rays, and the list of those that meet the scene's box, or of their bundles: how
-  /// many they are.
+  /// Fills the stream's rays, and the list of those that intersect the scene's box, or of their
+  /// bundles; returns the list's size.
   std::uint32_t fill(std::uint32_t first, std::uint32_t count, std::uint32_t quarter) {
     RayStream& s = state_.stream;
     s.fit(count);
@@ -991,7 +995,7 @@ class StreamWalk {
     return alive;
   }
 
-  /// As rays `base` + `g` and those after it.
+  /// Stores them as rays `base` + `g` and following.
   HWY_INLINE void keep_lanes(std::uint32_t base, std::size_t g, const RayLanes& r,
                              const SlabLanes& slabs) {
     RayStream& s = state_.stream;
@@ -1017,7 +1021,7 @@ class StreamWalk {
     hn::Store(hn::Set(di, kInvalidId), di, b.place + g);
   }
 
-  /// With every triangle.
+  /// Tests every ray with every triangle.
   HWY_NOINLINE void test_unbounded() {
     const auto size = static_cast<std::uint32_t>(unbounded_.size());
     std::copy(unbounded_.begin(), unbounded_.end(), state_.stream.lists.begin());
@@ -1030,10 +1034,11 @@ class StreamWalk {
     unbounded_.clear();
   }
 
-  // Pilots: what stops a ray often stops those beside it (E. Haines, D. Greenberg, "The Light
-  // Buffer", 1986, keep the last occluder). Of sixteen rays of the list one goes ahead, and the
-  // triangles that stopped it and its neighbours' are tried on the sixteen; so part by part of the
-  // list, while that stops most. In bundles rays share so much of the tree that it saves nothing.
+  // Pilots: an occluder of a ray often occludes the neighbouring rays (E. Haines, D. Greenberg,
+  // "The Light Buffer", 1986, keep the last occluder). One ray of each sixteen in the list is
+  // traced first as the pilot, and the triangles that stopped it and the neighbouring pilots are
+  // tested with the sixteen. This is repeated for the next part of the list while it stops most
+  // rays. Rays in bundles share so much of the tree that it saves nothing.
 
   /// Returns how many of the first `alive` rays of the list are left.
   std::uint32_t follow_pilots(std::uint32_t alive) {
@@ -1054,8 +1059,8 @@ class StreamWalk {
     return left;
   }
 
-  /// Of rays [first, end) of the list; those that are left go to `left` and what follows. Returns
-  /// the place after them.
+  /// Processes rays [first, end) of the list, and moves those that are left to `left` and
+  /// following. Returns the place after them.
   std::uint32_t follow_some(std::uint32_t first, std::uint32_t end, std::uint32_t alive,
                             std::uint32_t left) {
     RayStream& s = state_.stream;
@@ -1069,7 +1074,7 @@ class StreamWalk {
     for (std::uint32_t b = 0; b < bundles; ++b) {
       StreamRay& pilot = s.rays[s.lists[first + b * kBundleWidth + kBundleWidth / 2]];
       places_[b + 1] = pilot.place;
-      pilot.s_far = -std::numeric_limits<float>::infinity();  // done, hit or not
+      pilot.s_far = -std::numeric_limits<float>::infinity();  // done, whether hit or not
     }
     for (std::uint32_t b = 0; first + b * kBundleWidth < end; ++b) {
       std::uint32_t* const bundle = s.lists.data() + first + b * kBundleWidth;
@@ -1100,6 +1105,6 @@ class StreamWalk {
   StreamSingles<Mode> singles_{state_, hits_};
   StreamLists<Mode> lists_{state_, hits_, singles_};
   StreamBundles<Mode> bundles_{state_, hits_, lists_};
-  std::vector<std::uint32_t> unbounded_;  ///< of bundles that have no bounds: rays, or bundles
-  std::vector<std::uint32_t> places_;     ///< what pilots met, between two that are nothing
+  std::vector<std::uint32_t> unbounded_;  ///< of bundles without bounds: rays, or bundles
+  std::vector<std::uint32_t> places_;  ///< triangles that the pilots hit, between two invalid ones
 };

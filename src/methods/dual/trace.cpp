@@ -10,14 +10,15 @@
 namespace raysheaf {
 namespace {
 
-/// Bundles a task: neighbours share the boxes and triangles that they meet. Of streams: two.
+/// Bundles per task: neighbours share boxes and triangles. Tasks of streams have two streams.
 constexpr std::size_t kBundlesATask = 64;
 constexpr std::size_t kStreamBundlesATask = 2 * kStreamRays / kBundleWidth;
-/// A long stream is no longer than this part of what is left, so that threads end together.
+/// A long stream takes at most this fraction of the remaining bundles, so that threads finish
+/// together.
 constexpr std::size_t kPartOfRest = 4;
 
-/// Every quarter in as few long streams of one length as may be, a task each, and more towards the
-/// end (C. Polychronopoulos, D. Kuck, "Guided Self-Scheduling", 1987).
+/// Divides every quarter into the fewest long streams of equal length, one task each; streams
+/// become shorter towards the end (C. Polychronopoulos, D. Kuck, "Guided Self-Scheduling", 1987).
 void cut_into_long_streams(const TraceJob& job, std::vector<std::size_t>* starts) {
   constexpr std::size_t kLeast = kStreamRays / kBundleWidth, kMost = kLongStreamRays / kBundleWidth;
   for (std::uint32_t q = 0; q < kQuarters; ++q) {
@@ -94,7 +95,7 @@ void make_rows(const Executor& executor, const std::vector<RowHit>& found, std::
   list->ends.resize_uninitialized(end - first);
   list->hits.resize_uninitialized(found.size());
   std::fill(list->ends.begin(), list->ends.end(), std::uint64_t{0});
-  // ends[i] is first the length of row i, then where it begins, then, filled, where it ends.
+  // ends[i] is first the length of row i, then its begin, and finally, after filling, its end.
   for (const RowHit& hit : found) ++list->ends[hit.place - first];
   std::uint64_t begin = 0;
   for (std::uint64_t& at : list->ends) begin += std::exchange(at, begin);

@@ -1,4 +1,4 @@
-// What the bundle kernels are given, whatever they look for.
+// The input of the bundle kernels, for every kind of query.
 #pragma once
 
 #include <mutex>
@@ -14,23 +14,23 @@ struct BundleRange {
   std::uint32_t first = 0, count = 0, quarter = 0;
 };
 
-/// Bundles [begin, end), that one thread takes.
+/// Bundles [begin, end) of one task.
 struct TraceTask {
   std::size_t number = 0, begin = 0, end = 0;
 };
 
 struct TraceJob {
-  const Executor* executor = nullptr;  ///< that runs the tasks, which ask it whether to go on
+  const Executor* executor = nullptr;  ///< runs the tasks, which check it for cancellation
   DualScene scene;
   const Ray* rays = nullptr;
   const std::uint32_t* order = nullptr;
   std::array<std::uint32_t, kQuarters + 1> ray_starts{}, bundle_starts{};
   IndexedHit* hits = nullptr;
   std::uint8_t* occluded = nullptr;
-  RowLists* rows = nullptr;             ///< one a task
-  std::uint32_t* hit_counts = nullptr;  ///< of each ray: instead of rows
-  float* ray_tests = nullptr;           ///< or null
-  DualCounts* counts = nullptr;         ///< under `mutex`
+  RowLists* rows = nullptr;             ///< one for each task
+  std::uint32_t* hit_counts = nullptr;  ///< for each ray, instead of rows
+  float* ray_tests = nullptr;           ///< may be null
+  DualCounts* counts = nullptr;         ///< protected by `mutex`
   std::mutex* mutex = nullptr;
   RayStreamPool* streams = nullptr;
 
@@ -43,7 +43,7 @@ struct TraceJob {
   }
 };
 
-/// What was found for the rays at places [first, end), in no order, as a list.
+/// Sorts the hits of the rays at places [first, end), which are in no order, into a list.
 void make_rows(const Executor& executor, const std::vector<RowHit>& found, std::uint32_t first,
                std::uint32_t end, RowList* list);
 

@@ -1,5 +1,5 @@
-// Compiled once a SIMD target and chosen at run time (Google Highway). No operation is fused, so
-// that every target makes the same tests and gives the same hits.
+// Compiled once for each SIMD target and chosen at run time (Google Highway). No operation is
+// fused, so that every target makes the same tests and gives the same hits.
 #include <atomic>
 #include <cstring>
 #include <mutex>
@@ -25,7 +25,7 @@ HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Each stands on those before it.
+// The order matters: each depends on those before it.
 #include "methods/dual/bundle16-inl.h"
 
 #include "methods/dual/triangle-inl.h"
@@ -51,7 +51,7 @@ void walk_bundles(const TraceJob& job, const TraceTask& task) {
   walk.finish(task);
 }
 
-/// Bundles that follow each other in one quarter make a stream.
+/// Consecutive bundles of one quarter form a stream.
 template <class Mode>
 void walk_streams(const TraceJob& job, const TraceTask& task) {
   const std::uint32_t most =

@@ -1,4 +1,5 @@
-// One ray down a tree of two boxes a node, the nearer first: what a thread of a device does.
+// Traces one ray through a tree with two boxes per node, the nearer first: the work of a thread of
+// a device.
 #pragma once
 
 #include "intersect/facing_body.h"
@@ -10,14 +11,14 @@
 
 namespace raysheaf {
 
-/// What a ray does on its way, counted.
+/// Counts of a ray's traversal.
 struct WalkCounts {
   std::uint32_t box_tests = 0, triangle_tests = 0;
-  std::uint32_t leaves = 0;  ///< visited; counted on the host alone, for lab/walk_counts.h
+  std::uint32_t leaves = 0;  ///< visited; counted only on the host, for lab/walk_counts.h
 };
 
 /// Calls `take(hit)` for the hits of a ray with the triangles of a leaf; returns the place after
-/// them. `setup` has where hits count, which `take` may bring nearer.
+/// them. `setup` has the valid interval, which `take` may shorten.
 template <class Take>
 RAYSHEAF_HD std::uint32_t meet_leaf(const LinearTreeView& tree, std::uint32_t place, Facing facing,
                                     const RaySetup& setup, WalkCounts* counts, const Take& take) {
@@ -33,14 +34,14 @@ RAYSHEAF_HD std::uint32_t meet_leaf(const LinearTreeView& tree, std::uint32_t pl
   return place;
 }
 
-/// A node or leaf that a walk comes back to, and where the ray enters its box.
+/// A node or leaf on the stack, and where the ray enters its box.
 struct alignas(8) WalkStop {
   float near;
   std::uint32_t at;
 };
 
-/// Calls `leaf(place)` for the leaves whose boxes the ray meets, the nearer child of a node first.
-/// `leaf` may bring the ray's end nearer, and returns the place after its last triangle.
+/// Calls `leaf(place)` for the leaves whose boxes the ray intersects, the nearer child of a node
+/// first. `leaf` may shorten the ray, and returns the place after its last triangle.
 template <class Leaf>
 RAYSHEAF_HD void walk_tree(const LinearTreeView& tree, BoxRay* ray, WalkCounts* counts,
                            const Leaf& leaf) {
@@ -61,7 +62,7 @@ RAYSHEAF_HD void walk_tree(const LinearTreeView& tree, BoxRay* ray, WalkCounts* 
 #endif
       leaf(next & ~kLeafBit);
     } else {
-      const LinearNode node = tree.nodes[next];  // as one: in words of 16 bytes
+      const LinearNode node = tree.nodes[next];  // copied as a whole, in words of 16 bytes
       float near_0, near_1;
       const bool meets_0 = enters(*ray, node.box[0], &near_0);
       const bool meets_1 = enters(*ray, node.box[1], &near_1);
@@ -81,7 +82,7 @@ RAYSHEAF_HD void walk_tree(const LinearTreeView& tree, BoxRay* ray, WalkCounts* 
   }
 }
 
-/// The hit of least (t, triangle).
+/// The hit with the least (t, triangle).
 RAYSHEAF_HD inline IndexedHit closest_in_tree(const LinearTreeView& tree, const Box& scene,
                                               const Ray& ray, Facing facing, WalkCounts* counts) {
   IndexedHit best;
@@ -114,13 +115,13 @@ RAYSHEAF_HD inline bool any_in_tree(const LinearTreeView& tree, const Box& scene
   return met;
 }
 
-/// What a walk in binary32 has found. The answer is among the triangles at `place`, the nearest hit
-/// that is sure and whose t is in [low, high], and at `first` and `second`, of which binary32 does
-/// not know whether they are hits, or nearer ones: nearly always the one that the ray starts from.
+/// The result of a traversal in binary32. The answer is among the triangles at `place`, the nearest
+/// certain hit, whose t is in [low, high], and at `first` and `second`, for which binary32 cannot
+/// decide whether they are hits, or nearer ones: usually the one at which the ray starts.
 struct FloatWalk {
   float low = 0, high = std::numeric_limits<float>::infinity();
   std::uint32_t place = kInvalidId, first = kInvalidId, second = kInvalidId;
-  bool unsure = false;  ///< there are more; `closest_in_tree` or `any_in_tree` does all anew
+  bool unsure = false;  ///< there are more; `closest_in_tree` or `any_in_tree` starts again
 
   RAYSHEAF_HD void keep(std::uint32_t candidate) {
     if (first == kInvalidId) {
@@ -133,7 +134,7 @@ struct FloatWalk {
   }
 };
 
-/// Of the triangles from `place` to the end of the leaf.
+/// Tests the triangles from `place` to the end of the leaf.
 RAYSHEAF_HD inline std::uint32_t meet_leaf_in_floats(const LinearTreeView& tree,
                                                      std::uint32_t place, Facing facing,
                                                      const RaySetup& setup, bool any,
@@ -161,7 +162,7 @@ RAYSHEAF_HD inline std::uint32_t meet_leaf_in_floats(const LinearTreeView& tree,
   return place;
 }
 
-/// Few registers and no double.
+/// Needs few registers and no double.
 RAYSHEAF_HD inline FloatWalk closest_in_floats(const LinearTreeView& tree, const Box& scene,
                                                const Ray& ray, Facing facing, WalkCounts* counts) {
   FloatWalk best;
@@ -176,7 +177,7 @@ RAYSHEAF_HD inline FloatWalk closest_in_floats(const LinearTreeView& tree, const
   return best;
 }
 
-/// The same for any hit: one at `place` is the answer.
+/// The same for any hit: the hit at `place` is the answer.
 RAYSHEAF_HD inline FloatWalk any_in_floats(const LinearTreeView& tree, const Box& scene,
                                            const Ray& ray, Facing facing, WalkCounts* counts) {
   FloatWalk found;
@@ -191,8 +192,8 @@ RAYSHEAF_HD inline FloatWalk any_in_floats(const LinearTreeView& tree, const Box
   return found;
 }
 
-/// Meets the triangle at a place, or none where it is `kInvalidId`, in binary64 alone. Returns
-/// whether that was sure.
+/// Tests the triangle at a place, if it is not `kInvalidId`, in binary64 only. Returns whether the
+/// result is certain.
 RAYSHEAF_HD inline bool meet_in_doubles(const LinearTreeView& tree, std::uint32_t place,
                                         const Ray& ray, Facing facing, IndexedHit* best) {
   if (place == kInvalidId) return true;
@@ -206,7 +207,7 @@ RAYSHEAF_HD inline bool meet_in_doubles(const LinearTreeView& tree, std::uint32_
   return answer != LineAnswer::kUnsure;
 }
 
-/// Calls `take(hit)` for every hit, in no order.
+/// Calls `take(hit)` for every hit, in no particular order.
 template <class Take>
 RAYSHEAF_HD void all_in_tree(const LinearTreeView& tree, const Box& scene, const Ray& ray,
                              Facing facing, WalkCounts* counts, const Take& take) {
@@ -217,12 +218,12 @@ RAYSHEAF_HD void all_in_tree(const LinearTreeView& tree, const Box& scene, const
   });
 }
 
-/// Whether a stands before b in a row.
+/// Whether a comes before b in a row.
 RAYSHEAF_HD inline bool stands_before(const IndexedHit& a, const IndexedHit& b) {
   return a.t < b.t || (a.t == b.t && a.triangle < b.triangle);
 }
 
-/// Sorts a ray's hits in place: a heap (J. W. J. Williams, "Algorithm 232: Heapsort", 1964), so
+/// Sorts a ray's hits in place by a heap (J. W. J. Williams, "Algorithm 232: Heapsort", 1964), so
 /// that a long row takes O(n log n) and no memory.
 RAYSHEAF_HD inline void sort_row(IndexedHit* hits, std::uint64_t count) {
   const auto sink = [&](std::uint64_t at, std::uint64_t end) {

@@ -1,9 +1,9 @@
 // Stage 1 of the ray-triangle test (intersect/triangle_body.h), over rays in lanes or over the
 // triangles of a quad. Included by methods/dual/trace_simd.cpp, inside its namespace.
 //
-// A lane that hits has an interval that holds t as rounded; what is neither surely a hit within the
-// ray's limits nor surely none goes to stage 2. No operation is fused, so that intervals, and with
-// them what rays visit, are the same on every target.
+// For each lane that hits, an interval contains the rounded t. Lanes that are neither certainly a
+// hit within the ray's limits nor certainly a miss go to stage 2. No operation is fused, so that
+// intervals, and with them the nodes that rays visit, are the same on every target.
 
 template <class D>
 struct Corner {
@@ -21,19 +21,19 @@ HWY_INLINE V edge_of(V px, V py, V qx, V qy) {
   return hn::Sub(hn::Mul(px, qy), hn::Mul(py, qx));
 }
 
-/// What stage 1 says of lanes.
+/// The result of stage 1.
 template <class D>
 struct Tested {
   hn::Mask<D> hit, unsettled;
-  hn::Vec<D> low, high;  ///< of t, where hit
-  hn::Vec<D> det;        ///< its sign tells the side that is met
+  hn::Vec<D> low, high;  ///< of t, for hits
+  hn::Vec<D> det;        ///< its sign tells which side is hit
 };
 
-/// The edge functions of lanes and how far they may be off.
+/// The edge functions of lanes and their error bounds.
 template <class D>
 struct Edges {
   hn::Vec<D> u, v, w, size, error, least, most;
-  hn::Mask<D> possible;  ///< not surely misses
+  hn::Mask<D> possible;  ///< not certainly a miss
 };
 template <class D>
 HWY_INLINE Edges<D> edges_of(D d, const Corner<D>& a, const Corner<D>& b, const Corner<D>& c,
@@ -79,7 +79,7 @@ HWY_INLINE void finish_lanes(D d, const Corner<D>& a, const Corner<D>& b, const 
   out->unsettled = AndNot(settled, e.possible);
 }
 
-/// False where no lane can be a hit; `out` is then not written.
+/// Returns false if no lane can be a hit; `out` is then not written.
 template <class D>
 HWY_INLINE bool test_lanes(D d, const Corner<D>& a, const Corner<D>& b, const Corner<D>& c,
                            hn::Vec<D> reach, hn::Vec<D> shear_z, hn::Vec<D> t_min,
@@ -90,7 +90,7 @@ HWY_INLINE bool test_lanes(D d, const Corner<D>& a, const Corner<D>& b, const Co
   return true;
 }
 
-/// Calls `take(first lane, tested)` for the groups of lanes in which there may be a hit.
+/// Calls `take(first lane, tested)` for the groups of lanes that may have a hit.
 template <class Take>
 HWY_INLINE void triangle_in_bundle(const RayBundle& p, const TriangleQuad& q, std::uint32_t k,
                                    const Take& take) {
@@ -116,7 +116,7 @@ struct PlacedCorners {
   Vec3 a, b, c;
   PlacedCorners(const ObjectTree& tree, std::uint32_t place)
       : PlacedCorners(tree, place, 0, 1, 2) {}
-  /// Along the axes of rays.
+  /// In the rays' axes.
   PlacedCorners(const ObjectTree& tree, std::uint32_t place, const QuarterAxes& axes)
       : PlacedCorners(tree, place, axes.axis_x, axes.axis_y, axes.axis_z) {}
 
@@ -136,7 +136,7 @@ inline std::uint32_t id_at(const ObjectTree& tree, std::uint32_t place) {
   return tree.quads[place / 4].id[place % 4];
 }
 
-/// What a query keeps of the hits it meets.
+/// The hits that a query stores.
 struct ClosestMode {
   static constexpr bool kAny = false, kAll = false;
 };
@@ -147,18 +147,18 @@ struct AllMode {
   static constexpr bool kAny = false, kAll = true;
 };
 
-/// Where a hit's t lies; both ends are t itself once it is settled.
+/// The interval of a hit's t; both ends equal t once it is settled.
 struct Interval {
   float low, high;
 };
 
-/// The best hit of a ray that looks for the closest, as far as it is known.
+/// The best hit so far of a ray that searches for the closest.
 struct BestHit {
-  float *low, *high;     ///< of its t; t_max of the ray where there is none
+  float *low, *high;     ///< of its t; the ray's t_max if there is no hit
   std::uint32_t* place;  ///< of its triangle; kInvalidId: none
 
-  /// Takes a hit of a triangle at `at`, whose t is `t`, if it is better; settles what is kept where
-  /// the two cannot be told apart. Returns whether it was taken.
+  /// Takes a hit of the triangle at `at`, with distance `t`, if it is better; settles the stored
+  /// hit if the intervals overlap. Returns whether it was taken.
   bool take_settled(const ObjectTree& tree, const Ray& ray, std::uint32_t at, float t) const {
     if (t > *high) return false;
     if (!(t < *low) && *place != kInvalidId) {
@@ -174,7 +174,7 @@ struct BestHit {
   }
 };
 
-/// Stages 2 and 3 for a ray of the caller's and the triangle at a place, in [t_min, t_max].
+/// Stages 2 and 3 for a ray of the caller and the triangle at a place, in [t_min, t_max].
 HWY_NOINLINE bool settle_at(const ObjectTree& tree, const Ray& ray, std::uint32_t place,
                             float t_max, TriangleHit* hit) {
   const PlacedCorners p(tree, place);
@@ -198,7 +198,7 @@ HWY_INLINE SetupColumns columns_from(const Columns& r, std::size_t g) {
 /// The values of sixteen rays' hits, each with the triangle at its place; kInvalidId: none.
 class HitValues {
  public:
-  /// `index`: of rays in `rays`, kBundleWidth of them.
+  /// `index`: kBundleWidth indices into `rays`.
   HWY_INLINE void fill(const ObjectTree& tree, const Ray* rays, const std::uint32_t* index,
                        const std::uint32_t* places) {
     const Rays d;
@@ -220,7 +220,7 @@ class HitValues {
       places_[i] = places[i];
     }
   }
-  /// Writes `hits`, by number of triangle.
+  /// Writes `hits`, with triangle numbers instead of places.
   HWY_INLINE void store(const ObjectTree& tree, IndexedHit* hits) {
     settle_values(hits_, &columns_);
     const Rays d;
@@ -244,7 +244,7 @@ class HitValues {
 };
 static_assert(kValueLanes == kBundleWidth);
 
-/// What was found for the rays of a task, by places of triangles in the tree.
+/// Stores the hits of a task's rays, given by places of triangles in the tree.
 inline void hand_over_rows(const TraceJob& job, const TraceTask& task, std::vector<RowHit>& found) {
   if (job.rows == nullptr) return;
   const ObjectTree& tree = *job.scene.tree;

@@ -1,6 +1,7 @@
-// One bundle's way through the tree. Included by methods/dual/trace_simd.cpp, inside its namespace.
+// Traces one bundle through the tree. Included by methods/dual/trace_simd.cpp, inside its
+// namespace.
 
-/// Lanes at or below go on one by one.
+/// With this many lanes or fewer, they continue one by one.
 inline constexpr int kSingleRays = 3;
 
 /// Calls `body(first quad, triangles)`.
@@ -41,7 +42,7 @@ class Walk {
     }
   }
 
-  /// Hands over what was counted and found.
+  /// Stores counts and results.
   void finish(const TraceTask& task) {
     if constexpr (Mode::kAll) hand_over_rows(job_, task, rows_);
     const std::lock_guard<std::mutex> lock(*job_.mutex);
@@ -66,8 +67,8 @@ class Walk {
     }
   }
 
-  /// Puts the children that rays meet on the stack, the nearest on top. Which of the beam's
-  /// children they are is found without a branch: no one can foretell it.
+  /// Pushes the children that rays intersect on the stack, the nearest on top. The beam's children
+  /// are enumerated without unpredictable branches.
   std::size_t open(std::uint32_t number, std::size_t top) {
     if (top + kBvhWidth + 1 > waiting_.size()) waiting_.resize(2 * waiting_.size());
     const BvhNode& node = tree_.nodes[number];
@@ -93,7 +94,7 @@ class Walk {
     return static_cast<std::size_t>(end - waiting_.data());
   }
 
-  /// Whether any ray now ends earlier.
+  /// Returns whether any ray now ends earlier.
   bool meet_leaf(std::uint32_t quad, std::uint32_t count) {
     bool shortened = false;
     counts_.triangle_tests += std::uint64_t{count} * bundle_.count;
@@ -138,7 +139,7 @@ class Walk {
   }
 
   /// The usual case of `take_lanes`, in vectors, so that the next load of them does not wait.
-  /// Returns the lanes whose best hit cannot be told from this one.
+  /// Returns the lanes whose best hit cannot be distinguished from this one.
   HWY_INLINE std::uint32_t take_at_once(std::uint32_t place, std::size_t g,
                                         const Tested<Rays>& tested) {
     RayBundle& p = bundle_;
@@ -165,7 +166,8 @@ class Walk {
     }
   }
 
-  /// A lane and a triangle that stage 1 cannot tell of. Whether the ray now ends earlier.
+  /// Settles a lane and a triangle that stage 1 cannot decide. Returns whether the ray now ends
+  /// earlier.
   HWY_NOINLINE bool settle(std::uint32_t lane, std::uint32_t place) {
     RayBundle& p = bundle_;
     const Ray& ray = job_.rays[p.index[lane]];
@@ -182,7 +184,7 @@ class Walk {
     }
   }
 
-  /// A hit of a lane, in its range. Whether the ray now ends earlier.
+  /// Takes a hit of a lane within its limits. Returns whether the ray now ends earlier.
   bool take(std::uint32_t lane, std::uint32_t place, Interval t, bool front) {
     RayBundle& p = bundle_;
     if (!is_shown(place, front)) return false;
@@ -203,7 +205,7 @@ class Walk {
            shows(job_.scene.facing, job_.scene.flags[id_at(tree_, place)], front);
   }
 
-  /// A hit where it matters only that there is one. Whether the ray now ends earlier.
+  /// Takes a hit whose distance does not matter. Returns whether the ray now ends earlier.
   bool keep(std::uint32_t lane, std::uint32_t place) {
     RayBundle& p = bundle_;
     if constexpr (Mode::kAll) {
@@ -226,7 +228,7 @@ class Walk {
     p.s_far[lane] = std::min(p.s_far[lane], raysheaf::past(p.t_limit[lane], p.along[lane], p.pad));
   }
 
-  /// Lane `lane` as a record: `rays_[i]`.
+  /// Copies lane `lane` to the record `rays_[i]`.
   void keep_lane(std::uint32_t lane, std::size_t i) {
     const RayBundle& p = bundle_;
     rays_[i] = {p.ox[lane],      p.oy[lane],      p.oz[lane],      p.t_limit[lane],
@@ -258,7 +260,7 @@ class Walk {
         &counts_);
   }
 
-  /// The record of walk `i` learns how far its lane looks.
+  /// Copies the limits of its lane to the record of walk `i`.
   void tell_record(std::uint32_t i) {
     rays_[i].s_far = bundle_.s_far[singles_.number[i]];
     rays_[i].t_limit = bundle_.t_limit[singles_.number[i]];
@@ -284,8 +286,8 @@ class Walk {
   DualCounts counts_;
   std::vector<Waiting> waiting_;
   SingleWalks singles_;
-  StreamRay rays_[kSingleRays];  ///< of the lanes that go on one by one
+  StreamRay rays_[kSingleRays];  ///< of the lanes that continue one by one
   std::uint32_t first_ = 0;      ///< the bundle's place in the order
   HitValues values_;
-  std::vector<RowHit> rows_;  ///< by places of triangles
+  std::vector<RowHit> rows_;  ///< with places of triangles
 };

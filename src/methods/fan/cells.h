@@ -5,10 +5,9 @@
 //   tile:   16 bundles                         +---------------+   +---------------+
 //   group:  16 tiles                           +-----------------------------------+
 //
-// A bound is the rectangle of the shears that its rays have, no larger, and how far along the
-// face's axis the farthest of them reaches. Beside this tree stands a pyramid of square grids over
-// each face: where a triangle's rectangle lies, its cells say which tiles have rays there and how
-// far they reach.
+// A bound is the tight rectangle of its rays' shears, and the farthest reach of its rays along the
+// face's axis. In addition to this tree, each face has a pyramid of square grids: the cells under a
+// triangle's rectangle tell which tiles have rays there and how far the rays reach.
 #pragma once
 
 #include <algorithm>
@@ -24,12 +23,12 @@
 namespace raysheaf {
 
 inline constexpr std::uint32_t kFanFaces = 6;
-inline constexpr std::uint32_t kBundleSlots = 16;  ///< rays a bundle
+inline constexpr std::uint32_t kBundleSlots = 16;  ///< rays per bundle
 inline constexpr std::uint32_t kTileBundles = 16;
 inline constexpr std::uint32_t kTileSlots = kBundleSlots * kTileBundles;
 inline constexpr std::uint32_t kGroupTiles = 16;
 
-/// The axes of a face as `make_ray_setup` numbers them; rays run along sign * z.
+/// The axes of a face as `make_ray_setup` numbers them; rays point along sign * z.
 struct FanFace {
   std::uint32_t x, y, z;
   float sign;
@@ -41,7 +40,7 @@ inline FanFace fan_face(std::uint32_t face) {
   return {y, x, z, -1};
 }
 
-/// What bounds some rays of a face; nothing by default.
+/// The bound of some rays of a face; empty by default.
 struct FanBound {
   float u0 = std::numeric_limits<float>::infinity(), u1 = -u0;
   float v0 = u0, v1 = -u0;
@@ -68,9 +67,9 @@ struct FanBounds {
   [[nodiscard]] std::size_t bytes() const { return 5 * u0.capacity_bytes(); }
 };
 
-/// What the keys' stage learns of all rays.
+/// Properties of all rays, computed with the keys.
 struct FanRange {
-  bool one_origin = true;   ///< bit for bit; where not, keys are of no use
+  bool one_origin = true;   ///< bit for bit; otherwise the keys are not used
   bool forward = true;      ///< no t_min is negative
   float largest_along = 0;  ///< of |direction| along the dominant axis
 
@@ -83,8 +82,8 @@ struct FanRange {
 
 struct FanRays {
   Buffer<float> shear_x, shear_y, shear_z, t_min, t_max;
-  Buffer<float> reach;        ///< along the face's axis, from above
-  Buffer<std::uint32_t> ray;  ///< its number; unknown in slots without a ray
+  Buffer<float> reach;        ///< along the face's axis, rounded up
+  Buffer<std::uint32_t> ray;  ///< its number; undefined in slots without a ray
 
   void resize(std::size_t count) {
     for (Buffer<float>* column : {&shear_x, &shear_y, &shear_z, &t_min, &t_max, &reach})
@@ -93,7 +92,7 @@ struct FanRays {
   }
 };
 
-/// A cell of a grid: the tiles [first, last] have its rays; none where first > last.
+/// A cell of a grid: the tiles [first, last] contain its rays; empty if first > last.
 struct FanCell {
   float reach = -std::numeric_limits<float>::infinity();
   std::uint32_t first = 0xffffffffu, last = 0;
@@ -113,20 +112,20 @@ struct FanFaceRays {
 struct FanCells {
   Vec3 origin;
   std::uint32_t axis_bits = 0;  ///< of the keys' coordinates
-  std::uint32_t level = 0;      ///< the finest grid has 2^level by 2^level cells a face
-  /// Corners that all lie this far behind the origin along a face's axis are met at t < 0, which
-  /// no ray allows; infinite where one does.
+  std::uint32_t level = 0;      ///< the finest grid has 2^level by 2^level cells per face
+  /// If all corners of a triangle lie this far behind the origin along a face's axis, its hits have
+  /// t < 0, which no ray allows; infinite if some ray allows it.
   float behind = std::numeric_limits<float>::infinity();
   std::uint32_t tile_count = 0, live_rays = 0;
   FanFaceRays faces[kFanFaces];
   std::vector<std::uint8_t> face_of_tile;
   std::vector<std::uint32_t> rays_of_tile;
-  FanRays rays;  ///< kTileSlots a tile
+  FanRays rays;  ///< kTileSlots per tile
   FanBounds bundles, tiles, groups;
   Buffer<FanCell> cells;  ///< all levels, the coarsest first
   Buffer<std::uint32_t> keys, counters, order;
 
-  /// The place in `cells` of a level's cell.
+  /// The index in `cells` of a level's cell.
   [[nodiscard]] static std::size_t cell_at(std::uint32_t level, std::uint32_t face, std::uint32_t x,
                                            std::uint32_t y) {
     const std::size_t before = 2 * ((std::size_t{1} << 2 * level) - 1);
@@ -134,24 +133,23 @@ struct FanCells {
   }
 };
 
-/// Sorts the rays and bounds them; false where they have not one origin. O(rays).
+/// Sorts the rays and bounds them; returns false if they do not share one origin. O(rays).
 [[nodiscard]] bool make_cells(const Executor& executor, View<const Ray> rays, FanCells* cells);
 
-/// The SIMD parts, chosen at run time.
-/// Keys of rays [begin, end): face | Hilbert; kDeadFace for rays that nothing can hit. Their
-/// origins are compared with that of rays[0].
+/// The SIMD parts, chosen at run time. Keys of rays [begin, end): face | Hilbert; kDeadFace for
+/// rays that cannot hit anything. Compares their origins with that of rays[0].
 inline constexpr std::uint32_t kDeadFace = 6;
 void fan_keys(const Ray* rays, std::size_t begin, std::size_t end, std::uint32_t axis_bits,
               std::uint32_t* keys, FanRange* range);
 
-/// The cells at the ends of a run of tiles, which the neighbours' runs may share.
+/// The cells at the ends of a run of tiles, which the neighbouring runs may share.
 struct FanSeam {
   static constexpr std::size_t kNone = ~std::size_t{0};
   std::size_t at[2] = {kNone, kNone};
   FanCell cell[2];
 };
 
-/// Fills slots, bundles, tiles of [begin_tile, end_tile) and their cells of the finest grid.
+/// Fills slots, bundles and tiles of [begin_tile, end_tile), and their cells of the finest grid.
 void fan_gather(const Ray* rays, FanCells* cells, std::uint32_t begin_tile, std::uint32_t end_tile,
                 FanSeam* seam);
 

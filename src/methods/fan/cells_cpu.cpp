@@ -9,10 +9,10 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::size_t kLeastBlock = 8192;   ///< rays a block of the sort
-constexpr std::uint32_t kGatherTiles = 32;  ///< a task
-/// Finer cells and a triangle meets more of them, coarser and they tell less: rays evenly over one
-/// face would be some sixty a cell.
+constexpr std::size_t kLeastBlock = 8192;   ///< rays per block of the sort
+constexpr std::uint32_t kGatherTiles = 32;  ///< tiles per task
+/// With finer cells a triangle overlaps more of them; coarser ones cull less. With the rays evenly
+/// distributed over one face, this is about sixty rays per cell.
 constexpr std::uint32_t kMostLevel = 7;
 /// The keys are finer than the grid, so that bundles are small squares, too.
 constexpr std::uint32_t kBitsBelowGrid = 1;
@@ -22,8 +22,9 @@ std::uint32_t grid_level(std::size_t rays) {
   return std::clamp<std::uint32_t>(bits / 2, 5, kMostLevel + 3) - 3;
 }
 
-/// Keys, and their stable counting sort in one pass: there are few keys beside the rays, and rays
-/// of a picture come in rows, where a key's neighbours are the keys of the next rays.
+/// Computes keys, and sorts them by a stable counting sort in one pass: there are far fewer
+/// distinct keys than rays, and the rays of an image come in rows, so that consecutive rays have
+/// neighbouring keys.
 class KeySort {
  public:
   KeySort(const Executor& executor, View<const Ray> rays, FanCells* c)
@@ -33,7 +34,7 @@ class KeySort {
         buckets_(std::size_t{kFanFaces + 1} << 2 * c->axis_bits),
         blocks_(std::clamp<std::size_t>(rays.size / kLeastBlock, 1, executor.threads())) {}
 
-  /// Stops after the keys where the rays have not one origin.
+  /// Stops after the keys if the rays do not share one origin.
   FanRange run() {
     c_.keys.resize_uninitialized(rays_.size);
     c_.order.resize_uninitialized(rays_.size);
@@ -48,7 +49,7 @@ class KeySort {
       for (std::size_t i = begin(block); i < begin(block + 1); ++i)
         order[places[keys[i]]++] = static_cast<std::uint32_t>(i);
     });
-    // The last block's places are the ends of the buckets now.
+    // The last block's places are now the ends of the buckets.
     std::uint32_t first = 0;
     for (std::uint32_t f = 0; f < kFanFaces; ++f) {
       const std::uint32_t end = row(blocks_ - 1)[((f + std::size_t{1}) << 2 * c_.axis_bits) - 1];
@@ -97,7 +98,7 @@ class KeySort {
   const std::size_t buckets_, blocks_;
 };
 
-/// Every face starts a group, so that no group has rays of two.
+/// Every face starts a group, so that no group has rays of two faces.
 void lay_out_tiles(FanCells* c) {
   std::uint32_t tiles = 0;
   c->face_of_tile.clear();
@@ -115,7 +116,7 @@ void lay_out_tiles(FanCells* c) {
   c->tile_count = tiles;
   c->rays.resize(std::size_t{tiles} * kTileSlots);
   c->bundles.resize(std::size_t{tiles} * kTileBundles);
-  // SIMD loads may start at the last one.
+  // SIMD loads may start at the last tile.
   c->tiles.resize(tiles + std::size_t{kBundleSlots});
   c->groups.resize(tiles / kGroupTiles + std::size_t{kBundleSlots});
 }
@@ -152,7 +153,7 @@ void bound_groups_and_faces(FanCells* c) {
   }
 }
 
-/// Coarser grids from finer ones.
+/// Computes coarser grids from finer ones.
 void build_pyramid(const Executor& executor, FanCells* c) {
   for (std::uint32_t level = c->level; level-- > 0;) {
     const std::uint32_t side = 1u << level;

@@ -1,4 +1,5 @@
-// Keys and gathered rays, compiled once a SIMD target and chosen at run time (Google Highway).
+// Keys and gathering of rays, compiled once for each SIMD target and chosen at run time (Google
+// Highway).
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -22,15 +23,15 @@ using V = hn::Vec<Floats>;
 using I = hn::Vec<Ints>;
 using M = hn::Mask<Floats>;
 
-/// floor((c + 1) / 2 * 2^bits), within the face. Monotonic, as every operation is.
+/// floor((c + 1) / 2 * 2^bits), clamped to the face. Monotonic, because every operation is.
 HWY_INLINE I Quantized(V c, float half, float last) {
   const Floats d;
   const V scaled = hn::Mul(hn::Add(c, hn::Set(d, 1.0f)), hn::Set(d, half));
   return hn::ConvertTo(Ints(), hn::Max(hn::Min(scaled, hn::Set(d, last)), hn::Zero(d)));
 }
 
-/// The place of a cell along the Hilbert curve (J. Skilling 2004, "Programming the Hilbert Curve";
-/// here by quadrant, most significant first).
+/// The position of a cell along the Hilbert curve (J. Skilling 2004, "Programming the Hilbert
+/// Curve"; here by quadrant, most significant first).
 HWY_INLINE I Hilbert(I x, I y, std::uint32_t bits) {
   const Ints d;
   const I one = hn::Set(d, 1);
@@ -40,7 +41,7 @@ HWY_INLINE I Hilbert(I x, I y, std::uint32_t bits) {
     const I ry = hn::And(hn::ShiftRightSame(y, static_cast<int>(bit)), one);
     const I quadrant = hn::Xor(hn::Or(hn::Add(rx, rx), rx), ry);
     place = hn::Or(hn::ShiftLeft<2>(place), quadrant);
-    const I swap = hn::Sub(ry, one);  // all ones where ry is 0
+    const I swap = hn::Sub(ry, one);  // all ones if ry is 0
     const I flip = hn::And(swap, hn::Neg(rx));
     x = hn::Xor(x, flip);
     y = hn::Xor(y, flip);
@@ -143,8 +144,8 @@ void Keys(const Ray* rays, std::size_t begin, std::size_t end, std::uint32_t bit
   range->largest_along = hn::GetLane(hn::MaxOfLanes(d, state.largest));
 }
 
-/// Consecutive slots with the same cell, told to the grid when the next one comes. The first and
-/// the last of a task go to the seam.
+/// Merges consecutive slots with the same cell, and updates the grid when the next cell comes. The
+/// first and the last cell of a task go to the seam.
 class CellRuns {
  public:
   CellRuns(FanCells* cells, FanSeam* seam) : cells_(cells), seam_(seam) {}
@@ -179,8 +180,8 @@ class CellRuns {
   FanCell cell_;
 };
 
-/// How far along the axis a hit may lie, from above but for a rounding: see
-/// methods/fan/stream_simd.cpp. No bound for directions so short or long that quotients lose bits.
+/// An upper bound, except for one rounding, of the distance of a hit along the axis: see
+/// methods/fan/stream_simd.cpp. Infinite for directions so short or long that quotients lose bits.
 HWY_INLINE V ReachOf(V along, V t_max) {
   const Floats d;
   const V size = hn::Abs(along);
@@ -190,7 +191,7 @@ HWY_INLINE V ReachOf(V along, V t_max) {
   return hn::IfThenElse(known, reach, hn::Set(d, std::numeric_limits<float>::infinity()));
 }
 
-/// One bundle: `count` of its slots have rays, `order` says which; the others repeat the last.
+/// Fills one bundle: `count` of its slots have the rays in `order`; the others repeat the last.
 HWY_INLINE FanBound GatherPacket(const Ray* rays, const std::uint32_t* order, std::uint32_t count,
                                  const FanFace& face, std::size_t slot, FanCells* c,
                                  std::int32_t* cell) {
@@ -227,10 +228,10 @@ HWY_INLINE FanBound GatherPacket(const Ray* rays, const std::uint32_t* order, st
   return bound;
 }
 
-/// How many slots ahead rays are asked for: they come from all over the batch.
+/// Prefetch distance in slots: the rays are scattered over the batch.
 constexpr std::uint32_t kPrefetch = 64;
 
-/// Of `left` slots from `order` on, the bundle that stands that far ahead.
+/// Prefetches the bundle that is this far ahead, out of `left` slots from `order` on.
 HWY_INLINE void Prefetch(const Ray* rays, const std::uint32_t* order, std::uint32_t left) {
   const std::uint32_t end = std::min(left, kPrefetch + kBundleSlots);
   for (std::uint32_t k = kPrefetch; k < end; ++k) hwy::Prefetch(rays + order[k]);
@@ -244,7 +245,7 @@ void Gather(const Ray* rays, FanCells* c, std::uint32_t begin_tile, std::uint32_
     const std::uint32_t f = c->face_of_tile[tile], count = c->rays_of_tile[tile];
     const FanFaceRays& face = c->faces[f];
     const std::size_t grid = FanCells::cell_at(c->level, f, 0, 0);
-    // A group's last tiles may be past the face's rays.
+    // A group's last tiles may be beyond the face's rays.
     const std::uint32_t left =
         count > 0 ? face.ray_count - (tile - face.first_tile) * kTileSlots : 0;
     const std::uint32_t* order = c->order.data() + face.first_ray + face.ray_count - left;
@@ -257,7 +258,7 @@ void Gather(const Ray* rays, FanCells* c, std::uint32_t begin_tile, std::uint32_
         Prefetch(rays, order + first, left - first);
         bound = GatherPacket(rays, order + first, n, fan_face(f),
                              std::size_t{tile} * kTileSlots + first, c, cell);
-        if (cell[0] == cell[n - 1]) {  // the curve does not come back to a cell
+        if (cell[0] == cell[n - 1]) {  // the curve does not return to a cell
           runs.add(grid + static_cast<std::uint32_t>(cell[0]), bound.reach, tile);
         } else {
           const float* reach = c->rays.reach.data() + std::size_t{tile} * kTileSlots + first;

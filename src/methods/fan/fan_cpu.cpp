@@ -13,8 +13,8 @@ namespace raysheaf {
 struct FanMemory::Arrays {
   FanCells cells;
   std::vector<FanBlock> blocks;
-  Buffer<FanTriangle> triangles;          ///< by tile
-  std::vector<std::uint32_t> tile_begin;  ///< and where a tile's begin
+  Buffer<FanTriangle> triangles;          ///< sorted by tile
+  std::vector<std::uint32_t> tile_begin;  ///< the index of each tile's first triangle
   std::vector<FanTileCounts> tile_counts;
 };
 
@@ -25,11 +25,11 @@ FanMemory& FanMemory::operator=(FanMemory&&) noexcept = default;
 
 namespace {
 
-/// Triangles a block, and the most blocks: each has a counter for every tile.
+/// Triangles per block, and the maximum number of blocks: each has a counter for every tile.
 constexpr std::size_t kTriangleBlockSize = 1024;
 constexpr std::size_t kMostBlocks = 128;
 
-/// Returns how many pairs there are; too many where a block is full.
+/// Returns the number of pairs; it is too large if a block is full.
 std::uint64_t stream(const Executor& executor, const TriangleSource& source,
                      std::uint64_t most_pairs, FanMemory::Arrays* a) {
   const std::size_t count =
@@ -54,7 +54,7 @@ std::uint64_t stream(const Executor& executor, const TriangleSource& source,
   return full ? std::max(pairs, most_pairs + 1) : pairs;
 }
 
-/// The blocks' pairs by tile; a tile's triangles stay in order.
+/// Sorts the blocks' pairs by tile; a tile's triangles stay in order.
 void sort_pairs(const Executor& executor, FanMemory::Arrays* a) {
   const std::uint32_t tiles = a->cells.tile_count;
   a->tile_begin.resize(tiles + std::size_t{1});
@@ -91,7 +91,7 @@ void add_counts(const FanMemory::Arrays& a, FanCounts* counts) {
   }
 }
 
-/// The tests of bounds that hold many rays are shared out evenly.
+/// Distributes the tests of bounds that hold many rays evenly.
 void share_stream_tests(const Executor& executor, const FanMemory::Arrays& a,
                         View<float> ray_tests) {
   std::uint64_t tests = 0;

@@ -1,25 +1,27 @@
-// One triangle against the bounds of cells, SIMD over the cells. Included once a SIMD target.
+// Tests one triangle with the bounds of cells, SIMD over the cells. Included once for each SIMD
+// target.
 //
-// A hit means, in exact arithmetic (intersect/triangle_body.h): with x, y, z a corner as seen from
-// the origin along the axes of the ray's face, and (s, r) the ray's slopes, the sheared corners
-// X = x - s z, Y = y - r z make a triangle that holds the point (0, 0), with its edges. Here
+// Exact arithmetic defines a hit (intersect/triangle_body.h): with x, y, z a corner relative to the
+// origin along the axes of the ray's face, and (s, r) the ray's slopes, the sheared corners X = x -
+// s z, Y = y - r z form a triangle that contains the point (0, 0), including its edges. Here
 // corners are rounded, and cells hold rounded slopes. Let u be the unit roundoff.
 //
-// Rectangle. So some X is >= 0 and some X is <= 0. Where every |z| is at least kSafeDepth and on
-// the ray's side, s is at most the largest quotient x / z, but for u |s| <= u in the slope and 3 u
-// |x / z| in the quotient, and for underflow. A quotient beyond 2 lies outside the face with or
-// without that. kRectanglePad, 8 u, is more.
+// Rectangle. Consequently some X is >= 0 and some X is <= 0. If every |z| is at least kSafeDepth
+// and on the ray's side, s is at most the largest quotient x / z, except for u |s| <= u in the
+// slope and 3 u |x / z| in the quotient, and for underflow. A quotient beyond 2 lies outside the
+// face in any case. kRectanglePad, 8 u, is more.
 //
-// Depth. t is that of a point of the triangle, rounded once; so it is the nearest corner's at
-// least, but for gamma(5) in the rounding, the depth and the reach. kDepthScale takes off 16 u.
+// Depth. t is that of a point of the triangle, rounded once; therefore it is at least the nearest
+// corner's, except for gamma(5) in the rounding, the depth and the reach. kDepthScale subtracts 16
+// u.
 //
 // Edges. Let S bound |X| and |Y| over the cells, M the corners' coordinates; S <= 2 M, and R M <= S
-// for cells that reach R from the point (s0, r0) that edges are written around. Rounded corners and
-// slopes move a sheared corner by 3 u M, and an edge function by 12 u M S. Evaluated here: 20 u M S
-// for the value at (s0, r0), (2 M + 6 S) M R u for either slope (R <= 2) <= 14 u M S, 36 u M S for
-// the sums. That is 96 u M S; kEdgeSlack is 128 u. A hit's three edge functions agree in sign, so
-// no ray of a cell is hit where one of them is beyond this on one side and another on the other
-// side, for every ray in the cell.
+// for cells that reach R from the point (s0, r0) around which the edges are written. Rounded
+// corners and slopes move a sheared corner by 3 u M, and an edge function by 12 u M S. The
+// evaluation here adds: 20 u M S for the value at (s0, r0), (2 M + 6 S) M R u for either slope (R
+// <= 2) <= 14 u M S, 36 u M S for the sums. That is 96 u M S; kEdgeSlack is 128 u. A hit's three
+// edge functions agree in sign, so no ray of a cell hits if one of them is beyond this on one side
+// and another one on the other side, for every ray in the cell.
 #if defined(RAYSHEAF_FAN_OVERLAP_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAYSHEAF_FAN_OVERLAP_INL_H_
 #undef RAYSHEAF_FAN_OVERLAP_INL_H_
@@ -49,11 +51,12 @@ constexpr float kDepthScale = 1 - 16 * kUnitRoundoff;
 constexpr float kEdgeSlack = 128 * kUnitRoundoff;
 constexpr float kEdgeTiny = 0x1p-120f;
 
-/// 16 triangles in columns, a lane each.
+/// 16 triangles in columns, one lane each.
 struct alignas(64) TriangleLanes {
-  float corner[3][3][kBundleSlots];  ///< [corner][axis]: from the origin, axes as the face has them
+  float corner[3][3][kBundleSlots];  ///< [corner][axis]: relative to the origin, in the face's axes
   float u0[kBundleSlots], u1[kBundleSlots], v0[kBundleSlots], v1[kBundleSlots];
-  float depth[kBundleSlots];  ///< of the nearest corner; -infinity where not all are before it
+  float depth[kBundleSlots];  ///< of the nearest corner; -infinity if not all corners are in front
+                              ///< of the origin
   float edge[3][kBundleSlots], slope_u[3][kBundleSlots], slope_v[3][kBundleSlots];
   float slack[kBundleSlots];
 };
@@ -65,7 +68,7 @@ HWY_INLINE V Max3(V a, V b, V c) {
   return hn::Max(hn::Max(a, b), c);
 }
 
-/// Bits of a mask, lane 0 lowest.
+/// The bits of a mask, lane 0 lowest.
 HWY_INLINE std::uint32_t BitsOf(M mask) {
   const Floats d;
   alignas(8) std::uint8_t bytes[8];
@@ -76,7 +79,7 @@ HWY_INLINE std::uint32_t BitsOf(M mask) {
   return bits;
 }
 
-/// Rectangles and depths of the lanes from `k`. `sign` is the face's.
+/// Computes rectangles and depths of the lanes from `k`. `sign` is the face's.
 HWY_INLINE void MakeRectangles(const V x[3], const V y[3], const V z[3], float sign, std::size_t k,
                                TriangleLanes* t) {
   const Floats d;
@@ -95,7 +98,7 @@ HWY_INLINE void MakeRectangles(const V x[3], const V y[3], const V z[3], float s
   hn::Store(from(hn::Mul(nearest, hn::Set(d, kDepthScale))), d, t->depth + k);
 }
 
-/// Edge functions around (s0, r0), for cells within `radius` of it on either axis.
+/// Computes edge functions around (s0, r0), for cells within `radius` of it on either axis.
 HWY_INLINE void MakeEdges(const V x[3], const V y[3], const V z[3], float s0, float r0,
                           float radius, std::size_t k, TriangleLanes* t) {
   const Floats d;
@@ -107,7 +110,7 @@ HWY_INLINE void MakeEdges(const V x[3], const V y[3], const V z[3], float s0, fl
     sheared = Max3(sheared, hn::Abs(px[i]), hn::Abs(py[i]));
     size = hn::Max(size, Max3(hn::Abs(x[i]), hn::Abs(y[i]), hn::Abs(z[i])));
   }
-  // Corners c and b make U, a and c make V, b and a make W.
+  // U is the edge of corners c and b, V of a and c, W of b and a.
   constexpr int kFrom[3] = {2, 0, 1}, kTo[3] = {1, 2, 0};
   for (int e = 0; e < 3; ++e) {
     const int p = kFrom[e], q = kTo[e];
@@ -120,7 +123,8 @@ HWY_INLINE void MakeEdges(const V x[3], const V y[3], const V z[3], float s0, fl
             d, t->slack + k);
 }
 
-/// Columns of bounds; `u0` to `v1` once as they are and once less (s0, r0), which may be the same.
+/// Columns of bounds; `u0` to `v1` both as they are and relative to (s0, r0); the two may be the
+/// same columns.
 struct BoundColumns {
   const float *u0, *u1, *v0, *v1, *reach;
   const float *du0, *du1, *dv0, *dv1;

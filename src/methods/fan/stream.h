@@ -1,4 +1,4 @@
-// Triangles on their way down the cells: bound with triangle.
+// Streams triangles down the cells, testing bounds with triangles.
 #pragma once
 
 #include <array>
@@ -11,35 +11,36 @@
 
 namespace raysheaf {
 
-/// Corners travel with the number: what is left of the triangles is far smaller than what streamed
-/// by, and fetching it again would miss every cache.
+/// Stores the corners with the number: the remaining triangles are far smaller than all that
+/// streamed, and fetching them again would miss every cache.
 struct FanTriangle {
   std::uint32_t id;
   std::array<Vec3, 3> corners;
 };
 
-/// A triangle that meets a tile's bound.
+/// A triangle that overlaps a tile's bound.
 struct FanPair {
   std::uint32_t tile;
   FanTriangle triangle;
 };
 
-/// What a block of consecutive triangles met.
+/// The results of a block of consecutive triangles.
 struct FanBlock {
-  std::vector<FanPair> pairs;             ///< by triangle
-  std::vector<std::uint32_t> tile_pairs;  ///< how many, by tile
-  std::uint64_t most_pairs = 0;           ///< more of them are not worth their memory
+  std::vector<FanPair> pairs;             ///< sorted by triangle
+  std::vector<std::uint32_t> tile_pairs;  ///< their number, for each tile
+  std::uint64_t most_pairs = 0;           ///< the limit, beyond which the pairs need too much
+                                          ///< memory
   std::uint64_t bound_tests = 0;
 
   [[nodiscard]] bool is_full() const { return pairs.size() > most_pairs; }
 };
 
-/// Triangles [begin, end) against faces, grid cells, groups and tiles, until the block is full.
+/// Tests triangles [begin, end) with faces, grid cells, groups and tiles, until the block is full.
 /// O(triangles + pairs).
 void fan_stream(const FanCells& cells, const TriangleSource& source, std::uint32_t begin,
                 std::uint32_t end, FanBlock* block);
 
-/// What a tile's triangles did.
+/// Counts of a tile's triangles.
 struct FanTileCounts {
   std::uint64_t bound_tests = 0, triangle_tests = 0;
 };
@@ -53,7 +54,7 @@ struct FanTileTask {
   View<float> ray_tests;  ///< may be empty
 };
 
-/// The triangles of one tile against its bundles and rays.
+/// Tests the triangles of one tile with its bundles and rays.
 FanTileCounts fan_tile(const FanTileTask& task, std::uint32_t tile,
                        View<const FanTriangle> triangles);
 

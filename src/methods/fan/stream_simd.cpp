@@ -1,11 +1,11 @@
-// Triangles against faces, cells of the grids, groups and tiles. Compiled once a SIMD target and
-// chosen at run time (Google Highway).
+// Tests triangles with faces, cells of the grids, groups and tiles. Compiled once for each SIMD
+// target and chosen at run time (Google Highway).
 //
-// Faces. All six have a rectangle around their rays. A triangle is out where all its corners,
-// sheared by either end of the rectangle, are on one side of it: multiplication and subtraction
-// round monotonically, so what the ray-triangle test computes for any ray in between is on that
-// side, too. That holds for corners behind the origin as well. Out, too, is what lies behind the
-// origin altogether, or beyond the farthest ray.
+// Faces. Each of the six has a rectangle around its rays. A triangle is rejected if all its
+// corners, sheared by either end of the rectangle, are on one side of it: multiplication and
+// subtraction round monotonically, so the ray-triangle test computes the same side for any ray in
+// between. That also holds for corners behind the origin. A triangle is also rejected if it is
+// entirely behind the origin, or beyond the farthest ray.
 #include <algorithm>
 #include <bit>
 
@@ -24,12 +24,14 @@ namespace {
 using Ints = hn::RebindToSigned<Floats>;
 using I = hn::Vec<Ints>;
 
-/// Cells of a grid that a rectangle may touch on either axis; then a coarser grid is taken.
+/// The maximum number of grid cells that a rectangle may touch on either axis; with more, a coarser
+/// grid is used.
 constexpr std::uint32_t kMostCellsAcross = 2;
-/// Tiles that are looked at one by one; where there are more, their groups come first.
+/// Up to this many tiles are tested one by one; with more, their groups are tested first.
 constexpr std::uint32_t kFewTiles = 32;
 
-/// Of sixteen triangles, so many are looked at together before each is.
+/// If at least this many of sixteen triangles remain, they are tested together before each is
+/// tested.
 constexpr int kWorthALook = 4;
 
 struct TileRange {
@@ -87,7 +89,7 @@ class Stream {
                   hn::Gt(hn::Min(Min3(l[0], l[1], l[2]), Min3(h[0], h[1], h[2])), zero));
   }
 
-  /// The lanes that may meet rays of a face; their rectangles go to `lanes_`.
+  /// The lanes that may hit rays of a face; their rectangles go to `lanes_`.
   HWY_INLINE std::uint32_t face(std::uint32_t f) {
     const Floats d;
     const FanFace axes = fan_face(f);
@@ -113,7 +115,7 @@ class Stream {
     return in;
   }
 
-  /// Corners of the rectangles on the finest grid, as the rays' cells were found.
+  /// Corners of the rectangles on the finest grid, computed like the rays' cells.
   HWY_INLINE void find_cells(const FanBound& bound, std::size_t k) {
     const Floats d;
     const auto half = static_cast<float>(1u << (c_.level - 1));
@@ -166,7 +168,7 @@ class Stream {
     return true;
   }
 
-  /// Halves a rectangle of cells until it is a few across; returns its level.
+  /// Halves a rectangle of cells until it is a few cells wide; returns its level.
   [[nodiscard]] std::uint32_t few_cells(std::uint32_t* x0, std::uint32_t* x1, std::uint32_t* y0,
                                         std::uint32_t* y1) const {
     std::uint32_t level = c_.level;
@@ -201,7 +203,7 @@ class Stream {
     }
   }
 
-  /// The tiles of the cells under a rectangle, ascending and apart.
+  /// The tiles of the cells under a rectangle, as ascending disjoint ranges.
   std::uint32_t ranges_of(std::uint32_t f, std::uint32_t lane, TileRange* ranges) {
     auto x0 = static_cast<std::uint32_t>(x0_[lane]), x1 = static_cast<std::uint32_t>(x1_[lane]);
     auto y0 = static_cast<std::uint32_t>(y0_[lane]), y1 = static_cast<std::uint32_t>(y1_[lane]);
@@ -218,7 +220,7 @@ class Stream {
     return count;
   }
 
-  /// Keeps ranges in order and merges those that touch.
+  /// Keeps ranges in order and merges adjacent ones.
   static std::uint32_t add_range(TileRange range, TileRange* ranges, std::uint32_t count) {
     std::uint32_t kept = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -250,7 +252,7 @@ class Stream {
     });
   }
 
-  /// `body(i)` for the bounds of a range that a lane's triangle meets.
+  /// Calls `body(i)` for the bounds of a range that a lane's triangle overlaps.
   template <class Body>
   HWY_INLINE void for_each_met(const BoundColumns& bounds, TileRange range, std::uint32_t lane,
                                bool edges, const Body& body) {

@@ -1,8 +1,8 @@
-// The triangles of one tile against its bundles, and against the rays of those that they overlap.
-// Compiled once a SIMD target and chosen at run time (Google Highway).
+// Tests the triangles of one tile with its bundles, and with the rays of the bundles that they
+// overlap. Compiled once for each SIMD target and chosen at run time (Google Highway).
 //
-// Stage 1 of the ray-triangle test (intersect/triangle_body.h) for 16 rays at once; rays that it
-// does not settle go to stage 2. Rays that were hit leave, and bundles that have none left.
+// Runs stage 1 of the ray-triangle test (intersect/triangle_body.h) for 16 rays at once; rays that
+// it does not decide go to stage 2. Rays that were hit are removed, and bundles without rays, too.
 #include <algorithm>
 #include <bit>
 
@@ -30,7 +30,7 @@ HWY_INLINE V Edge(const Corner& p, const Corner& q) {
   return hn::Sub(hn::Mul(p.x, q.y), hn::Mul(p.y, q.x));
 }
 
-/// Lanes that are hit, by the side that is met, and those that stage 2 must settle.
+/// Lanes that are hit, by the side of the hit, and those that stage 2 must decide.
 struct Verdict {
   std::uint32_t front = 0, back = 0, unsettled = 0;
 };
@@ -71,10 +71,10 @@ class Tile {
   }
 
  private:
-  /// Bundles' rectangles less the tile's middle, which edges are written around.
+  /// Stores bundles' rectangles relative to the tile's middle, around which the edges are written.
   void place(const FanBound& bound, std::size_t bundle) {
     s0_ = (bound.u0 + bound.u1) * 0.5f, r0_ = (bound.v0 + bound.v1) * 0.5f;
-    radius_ = std::max(bound.u1 - bound.u0, bound.v1 - bound.v0);  // more than enough
+    radius_ = std::max(bound.u1 - bound.u0, bound.v1 - bound.v0);  // larger than necessary
     const FanBounds& b = c_.bundles;
     for (std::uint32_t p = 0; p < kTileBundles; ++p) {
       du0_[p] = b.u0[bundle + p] - s0_, du1_[p] = b.u1[bundle + p] - s0_;
@@ -118,7 +118,7 @@ class Tile {
     }
   }
 
-  /// One triangle with all bundles that have rays left.
+  /// Tests one triangle with all bundles that have rays left.
   HWY_INLINE void meet(std::uint32_t lane) {
     const Floats d;
     std::uint32_t met = 0;
@@ -158,8 +158,8 @@ class Tile {
     if (alive_[p] == 0) bundles_ &= ~(1u << p);
   }
 
-  /// Rays of a bundle that the triangle's plane meets outside their intervals: those that end on
-  /// it.
+  /// Rays of a bundle that intersect the triangle's plane outside their intervals, such as those
+  /// that end on it.
   HWY_NOINLINE std::uint32_t beyond(std::uint32_t p, std::uint32_t lane) const {
     const FanRays& r = c_.rays;
     const std::size_t at = slot_ + p * kBundleSlots;
@@ -192,7 +192,7 @@ class Tile {
             hn::Sub(hn::Set(d, t_.corner[i][1][lane]), hn::Mul(shear_y, z)), z};
   }
 
-  /// The rays of a bundle, whether they are left or not.
+  /// Tests the rays of a bundle, whether they are left or not.
   HWY_INLINE Verdict test(std::uint32_t p, std::uint32_t lane) const {
     using hn::Abs, hn::Add, hn::And, hn::Ge, hn::Gt, hn::Le, hn::Lt, hn::Max, hn::Min, hn::Mul,
         hn::Neg, hn::Or;
@@ -269,11 +269,11 @@ class Tile {
   const FanFace face_;
   const std::size_t slot_;
   float s0_, r0_, radius_;
-  const FanTriangle* triangles_ = nullptr;  ///< up to 16, a lane each
+  const FanTriangle* triangles_ = nullptr;  ///< up to 16, one lane each
   std::uint32_t alive_[kTileBundles] = {};
-  std::uint32_t bundles_ = 0;  ///< those with rays left
+  std::uint32_t bundles_ = 0;  ///< bundles with rays left
   FanTileCounts counts_;
-  std::uint32_t bundle_tests_[kTileBundles], tests_[kTileSlots];  ///< where asked for
+  std::uint32_t bundle_tests_[kTileBundles], tests_[kTileSlots];  ///< if requested
   BoundColumns columns_;
   alignas(64) float du0_[kTileBundles], du1_[kTileBundles], dv0_[kTileBundles], dv1_[kTileBundles];
   alignas(64) float origin_[3][kBundleSlots];  ///< of all rays, along the face's axes

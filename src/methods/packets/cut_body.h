@@ -1,5 +1,5 @@
-// What one ray, and one packet, does where ordered rays are cut (methods/packets/packets.h); the
-// loops are packets_cpu.cpp's and those of methods/packets/packet_cuts_device.h.
+// The work for one ray or one packet when ordered rays are cut (methods/packets/packets.h); the
+// loops are in packets_cpu.cpp and methods/packets/packet_cuts_device.h.
 #pragma once
 
 #include "base/bits.h"
@@ -8,20 +8,20 @@
 
 namespace raysheaf {
 
-/// Part `part` of `parts` nearly equal ones of a run.
+/// Part `part` of `parts` nearly equal parts of a run.
 RAYSHEAF_HD inline Packet even_part(Packet run, std::uint64_t part, std::uint64_t parts) {
   const auto begin = static_cast<std::uint32_t>(part * run.count / parts);
   const auto end = static_cast<std::uint32_t>((part + 1) * run.count / parts);
   return {run.first + begin, end - begin};
 }
 
-/// As few as can be, of at most `most_rays`.
+/// The fewest parts with at most `most_rays` each.
 RAYSHEAF_HD inline std::uint64_t even_parts(Packet run, std::uint32_t most_rays) {
   return div_ceil(run.count, most_rays);
 }
 
-/// How many of a cell's rays lie in the lower half of the curve through it: that whose keys have no
-/// `bit`, the uppermost that they differ in.
+/// The number of a cell's rays in the lower half of the curve through it, whose keys lack `bit`,
+/// the highest bit in which they differ.
 RAYSHEAF_HD inline std::uint32_t lower_half(View<const std::uint32_t> sorted_keys, Packet cell,
                                             std::uint32_t bit) {
   const std::uint32_t* const keys = sorted_keys.data + cell.first;
@@ -29,8 +29,9 @@ RAYSHEAF_HD inline std::uint32_t lower_half(View<const std::uint32_t> sorted_key
       [&](std::size_t k) { return std::uint64_t{keys[k] & bit}; }, cell.count, bit));
 }
 
-/// The rays about place `place` of `count` before they are parted by sense: the largest cell of the
-/// curve that has at most `most_rays`, or a part of the smallest; without keys, a part of all.
+/// The rays around place `place` of `count` before they are split by sense: the largest cell of the
+/// curve that has at most `most_rays`, or a part of the smallest cell; without keys, a part of all
+/// rays.
 RAYSHEAF_HD inline Packet packet_about(View<const std::uint32_t> sorted_keys,
                                        std::uint32_t key_bits, std::uint32_t most_rays,
                                        std::uint32_t count, std::uint32_t place) {
@@ -53,7 +54,7 @@ inline constexpr std::uint32_t kSenses = 6;
 struct SenseCounts {
   std::uint32_t count[kSenses] = {};
 
-  /// Packets that they make.
+  /// Number of packets that they make.
   [[nodiscard]] RAYSHEAF_HD std::uint32_t packets() const {
     std::uint32_t some = 0;
     for (const std::uint32_t n : count) some += n != 0 ? 1 : 0;
@@ -69,7 +70,7 @@ RAYSHEAF_HD inline SenseCounts count_senses(View<const Ray> rays,
   return counts;
 }
 
-/// The members, those of each sense together; stable. `out` is elsewhere.
+/// Groups the members by sense, in stable order. `out` must not overlap.
 RAYSHEAF_HD inline void part_members(View<const Ray> rays, const SenseCounts& counts,
                                      View<const std::uint32_t> members, std::uint32_t* out) {
   std::uint32_t place[kSenses], first = 0;
@@ -81,7 +82,7 @@ RAYSHEAF_HD inline void part_members(View<const Ray> rays, const SenseCounts& co
     out[place[dominant_sense(rays.data[ray].direction)]++] = ray;
 }
 
-/// The packets of those senses that there are, one after the other from `first` on.
+/// The packets of the senses that occur, consecutively from `first` on.
 RAYSHEAF_HD inline void write_packets(const SenseCounts& counts, std::uint32_t first, Packet* out) {
   for (const std::uint32_t count : counts.count) {
     if (count != 0) *out++ = {first, count};

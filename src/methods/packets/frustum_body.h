@@ -1,5 +1,5 @@
-// The bound of a packet: four planes about its dominant axis, and the box of its rays, both cut
-// to the scene (Garanzha & Loop 2010 bound packets by frusta with a dominant axis).
+// The bound of a packet: four planes around its dominant axis, and the box of its rays, both
+// clipped to the scene (Garanzha & Loop 2010 bound packets by frusta with a dominant axis).
 //
 //        u |            ______ u = m a + c : no ray's end is above
 //          |      _____/     |
@@ -8,21 +8,22 @@
 //          |             \___|  u = m' a + c'
 //          +------------------ a
 //
-// A plane's slope is that of the hull of the rays' lines between the first and the last place on
-// the axis; its offset is then measured at the ends of all rays. So whatever the slope, all rays
-// lie on the right side, and a fan from a point light has planes through its outermost rays.
+// A plane's slope is that of the hull of the rays' lines between the first and the last position on
+// the axis; its offset is then measured at the ends of all rays. Therefore, for any slope, all rays
+// lie on the correct side, and a fan from a point light has planes through its outermost rays.
 //
-// Slack. Coordinates count from the origin of one of the rays, so that errors scale with distances
-// inside the packet and to the triangle, not with the place in the world. Let |B| be the farthest
-// corner of a box or triangle from there, and R the farthest origin of a ray, both as sums of
-// components.
+// Slack. Coordinates are relative to the origin of one of the rays, so that errors scale with
+// distances inside the packet and to the triangle, not with the position in the world. Let |B| be
+// the farthest corner of a box or triangle from there, and R the farthest origin of a ray, both as
+// sums of components.
 //   1. A ray's hit is a point of the triangle, and its t is rounded by 1.25 u: the line's point at
-//   t
+//      t
 //      is within gamma(2) |A| of it, |A| <= |B| + R the farthest corner from the ray's origin
 //      (geom/ray_end.h).
 //   2. Differences and products in `meets` err by at most gamma(4) (|B| + R) (1 + |m|).
-// Together they stay below kFrustumSlack (|B| + R) (1 + |m|). The ends of rays err by gamma(8) of
-// what they were summed from; with gamma(16) of it the bounds grow as they are measured.
+// Together they are less than kFrustumSlack (|B| + R) (1 + |m|). The ends of rays err by gamma(8)
+// of the numbers of which they are sums; the bounds grow by gamma(16) of these when they are
+// measured.
 #pragma once
 
 #include <cmath>
@@ -34,14 +35,14 @@
 namespace raysheaf {
 
 inline constexpr float kFrustumSlack = 0x1p-14f;
-inline constexpr float kFrustumTiny = 0x1p-120f;  ///< more than underflow can take away
-inline constexpr float kFrustumHuge = 0x1p100f;   ///< rays that reach this far have no bound
+inline constexpr float kFrustumTiny = 0x1p-120f;  ///< more than underflow can lose
+inline constexpr float kFrustumHuge = 0x1p100f;   ///< longer rays have no bound
 
 struct PacketFrustum {
-  Vec3 origin;                            ///< coordinates below count from here
-  int axis;                               ///< the dominant one
+  Vec3 origin;                            ///< origin of the coordinates below
+  int axis;                               ///< the dominant axis
   float low[3], high[3];                  ///< the box, [axis of the world]
-  float upper_slope[2], upper_offset[2];  ///< planes of the axes after `axis`
+  float upper_slope[2], upper_offset[2];  ///< planes of the two axes after `axis`
   float lower_slope[2], lower_offset[2];
   float lean;    ///< 1 + the largest |slope|
   float spread;  ///< R
@@ -51,13 +52,13 @@ RAYSHEAF_HD inline float sum_of_sizes(Vec3 a) {
   return (std::fabs(a.x) + std::fabs(a.y)) + std::fabs(a.z);
 }
 
-/// The part of a ray that may meet something, from `begin` to `end`.
+/// The part of a ray that may hit anything, from `begin` to `end`.
 struct RayPart {
   float begin, end;
 };
 
-/// Where the ray is in the scene, within its own range; not shorter than what it is, and a point
-/// where it misses the scene.
+/// The part of the ray inside the scene and its own interval, rounded outwards; a point if the ray
+/// misses the scene.
 RAYSHEAF_HD inline RayPart part_in_scene(const Ray& ray, const Box& scene) {
   const Vec3 to_min = scene.min - ray.origin, to_max = scene.max - ray.origin;
   const float slack = kFrustumSlack * (sum_of_sizes(to_min) + sum_of_sizes(to_max)) + kFrustumTiny;
@@ -65,7 +66,7 @@ RAYSHEAF_HD inline RayPart part_in_scene(const Ray& ray, const Box& scene) {
   for (int k = 0; k < 3; ++k) {
     const float d = component(ray.direction, k);
     if (d == 0) continue;
-    const float inverse = 1 / d;  // where it overflows, NaN and infinities cut nothing off
+    const float inverse = 1 / d;  // if it overflows, NaN and infinities clip nothing
     const float low = (component(to_min, k) - slack) * inverse;
     const float high = (component(to_max, k) + slack) * inverse;
     const float near = d > 0 ? low : high, far = d > 0 ? high : low;
@@ -75,7 +76,7 @@ RAYSHEAF_HD inline RayPart part_in_scene(const Ray& ray, const Box& scene) {
   return {begin, end < begin ? begin : end};
 }
 
-/// A place on a ray, seen from the frustum's origin, and how far it may be off.
+/// A point on a ray relative to the frustum's origin, and its error bound.
 struct RayEnd {
   Vec3 at;
   float slack;
@@ -88,8 +89,8 @@ RAYSHEAF_HD inline RayEnd ray_end(const Ray& ray, Vec3 origin, float t) {
   return {from + way, gamma(16) * (sum_of_sizes(from) + sum_of_sizes(way)) + kFrustumTiny};
 }
 
-/// The slopes of the hull of the rays' lines over the box's extent on the axis; any finite value is
-/// as right as another.
+/// The slopes of the hull of the rays' lines over the box's extent on the axis. Any finite value is
+/// correct.
 RAYSHEAF_HD inline void choose_slopes(View<const Ray> rays, int side, int plane, PacketFrustum* f) {
   const float first = f->low[f->axis], last = f->high[f->axis];
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -109,8 +110,8 @@ RAYSHEAF_HD inline void choose_slopes(View<const Ray> rays, int side, int plane,
   f->lower_slope[plane] = finite_or_zero((low[1] - low[0]) / (last - first));
 }
 
-/// ends[2 i] and ends[2 i + 1] become those of ray i; the box goes around all. False where it would
-/// not be finite.
+/// Sets ends[2 i] and ends[2 i + 1] to the ends of ray i, and the box to the bounds of all. Returns
+/// false if the box would not be finite.
 RAYSHEAF_HD inline bool measure_box(View<const Ray> rays, const Box& scene, View<RayEnd> ends,
                                     PacketFrustum* f) {
   Box box;
@@ -134,7 +135,7 @@ RAYSHEAF_HD inline bool measure_box(View<const Ray> rays, const Box& scene, View
   return worst < kFrustumHuge;
 }
 
-/// The offsets of one axis's planes, whose slopes are known.
+/// The offsets of one axis's planes, for known slopes.
 RAYSHEAF_HD inline void measure_planes(View<const RayEnd> ends, int side, int plane,
                                        PacketFrustum* f) {
   const float m = f->upper_slope[plane], n = f->lower_slope[plane];
@@ -149,8 +150,8 @@ RAYSHEAF_HD inline void measure_planes(View<const RayEnd> ends, int side, int pl
   f->lean = std::fmax(f->lean, 1 + std::fmax(std::fabs(m), std::fabs(n)));
 }
 
-/// Around at least one ray; `axis` should be the dominant one of all. `ends` is room for two a ray.
-/// O(rays).
+/// Bounds at least one ray; `axis` should be the dominant axis of all. `ends` needs room for two
+/// per ray. O(rays).
 RAYSHEAF_HD inline PacketFrustum bound_packet(View<const Ray> rays, int axis, const Box& scene,
                                               View<RayEnd> ends) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -174,7 +175,7 @@ RAYSHEAF_HD inline PacketFrustum bound_packet(View<const Ray> rays, int axis, co
   return f;
 }
 
-/// Whether the packet may meet a triangle in the box. Comparisons with NaN accept.
+/// Whether the packet may hit a triangle in the box. Comparisons with NaN accept.
 RAYSHEAF_HD inline bool meets(const PacketFrustum& f, Vec3 box_min, Vec3 box_max) {
   const Vec3 low = box_min - f.origin, high = box_max - f.origin;
   const float size = sum_of_sizes(max(abs(low), abs(high))) + f.spread;
@@ -195,7 +196,7 @@ RAYSHEAF_HD inline bool meets(const PacketFrustum& f, Vec3 box_min, Vec3 box_max
   return true;
 }
 
-/// The same for a triangle, by its own corners.
+/// The same for a triangle, given by its corners.
 RAYSHEAF_HD inline bool meets(const PacketFrustum& f, Vec3 a, Vec3 b, Vec3 c) {
   const Vec3 low = min(min(a, b), c) - f.origin, high = max(max(a, b), c) - f.origin;
   const float size = sum_of_sizes(max(abs(low), abs(high))) + f.spread;

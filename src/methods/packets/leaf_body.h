@@ -1,4 +1,4 @@
-// What a packet says of one node's boxes, and of one triangle and one ray in its leaves.
+// Computations of a packet with one node's boxes, and with one triangle and one ray in its leaves.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace raysheaf {
 
-/// Triangles that are tested with all rays of a packet in one go.
+/// Number of triangles that are tested with all rays of a packet at once.
 inline constexpr std::uint32_t kPacketChunk = 64;
 
 /// A child of a node that is a leaf.
@@ -19,7 +19,7 @@ RAYSHEAF_HD inline std::uint32_t leaf_ref(std::uint32_t node, std::uint32_t chil
   return node * kBvhWidth + child;
 }
 
-/// The children of a node that a packet met, a bit each.
+/// The children of a node that a packet intersects, one bit each.
 struct Met {
   std::uint8_t nodes = 0, leaves = 0;
 };
@@ -42,12 +42,12 @@ RAYSHEAF_HD inline std::uint32_t ones(std::uint8_t bits) {
   return count;
 }
 
-/// -1 where a packet's rays, of which `direction` is one, run down its axis, else 1.
+/// -1 if the packet's rays, of which `direction` is one, point down its axis, else 1.
 RAYSHEAF_HD inline float packet_sign(const PacketFrustum& frustum, Vec3 direction) {
   return component(direction, frustum.axis) < 0 ? -1.0f : 1.0f;
 }
 
-/// An integer that grows with `x`.
+/// An integer that increases with `x`.
 RAYSHEAF_HD inline std::uint32_t ordered_bits(float x) {
   const std::uint32_t bits = float_bits(x);
   return (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
@@ -60,7 +60,7 @@ RAYSHEAF_HD inline std::uint32_t triangle_begin(const PacketFrustum& f, float si
   return ordered_bits(sign * component(begin - f.origin, f.axis));
 }
 
-/// Between which depths triangles are, from the frustum's origin.
+/// The range of the triangles' depths from the frustum's origin.
 struct Depths {
   float begin = std::numeric_limits<float>::infinity();
   float end = -std::numeric_limits<float>::infinity();
@@ -71,10 +71,10 @@ struct Depths {
   }
 };
 
-/// A bound from below on t of any hit of the ray with triangles between two depths.
+/// A lower bound of t of any hit of the ray with triangles between two depths.
 ///
-/// A hit is a point of a triangle, so its t is at least the least of the corners' scaled depths,
-/// but for one rounding of it and gamma(5) in what is computed here. gamma(64) is above both.
+/// A hit is a point of a triangle, so its t is at least the minimum of the corners' scaled depths,
+/// except for one rounding of it and gamma(5) in this computation. gamma(64) is larger than both.
 RAYSHEAF_HD inline float least_t(const RaySetup& ray, float ray_depth, Depths depths) {
   const float size =
       std::fmax(std::fabs(depths.begin), std::fabs(depths.end)) + std::fabs(ray_depth);

@@ -1,7 +1,7 @@
-// Ordered rays cut into packets on a device, as methods/packets/packets.h does it; for the sources
-// that know which device it is.
+// Cuts ordered rays into packets on a device, as methods/packets/packets.h does on the CPU. For
+// sources that include a device.
 //
-//   the first rays of cells ─► how many of each sense ─► packets, and the order parted by sense
+//   the first rays of cells ─► how many of each sense ─► packets, and the order split by sense
 #pragma once
 
 #include "exec/device.h"
@@ -12,12 +12,12 @@ namespace raysheaf {
 /// Ordered rays, on the device.
 struct OrderedRays {
   View<const Ray> given;
-  View<const std::uint32_t> order;  ///< order[place] is a ray
-  View<const std::uint32_t> keys;   ///< by place; empty: none
+  View<const std::uint32_t> order;  ///< order[place] is the number of a ray
+  View<const std::uint32_t> keys;   ///< by place; may be empty
   std::uint32_t key_bits = 32;
 };
 
-/// 1 for places where a cell begins, or a part of one.
+/// Sets 1 at the places where a cell begins, or a part of one.
 template <class Device>
 void flag_cells_on(Device& device, const OrderedRays& rays, std::uint32_t most_rays,
                    std::uint8_t* begins) {
@@ -62,7 +62,7 @@ class PacketCutsOn {
  public:
   explicit PacketCutsOn(Device& device) : device_(device) {}
 
-  /// Packets of at most `most_rays`.
+  /// Cuts packets of at most `most_rays`.
   void cut(const OrderedRays& rays, std::uint32_t most_rays) {
     const std::size_t count = rays.order.size;
     order_.resize_uninitialized("hierarchy: packets", count);

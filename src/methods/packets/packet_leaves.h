@@ -1,4 +1,4 @@
-// The last step of a packet: its leaves' triangles, and its rays.
+// The last step of a packet: tests of its rays with its leaves' triangles.
 #pragma once
 
 #include <cstdint>
@@ -16,14 +16,14 @@ struct PacketWork {
   View<const Ray> rays;
   View<const std::uint32_t> leaves;
   View<RayHit> best;
-  View<float> ray_tests;  ///< or empty
+  View<float> ray_tests;  ///< may be empty
 };
 
 struct LeafCounts {
   std::uint64_t triangle_tests = 0, triangle_hits = 0, final_tests = 0;
 };
 
-/// What one thread needs to do this for one packet after another.
+/// A thread's memory and code for this step, for one packet after another.
 class PacketLeaves {
  public:
   PacketLeaves(const FlatScene& scene, const Bvh& bvh, const PacketOptions& options)
@@ -37,7 +37,7 @@ class PacketLeaves {
   LeafCounts counts;  ///< summed over packets
 
  private:
-  /// A triangle and where it begins along the packet's axis, as an integer in the same order.
+  /// A triangle, and where it begins along the packet's axis, as an integer in the same order.
   struct Candidate {
     std::uint32_t begin;
     std::uint32_t triangle;

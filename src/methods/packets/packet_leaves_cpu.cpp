@@ -48,7 +48,7 @@ Depths PacketLeaves::gather(const PacketWork& work, std::size_t first, std::uint
       depths.enlarge(sign_ * (triangles_.vertex[k][depth_axis][triangle] - origin));
     }
   }
-  // Whole SIMD blocks: a triangle that is met twice changes nothing.
+  // Fills the last SIMD block: testing a triangle twice changes nothing.
   for (std::uint32_t i = count; i % kTriangleBlock != 0; ++i) {
     ids_[i] = ids_[i - 1];
     for (auto& corner : corners_)

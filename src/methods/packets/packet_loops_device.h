@@ -1,4 +1,4 @@
-// The stages of `gl10` as loops; for the sources that know which device it is.
+// The stages of `gl10` as loops. For sources that include a device.
 #pragma once
 
 #include "base/search.h"
@@ -10,7 +10,7 @@
 
 namespace raysheaf {
 
-/// What packets meet, on the device.
+/// The data that packets are tested with, on the device.
 struct PacketView {
   View<const Ray> rays;
   View<const Packet> packets;
@@ -48,7 +48,7 @@ void begin_queue_on(Device& device, std::uint32_t first, std::size_t count, Pack
   });
 }
 
-/// Counts of each pair: boxes that were tested, nodes and leaves that were met.
+/// Counts of each pair: tested boxes, intersected nodes and leaves.
 struct PairCounts {
   std::uint32_t *boxes, *nodes, *leaves;
 };
@@ -65,7 +65,7 @@ void meet_nodes_on(Device& device, const PacketView& view, PacketPairs queue, st
   });
 }
 
-/// Those that were met: nodes to `next`, leaves to `leaves`, at the places that scans have found.
+/// Moves the intersected nodes to `next` and the leaves to `leaves`, at places computed by scans.
 template <class Device>
 void advance_on(Device& device, const PacketView& view, PacketPairs queue, std::size_t size,
                 const Met* met, const std::uint64_t* node_places, PacketPairs next,
@@ -87,7 +87,7 @@ void advance_on(Device& device, const PacketView& view, PacketPairs queue, std::
   });
 }
 
-/// Calls `take(triangle, begin)` for the triangles of pair `i`'s leaf that its packet may meet;
+/// Calls `take(triangle, begin)` for the triangles of pair `i`'s leaf that its packet may hit;
 /// returns how many were tested.
 template <class Take>
 RAYSHEAF_HD std::uint32_t meet_leaf_pair(const PacketView& view, PacketPairs leaves, std::size_t i,
@@ -117,7 +117,8 @@ void count_candidates_on(Device& device, const PacketView& view, PacketPairs lea
   });
 }
 
-/// A triangle that a packet may meet: `keys` have its packet, and where it begins, below.
+/// Triangles that a packet may hit: the keys have its packet in the upper bits, and where the
+/// triangle begins in the lower ones.
 struct Candidates {
   std::uint32_t* triangles;
   std::uint64_t* keys;
@@ -135,14 +136,14 @@ void list_candidates_on(Device& device, const PacketView& view, PacketPairs leav
   });
 }
 
-/// What a ray reads of its packet's candidates.
+/// The input of a ray: its packet's sorted candidates.
 struct SortedCandidates {
   View<const std::uint64_t> keys;  ///< ascending by (packet, begin), then by triangle
   const std::uint32_t* triangles;
 };
 
-/// The rays [first, first + count), each with its packet's candidates in their order, chunk by
-/// chunk; a chunk that begins behind the hit that the ray has is passed over.
+/// Tests the rays [first, first + count) with their packets' candidates in order, chunk by chunk; a
+/// ray skips a chunk that begins behind its hit.
 template <class Device>
 void meet_candidates_on(Device& device, const PacketView& view, SortedCandidates sorted,
                         Packet range, RayHit* best, std::uint64_t* final_tests) {
@@ -186,14 +187,14 @@ void meet_candidates_on(Device& device, const PacketView& view, SortedCandidates
   });
 }
 
-/// Of rays whose packets have no leaves.
+/// Initializes the hits of rays whose packets have no leaves.
 template <class Device>
 void begin_hits_on(Device& device, View<RayHit> best) {
   device.for_each("trace: final tests", best.size,
                   [=] RAYSHEAF_DEVICE(std::size_t i) { best.data[i] = RayHit{}; });
 }
 
-/// The hits of rays in the packets' order, to the caller's places.
+/// Copies the hits of rays in the packets' order to the caller's places.
 template <class Device>
 void scatter_best_on(Device& device, const PacketView& view, View<const RayHit> best,
                      const std::uint32_t* order, IndexedHit* hits) {

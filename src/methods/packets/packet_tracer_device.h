@@ -1,4 +1,4 @@
-// A tracer of packets on a device of a known kind; for the sources that make one.
+// A tracer of packets on a given type of device; for the sources that create one.
 #pragma once
 
 #include <algorithm>
@@ -15,8 +15,8 @@ namespace raysheaf {
 template <class Device>
 class PacketTracerOn : public PacketTracer {
  public:
-  /// `capacity`: of each list of pairs, but for the least that a packet may need; the rest is what
-  /// the device is made from.
+  /// `capacity`: of each list of pairs, if a packet does not need more; the other arguments
+  /// construct the device.
   template <class... Args>
   explicit PacketTracerOn(std::uint32_t capacity, Args&&... args)
       : asked_capacity_(capacity), device_(std::forward<Args>(args)...) {}
@@ -71,7 +71,7 @@ class PacketTracerOn : public PacketTracer {
     to->resize_uninitialized(stage, from.size);
     if (!from.empty()) device_.copy(stage, to->data(), from.data, from.size * sizeof(T));
   }
-  /// Of the ordered rays, their bounds, and room for pairs.
+  /// Makes packets of the ordered rays, their bounds, and room for pairs.
   void make_packets(const PacketQuery& query) {
     const std::size_t rays = given_.size();
     sorted_keys_.resize_uninitialized("hierarchy: packets", order_.keys().size);
@@ -120,7 +120,7 @@ class PacketTracerOn : public PacketTracer {
     counts->final_tests = device_.read("trace: final tests", final_tests_.data());
   }
 
-  /// The sum of `count` numbers; `places` takes the sums before each.
+  /// The sum of `count` numbers; `places` receives the sums before each.
   std::uint64_t sum(const DeviceBuffer<std::uint32_t>& numbers, std::size_t count,
                     const DeviceBuffer<std::uint64_t>& places) {
     device_.exclusive_scan("trace: queue", numbers.view_const().slice(0, count),
@@ -128,8 +128,8 @@ class PacketTracerOn : public PacketTracer {
     return device_.read("trace: queue", places.data() + count);
   }
 
-  /// Fills `leaves_` with those that the packets met; false, and nothing counted, where that takes
-  /// more than the capacity.
+  /// Fills `leaves_` with those that the packets intersect; returns false and counts nothing if
+  /// they exceed the capacity.
   bool descend(std::uint32_t first, std::size_t count) {
     std::vector<std::uint64_t> tests(depth_), hits(depth_);
     leaf_pairs_ = 0;
@@ -155,7 +155,7 @@ class PacketTracerOn : public PacketTracer {
     return true;
   }
 
-  /// What is in the leaves, near ones first, with the rays of the range.
+  /// Tests the triangles of the leaves, near ones first, with the rays of the range.
   void meet_leaves(Packet range) {
     const std::size_t pairs = leaf_pairs_;
     if (pairs == 0) return;
@@ -171,7 +171,7 @@ class PacketTracerOn : public PacketTracer {
     triangles_.resize_uninitialized("trace: leaves", count);
     list_candidates_on(device_, view_, leaves_.pairs(), pairs, node_places_.data(),
                        {triangles_.data(), keys_.data()});
-    // By triangle, then, stable, by packet and begin.
+    // Sorts by triangle and then, stably, by packet and begin.
     device_.copy("trace: leaves", by_triangle_.keys.data(), triangles_.data(),
                  count * sizeof(std::uint32_t));
     number(device_, "trace: leaves", by_triangle_.values.view());

@@ -83,8 +83,8 @@ class Sweep {
     });
   }
 
-  /// Fills `leaves_` with those that the packets met; false, and nothing counted, where that takes
-  /// more than the capacity.
+  /// Fills `leaves_` with those that the packets intersect; returns false and counts nothing if
+  /// they exceed the capacity.
   bool descend(std::size_t first, std::size_t count) {
     std::vector<std::uint64_t> tests(bvh_.depth()), hits(bvh_.depth());
     leaves_.resize(0);
@@ -109,7 +109,7 @@ class Sweep {
     return true;
   }
 
-  /// All pairs of the queue; returns the number of boxes tested.
+  /// Tests all pairs of the queue; returns the number of boxes tested.
   std::uint64_t meet_queue() {
     met_.resize(queue_.size());
     std::atomic<std::uint64_t> tests{0};
@@ -128,7 +128,7 @@ class Sweep {
     return tests;
   }
 
-  /// The survivors become the next queue, those that are leaves go to `leaves_`.
+  /// Moves the survivors to the next queue; leaves go to `leaves_`.
   bool advance_queue() {
     const std::size_t pairs = queue_.size();
     node_places_.resize(pairs);
@@ -160,7 +160,7 @@ class Sweep {
     return true;
   }
 
-  /// Each packet's leaves from all depths stand together after a stable sort.
+  /// A stable sort makes each packet's leaves of all depths contiguous.
   void meet_leaves(std::size_t first, std::size_t count) {
     radix_sort_pairs(executor_, leaves_.packets, leaves_.places);
     executor_.for_each_block(count, kPacketGrain, [&](std::size_t begin, std::size_t end) {
@@ -212,7 +212,8 @@ class Sweep {
   const View<float> ray_tests_;
   ProgressMeter& meter_;
   const std::size_t capacity_;
-  std::vector<std::uint32_t> packet_tests_;  ///< of frusta, a packet; empty unless asked for
+  std::vector<std::uint32_t> packet_tests_;  ///< frustum tests of each packet; empty unless
+                                             ///< requested
   std::vector<PacketFrustum> frusta_;
   Pairs queue_, next_, leaves_;
   std::vector<Met> met_;

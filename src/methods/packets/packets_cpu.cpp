@@ -11,7 +11,7 @@ void cut_evenly(Packet run, std::uint32_t most_rays, std::vector<Packet>* packet
   for (std::uint64_t i = 0; i < parts; ++i) packets->push_back(even_part(run, i, parts));
 }
 
-/// `bits`: in how many low bits the keys of the cell may differ.
+/// `bits`: the number of low bits in which the keys of the cell may differ.
 void cut_by_key(View<const std::uint32_t> keys, Packet cell, std::uint32_t bits,
                 std::uint32_t most_rays, std::vector<Packet>* packets) {
   if (cell.count == 0) return;

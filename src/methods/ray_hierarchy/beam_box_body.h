@@ -1,23 +1,24 @@
-// Does a moving box meet a box? The test of shafts and of frusta.
+// Tests whether a moving box intersects a box, for shafts and frusta.
 //
 // Both are swept by a box whose sides move at constant speeds, t from 0 to 1: from O to E for a
-// shaft, from O by t T D for a frustum of slopes D and reach T. At t it meets B where on each axis
+// shaft, from O by t T D for a frustum of slopes D and reach T. At t it intersects B if on each
+// axis
 //
 //    O.min + t v.min <= B.max    and    O.max + t v.max >= B.min
 //
-// that is, where six gaps that close at constant speeds are still open:
+// that is, if six gaps that close at constant speeds are still open:
 //
 //    gap - t speed >= 0:   (B.max - O.min, v.min)  and  (O.max - B.min, -v.max)  on each axis
 //
-// Each bounds t from one side. They are met by one t exactly where the swept volume meets B: the
-// moving box is convex, so that no other planes are needed.
+// Each bounds t from one side. A single t satisfies all of them exactly if the swept volume
+// intersects B: the moving box is convex, so that no other planes are needed.
 //
-// Rounding. L, the largest gap, is no less than any coordinate of a corner of B as seen from an
-// origin. A hit has a point of its ray before the end within gamma(2) L of B on every axis
+// Rounding. L, the largest gap, is at least any coordinate of a corner of B relative to an origin.
+// A hit has a point of its ray before the end within gamma(2) L of B on every axis
 // (geom/ray_end.h), a frustum's scaled directions move that by gamma(2) L, a gap is rounded by
-// gamma(1) L and by as much when the slack is added: 64 u L is enough. kTinySlack is for underflow,
-// and leaves a gap that is open at a speed of zero wide enough for the reciprocal that stands for
-// infinity. Quotients err by gamma(4), which the last comparison allows for.
+// gamma(1) L and by as much when the slack is added: 64 u L is sufficient. kTinySlack covers
+// underflow, and keeps a gap that is open at a speed of zero wide enough for the reciprocal that
+// stands for infinity. Quotients err by gamma(4), which the last comparison allows for.
 #pragma once
 
 #include <cmath>
@@ -69,7 +70,7 @@ RAYSHEAF_HD inline Box box_of_triangle(Vec3 a, Vec3 b, Vec3 c) {
   return {min(min(a, b), c), max(max(a, b), c)};
 }
 
-/// Narrows [lo, hi] to where the gap is open.
+/// Clips [lo, hi] to where the gap is open.
 RAYSHEAF_HD inline void clip(float gap, float per_speed, float* lo, float* hi) {
   const float t = gap * per_speed;
   if (per_speed > 0) {
@@ -79,7 +80,7 @@ RAYSHEAF_HD inline void clip(float gap, float per_speed, float* lo, float* hi) {
   }
 }
 
-/// What all gaps grow by.
+/// The slack that is added to all gaps.
 RAYSHEAF_HD inline float beam_slack(Vec3 gap_min, Vec3 gap_max) {
   return kBeamSlack * max_component(max(gap_min, gap_max)) + kTinySlack;
 }

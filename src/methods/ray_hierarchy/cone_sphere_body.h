@@ -1,8 +1,8 @@
-// The node test of `rah` and `crsh`: does the volume swept by a bundle's rays meet a ball?
+// The node test of `rah` and `crsh`: does the volume swept by a bundle's rays intersect a sphere?
 //
-// With P, d the ball, C, r the ball of origins, x and alpha the cone, v = P - C and R = r + d, the
-// ball meets the volume where the distance of v to the cone at the origin is at most R (Minkowski
-// sum). With a = v.x and b = |v x x|, in the half plane (a, b):
+// With P, d the sphere, C, r the sphere of origins, x and alpha the cone, v = P - C and R = r + d,
+// the sphere intersects the volume if the distance of v to the cone at the origin is at most R
+// (Minkowski sum). With a = v.x and b = |v x x|, in the half plane (a, b):
 //
 //        b |     . P            s = b cos - a sin: distance to the generator's line
 //          |   .   \ s          e = a cos + b sin: the foot's place along the generator
@@ -11,16 +11,16 @@
 //
 //   hit  <=>  |v| <= R   or   (s <= R and e >= 0)
 //
-// The second part alone, without e >= 0, is equation 9 of Reis et al. 2017 with a signed: it takes
-// the line for the generator and so accepts balls behind the origins.
+// The second part by itself, without e >= 0, is equation 9 of Reis et al. 2017 with a signed: it
+// uses the line instead of the generator and so accepts spheres behind the origins.
 //
-// Rounding. v has a relative error of u a component, a and b absolute errors below gamma(8)|v|, the
-// sine was measured with an error below gamma(16). A ray's hit is a point of the triangle, whose t
-// is rounded: a ray that ends there has its end within sqrt(3) gamma(2) |A| of the triangle, |A| <=
-// |v| + R the farthest corner from an origin (geom/ray_end.h). Both sides of each comparison are
-// therefore right to within gamma(40)(|v| + R), which R grows by; |v| is bounded by the sum of its
-// components. R also grows by 2^-60, so that its square is not lost to underflow; where |v|^2 is
-// not small against the largest float the ball is accepted.
+// Rounding. v has a relative error of u per component, a and b absolute errors below gamma(8)|v|,
+// the sine was measured with an error below gamma(16). A ray's hit is a point of the triangle,
+// whose t is rounded: a ray that ends there has its end within sqrt(3) gamma(2) |A| of the
+// triangle, where |A| <= |v| + R is the farthest corner from an origin (geom/ray_end.h). Both sides
+// of each comparison are therefore accurate to gamma(40)(|v| + R), by which R grows; |v| is bounded
+// by the sum of its components. R also grows by 2^-60, so that its square does not underflow; if
+// |v|^2 is not small compared with the largest float, the sphere is accepted.
 #pragma once
 
 #include <cmath>
@@ -34,7 +34,7 @@ inline constexpr float kConeSphereSlack = 64 * kUnitRoundoff;
 inline constexpr float kConeSphereTiny = 0x1p-60f;
 inline constexpr float kConeSphereHuge = 0x1p120f;
 
-/// A node made ready for many balls.
+/// A node prepared for many spheres.
 struct ConeSphereTest {
   Vec3 center, axis;
   float radius;

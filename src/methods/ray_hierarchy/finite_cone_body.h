@@ -1,19 +1,19 @@
-// Does the volume swept by a bundle's rays, up to a reach T from their origins, meet a ball?
+// Does the volume swept by a bundle's rays, up to a reach T from their origins, intersect a sphere?
 //
-// As in cone_sphere_body.h, with the cone cut off by the ball of radius T round its apex:
+// As in cone_sphere_body.h, with the cone cut off by the sphere of radius T around its apex:
 //
 //        b |       .  P         s, e: P across and along the generator
 //          |    .  g            hit  <=>  |v| <= R                           near the apex
 //          | .    ) T                or   s <= R, e >= 0 and
-//          +------)-----> a               ( e <= T                          beside the generator
-//                                           or |P - T g| <= R               round its tip
-//                                           or s <= 0 and |v| <= T + R )    before the cap
+//          +------)-----> a               ( e <= T                           next to the generator
+//                                           or |P - T g| <= R                around its tip
+//                                           or s <= 0 and |v| <= T + R )     before the cap
 //
-// Rounding. s and e err by less than gamma(20)|v|, like the sine and what is made of it; e - T
-// matters where T < e <= |v|, and errs by less than gamma(22)|v| there. A hit has a point of its
-// ray, at a parameter in [0, t_max], within sqrt(3) gamma(2) of the farthest corner from the
-// triangle (geom/ray_end.h), and that corner is no farther than |v| + R. gamma(26)(|v| + R) covers
-// both; the slack is 96 u.
+// Rounding. s and e have errors below gamma(20)|v|, like the sine and its derived values; e - T
+// matters if T < e <= |v|, where its error is below gamma(22)|v|. A hit has a point of its ray, at
+// a parameter in [0, t_max], within sqrt(3) gamma(2) of the farthest corner from the triangle
+// (geom/ray_end.h), and that corner is at most |v| + R away. gamma(26)(|v| + R) covers both; the
+// slack is 96 u.
 #pragma once
 
 #include "geom/finite_cone.h"

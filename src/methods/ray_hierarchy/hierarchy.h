@@ -2,8 +2,8 @@
 //
 //   level 2   [----------------------64----------------------] ...
 //   level 1   [--8--][--8--][--8--][--8--][--8--][--8--] ...        node i of level l has the
-//   children rays       ........................................ ...         i*b .. i*b + b - 1 of
-//   level l - 1
+//   rays      ........................................ ...          children i*b .. i*b + b - 1
+//                                                                   of level l - 1
 //
 // Built bottom-up: leaves from their rays, upper levels from the bounds below (Roger, Assarsson,
 // Holzschuch 2007; Reis, Costa, Pereira 2017, section 3.4). O(rays) work, `levels` steps.
@@ -18,7 +18,7 @@
 
 namespace raysheaf {
 
-/// `Bound`: one of the family in geom/bounds.h.
+/// `Bound`: one of those in geom/bounds.h.
 template <class Bound>
 struct RayHierarchy {
   std::uint32_t branching = 8;
@@ -26,12 +26,12 @@ struct RayHierarchy {
   std::vector<std::vector<Bound>> levels;  ///< [0] is level 1, the leaves; the last one is the top
 
   [[nodiscard]] std::uint32_t top() const { return static_cast<std::uint32_t>(levels.size()); }
-  /// The nodes of a level, which counts from 1.
+  /// The nodes of a level, counted from 1.
   [[nodiscard]] const std::vector<Bound>& level(std::uint32_t l) const { return levels[l - 1]; }
 };
 
-/// `levels` from 1, `branching` from 2; no rays make a tree of empty levels. `scene` holds all that
-/// the rays may meet. Defined for the bounds of the family.
+/// `levels` at least 1, `branching` at least 2; without rays the levels are empty. `scene` must
+/// contain everything that the rays may hit. Defined for the bounds of geom/bounds.h.
 template <class Bound>
 [[nodiscard]] RayHierarchy<Bound> build_hierarchy(const Executor& executor, View<const Ray> rays,
                                                   const Box& scene, std::uint32_t branching,

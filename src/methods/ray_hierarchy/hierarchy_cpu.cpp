@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kNodeGrain = 256;
 
-/// The nodes of a level, each from what lies below it.
+/// Builds the nodes of a level from the items below it.
 template <class Bound, class Item, class Make>
 std::vector<Bound> build_level(const Executor& executor, View<const Item> below,
                                std::uint32_t branching, const Make& make) {

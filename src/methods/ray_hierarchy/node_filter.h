@@ -1,7 +1,7 @@
-// One node of the ray hierarchy against many triangles: the SIMD kernels of the traversal.
+// Tests one node of the ray hierarchy with many triangles: the SIMD kernels of the traversal.
 //
-// A triangle is given as its ball (four arrays: centre x, y, z, radius), as its corners (nine:
-// corner 0 x, y, z, corner 1 x, ...), or as both (corners, then ball), whatever the test needs.
+// A triangle is given by its sphere (four arrays: centre x, y, z, radius), by its corners (nine:
+// corner 0 x, y, z, corner 1 x, ...), or by both (corners, then sphere), depending on the test.
 #pragma once
 
 #include <array>
@@ -20,14 +20,14 @@ inline constexpr std::size_t kCornerFields = 9;
 template <std::size_t kFields>
 using FieldPointers = std::array<const float*, kFields>;
 
-/// Both must meet the triangle.
+/// Both must accept the triangle.
 struct ShaftConeTest {
   BeamTest shaft;
   FiniteConeTest cone;
 };
 
 /// Write the numbers (from 0) of the triangles that `meets` accepts, ascending, and return how many
-/// there are. `out` has room for `count` rounded up to 16. The same answers on every SIMD target.
+/// there are. `out` needs room for `count` rounded up to 16. The same answers on every SIMD target.
 std::uint32_t filter(const ConeSphereTest& node, const FieldPointers<kBallFields>& fields,
                      std::uint32_t count, std::uint32_t* out);
 std::uint32_t filter(const FiniteConeTest& node, const FieldPointers<kBallFields>& fields,

@@ -1,5 +1,5 @@
-// Compiled once a SIMD target and chosen at run time (Google Highway). The operations and their
-// order are those of each `meets`, without fused ones.
+// Compiled once for each SIMD target and chosen at run time (Google Highway). The operations and
+// their order are those of each `meets`, without fused ones.
 #include "methods/ray_hierarchy/node_filter.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -45,7 +45,7 @@ HWY_INLINE Vec3Lanes load3(const float* const* fields, std::uint32_t i) {
   return {hn::LoadU(d, fields[0] + i), hn::LoadU(d, fields[1] + i), hn::LoadU(d, fields[2] + i)};
 }
 
-/// What both tests of a ball begin with.
+/// The values that both tests of a sphere begin with.
 struct BallLanes {
   V a, b2, v2, reach;
 
@@ -121,7 +121,7 @@ HWY_INLINE void clip_lanes(V gap, float per_speed, V* lo, V* hi) {
   }
 }
 
-/// `outside`: how far a box is from the hull at most, or nothing to compare.
+/// `outside`: receives an upper bound of a box's distance from the hull, or nothing to compare.
 HWY_INLINE M meets_box(const BeamTest& n, const Box* hull, const BoxLanes& box) {
   using hn::Add, hn::And, hn::Mul;
   const Vec3Lanes gap_min = sub(box.max, set(n.origins.min));
@@ -182,7 +182,8 @@ inline bool meets_one(const ShaftConeTest& n, const float* const* fields, std::u
 }
 
 /// Appends base + lane for each lane of the mask. Highway 1.0.3's CompressStore under GCC 12 copies
-/// its table every time on targets without a compress instruction; there, bits are walked instead.
+/// its table every time on targets without a compress instruction; on these, this enumerates bits
+/// instead.
 HWY_INLINE std::uint32_t append(M mask, std::uint32_t base, std::uint32_t* out) {
 #if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
   const Indices u;
@@ -204,7 +205,7 @@ template <class Test>
 std::uint32_t filter_lanes(const Test& node, const float* const* fields, std::uint32_t count,
                            std::uint32_t* out) {
   const auto lanes = static_cast<std::uint32_t>(hn::Lanes(Floats()));
-  const Test test = node;  // a local copy: nothing that `out` can point into
+  const Test test = node;  // a local copy, which `out` cannot alias
   std::uint32_t hits = 0, i = 0;
   for (; i + lanes <= count; i += lanes)
     hits += append(meets_lanes(test, fields, i), i, out + hits);

@@ -1,6 +1,6 @@
-// What the walk needs to know of a bound: the test that a node is made ready as, the fields of a
-// triangle that the test reads, and how a whole mesh is tested. Tests that read balls take a mesh's
-// sphere, tests that read corners the box of its vertices.
+// The properties of a bound that the walk needs: its node test, the fields of a triangle that the
+// test reads, and the test of a whole mesh. Tests that read spheres use a mesh's sphere, tests that
+// read corners the box of its vertices.
 #pragma once
 
 #include "geom/shaft_cone.h"

@@ -1,4 +1,4 @@
-// The stages of `rah` and `crsh` as loops; for the sources that know which device it is.
+// The stages of `rah` and `crsh` as loops. For sources that include a device.
 #pragma once
 
 #include "device/brute_force_body.h"
@@ -15,7 +15,7 @@ struct NodePair {
   std::uint32_t node = 0, triangle = 0;
 };
 
-/// What the pairs are made of, on the device.
+/// The data for tests of pairs, on the device.
 struct PairView {
   View<const Ray> rays;  ///< in the order of the hierarchy
   TriangleList list;
@@ -67,7 +67,7 @@ void test_meshes_on(Device& device, const PairView& view, View<const RayBound> n
   });
 }
 
-/// What the surviving (node, mesh) tests are worth in triangles.
+/// The number of triangles of the surviving (node, mesh) tests.
 template <class Device>
 void count_triangles_on(Device& device, const PairView& view, View<const std::uint32_t> tests,
                         std::uint32_t* counts) {
@@ -76,8 +76,8 @@ void count_triangles_on(Device& device, const PairView& view, View<const std::ui
   });
 }
 
-/// Runs of tests of a node with triangles that follow each other: run r has the tests from
-/// starts[r] on, of which those of (node, mesh) test tests[r].
+/// Runs of tests of a node with consecutive triangles: run r has the tests from starts[r] on, and
+/// belongs to the (node, mesh) test tests[r].
 struct TopTests {
   View<const std::uint32_t> tests;  ///< empty: node by node with all triangles
   const std::uint64_t* starts = nullptr;
@@ -116,7 +116,7 @@ void keep_top_on(Device& device, const PairView& view, const TopTests& top, std:
   });
 }
 
-/// Test t of a level below: child t % b of the node of pair t / b.
+/// Test t of a lower level: child t % b of the node of pair t / b.
 RAYSHEAF_HD inline NodePair child_pair(const NodePair* pairs, std::uint32_t branching,
                                        std::uint64_t test) {
   const NodePair pair = pairs[test / branching];
@@ -142,7 +142,7 @@ void keep_children_on(Device& device, std::uint32_t branching, const NodePair* p
   });
 }
 
-/// The rays of each pair's leaf with its triangle.
+/// Tests the rays of each pair's leaf with its triangle.
 template <class Device>
 void final_tests_on(Device& device, const PairView& view, View<const NodePair> pairs,
                     View<std::uint64_t> words) {
@@ -156,7 +156,7 @@ void final_tests_on(Device& device, const PairView& view, View<const NodePair> p
       });
 }
 
-/// The hits of rays in the order of the hierarchy, to the caller's places.
+/// Copies the hits of rays in the order of the hierarchy to the caller's places.
 template <class Device>
 void scatter_hits_on(Device& device, const PairView& view, View<const std::uint64_t> words,
                      const std::uint32_t* order, IndexedHit* hits) {

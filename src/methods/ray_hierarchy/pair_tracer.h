@@ -1,15 +1,15 @@
-// Methods `rah` and `crsh` on a device: the ray hierarchy against the triangles, level by level, as
-// lists of (node, triangle) pairs (Roger, Assarsson, Holzschuch 2007; Reis, Costa, Pereira 2017,
-// sections 3.3 to 3.6).
+// The methods `rah` and `crsh` on a device: the ray hierarchy against the triangles, level by
+// level, as lists of (node, triangle) pairs (Roger, Assarsson, Holzschuch 2007; Reis, Costa,
+// Pereira 2017, sections 3.3 to 3.6).
 //
-//   tests of the top level ─► survivors ┐       a list a level, of stated capacity
+//   tests of the top level ─► survivors ┐       one list per level, of stated capacity
 //                    ┌──────────────────┘
-//                    ▼ b tests a pair ─► survivors ┐
-//                                                  ▼ b rays a pair: the best hits as words
+//                    ▼ b tests per pair ─► survivors ┐
+//                                                    ▼ b rays per pair: the best hits as words
 //
-// A slice of tests is no longer than the room that is left in the list below, so that no list
-// overflows; a list that is half full goes down before it is filled further. Memory is bounded by
-// levels times capacity, whatever the scene, and nothing is dropped or done twice.
+// A slice of tests is at most as long as the free space of the list below, so that no list
+// overflows; a list that is half full is processed before it is filled further. Memory is bounded
+// by levels times capacity for any scene, and no pair is lost or processed twice.
 #pragma once
 
 #include <memory>
@@ -21,14 +21,14 @@
 
 namespace raysheaf {
 
-/// The triangles of one instance, and the ball that holds them.
+/// The triangles of one instance, and the sphere that contains them.
 struct PairMesh {
   Sphere bound;
   std::uint32_t first = 0, count = 0;
 };
 
 struct PairScene {
-  TriangleList triangles;  ///< in the device's memory, where they stay as they are, or the host's
+  TriangleList triangles;  ///< used in place if in the device's memory, copied if in the host's
   View<const PairMesh> meshes;
 };
 
@@ -41,23 +41,23 @@ struct PairQuery {
 };
 
 struct PairOutcome {
-  TraverseCounts counts;     ///< as the CPU counts without an early out
+  TraverseCounts counts;     ///< as the CPU counts without early out
   std::uint64_t chunks = 0;  ///< runs of equal keys
 };
 
-/// One scene's, on one device. Not for use by two threads at once.
+/// The tracer of one scene on one device. Not for two threads at once.
 class PairTracer {
  public:
   virtual ~PairTracer() = default;
   virtual void set_scene(const PairScene& scene) = 0;
-  /// hits[i] takes the least (t, triangle) of rays[i]. `keys`: what the rays are sorted by; empty:
-  /// they stay in their order. Each in the host's memory or the device's, where what writes it is
-  /// done.
+  /// hits[i] receives the hit of rays[i] with the least (t, triangle). `keys`: the sort keys of the
+  /// rays; empty: the rays stay in their order. Each array may be in the host's or the device's
+  /// memory; the work that writes it must be complete.
   virtual PairOutcome trace(View<const Ray> rays, View<const std::uint32_t> keys,
                             const PairQuery& query, View<IndexedHit> hits) = 0;
 };
 
-/// Pairs that a level's list holds.
+/// Pairs that a level's list can hold.
 inline constexpr std::uint32_t kPairListCapacity = 1u << 22;
 
 }  // namespace raysheaf

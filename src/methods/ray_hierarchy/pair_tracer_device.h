@@ -1,4 +1,4 @@
-// A tracer of pairs on a device of a known kind; for the sources that make one.
+// A tracer of pairs on a given type of device; for the sources that create one.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace raysheaf {
 template <class Device>
 class PairTracerOn : public PairTracer {
  public:
-  /// `capacity` from 1, of each list; the rest is what the device is made from.
+  /// `capacity`: of each list, at least 1; the other arguments construct the device.
   template <class... Args>
   explicit PairTracerOn(std::uint32_t capacity, Args&&... args)
       : capacity_(capacity), device_(std::forward<Args>(args)...) {}
@@ -60,7 +60,7 @@ class PairTracerOn : public PairTracer {
 
  private:
   using Level = DeviceBuffer<RayBound>;
-  /// What has been met at a level and not gone down.
+  /// The surviving pairs of a level that have not been processed yet.
   struct List {
     explicit List(DeviceAllocator& allocator) : pairs(allocator) {}
     DeviceBuffer<NodePair> pairs;
@@ -73,7 +73,7 @@ class PairTracerOn : public PairTracer {
     device_.copy(stage, to->data(), from.data, from.size * sizeof(T));
   }
 
-  /// Once for each scene: its triangles have been copied when rays come.
+  /// Called once for each scene, when rays come: its triangles have been copied.
   void make_spheres() {
     const TriangleList& list = triangles_.list();
     if (spheres_.size() == list.count()) return;
@@ -100,8 +100,8 @@ class PairTracerOn : public PairTracer {
     kept_.resize_uninitialized("trace: lists", capacity_);
   }
 
-  /// Tests [0, tests) of something, slice by slice, into the list of level `level`: `test(first,
-  /// flags)` sets flags, `keep(first, kept, out)` writes the pairs of those that are kept.
+  /// Runs tests [0, tests) slice by slice, and appends the survivors to the list of level `level`:
+  /// `test(first, flags)` sets flags, `keep(first, kept, out)` writes the surviving pairs.
   template <class Test, class Keep>
   void fill_list(std::uint32_t level, std::uint64_t tests, const Test& test, const Keep& keep) {
     List& list = lists_[level - 1];
@@ -120,7 +120,7 @@ class PairTracerOn : public PairTracer {
     }
   }
 
-  /// All pairs of a level's list go down; what they leave in the lists below stays there.
+  /// Processes all pairs of a level's list; survivors remain in the lists below.
   void descend(std::uint32_t level) {
     List& list = lists_[level - 1];
     const View<const NodePair> pairs = list.pairs.view_const().slice(0, list.count);
@@ -146,8 +146,8 @@ class PairTracerOn : public PairTracer {
     const std::uint32_t top = query.levels;
     const View<const RayBound> nodes = levels_[top - 1].view_const();
     if (query.mesh_culling) {
-      // So many nodes at once that their tests with meshes fit, and those with triangles are few
-      // enough to be counted.
+      // Takes as many nodes at once that their tests with meshes fit, and that the number of their
+      // tests with triangles can be counted.
       const std::uint64_t meshes = std::max<std::size_t>(1, meshes_.size());
       const auto group =
           static_cast<std::uint32_t>(std::clamp<std::uint64_t>(kMeshTests / meshes, 1, nodes.size));

@@ -1,14 +1,14 @@
-// Stage 5: the ray hierarchy against the geometry, level by level, and the final tests.
+// Stage 5: tests the ray hierarchy with the geometry, level by level, and makes the final tests.
 //
-// A top node meets the bounds of meshes first (`crsh`) or all triangles (`rah`); the triangles that
-// are left are tested with the node, those it meets with each of its children, and so on; a leaf's
-// rays are tested with the triangles that the leaf met (Roger, Assarsson, Holzschuch 2007; Reis,
-// Costa, Pereira 2017, sections 3.5-3.6).
+// A top node is tested first with the bounds of meshes (`crsh`) or with all triangles (`rah`); the
+// remaining triangles are tested with the node, those that it intersects with each of its children,
+// and so on; a leaf's rays are tested with the triangles that the leaf intersects (Roger,
+// Assarsson, Holzschuch 2007; Reis, Costa, Pereira 2017, sections 3.5-3.6).
 //
-// The hit list of a node is compacted: survivors stand side by side in their old order, as a scan
-// of the survivors' flags would place them. Lists hold at most kListCapacity triangles. A top node
-// whose list is full descends with what it has and then goes on: memory is bounded by levels *
-// kListCapacity a thread, whatever the scene, and no work is dropped.
+// The hit list of a node is compacted: survivors are contiguous in their old order, as a scan of
+// the survivors' flags would place them. Lists hold at most kListCapacity triangles. A top node
+// whose list is full first descends with it and then continues: memory is bounded by levels *
+// kListCapacity per thread for any scene, and no work is lost.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ inline constexpr std::uint32_t kListCapacity = 8192;
 
 struct TraverseOptions {
   bool mesh_culling = true;  ///< test bounds of meshes before their triangles
-  bool early_out = false;    ///< rays that met something are tested no more
+  bool early_out = false;    ///< rays are not tested after their first hit
   Facing facing = Facing::kBoth;
 };
 
@@ -39,10 +39,10 @@ struct TraverseCounts {
   double node_seconds = 0, final_seconds = 0;  ///< summed over threads
 };
 
-/// `rays` are those that `tree` was built over, in its order; `best[i]` takes the hits of rays[i].
-/// Where `ray_tests` is not empty, ray_tests[i] grows by the tests of ray i: its own, and its share
-/// of those of the nodes above it. `meter` advances by top nodes.
-/// Defined for the bounds of the family (geom/bounds.h).
+/// `rays` are those over which `tree` was built, in its order; `best[i]` receives the hit of
+/// rays[i]. If `ray_tests` is not empty, the tests of ray i are added to ray_tests[i]: its own, and
+/// its share of those of the nodes above it. `meter` advances by top nodes. Defined for the bounds
+/// of geom/bounds.h.
 template <class Bound>
 TraverseCounts traverse(const Executor& executor, const FlatScene& scene,
                         const RayHierarchy<Bound>& tree, View<const Ray> rays,

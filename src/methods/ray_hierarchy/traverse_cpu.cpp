@@ -18,14 +18,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Triangles of a mesh that are tested with a top node in one go.
+/// Number of triangles of a mesh that are tested with a top node at once.
 constexpr std::uint32_t kRun = 1024;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// What one thread needs: a list a level, room for survivors and for the corners of the final
+/// A thread's memory: a list for each level, room for survivors and for the corners of the final
 /// tests.
 template <std::size_t kFields>
 struct Scratch {
@@ -37,7 +37,8 @@ struct Scratch {
     counts.hits.resize(levels);
   }
 
-  std::vector<WorkList<kFields>> lists;  ///< [l - 1]: what a node of level l met
+  std::vector<WorkList<kFields>> lists;  ///< [l - 1]: the triangles that a node of level l
+                                         ///< intersects
   AlignedVector<std::uint32_t> survivors;
   AlignedVector<float> corners[3][3];
   TraverseCounts counts;
@@ -89,7 +90,7 @@ class Walk {
     }
   }
 
-  /// A top node with triangles that stand side by side.
+  /// Tests a top node with contiguous triangles.
   void meet_run(std::uint32_t node, const Test& test, std::uint32_t first, std::uint32_t count) {
     List& list = scratch_.lists[tree_.top() - 1];
     for (std::uint32_t end = first + count; first < end; first += kRun) {
@@ -108,7 +109,7 @@ class Walk {
     scratch_.lists[tree_.top() - 1].clear();
   }
 
-  /// The node's list goes to its children, or to its rays.
+  /// Tests the node's list with its children or its rays.
   void descend(std::uint32_t node, std::uint32_t level) {
     const List& list = scratch_.lists[level - 1];
     if (list.size() == 0) return;
@@ -123,7 +124,7 @@ class Walk {
     }
   }
 
-  /// `times`: how often the tests count, for the missing children after the last one.
+  /// `times`: the factor of the counts, for missing children after the last one.
   void meet_list(std::uint32_t node, std::uint32_t level, const List& parent, std::uint32_t times) {
     List& list = scratch_.lists[level - 1];
     const Test test = make_node_test(tree_.level(level)[node]);
@@ -169,7 +170,7 @@ class Walk {
     return options_.early_out && best_[ray].found();
   }
 
-  /// Whether every ray under the node has stopped.
+  /// Whether every ray under the node is done.
   [[nodiscard]] bool is_done(std::uint32_t node, std::uint32_t level) const {
     if (!options_.early_out) return false;
     const auto [first, end] = rays_under(node, level);
@@ -204,7 +205,7 @@ class Walk {
   const View<RayHit> best_;
   const View<float> ray_tests_;
   Scratch<kFields>& scratch_;
-  const std::uint32_t capacity_;  // less where rays may drop out between two descents
+  const std::uint32_t capacity_;  // smaller if rays may be done between two descents
 };
 
 void add(const TraverseCounts& part, TraverseCounts* sum) {

@@ -1,5 +1,5 @@
-// The triangles that a node met, side by side: their numbers, and the fields that the tests of its
-// children read.
+// The triangles that a node intersects, stored contiguously: their numbers, and the fields that its
+// children's tests read.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ class WorkList {
  public:
   using Fields = FieldPointers<kFields>;
 
-  /// A list without fields is one whose node has no children.
+  /// A list without fields belongs to a node without children.
   WorkList(std::uint32_t capacity, bool with_fields)
       : with_fields_(with_fields), ids_(capacity + kMargin) {
     if (!with_fields_) return;
@@ -31,7 +31,7 @@ class WorkList {
   void clear() { size_ = 0; }
 
   /// Appends the entries `index[0..count)` of a list whose entry i is triangle `ids[i]`, or `first
-  /// + i` where there are no ids.
+  /// + i` if `ids` is null.
   void append(const Fields& from, const std::uint32_t* ids, std::uint32_t first,
               const std::uint32_t* index, std::uint32_t count) {
     for (std::uint32_t i = 0; i < count; ++i)
@@ -42,7 +42,7 @@ class WorkList {
   }
 
  private:
-  static constexpr std::uint32_t kMargin = 16;  // SIMD stores may reach past the end
+  static constexpr std::uint32_t kMargin = 16;  // SIMD stores may write past the end
   std::uint32_t size_ = 0;
   bool with_fields_;
   AlignedVector<std::uint32_t> ids_;

@@ -1,6 +1,6 @@
-// The one place that calls MPI. Every collective call begins with a word about failures: so all
-// processes learn of one's error where they meet anyway, unwind as one process would, and nobody
-// has to be killed. MPI_Abort is not used.
+// Only this file calls MPI. Every collective call begins with an exchange of failures: in this way
+// all processes learn of one's error at their next meeting, unwind like a single process, and none
+// is killed. MPI_Abort is not used.
 #include <mpi.h>
 
 #include <algorithm>
@@ -13,14 +13,15 @@
 namespace raysheaf {
 namespace {
 
-/// What is sent at once: MPI takes as much again for what arrives.
+/// Bytes that are sent at once: MPI allocates the same amount again for receiving.
 constexpr std::size_t kPieceBytes = std::size_t{4} << 20;
-/// Added to the counter, it leaves nothing to take; 65 535 processes may add it before the sum
-/// begins anew.
+/// Adding this to the counter leaves nothing to take; 65 535 processes may add it before the sum
+/// overflows.
 constexpr std::uint64_t kNoMoreWork = std::uint64_t{1} << 48;
 constexpr int kNobody = std::numeric_limits<int>::max();
 
-/// MPI's operations are functions without a context: the one at work. MPI is called by one thread.
+/// MPI's operations are functions without a context argument: this is the current operation. Only
+/// one thread calls MPI.
 Communicator::Combine at_work = nullptr;
 
 void combine_elements(void* from, void* into, int* count, MPI_Datatype* /*type*/) {
@@ -32,7 +33,7 @@ int size_of(std::size_t bytes) {
   return static_cast<int>(bytes);
 }
 
-/// MPI, started here and ended here.
+/// Starts and finalizes MPI.
 struct Session {
   Session() {
     int provided = 0;
@@ -88,8 +89,8 @@ class MpiCommunicator : public Communicator {
     MPI_Type_free(&type);
   }
 
-  // Nobody sets the counter back: when all have been told that there is no more, it has gone up by
-  // the items and by one a process.
+  // The counter is not reset: when all processes have learned that nothing is left, it has grown by
+  // the number of items and by one for each process.
   [[nodiscard]] std::optional<std::uint64_t> take(std::uint64_t items) override {
     const std::uint64_t item = add_to_counter(1) - base_;
     if (item < items) return item;
@@ -102,7 +103,7 @@ class MpiCommunicator : public Communicator {
       static_cast<void>(add_to_counter(kNoMoreWork));
       try {
         hear_of_failures(&error);
-      } catch (const Error&) {  // as all are told
+      } catch (const Error&) {  // the same error that the other processes throw
       }
     }
     return *failure_;
@@ -132,7 +133,7 @@ class MpiCommunicator : public Communicator {
     return same;
   }
 
-  /// Throws what the lowest rank that failed has caught. `mine`: this process's; null: none.
+  /// Throws the error of the lowest rank that failed. `mine`: this process's; null: none.
   void hear_of_failures(const Error* mine) {
     if (failure_) throw Error(*failure_);
     int who = mine != nullptr ? rank_ : kNobody;
@@ -149,12 +150,12 @@ class MpiCommunicator : public Communicator {
     throw Error(*failure_);
   }
 
-  std::unique_ptr<Session> session_;  // ends last
+  std::unique_ptr<Session> session_;  // destroyed last
   MPI_Comm all_ = MPI_COMM_NULL;
   MPI_Win window_ = MPI_WIN_NULL;
   int rank_ = 0, size_ = 1;
-  std::uint64_t* counter_ = nullptr;  ///< of rank 0; the other processes' have no room
-  std::uint64_t base_ = 0;            ///< of what is taken now
+  std::uint64_t* counter_ = nullptr;  ///< of rank 0; other processes have no memory for it
+  std::uint64_t base_ = 0;            ///< the counter's value before the current items
   std::optional<Error> failure_;
 };
 

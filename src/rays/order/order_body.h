@@ -1,4 +1,4 @@
-// What one item does in each step of the order; the loops are order_cpu.cpp's.
+// The work for one item in each step of the order; the loops are in order_cpu.cpp.
 #pragma once
 
 #include <cstddef>
@@ -8,24 +8,25 @@
 
 namespace raysheaf {
 
-/// A ray begins a chunk where its key differs from its neighbour's; the first ray always does.
+/// A ray begins a chunk if its key differs from its predecessor's; the first ray always does.
 RAYSHEAF_HD inline bool begins_chunk(const std::uint32_t* keys, std::size_t ray) {
   return ray == 0 || keys[ray] != keys[ray - 1];
 }
 
-/// Where slot `slot`, which carries a ray, goes: back by the inclusive scan of the empty flags. The
-/// flag is 1 for an EMPTY slot; Reis et al. 2017 say the reverse, with which the formula fails.
+/// The new place of slot `slot`, which has a ray: moved back by the inclusive scan of the empty
+/// flags. The flag is 1 for an EMPTY slot; Reis et al. 2017 define it the other way round, for
+/// which the formula fails.
 RAYSHEAF_HD inline std::uint32_t trimmed_place(std::uint32_t slot, std::uint32_t empty_up_to_slot) {
   return slot - empty_up_to_slot;
 }
 
-/// Which chunk a head begins: the inclusive scan of the head flags counts the head itself.
+/// The chunk that a head begins: the inclusive scan of the head flags counts the head itself.
 RAYSHEAF_HD inline std::uint32_t chunk_of_head(std::uint32_t heads_up_to_ray) {
   return heads_up_to_ray - 1;
 }
 
-/// Which chunk fills place `place`: the last that starts at or before it. `starts` is the exclusive
-/// scan of the sizes, hence starts[0] = 0; count >= 1.
+/// The chunk of place `place`: the last that starts at or before it. `starts` is the exclusive scan
+/// of the sizes, hence starts[0] = 0; count >= 1.
 template <class Count>
 RAYSHEAF_HD std::uint32_t chunk_at(const Count* starts, std::uint32_t count, Count place) {
   std::uint32_t first = 0;

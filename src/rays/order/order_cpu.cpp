@@ -10,7 +10,7 @@
 namespace raysheaf {
 namespace {
 
-/// Runs shorter than this on average are not worth compressing (docs/order.md).
+/// Shorter runs, on average, are not worth compressing (docs/order.md).
 constexpr std::size_t kLeastRun = 2;
 
 void expect(bool holds, const char* sentence, const char* place) {
@@ -38,7 +38,7 @@ std::vector<std::uint32_t> numbers(const Executor& executor, std::size_t count) 
   return numbered;
 }
 
-/// The lengths of runs that follow one another in the stream.
+/// The lengths of consecutive runs of the stream.
 void measure_runs(const Executor& executor, Chunks& chunks) {
   chunks.sizes.resize(chunks.bases.size());
   executor.for_each_block(chunks.sizes.size(), kCopyGrain, [&](std::size_t begin, std::size_t end) {
@@ -68,7 +68,7 @@ Chunks compress_at(const Executor& executor, View<const std::uint32_t> keys,
   return chunks;
 }
 
-/// The same order without chunks, which cost more than they save where few neighbours agree.
+/// The same order without chunks, which cost more than they save if few neighbours have equal keys.
 void order_rays(const Executor& executor, View<const std::uint32_t> keys,
                 View<std::uint32_t> permutation, std::uint32_t key_bits) {
   std::vector<std::uint32_t> sorted(keys.begin(), keys.end());
@@ -114,7 +114,7 @@ void decompress(const Executor& executor, const Chunks& chunks, View<std::uint32
          "decompress");
   std::vector<std::uint32_t> starts(chunks.sizes.size());
   const std::uint32_t total = exclusive_scan(executor, chunks.sizes, starts);
-  expect(total == chunks.ray_count, "the chunks do not make up the rays", "decompress");
+  expect(total == chunks.ray_count, "the chunks do not cover all rays", "decompress");
   const auto count = static_cast<std::uint32_t>(starts.size());
   executor.for_each_block(total, kCopyGrain, [&](std::size_t begin, std::size_t end) {
     std::uint32_t chunk = chunk_at(starts.data(), count, static_cast<std::uint32_t>(begin));

@@ -1,5 +1,5 @@
-// Batches of a frame's rays on a device of a known kind: traced where they lie, counted, timed. For
-// the sources that make its stages.
+// Batches of a frame's rays on a given type of device: tracing in place, counts, times. For the
+// sources that create its stages.
 #pragma once
 
 #include <string>
@@ -14,29 +14,29 @@ namespace raysheaf {
 template <class Device>
 class DeviceBatches {
  public:
-  /// `engine` outlives it, and brings its triangles.
+  /// `engine` must outlive this object; it holds the triangles.
   explicit DeviceBatches(DeviceQueriesOn<Device>& engine)
       : engine_(engine), device_(engine.device()) {}
 
-  /// `input` stays until the next call.
+  /// `input` must not change until the next call.
   void begin(const DeviceFrameInput& input) { input_ = &input; }
 
-  /// What the plans of batches say from now on.
+  /// Sets the sentence that the plans of later batches begin with.
   void tell(std::string where_all_is) { where_all_is_ = std::move(where_all_is); }
 
-  /// Room for the rays of the next batch.
+  /// Makes room for the rays of the next batch.
   [[nodiscard]] Ray* rays(const char* stage, std::size_t count) {
     rays_.resize_uninitialized(stage, count);
     return rays_.data();
   }
-  /// Room for their keys; null where the method has none.
+  /// Makes room for their keys; null if the method has none.
   [[nodiscard]] std::uint32_t* keys(const char* stage) {
     const bool sorts = orders_rays() && input_->by_key;
     keys_.resize_uninitialized(stage, sorts ? rays_.size() : 0);
     return sorts ? keys_.data() : nullptr;
   }
 
-  /// The camera's, one a pixel.
+  /// The camera's rays, one for each pixel.
   void make_camera_rays(const CameraFrame& frame, const Box& bounds) {
     Ray* const of_pixels = rays("raygen: camera", std::size_t{frame.width} * frame.height);
     camera_rays_on(device_, frame, bounds, of_pixels, keys("raygen: camera"));
@@ -44,13 +44,13 @@ class DeviceBatches {
 
   [[nodiscard]] View<const Ray> all_rays() const { return rays_.view_const(); }
   [[nodiscard]] View<const std::uint32_t> all_keys() const { return keys_.view_const(); }
-  /// Another batch in the place of this one.
+  /// Exchanges the current batch.
   void swap(DeviceBuffer<Ray>* rays, DeviceBuffer<std::uint32_t>* keys) {
     rays_.swap(*rays);
     keys_.swap(*keys);
   }
 
-  /// The first hits of the rays, until the next batch.
+  /// The closest hits of the rays, valid until the next batch.
   const IndexedHit* closest(Facing facing, std::uint32_t key_bits, BatchStatistics* statistics) {
     begin_batch(statistics);
     QueryReport report;
@@ -60,7 +60,7 @@ class DeviceBatches {
     return hits_.data();
   }
 
-  /// 1 for each ray that anything stops, else 0; until the next batch.
+  /// 1 for each ray that hits anything, else 0; valid until the next batch.
   std::uint8_t* occluded(std::uint32_t key_bits, BatchStatistics* statistics) {
     begin_batch(statistics);
     occluded_.resize_uninitialized("trace: any hits", rays_.size());
@@ -77,13 +77,13 @@ class DeviceBatches {
     return occluded_.data();
   }
 
-  /// The tests of the last batch's rays, where pixels' are counted.
+  /// The tests of the last batch's rays, if pixels' tests are counted.
   [[nodiscard]] RayTests tests() const {
     if (is_brute()) return {nullptr, engine_.triangles().count()};
     return {ray_tests_.data(), 0};
   }
 
-  /// Nothing stops `count` rays.
+  /// The answer for `count` rays that hit nothing.
   const std::uint8_t* unoccluded(std::size_t count) {
     occluded_.resize_uninitialized("trace: any hits", count);
     device_.fill("trace: any hits", occluded_.view(), 0);
@@ -91,7 +91,7 @@ class DeviceBatches {
   }
 
  private:
-  /// Whether the method is one of a tracer's that orders its rays.
+  /// Whether the method has a tracer that orders its rays.
   [[nodiscard]] bool orders_rays() const {
     return input_->pairs != nullptr || input_->packets != nullptr;
   }
@@ -114,7 +114,7 @@ class DeviceBatches {
   struct Closest {
     Facing facing = Facing::kBoth;
     std::uint32_t key_bits = 32;
-    bool early_out = false;  ///< any hit will do
+    bool early_out = false;  ///< any hit suffices
   };
 
   void find_closest(const Closest& ask, QueryReport* report, BatchStatistics* statistics) {
@@ -122,7 +122,7 @@ class DeviceBatches {
     if (!orders_rays())
       return engine_.closest_hit(rays_.view_const(), query(ask.facing, statistics->kind, report),
                                  hits_.view());
-    device_.synchronize("trace: closest hits");  // the tracer's stream is another one
+    device_.synchronize("trace: closest hits");  // the tracer uses another stream
     if (input_->packets != nullptr) {
       PacketQuery packets;
       packets.early_out = ask.early_out;

@@ -1,5 +1,5 @@
-// Rays through what materials cut away, as loops over a batch; for the sources that know which
-// device it is.
+// Loops over a batch for rays that pass through holes of materials. For sources that include a
+// device.
 #pragma once
 
 #include "exec/device.h"
@@ -10,7 +10,7 @@
 
 namespace raysheaf {
 
-/// `SurfaceReader::alpha_at` (surface/surface_reader.h), and what follows from it.
+/// `SurfaceReader::alpha_at` (surface/surface_reader.h), and the decision based on it.
 RAYSHEAF_HD inline bool staged_is_cut_away(const StagedSceneView& scene, const Ray& ray,
                                            std::uint32_t triangle, bool blends) {
   const StagedMesh& mesh = scene.meshes.data[scene.mesh_of_triangle.data[triangle]];
@@ -47,14 +47,14 @@ void flag_cut_away_on(Device& device, StagedSceneView scene, bool blends, View<c
   });
 }
 
-/// Rays on their way through the holes of a scene, what they met last, and their places among all.
+/// Rays that are still passing holes, their last hits, and their places among all rays.
 struct RaysOnWay {
   View<const Ray> rays;
   const IndexedHit* hits;
   const std::uint32_t* places;
 };
 
-/// Hits in holes are none, in `all`; flags the rays of which something is left behind them.
+/// Turns hits in holes into misses in `all`, and flags the rays that continue behind them.
 template <class Device>
 void pass_holes_on(Device& device, StagedSceneView scene, bool blends, RaysOnWay on_way,
                    IndexedHit* all, std::uint8_t* flags) {
@@ -68,7 +68,7 @@ void pass_holes_on(Device& device, StagedSceneView scene, bool blends, RaysOnWay
   });
 }
 
-/// Those that `kept` names, from behind what they met.
+/// The rays named in `kept`, continued from behind their last hits.
 template <class Device>
 void rays_behind_on(Device& device, RaysOnWay on_way, View<const std::uint32_t> kept, Ray* rays,
                     std::uint32_t* places) {

@@ -1,6 +1,6 @@
-// What a frame's rays meet on a device, past what materials cut away, as render/frame/cutouts.h has
-// it: rays whose hits lie in holes go on from behind them, in batches of those that do. For the
-// sources that make a device's stages.
+// Hits of a frame's rays on a device, past the holes of materials, as in render/frame/cutouts.h:
+// rays whose hits lie in holes continue from behind them, in smaller batches. For the sources that
+// create a device's stages.
 #pragma once
 
 #include "render/device/batches_device.h"
@@ -8,14 +8,14 @@
 
 namespace raysheaf {
 
-/// What all batches of a frame have in common.
+/// Data that all batches of a frame share.
 struct FrameOnDevice {
   StagedSceneView scene;
-  bool has_holes = false, blends = false;  ///< `blends`: several samples a pixel
-  View<std::uint64_t> pixel_tests;         ///< nothing where none are counted
+  bool has_holes = false, blends = false;  ///< `blends`: several samples per pixel
+  View<std::uint64_t> pixel_tests;         ///< empty if no tests are counted
 };
 
-/// What of a batch is asked, and whose its rays are: as `add_tests_on` has it.
+/// The query of a batch, and the pixels of its rays, in the format of `add_tests_on`.
 struct BatchOnDevice {
   Facing facing = Facing::kBoth;
   std::uint32_t key_bits = 32;
@@ -26,22 +26,23 @@ struct BatchOnDevice {
 template <class Device>
 class DeviceCutouts {
  public:
-  /// Both outlive it.
+  /// Both must outlive this object.
   DeviceCutouts(Device& device, DeviceBatches<Device>& batches)
       : device_(device), batches_(batches) {}
 
   void begin(const FrameOnDevice& frame) { frame_ = frame; }
   [[nodiscard]] bool any() const { return frame_.has_holes; }
 
-  /// The first of what is there for each of the batch's rays, until the next call; their tests go
-  /// to their pixels. The rays are the same afterwards.
+  /// The first hit of each of the batch's rays that is not in a hole, valid until the next call;
+  /// adds the tests to the pixels. Restores the rays afterwards.
   const IndexedHit* closest(const BatchOnDevice& batch, BatchStatistics* statistics) {
     const IndexedHit* const hits = traced(batch, batch.slots, statistics);
     return any() ? pass(batch, hits, statistics) : hits;
   }
 
-  /// 1 for each of the batch's rays that anything stops, else 0; until the next call. Whether what
-  /// stops a ray is there where they meet, its triangle must tell: those are asked again.
+  /// 1 for each of the batch's rays that anything stops, else 0; valid until the next call. A ray
+  /// that was stopped by a triangle with holes is traced again for its closest hit, because only
+  /// the triangle tells whether the hit is in a hole.
   const std::uint8_t* occluded(const BatchOnDevice& batch, BatchStatistics* statistics) {
     std::uint8_t* const occluded = batches_.occluded(batch.key_bits, statistics);
     add_tests(batch, batch.slots);
@@ -59,8 +60,8 @@ class DeviceCutouts {
     return occluded;
   }
 
-  /// The batch's rays are the pixels': those whose triangles are cut away where they meet them find
-  /// others instead. `statistics()`: of the rays, if there are any.
+  /// The batch's rays are those of the pixels: a pixel whose triangle has a hole at the hit gets
+  /// the triangle behind it instead. `statistics()`: of the rays, if there are any.
   template <class Statistics>
   void see_through(Facing facing, std::uint32_t key_bits, std::uint32_t* triangles,
                    const Statistics& statistics) {
@@ -85,7 +86,7 @@ class DeviceCutouts {
     return hits;
   }
 
-  /// Of the rays that were traced last.
+  /// Adds the tests of the rays that were traced last.
   void add_tests(const BatchOnDevice& batch, View<const std::uint32_t> slots) {
     if (frame_.pixel_tests.empty()) return;
     add_tests_on(device_, batch.fragments, slots, batches_.tests(), frame_.pixel_tests);
@@ -99,7 +100,7 @@ class DeviceCutouts {
     return slots_.view_const();
   }
 
-  /// `hits` of the batch's rays, brought to what is there.
+  /// Replaces `hits` of the batch's rays that lie in holes by the next hits behind them.
   const IndexedHit* pass(const BatchOnDevice& batch, const IndexedHit* hits,
                          BatchStatistics* statistics) {
     const std::size_t rays = batches_.all_rays().size;
@@ -132,7 +133,7 @@ class DeviceCutouts {
     return all_.data();
   }
 
-  /// The batch is now of the rays that `places` names alone.
+  /// Reduces the batch to the rays that `places` names.
   void keep(View<const std::uint32_t> places) {
     spare_rays_.resize_uninitialized(kStage, places.size);
     gather(device_, kStage, batches_.all_rays(), places, spare_rays_.view());

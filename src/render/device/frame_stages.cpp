@@ -12,7 +12,7 @@ constexpr std::uint64_t BatchStatistics::*kBatchCounts[] = {
     &BatchStatistics::chunks, &BatchStatistics::mesh_sphere_tests, &BatchStatistics::bound_tests,
     &BatchStatistics::ray_bound_tests, &BatchStatistics::final_tests};
 
-/// More than any hierarchy has.
+/// More levels than any hierarchy has.
 constexpr std::uint32_t kMostLevels = 64;
 
 }  // namespace
@@ -137,7 +137,7 @@ void add_engine_report(const QueryReport& report, std::size_t part, BatchStatist
 
 namespace {
 
-/// Adds what each level did; the deepest is named first.
+/// Adds the counts of each level; the deepest is first in the arrays.
 void add_levels(const std::vector<std::uint64_t>& tests, const std::vector<std::uint64_t>& hits,
                 BatchStatistics* statistics) {
   const auto levels = static_cast<std::uint32_t>(tests.size());

@@ -1,10 +1,11 @@
-// The stages of a frame, on whichever machine its fragments lie: what render/frame/frame.h loops
-// over.
+// The stages of a frame, on the machine that holds its fragments: the operations that
+// render/frame/frame.h calls.
 //
-//   see ─► glow ─► add_lights ─► deposit ─► follow ─► glow ─► ...      a set of fragments a bounce
+//   see ─► glow ─► add_lights ─► deposit ─► follow ─► glow ─► ...     one set of fragments per
+//   bounce
 //
-// render/frame/cpu_stages.h has them on the CPU, whatever the method and wherever the triangles
-// are; `DeviceStages` on a device.
+// render/frame/cpu_stages.h implements them on the CPU, for every method and every storage of the
+// triangles; `DeviceStages` implements them on a device.
 #pragma once
 
 #include <cstdint>
@@ -30,45 +31,47 @@ namespace raysheaf {
 
 class Rasterizer;
 
-/// What the stages of a frame count, and how long they take.
+/// Counts and times of a frame's stages.
 class FrameTally {
  public:
   explicit FrameTally(std::uint64_t triangles) : triangles_(triangles) {}
-  /// One of the same scene that has counted nothing.
+  /// An empty tally for the same scene.
   [[nodiscard]] FrameTally fresh() const { return FrameTally(triangles_); }
 
-  /// Of all rays of a kind at a bounce; made where there are none yet. By bounces, then by kinds.
+  /// The statistics of all rays of a kind at a bounce; created on first use. Sorted by bounces,
+  /// then by kinds.
   [[nodiscard]] BatchStatistics& batch(RayKind kind, std::uint32_t bounce);
-  /// Groups of the frame's first hits have numbers, from the first sample's on. Of each batch stays
-  /// what the first with such rays says of its plan; after each group.
+  /// The groups of the frame's primary hits are numbered, starting with those of the first sample.
+  /// For each batch, the plan of the first group with such rays is kept; call this after each
+  /// group.
   void keep_plans(std::size_t group);
-  /// Whether what the group says would stay.
+  /// Whether the plan of this group would be kept.
   [[nodiscard]] bool wants_plan(RayKind kind, std::uint32_t bounce, std::size_t group) const;
-  /// A sentence about all batches: the first says it.
+  /// Adds a sentence to the plan of the first batch, about all batches.
   void tell_first(std::string sentence);
-  /// Adds what another has, and leaves it nothing; of times `time_part`, where threads took them
-  /// side by side.
+  /// Adds another tally and clears it; adds its times multiplied by `time_part`, for tallies of
+  /// parallel threads.
   void take(FrameTally* other, double time_part);
 
   FrameStatistics statistics;
 
  private:
   struct KeptPlan {
-    std::size_t sentences = 0;  ///< 0: nothing is said yet
+    std::size_t sentences = 0;  ///< 0: no plan yet
     std::size_t group = static_cast<std::size_t>(-1);
   };
   [[nodiscard]] std::size_t place_of(RayKind kind, std::uint32_t bounce) const;
 
   std::uint64_t triangles_;
-  std::vector<KeptPlan> kept_plans_;  ///< of each batch
+  std::vector<KeptPlan> kept_plans_;  ///< for each batch
 };
 
-/// Tests of a batch as a row of numbers, which stand at the same places in every process.
+/// The counts of a batch as a row of numbers in a fixed order, the same in every process.
 [[nodiscard]] std::vector<std::uint64_t> numbers_of(const BatchStatistics& batch);
 void set_numbers(const std::uint64_t* numbers, BatchStatistics* batch);
 [[nodiscard]] std::size_t number_count();
 
-/// Where rays ended, and the light that leaves there: sorted by pixel.
+/// The points where rays ended, and the light that leaves there, sorted by pixel.
 class FragmentSet {
  public:
   FragmentSet() = default;
@@ -78,8 +81,8 @@ class FragmentSet {
   [[nodiscard]] virtual std::size_t size() const = 0;
 };
 
-/// What the samples of a frame add up to, a pixel each: `result` without what only the whole frame
-/// knows, and the lights that the first hits face and those of them that arrive.
+/// Sums over the samples of a frame, for each pixel: `result` without the values that depend on the
+/// whole frame, the lights that the primary hits face, and how many of these reach them.
 struct FilmSums {
   RenderResult result;
   std::vector<std::uint32_t> faced, arrived;
@@ -88,11 +91,11 @@ struct FilmSums {
 struct GlowInput {
   Vec3 sky;
   TracedParts traced;
-  bool last = false;  ///< nothing goes on from here
+  bool last = false;  ///< no path continues from here
 };
 
-/// What follows the paths of one frame; its sets are its own. Times and counts go to a
-/// `FrameTally`. Not for use by two threads at once.
+/// Follows the paths of one frame; its sets are its own. Times and counts go to a `FrameTally`. Not
+/// for two threads at once.
 class PathStages {
  public:
   using Set = std::unique_ptr<FragmentSet>;
@@ -102,30 +105,31 @@ class PathStages {
   PathStages& operator=(const PathStages&) = delete;
   virtual ~PathStages() = default;
 
-  /// The fragments of a group, one a pixel, and into the film. Each once.
+  /// The fragments of a group, one for each pixel, which are also added to the film. Call it once
+  /// for each group.
   [[nodiscard]] virtual Set see(std::size_t group) = 0;
-  /// The set's light begins: emission and the sky's.
+  /// Initializes the set's light: emission and the sky's.
   virtual void glow(FragmentSet& set, const GlowInput& input) = 0;
-  /// Shadow rays to as many of the scene's lights from `first` on as are looked at together, and
-  /// what arrives; returns how many.
+  /// Traces shadow rays to as many of the scene's lights, from `first` on, as are processed
+  /// together, and adds their light; returns their number.
   [[nodiscard]] virtual std::uint32_t add_lights(FragmentSet& set, std::uint32_t bounce,
                                                  std::uint32_t first) = 0;
-  /// The same of the environment, where there is one.
+  /// The same for the environment, if there is one.
   virtual void add_environment(FragmentSet& set, std::uint32_t bounce) = 0;
-  /// The set's light, into the pixels.
+  /// Adds the set's light to the pixels.
   virtual void deposit(const FragmentSet& set) = 0;
-  /// What the reflections or the refractions of a set meet; null where it sends none.
+  /// The hits of the reflections or refractions of a set; null if there are none.
   [[nodiscard]] virtual Set follow(const FragmentSet& set, RayKind kind, std::uint32_t bounce) = 0;
-  /// Both, the first's before the second's of the same pixel.
+  /// The union of both, with the first set's fragments before the second's in each pixel.
   [[nodiscard]] virtual Set merged(Set a, Set b) = 0;
-  /// Takes all from number `first` on out of the set. Before its light begins.
+  /// Removes all fragments from number `first` on from the set. Must be called before `glow`.
   [[nodiscard]] virtual Set split_off(FragmentSet& set, std::size_t first) = 0;
 };
 
-/// Follows the paths of a group of first hits to their ends.
+/// Follows the paths of a group of primary hits to their ends.
 using FollowGroup = std::function<void(PathStages& paths, ProgressMeter& meter, std::size_t group)>;
 
-/// Of one frame. Not for use by two threads at once.
+/// The stages of one frame. Not for two threads at once.
 class FrameStages {
  public:
   FrameStages() = default;
@@ -133,65 +137,66 @@ class FrameStages {
   FrameStages& operator=(const FrameStages&) = delete;
   virtual ~FrameStages() = default;
 
-  /// Primary visibility of a sample; returns in how many groups, rows from the top, its fragments
-  /// are followed.
+  /// Primary visibility of a sample; returns the number of groups, rows from the top, in which its
+  /// fragments are followed.
   [[nodiscard]] virtual std::size_t look(const CameraFrame& frame) = 0;
-  /// `sky_of_parts` (render/shade/shade.h) of the sample, which has lights. Before the first is
-  /// seen.
+  /// `sky_of_parts` (render/shade/shade.h) of the sample, which must have lights. Called before the
+  /// first `see`.
   [[nodiscard]] virtual Vec3 find_sky() = 0;
-  /// Calls `follow` once for each of the sample's groups; from several threads at once where the
-  /// stages are so made, each time with stages and a meter that nobody else uses meanwhile.
+  /// Calls `follow` once for each of the sample's groups. Stages that support it call from several
+  /// threads at once, each with its own stages and meter.
   virtual void follow_groups(std::size_t count, const FollowGroup& follow) = 0;
-  /// `taken`: nothing is added any more.
+  /// `taken`: nothing will be added any more.
   [[nodiscard]] virtual FilmSums film(bool taken) = 0;
 };
 
-/// The triangle that each pixel sees by OpenGL, rows from the top, silhouettes not resolved yet;
-/// nothing where `device` took it (render/raster/rasterizer.h).
+/// Rasterizes with OpenGL: the triangle that each pixel sees, rows from the top, before silhouettes
+/// are resolved; empty if `device` received it (render/raster/rasterizer.h).
 using Rasterize =
     std::function<std::vector<std::uint32_t>(const CameraFrame& frame, SlotDevice* device)>;
 
-/// What a device's frame is made of; all outlive it.
+/// The input of a device's frame; everything must outlive it.
 struct DeviceFrameInput {
   const Executor& executor;  ///< of the host
   const RenderOptions& options;
   View<const PlacedLight> lights;
   FrameTally& tally;
   ProgressMeter& meter;
-  Rasterize rasterize;              ///< none: the first hits are found by rays
-  PairTracer* pairs = nullptr;      ///< of this scene, of `rah` and `crsh`; null: another method
-  PacketTracer* packets = nullptr;  ///< the same of `gl10`
+  Rasterize rasterize;              ///< empty: primary rays are traced
+  PairTracer* pairs = nullptr;      ///< of this scene, for `rah` and `crsh`; null: another method
+  PacketTracer* packets = nullptr;  ///< the same for `gl10`
   PairQuery pair_query;
-  bool by_key = false;            ///< either sorts the rays
-  bool blends = false;            ///< there are several samples a pixel
-  Communicator* ranks = nullptr;  ///< who else makes the frame; null: nobody
+  bool by_key = false;            ///< the method sorts the rays
+  bool blends = false;            ///< there are several samples per pixel
+  Communicator* ranks = nullptr;  ///< the processes that share the frame; null: this is the only
+                                  ///< one
 };
 
-/// Of a scene is copied what was forgotten; fragments, rays, hits and light stay on the device
+/// Copies only outdated parts of the scene; fragments, rays, hits and light stay on the device
 /// until `film`.
 class DeviceStages : public FrameStages, public PathStages {
  public:
-  /// The scene has changed so.
+  /// Marks the changed parts of the scene as outdated.
   virtual void forget_scene(const FlatUpdate& update) = 0;
-  /// Until the next call; `scene` is read by `film`, too.
+  /// Valid until the next call; `film` reads `scene`, too.
   virtual void set_scene(const Executor& executor, const FlatScene& scene,
                          const TextureSet& textures, const EnvironmentView& environment) = 0;
   [[nodiscard]] virtual bool has_scene() const = 0;
-  /// The scene's, in the device's memory.
+  /// The scene's triangles, in the device's memory.
   [[nodiscard]] virtual TriangleList triangles() const = 0;
   virtual void begin(const DeviceFrameInput& input) = 0;
 };
 
-/// The names of a triangle, or none.
+/// The ids of a triangle, or invalid ones.
 [[nodiscard]] PixelIds ids_of(const FlatScene& scene, std::uint32_t triangle);
 
-/// Adds what an engine did for a batch, or for `part` of its rays, as its plan then says; 0: for
-/// all of them.
+/// Adds an engine's report of a batch, or of `part` of its rays, which its plan then states; 0: of
+/// all rays.
 void add_engine_report(const QueryReport& report, std::size_t part, BatchStatistics* statistics);
 
-/// Adds the tests of a hierarchy of rays; not their times.
+/// Adds the tests of a ray hierarchy, without times.
 void add_counts(const TraverseCounts& counts, BatchStatistics* statistics);
-/// The same of packets.
+/// The same for packets.
 void add_counts(const PacketCounts& counts, BatchStatistics* statistics);
 
 }  // namespace raysheaf

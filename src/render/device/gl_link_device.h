@@ -1,5 +1,5 @@
-// Triangles drawn by OpenGL from a device's memory, and what it saw brought back; for the sources
-// that know which device it is.
+// Lets OpenGL draw triangles from a device's memory, and brings the image back. For sources that
+// include a device.
 #pragma once
 
 #include <any>
@@ -17,7 +17,7 @@
 
 namespace raysheaf {
 
-/// Which of the triangles from `first` on a picture may show.
+/// Flags the triangles from `first` on that may be visible in an image.
 template <class Device>
 void choose_shown_on(Device& device, const TriangleList& list, const PictureView& view,
                      std::uint32_t first, View<std::uint8_t> shown) {
@@ -30,7 +30,7 @@ void choose_shown_on(Device& device, const TriangleList& list, const PictureView
   });
 }
 
-/// Corners of the chosen ones, relative to the eye; `names` takes their numbers.
+/// Packs the corners of the flagged ones, relative to the eye; `names` receives their numbers.
 template <class Device>
 void pack_shown_on(Device& device, const TriangleList& list, Vec3 eye, std::uint32_t first,
                    View<const std::uint32_t> chosen, std::uint32_t* names, Vec3* corners) {
@@ -42,7 +42,7 @@ void pack_shown_on(Device& device, const TriangleList& list, Vec3 eye, std::uint
   });
 }
 
-/// Slots become triangles, in place.
+/// Converts slots to triangle numbers, in place.
 template <class Device>
 void name_triangles_on(Device& device, View<const std::uint32_t> names,
                        View<std::uint32_t> pixels) {
@@ -51,8 +51,8 @@ void name_triangles_on(Device& device, View<const std::uint32_t> names,
   });
 }
 
-/// Shares OpenGL's memory, if the device can; else triangles and picture go through the host. The
-/// variable RAYSHEAF_NO_INTEROP, set to anything but 0, has them go so at once.
+/// Shares OpenGL's memory if the device can; otherwise triangles and image are copied through the
+/// host. Setting the variable RAYSHEAF_NO_INTEROP to anything but 0 forces the copies.
 template <class Device>
 class GlLink final : public SlotDevice {
  public:
@@ -62,8 +62,8 @@ class GlLink final : public SlotDevice {
       refusal_ = "RAYSHEAF_NO_INTEROP is set";
   }
 
-  /// The triangle that each of so many pixels sees, silhouettes not resolved yet; until the next
-  /// call. `triangles`: those that are drawn, in the device's memory.
+  /// The triangle that each of `pixels` pixels sees, before silhouettes are resolved; valid until
+  /// the next call. `triangles`: those to draw, in the device's memory.
   [[nodiscard]] View<const std::uint32_t> see(const Rasterize& rasterize, const CameraFrame& frame,
                                               std::size_t pixels, const TriangleList& triangles) {
     list_ = triangles;
@@ -74,12 +74,12 @@ class GlLink final : public SlotDevice {
     return pixels_.view_const();
   }
 
-  /// How the last picture came, in words.
+  /// A phrase that describes how the last image was transferred.
   [[nodiscard]] std::string way() const {
     if (copied_)
-      return "what OpenGL sees is copied there, for " +
+      return "OpenGL's image is copied there, because " +
              (refusal_.empty() ? "processes share it" : refusal_);
-    return "OpenGL draws the triangles that lie there, and what it sees is read where it lies";
+    return "OpenGL draws its triangles, and their image is read in place";
   }
 
   [[nodiscard]] std::optional<std::uint32_t> pack(const PackedBatch& batch) override {
@@ -121,7 +121,7 @@ class GlLink final : public SlotDevice {
    public:
     Mapped(const Buffer& buffer, Device& device, std::size_t bytes)
         : buffer_(buffer), device_(device), memory_(buffer.map(kPack, device, bytes)) {}
-    /// After an error, whose words count.
+    /// Runs after an error, whose message is the one to report.
     ~Mapped() {
       try {
         unmap();
@@ -141,7 +141,7 @@ class GlLink final : public SlotDevice {
     void* memory_;
   };
 
-  /// Null where the device does not share what OpenGL has; `refusal_` says why.
+  /// Null if the device does not share OpenGL's memory; `refusal_` says why.
   [[nodiscard]] const Buffer* leased(const GlMemory& memory, GlAccess access) {
     using Lease = std::shared_ptr<const Buffer>;
     if (const Lease* const old = std::any_cast<Lease>(memory.lease)) return old->get();
@@ -163,8 +163,8 @@ class GlLink final : public SlotDevice {
   DeviceBuffer<std::uint8_t> shown_{memory_};
   DeviceBuffer<std::uint32_t> chosen_{memory_};
   DeviceBuffer<std::uint32_t> pixels_{memory_}, names_{memory_};
-  bool copied_ = false;  ///< the last picture, through the host
-  std::string refusal_;  ///< why nothing is shared; empty: all is
+  bool copied_ = false;  ///< the last image went through the host
+  std::string refusal_;  ///< why memory is not shared; empty: it is
 };
 
 }  // namespace raysheaf

@@ -1,6 +1,6 @@
-// Shadow rays and the light that arrives, as loops over a frame's fragments; for the sources that
-// know which device it is. Lights and sky are one: what is chosen on either, and what of it goes
-// on.
+// Loops over a frame's fragments for shadow rays and the light that arrives. For sources that
+// include a device. Lights and sky share the loops: a template parameter chooses the samples and
+// evaluates their light.
 #pragma once
 
 #include "base/view.h"
@@ -11,10 +11,11 @@
 
 namespace raysheaf {
 
-/// Slots of shadow rays that are looked at together.
+/// The most slots of shadow rays that are processed together.
 inline constexpr std::size_t kMostDeviceSlots = std::size_t{1} << 24;
 
-/// Some of a scene's lights as a sample looks at them; the first has this number, all are so many.
+/// Some of a scene's lights, seen by a sample: `first` is the number of the first one, `all` the
+/// number of the scene's lights.
 struct LightsSeen {
   View<const PlacedLight> lights;
   std::uint32_t first, all;
@@ -35,7 +36,7 @@ struct LightsSeen {
   }
 };
 
-/// The same of an environment: a strategy each.
+/// The same for an environment, with one slot for each sampling strategy.
 struct SkySeen {
   EnvironmentView sky;
   SampleOf sample;
@@ -54,7 +55,7 @@ struct SkySeen {
   }
 };
 
-/// Whether each slot, light * fragments + fragment, has a shadow ray.
+/// Flags the slots, light * fragments + fragment, that have a shadow ray.
 template <class Device, class Lights>
 void facing_on(Device& device, View<const Fragment> fragments, Lights lights,
                std::uint8_t* facing) {
@@ -80,7 +81,7 @@ void shadow_rays_on(Device& device, View<const Fragment> fragments, Lights light
   });
 }
 
-/// `visibility`: of every slot, `kNoRay` before.
+/// `visibility`: of every slot, initially `kNoRay`.
 template <class Device>
 void visibility_on(Device& device, View<const std::uint32_t> slots, const std::uint8_t* occluded,
                    std::uint8_t* visibility) {
@@ -90,8 +91,8 @@ void visibility_on(Device& device, View<const std::uint32_t> slots, const std::u
   });
 }
 
-/// What the lights give, light after light. `counts`: fragments are first hits, whose lights
-/// the film counts.
+/// Adds the lights' contributions, light after light. `counts`: fragments are primary hits, for
+/// which the film counts lights.
 template <class Device, class Lights>
 void lights_on(Device& device, View<const Fragment> fragments, Lights lights,
                const std::uint8_t* visibility, Vec3* radiance, bool counts, DeviceFilm film) {

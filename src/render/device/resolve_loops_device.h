@@ -1,4 +1,4 @@
-// What OpenGL saw, made to agree with rays, as loops; for the sources that know which device it is.
+// Makes OpenGL's image agree with rays, as loops. For sources that include a device.
 #pragma once
 
 #include "base/view.h"
@@ -20,7 +20,7 @@ struct TrianglesThere {
   }
 };
 
-/// `lost`: 1 for each pixel whose ray does not hit what it held, else 0.
+/// `lost`: 1 for each pixel whose ray does not hit the pixel's triangle, else 0.
 template <class Device>
 void look_at_borders_on(Device& device, Resolve<TrianglesThere> resolve, std::uint8_t* lost) {
   device.for_each("resolve: borders", resolve.before.size, [=] RAYSHEAF_DEVICE(std::size_t pixel) {
@@ -50,7 +50,7 @@ class ResolverOn {
  public:
   explicit ResolverOn(Device& device) : device_(device) {}
 
-  /// `seen`: what OpenGL gave. All in the device's memory.
+  /// `seen`: OpenGL's result. All arrays are in the device's memory.
   void resolve(const TriangleList& list, const Box& bounds, const CameraFrame& frame,
                View<const std::uint32_t> seen, View<std::uint32_t> triangles) {
     if (!(frame.z_far > frame.z_near))

@@ -1,5 +1,5 @@
-// A scene's surfaces in a device's memory, and the sums of a picture; for the sources that know
-// which device it is.
+// A scene's surfaces and the sums of an image in a device's memory. For sources that include a
+// device.
 #pragma once
 
 #include <vector>
@@ -20,7 +20,7 @@ class SceneOnDevice {
  public:
   explicit SceneOnDevice(Device& device) : device_(device) {}
 
-  /// All that comes with the triangles but their corners.
+  /// Copies everything that belongs to the triangles except their corners.
   void set_geometry(const FlatScene& scene, const StagedScene& staged) {
     upload(device_, View<const std::uint32_t>(scene.mesh_of_triangle.data(), scene.triangle_count),
            &mesh_of_triangle_);
@@ -35,9 +35,9 @@ class SceneOnDevice {
     device_.synchronize("copy: scene");
   }
 
-  /// They look otherwise now.
+  /// Marks materials, textures and the environment as outdated.
   void forget_looks() { has_looks_ = false; }
-  /// What they look like, and what is around them, unless it is there.
+  /// Copies materials, textures and the environment, unless they are up to date.
   void set_looks(const StagedScene& staged, const TextureTable& textures,
                  const EnvironmentView& environment) {
     if (has_looks_) return;
@@ -63,7 +63,7 @@ class SceneOnDevice {
             {textures_.view_const(), decoding_.data(), decoding_.data() + 256}};
   }
 
-  /// Without radiance where the scene has none.
+  /// Without radiance if the scene has no environment.
   [[nodiscard]] const EnvironmentView& environment() const { return environment_; }
 
  private:
@@ -82,7 +82,7 @@ class SceneOnDevice {
     environment_.texel_ends = chosen != 0 ? texel_ends_.data() : nullptr;
   }
 
-  /// Pixels one texture after the other, and what bytes mean.
+  /// Copies the pixels of all textures consecutively, and the tables that decode bytes.
   void set_textures(const TextureTable& table) {
     std::vector<TextureView> views(table.textures.begin(), table.textures.end());
     const auto bytes_of = [](const TextureView& view) {
@@ -123,7 +123,7 @@ class SceneOnDevice {
   DeviceBuffer<float> row_ends_{memory_}, texel_ends_{memory_};
 };
 
-/// Fragments on a device: the first `count` of the buffer.
+/// Fragments on a device: the first `count` elements of the buffer.
 struct DeviceSet : FragmentSet {
   explicit DeviceSet(DeviceAllocator& allocator)
       : fragments(allocator), radiance(allocator), going_on(allocator) {}
@@ -131,12 +131,12 @@ struct DeviceSet : FragmentSet {
   [[nodiscard]] View<const Fragment> view() const { return {fragments.data(), count}; }
 
   DeviceBuffer<Fragment> fragments;
-  DeviceBuffer<Vec3> radiance;          ///< from `glow` on
-  DeviceBuffer<std::uint8_t> going_on;  ///< bits of `GoingOn`; nothing where all end
+  DeviceBuffer<Vec3> radiance;          ///< set by `glow`
+  DeviceBuffer<std::uint8_t> going_on;  ///< bits of `GoingOn`; empty if all paths end
   std::size_t count = 0;
 };
 
-/// As `Film` (render/picture/film.h) is on the CPU.
+/// The counterpart of `Film` (render/picture/film.h).
 template <class Device>
 class FilmOnDevice {
  public:
@@ -168,7 +168,7 @@ class FilmOnDevice {
             specular_.data(), triangle_.data(), faced_.data(),  arrived_.data()};
   }
 
-  /// Of each pixel; none where none are counted.
+  /// For each pixel; empty if no tests are counted.
   [[nodiscard]] View<std::uint64_t> tests() { return tests_.view(); }
 
   [[nodiscard]] FilmSums sums(const Executor& executor, const FlatScene& scene) {

@@ -1,5 +1,5 @@
-// Sets of fragments in a device's memory, made from others; for the sources that know which device
-// it is.
+// Sets of fragments in a device's memory, derived from other sets. For sources that include a
+// device.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ class DeviceSets {
 
   explicit DeviceSets(Device& device) : device_(device) {}
 
-  /// Of so many fragments, which are not there yet.
+  /// A set of this many uninitialized fragments.
   [[nodiscard]] Made make(const char* stage, std::size_t count) {
     auto set = std::make_unique<DeviceSet>(device_.allocator());
     set->fragments.resize_uninitialized(stage, count);
@@ -32,7 +32,8 @@ class DeviceSets {
     return some;
   }
 
-  /// Both, the first's before the second's of the same pixel; pixels have so many bits.
+  /// The union of both, with the first set's fragments before the second's in each pixel;
+  /// `pixel_bits` is the width of a pixel's number.
   [[nodiscard]] Made merged(const DeviceSet& a, const DeviceSet& b, std::uint32_t pixel_bits) {
     const View<const Fragment> first = a.view(), second = b.view();
     const std::size_t count = first.size + second.size;

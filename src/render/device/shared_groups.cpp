@@ -7,14 +7,14 @@
 namespace raysheaf {
 namespace {
 
-/// A process takes this part of its share of what is left.
+/// A process takes 1 / kPartOfShare of its share of the remaining groups.
 constexpr std::size_t kPartOfShare = 2;
-/// A device is best at many rays at once.
+/// A device is fastest with many rays at once.
 constexpr std::size_t kPartsARank = 4;
 
 constexpr std::size_t kKinds = static_cast<std::size_t>(RayKind::kAmbientOcclusion) + 1;
 
-/// Of each batch: whether it is there, its rays, its hits, and its tests.
+/// For each batch: whether it exists, its rays, its hits, and its tests.
 constexpr std::size_t kTests = 3;
 std::size_t place_of(std::uint32_t bounce, RayKind kind) {
   return (bounce * kKinds + static_cast<std::size_t>(kind)) * (kTests + number_count());
@@ -134,7 +134,7 @@ void SharedGroups::unite(FilmSums* film) const {
 
 std::string SharedGroups::sentence() const {
   return std::to_string(own_groups_.size()) + " of " + std::to_string(count_) +
-         " groups of first hits were followed here, on rank " + std::to_string(ranks_.rank()) +
+         " groups of primary hits were followed here, on rank " + std::to_string(ranks_.rank()) +
          " of " + std::to_string(ranks_.size());
 }
 

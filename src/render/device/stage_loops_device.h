@@ -1,5 +1,5 @@
-// The stages of a frame as loops over its fragments; for the sources that know which device it is.
-// What an item does is said once, by the bodies that the CPU's stages call, too.
+// The stages of a frame as loops over its fragments. For sources that include a device. The work
+// for an item is in body functions that the CPU's stages also call.
 #pragma once
 
 #include "exec/atomic.h"
@@ -17,7 +17,7 @@
 
 namespace raysheaf {
 
-/// A picture's sums on a device, a pixel each.
+/// An image's sums on a device, for each pixel.
 struct DeviceFilm {
   Vec3 *beauty, *position, *normal, *albedo, *specular;
   std::uint32_t *triangle, *faced, *arrived;
@@ -40,7 +40,7 @@ void triangles_of_hits_on(Device& device, View<const IndexedHit> hits, std::uint
                   [=] RAYSHEAF_DEVICE(std::size_t i) { triangles[i] = hits.data[i].triangle; });
 }
 
-/// What `fetch_fragments` (render/frame/primary.h) does.
+/// The counterpart of `fetch_fragments` (render/frame/primary.h).
 template <class Device>
 void first_fragments_on(Device& device, StagedSceneView scene, CameraFrame frame,
                         const std::uint32_t* triangles, View<Fragment> out) {
@@ -59,7 +59,7 @@ void first_fragments_on(Device& device, StagedSceneView scene, CameraFrame frame
   });
 }
 
-/// What `Film::see` does.
+/// The counterpart of `Film::see`.
 template <class Device>
 void see_on(Device& device, View<const Fragment> first_hits, bool first, DeviceFilm film) {
   device.for_each("surfaces: film", first_hits.size, [=] RAYSHEAF_DEVICE(std::size_t i) {
@@ -92,8 +92,8 @@ void sky_parts_on(Device& device, View<const Fragment> fragments, View<const Pla
   });
 }
 
-/// `shade_glow`; an environment without radiance is none. `kinds`: bits of `GoingOn` that may go
-/// on; `going_on` may be null.
+/// `shade_glow`; an environment without radiance counts as none. `kinds`: bits of `GoingOn` that
+/// are allowed; `going_on` may be null.
 template <class Device>
 void glow_on(Device& device, View<const Fragment> fragments, Vec3 sky, EnvironmentView environment,
              std::uint32_t kinds, Vec3* radiance, std::uint8_t* going_on) {
@@ -137,7 +137,8 @@ void flag_kind_on(Device& device, View<const std::uint8_t> going_on, std::uint32
   });
 }
 
-/// Rays of one kind, what their pixels receive of the radiance along them, and keys or null.
+/// Rays of one kind, the factor with which their radiance is added to their pixels, and keys or
+/// null.
 struct BounceRays {
   Ray* rays;
   Vec3* weights;
@@ -158,7 +159,7 @@ void bounce_rays_on(Device& device, View<const Fragment> fragments, View<const s
   });
 }
 
-/// Bounces on a device: what went where.
+/// The arrays of a bounce on a device.
 struct Bounced {
   View<const std::uint32_t> slots;
   const Ray* rays;
@@ -185,7 +186,7 @@ void arrived_on(Device& device, StagedSceneView scene, View<const Fragment> frag
   });
 }
 
-/// Pixels of `a`, then of `b`, and their places, to be sorted.
+/// Writes the pixels of `a`, then of `b`, and their places, for sorting.
 template <class Device>
 void pixels_of_both_on(Device& device, View<const Fragment> a, View<const Fragment> b,
                        std::uint32_t* pixels, std::uint32_t* places) {
@@ -204,14 +205,15 @@ void merge_on(Device& device, View<const Fragment> a, View<const Fragment> b,
   });
 }
 
-/// The tests of each ray of a batch: one by one, or, where that is null, of all the same.
+/// The tests of each ray of a batch: an array, or, if that is null, one number for all.
 struct RayTests {
   const float* each = nullptr;
   std::uint64_t all = 0;
 };
 
-/// Adds them to their pixels. `slots`: each ray's fragment, counted through as many lights as there
-/// are, or its pixel where there are no fragments; none: the rays are the pixels'.
+/// Adds the tests to their pixels. `slots`: each ray's fragment, plus the number of fragments times
+/// its light, or its pixel if there are no fragments; without slots, the rays are those of the
+/// pixels.
 template <class Device>
 void add_tests_on(Device& device, View<const Fragment> fragments, View<const std::uint32_t> slots,
                   RayTests tests, View<std::uint64_t> pixels) {
@@ -224,7 +226,7 @@ void add_tests_on(Device& device, View<const Fragment> fragments, View<const std
   });
 }
 
-/// Adds to `*sum` how many of the hits are hits, sixty-four of them a thread.
+/// Adds the number of actual hits among `hits` to `*sum`; each thread counts sixty-four.
 template <class Device>
 void count_found_on(Device& device, View<const IndexedHit> hits, std::uint64_t* sum) {
   device.for_each("count", (hits.size + 63) / 64, [=] RAYSHEAF_DEVICE(std::size_t block) {

@@ -8,12 +8,12 @@
 namespace raysheaf {
 namespace {
 
-/// Where a mesh's own things begin in the arrays of all meshes.
+/// Where a mesh's data begin in the arrays of all meshes.
 struct FirstPlaces {
   std::uint32_t index = 0, normal = 0, uv = 0, color = 0, second_uv = 0, alpha = 0, material = 0;
 };
 
-/// Appends what is each mesh's own.
+/// Appends the data of each mesh.
 std::vector<FirstPlaces> stage_meshes(const SceneDescription& description, StagedScene* staged) {
   const auto place = [](std::size_t count) {
     if (count > std::numeric_limits<std::uint32_t>::max())

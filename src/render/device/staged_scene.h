@@ -1,4 +1,4 @@
-// What surfaces are made from, as a device keeps it: arrays of plain values.
+// The data from which surfaces are computed, in a device's format: arrays of plain values.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,13 @@
 
 namespace raysheaf {
 
-/// An instance of a mesh. Where a mesh has none of something, its first place means nothing.
+/// An instance of a mesh. If a mesh lacks an attribute, its first index is undefined.
 struct StagedMesh {
   std::uint32_t first_triangle = 0;  ///< of the flat scene
   std::uint32_t first_index = 0;     ///< of its geometry's first triangle
   std::uint32_t first_normal = 0, first_uv = 0, first_color = 0;
   std::uint32_t first_second_uv = 0, first_alpha = 0;
-  std::uint32_t first_material = 0, material_count = 0;  ///< one a triangle, or one for all
+  std::uint32_t first_material = 0, material_count = 0;  ///< one for each triangle, or one for all
   bool has_normals = false, has_uvs = false, has_colors = false, mirrored = false;
   bool has_second_uvs = false, has_alphas = false;
   NormalMap normal_map;
@@ -27,13 +27,13 @@ struct StagedTriangle {
   std::uint32_t vertex[3];
 };
 
-/// `materials`: the scene's, and behind them the one of triangles without.
+/// `materials`: the scene's, followed by the default for triangles without a material.
 struct StagedSceneView {
-  View<const Vec3> corners;  ///< three a triangle of the flat scene, world
+  View<const Vec3> corners;  ///< three per triangle of the flat scene, in world space
   View<const std::uint32_t> mesh_of_triangle;
   View<const StagedMesh> meshes;
   View<const StagedTriangle> triangles;  ///< of all geometries
-  View<const Vec3> normals;              ///< of vertices, in their geometry's own space
+  View<const Vec3> normals;              ///< of vertices, in their geometry's local space
   View<const Vec2> uvs, second_uvs;
   View<const Vec3> colors;
   View<const float> alphas;
@@ -42,7 +42,7 @@ struct StagedSceneView {
   TextureTable textures;
 };
 
-/// The material of a triangle of the flat scene, as `Surface` names it.
+/// The material of a triangle of the flat scene, as in `Surface::material`.
 RAYSHEAF_HD inline std::uint32_t staged_material(const StagedSceneView& scene,
                                                  const StagedMesh& mesh, std::uint32_t triangle) {
   if (mesh.material_count == 0) return kInvalidId;
@@ -57,7 +57,7 @@ RAYSHEAF_HD inline const PlacedMaterial& placed_material_of(const StagedSceneVie
   return scene.materials.data[number < last ? number : last];
 }
 
-/// Of a triangle whose mesh has texture coordinates.
+/// For a triangle whose mesh has texture coordinates.
 RAYSHEAF_HD inline TriangleUv staged_uv(const StagedSceneView& scene, const StagedMesh& mesh,
                                         const StagedTriangle& vertices) {
   TriangleUv uv;
@@ -106,7 +106,7 @@ RAYSHEAF_HD inline Surface staged_surface(const StagedSceneView& scene, std::uin
   return surface;
 }
 
-/// The host's side of it, ready to be copied, but for corners and textures.
+/// The host's copy, ready to be uploaded, except for corners and textures.
 struct StagedScene {
   std::vector<StagedMesh> meshes;
   std::vector<StagedTriangle> triangles;

@@ -1,4 +1,4 @@
-// The stages of a frame on a device of a known kind; for the sources that make them.
+// The stages of a frame on a given type of device; for the sources that create them.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace raysheaf {
 template <class Device>
 class DeviceStagesOn : public DeviceStages {
  public:
-  /// What the device is made from.
+  /// The arguments construct the device.
   template <class... Args>
   explicit DeviceStagesOn(Args&&... args)
       : engine_(std::forward<Args>(args)...),
@@ -78,7 +78,7 @@ class DeviceStagesOn : public DeviceStages {
       input_->meter.begin("raster", 1);
       const View<const std::uint32_t> seen =
           gl_link_.see(input_->rasterize, frame, pixels, engine_.triangles());
-      batches_.tell("device: " + gl_link_.way() + "; rays, hits and light stay");
+      batches_.tell("device: " + gl_link_.way() + "; rays, hits and light stay there");
       resolver_.resolve(engine_.triangles(), scene_->bounds, frame, seen, triangles_seen_.view());
       if (cutouts_.any()) {
         const auto of_rays = [this] { return &input_->tally.batch(RayKind::kPrimary, 0); };
@@ -229,8 +229,8 @@ class DeviceStagesOn : public DeviceStages {
     *ms += watch_.lap_ms();
   }
 
-  /// What of the lights' reaches the fragments, added to their radiance. `counts`: they are pixels,
-  /// whose lights the film counts.
+  /// Adds the light that reaches the fragments to their radiance. `counts`: the fragments are
+  /// primary hits, for which the film counts lights.
   template <class Lights>
   void add_what_arrives(DeviceSet& set, std::uint32_t bounce, const Lights& lights, bool counts) {
     const std::size_t slots = lights.size() * set.count;
@@ -251,7 +251,7 @@ class DeviceStagesOn : public DeviceStages {
     lap(&input_->tally.statistics.shade_ms);
   }
 
-  /// For each of `slots` whether anything stands between fragment and light.
+  /// Returns for each of `slots` whether anything is between fragment and light.
   template <class Lights>
   const std::uint8_t* cast_shadows(const DeviceSet& set, std::uint32_t bounce, const Lights& lights,
                                    View<const std::uint32_t> slots) {
@@ -280,16 +280,16 @@ class DeviceStagesOn : public DeviceStages {
   GlLink<Device> gl_link_;
   ResolverOn<Device> resolver_;
   const FlatScene* scene_ = nullptr;
-  bool same_triangles_ = false;  ///< as the engine has, only moved
+  bool same_triangles_ = false;  ///< those of the engine, only moved
   std::optional<DeviceFrameInput> input_place_;
   const DeviceFrameInput* input_ = nullptr;
   SampleOf sample_;
-  std::unique_ptr<DeviceSet> first_hits_;  ///< until they are seen
-  std::unique_ptr<SharedGroups> sharing_;  ///< with other processes; null: there are none
+  std::unique_ptr<DeviceSet> first_hits_;  ///< until `see` returns them
+  std::unique_ptr<SharedGroups> sharing_;  ///< with other processes; null: this is the only one
   Stopwatch watch_;
 
   DeviceBuffer<PlacedLight> lights_{memory_};
-  // Of one batch.
+  // For one batch.
   DeviceBuffer<std::uint32_t> triangles_seen_{memory_}, slots_{memory_};
   DeviceBuffer<std::uint8_t> flags_{memory_}, visibility_{memory_};
   DeviceBuffer<Vec3> weights_{memory_};

@@ -23,7 +23,7 @@ Triangles accepted_by(const Test& test, const FlatScene& scene) {
   return found;
 }
 
-/// In double precision, without slack: this is what bounds are measured against.
+/// In double precision and without slack: the reference for bounds.
 bool passes_through(const Ray& ray, Vec3 center, float radius) {
   double v[3], d[3], dd = 0, vd = 0, distance2 = 0;
   for (int k = 0; k < 3; ++k) {
@@ -37,8 +37,8 @@ bool passes_through(const Ray& ray, Vec3 center, float radius) {
   return distance2 <= double{radius} * radius;
 }
 
-/// How many triangles have a bounding sphere that a ray passes through: those of a finite cone
-/// about the rays, which misses none, one by one.
+/// The number of triangles whose bounding sphere a ray intersects. A finite cone around the rays
+/// preselects triangles without missing any; these are tested one by one.
 std::uint64_t needed_by(View<const Ray> rays, const FlatScene& scene) {
   FiniteCone cone;
   bound_rays(rays, scene.bounds, &cone);
@@ -87,7 +87,7 @@ BundleSample measured(View<const Ray> rays, const FlatScene& scene, std::uint32_
   return sample;
 }
 
-/// `measure(i)` for `most` of `count` bundles, evenly spread.
+/// Adds `measure(i)` for `most` of `count` bundles, evenly spaced.
 template <class Measure>
 void add_samples(const Executor& executor, std::size_t count, std::uint32_t most,
                  std::vector<BundleSample>* samples, const Measure& measure) {

@@ -1,16 +1,16 @@
-// What the bundles of a method are like: how large, and how loose what bounds them.
+// Measures a method's bundles: their size, and how loose their bounds are.
 //
-//   looseness = triangles that the bundle's bound meets
+//   looseness = triangles that the bundle's bound intersects
 //               -----------------------------------------------------------------
-//               triangles whose bounding sphere at least one ray of it passes through
+//               triangles whose bounding sphere at least one of its rays intersects
 //
-// The denominator is what the bound would meet if it were the rays themselves: no bound that is
-// tested with spheres meets fewer, so 1 is the best there is. It does not depend on the bound, so
-// methods compare; a test that reads corners instead of spheres may get below 1. Rays that leave a
-// surface, or look for one that is there, begin or end at the sphere of its triangle: so seldom is
-// the denominator 0.
+// The denominator is the number for an ideal bound that consists of the rays themselves: no bound
+// that is tested with spheres can accept fewer, so 1 is the best value. It does not depend on the
+// bound, so methods can be compared; a test that uses corners instead of spheres may get below 1.
+// The denominator is seldom 0, because rays that leave a surface, or are directed at one, begin or
+// end in the sphere of its triangle.
 //
-// Bundles are taken evenly over the ordered rays. Each costs O(triangles) for its bound, and
+// Bundles are evenly spaced over the ordered rays. Each takes O(triangles) for its bound, and
 // O(rays) for every triangle near it.
 #pragma once
 
@@ -25,14 +25,14 @@
 
 namespace raysheaf {
 
-/// Adds `most` bundles of each level, from the top down, or all where there are fewer; `rays` are
-/// those that `tree` was built over. Defined for the bounds of the family (geom/bounds.h).
+/// Adds `most` bundles of each level, from the top down, or all if there are fewer; `rays` are
+/// those over which `tree` was built. Defined for the bounds of geom/bounds.h.
 template <class Bound>
 void sample_bundles(const Executor& executor, const FlatScene& scene,
                     const RayHierarchy<Bound>& tree, View<const Ray> rays, std::uint32_t most,
                     std::vector<BundleSample>* samples);
 
-/// Adds `most` packets, by their frusta; `rays` are those that they were cut from.
+/// Adds `most` packets with their frusta; `rays` are those from which they were cut.
 void sample_bundles(const Executor& executor, const FlatScene& scene, View<const Packet> packets,
                     View<const Ray> rays, std::uint32_t most, std::vector<BundleSample>* samples);
 

@@ -10,7 +10,8 @@
 namespace raysheaf {
 namespace {
 
-/// Both ascend by pixel and have fragments; those of `a` come before those of `b` with their pixel.
+/// Both ascend by pixel and have fragments; in a pixel of both, those of `a` come before those of
+/// `b`.
 Fragments merged_by_pixel(const Executor& executor, const Fragments& a, const Fragments& b) {
   constexpr std::size_t kParts = 64;  // each of whole pixels
   const Fragments& larger = a.size() < b.size() ? b : a;
@@ -36,8 +37,8 @@ class CpuSet : public FragmentSet {
   [[nodiscard]] std::size_t size() const override { return fragments.size(); }
 
   Fragments fragments;
-  LargeVector<Vec3> radiance;          ///< from `glow` on
-  LargeVector<std::uint8_t> going_on;  ///< as `shade_glow` has it; nothing where all end
+  LargeVector<Vec3> radiance;          ///< set by `glow`
+  LargeVector<std::uint8_t> going_on;  ///< as in `shade_glow`; empty if all paths end
 };
 
 CpuSet& of(FragmentSet& set) {

@@ -1,5 +1,5 @@
-// The stages of a frame that follow paths, on the CPU, whatever the method and wherever the
-// triangles are.
+// The stages of a frame that follow paths on the CPU, for every method and every storage of the
+// triangles.
 #pragma once
 
 #include <memory>
@@ -13,8 +13,8 @@
 
 namespace raysheaf {
 
-/// What those share that follow groups of one frame, perhaps side by side: each group has pixels of
-/// its own.
+/// Shared data of the objects that follow groups of one frame, possibly in parallel: each group has
+/// pixels of its own.
 struct CpuFrame {
   CpuFrame(const FrameInput& input, FrameTally* tally_of_all)
       : lights(input.lights),
@@ -31,14 +31,14 @@ struct CpuFrame {
   FrameTally& tally;
   Film film;
   SampleOf sample;
-  std::vector<Fragments> kept;  ///< of each of the sample's groups: its first hits, or nothing
-  std::unique_ptr<SharedGroups> sharing;  ///< with other processes; null: there are none
+  std::vector<Fragments> kept;  ///< the primary hits of each of the sample's groups, or empty
+  std::unique_ptr<SharedGroups> sharing;  ///< with other processes; null: this is the only one
 };
 
 class CpuPaths : public PathStages {
  public:
-  /// All outlive it. `tally`: the frame's or its own, which it alone uses meanwhile. `keys`:
-  /// whether the method brings rays together by keys of theirs.
+  /// All must outlive this object. `tally`: the frame's, or one that only this object uses
+  /// meanwhile. `keys`: whether the method orders rays by keys.
   CpuPaths(const Executor& executor, PathGeometry& geometry, CpuFrame& frame, Keys keys,
            FrameTally* tally, ProgressMeter* meter)
       : executor_(executor),
@@ -57,25 +57,25 @@ class CpuPaths : public PathStages {
   Set merged(Set a, Set b) override;
   Set split_off(FragmentSet& set, std::size_t first) override;
 
-  /// What the automatic sky is made of (render/shade/shade.h), of a group, to its places among the
-  /// picture's `parts`. `keep`: its first hits stay.
+  /// Writes a group's contributions to the automatic sky (render/shade/shade.h) to their places in
+  /// the image's `parts`. `keep`: stores the group's primary hits.
   void find_sky(std::size_t group, bool keep, View<SkyPart> parts);
 
  private:
-  /// Of each slot of a batch of shadow rays.
+  /// For each slot of a batch of shadow rays.
   using Visibilities = std::vector<Visibility>;
 
   [[nodiscard]] Fragments first_hits(std::size_t group);
   [[nodiscard]] FrameStatistics& statistics() { return tally_.statistics; }
-  /// What of the batch its geometry is told.
+  /// Sets the fields of the batch that its geometry needs.
   void tell_of(std::uint32_t bounce, RayBatch* batch) const;
-  /// `per_fragment`: how many slots of the batch each fragment has.
+  /// `per_fragment`: number of slots of the batch per fragment.
   [[nodiscard]] Visibilities cast_shadows(const Fragments& fragments, std::uint32_t bounce,
                                           std::size_t per_fragment, RayBatch batch);
-  /// How many of the lights each pixel faces, and how many of those reach it.
+  /// Counts the lights that each pixel faces, and how many of those reach it.
   void tally_shadows(const Fragments& first_hits, std::uint32_t light_count,
                      const Visibilities& visibility);
-  /// A count a ray, where pixels' tests are asked for.
+  /// A count for each ray, if pixels' tests are requested.
   [[nodiscard]] std::vector<float> room_for_tests(const RayBatch& batch);
   void add_tests(const RayBatch& batch, const Fragments& fragments,
                  const std::vector<float>& tests);
@@ -86,7 +86,7 @@ class CpuPaths : public PathStages {
   const Keys keys_;
   FrameTally& tally_;
   ProgressMeter& meter_;
-  std::size_t group_ = 0;  ///< that was seen last
+  std::size_t group_ = 0;  ///< the last group of `see`
   Stopwatch watch_;
 };
 

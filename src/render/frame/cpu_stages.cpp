@@ -12,10 +12,10 @@
 namespace raysheaf {
 namespace {
 
-/// First hits that are kept from one look at all of them to the next; more are fetched twice.
+/// The most primary hits that `find_sky` keeps for `follow_groups`; further ones are fetched twice.
 constexpr std::size_t kMostKept = std::size_t{1} << 21;
 
-/// What one thread follows groups with.
+/// A thread's objects for following groups.
 struct Follower {
   Follower(std::unique_ptr<PathGeometry> own, CpuFrame& frame, Keys keys)
       : geometry(std::move(own)),
@@ -25,7 +25,7 @@ struct Follower {
   const Executor executor = Executor::serial();
   const std::unique_ptr<PathGeometry> geometry;
   FrameTally tally;
-  ProgressMeter meter;  ///< tells nobody
+  ProgressMeter meter;  ///< reports to no one
   CpuPaths paths;
 };
 
@@ -61,7 +61,7 @@ class CpuStages : public FrameStages {
     const std::size_t pixels = std::size_t{frame_.options.width} * frame_.options.height;
     const std::size_t kept = pixels <= kMostKept ? groups : groups * kMostKept / pixels;
     std::vector<SkyPart> parts(div_ceil(pixels, kSkyPart));
-    meter_.begin("first hits", groups);
+    meter_.begin("primary hits", groups);
     for_each_group(groups, [&](CpuPaths& paths, ProgressMeter& /*meter*/, std::size_t group) {
       paths.find_sky(group, group < std::max<std::size_t>(kept, 1), parts);
       meter_.advance(1);
@@ -107,10 +107,12 @@ class CpuStages : public FrameStages {
     if (shared_.plan.empty()) shared_.plan = std::move(work.plan);
   }
 
-  /// What was shared belongs to whichever rays came first.
+  /// Assigns the time and the plan of the shared tree to the first batch that used it.
   void tell_of_shared() {
     for (BatchStatistics& batch : tally_.statistics.batches) {
-      if (batch.bounce == 0 && rasterizer_ != nullptr) continue;  // rays before it was shared
+      if (batch.bounce == 0 && rasterizer_ != nullptr)
+        continue;  // these rays were traced before
+                   // the tree was prepared
       batch.times_ms.hierarchy += std::exchange(shared_.ms, 0);
       if (!told_ && frame_.sharing != nullptr) shared_.plan.push_back(frame_.sharing->sentence());
       if (!told_) batch.plan.insert(batch.plan.begin(), shared_.plan.begin(), shared_.plan.end());
@@ -119,7 +121,7 @@ class CpuStages : public FrameStages {
     }
   }
 
-  /// `body(paths, meter, group)`, side by side where the geometry can be shared.
+  /// Calls `body(paths, meter, group)`, in parallel if the geometry can be shared.
   template <class Body>
   void for_each_group(std::size_t count, const Body& body) {
     if (!geometry_.is_shared()) {
@@ -142,15 +144,17 @@ class CpuStages : public FrameStages {
     take_tallies(watch.ms());
   }
 
-  /// What followers counted in a loop that took so long.
+  /// Collects the counts of followers after a loop of this duration.
   void take_tallies(double loop_ms) {
-    // Their times lie side by side: in all they took as long as the loop.
+    // Followers ran in parallel: their times are scaled so that their sum is the loop's.
     double sum = 0;
     for (const auto& follower : free_) {
       const FrameStatistics& s = follower->tally.statistics;
       sum += s.raster_ms + s.shade_ms;
       for (const BatchStatistics& batch : s.batches) {
-        if (batch.bounce != 0) sum += batch.times_ms.total();  // else a part of `raster_ms`
+        if (batch.bounce != 0)
+          sum += batch.times_ms.total();  // otherwise it is part of
+                                          // `raster_ms`
       }
     }
     FrameTally all(geometry_.triangle_count());
@@ -185,7 +189,7 @@ class CpuStages : public FrameStages {
   FrameTally& tally_;
   ProgressMeter& meter_;
   CpuFrame frame_;
-  CpuPaths paths_;  ///< of all threads together
+  CpuPaths paths_;  ///< used by all threads together
   std::mutex mutex_;
   std::vector<std::unique_ptr<Follower>> free_;  ///< of single threads, between groups
   SharedWork shared_;

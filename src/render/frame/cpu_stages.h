@@ -1,4 +1,4 @@
-// The stages of a frame on the CPU; triangles are wherever their geometry has them.
+// The stages of a frame on the CPU, for every storage of the triangles.
 #pragma once
 
 #include "rays/raygen.h"
@@ -7,7 +7,7 @@
 
 namespace raysheaf {
 
-/// All outlive what is made. `keys`: whether the method brings rays together by keys of theirs.
+/// All must outlive the result. `keys`: whether the method orders rays by keys.
 [[nodiscard]] std::unique_ptr<FrameStages> make_cpu_stages(const Executor& executor,
                                                            const FrameInput& input, Keys keys,
                                                            FrameTally* tally, ProgressMeter* meter);

@@ -67,7 +67,7 @@ std::vector<std::uint32_t> Cutouts::cut_away(View<const Ray> rays,
 
 void Cutouts::pass(const RayBatch& batch, const Trace& trace, View<RayHit> hits,
                    View<float> ray_tests) const {
-  // Rays on their way, by their places in the batch; all at first.
+  // The places in the batch of the rays that continue; initially all.
   std::vector<std::uint32_t> on_way(batch.rays.size());
   std::iota(on_way.begin(), on_way.end(), 0u);
   RayBatch part;
@@ -83,7 +83,7 @@ void Cutouts::pass(const RayBatch& batch, const Trace& trace, View<RayHit> hits,
       const std::uint32_t place = on_way[i];
       const float behind = just_behind(hits[place].t);
       hits[place] = {};
-      if (behind > batch.rays[place].t_max) continue;  // there is nothing left of the ray
+      if (behind > batch.rays[place].t_max) continue;  // the ray ends here
       still.push_back(place);
       t_min.push_back(behind);
     }

@@ -1,16 +1,18 @@
-// Rays through what materials cut away (surface/cutout.h): leaves, fences, curtains of lace.
+// Rays that pass through the holes of materials (surface/cutout.h), such as leaves, fences and
+// lace.
 //
-// No method looks at a texture: it finds the first hit. A ray whose hit lies where there is nothing
-// goes on, as itself, from just behind that hit:
+// Methods do not read textures: they find the closest hit. A ray whose hit lies in a hole continues
+// unchanged, from just behind that hit:
 //
-//   all rays ─► hits ─► those that are cut away ─► the same rays, t_min behind ─► hits ─► ...
+//   all rays ─► hits ─► those in holes ─► the same rays, t_min behind ─► hits ─► ...
 //
-// so that all methods give the same bits here, too. Of several triangles in one place, equally far,
-// the first hit speaks for all.
+// Therefore all methods give the same bits here, too. If several triangles are equally far at one
+// point, the first hit decides for all of them.
 //
-// What is blended is there for some rays and not for others, by chance, as often as alpha says (E.
-// Enderton, E. Sintorn, P. Shirley, D. Luebke, "Stochastic Transparency", I3D 2010): samples mix
-// them. The chance is a hash of ray and triangle, so that all methods throw the same dice.
+// A blended surface exists for some rays and not for others, at random with probability alpha (E.
+// Enderton, E. Sintorn, P. Shirley, D. Luebke, "Stochastic Transparency", I3D 2010): the average
+// over samples blends them. The random number is a hash of ray and triangle, so that it is the same
+// for all methods.
 #pragma once
 
 #include <functional>
@@ -23,27 +25,28 @@
 
 namespace raysheaf {
 
-/// As many rays of the batch as `places` has numbers, in that order.
+/// The rays of the batch that `places` names, in that order.
 [[nodiscard]] RayBatch part_of(const RayBatch& batch, View<const std::uint32_t> places);
 
 class Cutouts {
  public:
-  /// What is traced: first hits, whatever the batch's kind.
+  /// Traces the closest hits of any kind of batch.
   using Trace = std::function<std::vector<RayHit>(const RayBatch& batch, View<float> ray_tests)>;
 
-  /// All must outlive it. `blends`: there are several samples a pixel. O(materials).
+  /// All must outlive this object. `blends`: there are several samples per pixel. O(materials).
   Cutouts(const Executor& executor, const FlatScene& scene, const TextureSet& textures,
           bool blends);
 
-  /// Whether the scene has any.
+  /// Whether the scene has any material with holes.
   [[nodiscard]] bool any() const { return any_; }
 
-  /// The places of rays that meet their triangles where these are cut away, ascending; of those
-  /// that meet none, none.
+  /// The places of rays that hit their triangles in holes, ascending; rays without a triangle are
+  /// not included.
   [[nodiscard]] std::vector<std::uint32_t> cut_away(View<const Ray> rays,
                                                     View<const std::uint32_t> triangles) const;
 
-  /// Brings the first hits of a batch to what is there. `ray_tests`: empty, or a sum a ray.
+  /// Replaces the closest hits of a batch that lie in holes by the next hits behind them.
+  /// `ray_tests`: empty, or a sum for each ray.
   void pass(const RayBatch& batch, const Trace& trace, View<RayHit> hits,
             View<float> ray_tests) const;
 

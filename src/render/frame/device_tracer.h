@@ -1,6 +1,6 @@
-// A flat scene on a device: the tracers of the methods that order rays
-// (methods/ray_hierarchy/pair_tracer.h, methods/packets/packet_tracer.h), which frames of theirs
-// use there, and a DeviceQueries for rays that the host asks for before a frame begins.
+// A flat scene on a device. It has the tracers of the methods that order rays
+// (methods/ray_hierarchy/pair_tracer.h, methods/packets/packet_tracer.h), which frames by these
+// methods use, and a DeviceQueries for rays that the host traces before a frame begins.
 #pragma once
 
 #include <memory>
@@ -16,26 +16,27 @@
 
 namespace raysheaf {
 
-/// One scene's, until it is forgotten.
+/// For one scene, until it changes.
 class DeviceTracer {
  public:
-  /// Both must outlive it. Nothing is copied before it is needed.
+  /// Both must outlive it. Copies nothing until it is needed.
   DeviceTracer(const FlatScene& scene, const DeviceBackend& backend)
       : scene_(scene), backend_(backend) {}
 
-  /// The scene's triangles are others, or elsewhere; `same_triangles`: elsewhere alone.
+  /// The scene's triangles have changed; `same_triangles`: they have only moved.
   void forget_scene(bool same_triangles) {
     pairs_.knows = packets_.knows = engine_.knows = false;
     same_triangles_ = same_triangles_ && same_triangles;
   }
 
-  /// The closest hits of a few rays that the host asks for, whatever the method of the frame.
+  /// The closest hits of a few rays of the host, for every method of the frame.
   [[nodiscard]] std::vector<RayHit> trace(const Executor& executor, const RayBatch& batch,
                                           Facing facing);
 
-  /// Of `rah` and `crsh`, with the scene, whose triangles lie there until they are forgotten.
+  /// For `rah` and `crsh`, with the scene, whose triangles stay in the device's memory until they
+  /// change.
   [[nodiscard]] PairTracer& pairs(const TriangleList& there);
-  /// Of `gl10`, with the scene; `bvh`: its hierarchy.
+  /// For `gl10`, with the scene; `bvh`: its hierarchy.
   [[nodiscard]] PacketTracer& packets(const TriangleList& there, const Bvh& bvh);
 
  private:
@@ -46,12 +47,12 @@ class DeviceTracer {
   template <class T>
   struct Kept {
     std::unique_ptr<T> made;
-    bool knows = false;  ///< the scene
+    bool knows = false;  ///< whether it has the scene
   };
   Kept<PairTracer> pairs_;
   Kept<PacketTracer> packets_;
   Kept<DeviceQueries> engine_;
-  bool same_triangles_ = false;  ///< as the engine has
+  bool same_triangles_ = false;  ///< those of the engine, only moved
 };
 
 }  // namespace raysheaf

@@ -10,11 +10,12 @@
 namespace raysheaf {
 namespace {
 
-/// Fewer rays of one light than this share a query with their neighbours: a query of its own costs
-/// about as much as they do.
+/// Fewer rays of one light than this share a query with their neighbours: a separate query costs
+/// about as much as tracing them.
 constexpr std::size_t kFewestRays = 512;
 
-/// Whether the first and the last start at one point: so do then all of a point light.
+/// Whether the first and the last ray start at one point, which holds for all rays of a point
+/// light.
 bool starts_at_one_point(View<const Ray> rays) {
   return std::memcmp(&rays[0].origin, &rays[rays.size - 1].origin, sizeof(Vec3)) == 0;
 }
@@ -26,7 +27,7 @@ std::vector<std::size_t> query_ends(const RayBatch& batch) {
   std::vector<std::size_t> ends{0};
   std::vector<std::uint32_t> light_ends = batch.light_ends;
   if (light_ends.empty()) light_ends.push_back(static_cast<std::uint32_t>(count));
-  bool joins = false;  // the query that ended last takes further rays
+  bool joins = false;  // the last query takes further rays
   std::size_t begin = 0;
   for (const std::uint32_t end : light_ends) {
     if (begin == end) continue;
@@ -90,7 +91,7 @@ QueryReport DualTracer::prepare_tree(const Executor& executor) {
   return report;
 }
 
-/// `whole`: the report is of all rays of the batch, not of some of them.
+/// `whole`: the report covers all rays of the batch, not a part of them.
 void DualTracer::add_report(const QueryReport& report, std::size_t rays, bool whole,
                             BatchStatistics* statistics) {
   tree_.add({report.used_tree, report.tree, report.used_tree ? report.hierarchy_ms : 0});

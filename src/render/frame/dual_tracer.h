@@ -1,8 +1,8 @@
-// Method `dual` for the renderer's batches: the engine (queries/planned_queries.h) on a flat scene.
+// The method `dual` for the renderer's batches: the engine (queries/planned_queries.h) on a flat
+// scene.
 //
-// What asks only whether a ray meets anything is answered by any-hit queries, and the rays of each
-// light by one of their own: those of a point light share their origin, which the engine knows how
-// to use.
+// Occlusion rays use any-hit queries, a separate one for each light: the rays of a point light
+// share their origin, which the engine exploits.
 #pragma once
 
 #include <algorithm>
@@ -17,10 +17,10 @@
 
 namespace raysheaf {
 
-/// The triangle of a hit that any-hit queries found: they do not say which. No scene has as many.
+/// The triangle of an any-hit result, which does not name one. No scene has this many triangles.
 inline constexpr std::uint32_t kSomeTriangle = kInvalidId - 1;
 
-/// Whether of such rays only matters if they meet something.
+/// Whether only occlusion matters for rays of this kind.
 [[nodiscard]] constexpr bool asks_occlusion(RayKind kind) {
   return kind == RayKind::kShadow || kind == RayKind::kAmbientOcclusion;
 }
@@ -29,15 +29,15 @@ inline constexpr std::uint32_t kSomeTriangle = kInvalidId - 1;
   return asks_occlusion(batch.kind) && !batch.names_hits;
 }
 
-/// What a frame asks its engine for beside hits.
+/// The options with which a frame also gets counts.
 [[nodiscard]] inline PlannedOptions counting_options(Facing facing) {
   return {facing, true};
 }
 
-/// What a frame did with the hierarchy over its triangles.
+/// The use of the hierarchy over the triangles in a frame.
 struct TreeReport {
   bool used = false;
-  TreeWork work = TreeWork::kKeep;  ///< the most that any batch asked for
+  TreeWork work = TreeWork::kKeep;  ///< the most expensive that any batch requested
   double ms = 0;
 
   void add(const TreeReport& other) {
@@ -47,32 +47,30 @@ struct TreeReport {
   }
 };
 
-/// One scene's, for any number of batches: the object tree is built by the first that needs it.
-/// About 36 bytes a triangle beside the engine's, and 17 a ray of the largest batch.
+/// For one scene and any number of batches: the first batch that needs the object tree builds it.
+/// About 36 bytes per triangle in addition to the engine's, and 17 per ray of the largest batch.
 class DualTracer {
  public:
-  /// O(triangles). `scene` must outlive it.
+  /// O(triangles). `scene` must outlive this object.
   DualTracer(const Executor& executor, const FlatScene& scene);
-  /// The scene changed as `update` says: the tree is refitted where the same triangles have moved,
-  /// and only there.
-  /// O(what was placed), or O(triangles) where they are others. Nothing is built before a batch
-  /// needs it.
+  /// Updates after the scene's change `update`: if the same triangles have moved, the tree is
+  /// refitted there only. O(moved triangles), or O(triangles) if they were replaced. Builds nothing
+  /// until a batch needs it.
   void update(const Executor& executor, const FlatScene& scene, const FlatUpdate& update);
-  /// Brings the object tree up to date, for `TreeQueries` of several threads
-  /// (queries/planned_queries.h). Returns what it took and why.
+  /// Updates the object tree for `TreeQueries` of several threads (queries/planned_queries.h).
+  /// Returns the time and the reasons.
   QueryReport prepare_tree(const Executor& executor);
   [[nodiscard]] PlannedQueries& engine() { return engine_; }
   DualTracer(const DualTracer&) = delete;
   DualTracer& operator=(const DualTracer&) = delete;
 
-  /// The hits of a batch, in its order; `kSomeTriangle` at t = 0 for rays that ask for occlusion.
-  /// Adds counts, times and the plan to `statistics`, and each ray's tests to `ray_tests` unless
-  /// that is empty.
+  /// The hits of a batch, in its order; `kSomeTriangle` at t = 0 for occlusion rays. Adds counts,
+  /// times and the plan to `statistics`, and each ray's tests to `ray_tests` unless that is empty.
   [[nodiscard]] std::vector<RayHit> trace(const Executor& executor, const RayBatch& batch,
                                           Facing facing, BatchStatistics* statistics,
                                           View<float> ray_tests);
 
-  /// Of all batches since the last call.
+  /// For all batches since the last call.
   [[nodiscard]] TreeReport take_tree_report() { return std::exchange(tree_, {}); }
 
  private:
@@ -82,14 +80,14 @@ class DualTracer {
                   BatchStatistics* statistics);
   /// All of `corners_`.
   [[nodiscard]] TriangleSource source_of(const FlatScene& scene);
-  /// occluded[i] = 1 where ray i of a batch meets anything, else 0.
+  /// Sets occluded[i] to 1 if ray i of a batch hits anything, else 0.
   void find_occluded(const Executor& executor, const RayBatch& batch, Facing facing,
                      BatchStatistics* statistics, View<float> ray_tests,
                      View<std::uint8_t> occluded);
   void find_closest(const Executor& executor, const RayBatch& batch, const PlannedOptions& options,
                     BatchStatistics* statistics, View<float> ray_tests, View<RayHit> hits);
 
-  Buffer<Vec3> corners_;  ///< three a triangle
+  Buffer<Vec3> corners_;  ///< three per triangle
   TriangleRun run_;       ///< all of them
   PlannedQueries engine_;
   TreeReport tree_;
@@ -98,8 +96,8 @@ class DualTracer {
 };
 
 /// The places where one any-hit query ends and the next begins, from 0 to the number of rays: rays
-/// of one light that start at one point have a query of their own; neighbours among all others
-/// share theirs.
+/// of one light that start at one point have a separate query; among the others, neighbours share
+/// one.
 [[nodiscard]] std::vector<std::size_t> query_ends(const RayBatch& batch);
 
 }  // namespace raysheaf

@@ -13,18 +13,18 @@
 namespace raysheaf {
 namespace {
 
-/// Secondary fragments that are worked on at once.
+/// The most secondary fragments that are processed at once.
 constexpr std::size_t kMostFragments = std::size_t{1} << 22;
 
-/// `dual` plans each batch by itself (`BatchStatistics::plan`).
+/// `dual` has a plan for each batch (`BatchStatistics::plan`).
 constexpr const char* kPlanned = "plan";
 
-/// What rays are sorted by, in a word for the statistics.
+/// The name of the sort key for the statistics.
 const char* key_name(const MethodSettings& settings) {
   return settings.traversal == Traversal::kDual ? kPlanned : to_string(settings.key);
 }
 
-/// What bounds bundles of rays, in a word for the statistics.
+/// The name of the bundles' bound for the statistics.
 const char* bound_name(const MethodSettings& settings) {
   switch (settings.traversal) {
     case Traversal::kBruteForce:
@@ -39,13 +39,13 @@ const char* bound_name(const MethodSettings& settings) {
   return to_string(settings.bound);
 }
 
-/// Whether rays are brought together by keys of theirs; `dual` finds its own way.
+/// Whether the method orders rays by keys; `dual` does not need them.
 bool sorts_by_keys(const MethodSettings& settings) {
   return settings.traversal == Traversal::kRayHierarchy ||
          settings.traversal == Traversal::kPackets;
 }
 
-/// Follows a group of first hits to the ends of their paths.
+/// Follows a group of primary hits to the ends of their paths.
 class Paths {
  public:
   using Set = PathStages::Set;
@@ -54,8 +54,8 @@ class Paths {
         std::uint32_t lights, Vec3 sky)
       : stages_(stages), meter_(meter), options_(options), lights_(lights), sky_(sky) {}
 
-  /// The light of the fragments, then that of what their rays meet. Where paths split so often that
-  /// the next fragments are too many, they go on in groups, one after the other.
+  /// Adds the fragments' light, then that of their rays' hits. If paths split so often that the
+  /// next fragments are too many, they are processed in groups, one after the other.
   void follow_light(Set fragments, std::uint32_t bounce) {
     const bool last = bounce > options_.bounces;
     gather_light(*fragments, bounce, last);
@@ -69,7 +69,7 @@ class Paths {
   }
 
  private:
-  /// Shadow rays, then the light that leaves the fragments, into the pixels.
+  /// Traces shadow rays, then adds the light that leaves the fragments to the pixels.
   void gather_light(FragmentSet& fragments, std::uint32_t bounce, bool last) {
     const TracedParts traced{options_.reflections && !last, options_.refractions && !last};
     meter_.begin("shading, bounce " + std::to_string(bounce), 1);
@@ -80,8 +80,8 @@ class Paths {
     stages_.deposit(fragments);
   }
 
-  /// Reflections and refractions: what they meet are the next fragments, sorted by pixel. What they
-  /// miss is sky.
+  /// Traces reflections and refractions: their hits are the next fragments, sorted by pixel. Misses
+  /// add the sky.
   Set next_fragments(const FragmentSet& fragments, std::uint32_t bounce) {
     const auto follow = [&](bool asked, RayKind kind) -> Set {
       if (!asked) return nullptr;
@@ -146,7 +146,7 @@ class Frame {
     return input_.device != nullptr ? *input_.device : *cpu_;
   }
 
-  /// The picture of the samples so far; `last`: there are no more.
+  /// The image of the samples so far; `last`: there are no more.
   RenderResult developed(bool last) {
     RenderResult result = develop(executor_, stages().film(last), options_.exposure);
     result.ambient = sky_;
@@ -155,7 +155,7 @@ class Frame {
     return result;
   }
 
-  /// A picture of one ray a pixel, added to the film.
+  /// Adds an image with one ray per pixel to the film.
   void take_sample() {
     Stopwatch watch;
     FrameStatistics& statistics = tally_.statistics;
@@ -181,7 +181,7 @@ class Frame {
     return lights_ == 0 ? kWhiteSky : stages().find_sky();
   }
 
-  /// Of all batches so far.
+  /// The totals of all batches so far.
   [[nodiscard]] SampleStatistics totals() const {
     SampleStatistics sum;
     for (const BatchStatistics& batch : tally_.statistics.batches) {
@@ -192,8 +192,7 @@ class Frame {
     return sum;
   }
 
-  /// Whatever a stage tells of its own progress, the caller hears of samples where there are
-  /// several.
+  /// Reports progress: of samples if there are several, otherwise of the stage.
   [[nodiscard]] bool tell(const Progress& of_stage) const {
     if (!options_.progress) return true;
     if (sample_.count > 1) return options_.progress({"samples", sample_.index, sample_.count});
@@ -206,10 +205,10 @@ class Frame {
   const FrameInput& input_;
   const RenderOptions& options_;
   SampleOf sample_;
-  CameraFrame camera_;  ///< its rays go through the pixels' centres
+  CameraFrame camera_;  ///< its rays pass through the pixels' centres
   ProgressMeter meter_;
   FrameTally tally_;
-  std::unique_ptr<FrameStages> cpu_;  ///< unless the frame is a device's
+  std::unique_ptr<FrameStages> cpu_;  ///< unless the frame runs on a device
   Vec3 sky_;
 };
 

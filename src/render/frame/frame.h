@@ -1,4 +1,4 @@
-// The loop over the stages: one frame.
+// Renders one frame: the loop over the stages.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@
 
 namespace raysheaf {
 
-/// What a frame is made of. Without a rasteriser primary visibility is traced, as a lens needs it.
+/// The input of a frame. Without a rasterizer, primary rays are traced, as a lens requires.
 struct FrameInput {
   FrameGeometry& geometry;
   const Camera& camera;
@@ -21,22 +21,22 @@ struct FrameInput {
   const RenderOptions& options;
   std::uint32_t samples = 1;
   Rasterizer* rasterizer = nullptr;
-  const EnvironmentView* environment = nullptr;  ///< none: a uniform sky
-  /// Puts into statistics what is not the frame's to know: names, sizes, the time so far.
+  const EnvironmentView* environment = nullptr;  ///< null: a uniform sky
+  /// Completes the statistics with what the frame does not know: names, sizes, the time so far.
   std::function<void(FrameStatistics*)> complete = nullptr;
-  DeviceStages* device = nullptr;   ///< with the scene, where fragments are a device's
-  Rasterize rasterize = nullptr;    ///< of its frames, where not by rays
-  PairTracer* pairs = nullptr;      ///< where the device and the method have one
-  PacketTracer* packets = nullptr;  ///< the same
-  /// Who else makes the frame, where groups of first hits are followed one by one, or by a device;
-  /// null: nobody.
+  DeviceStages* device = nullptr;   ///< with the scene, if fragments are on a device
+  Rasterize rasterize = nullptr;    ///< of its frames, unless primary rays are traced
+  PairTracer* pairs = nullptr;      ///< if the device and the method have one
+  PacketTracer* packets = nullptr;  ///< likewise
+  /// The processes that share the frame, if groups of primary hits are followed independently or by
+  /// a device; null: this is the only one.
   Communicator* ranks = nullptr;
 };
 
-/// The method's settings with what was asked for in their place.
+/// The method's settings, overridden by the options.
 [[nodiscard]] MethodSettings settings_for(const RenderOptions& options);
 
-/// Tells `options.progress` how far it is.
+/// Reports progress to `options.progress`.
 [[nodiscard]] RenderResult render_frame(const Executor& executor, const FrameInput& input);
 
 }  // namespace raysheaf

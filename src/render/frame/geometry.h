@@ -1,4 +1,4 @@
-// The triangles of a frame, wherever they are: in memory, or in blocks that stream past.
+// The triangles of a frame, in memory or in blocks that stream past.
 #pragma once
 
 #include <functional>
@@ -17,22 +17,22 @@ namespace raysheaf {
 
 class Rasterizer;
 
-/// How the first hits are found.
+/// How primary hits are found.
 struct Seeing {
   const CameraFrame& frame;
   Rasterizer* rasterizer = nullptr;              ///< null: by rays
-  std::function<BatchStatistics&()> statistics;  ///< of rays; called where there are any
+  std::function<BatchStatistics&()> statistics;  ///< of rays; called if there are any
   View<float> pixel_tests;                       ///< may be empty
 };
 
-/// Who counts rays that find first hits, where they are not found before.
+/// Counters for rays that find primary hits, if these are not known before.
 struct FirstHitTally {
-  std::function<BatchStatistics&()> statistics;  ///< called where there are rays
+  std::function<BatchStatistics&()> statistics;  ///< called if there are rays
   bool tells_plan = true;
 };
 
-/// What the paths of a picture meet. Triangles have numbers, which mean something to their geometry
-/// alone, and until the next call of `look` or `trace`. One call at a time.
+/// The surfaces that the paths of an image hit. Triangle numbers are valid only for this geometry,
+/// and until the next call of `look` or `trace`. One call at a time.
 class PathGeometry {
  public:
   PathGeometry() = default;
@@ -40,34 +40,34 @@ class PathGeometry {
   PathGeometry& operator=(const PathGeometry&) = delete;
   virtual ~PathGeometry() = default;
 
-  /// Of all triangles.
+  /// The box of all triangles.
   [[nodiscard]] virtual const Box& bounds() const = 0;
   [[nodiscard]] virtual std::uint64_t triangle_count() const = 0;
-  /// Shadow rays that are traced at once.
+  /// The most shadow rays that are traced at once.
   [[nodiscard]] virtual std::size_t most_shadow_rays() const = 0;
 
-  /// One fragment a pixel of a group of the last `look`, with the surface that is seen there. The
-  /// only group is given away once, and before the next `trace`; others as often as they are asked
-  /// for: to make them again costs less than to keep them all.
+  /// One fragment for each pixel of a group of the last `look`, with the surface seen there. If
+  /// there is only one group, call this once, and before the next `trace`. With several groups, it
+  /// may be called repeatedly: recomputing them costs less than keeping all.
   [[nodiscard]] virtual Fragments first_hits(std::size_t group, const FirstHitTally& tally) = 0;
-  /// What each ray of a batch meets. Adds to `statistics`; where `ray_tests` is not empty, adds
-  /// each ray's tests to it.
+  /// The hit of each ray of a batch. Adds to `statistics` and, if `ray_tests` is not empty, each
+  /// ray's tests to it.
   [[nodiscard]] virtual std::vector<RayHit> trace(const RayBatch& batch,
                                                   BatchStatistics* statistics,
                                                   View<float> ray_tests, ProgressMeter* meter) = 0;
-  /// The same of rays that ask for occlusion (`asks_occlusion`): occluded[i] = 1 where ray i meets
-  /// anything, else 0. `early_out`: the first hit will do.
+  /// The same for occlusion rays (`asks_occlusion`): sets occluded[i] to 1 if ray i hits anything,
+  /// else 0. `early_out`: any hit suffices.
   virtual void find_occluded(const RayBatch& batch, bool early_out, BatchStatistics* statistics,
                              View<float> ray_tests, ProgressMeter* meter,
                              View<std::uint8_t> occluded) = 0;
-  /// The surfaces where rays[i] meets fragments[i].triangle, for those that have one. What arrives
-  /// runs along `incoming`.
+  /// Computes the surfaces where rays[i] hits fragments[i].triangle, for those that have one.
+  /// `incoming` is the direction in which the ray arrives.
   virtual void fetch_surfaces(View<const Ray> rays, View<Fragment> fragments) = 0;
-  /// The names of a fragment's triangle, or none.
+  /// The ids of a fragment's triangle, or invalid ones.
   [[nodiscard]] virtual PixelIds ids(std::uint32_t triangle) const = 0;
 };
 
-/// What threads share before their rays are traced, and why it is as it is.
+/// Work that threads share before their rays are traced, and its plan.
 struct SharedWork {
   double ms = 0;
   std::vector<std::string> plan;
@@ -75,20 +75,20 @@ struct SharedWork {
 
 class FrameGeometry : public virtual PathGeometry {
  public:
-  /// Finds what the pixels of a picture see, or leaves that to `first_hits`; returns in how many
-  /// groups they are best followed. Of whole `kSkyPart`s (render/shade/shade.h) of the picture.
+  /// Finds what the pixels of an image see, or leaves that to `first_hits`; returns the best number
+  /// of groups to follow. Groups consist of whole `kSkyPart`s (render/shade/shade.h) of the image.
   [[nodiscard]] virtual std::size_t look(const Seeing& seeing, ProgressMeter* meter) = 0;
-  /// The depth of what the middle of the picture shows, seen from the eye; where that is nothing,
+  /// The depth of the surface in the middle of the image, seen from the eye; if there is none, that
   /// of the scene's farthest corner.
   [[nodiscard]] virtual float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) = 0;
 
-  /// Whether threads may follow groups of the last `look` side by side, each by an `of_one_thread`
-  /// of its own.
+  /// Whether threads may follow groups of the last `look` in parallel, each with its own
+  /// `of_one_thread`.
   [[nodiscard]] virtual bool is_shared() const { return false; }
-  /// Of a shared one: brings up to date what its threads' rays go through, before any is traced.
+  /// For shared geometry: prepares the tree for its threads' rays, before any is traced.
   [[nodiscard]] virtual SharedWork share() { return {}; }
   [[nodiscard]] virtual std::unique_ptr<PathGeometry> of_one_thread() { return nullptr; }
-  /// So many rays have met what was shared.
+  /// Reports how many rays were traced through the shared tree.
   virtual void add_rays(std::uint64_t /*count*/) {}
 };
 

@@ -14,16 +14,17 @@
 namespace raysheaf {
 namespace {
 
-/// Pixels that a thread follows together, with all their bounces: few enough that what their rays
-/// need, about 1 KB each, stays in its caches, and enough for a stream of rays to a light. A part
-/// of a small picture, so that there is work for all threads.
+/// The number of pixels that a thread follows together, with all their bounces: few enough that the
+/// data of their rays, about 1 KB per pixel, stay in its caches, and enough for a stream of rays to
+/// a light. For small images, fewer, so that all threads have work.
 std::size_t group_pixels(std::size_t pixels) {
   constexpr std::size_t kMost = 4096, kGroups = 64;
   const std::size_t part = (pixels / kGroups + kSkyPart - 1) / kSkyPart * kSkyPart;
   return std::clamp(part, kSkyPart, kMost);
 }
 
-/// Calls `body(i, pixel, x, y)` for pixels [begin, end) of the group, without a division for each.
+/// Calls `body(i, pixel, x, y)` for pixels [begin, end) of the group, without a division for each
+/// pixel.
 template <class Body>
 void for_each_pixel(const PixelGroup& pixels, std::size_t begin, std::size_t end,
                     std::uint32_t width, const Body& body) {

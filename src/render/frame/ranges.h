@@ -1,4 +1,4 @@
-// What pictures and methods may be asked for; both the renderer and the laboratory look.
+// Valid ranges of options, for the renderer and the laboratory.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,9 @@
 
 namespace raysheaf {
 
-inline constexpr std::uint32_t kLargestSide = 16384;  ///< of a picture, in pixels
+inline constexpr std::uint32_t kLargestSide = 16384;  ///< of an image, in pixels
 
-/// Throws `Error` (kInvalidArgument) that names the field.
+/// Throws `Error` (kInvalidArgument) naming the field.
 inline void check_range(const char* field, std::uint32_t value, std::uint32_t least,
                         std::uint32_t most) {
   if (value < least || value > most)
@@ -20,7 +20,7 @@ inline void check_range(const char* field, std::uint32_t value, std::uint32_t le
                 field);
 }
 
-/// The same of what `MethodSettings` says of a ray hierarchy.
+/// The same for the ray hierarchy's settings in `MethodSettings`.
 inline void check_hierarchy(std::uint32_t levels, std::uint32_t branching, std::uint32_t key_bits) {
   check_range("levels", levels, 1, 8);
   check_range("branching", branching, 2, 64);

@@ -20,7 +20,7 @@ RayBatch piece_of(const RayBatch& batch, std::size_t begin, std::size_t end) {
   return piece;
 }
 
-/// Adds the counts of all processes, and what else this one has.
+/// Adds the counts of all processes, and the other statistics of this one.
 void add_up(Communicator& ranks, BatchStatistics own, BatchStatistics* statistics) {
   std::vector<std::uint64_t> numbers = numbers_of(own);
   add(ranks, numbers);
@@ -47,7 +47,7 @@ std::vector<RayHit> trace_shared(Communicator& ranks, const RayBatch& batch,
   meter->begin(std::string(to_string(batch.kind)) + " rays, bounce " +
                    std::to_string(batch.bounce) + ", of all ranks",
                batch.rays.size());
-  // What is not traced here stays zero: all bits together are everyone's.
+  // Hits of other processes' rays stay zero, so that a bitwise or combines them.
   std::vector<RayHit> hits(batch.rays.size(), RayHit{0, 0});
   std::vector<float> tests(ray_tests.size);
   BatchStatistics own;
@@ -58,9 +58,9 @@ std::vector<RayHit> trace_shared(Communicator& ranks, const RayBatch& batch,
         View<float>(tests).slice(tests.empty() ? 0 : begin, tests.empty() ? 0 : end - begin);
     const std::vector<RayHit> found = trace(piece_of(batch, begin, end), &own, piece_tests, &quiet);
     std::copy(found.begin(), found.end(), hits.begin() + static_cast<std::ptrdiff_t>(begin));
-    // Pieces are taken in order: those before this one are with others, or done.
+    // Pieces are taken in order: those before this one are done or taken by others.
     meter->advance(end - std::exchange(done, end));
-    // The plan of a batch is that of its first piece here.
+    // The plan of a batch is that of its first piece in this process.
     if (++made == 1) first_plan = own.plan.size();
     own.plan.resize(first_plan);
   });

@@ -1,4 +1,4 @@
-// A batch of rays that several processes trace, a piece each.
+// A batch of rays whose pieces are traced by several processes.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace raysheaf {
 
-/// `ranks` where a batch is worth it, else null. The same in every process.
+/// `ranks` if the batch is large enough to share, else null. The same in every process.
 [[nodiscard]] Communicator* sharers(Communicator* ranks, const RayBatch& batch);
 
 using TracePiece =
@@ -18,7 +18,7 @@ using TracePiece =
 
 /// The hits of `batch` in every process, traced by `trace` in pieces: runs of neighbours in the
 /// batch's order, which is that of pixels. Counts added to `statistics` and `ray_tests` are those
-/// of all processes, times those of this one. Hits, rays and triangles are the caller's to count.
+/// of all processes, times those of this one. The caller counts hits, rays and triangles.
 [[nodiscard]] std::vector<RayHit> trace_shared(Communicator& ranks, const RayBatch& batch,
                                                BatchStatistics* statistics, View<float> ray_tests,
                                                ProgressMeter* meter, const TracePiece& trace);

@@ -69,7 +69,7 @@ void SurfaceFetcher::hold_mesh(std::uint32_t mesh) {
   map_ = normal_map(scene_.description->instances[placed_->inst_id].to_world);
 }
 
-/// What `gather` reads first of each triangle.
+/// Prefetches what `gather` reads first of each triangle.
 void SurfaceFetcher::prefetch(View<const Fragment> fragments) const {
   std::uint32_t before = kInvalidId;
   for (const Fragment& f : fragments) {
@@ -145,7 +145,8 @@ void SurfaceFetcher::settle_incoming(Block* block) {
   }
 }
 
-/// Where a lane's triangle is seen from its edge, or beside it, one by one.
+/// Computes weights one by one for lanes that see their triangle edge-on, or whose ray passes just
+/// outside it.
 void SurfaceFetcher::settle_weights(Arrival arrival, Block* block) {
   Block& b = *block;
   for_each_lane(b.used & ~find_weights(&b.columns), [&](std::size_t lane) {
@@ -166,7 +167,7 @@ void SurfaceFetcher::settle_weights(Arrival arrival, Block* block) {
 
 namespace {
 
-/// Calls `body(look, lanes)` for each look of the lanes.
+/// Calls `body(look, lanes)` for each material of the lanes.
 template <class Body>
 void for_each_look(LaneBits lanes, const MaterialLook* const* looks, const Body& body) {
   while (lanes != 0) {

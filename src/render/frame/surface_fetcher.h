@@ -12,49 +12,50 @@
 
 namespace raysheaf {
 
-/// A material as surfaces are made from it.
+/// A material in the form from which surfaces are computed.
 struct MaterialLook {
   PlacedMaterial placed;
   Surface plain;  ///< its part of a surface that has the same colours everywhere
   bool is_plain = true;
-  bool is_odd = false;  ///< for `SurfaceReader`, where there are coordinates
+  bool is_odd = false;  ///< needs `SurfaceReader` if there are texture coordinates
 };
 
-/// Of all of the scene's, and last of the default material.
+/// For all of the scene's materials, followed by the default material.
 [[nodiscard]] std::vector<MaterialLook> material_looks(const SceneDescription& scene);
 
-/// Where a fragment's ray meets its triangle, and how it arrives.
+/// Where a fragment's ray hits its triangle, and the direction in which it arrives.
 enum class Arrival : std::uint8_t {
-  kSeen,    ///< as `clamped_barycentrics` has it; along the ray's direction, made a unit
-  kTraced,  ///< as the ray-triangle test has it; along `Fragment::incoming`
+  kSeen,    ///< as in `clamped_barycentrics`; along the ray's normalized direction
+  kTraced,  ///< as in the ray-triangle test; along `Fragment::incoming`
 };
 
-/// Where surfaces come from; `looks`: of the scene's materials.
+/// The source of surfaces; `looks`: of the scene's materials.
 struct SurfaceSource {
   const FlatScene& scene;
   const TextureSet& textures;
   View<const MaterialLook> looks;
 };
 
-/// Fragments whose surfaces are fetched together: while one waits for memory, others go on.
+/// Number of fragments whose surfaces are fetched together: while one waits for memory, others
+/// continue.
 inline constexpr std::size_t kFetchedTogether = 4 * kSurfaceLanes;
 
-/// Not for use by two threads at once.
+/// Not for two threads at once.
 class SurfaceFetcher {
  public:
-  /// What the source names must outlive it.
+  /// Everything that the source refers to must outlive this object.
   explicit SurfaceFetcher(const SurfaceSource& source)
       : scene_(source.scene),
         textures_(source.textures),
         looks_(source.looks),
         reader_(*scene_.description, textures_) {}
 
-  /// Of fragments that have a triangle, `surface`, and with `kSeen` of all `incoming`; at most
-  /// kFetchedTogether of them.
+  /// Sets `surface` of the fragments that have a triangle, and with `kSeen` `incoming` of all; at
+  /// most kFetchedTogether fragments.
   void fetch(View<const Ray> rays, Arrival arrival, View<Fragment> fragments);
 
  private:
-  /// Fragments in columns, and what is known of each lane, a bit each.
+  /// Fragments in columns, and sets of lanes as bits.
   struct Block {
     SurfaceColumns columns{};
     View<const Ray> rays;
@@ -82,7 +83,7 @@ class SurfaceFetcher {
   const View<const MaterialLook> looks_;
   SurfaceReader reader_;
   Block blocks_[kFetchedTogether / kSurfaceLanes];
-  // The mesh of the lane before.
+  // The mesh of the previous lane.
   std::uint32_t mesh_number_ = kInvalidId;
   const FlatMesh* placed_ = nullptr;
   const Mesh* mesh_ = nullptr;

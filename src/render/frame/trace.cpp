@@ -24,7 +24,7 @@ std::string stage_name(const RayBatch& batch) {
 
 void add_outcome(const TraverseCounts& counts, double wall_ms, BatchStatistics* statistics) {
   add_counts(counts, statistics);
-  // Both stages run in one sweep: the wall time is shared out as the threads' times were.
+  // Both stages run in one pass: its wall time is divided in proportion to the threads' times.
   const double sum = counts.node_seconds + counts.final_seconds;
   const double part = sum > 0 ? counts.final_seconds / sum : 0;
   statistics->times_ms.traverse += wall_ms * (1 - part);
@@ -46,7 +46,7 @@ std::vector<RayHit> trace_brute_force(const Executor& executor, const FlatScene&
   return hits;
 }
 
-/// How many runs of equal keys there are.
+/// The number of runs of equal keys.
 std::uint64_t run_count(const std::vector<std::uint64_t>& keys) {
   std::uint64_t runs = keys.empty() ? 0 : 1;
   for (std::size_t i = 1; i < keys.size(); ++i) runs += keys[i] != keys[i - 1] ? 1 : 0;
@@ -94,7 +94,7 @@ std::vector<RayHit> trace_hierarchy(const Executor& executor, const FlatScene& s
   return hits;
 }
 
-/// Packets have `levels` and `branching` of their own.
+/// Packets have their own `levels` and `branching`.
 std::vector<RayHit> trace_packets(const Executor& executor, const FlatScene& scene,
                                   const RayBatch& batch, const TraceOptions& options,
                                   BatchStatistics* statistics, View<float> ray_tests,
@@ -260,7 +260,8 @@ std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, cons
   statistics->triangles = scene.triangle_count;
   statistics->rays += batch.rays.size();
   if (batch.rays.empty()) return {};
-  if (runs_on_device(options)) {  // whose frames are its own: a ray that is asked for before
+  if (runs_on_device(options)) {  // frames on a device do not come here; this is a ray before the
+                                  // frame
     meter->begin(stage_name(batch), 1);
     std::vector<RayHit> hits =
         options.cache->device_tracer(scene).trace(executor, batch, options.facing);

@@ -20,54 +20,55 @@
 
 namespace raysheaf {
 
-/// What batches of one frame share, and frames of a scene that changes: the triangles' hierarchies,
-/// made by the first that needs them.
+/// Data shared by the batches of a frame, and by the frames of a changing scene: the hierarchies
+/// over the triangles, made on first use.
 struct TraceCache {
-  std::optional<Bvh> bvh;                ///< of `gl10`
-  std::unique_ptr<DualTracer> dual;      ///< of `dual`
-  std::unique_ptr<DeviceTracer> device;  ///< of what runs on a device
-  std::unique_ptr<DeviceStages> stages;  ///< of frames whose fragments stay there
+  std::optional<Bvh> bvh;                ///< for `gl10`
+  std::unique_ptr<DualTracer> dual;      ///< for `dual`
+  std::unique_ptr<DeviceTracer> device;  ///< for methods on a device
+  std::unique_ptr<DeviceStages> stages;  ///< for frames whose fragments stay on the device
   TreeReport tree;                       ///< of the batches since it was last reset
-  /// Where rays meet triangles: by brute force or `dual`, or by a hierarchy of rays in raster order
-  /// or by the keys of `crsh` under spheres and cones, without tests of single rays; null: the CPU.
+  /// The device that intersects rays with triangles: by brute force, `dual` or `gl10`, or by a ray
+  /// hierarchy in raster order or by the keys of `crsh` with spheres and cones, without counting
+  /// tests of single rays; null: the CPU.
   const DeviceBackend* backend = nullptr;
-  Communicator* ranks = nullptr;  ///< that batches are shared among; null: this process alone
+  Communicator* ranks = nullptr;  ///< the processes that share batches; null: this is the only one
 
-  /// Each is made where there is none yet.
+  /// Each is created on first use.
   [[nodiscard]] DeviceTracer& device_tracer(const FlatScene& scene);
   [[nodiscard]] const Bvh& hierarchy(const Executor& executor, const FlatScene& scene);
   [[nodiscard]] DualTracer& dual_tracer(const Executor& executor, const FlatScene& scene);
-  /// Brings the tree of `dual` up to date; what it took, and why.
+  /// Updates the tree of `dual`; returns the time and the reasons.
   QueryReport prepare_tree(const Executor& executor, const FlatScene& scene);
-  /// The scene's triangles are others, or elsewhere.
+  /// The scene's triangles have moved or were replaced.
   void update(const Executor& executor, const FlatScene& scene, const FlatUpdate& update);
 };
 
 struct TraceOptions {
   MethodSettings method;
   Facing facing = Facing::kBoth;
-  std::uint32_t bundle_samples = 0;  ///< bundles of a level that are measured
-  bool early_out = false;            ///< for rays of which only matters whether they meet something
-  TraceCache* cache = nullptr;       ///< of this scene; none: nothing is shared
+  std::uint32_t bundle_samples = 0;  ///< number of bundles to measure per level
+  bool early_out = false;            ///< for rays of which only occlusion matters
+  TraceCache* cache = nullptr;       ///< of this scene; null: nothing is shared
 };
 
-/// The stable order of the rays by the method's keys; adds how many runs of equal keys there were
-/// to `statistics`.
+/// The stable order of the rays by the method's keys; adds the number of runs of equal keys to
+/// `statistics`.
 [[nodiscard]] std::vector<std::uint32_t> ray_order(const Executor& executor, const RayBatch& batch,
                                                    const Box& scene_bounds,
                                                    const MethodSettings& method,
                                                    BatchStatistics* statistics);
 
-/// The hits of a batch, in the batch's order. Adds to `statistics`; where `ray_tests` is not empty,
-/// adds each ray's tests to it; on a device, whose frames are its own, tests are not counted.
-/// `dual` does not name the triangles of rays that ask for occlusion
-/// (`asks_occlusion`): of those only `found()` may be used.
+/// The hits of a batch, in the batch's order. Adds to `statistics` and, if `ray_tests` is not
+/// empty, each ray's tests to it; on a device, which renders its own frames, tests are not counted.
+/// `dual` does not name the triangles of occlusion rays (`asks_occlusion`): only `found()` of their
+/// hits may be used.
 std::vector<RayHit> trace(const Executor& executor, const FlatScene& scene, const RayBatch& batch,
                           const TraceOptions& options, BatchStatistics* statistics,
                           View<float> ray_tests, ProgressMeter* meter);
 
 /// Whether rays gain little from the others of their batch, so that many are best traced in parts
-/// that stay in the caches: those of `dual` on the CPU.
+/// that stay in the caches: true for `dual` on the CPU.
 [[nodiscard]] bool asks_alone(const TraceOptions& options);
 
 }  // namespace raysheaf

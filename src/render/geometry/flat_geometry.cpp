@@ -29,7 +29,7 @@ void FlatGeometry::find_occluded(const RayBatch& batch, bool early_out, BatchSta
                                  View<std::uint8_t> occluded) {
   meet_any(batch, early_out, statistics, ray_tests, meter, occluded);
   if (!cutouts_.any()) return;
-  // Something is in their way; whether it is there where they meet it, its triangle must tell.
+  // Rays that something stops; if its triangle has holes, the closest hit must be found to know.
   std::vector<std::uint32_t> stopped;
   for (std::uint32_t i = 0; i < occluded.size; ++i)
     if (occluded[i] != 0) stopped.push_back(i);

@@ -1,4 +1,4 @@
-// Triangles in memory, whoever traces rays through them.
+// Triangles in memory, for every way of tracing rays through them.
 #pragma once
 
 #include <vector>
@@ -11,13 +11,13 @@
 
 namespace raysheaf {
 
-/// What the pixels of a picture see.
+/// The triangles that the pixels of an image see.
 struct SeenPixels {
   CameraRays rays;
   std::vector<std::uint32_t> triangles;  ///< of each pixel
   std::vector<PixelGroup> groups;
-  std::vector<std::uint8_t> known;  ///< of each group, whether they are found
-  View<float> pixel_tests;          ///< of rays that find them; may be empty
+  std::vector<std::uint8_t> known;  ///< for each group, whether its triangles are known
+  View<float> pixel_tests;          ///< of the rays that find them; may be empty
 };
 
 class FlatGeometry : public virtual PathGeometry {
@@ -35,7 +35,7 @@ class FlatGeometry : public virtual PathGeometry {
   [[nodiscard]] PixelIds ids(std::uint32_t triangle) const override;
 
  protected:
-  /// All must outlive it. `blends`: there are several samples a pixel.
+  /// All must outlive this object. `blends`: there are several samples per pixel.
   FlatGeometry(const Executor& executor, const SurfaceSource& source, bool blends,
                const SeenPixels& seen)
       : executor_(executor),
@@ -44,14 +44,14 @@ class FlatGeometry : public virtual PathGeometry {
         cutouts_(executor, source.scene, source.textures, blends),
         seen_(seen) {}
 
-  /// First hits, whatever is cut away there. As `trace` and `find_occluded` for the rest.
+  /// Closest hits, including those in holes. Otherwise as `trace` and `find_occluded`.
   [[nodiscard]] virtual std::vector<RayHit> meet(const RayBatch& batch, Facing facing,
                                                  BatchStatistics* statistics, View<float> ray_tests,
                                                  ProgressMeter* meter) = 0;
   virtual void meet_any(const RayBatch& batch, bool early_out, BatchStatistics* statistics,
                         View<float> ray_tests, ProgressMeter* meter,
                         View<std::uint8_t> occluded) = 0;
-  /// The first hits that are there.
+  /// The closest hits that are not in holes.
   [[nodiscard]] std::vector<RayHit> traced(const RayBatch& batch, Facing facing,
                                            BatchStatistics* statistics, View<float> ray_tests,
                                            ProgressMeter* meter);

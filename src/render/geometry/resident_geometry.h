@@ -1,19 +1,19 @@
-// Triangles in memory, met by any method, with all threads.
+// Triangles in memory, for every method, with all threads.
 #pragma once
 
 #include "render/geometry/flat_geometry.h"
 
 namespace raysheaf {
 
-/// A base, since the next one needs it.
+/// A base class, because the next base class needs it initialized.
 struct HasLooks {
   std::vector<MaterialLook> looks;
 };
 
 class ResidentGeometry : public FrameGeometry, private HasLooks, public FlatGeometry {
  public:
-  /// All must outlive it. `cache`: of the scene, kept from frame to frame; none: nothing is.
-  /// `samples`: of a pixel.
+  /// All must outlive this object. `cache`: of the scene, kept from frame to frame; null: nothing
+  /// is kept. `samples`: per pixel.
   ResidentGeometry(const Executor& executor, const FlatScene& scene, const TextureSet& textures,
                    const RenderOptions& options, TraceCache* cache = nullptr,
                    std::uint32_t samples = 1);
@@ -21,7 +21,7 @@ class ResidentGeometry : public FrameGeometry, private HasLooks, public FlatGeom
   [[nodiscard]] std::size_t look(const Seeing& seeing, ProgressMeter* meter) override;
   [[nodiscard]] float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) override;
 
-  /// Those of `dual` on the CPU.
+  /// For `dual` on the CPU.
   [[nodiscard]] bool is_shared() const override { return asks_alone(options_); }
   [[nodiscard]] SharedWork share() override;
   [[nodiscard]] std::unique_ptr<PathGeometry> of_one_thread() override;
@@ -35,18 +35,18 @@ class ResidentGeometry : public FrameGeometry, private HasLooks, public FlatGeom
                 View<float> ray_tests, ProgressMeter* meter, View<std::uint8_t> occluded) override;
 
  private:
-  /// What each pixel sees, by rays.
+  /// Finds what each pixel sees, by rays.
   void find_triangles(const Seeing& seeing, ProgressMeter* meter);
-  /// What OpenGL of rank 0 shows: that of others may be another one.
+  /// The image of rank 0's OpenGL, because that of other ranks may differ.
   [[nodiscard]] std::vector<std::uint32_t> rasterize(Rasterizer& rasterizer,
                                                      const CameraFrame& frame) const;
-  /// Brings what OpenGL shows to what is there, by rays.
+  /// Replaces triangles seen by OpenGL that have a hole at the pixel by those behind them, by rays.
   void see_through(const Seeing& seeing, View<std::uint32_t> triangles, ProgressMeter* meter);
 
   const bool blends_;
   TraceCache own_cache_;
   TraceOptions options_;
-  SeenPixels seen_;  ///< by the last `look`
+  SeenPixels seen_;  ///< from the last `look`
 };
 
 }  // namespace raysheaf

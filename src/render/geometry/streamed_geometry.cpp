@@ -16,7 +16,7 @@
 namespace raysheaf {
 namespace {
 
-/// A process tells the others of so many at a time: 8 MB.
+/// The number of surfaces that processes exchange at once: 8 MB.
 constexpr std::size_t kSurfacesAtOnce = 65536;
 
 void add_stream_report(const QueryReport& report, BatchStatistics* statistics) {
@@ -41,7 +41,7 @@ class BlockSurfaces {
     if (named.inst_id >= scene_.instances.size() ||
         scene_.instances[named.inst_id].mesh != named.geom_id)
       refuse("a triangle is of instance " + std::to_string(named.inst_id) + " of mesh " +
-             std::to_string(named.geom_id) + ", which the scene has not");
+             std::to_string(named.geom_id) + ", which the scene does not have");
     std::copy(hit.corner.begin(), hit.corner.end(), t.corner);
     t.to_world = scene_.instances[named.inst_id].to_world;
     t.mirrored = mirrors(t.to_world);
@@ -71,7 +71,7 @@ class BlockSurfaces {
   }
   template <class T>
   [[nodiscard]] const T& element(const std::vector<T>& column, std::uint32_t i) const {
-    if (i >= column.size()) refuse("its shading does not fit its triangles");
+    if (i >= column.size()) refuse("the shading data have fewer elements than the triangles need");
     return column[i];
   }
   [[nodiscard]] bool of_part(const std::vector<std::uint8_t>& column, std::uint32_t part) const {

@@ -9,7 +9,8 @@ namespace raysheaf {
 
 class StreamedGeometry : public FrameGeometry {
  public:
-  /// What the streamer has must outlive it. `most_shadow_rays`: that memory has room for.
+  /// The streamer's source and context must outlive it. `most_shadow_rays`: the number for which
+  /// there is memory.
   StreamedGeometry(const Executor& executor, Streamer* streamer, const TextureSet& textures,
                    std::size_t most_shadow_rays);
 
@@ -20,14 +21,14 @@ class StreamedGeometry : public FrameGeometry {
   [[nodiscard]] std::size_t look(const Seeing& seeing, ProgressMeter* meter) override;
   [[nodiscard]] Fragments first_hits(std::size_t group, const FirstHitTally& tally) override;
   [[nodiscard]] float depth_of_middle(const CameraFrame& frame, ProgressMeter* meter) override;
-  /// A triangle's number is the ray's that met it.
+  /// The number of a hit's triangle is that of its ray.
   [[nodiscard]] std::vector<RayHit> trace(const RayBatch& batch, BatchStatistics* statistics,
                                           View<float> ray_tests, ProgressMeter* meter) override;
   void find_occluded(const RayBatch& batch, bool early_out, BatchStatistics* statistics,
                      View<float> ray_tests, ProgressMeter* meter,
                      View<std::uint8_t> occluded) override;
-  /// Reads the shading parts of the blocks that own hits, each once; where processes stream, each
-  /// those of its blocks.
+  /// Reads the shading data of the blocks with hits, each once; if several processes stream, each
+  /// reads those of its blocks.
   void fetch_surfaces(View<const Ray> rays, View<Fragment> fragments) override;
   [[nodiscard]] PixelIds ids(std::uint32_t triangle) const override;
 
@@ -37,22 +38,22 @@ class StreamedGeometry : public FrameGeometry {
  private:
   [[nodiscard]] std::vector<RayHit> closest(const RayBatch& batch, const StreamRequest& request,
                                             BatchStatistics* statistics);
-  /// Tells `statistics` of a batch, and makes what the streamer is asked for it.
+  /// Adds the batch to `statistics`, and makes the request to the streamer.
   [[nodiscard]] StreamRequest begin(const RayBatch& batch, BatchStatistics* statistics,
                                     View<float> ray_tests, ProgressMeter* meter) const;
   [[nodiscard]] std::vector<RayHit> traced(const RayBatch& batch, Facing facing,
                                            BatchStatistics* statistics, View<float> ray_tests,
                                            ProgressMeter* meter);
 
-  /// Each process has the surfaces of its own blocks: now of all.
+  /// Combines the surfaces of all processes: each has those of its own blocks.
   void exchange_surfaces(const std::vector<std::uint32_t>& met, View<Fragment> fragments);
 
   const Executor& executor_;
   Streamer& streamer_;
   const TextureSet& textures_;
   std::size_t most_shadow_rays_;
-  std::vector<StreamHit> hits_;  ///< of the last batch that asked for the closest
-  Fragments first_hits_;         ///< of the last `look`, until they are given away
+  std::vector<StreamHit> hits_;  ///< of the last batch of closest hits
+  Fragments first_hits_;         ///< of the last `look`, until `first_hits` returns them
   StreamStatistics shading_;
 };
 

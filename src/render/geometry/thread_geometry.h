@@ -1,5 +1,5 @@
-// Triangles in memory as one thread's rays meet them, by method `dual`: through the object tree
-// that all threads share.
+// Triangles in memory, traced by one thread with the method `dual`, through the object tree that
+// all threads share.
 #pragma once
 
 #include "base/buffer.h"
@@ -11,15 +11,15 @@ namespace raysheaf {
 
 class ThreadGeometry : public FlatGeometry {
  public:
-  /// All must outlive it. The cache's tree is up to date when anything is traced.
+  /// All must outlive this object. The cache's tree must be up to date when rays are traced.
   ThreadGeometry(const SurfaceSource& source, bool blends, SeenPixels& seen,
                  const TraceCache& cache)
       : FlatGeometry(serial_, source, blends, seen), seen_(seen), cache_(cache) {}
 
-  /// By rays, where they are not known.
+  /// By rays, if not known before.
   [[nodiscard]] Fragments first_hits(std::size_t group, const FirstHitTally& tally) override;
 
-  /// Every thread has as many.
+  /// The same for every thread.
   [[nodiscard]] std::size_t most_shadow_rays() const override { return std::size_t{1} << 18; }
 
  protected:

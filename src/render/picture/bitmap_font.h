@@ -1,4 +1,4 @@
-// Letters of five by seven pixels: those that a heat map's legend needs, drawn for it.
+// A bitmap font of five by seven pixels with the letters of a heat map's legend.
 #pragma once
 
 #include <array>
@@ -42,7 +42,7 @@ inline constexpr std::array kGlyphs = {
     Glyph{'x', {0, 0, 0b10001, 0b01010, 0b00100, 0b01010, 0b10001}},
 };
 
-/// The glyph of a letter; the blank for letters that are not drawn here.
+/// The glyph of a letter; a blank for letters that the font lacks.
 constexpr const Glyph& glyph(char letter) {
   for (const Glyph& candidate : kGlyphs) {
     if (candidate.letter == letter) return candidate;

@@ -31,8 +31,8 @@ bool in_gamut(const LinearColor& c) {
   return low >= 0 && high <= 1;
 }
 
-// Lightness is what carries the value, so a colour outside sRGB gives up chroma alone, and only as
-// much as it must: bisection, because steps would show as bands.
+// Lightness carries the value, so a colour outside sRGB only loses as much chroma as necessary.
+// Bisection finds it, because a search in steps would show as bands.
 LinearColor most_colorful(float lightness, float chroma, float hue_degrees) {
   if (in_gamut(from_oklab(lightness, chroma, hue_degrees))) {
     return from_oklab(lightness, chroma, hue_degrees);

@@ -1,4 +1,4 @@
-// What the samples of a frame add up to, a pixel each.
+// Sums of a frame's samples for each pixel.
 #pragma once
 
 #include <cstdint>
@@ -15,15 +15,15 @@
 
 namespace raysheaf {
 
-/// Sums in binary32, sample by sample: the same whatever the number of threads.
+/// Sums in binary32 in the order of samples, so that they do not depend on the number of threads.
 class Film {
  public:
   Film(std::uint32_t width, std::uint32_t height, bool count_tests);
 
-  /// What follows is of the next sample.
+  /// Begins the next sample.
   void begin_sample() { ++sums_.samples; }
-  /// First hits of the sample, at most one a pixel: position and ids of the first sample are kept,
-  /// the others add up. `ids(triangle)` names a triangle, or none.
+  /// Adds primary hits of the sample, at most one for each pixel: keeps position and ids of the
+  /// first sample, and sums the rest. `ids(triangle)` returns a triangle's ids, or invalid ones.
   template <class Ids>
   void see(const Executor& executor, View<const Fragment> first_hits, const Ids& ids) {
     const bool first = sums_.samples == 1;
@@ -34,13 +34,13 @@ class Film {
     });
   }
 
-  [[nodiscard]] View<Vec3> beauty() { return sums_.beauty; }  ///< to add radiance to
-  [[nodiscard]] View<float> tests() { return sums_.tests; }   ///< empty where none are counted
-  /// Lights that the first hits face, and those of them that arrive.
+  [[nodiscard]] View<Vec3> beauty() { return sums_.beauty; }  ///< radiance is added here
+  [[nodiscard]] View<float> tests() { return sums_.tests; }   ///< empty if no tests are counted
+  /// Number of lights that the primary hits face, and of those that reach them.
   [[nodiscard]] View<std::uint32_t> lights_faced() { return faced_; }
   [[nodiscard]] View<std::uint32_t> lights_arrived() { return arrived_; }
 
-  /// Of the samples seen so far.
+  /// The sums of the samples so far.
   [[nodiscard]] FilmSums sums() const { return {sums_, faced_, arrived_}; }
   /// The same without a copy; the film is empty afterwards.
   [[nodiscard]] FilmSums taken() {
@@ -58,7 +58,7 @@ class Film {
   std::vector<std::uint32_t> faced_, arrived_;
 };
 
-/// The picture that they show, but for its statistics. `exposure`: none, automatic.
+/// Computes the image of the sums, without statistics. `exposure`: none means automatic.
 [[nodiscard]] RenderResult develop(const Executor& executor, FilmSums film,
                                    std::optional<float> exposure);
 

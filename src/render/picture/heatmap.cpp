@@ -1,7 +1,7 @@
-// Tests a pixel in false colours, with a legend strip under the picture:
+// Tests per pixel in false colours, with a legend below the image:
 //
 //   +--------------------------+
-//   |         picture          |
+//   |          image           |
 //   +--------------------------+
 //   |  [== colour bar =======] |
 //   |  1   10   100   1k   10k |
@@ -19,14 +19,14 @@
 namespace raysheaf {
 namespace {
 
-constexpr std::uint32_t kLeastWidth = 160;  // so that the legend can be read under any picture
+constexpr std::uint32_t kLeastWidth = 160;  // so that the legend is readable below any image
 constexpr std::uint32_t kBarHeight = 10, kMargin = 8, kGap = 4, kTickLength = 3;
 constexpr std::uint32_t kLegendHeight =
     kMargin + kBarHeight + kTickLength + kGap + kGlyphHeight + kGap + kGlyphHeight + kMargin;
 constexpr float kLogarithmicFrom = 50;  // ratio of the largest to the least positive value
 constexpr std::array<std::uint8_t, 3> kPaper = {16, 16, 20}, kInk = {230, 230, 230};
 
-/// Where a value lies on the colour bar, and which values get a label.
+/// The position of a value on the colour bar, and the values that get a label.
 struct Scale {
   double low = 0, high = 1;
   bool logarithmic = false;
@@ -117,7 +117,8 @@ void draw_picture(Image& image, const RenderResult& result, const Scale& scale) 
   }
 }
 
-// Labels go in from the left; one that would touch its neighbour is left out, and its tick stays.
+// Labels are placed from the left; a label that would touch its neighbour is omitted, but its tick
+// remains.
 void draw_ticks(Image& image, const Scale& scale, std::uint32_t bar_width, std::uint32_t y,
                 std::uint32_t zoom) {
   const std::uint32_t margin = kMargin * zoom;

@@ -1,4 +1,4 @@
-// tone_mapped(): from radiance to a picture for people.
+// tone_mapped(): converts radiance to an image for display.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,8 +12,8 @@ namespace raysheaf {
 namespace {
 
 /// Khronos PBR Neutral (Khronos Group, "Khronos PBR Neutral Tone Mapper Specification", 2024):
-/// colours below 0.8 stay as they are but for the toe that takes away the 4 % that dielectrics
-/// reflect; brighter ones are compressed towards white.
+/// colours below 0.8 do not change, except for the toe that subtracts the 4 % that dielectrics
+/// reflect; brighter colours are compressed towards white.
 Vec3 neutral_curve(Vec3 c) {
   constexpr float kReflectance = 0.04f, kStart = 0.8f - kReflectance, kDesaturation = 0.15f;
   const float least = min_component(c);
@@ -34,7 +34,7 @@ std::uint8_t srgb(float x) {
   return static_cast<std::uint8_t>(encoded * 255 + 0.5f);
 }
 
-/// `srgb` by a table: powers cost more than all else that a frame's picture needs here.
+/// `srgb` by a table, because powers take more time than the rest of a frame's tone mapping.
 ///
 ///   bits of x:  | exponent | 7 of the fraction | 16 more |
 ///               |<--------- bucket ----------->|
@@ -48,7 +48,7 @@ class SrgbTable {
       const std::uint32_t first = kFirst + (b << kRestBits);
       const std::uint32_t last = std::min(first + (1u << kRestBits) - 1, float_bits(1.0f));
       code_[b] = srgb(bits_float(first));
-      step_[b] = last;  // the greatest that has the bucket's first code
+      step_[b] = last;  // the largest x with the bucket's first code
       if (srgb(bits_float(last)) == code_[b]) continue;
       std::uint32_t low = first, high = last;
       while (high - low > 1) {
@@ -59,7 +59,7 @@ class SrgbTable {
     }
   }
 
-  /// NaNs are black.
+  /// NaN becomes black.
   [[nodiscard]] std::uint8_t operator()(float linear) const {
     if (!(linear >= kLeast)) return 0;
     const std::uint32_t bits = float_bits(linear < 1 ? linear : 1.0f);
@@ -71,7 +71,8 @@ class SrgbTable {
   static constexpr std::uint32_t kRestBits = 16, kOctaves = 13;
   static constexpr std::uint32_t kBuckets = (kOctaves << 7) + 1;   // and 1 itself
   static constexpr std::uint32_t kFirst = (127 - kOctaves) << 23;  // the bits of kLeast
-  static constexpr float kLeast = 0x1p-13f;                        // all below are code 0
+  static constexpr float kLeast = 0x1p-13f;                        // all smaller numbers have code
+                                                                   // 0
 
   std::array<std::uint8_t, kBuckets> code_{};
   std::array<std::uint32_t, kBuckets> step_{};
@@ -122,7 +123,8 @@ void Backdrop::count(const RenderResult& so_far, std::vector<Vec3>* normal_sums,
                      std::vector<float>* covered) {
   normal_sums->resize(so_far.normal.size());
   covered->resize(so_far.normal.size());
-  // Normals are unit vectors, and 0 where nothing is seen: the mean tells the newest one.
+  // Normals are unit vectors, and 0 if nothing is seen: the change of the mean reveals the newest
+  // one.
   constexpr float kSeen = 0.5f;
   const auto samples = static_cast<float>(so_far.samples);
   for (std::size_t i = 0; i < covered->size(); ++i) {

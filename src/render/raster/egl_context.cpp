@@ -18,7 +18,7 @@
 namespace raysheaf {
 namespace {
 
-/// Contexts compute on CUDA's first (exec/cuda/cuda_device.h).
+/// Contexts compute on CUDA's first device (exec/cuda/cuda_device.h).
 constexpr EGLAttrib kCudaDevice = 0;
 
 struct Candidate {
@@ -27,7 +27,7 @@ struct Candidate {
 };
 
 [[noreturn]] void fail(const std::string& tried) {
-  throw Error(ErrorCode::kNoGraphics, "no headless OpenGL 4.5 core context can be had (" + tried +
+  throw Error(ErrorCode::kNoGraphics, "no headless OpenGL 4.5 core context is available (" + tried +
                                           "); with `trace` as `primary` none is needed");
 }
 
@@ -54,7 +54,7 @@ bool can_load(const char* library) {
   return handle != nullptr;
 }
 
-/// epoxy ends the process where these are missing, so they are asked for first.
+/// epoxy ends the process if these libraries are missing, so this checks for them first.
 void require_libraries() {
   const char* const off = std::getenv("RAYSHEAF_NO_GL");
   if (off != nullptr && *off != '\0' && std::string_view(off) != "0") fail("RAYSHEAF_NO_GL is set");
@@ -64,13 +64,13 @@ void require_libraries() {
   }
 }
 
-/// Not through epoxy, which ends the process where an entry point is missing.
+/// Not through epoxy, which ends the process if an entry point is missing.
 template <class Function>
 Function entry_point(const char* name) {
   return reinterpret_cast<Function>(eglGetProcAddress(name));
 }
 
-/// The number that CUDA has for the device in this process, CUDA_VISIBLE_DEVICES considered
+/// CUDA's number of the device in this process, including CUDA_VISIBLE_DEVICES
 /// (EGL_NV_device_cuda); -1: none.
 EGLAttrib cuda_number(EGLDeviceEXT device, const char* extensions) {
   const auto query = entry_point<PFNEGLQUERYDEVICEATTRIBEXTPROC>("eglQueryDeviceAttribEXT");
@@ -79,7 +79,7 @@ EGLAttrib cuda_number(EGLDeviceEXT device, const char* extensions) {
   return query(device, EGL_CUDA_DEVICE_NV, &number) ? number : -1;
 }
 
-/// First of several the one that CUDA computes on, so that it may read what is drawn.
+/// Adds the device on which CUDA computes first, so that it can read what is drawn.
 void add_devices(PFNEGLGETPLATFORMDISPLAYEXTPROC get_display, bool software,
                  std::vector<Candidate>& candidates) {
   const auto query = entry_point<PFNEGLQUERYDEVICESEXTPROC>("eglQueryDevicesEXT");
@@ -99,7 +99,7 @@ void add_devices(PFNEGLGETPLATFORMDISPLAYEXTPROC get_display, bool software,
 }
 
 /// Hardware devices, Mesa's surfaceless platform (a render node, or llvmpipe), software devices,
-/// and whatever the environment makes the default.
+/// and the environment's default.
 std::vector<Candidate> candidates() {
   std::vector<Candidate> list;
   const char* const client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
@@ -122,7 +122,7 @@ std::vector<Candidate> candidates() {
   return list;
 }
 
-/// A context, or none and `reason`.
+/// Returns a context, or none and a `reason`.
 EGLContext create_context(EGLDisplay display, std::string& reason) {
   EGLint major = 0, minor = 0;
   if (display == EGL_NO_DISPLAY) {

@@ -5,23 +5,23 @@
 
 namespace raysheaf {
 
-/// Needs no window system. Where several drivers would serve, a hardware device is taken before a
-/// software one, and of several the one that CUDA counts as its first. Displays belong to the
-/// process and are never terminated: EGL does not count who else uses them.
+/// Needs no window system. If several drivers are available, prefers hardware to software, and
+/// among several hardware devices CUDA's first. Displays belong to the process and are never
+/// terminated, because EGL does not count their users.
 class EglContext {
  public:
-  /// Throws `Error` (kNoGraphics) that says what was tried. The variable RAYSHEAF_NO_GL, set to
-  /// anything but 0, has it fail at once.
+  /// Throws `Error` (kNoGraphics) that lists what was tried. Setting the variable RAYSHEAF_NO_GL to
+  /// anything but 0 makes it fail at once.
   EglContext();
   ~EglContext();
   EglContext(const EglContext&) = delete;
   EglContext& operator=(const EglContext&) = delete;
 
-  /// Makes the context current in this thread for as long as it lives, and then again what was
-  /// current before.
+  /// Makes the context current in this thread, and restores the previous one at the end of its
+  /// life.
   class Current {
    public:
-    /// Throws `Error` (kNoGraphics) where the driver refuses.
+    /// Throws `Error` (kNoGraphics) if the driver refuses.
     explicit Current(const EglContext& context);
     ~Current();
     Current(const Current&) = delete;

@@ -1,4 +1,4 @@
-// Owners of OpenGL names. The context that made an object must be current where it is assigned to
+// Owners of OpenGL objects. The context that made an object must be current when it is assigned to
 // or destroyed.
 #pragma once
 
@@ -77,10 +77,10 @@ inline Framebuffer make_framebuffer() {
   return Framebuffer(name);
 }
 
-/// Throws `Error` where OpenGL has noted one since the last call: kOutOfMemory, or kInternal.
+/// Throws `Error` if OpenGL has recorded an error since the last call: kOutOfMemory, or kInternal.
 void check(const char* what);
 
-/// A linked program. Throws `Error` (kInternal) with the compiler's words.
+/// A linked program. Throws `Error` (kInternal) with the compiler's message.
 [[nodiscard]] Program make_program(const char* vertex_source, const char* fragment_source);
 
 }  // namespace raysheaf::gl

@@ -1,4 +1,4 @@
-// Whether one triangle can be seen.
+// Tests whether one triangle may be visible.
 #pragma once
 
 #include <cstdint>
@@ -8,19 +8,19 @@
 
 namespace raysheaf {
 
-/// A camera, a picture's size, and the matrix of both.
+/// A camera, an image's size, and the matrix of both.
 struct PictureView {
   CameraFrame frame;
   ClipMatrix clip;
 };
 
-/// `bounds` holds the scene.
+/// `bounds` must contain the scene.
 inline PictureView make_picture_view(const CameraFrame& frame, const Box& bounds) {
   return {frame, clip_matrix(frame, farthest_depth(frame, bounds))};
 }
 
-/// Sides of the frustum that a point relative to the eye is outside of, a bit each. Points behind a
-/// perspective eye may be outside of all.
+/// The sides of the frustum outside which a point relative to the eye lies, one bit each. Points
+/// behind a perspective eye may be outside all.
 RAYSHEAF_HD inline std::uint32_t outside(const ClipMatrix& m, Vec3 p) {
   const float x = m[0] * p.x + m[4] * p.y + m[8] * p.z;
   const float y = m[1] * p.x + m[5] * p.y + m[9] * p.z;
@@ -31,8 +31,8 @@ RAYSHEAF_HD inline std::uint32_t outside(const ClipMatrix& m, Vec3 p) {
 }
 
 /// Six times the volume of the tetrahedron of eye and triangle; orthographic: of a prism along the
-/// view. Negative where the corners run counter-clockwise for the eye. In binary64 the products
-/// keep nearly all their bits, so the sign errs only where no ray could tell either.
+/// view. Negative if the corners are counter-clockwise for the eye. In binary64 the products keep
+/// nearly all their bits, so the sign is only wrong for triangles that no ray could decide either.
 RAYSHEAF_HD inline double facing(const CameraFrame& frame, Vec3 a, Vec3 b, Vec3 c) {
   const double ab[3] = {double{b.x} - a.x, double{b.y} - a.y, double{b.z} - a.z};
   const double ac[3] = {double{c.x} - a.x, double{c.y} - a.y, double{c.z} - a.z};
@@ -41,7 +41,7 @@ RAYSHEAF_HD inline double facing(const CameraFrame& frame, Vec3 a, Vec3 b, Vec3 
          along.z * (ab[0] * ac[1] - ab[1] * ac[0]);
 }
 
-/// Whether a picture may show the triangle of these corners relative to the eye.
+/// Whether the triangle with these corners relative to the eye may be visible in an image.
 RAYSHEAF_HD inline bool may_show(const PictureView& view, Vec3 a, Vec3 b, Vec3 c,
                                  std::uint8_t flags) {
   const double side = facing(view.frame, a, b, c);

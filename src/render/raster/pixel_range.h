@@ -8,10 +8,10 @@
 
 namespace raysheaf {
 
-/// Columns x0 to x1 and rows y0 to y1, all included; empty where `x0 > x1` or `y0 > y1`.
+/// Columns x0 to x1 and rows y0 to y1, inclusive; empty if `x0 > x1` or `y0 > y1`.
 struct PixelRange {
   std::int32_t x0, y0, x1, y1;
-  float nearest = 0;  ///< no ray meets the triangle at a lesser t
+  float nearest = 0;  ///< a lower bound of t for rays that hit the triangle
 
   [[nodiscard]] RAYSHEAF_HD bool is_empty() const { return x0 > x1 || y0 > y1; }
   [[nodiscard]] RAYSHEAF_HD std::int64_t area() const {
@@ -19,13 +19,13 @@ struct PixelRange {
   }
 };
 
-/// What the sums of four products below, and those of `camera_ray`, may err by, as part of the sum
-/// of their magnitudes: a generous gamma(8).
+/// The relative error, in proportion to the sum of their terms' magnitudes, of the sums of four
+/// products below, and of those of `camera_ray`: a generous gamma(8).
 inline constexpr float kProjectionError = 1e-6f;
 
-/// Grows {least x, least y, greatest x, greatest y, least w} by where a point relative to the eye
-/// is seen, between the picture's edges at -1 and 1, and by what that may err. False where the
-/// point is behind or beside the eye.
+/// Extends {least x, least y, greatest x, greatest y, least w} by the image position of a point
+/// relative to the eye, with the image's edges at -1 and 1, and by its error. Returns false if the
+/// point is not in front of the eye.
 RAYSHEAF_HD inline bool grow(const ClipMatrix& m, Vec3 p, float (&box)[5]) {
   const Vec3 size = abs(p);
   const float w = m[3] * p.x + m[7] * p.y + m[11] * p.z + m[15];
@@ -44,8 +44,8 @@ RAYSHEAF_HD inline bool grow(const ClipMatrix& m, Vec3 p, float (&box)[5]) {
   return true;
 }
 
-/// Holds every pixel whose `camera_ray` meets the triangle of these corners relative to the eye;
-/// the whole picture where the triangle reaches behind the eye.
+/// Contains every pixel whose `camera_ray` hits the triangle with these corners relative to the
+/// eye; the whole image if the triangle extends behind the eye.
 RAYSHEAF_HD inline PixelRange pixel_range(const CameraFrame& frame, const ClipMatrix& clip, Vec3 a,
                                           Vec3 b, Vec3 c) {
   const auto width = static_cast<float>(frame.width), height = static_cast<float>(frame.height);
@@ -61,7 +61,7 @@ RAYSHEAF_HD inline PixelRange pixel_range(const CameraFrame& frame, const ClipMa
     return static_cast<std::int32_t>(
         clamp(std::floor((edge + 1) * 0.5f * count - 0.5f), -1, count - 1));
   };
-  // Perspective clip space has the depth for its w.
+  // In perspective clip space, w is the depth.
   return {first(box[0], width), first(box[1], height), last(box[2], width), last(box[3], height),
           frame.orthographic ? 0 : box[4]};
 }

@@ -22,8 +22,8 @@ double dot(const Row& a, const Row& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/// The rows that give x, y and depth of a point `eye + x right + y up + depth forward`: the dual of
-/// the camera's axes, which need not stand at right angles.
+/// The rows that compute x, y and depth of a point `eye + x right + y up + depth forward`: the dual
+/// basis of the camera's axes, which need not be orthogonal.
 struct DualBasis {
   Row x, y, depth;
 };
@@ -36,7 +36,7 @@ DualBasis dual_basis(const CameraFrame& frame) {
           scaled(cross(right, up), 1 / det)};
 }
 
-/// How depth becomes clip z and w: z = offset - scale * depth.
+/// Maps depth to clip z and w: z = offset - scale * depth.
 struct DepthMap {
   double scale, offset, w_scale, w_offset;
 };
@@ -58,7 +58,8 @@ ClipMatrix clip_matrix(const CameraFrame& frame, float farthest) {
   const DualBasis dual = dual_basis(frame);
   const Row x = scaled(dual.x, 1.0 / frame.half_width);
   const Row y = scaled(dual.y, -1.0 / frame.half_height);
-  // At z_near 0 every perspective depth would be 0; reversed depth has exponents to spare.
+  // With z_near 0 every perspective depth would be 0; reversed depth has enough exponents for a
+  // tiny value.
   const double z_near = frame.orthographic ? frame.z_near : std::max(frame.z_near, 1e-18f);
   const double beyond = std::max<double>(farthest, z_near) * (1 + 1e-6) + 1e-30;
   const DepthMap map = frame.orthographic

@@ -14,7 +14,7 @@
 namespace raysheaf {
 namespace {
 
-/// Triangles a draw call: what bounds the memory that corners stream through to 36 MiB.
+/// Triangles per draw call: limits the memory for corners to 36 MiB.
 constexpr std::uint32_t kBatch = 1u << 20;
 constexpr std::size_t kPixelGrain = 1u << 14;
 
@@ -23,7 +23,7 @@ std::string words(GLenum name) {
   return text != nullptr ? reinterpret_cast<const char*>(text) : "unknown";
 }
 
-/// Unmaps the corners where an exception leaves them mapped.
+/// Unmaps the corners if an exception leaves them mapped.
 struct MappingGuard {
   VisibilityPass& pass;
   ~MappingGuard() { pass.discard(); }
@@ -43,7 +43,8 @@ class Rasterizer::Impl {
       const EglContext::Current current(context_);
       pass_.reset();
     } catch (const Error&) {
-      // The objects go with their context; their owners must not call OpenGL without one.
+      // The objects are destroyed with their context; their owners must not call OpenGL without
+      // one.
       static_cast<void>(pass_.release());
     }
   }
@@ -80,7 +81,7 @@ class Rasterizer::Impl {
   }
 
  private:
-  /// Draws what may show of `count` triangles from `first` on; returns how many that is.
+  /// Draws the triangles that may be visible, out of `count` from `first` on; returns how many.
   std::uint32_t draw(const Executor& executor, const FlatScene& scene, const PictureView& view,
                      std::uint32_t first, std::uint32_t count, std::uint32_t first_slot) {
     const std::uint32_t shown = packer_.choose(executor, scene, view, first, count);
@@ -93,8 +94,8 @@ class Rasterizer::Impl {
     return shown;
   }
 
-  /// Has the device write the corners of its `triangles` into OpenGL's memory, and draws them;
-  /// false where it does not write there.
+  /// Lets the device write the corners of its `triangles` into OpenGL's memory, and draws them;
+  /// returns false if it cannot.
   bool draw_there(SlotDevice& device, std::uint32_t triangles, const PictureView& view) {
     pass_->begin(view.frame.width, view.frame.height, view.clip);
     std::uint32_t slots = 0;
@@ -134,7 +135,7 @@ std::vector<std::uint32_t> Rasterizer::visible_triangles(const Executor& executo
                                                          std::vector<std::uint32_t>* drawn) {
   const std::uint32_t width = frame.width, height = frame.height;
   if (width == 0 || height == 0) {
-    throw Error(ErrorCode::kInvalidArgument, "a picture of " + std::to_string(width) + " x " +
+    throw Error(ErrorCode::kInvalidArgument, "an image of " + std::to_string(width) + " x " +
                                                  std::to_string(height) + " has no pixels");
   }
   if (!(frame.z_far > frame.z_near)) {

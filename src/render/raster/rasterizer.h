@@ -1,7 +1,7 @@
-// Primary visibility by OpenGL: which triangle each pixel sees.
+// Primary visibility by OpenGL: the triangle that each pixel sees.
 //
 // A visibility buffer (C. Burns, W. Hunt, "The Visibility Buffer: A Cache-Friendly Approach to
-// Deferred Shading", JCGT 2(2), 2013): triangle numbers and depth are rasterised, attributes are
+// Deferred Shading", JCGT 2(2), 2013): triangle numbers and depth are rasterized, attributes are
 // fetched afterwards.
 #pragma once
 
@@ -18,30 +18,29 @@ namespace raysheaf {
 class Executor;
 struct FlatScene;
 
-/// Owns a headless OpenGL context and the buffers that are reused from frame to frame. May be
-/// called from any thread, one call at a time; do not call it from within an `Executor` loop.
+/// Owns a headless OpenGL context and the buffers that are reused from frame to frame. Any thread
+/// may call it, one at a time; do not call it from within an `Executor` loop.
 class Rasterizer {
  public:
-  /// Throws `Error` (kNoGraphics) where no OpenGL 4.5 core context can be had; see `EglContext`.
+  /// Throws `Error` (kNoGraphics) if no OpenGL 4.5 core context is available; see `EglContext`.
   Rasterizer();
   ~Rasterizer();
   Rasterizer(Rasterizer&&) noexcept;
   Rasterizer& operator=(Rasterizer&&) noexcept;
 
-  /// The driver's own words: renderer and version.
+  /// The driver's renderer and version strings.
   [[nodiscard]] std::string description() const;
 
   /// For each pixel, in rows from the top, the number in `scene` of the triangle nearest to the
-  /// camera, or kInvalidId. Single-sided triangles do not show their backs. Of triangles at the
-  /// same depth the least number wins, where OpenGL computes the same depth for them. OpenGL moves
-  /// vertices to a grid of 1/256 pixel, so that along silhouettes a pixel may belong to a triangle
-  /// which `camera_ray` misses by so much: `resolve_silhouettes` sets that right.
-  /// `device`, if there is one, may draw its own triangles, which are the scene's, and take the
-  /// picture from OpenGL's memory: then nothing is returned.
-  /// `drawn`, if there is one, takes the triangles that might show, ascending: those that face the
-  /// eye as they want, have an area, and do not lie outside of one of the frustum's sides.
-  /// O(triangles + pixels). Throws `Error`: kInvalidArgument for an empty picture, kUnsupported for
-  /// one larger than the driver's targets, kOutOfMemory.
+  /// camera, or kInvalidId. Single-sided triangles do not show their backs. Among triangles at the
+  /// same depth, the least number wins, if OpenGL computes the same depth for them. OpenGL rounds
+  /// vertices to a grid of 1/256 pixel, so along silhouettes a pixel may belong to a triangle that
+  /// `camera_ray` misses by that much: `resolve_silhouettes` corrects this. `device`, if given, may
+  /// draw its own triangles, which are the scene's, and take the image from OpenGL's memory: then
+  /// the result is empty. `drawn`, if given, receives the triangles that may be visible, ascending:
+  /// those that face the eye as required, have an area, and are not outside one of the frustum's
+  /// sides. O(triangles + pixels). Throws `Error`: kInvalidArgument for an empty image,
+  /// kUnsupported for one larger than the driver's targets, kOutOfMemory.
   [[nodiscard]] std::vector<std::uint32_t> visible_triangles(
       const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
       SlotDevice* device = nullptr, std::vector<std::uint32_t>* drawn = nullptr);

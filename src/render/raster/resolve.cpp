@@ -20,7 +20,7 @@ struct FlatTriangles {
   }
 };
 
-/// The pixels that are lost, row by row.
+/// The pixels whose rays do not hit their triangle, row by row.
 std::vector<std::uint32_t> look_at_borders(const Executor& executor,
                                            const Resolve<FlatTriangles>& resolve) {
   const std::size_t width = resolve.view.frame.width;
@@ -34,7 +34,7 @@ std::vector<std::uint32_t> look_at_borders(const Executor& executor,
   return lost;
 }
 
-/// `triangle_at(i)`, for i below `count`, are all that may show.
+/// `triangle_at(i)`, for i below `count`, are all triangles that may be visible.
 template <class TriangleAt>
 void resolve(const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
              std::size_t count, const TriangleAt& triangle_at, View<std::uint32_t> triangles) {

@@ -1,4 +1,4 @@
-// Makes a rasterised picture agree with the rays through its pixels' centres.
+// Makes a rasterized image agree with the rays through its pixels' centres.
 #pragma once
 
 #include <cstdint>
@@ -11,20 +11,20 @@ namespace raysheaf {
 class Executor;
 struct FlatScene;
 
-/// OpenGL moves vertices to a grid of 1/256 pixel, and so errs where an edge passes that close to a
-/// pixel's centre. Afterwards each pixel holds a triangle that its ray hits by the one ray-triangle
-/// test, from a side that shows, or kInvalidId. The pixel sees the least (t, number) among
-///  - what it held;
-///  - at a border between triangles, what the 3 x 3 pixels around it held;
-///  - triangles that span few pixels, which their neighbours may not tell of;
-///  - where its ray does not hit what it held, all triangles.
-/// What may still be missed is an edge of a long sliver that no neighbour saw. `triangles` is what
-/// `Rasterizer::visible_triangles` gave for the same scene and camera. O(triangles + pixels) where
-/// the last case is rare. Does not depend on the number of threads. `drawn`: what
-/// `visible_triangles` says of that picture, which saves a look at all others.
+/// OpenGL rounds vertices to a grid of 1/256 pixel, and so errs if an edge passes that close to a
+/// pixel's centre. Afterwards each pixel holds a triangle that its ray hits by the ray-triangle
+/// test, from a visible side, or kInvalidId. The pixel sees the least (t, number) among
+///  - the triangle that it held;
+///  - at a border between triangles, those of the 3 x 3 pixels around it;
+///  - triangles that span few pixels, which its neighbours may not hold;
+///  - if its ray does not hit the triangle that it held, all triangles.
+/// It may still miss an edge of a long sliver that no neighbour saw. `triangles` must be the result
+/// of `Rasterizer::visible_triangles` for the same scene and camera. O(triangles + pixels) if the
+/// last case is rare. Does not depend on the number of threads. `drawn`: the triangles that
+/// `visible_triangles` returned for that image, which saves testing all others.
 void resolve_silhouettes(const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
                          View<const std::uint32_t> drawn, View<std::uint32_t> triangles);
-/// The same from the picture alone.
+/// The same from the image only.
 void resolve_silhouettes(const Executor& executor, const FlatScene& scene, const CameraFrame& frame,
                          View<std::uint32_t> triangles);
 

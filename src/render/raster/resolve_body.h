@@ -1,6 +1,5 @@
-// The resolve, pixel by pixel and triangle by triangle: who a pixel's neighbours are, what its ray
-// sees, and which pixels look for a triangle. Sights are lowered alone: their order does not
-// matter.
+// The resolve for each pixel and triangle: the neighbours of a pixel, what its ray sees, and which
+// pixels test a triangle. Sights are only lowered, so their order does not matter.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +28,7 @@ inline constexpr SightKey kSeesNothing = SightKey{0x7f800000u} << 32 | kInvalidI
 inline constexpr SightKey kNotLooked = ~SightKey{0};
 
 RAYSHEAF_HD inline SightKey sight_key(float t, std::uint32_t triangle) {
-  return SightKey{float_bits(t + 0.0f)} << 32 | triangle;  // + 0 takes the sign from -0
+  return SightKey{float_bits(t + 0.0f)} << 32 | triangle;  // + 0 removes the sign of -0
 }
 RAYSHEAF_HD inline std::uint32_t triangle_of(SightKey key) {
   return static_cast<std::uint32_t>(key);
@@ -44,7 +43,7 @@ RAYSHEAF_HD inline bool shows_side(std::uint8_t flags, bool front) {
   return (flags & kSingleSided) == 0 || front == ((flags & kMirrored) == 0);
 }
 
-/// Whether the 3 x 3 pixels around one, none of them outside of the picture, hold the same.
+/// Whether the 3 x 3 pixels around one, all of them inside the image, hold the same triangle.
 RAYSHEAF_HD inline bool is_uniform(const std::uint32_t* pixel, std::size_t width) {
   const std::uint32_t id = *pixel;
   const std::uint32_t *above = pixel - width, *below = pixel + width;
@@ -78,17 +77,16 @@ RAYSHEAF_HD inline Neighbourhood neighbourhood(View<const std::uint32_t> picture
   return near;
 }
 
-/// A picture that is being resolved. `Triangles` has `corner(triangle, k)` and
-/// `flags_of(triangle)`.
+/// An image that is being resolved. `Triangles` has `corner(triangle, k)` and `flags_of(triangle)`.
 template <class Triangles>
 struct Resolve {
   PictureView view;
   Triangles triangles;
-  View<const std::uint32_t> before;  ///< the picture as it was given
-  SightKey* sight;                   ///< of each pixel; `kNotLooked` before
+  View<const std::uint32_t> before;  ///< the original image
+  SightKey* sight;                   ///< of each pixel; initially `kNotLooked`
 };
 
-/// Triangles that span no more pixels than this are tested with all of them.
+/// Triangles that span up to this many pixels are tested with all of them.
 inline constexpr std::int64_t kFewPixels = 16;
 
 template <class Triangles>
@@ -98,7 +96,7 @@ RAYSHEAF_HD inline RaySetup ray_of(const Resolve<Triangles>& r, std::size_t pixe
                                    static_cast<std::uint32_t>(pixel / width)));
 }
 
-/// What the ray sees of one triangle.
+/// The sight of one triangle for a ray.
 template <class Triangles>
 RAYSHEAF_HD inline SightKey look(const Resolve<Triangles>& r, const RaySetup& ray,
                                  std::uint32_t triangle) {
@@ -110,9 +108,9 @@ RAYSHEAF_HD inline SightKey look(const Resolve<Triangles>& r, const RaySetup& ra
   return seen ? sight_key(hit.t, triangle) : kSeesNothing;
 }
 
-/// What a pixel at a border sees of the triangles around it. Whether its ray does not hit what it
-/// held. A pixel amid eight like it is deep in its triangle, which is convex; at the picture's edge
-/// there is no telling.
+/// Tests a pixel at a border with the triangles around it. Returns whether its ray does not hit the
+/// triangle that it held. A pixel among eight with the same triangle is deep inside that triangle,
+/// which is convex; at the image's edge this is not known.
 template <class Triangles>
 RAYSHEAF_HD inline bool look_at_border(const Resolve<Triangles>& r, std::size_t pixel) {
   const std::uint32_t width = r.view.frame.width, height = r.view.frame.height;
@@ -134,7 +132,7 @@ RAYSHEAF_HD inline bool look_at_border(const Resolve<Triangles>& r, std::size_t 
   return lost;
 }
 
-/// One pixel looks for a triangle that its neighbours may not tell of.
+/// Tests a pixel with a triangle that its neighbours may not hold.
 template <class Triangles>
 RAYSHEAF_HD inline void look_from_pixel(const Resolve<Triangles>& r, std::uint32_t triangle,
                                         float nearest, std::size_t pixel) {
@@ -146,12 +144,12 @@ RAYSHEAF_HD inline void look_from_pixel(const Resolve<Triangles>& r, std::uint32
   const SightKey seen = look(r, ray, triangle);
   if (seen == kSeesNothing) return;
   lower_to(&r.sight[pixel], seen);
-  // Whatever is known already stands for what the pixel held, too.
+  // A known sight already includes the triangle that the pixel held.
   if (known == kNotLooked && held != kInvalidId) lower_to(&r.sight[pixel], look(r, ray, held));
 }
 
-/// Lets the pixels that may have missed a triangle look for it: all that it spans, if they are few,
-/// else those of `lost`, which ascend.
+/// Tests a triangle with the pixels that may have missed it: all that it spans, if they are few,
+/// otherwise those of `lost`, which ascend.
 template <class Triangles>
 RAYSHEAF_HD inline void look_for(const Resolve<Triangles>& r, View<const std::uint32_t> lost,
                                  std::uint32_t triangle) {
@@ -180,7 +178,7 @@ RAYSHEAF_HD inline void look_for(const Resolve<Triangles>& r, View<const std::ui
   }
 }
 
-/// What the pixel shows in the end.
+/// The final triangle of the pixel.
 RAYSHEAF_HD inline std::uint32_t resolved_pixel(std::uint32_t before, SightKey sight) {
   return sight != kNotLooked ? triangle_of(sight) : before;
 }

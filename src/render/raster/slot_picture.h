@@ -1,4 +1,4 @@
-// Triangles and pictures where OpenGL has them, for devices that share OpenGL's memory.
+// Triangles and images in OpenGL's memory, for devices that share it.
 #pragma once
 
 #include <any>
@@ -12,39 +12,39 @@
 
 namespace raysheaf {
 
-/// A buffer of OpenGL's.
+/// An OpenGL buffer.
 struct GlMemory {
   unsigned buffer = 0;  ///< OpenGL's name of it
-  /// What a device keeps with the buffer. It goes before the buffer does, while the context is
-  /// current.
+  /// Data that a device stores with the buffer. They are destroyed before the buffer, while the
+  /// context is current.
   std::any* lease = nullptr;
 };
 
-/// Triangles are drawn under numbers of their own, slots: those that may show, in order.
+/// Triangles are drawn with numbers of their own, slots: the visible candidates in order.
 struct SlotPicture {
-  GlMemory memory;         ///< a slot a pixel, rows from the top, or kInvalidId
-  std::size_t pixels = 0;  ///< at its beginning; there may be room for more
-  /// In the host's memory; none where the device has packed them.
+  GlMemory memory;         ///< a slot for each pixel, rows from the top, or kInvalidId
+  std::size_t pixels = 0;  ///< at its beginning; the buffer may be larger
+  /// In the host's memory; empty if the device has packed them.
   View<const std::uint32_t> triangle_of_slot;
 };
 
-/// Triangles that are packed for one draw call, as `TrianglePacker` does it (render/raster/pack.h).
+/// Triangles that are packed for one draw call, as by `TrianglePacker` (render/raster/pack.h).
 struct PackedBatch {
-  GlMemory corners;  ///< nine floats a triangle, with room for all
+  GlMemory corners;  ///< nine floats per triangle, with room for all
   const PictureView& view;
-  std::uint32_t first = 0, count = 0;  ///< of the triangles to choose from
-  std::uint32_t first_slot = 0;        ///< so many have been drawn
+  std::uint32_t first = 0, count = 0;  ///< the triangles to select from
+  std::uint32_t first_slot = 0;        ///< number of triangles drawn before
 };
 
-/// A device that shares OpenGL's memory. It is called with OpenGL's context current; OpenGL does
-/// what it is asked for from then on after what the device was.
+/// A device that shares OpenGL's memory. It is called with OpenGL's context current; OpenGL's later
+/// commands run after the device's work.
 class SlotDevice {
  public:
   virtual ~SlotDevice() = default;
-  /// Fills the corners; returns how many triangles may show, or nothing where the device does not
+  /// Fills the corners; returns how many triangles may be visible, or nothing if the device cannot
   /// write there.
   [[nodiscard]] virtual std::optional<std::uint32_t> pack(const PackedBatch& batch) = 0;
-  /// Whether the picture was taken.
+  /// Whether the image was taken.
   [[nodiscard]] virtual bool take(const SlotPicture& picture) = 0;
 };
 

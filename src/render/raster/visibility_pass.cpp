@@ -10,8 +10,8 @@
 namespace raysheaf {
 namespace {
 
-// Three unshared vertices a triangle, so that all three know its number: gl_PrimitiveID makes
-// software rasterisers several times slower.
+// Three unshared vertices per triangle, so that all three have its number: gl_PrimitiveID makes
+// software rasterizers several times slower.
 constexpr const char* kVertexShader = R"(#version 450 core
 layout(location = 0) in vec3 position;
 layout(location = 0) uniform mat4 clip;
@@ -51,7 +51,7 @@ VisibilityPass::VisibilityPass()
   glEnableVertexArrayAttrib(array, 0);
   glVertexArrayAttribFormat(array, 0, 3, GL_FLOAT, GL_FALSE, 0);
   glVertexArrayAttribBinding(array, 0, 0);
-  // The context is ours alone: its state is set once.
+  // No other code uses the context, so its state is set once.
   glBindVertexArray(array);
   glUseProgram(program_.name());
   glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -83,8 +83,8 @@ void VisibilityPass::fit_targets() {
 void VisibilityPass::begin(std::uint32_t width, std::uint32_t height, const ClipMatrix& clip) {
   if (width > max_size_[0] || height > max_size_[1]) {
     throw Error(ErrorCode::kUnsupported,
-                "a picture of " + std::to_string(width) + " x " + std::to_string(height) +
-                    " pixels is larger than the OpenGL driver draws, which is " +
+                "an image of " + std::to_string(width) + " x " + std::to_string(height) +
+                    " pixels is larger than the OpenGL driver's maximum, " +
                     std::to_string(max_size_[0]) + " x " + std::to_string(max_size_[1]));
   }
   size_[0] = width;
@@ -94,12 +94,13 @@ void VisibilityPass::begin(std::uint32_t width, std::uint32_t height, const Clip
   glBindFramebuffer(GL_FRAMEBUFFER, target);
   glViewport(0, 0, static_cast<GLsizei>(width), static_cast<GLsizei>(height));
   glScissor(0, 0, static_cast<GLsizei>(width), static_cast<GLsizei>(height));
-  const GLuint nothing[4] = {kInvalidId, kInvalidId, kInvalidId, kInvalidId};  // four are read
+  const GLuint nothing[4] = {kInvalidId, kInvalidId, kInvalidId, kInvalidId};  // OpenGL reads four
+                                                                               // values
   const GLfloat farthest = 0;
   glClearNamedFramebufferuiv(target, GL_COLOR, 0, nothing);
   glClearNamedFramebufferfv(target, GL_DEPTH, 0, &farthest);
   glUniformMatrix4fv(kClip, 1, GL_FALSE, clip.data());
-  gl::check("clearing the picture");
+  gl::check("clearing the image");
 }
 
 void VisibilityPass::fit_corners(std::uint32_t count) {
@@ -122,7 +123,7 @@ float* VisibilityPass::map(std::uint32_t count) {
                                              GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
   gl::check("writing the triangles' corners");
   if (memory == nullptr) {
-    throw Error(ErrorCode::kOutOfMemory, "OpenGL lends no memory for the triangles' corners");
+    throw Error(ErrorCode::kOutOfMemory, "OpenGL provides no memory for the triangles' corners");
   }
   mapped_ = true;
   return static_cast<float*>(memory);
@@ -153,7 +154,7 @@ void VisibilityPass::draw(std::uint32_t count, std::uint32_t first_slot) {
 void VisibilityPass::read(View<std::uint32_t> slots) const {
   glReadPixels(0, 0, static_cast<GLsizei>(size_[0]), static_cast<GLsizei>(size_[1]), GL_RED_INTEGER,
                GL_UNSIGNED_INT, slots.data);
-  gl::check("reading the picture");
+  gl::check("reading the image");
 }
 
 GlMemory VisibilityPass::pack() {
@@ -164,14 +165,14 @@ GlMemory VisibilityPass::pack() {
     packed_ = gl::make_buffer();
     glNamedBufferData(packed_.name(), static_cast<GLsizeiptr>(pixels * sizeof(std::uint32_t)),
                       nullptr, GL_DYNAMIC_COPY);
-    gl::check("a copy of the picture");
+    gl::check("a copy of the image");
     packed_capacity_ = pixels;
   }
   glBindBuffer(GL_PIXEL_PACK_BUFFER, packed_.name());
   glReadPixels(0, 0, static_cast<GLsizei>(size_[0]), static_cast<GLsizei>(size_[1]), GL_RED_INTEGER,
                GL_UNSIGNED_INT, nullptr);
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-  gl::check("copying the picture");
+  gl::check("copying the image");
   return {packed_.name(), &lease_};
 }
 

@@ -1,5 +1,5 @@
-// The OpenGL half of the rasteriser: shaders, targets, and the buffer that corners stream through.
-// The context must be current wherever anything here is called, destructors included.
+// The OpenGL part of the rasterizer: shaders, targets, and the buffer for streaming corners. The
+// context must be current in all calls, including destructors.
 #pragma once
 
 #include <any>
@@ -16,24 +16,24 @@ class VisibilityPass {
  public:
   VisibilityPass();
 
-  /// Clears a picture. Throws `Error` (kUnsupported) where it is larger than the targets can be.
+  /// Clears an image. Throws `Error` (kUnsupported) if it is larger than the targets can be.
   void begin(std::uint32_t width, std::uint32_t height, const ClipMatrix& clip);
 
-  /// Memory for the corners of `count` triangles, to be written and not read, by any thread, until
-  /// `unmap` or `discard`.
+  /// Memory for the corners of `count` triangles, for writing only, by any thread, until `unmap` or
+  /// `discard`.
   [[nodiscard]] float* map(std::uint32_t count);
   void unmap();
   void discard();
   /// The same memory for a device to write to, until the next call.
   [[nodiscard]] GlMemory corners(std::uint32_t count);
 
-  /// Draws the first `count` triangles that were written; the first of them is number `first_slot`
-  /// in the picture.
+  /// Draws the first `count` triangles that were written; the first of them has number `first_slot`
+  /// in the image.
   void draw(std::uint32_t count, std::uint32_t first_slot);
 
-  /// The picture, rows from the top: a slot a pixel, or kInvalidId.
+  /// The image, rows from the top: a slot for each pixel, or kInvalidId.
   void read(View<std::uint32_t> slots) const;
-  /// The same into a buffer of OpenGL's own, until the next call.
+  /// The same in an OpenGL buffer, until the next call.
   [[nodiscard]] GlMemory pack();
 
  private:
@@ -51,7 +51,7 @@ class VisibilityPass {
   bool mapped_ = false;
   gl::Buffer packed_;
   std::size_t packed_capacity_ = 0;
-  std::any corner_lease_, lease_;  ///< go before the buffers
+  std::any corner_lease_, lease_;  ///< destroyed before the buffers
 };
 
 }  // namespace raysheaf

@@ -1,4 +1,4 @@
-// Glowing fragments, many at a time: `glow` (shade_body.h) and `rays_of` (rays/scatter_body.h),
+// Glow of fragments, many at a time: `glow` (shade_body.h) and `rays_of` (rays/scatter_body.h),
 // SIMD over the fragments.
 #pragma once
 
@@ -10,15 +10,16 @@
 
 namespace raysheaf {
 
-/// The same for all fragments.
+/// The input that is the same for all fragments.
 struct GlowLook {
-  Vec3 sky;                ///< the light from everywhere
+  Vec3 sky;                ///< radiance of the uniform sky
   std::uint8_t kinds = 0;  ///< bits of `GoingOn`: the rays that are traced
 };
 
-/// What leaves 1 to `kLightBlock` fragments, and in `going_on`, which may be null, the rays that go
-/// on from them. A bit of `odd`, which has a word for `kLightLanes` fragments each, is set where
-/// nothing of a fragment is right: glass is for the scalar functions. Chosen at run time.
+/// Computes the radiance that leaves 1 to `kLightBlock` fragments, and in `going_on`, which may be
+/// null, the rays that continue from them. Sets a bit in `odd`, which has a word for `kLightLanes`
+/// fragments each, for each fragment whose result is invalid: glass needs the scalar functions.
+/// Chosen at run time.
 void find_glow(View<const Fragment> fragments, const GlowLook& look, Vec3* radiance,
                std::uint8_t* going_on, std::uint16_t* odd);
 

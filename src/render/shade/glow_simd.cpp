@@ -1,5 +1,6 @@
-// The glow of 16 fragments at a time: `scattered_parts`, `rays_of` and `glow`, their operations in
-// their order. Compiled once a SIMD target and chosen at run time (Google Highway).
+// Computes the glow of 16 fragments at a time: `scattered_parts`, `rays_of` and `glow`, with the
+// same operations in the same order. Compiled once for each SIMD target and chosen at run time
+// (Google Highway).
 #include "render/shade/glow.h"
 
 #include <algorithm>
@@ -17,7 +18,7 @@ HWY_BEFORE_NAMESPACE();
 namespace raysheaf::HWY_NAMESPACE {
 namespace {
 
-/// A byte a lane, `yes` or 0, `count` of them.
+/// Stores `yes` or 0 as a byte for each of `count` lanes.
 HWY_INLINE void GiveBytes(M lanes, std::uint8_t yes, std::size_t count, std::uint8_t* to) {
   const hn::RebindToSigned<Floats> ints;
   const hn::Rebind<std::uint8_t, Floats> bytes;
@@ -53,7 +54,7 @@ void FindGlow(View<const Fragment> fragments, const GlowLook& look, Vec3* radian
         hn::Ge(MaxOf(Mul(f.At3<RAYSHEAF_WORD(weight)>(), reflected)), hn::Set(d, kLeastWeight));
     const M reflects = hn::And(hn::And(is_there, is_lit), hn::And(traced, hn::And(mirror, worth)));
     const V3 diffuse = Mul(f.At3<RAYSHEAF_SURFACE_WORD(diffuse)>(), below);
-    // Nothing is refracted, which is added all the same: -0 becomes 0.
+    // The refracted part is 0; adding it turns -0 into 0, as in the scalar code.
     const V3 part = Add(Select(reflects, diffuse, Add(diffuse, reflected)), {zero, zero, zero});
     const V3 lit = Select(is_lit, Add(emission, Mul(part, sky)), emission);
     Give3(Select(is_there, lit, sky), left, radiance + k);

@@ -1,5 +1,5 @@
-// `lit_by` for 16 fragments at a time: `reflectance` of shade_body.h, its operations in its order.
-// Compiled once a SIMD target and chosen at run time (Google Highway).
+// `lit_by` for 16 fragments at a time: `reflectance` of shade_body.h, with the same operations in
+// the same order. Compiled once for each SIMD target and chosen at run time (Google Highway).
 #include "render/shade/point_shading.h"
 
 #include <bit>
@@ -57,7 +57,7 @@ void GiveRadiance(const ShadingColumns& c, View<Vec3> radiance) {
     Give3(Load3(c.radiance, k), radiance.size - k, radiance.data + k);
 }
 
-/// Lanes whose visibility byte says so.
+/// Lanes whose visibility byte is `kVisible`.
 HWY_INLINE M IsVisible(const std::uint8_t* visible) {
   const Floats d;
   const hn::RebindToSigned<Floats> ints;
@@ -67,7 +67,7 @@ HWY_INLINE M IsVisible(const std::uint8_t* visible) {
       d, hn::Eq(value, hn::Set(ints, static_cast<std::int32_t>(Visibility::kVisible))));
 }
 
-/// `reflectance` from the lanes at `k`; lanes that are not `usual` are for the scalar function.
+/// `reflectance` from the lanes at `k`; lanes that are not `usual` need the scalar function.
 HWY_INLINE V3 Reflectance(const ShadingColumns& c, std::size_t k, const V3& to_light, V n_l,
                           M* usual) {
   const Floats d;

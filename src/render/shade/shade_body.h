@@ -1,5 +1,5 @@
-// Radiance that leaves one fragment towards the eye: emission, a uniform sky, and the lights it
-// sees.
+// The radiance that leaves one fragment towards the eye: emission, a uniform sky, and the visible
+// lights.
 #pragma once
 
 #include <cmath>
@@ -14,14 +14,14 @@ inline constexpr float kPi = 3.14159265358979f;
 
 /// Lambert below a GGX highlight (B. Walter et al., "Microfacet Models for Refraction", EGSR 2007;
 /// height-correlated Smith shadowing as in Heitz 2014), times the cosine. Mirrors keep a small
-/// highlight, so that lights show in them.
+/// highlight, so that lights are visible in them.
 RAYSHEAF_HD inline Vec3 reflectance(const Fragment& f, Vec3 to_light) {
   const Surface& s = f.surface;
   const float n_l = dot(s.normal, to_light), n_v = cos_arrival(f);
   const Vec3 half = normalized(to_light - f.incoming, s.normal);
   const float n_h = clamp(dot(s.normal, half), 0, 1), v_h = clamp(-dot(f.incoming, half), 0, 1);
   const Vec3 fresnel = fresnel_schlick(s.specular, s.specular_edge, v_h);
-  // At grazing views the highlight takes more than its own Fresnel term says.
+  // At grazing views the highlight takes more light than its own Fresnel term.
   const Vec3 coat =
       max(fresnel_schlick(s.coat, s.coat_edge, v_h), fresnel_schlick(s.coat, s.coat_edge, n_v));
   const float smoothest = s.roughness > kMirrorRoughness ? s.roughness : kMirrorRoughness;
@@ -35,20 +35,20 @@ RAYSHEAF_HD inline Vec3 reflectance(const Fragment& f, Vec3 to_light) {
   return (below + fresnel * highlight) * n_l;
 }
 
-/// What a light sends from the fragment towards the eye where nothing stands between them.
+/// The light of a light source that the fragment reflects towards the eye if nothing is between
+/// them.
 RAYSHEAF_HD inline Vec3 lit_by(const Fragment& f, const LightSample& sample) {
   if (!(dot(f.surface.normal, sample.to_light) > 0)) return {0, 0, 0};
   return reflectance(f, sample.to_light) * sample.irradiance;
 }
 
-/// The luminance that white would have where nothing stood before the light.
+/// The luminance of a white surface if nothing is between it and the light.
 RAYSHEAF_HD inline float unoccluded(const Fragment& f, const LightSample& sample) {
   const float cosine = dot(f.surface.normal, sample.to_light);
   return cosine > 0 ? luminance(sample.irradiance) * cosine / kPi : 0;
 }
 
-/// Emission and the sky. `traced_reflection` and `traced_refraction`: that part arrives by rays
-/// instead.
+/// Emission and the sky. `traced_reflection` and `traced_refraction`: rays add that part instead.
 RAYSHEAF_HD inline Vec3 glow(const Fragment& f, const Scattering& s, Vec3 sky,
                              bool traced_reflection, bool traced_refraction) {
   if (f.surface.unlit) return f.surface.emission;
@@ -58,7 +58,7 @@ RAYSHEAF_HD inline Vec3 glow(const Fragment& f, const Scattering& s, Vec3 sky,
   return f.surface.emission + part * sky;
 }
 
-/// What a mirror or glass would show of the environment by the rays that are not traced.
+/// The parts of the environment in a mirror or glass for which no rays are traced.
 RAYSHEAF_HD inline Vec3 environment_glow(const Fragment& f, const Scattering& s,
                                          const EnvironmentView& sky, bool traced_reflection,
                                          bool traced_refraction) {

@@ -23,11 +23,11 @@ struct ShadedBlock {
   View<const Fragment> fragments;
   const LightGroup& group;
   const Visibility* visibility;  ///< of the first fragment and the first light
-  std::size_t light_stride;      ///< from a light's visibility to the next one's
+  std::size_t light_stride;      ///< distance between the visibilities of two lights
   View<Vec3> radiance;
 };
 
-/// The lights one after the other: a fragment adds them up in their order.
+/// Adds the lights one after the other, so that a fragment sums them in order.
 void shade_block(const ShadedBlock& block) {
   const LightGroup& group = block.group;
   const std::size_t count = block.fragments.size;
@@ -58,7 +58,7 @@ void shade_block(const ShadedBlock& block) {
 }
 
 constexpr float kMiddleGrey = 0.18f;
-constexpr double kBrightPart = 0.95;  // this part of the pixels stays below kBrightest
+constexpr double kBrightPart = 0.95;  // this fraction of the pixels stays below kBrightest
 constexpr float kBrightest = 1.3f;
 constexpr float kSkyShare = 1.0f / 7;
 
@@ -129,7 +129,9 @@ void accumulate(const Executor& executor, View<const Fragment> fragments, View<c
                 View<Vec3> pixels) {
   executor.for_each(fragments.size, kWorkGrain, [&](std::size_t i) {
     const std::uint32_t pixel = fragments[i].pixel;
-    if (i > 0 && fragments[i - 1].pixel == pixel) return;  // the first of a pixel adds them all
+    if (i > 0 && fragments[i - 1].pixel == pixel)
+      return;  // the first fragment of a pixel adds
+               // them all
     for (std::size_t j = i; j < fragments.size && fragments[j].pixel == pixel; ++j)
       pixels[pixel] += fragments[j].weight * radiance[j];
   });
