@@ -1,5 +1,5 @@
-// The library's doors: what comes in is looked over, copied, moved to the world. Beside each, a
-// plain copy of the same bytes by the C library, on one thread.
+// The library's API: input is validated, copied and transformed to the world. The baseline of each
+// benchmark is a plain copy of the same bytes by the C library on one thread.
 #include <benchmark/benchmark.h>
 
 #include <cstring>
@@ -38,7 +38,7 @@ void plain_copy(benchmark::State& state) {
 }
 BENCHMARK(plain_copy)->UseRealTime()->Unit(benchmark::kMillisecond);
 
-/// A frame's update of 2^20 vertices: threads, storage.
+/// A frame's update of 2^20 vertices. Arguments: threads, storage.
 void update(benchmark::State& state) {
   const std::vector<Vec3> from = positions(kVertices - 1);
   Scene scene(Context({.threads = static_cast<std::uint32_t>(state.range(0))}));
@@ -55,7 +55,7 @@ BENCHMARK(update)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
-/// The same where the instance turns.
+/// An update of the vertices while the instance rotates.
 void update_and_transform(benchmark::State& state) {
   const std::vector<Vec3> from = positions(kVertices - 1);
   Scene scene(Context({.threads = static_cast<std::uint32_t>(state.range(0))}));
@@ -73,7 +73,7 @@ BENCHMARK(update_and_transform)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
 
-/// Many small bodies, all of which move in every frame.
+/// Many small meshes, all of which move in every frame.
 void move_instances(benchmark::State& state) {
   const auto count = static_cast<std::size_t>(state.range(0));
   Scene scene;
@@ -89,7 +89,7 @@ void move_instances(benchmark::State& state) {
 }
 BENCHMARK(move_instances)->Arg(1000)->Arg(100000)->UseRealTime()->Unit(benchmark::kMillisecond);
 
-/// The same where one of them comes and goes in every frame.
+/// Many small meshes, one of which is added or removed in every frame.
 void list_instances(benchmark::State& state) {
   Scene scene;
   const MeshId body = scene.add_soup(positions(36), {.place = false});
@@ -103,7 +103,7 @@ void list_instances(benchmark::State& state) {
 }
 BENCHMARK(list_instances)->Arg(1000)->Arg(100000)->UseRealTime()->Unit(benchmark::kMillisecond);
 
-/// 2^18 rays looked over.
+/// Validates 2^18 rays.
 void check(benchmark::State& state) {
   const Executor executor(static_cast<std::uint32_t>(state.range(0)));
   const std::vector<Ray> rays(kRays, Ray{{1, 2, 3}, 0, {4, 5, 6}});
@@ -112,7 +112,7 @@ void check(benchmark::State& state) {
 }
 BENCHMARK(check)->ArgName("threads")->Arg(1)->Arg(2)->UseRealTime()->Unit(benchmark::kMillisecond);
 
-/// What a call costs where there is nothing to trace: a ray, and a triangle far behind it.
+/// The fixed cost of a call: one ray, and one triangle far behind it.
 void one_ray(benchmark::State& state) {
   Scene scene;
   scene.add_soup(std::vector<Vec3>{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}});

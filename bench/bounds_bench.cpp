@@ -1,5 +1,6 @@
-// The node test of each bound, as the SIMD kernel and as one call a triangle: ns a test, and the
-// part of the triangles that is met. Bundles of 64 rays from one point to a patch of the scene.
+// The node test of each bound, as the SIMD kernel and as one call per triangle: nanoseconds per
+// test, and the fraction of triangles that pass. Bundles have 64 rays from one point to a patch of
+// the scene.
 #include <benchmark/benchmark.h>
 
 #include <random>
@@ -64,7 +65,7 @@ std::vector<NodeTest<Bound>> random_nodes(Draws& draws) {
   return tests;
 }
 
-/// `run`: triangles a call. Of one, the scalar test.
+/// `run`: triangles per call; a run of 1 uses the scalar test.
 template <class Bound>
 void node_test(benchmark::State& state) {
   Draws draws;

@@ -1,7 +1,7 @@
-// The order of rays, and rays through the object tree, as bundles and as streams: mirror rays,
-// ambient occlusion, and rays from anywhere to anywhere. Arguments: the batch (0, 1, 2), then the
-// sorting (0: by quarter, 1: along the curve), or the bundle (0: bundles, 1: streams) and whether
-// the tree is fine; threads (0: all cores) last.
+// Sorting rays, and tracing them through the object tree, as bundles and as streams: mirror rays,
+// ambient occlusion, and random rays. Arguments: the batch (0, 1, 2), then the sorting (0: by
+// quarter, 1: along the curve), or the bundle (0: bundles, 1: streams) and whether the tree is
+// finely built; threads (0: all cores) last.
 #include "methods/dual/dual.h"
 
 #include <algorithm>
@@ -15,12 +15,12 @@ namespace {
 
 enum Rays { kMirror, kOcclusion, kRandom };
 
-/// Triangles and batches of the bench scene, made ready once.
+/// Triangles and batches of the bench scene, prepared once.
 struct Trace {
   std::vector<Vec3> positions;
   std::vector<TriangleRun> runs;
   LargeVector<Ray> rays[3];
-  ObjectTree trees[2];  ///< along a curve; fine
+  ObjectTree trees[2];  ///< along a curve; finely built
 
   Trace() {
     const Executor executor;
@@ -74,7 +74,7 @@ BENCHMARK(order)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-/// `query(executor, scene, rays, order, &counts)` in the order that suits the bundle best.
+/// Times `query(executor, scene, rays, order, &counts)` in the best order for the bundle.
 template <class Query>
 void time_query(benchmark::State& state, const Query& query) {
   const Executor executor = executor_of(state, 3);

@@ -1,8 +1,8 @@
-// Shadow rays of one point light: the fan of cells, and, where it is installed, Embree's rebuild
-// and trace of the same rays, alternately in one process. Argument: threads (0: all cores).
+// Shadow rays of one point light: the fan of cells, and, if installed, Embree's rebuild and trace
+// of the same rays, interleaved in one process. Argument: threads (0: all cores).
 //
-// RAYSHEAF_BENCH_TRIANGLES=1000000 takes that many generated triangles in place of a scene: a bumpy
-// closed surface of small triangles seen from inside, with a forest of small ones before it.
+// RAYSHEAF_BENCH_TRIANGLES=1000000 uses that many generated triangles instead of a scene: a bumpy
+// closed surface of small triangles seen from inside, and small triangles scattered in front of it.
 #include "methods/fan/fan.h"
 
 #include <algorithm>
@@ -48,7 +48,7 @@ struct Fan {
     rays = input().shadow_rays(Executor(), input().fragments).rays;
   }
 
-  /// A wavy sphere of half the triangles, and the other half as small triangles within it.
+  /// A wavy sphere with half of the triangles, and the other half as small triangles inside.
   void generate(std::uint32_t count) {
     const auto side = static_cast<std::uint32_t>(std::sqrt(static_cast<float>(count) / 4));
     for (std::uint32_t i = 0; i <= side; ++i) {
@@ -75,7 +75,7 @@ struct Fan {
         positions.push_back(p + Vec3{random() * size, random() * size, random() * size});
       indices.push_back({first, first + 1, first + 2});
     }
-    // Rays to a quarter of the surface, as a picture of it would have them, in rows.
+    // Rays to a quarter of the surface, in rows as in an image.
     for (std::uint32_t y = 0; y < 505; ++y) {
       for (std::uint32_t x = 0; x < 505; ++x) {
         const float a = 0.8f + static_cast<float>(y) / 505, b = static_cast<float>(x) / 505 * 3;
@@ -133,7 +133,7 @@ BENCHMARK(any_hit)
 
 #ifdef RAYSHEAF_BENCH_EMBREE
 
-/// A scene of Embree's over the same arrays, built again for each batch.
+/// An Embree scene over the same arrays, rebuilt for each batch.
 class Embree {
  public:
   explicit Embree(std::uint32_t threads)
@@ -169,7 +169,7 @@ class Embree {
     rtcCommitScene(scene_);
   }
 
-  /// Rays in packets of 16, in the order of the batch.
+  /// Traces rays in packets of 16, in the order of the batch.
   void trace(const Executor& executor, View<std::uint8_t> occluded) const {
     const LargeVector<Ray>& rays = fan().rays;
     executor.for_each_block((rays.size() + 15) / 16, 64, [&](std::size_t begin, std::size_t end) {
@@ -203,14 +203,14 @@ class Embree {
   RTCGeometry geometry_;
 };
 
-/// Both, one after the other, in every iteration.
+/// Runs both, one after the other, in every iteration.
 void against_embree(benchmark::State& state) {
   const Executor executor = executor_of(state, 0);
   Embree embree(executor.threads());
   FanMemory memory;
   std::vector<std::uint8_t> ours(fan().rays.size()), theirs(fan().rays.size());
   std::vector<double> fan_ms, build_ms, trace_ms, ratio;
-  // With one thread its own time, which other programs on the machine do not touch.
+  // With one thread, CPU time is measured, which other programs do not affect.
   const bool alone = executor.threads() == 1;
   const auto now_ms = [alone] {
     if (alone) return static_cast<double>(std::clock()) * 1e3 / CLOCKS_PER_SEC;

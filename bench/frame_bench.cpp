@@ -1,5 +1,5 @@
-// A whole shadow batch by each method, and whole frames, flattening included. Argument: threads, 0
-// for all cores. Brute force runs on 64 x 64 pixels, all else on 512 x 512.
+// A complete shadow batch by each method, and complete frames, flattening included. Argument:
+// threads, 0 for all cores. Brute force runs on 64 x 64 pixels, the others on 512 x 512.
 #include "render/frame/frame.h"
 #include "render/geometry/resident_geometry.h"
 
@@ -12,7 +12,7 @@
 namespace raysheaf::bench {
 namespace {
 
-/// The most memory that the process has held so far: run one benchmark alone to see its own.
+/// The peak memory of the process so far: run a single benchmark to see its own.
 double peak_mib() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -58,7 +58,7 @@ void whole_frame(benchmark::State& state) {
   RenderOptions options;
   options.method = kMethod;
   options.primary = rasterizer ? Primary::kRaster : Primary::kTrace;
-  state.SetLabel(rasterizer ? rasterizer->description() : "traced first hits");
+  state.SetLabel(rasterizer ? rasterizer->description() : "traced primary rays");
   const SceneDescription& scene = input().scene;
   const std::vector<Sphere> bounds = mesh_bounds(executor, scene);
   const std::vector<PlacedLight> lights = placed_lights(scene.lights);

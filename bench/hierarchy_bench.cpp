@@ -1,4 +1,4 @@
-// Ray bounds, bottom-up, over the shadow rays of a picture in the order of their keys. Arguments:
+// Builds ray bounds bottom-up over the shadow rays of an image, sorted by their keys. Arguments:
 // branching, levels, threads (0 for all cores).
 #include "methods/ray_hierarchy/hierarchy.h"
 

@@ -1,5 +1,5 @@
 // The ray-triangle test: the SIMD kernel and a plain loop over the scalar test, in the same run.
-// Argument: triangles a list. Rays are shadow rays from all over the picture.
+// Argument: triangles per list. Rays are shadow rays from all over the image.
 #include "intersect/brute_force.h"
 #include "support.h"
 

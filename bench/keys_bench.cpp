@@ -1,4 +1,5 @@
-// What a batch's keys cost, before they are sorted. Arguments: number of rays / threads / key bits.
+// The cost of computing a batch's keys, without sorting. Arguments: number of rays / threads / key
+// bits.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -10,7 +11,8 @@ namespace {
 
 constexpr Box kBox{{-1, -1, -1}, {1, 1, 1}};
 
-/// Rays from a wavy sheet, mirrored as if seen from above: near ones are near in the stream.
+/// Rays that a wavy sheet reflects as if seen from above: rays that are close are close in the
+/// stream.
 RayBatch sheet_of_rays(std::size_t count) {
   RayBatch batch;
   batch.kind = RayKind::kReflection;

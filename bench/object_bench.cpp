@@ -1,5 +1,5 @@
-// The object tree: rebuilt along a curve, refitted, built finely; beside Embree's fast build and
-// refit, where the build found Embree, on the same triangles and threads and in the same run.
+// The object tree: rebuilt along a curve, refitted, built finely; compared with Embree's fast build
+// and refit, if the build found Embree, on the same triangles and threads in the same run.
 // Arguments: thousands of triangles, threads. RAYSHEAF_BENCH_LARGE=1 adds ten million.
 #include <benchmark/benchmark.h>
 
@@ -20,7 +20,7 @@ namespace {
 
 using Index = std::array<std::uint32_t, 3>;
 
-/// Positions have one more at the end: Embree reads sixteen bytes of each.
+/// Positions have an extra element at the end, because Embree reads sixteen bytes of each.
 struct Mesh {
   std::vector<Vec3> positions;
   std::vector<Index> indices;
@@ -28,7 +28,7 @@ struct Mesh {
 
 enum Shape { kGrid, kSoup };
 
-/// A square of small waves, its vertices shared.
+/// A square of small waves with shared vertices.
 Mesh make_grid(std::uint32_t triangles) {
   const auto side = static_cast<std::uint32_t>(std::sqrt(triangles / 2.0));
   Mesh mesh;
@@ -48,7 +48,7 @@ Mesh make_grid(std::uint32_t triangles) {
   return mesh;
 }
 
-/// Small triangles anywhere in a cube, in no order.
+/// Small random triangles in a cube, in random order.
 Mesh make_soup(std::uint32_t triangles) {
   std::mt19937 engine(1);
   std::uniform_real_distribution<float> unit(0, 1);
@@ -135,7 +135,7 @@ void fine(benchmark::State& state) {
 template <Shape kShape>
 void embree(benchmark::State& state, RTCBuildQuality geometry_quality,
             RTCBuildQuality scene_quality) {
-  _mm_setcsr(_mm_getcsr() | 0x8040);  // subnormal numbers are zero, as Embree recommends
+  _mm_setcsr(_mm_getcsr() | 0x8040);  // flushes subnormal numbers to zero, as Embree recommends
   const Input in(kShape, state);
   const RTCDevice device =
       rtcNewDevice(("threads=" + std::to_string(in.executor.threads())).c_str());

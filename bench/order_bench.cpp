@@ -1,5 +1,5 @@
-// The order of a shadow batch's worth of rays, step by step, and the sort beside the rivals it
-// might be replaced by. Arguments: number of rays / threads. Labels: the kind of keys.
+// Sorting as many rays as a shadow batch has, step by step, and the sort compared with
+// alternatives. Arguments: number of rays / threads. Labels: the kind of keys.
 #include <benchmark/benchmark.h>
 #include <hwy/contrib/sort/vqsort.h>
 
@@ -19,11 +19,11 @@ using Words = std::vector<std::uint32_t>;
 
 enum class Kind { kRandom, kCoarse, kBands, kSorted };
 
-/// Where the coarse keys have their five bits.
+/// The coarse keys use five bits from here on.
 constexpr std::uint32_t kField = 1u << 12;
 
 /// Random: 32 random bits. Coarse: 32 values of one field, at random. Bands: the same 32 values in
-/// runs of 64 rays, as an image has them. Sorted: random ones in order.
+/// runs of 64 rays, as in an image. Sorted: random ones in order.
 template <Kind kKind>
 Words make_keys(std::size_t count) {
   std::mt19937 random(7);
@@ -62,7 +62,7 @@ void count_rays(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 
-/// Times `work` on a fresh copy of `input` each time; the copy is not counted.
+/// Times `work` on a fresh copy of `input` each time, without the time of copying.
 template <class Input, class Work>
 void time_on_copy(benchmark::State& state, const Input& input, const Work& work) {
   Input copy;

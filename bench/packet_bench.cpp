@@ -1,5 +1,5 @@
-// Packets and their tree, step by step, and beside them the ray hierarchy of `crsh` on the same
-// rays. Arguments: threads. Labels: what the rays are.
+// Packets and their tree, step by step, compared with the ray hierarchy of `crsh` on the same rays.
+// Arguments: threads. Labels: the kind of rays.
 #include <benchmark/benchmark.h>
 
 #include <numeric>
@@ -20,12 +20,12 @@ constexpr std::size_t kRays = 512 * 512;
 
 enum class Kind { kFan, kScattered };
 
-/// Ordered rays of one kind through the atrium. Fan: from one light to random points. Scattered:
+/// Sorted rays of one kind through the atrium. Fan: from one light to random points. Scattered:
 /// between random points.
 struct Work {
   SceneDescription description = builtin_scene("atrium");
   FlatScene scene;
-  std::vector<Ray> rays;  ///< as they come
+  std::vector<Ray> rays;  ///< in their original order
   std::vector<Ray> ordered;
   std::vector<std::uint32_t> order, keys;  ///< keys ascending
 
@@ -87,7 +87,7 @@ void cut(benchmark::State& state) {
   count(state, kRays);
 }
 
-/// Tests a ray, beside the time.
+/// Reports tests per ray, in addition to the time.
 void show_tests(benchmark::State& state, const std::vector<std::uint64_t>& tests,
                 std::uint64_t final_tests) {
   const auto sum = std::accumulate(tests.begin(), tests.end(), final_tests);

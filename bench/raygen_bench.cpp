@@ -1,4 +1,4 @@
-// Rays and keys from fragments. Argument: threads, 0 for all cores.
+// Generates rays and keys from fragments. Argument: threads, 0 for all cores.
 #include "rays/hash_body.h"
 #include "support.h"
 
@@ -19,7 +19,7 @@ void shadow_rays(benchmark::State& state) {
   state.counters["per_ray"] = time_each(static_cast<double>(rays));
 }
 
-/// Every surface made a mirror or glass, whatever the scene has.
+/// Makes every surface a mirror or glass.
 Fragments all_specular(RayKind kind) {
   Fragments fragments = input().fragments;
   for (Fragment& f : fragments) {
@@ -46,7 +46,7 @@ void bounce_rays(benchmark::State& state) {
   state.counters["per_ray"] = time_each(static_cast<double>(rays));
 }
 
-/// The key alone, on one thread.
+/// Only the key, on one thread.
 template <class Key>
 void time_keys(benchmark::State& state, const Key& key) {
   const Executor executor;

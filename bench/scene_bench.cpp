@@ -1,4 +1,4 @@
-// The scene stage: mesh bounds once a scene, flattening and moved bounds once a frame.
+// The scene stage: mesh bounds once per scene, flattening and transformed bounds once per frame.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -33,7 +33,7 @@ Mesh sheet(std::uint32_t n) {
   return mesh;
 }
 
-/// `meshes` sheets in a row, of `triangles` together.
+/// `meshes` sheets in a row, with `triangles` in total.
 SceneDescription sheets(std::int64_t triangles, std::int64_t meshes) {
   SceneDescription scene;
   const double each = static_cast<double>(triangles) / static_cast<double>(meshes);

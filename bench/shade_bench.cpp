@@ -1,5 +1,5 @@
-// Light that leaves the first hits. Argument: threads, 0 for all cores; the automatic settings and
-// the tone curve run on one.
+// Shading of primary hits. Argument: threads, 0 for all cores; the automatic settings and the tone
+// curve use one.
 #include "render/shade/shade.h"
 
 #include "support.h"
@@ -60,7 +60,7 @@ void sky(benchmark::State& state) {
   finish(state);
 }
 
-/// Pixels of many brightnesses, as the lights without shadows give them.
+/// An image with many brightnesses, lit without shadows.
 RenderResult lit_picture() {
   const Executor executor;
   RenderResult result;

@@ -1,7 +1,7 @@
-// What the stage benchmarks work on: a scene, its first hits, its shadow rays.
+// The input of the stage benchmarks: a scene, its primary hits, and its shadow rays.
 //
-// The scene is the built-in atrium, or the file or built-in scene that RAYSHEAF_BENCH_SCENE names.
-// It is made ready once a program, outside every timed loop.
+// The scene is the built-in atrium, or the file or built-in scene in RAYSHEAF_BENCH_SCENE. It is
+// prepared once per program, outside every timed loop.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -36,7 +36,7 @@ inline SceneDescription bench_scene() {
   return scene;
 }
 
-/// Rasterised, or traced where there is no OpenGL.
+/// Rasterised, or traced if OpenGL is not available.
 inline std::vector<std::uint32_t> first_hits(const Executor& executor, const FlatScene& flat,
                                              const CameraFrame& frame) {
   try {
@@ -73,7 +73,7 @@ struct Input {
   SceneDescription scene = bench_scene();
   TextureSet textures{scene};
   FlatScene flat;
-  Fragments fragments;  ///< one a pixel of kSize
+  Fragments fragments;  ///< one per pixel of kSize
 };
 
 inline const Input& input() {
@@ -81,7 +81,7 @@ inline const Input& input() {
   return the_input;
 }
 
-/// The shadow rays in the order of their keys (`crsh`), or as they were made (`rah`).
+/// The shadow rays in the order of their keys (`crsh`), or in the original order (`rah`).
 inline std::vector<Ray> ordered_shadow_rays(bool sorted) {
   const Executor executor;
   const RayBatch batch = input().shadow_rays(executor, input().fragments);
@@ -93,7 +93,7 @@ inline std::vector<Ray> ordered_shadow_rays(bool sorted) {
   return rays;
 }
 
-/// `state.range(place)`: 0 takes all cores.
+/// `state.range(place)` is the number of threads; 0 stands for all cores.
 inline Executor executor_of(const benchmark::State& state, int place) {
   return Executor(static_cast<std::uint32_t>(state.range(static_cast<std::size_t>(place))));
 }
@@ -102,7 +102,7 @@ inline void count_items(benchmark::State& state, std::size_t items_an_iteration)
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(items_an_iteration));
 }
 
-/// Seconds of wall time for each of `count` things that every iteration does.
+/// Seconds of wall time for each of `count` steps per iteration.
 inline benchmark::Counter time_each(double count) {
   return {count, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert};
 }

@@ -1,5 +1,5 @@
-// The node test, as a SIMD kernel and as a plain loop in the same run; the whole walk; and what the
-// walk counts under other keys than the ones that raygen makes.
+// The node test, as a SIMD kernel and as a plain loop in the same run; the complete traversal; and
+// the counts of the traversal with other keys than those of raygen.
 #include "methods/ray_hierarchy/traverse.h"
 
 #include <algorithm>
@@ -20,7 +20,7 @@ const RayHierarchy<RayBound>& sorted_tree() {
   return tree;
 }
 
-/// Nodes from all over the picture: the time hangs on how many triangles a node keeps.
+/// Nodes from all over the image: the time depends on how many triangles pass a node's test.
 std::vector<ConeSphereTest> some_nodes(std::uint32_t level) {
   const std::vector<RayBound>& nodes = sorted_tree().level(level);
   std::vector<ConeSphereTest> tests;
@@ -33,7 +33,7 @@ FieldPointers<kBallFields> spheres_of(const TriangleView& triangles) {
   return {triangles.sphere[0], triangles.sphere[1], triangles.sphere[2], triangles.sphere[3]};
 }
 
-/// All lists have `state.range(1)` spheres at most, which the first triangles of the scene give.
+/// Each list has at most `state.range(1)` spheres, from the first triangles of the scene.
 template <class Filter>
 void time_filter(benchmark::State& state, const Filter& run) {
   const auto nodes = some_nodes(static_cast<std::uint32_t>(state.range(0)));
@@ -71,7 +71,7 @@ void filter_scalar(benchmark::State& state) {
   });
 }
 
-/// The counts of one walk beside the time of each kind of test, summed over the threads.
+/// The counts of one traversal and the time of each kind of test, summed over threads.
 void report(benchmark::State& state, const TraverseCounts& counts, double rays) {
   double node_tests = 0;
   for (const std::uint64_t tests : counts.tests) node_tests += static_cast<double>(tests);
@@ -106,7 +106,7 @@ void walk_rah(benchmark::State& state) {
   walk(state, false);
 }
 
-/// The sphere as azimuth and polar angle, each on [0, 1].
+/// The sphere as azimuth and polar angle, each in [0, 1].
 Vec2 azimuth_polar(Vec3 direction) {
   constexpr float kPi = 3.14159265f;
   const Vec3 d = normalized(direction);
@@ -117,7 +117,7 @@ std::uint32_t side_by_side(Vec2 place, std::uint32_t bits) {
   return quantized(place.x, bits) << bits | quantized(place.y, bits);
 }
 
-/// Sixteen bits moved apart, a zero above each: `...0d 0c 0b 0a`.
+/// Spreads sixteen bits, with a zero above each: `...0d 0c 0b 0a`.
 std::uint32_t spread_by_2(std::uint32_t x) {
   x &= 0x0000ffffu;
   x = (x | (x << 8)) & 0x00ff00ffu;
@@ -128,8 +128,8 @@ std::uint32_t spread_by_2(std::uint32_t x) {
 
 enum class Key { kNone, kAngles5, kAngles8, kMorton8, kOwn };
 
-/// Below the light, which the upper sixteen bits of raygen's key tell: nothing, the angles with 5
-/// or 8 bits each, the octahedral map with 8 bits each, interleaved; or raygen's key.
+/// The upper sixteen bits are raygen's key of the light. The lower bits are: nothing; the angles
+/// with 5 or 8 bits each; the octahedral map with 8 bits each, interleaved; or raygen's key.
 std::uint32_t shadow_key_of(Key key, const Ray& ray, std::uint32_t own) {
   const std::uint32_t light = own & 0xffff0000u;
   const Vec2 square = octahedral(ray.direction);
@@ -147,8 +147,8 @@ std::uint32_t shadow_key_of(Key key, const Ray& ray, std::uint32_t own) {
   }
 }
 
-/// For rays from anywhere: nothing, the angles of the origin about the scene's middle above those
-/// of the direction (5 bits each; 8 and 7), or what raygen makes.
+/// For rays from anywhere: nothing; the angles of the origin around the scene's centre above those
+/// of the direction (5 bits each; 8 and 7); or raygen's key.
 std::uint32_t bounce_key_of(Key key, const Ray& ray, std::uint32_t own) {
   const Box& box = input().flat.bounds;
   const Vec2 from = azimuth_polar(ray.origin - (box.min + box.max) * 0.5f);
@@ -165,7 +165,7 @@ std::uint32_t bounce_key_of(Key key, const Ray& ray, std::uint32_t own) {
   }
 }
 
-/// The tests of one batch in the order of some key, with mesh culling: counts alone matter here.
+/// The tests of one batch in the order of some key, with mesh culling: only the counts matter here.
 void count_tests(benchmark::State& state, const RayBatch& batch,
                  const std::vector<std::uint32_t>& keys) {
   const Executor executor;
@@ -198,7 +198,7 @@ void tests_of_shadow_rays(benchmark::State& state) {
   count_tests(state, batch, keys);
 }
 
-/// Reflections, with every surface made a mirror, whatever the scene has.
+/// Reflections, with every surface made a mirror.
 template <Key kKey>
 void tests_of_mirror_rays(benchmark::State& state) {
   Fragments fragments = input().fragments;

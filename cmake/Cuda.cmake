@@ -1,12 +1,12 @@
-# The device compiler, where RAYSHEAF_CUDA wants it and there is one: sets RAYSHEAF_HAS_CUDA and tells
-# raysheaf_options the flags.
+# Finds the device compiler if RAYSHEAF_CUDA allows it: sets RAYSHEAF_HAS_CUDA, and adds its flags
+# to raysheaf_options.
 set(RAYSHEAF_HAS_CUDA OFF)
 if(NOT RAYSHEAF_CUDA)
   return()
 endif()
 
 if(NOT CMAKE_CUDA_COMPILER)
-  unset(CMAKE_CUDA_COMPILER CACHE)  # one that was missing last time may have come
+  unset(CMAKE_CUDA_COMPILER CACHE)  # it may have been installed since the last run
 endif()
 include(CheckLanguage)
 check_language(CUDA)
@@ -19,9 +19,9 @@ if(NOT CMAKE_CUDA_COMPILER)
   return()
 endif()
 
-# PTX of the oldest architecture, which every later device can compile for itself, and machine code for
-# one: enough to have everything through the whole compiler. Each more takes as long again; the preset
-# `cuda` has them all.
+# PTX of the oldest architecture, which every later device can compile for itself, and machine code
+# for one, so that all code goes through the whole compiler. Each further architecture adds the same
+# compile time; the preset `cuda` has all of them.
 if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
   set(CMAKE_CUDA_ARCHITECTURES "75-virtual;90-real" CACHE STRING "CUDA architectures")
 endif()
@@ -29,9 +29,9 @@ enable_language(CUDA)
 if(CMAKE_CUDA_COMPILER_VERSION VERSION_LESS 12.0)
   if(NOT RAYSHEAF_CUDA STREQUAL "AUTO")
     message(FATAL_ERROR "RAYSHEAF_CUDA is ${RAYSHEAF_CUDA}, but nvcc ${CMAKE_CUDA_COMPILER_VERSION} "
-      "does not speak C++20: 12.0 is the first that does")
+      "does not support C++20: 12.0 is the first that does")
   endif()
-  message(STATUS "Device code: left out, nvcc ${CMAKE_CUDA_COMPILER_VERSION} does not speak C++20")
+  message(STATUS "Device code: left out, nvcc ${CMAKE_CUDA_COMPILER_VERSION} does not support C++20")
   return()
 endif()
 set(RAYSHEAF_HAS_CUDA ON)
@@ -40,14 +40,14 @@ if(CMAKE_CXX_COMPILER_LAUNCHER AND NOT DEFINED CMAKE_CUDA_COMPILER_LAUNCHER)
   set(CMAKE_CUDA_COMPILER_LAUNCHER ${CMAKE_CXX_COMPILER_LAUNCHER})
 endif()
 
-# Assertions where the host's are.
+# Enables assertions if the host's are enabled.
 if(NOT CMAKE_CXX_FLAGS_RELWITHDEBINFO MATCHES NDEBUG)
   string(REPLACE "-DNDEBUG" "" CMAKE_CUDA_FLAGS_RELWITHDEBINFO "${CMAKE_CUDA_FLAGS_RELWITHDEBINFO}")
 endif()
 
-# CMake 3.25 drops CMAKE_CUDA_STANDARD 20 without a word, hence -std. The floating-point contract is
-# that of Warnings.cmake, for the device and for the host's half of each file. -Wpedantic is left out:
-# what nvcc generates is not pedantic.
+# CMake 3.25 silently drops CMAKE_CUDA_STANDARD 20, hence -std. The floating-point rules are those
+# of Warnings.cmake, for the device and for the host's half of each file. -Wpedantic is left out,
+# because nvcc generates code that violates it.
 target_compile_options(raysheaf_options INTERFACE
   $<$<COMPILE_LANGUAGE:CUDA>:-std=c++20 --expt-relaxed-constexpr --extended-lambda --fmad=false
     -Xcompiler=-Wall,-Wextra,-Wshadow

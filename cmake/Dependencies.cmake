@@ -1,4 +1,4 @@
-# Everything raysheaf stands on, found once. Debian packages are named where one is missing.
+# Finds all dependencies of raysheaf once. The comments name the Debian packages.
 find_package(TBB REQUIRED CONFIG)     # libtbb-dev
 find_package(hwy REQUIRED CONFIG)     # libhwy-dev
 find_package(PkgConfig REQUIRED)      # pkg-config
@@ -9,7 +9,7 @@ find_package(tinyexr REQUIRED CONFIG)        # libtinyexr-dev
 set(TINYEXR_LIBRARIES "-ltinyexr")
 if(RAYSHEAF_BARE_TINYEXR)
   set(TINYEXR_LIBRARIES "")
-elseif(NOT TARGET tinyexr::tinyexr)  # vcpkg's
+elseif(NOT TARGET tinyexr::tinyexr)  # vcpkg's target
   add_library(tinyexr::tinyexr ALIAS unofficial::tinyexr::tinyexr)
   string(APPEND TINYEXR_LIBRARIES " -lminiz")
 endif()

@@ -1,6 +1,6 @@
-# embed_text(HEADER NAMESPACE FILE...): a header with the text of each file, as constants of that
-# namespace: report.html becomes kReportHtml. Written when CMake configures, and again when a file
-# changes.
+# embed_text(HEADER NAMESPACE FILE...): writes a header with the text of each file as a constant in
+# that namespace: report.html becomes kReportHtml. CMake writes it when it configures, and again
+# when a file changes.
 function(embed_text header namespace)
   set(constants "")
   foreach(file ${ARGN})

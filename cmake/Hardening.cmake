@@ -1,6 +1,6 @@
-# What makes a mistake that was overlooked harder to use: bounds of C functions and of containers are
-# checked where the compiler can, stacks are guarded, addresses are random, and what the linker resolves
-# is read-only before main() begins. Tests read them from the binary.
+# Options that make undetected mistakes harder to exploit: bounds of C functions and of containers
+# are checked where the compiler can, stacks are guarded, addresses are randomised, and relocations
+# are read-only before main() begins. Tests check them in the binary.
 include(CheckPIESupported)
 check_pie_supported()
 add_library(raysheaf_hardening INTERFACE)

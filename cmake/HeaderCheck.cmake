@@ -1,13 +1,13 @@
-# Every header compiles alone: a source file each that includes it twice and nothing else. Headers that are
-# installed are read so from the first line; for the others the standard library's come precompiled, which
-# takes half the time of all of them. Highway's `-inl.h` files, which are compiled once a target by design,
-# are left out.
+# Checks that every header compiles by itself: one source file per header includes it twice and
+# nothing else. Public headers are compiled without precompiled headers; for the others the standard
+# library's are precompiled, which halves the time of the check. Highway's `-inl.h` files are left
+# out, because they are compiled once per target by design.
 file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
   ${PROJECT_SOURCE_DIR}/include/*.h ${PROJECT_SOURCE_DIR}/src/*.h ${PROJECT_SOURCE_DIR}/io/*.h
   ${PROJECT_SOURCE_DIR}/emulated/*.h ${PROJECT_SOURCE_DIR}/lab/*.h ${PROJECT_SOURCE_DIR}/scenes/*.h
   ${PROJECT_SOURCE_DIR}/apps/raysheaf/*.h ${PROJECT_SOURCE_DIR}/apps/viewer/*.h)
 if(NOT RAYSHEAF_HAS_VIEWER)
-  list(FILTER headers EXCLUDE REGEX "apps/viewer/theme\\.h$")  # it shows Dear ImGui
+  list(FILTER headers EXCLUDE REGEX "apps/viewer/theme\\.h$")  # it includes Dear ImGui
 endif()
 if(RAYSHEAF_HAS_PYTHON)
   file(GLOB python_headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
@@ -38,7 +38,7 @@ function(check_headers name)
 endfunction()
 check_headers(raysheaf_public_headers ${public_sources})
 check_headers(raysheaf_headers ${header_sources})
-# Those that most of them include: what is precompiled takes time to load, too.
+# Only headers that most files include: precompiled headers take time to load, too.
 target_precompile_headers(raysheaf_headers PRIVATE
   <array> <cmath> <cstdint> <cstring> <functional> <memory> <optional> <span> <string> <vector>)
 if(RAYSHEAF_HAS_PYTHON)

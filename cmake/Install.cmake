@@ -1,12 +1,12 @@
-# `cmake --install`: headers, library, command line, and what CMake and pkg-config need to find them.
-# The library may be static: then its private libraries are linked by whoever links it, so the package
-# file looks all of them up.
+# `cmake --install`: headers, library, command line, and the files for CMake and pkg-config. If the
+# library is static, programs also link its private libraries, so the package file finds all of
+# them.
 include(CMakePackageConfigHelpers)
 
-# Shared and static: the same objects.
+# Shared and static libraries have the same object files.
 set(libraries raysheaf raysheaf_scenes raysheaf_lab)
 set_target_properties(${libraries} PROPERTIES DEFINE_SYMBOL "")
-# Shared: releases of one minor version may stand in for each other, and the program finds its library.
+# Shared libraries of one minor version are interchangeable, and the program finds its library.
 set_target_properties(${libraries} PROPERTIES
   VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 if(TARGET raysheaf_app AND BUILD_SHARED_LIBS)
@@ -14,7 +14,7 @@ if(TARGET raysheaf_app AND BUILD_SHARED_LIBS)
   set_target_properties(${RAYSHEAF_PROGRAMS} PROPERTIES INSTALL_RPATH "$ORIGIN/${lib_from_bin}")
 endif()
 
-# Two components: `runtime` is what runs, `development` what programs are built with.
+# Two components: `runtime` for running programs, `development` for building them.
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/raysheaf)
 install(TARGETS ${libraries} EXPORT raysheafTargets
   ARCHIVE COMPONENT development
@@ -28,7 +28,7 @@ install(EXPORT raysheafTargets NAMESPACE raysheaf:: DESTINATION ${package_dir}
 if(TARGET raysheaf_app)
   install(TARGETS ${RAYSHEAF_PROGRAMS} COMPONENT runtime)
 endif()
-# What find_package gives who asks for COMPONENTS mpi.
+# The target that find_package provides for COMPONENTS mpi.
 if(RAYSHEAF_HAS_MPI)
   set_target_properties(raysheaf_mpi PROPERTIES
     VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
@@ -46,9 +46,9 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/raysheafConfigVersion.cma
 install(FILES ${PROJECT_BINARY_DIR}/raysheafConfig.cmake ${PROJECT_BINARY_DIR}/raysheafConfigVersion.cmake
   DESTINATION ${package_dir} COMPONENT development)
 
-# From the .pc file up to the prefix, so that an installed tree may be moved.
+# The path from the .pc file to the prefix, so that an installed tree can be moved.
 file(RELATIVE_PATH up_to_prefix /p/${CMAKE_INSTALL_LIBDIR}/pkgconfig /p)
-# Who links a static library names what it stands on, too.
+# Programs that link a static library must also link its dependencies.
 if(BUILD_SHARED_LIBS)
   set(pc_requires "")
   set(pc_libs "")

@@ -1,5 +1,5 @@
-# MPI, where RAYSHEAF_MPI wants it and there is one: sets RAYSHEAF_HAS_MPI. Its C library: the C++
-# bindings are gone from the standard.
+# Finds MPI if RAYSHEAF_MPI allows it: sets RAYSHEAF_HAS_MPI. It uses the C library, because the
+# standard has removed the C++ bindings.
 set(RAYSHEAF_HAS_MPI OFF)
 if(NOT RAYSHEAF_MPI)
   return()

@@ -1,4 +1,4 @@
-# `cpack -G DEB` (or TGZ): two packages, one that runs and one to build programs with.
+# `cpack -G DEB` (or TGZ): two packages, one for running the program and one for building programs.
 set(CPACK_PACKAGE_NAME raysheaf)
 set(CPACK_PACKAGE_VENDOR "raysheaf")
 set(CPACK_PACKAGE_CONTACT "raysheaf developers <developers@raysheaf.invalid>")
@@ -23,10 +23,10 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_RUNTIME_DESCRIPTION "Answers batches of rays against triangles that may change completely
  between two batches, exactly, and renders scenes that move.")
 
-# OpenGL is loaded where there is one; this is Mesa's, which draws on the CPU where there is no driver.
+# OpenGL is loaded if available; this is Mesa's, which renders on the CPU without a driver.
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "libegl1, libopengl0, libgl1, libegl-mesa0, libgl1-mesa-dri")
 
-# A static library leaves what it stands on to whoever links it.
+# Programs that link the static library also link its dependencies.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libraysheaf-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
@@ -40,7 +40,7 @@ else()
   set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "raysheaf (= ${PROJECT_VERSION})")
 endif()
 
-# What Debian asks of every package: who may copy it, and what changed.
+# Files that Debian requires in every package: copyright and changelog.
 find_program(GZIP gzip)
 if(GZIP AND UNIX AND NOT APPLE)
   configure_file(packaging/debian/changelog.in ${PROJECT_BINARY_DIR}/changelog @ONLY)

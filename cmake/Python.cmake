@@ -1,11 +1,12 @@
-# The Python module, where RAYSHEAF_PYTHON wants it and there is a Python with nanobind: sets
-# RAYSHEAF_HAS_PYTHON. Name the interpreter in Python_EXECUTABLE: the first on the PATH may be a shim.
+# Finds a Python with nanobind for the Python module if RAYSHEAF_PYTHON allows it: sets
+# RAYSHEAF_HAS_PYTHON. Name the interpreter in Python_EXECUTABLE: the first on the PATH may be a
+# shim.
 set(RAYSHEAF_HAS_PYTHON OFF)
 if(NOT RAYSHEAF_PYTHON)
   return()
 endif()
 
-# CMake and nanobind remember of one interpreter what is wrong for another.
+# CMake and nanobind cache properties of one interpreter that are wrong for another.
 if(NOT "${Python_EXECUTABLE}" STREQUAL "${RAYSHEAF_PYTHON_BEFORE}")
   foreach(remembered _Python_EXECUTABLE _Python_INCLUDE_DIR _Python_INTERPRETER_PROPERTIES
       _Python_INTERPRETER_SIGNATURE nanobind_DIR NB_SUFFIX NB_SUFFIX_S NB_ABI)

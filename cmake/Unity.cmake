@@ -1,11 +1,11 @@
-# raysheaf_unity(TARGET [ALONE REGEX...]): its sources are compiled some sixteen at a time, in order, so
-# that the headers they share are read once: a build from nothing takes half as long. Sources include what
-# they use all the same: tools/tidy compiles each by itself. Those that match a REGEX stand alone; so do
-# those that Highway compiles once an instruction set (*_simd.cpp). What not every build has must stand
-# alone.
+# raysheaf_unity(TARGET [ALONE REGEX...]): compiles the target's sources in groups of about sixteen,
+# in order, so that shared headers are read once: a full build takes half as long. Sources must
+# still include what they use: tools/tidy compiles each by itself. Sources that match a REGEX are
+# compiled separately, as are those that Highway compiles once per instruction set (*_simd.cpp).
+# Sources that not every build includes must be compiled separately, too.
 option(RAYSHEAF_UNITY "Compile sources several at a time" ${PROJECT_IS_TOP_LEVEL})
 
-# Of the library's sources, wherever they are compiled.
+# Sources of the library that are always compiled separately.
 set(RAYSHEAF_ALONE "/(area_tree_cpu|bvh_cpu|gltf_draco|gltf_meshopt|image_decode|image_encode|no_cuda|webp_decode)\\.cpp$")
 
 function(raysheaf_unity target)
@@ -15,7 +15,7 @@ function(raysheaf_unity target)
   endif()
   list(APPEND arg_ALONE "_simd\\.cpp$" "${RAYSHEAF_ALONE}")
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  # Types of an anonymous namespace are in the main file of the sources one by one.
+  # In separate compilation, types of an anonymous namespace would be in the main file.
   target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
   list(JOIN arg_ALONE "|" alone)
   get_target_property(sources ${target} SOURCES)

@@ -1,8 +1,9 @@
-# One interface target that every target of ours links: the language, the warnings, the floating-point
-# contract. Contraction is off everywhere, so that an expression has the same bits in every translation
-# unit, at every SIMD width and on the device. GCC 12's vectoriser of straight-line code takes the pair of
-# conversions double -> float -> double for nothing and drops it, which silently unrounds bounds: it is off.
-# At -O3 GCC 12 warns of overflows and overlaps in inlined library code that cannot happen: off, too.
+# An interface target that all of the project's targets link: the language, the warnings, and the
+# floating-point rules. Contraction is off everywhere, so that an expression has the same bits in
+# every translation unit, at every SIMD width and on the device. GCC 12's vectoriser of
+# straight-line code removes the conversions double -> float -> double, which silently unrounds
+# bounds, so it is off. At -O3 GCC 12 warns about overflows and overlaps in inlined library code
+# that cannot happen: off, too.
 add_library(raysheaf_options INTERFACE)
 target_compile_features(raysheaf_options INTERFACE cxx_std_20)
 target_compile_options(raysheaf_options INTERFACE

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# install_packages.sh SECTION...: installs the Debian packages of those sections of debian-packages.txt
-# that are missing. Leaves the system alone where none is.
+# install_packages.sh SECTION...: installs the Debian packages of these sections of
+# debian-packages.txt that are missing. Changes nothing if none is missing.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 
@@ -22,7 +22,7 @@ done
 [ ${#missing[@]} -gt 0 ] || exit 0
 
 if ! command -v apt-get >/dev/null; then
-  echo "There is no apt-get here. Going on; what Debian calls ${missing[*]} must be there." >&2
+  echo "apt-get is not installed. Continuing; the packages that Debian calls ${missing[*]} must be installed." >&2
   exit 0
 fi
 as_root=()

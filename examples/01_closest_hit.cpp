@@ -1,4 +1,4 @@
-// Two squares, three rays: what does each ray meet first?
+// Two squares and three rays: the closest hit of each ray.
 #include <raysheaf/query.h>
 
 #include <cstdio>
@@ -7,7 +7,7 @@
 int main() {
   using namespace raysheaf;
 
-  // A mesh is positions and triangles, each three indices into the positions.
+  // A mesh has positions, and triangles that are three indices into the positions each.
   const std::vector<Vec3> corners{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   const std::vector<Triangle> triangles{{0, 1, 2}, {0, 2, 3}};
   const std::vector<Vec3> corners_behind{{0, 0, 2}, {9, 0, 2}, {9, 9, 2}, {0, 9, 2}};
@@ -15,10 +15,9 @@ int main() {
   Scene scene;
   scene.add(corners, triangles);         // mesh 0
   scene.add(corners_behind, triangles);  // mesh 1
-  scene.commit();                        // now queries see them
+  scene.commit();                        // now queries see the meshes
 
-  // Origin, least t, direction; hits lie at origin + t * direction. The greatest t is infinite
-  // unless said otherwise.
+  // Origin, t_min, direction; hits lie at origin + t * direction. t_max is infinite by default.
   const std::vector<Ray> rays{
       {{0.25f, 0.5f, -3}, 0, {0, 0, 1}},
       {{4, 2, -3}, 0, {0, 0, 1}},

@@ -7,7 +7,7 @@
 
 namespace {
 
-constexpr unsigned kSide = 32;  // vertices a side
+constexpr unsigned kSide = 32;  // vertices per side
 
 /// The height of the water at a vertex.
 float wave(unsigned x, unsigned y, int frame) {
@@ -38,23 +38,23 @@ std::vector<raysheaf::Triangle> grid() {
 
 int main() {
   using namespace raysheaf;
-  constexpr float kHeight = 10;  // of the instrument
+  constexpr float kHeight = 10;  // height of the instrument
 
   std::vector<Vec3> positions(kSide * kSide);
   move(&positions, 0);
   Scene scene;
   const MeshId water = scene.add(positions, grid());
 
-  // A ray down to every vertex.
+  // One ray down to every vertex.
   std::vector<Ray> rays;
   for (const Vec3 p : positions) rays.push_back({{p.x, p.y, kHeight}, 0, {0, 0, -1}});
-  std::vector<Hit> hits(rays.size());  // used again in every frame
+  std::vector<Hit> hits(rays.size());  // reused in every frame
 
   int wrong = 0;
   constexpr int kFrames = 30;
   for (int frame = 0; frame < kFrames; ++frame) {
     move(&positions, frame);
-    scene.update(water, positions);  // same triangles: `replace` takes other ones
+    scene.update(water, positions);  // the same triangles; `replace` takes different ones
     scene.commit();
     closest_hit(scene, rays, hits);
     for (std::size_t i = 0; i < hits.size(); ++i)

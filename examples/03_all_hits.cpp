@@ -1,5 +1,5 @@
-// How many closed surfaces is a point inside of? As many as a ray from it crosses once more on the
-// way out than on the way in.
+// How many closed surfaces contain a point? A ray from the point leaves each of these surfaces once
+// more often than it enters it.
 #include <raysheaf/query.h>
 
 #include <cmath>
@@ -10,8 +10,7 @@ namespace {
 
 constexpr float kPi = 3.14159265f;
 
-/// A sphere as a soup: each three positions in a row are a triangle, counter-clockwise from
-/// outside.
+/// A sphere as a soup: three successive positions are a triangle, counter-clockwise from outside.
 std::vector<raysheaf::Vec3> sphere(float radius) {
   constexpr int kRings = 24;
   const auto at = [radius](int ring, int step) {
@@ -39,14 +38,14 @@ int main() {
   for (const float radius : {1.0f, 2.0f, 3.0f}) scene.add_soup(sphere(radius));
   scene.commit();
 
-  // A direction that goes through no edge, where a ray meets both triangles.
+  // A direction that avoids edges, where a ray hits both triangles.
   const Vec3 anywhere{0.3f, 0.57f, 0.71f};
   const std::vector<Ray> rays{{{0.01f, 0.02f, 0.03f}, 0, anywhere},
                               {{1.5f, 0.02f, 0.03f}, 0, anywhere},
                               {{5, 0.02f, 0.03f}, 0, anywhere}};
 
-  // Rows of different length: those of ray i are rows[i], from the nearest on. Where numbers are
-  // enough, `hit_counts` gives them.
+  // Rows of different lengths: rows[i] has the hits of ray i, nearest first. If their numbers are
+  // enough, use `hit_counts`.
   const HitRows rows = all_hits(scene, rays);
   const char* const names[] = {"the centre", "x = 1.5", "x = 5"};
   for (std::size_t i = 0; i < rays.size(); ++i) {

@@ -6,7 +6,7 @@
 
 namespace {
 
-// Bits of masks mean what a program wants them to mean.
+// The meaning of each mask bit is up to the program.
 constexpr std::uint32_t kSolid = 1, kGlass = 2;
 
 raysheaf::Affine moved_to(float z) {
@@ -38,7 +38,7 @@ int main() {
   std::printf("camera sees the glass of instance %u\n", first(kSolid | kGlass).inst_id);
   std::printf("light sees the wall of instance %u\n", first(kSolid).inst_id);
 
-  // Instances move without a word about their mesh.
+  // Moving an instance does not change its mesh.
   scene.set_transform(pane, moved_to(8));
   scene.commit();
   if (first(kSolid | kGlass).t == 6) std::printf("moved: 1 commit, nothing rebuilt by hand\n");

@@ -1,4 +1,5 @@
-// A ball above a floor and a lamp above the ball: which points of the floor see the lamp?
+// A sphere above a floor and a lamp above the sphere: which points of the floor does the lamp
+// reach?
 #include <raysheaf/error.h>
 #include <raysheaf/query.h>
 
@@ -11,7 +12,7 @@ namespace {
 
 constexpr float kPi = 3.14159265f;
 
-/// A ball of radius 1 about (0, 0, 2), as rings of a soup.
+/// A sphere of radius 1 around (0, 0, 2), as rings of a soup.
 std::vector<raysheaf::Vec3> ball() {
   constexpr int kRings = 32;
   const auto at = [](int ring, int step) {
@@ -38,7 +39,7 @@ int main() try {
   scene.commit();
 
   // From the lamp to each point of the floor, z = 0. Directions need not be unit vectors: with the
-  // whole way as the direction, t = 1 is the floor itself, and the ray ends just before.
+  // full vector as the direction, the floor is at t = 1, and the ray ends just before.
   const Vec3 lamp{-1, 0, 6};
   std::vector<Ray> rays;
   for (int y = 0; y < kHeight; ++y) {
@@ -62,7 +63,7 @@ int main() try {
               statistics.total_ms);
   for (const std::string& sentence : statistics.plan) std::printf("  %s\n", sentence.c_str());
 
-  // Every method gives the same answers. This one looks at every triangle.
+  // All methods give the same answers. This one tests every triangle.
   const bool same = dark == any_hit(scene, rays, {.method = QueryMethod::kBrute});
   std::printf("%td of %zu points in shadow, %s\n", std::count(dark.begin(), dark.end(), 1),
               dark.size(), same ? "as brute force says" : "but brute force differs");

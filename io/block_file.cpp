@@ -19,7 +19,7 @@ bool lies_in(std::uint64_t offset, std::uint64_t bytes, std::uint64_t file_bytes
   return offset <= file_bytes && bytes <= file_bytes - offset;
 }
 
-/// Bytes that are used again, as many sets as threads read at once.
+/// A free list of buffers, so that each reading thread reuses one instead of allocating.
 class Pool {
  public:
   io::Bytes take() {
@@ -53,7 +53,7 @@ struct BlockFile::Impl {
       refuse("has " + std::to_string(file.size()) + " bytes, too few for a block file", path);
     file.read(0, {reinterpret_cast<std::uint8_t*>(&head), sizeof head}, path);
     if (std::memcmp(head.magic, io::kBlockMagic, sizeof head.magic) != 0)
-      refuse("is no block file: it does not begin as they do", path);
+      refuse("is not a block file: it does not begin with their signature", path);
     if (head.byte_order != io::kByteOrder)
       refuse("its byte order is not the one of block files", path);
     if (head.version != io::kBlockVersion)
@@ -63,7 +63,7 @@ struct BlockFile::Impl {
                   path);
     if (io::checksum(io::bytes_of(head).first(sizeof head - sizeof head.head_checksum)) !=
         head.head_checksum)
-      refuse("its head has changed: the checksum is another", path);
+      refuse("its head is damaged: the checksum does not match", path);
     if (head.file_bytes != file.size())
       refuse("has " + std::to_string(file.size()) + " bytes, but was written with " +
                  std::to_string(head.file_bytes),
@@ -74,13 +74,13 @@ struct BlockFile::Impl {
     constexpr std::uint64_t kMostBlocks = 0xffffffff;
     if (head.blocks == 0 || head.blocks > kMostBlocks ||
         !lies_in(head.index_offset, head.blocks * sizeof(io::BlockEntry), head.file_bytes))
-      refuse("its list of blocks does not lie in the file", path);
+      refuse("its list of blocks lies outside the file", path);
     entries.resize(head.blocks);
     const std::span<std::uint8_t> bytes(reinterpret_cast<std::uint8_t*>(entries.data()),
                                         entries.size() * sizeof(io::BlockEntry));
     file.read(head.index_offset, bytes, path);
     if (io::checksum(bytes) != head.index_checksum)
-      refuse("its list of blocks has changed: the checksum is another", path);
+      refuse("its list of blocks is damaged: the checksum does not match", path);
     std::uint64_t triangles = 0;
     infos.reserve(entries.size());
     for (std::size_t i = 0; i < entries.size(); ++i) {
@@ -101,7 +101,7 @@ struct BlockFile::Impl {
              place(number));
     for (const io::SectionPlace& section : {entry.geometry, entry.shading}) {
       if (!lies_in(section.offset, section.stored, head.file_bytes))
-        refuse("does not lie in the file", place(number));
+        refuse("lies outside the file", place(number));
       if (section.bytes > io::kMostSectionBytes || section.stored > section.bytes)
         refuse("cannot take " + std::to_string(section.bytes) + " bytes", place(number));
       compressed = compressed || section.stored < section.bytes;
@@ -112,7 +112,7 @@ struct BlockFile::Impl {
     for (int axis = 0; axis < 3; ++axis) {
       if (!(entry.min[axis] >= -1e18f && entry.min[axis] <= entry.max[axis] &&
             entry.max[axis] <= 1e18f))
-        refuse("its bounds are no box", place(number));
+        refuse("its bounds are not a box", place(number));
     }
     info.triangles = entry.triangles;
     info.geometry_bytes = entry.geometry.stored;
@@ -122,11 +122,11 @@ struct BlockFile::Impl {
 
   void read_scene() {
     if (!lies_in(head.scene_offset, head.scene_bytes, head.file_bytes))
-      refuse("its scene does not lie in the file", path);
+      refuse("its scene lies outside the file", path);
     io::Bytes bytes(head.scene_bytes);
     file.read(head.scene_offset, bytes, path);
     if (io::checksum(bytes) != head.scene_checksum)
-      refuse("its scene has changed: the checksum is another", path);
+      refuse("its scene is damaged: the checksum does not match", path);
     io::naming(path, [&] {
       scene = io::decode_scene(bytes);
       scene.files = {path};
@@ -139,14 +139,14 @@ struct BlockFile::Impl {
     return path + ": block " + std::to_string(number);
   }
 
-  /// Calls `decode` with the section's bytes, checked and decompressed.
+  /// Reads a section, verifies its checksum, decompresses it, and calls `decode` with its bytes.
   template <class Decode>
   void read(std::size_t number, const io::SectionPlace& section, const Decode& decode) const {
     io::Bytes stored = pool.take();
     stored.resize(section.stored);
     file.read(section.offset, stored, place(number));
     if (io::checksum(stored) != section.checksum)
-      refuse("its bytes have changed: the checksum is another", place(number));
+      refuse("its bytes are damaged: the checksum does not match", place(number));
     if (section.stored < section.bytes) {
       if (!can_compress_blocks())
         throw Error(ErrorCode::kUnsupported, "is compressed, and this build has no Zstandard",

@@ -29,7 +29,7 @@ struct BlockFileWriter::Impl {
   io::FileWriter file;
   std::vector<io::BlockEntry> index;
   std::uint64_t triangles = 0;
-  std::uint32_t materials = 0;  ///< that the scene must have
+  std::uint32_t materials = 0;  ///< number of materials that the scene must have
 };
 
 BlockFileWriter::BlockFileWriter(const std::string& path, const BlockFileOptions& options) {
@@ -38,7 +38,7 @@ BlockFileWriter::BlockFileWriter(const std::string& path, const BlockFileOptions
                 path);
   io::within_memory(path, [&] {
     impl_ = std::make_unique<Impl>(path, options);
-    // Its place; `finish` fills it.
+    // Reserves room for the head, which `finish` writes.
     impl_->file.append(io::Bytes(sizeof(io::FileHead)));
   });
 }

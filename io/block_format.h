@@ -1,4 +1,5 @@
-// The bytes of block files (docs/stream.md): sections of blocks, their packing, the scene part.
+// The binary format of block files (docs/stream.md): sections of blocks, their packing, and the
+// scene.
 #pragma once
 
 #include <bit>
@@ -12,13 +13,13 @@
 
 namespace raysheaf::io {
 
-// What is stored is what this machine has in memory.
+// Numbers are stored as they lie in this machine's memory.
 static_assert(std::endian::native == std::endian::little);
 
 inline constexpr std::uint8_t kBlockMagic[8] = {0x89, 'R', 'S', 'B', '\r', '\n', 0x1a, '\n'};
 inline constexpr std::uint32_t kBlockVersion = 1, kByteOrder = 0x01020304;
 
-/// At the start of the file.
+/// The first bytes of the file.
 struct FileHead {
   std::uint8_t magic[8];
   std::uint32_t version, byte_order;
@@ -26,19 +27,19 @@ struct FileHead {
   std::uint64_t index_offset, scene_offset, scene_bytes;
   std::uint64_t index_checksum, scene_checksum;
   std::uint64_t reserved;
-  std::uint64_t head_checksum;  ///< of all before it
+  std::uint64_t head_checksum;  ///< of all bytes of the head before this field
 };
 static_assert(sizeof(FileHead) == 96);
 
-/// Where a section is, and what it must be. Compressed where `stored` is less than `bytes`.
+/// The place and size of a section. It is compressed if `stored` is less than `bytes`.
 struct SectionPlace {
   std::uint64_t offset;
   std::uint32_t stored, bytes;
-  std::uint64_t checksum;  ///< of what is stored
+  std::uint64_t checksum;  ///< of the stored bytes
 };
 static_assert(sizeof(SectionPlace) == 24);
 
-/// A block in the index.
+/// One block's entry in the index.
 struct BlockEntry {
   float min[3], max[3];
   std::uint32_t triangles, vertices;
@@ -46,25 +47,26 @@ struct BlockEntry {
 };
 static_assert(sizeof(BlockEntry) == 80);
 
-/// No section of any block is longer.
+/// The largest size of a section.
 inline constexpr std::uint32_t kMostSectionBytes = 4u << 20;
 
-/// XXH3, 64 bits, seed 0.
+/// XXH3 with 64 bits and seed 0.
 [[nodiscard]] std::uint64_t checksum(std::span<const std::uint8_t> bytes);
 
-/// By Zstandard, the bytes of each four in planes of their own; empty where that is no smaller.
+/// Zstandard, after splitting each group of four bytes into four planes. Empty if the result would
+/// not be smaller.
 [[nodiscard]] Bytes compressed(std::span<const std::uint8_t> bytes);
-/// `out` has the size that it must get. False where the bytes are not as they should be.
+/// `out` already has the decompressed size. False if the stored bytes are damaged.
 [[nodiscard]] bool decompress(std::span<const std::uint8_t> stored, Bytes* out);
 
 [[nodiscard]] Bytes encode_geometry(const TriangleBlock& block);
 [[nodiscard]] Bytes encode_shading(const BlockShading& shading);
-/// Throw `Error` (kInvalidData, no place) for sizes and counts that cannot be. Contents are not
-/// looked over.
+/// These throw `Error` (kInvalidData, without a place) if sizes or counts contradict each other.
+/// The contents themselves are not validated.
 void decode_geometry(std::span<const std::uint8_t> bytes, TriangleBlock* block);
 void decode_shading(std::span<const std::uint8_t> bytes, BlockShading* shading);
 
-/// The scene without triangles, as JSON and PNG.
+/// The scene without its triangles, as JSON followed by PNG images.
 [[nodiscard]] Bytes encode_scene(const SceneDescription& scene);
 /// Throws `Error` (kInvalidData) whose place is the field.
 [[nodiscard]] SceneDescription decode_scene(std::span<const std::uint8_t> bytes);

@@ -1,4 +1,4 @@
-// Checksums, and compression where the build has it.
+// Checksums, and compression if the build has Zstandard.
 #include <xxhash.h>
 
 #ifdef RAYSHEAF_HAS_ZSTD
@@ -21,7 +21,8 @@ namespace {
 
 constexpr int kLevel = 3;
 
-/// The first bytes of all words of four, then their second bytes, ...; what is over at the end.
+/// Visits the first bytes of all four-byte words, then all second bytes and so on, and then the
+/// bytes after the last whole word.
 template <class Visit>
 void for_each_place(std::size_t size, const Visit& visit) {
   const std::size_t words = size / 4;

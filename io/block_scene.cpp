@@ -1,4 +1,4 @@
-// The scene without its triangles: JSON, then pictures as PNG.
+// The scene without its triangles: JSON, then images as PNG.
 #include <cmath>
 #include <limits>
 
@@ -16,8 +16,8 @@ struct SceneHead {
   std::uint64_t json_bytes, images;
 };
 
-// Floats become doubles, which JSON writes so that they read back to the same bits. Infinity, which
-// JSON has not, is null.
+// A float becomes a double, which JSON prints so that it reads back to the same bits. JSON has no
+// infinity: null stands for it.
 Json number(float x) {
   return std::isfinite(x) ? Json(x) : Json(nullptr);
 }
@@ -130,7 +130,7 @@ Enum word(const JsonValue& j, const char* const (&words)[kCount]) {
   for (std::size_t i = 0; i < kCount; ++i) {
     if (text == words[i]) return static_cast<Enum>(i);
   }
-  throw Error(ErrorCode::kInvalidData, "a word in its scene is none of those that are known");
+  throw Error(ErrorCode::kInvalidData, "its scene contains an unknown word");
 }
 
 Json of(const Texture& t) {
@@ -236,7 +236,7 @@ void read_list(const JsonValue& j, const char* name, T (*read)(const JsonValue&)
     try {
       out->push_back(read(list[i]));
     } catch (const JsonMismatch&) {
-      throw Error(ErrorCode::kInvalidData, "a field is missing, or is not what it should be",
+      throw Error(ErrorCode::kInvalidData, "a field is missing or has the wrong type",
                   std::string(name) + "[" + std::to_string(i) + "]");
     }
   }
@@ -251,19 +251,19 @@ void read_images(std::span<const std::uint8_t> bytes, std::span<const JsonValue>
     if (bytes.size() < sizeof size) throw Error(ErrorCode::kInvalidData, "is not there", place);
     std::memcpy(&size, bytes.data(), sizeof size);
     bytes = bytes.subspan(sizeof size);
-    if (bytes.size() < size) throw Error(ErrorCode::kInvalidData, "is not all there", place);
+    if (bytes.size() < size) throw Error(ErrorCode::kInvalidData, "is truncated", place);
     const auto encoded = bytes.first(size);
     bytes = bytes.subspan(size);
     if (const auto head = image_size(encoded)) pixels += std::uint64_t{head->width} * head->height;
     if (pixels > kMaxScenePixels)
-      throw Error(ErrorCode::kOutOfMemory, "the pictures have too many pixels", place);
+      throw Error(ErrorCode::kOutOfMemory, "the images have too many pixels", place);
     std::optional<Image> image = decode_image(encoded);
-    if (!image) throw Error(ErrorCode::kInvalidData, "is no picture", place);
+    if (!image) throw Error(ErrorCode::kInvalidData, "is not an image", place);
     image->name = names[i].get<std::string>();
     scene->images.push_back(std::move(*image));
   }
   if (!bytes.empty())
-    throw Error(ErrorCode::kInvalidData, "there is more than its pictures", "images");
+    throw Error(ErrorCode::kInvalidData, "there are more bytes than its images need", "images");
 }
 
 SceneDescription scene_from(const JsonValue& j) {
@@ -314,18 +314,19 @@ SceneDescription decode_scene(std::span<const std::uint8_t> bytes) {
   std::memcpy(&head, bytes.data(), sizeof head);
   bytes = bytes.subspan(sizeof head);
   if (head.json_bytes > bytes.size())
-    throw Error(ErrorCode::kInvalidData, "its JSON is not all there", "scene");
+    throw Error(ErrorCode::kInvalidData, "its JSON is truncated", "scene");
   try {
     const JsonDocument document(bytes.first(head.json_bytes));
     const JsonValue& j = document.root();
     SceneDescription scene = scene_from(j);
     const auto names = list_at(j, "images");
     if (names.size() != head.images)
-      throw Error(ErrorCode::kInvalidData, "there are as many names as pictures", "images");
+      throw Error(ErrorCode::kInvalidData, "the numbers of names and images differ", "images");
     read_images(bytes.subspan(head.json_bytes), names, &scene);
     return scene;
   } catch (const JsonMismatch&) {
-    throw Error(ErrorCode::kInvalidData, "its JSON is not what it should be", "scene");
+    throw Error(ErrorCode::kInvalidData, "a field of its JSON is missing or has the wrong type",
+                "scene");
   }
 }
 

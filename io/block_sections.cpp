@@ -11,15 +11,15 @@ namespace {
 
 struct GeometryHead {
   std::uint32_t triangles, vertices, parts;
-  std::uint32_t runs;   ///< of consecutive ids; 0: each id by itself
-  std::uint32_t sides;  ///< 0, 1, or one a triangle
+  std::uint32_t runs;   ///< number of runs of consecutive ids; 0: each id is stored
+  std::uint32_t sides;  ///< 0, 1, or one per triangle
   std::uint32_t reserved;
 };
 struct IdRun {
   std::uint32_t first, count;
 };
-/// Where a part's byte says that it has second texture coordinates, as many as `uvs` follow the
-/// parts. Colours come last: what is left of the section.
+/// A flag in a part's byte says that it has second texture coordinates: these follow the parts, as
+/// many as `uvs`. The colours come last and fill the rest of the section.
 struct ShadingHead {
   std::uint32_t normals, uvs, materials, parts;
 };
@@ -49,7 +49,7 @@ class Writer {
   Bytes bytes_;
 };
 
-/// Takes arrays from the front; whoever asks has seen to it that they are there.
+/// Takes arrays from the front. The caller has checked that the section holds them.
 class Reader {
  public:
   explicit Reader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -214,7 +214,7 @@ void decode_shading(std::span<const std::uint8_t> bytes, BlockShading* shading) 
     const std::uint8_t has = shading->has_normals[i];
     const bool second_alone = (has & 8) != 0 && (has & 2) == 0;
     if (has > 15 || (colors == 0 && (has & 4) != 0) || second_alone)
-      refuse("it says of a part what cannot be");
+      refuse("a part's flags are invalid");
     shading->has_uvs[i] = has >> 1 & 1;
     if (colors != 0) shading->has_colors[i] = has >> 2 & 1;
     if (has_second_uvs) shading->has_second_uvs[i] = has >> 3;

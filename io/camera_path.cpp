@@ -1,4 +1,4 @@
-// Paths of cameras, from JSON.
+// Reads camera paths from JSON.
 #include <cmath>
 #include <numbers>
 
@@ -41,7 +41,7 @@ CameraPath read_path(const JsonValue& root) {
   try {
     validate(path);
   } catch (const Error& error) {
-    // The file has degrees, under a name without a unit.
+    // The file's field is called "fov", not "y_fov", and holds degrees.
     std::string place = error.place();
     const std::size_t fov = place.find(".y_fov");
     if (fov != place.npos) place.replace(fov, 6, ".fov");

@@ -1,9 +1,9 @@
-// A log of what batches have found, one record behind the other:
+// A log of the results of batches, one record after the other:
 //
-//   head: key of the batch, bytes of its answers, blocks, checksum | answers | a byte a block
+//   head: key of the batch, bytes of its answers, blocks, checksum | answers | one byte per block
 //
-// The record of a batch that is not done is written over by the next one that this run writes;
-// whole ones stay, and so does what an earlier run has begun until its batch is taken up.
+// A run overwrites the record of its unfinished batch with its next record. Records of finished
+// batches stay. An unfinished record of an earlier run stays until this run takes up its batch.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -24,12 +24,12 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 struct RecordHead {
-  std::uint64_t key, answer_bytes, blocks, whole, checksum;  ///< the last one: of what follows
+  std::uint64_t key, answer_bytes, blocks, whole, checksum;  ///< `checksum`: of the bytes after it
 };
 
 struct Record {
   RecordHead head;
-  std::uint64_t offset;  ///< of what follows the head
+  std::uint64_t offset;  ///< of the bytes that follow the head
 };
 
 std::span<const std::uint8_t> as_uint8(std::span<const std::byte> bytes) {
@@ -42,21 +42,21 @@ struct CheckpointFile::Impl {
   std::string path, subject;
   double seconds = 1;
   int file = -1;
-  std::uint64_t end = 0;  ///< of the records that stay
+  std::uint64_t end = 0;  ///< where the records that stay end
   std::vector<Record> records;
   Clock::time_point last = Clock::now();
-  double wait = 0;                     ///< seconds until the next
+  double wait = 0;                     ///< seconds until the next write
   std::optional<std::uint32_t> begun;  ///< the batch that was written last
 
   [[noreturn]] void fail(const char* verb) const { throw io::system_error(verb, path, errno); }
 
-  /// What is there, and the file where there is something to keep: a frame that is refused leaves
-  /// none.
+  /// Opens an existing file. The file is created only when there is something to store, so that a
+  /// refused frame leaves none behind.
   void open(int flags) {
     file = ::open(path.c_str(), O_RDWR | O_CLOEXEC | flags, 0666);
     if (file >= 0) return;
     if (errno != ENOENT || flags != 0) fail("opened");
-    // It can be made later.
+    // The file does not exist yet; check that it can be created later.
     if (::access(io::folder_of(path).c_str(), W_OK | X_OK) != 0) fail("opened");
   }
   bool read(std::uint64_t offset, void* out, std::uint64_t size) const {
@@ -84,7 +84,7 @@ struct CheckpointFile::Impl {
     }
   }
 
-  /// Where records are, as far as their heads go.
+  /// Finds the records by their heads.
   void find_records() {
     const off_t size = ::lseek(file, 0, SEEK_END);
     if (size < 0) fail("read");
@@ -120,7 +120,7 @@ struct CheckpointFile::Impl {
     });
   }
 
-  /// What the record holds, where nothing has become of it: all its bytes, else none.
+  /// The record's bytes after the head; empty if they are damaged or incomplete.
   [[nodiscard]] std::vector<std::uint8_t> bytes_of(const Record& record) const {
     std::vector<std::uint8_t> bytes(record.head.answer_bytes + record.head.blocks);
     const bool good = read(record.offset, bytes.data(), bytes.size()) &&
@@ -151,7 +151,7 @@ bool CheckpointFile::restore(const StreamBatch& batch, std::span<std::byte> answ
                              std::span<std::uint8_t> done) {
   const std::uint64_t key = impl_->key_of(batch);
   std::vector<Record>& records = impl_->records;
-  // The last one: it goes on where those before it were stopped.
+  // The last record has the newest results: each run continues the record of the run before.
   for (std::size_t i = records.size(); i-- > 0;) {
     const Record record = records[i];
     if (record.head.key != key || record.head.answer_bytes != answers.size() ||
@@ -159,7 +159,7 @@ bool CheckpointFile::restore(const StreamBatch& batch, std::span<std::byte> answ
       continue;
     const std::vector<std::uint8_t> bytes = impl_->bytes_of(record);
     if (bytes.empty() && !(answers.empty() && done.empty())) {
-      records[i].head.whole = 0;  // it is none: the batch is kept anew
+      records[i].head.whole = 0;  // the record is damaged: the batch is stored again
       continue;
     }
     std::memcpy(answers.data(), bytes.data(), answers.size());
@@ -177,7 +177,8 @@ void CheckpointFile::keep(const StreamBatch& batch, std::span<const std::byte> a
                           std::span<const std::uint8_t> done, bool whole) {
   const Clock::time_point start = Clock::now();
   const std::chrono::duration<double> since = start - impl_->last;
-  // What was begun is ended: the next batch writes over what is not whole.
+  // If a partial record of the batch was written, the finished batch is always stored: the next
+  // batch's record would overwrite the partial one.
   if (since.count() < impl_->wait && !(whole && impl_->begun == batch.number)) return;
   const std::uint64_t key = impl_->key_of(batch);
   if (impl_->is_whole(key)) return;

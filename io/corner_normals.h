@@ -1,4 +1,4 @@
-// The steps of `add_missing_normals`, for meshes that are held and for others.
+// The steps of `add_missing_normals`, shared by meshes in memory and meshes in files.
 #pragma once
 
 #include <cstring>
@@ -11,13 +11,13 @@
 
 namespace raysheaf::io {
 
-/// Its length is twice the area; zero where the face has none.
+/// The face's normal with twice the area as its length; zero for a degenerate face.
 inline Double3 face_normal(Vec3 a, Vec3 b, Vec3 c) {
   return cross(widen(b) - widen(a), widen(c) - widen(a));
 }
 
-/// The normals of corners that touch one position, from those of their faces: a run of at most
-/// `kMaxFacesAtPosition`.
+/// The normals of the corners at one position, from the normals of their faces. The run has at most
+/// `kMaxFacesAtPosition` faces.
 void smooth_run(std::span<const Double3> faces, std::span<Vec3> normals);
 
 template <class T>
@@ -29,7 +29,7 @@ void put(Column& column, std::size_t i, const T& value) {
   column.set(i, value);
 }
 
-/// Appends element `i` once more, where the column has any.
+/// Appends a copy of element `i`, unless the column is empty.
 template <class Column>
 void repeat(Column& column, std::uint64_t i) {
   if (column.empty()) return;
@@ -37,20 +37,21 @@ void repeat(Column& column, std::uint64_t i) {
   column.push_back(value);
 }
 
-/// Finds, or makes, the copy of a vertex that has a given normal. The copies of a vertex are a list
-/// of which only the newest few are searched, so that many of them cost no more than memory.
+/// Finds or makes the copy of a vertex that has a given normal. The copies of a vertex form a
+/// linked list. Only its newest few entries are searched, so that many copies cost memory but not
+/// time.
 template <class AnyMesh, class Numbers>
 class VertexSplitter {
  public:
-  /// Both empty. `newest` and `previous` hold a number for each vertex afterwards: of a copy,
-  /// `previous` is the vertex or the copy of it that was made before.
+  /// `newest` and `previous` must be empty. Afterwards they have an entry for each vertex: the
+  /// entry of a copy in `previous` is the copy before it, or the original.
   VertexSplitter(AnyMesh& mesh, Numbers& newest, Numbers& previous)
       : mesh_(mesh), newest_(newest), previous_(previous) {
     newest_.resize(mesh.positions.size(), kInvalidId);
     previous_.resize(mesh.positions.size(), kInvalidId);
   }
 
-  /// Whether it was asked for before.
+  /// Whether `vertex_with` was called for this vertex.
   [[nodiscard]] bool is_settled(std::uint32_t vertex) const {
     return newest_[vertex] != kInvalidId;
   }

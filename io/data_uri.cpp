@@ -7,8 +7,8 @@
 namespace raysheaf::io {
 namespace {
 
-/// Between "data:" and the comma, in lower case: the kind, parameters, and how it is written. The
-/// kind may be left out (RFC 2397), and is not looked at.
+/// The part between "data:" and the comma, in lower case: media type, parameters and encoding. The
+/// media type is optional (RFC 2397) and ignored.
 std::string head_of(std::string_view uri) {
   std::string head(uri.substr(5, uri.find(',') - 5));
   for (char& c : head) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -18,7 +18,7 @@ bool is_base64(std::string_view head) {
   return head.ends_with(";base64");
 }
 
-/// Of the last digits two make a byte and three make two; one alone makes none.
+/// Two digits at the end make one byte, three make two, and a single one makes none.
 std::size_t decoded_bytes(std::size_t digits) {
   return digits / 4 * 3 + (digits % 4 == 0 ? 0 : digits % 4 - 1);
 }
@@ -29,8 +29,8 @@ int hex_value(char c) {
   return lower >= 'a' && lower <= 'f' ? lower - 'a' + 10 : -1;
 }
 
-/// Characters as they stand, and "%20" as the byte 32. Nothing where no two hexadecimal digits
-/// follow a "%".
+/// Decodes percent-encoding: "%20" becomes the byte 32. Nothing if a "%" is not followed by two
+/// hexadecimal digits.
 std::optional<Bytes> decode_escaped(std::string_view text) {
   Bytes bytes;
   bytes.reserve(text.size());
@@ -60,7 +60,8 @@ constexpr std::array<std::uint8_t, 256> digit_values() {
   return values;
 }
 
-/// Nothing where a character is no digit. Digits may be escaped, as any character of a URI.
+/// Nothing if a character is not a base64 digit. Digits may be percent-encoded, as any character of
+/// a URI.
 std::optional<Bytes> decode_base64(std::string_view text) {
   static constexpr auto kValues = digit_values();
   std::string plain;
@@ -78,7 +79,7 @@ std::optional<Bytes> decode_base64(std::string_view text) {
     const std::uint8_t value = kValues[static_cast<std::uint8_t>(text[i])];
     if (value == kNoDigit) return std::nullopt;
     bits = bits << 6 | value;
-    // Each digit but the first of four completes a byte.
+    // Each digit except the first of four completes a byte.
     if (i % 4 != 0) bytes.push_back(static_cast<std::uint8_t>(bits >> (6 - 2 * (i % 4))));
   }
   return bytes;

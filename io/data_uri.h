@@ -1,4 +1,4 @@
-// Bytes that stand in a URI (RFC 2397): data:image/png;base64,... (RFC 4648), or data:,...
+// Data URIs (RFC 2397): data:image/png;base64,... (RFC 4648) or data:,...
 #pragma once
 
 #include <optional>
@@ -9,11 +9,11 @@
 
 namespace raysheaf::io {
 
-/// Schemes may be in capitals (RFC 3986).
+/// The scheme may be in capitals (RFC 3986).
 [[nodiscard]] bool is_data_uri(std::string_view uri);
 
-/// The bytes, of whatever kind; nothing where there is no comma, a character is no digit of base
-/// 64, or "%" begins no escape.
+/// The bytes of a data URI of any media type. Nothing if the comma is missing, a character is not a
+/// base64 digit, or a "%" begins no escape sequence.
 [[nodiscard]] std::optional<Bytes> decode_data_uri(std::string_view uri);
 
 }  // namespace raysheaf::io

@@ -1,4 +1,4 @@
-// The translation unit of tinyexr; with its implementation where there is no library of it.
+// The translation unit of tinyexr. It includes the implementation if no library provides it.
 #include <tinyexr.h>
 
 #include <algorithm>
@@ -30,12 +30,12 @@ void check(std::uint32_t width, std::uint32_t height, const std::vector<ExrChann
     throw Error(ErrorCode::kInvalidArgument, sentence, path);
   };
   const std::uint64_t pixels = std::uint64_t{width} * height;
-  if (pixels == 0 || pixels > kMaxPixels) refuse("a picture has between 1 and 2^28 pixels");
-  if (channels.empty()) refuse("a picture needs a channel");
+  if (pixels == 0 || pixels > kMaxPixels) refuse("an image must have between 1 and 2^28 pixels");
+  if (channels.empty()) refuse("an image needs at least one channel");
   for (std::size_t i = 0; i < channels.size(); ++i) {
     const ExrChannel& channel = channels[i];
     if (channel.name.empty() || channel.name.size() > kMaxNameBytes) {
-      refuse("a channel's name has between 1 and 255 bytes");
+      refuse("a channel's name must have between 1 and 255 bytes");
     }
     if (channel.values.size() != pixels) {
       refuse("channel \"" + channel.name + "\" has " + std::to_string(channel.values.size()) +
@@ -76,7 +76,7 @@ io::Bytes encode(std::uint32_t width, std::uint32_t height, std::vector<ExrChann
   const std::size_t size = SaveEXRImageToMemory(&image, &header, &memory, &message);
   const std::string why = message == nullptr ? "" : message;
   if (message != nullptr) FreeEXRErrorMessage(message);
-  if (size == 0) throw Error(ErrorCode::kInternal, "the picture cannot be encoded: " + why, path);
+  if (size == 0) throw Error(ErrorCode::kInternal, "the image cannot be encoded: " + why, path);
   io::Bytes bytes(memory, memory + size);
   std::free(memory);
   return bytes;
@@ -90,29 +90,29 @@ std::string taken_message(const char* message) {
   return text;
 }
 
-/// An OpenEXR file in memory; frees what tinyexr allocates.
+/// An OpenEXR file in memory. The destructor frees what tinyexr allocates.
 class ExrFile {
  public:
-  /// Reads the header. Before anything large is allocated, refuses sides that a picture of so many
-  /// bytes cannot have.
+  /// Reads the header. Refuses dimensions that a file of this size cannot have, before allocating
+  /// the pixels.
   ExrFile(std::span<const std::uint8_t> file, const std::string& path) : file_(file), path_(path) {
     EXRVersion version;
     if (ParseEXRVersionFromMemory(&version, file.data(), file.size()) != TINYEXR_SUCCESS)
-      throw Error(ErrorCode::kInvalidData, "is no OpenEXR picture", path);
+      throw Error(ErrorCode::kInvalidData, "is not an OpenEXR image", path);
     if (version.multipart != 0 || version.non_image != 0)
-      throw Error(ErrorCode::kUnsupported, "several parts or deep pixels are not read", path);
+      throw Error(ErrorCode::kUnsupported, "several parts and deep pixels are not supported", path);
     const char* message = nullptr;
     if (ParseEXRHeaderFromMemory(&owned_.header, &version, file.data(), file.size(), &message) !=
         TINYEXR_SUCCESS)
       refuse(taken_message(message));
-    // tinyexr would lose what it allocates for none.
+    // With zero channels, tinyexr would leak its allocation.
     if (header().num_channels < 1) refuse("it has no channels");
     check_size();
   }
 
   [[nodiscard]] io::ImageSize size() const { return size_; }
 
-  /// Red, green, blue and alpha of each pixel. One channel alone is grey, whatever its name.
+  /// Red, green, blue and alpha of each pixel. A single channel is grey, whatever its name.
   std::vector<float> read_pixels() {
     for (int c = 0; c < header().num_channels; ++c)
       if (header().pixel_types[c] == TINYEXR_PIXELTYPE_HALF)
@@ -125,11 +125,11 @@ class ExrFile {
     for (int c = 0; c < 3; ++c)
       if (channels[c] < 0) refuse(std::string("it has no channel ") + "RGB"[c]);
     EXRImage& image = owned_.image;
-    image.num_channels = header().num_channels;  // for tinyexr to free where it fails
+    image.num_channels = header().num_channels;  // tinyexr frees this many channels on failure
     const char* message = nullptr;
     if (LoadEXRImageFromMemory(&image, &header(), file_.data(), file_.size(), &message) !=
         TINYEXR_SUCCESS) {
-      InitEXRImage(&image);  // it has been freed
+      InitEXRImage(&image);  // tinyexr has freed it
       refuse(taken_message(message));
     }
     std::vector<float> pixels(std::size_t{4} * size_.width * size_.height, 1.0f);
@@ -158,7 +158,7 @@ class ExrFile {
     const EXRBox2i& window = header().data_window;
     const std::int64_t width = std::int64_t{window.max_x} - window.min_x + 1;
     const std::int64_t height = std::int64_t{window.max_y} - window.min_y + 1;
-    // As they are allocated: whole tiles.
+    // tinyexr allocates whole tiles.
     std::int64_t columns = width, rows = height;
     if (header().tiled != 0) {
       const std::int64_t x = header().tile_size_x, y = header().tile_size_y;
@@ -169,13 +169,13 @@ class ExrFile {
         std::min(io::kMaxImagePixels, io::kFreePixels + io::kPixelsPerByte * file_.size()));
     if (width < 1 || height < 1 || columns > most || rows > most / columns)
       throw Error(ErrorCode::kOutOfMemory,
-                  "the picture would have " + std::to_string(width) + "x" + std::to_string(height) +
+                  "the image would have " + std::to_string(width) + "x" + std::to_string(height) +
                       " pixels",
                   path_);
     size_ = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
   }
 
-  /// -1 where there is none.
+  /// -1 if there is no such channel.
   int channel(const char* name) {
     for (int c = 0; c < header().num_channels; ++c)
       if (std::strcmp(header().channels[c].name, name) == 0) return c;
@@ -224,7 +224,7 @@ Environment decode_exr(const io::Bytes& file, const std::string& path) {
   return map;
 }
 
-/// From 0 to 1; what is not finite is 0.
+/// Clamps to [0, 1]. NaN and infinity become 0.
 float part_of_texel(float x, bool* exceeds_one) {
   if (!std::isfinite(x) || x <= 0) return 0;
   *exceeds_one = *exceeds_one || x > io::kMostUnitColor;
@@ -234,7 +234,7 @@ std::uint8_t code_of(double x) {
   return static_cast<std::uint8_t>(std::lround(255 * x));
 }
 
-/// The loader's own: the place is the file.
+/// Checks what `validate` would check, and names the file as the place.
 void check_radiance(const Environment& map, const std::string& path) {
   for (std::size_t i = 0; i < map.radiance.size(); ++i) {
     const Vec3& v = map.radiance[i];
@@ -296,7 +296,7 @@ Environment load_environment(const std::string& path) {
   const io::Bytes file = io::read_file(path);
   const std::string ending = io::ending_of(path);
   if (ending != "hdr" && ending != "exr")
-    throw Error(ErrorCode::kUnsupported, "an environment is a .hdr or an .exr file", path);
+    throw Error(ErrorCode::kUnsupported, "an environment must be a .hdr or .exr file", path);
   Environment map = ending == "hdr" ? io::decode_radiance_hdr(file, path) : decode_exr(file, path);
   check_radiance(map, path);
   map.name = path.substr(path.find_last_of('/') + 1);

@@ -1,4 +1,4 @@
-// Images in OpenEXR as textures: eight bits a part of their linear numbers.
+// OpenEXR images as textures, with linear numbers converted to 8 bits per channel.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +11,16 @@ namespace raysheaf::io {
 
 [[nodiscard]] bool is_exr(std::span<const std::uint8_t> encoded);
 
-/// What its head says, or nothing where it has none, or several parts or deep pixels.
+/// The size in the header. Nothing if there is none, or the file has several parts or deep pixels.
 [[nodiscard]] std::optional<ImageSize> exr_size(std::span<const std::uint8_t> encoded);
 
 struct ExrImage {
   Image image;
-  bool exceeds_one = false;  ///< parts that did are 1
+  bool exceeds_one = false;  ///< some values exceeded 1 and were clamped
 };
-/// Its channels R, G, B and A (1 where it has none); one that is alone is grey. As data, linear; as
-/// colours, encoded in sRGB as other images are, and not premultiplied. What is not finite or below
-/// 0 is 0. Nothing where it is damaged or has none of these channels.
+/// Reads the channels R, G, B and A (1 if missing); a single channel is grey. Data stays linear.
+/// Colours are encoded in sRGB, as in other images, and not premultiplied. Negative and non-finite
+/// values become 0. Nothing if the file is damaged or has none of these channels.
 [[nodiscard]] std::optional<ExrImage> decode_exr_image(std::span<const std::uint8_t> encoded,
                                                        bool is_data);
 

@@ -44,7 +44,7 @@ class Descriptor {
   throw system_error(verb, path, error);
 }
 
-/// 0, or the errno of the step that failed.
+/// Returns 0, or the errno of the step that failed.
 int write_in_place(const std::string& path, std::span<const std::uint8_t> bytes) {
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
   if (file.get() < 0) return errno;
@@ -78,7 +78,8 @@ std::string decode_percent(const std::string& text) {
   return result;
 }
 
-/// Written to between the two looks. A file that was renamed over is still the one that was opened.
+/// Whether the file was written to between the two calls of fstat. If another file was renamed over
+/// it, the open file is still the old one.
 bool changed(const struct stat& before, const struct stat& now) {
   return before.st_size != now.st_size || before.st_mtim.tv_sec != now.st_mtim.tv_sec ||
          before.st_mtim.tv_nsec != now.st_mtim.tv_nsec;
@@ -105,10 +106,10 @@ Error system_error(const std::string& verb, const std::string& place, int error)
 
 std::string temporary_name(const std::string& path) {
   static std::atomic<unsigned> counter{0};
-  // Machines that share a folder may have processes of the same number.
+  // Machines that share a folder may have processes with the same id.
   static const std::string began =
       std::to_string(std::chrono::system_clock::now().time_since_epoch().count());
-  // Not kept: a fork has another one, and the same of all else.
+  // Read for each name: after a fork the id differs, while all other parts are equal.
   const std::string process = std::to_string(::getpid());
   const std::string name =
       ".raysheaf." + process + "." + began + "." + std::to_string(counter++) + ".part";
@@ -118,7 +119,7 @@ std::string temporary_name(const std::string& path) {
 int open_without_name(const std::string& beside, int flags) {
 #ifdef O_TMPFILE
   const int file = ::open(folder_of(beside).c_str(), O_TMPFILE | O_CLOEXEC | flags, 0666);
-  // Its way to a name.
+  // `give_name` needs this link.
   if (file >= 0 && ::access(own_link(file).c_str(), F_OK) == 0) return file;
   if (file >= 0) ::close(file);
 #endif
@@ -168,7 +169,7 @@ void write_file(const std::string& path, std::span<const std::uint8_t> bytes) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) {
-    // A device or a pipe: a rename would replace it by a file.
+    // The path is a device or a pipe, which a rename would replace by a file.
     if (const int failure = write_in_place(path, bytes)) fail("written", path, failure);
     return;
   }
@@ -219,7 +220,7 @@ std::string resolve(const SceneFile& from, const std::string& uri, bool is_uri,
 }  // namespace io
 
 std::string where_links_end(const std::string& path) {
-  constexpr int kMostLinks = 40;  // as Linux follows
+  constexpr int kMostLinks = 40;  // Linux follows as many
   std::filesystem::path target = path;
   std::error_code error;
   for (int i = 0; std::filesystem::is_symlink(std::filesystem::symlink_status(target, error));

@@ -15,7 +15,7 @@ constexpr const char* kByItsProgram = "export glTF from the program that it belo
 constexpr const char* kPoints = "it holds points, and raysheaf renders triangles";
 constexpr const char* kUnpack = "unpack it first";
 
-/// What bytes a kind begins with.
+/// The first bytes of a file kind.
 struct Magic {
   std::string_view bytes;
   FileKind kind;
@@ -81,7 +81,7 @@ constexpr Magic kMagics[] = {
     {"<"sv, {"XML or HTML", "", true}},
     {"\0\0\0\0"sv, {"zeros", "it was not written to its end", true}}};
 
-/// Kinds of XML, by a tag among the first bytes.
+/// Kinds of XML files, by a tag among their first bytes.
 constexpr Magic kTags[] = {
     {"<COLLADA"sv, {"a COLLADA file", kByAny}},
     {"<X3D"sv, {"an X3D file", kByAny}},
@@ -91,7 +91,7 @@ constexpr Magic kTags[] = {
     {"<html"sv, {"a web page", "download the file itself"}},
     {"<!DOCTYPE html"sv, {"a web page", "download the file itself"}}};
 
-/// What endings a kind has, with a blank round each.
+/// The extensions of a kind, with a blank before and after each.
 constexpr Magic kEndings[] = {
     {" fbx "sv, {"an FBX file", kByAny}},
     {" dae "sv, {"a COLLADA file", kByAny}},

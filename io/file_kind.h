@@ -1,4 +1,5 @@
-// What a file is that raysheaf does not read, or not under its name: for messages.
+// Recognises file formats that raysheaf does not read, or that have a wrong extension, for error
+// messages.
 #pragma once
 
 #include <cstdint>
@@ -9,22 +10,24 @@ namespace raysheaf::io {
 
 struct FileKind {
   const char* name;           ///< with an article: "an FBX file"
-  const char* advice;         ///< what to do with it; empty where nothing helps
-  bool is_container = false;  ///< what its ending says is more exact
+  const char* advice;         ///< how to convert it; empty if there is no advice
+  bool is_container = false;  ///< the extension names the format more exactly
 };
 
-/// So many of a file's first bytes are looked at.
+/// How many of a file's first bytes are examined.
 inline constexpr std::size_t kKindBytes = 512;
 
-/// By the first bytes of a file, or null. Not text whose first word is none of a format's.
+/// Recognises the kind by a file's first bytes; null if unknown. Text is recognised only by a first
+/// word that belongs to a format.
 [[nodiscard]] const FileKind* kind_by_content(std::span<const std::uint8_t> head);
-/// By the ending of its name, in lower case, or null. Not of kinds that are read.
+/// Recognises the kind by the file name's extension in lower case; null if unknown, and for the
+/// formats that raysheaf reads.
 [[nodiscard]] const FileKind* kind_by_ending(const std::string& ending);
-/// By both.
+/// Uses the contents and the extension.
 [[nodiscard]] const FileKind* kind_of(std::span<const std::uint8_t> head,
                                       const std::string& ending);
 
-/// "an FBX file; convert it to glTF, for instance with Blender or assimp".
+/// For example "an FBX file; convert it to glTF, for instance with Blender or assimp".
 [[nodiscard]] std::string described(const FileKind& kind);
 
 }  // namespace raysheaf::io

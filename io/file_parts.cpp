@@ -66,8 +66,8 @@ FileWriter::FileWriter(const std::string& path) : path_(path), target_(where_lin
   const bool replaces = ::stat(path.c_str(), &old) == 0;
   if (replaces && S_ISDIR(old.st_mode)) throw system_error("written", path, EISDIR);
   if (replaces && !S_ISREG(old.st_mode))
-    throw Error(ErrorCode::kIo, "cannot be written: is not a regular file", path);
-  // What stands behind a link of /proc may have been removed, or be another file's name by now.
+    throw Error(ErrorCode::kIo, "cannot be written: it is not a regular file", path);
+  // The target of a /proc link may have been removed, or its name may belong to another file now.
   if (replaces && (::stat(target_.c_str(), &target) != 0 || target.st_dev != old.st_dev ||
                    target.st_ino != old.st_ino))
     throw Error(ErrorCode::kIo, "cannot be written: the file there has no name", path);
@@ -78,7 +78,7 @@ FileWriter::FileWriter(const std::string& path) : path_(path), target_(where_lin
     file_ = ::open(temporary_.c_str(), O_WRONLY | O_CLOEXEC | O_CREAT | O_EXCL, 0666);
   }
   if (file_ < 0) throw system_error("written", path, errno);
-  // Who may read the old file may read the new one, and nobody else, from the first byte on.
+  // Copies the permissions of the old file before the first byte is written.
   if (replaces) static_cast<void>(::fchmod(file_, old.st_mode & 0777));
 }
 

@@ -1,4 +1,4 @@
-// Files that are larger than memory: read and written in parts. Errors name the file.
+// Reads and writes parts of files that may be larger than memory. Errors name the file.
 #pragma once
 
 #include <cstdint>
@@ -7,24 +7,24 @@
 
 namespace raysheaf::io {
 
-/// All of `out`, from `offset` on, of an open file; all of `bytes` to there. Throw kIo, also where
-/// the file ends before; `place` is what the error names.
+/// These read or write all of a span at `offset` of an open file. They throw kIo, also if the file
+/// ends too early; `place` is the error's place.
 void read_at(int file, std::uint64_t offset, std::span<std::uint8_t> out, const std::string& place);
 void write_at(int file, std::uint64_t offset, std::span<const std::uint8_t> bytes,
               const std::string& place);
 
-/// A regular file that is open for reading, by any number of threads at once.
+/// A regular file that is open for reading. Any number of threads may read it at once.
 class FileReader {
  public:
-  /// Throws kNotFound where there is none, kIo where it cannot be read.
+  /// Throws kNotFound if there is no such file, kIo if it cannot be read.
   explicit FileReader(const std::string& path);
   ~FileReader();
   FileReader(const FileReader&) = delete;
   FileReader& operator=(const FileReader&) = delete;
 
-  [[nodiscard]] std::uint64_t size() const { return size_; }  ///< when it was opened
-  /// All of `out`, from `offset` on. Throws kIo with `place` where it cannot be read, or ends
-  /// before.
+  [[nodiscard]] std::uint64_t size() const { return size_; }  ///< at the time of opening
+  /// Fills `out` from `offset` on. Throws kIo with `place` if the file cannot be read or ends too
+  /// early.
   void read(std::uint64_t offset, std::span<std::uint8_t> out, const std::string& place) const;
 
  private:
@@ -32,8 +32,8 @@ class FileReader {
   std::uint64_t size_ = 0;
 };
 
-/// Written without a name, or beside its own where the system has no files without one; `finish`
-/// renames it: the old file stands until then. Without `finish` nothing is left. Throws kIo.
+/// Writes a file without a name, or under a temporary name if the system needs one. `finish` gives
+/// it its real name; until then the old file stays. Without `finish`, nothing is left. Throws kIo.
 class FileWriter {
  public:
   explicit FileWriter(const std::string& path);
@@ -49,7 +49,7 @@ class FileWriter {
  private:
   std::string path_, target_, temporary_;
   int file_ = -1;
-  bool is_named_ = false;  // what is not whole
+  bool is_named_ = false;  // the unfinished file has a temporary name
   std::uint64_t size_ = 0;
 };
 

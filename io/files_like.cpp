@@ -1,4 +1,4 @@
-// Files by a pattern of their names, in the order of the numbers in them.
+// Finds files by a pattern and sorts them by the numbers in their names.
 #include <fnmatch.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Less, with runs of digits compared as numbers: "f2" before "f10".
+/// Compares names with runs of digits as numbers: "f2" comes before "f10".
 bool by_number(const std::string& a, const std::string& b) {
   const auto digit = [](char c) { return c >= '0' && c <= '9'; };
   std::size_t i = 0, k = 0;

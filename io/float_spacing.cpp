@@ -16,7 +16,7 @@ std::string written(double x) {
 }  // namespace
 
 void warn_of_spacing(const Box& box, SceneDescription* scene) {
-  constexpr double kFinest = 1000;  // spacings along the longest side
+  constexpr double kFinest = 1000;  // float32 steps along the longest side
   const double sides[] = {double{box.max.x} - box.min.x, double{box.max.y} - box.min.y,
                           double{box.max.z} - box.min.z};
   const double side = *std::max_element(std::begin(sides), std::end(sides));

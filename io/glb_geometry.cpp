@@ -61,8 +61,8 @@ std::uint32_t material_at(const Mesh& mesh, std::size_t triangle) {
   return mesh.materials.size() == 1 ? mesh.materials[0] : mesh.materials[triangle];
 }
 
-/// One primitive for each run of triangles with the same material, so that the order stays. They
-/// share the vertices and one buffer view of indices.
+/// Writes one primitive for each run of triangles with the same material, which keeps the
+/// triangles' order. All primitives share the vertices and one buffer view of indices.
 Json mesh_of(const Mesh& mesh, GlbParts& parts) {
   const Json attributes = attributes_of(mesh, parts);
   const std::size_t view =
@@ -94,7 +94,7 @@ void write_transform(const Affine& a, JsonObject& node) {
   node.add("matrix", matrix);
 }
 
-/// A frame whose -z axis is the light's direction.
+/// A coordinate frame whose -z axis is the light's direction.
 Affine light_frame(const Light& light) {
   const Double3 z = widen(light.direction) * -1;
   const Double3 spare = std::fabs(z.y) < 0.9 ? Double3{0, 1, 0} : Double3{1, 0, 0};
@@ -114,7 +114,7 @@ Affine light_frame(const Light& light) {
 Json light_of(const Light& light) {
   const float strength = power_of_two_above(light.intensity);
   const Vec3 i = light.intensity;
-  // Who does not know rectangles sees a wide spot.
+  // Other readers do not know rectangular lights and see a wide spot light.
   const bool rectangle = light.type == Light::Type::kRectangle;
   JsonObject result{{"name", light.name},
                     {"color", numbers_of({i.x / strength, i.y / strength, i.z / strength})},
@@ -140,10 +140,10 @@ Json camera_of(const Camera& camera) {
   const bool bounded = std::isfinite(camera.z_far);
   JsonObject lens{{"znear", camera.z_near}};
   if (camera.orthographic) {
-    // glTF demands a width; where the camera asks for none, the picture is square.
+    // glTF requires a width. If the camera has no aspect ratio, the image is square.
     lens.add("xmag", camera.y_mag * (camera.aspect_ratio > 0 ? camera.aspect_ratio : 1));
     lens.add("ymag", camera.y_mag);
-    // glTF demands a number here.
+    // glTF requires this field.
     lens.add("zfar", bounded ? camera.z_far : std::numeric_limits<float>::max());
   } else {
     lens.add("yfov", camera.y_fov);

@@ -48,7 +48,8 @@ void write_slot(const TextureSlot& slot, const char* name, JsonObject& object, G
   object.add(name, info);
 }
 
-/// Those of a material that are not as glTF has them anyway. `strength`: of its emission.
+/// The extensions for properties that differ from glTF's defaults. `strength` is that of the
+/// emission.
 JsonObject extensions_of(const Material& m, float strength, GlbParts& parts) {
   JsonObject result;
   const auto add = [&](const char* name, const JsonObject& value) {
@@ -57,7 +58,7 @@ JsonObject extensions_of(const Material& m, float strength, GlbParts& parts) {
   };
   if (m.transmission != 0 || m.thin)
     add("KHR_materials_transmission", {{"transmissionFactor", m.transmission}});
-  // Any thickness says that it is solid: whoever follows rays finds out how far it is through.
+  // Any thickness marks a solid body: a ray tracer finds the real one.
   if (m.transmission != 0 && !m.thin) add("KHR_materials_volume", {{"thicknessFactor", 1}});
   if (m.ior != 1.5f) add("KHR_materials_ior", {{"ior", m.ior}});
   if (m.specular != 1 || !equal(m.specular_color, {1, 1, 1})) {
@@ -101,7 +102,7 @@ float power_of_two_above(Vec3 value) {
   if (!(most > 1)) return 1;
   int exponent = 0;
   const float rest = std::frexp(most, &exponent);
-  // 2^128 is no float: the largest numbers keep a factor of nearly 2.
+  // 2^128 does not fit a float; the largest values keep a factor of nearly 2.
   return std::ldexp(1.0f, std::min(rest == 0.5f ? exponent - 1 : exponent, 127));
 }
 

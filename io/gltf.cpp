@@ -8,11 +8,12 @@
 namespace raysheaf::io {
 namespace {
 
-/// Bytes that may be made of accessors for each byte of the file, and besides: a crowd of small
-/// meshes that each have their own shape is read, and no kilobyte takes gigabytes.
+/// Limits of the bytes that accessors may expand to: per byte of the file, and in addition. Scenes
+/// with many small meshes of individual shape stay below them, and a file of a kilobyte cannot
+/// allocate gigabytes.
 constexpr std::size_t kBytesPerByte = 256, kFreeBytes = std::size_t{1} << 27;
 
-/// For each of `triangles_at_once`, which a file and its buffers may have to be read whole.
+/// Files with at most this many bytes per `triangles_at_once`, buffers included, may be read whole.
 constexpr std::uint64_t kSmallGltfBytes = 16;
 
 GltfScene read_gltf(const GltfModel& model, const SceneFile& from, const GltfOuter* outer) {
@@ -32,14 +33,14 @@ GltfScene read_gltf(const GltfModel& model, const SceneFile& from, const GltfOut
   return result;
 }
 
-/// `parse_gltf`, with a warning for URIs that are paths of Windows.
+/// `parse_gltf`, with a warning for URIs that are Windows paths.
 GltfModel parse_any(const GltfBytes& file, SceneFile from) {
   std::set<std::string> turned;
   from.turned = &turned;
   GltfModel model = parse_gltf(file, from);
   for (const std::string& uri : turned)
     model.warnings.push_back("\"" + printable(uri) +
-                             "\" is no URI: \"\\\" in it is read as \"/\".");
+                             "\" is not a valid URI: \"\\\" in it is read as \"/\".");
   return model;
 }
 

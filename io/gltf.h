@@ -1,5 +1,5 @@
-// From a checked glTF file to a scene. Each function fills its part; indices are glTF's unless
-// said.
+// Converts a validated glTF file to a scene, one function per part. Indices are those of the glTF
+// file unless stated otherwise.
 #pragma once
 
 #include <optional>
@@ -14,24 +14,24 @@
 
 namespace raysheaf::io {
 
-/// The scene and what moves it; instances, cameras and lights are not at their places before `pose`
-/// put them there.
+/// A scene and its animation. Instances, cameras and lights have no valid positions until `pose`
+/// has set them.
 struct GltfScene {
   SceneDescription scene;
   Rig rig;
 };
 [[nodiscard]] GltfScene load_gltf(const Bytes& file, const SceneFile& from);
 
-/// The scene at its places. Warns where clips are left out.
+/// The scene in its rest pose. Warns if animations are ignored.
 [[nodiscard]] SceneDescription at_rest(GltfScene loaded);
 
-/// The same at rest, in memory that does not grow with the meshes. Nothing of files so small that
-/// they may be held. Throws `NeedsWholeFile` where meshes have skins, morph targets or sparse
-/// attributes.
+/// The scene in its rest pose, read with memory that does not grow with the meshes. Nothing if the
+/// file is small enough to be read whole. Throws `NeedsWholeFile` if meshes have skins, morph
+/// targets or sparse attributes.
 [[nodiscard]] std::optional<OuterScene> read_outer_gltf(const std::string& path,
                                                         const PackOptions& options);
 
-/// Sentences about what is left out, each kind once.
+/// Collects warnings about ignored features, each sentence once.
 class Warnings {
  public:
   void once(const std::string& sentence) {
@@ -44,65 +44,65 @@ class Warnings {
   std::vector<std::string> sentences_;
 };
 
-/// The sets of texture coordinates that a material's textures read: TEXCOORD_n becomes a mesh's
-/// first or second set. `second` is -1 where there is one set.
+/// The texture coordinate sets that a material's textures use: TEXCOORD_n becomes a mesh's first or
+/// second set. `second` is -1 if there is only one.
 struct UvSets {
   int first = 0, second = -1;
 };
 
-/// Fills images, textures and materials. Gives the sets that each material reads.
+/// Fills images, textures and materials. Returns the sets that each material uses.
 [[nodiscard]] std::vector<UvSets> read_materials(const GltfModel& model, SceneDescription& scene,
                                                  Warnings& warnings);
 
-/// glTF's nodes and what they show.
+/// The glTF nodes and the meshes that they show.
 struct GltfNodes {
-  std::vector<std::uint32_t> place_of;  ///< in the rig, of each node
-  /// What each instance of the scene shows: glTF's numbers; `skin` is -1 where there is none.
+  std::vector<std::uint32_t> place_of;  ///< the rig's node for each glTF node
+  /// The glTF indices behind each instance of the scene. `skin` is -1 for a mesh without a skin.
   struct Use {
     int mesh = -1, skin = -1, node = -1;
   };
   std::vector<Use> uses;
 };
 
-/// Fills the rig's nodes, instances without their meshes, lights and cameras. The places that a
-/// node shows its mesh at are nodes of the rig below it.
+/// Fills the rig's nodes, instances (without meshes), lights and cameras. Each place at which
+/// EXT_mesh_gpu_instancing shows a node's mesh becomes a child node in the rig.
 [[nodiscard]] GltfNodes read_nodes(const GltfModel& model, AccessorReader& accessors,
                                    SceneDescription& scene, Rig& rig, Warnings& warnings);
 
-/// Where a node shows its mesh by EXT_mesh_gpu_instancing, relative to itself; empty: once, where
-/// it is itself.
+/// The places of EXT_mesh_gpu_instancing, relative to the node. If empty, the node shows its mesh
+/// once, at its own place.
 [[nodiscard]] std::vector<RigNode> instances_of_node(const JsonValue& node, std::size_t index,
                                                      AccessorReader& accessors);
 
-/// Fills the rig's skins: glTF's, under the same numbers.
+/// Fills the rig's skins, in glTF's order.
 void read_skins(const GltfModel& model, const GltfNodes& nodes, AccessorReader& accessors,
                 Rig& rig);
 
-/// A mesh as it is read, with what changes its shape.
+/// A mesh, and the data that deforms it.
 struct GltfMesh {
   Mesh mesh;
-  RigShape shape;  ///< targets, joints and flat triangles
+  RigShape shape;  ///< morph targets, joints and flat-shaded triangles
 };
-/// `joint_count`: of the skin; 0: there is none.
+/// `joint_count` is that of the skin; 0: the mesh has no skin.
 [[nodiscard]] GltfMesh read_mesh(const GltfModel& model, std::size_t index, std::size_t joint_count,
                                  AccessorReader& accessors, const std::vector<UvSets>& uv_sets,
                                  Warnings& warnings);
 
-/// The same, of one without a skin. Throws `NeedsWholeFile`.
+/// Reads a mesh without a skin into files. Throws `NeedsWholeFile`.
 void read_outer_mesh(const GltfModel& model, std::size_t index, AccessorReader& accessors,
                      const std::vector<UvSets>& uv_sets, Warnings& warnings,
                      const PackOptions& options, OuterMesh* mesh);
 
-/// Where meshes go that are not to be held.
+/// Where to store meshes that are not kept in memory.
 struct GltfOuter {
   const PackOptions& options;
   OuterColumns& columns;
-  std::vector<OuterMesh>& meshes;  ///< beside those of the scene, which have names alone
+  std::vector<OuterMesh>& meshes;  ///< match the scene's meshes, which only have names
 };
 
-/// Reads the meshes that instances show, one for each shape that they take, leaves out those
-/// without triangles, and fills the rig's shapes. Returns the shape of each node, or kInvalidId.
-/// `outer`: null where they are held.
+/// Reads the meshes that instances show, once per combination of mesh and shape. Skips meshes
+/// without triangles and fills the rig's shapes. Returns the shape of each node, or kInvalidId.
+/// `outer` is null if the meshes are kept in memory.
 [[nodiscard]] std::vector<std::uint32_t> read_meshes(const GltfModel& model, const GltfNodes& nodes,
                                                      const std::vector<UvSets>& uv_sets,
                                                      AccessorReader& accessors,
@@ -110,7 +110,7 @@ struct GltfOuter {
                                                      SceneDescription& scene, Rig& rig,
                                                      Warnings& warnings);
 
-/// Fills the rig's clips.
+/// Fills the rig's animation clips.
 void read_clips(const GltfModel& model, const GltfNodes& nodes,
                 const std::vector<std::uint32_t>& shape_of_node, AccessorReader& accessors,
                 Rig& rig, Warnings& warnings);

@@ -18,7 +18,7 @@ T load(const std::uint8_t* bytes) {
   return value;
 }
 
-/// One component; a normalised integer as glTF 2.0, section 3.6.2.2 has it.
+/// One component as a float. Normalised integers follow glTF 2.0, section 3.6.2.2.
 float component(const std::uint8_t* p, int type, bool normalized) {
   switch (type) {
     case kGltfByte: {
@@ -62,7 +62,7 @@ void AccessorReader::charge(std::size_t count, std::size_t bytes_each, const std
   budget_ -= count * bytes_each;
 }
 
-/// As the floats, or the indices, that its numbers become.
+/// Charges the size of the floats or indices that the accessor's values become.
 const GltfAccessor& AccessorReader::charged(int index, const std::string& place) {
   const GltfAccessor& accessor = model_.accessors[static_cast<std::size_t>(index)];
   charge(accessor.count, accessor.components * sizeof(float), place);
@@ -129,7 +129,7 @@ std::vector<float> AccessorReader::finite_window(const GltfAccessor& accessor, s
 const GltfAccessor& AccessorReader::floats_of(int index, int components, const std::string& place) {
   const GltfAccessor& accessor = charged(index, place);
   const auto width = static_cast<std::size_t>(components);
-  // The columns of smaller matrices are padded.
+  // Columns of smaller matrices are padded.
   if (accessor.components != width || (accessor.is_matrix && width < 16)) {
     throw Error(ErrorCode::kInvalidData,
                 "must have " + std::to_string(components) + " numbers an element, not " +

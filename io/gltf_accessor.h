@@ -1,4 +1,4 @@
-// The values of an accessor, whatever its component type, stride, normalisation and sparseness.
+// Reads accessor values of any component type, stride, normalisation and sparseness.
 #pragma once
 
 #include <algorithm>
@@ -13,21 +13,21 @@ namespace raysheaf::io {
 
 class AccessorReader {
  public:
-  /// Reads until `budget` bytes have been made of it in all, so that a small file whose primitives
-  /// share one large accessor cannot fill the memory.
+  /// Accessors may expand to `budget` bytes in total, so that a small file whose primitives share
+  /// one large accessor cannot exhaust the memory.
   AccessorReader(const GltfModel& model, std::size_t budget) : model_(model), budget_(budget) {}
 
-  /// Takes what else is made of the file off the budget, before it is allocated. Throws `Error`
-  /// (kOutOfMemory) where less is left.
+  /// Subtracts other data made from the file from the budget, before it is allocated. Throws
+  /// `Error` (kOutOfMemory) if the budget does not suffice.
   void charge(std::size_t count, std::size_t bytes_each, const std::string& place);
 
-  /// `components` floats an element. Throws where the accessor has another shape.
+  /// `components` floats per element. Throws if the accessor has another shape.
   [[nodiscard]] std::vector<float> floats(int accessor, int components, const std::string& place);
-  /// The same of an attribute of `count` vertices; throws too where a number is not finite.
+  /// The same for an attribute of `count` vertices. Also throws if a number is not finite.
   [[nodiscard]] std::vector<float> attribute(int accessor, int components, std::size_t count,
                                              const std::string& place);
-  /// Calls `body(numbers)` for each vertex of such an attribute. Holds a window of them, but all of
-  /// a sparse one: throws `NeedsWholeFile` there where its buffer is not held.
+  /// Calls `body(numbers)` for each vertex of an attribute. Keeps a window of it in memory, or all
+  /// of a sparse attribute. Throws `NeedsWholeFile` for a sparse one whose buffer is in a file.
   template <class Body>
   void each_vertex(int accessor, int components, std::size_t count, const std::string& place,
                    const Body& body) {
@@ -40,9 +40,9 @@ class AccessorReader {
       for (std::size_t i = 0; i < some.size(); i += width) body(&some[i]);
     }
   }
-  /// An accessor of indices, which are read by the function below any number of times.
+  /// Validates an index accessor, which `each_index` may then read any number of times.
   [[nodiscard]] const GltfAccessor& indices(int accessor, const std::string& place);
-  /// Calls `body(i, index)` for each.
+  /// Calls `body(i, index)` for each index.
   template <class Body>
   void each_index(const GltfAccessor& indices, const Body& body) const {
     for (std::size_t first = 0; first < indices.count; first += kWindow) {
@@ -78,8 +78,8 @@ class AccessorReader {
   std::size_t budget_;
 };
 
-/// Throws `Error` where a number is not finite; elements have `width` of them, and are those from
-/// `first` on.
+/// Throws `Error` if a number is not finite. Elements have `width` numbers; the first one of
+/// `values` has the index `first`.
 void check_finite(const std::vector<float>& values, std::size_t width, const std::string& place,
                   std::size_t first = 0);
 

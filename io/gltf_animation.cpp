@@ -1,4 +1,4 @@
-// Skins and animations (glTF 2.0, sections 3.7.3 and 3.11).
+// Reads skins and animations (glTF 2.0, sections 3.7.3 and 3.11).
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -12,7 +12,7 @@
 namespace raysheaf::io {
 namespace {
 
-/// Column by column, as glTF has them.
+/// The matrix is stored by columns, as in glTF.
 Affine affine_from(const float* m, const std::string& place) {
   if (std::fabs(m[3]) + std::fabs(m[7]) + std::fabs(m[11]) + std::fabs(m[15] - 1) > 1e-4f)
     refuse("is not affine: its last row is not 0 0 0 1", place);
@@ -27,7 +27,7 @@ Interpolation interpolation_of(const std::string& name, const std::string& place
   if (name.empty() || name == "LINEAR") return Interpolation::kLinear;
   if (name == "STEP") return Interpolation::kStep;
   if (name == "CUBICSPLINE") return Interpolation::kCubicSpline;
-  refuse("is \"" + printable(name) + "\", which is none of LINEAR, STEP and CUBICSPLINE", place);
+  refuse("is \"" + printable(name) + "\", not LINEAR, STEP or CUBICSPLINE", place);
 }
 
 void check_times(const std::vector<float>& times, const std::string& place) {
@@ -41,8 +41,8 @@ void check_times(const std::vector<float>& times, const std::string& place) {
   }
 }
 
-/// What is wrong with an animation spoils no picture at rest: it becomes a warning, which `rest`
-/// ends. A lack of memory stays an error.
+/// An error in an animation does not affect the rest pose: it becomes a warning, which ends with
+/// `rest`. Running out of memory stays an error.
 template <class Read>
 void within_animation(Warnings& warnings, const char* rest, const Read& read) {
   try {
@@ -54,7 +54,7 @@ void within_animation(Warnings& warnings, const char* rest, const Read& read) {
   }
 }
 
-/// One animation of the file.
+/// Reads one animation of the file.
 class ClipReader {
  public:
   ClipReader(const JsonValue& source, std::string place, const GltfNodes& nodes,
@@ -73,7 +73,7 @@ class ClipReader {
     clip_.name = source_.get("name", std::string());
     const auto channels = source_.items("channels");
     for (std::size_t c = 0; c < channels.size(); ++c)
-      within_animation(warnings_, "That channel is left at rest.",
+      within_animation(warnings_, "That channel is left out.",
                        [&] { read_channel(channels[c], c); });
     return std::move(clip_);
   }
@@ -82,7 +82,7 @@ class ClipReader {
   void read_channel(const JsonValue& channel, std::size_t index) {
     const std::string place = element(place_ + ".channels", index);
     const JsonValue& target = channel.at("target");
-    if (!target.contains("node")) return;  // an extension may know what it drives
+    if (!target.contains("node")) return;  // the target belongs to an extension
     const auto node = target.at("node").get<std::size_t>();
     const auto path = target.at("path").get<std::string>();
     RigChannel result;
@@ -107,11 +107,11 @@ class ClipReader {
       return warnings_.once("Animations of \"" + printable(path) + "\" are left out.");
     }
     if (result.path != RigPath::kWeights && rig_.nodes[result.target].matrix)
-      refuse("the node has a matrix: nothing can drive it", place + ".target.node");
+      refuse("the node has a matrix, so it cannot be animated", place + ".target.node");
     if (width == 0) return;
     if (driven_.contains({result.path, result.target})) {
       refuse("drives the " + path + " of nodes[" + std::to_string(node) +
-                 "], as an earlier channel does",
+                 "], which an earlier channel drives already",
              place + ".target");
     }
     result.curve = curve_of(channel.at("sampler").get<std::size_t>(), components, width, place);
@@ -119,7 +119,7 @@ class ClipReader {
     clip_.channels.push_back(result);
   }
 
-  /// The number of the curve of a sampler, which is read unless an earlier channel did.
+  /// Index of a sampler's curve, which is read when a channel first uses it.
   std::uint32_t curve_of(std::size_t sampler, int components, std::size_t width,
                          const std::string& channel) {
     if (sampler >= samplers_.size()) {
@@ -168,7 +168,7 @@ class ClipReader {
   std::map<std::tuple<std::size_t, int, std::size_t>, std::uint32_t> curves_;
 };
 
-/// `check_animation`, with the animation's place.
+/// `check_animation`, whose errors also name the animation.
 void check_animation_at(const JsonValue& root, const JsonValue& animation,
                         const std::string& place) {
   try {

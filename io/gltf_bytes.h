@@ -1,4 +1,4 @@
-// Bytes of a glTF file and of its buffers, wherever they are.
+// Bytes of a glTF file and of its buffers, in memory or in a file.
 #pragma once
 
 #include <span>
@@ -9,14 +9,14 @@
 
 namespace raysheaf::io {
 
-/// A file that is read in windows. `place`: what an error names beside the scene's file.
+/// A file that is read in windows. Errors name `place` in addition to the scene's file.
 struct GltfFile {
   GltfFile(const std::string& path, std::string named) : reader(path), place(std::move(named)) {}
   FileReader reader;
   std::string place;
 };
 
-/// Held, or in a file; what it is a view of outlives it.
+/// A view of bytes in memory or in a file, which must outlive it.
 class GltfBytes {
  public:
   GltfBytes() = default;
@@ -37,7 +37,7 @@ class GltfBytes {
   [[nodiscard]] GltfBytes subspan(std::uint64_t offset) const {
     return subspan(offset, size_ - offset);
   }
-  /// Those [offset, offset + count), which must be there: where they lie, or read into `scratch`.
+  /// The bytes [offset, offset + count), which must exist: either in place, or read into `scratch`.
   [[nodiscard]] std::span<const std::uint8_t> read(std::uint64_t offset, std::size_t count,
                                                    Bytes& scratch) const {
     if (is_held()) return held_.subspan(offset, count);

@@ -40,8 +40,8 @@ Chunk chunk_at(const GltfBytes& glb, std::size_t at, int number) {
   return {read_u32(glb, at + 4), glb.subspan(at + kChunkHeaderBytes, length)};
 }
 
-/// Where the chunk after one that ends at `end` begins: at the next multiple of four, or at once,
-/// as some writers have it.
+/// Where the chunk after one that ends at `end` begins: at the next multiple of four, or
+/// immediately, because some writers omit the padding.
 std::size_t chunk_after(const GltfBytes& glb, std::size_t end) {
   const bool at_once = glb.size() - end >= kChunkHeaderBytes && read_u32(glb, end + 4) == kBinary;
   return at_once ? end : (end + 3) / 4 * 4;
@@ -80,7 +80,7 @@ bool begins_with(const GltfBytes& file, std::string_view bytes) {
                     [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
 }
 
-/// What the file is, where it is neither GLB nor JSON; or nothing.
+/// The kind of a file that is neither GLB nor JSON, or an empty string.
 std::string foreign_kind(const GltfBytes& file) {
   using namespace std::string_view_literals;
   for (const std::string_view bytes : {"\xff\xfe"sv, "\xfe\xff"sv, "{\0"sv, "\0{"sv})
@@ -91,7 +91,7 @@ std::string foreign_kind(const GltfBytes& file) {
   return kind == nullptr ? std::string() : described(*kind);
 }
 
-/// Whether it may be JSON: it begins, behind blanks and a byte order mark, with a brace.
+/// Whether the file may be JSON: its first byte after blanks and a byte order mark is a brace.
 bool may_be_json(const GltfBytes& file) {
   constexpr std::string_view kMark = "\xef\xbb\xbf";
   constexpr std::uint64_t kMostBlanks = 4096;
@@ -109,10 +109,10 @@ bool may_be_json(const GltfBytes& file) {
 GltfParts split_gltf(const GltfBytes& file, bool is_glb) {
   if (begins_with(file, "glTF")) return split_glb(file);
   if (const std::string kind = foreign_kind(file); !kind.empty())
-    refuse(std::string("is no ") + (is_glb ? "GLB" : "glTF") + " file, but " + kind);
+    refuse(std::string("is not a ") + (is_glb ? "GLB" : "glTF") + " file, but " + kind);
   if (!may_be_json(file)) {
-    refuse(is_glb ? "is no GLB file: it begins neither with \"glTF\" nor as JSON"
-                  : "is no glTF file: it does not begin as JSON");
+    refuse(is_glb ? "is not a GLB file: it begins neither with \"glTF\" nor as JSON"
+                  : "is not a glTF file: it does not begin as JSON");
   }
   return {file, {}, false};
 }

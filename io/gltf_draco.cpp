@@ -19,12 +19,13 @@
 namespace raysheaf::io {
 namespace {
 
-/// Draco's arithmetic coder packs what repeats into next to nothing, so that no number of bytes is
-/// too few; a plane of this many triangles may, and more where there are bytes for them.
+/// Draco's arithmetic coder compresses repetitions to almost nothing, so no file is too small for a
+/// given count. These limits allow a plane of this many triangles in any file, and more in
+/// proportion to the bytes.
 constexpr std::size_t kMostTriangles = std::size_t{1} << 20, kMostOfAByte = 16;
 constexpr int kTriangles = 4;
 
-/// Which part of which view fills an accessor; -1: the indices.
+/// The view and attribute that fill an accessor; attribute -1 stands for the indices.
 using Filling = std::pair<std::size_t, std::int64_t>;
 
 class PackingChecker {
@@ -37,7 +38,7 @@ class PackingChecker {
     if (packing == nullptr) return;
     here_ = place + ".extensions." + kDraco;
     if (primitive.get("mode", kTriangles) != kTriangles)
-      refuse("packed strips, lines and points are not read", place + ".mode",
+      refuse("compressed strips, lines and points are not read", place + ".mode",
              ErrorCode::kUnsupported);
     if (!primitive.contains("indices")) refuse("is missing", place + ".indices");
     const auto view = packing->at("bufferView").get<std::size_t>();
@@ -52,7 +53,7 @@ class PackingChecker {
           member.value.get<double>() > std::numeric_limits<std::uint32_t>::max())
         refuse("is not an integer of 32 bits", field);
       const JsonValue* accessor = primitive.at("attributes").find(member.name);
-      if (accessor == nullptr) refuse("is no attribute of the primitive", field);
+      if (accessor == nullptr) refuse("is not an attribute of the primitive", field);
       fill(accessor->get<std::size_t>(), {view, member.value.get<std::int64_t>()});
     }
   }
@@ -62,11 +63,11 @@ class PackingChecker {
   void fill(std::size_t accessor, const Filling& filling) {
     const std::string place = element("accessors", accessor);
     if (filling_.try_emplace(accessor, filling).first->second != filling)
-      refuse("is of " + place + ", as another packed primitive or attribute is", here_,
-             ErrorCode::kUnsupported);
+      refuse("is of " + place + ", which another compressed primitive or attribute fills already",
+             here_, ErrorCode::kUnsupported);
     const auto count = root_.at("accessors").at(accessor).at("count").get<std::size_t>();
     if (count > most_corners_)
-      refuse("is " + std::to_string(count) + ", too many for the bytes that they are packed in",
+      refuse("is " + std::to_string(count) + ", too many for the compressed bytes",
              place + ".count", ErrorCode::kOutOfMemory);
     is_filled_[accessor] = true;
   }
@@ -106,18 +107,18 @@ std::vector<bool> check_draco(const JsonValue& root) {
 #ifdef RAYSHEAF_HAS_DRACO
 namespace {
 
-/// What a point may have in all its attributes, in bytes: VEC4 of floats, sixteen times.
+/// The most bytes that a point may have in all attributes: sixteen VEC4 of floats.
 constexpr std::size_t kMostOfAPoint = 256;
 
-/// Of a primitive, by its accessors.
+/// The counts that a primitive's accessors declare.
 struct Counts {
   std::size_t triangles = 0, points = 0;
 };
 
 struct BadPrediction {};
 
-/// Whether the values of an attribute, which begin at `at`, are followed by no more orientations of
-/// texture coordinates than there are values: Draco would decode 2^31 of them, for seconds.
+/// Whether the number of texture coordinate orientations after the attribute's values at `at` does
+/// not exceed the number of values. Draco would decode 2^31 of them, which takes seconds.
 bool has_few_orientations(draco::DecoderBuffer at, std::uint32_t count, int components) {
   const std::uint32_t numbers = count * static_cast<std::uint32_t>(components);
   std::uint8_t is_coded = 0, width = 0;
@@ -134,14 +135,14 @@ bool has_few_orientations(draco::DecoderBuffer at, std::uint32_t count, int comp
   return at.Decode(&orientations) && orientations <= count;
 }
 
-/// Draco's decoders allocate whatever a file claims. These look first, and end where that is not
-/// what the accessors say.
+/// Draco's decoders allocate whatever a file claims. These subclasses compare the claims with the
+/// accessors first and stop if they differ.
 template <class Decoder>
 class CheckedDecoder final : public Decoder {
  public:
   explicit CheckedDecoder(const Counts& counts) : counts_(counts) {}
 
-  /// Draco asks for it once the method by which an attribute is predicted was read, of two bytes.
+  /// Draco calls this when it has read an attribute's prediction method, the byte before the last.
   const draco::MeshAttributeIndicesEncodingData* GetAttributeEncodingData(int id) const override {
     const draco::MeshAttributeIndicesEncodingData* data = Decoder::GetAttributeEncodingData(id);
     if (data == nullptr) return data;
@@ -162,7 +163,7 @@ class CheckedDecoder final : public Decoder {
     draco::DecoderBuffer ahead = *this->buffer();
     std::uint32_t first = 0, second = 0;
     if (!draco::DecodeVarint(&first, &ahead) || !draco::DecodeVarint(&second, &ahead)) return false;
-    // Edgebreaker begins with the vertices that it has, each of one point or more.
+    // Edgebreaker stores the number of vertices first; each has at least one point.
     constexpr bool kSequential = std::is_same_v<Decoder, draco::MeshSequentialDecoder>;
     const std::uint32_t triangles = kSequential ? first : second;
     const std::uint32_t points = kSequential ? second : first;
@@ -173,7 +174,7 @@ class CheckedDecoder final : public Decoder {
     std::size_t bytes = 0;
     for (int i = 0; i < this->point_cloud()->num_attributes(); ++i) {
       const draco::PointAttribute& attribute = *this->point_cloud()->attribute(i);
-      // No accessor is of truth values, and Draco would read any byte as one.
+      // No accessor holds booleans, and Draco would read any byte as one.
       if (attribute.data_type() == draco::DT_BOOL) return false;
       bytes += static_cast<std::size_t>(attribute.num_components()) *
                static_cast<std::size_t>(draco::DataTypeLength(attribute.data_type()));
@@ -202,7 +203,7 @@ bool decode(std::span<const std::uint8_t> packed, const Counts& counts, draco::M
   draco::DracoHeader header;
   if (!draco::PointCloudDecoder::DecodeHeader(&ahead, &header).ok() ||
       header.encoder_type != draco::TRIANGULAR_MESH || header.version_major != 2 ||
-      header.version_minor != 2)  // the only one that the extension has
+      header.version_minor != 2)  // the only version that the extension allows
     return false;
   if (header.encoder_method == draco::MESH_SEQUENTIAL_ENCODING)
     return decode_by<draco::MeshSequentialDecoder>(counts, &buffer, mesh);
@@ -229,7 +230,7 @@ bool copy_attribute(const draco::PointAttribute& from, std::uint32_t points, T* 
   return true;
 }
 
-/// Calls `copy` with the bytes as values of a component's type.
+/// Calls `copy` with the bytes as values of the component type.
 template <class Copy>
 bool copy_as(int type, Bytes* bytes, const Copy& copy) {
   switch (type) {
@@ -261,7 +262,7 @@ class Unpacker {
     const auto accessor_of = [&](const JsonMember& attribute) {
       return named.at(attribute.name).get<std::size_t>();
     };
-    if (accessors_[indices].components != 1) refuse("is not of scalars", place_of(indices));
+    if (accessors_[indices].components != 1) refuse("must have scalar elements", place_of(indices));
     const Counts counts{accessors_[indices].count / 3,
                         accessors_[accessor_of(attributes[0])].count};
     if (!decode(packed, counts, &mesh_) || 3 * counts.triangles != accessors_[indices].count)
@@ -282,7 +283,7 @@ class Unpacker {
     const draco::PointAttribute* const from =
         mesh_.GetAttributeByUniqueId(attribute.value.get<std::uint32_t>());
     const std::string place = here_ + ".attributes." + printable(std::string(attribute.name));
-    if (from == nullptr) refuse("is none of the packed attributes", place);
+    if (from == nullptr) refuse("is not among the compressed attributes", place);
     if (from->num_components() != accessors_[accessor].components ||
         mesh_.num_points() != accessors_[accessor].count)
       refuse("has " + std::to_string(mesh_.num_points()) + " elements of " +

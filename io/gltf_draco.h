@@ -1,5 +1,5 @@
-// Primitives that are packed: KHR_draco_mesh_compression (Khronos 2018), as Blender and others
-// write it. Unpacked by Draco, where the build has it.
+// Decompresses primitives with KHR_draco_mesh_compression (Khronos 2018), as Blender and others
+// write it, if the build has Draco.
 #pragma once
 
 #include <cstddef>
@@ -15,25 +15,26 @@ namespace raysheaf::io {
 
 inline constexpr const char* kDraco = "KHR_draco_mesh_compression";
 
-/// Whether this build unpacks them. Where it does not, they are what their accessors say.
+/// Whether this build decompresses Draco. If not, the uncompressed accessors are used.
 [[nodiscard]] bool unpacks_draco();
 
-/// What packs a primitive; nullptr where nothing does, or this build cannot unpack it.
+/// The compression extension of a primitive; nullptr if it has none or this build cannot decompress
+/// it.
 [[nodiscard]] const JsonValue* draco_packing(const JsonValue& primitive);
 
-/// Checks how primitives are packed: into triangles, each accessor by one of them, and no more
-/// elements than so many bytes can hold. Gives which accessors they fill; what those say of buffer
-/// views does not count. Throws `Error`.
+/// Checks compressed primitives: each must hold triangles, each accessor may belong to only one of
+/// them, and its counts must not exceed what its bytes can hold. Returns which accessors are filled
+/// by decompression; their buffer views are ignored. Throws `Error`.
 [[nodiscard]] std::vector<bool> check_draco(const JsonValue& root);
 
-/// The values of an accessor, side by side.
+/// The values of an accessor, tightly packed.
 struct DracoValues {
   std::size_t accessor = 0;
   Bytes bytes;
 };
 
-/// What a primitive that was checked fills, its indices first. Throws `Error` where `packed` is
-/// damaged, or holds anything else than the accessors say.
+/// Decompresses a checked primitive and returns its accessors' values, indices first. Throws
+/// `Error` if `packed` is damaged or contradicts the accessors.
 [[nodiscard]] std::vector<DracoValues> unpack_draco(const JsonValue& primitive,
                                                     std::span<const GltfAccessor> accessors,
                                                     std::span<const std::uint8_t> packed,

@@ -1,4 +1,4 @@
-// Many instances of one node's mesh: EXT_mesh_gpu_instancing.
+// Reads many instances of a node's mesh from EXT_mesh_gpu_instancing.
 #include <string>
 #include <vector>
 
@@ -31,7 +31,7 @@ std::vector<RigNode> instances_of_node(const JsonValue& node, std::size_t index,
   }
   accessors.charge(count, sizeof(RigNode), place);
   std::vector<RigNode> instances(count);
-  // Calls `take(instance, its numbers)`.
+  // Calls `take(instance, numbers)` for each instance.
   const auto each = [&](const char* name, int components, const auto& take) {
     const JsonValue* accessor = attributes.find(name);
     if (accessor == nullptr) return;

@@ -26,7 +26,7 @@ constexpr std::size_t kMaxStride = 252;
 constexpr const char* kConvertKtx =
     "convert its KTX textures to PNG, as `gltf-transform ktxdecompress in.glb out.glb` does";
 
-/// Before anything else: what another version has may be of other types.
+/// Checked before anything else: in another version, fields may have other types.
 void check_version(const JsonValue& root, const char* field) {
   const JsonValue* asset = root.find("asset");
   const JsonValue* version = asset == nullptr ? nullptr : asset->find(field);
@@ -86,7 +86,7 @@ void check_buffer(const JsonValue& buffer, std::size_t i, const GltfParts& parts
   if (uri.empty()) {
     check_length(said, parts.binary.size(), place);
   } else if (is_data_uri(uri)) {
-    return;  // its length is known where it is decoded
+    return;  // the decoder finds out its length
   } else if (!file_exists(resolve(from, std::string(uri), true, place + ".uri"))) {
     refuse("no such file \"" + printable(std::string(uri)) + "\"", place + ".uri",
            ErrorCode::kNotFound);
@@ -100,7 +100,7 @@ void check_image(const JsonValue& image, std::size_t i, const SceneFile& from) {
   }
   if (!image.contains("uri")) return;
   const auto uri = image.at("uri").get<std::string_view>();
-  // What a data URI holds is left to the decoder.
+  // The decoder checks the contents of data URIs.
   if (!is_data_uri(uri)) static_cast<void>(resolve(from, std::string(uri), true, place + ".uri"));
 }
 
@@ -136,18 +136,18 @@ void check_view(const JsonValue& root, const JsonValue& view, std::size_t i,
   }
 }
 
-/// Of an element.
+/// Bytes per element.
 std::size_t element_bytes(const JsonValue& accessor, const std::string& place) {
   const int component = accessor.at("componentType").get<int>();
   const std::size_t bytes = component_bytes(component);
   if (bytes == 0) {
-    refuse("is " + std::to_string(component) + ", which is no component type",
+    refuse("is " + std::to_string(component) + ", which is not a component type",
            place + ".componentType");
   }
   const auto type = accessor.at("type").get<std::string>();
   const std::size_t count = component_count(type);
   if (count == 0) {
-    refuse("is \"" + printable(type) + "\", which is no type of accessors", place + ".type");
+    refuse("is \"" + printable(type) + "\", which is not an accessor type", place + ".type");
   }
   return bytes * count;
 }
@@ -177,7 +177,7 @@ void check_sparse(const JsonValue& root, const JsonValue& accessor, std::size_t 
   }
   const int type = sparse.at("indices").at("componentType").get<int>();
   if (type != kGltfUnsignedByte && type != kGltfUnsignedShort && type != kGltfUnsignedInt) {
-    refuse("is no unsigned integer type", place + ".sparse.indices.componentType");
+    refuse("is not an unsigned integer type", place + ".sparse.indices.componentType");
   }
   const auto check_part = [&](const char* name, std::size_t bytes) {
     const JsonValue& part = sparse.at(name);
@@ -189,7 +189,7 @@ void check_sparse(const JsonValue& root, const JsonValue& accessor, std::size_t 
   check_part("values", size);
 }
 
-/// `is_filled`: by what is packed, wherever it says that its bytes are.
+/// `is_filled`: decompression provides the values, and the accessor's buffer view is ignored.
 void check_accessor(const JsonValue& root, const JsonValue& accessor, std::size_t i,
                     bool is_filled) {
   const std::string place = element("accessors", i);
@@ -214,7 +214,7 @@ void check_accessor(const JsonValue& root, const JsonValue& accessor, std::size_
   if (accessor.contains("sparse")) check_sparse(root, accessor, size, place);
 }
 
-/// `indices` of AccessorReader reads no others.
+/// `AccessorReader::indices` reads only accessors that were checked here.
 void check_index_accessors(const JsonValue& root, const std::vector<bool>& is_filled) {
   const auto meshes = root.items("meshes");
   for (std::size_t m = 0; m < meshes.size(); ++m) {

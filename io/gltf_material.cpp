@@ -10,7 +10,7 @@
 namespace raysheaf::io {
 namespace {
 
-/// The numbers of an array, of which there are as many as of `fallback`.
+/// The array's numbers, as many as `fallback` has.
 template <std::size_t kCount>
 std::array<float, kCount> floats(const JsonValue& object, const char* name,
                                  std::array<float, kCount> fallback) {
@@ -31,7 +31,7 @@ Vec4 vec4(const JsonValue& object, const char* name, float fallback) {
   return {x, y, z, w};
 }
 
-/// OpenGL's numbers, which glTF uses.
+/// OpenGL's codes, which glTF uses.
 constexpr int kNearest = 9728, kRepeat = 10497, kClampToEdge = 33071, kMirroredRepeat = 33648;
 
 Wrap wrap_of(int gl) {
@@ -39,7 +39,8 @@ Wrap wrap_of(int gl) {
   return gl == kMirroredRepeat ? Wrap::kMirroredRepeat : Wrap::kRepeat;
 }
 
-/// Textures whose image could be read, and where each of glTF's went.
+/// Reads the textures whose images could be decoded. Returns the scene's index of each glTF
+/// texture.
 std::vector<std::uint32_t> read_textures(const GltfModel& model, SceneDescription& scene,
                                          Warnings& warnings) {
   std::vector<std::string> sentences;
@@ -123,13 +124,13 @@ class MaterialReader {
     return slot;
   }
 
-  /// What materials of either model have.
+  /// Reads the properties that both material models share.
   void read_base(const JsonValue& source, const JsonValue* base,
                  const JsonValue* metallic_roughness) {
     const JsonValue* emission = source.find("emissiveTexture");
     const JsonValue* normal = source.find("normalTexture");
-    // The base colour's set; where it has no texture, that of the first slot that has one. The next
-    // other one is the second.
+    // The first set is the one of the base colour's texture, or of the first slot with a texture.
+    // The next different one becomes the second set.
     uv_sets_ = {};
     bool has_first = false;
     for (const JsonValue* info : {base, metallic_roughness, emission, normal}) {
@@ -158,18 +159,18 @@ class MaterialReader {
     material_.roughness = pbr.get("roughnessFactor", 1.0f);
   }
 
-  /// The older model, where a material has no other: what its surface reflects straight on is
-  /// `specularFactor`, and what does not reflects the diffuse colour.
+  /// Reads the older model, specular-glossiness, if the material has no other: a surface reflects
+  /// `specularFactor` at normal incidence, and the rest is reflected with the diffuse colour.
   void read_gloss(const JsonValue& gloss) {
     material_.base_color = vec4(gloss, "diffuseFactor", 1);
     material_.metallic = 0;
     if (gloss.contains("specularGlossinessTexture")) {
-      warnings_.once("Specular-glossiness textures are left out: such surfaces are dull.");
+      warnings_.once("Specular-glossiness textures are left out: such surfaces get roughness 1.");
       material_.roughness = 1;
       return;
     }
     material_.roughness = 1 - gloss.get("glossinessFactor", 1.0f);
-    material_.ior = 0;  // of KHR_materials_ior: the specular colour alone counts
+    material_.ior = 0;  // overrides KHR_materials_ior: only the specular colour counts
     material_.specular_color = vec3(gloss, "specularFactor", 1);
     const Vec3 s = material_.specular_color;
     const float rest = std::max(0.0f, 1 - std::max({s.x, s.y, s.z}));
@@ -188,16 +189,16 @@ class MaterialReader {
       material_.alpha_cutoff = varies ? 0.5f : 0;
       if (varies || material_.base_color.w < 1)
         warnings_.once(
-            "The alpha mode BLEND is mixed by samples: with one a pixel, surfaces are cut off "
-            "where "
-            "their texture's alpha is below a half, and whole where they have none.");
+            "The alpha mode BLEND is blended by random samples; with one sample per pixel, "
+            "surfaces are cut out where their texture's alpha is below 0.5, and opaque without a "
+            "texture.");
     } else {
       warnings_.once("The alpha mode " + mode.substr(0, 16) +
                      " is left out: such a surface is opaque.");
     }
   }
 
-  /// Whether what transmits is solid, for which a thickness stands.
+  /// Whether a transmitting material is solid, which a thickness indicates.
   bool has_volume(const JsonValue& source) {
     const JsonValue* x = extension(source, "KHR_materials_volume");
     if (x == nullptr || x->get("thicknessFactor", 0.0f) == 0) return false;

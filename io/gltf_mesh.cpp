@@ -15,19 +15,19 @@ namespace raysheaf::io {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
-/// glTF's numbers for what a primitive is; below are points and lines.
+/// glTF's codes of primitive modes; smaller ones are points and lines.
 constexpr int kTriangles = 4, kTriangleStrip = 5, kTriangleFan = 6;
 
 int mode_of(const JsonValue& primitive) {
   return primitive.get("mode", kTriangles);
 }
 
-/// Of `count` corners.
+/// Triangles of a primitive with `count` corners.
 std::size_t triangle_count_of(int mode, std::size_t count) {
   return mode == kTriangles ? count / 3 : count < 3 ? 0 : count - 2;
 }
 
-/// Triangles of the corners of a list, strip or fan, as glTF 2.0, section 3.7.2.1 has them.
+/// Assembles triangles from the corners of a list, strip or fan (glTF 2.0, section 3.7.2.1).
 class TriangleAssembler {
  public:
   explicit TriangleAssembler(int mode) : mode_(mode) {}
@@ -59,10 +59,11 @@ class TriangleAssembler {
 
 /// Position, normal, both sets of texture coordinates, colour and alpha.
 constexpr std::size_t kVertexBytes = 3 * sizeof(Vec3) + 2 * sizeof(Vec2) + sizeof(float);
-/// What `add_missing_normals` takes for a triangle, at most: its corners, their normals, copies.
+/// The most memory that `add_missing_normals` needs per triangle: its corners, their normals, and
+/// copies.
 constexpr std::size_t kNormalsBytes = 96 + 3 * kVertexBytes;
 
-/// Concatenates the primitives of one mesh, `Mesh` or `OuterMesh`.
+/// Concatenates the primitives of one mesh into a `Mesh` or an `OuterMesh`.
 template <class AnyMesh>
 class MeshReader {
  public:
@@ -89,16 +90,16 @@ class MeshReader {
     finish();
   }
   [[nodiscard]] ShapeReader& shape() { return shape_; }
-  /// Where this is so, `add_missing_normals` has to follow.
+  /// If true, the caller must call `add_missing_normals`.
   [[nodiscard]] bool misses_normals() const { return misses_normals_; }
-  /// Whether each vertex has one; of a `Mesh`.
+  /// Whether each vertex has a normal (only for a `Mesh`).
   [[nodiscard]] const std::vector<bool>& has_normal() const { return has_normal_; }
 
  private:
   static constexpr bool kHeld = std::is_same_v<AnyMesh, Mesh>;
 
-  /// The accessors of position, normal and uv, then of joints and weights, then of targets:
-  /// primitives with the same share their vertices.
+  /// The accessors of position, normal and uv, then of joints and weights, then of morph targets.
+  /// Primitives with equal accessors share their vertices.
   using Attributes = std::vector<int>;
 
   void read_primitive(const JsonValue& primitive) {
@@ -128,7 +129,7 @@ class MeshReader {
     add_materials(static_cast<std::uint32_t>(material), triangle_count_of(mode, corners));
   }
 
-  /// Of the first and of the second set.
+  /// Attribute names of the first and the second set.
   struct UvNames {
     std::string first, second;
   };
@@ -136,7 +137,7 @@ class MeshReader {
   [[nodiscard]] bool has_alpha(int colors) const {
     return colors >= 0 && model_.accessors[static_cast<std::size_t>(colors)].components == 4;
   }
-  /// Whether the vertices' alpha counts.
+  /// Whether the material uses the alpha of the vertex colours.
   bool looks_at_alpha(int material) const {
     if (material < 0) return false;
     const JsonValue& source = model_.list("materials")[static_cast<std::size_t>(material)];
@@ -147,7 +148,8 @@ class MeshReader {
   bool is_drawn(const JsonValue& primitive) {
     const int mode = mode_of(primitive);
     if (mode > kTriangleFan) {
-      throw Error(ErrorCode::kInvalidData, "is " + std::to_string(mode) + ", which is no mode",
+      throw Error(ErrorCode::kInvalidData,
+                  "is " + std::to_string(mode) + ", which is not a primitive mode",
                   place_ + ".mode");
     }
     if (mode < kTriangles) {
@@ -160,7 +162,7 @@ class MeshReader {
     return false;
   }
 
-  /// Null where there are none: each vertex is a corner.
+  /// Null if the primitive has no indices: then each vertex is a corner.
   const GltfAccessor* checked_indices(const JsonValue& primitive, std::size_t vertex_count) {
     const int accessor = primitive.get("indices", -1);
     if (accessor < 0) return nullptr;
@@ -184,8 +186,8 @@ class MeshReader {
     return count;
   }
 
-  /// `flat`: with vertices of their own, so that they stay flat beside primitives that have
-  /// normals.
+  /// `flat`: the triangles get vertices of their own, so that they stay flat next to primitives
+  /// with normals.
   void add_triangles(int mode, const GltfAccessor* indices, std::size_t corners, std::uint32_t base,
                      bool flat) {
     const std::size_t more = triangle_count_of(mode, corners);
@@ -215,7 +217,7 @@ class MeshReader {
       mesh_.materials.resize(mesh_.materials.size() + triangles, material);
   }
 
-  /// The first vertex of these attributes, which are read unless an earlier primitive did.
+  /// The first vertex with these attributes, which are read when a primitive first uses them.
   std::uint32_t vertices(const Attributes& attributes, const ShapeSource& source, std::size_t count,
                          const UvNames& uv_names) {
     const auto known = first_vertex_.find(attributes);
@@ -273,13 +275,14 @@ class MeshReader {
       uvs.resize(mesh_.positions.size());
     }
   }
-  /// The second set, of the vertices from `base` on, is the first one where they have no other.
+  /// Copies the first set to the second for vertices from `base` on that have no second set.
   void repeat_first_uvs(std::size_t base) {
     for (std::size_t i = base; i < mesh_.positions.size() && i < mesh_.uvs.size(); ++i)
       put(mesh_.second_uvs, i, Vec2(mesh_.uvs[i]));
   }
 
-  /// Primitives without any are white beside others. `thins`: their alpha counts.
+  /// Vertices of primitives without colours are white if other primitives have colours. `thins`:
+  /// the material uses their alpha.
   void read_colors(int accessor, bool thins, std::size_t count, const std::string& place) {
     constexpr Vec3 kWhite{1, 1, 1};
     const auto part = [](float x) { return std::clamp(x, 0.0f, 1.0f); };
@@ -306,7 +309,7 @@ class MeshReader {
     }
   }
 
-  /// The next one, on vertices that are added for it.
+  /// Appends copies of the triangle's vertices and returns the triangle that uses them.
   Triangle unshared(Triangle t) {
     if constexpr (kHeld) shape_.add_flat(static_cast<std::uint32_t>(mesh_.triangles.size()));
     const Double3 a = widen(mesh_.positions[t[0]]), b = widen(mesh_.positions[t[1]]),

@@ -1,4 +1,4 @@
-// The meshes that nodes show, one for each shape that they take.
+// Reads the meshes that nodes show, once for each shape that they take.
 #include <map>
 #include <tuple>
 
@@ -8,15 +8,15 @@
 namespace raysheaf::io {
 namespace {
 
-/// Triangles that all instances together may have for each byte of the file, and besides.
+/// Limits of the triangles of all instances: per byte of the file, and in addition.
 constexpr std::uint64_t kTrianglesPerByte = 256, kFreeTriangles = std::uint64_t{1} << 22;
 
-/// Whether a curve drives the weights of each node's mesh.
+/// Whether an animation drives the morph weights of each node's mesh.
 std::vector<bool> driven_weights(const GltfModel& model) {
   std::vector<bool> driven(model.list("nodes").size(), false);
   for (const JsonValue& animation : model.list("animations")) {
     for (const JsonValue& channel : animation.items("channels")) {
-      // Not checked yet: an animation that is wrong is left out later.
+      // Animations are validated later, and invalid ones are ignored.
       const JsonValue* const target = channel.find("target");
       const JsonValue* const path = target == nullptr ? nullptr : target->find("path");
       const JsonValue* const node = target == nullptr ? nullptr : target->find("node");
@@ -30,7 +30,7 @@ std::vector<bool> driven_weights(const GltfModel& model) {
   return driven;
 }
 
-/// Those of the node, else those of the mesh, else none at all.
+/// The node's weights; if it has none, the mesh's; otherwise zeros.
 std::vector<float> rest_weights(const GltfModel& model, const GltfNodes::Use& use,
                                 std::size_t target_count) {
   const auto node = static_cast<std::size_t>(use.node), mesh = static_cast<std::size_t>(use.mesh);
@@ -49,7 +49,7 @@ std::vector<float> rest_weights(const GltfModel& model, const GltfNodes::Use& us
   return weights;
 }
 
-/// Whether it has triangles. `mesh` gets its name.
+/// Returns whether the mesh has triangles. `mesh` gets its name.
 bool add_outer(const GltfModel& model, std::size_t number, AccessorReader& accessors,
                const std::vector<UvSets>& uv_sets, Warnings& warnings, const GltfOuter& outer,
                Mesh* mesh) {
@@ -77,8 +77,8 @@ std::vector<std::uint32_t> read_meshes(const GltfModel& model, const GltfNodes& 
                                        SceneDescription& scene, Rig& rig, Warnings& warnings) {
   const auto all_nodes = model.list("nodes");
   const std::vector<bool> driven = driven_weights(model);
-  // Meshes are shared by what shows them in one shape: by glTF's mesh, skin, and by the node where
-  // that has weights of its own.
+  // Instances share a mesh if they agree in glTF's mesh and skin, and, for nodes with weights of
+  // their own, in the node.
   using Key = std::tuple<int, int, int>;
   std::map<Key, std::uint32_t> index_of;
   const auto key_of = [&](const GltfNodes::Use& use) {

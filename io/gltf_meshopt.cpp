@@ -12,7 +12,7 @@
 namespace raysheaf::io {
 namespace {
 
-/// The most that a byte unpacks to: sixteen zeros take two bits.
+/// The largest compression ratio: sixteen zeros take two bits.
 constexpr std::size_t kMostOfAByte = 64;
 
 struct Packing {
@@ -35,7 +35,7 @@ bool is_stride_of(const Packing& p) {
 void check_kinds(const Packing& p, bool is_khr, const std::string& place) {
   const bool is_color = is_khr && p.filter == "COLOR";
   const auto none = [&](std::string_view what, const char* field) {
-    refuse("is \"" + printable(std::string(what)) + "\", which there is not here", place + field);
+    refuse("is \"" + printable(std::string(what)) + "\", which is not defined", place + field);
   };
   const bool attributes = p.mode == "ATTRIBUTES";
   if (!attributes && p.mode != "TRIANGLES" && p.mode != "INDICES") none(p.mode, ".mode");
@@ -43,10 +43,11 @@ void check_kinds(const Packing& p, bool is_khr, const std::string& place) {
       p.filter == "OCTAHEDRAL" || p.filter == "QUATERNION" || p.filter == "EXPONENTIAL" || is_color;
   if (p.filter != "NONE" && !(attributes && filters)) none(p.filter, ".filter");
   if (!is_stride_of(p))
-    refuse("is " + std::to_string(p.stride) + ", which no element of this mode and filter has",
+    refuse("is " + std::to_string(p.stride) + ", which this mode and filter do not allow",
            place + ".byteStride");
   if (p.mode == "TRIANGLES" && p.count % 3 != 0)
-    refuse("is " + std::to_string(p.count) + ", which are no triangles", place + ".count");
+    refuse("is " + std::to_string(p.count) + ", which is not a number of triangle corners",
+           place + ".count");
 }
 
 }  // namespace
@@ -97,7 +98,7 @@ void check_meshopt(const JsonValue& root, const JsonValue& view, const std::stri
 #ifdef RAYSHEAF_HAS_MESHOPT
 namespace {
 
-/// What this build's meshoptimizer is too old for, by the version that came with it.
+/// Throws if this build's meshoptimizer is too old for the codec's version.
 void check_versions(const Packing& p, std::span<const std::uint8_t> packed,
                     const std::string& place) {
   const auto needs = [&](const char* what, const char* version) {
@@ -127,7 +128,7 @@ Bytes unpack_meshopt(const MeshoptPacking& packing, std::span<const std::uint8_t
                         : p.mode == "TRIANGLES" ? triangles
                                                 : indices;
   if (decode(bytes.data(), p.count, p.stride, packed.data(), packed.size()) != 0)
-    refuse("the packed bytes are damaged", here);
+    refuse("the compressed bytes are damaged", here);
   if (p.filter == "OCTAHEDRAL") meshopt_decodeFilterOct(bytes.data(), p.count, p.stride);
   if (p.filter == "QUATERNION") meshopt_decodeFilterQuat(bytes.data(), p.count, p.stride);
   if (p.filter == "EXPONENTIAL") meshopt_decodeFilterExp(bytes.data(), p.count, p.stride);

@@ -1,5 +1,6 @@
-// Buffer views that are packed: EXT_meshopt_compression (A. Kapoulkine), as gltfpack and others
-// write it, and its successor KHR_meshopt_compression, as far as the build's meshoptimizer goes.
+// Decompresses buffer views with EXT_meshopt_compression (A. Kapoulkine), as gltfpack and others
+// write it, and with its successor KHR_meshopt_compression, as far as the build's meshoptimizer
+// supports it.
 #pragma once
 
 #include <span>
@@ -13,22 +14,22 @@ namespace raysheaf::io {
 inline constexpr const char* kMeshopt = "EXT_meshopt_compression";
 inline constexpr const char* kKhrMeshopt = "KHR_meshopt_compression";
 
-/// Whether this build unpacks them. Where it does not, they are as their own buffers have them.
+/// Whether this build decompresses meshopt. If not, the views' uncompressed buffers are used.
 [[nodiscard]] bool unpacks_meshopt();
 
-/// What packs a view, by the name of its extension; `json` is null where nothing does, or this
-/// build cannot unpack it.
+/// The compression extension of a view, with its name. `json` is null if the view has none or this
+/// build cannot decompress it.
 struct MeshoptPacking {
   const JsonValue* json = nullptr;
   const char* name = kMeshopt;
 };
 [[nodiscard]] MeshoptPacking meshopt_packing(const JsonValue& view);
 
-/// Checks a view's packing: its bytes lie in their buffer, what they unpack to is the view's
-/// length, and no more than so many bytes can hold. Throws `Error`.
+/// Checks a compressed view: its bytes lie within their buffer, they decompress to the view's
+/// length, and that length is possible for so many bytes. Throws `Error`.
 void check_meshopt(const JsonValue& root, const JsonValue& view, const std::string& place);
 
-/// The bytes of a view that was checked. Throws `Error` where `packed` is damaged, or of a version
+/// The decompressed bytes of a checked view. Throws `Error` if `packed` is damaged or has a version
 /// that this build's meshoptimizer does not read.
 [[nodiscard]] Bytes unpack_meshopt(const MeshoptPacking& packing,
                                    std::span<const std::uint8_t> packed, const std::string& place);

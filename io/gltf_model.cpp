@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint64_t kMostOuterJson = std::uint64_t{1} << 26;
 
-/// Fills a model from its JSON, which has been checked.
+/// Fills a model from its validated JSON.
 class ModelReader {
  public:
   ModelReader(GltfModel& model, const GltfParts& parts, const SceneFile& from)
@@ -40,7 +40,7 @@ class ModelReader {
   }
 
  private:
-  /// A file may have more bytes than its buffer.
+  /// A file may be longer than its buffer.
   GltfBytes buffer(const JsonValue& source, const std::string& place) {
     const auto said = source.at("byteLength").get<std::size_t>();
     const auto uri = source.get("uri", std::string_view());
@@ -48,7 +48,7 @@ class ModelReader {
     if (is_data_uri(uri)) {
       std::optional<Bytes> bytes = decode_data_uri(uri);
       if (!bytes)
-        refuse("is a data URI with a character that is no digit of base 64, or without a comma",
+        refuse("is a data URI without a comma, or with a character that is not a base64 digit",
                place);
       if (bytes->size() < said)
         refuse("has " + std::to_string(bytes->size()) + " bytes, but the buffer needs " +
@@ -87,7 +87,8 @@ class ModelReader {
     const GltfBytes packed = range(*packing.json);
     return {keep(unpack_meshopt(packing, packed.read(0, packed.size(), scratch), place)), stride};
   }
-  /// Fills the accessors of packed primitives; of those that share them, by the first.
+  /// Decompresses primitives and fills their accessors. If primitives share accessors, the first
+  /// one fills them.
   void unpack_primitives() {
     std::set<std::size_t> filled;
     const auto meshes = model_.list("meshes");
@@ -114,7 +115,7 @@ class ModelReader {
     model_.views.push_back({keep(std::move(values.bytes)), 0});
   }
 
-  /// The bytes of a buffer that a view, or its packing, speaks of.
+  /// The bytes of the buffer that a view or its compression extension refers to.
   [[nodiscard]] GltfBytes range(const JsonValue& source) const {
     return buffers_[source.at("buffer").get<std::size_t>()].subspan(
         source.get("byteOffset", std::size_t{0}), source.at("byteLength").get<std::size_t>());
@@ -142,7 +143,7 @@ class ModelReader {
         part.get("byteOffset", std::size_t{0}));
   }
 
-  /// A picture that is not to be had does not spoil the scene.
+  /// An image that cannot be read does not make the scene invalid.
   [[nodiscard]] EncodedImage image(const JsonValue& source, const std::string& place) const {
     EncodedImage result{source.get("name", std::string()), place, {}};
     if (const JsonValue* number = source.find("bufferView")) {
@@ -172,7 +173,7 @@ class ModelReader {
   const SceneFile& from_;
   bool is_held_;
   std::vector<GltfBytes> buffers_;
-  std::map<std::string, GltfBytes> file_of_;  ///< that were read
+  std::map<std::string, GltfBytes> file_of_;  ///< files that have been read
 };
 
 }  // namespace

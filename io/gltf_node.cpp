@@ -17,7 +17,7 @@ std::string node_place(int node) {
   return "nodes[" + std::to_string(node) + "]";
 }
 
-/// As many as the rules say.
+/// The validation rules have checked the array's length.
 template <std::size_t kCount>
 bool read_numbers(const JsonValue& object, const char* name, std::array<double, kCount>& numbers) {
   const auto items = object.items(name);
@@ -55,7 +55,7 @@ RigNode rig_node(const JsonValue& source, const std::string& place, std::uint32_
   return node;
 }
 
-/// Each node's parent, or -1. A node has one parent, and nobody is their own ancestor.
+/// Each node's parent, or -1. Throws if a node has two parents or is its own ancestor.
 std::vector<int> parents_of(std::span<const JsonValue> nodes) {
   std::vector<int> parents(nodes.size(), -1);
   for (int n = 0; n < static_cast<int>(nodes.size()); ++n) {
@@ -72,7 +72,7 @@ std::vector<int> parents_of(std::span<const JsonValue> nodes) {
 }
 
 void check_cycles(const std::vector<int>& parents) {
-  // The number of the walk towards the root that came by first.
+  // The index of the walk towards the root that visited a node first.
   std::vector<int> walk_of(parents.size(), -1);
   for (int start = 0; start < static_cast<int>(parents.size()); ++start) {
     int node = start;
@@ -86,8 +86,8 @@ void check_cycles(const std::vector<int>& parents) {
   }
 }
 
-/// What the scene shows, each with all below it. Some exporters (UniGLTF) leave a node of their own
-/// above those that the scene names; these lose their parent then, as they do in viewers.
+/// The roots of the scene to show. Some exporters (UniGLTF) list nodes in the scene that have a
+/// parent outside it: these are detached from their parents, as viewers do.
 std::vector<int> root_nodes(const GltfModel& model, std::vector<int>& parents, Warnings& warnings) {
   std::vector<int> roots;
   const auto scenes = model.list("scenes");
@@ -106,8 +106,8 @@ std::vector<int> root_nodes(const GltfModel& model, std::vector<int>& parents, W
     named[static_cast<std::size_t>(node)] = true;
     roots.push_back(node);
   }
-  // Whether a node or something above it is named; known of those that a walk has come by, so that
-  // all walks together take a step a node.
+  // Whether the scene lists a node or one of its ancestors. Results are cached along each walk, so
+  // that all walks together visit each node once.
   std::vector<std::optional<bool>> known(parents.size());
   const auto is_below_another = [&](int node) {
     std::vector<int> walk;
@@ -145,7 +145,7 @@ Light::Type light_type(const std::string& type, const std::string& place) {
   refuse("is " + std::to_string(number) + ", but must be " + must_be, place);
 }
 
-/// A number of an object's extras, or 0 where there is none.
+/// A number in an object's extras, or 0 if there is none.
 float extra_number(const JsonValue& object, const char* name, const std::string& place) {
   const JsonValue* extras = object.find("extras");
   const JsonValue* found = extras == nullptr ? nullptr : extras->find(name);
@@ -155,8 +155,9 @@ float extra_number(const JsonValue& object, const char* name, const std::string&
   return number;
 }
 
-/// A size, which KHR_lights_punctual knows nothing of: `extras.radius` of a point or a spot,
-/// `extras.width` and `extras.height` (along the node's x and y) of a spot (docs/light.md).
+/// Reads a light's size, which KHR_lights_punctual does not have: `extras.radius` of point and spot
+/// lights, `extras.width` and `extras.height` (along the node's x and y) of spot lights
+/// (docs/light.md).
 void read_size(const JsonValue& source, const std::string& place, Light& light) {
   if (light.type == Light::Type::kDirectional) return;
   light.radius = extra_number(source, "radius", place);
@@ -171,7 +172,7 @@ void read_size(const JsonValue& source, const std::string& place, Light& light) 
   light.height = height;
 }
 
-/// A rectangle has no cone.
+/// A rectangular light has no cone.
 void read_spot(const JsonValue& spot, const std::string& place, Light& light) {
   constexpr float kRightAngle = std::numbers::pi_v<float> / 2;
   light.inner_angle = spot.get("innerConeAngle", 0.0f);
@@ -204,7 +205,7 @@ Light read_punctual_light(const GltfModel& model, std::size_t index) {
   return light;
 }
 
-/// `place`: of the lens, which is `source`.
+/// `place` is that of the lens `source`.
 void read_planes(const JsonValue& source, const std::string& place, Camera& camera) {
   camera.z_near = source.at("znear").get<float>();
   const float far = source.get("zfar", 0.0f);
@@ -240,7 +241,7 @@ Camera read_gltf_camera(const GltfModel& model, std::size_t index) {
   return camera;
 }
 
-/// What hangs on a node: a mesh, a camera, a light.
+/// Reads what is attached to a node: a mesh, a camera, a light.
 void read_loads(const GltfModel& model, int index, std::uint32_t place, AccessorReader& accessors,
                 SceneDescription& scene, Rig& rig, GltfNodes& nodes) {
   const JsonValue& node = model.list("nodes")[static_cast<std::size_t>(index)];
@@ -263,7 +264,7 @@ void read_loads(const GltfModel& model, int index, std::uint32_t place, Accessor
       add(static_cast<std::uint32_t>(rig.nodes.size()));
       rig.nodes.push_back(std::move(one));
     }
-    // The joints alone say where a skinned mesh is (glTF 2.0, section 3.7.3.3).
+    // The joints determine where a skinned mesh is, not its node (glTF 2.0, section 3.7.3.3).
     if (places.empty()) add(skin >= 0 ? kInvalidId : place);
   }
   if (const JsonValue* camera = node.find("camera")) {
@@ -308,7 +309,7 @@ GltfNodes read_nodes(const GltfModel& model, AccessorReader& accessors, SceneDes
     }
   };
   walk(root_nodes(model, parents, warnings), true);
-  // Joints may stand outside the scene that is shown.
+  // Joints may lie outside the scene that is shown.
   std::vector<int> others;
   for (std::size_t n = 0; n < parents.size(); ++n) {
     if (parents[n] < 0 && nodes.place_of[n] == kInvalidId) others.push_back(static_cast<int>(n));

@@ -183,7 +183,7 @@ constexpr JsonRule kRules[] = {
     {"extensions.KHR_lights_punctual.lights[].spot.outerConeAngle", kNumber},
 };
 
-/// Of one animation.
+/// Rules for a single animation.
 constexpr JsonRule kAnimationRules[] = {
     {"name", kString},
     {"samplers", kArray, true},
@@ -197,7 +197,7 @@ constexpr JsonRule kAnimationRules[] = {
     {"channels[].target.path", kString, true},
 };
 
-/// Where a texture is named: the object, its index, its set and its transform.
+/// The places that refer to textures: each is an object with index, set and transform.
 constexpr const char* kTextureSlots[] = {
     "materials[].pbrMetallicRoughness.baseColorTexture",
     "materials[].pbrMetallicRoughness.metallicRoughnessTexture",
@@ -218,7 +218,7 @@ constexpr JsonRule kSlotRules[] = {
     {".extensions.KHR_texture_transform.texCoord", kInt},
 };
 
-/// Where a value stands. Its text is put together where something is wrong, and only there.
+/// The path of a value, for error messages. The text is assembled only for an error.
 struct Place {
   const Place* above = nullptr;
   std::string_view name;
@@ -240,7 +240,7 @@ class Checker {
     if (!root_.is_object()) refuse("is not an object", "JSON root");
     descend(root_, rule.path, nullptr, rule);
   }
-  /// Of an object below the root, whose path the rule's begins at.
+  /// Checks an object below the root; the rule's path is relative to it.
   void check(const JsonValue& value, const JsonRule& rule) const {
     if (!value.is_object()) refuse("is not an object");
     descend(value, rule.path, nullptr, rule);

@@ -1,4 +1,4 @@
-// What a field of glTF must look like, as a table. A path's "[]" stands for each element of an
+// The types and ranges of glTF fields, as a table. In a path, "[]" stands for each element of an
 // array of objects.
 #pragma once
 
@@ -10,23 +10,23 @@
 namespace raysheaf::io {
 
 enum class JsonKind {
-  kArray,      ///< an array
-  kObject,     ///< an object
-  kString,     ///< a string
-  kBool,       ///< true or false
+  kArray,
+  kObject,
+  kString,
+  kBool,
   kNumber,     ///< a number within the range of float
-  kPart,       ///< one from 0 to 1
-  kAmount,     ///< one that is not negative
-  kNumbers,    ///< an array of `count` numbers; of any length where `count` is 0
-  kAmounts,    ///< the same of numbers that are not negative
+  kPart,       ///< a number from 0 to 1
+  kAmount,     ///< a non-negative number
+  kNumbers,    ///< an array of `count` numbers; of any length if `count` is 0
+  kAmounts,    ///< an array of `count` non-negative numbers
   kSize,       ///< an integer from 0 to 2^53
   kPositive,   ///< an integer from 1 to 2^53
   kInt,        ///< an integer of 32 bits
   kIndex,      ///< an integer below the length of the root's array `target`
-  kIndices,    ///< an array of such
-  kIndexMap,   ///< an object whose members are such
-  kIndexMaps,  ///< an array of such objects
-  kStrings     ///< an array of strings
+  kIndices,    ///< an array of `kIndex`
+  kIndexMap,   ///< an object whose members are `kIndex`
+  kIndexMaps,  ///< an array of `kIndexMap`
+  kStrings
 };
 
 struct JsonRule {
@@ -37,11 +37,11 @@ struct JsonRule {
   const char* target = "";
 };
 
-/// Throws `Error` at the first field of `root` that breaks a rule.
+/// Throws `Error` at the first field of `root` that violates a rule.
 void check_rules(const JsonValue& root);
 
-/// The same of one of the root's animations, which `check_rules` leaves out. The error's place
-/// begins at the animation.
+/// Checks one of the root's animations, which `check_rules` does not. The error's place is relative
+/// to the animation.
 void check_animation(const JsonValue& root, const JsonValue& animation);
 
 }  // namespace raysheaf::io

@@ -5,7 +5,7 @@
 namespace raysheaf::io {
 namespace {
 
-/// Which, and how much it pulls.
+/// A joint index and a weight.
 constexpr std::size_t kJointBytes = sizeof(std::uint32_t) + sizeof(float);
 
 }  // namespace
@@ -83,7 +83,7 @@ void ShapeReader::read_joints(const ShapeSource& source, std::size_t base, std::
     for (std::size_t i = 0; i < joints.size(); ++i) {
       check_joint(joints[i], weights[i], place, set, i / 4);
       const std::size_t to = (base + i / 4) * a_vertex + 4 * set + i % 4;
-      // What does not pull may name anything.
+      // Joints with zero weight may have any index.
       shape_.joints[to] = weights[i] > 0 ? static_cast<std::uint32_t>(joints[i]) : 0;
       shape_.joint_weights[to] = weights[i];
     }
@@ -119,7 +119,7 @@ void ShapeReader::widen(std::uint32_t joints_per_vertex) {
 
 void ShapeReader::charge(std::size_t vertices) {
   if (joint_count_ == 0 && shape_.targets.empty()) return;
-  constexpr std::size_t kPlaceAndNormal = 2 * sizeof(Vec3);  // of the rest, and of each target
+  constexpr std::size_t kPlaceAndNormal = 2 * sizeof(Vec3);  // in the rest pose, and in each target
   accessors_.charge(
       vertices,
       kPlaceAndNormal * (1 + shape_.targets.size()) + kJointBytes * shape_.joints_per_vertex,

@@ -1,4 +1,4 @@
-// What changes a mesh's shape, gathered with its vertices: joints, weights and morph targets.
+// Collects what deforms a mesh along with its vertices: joints, weights and morph targets.
 #pragma once
 
 #include <string>
@@ -8,29 +8,30 @@
 
 namespace raysheaf::io {
 
-/// The accessors of what changes a primitive's shape.
+/// The accessors that deform a primitive.
 struct ShapeSource {
-  std::vector<int> joints;   ///< JOINTS_0, WEIGHTS_0, JOINTS_1, ...
-  std::vector<int> targets;  ///< POSITION and NORMAL of each target; -1: none
+  std::vector<int> joints;
+  std::vector<int> targets;  ///< POSITION and NORMAL of each target; -1: missing
 };
 
 class ShapeReader {
  public:
-  /// `joint_count`: of the skin; 0: there is none.
+  /// `joint_count` is that of the skin; 0: the mesh has no skin.
   ShapeReader(AccessorReader& accessors, std::size_t joint_count, Warnings& warnings)
       : accessors_(accessors), joint_count_(joint_count), warnings_(warnings) {}
 
-  /// Throws where the skin finds no joints, or where primitives have targets of unequal number.
+  /// Throws if the mesh has a skin but the primitive has no joints, or if primitives have different
+  /// numbers of targets.
   [[nodiscard]] ShapeSource source(const JsonValue& primitive, const std::string& place);
-  /// Of `count` vertices from `base` on, which are the last.
+  /// Reads the data of the last `count` vertices, from `base` on.
   void read(const ShapeSource& source, std::size_t base, std::size_t count, bool normals,
             const std::string& place);
-  /// The next vertex moves as vertex `v` does.
+  /// Appends a copy of the data of vertex `v`.
   void repeat(std::uint32_t v);
-  /// The triangle's normals are those of its plane.
+  /// The triangle's normals follow its plane.
   void add_flat(std::uint32_t triangle) { shape_.flat_triangles.push_back(triangle); }
 
-  /// The shape of the finished mesh; one without targets and joints where nothing changes it.
+  /// The deformation data of the finished mesh; without targets and joints if nothing deforms it.
   [[nodiscard]] RigShape take(const Mesh& mesh);
 
  private:
@@ -39,7 +40,7 @@ class ShapeReader {
   void check_joint(float joint, float weight, const std::string& place, std::size_t set,
                    std::size_t vertex) const;
   void widen(std::uint32_t joints_per_vertex);
-  /// What such vertices take beside the mesh.
+  /// Charges the budget for the data of so many vertices.
   void charge(std::size_t vertices);
 
   AccessorReader& accessors_;

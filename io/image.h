@@ -1,5 +1,5 @@
-// Eight-bit pictures, in memory: PNG by libpng, JPEG by libjpeg-turbo, WebP by libwebp, EXR by
-// tinyexr, TGA and BMP by stb_image.
+// Decodes 8-bit images: PNG by libpng, JPEG by libjpeg-turbo, WebP by libwebp, EXR by tinyexr, TGA
+// and BMP by stb_image.
 #pragma once
 
 #include <cstdint>
@@ -14,24 +14,23 @@
 
 namespace raysheaf::io {
 
-/// A picture may have this many pixels, and all pictures of a scene together four times as many;
-/// and no more than their bytes account for: in PNG and JPEG (and, as if, in WebP), deflate packs
-/// at most 1032 of them into one, of which a pixel of one channel needs one or less; in all else a
-/// run of 128 takes two.
+/// Pixel limits of an image, of all images in a scene, and in proportion to an image's bytes. PNG,
+/// JPEG, WebP and EXR: deflate expands a byte to at most 1032 bytes, each of which holds one or
+/// several pixels of one channel. Other formats: a run of 128 pixels takes two bytes.
 inline constexpr std::uint64_t kMaxImagePixels = std::uint64_t{1} << 26;
 inline constexpr std::uint64_t kMaxScenePixels = 4 * kMaxImagePixels;
 inline constexpr std::uint64_t kFreePixels = std::uint64_t{1} << 24, kPixelsPerByte = 4096;
 inline constexpr std::uint64_t kUnpackedPixelsPerByte = 64;
 
-/// What the head of a picture says, without decoding it.
+/// An image's size, read from its header without decoding it.
 struct ImageSize {
   std::uint32_t width = 0, height = 0;
   bool operator==(const ImageSize&) const = default;
 };
 [[nodiscard]] std::optional<ImageSize> image_size(std::span<const std::uint8_t> encoded);
 
-/// What a picture is decoded into: not written before it is, so that a head which promises more
-/// than follows costs little.
+/// The output buffer of decoders. Its memory is uninitialised, so that a header that promises more
+/// pixels than follow costs little.
 class PixelBuffer {
  public:
   explicit PixelBuffer(ImageSize size)
@@ -49,27 +48,26 @@ class PixelBuffer {
   std::unique_ptr<std::uint8_t[]> rgba_;
 };
 
-/// RGBA, or nothing where the bytes are no picture, were cut short, or have too many pixels.
+/// RGBA, or nothing if the bytes are not an image, are cut short, or have too many pixels.
 [[nodiscard]] std::optional<Image> decode_image(std::span<const std::uint8_t> encoded);
 
-/// A picture that is still as it was in the file.
+/// An image as it is encoded in the file.
 struct EncodedImage {
-  std::string name;   ///< the name that the scene shall see
-  std::string place;  ///< for the warning: "images[3]"
+  std::string name;   ///< the image's name in the scene
+  std::string place;  ///< for warnings: "images[3]"
   Bytes bytes;
-  bool is_data = false;  ///< of numbers rather than colours: EXR's stay linear
+  bool is_data = false;  ///< numbers rather than colours: EXR values stay linear
 };
 
-/// The pictures that could be decoded, and where each of the encoded ones went: `kInvalidId` where
-/// it is missing or no picture.
+/// The decoded images, and the index of each encoded one among them: `kInvalidId` if it is missing
+/// or could not be decoded.
 struct DecodedImages {
   std::vector<Image> images;
   std::vector<std::uint32_t> index_of;
 };
 
-/// Decodes on all cores; the order is kept. An image that cannot be decoded adds a warning. Throws
-/// kOutOfMemory beyond `kMaxScenePixels`, and beyond `kFreePixels` and `kPixelsPerByte` of each
-/// byte.
+/// Decodes on all cores and keeps the order. An image that cannot be decoded adds a warning. Throws
+/// kOutOfMemory above `kMaxScenePixels`, and above `kFreePixels` plus `kPixelsPerByte` per byte.
 [[nodiscard]] DecodedImages decode_images(const std::vector<EncodedImage>& encoded,
                                           std::vector<std::string>& warnings);
 

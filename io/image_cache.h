@@ -1,4 +1,4 @@
-// Pictures that several files of a sequence name are read and decoded once.
+// Caches images that several files of a sequence refer to.
 #pragma once
 
 #include <map>
@@ -8,7 +8,7 @@
 
 namespace raysheaf::io {
 
-/// By path; one without pixels could not be decoded.
+/// Decoded images by path; one without pixels could not be decoded.
 using ImageCache = std::map<std::string, Image>;
 
 }  // namespace raysheaf::io

@@ -1,9 +1,9 @@
-// The translation unit of stb_image, as cmake/StbImage.cmake makes it, for TGA and BMP alone.
+// The translation unit of stb_image, which cmake/StbImage.cmake reduces to TGA and BMP.
 #include <cstdlib>
 
 namespace {
 
-/// What a file that ends too early leaves as it was allocated is the same each time.
+/// Zeroes memory, so that a truncated file decodes to the same pixels each time.
 void* zeroed(std::size_t bytes) {
   return std::calloc(1, bytes);
 }
@@ -43,7 +43,7 @@ namespace raysheaf::io {
 
 namespace {
 
-/// The most bytes that stb asks for at once: a row, or a palette.
+/// The most bytes that stb reads at once: a row, or a palette.
 std::size_t most_at_once(ImageSize size) {
   return std::max<std::size_t>(std::size_t{4} * size.width, std::size_t{4} << 16);
 }
@@ -53,7 +53,7 @@ std::optional<ImageSize> unpacked_size(std::span<const std::uint8_t> encoded) {
   if (encoded.empty() || encoded.size() > std::numeric_limits<int>::max()) return {};
   const int size = static_cast<int>(encoded.size());
   if (stbi_info_from_memory(encoded.data(), size, &width, &height, &channels) == 0) return {};
-  // A BMP from the top down says so by its sign.
+  // A negative height means that a BMP's rows are stored from top to bottom.
   if (width <= 0 || height == 0 || height == std::numeric_limits<int>::min()) return {};
   return ImageSize{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(std::abs(height))};
 }
@@ -71,8 +71,9 @@ UnpackedPixels unpacked_pixels(std::span<const std::uint8_t> encoded, ImageSize 
   return pixels;
 }
 
-/// stb takes what is missing for zeros. A picture that other bytes behind its end would change was
-/// cut short. (Of palettes, one byte may be as many pixels, and 255 no entry.)
+/// stb replaces missing bytes by zeros. An image is truncated if other bytes after its end change
+/// its pixels. (255 and 1 are both tried: in palette images, one may happen to give the same
+/// pixels, and 255 may be no entry.)
 std::optional<Image> decode_unpacked(std::span<const std::uint8_t> encoded, ImageSize size) {
   const std::size_t more = most_at_once(size);
   if (encoded.size() + more > std::numeric_limits<int>::max()) return {};
@@ -93,7 +94,8 @@ std::uint64_t pixels_of(ImageSize size) {
   return std::uint64_t{size.width} * size.height;
 }
 
-/// stb reads on behind the end, where all is zero: a hundred bytes would be a picture of any size.
+/// stb reads zeros after the end of the file: without this limit, a hundred bytes could be an image
+/// of any size.
 std::uint64_t most_pixels(std::span<const std::uint8_t> encoded) {
   const bool packed = is_png(encoded) || is_jpeg(encoded) || is_webp(encoded) || is_exr(encoded);
   const std::uint64_t accounted = packed ? kFreePixels + kPixelsPerByte * encoded.size()
@@ -126,18 +128,18 @@ std::optional<Image> decode_image(std::span<const std::uint8_t> encoded) {
 
 namespace {
 
-/// An image and what is to be said of it, each or none.
+/// An image, an error and a remark; each may be missing.
 struct Decoded {
   std::optional<Image> image;
   std::string fault, remark;
 };
 
-/// Why bytes are none of the images that are read.
+/// Why the bytes are not one of the supported images.
 std::string fault_of(std::span<const std::uint8_t> encoded) {
   if (encoded.empty()) return "is missing";
   const bool is_read = is_png(encoded) || is_jpeg(encoded) || is_webp(encoded) || is_exr(encoded);
   const FileKind* kind = is_read || unpacked_size(encoded) ? nullptr : kind_by_content(encoded);
-  if (kind == nullptr) return "is cut short, too large or no picture";
+  if (kind == nullptr) return "is truncated, too large or not an image";
   return std::string("is ") + kind->name +
          "; PNG, JPEG, WebP and EXR are read, and TGA and BMP, too";
 }
@@ -147,7 +149,7 @@ Decoded decode_one(const EncodedImage& encoded) {
   if (is_exr(encoded.bytes)) {
     if (auto exr = decode_exr_image(encoded.bytes, encoded.is_data)) {
       result.image = std::move(exr->image);
-      if (exr->exceeds_one) result.remark = "has numbers above 1; as a texture, they are 1.";
+      if (exr->exceeds_one) result.remark = "has numbers above 1; in a texture, they become 1.";
     }
   } else {
     result.image = decode_image(encoded.bytes);

@@ -1,6 +1,5 @@
-// The translation unit of stb_image_write: its filters, compressed by libdeflate where there is
-// one, which takes a fraction of the time that stb's own compressor takes, and leaves smaller
-// files.
+// The translation unit of stb_image_write. If available, libdeflate compresses the filtered rows:
+// it is several times as fast as stb's own compressor and makes smaller files.
 #include <cstdlib>
 
 #if RAYSHEAF_HAS_DEFLATE
@@ -10,7 +9,7 @@ namespace {
 
 constexpr int kDeflateLevel = 4;
 
-/// As stb wants it: null where there is no memory; what it returns is freed by stb.
+/// stb's interface for compressors: null if out of memory; stb frees the result.
 unsigned char* zlib_compressed(unsigned char* data, int size, int* compressed_size,
                                int /*quality*/) {
   libdeflate_compressor* const compressor = libdeflate_alloc_compressor(kDeflateLevel);
@@ -89,7 +88,7 @@ void check_image(const Image& image) {
   }
 }
 
-/// `encode(image)`, whose errors name the file.
+/// Calls `encode(image)` and adds the file's name to its errors.
 template <class Encode>
 Bytes encoded_for(const std::string& path, const Image& image, const Encode& encode) {
   try {
@@ -110,7 +109,7 @@ Bytes encode_jpeg(const Image& image) {
   Bytes jpeg;
   if (stbi_write_jpg_to_func(append, &jpeg, static_cast<int>(image.width),
                              static_cast<int>(image.height), 3, rgb.data(), kQuality) == 0) {
-    throw Error(ErrorCode::kOutOfMemory, "there is no memory to compress the picture");
+    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory to compress the image");
   }
   return jpeg;
 }
@@ -132,7 +131,7 @@ Bytes encode_png(const Image& image) {
   const std::uint8_t* data = opaque ? rgb.data() : image.rgba.data();
   Bytes png;
   if (stbi_write_png_to_func(append, &png, width, height, channels, data, width * channels) == 0) {
-    throw Error(ErrorCode::kOutOfMemory, "there is no memory to compress the picture");
+    throw Error(ErrorCode::kOutOfMemory, "there is not enough memory to compress the image");
   }
   return png;
 }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <csetjmp>
-#include <cstdio>  // jpeglib.h names FILE
+#include <cstdio>  // jpeglib.h uses FILE
 
 #include <jpeglib.h>
 
@@ -17,7 +17,7 @@
 namespace raysheaf::io {
 namespace {
 
-/// Its first member is what libjpeg knows.
+/// libjpeg knows only its first member.
 struct JpegErrors {
   jpeg_error_mgr manager{};
   std::jmp_buf jump{};
@@ -30,8 +30,8 @@ struct JpegErrors {
   std::longjmp(errors.jump, 1);  // NOLINT(cert-err52-cpp): libjpeg has no other way
 }
 
-/// What is told is no reason to stop, unless pixels are missing: they would be grey without a word.
-/// A file that lacks nothing but its end mark is whole, if it has one scan.
+/// Warnings are ignored, unless pixels are missing, which libjpeg would silently fill with grey. A
+/// file with one scan may lack its end marker.
 void jpeg_tell(j_common_ptr jpeg, int level) {
   if (level >= 0 || jpeg->is_decompressor == FALSE) return;
   const int code = jpeg->err->msg_code;
@@ -45,7 +45,7 @@ void count_scans(j_common_ptr jpeg) {
   if (reinterpret_cast<j_decompress_ptr>(jpeg)->input_scan_number > kMostScans) jpeg_stop(jpeg);
 }
 
-/// libjpeg's decoder, made and freed.
+/// Owns libjpeg's decoder.
 class Decoder {
  public:
   Decoder() {
@@ -90,7 +90,7 @@ class Decoder {
   JpegErrors errors_;
 };
 
-/// In place: inks to light. Adobe's programs store what is left white of each ink.
+/// Converts in place. Adobe's programs store inverted ink values.
 void cmyk_to_rgba(std::span<std::uint8_t> pixels, bool is_adobe) {
   const int flip = is_adobe ? 0 : 255;
   for (std::size_t i = 0; i < pixels.size(); i += 4) {

@@ -1,4 +1,4 @@
-// JPEG by libjpeg-turbo: baseline and progressive, of one, three or four components.
+// JPEG by libjpeg-turbo: baseline and progressive, with one, three or four components.
 #pragma once
 
 #include <cstdint>
@@ -9,17 +9,17 @@
 
 namespace raysheaf::io {
 
-/// A progressive picture may have this many scans: each takes the time of all pixels, and a few
-/// bytes. Encoders write ten.
+/// The most scans of a progressive image: a scan of a few bytes takes the time of all pixels.
+/// Encoders write about ten.
 inline constexpr int kMostScans = 64;
 
 [[nodiscard]] bool is_jpeg(std::span<const std::uint8_t> encoded);
 
-/// What its head says, or nothing where it has none. Throws `std::bad_alloc`.
+/// The size in the header; nothing without a valid header. Throws `std::bad_alloc`.
 [[nodiscard]] std::optional<ImageSize> jpeg_size(std::span<const std::uint8_t> encoded);
 
-/// RGBA, or nothing where it is damaged or cut short so that pixels are missing. Throws
-/// `std::bad_alloc`. `size` is what `jpeg_size` says, and accepted.
+/// RGBA, or nothing if the file is damaged or pixels are missing at its end. Throws
+/// `std::bad_alloc`. `size` is what `jpeg_size` returned.
 [[nodiscard]] std::optional<Image> decode_jpeg(std::span<const std::uint8_t> encoded,
                                                ImageSize size);
 

@@ -1,4 +1,4 @@
-// Fields of JSON that is read by hand; what is wrong with one in a sentence.
+// Reads fields of JSON with error messages that name the field.
 #pragma once
 
 #include <string>
@@ -8,12 +8,12 @@
 
 namespace raysheaf::io {
 
-// Each throws `Error` (kInvalidData) whose place is the field.
+// Each of these throws `Error` (kInvalidData) whose place is the field.
 void require_object(const JsonValue& value, const std::string& place);
-/// `place` is the object's; empty at the root.
+/// `place` is that of the object; empty for the root.
 [[nodiscard]] const JsonValue& member_of(const JsonValue& object, const char* name,
                                          const std::string& place);
-/// Within the range of float.
+/// A number within the range of float.
 [[nodiscard]] double number_of(const JsonValue& value, const std::string& place);
 [[nodiscard]] Vec3 vector_of(const JsonValue& value, const std::string& place);
 

@@ -11,7 +11,8 @@
 namespace raysheaf::io {
 namespace {
 
-/// A whole number is an integer however it is written: 1.0, 1e0. But -0.0 keeps its sign.
+/// A whole number is stored as an integer, whether it is written 1, 1.0 or 1e0. -0.0 stays a double
+/// to keep its sign.
 JsonValue whole_or_not(double value) {
   constexpr double kMost = 0x1p53;
   if (!(std::fabs(value) <= kMost) || std::trunc(value) != value ||
@@ -21,8 +22,8 @@ JsonValue whole_or_not(double value) {
   return JsonValue(static_cast<std::uint64_t>(value));
 }
 
-/// Puts the tree together while nlohmann-json's parser walks over the text. What is open, and what
-/// it holds so far, stands on one stack; where it ends, its parts move into the arena side by side.
+/// Builds the tree from the events of nlohmann-json's parser. The elements of all open arrays and
+/// objects lie on one stack; when one closes, its elements move into the arena.
 class TreeBuilder {
  public:
   explicit TreeBuilder(std::pmr::monotonic_buffer_resource& memory) : memory_(memory) {}
@@ -34,7 +35,7 @@ class TreeBuilder {
   bool number_unsigned(std::uint64_t value) { return add(JsonValue(value)); }
   bool number_float(double value, const std::string&) { return add(whole_or_not(value)); }
   bool string(const std::string& value) { return add(JsonValue(kept(value))); }
-  bool binary(const nlohmann::json::binary_t&) { return false; }  // not in texts
+  bool binary(const nlohmann::json::binary_t&) { return false; }  // JSON text has no binary values
   bool key(const std::string& name) {
     name_ = kept(name);
     return true;
@@ -63,7 +64,7 @@ class TreeBuilder {
 
   [[noreturn]] static bool parse_error(std::size_t, const std::string&,
                                        const nlohmann::json::exception& error) {
-    // The library's sentence follows its identifier in brackets, and quotes what was read last.
+    // The library's message follows its identifier in brackets and quotes the last token.
     constexpr std::size_t kMostWords = 300;
     const std::string_view what = error.what();
     const std::size_t start = what.find("] ");
@@ -108,7 +109,7 @@ class TreeBuilder {
 
   std::pmr::monotonic_buffer_resource& memory_;
   std::vector<JsonMember> stack_;
-  std::vector<std::size_t> opened_;  ///< where the parts of each begin
+  std::vector<std::size_t> opened_;  ///< where the elements of each open value begin
   std::string_view name_;
 };
 

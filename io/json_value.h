@@ -1,5 +1,5 @@
-// JSON as a tree that is read only. All of it lies in one arena, which taking it down neither walks
-// nor adds to: no allocation can fail there.
+// JSON as a read-only tree. It lies in one arena: destroying the tree neither visits its values nor
+// allocates, so it cannot fail.
 #pragma once
 
 #include <concepts>
@@ -19,14 +19,14 @@ inline constexpr int kMaxJsonDepth = 64;
 
 struct JsonMember;
 
-/// A value is asked for what it is not. Who checks before never sees it.
+/// A value has another type than the caller asks for. Validated JSON never throws it.
 struct JsonMismatch : std::exception {
   [[nodiscard]] const char* what() const noexcept override {
-    return "a field of its JSON is missing, or is not what it should be";
+    return "a field of its JSON is missing or has the wrong type";
   }
 };
 
-/// A handle: copying it is cheap, and it lives as long as its document.
+/// A handle that is cheap to copy and valid as long as its document.
 class JsonValue {
  public:
   struct Items {
@@ -37,7 +37,7 @@ class JsonValue {
     const JsonMember* first;
     std::size_t count;
   };
-  /// null, or one of these; whole numbers below zero are signed, others not.
+  /// Null or one of these types. Negative integers are signed, all others unsigned.
   using Content = std::variant<std::monostate, bool, std::int64_t, std::uint64_t, double,
                                std::string_view, Items, Members>;
 
@@ -52,26 +52,27 @@ class JsonValue {
   [[nodiscard]] bool is_array() const { return is<Items>(); }
   [[nodiscard]] bool is_object() const { return is<Members>(); }
 
-  /// An array's; none of anything else.
+  /// The elements of an array; empty for other types.
   [[nodiscard]] std::span<const JsonValue> items() const;
-  /// An object's in the order of their names, each name once (of equal ones the last counts); none
-  /// of anything else.
+  /// The members of an object, sorted by name, each name once (the last of equal names counts);
+  /// empty for other types.
   [[nodiscard]] std::span<const JsonMember> members() const;
-  /// A member's value, in logarithmic time; nullptr where there is none, or no object.
+  /// The value of a member, found in logarithmic time; nullptr if there is none or this is not an
+  /// object.
   [[nodiscard]] const JsonValue* find(std::string_view name) const;
   [[nodiscard]] bool contains(std::string_view name) const { return find(name) != nullptr; }
 
-  /// bool, std::string, std::string_view, or a number that T holds (a rounded one where T is a
-  /// floating type). Throws `JsonMismatch`, as `at` does.
+  /// The value as a bool, std::string, std::string_view, or a number that T can hold (rounded if T
+  /// is a floating-point type). Throws `JsonMismatch`, as `at` does.
   template <class T>
   [[nodiscard]] T get() const;
   [[nodiscard]] const JsonValue& at(std::string_view name) const;
   [[nodiscard]] const JsonValue& at(std::size_t index) const;
 
-  /// An integer as it is written.
+  /// The digits of an integer.
   [[nodiscard]] std::string digits() const;
 
-  /// Of members that may be missing.
+  /// The value of an optional member.
   template <class T>
   [[nodiscard]] T get(std::string_view name, T otherwise) const {
     const JsonValue* member = find(name);
@@ -104,7 +105,7 @@ struct JsonMember {
 
 class JsonDocument {
  public:
-  /// Throws `Error` (kInvalidData, place `JSON`) where it is not JSON, or nested too deep.
+  /// Throws `Error` (kInvalidData, place `JSON`) if the text is not JSON or is nested too deeply.
   explicit JsonDocument(std::span<const std::uint8_t> text);
   [[nodiscard]] const JsonValue& root() const { return root_; }
 

@@ -8,7 +8,7 @@
 namespace raysheaf::io {
 namespace {
 
-/// How many bytes the character takes with which the text begins; 0 where it is no UTF-8 (RFC 3629,
+/// The length of the UTF-8 character at the start of the text; 0 if it is invalid (RFC 3629,
 /// section 4).
 std::size_t utf8_bytes(std::string_view text) {
   const auto byte = [&](std::size_t i) {
@@ -18,7 +18,8 @@ std::size_t utf8_bytes(std::string_view text) {
   if (first < 0x80) return 1;
   const std::size_t count = first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
   if (first < 0xc2 || first > 0xf4) return 0;
-  // The second byte keeps out what is too long, surrogates, and what is beyond U+10FFFF.
+  // The range of the second byte excludes overlong forms, surrogates and code points above
+  // U+10FFFF.
   const std::uint8_t least = first == 0xe0 ? 0xa0 : first == 0xf0 ? 0x90 : 0x80;
   const std::uint8_t most = first == 0xed ? 0x9f : first == 0xf4 ? 0x8f : 0xbf;
   if (byte(1) < least || byte(1) > most) return 0;

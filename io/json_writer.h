@@ -1,4 +1,4 @@
-// JSON as text, put together from its parts: no tree, and nothing that allocates on its way out.
+// Writes JSON by joining strings: there is no tree, and destructors do not allocate.
 #pragma once
 
 #include <cstddef>
@@ -10,12 +10,12 @@
 
 namespace raysheaf::io {
 
-/// Between quotes; bytes that are no UTF-8 become U+FFFD.
+/// The text in quotes; bytes that are not valid UTF-8 become U+FFFD.
 [[nodiscard]] std::string json_text(std::string_view text);
-/// The fewest digits that read back to the same bits; null where it is not finite.
+/// The shortest digits that read back to the same bits; null if the number is not finite.
 [[nodiscard]] std::string json_number(double number);
 
-/// A value, finished.
+/// A finished JSON value.
 class Json {
  public:
   Json(std::string_view text) : text_(json_text(text)) {}
@@ -65,7 +65,7 @@ class JsonObject {
   JsonObject(std::initializer_list<Member> members) {
     for (const Member& member : members) add(member.first, member.second);
   }
-  /// Each name once.
+  /// The caller adds each name only once.
   void add(std::string_view name, const Json& value);
   [[nodiscard]] bool empty() const { return text_.empty(); }
   operator Json() const;

@@ -1,4 +1,4 @@
-// The little mathematics that reading needs, in double precision.
+// Double-precision vectors and affine maps for the loaders.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace raysheaf::io {
 
-/// No vertex may be farther out, on any axis: what `validate` refuses.
+/// `validate` refuses vertices with a larger coordinate.
 inline constexpr float kFarthest = 1e18f;
 
 struct Double3 {
@@ -39,14 +39,14 @@ inline Double3 cross(Double3 a, Double3 b) {
 inline double length(Double3 a) {
   return std::sqrt(dot(a, a));
 }
-/// A unit vector along `a`, or `fallback` where `a` has no direction.
+/// A unit vector along `a`, or `fallback` if `a` has no direction.
 inline Double3 normalized(Double3 a, Double3 fallback) {
   const double n = length(a);
   return n > 0 && std::isfinite(n) ? a * (1 / n) : fallback;
 }
 
-/// A direction as a file gives it, as a unit vector; unchanged where it is one already, so that
-/// what was written is read back. Nothing where it has no direction.
+/// Normalises a direction from a file. A unit vector stays unchanged, so that a written file reads
+/// back the same. False if `a` has no direction.
 inline bool make_unit(Vec3& a) {
   const double squared = dot(widen(a), widen(a));
   if (!(squared > 0) || !std::isfinite(squared)) return false;

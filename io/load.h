@@ -1,4 +1,4 @@
-// Scene files of any kind, for what is made of several.
+// Loads scene files that are part of a larger scene.
 #pragma once
 
 #include "io/image_cache.h"
@@ -6,8 +6,8 @@
 
 namespace raysheaf::io {
 
-/// As `load_scene`, for a part of a scene: it may have no triangles. Pictures that OBJ's materials
-/// show are taken from `images` where they are there, and kept there.
+/// Like `load_scene`, but the file may have no triangles. Images of OBJ materials are taken from
+/// `images`, and added to it.
 [[nodiscard]] SceneDescription load_part(const std::string& path, const LoadOptions& options,
                                          ImageCache* images);
 

@@ -1,5 +1,4 @@
-// The one door for scene files: looks at the ending, and puts the file's name before what went
-// wrong.
+// Chooses the loader by a file's extension, and adds the file's name to its errors.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -22,7 +21,7 @@
 namespace raysheaf {
 namespace {
 
-/// Of formats that hold nothing that moves.
+/// Loads a format without animation.
 template <SceneDescription (*kLoad)(const io::Bytes&, const io::SceneFile&)>
 io::GltfScene load_still(const io::Bytes& file, const io::SceneFile& from) {
   io::GltfScene loaded;
@@ -30,7 +29,7 @@ io::GltfScene load_still(const io::Bytes& file, const io::SceneFile& from) {
   return loaded;
 }
 
-/// What is read, by the ending of the name: the one list of formats.
+/// The list of all formats, by the extension of the file name.
 struct Format {
   std::string_view ending;
   io::GltfScene (*load)(const io::Bytes& file, const io::SceneFile& from);
@@ -40,7 +39,7 @@ constexpr std::array kFormats{Format{".gltf", io::load_gltf}, Format{".glb", io:
                               Format{".ply", load_still<io::load_ply>},
                               Format{".stl", load_still<io::load_stl>}};
 
-/// Null for an ending that is not read. Without its dot.
+/// `ending`: without its dot. Null if no format has it.
 const Format* format_of(const std::string& ending) {
   const auto* const at = std::find_if(kFormats.begin(), kFormats.end(), [&](const Format& format) {
     return format.ending.substr(1) == ending;
@@ -48,10 +47,10 @@ const Format* format_of(const std::string& ending) {
   return at == kFormats.end() ? nullptr : at;
 }
 
-/// Why a file of this ending is no scene at rest.
+/// Why a file with this extension is not a static scene.
 std::string why_not(const std::string& path, const std::string& ending) {
-  if (ending == "rsb") return "blocks stream, and are not read whole";
-  if (ending == "json") return "a sequence of files is no scene at rest";
+  if (ending == "rsb") return "block files are for streaming and cannot be loaded whole";
+  if (ending == "json") return "a sequence of files is not a static scene";
   const io::FileReader file(path);
   io::Bytes head(std::min<std::uint64_t>(file.size(), io::kKindBytes));
   file.read(0, head, path);
@@ -60,15 +59,15 @@ std::string why_not(const std::string& path, const std::string& ending) {
          ", nor .rsb (blocks) or .json (a sequence)";
 }
 
-/// Refuses what its first bytes say is of another kind than its ending. A binary STL may begin with
-/// anything, and is known by its length.
+/// Throws if a file's first bytes belong to another format than its extension. A binary STL may
+/// begin with any bytes and is recognised by its length.
 void check_kind(const io::Bytes& file, const std::string& ending, const std::string& path) {
   const io::FileKind* kind = io::kind_by_content(file);
   if (kind == nullptr || (ending == "stl" && io::may_be_stl(file))) return;
   if (ending == "ply" && std::string_view(kind->name) == "a PLY file") return;
   std::string upper = ending;
   for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  throw Error(ErrorCode::kInvalidData, "is no " + upper + " file, but " + described(*kind), path);
+  throw Error(ErrorCode::kInvalidData, "is not " + upper + ", but " + described(*kind), path);
 }
 
 io::GltfScene load_any(const std::string& path, const LoadOptions& options,
@@ -96,7 +95,7 @@ SceneDescription load_at_rest(const std::string& path, const LoadOptions& option
   return scene;
 }
 
-/// Whether the name is a pattern, and not that of a file.
+/// Whether the name is a pattern rather than the name of a file.
 bool is_pattern(const std::string& path) {
   return path.find_first_of("*?", path.rfind('/') + 1) != path.npos && !io::file_exists(path);
 }

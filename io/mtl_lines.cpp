@@ -23,7 +23,7 @@ bool is_map(std::string_view keyword) {
          std::find(std::begin(kOthers), std::end(kOthers), keyword) != std::end(kOthers);
 }
 
-/// An option of a map, with numbers of which the last may be left out.
+/// A map's option with a list of numbers, of which the last ones are optional.
 struct MapOption {
   std::string_view name;
   std::size_t count;
@@ -37,7 +37,7 @@ const MapOption* numbers_of(std::string_view option) {
                    [&](const MapOption& known) { return known.name == option; });
   return found == std::end(kOptions) ? nullptr : found;
 }
-/// Whether a word follows it.
+/// Whether the option is followed by a word.
 bool has_word(std::string_view option) {
   constexpr std::string_view kOptions[] = {"-blendu", "-blendv", "-bm",         "-boost",
                                            "-cc",     "-clamp",  "-colorspace", "-imfchan",
@@ -82,16 +82,15 @@ class MtlRewriter {
     result_ += '\n';
   }
 
-  /// The parser's 0 for what names no model is another model; and it takes a map_Kd without a Kd
-  /// for grey, but in materials behind one that has a Kd.
+  /// Adds the defaults that the parser lacks: without illum it assumes model 0, and a map_Kd
+  /// without Kd is grey, unless an earlier material has a Kd.
   void add_material(std::string_view line) {
     add_line(line);
     add_line("illum 2");
     add_line("Kd 0 0 0");
   }
 
-  /// "r g b", "xyz x y z" or "spectral file factor"; what is left out after the first number is
-  /// equal to it.
+  /// "r g b", "xyz x y z" or "spectral file factor". Missing components equal the first one.
   void add_color(std::string_view keyword, std::vector<std::string_view> words,
                  std::string_view line) {
     const std::string_view space = words.empty() ? std::string_view{} : words[0];
@@ -108,19 +107,19 @@ class MtlRewriter {
 
   void add_spectral(std::string_view keyword) {
     if (keyword == "Ka") return;
-    warn_("Colours that name a spectral file are left out; grey stands in for that of Kd.");
+    warn_("Colours that name a spectral file are left out; Kd is grey then.");
     if (keyword == "Kd") add_line("Kd 0.8 0.8 0.8");
   }
 
   /// "factor" or "-halo factor".
   void add_dissolve(const std::vector<std::string_view>& words, std::string_view line) {
     if (words.size() < 2 || words[0] != "-halo") return add_line(line);
-    warn_("Halos (d -halo) are left out: such materials are as thin from every side.");
+    warn_("Halos (d -halo) are left out: such materials are equally transparent from all sides.");
     add_words({"d", words[1]});
   }
 
-  /// Options and a name that may have blanks. Correction of colours (-cc) is for a display, and
-  /// the parser would take it for a part of the name.
+  /// Options, then a name that may contain blanks. Drops the colour correction -cc, which is meant
+  /// for a display: the parser would read it as part of the name.
   void add_map(std::string_view keyword, std::string_view rest) {
     (result_ += keyword) += ' ';
     for (std::string_view after = rest; !after.empty(); rest = after) {

@@ -1,5 +1,4 @@
-// MTL text as the parser takes it: what it would read wrongly without a word is written so that it
-// reads it rightly.
+// Rewrites MTL text where the parser would silently misread it.
 #pragma once
 
 #include <functional>
@@ -8,10 +7,10 @@
 
 namespace raysheaf::io {
 
-/// The same materials, a line each. Colours have three linear parts: those left out are as the
-/// first, CIE XYZ is converted. Options of maps have all of their numbers. What names no model of
-/// illumination has the second, and what names no Kd is black. `warn` is called with a sentence for
-/// what is left out.
+/// Returns the same materials, one statement per line. Colours have three linear components:
+/// missing ones equal the first, and CIE XYZ is converted. Options of maps have all their numbers.
+/// Materials without an illumination model get model 2, and those without Kd are black. `warn` is
+/// called for each ignored feature.
 [[nodiscard]] std::string plain_mtl(std::string_view text,
                                     const std::function<void(const std::string&)>& warn);
 

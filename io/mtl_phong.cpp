@@ -18,30 +18,30 @@ void set_base(Vec3 rgb, Material& material) {
   material.base_color = {rgb.x, rgb.y, rgb.z, 1};
 }
 
-/// A mirror: said by the illumination model, or by a highlight too sharp for anything else.
+/// A mirror has a mirror illumination model or a very sharp highlight.
 bool is_mirror(const tinyobj::material_t& m) {
   const float kd = largest_part(mtl_color(m.diffuse)), ks = largest_part(mtl_specular(m));
   if (!m.diffuse_texname.empty() || ks < 0.5f) return false;
   return ((m.illum == 3 || m.illum == 5) && ks > kd) || (m.shininess >= 500 && ks > 2 * kd);
 }
 
-/// What the illumination model calls so.
+/// The illumination models that stand for glass.
 bool is_called_glass(const tinyobj::material_t& m) {
   return m.illum == 4 || m.illum == 6 || m.illum == 7 || m.illum == 9;
 }
 
-/// Programs that know no filters write white.
+/// Programs that do not support Tf write white.
 bool has_filter(const tinyobj::material_t& m) {
   const Vec3 filter = mtl_color(m.transmittance);
   return largest_part(filter) > 0 && !(filter.x == 1 && filter.y == 1 && filter.z == 1);
 }
 
-/// Unless it glows: a constant colour has no place for that besides.
+/// An emissive material is not constant: a constant colour leaves no room for emission.
 bool is_constant(const tinyobj::material_t& m) {
   return m.illum == 0 && largest_part(mtl_color(m.emission)) == 0 && m.emissive_texname.empty();
 }
 
-/// Of the body; a black factor would hide its texture.
+/// The diffuse colour of the body. A black factor would hide the texture, so white replaces it.
 Vec3 body_color(const tinyobj::material_t& m) {
   const Vec3 kd = mtl_color(m.diffuse);
   return largest_part(kd) == 0 && !m.diffuse_texname.empty() ? Vec3{1, 1, 1} : kd;
@@ -60,9 +60,10 @@ void make_glass(const tinyobj::material_t& m, Material& material) {
   material.roughness = 0;
 }
 
-/// Of what is not reflected, the part d meets a body of colour Kd and the part 1 - d goes through,
-/// tinted by Kd over its largest part k: so a dark body does not make a thin pane dark. One base
-/// colour b and the transmission t have to say both: b (1 - t) = d Kd and b t = (1 - d) Kd / k.
+/// The light that is not reflected splits: the part d reaches a body of colour Kd. The part 1 - d
+/// passes through, tinted by Kd / k, where k is the largest component of Kd: a dark body does not
+/// darken a thin pane. One base colour b and the transmission t have to express both: b (1 - t) = d
+/// Kd and b t = (1 - d) Kd / k.
 void make_tinted(const tinyobj::material_t& m, Material& material) {
   const Vec3 kd = body_color(m);
   const float k = largest_part(kd), d = fraction(m.dissolve), whole = 1 - d + d * k;
@@ -83,7 +84,8 @@ void make_glossy(const tinyobj::material_t& m, Material& material) {
   const Vec3 ks = mtl_specular(m);
   set_base(body_color(m), material);
   material.base_color.w = fraction(m.dissolve);
-  // Walter et al., Microfacet Models for Refraction (2007): Blinn's exponent as Beckmann's width.
+  // Walter et al., Microfacet Models for Refraction (2007): converts Blinn's exponent to Beckmann's
+  // width.
   material.roughness = std::sqrt(2 / (positive(m.shininess) + 2));
   const float strength = largest_part(ks);
   material.specular = fraction(strength);

@@ -1,4 +1,4 @@
-// Phong's numbers of an MTL material, as metallic-roughness.
+// Converts the Phong parameters of MTL materials to the metallic-roughness model.
 #pragma once
 
 #include "raysheaf/scene_description.h"
@@ -10,20 +10,20 @@ struct material_t;
 namespace raysheaf::io {
 
 enum class MtlLook {
-  kGlass,   ///< clear, in the colour of its filter
-  kTinted,  ///< glass by d and Ni alone: it has the colour of its body
+  kGlass,   ///< clear glass, tinted by its filter
+  kTinted,  ///< glass by d and Ni only, tinted by its diffuse colour
   kMirror,
-  kConstant,  ///< its colour, whatever the light
-  kGlossy,    ///< everything else
+  kConstant,  ///< an unlit colour
+  kGlossy,
 };
 [[nodiscard]] MtlLook look_of(const tinyobj::material_t& m);
 
-/// Without its maps.
+/// Converts a material without its maps.
 [[nodiscard]] Material material_of(const tinyobj::material_t& m);
 
-/// Three parts, those taken for 0 that are below it or not finite.
+/// Clamps negative and non-finite components to 0.
 [[nodiscard]] Vec3 mtl_color(const float* rgb);
-/// Ks; black in models 0 and 1, which have no highlights.
+/// Ks; black for illumination models 0 and 1, which have no highlights.
 [[nodiscard]] Vec3 mtl_specular(const tinyobj::material_t& m);
 [[nodiscard]] float largest_part(Vec3 color);
 

@@ -32,8 +32,8 @@ bool same_but_for_case(const std::string& a, const std::string& b) {
   });
 }
 
-/// The only entry of the folder that has this name in letters of any case. By POSIX: the iterator
-/// of libstdc++ 12 ends the program where memory runs out.
+/// The only entry of the folder whose name matches case-insensitively. Uses POSIX functions: the
+/// directory iterator of libstdc++ 12 terminates the program if memory runs out.
 std::optional<std::filesystem::path> only_entry(const std::filesystem::path& folder,
                                                 const std::string& name) {
   std::optional<std::filesystem::path> found;
@@ -48,13 +48,13 @@ std::optional<std::filesystem::path> only_entry(const std::filesystem::path& fol
   return found;
 }
 
-/// Looks in one folder after the other.
+/// Searches one folder after the other.
 class Finder {
  public:
   Finder(const SceneFile& from, const std::string& named_in)
       : from_(from), root_(folder_of(from.path)), folders_{folder_of(named_in), root_} {}
 
-  /// Where the name would be, if it may be there.
+  /// The path of the name in the folder, if it is allowed there.
   [[nodiscard]] std::optional<std::string> place_of(const std::string& folder,
                                                     const std::string& name) const {
     if (name.empty() || name.find('\0') != name.npos || name.find(':') != name.npos)
@@ -65,7 +65,7 @@ class Finder {
     const bool leaves =
         std::filesystem::path(name).is_absolute() || inside.empty() || *inside.begin() == "..";
     if (leaves && !from_.allow_external) return std::nullopt;
-    // The folder as the caller wrote it, where the name does not climb.
+    // Keeps the folder as the caller wrote it, unless the name has "..".
     const std::string plain = (std::filesystem::path(folder) / name).string();
     return name.find("..") == name.npos ? plain : path.string();
   }
@@ -90,7 +90,7 @@ class Finder {
     }
     return std::nullopt;
   }
-  /// Where it is looked for first.
+  /// The first path that is tried.
   [[nodiscard]] std::optional<std::string> first_place(const std::string& name) const {
     for (const std::string& folder : folders_)
       if (auto path = place_of(folder, name)) return path;

@@ -1,5 +1,5 @@
-// Files that a scene's file names in the words of another system: OBJ's material libraries, and the
-// images of MTL and PLY.
+// Finds files that a scene file names in the style of another system: material libraries of OBJ,
+// and images of MTL and PLY.
 #pragma once
 
 #include <string>
@@ -11,21 +11,21 @@
 namespace raysheaf::io {
 
 struct NamedFile {
-  std::string path;  ///< where it is, or, where it is missing, where it would be
+  std::string path;  ///< the file's path, or the first path tried if it is missing
   bool is_there = false;
-  std::string remark;  ///< a sentence where a file of another name stands in for it, or empty
+  std::string remark;  ///< a warning if a file with another name replaces it, or empty
 };
 
-/// Looks for `name` beside the file at `named_in`, then beside the scene's file: as it is; with "/"
-/// for "\\"; in letters of another case, where a single file has such a name; and, of a name that
-/// leads out of the scene's folder (a drive, "..", an absolute path), only its last part. Throws
-/// kUnsupported where it leads out and no such file exists.
+/// Searches `name` next to the file at `named_in`, then next to the scene's file: unchanged; with
+/// "/" instead of "\\"; case-insensitively, if only one file matches; and, for a name outside the
+/// scene's folder (a drive, "..", an absolute path), by its last component. Throws kUnsupported if
+/// it lies outside and no such file exists.
 [[nodiscard]] NamedFile find_named(const SceneFile& from, const std::string& name,
                                    const std::string& named_in, const std::string& place);
 
-/// The names on a line, where those with blanks may stand in double quotes, without these.
+/// Splits a line into names; those with blanks may be in double quotes, which are removed.
 [[nodiscard]] std::vector<std::string> names_on(std::string_view line);
-/// A line that is one name, without double quotes round it.
+/// A line with a single name, without double quotes around it.
 [[nodiscard]] std::string unquoted(std::string_view line);
 
 }  // namespace raysheaf::io

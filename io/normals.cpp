@@ -10,7 +10,6 @@
 namespace raysheaf::io {
 namespace {
 
-/// Of each face.
 std::vector<Double3> face_normals(const Mesh& mesh) {
   std::vector<Double3> normals;
   normals.reserve(mesh.triangles.size());
@@ -19,7 +18,7 @@ std::vector<Double3> face_normals(const Mesh& mesh) {
   return normals;
 }
 
-/// A number for each vertex that vertices at the same position share.
+/// For each vertex, an id that vertices at the same position share.
 std::vector<std::uint32_t> position_ids(const std::vector<Vec3>& positions) {
   const auto key = [&](std::uint32_t v) {
     const Vec3& p = positions[v];
@@ -40,7 +39,7 @@ std::vector<std::uint32_t> position_ids(const std::vector<Vec3>& positions) {
 
 /// The corners (3 * triangle + k) that touch each position, in file order.
 struct Incidence {
-  std::vector<std::size_t> first;  ///< one more than there are positions
+  std::vector<std::size_t> first;  ///< one entry more than there are positions
   std::vector<std::size_t> corners;
 };
 

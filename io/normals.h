@@ -1,4 +1,4 @@
-// Vertex normals for files that have none.
+// Computes vertex normals for files without normals.
 #pragma once
 
 #include <cstdint>
@@ -8,18 +8,18 @@
 
 namespace raysheaf::io {
 
-/// Faces whose normals differ by more than this at a shared position meet in a crease.
+/// Faces whose normals differ by more than this angle at a shared position meet in a crease.
 inline constexpr double kCreaseCosine = 0.5;  // 60 degrees
-/// Where more faces meet at one position they are looked at in runs of this many, in file order:
-/// the work stays linear.
+/// If more faces meet at one position, they are processed in runs of this many, in file order: the
+/// time stays linear.
 inline constexpr std::size_t kMaxFacesAtPosition = 512;
 
-/// Gives a normal to each vertex `v` of which `has_normal[v]` is false (an empty `has_normal`: to
-/// all): the sum of the face normals, weighted by area, of the faces that touch its position and
-/// form no crease with the face at hand. A vertex that needs several normals is split: the first
-/// keeps its place, the others are appended. Triangles keep their order and vertices their
+/// Computes a normal for each vertex `v` with `has_normal[v]` false (if `has_normal` is empty, for
+/// all vertices): the area-weighted sum of the normals of the faces that touch its position and
+/// form no crease with the vertex's face. A vertex that needs several normals is split: the first
+/// keeps its index, the others are appended. Triangles keep their order, and vertices their
 /// positions, uvs and colours. Indices must be in range. O(vertices log vertices + triangles).
-/// Returns for each appended vertex one before it that is the same but for its normal.
+/// Returns, for each appended vertex, an earlier one that differs only in its normal.
 std::vector<std::uint32_t> add_missing_normals(Mesh& mesh,
                                                const std::vector<bool>& has_normal = {});
 

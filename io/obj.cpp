@@ -20,30 +20,30 @@
 namespace raysheaf::io {
 namespace {
 
-/// What a corner refers to; uv and normal are `kInvalidId` where it names none.
+/// The indices at a face's corner; uv and normal are `kInvalidId` if missing.
 struct Corner {
   std::uint32_t position = 0, uv = kInvalidId, normal = kInvalidId;
   bool operator==(const Corner&) const = default;
 };
 
-/// Of vertices without a colour: less than a colour's parts, which are not below 0.
+/// Marks vertices without a colour. Colours have no negative components.
 constexpr Vec3 kNoColor{-1, -1, -1};
 
-/// The faces of one object or group, cut into triangles.
+/// The faces of one object or group, triangulated.
 struct Group {
   std::string name;
-  std::vector<Corner> corners;           ///< three a triangle
-  std::vector<std::uint32_t> materials;  ///< one a triangle
+  std::vector<Corner> corners;           ///< three per triangle
+  std::vector<std::uint32_t> materials;  ///< one per triangle
 };
 
-/// Collects what the parser calls out.
+/// Receives the parser's callbacks.
 class ObjReader {
  public:
   ObjReader(ObjLines& lines, MtlLibrary& materials) : lines_(lines), materials_(materials) {}
 
   void run() {
     std::istream stream(&lines_);
-    // Without this the stream would swallow the errors of its buffer.
+    // Without this, the stream would swallow the exceptions of its buffer.
     stream.exceptions(std::ios::badbit);
     tinyobj::callback_t callbacks;
     callbacks.vertex_cb = [](void* self, float x, float y, float z, float) {
@@ -52,7 +52,7 @@ class ObjReader {
     callbacks.normal_cb = [](void* self, float x, float y, float z) {
       static_cast<ObjReader*>(self)->add_normal({x, y, z});
     };
-    // OBJ counts v from the bottom row up.
+    // In OBJ, v counts from the bottom row up.
     callbacks.texcoord_cb = [](void* self, float x, float y, float) {
       static_cast<ObjReader*>(self)->add_uv({x, 1 - y});
     };
@@ -74,9 +74,9 @@ class ObjReader {
   }
 
   [[nodiscard]] bool has_colors() const { return !colors_.empty(); }
-  /// Whether colours go to 255, not to 1.
+  /// Whether colours range to 255 instead of 1.
   [[nodiscard]] bool is_in_bytes() const { return is_in_bytes_; }
-  /// Whether a face names normals or texture coordinates where there are none.
+  /// Whether a face refers to normals or texture coordinates although the file has none.
   [[nodiscard]] bool names_nothing() const { return names_nothing_; }
 
   std::vector<Mesh> build_meshes() {
@@ -97,13 +97,14 @@ class ObjReader {
     positions_.push_back(p);
     if (lines_.color()) add_color(*lines_.color());
   }
-  /// Those before have none.
+  /// Earlier vertices have no colour.
   void add_color(Vec3 color) {
     colors_.resize(positions_.size() - 1, kNoColor);
     colors_.push_back(color);
     is_in_bytes_ = is_in_bytes_ || std::max({color.x, color.y, color.z}) > kMostUnitColor;
   }
-  /// As they are written until all are known: programs that mean bytes write up to 255.
+  /// Colours stay as written until all are known, because programs that mean bytes write values up
+  /// to 255.
   void scale_colors() {
     const float largest = is_in_bytes_ ? 255.0f : 1.0f;
     const auto linear = [&](float x) {
@@ -129,7 +130,7 @@ class ObjReader {
     uvs_.push_back(uv);
   }
 
-  /// `raw` counts from 1, or back from the newest by negative numbers; 0 stands for none.
+  /// `raw` counts from 1, or backwards from the newest if negative; 0 means none.
   std::uint32_t resolve(int raw, std::size_t count, const char* what) const {
     if (raw == 0) return kInvalidId;
     const auto size = static_cast<std::int64_t>(count);
@@ -141,8 +142,8 @@ class ObjReader {
                 lines_.place());
   }
 
-  /// The same of what a vertex may have besides: where there is none at all so far, none is meant.
-  /// Programs that leave the lists out leave the numbers in.
+  /// The same for normals and texture coordinates. If the file has none so far, the number is
+  /// ignored: some programs omit the lists but keep the numbers.
   std::uint32_t resolve_beside(int raw, std::size_t count, const char* what) {
     if (count > 0) return resolve(raw, count, what);
     names_nothing_ = names_nothing_ || raw != 0;
@@ -191,7 +192,8 @@ class ObjReader {
     group_ = kInvalidId;
   }
 
-  /// Names have numbers until all libraries are read: one may come behind the faces that use it.
+  /// Materials are looked up after all libraries are read, because a library may follow the faces
+  /// that use it.
   void use_material(const std::string& name) {
     material_name_ = trim(name);
     material_ = kInvalidId;
@@ -213,8 +215,8 @@ class ObjReader {
       for (std::uint32_t& material : group.materials) material = found[material];
   }
 
-  /// Corners that refer to the same are one vertex. Only the newest few vertices of a position are
-  /// searched, so that the time stays linear.
+  /// Merges corners with the same references to one vertex. Only the newest few vertices of a
+  /// position are searched, so that the time stays linear.
   class VertexMerger {
    public:
     explicit VertexMerger(std::size_t positions) : newest_(positions, kInvalidId) {}
@@ -286,7 +288,7 @@ class ObjReader {
   std::unordered_map<std::string, std::size_t> group_of_;
   std::string object_name_, group_name_, material_name_;
   std::uint32_t group_ = kInvalidId;
-  std::uint32_t material_ = kInvalidId;  ///< the number of `material_name_`
+  std::uint32_t material_ = kInvalidId;  ///< index of `material_name_`
   std::vector<std::string> material_names_;
   std::unordered_map<std::string, std::uint32_t> number_of_name_;
   bool names_nothing_ = false, is_in_bytes_ = false;
@@ -315,7 +317,8 @@ SceneDescription load_obj(const Bytes& file, const SceneFile& from) {
   if (lines.had_curves()) scene.warnings.push_back("Curves and surfaces are left out.");
   if (reader.names_nothing()) {
     scene.warnings.push_back(
-        "Faces name normals or texture coordinates of which there are none; they are left out.");
+        "Faces refer to normals or texture coordinates that the file does not have; these are left "
+        "out.");
   }
   if (lines.had_short_faces()) {
     scene.warnings.push_back("Faces with fewer than three vertices are left out.");

@@ -1,4 +1,4 @@
-// Wavefront OBJ with MTL.
+// Loads Wavefront OBJ with MTL.
 #pragma once
 
 #include <map>
@@ -15,38 +15,38 @@ namespace raysheaf::io {
 
 [[nodiscard]] SceneDescription load_obj(const Bytes& file, const SceneFile& from);
 
-/// The material libraries of an OBJ file: materials by name, and what they show.
+/// The material libraries of an OBJ file: materials by name, and their textures.
 class MtlLibrary {
  public:
   MtlLibrary(const SceneFile& from, SceneDescription& scene)
       : from_(from), scene_(scene), textures_(from, scene) {}
 
-  /// Reads the files that an mtllib line names: one whose name may hold spaces, or several.
+  /// Reads the files on an mtllib line: one whose name may contain spaces, or several.
   void add(const std::string& names);
-  /// Index of the material, or of a grey one where there is none of this name (a warning).
+  /// Index of the material. If no material has this name, adds a warning and returns a grey one.
   [[nodiscard]] std::uint32_t find(const std::string& name);
-  /// Index of the material of faces that name none.
+  /// Index of the material for faces without one.
   [[nodiscard]] std::uint32_t fallback();
-  /// What has colours of its own is not grey besides.
+  /// Makes the fallback material white, because the mesh has vertex colours.
   void whiten_fallback();
-  /// Decodes the images. Call once, after the last `add`.
+  /// Decodes the images. Call it once, after the last `add`.
   void finish();
 
  private:
   void read(const std::string& name, const NamedFile& file);
   void warn_of_library(const std::string& name, const Error& error);
-  /// What masks say goes to the alpha of base colours: into pictures of their own, but where both
-  /// are one.
+  /// Moves masks into the alpha of base colours, as new images, unless the mask and the colours are
+  /// the same image.
   void cut_out();
   void warn_once(const std::string& sentence);
   void warn_of_names();
   friend class MtlConverter;
 
-  /// What a material's map_d reads.
+  /// The channel that a material's map_d uses.
   struct Mask {
     std::uint32_t material;
     TextureSlot slot;
-    char channel;  ///< of the picture, as -imfchan calls it
+    char channel;  ///< as in -imfchan
   };
 
   const SceneFile& from_;

@@ -26,23 +26,24 @@ std::size_t skip_sign(std::string_view text, std::size_t i) {
   return i < text.size() && (text[i] == '+' || text[i] == '-') ? i + 1 : i;
 }
 
-/// By hand: `find_first_of` calls a function for every letter.
+/// A loop by hand: `find_first_of` calls a function for each character.
 std::size_t line_size(std::string_view text) {
   std::size_t i = 0;
   while (i < text.size() && text[i] != '\n' && text[i] != '\r') ++i;
   return i;
 }
 
-/// In names a '#' is a letter; behind numbers it begins a comment.
+/// In names, '#' is an ordinary character; after numbers it begins a comment.
 bool has_numbers(std::string_view keyword) {
   return keyword == "v" || keyword == "vn" || keyword == "vt" || keyword == "f";
 }
 
-/// What a line's first word says of a '#' and of a backslash at the end.
+/// The kind of a line, by its first word: it determines the meaning of '#' and of a backslash at
+/// the end.
 enum class LineKind { kNone, kComment, kNames, kNumbers };
 
-/// `part`: a piece of the line; the backslash at its end is none of its words. Names of files,
-/// groups and materials may have both; behind all else '#' begins a comment.
+/// `part` is a piece of a line; a backslash at its end is ignored. Names of files, groups and
+/// materials may contain '#' and backslashes; in other lines '#' begins a comment.
 LineKind kind_of(std::string_view part) {
   constexpr std::string_view kNamed[] = {"g",      "o",      "usemtl",     "mtllib",
                                          "usemap", "maplib", "shadow_obj", "trace_obj"};
@@ -56,9 +57,9 @@ LineKind kind_of(std::string_view part) {
   return whole && named ? LineKind::kNames : LineKind::kNumbers;
 }
 
-/// Whether the next line belongs to one of this kind, whose last piece is `part`. Comments end with
-/// their line. Names may end in a backslash, as those of folders do: behind them it must stand
-/// alone.
+/// Whether the line of this kind, whose last piece is `part`, continues on the next line. Comments
+/// do not. A name may end with a backslash, as folders do on Windows: in such lines only a separate
+/// backslash continues the line.
 bool goes_on(LineKind kind, std::string_view part) {
   if (!part.ends_with('\\') || kind == LineKind::kComment) return false;
   if (kind == LineKind::kNumbers) return part.find('#') == part.npos;
@@ -80,13 +81,13 @@ Reference check_reference(std::string_view word) {
     if (last == word.size()) return Reference::kRight;
     if (word[last] != '/' || part == 2) return Reference::kMalformed;
     i = last + 1;
-    // "7/" and "7/2/" name nothing more.
+    // "7/" and "7/2/" have no further reference.
     if (i == word.size()) return Reference::kRight;
   }
   return Reference::kMalformed;
 }
 
-/// A part of a colour, not below 0. What is beyond 255 is that.
+/// A colour component, clamped to 0 and 255.
 float value_of(std::string_view number) {
   return static_cast<float>(std::clamp(number_of(number), 0.0, 255.0));
 }
@@ -184,8 +185,8 @@ bool ObjLines::next_line() {
     more = goes_on(kind, part);
     if (more) current_.back() = ' ';
   }
-  // The parser takes its lines for C strings, and knows no blanks but spaces and tabs: to it, any
-  // other would be one more corner of a face.
+  // The parser treats lines as C strings, and only spaces and tabs as blanks: any other blank would
+  // add a corner to a face.
   std::replace_if(
       current_.begin(), current_.end(), [](char c) { return c == '\0' || c == '\v' || c == '\f'; },
       ' ');
@@ -254,7 +255,7 @@ void ObjLines::check_face(std::string_view rest) {
     short_faces_ = true;
     current_.clear();
   }
-  // After "7/" or "7/2/" the parser would take the next reference for what is left out.
+  // After "7/" or "7/2/" the parser would read the next reference as the missing one.
   for (std::size_t i = current_.size(); i-- > 0;) {
     if (current_[i] == '/' && (i + 1 == current_.size() || is_blank(current_[i + 1])))
       current_[i] = ' ';

@@ -18,7 +18,7 @@
 namespace raysheaf::io {
 namespace {
 
-/// OBJ scales and moves v upwards from the bottom row; here it points down from the top.
+/// OBJ scales and moves v upwards from the bottom row; here v points down from the top.
 TextureSlot slot_of(std::uint32_t texture, const tinyobj::texture_option_t& option) {
   TextureSlot slot;
   slot.texture = texture;
@@ -29,10 +29,10 @@ TextureSlot slot_of(std::uint32_t texture, const tinyobj::texture_option_t& opti
 
 }  // namespace
 
-/// One material of an MTL file.
+/// Converts the materials of an MTL file.
 class MtlConverter {
  public:
-  /// `path`: of the MTL file; `place` is what it is called.
+  /// `path` is the MTL file's path; `place` is its name in warnings.
   MtlConverter(MtlLibrary& library, const std::string& path, const std::string& place)
       : library_(library), path_(path), place_(place) {}
 
@@ -59,7 +59,7 @@ class MtlConverter {
                                  slot(m.alpha_texname, m.alpha_texopt, true),
                                  m.alpha_texopt.imfchan});
       if (m.alpha_texopt.imfchan == 'z')
-        library_.warn_once("Pictures have no depth: -imfchan z of map_d is left out.");
+        library_.warn_once("Images have no depth: -imfchan z of map_d is left out.");
     }
     const bool refracts = clear || look == MtlLook::kTinted;
     if (!refracts && m.alpha_texname.empty()) blend(m, material);
@@ -69,17 +69,17 @@ class MtlConverter {
   }
 
  private:
-  /// What is neither glass nor has a map of alpha.
+  /// Sets the transparency of materials that are neither glass nor have an alpha map.
   void blend(const tinyobj::material_t& m, Material& material) {
     if (m.dissolve > 0 && m.dissolve < 1) {
       material.base_color.w = m.dissolve;
       material.alpha_blend = true;
       library_.warn_once(
-          "Materials with d below 1 and without Ni are mixed by samples: with one a pixel they are "
-          "whole.");
+          "Materials with d below 1 and without Ni are blended by random samples; with one sample "
+          "per pixel they are opaque.");
     } else if (m.dissolve == 0) {
       material.base_color.w = 1;
-      library_.warn_once("A material whose d is 0 is shown whole.");
+      library_.warn_once("A material whose d is 0 is shown opaque.");
     }
   }
   TextureSlot slot(const std::string& name, const tinyobj::texture_option_t& option,
@@ -93,12 +93,12 @@ class MtlConverter {
   }
   void warn_of_glass(const tinyobj::material_t& m, MtlLook look) {
     if (look == MtlLook::kGlass && !(m.diffuse_texname.empty() && m.alpha_texname.empty()))
-      library_.warn_once("What is clear glass has no texture: its map_Kd and map_d are left out.");
+      library_.warn_once("Clear glass cannot have textures: its map_Kd and map_d are left out.");
     if ((look == MtlLook::kGlass || look == MtlLook::kTinted) && m.roughness > 0)
       library_.warn_once("Glass is smooth: its Pr is left out.");
     if (look == MtlLook::kTinted && largest_part(mtl_specular(m)) > 0)
       library_.warn_once(
-          "What d below 1 and Ni make glass reflects as Ni says: its Ks and Ns are left out.");
+          "The reflection of glass (d below 1 with Ni) follows Ni: its Ks and Ns are left out.");
   }
   void warn_of_other_maps(const tinyobj::material_t& m) {
     const std::pair<const std::string*, const char*> kMaps[] = {
@@ -112,7 +112,7 @@ class MtlConverter {
     for (const auto& [name, kind] : kMaps) {
       if (!name->empty()) library_.warn_once(std::string(kind) + " maps are left out.");
     }
-    // Much is written as both; the ambient one counts for nothing then.
+    // Many programs write the same map as both; ambient maps are ignored then.
     if (!m.ambient_texname.empty() && m.ambient_texname != m.diffuse_texname)
       library_.warn_once("Ambient maps are left out.");
     const auto holds = [&](const char* keyword) { return m.unknown_parameter.count(keyword) > 0; };
@@ -137,7 +137,7 @@ void MtlLibrary::warn_once(const std::string& sentence) {
 
 namespace {
 
-/// "\"a\" and 2 more".
+/// For example "\"a\" and 2 more".
 std::string first_and_more(const std::vector<std::string>& names) {
   const std::size_t others = names.size() - 1;
   return "\"" + printable(names.front()) + "\"" +
@@ -161,7 +161,7 @@ void MtlLibrary::add(const std::string& names) {
     const NamedFile file = find_named(from_, whole, from_.path, "mtllib");
     if (file.is_there) return read(whole, file);
   } catch (const Error&) {
-    // Several names may look like one that leaves the folder.
+    // Several names together may look like one path outside the folder.
   }
   for (const std::string& name : names_on(names)) {
     try {
@@ -232,7 +232,7 @@ void MtlLibrary::whiten_fallback() {
 
 namespace {
 
-/// Whether its alpha says anything.
+/// Whether any alpha differs from 255.
 bool has_alpha(const Image& image) {
   for (std::size_t i = 3; i < image.rgba.size(); i += 4)
     if (image.rgba[i] != 255) return true;
@@ -256,8 +256,9 @@ std::uint8_t alpha_of(const std::uint8_t* texel, char channel) {
   }
 }
 
-/// The mask's channel, of the nearest texel, as the alpha of `image`, which keeps its size. What is
-/// not a colour or luminance is the mask's alpha where it has one, else its luminance.
+/// Sets the alpha of `image`, which keeps its size, to a channel of the nearest texel in the mask.
+/// If the channel is not red, green, blue or luminance, uses the mask's alpha if it has one, and
+/// otherwise its luminance.
 void set_alpha(const Image& mask, char channel, Image* image) {
   const bool is_chosen = channel == 'r' || channel == 'g' || channel == 'b' || channel == 'l';
   const char part = is_chosen ? channel : has_alpha(mask) ? 'm' : 'l';

@@ -1,6 +1,6 @@
-// Arrays that may be larger than memory: they lie in files without a name, and some of their pages
-// are held. Written by `pwrite` and read by `pread`, so that the memory of the process is what it
-// holds. Errors name the file: kIo.
+// Arrays that may be larger than memory. They lie in unnamed files and keep some pages in memory.
+// They use `pread` and `pwrite` rather than mapped memory, so that the memory of the process stays
+// bounded. Errors name the file: kIo.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace raysheaf::io {
 
-/// A file without a name, in the folder of `beside`: it is gone with the program.
+/// An unnamed file in the folder of `beside`. It disappears when the program ends.
 class OuterFile {
  public:
   explicit OuterFile(const std::string& beside);
@@ -22,7 +22,7 @@ class OuterFile {
   ~OuterFile();
 
   void write(std::uint64_t offset, std::span<const std::uint8_t> bytes);
-  /// All of `out`, which was written before.
+  /// Fills `out`; the range must have been written before.
   void read(std::uint64_t offset, std::span<std::uint8_t> out) const;
 
  private:
@@ -30,20 +30,21 @@ class OuterFile {
   int file_ = -1;
 };
 
-/// Pages of equal size. Each has one place in memory where it may be held, by its number.
+/// A page cache with pages of equal size. Each page has one possible slot, determined by its
+/// number.
 class OuterPages {
  public:
   OuterPages(const std::string& beside, std::size_t page_bytes, std::size_t held)
       : file_(beside), page_bytes_(page_bytes), places_(std::max<std::size_t>(held, 1)) {}
 
-  /// Stays until the next call. A page that was not there comes behind the last one.
+  /// The pointer is valid until the next call. A new page is appended to the file.
   [[nodiscard]] std::uint8_t* page(std::uint64_t number, bool changes) {
     Place& place = places_[number % places_.size()];
     if (place.number != number) load(number, &place);
     place.changed = place.changed || changes;
     return place.bytes.data();
   }
-  /// Writes what was changed, and holds none.
+  /// Writes all changed pages and empties the cache.
   void rest();
 
  private:
@@ -59,10 +60,10 @@ class OuterPages {
   OuterFile file_;
   std::size_t page_bytes_;
   std::vector<Place> places_;
-  std::uint64_t count_ = 0;  // of pages that have a place in the file
+  std::uint64_t count_ = 0;  // pages that have a place in the file
 };
 
-/// Holds about `held` elements. Elements are had and put by value.
+/// Keeps about `held` elements in memory. Elements are read and written by value.
 template <class T>
 class OuterArray {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -16,15 +16,15 @@ namespace {
 
 constexpr std::uint32_t kDigitBits = 16;
 
-/// A triangle on its way into a block. `number`: of the triangles of all instances, which come by
+/// A triangle to be put into a block. `number` counts the triangles of all instances, sorted by
 /// their meshes.
 struct OuterTriangle {
-  Vec3 center;  ///< times three
+  Vec3 center;  ///< three times the centre
   std::uint32_t number = 0;
 };
 static_assert(sizeof(OuterTriangle) == 16);
 
-/// As the library places vertices.
+/// Transforms a point exactly as the library does.
 Vec3 placed(const Affine& a, Vec3 p) {
   const auto row = [p](const std::array<float, 4>& m) {
     return m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
@@ -47,7 +47,7 @@ int longest_axis(const Box& box) {
   return x >= y && x >= z ? 0 : y >= z ? 1 : 2;
 }
 
-/// Floats as words in the same order; the two zeros are one.
+/// Floats as integers with the same order; -0 equals 0.
 std::uint32_t order_word(float x) {
   x += 0.0f;
   std::uint32_t bits = 0;
@@ -55,14 +55,14 @@ std::uint32_t order_word(float x) {
   return (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
 }
 
-/// All different.
+/// A sort key that differs for all triangles.
 std::uint64_t order_of(const OuterTriangle& triangle, int axis) {
   const Vec3 center = triangle.center;
   const float x = axis == 0 ? center.x : axis == 1 ? center.y : center.z;
   return std::uint64_t{order_word(x)} << 32 | triangle.number;
 }
 
-/// Written once, then read from the beginning any number of times.
+/// Triangles that are written once and then read from the beginning any number of times.
 class OuterTriangles {
  public:
   explicit OuterTriangles(const std::string& beside) : all_(beside, 1) {}
@@ -71,7 +71,7 @@ class OuterTriangles {
     all_.push_back(triangle);
     enlarge_box(&centers_, triangle.center);
   }
-  /// No more will come.
+  /// Called after the last triangle.
   void rest() { all_.rest(); }
   [[nodiscard]] std::uint64_t size() const { return all_.size(); }
   [[nodiscard]] const Box& centers() const { return centers_; }
@@ -86,11 +86,11 @@ class OuterTriangles {
   Box centers_;
 };
 
-/// The order before which there are `rank` triangles. Holds `at_once` orders.
+/// The key of the triangle of this rank along an axis. Keeps `at_once` keys in memory.
 std::uint64_t order_at(OuterTriangles& triangles, int axis, std::uint64_t rank,
                        std::uint64_t at_once) {
   std::uint64_t prefix = 0, within = triangles.size();
-  std::uint32_t known = 0;  // leading bits, which are those of `prefix`
+  std::uint32_t known = 0;  // how many leading bits of the key are known
   const auto has_prefix = [&](std::uint64_t order) {
     return known == 0 || order >> (64 - known) == prefix;
   };
@@ -118,7 +118,7 @@ std::uint64_t order_at(OuterTriangles& triangles, int axis, std::uint64_t rank,
   return *at;
 }
 
-/// Instances by their meshes, and the numbers of their triangles.
+/// Instances sorted by their meshes, and the numbers of their triangles.
 class OuterRanks {
  public:
   explicit OuterRanks(const OuterScene& scene) : order_(scene.rest.instances.size()) {
@@ -142,16 +142,16 @@ class OuterRanks {
 
  private:
   std::vector<std::uint32_t> order_;
-  std::vector<std::uint64_t> first_{0};  // one more than there are instances
+  std::vector<std::uint64_t> first_{0};  // one entry more than there are instances
 };
 
-/// Triangles of one instance, as an instance of their own in a scene of their own.
+/// Triangles of one instance, which becomes an instance in a scene of its own.
 struct OuterPart {
   std::uint32_t instance = 0;
   std::vector<std::uint32_t> prim_ids;
 };
 
-/// Blocks of a part of a scene, whose numbers become those of the whole.
+/// Receives the blocks of a part of the scene and replaces its indices by those of the whole scene.
 class PartSink : public BlockSink {
  public:
   PartSink(BlockSink* to, const SceneDescription& scene, const std::vector<OuterPart>& parts)
@@ -175,8 +175,8 @@ class PartSink : public BlockSink {
   TriangleBlock block_;
 };
 
-/// The triangles `prim_ids`, which ascend. Vertices keep their order, so that nothing that looks at
-/// it sees a difference.
+/// A mesh of the triangles `prim_ids`, which are in ascending order. Vertices keep their order, so
+/// that the blocks are those of the whole mesh.
 Mesh part_of_mesh(const OuterMesh& from, const std::vector<std::uint32_t>& prim_ids) {
   Mesh mesh;
   mesh.triangles.reserve(prim_ids.size());
@@ -256,7 +256,7 @@ class OuterCutter {
     static_cast<void>(cut_into_blocks(scene, &sink, options_.triangles_a_block));
   }
 
-  /// By their ranks.
+  /// The triangles grouped by the ranks of their instances.
   [[nodiscard]] std::vector<OuterPart> parts_of(std::unique_ptr<OuterTriangles> from) const {
     std::vector<std::uint32_t> numbers;
     numbers.reserve(from->size());
@@ -281,7 +281,8 @@ class OuterCutter {
   const PackOptions& options_;
 };
 
-/// All triangles in the world, which `fit` is shown; null where one is too far out.
+/// Writes all triangles in world space to a file and passes them to `fit`. Null if one is too far
+/// out.
 std::unique_ptr<OuterTriangles> place_all(const OuterScene& scene, const OuterRanks& ranks,
                                           const PackOptions& options, ViewFit* fit) {
   auto all = std::make_unique<OuterTriangles>(options.beside);

@@ -1,12 +1,12 @@
-// Triangles cut into blocks as `cut_into_blocks` cuts them, where there are more than memory should
-// hold: they lie in files.
+// Cuts triangles into the same blocks as `cut_into_blocks`, with the triangles in files if there
+// are too many for the memory:
 //
-//   all ─► as many as they are blocks' worth on the left of a plane │ the others ─► again, until
-//   what is left may be held ─► cut_into_blocks
+//   all triangles ─► a whole number of blocks on one side of a plane │ the rest on the other side
+//   ─► both sides recursively, until one fits into memory ─► cut_into_blocks
 //
-// A plane is a rank along the longest side of the box of centres, so that where triangles go
-// depends on their order by (coordinate, number) alone. It is found by counting leading bits of
-// that order.
+// A plane is a rank along the longest side of the box of the triangles' centres, so that the cut
+// depends only on the order of (coordinate, number). The rank is found by counting leading bits of
+// these sort keys.
 #pragma once
 
 #include <optional>
@@ -15,8 +15,9 @@
 
 namespace raysheaf::io {
 
-/// As `cut_into_blocks`. `scene.rest` is valid but for its triangles. Nothing, before anything was
-/// added to `sink`, where one is too far out, or where there are none, or 2^32 and more.
+/// Like `cut_into_blocks`. `scene.rest` is valid except that it has no triangles. Returns nothing,
+/// and adds nothing to `sink`, if a triangle is too far out, or if there are none or at least 2^32
+/// of them.
 [[nodiscard]] std::optional<SceneDescription> cut_outer(OuterScene scene, BlockSink* sink,
                                                         const PackOptions& options);
 

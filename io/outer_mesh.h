@@ -10,12 +10,12 @@
 
 namespace raysheaf::io {
 
-/// What a loader throws where a file is to be read whole after all.
+/// Loaders throw this if the file must be read whole.
 struct NeedsWholeFile {};
 
-/// The columns of all meshes, one mesh behind the other.
+/// The columns of all meshes, one mesh after the other.
 struct OuterColumns {
-  /// Holds a part of `triangles_at_once` elements of each.
+  /// Keeps a fraction of `triangles_at_once` elements of each column in memory.
   explicit OuterColumns(const PackOptions& options)
       : OuterColumns(options.beside, options.triangles_at_once / 4) {}
   OuterColumns(const std::string& beside, std::size_t held)
@@ -41,7 +41,7 @@ struct OuterColumns {
   OuterArray<std::uint32_t> materials;
 };
 
-/// The part of a column that belongs to one mesh. It grows while it is the last one.
+/// The part of a column that belongs to one mesh. It can grow while the mesh is the last one.
 template <class T>
 class OuterColumn {
  public:
@@ -65,7 +65,7 @@ class OuterColumn {
   std::uint64_t first_, size_ = 0;
 };
 
-/// As `Mesh`, column by column. A normal without length: there is none yet.
+/// Like `Mesh`, column by column. A normal of length zero is missing.
 struct OuterMesh {
   explicit OuterMesh(OuterColumns* all)
       : positions(&all->positions),
@@ -81,20 +81,20 @@ struct OuterMesh {
   OuterColumn<Vec3> positions, normals;
   OuterColumn<Vec2> uvs, second_uvs;
   OuterColumn<Vec3> colors;
-  OuterColumn<float> alphas;  ///< stays empty: what streams is whole
+  OuterColumn<float> alphas;  ///< stays empty: streamed surfaces are opaque
   OuterColumn<std::array<std::uint32_t, 3>> triangles;
   OuterColumn<std::uint32_t> materials;
 };
 
-/// A scene whose meshes have names alone, and those meshes.
+/// A scene whose meshes have only names, and the data of these meshes.
 struct OuterScene {
   SceneDescription rest;
   std::unique_ptr<OuterColumns> columns;
   std::vector<OuterMesh> meshes;
 };
 
-/// The other `add_missing_normals` (io/normals.h), in memory that does not grow with the mesh:
-/// corners are sorted by place in files. As many bytes a triangle as `docs/stream.md` says.
+/// Like `add_missing_normals` in io/normals.h, in memory that does not grow with the mesh: corners
+/// are sorted by position in files. docs/stream.md gives the number of bytes per triangle.
 void add_missing_normals(OuterMesh& mesh, const PackOptions& options);
 
 }  // namespace raysheaf::io

@@ -1,4 +1,4 @@
-// Normals for meshes that have none and may be larger than memory.
+// Computes normals for meshes without normals that may be larger than memory:
 //
 //   triangles ─► corners, sorted by (position, number) ─► runs of one position ─► their normals,
 //   sorted by number ─► vertices are split, as in memory
@@ -41,7 +41,7 @@ struct ByCorner {
 using SortedCorners = OuterSort<OuterCorner, ByPosition>;
 using SortedNormals = OuterSort<CornerNormal, ByCorner>;
 
-/// Corners of one position.
+/// The corners at one position.
 class OuterRun {
  public:
   explicit OuterRun(SortedNormals* to) : to_(*to) {}

@@ -1,5 +1,4 @@
-// Sorted, where there is more than memory should hold: runs that are sorted in memory wait in a
-// file, and are merged at once.
+// Sorts more items than fit into memory: sorted runs are written to a file and merged in one pass.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +8,7 @@
 
 namespace raysheaf::io {
 
-/// Holds `held` items. `Less` tells any two apart.
+/// Keeps `held` items in memory. `Less` must order any two items strictly.
 template <class T, class Less>
 class OuterSort {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -23,7 +22,7 @@ class OuterSort {
     if (some_.size() == held_) end_run();
   }
 
-  /// Calls `body(item)` for each, ascending; once.
+  /// Calls `body(item)` for each item in ascending order. Call it only once.
   template <class Body>
   void for_each(const Body& body) {
     end_run();
@@ -44,7 +43,7 @@ class OuterSort {
 
  private:
   struct Run {
-    std::uint64_t next = 0, end = 0;  ///< of what is in the file
+    std::uint64_t next = 0, end = 0;  ///< the part that is still in the file
     std::size_t at = 0;
     std::vector<T> some;
     [[nodiscard]] const T& item() const { return some[at]; }
@@ -89,7 +88,7 @@ class OuterSort {
   OuterFile file_;
   std::size_t held_;
   std::vector<T> some_;
-  std::vector<std::uint64_t> ends_;  // of runs
+  std::vector<std::uint64_t> ends_;  // where each run ends
 };
 
 }  // namespace raysheaf::io

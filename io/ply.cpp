@@ -20,23 +20,23 @@
 namespace raysheaf::io {
 namespace {
 
-/// For each of `triangles_at_once`, which a file may have to be read whole.
+/// Files with at most this many bytes per `triangles_at_once` may be read whole.
 constexpr std::uint64_t kSmallBytes = 16;
-/// That a list may have, whatever is to be held.
+/// Lists may always have this many corners, whatever the memory limit.
 constexpr std::uint32_t kAlwaysCorners = 4096;
 
 std::string stem_of(const std::string& path) {
   return std::filesystem::path(path).stem().string();
 }
 
-/// Fills a mesh, `Mesh` or `OuterMesh`, and the rest of its scene.
+/// Fills a `Mesh` or an `OuterMesh` and the rest of its scene.
 template <class AnyMesh>
 class PlyReader {
  public:
   using Numbers = std::conditional_t<std::is_same_v<AnyMesh, Mesh>, std::vector<std::uint32_t>,
                                      OuterArray<std::uint32_t>>;
 
-  /// `newest` and `previous`: empty, for `CornerSplitter`.
+  /// `newest` and `previous` must be empty; `CornerSplitter` uses them.
   PlyReader(PlyNumbers numbers, const PlyHeader& header, AnyMesh& mesh, SceneDescription& scene,
             Numbers& newest, Numbers& previous)
       : header_(header),
@@ -45,10 +45,10 @@ class PlyReader {
         scene_(scene),
         splitter_(mesh, newest, previous) {}
 
-  /// Before `read`: where there are no images, colours are shown.
+  /// Call it before `read`: vertex colours are shown only if there are no images.
   void read_textures(const SceneFile& from) { textures_.read(header_, from, scene_); }
 
-  /// `most_corners`: of a list; more are not read.
+  /// `most_corners`: the longest list that is read.
   void read(const std::string& name, std::uint64_t most_corners) {
     most_corners_ = most_corners;
     for (const PlyElement& element : header_.elements) {
@@ -71,9 +71,9 @@ class PlyReader {
     mesh_.name = scene_.name = name;
     scene_.instances.push_back({name, 0, {}});
   }
-  /// One a vertex, where every vertex has one.
+  /// Whether every vertex has a normal.
   [[nodiscard]] bool has_normals() const { return has_normals_ && all_normals_; }
-  /// Whether each vertex has one; empty where none has, and of an `OuterMesh`.
+  /// Whether each vertex has a normal. Empty if none has, and for an `OuterMesh`.
   [[nodiscard]] const std::vector<bool>& has_normal() const { return has_normal_; }
 
  private:
@@ -115,7 +115,7 @@ class PlyReader {
       is_thin |= values[kAlpha] < opaque;
     }
     if (is_thin)
-      scene_.warnings.emplace_back("The alpha of vertices is left out: the surface is whole.");
+      scene_.warnings.emplace_back("The alpha of vertices is left out: the surface is opaque.");
   }
 
   void add_vertex(const std::array<double, kRoles>& values, std::uint64_t index) {
@@ -131,20 +131,21 @@ class PlyReader {
     if (has_colors_) add_color(colors_.color(values[kRed], values[kGreen], values[kBlue]), index);
   }
 
-  /// `v` counts from the bottom row.
+  /// In PLY, `v` counts from the bottom row.
   static Vec2 uv_of(double u, double v) {
     const Vec2 uv{static_cast<float>(u), static_cast<float>(1 - v)};
     return std::isfinite(uv.x) && std::isfinite(uv.y) ? uv : Vec2{};
   }
 
-  /// Where there are textures they show what colours would.
+  /// Textures take precedence over colours.
   bool shows_colors() {
     if (textures_.any() && !std::exchange(warned_of_colors_, true))
-      scene_.warnings.emplace_back("Colours beside textures are left out.");
+      scene_.warnings.emplace_back("Colours of a mesh with textures are left out.");
     return !textures_.any();
   }
 
-  /// One for all becomes the material's, so that they are kept from the first that differs on.
+  /// A colour that all vertices share becomes the material's. From the first vertex that differs,
+  /// each has its own.
   void add_color(Vec3 color, std::uint64_t index) {
     if (index == 0) color_ = color;
     const bool same = color.x == color_.x && color.y == color_.y && color.z == color_.z;
@@ -153,7 +154,7 @@ class PlyReader {
     mesh_.colors.push_back(color);
   }
 
-  /// When all are known.
+  /// Called when all colours are known.
   void scale_colors() {
     if (!colors_.needs_scale()) return;
     if (colors_.is_in_bytes()) scene_.warnings.emplace_back(kBytesRemark);
@@ -211,7 +212,7 @@ class PlyReader {
     }
   }
 
-  /// Whether faces have something of their own that is shown.
+  /// Whether faces have colours, texture coordinates or materials of their own.
   bool begin_faces(const PlyElement& element) {
     const auto has = [&](const char* name) { return element.find(name) >= 0; };
     const int red = element.find("red");
@@ -219,7 +220,8 @@ class PlyReader {
     const bool has_colors = red >= 0 && has("green") && has("blue");
     faces_have_colors_ = has_colors && !has_colors_ && shows_colors();
     if (has_colors && has_colors_)
-      scene_.warnings.emplace_back("The colours of vertices count, and not those of faces.");
+      scene_.warnings.emplace_back(
+          "The colours of vertices are used, those of faces are left out.");
     if (faces_have_colors_)
       colors_ = PlyColors(element.properties[static_cast<std::size_t>(red)].type);
     if (faces_have_uvs_ || faces_have_colors_) splitter_.begin(faces_have_uvs_, faces_have_colors_);
@@ -241,7 +243,7 @@ class PlyReader {
     }
   }
 
-  /// Gives the corners of a face vertices that have its colour and texture coordinates.
+  /// Gives the corners of a face vertices with the face's colour and texture coordinates.
   void split_corners() {
     has_face_uvs_ = !faces_have_uvs_ || (face_uvs_.size() == 2 * corners_.size());
     material_ =
@@ -282,8 +284,8 @@ class PlyReader {
     if (strip) add_strip();
   }
 
-  /// One material for all is a single entry; each triangle has its own from the first that differs
-  /// on.
+  /// A material that all triangles share is a single entry. From the first triangle that differs,
+  /// each has its own.
   void add_triangle(const std::array<std::uint32_t, 3>& corners) {
     if (mesh_.triangles.empty()) material_of_first_ = material_;
     if (mesh_.materials.empty() && material_ != material_of_first_)
@@ -329,9 +331,10 @@ class PlyReader {
   bool faces_have_uvs_ = false, faces_have_colors_ = false, has_face_uvs_ = true,
        uses_plain_ = false;
   PlyColors colors_;
-  Vec3 color_;  ///< the first vertex's
+  Vec3 color_;  ///< the first vertex's colour
   PlyTextures textures_;
-  std::uint32_t material_ = 0, material_of_first_ = 0;  ///< of the face, of the first triangle
+  /// The materials of the current face and of the first triangle.
+  std::uint32_t material_ = 0, material_of_first_ = 0;
   CornerSplitter<AnyMesh, Numbers> splitter_;
   std::array<double, kRoles> of_face_{};
   std::vector<double> face_uvs_;

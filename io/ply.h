@@ -1,4 +1,4 @@
-// Stanford PLY: ASCII, binary of either byte order.
+// Loads Stanford PLY: ASCII, and binary of either byte order.
 #pragma once
 
 #include <optional>
@@ -12,9 +12,9 @@ namespace raysheaf::io {
 
 [[nodiscard]] SceneDescription load_ply(const Bytes& file, const SceneFile& from);
 
-/// The same of a binary file, in memory that does not grow with it. Nothing of ASCII, and of a file
-/// so small that it may be held. Throws what `load_ply` throws, and `NeedsWholeFile` where a list
-/// has more corners than should be held.
+/// Reads a binary file in memory that does not grow with it. Returns nothing for ASCII and for a
+/// file small enough to be read whole. Throws what `load_ply` throws, and `NeedsWholeFile` if a
+/// list has too many corners for the memory limit.
 [[nodiscard]] std::optional<OuterScene> read_outer_ply(const std::string& path,
                                                        const PackOptions& options);
 

@@ -105,7 +105,7 @@ std::uint64_t PlyNumbers::next_count(const PlyProperty& list, const std::string&
                                      std::uint64_t index) {
   const double count = next(list.count_type, element, index);
   const std::size_t least = format_ == PlyFormat::kAscii ? 1 : size_of(list.type);
-  // In this order: what the file can hold is a number that can be converted.
+  // The order of the tests matters: a count that the file can hold is safe to convert.
   if (!(count >= 0) || count * static_cast<double>(least) > static_cast<double>(bytes_left()) ||
       count != static_cast<double>(static_cast<std::uint64_t>(count))) {
     refuse("the list \"" + printable(list.name) + "\" has a count that the file cannot hold",

@@ -1,4 +1,4 @@
-// The numbers behind a PLY header, one after the other.
+// Reads the numbers after a PLY header in sequence.
 #pragma once
 
 #include <span>
@@ -14,20 +14,20 @@ class PlyNumbers {
  public:
   PlyNumbers(std::span<const std::uint8_t> file, const PlyHeader& header)
       : bytes_(file), at_(header.bytes), format_(header.format) {}
-  /// Of a binary file that is read in windows.
+  /// For a binary file that is read in windows.
   PlyNumbers(const FileReader& file, const PlyHeader& header)
       : file_(&file), end_(header.bytes), format_(header.format) {}
 
-  /// The next number. Doubles hold every integer of PLY exactly. Throws, naming `place`, where the
-  /// file ends or an ASCII word is no number.
+  /// The next number. Doubles hold every integer of PLY exactly. Throws, naming `place`, if the
+  /// file ends or an ASCII word is not a number.
   [[nodiscard]] double next(PlyType type, const std::string& element, std::uint64_t index);
-  /// A list's count: not negative, and the file is long enough for it.
+  /// A list's count. Throws if it is negative or the file is too short for it.
   [[nodiscard]] std::uint64_t next_count(const PlyProperty& list, const std::string& element,
                                          std::uint64_t index);
   void skip(const PlyProperty& property, const std::string& element, std::uint64_t index);
 
  private:
-  /// Whether there are so many bytes at `at_`, at most 8.
+  /// Whether there are `count` bytes (at most 8) at `at_`.
   [[nodiscard]] bool has(std::size_t count);
   [[nodiscard]] std::uint64_t bytes_left() const;
   [[nodiscard]] double next_word(const std::string& element, std::uint64_t index);
@@ -38,7 +38,7 @@ class PlyNumbers {
   std::size_t at_ = 0;
   const FileReader* file_ = nullptr;
   std::vector<std::uint8_t> window_;
-  std::uint64_t end_ = 0;  ///< of the window, in the file
+  std::uint64_t end_ = 0;  ///< the window's end in the file
   PlyFormat format_;
 };
 

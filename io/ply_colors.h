@@ -1,4 +1,4 @@
-// Colours of PLY, of vertices or of faces: integers are codes of sRGB, floats are linear.
+// Colours of PLY vertices and faces: integers are sRGB codes, floats are linear.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 
 namespace raysheaf::io {
 
-/// The largest code of a colour of this type. Bytes and words are used whole; programs that write
-/// wider ones, or bytes with a sign, mean bytes.
+/// The largest code of a colour component with this type. Programs that write wider types than 16
+/// bits, or signed bytes, mean bytes.
 inline std::size_t largest_code(PlyType type) {
   if (type == PlyType::kUint16) return 65535;
   return type == PlyType::kInt16 ? 32767 : 255;
@@ -21,7 +21,7 @@ inline std::size_t largest_code(PlyType type) {
 
 class PlyColors {
  public:
-  /// `type`: of red.
+  /// `type` is the one of the property "red".
   explicit PlyColors(PlyType type = PlyType::kFloat32) {
     if (type >= PlyType::kFloat32) return;
     const std::size_t largest = largest_code(type);
@@ -31,14 +31,14 @@ class PlyColors {
     }
   }
 
-  /// Linear of integers; floats as they are written, until all are known.
+  /// The linear colour for integers; floats stay as written until all are known.
   [[nodiscard]] Vec3 color(double red, double green, double blue) {
     return {part(red), part(green), part(blue)};
   }
-  /// Whether floats go beyond 1, as bytes do, so that `scaled` changes them.
+  /// Whether floats exceed 1 as bytes do, so that `scaled` changes them.
   [[nodiscard]] bool is_in_bytes() const { return largest_ > kMostUnitColor; }
   [[nodiscard]] bool needs_scale() const { return largest_ > 1; }
-  /// The linear colour of what `color` gave.
+  /// The linear colour for a result of `color`.
   [[nodiscard]] Vec3 scaled(Vec3 color) const {
     return {scaled_part(color.x), scaled_part(color.y), scaled_part(color.z)};
   }
@@ -58,8 +58,8 @@ class PlyColors {
     return is_in_bytes() ? static_cast<float>(linear_of_srgb(x / 255)) : std::min(x, 1.0f);
   }
 
-  std::vector<float> linear_of_code_;  ///< empty where colours are floats
-  float largest_ = 0;                  ///< of the floats
+  std::vector<float> linear_of_code_;  ///< empty for float colours
+  float largest_ = 0;                  ///< the largest float
 };
 
 }  // namespace raysheaf::io

@@ -1,5 +1,4 @@
-// Corners of faces that have texture coordinates or colours of their own, in a mesh whose vertices
-// have one of each.
+// Splits vertices whose faces have texture coordinates or colours of their own.
 #pragma once
 
 #include <cstdint>
@@ -11,23 +10,25 @@
 
 namespace raysheaf::io {
 
-/// Finds, or makes, the copy of a vertex that has given texture coordinates and a given colour. The
-/// first that a vertex is asked for become its own. Only the newest few of its copies are searched,
-/// so that many of them cost no more than memory. `Numbers`: as of `VertexSplitter`.
+/// Finds or makes the copy of a vertex that has given texture coordinates and a given colour. The
+/// first ones requested for a vertex are stored in the vertex itself. Only the newest few copies
+/// are searched, so that many copies cost memory but not time. `Numbers` is as for
+/// `VertexSplitter`.
 template <class AnyMesh, class Numbers>
 class CornerSplitter {
  public:
-  /// What faces have of their own; null where they have none.
+  /// The values that a face's corner has; null if the faces do not have them.
   struct Own {
     const Vec2* uv = nullptr;
     const Vec3* color = nullptr;
   };
 
-  /// Both empty; they stay with the caller.
+  /// The arrays must be empty and belong to the caller.
   CornerSplitter(AnyMesh& mesh, Numbers& newest, Numbers& previous)
       : mesh_(mesh), newest_(newest), previous_(previous) {}
 
-  /// After the vertices, before the first face; for each of the two that faces have.
+  /// Call it after reading the vertices and before the first face. The flags say which of the two
+  /// values faces have.
   void begin(bool has_uvs, bool has_colors) {
     const auto count = mesh_.positions.size();
     newest_.resize(count, kInvalidId);
@@ -36,7 +37,7 @@ class CornerSplitter {
     if (has_colors) mesh_.colors.resize(count, Vec3{});
   }
 
-  /// `copied` is called with the number of a vertex that gets a copy behind the last one.
+  /// Calls `copied` with the index of a vertex before appending its copy.
   template <class Copied>
   std::uint32_t vertex_with(std::uint32_t vertex, const Own& own, const Copied& copied) {
     if (newest_[vertex] == kInvalidId) {

@@ -27,7 +27,7 @@ PlyType type_named(std::string_view name, const std::string& place) {
               "\"" + printable(std::string(name)) + "\" is not a type of PLY", place);
 }
 
-/// Blender's exporter wrote "Created by ..." without "comment" before it (2.47).
+/// Blender's exporter (2.47) wrote "Created by ..." without "comment" before it.
 bool is_remark(std::string_view word) {
   return word == "comment" || word == "obj_info" || word == "Created";
 }
@@ -80,8 +80,8 @@ class HeaderReader {
     throw Error(ErrorCode::kInvalidData, sentence, place());
   }
 
-  /// Rhinoceros ends lines as old Macintoshes did. What follows the header may be any byte, so that
-  /// the first line tells how all of them end.
+  /// Rhinoceros ends lines with "\r", as old Macintoshes did. The body may contain any byte, so the
+  /// end of the first line determines the end of all header lines.
   void find_line_end() {
     const std::size_t end = std::min(text_.find_first_of("\r\n"), text_.size());
     if (text_.substr(end, 1) == "\r" && text_.substr(end, 2) != "\r\n") line_end_ = '\r';

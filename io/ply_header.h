@@ -1,4 +1,4 @@
-// The head of a PLY file: what elements there are and what each is made of.
+// The header of a PLY file: its elements and their properties.
 #pragma once
 
 #include <cstdint>
@@ -24,31 +24,31 @@ struct PlyElement {
   std::uint64_t count = 0;
   std::vector<PlyProperty> properties;
 
-  /// Position among the properties, or -1.
+  /// The index of the property, or -1.
   [[nodiscard]] int find(std::string_view property) const;
 };
 
 struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
   std::vector<PlyElement> elements;
-  std::vector<std::string> textures;  ///< what "comment TextureFile" lines name
+  std::vector<std::string> textures;  ///< the names on "comment TextureFile" lines
   std::size_t bytes = 0;              ///< where the body begins
 
   /// The first element of this name, or null.
   [[nodiscard]] const PlyElement* find(std::string_view element) const;
 };
 
-/// Refuses files that hold points and no faces, before these are read. Throws `Error`.
+/// Throws `Error` for a file with points but no faces, before the points are read.
 void check_faces(const PlyHeader& header);
 
 [[nodiscard]] std::size_t size_of(PlyType type);
 
-/// A header has no more bytes.
+/// The largest size of a header.
 inline constexpr std::size_t kMaxPlyHeaderBytes = std::size_t{1} << 20;
 
-/// `file`: the first bytes of one that has `file_bytes`, at least `kMaxPlyHeaderBytes` and one
-/// where there are so many. Throws `Error` that names the line. A count that the rest of the file
-/// cannot hold is refused here, before anything is made from it.
+/// `file` holds the first bytes of a file of `file_bytes`: all of them, or at least
+/// `kMaxPlyHeaderBytes` + 1. Throws `Error` that names the line. Refuses counts that the rest of
+/// the file cannot hold, before anything is allocated for them.
 [[nodiscard]] PlyHeader read_ply_header(std::span<const std::uint8_t> file,
                                         std::uint64_t file_bytes);
 

@@ -1,4 +1,4 @@
-// What a PLY file shows beside its shape: roles of properties, textures and materials.
+// The appearance of a PLY file: the meaning of properties, textures and materials.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace raysheaf::io {
 
-/// What a property of a vertex or a face is.
+/// The meaning of a property of a vertex or face.
 enum PlyRole {
   kX,
   kY,
@@ -30,7 +30,7 @@ enum PlyRole {
   kRoles
 };
 
-/// -1 of others, and of lists.
+/// -1 for other properties and for lists.
 inline int role_of(const PlyProperty& property) {
   constexpr std::pair<std::string_view, PlyRole> kNames[] = {{"x", kX},
                                                              {"y", kY},
@@ -62,10 +62,11 @@ inline int role_of(const PlyProperty& property) {
   return -1;
 }
 
-/// The textures that a header names, and a material for each of them.
+/// The textures that a header names, with a material for each.
 class PlyTextures {
  public:
-  /// Reads the images, into `scene`. None where neither vertices nor faces have coordinates.
+  /// Reads the images into `scene`. Reads none if neither vertices nor faces have texture
+  /// coordinates.
   void read(const PlyHeader& header, const SceneFile& from, SceneDescription& scene) {
     if (header.textures.empty() || !has_coordinates(header)) return;
     TextureFiles files(from, scene);
@@ -79,18 +80,17 @@ class PlyTextures {
     for (const std::uint32_t texture : added)
       if (any) textures_.push_back(found(texture));
   }
-  /// Whether there is an image.
   [[nodiscard]] bool any() const { return !textures_.empty(); }
-  /// Index of the material of a face whose texnumber is `number`.
+  /// Index of the material for a face with the texnumber `number`.
   [[nodiscard]] std::uint32_t material_of(double number) const {
     const bool is_there = number >= 0 && number < static_cast<double>(textures_.size());
     return is_there ? static_cast<std::uint32_t>(number) : plain_material();
   }
-  /// Index of the material of faces that show no texture.
+  /// Index of the material for faces without a texture.
   [[nodiscard]] std::uint32_t plain_material() const {
     return static_cast<std::uint32_t>(textures_.size());
   }
-  /// Their materials, and the plain one where it is used.
+  /// Adds a material for each texture, and the plain one if it is used.
   void add_materials(Vec3 plain_color, bool uses_plain, SceneDescription& scene) const {
     Material plain;
     plain.name = "default";
@@ -118,7 +118,7 @@ class PlyTextures {
     return has(kU) && has(kV);
   }
 
-  std::vector<std::uint32_t> textures_;  ///< `kInvalidId` where the image cannot be had
+  std::vector<std::uint32_t> textures_;  ///< `kInvalidId` if the image could not be decoded
 };
 
 }  // namespace raysheaf::io

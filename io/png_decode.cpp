@@ -14,7 +14,7 @@ namespace raysheaf::io {
 namespace {
 
 constexpr std::array<std::uint8_t, 8> kPngSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-/// The first chunk: length, kind, width, height.
+/// The first chunk: length, type, width, height.
 constexpr std::array<std::uint8_t, 8> kPngHead = {0, 0, 0, 13, 'I', 'H', 'D', 'R'};
 constexpr std::size_t kWidthAt = 16, kHeightAt = 20, kPngHeadBytes = 33;
 
@@ -23,7 +23,7 @@ std::uint32_t big_endian(std::span<const std::uint8_t> bytes, std::size_t at) {
          std::uint32_t{bytes[at + 2]} << 8 | bytes[at + 3];
 }
 
-/// What libpng's callbacks see.
+/// The state that libpng's callbacks use.
 struct PngSource {
   std::span<const std::uint8_t> rest;
   bool out_of_memory = false;
@@ -56,8 +56,8 @@ void png_bytes(png_structp png, png_bytep out, std::size_t count) {
 bool read_png_rows(png_structp png, png_infop info, ImageSize size, png_bytepp rows) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;  // NOLINT(cert-err52-cpp): its only way
   png_set_user_limits(png, size.width, size.height);
-  // Of what is no pixel, only palettes and transparent colours count: profiles and texts, which may
-  // be compressed, are passed over.
+  // In addition to pixels, only palettes and transparent colours are read. Profiles and texts,
+  // which may be compressed, are skipped.
   png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
   png_read_info(png, info);
   png_set_expand(png);

@@ -1,4 +1,4 @@
-// PNG by libpng: its colours as they are stored, without a look at gamma or profiles.
+// PNG by libpng. Colours are read as stored; gamma and profiles are ignored.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@ namespace raysheaf::io {
 
 [[nodiscard]] bool is_png(std::span<const std::uint8_t> encoded);
 
-/// What its head says, or nothing where it has none.
+/// The size in the header; nothing without a valid header.
 [[nodiscard]] std::optional<ImageSize> png_size(std::span<const std::uint8_t> encoded);
 
-/// RGBA of 8 bits (16 are rounded), or nothing where it is damaged. Throws `std::bad_alloc`.
-/// `size` is what `png_size` says, and accepted.
+/// RGBA with 8 bits per channel (16 bits are rounded), or nothing if the file is damaged. Throws
+/// `std::bad_alloc`. `size` is what `png_size` returned.
 [[nodiscard]] std::optional<Image> decode_png(std::span<const std::uint8_t> encoded,
                                               ImageSize size);
 

@@ -15,13 +15,13 @@ struct Point {
   bool operator==(const Point&) const = default;
 };
 
-/// Twice the signed area of a, b, c; positive where they turn to the left.
+/// Twice the signed area of a, b, c; positive if they turn left.
 double turn(Point a, Point b, Point c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// The polygon seen against its normal (Newell's: the sum over the edges), so that it goes round to
-/// the left; empty where it has no area.
+/// Projects the polygon onto the plane of its normal (by Newell's method: a sum over the edges) so
+/// that it turns left; empty if it has no area.
 std::vector<Point> flatten(const std::vector<Vec3>& points) {
   const Double3 origin = widen(points[0]);
   Double3 normal;
@@ -56,9 +56,9 @@ Triangles fan(std::size_t corners) {
   return result;
 }
 
-/// Cuts ears (Meisters 1975): corners whose triangle holds nothing else of the polygon. It may
-/// touch itself, as one does whose holes hang on its border by edges there and back. Where there is
-/// no ear, it crosses itself: then any corner.
+/// Ear clipping (Meisters 1975): cuts off corners whose triangle contains no other part of the
+/// polygon. The polygon may touch itself, as with holes that are connected to the border by a pair
+/// of coincident edges. If there is no ear, the polygon crosses itself, and any corner is cut.
 class EarClipper {
  public:
   explicit EarClipper(const std::vector<Point>& points)
@@ -86,7 +86,7 @@ class EarClipper {
       result.push_back({before, at, after});
       next_[before] = after;
       previous_[after] = before;
-      next_[at] = kInvalidId;  // gone
+      next_[at] = kInvalidId;  // removed
       at = after;
     }
     result.push_back({previous_[at], at, next_[at]});
@@ -94,15 +94,15 @@ class EarClipper {
   }
 
  private:
-  /// Corners that are looked at for each of the polygon, on average. It takes radii of noise or
-  /// teeth by the thousand to need half as many.
+  /// The limit of tests per corner, on average. Even noisy radii or thousands of teeth need less
+  /// than half of it.
   static constexpr std::size_t kWorkPerCorner = 4096;
 
   [[nodiscard]] double turn_at(std::uint32_t i) const {
     return turn(points_[previous_[i]], points_[i], points_[next_[i]]);
   }
 
-  /// The first ear from `at` on; else what loses least.
+  /// The first ear from `at` on; without an ear, a flat corner, then any that turns left.
   std::uint32_t corner_to_cut(std::uint32_t at, std::size_t left) {
     std::uint32_t flat = kInvalidId, left_turn = kInvalidId;
     for (std::uint32_t i = at; left > 0 && work_left_ > 0; i = next_[i], --left) {
@@ -115,8 +115,8 @@ class EarClipper {
     return flat != kInvalidId ? flat : left_turn != kInvalidId ? left_turn : at;
   }
 
-  /// Whether nothing of the polygon reaches into the triangle of a corner that turns to the left.
-  /// If anything does, so does a corner that turns to the right.
+  /// Whether no part of the polygon reaches into the triangle of a corner that turns left. If any
+  /// part does, so does a corner that does not turn left: only those are tested.
   bool is_ear(std::uint32_t i) {
     const Point a = points_[previous_[i]], b = points_[i], c = points_[next_[i]];
     const double least_x = std::min({a.x, b.x, c.x}), greatest_x = std::max({a.x, b.x, c.x});
@@ -133,8 +133,8 @@ class EarClipper {
     return true;
   }
 
-  /// Whether the corner lies in the triangle or on its border; at one of its corners, whether an
-  /// edge goes inside from there.
+  /// Whether corner q lies in the triangle or on its border. If it coincides with one of the
+  /// triangle's corners: whether an edge leads inside from it.
   [[nodiscard]] bool reaches_into(std::uint32_t q, Point a, Point b, Point c) const {
     const Point p = points_[q];
     if (p == a || p == b || p == c)
@@ -143,13 +143,14 @@ class EarClipper {
     return turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
   }
 
-  /// Whether `to`, seen from `corner` of the triangle, lies between its other two.
+  /// Whether `to`, seen from `corner` of the triangle, lies between its other two corners.
   [[nodiscard]] static bool lies_towards(Point to, Point corner, Point a, Point b, Point c) {
     const bool of_ab = turn(a, b, to) > 0, of_bc = turn(b, c, to) > 0, of_ca = turn(c, a, to) > 0;
     return corner == a ? of_ca && of_ab : corner == b ? of_ab && of_bc : of_bc && of_ca;
   }
 
-  /// Corners that were cut, or turn to the left by now; so often that it costs next to nothing.
+  /// Removes corners that were cut or turn left by now. Runs rarely enough that its cost is
+  /// negligible.
   void forget_those_gone() {
     if (++tests_since_ < blunt_.size()) return;
     std::erase_if(blunt_,
@@ -161,7 +162,7 @@ class EarClipper {
 
   const std::vector<Point>& points_;
   std::vector<std::uint32_t> next_, previous_;
-  std::vector<std::uint32_t> blunt_;  ///< corners that did not turn to the left, by x
+  std::vector<std::uint32_t> blunt_;  ///< corners that did not turn left, sorted by x
   std::size_t tests_since_ = 0, work_left_;
 };
 

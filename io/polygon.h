@@ -1,4 +1,4 @@
-// Polygons into triangles.
+// Triangulates polygons.
 #pragma once
 
 #include <array>
@@ -9,12 +9,12 @@
 
 namespace raysheaf::io {
 
-/// Cuts the polygon whose corners stand at `points` into `points.size() - 2` triangles of corner
-/// numbers, in the winding of the polygon: a fan from the first corner where the polygon is convex
-/// or has no plane, ears where it is concave. It may touch itself, as where holes hang on its
-/// border by an edge there and back. Nothing below three corners. Time is O(n log n) for polygons
-/// as files have them and bounded by O(n) steps of 4096 for all; those that need more, or cross
-/// themselves, are cut anyhow.
+/// Cuts the polygon with corners at `points` into `points.size() - 2` triangles of corner indices
+/// with the polygon's winding: a fan from the first corner if the polygon is convex or has no
+/// plane, ear clipping if it is concave. It may touch itself, as with holes that are connected to
+/// the border by a pair of coincident edges. Fewer than three corners give no triangles. The time
+/// is O(n log n) for polygons as they occur in files, and bounded by 4096 tests per corner for all.
+/// Polygons that need more, or cross themselves, are still cut, into triangles that may overlap.
 [[nodiscard]] std::vector<std::array<std::uint32_t, 3>> triangulate(
     const std::vector<Vec3>& points);
 

@@ -50,7 +50,7 @@ class Reader {
   void read_header() {
     const std::string_view magic = line();
     if (magic != "#?RADIANCE" && magic != "#?RGBE")
-      refuse("is no Radiance picture: it does not begin with #?RADIANCE");
+      refuse("is not a Radiance image: it does not begin with #?RADIANCE");
     for (std::string_view field = line(); !field.empty(); field = line()) {
       if (field.starts_with("FORMAT=") && field != "FORMAT=32-bit_rle_rgbe")
         refuse("the format " + std::string(field.substr(7)) + " is not 32-bit_rle_rgbe",
@@ -59,13 +59,13 @@ class Reader {
     }
   }
 
-  /// What all pixels were multiplied with; several count together.
+  /// The factor that all pixels were multiplied with; several factors multiply.
   void read_exposure(std::string_view text) {
     text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
     double factor = 0;
     const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), factor);
     if (error != std::errc{} || !(factor > 0 && std::isfinite(factor)))
-      refuse("the EXPOSURE is no number above 0");
+      refuse("EXPOSURE is not a number above 0");
     exposure_ *= factor;
   }
 
@@ -90,12 +90,13 @@ class Reader {
     map_.height = *height;
   }
 
-  /// Two bytes make a run of 127 of one channel: eight make 127 pixels, the old way four make 255
-  /// and up. What is shorter than a 16384th could only be cut off, or meant to fill the memory.
+  /// Two bytes encode a run of up to 127 in one channel, so eight bytes encode 127 pixels; in the
+  /// old encoding, four bytes repeat 255 or more. A file with fewer than one byte per 16384 pixels
+  /// is truncated or malicious.
   void check_length() const {
     const std::uint64_t pixels = std::uint64_t{map_.width} * map_.height;
     if (pixels > kMaxImagePixels)
-      refuse("the picture has more than 2^26 pixels", ErrorCode::kOutOfMemory);
+      refuse("the image has more than 2^26 pixels", ErrorCode::kOutOfMemory);
     if (pixels / 16384 > rest_.size()) refuse("the file is too short for its size");
   }
 
@@ -121,7 +122,8 @@ class Reader {
     }
   }
 
-  /// Above 128: that many less 128 times the next byte; else so many bytes as they are.
+  /// A code above 128 repeats the next byte code - 128 times; otherwise so many literal bytes
+  /// follow.
   void read_runs(std::vector<Rgbe>& row, std::size_t channel) {
     for (std::size_t x = 0; x < row.size();) {
       const std::uint8_t code = byte();
@@ -133,8 +135,8 @@ class Reader {
     }
   }
 
-  /// Pixels one by one; (1, 1, 1, n) repeats the last n times, and 256 times that where another
-  /// such follows.
+  /// Pixels one by one. (1, 1, 1, n) repeats the last pixel n times; directly after another such
+  /// code, 256 n times.
   void read_old_row(std::vector<Rgbe>& row) {
     std::uint32_t shift = 0;
     for (std::size_t x = 0; x < row.size();) {

@@ -1,4 +1,4 @@
-// Radiance's picture format (.hdr): red, green and blue with an exponent that they share.
+// Radiance's image format (.hdr): red, green and blue with a shared exponent.
 #pragma once
 
 #include <span>
@@ -8,10 +8,10 @@
 
 namespace raysheaf::io {
 
-/// The picture in `file` as an environment's map. G. Ward, "Real Pixels", Graphics Gems II, 1991;
-/// runs as in Radiance's color.c, both old and new. stb_image reads the format too, but takes what
-/// is cut off for black. Throws `Error` (kInvalidData, kUnsupported, kOutOfMemory) whose place is
-/// `path`, with what is wrong and where.
+/// Decodes the image in `file` as an environment map. G. Ward, "Real Pixels", Graphics Gems II,
+/// 1991; run-length encoding as in Radiance's color.c, both old and new. stb_image reads the format
+/// too, but silently fills truncated images with black. Throws `Error` (kInvalidData, kUnsupported,
+/// kOutOfMemory) whose place is `path`; the message says what is wrong and where.
 [[nodiscard]] Environment decode_radiance_hdr(std::span<const std::uint8_t> file,
                                               const std::string& path);
 

@@ -1,4 +1,4 @@
-// Whatever is wrong with a file ends here.
+// Throws and completes the errors of loaders.
 #pragma once
 
 #include <cstddef>
@@ -9,20 +9,21 @@
 
 namespace raysheaf::io {
 
-/// Throws `Error`. The place is added by a caller who knows it better, where it is left out.
+/// Throws `Error`. If `place` is empty, a caller that knows the place adds it.
 [[noreturn]] inline void refuse(const std::string& sentence, const std::string& place = {},
                                 ErrorCode code = ErrorCode::kInvalidData) {
   throw Error(code, sentence, place);
 }
 
-/// What `work` gives. A lack of memory becomes an `Error` whose place is the file's name.
+/// Returns the result of `work`. Running out of memory becomes an `Error` whose place is the file's
+/// name.
 template <class Work>
 auto within_memory(const std::string& path, const Work& work) {
   return raysheaf::within_memory("there is not enough memory for it", path, work);
 }
 
-/// What `load` gives. Puts the file's name before what went wrong. The message is UTF-8, whatever
-/// the file and its name hold.
+/// Returns the result of `load`. Adds the file's name to the place of its errors. The message is
+/// valid UTF-8, whatever the file and its name contain.
 template <class Load>
 auto naming(const std::string& path, const Load& load) {
   try {
@@ -39,7 +40,7 @@ auto naming(const std::string& path, const Load& load) {
   }
 }
 
-/// `nodes[3]`.
+/// For example `nodes[3]`.
 [[nodiscard]] inline std::string element(const std::string& list, std::size_t i) {
   return list + "[" + std::to_string(i) + "]";
 }

@@ -1,4 +1,4 @@
-// Sequences of files: each frame beside what stands still.
+// Animates sequences of files: each frame next to a static part.
 #include "io/sequence.h"
 
 #include <algorithm>
@@ -33,7 +33,7 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
 bool same(const Affine& a, const Affine& b) {
   return std::memcmp(&a, &b, sizeof a) == 0;
 }
-/// Whether positions and normals are all that may differ.
+/// Whether the meshes differ at most in positions and normals.
 bool same_but_for_shape(const Mesh& a, const Mesh& b) {
   return a.positions.size() == b.positions.size() && a.normals.size() == b.normals.size() &&
          same_bytes(a.triangles, b.triangles) && same_bytes(a.materials, b.materials) &&
@@ -41,7 +41,7 @@ bool same_but_for_shape(const Mesh& a, const Mesh& b) {
          same_bytes(a.colors, b.colors) && same_bytes(a.alphas, b.alphas);
 }
 
-/// The part of a list from `first` on, replaced; whether that made a difference.
+/// Replaces the part of a list from `first` on. Returns whether anything changed.
 template <class T, class Same>
 bool replace_tail(std::vector<T>& list, std::size_t first, const std::vector<T>& tail,
                   const Same& same) {
@@ -52,7 +52,7 @@ bool replace_tail(std::vector<T>& list, std::size_t first, const std::vector<T>&
   return true;
 }
 
-/// The `*count` entries from `first` on, replaced: what was added behind them stays.
+/// Replaces the `*count` entries from `first` on and keeps the entries after them.
 template <class T>
 void replace_part(std::vector<T>& list, std::size_t first, std::size_t* count,
                   const std::vector<T>& part) {
@@ -91,7 +91,7 @@ bool same_image(const Image& a, const Image& b) {
   return a.name == b.name && a.width == b.width && same_bytes(a.rgba, b.rgba);
 }
 
-/// What frames look like, apart from their shapes.
+/// The appearance of a frame, without its shapes.
 struct Look {
   std::vector<Material> materials;
   std::vector<Texture> textures;
@@ -111,31 +111,31 @@ struct Look {
   }
 };
 
-/// What changes where a file does.
+/// Changes whenever the file changes.
 struct FileStamp {
   fs::file_time_type written;
   std::uintmax_t bytes = 0;
   bool operator==(const FileStamp&) const = default;
 };
 FileStamp stamp_of(const std::string& path) {
-  std::error_code failed;  // then it is no file, and says so when it is read
+  std::error_code failed;  // not a file: reading it reports the error
   return {fs::last_write_time(path, failed), fs::file_size(path, failed)};
 }
 
-/// What of a scene comes before the frame's own.
+/// How many of each the static part of the scene has.
 struct Counts {
   std::size_t meshes = 0, instances = 0, materials = 0, textures = 0, images = 0, lights = 0,
               cameras = 0;
 };
 
-/// Numbers of a frame's things, as they are behind those that stand still.
+/// Shifts the indices of a frame behind those of the static part.
 void shift(SceneDescription& frame, const Counts& still) {
   const auto add = [](std::uint32_t& index, std::size_t by) {
     if (index != kInvalidId) index += static_cast<std::uint32_t>(by);
   };
   for (Instance& instance : frame.instances) add(instance.mesh, still.meshes);
   for (Mesh& mesh : frame.meshes) {
-    // A single entry says for all; none says that there is no material.
+    // A mesh without entries has no material, and stays without.
     for (std::uint32_t& material : mesh.materials) add(material, still.materials);
   }
   for (Material& material : frame.materials) {
@@ -188,9 +188,9 @@ class SequenceAnimation final : public Animation {
     const auto index =
         static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - files_.times.begin() - 1, 0));
     if (index == shown_ && is_told_) return {};
-    // Where it fails, the next one tells of everything.
+    // If this call fails, the next one reports all changes.
     const bool was_told = std::exchange(is_told_, false);
-    if (!was_told) look_ = kNone;  // it may have a part of another
+    if (!was_told) look_ = kNone;  // the scene may have parts of another look
     SceneChanges changes =
         within_memory("there is not enough memory", "animation", [&] { return show(index); });
     changes.everything = changes.everything || !was_told;
@@ -211,7 +211,7 @@ class SequenceAnimation final : public Animation {
       throw Error(ErrorCode::kInvalidArgument, "there are no frames", "frames");
     per_frame("times", files_.times.size());
     per_frame("cameras", files_.cameras.size());
-    // Now, and not after an hour of pictures.
+    // Checked here, rather than after an hour of rendering.
     for (std::size_t i = 0; i < files_.frames.size(); ++i) {
       if (io::file_exists(files_.frames[i])) continue;
       throw Error(ErrorCode::kNotFound, "no such file \"" + io::printable(files_.frames[i]) + "\"",
@@ -225,14 +225,14 @@ class SequenceAnimation final : public Animation {
     }
   }
 
-  /// The frame's own part, with its numbers as they are behind what stands still.
+  /// The frame's own part, with indices shifted behind those of the static part.
   SceneDescription load(std::size_t index) {
     SceneDescription frame = io::load_part(files_.frames[index], options_, &images_);
     shift(frame, still_);
     return frame;
   }
 
-  /// Frames that look like one before share its look: pictures are large.
+  /// Frames with equal appearance share it, because images are large.
   void preload() {
     for (std::size_t i = 0; i < files_.frames.size(); ++i) {
       kept_.push_back(load(i));
@@ -245,7 +245,7 @@ class SequenceAnimation final : public Animation {
 
   SceneDescription read(std::size_t index) {
     if (ahead_.valid()) {
-      ahead_.wait();  // they share images
+      ahead_.wait();  // `ahead_` uses the same image cache
       if (ahead_index_ == index && ahead_stamp_ == stamp_of(files_.frames[index]))
         return ahead_.get();
       ahead_ = {};
@@ -253,8 +253,8 @@ class SequenceAnimation final : public Animation {
     return load(index);
   }
 
-  /// Begins to read the frame that comes after `index` where steps go on as the last one did: it
-  /// is there when it is wanted, unless its file is another one then.
+  /// Starts to read the next frame, assuming that steps go on as the last one did. It is used when
+  /// requested, unless the file has changed.
   void read_ahead(std::size_t index) {
     const std::size_t next = shown_ == kNone ? index + 1 : index + (index - shown_);
     if (next >= files_.frames.size() || !kept_.empty()) return;
@@ -263,7 +263,7 @@ class SequenceAnimation final : public Animation {
     try {
       ahead_ = std::async(std::launch::async, [this, next] { return load(next); });
     } catch (const std::system_error&) {
-      // Without a thread it is read when it is shown.
+      // Without a thread, the frame is read when it is shown.
     }
   }
 
@@ -273,7 +273,7 @@ class SequenceAnimation final : public Animation {
     return show(index, frame);
   }
 
-  /// Whether anything looks otherwise than before.
+  /// Returns whether anything changes its appearance.
   bool take_look(const Look& look) {
     return static_cast<bool>(
         replace_tail(scene_.materials, still_.materials, look.materials, same_material) |
@@ -286,7 +286,7 @@ class SequenceAnimation final : public Animation {
     return before != look_ && take_look(looks_[look_]);
   }
 
-  /// Takes what it needs of the frame: all that is not kept.
+  /// Moves data out of the frame, unless it was preloaded.
   SceneChanges show(std::size_t index, SceneDescription& frame) {
     SceneChanges changes = take_meshes(frame);
     if (take_look(index, frame)) {
@@ -312,14 +312,14 @@ class SequenceAnimation final : public Animation {
     return changes;
   }
 
-  /// What a frame has: its own, or a copy where it is kept.
+  /// Moves a part of a frame, or copies it if the frames are preloaded.
   template <class T>
   [[nodiscard]] T taken(T& from) const {
     return kept_.empty() ? std::move(from) : T(from);
   }
 
-  /// Meshes that differ from the frame before in nothing but their shape are deformed; from the
-  /// first other one on they are others.
+  /// Meshes that differ from the previous frame only in positions and normals are reported as
+  /// deformed. From the first mesh that differs otherwise, all are reported as replaced.
   SceneChanges take_meshes(SceneDescription& frame) {
     SceneChanges changes;
     const std::size_t before = scene_.meshes.size() - still_.meshes;
@@ -368,17 +368,19 @@ class SequenceAnimation final : public Animation {
   SceneDescription scene_;
   Counts still_;
   std::size_t shown_ = kNone;
-  bool is_told_ = true;                               ///< what the last `seek` has changed
-  std::size_t frame_lights_ = 0, frame_cameras_ = 0;  ///< that the frame brought
+  /// Whether the changes of the last `seek` were returned.
+  bool is_told_ = true;
+  std::size_t frame_lights_ = 0, frame_cameras_ = 0;  ///< how many the frame added
   std::vector<std::string> names_{"sequence"};
-  // Where frames were preloaded: all of them, without their looks, and which each has.
+  // If frames are preloaded: all of them without their appearance, and the index of each one's.
   std::vector<SceneDescription> kept_;
   std::vector<Look> looks_;
   std::vector<std::size_t> look_of_;
-  std::size_t look_ = kNone;  ///< that is shown
+  std::size_t look_ = kNone;  ///< index of the one that is shown
   std::size_t ahead_index_ = kNone;
   FileStamp ahead_stamp_;
-  std::future<SceneDescription> ahead_;  ///< the last one: it ends before what it uses goes
+  /// Declared last: its task ends before the members that it uses are destroyed.
+  std::future<SceneDescription> ahead_;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Sequences of files: what the JSON that describes one says.
+// Reads the JSON that describes a sequence of files.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace raysheaf::io {
 
-/// docs/animation.md lists the fields. Names of files are relative to that of the JSON, and stay in
+/// docs/animation.md lists the fields. File names are relative to the JSON file, and must stay in
 /// its folder unless external files are allowed. Throws `Error` whose place is the field.
 [[nodiscard]] SequenceFiles read_sequence_json(const Bytes& file, const SceneFile& from);
 

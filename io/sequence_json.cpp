@@ -1,4 +1,4 @@
-// Sequences of files, described by JSON.
+// Reads the JSON that describes a sequence of files.
 #include <numbers>
 
 #include "io/json_text.h"
@@ -21,7 +21,7 @@ std::string text_of(const JsonValue& value, const std::string& place) {
   return value.get<std::string>();
 }
 
-/// What cameras have in common where they do not say it themselves.
+/// Defaults for cameras that do not set these values themselves.
 struct Lens {
   double y_fov_degrees = 60, z_near = 0.01;
 };
@@ -47,7 +47,8 @@ Camera read_camera(const JsonValue& value, const Lens& usual, const std::string&
   const bool has_target = value.contains("target");
   const Double3 ahead = has_target ? vector("target") - eye : vector("direction");
   if (!(length(ahead) > 0))
-    refuse("the camera looks nowhere", place + (has_target ? ".target" : ".direction"));
+    refuse("gives the camera no viewing direction",
+           place + (has_target ? ".target" : ".direction"));
   const Double3 z = normalized(ahead * -1, {0, 0, 1});
   const Double3 up = value.contains("up") ? vector("up") : Double3{0, 1, 0};
   const Double3 side = cross(up, z);

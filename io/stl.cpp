@@ -30,7 +30,7 @@ float read_float(const std::uint8_t* p) {
   return value;
 }
 
-/// `place()` is where it stands, in words.
+/// `place()` describes the vertex for error messages.
 template <class AnyMesh, class Place>
 void add_vertex(AnyMesh& mesh, Vec3 p, const Place& place) {
   if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
@@ -44,7 +44,7 @@ void add_triangle(AnyMesh& mesh) {
   mesh.triangles.push_back({end - 3, end - 2, end - 1});
 }
 
-/// Some programs begin ASCII files with it, as text in UTF-8 may.
+/// The UTF-8 byte order mark, with which some programs begin ASCII files.
 constexpr std::string_view kMark = "\xef\xbb\xbf";
 
 bool begins_with_mark(std::span<const std::uint8_t> file) {
@@ -61,19 +61,19 @@ bool begins_with_solid(std::span<const std::uint8_t> file) {
   return true;
 }
 
-/// The length of a binary file follows from its count.
+/// Whether the file's length matches its triangle count as in binary files.
 bool has_binary_length(const Bytes& file) {
   return file.size() >= kHeadBytes &&
          file.size() == kHeadBytes + kTriangleBytes * std::uint64_t{read_u32(file.data() + 80)};
 }
-/// Binary files may begin with "solid" too. Where the length does not tell, text is what has no
-/// zero byte.
+/// Binary files may also begin with "solid". If the length does not decide, a file without zero
+/// bytes is text.
 bool is_ascii(const Bytes& file) {
   if (!begins_with_solid(file) || has_binary_length(file)) return false;
   return std::find(file.begin(), file.end(), std::uint8_t{0}) == file.end();
 }
 
-/// A record of a binary file, the triangle `number`.
+/// Reads triangle `number` from its record in a binary file.
 template <class AnyMesh>
 void read_record(const std::uint8_t* record, std::uint64_t number, AnyMesh& mesh,
                  StlPainter<AnyMesh>& painter) {
@@ -106,7 +106,7 @@ Mesh read_binary(const Bytes& file, Vec3* base_color) {
   return mesh;
 }
 
-/// Words of an ASCII STL; a solid's name is the rest of its line.
+/// Reads the words of an ASCII STL. A solid's name is the rest of its line.
 class AsciiReader {
  public:
   explicit AsciiReader(const Bytes& file)
@@ -116,7 +116,8 @@ class AsciiReader {
   std::vector<Mesh> read() {
     std::vector<Mesh> meshes;
     for (std::string word = next_keyword(); !word.empty(); word = next_keyword()) {
-      if (word != "solid") refuse("\"" + printable(word) + "\" where a solid begins", place());
+      if (word != "solid")
+        refuse("\"" + printable(word) + "\" where a solid should begin", place());
       meshes.push_back(read_solid());
     }
     return meshes;
@@ -134,7 +135,7 @@ class AsciiReader {
       if (word == "endsolid") break;
       if (word != "facet") {
         refuse(word.empty() ? "the file is truncated: the solid has no end"
-                            : "\"" + printable(word) + "\" where a facet begins",
+                            : "\"" + printable(word) + "\" where a facet should begin",
                place());
       }
       read_facet(mesh);
@@ -145,7 +146,7 @@ class AsciiReader {
 
   void read_facet(Mesh& mesh) {
     expect("normal");
-    // Three words that nobody needs; some programs write "nan" here.
+    // Skips the normal's three words, where some programs write "nan".
     for (int i = 0; i < 3; ++i) next_word();
     expect("outer"), expect("loop");
     for (int i = 0; i < 3; ++i) {
@@ -157,8 +158,8 @@ class AsciiReader {
     add_triangle(mesh);
   }
 
-  /// The next word that may be one of the format's. Some programs write "end loop", "end facet" and
-  /// "end solid", and ANSA lines of "color" with three numbers anywhere.
+  /// The next keyword. Some programs write "end loop", "end facet" and "end solid"; ANSA writes
+  /// lines of "color" with three numbers anywhere.
   std::string next_keyword() {
     for (;;) {
       std::string word = next_word();
@@ -183,7 +184,7 @@ class AsciiReader {
     const char* last = word.data() + word.size();
     float value = 0;
     const auto [stop, error] = std::from_chars(first, last, value);
-    // Too small a number is zero; too large a one is refused as not finite.
+    // Numbers that underflow become zero; those that overflow are refused as not finite.
     if (error == std::errc::result_out_of_range) {
       value = static_cast<float>(std::strtod(word.c_str(), nullptr));
     } else if (error != std::errc{} || stop != last) {
@@ -220,7 +221,7 @@ class AsciiReader {
   bool had_colors_ = false;
 };
 
-/// What is told of an STL beside its triangles.
+/// Names the scene's mesh and adds its material.
 void name_and_paint(SceneDescription& scene, Vec3 color) {
   Material material;
   material.name = "default";

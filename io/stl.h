@@ -1,4 +1,4 @@
-// STL: ASCII and binary.
+// Loads STL: ASCII and binary.
 #pragma once
 
 #include <optional>
@@ -10,15 +10,15 @@
 
 namespace raysheaf::io {
 
-/// Every triangle has its own vertices and no vertex normals: it stays flat.
+/// Triangles are flat: each has its own vertices, without normals.
 [[nodiscard]] SceneDescription load_stl(const Bytes& file, const SceneFile& from);
 
-/// Whether it begins as ASCII does, is as long as a binary file's count demands, or begins with
-/// zeros, as the heads of binary files may.
+/// Whether the file begins as ASCII files do, has the length that its count as a binary file
+/// demands, or begins with zeros, as the headers of many binary files do.
 [[nodiscard]] bool may_be_stl(const Bytes& file);
 
-/// The same of a binary file, in memory that does not grow with it. Nothing of others, and of those
-/// with `triangles_at_once` or less.
+/// Reads a binary file in memory that does not grow with it. Returns nothing for ASCII files, and
+/// for files with at most `triangles_at_once` triangles.
 [[nodiscard]] std::optional<OuterScene> read_outer_stl(const std::string& path,
                                                        const PackOptions& options);
 

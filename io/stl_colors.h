@@ -1,5 +1,5 @@
-// Colours of the triangles of binary STL: in the two bytes behind each of them, in one of two
-// dialects, 5 bits a part.
+// Triangle colours of binary STL: two bytes after each triangle, in one of two dialects with 5 bits
+// per channel.
 #pragma once
 
 #include <cstdint>
@@ -10,34 +10,35 @@
 
 namespace raysheaf::io {
 
-/// Of triangles that have no colour.
+/// The colour of triangles without a colour.
 inline constexpr Vec3 kStlGrey{0.8f, 0.8f, 0.8f};
 
-/// What a file's 80 bytes of head say about its colours.
+/// The colour information in a file's header of 80 bytes.
 class StlPalette {
  public:
   explicit StlPalette(std::span<const std::uint8_t> head);
 
-  /// Linear. Magics, whose head holds "COLOR=" and the colour of the body: red is lowest, and bit
-  /// 15 asks for the body's. VisCAM and SolidView: blue is lowest, and bit 15 says that there is a
-  /// colour; `kStlGrey` stands in where there is none.
+  /// The linear colour of a triangle. Magics, whose header contains "COLOR=" and the body's colour:
+  /// red has the lowest bits, and bit 15 selects the body's colour. VisCAM and SolidView: blue has
+  /// the lowest bits, and bit 15 says that the triangle has a colour; without it, the colour is
+  /// `kStlGrey`.
   [[nodiscard]] Vec3 color_of(std::uint16_t attribute) const;
-  /// The colour of a file whose triangles all have this attribute. 0 means in Magics that no
-  /// triangle was given a colour: the body's counts.
+  /// The colour of a file whose triangles all have this attribute. In Magics, 0 for all means that
+  /// no triangle has a colour: the body's colour counts.
   [[nodiscard]] Vec3 common_color(std::uint16_t attribute) const;
 
  private:
-  std::optional<Vec3> body_;  ///< Magics
+  std::optional<Vec3> body_;  ///< set in the dialect of Magics
 };
 
-/// Gives the triangles of a mesh their colours: to their vertices, which no other has. One for all
-/// becomes the material's.
+/// Sets the colours of a mesh's triangles at their vertices, which are not shared. A colour that
+/// all triangles share becomes the material's.
 template <class AnyMesh>
 class StlPainter {
  public:
   StlPainter(std::span<const std::uint8_t> head, AnyMesh& mesh) : palette_(head), mesh_(mesh) {}
 
-  /// The next triangle, whose vertices are in the mesh already.
+  /// Adds the next triangle's colour. Its vertices must be in the mesh already.
   void add(std::uint16_t attribute) {
     if (mesh_.triangles.size() == 1) first_ = attribute;
     if (mesh_.colors.empty() && attribute == first_) return;

@@ -20,7 +20,7 @@ std::uint32_t TextureFiles::add(const std::string& name, Use use, const std::str
     return kInvalidId;
   }
   if (!file.remark.empty()) warn_once(file.remark);
-  // Of eight bits, both are the same numbers.
+  // For 8-bit images, data and colours have the same values.
   const Shown shown{file.path, use.is_data && ending_of(file.path) == "exr"};
   const auto [it, fresh] = texture_of_.try_emplace((use.clamped ? "c" : "r") + shown.key(),
                                                    static_cast<std::uint32_t>(shown_.size()));

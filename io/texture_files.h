@@ -1,4 +1,4 @@
-// The image files that the materials of OBJ and PLY name, and the textures that show them.
+// The image files that OBJ and PLY materials refer to, and their textures.
 #pragma once
 
 #include <map>
@@ -16,20 +16,20 @@ class TextureFiles {
   TextureFiles(const SceneFile& from, SceneDescription& scene) : from_(from), scene_(scene) {}
 
   struct Use {
-    bool clamped = false;  ///< else repeated
+    bool clamped = false;  ///< otherwise the texture repeats
     bool is_data = false;  ///< numbers rather than colours
   };
-  /// Index of the texture that shows `name` (`find_named`); `kInvalidId` and a warning where that
-  /// leads out of the scene's folder.
+  /// Index of the texture for the image `name` (see `find_named`). Adds a warning and returns
+  /// `kInvalidId` if the name leads outside the scene's folder.
   std::uint32_t add(const std::string& name, Use use, const std::string& named_in,
                     const std::string& place);
 
-  /// Decodes the images into the scene and drops textures whose image cannot be had, with warnings.
-  /// What each texture became: another index or `kInvalidId`. Call once.
+  /// Decodes the images into the scene. Removes textures whose image cannot be read, with a
+  /// warning. Returns the new index of each texture, or `kInvalidId`. Call it once.
   [[nodiscard]] std::vector<std::uint32_t> finish();
 
  private:
-  /// A path, and whether it is read as data.
+  /// The path, and whether it is read as data.
   using Key = std::string;
   std::map<Key, std::uint32_t> read_images();
   void warn_once(const std::string& sentence);
@@ -42,7 +42,7 @@ class TextureFiles {
     bool is_data;
     [[nodiscard]] Key key() const { return path + (is_data ? std::string("\n") : std::string()); }
   };
-  std::vector<Shown> shown_;  ///< one a texture
+  std::vector<Shown> shown_;  ///< one per texture
   std::set<std::string> warned_;
 };
 

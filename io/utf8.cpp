@@ -6,7 +6,8 @@
 namespace raysheaf::io {
 namespace {
 
-/// How many bytes the character at the front has; 0 where it is none (Unicode 15, table 3-7).
+/// The length of the UTF-8 character at the start of the text; 0 if it is invalid (Unicode 15,
+/// table 3-7).
 std::size_t character_bytes(std::string_view text) {
   const auto byte = [&](std::size_t i) {
     return i < text.size() ? static_cast<std::uint8_t>(text[i]) : std::uint8_t{0};
@@ -15,7 +16,7 @@ std::size_t character_bytes(std::string_view text) {
   if (first < 0x80) return 1;
   const std::size_t count = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
   if (first < 0xc2 || first > 0xf4) return 0;
-  // Overlong forms, surrogates and numbers above 0x10ffff are none.
+  // Excludes overlong forms, surrogates and numbers above 0x10ffff.
   const std::uint8_t low = first == 0xe0 ? 0xa0 : first == 0xf0 ? 0x90 : 0x80;
   const std::uint8_t high = first == 0xed ? 0x9f : first == 0xf4 ? 0x8f : 0xbf;
   if (byte(1) < low || byte(1) > high) return 0;

@@ -1,4 +1,4 @@
-// Text of files as messages may hold it.
+// Makes text from files safe for messages.
 #pragma once
 
 #include <cstddef>
@@ -6,11 +6,11 @@
 
 namespace raysheaf::io {
 
-/// The text with U+FFFD in place of bytes that are not part of a whole UTF-8 character.
+/// The text with U+FFFD in place of bytes that are not part of a complete UTF-8 character.
 [[nodiscard]] std::string whole_utf8(const std::string& text);
 
-/// A field's path as errors print it: control characters and bytes that are no UTF-8 replaced, long
-/// names cut.
+/// A field's path for error messages: control characters and invalid UTF-8 are replaced, long names
+/// are truncated.
 [[nodiscard]] std::string printable(const std::string& text, std::size_t most = 64);
 
 }  // namespace raysheaf::io

@@ -31,7 +31,8 @@ std::optional<Image> decode_webp(std::span<const std::uint8_t> encoded, ImageSiz
   PixelBuffer pixels(size);
   const std::span<std::uint8_t> rgba = pixels.rgba();
   WebPDecoderConfig config;
-  if (WebPInitDecoderConfig(&config) == 0) return {};  // another version than the header's
+  // The library's version does not match the header.
+  if (WebPInitDecoderConfig(&config) == 0) return {};
   config.output.colorspace = MODE_RGBA;
   config.output.is_external_memory = 1;
   config.output.u.RGBA = {rgba.data(), static_cast<int>(4 * size.width), rgba.size()};

@@ -1,4 +1,4 @@
-// WebP by libwebp, where the build has it: pictures, not films.
+// WebP by libwebp, if the build has it: still images, no animations.
 #pragma once
 
 #include <cstdint>
@@ -9,17 +9,17 @@
 
 namespace raysheaf::io {
 
-/// Whether this build reads them.
+/// Whether this build reads WebP.
 [[nodiscard]] bool reads_webp();
 
-/// Whether it is one, as a build that reads them sees it.
+/// Whether the file is WebP; always false if this build does not read it.
 [[nodiscard]] bool is_webp(std::span<const std::uint8_t> encoded);
 
-/// What its head says, or nothing where it has none or is a film.
+/// The size in the header. Nothing without a valid header, or for an animation.
 [[nodiscard]] std::optional<ImageSize> webp_size(std::span<const std::uint8_t> encoded);
 
-/// RGBA, or nothing where it is damaged or cut short. Throws `std::bad_alloc`. `size` is what
-/// `webp_size` says, and accepted.
+/// RGBA, or nothing if the file is damaged or truncated. Throws `std::bad_alloc`. `size` is what
+/// `webp_size` returned.
 [[nodiscard]] std::optional<Image> decode_webp(std::span<const std::uint8_t> encoded,
                                                ImageSize size);
 

@@ -1,7 +1,7 @@
 """Ambient occlusion of a mesh, baked to its vertices: the part of the sky that each of them sees.
 
-From every vertex rays go out over the hemisphere about its normal, dense where light counts more
-(by the cosine). What `any_hit` finds near by takes sky away.
+Rays start at every vertex over the hemisphere around its normal, denser where light counts more
+(cosine-weighted). Each hit that `any_hit` finds nearby hides a part of the sky.
 """
 
 import numpy as np
@@ -12,7 +12,8 @@ from raysheaf.bench import wavy_ball
 
 
 def hemisphere(count):
-    """Directions about +z, cosine-distributed, on a spiral (Vogel 1979), so that they are even."""
+    """Cosine-distributed directions around +z on a spiral (Vogel 1979), so that they are evenly
+    spread."""
     k = np.arange(count) + 0.5
     radius, angle = np.sqrt(k / count), k * np.pi * (3 - np.sqrt(5))
     return np.stack(
@@ -28,7 +29,7 @@ def frames(normals):
 
 
 def open_sky(scene, points, normals, reach, rays=128):
-    """The part of the sky that points see, 0 to 1."""
+    """The visible part of the sky at each point, 0 to 1."""
     first, second = frames(normals)
     x, y, z = hemisphere(rays).T
     directions = (

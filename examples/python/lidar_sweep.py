@@ -1,8 +1,8 @@
-"""A lidar turns while things about it move, and sees each of them at another moment.
+"""A lidar rotates while objects around it move, and sees each of them at a different moment.
 
-Every step of the sweep moves the boxes, then asks one column of beams: hundreds of small updates and
-queries a turn. The picture is what the sensor returns, from above; what moves with its turn comes out
-longer than it is, and what moves against it shorter.
+Every step of the sweep moves the boxes, then traces one column of beams: hundreds of small updates
+and queries per rotation. The image shows the sensor's points from above; an object that moves with
+the rotation appears longer than it is, and one that moves against it shorter.
 """
 
 import numpy as np
@@ -20,7 +20,7 @@ def moved(x, y, angle):
 
 
 class Street:
-    """Two walls, and cars on circles; `at` puts them where they are at a time."""
+    """Two walls, and cars that drive in circles; `at` moves them to their places at a time."""
 
     def __init__(self, cars=9):
         self.scene = raysheaf.Scene()
@@ -40,7 +40,7 @@ class Street:
 
 
 def sweep(street, columns, beams=64):
-    """One turn: points (columns, beams, 3), nan for what is out of range."""
+    """One rotation: points (columns, beams, 3), nan for those out of range."""
     down = np.radians(np.linspace(-25, 8, beams))
     points = np.full((columns, beams, 3), np.nan)
     origin = np.array([0, 0, HEIGHT])
@@ -60,7 +60,7 @@ def main(output="lidar_sweep.png", size=720):
     points = sweep(Street(), columns=size)
     seen = points[np.isfinite(points[..., 0])]
     pixel = np.clip(((seen[:, :2] / 24 + 1) / 2 * size).astype(int), 1, size - 1)
-    order = np.argsort(seen[:, 2])  # what is higher covers what is lower
+    order = np.argsort(seen[:, 2])  # higher points cover lower ones
     image = np.zeros((size, size, 3))
     shown = colours(seen[order, 2], -0.5, 2.5)
     for right, down in ((0, 0), (0, 1), (1, 0), (1, 1)):  # a dot is four pixels

@@ -1,7 +1,7 @@
-"""What can be seen from a mast on a hill: line of sight over terrain.
+"""Line of sight over terrain: the points that can be seen from a mast on a hill.
 
 One ray from a little above every point of the terrain to the top of the mast, from t = 0 to 1:
-`any_hit` says which of them the land cuts off.
+`any_hit` says which of them the land blocks.
 """
 
 import numpy as np

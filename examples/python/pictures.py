@@ -1,4 +1,4 @@
-"""What the examples share: a camera's rays, light on a surface, colours for numbers."""
+"""Helpers of the examples: a camera's rays, light on a surface, colours for numbers."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 
 def arguments(description: str, output: str, size: int) -> argparse.Namespace:
-    """The command line of an example: where the picture goes, and how large it is."""
+    """The command line of an example: the output file and the image's size."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("-o", "--output", default=output, help="the picture (default: %(default)s)")
     parser.add_argument(
@@ -25,7 +25,7 @@ def unit(vectors):
 
 
 def camera_rays(eye, target, width, height, fov_degrees=40.0):
-    """One ray a pixel, rows from the top: origin (3,) and directions (height, width, 3)."""
+    """One ray per pixel, rows from the top: origin (3,) and directions (height, width, 3)."""
     forward = unit(np.subtract(target, eye).astype(float))
     right = unit(np.cross(forward, [0, 0, 1]))
     up = np.cross(right, forward)
@@ -41,7 +41,7 @@ def face_normals(vertices, triangles):
 
 
 def vertex_normals(vertices, triangles):
-    """Each the mean of the faces about the vertex, weighted by area."""
+    """The normal of each vertex: the mean of its faces' normals, weighted by area."""
     a, b, c = (np.asarray(vertices, float)[triangles[:, k]] for k in range(3))
     sums = np.zeros_like(np.asarray(vertices, float))
     for k in range(3):
@@ -68,7 +68,7 @@ def box(low, high):
     return vertices, np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
 
 
-# Dark blue, teal, green, yellow: lightness grows evenly, so that it reads in grey, too.
+# Dark blue, teal, green, yellow: lightness increases evenly, so that the map also works in grey.
 _STEPS = np.array(
     [
         [0.27, 0.0, 0.33],
@@ -92,6 +92,6 @@ def colours(values, low=None, high=None):
 
 
 def srgb(linear):
-    """Linear light as what screens want."""
+    """Converts linear light to sRGB."""
     linear = np.clip(linear, 0, 1)
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)

@@ -1,7 +1,7 @@
 """A shadow study: how many hours of sun each spot between buildings has on a day.
 
-For every quarter of an hour one ray from each spot to the sun: a batch of all spots and all hours,
-for which `any_hit` broadcasts spots (n, 1, 3) with suns (m, 3).
+One ray per quarter of an hour from each spot to the sun: a batch of all spots and all hours, for
+which `any_hit` broadcasts spots (n, 1, 3) with suns (m, 3).
 """
 
 import numpy as np
@@ -23,7 +23,7 @@ def suns(latitude, day, hours):
 
 
 def town(seed=3):
-    """Blocks of 20 to 90 metres on a square of 400, streets between them."""
+    """Blocks of 20 to 90 metres on a square of 400, with streets between them."""
     rng = np.random.default_rng(seed)
     for x in range(-160, 200, 80):
         for y in range(-160, 200, 80):
@@ -35,7 +35,7 @@ def town(seed=3):
 
 
 def hours_of_sun(buildings, spots, latitude=48.0, day=80, step=0.25):
-    """Hours from sunrise to sunset at which the sun is seen, for each of (n, 3) spots."""
+    """Hours from sunrise to sunset at which the sun is visible, for each of (n, 3) spots."""
     scene = raysheaf.Scene()
     for building in buildings:
         scene.add(*building)

@@ -1,7 +1,7 @@
-"""View factors: which part of what one surface sends out arrives at another.
+"""View factors: the fraction of the radiation from one surface that arrives at another.
 
-F[i, j], the heart of radiation in rooms and ovens and between satellites' panels: rays leave
-surface i everywhere, by the cosine, and `closest_hit` says which surface each meets.
+F[i, j] describes radiation in rooms and ovens and between satellites' panels: rays leave surface i
+everywhere, cosine-distributed, and `closest_hit` says which surface each hits.
 """
 
 import numpy as np
@@ -25,7 +25,7 @@ def view_factors(surfaces, rays=20_000, seed=0):
         )
         face = rng.choice(len(triangles), rays, p=areas / areas.sum())
         u, v = rng.random((2, rays))
-        u, v = np.where(u + v > 1, (1 - u, 1 - v), (u, v))  # evenly over the triangle
+        u, v = np.where(u + v > 1, (1 - u, 1 - v), (u, v))  # uniform over the triangle
         a, b, c = np.moveaxis(corners[face], 1, 0)
         normals = face_normals(vertices, triangles)[face]
         origins = a + u[:, None] * (b - a) + v[:, None] * (c - a) + 1e-5 * normals
@@ -39,7 +39,7 @@ def view_factors(surfaces, rays=20_000, seed=0):
 
 
 def room():
-    """Six walls that face in, and a table in the middle: a closed world of seven surfaces."""
+    """Six walls that face inwards, and a table in the middle: a closed world of seven surfaces."""
     vertices, triangles = box([0, 0, 0], [5, 4, 2.5])
     walls = [(vertices, triangles[2 * k : 2 * k + 2, ::-1]) for k in range(6)]
     return [*walls, box([1.5, 1.2, 0.7], [3.5, 2.4, 0.8])]

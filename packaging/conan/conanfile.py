@@ -20,7 +20,7 @@ class Raysheaf(ConanFile):
     package_type = "library"
     settings = "os", "arch", "compiler", "build_type"
     options = {"shared": [True, False], "fPIC": [True, False], "tools": [True, False]}
-    # Of OpenGL the library asks for EGL alone: without a window system.
+    # The library needs only EGL of OpenGL, without a window system.
     default_options = {
         "shared": False, "fPIC": True, "tools": False,
         "libepoxy/*:glx": False, "libepoxy/*:x11": False,
@@ -71,7 +71,7 @@ class Raysheaf(ConanFile):
         names.set_property("highway::hwy", "cmake_target_name", "hwy::hwy")
         names.set_property("highway::hwy_contrib", "cmake_target_name", "hwy::hwy_contrib")
         names.generate()
-        PkgConfigDeps(self).generate()  # libepoxy, libdeflate, libwebp and zstd are looked for by pkg-config
+        PkgConfigDeps(self).generate()  # pkg-config finds libepoxy, libdeflate, libwebp and zstd
         toolchain = CMakeToolchain(self)
         toolchain.cache_variables["RAYSHEAF_BARE_TINYEXR"] = True
         toolchain.cache_variables["RAYSHEAF_APP"] = bool(self.options.tools)
@@ -89,7 +89,7 @@ class Raysheaf(ConanFile):
     def package(self):
         copy(self, "LICENSE", self.source_folder, os.path.join(self.package_folder, "licenses"))
         CMake(self).install()
-        for folder in ("cmake", "pkgconfig"):  # Conan writes its own for whoever asks
+        for folder in ("cmake", "pkgconfig"):  # Conan generates its own
             rmdir(self, os.path.join(self.package_folder, "lib", folder))
 
     def package_info(self):

@@ -1,8 +1,8 @@
-"""Does an installed wheel work, by itself? Run by a Python that has the wheel and numpy; prints a line.
+"""Tests an installed wheel. Run it with a Python that has the wheel and numpy; it prints one line.
 
-A batch of rays against a brute force, the command line, a picture by rays; OpenGL works or is declined
-in a sentence, and so is a window where there is no display; and none of the libraries that it carries is
-taken from the system instead.
+It compares a batch of rays with brute force, and runs the command line and a traced image. OpenGL
+must work or be refused in one sentence, and so must a window without a display. No library that the
+wheel includes may be loaded from the system instead.
 """
 
 import os
@@ -18,14 +18,14 @@ from raysheaf.bench import rays_at, wavy_ball
 
 
 def loaded():
-    """The shared libraries of this process, where the system tells."""
+    """The shared libraries of this process, if the system lists them."""
     maps = Path("/proc/self/maps")
     lines = maps.read_text(encoding="utf-8").splitlines() if maps.exists() else []
     return {Path(line.split(None, 5)[5]) for line in lines if ".so" in line and "/" in line}
 
 
 def stem(path):
-    """libtbb of libtbb.so.12, and of libtbb-1a2b3c4d.so.12.8."""
+    """"libtbb" for libtbb.so.12 and for libtbb-1a2b3c4d.so.12.8."""
     return path.name.split(".so")[0].split("-")[0]
 
 

@@ -1,4 +1,4 @@
-"""``python -m raysheaf``: the command line, which the package brings along."""
+"""``python -m raysheaf``: runs the command line program that the package includes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 def main() -> None:
     program = Path(__file__).parent / "bin" / "raysheaf"
     if not program.exists():
-        sys.exit("raysheaf: this build of the package came without the command line")
+        sys.exit("raysheaf: this build of the package has no command line")
     os.execv(program, ["raysheaf", *sys.argv[1:]])
 
 

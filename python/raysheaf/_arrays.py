@@ -1,6 +1,6 @@
-"""Whatever users have, as numpy arrays that the extension takes; or an exception that says why not.
+"""Converts users' arrays to the numpy arrays that the extension takes, or raises an exception.
 
-A copy is made only where dtype or layout ask for it.
+A copy is made only if the dtype or the layout requires it.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ._device import device_array
 
-_CPU = (1, 3)  # DLPack's kDLCPU and kDLCUDAHost: memory that the processor reads
+_CPU = (1, 3)  # DLPack's kDLCPU and kDLCUDAHost: memory that the CPU can read
 _MOST_IDS = 2**32
 
 
@@ -26,9 +26,9 @@ def _unreadable(name: str, error: Exception) -> TypeError:
 
 
 def as_numpy(value: Any, name: str) -> NDArray[Any]:
-    """The value as an array, through whichever protocol it speaks: numpy's, DLPack's, a buffer.
+    """The value as an array, by any protocol that it supports: numpy's, DLPack's, a buffer.
 
-    Protocols are other people's code, and raise what they like.
+    Protocols are implemented by third-party code, which may raise any exception.
     """
     if isinstance(value, np.ndarray):
         if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
@@ -57,7 +57,7 @@ def as_numpy(value: Any, name: str) -> NDArray[Any]:
         except MemoryError:
             raise
         except Exception as error:
-            refused = error  # older protocols, read-only memory: numpy knows other ways
+            refused = error  # older protocols, read-only memory: numpy has other ways
     try:
         array = np.asarray(value)
     except MemoryError:
@@ -70,18 +70,21 @@ def as_numpy(value: Any, name: str) -> NDArray[Any]:
 
 
 def _is_handy(array: NDArray[Any]) -> bool:
-    """Whether the extension reads the elements where they lie: aligned, and whole elements apart."""
+    """Whether the extension can read the elements in place: they are aligned and whole elements
+    apart."""
     return array.flags.aligned and all(s % array.itemsize == 0 for s in array.strides)
 
 
 def rounding() -> np.errstate:
-    """What a dtype has no room for becomes inf or 0, whatever numpy was told to say about it."""
+    """Values that a dtype cannot hold become inf or 0, regardless of numpy's error settings."""
     return np.errstate(over="ignore", under="ignore")
 
 
 def _packed(array: NDArray[Any], dtype: Any) -> NDArray[Any]:
-    """The elements as the dtype, one after another in C order, and aligned: bytes of a file or of a
-    message are in C order wherever they begin."""
+    """The elements in the dtype, aligned and contiguous in C order.
+
+    Bytes of a file or a message are in C order but may begin at any address.
+    """
     with rounding():
         packed = np.ascontiguousarray(array, dtype)
     return packed if packed.flags.aligned else packed.copy()
@@ -109,24 +112,24 @@ def doubles(value: Any, name: str) -> NDArray[np.float64]:
         try:
             return _packed(array, np.float64)
         except (TypeError, ValueError, OverflowError):
-            pass  # objects, not all of them numbers
+            pass  # objects that are not all numbers
     raise TypeError(
         f"{name}: {_shape_of(array)} is given; one of shape (n, 3) of real numbers is expected"
     )
 
 
 def with_last_axis(value: Any, name: str, length: int, expected: str) -> NDArray[Any]:
-    """`floats` of shape (..., length)."""
+    """An array of `floats` with the shape (..., length)."""
     array = floats(value, name, expected)
     if array.ndim == 0 or array.shape[-1] != length:
         if array.size == 0 and array.ndim == 1:
-            return array.reshape(0, length)  # what [] becomes
+            return array.reshape(0, length)  # [] has this shape
         raise ValueError(f"{name}: {_shape_of(array)} is given; {expected} is expected")
     return array
 
 
 def vertices(value: Any, name: str = "vertices", soup: bool = False) -> NDArray[np.float32]:
-    """(n, 3) float32, C order. A soup may also come as (m, 3, 3): the corners of m triangles."""
+    """(n, 3) float32 in C order. A soup may also be (m, 3, 3): the corners of m triangles."""
     expected = "one of shape (n, 3) or (m, 3, 3)" if soup else "one of shape (n, 3)"
     array = with_last_axis(value, name, 3, expected)
     if soup and array.ndim == 3 and array.shape[1] == 3:
@@ -138,7 +141,7 @@ def vertices(value: Any, name: str = "vertices", soup: bool = False) -> NDArray[
 
 
 def triangles(value: Any, name: str = "triangles") -> Optional[NDArray[np.uint32]]:
-    """(m, 3) uint32, C order; None stays None."""
+    """(m, 3) uint32 in C order; None stays None."""
     if value is None:
         return None
     array = as_numpy(value, name)
@@ -162,7 +165,7 @@ def triangles(value: Any, name: str = "triangles") -> Optional[NDArray[np.uint32
 
 
 def transform(value: Any, name: str = "transform") -> NDArray[np.float32]:
-    """(3, 4) float32 of a (3, 4) or (4, 4) matrix; the identity for None."""
+    """(3, 4) float32 from a (3, 4) or (4, 4) matrix; the identity for None."""
     if value is None:
         return np.eye(3, 4, dtype=np.float32)
     expected = "one of shape (3, 4) or (4, 4)"

@@ -1,6 +1,6 @@
 """Arrays in the memory of a CUDA device: CuPy's, PyTorch's, Numba's, JAX's.
 
-They are read and written where they lie. All of these libraries say where that is by
+They are read and written in place. All of these libraries describe their arrays by
 `__cuda_array_interface__` (https://numba.readthedocs.io/en/stable/cuda/cuda_array_interface.html).
 """
 
@@ -18,26 +18,26 @@ Device = Literal["cpu", "cuda"]
 
 
 def is_cuda(device: str) -> bool:
-    """Which of the devices it names."""
+    """Whether the device is "cuda"."""
     return is_second(device, "device", "cpu", "cuda")
 
 
 @dataclass
 class DeviceArray:
-    """What an array says of itself, looked over."""
+    """A validated description of an array on a CUDA device."""
 
     name: str  # of the argument
     pointer: int
     shape: tuple[int, ...]
     dtype: str  # "float32"
     writable: bool
-    stream: int  # a cudaStream_t; 0: none that matters
+    stream: int  # a cudaStream_t; 0: no stream to wait for
 
     def __str__(self) -> str:
         return f"an array of shape {self.shape} and dtype {self.dtype} on a CUDA device"
 
     def place(self, row: tuple[int, ...]) -> _core.Place:
-        """Where it lies, as rows of the shape `row`."""
+        """The array's place, as rows of the shape `row`."""
         rows = self.shape[: len(self.shape) - len(row)]
         return _core.Place(self.pointer, math.prod(rows), self.stream)
 
@@ -54,13 +54,16 @@ _DTYPES = {
 }
 
 
-_LEGACY_DEFAULT = 1  # the interface's handle of CUDA's legacy default stream
+_LEGACY_DEFAULT = 1  # the interface's value for CUDA's legacy default stream
 
 
 def _stream_of(value: Any, said: dict[str, Any]) -> int:
-    """Of the interface: a handle, 1 or 2 for a default stream, None where there is nothing to wait
-    for. 0 should not occur, and can only mean a default stream. PyTorch's tensors, of the
-    interface's version 2, have none: they are of the stream that is current."""
+    """The stream of the interface: a handle, 1 or 2 for a default stream, None without one to wait
+    for.
+
+    0 should not occur and can only mean a default stream. PyTorch's tensors use version 2 of the
+    interface, which has no stream: they belong to the current one.
+    """
     if "stream" in said:
         stream = said["stream"]
         return 0 if stream is None else int(stream) or _LEGACY_DEFAULT
@@ -71,10 +74,10 @@ def _stream_of(value: Any, said: dict[str, Any]) -> int:
 
 
 def device_array(value: Any, name: str) -> Optional[DeviceArray]:
-    """The array where it lies on a CUDA device; None for whatever else it is."""
+    """The description of an array on a CUDA device; None for any other value."""
     try:
         said = getattr(value, "__cuda_array_interface__", None)
-    except RuntimeError as error:  # a tensor that asks for gradients
+    except RuntimeError as error:  # a tensor that requires gradients
         raise TypeError(f"{name}: cannot be read as an array: {error}") from error
     if said is None:
         return None
@@ -100,7 +103,7 @@ def device_array(value: Any, name: str) -> Optional[DeviceArray]:
 
 
 def rays_there(array: DeviceArray) -> DeviceArray:
-    """Whole rays, or an exception."""
+    """Raises an exception unless the array holds packed rays."""
     if array.dtype != "float32" or not array.shape or array.shape[-1] != 8:
         raise ValueError(
             f"{array.name}: {array} is given; on a device one of shape (..., 8) and dtype float32 "
@@ -110,7 +113,7 @@ def rays_there(array: DeviceArray) -> DeviceArray:
 
 
 def room_there(array: DeviceArray, shape: tuple[int, ...], dtypes: tuple[str, ...]) -> DeviceArray:
-    """Room for results, or an exception."""
+    """Raises an exception unless the array can receive the results."""
     if array.dtype not in dtypes or array.shape != shape or not array.writable:
         raise ValueError(
             f"{array.name}: {'' if array.writable else 'read-only '}{array} is given; a writable one "
@@ -120,7 +123,7 @@ def room_there(array: DeviceArray, shape: tuple[int, ...], dtypes: tuple[str, ..
 
 
 def require_cuda(scene: _core.Scene, *arrays: Any) -> None:
-    """Raises where an array lies on a device, and the scene does not."""
+    """Raises an exception if an array is on a device but the scene is not."""
     for array in arrays:
         if isinstance(array, DeviceArray) and not scene.is_on_cuda():
             raise TypeError(

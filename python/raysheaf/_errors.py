@@ -47,7 +47,7 @@ class UnsupportedError(Error, NotImplementedError):
 
 
 for _class in (Error, InvalidError, NotFoundError, OutOfMemoryError, UnsupportedError):
-    _class.__module__ = "raysheaf"  # where users find them
+    _class.__module__ = "raysheaf"  # where users find them in the documentation
 
 _CLASSES = {
     "invalid_argument": InvalidError,

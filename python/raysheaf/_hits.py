@@ -25,7 +25,7 @@ HIT_DTYPE = np.dtype(
 
 
 def _is_index(part: Any) -> bool:
-    """Whether numpy takes it as one index of an array, be it out of range."""
+    """Whether numpy takes the value as a single index of an array, even one out of range."""
     if part is None or part is Ellipsis or isinstance(part, slice):
         return True
     array = np.asarray(part)
@@ -68,7 +68,7 @@ class Hits:
 
     @classmethod
     def empty(cls, shape: Union[SupportsIndex, tuple[SupportsIndex, ...]]) -> Hits:
-        """Memory for results, for ``closest_hit(..., out=...)``. All hits are misses until then.
+        """Memory for results, for ``closest_hit(..., out=...)``. At first, all hits are misses.
 
         >>> import raysheaf
         >>> raysheaf.Hits.empty(3)
@@ -97,7 +97,7 @@ class Hits:
 
     @property
     def prim_id(self) -> NDArray[np.uint32]:
-        """The triangle within its mesh; `INVALID_ID` for a miss, also for the next two."""
+        """The triangle within its mesh; for a miss, all three ids are `INVALID_ID`."""
         return self.array["prim_id"]
 
     @property
@@ -161,7 +161,7 @@ class Hits:
 
 
 class HitRows:
-    """All hits of every ray, one ray's after another's: compressed rows.
+    """All hits of all rays, stored ray by ray: compressed rows.
 
     The hits of ray i, counted in C order, are ``hits[offsets[i]:offsets[i + 1]]``, from near to far.
 
@@ -181,7 +181,7 @@ class HitRows:
     __slots__ = ("offsets", "hits", "shape")
 
     offsets: NDArray[np.int64]
-    """One more than rays; the first is 0, the last the number of hits."""
+    """One entry more than there are rays; the first is 0, the last the number of hits."""
     hits: Hits
     """The hits of all rays."""
     shape: tuple[int, ...]

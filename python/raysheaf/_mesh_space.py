@@ -1,4 +1,4 @@
-"""A mesh in float64 as a scene in float32 has it: about its middle, at a size of about 1."""
+"""Maps a float64 mesh into a float32 scene: centred, with a size of about 1."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ Bools = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Followed:
-    """The mesh, and how the scene has it."""
+    """A mesh and its representation in the scene."""
 
     hash: int
     vertices: Floats
     faces: Ints
     corners: Optional[Bools]  # which vertices are corners of faces; None: all
-    used: Optional[Bools]  # those of them whose faces rays may meet; None: all vertices
-    met: Ints  # the faces, where those that no ray may meet are points
-    bounds: Floats  # (2, 3), the box of the faces that rays may meet: least and largest
+    used: Optional[Bools]  # which of them belong to faces that can be hit; None: all vertices
+    met: Ints  # the faces; those that cannot be hit are degenerate
+    bounds: Floats  # (2, 3): minimum and maximum of the box of the faces that can be hit
     center: Floats  # of the box
     size: float  # its diagonal
-    unit: float  # a power of two, about 1 / size: it rounds nothing
-    origin: Floats  # what the scene has at 0
-    scale: float  # lengths of the scene in one of the mesh
+    unit: float  # a power of two, about 1 / size: multiplying by it is exact
+    origin: Floats  # the point that is the scene's origin
+    scale: float  # length in the scene per length in the mesh
 
     @property
     def moved(self) -> Floats:
-        """The vertices in the scene; those that nothing uses lie at its origin."""
+        """The vertices in the scene's space; unused ones lie at its origin."""
         with np.errstate(all="ignore"):
             moved: Floats = (self.vertices - self.origin) * self.scale
         if self.used is not None:
@@ -60,17 +60,17 @@ def _box(vertices: Floats, used: Optional[Bools]) -> tuple[Floats, Floats]:
 def followed(
     now: int, vertices: Floats, faces: Ints, centered: bool, old: Optional[Followed]
 ) -> Followed:
-    """The mesh whose hash is `now`; `old` is the one before, which mostly had the same faces.
+    """The mesh whose hash is `now`; `old` is the previous one, which usually had the same faces.
 
-    Faces that have a corner which is not finite are never met, and like vertices that no face has
-    they do not count for the box.
+    Faces with a corner that is not finite are never hit. They do not count for the box, nor do
+    vertices without a face.
     """
     count = len(vertices)
     corners: Optional[Bools]
     if old is not None and count == len(old.vertices) and np.array_equal(faces, old.faces):
         faces, corners = old.faces, old.corners
     elif faces.size and (faces.min() < 0 or faces.max() >= count):
-        corners = np.zeros(count, np.bool_)  # the scene says which index is wrong
+        corners = np.zeros(count, np.bool_)  # the scene reports the invalid index
     else:
         corners = _corners(faces, count)
     used, met = corners, faces
@@ -93,7 +93,7 @@ def followed(
 
 
 def hand_over(scene: Scene, new: Followed, old: Optional[Followed]) -> None:
-    """Makes the scene's only mesh `new`. It is `old` before; None: whatever it is, or there is none."""
+    """Makes `new` the scene's only mesh. The scene contains `old`; None: anything, or no mesh."""
     if 0 not in scene:
         scene.add(new.moved, new.met)
     elif old is not None and (

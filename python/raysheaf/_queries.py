@@ -28,7 +28,7 @@ def _wish(
 
 
 class Queries:
-    """The part of `Scene` that rays are handed to."""
+    """The ray queries of `Scene`."""
 
     _core: _core.Scene
 
@@ -221,8 +221,10 @@ def _room_for_hits(count: int) -> NDArray[np.float32]:
 
 
 def _room(scene: _core.Scene, batch: RayBatch, out: Any, dtypes: tuple[str, ...]) -> Any:
-    """Where a number a ray goes: new memory, or `out`, wherever that is. The dtypes are of one size,
-    and the extension takes unsigned integers of it."""
+    """The memory for one number per ray: new, or that of `out`, in host or device memory.
+
+    All `dtypes` have the same size, and the extension takes unsigned integers of that size.
+    """
     unsigned = f"u{np.dtype(dtypes[0]).itemsize}"
     there = device_array(out, "out")
     require_cuda(scene, batch.rays, there)
@@ -253,7 +255,7 @@ def _check_out(out: Any, batch: RayBatch) -> None:
     if not isinstance(out, Hits):
         raise TypeError(f"out: {type(out).__name__} is given; Hits is expected")
     flags = out.array.flags
-    aligned = out.t.flags.aligned  # of records numpy asks no alignment
+    aligned = out.t.flags.aligned  # records of numpy need not be aligned
     if out.shape != batch.shape or not (flags.c_contiguous and aligned and flags.writeable):
         raise ValueError(
             f"out: {'writable' if flags.writeable else 'read-only'} Hits of shape {out.shape} "

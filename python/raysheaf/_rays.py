@@ -1,4 +1,4 @@
-"""Rays as users write them, as the arrays that the library reads."""
+"""Converts rays as users write them to the arrays that the library reads."""
 
 from __future__ import annotations
 
@@ -16,24 +16,25 @@ from ._device import DeviceArray, device_array, rays_there
 from ._errors import InvalidError, UnsupportedError
 
 _MOST_RAYS = 2**31 - 1
-_MOST_AXES = 31  # of batches: numpy's iterators have 32, and rays an axis of their own
+_MOST_AXES = 31  # of batches: numpy's iterators allow 32, and rays use an axis of their own
 
 _FIELDS = {"origin": "origins", "direction": "directions", "t_min": "t_min", "t_max": "t_max"}
 
 
 @dataclass
 class RayBatch:
-    """Rays in a row, and the shape that their results take."""
+    """Rays in a row, and the shape of their results."""
 
-    # (n, 8), C order; (..., 8) on a device; or in parts
+    # (n, 8) in C order; (..., 8) on a device; or as separate arrays
     rays: Union[NDArray[np.float32], _core.Parts, DeviceArray]
     shape: tuple[int, ...]
-    packed: bool  # came as eight numbers a ray, and not in four arguments
-    given: dict[str, tuple[int, ...]] = field(default_factory=dict)  # shapes of those arguments
+    packed: bool  # given as eight numbers per ray, not as separate arguments
+    # shapes of the separate arguments
+    given: dict[str, tuple[int, ...]] = field(default_factory=dict)
 
     @property
     def asked(self) -> Union[NDArray[np.float32], _core.Parts, _core.Place]:
-        """As the extension takes them."""
+        """The rays in the form that the extension takes."""
         return self.rays.place((8,)) if isinstance(self.rays, DeviceArray) else self.rays
 
     @property
@@ -42,7 +43,7 @@ class RayBatch:
 
     @contextlib.contextmanager
     def named(self) -> Iterator[None]:
-        """Errors about ray 7 speak of the argument and the index that the user knows."""
+        """Makes errors about ray i name the user's argument and index."""
         try:
             yield
         except InvalidError as error:
@@ -59,13 +60,13 @@ class RayBatch:
             raise InvalidError(error.code, sentence, place) from None
 
     def _says_more(self, name: str, other: str) -> bool:
-        """Whether that argument tells rays apart, and the other one does less, or was not given."""
+        """Whether argument `name` varies over rays, more than `other` does if both were given."""
         if self.packed or name not in self.given:
             return False
         return other not in self.given or math.prod(self.given[name]) > math.prod(self.given[other])
 
     def _place(self, name: str, ray: int) -> str:
-        """The argument, and the index that its element for this ray has there."""
+        """The argument with the index of its element for this ray."""
         index = [int(i) for i in np.unravel_index(ray, self.shape)] if self.shape else []
         if self.packed:
             return f"rays{index or ''}.{name}"
@@ -75,7 +76,7 @@ class RayBatch:
 
 
 def _require_few(shape: tuple[int, ...]) -> None:
-    """Raises before memory is taken for more rays than a query answers."""
+    """Raises before memory is allocated if there are more rays than a query can answer."""
     if math.prod(shape) > _MOST_RAYS:
         raise UnsupportedError(
             "unsupported", f"{math.prod(shape)} rays are more than 2^31 - 1", "rays"
@@ -87,8 +88,11 @@ def _require_few(shape: tuple[int, ...]) -> None:
 
 
 def _spread(array: NDArray[Any], shape: tuple[int, ...], tail: tuple[int, ...]) -> NDArray[Any]:
-    """Broadcast to shape + tail, then all of shape in one axis. That copies what repeats along some
-    axes only; as float32, which it becomes anyway."""
+    """Broadcasts to shape + tail and flattens the axes of shape.
+
+    This copies the array if it repeats along only some axes, and then converts it to float32 first,
+    which is its final dtype.
+    """
     if len(shape) > 1 and 1 < array.size < math.prod(shape + tail):
         with _arrays.rounding():
             array = array.astype(np.float32)
@@ -126,7 +130,7 @@ def _parts(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
 
 
 def batch_of(origins: Any, directions: Any, t_min: Any, t_max: Any) -> RayBatch:
-    """The batch of `origins` and `directions`, or of packed rays where there are no directions."""
+    """The batch of `origins` and `directions`; without directions, of packed rays."""
     there = device_array(origins, "rays")
     if directions is not None:
         if there is not None:

@@ -42,7 +42,8 @@ def png_bytes(image: Any) -> bytes:
             f"image: shape {pixels.shape} is given; (h, w), (h, w, 3) or (h, w, 4) is expected"
         )
     height, width = pixels.shape[:2]
-    rows = np.zeros((height, 1 + width * channels), np.uint8)  # each begins with its filter: none
+    # each row begins with its PNG filter type: none
+    rows = np.zeros((height, 1 + width * channels), np.uint8)
     rows[:, 1:] = pixels.reshape(height, -1)
 
     def chunk(kind: bytes, data: bytes) -> bytes:
@@ -75,7 +76,7 @@ class Picture:
     """
 
     image: NDArray[np.uint8]
-    """(h, w, 3), for people; exposed, tone-mapped, sRGB. Before a transparent background (h, w, 4)."""
+    """(h, w, 3), exposed and tone-mapped sRGB; (h, w, 4) with a transparent background."""
     beauty: NDArray[np.float32]
     """(h, w, 3), linear radiance, Rec. 709 primaries."""
     position: NDArray[np.float32]
@@ -87,11 +88,11 @@ class Picture:
     shadow: NDArray[np.float32]
     """(h, w), the part of the lights in front of the surface that reaches it."""
     inst_id: NDArray[np.uint32]
-    """(h, w), its instance; `INVALID_ID` if the pixel sees nothing, also for the next two."""
+    """(h, w), the visible instance; all three ids are `INVALID_ID` if the pixel sees nothing."""
     geom_id: NDArray[np.uint32]
-    """(h, w), its mesh."""
+    """(h, w), the visible mesh."""
     prim_id: NDArray[np.uint32]
-    """(h, w), its triangle."""
+    """(h, w), the visible triangle."""
     exposure: float
     """The factor on `beauty` before tone mapping."""
 
@@ -190,12 +191,12 @@ class Animation:
 
 
 def _size(width: Optional[SupportsIndex], height: Optional[SupportsIndex]) -> tuple[int, int]:
-    """Both 0 where neither is given: the core then asks the camera."""
+    """Both are 0 if neither is given: the core then uses the camera's aspect ratio."""
     if width is None and height is None:
         return 0, 0
     wide = _arrays.integer(512 if width is None else width, "width")
     high = _arrays.integer(512 if height is None else height, "height")
-    # 0 by 0 is refused as 0 by 1 is, and not taken for a size that was not given.
+    # 0 by 0 must be refused as 0 by 1 is: it does not mean that no size was given.
     return wide, max(high, 1) if wide == 0 else high
 
 
@@ -264,12 +265,12 @@ def render(
     ----------
     scene : str, bytes, path or Animation
         A glTF, GLB, OBJ, PLY or STL file; or ``"builtin:office"``, ``"builtin:cornell"``,
-        ``"builtin:atrium"``. Where it has no camera, one that fills the picture with it is added;
-        where it has no light, the three lights of a studio.
-        For several pictures of one scene give an `Animation`: a path is loaded every time.
+        ``"builtin:atrium"``. If it has no camera, one that frames the scene is added; if it has no
+        light, the three lights of a studio.
+        For several pictures of one scene pass an `Animation`: a path is loaded every time.
     time : float, optional
-        Seconds, clamped to the animation's `start` and `end`. By default a file is at rest, an
-        `Animation` at its start.
+        Seconds, clamped to the animation's `start` and `end`. By default, a file is shown in its
+        rest pose, and an `Animation` at its start.
     width, height : int, optional
         Pixels, 1 to 16384 each. Without both, 512 along the longer side, with the camera's aspect
         ratio, or square; if one is given, the other is 512.
@@ -280,7 +281,7 @@ def render(
     primary : "trace" or "raster"
         How primary visibility is found: by rays, or by OpenGL, the command line's default.
     bounces : int
-        Reflections and refractions in a row, 0 to 32.
+        The largest number of successive reflections and refractions, 0 to 32.
     threads : int
         Number of threads; 0 uses all cores.
     device : "cpu" or "cuda"
@@ -289,14 +290,14 @@ def render(
         A factor on radiance before tone mapping; by default it is chosen for each image. For a film
         pass one value, such as that of the first image.
     samples : int
-        Rays a pixel, 1 to 65536; 0: 1, or 4 for a scene without lights, or 16 with an environment
-        or a lens.
+        Rays per pixel, 1 to 65536. 0 stands for 1, or for 4 without lights, or for 16 with an
+        environment or a lens.
     aperture : float, optional
-        Diameter of the lens; by default the camera's own, mostly 0, which makes everything sharp.
+        Diameter of the lens; by default the camera's, which is usually 0: everything is sharp.
     focus : float, optional
-        The depth that is sharp; by default the camera's own, or the depth at the image's centre.
+        The depth that is sharp; by default the camera's, or the depth at the image's centre.
     environment : str, bytes or path, optional
-        Light from all around: a ``.hdr`` or ``.exr`` file of all directions, +y up.
+        Light from all directions: a ``.hdr`` or ``.exr`` file, +y up.
     view : str, optional
         The side that is seen: ``"front"``, ``"back"``, ``"left"``, ``"right"``, ``"top"``,
         ``"bottom"`` or ``"iso"``. This argument and the five below replace the scene's cameras.
@@ -304,18 +305,18 @@ def render(
         The axis that points up: ``"x"``, ``"y"`` (the default), ``"z"``, ``"-x"``, ``"-y"`` or
         ``"-z"``.
     camera_position : three floats, optional
-        Where the camera is; by default as near as the whole scene can be seen from.
+        The camera's position; by default the nearest one from which the whole scene is visible.
     look_at : three floats, optional
-        Where the camera of `camera_position` looks; by default the middle of the scene.
+        The point at which the camera of `camera_position` looks; by default the scene's centre.
     fov : float, optional
         The vertical field of view in degrees, between 0 and 180; 40 by default.
     orthographic : bool
         Parallel rays instead of a perspective.
     zoom : float
-        Magnifies the picture about its middle, whichever camera it has.
+        Magnifies the picture around its centre, with any camera.
     background : str, optional
-        ``"white"``, ``"black"``, ``"transparent"`` or ``"#rrggbb"`` in sRGB, in the place of the
-        sky behind the scene.
+        ``"white"``, ``"black"``, ``"transparent"`` or ``"#rrggbb"`` in sRGB, instead of the sky
+        behind the scene.
 
     Raises
     ------

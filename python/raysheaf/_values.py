@@ -1,4 +1,4 @@
-"""Names, numbers and paths that are told to the extension; or an exception that says why not."""
+"""Converts names, numbers and paths for the extension, or raises an exception."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, Optional
 
 
 def number(value: Any, name: str) -> float:
-    """A real number, numpy's included; no text that spells one."""
+    """A real number, including numpy's; text that spells a number is refused."""
     try:
         if not isinstance(value, (str, bytes, bytearray)):
             return float(value)
@@ -21,7 +21,7 @@ def number(value: Any, name: str) -> float:
 
 
 def text(value: Any, name: str) -> str:
-    """Text that UTF-8 can write."""
+    """Text that can be encoded in UTF-8."""
     if not isinstance(value, str):
         raise TypeError(f"{name}: {value!r} is given; a str is expected")
     try:
@@ -34,7 +34,7 @@ def text(value: Any, name: str) -> str:
 
 
 def is_second(value: Any, name: str, first: str, second: str) -> bool:
-    """Which of two words it is."""
+    """Whether the value is `second`; raises an exception if it is neither word."""
     if not isinstance(value, str) or value not in (first, second):
         wrong = ValueError if isinstance(value, str) else TypeError
         raise wrong(f'{name}: {value!r} is given; "{first}" or "{second}" is expected')
@@ -42,7 +42,7 @@ def is_second(value: Any, name: str, first: str, second: str) -> bool:
 
 
 def text_or_index(value: Any, name: str) -> tuple[str, Optional[int]]:
-    """A name; or the digits of a number that stands for one, and the number if there can be so many."""
+    """A name; or an integer as its digits, and as a number if it is small enough."""
     if isinstance(value, str):
         return text(value, name), None
     try:
@@ -67,7 +67,7 @@ _COLOURS = {"white": (255, 255, 255, 255), "black": (0, 0, 0, 255), "transparent
 
 
 def background(value: Any, name: str) -> tuple[int, int, int, int]:
-    """sRGB and alpha, of a word or of "#rrggbb"."""
+    """sRGB and alpha from a colour's name or "#rrggbb"."""
     word = text(value, name)
     if word in _COLOURS:
         return _COLOURS[word]
@@ -93,5 +93,5 @@ def file_name(value: Any, name: str) -> str:
 
 
 def path_in_utf8(value: Any, name: str) -> str:
-    """The path of a file, as the extension opens it."""
+    """The path of a file in UTF-8, as the extension opens it."""
     return text(file_name(value, name), name)

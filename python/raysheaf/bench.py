@@ -1,10 +1,9 @@
-"""``python -m raysheaf.bench``: queries a second, compared with trimesh with Embree (embreex).
+"""``python -m raysheaf.bench``: queries per second, compared with trimesh and Embree (embreex).
 
 Three columns answer the same rays on the same mesh, interleaved in one process: trimesh with
 embreex, trimesh with raysheaf, and `raysheaf.Scene` itself. Each figure is the median of the
-rounds. The mesh is a sphere with waves. "moving": every vertex moves between any two queries, and
-the time includes the cost of the change. Incoherent rays are the hardest; `--batch` has two batches
-that are more common.
+rounds. The mesh is a wavy sphere. "moving": every vertex moves between any two queries, and the time
+includes the cost of the change. Incoherent rays are the hardest; `--batch` selects more common ones.
 """
 
 from __future__ import annotations
@@ -41,7 +40,7 @@ NAMES = {
 
 @dataclass
 class Where:
-    """What raysheaf runs on."""
+    """The threads and the device that raysheaf uses."""
 
     threads: int = 0
     device: Device = "cpu"
@@ -70,7 +69,7 @@ def wavy_ball(triangles: int, phase: float = 0.0) -> tuple[Array, Array]:
 
 
 def rays_at(count: int, seed: int = 0) -> tuple[Array, Array]:
-    """Rays from a sphere about the ball to points in and about it: most of them hit, without order."""
+    """Incoherent rays from a sphere around the mesh to points near it: most of them hit."""
     rng = np.random.default_rng(seed)
     origins = rng.normal(size=(count, 3))
     origins *= 3 / np.linalg.norm(origins, axis=1, keepdims=True)
@@ -80,7 +79,7 @@ def rays_at(count: int, seed: int = 0) -> tuple[Array, Array]:
 
 
 def rays_of_camera(count: int) -> tuple[Array, Array]:
-    """Rays through the pixels of a square picture that the ball fills, row after row."""
+    """Rays through the pixels of a square image that the mesh fills, row by row."""
     side = max(1, round(count**0.5))
     x, y = np.meshgrid(np.linspace(-0.32, 0.32, side), np.linspace(0.32, -0.32, side))
     directions = np.stack([x, y, -np.ones_like(x)], axis=-1).reshape(-1, 3)
@@ -89,7 +88,8 @@ def rays_of_camera(count: int) -> tuple[Array, Array]:
 
 
 def rays_of_sweep(count: int, rings: int = 64) -> tuple[Array, Array]:
-    """A turning scanner within the ball: rings that look up and down by 23 degrees, one by one."""
+    """Rays of a rotating scanner inside the mesh: rings with elevations of up to 23 degrees, one by
+    one."""
     around = np.linspace(0, 2 * np.pi, max(1, round(count / rings)), endpoint=False)
     turn, rise = np.meshgrid(around, np.linspace(-0.4, 0.4, rings))
     directions = np.stack(
@@ -106,7 +106,7 @@ BATCHES: dict[str, Callable[[int], tuple[Array, Array]]] = {
 
 
 class Direct:
-    """The scene itself, as a user of numpy has it."""
+    """`raysheaf.Scene`, used directly with numpy."""
 
     def __init__(self, vertices: Array, faces: Array, where: Where) -> None:
         self._scene = Scene(threads=where.threads, device=where.device)
@@ -124,7 +124,7 @@ class Direct:
 
 
 class ByTrimesh:
-    """trimesh's interface, by whichever engine."""
+    """trimesh's interface, with either engine."""
 
     def __init__(self, vertices: Array, faces: Array, engine: Callable[[Any], Any]) -> None:
         trimesh = importlib.import_module("trimesh")
@@ -143,11 +143,11 @@ class ByTrimesh:
 
 
 def contenders(vertices: Array, faces: Array, where: Where) -> tuple[dict[str, Any], list[str]]:
-    """Who takes part, and a sentence for each who does not."""
+    """The contenders, and a sentence for each one that is not available."""
     found: dict[str, Any] = {}
     notes = []
     if importlib.util.find_spec("trimesh") is None:
-        notes.append("trimesh is not installed: raysheaf.Scene runs alone")
+        notes.append("trimesh is not installed: only raysheaf.Scene is measured")
     else:
         if importlib.util.find_spec("embreex") is None:
             notes.append("embreex is not installed: trimesh runs without its Embree back end")
@@ -175,7 +175,7 @@ class Row:
 def measure(
     who: dict[str, Any], kind: str, frames: list[Array], moving: bool, rays: tuple[Array, Array]
 ) -> Row:
-    """In turns: one round before the first that counts, then one a frame."""
+    """Runs the contenders interleaved: one round to warm up, then one per frame."""
     times: dict[str, list[float]] = {name: [] for name in who}
     hits = dict.fromkeys(who, 0)
     for number, vertices in enumerate(frames):
@@ -212,7 +212,7 @@ def run(
 
 
 def line_of(row: Row, rays: int) -> str:
-    """Millions of rays a second of each, and how many times the peer's."""
+    """Each contender's millions of rays per second, and its factor to the peer's."""
     peer: Optional[float] = row.seconds.get("embreex")
     cells = []
     for name, seconds in row.seconds.items():
@@ -239,36 +239,43 @@ def whole(text: str) -> int:
 
 
 def arguments_of(arguments: Optional[list[str]]) -> argparse.Namespace:
-    """What is asked for. Whatever would stop the run later stops it here, with exit code 2."""
+    """Parses the arguments. Anything that would make the run fail later ends it here with exit code
+    2."""
     parser = argparse.ArgumentParser(
         prog="python -m raysheaf.bench",
-        description="Queries a second of raysheaf beside trimesh with Embree, in one run.",
+        description="Queries per second of raysheaf, compared with trimesh and Embree in one run.",
     )
     parser.add_argument(
-        "--rays", type=whole, default=1_000_000, help="rays a query (default: %(default)s)"
+        "--rays", type=whole, default=1_000_000, help="rays per query (default: %(default)s)"
     )
     parser.add_argument(
-        "--triangles", type=whole, default=100_000, help="of the mesh (default: %(default)s)"
+        "--triangles",
+        type=whole,
+        default=100_000,
+        help="triangles of the mesh (default: %(default)s)",
     )
     parser.add_argument(
-        "--threads", type=whole, default=0, help="of raysheaf; 0: all cores (default)"
+        "--threads", type=whole, default=0, help="threads of raysheaf; 0: all cores (default)"
     )
     parser.add_argument(
         "--batch",
         choices=tuple(BATCHES),
         default="scattered",
-        help="which rays: without order, of a camera, or of a scanner (default: %(default)s)",
+        help="kind of rays: incoherent, of a camera, or of a scanner (default: %(default)s)",
     )
     parser.add_argument(
         "--device",
         choices=("cpu", "cuda"),
         default="cpu",
-        help="of raysheaf (default: %(default)s)",
+        help="device of raysheaf (default: %(default)s)",
     )
     parser.add_argument(
-        "--rounds", type=whole, default=5, help="whose median is printed (default: %(default)s)"
+        "--rounds",
+        type=whole,
+        default=5,
+        help="rounds; the medians are printed (default: %(default)s)",
     )
-    parser.add_argument("--json", metavar="FILE", help="write the figures there, too")
+    parser.add_argument("--json", metavar="FILE", help="also write the figures to this file")
     given = parser.parse_args(arguments)
     for name, least in (("rays", 1), ("triangles", 36), ("threads", 0), ("rounds", 1)):
         if getattr(given, name) < least:

@@ -32,23 +32,23 @@ from ._hits import Hits
 from ._mesh_space import Floats, Followed, Ints, followed, hand_over
 from ._scene import Scene
 
-# Hits of one ray that are nearer to each other than this part of the mesh's size are one: a ray
-# through an edge meets both triangles at it. trimesh's other back end steps on by the same length
-# from each hit that it keeps.
+# If two hits of one ray are closer than this fraction of the mesh's size, they count as one: a ray
+# through an edge hits both triangles there. trimesh's other back end advances by the same length
+# after each hit.
 _SAME_PLACE = 1e-6
-# Rays that begin farther away than this many times the mesh's size are begun nearer, so that float32
-# has its digits left for the mesh.
+# Rays with origins farther away than this multiple of the mesh's size start nearer, so that float32
+# keeps its digits for the mesh.
 _FAR = 4.0
-# Directions of lengths between these keep their digits in float32.
+# Directions with lengths in this range keep their digits in float32.
 _SHORT, _LONG = 1e-15, 1e15
 _MOST_HITS = 2**62
-# What an intersector makes for itself.
+# Attributes that each intersector creates itself.
 _NOT_COPIED = ("_scene", "_followed", "_lock", "_process")
 _Own = TypeVar("_Own", bound="RayMeshIntersector")
 
 
 def _most(max_hits: Optional[SupportsIndex]) -> Optional[int]:
-    """How many hits a ray may have; fewer than none are none, as with trimesh's other back end."""
+    """How many hits a ray may have; negative numbers mean none, as in trimesh's other back end."""
     if max_hits is None:
         return None
     try:
@@ -61,12 +61,12 @@ def _most(max_hits: Optional[SupportsIndex]) -> Optional[int]:
 
 @dataclass(frozen=True)
 class _Batch:
-    """Rays in the mesh's space, and those of them that the scene can be asked, in its own."""
+    """Rays in the mesh's space; and, in the scene's space, those that the scene can answer."""
 
     origins: Floats
     directions: Floats  # of any length
     rays: NDArray[np.float32]  # (n, 8), packed
-    asked: Optional[Ints]  # which ones; None: all
+    asked: Optional[Ints]  # the indices of the rays to query; None: all
 
 
 class RayMeshIntersector:
@@ -99,8 +99,8 @@ class RayMeshIntersector:
         threads: SupportsIndex = 0,
         device: Device = "cpu",
     ) -> None:
-        # trimesh 5 makes the engine of a primitive before the primitive has data: properties of its
-        # class are not asked for.
+        # In trimesh 5, a primitive creates its engine before it has data, so properties of its
+        # class must not be evaluated.
         if not all(hasattr(type(geometry), n) or hasattr(geometry, n) for n in ("vertices", "faces")):
             raise TypeError(
                 f"geometry: {type(geometry).__name__} is given; a trimesh.Trimesh is expected"
@@ -114,13 +114,12 @@ class RayMeshIntersector:
     def _begin(self) -> None:
         self._scene = Scene(threads=self._threads, device=self._device)
         self._followed: Optional[Followed] = None
-        self._lock = threading.RLock()  # handlers of signals may ask within a query
+        self._lock = threading.RLock()  # signal handlers may query during a query
         self._process = os.getpid()
 
-    # The scene follows the mesh.
 
     def _follow(self) -> Followed:
-        if self._process != os.getpid():  # a child of fork has none of the scene's threads
+        if self._process != os.getpid():  # after fork, the child has none of the scene's threads
             self._begin()
         with self._lock:
             now, old = hash(self.mesh), self._followed
@@ -129,14 +128,13 @@ class RayMeshIntersector:
             vertices = np.array(self.mesh.vertices, np.float64).reshape(-1, 3)
             faces = np.array(self.mesh.faces, np.int64).reshape(-1, 3)
             new = followed(now, vertices, faces, self._scale_to_box, old)
-            # A handler of a signal may have asked meanwhile. Until the scene has the mesh, nothing
-            # is known of it: whatever ends this, the next query begins anew.
+            # A signal handler may have queried meanwhile. Until the scene has the mesh, its state
+            # is unknown: if an exception ends this, the next query starts from scratch.
             old, self._followed = self._followed, None
             hand_over(self._scene, new, old)
             self._followed = new
             return new
 
-    # Rays.
 
     def _batch(self, mesh: Followed, ray_origins: ArrayLike, ray_directions: ArrayLike) -> _Batch:
         origins = _arrays.doubles(ray_origins, "ray_origins")
@@ -155,14 +153,15 @@ class RayMeshIntersector:
         good = np.empty(len(origins), np.bool_)
         if _core.pack_rays_in_frame(self._context(), origins, directions, frame, rays, good):
             return _Batch(origins, directions, rays, None)
-        # Only the others begin nearer, so that no ray's answer depends on the rest of the batch.
+        # Only these rays start nearer, so that no ray's answer depends on the rest of the batch.
         odd = np.flatnonzero(~good)
         with np.errstate(all="ignore"):
             starts = (origins[odd] - mesh.origin) * mesh.scale
-            # By the largest component first: squares over- and underflow.
+            # Divide by the largest component first, because squares can overflow or underflow.
             units = directions[odd] / np.abs(directions[odd]).max(axis=1, initial=0.0)[:, None]
             units /= np.linalg.norm(units, axis=1)[:, None]
-            # How far a ray goes until it is as near to the middle as it gets; begin a reach before.
+            # The distance to the point closest to the middle, minus the reach: the ray starts
+            # there.
             ahead = np.einsum("ij,ij->i", middle - starts, units) - reach
             starts += np.maximum(ahead, 0.0)[:, None] * units
             usable = np.isfinite(starts).all(axis=1) & np.isfinite(units).all(axis=1)
@@ -188,7 +187,8 @@ class RayMeshIntersector:
         ends: Optional[Ints] = None,
         max_hits: Optional[int] = None,
     ) -> tuple[Ints, Ints, Floats]:
-        """Faces, rays and locations, in float64. `ends`: of each ray's hits; None: one a ray."""
+        """Faces, rays and locations, in float64. `ends`: the end of each ray's hits; None: one hit
+        per ray."""
         return _core.found_rows(
             self._context(),
             mesh.vertices,
@@ -212,7 +212,6 @@ class RayMeshIntersector:
         rows = self._scene.all_hits(batch.rays)
         return self._rows(mesh, batch, rows.hits, rows.offsets, max_hits)
 
-    # trimesh's interface.
 
     def intersects_location(
         self,
@@ -304,7 +303,7 @@ class RayMeshIntersector:
         multiple_hits : bool
             All hits of a ray, or the first.
         max_hits : int, optional
-            At most so many hits a ray, the nearest ones; all by default.
+            The largest number of hits per ray, which are the nearest ones; all by default.
         return_locations : bool
             Return a third array.
 
@@ -314,7 +313,7 @@ class RayMeshIntersector:
             Indices into ``mesh.faces``.
         index_ray : (m,) int64
         locations : (m, 3) float64
-            Only where asked for.
+            Only with `return_locations`.
         """
         most = _most(max_hits)
         mesh = self._follow()
@@ -339,7 +338,7 @@ class RayMeshIntersector:
         """
         batch = self._batch(self._follow(), ray_origins, ray_directions)
         hits = self._scene.closest_hit(batch.rays)
-        # A miss is the largest uint32, which is -1 as int32; faces are fewer than 2^31.
+        # A miss is the largest uint32, which is -1 as int32; there are fewer than 2^31 faces.
         found = hits.prim_id.view(np.int32).astype(np.int64)
         return self._for_all(batch, found, -1)
 
@@ -369,12 +368,12 @@ class RayMeshIntersector:
         return result
 
     def contains_points(self, points: ArrayLike) -> NDArray[np.bool_]:
-        """Whether points lie inside the mesh, by the number of hits both ways along a line.
+        """Whether points lie inside the mesh, by the number of hits in both directions of a line.
 
         Parameters
         ----------
         points : (n, 3) array of real numbers
-            What is said of points on the surface is not defined.
+            For points on the surface, the result is unspecified.
 
         Returns
         -------
@@ -385,7 +384,7 @@ class RayMeshIntersector:
             places = places.reshape(0, 3)
         if places.ndim != 2 or places.shape[1] != 3:
             raise ValueError(f"points {places.shape}: an array of shape (n, 3) is expected")
-        # What trimesh looks at of an engine; the mesh's own box is NaN for a vertex that is.
+        # The attributes of an engine that trimesh uses; the mesh's own box is NaN if any vertex is.
         box = SimpleNamespace(bounds=self._follow().bounds)
         asked = SimpleNamespace(mesh=box, intersects_location=self.intersects_location)
         contained: NDArray[np.bool_] = contains_points(asked, places)
@@ -404,4 +403,4 @@ class RayMeshIntersector:
         return copied
 
     def __deepcopy__(self: _Own, memo: dict[int, Any]) -> _Own:
-        return self.__copy__()  # as trimesh's other back ends: the mesh stays the same
+        return self.__copy__()  # as in trimesh's other back ends, the mesh is not copied

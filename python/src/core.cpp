@@ -4,7 +4,7 @@
 
 NB_MODULE(_core, module) {
   using namespace raysheaf::python;
-  // What a process that ends in an exception leaves behind is no fault of its references.
+  // Objects that are still referenced when an exception ends the process are no leaks.
   nanobind::set_leak_warnings(false);
   module.doc() = "The compiled part of raysheaf: use `raysheaf` instead.";
   module.attr("version") = RAYSHEAF_VERSION;

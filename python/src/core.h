@@ -1,5 +1,6 @@
-// The extension `raysheaf._core`: the front door as numpy arrays of one dtype and layout each. What
-// users see, and everything about dtypes, shapes and broadcasting, is written in Python over it.
+// The extension `raysheaf._core`: the C++ API with numpy arrays of one dtype and layout each. The
+// public interface, and everything about dtypes, shapes and broadcasting, is written in Python on
+// top of it.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -23,7 +24,8 @@ using Rays = nb::ndarray<const float, nb::shape<-1, 8>, nb::c_contig, nb::device
 using Column = nb::ndarray<nb::ro, nb::ndim<1>, nb::device::cpu>;
 using Columns = nb::ndarray<nb::ro, nb::shape<-1, 3>, nb::device::cpu>;
 
-/// Rays as four arrays, which it keeps alive. Hidden, as nanobind's types are that it has.
+/// Rays as four arrays, which it keeps alive. It has hidden visibility because its members,
+/// nanobind's types, have it.
 class __attribute__((visibility("hidden"))) Parts {
  public:
   Parts() = default;
@@ -36,8 +38,8 @@ class __attribute__((visibility("hidden"))) Parts {
   RayParts rays_{0, {}, {}};
 };
 
-/// Where an array lies that numpy does not reach: `count` rows from `pointer` on in a device's
-/// memory, and the stream (a cudaStream_t) on which they are made.
+/// An array in a device's memory: `count` rows from `pointer` on, and the stream (a cudaStream_t)
+/// that writes them.
 struct Place {
   void* pointer = nullptr;
   std::size_t count = 0;
@@ -50,7 +52,7 @@ void bind_scene(nb::module_& module);
 void bind_points(nb::module_& module);
 void bind_render(nb::module_& module);
 
-/// A numpy array over what `owner` keeps alive.
+/// A numpy array over memory that `owner` keeps alive.
 template <class Scalar>
 nb::object array_over(const void* data, std::initializer_list<std::size_t> shape,
                       nb::handle owner) {

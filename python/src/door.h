@@ -1,5 +1,4 @@
-// Who may be at a scene: any number of queries, or one change. Whoever comes at the wrong time
-// waits.
+// A fair readers-writer lock for a scene: any number of queries, or one change.
 #pragma once
 
 #include <unistd.h>
@@ -15,10 +14,10 @@
 
 namespace raysheaf::python {
 
-/// `Scene` refuses what comes at the wrong time; Python's threads expect to wait instead, in the
-/// order in which they came. While anyone waits, their `poll()` is called now and then: what it
-/// throws ends the wait. Meanwhile they hold no place in the row, so that whatever Python does in
-/// there (a handler of a signal, a finalizer) may come to the same door.
+/// `Scene` refuses concurrent changes; Python's threads expect to wait for them instead, in order
+/// of arrival. A waiting thread calls its `poll()` regularly; an exception from it ends the wait.
+/// Meanwhile the thread has no place in the queue, so that Python code that runs inside (a signal
+/// handler, a finalizer) may lock the same door.
 class Door {
  public:
   class Reading {
@@ -53,8 +52,8 @@ class Door {
   enum class Visit { kReading, kChanging };
   using Number = std::uint64_t;
 
-  /// Whether the visitor with `number` may go in: a change once all before it are gone, a query
-  /// once all changes before it are.
+  /// Whether the visitor with `number` may enter: a change when all earlier visitors have left, a
+  /// query when all earlier changes have.
   bool may_enter(Visit visit, Number number) const {
     if (is_changing_) return false;
     const auto end = waiting_.lower_bound(number);
@@ -99,7 +98,7 @@ class Door {
   }
 
   std::mutex mutex_;
-  std::condition_variable left_;  ///< that someone has gone out
+  std::condition_variable left_;  ///< signalled when a visitor leaves
   std::map<Number, Visit> waiting_;
   Number next_ = 0;
   std::uint32_t readers_ = 0;

@@ -1,4 +1,4 @@
-// `raysheaf::Error` as Python's exceptions, which stand in raysheaf/_errors.py.
+// Converts `raysheaf::Error` to the Python exceptions in raysheaf/_errors.py.
 #include <exception>
 
 #include "core.h"

@@ -1,4 +1,4 @@
-// The interpreter's lock, let go and taken again, also where the interpreter is about to end.
+// Releases and reacquires the interpreter's lock, also while the interpreter is shutting down.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -14,9 +14,9 @@
 
 namespace raysheaf::python {
 
-/// Calls `take()`, which takes the lock. Until Python 3.14 a daemon thread that asks for it once
-/// the interpreter ends is ended in there, by unwinding a stack that must not be unwound; here it
-/// waits for the end of the process instead, as it does from 3.14 on.
+/// Calls `take()`, which acquires the lock. Before Python 3.14, a daemon thread that requests it
+/// during shutdown is terminated by unwinding a stack that must not be unwound. Here it waits for
+/// the end of the process instead, as it does from 3.14 on.
 template <class Take>
 void take_or_stay(const Take& take) {
 #ifdef __GLIBCXX__
@@ -30,7 +30,7 @@ void take_or_stay(const Take& take) {
 #endif
 }
 
-/// Without the lock while it lives: what happens meanwhile touches no Python object.
+/// Releases the lock during its lifetime: meanwhile, the thread must not touch Python objects.
 class WithoutGil {
  public:
   WithoutGil() : state_(PyEval_SaveThread()) {}
@@ -38,7 +38,7 @@ class WithoutGil {
   WithoutGil(const WithoutGil&) = delete;
   WithoutGil& operator=(const WithoutGil&) = delete;
 
-  /// Throws what a handler of a signal raises. On the thread that made this.
+  /// Throws what a signal handler raises. Call it on the thread that created this object.
   void check_signals() const {
     take();
     std::optional<nanobind::python_error> raised;

@@ -1,4 +1,4 @@
-// Ctrl-C during long work.
+// Makes long work interruptible by Ctrl-C.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -14,15 +14,16 @@
 
 namespace raysheaf::python {
 
-/// Throws once a long work is to stop. For a wait within `interruptible`.
+/// Throws if long work should stop; for waits within `interruptible`.
 inline void give_up_if(const std::atomic<bool>& stop) {
   if (stop) throw Error(ErrorCode::kCancelled, "the wait was stopped");
 }
 
-/// Runs `body(stop)` on a thread of its own, without the interpreter's lock, while this one
-/// listens: Python hands signals to its main thread alone. What a handler raises, KeyboardInterrupt
-/// for one, sets `stop`, and is thrown once `body` has ended, however it did. Else throws what
-/// `body` throws. Where the system starts no thread, `body` runs on this one, and signals wait.
+/// Runs `body(stop)` on a thread of its own, without the interpreter's lock, while this thread
+/// handles signals, because Python delivers them only to its main thread. If a handler raises, for
+/// instance KeyboardInterrupt, this sets `stop`, waits until `body` has ended, and throws the
+/// handler's exception. Otherwise it throws what `body` throws. If no thread can be started, `body`
+/// runs on this one, and signals wait.
 template <class Body>
 void interruptible(const Body& body) {
   namespace nb = nanobind;

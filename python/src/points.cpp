@@ -1,4 +1,4 @@
-// Where hits lie, in double precision: for callers whose meshes and rays are float64.
+// Computes the positions of hits in double precision, for callers with float64 meshes and rays.
 #include <nanobind/stl/optional.h>
 
 #include <algorithm>
@@ -21,8 +21,9 @@ using RayIds = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::de
 
 constexpr std::size_t kRaysABlock = 8192;
 
-// Below this sine between ray and plane, the hit's weights say more than the plane does: the error
-// of a point on the plane grows with the inverse, that of the weights is a rounding of float32.
+// Below this sine of the angle between ray and plane, the hit's barycentric weights are more
+// accurate than the plane: a point on the plane has an error that grows with the inverse of the
+// sine, while the weights have only the rounding error of float32.
 constexpr double kFlat = 1e-4;
 
 struct Face {
@@ -52,7 +53,7 @@ Double3 cross(Double3 a, Double3 b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// The rows of an array, with an error for an index that is none.
+/// The rows of an array; an invalid index is an error.
 template <class Row, class Array>
 struct Rows {
   explicit Rows(const Array& array)
@@ -67,7 +68,7 @@ struct Rows {
   std::size_t count;
 };
 
-/// `unit`: as `Found` has it.
+/// `unit` is as in `Found`.
 Double3 point_of(const Hit& hit, Double3 a, Double3 b, Double3 c, Double3 origin, Double3 direction,
                  double unit) {
   const Double3 normal = cross(unit * (b - a), unit * (c - a));
@@ -77,21 +78,24 @@ Double3 point_of(const Hit& hit, Double3 a, Double3 b, Double3 c, Double3 origin
   return a + double{hit.u} * (b - a) + double{hit.v} * (c - a);
 }
 
-/// A mesh and rays in double precision, and the hits of the scene that has them in single.
+/// A mesh and rays in double precision, and the hits of the single-precision scene.
 struct Found {
   Rows<Double3, Doubles3> corners;
   Rows<Face, Faces> faces;
   Rows<Double3, Doubles3> origins, directions;
-  std::optional<RayIds> asked;  ///< which of the rays the scene was asked; none: all
-  std::optional<RayIds> ends;   ///< hits [ends[i], ends[i + 1]) are those of ray i; none: the i-th
+  std::optional<RayIds> asked;  ///< which rays the scene was queried for; empty: all
+  std::optional<RayIds> ends;   ///< hits [ends[i], ends[i + 1]) belong to ray i; empty: hit i does
   Rows<Hit, HitArray> hits;
-  double unit;            ///< a power of two: by it the mesh is of size 1, and products have room
-  double same_place;      ///< a hit no farther behind the last that counts does not count
-  std::int64_t max_hits;  ///< of a ray
+  /// A power of two that scales the mesh to size 1, so that products neither overflow nor
+  /// underflow.
+  double unit;
+  /// A hit is dropped if it is no farther than this behind the last one kept.
+  double same_place;
+  std::int64_t max_hits;  ///< per ray
 };
 
 struct Place3 {
-  double distance;  ///< from the ray's origin, as a length
+  double distance;  ///< from the ray's origin
   std::int64_t face;
   Double3 point;
 };
@@ -108,7 +112,8 @@ struct FoundRow {
   Double3 point;
 };
 
-/// Appends what one ray meets, from near to far: doubles see what floats did not.
+/// Appends the hits of one ray from near to far. Their order in double precision may differ from
+/// that in float32.
 void add_rows(const Found& found, std::size_t i, std::vector<Place3>* places,
               std::vector<FoundRow>* rows) {
   const std::uint64_t first = found.ends ? static_cast<std::uint64_t>(found.ends->data()[i]) : i;
@@ -121,14 +126,14 @@ void add_rows(const Found& found, std::size_t i, std::vector<Place3>* places,
   places->clear();
   for (std::uint64_t h = first; h < end; ++h)
     places->push_back(place_of(found, found.hits[h], origin, direction));
-  // What is not a number comes last.
+  // NaN sorts last.
   const auto nearer = [](const Place3& a, const Place3& b) {
     return a.distance < b.distance || (std::isnan(b.distance) && !std::isnan(a.distance));
   };
   if (!std::is_sorted(places->begin(), places->end(), nearer))
     std::stable_sort(places->begin(), places->end(), nearer);
   std::int64_t kept = 0;
-  double last = 0;  // that was kept
+  double last = 0;  // distance of the last hit kept
   for (std::size_t k = 0; k < places->size() && kept < found.max_hits; ++k) {
     const Place3& place = (*places)[k];
     if (kept > 0 && !(place.distance - last > found.same_place)) continue;
@@ -153,7 +158,7 @@ struct Column {
   }
 };
 
-/// Faces, rays and places, a row a hit: sorted by ray, then from near to far.
+/// Faces, rays and positions, one row per hit: sorted by ray, then from near to far.
 nb::tuple found_rows(const Context& context, const Found& found, std::size_t rays) {
   std::unique_ptr<Column<std::int64_t, 1>> face, ray;
   std::unique_ptr<Column<double, 3>> point;

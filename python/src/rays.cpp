@@ -1,4 +1,5 @@
-// Rays as numpy has them: origins, directions and intervals of any strides, float32 or float64.
+// Reads rays from numpy arrays: origins, directions and intervals of any strides, in float32 or
+// float64.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -22,7 +23,7 @@ using WritableFlags = nb::ndarray<bool, nb::ndim<1>, nb::c_contig, nb::device::c
 constexpr std::size_t kFloatsPerRay = 8, kRaysABlock = 16384;
 static_assert(sizeof(Ray) == kFloatsPerRay * sizeof(float));
 
-/// Three numbers a row, or one.
+/// One row of three numbers per ray, or a single row for all.
 template <class Array>
 NumberRows rows_of(const Array& array, std::size_t count) {
   NumberRows rows;
@@ -36,15 +37,15 @@ NumberRows rows_of(const Array& array, std::size_t count) {
   return rows;
 }
 
-/// Where a scene has what lies about `origin`: (point - origin) * scale. `reach`: how far from
-/// `middle`, in the scene, rays may begin; `shortest` to `longest`: what directions may be.
+/// The scene's space: (point - origin) * scale. Rays may begin at most `reach` from `middle` in the
+/// scene, and directions may have lengths from `shortest` to `longest`.
 struct Frame {
   std::array<double, 3> origin, middle;
   double scale, reach, shortest, longest;
 };
 
-/// Moves one ray into the frame; whether float32 keeps its digits there: where it begins near the
-/// middle, or rounds nothing.
+/// Transforms a ray into the frame. Returns whether float32 keeps its digits there: it begins near
+/// the middle, or nothing is rounded.
 bool pack_ray(const Frame& frame, const double* origin, const double* direction, float* out) {
   bool near = true, exact = true;
   double squares = 0;
@@ -62,8 +63,9 @@ bool pack_ray(const Frame& frame, const double* origin, const double* direction,
   return (near || exact) && length > frame.shortest && length < frame.longest;
 }
 
-/// Sets good[i] to whether float32 keeps the digits of ray i in the frame; the other rays of `out`
-/// mean nothing. Returns whether all are good. What is said of a ray depends on no other ray.
+/// Sets good[i] to whether float32 keeps the digits of ray i in the frame; for the other rays,
+/// `out` is unspecified. Returns whether all are good. The result for a ray does not depend on
+/// other rays.
 bool pack_rays_in_frame(const Context& context, const Doubles3& origins, const Doubles3& directions,
                         const Frame& frame, const WritableRays& out, const WritableFlags& good) {
   const std::size_t count = out.shape(0);

@@ -1,4 +1,4 @@
-// `_core.Film`: a scene file or a built-in scene at any of its times, in arrays of pixels.
+// `_core.Film` renders a scene file or a built-in scene at any time into arrays of pixels.
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -24,7 +24,7 @@
 namespace raysheaf::python {
 namespace {
 
-/// `moves`: with what moves in the file, which else stays at rest.
+/// `moves`: whether to load animations; without them, the scene stays in its rest pose.
 std::unique_ptr<Animation> animation_named(const std::string& name, bool moves) {
   const std::string prefix = "builtin:";
   if (name.starts_with(prefix)) return animate(builtin_scene(name.substr(prefix.size())));
@@ -53,21 +53,21 @@ nb::dict arrays_of(Rendered* rendered) {
   return arrays;
 }
 
-/// What each picture is told besides its time.
+/// The options of a picture, apart from its time.
 struct PictureWish {
   RenderOptions options;
-  std::optional<std::uint32_t> camera_number;  // where a number was given, and no name
+  std::optional<std::uint32_t> camera_number;  // if a number was given instead of a name
   std::string environment;                     // a path, or empty
   Device device = Device::kCpu;
   Viewpoint viewpoint;
-  bool has_viewpoint = false;  // a camera of its own counts, and none of the scene's
+  bool has_viewpoint = false;  // use this viewpoint instead of the scene's cameras
   std::optional<std::array<std::uint8_t, 4>> background;
-  std::string seen_from;  // what the camera depends on: equal texts, equal cameras
+  std::string seen_from;  // everything that the camera depends on: equal texts mean equal cameras
 };
 
 using Triple = std::array<float, 3>;
 
-/// `fov` in radians.
+/// `fov` is in radians.
 void look_from(PictureWish& wish, const std::optional<std::string>& view,
                const std::optional<std::string>& up, const std::optional<Triple>& position,
                const std::optional<Triple>& look_at, const std::optional<float>& fov,
@@ -113,8 +113,8 @@ PictureWish wish_of(std::uint32_t width, std::uint32_t height, const std::string
   return wish;
 }
 
-/// A scene that may move, and a renderer that keeps what has not changed since the picture before.
-/// Threads of Python take turns.
+/// A scene that may move, and a renderer that reuses what has not changed since the previous
+/// picture. Only one Python thread renders at a time.
 class Film {
  public:
   Film(const std::string& scene, bool moves) : moves_(moves) {
@@ -122,7 +122,7 @@ class Film {
     animation_ = animation_named(scene, moves);
   }
 
-  /// What `body` says of the animation.
+  /// Returns the result of `body` for the animation.
   template <class Body>
   auto at(const Body& body) {
     const WithoutGil released;
@@ -137,7 +137,7 @@ class Film {
     });
   }
 
-  /// `time`: seconds; none: as it is.
+  /// `time` is in seconds; without it, the scene stays as it is.
   [[nodiscard]] nb::dict render(PictureWish wish, const std::optional<double>& time) {
     auto rendered = std::make_unique<Rendered>();
     interruptible([&](const std::atomic<bool>& stop) {
@@ -146,7 +146,7 @@ class Film {
       choose(wish.device, wish.options.threads);
       if (is_framed(wish)) frame(wish);
       if (time) {
-        // Only once it is told is a change forgotten.
+        // The animation forgets a change when `seek` has returned it.
         const SceneChanges changes = animation_->seek(*time);
         if (is_shown_) renderer_.show(animation_->scene(), changes);
       }
@@ -169,13 +169,13 @@ class Film {
     return renderer_.render(wish.options, camera);
   }
 
-  /// Whether the picture is seen from none of the scene's cameras.
+  /// Whether the picture uses none of the scene's cameras.
   [[nodiscard]] bool is_framed(const PictureWish& wish) {
     const bool names_none = wish.options.camera.empty() && !wish.camera_number;
     return wish.has_viewpoint || (animation_->scene().cameras.empty() && names_none);
   }
 
-  /// A number is that of a camera before it is the name of another one.
+  /// A number that is a camera's index takes precedence over a camera of that name.
   [[nodiscard]] Camera own_camera(const PictureWish& wish) {
     const std::vector<Camera>& cameras = animation_->scene().cameras;
     const std::size_t number = wish.camera_number.value_or(cameras.size());
@@ -184,17 +184,18 @@ class Film {
                   wish.viewpoint.zoom);
   }
 
-  /// Finds the camera that shows all that the scene comes to show.
+  /// Finds the camera that sees the whole scene at all of its times.
   void frame(const PictureWish& wish) {
     const float aspect = wish.viewpoint.aspect_ratio;
     if (framed_ && framed_->key == wish.seen_from && framed_->aspect == aspect) return;
     Camera camera = moves_ ? framing_camera(*animation_, wish.viewpoint)
                            : framing_camera(animation_->scene(), wish.viewpoint);
-    if (moves_) is_shown_ = false;  // it was brought to other times
+    if (moves_) is_shown_ = false;  // framing has moved the scene to other times
     framed_ = Framed{std::move(camera), wish.seen_from, aspect};
   }
 
-  /// A scene without lights is lit for who looks; the lights then stay where they are.
+  /// Lights a scene without lights for this camera; the lights stay in place until the viewpoint
+  /// changes.
   void light_for(const Camera& camera, const PictureWish& wish) {
     SceneDescription& scene = animation_->scene();
     const std::string key =
@@ -208,7 +209,8 @@ class Film {
     lit_for_ = key;
   }
 
-  /// The device of the pictures from now on; on the CPU each picture says how many threads.
+  /// Selects the device of the following pictures. On the CPU, each picture has its own number of
+  /// threads.
   void choose(Device device, std::uint32_t threads) {
     if (device == device_ && (device == Device::kCpu || threads == threads_)) return;
     renderer_ = device == Device::kCuda
@@ -240,12 +242,12 @@ class Film {
   Door door_;
   std::unique_ptr<Animation> animation_;
   Renderer renderer_;
-  Device device_ = Device::kCpu;  ///< the renderer's
-  std::uint32_t threads_ = 0;     ///< of a device's host
+  Device device_ = Device::kCpu;  ///< the device of the renderer
+  std::uint32_t threads_ = 0;     ///< of the device's host
   Environment own_environment_;
   std::optional<std::string> environment_;
   std::optional<Framed> framed_;
-  std::string lit_for_;  ///< by whom the lights of a studio were asked for
+  std::string lit_for_;  ///< the picture's key for which the studio lights were placed
   bool is_lit_ = false, is_shown_ = false, is_studio_ = false;
 };
 

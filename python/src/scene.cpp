@@ -1,4 +1,4 @@
-// `_core.Scene`: a scene behind its door, and the four queries.
+// `_core.Scene`: a scene with its lock, and the four queries.
 #include "raysheaf/scene.h"
 
 #include <nanobind/stl/optional.h>
@@ -28,7 +28,7 @@ using WritableFlags = nb::ndarray<std::uint8_t, nb::ndim<1>, nb::c_contig, nb::d
 using WritableCounts = nb::ndarray<std::uint32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 static_assert(sizeof(Hit) == 6 * sizeof(float));
 
-/// Waits and works without the interpreter's lock; what runs inside touches no Python object.
+/// Waits and works without the interpreter's lock; code inside must not touch Python objects.
 class SharedScene {
  public:
   SharedScene(std::uint32_t threads, bool cuda)
@@ -49,8 +49,8 @@ class SharedScene {
     return body(static_cast<const Scene&>(scene_));
   }
 
-  /// Looks at a scene whose changes are all committed. To be called without the interpreter's lock;
-  /// `poll` as `Door` has it.
+  /// Calls `body` for a scene without uncommitted changes. Call it without the interpreter's lock;
+  /// `poll` is as for `Door`.
   template <class Body, class Poll>
   auto look_committed(const Body& body, const Poll& poll) {
     for (;;) {
@@ -76,7 +76,7 @@ std::span<const Triangle> triangles_of(const Indices3& array) {
   return {reinterpret_cast<const Triangle*>(array.data()), array.shape(0)};
 }
 
-/// Numpy's array, or one that lies elsewhere.
+/// A numpy array, or an array in a device's memory.
 template <class Array>
 using Anywhere = std::variant<Array, Place>;
 using AskedRays = std::variant<Rays, Parts, Place>;
@@ -89,16 +89,16 @@ std::span<Item> items_of(const std::variant<Arrays...>& from) {
   return {reinterpret_cast<Item*>(array.data()), array.shape(0)};
 }
 
-/// Calls `body(rays)` with whichever of the library's they are.
+/// Calls `body(rays)` with the library's type for these rays.
 template <class Body>
 auto with_rays(const AskedRays& rays, const Body& body) {
   if (const Parts* parts = std::get_if<Parts>(&rays)) return body(parts->rays());
   return body(items_of<const Ray>(rays));
 }
 
-/// Of what lies on a device.
+/// The streams of arrays on a device.
 struct Streams {
-  bool any_place = false;  ///< whether something does
+  bool any_place = false;  ///< whether any array is on a device
   void *rays = nullptr, *results = nullptr;
 };
 
@@ -108,7 +108,8 @@ Streams streams_of(const AskedRays& rays, const std::variant<Arrays...>& out) {
   const Place* const to = std::get_if<Place>(&out);
   Streams streams{from != nullptr || to != nullptr, from != nullptr ? from->stream : nullptr,
                   to != nullptr ? to->stream : nullptr};
-  // To the library none is CUDA's default one, for which nothing here asks.
+  // A null pointer in `streams.rays` would mean CUDA's default stream to the library; no array
+  // asked for that one.
   if (streams.rays == nullptr) streams.rays = std::exchange(streams.results, nullptr);
   return streams;
 }
@@ -190,15 +191,15 @@ void write_statistics(const QueryStatistics& from, const nb::dict& to) {
   to["plan"] = plan_of(from);
 }
 
-/// What each query is told besides its rays.
+/// The parameters of a query, apart from its rays.
 struct Wish {
   std::uint32_t mask;
   bool brute, check;
   nb::object statistics;  // a dict, or None
 };
 
-/// A query of no more rays, and of no more tests or kept hits at the worst, is over before anyone
-/// could be tired of it.
+/// A query with fewer rays, and in the worst case fewer tests or hits, ends before a user would
+/// interrupt it.
 constexpr std::uint64_t kFewRays = 100'000, kFewTests = 100'000'000, kFewHits = 10'000'000;
 
 std::uint64_t size_of(std::span<const Ray> rays) {
@@ -208,7 +209,7 @@ std::uint64_t size_of(const RayParts& rays) {
   return rays.count;
 }
 
-/// Where arrays lie on a device, the query stays on the thread that asks: to another one a stream's
+/// If arrays are on a device, the query stays on the calling thread: on another thread, a stream's
 /// handle may mean another stream (cudaStreamPerThread).
 template <class Body>
 void ask(SharedScene& shared, const AskedRays& rays, const Streams& streams, const Wish& wish,
@@ -250,8 +251,8 @@ void query_into(SharedScene& shared, const AskedRays& rays, const Anywhere<Array
       });
 }
 
-/// Room for hits, not initialised, of the library's memory: pages cost when they are first touched,
-/// and the library keeps those that are given back.
+/// Uninitialised memory for hits, from the library's allocator: the first access to a page is
+/// expensive, and the library reuses freed pages.
 nb::ndarray<nb::numpy, float, nb::shape<-1, 6>> empty_hits(std::size_t count) {
   auto memory = std::make_unique<LargeVector<Hit>>(count);
   LargeVector<Hit>* const hits = memory.get();
@@ -302,7 +303,7 @@ void bind_queries(nb::module_& module, nb::class_<SharedScene>& scene) {
   module.def("empty_hits", empty_hits, nb::arg("count"));
 }
 
-/// A getter that looks at the scene, for what needs no more than an id.
+/// A getter that takes only an id.
 template <auto kMember>
 auto looking() {
   return [](SharedScene& shared, std::uint32_t id) {

@@ -21,7 +21,7 @@ Vec3 eye_of(const Camera& camera) {
   return column(camera.to_world, 3);
 }
 
-/// Along x at 10 s, 11 s and 14 s, always looking at a point ahead on z.
+/// Key positions along x at 10 s, 11 s and 14 s, always looking at a point ahead on z.
 CameraPath path(bool smooth) {
   CameraPath path;
   path.smooth = smooth;
@@ -31,7 +31,7 @@ CameraPath path(bool smooth) {
   return path;
 }
 
-TEST(CameraPath, MeetsItsKeysAndStandsBeyondThem) {
+TEST(CameraPath, PassesItsKeysAndStaysBeyondThem) {
   for (const bool smooth : {false, true}) {
     const CameraPath p = path(smooth);
     validate(p);
@@ -47,8 +47,8 @@ TEST(CameraPath, MeetsItsKeysAndStandsBeyondThem) {
 TEST(CameraPath, RunsStraightOrGlides) {
   expect_close(eye_of(camera_at(path(false), 10.5)), {1, 0, 0});
   EXPECT_NEAR(camera_at(path(false), 12.5).y_fov, 1, 1e-6f);
-  // Hermite at half of the second: (0 + 2) / 2 + (2 - 1) / 8, where the first key has the velocity
-  // 2 a second, and the second that between its neighbours, 4 in 4 seconds.
+  // Hermite interpolation half-way through the first segment: (0 + 2) / 2 + (2 - 1) / 8. The first
+  // key has the velocity 2 per second, the second that between its neighbours, 4 in 4 seconds.
   expect_close(eye_of(camera_at(path(true), 10.5)), {1.125f, 0, 0});
   const double h = 1e-3;
   const float before =
@@ -57,7 +57,7 @@ TEST(CameraPath, RunsStraightOrGlides) {
   EXPECT_NEAR(before, after, 1e-5f);
 }
 
-TEST(CameraPath, RefusesWhatShowsNothing) {
+TEST(CameraPath, RefusesInvalidKeys) {
   const auto refused = [](auto change, const char* place) {
     CameraPath p = path(true);
     change(p);

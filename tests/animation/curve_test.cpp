@@ -1,4 +1,4 @@
-// Curves against values worked out by hand.
+// Compares curves with values that were computed by hand.
 #include "animation/curve.h"
 
 #include <gtest/gtest.h>
@@ -35,8 +35,8 @@ TEST(Curve, StepsAndRuns) {
   EXPECT_NEAR(value_at(linear, 3), 7.5, 1e-12);
 }
 
-// Between the keys 2 s apart: v0 = 1, b0 = 3, a1 = -1, v1 = 5. At half way Hermite's weights are
-// 1/2, 2/8, 1/2, -2/8: (1 + 5) / 2 + (3 + 1) / 4 = 4.
+// Between the keys, which are 2 s apart: v0 = 1, b0 = 3, a1 = -1, v1 = 5. Half-way, Hermite's
+// weights are 1/2, 2/8, 1/2, -2/8: (1 + 5) / 2 + (3 + 1) / 4 = 4.
 TEST(Curve, SplinesFollowTheirTangents) {
   const Curve spline{Interpolation::kCubicSpline, {0, 2}, {9, 1, 3, -1, 5, 9}};
   EXPECT_EQ(value_at(spline, 0), 1);
@@ -58,7 +58,7 @@ TEST(Curve, SamplesEveryNumber) {
 
 TEST(Curve, TurnsEvenlyAlongTheShorterArc) {
   const float s = std::sqrt(0.5f);
-  // From no turn to 90 degrees about z, and the same turn written with the other sign.
+  // From the identity to 90 degrees about z, and to the same rotation as a negated quaternion.
   for (const float sign : {1.0f, -1.0f}) {
     const Curve curve{Interpolation::kLinear, {0, 1}, {0, 0, 0, 1, 0, 0, sign * s, sign * s}};
     const auto third = sample_rotation(curve, 1.0 / 3);

@@ -1,4 +1,4 @@
-// Rigs made by hand: where things are at a time, and what is said to have changed.
+// Rigs made by hand: the places of objects at a given time, and the reported changes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,7 +26,7 @@ RigNode node_at(double x, double y, double z, std::uint32_t parent = kInvalidId)
 }
 
 /// Three instances, a camera and a light on four nodes: an arm that turns by 90 degrees in a
-/// second, a hand on it, and a stone beside.
+/// second, a hand on it, and a stone next to it.
 struct Arm {
   SceneDescription scene;
   Rig rig;
@@ -49,7 +49,7 @@ struct Arm {
   }
 };
 
-TEST(Rig, CarriesWhatHangsOnItsNodes) {
+TEST(Rig, MovesObjectsOnItsNodes) {
   Arm arm;
   const auto animation = animate(arm.scene, arm.rig);
   EXPECT_EQ(animation->start(), 0);
@@ -59,7 +59,7 @@ TEST(Rig, CarriesWhatHangsOnItsNodes) {
   const SceneChanges changes = animation->seek(1);
   EXPECT_EQ(changes.moved, (std::vector<std::uint32_t>{0, 1}));
   EXPECT_TRUE(changes.deformed.empty());
-  // The hand, 2 along the arm's x, which is y by now.
+  // The hand is 2 along the arm's x axis, which now points along y.
   expect_near(column(scene.instances[1].to_world, 3), {1, 2, 0});
   expect_near(column(scene.instances[2].to_world, 3), {-5, 0, 0});
   expect_near(scene.lights[0].position, {1, 2, 0});
@@ -105,13 +105,13 @@ TEST(Rig, PlaysClipsApartOrTogether) {
   lift.curves = {{Interpolation::kStep, {0, 2}, {0, 0, 0, 0, 7, 0}}};
   lift.channels = {{RigPath::kTranslation, 2, 0}};
   arm.rig.clips.push_back(lift);
-  // They drive different things: one entry.
+  // The clips drive different things, so they form one entry.
   auto animation = animate(arm.scene, arm.rig);
   EXPECT_EQ(animation->clips(), std::vector<std::string>{"turn + lift"});
   EXPECT_EQ(animation->end(), 2);
   EXPECT_EQ(animation->seek(2).moved, (std::vector<std::uint32_t>{0, 1, 2}));
 
-  // They drive the same: each by itself, from rest.
+  // The clips drive the same thing: each plays separately, starting at rest.
   arm.rig.clips[1].channels.push_back({RigPath::kTranslation, 0, 0});
   arm.rig.clips[0].channels.push_back({RigPath::kTranslation, 0, 1});
   arm.rig.clips[0].curves.push_back({Interpolation::kLinear, {0, 1}, {0, 0, 0, 0, 0, 9}});
@@ -125,7 +125,7 @@ TEST(Rig, PlaysClipsApartOrTogether) {
   EXPECT_THROW(animation->play(2), Error);
 }
 
-/// A strip of two triangles, the upper end on a joint that bends, the middle on both.
+/// A strip of two triangles. Its upper end follows a joint that bends, its middle both joints.
 struct Strip {
   SceneDescription scene;
   Rig rig;
@@ -148,7 +148,7 @@ struct Strip {
     shape.joints_per_vertex = 2;
     shape.joints.assign(12, 0);
     for (std::size_t v = 0; v < 6; ++v) shape.joints[2 * v + 1] = 1;
-    // Twice what is meant: weights are divided by their sum.
+    // Weights with the sum 2: the rig normalises them.
     shape.joint_weights = {2, 0, 2, 0, 1, 1, 1, 1, 0, 2, 0, 2};
     rig.shapes = {shape};
     RigClip clip;
@@ -212,7 +212,7 @@ TEST(Rig, FlatTrianglesStayFlat) {
 
 TEST(Rig, TheSameWithAnyNumberOfThreads) {
   Strip strip;
-  // A long strip, so that there are several tasks.
+  // A strip that is long enough for several tasks.
   Mesh& mesh = strip.scene.meshes[0];
   RigShape& shape = strip.rig.shapes[0];
   for (int i = 0; i < 4000; ++i) {
@@ -231,7 +231,7 @@ TEST(Rig, TheSameWithAnyNumberOfThreads) {
   EXPECT_TRUE(test::same_bits(one->scene().meshes[0].normals, four->scene().meshes[0].normals));
 }
 
-/// Whether `rig` is refused, with these words.
+/// Expects that `rig` is refused with this place and these words.
 template <class Rig>
 void expect_refused(const Rig& rigged, const std::string& place, const std::string& words) {
   try {

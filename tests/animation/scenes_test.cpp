@@ -1,5 +1,5 @@
-// Scenes that move, as people made them: every method sees what brute force sees, with renderers
-// that follow the motion from frame to frame.
+// Animated sample scenes: every method gives brute force's images, with renderers that follow the
+// animation from frame to frame.
 #include <gtest/gtest.h>
 
 #include "raysheaf/animation.h"
@@ -13,7 +13,7 @@ namespace {
 struct Moving {
   const char* name;
   const char* path;
-  std::uint64_t frames;  ///< at 24 frames a second; 0: any
+  std::uint64_t frames;  ///< at 24 frames per second; 0: any
 };
 
 void PrintTo(const Moving& moving, std::ostream* out) {

@@ -1,4 +1,4 @@
-// What the tests of the library share.
+// Helpers of the API tests.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace raysheaf::test {
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 inline constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-/// Bit for bit.
+/// Compares bit for bit.
 inline bool same(const Hit& a, const Hit& b) {
   const auto bits = [](float x) { return std::bit_cast<std::uint32_t>(x); };
   return bits(a.t) == bits(b.t) && bits(a.u) == bits(b.u) && bits(a.v) == bits(b.v) &&
@@ -31,7 +31,7 @@ inline std::string shown(const Hit& hit) {
          std::to_string(hit.geom_id) + ", inst " + std::to_string(hit.inst_id);
 }
 
-/// `body` throws an Error with this code, this place and these words in its sentence.
+/// Expects that `body` throws an Error with this code, this place and these words in its sentence.
 inline void expect_error(ErrorCode code, const std::string& place, const std::string& words,
                          const std::function<void()>& body) {
   try {
@@ -44,7 +44,7 @@ inline void expect_error(ErrorCode code, const std::string& place, const std::st
   }
 }
 
-/// A square of two triangles across the z axis, its half side being `half`.
+/// A square of two triangles perpendicular to the z axis; `half` is half its side.
 struct Square {
   std::vector<Vec3> positions;
   std::vector<Triangle> triangles{{0, 1, 2}, {0, 2, 3}};
@@ -53,7 +53,7 @@ struct Square {
       : positions{{-half, -half, z}, {half, -half, z}, {half, half, z}, {-half, half, z}} {}
 };
 
-/// Triangles with edges up to `size` at random within 4 of the origin, and rays from within 5.
+/// Random triangles with edges up to `size` within 4 of the origin, and rays from within 5.
 struct RandomSoup {
   std::vector<Vec3> positions;
   std::vector<Ray> rays;
@@ -69,7 +69,7 @@ struct RandomSoup {
   }
 };
 
-/// Looks along +z at (x, y) from z = -10.
+/// A ray along +z at (x, y) from z = -10.
 inline Ray along_z(float x = 0.25f, float y = 0.5f) {
   return {{x, y, -10}, 0, {0, 0, 1}, kInfinity};
 }

@@ -1,4 +1,4 @@
-// Long random lives of scenes, beside a model that looks at every triangle.
+// Long random sequences of scene changes, compared with a brute force model.
 #include "api/api_support.h"
 #include "reference/scene_model.h"
 
@@ -55,7 +55,7 @@ class Life {
       for (std::uint32_t& index : t) index = random_.below(vertices);
     return mesh;
   }
-  /// As a soup, with the model's indices running on.
+  /// The mesh as a soup: the model's indices count up.
   ModelMesh some_soup() {
     ModelMesh mesh;
     mesh.positions.resize(std::size_t{3} * random_.below(12));
@@ -67,7 +67,7 @@ class Life {
   Affine some_transform() {
     if (random_.below(4) == 0) return {};
     const Affine turned = compose(rotation(random_.direction(), random_.between(0, 6)),
-                                  scaling(random_.in_box(1.5f)));  // some mirror
+                                  scaling(random_.in_box(1.5f)));  // sometimes mirrored
     return compose(translation(random_.in_box(4)), turned);
   }
   std::uint32_t random_mask() { return 1 + random_.below(7); }
@@ -111,7 +111,8 @@ class Life {
     auto& [id, mesh] = *any_of(model_.meshes);
     for (Vec3& p : mesh.positions) p += random_.in_box(0.5f);
     if (!mesh.positions.empty() && random_.below(4) == 0)
-      mesh.positions.assign(mesh.positions.size(), mesh.positions.front());  // no area is left
+      // All triangles become degenerate.
+      mesh.positions.assign(mesh.positions.size(), mesh.positions.front());
     scene_.update(id, mesh.positions);
   }
   void remove() {
@@ -162,7 +163,7 @@ TEST(Changes, AnswersAreThoseOfTheModel) {
   }
 }
 
-// What a renderer does to instances is what a scene does, to the bit, with zeros of both signs.
+// Renderer and scene must transform vertices to the same bits, including the sign of zero.
 TEST(Changes, MovedMeshesAreThoseThatWereMadeThere) {
   const Square square(-0.0f);
   Scene moved, made;

@@ -1,5 +1,5 @@
-// The library on a device: the same answers as on the CPU, bit for bit. On the CPU as a device, and
-// on the CUDA device where there is one.
+// The library on a device gives the CPU's results bit for bit: on an emulated device, and on a CUDA
+// device if the machine has one.
 #include <cstring>
 
 #include "api/api_support.h"
@@ -76,7 +76,8 @@ void expect_cpu_answers(const Context& context) {
     there.move();
     here.move();
   }
-  expect_same_answers(there.scene, here.scene, rays_for(60000), {});  // not copied at once
+  // Too many to be copied at once.
+  expect_same_answers(there.scene, here.scene, rays_for(60000), {});
   there.move();
   QueryStatistics statistics;
   QueryOptions options;
@@ -86,7 +87,7 @@ void expect_cpu_answers(const Context& context) {
   EXPECT_EQ(statistics.rays, rays.size());
   EXPECT_GT(statistics.tests(), 0u);
   EXPECT_EQ(statistics.plan.at(0), "object tree: refitted, because the same triangles have moved");
-  EXPECT_GT(there.scene.memory_bytes(), before);  // with what lies on the device
+  EXPECT_GT(there.scene.memory_bytes(), before);  // including memory on the device
 }
 
 struct Emulation {
@@ -179,8 +180,8 @@ TEST(DeviceContext, SpansMayLieInTheDevicesMemory) {
                [&] { closest_hit(there.scene, asked, answered); });
 }
 
-/// Rays and results in the device's memory; on the caller's stream, results are still to be filled
-/// with rubbish, which must not come after the answers.
+/// Rays and results reside in the device's memory. On the caller's stream, work that fills the
+/// results with garbage is still pending: the answers must come after it.
 template <class T, class Ask>
 void expect_answers_after_the_stream(const T& expected, const Ask& ask) {
   Emulation emulation;

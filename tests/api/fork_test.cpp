@@ -1,4 +1,4 @@
-// Children of fork, which have the memory of their parent and none of its threads.
+// After fork, children have their parent's memory but not its threads.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,7 +13,8 @@
 namespace raysheaf::test {
 namespace {
 
-/// What `body` gives in a child of fork, from 0 to 100; more where the child crashes or hangs.
+/// The result of `body` in a child of fork, from 0 to 100; a larger number if the child crashes or
+/// hangs.
 template <class Body>
 int in_child(const Body& body) {
   const pid_t child = ::fork();
@@ -31,7 +32,7 @@ int in_child(const Body& body) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-/// Whether `body` throws an error of this code.
+/// Whether `body` throws an error with this code.
 template <class Body>
 bool refused(const Body& body) {
   try {
@@ -51,7 +52,7 @@ class Forks : public ::testing::TestWithParam<std::uint32_t> {
   }
 };
 
-// While other threads are within queries, which may hold anything.
+// Forks while other threads run queries, which may hold locks.
 TEST_P(Forks, RefuseTheParentsScenesAndMayHaveTheirOwn) {
   const RandomSoup soup(2000, 20000);
   const Context context({.threads = GetParam()});

@@ -1,5 +1,4 @@
-// Heat maps: the colours grow lighter with the value, the legend is there, and no input breaks
-// them.
+// Heat maps: colours grow lighter with the value, the legend exists, and every input is handled.
 #include <gtest/gtest.h>
 
 #include <cmath>

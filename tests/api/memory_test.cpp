@@ -1,5 +1,5 @@
-// What scenes and queries need, a triangle and a ray. A few hundred thousand triangles, and ten
-// million with RAYSHEAF_LONG=1.
+// The memory of scenes and queries per triangle and per ray: with a few hundred thousand triangles,
+// or ten million with RAYSHEAF_LONG=1.
 #include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -19,14 +19,14 @@ bool is_long() {
   return std::getenv("RAYSHEAF_LONG") != nullptr;
 }
 
-/// Of the process, so far.
+/// The largest memory use of the process so far.
 double peak_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
-/// Of the process, now, without what the allocator keeps for later.
+/// The current memory use of the process, without the allocator's free lists.
 double resident_bytes() {
   malloc_trim(0);
   std::ifstream pages("/proc/self/statm");
@@ -35,7 +35,7 @@ double resident_bytes() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-/// Waves over a square, `side` by `side` quads.
+/// A square with waves of `side` by `side` quads.
 MeshId add_waves(std::uint32_t side, Scene* scene) {
   std::vector<Vec3> positions;
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -55,7 +55,7 @@ MeshId add_waves(std::uint32_t side, Scene* scene) {
   return scene->add(positions, triangles);
 }
 
-/// Small triangles in no order.
+/// Small triangles in random order.
 MeshId add_soup(std::size_t count, float side, Random& random, Scene* scene) {
   std::vector<Vec3> corners;
   corners.reserve(3 * count);
@@ -80,8 +80,8 @@ void expect_small(const Scene& scene, const std::vector<Ray>& rays) {
   for (const Hit& hit : closest_hit(scene, rays)) hits += hit.prim_id != kInvalidId ? 1 : 0;
   EXPECT_GT(hits, rays.size() / 100);
   EXPECT_EQ(any_hit(scene, rays).size(), rays.size());
-  // docs/dual.md: a tree of 73 bytes a triangle and 161 for building it; the scene's own arrays, 36
-  // in a soup; 36 a ray, and streams, two of half a mebibyte a thread.
+  // docs/dual.md: a tree of 73 bytes per triangle, and 161 to build it; 36 per triangle for a soup
+  // in the scene; 36 per ray; and streams, two of half a mebibyte per thread.
   const double limit = 290.0 * static_cast<double>(scene.triangle_count()) +
                        70.0 * static_cast<double>(rays.size()) + (8 << 20);
   EXPECT_LT(static_cast<double>(scene.memory_bytes()), limit);
@@ -109,8 +109,8 @@ TEST(Memory, OfTrianglesAndRays) {
   }
 }
 
-/// What was written there is found there: a fresh page would be zero.
-TEST(Memory, OfRowsThatAreGoneServesTheNext) {
+/// The old contents are found again, so the memory was reused: a fresh page would be zero.
+TEST(Memory, OfDeletedRowsIsReused) {
   Scene scene;
   for (int layer = 0; layer < 8; ++layer) {
     const Square square(static_cast<float>(layer));
@@ -124,8 +124,8 @@ TEST(Memory, OfRowsThatAreGoneServesTheNext) {
   for (std::size_t i = 0; i < hits; ++i) ASSERT_EQ(again[i].t, 10.0f + static_cast<float>(i % 8));
 }
 
-// Also while blocks that are given back stay, which get room for twice as much.
-TEST(Memory, SizesBeyondAnyAreRefused) {
+// Sizes are also refused while freed blocks are cached, whose reuse doubles the requested size.
+TEST(Memory, ImpossibleSizesAreRefused) {
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
   GTEST_SKIP() << "a sanitizer's allocator ends the program instead";
 #endif
@@ -141,7 +141,7 @@ TEST(Memory, SizesBeyondAnyAreRefused) {
   }
 }
 
-/// Nothing is left of scenes that are gone, whatever number of threads answered their queries.
+/// Deleted scenes leave no memory allocated, whatever number of threads answered their queries.
 TEST(Memory, TenThousandScenesLeaveNothing) {
   std::vector<Ray> rays(4096);
   for (Ray& ray : rays)

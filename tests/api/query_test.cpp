@@ -1,4 +1,4 @@
-// Queries: which hit, under which mask, and what is refused.
+// Queries: the reported hits, masks, and refused arguments.
 #include "raysheaf/query.h"
 
 #include "api/api_support.h"
@@ -32,7 +32,7 @@ TEST(Query, ReportsIdsAndWeights) {
   EXPECT_EQ(hit.geom_id, mesh);
   EXPECT_EQ(hit.inst_id, nearer);
   EXPECT_EQ(hit.prim_id, 0u);
-  // (1 - u - v) a + u b + v c is where the ray is.
+  // (1 - u - v) a + u b + v c is the ray's point.
   EXPECT_FLOAT_EQ(-1 + 2 * hit.u + 2 * hit.v, 0.5f);
   EXPECT_FLOAT_EQ(-1 + 2 * hit.v, -0.25f);
 }
@@ -46,7 +46,7 @@ TEST(Query, EqualDistancesGoToTheLeastIds) {
   const InstanceId b = scene.instance(first, Affine{});
   scene.commit();
   ASSERT_LT(scene.instances(second).front(), a);
-  // On the diagonal, both triangles are met by each of the three instances.
+  // A ray through the diagonal hits both triangles of each of the three instances.
   const Ray ray = along_z(0.5f, 0.5f);
   for (const QueryMethod method : kMethods) {
     const Hit hit = first_hit(scene, ray, {.method = method});
@@ -230,9 +230,9 @@ TEST(Query, NamesTheFirstRayThatIsWrong) {
                [&] { (void)any_hit(scene, many); });
 }
 
-TEST(Query, LooksRaysOverTogetherAsOneByOne) {
+TEST(Query, ValidatesRaysTogetherAsOneByOne) {
   Random random(3);
-  // Any bits, and numbers whose exponents have bits in common.
+  // Arbitrary bit patterns, and numbers whose exponents share bits.
   const auto number = [&](std::size_t kind) {
     if (kind % 3 == 0) return std::bit_cast<float>(random.bits());
     const float size = std::ldexp(1.0f, static_cast<int>(random.below(12)) - 6);
@@ -250,7 +250,7 @@ TEST(Query, LooksRaysOverTogetherAsOneByOne) {
   });
 }
 
-TEST(Query, AcceptsRaysAtTheEdgeOfWhatIsRight) {
+TEST(Query, AcceptsBarelyValidRays) {
   const Scene scene = two_squares();
   constexpr float kMost = std::numeric_limits<float>::max();
   constexpr float kLeast = std::numeric_limits<float>::denorm_min();
@@ -269,7 +269,7 @@ TEST(Query, AcceptsRaysAtTheEdgeOfWhatIsRight) {
   });
 }
 
-TEST(Query, TrustsWhereAsked) {
+TEST(Query, SkipsValidationOnRequest) {
   const Scene scene = two_squares();
   Ray ray = along_z();
   ray.t_min = -1;
@@ -286,7 +286,7 @@ TEST(Query, AnswersNoRays) {
   }
 }
 
-TEST(Query, SaysWhatItDid) {
+TEST(Query, ReportsItsStatistics) {
   Scene scene = two_squares();
   const std::vector<Ray> rays(10, along_z());
   QueryStatistics statistics;
@@ -310,7 +310,7 @@ TEST(Query, SaysWhatItDid) {
   EXPECT_EQ(statistics.triangles, 4u);
 }
 
-/// More rays that run every way than go through the tree at once (queries/quartered_rays.h).
+/// More incoherent rays than go through the tree at once (queries/quartered_rays.h).
 TEST(Query, LargeScatteredBatchesAreAnsweredAsSmallOnes) {
   const RandomSoup soup(40, 5000);
   Scene scene(Context({.threads = 2}));

@@ -1,4 +1,4 @@
-// Rays that come in parts, and batches that threads take tile by tile.
+// Rays in separate arrays, and batches that threads process tile by tile.
 #include "raysheaf/ray_parts.h"
 
 #include "api/api_support.h"
@@ -7,7 +7,7 @@
 namespace raysheaf::test {
 namespace {
 
-/// A picture's rays, row by row, of so many columns: neighbours are alike.
+/// Camera rays row by row, with `columns` per row: neighbours are coherent.
 std::vector<Ray> picture(std::size_t count, std::size_t columns = 300) {
   std::vector<Ray> rays;
   for (std::size_t i = 0; i < count; ++i) {
@@ -18,7 +18,7 @@ std::vector<Ray> picture(std::size_t count, std::size_t columns = 300) {
   return rays;
 }
 
-/// Rays from everywhere to everywhere: neighbours have nothing in common.
+/// Incoherent rays: neighbours have nothing in common.
 std::vector<Ray> disorder(std::size_t count) {
   Random random(6);
   std::vector<Ray> rays;
@@ -34,7 +34,7 @@ Scene scene_of(const RandomSoup& soup) {
   return scene;
 }
 
-/// The numbers of rays as somebody may keep them; nothing is behind the last.
+/// Rays as separate arrays in a caller's layout; no memory follows the last number.
 template <class Number>
 struct Kept {
   std::vector<Number> numbers;
@@ -131,7 +131,7 @@ TEST(RayParts, MayShareOneOriginAndHaveNoLimits) {
                       rays);
 }
 
-/// What is tested with a batch, and by which plan.
+/// A batch of rays with the plan that it must get.
 struct Batch {
   std::vector<Ray> rays;
   const char* plan;
@@ -141,7 +141,7 @@ std::vector<Batch> batches(std::size_t count) {
           {disorder(count), "bundles: long streams"}};
 }
 
-/// Every 37th by brute force: all of them take long.
+/// Compares every 37th ray with brute force, because all of them would take too long.
 void expect_right(const Scene& scene, const Batch& batch) {
   const std::vector<Ray>& rays = batch.rays;
   const KeptRays<double> kept(rays, Layout::kRows);
@@ -171,7 +171,7 @@ TEST(RayParts, TilesAnswerAsBruteForceDoes) {
   expect_right(scene, {picture(40001), "order: tiles of four by four, because rows of 300 rays"});
 }
 
-/// Memory that is kept from query to query fits them all.
+/// Memory that is reused from query to query must fit batches of any size.
 TEST(RayParts, BatchesOfOneSceneMayBeOfAnySize) {
   const RandomSoup soup(5000, 0, 0.1f);
   const Scene scene = scene_of(soup);

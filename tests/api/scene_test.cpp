@@ -1,4 +1,4 @@
-// Scenes: ids, counts, bounds, and what is refused.
+// Scenes: ids, counts, bounds, and refused arguments.
 #include "raysheaf/scene.h"
 
 #include "api/api_support.h"
@@ -100,7 +100,7 @@ TEST(Scene, MovesButDoesNotCopy) {
   EXPECT_EQ(first_hit(scene, along_z()).t, 10);
 }
 
-TEST(Scene, SharesArraysWhereAsked) {
+TEST(Scene, SharesArraysOnRequest) {
   Scene scene;
   Square square;
   const MeshId mesh = scene.add(square.positions, square.triangles, {.storage = Storage::kShare});
@@ -146,7 +146,8 @@ Affine not_finite() {
   return a;
 }
 
-// The scene of each call: mesh 0 is a square with instance 0; mesh 1 and instance 1 were removed.
+// Each call gets a new scene: mesh 0 is a square with instance 0; mesh 1 and instance 1 were
+// removed.
 std::vector<Refusal> refusals() {
   const Square square;
   const std::vector<Triangle> triangles = square.triangles;
@@ -243,7 +244,7 @@ TEST(Scene, RefusalsNameThePlaceAndChangeNothing) {
   }
 }
 
-/// A square whose triangles use its vertices 1 to 4, among others that they do not use.
+/// A square whose triangles use vertices 1 to 4; other vertices are unused.
 struct SquareAmongOthers {
   std::vector<Vec3> positions;
   std::vector<Triangle> triangles{{1, 2, 3}, {1, 3, 4}};
@@ -297,7 +298,7 @@ TEST(Scene, RefusesTransformsThatLeaveTheWorldAtCommit) {
     expect_error(ErrorCode::kInvalidData, "instances[1].transform", "1e18",
                  [&] { scene.commit(); });
   EXPECT_FALSE(scene.is_committed());
-  scene.set_transform(far, scaling({1, 0, 0}));  // flat: legal
+  scene.set_transform(far, scaling({1, 0, 0}));  // flat, which is allowed
   scene.commit();
   EXPECT_EQ(first_hit(scene, along_z()).t, 10);
 }

@@ -1,4 +1,4 @@
-// Totals follow the paper's count, and the JSON says what docs/statistics.md says it does.
+// Totals follow the paper's counting rule, and the JSON matches docs/statistics.md.
 #include "raysheaf/statistics.h"
 
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ TEST(Statistics, BruteForceIsExactlyOne) {
   }
 }
 
-TEST(Statistics, NothingToTestIsNoDivision) {
+TEST(Statistics, NoTestsMeansNoDivisionByZero) {
   EXPECT_EQ(BatchStatistics{}.relative(), 0.0);
   BatchStatistics no_triangles;
   no_triangles.rays = 5;

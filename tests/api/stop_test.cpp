@@ -1,4 +1,4 @@
-// Queries that their callers stop.
+// Queries that their callers cancel.
 #include <atomic>
 #include <chrono>
 #include <thread>
@@ -8,7 +8,7 @@
 namespace raysheaf::test {
 namespace {
 
-/// Whether `ask(options)` was stopped, when asked to after `delay`.
+/// Whether `ask(options)` was cancelled after a request that came after `delay`.
 template <class Ask>
 bool stopped(std::chrono::microseconds delay, QueryOptions options, const Ask& ask) {
   std::atomic<bool> stop = false;
@@ -41,7 +41,7 @@ TEST(Stop, BeforeItBegins) {
   EXPECT_EQ(closest_hit(scene, moving.rays, {.stop = &go_on}).size(), 4u);
 }
 
-// It would take many seconds.
+// Without cancellation, it would take many seconds.
 TEST(Stop, BruteForceEndsSoon) {
   const RandomSoup moving(20'000, 200'000, 0.2f);
   for (const std::uint32_t threads : {1u, 3u}) {
@@ -60,7 +60,7 @@ TEST(Stop, BruteForceEndsSoon) {
   }
 }
 
-// Streams of rays that all meet everything: their hits would take minutes, and 40 gigabytes.
+// Each ray hits everything: collecting the hits would take minutes and 40 gigabytes.
 TEST(Stop, WithinOneTask) {
   constexpr std::uint32_t kLayers = 200'000;
   std::vector<Vec3> positions;
@@ -84,7 +84,8 @@ TEST(Stop, WithinOneTask) {
   }
 }
 
-// Wherever a query is stopped (in its tree, its order, its rays), the next one is answered as ever.
+// Wherever a query is cancelled (while it builds its tree, sorts, or traces), the next one gives
+// the right answer.
 TEST(Stop, TheSceneAnswersTheNextQuery) {
   RandomSoup moving(2'000, 4'000, 0.2f);
   Scene scene(Context({.threads = 2}));

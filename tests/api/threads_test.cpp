@@ -1,4 +1,4 @@
-// Several threads and one scene.
+// Several threads use one scene.
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -42,7 +42,7 @@ TEST(Threads, QueriesOfOneSceneRunTogether) {
   for (const std::uint32_t mask : {1u, 2u, 3u})
     expected.push_back(
         closest_hit(scene, soup.rays, {.method = QueryMethod::kBrute, .mask = mask}));
-  // Queries are the first to build what a commit has left to them.
+  // The first query after a commit builds the tree.
   scene.set_transform(scene.instances(1).front(), translation({1, 0, 0}));
   scene.commit();
   std::atomic<int> wrong = 0;
@@ -62,7 +62,7 @@ TEST(Threads, QueriesOfOneSceneRunTogether) {
   EXPECT_EQ(wrong, 0);
 }
 
-// Changes come while queries run: each is refused as a whole or made as a whole.
+// Changes during queries are refused or made as a whole.
 TEST(Threads, ChangesDuringAQueryAreRefused) {
   const RandomSoup soup(2000, 600);
   Scene scene(Context({.threads = 2}));
@@ -78,7 +78,7 @@ TEST(Threads, ChangesDuringAQueryAreRefused) {
       } catch (const Error& error) {
         if (error.code() != ErrorCode::kWrongState) ++strange;
       }
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));  // for the changes
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));  // gives the changes some time
     }
   });
   while (queries == 0) std::this_thread::yield();
@@ -112,8 +112,8 @@ TEST(Threads, ChangesDuringAQueryAreRefused) {
   EXPECT_EQ(first_hit(scene, along_z()).prim_id, kInvalidId);
 }
 
-// A query holds the scene's engine: while it waits for its own loop, its thread begins no other
-// body, and one that comes from outside has a place among the threads before.
+// A query locks the scene's engine. While it waits for its own loop, its thread must not begin
+// another body, and a query from outside takes its turn among the waiting threads.
 TEST(Threads, BodiesOfALoopQueryOneScene) {
   const RandomSoup soup(5'000, 20'000, 0.2f);
   const Context context({.threads = 3});
@@ -133,7 +133,7 @@ TEST(Threads, BodiesOfALoopQueryOneScene) {
     for (std::size_t round = 0; std::chrono::steady_clock::now() < end; ++round) {
       context.for_each_block(8, 1, [&](std::size_t begin, std::size_t last) {
         for (std::size_t i = begin; i < last; ++i) {
-          // Of uneven work, so that some wait while others begin.
+          // Loops of uneven duration: some wait while others begin.
           if ((i + round) % 2 == 0)
             std::this_thread::sleep_for(std::chrono::microseconds((i + round) * 7919 % 3000));
           std::vector<Hit> hits(soup.rays.size());
@@ -146,7 +146,7 @@ TEST(Threads, BodiesOfALoopQueryOneScene) {
   });
   if (all.wait_for(std::chrono::seconds(120)) != std::future_status::ready) {
     ADD_FAILURE() << "the threads wait for each other, after " << bodies << " bodies";
-    std::_Exit(1);  // nobody ends them
+    std::_Exit(1);  // the threads never end
   }
   done = true;
   outside.join();

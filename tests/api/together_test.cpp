@@ -1,4 +1,4 @@
-// Queries, changes and renders at once: what the thread sanitizer is to look at. Small, for it.
+// Concurrent queries, changes and renders, small enough for the thread sanitizer.
 #include <atomic>
 #include <thread>
 
@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kRounds = 12;
 
-/// Where its triangles go, and rays from one point.
+/// The triangles' later positions, and rays from one point.
 struct FannedSoup : RandomSoup {
   std::vector<Vec3> moved;
   std::vector<Ray> fan;
@@ -50,7 +50,7 @@ Answers answers_of(const Context& context, const FannedSoup& soup,
   return ask(scene, soup);
 }
 
-/// One scene of the context changes, and is asked by whoever comes.
+/// Threads change and query one scene of the context.
 class Together {
  public:
   Together() {
@@ -58,7 +58,7 @@ class Together {
     scene_.commit();
   }
 
-  /// Each query by itself: changes may come between any two.
+  /// Changes may happen between any two queries.
   void query() {
     for (int round = 0; round < kRounds; ++round) {
       try {
@@ -85,7 +85,7 @@ class Together {
       commit();
     }
   }
-  /// A scene of its own in the same context.
+  /// Uses a separate scene in the same context.
   void own() {
     for (int round = 0; round < kRounds / 2; ++round)
       if (!(answers_of(context_, soup_, round % 2 == 0 ? soup_.positions : soup_.moved) ==

@@ -1,4 +1,4 @@
-// Vertices on their way to the world: the same bits on every SIMD target.
+// Transforming vertices to world space gives the same bits on every SIMD target.
 #include "api/api_support.h"
 #include "api/scene_transform.h"
 #include "support/simd_targets.h"
@@ -6,7 +6,7 @@
 namespace raysheaf::test {
 namespace {
 
-TEST(TransformPoints, DoesWhatTransformPointDoes) {
+TEST(TransformPoints, EqualsTransformPoint) {
   Random random(3);
   Affine a;
   for (auto& row : a.m)
@@ -25,7 +25,7 @@ TEST(TransformPoints, DoesWhatTransformPointDoes) {
   });
 }
 
-TEST(TransformPoints, SaysWhereTheWorldEnds) {
+TEST(TransformPoints, ReportsPointsOutsideTheWorld) {
   for_each_simd_target([&](const char* target) {
     for (std::size_t at = 0; at < 37; ++at) {
       for (const float wrong : {1.1e18f, -2e30f, kInfinity, kNaN}) {

@@ -1,4 +1,4 @@
-// raysheaf bench ablation: its files, its winners, its plots, and what it refuses.
+// `raysheaf bench ablation`: its files, its winners, its plots, and refused arguments.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -103,7 +103,7 @@ void expect_row(const Json& row) {
               static_cast<double>(total) / row["brute_force"].get<double>(), 1e-12);
 }
 
-TEST(Ablation, FilesHoldEveryMeasurementAndTheLeast) {
+TEST(Ablation, FilesHoldEveryMeasurementAndTheMinimum) {
   const TemporaryFolder folder;
   const Finished finished = raysheaf_app(kTiny, folder);
   ASSERT_EQ(finished.code, 0) << finished.err;
@@ -156,14 +156,14 @@ TEST(Ablation, EachSettingReachesTheLaboratory) {
   EXPECT_EQ(totals.size(), report.rows.size()) << "every combination counts something else";
 }
 
-TEST(Ablation, FilesOfOneNameAreTwoScenes) {
+TEST(Ablation, FilesWithEqualNamesAreDifferentScenes) {
   const TemporaryFolder folder;
   write_file(folder.file("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   write_file(folder.file("a.stl"),
              "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
              "vertex 0 1 0\nendloop\nendfacet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 1\n"
              "vertex 1 0 1\nvertex 0 1 1\nendloop\nendfacet\nendsolid a\n");
-  std::filesystem::create_directory(folder.file("b.obj"));  // which is no scene
+  std::filesystem::create_directory(folder.file("b.obj"));  // a folder instead of a scene
   BenchAblationCommand command = small_command();
   command.scene.clear();
   command.scenes = folder.path().string();
@@ -174,7 +174,7 @@ TEST(Ablation, FilesOfOneNameAreTwoScenes) {
   EXPECT_EQ(app::batches_of(report).size(), 2u);
 }
 
-TEST(Ablation, TablesTakeTheLeastOverTheRest) {
+TEST(Ablation, TablesTakeTheMinimumOverTheOtherSettings) {
   const AblationReport report = measured(small_command());
   const app::Pivot keys = app::key_pivot(report, "cornell", LabRays::kShadow, app::percent_of);
   ASSERT_EQ(keys.lines.size(), 2u);
@@ -223,7 +223,7 @@ TEST(Ablation, MeansAreOverTheScenes) {
   EXPECT_TRUE(app::pairings(report, LabRays::kReflection1).empty());
 }
 
-TEST(Ablation, PlotsBearAnyNumbers) {
+TEST(Ablation, PlotsAcceptAnyNumbers) {
   const double nothing = std::numeric_limits<double>::quiet_NaN();
   expect_svg(app::heat_maps_svg("none", "", {}));
   expect_svg(app::heat_maps_svg("empty", "", {{"a", "b", {"c"}, {{"d", "", {0}}}}}));

@@ -1,4 +1,4 @@
-// `raysheaf bench paper`: figures, pages, and what is refused.
+// `raysheaf bench paper`: figures, pages, and refused arguments.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -90,7 +90,7 @@ TEST(Bench, RefusesInOneSentence) {
   EXPECT_EQ(bench(folder, {"--json", "no/such/folder.json", "--quiet"}).code, 1);
 }
 
-/// A line's numbers, with their groups of digits closed, and what is left without them.
+/// The numbers of a line, without separators of digit groups, and the rest of the line.
 struct Line {
   std::string words;
   std::vector<double> numbers;
@@ -105,8 +105,8 @@ Line split(const std::string& line) {
   return result;
 }
 
-// Figures may differ in their last digits: pixels at silhouettes are OpenGL's, and angles those of
-// the C library.
+// Figures may differ in their last digits, because OpenGL decides pixels at silhouettes and the C
+// library's functions compute angles.
 TEST(Bench, ThePageOfTheBuiltinScenesIsWhatTheCommandWrites) {
   const TemporaryFolder folder;
   const Finished finished =
@@ -128,7 +128,7 @@ TEST(Bench, ThePageOfTheBuiltinScenesIsWhatTheCommandWrites) {
   EXPECT_FALSE(std::getline(ours, a)) << "too much: " << a;
 }
 
-TEST(Bench, ThePapersScenesCompareAtThePapersSizeAlone) {
+TEST(Bench, ThePapersScenesCompareOnlyAtThePapersSize) {
   RAYSHEAF_SCENE_OR_SKIP(path, "paper/cornell.glb");
   const std::string scenes = scenes_directory().string();
   const TemporaryFolder folder;

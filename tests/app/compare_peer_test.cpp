@@ -1,4 +1,4 @@
-// The peers of raysheaf bench compare: how they are found, that they agree, and batches of rays.
+// The peers of `raysheaf bench compare`: finding them, agreement of results, and batches of rays.
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ using app::CompareFrames;
 using app::CompareKind;
 using app::CompareMode;
 
-/// A variable of the environment has another value, or none, while this lives.
+/// Sets or unsets an environment variable during its lifetime.
 class Variable {
  public:
   Variable(const char* name, const std::optional<std::string>& value) : name_(name) {
@@ -89,7 +89,7 @@ TEST(ComparePeers, OneSentenceRefusesAFileThatIsNotEmbree) {
             "theirs\n");
 }
 
-TEST(ComparePeers, TheVariableNamesAllThereAre) {
+TEST(ComparePeers, TheVariableNamesAllPeers) {
   if (!has_peer()) GTEST_SKIP() << "there is no Embree";
   const std::string first = app::find_embree().front().file;
   const Variable twice(kFiles, ":" + first + ":" + first);
@@ -119,7 +119,7 @@ TEST(ComparePeers, AWheelOfTheVirtualEnvironmentIsFound) {
   EXPECT_TRUE(file == link || file == "libembree4.so.4") << file;
 }
 
-TEST(ComparePeers, AllAnswerAlikeInEveryWay) {
+TEST(ComparePeers, AllAnswersAgreeInEveryWay) {
   if (!has_peer()) GTEST_SKIP() << "there is no Embree";
   CompareFrames frames(builtin_scene("cornell"), true);
   frames.make_rays({CompareKind::kMirror, CompareKind::kShadow}, 13, 11, 1);

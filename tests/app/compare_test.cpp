@@ -1,4 +1,5 @@
-// raysheaf bench compare: its JSON, its page, its plots, what it refuses, and how it judges hits.
+// `raysheaf bench compare`: its JSON, its page, its plots, refused arguments, and how it compares
+// hits.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -58,7 +59,7 @@ void expect_case(const Json& c) {
   EXPECT_EQ(versions.count(c["peer_version"]), 1u);
 }
 
-TEST(Compare, AHallOfNoNumberIsTheOptionsFault) {
+TEST(Compare, AHallWithoutANumberIsAUsageError) {
   if (!has_peer()) GTEST_SKIP() << "there is no Embree";
   const TemporaryFolder folder;
   const Finished finished = raysheaf_app({"bench", "compare", "--scene", "hall:x"}, folder);
@@ -163,7 +164,7 @@ TEST(CompareFrames, RaysAreAsManyAsPixels) {
   EXPECT_EQ(shadow.t_max, 1);
 }
 
-TEST(CompareFrames, ALonelyFrameIsTheSceneItself) {
+TEST(CompareFrames, ASingleFrameIsTheSceneItself) {
   CompareFrames frames(builtin_scene("office"), false);
   EXPECT_EQ(frames.frame_count(), 1u);
   EXPECT_EQ(frames.triangle_count(), builtin_scene("office").triangle_count());
@@ -174,10 +175,10 @@ TEST(CompareHits, TellsEdgesFromErrors) {
   std::vector<Hit> ours(5), theirs(5);
   ours[0] = theirs[0] = {1, 0.25f, 0.25f, 3, 0, 0};
   ours[1] = {1, 0, 0, 3, 0, 0};
-  theirs[1] = {1.00001f, 0, 0, 4, 0, kInvalidId};  // the neighbour, at an edge
+  theirs[1] = {1.00001f, 0, 0, 4, 0, kInvalidId};  // the neighbouring triangle, at a shared edge
   ours[2] = {1, 0, 0, 3, 0, 0};
   theirs[2] = {1.01f, 0, 0, 3, 0, kInvalidId};
-  ours[3] = {1, 0, 0, 3, 0, 0};  // they miss
+  ours[3] = {1, 0, 0, 3, 0, 0};  // the peer misses
   const app::HitCheck check = app::compare_hits(rays, ours, theirs, 0);
   EXPECT_EQ(check.compared, 5u);
   EXPECT_EQ(check.mismatches, 2u);
@@ -190,8 +191,8 @@ TEST(CompareHits, TellsEdgesFromErrors) {
       1u);
 }
 
-/// Two rays meet the square at t = 2; one passes beside it, one ends before it.
-TEST(CompareHits, ExactArithmeticSaysWhoIsRight) {
+/// Two rays hit the square at t = 2; one passes next to it, one ends in front of it.
+TEST(CompareHits, ExactArithmeticDecides) {
   const std::vector<Vec3> positions{{-1, -1, 4}, {1, -1, 4}, {1, 1, 4}, {-1, 1, 4}};
   const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}, {0, 2, 3}};
   const std::vector<app::MeshView> meshes{{positions, triangles}};
@@ -248,7 +249,7 @@ TEST(Compare, LimitsAreThoseOfTheRow) {
   EXPECT_FALSE(app::misses_limit(made_case("s", 66'450, CompareMode::kRefit, 0.8)));
 }
 
-TEST(Compare, PageMarksWhatMisses) {
+TEST(Compare, PageMarksMissedTargets) {
   CompareReport report;
   report.peer = "Embree";
   report.threads = 2;

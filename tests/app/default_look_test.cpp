@@ -1,4 +1,4 @@
-// The defaults of a picture: light, samples, background, a name; and streams.
+// The defaults of an image: light, samples, background, file name; and standard streams.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ Finished app(const TemporaryFolder& folder, const std::vector<std::string>& argu
   return raysheaf_app(arguments, folder);
 }
 
-/// With the shell's pipes and redirections; $APP is the program.
+/// Runs a shell command with pipes and redirections; $APP is the program.
 Finished shell(const TemporaryFolder& folder, const std::string& line) {
   return run_program({"sh", "-c", "APP='" + std::string(RAYSHEAF_APP) + "'; " + line},
                      folder.path());
@@ -41,7 +41,7 @@ TEST(DefaultLook, AModelWithoutLightsShowsItsShapeFromEverySide) {
     EXPECT_NE(finished.err.find("4 samples a pixel"), std::string::npos) << finished.err;
     const auto statistics = nlohmann::json::parse(read_file(folder.file("a.json")));
     EXPECT_EQ(statistics.at("samples").size(), 4u);
-    // The three faces that are seen, and what is behind them.
+    // The three visible faces, and the background.
     const Image picture = read_png(folder.file("a.png"));
     std::vector<int> levels{brightness(picture, 0.5, 0.25), brightness(picture, 0.3, 0.65),
                             brightness(picture, 0.7, 0.65), brightness(picture, 0.02, 0.02)};

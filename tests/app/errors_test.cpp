@@ -1,5 +1,5 @@
-// Whatever goes wrong: one sentence that names the file or the option, exit code 1 or 2, and
-// nothing left behind.
+// Errors print one sentence that names the file or the option, exit with code 1 or 2, and leave no
+// files behind.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 namespace raysheaf::test {
 namespace {
 
-// One line, ours, that names `place`.
+// Expects one line from raysheaf that names `place`.
 void expect_sentence(const Finished& finished, int code, const std::string& place) {
   EXPECT_EQ(finished.code, code) << finished.err;
   EXPECT_TRUE(finished.err.starts_with("raysheaf: ")) << finished.err;
@@ -18,7 +18,7 @@ void expect_sentence(const Finished& finished, int code, const std::string& plac
   EXPECT_EQ(finished.out, "");
 }
 
-// Rendering and listing the file both fail, and say where.
+// Expects that rendering and listing the file both fail with this place.
 void expect_refused(const TemporaryFolder& folder, const std::string& name,
                     const std::string& place) {
   const std::size_t before = folder.names().size();
@@ -158,7 +158,7 @@ TEST(Errors, AllEndingsAreNamed) {
   write_file(folder.file("a.txt"), "text");
   write_file(folder.file("a.rsb"), "text");
   expect_sentence(raysheaf_app({"info", "a.txt"}, folder), 1, ".rsb (blocks) or .json");
-  expect_sentence(raysheaf_app({"report", "a.rsb", "-o", "a.html"}, folder), 1, "blocks stream");
+  expect_sentence(raysheaf_app({"report", "a.rsb", "-o", "a.html"}, folder), 1, "block files");
 }
 
 TEST(Errors, NoDeviceInThisMachine) {
@@ -169,7 +169,7 @@ TEST(Errors, NoDeviceInThisMachine) {
   expect_sentence(on_cuda, 1, "CUDA device");
 }
 
-TEST(Errors, BenchOfADeviceThatIsNotThere) {
+TEST(Errors, BenchOfAMissingDevice) {
   const TemporaryFolder folder;
   const Finished bench = raysheaf_app(
       {"bench", "gpu", "-q", "--scene", "builtin:cornell", "--size", "16x16", "--runs", "1"},
@@ -178,7 +178,7 @@ TEST(Errors, BenchOfADeviceThatIsNotThere) {
   expect_sentence(bench, 1, "CUDA device");
 }
 
-TEST(Errors, MethodThatNoDeviceKnows) {
+TEST(Errors, MethodThatNoDeviceSupports) {
   const TemporaryFolder folder;
   expect_sentence(raysheaf_app({"render", "builtin:cornell", "-o", "a.png", "--device", "cuda",
                                 "--method", "gl10"},
@@ -186,7 +186,7 @@ TEST(Errors, MethodThatNoDeviceKnows) {
                   1, "");
 }
 
-TEST(Errors, CameraThatIsNotThere) {
+TEST(Errors, MissingCamera) {
   const TemporaryFolder folder;
   for (const char* camera : {"nobody", "99"}) {
     expect_sentence(raysheaf_app({"render", "builtin:cornell", "-o", "a.png", "--size", "16x16",
@@ -209,7 +209,7 @@ TEST(Errors, OutputThatCannotBeWritten) {
       "no/s.json");
   expect_sentence(raysheaf_app({"scene", "cornell", "-o", "nowhere/a.glb"}, folder), 1,
                   "nowhere/a.glb");
-  EXPECT_EQ(folder.names().size(), 2u);  // the two that were there
+  EXPECT_EQ(folder.names().size(), 2u);  // the two original files
 }
 
 TEST(Errors, DevicesAreNotReplacedByFiles) {
@@ -236,7 +236,7 @@ TEST(Errors, ClosedStandardOutput) {
                     1, "standard output");
 }
 
-TEST(Errors, AReaderThatGoesAwayIsNone) {
+TEST(Errors, AClosedPipeIsNotAnError) {
   const TemporaryFolder folder;
   const std::string app = RAYSHEAF_APP;
   const Finished finished = run_program(

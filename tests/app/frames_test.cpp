@@ -1,5 +1,5 @@
-// `render` over the frames of scenes that move: names, ranges, resuming, films, and what is said
-// where it cannot be done.
+// `render` over the frames of animated scenes: file names, ranges, resuming, films, and refused
+// arguments.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ std::string box_at(float x) {
   return text + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
 }
 
-/// A floor, and a box that walks over it in six frames.
+/// A floor, and a box that moves over it in six frames.
 class Frames : public ::testing::Test {
  protected:
   Frames() {
@@ -129,7 +129,7 @@ TEST_F(Frames, ResumeMakesThoseThatAreMissing) {
 }
 
 TEST_F(Frames, AnInterruptedRunLeavesWholePicturesAndGoesOn) {
-  // Around the floor in so many pictures that the run is not over before it is stopped.
+  // So many frames around the floor that the run is still going when it is interrupted.
   const std::vector<std::string> turn = {"floor.obj", "--turntable", "20000", "-o", "t_%05d.png"};
   Finished finished;
   for (int ms = 300; count_of("t_") < 2 && ms < 20000; ms *= 3) {
@@ -165,7 +165,7 @@ TEST_F(Frames, ASinglePictureIsTakenAtATime) {
   EXPECT_EQ(count_of("b_"), 6u);
 }
 
-TEST_F(Frames, WhatIsLeftOutOfAnyOfThemIsSaidOnce) {
+TEST_F(Frames, WarningsOfAllFramesAreReportedOnce) {
   for (const int i : {2, 3, 5})
     write_file(folder_.path() / ("box_" + std::to_string(i) + ".obj"), "usemtl zzz\n" + box_at(1));
   const std::string warning = "warning: There is no material \"zzz\"";
@@ -221,7 +221,7 @@ TEST_F(Frames, FollowAPath) {
   EXPECT_NE(over.err.find("over.json: at 0.5"), std::string::npos) << over.err;
 }
 
-// What stands in for ffmpeg keeps what it is told and what it is fed.
+// A script in place of ffmpeg that stores its arguments and its input.
 TEST_F(Frames, BecomeAFilm) {
   const fs::path bin = folder_.path() / "bin";
   fs::create_directory(bin);
@@ -256,7 +256,7 @@ TEST_F(Frames, BecomeAFilm) {
       << none.err;
 }
 
-TEST_F(Frames, WhatIsWrongIsSaidInASentence) {
+TEST_F(Frames, ErrorsAreOneSentence) {
   const auto refused = [&](const std::vector<std::string>& arguments, int code,
                            const std::string& words) {
     const Finished finished = walk(arguments);

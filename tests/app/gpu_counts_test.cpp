@@ -1,4 +1,4 @@
-// `raysheaf bench gpu --counts`: a table and JSON that agree, without a device.
+// `raysheaf bench gpu --counts`: its table and JSON agree, without a device.
 #include <gtest/gtest.h>
 
 #include <algorithm>

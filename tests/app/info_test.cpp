@@ -1,4 +1,4 @@
-// `raysheaf info`: what a scene holds, as text and as JSON.
+// `raysheaf info` lists the contents of a scene as text and as JSON.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// Samples, lights with a size, lenses and environments, as a user asks for them.
+// The command line's options for samples, lights with a size, lenses and environments.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -76,7 +76,7 @@ TEST(Light, ALensAndSamplesAreExplained) {
       << finished.out;
 }
 
-TEST(Light, WhatIsWrongIsOneSentence) {
+TEST(Light, ErrorsAreOneSentence) {
   const TemporaryFolder folder;
   write_sky(folder, "negative.exr", -1);
   write_file(folder.file("cut.hdr"), "#?RADIANCE\n\n-Y 4 +X 8\n\x01\x02");

@@ -1,5 +1,5 @@
-// `mpirun -n N raysheaf render`: the same files as one process writes, and one sentence where that
-// cannot be. Skipped where the build has no MPI, or there is no mpirun.
+// `mpirun -n N raysheaf render` writes the same files as a single process, and reports errors in
+// one sentence. Skipped if the build has no MPI or mpirun is not installed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,12 +24,12 @@ Finished in_shell(const std::string& script, const TemporaryFolder& folder) {
   return run_program({"bash", "-c", script}, folder.path());
 }
 
-/// What starts N processes on this machine, however few cores it has and whoever we are.
+/// Starts processes on this machine, regardless of its number of cores and of the user.
 const char* const kMpirun =
     "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe "
     "--bind-to none --mca btl_vader_single_copy_mechanism none ";
 
-/// What a run of two processes comes to.
+/// The possible outcomes of starting two processes.
 enum class Here { kNoMpirun, kNoMpi, kAll };
 
 class Mpi : public ::testing::Test {
@@ -39,7 +39,8 @@ class Mpi : public ::testing::Test {
       const Finished finished = render(2, {"builtin:cornell", "--size", "8x8", "-o", "a.png"});
       fs::remove(folder_.file("a.png"));
       if (contains(finished.err, "cannot share work among them")) return Here::kNoMpi;
-      return finished.code == 127 ? Here::kNoMpirun : Here::kAll;  // as the shell has it
+      // The shell's exit code for a missing command.
+      return finished.code == 127 ? Here::kNoMpirun : Here::kAll;
     }();
     return found;
   }
@@ -50,7 +51,7 @@ class Mpi : public ::testing::Test {
     for (const std::string& word : words) script += " '" + word + "'";
     return in_shell(script, folder_);
   }
-  /// The file that a run writes, with nothing beside it.
+  /// The contents of the image; expects that the run writes no other file.
   std::string picture(int ranks, Words words) {
     words.insert(words.end(), {"-o", "a.png"});
     const Finished finished = render(ranks, words);
@@ -59,7 +60,7 @@ class Mpi : public ::testing::Test {
     fs::remove(folder_.file("a.png"));
     return file;
   }
-  /// The sentence of a run that fails; mpirun's own words around it do not count.
+  /// The error message of a failing run, without mpirun's own output.
   std::string sentence(int ranks, const Words& words, int code = 1) {
     const Finished finished = render(ranks, words);
     EXPECT_EQ(finished.code, code) << finished.err;
@@ -122,7 +123,7 @@ class LargerScenes : public Ranks, public ::testing::WithParamInterface<const ch
 
 TEST_P(LargerScenes, PicturesAreTheSameFiles) {
   RAYSHEAF_SCENE_OR_SKIP(file, GetParam());
-  // Square: blocks keep the camera that fits such a picture.
+  // The image is square, because blocks store the camera that frames a square image.
   const Words traced{file, "--size", "140x140", "--primary", "trace", "-q"};
   const std::string alone = picture(1, traced);
   EXPECT_EQ(picture(2, traced), alone);
@@ -142,7 +143,7 @@ INSTANTIATE_TEST_SUITE_P(All, LargerScenes,
                            return name;
                          });
 
-TEST_F(Ranks, TellWhatTheySharedAndCountTogether) {
+TEST_F(Ranks, ReportSharedWorkAndSumCounts) {
   ASSERT_EQ(raysheaf_app({"pack", "builtin:office", "-o", "a.rsb", "-q"}, folder_).code, 0);
   const auto stats = [&](int ranks) {
     const Finished finished =
@@ -186,7 +187,7 @@ TEST_F(Ranks, MakeFramesAndResumeThem) {
   EXPECT_EQ(count_of(".part"), 0u);
 }
 
-TEST_F(Ranks, WarningsOfEveryFrameAreToldOnce) {
+TEST_F(Ranks, WarningsOfEveryFrameAreReportedOnce) {
   const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
   constexpr int kFrames = 40;
   const auto name = [](int i) { return std::to_string(100 + i); };
@@ -214,7 +215,7 @@ TEST_F(Ranks, OneFailureIsOneSentence) {
     std::memcpy(&number, good.data() + at, sizeof number);
     return number;
   };
-  for (const std::uint64_t block : {0u, 1u}) {  // the first of each rank
+  for (const std::uint64_t block : {0u, 1u}) {  // the first block of each rank
     const std::uint64_t list = number_at(40), geometry = number_at(list + 80 * block + 32);
     std::string bad = good;
     bad[geometry + 40] = static_cast<char>(bad[geometry + 40] ^ 4);
@@ -222,7 +223,7 @@ TEST_F(Ranks, OneFailureIsOneSentence) {
     const std::string number = std::to_string(block);
     EXPECT_EQ(sentence(2, {"bad.rsb", "--size", "8x8", "-o", "p.png", "-q"}),
               "raysheaf: rank " + number + " of 2: bad.rsb: block " + number +
-                  ": its bytes have changed: the checksum is another");
+                  ": its bytes are damaged: the checksum does not match");
   }
   write_file(folder_.file("short.rsb"), good.substr(0, good.size() / 2));
   EXPECT_TRUE(contains(sentence(2, {"short.rsb", "-o", "p.png", "-q"}), "rank 0 of 2: short.rsb"));
@@ -234,7 +235,7 @@ TEST_F(Ranks, OneFailureIsOneSentence) {
   EXPECT_EQ(folder_.names().size(), 3u);
 }
 
-// Rank 1 stands where every picture's name is a folder's.
+// Rank 1 runs in a folder in which each image's name is taken by a folder.
 TEST_F(Ranks, AnyRankMayFail) {
   for (int i = 0; i < 8; ++i)
     fs::create_directories(folder_.path() / "other" / ("t_" + std::to_string(i) + ".png"));
@@ -259,7 +260,7 @@ TEST_F(Ranks, AnyRankMayFail) {
 }
 
 TEST_F(Ranks, AKilledRankLeavesWholeFramesAndTheRunGoesOn) {
-  // Rank 1 kills itself as hard as can be, once there is a frame, or after a minute.
+  // Rank 1 kills itself with SIGKILL when the first frame exists, or after a minute.
   write_file(folder_.file("run.sh"),
              "#!/bin/bash\n"
              "wait_and_kill() {\n"
@@ -293,7 +294,7 @@ TEST_F(Ranks, AKilledRankLeavesWholeFramesAndTheRunGoesOn) {
   }
 }
 
-TEST_F(Ranks, MayStayByThemselves) {
+TEST_F(Ranks, MayWorkIndependently) {
   const std::string script = std::string(kMpirun) +
                              "-n 2 sh -c '\"" RAYSHEAF_APP
                              "\" render builtin:cornell --size 8x8 --share none -q -o "

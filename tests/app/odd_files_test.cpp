@@ -1,5 +1,5 @@
-// Files that are invalid or odd, from the test suites of other readers, through the whole program:
-// a picture or one sentence, within seconds and a gigabyte.
+// Invalid and unusual files from the test suites of other readers, through the whole program: each
+// gives an image or one sentence, within seconds and a gigabyte.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +12,8 @@ namespace raysheaf::test {
 namespace {
 
 constexpr std::size_t kMostMemory = std::size_t{1} << 30;
-constexpr const char* kMostSeconds = "10";  // of the processor: other programs may run, too
+// CPU seconds, because other programs may run at the same time.
+constexpr const char* kMostSeconds = "10";
 
 std::vector<std::filesystem::path> scene_files_below(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
@@ -26,14 +27,14 @@ std::vector<std::filesystem::path> scene_files_below(const std::filesystem::path
   return files;
 }
 
-/// One line, the program's own, that says which file.
+/// Expects one line by the program that names the file.
 void expect_a_sentence(const std::string& told, const std::string& name) {
   EXPECT_TRUE(told.starts_with("raysheaf: ")) << told;
   EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 1) << told;
   EXPECT_NE(told.find(name), std::string::npos) << told;
 }
 
-/// Whether there was a picture. What asks for more time than it may have is killed.
+/// Whether the program wrote an image. It is killed when its time is up.
 bool renders(const std::filesystem::path& file) {
   SCOPED_TRACE(file);
   const TemporaryFolder folder;
@@ -55,13 +56,13 @@ bool renders(const std::filesystem::path& file) {
   return finished.code == 0;
 }
 
-/// A test suite's files, and how many of them are worth a picture.
+/// A test suite's files, and how many of them must give an image.
 struct Suite {
   const char* folder;
   std::ptrdiff_t pictures;
 };
 
-/// Each is a test of its own, so that two run at once.
+/// Each suite is a separate test, so that ctest can run two at once.
 class OddFiles : public ::testing::TestWithParam<Suite> {};
 
 TEST_P(OddFiles, GiveAPictureOrASentence) {

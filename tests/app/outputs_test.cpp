@@ -1,4 +1,5 @@
-// Files that are written: none twice, none that is read, each with the mode and the link it had.
+// Output files: the program refuses to write a file twice or to overwrite its input, and each file
+// keeps its mode and its link.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -12,7 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One sentence about `place`, a usage error, before anything is done.
+/// Expects one sentence about `place`: a usage error that is reported before the program does
+/// anything.
 void expect_refused(const TemporaryFolder& folder, const std::vector<std::string>& arguments,
                     const std::string& place, const std::string& why) {
   const std::vector<std::string> before = folder.names();
@@ -49,13 +51,13 @@ TEST(Outputs, NoneIsWrittenTwice) {
                  "./j.json", kTwice);
 }
 
-TEST(Outputs, FramesDoNotWriteOverEachOther) {
+TEST(Outputs, FramesDoNotOverwriteEachOther) {
   const TemporaryFolder folder;
   const std::string scene = "builtin:cornell";
   expect_refused(folder,
                  render(scene, {"-o", "f_%d.png", "--heatmap", "f_%01d.png", "--turntable", "2"}),
                  "f_0.png", kTwice);
-  // The eleventh of one is the first of the other.
+  // Frame 11 of one output has the name of frame 1 of the other.
   expect_refused(folder,
                  render(scene, {"-o", "f_%d.png", "--heatmap", "f_1%d.png", "--turntable", "12"}),
                  "f_10.png", kTwice);
@@ -66,7 +68,7 @@ TEST(Outputs, FramesDoNotWriteOverEachOther) {
       0);
 }
 
-TEST(Outputs, WhatIsReadIsNotWrittenOver) {
+TEST(Outputs, InputsAreNotOverwritten) {
   const TemporaryFolder folder;
   const std::string scene = "builtin:cornell";
   ASSERT_EQ(raysheaf_app(render(scene, {"-o", "sky.exr"}), folder).code, 0);
@@ -81,7 +83,7 @@ TEST(Outputs, WhatIsReadIsNotWrittenOver) {
                  "p2.json", kRead);
 }
 
-TEST(Outputs, FilesOfTheSceneAreNotWrittenOver) {
+TEST(Outputs, FilesOfTheSceneAreNotOverwritten) {
   const TemporaryFolder folder;
   ASSERT_EQ(raysheaf_app(render("builtin:cornell", {"-o", "a b.png"}), folder).code, 0);
   write_file(folder.file("c.bin"), gltf_triangle_corners());
@@ -106,7 +108,7 @@ TEST(Outputs, FilesOfTheSceneAreNotWrittenOver) {
                  kRead);
 }
 
-TEST(Outputs, KeepTheModeOfTheFileThatWasThere) {
+TEST(Outputs, KeepTheModeOfTheOldFile) {
   const TemporaryFolder folder;
   write_file(folder.file("a.png"), "old");
   ASSERT_EQ(chmod(folder.file("a.png").c_str(), 0600), 0);
@@ -121,7 +123,7 @@ TEST(Outputs, FollowLinks) {
   const TemporaryFolder folder;
   fs::create_directory(folder.path() / "there");
   fs::create_symlink("there/a.png", folder.path() / "a.png");
-  for (int turn = 0; turn < 2; ++turn) {  // to nothing, and to a file
+  for (int turn = 0; turn < 2; ++turn) {  // first without, then with an existing file
     ASSERT_EQ(raysheaf_app(render("builtin:cornell", {"-o", "a.png"}), folder).code, 0);
     EXPECT_TRUE(fs::is_symlink(folder.path() / "a.png"));
     EXPECT_TRUE(fs::is_regular_file(folder.path() / "there" / "a.png"));
@@ -132,7 +134,7 @@ TEST(Outputs, FollowLinks) {
   EXPECT_TRUE(finished.err.starts_with("raysheaf: b.png: cannot write here: ")) << finished.err;
 }
 
-TEST(Outputs, AFrameThatIsRefusedKeepsNothing) {
+TEST(Outputs, ARefusedFrameLeavesNoCheckpoint) {
   const TemporaryFolder folder;
   ASSERT_EQ(raysheaf_app({"pack", "builtin:cornell", "-o", "c.rsb", "-q"}, folder).code, 0);
   const Finished finished = raysheaf_app(

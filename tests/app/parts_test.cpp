@@ -1,4 +1,4 @@
-// The parts of the command line that need no process: values, the progress line, tables.
+// Parts of the command line that need no process: values, the progress line, tables.
 #include <gtest/gtest.h>
 
 #include <cmath>

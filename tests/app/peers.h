@@ -1,4 +1,4 @@
-// Whether `bench compare` has anything to compare with on this machine.
+// Whether `bench compare` finds a peer on this machine.
 #pragma once
 
 #include "compare/embree_library.h"

@@ -1,4 +1,4 @@
-// The program as a user runs it: pictures, statistics, lists.
+// The program as a user runs it: images, statistics, lists.
 #include <gtest/gtest.h>
 #include <pty.h>
 
@@ -83,7 +83,7 @@ TEST(Render, ProgressBarOnATerminal) {
   const std::string output = folder.file("a.png");
   int terminal = -1;
   const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
-  if (child < 0) GTEST_SKIP() << "there is no terminal to be had";
+  if (child < 0) GTEST_SKIP() << "there is no terminal";
   if (child == 0) {
     execl(RAYSHEAF_APP, RAYSHEAF_APP, "render", "builtin:office", "-o", output.c_str(), "--size",
           "128x128", static_cast<char*>(nullptr));
@@ -167,7 +167,7 @@ TEST(Render, StatisticsHaveTheDocumentedFields) {
   }
 }
 
-// The counting rule of docs/statistics.md, on what the program wrote.
+// The output follows the counting rule of docs/statistics.md.
 TEST(Render, CountsFollowTheRule) {
   for (const char* method : {"brute", "rah", "crsh"}) {
     const TemporaryFolder folder;
@@ -223,7 +223,7 @@ TEST(Render, DualIsTheDefaultAndSaysWhatItDid) {
   }
 }
 
-// Asked for, so on standard output, --quiet or not; a picture beside it or none.
+// The explanation goes to standard output, with or without --quiet and -o.
 TEST(Render, ExplainsItself) {
   const TemporaryFolder folder;
   const Finished finished =
@@ -258,7 +258,7 @@ TEST(Render, ExplainsItself) {
   EXPECT_EQ(folder.names(), (std::vector<std::string>{"s.json"}));
 }
 
-TEST(Render, SwitchesTakeTheirRaysAway) {
+TEST(Render, SwitchesRemoveTheirRays) {
   const TemporaryFolder folder;
   const auto kinds = [&](const std::vector<std::string>& arguments) {
     std::set<std::string> all;

@@ -1,5 +1,4 @@
-// `raysheaf report`: a page that is whole, that stands alone, and whose numbers are those of
-// `--stats`.
+// `raysheaf report`: the page is complete and self-contained, and has the numbers of `--stats`.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -27,7 +26,7 @@ Json data_in(const std::string& page) {
   return Json::parse(page.substr(begin, page.find("</script>", begin) - begin));
 }
 
-/// A program of that name, or nothing.
+/// The path of the first of these programs that is installed, or an empty string.
 std::string found_program(const std::vector<std::string>& names) {
   const char* path = std::getenv("PATH");
   std::istringstream folders(path != nullptr ? path : "");
@@ -60,7 +59,7 @@ TEST(Report, IsOnePageThatNeedsNothingElse) {
     EXPECT_NE(page.find("id=\"layer-" + std::string(layer) + "\""), std::string::npos) << layer;
 }
 
-// Counts alone: times differ from run to run.
+// Only the counts, because times differ from run to run.
 Json counts_of(Json batch) {
   batch.erase("times_ms");
   return batch;
@@ -172,8 +171,8 @@ TEST(Report, PassesAnHtmlValidator) {
   }
 }
 
-/// A copy of the page whose user has come from the address #view=normal,tests-rah,30 and has then
-/// swapped the layers and moved the slider to 70.
+/// A copy of the page whose user opened #view=normal,tests-rah,30, then swapped the layers and
+/// moved the slider to 70.
 std::string page_in_use(const TemporaryFolder& folder) {
   EXPECT_EQ(report(folder, {"builtin:cornell", "-o", "page.html"}).code, 0);
   std::string page = read_file(folder.file("page.html"));
@@ -194,7 +193,7 @@ console.info("used: " + document.documentElement.dataset.used);
 const char* const kUsed =
     "cornell: Tests per pixel, rah, in false colours | cornell: Shading normals | 70% | false";
 
-// What a page has to complain about is on the console; here nothing but what was put there.
+// Errors of the page appear on the console, which must hold only the test's own output.
 TEST(Report, WorksInChromium) {
   const std::string browser =
       found_program({"chromium-headless-shell", "chromium", "chromium-browser", "google-chrome"});
@@ -273,7 +272,7 @@ TEST(ReportParts, CommandsOfOneMethodKeepAllOptionsButOutputsAndMethods) {
   EXPECT_EQ(of({"--output=a.html", "s.glb"}), "raysheaf render s.glb" + end);
 }
 
-// The commands on the page are taken from it and run.
+// Runs the commands that the page shows.
 TEST(Report, ItsCommandsRun) {
   const TemporaryFolder folder;
   ASSERT_EQ(report(folder, {"builtin:cornell", "-o", "page.html", "-q", "--method", "dual"}).code,

@@ -1,4 +1,4 @@
-// The model of streamed frames, and the command around it.
+// The cost model of streamed frames, and its command.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -15,7 +15,7 @@ using app::ScaleMachines;
 using app::ScaleModel;
 using app::ScaleSample;
 
-/// Frames that take what a straight line says.
+/// Samples on a straight line.
 std::vector<ScaleSample> straight() {
   std::vector<ScaleSample> samples;
   for (const double triangles : {1e6, 8e6}) {
@@ -45,7 +45,7 @@ TEST(Scale, TheFitFindsStraightLines) {
   for (const double k : model.coefficients(&ScaleCost::trace_s)) EXPECT_GE(k, 0);
 }
 
-TEST(Scale, MoreOfAnythingIsNoSlowerButForTheNetwork) {
+TEST(Scale, MoreResourcesAreNoSlowerExceptTheNetwork) {
   const ScaleModel model(straight());
   ScaleMachines machines;
   machines.cores = 8;
@@ -66,7 +66,7 @@ TEST(Scale, MoreOfAnythingIsNoSlowerButForTheNetwork) {
             forecast_rays(model, 1e9, 262144, 0, machines).total_s);
 }
 
-TEST(Scale, WhatOneCoreDoesAloneIsFoundAgain) {
+TEST(Scale, TheSpeedOfOneCoreIsRecovered) {
   ScaleMachines machines;
   for (const double cores : {2.0, 16.0}) {
     for (const double serial : {0.0, 0.1, 1.0}) {
@@ -114,7 +114,7 @@ TEST(Scale, ProcessesThatCannotBeStartedAreASentence) {
   finished = run("false");
   EXPECT_EQ(finished.code, 1);
   EXPECT_EQ(finished.err, "raysheaf: false: ended with status 1\n");
-  // A launcher of a single process, whatever it is asked for.
+  // A launcher that always starts a single process.
   write_file(folder.file("one"), "#!/bin/sh\nshift 2\nexec \"$@\"\n");
   finished = run("sh " + folder.file("one"));
   EXPECT_EQ(finished.code, 0) << finished.err;

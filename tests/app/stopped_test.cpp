@@ -1,4 +1,5 @@
-// A program that is stopped, or whose writing fails, leaves the old file or the new one, whole.
+// If the program is killed or cannot write, either the complete old file or the complete new one
+// exists.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -21,7 +22,7 @@ std::string small_picture() {
 TEST(Stopped, InterruptLeavesTheOldPictureOrTheNewOne) {
   const std::string whole = small_picture();
   int old_ones = 0, new_ones = 0;
-  // From before the program has begun until after it is done, however fast the machine is.
+  // Delays that reach from before the program begins until after it ends, on any machine.
   for (int milliseconds = 1; new_ones < 3 && milliseconds < 20000;
        milliseconds += 1 + milliseconds / 4) {
     const TemporaryFolder folder;
@@ -42,8 +43,8 @@ TEST(Stopped, InterruptLeavesTheOldPictureOrTheNewOne) {
   EXPECT_GE(new_ones, 3);
 }
 
-// `arguments`, which take seconds, once that signal has come after 0.3 s. As by `timeout`: to the
-// program and to its group, twice in a row.
+// Runs `arguments`, which take seconds, and sends the signal after 0.3 s. Like `timeout`, it sends
+// it to the program and to its group, twice.
 Finished stopped_by(const std::string& signal, const std::string& arguments,
                     const TemporaryFolder& folder) {
   return run_program(
@@ -52,7 +53,7 @@ Finished stopped_by(const std::string& signal, const std::string& arguments,
       folder.path());
 }
 
-TEST(Stopped, WhateverStopsThoseThatWriteLeavesNothing) {
+TEST(Stopped, StoppedWritersLeaveNothing) {
   const TemporaryFolder folder;
   ASSERT_EQ(raysheaf_app({"scene", "hall", "--triangles", "3M", "-o", "h.glb"}, folder).code, 0);
   const std::pair<const char*, int> signals[] = {{"INT", 130}, {"TERM", 143}, {"HUP", 129}};
@@ -63,7 +64,7 @@ TEST(Stopped, WhateverStopsThoseThatWriteLeavesNothing) {
           "render h.glb --stream --memory 64M -o s.png", "bench scale --measured 16M -q"}) {
       const Finished finished = stopped_by(signal, arguments, folder);
       EXPECT_EQ(finished.code, code) << signal << ": " << arguments;
-      // Nothing is said where a busy machine had not begun it.
+      // On a busy machine, the program may not have started: then it prints nothing.
       if (!finished.err.empty()) {
         EXPECT_EQ(finished.err, "raysheaf: interrupted\n") << signal << ": " << arguments;
       }
@@ -72,7 +73,7 @@ TEST(Stopped, WhateverStopsThoseThatWriteLeavesNothing) {
   }
 }
 
-TEST(Stopped, WhatCannotBeCaughtLeavesNothing) {
+TEST(Stopped, AKilledProgramLeavesNothing) {
   const TemporaryFolder folder;
   const int unnamed = ::open(folder.path().c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
   if (unnamed < 0) GTEST_SKIP() << "the file system has no files without names";
@@ -102,7 +103,7 @@ TEST(Stopped, ALimitOnFilesLeavesTheOldPicture) {
       {"bash", "-c",
        "ulimit -f 1; '" + app + "' render builtin:cornell -o a.png --size 256x256 --quiet"},
       folder.path());
-  // Standard error is a file here, and small enough.
+  // Standard error is a small file.
   EXPECT_EQ(finished.code, 1);
   EXPECT_TRUE(finished.err.starts_with("raysheaf: a.png: cannot be written: ")) << finished.err;
   EXPECT_EQ(read_file(folder.path() / "a.png"), "old");

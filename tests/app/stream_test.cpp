@@ -1,4 +1,4 @@
-// Scenes that stream, as a user packs and renders them.
+// Packing and rendering scenes that stream.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,14 +37,14 @@ TEST(StreamCommand, PicturesAreTheSameFiles) {
   }
 }
 
-/// `render` of a scene in memory, of the same as it streams, and of its block file.
+/// Compares `render` of a scene in memory, of the same scene streamed, and of its block file.
 class StreamCommandSees : public ::testing::Test {
  protected:
   StreamCommandSees() {
     EXPECT_EQ(raysheaf_app({"pack", "builtin:cornell", "-o", "a.rsb", "-q"}, folder_).code, 0);
   }
 
-  /// All files that one of them writes.
+  /// All files that one of the renders writes.
   std::vector<std::string> files_of(std::vector<std::string> scene,
                                     const std::vector<std::string>& more) {
     scene.insert(scene.begin(), "render");
@@ -110,7 +110,7 @@ TEST_F(StreamCommandSees, WhatMovesFrameByFrame) {
   EXPECT_TRUE(contains(streams[0], "\"stream\": {")) << streams[0];
 }
 
-// 200 000 triangles at random; what --memory allows is less than they take.
+// 200 000 random triangles, which need more memory than --memory allows.
 TEST(StreamCommand, AFileThatIsLargerThanMemoryIsPackedOnTheWay) {
   const TemporaryFolder folder;
   constexpr std::uint32_t kTriangles = 200'000;
@@ -140,7 +140,7 @@ TEST(StreamCommand, AFileThatIsLargerThanMemoryIsPackedOnTheWay) {
   EXPECT_LT(packed, std::size_t{130} << 20) << "of " << held << " for all of them";
 }
 
-TEST(StreamCommand, ResumesAndLeavesThePictureAlone) {
+TEST(StreamCommand, ResumesWithTheSameImage) {
   const TemporaryFolder folder;
   const auto render = [&](std::vector<std::string> more) {
     more.insert(more.begin(), {"render", "builtin:cornell", "--stream", "--size", "40x30", "-q"});
@@ -155,7 +155,7 @@ TEST(StreamCommand, ResumesAndLeavesThePictureAlone) {
   EXPECT_EQ(render({"--explain", "--resume"}).code, 2);
 }
 
-TEST(StreamCommand, WhatIsResumedIsOfTheSameMomentAndFiles) {
+TEST(StreamCommand, ResumesOnlyTheSameTimeAndFiles) {
   const TemporaryFolder folder;
   const std::vector<std::string> files{folder.file("a.gltf"), folder.file("a.bin")};
   for (const std::string& file : files) write_file(file, "of a scene");
@@ -171,19 +171,20 @@ TEST(StreamCommand, WhatIsResumedIsOfTheSameMomentAndFiles) {
   };
   {
     const auto checkpoint = app::open_checkpoint(command, nullptr, files);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // what took less is not kept
+    // Results of less than a second are not stored.
+    std::this_thread::sleep_for(std::chrono::milliseconds(1100));
     checkpoint->keep(batch, answers, done, true);
   }
   EXPECT_TRUE(restored());
   command.frames.time = 2;
-  EXPECT_FALSE(restored()) << "what moves is elsewhere";
+  EXPECT_FALSE(restored()) << "moving objects are elsewhere";
   command.frames.time = 1;
   command.frames.clip = "walk";
   EXPECT_FALSE(restored());
   command.frames.clip.clear();
   EXPECT_TRUE(restored());
   write_file(files[1], "of a scene, otherwise");
-  EXPECT_FALSE(restored()) << "its buffer was written anew";
+  EXPECT_FALSE(restored()) << "its buffer was overwritten";
 }
 
 TEST(StreamCommand, AHallIsWrittenInBlocksAndAsGltf) {
@@ -195,7 +196,7 @@ TEST(StreamCommand, AHallIsWrittenInBlocksAndAsGltf) {
   }
   const Finished info = raysheaf_app({"info", "hall.rsb", "--json"}, folder);
   EXPECT_TRUE(contains(info.out, "\"blocks\"")) << info.out;
-  // glTF rounds lights and cameras: what was read from it is packed again.
+  // glTF rounds lights and cameras, so the scene that was read from it is packed again.
   EXPECT_EQ(raysheaf_app({"pack", "hall.glb", "-o", "hall.rsb"}, folder).code, 0);
   const auto picture = [&](std::vector<std::string> arguments) {
     for (const char* more : {"-o", "a.png", "--size", "64x64"}) arguments.emplace_back(more);
@@ -205,7 +206,7 @@ TEST(StreamCommand, AHallIsWrittenInBlocksAndAsGltf) {
   EXPECT_EQ(picture({"render", "hall.glb", "--primary", "trace"}), picture({"render", "hall.rsb"}));
 }
 
-TEST(StreamCommand, WhatIsWrongIsOneSentence) {
+TEST(StreamCommand, ErrorsAreOneSentence) {
   const TemporaryFolder folder;
   ASSERT_EQ(
       raysheaf_app({"pack", "builtin:cornell", "-o", "a.rsb", "--block-triangles", "50"}, folder)

@@ -1,5 +1,5 @@
-// `raysheaf completion` and `raysheaf manual`: every command and option is in them, and the shells
-// and roff take them.
+// `raysheaf completion` and `raysheaf manual` cover every command and option, and shells and roff
+// accept them.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -22,7 +22,7 @@ std::string help_of(Words command, const TemporaryFolder& folder) {
   return raysheaf_app(command, folder).out;
 }
 
-/// Those that the help of `command` lists, and all below them.
+/// Adds the commands that the help of `command` lists, recursively.
 void add_commands_below(const Words& command, const TemporaryFolder& folder,
                         std::vector<Words>* commands) {
   std::istringstream lines(help_of(command, folder));
@@ -39,7 +39,7 @@ void add_commands_below(const Words& command, const TemporaryFolder& folder,
   }
 }
 
-/// Every command, the program itself first.
+/// Every command; the program itself comes first.
 std::vector<Words> all_commands(const TemporaryFolder& folder) {
   std::vector<Words> commands = {{}};
   add_commands_below({}, folder, &commands);
@@ -68,7 +68,7 @@ bool has_program(const std::string& name) {
   return std::system(("command -v " + name + " >/dev/null 2>&1").c_str()) == 0;
 }
 
-/// What bash offers for a command line whose last word is unfinished.
+/// Bash's completions for a command line whose last word is unfinished.
 std::string bash_offers(const Words& words, const TemporaryFolder& folder) {
   const std::string script = folder.file("raysheaf.bash"), out = folder.file("offers");
   write_file(script, completion("bash", folder));

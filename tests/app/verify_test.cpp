@@ -1,4 +1,4 @@
-// `raysheaf verify`, as a user runs it.
+// `raysheaf verify` as a user runs it.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-TEST(Verify, TellsWhatWasTried) {
+TEST(Verify, ReportsWhatWasTried) {
   const TemporaryFolder folder;
   const Finished finished =
       raysheaf_app({"verify", "--rounds", "2", "--json", "report.json"}, folder);

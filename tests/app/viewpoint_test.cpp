@@ -1,4 +1,4 @@
-// From where a picture is seen, as a user asks for it.
+// The command line's options for the viewpoint of an image.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace raysheaf::test {
 namespace {
 
-/// A tetrahedron of the size, at the place.
+/// A tetrahedron of this size at this place.
 std::string obj_model(float size, float x, float y, float z) {
   const float corners[4][3] = {{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0, 0, 3}};
   std::string text;
@@ -27,7 +27,7 @@ Finished render_model(const TemporaryFolder& folder, std::vector<std::string> ar
   return raysheaf_app(arguments, folder);
 }
 
-/// The part of the width and of the height, whichever is more, in which the picture differs from
+/// The fraction of the width or of the height, whichever is larger, in which the image differs from
 /// its corner.
 double spanned_part(const Image& picture) {
   std::uint32_t left = picture.width, right = 0, top = picture.height, bottom = 0;

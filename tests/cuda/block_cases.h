@@ -1,4 +1,4 @@
-// A block that passes a few rays, their tree and their hits, by one thread.
+// One thread tests a block's rays against its tree and records the hits.
 #pragma once
 
 #include "cuda/words.h"

@@ -1,4 +1,4 @@
-// A body gives the same bits on the device as on the host.
+// Each device function gives the same bits on the device as on the host.
 #include <gtest/gtest.h>
 
 #include <ostream>
@@ -8,7 +8,7 @@
 
 namespace raysheaf::test {
 
-/// For GoogleTest, which would print addresses into the tests' names.
+/// GoogleTest would otherwise print addresses in the tests' names.
 inline void PrintTo(const CompiledCase& compiled, std::ostream* out) {
   *out << compiled.name;
 }

@@ -1,4 +1,4 @@
-// Every bound of a bundle of rays and its test, on random input.
+// Every bound of a ray bundle and its intersection test, on random input.
 #pragma once
 
 #include "cuda/key_cases.h"
@@ -22,7 +22,7 @@ struct RandomBundle {
   [[nodiscard]] RAYSHEAF_HD View<const Ray> view() const { return {rays, 4}; }
 };
 
-/// A triangle as the traversal tests it: by its ball, its box, or both.
+/// Tests a triangle as the traversal does: by its bounding sphere, its box, or both.
 RAYSHEAF_HD inline bool meets_triangle(const ConeSphereTest& test, Vec3 a, Vec3 b, Vec3 c) {
   const Sphere ball = triangle_sphere(a, b, c);
   return meets(test, ball.center, ball.radius);
@@ -67,7 +67,7 @@ RAYSHEAF_HD inline void put_of(Words& out, const ShaftCone& bound) {
   put_of(out, bound.cone);
 }
 
-/// Round two bundles, then round both; the triangles are near the rays of the first.
+/// Bounds two bundles, then both together; the triangles are near the rays of the first.
 template <class Bound>
 struct BoundCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {

@@ -1,4 +1,4 @@
-// A case made ready for both machines; for CUDA sources.
+// Compiles a case for host and device; only for CUDA sources.
 #pragma once
 
 #include "cuda/compiled_cases.h"

@@ -1,4 +1,4 @@
-// The cases as *_bodies.cu compiled them, for both machines.
+// The cases that *_bodies.cu compile for host and device.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// The verbs of a device, on the device that there is; and what is said where there is none.
+// Tests the operations of the CUDA device, and the error message on a machine without one.
 #include <cstring>
 
 #include "exec/cuda/cuda_launch.h"
@@ -16,7 +16,7 @@ bool there_is_a_device() {
   return cudaGetDeviceCount(&count) == cudaSuccess && count > 0;
 }
 
-TEST(CudaDevice, KeepsWhatDevicesPromise) {
+TEST(CudaDevice, KeepsTheContractOfDevices) {
   if (!there_is_a_device()) GTEST_SKIP() << "there is no CUDA device";
   CudaDevice device;
   expect_all_verbs(device);
@@ -48,7 +48,7 @@ TEST(CudaDevice, SaysWhichStageRanOutOfMemoryAndGoesOn) {
   expect_moved_memory(device);
 }
 
-/// Triangles and rays for both, and what the CPU says.
+/// Triangles and rays for both, and the CPU's answers.
 struct Asked {
   std::vector<Vec3> soup;
   std::vector<Ray> rays;
@@ -83,7 +83,8 @@ TEST(CudaDevice, CountsWhatItKeepsAsFree) {
   const std::uint64_t kept = device.free_bytes();
   DeviceBuffer<std::uint8_t> again(device.allocator());
   again.resize_uninitialized("a stage", kLarge);
-  EXPECT_GE(kept, device.free_bytes() + kLarge / 2);  // others may take and give back meanwhile
+  // Other programs may allocate and free memory meanwhile.
+  EXPECT_GE(kept, device.free_bytes() + kLarge / 2);
 }
 
 TEST(CudaDevice, QueriesTakePointersOfTheDeviceAndAStream) {
@@ -128,12 +129,12 @@ TEST(CudaDevice, DoesNotWaitForAStreamThatIsBeingCaptured) {
     EXPECT_EQ(error.place(), "stream");
   }
   cudaGraph_t graph = nullptr;
-  EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);  // it is as it was
+  EXPECT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);  // the capture is still valid
   EXPECT_EQ(cudaGraphDestroy(graph), cudaSuccess);
   EXPECT_EQ(cudaStreamDestroy(stream), cudaSuccess);
 }
 
-TEST(CudaDevice, RefusesTheMemoryOfAnother) {
+TEST(CudaDevice, RefusesMemoryOfAnotherDevice) {
   cudaPointerAttributes said{};
   said.type = cudaMemoryTypeDevice;
   said.device = 2;
@@ -146,7 +147,7 @@ TEST(CudaDevice, RefusesTheMemoryOfAnother) {
     EXPECT_STREQ(error.what(),
                  "hits: lies in the memory of CUDA device 2, and the context is on CUDA device 0");
   }
-  said.type = cudaMemoryTypeManaged;  // every device's
+  said.type = cudaMemoryTypeManaged;  // accessible from every device
   EXPECT_TRUE(may_follow(said, 0, "hits"));
   said.type = cudaMemoryTypeHost;
   EXPECT_FALSE(may_follow(said, 0, "hits"));
@@ -172,7 +173,7 @@ TEST(CudaError, NamesTheStageAndSaysWhatCudaSays) {
   }
 }
 
-TEST(CudaError, WhatIsIgnoredIsForgotten) {
+TEST(CudaError, IgnoredErrorsAreCleared) {
   if (!there_is_a_device()) GTEST_SKIP() << "there is no CUDA device, which is never forgotten";
   EXPECT_NE(cudaSetDevice(-1), cudaSuccess);
   EXPECT_NE(cudaPeekAtLastError(), cudaSuccess);

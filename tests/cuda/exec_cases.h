@@ -1,4 +1,4 @@
-// What the verbs of a device are made of.
+// The building blocks of a device's operations.
 #pragma once
 
 #include "cuda/words.h"

@@ -1,4 +1,4 @@
-// Every function of base/ and geom/ that devices may call, on random input.
+// Every device function of base/ and geom/, on random input.
 #pragma once
 
 #include "base/float.h"

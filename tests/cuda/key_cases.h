@@ -1,5 +1,5 @@
-// Every body of a ray's key that devices may call, on random input. Keys of azimuths and polar
-// angles are in stage_bodies.cu instead.
+// Every device function that computes ray keys, on random input. stage_bodies.cu has the keys of
+// azimuths and polar angles instead.
 #pragma once
 
 #include "cuda/words.h"
@@ -57,7 +57,7 @@ struct CurveCase {
   }
 };
 
-/// A cell that no library's function takes part in: not the spherical one.
+/// A cell whose computation uses no library function: not the spherical one.
 RAYSHEAF_HD inline KeyCell random_key_cell(Draws& draws) {
   const KeyCell cells[5] = {KeyCell::kPixel, KeyCell::kOctahedral, KeyCell::kEnd,
                             KeyCell::kOctahedralAndStart, KeyCell::kStartAndEnd};
@@ -85,7 +85,7 @@ RAYSHEAF_HD inline KeyContext random_key_context(Draws& draws, KeyCell cell, std
   return context;
 }
 
-/// Half of the rays end, a quarter run across an axis.
+/// Half of the rays have an end; a quarter are perpendicular to an axis.
 RAYSHEAF_HD inline Ray random_ray(Draws& draws) {
   Ray ray;
   ray.origin = draws.in_box(12);

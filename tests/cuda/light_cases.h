@@ -1,4 +1,4 @@
-// Lights, a lens and a sky as devices look at them, sines and cosines with them.
+// Lights, a lens and a sky on devices, including sines and cosines.
 #pragma once
 
 #include "base/trigonometry.h"
@@ -87,7 +87,7 @@ struct LensCase {
   }
 };
 
-/// Four texels by two, and what they are chosen by.
+/// Four by two texels, and the tables for sampling them.
 struct SmallSky {
   Vec3 radiance[8];
   float row_ends[2], texel_ends[8];

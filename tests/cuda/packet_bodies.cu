@@ -1,4 +1,4 @@
-// Compiles the bodies of packets, and what loops are made of, for the device.
+// Compiles the device functions of packets and the building blocks of loops.
 #include "cuda/compile_case.h"
 #include "cuda/exec_cases.h"
 #include "cuda/packet_cases.h"

@@ -1,4 +1,4 @@
-// Every body of packets and of the hierarchy over triangles that devices may call, on random input.
+// Every device function of packets and of the hierarchy over triangles, on random input.
 #pragma once
 
 #include "cuda/words.h"
@@ -17,8 +17,8 @@ struct PacketRays {
   Box scene;
   int axis = 0;
 
-  /// In one in eight the scene is too large to bound rays in it; in one in four a ray runs across
-  /// the axis.
+  /// In one of eight cases the scene is too large to bound rays in it; in one of four, a ray is
+  /// perpendicular to the axis.
   RAYSHEAF_HD explicit PacketRays(Draws& draws) {
     const Vec3 center = draws.in_box(5), along = draws.direction(), corner = draws.in_box(5);
     const float spread = draws.unit(), stretch = draws.below(8) == 0 ? 1e37f : 1;

@@ -1,4 +1,4 @@
-// The resolve of a rasterised picture as devices do it.
+// Resolving a rasterised image as devices do it.
 #pragma once
 
 #include "cuda/stage_cases.h"
@@ -20,7 +20,7 @@ struct ResolveCase {
   }
 };
 
-/// Two triangles before the camera, and a picture of 3 x 3 pixels.
+/// Two triangles in front of the camera, and an image of 3 x 3 pixels.
 struct SmallPicture {
   static constexpr std::uint32_t kSide = 3, kPixels = kSide * kSide;
   struct Two {
@@ -54,7 +54,7 @@ struct SmallPicture {
       before[i] = id == 2 ? kInvalidId : id;
       sight[i] = kNotLooked;
     }
-    // x and y as they are, w the depth.
+    // A matrix that keeps x and y and sets w to the depth.
     clip[0] = 1;
     clip[5] = -1;
     clip[14] = 0.01f;

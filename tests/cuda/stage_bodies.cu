@@ -1,4 +1,4 @@
-// Compiles the bodies of base/, geom/ and the stages for the device.
+// Compiles the device functions of base/, geom/ and the stages.
 #include "cuda/compile_case.h"
 #include "cuda/key_cases.h"
 #include "cuda/light_cases.h"
@@ -44,8 +44,8 @@ std::vector<CompiledCase> compiled_stage_cases() {
           compiled<SilhouetteCase>("Silhouette")};
 }
 
-/// What a device cannot make input for: compiled, never run. A Light has a name, a std::string; a
-/// device can only read one where it lies.
+/// Functions whose input cannot be made on a device: they are compiled but never run. A Light has a
+/// name, a std::string; a device can only read a light that the host has made.
 __global__ void run_others(const Light* lights, const Fragment* fragments, const TextureSlot* slots,
                            Words* out) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
@@ -57,14 +57,14 @@ __global__ void run_others(const Light* lights, const Fragment* fragments, const
   out[i].put(transform_uv(placed_texture(slots[i]), {light.radius, light.range}));
 }
 
-/// Lowers words that threads share, which lie in no thread's own memory.
+/// The resolve lowers words that threads share, so they cannot lie in one thread's local memory.
 __global__ void run_resolve(Resolve<SmallPicture::Two> resolve, Words* out) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
   look_from_pixel(resolve, i % 2, 0, i % SmallPicture::kPixels);
   out[i].put(seen_now(&resolve.sight[i % SmallPicture::kPixels]));
 }
 
-/// Their angles are a library's own: two machines need not agree on them.
+/// Angles come from library functions, so host and device may differ.
 __global__ void run_angle_keys(const KeyContext context, const Ray* rays, Words* out) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
   const Ray& ray = rays[i];

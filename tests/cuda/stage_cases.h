@@ -1,5 +1,4 @@
-// Every body of a stage that devices may call, on random input; a few are in stage_bodies.cu
-// instead.
+// Every device function of the stages, on random input; a few are in stage_bodies.cu instead.
 #pragma once
 
 #include "cuda/geometry_cases.h"
@@ -67,7 +66,7 @@ struct CutoutCase {
   }
 };
 
-/// Without a rotation, which takes a sine.
+/// Without a rotation, which needs a sine.
 struct TextureCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
     std::uint8_t rgba[3 * 2 * 4];
@@ -88,7 +87,7 @@ struct TextureCase {
   }
 };
 
-/// A triangle with everything, from the arrays of a scene.
+/// A triangle with all attributes, from the arrays of a scene.
 struct StagedSurfaceCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
     Vec3 corners[3], normals[3], vertex_colors[3];
@@ -175,7 +174,7 @@ struct StagedSurfaceCase {
   }
 };
 
-/// On a device a light is read where it lies (stage_bodies.cu); this is what is made of it there.
+/// The host makes the lights (see stage_bodies.cu); this case computes samples from their data.
 struct SampleCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
     const std::uint32_t index = draws.bits(), seed = draws.bits();

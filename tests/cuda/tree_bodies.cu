@@ -1,4 +1,4 @@
-// Compiles the bodies of the tree along a curve, and of blocks that pass rays, for the device.
+// Compiles the device functions of the tree along a curve and of streamed blocks.
 #include "cuda/block_cases.h"
 #include "cuda/compile_case.h"
 #include "cuda/tree_cases.h"

@@ -1,4 +1,4 @@
-// The tree along a curve, built and asked by one thread.
+// One thread builds the tree along a curve and queries it.
 #pragma once
 
 #include "cuda/words.h"
@@ -80,7 +80,7 @@ struct TreeCase {
   }
 };
 
-/// The parts by themselves, at any scale.
+/// The parts of the tree separately, at any scale.
 struct RayBoxCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
     const float scale = draws.scale();
@@ -106,7 +106,7 @@ struct RayBoxCase {
   }
 };
 
-/// A tree that grows from its leaves, and a list of clusters.
+/// Builds a tree bottom-up from its leaves, and a list of clusters.
 struct JoinCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
     TinyTree tree(draws);
@@ -138,7 +138,7 @@ struct JoinCase {
   }
 };
 
-/// Walks and lists with a counter.
+/// Tree walks and lists with a counter.
 struct MeetCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
     const TinyTree tree(draws);

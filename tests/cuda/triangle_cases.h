@@ -9,7 +9,7 @@
 
 namespace raysheaf::test {
 
-/// Integers of five words, from floats of all magnitudes, and of one.
+/// Integers of five words, made from floats of all magnitudes and of one.
 struct WideCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
     const float first = draws.scale(), second = draws.scale();
@@ -30,7 +30,7 @@ struct WideCase {
   }
 };
 
-/// Aimed at the triangle, a third of them at an edge, so that all stages of the test are taken.
+/// Rays are aimed at the triangle, a third of them at an edge, so that all stages of the test run.
 struct TriangleCase {
   RAYSHEAF_HD void operator()(Draws& draws, Words& out) const {
     const float scale = draws.scale();

@@ -1,5 +1,4 @@
-// Random input and bits of output that a host and a device can both make, so that they can be
-// compared.
+// Random input and output words that host and device both compute, so that they can be compared.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +9,10 @@
 
 namespace raysheaf::test {
 
-/// The same numbers for the same index everywhere: PCG's output function on a counter (M.
-/// Jarzynski, M. Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020). At most one drawing
-/// call stands in a list of arguments or an operator's operands: their order is the compiler's.
+/// Gives the same numbers for the same index on every machine: PCG's output function on a counter
+/// (M. Jarzynski, M. Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020). An argument list
+/// or an operator's operands may hold at most one drawing call, because the compiler chooses their
+/// order.
 class Draws {
  public:
   RAYSHEAF_HD explicit Draws(std::uint32_t index) : state_(index * 0x9e3779b9u + 1) {}
@@ -39,7 +39,7 @@ class Draws {
       for (float& x : row) x = between(-2, 2);
     return a;
   }
-  /// One of several sizes, to reach the ends of the range of floats.
+  /// One of several magnitudes, to reach the ends of the range of floats.
   RAYSHEAF_HD float scale() {
     const float scales[4] = {1, 1e-20f, 1e-3f, 1e9f};
     return scales[below(4)];
@@ -49,8 +49,8 @@ class Draws {
   std::uint32_t state_;
 };
 
-/// What a case computed, as bits. Every NaN counts as the same one: which of them an operation
-/// gives is the device's business.
+/// The results of a case, as bits. All NaNs count as equal, because devices may return different
+/// ones.
 struct Words {
   static constexpr std::uint32_t kRoom = 56;
   std::uint32_t bits[kRoom]{};
@@ -102,7 +102,7 @@ struct Words {
   }
 };
 
-/// The least number of a word in which two differ; `kRoom` where they differ in none.
+/// The index of the first word that differs; `kRoom` if all are equal.
 inline std::uint32_t first_difference(const Words& a, const Words& b) {
   std::uint32_t k = 0;
   while (k < Words::kRoom && a.bits[k] == b.bits[k]) ++k;

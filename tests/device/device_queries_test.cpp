@@ -1,5 +1,5 @@
-// Queries on a device give what a look at every triangle gives, bit for bit: on the CPU as a
-// device, and on the CUDA device where there is one.
+// Queries on a device give brute force's answers bit for bit: on an emulated device, and on a CUDA
+// device if the machine has one.
 #include "device/device_queries.h"
 #include "emulated/open_emulated.h"
 
@@ -18,7 +18,7 @@ struct Emulation {
   std::unique_ptr<DeviceBackend> backend = open_emulated(executor, soup, &memory);
 };
 
-/// The backends of this machine, by turns.
+/// Runs on each backend that this machine has.
 class OnDevice : public testing::TestWithParam<bool> {
  protected:
   void SetUp() override {
@@ -39,7 +39,7 @@ class OnDevice : public testing::TestWithParam<bool> {
     Facing facing = Facing::kBoth;
   };
 
-  /// Whether an engine's four queries say what `rows` say.
+  /// Whether the four queries of an engine agree with `rows`.
   static testing::AssertionResult says(DeviceQueries& engine, const HitRows& rows,
                                        const std::vector<Ray>& rays, const Asked& asked) {
     Answers a;
@@ -100,7 +100,7 @@ TEST_P(OnDevice, FewTrianglesAndManyRays) {
   }
   const Soup soup = make_soup(Shape::kSmall, 40, random);
   for (const std::size_t rays : {std::size_t{0}, std::size_t{1}, std::size_t{5000}}) {
-    expect_right(soup, any_rays(soup, rays, random));  // 5000 are sorted
+    expect_right(soup, any_rays(soup, rays, random));  // 5000 rays are sorted
   }
 }
 
@@ -144,14 +144,14 @@ TEST_P(OnDevice, EqualTrianglesAndNoArea) {
   Random random(5);
   Soup soup = make_soup(Shape::kLarge, 30, random);
   const std::vector<Vec3> once = soup.positions;
-  for (int copy = 0; copy < 5; ++copy)  // keys that differ in the number alone
+  for (int copy = 0; copy < 5; ++copy)  // keys that differ only in the triangle's number
     soup.positions.insert(soup.positions.end(), once.begin(), once.end());
   for (int i = 0; i < 20; ++i) soup.add({1, 2, 3}, {1, 2, 3}, {1, 2, 3});
   for (int i = 0; i < 20; ++i) soup.add({0, 0, 0}, {1, 1, 1}, {2, 2, 2});
   EXPECT_GT(expect_right(soup, any_rays(soup, 400, random)), 100u);
 }
 
-TEST_P(OnDevice, SidesThatDoNotShow) {
+TEST_P(OnDevice, CulledSides) {
   Random random(6);
   Soup soup = make_soup(Shape::kSmall, 200, random);
   for (std::uint32_t i = 0; i < soup.count(); ++i)
@@ -175,7 +175,7 @@ TEST_P(OnDevice, TrianglesThatChange) {
   }
 }
 
-/// What the engine did with its tree for a query of 64 rays.
+/// The work on its tree that the engine did to answer a query of 64 rays.
 TreeWork tree_work(DeviceQueries& engine, const std::vector<Ray>& rays) {
   QueryReport report;
   DeviceQuery query;
@@ -205,15 +205,15 @@ TEST_P(OnDevice, TrianglesThatMoveLeaveTheTreeItsNodes) {
       const Vec3 step = random.in_box(0.3f);
       for (Vec3& p : soup.positions) p = p * 1.02f + step + random.in_box(0.002f);
       engine->set_triangles(executor_, soup.source(), true);
-      // Moved twice before anything is asked, and other sides that show.
+      // Triangles move twice before a query, and other sides become visible.
       if (frame == 2) engine->set_triangles(executor_, soup.source(), true);
       if (frame == 3) std::reverse(soup.flags.begin(), soup.flags.end());
       if (frame == 3) engine->set_triangles(executor_, soup.source(), true);
     }
-    // As many, but others.
+    // The same number of triangles, but different ones.
     engine->set_triangles(executor_, soup.source(), false);
     EXPECT_EQ(tree_work(*engine, any_rays(aim, 9, random)), TreeWork::kRebuild);
-    // Others, though it is told that they are the same.
+    // Different triangles that are reported as the same.
     Soup more = make_soup(Shape::kSmall, triangles + 9, random);
     engine->set_triangles(executor_, more.source(), true);
     EXPECT_EQ(tree_work(*engine, any_rays(aim, 9, random)), TreeWork::kRebuild);
@@ -222,21 +222,22 @@ TEST_P(OnDevice, TrianglesThatMoveLeaveTheTreeItsNodes) {
   }
 }
 
-TEST_P(OnDevice, ATreeIsBuiltAgainWhereItsTrianglesHaveRunApart) {
+TEST_P(OnDevice, ATreeIsRebuiltWhenItsTrianglesHaveSpread) {
   Random random(12);
   Soup soup = make_soup(Shape::kSmall, 600, random);
   const std::vector<Ray> rays = any_rays(soup, 150, random);
   const std::unique_ptr<DeviceQueries> engine = backend_->make_queries();
   engine->set_triangles(executor_, soup.source(), false);
   EXPECT_EQ(tree_work(*engine, rays), TreeWork::kRebuild);
-  // Each where another was: the boxes of all nodes are as large as the scene.
+  // Permutes the triangles: the boxes of all nodes become as large as the scene.
   for (std::uint32_t i = soup.count(); --i > 0;) {
     const std::uint32_t j = random.below(i + 1);
     for (std::uint32_t k = 0; k < 3; ++k)
       std::swap(soup.positions[3 * i + k], soup.positions[3 * j + k]);
   }
   engine->set_triangles(executor_, soup.source(), true);
-  EXPECT_EQ(tree_work(*engine, rays), TreeWork::kRefit) << "nobody knows yet";
+  EXPECT_EQ(tree_work(*engine, rays), TreeWork::kRefit)
+      << "the engine has not measured the tree yet";
   EXPECT_EQ(tree_work(*engine, rays), TreeWork::kRebuild) << "though nothing has moved since";
   EXPECT_EQ(tree_work(*engine, rays), TreeWork::kKeep);
   engine->set_triangles(executor_, soup.source(), true);

@@ -1,5 +1,5 @@
-// `gl10` as a device does it: brute force's hits, and the CPU's counts, with packets of any size
-// and lists of any capacity.
+// `gl10` on a device: brute force's hits and the CPU's counts, with packets of any size and lists
+// of any capacity.
 #include "methods/packets/packet_tracer.h"
 #include "emulated/open_emulated.h"
 
@@ -28,7 +28,7 @@ struct Packed {
   std::vector<Ray> rays;
   std::vector<std::uint32_t> keys;
 
-  /// `values`: how many keys there are, in runs; 0: none.
+  /// `values` is the number of different keys, in runs; 0: no keys.
   Packed(const Executor& e, SceneDescription description, std::uint32_t ray_count,
          std::uint32_t values)
       : executor(e),
@@ -53,7 +53,7 @@ struct Packed {
   }
 };
 
-/// The CPU's stages on the same rays: the hits to their places.
+/// Runs the CPU's stages on the same rays; hits are stored by ray.
 PacketOutcome trace_here(const Packed& p, const PacketQuery& query, std::vector<RayHit>* hits) {
   PacketOutcome outcome;
   std::vector<std::uint32_t> order(p.rays.size()), sorted_keys;
@@ -116,7 +116,7 @@ TEST(PacketTracer, FindsTheHitsAndCountsAsTheCpu) {
   for (const SoupKind kind : soup_kinds()) {
     for (const std::uint32_t values : {0u, 1u, 300u, 1u << 20}) {
       for (const std::uint32_t capacity : {1u, 1000u, kPairCapacity}) {
-        // Of little capacity every pass takes few pairs.
+        // With a small capacity, every pass processes few pairs.
         const bool few = capacity == 1;
         const Packed packed(emulation.executor, soup(kind, few ? 30 : 200, 21), few ? 50 : 400,
                             values);
@@ -144,7 +144,7 @@ TEST(PacketTracer, KeysOfFewBits) {
   for (std::uint32_t& key : packed.keys) key >>= 26;
   PacketQuery query;
   query.key_bits = 6;
-  query.most_rays = 5;  // fewer than have the same key
+  query.most_rays = 5;  // fewer than share a key
   expect_as_cpu(*tracer, packed, query);
 }
 

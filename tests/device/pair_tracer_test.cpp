@@ -1,5 +1,5 @@
-// `rah` and `crsh` as a device does them: brute force's hits, and the CPU's counts, with lists of
-// any capacity.
+// `rah` and `crsh` on a device: brute force's hits and the CPU's counts, with lists of any
+// capacity.
 #include "methods/ray_hierarchy/pair_tracer.h"
 #include "emulated/open_emulated.h"
 
@@ -18,7 +18,7 @@
 namespace raysheaf::test {
 namespace {
 
-/// What a device takes of a flat scene, kept alive.
+/// A flat scene in the form that a device takes, kept alive.
 struct Copied {
   std::vector<Vec3> corners;
   std::vector<PairMesh> meshes;
@@ -52,7 +52,7 @@ struct Case {
   PairQuery query;
 };
 
-/// The CPU's stages on the same rays.
+/// Runs the CPU's stages on the same rays.
 TraverseCounts counts_of_cpu(const Executor& executor, const Case& c, std::uint64_t* chunks) {
   std::vector<std::uint32_t> order(c.rays.size());
   std::iota(order.begin(), order.end(), 0u);

@@ -1,5 +1,5 @@
-// Bounds hold what they bound: of all pairs of ray and triangle that the ray-triangle test calls
-// hits, none is missing. A million pairs, and a hundred million with RAYSHEAF_LONG=1.
+// Bounds are conservative: for a million pairs of ray and triangle (a hundred million with
+// RAYSHEAF_LONG=1), no bound excludes a pair that the ray-triangle test calls a hit.
 #include <cstdlib>
 
 #include "dual/dual_scenes.h"

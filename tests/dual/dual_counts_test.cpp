@@ -1,4 +1,5 @@
-// What a query counts: within bounds, in shares that add up, and the same everywhere.
+// Counts of a query are within limits, add up over rays, and are the same for any number of
+// threads.
 #include "base/bits.h"
 #include "dual/dual_scenes.h"
 #include "support/simd_targets.h"
@@ -17,7 +18,7 @@ constexpr Setting kSettings[] = {{Tree::kCurve, Bundle::kSixteen, Sorting::kCurv
                                  {Tree::kFine, Bundle::kStream, Sorting::kCurve},
                                  {Tree::kFine, Bundle::kLongStream, Sorting::kByQuarter}};
 
-/// 16 in a row that run alike, so that beams are narrow.
+/// Groups of 16 coherent rays, so that beams are narrow.
 std::vector<Ray> camera_rays(std::uint32_t side) {
   std::vector<Ray> rays;
   for (std::uint32_t y = 0; y < side; ++y)
@@ -79,7 +80,7 @@ TEST(DualCounts, SameOnEverySimdTargetAtTheEndsOfTheRange) {
   }
 }
 
-/// Many tasks, so that threads take them in another order.
+/// Many tasks, so that threads process them in different orders.
 TEST(DualCounts, SameWithAnyThreads) {
   Random random(23);
   Soup soup = make_soup(Shape::kSmall, 3000, random);
@@ -114,7 +115,7 @@ TEST(DualCounts, WithinBounds) {
       if (s.bundle == Bundle::kSixteen) {
         EXPECT_GT(c.beam_box_tests, 0u);
       }
-      // A tree that is worth its name.
+      // The tree must save most of the tests.
       EXPECT_LT(c.sum(), rays.size() * tree.triangles / 4);
       double shares = 0;
       for (const float share : a.ray_tests[q]) shares += static_cast<double>(share);
@@ -130,11 +131,11 @@ TEST(DualCounts, WithinBounds) {
   }
 }
 
-TEST(DualCounts, ABeamSparesRaysTheirTests) {
+TEST(DualCounts, ABeamSavesTestsOfItsRays) {
   Random random(25);
   Soup soup = make_soup(Shape::kSmall, 3000, random);
   const std::vector<Ray> rays = camera_rays(64);
-  std::vector<Ray> apart(rays.size());  // with neighbours from everywhere
+  std::vector<Ray> apart(rays.size());  // neighbours from everywhere
   for (std::size_t i = 0; i < rays.size(); ++i) apart[i * 1021 % rays.size()] = rays[i];
   ObjectTree tree;
   make_tree(&soup, Tree::kFine, &tree);
@@ -146,7 +147,7 @@ TEST(DualCounts, ABeamSparesRaysTheirTests) {
   }
 }
 
-/// First hits and any hits of a fan, by long streams, behind so many large triangles.
+/// Closest hits and any hits of fan rays in long streams, behind `screens` large triangles.
 Answers ask_behind(std::uint32_t screens) {
   Random random(28);
   Soup soup = screened_soup(screens, 3000, random);
@@ -156,17 +157,18 @@ Answers ask_behind(std::uint32_t screens) {
   return ask(one_thread(), scene, fan_rays(128), Sorting::kByQuarter);
 }
 
-TEST(DualCounts, APilotSparesTheRaysBesideItTheirTests) {
+TEST(DualCounts, APilotSavesTestsOfItsNeighbours) {
   const Answers a = ask_behind(60);
   EXPECT_LT(a.counts[1].ray_box_tests, a.counts[0].ray_box_tests / 2);
 }
 
-TEST(DualCounts, PilotsThatSpareNobodyStayFew) {
+TEST(DualCounts, PilotsThatSaveNoTestsStayFew) {
   const Answers a = ask_behind(0);
   EXPECT_LT(a.counts[1].sum(), a.counts[0].sum());
 }
 
-/// Cut where a quarter has many rays, and towards the batch's end, whoever takes them.
+/// Long streams are split where a quarter has many rays and near the batch's end, whichever thread
+/// processes them.
 TEST(DualCounts, LongStreamsAreTheSameOnAnyThreads) {
   Random random(29);
   Soup soup = make_soup(Shape::kSmall, 2000, random);
@@ -175,7 +177,7 @@ TEST(DualCounts, LongStreamsAreTheSameOnAnyThreads) {
   std::vector<Ray> rays = any_rays(soup, 60000, random);
   std::vector<Ray> turned(rays.begin(), rays.begin() + 40000);
   turn_into_one_quarter(
-      &turned);  // more of them than the quarters' share, in streams of one length
+      &turned);  // more of them than the quarters' share, in streams of equal length
   rays.insert(rays.end(), turned.begin(), turned.end());
   DualScene scene{.tree = &tree, .bundle = Bundle::kStream};
   const Answers streams = ask(one_thread(), scene, rays, Sorting::kByQuarter);
@@ -186,7 +188,7 @@ TEST(DualCounts, LongStreamsAreTheSameOnAnyThreads) {
   EXPECT_EQ(one.counts[0].beam_box_tests, 0u);
 }
 
-/// Shares are added to what there is; no room for them and no counts are fine too.
+/// Shares are added to existing values; both shares and counts are optional.
 TEST(DualCounts, AreOptional) {
   Random random(26);
   Soup soup = make_soup(Shape::kSmall, 100, random);

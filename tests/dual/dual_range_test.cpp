@@ -1,4 +1,4 @@
-// The same at the ends of what a binary32 number can be: scales, places, lengths, origins, ranges.
+// Results are right at the limits of binary32: scales, positions, lengths, origins, intervals.
 #include "dual/dual_scenes.h"
 
 namespace raysheaf::test {
@@ -53,7 +53,7 @@ TEST(DualRange, LengthsOfDirections) {
   }
 }
 
-TEST(DualRange, NowhereToLook) {
+TEST(DualRange, EmptyIntervals) {
   Random random(14);
   const Soup soup = make_soup(Shape::kLarge, 50, random);
   std::vector<Ray> rays = any_rays(soup, 200, random);
@@ -61,7 +61,7 @@ TEST(DualRange, NowhereToLook) {
   EXPECT_EQ(expect_right(soup, rays), 0u);
 }
 
-/// A hit whose parameter overflows is none.
+/// A hit whose parameter overflows is a miss.
 TEST(DualRange, ParametersThatOverflow) {
   Random random(15);
   const Soup soup = make_soup(Shape::kLarge, 50, random);
@@ -93,7 +93,7 @@ TEST(DualRange, OriginsFarAway) {
         rays.push_back({o, 0, d, kInfinity});
       }
     }
-    // Beside near ones in bundles and streams, and by themselves.
+    // The rays together with nearby ones in bundles and streams, and separately.
     expect_right(soup, rays);
     const std::vector<Ray> mixed = [&] {
       std::vector<Ray> r = rays;

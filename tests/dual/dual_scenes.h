@@ -1,4 +1,4 @@
-// Triangles and rays that no artist would make, at any scale and place.
+// Extreme triangles and rays, at any scale and position.
 #pragma once
 
 #include <cmath>
@@ -27,7 +27,7 @@ inline constexpr Shape kShapes[] = {Shape::kSmall,   Shape::kLarge,       Shape:
                                     Shape::kLattice, Shape::kAxisAligned, Shape::kZeroArea,
                                     Shape::kClosed,  Shape::kManySizes,   Shape::kSingle};
 
-/// Where all numbers are small integers, rays meet edges and corners exactly.
+/// With small integers as coordinates, rays hit edges and corners exactly.
 inline Vec3 lattice_point(Random& random) {
   const auto c = [&] { return static_cast<float>(random.below(9)) - 4.0f; };
   return {c(), c(), c()};
@@ -77,7 +77,7 @@ inline void add_random(Shape shape, Random& random, Soup* soup) {
   }
 }
 
-/// A sphere of a longitude and latitude grid, closed.
+/// A closed sphere from a grid of longitudes and latitudes.
 inline void add_closed(std::uint32_t side, Soup* soup) {
   const auto at = [&](std::uint32_t i, std::uint32_t k) {
     if (i == 0 || i == side) return Vec3{0, i == 0 ? 7.0f : -7.0f, 0};
@@ -92,7 +92,7 @@ inline void add_closed(std::uint32_t side, Soup* soup) {
     }
 }
 
-/// p * scale + offset for every corner.
+/// Transforms every corner to p * scale + offset.
 inline Soup make_soup(Shape shape, std::uint32_t count, Random& random, float scale = 1,
                       Vec3 offset = {}) {
   Soup soup;
@@ -114,12 +114,12 @@ inline Vec3 any_direction(Random& random) {
       const std::uint32_t axis = random.below(3);
       return {axis == 0 ? one : zero, axis == 1 ? one : -zero, axis == 2 ? one : zero};
     }
-    case 1: {  // nearly
+    case 1: {  // nearly along an axis
       Vec3 d = random.in_box(1e-22f);
       (random.below(2) == 0 ? d.x : d.z) = one;
       return d;
     }
-    case 2: {  // in a plane of two axes, and where two or three are as long
+    case 2: {  // in a plane of two axes, and with two or three components of equal size
       const Vec3 d{one, random.below(2) == 0 ? one : -one, random.below(2) == 0 ? zero : one};
       return random.below(2) == 0 ? d : Vec3{d.z, d.x, d.y};
     }
@@ -132,8 +132,8 @@ inline Vec3 any_direction(Random& random) {
   }
 }
 
-/// From anywhere, vertices, planes; at vertices, edges, edge-on, along axes; from `scale` and
-/// `offset` as the soup.
+/// Rays from anywhere, from vertices and planes; towards vertices, edges, edge-on, along axes; at
+/// the `scale` and `offset` of the soup.
 inline Ray any_ray(const Soup& soup, Random& random, float scale = 1, Vec3 offset = {}) {
   const auto point_of = [&](const std::array<Vec3, 3>& t) {
     switch (random.below(4)) {
@@ -192,7 +192,7 @@ inline std::vector<Ray> any_rays(const Soup& soup, std::size_t count, Random& ra
   while (rays.size() < count) {
     Ray ray = any_ray(soup, random, scale, offset);
     rays.push_back(ray);
-    // Now and then a bunch of neighbours.
+    // Sometimes a bundle of coherent neighbours.
     if (random.below(40) != 0) continue;
     for (int i = 0; i < 30 && rays.size() < count; ++i) {
       const float size = max_component(abs(ray.direction));
@@ -209,7 +209,7 @@ inline std::vector<Ray> any_rays(const Soup& soup, std::size_t count, Random& ra
   return rays;
 }
 
-/// Turns all rays into one quarter about the points where they are at t = 1: long lists of a
+/// Turns all rays into one quarter around their points at t = 1, which makes long lists of a
 /// stream.
 inline void turn_into_one_quarter(std::vector<Ray>* rays) {
   for (Ray& ray : *rays) {
@@ -221,7 +221,7 @@ inline void turn_into_one_quarter(std::vector<Ray>* rays) {
   }
 }
 
-/// Leaves each ray with one of its hits: at t_min = t_max.
+/// Sets t_min = t_max so that each ray has one hit.
 inline void keep_one_hit(const Soup& soup, std::vector<Ray>* rays, Random& random) {
   const HitRows rows = brute_force(soup, *rays);
   for (std::size_t r = 0; r < rays->size(); ++r) {
@@ -231,7 +231,7 @@ inline void keep_one_hit(const Soup& soup, std::vector<Ray>* rays, Random& rando
   }
 }
 
-/// Rays of one quarter from one point, `side` rows of as many, beside each other.
+/// Rays of one quarter from one point, in `side` rows and columns of coherent neighbours.
 inline std::vector<Ray> fan_rays(std::uint32_t side) {
   std::vector<Ray> rays;
   for (std::uint32_t y = 0; y < side; ++y)
@@ -244,7 +244,7 @@ inline std::vector<Ray> fan_rays(std::uint32_t side) {
   return rays;
 }
 
-/// Large triangles before many small ones, as such rays see them.
+/// Large triangles in front of many small ones, as seen by the rays of `fan_rays`.
 inline Soup screened_soup(std::uint32_t large, std::uint32_t small, Random& random) {
   Soup soup;
   for (std::uint32_t i = 0; i < large + small; ++i) {

@@ -1,4 +1,4 @@
-// Triangles, what a look at every one of them says, and what `dual` says.
+// Triangles, brute force answers, and the answers of `dual`.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace raysheaf::test {
 
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// Corners in threes. Runs alternate between those with indices and those without.
+/// Three corners per triangle. Runs alternate between indexed and unindexed ones.
 struct Soup {
   std::vector<Vec3> positions;
   std::vector<std::uint8_t> flags;
@@ -46,7 +46,7 @@ struct Soup {
   }
 };
 
-/// By ray, sorted by (t, triangle).
+/// Hits by ray, sorted by (t, triangle).
 using HitRows = std::vector<std::vector<IndexedHit>>;
 
 inline bool precedes(const IndexedHit& a, const IndexedHit& b) {
@@ -86,7 +86,7 @@ inline bool operator==(const DualCounts& a, const DualCounts& b) {
          a.triangle_tests == b.triangle_tests;
 }
 
-/// What the three queries say, in the caller's order.
+/// The answers of the three queries, in the caller's order.
 struct Answers {
   std::vector<IndexedHit> closest;
   std::vector<std::uint8_t> any;
@@ -124,7 +124,7 @@ inline std::string words(const Ray& r) {
   return text;
 }
 
-/// Whether `a` is what `rows` says, bit for bit; names the first ray of which it is not.
+/// Whether `a` equals `rows` bit for bit; names the first ray with a difference.
 inline testing::AssertionResult right(const HitRows& rows, const Answers& a,
                                       const std::vector<Ray>& rays) {
   for (std::size_t r = 0; r < rays.size(); ++r) {
@@ -175,14 +175,14 @@ inline void make_tree(Soup* soup, Tree how, ObjectTree* tree) {
   const Executor& executor = one_thread();
   if (how == Tree::kCurve) return build_object_tree(executor, soup->source(), tree);
   if (how == Tree::kFine) return build_fine_object_tree(executor, soup->source(), tree);
-  // Powers of two leave flat what is flat.
+  // Scaling by powers of two keeps degenerate triangles degenerate.
   Soup former = *soup;
   for (Vec3& p : former.positions) p = p * Vec3{-0.5f, 0.25f, 0.125f};
   build_object_tree(executor, former.source(), tree);
   ASSERT_TRUE(refit_object_tree(executor, soup->source(), MovedTriangles::everything(), tree));
 }
 
-/// Every kind of tree and bundle gives what brute force gives. Returns the hits there were.
+/// Compares every kind of tree and bundle with brute force. Returns the number of hits.
 inline std::size_t expect_right(Soup soup, const std::vector<Ray>& rays,
                                 Facing facing = Facing::kBoth) {
   const HitRows rows = brute_force(soup, rays, facing);

@@ -1,5 +1,5 @@
-// Every query of `dual` gives what a look at every triangle gives, bit for bit, whatever the
-// triangles, the tree and the bundles.
+// Every query of `dual` gives brute force's answers bit for bit, for all kinds of triangles, trees
+// and bundles.
 #include "methods/dual/dual.h"
 
 #include "dual/dual_scenes.h"
@@ -55,7 +55,7 @@ TEST(Dual, Sizes) {
     SCOPED_TRACE(rays);
     const Soup soup = make_soup(Shape::kSmall, rays < 1000 ? 100 : 20, random);
     expect_right(soup, any_rays(soup, rays, random));
-    // All of one quarter: whole streams.
+    // Rays of a single quarter, which fill whole streams.
     std::vector<Ray> alike = any_rays(soup, rays, random);
     for (Ray& ray : alike) ray.direction = Vec3{2, 1, 1} + random.in_box(0.5f);
     expect_right(soup, alike);
@@ -74,7 +74,7 @@ TEST(Dual, Facing) {
   }
 }
 
-/// What stops a ray is tried on those beside it, whichever side of it they see.
+/// A triangle that stops a ray is tested with its neighbours, whichever side of it they see.
 TEST(Dual, RaysThatStopWhereTheirNeighboursDo) {
   Random random(27);
   const std::vector<Ray> rays = fan_rays(100);
@@ -95,7 +95,7 @@ TEST(Dual, NoTriangles) {
   EXPECT_EQ(expect_right(flat, rays), 0u);
 }
 
-/// From inside a closed surface every ray gets out, through edges and vertices too.
+/// Every ray from inside a closed surface hits it, through edges and vertices too.
 TEST(Dual, Watertight) {
   Random random(7);
   Soup soup;
@@ -110,8 +110,8 @@ TEST(Dual, Watertight) {
   expect_right(soup, rays);
 }
 
-/// More triangles than caches hold: rays left alone wait for each other longer. Streams and bundles
-/// know nothing of each other.
+/// More triangles than fit into caches: single rays wait longer for others. Streams and bundles do
+/// not share state.
 TEST(Dual, TreeFarFromCache) {
   Random random(11);
   Soup soup;
@@ -139,7 +139,8 @@ TEST(Dual, TreeFarFromCache) {
   EXPECT_TRUE(right(brute_force(soup, few), ask(executor, scene, few, Sorting::kCurve), few));
 }
 
-/// Nodes of seven leaves and a deeper node that comes first: what waits outgrows any fixed stack.
+/// Nodes of seven leaves and a deeper node that is visited first: the waiting nodes exceed any
+/// fixed stack.
 TEST(Dual, DeepTree) {
   constexpr std::uint32_t kDepth = 150;
   Soup soup;
@@ -172,7 +173,8 @@ TEST(Dual, DeepTree) {
       soup.add(corner[0], corner[1], corner[2]);
     }
   }
-  // Sixteen together and few, along the axis; rays that start beyond all nodes but the first.
+  // Bundles of sixteen rays and a few single ones along the axis; and rays that start behind all
+  // nodes except the first.
   Random random(8);
   std::vector<Ray> rays;
   for (int i = 0; i < 163; ++i)

@@ -22,7 +22,7 @@ std::vector<Ray> rays_of(std::size_t count, Random& random) {
   return rays;
 }
 
-/// The quarter's number as its words say, from the ray-triangle test's own axes.
+/// The quarter's number by its definition, from the ray-triangle test's own axes.
 std::uint32_t expected_quarter(const Ray& ray) {
   const RaySetup setup = make_ray_setup(ray);
   const int z = setup.axis_z, next = (z + 1) % 3, last = (z + 2) % 3;
@@ -55,7 +55,7 @@ TEST(RayOrder, QuartersAreThoseOfTheTest) {
   for (const Ray& ray : rays_of(20000, random)) {
     const std::uint32_t q = quarter_of(ray.direction);
     ASSERT_EQ(q, expected_quarter(ray)) << words(ray);
-    // A ray against its axis has the other two the other way round.
+    // For a ray against its axis, the other two axes are swapped.
     const RaySetup setup = make_ray_setup(ray);
     const int next = (setup.axis_z + 1) % 3, last = (setup.axis_z + 2) % 3;
     EXPECT_EQ(setup.axis_x, (q & 4) != 0 ? last : next);
@@ -101,7 +101,7 @@ TEST(RayOrder, RaysOfAQuarterKeepTheirOrder) {
   }
 }
 
-/// Rays of quarters that change from one to the next in rows and between them.
+/// Rays whose quarters change within rows and from row to row.
 std::vector<Ray> rays_of_picture(std::size_t row, std::size_t count) {
   std::vector<Ray> rays;
   for (std::size_t i = 0; i < count; ++i) {
@@ -123,7 +123,7 @@ TEST(RayOrder, PicturesGoInTiles) {
       ASSERT_TRUE(std::ranges::equal(order.rays, other.rays)) << row << ", " << count;
     }
   }
-  // Where all run towards one quarter, and the last row stands alone.
+  // All rays are in one quarter, and the last row is incomplete.
   const std::vector<Ray> rays(5 * 10, Ray{{0, 0, 0}, 0, {1, 2, 3}, 1});
   order_rays(one_thread(), View<const Ray>(rays), Sorting::kByQuarter, &order, 10);
   std::vector<std::uint32_t> expected;
@@ -175,8 +175,8 @@ TEST(RayOrder, TiesKeepTheirOrder) {
   EXPECT_GT(ties, 5000u);
 }
 
-/// Equal rays are neighbours, and neighbours are nearer than rays in any order.
-TEST(RayOrder, CurveBringsTogetherWhatIsAlike) {
+/// Equal rays become neighbours, and neighbours are closer than in random order.
+TEST(RayOrder, CurveBringsSimilarRaysTogether) {
   Random random(4);
   std::vector<Ray> rays;
   for (int i = 0; i < 20000; ++i)

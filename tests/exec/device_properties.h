@@ -1,4 +1,4 @@
-// What exec/device.h promises, for any device: the CPU's in tests/exec, CUDA's in tests/cuda.
+// The contract of exec/device.h for any device: tests/exec runs it on the CPU, tests/cuda on CUDA.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ namespace raysheaf::test {
 
 using reference::Words;
 
-/// Around the borders of warps, blocks and CUB's tiles.
+/// Sizes around the limits of warps, blocks and CUB's tiles.
 inline constexpr std::size_t kDeviceSizes[] = {0,   1,    2,    31,   32,   33,   127,  128,
                                                129, 1023, 1024, 4097, 8191, 8192, 8193, 65537};
 
@@ -66,7 +66,7 @@ void expect_shared_words(Device& device) {
   const Words seen = to_host(device, low);
   const std::uint64_t sum = std::uint64_t{kCount} * (kCount - 1) / 2;
   EXPECT_EQ(seen, (Words{5, kCount, seen[2]}));
-  // Each exchange returns the word of the one before, and the last word stays.
+  // Each exchange returns the previous word, and the last word remains.
   EXPECT_EQ(to_host(device, wide), (std::vector<std::uint64_t>{std::uint64_t{3} << 33, sum << 20,
                                                                sum + kCount - seen[2]}));
 }
@@ -145,7 +145,7 @@ void expect_sorted(Device& device) {
     for (Key& key : keys) key = static_cast<Key>(random());
     expect_stable_pairs(device, keys, {0, kWidth});
     expect_stable_pairs(device, keys, {3, 17});
-    for (Key& key : keys) key &= 7;  // many equal ones keep their order
+    for (Key& key : keys) key &= 7;  // many equal keys, which must keep their order
     expect_stable_pairs(device, keys, {0, kWidth});
     expect_stable_pairs(device, keys, {1, 2});
   }
@@ -224,8 +224,8 @@ void expect_clock(Device& device) {
   }
 }
 
-/// What an uplink sends arrives where it is seen, and nowhere before it may: its place and its room
-/// are used again while all is under way. `exec/links.h` of the device is included by the caller.
+/// The data of an uplink arrives after `see`, and not before: host buffer and device memory are
+/// reused while all transfers are pending. The caller includes the device's `exec/links.h`.
 template <class Device>
 void expect_links(Device& device) {
   constexpr std::size_t kWords = 20000, kRounds = 7, kLanes = 2;
@@ -264,13 +264,13 @@ void expect_links(Device& device) {
     EXPECT_THROW(uplinks[0]->done_with("links"), Error);
     uplinks[0]->send("links", landings[0].data(), kBytes);
     EXPECT_THROW(uplinks[0]->send("links", landings[0].data(), kBytes), Error);
-  }  // and with all that under way they go
+  }  // destroyed while all transfers are pending
   EXPECT_EQ(to_host(device, sums)[3], 3 * kRounds * (kRounds + 1) / 2);
   EXPECT_GT(device.free_bytes(), 0u);
 }
 
-/// What goes there in parts is there, and comes back, again and again; empty, less than a part,
-/// whole parts and a rest.
+/// Data sent in parts arrives and can be sent back, repeatedly; the sizes are zero, less than a
+/// part, and whole parts with a remainder.
 template <class Device>
 void expect_bulk_links(Device& device) {
   constexpr std::size_t kPart = 30000 * sizeof(std::uint32_t);
@@ -292,7 +292,7 @@ void expect_bulk_links(Device& device) {
     downlink.fetch("bulk", executor, there.data(), View<std::uint32_t>(here));
     EXPECT_EQ(here, expected) << count;
   }
-  // Whoever stops while parts are written leaves nothing in the way of the next.
+  // Cancelling while parts are written must not block the next transfer.
   std::atomic<bool> stop = true;
   there.resize_uninitialized("bulk", 100000);
   const auto ones = [](std::size_t begin, std::size_t end, std::uint32_t* out) {

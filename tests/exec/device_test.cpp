@@ -16,7 +16,7 @@ struct Emulated {
   EmulatedDevice device;
 };
 
-TEST(EmulatedDevice, KeepsWhatDevicesPromise) {
+TEST(EmulatedDevice, KeepsTheContractOfDevices) {
   for (const std::uint32_t threads : {1u, 3u}) {
     Emulated emulated(threads, threads == 1 ? 1 : 64);
     expect_all_verbs(emulated.device);

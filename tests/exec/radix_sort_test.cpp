@@ -15,7 +15,7 @@ using reference::Words;
 
 constexpr std::uint32_t kThreads[] = {1, 2, 7};
 
-/// Sorts by the low `bits` bits on several numbers of threads; each must give the stable order.
+/// Sorts by the low `bits` bits with several numbers of threads; each must give the stable order.
 template <class Key>
 void expect_stable_order(const std::vector<Key>& keys, std::uint32_t bits,
                          const std::string& what) {
@@ -80,12 +80,12 @@ TYPED_TEST(RadixSort, HighBitsAreCarriedNotCompared) {
 }
 
 TYPED_TEST(RadixSort, SortedEqualAndReversed) {
-  constexpr std::size_t kCount = 65536;  // blocks of 8192 and multiples of it
+  constexpr std::size_t kCount = 65536;  // a multiple of the block size 8192
   std::vector<TypeParam> keys = this->random_keys(kCount);
   std::sort(keys.begin(), keys.end());
   expect_stable_order(keys, this->kWidth, "sorted");
   std::swap(keys[kCount / 2], keys[kCount / 2 + 1]);
-  expect_stable_order(keys, this->kWidth, "sorted but for one pair");
+  expect_stable_order(keys, this->kWidth, "sorted except one pair");
   std::sort(keys.begin(), keys.end());
   for (std::size_t at = 8192; at < kCount; at += 8192) {
     std::vector<TypeParam> broken = keys;
@@ -100,7 +100,7 @@ TYPED_TEST(RadixSort, SortedEqualAndReversed) {
   expect_stable_order(keys, this->kWidth, "the extremes");
 }
 
-TYPED_TEST(RadixSort, ValuesAreWhateverTheyAre) {
+TYPED_TEST(RadixSort, AnyValuesAreAllowed) {
   std::vector<TypeParam> keys{3, 1, 2, 1};
   Words values{0xffffffffu, 9, 9, 0};
   radix_sort_pairs(Executor(1), keys, values);

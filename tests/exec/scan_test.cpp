@@ -52,8 +52,8 @@ TEST(Scan, TotalsReachTheLastCountAndNoFurther) {
   constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
   for (const std::uint32_t threads : kScanThreads) {
     const Executor executor(threads);
-    Words in(65536, 65535u);  // sums to 2^32 - 2^16
-    in.push_back(65535u);     // and now to 2^32 - 1
+    Words in(65536, 65535u);  // the sum is 2^32 - 2^16
+    in.push_back(65535u);     // now it is 2^32 - 1
     Words out(in.size(), 1u);
     EXPECT_EQ(exclusive_scan(executor, in, out), kMost);
     EXPECT_EQ(out.back(), kMost - 65535u);

@@ -1,4 +1,4 @@
-// Triangles in runs, and what brute force says of them.
+// Triangles in runs, and brute force's answers for them.
 #pragma once
 
 #include <vector>
@@ -24,7 +24,7 @@ struct Triangles {
     return {positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]};
   }
 
-  /// Cut into runs of up to `longest`; every other one indexed.
+  /// Cuts the triangles into runs of up to `longest`; every other run is indexed.
   TriangleSource source(std::uint32_t longest = 37) {
     indices.clear();
     runs.clear();

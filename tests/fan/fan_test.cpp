@@ -15,7 +15,7 @@ enum class Shape { kSoup, kLarge, kSlivers, kAround, kAtOrigin, kZeroArea, kLatt
 const Shape kShapes[] = {Shape::kSoup,     Shape::kLarge,    Shape::kSlivers, Shape::kAround,
                          Shape::kAtOrigin, Shape::kZeroArea, Shape::kLattice};
 
-/// Where all numbers are small integers, rays meet edges and corners exactly.
+/// With small integers as coordinates, rays hit edges and corners exactly.
 Vec3 lattice_point(Random& random) {
   const auto c = [&] { return static_cast<float>(random.below(9)) - 4.0f; };
   return {c(), c(), c()};
@@ -53,7 +53,7 @@ void add_triangle(Shape shape, Vec3 o, Random& random, Triangles* t) {
   }
 }
 
-/// Targets on corners, edges and anywhere; axes, diagonals, repeats; all ranges of t.
+/// Targets on corners, on edges and anywhere; axes, diagonals, repetitions; all intervals of t.
 std::vector<Ray> rays_at(const Triangles& t, Vec3 o, std::uint32_t count, Random& random) {
   std::vector<Ray> rays;
   const Vec3 special[] = {{1, 0, 0},  {0, -1, 0}, {0, 0, 1},   {1, 1, 0},  {-1, 0, 1},
@@ -113,7 +113,7 @@ Triangles make(Shape shape, Vec3 o, std::uint32_t count, Random& random) {
   return t;
 }
 
-TEST(Fan, SaysWhatBruteForceSays) {
+TEST(Fan, EqualsBruteForce) {
   Random random(3);
   for (const Shape shape : kShapes) {
     for (const Vec3 o : {Vec3{0, 0, 0}, Vec3{3, -2, 7}, Vec3{0.1f, 0.7f, -0.3f}}) {
@@ -186,7 +186,7 @@ TEST(Fan, ManyRaysInOneCellAndOnOneDirection) {
   }
 }
 
-// Rays from inside through corners and edges of a closed mesh, in numbers.
+// Many rays from inside through corners and edges of a closed mesh.
 TEST(Fan, ClosedMeshLetsNothingThrough) {
   Random random(17);
   Triangles t;
@@ -214,8 +214,8 @@ TEST(Fan, ClosedMeshLetsNothingThrough) {
   const Executor executor(2);
   const auto got = test::fan(executor, t.source(), rays);
   EXPECT_EQ(std::accumulate(got.begin(), got.end(), std::size_t{0}), rays.size());
-  // Ends near the mesh, where depths decide: 30 000 times 2 304 pairs are too many for a plain loop
-  // to take on every ray, so some of them.
+  // Intervals that end near the mesh, where depths decide. Only some of the rays: 30 000 times 2
+  // 304 pairs are too many for brute force.
   std::vector<Ray> near(rays.begin(), rays.begin() + 3000);
   for (Ray& ray : near) ray.t_max = random.between(0.2f, 1.3f);
   EXPECT_EQ(test::fan(executor, t.source(), near), test::brute_force(t, near, Facing::kBoth));
@@ -269,7 +269,7 @@ TEST(Fan, GivesUpWhereTrianglesMeetTooManyTiles) {
     const Executor executor(threads);
     EXPECT_FALSE(occluded_in_fan(executor, t.source(), rays, options, occluded, {}, &counts));
     EXPECT_GT(counts.pairs, options.most_pairs);
-    EXPECT_LT(counts.pairs, 4 * options.most_pairs + 20 * 1000);  // a triangle's tiles a block
+    EXPECT_LT(counts.pairs, 4 * options.most_pairs + 20 * 1000);  // one triangle's tiles per block
     EXPECT_EQ(threads == 1 ? counts.pairs : pairs, counts.pairs);
     pairs = counts.pairs;
   }
@@ -282,7 +282,7 @@ TEST(Fan, RefusesOtherOrigins) {
   std::vector<std::uint8_t> occluded(20000, 7);
   for (const std::size_t other : {1u, 777u, 8191u, 19998u, 19999u}) {
     std::vector<Ray> rays(20000, Ray{{1, 2, 0}, 0, {1, 0, 0}, 1});
-    rays[other].origin.z = -0.0f;  // another, bit for bit
+    rays[other].origin.z = -0.0f;  // differs in its bits
     FanCounts counts;
     EXPECT_FALSE(
         occluded_in_fan(Executor(2), t.source(), View<const Ray>(rays), {}, occluded, {}, &counts));

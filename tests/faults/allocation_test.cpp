@@ -1,5 +1,5 @@
-// Every allocation of a load, of changes and of queries fails once: an Error (kOutOfMemory) each
-// time, nothing leaks, and the same scene, or another load, works afterwards.
+// Each allocation of a load, of changes and of queries fails once: every time there is an Error
+// (kOutOfMemory), nothing leaks, and the same scene, or another load, works afterwards.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -17,8 +17,8 @@
 namespace raysheaf::test {
 namespace {
 
-/// Runs `body` with its first allocation failing, its second, and so on until it has no more of
-/// them. After each failure, `afterwards` looks whether all is well. Gives the number of failures.
+/// Runs `body` with its first allocation failing, then its second, and so on until it makes no
+/// more. After each failure, `afterwards` checks the state. Returns the number of failures.
 int fail_each_allocation(const std::function<void()>& body,
                          const std::function<void()>& afterwards) {
   for (int index = 0;; ++index) {
@@ -112,7 +112,7 @@ TEST_P(Faults, QueriesOfANewScene) {
   std::int64_t before = live_allocations();
   const int failures = fail_each_allocation([&] { static_cast<void>(whole()); },
                                             [&] {
-                                              // Threads keep what they once took.
+                                              // Threads keep memory that they have allocated.
                                               if (GetParam() == 1) {
                                                 EXPECT_EQ(live_allocations(), before);
                                               }
@@ -183,7 +183,7 @@ TEST_P(Faults, QueriesSpeakOfTheirRays) {
 
 INSTANTIATE_TEST_SUITE_P(Threads, Faults, ::testing::Values(1u, 2u));
 
-/// What a load gives, in numbers: where it comes back although something failed, it must be whole.
+/// A loaded scene in numbers: a load that returns despite a failure must be complete.
 using Counts = std::array<std::size_t, 5>;
 
 Counts counts_of(const SceneDescription& scene) {
@@ -197,7 +197,7 @@ Counts load_and_pose(const std::string& path) {
   try {
     animation->seek(time);
   } catch (const Error&) {
-    // What it had changed before it failed, the next one tells.
+    // If a `seek` fails, the next one reports all of its changes.
     EXPECT_TRUE(animation->seek(time).everything);
     EXPECT_FALSE(animation->seek(0).everything);
     throw;
@@ -266,7 +266,7 @@ TEST(LoadFaults, EveryAllocationOfACameraPath) {
   expect_errors(load_keys, folder.file("path.json"));
 }
 
-/// Whatever fails, the old file stands or the whole new one.
+/// After any failure, the file has its old or its complete new contents.
 TEST(SaveFaults, EveryAllocation) {
   const TemporaryFolder folder;
   const std::string path = folder.file("a.glb");
@@ -290,7 +290,7 @@ std::string raw(std::initializer_list<T> numbers) {
   return {reinterpret_cast<const char*>(numbers.begin()), numbers.size() * sizeof(T)};
 }
 
-/// Scenes that are cut without being held.
+/// Scenes that are packed without being held in memory.
 void expect_errors_of_packing(const std::string& file, const std::string& bytes) {
   const TemporaryFolder folder;
   const std::string path = folder.file(file);
@@ -373,7 +373,7 @@ TEST(SaveFaults, EveryAllocationOfBlocks) {
   EXPECT_GT(failures, 20);
 }
 
-/// Memory that a scene holds after very many updates and queries is what it held after a few.
+/// After very many updates and queries a scene uses as much memory as after a few.
 TEST(Growth, NoneOverManyFrames) {
   const std::vector<Vec3> a = corners(1, 50), b = corners(2, 50);
   const std::vector<Ray> few = rays(6, 40, false);

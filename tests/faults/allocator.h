@@ -1,4 +1,4 @@
-// An operator new that can be told to fail, for the whole test program.
+// An operator new for the whole test program that can fail on request.
 #pragma once
 
 #include <cstddef>
@@ -6,17 +6,17 @@
 
 namespace raysheaf::test {
 
-/// Of all threads.
+/// The number of all threads' allocations that have not been freed.
 [[nodiscard]] std::int64_t live_allocations();
 
-/// While it lives, the `index`th allocation (from 0) fails: once.
+/// During its lifetime, the `index`th allocation (from 0) fails, once.
 class FailingAllocation {
  public:
   explicit FailingAllocation(std::int64_t index);
   ~FailingAllocation();
   FailingAllocation(const FailingAllocation&) = delete;
   FailingAllocation& operator=(const FailingAllocation&) = delete;
-  /// Whether there were as many allocations.
+  /// Whether that many allocations happened.
   [[nodiscard]] bool has_failed() const;
 };
 

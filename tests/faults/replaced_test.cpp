@@ -1,6 +1,6 @@
-// Files of a scene that change while they are read: renamed over, cut, grown, written in place,
-// taken away, between any two reads. What comes is the whole old scene, the whole new one, or one
-// sentence.
+// Scene files that change while they are read: they are replaced, truncated, extended, overwritten
+// or deleted between any two reads. The result is the complete old scene, the complete new scene,
+// or one sentence.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -16,13 +16,13 @@
 
 namespace {
 
-/// While `on_read` is set, reads are short, and it is called before each.
+/// While `on_read` is set, it is called before each read, and reads are short.
 std::function<void()> on_read;
 constexpr std::size_t kShort = 64;
 
 }  // namespace
 
-/// In the place of the C library's, for all of this program.
+/// Replaces the C library's function in this program.
 extern "C" ssize_t read(int file, void* to, std::size_t bytes) {
   if (on_read) {
     on_read();
@@ -36,7 +36,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a change of any byte that matters would change.
+/// Numbers that depend on every byte that matters.
 using Content = std::vector<double>;
 
 Content content_of(const SceneDescription& scene) {
@@ -52,7 +52,7 @@ Content content_of(const SceneDescription& scene) {
   return all;
 }
 
-/// A scene's files: names and bytes. The first is the one that is loaded.
+/// Names and contents of a scene's files. The first one is loaded.
 using Files = std::vector<std::pair<std::string, std::string>>;
 
 std::string bytes_of(std::initializer_list<float> numbers) {
@@ -71,7 +71,7 @@ std::string png(std::uint8_t grey) {
   return read_file(folder.file("a.png"));
 }
 
-/// `z` tells one version of a scene from the other; `more` makes it longer.
+/// `z` distinguishes one version of a scene from another; `more` makes it longer.
 Files glb(float z, bool more) {
   const TemporaryFolder folder;
   SceneDescription scene;
@@ -142,7 +142,7 @@ std::ostream& operator<<(std::ostream& out, const Format& format) {
   return out << format.name;
 }
 
-/// The same file, in place.
+/// Overwrites the same file in place.
 void overwrite(const fs::path& file, const std::string& bytes, int flags) {
   const int descriptor = open(file.c_str(), O_WRONLY | flags);
   ASSERT_GE(descriptor, 0);
@@ -175,7 +175,7 @@ void apply(Change change, const fs::path& file, const std::string& bytes) {
   }
 }
 
-/// The files in a folder, made long ago: a change now has another time.
+/// Writes files with old modification times, so that any change gets a different time.
 void put(const fs::path& folder, const Files& files) {
   for (const auto& [name, bytes] : files) {
     fs::remove_all(folder / name);
@@ -188,8 +188,8 @@ class Replaced : public ::testing::TestWithParam<Format> {
  protected:
   void TearDown() override { on_read = nullptr; }
 
-  /// A scene's content, or nothing where a sentence says what is wrong: of an error, or, where
-  /// materials or pictures are left out, of a warning.
+  /// The scene's content, or nothing if an error, or a warning about ignored materials or images,
+  /// says what is wrong.
   [[nodiscard]] std::optional<Content> load() const {
     try {
       const SceneDescription scene = load_scene(folder_.file(old_[0].first));
@@ -242,7 +242,7 @@ TEST_P(Replaced, BetweenAnyTwoReads) {
   }
 }
 
-/// Renaming is how a careful program replaces a file: nothing is refused, and nothing is mixed.
+/// A careful program replaces a file by renaming: the load must neither fail nor mix both versions.
 TEST_P(Replaced, RenamedAllTheTime) {
   put(folder_.path(), old_);
   std::set<Content> right{load().value()};

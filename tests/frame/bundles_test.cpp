@@ -1,4 +1,4 @@
-// Bundles as they are measured for people: sizes that are sizes, bounds that hold what they must.
+// The statistics of bundles: sizes are correct, and bounds contain their rays.
 #include "render/frame/bundles.h"
 
 #include <gtest/gtest.h>
@@ -80,7 +80,8 @@ TEST(Bundles, MeasuringChangesNothingAndIsTheSameWithAnyThreads) {
   }
 }
 
-// Two rays one apart, one of them turned by a quarter, and a square far off that neither meets.
+// Two rays with distance 1, one of them turned by 90 degrees, and a distant square that neither
+// hits.
 TEST(Bundles, SpreadsAreWhatTheyAreCalled) {
   SceneDescription scene;
   scene.meshes = {test::floor_square(10, 0), test::floor_square(10, 7)};

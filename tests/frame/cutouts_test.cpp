@@ -1,5 +1,5 @@
-// What materials cut away is not there: for first hits, shadows, mirrors and lenses, by every
-// method.
+// Surfaces that alpha cuts out are invisible to primary rays, shadows, mirrors and lenses, with
+// every method.
 #include "render/frame/cutouts.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 namespace raysheaf {
 namespace {
 
-/// A ball on a mirror behind three curtains, and one that has another's place.
+/// A sphere on a mirror behind three curtains, one of which coincides with another.
 SceneDescription curtains() {
   SceneDescription scene = test::ball_on_floor();
   Material mirror;
@@ -33,7 +33,7 @@ SceneDescription curtains() {
   return scene;
 }
 
-/// Every triangle, from near to far; the first that is there.
+/// Tests every triangle from near to far and returns the first one that is not cut out.
 struct Truth {
   const FlatScene& flat;
   const TextureSet& textures;
@@ -96,7 +96,7 @@ class Cut : public testing::TestWithParam<Method> {
   ProgressMeter meter_;
 };
 
-TEST_P(Cut, RaysMeetTheFirstThingThatIsThere) {
+TEST_P(Cut, RaysHitTheFirstSurfaceThatIsNotCutOut) {
   RenderOptions options;
   options.method = GetParam();
   ResidentGeometry geometry(executor_, flat_, textures_, options);
@@ -110,12 +110,12 @@ TEST_P(Cut, RaysMeetTheFirstThingThatIsThere) {
     ASSERT_EQ(float_bits(hits[i].t), float_bits(truth.t)) << "ray " << i;
   }
   EXPECT_GT(statistics.rays, rays.rays.size() + 500) << "those that went on count again";
-  // The hierarchies of rays count their last nodes as if these were full.
+  // Hierarchies over rays count their last nodes as if these were full.
   const auto all = static_cast<double>(statistics.total_tests());
   EXPECT_NEAR(std::accumulate(tests.begin(), tests.end(), 0.0), all, 0.01 * all);
 }
 
-TEST_P(Cut, ShadowsFallFromWhatIsThere) {
+TEST_P(Cut, OnlySurfacesThatAreNotCutOutCastShadows) {
   RenderOptions options;
   options.method = GetParam();
   ResidentGeometry geometry(executor_, flat_, textures_, options);
@@ -170,8 +170,8 @@ INSTANTIATE_TEST_SUITE_P(Cutouts, Cut,
                                          Method::kDual),
                          [](const auto& method) { return to_string(method.param); });
 
-/// Of what a camera sees that looks at bright walls of this alpha, one behind the other, from the
-/// dark: how much is bright.
+/// The bright fraction of the image of a camera in the dark that looks at bright walls with this
+/// alpha, one behind the other.
 float brightness(float alpha, int walls, std::uint32_t samples, bool shadows) {
   SceneDescription scene;
   Material bright;
@@ -193,7 +193,7 @@ float brightness(float alpha, int walls, std::uint32_t samples, bool shadows) {
   sun.direction = {0, -1, 0};
   scene.lights.push_back(sun);
   Camera camera;
-  // Above the walls; for shadows below them.
+  // The camera is above the walls; for shadows, below them.
   camera.to_world = look_at({0, shadows ? -8.0f : 0.0f, 0}, {0, -20, 0}, {0, 0, 1});
   scene.cameras.push_back(camera);
   RenderOptions options = test::small_options(24);
@@ -205,23 +205,23 @@ float brightness(float alpha, int walls, std::uint32_t samples, bool shadows) {
   return static_cast<float>(sum / static_cast<double>(result.beauty.size()));
 }
 
-TEST(Blended, SamplesMixWhatIsThereByChance) {
+TEST(Blended, SamplesBlendByRandomAlpha) {
   for (const float alpha : {0.0f, 0.3f, 0.8f, 1.0f}) {
-    // 24 x 24 pixels of 16 samples: a deviation of at most 0.0052.
+    // 24 x 24 pixels with 16 samples: a standard deviation of at most 0.0052.
     EXPECT_NEAR(brightness(alpha, 1, 16, false), alpha, 0.02f);
     EXPECT_NEAR(brightness(alpha, 2, 16, false), 1 - (1 - alpha) * (1 - alpha), 0.02f);
   }
   EXPECT_EQ(brightness(0.3f, 1, 1, false), 1) << "whole with one sample and no texture";
 }
 
-TEST(Blended, LightComesThroughByChance) {
+TEST(Blended, LightPassesByRandomAlpha) {
   const float whole = brightness(0, 1, 16, true);
   EXPECT_GT(whole, 0.1f);
   for (const float alpha : {0.3f, 0.8f})
     EXPECT_NEAR(brightness(alpha, 1, 16, true), (1 - alpha) * whole, 0.02f * whole + 0.01f);
 }
 
-TEST(Cutouts, WithoutATextureAllIsThereOrNothing) {
+TEST(Cutouts, WithoutATextureSurfacesAreWholeOrInvisible) {
   SceneDescription scene = test::ball_on_floor();
   const RenderOptions options = test::small_options(24);
   const RenderResult whole = render(scene, options);

@@ -1,4 +1,4 @@
-// Frames on a device whose memory runs out, at any of its allocations.
+// Frames on a device that runs out of memory at any of its allocations.
 #include <gtest/gtest.h>
 
 #include "api/context_impl.h"
@@ -13,7 +13,7 @@
 namespace raysheaf {
 namespace {
 
-/// Whichever allocation fails: one sentence, nothing left, and the next frame is right.
+/// Whichever allocation fails, there is one sentence, nothing leaks, and the next frame is right.
 void expect_memory_may_run_out(const SceneDescription& scene, const RenderOptions& options) {
   const Executor executor(2);
   test::GuardedMemory memory;

@@ -1,5 +1,5 @@
-// Frames whose fragments stay on a device: every layer is the CPU's, bit for bit. On the CPU as a
-// device, and on the CUDA device where there is one.
+// Frames whose fragments stay on a device: every layer equals the CPU's, bit for bit. They run on
+// an emulated device, and on a CUDA device if the machine has one.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 namespace raysheaf {
 namespace {
 
-/// Whether a sentence of the plan says so.
+/// Whether a sentence of the plan contains the words.
 bool says(const RenderResult& result, const std::string& words) {
   for (const BatchStatistics& batch : result.statistics.batches)
     for (const std::string& sentence : batch.plan)
@@ -26,12 +26,12 @@ bool says(const RenderResult& result, const std::string& words) {
   return false;
 }
 
-/// Whether fragments were the device's.
+/// Whether fragments stayed on the device.
 bool stayed(const RenderResult& result) {
   return says(result, "stay");
 }
 
-/// A batch there and here; `tests`: what they count, too.
+/// Compares a batch of the device with the CPU's; `tests`: also the numbers of tests.
 void expect_same_batch(const BatchStatistics& there, const BatchStatistics& here, bool tests) {
   EXPECT_EQ(there.kind, here.kind);
   EXPECT_EQ(there.bounce, here.bounce);
@@ -49,7 +49,7 @@ void expect_same_batch(const BatchStatistics& there, const BatchStatistics& here
   }
 }
 
-/// The picture on the device, after it was compared with the CPU's.
+/// Renders on the device and expects the CPU's image.
 RenderResult expect_the_cpus(const Context& context, const SceneDescription& scene,
                              const RenderOptions& options) {
   const RenderResult here = render(scene, options);
@@ -57,7 +57,7 @@ RenderResult expect_the_cpus(const Context& context, const SceneDescription& sce
   test::expect_same_picture(there, here);
   const auto &a = there.statistics.batches, &b = here.statistics.batches;
   EXPECT_EQ(a.size(), b.size());
-  // A device's `dual` has other bundles.
+  // A device's `dual` forms other bundles.
   for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
     expect_same_batch(a[i], b[i], options.method != Method::kDual);
   EXPECT_EQ(there.statistics.samples.size(), here.statistics.samples.size());
@@ -78,7 +78,7 @@ void expect_all_frames(const Context& context) {
     const RenderResult there = expect_the_cpus(context, motley(seed), options);
     EXPECT_TRUE(stayed(there));
     if (seed != 3) continue;
-    // All kinds of rays at all bounces, and the first ones meet something.
+    // All kinds of rays at all bounces; and the primary rays hit something.
     EXPECT_EQ(there.statistics.batches.size(), 1 + 4 + 3 + 3u);
     for (const BatchStatistics& batch : there.statistics.batches) {
       if (batch.bounce <= 1) {
@@ -93,7 +93,7 @@ void expect_all_frames(const Context& context) {
   RenderOptions options = traced(40);
   options.shadows = false;
   expect_the_cpus(context, motley(10), options);
-  // Nothing to see, and next to nothing.
+  // No surface is visible, or almost none.
   SceneDescription behind = motley(11);
   behind.cameras = {test::camera_at({0, 0, 50}, {0, 0, 100})};
   expect_the_cpus(context, behind, traced(16));
@@ -119,7 +119,7 @@ void expect_soft_frames(const Context& context) {
   }
 }
 
-/// The methods that order their rays, into a hierarchy or packets: the CPU's tests, too.
+/// The methods that sort their rays into a hierarchy or packets: tests also equal the CPU's.
 void expect_frames_of_ordered_rays(const Context& context) {
   constexpr Method kMethods[] = {Method::kRah, Method::kCrsh, Method::kGl10};
   for (std::uint32_t seed = 50; seed < 59; ++seed) {
@@ -129,7 +129,8 @@ void expect_frames_of_ordered_rays(const Context& context) {
     options.method = kMethods[seed % 3];
     options.samples = seed == 52 || seed == 56 ? 2 : 1;
     if (seed == 53 || seed == 54 || seed == 58) options.key = RayKey::kRaster;
-    options.early_out = seed == 56;  // by gl10: of the others a device makes all tests
+    // Only gl10 stops early; for the other methods a device makes all tests.
+    options.early_out = seed == 56;
     if (seed >= 56) options.mesh_culling = false;
     if (seed == 57 || seed == 58) scene.environment = motley_sky(1);
     if (seed == 57 || seed == 58) options.primary = Primary::kRaster;
@@ -138,7 +139,7 @@ void expect_frames_of_ordered_rays(const Context& context) {
   }
 }
 
-/// One renderer, from frame to frame.
+/// One renderer follows the changes from frame to frame.
 void expect_frames_of_a_change(const Context& context, Method method) {
   SceneDescription scene = motley(30, true);
   Renderer here, there(context);
@@ -258,7 +259,7 @@ TEST_P(Frames, OfBuiltinScenesByBothKindsOfPrimaryVisibility) {
   }
 }
 
-/// Whether OpenGL draws on the CUDA device is the machine's affair.
+/// Whether OpenGL renders on the CUDA device depends on the machine.
 TEST_P(Frames, TakeWhatOpenGlSeesFromItsMemoryOrThroughTheHost) {
   RenderOptions options = traced(48);
   options.primary = Primary::kRaster;

@@ -1,4 +1,4 @@
-// What frames on a device are tried on.
+// Scenes for the tests of frames on a device.
 #pragma once
 
 #include <algorithm>
@@ -12,9 +12,9 @@
 
 namespace raysheaf {
 
-/// Everything that a frame on a device knows, in one scene: textures that are turned, scaled and
-/// mirrored, glass, a mirror, metal, lamps, an instance that mirrors, triangles without material,
-/// normal or area, and lights of all kinds; `soft`: a ball and a rectangle, too.
+/// Everything that frames on a device support, in one scene: textures that are rotated, scaled and
+/// mirrored, glass, a mirror, metal, lamps, a mirrored instance, triangles without material, normal
+/// or area, and all kinds of lights; `soft` adds a sphere and a rectangle.
 inline SceneDescription motley(std::uint32_t seed, bool soft = false) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(0, 1);
@@ -74,7 +74,7 @@ inline SceneDescription motley(std::uint32_t seed, bool soft = false) {
     if (i % 3 == 0)
       for (auto& row : placed.to_world.m) row[0] = -row[0];
     scene.instances.push_back(placed);
-    if (i == 6) scene.instances.push_back(placed);  // in the same place
+    if (i == 6) scene.instances.push_back(placed);  // two instances in the same place
   }
   Light spot = test::point_light({2, 4, 1}, 60);
   spot.type = Light::Type::kSpot;
@@ -99,7 +99,7 @@ inline SceneDescription motley(std::uint32_t seed, bool soft = false) {
   return scene;
 }
 
-/// With a small sun.
+/// A sky with a small sun.
 inline Environment motley_sky(float rotation) {
   Environment sky;
   sky.width = 8;
@@ -113,8 +113,8 @@ inline Environment motley_sky(float rotation) {
   return sky;
 }
 
-/// Mirrors and glass before and behind curtains, one of them in another's place, and a pane that is
-/// there by chance.
+/// Mirrors and glass in front of and behind curtains, one of which coincides with another, and a
+/// pane with random cut-outs.
 inline SceneDescription behind_curtains() {
   Material glass;
   glass.transmission = 0.7f;

@@ -1,5 +1,5 @@
-// Frames whose rays meet triangles on a device are those of the CPU, bit for bit: on the CPU as a
-// device, and on the CUDA device where there is one.
+// Frames whose rays are traced on a device equal the CPU's, bit for bit: on an emulated device, and
+// on a CUDA device if the machine has one.
 #include <gtest/gtest.h>
 
 #include "api/context_impl.h"

@@ -1,6 +1,5 @@
-// Method `dual` in the renderer: the picture of brute force, whatever the lights, the rays, the
-// threads; one query a light; one tree a frame; and counts within the limits that the paper's
-// scenes set.
+// Method `dual` in the renderer: brute force's image for all kinds of lights, rays and threads; one
+// query per light; one tree per frame; and counts within the limits that the paper's scenes set.
 #include <gtest/gtest.h>
 
 #include "raysheaf/builtin_scenes.h"
@@ -71,10 +70,10 @@ TEST(Dual, GlassAndMirrorsShowTheSame) {
   expect_as_brute_force(test::ball_on_floor(mirror));
 }
 
-TEST(Dual, BacksOfSingleSidedTrianglesAreSeenThroughByFirstHitsAlone) {
+TEST(Dual, OnlyPrimaryRaysPassBacksOfSingleSidedTriangles) {
   SceneDescription scene = test::ball_on_floor();
   for (Material& material : scene.materials) material.double_sided = false;
-  scene.cameras[0] = test::camera_at({0.2f, 1.1f, 0.1f}, {0, 0.8f, 3});  // within the ball
+  scene.cameras[0] = test::camera_at({0.2f, 1.1f, 0.1f}, {0, 0.8f, 3});  // inside the sphere
   expect_as_brute_force(scene);
   Instance mirrored = scene.instances[0];
   mirrored.to_world.m[0][0] = -1;
@@ -133,7 +132,7 @@ TEST(Dual, TheTreeIsBuiltOnceAFrame) {
   EXPECT_EQ(built, 1);
 }
 
-/// `counts[l]` rays of light l; those of a light in `parallel` start apart.
+/// `counts[l]` rays of light l; the rays of a light in `parallel` have different origins.
 RayBatch batch_of(const std::vector<std::size_t>& counts,
                   const std::vector<std::uint32_t>& parallel) {
   RayBatch batch;
@@ -160,11 +159,11 @@ TEST(Dual, PointLightsHaveQueriesOfTheirOwn) {
   EXPECT_EQ(query_ends(unlit), (Ends{0, 900}));
 }
 
-/// Tests, as a part of brute force's.
+/// The limit of tests, as a fraction of brute force's.
 struct PaperLimit {
   const char* scene;
-  double batch;        ///< all shadow rays asked at once, as the laboratory does
-  double shadow, all;  ///< of a frame, whose rays go in groups
+  double batch;        ///< all shadow rays in one query, as in the laboratory
+  double shadow, all;  ///< of a frame, whose rays are processed in groups
 };
 
 class DualOnPaperScenes : public testing::TestWithParam<PaperLimit> {};

@@ -1,4 +1,4 @@
-// The whole loop: a white furnace, methods, threads, primary visibility, bounces.
+// The complete renderer: a white furnace, methods, threads, primary visibility, bounces.
 #include <gtest/gtest.h>
 
 #include "raysheaf/builtin_scenes.h"
@@ -17,7 +17,8 @@ const BatchStatistics* find_batch(const RenderResult& result, RayKind kind, std:
   return nullptr;
 }
 
-/// Of checks, lit by a lamp before it, and seen through a pane between the lamp and the eye.
+/// A surface with checks, lit by a lamp in front of it, and seen through a pane between the lamp
+/// and the camera.
 SceneDescription checks_behind(const Material& pane, bool is_there, bool turned) {
   SceneDescription scene;
   Material board;
@@ -176,7 +177,7 @@ TEST(Frame, ManyLightsGoInGroupsAndGiveTheSamePicture) {
   EXPECT_TRUE(test::same_bits(brute.beauty, render(scene, options).beauty));
 }
 
-/// Panes of glass before a wall: paths split at each, and meet in the same pixels again.
+/// Panes of glass in front of a wall: paths split at each pane and merge in the same pixels.
 SceneDescription stacked_glass(int panes) {
   SceneDescription scene;
   scene.materials = {material(0, 0, 1), material(0, 1, 0)};
@@ -200,7 +201,7 @@ TEST(Frame, SplittingPathsAddUpTheSameOnEveryNumberOfThreads) {
   options.bounces = 5;
   options.threads = 1;
   const RenderResult one = render(scene, options);
-  EXPECT_GT(find_batch(one, RayKind::kRefraction, 3)->rays, 96u * 96);  // more than one a pixel
+  EXPECT_GT(find_batch(one, RayKind::kRefraction, 3)->rays, 96u * 96);  // more than one per pixel
   for (const std::uint32_t threads : {2u, 4u, 7u}) {
     options.threads = threads;
     EXPECT_TRUE(test::same_bits(one.beauty, render(scene, options).beauty)) << threads;
@@ -323,7 +324,7 @@ TEST(Frame, AScaledSceneGivesTheSamePicture) {
     int different = 0;
     for (std::size_t i = 0; i < plain.size(); ++i)
       different += std::abs(plain[i] - other[i]) > 2 ? 1 : 0;
-    EXPECT_LE(different, 12) << scale;  // three pixels at most, at edges
+    EXPECT_LE(different, 12) << scale;  // at most three pixels, at edges
   }
 }
 

@@ -1,8 +1,8 @@
-// The built-in scenes as they looked when someone last looked at them (tests/golden/*.png).
+// Compares the built-in scenes with their reviewed images (tests/golden/*.png).
 //
-// Tolerance: no more than half a percent of the pixels may differ by more than 6 of 255 in any
-// channel; drivers may rasterise silhouettes differently. RAYSHEAF_UPDATE_GOLDEN=1 writes the
-// pictures anew: look at them before they are committed.
+// Tolerance: at most half a percent of the pixels may differ by more than 6 of 255 in any channel,
+// because drivers may rasterise silhouettes differently. RAYSHEAF_UPDATE_GOLDEN=1 writes the images
+// again: look at them before committing them.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// `dual` follows first hits in groups, one a thread: the picture of those methods that take all of
-// them at once, and the same counts with any number of threads.
+// `dual` traces paths in groups of pixels, one per thread: it gives the image of the methods that
+// process all pixels at once, and the same counts with any number of threads.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -31,14 +31,15 @@ void expect_as_whole(const SceneDescription& scene, RenderOptions options) {
     EXPECT_EQ(ours[i].kind, theirs[i].kind);
     EXPECT_EQ(ours[i].rays, theirs[i].rays);
     EXPECT_EQ(ours[i].hits, theirs[i].hits);
-    // Of one group, and so it says, but of the tree that all share.
+    // The plan describes one group, except that all groups share one tree.
     EXPECT_FALSE(ours[i].plan.empty());
     for (const std::string& sentence : ours[i].plan)
       EXPECT_TRUE(sentence.starts_with("[") || sentence.starts_with("object tree: ")) << sentence;
   }
 }
 
-/// Every pixel once, ascending within a group; and each group's parts are parts of the picture.
+/// Every pixel occurs once, in ascending order within a group; and each group's parts are parts of
+/// the image.
 void expect_groups_hold_all(PictureSize size) {
   const std::size_t pixels = std::size_t{size.width} * size.height;
   std::vector<int> held(pixels);
@@ -127,14 +128,15 @@ TEST(Groups, OfSeveralSamplesGiveTheWholePicture) {
   expect_as_whole(scene, options);
 }
 
-/// So many that most of them are found once for the sky, and again for their light.
-TEST(Groups, ThatAreFoundTwiceGiveTheWholePicture) {
+/// So many groups that the primary hits of most are computed twice: for the sky, and for shading.
+TEST(Groups, ComputedTwiceGiveTheWholePicture) {
   RenderOptions options = of_size(2048, 1200);
   options.bounces = 0;
   expect_as_whole(test::ball_on_floor(), options);
 }
 
-/// Tests of pixels add up over groups; the sky above, which sends no rays, is a group of its own.
+/// The pixels' tests add up over groups. The sky at the top, which sends no secondary rays, is a
+/// group.
 TEST(Groups, CountTheTestsOfTheirPixels) {
   SceneDescription scene = test::ball_on_floor();
   scene.cameras[0] = test::camera_at({0, 2.5f, 9}, {0, 4.5f, 0});
@@ -151,7 +153,7 @@ TEST(Groups, CountTheTestsOfTheirPixels) {
   EXPECT_NEAR(sum, total, 1e-5 * total);
 }
 
-TEST(Groups, AreToldAsOneStageAndCanBeCancelled) {
+TEST(Groups, AreReportedAsOneStageAndCanBeCancelled) {
   RenderOptions options = of_size(512, 1100);
   std::uint64_t told = 0;
   options.progress = [&](const Progress& progress) {

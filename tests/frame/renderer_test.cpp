@@ -1,5 +1,5 @@
-// One renderer over many pictures: each is what a renderer that knows nothing makes, and statistics
-// say what was made anew.
+// One renderer for many images: each image equals that of a new renderer, and the statistics say
+// what was rebuilt.
 #include "raysheaf/renderer.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ SceneDescription mirrors() {
   return scene;
 }
 
-/// The scene a moment later: the small ball rolls, the large one breathes.
+/// The next frame: the small sphere rolls, and the large one changes its size.
 SceneChanges advance(SceneDescription& scene, int frame) {
   SceneChanges changes;
   scene.instances[2].to_world =
@@ -68,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(All, RendererMethods,
                                          Method::kDual),
                          [](const auto& test) { return std::string(to_string(test.param)); });
 
-TEST(Renderer, StatisticsSayWhatWasMadeAnew) {
+TEST(Renderer, StatisticsSayWhatWasRebuilt) {
   SceneDescription scene = mirrors();
   const std::uint64_t all = scene.triangle_count();
   RenderOptions options = test::small_options(32);

@@ -1,5 +1,5 @@
-// Pictures of several samples: one sample is what it was, the mean converges, and nothing but the
-// number of samples changes a bit.
+// Images with several samples: one sample is deterministic, the mean converges, and only the number
+// of samples changes the result.
 #include <gtest/gtest.h>
 
 #include <tuple>
@@ -64,7 +64,8 @@ TEST(Samples, StatisticsAreTheSumAndEachByItself) {
     EXPECT_EQ(sum.rays, batches.rays);
     EXPECT_EQ(sum.total_tests, batches.total_tests);
     EXPECT_EQ(sum.hits, batches.hits);
-    if (method == Method::kCrsh) continue;  // fills up its last nodes, which are no pixel's
+    // crsh pads its last nodes, and the tests of the padding belong to no pixel.
+    if (method == Method::kCrsh) continue;
     double pixels = 0;
     for (const float tests : result.tests) pixels += double{tests};
     EXPECT_NEAR(pixels, static_cast<double>(sum.total_tests), 1e-4 * pixels);
@@ -73,7 +74,8 @@ TEST(Samples, StatisticsAreTheSumAndEachByItself) {
 
 TEST(Samples, ThePictureSoFarIsThatOfAsManySamples) {
   SceneDescription scene = builtin_scene("cornell");
-  scene.lights[0].radius = 0;  // a lone sample would look at its centre
+  // With a single sample, a light with a size would be sampled at its centre.
+  scene.lights[0].radius = 0;
   RenderOptions options = with_samples(5, 24);
   std::vector<RenderResult> so_far;
   options.on_sample = [&](const RenderResult& result) {
@@ -117,7 +119,7 @@ TEST(Samples, EndWhereTheCallerHasSeenEnough) {
   EXPECT_EQ(result.statistics.samples.size(), 3u);
 }
 
-TEST(Samples, AreToldAsOneStageAndCanBeCancelled) {
+TEST(Samples, AreReportedAsOneStageAndCanBeCancelled) {
   RenderOptions options = with_samples(4, 16);
   std::uint64_t last = 0;
   options.progress = [&](const Progress& progress) {
@@ -136,7 +138,7 @@ TEST(Samples, AreToldAsOneStageAndCanBeCancelled) {
   EXPECT_THROW((void)render(test::ball_on_floor(), options), Error);
 }
 
-/// A white square on black: the pixels of its edge hold the part of them that the filter sees.
+/// A white square on black: the pixels at its edge hold the fraction that the filter sees.
 SceneDescription half_white(float edge) {
   SceneDescription scene;
   Material white;
@@ -150,7 +152,7 @@ SceneDescription half_white(float edge) {
   test::add_mesh(&scene, std::move(mesh));
   Camera camera = test::camera_at({0, 0, 5}, {0, 0, 0});
   camera.orthographic = true;
-  camera.y_mag = 4;  // 8 pixels of side 1
+  camera.y_mag = 4;  // 8 pixels with side 1
   scene.cameras = {camera};
   return scene;
 }
@@ -162,7 +164,8 @@ TEST(Samples, AnEdgeIsTheGaussiansIntegral) {
     const RenderResult result = render(half_white(edge), options);
     for (std::uint32_t x = 0; x < 8; ++x) {
       const double center = static_cast<double>(x) - 3.5;
-      // The cut moves the Gaussian's integral by at most 1.2 % (its tail beyond three deviations).
+      // The truncation changes the Gaussian's integral by at most 1.2 % (its tails beyond three
+      // standard deviations).
       const double expected = 0.5 * std::erfc((double{edge} - center) / (0.5 * std::sqrt(2.0)));
       EXPECT_NEAR(result.beauty[3 * 8 + x].x, expected, 0.015) << edge << " " << x;
     }

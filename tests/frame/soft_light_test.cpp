@@ -1,5 +1,5 @@
-// Lights with a size, lenses and environments in whole pictures: what they converge to, and that
-// methods and threads change no bit of them.
+// Lights with a size, lenses and environments in complete images: the values to which they
+// converge, and equal bits for all methods and numbers of threads.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -42,7 +42,7 @@ Light lamp(Vec3 center, float width, float height) {
   return light;
 }
 
-/// A matte floor at y = 0 as an orthographic camera just above it sees it: a pixel a point.
+/// A matte floor at y = 0, seen by an orthographic camera just above it: each pixel is a point.
 SceneDescription floor_from_above(float eye_height, float x = 0, float half_height = 2) {
   SceneDescription scene;
   scene.materials = {lambertian(0.5f)};
@@ -86,7 +86,7 @@ TEST(SoftLight, AFloorUnderALampIsLambertsFormula) {
 }
 
 TEST(SoftLight, PenumbrasConvergeToThePartOfTheLampThatIsSeen) {
-  // A shutter at half height covers x < 0: a point at x sees of the lamp what lies beyond -x.
+  // A shutter at half height covers x < 0: a point at x sees the part of the lamp beyond -x.
   SceneDescription scene = floor_from_above(0.5f);
   scene.lights = {lamp({0, 2, 0}, 2, 2)};
   Mesh shutter;
@@ -131,7 +131,8 @@ TEST(SoftLight, OneSampleIsThePictureOfPointsAndAPinhole) {
   EXPECT_FALSE(test::same_bits(render(scene, options).beauty, plain.beauty));
 }
 
-/// Everything at once: a ball, a lamp, a spot with a size, a sky, a lens, glass and a mirror.
+/// Everything at once: a sphere, a lamp, a spot light with a size, a sky, a lens, glass and a
+/// mirror.
 SceneDescription everything(Material material) {
   SceneDescription scene = test::ball_on_floor(std::move(material));
   scene.lights[0].radius = 0.4f;
@@ -174,7 +175,7 @@ TEST(SoftLight, GivesTheSameBitsByEveryMethodAndOnEveryNumberOfThreads) {
 }
 
 TEST(Lens, WhatIsInFocusStaysSharpAndTheRestIsADisc) {
-  // An edge at depth 5, across the middle of the picture; 16 pixels are 2 wide there.
+  // An edge at depth 5 across the middle of the image; 16 pixels are 2 wide at that depth.
   SceneDescription scene;
   Material white;
   white.unlit = true;
@@ -198,7 +199,7 @@ TEST(Lens, WhatIsInFocusStaysSharpAndTheRestIsADisc) {
     const double at = (static_cast<double>(x) - 7.5) / 8;  // in the edge's plane
     const double pixel = std::sqrt(2.0) * 0.5 / 8;
     EXPECT_NEAR(sharp.beauty[8 * 16 + x].x, 0.5 * std::erfc(-at / pixel), 0.02) << x;
-    // The disc's radius there is that of the lens times |5 - 2.5| / 2.5.
+    // The radius of the disc at that depth is the lens's times |5 - 2.5| / 2.5.
     const double r = std::clamp(at / 0.4, -1.0, 1.0);
     const double disc = 0.5 + (r * std::sqrt(1 - r * r) + std::asin(r)) / kPi;
     EXPECT_NEAR(blurred.beauty[8 * 16 + x].x, disc, 0.03) << x;
@@ -211,7 +212,8 @@ TEST(Lens, FocusesByItselfOnWhatTheMiddleShows) {
   options.samples = 4;
   options.aperture = 0.3f;
   const RenderResult by_itself = render(scene, options);
-  RenderOptions pinhole = test::small_options(25);  // an odd size: a pixel in the middle
+  // An odd size, so that one pixel is in the middle.
+  RenderOptions pinhole = test::small_options(25);
   const RenderResult seen = render(scene, pinhole);
   const Vec3 eye = column(scene.cameras[0].to_world, 3);
   const Vec3 forward = -normalized(column(scene.cameras[0].to_world, 2));
@@ -223,11 +225,12 @@ TEST(Lens, FocusesByItselfOnWhatTheMiddleShows) {
   EXPECT_LT(difference, 1e-3 * mean_of(told.beauty) * static_cast<double>(told.beauty.size()));
 }
 
-TEST(Lens, NeedsRaysAndSaysSo) {
+TEST(Lens, NeedsRaysAndReportsIt) {
   RenderOptions options = test::small_options(8);
   options.primary = Primary::kRaster;
   options.aperture = 0.1f;
-  const RenderResult result = render(test::ball_on_floor(), options);  // needs no OpenGL either
+  // Must not need OpenGL either.
+  const RenderResult result = render(test::ball_on_floor(), options);
   EXPECT_EQ(result.statistics.primary, "trace: a lens needs rays");
   EXPECT_EQ(result.samples, 16u);
 }
@@ -235,7 +238,7 @@ TEST(Lens, NeedsRaysAndSaysSo) {
 TEST(Sky, AWhiteFurnaceStaysWhite) {
   struct Case {
     Material material;
-    double least;  ///< what is lost where glossy lobes point into the surface
+    double least;  ///< the energy that is lost where glossy lobes point into the surface
   };
   Material white = lambertian(1), plastic, mirror, glass, rough_metal;
   plastic.roughness = 0.5f;
@@ -285,8 +288,8 @@ TEST(Sky, IsWhatRaysSeeThatMiss) {
   EXPECT_GT(ahead.beauty[8 * 9 + 4].y, ahead.beauty[4].y);      // rows go down
 }
 
-TEST(Sky, ShadowsFallUnderWhatStandsInItsWay) {
-  // Under a roof that hides the upper half of the sky but for a strip, the floor is dark.
+TEST(Sky, OccludersCastShadows) {
+  // Under a roof that hides the upper half of the sky except for a strip, the floor is dark.
   SceneDescription scene = floor_from_above(0.5f);
   scene.environment = uniform_sky(1);
   const double open = mean_of(render(scene, soft_options(32, 8)).beauty);

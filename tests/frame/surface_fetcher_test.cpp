@@ -1,5 +1,5 @@
-// Surfaces that are fetched sixteen at a time are those of `SurfaceReader`, bit for bit, whatever
-// the triangles, their maps, their materials and their textures, on every SIMD target.
+// Fetching sixteen surfaces at a time gives the results of `SurfaceReader` bit for bit, for all
+// kinds of triangles, attributes, materials and textures, on every SIMD target.
 #include "render/frame/surface_fetcher.h"
 
 #include <gtest/gtest.h>
@@ -68,7 +68,8 @@ float any_coordinate(Random& random) {
   }
 }
 
-/// `scale`: of all lengths. Some triangles have no area, some no extent that binary32 tells.
+/// `scale` is that of all lengths. Some triangles are degenerate, some smaller than binary32
+/// resolves.
 Mesh any_mesh(Random& random, std::size_t triangles, std::uint32_t materials, float scale) {
   Mesh mesh;
   const bool normals = random.below(3) != 0, uvs = random.below(4) != 0;
@@ -116,7 +117,7 @@ SceneDescription any_scene(Random& random, float scale) {
   return scene;
 }
 
-/// Towards a place on the triangle, most of the time.
+/// A ray that is mostly aimed at a point on the triangle.
 Ray any_ray(Random& random, const FlatScene& flat, std::uint32_t triangle, float scale) {
   const Vec3 a = flat.corner(triangle, 0), b = flat.corner(triangle, 1);
   const Vec3 c = flat.corner(triangle, 2);

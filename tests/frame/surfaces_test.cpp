@@ -1,5 +1,5 @@
-// Pictures of what scene files bring: normals that oppose the winding, second texture coordinates,
-// alphas of vertices, cameras with a shape of their own.
+// Images of features in scene files: normals against the winding, second texture coordinates,
+// vertex alpha, cameras with an aspect ratio.
 #include <gtest/gtest.h>
 
 #include "raysheaf/builtin_scenes.h"
@@ -12,7 +12,7 @@
 namespace raysheaf {
 namespace {
 
-/// The scene in memory, and in blocks.
+/// The images of the scene in memory and of its blocks.
 std::vector<RenderResult> pictures(const SceneDescription& scene, const RenderOptions& options) {
   BlockList blocks;
   const SceneDescription rest = cut_into_blocks(scene, &blocks, 16);
@@ -39,7 +39,7 @@ TEST(Surfaces, WithOpposedNormalsLookTheSame) {
   }
 }
 
-/// A square that fills the picture of a parallel camera.
+/// A square that fills the image of an orthographic camera.
 SceneDescription square() {
   SceneDescription scene;
   Mesh mesh;
@@ -70,7 +70,7 @@ TEST(Surfaces, ReadTexturesAtEitherSetOfCoordinates) {
   }
   scene.meshes[0].second_uvs.clear();
   for (const Vec3 c : render(scene, test::small_options(8)).beauty)
-    EXPECT_EQ(c, (Vec3{1, 0, 0})) << "the first set stands in";
+    EXPECT_EQ(c, (Vec3{1, 0, 0})) << "the first set replaces it";
 }
 
 TEST(Surfaces, FadeByTheAlphaOfTheirVertices) {
@@ -114,7 +114,7 @@ TEST(Surfaces, OfWideCamerasAreNeverCropped) {
   options.height = 32;
   EXPECT_EQ(covered(), 256u);
   options.width = 32;
-  options.height = 8;  // 4 : 1 shows more of the width
+  options.height = 8;  // an aspect ratio of 4 : 1 shows more of the width
   EXPECT_EQ(covered(), 128u);
   options.width = options.height = 0;
   const RenderResult result = render(scene, options);

@@ -1,5 +1,5 @@
-// Block files as strangers send them. Checksums are made right first, or nothing would get past
-// them.
+// Block files with arbitrary bytes. The target corrects their checksums, because otherwise all
+// would be refused.
 #include <unistd.h>
 
 #include <cstdio>
@@ -17,7 +17,7 @@ namespace {
 
 using io::Bytes;
 
-/// The part of the bytes that a place names, or nothing.
+/// The range of bytes at this place, or an empty one.
 std::span<std::uint8_t> part(Bytes& bytes, std::uint64_t offset, std::uint64_t size) {
   if (offset > bytes.size() || size > bytes.size() - offset) return {};
   return std::span(bytes).subspan(offset, size);

@@ -1,5 +1,5 @@
-// Every target on its seeds, on what was found before, and on seeds that were changed at random:
-// what libFuzzer does with tools/fuzz, for builds without it. Whatever is wrong ends the program.
+// Runs every target on its seeds, on earlier findings, and on randomly mutated seeds: a substitute
+// for libFuzzer (tools/fuzz) in builds without it. Any failure ends the program.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using Bytes = std::vector<std::uint8_t>;
 
-/// By name, so that the same happens everywhere.
+/// Sorted by name, so that the run is the same everywhere.
 std::vector<fs::path> files_in(const fs::path& folder) {
   std::vector<fs::path> all;
   if (!fs::is_directory(folder)) return all;
@@ -41,10 +41,10 @@ void change(test::Random* random, Bytes* bytes) {
   const auto count = static_cast<std::ptrdiff_t>(
       1 + random->below(std::min(16u, size - static_cast<std::uint32_t>(at))));
   switch (random->below(6)) {
-    case 0:  // a bit
+    case 0:  // flips a bit
       (*bytes)[static_cast<std::size_t>(at)] ^= static_cast<std::uint8_t>(1u << random->below(8));
       break;
-    case 1:  // a byte with a meaning
+    case 1:  // sets a byte with a special meaning
       (*bytes)[static_cast<std::size_t>(at)] =
           static_cast<std::uint8_t>("\0\xff\x7f\x80-9.e/\"{[,\n "[random->below(16)]);
       break;
@@ -54,12 +54,12 @@ void change(test::Random* random, Bytes* bytes) {
     case 3:
       bytes->erase(bytes->begin() + at, bytes->begin() + at + count);
       break;
-    case 4: {  // again
+    case 4: {  // repeats a part
       const Bytes part(bytes->begin() + at, bytes->begin() + at + count);
       bytes->insert(bytes->begin() + at, part.begin(), part.end());
       break;
     }
-    default:  // a large number
+    default:  // inserts a large number
       for (std::ptrdiff_t i = 0; i < std::min<std::ptrdiff_t>(count, 4); ++i)
         (*bytes)[static_cast<std::size_t>(at + i)] = 0xff;
   }

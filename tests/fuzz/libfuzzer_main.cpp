@@ -1,4 +1,4 @@
-// A target under libFuzzer: RAYSHEAF_FUZZ_TARGET names its function.
+// A target under libFuzzer: RAYSHEAF_FUZZ_TARGET is the name of its function.
 #include <cstddef>
 
 #include "fuzz/targets.h"

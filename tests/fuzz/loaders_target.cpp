@@ -1,4 +1,4 @@
-// Scene files and pictures as strangers send them.
+// Scene files and images with arbitrary bytes.
 #include <unistd.h>
 
 #include <cmath>
@@ -21,11 +21,11 @@
 namespace raysheaf::fuzz {
 namespace {
 
-/// Nothing lies here, so that files which a scene names are missing.
+/// A folder that does not exist, so that files that a scene names are missing.
 constexpr const char* kNowhere = "/nonexistent/";
 
-/// A scene that a loader gives is as `load_scene` promises it, or there is an `Error` that says
-/// why not. Other exceptions are those that `load_scene` turns into one.
+/// A loaded scene must keep the promises of `load_scene`; otherwise there must be an `Error` with a
+/// reason. Other exceptions are those that `load_scene` converts to one.
 template <class Load>
 void load(const Load& load_it) {
   try {
@@ -43,7 +43,7 @@ io::Bytes bytes_of(Input input) {
   return {input.begin(), input.end()};
 }
 
-/// A folder for this process and one target, gone at its end.
+/// A folder for this process and one target, which is removed at the end.
 class ProcessFolder {
  public:
   explicit ProcessFolder(const std::string& target)
@@ -136,7 +136,7 @@ void run_image(Input input) {
   const bool fits = size && image->width == size->width && image->height == size->height &&
                     image->rgba.size() == std::size_t{4} * image->width * image->height;
   if (!fits) std::abort();
-  // What can be read can be written and is then the same.
+  // An image that can be decoded must survive being encoded and decoded.
   if (image->rgba.size() > 1u << 16) return;
   const auto again = io::decode_image(encode_png(*image));
   if (!again || again->rgba != image->rgba) std::abort();

@@ -1,5 +1,5 @@
-// A command line, its words apart by line ends. Nothing is run: the options of scenes, cameras,
-// pictures and methods are parsed, and what comes out is looked at.
+// Parses a command line whose words are separated by line ends: the options of scenes, cameras,
+// images and methods. It checks the results and runs nothing.
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -36,7 +36,7 @@ void run_options(Input input) {
   for (const std::uint8_t byte : input) {
     if (byte == '\n')
       words.emplace_back();
-    else if (byte != 0)  // no argument can hold it
+    else if (byte != 0)  // arguments cannot contain zero bytes
       words.back() += static_cast<char>(byte);
   }
   std::vector<const char*> argv;

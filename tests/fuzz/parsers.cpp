@@ -1,4 +1,4 @@
-// The parser of a library of Debian's, compiled as the fuzz targets are: with sanitizers, and with
-// what tells libFuzzer where an input leads.
+// Compiles a parser of a Debian library like the fuzz targets: with sanitizers and libFuzzer's
+// coverage.
 #define TINYOBJLOADER_IMPLEMENTATION
 #include <tiny_obj_loader.h>

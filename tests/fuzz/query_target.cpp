@@ -1,5 +1,5 @@
-// Programs against a scene: meshes that come, change and go, and batches of rays, each answered
-// twice. Wrong calls are among them; they throw an `Error` and change nothing.
+// Random programs that use a scene: meshes are added, changed and removed, and batches of rays are
+// each queried twice. Some calls are invalid; they must throw an `Error` and change nothing.
 #include <bit>
 #include <cstdio>
 #include <cstdlib>
@@ -28,7 +28,7 @@ class Reader {
   [[nodiscard]] bool is_empty() const { return at_ >= input_.size(); }
   std::uint8_t byte() { return is_empty() ? 0 : input_[at_++]; }
   std::uint32_t below(std::uint32_t n) { return byte() % n; }
-  /// Mostly small numbers, at times any float at all.
+  /// Mostly small numbers, sometimes any float.
   float number() {
     const std::uint8_t first = byte();
     if (first < 240) return (static_cast<float>(first) - 120) / 8;
@@ -81,7 +81,7 @@ class Program {
       for (float& x : row) x = in_.number();
     return a;
   }
-  /// Often one that is there.
+  /// Mostly the id of an existing mesh.
   MeshId mesh() {
     const std::vector<MeshId> all = scene_.meshes();
     const std::uint32_t which = in_.byte();

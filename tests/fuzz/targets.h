@@ -1,8 +1,8 @@
-// What is fuzzed: bytes in, nothing out; a crash, a leak, an exception that is no `Error`, or a
-// wrong answer ends the program.
+// The fuzz targets: each takes bytes and returns nothing. A crash, a leak, an exception other than
+// `Error`, or a wrong answer ends the program.
 //
-// `tools/fuzz` runs a target under libFuzzer with sanitizers; test_fuzz runs all of them over the
-// seeds, what was found before, and a few thousand changed seeds.
+// `tools/fuzz` runs a target under libFuzzer with sanitizers. test_fuzz runs all of them on the
+// seeds, on earlier findings, and on a few thousand mutated seeds.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +14,15 @@ namespace raysheaf::fuzz {
 using Input = std::span<const std::uint8_t>;
 
 struct Target {
-  const char* name;  ///< of its folder in seeds/, too
+  const char* name;  ///< also the name of its folder in seeds/
   void (*run)(Input input);
 };
 
-/// gltf, draco, obj, mtl, ply, stl, image, hdr, blocks, options, query.
+/// The targets gltf, draco, obj, mtl, ply, stl, image, hdr, blocks, options, query.
 [[nodiscard]] std::span<const Target> targets();
 
 void run_gltf(Input input);
-void run_draco(Input input);  ///< four bytes of counts, then what a primitive is packed in
+void run_draco(Input input);  ///< four bytes of counts, then a compressed primitive
 void run_obj(Input input);
 void run_mtl(Input input);
 void run_ply(Input input);

@@ -53,8 +53,8 @@ TEST(RayBound, HoldsItsRaysAndIsNotAbsurdlyLoose) {
             farthest = std::max(farthest, double{length(ray.origin - other.origin)});
           }
         }
-        // The smallest cone is at least half the widest angle, and Szecsi's less than 1.6 times
-        // that.
+        // The smallest cone's half-angle is at least half the widest angle, and Szecsi's is less
+        // than 1.6 times that.
         if (!bound.directions.whole()) {
           EXPECT_LE(half_angle(bound.directions), 0.5 * widest * 1.6 + 4e-6);
         } else {

@@ -26,7 +26,7 @@ void expect_holds(const Sphere& sphere, const Points& points) {
   for (const Vec3 p : points) ASSERT_LE(distance(p, sphere.center), sphere.radius);
 }
 
-/// From below, by a method that has nothing in common with Gärtner's: M. Badoiu and K. L. Clarkson,
+/// A lower bound of the radius by a method unrelated to Gärtner's: M. Badoiu and K. L. Clarkson,
 /// "Smaller core-sets for balls", 2003. A walk towards the farthest point converges to the centre.
 double slow_radius(const Points& points, int steps) {
   double c[3] = {points[0].x, points[0].y, points[0].z}, reach = 0;
@@ -45,8 +45,9 @@ double slow_radius(const Points& points, int steps) {
   return best;
 }
 
-/// A ball is the least one if and only if its centre lies in the convex hull of the points on its
-/// boundary. A centre outside has a direction that leaves all of them behind: search one at random.
+/// A sphere is the smallest if and only if its centre lies in the convex hull of the points on its
+/// boundary. From a centre outside the hull, some direction has all of these points behind it: this
+/// searches for one at random.
 void expect_least(const Sphere& sphere, const Points& points, std::mt19937& random) {
   std::normal_distribution<double> normal;
   Points support;

@@ -10,7 +10,7 @@ namespace {
 using test::Random;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// Where the ray leaves the box, in binary64; negative where it misses it.
+/// The distance at which the ray leaves the box, in binary64; negative if it misses the box.
 double exit_of(const Ray& ray, const Box& box) {
   double enter = 0, exit = double{ray.t_max};
   for (int i = 0; i < 3; ++i) {
@@ -41,7 +41,7 @@ TEST(RayEnd, HoldsWhereTheRayLeavesTheSceneOrEnds) {
         const double e =
             double{component(ray.origin, k)} + exit * double{component(ray.direction, k)};
         const double o = double{component(ray.origin, k)};
-        // The end, or beyond it as seen from the origin, by rounding alone.
+        // The end is exact, or rounded away from the origin.
         const double lo = double{component(end.min, k)}, hi = double{component(end.max, k)};
         ASSERT_LE(std::min(o, lo), e);
         ASSERT_GE(std::max(o, hi), e);

@@ -38,7 +38,7 @@ TEST(Trigonometry, AnglesAreThoseOfTheLibrary) {
   EXPECT_EQ(portable::angle_of(2, 0), portable::kPi / 2);
   EXPECT_EQ(portable::arc_cosine(1), 0);
   EXPECT_EQ(portable::arc_cosine(-1), portable::kPi);
-  // Small ones keep their digits.
+  // Small angles keep their relative precision.
   EXPECT_DOUBLE_EQ(portable::angle_of(1e-12, 1), 1e-12);
   EXPECT_DOUBLE_EQ(portable::angle_of(-3e-200, 2e-190), std::atan2(-3e-200, 2e-190));
 }

@@ -1,4 +1,4 @@
-// No function that is marked for devices goes uncompiled for them.
+// Every function that is marked for devices is compiled for them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ std::vector<std::string> texts_under(const std::string& folder) {
   return texts;
 }
 
-/// Texts whose calls are compiled for devices: the cases, and the loops that run there.
+/// Texts whose calls are compiled for devices: the test cases, and the loops that run on devices.
 std::vector<std::string> compiled_texts() {
   std::vector<std::string> texts = texts_under("tests/cuda");
   texts.push_back(read_file(kDeviceRoot / "tests/exec/device_properties.h"));
@@ -41,8 +41,8 @@ TEST(Device, EveryMarkedFunctionIsCompiledForDevices) {
   for (const std::string& name : marked) EXPECT_TRUE(words.contains(name)) << name;
 }
 
-/// base/host_device.h says why.
-TEST(Device, BodiesOfLoopsAreMarkedForDevicesAlone) {
+/// base/host_device.h gives the reason.
+TEST(Device, BodiesOfLoopsAreMarkedOnlyForDevices) {
   std::vector<std::string> texts = texts_under("src");
   for (std::string& text : texts_under("tests")) texts.push_back(std::move(text));
   const std::vector<std::string> bodies = found_in(texts, R"((\[[=&]?\] RAYSHEAF_\w+)\()");
@@ -50,7 +50,7 @@ TEST(Device, BodiesOfLoopsAreMarkedForDevicesAlone) {
   for (const std::string& body : bodies) EXPECT_TRUE(body.ends_with("RAYSHEAF_DEVICE")) << body;
 }
 
-/// nvcc makes constants of them (base/bits.h), and no test without a device sees it.
+/// nvcc makes constants of them (base/bits.h), which tests without a device cannot detect.
 TEST(Device, NoMarkedFunctionCountsZerosByTheLibrary) {
   for (const std::string& text : texts_under("src")) {
     if (text.find("RAYSHEAF_HD ") == std::string::npos ||

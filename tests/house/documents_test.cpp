@@ -1,5 +1,4 @@
-// The documents tell the truth: their commands run, their options exist, their links lead
-// somewhere.
+// The documents are correct: their commands run, their options exist, and their links have targets.
 #include <gtest/gtest.h>
 
 #include "tests/support/markdown.h"
@@ -41,14 +40,14 @@ std::set<std::string> options_of_the_program() {
   return all;
 }
 
-// "raysheaf ..." or "./build/.../raysheaf ..." as the arguments alone; empty for other lines.
+// The arguments of a line "raysheaf ..." or "./build/.../raysheaf ..."; empty for other lines.
 std::string arguments_of(const std::string& line) {
   std::smatch match;
   static const std::regex kCommand(R"(^(?:\./build/\S*/)?raysheaf( .*)$)");
   return std::regex_match(line, match, kCommand) ? match[1].str() : "";
 }
 
-// The same command at a size that takes no time.
+// The same command at a size that renders quickly.
 std::string made_small(std::string arguments) {
   static const std::regex kSize(R"( --size \S+)"), kTriangles(R"( --triangles \S+)");
   arguments = std::regex_replace(arguments, kTriangles, " --triangles 20000");
@@ -61,7 +60,7 @@ std::string made_small(std::string arguments) {
   return arguments;
 }
 
-// Lines that end in a backslash go on in the next one.
+// Joins lines that end in a backslash with the next one.
 std::vector<std::string> joined(const std::vector<std::string>& lines) {
   std::vector<std::string> all;
   bool open = false;
@@ -76,7 +75,8 @@ std::vector<std::string> joined(const std::vector<std::string>& lines) {
 TEST(Documents, CommandsRun) {
   int commands = 0;
   for (const Document& document : all_documents(kDocumentRoot)) {
-    const TemporaryFolder folder;  // one a document: later commands read what earlier ones wrote
+    // One per document: later commands read files that earlier ones wrote.
+    const TemporaryFolder folder;
     for (const auto& block : document.sh_blocks) {
       for (const std::string& line : joined(block)) {
         const std::string arguments = arguments_of(line);
@@ -91,8 +91,8 @@ TEST(Documents, CommandsRun) {
   EXPECT_GE(commands, 10);
 }
 
-// A code span that begins with `--` is an option of raysheaf; options of other programs are written
-// behind their program's name. Those of our tests and benchmarks are recognisable as they are.
+// A code span that begins with `--` must be an option of raysheaf. Options of other programs follow
+// their program's name. Options of the tests and benchmarks are recognised by their form.
 TEST(Documents, OptionsExist) {
   const std::set<std::string> known = options_of_the_program();
   ASSERT_TRUE(known.contains("--method"));
@@ -141,7 +141,7 @@ TEST(Documents, LinksLeadSomewhere) {
   EXPECT_GE(links, 5);
 }
 
-// All string literals of the sources, those that the compiler joins as one.
+// All string literals of the sources, with adjacent literals joined.
 std::string messages_of_the_sources() {
   static const std::regex kSeam("\"\\s*\n\\s*f?\"");
   std::string all;

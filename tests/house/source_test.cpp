@@ -1,5 +1,5 @@
-// The house rules that a program can see: rooms and the arrows between them, the way of a ray, one
-// place for the version and for the packages.
+// The house rules that a program can check: the dependencies between rooms, the way of a ray, and a
+// single place for the version.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -100,7 +100,7 @@ TEST(Source, RoomsAreSeenAtOneGlance) {
   for (const auto& [room, files] : sizes) EXPECT_LE(files, 30) << room;
 }
 
-TEST(Source, OutsideSeesTheFrontDoorAlone) {
+TEST(Source, OutsideIncludesOnlyPublicHeaders) {
   for (const std::string folder : {"io", "apps", "python"}) {
     for (const fs::path& file : sources_under(folder)) {
       for (const std::string& header : included_by(file)) {

@@ -1,4 +1,4 @@
-"""tools/words finds the turns of phrase that it is meant to find, where they stand, and no others."""
+"""tools/words finds the turns of phrase that it should find, at their places, and no others."""
 
 import contextlib
 import importlib.machinery
@@ -112,11 +112,11 @@ class Words(unittest.TestCase):
             try:
                 page.write_text("One ball.\n\nTwo balls.\n")
                 self.assertEqual(self.run_tool(), 1)  # a file that no baseline lists
-                self.assertEqual(self.run_tool("--lower"), 0)  # makes the baseline
+                self.assertEqual(self.run_tool("--lower"), 0)  # writes the baseline
                 self.assertEqual(self.run_tool(), 0)
                 page.write_text("One ball.\n\nTwo balls.\n\nThree balls.\n")
                 self.assertEqual(self.run_tool(), 1)
-                self.assertEqual(self.run_tool("--lower"), 1)  # which raises nothing
+                self.assertEqual(self.run_tool("--lower"), 1)  # it raises no number
                 page.write_text("One ball.\n")
                 self.assertEqual(self.run_tool("--lower"), 0)
                 self.assertIn("1 docs/page.md", words.BASELINE.read_text())

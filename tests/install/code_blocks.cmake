@@ -1,7 +1,7 @@
-# write_code_blocks(document prefix): every block of C++ in a document, as programs prefix_0.cpp,
-# prefix_1.cpp ... A block with a `main` is a program of its own. One without is the body of a function
-# that has a scene, a mesh of it, rays, hits and the mesh's arrays at hand; these make one program
-# together, prefix_bodies.cpp.
+# write_code_blocks(document prefix): writes every C++ block of a document as programs prefix_0.cpp,
+# prefix_1.cpp ... A block with a `main` is a program. A block without one is the body of a function
+# that has a scene, one of its meshes, rays, hits and the mesh's arrays; these form one program,
+# prefix_bodies.cpp.
 set(parameters "Scene& scene, MeshId mesh, const std::vector<Ray>& rays, std::vector<Hit>& hits,
           const std::vector<Vec3>& positions, const std::vector<Triangle>& triangles")
 set(before "

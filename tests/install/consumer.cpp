@@ -1,5 +1,5 @@
-// Refers to the renderer, to the files and to the ray queries, so that a missing private library
-// shows at link time; answers one ray, so that one that does not load shows at run time.
+// Uses the renderer, the file formats and the ray queries, so that a missing private library shows
+// at link time; traces one ray, so that a library that does not load shows at run time.
 #include <raysheaf/builtin_scenes.h>
 #include <raysheaf/error.h>
 #include <raysheaf/io.h>

@@ -1,5 +1,5 @@
 # cmake -DSOURCE_DIR=... -DWORK_DIR=... -DCXX=... -DCXX_FLAGS=... -P find_package.cmake
-# Builds the consumer, and all C++ that README.md and the pages show, with what is
+# Builds the consumer, and all C++ code in README.md and the pages, with the library that is
 # installed in WORK_DIR/prefix, and runs them.
 cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)

@@ -1,4 +1,4 @@
-"""What tools/gpu --static reads from nvcc and nvdisasm: a listing and a log made up for this test."""
+"""Tests the parsers of tools/gpu --static for nvcc and nvdisasm on a made-up listing and log."""
 import os
 import pathlib
 import subprocess
@@ -11,9 +11,9 @@ sys.path.insert(0, str(TOOLS / "gpu_counts"))
 import kernels  # noqa: E402
 import sass  # noqa: E402
 
-# A walk down a tree, a thread an item. A node is 64 bytes and a triangle 48. The way from the node past
-# its first branch would be the shortest one back to .L_node, but the predicate that .L_back looks at is
-# true on it.
+# A tree traversal with one thread per item. A node has 64 bytes and a triangle 48. The path from
+# the node through its first branch would be the shortest one back to .L_node, but the predicate
+# that .L_back tests is true on it.
 LISTING = """
 \t.section\t.text._Zwalk,"ax",@progbits
 \t.align\t128
@@ -102,7 +102,8 @@ class Sass(unittest.TestCase):
 
     def test_the_turn_is_the_nodes_and_agrees_with_predicates(self):
         turn = self.turn("_Zwalk")
-        # The node's 9 and 3, BSYNC and its branch, the loop's first 3. Without predicates it would be 14.
+        # The node's 9 and 3, BSYNC and its branch, the loop's first 3. Without predicates it would
+        # be 14.
         self.assertEqual(len(turn), 17)
         self.assertIn("SEL", [i.opcode for i in turn])
         self.assertEqual(sass.count(turn), sass.Turn(17, 4, 56, 2, 6))

@@ -1,4 +1,5 @@
-# PROGRAM has the guards of cmake/Hardening.cmake, and (where it is the probe) they stop it.
+# Checks that PROGRAM has the guards of cmake/Hardening.cmake. If it is the probe, also checks that
+# they stop it.
 function(read_elf result)
   execute_process(COMMAND ${READELF} ${ARGN} -W ${PROGRAM} OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
   set(${result} "${text}" PARENT_SCOPE)
@@ -21,7 +22,7 @@ expect("${symbols}" "__stack_chk_fail" "does not guard its stack")
 expect("${symbols}" "__[a-z]+_chk[ @]" "does not check the bounds of C functions")
 expect("${symbols}" "__glibcxx_assert_fail" "does not check the bounds of containers")
 if(PROCESSOR STREQUAL x86_64)
-  # Not the note: it stands only where the C library's start files have it, too.
+  # The note is not checked, because it exists only if the C library's start files have it, too.
   execute_process(COMMAND ${OBJDUMP} -d --disassemble=main ${PROGRAM} OUTPUT_VARIABLE code
     COMMAND_ERROR_IS_FATAL ANY)
   expect("${code}" "endbr64" "does not mark where calls may lead")

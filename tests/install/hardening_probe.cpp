@@ -1,4 +1,4 @@
-// Something for each guard to do; built with all of them in every build.
+// Code that each hardening option affects; built with all of them in every build.
 #include <cstdio>
 #include <cstring>
 #include <vector>

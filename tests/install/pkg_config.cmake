@@ -1,5 +1,5 @@
 # cmake -DWORK_DIR=... -DLIBDIR=... -DPKG_CONFIG=... -DCXX=... -DCXX_FLAGS=... -P pkg_config.cmake
-# Builds the consumer by hand, with the flags that pkg-config gives for WORK_DIR/prefix, and runs it.
+# Builds the consumer without CMake, with the flags of pkg-config for WORK_DIR/prefix, and runs it.
 cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 set(ENV{PKG_CONFIG_PATH} ${WORK_DIR}/prefix/${LIBDIR}/pkgconfig)

@@ -1,5 +1,6 @@
 # cmake -DBUILD_DIR=... -DWORK_DIR=... -P prefix.cmake
-# Installs into WORK_DIR/first and moves that to WORK_DIR/prefix: an installed tree works anywhere.
+# Installs into WORK_DIR/first and moves that to WORK_DIR/prefix, because an installed tree must be
+# relocatable.
 cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 file(REMOVE_RECURSE ${WORK_DIR})

@@ -1,4 +1,4 @@
-# A command that must succeed.
+# Runs a command that must succeed.
 function(run)
   execute_process(COMMAND ${ARGN} COMMAND_ECHO STDOUT RESULT_VARIABLE code)
   if(NOT code EQUAL 0)

@@ -1,5 +1,5 @@
 # cmake -DSOURCE_DIR=... -DBUILD_DIR=... -DWORK_DIR=... ... -P shared.cmake
-# The library built as a shared one, installed and used: minutes, so in the long tests alone.
+# Builds, installs and uses the shared library. It takes minutes, so only the long tests run it.
 cmake_minimum_required(VERSION 3.25)
 if(NOT "$ENV{RAYSHEAF_LONG}")
   message("SKIPPED: RAYSHEAF_LONG=1 runs it")

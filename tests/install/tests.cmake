@@ -1,4 +1,4 @@
-# What is installed can be found and used: by CMake, and by pkg-config.
+# Tests that CMake and pkg-config find the installed library and can use it.
 set(install_arguments -DSOURCE_DIR=${PROJECT_SOURCE_DIR} -DBUILD_DIR=${PROJECT_BINARY_DIR}
   -DWORK_DIR=${PROJECT_BINARY_DIR}/install_test -DLIBDIR=${CMAKE_INSTALL_LIBDIR}
   -DLAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER} -DPKG_CONFIG=${PKG_CONFIG_EXECUTABLE} -DCXX=${CMAKE_CXX_COMPILER} "-DCXX_FLAGS=${CMAKE_CXX_FLAGS}")
@@ -12,7 +12,8 @@ add_test(NAME install/shared COMMAND ${CMAKE_COMMAND} ${install_arguments}
   -P ${CMAKE_CURRENT_LIST_DIR}/shared.cmake)
 set_tests_properties(install/shared PROPERTIES SKIP_REGULAR_EXPRESSION "SKIPPED" TIMEOUT 3600)
 
-# The guards of cmake/Hardening.cmake: in a small program always, in raysheaf where it is built with them.
+# Tests the guards of cmake/Hardening.cmake: always in a small program, and in raysheaf if it is
+# built with them.
 find_program(READELF readelf)
 find_program(OBJDUMP objdump)
 if(READELF AND OBJDUMP AND UNIX AND NOT APPLE AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
@@ -34,14 +35,14 @@ if(READELF AND TARGET raysheaf_app)
     -DPROGRAM=$<TARGET_FILE:raysheaf_app> -DREADELF=${READELF} -P ${CMAKE_CURRENT_LIST_DIR}/no_window.cmake)
 endif()
 
-# What tools/gpu packs for a bare machine runs from an empty root.
+# The archive of tools/gpu for a bare machine runs in an empty root.
 if(RAYSHEAF_HAS_CUDA AND TARGET raysheaf_app AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   add_test(NAME install/gpu_pack COMMAND ${CMAKE_CURRENT_LIST_DIR}/gpu_pack
     ${PROJECT_BINARY_DIR} ${PROJECT_BINARY_DIR}/gpu_pack_test)
   set_tests_properties(install/gpu_pack PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300)
 endif()
 
-# What tools/gpu --static reads from the compiler, on text that was made up.
+# Tests how tools/gpu --static parses the compiler's output, with a made-up text.
 find_program(PYTHON3 python3)
 if(PYTHON3)
   add_test(NAME install/gpu_static COMMAND ${PYTHON3} ${CMAKE_CURRENT_LIST_DIR}/gpu_static.py)

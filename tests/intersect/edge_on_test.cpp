@@ -11,7 +11,7 @@ namespace {
 
 using test::Random;
 
-/// What the ends of ray bundles rely on (geom/ray_end.h).
+/// The ends of ray bundles rely on this (geom/ray_end.h).
 TEST(Triangle, HitsOfTrianglesSeenEdgeOnLieAtTheTriangle) {
   Random random(31);
   int hits = 0;

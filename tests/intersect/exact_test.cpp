@@ -1,5 +1,5 @@
-// The ray-triangle test decides as exact arithmetic on the floats as given does. The oracle has a
-// test of its own (tests/verify/exact_test.cpp).
+// The ray-triangle test decides as exact arithmetic on the given floats does. The oracle has a
+// separate test (tests/verify/exact_test.cpp).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,8 @@ using checks::text_of;
 
 constexpr int kPairsOfAFamily = 100'000;
 
-/// The front's hit is a hit of the back when two corners change places, and so for a turn.
+/// A hit of the front becomes a hit of the back when two corners are swapped. Rotating the corners
+/// keeps the side.
 std::array<Vec3, 3> reordered(const std::array<Vec3, 3>& t, std::uint32_t turn, bool mirrored) {
   std::array<Vec3, 3> result{t[turn], t[(turn + 1) % 3], t[(turn + 2) % 3]};
   if (mirrored) std::swap(result[1], result[2]);
@@ -50,8 +51,8 @@ TEST_P(ExactPairs, HitOrMissAndWhere) {
   EXPECT_GT(hits, wrong == 0 ? kPairsOfAFamily / 50 : 0);
 }
 
-/// Where binary32 is sure, exact arithmetic says the same.
-TEST_P(ExactPairs, FloatsAreSureOfNothingElse) {
+/// Where the binary32 filter is certain, exact arithmetic agrees.
+TEST_P(ExactPairs, TheFloatFilterAgreesWithExactArithmetic) {
   checks::Random random(13);
   for (int i = 0; i < kPairsOfAFamily; ++i) {
     RayAndTriangle pair = family().make(&random);
@@ -70,8 +71,8 @@ TEST_P(ExactPairs, FloatsAreSureOfNothingElse) {
   }
 }
 
-/// What the plane says of a ray and its interval, exact arithmetic says, too.
-TEST_P(ExactPairs, PlanesAreSureOfMissesAlone) {
+/// If the plane filter rejects a ray or its interval, exact arithmetic agrees.
+TEST_P(ExactPairs, ThePlaneFilterRejectsOnlyMisses) {
   checks::Random random(14);
   int beyond = 0;
   for (int i = 0; i < kPairsOfAFamily; ++i) {
@@ -103,7 +104,7 @@ TEST_P(ExactPairs, PlanesAreSureOfMissesAlone) {
   RecordProperty("beyond", beyond);
 }
 
-/// [t_min, t_max] is decided by the t that is reported, ends included.
+/// The reported t decides whether a hit is in [t_min, t_max], ends included.
 TEST_P(ExactPairs, TheReportedTDecidesTheInterval) {
   constexpr float kFar = std::numeric_limits<float>::infinity();
   checks::Random random(12);
@@ -136,7 +137,7 @@ INSTANTIATE_TEST_SUITE_P(Family, ExactPairs,
                            return name;
                          });
 
-/// Two triangles of an edge: a ray that is on it exactly meets both; one beside it, one.
+/// Two triangles share an edge: a ray exactly on it hits both; a ray next to it hits one.
 TEST(ExactPairs, AnEdgeBelongsToBothItsTriangles) {
   checks::Random random(13);
   const auto whole = [&] { return static_cast<float>(random.below(2001)) - 1000; };
@@ -159,7 +160,7 @@ TEST(ExactPairs, AnEdgeBelongsToBothItsTriangles) {
   }
 }
 
-/// An edge cut in two at a whole-number point, as at a T-junction.
+/// An edge that is split at a point with integer coordinates, as at a T-junction.
 TEST(ExactPairs, ATJunctionOfWholeNumbersIsClosed) {
   checks::Random random(14);
   const auto whole = [&] { return static_cast<float>(random.below(401)) - 200; };

@@ -14,7 +14,7 @@ FlatScene flat(const Executor& executor, const SceneDescription& scene) {
   return flatten(executor, scene, mesh_bounds(executor, scene));
 }
 
-/// The contract in its plainest form.
+/// The contract, implemented as simply as possible.
 RayHit reference_closest(const FlatScene& scene, const Ray& ray, Facing facing) {
   RayHit best;
   for (std::uint32_t i = 0; i < scene.triangle_count; ++i) {
@@ -67,7 +67,7 @@ TEST(IntersectList, TiesGoToTheLeastTriangle) {
   EXPECT_EQ(best.t, 1);
 }
 
-TEST(IntersectList, EmptyListLeavesTheBestAlone) {
+TEST(IntersectList, EmptyListKeepsTheBestHit) {
   RayHit best{2, 7};
   intersect_list(make_ray_setup({{0, 0, 1}, 0, {0, 0, -1}, 10}), TriangleArrays{}, Facing::kBoth,
                  &best);

@@ -19,7 +19,8 @@ struct SphereMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// An octahedron, each face cut in four `steps` times, points pushed out to the unit sphere.
+/// An octahedron whose faces are split in four `steps` times, with vertices moved to the unit
+/// sphere.
 SphereMesh sphere_mesh(int steps) {
   SphereMesh mesh{
       {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
@@ -72,7 +73,7 @@ TEST(Triangle, NoRayPassesThroughAClosedMeshAtItsEdgesAndVertices) {
   }
 }
 
-/// A well-conditioned reference in binary64 (Moller and Trumbore 1997).
+/// A well-conditioned reference in binary64 (Möller and Trumbore 1997).
 bool reference_hit(const Ray& ray, Vec3 a, Vec3 b, Vec3 c, double* t, double* u, double* v) {
   const auto sub = [](Vec3 p, Vec3 q) {
     return std::array<double, 3>{double{p.x} - q.x, double{p.y} - q.y, double{p.z} - q.z};

@@ -1,4 +1,4 @@
-// Block files: what was written is read, and what has changed is noticed.
+// Block files: written files read back the same, and any change is detected.
 #include "raysheaf/block_file.h"
 
 #include <fcntl.h>
@@ -16,7 +16,7 @@
 namespace raysheaf::test {
 namespace {
 
-/// A block with all that there may be.
+/// A block with all optional parts.
 TriangleBlock some_block(Random& random, std::uint32_t vertices, std::uint32_t triangles) {
   TriangleBlock block;
   for (std::uint32_t i = 0; i < vertices; ++i) block.positions.push_back(random.in_box(7));
@@ -75,7 +75,7 @@ void expect_same(const BlockShading& a, const BlockShading& b) {
   EXPECT_EQ(a.colors.size(), b.colors.size());
 }
 
-/// All that a scene has beside its triangles.
+/// A scene with everything that it may have in addition to triangles.
 SceneDescription furnished() {
   SceneDescription scene = builtin_scene("office");
   for (Mesh& mesh : scene.meshes) {
@@ -99,7 +99,7 @@ SceneDescription furnished() {
 
 class BlockFileTest : public IoTest {
  protected:
-  /// A file of a few blocks.
+  /// Writes a file of a few blocks.
   void write_blocks(const std::string& name, bool compress, std::uint32_t triangles = 60) {
     Random random(3);
     BlockFileWriter file(path(name), {compress});
@@ -116,7 +116,7 @@ class BlockFileTest : public IoTest {
   }
 };
 
-/// Opens a file and reads every block of it; what goes wrong, or nothing.
+/// Opens a file and reads every block of it. Returns the error, if any.
 std::optional<Error> error_of_reading(const std::string& path) {
   try {
     const BlockFile file(path);
@@ -144,7 +144,7 @@ TEST_F(BlockFileTest, MaterialsAreTheScenes) {
   file.add(block, shading);
   try {
     file.finish(scene);
-    ADD_FAILURE() << "a material that is none was written";
+    ADD_FAILURE() << "an invalid material index was written";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kInvalidData);
     EXPECT_EQ(error.sentence(), "a block names material 2, but the scene has 2");
@@ -224,7 +224,7 @@ TEST_F(BlockFileTest, ErrorsNameTheBlock) {
   file.read(0, &block);
   try {
     file.read(2, &block);
-    FAIL() << "the block is not there";
+    FAIL() << "the block does not exist";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kIo);
     EXPECT_EQ(error.place(), path("a.rsb") + ": block 2");
@@ -232,7 +232,7 @@ TEST_F(BlockFileTest, ErrorsNameTheBlock) {
   }
 }
 
-/// As another version may write it: the checksums are right.
+/// A file as another version may write it: its checksums are right.
 TEST_F(BlockFileTest, ErrorsOfTheSceneNameTheFile) {
   {
     BlockFileWriter file(path("a.rsb"));
@@ -298,7 +298,7 @@ TEST_F(BlockFileTest, HasNoNameBeforeItIsWhole) {
   EXPECT_EQ(file_count(), 0u);
 }
 
-TEST_F(BlockFileTest, AFullDiskIsToldOf) {
+TEST_F(BlockFileTest, AFullDiskIsReported) {
   const auto before = std::signal(SIGXFSZ, SIG_IGN);
   rlimit limit{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &limit), 0);

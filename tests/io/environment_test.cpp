@@ -1,4 +1,4 @@
-// Environments from files, and what files that are cut off or wrong are told.
+// Environments from files, and the errors for truncated or invalid files.
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -33,7 +33,8 @@ std::string pixels(std::initializer_list<std::array<int, 4>> list) {
   return text;
 }
 
-/// A row of 8 pixels by the new runs: red 1 to 8, green all 5, blue all 0, one exponent.
+/// A row of 8 pixels in the new run-length encoding: red 1 to 8, green all 5, blue all 0, one
+/// exponent.
 std::string row_of_runs() {
   std::string row = pixels({{2, 2, 0, 8}});
   row += static_cast<char>(8);
@@ -56,7 +57,7 @@ TEST_F(EnvironmentFile, RadianceIsReadPlainAndInRuns) {
   EXPECT_EQ(plain.radiance[0].y, 0.5f);
   EXPECT_EQ(plain.radiance[1].x, 255);
   EXPECT_EQ(plain.radiance[1].z, 1);
-  EXPECT_EQ(plain.radiance[2].x, 0);  // without an exponent: black
+  EXPECT_EQ(plain.radiance[2].x, 0);  // black, because the exponent is 0
 
   write("runs.hdr", kHead + "-Y 2 +X 8\n" + row_of_runs() + row_of_runs());
   const Environment runs = load_environment(path("runs.hdr"));
@@ -107,7 +108,7 @@ TEST_F(EnvironmentFile, EveryCutIsRefused) {
   expect_no_environment(path("cut.hdr"), kInvalidData, "the file ends within row 1");
 }
 
-TEST_F(EnvironmentFile, WhatIsWrongIsNamed) {
+TEST_F(EnvironmentFile, ErrorsNameTheirPlace) {
   const auto refused = [&](const std::string& text, ErrorCode code, const std::string& sentence) {
     write("wrong.hdr", text);
     expect_no_environment(path("wrong.hdr"), code, sentence);
@@ -125,7 +126,7 @@ TEST_F(EnvironmentFile, WhatIsWrongIsNamed) {
   refused(kHead + "-Y 1 +X 2\n" + pixels({{1, 1, 1, 9}}), kInvalidData, "a run leaves row 0");
   refused(kHead + "-Y 1 +X 1\n" + pixels({{255, 255, 255, 255}}), kInvalidData, "not finite");
   write("sky.png", "x");
-  expect_no_environment(path("sky.png"), kUnsupported, ".hdr or an .exr");
+  expect_no_environment(path("sky.png"), kUnsupported, ".hdr or .exr");
   write("damaged.exr", std::string("\x76\x2f\x31\x01\x02\0\0\0garbage", 15));
   expect_no_environment(path("damaged.exr"), kInvalidData, "");
   write_exr(1, 1, {{"R", {1}}, {"G", {1}}, {"B", {1}}}, path("cut.exr"));

@@ -1,4 +1,4 @@
-// EXR as textures, and images that are not read.
+// EXR images as textures, and images that cannot be read.
 #include <cmath>
 
 #include "tests/io/io_support.h"
@@ -10,7 +10,7 @@ using namespace std::string_literals;
 
 class ExrTexture : public IoTest {
  protected:
-  /// The image of a face whose material has this line.
+  /// A scene whose material has this line.
   SceneDescription load(const std::string& line) {
     write("a.mtl", "newmtl m\n" + line + "\n");
     return load_scene(write("a.obj",
@@ -60,23 +60,23 @@ TEST_F(ExrTexture, MayBeGreyAndBrighterThanWhite) {
   EXPECT_EQ(texels("map_Kd t.exr"), (Texels{188, 188, 188, 255}));
 }
 
-TEST_F(ExrTexture, OfOtherColoursIsLeftOut) {
+TEST_F(ExrTexture, WithOtherChannelsIsLeftOut) {
   write_exr(1, 1, {{"Y", {1}}, {"Z", {2}}}, path("t.exr"));
   EXPECT_TRUE(load("map_Kd t.exr").images.empty());
 }
 
-TEST_F(ExrTexture, ThatIsCutShortIsLeftOut) {
+TEST_F(ExrTexture, TruncatedIsLeftOut) {
   write_exr(16, 16, {{"R", std::vector<float>(256, 1)}}, path("whole.exr"));
   const std::string whole = read("whole.exr");
   for (const std::size_t length : {5u, 40u, 200u}) {
     write("t.exr", whole.substr(0, length));
     const SceneDescription scene = load("map_Kd t.exr");
     EXPECT_TRUE(scene.images.empty()) << length;
-    EXPECT_TRUE(warns(scene, "cut short")) << length;
+    EXPECT_TRUE(warns(scene, "truncated")) << length;
   }
 }
 
-TEST_F(ExrTexture, AloneIsReadOfItsKind) {
+TEST_F(ExrTexture, OtherFormatsOfItsKindAreNamed) {
   struct Case {
     std::string bytes;
     const char* words;
@@ -95,7 +95,7 @@ TEST_F(ExrTexture, AloneIsReadOfItsKind) {
     EXPECT_EQ(scene.warnings.size(), 1u);
   }
   write("t.img", "nothing at all"s);
-  EXPECT_TRUE(warns(load("map_Kd t.img"), "no picture"));
+  EXPECT_TRUE(warns(load("map_Kd t.img"), "not an image"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Files that are not what their names say, or that raysheaf does not read: a sentence that helps.
+// Files in formats that raysheaf does not read, or with a wrong extension, give a helpful error.
 #include "io/file_kind.h"
 
 #include "tests/io/io_support.h"
@@ -10,7 +10,7 @@ using enum ErrorCode;
 using FileKinds = IoTest;
 using namespace std::string_literals;
 
-TEST_F(FileKinds, AreNamedByEndingWithWhatToDo) {
+TEST_F(FileKinds, AreNamedByExtensionWithAdvice) {
   struct Case {
     const char* name;
     std::vector<std::string> words;
@@ -58,12 +58,12 @@ TEST_F(FileKinds, AreNamedByContentWhateverTheEnding) {
     expect_refused(write("a.fbx", one.bytes), kUnsupported, one.words);
     for (const char* name : {"a.obj", "a.ply", "a.stl", "a.gltf", "a.glb"}) {
       expect_refused(write(name, one.bytes), kInvalidData, one.words);
-      expect_refused(path(name), kInvalidData, {"is no "});
+      expect_refused(path(name), kInvalidData, {"is not "});
     }
   }
 }
 
-/// An archive may be a model: its ending says which.
+/// An archive may be a model: its extension tells the format.
 TEST_F(FileKinds, OfContainersAreNamedByTheirEnding) {
   expect_refused(write("a.3mf", "PK\x03\x04"s), kUnsupported, {"a 3MF file"});
   expect_refused(write("a.usdz", "PK\x03\x04"s), kUnsupported, {"a USD file"});
@@ -71,7 +71,7 @@ TEST_F(FileKinds, OfContainersAreNamedByTheirEnding) {
   expect_refused(write("a.obj", "PK\x03\x04"s), kInvalidData, {"no OBJ file", "a ZIP archive"});
 }
 
-TEST_F(FileKinds, ThatAreReadUnderAnotherNameSayWhich) {
+TEST_F(FileKinds, WithAWrongExtensionNameTheRightOne) {
   expect_refused(write("a.mesh", "ply\nformat ascii 1.0\n"s), kUnsupported, {"PLY", ".ply"});
   expect_refused(write("a.obj", "ply\nformat ascii 1.0\n"s), kInvalidData, {"PLY", ".ply"});
   expect_refused(write("a.ply", "solid a\n"s), kInvalidData, {"no PLY file", "STL", ".stl"});
@@ -79,7 +79,7 @@ TEST_F(FileKinds, ThatAreReadUnderAnotherNameSayWhich) {
   expect_refused(write("a.stl", "ply\nformat ascii 1.0\n"s), kInvalidData, {"no STL file", ".ply"});
 }
 
-/// The head of a binary STL may hold any text.
+/// The header of a binary STL may hold any text.
 TEST_F(FileKinds, OfBinaryStlFollowFromItsLength) {
   for (const std::string& head : {"BLENDER"s, "<made by hand>"s, "PK\x03\x04"s, "\0\0\0\0"s}) {
     Bytes bytes(head.begin(), head.end());

@@ -1,4 +1,5 @@
-// SceneDescription::files: what a scene was read from, and what its files name.
+// SceneDescription::files lists the file that a scene was read from, and the files that it refers
+// to.
 #include "raysheaf/animation.h"
 #include "raysheaf/block_file.h"
 #include "raysheaf/builtin_scenes.h"
@@ -22,7 +23,7 @@ class Files : public IoTest {
     write("f_1.obj", kTexturedTriangle);
     write("f_2.obj", kTexturedTriangle);
   }
-  /// A triangle whose buffer and picture are files of their own.
+  /// A triangle whose buffer and image are separate files.
   std::string gltf() {
     write("c.bin", gltf_triangle_corners());
     return write("c.gltf", kGltfTriangle);

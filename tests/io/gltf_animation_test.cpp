@@ -1,5 +1,5 @@
-// Nodes that move, skins and morph targets of glTF, against values worked out by hand; and what is
-// wrong with them, named with its place.
+// Animated nodes, skins and morph targets of glTF, compared with values computed by hand; and the
+// place that each error names.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -28,7 +28,7 @@ Vec3 origin_of(const Affine& a) {
 
 class GltfMoving : public IoTest {
  protected:
-  /// A channel of the first animation, and its curve.
+  /// Adds a channel of the first animation, with its curve.
   void drive(std::size_t node, const char* path, const std::vector<float>& times,
              const std::vector<float>& values, const char* interpolation = "LINEAR") {
     const std::size_t width = std::string(path) == "rotation"  ? 4
@@ -44,7 +44,7 @@ class GltfMoving : public IoTest {
                                      {"target", {{"node", node}, {"path", path}}}});
   }
   /// A triangle between two joints: corners at y = 0, 0 and 1, the last on the second joint, which
-  /// bends by 90 degrees about x in a second. The mesh's own node is far away.
+  /// bends by 90 degrees about x in a second. The mesh's node is far away.
   void show_skin() {
     const std::size_t positions = file_.positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
     const std::size_t joints = file_.accessor(
@@ -64,7 +64,7 @@ class GltfMoving : public IoTest {
     file_.add("skins", {{"joints", {1, 2}}, {"inverseBindMatrices", inverse}});
     drive(2, "rotation", {0, 1}, {0, 0, 0, 1, kHalf, 0, 0, kHalf});
   }
-  /// A triangle with two targets, of which the second is half there.
+  /// A triangle with two targets, of which the second has the weight 0.5.
   void show_morph() {
     const std::size_t up = file_.positions({0, 0, 0, 0, 0, 0, 0, 4, 0});
     const std::size_t out = file_.positions({0, 0, 2, 0, 0, 2, 0, 0, 2});
@@ -73,7 +73,7 @@ class GltfMoving : public IoTest {
     file_.json["meshes"][0]["weights"] = {0, 0.5};
   }
 
-  /// One warning has all of the words.
+  /// Expects one warning that contains all of the words.
   void warned(const std::vector<std::string>& words) {
     const std::unique_ptr<Animation> animation = load();
     const SceneDescription& scene = animation->scene();
@@ -85,7 +85,7 @@ class GltfMoving : public IoTest {
         });
     EXPECT_TRUE(found) << words[0] << " of " << scene.warnings.size() << " warnings";
   }
-  /// The same, and nothing moves.
+  /// Expects the same warning, and no animation.
   void left_at_rest(const std::vector<std::string>& words) {
     warned(words);
     EXPECT_EQ(load()->end(), load()->start());
@@ -135,7 +135,7 @@ TEST_F(GltfMoving, NodesCarryMeshesCamerasAndLights) {
   EXPECT_NEAR(scene.instances[0].to_world.m[1][1], 1, 1e-6);
 }
 
-// v0 = 0, leaving tangent 8; v1 = 2, arriving tangent 0: at half of 1 s, 1 + 8 / 8 = 2.
+// v0 = 0 with out-tangent 8; v1 = 2 with in-tangent 0: after half of the second, 1 + 8 / 8 = 2.
 TEST_F(GltfMoving, SplinesHaveTangents) {
   file_.show_triangle();
   drive(0, "translation", {0, 1}, {0, 0, 0, 0, 0, 0, 8, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0},
@@ -149,7 +149,7 @@ TEST_F(GltfMoving, SkinsPutVerticesWhereTheirJointsAre) {
   show_skin();
   const auto animation = load();
   const Mesh& mesh = animation->scene().meshes[0];
-  // At rest the mesh is where its joints say, not where its node is.
+  // In the rest pose the mesh follows its joints, not its node.
   expect_near(mesh.positions[2], {0, 1, 0});
   expect_near(origin_of(animation->scene().instances[0].to_world), {0, 0, 0});
   EXPECT_EQ(animation->seek(1).deformed, std::vector<std::uint32_t>{0});
@@ -171,8 +171,8 @@ TEST_F(GltfMoving, TargetsMoveVertices) {
   expect_near(mesh.positions[2], {0, 5, 2});
 }
 
-// Two squares that meet at a right angle along the y axis, without a normal anywhere: the two
-// vertices of the crease become four, and the copies move as those do.
+// Two squares without normals that meet at a right angle along the y axis: the two vertices of the
+// crease become four, and the copies move with the originals.
 TEST_F(GltfMoving, VerticesThatAreSplitMoveAsTheyDid) {
   const std::size_t positions =
       file_.positions({0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0, 0, 1, 0, 1, 1});
@@ -215,7 +215,7 @@ TEST_F(GltfMoving, NodesHaveWeightsOfTheirOwn) {
   expect_near(scene.meshes[scene.instances[1].mesh].positions[2], {0, 5, 0});
 }
 
-TEST_F(GltfMoving, LeavesOutWhatItDoesNotKnow) {
+TEST_F(GltfMoving, IgnoresUnknownChannels) {
   file_.show_triangle();
   drive(0, "translation", {0, 1}, {0, 0, 0, 1, 0, 0});
   json& channels = file_.json["animations"][0]["channels"];
@@ -326,7 +326,7 @@ TEST_F(GltfMoving, RefusesBrokenTargets) {
   refused({"meshes[0].primitives[1].targets", "has 1", "has 2"});
 }
 
-// One target named over and over costs a hundred bytes, and the memory of all its vertices.
+// Naming one target many times costs a hundred bytes each, but the memory of all its vertices.
 TEST_F(GltfMoving, RefusesMoreTargetsThanTheFileHasBytes) {
   std::vector<float> many(3 * 20000, 0.5f);
   const std::size_t accessor = file_.positions(many);

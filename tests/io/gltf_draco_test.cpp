@@ -1,4 +1,4 @@
-// glTF whose primitives are packed is the scene of the same numbers unpacked.
+// A glTF file with compressed primitives gives the same scene as the uncompressed file.
 #include "tests/io/pack_support.h"
 
 #ifdef RAYSHEAF_HAS_DRACO
@@ -17,7 +17,7 @@ namespace {
 using nlohmann::json;
 using enum ErrorCode;
 
-/// A mesh to be packed, attribute by attribute.
+/// A mesh to be compressed, attribute by attribute.
 class Packed {
  public:
   explicit Packed(const Mesh& mesh) {
@@ -31,7 +31,7 @@ class Packed {
     }
     add(draco::GeometryAttribute::POSITION, draco::DT_FLOAT32, 3, mesh.positions);
   }
-  /// Its number. `values` has `width` components of `type` for each vertex.
+  /// Returns the attribute's id. `values` has `width` components of `type` for each vertex.
   template <class Value>
   int add(draco::GeometryAttribute::Type kind, draco::DataType type, int width,
           const std::vector<Value>& values) {
@@ -46,9 +46,9 @@ class Packed {
   }
   struct Encoded {
     Bytes bytes;
-    std::size_t points = 0;  ///< Edgebreaker leaves out what no triangle has
+    std::size_t points = 0;  ///< Edgebreaker omits vertices without a triangle
   };
-  /// `bits` of a position; 0: all.
+  /// `bits` of quantisation for positions; 0: no quantisation.
   [[nodiscard]] Encoded encoded(draco::MeshEncoderMethod method, int bits = 0) const {
     draco::Encoder encoder;
     encoder.SetEncodingMethod(method);
@@ -71,7 +71,7 @@ using Corners = std::array<Vec3, 3>;
 bool comes_before(Vec3 a, Vec3 b) {
   return std::array{a.x, a.y, a.z} < std::array{b.x, b.y, b.z};
 }
-/// In an order of its own: Draco has another of vertices and triangles.
+/// The triangles in a canonical order, because Draco reorders vertices and triangles.
 std::vector<Corners> triangles_of(const Mesh& mesh) {
   std::vector<Corners> all;
   for (const auto& t : mesh.triangles) {
@@ -108,7 +108,7 @@ class Draco : public PackTest {
   static json& packing(json& primitive) {
     return primitive["extensions"]["KHR_draco_mesh_compression"];
   }
-  /// Adds an attribute that is packed.
+  /// Adds a compressed attribute.
   void add(json& primitive, const char* name, int id, const char* type, int component) {
     primitive["attributes"][name] = accessor(ball_.positions.size(), type, component);
     packing(primitive)["attributes"][name] = id;
@@ -198,7 +198,7 @@ TEST_F(Draco, TextureCoordinatesAreUnpackedWithTheirTriangles) {
   }
 }
 
-TEST_F(Draco, PrimitivesMayShareWhatIsPacked) {
+TEST_F(Draco, PrimitivesMayShareCompressedData) {
   show_ball();
   json& primitives = file_.json["meshes"][0]["primitives"];
   primitives.push_back(primitives[0]);
@@ -219,7 +219,7 @@ TEST_F(Draco, SuchFilesAreNotPackedInWindows) {
   EXPECT_FALSE(is_taken(write("ball.glb", file_.glb())));
 }
 
-TEST_F(Draco, WhatIsWrongIsNamed) {
+TEST_F(Draco, ErrorsNameTheirPlace) {
   show_ball();
   const json good = file_.json;
   const std::string place = "meshes[0].primitives[0]";
@@ -235,9 +235,9 @@ TEST_F(Draco, WhatIsWrongIsNamed) {
   with([&] { packing(shown())["attributes"] = json::object(); }, {here + ".attributes", "empty"});
   with([&] { packing(shown())["attributes"]["POSITION"] = -1; }, {here + ".attributes.POSITION"});
   with([&] { packing(shown())["attributes"]["POSITION"] = 3; },
-       {here + ".attributes.POSITION", "none of the packed"});
+       {here + ".attributes.POSITION", "not among the compressed"});
   with([&] { packing(shown())["attributes"]["NORMAL"] = 1; },
-       {here + ".attributes.NORMAL", "no attribute of the primitive"});
+       {here + ".attributes.NORMAL", "not an attribute of the primitive"});
   with([&] { shown().erase("indices"); }, {place + ".indices", "missing"});
   with([&] { shown()["mode"] = 5; }, {place + ".mode", "strips"}, kUnsupported);
   with([&] { file_.json["accessors"][0]["count"] = 4; }, {here, "accessors[0]", "4 vertices"});

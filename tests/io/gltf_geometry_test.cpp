@@ -1,4 +1,4 @@
-// What meshes become: component types, strides, sparse values, modes, normals.
+// Meshes from glTF: component types, strides, sparse values, modes, normals.
 #include <cmath>
 
 #include "tests/io/io_support.h"
@@ -83,7 +83,7 @@ TEST_F(GltfGeometry, LeavesOutPointsAndLinesWithOneWarning) {
 
 TEST_F(GltfGeometry, ScalesNormalizedIntegers) {
   GltfFile file;
-  // Three bytes and a hole: elements begin on boundaries of four.
+  // Three bytes and one of padding: elements begin at multiples of four.
   const std::vector<std::int8_t> bytes = {127, 0, 0, 0, 0, 127, 0, 0, -128, -127, 0, 0};
   file.accessor(bytes, "VEC3", kByte, 4, true);
   file.json["bufferViews"][0]["byteStride"] = 4;
@@ -216,7 +216,7 @@ TEST_F(GltfGeometry, ReadsColoursOfVertices) {
   const std::vector<Vec3>& colors = scene.meshes[0].colors;
   ASSERT_EQ(colors.size(), 9u);
   EXPECT_EQ(scene.meshes[0].positions.size(), 9u);
-  EXPECT_EQ(colors[0].y, 1) << "white beside others";
+  EXPECT_EQ(colors[0].y, 1) << "white next to coloured primitives";
   EXPECT_EQ(colors[3].x, 1);
   EXPECT_FLOAT_EQ(colors[3].z, 0.2f) << "linear";
   EXPECT_FLOAT_EQ(colors[5].x, 0.2f);
@@ -229,7 +229,7 @@ TEST_F(GltfGeometry, ReadsColoursOfVertices) {
   expect_refused(write("b.gltf", file.text()), ErrorCode::kInvalidData, {"COLOR_0"});
 }
 
-TEST_F(GltfGeometry, WarnsOfWhatMorphTargetsLose) {
+TEST_F(GltfGeometry, WarnsOfIgnoredDataOfMorphTargets) {
   GltfFile file;
   const std::size_t at = file.positions(kTriangle);
   const json target = {{"POSITION", at}, {"COLOR_0", at}, {"TEXCOORD_0", at}};

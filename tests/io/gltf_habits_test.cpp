@@ -1,5 +1,5 @@
-// glTF as exporters and people write it: second coordinates, alphas, shapes of cameras, and files
-// that are none.
+// glTF as exporters and people write it: second texture coordinates, alpha, aspect ratios of
+// cameras, and files that are not glTF.
 #include "raysheaf/animation.h"
 #include "tests/io/io_support.h"
 
@@ -28,7 +28,7 @@ TEST_F(GltfHabits, KeepsTheAlphaOfColoursWhereItCounts) {
       EXPECT_FALSE(warns(scene, "alpha")) << mode << int{alpha};
       ASSERT_EQ(mesh.alphas.size(), counts ? mesh.positions.size() : 0) << mode << int{alpha};
       if (!counts) continue;
-      EXPECT_EQ(mesh.alphas[mesh.triangles[0][1]], 1) << "an opaque material does not look at it";
+      EXPECT_EQ(mesh.alphas[mesh.triangles[0][1]], 1) << "opaque materials ignore it";
       EXPECT_EQ(mesh.alphas[mesh.triangles[1][1]], 0.2f);
       save_glb(scene, path("b.glb"));
       const SceneDescription again = load_scene(path("b.glb"));
@@ -96,26 +96,26 @@ TEST_F(GltfHabits, ReadsBackslashesAsSlashes) {
   write("parts/a.bin", data);
   const SceneDescription scene = load_scene(write("a.gltf", file.text("parts\\a.bin")));
   EXPECT_EQ(scene.triangle_count(), 1u);
-  EXPECT_TRUE(warns(scene, "\"parts\\a.bin\" is no URI"));
+  EXPECT_TRUE(warns(scene, "\"parts\\a.bin\" is not a valid URI"));
   write("parts\\a.bin", data);
   EXPECT_TRUE(load_scene(path("a.gltf")).warnings.empty()) << "a file is called so";
   expect_refused(write("b.gltf", file.text("..\\a.bin")), ErrorCode::kUnsupported, {"folder"});
 }
 
-TEST_F(GltfHabits, SaysWhatAFileIsThatIsNoGltf) {
+TEST_F(GltfHabits, NamesTheFormatOfFilesThatAreNotGltf) {
   const auto is = [&](const char* name, const std::string& text, const std::string& kind) {
     expect_refused(write(name, text), ErrorCode::kInvalidData, {kind});
   };
-  is("a.glb", "PK\x03\x04 and so on", "no GLB file, but a ZIP archive");
+  is("a.glb", "PK\x03\x04 and so on", "not a GLB file, but a ZIP archive");
   is("b.glb", "<!DOCTYPE html>", "a web page");
-  is("c.glb", "hello", "no GLB file: it begins neither");
+  is("c.glb", "hello", "not a GLB file: it begins neither");
   is("d.gltf", std::string("\xff\xfe{\0\"\0", 6), "UTF-16");
   is("e.gltf", std::string("{\0\"\0a\0", 6), "UTF-16");
   is("f.glb", std::string(64, '\0'), "zeros");
   is("g.gltf", "{\"asset\":", "JSON");
 }
 
-TEST_F(GltfHabits, SaysItInUtf8) {
+TEST_F(GltfHabits, MessagesAreUtf8) {
   GltfFile file;
   file.show_triangle();
   for (const std::string& broken :
@@ -125,7 +125,7 @@ TEST_F(GltfHabits, SaysItInUtf8) {
       static_cast<void>(load_scene(write("\xe4.gltf", broken)));
       ADD_FAILURE() << "was read";
     } catch (const Error& error) {
-      EXPECT_NO_THROW(static_cast<void>(json(error.what()).dump())) << "is no UTF-8";
+      EXPECT_NO_THROW(static_cast<void>(json(error.what()).dump())) << "is not UTF-8";
     }
   }
 }

@@ -127,7 +127,7 @@ TEST_F(GltfMaterials, SaysThatTheAttenuationOfGlassIsLeftOut) {
   volume["thicknessTexture"] = {{"index", 0}};
   EXPECT_TRUE(warns(warnings_of(volume), "Thickness textures"));
   volume["thicknessFactor"] = 0;
-  EXPECT_TRUE(warnings_of(volume).warnings.empty()) << "what is thin has no inside";
+  EXPECT_TRUE(warnings_of(volume).warnings.empty()) << "thin surfaces have no interior";
 }
 
 TEST_F(GltfMaterials, ReadsWhatMasksCutAway) {

@@ -1,4 +1,4 @@
-// glTF whose buffer views are packed is the scene of the same numbers unpacked.
+// A glTF file with compressed buffer views gives the same scene as the uncompressed file.
 #include "tests/io/io_support.h"
 
 #ifdef RAYSHEAF_HAS_MESHOPT
@@ -46,7 +46,7 @@ class Meshopt : public IoTest {
     file_.json["extensionsUsed"] = file_.json["extensionsRequired"] = {"EXT_meshopt_compression"};
   }
 
-  /// An accessor of a view that is packed; `packing`: mode, count, stride, filter.
+  /// An accessor of a compressed view; `packing`: mode, count, stride, filter.
   std::size_t accessor(const Bytes& bytes, json packing, json accessor) {
     const std::size_t count = packing["count"], stride = packing["byteStride"];
     const json packed = file_.json["bufferViews"][file_.view(bytes)];
@@ -72,7 +72,7 @@ class Meshopt : public IoTest {
     return accessor(bytes, {{"mode", mode}, {"count", indices_.size()}, {"byteStride", width}},
                     {{"componentType", width == 2 ? 5123 : 5125}, {"type", "SCALAR"}});
   }
-  /// The file as text; its packing may be changed before.
+  /// The file as text; callers may change its compression extension first.
   std::string text() {
     json fallback = {{"byteLength", fallback_},
                      {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}};
@@ -128,7 +128,7 @@ TEST_F(Meshopt, VerticesAndIndicesOfAllKindsAreUnpacked) {
   }
 }
 
-TEST_F(Meshopt, FiltersGiveNormalsBack) {
+TEST_F(Meshopt, FiltersRestoreNormals) {
   std::vector<float> normals;
   for (const Vec3 n : ball_.normals)
     for (const float x : {n.x, n.y, n.z, 0.0f}) normals.push_back(x);
@@ -156,7 +156,7 @@ TEST_F(Meshopt, FiltersGiveNormalsBack) {
   }
 }
 
-TEST_F(Meshopt, PackedExponentsGivePositionsBack) {
+TEST_F(Meshopt, PackedExponentsRestorePositions) {
   std::vector<std::uint32_t> filtered(positions_.size());
   meshopt_encodeFilterExp(filtered.data(), vertices_, 12, 20, positions_.data());
   const std::size_t accessor_number = accessor(
@@ -170,14 +170,14 @@ TEST_F(Meshopt, PackedExponentsGivePositionsBack) {
     ASSERT_LT(length(scene.meshes[0].positions[i] - ball_.positions[i]), 1e-5f);
 }
 
-TEST_F(Meshopt, TheBufferThatTheyUnpackToNeedNotSayWhatItIs) {
+TEST_F(Meshopt, TheFallbackBufferNeedsNoExtension) {
   show_ball();
   json whole = json::parse(text());
   whole["buffers"][1].erase("extensions");
   EXPECT_EQ(load_scene(write("a.gltf", whole.dump())).triangle_count(), ball_.triangles.size());
 }
 
-TEST_F(Meshopt, WhatIsWrongIsNamed) {
+TEST_F(Meshopt, ErrorsNameTheirPlace) {
   show_ball();
   const json good = packing();
   const std::string place = "bufferViews[1].extensions.EXT_meshopt_compression";
@@ -224,7 +224,7 @@ TEST_F(Meshopt, TheSuccessorIsReadAsFarAsTheLibraryGoes) {
   EXPECT_TRUE(same_bits(scene.meshes[0].positions, ball_.positions));
   const json good = packing();
   packing()["filter"] = "COLOR";
-  expect_broken({".filter", "COLOR"});  // of the older extension there is none
+  expect_broken({".filter", "COLOR"});  // only the newer extension has it
   packing() = good;
   if (MESHOPTIMIZER_VERSION < 230) {
     file_.buffer[packing()["byteOffset"].get<std::size_t>()] = 0xa1;

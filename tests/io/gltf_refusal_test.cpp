@@ -1,4 +1,4 @@
-// What is wrong with a glTF file is named with its place.
+// Errors in glTF files name their place.
 #include <limits>
 #include <tuple>
 
@@ -118,7 +118,7 @@ TEST_F(GltfBroken, DataUriWithABadDigit) {
   EXPECT_NO_THROW(static_cast<void>(load_scene(write("a.gltf", file_.text(uri.c_str())))));
   uri[50] = '*';
   expect_refused(write("a.gltf", file_.text(uri.c_str())), kInvalidData,
-                 {"buffers[0].uri", "no digit of base 64"});
+                 {"buffers[0].uri", "not a base64 digit"});
 }
 TEST_F(GltfBroken, MorphTargetOutOfRange) {
   file_.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", 9}}};
@@ -151,7 +151,7 @@ TEST_F(GltfBroken, ManyElementsWithoutBytes) {
   file_.json["accessors"][0] = {{"componentType", 5126}, {"count", 500000000}, {"type", "VEC3"}};
   expect(kOutOfMemory, {"accessors[0].count"});
 }
-/// A thousand meshes that share one large accessor without bytes would fill the memory.
+/// A thousand meshes that share one large accessor without bytes would exhaust the memory.
 TEST_F(GltfBroken, SharedElementsWithoutBytes) {
   file_.json["accessors"][0] = {{"componentType", 5126}, {"count", 200000}, {"type", "VEC3"}};
   for (std::size_t m = 1; m < 1000; ++m) {
@@ -178,7 +178,7 @@ TEST_F(GltfBroken, MaterialBeyondItsRange) {
   expect(kInvalidData, {"materials[0].pbrMetallicRoughness.metallicFactor", "is 2", "from 0 to 1"});
 }
 
-/// The file's own numbers and names, not those of the scene that is made of it.
+/// Errors use the file's own indices and names, not those of the resulting scene.
 TEST_F(GltfBroken, FieldsOfTheFileAreNamed) {
   const json good_camera = {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 1}}}};
   file_.json["cameras"] = {good_camera, good_camera};
@@ -245,8 +245,8 @@ TEST_F(GltfRefusal, DeepNesting) {
   expect_refused(write("b.gltf", "{\"asset\":{\"version\":\"2.0\",\"extras\":" + deep),
                  kInvalidData, {"nested"});
 }
-TEST_F(GltfRefusal, TextThatIsNoJson) {
-  expect_refused(write("a.gltf", std::string("hello")), kInvalidData, {"no glTF file"});
+TEST_F(GltfRefusal, TextThatIsNotJson) {
+  expect_refused(write("a.gltf", std::string("hello")), kInvalidData, {"not a glTF file"});
   expect_refused(write("b.gltf", std::string("{\"asset\":")), kInvalidData, {"JSON"});
   expect_refused(write("c.gltf", std::string("[]")), kInvalidData, {"object"});
 }
@@ -283,14 +283,14 @@ TEST_F(GltfRefusal, GlbChunksThatDoNotFit) {
   expect_refused(write("c.glb", glb), kInvalidData, {"not JSON"});
 }
 
-/// Fields of an older version have other types: it is the version that is named.
+/// Fields of an older version have other types: the error must name the version.
 TEST_F(GltfRefusal, OlderVersions) {
   const std::string old =
       R"({"asset": {"version": "1.0"}, "scene": "default", "meshes": {"a": {}}})";
   expect_refused(write("a.gltf", old), kUnsupported, {"asset.version", "\"1.0\"", "only 2.0"});
 }
 
-TEST_F(GltfRefusal, FilesThatAreNone) {
+TEST_F(GltfRefusal, FilesThatAreNotGltf) {
   expect_refused(path("gone.glb"), kNotFound, {"no such file"});
   std::filesystem::create_directory(path("folder.glb"));
   expect_refused(path("folder.glb"), kIo, {"folder"});

@@ -23,7 +23,7 @@ TEST_F(GltfScene, ComposesTheTransformsOfItsNodes) {
   GltfFile file;
   file.show_triangle();
   file.roots.clear();
-  // Turn by 90 degrees about z, after scaling x; the parent moves and doubles.
+  // Turns by 90 degrees about z after scaling x; the parent moves and doubles.
   file.json["nodes"][0].update(
       json{{"rotation", {0, 0, kHalfAngle, kHalfAngle}}, {"scale", {3, 1, 1}}});
   file.node({{"children", {0}}, {"matrix", {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 10, 20, 30, 1}}});
@@ -75,7 +75,8 @@ TEST_F(GltfScene, ShowsAMeshAtEveryPlaceOfItsNode) {
   expect_refused(write("e.gltf", file.text()), ErrorCode::kInvalidData, {place, "no attribute"});
 }
 
-// A chain with many below its end, all of them named: without the chain, and with its other end.
+// A chain with many nodes below its end, all of which the scene lists: once without the chain, and
+// once with its other end.
 TEST_F(GltfScene, ShowsManyNodesThatItNamesWithoutTheirParents) {
   constexpr std::size_t kNodes = 2000;
   GltfFile file;
@@ -124,7 +125,7 @@ TEST_F(GltfScene, ShowsTheDefaultSceneAlone) {
   const SceneDescription scene = load_scene(write("a.gltf", file.text()));
   ASSERT_EQ(scene.instances.size(), 1u);
   EXPECT_EQ(scene.instances[0].name, "second");
-  // Without a list of scenes every root is shown.
+  // Without a list of scenes, every root is shown.
   file.json.erase("scenes");
   file.json.erase("scene");
   file.roots.clear();
@@ -236,11 +237,11 @@ TEST_F(GltfScene, ReadsImagesFromEverywhere) {
   EXPECT_EQ(material.emission_texture.texture, kInvalidId);
   EXPECT_EQ(material.normal_texture.texture, 1u);
   EXPECT_EQ(material.normal_scale, 0.5f);
-  EXPECT_TRUE(warns(scene, "images[3] is cut short, too large or no picture"));
+  EXPECT_TRUE(warns(scene, "images[3] is truncated, too large or not an image"));
 }
 
-// The bytes say what a picture is, whatever its URI calls it; and what only an extension shows does
-// not spoil the rest.
+// The bytes determine an image's format, whatever its URI says; and an image that only an extension
+// uses does not affect the others.
 TEST_F(GltfScene, ReadsImagesOfAnyKindOfUri) {
   const std::string png = base64(small_png(path("small.png")));
   for (const char* kind :
@@ -255,7 +256,7 @@ TEST_F(GltfScene, ReadsImagesOfAnyKindOfUri) {
     const SceneDescription scene = load_scene(write("a.gltf", file.text()));
     EXPECT_EQ(scene.images.size(), 1u) << kind;
     EXPECT_EQ(scene.textures.size(), 1u) << kind;
-    EXPECT_TRUE(warns(scene, "images[1] is cut short, too large or no picture"));
+    EXPECT_TRUE(warns(scene, "images[1] is truncated, too large or not an image"));
     EXPECT_TRUE(warns(scene, "images[2] is an SVG image"));
   }
 }
@@ -264,7 +265,7 @@ TEST_F(GltfScene, ReadsBuffersOfAnyLengthAndSpelling) {
   GltfFile file;
   file.show_triangle();
   file.json["buffers"][0]["byteLength"] = file.buffer.size();
-  file.json["bufferViews"].push_back({{"buffer", 0}, {"byteLength", 0}});  // of which nobody speaks
+  file.json["bufferViews"].push_back({{"buffer", 0}, {"byteLength", 0}});  // unused
   Bytes longer = file.buffer;
   longer.insert(longer.end(), 5, 0);
   const std::string data = base64(longer);

@@ -1,4 +1,4 @@
-// Pictures as libpng and libjpeg write them, of every kind, whole and cut short.
+// Images as libpng and libjpeg write them, in every format, complete and truncated.
 #include <gtest/gtest.h>
 #include <png.h>
 
@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using ImageBytes = std::vector<std::uint8_t>;
 
-/// A component of a picture's pixel in its own bits: some pattern.
+/// A component of a pixel with the image's bit depth, as a test pattern.
 std::uint32_t sample(std::uint32_t x, std::uint32_t y, std::uint32_t component) {
   return x * 29 + y * 53 + component * 71 + x * y;
 }
@@ -72,7 +72,7 @@ ImageBytes png_of(const PngKind& kind) {
   transparent.blue = static_cast<png_uint_16>(stored(kind, 2, 2, 2));
   if (kind.has_transparent_colour)
     png_set_tRNS(png, info, opacity.data(), static_cast<int>(colours), &transparent);
-  png_set_gAMA(png, info, 0.7);  // is not looked at
+  png_set_gAMA(png, info, 0.7);  // must be ignored
   png_write_info(png, info);
   const std::uint32_t components = png_get_channels(png, info);
   const std::size_t row_bytes = png_get_rowbytes(png, info);
@@ -156,11 +156,11 @@ TEST(Image, PngOfEveryKindHasTheColoursThatItStores) {
   }
 }
 
-TEST(Image, DamagedPngIsNoPicture) {
+TEST(Image, DamagedPngIsRefused) {
   const ImageBytes png = png_of({PNG_COLOR_TYPE_RGB, 8, PNG_INTERLACE_NONE, false});
   for (std::size_t length = 0; length + 16 < png.size(); ++length)
     EXPECT_FALSE(io::decode_image({png.data(), length}).has_value()) << length;
-  for (const std::size_t at : {17u, 29u, 60u}) {  // width, checksum of the head, pixels
+  for (const std::size_t at : {17u, 29u, 60u}) {  // width, checksum of the header, pixels
     ImageBytes damaged = png;
     damaged[at] ^= 1;
     EXPECT_FALSE(io::decode_image(damaged).has_value()) << at;
@@ -191,7 +191,7 @@ ImageBytes jpeg_of(const JpegKind& kind, int scans = 0) {
     jpeg.comp_info[c].h_samp_factor = jpeg.comp_info[c].v_samp_factor = 1;
   if (kind.components == 4) jpeg.write_Adobe_marker = kind.is_adobe ? TRUE : FALSE;
   if (kind.is_progressive) jpeg_simple_progression(&jpeg);
-  // DC to bit 1, its last bit; then bands of AC, one coefficient each and bit by bit.
+  // DC to bit 1, then its last bit; then bands of AC, one coefficient each and bit by bit.
   std::vector<jpeg_scan_info> script;
   if (scans > 0) {
     script.push_back({1, {0}, 0, 0, 0, 0});
@@ -252,26 +252,26 @@ TEST(Image, JpegOfEveryKindIsNearWhatWasWritten) {
   }
 }
 
-// Each scan of a progressive picture takes the time of all pixels.
-TEST(Image, JpegOfTooManyScansIsNoPicture) {
+// Each scan of a progressive image takes the time of all pixels.
+TEST(Image, JpegWithTooManyScansIsRefused) {
   const JpegKind grey{JCS_GRAYSCALE, 1};
   EXPECT_TRUE(io::decode_image(jpeg_of(grey, io::kMostScans)).has_value());
   EXPECT_FALSE(io::decode_image(jpeg_of(grey, io::kMostScans + 1)).has_value());
 }
 
-TEST(Image, JpegThatIsCutShortIsNoPicture) {
+TEST(Image, TruncatedJpegIsRefused) {
   for (const bool is_progressive : {false, true}) {
     const ImageBytes jpeg = jpeg_of({JCS_RGB, 3, is_progressive});
-    // Behind the last pixel's bits there may be a byte of stuffing, and there is the end mark.
+    // The last pixel's bits may be followed by a stuffing byte, and by the end mark.
     for (std::size_t length = 0; length < jpeg.size() - 3; ++length)
       EXPECT_FALSE(io::decode_image({jpeg.data(), length}).has_value()) << length;
     EXPECT_EQ(io::decode_image({jpeg.data(), jpeg.size() - 2}).has_value(), !is_progressive)
-        << "of one scan it is whole without its mark";
+        << "an image with one scan needs no end mark";
   }
 }
 
-// Whatever a file lacks is the same colour each time: two decodings, between which memory is used.
-TEST(Image, CutShortIsTheSamePictureEachTime) {
+// Missing pixels have the same colour in two decodings, between which memory is reused.
+TEST(Image, TruncatedFilesDecodeToTheSamePixels) {
   std::vector<ImageBytes> files = {jpeg_of({JCS_RGB, 3}), jpeg_of({JCS_RGB, 3, true})};
   for (const auto& entry :
        fs::directory_iterator(fs::path(RAYSHEAF_SOURCE_DIR) / "tests/fuzz/seeds/image")) {

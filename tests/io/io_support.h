@@ -1,4 +1,4 @@
-// A folder of its own for each test, and what is written into it.
+// A temporary folder for each test, and helpers that write files into it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -59,7 +59,7 @@ class IoTest : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-/// Loading must fail with this code, and what() must hold each of these words.
+/// Expects that loading fails with this code and that what() contains each of these words.
 inline void expect_refused(const std::string& path, ErrorCode code,
                            const std::vector<std::string>& words) {
   try {
@@ -75,7 +75,7 @@ inline void expect_refused(const std::string& path, ErrorCode code,
   }
 }
 
-/// With `end` in place of every "\n".
+/// Replaces every "\n" by `end`.
 inline std::string with_line_ends(const std::string& text, const std::string& end) {
   std::string changed;
   for (const char c : text) changed += c == '\n' ? end : std::string(1, c);
@@ -133,13 +133,13 @@ class GltfFile {
   std::size_t positions(const std::vector<float>& values) {
     return accessor(values, "VEC3", 5126, 3);
   }
-  /// A mesh of one primitive, a node and the scene that shows it.
+  /// Adds a mesh of one primitive, a node, and the scene that shows it.
   void show(const nlohmann::json& primitive) {
     const std::size_t mesh = add("meshes", {{"primitives", {primitive}}});
     node({{"mesh", mesh}});
   }
   void node(const nlohmann::json& node) { roots.push_back(add("nodes", node)); }
-  /// One triangle in the plane z = 0.
+  /// A triangle in the plane z = 0.
   void show_triangle() {
     show({{"attributes", {{"POSITION", positions({0, 0, 0, 1, 0, 0, 0, 1, 0})}}}});
   }
@@ -150,8 +150,7 @@ class GltfFile {
     if (!buffer.empty()) whole["buffers"][0]["uri"] = uri.empty() ? data : uri;
     return whole.dump();
   }
-  /// `beyond`: how far the first chunk ends beyond a multiple of four, where the second begins
-  /// then.
+  /// `beyond`: how many bytes after a multiple of four the first chunk ends and the second begins.
   [[nodiscard]] Bytes glb(std::size_t beyond = 0) const {
     std::string text = finished().dump();
     while (text.size() % 4 != beyond) text += ' ';

@@ -1,4 +1,4 @@
-// Our tree of JSON against nlohmann-json's, and the text that we write against what both read.
+// Compares the JSON tree with nlohmann-json's, and reads the written JSON back with both.
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -56,7 +56,7 @@ Json random_value(Random& random, int depth) {
   }
 }
 
-/// Also where it is written as 1.0 or 1e0.
+/// Also if the number is written as 1.0 or 1e0.
 bool is_whole(const Json& number) {
   if (!number.is_number_float()) return number.is_number_integer();
   const auto value = number.get<double>();
@@ -122,7 +122,6 @@ TEST(JsonTree, IsTheParsersOwn) {
   }
 }
 
-/// Broken text is refused where the parser refuses it, in its words.
 TEST(JsonTree, WholeNumbersAreIntegersHoweverTheyAreWritten) {
   const std::string text = "[1.0, 1e0, -20e-1, 0.0, 9007199254740992.0, 1.5, -0.0, 1e300]";
   const io::JsonDocument document(
@@ -159,7 +158,7 @@ TEST(JsonTree, RefusesWhatTheParserRefuses) {
   EXPECT_GT(refused, 1000);
 }
 
-TEST(JsonTree, OfEqualNamesTheLastCounts) {
+TEST(JsonTree, TheLastOfEqualNamesCounts) {
   std::string text = "{";
   for (int i = 0; i < 100000; ++i)
     text += "\"" + std::to_string(i * 7919 % 50000) + "\":" + std::to_string(i) + ",";
@@ -170,7 +169,7 @@ TEST(JsonTree, OfEqualNamesTheLastCounts) {
     ASSERT_EQ(document.root().at(std::to_string(i * 7919 % 50000)).get<int>(), i);
 }
 
-TEST(JsonTree, IsNestedSoDeepAndNoDeeper) {
+TEST(JsonTree, LimitsNesting) {
   const auto nested = [](std::size_t depth) {
     return std::string(depth, '[') + std::string(depth, ']');
   };
@@ -196,7 +195,7 @@ TEST(JsonTree, GivesNumbersThatFit) {
   EXPECT_EQ(list[5].get("x", 3), 3);
 }
 
-/// Names may hold any bytes: what is written can be read, and text that is UTF-8 stays as it is.
+/// Names may hold any bytes: written text can be read back, and valid UTF-8 stays unchanged.
 TEST(JsonText, AnyBytes) {
   Random random(3);
   for (int round = 0; round < 20000; ++round) {

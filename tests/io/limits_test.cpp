@@ -1,4 +1,4 @@
-// A small file asks for little, and for nothing that lies elsewhere.
+// A small file allocates little memory, and cannot refer to files outside its folder.
 #include "io/refuse.h"
 #include "io_support.h"
 
@@ -8,7 +8,8 @@ namespace {
 using Limits = IoTest;
 using Json = nlohmann::json;
 
-/// A file of so many accessors without bytes, each in a mesh, each mesh in many places.
+/// A file with accessors of `elements` elements without bytes, each in a mesh, and each mesh in
+/// many places.
 std::string unbacked(std::size_t elements, int meshes, int places) {
   Json root = {{"asset", {{"version", "2.0"}}}, {"scene", 0}};
   root["accessors"] =
@@ -43,8 +44,8 @@ TEST_F(Limits, ElementsWithoutBytes) {
   EXPECT_NO_THROW(static_cast<void>(load_scene(write("c.gltf", unbacked(1 << 16, 2, 2)))));
 }
 
-/// What has no accessor of its own takes memory as well: targets that name none, vertices of flat
-/// triangles beside others, room for the joints of the one vertex that has many.
+/// Data without an accessor counts as well: empty morph targets, vertices of flat triangles next to
+/// others, and joints for vertices of which only one has many.
 TEST_F(Limits, VerticesWithoutAccessors) {
   Json root = Json::parse(unbacked(1 << 18, 1, 1));
   Json& primitives = root["meshes"][0]["primitives"];
@@ -72,7 +73,7 @@ TEST_F(Limits, VerticesWithoutAccessors) {
                       "meshes[0].primitives[1]: the meshes would take far more memory");
 }
 
-/// A small mesh in a crowd, each with a shape of its own.
+/// Many instances of a small mesh, each with its own shape.
 TEST_F(Limits, CrowdsOfShapes) {
   constexpr std::size_t kVertices = 2000;
   GltfFile file;
@@ -89,7 +90,7 @@ TEST_F(Limits, InstancesWithoutEnd) {
                       "far more triangles");
 }
 
-/// A PNG of one grey channel that ends behind its head.
+/// A PNG with one grey channel that ends after its header.
 Bytes headless_png(std::uint32_t side) {
   Bytes png{0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R'};
   for (int axis = 0; axis < 2; ++axis)
@@ -150,7 +151,7 @@ TEST_F(Limits, BuffersThatLeaveTheFolder) {
   EXPECT_THROW(static_cast<void>(load_scene(file, {.allow_external = true})), Error);
 }
 
-/// As a file may ask for by a count that is wrong.
+/// A file may request such a size by a wrong count.
 TEST(WithinMemory, MoreThanAnyVectorHoldsIsALackOfMemory) {
   const auto reserve = [] {
     std::vector<int> all;

@@ -1,4 +1,4 @@
-// Where the files that OBJ and MTL name are found, and which material a name means.
+// Where files that OBJ and MTL name are found, and which material a name refers to.
 #include "tests/io/io_support.h"
 
 namespace raysheaf::test {
@@ -8,7 +8,7 @@ class MtlNames : public IoTest {
  protected:
   static constexpr const char* kFace =
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n";
-  /// An image of one texel.
+  /// Writes an image of one texel.
   void image(const std::string& name, std::uint8_t red) {
     std::filesystem::create_directories((folder_ / name).parent_path());
     write_png({"", 1, 1, {red, 20, 30, 255}}, path(name));
@@ -16,7 +16,7 @@ class MtlNames : public IoTest {
   SceneDescription load(const std::string& head) {
     return load_scene(write("a.obj", head + kFace));
   }
-  /// The red of the texture of the face's material, or -1.
+  /// The red channel of the texture of the face's material, or -1.
   static int red_of(const SceneDescription& scene) {
     const Material& material = scene.materials[scene.meshes[0].materials[0]];
     if (material.base_color_texture.texture == kInvalidId) return -1;
@@ -68,7 +68,7 @@ TEST_F(MtlNames, OfAnotherCaseAreFoundWhereOneMatches) {
   write("Lib.MTL", std::string("newmtl m\nmap_Kd twin.png\n"));
   EXPECT_EQ(red_of(load("mtllib Lib.MTL\n")), 7) << "the exact name counts";
   write("Lib.MTL", std::string("newmtl m\nmap_Kd Twin.png\n"));
-  EXPECT_EQ(red_of(load("mtllib Lib.MTL\n")), -1) << "which of two?";
+  EXPECT_EQ(red_of(load("mtllib Lib.MTL\n")), -1) << "ambiguous names are not resolved";
 }
 
 TEST_F(MtlNames, ThatLeadOutAreReadFromTheFolder) {

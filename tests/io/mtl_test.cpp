@@ -1,4 +1,4 @@
-// What lines of MTL mean.
+// The meaning of MTL statements.
 #include <cmath>
 
 #include "tests/io/io_support.h"
@@ -14,7 +14,7 @@ class Mtl : public IoTest {
     return load_scene(
         write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl a\nf 1 2 3\n"));
   }
-  /// Its material "a", whose lines are `lines`. `warnings`: how many it must give.
+  /// The material "a" with these lines. `warnings` is the expected number of warnings.
   Material material(const std::string& lines, std::size_t warnings = 0) {
     const SceneDescription scene = load("newmtl a\n" + lines);
     EXPECT_EQ(scene.warnings.size(), warnings) << lines;
@@ -67,7 +67,7 @@ TEST_F(Mtl, LeavesOutSpectralCurves) {
   material("Kd 1 1 1\nKa spectral file.rfl\n", 0);
 }
 
-/// What goes through and what is diffuse are as d says, whatever the body's colour.
+/// d determines the transmitted and the diffuse part, whatever the body's colour.
 TEST_F(Mtl, KeepsTheColourOfThinPlastic) {
   struct Body {
     Vec3 kd, tint;
@@ -165,7 +165,7 @@ TEST_F(Mtl, NamesWhatIsLeftOut) {
     EXPECT_EQ(scene.warnings.size(), 1u) << line.text;
     EXPECT_TRUE(warns(scene, line.word)) << line.text;
   }
-  // What programs write that have nothing to say.
+  // Statements that programs write with default values.
   material(
       "Ka 1 1 1\nKd 1 1 1\nmap_Kd t.png\nmap_Ka t.png\nPs 0\nPc 0\nPcr .03\naniso 0\nanisor 0\n"
       "illum 2\n");
@@ -184,7 +184,7 @@ TEST_F(Mtl, HasHighlightsByModel) {
   expect_color(base_of(constant), {0.1f, 0.2f, 0.3f}, "constant");
   const Material thin = material("illum 0\nKd 1 0 0\nd .5\nNi 1.45\n", 1);
   EXPECT_TRUE(thin.unlit && thin.alpha_blend);
-  EXPECT_EQ(thin.transmission, 0) << "what has no light has no Fresnel";
+  EXPECT_EQ(thin.transmission, 0) << "unlit materials have no Fresnel reflection";
   const Material lamp = material("illum 0\nKd 0 0 0\nKe 5 5 5\nKs 1 1 1\n");
   EXPECT_FALSE(lamp.unlit);
   EXPECT_EQ(lamp.emission.x, 5);

@@ -1,4 +1,4 @@
-// Computed vertex normals: unit, weighted by area, creased at 60 degrees.
+// Computed vertex normals have unit length, are weighted by area, and have creases at 60 degrees.
 #include "io/normals.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ double inner(Vec3 a, Vec3 b) {
   return double{a.x} * b.x + double{a.y} * b.y + double{a.z} * b.z;
 }
 
-/// Two rectangles of widths 1 and `width` that share the y axis, the second turned up by `angle`.
+/// Two rectangles of widths 1 and `width` that share the y axis, the second rotated up by `angle`.
 Mesh roof(double angle, float width) {
   const auto c = static_cast<float>(std::cos(angle)), s = static_cast<float>(std::sin(angle));
   Mesh mesh;
@@ -62,7 +62,7 @@ TEST(Normals, SplitVerticesAtCreases) {
 
 TEST(Normals, CountPositionsNotIndices) {
   Mesh mesh = roof(0.5, 1);
-  // The same roof, with no vertex shared.
+  // The same roof without shared vertices.
   Mesh apart;
   for (const auto& t : mesh.triangles) {
     const auto first = static_cast<std::uint32_t>(apart.positions.size());
@@ -99,7 +99,7 @@ TEST(Normals, AreUnitVectorsOnRandomAndDegenerateSoups) {
     }
     mesh.uvs.resize(60, {0.5f, 0.25f});
     mesh.colors.resize(60, {0.5f, 0.25f, 1});
-    // Few vertices and many triangles: needles, duplicates and triangles without area among them.
+    // Few vertices and many triangles, including needles, duplicates and degenerate triangles.
     for (int i = 0; i < 3000; ++i) {
       mesh.triangles.push_back({static_cast<std::uint32_t>(random() % 60),
                                 static_cast<std::uint32_t>(random() % 60),

@@ -112,11 +112,11 @@ TEST_F(Obj, ReadsColoursBehindVertices) {
   EXPECT_EQ(mesh.colors[0].x, 1);
   EXPECT_NEAR(mesh.colors[0].z, 0.2140411f, 1e-6) << "sRGB";
   EXPECT_EQ(mesh.colors[1].z, 1);
-  EXPECT_EQ(mesh.colors[2].x, 1) << "white where there is none";
+  EXPECT_EQ(mesh.colors[2].x, 1) << "white without a colour";
   EXPECT_EQ(mesh.colors[3].x, 1);
   EXPECT_EQ(mesh.colors[3].y, 0);
   EXPECT_EQ(mesh.colors[3].z, 0);
-  EXPECT_EQ(scene.materials[0].base_color.x, 1) << "not grey besides";
+  EXPECT_EQ(scene.materials[0].base_color.x, 1) << "vertex colours are not multiplied by grey";
   EXPECT_TRUE(load(kSquare + "f 1 2 3\n").meshes[0].colors.empty());
 }
 TEST_F(Obj, TakesColoursBeyondOneForBytes) {
@@ -126,7 +126,7 @@ TEST_F(Obj, TakesColoursBeyondOneForBytes) {
   EXPECT_NEAR(mesh.colors[0].z, 1 / (255 * 12.92), 1e-7);
   EXPECT_NEAR(mesh.colors[1].y, 0.2158605f, 1e-6);
   EXPECT_EQ(mesh.colors[1].z, 1);
-  EXPECT_EQ(mesh.colors[2].x, 1) << "white where there is none";
+  EXPECT_EQ(mesh.colors[2].x, 1) << "white without a colour";
   EXPECT_EQ(scene.warnings.size(), 1u);
   EXPECT_TRUE(warns(scene, "divided by 255"));
 }
@@ -183,7 +183,7 @@ TEST_F(Obj, NamesTheLineOfWhatIsWrong) {
   expect(kInvalidData, std::string("\0\1\2\3", 4), {"triangle"});
 }
 
-TEST_F(Obj, BlendsWhatIsThinAndNoGlass) {
+TEST_F(Obj, BlendsThinMaterialsOtherThanGlass) {
   write("m.mtl",
         "newmtl thin\nKd 1 0 0\nd 0.25\n"
         "newmtl by_tr\nKd 1 0 0\nTr 0.25\n"
@@ -294,9 +294,9 @@ TEST_F(Obj, CutsByMasks) {
   const auto cutoffs = [&](std::size_t m) { return scene.materials[m].alpha_cutoff; };
   EXPECT_EQ(cutoffs(0), 0.5f);
   EXPECT_EQ(scene.materials[0].base_color.w, 1);
-  EXPECT_EQ(scene.materials[0].transmission, 0) << "d tells nothing beside a mask";
+  EXPECT_EQ(scene.materials[0].transmission, 0) << "a mask overrides d";
   EXPECT_EQ(image_of(0).rgba, (std::vector<std::uint8_t>{10, 20, 30, 255, 40, 50, 60, 0}));
-  // The base colour's size and colours, the mask's middle row: luminance.
+  // The base colour's size and colours, and the luminance of the mask's middle row.
   EXPECT_EQ(image_of(1).rgba, (std::vector<std::uint8_t>{10, 20, 30, 9, 40, 50, 60, 182}));
   EXPECT_EQ(image_of(2).rgba, (std::vector<std::uint8_t>{255, 255, 255, 0, 255, 255, 255, 255, 255,
                                                          255, 255, 9, 255, 255, 255, 182}));
@@ -326,11 +326,11 @@ TEST_F(Obj, CutsByTheChannelThatIsNamed) {
   EXPECT_EQ(scene.warnings.size(), 1u);
   EXPECT_TRUE(warns(scene, "-imfchan z"));
 }
-TEST_F(Obj, StandsInForWhatIsMissing) {
+TEST_F(Obj, ReplacesMissingMaterials) {
   const SceneDescription scene = load("mtllib gone.mtl\n" + kSquare +
-                                      "f 1 2 3\nusemtl nobody\nf 1 2 3\nusemtl none\nf 1 2 3\n");
+                                      "f 1 2 3\nusemtl absent\nf 1 2 3\nusemtl none\nf 1 2 3\n");
   EXPECT_TRUE(warns(scene, "gone.mtl"));
-  EXPECT_TRUE(warns(scene, "\"nobody\" and 1 more"));
+  EXPECT_TRUE(warns(scene, "\"absent\" and 1 more"));
   ASSERT_EQ(scene.materials.size(), 1u);
   EXPECT_TRUE(scene.materials[0].double_sided);
   write("empty.mtl", std::string());

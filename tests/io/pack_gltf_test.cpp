@@ -1,4 +1,4 @@
-// glTF cut into blocks without being held.
+// Packs glTF into blocks without holding it in memory.
 #include <algorithm>
 #include <array>
 
@@ -45,7 +45,7 @@ class PackGltf : public PackTest {
     return sheet;
   }
 
-  /// Meshes of all kinds, some of them shown twice, once mirrored; one that nobody shows.
+  /// Meshes of all kinds, some of them shown twice, once mirrored; one of them is unused.
   static GltfFile scene_of_all_kinds(std::uint32_t side) {
     GltfFile file;
     file.add("materials", {{"doubleSided", true}});
@@ -116,7 +116,7 @@ TEST_F(PackGltf, GivesTheBytesOfTheSceneInMemory) {
   expect_same(write("small.glb", scene_of_all_kinds(3).glb()), 1, 1);
 }
 
-/// What has no end in a window: more vertices and corners than are read at once.
+/// More vertices and corners than a window holds.
 TEST_F(PackGltf, ReadsMeshesInWindows) {
   GltfFile file;
   const Sheet s = sheet(150, true);

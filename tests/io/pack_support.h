@@ -1,4 +1,5 @@
-// Files cut into blocks without being held: the same file as of the scene in memory.
+// Packing files without holding them in memory gives the same block file as packing the loaded
+// scene.
 #pragma once
 
 #include "raysheaf/block_file.h"
@@ -9,7 +10,7 @@ namespace raysheaf::test {
 
 class PackTest : public IoTest {
  protected:
-  /// The block files that the two ways give of one scene.
+  /// Compares the block files that both ways make of a scene.
   void expect_same(const std::string& scene, std::uint32_t most, std::uint32_t at_once) {
     BlockFileWriter held(path("held.rsb"));
     held.finish(cut_into_blocks(load_scene(scene), &held, most));
@@ -24,7 +25,7 @@ class PackTest : public IoTest {
     EXPECT_TRUE(read("held.rsb") == read("outer.rsb")) << most << ", " << at_once;
   }
 
-  /// What is wrong with the scene is told in the same words, which have `part` among them.
+  /// Expects that both ways report the same error, which contains `part`.
   void expect_same_words(const std::string& scene, const std::string& part) {
     const auto words = [](const auto& read) {
       try {
@@ -42,7 +43,7 @@ class PackTest : public IoTest {
     EXPECT_TRUE(sink.blocks().empty());
   }
 
-  /// Whether the scene is packed, or left to `load_scene`.
+  /// Whether the scene is packed without being held, rather than left to `load_scene`.
   bool is_taken(const std::string& scene) {
     BlockList sink;
     PackOptions options;

@@ -1,4 +1,4 @@
-// STL and PLY cut into blocks without being held.
+// Packs STL and PLY into blocks without holding them in memory.
 #include "support/random.h"
 #include "tests/io/pack_support.h"
 
@@ -7,8 +7,8 @@ namespace {
 
 class Pack : public PackTest {
  protected:
-  /// A binary STL of triangles of a few kinds; corners are on a coarse grid where `ties`, and have
-  /// colours where not.
+  /// A binary STL of several kinds of triangles. With `ties`, corners lie on a coarse grid;
+  /// without, triangles have colours.
   std::string stl(const std::string& name, std::uint32_t count, bool ties) {
     Random random(count);
     Bytes bytes(80, ' ');
@@ -37,8 +37,8 @@ class Pack : public PackTest {
   };
   enum class Normals { kNone, kSome, kAll };
 
-  /// A bent sheet of `side` by `side` quads, some of them as triangles and some as strips, and fans
-  /// of triangles that have corners of their own where others have theirs, with creases.
+  /// A bent sheet of `side` by `side` quads, some as triangles and some as strips; and fans with
+  /// creases that have separate corners where other triangles share theirs.
   std::string ply(const std::string& name, std::uint32_t side, Normals normals, bool little) {
     Random random(side);
     const std::uint32_t across = side + 1, sheet = across * across, soup = 30 * side;
@@ -88,7 +88,7 @@ class Pack : public PackTest {
     head += "element face " + std::to_string(faces) +
             "\nproperty list uchar uint vertex_indices\nelement tristrips 1\n"
             "property list uchar int vertex_indices\nend_header\n";
-    // The strip's count comes before its corners.
+    // The strip's count precedes its corners.
     Bytes all(head.begin(), head.end());
     all.insert(all.end(), body.bytes.begin(), body.bytes.end() - 32);
     all.push_back(8);
@@ -119,14 +119,14 @@ TEST_F(Pack, GivesTheBytesOfPlyInMemory) {
   }
 }
 
-/// More bytes than are read at once.
+/// The file is larger than a window.
 TEST_F(Pack, ReadsPlyInWindows) {
   const std::string scene = ply("scene.ply", 190, Normals::kSome, true);
   ASSERT_GT(std::filesystem::file_size(scene), std::size_t{2} << 20);
   expect_same(scene, 9999, 20000);
 }
 
-/// What is wrong with a file is told in the same words.
+/// Both ways report an invalid file with the same message.
 TEST_F(Pack, RefusesWhatLoadSceneRefuses) {
   const std::string good = (ply("a.ply", 30, Normals::kAll, true), read("a.ply"));
   const auto spoiled = [&](std::size_t at, const std::string& by) {

@@ -1,5 +1,4 @@
-// What PLY shows beside its shape: textures, colours of faces, colours in bytes; and files of
-// points.
+// The appearance of PLY files: textures, face colours, colours in bytes; and files of points.
 #include "tests/io/pack_support.h"
 
 namespace raysheaf::test {
@@ -13,7 +12,7 @@ class PlyLook : public PackTest {
     write_png({"", 1, 1, {200, 0, 0, 255}}, path("red.png"));
     write_png({"", 1, 1, {0, 200, 0, 255}}, path("green image.png"));
   }
-  /// An ASCII file: a square of two triangles. `columns`: behind x, y and z of each vertex.
+  /// An ASCII file with a square of two triangles. `columns` follow x, y and z of each vertex.
   SceneDescription load(const std::string& comments, const std::string& vertex,
                         const std::array<std::string, 4>& columns, const std::string& face,
                         const std::array<std::string, 2>& ends) {
@@ -42,7 +41,7 @@ class PlyLook : public PackTest {
       EXPECT_EQ(mesh.uvs[mesh.triangles[triangle][k]].y, expected[k].y) << triangle << k;
     }
   }
-  /// The colour of a triangle's corner, that of its material included.
+  /// The colour of a triangle's corner, multiplied with its material's.
   static Vec3 color_of(const SceneDescription& scene, std::size_t triangle, std::size_t corner) {
     const Mesh& mesh = scene.meshes[0];
     const Vec4 base = scene.materials[mesh.materials[0]].base_color;
@@ -57,7 +56,7 @@ class PlyLook : public PackTest {
   }
 };
 
-constexpr float kHalf = 0.2158605f;  // 128 of sRGB
+constexpr float kHalf = 0.2158605f;  // 128 in sRGB
 const std::array<std::string, 4> kCorners = {"0 0", "1 0", "1 1", "0 0.75"};
 const std::array<std::string, 4> kNothing;
 const std::array<std::string, 2> kNoEnds;
@@ -139,7 +138,7 @@ TEST_F(PlyLook, ShowsColoursOfFaces) {
   }
   const SceneDescription both = load("", face("uchar"), {"9 9 9", "9 9 9", "9 9 9", "9 9 9"},
                                      face("uchar"), {"255 0 0", "0 255 0"});
-  EXPECT_TRUE(warns(both, "colours of vertices count"));
+  EXPECT_TRUE(warns(both, "colours of vertices are used"));
   EXPECT_EQ(both.meshes[0].positions.size(), 4u);
 }
 
@@ -169,12 +168,13 @@ TEST_F(PlyLook, LeavesOutColoursBesideTextures) {
            "property float s\nproperty float t\nproperty uchar red\n"
            "property uchar green\nproperty uchar blue\n",
            {"0 0 9 9 9", "1 0 9 9 9", "1 1 9 9 9", "0 1 0 0 0"}, "", kNoEnds);
-  EXPECT_TRUE(warns(scene, "beside textures"));
+  EXPECT_TRUE(warns(scene, "a mesh with textures"));
   EXPECT_TRUE(scene.meshes[0].colors.empty());
   EXPECT_EQ(scene.materials[0].base_color.x, 1);
 }
 
-/// A binary file of `count` triangles in a strip; faces have colours and coordinates of corners.
+/// A binary file with a strip of `count` triangles, face colours and texture coordinates of
+/// corners.
 TEST_F(PlyLook, IsPackedAsItIsHeld) {
   for (const bool textured : {true, false}) {
     const std::uint32_t count = 200;

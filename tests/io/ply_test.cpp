@@ -32,12 +32,12 @@ TEST_F(Ply, ReadsAsciiPolygons) {
   EXPECT_EQ(scene.instances.size(), 1u);
 }
 
-/// Rhinoceros writes "\r" alone.
+/// Rhinoceros writes "\r" as the end of lines.
 TEST_F(Ply, ReadsAnyEndsOfLines) {
   const std::string text = kAscii + kPlySquare + "4 0 1 2 3\n";
   std::string head = text.substr(0, text.find("0 0 0"));
   head.replace(head.find("ascii"), 5, "binary_little_endian");
-  const float first = std::bit_cast<float>(0x3f800d0au);  // its lowest bytes end lines
+  const float first = std::bit_cast<float>(0x3f800d0au);  // its lowest bytes are line ends
   Bytes body;
   for (const float x : {first, 0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 1.f, 0.f, 0.f, 1.f, 0.f})
     append(body, x);
@@ -52,7 +52,8 @@ TEST_F(Ply, ReadsAnyEndsOfLines) {
   }
 }
 
-/// The same file in both byte orders: odd types, unknown properties, lists and elements between.
+/// The same file in both byte orders, with unusual types and unknown properties, lists and
+/// elements.
 TEST_F(Ply, ReadsBinaryOfEitherByteOrder) {
   for (const bool little : {true, false}) {
     const std::string head =
@@ -114,7 +115,7 @@ TEST_F(Ply, TakesTheColourThatAllVerticesHave) {
   EXPECT_TRUE(same.warnings.empty());
   const SceneDescription other =
       load(kAscii + head + "0 0 0 255 0 128\n1 0 0 255 0 128\n0 1 0 254 0 128\n3 0 1 2\n");
-  EXPECT_EQ(other.materials[0].base_color.z, 1) << "and the colours beside it";
+  EXPECT_EQ(other.materials[0].base_color.z, 1) << "and the colours next to it";
   ASSERT_EQ(other.meshes[0].colors.size(), 3u);
   EXPECT_EQ(other.meshes[0].colors[0].x, 1);
   EXPECT_EQ(other.meshes[0].colors[1].y, 0);
@@ -143,7 +144,7 @@ TEST_F(Ply, ReadsColoursOfEveryWidth) {
   }
 }
 
-TEST_F(Ply, TellsOfAlphaThatIsNotWhole) {
+TEST_F(Ply, WarnsOfAlphaBelowOne) {
   struct Kind {
     const char *type, *whole, *less;
   };

@@ -1,4 +1,5 @@
-// Triangles of a polygon: as many as its corners less two, no overlap, the same winding.
+// Triangulated polygons have two triangles fewer than corners, no overlap, and the polygon's
+// winding.
 #include "io/polygon.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +33,7 @@ std::vector<Vec3> star(std::mt19937& random, std::size_t corners) {
   return points;
 }
 
-/// As many triangles as corners less two, in the polygon's winding, that cover its area once.
+/// Expects two triangles fewer than corners, in the polygon's winding, that cover its area once.
 void expect_whole(const std::vector<Vec3>& points) {
   const auto triangles = triangulate(points);
   ASSERT_EQ(triangles.size(), points.size() - 2);
@@ -58,7 +59,7 @@ TEST(Polygon, CutsStarsWithoutOverlap) {
   expect_whole(star(random, 20000));
 }
 
-/// A disc, counter-clockwise from angle 0, and a hole in it, clockwise.
+/// A circle, counter-clockwise from angle 0; clockwise for a hole.
 std::vector<Vec3> circle(float radius, std::size_t corners, bool hole, Vec3 center = {}) {
   std::vector<Vec3> points;
   for (std::size_t i = 0; i < corners; ++i) {
@@ -70,7 +71,7 @@ std::vector<Vec3> circle(float radius, std::size_t corners, bool hole, Vec3 cent
   return points;
 }
 
-/// `hole` hung on `border` by an edge there and back from the first corner of each.
+/// Connects `hole` to `border` by a pair of edges between the first corner of each.
 std::vector<Vec3> hung(const std::vector<Vec3>& border, const std::vector<Vec3>& hole) {
   std::vector<Vec3> all = border;
   all.push_back(border[0]);
@@ -90,7 +91,7 @@ TEST(Polygon, CutsRingsThatAreHungOnEdgesThereAndBack) {
     if (round % 2 == 0) std::reverse(ring.begin(), ring.end());
     expect_whole(ring);
   }
-  // Two holes on the same corner, which meet there; and one that touches the border from within.
+  // Two holes at the same corner, where they meet; and one that touches the border from inside.
   const std::vector<Vec3> square = {{4, 4, 0}, {-4, 4, 0}, {-4, -4, 0}, {4, -4, 0}};
   expect_whole(hung(hung(square, circle(1, 8, true, {1, -2, 0})), circle(1, 8, true, {-2, 1, 0})));
   expect_whole({{0, 0, 0},
@@ -104,7 +105,7 @@ TEST(Polygon, CutsRingsThatAreHungOnEdgesThereAndBack) {
   expect_whole({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 0, 0}, {0, 4, 0}});
 }
 
-/// Teeth as high as it is wide: every corner sees few others.
+/// A comb as high as it is wide: every corner sees few others.
 TEST(Polygon, CutsACombOfManyTeeth) {
   std::vector<Vec3> comb;
   for (int tooth = 0; tooth < 5000; ++tooth) {
@@ -130,7 +131,7 @@ TEST(Polygon, HasAnAnswerForEveryInput) {
   for (const std::size_t corners : {3u, 4u, 5u, 9u, 100u, 256u, 5000u}) {
     for (const float scale : {0.0f, 1e-30f, 1.0f, 1e30f}) {
       std::vector<Vec3> points;
-      // A grid of few places: repeated corners, spikes, crossings.
+      // Corners on a coarse grid: repeated corners, spikes, crossings.
       for (std::size_t i = 0; i < corners; ++i) {
         points.push_back({scale * static_cast<float>(random() % 3),
                           scale * static_cast<float>(random() % 3), 0});

@@ -1,5 +1,4 @@
-// Sequences of files: what they show at a time, what is said to have changed, and what is wrong
-// with them.
+// Sequences of files: the frame at a given time, the reported changes, and invalid sequences.
 #include "raysheaf/animation.h"
 #include "raysheaf/cameras.h"
 #include "tests/io/io_support.h"
@@ -10,7 +9,7 @@ namespace {
 using nlohmann::json;
 using enum ErrorCode;
 
-/// Objects of one triangle each, at x; their number is that of the places.
+/// One object with a single triangle for each of `places`, which are x coordinates.
 std::string triangles_at(const std::vector<float>& places, const std::string& material = "") {
   std::string text;
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -59,7 +58,7 @@ TEST_F(Sequence, NamesAreInTheOrderOfTheirNumbers) {
   EXPECT_THROW(static_cast<void>(files_like(path("nowhere/f_*.obj"))), Error);
 }
 
-TEST_F(Sequence, SaysWhatIsAnother) {
+TEST_F(Sequence, ReportsReplacedMeshes) {
   const auto animation = load();
   const SceneDescription& scene = animation->scene();
   EXPECT_EQ(frame_count(*animation, 1), 3u) << "a sequence has its own times";
@@ -84,7 +83,7 @@ TEST_F(Sequence, SaysWhatIsAnother) {
   validate_changes(scene, changes);
 }
 
-TEST_F(Sequence, GlassThatBecomesThinIsAnother) {
+TEST_F(Sequence, GlassThatBecomesThinIsReported) {
   for (const bool thin : {false, true}) {
     GltfFile file;
     file.show_triangle();
@@ -152,7 +151,7 @@ TEST_F(Sequence, KeepsMaterialsThatTheFramesShare) {
   }
 }
 
-TEST_F(Sequence, StaysAsItIsWhereAFrameCannotBeRead) {
+TEST_F(Sequence, KeepsItsStateIfAFrameCannotBeRead) {
   const auto animation = load();
   write("f_2.obj", "v 0 0 nan\n");
   EXPECT_THROW(animation->seek(frame_time(*animation, 1, 24)), Error);
@@ -249,7 +248,7 @@ TEST_F(Sequence, SaysWhatIsWrongWithItsJson) {
   refused(with([](json& d) {
             d["frames"][0]["camera"]["direction"] = {0, 0, 0};
           }),
-          kInvalidData, {"frames[0].camera.direction", "nowhere"});
+          kInvalidData, {"frames[0].camera.direction", "no viewing direction"});
   refused(with([](json& d) {
             d["frames"][0]["camera"]["eye"] = {0, "x", 0};
           }),

@@ -59,7 +59,7 @@ Bytes coloured(const std::string& head, const std::vector<std::uint16_t>& attrib
     std::memcpy(bytes.data() + 84 + 50 * t + 48, &attributes[t], sizeof attributes[t]);
   return bytes;
 }
-/// "COLOR=" and a body in orange, as Magics writes it.
+/// "COLOR=" with an orange body, as Magics writes it.
 const std::string kMagics = "COLOR=\xff\x80" + std::string(1, '\0') + "\xff";
 constexpr float kLinear128 = 0.2158605f;
 

@@ -1,4 +1,4 @@
-// Every scene that is there: good ones load with the known numbers, bad ones end in one `Error`.
+// Loads every installed scene: valid ones have the known counts, invalid ones give one `Error`.
 #include <gtest/gtest.h>
 
 #include <cctype>
@@ -74,14 +74,14 @@ TEST(Sweep, BadInputsLoadOrSayWhy) {
   EXPECT_GT(refused, 50);
 }
 
-/// A file that is cut off or has some bytes changed.
+/// A truncated file, or one with some bytes changed.
 std::string damaged(std::string bytes, int round, std::uint32_t& random) {
   const auto next = [&] { return random = random * 1664525u + 1013904223u, random >> 8; };
   if (round % 3 == 0) {
     bytes.resize(next() % bytes.size());
     return bytes;
   }
-  // Most heads lie in the first bytes, where a change means most.
+  // Most headers lie in the first bytes, where changes matter most.
   for (int i = 0; i < 1 + round % 4; ++i) {
     const std::size_t range =
         round % 2 == 0 ? bytes.size() : std::min<std::size_t>(bytes.size(), 2048);

@@ -1,4 +1,4 @@
-// TGA and BMP, written here by the byte: of every kind, whole and cut short.
+// TGA and BMP files of every kind, written byte by byte here, complete and truncated.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -14,7 +14,7 @@ using Rgba = std::array<std::uint8_t, 4>;
 
 constexpr std::uint32_t kColumns = 11, kRows = 5;
 
-/// Runs of three, none of 0 or 255 where a file has them.
+/// Runs of three pixels; none has the values 0 or 255, which truncated files may yield.
 Rgba pattern(std::uint32_t x, std::uint32_t y) {
   const std::uint32_t n = x / 3 + 4 * y;
   return {static_cast<std::uint8_t>(10 + 9 * n), static_cast<std::uint8_t>(200 - 7 * n),
@@ -31,16 +31,17 @@ void put32(std::uint32_t value, PictureBytes* out) {
 }
 
 struct TgaKind {
-  std::uint8_t type = 2, bits = 24;  ///< 1: palette, 2: colours, 3: grey; 8 more: in runs
+  /// 1: palette, 2: colours, 3: grey; plus 8: run-length encoded.
+  std::uint8_t type = 2, bits = 24;
   bool from_top = false;
 };
 
-/// A colour's five bits each, as 16-bit pictures have them.
+/// Five bits per channel, as in 16-bit images.
 std::uint32_t packed_555(const Rgba& c) {
   return static_cast<std::uint32_t>(c[0] >> 3 << 10 | c[1] >> 3 << 5 | c[2] >> 3);
 }
 
-/// As it stands in the file; with a palette, the number of its entry.
+/// A pixel's bytes in the file; with a palette, its index.
 PictureBytes tga_pixel(const TgaKind& kind, std::uint32_t x, std::uint32_t y) {
   const Rgba c = pattern(x, y);
   switch (kind.type % 8) {
@@ -79,7 +80,7 @@ PictureBytes tga_of(const TgaKind& kind) {
     const std::uint32_t y = kind.from_top ? row : kRows - 1 - row;
     for (std::uint32_t x = 0; x < kColumns;) {
       const PictureBytes pixel = tga_pixel(kind, x, y);
-      // Every other run stands as its pixels, one by one.
+      // Every other run is written pixel by pixel.
       const bool is_run = x % 2 == 0;
       const std::uint32_t length = kind.type < 8 ? 1 : std::min(3u, kColumns - x);
       if (kind.type > 8) out.push_back(static_cast<std::uint8_t>((is_run ? 128 : 0) + length - 1));
@@ -124,13 +125,13 @@ PictureBytes bmp_of(std::uint32_t bits, bool from_top) {
   return out;
 }
 
-/// How a BMP with masks holds its pixels: by red, green, blue and alpha.
+/// How a BMP with masks stores its pixels: the masks of red, green, blue and alpha.
 struct BmpMasks {
   std::uint32_t bits;
   std::array<std::uint32_t, 4> mask;
 };
 
-/// From below. Its header is of version 4, which alone has a mask of alpha.
+/// Rows are stored from bottom to top. The header has version 4, the first one with an alpha mask.
 PictureBytes masked_bmp(const BmpMasks& kind) {
   constexpr std::uint32_t kBegin = 14 + 108;
   PictureBytes out{'B', 'M'};
@@ -175,7 +176,7 @@ void expect_pattern(const PictureBytes& bytes, Shows shows, int tolerance = 0) {
   }
 }
 
-/// `spare`: bytes at its end that pad a row.
+/// `spare`: bytes at the end that pad a row.
 void expect_none_cut_short(const PictureBytes& bytes, std::size_t spare) {
   for (std::size_t length = 0; length < bytes.size() - spare; ++length)
     EXPECT_FALSE(io::decode_image({bytes.data(), length}).has_value()) << length;
@@ -199,7 +200,7 @@ TEST(TgaBmp, TgaOfEveryKind) {
                        bits == 16 ? 7 : 0);
         expect_none_cut_short(tga, 0);
         tga.resize(tga.size() + 26, 'T');
-        EXPECT_TRUE(io::decode_image(tga).has_value()) << "what follows is not looked at";
+        EXPECT_TRUE(io::decode_image(tga).has_value()) << "bytes after the end are ignored";
       }
     }
   }

@@ -1,4 +1,4 @@
-// Pictures in WebP, as cwebp wrote them, whole and cut short; and glTF's textures that name them.
+// WebP images as cwebp wrote them, complete and truncated; and glTF textures that use them.
 #include "io/webp_decode.h"
 #include "tests/io/io_support.h"
 
@@ -7,14 +7,14 @@ namespace {
 
 using nlohmann::json;
 
-/// 2 x 2, lossless: red, green (alpha 128), blue, (10, 20, 30) of alpha 0.
+/// 2 x 2, lossless: red, green (alpha 128), blue, (10, 20, 30) with alpha 0.
 const Bytes kLosslessWebp = {0x52, 0x49, 0x46, 0x46, 0x3a, 0x00, 0x00, 0x00, 0x57, 0x45, 0x42,
                              0x50, 0x56, 0x50, 0x38, 0x4c, 0x2e, 0x00, 0x00, 0x00, 0x2f, 0x01,
                              0x40, 0x00, 0x10, 0x1f, 0x20, 0x10, 0x48, 0x92, 0xd8, 0x1f, 0x75,
                              0x0d, 0x21, 0x01, 0x41, 0xf5, 0xff, 0x2f, 0x81, 0x00, 0xc1, 0x88,
                              0xff, 0x4b, 0x02, 0x01, 0x42, 0x3a, 0xe5, 0x02, 0x6f, 0x59, 0xaa,
                              0x84, 0x92, 0x00, 0x01, 0x50, 0x94, 0x91, 0x88, 0xfe, 0x07, 0x03};
-/// 16 x 16: red to the right and green downwards by 16 a pixel, blue 128; with losses.
+/// 16 x 16, lossy: red increases by 16 per pixel to the right, green by 16 downwards, blue is 128.
 const Bytes kLossyWebp = {
     0x52, 0x49, 0x46, 0x46, 0x62, 0x00, 0x00, 0x00, 0x57, 0x45, 0x42, 0x50, 0x56, 0x50, 0x38, 0x20,
     0x56, 0x00, 0x00, 0x00, 0xd0, 0x02, 0x00, 0x9d, 0x01, 0x2a, 0x10, 0x00, 0x10, 0x00, 0x00, 0xc0,
@@ -53,19 +53,19 @@ TEST_F(Webp, ReadsBothKinds) {
   }
 }
 
-TEST_F(Webp, RefusesWhatIsCutShortOrDamaged) {
+TEST_F(Webp, RefusesTruncatedOrDamagedFiles) {
   for (const Bytes& whole : {kLosslessWebp, kLossyWebp}) {
-    for (std::size_t size = 0; size < whole.size() - 1; ++size)  // the last byte may pad
+    for (std::size_t size = 0; size < whole.size() - 1; ++size)  // the last byte may be padding
       EXPECT_FALSE(io::decode_image({whole.data(), size})) << size;
     for (std::size_t at = 0; at < whole.size(); ++at) {
       Bytes damaged = whole;
       damaged[at] ^= 0xff;
-      static_cast<void>(io::decode_image(damaged));  // whatever it is, it ends
+      static_cast<void>(io::decode_image(damaged));  // any result is fine, but it must return
     }
   }
 }
 
-TEST_F(Webp, TexturesMayNameOneBesideAnother) {
+TEST_F(Webp, TexturesMayNameAWebpAndAFallback) {
   GltfFile file;
   file.show_triangle();
   file.json["extensionsRequired"] = file.json["extensionsUsed"] = {"EXT_texture_webp"};

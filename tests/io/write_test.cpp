@@ -1,4 +1,4 @@
-// What is written is read back the same; what cannot be written leaves nothing behind.
+// Written files read back the same; failed writes leave nothing behind.
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -212,7 +212,7 @@ TEST_F(Write, RealScenesAreReadBackBitForBit) {
   }
 }
 
-TEST_F(Write, GlbIsRefusedForScenesThatAreNone) {
+TEST_F(Write, GlbIsRefusedForInvalidScenes) {
   SceneDescription scene = random_scene(1);
   scene.meshes[1].triangles[0][2] = 1000;
   try {
@@ -244,7 +244,7 @@ TEST_F(Write, PngHasAlphaOnlyWhereItIsNeeded) {
   EXPECT_FALSE(std::filesystem::exists(path("b.png")));
 }
 
-/// Pictures that compress in every way: not at all, by runs, by rows, by one code alone.
+/// Images that compress in every way: not at all, by runs, by rows, to a single code.
 Image picture_of(int kind, std::uint32_t width, std::uint32_t height, std::mt19937& random) {
   Image image{"", width, height, {}};
   for (std::uint32_t y = 0; y < height; ++y) {
@@ -317,7 +317,7 @@ TEST_F(Write, ExrIsReadBackBitForBit) {
   FreeEXRHeader(&header);
 }
 
-TEST_F(Write, ExrRefusesWhatIsNoPicture) {
+TEST_F(Write, ExrRefusesInvalidImages) {
   const std::vector<ExrChannel> one = {{"R", {1, 2}}};
   EXPECT_THROW(write_exr(1, 1, one, path("a.exr")), Error);
   EXPECT_THROW(write_exr(0, 1, one, path("a.exr")), Error);
@@ -344,7 +344,7 @@ TEST_F(Write, KeepsDevicesAndLinks) {
   EXPECT_EQ(read("a.json"), "new");
 }
 
-TEST_F(Write, FollowsLinksToWhatIsNotThereYet) {
+TEST_F(Write, FollowsLinksToMissingFiles) {
   std::filesystem::create_directory(path("there"));
   std::filesystem::create_symlink("second.json", path("first.json"));
   std::filesystem::create_symlink("there/a.json", path("second.json"));
@@ -380,7 +380,7 @@ TEST_F(Write, RefusesLinksInACircle) {
   EXPECT_EQ(file_count(), 2u);
 }
 
-// Its link in /proc names a file that is gone.
+// The file's link in /proc names a deleted file.
 TEST_F(Write, RefusesAFileWithoutAName) {
   write("a.json", std::string("old"));
   const int file = ::open(path("a.json").c_str(), O_RDWR | O_CLOEXEC);
@@ -391,7 +391,7 @@ TEST_F(Write, RefusesAFileWithoutAName) {
   EXPECT_EQ(file_count(), 0u);
 }
 
-/// A limit on the size of files stands for a full disk: the write begins and then fails.
+/// A limit on file sizes simulates a full disk: the write begins and then fails.
 TEST_F(Write, LeavesNothingHalfWrittenOnAFullDisk) {
   write("a.json", std::string("old"));
   rlimit before{};
@@ -408,7 +408,7 @@ TEST_F(Write, LeavesNothingHalfWrittenOnAFullDisk) {
   EXPECT_EQ(file_count(), 1u);
 }
 
-/// Each would rename the other's file away.
+/// With equal names, each process would rename the other's file.
 TEST_F(Write, ForkedProcessesHaveNamesOfTheirOwn) {
   static_cast<void>(io::temporary_name("a"));
   std::array<int, 2> ends{};

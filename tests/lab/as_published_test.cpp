@@ -1,4 +1,5 @@
-// The published program's counts: against a naive reading of the paper, and against the paper.
+// Compares the counts in the published program's mode with a simple implementation of the paper,
+// and with the paper's figures.
 #include "lab/as_published.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@ namespace {
 
 using ConeTest = Quirks::ConeTest;
 
-// ----- Equations 1 to 9 in double, one node and one triangle at a time.
+// ----- Equations 1 to 9 in double precision, one node and one triangle at a time.
 
 struct Point {
   double x = 0, y = 0, z = 0;
@@ -112,7 +113,7 @@ NaiveCounts naive_rah(const FlatScene& scene, View<const Ray> rays, bool has_sig
   return counts;
 }
 
-/// Rays that fan out from a few places; without pixels' order, so rows stay as they are.
+/// Rays that fan out from a few places. They have no pixel order, so that rows stay as they are.
 RayBatch fan(std::size_t count) {
   RayBatch batch;
   for (std::size_t i = 0; i < count; ++i) {
@@ -184,7 +185,7 @@ TEST_F(AsPublished, PaddingIsWhatTheLastNodeLacks) {
   EXPECT_EQ(bare.levels[0].tests, padded.levels[0].tests);
 }
 
-TEST_F(AsPublished, TheAzimuthAsCodedKnowsASignAlone) {
+TEST_F(AsPublished, ThePublishedAzimuthDependsOnlyOnASign) {
   RayBatch batch = fan(4000);
   const std::uint64_t coded = count(batch, Method::kCrsh, {}).chunks;
   Quirks corrected;

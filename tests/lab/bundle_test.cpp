@@ -1,4 +1,4 @@
-// Bundles: whose rays they hold, and that what bounds them does.
+// The rays in bundles, and their bounds.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::uint32_t kSide = 24;
 
-/// Whether some mixture of the two boxes, the same on each axis, holds the point.
+/// Whether an interpolation of the two boxes, with the same factor on each axis, contains the
+/// point.
 bool in_hull(const BundleVolume& volume, Vec3 p, float slack) {
   double lo = 0, hi = 1;
   const auto clip = [&](double gap, double speed) {  // gap + slack >= s * speed
@@ -116,7 +117,7 @@ TEST(Bundle, IsAsLargeAsItsSettingsSay) {
   ASSERT_EQ(bundle->volumes.size(), 3u);
   EXPECT_EQ(bundle->volumes[1].ray_count, 16u);
   EXPECT_EQ(bundle->volumes[2].ray_count, 64u);
-  // Every surface of the closed box mirrors: one ray a pixel, in raster order.
+  // Every surface of the closed box reflects: one ray per pixel, in raster order.
   const std::vector<Ray> all = laboratory.rays(LabRays::kReflection1);
   const Ray& asked = bundle->rays[bundle->ray];
   EXPECT_TRUE(is_of(asked, {all[7 * kSide + 9]}));
@@ -127,7 +128,7 @@ TEST(Bundle, IsAsLargeAsItsSettingsSay) {
   EXPECT_TRUE(alone->volumes.empty());
 }
 
-TEST(Bundle, OfDualAPointLightsRaysAreACell) {
+TEST(Bundle, WithDualAPointLightsBundleIsACell) {
   Laboratory laboratory(builtin_scene("office"), 96, 96);
   const auto bundle = laboratory.bundle(LabRays::kShadow, method_settings(Method::kDual), 48, 60);
   ASSERT_TRUE(bundle);

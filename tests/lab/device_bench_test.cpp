@@ -1,4 +1,4 @@
-// The bench of a device, on the CPU as a device.
+// The benchmark of a device, run on an emulated device.
 #include "lab/device_bench.h"
 #include "emulated/open_emulated.h"
 

@@ -1,4 +1,4 @@
-// The laboratory: every method on every batch, and what its own rays promise.
+// The laboratory: every method on every batch, and the properties of the rays that it makes.
 #include "raysheaf/lab.h"
 
 #include <gtest/gtest.h>
@@ -153,7 +153,7 @@ TEST_F(Rays, OcclusionRaysAreCosineDistributed) {
     squares += cosine * cosine;
   }
   const auto n = static_cast<double>(batch.rays.size());
-  EXPECT_NEAR(cosines / n, 2.0 / 3, 0.01);  // of density cos / pi: the means of cos and cos^2
+  EXPECT_NEAR(cosines / n, 2.0 / 3, 0.01);  // for the density cos / pi: the means of cos and cos^2
   EXPECT_NEAR(squares / n, 0.5, 0.01);
   EXPECT_EQ(make_occlusion_rays(Executor(1), all, scene_.bounds, 2.5f).keys, batch.keys);
 }

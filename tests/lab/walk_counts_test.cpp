@@ -1,4 +1,4 @@
-// How rays walk down the device's object tree, counted in warps.
+// How rays traverse the device's object tree, counted per warp.
 #include "lab/walk_counts.h"
 #include "emulated/open_emulated.h"
 
@@ -23,7 +23,7 @@ TEST(WalkCounts, AWarpTurnsAsOftenAsItsBusiestThread) {
   EXPECT_EQ(warp_turns(turns), 5u + 7u + 1u);
 }
 
-/// Corners of triangles in a cube of side 10, and rays of one row after another from below it.
+/// Corners of triangles in a cube of side 10, and rays row by row from below it.
 std::vector<Vec3> small_triangles(std::size_t count) {
   test::Random random(3);
   std::vector<Vec3> corners;

@@ -14,8 +14,8 @@ FlatScene flat(const SceneDescription& scene) {
   return flatten(executor, scene, mesh_bounds(executor, scene));
 }
 
-/// Follows the tree from the root: how often each triangle and each node is reached, and whether
-/// every box holds what is below it.
+/// Follows the tree from the root: counts how often each triangle and each node is reached, and
+/// checks that every box contains the boxes below it.
 struct Visit {
   const Bvh& bvh;
   const FlatScene& scene;
@@ -85,7 +85,7 @@ TEST(Bvh, HoldsEveryTriangleOnceInTightBoxes) {
   }
 }
 
-TEST(Bvh, OfNothingIsEmpty) {
+TEST(Bvh, OfNoTrianglesIsEmpty) {
   const Bvh bvh = build_bvh(Executor(2), TriangleView{});
   EXPECT_TRUE(bvh.nodes.empty());
   EXPECT_EQ(bvh.depth(), 0u);
@@ -127,7 +127,7 @@ TEST(Bvh, IsTheSameWithAnyNumberOfThreads) {
 }
 
 TEST(Bvh, CutsSpaceWell) {
-  // Unit cells in a row: boxes at a depth overlap little, so the sum of half areas stays small.
+  // Unit cells in a row: boxes of equal depth overlap little, so the sum of half areas stays small.
   Mesh mesh;
   for (int i = 0; i < 4096; ++i) {
     const auto x = static_cast<float>((i * 2731) % 4096);

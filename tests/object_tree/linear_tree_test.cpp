@@ -24,8 +24,8 @@ std::vector<Vec3> scattered(std::uint32_t count, std::uint64_t seed) {
   return corners;
 }
 
-/// Triangle i, made `size(i)` times as large from the origin; its box, as it is before, begins at
-/// `corner` and has sides of 2.
+/// Triangles scaled from the origin, triangle i by `size(i)`. Before scaling, its box has sides of
+/// 2 from `corner` on.
 std::vector<Vec3> of_sizes(std::uint32_t count, Vec3 corner,
                            const std::function<float(std::uint32_t)>& size) {
   std::vector<Vec3> corners;
@@ -39,7 +39,7 @@ bool holds(const Box& outer, const Box& inner) {
   return box_union(outer, inner).min == outer.min && box_union(outer, inner).max == outer.max;
 }
 
-/// Goes through the nodes below `at`; returns their height.
+/// Visits the nodes below `at`; returns their height.
 std::uint32_t visit(const LinearTreeView& tree, std::uint32_t at, Box* bounds,
                     std::vector<int>* seen) {
   std::uint32_t height = 0;
@@ -66,7 +66,7 @@ std::uint32_t visit(const LinearTreeView& tree, std::uint32_t at, Box* bounds,
   return height + 1;
 }
 
-/// Looks at every node and leaf of a tree over `corners`; returns its height.
+/// Checks every node and leaf of a tree over `corners`; returns its height.
 std::uint32_t checked_height(const std::vector<Vec3>& corners) {
   const Executor executor(2);
   HostAllocator memory;
@@ -87,20 +87,20 @@ TEST(LinearTreeOf, TrianglesAreInOneLeafEachUnderBoxesThatFit) {
       EXPECT_LE(checked_height(scattered(count, seed + count)), count - kLinearLeaf);
 }
 
-TEST(LinearTreeOf, NoWayDownIsLongerThanTheStackOfAWalk) {
+TEST(LinearTreeOf, NoPathIsLongerThanTheTraversalStack) {
   for (const std::uint32_t count : {5u, 100u, 70000u}) {
     checked_height(of_sizes(count, {1, 1, 1}, [](std::uint32_t) { return 1.0f; }));
     checked_height(of_sizes(count, {1, 1, 1}, [](std::uint32_t) { return 0.0f; }));
     checked_height(
         of_sizes(count, {1, 1, 1}, [](std::uint32_t i) { return static_cast<float>(i); }));
   }
-  // Boxes within each other, whose centres are one point: what is joined with the smallest is the
-  // next, and would be one long way down. Keys differ only in the triangles' numbers.
+  // Nested boxes with a common centre: the smallest one is always joined with the next, which would
+  // make one long path. Keys differ only in the triangles' numbers.
   const auto grows = [](std::uint32_t i) { return std::pow(1.0002f, static_cast<float>(i)); };
   EXPECT_LE(checked_height(of_sizes(70000, {-1, -1, -1}, grows)), bits_for(70000));
 }
 
-/// The expected cost of the tree of the runs themselves, over the triangles of one that is built.
+/// The SAH cost of the tree over runs, divided by the number of triangles of a tree that is built.
 double cost_of_runs(const LinearTreeView& tree, const Box& scene) {
   const LinearKeys made_up(tree.count);
   std::vector<std::uint64_t> keys;
@@ -144,7 +144,7 @@ TEST(LinearTreeOf, JoiningTheClosestMakesItCheaperThanItsRuns) {
   }
 }
 
-/// Lists all nodes below the root, in the order of a walk.
+/// Lists all nodes below the root in depth-first order.
 void list_nodes(const LinearTreeView& tree, std::uint32_t at, std::vector<LinearNode>* out) {
   if ((at & kLeafBit) != 0) return;
   out->push_back(tree.nodes[at]);

@@ -1,5 +1,5 @@
-// The object tree against what its contract says, on random and on adversarial triangles, however
-// it came about: rebuilt, built finely or refitted.
+// Checks the contract of the object tree on random and adversarial triangles, whether it was
+// rebuilt, built finely or refitted.
 #include "object_tree/object_tree.h"
 
 #include <gtest/gtest.h>
@@ -16,10 +16,10 @@ namespace {
 
 using Index = std::array<std::uint32_t, 3>;
 
-/// Triangles of one run, or of several: every mesh has its own positions, indexed or not.
+/// Triangles of one or several runs: each mesh has separate positions, indexed or not.
 struct Mesh {
   std::vector<Vec3> positions;
-  std::vector<Index> indices;  ///< none: positions in threes
+  std::vector<Index> indices;  ///< empty: three positions per triangle
 };
 
 struct Case {
@@ -99,7 +99,7 @@ Mesh moved(Mesh mesh, Vec3 by, float scale) {
   return mesh;
 }
 
-/// Every second triangle loses its area: two equal corners, or three in a row.
+/// Every second triangle becomes degenerate: two equal corners, or three collinear ones.
 Mesh half_flat(Mesh mesh) {
   for (std::size_t i = 0; i + 5 < mesh.positions.size(); i += 6) {
     Vec3* p = &mesh.positions[i];
@@ -161,7 +161,7 @@ Box child_box(const BvhNode& node, std::uint32_t c) {
           {node.bound[3][c], node.bound[4][c], node.bound[5][c]}};
 }
 
-/// Follows the tree from its root and checks all that it passes.
+/// Follows the tree from its root and checks each node.
 class Walk {
  public:
   Walk(const ObjectTree& tree, const TriangleSource& source)
@@ -262,7 +262,7 @@ void expect_right(const ObjectTree& tree, const TriangleSource& source) {
   EXPECT_LE(walk.leaves(), tree.triangles);
 }
 
-/// All bytes but those that round a record's size up: `used` of each.
+/// Compares all bytes except the padding: `used` bytes of each record.
 template <class Record>
 bool same_bytes(const Buffer<Record>& a, const Buffer<Record>& b, std::size_t used) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](const Record& x, const Record& y) {
@@ -321,7 +321,7 @@ TEST_P(ObjectTreeOf, RefittedHoldsTheNewCorners) {
     for (Mesh& mesh : all[i].meshes)
       for (Vec3& p : mesh.positions) p = p * 0.5f;
     ASSERT_TRUE(refit_object_tree(executor, all[i].source(), MovedTriangles::everything(), &tree));
-    if (i != 14) expect_right(tree, all[i].source());  // halves of subnormal numbers round
+    if (i != 14) expect_right(tree, all[i].source());  // halves of subnormal numbers are rounded
   }
 }
 
@@ -341,7 +341,7 @@ TEST_P(ObjectTreeOf, RefittedToTheSameCornersIsTheSame) {
   }
 }
 
-/// Halves some of a case's triangles, a mesh as a whole where they share corners; says which.
+/// Halves some of a case's triangles, or a whole mesh if they share corners; returns which.
 MovedTriangles some_halved(Case* one, Random* random) {
   MovedTriangles moved;
   const TriangleSource source = one->source();

@@ -1,4 +1,5 @@
-// Streamed batches that are stopped and go on: the same bits, whatever became of the file.
+// Streamed batches that are stopped and resumed give the same bits, even if the checkpoint file was
+// damaged.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +30,8 @@ class Checkpoint : public ::testing::Test {
     any_hit(blocks_, rays_, occluded_);
   }
 
-  /// One that may stop after `calls` of its progress. Bytes that it read; 0 where it was stopped.
+  /// Runs a batch that may stop after `calls` of its progress callback. Returns the number of bytes
+  /// read; 0 if it was stopped.
   std::uint64_t run(int calls, const std::vector<Ray>& rays) {
     CheckpointFile file(folder_.file("kept"), "office", 0);
     StreamStatistics statistics;
@@ -59,7 +61,7 @@ class Checkpoint : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(Checkpoint, WhatWasStoppedGoesOn) {
+TEST_F(Checkpoint, AStoppedBatchResumes) {
   const std::uint64_t all = run(-1, rays_);
   std::filesystem::remove(folder_.file("kept"));
   int stops = 0;
@@ -74,14 +76,14 @@ TEST_F(Checkpoint, WhatWasStoppedGoesOn) {
 TEST_F(Checkpoint, AFolderThatIsMissingIsNamedAtOnce) {
   try {
     const CheckpointFile file(folder_.file("no/such/kept"), "a frame");
-    ADD_FAILURE() << "nothing was said";
+    ADD_FAILURE() << "no error was thrown";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kIo);
     EXPECT_EQ(error.place(), folder_.file("no/such/kept"));
   }
 }
 
-TEST_F(Checkpoint, AFileThatIsWrongIsPassedOver) {
+TEST_F(Checkpoint, AnInvalidFileIsIgnored) {
   const std::uint64_t all = run(-1, rays_);
   const std::string good = read_file(folder_.file("kept"));
   for (const std::size_t size :
@@ -101,7 +103,7 @@ TEST_F(Checkpoint, AFileThatIsWrongIsPassedOver) {
   EXPECT_GT(run(-1, others), 1u) << "other rays are another batch";
 }
 
-TEST_F(Checkpoint, PartsAndOcclusionToo) {
+TEST_F(Checkpoint, PartsAndOcclusionResumeToo) {
   for (int time = 0; time < 2; ++time) {
     CheckpointFile file(folder_.file("kept"), "office", 0);
     StreamStatistics statistics;
@@ -123,10 +125,10 @@ TEST_F(Checkpoint, PartsAndOcclusionToo) {
   EXPECT_EQ(folder_.names().size(), 0u);
 }
 
-/// Of `all_done`, every block is.
+/// With `all_done`, restores every block as done.
 struct Log : StreamCheckpoint {
   bool all_done = false;
-  std::vector<bool> kept;  ///< whether it was whole, of each call
+  std::vector<bool> kept;  ///< for each call: whether the batch was complete
 
   bool restore(const StreamBatch& /*batch*/, std::span<std::byte> /*answers*/,
                std::span<std::uint8_t> done) override {
@@ -141,7 +143,7 @@ struct Log : StreamCheckpoint {
   }
 };
 
-TEST_F(Checkpoint, EveryBatchIsKeptWholeOnce) {
+TEST_F(Checkpoint, EveryBatchIsStoredCompleteOnce) {
   std::vector<Ray> far = rays_;
   for (Ray& ray : far) ray.origin = {1e6f, 1e6f, 1e6f}, ray.t_max = 1;
   std::vector<Hit> hits(rays_.size());
@@ -159,9 +161,9 @@ TEST_F(Checkpoint, EveryBatchIsKeptWholeOnce) {
   }
 }
 
-/// What was begun before a stop is ended at once, however long the wait: what comes after it would
-/// be written over it.
-TEST_F(Checkpoint, WhatIsTakenUpAgainIsEnded) {
+/// A batch with a partial record is stored when it completes, however long the interval: the next
+/// record would overwrite the partial one.
+TEST_F(Checkpoint, AResumedBatchIsStoredWhenItEnds) {
   constexpr double kLong = 1e6;
   const std::vector<BlockInfo> infos(3);
   StreamBatch batch{0, 0, 0, 1, rays_, infos};
@@ -187,8 +189,8 @@ TEST_F(Checkpoint, WhatIsTakenUpAgainIsEnded) {
   EXPECT_EQ(done, std::vector<std::uint8_t>(3, 1));
 }
 
-/// A batch that was over too soon to be kept may take longer the next time.
-TEST_F(Checkpoint, WhatALaterBatchHasBegunStays) {
+/// A batch that finished too early to be stored may take longer the next time.
+TEST_F(Checkpoint, TheRecordOfALaterBatchStays) {
   const std::vector<BlockInfo> infos(3);
   StreamBatch batch{1, 0, 0, 1, rays_, infos};
   std::vector<std::byte> answers(rays_.size(), std::byte{7});
@@ -209,7 +211,7 @@ TEST_F(Checkpoint, WhatALaterBatchHasBegunStays) {
     CheckpointFile(folder_.file("kept"), "office", 0).keep(batch, answers, all, whole);
     EXPECT_EQ(restored(1, answers), begun);
   }
-  // It goes on, and is then found as it ended.
+  // The batch continues, and is then restored in its final state.
   std::vector<std::byte> more(rays_.size(), std::byte{9});
   {
     CheckpointFile file(folder_.file("kept"), "office", 0);
@@ -222,13 +224,13 @@ TEST_F(Checkpoint, WhatALaterBatchHasBegunStays) {
   EXPECT_EQ(restored(0, answers), all);
 }
 
-TEST_F(Checkpoint, WhatIsSpoiltIsKeptAnew) {
+TEST_F(Checkpoint, ADamagedRecordIsStoredAgain) {
   const std::uint64_t read = run(-1, rays_);
   std::string bad = read_file(folder_.file("kept"));
   bad[bad.size() - 2] = static_cast<char>(bad[bad.size() - 2] ^ 16);
   write_file(folder_.file("kept"), bad);
   EXPECT_EQ(run(-1, rays_), read);
-  EXPECT_EQ(run(-1, rays_), 1u) << "the second run has kept what it found";
+  EXPECT_EQ(run(-1, rays_), 1u) << "the second run has stored its results";
 }
 
 }  // namespace

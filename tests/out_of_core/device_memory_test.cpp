@@ -1,4 +1,4 @@
-// A stream past rays on a device that has little memory, which an emulated one alone can have.
+// Streaming on a device with little memory, which only an emulated device can have.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -31,7 +31,7 @@ TEST(StreamOnLittleDevices, RaysThatDoNotFitComeInParts) {
   EXPECT_EQ(small.memory.alive(), 0u);
 }
 
-TEST(StreamOnLittleDevices, WhatFitsNowhereIsSaid) {
+TEST(StreamOnLittleDevices, TooLargeBlocksAreReported) {
   const SceneDescription office = builtin_scene("office");
   BlockList blocks;
   blocks.set_scene(cut_into_blocks(office, &blocks));
@@ -48,7 +48,7 @@ TEST(StreamOnLittleDevices, WhatFitsNowhereIsSaid) {
   }
 }
 
-TEST(StreamOnLittleDevices, MemoryThatRunsOutAtAnyTimeIsSaid) {
+TEST(StreamOnLittleDevices, RunningOutOfMemoryAtAnyTimeIsReported) {
   const SceneDescription office = builtin_scene("office");
   BlockList blocks;
   blocks.set_scene(cut_into_blocks(office, &blocks, 1500));
@@ -73,7 +73,7 @@ TEST(StreamOnLittleDevices, MemoryThatRunsOutAtAnyTimeIsSaid) {
   EXPECT_TRUE(Said(blocks, rays, options) == expected);
 }
 
-/// Two buffers, whatever the round: more blocks than buffers.
+/// More blocks than the two buffers.
 TEST(StreamOnLittleDevices, MoreBlocksThanBuffers) {
   const SceneDescription office = builtin_scene("office");
   BlockList blocks;

@@ -1,5 +1,5 @@
-// Blocks that stream past rays on a device give what they give on the CPU, bit for bit: on the CPU
-// as a device, and on the CUDA device where there is one.
+// Streaming blocks on a device gives the CPU's answers bit for bit: on an emulated device, and on a
+// CUDA device if the machine has one.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@
 namespace raysheaf::test {
 namespace {
 
-/// The devices of this machine, by turns.
+/// Runs on each device that this machine has.
 class StreamOnDevice : public testing::TestWithParam<bool> {
  protected:
   void SetUp() override {
@@ -48,7 +48,7 @@ class StreamOnDevice : public testing::TestWithParam<bool> {
   const Context* context_ = nullptr;
 };
 
-/// Blocks of a scene in any order, each triangle of which belongs to two instances.
+/// A scene's blocks in random order; each of their triangles belongs to two instances.
 struct ShuffledScene {
   SceneDescription scene;
   BlockList blocks;
@@ -117,7 +117,7 @@ TEST_P(StreamOnDevice, ManyRaysManyBlocksAndFew) {
     EXPECT_EQ(statistics.blocks, expected.blocks);
     EXPECT_EQ(statistics.blocks,
               statistics.culled_blocks + statistics.hidden_blocks + statistics.read_blocks);
-    // The same cull by the same bounds, of trees that are made anew at other times.
+    // The culling uses the same bounds, but of trees that are rebuilt at other times.
     EXPECT_NEAR(static_cast<double>(statistics.read_blocks),
                 static_cast<double>(expected.read_blocks),
                 4 + 0.1 * static_cast<double>(expected.read_blocks));
@@ -135,7 +135,7 @@ TEST_P(StreamOnDevice, WithoutBlocksAndFarAway) {
   const Said said(none, rays, there());
   EXPECT_EQ(said.hits[0].prim_id, kInvalidId);
   EXPECT_EQ(said.occluded, std::vector<std::uint8_t>(rays.size(), 0));
-  // So far that squares of distances are no numbers.
+  // So far away that squared distances overflow.
   BlockList one;
   one.set_scene(cut_into_blocks(soup(SoupKind::kLarge, 30, 2), &one, 8));
   for (Ray& ray : rays) {
@@ -245,7 +245,7 @@ TEST_P(StreamOnDevice, PartsOfTheBlocksCombineWithThoseOfTheCpu) {
   EXPECT_EQ(occluded, expected.occluded);
 }
 
-/// Fails at the n-th block that is read, or gives it with its last corners cut off.
+/// Fails when the n-th block is read, or returns it without its last corners.
 class Broken : public GeometrySource {
  public:
   Broken(const GeometrySource& of, int good, bool cut) : of_(of), good_(good), cut_(cut) {}

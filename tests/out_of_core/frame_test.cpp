@@ -1,4 +1,4 @@
-// Frames of what streams are those of the scene in memory, bit for bit.
+// Frames of streamed scenes equal those of the scene in memory, bit for bit.
 #include <gtest/gtest.h>
 
 #include "raysheaf/builtin_scenes.h"
@@ -20,7 +20,7 @@ RenderOptions small_picture() {
 }
 
 void expect_streamed_as_resident(SceneDescription scene, std::uint32_t triangles_a_block) {
-  for (std::size_t m = 0; m < scene.meshes.size(); m += 2)  // every other mesh is coloured
+  for (std::size_t m = 0; m < scene.meshes.size(); m += 2)  // every other mesh has colours
     for (const Vec3 p : scene.meshes[m].positions)
       scene.meshes[m].colors.push_back({std::fabs(std::sin(p.x)), std::fabs(std::cos(p.z)), 1});
   add_missing_camera_and_light(scene);
@@ -55,7 +55,7 @@ TEST(StreamedFrame, BuiltinScenesAreTheSame) {
   }
 }
 
-TEST(StreamedFrame, WhatAlphaCutsAwayIsWhole) {
+TEST(StreamedFrame, CutOutsAreOpaque) {
   SceneDescription scene = builtin_scene("office");
   scene.materials[0].base_color.w = 0.25f;
   scene.materials[0].alpha_cutoff = 0.5f;
@@ -110,7 +110,7 @@ TEST(StreamedFrame, ScenesOfOthersAreTheSame) {
   }
 }
 
-/// A scene's blocks, of which each names a material that the scene has not.
+/// A scene's blocks that refer to a material that the scene does not have.
 class WrongMaterials : public BlockList {
  public:
   void read_shading(std::size_t block, BlockShading* out) const override {
@@ -124,7 +124,7 @@ TEST(StreamedFrame, MaterialsAreTheScenes) {
   blocks.set_scene(cut_into_blocks(builtin_scene("cornell"), &blocks));
   try {
     static_cast<void>(render(blocks, small_picture()));
-    ADD_FAILURE() << "a material that is none was shown";
+    ADD_FAILURE() << "an invalid material index was accepted";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kInvalidData);
     EXPECT_EQ(error.place(), "block 0");
@@ -132,7 +132,7 @@ TEST(StreamedFrame, MaterialsAreTheScenes) {
   }
 }
 
-TEST(StreamedFrame, AsksForWhatItCanDo) {
+TEST(StreamedFrame, RefusesUnsupportedOptions) {
   BlockList blocks;
   blocks.set_scene(cut_into_blocks(builtin_scene("cornell"), &blocks));
   const auto code = [&](const RenderOptions& options, const StreamOptions& stream = {}) {

@@ -1,5 +1,5 @@
-// What tests of streams share: the scene in memory, parts that are put together, a device without
-// one.
+// Helpers for tests of streaming: the scene in memory, an exchange of hits between parts, an
+// emulated device.
 #pragma once
 
 #include <cstring>
@@ -15,7 +15,7 @@
 
 namespace raysheaf::test {
 
-/// The scene as the library of queries has it; instances keep their numbers.
+/// The scene for the query library; instances keep their numbers.
 inline Scene resident(const SceneDescription& from) {
   Scene scene;
   for (const Mesh& mesh : from.meshes) {
@@ -28,7 +28,7 @@ inline Scene resident(const SceneDescription& from) {
   return scene;
 }
 
-/// Takes the least and the any of several parts, one after the other.
+/// Combines the closest and any hits of several parts, one after the other.
 class Gathered : public HitExchange {
  public:
   void closest(std::span<StreamHit> hits) override {
@@ -48,7 +48,7 @@ class Gathered : public HitExchange {
   std::vector<std::uint8_t> occluded_;
 };
 
-/// A device of this process, with the memory that a test gives it.
+/// An emulated device with the given amount of memory.
 struct EmulatedMachine {
   explicit EmulatedMachine(std::uint64_t memory_bytes = std::uint64_t{1} << 40)
       : heap(memory_bytes),
@@ -61,7 +61,7 @@ struct EmulatedMachine {
   Context context;
 };
 
-/// What a query of a source says.
+/// The answers of a query on a source.
 struct Said {
   std::vector<Hit> hits;
   std::vector<std::uint8_t> occluded;

@@ -1,4 +1,4 @@
-// Streamed answers are those in memory, whatever the blocks, their order and their number.
+// Streamed answers equal those in memory, whatever the blocks, their order and their number.
 #include "raysheaf/stream.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@
 namespace raysheaf::test {
 namespace {
 
-/// Several instances of each mesh, turned and mirrored.
+/// Adds several instances of each mesh, rotated and mirrored.
 SceneDescription with_instances(SceneDescription scene, Random& random) {
   const auto meshes = static_cast<std::uint32_t>(scene.meshes.size());
   for (std::uint32_t i = 0; i < meshes; ++i) {
@@ -41,7 +41,7 @@ SceneDescription with_instances(SceneDescription scene, Random& random) {
   return scene;
 }
 
-/// The blocks of another source in an order of their own.
+/// The blocks of another source in a random order.
 class Shuffled : public GeometrySource {
  public:
   Shuffled(const GeometrySource& of, Random& random) : of_(of), order_(of.blocks().size()) {
@@ -130,7 +130,7 @@ TEST(Stream, BlocksThatNoRayMeetsAreNotRead) {
   const SceneDescription hall = hall_scene(60000, 1);
   BlockList blocks;
   blocks.set_scene(cut_into_blocks(hall, &blocks, 1000));
-  // A thin bundle along the hall, and from behind a wall of hits.
+  // A thin bundle along the hall, and rays from behind a wall of hits.
   std::vector<Ray> rays;
   for (int i = 0; i < 400; ++i)
     rays.push_back(
@@ -197,7 +197,7 @@ TEST(Stream, AHallInBlocksIsTheHall) {
   }
 }
 
-// --- what a source may do wrong
+// --- sources with errors
 
 template <class Call>
 Error error_of(const Call& call) {
@@ -209,7 +209,7 @@ Error error_of(const Call& call) {
   return {ErrorCode::kInternal, "nothing was thrown"};
 }
 
-/// A source with one triangle, and what a test makes of it.
+/// A source with one triangle, which a test changes.
 class Wrong : public BlockList {
  public:
   Wrong() {
@@ -228,7 +228,7 @@ class Wrong : public BlockList {
   TriangleBlock block;
 };
 
-TEST(Stream, BlocksAreLookedOver) {
+TEST(Stream, BlocksAreValidated) {
   const auto ask = [](const auto& change) {
     Wrong source;
     change(source.block);
@@ -254,7 +254,7 @@ TEST(Stream, BlocksAreLookedOver) {
             std::string::npos);
 }
 
-/// A source that says of its block that it is nowhere.
+/// A source whose block has empty bounds.
 class Nowhere : public Wrong {
  public:
   Nowhere() : infos_(Wrong::blocks().begin(), Wrong::blocks().end()) { infos_[0].bounds = {}; }
@@ -264,7 +264,7 @@ class Nowhere : public Wrong {
   std::vector<BlockInfo> infos_;
 };
 
-TEST(Stream, BoundsAreLookedOver) {
+TEST(Stream, BoundsAreValidated) {
   const Nowhere source;
   const std::vector<Ray> rays{{{0.2f, 0.2f, 1}, 0, {0, 0, -1}}};
   std::vector<Hit> hits(1);
@@ -273,7 +273,7 @@ TEST(Stream, BoundsAreLookedOver) {
   EXPECT_EQ(error.place(), "wrong: block 0");
 }
 
-TEST(Stream, WhatIsAskedIsLookedOver) {
+TEST(Stream, QueriesAreValidated) {
   const Wrong source;
   const std::vector<Ray> rays{{{0.2f, 0.2f, 1}, 0, {0, 0, -1}}};
   std::vector<Hit> hits(1);
@@ -300,7 +300,7 @@ TEST(Stream, WhatIsAskedIsLookedOver) {
   closest_hit(source, {}, {});
 }
 
-/// Whose blocks nobody has memory for.
+/// A source with blocks too large for the memory.
 class Endless : public Shuffled {
  public:
   using Shuffled::Shuffled;
@@ -324,11 +324,11 @@ TEST(Stream, MoreThanAnyVectorHoldsIsALackOfMemory) {
             ErrorCode::kOutOfMemory);
 }
 
-/// The exit code of a process that asks where no thread can be started.
+/// The exit code of a process that runs a query but cannot start threads.
 int ask_without_threads(const GeometrySource& source) {
   constexpr uid_t kNobody = 65534;
   const rlimit none{0, 0};
-  // Whoever is root has no limit.
+  // The limit does not apply to root.
   if (::getuid() == 0 && ::setuid(kNobody) != 0) return 77;
   if (::setrlimit(RLIMIT_NPROC, &none) != 0) return 77;
   try {

@@ -22,7 +22,7 @@ int axis_of(const Ray& ray) {
   return static_cast<int>(dominant_sense(ray.direction) / 2);
 }
 
-/// Rays of one sense around a common direction; from a point or from a patch.
+/// Rays with the same signs around a common direction, from a point or from a patch.
 FrustumBundle random_bundle(Random& random, const Box& scene, Vec3 place, float size) {
   FrustumBundle bundle;
   const Vec3 axis = random.direction();
@@ -51,8 +51,8 @@ struct Corners {
   Vec3 a, b, c;
 };
 
-/// A large one whose box begins within rounding errors of a point: an edge passes there, on a plane
-/// of one coordinate.
+/// A large triangle whose box begins within rounding errors of a point: an edge passes there, in a
+/// plane perpendicular to an axis.
 Corners grazing_triangle(Random& random, Vec3 p, float size) {
   Corners t{p + random.in_box(size), p, p};
   t.b = p + (p - t.a) * random.unit();
@@ -68,7 +68,7 @@ Corners grazing_triangle(Random& random, Vec3 p, float size) {
   return t;
 }
 
-/// Where a ray passes, or near that, or anywhere; of any size and shape.
+/// A triangle that the ray hits, one near it, or one anywhere, of any size and shape.
 Corners random_triangle(Random& random, const Ray& ray, Vec3 place, float size) {
   if (random.below(4) == 0)
     return {place + random.in_box(size), place + random.in_box(size), place + random.in_box(size)};
@@ -92,7 +92,7 @@ bool hit(const Ray& ray, const Corners& t) {
   return intersect_triangle(make_ray_setup(ray), t.a, t.b, t.c, &where);
 }
 
-/// Around `place`, things of about `size`: nothing that a ray hits is refused.
+/// Around `place`, with objects of about `size`: no triangle that a ray hits is culled.
 void expect_conservative(std::uint64_t seed, Vec3 place, float size, int triples, int* hits) {
   Random random(seed);
   const Vec3 half{size * 3, size * 3, size * 3};
@@ -129,7 +129,7 @@ TEST(PacketFrustum, NeverRefusesWhatARayHits) {
 }
 
 TEST(PacketFrustum, IsTightAroundAFan) {
-  // From a point, slopes up to 0.1: things at slope 0.11, behind, and beyond are refused.
+  // From a point, with slopes up to 0.1: objects at slope 0.11, behind, and beyond are culled.
   std::vector<Ray> rays;
   for (int i = -10; i <= 10; ++i)
     for (int k = -10; k <= 10; ++k)
@@ -165,7 +165,7 @@ TEST(PacketFrustum, TakesTheShapeOfAConvergingBundle) {
   EXPECT_FALSE(meets(f, {0.3f, -0.1f, 9}, {1, 0.1f, 9.5f}));
 }
 
-TEST(PacketFrustum, ABoundlessRayIsMetByAll) {
+TEST(PacketFrustum, AnUnboundedRayMeetsEveryTriangle) {
   const Box scene{{-1, -1, -1}, {1, 1, 1}};
   const std::vector<Ray> rays{{{0, 0, 0}, 0, {1e-44f, 0, 0}, kInfinity}};
   std::vector<RayEnd> ends(2);

@@ -29,7 +29,7 @@ std::vector<RayHit> brute(const FlatScene& scene, const std::vector<Ray>& rays, 
 }
 
 struct Outcome {
-  std::vector<RayHit> hits;  ///< in the order of the rays as given
+  std::vector<RayHit> hits;  ///< in the original order of the rays
   std::vector<float> ray_tests;
   PacketCounts counts;
 };

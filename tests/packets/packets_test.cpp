@@ -61,7 +61,7 @@ void expect_sound(const Cut& result, const std::vector<Ray>& rays, std::uint32_t
   for (std::uint32_t i = 0; i < sorted.size(); ++i) ASSERT_EQ(sorted[i], i);
 }
 
-TEST(Packets, HoldEveryRayOnceInOneSense) {
+TEST(Packets, HoldEveryRayOnceWithEqualSigns) {
   for (const std::uint32_t count : {0u, 1u, 255u, 256u, 257u, 5000u}) {
     const std::vector<Ray> rays = random_rays(count, count, false);
     for (const std::uint32_t most : {1u, 7u, 256u}) {
@@ -79,7 +79,7 @@ TEST(Packets, AreTheLargestCellsOfTheKeysThatFit) {
     const Words keys = random_keys(count, values, values);
     for (const Packet& packet : cut(rays, keys, most).packets) {
       const std::uint32_t first = keys[packet.first], last = keys[packet.first + packet.count - 1];
-      // The least cell around the packet, and its parent.
+      // The smallest cell around the packet, and its parent.
       std::uint32_t bits = 0;
       while (bits < 32 && (first >> bits) != (last >> bits)) ++bits;
       const auto in_cell = [&](std::uint32_t b) {
@@ -101,7 +101,7 @@ TEST(Packets, OfOneKeyAreCutEvenly) {
   for (const Packet& packet : result.packets) EXPECT_EQ(packet.count, 171u);
 }
 
-TEST(Packets, OppositeRaysArePartedAndKeepTheirOrder) {
+TEST(Packets, OppositeRaysAreSeparatedAndKeepTheirOrder) {
   std::vector<Ray> rays(100);
   for (std::size_t i = 0; i < rays.size(); ++i)
     rays[i].direction = {0, 0, i % 2 == 0 ? 1.0f : -1.0f};
@@ -113,7 +113,7 @@ TEST(Packets, OppositeRaysArePartedAndKeepTheirOrder) {
   }
 }
 
-TEST(Packets, LookAtTheBitsOfTheKeyAlone) {
+TEST(Packets, DependOnlyOnTheBitsOfTheKey) {
   const std::vector<Ray> rays = random_rays(600, 1, true);
   Words keys = random_keys(600, 16, 2);
   for (std::uint32_t& key : keys) key >>= 28;

@@ -1,7 +1,7 @@
-"""Asks raysheaf and embreex (Embree's Python binding) the same rays; exact fractions decide.
+"""Queries raysheaf and embreex (Embree's Python binding) with the same rays; exact fractions
+decide.
 
-Exit code 1 where raysheaf is wrong. embreex is not among the packages that ./check installs:
-`pip install embreex`.
+The exit code is 1 if raysheaf is wrong. ./check does not install embreex: `pip install embreex`.
 """
 
 import argparse
@@ -43,7 +43,7 @@ def exact_t(corners, origin, direction):
 
 
 def soups(random, triangles):
-    """Of whole numbers, of any numbers, and with shared corners."""
+    """Triangles with integer coordinates, with any coordinates, and with shared corners."""
     yield random.integers(-8, 9, (triangles, 3, 3)).astype(np.float32)
     yield random.uniform(-1, 1, (triangles, 3, 3)).astype(np.float32)
     side = int(np.sqrt(triangles / 2)) + 1
@@ -57,7 +57,7 @@ def soups(random, triangles):
 
 
 def targets(random, corners, rays):
-    """Corners, middles of edges, points of insides, and points near them."""
+    """Corners, midpoints of edges, points of interiors, and points near them."""
     chosen = corners[random.integers(0, len(corners), rays)]
     weights = random.choice([0, 0.25, 0.5, 0.75, 1], (rays, 3))
     weights[weights.sum(1) == 0] = 1
@@ -97,7 +97,8 @@ def main():
                 elif here is None and first[i] >= 0:
                     raysheaf_wrong += 1
                 elif there is not None and (here is None or there < here):
-                    # Nearer, but no float apart: t decides, and then the number.
+                    # The exact parameters differ but round to the same float: then the triangle's
+                    # number decides.
                     near = here is not None and np.float32(here) == np.float32(there)
                     ties, raysheaf_wrong = ties + near, raysheaf_wrong + (not near)
                 else:

@@ -1,4 +1,4 @@
-"""Triangles and rays at random, and a brute force to be believed: Möller and Trumbore (1997), in float64."""
+"""Random triangles and rays, and a brute force reference: Möller and Trumbore (1997), in float64."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ import pytest
 
 import raysheaf
 
-# Programs that tests start elsewhere use the same module.
+# Programs that tests start must import the same module.
 os.environ["PYTHONPATH"] = str(Path(raysheaf.__file__).absolute().parents[1])
 
 
 @contextlib.contextmanager
 def interrupted_after(seconds: float) -> Iterator[None]:
-    """Ctrl-C comes so late, and what runs inside hears it, though it would take minutes."""
+    """Sends Ctrl-C after a delay; the code inside must stop then, although it would take minutes."""
     if not hasattr(signal, "setitimer"):
         pytest.skip("the system has no timers")
 
@@ -42,7 +42,7 @@ def interrupted_after(seconds: float) -> Iterator[None]:
 
 @dataclass
 class Setting:
-    """A soup of triangles, rays through it, and the scene with it."""
+    """A soup of triangles, rays through it, and its scene."""
 
     vertices: np.ndarray  # (3 m, 3)
     triangles: np.ndarray  # (m, 3)
@@ -56,7 +56,7 @@ def make_setting(seed: int, triangles: int = 200, rays: int = 300) -> Setting:
     corners = centers + rng.uniform(-0.4, 0.4, (triangles, 3, 3))
     origins = rng.uniform(-2, 2, (rays, 3))
     directions = rng.normal(size=(rays, 3)) * rng.uniform(0.1, 10, (rays, 1))
-    order = rng.permutation(3 * triangles)  # corners do not lie beside each other
+    order = rng.permutation(3 * triangles)  # corners of a triangle are not adjacent in memory
     vertices = np.empty((3 * triangles, 3))
     vertices[order] = corners.reshape(-1, 3)
     return Setting(
@@ -74,13 +74,13 @@ def setting(request: pytest.FixtureRequest) -> Setting:
 
 @dataclass
 class BruteForce:
-    """All rays with all triangles: (n, m) each."""
+    """Every ray with every triangle: arrays of shape (n, m)."""
 
     t: np.ndarray
     u: np.ndarray
     v: np.ndarray
     hit: np.ndarray
-    doubtful: np.ndarray  # too near to an edge or to the interval's end to be sure
+    doubtful: np.ndarray  # too near to an edge or to the interval's end to decide
 
 
 def brute_force(corners, origins, directions, t_min=0.0, t_max=np.inf) -> BruteForce:
@@ -105,7 +105,7 @@ def brute_force(corners, origins, directions, t_min=0.0, t_max=np.inf) -> BruteF
 
 @pytest.fixture
 def mesh():
-    """A torus whose ray queries are raysheaf's."""
+    """A torus whose ray queries use raysheaf."""
     trimesh = pytest.importorskip("trimesh")
     from raysheaf.trimesh import RayMeshIntersector
 

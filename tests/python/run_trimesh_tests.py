@@ -1,7 +1,7 @@
 """Runs trimesh's own ray tests with raysheaf as its ray engine: run_trimesh_tests.py TRIMESH.
 
-TRIMESH is a checkout of trimesh (its tests and models). Both of trimesh's engines are replaced, so
-that every ray query of these tests is ours. Exit code as pytest's.
+TRIMESH is a checkout of trimesh with its tests and models. Both of trimesh's engines are replaced,
+so that every ray query of these tests uses raysheaf. The exit code is pytest's.
 """
 
 import sys
@@ -15,7 +15,7 @@ import raysheaf.trimesh
 
 
 class Engine(raysheaf.trimesh.RayMeshIntersector):
-    """Counts its queries, so that a run which did not use it is found out."""
+    """Counts its queries, so that a run that did not use it is detected."""
 
     queries = 0
 

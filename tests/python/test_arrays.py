@@ -117,8 +117,8 @@ def test_meshes_of_any_layout(expected, form):
     assert np.array_equal(scene.closest_hit(SETTING.origins, SETTING.directions).array, expected)
 
 
-def test_what_is_not_aligned_is_copied(scene):
-    """A processor may not mind that it reads elsewhere: the arrays are looked at."""
+def test_unaligned_arrays_are_copied(scene):
+    """The CPU may tolerate unaligned access, so the test inspects the converted arrays."""
     triangles, points = _unaligned(SETTING.triangles), _unaligned(np.ones((5, 3)))
     for read, given in (
         (_arrays.triangles(triangles), triangles),
@@ -132,7 +132,7 @@ def test_what_is_not_aligned_is_copied(scene):
 
 
 @pytest.mark.parametrize("told", ["raise", "warn"])
-def test_what_float32_has_no_room_for_is_nothing_to_complain_about(told):
+def test_values_beyond_float32_raise_no_warning(told):
     tiny, huge, beyond = 1e-60, 1e300, np.longdouble(2) ** 1020 * 64
     corners = np.array([[tiny, 0, 5], [4, tiny, 5], [0, 4, 5]])
     origins = np.array([[1, 1, tiny], [1, tiny, 0]])
@@ -182,7 +182,7 @@ def test_wrong_rays_far_in_are_named(scene):
         scene.any_hit(origins.reshape(100, 700, 3), directions.reshape(100, 700, 3))
 
 
-def test_packed_rays_are_read_where_they_lie():
+def test_packed_rays_are_read_in_place():
     from raysheaf._rays import batch_of
 
     rays = np.ones((5, 8), np.float32)
@@ -207,7 +207,7 @@ def test_soups():
 # Lifetimes.
 
 
-def test_arrays_may_go_or_change_once_they_were_given(expected):
+def test_arrays_may_be_deleted_or_changed_after_a_call(expected):
     scene = raysheaf.Scene()
     vertices, triangles = SETTING.vertices.copy(), SETTING.triangles.copy()
     scene.add(vertices, triangles)
@@ -217,9 +217,9 @@ def test_arrays_may_go_or_change_once_they_were_given(expected):
     assert np.array_equal(scene.closest_hit(SETTING.origins, SETTING.directions).array, expected)
 
 
-def test_arrays_may_go_while_a_query_reads_them(scene, expected):
+def test_arrays_may_be_deleted_while_a_query_reads_them(scene, expected):
     copies = 300
-    rays = np.zeros((copies, len(SETTING.origins), 8), np.float32)  # read where they lie
+    rays = np.zeros((copies, len(SETTING.origins), 8), np.float32)  # read in place
     rays[..., :3], rays[..., 4:7], rays[..., 7] = SETTING.origins, SETTING.directions, np.inf
     given, answers = [rays], []
     del rays
@@ -246,7 +246,7 @@ def test_results_outlive_the_scene():
     assert float(t.sum()) == total and junk
 
 
-# What is wrong.
+# Invalid arguments.
 
 RAY = [0.0, 0, 0], [0.0, 0, 1]
 WRONG = [
@@ -368,7 +368,7 @@ def test_wrong_transforms(kind, message, transform):
     assert scene.meshes == []
 
 
-def test_errors_say_what_and_where_and_travel(scene):
+def test_errors_have_a_sentence_and_a_place_and_can_be_pickled(scene):
     with pytest.raises(raysheaf.Error) as caught:
         scene.any_hit([0, 0, 0], [0, 0, 0])
     error = pickle.loads(pickle.dumps(caught.value))

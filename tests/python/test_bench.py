@@ -1,4 +1,4 @@
-"""The measuring program: its mesh, and a run at a size that takes no time."""
+"""The benchmark program: its mesh, and a run of a small size."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import raysheaf
 from raysheaf import bench
 
 
-def test_the_ball_is_closed():
+def test_the_mesh_is_closed():
     vertices, faces = bench.wavy_ball(1000, phase=0.5)
     assert 800 < len(faces) < 1200 and np.isfinite(vertices).all()
     edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
@@ -35,20 +35,21 @@ def test_a_small_run(tmp_path, capsys):
     for row in rows:
         assert min(row["seconds"].values()) > 0
         if row["kind"] != "all":
-            assert np.ptp(list(row["hits"].values())) <= 2  # of 2000; rounding at silhouettes
+            # 2 of 2000 may differ, because of rounding at silhouettes.
+            assert np.ptp(list(row["hits"].values())) <= 2
         assert row["hits"]["scene"] > 500
 
 
-def test_it_says_what_is_missing(monkeypatch):
+def test_missing_packages_are_reported(monkeypatch):
     monkeypatch.setattr(bench.importlib.util, "find_spec", lambda name: None)
     who, notes = bench.contenders(*bench.wavy_ball(100), bench.Where(threads=1))
     assert list(who) == ["scene"] and notes == [
-        "trimesh is not installed: raysheaf.Scene runs alone"
+        "trimesh is not installed: only raysheaf.Scene is measured"
     ]
 
 
 def refused(arguments, capsys) -> str:
-    """What is said of these, before anything runs."""
+    """The error message for these arguments, before anything runs."""
     with pytest.raises(SystemExit) as stopped:
         bench.main(arguments)
     printed = capsys.readouterr()
@@ -57,7 +58,7 @@ def refused(arguments, capsys) -> str:
 
 
 @pytest.mark.parametrize("name", bench.BATCHES)
-def test_batches_meet_the_ball(name):
+def test_batches_hit_the_mesh(name):
     origins, directions = bench.BATCHES[name](4000)
     assert origins.shape == directions.shape and abs(len(origins) - 4000) < 100
     assert np.allclose(np.linalg.norm(directions, axis=1), 1)
@@ -80,7 +81,7 @@ def test_wrong_sizes(wrong, capsys):
     assert "must be at least" in refused(wrong, capsys)
 
 
-def test_what_would_stop_the_run_stops_it_before(tmp_path, capsys):
+def test_errors_are_reported_before_the_run(tmp_path, capsys):
     assert "threads: 5000 is given" in refused(["--threads", "5000"], capsys)
     nowhere = tmp_path / "no folder" / "bench.json"
     assert "--json: [Errno 2]" in refused(["--json", str(nowhere)], capsys)

@@ -1,5 +1,7 @@
-"""Arrays in a device's memory: what is refused, what is handed over, and, where there is a CUDA
-device, that the answers are those of the CPU."""
+"""Arrays in a device's memory: refused arguments, the data that the extension gets, and, on a
+machine
+with a CUDA device, equality with the CPU's answers.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,7 @@ def packed_rays() -> np.ndarray:
 
 
 class Fake:
-    """Says that it lies on a device; nothing is read from there."""
+    """Claims to be on a device; its memory is never read."""
 
     def __init__(self, shape, typestr="<f4", **more):
         self.__cuda_array_interface__ = {
@@ -39,7 +41,7 @@ class Fake:
 
 
 class WithGradient:
-    """As PyTorch's tensors that ask for gradients."""
+    """Like PyTorch's tensors that require gradients."""
 
     @property
     def __cuda_array_interface__(self):
@@ -122,7 +124,7 @@ def test_room_for_results():
             _device.room_there(array, (2, 3, 6), ("float32",))
 
 
-def test_what_arrays_say():
+def test_descriptions_of_arrays():
     array = _device.device_array(Fake((4, 2, 8), stream=2, strides=(64, 32, 4)), "rays")
     assert (array.shape, array.dtype, array.stream) == ((4, 2, 8), "float32", 2)
     assert _device.device_array(Fake((0, 8), data=(None, False)), "rays").pointer == 0
@@ -136,9 +138,9 @@ def test_streams_that_arrays_name():
         return _device.device_array(Fake((5, 8), **more), "rays").stream
 
     assert (stream(stream=1), stream(stream=2), stream(stream=4711)) == (1, 2, 4711)
-    assert stream(stream=None) == 0  # nothing to wait for
+    assert stream(stream=None) == 0  # no stream to wait for
     assert stream() == 0  # as before version 3 of the interface
-    assert stream(stream=0) == 1  # not allowed, and no less than the default stream
+    assert stream(stream=0) == 1  # not allowed; treated as the default stream
 
 
 def test_streams_of_tensors(monkeypatch):
@@ -154,18 +156,18 @@ def test_streams_of_tensors(monkeypatch):
     monkeypatch.setitem(sys.modules, "torch", torch)
     tensor = Tensor((5, 8), version=2)
     assert _device.device_array(tensor, "rays").stream == 4711
-    current["cuda:3"] = 0  # PyTorch's word for the legacy default stream
+    current["cuda:3"] = 0  # PyTorch's value for the legacy default stream
     assert _device.device_array(tensor, "rays").stream == 1
     assert _device.device_array(Tensor((5, 8), stream=5), "rays").stream == 5
-    assert _device.device_array(Fake((5, 8)), "rays").stream == 0  # somebody else's
+    assert _device.device_array(Fake((5, 8)), "rays").stream == 0  # not PyTorch's
 
 
 def place(array: np.ndarray) -> _core.Place:
-    """Of an array of numpy: a scene of the CPU follows the pointer."""
+    """The place of a numpy array: a CPU scene reads memory at the pointer."""
     return _core.Place(array.ctypes.data, len(array), 0)
 
 
-def test_pointers_are_handed_over():
+def test_pointers_reach_the_library():
     scene, rays = scene_of_the_cpu(), packed_rays()
     wish = _core.Wish(ALL, False, True, None)
     hits = raysheaf.Hits.empty(len(rays))
@@ -182,12 +184,16 @@ def test_pointers_are_handed_over():
 
 
 def test_pointers_are_followed_on_the_thread_that_asks():
-    """On another one, a handle of the thread's own default stream would mean another stream. Who
-    only waits hears Ctrl-C, and ends the query; who works hears it when all is done."""
+    """The query must run on the calling thread: on another one, a handle of the thread's default
+    stream
+    would mean another stream. Ctrl-C interrupts a waiting thread, which ends its query; a working
+    one
+    reports it when the query is finished.
+    """
     setting, scene = make_setting(12, 400), raysheaf.Scene(threads=1)
     scene.add(setting.vertices, setting.triangles)
     many = np.tile(packed_rays(), (400, 1))
-    assert len(many) >= 100_000  # of numpy's, so many would be followed elsewhere
+    assert len(many) >= 100_000  # with numpy arrays, so many rays would use another thread
     hits = raysheaf.Hits.empty(len(many))
     hits.array["t"] = -1
     with interrupted_after(0.01):
@@ -196,7 +202,7 @@ def test_pointers_are_followed_on_the_thread_that_asks():
 
 
 class OnCuda:
-    """An array of numpy's, copied to the device by CUDA's own library."""
+    """A numpy array, copied to the device by CUDA's own library."""
 
     _cuda = None
 

@@ -1,4 +1,4 @@
-"""Examples in docstrings and in the pages do what they show."""
+"""Examples in docstrings and in the pages give the results that they show."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The examples make their pictures, and what they find is right where that is known."""
+"""The examples write their images, and their results are right where these are known."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_a_plane_sees_the_whole_sky_and_a_corner_half_of_it():
     assert (ambient_occlusion.open_sky(scene, points, normals, reach=np.inf) == 1).all()
     scene.add(
         [[1e-3, -1e4, 0], [1e-3, 1e4, 0], [1e-3, 0, 1e4]], [[0, 1, 2]]
-    )  # a wall beside the first
+    )  # a second wall, parallel to the first
     assert (
         abs(ambient_occlusion.open_sky(scene, points[:1], normals[:1], np.inf, rays=4000) - 0.5)
         < 0.01

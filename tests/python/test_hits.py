@@ -1,4 +1,4 @@
-"""What queries return: indexed, gone through and sent elsewhere, as arrays of numpy are."""
+"""Results of queries can be indexed, iterated and pickled like numpy arrays."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_items(scene, hits):
 
 
 @pytest.mark.parametrize("wrong", [[1, 2], None, 3, np.void(b"x" * 24)])
-def test_what_is_no_array(wrong):
+def test_objects_that_are_not_arrays(wrong):
     with pytest.raises(TypeError, match="array: .* is given; an array of dtype HIT_DTYPE"):
         raysheaf.Hits(wrong)
 
@@ -69,7 +69,7 @@ def test_one_record_is_one_hit(hits):
 
 
 @pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))
-def test_they_travel(scene, hits, protocol):
+def test_pickling(scene, hits, protocol):
     rows = scene.all_hits([[[0.25, 0.5, 0], [9, 9, 0]]], [0, 0, 1])
     for value in (hits, hits[0], rows):
         again = pickle.loads(pickle.dumps(value, protocol))

@@ -1,4 +1,4 @@
-"""Errors name the argument that is wrong, and the element of it."""
+"""Errors name the invalid argument and its element."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ def scene():
 FIVE, GRID, UP = np.zeros((5, 3)), np.zeros((2, 5, 3)), [0, 0, 1]
 ZERO = "the direction is zero in float32"
 WRONG_RAYS = [
-    # One for all rays has no index; one for some has that which it has in its own array.
+    # An argument that applies to all rays has no index; one for several rays has the index in its
+    # array.
     (f"directions: {ZERO}", FIVE, [0, 0, 0], {}),
     (f"directions[0]: {ZERO}", FIVE, [[0, 0, 0]], {}),
     (f"directions[1]: {ZERO}", GRID, [UP, [0, 0, 0], UP, UP, UP], {}),
@@ -32,7 +33,7 @@ WRONG_RAYS = [
     ("t_min[2]: t_min is negative", GRID, UP, {"t_min": [1, 1, -1, 1, 1]}),
     ("t_min: t_min is negative", GRID, UP, {"t_min": -1}),
     ("t_max[1, 0]: t_max is not a number", GRID, UP, {"t_max": [[1], [np.nan]]}),
-    # Of an interval that is none, the end that was given, or that tells rays apart.
+    # For an empty interval, the error names the end that was given or that varies over the rays.
     ("t_max: t_max is smaller than t_min", FIVE, UP, {"t_max": -1}),
     ("t_max[3]: t_max is smaller than t_min", FIVE, UP, {"t_max": [1, 1, 1, -1, 1]}),
     ("t_max[3]: t_max is smaller than t_min", FIVE, UP, {"t_min": 2, "t_max": [3, 3, 3, 1, 3]}),
@@ -68,7 +69,7 @@ def test_more_rays_than_a_query_answers(scene, kind):
             ask(**rays)
 
 
-def test_room_that_there_is_not(scene, monkeypatch):
+def test_not_enough_memory_for_results(scene, monkeypatch):
     def none(count):
         raise MemoryError("std::bad_alloc")
 
@@ -78,7 +79,7 @@ def test_room_that_there_is_not(scene, monkeypatch):
 
 
 @pytest.mark.skipif(np.lib.NumpyVersion(np.__version__) < "2.0.0", reason="32 axes at most there")
-def test_more_axes_than_numpy_goes_through(scene):
+def test_more_axes_than_numpy_supports(scene):
     def ones(axes, *tail):
         return np.ones((1,) * axes + tail)
 
@@ -93,7 +94,7 @@ def test_more_axes_than_numpy_goes_through(scene):
 
 
 class Protocol:
-    """An array of somebody else's, one of whose methods fails."""
+    """A third-party array whose methods fail."""
 
     def __init__(self, failing, error, device=1):
         self._failing, self._error, self._device = failing, error, device
@@ -121,11 +122,11 @@ class NoArray:
 
 
 @pytest.mark.parametrize("error", [ValueError("broken"), KeyError("broken"), OSError("broken")])
-def test_what_protocols_raise_is_told_of_the_argument(scene, error):
+def test_errors_of_protocols_name_the_argument(scene, error):
     for failing in ("device", "array"):
         with pytest.raises(TypeError, match="^directions: cannot be read as an array: .*broken"):
             scene.any_hit(UP, Protocol(failing, error))
-    scene.any_hit(Protocol("dlpack", error), UP)  # numpy knows another way
+    scene.any_hit(Protocol("dlpack", error), UP)  # numpy has another way
     with pytest.raises(TypeError, match="^origins: cannot be read as an array: no memory to share"):
         scene.any_hit(NoArray(), UP)
     with pytest.raises(MemoryError):
@@ -148,7 +149,7 @@ def test_masks_are_not_overlooked(scene):
         scene.hit_counts(UP, UP, out=np.ma.array(np.uint32(0), mask=True))
 
 
-def test_words_that_are_no_words(scene):
+def test_invalid_words(scene):
     for wrong in (np.zeros(3), ["brute"], None, 1):
         with pytest.raises(TypeError, match='^method: .* is given; "dual" or "brute" is expected'):
             scene.any_hit(UP, UP, method=wrong)

@@ -1,5 +1,4 @@
-"""The notebook runs from top to bottom and shows pictures: its code by itself, and in Jupyter where it
-can be had."""
+"""The notebook runs from top to bottom and shows images: as plain code, and in Jupyter."""
 
 from __future__ import annotations
 
@@ -13,7 +12,7 @@ PATH = Path(__file__).parents[2] / "examples/python/frames.ipynb"
 
 
 def shown_by(source, names):
-    """What a cell shows: the value of its last expression."""
+    """The value of a cell's last expression, which the notebook displays."""
     *statements, last = ast.parse(source).body
     exec(compile(ast.Module(statements, []), str(PATH), "exec"), names)
     if isinstance(last, ast.Expr):
@@ -34,7 +33,7 @@ def test_its_code(tmp_path, monkeypatch, capsys):
     assert "total_ms" in values[-1] and capsys.readouterr().out
 
 
-def test_nothing_is_kept_in_it():
+def test_it_contains_no_outputs():
     for cell in json.loads(PATH.read_text(encoding="utf-8"))["cells"]:
         assert not cell.get("outputs") and cell.get("execution_count") is None
 

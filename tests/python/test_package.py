@@ -1,4 +1,4 @@
-"""What `import raysheaf` gives, and what it leaves for later."""
+"""The names that `import raysheaf` provides, and the modules that it imports only on first use."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_the_adapter_is_there_by_its_name():
     assert printed_by(program) == ["RayMeshIntersector"]
 
 
-def test_a_module_that_cannot_be_had_is_no_attribute():
+def test_a_missing_module_is_no_attribute():
     program = "import sys; sys.modules['trimesh'] = None; import raysheaf, inspect; "
     assert printed_by(program + "print(hasattr(raysheaf, 'trimesh'))") == ["False"]
     assert "bench" in printed_by(program + "print(*dict(inspect.getmembers(raysheaf)))")
@@ -39,7 +39,7 @@ def test_a_module_that_cannot_be_had_is_no_attribute():
     assert " ".join(said) == "raysheaf.trimesh needs trimesh, which is not installed"
 
 
-def test_what_there_is():
+def test_public_names():
     assert {"bench", "trimesh", *raysheaf.__all__} <= set(dir(raysheaf))
     with pytest.raises(AttributeError, match="module 'raysheaf' has no attribute 'nothing'"):
         raysheaf.nothing

@@ -1,4 +1,4 @@
-"""What threads, signals and the end of the process may do meanwhile."""
+"""Threads, signals and the end of the process during queries."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ TRIANGLE = np.array([[-1, -1, 1], [1, -1, 1], [0, 1, 1]], np.float32)
 
 
 def stack(layers: int) -> np.ndarray:
-    """Triangles above each other."""
+    """Parallel triangles above each other."""
     z = np.linspace(1, 2, layers, dtype=np.float32)
     corners = np.zeros((layers, 3, 3), np.float32)
     corners[..., :2] = [[-5, -5], [5, -5], [0, 5]]
@@ -26,7 +26,7 @@ def stack(layers: int) -> np.ndarray:
 
 
 def told_by(program: str) -> tuple[int, str]:
-    """The exit code of a process, and what it says of errors."""
+    """Runs a program; returns its exit code and standard error."""
     done = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, timeout=120
     )
@@ -56,7 +56,7 @@ time.sleep(0.2)
     assert told_by(program) == (0, "")
 
 
-def test_a_process_that_ends_in_an_exception_says_that_alone():
+def test_a_process_that_ends_in_an_exception_prints_only_that():
     code, said = told_by(
         "import raysheaf\n"
         "def fail():\n"
@@ -67,7 +67,7 @@ def test_a_process_that_ends_in_an_exception_says_that_alone():
     assert code == 1 and said.splitlines()[-1].startswith("raysheaf.InvalidError: "), said
 
 
-def test_a_handler_comes_to_the_scene_that_its_thread_waits_for():
+def test_a_signal_handler_may_use_the_scene_that_its_thread_waits_for():
     if not hasattr(signal, "setitimer"):
         pytest.skip("the system has no timers")
     scene = raysheaf.Scene(threads=1)
@@ -151,20 +151,20 @@ def test_arrays_that_change_while_they_are_read(what: str):
     assert said <= {expected}
 
 
-def test_a_child_of_fork_is_told_and_may_have_scenes_of_its_own():
+def test_a_child_of_fork_gets_an_error_and_may_make_new_scenes():
     pytest.importorskip("trimesh")
     program = """
 import os, signal, threading, warnings, numpy as np, raysheaf, trimesh
 from raysheaf.trimesh import RayMeshIntersector
 warnings.simplefilter("ignore")  # Python's own of fork where there are threads
 
-def ball():
+def soup():
     scene = raysheaf.Scene(threads=2)
     scene.add(np.random.default_rng(1).random((900, 3, 3)))
     return scene
 
 origins, directions = np.zeros((50_000, 3)), np.random.default_rng(2).random((50_000, 3))
-scene, ends = ball(), False
+scene, ends = soup(), False
 adapter = RayMeshIntersector(trimesh.creation.icosphere())
 expected, faces = scene.closest_hit(origins, directions), adapter.intersects_first(origins, directions)
 
@@ -184,7 +184,7 @@ for _ in range(5):
             scene.closest_hit(origins[:9], directions[:9])
         except raysheaf.Error as error:
             code = 0 if "forked" in str(error) else 2
-        if not np.array_equal(ball().closest_hit(origins, directions).array, expected.array):
+        if not np.array_equal(soup().closest_hit(origins, directions).array, expected.array):
             code = 3
         if not np.array_equal(adapter.intersects_first(origins, directions), faces):
             code = 4

@@ -1,4 +1,4 @@
-"""Answers: against a brute force of our own, and against the library's, bit for bit."""
+"""Compares answers with a Python brute force, and bit for bit with the library's."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def test_a_closed_mesh_has_no_cracks():
     u, v = np.meshgrid(np.arange(n) / n * 2 * np.pi, np.arange(1, n) / n * np.pi)
     ring = np.stack([np.sin(v) * np.cos(u), np.sin(v) * np.sin(u), np.cos(v)], -1).reshape(-1, 3)
     vertices = np.concatenate([ring, [[0, 0, 1], [0, 0, -1]]])
-    at = lambda i, j: i * n + j % n  # noqa: E731
+    at = lambda i, j: i * n + j % n
     quads = [
         (at(i, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1))
         for i in range(n - 2)
@@ -185,13 +185,13 @@ def test_a_million_rays_against_a_hundred_thousand_triangles():
 def test_ctrl_c_is_heard(kind):
     setting = make_setting(4, triangles=20_000, rays=20_000)
     scene = scene_of(setting)
-    far = np.tile(setting.origins, (50, 1)) + 100  # past all triangles: no hit ends a ray
+    far = np.tile(setting.origins, (50, 1)) + 100  # behind all triangles: no hit ends a ray
     with interrupted_after(0.2):
         getattr(scene, kind)(far, [1, 0, 0], method="brute")
     assert scene.closest_hit(setting.origins, setting.directions).hit.any()
 
 
-def test_ctrl_c_is_heard_while_a_change_waits_for_its_turn():
+def test_ctrl_c_interrupts_a_waiting_change():
     setting = make_setting(4, triangles=20_000, rays=20_000)
     scene = scene_of(setting)
     far = setting.origins + 100

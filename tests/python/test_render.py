@@ -1,4 +1,4 @@
-"""Pictures, and the command line that comes along."""
+"""Rendered images, and the included command line program."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ import raysheaf
 
 
 def decoded(png: bytes) -> np.ndarray:
-    """A PNG of eight bits without filters, as `png_bytes` writes it."""
+    """Decodes an 8-bit PNG without filters, as `png_bytes` writes it."""
     assert png[:8] == b"\x89PNG\r\n\x1a\n"
     at, chunks = 8, {}
     while at < len(png):
@@ -152,7 +152,7 @@ def test_paths_of_every_kind(tmp_path):
         (ValueError, r"^scene: '\\udcff.obj' is given, which UTF-8", dict(scene=b"\xff.obj")),
     ],
 )
-def test_wrong_wishes(kind, message, given):
+def test_invalid_arguments(kind, message, given):
     with pytest.raises(kind, match=message):
         raysheaf.render(**{"scene": "builtin:cornell", "width": 8, "height": 8, **given})
 
@@ -196,7 +196,7 @@ def test_the_command_line(tmp_path):
     assert failed.returncode != 0 and "missing.glb" in failed.stderr
 
 
-# Two triangles; the node of the second goes from x = 0 to x = 4 within two seconds.
+# Two triangles; the node of the second moves from x = 0 to x = 4 within two seconds.
 MOVING = {
     "asset": {"version": "2.0"},
     "scene": 0,
@@ -335,7 +335,7 @@ def test_an_animation_by_another_light(moving, tmp_path):
     assert same(plain, raysheaf.render(film, time=1, **size))
 
 
-def test_threads_take_turns_at_an_animation(moving):
+def test_one_thread_at_a_time_uses_an_animation(moving):
     size = {"width": 32, "height": 16, "exposure": 1}
     times = [0.25 * i for i in range(8)]
     expected = [raysheaf.render(moving, time=t, **size) for t in times]

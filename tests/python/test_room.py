@@ -1,4 +1,4 @@
-"""Room for results that the caller brings: written where it lies, or refused with what is wrong."""
+"""Memory for results from the caller: it is written in place, or refused with a reason."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def test_numbers_go_into_room(scene, kind, dtype, method):
 
 
 @pytest.mark.parametrize("kind, dtype", KINDS)
-def test_room_that_will_not_do(scene, kind, dtype):
+def test_unsuitable_memory_for_results(scene, kind, dtype):
     ask = getattr(scene, kind)
     wanted = rf"a writable one of shape \({COUNT},\) and dtype \w+ or \w+ in C order is expected"
     raw = np.zeros(4 * COUNT + 1, np.uint8)[1:]

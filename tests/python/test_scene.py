@@ -1,4 +1,4 @@
-"""Scenes that change: between queries, and beneath threads."""
+"""Scenes that change between queries, and while threads use them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def lifted(z: float) -> np.ndarray:
     return TRIANGLE + np.float32([0, 0, z])
 
 
-def test_a_moving_mesh_is_as_one_built_anew():
+def test_a_moving_mesh_equals_a_new_one():
     setting = make_setting(11)
     scene = raysheaf.Scene()
     mesh = scene.add(setting.vertices, setting.triangles)
@@ -62,7 +62,7 @@ def test_queries_commit_what_has_changed():
     assert scene.committed and scene.closest_hit(*UP).geom_id == 1
 
 
-def test_what_is_in_a_scene():
+def test_contents_of_a_scene():
     scene = raysheaf.Scene(threads=1)
     first = scene.add(lifted(1), [[0, 1, 2]])
     second = scene.add(np.concatenate([lifted(2), lifted(3)]))
@@ -90,7 +90,7 @@ def test_scenes_are_not_copied():
             call(scene)
 
     class Named(raysheaf.Scene):
-        """Knows how it is made."""
+        """Knows how to be pickled."""
 
         def __reduce__(self):
             return Named, ()
@@ -98,7 +98,7 @@ def test_scenes_are_not_copied():
     assert copy.copy(Named()) is not None
 
 
-def test_what_is_not_there():
+def test_missing_meshes_and_instances():
     scene = raysheaf.Scene()
     mesh = scene.add(TRIANGLE)
     scene.remove(mesh)
@@ -132,7 +132,7 @@ def test_a_refused_change_changes_nothing():
     assert scene.committed and scene.closest_hit(*UP).t == 1
 
 
-def test_a_transform_that_goes_too_far_is_refused_until_it_is_right():
+def test_a_transform_beyond_the_limit_is_refused_until_corrected():
     scene = raysheaf.Scene()
     scene.add(lifted(1), transform=np.diag([1, 1, 1e19, 1]))
     for _ in range(2):

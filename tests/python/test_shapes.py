@@ -1,4 +1,4 @@
-"""Batches of any shape: what broadcasts, what is empty."""
+"""Batches of any shape: broadcasting and empty batches."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def test_no_triangles():
     assert scene.any_hit(*rays).all()
 
 
-def test_what_repeats_along_some_axes_is_spread_in_float32(scene):
+def test_repetition_along_some_axes_is_spread_in_float32(scene):
     rng = np.random.default_rng(5)
     eyes, ways = rng.normal(size=(300, 1, 3)), rng.normal(size=(1, 400, 3))
     t_max = rng.uniform(0, 3, (300, 1))

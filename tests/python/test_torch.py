@@ -11,7 +11,7 @@ from conftest import make_setting
 import raysheaf
 
 with warnings.catch_warnings():
-    warnings.simplefilter("ignore")  # one that was built with another numpy says so
+    warnings.simplefilter("ignore")  # PyTorch warns if it was built with another numpy
     torch = pytest.importorskip("torch")
 
 SETTING = make_setting(9)
@@ -49,7 +49,7 @@ def test_tensors_are_arrays(expected, form):
     assert np.array_equal(hits.array, expected)
 
 
-def test_rays_are_read_where_they_lie(expected):
+def test_rays_are_read_in_place(expected):
     scene = raysheaf.Scene()
     scene.add(tensor(SETTING.vertices), SETTING.triangles)
     rays = torch.zeros((len(SETTING.origins), 8))
@@ -84,7 +84,7 @@ def test_results_become_tensors():
     ],
     ids=["with gradient", "bfloat16", "sparse", "complex", "shape", "without data"],
 )
-def test_what_cannot_be_read_is_named(wrong):
+def test_unreadable_tensors_are_named(wrong):
     scene = raysheaf.Scene()
     scene.add(SETTING.vertices, SETTING.triangles)
     with pytest.raises((TypeError, ValueError), match="^directions"):

@@ -1,4 +1,4 @@
-"""trimesh's ray interface, by raysheaf."""
+"""trimesh's ray interface, implemented by raysheaf."""
 
 from __future__ import annotations
 
@@ -45,7 +45,8 @@ def test_hits_lie_on_their_faces_and_on_their_rays(mesh):
     assert (np.einsum("ij,ij->i", along, directions[index_ray]) > 0).all()
     weights = trimesh.triangles.points_to_barycentric(mesh.triangles[index_tri], locations)
     assert weights.min() > -1e-4
-    # Sorted by ray, from near to far; a closed mesh is left as often as it is entered.
+    # Hits are sorted by ray, then from near to far; a ray leaves a closed mesh as often as it
+    # enters.
     assert (np.diff(index_ray) >= 0).all()
     distance = np.linalg.norm(along, axis=1)
     assert (np.diff(distance)[np.diff(index_ray) == 0] > 0).all()
@@ -122,7 +123,7 @@ def test_an_answer_does_not_depend_on_the_rest_of_the_batch():
     rng = np.random.default_rng(0)
     mesh = trimesh.creation.box()
     ours = RayMeshIntersector(mesh)
-    # From a lattice to the corners, which edges and corners of faces decide.
+    # Rays from a lattice to the corners hit edges and corners of faces.
     origins = rng.integers(-3, 4, (2000, 3)) * 0.5
     origins = origins[(np.abs(origins) > 0.5).any(axis=1)]
     directions = mesh.vertices[rng.integers(0, 8, len(origins))] - origins
@@ -146,7 +147,8 @@ def test_rays_from_far_away(distance):
 
 def test_many_rays_are_answered_as_few_are(mesh):
     origins, directions = rays_about(mesh, 40_000)
-    origins[7] = np.nan  # the second half: other blocks, and all rays can be asked at once
+    # The second half is processed in other blocks, and all of its rays can be queried at once.
+    origins[7] = np.nan
     ask = mesh.ray.intersects_id
     for options in ({}, {"max_hits": 1}, {"max_hits": 3}, {"multiple_hits": False}):
         tri, ray, places = ask(origins, directions, return_locations=True, **options)
@@ -155,7 +157,7 @@ def test_many_rays_are_answered_as_few_are(mesh):
             some = slice(begin, begin + 16_000)
             of = ask(origins[some], directions[some], return_locations=True, **options)
             pieces.append((of[0], of[1] + begin, of[2]))
-        # A batch with a ray that is none goes by unit directions: the last digits differ.
+        # A batch with an invalid ray is converted with unit directions, so the last digits differ.
         expected = [np.concatenate(column) for column in zip(*pieces)]
         assert np.array_equal(tri, expected[0]) and np.array_equal(ray, expected[1])
         assert np.allclose(places, expected[2], rtol=0, atol=1e-12)
@@ -240,7 +242,8 @@ def test_vertices_of_no_face_do_not_count(far):
 
 @pytest.mark.parametrize("gap, kept", [(2.0, 300), (1.2, 300), (0.8, 150), (0.4, 100), (0.01, 3)])
 def test_layers_near_to_each_other(gap, kept):
-    """One hit counts for what lies within a millionth of the mesh's size behind it, and no more."""
+    """Hits within a millionth of the mesh's size behind a hit count as the same hit, and no others
+    do."""
     layers = np.zeros((300, 3, 3))
     layers[:, 1, 0] = layers[:, 2, 1] = 0.6
     size = np.linalg.norm([0.6, 0.6])
@@ -287,7 +290,7 @@ def test_only_meshes():
 
 
 def test_primitives(monkeypatch):
-    # trimesh makes their engine before they have data.
+    # trimesh creates a primitive's engine before the primitive has data.
     monkeypatch.setattr(trimesh.ray.ray_triangle, "RayMeshIntersector", RayMeshIntersector)
     box = trimesh.primitives.Box()
     assert isinstance(box.ray, RayMeshIntersector)
@@ -329,13 +332,13 @@ def test_contains_points(mesh):
     rng = np.random.default_rng(0)
     points = rng.uniform(-4.5, 4.5, (2000, 3))
     ring = np.hypot(points[:, 0], points[:, 1]) - 3
-    depth = 1 - np.hypot(ring, points[:, 2])  # in the tube
+    depth = 1 - np.hypot(ring, points[:, 2])  # inside the tube
     sure = np.abs(depth) > 0.05
     assert np.array_equal(mesh.contains(points)[sure], (depth > 0)[sure])
 
 
 @pytest.mark.parametrize("wrong", [np.nan, np.inf])
-def test_contains_points_beside_faces_that_are_not_finite(wrong):
+def test_contains_points_with_faces_that_are_not_finite(wrong):
     ball = trimesh.creation.icosphere()
     corners = [[5, 5, 5], [6, 5, wrong], [5, 6, 5]]
     faces = np.vstack([ball.faces, [np.arange(3) + len(ball.vertices)]])
@@ -344,7 +347,7 @@ def test_contains_points_beside_faces_that_are_not_finite(wrong):
     assert mesh.contains([[0, 0, 0], [0.3, 0.2, 0.1], [0, 0, 2]]).tolist() == [True, True, False]
 
 
-def test_contains_points_where_there_are_none(mesh):
+def test_contains_points_without_points(mesh):
     empty = trimesh.Trimesh()
     empty.ray = RayMeshIntersector(empty)
     assert empty.contains(np.zeros((2, 3))).tolist() == [False, False]

@@ -1,4 +1,4 @@
-"""A mesh that changes while trimesh's ray interface follows it, and what comes in between."""
+"""A mesh that changes while trimesh's ray interface follows it, with interruptions in between."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def test_handlers_of_signals_may_ask(mesh):
 
 
 @pytest.mark.parametrize("change", ["add", "update", "replace"])
-def test_an_interrupted_change_is_made_up_for(mesh, change):
+def test_an_interrupted_change_is_completed_later(mesh, change):
     rng = np.random.default_rng(0)
     origins = rng.normal(size=(500, 3)) * 8
     rays = origins, rng.uniform(-2, 2, (500, 3)) - origins

@@ -1,4 +1,4 @@
-"""Meshes so small or so large that doubles have no room for products of their lengths."""
+"""Meshes so small or so large that products of their lengths underflow or overflow in float64."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_any_size_that_is_a_number(size):
 
 @pytest.mark.parametrize("told", ["raise", "warn"])
 @pytest.mark.parametrize("wrong", [1e-60, 1e-310, np.nan, np.inf])
-def test_rounding_is_nothing_to_complain_about(told, wrong):
+def test_rounding_raises_no_warning(told, wrong):
     ball = trimesh.creation.icosphere(subdivisions=2)
     vertices = ball.vertices * [1, 1, 1e-60]
     vertices[3] = wrong

@@ -1,4 +1,4 @@
-"""What checkers of types know of the package, as its users see it."""
+"""The types that type checkers find in the package, as its users see them."""
 
 from __future__ import annotations
 

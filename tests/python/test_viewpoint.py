@@ -1,4 +1,4 @@
-"""From where a picture is seen, its light where the scene has none, and its background."""
+"""The viewpoint of an image, its light if the scene has none, and its background."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ f 2 3 4
 
 
 def spanned(picture):
-    """The larger part of the width or height in which something is seen."""
+    """The larger of the fractions of width and height that the scene covers."""
     rows, columns = np.nonzero(picture.inst_id != raysheaf.INVALID_ID)
     height, width = picture.inst_id.shape
     return max(np.ptp(rows) / height, np.ptp(columns) / width)
@@ -70,7 +70,7 @@ def test_viewpoints_are_those_of_the_command_line(tmp_path):
 
 
 def pixels_of(path):
-    """A PNG of eight bits and three channels, with whichever filters it has."""
+    """Decodes an 8-bit PNG with three channels and any filters."""
     data, at, packed = path.read_bytes(), 8, b""
     width, height = struct.unpack(">II", data[16:24])
     while at < len(data):

@@ -1,5 +1,5 @@
-# The Python module: one test a file, the examples in its docstrings and in the pages, its types.
-# Where it was not built, one test that is skipped says so.
+# The Python module: one test per file, the examples in its docstrings and in the pages, its types.
+# If the module was not built, a single skipped test reports it.
 if(RAYSHEAF_HAS_PYTHON)
   execute_process(COMMAND ${Python_EXECUTABLE} -c "import numpy, pytest"
     RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET)
@@ -13,7 +13,7 @@ endif()
 
 function(raysheaf_python_test name)
   add_test(NAME python/${name} COMMAND ${Python_EXECUTABLE} ${ARGN})
-  # 5: pytest found nothing to run, because a package that it needs is missing.
+  # Exit code 5: pytest found no tests, because a package that they need is missing.
   set_tests_properties(python/${name} PROPERTIES WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
     ENVIRONMENT "PYTHONPATH=${PROJECT_BINARY_DIR}/python;PYTHONDONTWRITEBYTECODE=1"
     SKIP_RETURN_CODE 5 TIMEOUT 300)

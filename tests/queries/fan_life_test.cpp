@@ -1,4 +1,4 @@
-// Fans that are given up, and what the engine makes of that when its triangles change.
+// Fans that are abandoned, and the engine's decisions when triangles change afterwards.
 #include "dual/dual_scenes.h"
 #include "queries/planned_queries.h"
 
@@ -11,10 +11,10 @@ bool told(const QueryReport& report, const std::string& text) {
   });
 }
 
-/// Each triangle stands before all rays of `rays_from_one_point`.
+/// Each triangle is in front of all rays of `rays_from_one_point`.
 Soup dense_soup(Random& random) {
   Soup dense = make_soup(Shape::kSmall, 3000, random);
-  for (std::size_t i = 0; i < dense.positions.size(); ++i) {  // each before all rays
+  for (std::size_t i = 0; i < dense.positions.size(); ++i) {
     constexpr Vec3 kCorners[] = {{-90, -90, 0}, {90, -90, 0}, {0, 120, 0}};
     dense.positions[i] = kCorners[i % 3] + Vec3{0, 0, 10 + random.unit()};
   }
@@ -33,8 +33,8 @@ std::vector<Ray> rays_from_one_point() {
   return rays;
 }
 
-/// The pairs of a fan that was given up predict nothing for other triangles.
-TEST(PlannedQueries, AFanThatWasGivenUpIsTriedOnOtherTriangles) {
+/// The number of pairs of an abandoned fan predicts nothing about other triangles.
+TEST(PlannedQueries, AnAbandonedFanIsTriedOnOtherTriangles) {
   Random random(17);
   Soup dense = dense_soup(random), sparse = make_soup(Shape::kSmall, 3000, random);
   const std::vector<Ray> rays = rays_from_one_point();
@@ -52,9 +52,9 @@ TEST(PlannedQueries, AFanThatWasGivenUpIsTriedOnOtherTriangles) {
   EXPECT_FALSE(ask().used_tree);
 }
 
-/// Where one set of triangles after another is too much for a fan, it is seldom tried; and it comes
-/// back where they no longer are. Answers are the same.
-TEST(PlannedQueries, FansThatAreGivenUpAgainAndAgainAreTriedRarelyAndComeBack) {
+/// If a fan fails for one set of triangles after another, it is rarely tried, and it is used again
+/// when it succeeds. The answers do not change.
+TEST(PlannedQueries, FansThatFailRepeatedlyAreTriedRarelyAndComeBack) {
   Random random(17);
   Soup dense = dense_soup(random), sparse = make_soup(Shape::kSmall, 3000, random);
   const std::vector<Ray> rays = rays_from_one_point();
@@ -75,7 +75,7 @@ TEST(PlannedQueries, FansThatAreGivenUpAgainAndAgainAreTriedRarelyAndComeBack) {
     }
   };
   frames(dense, 40);
-  EXPECT_EQ(given_up, 6u);  // at the frames 0, 1, 3, 7, 15, 31
+  EXPECT_EQ(given_up, 6u);  // at frames 0, 1, 3, 7, 15, 31
   EXPECT_EQ(waited, 34u);
   frames(sparse, 40);
   EXPECT_EQ(given_up, 6u);

@@ -1,4 +1,4 @@
-// Which batches are taken for pictures.
+// Detects which batches are rows of an image.
 #include "queries/picture_rows.h"
 
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace raysheaf::test {
 namespace {
 
-/// Where a picture's ray runs, by its column and row in pixels.
+/// Computes an image's ray from its column and row in pixels.
 using Pixel = Ray (*)(float x, float y);
 
 Ray perspective(float x, float y) {
@@ -56,14 +56,14 @@ TEST(PictureRows, AreNotFoundWhereThereAreNone) {
   EXPECT_EQ(row_of(scattered), 0u);
 }
 
-/// A scanner's rings lie much farther from each other than its rays in a ring.
+/// A scanner's rings are much farther apart than the rays within a ring.
 TEST(PictureRows, AreNotTakenForTilesWhereTheyLieFarApart) {
   EXPECT_EQ(row_of(picture(
                 600, 20, [](float x, float y) { return perspective(x, 9 * y); }, 0)),
             0u);
 }
 
-/// Tiles, row after row of them, are in a good order as they are.
+/// Rays that come in tiles, row after row of them, are already in a good order.
 TEST(PictureRows, AreNotThoseOfTiles) {
   std::vector<Ray> rays;
   for (std::size_t i = 0; i < 40000; ++i) {

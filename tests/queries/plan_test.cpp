@@ -1,4 +1,4 @@
-// What the plan chooses for which rays and scenes.
+// The plan's choices for different rays and scenes.
 #include "queries/plan.h"
 
 #include "dual/dual_scenes.h"
@@ -13,7 +13,7 @@ std::vector<Ray> from_one_point(std::size_t count, Random& random) {
   return rays;
 }
 
-/// A picture's worth, row by row, from nearly one point.
+/// As many rays as an image has, row by row, from nearly one point.
 std::vector<Ray> picture(std::uint32_t side) {
   std::vector<Ray> rays;
   for (std::uint32_t y = 0; y < side; ++y)
@@ -32,7 +32,7 @@ std::vector<Ray> disorder(std::size_t count, Random& random) {
   return rays;
 }
 
-/// Origins along rows, directions anywhere: ambient occlusion.
+/// Origins along rows, random directions: ambient occlusion.
 std::vector<Ray> scattered(std::uint32_t side, Random& random) {
   std::vector<Ray> rays = picture(side);
   for (Ray& ray : rays) ray.direction = random.direction();
@@ -62,7 +62,7 @@ TEST(Plan, FanForRaysOfOneOrigin) {
   EXPECT_TRUE(fan.fan);
   EXPECT_TRUE(says(fan, "rays of one origin: triangles stream"));
   EXPECT_FALSE(plan_of(history(100000), rays, false).fan);
-  // A tree that stands is cheaper for few rays.
+  // For few rays, using an existing tree is cheaper.
   SceneHistory standing = history(1000000);
   standing.built = true;
   const std::vector<Ray> few(rays.begin(), rays.begin() + 100);
@@ -75,14 +75,14 @@ TEST(Plan, FanForRaysOfOneOrigin) {
   EXPECT_FALSE(says(other, "one origin"));
 }
 
-TEST(Plan, FanByWhatItMetLast) {
+TEST(Plan, FanByItsLastPairs) {
   Random random(7);
   const std::vector<Ray> rays = from_one_point(200000, random);
   SceneHistory scene = history(200000);
   EXPECT_TRUE(plan_of(scene, rays, true).fan);
   scene.fan_pairs = 5;
   EXPECT_FALSE(plan_of(scene, rays, true).fan);
-  // A tree that would be built for one frame does not pay where one that is refitted does.
+  // Building a tree for one frame does not pay if another tree can be refitted.
   scene.fan_pairs = 0.8;
   EXPECT_TRUE(plan_of(scene, rays, true).fan);
   scene.moves = scene.patience;
@@ -98,7 +98,7 @@ TEST(Plan, FewerRaysOfAFanMeetFewerTriangles) {
   SceneHistory scene = history(200000);
   scene.fan_pairs = 0.8;  // a model without the growth would refuse more than 0.5
   EXPECT_TRUE(plan_of(scene, few, true).fan);
-  scene.fan_pairs = 1.1;  // and for all rays it would refuse more than 0.9
+  scene.fan_pairs = 1.1;  // for all rays, it would refuse more than 0.9
   EXPECT_TRUE(plan_of(scene, few, true).fan);
   EXPECT_FALSE(plan_of(scene, rays, true).fan);
 }
@@ -111,12 +111,12 @@ TEST(Plan, FanUpToThePairsThatAreWorthIt) {
   ASSERT_TRUE(plan.fan);
   EXPECT_GE(plan.most_fan_pairs, scene.fan_pairs * scene.triangles);
   EXPECT_LE(plan.most_fan_pairs, 600000u);
-  // With so many a triangle there would be no fan.
+  // With so many pairs per triangle, the plan would not choose a fan.
   scene.fan_pairs = static_cast<double>(plan.most_fan_pairs) / scene.triangles;
   EXPECT_FALSE(plan_of(scene, rays, true).fan);
 }
 
-/// Of `changes` sets of triangles in a row, those that a fan is tried on.
+/// The indices, among `changes` successive sets of triangles, of those on which a fan is tried.
 std::vector<int> attempts(SceneHistory* scene, int changes, bool given_up) {
   std::vector<int> tried;
   for (int i = 0; i < changes; ++i) {
@@ -128,15 +128,15 @@ std::vector<int> attempts(SceneHistory* scene, int changes, bool given_up) {
   return tried;
 }
 
-TEST(Plan, FansThatAreGivenUpAreTriedEverMoreRarely) {
+TEST(Plan, AbandonedFansAreTriedMoreAndMoreRarely) {
   SceneHistory scene = history(200000);
   EXPECT_EQ(attempts(&scene, 20, false).size(), 20u);
   EXPECT_EQ(attempts(&scene, 256, true), (std::vector<int>{0, 1, 3, 7, 15, 31, 63, 127, 191, 255}));
-  // The way back: after the last pause each attempt succeeds, and there are no more pauses.
+  // Recovery: after the last pause each attempt succeeds, and there are no more pauses.
   const std::vector<int> back = attempts(&scene, 200, false);
   EXPECT_EQ(back.front(), 63);
   EXPECT_EQ(back.size(), 200u - 63u);
-  // One failure among successes is soon forgotten.
+  // The effect of one failure among successes ends soon.
   EXPECT_EQ(attempts(&scene, 1, true).size(), 1u);
   EXPECT_EQ(attempts(&scene, 10, false).front(), 0);
 }
@@ -200,7 +200,7 @@ TEST(Plan, CoherenceOfOrders) {
     EXPECT_LE(sample_coherence(RaysInPlace({rays.data(), few})).direction, 1);
 }
 
-TEST(Plan, SaysWhichRaysAreAlike) {
+TEST(Plan, RecognisesCoherentRays) {
   Random random(5);
   EXPECT_TRUE(plan_of(history(100000), picture(128)).alike);
   EXPECT_FALSE(plan_of(history(100000), scattered(128, random)).alike);
@@ -234,7 +234,7 @@ TEST(Plan, TreeByHistory) {
   expect(TreeWork::kRefit, "refitted");
   scene.degraded = true;
   expect(TreeWork::kRebuild, "degraded");
-  scene.moved = false;  // spoilt, but needed again
+  scene.moved = false;  // degraded, but needed again
   expect(TreeWork::kRebuild, "degraded");
   scene.rays_since_change = 1000000000;
   expect(TreeWork::kRebuildFinely, "so many rays");
@@ -245,7 +245,7 @@ TEST(Plan, TreeByHistory) {
   expect(TreeWork::kRefit, "refitted");
 }
 
-TEST(Plan, ReasonsWhereAsked) {
+TEST(Plan, GivesReasonsOnRequest) {
   Random random(5);
   const std::vector<Ray> rays = disorder(1000, random);
   const Plan told = plan_of(history(100), rays);
@@ -260,7 +260,7 @@ TEST(Plan, ReasonsWhereAsked) {
   EXPECT_EQ(silent.bundle, told.bundle);
 }
 
-/// Directions and origins at the ends of the range leave no figure that is not a number.
+/// Directions and origins at the limits of binary32 must not make any figure NaN.
 TEST(Plan, ExtremeRays) {
   Random random(6);
   for (const float scale : {1e-44f, 1e-20f, 1e20f, 3e38f}) {
@@ -277,7 +277,7 @@ TEST(Plan, ExtremeRays) {
   }
 }
 
-TEST(Plan, WaitsLongerForEveryFineTreeThatWasSpoilt) {
+TEST(Plan, WaitsLongerAfterEveryDegradedFineTree) {
   SceneHistory scene = history(1000);
   scene.moves = 5;
   scene.wait_longer();

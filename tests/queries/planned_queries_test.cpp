@@ -1,4 +1,4 @@
-// The engine through a scene's life: triangles that come, move and go, and queries in between.
+// The engine during a scene's life: triangles are added, moved and removed between queries.
 #include "queries/planned_queries.h"
 
 #include <memory>
@@ -9,7 +9,7 @@
 namespace raysheaf::test {
 namespace {
 
-/// A scene whose arrays are spoilt and freed before the engine hears of the next.
+/// A scene whose arrays are overwritten and freed before the engine gets the next ones.
 class Stage {
  public:
   void set(Soup soup, bool same) {
@@ -57,7 +57,7 @@ testing::AssertionResult right(const HitRows& rows, const Batch& b, const std::v
   Answers a;
   a.closest = b.closest;
   a.any = b.any;
-  a.all = b.all;  // sorted as they should be, or not right
+  a.all = b.all;  // not sorted as required, or wrong
   return test::right(rows, a, rays);
 }
 
@@ -78,7 +78,7 @@ Soup moved(Soup soup, float by, Random& random) {
   return soup;
 }
 
-/// Rays of one origin, of a picture, of none of these.
+/// Rays from one origin, of an image, or incoherent ones.
 std::vector<Ray> some_rays(const Soup& soup, Random& random) {
   if (soup.count() == 0) return {{{}, 0, {0, 0, 1}, kInfinity}};
   std::vector<Ray> rays = any_rays(soup, 20 + random.below(400), random);
@@ -107,7 +107,7 @@ TEST(PlannedQueries, ALifeOfMovesAndReplacements) {
       } else if (what < 5) {
         stage.set(moved(stage.soup(), random.below(4) == 0 ? 10 : 0.1f, random), true);
       } else if (what == 5) {
-        // Says that they are the same, but there are more.
+        // Reports the triangles as the same, but there are more.
         Soup more = stage.soup();
         add_random(Shape::kSmall, random, &more);
         stage.set(more, true);
@@ -142,7 +142,7 @@ TEST(PlannedQueries, NoTrianglesAndNoRays) {
   flat.add({1, 2, 3}, {2, 4, 6}, {3, 6, 9});
   stage.set(flat, false);
   expect_engine_right(&stage, rays);
-  // A triangle without area gains one where it is only said to have moved, and loses it.
+  // A degenerate triangle gains an area and loses it, although triangles are reported as moved.
   for (int i = 0; i < 4; ++i) {
     stage.set(make_soup(Shape::kSingle, 1, random), true);
     expect_engine_right(&stage, any_rays(stage.soup(), 50, random));
@@ -187,7 +187,7 @@ TEST(PlannedQueries, RowsWithTies) {
   expect_engine_right(&stage, rays);
 }
 
-/// A sample that seems to share an origin, and one ray that starts elsewhere.
+/// The sampled rays share an origin, but one of the rays starts elsewhere.
 TEST(PlannedQueries, AlmostOneOrigin) {
   Random random(21);
   Stage stage;
@@ -262,7 +262,7 @@ TEST(PlannedQueries, SameWithAnyThreads) {
   }
 }
 
-/// Closest hits of a hundred rays, one frame after the other; how often a text was a reason.
+/// Closest hits of a hundred rays, frame by frame; counts how often a text was the plan's reason.
 class Frames {
  public:
   void frame(const Soup& soup, bool same, Random& random) {
@@ -297,15 +297,15 @@ TEST(PlannedQueries, TrianglesThatKeepMovingGetAFineTreeOnce) {
   }
   EXPECT_EQ(frames.count("are new"), 1u);
   EXPECT_EQ(frames.count("built finely"), 1u);
-  EXPECT_EQ(frames.count("refitted"), 59u - 1 + 1);  // "to be refitted from now on" is one
+  EXPECT_EQ(frames.count("refitted"), 59u - 1 + 1);  // "to be refitted from now on" is one of them
   EXPECT_EQ(frames.count("spoilt"), 0u);
   frames.frame(make_soup(Shape::kSmall, 500, random), false, random);
   EXPECT_TRUE(said(frames.last(), "are new"));
 }
 
-/// Triangles that change places with each other at every step: no tree can be refitted, and fine
-/// ones are tried less and less often.
-TEST(PlannedQueries, SpoiltTreesAreBuiltAgainAndFineOnesRarely) {
+/// Triangles that swap places in each frame: no tree can be refitted, and finely built ones are
+/// tried less and less often.
+TEST(PlannedQueries, DegradedTreesAreRebuiltAndFineOnesRarely) {
   Random random(13);
   Frames frames;
   for (int i = 0; i < 200; ++i) frames.frame(make_soup(Shape::kSmall, 500, random), i > 0, random);
@@ -314,8 +314,8 @@ TEST(PlannedQueries, SpoiltTreesAreBuiltAgainAndFineOnesRarely) {
   EXPECT_LE(frames.count("built finely"), 8u);
 }
 
-/// What one great move has spoilt is not kept for good where triangles then stay.
-TEST(PlannedQueries, ASpoiltTreeOfTrianglesThatStayIsBuiltAgain) {
+/// A tree that a large move has degraded is rebuilt if triangles then stay in place.
+TEST(PlannedQueries, ADegradedTreeOfStaticTrianglesIsRebuilt) {
   Random random(17);
   for (const int moves : {1, 9}) {
     Stage stage;
@@ -340,7 +340,7 @@ TEST(PlannedQueries, ASpoiltTreeOfTrianglesThatStayIsBuiltAgain) {
   }
 }
 
-/// Fine trees are as rare where refits fail, for triangles gain an area.
+/// Finely built trees are as rare if refits fail because triangles gain an area.
 TEST(PlannedQueries, FlickeringTrianglesDoNotBuildFineTreesForEver) {
   Random random(14);
   Frames frames;
@@ -368,7 +368,7 @@ TEST(PlannedQueries, MemoryStaysOverFrames) {
   EXPECT_LE(moving.memory()[199], moving.memory()[50] * 101 / 100);
   EXPECT_GT(moving.memory()[199], 1000u * 40);
   EXPECT_LT(changing.memory()[199], changing.memory()[50] * 11 / 10);
-  // Shadow rays of one light: the fan's memory is used again too.
+  // Shadow rays of one light: the fan's memory is reused, too.
   Stage stage;
   std::vector<std::size_t> memory;
   for (int i = 0; i < 100; ++i) {

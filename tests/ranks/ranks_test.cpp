@@ -1,5 +1,6 @@
-// Processes that share rays or geometry: the same bits as one, whoever does what, and one's failure
-// is everyone's. The processes are threads here; tests/app/mpi_test.cpp starts real ones.
+// Processes that share rays or geometry give the bits of a single process, however work is divided,
+// and one's failure stops all. The processes are threads here; tests/app/mpi_test.cpp starts real
+// ones.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -58,7 +59,7 @@ TEST(Ranks, OneFailureIsEveryones) {
       if (ranks->rank() == who) throw Error(ErrorCode::kIo, "cannot be read", "block 3");
       share_out(*ranks, pieces_of(1'000'000'000, 3), [](std::size_t, std::size_t) {});
       ranks->combine({}, 1, nullptr);
-      ADD_FAILURE() << "nobody was told";
+      ADD_FAILURE() << "no rank reported the failure";
     });
     const std::string sentence = "rank " + std::to_string(who) + ": block 3: cannot be read";
     EXPECT_EQ(errors, std::vector<std::string>(3, sentence));
@@ -76,7 +77,7 @@ RenderOptions small_frame(Method method) {
   return options;
 }
 
-/// The layers in which they differ.
+/// The names of the layers that differ.
 std::string differing(const RenderResult& a, const RenderResult& b) {
   std::string names = a.exposure == b.exposure ? "" : "exposure ";
   const auto compare = [&](const char* name, const auto& x, const auto& y) {
@@ -94,7 +95,7 @@ std::string differing(const RenderResult& a, const RenderResult& b) {
   return names;
 }
 
-/// Whether all processes together counted what one counts.
+/// Expects that the counts of all processes add up to those of a single one.
 void expect_same_counts(const FrameStatistics& shared, const FrameStatistics& alone) {
   ASSERT_EQ(shared.batches.size(), alone.batches.size());
   for (std::size_t i = 0; i < alone.batches.size(); ++i) {
@@ -131,7 +132,7 @@ TEST(Ranks, PicturesByRaysHaveTheSameBits) {
   }
 }
 
-/// Groups of first hits are followed to their ends, each by one process.
+/// Each group of primary rays is traced to the end by one process.
 TEST(Ranks, PicturesByGroupsHaveTheSameBitsAndCounts) {
   RenderOptions options = small_frame(Method::kDual);
   options.bounces = 2;
@@ -164,7 +165,7 @@ TEST(Ranks, PicturesByGroupsHaveTheSameBitsAndCounts) {
   }
 }
 
-/// Each process's device has all of the frame, and follows parts of it.
+/// Each process's device has the whole frame and traces parts of it.
 TEST(Ranks, PicturesOnDevicesHaveTheSameBits) {
   SceneDescription scene = builtin_scene("cornell");
   add_curtain(&scene, 0, 1);
@@ -278,7 +279,7 @@ TEST(Ranks, QueriesHaveTheSameBits) {
     EXPECT_NE(error.find("rays[29999]"), std::string::npos) << error;
 }
 
-/// The second of two, where the first took every piece.
+/// The second of two processes, when the first took all the work.
 class Idle : public Communicator {
  public:
   [[nodiscard]] std::uint32_t rank() const override { return 1; }
@@ -290,7 +291,7 @@ class Idle : public Communicator {
   [[nodiscard]] Error fail(const Error& error) noexcept override { return error; }
 };
 
-TEST(Ranks, WhoeverHasNothingToDoSeesTheTriangles) {
+TEST(Ranks, AnIdleRankReportsTheTriangles) {
   Scene scene(distributed({Device::kCpu, 1}, std::make_shared<Idle>()));
   const std::vector<Vec3> corners{{0, 0, 1}, {1, 0, 1}, {0, 1, 1}};
   scene.add_soup(corners, {.mask = 1});

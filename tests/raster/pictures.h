@@ -1,5 +1,4 @@
-// Scenes by hand, random triangles, and the naive answer that rasterised pictures are compared
-// with.
+// Scenes made by hand, random triangles, and brute force answers for rasterised images.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +14,6 @@
 
 namespace raysheaf::test {
 
-/// Adds a triangle to a scene.
 inline void add(FlatScene& scene, Vec3 a, Vec3 b, Vec3 c, std::uint8_t flags = 0) {
   const Vec3 corners[3] = {a, b, c};
   for (int k = 0; k < 3; ++k) {
@@ -56,7 +54,7 @@ inline FlatScene soup(std::uint32_t count, float size, std::uint32_t seed, Vec3 
   return scene;
 }
 
-/// What each pixel's ray sees of all triangles: the least (t, number).
+/// Each pixel's closest triangle by brute force: the smallest (t, number).
 inline std::vector<std::uint32_t> cast(const FlatScene& scene, const Camera& camera,
                                        std::uint32_t width, std::uint32_t height) {
   const CameraFrame frame = make_camera_frame(camera, width, height);
@@ -82,7 +80,7 @@ inline std::vector<std::uint32_t> cast(const FlatScene& scene, const Camera& cam
   return picture;
 }
 
-/// Whether all pixels around (x, y) hold one id.
+/// Whether all pixels around (x, y) have the same id.
 inline bool is_interior(const std::vector<std::uint32_t>& picture, std::uint32_t width,
                         std::uint32_t height, std::uint32_t x, std::uint32_t y) {
   std::set<std::uint32_t> ids;
@@ -95,8 +93,8 @@ inline bool is_interior(const std::vector<std::uint32_t>& picture, std::uint32_t
 }
 
 struct Difference {
-  std::uint32_t pixels = 0;    ///< that differ
-  std::uint32_t interior = 0;  ///< of them, those away from every border of `expected`
+  std::uint32_t pixels = 0;    ///< how many differ
+  std::uint32_t interior = 0;  ///< how many of them are away from every border in `expected`
 };
 
 inline Difference compare(const std::vector<std::uint32_t>& expected,
@@ -119,7 +117,7 @@ inline Camera camera_at(Vec3 eye, Vec3 target) {
   return camera;
 }
 
-/// Whether there is OpenGL here.
+/// Whether OpenGL is available.
 inline bool has_graphics() {
   try {
     const Rasterizer rasterizer;

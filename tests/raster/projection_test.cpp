@@ -17,7 +17,7 @@ struct Clip {
   double x, y, z, w;
 };
 
-/// The point at `t`, in binary64, so that only the matrix's rounding shows.
+/// Projects the point at `t` in binary64, so that only the matrix's rounding shows.
 Clip project(const ClipMatrix& m, const CameraFrame& frame, const Ray& ray, double t) {
   const double x = double{ray.origin.x} - frame.eye.x + t * ray.direction.x;
   const double y = double{ray.origin.y} - frame.eye.y + t * ray.direction.y;
@@ -47,7 +47,7 @@ TEST(Projection, PointsOnAPixelsRayLandOnItsCentre) {
     const std::uint32_t width = 200 + random.below(1000), height = 200 + random.below(1000);
     const CameraFrame frame = make_camera_frame(camera, width, height);
     const std::uint32_t x = random.below(width), y = random.below(height);
-    // Depths that the picture's extent is not lost in.
+    // Depths at which the image's extent is not lost to rounding.
     const float deep = frame.z_near + (camera.orthographic ? 20 * camera.y_mag : 1000);
     const float t = random.between(frame.z_near, std::min(frame.z_far, deep));
     const Clip clip = project(clip_matrix(frame, 2000), frame, camera_ray(frame, x, y), t);
@@ -94,8 +94,8 @@ TEST(Projection, FarthestDepthReachesEveryCorner) {
   EXPECT_EQ(farthest_depth(make_camera_frame(Camera{}, 8, 8), {{-1, -1, 1}, {1, 1, 2}}), 0);
 }
 
-/// What the pixels see is never left out, and the order is that of the numbers.
-TEST(TrianglePacker, KeepsWhatIsSeen) {
+/// Every visible triangle is packed, and numbers are in ascending order.
+TEST(TrianglePacker, KeepsVisibleTriangles) {
   Random random(4);
   for (std::uint32_t seed = 0; seed < 6; ++seed) {
     const FlatScene scene = soup(5000, 0.2f, seed);

@@ -31,9 +31,9 @@ std::vector<std::uint32_t> rendered(Rasterizer& rasterizer, const FlatScene& sce
   return picture;
 }
 
-/// The contract: of what OpenGL draws at most one pixel in a thousand differs from brute force (and
-/// one more, for small pictures); of what is resolved one in five thousand, none of them away from
-/// a border between triangles.
+/// The contract: OpenGL's image differs from brute force in at most one pixel of a thousand (plus
+/// one, for small images). After resolving, it differs in one of five thousand, and only at borders
+/// between triangles.
 void expect_like_brute_force(Rasterizer& rasterizer, const FlatScene& scene, const Camera& camera,
                              std::uint32_t width, std::uint32_t height) {
   const auto expected = cast(scene, camera, width, height);
@@ -109,7 +109,7 @@ TEST_F(RasterizerTest, PicturesOfAnyShape) {
 TEST_F(RasterizerTest, CameraAmongTheTriangles) {
   for (std::uint32_t seed = 20; seed < 24; ++seed) {
     SCOPED_TRACE(seed);
-    // Many triangles pass through the near plane and behind the eye.
+    // Many triangles cross the near plane or lie behind the camera.
     FlatScene scene = soup(200, 3, seed);
     Camera camera = camera_at({0.1f, 0, 0.05f}, {0.3f, 0.2f, -1});
     camera.z_near = 0.05f;
@@ -220,7 +220,7 @@ TEST_F(RasterizerTest, SidesAreShownAsTheFlagsSay) {
 }
 
 TEST_F(RasterizerTest, SharedEdgesLeaveNoCracks) {
-  // A wavy sheet that fills the picture: no pixel may see the background behind it.
+  // A wavy sheet that fills the image: no pixel may show the background behind it.
   FlatScene scene;
   Random random(9);
   constexpr int kSide = 24;
@@ -275,7 +275,7 @@ TEST_F(RasterizerTest, ManyTrianglesInSeveralDrawCalls) {
   FlatScene scene;
   const std::uint32_t count = (1u << 20) + 1000;
   for (std::uint32_t i = 0; i < count; ++i) {
-    add(scene, {-9, -9, -3}, {9, -9, -3}, {-9, -8, -3});  // outside of the picture
+    add(scene, {-9, -9, -3}, {9, -9, -3}, {-9, -8, -3});  // outside of the image
   }
   add(scene, {-9, -9, -2}, {9, -9, -2}, {0, 9, -2});
   const auto picture = rendered(*rasterizer_, scene, Camera{}, 4, 4);
@@ -331,7 +331,7 @@ TEST_F(RasterizerTest, RefusesPicturesItCannotDraw) {
   EXPECT_EQ(code_for(0, 5), ErrorCode::kInvalidArgument);
   EXPECT_EQ(code_for(5, 0), ErrorCode::kInvalidArgument);
   EXPECT_EQ(code_for(1u << 20, 1), ErrorCode::kUnsupported);
-  EXPECT_EQ(rendered(*rasterizer_, scene, Camera{}, 4, 4).size(), 16u);  // and goes on
+  EXPECT_EQ(rendered(*rasterizer_, scene, Camera{}, 4, 4).size(), 16u);  // and it can go on
 }
 
 TEST(Rasterizer, SaysWhenThereIsNoGraphics) {

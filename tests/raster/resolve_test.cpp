@@ -17,7 +17,7 @@ std::vector<std::uint32_t> resolved(const FlatScene& scene, const Camera& camera
   return picture;
 }
 
-TEST(Resolve, LeavesTheTruthAlone) {
+TEST(Resolve, KeepsCorrectPixels) {
   for (std::uint32_t seed = 0; seed < 4; ++seed) {
     const FlatScene scene = soup(200, 0.6f, seed);
     const Camera camera = camera_at({1, 0.5f, 3}, {});
@@ -27,7 +27,7 @@ TEST(Resolve, LeavesTheTruthAlone) {
 }
 
 /// Moves ids across borders: some pixels take the id of their right or lower neighbour.
-TEST(Resolve, SetsBordersRight) {
+TEST(Resolve, CorrectsBorders) {
   for (std::uint32_t seed = 10; seed < 14; ++seed) {
     const FlatScene scene = soup(60, 1, seed);
     Camera camera = camera_at({1, 0.5f, 3}, {});
@@ -44,14 +44,14 @@ TEST(Resolve, SetsBordersRight) {
       }
     }
     ASSERT_GT(moved, 10u);
-    // Lost is what was right by its ray, but hidden by a triangle that no neighbour holds.
+    // The resolve cannot restore a pixel whose triangle is in none of its neighbours.
     const Difference left = compare(truth, resolved(scene, camera, wrong), kWidth, kHeight);
     EXPECT_LE(left.pixels, moved / 10);
     EXPECT_EQ(left.interior, 0u);
   }
 }
 
-TEST(Resolve, WhoseRayMissesItsTriangleSeesTheTruth) {
+TEST(Resolve, CorrectsPixelsWhoseRayMissesTheirTriangle) {
   for (std::uint32_t seed = 20; seed < 24; ++seed) {
     const FlatScene scene = soup(100, 1.5f, seed);
     const Camera camera = camera_at({0.2f, 0.1f, seed % 2 == 0 ? 3.f : 0.5f}, {});
@@ -88,12 +88,12 @@ TEST(Resolve, SmallTrianglesAreFoundWhereNoPixelHoldsThem) {
   EXPECT_EQ(resolved(scene, camera, only_the_wall), truth);
 }
 
-TEST(Resolve, PicturesOfNothingAreNothing) {
+TEST(Resolve, EmptyImagesStayEmpty) {
   const FlatScene scene = soup(50, 1, 26);
   const std::vector<std::uint32_t> noise(kWidth * kHeight, 7);
   const Camera away = camera_at({0, 0, 9}, {0, 0, 20});
   const auto found = resolved(scene, away, noise);
-  EXPECT_EQ(found[0], kInvalidId);  // at the picture's edge nothing is taken on trust
+  EXPECT_EQ(found[0], kInvalidId);  // at the image's edge no id is trusted
   resolve_silhouettes(Executor(1), FlatScene{}, make_camera_frame(away, 0, 0), {});
 }
 

@@ -1,4 +1,4 @@
-// A device that shares OpenGL's memory: it draws its own triangles, and takes the picture.
+// A device that shares memory with OpenGL: it packs the triangles to draw and reads the image.
 #include "render/raster/slot_picture.h"
 
 #include <epoxy/gl.h>
@@ -16,7 +16,7 @@
 namespace raysheaf::test {
 namespace {
 
-/// Kept with OpenGL's buffer by a device.
+/// The device's data of an OpenGL buffer.
 struct Lease {
   unsigned buffer;
   int* gone;
@@ -29,7 +29,7 @@ struct Lease {
   }
 };
 
-/// A device that is the host: it shares OpenGL's memory as `packs` and `takes` allow.
+/// An emulated device: it shares OpenGL's memory as `packs` and `takes` allow.
 class HostDevice final : public SlotDevice {
  public:
   HostDevice(const Executor& executor, const FlatScene& scene, bool packs, bool takes)
@@ -86,7 +86,7 @@ TEST(SlotDevice, DrawsItsTrianglesAndTakesThePicture) {
   RAYSHEAF_GRAPHICS_OR_SKIP();
   auto rasterizer = std::make_unique<Rasterizer>();
   const Executor executor(2);
-  for (const std::uint32_t size : {9u, 40u, 40u, 17u, 64u}) {  // pictures and corners grow twice
+  for (const std::uint32_t size : {9u, 40u, 40u, 17u, 64u}) {  // images and corners grow twice
     const FlatScene scene = soup(10 * size, 0.5f, 7, {0, 0, -3});
     const CameraFrame frame = make_camera_frame({}, size, size + 3);
     const auto expected = rasterizer->visible_triangles(executor, scene, frame);

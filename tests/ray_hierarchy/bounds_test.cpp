@@ -1,5 +1,5 @@
-// Every bound, in the small: no hit is lost, at any level, and none is much looser than binary64
-// says it must be.
+// Every bound, tested on single nodes: no hit is lost at any level, and no bound is much looser
+// than binary64 requires.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,8 @@ const std::vector<BundleBound>& all_bounds() {
   return all;
 }
 
-/// How many (ray, node, triangle) that must meet are looked at, over all kinds of soup and bounds.
+/// How many triples (ray, node, triangle) that must meet are tested, over all kinds of soup and
+/// bounds.
 std::uint64_t triples_wanted() {
   return std::getenv("RAYSHEAF_LONG") != nullptr ? 10000000 : 200000;
 }
@@ -44,7 +45,7 @@ struct Situation {
   }
 };
 
-/// A point of a triangle: a corner, on an edge, inside.
+/// A point of a triangle: at a corner, on an edge, or inside.
 Vec3 point_of(const Situation& s, std::uint32_t i, Random& random) {
   const Vec3 a = s.scene.corner(i, 0), b = s.scene.corner(i, 1), c = s.scene.corner(i, 2);
   switch (random.below(4)) {
@@ -61,8 +62,8 @@ Vec3 point_of(const Situation& s, Random& random) {
   return point_of(s, random.below(kTriangles), random);
 }
 
-/// Rays at points of triangles, many from points of triangles: those are seen edge-on, and hit
-/// right at the rays' ends.
+/// Rays towards points of triangles, many from points of triangles: those see triangles edge-on and
+/// hit them exactly at the rays' ends.
 std::vector<Ray> aimed_rays(const Situation& s, Random& random) {
   const Vec3 half = (s.scene.bounds.max - s.scene.bounds.min) * 0.5f;
   const Vec3 middle = s.scene.bounds.min + half;
@@ -83,7 +84,7 @@ std::vector<Ray> aimed_rays(const Situation& s, Random& random) {
   return rays;
 }
 
-/// Leaves of one ray, many times: bounds as thin as can be. Half of them see a triangle edge-on.
+/// Leaves that repeat one ray have the thinnest bounds. Half of the rays see a triangle edge-on.
 std::vector<Ray> repeated_rays(const Situation& s, Random& random) {
   const Vec3 half = (s.scene.bounds.max - s.scene.bounds.min) * 0.5f;
   std::vector<Ray> rays;
@@ -101,7 +102,7 @@ std::vector<Ray> repeated_rays(const Situation& s, Random& random) {
   return rays;
 }
 
-/// Some leaves' rays end where they hit something, to the bit.
+/// Ends the rays of some leaves exactly at a hit.
 void end_some_rays(Situation* s, Random& random) {
   const bool whole_leaves = random.below(2) == 0;
   for (std::size_t i = 0; i < s->rays.size(); ++i) {
@@ -141,7 +142,7 @@ std::vector<HitPair> hits_of(const Situation& s) {
   return hits;
 }
 
-/// For each node of a level, which triangles it meets.
+/// For each node of a level: which triangles meet it.
 template <class Bound>
 std::vector<std::vector<bool>> met_at(const Situation& s, const std::vector<Bound>& nodes) {
   std::vector<std::vector<bool>> met;
@@ -203,7 +204,7 @@ void expect_same_on_every_target(const Situation& s) {
     const auto test = make_node_test(bound);
     std::vector<std::uint32_t> expected, out(kTriangles + 16);
     for (std::uint32_t i = 0; i < kTriangles; ++i) {
-      // One triangle alone is less than a block: the scalar test.
+      // Fewer triangles than a block are tested by scalar code.
       if (filter(test, from(fields, i), 1, out.data()) == 1) expected.push_back(i);
     }
     test::for_each_simd_target([&](const char* target) {
@@ -246,7 +247,8 @@ struct Moving {
   double lo[3], hi[3], lo_speed[3], hi_speed[3];
 };
 
-/// How far, at best, a moving box stays from a box: a convex function of t, by golden ratios.
+/// The smallest distance of a moving box from a box: the minimum of a convex function of t, by
+/// golden section search.
 double least_distance(const Moving& m, const Box& box) {
   const auto distance = [&](double t) {
     double most = -1e300;
@@ -307,7 +309,7 @@ void expect_tight_beam(std::uint64_t seed) {
     if (distance <= 0) {
       ASSERT_TRUE(hit) << i;
     }
-    // Rounding of t counts by the speeds, which are at most 20 or so.
+    // Rounding errors of t are multiplied by the speeds, which are at most about 20.
     if (hit) {
       ASSERT_LE(distance, 3e-4) << i;
     }
@@ -321,7 +323,8 @@ TEST(Bounds, BeamsAreAsTightAsTheExactTest) {
   expect_tight_beam<Frustum>(82);
 }
 
-/// From a ball's centre to a cone cut off at a reach, in the half plane of the header's drawing.
+/// The distance from a sphere's centre to a cone that is truncated at a reach, in the half plane of
+/// the header's drawing.
 double distance_to_cone(const FiniteCone& bound, Vec3 point) {
   const Vec3 x = bound.rays.directions.axis, c = bound.rays.origins.center;
   const double px = double{point.x} - c.x, py = double{point.y} - c.y, pz = double{point.z} - c.z;

@@ -24,7 +24,7 @@ std::vector<Ray> random_bundle(Random& random, float scale) {
   return rays;
 }
 
-/// From a point to the half line, in binary64.
+/// The distance from a point to the ray, in binary64.
 double distance(const Ray& ray, Vec3 point) {
   const double d[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
   const double v[3] = {double{point.x} - ray.origin.x, double{point.y} - ray.origin.y,
@@ -46,7 +46,7 @@ TEST(ConeSphere, NoBallThatARayTouchesIsRejected) {
       const std::vector<Ray> rays = random_bundle(random, scale);
       const ConeSphereTest node = make_cone_sphere_test(bound_rays(rays));
       const Ray& ray = rays[random.below(8)];
-      // A ball that just reaches the ray, somewhere along it.
+      // A sphere that just reaches the ray at some point.
       const float t = scale * std::pow(10.0f, random.between(-3, 2));
       const float radius =
           random.below(4) == 0 ? 0 : scale * std::pow(10.0f, random.between(-5, 1));
@@ -58,7 +58,7 @@ TEST(ConeSphere, NoBallThatARayTouchesIsRejected) {
   }
 }
 
-/// The exact distance test in binary64 (the half plane of the header's drawing).
+/// The exact distance test in binary64 (in the half plane of the header's drawing).
 bool reference_meets(const RayBound& bound, const Sphere& sphere, double slack) {
   const double px = double{sphere.center.x} - bound.origins.center.x,
                py = double{sphere.center.y} - bound.origins.center.y,

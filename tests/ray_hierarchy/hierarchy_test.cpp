@@ -37,7 +37,7 @@ bool contains(const RayBound& bound, const Ray& ray) {
          length(cross(d, bound.directions.axis)) <= bound.directions.sin_angle;
 }
 
-/// With nothing to spare: boxes are measured from boxes.
+/// Exact, without tolerance: boxes are computed from boxes.
 bool inside(const Box& box, const Box& other) {
   return min_component(box.min - other.min) >= 0 && min_component(other.max - box.max) >= 0;
 }

@@ -129,7 +129,7 @@ TEST(Traverse, RayTestsAddUpToTheTestsThatWereDone) {
   const Executor executor(2);
   const SceneDescription scene = test::soup(SoupKind::kSmall, 500, 41);
   const FlatScene triangles = flatten(executor, scene, mesh_bounds(executor, scene));
-  const std::vector<Ray> rays = test::rays_at(scene, 512, 42);  // full nodes: nothing is padded
+  const std::vector<Ray> rays = test::rays_at(scene, 512, 42);  // full nodes need no padding
   const Outcome r = run(executor, triangles, rays, 8, 2, {});
   double sum = 0;
   for (const float tests : r.ray_tests) sum += double{tests};
@@ -172,7 +172,7 @@ TEST(Traverse, EarlyOutFindsTheSameRaysOccludedWithFewerTests) {
   for (std::size_t i = 0; i < rays.size(); ++i)
     EXPECT_EQ(all.hits[i].found(), early.hits[i].found());
   EXPECT_LT(early.counts.final_tests, all.counts.final_tests);
-  // What is counted is what was done, but for the padding of nodes.
+  // Counts match the tests that were made, except for the padding of nodes.
   double sum = 0;
   for (const float tests : early.ray_tests) sum += double{tests};
   const auto& c = early.counts;

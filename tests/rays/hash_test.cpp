@@ -44,7 +44,7 @@ TEST(Hash, OctahedralMapStaysInTheSquareAndTellsDirectionsApart) {
     ASSERT_LE(p.y, 1) << i;
     const Vec2 opposite = octahedral(-a);
     EXPECT_GT(std::fabs(p.x - opposite.x) + std::fabs(p.y - opposite.y), 0.3f);
-    // Neighbours stay neighbours but across the folded rim of the lower half.
+    // Neighbours stay neighbours, except across the folded border of the lower hemisphere.
     if (a.z > 0.05f && b.z > 0.05f) {
       EXPECT_LT(std::fabs(p.x - q.x) + std::fabs(p.y - q.y), 0.05f);
     }

@@ -18,7 +18,7 @@ namespace {
 
 using test::Random;
 
-/// The cell with a number below 2^(bits * kDimensions).
+/// The cell with this number, below 2^(bits * kDimensions).
 template <int kDimensions>
 Cell<kDimensions> numbered_cell(std::uint64_t number, std::uint32_t bits) {
   Cell<kDimensions> cell{};
@@ -37,7 +37,7 @@ std::uint32_t steps_between(const Cell<kDimensions>& a, const Cell<kDimensions>&
   return steps;
 }
 
-/// Every cell has its own place, and the next place is the cell beside it.
+/// Every cell has a different position, and successive positions are adjacent cells.
 template <int kDimensions>
 void check_hilbert(std::uint32_t bits) {
   const std::uint64_t cells = std::uint64_t{1} << (bits * kDimensions);
@@ -67,7 +67,7 @@ TEST(Curves, HilbertVisitsEveryCellOnceAndStepsToNeighbours) {
   for (const std::uint32_t bits : {0u, 1u, 2u, 3u}) check_hilbert<6>(bits);
 }
 
-/// Bit by bit, from the top.
+/// Computes the code bit by bit, from the highest.
 template <int kDimensions>
 std::uint64_t naive_morton(const Cell<kDimensions>& cell) {
   std::uint64_t place = 0;
@@ -100,7 +100,7 @@ struct KeyedRays {
   Box box{{-1, -2, -3}, {4, 2, 1}};
 };
 
-/// Rays of all sorts: inside and outside of the box, along its axes, of any length.
+/// Rays of all kinds: inside and outside of the box, along its axes, of any length.
 KeyedRays random_rays(RayKind kind, std::uint32_t lights, std::uint64_t seed) {
   constexpr std::uint32_t kEach = 300;
   KeyedRays bundle;
@@ -181,7 +181,8 @@ TEST(Keys, KeepTheLightAboveEverythingElse) {
       std::uint32_t used = 0;
       const auto keys = make_keys(executor, b.batch, key, bits, b.box, &used);
       for (std::size_t i = 300; i < keys.size(); ++i)
-        ASSERT_LT(keys[i - 300], keys[i]) << to_string(key) << " " << bits;  // of the light before
+        // Key i - 300 belongs to the previous light.
+        ASSERT_LT(keys[i - 300], keys[i]) << to_string(key) << " " << bits;
     }
   }
 }
@@ -199,7 +200,7 @@ TEST(Keys, DoNotDependOnTheNumberOfThreads) {
   }
 }
 
-TEST(Keys, BearDegenerateRaysAndBoxes) {
+TEST(Keys, AcceptDegenerateRaysAndBoxes) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   RayBatch batch;
   batch.kind = RayKind::kReflection;
@@ -263,7 +264,7 @@ TEST(Keys, SortedRaysLieNearTheirNeighboursAlongHilbertCurvesMostOfAll) {
   EXPECT_LT(path_length(RayKey::kTwoPointMorton), 0.5 * path_length(RayKey::kRaster));
 }
 
-TEST(Keys, ThePublishedAzimuthKnowsTheSignOfXAlone) {
+TEST(Keys, ThePublishedAzimuthDependsOnlyOnTheSignOfX) {
   Random random(11);
   std::set<std::uint32_t> coded, corrected;
   for (int i = 0; i < 20000; ++i) {
@@ -309,7 +310,7 @@ TEST_P(RenderedKeys, GiveTheSameBitsAsBruteForce) {
 }
 INSTANTIATE_TEST_SUITE_P(Builtin, RenderedKeys, testing::Values("office", "cornell", "atrium"));
 
-/// Tests of the shadow rays of the first hits, as a part of brute force.
+/// Tests of the shadow rays of primary hits, as a fraction of brute force.
 double shadow_tests(const SceneDescription& scene, RayKey key, std::uint32_t bits) {
   RenderOptions options = test::small_options(192);
   options.bounces = 0;
@@ -336,7 +337,7 @@ TEST(RenderedKeys, CompactKeysSaveMostTestsOfTheOffice) {
   }
 }
 
-TEST(RenderedKeys, AskForBitsThatThereAre) {
+TEST(RenderedKeys, RefuseOtherNumbersOfBits) {
   RenderOptions options = test::small_options();
   options.key_bits = 48;
   EXPECT_THROW((void)render(builtin_scene("cornell"), options), Error);

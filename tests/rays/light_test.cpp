@@ -1,4 +1,4 @@
-// Lights with a size give what closed forms say, and look like points from afar.
+// Lights with a size agree with closed forms, and with point lights at a large distance.
 #include "rays/light_body.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t kCount = 4096;
 
-/// The irradiance on a surface with this normal, by samples.
+/// The irradiance on a surface with this normal, estimated by samples.
 double mean_irradiance(const Light& light, Vec3 position, Vec3 normal) {
   double sum = 0;
   for (std::uint32_t i = 0; i < kCount; ++i) {
@@ -33,8 +33,8 @@ Light ball(Vec3 center, float radius, float intensity) {
   return light;
 }
 
-TEST(BallLight, AboveTheHorizonItIsAPoint) {
-  // pi L (r / d)^2 cos, with L = I / (pi r^2): the radius goes out.
+TEST(BallLight, AboveTheHorizonItEqualsAPointLight) {
+  // pi L (r / d)^2 cos, with L = I / (pi r^2): the radius cancels.
   for (const float radius : {1e-4f, 0.5f, 1.9f}) {
     for (const Vec3 center : {Vec3{0, 2, 0}, Vec3{0.3f, 4, -2}}) {
       const double d2 = static_cast<double>(dot(center, center));
@@ -47,7 +47,8 @@ TEST(BallLight, AboveTheHorizonItIsAPoint) {
 }
 
 TEST(BallLight, HalfBelowTheHorizonItGivesHalfOfItsDisc) {
-  // Seen from its own height the half disc of sine s gives E = L int int cos dw; numerically.
+  // Seen at the height of its centre, the upper half of a disc with sine s gives E = L int int cos
+  // dw, integrated numerically.
   const Light light = ball({5, 0, 0}, 2, 10);
   const double sine = 2.0 / 5, radiance = 10 / (3.14159265 * 4);
   double expected = 0;
@@ -63,7 +64,7 @@ TEST(BallLight, HalfBelowTheHorizonItGivesHalfOfItsDisc) {
   EXPECT_NEAR(mean_irradiance(light, {0, 0, 0}, {0, 1, 0}), expected, 5e-3 * expected);
 }
 
-TEST(BallLight, ShinesFromItsSurfaceAndNotInside) {
+TEST(BallLight, EmitsFromItsSurfaceAndNotInside) {
   const Light light = ball({1, 2, 3}, 0.5f, 10);
   for (std::uint32_t i = 0; i < 256; ++i) {
     const LightSample s = sample_light(placed_light(light), {4, -1, 2}, sample_pair({i, 256}, 3));
@@ -107,8 +108,8 @@ TEST(RectangleLight, GivesLambertsFormula) {
 }
 
 TEST(RectangleLight, EveryPartOfItsSolidAngleIsChosenAsOften) {
-  // Of the places, those on the left half of the rectangle are the part of the solid angle that the
-  // left half fills by itself.
+  // The fraction of samples on the left half of the rectangle equals its fraction of the solid
+  // angle.
   const SeenRectangle all{-0.5, -1, 2.5, 0.3, -0.8}, left{-0.5, -1, 1, 0.3, -0.8};
   const double expected = place_by_solid_angle(left, {0, 0}).solid_angle /
                           place_by_solid_angle(all, {0, 0}).solid_angle;
@@ -128,7 +129,7 @@ TEST(RectangleLight, EveryPartOfItsSolidAngleIsChosenAsOften) {
               place_by_solid_angle(bottom, {0, 0}).solid_angle /
                   place_by_solid_angle(all, {0, 0}).solid_angle,
               2e-3);
-  // A face of a cube around the eye fills a sixth of the sphere.
+  // A face of a cube around the eye covers a sixth of the sphere.
   EXPECT_NEAR(place_by_solid_angle({-1, -1, 1, 1, -1}, {0, 0}).solid_angle,
               4 * 3.14159265358979 / 6, 1e-12);
 }
@@ -153,7 +154,8 @@ TEST(RectangleLight, ShinesToOneSideAndFromItsOwnPlane) {
         sample_light(placed_light(light), {0.3f, 1.999f, 0.2f}, sample_pair({i, 64}, 3));
     EXPECT_LE(std::fabs(s.point.x), 1.0001f);
     EXPECT_LE(std::fabs(s.point.z), 0.5001f);
-    EXPECT_LT(s.point.y, 2);  // a little before it, so that a lamp's own glass does not shade
+    // Slightly in front of the light, so that the lamp's own glass does not shadow it.
+    EXPECT_LT(s.point.y, 2);
     EXPECT_GT(s.point.y, 1.9999f);
     EXPECT_TRUE(is_finite(s.irradiance));
   }

@@ -1,4 +1,4 @@
-// Rays that leave a surface: they do not meet it again, and do meet what is near.
+// Rays that leave a surface do not hit it again, and do hit nearby surfaces.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,12 +19,12 @@ struct Corners {
     TriangleHit hit;
     return intersect_triangle(make_ray_setup(ray), a, b, c, &hit);
   }
-  /// The front's, or nothing.
+  /// The normal of the front, or zero.
   [[nodiscard]] Vec3 normal() const {
     const Vec3 corner[3] = {a, b, c};
     return front_normal(corner, false);
   }
-  /// `margin`: of what the test's roundings are given.
+  /// `margin` scales the allowance for the test's rounding errors.
   [[nodiscard]] Surface at(float u, float v, float margin = 1) const {
     MixedPoint point = mixed_point(a, b, c, u, v);
     point.reach *= margin;
@@ -46,7 +46,7 @@ Corners some_triangle(test::Random& random) {
   return {a, a + along, a + across};
 }
 
-/// Away from the normal's side; every other one nearly along the surface.
+/// A direction on the normal's side; every other one is nearly parallel to the surface.
 Vec3 some_way_up(test::Random& random, Vec3 normal) {
   Vec3 way = random.direction();
   const float up = dot(way, normal);
@@ -55,7 +55,7 @@ Vec3 some_way_up(test::Random& random, Vec3 normal) {
   return normalized(way);
 }
 
-TEST(Offset, WithHalfOfItNoRayMeetsItsTriangleOrOneBesideItInItsPlane) {
+TEST(Offset, HalfOfItKeepsRaysOffTheirTriangleAndItsCoplanarNeighbour) {
   constexpr float kHalf = 0.5f;
   test::Random random(5);
   int rays = 0;
@@ -70,7 +70,7 @@ TEST(Offset, WithHalfOfItNoRayMeetsItsTriangleOrOneBesideItInItsPlane) {
     const Surface surface = own.at(u, v, kHalf);
     const Vec3 way = some_way_up(random, normal);
     if (!(dot(way, normal) > 0)) continue;
-    // The other half of a parallelogram: in the plane but for its corner's rounding.
+    // The other half of a parallelogram: coplanar except for its corner's rounding.
     const Corners beside{own.c, own.b, own.b + (own.c - own.a)};
     const Ray leaving{offset_point(surface, way, 0), 0, way};
     ASSERT_FALSE(own.is_met(leaving)) << round;
@@ -79,13 +79,13 @@ TEST(Offset, WithHalfOfItNoRayMeetsItsTriangleOrOneBesideItInItsPlane) {
     const Vec3 light = surface.position + way * far;
     const Vec3 target = offset_point(surface, way, kHalf * far);
     ++rays;
-    if (!(dot(light - target, normal) > 0)) continue;  // rounding took it below
+    if (!(dot(light - target, normal) > 0)) continue;  // below the surface by rounding
     ASSERT_FALSE(own.is_met({light, 0, target - light, 1})) << round;
   }
   EXPECT_GT(rays, 300000);
 }
 
-/// A roof of a tenth above a floor of such a half size, somewhere; the sun stands to one side.
+/// A roof at a tenth above a floor, both with this half size, at any place; the sun is at one side.
 void expect_shadow(float half, Vec3 center) {
   SCOPED_TRACE(std::to_string(half) + " at " + std::to_string(center.x));
   const auto at = [&](float x, float y, float z) { return center + Vec3{x, y, z}; };
@@ -105,7 +105,7 @@ void expect_shadow(float half, Vec3 center) {
     const Vec3 place = random.in_box(0.1f);
     const float x = place.x / half, z = place.z / half;
     const bool first = x + z < 0;
-    // Corner b is along z, c along x; the other half the other way.
+    // Corner b is along z, c along x; the other half has them swapped.
     const float u = first ? (1 + z) / 2 : (1 - z) / 2, v = first ? (1 + x) / 2 : (1 - x) / 2;
     Fragment f;
     f.surface = floor[first ? 0 : 1].at(u, v);
@@ -130,7 +130,7 @@ TEST(Offset, SmallThingsShadeLargeFloorsAndFarOnes) {
   for (const float far : {2048.0f, 32768.0f, 65536.0f}) expect_shadow(5, {far, far, far});
 }
 
-TEST(Offset, GrowsWithRoundingsAlone) {
+TEST(Offset, GrowsOnlyWithRoundingErrors) {
   const Corners floor{{-10, 0, -10}, {-10, 0, 10}, {10, 0, -10}};
   EXPECT_LT(floor.at(0.25f, 0.25f).clearance, 2e-6f);
   const Vec3 far{1e5f, 1e5f, 1e5f};

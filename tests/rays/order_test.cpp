@@ -33,7 +33,7 @@ Words runs_of(std::size_t count, std::uint32_t longest, std::uint32_t values,
   return keys;
 }
 
-/// Degenerate ones, lengths about the boundaries of blocks, and random ones.
+/// Degenerate streams, lengths near the limits of blocks, and random ones.
 std::vector<Stream> streams() {
   std::mt19937 random(5);
   Words distinct(20000);

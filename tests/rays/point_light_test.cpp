@@ -1,4 +1,4 @@
-// Many fragments at a time give what one by one do, bit for bit, on every SIMD target.
+// Shading many fragments at a time gives the bits of shading them one by one, on every SIMD target.
 #include "rays/point_light.h"
 
 #include <gtest/gtest.h>
@@ -14,8 +14,8 @@
 namespace raysheaf {
 namespace {
 
-/// Places and normals at random; some without a surface or without light, some at the lights' own
-/// places, some too far away for a float's squares.
+/// Random places and normals; some fragments have no surface or no light, some lie at a light's own
+/// place, and some so far away that squared distances overflow.
 Fragments some_fragments(std::size_t count, View<const PlacedLight> lights) {
   test::Random random(11);
   Fragments fragments(count);
@@ -96,7 +96,7 @@ TEST(PointLights, ShadowRaysAreThoseOfOneFragmentAfterTheOther) {
   }
 }
 
-/// Near the horizon, where it must not be wrong, and far out, where positions are coarse.
+/// Near the horizon, where the test must be right, and far out, where positions are coarse.
 TEST(SizedLights, ThatAreTurnedAwayFaceNoSample) {
   std::size_t away = 0, others = 0;
   for (const float far : {0.0f, 1000.0f}) {

@@ -16,7 +16,7 @@
 namespace raysheaf {
 namespace {
 
-/// A scene made ready, with the fragments of its first camera.
+/// A prepared scene with the fragments of its first camera.
 struct Seen {
   explicit Seen(SceneDescription description) : scene(std::move(description)), textures(scene) {
     flat = flatten(executor, scene, mesh_bounds(executor, scene));
@@ -46,7 +46,7 @@ struct Seen {
   Fragments fragments;
 };
 
-/// Scaled about the origin, lights and camera with it.
+/// Scales the scene about the origin, including lights and camera.
 SceneDescription scaled(SceneDescription scene, float factor) {
   for (Mesh& mesh : scene.meshes)
     for (Vec3& p : mesh.positions) p *= factor;
@@ -96,7 +96,7 @@ TEST(ShadowRays, StandWhereTheShadingNormalFacesTheLightAndKnowTheirSlots) {
 }
 
 TEST(ShadowRays, EndJustBeforeTheFragmentAtEveryScale) {
-  // The lit side of a convex body has no shadow of its own: any hit would be the surface itself.
+  // The lit side of a convex body cannot shadow itself: any hit would be the surface's own.
   for (const float scale : {1e-3f, 1.0f, 1e3f}) {
     SceneDescription scene;
     test::add_mesh(&scene, test::ball(40, 1, {3, 0, 0}));
@@ -165,7 +165,7 @@ TEST(BounceRays, MirrorsReflectAboutTheNormalAndDoNotMeetThemselves) {
       const Vec3 d = batch.rays[i].direction;
       EXPECT_NEAR(length(d), 1, 1e-5f);
       EXPECT_GT(dot(d, f.surface.geometric_normal), 0);
-      // A convex ball never meets its own mirror rays.
+      // A convex sphere never hits its own mirror rays.
       if (hits[i].found()) {
         EXPECT_NE(seen.flat.mesh_of_triangle[hits[i].triangle], 0u) << i;
       }
@@ -257,7 +257,7 @@ TEST(Scatter, PartsNeverExceedTheWhole) {
   }
 }
 
-/// Mirrors and glass at random; some whose normal leans behind the ray, some without a way.
+/// Random mirrors and glass; the normal of some leans behind the ray, and some have no direction.
 Fragments some_bouncing(std::size_t count) {
   test::Random random(12);
   Fragments fragments(count);
@@ -286,7 +286,7 @@ Fragments some_bouncing(std::size_t count) {
   return fragments;
 }
 
-TEST(Bounces, OfManyAreThoseOfOneFragmentAfterTheOther) {
+TEST(Bounces, OfManyFragmentsEqualThoseOfOneAfterTheOther) {
   const Box box{{-3, -3, -3}, {3, 3, 3}};
   for (const std::size_t size : {1u, 15u, 16u, 257u, 3000u}) {
     const Fragments fragments = some_bouncing(size);

@@ -1,4 +1,4 @@
-// The numbers that samples choose by: strata, seeds, the filter.
+// The numbers that samples use: stratification, seeds, the pixel filter.
 #include "rays/sample_body.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace raysheaf {
 namespace {
 
-/// Sobol's second dimension from its direction numbers, as the papers define it.
+/// Sobol's second dimension from its direction numbers, as defined in the papers.
 std::uint32_t sobol_by_directions(std::uint32_t index) {
   std::uint32_t bits = 0, direction = 1u << 31;
   for (; index != 0; index >>= 1, direction ^= direction >> 1)
@@ -33,14 +33,14 @@ TEST(Sample, ScramblingIsABijectionOfEachStratum) {
     std::set<std::uint32_t> seen;
     for (std::uint32_t i = 0; i < 256; ++i) {
       seen.insert(owen_scrambled(i << 24, seed) >> 24);
-      // What lies below a stratum stays within its image.
+      // Lower bits do not leave the image of their stratum.
       EXPECT_EQ(owen_scrambled(i << 24, seed) >> 24, owen_scrambled((i << 24) | 12345, seed) >> 24);
     }
     EXPECT_EQ(seen.size(), 256u);
   }
 }
 
-/// Every successive 2^k points hold one in each elementary interval: 2^a columns, 2^(k - a) rows.
+/// Every successive 2^k points have one in each elementary interval: 2^a columns, 2^(k - a) rows.
 TEST(Sample, EverySeedGivesAZeroTwoSequence) {
   for (const std::uint32_t seed : {0u, 5u, 1234567u}) {
     for (const int k : {1, 4, 7}) {
@@ -61,8 +61,8 @@ TEST(Sample, EverySeedGivesAZeroTwoSequence) {
   }
 }
 
-TEST(Sample, IntegratesBetterThanChanceWould) {
-  // The area of a quarter disc with 256 points: chance errs by 0.026 (one standard deviation).
+TEST(Sample, IntegratesBetterThanRandomPoints) {
+  // The area of a quarter disc with 256 points: random points have a standard deviation of 0.026.
   double worst = 0;
   for (std::uint32_t seed = 0; seed < 50; ++seed) {
     int inside = 0;
@@ -118,7 +118,8 @@ TEST(Filter, SamplesAreSpreadAsTheGaussianFalls) {
   }
   EXPECT_NEAR(mean_x, 0, 2e-3);
   EXPECT_NEAR(mean_y, 0, 2e-3);
-  // Of a Gaussian cut at c deviations: 2 s^2 (1 - (c^2 / 2) e / (1 - e)), e = exp(-c^2 / 2).
+  // The variance of a Gaussian truncated at c deviations: 2 s^2 (1 - (c^2 / 2) e / (1 - e)), e =
+  // exp(-c^2 / 2).
   const double e = std::exp(-4.5);
   EXPECT_NEAR(square, 2 * 0.25 * (1 - 4.5 * e / (1 - e)), 2e-3);
   EXPECT_NEAR(within / double{kSamples}, (1 - std::exp(-0.5)) / (1 - e), 2e-3);

@@ -1,4 +1,4 @@
-// The order of rays in the plainest words, one thread, to be believed.
+// Reference implementations for ordering rays: simple and single-threaded.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ inline Words inclusive_scan(const Words& in) {
   return out;
 }
 
-/// out[i] is the sum of all before in[i].
+/// out[i] is the sum of all elements before in[i].
 inline Words exclusive_scan(const Words& in) {
   Words out;
   std::uint32_t sum = 0;
@@ -31,7 +31,7 @@ inline Words exclusive_scan(const Words& in) {
   return out;
 }
 
-/// The slots that carry a ray.
+/// The slots that contain a ray.
 inline Words trim(const std::vector<std::uint8_t>& empty) {
   Words slots;
   for (std::size_t i = 0; i < empty.size(); ++i) {
@@ -40,7 +40,7 @@ inline Words trim(const std::vector<std::uint8_t>& empty) {
   return slots;
 }
 
-/// One run of equal keys.
+/// A run of equal keys.
 struct Run {
   std::uint32_t key, base, size;
   bool operator==(const Run&) const = default;
@@ -63,7 +63,7 @@ Key low_bits(Key key, std::uint32_t bits) {
   return bits >= std::numeric_limits<Key>::digits ? key : key & ((Key{1} << bits) - 1);
 }
 
-/// Which item stands at each place of the stable order by the low `bits` bits.
+/// The item at each place of the stable order by the low `bits` bits.
 template <class Key>
 Words stable_order(const std::vector<Key>& keys, std::uint32_t bits) {
   Words order(keys.size());

@@ -1,5 +1,5 @@
-// A scene as a heap of triangles, and queries that look at every one: single-threaded, written to
-// be believed.
+// A reference model of a scene: an array of triangles with brute force queries, simple and
+// single-threaded.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,7 @@ struct SceneModel {
   std::map<MeshId, ModelMesh> meshes;
   std::map<InstanceId, ModelInstance> instances;
 
-  /// Every hit of a ray, by (t, geom_id, inst_id, prim_id).
+  /// All hits of a ray, sorted by (t, geom_id, inst_id, prim_id).
   [[nodiscard]] std::vector<Hit> all_hits(const Ray& ray, std::uint32_t mask = 0xffffffff) const {
     std::vector<Hit> hits;
     const RaySetup setup = make_ray_setup(ray);

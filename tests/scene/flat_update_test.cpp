@@ -1,4 +1,4 @@
-// Scenes that change: what is kept and what is placed again come to the same bits as all anew.
+// Incremental updates of a flattened scene give the bits of flattening it from scratch.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -53,7 +53,7 @@ void expect_same(const FlatScene& a, const FlatScene& b) {
   EXPECT_EQ(std::memcmp(&a.bounds, &b.bounds, sizeof(Box)), 0);
 }
 
-/// Changes something at random and says what.
+/// Makes a random change and returns its description.
 SceneChanges edit(Random& random, SceneDescription& scene) {
   SceneChanges changes;
   const std::uint32_t kind = below(random, 8);
@@ -68,7 +68,7 @@ SceneChanges edit(Random& random, SceneDescription& scene) {
     changes.deformed.push_back(m);
   }
   if (kind == 2) {
-    // Other meshes of other sizes at the end, and the instances of those.
+    // Different meshes of other sizes at the end, and their instances.
     changes.other_meshes_from = 1 + below(random, 6);
     changes.other_instances_from = 4 + below(random, 4);
     scene.meshes.resize(changes.other_meshes_from);
@@ -76,7 +76,7 @@ SceneChanges edit(Random& random, SceneDescription& scene) {
     while (scene.meshes.size() < meshes)
       scene.meshes.push_back(
           test::random_mesh(random, 1 + below(random, 30), 1 + below(random, 50), 1));
-    // Instances before that show a mesh which is gone show another.
+    // Earlier instances of removed meshes get other meshes.
     scene.instances.resize(changes.other_instances_from);
     for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
       if (scene.instances[i].mesh < changes.other_meshes_from) continue;
@@ -94,7 +94,7 @@ SceneChanges edit(Random& random, SceneDescription& scene) {
   return changes;
 }
 
-TEST(FlatUpdate, GivesTheBitsOfAllAnew) {
+TEST(FlatUpdate, EqualsFlatteningFromScratch) {
   Random random(7);
   for (const std::uint32_t threads : {1u, 4u}) {
     const Executor executor(threads);
@@ -104,7 +104,7 @@ TEST(FlatUpdate, GivesTheBitsOfAllAnew) {
     SceneChanges pending;
     for (int round = 0; round < 300; ++round) {
       pending.add(edit(random, scene));
-      if (below(random, 3) == 0) continue;  // changes wait for the next one
+      if (below(random, 3) == 0) continue;  // changes accumulate until the next round
       validate_changes(scene, pending);
       update_bounds(executor, scene, pending, &bounds);
       const FlatUpdate update = update_flat(executor, scene, pending, bounds, &flat);
@@ -119,7 +119,7 @@ TEST(FlatUpdate, GivesTheBitsOfAllAnew) {
   }
 }
 
-TEST(FlatUpdate, PlacesWhatMovedAndBoundsWhatDeformed) {
+TEST(FlatUpdate, UpdatesMovedInstancesAndDeformedMeshes) {
   Random random(3);
   const Executor executor(2);
   SceneDescription scene = random_scene(random);
@@ -146,7 +146,7 @@ TEST(FlatUpdate, PlacesWhatMovedAndBoundsWhatDeformed) {
   EXPECT_TRUE(of_deformed.same_triangles);
 }
 
-TEST(FlatUpdate, RefusesWhatNamesNothing) {
+TEST(FlatUpdate, RefusesInvalidIndices) {
   Random random(4);
   const SceneDescription scene = random_scene(random);
   SceneChanges changes;

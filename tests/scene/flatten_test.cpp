@@ -75,7 +75,8 @@ TEST(MeshBound, HoldsEveryVertexUnderAnyAffineMap) {
 }
 
 TEST(MeshBound, IsNotLoose) {
-  // Points all over a sphere: the ellipsoid's longest half axis is the least radius there can be.
+  // Points all over a sphere: their images' largest distance from the centre is the ellipsoid's
+  // longest half axis, and no valid radius is smaller.
   Random random(2);
   for (int round = 0; round < 200; ++round) {
     const Affine turn =
@@ -92,7 +93,7 @@ TEST(MeshBound, StretchIsTheLargestSingularValue) {
   Random random(3);
   for (int round = 0; round < 300; ++round) {
     const Affine map = test::random_map(random);
-    // Power iteration on the Gram matrix, from below.
+    // Power iteration on the Gram matrix gives a lower bound.
     double v[3] = {0.3, 0.5, 0.7}, stretch = 0;
     for (int i = 0; i < 2000; ++i) {
       double w[3] = {}, back[3] = {};
@@ -220,7 +221,7 @@ TEST(Flatten, ZeroAreaTrianglesCollapse) {
     EXPECT_EQ(flat.corner(i, 2), flat.corner(i, 0));
     EXPECT_EQ(flat.sphere[3][i], 0);
   }
-  // Tiny is not nothing.
+  // A tiny triangle is not degenerate.
   EXPECT_EQ(flat.corner(4, 1), (Vec3{0, 1e-30f, 0}));
   EXPECT_EQ(flat.corner(5, 2), (Vec3{5, 5, 5}));
 }
@@ -255,7 +256,7 @@ TEST(Flatten, SpheresHoldSliversAndNeedlesAtAnyScale) {
       ASSERT_TRUE(inside(flat.corner(i, k), s)) << i;
       longest = std::max(longest, distance(flat.corner(i, k), flat.corner(i, (k + 1) % 3)));
     }
-    // No centre that is any use is farther from a corner than the longest edge.
+    // A useful centre is no farther from a corner than the longest edge.
     ASSERT_LE(s.radius, longest * 1.01 + 1e-44) << i;
   }
 }
@@ -273,7 +274,7 @@ TEST(Flatten, MirroredInstancesAreMarkedAtAnyScale) {
   }
 }
 
-TEST(Flatten, NamesTheInstanceThatLeavesTheNumbers) {
+TEST(Flatten, NamesTheInstanceThatOverflows) {
   for (const float scale : {1e19f, 3e38f}) {
     SceneDescription scene = one_triangle();
     scene.meshes[0].positions[1].x = 10;

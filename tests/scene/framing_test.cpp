@@ -13,7 +13,7 @@ namespace {
 using test::one_triangle;
 using test::Random;
 
-/// Every vertex is in a square view, between the planes.
+/// Expects that every vertex is in a square view, between the planes.
 void expect_seen(const SceneDescription& scene, const Camera& camera) {
   const double slope = std::tan(camera.y_fov / 2.0);
   const Affine& m = camera.to_world;
@@ -30,8 +30,8 @@ void expect_seen(const SceneDescription& scene, const Camera& camera) {
   }
 }
 
-/// The larger of the parts of the picture's width and height that the vertices span, of those of
-/// triangles; all of them are in the picture.
+/// The larger of the fractions of the image's width and height that the triangles' vertices span;
+/// expects that all of them are in the image.
 float spanned(const SceneDescription& scene, const Camera& camera, float aspect) {
   const Affine& m = camera.to_world;
   Vec3 low{1, 1, 0}, high{-1, -1, 0};
@@ -64,7 +64,7 @@ constexpr ViewSide kViews[] = {ViewSide::kFront, ViewSide::kBack, ViewSide::kLef
 constexpr UpAxis kAxes[] = {UpAxis::kX,      UpAxis::kY,      UpAxis::kZ,
                             UpAxis::kMinusX, UpAxis::kMinusY, UpAxis::kMinusZ};
 
-/// From any side, in pictures of any shape.
+/// A viewpoint on any side, for images of any aspect ratio.
 Viewpoint random_viewpoint(Random& random) {
   Viewpoint view;
   if (random() % 2 == 0) view.view = kViews[random() % std::size(kViews)];
@@ -349,7 +349,7 @@ TEST(Framing, AddsOnlyWhatIsMissing) {
   glowing.materials[0].emission = {0, 1, 0};
   add_missing_camera_and_light(glowing);
   EXPECT_EQ(glowing.cameras.size(), 1u);
-  EXPECT_EQ(glowing.lights.size(), 3u);  // what glows does not light the rest
+  EXPECT_EQ(glowing.lights.size(), 3u);  // emissive surfaces do not light the rest
   EXPECT_TRUE(has_studio_lights(glowing));
 
   SceneDescription unlit = one_triangle();

@@ -21,7 +21,7 @@ inline Vec3 random_point(Random& random, float scale) {
           uniform(random, -scale, scale)};
 }
 
-/// A map of any kind: rotated, sheared, mirrored, flattened, tiny, huge, far away.
+/// An affine map of any kind: rotated, sheared, mirrored, flattened, tiny, huge, far away.
 inline Affine random_map(Random& random) {
   Affine map;
   for (auto& row : map.m) {
@@ -46,7 +46,7 @@ inline SceneDescription one_triangle() {
   return scene;
 }
 
-/// Triangles with corners at random, of one mesh; every eighth vertex repeats another.
+/// A mesh of random triangles; every eighth vertex repeats another.
 inline Mesh random_mesh(Random& random, std::uint32_t vertices, std::uint32_t triangles,
                         float scale) {
   Mesh mesh;

@@ -14,7 +14,7 @@ using test::one_triangle;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
-/// Everything a scene can have, and right.
+/// A valid scene with everything that a scene can have.
 SceneDescription full_scene() {
   SceneDescription scene = one_triangle();
   Mesh& mesh = scene.meshes[0];
@@ -119,7 +119,7 @@ const Defect kDefects[] = {
     {"", [](auto& s) { s.meshes[0].triangles.clear(); }, "the scene has no triangles"},
 };
 
-TEST(Validate, AcceptsWhatIsRight) {
+TEST(Validate, AcceptsAValidScene) {
   EXPECT_NO_THROW(validate(full_scene()));
   EXPECT_NO_THROW(validate(one_triangle()));
   SceneDescription default_material = one_triangle();
@@ -178,7 +178,7 @@ TEST(Description, CountsTrianglesOnceAnInstance) {
 
 TEST(Description, BoundsAreThoseOfTheTriangles) {
   SceneDescription scene = one_triangle();
-  scene.meshes[0].positions.push_back({100, 100, 100});  // no triangle uses it
+  scene.meshes[0].positions.push_back({100, 100, 100});  // not used by a triangle
   scene.instances[0].to_world = compose(translation({1, 2, 3}), scaling({2, 2, -2}));
   const Box box = world_bounds(scene);
   EXPECT_EQ(box.min, (Vec3{1, 2, 3}));

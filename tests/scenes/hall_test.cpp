@@ -1,4 +1,4 @@
-// The generated halls: closed, as large as asked for, the same with any threads.
+// The generated halls are closed, as large as requested, and the same with any number of threads.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -41,7 +41,7 @@ TEST(Hall, IsTheSameWithAnyThreads) {
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-/// How often each directed edge of a mesh has no partner.
+/// How many directed edges of a mesh have no partner.
 std::size_t open_edges(const Mesh& mesh) {
   std::map<Edge, int> edges;
   for (const auto& t : mesh.triangles)
@@ -64,7 +64,7 @@ TEST(Hall, BallsAreClosedAndColumnsOpenAtTheirEnds) {
   EXPECT_EQ(columns, 16);
 }
 
-/// Normals look where the triangles do, and walls into the hall.
+/// Normals agree with the triangles, and walls face into the hall.
 TEST(Hall, FacesLookInside) {
   const SceneDescription scene = hall_scene(20'000);
   const Vec3 middle{0, 5, 0};

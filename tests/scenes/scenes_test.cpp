@@ -1,4 +1,4 @@
-// What is promised of the built-in scenes: sizes, soundness, the same bits every time.
+// The promises about the built-in scenes: sizes, validity, the same bits every time.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -145,7 +145,7 @@ TEST_P(BuiltinScene, OrdinaryMaterialsDoNotMirror) {
   }
 }
 
-/// Edges that are not met by exactly one triangle in the opposite direction.
+/// Edges without exactly one triangle in the opposite direction.
 std::size_t open_edge_count(const Mesh& mesh) {
   std::map<std::array<float, 3>, int> points;
   std::map<std::pair<int, int>, int> edges;

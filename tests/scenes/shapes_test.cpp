@@ -1,4 +1,4 @@
-// The shapes that the built-in scenes are made of.
+// The shapes of which the built-in scenes consist.
 #include "scenes/shapes.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace raysheaf::builtin {
 namespace {
 
-/// Six times the volume, positive where front faces look outwards.
+/// Six times the volume; positive if front faces point outwards.
 float six_volumes(const Mesh& mesh) {
   float sum = 0;
   for (const auto& [a, b, c] : mesh.triangles) {
@@ -20,7 +20,7 @@ float six_volumes(const Mesh& mesh) {
   return sum;
 }
 
-/// For each undirected edge how often it is walked forth minus back: all zero for closed surfaces.
+/// Whether each undirected edge has as many triangles in one direction as in the other.
 bool is_closed(const Mesh& mesh) {
   using Point = std::array<float, 3>;
   std::map<std::pair<Point, Point>, int> edges;

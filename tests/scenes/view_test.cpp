@@ -1,4 +1,4 @@
-// What the cameras see and the lights reach, by rays against every triangle.
+// Surfaces that the cameras see and the lights reach, by brute force.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -51,14 +51,14 @@ class World {
     return seen;
   }
 
-  /// Looked at from its front, or from either side where its material has two.
+  /// Whether the ray sees the front, or either side of a double-sided material.
   [[nodiscard]] bool shows_front(const Triangle& triangle, Vec3 direction) const {
     const auto& c = triangle.corners;
     return scene.materials[triangle.material].double_sided ||
            dot(cross(c[1] - c[0], c[2] - c[0]), direction) < 0;
   }
 
-  /// Directions through the middles of `size` by `size` pixels.
+  /// Directions through the centres of `size` by `size` pixels.
   [[nodiscard]] std::vector<Vec3> camera_rays(int size) const {
     const Camera& camera = scene.cameras[0];
     const float extent = std::tan(camera.y_fov / 2);

@@ -41,7 +41,7 @@ TEST(Shade, LightBehindTheSurfaceGivesNothing) {
 }
 
 TEST(Shade, NoSurfaceReflectsMoreThanArrives) {
-  // Monte Carlo over the hemisphere of directions: albedo at most 1.
+  // Monte Carlo integration over the hemisphere: the albedo is at most 1.
   Random random(2);
   for (const float roughness : {0.4f, 0.6f, 1.0f}) {
     for (const float f0 : {0.0f, 0.04f, 0.5f, 1.0f}) {
@@ -71,7 +71,7 @@ TEST(Shade, EmissionAndSkyAddUp) {
   const auto radiance = shade_glow(executor, fragments, {0.5f, 0.5f, 0.5f}, {});
   EXPECT_NEAR(radiance[0].x, 2.5f, 1e-6f);
   EXPECT_NEAR(radiance[0].y, 0.5f, 1e-6f);
-  EXPECT_EQ(radiance[1].x, 0.5f);  // nothing was met there
+  EXPECT_EQ(radiance[1].x, 0.5f);  // the ray hit nothing
 }
 
 TEST(Shade, AutomaticSkyIsWhiteWhereNoLightFacesWhatIsSeen) {
@@ -90,7 +90,7 @@ TEST(Shade, AutomaticSkyIsWhiteWhereNoLightFacesWhatIsSeen) {
             0);
 }
 
-/// Surfaces of all kinds, some seen edge-on, some at the light's own place or against it.
+/// Surfaces of all kinds, some seen edge-on, some at the light's own place or facing away from it.
 Fragments all_kinds_of_surfaces(std::size_t count, Vec3 light) {
   Random random(5);
   Fragments fragments(count);
@@ -137,7 +137,7 @@ TEST(Shade, ManyFragmentsAtATimeAreAsOneByOneOnEverySimdTarget) {
   });
 }
 
-/// Some of them nothing, glass, mirrors, lamps, unlit; some that hardly count.
+/// Some are no surfaces, glass, mirrors, lamps or unlit; some have almost no weight.
 Fragments all_kinds_of_glow(std::size_t count) {
   Random random(6);
   Fragments fragments = all_kinds_of_surfaces(count, {0.5f, 2, -1});
@@ -227,7 +227,7 @@ TEST(ToneMap, BlackStaysBlackGreyRisesAndNothingLeavesTheRange) {
 }
 
 TEST(ToneMap, CodesAreThoseOfTheFormula) {
-  // The toe of the tone curve and the transfer function, at a float in 97.
+  // The toe of the tone curve and the transfer function, tested at every 97th float.
   const auto code = [](float v) {
     const float c = v - (v < 0.08f ? v - v * v / 0.16f : 0.04f);
     const float x = c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1 / 2.4f) - 0.055f;
@@ -243,7 +243,7 @@ TEST(ToneMap, CodesAreThoseOfTheFormula) {
     ASSERT_EQ(image.rgba[4 * i], code(result.beauty[i].x)) << result.beauty[i].x;
 }
 
-TEST(ToneMap, WhatIsNoNumberIsBlackAndWhatIsEndlessIsWhite) {
+TEST(ToneMap, NanIsBlackAndInfinityIsWhite) {
   RenderResult result;
   result.width = 3;
   result.height = 1;
@@ -261,7 +261,7 @@ TEST(Backdrop, ShowsWhereSamplesSeeNothing) {
   picture.height = 1;
   picture.ambient = {0.25f, 0.25f, 0.25f};
   const Vec3 red{0.5f, 0, 0}, sky = picture.ambient, up{0, 1, 0}, none{0, 0, 0};
-  // Pixels of four samples that see nothing, the scene, and the scene by one sample or three.
+  // Pixels of four samples: all see the background, all see the scene, or one or three do.
   const std::array<std::vector<bool>, 4> seen{{{false, false, false, false},
                                                {true, true, true, true},
                                                {false, false, true, false},

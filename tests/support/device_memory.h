@@ -1,4 +1,4 @@
-// Device memory that is counted, and that runs out when a test wants it to.
+// An allocator of device memory that counts allocations and fails on request.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace raysheaf::test {
 
-/// Hands on to another; after `let(n)` the n-th allocation and all later ones fail.
+/// Forwards to another allocator. After `let(n)`, the n-th allocation and all later ones fail.
 class FailingAllocator : public DeviceAllocator {
  public:
   static constexpr std::uint64_t kAlways = ~std::uint64_t{0};
@@ -18,7 +18,7 @@ class FailingAllocator : public DeviceAllocator {
 
   void let(std::uint64_t allocations) { left_ = allocations; }
   [[nodiscard]] std::uint64_t made() const { return made_; }
-  /// Allocations that were not given back.
+  /// The number of allocations that were not freed.
   [[nodiscard]] std::size_t alive() const { return alive_.size(); }
 
   [[nodiscard]] void* allocate(const char* stage, std::size_t bytes) override {

@@ -1,5 +1,5 @@
-// An emulated device's memory that nobody reaches but the device while it works: whoever follows a
-// pointer of the device's on the host is stopped at once, as where there is a device.
+// Memory of an emulated device that only the device can access while it works. If code on the host
+// follows a device pointer, the process crashes at once, as with a real device.
 #pragma once
 
 #include <sys/mman.h>
@@ -13,7 +13,7 @@
 
 namespace raysheaf::test {
 
-/// Pages of one range, which is shut but for a device's work.
+/// Pages of one range, which is inaccessible except during a device's work.
 class GuardedMemory : public HostAllocator {
  public:
   explicit GuardedMemory(std::uint64_t capacity = std::uint64_t{1} << 40)
@@ -69,7 +69,7 @@ class GuardedMemory : public HostAllocator {
   std::multimap<std::size_t, std::byte*> kept_;  // by size
 };
 
-/// A test's own work on a device's memory, as if the device did it.
+/// Lets a test access a device's memory.
 class Reach {
  public:
   explicit Reach(HostAllocator& memory) : memory_(memory) { memory_.open(); }

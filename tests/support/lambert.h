@@ -1,4 +1,4 @@
-// Lambert's closed form for the light of a polygon.
+// Lambert's closed form for the irradiance from a polygon.
 #pragma once
 
 #include <array>
@@ -9,10 +9,10 @@
 
 namespace raysheaf::test {
 
-/// The irradiance that a rectangle gives to a point on a surface with this normal, above whose
-/// horizon all of it lies: L / 2 times the sum over its edges of the angle that each subtends,
-/// times the cosine between the normal of edge and point and that of the surface (J. H. Lambert,
-/// "Photometria", 1760).
+/// The irradiance from a rectangle at a point on a surface with this normal. All of the rectangle
+/// must be above the surface's horizon. It is L / 2 times the sum over the edges: the angle that
+/// the edge subtends, times the cosine between the surface's normal and that of the plane of edge
+/// and point (J. H. Lambert, "Photometria", 1760).
 inline double lambert(const Light& light, Vec3 position, Vec3 normal) {
   const Vec3 up = cross(light.right, light.direction);
   const Vec3 across = light.right * (0.5f * light.width), along = up * (0.5f * light.height);

@@ -1,4 +1,4 @@
-// What the documents say that can be checked: commands, options, links, headings.
+// Extracts the parts of documents that can be checked: commands, options, links, headings.
 #pragma once
 
 #include <cctype>
@@ -17,7 +17,7 @@ struct Document {
   std::vector<std::vector<std::string>> sh_blocks;  ///< lines of each ```sh block
 };
 
-/// A block right under a line `<!-- not run -->` is left out of `sh_blocks`.
+/// `sh_blocks` omits a block directly below a line `<!-- not run -->`.
 inline Document read_document(const std::filesystem::path& path) {
   Document document;
   document.path = path;
@@ -39,7 +39,7 @@ inline Document read_document(const std::filesystem::path& path) {
   return document;
 }
 
-/// README.md and its neighbours, and everything under docs/.
+/// The Markdown files in the root folder, and all under docs/.
 inline std::vector<Document> all_documents(const std::filesystem::path& root) {
   std::vector<Document> all;
   const auto add = [&all](const std::filesystem::directory_entry& entry) {
@@ -50,7 +50,7 @@ inline std::vector<Document> all_documents(const std::filesystem::path& root) {
   return all;
 }
 
-/// Every first group that `pattern` finds in the lines.
+/// The first group of every match of `pattern` in the lines.
 inline std::vector<std::string> found_in(const std::vector<std::string>& lines,
                                          const std::string& pattern) {
   const std::regex expression(pattern);
@@ -63,7 +63,7 @@ inline std::vector<std::string> found_in(const std::vector<std::string>& lines,
   return all;
 }
 
-/// The anchors that a forge makes of the headings: lower case, blanks to hyphens, no punctuation.
+/// The anchors that GitHub makes of headings: lower case, hyphens for blanks, no punctuation.
 inline std::set<std::string> anchors(const Document& document) {
   std::set<std::string> all;
   for (const std::string& heading : found_in(document.prose, "^#+ +(.*)$")) {

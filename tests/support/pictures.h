@@ -1,4 +1,4 @@
-// Small scenes with light and camera, and what comes of rendering them.
+// Small scenes with light and camera, and helpers to render and compare them.
 #pragma once
 
 #include <cstring>
@@ -11,7 +11,7 @@
 
 namespace raysheaf::test {
 
-/// A ball of `rings` rings around the origin, smooth, front faces outwards.
+/// A smooth sphere of `rings` rings; front faces point outwards.
 inline Mesh ball(std::uint32_t rings, float radius, Vec3 center = {0, 0, 0}) {
   constexpr float kTurn = 6.28318530718f;
   Mesh mesh;
@@ -57,7 +57,7 @@ inline Camera camera_at(Vec3 eye, Vec3 target) {
   return camera;
 }
 
-/// A ball over a floor, a point light above.
+/// A sphere over a floor, with a point light above.
 inline SceneDescription ball_on_floor(Material material = {}) {
   SceneDescription scene;
   scene.materials.push_back(std::move(material));
@@ -70,8 +70,8 @@ inline SceneDescription ball_on_floor(Material material = {}) {
   return scene;
 }
 
-/// Adds a wall at z, seen from both sides, that its texture cuts holes into: texels without alpha
-/// and with half of it, by chance.
+/// Adds a double-sided wall at z with cut-outs: some texels of its texture, at random, have zero or
+/// half alpha.
 inline void add_curtain(SceneDescription* scene, float z, std::uint32_t seed) {
   constexpr std::uint32_t kTexels = 8;
   Random random(seed);

@@ -1,4 +1,4 @@
-// Runs programs as a user would, in folders of their own.
+// Runs programs as a user would, in temporary folders.
 #pragma once
 
 #include <fcntl.h>
@@ -32,7 +32,7 @@ inline void write_file(const std::filesystem::path& path, std::string_view conte
   std::ofstream(path, std::ios::binary).write(content.data(), std::ssize(content));
 }
 
-/// A new folder, gone at the end of the scope.
+/// A new folder that is removed at the end of the scope.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -49,7 +49,7 @@ class TemporaryFolder {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
-  /// Names of what lies in it.
+  /// The names of its entries.
   [[nodiscard]] std::vector<std::string> names() const {
     std::vector<std::string> all;
     for (const auto& entry : std::filesystem::directory_iterator(path_)) {
@@ -67,11 +67,11 @@ class TemporaryFolder {
 struct Finished {
   int code = 0;
   std::string out, err;
-  std::size_t memory_bytes = 0;  ///< the most that it held at a time
+  std::size_t memory_bytes = 0;  ///< its peak memory use
 };
 
-/// Starts `arguments[0]` in `folder` and waits. Where `interrupt_after` is positive, Ctrl-C comes
-/// then.
+/// Starts `arguments[0]` in `folder` and waits. If `interrupt_after` is positive, sends SIGINT
+/// after that time.
 inline Finished run_program(const std::vector<std::string>& arguments,
                             const std::filesystem::path& folder,
                             std::chrono::milliseconds interrupt_after = {}) {
@@ -101,7 +101,7 @@ inline Finished run_program(const std::vector<std::string>& arguments,
 }
 
 #ifdef RAYSHEAF_APP
-/// `raysheaf ARGUMENTS...` in `folder`.
+/// Runs `raysheaf ARGUMENTS...` in `folder`.
 inline Finished raysheaf_app(std::vector<std::string> arguments, const TemporaryFolder& folder,
                              std::chrono::milliseconds interrupt_after = {}) {
   arguments.insert(arguments.begin(), RAYSHEAF_APP);

@@ -1,4 +1,4 @@
-// Pictures back from files.
+// Reads images from files.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace raysheaf::test {
 
-/// PNG or JPEG. Throws std::runtime_error where the file is not a picture.
+/// PNG or JPEG. Throws std::runtime_error if the file is not an image.
 Image read_png(const std::string& path);
 
 }  // namespace raysheaf::test

@@ -1,4 +1,4 @@
-// Whether two ways to a picture give the same one.
+// Compares two images.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 
 namespace raysheaf::test {
 
-/// All layers, bit for bit; not the statistics.
+/// Compares all layers bit for bit, but not the statistics.
 inline void expect_same_picture(const RenderResult& there, const RenderResult& here) {
   EXPECT_EQ(there.width, here.width);
   EXPECT_EQ(there.height, here.height);

@@ -1,4 +1,4 @@
-// Where the scenes for tests are: RAYSHEAF_SCENES, or ../shared/scenes beside the checkout.
+// Finds the test scenes: in RAYSHEAF_SCENES, or in ../shared/scenes next to the checkout.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 namespace raysheaf::test {
 
-/// The folder, or an empty path where there is none.
+/// The folder, or an empty path if there is none.
 inline std::filesystem::path scenes_directory() {
   if (const char* named = std::getenv("RAYSHEAF_SCENES"); named != nullptr && *named != '\0')
     return named;
@@ -20,7 +20,7 @@ inline std::filesystem::path scenes_directory() {
 
 }  // namespace raysheaf::test
 
-/// Sets `path` to a scene's file, or skips the test where the scenes are absent.
+/// Sets `path` to a scene's file, or skips the test if the scenes are missing.
 #define RAYSHEAF_SCENE_OR_SKIP(path, relative)                                         \
   const std::string path = (raysheaf::test::scenes_directory() / (relative)).string(); \
   if (raysheaf::test::scenes_directory().empty() || !std::filesystem::exists(path))    \

@@ -1,4 +1,4 @@
-// Runs something once for each SIMD target that this machine has.
+// Runs a function once for each SIMD target of this machine.
 #pragma once
 
 #include <hwy/highway.h>

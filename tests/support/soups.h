@@ -1,5 +1,4 @@
-// Scenes that no artist would make: random, needle-shaped, coplanar, repeated, degenerate, far
-// away.
+// Adversarial scenes: random, needle-shaped, coplanar, repeated, degenerate, far away.
 #pragma once
 
 #include <string>
@@ -108,7 +107,8 @@ inline SceneDescription soup(SoupKind kind, std::uint32_t triangles, std::uint64
   return scene;
 }
 
-/// Rays that aim at the scene's vertices, its edges' middles and anywhere, in bundles and alone.
+/// Rays towards the scene's vertices, the midpoints of its edges, and anywhere; in bundles and
+/// single.
 inline std::vector<Ray> rays_at(const SceneDescription& scene, std::uint32_t count,
                                 std::uint64_t seed) {
   Random random(seed);

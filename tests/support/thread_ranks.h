@@ -1,4 +1,4 @@
-// Processes that are threads: what is shared can be tested without MPI.
+// Ranks that are threads, so that distributed work can be tested without MPI.
 #pragma once
 
 #include <atomic>
@@ -15,7 +15,7 @@ namespace raysheaf::test {
 
 class ThreadRank : public Communicator {
  public:
-  /// What the threads have in common.
+  /// The state that the threads share.
   struct Shared {
     explicit Shared(std::uint32_t size) : meeting(size), posted(size), failed(size) {}
     std::barrier<> meeting;
@@ -84,7 +84,7 @@ class ThreadRank : public Communicator {
   std::optional<Error> failure_;
 };
 
-/// Runs `work` in threads that are `size` ranks; what each of them threw, or nothing.
+/// Runs `work` on `size` threads as ranks. Returns each one's error message, or an empty string.
 inline std::vector<std::string> run_ranks(
     std::uint32_t size, const std::function<void(const std::shared_ptr<Communicator>&)>& work) {
   ThreadRank::Shared shared(size);

@@ -1,4 +1,4 @@
-// Environments: where directions lie in the map, and how they are chosen.
+// Environments: the map's texel for each direction, and importance sampling.
 #include "surface/environment.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ Environment random_map(std::uint32_t width, std::uint32_t height, std::uint32_t 
   return map;
 }
 
-/// Even over the sphere.
+/// Uniformly distributed over the sphere.
 Vec3 even_direction(Vec2 chosen) {
   const float z = 1 - 2 * chosen.x, ring = std::sqrt(std::fmax(0.0f, 1 - z * z));
   return {ring * std::cos(6.2831853f * chosen.y), z, ring * std::sin(6.2831853f * chosen.y)};
@@ -46,8 +46,8 @@ TEST(Environment, TheMiddleIsStraightAheadAndColumnsGoToTheRight) {
   EXPECT_NEAR(seen({-r, 0, -r}), 5, 1e-4f);
   EXPECT_NEAR(seen({r, 0, -r}), 6, 1e-4f);
   EXPECT_NEAR(seen({r, 0, r}), 7, 1e-4f);
-  EXPECT_NEAR(seen({0, 0, -1}), 5.5f, 1e-4f);  // between two
-  EXPECT_NEAR(seen({0, 0, 1}), 5.5f, 1e-4f);   // round the seam: 7 and 4
+  EXPECT_NEAR(seen({0, 0, -1}), 5.5f, 1e-4f);  // between two texels
+  EXPECT_NEAR(seen({0, 0, 1}), 5.5f, 1e-4f);   // across the seam: 7 and 4
   EXPECT_LT(seen({0, 1, 0}), 4);               // up is the first row
   EXPECT_GT(seen({0, -1, 0}), 7);
   map.rotation = 1.57079633f;  // a quarter turn to the left, seen from above: ahead is now left
@@ -86,7 +86,7 @@ TEST(Environment, TheDensityIsOneOverTheSphereAndThatOfWhatIsChosen) {
       const float again = direction_density(made.view(), chosen.direction);
       agree += std::fabs(again - chosen.density) <= 1e-3f * chosen.density ? 1 : 0;
     }
-    EXPECT_GE(agree, 995u);  // but for those on a border between texels
+    EXPECT_GE(agree, 995u);  // all except those on a border between texels
   }
 }
 
@@ -110,7 +110,8 @@ TEST(Environment, ChoosingByBrightnessGivesTheEnergyThatEvenChoosingGives) {
     chosen_square += value * value / kChosen;
   }
   EXPECT_NEAR(chosen, even, 0.02 * even);
-  // A sun of 200 amid a sky of a seventh: choosing evenly has a deviation of many times the mean.
+  // A sun of 200 in a sky of a seventh: uniform sampling has a standard deviation of many times the
+  // mean.
   EXPECT_LT(std::sqrt(chosen_square - chosen * chosen), 2 * chosen);
 }
 

@@ -15,7 +15,7 @@ namespace {
 using test::one_triangle;
 using test::Random;
 
-/// One triangle of a scene, looked at.
+/// The surface at a point of one triangle in a scene.
 Surface seen(const SceneDescription& scene, Vec3 direction, float u = 0.25f, float v = 0.25f,
              std::uint32_t triangle = 0) {
   const Executor executor(1);
@@ -36,7 +36,7 @@ SceneDescription with_material(const Material& material) {
   return scene;
 }
 
-TEST(Surface, PlacesAreOneRoundingOffAtMost) {
+TEST(Surface, PlacesAreOffByAtMostOneRounding) {
   Random random(1);
   for (int round = 0; round < 200000; ++round) {
     const float scale = std::pow(10.0f, test::uniform(random, -30, 15));
@@ -109,7 +109,8 @@ TEST(Surface, NormalsThatOpposeTheWindingAreTurned) {
 }
 
 TEST(Surface, InstancesCarryNormalsAlong) {
-  // The normals of a sphere stay orthogonal to its image's tangents, on the outside, under any map.
+  // Under any map, the normals of a sphere stay orthogonal to the tangents of its image and point
+  // outwards.
   Random random(2);
   for (int round = 0; round < 2000; ++round) {
     Affine map = test::random_map(random);
@@ -122,7 +123,7 @@ TEST(Surface, InstancesCarryNormalsAlong) {
     const Vec3 normal = normalized(test::random_point(random, 1));
     const Vec3 tangent = normalized(cross(normal, normalized(test::random_point(random, 1))));
     const Vec3 image = unit_normal(normal_map(map), normal, {0, 0, 0});
-    if (image == Vec3{0, 0, 0}) continue;  // the map flattens all to a line
+    if (image == Vec3{0, 0, 0}) continue;  // the map flattens the sphere to a line
     EXPECT_NEAR(length(image), 1, 1e-5);
     const Vec3 along = transform_vector(map, tangent);
     double reach = 0;
@@ -252,7 +253,7 @@ TEST(Surface, TexturesMultiplyTheirFactors) {
   const float green = std::pow((0.2f + 0.055f) / 1.055f, 2.4f);
   expect_near(s.transmission_color, {0.5f, green, 0});
   EXPECT_FLOAT_EQ(s.roughness, 0.2f);              // green, linear
-  expect_near(s.specular, {0.04f, 0.04f, 0.04f});  // blue, so no metal
+  expect_near(s.specular, {0.04f, 0.04f, 0.04f});  // blue is 0: not a metal
   expect_near(s.emission, {2, 2 * green, 0});
 }
 
@@ -271,8 +272,8 @@ TEST(Surface, ColoursOfVerticesMultiplyTheBaseColour) {
   expect_near(seen(both, {0, 0, -1}).transmission_color, {0.25f, 0, 0});
 }
 
-/// A triangle in the plane z = 0, and a normal texture of one colour whose u runs along x and whose
-/// v runs against y, as in pictures.
+/// A triangle in the plane z = 0, and a normal texture with a single colour, whose u runs along x
+/// and whose v runs against y, as in images.
 SceneDescription bumpy(std::vector<std::uint8_t> pixel) {
   Material material;
   material.normal_texture.texture = 0;
@@ -286,7 +287,7 @@ SceneDescription bumpy(std::vector<std::uint8_t> pixel) {
 }
 
 TEST(Surface, NormalTexturesTurnTheShadingNormal) {
-  constexpr float kHalf = 128.0f / 127.5f - 1;  // as near to nothing as bytes come
+  constexpr float kHalf = 128.0f / 127.5f - 1;  // the byte closest to zero
   constexpr float kQuarterTurn = std::numbers::pi_v<float> / 2;
   const auto unit = [](Vec3 v) { return v / length(v); };
   expect_near(seen(bumpy({255, 128, 255, 255}), {0, 0, -1}).normal, unit({1, kHalf, 1}));
@@ -299,11 +300,11 @@ TEST(Surface, NormalTexturesTurnTheShadingNormal) {
   scene.materials[0].normal_texture.rotation = kQuarterTurn;  // u goes against y, v against x
   expect_near(seen(scene, {0, 0, -1}).normal, unit({0.5f, -0.5f, 1}));
   scene.materials[0].normal_texture.rotation = 0;
-  for (Vec2& uv : scene.meshes[0].uvs) uv.x = -uv.x;  // the picture in a mirror
+  for (Vec2& uv : scene.meshes[0].uvs) uv.x = -uv.x;  // mirrors the image
   expect_near(seen(scene, {0, 0, -1}).normal, unit({-0.5f, 0.5f, 1}));
   scene.instances[0].to_world = rotation({0, 0, 1}, kQuarterTurn);
   expect_near(seen(scene, {0, 0, -1}).normal, unit({-0.5f, -0.5f, 1}));
-  scene.meshes[0].uvs.assign(3, {0.5f, 0.5f});  // no frame
+  scene.meshes[0].uvs.assign(3, {0.5f, 0.5f});  // no tangent frame
   expect_near(seen(scene, {0, 0, -1}).normal, {0, 0, 1});
   scene.meshes[0].uvs.clear();
   expect_near(seen(scene, {0, 0, -1}).normal, {0, 0, 1});

@@ -11,7 +11,7 @@
 namespace raysheaf {
 namespace {
 
-/// Two by two: black, red above; green, blue below.
+/// Two by two texels: black, red above; green, blue below.
 SceneDescription four_pixels(Wrap wrap, Filter filter) {
   SceneDescription scene;
   scene.images.push_back({"", 2, 2, {0, 0, 0, 255, 255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 0}});
@@ -56,7 +56,7 @@ TEST(Texture, WrapsAsItSays) {
     expect_color(at(four_pixels(Wrap::kMirroredRepeat, filter), {1.25f, 0.25f}), 1, 0, 0);
     expect_color(at(four_pixels(Wrap::kClampToEdge, filter), {9, -9}), 1, 0, 0);
   }
-  // The filter reaches across the seam of a repeating texture, and not of the others.
+  // The filter reaches across the seam only if the texture repeats.
   expect_color(at(four_pixels(Wrap::kRepeat, Filter::kLinear), {0, 0.25f}), 0.5f, 0, 0);
   expect_color(at(four_pixels(Wrap::kClampToEdge, Filter::kLinear), {0, 0.25f}), 0, 0, 0);
   expect_color(at(four_pixels(Wrap::kMirroredRepeat, Filter::kLinear), {1, 0.25f}), 1, 0, 0);
@@ -88,9 +88,9 @@ TEST(Texture, SrgbIsMadeLinearBeforeItIsMixed) {
   TextureSlot slot;
   slot.texture = 0;
   expect_color(TextureSet(scene).color(slot, {0.5f, 0.25f}), 0.5f, 0, 0);
-  scene.images[0].rgba[0] = 188;  // very nearly half
+  scene.images[0].rgba[0] = 188;  // almost one half
   EXPECT_NEAR(TextureSet(scene).color(slot, {0, 0}).x, 0.5, 5e-3);
-  scene.images[0].rgba[0] = 5;  // on the straight part
+  scene.images[0].rgba[0] = 5;  // on the linear part of the curve
   EXPECT_NEAR(TextureSet(scene).color(slot, {0, 0}).x, 5 / 255.0 / 12.92, 1e-7);
 }
 
@@ -117,7 +117,7 @@ TEST(Texture, SlotsScaleThenRotateThenMove) {
 }
 
 TEST(Texture, RotatesTheSameWayAsKhronosAsset) {
-  // TextureTransformTest: the marker of the right place, in uv, where the arrow's tip is seen.
+  // TextureTransformTest: the marker of the correct position, in uv, where the arrow's tip appears.
   TextureSlot slot;
   slot.rotation = 0.39269908f;
   const Vec2 uv = transform_uv(placed_texture(slot), {0.5f - 0.0790482f, 0.5f + 0.5162675f});

@@ -1,5 +1,5 @@
-// Whole numbers that hold every determinant of three rows of differences of floats, in units of
-// 2^-447: the plainest exact arithmetic, to check the faster one against.
+// Integers that hold every determinant of three rows of float differences, in units of 2^-447: the
+// simplest exact arithmetic, as a reference for the faster one.
 #pragma once
 
 #include <array>
@@ -8,19 +8,19 @@
 
 namespace raysheaf::test {
 
-/// Two's complement, 896 bits: a difference of floats is below 2^278 units of 2^-149, so that a
-/// determinant is below 2^837 units. Nothing is checked for overflow.
+/// Two's complement with 896 bits: a difference of floats is below 2^278 units of 2^-149, so a
+/// determinant is below 2^837 units. Overflow is not checked.
 class BigInteger {
  public:
   BigInteger() = default;
-  /// In units of 2^-149, exactly.
+  /// Exact, in units of 2^-149.
   explicit BigInteger(float x) {
     int exponent;
     const auto digits = static_cast<std::int64_t>(std::ldexp(std::frexp(x, &exponent), 24));
     // x = digits 2^(exponent - 24); denormals have fewer digits.
     int shift = exponent - 24 + 149;
     std::int64_t whole = digits < 0 ? -digits : digits;
-    for (; shift < 0; ++shift) whole /= 2;  // of denormals: zeros
+    for (; shift < 0; ++shift) whole /= 2;  // for denormals, removes zeros
     const auto limb = static_cast<std::size_t>(shift / 64),
                bit = static_cast<std::size_t>(shift % 64);
     limbs_[limb] = static_cast<std::uint64_t>(whole) << bit;
@@ -45,7 +45,7 @@ class BigInteger {
     return flipped + one;
   }
   friend BigInteger operator-(const BigInteger& a, const BigInteger& b) { return a + -b; }
-  /// Modulo 2^896, which is right for negative numbers, too.
+  /// Modulo 2^896, which is also right for negative numbers.
   friend BigInteger operator*(const BigInteger& a, const BigInteger& b) {
     BigInteger product;
     for (std::size_t i = 0; i < kLimbs; ++i) {
@@ -66,7 +66,7 @@ class BigInteger {
       if (limb != 0) return 1;
     return 0;
   }
-  /// Times 2^power, to within 2^-50 relative.
+  /// The integer times 2^power, with a relative error of 2^-50.
   [[nodiscard]] double value(int power) const {
     if (sign() < 0) return -(-*this).value(power);
     std::size_t top = kLimbs - 1;

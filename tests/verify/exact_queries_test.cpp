@@ -1,5 +1,6 @@
-// Every way of querying gives the hits of exact arithmetic: rays through corners, edges and insides
-// of whole-number meshes, and exact fractions beside; and difficult soups at any scale.
+// Every way of querying gives the hits of exact arithmetic: for rays through corners, edges and
+// interiors of meshes with integer coordinates, and exact fractions next to them; and for difficult
+// soups at any scale.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,8 +26,8 @@ const Subject& the_library() {
   return subject;
 }
 
-/// Calls `answer(problem, random, tally)` for problem after problem until one fails; a failure is
-/// one line, with the ray, the triangle, what was expected and what was got.
+/// Calls `answer(problem, random, tally)` for one problem after another until one fails. The
+/// failure is one line with the ray, the triangle, and the expected and actual results.
 template <class Answer>
 void for_each_problem(const Answer& answer) {
   PromiseReport report;
@@ -46,7 +47,7 @@ void for_each_problem(const Answer& answer) {
   EXPECT_GT(hits, report.failures == 0 ? kProblems * kRays : 0);
 }
 
-/// The same on every SIMD target.
+/// Runs on every SIMD target.
 template <class Answer>
 void on_every_target(const Answer& answer) {
   for_each_problem([&](const Problem& problem, Random* random, Tally* tally) {
@@ -92,7 +93,7 @@ TEST(ExactQueries, EveryMethod) {
   });
 }
 
-/// Trees take turns.
+/// The kinds of trees alternate.
 TEST(ExactQueries, EveryTreeAndBundle) {
   std::size_t turn = 0;
   on_every_target([&](const Problem& problem, std::int64_t target, Random* random, Tally* tally) {

@@ -21,7 +21,7 @@ BigInteger big_determinant(const Rows& rows) {
   return m[0][0] * minor(1, 2) - m[0][1] * minor(0, 2) + m[0][2] * minor(0, 1);
 }
 
-/// Three points as seen from a fourth.
+/// The differences of three points from a fourth.
 Rows some_rows(Random* random) {
   const PairFamily& family =
       pair_families()[random->below(static_cast<std::uint32_t>(pair_families().size()))];
@@ -68,8 +68,8 @@ TEST(Exact, DeterminantsAreThoseOfBigIntegers) {
   EXPECT_LT(zeros, 150000);
 }
 
-/// Hit or miss from barycentric coordinates of big integers, in the plainest way: of another
-/// formula than the oracle's, by the point where the line meets the plane.
+/// Hit or miss from barycentric coordinates of big integers. It uses another formula than the
+/// oracle: the point where the line meets the plane.
 struct BigAnswer {
   bool meets = false;
   double t = 0, u = 0, v = 0;
@@ -118,7 +118,7 @@ TEST(Exact, AnswersAreThoseOfBigIntegers) {
   }
 }
 
-/// Rows from one point to another: differences that no float holds.
+/// Rows between two points: their differences are not representable as floats.
 TEST(Exact, DifferencesAreNotRounded) {
   const Vec3 far{0x1p60f, 0, 0};
   const Row x{{1, 0, 0}, {}}, y{{0, 1, 0}, {}}, z{{0, 0, 1}, {}};
@@ -128,7 +128,8 @@ TEST(Exact, DifferencesAreNotRounded) {
   EXPECT_EQ(determinant({x, x, z}), 0);
   const Row sum{{0x1p60f, 0x1p-80f, 0}, {}}, along{{0x1p60f, 0, 0}, {}};
   EXPECT_EQ(determinant({along, sum, z}), 0x1p-20);
-  const Row less{{0x1p60f, 1, 0}, {0x1p-60f, 0, 0}};  // (2^60 - 2^-60, 1, 0): no binary64 number
+  // (2^60 - 2^-60, 1, 0): not representable in binary64.
+  const Row less{{0x1p60f, 1, 0}, {0x1p-60f, 0, 0}};
   EXPECT_EQ(determinant({less, Row{{0x1p60f, 1, 0}, {}}, z}), -0x1p-60);
 }
 
@@ -139,7 +140,7 @@ TEST(Exact, AnswersForARayAndATriangle) {
   EXPECT_EQ(hit.t, 0.5);
   EXPECT_EQ(hit.u, 0.25);
   EXPECT_EQ(hit.v, 0.5);
-  // Edges and corners belong to the triangle; the smallest float beyond them does not.
+  // Edges and corners belong to the triangle; points beyond them by the smallest float do not.
   const auto meets = [&](float x, float y) {
     return exact_answer({{x, y, 0}, 0, {0, 0, 1}}, a, b, c).meets;
   };

@@ -1,4 +1,4 @@
-// The checks pass for the library, and find whatever is wrong.
+// The checks pass for the library and detect every error.
 #include "raysheaf/verify.h"
 
 #include <gtest/gtest.h>
@@ -50,7 +50,8 @@ TEST(Verify, TheSameSeedTriesTheSameCases) {
   }
 }
 
-/// The check fails; its first failure is shown again by its seed alone, and names these words.
+/// Expects that the check fails. Its first failure must be reproducible from its seed and contain
+/// these words.
 void expect_found(const Subject& subject, Promise promise, std::uint64_t rounds,
                   const std::string& words) {
   const VerifyReport report = checked(subject, promise, rounds);
@@ -66,7 +67,7 @@ void expect_found(const Subject& subject, Promise promise, std::uint64_t rounds,
   EXPECT_EQ(again.promises[0].first_failures.front().what, first.what);
 }
 
-/// Whether it is the first ray from a place that some, not all, rays have.
+/// Whether the ray is one of those, by its origin, for which the test gives wrong answers.
 bool is_unlucky(const Ray& ray) {
   return ray.origin.x > ray.origin.y;
 }
@@ -110,7 +111,7 @@ TEST(Verify, AnAnswerThatDependsOnTheBatchIsFound) {
 
 TEST(Verify, AGapIsFound) {
   Subject subject(1);
-  // An edge belongs to no triangle.
+  // The edge u = 0 belongs to no triangle.
   subject.closest_hit = [](const Scene& scene, std::span<const Ray> rays,
                            const QueryOptions& options) {
     std::vector<Hit> hits = closest_hit(scene, rays, options);
@@ -143,12 +144,12 @@ TEST(Verify, ATestWithoutTheLastBitsIsFound) {
     return is_within(hit->t, ray.t_min, ray.t_max);
   };
   expect_found(subject, Promise::kExact, 2, "t is wrong by");
-  // An edge that belongs to no triangle.
+  // The edge u = 0 belongs to no triangle.
   subject.intersect = [](const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c, TriangleHit* hit) {
     return intersect_triangle(ray, a, b, c, hit) && hit->u > 0;
   };
   expect_found(subject, Promise::kExact, 2, "a missed hit");
-  // A triangle that is larger than it is.
+  // The triangle is too large.
   subject.intersect = [](const RaySetup& ray, Vec3 a, Vec3 b, Vec3 c, TriangleHit* hit) {
     if (line_meets_triangle(ray.origin, ray.direction, a, b, c, hit))
       return is_within(hit->t, ray.t_min, ray.t_max);
@@ -222,7 +223,7 @@ TEST(Verify, HistogramsHoldWhatTheirLimitsSay) {
   EXPECT_EQ(histogram.total(), 7u);
 }
 
-/// Every edge of a closed mesh has a triangle on either side, whatever its kind.
+/// In a closed mesh of any kind, every edge has a triangle on either side.
 TEST(Verify, MeshesAreClosed) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     const ClosedMesh mesh = make_closed_mesh(seed);

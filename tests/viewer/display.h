@@ -1,4 +1,4 @@
-// A display that nobody sees, and the viewer on it.
+// A virtual display, and the viewer on it.
 #pragma once
 
 #include <fcntl.h>
@@ -9,7 +9,7 @@
 
 namespace raysheaf::test {
 
-/// An Xvfb of its own while it lives. `display` is empty where there is none.
+/// Runs Xvfb during its lifetime. `display` is empty if Xvfb is not installed.
 class VirtualDisplay {
  public:
   VirtualDisplay() {
@@ -46,7 +46,7 @@ class VirtualDisplay {
   pid_t child_ = -1;
 };
 
-/// An environment variable that is another one while this lives.
+/// Changes an environment variable during its lifetime.
 class ScopedVariable {
  public:
   ScopedVariable(std::string name, const char* value) : name_(std::move(name)) {

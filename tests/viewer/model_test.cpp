@@ -1,4 +1,4 @@
-// The viewer without a window: wishes, answers, and that the latest wish wins.
+// The viewer without a window: requests and results, and that the latest request takes precedence.
 #include "model.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,8 @@
 namespace raysheaf::viewer {
 namespace {
 
-/// The built-in box; all of it goes up by 1 in a second, or in another clip down in a half.
+/// The built-in box. In one clip it rises by 1 within a second, in another it falls within half a
+/// second.
 std::unique_ptr<Animation> rising_box() {
   SceneDescription scene = builtin_scene("cornell");
   Rig rig;
@@ -50,7 +51,7 @@ double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// A model that plays for itself, a turn a millisecond.
+/// A model that runs by itself, one step per millisecond.
 class ModelTest : public testing::Test {
  protected:
   ModelTest() {
@@ -96,7 +97,7 @@ class ModelTest : public testing::Test {
   double clock_ = 0;
 };
 
-TEST_F(ModelTest, RefinesWhatStandsToThePictureOfTheRenderer) {
+TEST_F(ModelTest, RefinesAStillViewToTheRenderersImage) {
   model.settings.samples = 1;
   ASSERT_TRUE(open("cornell"));
   ASSERT_TRUE(until([this] { return model.refined(); }));
@@ -107,7 +108,7 @@ TEST_F(ModelTest, RefinesWhatStandsToThePictureOfTheRenderer) {
   EXPECT_EQ(model.picture()->sides[0].image.rgba, expected.rgba);
 }
 
-TEST_F(ModelTest, TheLatestWishWins) {
+TEST_F(ModelTest, TheLatestRequestWins) {
   ASSERT_TRUE(open("office"));
   for (int i = 0; i < 200; ++i) {
     model.rig.orbit(0.01f, 0);
@@ -115,7 +116,7 @@ TEST_F(ModelTest, TheLatestWishWins) {
   }
   ASSERT_TRUE(until([this] { return model.refined(); }));
   EXPECT_EQ(model.picture()->samples, 3u);
-  // Not a picture a wish: most were dropped.
+  // Most requests were dropped, so there are fewer images than requests.
   EXPECT_LT(model.picture_count(), 100u);
   ASSERT_TRUE(until([this] { return !tracer.busy(); }));
 }
@@ -144,7 +145,7 @@ TEST_F(ModelTest, ABadSceneLeavesTheGoodOne) {
   EXPECT_EQ(model.value("scene"), "office");
 }
 
-/// Dropped one after the other, faster than they can be read: those between are never begun.
+/// Scenes are dropped faster than they can be loaded: those in between are never started.
 TEST_F(ModelTest, TheLastOfManyScenesIsShown) {
   for (int round = 0; round < 5; ++round) {
     for (const char* name : {"office", "cornell", "broken", "rising", "cornell", "office"})
@@ -167,7 +168,7 @@ TEST_F(ModelTest, ABadSceneDoesNotEndARefinement) {
   EXPECT_EQ(model.picture()->samples, 40u);
 }
 
-TEST_F(ModelTest, ClickingNamesWhatIsThere) {
+TEST_F(ModelTest, ClickingNamesTheObject) {
   ASSERT_TRUE(open("cornell"));
   ASSERT_TRUE(until([this] { return model.refined(); }));
   hand(InputEvent::Type::kButtonDown, 0.5f, 0.5f);
@@ -187,7 +188,7 @@ TEST_F(ModelTest, DraggingOrbitsAndDoesNotClick) {
   hand(InputEvent::Type::kButtonUp, 0.6f, 0.5f);
   EXPECT_NE(model.rig.yaw(), yaw);
   EXPECT_FALSE(model.picked());
-  // Over the interface a button means something else.
+  // Over the panel, a button has another meaning.
   const float turned = model.rig.yaw();
   InputEvent event;
   event.type = InputEvent::Type::kButtonDown;
@@ -240,14 +241,14 @@ TEST_F(ModelTest, ShowsTheBundleUnderTheCursor) {
   ASSERT_TRUE(until([this] { return model.bundle_up_to_date(); }));
   EXPECT_EQ(model.value("bundle-size"), "8");
   EXPECT_EQ(model.value("bundle-bounds"), "2");
-  ASSERT_TRUE(until([this] { return model.refined(); }));  // it goes on after the question
+  ASSERT_TRUE(until([this] { return model.refined(); }));  // rendering goes on after the question
 }
 
 TEST_F(ModelTest, SavesTheWholePicture) {
   ASSERT_TRUE(open("cornell"));
   model.save();
   ASSERT_TRUE(until([this] { return !model.saving(); }));
-  model.save();  // takes the next free name
+  model.save();  // uses the next free name
   ASSERT_TRUE(until([this] { return !model.saving(); }));
   EXPECT_EQ(folder.names().size(), 2u);
   ASSERT_TRUE(until([this] { return model.refined(); }));
@@ -260,7 +261,7 @@ TEST_F(ModelTest, SavesTheWholePicture) {
   EXPECT_TRUE(model.last_note().failure) << model.last_note().text;
 }
 
-TEST_F(ModelTest, PlaysStandsStillAndScrubs) {
+TEST_F(ModelTest, PlaysPausesAndScrubs) {
   ASSERT_TRUE(open("rising"));
   ASSERT_TRUE(until([this] { return model.refined(); }));
   const std::vector<std::uint8_t> first = model.picture()->sides[0].image.rgba;
@@ -276,7 +277,7 @@ TEST_F(ModelTest, PlaysStandsStillAndScrubs) {
   EXPECT_TRUE(model.playing());
   EXPECT_TRUE(model.moves());
   ASSERT_TRUE(until([this] { return model.time_s() > 0.3; }));
-  ASSERT_TRUE(until([this] { return model.time_s() < 0.3; }));  // begins again
+  ASSERT_TRUE(until([this] { return model.time_s() < 0.3; }));  // the clip begins again
   press("space");
   const double stands = model.time_s();
   press(".");
@@ -302,7 +303,7 @@ TEST_F(ModelTest, PlaysAnotherClipToItsOwnEnd) {
   EXPECT_EQ(model.picture()->sides[0].image.rgba, up);
 }
 
-TEST_F(ModelTest, WhatStandsStillDoesNotPlay) {
+TEST_F(ModelTest, AStaticSceneDoesNotPlay) {
   ASSERT_TRUE(open("cornell"));
   press("space");
   EXPECT_FALSE(model.playing());

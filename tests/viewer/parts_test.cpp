@@ -1,4 +1,4 @@
-// The small parts: resolution that adapts, latencies, layers, lines of bundles.
+// Small parts of the viewer: adaptive resolution, latencies, layers, lines of bundles.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,8 @@ namespace {
 
 constexpr Size kWindow{1280, 800};
 
-/// Where it settles on a machine that needs `fixed` ms a picture and `pixel` ms a pixel.
+/// The size at which it settles on a machine that needs `fixed` ms per image and `pixel` ms per
+/// pixel.
 Size settled(double fixed, double pixel, double goal, Resolution resolution = {}) {
   Size size;
   for (int i = 0; i < 60; ++i) {

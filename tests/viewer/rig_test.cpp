@@ -1,4 +1,4 @@
-// The camera in the hand: what stays when it moves.
+// The viewer's camera: what stays in place when it moves.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -46,7 +46,7 @@ TEST(Rig, TakesACameraAsItIs) {
           looking({in(random), in(random), in(random)}, {in(random), in(random), 9}, tilted);
       CameraRig rig(camera, kBounds, up);
       expect_near(column(rig.camera().to_world, 0), column(camera.to_world, 0), 0);
-      rig.look(0, 0);  // built anew from angles
+      rig.look(0, 0);  // recomputed from angles
       for (std::size_t c = 0; c < 4; ++c)
         expect_near(column(rig.camera().to_world, c), column(camera.to_world, c), 2e-3f);
       expect_orthonormal(rig.camera().to_world);
@@ -85,7 +85,7 @@ TEST(Rig, LookKeepsTheEyeAndFlyTheDirection) {
 TEST(Rig, ZoomStopsBeforeThePivotAndPanFollowsTheHand) {
   CameraRig rig(looking({0, 0, 10}, {0, 0, 0}, {0, 1, 0}), kBounds, UpAxis::kY);
   const Vec3 pivot = rig.pivot();
-  rig.pan(0.25f, 0);  // a quarter of the height: what was in the middle is a quarter aside
+  rig.pan(0.25f, 0);  // a quarter of the height: the former middle moves by a quarter
   const auto spot = project(rig.camera(), 1, pivot, pivot);
   ASSERT_TRUE(spot);
   EXPECT_NEAR(spot->from.x, 0.25f, 1e-3f);
@@ -132,7 +132,7 @@ TEST(Projection, IsUndoneByUnproject) {
       ASSERT_TRUE(seen);
       EXPECT_NEAR(seen->from.x, spot.x, 1e-4f);
       EXPECT_NEAR(seen->from.y, spot.y, 1e-4f);
-      // The matrix for OpenGL says the same.
+      // The matrix for OpenGL agrees.
       const auto m = view_projection(camera, 1.7f, 0.1f, 100);
       const auto row = [&](std::size_t r) {
         return m[r] * point.x + m[4 + r] * point.y + m[8 + r] * point.z + m[12 + r];

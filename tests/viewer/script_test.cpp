@@ -1,4 +1,4 @@
-// Scripts: what is wrong is found before anything happens, with its file and line.
+// Scripts: errors are reported before anything runs, with file and line.
 #include "script.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Settings: every one goes into its file and comes back; a broken file changes nothing.
+// Settings: each is saved and restored; an invalid file changes nothing.
 #include <gtest/gtest.h>
 
 #include "display.h"
@@ -12,7 +12,7 @@ namespace {
 using test::TemporaryFolder;
 using test::write_file;
 
-/// A value that the field does not have by default.
+/// A value that differs from the field's default.
 std::string other_value(const SettingField& field) {
   const std::string now = field.get({});
   for (const std::string& word : field.words)

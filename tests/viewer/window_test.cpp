@@ -1,4 +1,4 @@
-// `raysheaf view` as a user starts it, on a display that nobody sees.
+// `raysheaf view` as a user starts it, on a virtual display.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ class WindowTest : public testing::Test {
     display_variable_.emplace("DISPLAY", display_.display.c_str());
     config_.emplace("XDG_CONFIG_HOME", folder.file("config").c_str());
   }
-  /// `raysheaf view SCENE --script` with those lines.
+  /// Runs `raysheaf view SCENE --script` with those lines.
   Finished play(const std::string& lines, const std::string& scene = "builtin:cornell") {
     write_file(folder.file("script"), "size 420 300\nplots off\npanel off\nsamples 2\n" + lines);
     return raysheaf_app({"view", scene, "--script", "script", "--size", "420x300"}, folder);
@@ -37,7 +37,7 @@ class WindowTest : public testing::Test {
   std::optional<ScopedVariable> display_variable_, config_;
 };
 
-/// The part of the bytes that differ.
+/// The fraction of the bytes that differ.
 double difference(const Image& a, const Image& b) {
   EXPECT_EQ(a.rgba.size(), b.rgba.size());
   std::size_t other = 0;
@@ -46,7 +46,7 @@ double difference(const Image& a, const Image& b) {
   return static_cast<double>(other) / static_cast<double>(a.rgba.size());
 }
 
-/// The same with what lies above the status line and the notes.
+/// The image above the status line and the notes.
 Image without_status(Image image) {
   image.height -= 60;
   image.rgba.resize(std::size_t{4} * image.width * image.height);
@@ -76,7 +76,7 @@ TEST_F(WindowTest, PicturesDifferAsTheyShould) {
             0.1);
 }
 
-/// Nothing to compare: what counts is that a sanitizer has nothing to say of it.
+/// Nothing is compared: the test runs all drawing code under the sanitizers.
 TEST_F(WindowTest, EveryMethodAndOverlayIsShown) {
   std::string lines = "wait-for-picture\n";
   for (const char* method : {"rah", "crsh", "gl10", "dual"})
@@ -90,7 +90,7 @@ TEST_F(WindowTest, EveryMethodAndOverlayIsShown) {
   EXPECT_GT(difference(picture("albedo.png"), picture("ids.png")), 0.1);
 }
 
-TEST_F(WindowTest, AHandMovesPicksSplitsAndSaves) {
+TEST_F(WindowTest, UserInputMovesPicksSplitsAndSaves) {
   const Finished finished = play(
       "wait-for-refined\nclick 0.5 0.5\nwait 0.1\nassert pick-mesh is-not nothing\n"
       "assert pick-t > 0\nprint pick-mesh\nscreenshot picked.png\npress escape\n"
@@ -153,7 +153,7 @@ TEST_F(WindowTest, RemembersInItsFileAndIgnoresABrokenOne) {
       << finished.err;
 }
 
-TEST_F(WindowTest, TellsOfAnOpenGlThatIsTooOld) {
+TEST_F(WindowTest, ReportsAnOpenGlThatIsTooOld) {
   const ScopedVariable old("MESA_GL_VERSION_OVERRIDE", "2.1");
   const Finished finished = play("");
   EXPECT_EQ(finished.code, 1);
@@ -187,7 +187,7 @@ TEST_F(WindowTest, MeasuresHowLongInputWaits) {
   EXPECT_NE(finished.out.find("input to present: "), std::string::npos) << finished.out;
 }
 
-TEST(Display, WithoutOneThereIsASentence) {
+TEST(Display, AMissingOneIsReportedInASentence) {
   if (!has_viewer()) GTEST_SKIP() << "this build has no viewer";
   const TemporaryFolder folder;
   const ScopedVariable none("DISPLAY", nullptr), nor("WAYLAND_DISPLAY", nullptr);
@@ -197,7 +197,7 @@ TEST(Display, WithoutOneThereIsASentence) {
   EXPECT_EQ(std::count(finished.err.begin(), finished.err.end(), '\n'), 1) << finished.err;
 }
 
-TEST(Viewer, WhereItIsMissingThereIsASentence) {
+TEST(Viewer, AMissingViewerIsReportedInASentence) {
   const TemporaryFolder folder;
   const std::string alone = folder.file("raysheaf");
   std::filesystem::copy_file(RAYSHEAF_APP, alone);

@@ -1,4 +1,4 @@
-"""What nvcc says of kernels, and a table of it beside what nvdisasm shows."""
+"""Parses nvcc's resource usage of kernels, and prints it in a table with the counts from nvdisasm."""
 import collections
 import json
 import pathlib
@@ -27,7 +27,7 @@ def cuda_commands(text):
 
 
 def cubin_command(arguments, architecture, cubin, uses):
-    """The same compilation, to machine code of one architecture."""
+    """The same compilation, but to machine code of one architecture."""
     command, skip = [], False
     for argument in arguments:
         if skip or argument in ("-c", "-MD") or argument.startswith("--generate-code"):
@@ -42,7 +42,7 @@ def cubin_command(arguments, architecture, cubin, uses):
 
 
 def is_fresh(cubin, log, uses, stamp):
-    """Whether a cubin is what this command would make of the sources as they are."""
+    """Whether a cubin is what this command would make of the current sources."""
     if not (cubin.exists() and log.exists() and uses.exists() and log.read_text().startswith(stamp)):
         return False
     made = cubin.stat().st_mtime
@@ -51,8 +51,12 @@ def is_fresh(cubin, log, uses, stamp):
 
 
 def resources_of(log):
-    """{mangled kernel: Resources} of what `ptxas -v` prints: a kernel's own properties, its registers, then
-    the properties of each function that it calls and that is not inlined."""
+    """{mangled kernel: Resources} from the output of `ptxas -v`.
+
+    It lists a kernel's own properties, its registers, and then the properties of each function that
+    the
+    kernel calls and that is not inlined.
+    """
     found, entry, function = {}, None, None
     for line in log.splitlines():
         if match := _ENTRY.search(line):
@@ -84,7 +88,7 @@ def short_name(demangled):
 
 
 def _without_templates(text):
-    """Up to the first argument list, without what stands in angle brackets."""
+    """The text up to the first argument list, without the parts in angle brackets."""
     kept, depth = "", 0
     for letter in text:
         if letter == "<":
@@ -111,7 +115,10 @@ def rows(architecture, resources, listing, demangled):
 
 
 def table(all_rows):
-    """Markdown: kernels by name, architectures ascending. Several sources may have the same kernel."""
+    """A Markdown table: kernels by name, architectures ascending.
+
+    Several sources may have the same kernel.
+    """
     text = ["| Kernel | sm | Registers | Stack, bytes | Spills, bytes | Spills of called functions "
             "| Instructions | Turn | Global loads | Bytes of these | Local accesses | Memory instructions |",
             "|---|" + "--:|" * 11]

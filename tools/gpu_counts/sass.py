@@ -1,14 +1,16 @@
-"""Reads what nvdisasm prints: a kernel's instructions, and the shortest turn of its inner loop.
+"""Parses the output of nvdisasm: a kernel's instructions, and the shortest turn of its inner loop.
 
-    block ─► block ─► block ─► ...      a block ends where a branch begins or arrives
-      ▲                 │
-      └─────────────────┘               a turn: a way from a block back to itself
+  block ─► block ─► block ─► ...      a block ends where a branch begins or arrives
+  ▲                 │
+  └─────────────────┘               a turn: a path from a block back to itself
 
-The inner loop is found by its memory: of the blocks that some way leads back to, the one that reads
-most bytes of global memory from one address. Of all turns through it the one of fewest instructions
-counts, by Dijkstra's algorithm over blocks and what is known of predicates: a branch tells its own,
-and the compiler sets some to constants, so that no way is taken against them. A call counts as one
-instruction, and so does a predicated instruction, for the warp issues it.
+The inner loop is found by its memory accesses: among the blocks that lie on a cycle, it has the
+block that reads most bytes of global memory from one address. Among all turns through that block,
+the one with the fewest instructions counts. It is found by Dijkstra's algorithm over blocks and
+known
+values of predicates: a branch tells the values of its own predicates, and the compiler sets some to
+constants, so that no path contradicts them. A call counts as one instruction, and so does a
+predicated instruction, because the warp issues it.
 """
 import collections
 import heapq
@@ -24,7 +26,7 @@ _PREDICATE = re.compile(r"!?\bU?P\d\b")
 _CONSTANT = re.compile(r"(U?P\d), U?PT, U?PT, U?PT, U?PT, (0x[0-9a-f]+)")
 _LOADS = {"LDG", "LD"}
 _MEMORY = {"LDG", "LD", "LDL", "LDS", "STG", "ST", "STL", "STS", "ATOM", "ATOMG", "ATOMS", "RED", "REDG"}
-_MOST_STATES = 200000  # that are looked at for one turn
+_MOST_STATES = 200000  # examined for one turn
 _ENDS = {"EXIT", "RET", "BRX", "JMX", "KILL", "BPT"}
 
 Block = collections.namedtuple("Block", "instructions next")
@@ -38,7 +40,7 @@ class Instruction:
         self.opcode, *self.modifiers = code.split(".")
         self.operands = operands.split("(*")[0].strip()
         target = _TARGET.search(operands)
-        # The compiler also calls labels within a function, and nothing returns from there.
+        # The compiler also uses CALL for labels within a function, from which no call returns.
         self.is_branch = self.opcode in ("BRA", "JMP") or (
             self.opcode == "CALL" and target is not None and target.group(1).startswith(".L"))
         self.target = target.group(1) if target and self.is_branch else None
@@ -55,7 +57,7 @@ class Instruction:
         return not self.ends_block() or bool(self.conditions)
 
     def bytes(self):
-        """What it moves a thread."""
+        """The bytes that it moves per thread."""
         for modifier in self.modifiers:
             if modifier in ("U8", "S8"):
                 return 1
@@ -66,13 +68,15 @@ class Instruction:
         return 4
 
     def base(self):
-        """The register that a load's address begins with; None where it has none."""
+        """The register at the start of a load's address; None without one."""
         address = _ADDRESS.search(self.operands)
         return address.group(1) if address else None
 
     def tell(self, known):
-        """Changes {predicate: value} to what is known after it. A predicate that it names is not known
-        any more, though it may only have been read."""
+        """Updates {predicate: value} to what is known after the instruction.
+
+        A predicate that the instruction names becomes unknown, even if it was only read.
+        """
         if self.ends_block():
             return
         if self.opcode in ("CALL", "R2P", "R2UP"):
@@ -81,12 +85,12 @@ class Instruction:
             known.pop(predicate.lstrip("!"), None)
         constant = _CONSTANT.match(self.operands) if self.opcode in ("PLOP3", "UPLOP3") else None
         if constant and not self.conditions:
-            # A table of three predicates that are all true: its last bit.
+            # A lookup table of three predicates that are all true: its last bit.
             known[constant.group(1)] = bool(int(constant.group(2), 16) & 0x80)
 
 
 def functions(text):
-    """{name: (instructions, {label: place})} of a listing by `nvdisasm -c`."""
+    """{name: (instructions, {label: place})} from a listing by `nvdisasm -c`."""
     found, instructions, labels = {}, None, None
     for line in text.splitlines():
         function = _FUNCTION.match(line)
@@ -110,7 +114,7 @@ def functions(text):
 
 
 def blocks_of(instructions, labels):
-    """Basic blocks in order; `next` has (number, whether by a branch) of those that may follow."""
+    """Basic blocks in order; `next` has (number, whether by a branch) of their successors."""
     starts = {0}
     for place, instruction in enumerate(instructions):
         if instruction.ends_block():
@@ -132,14 +136,14 @@ def blocks_of(instructions, labels):
 
 
 def _values(conditions, taken):
-    """{predicate: value} where a branch with these conditions is taken, or is not."""
+    """{predicate: value} if a branch with these conditions is taken, or is not taken."""
     if not taken and len(conditions) > 1:
         return {}
     return {c.lstrip("!"): c.startswith("!") != taken for c in conditions}
 
 
 def _ways_on(blocks, block, known):
-    """(next block, what is known there) for the ways that agree with what is known."""
+    """(next block, known values there) for the paths that agree with what is known."""
     known = dict(known)
     for instruction in blocks[block].instructions:
         instruction.tell(known)
@@ -151,7 +155,8 @@ def _ways_on(blocks, block, known):
 
 
 def shortest_turn(blocks, through):
-    """The blocks of the turn of fewest instructions through one of them; None where there is none."""
+    """The blocks of the turn with the fewest instructions through one block; None if there is no
+    turn."""
     before, order = {}, itertools.count()
     heap = [(0, next(order), through, frozenset(), None)]
     while heap:
@@ -185,8 +190,12 @@ def _most_from_one_base(block):
 
 
 def inner_turn(blocks):
-    """The turn of the inner loop, or None where nothing in a loop reads global memory. Of blocks that read
-    as much by as many loads it is the one whose turn is longest."""
+    """The turn of the inner loop, or None if no loop reads global memory.
+
+    Among blocks that read the same number of bytes by the same number of loads, it is the one with
+    the
+    longest turn.
+    """
     most, longest = (0, 0), None
     for reads, place in sorted(((_most_from_one_base(b), i) for i, b in enumerate(blocks)), reverse=True):
         if reads < most or reads == (0, 0):
@@ -202,7 +211,7 @@ def inner_turn(blocks):
 
 
 def count(instructions):
-    """What a turn does."""
+    """The counts of a turn."""
     loads = [i for i in instructions if i.opcode in _LOADS]
     return Turn(len(instructions), len(loads), sum(i.bytes() for i in loads),
                 sum(i.opcode in ("LDL", "STL") for i in instructions),

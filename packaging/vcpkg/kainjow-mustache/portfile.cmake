@@ -1,4 +1,4 @@
-# A header alone. vcpkg has no port of it.
+# A single header, for which vcpkg has no port.
 set(VCPKG_BUILD_TYPE release)
 vcpkg_from_github(
   OUT_SOURCE_PATH SOURCE_PATH

@@ -1,4 +1,4 @@
-# An overlay port of the checkout that it stands in: `vcpkg install raysheaf
+# An overlay port of the checkout that contains it: `vcpkg install raysheaf
 # --overlay-ports=packaging/vcpkg`.
 get_filename_component(SOURCE_PATH "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
 
