@@ -1,5 +1,4 @@
-// The binary format of block files (docs/stream.md): sections of blocks, their packing, and the
-// scene.
+// The bytes of block files (docs/block-files.md): sections, their packing, the scene part.
 #pragma once
 
 #include <bit>

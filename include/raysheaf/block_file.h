@@ -1,4 +1,4 @@
-// Block files (`.rsb`): scenes stored as blocks of triangles. docs/stream.md describes every byte.
+// Scenes in blocks as files: `.rsb` (docs/block-files.md describes every byte).
 #pragma once
 
 #include <cstdint>

@@ -115,7 +115,7 @@ TEST(Bench, ThePageOfTheBuiltinScenesIsWhatTheCommandWrites) {
   ASSERT_EQ(finished.code, 0) << finished.err;
   std::istringstream ours(read_file(folder.file("page.md")));
   std::istringstream committed(
-      read_file(std::string(RAYSHEAF_SOURCE_DIR) + "/docs/reproduction-builtin.md"));
+      read_file(std::string(RAYSHEAF_SOURCE_DIR) + "/docs/results/reproduction-builtin.md"));
   std::string a, b;
   while (std::getline(committed, b)) {
     ASSERT_TRUE(std::getline(ours, a)) << "missing: " << b;

@@ -89,7 +89,7 @@ std::string reason(RayKey key) {
 std::string reason(BundleBound bound) {
   switch (bound) {
     case BundleBound::kSphereCone:
-      return "a ball and a cone are the cheapest to test";
+      return "a sphere and a cone are the cheapest to test";
     case BundleBound::kFiniteCone:
       return "the cone ends where its rays end";
     case BundleBound::kShaft:
@@ -97,12 +97,13 @@ std::string reason(BundleBound bound) {
              "they "
              "end";
     case BundleBound::kFrustum:
-      return "four planes follow the rays' spread in two directions apart, where a cone takes the "
-             "wider";
+      return "four planes follow the spread of the rays in two directions separately, while a cone "
+             "takes the "
+             "larger spread";
     case BundleBound::kShaftAndCone:
       break;
   }
-  return "the cone cuts the corners off the shaft, and the shaft the flat sides off the cone";
+  return "the cone cuts the corners off the shaft, and the shaft cuts the flat sides off the cone";
 }
 
 }  // namespace raysheaf::app

@@ -52,24 +52,24 @@ KeyWords words_of(RayKey key) {
     case KeyCell::kNone:
       if (key == RayKey::kRaster) break;
       return {key == RayKey::kCrsh ? "key crsh" : "published hashes",
-              "the hash knows of each kind of rays what differs in it"};
+              "the hash contains what differs between rays of this kind"};
     case KeyCell::kPixel:
       break;
     case KeyCell::kSpherical:
     case KeyCell::kOctahedral:
       return {"direction",
-              "rays that start together differ in direction alone, and all bits are spent on it"};
+              "rays that start together differ only in direction, and all bits describe it"};
     case KeyCell::kEnd:
       return {"end point", "rays that start together and end together make a thin bundle"};
     case KeyCell::kOctahedralAndStart:
       return {"direction and origin",
-              "direction and origin say all that a ray is, and a leaf's rays agree in both"};
+              "direction and origin determine a ray, and the rays of a leaf agree in both"};
     case KeyCell::kStartAndEnd:
       return {"origin and exit",
-              "a leaf's rays start in one small box and leave the scene in another"};
+              "the rays of a leaf start in one small box and leave the scene through another"};
   }
   return {"pixel order",
-          "neighbours in the picture are neighbours in the scene, and nothing is sorted twice"};
+          "neighbours in the image are neighbours in the scene, and nothing is sorted twice"};
 }
 
 }  // namespace raysheaf::app

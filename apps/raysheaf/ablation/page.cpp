@@ -54,7 +54,7 @@ std::string winners_table(const std::vector<std::vector<Pairing>>& kinds) {
   return text;
 }
 
-/// What wins on which rays, and why; kinds of rays with the same winner share a line.
+/// The winners for each kind of rays, with reasons; kinds with the same winner share a line.
 std::string tests_list(const std::vector<std::vector<Pairing>>& kinds) {
   std::vector<std::pair<MethodSettings, std::vector<std::string>>> winners;
   for (const std::vector<Pairing>& all : kinds) {
@@ -74,7 +74,7 @@ std::string tests_list(const std::vector<std::vector<Pairing>>& kinds) {
   return text;
 }
 
-/// Where a dearer test loses.
+/// Where a more expensive test loses.
 std::string time_sentence(const std::vector<std::vector<Pairing>>& kinds) {
   std::string text;
   for (const std::vector<Pairing>& all : kinds) {
@@ -178,14 +178,18 @@ std::string introduction(const AblationReport& report) {
   std::vector<std::string> scenes;
   for (const std::string& scene : report.scenes) scenes.push_back("`" + scene + "`");
   return fmt::format(
-      "Every key that rays can be sorted by ([keys](keys.md)) with every bound of a bundle of "
-      "rays, on {}, at {}x{} pixels; {}. Tests are counted as the paper counts, as a percentage of "
-      "brute force, tests of meshes apart; times are milliseconds for order, hierarchy and trace "
+      "This page combines every key that rays can be sorted by ([keys](../keys.md)) with every "
+      "bounding volume of a bundle of "
+      "rays ([bounds](../bounds.md)), on {}, at {}x{} pixels; {}. Tests are counted as in the "
+      "paper, as a percentage of "
+      "brute force, without tests of meshes. Times are milliseconds for order, hierarchy and trace "
       "on "
-      "{}, {}. Fewer rays lie farther apart: percentages fall as pictures grow. Over several "
-      "scenes, figures are geometric means. Shadow rays come from the scene's "
-      "lights; every surface is a mirror; ambient occlusion sends four rays from each first hit, a "
-      "quarter of the scene's diagonal long. This page and its plots are written by:\n\n{}\n",
+      "{}, {}. Percentages fall as images grow, because their rays lie closer together. Figures "
+      "for several "
+      "scenes are geometric means. Shadow rays come from the scene's "
+      "lights; every surface is a mirror; ambient occlusion sends four rays from each visible "
+      "point, a "
+      "quarter of the scene's diagonal long. This command writes the page and its plots:\n\n{}\n",
       enumerated(scenes), c.width, c.height, trees_text(report),
       c.threads == 0 ? "all cores" : fmt::format("{} threads", c.threads),
       c.repeat == 1 ? "measured once" : fmt::format("the median of {}", c.repeat), command_text(c));
@@ -193,10 +197,13 @@ std::string introduction(const AblationReport& report) {
 
 std::string findings(const std::vector<std::vector<Pairing>>& kinds) {
   std::string text =
-      winners_table(kinds) + "\n`crsh` is its key with its bound, `sphere-cone`.\n\n";
-  text += "What needs the fewest tests, and why:\n\n";
+      winners_table(kinds) + "\n`crsh` means its own key with its own bound, `sphere-cone`.\n\n";
+  text += "These need the fewest tests, for these reasons:\n\n";
   text += tests_list(kinds);
-  text += "\nA dearer test can lose by time what it wins by count." + time_sentence(kinds) + "\n\n";
+  text +=
+      "\nThe fewest tests do not always take the least time, because some tests are more "
+      "expensive." +
+      time_sentence(kinds) + "\n\n";
   return text;
 }
 
@@ -211,8 +218,8 @@ std::string comparisons(const AblationReport& report,
       bounds.size() < 2)
     return text + "\n";
   return text +
-         "\n## What a bound is worth\n\nTests / time with the same key, as a multiple of "
-         "`sphere-cone`'s; geometric means over all keys:\n\n" +
+         "\n## What a bound is worth\n\nTests / time, as multiples of those of `sphere-cone` with "
+         "the same key; geometric means over all keys:\n\n" +
          bounds_table(report, kinds) + "\n";
 }
 

@@ -1,4 +1,4 @@
-// docs/ablation.md: every figure in it was measured.
+// docs/results/ablation.md: every figure in it was measured.
 #pragma once
 
 #include <string>

@@ -50,7 +50,7 @@ const char* mode_text(CompareMode mode) {
     case CompareMode::kStatic:
       break;
   }
-  return "Static: rays alone";
+  return "Static: only the rays are new";
 }
 
 std::vector<std::string> scenes_of(const CompareReport& report) {
@@ -137,9 +137,9 @@ std::string ratio_table(const CompareReport& report, CompareMode mode) {
 
 std::string time_table(const CompareReport& report, CompareMode mode) {
   std::string text =
-      "| Scene | Rays | Update | Order | Hierarchy | Trace | Ours, all | Plan | Peer's build | "
-      "Trace "
-      "| Peer, all | Peer's way |\n|---|---|---:|---:|---:|---:|---:|---|---:|---:|---:|---|\n";
+      "| Scene | Rays | Update | Order | Hierarchy | Trace | raysheaf, all | Plan | Embree: build "
+      "| Trace | Embree, all | Embree's call "
+      "|\n|---|---|---:|---:|---:|---:|---:|---|---:|---:|---:|---|\n";
   for (const CompareCase& c : report.cases) {
     if (c.mode != mode) continue;
     text += fmt::format("| {} | {} {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
@@ -167,11 +167,12 @@ std::string hits_paragraph(const CompareReport& report) {
     unequal += c.peer.hits.equal() ? 0 : 1;
   }
   return fmt::format(
-      "**Hits.** Of {} rays, {} are answered otherwise by the peer. Exact arithmetic on the floats "
-      "as given was asked about {} of those: it agrees with raysheaf in {}, with the peer in {}. A "
-      "case counts as equal up to one ray in 10 000, and {} cases are not (marked ≠). Of {} rays "
-      "that brute force answered too, {} differ from it.\n\n",
-      compared, mismatches, settled, ours_right, peer_right,
+      "**Hits.** Embree answers {} of {} rays differently. Exact arithmetic on the floats as given "
+      "decided {} of these: raysheaf is right in {}, Embree in {}. The hits of a case count as "
+      "equal if at most one ray in 10 000 "
+      "differs; {} cases exceed this (marked ≠). Brute force answered {} of the rays too; {} "
+      "differ.\n\n",
+      mismatches, compared, settled, ours_right, peer_right,
       unequal == 0 ? "no" : std::to_string(unequal), sampled,
       wrong == 0 ? "none" : std::to_string(wrong));
 }
@@ -182,14 +183,15 @@ std::string limits_paragraph(const CompareReport& report) {
     if (limit_of(c)) ++(misses_limit(c) ? missed : held);
   if (held + missed == 0) return "";
   return fmt::format(
-      "**Limits.** {} cases hold the limit that the project sets itself, {} miss it: those are "
-      "bold, with the limit behind them. Other cases have none.\n\n",
+      "**Limits.** The project sets itself a limit for most cases. {} cases keep it; {} exceed it "
+      "and "
+      "are bold, with the limit in brackets.\n\n",
       held, missed);
 }
 
 std::string memory_table(const CompareReport& report) {
   std::string text =
-      "| Scene | Mode | Ours, MiB | bytes a triangle | Peer, MiB | bytes a triangle |\n"
+      "| Scene | Mode | raysheaf, MiB | bytes a triangle | Embree, MiB | bytes a triangle |\n"
       "|---|---|---:|---:|---:|---:|\n";
   for (const std::string& scene : scenes_of(report)) {
     for (const CompareMode mode : modes_of(report)) {
@@ -207,15 +209,16 @@ std::string memory_table(const CompareReport& report) {
                           mebibytes(peer), static_cast<double>(peer) / count);
     }
   }
-  return "## Memory\n\nThe library's counts what queries keep for the next one too: it grows with "
-         "the rays. Arrays that both sides share with the caller are on neither side.\n\n" +
+  return "## Memory\n\nraysheaf's figure includes buffers that queries keep for the next query, "
+         "and grows with the number of rays. Arrays of the caller are not counted on either "
+         "side.\n\n" +
          text + "\n";
 }
 
 std::string growth_table(const CompareReport& report) {
   std::string text =
-      "| Along | Mode | Rays | From | To | Ours, ms | Peer, ms | Ours, steepest | Peer, steepest "
-      "|\n|---|---|---|---:|---:|---:|---:|---:|---:|\n";
+      "| Along | Mode | Rays | From | To | raysheaf, ms | Embree, ms | raysheaf, steepest | "
+      "Embree, steepest |\n|---|---|---|---:|---:|---:|---:|---:|---:|\n";
   for (const char* along : {"triangles", "rays"}) {
     for (const CompareMode mode : modes_of(report)) {
       for (const CompareKind kind : kinds_of(report)) {
@@ -237,14 +240,14 @@ std::string growth_table(const CompareReport& report) {
 
 std::string introduction(const CompareReport& report) {
   return fmt::format(
-      "`raysheaf bench compare` runs the library and {} in one process, alternating, with {} "
-      "threads each, and writes this page. A ratio is the median over {} rounds of the library's "
-      "time divided by the peer's; below 1 the library is ahead. Where there are two versions of "
-      "the peer, the one that is faster in a case counts, and is named. Times are milliseconds, "
-      "medians. Everything that a frame needs is timed on all sides: what changes in the scene, "
-      "hierarchies, the rays from the caller's array and the hits back into it, in the caller's "
-      "order. Each peer was tried with every build and call that may be its fastest, and runs with "
-      "the one that was.\n\n",
+      "`raysheaf bench compare` runs raysheaf and {} in one process, alternating, with {} "
+      "threads each, and writes this page. A ratio is raysheaf's time divided by Embree's, the "
+      "median over {} rounds: below 1, raysheaf is faster. If two versions of Embree are "
+      "installed, the faster one counts in each case, and the table names it. Times are medians in "
+      "milliseconds. They cover everything that a frame needs on both sides: updates of the scene, "
+      "hierarchies, reading the rays from the caller's array, and writing the hits in the caller's "
+      "order. For each case, Embree was tried with every build and call that may be its fastest, "
+      "and the fastest counts.\n\n",
       report.peer, report.threads, report.command.runs);
 }
 
@@ -267,16 +270,17 @@ std::string notes_of(const CompareReport& report) {
 }
 
 std::string growth_page(const CompareReport& report) {
-  return "## Growth\n\nIn generated halls of the same shape. *Steepest* is the largest exponent p "
-         "between two points in a row, half a decade apart, where time grows as count^p: 1 is "
-         "linear.\n\n" +
+  return "## Growth\n\nThe scenes are generated halls of the same shape. *Steepest* is the largest "
+         "exponent p between two consecutive points, half a decade apart, if time grows as "
+         "count^p: 1 is linear.\n\n" +
          growth_table(report);
 }
 
 }  // namespace
 
 std::string compare_page(const CompareReport& report, const std::string& plot) {
-  std::string page = "# Beside Embree\n\n" + introduction(report) + command_of(report);
+  std::string page =
+      "# raysheaf and Embree, case by case\n\n" + introduction(report) + command_of(report);
   if (!plot.empty()) page += fmt::format("![The figures as a plot]({})\n\n", plot);
   page += notes_of(report);
   if (!report.growth.empty()) page += growth_page(report);
@@ -288,15 +292,16 @@ std::string compare_page(const CompareReport& report, const std::string& plot) {
     page += memory_table(report);
   }
   page += fmt::format(
-      "The process took at most {:.0f} MiB: all sides, the scene, and the preparation of rays.\n",
+      "The process used at most {:.0f} MiB, which includes both libraries, the scene, and the "
+      "preparation of the rays.\n",
       static_cast<double>(report.peak_bytes) / (1 << 20));
   return page;
 }
 
 std::string compare_text(const CompareReport& report) {
   std::string text =
-      fmt::format("beside {}, {} threads, medians of {} rounds; * misses its limit\n", report.peer,
-                  report.threads, report.command.runs);
+      fmt::format("compared with {}, {} threads, medians of {} rounds; * exceeds its limit\n",
+                  report.peer, report.threads, report.command.runs);
   Table table({"scene", "triangles", "mode", "kind", "rays", "ours ms", "peer ms", "ratio", "limit",
                "hits", "peer", "plan"});
   const auto add = [&](const CompareCase& c) {

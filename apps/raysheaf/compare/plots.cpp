@@ -31,7 +31,7 @@ void include(Axis& axis, double value) {
   axis.high = std::max(axis.high, value);
 }
 
-/// 1, 2 and 5 of each decade; the decades alone where there are more than two.
+/// 1, 2 and 5 of each decade; only the decades if there are more than two.
 std::vector<double> ticks(const Axis& axis) {
   const bool few = axis.high / axis.low < 150;
   std::vector<double> all;
@@ -79,7 +79,7 @@ std::string mode_title(CompareMode mode) {
     case CompareMode::kStatic:
       break;
   }
-  return "static: rays alone";
+  return "static: only the rays are new";
 }
 
 /// One axis for all panels, so that they can be compared. 1 is always on it.
@@ -263,7 +263,7 @@ std::string compare_svg(const CompareReport& report) {
   };
   for (const CompareMode mode : modes) height += panel_height(mode);
   SvgSheet sheet(2 * kMargin + kNames + kRatios, height);
-  sheet.text(kMargin, 44, "Time beside " + report.peer, {24, "#1c2125", "start", true});
+  sheet.text(kMargin, 44, "Time compared with " + report.peer, {24, "#1c2125", "start", true});
   sheet.text(kMargin, 66,
              fmt::format("ours / theirs, {} threads: left of 1 the library is ahead. Hollow dots "
                          "miss a limit; their stroke begins there.",
@@ -286,7 +286,7 @@ std::string growth_svg(const CompareReport& report) {
   const double width = kPlotLeft + kPlot + 30, height = 34 + kPlotHeight + kPlotBelow;
   const double columns = shown(std::clamp<std::size_t>(panels.size(), 1, 2));
   SvgSheet sheet(2 * kMargin + columns * width, kHead + shown((panels.size() + 1) / 2) * height);
-  sheet.text(kMargin, 44, "Growth beside " + report.peer, {24, "#1c2125", "start", true});
+  sheet.text(kMargin, 44, "Growth compared with " + report.peer, {24, "#1c2125", "start", true});
   sheet.text(kMargin, 66, fmt::format("a frame in a generated hall, {} threads", report.threads),
              {13, kQuiet});
   const double x = legend(sheet, kMargin + 6, 96, kOurs, "raysheaf");

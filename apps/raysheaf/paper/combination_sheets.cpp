@@ -11,9 +11,10 @@ namespace raysheaf::app {
 namespace {
 
 constexpr const char* kDefaults =
-    "*signed* by itself is the defaults: equation 9 with a signed distance along the axis, the key "
-    "as coded with its azimuth of x and x, rows from below, the least spheres of triangles, mesh "
-    "spheres that turn with their meshes, the last node counted as if it were full.";
+    "*signed* without additions means the defaults: equation 9 with a signed distance along the "
+    "axis, the key "
+    "as coded with the azimuth atan2(x, x), rows from below, minimum spheres of triangles, mesh "
+    "spheres that rotate with their meshes, and the last node counted as if it were full.";
 
 constexpr std::array kMethods{Method::kRah, Method::kCrsh};
 
@@ -38,10 +39,12 @@ Sheet ratios_sheet(const PaperReport& report, Method method) {
   const Combination& defaults = *defaults_of(report.combinations, method);
   Sheet sheet;
   sheet.title = std::string("Switches of the published ") + to_string(method);
-  sheet.note = report.builtin
-                   ? "Total tests over those of the first row: nothing was published here. "
-                   : "Total tests over the published ones; the last column is the mean of |ln| of "
-                     "this and of the ratios of each level's hits, over all tables. ";
+  sheet.note =
+      report.builtin
+          ? "Total tests divided by those of the first row, because nothing was published for "
+            "these scenes. "
+          : "Total tests divided by the published ones; the last column is the mean of |ln| of "
+            "this ratio and of the ratios of each level's hits, over all tables. ";
   sheet.note += kDefaults;
   sheet.heading = {"combination"};
   for (const Measured& m : defaults.tables)
@@ -57,7 +60,7 @@ Sheet ratios_sheet(const PaperReport& report, Method method) {
   return sheet;
 }
 
-/// Of one table; the first of equals.
+/// The combination that is nearest to one table; the first of equals.
 const Combination* nearest_of_table(const PaperReport& report, Method method, std::size_t table) {
   const Combination* best = nullptr;
   for (const Combination& c : report.combinations) {
@@ -69,7 +72,7 @@ const Combination* nearest_of_table(const PaperReport& report, Method method, st
 
 Sheet nearest_sheet(const PaperReport& report) {
   Sheet sheet{"Nearest combinations",
-              "By the total and the hits of each level that the paper gives.",
+              "The nearest by the total and by the hits of each level that the paper gives.",
               {"table", "method", "nearest combination", "total, ours / paper", "deviation"},
               {}};
   for (const Method method : kMethods) {
@@ -108,7 +111,7 @@ void add_nearest_levels(const Measured& m, Sheet* sheet) {
 
 Sheet nearest_levels_sheet(const PaperReport& report) {
   Sheet sheet{"Levels of the nearest combinations",
-              "The combination nearest to all tables, one for each method.",
+              "For each method, the combination that is nearest to all tables.",
               {"scene", "rays", "method", "level", "tests", "ours / paper", "hits", "ours / paper",
                "off by more than 10 %"},
               {}};
@@ -125,7 +128,7 @@ struct Range {
   }
 };
 
-/// What leaving out the first few rays does to one table.
+/// The effect of leaving out the first few rays on one table.
 std::vector<std::string> phase_row(const PaperReport& report, Method method, std::size_t table) {
   const Combination& defaults = *defaults_of(report.phases, method);
   const Measured& first = defaults.tables[table];
@@ -152,10 +155,11 @@ std::vector<std::string> phase_row(const PaperReport& report, Method method, std
 }
 
 Sheet phase_sheet(const PaperReport& report) {
-  Sheet sheet{"What a few rays move",
-              "The defaults with the first 0, 1, 2, 4, 8, 16 and 32 rays left out: every node then "
-              "holds other rays. Least and greatest count over the published one, or over that "
-              "with all rays where none is known.",
+  Sheet sheet{"The effect of a few rays",
+              "The defaults without the first 0, 1, 2, 4, 8, 16 and 32 rays, so that every node "
+              "holds other rays. The table has the least and the greatest count divided by the "
+              "published one, or by that "
+              "with all rays if none was published.",
               {"scene", "rays", "method", "total from", "to", "level 2 hits from", "to",
                "level 1 hits from", "to"},
               {}};
@@ -167,7 +171,8 @@ Sheet phase_sheet(const PaperReport& report) {
 
 Sheet sweep_sheet(const PaperReport& report) {
   Sheet sheet{"Depth and branching",
-              "CORNELL's shadow rays with the defaults, beside the authors' log: total, and ours / "
+              "CORNELL's shadow rays with the defaults, compared with the authors' log: the total, "
+              "and ours / "
               "paper of the hits of each level.",
               {"method", "levels", "branching", "tests", "paper: tests", "ours / paper",
                "hits, from the top down"},

@@ -103,8 +103,8 @@ std::string farthest(const PaperReport& report) {
   const auto far =
       std::count_if(all.begin(), all.end(), [](const Known& k) { return is_far(k.ratio); });
   return fmt::format(
-      "Of the {} counts that the paper gives, totals and levels, {} off by more than 10 %; the "
-      "farthest is {}, with {} of the published.",
+      "The paper gives {} counts of totals and levels: {} off by more than 10 %, and the "
+      "farthest is {}, with {} of the published count.",
       all.size(), far == 0 ? "none is" : std::to_string(far) + (far == 1 ? " is" : " are"),
       worst->name, shown_ratio(worst->ratio));
 }
@@ -136,8 +136,9 @@ std::string on_raster_order(const Ratios& r) {
       "* **Rows from below.** Rays that face no light are trimmed, so a node of `rah` holds the "
       "end "
       "of one row and the beginning of the next. Which rows meet depends on where counting "
-      "starts. As OpenGL counts them, from below, CORNELL's shadow rays make {} of the published "
-      "tests; from above {}. Reflections fill every row and do not tell the two apart ({} and "
+      "starts. Counted from below, as OpenGL does, CORNELL's shadow rays make {} of the published "
+      "tests; counted from above, {}. Reflections fill every row and do not distinguish the two "
+      "({} and "
       "{}).\n",
       r.of(Method::kRah, {}, "cornell"),
       r.of(Method::kRah, turned(&Quirks::rows_from_below), "cornell"),
@@ -149,10 +150,12 @@ std::string on_cone_test(const Ratios& r) {
   using Test = Quirks::ConeTest;
   const Quirks as_printed = with_test(Test::kUnsigned), exact = with_test(Test::kExact);
   return fmt::format(
-      "* **Equation 9 with a sign.** As printed, |C - H| has none and the cone opens both ways: "
-      "SPONZA would make {} (`rah`) and {} (`crsh`) of the published tests, with the sign {} and "
-      "{}. The exact distance to the cone, which also rejects what lies behind the origins, gives "
-      "CORNELL's shadow rays {} and {}.\n",
+      "* **Equation 9 with a sign.** As printed, |C - H| has no sign and the cone opens in both "
+      "directions: "
+      "SPONZA would make {} (`rah`) and {} (`crsh`) of the published tests. With the sign it makes "
+      "{} and "
+      "{}. With the exact distance to the cone, which also rejects spheres behind the origins, "
+      "CORNELL's shadow rays make {} and {}.\n",
       r.of(Method::kRah, as_printed, "sponza"), r.of(Method::kCrsh, as_printed, "sponza"),
       r.of(Method::kRah, {}, "sponza"), r.of(Method::kCrsh, {}, "sponza"),
       r.of(Method::kRah, exact, "cornell"), r.of(Method::kCrsh, exact, "cornell"));
@@ -161,10 +164,11 @@ std::string on_cone_test(const Ratios& r) {
 std::string on_key(const Ratios& r) {
   const Quirks corrected = turned(&Quirks::azimuth_as_coded);
   return fmt::format(
-      "* **The key as coded.** The program's azimuth is atan2(x, x), which tells the sign of x and "
-      "no more. With it `crsh` makes {} of the published tests in OFFICE and {} for CORNELL's "
-      "reflections; with the atan2(y, x) that was meant, {} and {}. So the tables were made with "
-      "the defect, and mending it alone, in that layout, makes reflections worse.\n",
+      "* **The key as coded.** The program's azimuth is atan2(x, x), which contains only the sign "
+      "of x. "
+      "With it `crsh` makes {} of the published tests in OFFICE and {} for CORNELL's "
+      "reflections; with the intended atan2(y, x), {} and {}. So the tables were made with "
+      "the mistake, and correcting only the azimuth makes reflections worse.\n",
       r.of(Method::kCrsh, {}, "office"), r.of(Method::kCrsh, {}, "cornell", RayKind::kReflection),
       r.of(Method::kCrsh, corrected, "office"),
       r.of(Method::kCrsh, corrected, "cornell", RayKind::kReflection));
@@ -174,9 +178,10 @@ std::string on_spheres(const Ratios& r) {
   const Quirks undersized = turned(&Quirks::undersized_triangle_spheres);
   const Quirks unrotated = turned(&Quirks::unrotated_mesh_spheres);
   return fmt::format(
-      "* **Right spheres.** The program as it can be read today gives triangles spheres that miss "
-      "a "
-      "vertex, and moves mesh spheres by the translation alone. Neither made the tables: the first "
+      "* **Correct spheres.** The program, as it can be read today, gives triangles spheres that "
+      "miss a "
+      "vertex, and translates mesh spheres without rotating them. Neither was used for the tables: "
+      "the first "
       "would leave {} and {} of the published tests of CORNELL's shadow rays (`rah`, `crsh`), the "
       "second {} in OFFICE.\n",
       r.of(Method::kRah, undersized, "cornell"), r.of(Method::kCrsh, undersized, "cornell"),
@@ -195,21 +200,26 @@ std::string on_counting(const PaperReport& report) {
     }
   }
   return fmt::format(
-      "* **Padded counting** follows from the tables themselves, where tests of a level are eight "
-      "times the hits above it. Leaving out what the last node lacks changes a total to {:.5f} of "
-      "itself at most.\n",
+      "* **Padded counting** follows from the tables themselves, in which the tests of a level are "
+      "eight "
+      "times the hits of the level above. Counting the last node without padding changes no total "
+      "to less than {:.5f} of "
+      "itself.\n",
       extent.low);
 }
 
 std::string on_what_remains(const PaperReport& report) {
   return fmt::format(
-      "What remains is where nodes begin: one ray more or less moves every node behind it. There "
+      "The remaining difference comes from where nodes begin: one ray more or less shifts every "
+      "node after it. There "
       "are {} in CORNELL, {} in OFFICE, and {} in SPONZA, whose vertex normals in the file at hand "
       "are not exactly the authors'. With the first 0 to 32 rays left out, `rah` makes these parts "
-      "of the published counts in OFFICE: {}; so the published ones lie within what a few rays "
-      "do. In SPONZA: {}. Hits of level 2 stay above the published there. The likely cause is the "
+      "of the published counts in OFFICE: {}; so the published counts lie within the effect of a "
+      "few rays. "
+      "In SPONZA: {}; there, hits of level 2 stay above the published ones. The likely cause is "
+      "the "
       "rays that the normals lose: they are missing within rows, where each gap puts distant "
-      "pixels into one node. `crsh` sorts and hardly notices.\n\n",
+      "pixels into one node. `crsh` sorts its rays and is hardly affected.\n\n",
       rays_of(report, "cornell"), rays_of(report, "office"), rays_of(report, "sponza"),
       phase_of(report, "office"), phase_of(report, "sponza"));
 }
@@ -217,8 +227,9 @@ std::string on_what_remains(const PaperReport& report) {
 std::string on_sweep(const PaperReport& report) {
   Extent extent;
   for (const Measured& m : report.sweep) extent.add(total_ratio(m));
-  return fmt::format("The authors' log of CORNELL with other depths and branchings: {}.",
-                     extent.text());
+  return fmt::format(
+      "With other depths and branchings it makes {} of the tests in the authors' log of CORNELL.",
+      extent.text());
 }
 
 std::string shown_setting(const Combination& c) {
@@ -241,14 +252,15 @@ std::string findings_in_short(const PaperReport& report) {
   return fmt::format(
       "* **The published program**, rebuilt with its quirks (`--as-published`), makes {} of the "
       "published tests with `rah` ({}) and {} with `crsh` ({}), over all tables. {} {}\n"
-      "* **What made the tables**: rows counted from below, equation 9 with a sign, and a key "
-      "whose "
-      "azimuth is atan2(x, x), by a slip. Without the slip, CORNELL's reflections would take {} of "
-      "the published tests. Slips of the program as it can be read today that are not in the "
-      "tables: undersized triangle spheres, mesh spheres that are not turned.\n"
-      "* **Why `crsh` here makes fewer tests than published**: its key walks the octahedral map "
-      "along a Hilbert curve, its cones are measured on their rays, and its cone test is exact. "
-      "With that key and all else as published, OFFICE takes {} of the published tests.\n",
+      "* **The published tables** were made with rows counted from below, equation 9 with a sign, "
+      "and, by mistake, a key "
+      "whose azimuth is atan2(x, x). Without this mistake, CORNELL's reflections would take {} of "
+      "the published tests. Two mistakes of the program as it can be read today are not in the "
+      "tables: undersized triangle spheres, and mesh spheres that are not rotated.\n"
+      "* **raysheaf's `crsh`** makes fewer tests than the published one, because its key follows a "
+      "Hilbert curve on the octahedral map, "
+      "its cones are measured on their rays, and its cone test is exact. "
+      "With that key and everything else as published, OFFICE takes {} of the published tests.\n",
       totals_of(*rah).text(), shown_setting(*rah), totals_of(*crsh).text(), shown_setting(*crsh),
       on_sweep(report), farthest(report),
       r.of(Method::kCrsh, turned(&Quirks::azimuth_as_coded), "cornell", RayKind::kReflection),
@@ -257,9 +269,10 @@ std::string findings_in_short(const PaperReport& report) {
 
 std::string findings(const PaperReport& report) {
   const Ratios r(report);
-  return "## What explains the published counts\n\nFigures are ours / paper. " + farthest(report) +
-         "\n\n" + on_raster_order(r) + on_cone_test(r) + on_key(r) + on_spheres(r) +
-         on_counting(report) + "\n" + on_what_remains(report);
+  return "## What explains the published counts\n\nFigures are raysheaf's count divided by the "
+         "paper's. " +
+         farthest(report) + "\n\n" + on_raster_order(r) + on_cone_test(r) + on_key(r) +
+         on_spheres(r) + on_counting(report) + "\n" + on_what_remains(report);
 }
 
 }  // namespace raysheaf::app

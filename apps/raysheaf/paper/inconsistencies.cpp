@@ -20,16 +20,18 @@ std::string inconsistencies() {
   return fmt::format(
       "## Where the paper disagrees with itself\n\n"
       "| Where | What it says | What holds |\n|---|---|---|\n"
-      "| CORNELL, shadow rays | {} | {}: only then are `rah`'s tests at the top {}, as its table "
-      "and the authors' log have them; the number in the text would make {} |\n"
-      "| CORNELL, triangles | {} | {}: six cubes of 12 and a sphere of 720 |\n"
+      "| CORNELL, shadow rays | {} | {}: only with this number are `rah`'s tests at the top {}, as "
+      "in its table "
+      "and in the authors' log; the number in the text would make {} |\n"
+      "| CORNELL, triangles | {} | {}: six cubes of 12 triangles and a sphere of 720 |\n"
       "| Headings of tables 2 and 3 | OFFICE | CORNELL, by their counts |\n"
-      "| Equation 1 | divides by a vector | divide by its length, where it has one; only if the "
+      "| Equation 1 | divides by a vector | divide by its length, unless it is 0; only if the "
       "direction lies outside the cone |\n"
       "| Equation 6 | a cosine of a sum of vectors | an angle: half the angle between the axes, "
       "plus the larger of the two spreads |\n"
-      "| Equation 9 | an unsigned length along the axis | a signed one; spreads below 90 degrees "
-      "alone, beyond which everything is accepted |\n",
+      "| Equation 9 | an unsigned length along the axis | a signed one, for spreads below 90 "
+      "degrees; "
+      "beyond these, everything is accepted |\n",
       shown_count(kSaidRays), shown_count(cornell.rays),
       shown_count(top_tests(cornell.rays, cornell.triangles)),
       shown_count(top_tests(kSaidRays, cornell.triangles)), kSaidTriangles, cornell.triangles);

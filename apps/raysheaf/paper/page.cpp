@@ -36,15 +36,16 @@ bool has(const PaperReport& report, Method method) {
 }
 
 std::string introduction(const PaperReport& report) {
-  const char* scenes =
-      report.builtin ? "the built-in scenes, of which nothing was published" : "the paper's scenes";
+  const char* scenes = report.builtin ? "the built-in scenes, for which nothing was published"
+                                      : "the paper's scenes";
   return fmt::format(
       "Reis, Costa and Pereira (\"Coherent Ray-Space Hierarchy via Ray Hashing and Sorting\", "
       "2017) "
-      "count the tests that their method, `crsh`, makes for shadow rays and mirror reflections, "
-      "beside `rah`, which it grew from, and brute force. `raysheaf bench paper` repeats that on "
-      "{}, at {}x{} pixels, with two levels of branching 8, and writes this page: every figure is "
-      "measured, but for the published ones beside it.\n\n",
+      "count the tests that their method `crsh` makes for shadow rays and mirror reflections, "
+      "and compare them with brute force and with `rah`, the method that `crsh` extends. `raysheaf "
+      "bench paper` repeats the experiment on "
+      "{}, at {}x{} pixels, with two levels of branching 8, and writes this page. Every figure is "
+      "measured, except those of the paper.\n\n",
       scenes, report.width, report.height);
 }
 
@@ -57,7 +58,7 @@ std::string summary(const PaperReport& report) {
   }
   if (report.checked)
     text +=
-        "* **Hits**: those of every method and batch were compared with brute force's; they are "
+        "* **Hits** of every method and batch were compared with those of brute force; they are "
         "the same, bit for bit.\n";
   if (has_published(report)) text += findings_in_short(report);
   return text + "\n";
@@ -77,11 +78,11 @@ std::string command_of(const PaperReport& report, bool times) {
   return "<!-- not run -->\n```sh\n" + command + " --markdown FILE.md\n```\n\n";
 }
 
-/// Prose alone: the figures are on the pages that it names.
+/// Only prose: the figures are on the pages that it names.
 constexpr const char* kKeysAndBounds = R"(
 ## Which keys and bounds win
 
-[Keys and bounds, measured](ablation.md) takes the cross product, and [bounds](bounds.md) shows what each bound leaves of the shadow rays of these three scenes. In short: the bound must fit the key. From one light every bundle starts in one point, so a key of directions walked along a Hilbert curve with four planes round each bundle is as tight as the bundle itself. Mirror and occlusion rays are best sorted by both their ends and bounded by the boxes of both. The paper's own configuration, a hash of directions with spheres and cones, makes the fewest tests nowhere: its cones have no end, and take the wider of two spreads. By time it holds its own where no mesh can be culled: nearly all tests of SPONZA are then those of the top level with every triangle, and its test is the cheapest.
+[Keys and bounds, measured](ablation.md) has the cross product, and [bounds](../bounds.md) shows how many tests each bounding volume leaves of the shadow rays of these three scenes. In short, the bounding volume must fit the key. All bundles of one light start at one point, so a key of directions along a Hilbert curve with four planes around each bundle is as tight as the bundle itself. Mirror and occlusion rays are best sorted by both of their ends and bounded by the boxes of both. The paper's configuration, a hash of directions with spheres and cones, never makes the fewest tests: its cones have no end and are as wide as the larger of two spreads. In time it is competitive if no mesh can be culled: nearly all tests of SPONZA are then those of the top level with every triangle, and its test is the cheapest.
 
 )";
 

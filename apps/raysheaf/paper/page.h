@@ -1,4 +1,4 @@
-// docs/reproduction.md: every figure in it was measured, but for the published ones.
+// docs/results/reproduction.md: every figure in it was measured, except the published ones.
 #pragma once
 
 #include <string>

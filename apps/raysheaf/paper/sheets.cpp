@@ -59,7 +59,7 @@ void add_levels(const Measured& m, Sheet* sheet) {
 Sheet totals_sheet(const PaperReport& report) {
   Sheet sheet{
       "Totals",
-      "Tests of all kinds of rays, and what part of brute force's they are.",
+      "Tests of all kinds of rays, and their percentage of the tests of brute force.",
       {"scene", "method", "tests", "brute force", "%", "paper: tests", "paper: %", "ours / paper"},
       {}};
   for (const SceneTotal& t : scene_totals(report.tables)) {
@@ -76,18 +76,20 @@ Sheet totals_sheet(const PaperReport& report) {
 std::string words_on_dual(const PaperReport& report) {
   const auto& all = report.methods;
   if (std::find(all.begin(), all.end(), Method::kDual) == all.end()) return "";
-  return " `dual` has no levels: its lines are bundles of rays with bounds, rays with bounds, rays "
+  return " `dual` has no levels: its lines are tests of bundles with boxes or triangles, of rays "
+         "with boxes, and of rays "
          "with triangles.";
 }
 
 Sheet levels_sheet(const PaperReport& report) {
-  Sheet sheet{"Levels",
-              "From the top down; final tests are rays with triangles. ~ marks what the paper's "
-              "counts are known to in three or four digits." +
-                  words_on_dual(report),
-              {"scene", "rays", "method", "level", "tests", "hits", "misses", "paper: tests",
-               "ours / paper", "paper: hits", "ours / paper"},
-              {}};
+  Sheet sheet{
+      "Levels",
+      "From the top down; final tests are ray-triangle tests. ~ marks counts that the paper gives "
+      "to three or four digits." +
+          words_on_dual(report),
+      {"scene", "rays", "method", "level", "tests", "hits", "misses", "paper: tests",
+       "ours / paper", "paper: hits", "ours / paper"},
+      {}};
   for (const std::string& scene : report.scenes) {
     for (const Measured& m : report.batches)
       if (m.scene == scene) add_levels(m, &sheet);
@@ -99,7 +101,7 @@ Sheet levels_sheet(const PaperReport& report) {
 
 Sheet rays_sheet(const PaperReport& report) {
   Sheet sheet{"Rays",
-              "Tests of ray nodes with mesh spheres are in no total.",
+              "No total includes the tests of ray nodes with mesh spheres.",
               {"scene", "rays", "number", "triangles", "method", "chunks sorted",
                "mesh sphere tests", "rays that hit"},
               {}};
@@ -118,7 +120,8 @@ std::string ms(std::optional<double> time) {
 
 Sheet times_sheet(const PaperReport& report) {
   Sheet sheet{"Times",
-              "Milliseconds a batch. Below, where their log has them, the authors' GTX TITAN: "
+              "Milliseconds a batch. Lines marked \"authors\", if there are any, are from the "
+              "authors' log and were measured on a GTX TITAN; their "
               "order is compression, sort and decompression.",
               {"scene", "rays", "method", "raygen", "order", "hierarchy", "traverse", "intersect"},
               {}};

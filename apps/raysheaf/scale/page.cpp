@@ -1,4 +1,4 @@
-// What a model of streamed frames says, as text and as a page.
+// The predictions of a model of streamed frames, as text and as a page.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -128,18 +128,18 @@ std::string check_sentence(const ScaleReport& report, const ScaleModel& model) {
   const double guess = expected_seconds(report, model, s);
   const double guessed_bytes = model.cost(s.triangles, s.pixels).bytes;
   return fmt::format(
-      "A frame on {} threads that the model has not seen, {} triangles and {} pixels: {} expected, "
-      "{} measured "
-      "({:.2f} of it); {} expected to be read, {} read ({:.2f}).\n",
-      report.threads, amount(s.triangles), amount(s.pixels), seconds(guess), seconds(s.seconds),
+      "A frame that was not used for the fit, with {} triangles and {} pixels, on {} threads: {} "
+      "predicted, "
+      "{} measured (ratio {:.2f}); {} predicted to be read, {} read (ratio {:.2f}).\n",
+      amount(s.triangles), amount(s.pixels), report.threads, seconds(guess), seconds(s.seconds),
       guess / s.seconds, bytes(guessed_bytes), bytes(s.cost.bytes), guessed_bytes / s.cost.bytes);
 }
 
-/// What processes on this machine took, whose messages go through its memory.
+/// The times of processes on this machine, whose messages go through its memory.
 std::string rank_runs_text(const ScaleReport& report, const ScaleModel& model, bool markdown) {
   if (report.rank_runs.empty())
     return "Runs of several processes were left out: " + report.no_rank_runs + "\n";
-  Rows rows{{"processes", "threads each", "expected", "measured", "expected / measured",
+  Rows rows{{"processes", "threads each", "predicted", "measured", "predicted / measured",
              "bytes read by all"}};
   for (const RankRun& run : report.rank_runs) {
     const double expected =
@@ -156,8 +156,8 @@ std::string rank_runs_text(const ScaleReport& report, const ScaleModel& model, b
 std::string serial_sentence(const ScaleReport& report) {
   const ScaleSample &one = report.samples.back(), &all = report.together;
   return fmt::format(
-      "The last of these frames takes {} on {} threads, and {} on one: one core does {:.1f} % of "
-      "the work alone (Amdahl 1967).\n",
+      "The last of these frames takes {} on {} threads and {} on one, so {:.1f} % of its work is "
+      "serial (Amdahl 1967).\n",
       seconds(all.seconds), report.threads, seconds(one.cost.core_s()), 100 * serial_of(report));
 }
 
@@ -210,8 +210,8 @@ std::string saturation(const ScaleReport& report, const ScaleModel& model) {
   const ScaleForecast alone = forecast_geometry(model, triangles, pixels, batches_of(report), one);
   const double balance = model.cost(triangles, pixels).bytes / alone.compute_s;
   std::string text = fmt::format(
-      "* **Disk and cores** take equally long at {}/s a machine of {} cores; a slower disk is what "
-      "bounds the frame.\n",
+      "* **Disk and cores** take equally long if the disk of a machine reads {}/s for {} cores; a "
+      "slower disk limits the frame.\n",
       bytes(balance), report.asked.cores);
   std::uint32_t ranks = 2;
   ScaleForecast f;
@@ -222,14 +222,15 @@ std::string saturation(const ScaleReport& report, const ScaleModel& model) {
   }
   if (ranks < kMost)
     text += fmt::format(
-        "* **The network**: with {} machines combining hits takes longer ({}) than streaming a "
-        "machine's part ({}). More of them make the frame no faster: share rays instead, or "
-        "frames.\n",
+        "* **The network**: with {} machines, combining the hits takes longer ({}) than streaming "
+        "a "
+        "machine's part ({}). More machines do not make the frame faster: share rays or frames "
+        "instead.\n",
         ranks, seconds(f.network_s), seconds(std::max(f.disk_s, f.compute_s)));
   const double fixed = model.cost(0, pixels).core_s() / report.asked.cores;
   text += fmt::format(
-      "* **What every machine does alone** when geometry is shared (its rays made, ordered and "
-      "lit): {} a frame, however many there are.\n",
+      "* **Work that is not divided** if geometry is shared: every machine generates, orders and "
+      "shades all rays, which takes {} a frame, whatever the number of machines.\n",
       seconds(fixed));
   return text;
 }
@@ -246,7 +247,8 @@ std::string conditions(const ScaleReport& report) {
 std::string scale_text(const ScaleReport& report) {
   const ScaleModel model(report.samples);
   return fmt::format(
-      "measured on one thread, while another reads; seconds of one core but for the frame's:\n"
+      "measured on one thread while another reads; times of one core, except the frame's wall "
+      "time:\n"
       "{}\n{}\n"
       "fitted:\n{}\n{}\n"
       "the same frame by processes that share its triangles:\n{}\n"
@@ -273,42 +275,46 @@ std::string scale_page(const ScaleReport& report) {
                                  usual ? "a thousand million" : amount(triangles));
   text += fmt::format(
       "`raysheaf bench scale` wrote this page. It renders generated halls that "
-      "[stream](stream.md), fits a straight line to what each resource takes, holds the result "
-      "against a frame that it has not seen, and carries it on. Only the tables under \"Measured\" "
+      "[stream](../stream.md), fits a linear model of the time and bytes that each resource takes, "
+      "checks the model with "
+      "a frame that was not used for the fit, and extrapolates. Only the tables under \"Measured\" "
       "and \"Processes\" are measurements.\n\n"
-      "**{} triangles, {}**: {} on one machine, bound by its {}; {} on {} machines that share the "
-      "triangles, bound by the {}; {} where they share the rays, bound by the {}.\n\n",
+      "**{} triangles, {}**: a frame takes {} on one machine, limited by its {}; {} on {} machines "
+      "that share the "
+      "triangles, limited by the {}; {} if they share the rays, limited by the {}.\n\n",
       amount(triangles), conditions(report), seconds(one.total_s), one.bound_by, seconds(g.total_s),
       ranks, g.bound_by, seconds(r.total_s), r.bound_by);
   text += fmt::format(
-      "## Measured\n\nOn one thread while another reads, files in the system's cache; seconds of "
-      "one "
-      "core, but for the frame's.\n\n{}\n{}\n{}\nA triangle takes {:.1f} bytes of geometry and "
+      "## Measured\n\nOne thread traces while another reads; files are in the system's cache. "
+      "Times are those of one core, except the frame's, which is wall time.\n\n{}\n{}\n{}\nA "
+      "triangle takes {:.1f} bytes of geometry and "
       "{:.1f} of shading in the "
-      "file. A quarter of the picture reads the part 0.25^{:.2f} of what the whole picture "
+      "file. A quarter of the image reads 0.25^{:.2f} of the bytes that the whole image "
       "reads.\n\n",
       measured_table(report, true), serial_sentence(report), check_sentence(report, model),
       report.geometry_bytes, report.shading_bytes, report.sharing);
   text += "## Fitted\n\n" + constants_table(model, true) +
-          "\nA frame takes the longer of disk and cores, for they overlap, and then what the "
-          "network takes.\n\n";
+          "\nDisk and cores work at the same time, so a frame takes the longer of the two, plus "
+          "the time of the network.\n\n";
   text +=
-      "## Processes\n\nThe frame that the model has not seen, by processes on one machine that "
-      "share its triangles (`mpirun -n 2 raysheaf render hall.rsb`): what was measured, and what "
-      "is "
-      "expected of machines with neither disk nor network.\n\n" +
+      "## Processes\n\nThe frame that was not used for the fit, rendered by processes on one "
+      "machine that "
+      "share its triangles (`mpirun -n 2 raysheaf render hall.rsb`), and the prediction for "
+      "machines whose disk and network take no time.\n\n" +
       rank_runs_text(report, model, true) + "\n";
   text += "## One machine\n\n" + growth_table(report, model, true) + "\n";
   text += fmt::format(
-      "## Several machines\n\n{} triangles. *Geometry*: each machine streams its own blocks past "
-      "all the rays, and hits are combined after each of {:.0f} batches, {:.0f} bytes a ray in a "
-      "ring. "
-      "*Rays*: each machine has its part of the picture, and streams what that may meet.\n\n{}\n"
+      "## Several machines\n\nThe scene has {} triangles. *Geometry*: each machine streams its own "
+      "blocks past "
+      "all rays, and the machines combine their hits after each of {:.0f} batches, with {:.0f} "
+      "bytes a ray, in a ring. "
+      "*Rays*: each machine has a part of the image, and streams the blocks that its rays may "
+      "intersect.\n\n{}\n"
       "## Where it saturates\n\n{}\n",
       amount(triangles), batches_of(report), kHitBytes, ranks_table(report, model, true),
       saturation(report, model));
   text +=
-      "What is not modelled: machines of unequal speed, disks that are shared, hits that are "
+      "The model ignores machines of unequal speed, shared disks, and hits that are "
       "sent while blocks still stream.\n";
   return text;
 }

@@ -7,7 +7,7 @@
 //     StreamSingles   rays that share a subtree with few others, one by one
 //     StreamHits      the best hit of each ray so far
 
-/// What the parts of a `StreamWalk` share.
+/// State shared by the parts of a `StreamWalk`.
 struct StreamState {
   explicit StreamState(const TraceJob& given)
       : job(given),
