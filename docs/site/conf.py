@@ -1,4 +1,4 @@
-"""Sphinx over the pages that stage.py lays out; tools/docs runs both."""
+"""Configuration of Sphinx for the pages that stage.py writes; tools/docs runs both."""
 
 import os
 import re
@@ -29,7 +29,7 @@ default_role = "py:obj"
 highlight_language = "text"
 nitpicky = False
 
-# The extension need not be built: what users see is written in Python.
+# The extension need not be built, because the documented interface is written in Python.
 autodoc_mock_imports = ["raysheaf._core", "trimesh"]
 autodoc_member_order = "bysource"
 autodoc_default_options = {"members": True}
@@ -42,13 +42,13 @@ autodoc_type_aliases = {
 }
 autodoc_preserve_defaults = True
 napoleon_use_rtype = False
-napoleon_use_param = False  # types are words: "array" is no attribute of that name
+napoleon_use_param = False  # types are words, not links
 python_use_unqualified_type_names = True
 
 breathe_projects = {"raysheaf": str(BUILD / "cpp" / "xml")}
 breathe_default_project = "raysheaf"
 breathe_default_members = ("members",)
-suppress_warnings = ["duplicate_declaration.cpp"]  # the namespace, which every header opens
+suppress_warnings = ["duplicate_declaration.cpp"]  # the namespace is declared in every header
 cpp_index_common_prefix = ["raysheaf::"]
 
 copybutton_prompt_text = r">>> |\.\.\. "
@@ -62,7 +62,7 @@ html_theme_options = {"navigation_with_keys": True}
 
 
 def plain_names(app, what, name, obj, options, signature, returned):
-    """Aliases of types by their names, where autodoc shows how it holds them."""
+    """Replaces autodoc's internal form of type aliases by their names."""
     plain = [
         s and re.sub(r"TypeAliasForwardRef\('(\w+)'\)", r"\1", s) for s in (signature, returned)
     ]

@@ -1,7 +1,7 @@
 """pictures.py [FOLDER]: the drawings of docs/concepts.md, docs/images/concepts-*.svg.
 
-What is drawn and counted is what the method of plane.py came to. Standard library alone, numbers
-rounded to a tenth of a pixel: the same bytes everywhere.
+They show the rays, bundles and counts that plane.py computes. The program needs only the standard
+library and rounds numbers to a tenth of a pixel, so that it writes the same bytes everywhere.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def moved(points: list[Point], by: Point) -> list[Point]:
 def draw_meshes(
     picture: Picture, by: Point = (0, 0), marked: dict[int, set[int]] | None = None
 ) -> None:
-    """All of them; with `marked`, the segments in it bold and all others faint."""
+    """Draws all meshes; with `marked`, its segments bold and all others faint."""
     for m, mesh in enumerate(MESHES):
         picture.polygon(moved(mesh.corners, by), fill="#eceff3", stroke="none")
         for s, segment in enumerate(mesh.segments()):
@@ -114,7 +114,7 @@ def draw_lamps(picture: Picture, by: Point) -> None:
 
 
 def outline(node: Node, length: float) -> list[Point]:
-    """The hull of the circle of origins and the cone that leaves it, cut after `length`."""
+    """Draws the hull of the circle of origins and of the cone that leaves it, up to `length`."""
     left, right = node.axis - node.half, node.axis + node.half
     (x, y), r = node.center, max(node.radius, 2.0)
     back = [
@@ -156,7 +156,7 @@ def draw_node(
 
 
 def frame(picture: Picture, name: str, by: Point) -> None:
-    """A panel of 690 by 300, which what is drawn in does not leave."""
+    """Begins a panel of 690 by 300 that clips its contents."""
     clip = (
         f'<clipPath id="{name}"><rect x="{by[0]}" y="{by[1]}" width="690" height="300"/></clipPath>'
     )
@@ -167,7 +167,7 @@ def frame(picture: Picture, name: str, by: Point) -> None:
 
 
 def draw_order(folder: Path) -> None:
-    """Some bundles of the same rays: as the pixels come, and after sorting."""
+    """Draws bundles of the same rays in the order of the pixels, and after sorting."""
     rays = shadow_rays()
     picture = Picture(730, 700, "Rays in bundles, as they come and sorted")
     orders = {
@@ -194,7 +194,7 @@ def draw_order(folder: Path) -> None:
 
 
 def draw_tree(folder: Path) -> None:
-    """The implicit tree over sorted rays, by place alone."""
+    """Draws the implicit tree over sorted rays, which only their positions determine."""
     count = 32
     picture = Picture(730, 205, "The tree over the rays")
     step = 20.0
@@ -238,7 +238,7 @@ def draw_tree(folder: Path) -> None:
 
 
 def draw_culling(folder: Path) -> None:
-    """Down the tree along the path of one leaf: what is still a candidate at each level."""
+    """Draws the candidates that remain at each level on the path down to one leaf."""
     rays = shadow_rays()
     order = sorted(range(len(rays)), key=lambda i: (key(rays[i]), i))
     tree = levels(rays, order)
@@ -301,7 +301,7 @@ def draw_culling(folder: Path) -> None:
 
 
 def draw_bound(folder: Path) -> None:
-    """One bundle with its circle and cone, and the test of a ball against it."""
+    """Draws one bundle with its circle and cone, and how circles are tested against it."""
     rays = [
         Ray((80 + 14 * math.sin(9 * i), 95 + 13 * i), (math.cos(a), math.sin(a)), 420.0)
         for i, a in enumerate((-0.12, 0.02, 0.1, 0.24))
@@ -336,7 +336,7 @@ def draw_bound(folder: Path) -> None:
             "stays" if kept else "missed by all four: dropped",
             colour if kept else INK,
         )
-    picture.text(by[0] + 30, by[1] + 170, "origins: a ball", PALETTE[0])
+    picture.text(by[0] + 30, by[1] + 170, "origins: a sphere", PALETTE[0])
     picture.text(by[0] + 445, by[1] + 130, "directions: a cone", PALETTE[0])
     picture.save(folder / "concepts-bound.svg")
 

@@ -1,4 +1,4 @@
-"""The method in the plane, small enough to look at: a room with two lamps, a floor, and meshes of
+"""The method in two dimensions, small enough to look at: a room with two lamps, a floor, and meshes of
 segments. Rays are made, sorted, bundled and culled as the renderer does it with its spheres, cones and
 triangles. What pictures.py draws.
 """
@@ -15,7 +15,7 @@ Point = tuple[float, float]
 
 @dataclass
 class Mesh:
-    """A round outline of segments, and the circle round it that culling asks first."""
+    """A round outline of segments, and the circle around it that culling tests first."""
 
     center: Point
     radius: float
@@ -34,7 +34,7 @@ class Ray:
 
 @dataclass
 class Node:
-    """A circle round the origins, a cone round the directions: the paper's bound, in the plane."""
+    """A circle around the origins and a cone around the directions: the paper's bound."""
 
     rays: list[int]
     center: Point
@@ -61,7 +61,7 @@ FLOOR, PIXELS = 288.0, 32
 
 
 def shadow_rays() -> list[Ray]:
-    """From the lamps to what the pixels see, the floor: for each pixel in turn a ray of each lamp."""
+    """Rays from each lamp to the points of the floor that the pixels see, pixel by pixel."""
     rays = []
     for pixel in range(PIXELS):
         x = 25 + 640 * (pixel + 0.5) / PIXELS
@@ -72,7 +72,7 @@ def shadow_rays() -> list[Ray]:
 
 
 def key(ray: Ray) -> tuple[int, int]:
-    """The lamp, then the direction in 64 steps: as the keys of shadow rays have it."""
+    """The lamp, then the direction in 64 steps, as in the keys of shadow rays."""
     angle = math.atan2(ray.direction[1], ray.direction[0])
     return LAMPS.index(ray.origin), int(angle / math.pi * 64)
 
@@ -88,7 +88,7 @@ def bound(rays: list[Ray], chosen: list[int]) -> tuple[Point, float, float, floa
 
 
 def levels(rays: list[Ray], order: list[int]) -> list[list[Node]]:
-    """Leaves first, then a level above the other, while there is more than one node."""
+    """The leaves, then each level above, until a level has one node."""
     groups = [order[i : i + BRANCHING] for i in range(0, len(order), BRANCHING)]
     level = [Node(g, *bound(rays, g)) for g in groups]
     all_levels = [level]
@@ -119,7 +119,7 @@ def circle_of(segment: tuple[Point, Point]) -> tuple[Point, float]:
 
 
 def first_hit(ray: Ray) -> float:
-    """How far the ray comes before the first segment, or its whole length."""
+    """The distance to the first segment that the ray hits, or its whole length."""
     best = ray.length
     for mesh in MESHES:
         for (ax, ay), (bx, by) in mesh.segments():

@@ -1,11 +1,11 @@
-"""stage.py FOLDER: lays the pages out as Sphinx wants them, from the one source that they have.
+"""stage.py FOLDER: writes the pages of the repository to FOLDER in the layout that Sphinx expects.
 
-docs/ keeps its shape. What a header says at its head, for Doxygen no more than a remark, goes before
-its reference. A file elsewhere in the repository that a page links to becomes a page as well,
-`source/<its path>`: Markdown as it is, code as code, a folder as the list of what is in it. Links are
-turned to fit. Pages that neither the index nor the developer guide lists are appended to the index,
-and headers that the reference does not list are appended to it. A page that has not changed is not
-written, so that Sphinx does not read it again.
+The layout of docs/ does not change. The comment at the head of a header, which Doxygen ignores, is
+placed before its reference. A file elsewhere in the repository that a page links to becomes a page,
+too, `source/<its path>`: Markdown as it is, code as a code block, a folder as a list of its contents.
+Links are adapted. Pages that no other page lists are appended to the index, and headers that the
+reference does not list are appended to the reference. Unchanged pages are not written, so that Sphinx
+does not read them again.
 """
 
 from __future__ import annotations
@@ -28,7 +28,9 @@ LANGUAGES = {
     ".cmake": "cmake",
     ".json": "json",
 }
-LONGEST = 2000  # lines of a file that is shown
+LONGEST = 2000  # the most lines of a file that are shown
+TOCTREE = re.compile(r"```\{toctree\}\n(.*?)```", re.S)
+MOST_ENTRIES = 25  # of the sidebar: the lists of the index
 
 
 def normal(path: PurePosixPath) -> PurePosixPath:
@@ -36,19 +38,19 @@ def normal(path: PurePosixPath) -> PurePosixPath:
 
 
 def is_in_docs(path: PurePosixPath) -> bool:
-    """Whether it keeps its place: a page or a picture."""
+    """Whether the path stays the same: it is a page or an image."""
     return path.parts[:1] == DOCS.parts and path.suffix in (".md", ".svg", ".png")
 
 
 def page_of(path: PurePosixPath) -> PurePosixPath:
-    """Where a file of the repository is staged."""
+    """The path of the page that shows a file of the repository."""
     if is_in_docs(path):
         return path.relative_to(DOCS)
     return PurePosixPath("source") / (path if path.suffix == ".md" else f"{path}.md")
 
 
 def fenced(block: list[str]) -> list[str]:
-    """Lines as a code block: of C++, or of text where they are a drawing."""
+    """Lines as a code block, of C++, or of text if they are a drawing."""
     language = "cpp" if all(line.isascii() for line in block) else "text"
     return [f"```{language}", *block, "```"]
 
@@ -72,11 +74,17 @@ def head_of(header: str) -> list[str]:
 
 
 def with_all_headers(text: str) -> str:
-    """The C++ reference, with the public headers that it forgets at its end."""
+    """The C++ reference, with the public headers that it does not list appended."""
     headers = sorted(p.name for p in (ROOT / "include/raysheaf").glob("*.h"))
     forgotten = [name for name in headers if HEADER + name not in text.splitlines()]
     more = "".join(f"\n{HEADER}{name}\n```\n" for name in forgotten)
     return text + ("\n## More\n" + more if more else "")
+
+
+def listed(text: str) -> list[str]:
+    """The pages that a page's toctrees list."""
+    lines = "".join(TOCTREE.findall(text)).split("\n")
+    return [line for line in lines if line and not line.startswith(":")]
 
 
 class Stage:
@@ -93,13 +101,13 @@ class Stage:
             path.write_bytes(content)
 
     def turned(self, path: PurePosixPath, link: str) -> str:
-        """A link in the file `path`, as its page has it; what it leads to will be staged too."""
+        """A link in the file `path`, adapted to its page; its target becomes a page, too."""
         target, mark, anchor = link.partition("#")
         if not target or "://" in link or link.startswith("mailto:"):
             return link
         found = normal(path.parent / target)
         if not (ROOT / found).exists():
-            return link  # Sphinx says so
+            return link  # Sphinx reports it
         if not is_in_docs(found):
             self.waiting.append(found)
         up = os.path.relpath(page_of(found), page_of(path).parent)
@@ -123,11 +131,14 @@ class Stage:
         self.write(page_of(path), ("\n".join(lines) + "\n").encode())
 
     def add_forgotten(self) -> None:
-        """Pages that no list of the index or of the developer guide names get their own list."""
+        """Gives pages that no other page lists a list of their own, at the end of the index."""
         index = self.folder / "index.md"
         text = index.read_text(encoding="utf-8")
-        guide = (self.folder / "developer.md").read_text(encoding="utf-8")
-        named = {line.strip() for line in (text + guide).splitlines()} | {"index"}
+        sidebar = listed(text)
+        if len(sidebar) > MOST_ENTRIES:
+            sys.exit(f"docs/index.md lists {len(sidebar)} pages, more than {MOST_ENTRIES}")
+        texts = [page.read_text(encoding="utf-8") for page in self.folder.glob("*.md")]
+        named = {"index"}.union(*(listed(page) for page in texts))
         pages = sorted(p for p in (ROOT / DOCS).rglob("*.md"))
         names = [p.relative_to(ROOT / DOCS).with_suffix("").as_posix() for p in pages]
         forgotten = [name for name in names if name not in named]

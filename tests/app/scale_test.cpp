@@ -91,7 +91,7 @@ TEST(Scale, TheCommandMeasuresAndChecksItself) {
   for (const char* field : {"triangles", "pixels", "rays", "blocks", "read", "batches", "seconds",
                             "bytes", "decoding", "culling", "tracing", "shading", "rest"})
     EXPECT_TRUE(json["samples"][0].contains(field)) << field;
-  EXPECT_EQ(json["samples"][0].size(), 13u) << "docs/command-line.md names them";
+  EXPECT_EQ(json["samples"][0].size(), 13u) << "docs/bench.md names them";
   EXPECT_GT(json["check"]["seconds"].get<double>(), 0);
   EXPECT_GT(json["geometry_bytes"].get<double>(), 8);
   const std::string page = read_file(folder.file("s.md"));

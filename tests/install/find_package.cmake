@@ -9,6 +9,7 @@ write_code_blocks(${SOURCE_DIR}/README.md ${WORK_DIR}/blocks/readme)
 foreach(page index get-started library cookbook)
   write_code_blocks(${SOURCE_DIR}/docs/${page}.md ${WORK_DIR}/blocks/${page})
 endforeach()
+write_code_blocks(${SOURCE_DIR}/docs/api/cpp.md ${WORK_DIR}/blocks/api)
 run(${CMAKE_COMMAND} -G Ninja -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK_DIR}/build
   -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix -DBLOCKS=${WORK_DIR}/blocks
   -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS})

@@ -1,4 +1,4 @@
-// The ablation's figures for other programs (docs/command-line.md).
+// The ablation's figures for other programs (docs/bench.md).
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The comparison as JSON (docs/command-line.md).
+// The comparison as JSON (docs/bench.md).
 #pragma once
 
 #include <string>

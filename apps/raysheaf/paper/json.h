@@ -1,4 +1,4 @@
-// A bench's figures as JSON (docs/command-line.md).
+// A bench's figures as JSON (docs/bench.md).
 #pragma once
 
 #include <string>
