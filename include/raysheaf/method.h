@@ -39,7 +39,7 @@ enum class RayKey : std::uint8_t {
 };
 inline constexpr auto kRayKeyCount = static_cast<std::size_t>(RayKey::kCount);
 
-/// What a key is the place of, on a curve through cells.
+/// The cell whose place on a curve is the key.
 enum class KeyCell : std::uint8_t {
   kNone,                ///< there is no curve: raster order, or a hash
   kPixel,               ///< column and row of the pixel

@@ -1,5 +1,4 @@
-// What a query inside the library answers for one ray: `Hit` with the triangle's number for its
-// ids.
+// A hit inside the library: `Hit` with the triangle's number instead of the three ids.
 #pragma once
 
 #include <cstdint>

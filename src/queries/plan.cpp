@@ -179,7 +179,7 @@ void choose_bundle(const SceneHistory& scene, const RaySource& rays, const Box* 
   switch (plan->bundle) {
     case Bundle::kSixteen:
       plan->reasons.push_back(
-          figures("bundles: bundles of sixteen within beams, because triangles are few and %.0f %% "
+          figures("bundles: sixteens in beams, because triangles are few and %.0f %% "
                   "of neighbours are coherent",
                   alike));
       break;

@@ -100,6 +100,45 @@ TEST(Source, RoomsAreSeenAtOneGlance) {
   for (const auto& [room, files] : sizes) EXPECT_LE(files, 30) << room;
 }
 
+/// The table below a heading of HACKING.md, "The way of a ray": file and function of each row.
+std::vector<std::pair<std::string, std::string>> steps_of_the_way(const std::string& heading) {
+  const std::string page = read_file(kRoot / "HACKING.md");
+  const std::size_t begin = page.find("### " + heading);
+  if (begin == page.npos) return {};
+  std::istringstream part(page.substr(begin, page.find("\n#", begin + 1) - begin));
+  static const std::regex kRow(R"(^\| \[`[^`]+`\]\(([^)]+)\) \| `([^`]+)` \|.*)");
+  std::vector<std::pair<std::string, std::string>> steps;
+  for (std::string line; std::getline(part, line);) {
+    std::smatch row;
+    if (std::regex_match(line, row, kRow)) steps.emplace_back(row[1], row[2]);
+  }
+  return steps;
+}
+
+/// Each step's function is in its file, and an earlier file of the way names it.
+void expect_leads_on(const std::vector<std::pair<std::string, std::string>>& steps) {
+  std::string before;
+  for (const auto& [file, function] : steps) {
+    const std::regex name("\\b" + function + "\\b");
+    const std::string text = read_file(kRoot / file);
+    EXPECT_TRUE(std::regex_search(text, name)) << file << " has no " << function;
+    if (!before.empty())
+      EXPECT_TRUE(std::regex_search(before, name)) << "no earlier step calls " << function;
+    before += text;
+  }
+}
+
+TEST(Source, TheWayOfARayIsWalkedAtOneSitting) {
+  const auto dual = steps_of_the_way("`dual`, on the CPU");
+  const auto crsh = steps_of_the_way("`crsh`, on the CPU");
+  const auto device = steps_of_the_way("`dual`, on a device");
+  EXPECT_GE(dual.size(), 12u);
+  EXPECT_LE(dual.size(), 20u);
+  EXPECT_GE(crsh.size(), 8u);
+  EXPECT_GE(device.size(), 5u);
+  for (const auto& steps : {dual, crsh, device}) expect_leads_on(steps);
+}
+
 TEST(Source, OutsideIncludesOnlyPublicHeaders) {
   for (const std::string folder : {"io", "apps", "python"}) {
     for (const fs::path& file : sources_under(folder)) {

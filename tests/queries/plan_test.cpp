@@ -168,7 +168,7 @@ TEST(Plan, BundlesByCoherence) {
   EXPECT_EQ(camera.bundle, Bundle::kSixteen);
   EXPECT_EQ(plan_of(history(100000), picture(128)).bundle, Bundle::kStream);
   EXPECT_TRUE(says(camera, "start within"));
-  EXPECT_TRUE(says(camera, "bundles"));
+  EXPECT_TRUE(says(camera, "sixteens"));
   EXPECT_TRUE(camera.alike);
   const Plan any = plan_of(history(1000), disorder(10000, random));
   EXPECT_FALSE(any.alike);

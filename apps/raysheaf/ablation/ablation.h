@@ -23,7 +23,7 @@ namespace raysheaf::app {
 /// Whether `MethodSettings::key_bits` changes this key.
 [[nodiscard]] bool comes_in_both_widths(RayKey key);
 
-/// Of a key, for people: what it has in common with others, and why it does well where it does.
+/// Text about a key: its family, and the reason for its results.
 struct KeyWords {
   const char* family;
   const char* reason;

@@ -16,12 +16,11 @@ struct Choice {
   bool adds_choice = false;
 };
 
-constexpr std::array<Choice, 7> kChoices = {{
+constexpr std::array<Choice, 6> kChoices = {{
     {"rays of one origin: ", "fan"},
     {"rays of one origin, but triangles meet too many", "fan given up"},
     {"rays of one origin, but ", ""},
     {"object tree: ", "tree ", true},
-    {"bundles: packets", "packets"},
     {"bundles: ", "", true},
     {"order: tiles", "tiles"},
 }};
