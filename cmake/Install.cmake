@@ -78,3 +78,12 @@ endif()
 configure_file(cmake/raysheaf.pc.in ${PROJECT_BINARY_DIR}/raysheaf.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/raysheaf.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
   COMPONENT development)
+# The libraries next to it.
+set(scenes_text "The built-in scenes of raysheaf")
+set(lab_text "The laboratory of raysheaf, and the checks of its promises")
+foreach(part scenes lab)
+  set(part_description "${${part}_text}")
+  configure_file(cmake/raysheaf-part.pc.in ${PROJECT_BINARY_DIR}/raysheaf-${part}.pc @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/raysheaf-${part}.pc
+    DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
+endforeach()

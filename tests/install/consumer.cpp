@@ -5,14 +5,21 @@
 #include <raysheaf/io.h>
 #include <raysheaf/query.h>
 #include <raysheaf/render.h>
+#include <raysheaf/verify.h>
 #include <raysheaf/version.h>
 
 #include <iostream>
+#include <string>
 
 int main(int argc, char** argv) try {
   std::cout << "raysheaf " << RAYSHEAF_VERSION << '\n';
   if (argc > 1) {
-    const raysheaf::SceneDescription scene = raysheaf::load_scene(argv[1]);
+    const raysheaf::SceneDescription scene = argv[1] == std::string("cornell")
+                                                 ? raysheaf::builtin_scene("cornell")
+                                                 : raysheaf::load_scene(argv[1]);
+    raysheaf::VerifyOptions options;
+    options.rounds = 1;
+    if (!raysheaf::verify(options).kept()) return 1;
     raysheaf::write_png(raysheaf::tone_mapped(raysheaf::render(scene)), "consumer.png");
   }
   raysheaf::Scene scene;
