@@ -7,7 +7,7 @@
 namespace raysheaf::io {
 namespace {
 
-constexpr int kFloat = 5126, kUint32 = 5125, kVertices = 34962, kIndices = 34963;
+constexpr int kFloat = 5126, kUint32 = 5125, kVertexTarget = 34962, kIndexTarget = 34963;
 
 template <class T>
 std::span<const std::uint8_t> raw(const T* first, std::size_t count) {
@@ -17,7 +17,7 @@ std::span<const std::uint8_t> raw(const T* first, std::size_t count) {
 template <class T>
 std::size_t add_vertices(GlbParts& parts, const std::vector<T>& values, const char* type,
                          JsonObject accessor = {}) {
-  accessor.add("bufferView", parts.add_view(raw(values.data(), values.size()), kVertices));
+  accessor.add("bufferView", parts.add_view(raw(values.data(), values.size()), kVertexTarget));
   accessor.add("componentType", kFloat);
   accessor.add("count", values.size());
   accessor.add("type", type);
@@ -66,7 +66,7 @@ std::uint32_t material_at(const Mesh& mesh, std::size_t triangle) {
 Json mesh_of(const Mesh& mesh, GlbParts& parts) {
   const Json attributes = attributes_of(mesh, parts);
   const std::size_t view =
-      parts.add_view(raw(mesh.triangles.data(), mesh.triangles.size()), kIndices);
+      parts.add_view(raw(mesh.triangles.data(), mesh.triangles.size()), kIndexTarget);
   JsonArray primitives;
   for (std::size_t first = 0, last = 0; first < mesh.triangles.size(); first = last) {
     const std::uint32_t material = material_at(mesh, first);

@@ -23,11 +23,18 @@ std::vector<std::string> texts_under(const std::string& folder) {
   return texts;
 }
 
+/// Texts of the library and the laboratory.
+std::vector<std::string> library_texts() {
+  std::vector<std::string> texts = texts_under("src");
+  for (std::string& text : texts_under("lab")) texts.push_back(std::move(text));
+  return texts;
+}
+
 /// Texts whose calls are compiled for devices: the test cases, and the loops that run on devices.
 std::vector<std::string> compiled_texts() {
   std::vector<std::string> texts = texts_under("tests/cuda");
   texts.push_back(read_file(kDeviceRoot / "tests/exec/device_properties.h"));
-  for (std::string& text : texts_under("src"))
+  for (std::string& text : library_texts())
     if (text.find("device.for_each(") != std::string::npos) texts.push_back(std::move(text));
   return texts;
 }
@@ -36,14 +43,14 @@ TEST(Device, EveryMarkedFunctionIsCompiledForDevices) {
   const std::vector<std::string> used = found_in(compiled_texts(), R"((\w+)[(<])");
   const std::set<std::string> words(used.begin(), used.end());
   const std::vector<std::string> marked =
-      found_in(texts_under("src"), R"(RAYSHEAF_HD\s[^({;#]*?(\w+)\()");
+      found_in(library_texts(), R"(RAYSHEAF_HD\s[^({;#]*?(\w+)\()");
   EXPECT_GT(marked.size(), 80u);
   for (const std::string& name : marked) EXPECT_TRUE(words.contains(name)) << name;
 }
 
 /// base/host_device.h gives the reason.
 TEST(Device, BodiesOfLoopsAreMarkedOnlyForDevices) {
-  std::vector<std::string> texts = texts_under("src");
+  std::vector<std::string> texts = library_texts();
   for (std::string& text : texts_under("tests")) texts.push_back(std::move(text));
   const std::vector<std::string> bodies = found_in(texts, R"((\[[=&]?\] RAYSHEAF_\w+)\()");
   EXPECT_GT(bodies.size(), 80u);
@@ -52,7 +59,7 @@ TEST(Device, BodiesOfLoopsAreMarkedOnlyForDevices) {
 
 /// nvcc makes constants of them (base/bits.h), which tests without a device cannot detect.
 TEST(Device, NoMarkedFunctionCountsZerosByTheLibrary) {
-  for (const std::string& text : texts_under("src")) {
+  for (const std::string& text : library_texts()) {
     if (text.find("RAYSHEAF_HD ") == std::string::npos ||
         text.find("leading_zeros(std") != std::string::npos)  // base/bits.h itself
       continue;
